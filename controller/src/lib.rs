@@ -1,0 +1,1 @@
+//! The discrete controller as it runs on the target, operation by operation.

@@ -1,0 +1,458 @@
+//! The dense matrix that every crate of the workspace passes around: real [`Mat`], complex [`CMat`].
+//!
+//! Column-major, owned, without views: the sizes of this tool are small (10 to 600), and a plain value is easier to
+//! hand over than a borrow. Shapes that do not fit are a programming error and are asserted; a public routine that
+//! takes matrices from outside checks them first and returns an error.
+
+use std::fmt;
+use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Neg, Sub, SubAssign};
+
+/// A double-precision complex number.
+pub type C64 = num_complex::Complex<f64>;
+
+/// A dense real matrix.
+pub type Mat = Dense<f64>;
+
+/// A dense complex matrix.
+pub type CMat = Dense<C64>;
+
+/// What an entry of a matrix must be able to do.
+pub trait Scalar:
+    Copy
+    + PartialEq
+    + fmt::Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + Send
+    + Sync
+    + 'static
+{
+    /// The additive neutral element.
+    const ZERO: Self;
+    /// The multiplicative neutral element.
+    const ONE: Self;
+    /// The modulus.
+    fn modulus(self) -> f64;
+    /// The complex conjugate (the number itself where it is real).
+    fn conjugate(self) -> Self;
+    /// `C += A B` for column-major data; `A` is m x k, `B` is k x n.
+    fn gemm(m: usize, k: usize, n: usize, a: &[Self], b: &[Self], c: &mut [Self]);
+}
+
+impl Scalar for f64 {
+    const ZERO: Self = 0.0;
+    const ONE: Self = 1.0;
+    fn modulus(self) -> f64 {
+        self.abs()
+    }
+    fn conjugate(self) -> Self {
+        self
+    }
+    fn gemm(m: usize, k: usize, n: usize, a: &[Self], b: &[Self], c: &mut [Self]) {
+        if m * k * n < LARGE_PRODUCT {
+            return small_gemm(m, k, n, a, b, c);
+        }
+        faer::linalg::matmul::matmul(
+            faer::MatMut::from_column_major_slice_mut(c, m, n),
+            faer::Accum::Add,
+            faer::MatRef::from_column_major_slice(a, m, k),
+            faer::MatRef::from_column_major_slice(b, k, n),
+            1.0,
+            faer::Par::Seq,
+        );
+    }
+}
+
+impl Scalar for C64 {
+    const ZERO: Self = C64 { re: 0.0, im: 0.0 };
+    const ONE: Self = C64 { re: 1.0, im: 0.0 };
+    fn modulus(self) -> f64 {
+        self.norm()
+    }
+    fn conjugate(self) -> Self {
+        self.conj()
+    }
+    fn gemm(m: usize, k: usize, n: usize, a: &[Self], b: &[Self], c: &mut [Self]) {
+        small_gemm(m, k, n, a, b, c);
+    }
+}
+
+/// Products with more multiplications than this go to faer's blocked kernel.
+const LARGE_PRODUCT: usize = 16 * 16 * 16;
+
+fn small_gemm<T: Scalar>(m: usize, k: usize, n: usize, a: &[T], b: &[T], c: &mut [T]) {
+    for j in 0..n {
+        let column = &mut c[j * m..(j + 1) * m];
+        for l in 0..k {
+            let factor = b[j * k + l];
+            if factor == T::ZERO {
+                continue;
+            }
+            for (target, &source) in column.iter_mut().zip(&a[l * m..(l + 1) * m]) {
+                *target += source * factor;
+            }
+        }
+    }
+}
+
+/// A dense column-major matrix of `T`.
+#[derive(Clone, PartialEq)]
+pub struct Dense<T> {
+    rows: usize,
+    cols: usize,
+    data: Vec<T>,
+}
+
+impl<T: Scalar> Dense<T> {
+    /// The `rows` x `cols` matrix of zeros.
+    pub fn zeros(rows: usize, cols: usize) -> Self {
+        Self { rows, cols, data: vec![T::ZERO; rows * cols] }
+    }
+
+    /// The identity of size `n`.
+    pub fn eye(n: usize) -> Self {
+        Self::from_fn(n, n, |i, j| if i == j { T::ONE } else { T::ZERO })
+    }
+
+    /// The matrix whose entry (i, j) is `entry(i, j)`.
+    pub fn from_fn(rows: usize, cols: usize, mut entry: impl FnMut(usize, usize) -> T) -> Self {
+        let mut data = Vec::with_capacity(rows * cols);
+        for j in 0..cols {
+            for i in 0..rows {
+                data.push(entry(i, j));
+            }
+        }
+        Self { rows, cols, data }
+    }
+
+    /// The matrix with the given rows, all of one length.
+    pub fn from_rows<R: AsRef<[T]>>(rows: &[R]) -> Self {
+        let cols = rows.first().map_or(0, |row| row.as_ref().len());
+        assert!(rows.iter().all(|row| row.as_ref().len() == cols), "rows of different lengths");
+        Self::from_fn(rows.len(), cols, |i, j| rows[i].as_ref()[j])
+    }
+
+    /// The matrix with the given column-major data.
+    pub fn from_column_major(rows: usize, cols: usize, data: Vec<T>) -> Self {
+        assert_eq!(data.len(), rows * cols, "data does not fill {rows} x {cols}");
+        Self { rows, cols, data }
+    }
+
+    /// A column vector.
+    pub fn col(entries: &[T]) -> Self {
+        Self::from_column_major(entries.len(), 1, entries.to_vec())
+    }
+
+    /// A row vector.
+    pub fn row(entries: &[T]) -> Self {
+        Self::from_column_major(1, entries.len(), entries.to_vec())
+    }
+
+    /// The square matrix with the given diagonal.
+    pub fn diag(entries: &[T]) -> Self {
+        let n = entries.len();
+        Self::from_fn(n, n, |i, j| if i == j { entries[i] } else { T::ZERO })
+    }
+
+    /// The matrix put together from blocks, row of blocks by row of blocks.
+    pub fn from_blocks(blocks: &[&[&Self]]) -> Self {
+        let rows: usize = blocks.iter().map(|line| line[0].rows).sum();
+        let cols: usize = blocks.first().map_or(0, |line| line.iter().map(|b| b.cols).sum());
+        let mut out = Self::zeros(rows, cols);
+        let mut top = 0;
+        for line in blocks {
+            let mut left = 0;
+            for block in *line {
+                out.set_block(top, left, block);
+                left += block.cols;
+            }
+            assert_eq!(left, cols, "rows of blocks of different widths");
+            top += line[0].rows;
+        }
+        out
+    }
+
+    /// `[a b]`.
+    pub fn hstack(&self, right: &Self) -> Self {
+        Self::from_blocks(&[&[self, right]])
+    }
+
+    /// `[a; b]`.
+    pub fn vstack(&self, below: &Self) -> Self {
+        Self::from_blocks(&[&[self], &[below]])
+    }
+
+    /// The block-diagonal matrix of `self` and `other`.
+    pub fn block_diag(&self, other: &Self) -> Self {
+        let mut out = Self::zeros(self.rows + other.rows, self.cols + other.cols);
+        out.set_block(0, 0, self);
+        out.set_block(self.rows, self.cols, other);
+        out
+    }
+
+    /// Number of rows.
+    pub fn nrows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of columns.
+    pub fn ncols(&self) -> usize {
+        self.cols
+    }
+
+    /// (rows, columns).
+    pub fn shape(&self) -> (usize, usize) {
+        (self.rows, self.cols)
+    }
+
+    /// Whether there are as many rows as columns.
+    pub fn is_square(&self) -> bool {
+        self.rows == self.cols
+    }
+
+    /// The entries, column by column.
+    pub fn as_slice(&self) -> &[T] {
+        &self.data
+    }
+
+    /// The entries, column by column, to write.
+    pub fn as_mut_slice(&mut self) -> &mut [T] {
+        &mut self.data
+    }
+
+    /// Column `j`.
+    pub fn column(&self, j: usize) -> &[T] {
+        &self.data[j * self.rows..(j + 1) * self.rows]
+    }
+
+    /// Column `j`, to write.
+    pub fn column_mut(&mut self, j: usize) -> &mut [T] {
+        &mut self.data[j * self.rows..(j + 1) * self.rows]
+    }
+
+    /// Row `i`, copied.
+    pub fn row_vec(&self, i: usize) -> Vec<T> {
+        (0..self.cols).map(|j| self[(i, j)]).collect()
+    }
+
+    /// The diagonal.
+    pub fn diagonal(&self) -> Vec<T> {
+        (0..self.rows.min(self.cols)).map(|i| self[(i, i)]).collect()
+    }
+
+    /// The transpose.
+    pub fn t(&self) -> Self {
+        Self::from_fn(self.cols, self.rows, |i, j| self[(j, i)])
+    }
+
+    /// The conjugate transpose.
+    pub fn h(&self) -> Self {
+        Self::from_fn(self.cols, self.rows, |i, j| self[(j, i)].conjugate())
+    }
+
+    /// The block of `rows` x `cols` entries whose first one is at (top, left).
+    pub fn block(&self, top: usize, left: usize, rows: usize, cols: usize) -> Self {
+        Self::from_fn(rows, cols, |i, j| self[(top + i, left + j)])
+    }
+
+    /// Writes `block` over the entries from (top, left) on.
+    pub fn set_block(&mut self, top: usize, left: usize, block: &Self) {
+        for j in 0..block.cols {
+            for i in 0..block.rows {
+                self[(top + i, left + j)] = block[(i, j)];
+            }
+        }
+    }
+
+    /// The rows and columns with the given indices, in that order.
+    pub fn select(&self, rows: &[usize], cols: &[usize]) -> Self {
+        Self::from_fn(rows.len(), cols.len(), |i, j| self[(rows[i], cols[j])])
+    }
+
+    /// `self` times a number.
+    pub fn scale(&self, factor: T) -> Self {
+        self.map(|entry| entry * factor)
+    }
+
+    /// The matrix with `change` applied to every entry.
+    pub fn map<U: Scalar>(&self, mut change: impl FnMut(T) -> U) -> Dense<U> {
+        Dense { rows: self.rows, cols: self.cols, data: self.data.iter().map(|&e| change(e)).collect() }
+    }
+
+    /// The sum of the diagonal.
+    pub fn trace(&self) -> T {
+        self.diagonal().into_iter().fold(T::ZERO, |sum, entry| sum + entry)
+    }
+
+    /// The square root of the sum of the squares, scaled against overflow.
+    pub fn norm_fro(&self) -> f64 {
+        let largest = self.norm_max();
+        if largest == 0.0 || !largest.is_finite() {
+            return largest;
+        }
+        let sum: f64 = self.data.iter().map(|e| (e.modulus() / largest).powi(2)).sum();
+        largest * sum.sqrt()
+    }
+
+    /// The largest modulus of an entry; NaN where an entry is NaN.
+    pub fn norm_max(&self) -> f64 {
+        self.data.iter().map(|e| e.modulus()).fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a })
+    }
+
+    /// The largest column sum of moduli.
+    pub fn norm_one(&self) -> f64 {
+        (0..self.cols).map(|j| self.column(j).iter().map(|e| e.modulus()).sum()).fold(0.0, f64::max)
+    }
+
+    /// Whether every entry is finite.
+    pub fn is_finite(&self) -> bool {
+        self.data.iter().all(|e| e.modulus().is_finite())
+    }
+}
+
+impl Mat {
+    /// `(A + A') / 2`.
+    pub fn symmetric_part(&self) -> Self {
+        Self::from_fn(self.rows, self.cols, |i, j| 0.5 * (self[(i, j)] + self[(j, i)]))
+    }
+
+    /// The same numbers as complex ones.
+    pub fn to_complex(&self) -> CMat {
+        self.map(|entry| C64::new(entry, 0.0))
+    }
+}
+
+impl<T> Index<(usize, usize)> for Dense<T> {
+    type Output = T;
+    fn index(&self, (i, j): (usize, usize)) -> &T {
+        debug_assert!(i < self.rows && j < self.cols, "({i}, {j}) is outside {} x {}", self.rows, self.cols);
+        &self.data[j * self.rows + i]
+    }
+}
+
+impl<T> IndexMut<(usize, usize)> for Dense<T> {
+    fn index_mut(&mut self, (i, j): (usize, usize)) -> &mut T {
+        debug_assert!(i < self.rows && j < self.cols, "({i}, {j}) is outside {} x {}", self.rows, self.cols);
+        &mut self.data[j * self.rows + i]
+    }
+}
+
+macro_rules! elementwise {
+    ($trait:ident, $method:ident, $op:tt) => {
+        impl<T: Scalar> $trait<&Dense<T>> for &Dense<T> {
+            type Output = Dense<T>;
+            fn $method(self, other: &Dense<T>) -> Dense<T> {
+                assert_eq!(self.shape(), other.shape(), "shapes differ");
+                let data = self.data.iter().zip(&other.data).map(|(&a, &b)| a $op b).collect();
+                Dense { rows: self.rows, cols: self.cols, data }
+            }
+        }
+        by_value!($trait, $method);
+    };
+}
+
+macro_rules! by_value {
+    ($trait:ident, $method:ident) => {
+        impl<T: Scalar> $trait<Dense<T>> for Dense<T> {
+            type Output = Dense<T>;
+            fn $method(self, other: Dense<T>) -> Dense<T> {
+                $trait::$method(&self, &other)
+            }
+        }
+        impl<T: Scalar> $trait<&Dense<T>> for Dense<T> {
+            type Output = Dense<T>;
+            fn $method(self, other: &Dense<T>) -> Dense<T> {
+                $trait::$method(&self, other)
+            }
+        }
+        impl<T: Scalar> $trait<Dense<T>> for &Dense<T> {
+            type Output = Dense<T>;
+            fn $method(self, other: Dense<T>) -> Dense<T> {
+                $trait::$method(self, &other)
+            }
+        }
+    };
+}
+
+elementwise!(Add, add, +);
+elementwise!(Sub, sub, -);
+
+impl<T: Scalar> Mul<&Dense<T>> for &Dense<T> {
+    type Output = Dense<T>;
+    fn mul(self, other: &Dense<T>) -> Dense<T> {
+        assert_eq!(self.cols, other.rows, "{:?} times {:?}", self.shape(), other.shape());
+        let mut out = Dense::zeros(self.rows, other.cols);
+        T::gemm(self.rows, self.cols, other.cols, &self.data, &other.data, &mut out.data);
+        out
+    }
+}
+by_value!(Mul, mul);
+
+impl<T: Scalar> Neg for &Dense<T> {
+    type Output = Dense<T>;
+    fn neg(self) -> Dense<T> {
+        self.map(|entry| -entry)
+    }
+}
+
+impl<T: Scalar> Neg for Dense<T> {
+    type Output = Dense<T>;
+    fn neg(self) -> Dense<T> {
+        -&self
+    }
+}
+
+impl<T: Scalar> AddAssign<&Dense<T>> for Dense<T> {
+    fn add_assign(&mut self, other: &Dense<T>) {
+        assert_eq!(self.shape(), other.shape(), "shapes differ");
+        self.data.iter_mut().zip(&other.data).for_each(|(a, &b)| *a += b);
+    }
+}
+
+impl<T: Scalar> SubAssign<&Dense<T>> for Dense<T> {
+    fn sub_assign(&mut self, other: &Dense<T>) {
+        assert_eq!(self.shape(), other.shape(), "shapes differ");
+        self.data.iter_mut().zip(&other.data).for_each(|(a, &b)| *a -= b);
+    }
+}
+
+impl<T: Scalar> fmt::Debug for Dense<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{} x {}", self.rows, self.cols)?;
+        (0..self.rows).try_for_each(|i| writeln!(f, "{:?}", self.row_vec(i)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn large_and_small_products_agree() {
+        let entry = |i: usize, j: usize| ((7 * i + 3 * j) % 11) as f64 - 5.0;
+        let a = Mat::from_fn(33, 41, entry);
+        let b = Mat::from_fn(41, 29, entry);
+        let mut expected = Mat::zeros(33, 29);
+        small_gemm(33, 41, 29, a.as_slice(), b.as_slice(), expected.as_mut_slice());
+        assert_eq!(&a * &b, expected);
+    }
+
+    #[test]
+    fn blocks_go_where_they_belong() {
+        let a = Mat::from_rows(&[&[1.0, 2.0]]);
+        let b = Mat::from_rows(&[&[3.0]]);
+        let c = Mat::from_blocks(&[&[&a, &b], &[&b, &a]]);
+        assert_eq!(c, Mat::from_rows(&[&[1.0, 2.0, 3.0], &[3.0, 1.0, 2.0]]));
+        assert_eq!(c.block(1, 1, 1, 2), a);
+    }
+
+    #[test]
+    fn norms_do_not_overflow() {
+        let a = Mat::from_rows(&[&[3e200, 4e200]]);
+        assert!((a.norm_fro() / 5e200 - 1.0).abs() < 1e-15);
+    }
+}

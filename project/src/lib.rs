@@ -1,0 +1,1 @@
+//! The project file, and the one road from it to exported code.

@@ -1,0 +1,1 @@
+//! Model reduction with its error.

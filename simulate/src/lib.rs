@@ -1,0 +1,1 @@
+//! The nonlinear plant in time, with its sampled controller.

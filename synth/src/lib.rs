@@ -1,0 +1,1 @@
+//! H2 feedback and feedforward by Riccati and Sylvester equations.
