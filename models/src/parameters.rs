@@ -260,6 +260,60 @@ pub enum FrictionLaw {
         /// Damping of the bond, N m s/rad.
         damping_nm_s_rad: f64,
     },
+    /// Sliding level that falls with the rate, with true stick at rest: the Tustin family.
+    Stribeck {
+        /// Coulomb level, N m.
+        coulomb_nm: f64,
+        /// How the level falls from `static_ratio` x Coulomb to Coulomb.
+        curve: StribeckCurve,
+    },
+    /// Karnopp: stick inside a band of rates, Coulomb outside; breaks away at `static_ratio` x Coulomb.
+    Karnopp {
+        /// Coulomb level, N m.
+        coulomb_nm: f64,
+        /// Half width D_v of the band of rates that counts as rest, rad/s.
+        stick_rate_rad_s: f64,
+    },
+    /// Walrath: T + tau dT/dt = T_c sgn w.
+    Walrath {
+        /// Coulomb level, N m.
+        coulomb_nm: f64,
+        /// Time constant tau, s.
+        time_constant_s: f64,
+        /// Rate at which the smoothed sign has reached tanh 1, rad/s.
+        smoothing_rate_rad_s: f64,
+    },
+    /// Bristles that bend, snap and bond anew (Haessig and Friedland).
+    Bristle {
+        /// Mean sliding level, N m.
+        coulomb_nm: f64,
+        /// Number of bristles.
+        bristles: usize,
+        /// Deflection at which a bond snaps, rad.
+        bond_rad: f64,
+    },
+}
+
+/// How the dry level falls from its static value to its Coulomb value as the rate grows;
+/// x is the rate over `stribeck_rate_rad_s`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum StribeckCurve {
+    /// exp(-|x|).
+    Tustin,
+    /// exp(-x^2).
+    Gaussian,
+    /// exp(-|x|^exponent).
+    Exponential {
+        /// Exponent.
+        exponent: f64,
+    },
+    /// 1 / (1 + x^2).
+    Lorentzian,
+    /// Level over Coulomb is `static_ratio` + c1 x + c2 x^2 + c3 x^3 up to |x| = 1, constant beyond.
+    Polynomial {
+        /// c1, c2, c3.
+        coefficients: [f64; 3],
+    },
 }
 
 /// The sensors. Each one's reading is gain x truth + bias + g_sensitivity x heave, filtered, delayed, with noise.
@@ -330,7 +384,11 @@ impl Ripple {
 
     /// The ripple at an angle.
     pub fn at(&self, angle_rad: f64) -> f64 {
-        if self.amplitude == 0.0 { 0.0 } else { self.amplitude * (self.order * angle_rad + self.phase_rad).sin() }
+        if self.amplitude == 0.0 {
+            0.0
+        } else {
+            self.amplitude * (self.order * angle_rad + self.phase_rad).sin()
+        }
     }
 }
 
@@ -358,7 +416,11 @@ impl Friction {
             FrictionLaw::Dahl { coulomb_nm, .. }
             | FrictionLaw::Lugre { coulomb_nm, .. }
             | FrictionLaw::Coulomb { coulomb_nm }
-            | FrictionLaw::ResetIntegrator { coulomb_nm, .. } => coulomb_nm,
+            | FrictionLaw::ResetIntegrator { coulomb_nm, .. }
+            | FrictionLaw::Stribeck { coulomb_nm, .. }
+            | FrictionLaw::Karnopp { coulomb_nm, .. }
+            | FrictionLaw::Walrath { coulomb_nm, .. }
+            | FrictionLaw::Bristle { coulomb_nm, .. } => coulomb_nm,
         }
     }
 }
@@ -397,7 +459,12 @@ impl Parameters {
 
     fn fitted_mass(&self, name: &str, configuration: &str) -> Result<(f64, f64), crate::Error> {
         let beam = self.beam.as_ref();
-        let found = beam.and_then(|b| b.masses.iter().find(|m| m.name == name).map(|m| (m.position_m - b.pivot_m, m.mass_kg)));
-        found.ok_or_else(|| crate::Error::UnknownMass { mass: name.to_owned(), configuration: configuration.to_owned() })
+        let found = beam.and_then(|b| {
+            b.masses.iter().find(|m| m.name == name).map(|m| (m.position_m - b.pivot_m, m.mass_kg))
+        });
+        found.ok_or_else(|| crate::Error::UnknownMass {
+            mass: name.to_owned(),
+            configuration: configuration.to_owned(),
+        })
     }
 }
