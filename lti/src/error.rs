@@ -44,4 +44,84 @@ pub enum Error {
         /// Reciprocal condition number of the loop matrix.
         rcond: f64,
     },
+    /// A signal that no block drives, or that two blocks drive.
+    #[error("signal '{name}' {problem}{hint}")]
+    Signal {
+        /// The signal's name.
+        name: String,
+        /// What is wrong with it.
+        problem: &'static str,
+        /// ", did you mean ...", or nothing.
+        hint: String,
+    },
+    /// A system with one input and one output is needed.
+    #[error("{what} needs one input and one output, not {inputs} and {outputs}")]
+    NotSiso {
+        /// Which operation.
+        what: &'static str,
+        /// Number of inputs that was given.
+        inputs: usize,
+        /// Number of outputs that was given.
+        outputs: usize,
+    },
+    /// The question has no finite answer because of a pole.
+    #[error("{what}: pole {re:.6e} {im:+.6e}i {problem}")]
+    Pole {
+        /// Which operation.
+        what: &'static str,
+        /// Real part of the pole.
+        re: f64,
+        /// Imaginary part of the pole.
+        im: f64,
+        /// Why it is in the way.
+        problem: &'static str,
+    },
+    /// More zeros than poles, complex roots without their conjugates, or a leading coefficient of zero.
+    #[error("{what}: {problem}")]
+    Rational {
+        /// Which operation.
+        what: &'static str,
+        /// What is wrong.
+        problem: &'static str,
+    },
+    /// A number outside what the operation is defined for.
+    #[error("{what} = {value} must be {allowed}")]
+    Range {
+        /// Which argument.
+        what: &'static str,
+        /// The value that was given.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// An iteration that reached its limit without its tolerance.
+    #[error("{what} did not converge in {iterations} iterations (last change {change:.1e})")]
+    NotConverged {
+        /// Which iteration.
+        what: &'static str,
+        /// How many steps were taken.
+        iterations: usize,
+        /// The last relative change.
+        change: f64,
+    },
+    /// A matrix computation was refused.
+    #[error("{what}: {source}")]
+    Matrix {
+        /// Which operation.
+        what: &'static str,
+        /// The reason.
+        source: counterpoise_linalg::Error,
+    },
+}
+
+/// Says which operation a refused matrix computation belonged to.
+pub(crate) trait During<T> {
+    /// The same result, with the operation's name in its error.
+    fn during(self, what: &'static str) -> Result<T, Error>;
+}
+
+impl<T> During<T> for Result<T, counterpoise_linalg::Error> {
+    fn during(self, what: &'static str) -> Result<T, Error> {
+        self.map_err(|source| Error::Matrix { what, source })
+    }
 }

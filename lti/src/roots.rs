@@ -1,0 +1,135 @@
+//! Poles and zeros.
+
+use crate::error::During;
+use crate::scaling::balance;
+use crate::{C64, Error, Mat, StateSpace, Timebase};
+use counterpoise_linalg as linalg;
+
+/// Rank decisions on the way to the zeros are taken relative to the norm of the scaled system matrix times this.
+pub const ZERO_RANK: f64 = 1e-13;
+
+/// The poles: the eigenvalues of A, sorted by real, then imaginary part.
+///
+/// # Errors
+/// [`Error::Matrix`] where the eigenvalue iteration fails.
+pub fn poles(g: &StateSpace) -> Result<Vec<C64>, Error> {
+    linalg::eigenvalues(&balance(g).0.A).during("poles")
+}
+
+/// Whether every pole lies inside the region of stability: left half plane, or unit disk. Poles on its border do not.
+///
+/// # Errors
+/// As [`poles`].
+pub fn is_stable(g: &StateSpace) -> Result<bool, Error> {
+    Ok(poles(g)?.iter().all(|&pole| is_stable_pole(pole, g.timebase)))
+}
+
+/// Whether a pole lies strictly inside the region of stability.
+pub fn is_stable_pole(pole: C64, timebase: Timebase) -> bool {
+    match timebase {
+        Timebase::Continuous => pole.re < 0.0,
+        Timebase::Discrete { .. } => pole.norm() < 1.0,
+    }
+}
+
+/// The finite invariant zeros: the s at which \[A - s I, B; C, D\] loses rank, sorted by real, then imaginary part.
+///
+/// Scaling by powers of two, then Emami-Naeini and Van Dooren's reduction (Automatica 18 (1982) 415) by orthogonal
+/// transformations to a system with an invertible direct path, then the generalised eigenvalues of its pencil. No
+/// descriptor system is formed, no direct path inverted, infinite zeros do not appear. Input and output decoupling
+/// zeros are among the answer. O(n^3).
+///
+/// # Errors
+/// [`Error::Matrix`] where a decomposition fails.
+pub fn zeros(g: &StateSpace) -> Result<Vec<C64>, Error> {
+    let (scaled, _) = balance(&unit_gains(g));
+    let tolerance = ZERO_RANK * system_matrix(&scaled).norm_fro();
+    let rows = compress(scaled, tolerance)?;
+    let square = compress(rows.dual(), tolerance)?.dual();
+    finite_eigenvalues(&square)
+}
+
+/// [A B; C D].
+fn system_matrix(g: &StateSpace) -> Mat {
+    Mat::from_blocks(&[&[&g.A, &g.B], &[&g.C, &g.D]])
+}
+
+/// The system with inputs and outputs scaled so that B and C have norms like A; its zeros are the same.
+fn unit_gains(g: &StateSpace) -> StateSpace {
+    let power = |matrix: &Mat| {
+        let ratio = matrix.norm_max() / g.A.norm_max();
+        if ratio.is_normal() { (-ratio.log2().round()).exp2() } else { 1.0 }
+    };
+    let (b, c) = (power(&g.B), power(&g.C));
+    StateSpace { B: g.B.scale(b), C: g.C.scale(c), D: g.D.scale(b * c), ..g.clone() }
+}
+
+/// The system without the states and outputs that hide the zeros: its direct path has full row rank.
+///
+/// An output combination that the input does not reach directly must vanish; the states that it sees vanish with it,
+/// and their own equations become outputs of what is left.
+fn compress(mut g: StateSpace, tolerance: f64) -> Result<StateSpace, Error> {
+    loop {
+        let (p, n) = (g.outputs(), g.order());
+        let (U, rank) = row_space(&g.D, tolerance)?;
+        if rank == p {
+            return Ok(g);
+        }
+        let (C, D) = (&U.t() * &g.C, &U.t() * &g.D);
+        let hidden = C.block(rank, 0, p - rank, n);
+        let (V, seen) = row_space(&hidden.t(), tolerance)?;
+        let reach = C.block(0, 0, rank, n);
+        let direct = D.block(0, 0, rank, g.inputs());
+        let (A, B, C) = (&V.t() * &(&g.A * &V), &V.t() * &g.B, &reach * &V);
+        let (kept, m) = (n - seen, g.inputs());
+        g = StateSpace {
+            A: A.block(seen, seen, kept, kept),
+            B: B.block(seen, 0, kept, m),
+            C: C.block(0, seen, rank, kept).vstack(&A.block(0, seen, seen, kept)),
+            D: direct.vstack(&B.block(0, 0, seen, m)),
+            timebase: g.timebase,
+        };
+        if seen == 0 {
+            return Ok(g);
+        }
+    }
+}
+
+/// An orthogonal U whose first `rank` columns span the range of M, and that rank.
+fn row_space(M: &Mat, tolerance: f64) -> Result<(Mat, usize), Error> {
+    let rows = M.nrows();
+    if rows == 0 || M.ncols() == 0 || M.norm_max() == 0.0 {
+        return Ok((Mat::eye(rows), 0));
+    }
+    // Columns of zeros make the left factor square.
+    let padded = if M.ncols() < rows { M.hstack(&Mat::zeros(rows, rows - M.ncols())) } else { M.clone() };
+    let svd = linalg::svd(&padded).during("zeros")?;
+    let rank = svd.s.iter().filter(|&&s| s > tolerance).count();
+    Ok((svd.U, rank))
+}
+
+/// The zeros of a system with an invertible direct path: columns of [C D] are compressed to [0 Df], and what is left
+/// of [A - s I, B] is a regular pencil.
+fn finite_eigenvalues(g: &StateSpace) -> Result<Vec<C64>, Error> {
+    let n = g.order();
+    if n == 0 {
+        return Ok(Vec::new());
+    }
+    if g.outputs() == 0 {
+        return linalg::eigenvalues(&g.A).during("zeros");
+    }
+    let (Z, _) = row_space(&g.C.hstack(&g.D).t(), 0.0)?;
+    let last = Z.block(0, g.outputs(), Z.nrows(), Z.ncols() - g.outputs());
+    let pencil = &g.A.hstack(&g.B) * &last;
+    let mass = last.block(0, 0, n, last.ncols());
+    let pairs = linalg::gen_eigenvalues(&pencil, &mass).during("zeros")?;
+    let mut zeros: Vec<C64> = pairs.into_iter().map(|(alpha, beta)| alpha / beta).collect();
+    zeros.retain(|zero| zero.re.is_finite() && zero.im.is_finite());
+    sort(&mut zeros);
+    Ok(zeros)
+}
+
+/// Sorts by real, then imaginary part.
+pub(crate) fn sort(roots: &mut [C64]) {
+    roots.sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
+}
