@@ -13,6 +13,16 @@
 //! ```
 #![allow(non_snake_case)]
 
+pub mod decomposition;
+pub mod dense;
+mod error;
 pub mod mat;
+pub mod tolerance;
 
+pub use decomposition::{
+    CSvd, Svd, cond, csingular_values, csvd, gen_eigenvalues, hessenberg, rank, rank_tolerance, rcond_one, singular_values, svd,
+    sym_eigen, sym_eigenvalues, sym_gen_eigen,
+};
+pub use dense::{Qr, cdet, cholesky, csolve, dot, inverse, lstsq, pinv, qr, qr_full_q, qr_r, solve};
+pub use error::Error;
 pub use mat::{C64, CMat, Mat};

@@ -1,0 +1,245 @@
+//! Singular values, symmetric and general eigenvalues, rank and condition.
+
+use faer::linalg::evd::hessenberg as householder;
+
+use crate::dense::{copy, solve, view};
+use crate::error::{Error, check_finite, check_shape, check_square, check_symmetric};
+use crate::mat::{C64, CMat, Mat};
+use crate::tolerance::EPS;
+
+/// A thin singular value decomposition `A = U diag(s) V'`.
+pub struct Svd {
+    /// Left singular vectors, m x k, k = min(m, n).
+    pub U: Mat,
+    /// Singular values, the largest first.
+    pub s: Vec<f64>,
+    /// Right singular vectors, n x k.
+    pub V: Mat,
+}
+
+/// The thin singular value decomposition.
+///
+/// # Errors
+/// Entries that are not finite, or no convergence.
+pub fn svd(A: &Mat) -> Result<Svd, Error> {
+    check_finite("A", A)?;
+    let parts = view(A).thin_svd().map_err(|_| no_convergence("the singular value decomposition"))?;
+    let s = (0..A.nrows().min(A.ncols())).map(|i| parts.S()[i]).collect();
+    Ok(Svd { U: copy(parts.U()), s, V: copy(parts.V()) })
+}
+
+/// The singular values, the largest first.
+///
+/// # Errors
+/// As for [`svd`].
+pub fn singular_values(A: &Mat) -> Result<Vec<f64>, Error> {
+    check_finite("A", A)?;
+    view(A).singular_values().map_err(|_| no_convergence("the singular value decomposition"))
+}
+
+/// The singular values of a complex matrix, the largest first.
+///
+/// # Errors
+/// As for [`svd`].
+pub fn csingular_values(A: &CMat) -> Result<Vec<f64>, Error> {
+    check_finite("A", A)?;
+    if A.nrows() == 1 || A.ncols() == 1 {
+        return Ok(vec![A.norm_fro()]);
+    }
+    view(A).singular_values().map_err(|_| no_convergence("the singular value decomposition"))
+}
+
+/// A thin complex singular value decomposition `A = U diag(s) V^H`.
+pub struct CSvd {
+    /// Left singular vectors, m x k.
+    pub U: CMat,
+    /// Singular values, the largest first.
+    pub s: Vec<f64>,
+    /// Right singular vectors, n x k.
+    pub V: CMat,
+}
+
+/// The thin singular value decomposition of a complex matrix.
+///
+/// # Errors
+/// As for [`svd`].
+pub fn csvd(A: &CMat) -> Result<CSvd, Error> {
+    check_finite("A", A)?;
+    let parts = view(A).thin_svd().map_err(|_| no_convergence("the singular value decomposition"))?;
+    let s = (0..A.nrows().min(A.ncols())).map(|i| parts.S()[i].re).collect();
+    Ok(CSvd { U: copy(parts.U()), s, V: copy(parts.V()) })
+}
+
+/// Eigenvalues, the smallest first, and orthonormal eigenvectors of a symmetric matrix: `A V = V diag(values)`.
+///
+/// # Errors
+/// Not square, not finite, not symmetric, or no convergence.
+pub fn sym_eigen(A: &Mat) -> Result<(Vec<f64>, Mat), Error> {
+    check_symmetric("A", A)?;
+    let parts = view(A).self_adjoint_eigen(faer::Side::Lower).map_err(|_| no_convergence("the symmetric eigenproblem"))?;
+    Ok(((0..A.nrows()).map(|i| parts.S()[i]).collect(), copy(parts.U())))
+}
+
+/// Eigenvalues of a symmetric matrix, the smallest first.
+///
+/// # Errors
+/// As for [`sym_eigen`].
+pub fn sym_eigenvalues(A: &Mat) -> Result<Vec<f64>, Error> {
+    check_symmetric("A", A)?;
+    view(A).self_adjoint_eigenvalues(faer::Side::Lower).map_err(|_| no_convergence("the symmetric eigenproblem"))
+}
+
+/// The symmetric-definite problem `K v = lambda M v`, the smallest eigenvalue first, with `V' M V = I`.
+///
+/// `K` symmetric, `M` symmetric positive definite. Method: Cholesky `M = L L'`, then the eigenvalues of `L^-1 K L^-T`,
+/// after a diagonal power-of-two scaling that gives `M` a unit diagonal (masses and inertias differ by many decades).
+///
+/// # Errors
+/// Wrong shapes, not symmetric, or a mass matrix that is not positive definite.
+pub fn sym_gen_eigen(K: &Mat, M: &Mat) -> Result<(Vec<f64>, Mat), Error> {
+    check_symmetric("K", K)?;
+    check_symmetric("M", M)?;
+    check_shape("M", M, K.shape())?;
+    let scale: Vec<f64> = M.diagonal().iter().map(|&m| power_of_two(1.0 / m.abs().max(f64::MIN_POSITIVE).sqrt())).collect();
+    let scaled = |A: &Mat| Mat::from_fn(A.nrows(), A.ncols(), |i, j| scale[i] * A[(i, j)] * scale[j]);
+    let L = crate::dense::cholesky(&scaled(M)).map_err(|_| Error::NotPositiveDefinite { what: "M" })?;
+    let left = lower_solve(&L, &scaled(K));
+    let reduced = lower_solve(&L, &left.t()).symmetric_part();
+    let (values, vectors) = sym_eigen(&reduced)?;
+    let inner = lower_transpose_solve(&L, &vectors);
+    Ok((values, Mat::from_fn(inner.nrows(), inner.ncols(), |i, j| scale[i] * inner[(i, j)])))
+}
+
+/// The power of two nearest to a positive number, on the logarithmic scale.
+pub(crate) fn power_of_two(value: f64) -> f64 {
+    value.log2().round().clamp(-1000.0, 1000.0).exp2()
+}
+
+fn lower_solve(L: &Mat, B: &Mat) -> Mat {
+    let mut X = B.clone();
+    view(L).solve_lower_triangular_in_place(crate::dense::view_mut(&mut X));
+    X
+}
+
+fn lower_transpose_solve(L: &Mat, B: &Mat) -> Mat {
+    let mut X = B.clone();
+    view(L).transpose().solve_upper_triangular_in_place(crate::dense::view_mut(&mut X));
+    X
+}
+
+/// The Hessenberg form `A = U H U'`: `H` zero below the first subdiagonal, `U` orthogonal.
+///
+/// Method: Householder reflections (faer).
+///
+/// # Errors
+/// Not square or not finite.
+pub fn hessenberg(A: &Mat) -> Result<(Mat, Mat), Error> {
+    check_square("A", A)?;
+    let n = A.nrows();
+    if n < 3 {
+        return Ok((A.clone(), Mat::eye(n)));
+    }
+    Ok(hessenberg_checked(A))
+}
+
+/// [`hessenberg`] of a finite square matrix with at least three rows.
+pub(crate) fn hessenberg_checked(A: &Mat) -> (Mat, Mat) {
+    use faer::dyn_stack::{MemBuffer, MemStack};
+    use faer::linalg::householder as apply;
+    let n = A.nrows();
+    let block = faer::linalg::qr::no_pivoting::factor::recommended_block_size::<f64>(n - 1, n - 1);
+    let mut work = view(A).to_owned();
+    let mut coefficients = faer::Mat::<f64>::zeros(block, n - 1);
+    let seq = faer::Par::Seq;
+    let need = householder::hessenberg_in_place_scratch::<f64>(n, block, seq, Default::default());
+    let mut buffer = MemBuffer::new(need);
+    householder::hessenberg_in_place(work.as_mut(), coefficients.as_mut(), seq, MemStack::new(&mut buffer), Default::default());
+    let mut Q = faer::Mat::<f64>::identity(n, n);
+    let need = apply::apply_block_householder_sequence_on_the_left_in_place_scratch::<f64>(n - 1, block, n - 1);
+    let mut buffer = MemBuffer::new(need);
+    apply::apply_block_householder_sequence_on_the_left_in_place_with_conj(
+        work.as_ref().submatrix(1, 0, n - 1, n - 1),
+        coefficients.as_ref(),
+        faer::Conj::No,
+        Q.as_mut().submatrix_mut(1, 1, n - 1, n - 1),
+        seq,
+        MemStack::new(&mut buffer),
+    );
+    let H = Mat::from_fn(n, n, |i, j| if i <= j + 1 { work[(i, j)] } else { 0.0 });
+    (H, copy(Q.as_ref()))
+}
+
+/// The generalised eigenvalues of the pencil `A - lambda E` as pairs (alpha, beta), `lambda = alpha / beta`; an infinite
+/// eigenvalue has `beta = 0`, an undetermined one (a singular pencil) both zero. By QZ; the order is not specified.
+///
+/// # Errors
+/// Wrong shapes, entries that are not finite, or no convergence.
+pub fn gen_eigenvalues(A: &Mat, E: &Mat) -> Result<Vec<(C64, f64)>, Error> {
+    use faer::dyn_stack::{MemBuffer, MemStack};
+    use faer::linalg::gevd;
+    check_square("A", A)?;
+    check_shape("E", E, A.shape())?;
+    let n = A.nrows();
+    let mut params: gevd::GevdParams = faer::Auto::<f64>::auto();
+    // The blocked QZ of faer 0.24 stalls between n = 75 and 130.
+    params.schur.blocking_threshold = usize::MAX;
+    let (mut left, mut right) = (view(A).to_owned(), view(E).to_owned());
+    let (mut re, mut im, mut beta) = (faer::Col::<f64>::zeros(n), faer::Col::<f64>::zeros(n), faer::Col::<f64>::zeros(n));
+    let no = gevd::ComputeEigenvectors::No;
+    let need = gevd::gevd_scratch::<f64>(n, no, no, faer::Par::Seq, params.into());
+    let mut buffer = MemBuffer::new(need);
+    gevd::gevd_real(
+        left.as_mut(),
+        right.as_mut(),
+        re.as_diagonal_mut(),
+        im.as_diagonal_mut(),
+        beta.as_diagonal_mut(),
+        None,
+        None,
+        faer::Par::Seq,
+        MemStack::new(&mut buffer),
+        params.into(),
+    )
+    .map_err(|_| no_convergence("the QZ iteration"))?;
+    Ok((0..n).map(|i| (C64::new(re[i], im[i]), beta[i])).collect())
+}
+
+/// The numerical rank: how many singular values exceed `relative` times the largest.
+///
+/// # Errors
+/// Entries that are not finite.
+pub fn rank(A: &Mat, relative: f64) -> Result<usize, Error> {
+    let s = singular_values(A)?;
+    let floor = relative * s.first().copied().unwrap_or(0.0);
+    Ok(s.iter().filter(|&&value| value > floor).count())
+}
+
+/// The default relative tolerance of a rank: `max(m, n) eps`.
+pub fn rank_tolerance(A: &Mat) -> f64 {
+    A.nrows().max(A.ncols()) as f64 * EPS
+}
+
+/// The condition number in the 2-norm, infinite for a singular matrix.
+///
+/// # Errors
+/// Entries that are not finite.
+pub fn cond(A: &Mat) -> Result<f64, Error> {
+    let s = singular_values(A)?;
+    Ok(match (s.first(), s.last()) {
+        (Some(&largest), Some(&smallest)) => largest / smallest,
+        _ => 1.0,
+    })
+}
+
+/// The reciprocal condition number in the 1-norm, computed from the inverse; 0 for a singular matrix.
+pub fn rcond_one(A: &Mat) -> f64 {
+    let n = A.nrows();
+    match solve(A, &Mat::eye(n)) {
+        Ok(inverse) => 1.0 / (A.norm_one() * inverse.norm_one()),
+        Err(_) => 0.0,
+    }
+}
+
+fn no_convergence(what: &'static str) -> Error {
+    Error::NoConvergence { what, limit: crate::tolerance::QR_ITERATIONS }
+}

@@ -1,0 +1,156 @@
+//! Linear systems and orthogonal factors: what the matrix equations are made of. Thin, checked wrappers of faer.
+//!
+//! Real and complex routines come in pairs and are not generic, so that dependants compile quickly.
+
+use faer::linalg::solvers::{DenseSolveCore, Solve};
+use faer::traits::ComplexField;
+use faer::{MatMut, MatRef};
+
+use crate::error::{Error, check_finite, check_shape, check_square};
+use crate::mat::{C64, CMat, Dense, Mat, Scalar};
+use crate::tolerance::EPS;
+
+/// The matrix as faer sees it, without a copy.
+pub(crate) fn view<T: Scalar>(A: &Dense<T>) -> MatRef<'_, T> {
+    MatRef::from_column_major_slice(A.as_slice(), A.nrows(), A.ncols())
+}
+
+/// The matrix as faer writes it, without a copy.
+pub(crate) fn view_mut<T: Scalar>(A: &mut Dense<T>) -> MatMut<'_, T> {
+    let (rows, cols) = A.shape();
+    MatMut::from_column_major_slice_mut(A.as_mut_slice(), rows, cols)
+}
+
+/// A copy of what faer computed.
+pub(crate) fn copy<T: Scalar>(A: MatRef<'_, T>) -> Dense<T> {
+    Dense::from_fn(A.nrows(), A.ncols(), |i, j| A[(i, j)])
+}
+
+/// Solves `A X = B` by LU with partial pivoting; `A` n x n, `B` n x m.
+///
+/// # Errors
+/// Wrong shapes, entries that are not finite, and a pivot that is zero to working precision ([`Error::Singular`]).
+pub fn solve(A: &Mat, B: &Mat) -> Result<Mat, Error> {
+    lu_solve(A, B)
+}
+
+/// Solves the complex system `A X = B` by LU with partial pivoting. Errors as for [`solve`].
+pub fn csolve(A: &CMat, B: &CMat) -> Result<CMat, Error> {
+    lu_solve(A, B)
+}
+
+/// The inverse of a square matrix, by LU with partial pivoting.
+///
+/// # Errors
+/// As for [`solve`].
+pub fn inverse(A: &Mat) -> Result<Mat, Error> {
+    check_square("A", A)?;
+    let lu = view(A).partial_piv_lu();
+    check_pivots(lu.U())?;
+    Ok(copy(lu.inverse().as_ref()))
+}
+
+fn lu_solve<T: Scalar + ComplexField>(A: &Dense<T>, B: &Dense<T>) -> Result<Dense<T>, Error> {
+    check_square("A", A)?;
+    check_shape("B", B, (A.nrows(), B.ncols()))?;
+    let lu = view(A).partial_piv_lu();
+    check_pivots(lu.U())?;
+    let mut X = B.clone();
+    lu.solve_in_place(view_mut(&mut X));
+    if !X.is_finite() {
+        return Err(Error::Singular { what: "A", rcond: 0.0 });
+    }
+    Ok(X)
+}
+
+/// The smallest pivot against the largest is a cheap upper bound of the reciprocal condition number.
+fn check_pivots<T: Scalar>(U: MatRef<'_, T>) -> Result<(), Error> {
+    let pivots: Vec<f64> = (0..U.nrows()).map(|i| U[(i, i)].modulus()).collect();
+    if pivots.contains(&0.0) {
+        return Err(Error::Singular { what: "A", rcond: 0.0 });
+    }
+    Ok(())
+}
+
+/// The Cholesky factor: lower triangular `L` with `A = L L'`, `A` symmetric positive definite (its lower half is read).
+///
+/// # Errors
+/// Not square, not finite, or [`Error::NotPositiveDefinite`].
+pub fn cholesky(A: &Mat) -> Result<Mat, Error> {
+    check_square("A", A)?;
+    let llt = view(A).llt(faer::Side::Lower).map_err(|_| Error::NotPositiveDefinite { what: "A" })?;
+    let L = llt.L();
+    Ok(Mat::from_fn(A.nrows(), A.nrows(), |i, j| if i >= j { L[(i, j)] } else { 0.0 }))
+}
+
+/// A thin QR factorisation `A = Q R`: `A` m x n, `Q` m x k with orthonormal columns, `R` k x n upper triangular,
+/// k = min(m, n). By Householder reflections.
+pub struct Qr {
+    /// Orthonormal columns, m x k.
+    pub Q: Mat,
+    /// Upper triangular, k x n.
+    pub R: Mat,
+}
+
+/// The thin QR factorisation of any real matrix.
+///
+/// # Errors
+/// Entries that are not finite.
+pub fn qr(A: &Mat) -> Result<Qr, Error> {
+    check_finite("A", A)?;
+    let factors = view(A).qr();
+    Ok(Qr { Q: copy(factors.compute_thin_Q().as_ref()), R: copy(factors.thin_R()) })
+}
+
+/// The triangle of a thin QR factorisation alone: `R` with `A'A = R'R`.
+///
+/// # Errors
+/// Entries that are not finite.
+pub fn qr_r(A: &Mat) -> Result<Mat, Error> {
+    check_finite("A", A)?;
+    Ok(copy(view(A).qr().thin_R()))
+}
+
+/// An orthonormal basis of the range and of its complement: the full m x m `Q` of `A = Q [R; 0]`.
+///
+/// # Errors
+/// Entries that are not finite.
+pub fn qr_full_q(A: &Mat) -> Result<Mat, Error> {
+    check_finite("A", A)?;
+    Ok(copy(view(A).qr().compute_Q().as_ref()))
+}
+
+/// The least-squares solution of `A X = B` with the smallest norm, by singular values; those below
+/// `max(m, n) eps s_max` count as zero.
+///
+/// # Errors
+/// Wrong shapes, entries that are not finite.
+pub fn lstsq(A: &Mat, B: &Mat) -> Result<Mat, Error> {
+    check_shape("B", B, (A.nrows(), B.ncols()))?;
+    Ok(pinv(A)? * B)
+}
+
+/// The Moore-Penrose inverse by singular values; those below `max(m, n) eps s_max` count as zero.
+///
+/// # Errors
+/// Entries that are not finite.
+pub fn pinv(A: &Mat) -> Result<Mat, Error> {
+    let parts = crate::decomposition::svd(A)?;
+    let floor = A.nrows().max(A.ncols()) as f64 * EPS * parts.s.first().copied().unwrap_or(0.0);
+    let reciprocal: Vec<f64> = parts.s.iter().map(|&s| if s > floor { 1.0 / s } else { 0.0 }).collect();
+    Ok(&parts.V * &Mat::diag(&reciprocal) * parts.U.t())
+}
+
+/// `u' v` without conjugation.
+pub fn dot(u: &[f64], v: &[f64]) -> f64 {
+    u.iter().zip(v).map(|(a, b)| a * b).sum()
+}
+
+/// The determinant of a square complex matrix, by LU.
+///
+/// # Errors
+/// Not square, or entries that are not finite.
+pub fn cdet(A: &CMat) -> Result<C64, Error> {
+    check_square("A", A)?;
+    Ok(view(A).determinant())
+}

@@ -1,0 +1,153 @@
+//! Everything that can be wrong with what this crate is given, and the checks that find it.
+
+use crate::mat::{C64, Dense, Scalar};
+
+/// Why a matrix routine could not answer.
+///
+/// A problem that has no solution is not an error where the routine returns an [`crate::Outcome`]; these are bad
+/// input, and the (rare) iterations that stop at their limit.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Error {
+    /// A matrix has the wrong size for the equation.
+    #[error("{what} is {rows} x {cols}, the equation needs {needed_rows} x {needed_cols}")]
+    Shape {
+        /// Which matrix.
+        what: &'static str,
+        /// Rows it has.
+        rows: usize,
+        /// Columns it has.
+        cols: usize,
+        /// Rows it should have.
+        needed_rows: usize,
+        /// Columns it should have.
+        needed_cols: usize,
+    },
+    /// A matrix must be square.
+    #[error("{what} must be square, it is {rows} x {cols}")]
+    NotSquare {
+        /// Which matrix.
+        what: &'static str,
+        /// Rows it has.
+        rows: usize,
+        /// Columns it has.
+        cols: usize,
+    },
+    /// An entry is infinite or not a number.
+    #[error("{what} has the entry {value} at row {row}, column {col}")]
+    NotFinite {
+        /// Which matrix.
+        what: &'static str,
+        /// Row, from 0.
+        row: usize,
+        /// Column, from 0.
+        col: usize,
+        /// Modulus of the entry.
+        value: f64,
+    },
+    /// A matrix must be symmetric.
+    #[error("{what} is not symmetric: the relative difference from its transpose is {relative:.1e}")]
+    NotSymmetric {
+        /// Which matrix.
+        what: &'static str,
+        /// `norm(M - M') / norm(M)`.
+        relative: f64,
+    },
+    /// A matrix that must be inverted is singular to working precision.
+    #[error("{what} is singular to working precision (reciprocal condition {rcond:.1e})")]
+    Singular {
+        /// Which matrix.
+        what: &'static str,
+        /// Estimated reciprocal condition number.
+        rcond: f64,
+    },
+    /// A matrix must be positive definite.
+    #[error("{what} is not positive definite")]
+    NotPositiveDefinite {
+        /// Which matrix.
+        what: &'static str,
+    },
+    /// A factored Lyapunov equation needs a stable matrix.
+    #[error("{what} is not stable: it has the eigenvalue {eigenvalue}")]
+    NotStable {
+        /// Which matrix.
+        what: &'static str,
+        /// The offending eigenvalue.
+        eigenvalue: C64,
+    },
+    /// A linear matrix equation has no unique solution.
+    #[error("{equation} has no unique solution: the eigenvalues {first} and {second} meet (separation {separation:.1e})")]
+    CommonEigenvalue {
+        /// Which equation.
+        equation: &'static str,
+        /// Eigenvalue of the first matrix.
+        first: C64,
+        /// Eigenvalue of the second matrix that it meets.
+        second: C64,
+        /// What is left between them.
+        separation: f64,
+    },
+    /// An iteration reached its limit.
+    #[error("{what} did not converge within {limit} iterations")]
+    NoConvergence {
+        /// Which iteration.
+        what: &'static str,
+        /// Its limit.
+        limit: usize,
+    },
+    /// Two eigenvalues are too close to change places without spoiling the matrix.
+    #[error("the eigenvalues {first} and {second} are too close to be reordered (backward error {error:.1e})")]
+    SwapRejected {
+        /// The eigenvalue that should move down.
+        first: C64,
+        /// The eigenvalue that should move up.
+        second: C64,
+        /// Relative backward error that the swap would have cost.
+        error: f64,
+    },
+}
+
+/// Whether `matrix` has the shape that the equation needs.
+pub(crate) fn check_shape<T: Scalar>(what: &'static str, matrix: &Dense<T>, needed: (usize, usize)) -> Result<(), Error> {
+    let (rows, cols) = matrix.shape();
+    if (rows, cols) != needed {
+        return Err(Error::Shape { what, rows, cols, needed_rows: needed.0, needed_cols: needed.1 });
+    }
+    check_finite(what, matrix)
+}
+
+/// Whether `matrix` is square and finite.
+pub(crate) fn check_square<T: Scalar>(what: &'static str, matrix: &Dense<T>) -> Result<(), Error> {
+    if !matrix.is_square() {
+        return Err(Error::NotSquare { what, rows: matrix.nrows(), cols: matrix.ncols() });
+    }
+    check_finite(what, matrix)
+}
+
+/// Whether every entry is finite.
+pub(crate) fn check_finite<T: Scalar>(what: &'static str, matrix: &Dense<T>) -> Result<(), Error> {
+    match matrix.as_slice().iter().position(|e| !e.modulus().is_finite()) {
+        None => Ok(()),
+        Some(at) => {
+            let rows = matrix.nrows();
+            let value = matrix.as_slice()[at].modulus();
+            Err(Error::NotFinite { what, row: at % rows, col: at / rows, value })
+        }
+    }
+}
+
+/// Whether `matrix` is square, finite and symmetric.
+pub(crate) fn check_symmetric(what: &'static str, matrix: &Dense<f64>) -> Result<(), Error> {
+    check_square(what, matrix)?;
+    let size = matrix.norm_max();
+    let n = matrix.nrows();
+    let mut worst = 0.0_f64;
+    for j in 0..n {
+        for i in 0..j {
+            worst = worst.max((matrix[(i, j)] - matrix[(j, i)]).abs());
+        }
+    }
+    if worst > crate::tolerance::SYMMETRY * size {
+        return Err(Error::NotSymmetric { what, relative: worst / size });
+    }
+    Ok(())
+}
