@@ -13,10 +13,13 @@
 //! ```
 #![allow(non_snake_case)]
 
+pub mod balance;
 pub mod decomposition;
 pub mod dense;
 mod error;
 pub mod mat;
+pub mod schur;
+mod small;
 pub mod tolerance;
 
 pub use decomposition::{
@@ -25,4 +28,6 @@ pub use decomposition::{
 };
 pub use dense::{Qr, cdet, cholesky, csolve, dot, inverse, lstsq, pinv, qr, qr_full_q, qr_r, solve};
 pub use error::Error;
+pub use balance::{Balanced, balance};
 pub use mat::{C64, CMat, Mat};
+pub use schur::{Schur, eigenvalues, schur};

@@ -1,0 +1,48 @@
+//! Random matrices from a seed, and the measures of error that the suites share.
+#![allow(dead_code, non_snake_case)]
+
+use counterpoise_linalg::Mat;
+
+/// A small portable generator (SplitMix64).
+pub struct Random(u64);
+
+impl Random {
+    pub fn new(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(1))
+    }
+
+    fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^ (z >> 31)
+    }
+
+    /// Uniform in [0, 1).
+    pub fn uniform(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Standard normal (Box and Muller).
+    pub fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
+        radius * (std::f64::consts::TAU * self.uniform()).cos()
+    }
+
+    pub fn matrix(&mut self, rows: usize, cols: usize) -> Mat {
+        Mat::from_fn(rows, cols, |_, _| self.normal())
+    }
+
+    /// A matrix whose eigenvalues all have real parts below `-margin`.
+    pub fn stable(&mut self, n: usize, margin: f64) -> Mat {
+        let A = self.matrix(n, n).scale(1.0 / (n as f64).sqrt());
+        let most = counterpoise_linalg::eigenvalues(&A).unwrap().iter().map(|l| l.re).fold(f64::MIN, f64::max);
+        &A - &Mat::eye(n).scale(most + margin)
+    }
+}
+
+/// `norm(A - B) / norm(B)`.
+pub fn difference(A: &Mat, B: &Mat) -> f64 {
+    (A - B).norm_fro() / B.norm_fro().max(f64::MIN_POSITIVE)
+}
