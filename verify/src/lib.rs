@@ -1,1 +1,25 @@
-//! Figures, limits and verdicts.
+//! Figures, limits and verdicts: the judge of a controller.
+//!
+//! In come a plant, the discrete controller that will be exported, and requirements; out come measured figures, a verdict for
+//! each requirement, and the evidence as plain data.
+//!
+//! *Invariant*: nothing here knows how a controller was designed; nothing here reads a file, a clock or an unseeded random number.
+//!
+//! Modules in reading order: [`figure`], [`requirement`], [`signals`].
+//!
+//! ```
+//! use counterpoise_verify::{Figure, Limit, Requirement, Verdict};
+//! let requirement = Requirement::new(Figure::from_key("gain_margin_db")?, Limit::AtLeast(12.0))?;
+//! assert!(matches!(requirement.judge(13.0), Verdict::Holds { .. }));
+//! # Ok::<(), counterpoise_verify::Error>(())
+//! ```
+#![allow(non_snake_case)]
+
+pub mod error;
+pub mod figure;
+pub mod requirement;
+pub mod signals;
+
+pub use error::Error;
+pub use figure::{Arrangement, Figure, LoopFigure, Model, Quantity, RestFigure, Source, StepFigure};
+pub use requirement::{Limit, Requirement, Verdict};

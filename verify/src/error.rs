@@ -1,0 +1,45 @@
+//! What can be wrong with a request to this crate.
+
+/// Every way in which a request to this crate can be refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A figure that does not exist.
+    #[error("there is no figure '{key}'{hint}")]
+    UnknownFigure {
+        /// What was asked for.
+        key: String,
+        /// ", did you mean ...", or nothing.
+        hint: String,
+    },
+    /// A number outside what the operation is defined for.
+    #[error("{what} = {value} must be {allowed}")]
+    Range {
+        /// Which argument.
+        what: &'static str,
+        /// The value that was given.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// Series that should be of one length, or long enough.
+    #[error("{what}: {found} samples where {needed} are needed")]
+    Length {
+        /// Which series.
+        what: &'static str,
+        /// How many samples were given.
+        found: usize,
+        /// How many are needed.
+        needed: usize,
+    },
+    /// A series that holds NaN or an infinite number.
+    #[error("{what}[{index}] = {value} is not finite")]
+    NotFinite {
+        /// Which series.
+        what: &'static str,
+        /// Where.
+        index: usize,
+        /// What.
+        value: f64,
+    },
+}

@@ -1,0 +1,407 @@
+//! The figures that a verification measures: what each is called, its unit, and what it means.
+
+use std::fmt;
+
+use crate::Error;
+
+/// Which plant a figure is measured on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Model {
+    /// The plant linearised about its operating point, sampled exactly.
+    Linear,
+    /// The simulator: friction, backlash, limits, converters, sensor noise.
+    Nonlinear,
+}
+
+/// What moves the platform.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Source {
+    /// Heave alone.
+    Heave,
+    /// Pitch alone.
+    Pitch,
+    /// Heave and pitch together.
+    Both,
+    /// A recorded or synthesised road: heave and pitch as they come.
+    Road,
+}
+
+/// How much of the controller acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Arrangement {
+    /// Only the constant voltage that holds the out-of-balance: without it the mechanism would fall.
+    Uncontrolled,
+    /// The feedback, without feedforward.
+    Feedback,
+    /// The feedback plus all feedforwards: the controller as exported.
+    Compensated,
+}
+
+/// A figure of the loop broken at the plant's input, of the discrete controller with the sampled plant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum LoopFigure {
+    /// Smallest factor, in dB, by which the gain may grow.
+    GainMargin,
+    /// Smallest factor, in dB, by which the gain may shrink (infinite where any reduction is stable).
+    GainReductionMargin,
+    /// Smallest phase lag, in degrees, that destabilises.
+    PhaseMargin,
+    /// Smallest additional delay that destabilises.
+    DelayMargin,
+    /// Radius of the disk of simultaneous gain and phase changes that the loop withstands.
+    DiskMargin,
+    /// Largest |1 / (1 + L)|.
+    MaxSensitivity,
+    /// Largest |L / (1 + L)|.
+    MaxComplementary,
+    /// Largest modulus of a pole of the closed loop.
+    PoleRadius,
+    /// Highest frequency at which |L| crosses 1, Hz.
+    Crossover,
+}
+
+/// A figure of the response to a step of the demanded hub rate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum StepFigure {
+    /// Largest excess over the demand, percent of the demand.
+    Overshoot,
+    /// Time from 10 % to 90 % of the demand.
+    RiseTime,
+    /// Time of the largest value, from the step.
+    PeakTime,
+    /// Time after which the response stays within 5 % of the demand.
+    SettlingTime,
+    /// |demand - mean over the last tenth|, percent of the demand.
+    SteadyStateError,
+    /// Largest modulus of the control.
+    ControlPeak,
+}
+
+/// What is measured while the platform moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Quantity {
+    /// RMS of the hub's inertial rate.
+    HubRms,
+    /// Peak of the hub's inertial rate.
+    HubPeak,
+    /// RMS of the tip's inertial rate.
+    TipRms,
+    /// Peak of the tip's inertial rate.
+    TipPeak,
+    /// RMS of the control about its mean.
+    ControlRms,
+    /// Peak of the control.
+    ControlPeak,
+    /// Peak of the motor current.
+    CurrentPeak,
+    /// Largest hub angle from its mean.
+    TravelPeak,
+    /// Fraction of the time during which the gear teeth are apart.
+    GearOpen,
+}
+
+/// A figure of the nonlinear loop at rest: no demand, platform still.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum RestFigure {
+    /// RMS hub rate over the second half: a limit cycle shows here.
+    HubRms,
+    /// Hub rotation over the second half: creep of friction that is stuck.
+    Drift,
+}
+
+/// Anything that a requirement can limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Figure {
+    /// Margins and poles of the loop.
+    Loop(LoopFigure),
+    /// A step of the demand.
+    Step(Model, StepFigure),
+    /// The platform in motion.
+    Disturbance(Model, Source, Arrangement, Quantity),
+    /// Disturbance rejection ratio of the linear loop at one frequency, dB: hub rate over platform motion. In pitch both are
+    /// rates; in heave hub rate over acceleration, rad/s per m/s^2.
+    Rejection {
+        /// Heave or pitch.
+        source: Source,
+        /// How much of the controller acts.
+        arrangement: Arrangement,
+        /// At which frequency, Hz.
+        frequency_hz: f64,
+    },
+    /// Nothing happens.
+    Rest(RestFigure),
+}
+
+const MODELS: [(Model, &str, &str); 2] =
+    [(Model::Linear, "linear", "linear plant"), (Model::Nonlinear, "nonlinear", "nonlinear plant")];
+
+const SOURCES: [(Source, &str, &str); 4] = [
+    (Source::Heave, "heave", "heave"),
+    (Source::Pitch, "pitch", "pitch"),
+    (Source::Both, "both", "heave and pitch"),
+    (Source::Road, "road", "road"),
+];
+
+const ARRANGEMENTS: [(Arrangement, &str, &str); 3] = [
+    (Arrangement::Uncontrolled, "uncontrolled", "without control"),
+    (Arrangement::Feedback, "feedback", "feedback"),
+    (Arrangement::Compensated, "compensated", "feedback + feedforward"),
+];
+
+/// Key, name, unit.
+type Words = (&'static str, &'static str, &'static str);
+
+const LOOP: [(LoopFigure, Words); 9] = [
+    (LoopFigure::GainMargin, ("gain_margin_db", "gain margin", "dB")),
+    (LoopFigure::GainReductionMargin, ("gain_reduction_margin_db", "gain reduction margin", "dB")),
+    (LoopFigure::PhaseMargin, ("phase_margin_deg", "phase margin", "deg")),
+    (LoopFigure::DelayMargin, ("delay_margin_s", "delay margin", "s")),
+    (LoopFigure::DiskMargin, ("disk_margin", "disk margin", "")),
+    (LoopFigure::MaxSensitivity, ("max_sensitivity", "largest sensitivity Ms", "")),
+    (
+        LoopFigure::MaxComplementary,
+        ("max_complementary_sensitivity", "largest complementary sensitivity Mt", ""),
+    ),
+    (LoopFigure::PoleRadius, ("closed_loop_pole_radius", "largest closed-loop pole modulus", "")),
+    (LoopFigure::Crossover, ("crossover_hz", "highest crossover", "Hz")),
+];
+
+const STEP: [(StepFigure, Words); 6] = [
+    (StepFigure::Overshoot, ("overshoot_percent", "overshoot", "%")),
+    (StepFigure::RiseTime, ("rise_time_s", "rise time", "s")),
+    (StepFigure::PeakTime, ("peak_time_s", "peak time", "s")),
+    (StepFigure::SettlingTime, ("settling_time_s", "settling time", "s")),
+    (StepFigure::SteadyStateError, ("steady_state_error_percent", "steady-state error", "%")),
+    (StepFigure::ControlPeak, ("control_peak_v", "peak control", "V")),
+];
+
+const QUANTITIES: [(Quantity, Words); 9] = [
+    (Quantity::HubRms, ("hub_rms_rad_s", "RMS hub rate", "rad/s")),
+    (Quantity::HubPeak, ("hub_peak_rad_s", "peak hub rate", "rad/s")),
+    (Quantity::TipRms, ("tip_rms_rad_s", "RMS tip rate", "rad/s")),
+    (Quantity::TipPeak, ("tip_peak_rad_s", "peak tip rate", "rad/s")),
+    (Quantity::ControlRms, ("control_rms_v", "RMS control", "V")),
+    (Quantity::ControlPeak, ("control_peak_v", "peak control", "V")),
+    (Quantity::CurrentPeak, ("current_peak_a", "peak current", "A")),
+    (Quantity::TravelPeak, ("travel_peak_rad", "peak travel", "rad")),
+    (Quantity::GearOpen, ("gear_open_fraction", "gear open", "of the time")),
+];
+
+const REST: [(RestFigure, Words); 2] = [
+    (RestFigure::HubRms, ("rest_hub_rms_rad_s", "RMS hub rate at rest", "rad/s")),
+    (RestFigure::Drift, ("rest_drift_rad", "drift at rest", "rad")),
+];
+
+fn words<K: PartialEq>(table: &[(K, Words)], key: &K) -> Words {
+    table.iter().find(|row| row.0 == *key).map_or(("", "", ""), |row| row.1)
+}
+
+fn key_of<K: PartialEq>(table: &[(K, &'static str, &'static str)], key: &K) -> (&'static str, &'static str) {
+    table.iter().find(|row| row.0 == *key).map_or(("", ""), |row| (row.1, row.2))
+}
+
+impl Figure {
+    /// The figure's name in a project file, for example `nonlinear_road_feedback_hub_rms_rad_s` or
+    /// `pitch_compensated_drr_db at 1.5 Hz`. [`Figure::from_key`] is its inverse.
+    pub fn key(&self) -> String {
+        match self {
+            Figure::Loop(figure) => words(&LOOP, figure).0.to_owned(),
+            Figure::Step(model, figure) => {
+                format!("{}_step_{}", key_of(&MODELS, model).0, words(&STEP, figure).0)
+            }
+            Figure::Disturbance(model, source, arrangement, quantity) => format!(
+                "{}_{}_{}_{}",
+                key_of(&MODELS, model).0,
+                key_of(&SOURCES, source).0,
+                key_of(&ARRANGEMENTS, arrangement).0,
+                words(&QUANTITIES, quantity).0
+            ),
+            Figure::Rejection { source, arrangement, frequency_hz } => {
+                format!(
+                    "{}_{}_drr_db at {frequency_hz} Hz",
+                    key_of(&SOURCES, source).0,
+                    key_of(&ARRANGEMENTS, arrangement).0
+                )
+            }
+            Figure::Rest(figure) => words(&REST, figure).0.to_owned(),
+        }
+    }
+
+    /// The figure with the given key.
+    ///
+    /// # Errors
+    /// [`Error::UnknownFigure`] with the nearest keys where there is none, [`Error::Range`] for a frequency that is not
+    /// positive.
+    pub fn from_key(key: &str) -> Result<Self, Error> {
+        if let Some((stem, frequency)) = key.split_once(" at ") {
+            return Self::rejection_from_key(key, stem, frequency);
+        }
+        Self::all().into_iter().find(|figure| figure.key() == key).ok_or_else(|| unknown(key))
+    }
+
+    fn rejection_from_key(key: &str, stem: &str, frequency: &str) -> Result<Self, Error> {
+        let number =
+            frequency.trim().strip_suffix("Hz").map(str::trim).and_then(|text| text.parse::<f64>().ok());
+        let frequency_hz = number.ok_or_else(|| unknown(key))?;
+        if !(frequency_hz > 0.0 && frequency_hz.is_finite()) {
+            return Err(Error::Range {
+                what: "frequency of a DRR",
+                value: frequency_hz,
+                allowed: "positive, in Hz",
+            });
+        }
+        let all = rejections(frequency_hz);
+        all.into_iter()
+            .find(|figure| figure.key().starts_with(&format!("{stem} at")))
+            .ok_or_else(|| unknown(key))
+    }
+
+    /// Every figure; the DRR at 1 Hz stands for the DRR at any frequency.
+    pub fn all() -> Vec<Self> {
+        let mut out: Vec<Self> = LOOP.iter().map(|row| Figure::Loop(row.0)).collect();
+        for (model, ..) in MODELS {
+            out.extend(STEP.iter().map(|row| Figure::Step(model, row.0)));
+        }
+        for (model, ..) in MODELS {
+            for (source, ..) in SOURCES {
+                for (arrangement, ..) in ARRANGEMENTS {
+                    out.extend(
+                        QUANTITIES.iter().map(|row| Figure::Disturbance(model, source, arrangement, row.0)),
+                    );
+                }
+            }
+        }
+        out.extend(rejections(1.0));
+        out.extend(REST.iter().map(|row| Figure::Rest(row.0)));
+        out
+    }
+
+    /// The figure in words a person reads, for example `peak hub rate, pitch, feedback, linear plant`.
+    pub fn name(&self) -> String {
+        match self {
+            Figure::Loop(figure) => words(&LOOP, figure).1.to_owned(),
+            Figure::Step(model, figure) => {
+                format!("step {}, {}", words(&STEP, figure).1, key_of(&MODELS, model).1)
+            }
+            Figure::Disturbance(model, source, arrangement, quantity) => format!(
+                "{}, {}, {}, {}",
+                words(&QUANTITIES, quantity).1,
+                key_of(&SOURCES, source).1,
+                key_of(&ARRANGEMENTS, arrangement).1,
+                key_of(&MODELS, model).1
+            ),
+            Figure::Rejection { source, arrangement, frequency_hz } => {
+                format!(
+                    "DRR {} at {frequency_hz} Hz, {}",
+                    key_of(&SOURCES, source).1,
+                    key_of(&ARRANGEMENTS, arrangement).1
+                )
+            }
+            Figure::Rest(figure) => words(&REST, figure).1.to_owned(),
+        }
+    }
+
+    /// The unit; empty for a pure number.
+    pub fn unit(&self) -> &'static str {
+        match self {
+            Figure::Loop(figure) => words(&LOOP, figure).2,
+            Figure::Step(_, figure) => words(&STEP, figure).2,
+            Figure::Disturbance(_, _, _, quantity) => words(&QUANTITIES, quantity).2,
+            Figure::Rejection { .. } => "dB",
+            Figure::Rest(figure) => words(&REST, figure).2,
+        }
+    }
+
+    /// What the figure tells, in one sentence.
+    pub fn meaning(&self) -> &'static str {
+        match self {
+            Figure::Loop(_) => "how far the sampled loop, broken at the plant's input, is from instability",
+            Figure::Step(..) => "how the hub follows a step of the demanded rate",
+            Figure::Disturbance(..) => {
+                "what the platform's motion leaves in the mechanism, and what it costs"
+            }
+            Figure::Rejection { .. } => "hub rate over platform motion at one frequency; low is good",
+            Figure::Rest(_) => "what the loop does when nothing is asked of it",
+        }
+    }
+}
+
+impl fmt::Display for Figure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.key())
+    }
+}
+
+fn rejections(frequency_hz: f64) -> Vec<Figure> {
+    let mut out = Vec::new();
+    for source in [Source::Heave, Source::Pitch] {
+        out.extend(ARRANGEMENTS.iter().map(|row| Figure::Rejection {
+            source,
+            arrangement: row.0,
+            frequency_hz,
+        }));
+    }
+    out
+}
+
+fn unknown(key: &str) -> Error {
+    let mut near: Vec<(usize, String)> =
+        Figure::all().iter().map(|f| (edit_distance(key, &f.key()), f.key())).collect();
+    near.sort();
+    let close = near.first().filter(|(distance, _)| *distance <= 2 + key.len() / 3);
+    let hint = close.map_or(String::new(), |(_, best)| format!(", did you mean '{best}'?"));
+    Error::UnknownFigure { key: key.to_owned(), hint }
+}
+
+/// Levenshtein's distance in characters.
+fn edit_distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let substituted = diagonal + usize::from(x != *y);
+            diagonal = row[j + 1];
+            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::panic)]
+    use super::*;
+
+    #[test]
+    fn every_key_finds_its_figure_and_no_two_are_alike() {
+        let all = Figure::all();
+        let mut keys: Vec<String> = all.iter().map(Figure::key).collect();
+        for figure in &all {
+            assert_eq!(Figure::from_key(&figure.key()).unwrap(), *figure);
+            assert!(!figure.name().is_empty() && !figure.meaning().is_empty());
+        }
+        keys.sort();
+        keys.dedup();
+        assert_eq!(keys.len(), all.len());
+    }
+
+    #[test]
+    fn a_drr_is_named_with_its_frequency() {
+        let figure = Figure::from_key("pitch_compensated_drr_db at 1.5 Hz").unwrap();
+        let expected = Figure::Rejection {
+            source: Source::Pitch,
+            arrangement: Arrangement::Compensated,
+            frequency_hz: 1.5,
+        };
+        assert_eq!(figure, expected);
+        assert!(matches!(Figure::from_key("pitch_compensated_drr_db at -1 Hz"), Err(Error::Range { .. })));
+    }
+
+    #[test]
+    fn a_misspelt_figure_is_answered_with_the_nearest() {
+        let Err(Error::UnknownFigure { hint, .. }) = Figure::from_key("gain_margn_db") else { panic!() };
+        assert_eq!(hint, ", did you mean 'gain_margin_db'?");
+    }
+}

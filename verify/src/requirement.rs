@@ -1,0 +1,130 @@
+//! Requirements and verdicts.
+
+use std::fmt;
+
+use crate::{Error, Figure};
+
+/// The side on which a figure has to stay.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Limit {
+    /// The figure must not be below.
+    AtLeast(f64),
+    /// The figure must not be above.
+    AtMost(f64),
+}
+
+/// One figure and its limit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Requirement {
+    /// Which figure.
+    pub figure: Figure,
+    /// Its limit, in the figure's unit.
+    pub limit: Limit,
+}
+
+/// What became of a requirement.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Verdict {
+    /// The figure is on the right side of its limit.
+    Holds {
+        /// What was measured.
+        value: f64,
+        /// What was asked.
+        limit: Limit,
+        /// By how much there is room, at least 0.
+        margin: f64,
+    },
+    /// The figure is on the wrong side.
+    Fails {
+        /// What was measured; NaN never occurs.
+        value: f64,
+        /// What was asked.
+        limit: Limit,
+        /// By how much it falls short, above 0.
+        by: f64,
+    },
+    /// The figure could not be measured on this plant or with this controller.
+    NotApplicable {
+        /// Why.
+        why: String,
+    },
+}
+
+impl Limit {
+    /// The bare number.
+    pub fn value(self) -> f64 {
+        match self {
+            Limit::AtLeast(value) | Limit::AtMost(value) => value,
+        }
+    }
+
+    /// Room left between `value` and the limit: negative where the limit is broken, NaN for a NaN.
+    pub fn room(self, value: f64) -> f64 {
+        match self {
+            Limit::AtLeast(limit) => value - limit,
+            Limit::AtMost(limit) => limit - value,
+        }
+    }
+}
+
+impl fmt::Display for Limit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Limit::AtLeast(value) => write!(f, "at least {value}"),
+            Limit::AtMost(value) => write!(f, "at most {value}"),
+        }
+    }
+}
+
+impl Requirement {
+    /// A requirement with a finite limit.
+    ///
+    /// # Errors
+    /// [`Error::Range`] where the limit is NaN or infinite.
+    pub fn new(figure: Figure, limit: Limit) -> Result<Self, Error> {
+        if !limit.value().is_finite() {
+            return Err(Error::Range {
+                what: "limit of a requirement",
+                value: limit.value(),
+                allowed: "finite",
+            });
+        }
+        Ok(Self { figure, limit })
+    }
+
+    /// Holds `value` against the limit. A value exactly at the limit holds; a value that is not a number cannot be judged.
+    pub fn judge(&self, value: f64) -> Verdict {
+        let room = self.limit.room(value);
+        if room.is_nan() {
+            Verdict::NotApplicable { why: format!("{} could not be measured", self.figure.name()) }
+        } else if room >= 0.0 {
+            Verdict::Holds { value, limit: self.limit, margin: room }
+        } else {
+            Verdict::Fails { value, limit: self.limit, by: -room }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::panic)]
+    use super::*;
+    use crate::LoopFigure;
+
+    #[test]
+    fn a_verdict_says_by_how_much() {
+        let requirement =
+            Requirement::new(Figure::Loop(LoopFigure::GainMargin), Limit::AtLeast(12.0)).unwrap();
+        assert_eq!(
+            requirement.judge(13.5),
+            Verdict::Holds { value: 13.5, limit: Limit::AtLeast(12.0), margin: 1.5 }
+        );
+        assert_eq!(
+            requirement.judge(11.0),
+            Verdict::Fails { value: 11.0, limit: Limit::AtLeast(12.0), by: 1.0 }
+        );
+        assert!(matches!(requirement.judge(f64::INFINITY), Verdict::Holds { .. }));
+        assert!(matches!(requirement.judge(f64::NAN), Verdict::NotApplicable { .. }));
+        assert!(matches!(requirement.judge(12.0), Verdict::Holds { margin: 0.0, .. }));
+    }
+}

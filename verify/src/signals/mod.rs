@@ -1,0 +1,28 @@
+//! What is read from sampled signals: step figures, spectra and rejection ratios, filters for platform motion.
+//!
+//! Modules in reading order: [`step`], [`welch`], [`filter`], [`statistics`].
+
+pub mod filter;
+pub mod statistics;
+pub mod step;
+pub mod welch;
+
+pub use filter::{LowPass, low_pass};
+pub use statistics::{mean, peak, rms};
+pub use step::{StepFigures, step_figures};
+pub use welch::{Spectra, WelchOptions, welch};
+
+use crate::Error;
+
+/// Refuses NaN and infinite samples.
+pub(crate) fn check_finite(what: &'static str, samples: &[f64]) -> Result<(), Error> {
+    match samples.iter().position(|value| !value.is_finite()) {
+        Some(index) => Err(Error::NotFinite { what, index, value: samples[index] }),
+        None => Ok(()),
+    }
+}
+
+/// Refuses a series shorter or longer than another.
+pub(crate) fn check_length(what: &'static str, found: usize, needed: usize) -> Result<(), Error> {
+    if found == needed { Ok(()) } else { Err(Error::Length { what, found, needed }) }
+}
