@@ -1,12 +1,53 @@
 //! The discrete controller as it runs on the target: what it reads, and every operation in order.
 //!
-//! In come discrete transfer paths; out goes a controller whose arithmetic is fixed to the last bit.
+//! In come discrete transfer paths, friction observers and a schedule over the out-of-balance ([`Parts`]); out goes a
+//! [`Controller`] whose arithmetic is fixed to the last bit: straight lines of operations ([`Programs`]) that the
+//! [`Runner`], generated code and error analyses all carry out.
 //!
-//! *Invariant*: nothing here knows how a controller was designed, or what plant it drives.
+//! *Invariant*: nothing here knows how a controller was designed, or what plant it drives; no file, thread or clock.
 //!
-//! Modules in reading order: [`sampled`].
+//! Modules in reading order: [`sampled`], [`signal`], [`parts`], [`controller`], [`program`], [`number`], [`runner`].
+//!
+//! ```
+//! use counterpoise_controller::{Controller, Parts, Path, Scaling, Signal};
+//! use counterpoise_lti::{Mat, StateSpace, Timebase};
+//!
+//! // u = 2 e + integral of e, sampled at 1 kHz, limited to +/- 10 V
+//! let one = |x: f64| Mat::from_rows(&[&[x]]);
+//! let timebase = Timebase::Discrete { period_s: 1e-3 };
+//! let system = StateSpace::new(one(1.0), one(1e-3), one(1.0), one(2.0), timebase).unwrap();
+//! let path = Path {
+//!     name: "feedback".into(),
+//!     inputs: vec![Signal::RateError],
+//!     system,
+//!     anti_windup: vec![0.1],
+//!     scaling: Scaling::Fixed,
+//! };
+//! let mut parts = Parts::new(1e-3, 10.0);
+//! parts.paths.push(path);
+//! let mut runner = Controller::new(parts).unwrap().runner();
+//! assert_eq!(runner.step_array(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]), 2.0);
+//! assert_eq!(runner.step_array(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]), 2.001);
+//! ```
 #![allow(non_snake_case)]
 
+pub mod controller;
+pub mod error;
+pub mod number;
+pub mod parts;
+pub mod program;
+pub mod runner;
 pub mod sampled;
+pub mod signal;
 
+mod check;
+mod lower;
+
+pub use controller::Controller;
+pub use error::Error;
+pub use number::Number;
+pub use parts::{Correction, Estimator, FrictionObserver, Parts, Path, Scaling};
+pub use program::Programs;
+pub use runner::Runner;
 pub use sampled::{ProportionalIntegral, Readings, SampledController};
+pub use signal::{READING_NAMES, READINGS, Signal};

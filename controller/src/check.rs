@@ -1,0 +1,197 @@
+//! Checks of a controller's parts.
+
+use std::collections::HashSet;
+
+use counterpoise_lti::{StateSpace, Timebase};
+
+use crate::{Error, Estimator, FrictionObserver, Parts, Path, Programs, READINGS, Scaling, Signal};
+
+/// Relative difference of two sample periods that is taken for rounding.
+const SAME_PERIOD: f64 = 1e-12;
+
+/// Names that target code uses itself.
+const RESERVED: [&str; 62] = [
+    "auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else", "enum",
+    "extern", "float", "for", "goto", "if", "inline", "int", "long", "register", "restrict", "return",
+    "short", "signed", "sizeof", "static", "struct", "switch", "typedef", "union", "unsigned", "void",
+    "volatile", "while", "as", "crate", "dyn", "false", "fn", "impl", "in", "let", "loop", "match", "mod",
+    "move", "mut", "pub", "ref", "self", "super", "trait", "true", "type", "unsafe", "use", "where", "async",
+    "await", "real", "states", "readings",
+];
+
+/// All checks.
+pub fn parts(parts: &Parts) -> Result<(), Error> {
+    numbers(parts)?;
+    names(parts)?;
+    corrections(parts)?;
+    if let Some(prefilter) = &parts.prefilter {
+        system("prefilter", prefilter, 1, parts.sample_period_s)?;
+    }
+    parts.paths.iter().try_for_each(|each| path(each, parts))?;
+    parts.observers.iter().try_for_each(observer)?;
+    parts.estimator.as_ref().map_or(Ok(()), estimator)
+}
+
+fn numbers(parts: &Parts) -> Result<(), Error> {
+    let (low, high) = parts.out_of_balance_range_kg_m;
+    let design = parts.design_out_of_balance_kg_m;
+    positive("sample period (s)", parts.sample_period_s)?;
+    positive("control limit (V)", parts.limit_v)?;
+    finite("bias (V/(kg m))", parts.bias_v_per_kg_m)?;
+    at_least_0("transfer time (s)", parts.transfer_time_s)?;
+    finite("lowest out-of-balance (kg m)", low)?;
+    finite("highest out-of-balance (kg m)", high)?;
+    let inside = low <= design && design <= high;
+    range("design out-of-balance (kg m)", design, inside, "inside the range that may be set")
+}
+
+/// Every state, input and local of a program has a name of its own.
+pub fn distinct(programs: &Programs) -> Result<(), Error> {
+    for program in [&programs.step, &programs.set_out_of_balance] {
+        let mut seen = HashSet::new();
+        let states = programs.states.iter().map(|group| &group.name);
+        for name in states.chain(&program.inputs).chain(&program.locals) {
+            if !seen.insert(name) {
+                let problem = "would stand for two things in target code: rename a path or an observer";
+                return Err(Error::Name { name: name.clone(), problem });
+            }
+        }
+    }
+    Ok(())
+}
+
+fn names(parts: &Parts) -> Result<(), Error> {
+    let paths = parts.paths.iter().map(|path| path.name.as_str());
+    let all: Vec<&str> = paths.chain(parts.observers.iter().map(|observer| observer.name.as_str())).collect();
+    for (i, name) in all.iter().enumerate() {
+        let problem = name_problem(name).or_else(|| all[..i].contains(name).then_some("is used twice"));
+        if let Some(problem) = problem {
+            return Err(Error::Name { name: (*name).to_owned(), problem });
+        }
+    }
+    Ok(())
+}
+
+fn name_problem(name: &str) -> Option<&'static str> {
+    let lower = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+    let taken = crate::lower::OWN_NAMES.contains(&name) || crate::READING_NAMES.contains(&name);
+    match name.chars().next() {
+        None => Some("is empty"),
+        Some(first) if !first.is_ascii_lowercase() => Some("must start with a lower-case letter"),
+        _ if !name.chars().all(lower) => Some("may hold only a to z, 0 to 9 and _"),
+        _ if name.len() > 24 => Some("is longer than 24 characters"),
+        _ if RESERVED.contains(&name) || taken => Some("is a word of the target code"),
+        _ => None,
+    }
+}
+
+fn corrections(parts: &Parts) -> Result<(), Error> {
+    for (i, each) in parts.corrections.iter().enumerate() {
+        let twice = parts.corrections[..i].iter().any(|other| other.reading == each.reading);
+        let known = each.reading < READINGS && !twice;
+        range("corrected reading", each.reading as f64, known, "a reading's index, corrected once")?;
+        finite("correction's gain", each.gain)?;
+        finite("correction's offset", each.offset)?;
+    }
+    Ok(())
+}
+
+fn path(path: &Path, parts: &Parts) -> Result<(), Error> {
+    system(&path.name, &path.system, path.inputs.len(), parts.sample_period_s)?;
+    count(&path.name, "anti-windup gains for states", path.anti_windup.len(), path.system.order())?;
+    for gain in &path.anti_windup {
+        finite(&format!("anti-windup gain of path '{}'", path.name), *gain)?;
+    }
+    match path.scaling {
+        Scaling::Fixed => Ok(()),
+        Scaling::WithOutOfBalance => {
+            let design = parts.design_out_of_balance_kg_m;
+            range(
+                "design out-of-balance (kg m)",
+                design,
+                design != 0.0,
+                "other than 0 where a path scales with it",
+            )
+        }
+        Scaling::Scheduled { below_kg_m, at_kg_m, above_kg_m } => {
+            let increasing = below_kg_m.is_none_or(|below| below.is_finite() && below < at_kg_m)
+                && above_kg_m.is_none_or(|above| above.is_finite() && at_kg_m < above);
+            let wrong = || Error::Schedule {
+                path: path.name.clone(),
+                below: below_kg_m,
+                at: at_kg_m,
+                above: above_kg_m,
+            };
+            if increasing && at_kg_m.is_finite() { Ok(()) } else { Err(wrong()) }
+        }
+    }
+}
+
+fn system(name: &str, system: &StateSpace, inputs: usize, period_s: f64) -> Result<(), Error> {
+    StateSpace::new(system.A.clone(), system.B.clone(), system.C.clone(), system.D.clone(), system.timebase)?;
+    count(name, "inputs of the system", system.inputs(), inputs)?;
+    count(name, "outputs of the system", system.outputs(), 1)?;
+    match system.timebase {
+        Timebase::Discrete { period_s: own } if (own - period_s).abs() <= SAME_PERIOD * period_s => Ok(()),
+        other => Err(Error::Timebase { path: name.to_owned(), found: other.to_string(), period_s }),
+    }
+}
+
+fn observer(observer: &FrictionObserver) -> Result<(), Error> {
+    let name = &observer.name;
+    positive(&format!("Coulomb level of '{name}' (N m)"), observer.coulomb_nm)?;
+    at_least_0(&format!("rest stiffness of '{name}' (N m/rad)"), observer.rest_stiffness_nm_rad)?;
+    finite(&format!("gain of '{name}' (V/(N m))"), observer.volts_per_nm)?;
+    finite(&format!("viscous gain of '{name}' (V s/rad)"), observer.viscous_v_s_rad)?;
+    rate(observer.rate)
+}
+
+fn rate(signal: Signal) -> Result<(), Error> {
+    let is_rate = matches!(
+        signal,
+        Signal::Demand | Signal::HubRate | Signal::MotorRate | Signal::RelativeRate | Signal::PlatformRate
+    );
+    range("signal of a friction model", f64::NAN, is_rate, "a rate")
+}
+
+fn estimator(estimator: &Estimator) -> Result<(), Error> {
+    finite("gravity (m/s^2)", estimator.gravity_m_s2)?;
+    positive("half rate (rad/s)", estimator.half_rate_rad_s)?;
+    range(
+        "adaptation step",
+        estimator.step,
+        estimator.step > 0.0 && estimator.step < 2.0,
+        "in 0 < step < 2",
+    )?;
+    for scale in estimator.scale {
+        at_least_0("scale of an estimated parameter", scale)?;
+    }
+    let volts = estimator.volts_per_kg_m_s2;
+    range("volts for a kg m at 1 m/s^2", volts, volts.is_finite() && volts != 0.0, "finite and not 0")?;
+    positive("rate limit (kg m/s)", estimator.rate_limit_kg_m_s)?;
+    rate(estimator.rate)
+}
+
+fn count(path: &str, what: &'static str, found: usize, expected: usize) -> Result<(), Error> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(Error::Count { path: path.to_owned(), what, found, expected })
+    }
+}
+
+fn positive(what: &str, value: f64) -> Result<(), Error> {
+    range(what, value, value > 0.0 && value.is_finite(), "positive and finite")
+}
+
+fn at_least_0(what: &str, value: f64) -> Result<(), Error> {
+    range(what, value, value >= 0.0 && value.is_finite(), "0 or positive, and finite")
+}
+
+fn finite(what: &str, value: f64) -> Result<(), Error> {
+    range(what, value, value.is_finite(), "finite")
+}
+
+fn range(what: &str, value: f64, holds: bool, allowed: &'static str) -> Result<(), Error> {
+    if holds { Ok(()) } else { Err(Error::Range { what: what.to_owned(), value, allowed }) }
+}

@@ -1,0 +1,132 @@
+//! A checked controller.
+
+use counterpoise_lti::{Mat, StateSpace, Timebase};
+
+use crate::number::Dual;
+use crate::program::Compiled;
+use crate::{Error, Number, Parts, Programs, READINGS, Runner, check, lower};
+
+/// A discrete controller whose arithmetic is fixed to the last bit. It cannot be changed: what was verified is what is
+/// exported.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Controller {
+    parts: Parts,
+    programs: Programs,
+}
+
+impl Controller {
+    /// Checks the parts and fixes the order of the arithmetic.
+    ///
+    /// # Errors
+    /// A number out of its range, a name that target code cannot carry, a system that does not fit its signals, its
+    /// timebase or its anti-windup gains: see [`Error`].
+    pub fn new(parts: Parts) -> Result<Self, Error> {
+        check::parts(&parts)?;
+        let programs = lower::programs(&parts);
+        check::distinct(&programs)?;
+        Ok(Self { parts, programs })
+    }
+
+    /// What the controller is made of.
+    pub fn parts(&self) -> &Parts {
+        &self.parts
+    }
+
+    /// The straight lines of arithmetic that every back end carries out.
+    pub fn programs(&self) -> &Programs {
+        &self.programs
+    }
+
+    /// Sample period, s.
+    pub fn sample_period_s(&self) -> f64 {
+        self.parts.sample_period_s
+    }
+
+    /// The control is limited to +/- this, V.
+    pub fn limit_v(&self) -> f64 {
+        self.parts.limit_v
+    }
+
+    /// The controller at its start, in double: the reference.
+    pub fn runner(&self) -> Runner {
+        Runner::new(self)
+    }
+
+    /// The controller at its start, in the numbers N.
+    pub fn runner_in<N: Number>(&self) -> Runner<N> {
+        Runner::new(self)
+    }
+
+    /// The same controller with another reference prefilter, sum of paths and so on.
+    ///
+    /// # Errors
+    /// As [`Controller::new`].
+    pub fn with(&self, change: impl FnOnce(&mut Parts)) -> Result<Self, Error> {
+        let mut parts = self.parts.clone();
+        change(&mut parts);
+        Self::new(parts)
+    }
+
+    /// The linear part at a set out-of-balance: from the readings, in the order of [`crate::READING_NAMES`], to the
+    /// control before the limiter. The program itself is differentiated at rest, so nothing can be left out. Friction
+    /// observers are taken as sliding (their force constant) and the estimator as standing still.
+    ///
+    /// # Errors
+    /// [`Error::System`] where the program does not give a finite system.
+    pub fn linear(&self, out_of_balance_kg_m: f64) -> Result<StateSpace, Error> {
+        let sliding = self.with(|parts| {
+            parts.estimator = None;
+            parts.observers.iter_mut().for_each(|observer| observer.volts_per_nm = 0.0);
+            parts.bias_v_per_kg_m = 0.0;
+        })?;
+        sliding.differentiate(out_of_balance_kg_m)
+    }
+
+    fn differentiate(&self, out_of_balance_kg_m: f64) -> Result<StateSpace, Error> {
+        let programs = &self.programs;
+        let states = programs.state_count();
+        let mut gains = Runner::<f64>::new(self);
+        gains.set_out_of_balance(out_of_balance_kg_m);
+        let dynamic = self.dynamic_states();
+        let variables = dynamic.len() + READINGS;
+        let variable = |value: f64, i: usize| {
+            let mut slope = vec![0.0; variables];
+            slope[i] = 1.0;
+            Dual { value, slope }
+        };
+        let step = Compiled::<Dual>::new(&programs.step, states);
+        let mut memory = vec![Dual::from_f64(0.0); step.memory()];
+        for (place, value) in memory.iter_mut().zip(gains.states()) {
+            *place = Dual::from_f64(value);
+        }
+        for (i, &state) in dynamic.iter().enumerate() {
+            memory[state] = variable(0.0, i);
+        }
+        let readings: Vec<Dual> = (0..READINGS).map(|j| variable(0.0, dynamic.len() + j)).collect();
+        let output = step.run(&mut memory, &readings).unwrap_or(Dual::from_f64(0.0));
+        let rows: Vec<&Dual> = dynamic.iter().map(|&state| &memory[state]).collect();
+        self.assemble(&rows, &output)
+    }
+
+    fn assemble(&self, next: &[&Dual], output: &Dual) -> Result<StateSpace, Error> {
+        let n = next.len();
+        let at = |row: &Dual, j: usize| row.slope.get(j).copied().unwrap_or(0.0);
+        let A = Mat::from_fn(n, n, |i, j| at(next[i], j));
+        let B = Mat::from_fn(n, READINGS, |i, j| at(next[i], n + j));
+        let C = Mat::from_fn(1, n, |_, j| at(output, j));
+        let D = Mat::from_fn(1, READINGS, |_, j| at(output, n + j));
+        let timebase = Timebase::Discrete { period_s: self.parts.sample_period_s };
+        Ok(StateSpace::new(A, B, C, D, timebase)?)
+    }
+
+    /// States that carry signals: those of the prefilter and the paths, and the control of the sample before.
+    fn dynamic_states(&self) -> Vec<usize> {
+        let carries = |name: &str| {
+            name == lower::PREFILTER_STATES
+                || name == lower::PREVIOUS_CONTROL
+                || self.parts.paths.iter().any(|path| path.name == name)
+        };
+        let groups = self.programs.states.iter().filter(|group| carries(&group.name));
+        groups.flat_map(|group| group.first..group.first + group.initial.len()).collect()
+    }
+}

@@ -1,0 +1,65 @@
+//! Why a controller is refused.
+
+/// What is wrong with the description of a controller.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A name that target code cannot carry, or that is used twice.
+    #[error("name '{name}': {problem}")]
+    Name {
+        /// The name.
+        name: String,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
+    /// A number outside its range.
+    #[error("{what} = {value}: must be {allowed}")]
+    Range {
+        /// What the number is.
+        what: String,
+        /// What was given.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A count that does not fit the system it belongs to.
+    #[error("path '{path}': {what}: {found} given, {expected} needed")]
+    Count {
+        /// Name of the path.
+        path: String,
+        /// What is counted.
+        what: &'static str,
+        /// How many were given.
+        found: usize,
+        /// How many are needed.
+        expected: usize,
+    },
+    /// A system that is not sampled with the controller's period.
+    #[error("path '{path}' is {found}; the controller's sample period is {period_s} s")]
+    Timebase {
+        /// Name of the path.
+        path: String,
+        /// The timebase found.
+        found: String,
+        /// The controller's period, s.
+        period_s: f64,
+    },
+    /// Points of a schedule that are not in increasing order.
+    #[error("path '{path}': schedule points {below:?} < {at} < {above:?} must increase (kg m)")]
+    Schedule {
+        /// Name of the path.
+        path: String,
+        /// Point below, kg m.
+        below: Option<f64>,
+        /// The path's own point, kg m.
+        at: f64,
+        /// Point above, kg m.
+        above: Option<f64>,
+    },
+    /// A system that could not be built.
+    #[error(transparent)]
+    System(#[from] counterpoise_lti::Error),
+    /// A matrix computation that failed.
+    #[error("realisation: {0}")]
+    Realisation(String),
+}

@@ -1,0 +1,159 @@
+//! From a controller's parts to its straight lines of arithmetic.
+//!
+//! Order of a step: corrections, prefilter, derived signals, friction observers, outputs of the paths, their gains, the
+//! sum, the limiter, new states. Coefficients that are exactly 0 are left out here, once for all back ends.
+
+mod schedule;
+mod step;
+
+use crate::program::{OnReset, Operation, Program, Programs, Section, Slot, StateGroup, Term};
+use crate::{Parts, READING_NAMES};
+
+/// Group of the prefilter's states.
+pub const PREFILTER_STATES: &str = "prefilter";
+/// The limited control of the sample before.
+pub const PREVIOUS_CONTROL: &str = "previous_control_v";
+/// Names of states and locals that a path must not take.
+pub const OWN_NAMES: [&str; 12] = [
+    PREFILTER_STATES,
+    PREVIOUS_CONTROL,
+    "out_of_balance_kg_m",
+    "bias_v",
+    "transfer_v",
+    "estimate",
+    "control_v",
+    "limited_v",
+    "excess_v",
+    "filtered_demand_rad_s",
+    "rate_error_rad_s",
+    "relative_rate_rad_s",
+];
+
+/// The programs of a controller with the given parts.
+pub fn programs(parts: &Parts) -> Programs {
+    let mut states = States::default();
+    let layout = schedule::layout(parts, &mut states);
+    let step = step::program(parts, &layout, &mut states);
+    let set_out_of_balance = schedule::program(parts, &layout);
+    Programs { states: states.groups, step, set_out_of_balance }
+}
+
+/// The states as they are handed out.
+#[derive(Default)]
+pub(crate) struct States {
+    groups: Vec<StateGroup>,
+    count: usize,
+}
+
+impl States {
+    /// One state.
+    pub fn scalar(&mut self, name: &str, initial: f64, on_reset: OnReset) -> Slot {
+        self.add(name, None, vec![initial], on_reset)
+    }
+
+    /// An array of states that start at 0.
+    pub fn array(&mut self, name: &str, length: usize) -> Vec<Slot> {
+        let first = self.count;
+        if length > 0 {
+            self.add(name, Some(length), vec![0.0; length], OnReset::Restart);
+        }
+        (first..first + length).map(Slot::State).collect()
+    }
+
+    fn add(&mut self, name: &str, length: Option<usize>, initial: Vec<f64>, on_reset: OnReset) -> Slot {
+        let first = self.count;
+        self.count += initial.len();
+        self.groups.push(StateGroup { name: name.to_owned(), first, length, initial, on_reset });
+        Slot::State(first)
+    }
+}
+
+/// Writes a program line by line.
+pub(crate) struct Writer {
+    program: Program,
+}
+
+impl Writer {
+    /// An empty program with named inputs.
+    pub fn new(inputs: &[&str]) -> Self {
+        let inputs = inputs.iter().map(|name| (*name).to_owned()).collect();
+        Self { program: Program { inputs, ..Program::default() } }
+    }
+
+    /// Opens a section.
+    pub fn section(&mut self, says: impl Into<String>) {
+        self.program.sections.push(Section { says: says.into(), operations: Vec::new() });
+    }
+
+    /// A new local.
+    pub fn local(&mut self, name: impl Into<String>) -> Slot {
+        self.program.locals.push(name.into());
+        Slot::Local(self.program.locals.len() - 1)
+    }
+
+    /// Appends an operation.
+    pub fn push(&mut self, operation: Operation) {
+        if let Some(section) = self.program.sections.last_mut() {
+            section.operations.push(operation);
+        }
+    }
+
+    /// `into = constant + sum of coefficient x slot`, coefficients of 0 left out.
+    pub fn sum_into(&mut self, into: Slot, constant: Option<f64>, terms: &[(f64, Slot)]) {
+        let kept = terms.iter().filter(|(coefficient, _)| *coefficient != 0.0);
+        let terms = kept.map(|&(coefficient, of)| Term { coefficient, of }).collect();
+        self.push(Operation::Sum { into, constant: constant.filter(|c| *c != 0.0), terms });
+    }
+
+    /// A new local that is a sum.
+    pub fn sum(&mut self, name: impl Into<String>, terms: &[(f64, Slot)]) -> Slot {
+        let into = self.local(name);
+        self.sum_into(into, None, terms);
+        into
+    }
+
+    /// A new local a b.
+    pub fn product(&mut self, name: impl Into<String>, a: Slot, b: Slot) -> Slot {
+        let into = self.local(name);
+        self.push(Operation::Product { into, a, b });
+        into
+    }
+
+    /// A new local above / below.
+    pub fn quotient(&mut self, name: impl Into<String>, above: Slot, below: Slot) -> Slot {
+        let into = self.local(name);
+        self.push(Operation::Quotient { into, above, below });
+        into
+    }
+
+    /// A new local between low and high.
+    pub fn clamp(&mut self, name: impl Into<String>, of: Slot, (low, high): (f64, f64)) -> Slot {
+        let into = self.local(name);
+        self.push(Operation::Clamp { into, of, low, high });
+        into
+    }
+
+    /// A new local |of|.
+    pub fn magnitude(&mut self, name: impl Into<String>, of: Slot) -> Slot {
+        let into = self.local(name);
+        self.push(Operation::Magnitude { into, of });
+        into
+    }
+
+    /// `into = from`.
+    pub fn copy(&mut self, into: Slot, from: Slot) {
+        self.sum_into(into, None, &[(1.0, from)]);
+    }
+
+    /// The program, with what it gives.
+    pub fn finish(mut self, output: Option<Slot>) -> Program {
+        self.program.sections.retain(|section| !section.operations.is_empty());
+        self.program.output = output;
+        self.program
+    }
+}
+
+/// Names of the step's inputs.
+pub(crate) fn reading_names() -> Vec<&'static str> {
+    READING_NAMES.to_vec()
+}

@@ -1,0 +1,195 @@
+//! Gains, bias and transfer that follow the out-of-balance.
+
+use crate::lower::{States, Writer};
+use crate::program::{OnReset, Operation, Program, Slot};
+use crate::{Parts, Scaling};
+
+/// States that belong to the out-of-balance.
+pub(crate) struct Layout {
+    /// The out-of-balance in force, kg m.
+    pub out_of_balance: Slot,
+    /// Bias in force, V.
+    pub bias: Option<Slot>,
+    /// What is left of the last change's step, V.
+    pub transfer: Option<Slot>,
+    /// The estimator's parameters.
+    pub estimate: Vec<Slot>,
+    /// Gain in force and last output of each path that follows the out-of-balance.
+    pub paths: Vec<Option<Followed>>,
+}
+
+/// A path that follows the out-of-balance.
+#[derive(Clone, Copy)]
+pub(crate) struct Followed {
+    /// Gain in force.
+    pub gain: Slot,
+    /// The path's output before its gain in the last step, V.
+    pub last: Slot,
+}
+
+/// Hands out the states, with the values that belong to the design's out-of-balance.
+pub(crate) fn layout(parts: &Parts, states: &mut States) -> Layout {
+    let design = parts.design_out_of_balance_kg_m;
+    let out_of_balance = states.scalar("out_of_balance_kg_m", design, OnReset::Keep);
+    let bias = (parts.bias_v_per_kg_m != 0.0)
+        .then(|| states.scalar("bias_v", parts.bias_v_per_kg_m * design, OnReset::Keep));
+    let paths: Vec<Option<Followed>> = parts
+        .paths
+        .iter()
+        .map(|path| {
+            let initial = initial_gain(path.scaling, design)?;
+            let gain = states.scalar(&format!("{}_gain", path.name), initial, OnReset::Keep);
+            let last = states.scalar(&format!("{}_last_v", path.name), 0.0, OnReset::Restart);
+            Some(Followed { gain, last })
+        })
+        .collect();
+    let follows = bias.is_some() || paths.iter().any(Option::is_some);
+    let transfer =
+        (follows && parts.transfer_time_s > 0.0).then(|| states.scalar("transfer_v", 0.0, OnReset::Restart));
+    let estimate = parts.estimator.as_ref().map_or(Vec::new(), |estimator| {
+        let holds = design * estimator.volts_per_kg_m_s2;
+        (0..3)
+            .map(|i| {
+                let initial = if i == 0 { holds } else { 0.0 };
+                states.scalar(&format!("estimate_{i}"), initial, OnReset::Keep)
+            })
+            .collect()
+    });
+    Layout { out_of_balance, bias, transfer, estimate, paths }
+}
+
+fn initial_gain(scaling: Scaling, design: f64) -> Option<f64> {
+    let mut states = States::default();
+    let into = states.scalar("gain", 0.0, OnReset::Keep);
+    let of = states.scalar("out_of_balance_kg_m", design, OnReset::Keep);
+    let mut writer = Writer::new(&[]);
+    writer.section("gain");
+    gain(&mut writer, ("path", scaling), of, design)
+        .map(|from| writer.copy(into, from))
+        .map(|()| evaluate(&writer.finish(Some(into)), design))
+}
+
+fn evaluate(program: &Program, out_of_balance: f64) -> f64 {
+    let compiled = crate::program::Compiled::<f64>::new(program, 2);
+    let mut memory = vec![0.0; compiled.memory()];
+    if let Some(place) = memory.get_mut(1) {
+        *place = out_of_balance;
+    }
+    compiled.run(&mut memory, &[]).unwrap_or(0.0)
+}
+
+/// The gain of a path at the out-of-balance `of`; none for a fixed path.
+fn gain(writer: &mut Writer, (name, scaling): (&str, Scaling), of: Slot, design: f64) -> Option<Slot> {
+    match scaling {
+        Scaling::Fixed => None,
+        Scaling::WithOutOfBalance => {
+            let reference = constant(writer, format!("{name}_design_kg_m"), design);
+            Some(writer.quotient(format!("{name}_ratio"), of, reference))
+        }
+        Scaling::Scheduled { below_kg_m, at_kg_m, above_kg_m } => {
+            let rising = below_kg_m.map(|below| edge(writer, (name, "rise"), of, (below, at_kg_m)));
+            let falling = above_kg_m.map(|above| edge(writer, (name, "fall"), of, (above, at_kg_m)));
+            Some(match (rising, falling) {
+                (Some(a), Some(b)) => writer.product(format!("{name}_share"), a, b),
+                (Some(one), None) | (None, Some(one)) => one,
+                (None, None) => constant(writer, format!("{name}_share"), 1.0),
+            })
+        }
+    }
+}
+
+/// (of - from) / (to - from) between 0 and 1.
+fn edge(writer: &mut Writer, (name, which): (&str, &str), of: Slot, (from, to): (f64, f64)) -> Slot {
+    let start = constant(writer, format!("{name}_{which}_from"), from);
+    let span = constant(writer, format!("{name}_{which}_span"), to - from);
+    let way = writer.sum(format!("{name}_{which}_way"), &[(1.0, of), (-1.0, start)]);
+    let part = writer.quotient(format!("{name}_{which}_part"), way, span);
+    writer.clamp(format!("{name}_{which}"), part, (0.0, 1.0))
+}
+
+fn constant(writer: &mut Writer, name: String, value: f64) -> Slot {
+    let into = writer.local(name);
+    writer.push(Operation::Sum { into, constant: Some(value), terms: Vec::new() });
+    into
+}
+
+/// Writes gains and bias that belong to the out-of-balance in force.
+pub(crate) fn follow(writer: &mut Writer, parts: &Parts, layout: &Layout) {
+    let of = layout.out_of_balance;
+    for (path, followed) in parts.paths.iter().zip(&layout.paths) {
+        let new = gain(writer, (&path.name, path.scaling), of, parts.design_out_of_balance_kg_m);
+        if let (Some(followed), Some(new)) = (followed, new) {
+            writer.copy(followed.gain, new);
+        }
+    }
+    if let Some(bias) = layout.bias {
+        writer.sum_into(bias, None, &[(parts.bias_v_per_kg_m, of)]);
+    }
+}
+
+/// The program that sets the out-of-balance.
+pub(crate) fn program(parts: &Parts, layout: &Layout) -> Program {
+    let mut writer = Writer::new(&["new_out_of_balance_kg_m"]);
+    let before = layout.transfer.map(|_| {
+        writer.section("what the last step would give with the old gains and bias");
+        slow_part(&mut writer, layout, "before")
+    });
+    writer.section("out-of-balance inside its range");
+    let set = writer.clamp("set_kg_m", Slot::Input(0), parts.out_of_balance_range_kg_m);
+    writer.copy(layout.out_of_balance, set);
+    if let (Some(&first), Some(estimator)) = (layout.estimate.first(), &parts.estimator) {
+        writer.sum_into(first, None, &[(estimator.volts_per_kg_m_s2, set)]);
+    }
+    writer.section("gains and bias that belong to it");
+    follow(&mut writer, parts, layout);
+    if let (Some(transfer), Some(before)) = (layout.transfer, before) {
+        writer.section("the step this makes is taken out, to fade in");
+        let after = slow_part(&mut writer, layout, "after");
+        let sum = writer.sum("new_transfer_v", &[(1.0, transfer), (1.0, before), (-1.0, after)]);
+        writer.copy(transfer, sum);
+    }
+    writer.finish(None)
+}
+
+/// The part of the last control that gains and bias make.
+fn slow_part(writer: &mut Writer, layout: &Layout, when: &str) -> Slot {
+    let mut parts: Vec<(f64, Slot)> = Vec::new();
+    for (i, followed) in layout.paths.iter().enumerate() {
+        if let Some(followed) = followed {
+            parts.push((1.0, writer.product(format!("{when}_{i}_v"), followed.gain, followed.last)));
+        }
+    }
+    parts.extend(layout.bias.map(|bias| (1.0, bias)));
+    writer.sum(format!("{when}_v"), &parts)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::{Controller, Runner};
+
+    /// The gains of a runner at an out-of-balance are those of a controller designed there.
+    #[test]
+    fn a_hat_is_one_at_its_point_and_zero_at_its_neighbours() {
+        let scaling = Scaling::Scheduled { below_kg_m: Some(50.0), at_kg_m: 100.0, above_kg_m: Some(200.0) };
+        for (of, expected) in [(0.0, 0.0), (50.0, 0.0), (75.0, 0.5), (100.0, 1.0), (150.0, 0.5), (250.0, 0.0)]
+        {
+            assert_eq!(initial_gain(scaling, of), Some(expected));
+        }
+        let lowest = Scaling::Scheduled { below_kg_m: None, at_kg_m: 100.0, above_kg_m: Some(200.0) };
+        assert_eq!(initial_gain(lowest, -5.0), Some(1.0));
+        assert_eq!(initial_gain(Scaling::Fixed, 3.0), None);
+    }
+
+    #[test]
+    fn a_controller_without_paths_holds_its_bias() {
+        let mut parts = Parts::new(1e-3, 10.0);
+        parts.design_out_of_balance_kg_m = 150.0;
+        parts.bias_v_per_kg_m = 0.02;
+        let mut runner: Runner = Controller::new(parts).unwrap().runner();
+        assert_eq!(runner.step_array(&[0.0; 6]), 3.0);
+        runner.set_out_of_balance(50.0);
+        assert_eq!(runner.step_array(&[0.0; 6]), 1.0);
+    }
+}

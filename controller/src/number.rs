@@ -1,0 +1,120 @@
+//! The arithmetic that a program runs in.
+
+/// Numbers in which a program can run.
+pub trait Number: Clone + std::fmt::Debug {
+    /// The nearest number.
+    fn from_f64(value: f64) -> Self;
+    /// Its value in double.
+    fn to_f64(&self) -> f64;
+    /// Sum, rounded.
+    fn plus(&self, other: &Self) -> Self;
+    /// Product, rounded.
+    fn times(&self, other: &Self) -> Self;
+    /// Quotient, rounded.
+    fn over(&self, other: &Self) -> Self;
+    /// Magnitude, exact.
+    fn magnitude(&self) -> Self;
+    /// `low` where below it, else `high` where above it, else itself.
+    fn clamped(&self, low: &Self, high: &Self) -> Self;
+}
+
+macro_rules! machine_number {
+    ($t:ty) => {
+        impl Number for $t {
+            #[inline]
+            fn from_f64(value: f64) -> Self {
+                value as $t
+            }
+            #[inline]
+            fn to_f64(&self) -> f64 {
+                f64::from(*self)
+            }
+            #[inline]
+            fn plus(&self, other: &Self) -> Self {
+                self + other
+            }
+            #[inline]
+            fn times(&self, other: &Self) -> Self {
+                self * other
+            }
+            #[inline]
+            fn over(&self, other: &Self) -> Self {
+                self / other
+            }
+            #[inline]
+            fn magnitude(&self) -> Self {
+                if *self < 0.0 { -*self } else { *self }
+            }
+            #[inline]
+            fn clamped(&self, low: &Self, high: &Self) -> Self {
+                if self < low {
+                    *low
+                } else if self > high {
+                    *high
+                } else {
+                    *self
+                }
+            }
+        }
+    };
+}
+machine_number!(f32);
+machine_number!(f64);
+
+/// A value with its derivatives: forward differentiation of a program.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dual {
+    /// Value.
+    pub value: f64,
+    /// Derivatives by the chosen variables; empty means all zero.
+    pub slope: Vec<f64>,
+}
+
+impl Dual {
+    fn blend(&self, p: f64, other: &Self, q: f64, value: f64) -> Self {
+        let n = self.slope.len().max(other.slope.len());
+        let at = |s: &[f64], i: usize| s.get(i).copied().unwrap_or(0.0);
+        let slope = (0..n).map(|i| p * at(&self.slope, i) + q * at(&other.slope, i)).collect();
+        Self { value, slope }
+    }
+}
+
+impl Number for Dual {
+    fn from_f64(value: f64) -> Self {
+        Self { value, slope: Vec::new() }
+    }
+
+    fn to_f64(&self) -> f64 {
+        self.value
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        self.blend(1.0, other, 1.0, self.value + other.value)
+    }
+
+    fn times(&self, other: &Self) -> Self {
+        self.blend(other.value, other, self.value, self.value * other.value)
+    }
+
+    fn over(&self, other: &Self) -> Self {
+        let value = self.value / other.value;
+        self.blend(1.0 / other.value, other, -value / other.value, value)
+    }
+
+    /// At 0, where |x| has no derivative, 0 is taken.
+    fn magnitude(&self) -> Self {
+        let sign = if self.value == 0.0 { 0.0 } else { self.value.signum() };
+        let slope = self.slope.iter().map(|s| sign * s).collect();
+        Self { value: self.value.abs(), slope }
+    }
+
+    fn clamped(&self, low: &Self, high: &Self) -> Self {
+        if self.value < low.value {
+            low.clone()
+        } else if self.value > high.value {
+            high.clone()
+        } else {
+            self.clone()
+        }
+    }
+}

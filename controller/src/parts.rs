@@ -1,0 +1,151 @@
+//! What a controller is made of: plain data, checked when a controller is built from it.
+
+use counterpoise_lti::StateSpace;
+
+use crate::Signal;
+
+/// A discrete transfer path from signals to volts
+///
+/// ```text
+///     y[k]   = gain (C x[k] + D u[k])
+///     x[k+1] = A x[k] + B u[k] + anti_windup (limited - unlimited control)
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Path {
+    /// Name: a lower-case identifier, for target code and reports.
+    pub name: String,
+    /// The signals u, one an input of `system`.
+    pub inputs: Vec<Signal>,
+    /// Discrete system with one output, in the realisation in which it is to run (see [`crate::realise::modal`]).
+    pub system: StateSpace,
+    /// Gain a state on what the limiter cut off; zeros where the path does not wind up.
+    pub anti_windup: Vec<f64>,
+    /// How the output follows the out-of-balance.
+    pub scaling: Scaling,
+}
+
+/// How a path's output follows the out-of-balance M that is set.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Scaling {
+    /// It does not.
+    Fixed,
+    /// Gain M / design out-of-balance: the gain law.
+    WithOutOfBalance,
+    /// One design of several, each made for an out-of-balance: gain 1 at `at_kg_m`, falling linearly to 0 at its
+    /// neighbours, and held beyond the first and the last design.
+    Scheduled {
+        /// Neighbour below, kg m; none for the lowest design.
+        below_kg_m: Option<f64>,
+        /// The out-of-balance that this path was designed for, kg m.
+        at_kg_m: f64,
+        /// Neighbour above, kg m; none for the highest design.
+        above_kg_m: Option<f64>,
+    },
+}
+
+/// Dahl's friction from a rate, as volts that cancel it
+///
+/// ```text
+///     F[k+1] = (F[k] + sigma T w) / (1 + sigma T |w| / F_c),   output  volts_per_nm F[k+1] + volts_s_rad w
+/// ```
+///
+/// The update is the implicit step of dF = sigma (dx - F/F_c |dx|): it needs no exponential and keeps |F| <= F_c.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrictionObserver {
+    /// Name: a lower-case identifier.
+    pub name: String,
+    /// The rate w that the friction follows: a measured one (feedback) or the demand (feedforward).
+    pub rate: Signal,
+    /// Coulomb level F_c, N m.
+    pub coulomb_nm: f64,
+    /// Rest stiffness sigma, N m/rad.
+    pub rest_stiffness_nm_rad: f64,
+    /// Volts that cancel one N m.
+    pub volts_per_nm: f64,
+    /// Volts for one rad/s of rate: the viscous part; may be 0.
+    pub viscous_v_s_rad: f64,
+}
+
+/// Correction of a reading: corrected = gain reading + offset.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Correction {
+    /// Index of the reading in [`crate::READING_NAMES`].
+    pub reading: usize,
+    /// Gain, 1 for none.
+    pub gain: f64,
+    /// Offset, in the unit of the reading.
+    pub offset: f64,
+}
+
+/// Estimates the out-of-balance from the control while the machine runs, and sets it
+///
+/// ```text
+///     phi = (g + a_p, w / (|w| + w0), w)        v = phi p,   p = (volts per m/s^2, dry V, viscous V s/rad)
+///     p  += step (u - v) phi / (1 + phi' S phi) S,       S = diag(scale^2)
+///     M   = p_0 / volts_per_kg_m_s2, moved by at most `rate_limit_kg_m_s` T a sample, kept inside the range
+/// ```
+///
+/// A normalised gradient estimator: stable for 0 < step < 2. It acts on the feedforward's gain and the bias only.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimator {
+    /// Acceleration of gravity along the axis that the imbalance feels, m/s^2; 0 in azimuth or without gravity.
+    pub gravity_m_s2: f64,
+    /// Rate of the friction regressors.
+    pub rate: Signal,
+    /// Rate w0 at which the dry regressor is half grown, rad/s.
+    pub half_rate_rad_s: f64,
+    /// Adaptation step, 0 < step < 2.
+    pub step: f64,
+    /// Typical sizes of the three parameters relative to each other's regressors: S.
+    pub scale: [f64; 3],
+    /// Volts that hold one kg m at one m/s^2.
+    pub volts_per_kg_m_s2: f64,
+    /// Largest change of the out-of-balance, kg m/s.
+    pub rate_limit_kg_m_s: f64,
+}
+
+/// All parts of a controller.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parts {
+    /// Sample period, s.
+    pub sample_period_s: f64,
+    /// Corrections of readings, at most one a reading; usually none.
+    pub corrections: Vec<Correction>,
+    /// Reference prefilter from demand to demand, discrete, one input and one output.
+    pub prefilter: Option<StateSpace>,
+    /// Transfer paths, in the order in which their outputs are summed.
+    pub paths: Vec<Path>,
+    /// Friction observers, summed after the paths.
+    pub observers: Vec<FrictionObserver>,
+    /// Out-of-balance that the paths were designed for, kg m.
+    pub design_out_of_balance_kg_m: f64,
+    /// Lowest and highest out-of-balance that may be set, kg m.
+    pub out_of_balance_range_kg_m: (f64, f64),
+    /// Volts that hold one kg m of out-of-balance against gravity, V/(kg m).
+    pub bias_v_per_kg_m: f64,
+    /// Time constant with which the step of a changed out-of-balance fades in, s; 0 lets it through at once.
+    pub transfer_time_s: f64,
+    /// Estimator of the out-of-balance.
+    pub estimator: Option<Estimator>,
+    /// The control is limited to +/- this, V.
+    pub limit_v: f64,
+}
+
+impl Parts {
+    /// No paths and no observers yet: control 0 within +/- `limit_v`, out-of-balance 0 within +/- 1e6 kg m.
+    pub fn new(sample_period_s: f64, limit_v: f64) -> Self {
+        Self {
+            sample_period_s,
+            corrections: Vec::new(),
+            prefilter: None,
+            paths: Vec::new(),
+            observers: Vec::new(),
+            design_out_of_balance_kg_m: 0.0,
+            out_of_balance_range_kg_m: (-1e6, 1e6),
+            bias_v_per_kg_m: 0.0,
+            transfer_time_s: 0.0,
+            estimator: None,
+            limit_v,
+        }
+    }
+}

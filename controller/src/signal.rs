@@ -1,0 +1,96 @@
+//! The signals that a controller can use.
+
+use crate::Readings;
+
+/// Number of readings: the inputs of a controller's step.
+pub const READINGS: usize = 6;
+
+/// Names of the readings with their units, in the order of the step's inputs.
+pub const READING_NAMES: [&str; READINGS] = [
+    "demand_rad_s",
+    "hub_rate_rad_s",
+    "platform_rate_rad_s",
+    "platform_accel_m_s2",
+    "motor_rate_rad_s",
+    "hub_position_rad",
+];
+
+/// A signal that a path of the controller uses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Signal {
+    /// Demanded hub rate after the reference prefilter, rad/s.
+    Demand,
+    /// Hub gyroscope, rad/s.
+    HubRate,
+    /// Demand after the prefilter less hub rate, rad/s.
+    RateError,
+    /// Platform gyroscope, rad/s.
+    PlatformRate,
+    /// Platform accelerometer (heave), m/s^2.
+    PlatformAcceleration,
+    /// Motor tachometer, rad/s relative to the platform.
+    MotorRate,
+    /// Hub angle relative to the platform, rad.
+    HubPosition,
+    /// Hub rate less platform rate, rad/s.
+    RelativeRate,
+    /// The limited control of the sample before, V.
+    PreviousControl,
+}
+
+impl Signal {
+    /// The reading behind the signal, where it is one; the demand is filtered first.
+    pub fn reading(self) -> Option<usize> {
+        match self {
+            Signal::Demand => Some(0),
+            Signal::HubRate => Some(1),
+            Signal::PlatformRate => Some(2),
+            Signal::PlatformAcceleration => Some(3),
+            Signal::MotorRate => Some(4),
+            Signal::HubPosition => Some(5),
+            Signal::RateError | Signal::RelativeRate | Signal::PreviousControl => None,
+        }
+    }
+
+    /// Name with unit, as target code carries it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Signal::Demand => "filtered_demand_rad_s",
+            Signal::RateError => "rate_error_rad_s",
+            Signal::RelativeRate => "relative_rate_rad_s",
+            Signal::PreviousControl => "previous_control_v",
+            Signal::HubRate => READING_NAMES[1],
+            Signal::PlatformRate => READING_NAMES[2],
+            Signal::PlatformAcceleration => READING_NAMES[3],
+            Signal::MotorRate => READING_NAMES[4],
+            Signal::HubPosition => READING_NAMES[5],
+        }
+    }
+}
+
+impl Readings {
+    /// The readings in the order of [`READING_NAMES`].
+    pub fn to_array(&self) -> [f64; READINGS] {
+        [
+            self.demand_rad_s,
+            self.hub_rate_rad_s,
+            self.platform_rate_rad_s,
+            self.platform_accel_m_s2,
+            self.motor_rate_rad_s,
+            self.hub_position_rad,
+        ]
+    }
+
+    /// Readings from values in the order of [`READING_NAMES`].
+    pub fn from_array(values: [f64; READINGS]) -> Self {
+        let [demand, hub, platform, accel, motor, position] = values;
+        Self {
+            demand_rad_s: demand,
+            hub_rate_rad_s: hub,
+            platform_rate_rad_s: platform,
+            platform_accel_m_s2: accel,
+            motor_rate_rad_s: motor,
+            hub_position_rad: position,
+        }
+    }
+}
