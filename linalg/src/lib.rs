@@ -17,9 +17,13 @@ pub mod balance;
 pub mod decomposition;
 pub mod dense;
 mod error;
+pub mod expm;
+pub mod hammarling;
+pub mod lyapunov;
 pub mod mat;
 pub mod schur;
 mod small;
+pub mod sylvester;
 pub mod tolerance;
 
 pub use decomposition::{
@@ -29,5 +33,9 @@ pub use decomposition::{
 pub use dense::{Qr, cdet, cholesky, csolve, dot, inverse, lstsq, pinv, qr, qr_full_q, qr_r, solve};
 pub use error::Error;
 pub use balance::{Balanced, balance};
+pub use expm::{expm, expm_integral, van_loan_cost, van_loan_noise};
+pub use hammarling::{dlyap_factor, lyap_factor};
+pub use lyapunov::{dlyap, lyap};
 pub use mat::{C64, CMat, Mat};
 pub use schur::{Schur, eigenvalues, schur};
+pub use sylvester::{dsylvester, eigenvalue_separation, sylvester};

@@ -1,0 +1,176 @@
+//! Lyapunov equations solved for a factor of the solution, so that it stays positive semidefinite.
+//!
+//! Sources: Hammarling, IMA J. Numer. Anal. 2 (1982); Sorensen and Zhou, J. Appl. Math. 2003, for the form used here:
+//! after each column the right-hand side is updated by one rank-one term, no factor is ever recomputed.
+
+use crate::dense::qr_r;
+use crate::error::{Error, check_shape, check_square};
+use crate::mat::{C64, CMat, Mat};
+use crate::schur::{Schur, blocks, schur};
+use crate::sylvester::Kind;
+
+/// The lower triangular factor `L`, `P = L L'`, of the solution of `A P + P A' + B B' = 0`; `A` n x n stable, `B` n x m.
+///
+/// Method: balancing, real Schur form made complex triangular, Hammarling's recursion; the small Hankel values of a
+/// balanced truncation need this factor rather than `P`.
+///
+/// # Errors
+/// Wrong shapes, entries that are not finite, or [`Error::NotStable`] with the eigenvalue.
+pub fn lyap_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
+    factor(A, B, Kind::Continuous)
+}
+
+/// The lower triangular factor `L`, `P = L L'`, of the solution of `A P A' - P + B B' = 0`; every eigenvalue of `A` must
+/// be inside the unit circle. Method and errors as for [`lyap_factor`].
+///
+/// # Errors
+/// Wrong shapes, entries that are not finite, or [`Error::NotStable`] with the eigenvalue.
+pub fn dlyap_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
+    factor(A, B, Kind::Discrete)
+}
+
+fn factor(A: &Mat, B: &Mat, kind: Kind) -> Result<Mat, Error> {
+    check_square("A", A)?;
+    check_shape("B", B, (A.nrows(), B.ncols()))?;
+    let balanced = crate::balance::balance(A)?;
+    let form = schur(&balanced.A)?;
+    check_stable(&form, kind)?;
+    let d = &balanced.scale;
+    let scaled = Mat::from_fn(B.nrows(), B.ncols(), |i, j| B[(i, j)] / d[i]);
+    let (T, Z) = complex_form(&form);
+    let reduced = narrow(&(form.U.t() * &scaled))?;
+    let R = triangular_factor(&T, &(Z.h() * reduced.to_complex()), kind);
+    let whole = form.U.to_complex() * &Z * &R;
+    let n = A.nrows();
+    let real = Mat::from_fn(n, 2 * n, |i, j| d[i] * if j < n { whole[(i, j)].re } else { whole[(i, j - n)].im });
+    Ok(qr_r(&real.t())?.t())
+}
+
+fn check_stable(form: &Schur, kind: Kind) -> Result<(), Error> {
+    let unstable = |l: &C64| match kind {
+        Kind::Continuous => l.re >= 0.0,
+        Kind::Discrete => l.norm() >= 1.0,
+    };
+    match form.eigenvalues().into_iter().find(unstable) {
+        Some(eigenvalue) => Err(Error::NotStable { what: "A", eigenvalue }),
+        None => Ok(()),
+    }
+}
+
+/// As many columns as rows at most, with the same `B B'`.
+fn narrow(B: &Mat) -> Result<Mat, Error> {
+    if B.ncols() <= B.nrows() { Ok(B.clone()) } else { Ok(qr_r(&B.t())?.t()) }
+}
+
+/// The complex triangular form of a real Schur form and the unitary `Z` with `T_real = Z T Z^H`.
+fn complex_form(form: &Schur) -> (CMat, CMat) {
+    let mut T = form.T.to_complex();
+    let n = T.nrows();
+    let mut Z = CMat::eye(n);
+    for (k, size) in blocks(&form.T) {
+        if size == 2 {
+            let (a, b, c) = (form.T[(k, k)], form.T[(k, k + 1)], form.T[(k + 1, k)]);
+            let omega = (b.abs() * c.abs()).sqrt();
+            // Eigenvector [b; j omega] of [a b; c a] for a + j omega.
+            let norm = b.hypot(omega);
+            let (x, y) = (C64::new(b / norm, 0.0), C64::new(0.0, omega / norm));
+            turn(&mut T, &mut Z, k, x, y);
+            T[(k, k)] = C64::new(a, omega);
+            T[(k + 1, k + 1)] = C64::new(a, -omega);
+            T[(k + 1, k)] = C64::new(0.0, 0.0);
+        }
+    }
+    (T, Z)
+}
+
+/// The unitary similarity whose first column is `[x; y]`, in rows and columns `k`, `k + 1`.
+fn turn(T: &mut CMat, Z: &mut CMat, k: usize, x: C64, y: C64) {
+    let n = T.nrows();
+    for j in k..n {
+        let (p, q) = (T[(k, j)], T[(k + 1, j)]);
+        T[(k, j)] = x.conj() * p + y.conj() * q;
+        T[(k + 1, j)] = -y * p + x * q;
+    }
+    let columns = |M: &mut CMat, rows: usize| {
+        for i in 0..rows {
+            let (p, q) = (M[(i, k)], M[(i, k + 1)]);
+            M[(i, k)] = p * x + q * y;
+            M[(i, k + 1)] = q * x.conj() - p * y.conj();
+        }
+    };
+    columns(T, k + 2);
+    columns(Z, n);
+}
+
+/// The upper triangular `R` with `P = R R^H`, from the last column to the first.
+fn triangular_factor(T: &CMat, B: &CMat, kind: Kind) -> CMat {
+    let n = T.nrows();
+    let mut B = B.clone();
+    let mut R = CMat::zeros(n, n);
+    for k in (0..n).rev() {
+        let lambda = T[(k, k)];
+        let row: Vec<C64> = B.row_vec(k);
+        let size = row.iter().map(|e| e.norm_sqr()).sum::<f64>().sqrt();
+        let gain = match kind {
+            Kind::Continuous => (-2.0 * lambda.re).sqrt(),
+            Kind::Discrete => ((1.0 - lambda.norm()) * (1.0 + lambda.norm())).sqrt(),
+        };
+        R[(k, k)] = C64::new(size / gain, 0.0);
+        if size == 0.0 {
+            continue;
+        }
+        let u: Vec<C64> = row.iter().map(|e| e.conj() / size).collect();
+        match kind {
+            Kind::Continuous => column(T, &mut B, &mut R, k, &u, gain),
+            Kind::Discrete => discrete_column(T, &mut B, &mut R, k, &u, gain),
+        }
+    }
+    R
+}
+
+/// `B1 u` for the rows above `k`.
+fn project(B: &CMat, u: &[C64], k: usize) -> Vec<C64> {
+    let mut sum = vec![C64::new(0.0, 0.0); k];
+    for (j, &factor) in u.iter().enumerate() {
+        sum.iter_mut().zip(B.column(j)).for_each(|(s, &b)| *s += b * factor);
+    }
+    sum
+}
+
+/// `(T1 + conj(l) I) r = -(t rho + gain B1 u)`, then `B1 -= gain r u^H`.
+fn column(T: &CMat, B: &mut CMat, R: &mut CMat, k: usize, u: &[C64], gain: f64) {
+    let (lambda, rho) = (T[(k, k)], R[(k, k)].re);
+    let forced = project(B, u, k);
+    let mut r: Vec<C64> = (0..k).map(|i| -(T[(i, k)] * rho + forced[i] * gain)).collect();
+    for i in (0..k).rev() {
+        r[i] /= T[(i, i)] + lambda.conj();
+        let factor = r[i];
+        r[..i].iter_mut().zip(T.column(i)).for_each(|(x, &t)| *x -= t * factor);
+    }
+    for (j, &uj) in u.iter().enumerate() {
+        let factor = uj.conj() * gain;
+        B.column_mut(j).iter_mut().zip(&r).for_each(|(b, &x)| *b -= x * factor);
+    }
+    R.column_mut(k)[..k].copy_from_slice(&r);
+}
+
+/// `(I - conj(l) T1) r = conj(l) t rho + gain B1 u`; with `v = T1 r + t rho`, `B1 += (gain v - l B1 u - B1 u) u^H`.
+fn discrete_column(T: &CMat, B: &mut CMat, R: &mut CMat, k: usize, u: &[C64], gain: f64) {
+    let (lambda, rho) = (T[(k, k)], R[(k, k)].re);
+    let forced = project(B, u, k);
+    let mut r: Vec<C64> = (0..k).map(|i| lambda.conj() * T[(i, k)] * rho + forced[i] * gain).collect();
+    for i in (0..k).rev() {
+        r[i] /= C64::new(1.0, 0.0) - lambda.conj() * T[(i, i)];
+        let factor = r[i] * lambda.conj();
+        r[..i].iter_mut().zip(T.column(i)).for_each(|(x, &t)| *x += t * factor);
+    }
+    let mut v: Vec<C64> = (0..k).map(|i| T[(i, k)] * rho).collect();
+    for (i, &factor) in r.iter().enumerate() {
+        v[..=i].iter_mut().zip(T.column(i)).for_each(|(x, &t)| *x += t * factor);
+    }
+    for (j, &uj) in u.iter().enumerate() {
+        let step = |i: usize| (v[i] * gain - forced[i] * (lambda + 1.0)) * uj.conj();
+        B.column_mut(j)[..k].iter_mut().enumerate().for_each(|(i, b)| *b += step(i));
+    }
+    R.column_mut(k)[..k].copy_from_slice(&r);
+}

@@ -1,0 +1,228 @@
+//! Sylvester equations, continuous and discrete: Schur forms (Bartels and Stewart), solved by recursive blocks.
+//!
+//! Sources: Bartels and Stewart, Comm. ACM 15 (1972); Jonsson and Kagstrom, ACM TOMS 28 (2002) for the recursion.
+
+use crate::error::{Error, check_shape, check_square};
+use crate::mat::{C64, Mat};
+use crate::schur::{Schur, blocks, schur};
+use crate::tolerance::EPS;
+
+/// Which of the two equations.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Kind {
+    /// `A X + X B = C`
+    Continuous,
+    /// `A X B - X = C`
+    Discrete,
+}
+
+/// Solves `A X + X B = C`; `A` m x m, `B` n x n, `C` and `X` m x n.
+///
+/// A unique solution exists if and only if no eigenvalue of `A` is the negative of one of `B`.
+/// Method: real Schur forms of both, back substitution by recursive blocks. Cost 25 (m^3 + n^3) + mn(m + n).
+///
+/// # Errors
+/// Wrong shapes, entries that are not finite, or [`Error::CommonEigenvalue`].
+pub fn sylvester(A: &Mat, B: &Mat, C: &Mat) -> Result<Mat, Error> {
+    solve_by_schur(A, B, C, Kind::Continuous)
+}
+
+/// Solves `A X B - X + C = 0`; `A` m x m, `B` n x n, `C` and `X` m x n.
+///
+/// A unique solution exists if and only if no product of an eigenvalue of `A` and one of `B` is 1. Method and errors as
+/// for [`sylvester`].
+///
+/// # Errors
+/// Wrong shapes, entries that are not finite, or [`Error::CommonEigenvalue`].
+pub fn dsylvester(A: &Mat, B: &Mat, C: &Mat) -> Result<Mat, Error> {
+    solve_by_schur(A, B, &-C, Kind::Discrete)
+}
+
+fn solve_by_schur(A: &Mat, B: &Mat, C: &Mat, kind: Kind) -> Result<Mat, Error> {
+    check_square("A", A)?;
+    check_square("B", B)?;
+    check_shape("C", C, (A.nrows(), B.nrows()))?;
+    solve_with_forms(&schur(A)?, &schur(B)?, C, kind)
+}
+
+/// The equation for matrices whose Schur forms are known.
+pub(crate) fn solve_with_forms(left: &Schur, right: &Schur, C: &Mat, kind: Kind) -> Result<Mat, Error> {
+    check_spectra(left, right, kind)?;
+    let mut inner = left.U.t() * C * &right.U;
+    solve_triangular(&left.T, &right.T, &mut inner, kind);
+    Ok(&left.U * &inner * right.U.t())
+}
+
+/// Refuses a pair of eigenvalues that makes the equation singular to working precision.
+fn check_spectra(left: &Schur, right: &Schur, kind: Kind) -> Result<(), Error> {
+    let ours = left.eigenvalues();
+    let theirs = right.eigenvalues();
+    for &first in &ours {
+        for &second in &theirs {
+            let (separation, scale, equation) = match kind {
+                Kind::Continuous => ((first + second).norm(), first.norm() + second.norm(), "A X + X B = C"),
+                Kind::Discrete => ((first * second - 1.0).norm(), 1.0, "A X B - X + C = 0"),
+            };
+            if separation <= EPS * scale {
+                return Err(Error::CommonEigenvalue { equation, first, second, separation });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Blocks up to this size are solved entry by entry.
+const BASE: usize = 16;
+
+/// Solves `A X + X B = C` or `A X B - X = C` in place of `C`, for quasi-triangular `A` and `B` with separated spectra.
+pub(crate) fn solve_triangular(A: &Mat, B: &Mat, C: &mut Mat, kind: Kind) {
+    let (m, n) = C.shape();
+    if m <= BASE && n <= BASE {
+        return pulp::Arch::new().dispatch(|| base(A, B, C, kind));
+    }
+    if m >= n {
+        split_rows(A, B, C, kind, middle(A));
+    } else {
+        split_columns(A, B, C, kind, middle(B));
+    }
+}
+
+/// A row near the middle that does not cut a 2 x 2 block.
+fn middle(T: &Mat) -> usize {
+    let half = T.nrows() / 2;
+    if T[(half, half - 1)] != 0.0 { half + 1 } else { half }
+}
+
+fn split_rows(A: &Mat, B: &Mat, C: &mut Mat, kind: Kind, k: usize) {
+    let (m, n) = C.shape();
+    let mut lower = C.block(k, 0, m - k, n);
+    solve_triangular(&A.block(k, k, m - k, m - k), B, &mut lower, kind);
+    let mut upper = C.block(0, 0, k, n);
+    let coupled = A.block(0, k, k, m - k) * &lower;
+    upper -= &if kind == Kind::Continuous { coupled } else { coupled * B };
+    solve_triangular(&A.block(0, 0, k, k), B, &mut upper, kind);
+    C.set_block(0, 0, &upper);
+    C.set_block(k, 0, &lower);
+}
+
+fn split_columns(A: &Mat, B: &Mat, C: &mut Mat, kind: Kind, k: usize) {
+    let (m, n) = C.shape();
+    let mut left = C.block(0, 0, m, k);
+    solve_triangular(A, &B.block(0, 0, k, k), &mut left, kind);
+    let mut right = C.block(0, k, m, n - k);
+    let coupled = &left * B.block(0, k, k, n - k);
+    right -= &if kind == Kind::Continuous { coupled } else { A * &coupled };
+    solve_triangular(A, &B.block(k, k, n - k, n - k), &mut right, kind);
+    C.set_block(0, 0, &left);
+    C.set_block(0, k, &right);
+}
+
+/// Column block by column block from the left, row block by row block from below.
+#[inline(always)]
+fn base(A: &Mat, B: &Mat, C: &mut Mat, kind: Kind) {
+    let rows = blocks(A);
+    for (j, width) in blocks(B) {
+        let known = right_hand_side(A, B, C, j, width, kind);
+        (0..width).for_each(|l| C.column_mut(j + l).copy_from_slice(known.column(l)));
+        for &(i, height) in rows.iter().rev() {
+            solve_block(A, B, C, (i, height), (j, width), kind);
+            eliminate(A, B, C, (i, height), (j, width), kind);
+        }
+    }
+}
+
+/// Columns `j..j + width` of `C` less what the columns already solved contribute.
+#[inline(always)]
+fn right_hand_side(A: &Mat, B: &Mat, C: &Mat, j: usize, width: usize, kind: Kind) -> Mat {
+    let m = C.nrows();
+    let mut sum = Mat::zeros(m, width);
+    for l in 0..width {
+        for k in 0..j {
+            let factor = B[(k, j + l)];
+            sum.column_mut(l).iter_mut().zip(C.column(k)).for_each(|(s, &x)| *s += factor * x);
+        }
+    }
+    if kind == Kind::Discrete {
+        sum = upper_times(A, &sum);
+    }
+    for l in 0..width {
+        let target = sum.column_mut(l);
+        target.iter_mut().zip(C.column(j + l)).for_each(|(s, &c)| *s = c - *s);
+    }
+    sum
+}
+
+#[inline(always)]
+fn upper_times(A: &Mat, X: &Mat) -> Mat {
+    let mut out = Mat::zeros(X.nrows(), X.ncols());
+    for j in 0..X.ncols() {
+        for k in 0..A.ncols() {
+            let factor = X[(k, j)];
+            out.column_mut(j).iter_mut().zip(A.column(k)).for_each(|(o, &a)| *o += factor * a);
+        }
+    }
+    out
+}
+
+/// The block (i, j) by a system of one, two or four unknowns.
+#[inline(always)]
+fn solve_block(A: &Mat, B: &Mat, C: &mut Mat, (i, height): (usize, usize), (j, width): (usize, usize), kind: Kind) {
+    if height == 1 && width == 1 {
+        let pivot = if kind == Kind::Continuous { A[(i, i)] + B[(j, j)] } else { A[(i, i)] * B[(j, j)] - 1.0 };
+        C[(i, j)] /= pivot;
+        return;
+    }
+    let unknowns = height * width;
+    let mut system = Mat::zeros(unknowns, unknowns);
+    let mut right = [0.0; 4];
+    for q in 0..width {
+        for p in 0..height {
+            let row = q * height + p;
+            right[row] = C[(i + p, j + q)];
+            kronecker_row(A, B, &mut system, row, (i, p, height), (j, q, width), kind);
+        }
+    }
+    crate::small::solve_complete(&mut system, &mut right[..unknowns]);
+    (0..unknowns).for_each(|row| C[(i + row % height, j + row / height)] = right[row]);
+}
+
+#[inline(always)]
+fn kronecker_row(
+    A: &Mat,
+    B: &Mat,
+    system: &mut Mat,
+    row: usize,
+    (i, p, height): (usize, usize, usize),
+    (j, q, width): (usize, usize, usize),
+    kind: Kind,
+) {
+    if kind == Kind::Continuous {
+        (0..height).for_each(|l| system[(row, q * height + l)] += A[(i + p, i + l)]);
+        (0..width).for_each(|l| system[(row, l * height + p)] += B[(j + l, j + q)]);
+        return;
+    }
+    for l in 0..width {
+        (0..height).for_each(|k| system[(row, l * height + k)] = A[(i + p, i + k)] * B[(j + l, j + q)]);
+    }
+    system[(row, row)] -= 1.0;
+}
+
+/// Takes the block just solved out of the rows above it.
+#[inline(always)]
+fn eliminate(A: &Mat, B: &Mat, C: &mut Mat, (i, height): (usize, usize), (j, width): (usize, usize), kind: Kind) {
+    let solved = C.block(i, j, height, width);
+    let factors = if kind == Kind::Continuous { solved } else { &solved * B.block(j, j, width, width) };
+    for l in 0..width {
+        for k in 0..height {
+            let factor = factors[(k, l)];
+            let target = &mut C.column_mut(j + l)[..i];
+            target.iter_mut().zip(&A.column(i + k)[..i]).for_each(|(t, &a)| *t -= factor * a);
+        }
+    }
+}
+
+/// A lower bound of the separation of two spectra: `min |a + b|` (continuous) or `min |a b - 1|` (discrete) over the
+/// eigenvalues. The true separation, the smallest singular value of the equation, is at most this.
+pub fn eigenvalue_separation(first: &[C64], second: &[C64]) -> f64 {
+    first.iter().flat_map(|a| second.iter().map(move |b| (a + b).norm())).fold(f64::INFINITY, f64::min)
+}

@@ -1,0 +1,140 @@
+//! Sylvester and Lyapunov equations and the exponential: definitions, closed forms, two methods agree.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
+
+mod common;
+
+use common::{Random, difference};
+use counterpoise_linalg::{
+    Error, Mat, dlyap, dlyap_factor, dsylvester, expm, expm_integral, lyap, lyap_factor, sylvester, van_loan_cost,
+    van_loan_noise,
+};
+
+#[test]
+fn sylvester_passes_its_definition() {
+    let mut random = Random::new(1);
+    for (m, n) in [(1, 1), (1, 2), (3, 2), (7, 5), (20, 40), (50, 33)] {
+        let (A, B, C) = (random.stable(m, 0.3), random.stable(n, 0.3), random.matrix(m, n));
+        let X = sylvester(&A, &B, &C).unwrap();
+        let scale = A.norm_fro() * X.norm_fro() + B.norm_fro() * X.norm_fro() + C.norm_fro();
+        assert!((&A * &X + &X * &B - &C).norm_fro() < 1e-14 * scale, "{m} x {n}");
+        let X = dsylvester(&A, &B, &C).unwrap();
+        let scale = A.norm_fro() * X.norm_fro() * B.norm_fro() + X.norm_fro() + C.norm_fro();
+        assert!((&A * &X * &B - &X + &C).norm_fro() < 1e-14 * scale, "{m} x {n} discrete");
+    }
+}
+
+#[test]
+fn equations_without_a_unique_solution_name_the_eigenvalues() {
+    let A = Mat::diag(&[1.0, 2.0]);
+    let B = Mat::diag(&[-2.0, 5.0]);
+    match sylvester(&A, &B, &Mat::eye(2)) {
+        Err(Error::CommonEigenvalue { first, second, .. }) => assert_eq!((first.re, second.re), (2.0, -2.0)),
+        other => panic!("{other:?}"),
+    }
+    assert!(matches!(dlyap(&Mat::diag(&[0.5, 2.0]), &Mat::eye(2)), Err(Error::CommonEigenvalue { .. })));
+}
+
+#[test]
+fn lyapunov_passes_its_definition_and_is_symmetric() {
+    let mut random = Random::new(2);
+    for n in [1, 2, 5, 16, 17, 45, 90] {
+        let A = random.stable(n, 0.1);
+        let B = random.matrix(n, 2);
+        let Q = &B * B.t();
+        let X = lyap(&A, &Q.symmetric_part()).unwrap();
+        assert_eq!(X, X.t());
+        let residual = (&A * &X + &X * A.t() + &Q).norm_fro();
+        assert!(residual < 1e-13 * A.norm_fro() * X.norm_fro(), "n = {n}");
+        let L = lyap_factor(&A, &B).unwrap();
+        assert!(difference(&(&L * L.t()), &X) < 1e-11, "n = {n}: {:e}", difference(&(&L * L.t()), &X));
+        assert!((0..n).all(|j| (0..j).all(|i| L[(i, j)] == 0.0)));
+    }
+}
+
+#[test]
+fn discrete_lyapunov_passes_its_definition() {
+    let mut random = Random::new(3);
+    for n in [1, 2, 6, 21, 50] {
+        let A = expm(&random.stable(n, 0.1).scale(0.7)).unwrap();
+        let B = random.matrix(n, 3);
+        let Q = (&B * B.t()).symmetric_part();
+        let X = dlyap(&A, &Q).unwrap();
+        let residual = (&A * &X * A.t() - &X + &Q).norm_fro();
+        assert!(residual < 1e-13 * X.norm_fro() * (1.0 + A.norm_fro().powi(2)), "n = {n}");
+        let L = dlyap_factor(&A, &B).unwrap();
+        assert!(difference(&(&L * L.t()), &X) < 1e-11, "n = {n}");
+    }
+}
+
+#[test]
+fn a_lyapunov_factor_needs_a_stable_matrix() {
+    match lyap_factor(&Mat::diag(&[-1.0, 0.25]), &Mat::eye(2)) {
+        Err(Error::NotStable { eigenvalue, .. }) => assert_eq!(eigenvalue.re, 0.25),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn the_factor_keeps_small_values_that_the_product_loses() {
+    // A = -diag, B = b: P_ij = b_i b_j / (a_i + a_j), so that b = 1e-12 must survive in L.
+    let A = Mat::diag(&[-1.0, -2.0]);
+    let L = lyap_factor(&A, &Mat::col(&[1.0, 1e-12])).unwrap();
+    let determinant = L[(0, 0)] * L[(1, 1)];
+    let exact = 1e-12 * (0.5_f64 * 0.25 - 1.0 / 9.0).sqrt();
+    assert!((determinant.abs() / exact - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn exponential_closed_forms() {
+    let (w, h) = (3.0_f64, 0.7_f64);
+    let oscillator = Mat::from_rows(&[&[0.0, w], &[-w, 0.0]]);
+    let E = expm(&oscillator.scale(h)).unwrap();
+    let expected = Mat::from_rows(&[&[(w * h).cos(), (w * h).sin()], &[-(w * h).sin(), (w * h).cos()]]);
+    assert!(difference(&E, &expected) < 4e-16);
+    let nilpotent = Mat::from_rows(&[&[0.0, 1.0, 2.0], &[0.0, 0.0, 3.0], &[0.0, 0.0, 0.0]]);
+    let expected = Mat::from_rows(&[&[1.0, 1.0, 3.5], &[0.0, 1.0, 3.0], &[0.0, 0.0, 1.0]]);
+    assert!(difference(&expm(&nilpotent).unwrap(), &expected) < 1e-15);
+}
+
+#[test]
+fn exponential_and_its_inverse() {
+    let mut random = Random::new(4);
+    for (n, size) in [(3, 1e-3), (5, 0.2), (9, 1.0), (20, 2.0), (40, 8.0)] {
+        let A = random.matrix(n, n).scale(size / (n as f64).sqrt());
+        let (E, inverse) = (expm(&A).unwrap(), expm(&-&A).unwrap());
+        let rounding = 1e-15 * E.norm_fro() * inverse.norm_fro();
+        assert!((E * inverse - Mat::eye(n)).norm_fro() < rounding, "n = {n}");
+    }
+}
+
+#[test]
+fn hold_of_a_double_integrator() {
+    let A = Mat::from_rows(&[&[0.0, 1.0], &[0.0, 0.0]]);
+    let (Phi, Gamma) = expm_integral(&A, &Mat::col(&[0.0, 2.0]), 0.1).unwrap();
+    assert!(difference(&Phi, &Mat::from_rows(&[&[1.0, 0.1], &[0.0, 1.0]])) < 1e-15);
+    assert!(difference(&Gamma, &Mat::col(&[0.01, 0.2])) < 1e-15);
+}
+
+#[test]
+fn sampled_cost_agrees_with_the_lyapunov_solution() {
+    // integral to h = P - Phi' P Phi with A'P + PA + Q = 0.
+    let mut random = Random::new(5);
+    for (n, h) in [(4, 0.05), (8, 3.0), (6, 40.0)] {
+        let A = random.stable(n, 0.2);
+        let Q = Mat::eye(n);
+        let (Phi, W) = van_loan_cost(&A, &Q, h).unwrap();
+        let P = lyap(&A.t(), &Q).unwrap();
+        assert!(difference(&W, &(&P - &(Phi.t() * &P * &Phi))) < 1e-12, "h = {h}");
+        let (Phi, W) = van_loan_noise(&A, &Q, h).unwrap();
+        let P = lyap(&A, &Q).unwrap();
+        assert!(difference(&W, &(&P - &(&Phi * &P * Phi.t()))) < 1e-12, "h = {h}");
+    }
+}
+
+#[test]
+fn wrong_shapes_are_refused() {
+    assert!(matches!(lyap(&Mat::eye(2), &Mat::eye(3)), Err(Error::Shape { what: "Q", .. })));
+    assert!(sylvester(&Mat::eye(2), &Mat::eye(3), &Mat::zeros(3, 2)).is_err());
+    assert!(matches!(expm(&Mat::diag(&[f64::INFINITY])), Err(Error::NotFinite { .. })));
+    assert!(matches!(expm(&Mat::diag(&[1e6])), Err(Error::NotFinite { .. })));
+}
