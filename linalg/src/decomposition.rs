@@ -201,6 +201,13 @@ pub fn gen_eigenvalues(A: &Mat, E: &Mat) -> Result<Vec<(C64, f64)>, Error> {
         params.into(),
     )
     .map_err(|_| no_convergence("the QZ iteration"))?;
+    // faer 0.24 gives the second of a complex pair the beta of the first with an alpha of its own scale: only the
+    // first can be trusted.
+    for i in 1..n {
+        if im[i - 1] > 0.0 {
+            (re[i], im[i], beta[i]) = (re[i - 1], -im[i - 1], beta[i - 1]);
+        }
+    }
     Ok((0..n).map(|i| (C64::new(re[i], im[i]), beta[i])).collect())
 }
 
