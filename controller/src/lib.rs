@@ -6,7 +6,8 @@
 //!
 //! *Invariant*: nothing here knows how a controller was designed, or what plant it drives; no file, thread or clock.
 //!
-//! Modules in reading order: [`sampled`], [`signal`], [`parts`], [`controller`], [`program`], [`number`], [`runner`].
+//! Modules in reading order: [`sampled`], [`signal`], [`parts`], [`controller`], [`program`], [`number`], [`runner`],
+//! [`realise`].
 //!
 //! ```
 //! use counterpoise_controller::{Controller, Parts, Path, Scaling, Signal};
@@ -36,6 +37,7 @@ pub mod error;
 pub mod number;
 pub mod parts;
 pub mod program;
+pub mod realise;
 pub mod runner;
 pub mod sampled;
 pub mod signal;

@@ -1,0 +1,300 @@
+//! The realisation in which a path runs: chosen so that rounded coefficients move its poles little.
+
+use counterpoise_lti::linalg::{Schur, balance, inverse, schur, sylvester};
+use counterpoise_lti::{C64, Mat, StateSpace};
+
+use crate::Error;
+
+/// Largest condition number of the modal transformation, columns scaled to unit length; beyond it neighbouring modes
+/// stay together in a larger block.
+pub const MODAL_CONDITION: f64 = 1e5;
+/// A real discrete pole that is this near to 1 is an integrator, and becomes exactly 1.
+pub const INTEGRATOR: f64 = 1e-12;
+/// Distances of eigenvalues, relative to their distance from 1, below which modes are kept together, tried in turn.
+const CLUSTERS: [f64; 6] = [0.0, 1e-6, 1e-4, 1e-2, 1e-1, 1.0];
+
+/// A system in modal form.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Realisation {
+    /// The system: A block-diagonal.
+    pub system: StateSpace,
+    /// Sizes of the diagonal blocks: 1 for a real pole, 2 for a complex pair `[a b; -b a]`, more where poles are too
+    /// close to be told apart (then a triangular block).
+    pub blocks: Vec<usize>,
+    /// Condition number of the transformation (1-norm).
+    pub condition: f64,
+    /// |A V - V A_modal| / (|A| |V|) in the 1-norm, from the given system.
+    pub residual: f64,
+}
+
+/// The modal real form of a system
+///
+/// ```text
+///     x = V z,   inv(V) A V = diag(A1, A2, ...),   inv(V) B,   C V,   D
+/// ```
+///
+/// Method: real Schur form, eigenvalues that lie close made neighbours, blocks separated by Sylvester equations (Bavely
+/// and Stewart 1979), complex pairs rotated to `[a b; -b a]`, whose poles are as insensitive to rounding as a second
+/// order section can be, and each block's inputs and outputs balanced by a power of two. Neighbours are merged until the
+/// transformation's condition number is below [`MODAL_CONDITION`]. Order n costs about 30 n^3 operations.
+///
+/// # Errors
+/// [`Error::Realisation`] where the Schur form fails.
+pub fn modal(system: &StateSpace) -> Result<Realisation, Error> {
+    let balanced = balance(&system.A).map_err(failed)?;
+    let T = &balanced.scale;
+    let n = system.order();
+    let start = StateSpace {
+        A: balanced.A.clone(),
+        B: Mat::from_fn(n, system.inputs(), |i, j| system.B[(i, j)] / T[i]),
+        C: Mat::from_fn(system.outputs(), n, |i, j| system.C[(i, j)] * T[j]),
+        ..system.clone()
+    };
+    let form = schur(&start.A).map_err(failed)?;
+    let mut best = None;
+    for closeness in CLUSTERS {
+        let candidate = separate(&start, form.clone(), closeness)?;
+        let good = candidate.condition <= MODAL_CONDITION;
+        best = Some(candidate);
+        if good {
+            break;
+        }
+    }
+    best.ok_or_else(|| Error::Realisation("no block structure was tried".into()))
+}
+
+fn failed(error: counterpoise_lti::linalg::Error) -> Error {
+    Error::Realisation(error.to_string())
+}
+
+/// The modal form with eigenvalues nearer than `closeness` kept in one block.
+fn separate(start: &StateSpace, mut form: Schur, closeness: f64) -> Result<Realisation, Error> {
+    let clusters = gather(&mut form, closeness);
+    let blocks = merge(&diagonal_blocks(&form.T), &clusters);
+    let mut V = form.U.clone();
+    let mut A = form.T.clone();
+    decouple(&mut A, &mut V, &blocks)?;
+    normalise(&mut A, &mut V, &blocks);
+    unit_columns(&mut V, &blocks);
+    let W = inverse(&V).map_err(failed)?;
+    let condition = V.norm_one() * W.norm_one();
+    let defect = &(&start.A * &V) - &(&V * &A);
+    let residual = defect.norm_one() / (start.A.norm_one() * V.norm_one()).max(f64::MIN_POSITIVE);
+    let mut system = StateSpace { A, B: &W * &start.B, C: &start.C * &V, ..start.clone() };
+    balance_blocks(&mut system, &blocks);
+    Ok(Realisation { system, blocks, condition, residual })
+}
+
+/// Brings eigenvalues that lie close next to each other; gives a label to each diagonal entry.
+fn gather(form: &mut Schur, closeness: f64) -> Vec<usize> {
+    let labels = cluster(&form.eigenvalues(), closeness);
+    let count = labels.iter().map(|(_, label)| label + 1).max().unwrap_or(0);
+    for label in (0..count).rev() {
+        let members: Vec<C64> = labels.iter().filter(|(_, l)| *l == label).map(|(value, _)| *value).collect();
+        let near = |value: C64| nearest(&labels, value) == Some(label);
+        if members.len() > 1 && form.reorder(near).is_err() {
+            // An exchange was refused: the eigenvalues are so close that their order does not matter.
+            continue;
+        }
+    }
+    form.eigenvalues().iter().map(|value| nearest(&labels, *value).unwrap_or(0)).collect()
+}
+
+fn nearest(labels: &[(C64, usize)], value: C64) -> Option<usize> {
+    let distance = |each: &(C64, usize)| (each.0 - value).norm();
+    labels.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).map(|(_, label)| *label)
+}
+
+/// Labels so that eigenvalues nearer than `closeness` times their distance from 1 (and conjugates) share one.
+fn cluster(values: &[C64], closeness: f64) -> Vec<(C64, usize)> {
+    let mut labelled: Vec<(C64, usize)> = Vec::new();
+    for &value in values {
+        let upper = |v: C64| C64::new(v.re, v.im.abs());
+        let size = (value - 1.0).norm();
+        let near = |other: C64| {
+            (upper(other) - upper(value)).norm() <= closeness * size.max((other - 1.0).norm())
+                || (other.im != 0.0 && upper(other) == upper(value))
+        };
+        let found = labelled.iter().find(|(other, _)| near(*other)).map(|(_, label)| *label);
+        let next = labelled.iter().map(|(_, label)| label + 1).max().unwrap_or(0);
+        labelled.push((value, found.unwrap_or(next)));
+    }
+    labelled
+}
+
+/// First row and size of each block of a quasi-triangular matrix.
+fn diagonal_blocks(T: &Mat) -> Vec<(usize, usize)> {
+    let mut blocks = Vec::new();
+    let mut k = 0;
+    while k < T.nrows() {
+        let size = if k + 1 < T.nrows() && T[(k + 1, k)] != 0.0 { 2 } else { 1 };
+        blocks.push((k, size));
+        k += size;
+    }
+    blocks
+}
+
+/// Sizes of the blocks when everything between the first and the last of a cluster is taken together.
+fn merge(blocks: &[(usize, usize)], labels: &[usize]) -> Vec<usize> {
+    let last = |label: usize| labels.iter().rposition(|l| *l == label).unwrap_or(0);
+    let mut merged = Vec::new();
+    let (mut size, mut until) = (0, 0);
+    for &(first, rows) in blocks {
+        until = (first..first + rows).fold(until, |u, row| u.max(last(labels[row])));
+        size += rows;
+        if first + rows > until {
+            merged.push(size);
+            size = 0;
+        }
+    }
+    merged
+}
+
+/// Removes what couples the blocks: with A11 X - X A22 = -A12, [I X; 0 I] separates the first block from the rest.
+fn decouple(A: &mut Mat, V: &mut Mat, blocks: &[usize]) -> Result<(), Error> {
+    let n = A.nrows();
+    let mut top = 0;
+    for &size in blocks {
+        let rest = n - top - size;
+        if rest > 0 {
+            let A11 = A.block(top, top, size, size);
+            let A12 = A.block(top, top + size, size, rest);
+            let A22 = A.block(top + size, top + size, rest, rest);
+            let X = sylvester(&A11, &-&A22, &-&A12).map_err(failed)?;
+            let mut V2 = V.block(0, top + size, n, rest);
+            V2 += &(&V.block(0, top, n, size) * &X);
+            V.set_block(0, top + size, &V2);
+            A.set_block(top, top + size, &Mat::zeros(size, rest));
+        }
+        top += size;
+    }
+    Ok(())
+}
+
+/// Complex pairs become [a b; -b a]; poles at 1 become exactly 1.
+fn normalise(A: &mut Mat, V: &mut Mat, blocks: &[usize]) {
+    let mut k = 0;
+    for &size in blocks {
+        if size == 1 && (A[(k, k)] - 1.0).abs() <= INTEGRATOR {
+            A[(k, k)] = 1.0;
+        }
+        if size == 2 && A[(k + 1, k)] != 0.0 {
+            let stretch = (-A[(k + 1, k)] / A[(k, k + 1)]).sqrt();
+            let rotation = A[(k, k + 1)] * stretch;
+            A[(k, k + 1)] = rotation;
+            A[(k + 1, k)] = -rotation;
+            V.column_mut(k + 1).iter_mut().for_each(|v| *v *= stretch);
+        }
+        k += size;
+    }
+}
+
+/// Scales each block by one power of two so that its columns of V are about of length 1.
+fn unit_columns(V: &mut Mat, blocks: &[usize]) {
+    let mut k = 0;
+    for &size in blocks {
+        let norm = V.block(0, k, V.nrows(), size).norm_fro();
+        let factor = power_of_two(1.0 / norm);
+        for j in k..k + size {
+            V.column_mut(j).iter_mut().for_each(|v| *v *= factor);
+        }
+        k += size;
+    }
+}
+
+/// Inputs and outputs of each block become alike in size, by a power of two.
+fn balance_blocks(system: &mut StateSpace, blocks: &[usize]) {
+    let mut k = 0;
+    for &size in blocks {
+        let input = system.B.block(k, 0, size, system.inputs()).norm_fro();
+        let output = system.C.block(0, k, system.outputs(), size).norm_fro();
+        if input > 0.0 && output > 0.0 {
+            let factor = power_of_two((input / output).sqrt());
+            let rows = system.B.block(k, 0, size, system.inputs()).scale(1.0 / factor);
+            let columns = system.C.block(0, k, system.outputs(), size).scale(factor);
+            system.B.set_block(k, 0, &rows);
+            system.C.set_block(0, k, &columns);
+        }
+        k += size;
+    }
+}
+
+/// The power of two nearest to a positive number, on a logarithmic scale.
+fn power_of_two(value: f64) -> f64 {
+    if value > 0.0 && value.is_finite() { value.log2().round().exp2() } else { 1.0 }
+}
+
+/// Number of coefficients of a realisation that are neither 0 nor 1 nor -1: what a step multiplies.
+pub fn coefficients(system: &StateSpace) -> usize {
+    let matrices = [&system.A, &system.B, &system.C, &system.D];
+    let all = matrices.iter().flat_map(|matrix| matrix.as_slice());
+    all.filter(|entry| **entry != 0.0 && entry.abs() != 1.0).count()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use counterpoise_lti::{Timebase, frequency_response};
+
+    fn discrete(A: Mat, B: Mat, C: Mat) -> StateSpace {
+        let D = Mat::zeros(C.nrows(), B.ncols());
+        StateSpace::new(A, B, C, D, Timebase::Discrete { period_s: 1e-3 }).unwrap()
+    }
+
+    fn largest_difference(a: &StateSpace, b: &StateSpace) -> f64 {
+        let rates: Vec<f64> = (0..60).map(|k| 1.0 * 1.14_f64.powi(k)).collect();
+        let (ga, gb) = (frequency_response(a, &rates).unwrap(), frequency_response(b, &rates).unwrap());
+        ga.iter().zip(&gb).map(|(x, y)| (x - y).norm_max() / x.norm_max()).fold(0.0, f64::max)
+    }
+
+    /// A companion form with integrator, real pole and two lightly damped pairs: an ill-conditioned realisation.
+    fn companion(poles: &[C64]) -> StateSpace {
+        let mut polynomial = vec![C64::new(1.0, 0.0)];
+        for pole in poles {
+            let shifted: Vec<C64> = polynomial.iter().map(|c| -pole * c).collect();
+            polynomial.push(C64::new(0.0, 0.0));
+            for (k, s) in shifted.iter().enumerate() {
+                polynomial[k + 1] += s;
+            }
+        }
+        let n = poles.len();
+        let A = Mat::from_fn(n, n, |i, j| match i {
+            0 => -polynomial[j + 1].re,
+            _ => f64::from(i == j + 1),
+        });
+        let B = Mat::from_fn(n, 1, |i, _| f64::from(i == 0));
+        discrete(A, B, Mat::from_fn(1, n, |_, j| 1.0 / (1.0 + j as f64)))
+    }
+
+    #[test]
+    fn a_companion_form_becomes_sections_of_first_and_second_order() {
+        let pair = |r: f64, phi: f64| [C64::from_polar(r, phi), C64::from_polar(r, -phi)];
+        let poles =
+            [vec![C64::new(1.0, 0.0), C64::new(0.3, 0.0)], pair(0.98, 0.7).into(), pair(0.9, 2.0).into()];
+        let given = companion(&poles.concat());
+        let found = modal(&given).unwrap();
+        let mut sizes = found.blocks.clone();
+        sizes.sort_unstable();
+        assert_eq!(sizes, [1, 1, 2, 2]);
+        assert!(found.residual < 1e-14, "{}", found.residual);
+        assert!(largest_difference(&given, &found.system) < 1e-11);
+        assert!(coefficients(&found.system) <= 22);
+    }
+
+    #[test]
+    fn a_double_pole_stays_in_one_block() {
+        let poles = [0.9, 0.9, 0.5, 0.1].map(|p| C64::new(p, 0.0));
+        let given = companion(&poles);
+        let found = modal(&given).unwrap();
+        assert!(found.blocks.contains(&2), "{:?}", found.blocks);
+        assert!(found.condition < MODAL_CONDITION);
+        assert!(largest_difference(&given, &found.system) < 1e-10);
+    }
+
+    #[test]
+    fn a_system_without_states_stays_a_gain() {
+        let gain = StateSpace::gain(Mat::eye(1), Timebase::Discrete { period_s: 1e-3 }).unwrap();
+        assert_eq!(modal(&gain).unwrap().system, gain);
+    }
+}
