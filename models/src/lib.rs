@@ -4,11 +4,16 @@
 //!
 //! *Invariant*: nothing here knows how a controller is designed, or marches in time.
 //!
-//! Modules in reading order: [`parameters`].
+//! Modules in reading order: [`parameters`], [`friction`], [`plant`].
 #![allow(non_snake_case)]
 
 pub mod error;
+pub mod friction;
 pub mod parameters;
+pub mod plant;
 
 pub use error::Error;
 pub use parameters::*;
+pub use plant::{
+    Angles, Conditions, Equilibrium, Excitation, FrictionLinearisation, LinearPlant, Mesh, OperatingPoint, Plant,
+};

@@ -1,0 +1,185 @@
+//! Friction between two bodies as a whole: a dry law, what modulates it, viscous and quadratic drag.
+
+use super::build;
+use super::law::{Law, Partials};
+use super::sliding::Stick;
+use crate::Error;
+use crate::parameters::{Friction, Ripple};
+
+/// T = dry(w, states; level) + F_v w + F_q w |w|.
+///
+/// The dry law's level is scaled by
+/// `level = [1 + ripple(angle)] [1 + u (exp(-t / tau) - 1)] + c |load| / F_c`, see [`FrictionModel::level`], and in
+/// each direction by 1 + asymmetry sgn w. All functions of the rate take that `level`; 1 is nominal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrictionModel {
+    law: Law,
+    viscous_nm_s_rad: f64,
+    quadratic_nm_s2_rad2: f64,
+    asymmetry: f64,
+    ripple: Ripple,
+    load_per_coulomb: f64,
+    warm_up: f64,
+    warm_up_time_s: f64,
+}
+
+/// What the level of dry friction may depend on besides the rate.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Surroundings {
+    /// Angle between the bodies, rad.
+    pub angle_rad: f64,
+    /// Torque that the joint carries, N m.
+    pub load_nm: f64,
+    /// Time since the cold start, s.
+    pub time_s: f64,
+}
+
+/// The least factor on the level: keeps laws that divide by it finite.
+const LEAST_LEVEL: f64 = 1e-6;
+
+impl FrictionModel {
+    /// No friction.
+    pub const NONE: Self = Self {
+        law: Law::None,
+        viscous_nm_s_rad: 0.0,
+        quadratic_nm_s2_rad2: 0.0,
+        asymmetry: 0.0,
+        ripple: Ripple::NONE,
+        load_per_coulomb: 0.0,
+        warm_up: 0.0,
+        warm_up_time_s: 1.0,
+    };
+
+    /// The model with these parameters.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] names the first parameter outside its range: levels, viscous and quadratic coefficients
+    /// not negative; stiffnesses, deflections, rates, exponents and time constants positive; `static_ratio` positive
+    /// (not below 1 for laws that stick); |asymmetry| and the ripple's amplitude below 1; a load coefficient only
+    /// with a Coulomb level; a polynomial that stays positive.
+    pub fn new(friction: &Friction) -> Result<Self, Error> {
+        build::check(friction)?;
+        let coulomb = friction.coulomb_nm();
+        Ok(Self {
+            law: build::law(friction)?,
+            viscous_nm_s_rad: friction.viscous_nm_s_rad,
+            quadratic_nm_s2_rad2: friction.quadratic_nm_s2_rad2,
+            asymmetry: friction.asymmetry,
+            ripple: friction.position_ripple,
+            load_per_coulomb: if coulomb > 0.0 { friction.load_coefficient / coulomb } else { 0.0 },
+            warm_up: friction.warm_up,
+            warm_up_time_s: friction.warm_up_time_s,
+        })
+    }
+
+    /// The dry law.
+    pub fn law(&self) -> &Law {
+        &self.law
+    }
+
+    /// Viscous coefficient, N m s/rad.
+    pub fn viscous_nm_s_rad(&self) -> f64 {
+        self.viscous_nm_s_rad
+    }
+
+    /// Number of states.
+    #[inline]
+    pub fn states(&self) -> usize {
+        self.law.states()
+    }
+
+    /// Whether the level depends on anything but the rate; if not, [`FrictionModel::level`] is 1.
+    #[inline]
+    pub fn is_modulated(&self) -> bool {
+        self.ripple.amplitude != 0.0 || self.load_per_coulomb != 0.0 || self.warm_up != 0.0
+    }
+
+    /// The factor on the dry level.
+    pub fn level(&self, at: &Surroundings) -> f64 {
+        if !self.is_modulated() {
+            return 1.0;
+        }
+        let warmth = 1.0 + self.warm_up * (-at.time_s / self.warm_up_time_s).exp_m1();
+        let own = (1.0 + self.ripple.at(at.angle_rad)) * warmth;
+        (own + self.load_per_coulomb * at.load_nm.abs()).max(LEAST_LEVEL)
+    }
+
+    /// Writes the time derivative of the states.
+    #[inline]
+    pub fn derivative(&self, rate_rad_s: f64, level: f64, states: &[f64], slopes: &mut [f64]) {
+        self.law.derivative(rate_rad_s, self.directed(rate_rad_s, level), states, slopes);
+    }
+
+    /// The torque that opposes a positive rate, N m.
+    #[inline]
+    pub fn torque(&self, rate_rad_s: f64, level: f64, states: &[f64]) -> f64 {
+        self.law.torque(rate_rad_s, self.directed(rate_rad_s, level), states) + self.drag(rate_rad_s)
+    }
+
+    /// The states after a time at constant rate: exact.
+    #[inline]
+    pub fn advance(&self, rate_rad_s: f64, time_s: f64, level: f64, states: &mut [f64]) {
+        self.law.advance(rate_rad_s, time_s, self.directed(rate_rad_s, level), states);
+    }
+
+    /// Puts states that a step of an integrator left outside their limits back onto them.
+    #[inline]
+    pub fn project(&self, states: &mut [f64]) {
+        self.law.project(states);
+    }
+
+    /// The torque after a long time at constant rate and nominal level, N m.
+    pub fn steady(&self, rate_rad_s: f64) -> f64 {
+        self.law.steady(rate_rad_s, self.directed(rate_rad_s, 1.0)) + self.drag(rate_rad_s)
+    }
+
+    /// Derivative of the steady torque with the rate at nominal level, N m s/rad, away from rest.
+    pub fn steady_slope(&self, rate_rad_s: f64) -> f64 {
+        self.law.steady_slope(rate_rad_s, self.directed(rate_rad_s, 1.0)) + self.drag_slope(rate_rad_s)
+    }
+
+    /// Partial derivatives of a law with exactly one state, drag included; `None` for the others.
+    #[inline]
+    pub fn partials(&self, rate_rad_s: f64, level: f64, states: &[f64]) -> Option<Partials> {
+        let mut partials = self.law.partials(rate_rad_s, self.directed(rate_rad_s, level), states)?;
+        partials.torque_by_rate += self.drag_slope(rate_rad_s);
+        Some(partials)
+    }
+
+    /// What a law that truly sticks holds at rest; `None` for laws that do not.
+    #[inline]
+    pub fn stick(&self, level: f64) -> Option<Stick> {
+        let Law::Sliding(law) = &self.law else { return None };
+        let breakaway = level * law.breakaway_nm();
+        Some(Stick {
+            positive_nm: breakaway * (1.0 + self.asymmetry),
+            negative_nm: breakaway * (1.0 - self.asymmetry),
+            rest_rate_rad_s: law.rest_rate_rad_s,
+        })
+    }
+
+    /// Stiffness at rest, N m/rad: what a linearisation in presliding sees; infinite for true stick.
+    pub fn rest_stiffness_nm_rad(&self) -> f64 {
+        self.law.rest_stiffness_nm_rad()
+    }
+
+    /// Damping at rest, N m s/rad, the viscous part included.
+    pub fn rest_damping_nm_s_rad(&self) -> f64 {
+        self.law.rest_damping_nm_s_rad() + self.viscous_nm_s_rad
+    }
+
+    #[inline]
+    fn directed(&self, rate_rad_s: f64, level: f64) -> f64 {
+        level * (1.0 + self.asymmetry * rate_rad_s.signum())
+    }
+
+    #[inline]
+    fn drag(&self, rate_rad_s: f64) -> f64 {
+        (self.viscous_nm_s_rad + self.quadratic_nm_s2_rad2 * rate_rad_s.abs()) * rate_rad_s
+    }
+
+    #[inline]
+    fn drag_slope(&self, rate_rad_s: f64) -> f64 {
+        self.viscous_nm_s_rad + 2.0 * self.quadratic_nm_s2_rad2 * rate_rad_s.abs()
+    }
+}

@@ -1,0 +1,58 @@
+//! Walrath's law: the sign of the rate through a first-order lag.
+
+use super::law::Partials;
+
+/// T + tau dT/dt = T_c sgn w; the state is the torque T, N m.
+///
+/// The sign is smoothed, tanh(w / w_0). The lag is one of time, not of displacement: at rest the torque decays, so
+/// that a constant load creeps at the rate w_0 atanh(load / T_c). C. Walrath, "Adaptive bearing friction compensation
+/// based on recent knowledge of dynamic friction", Automatica 20, 1984; (5-40). Its tuning 1/tau = 1 + 0.37 x RMS
+/// acceleration (5-41) holds for that paper's mechanism only, so tau is given here.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Walrath {
+    /// Coulomb level T_c, N m.
+    pub coulomb_nm: f64,
+    /// Time constant tau, s.
+    pub time_constant_s: f64,
+    /// Rate w_0 of the smoothed sign, rad/s.
+    pub smoothing_rate_rad_s: f64,
+}
+
+impl Walrath {
+    /// T_c tanh(w / w_0), N m: where the torque settles.
+    #[inline]
+    pub fn steady(&self, rate_rad_s: f64, level: f64) -> f64 {
+        level * self.coulomb_nm * (rate_rad_s / self.smoothing_rate_rad_s).tanh()
+    }
+
+    /// dT/dt, N m/s.
+    #[inline]
+    pub fn derivative(&self, rate_rad_s: f64, level: f64, torque_nm: f64) -> f64 {
+        (self.steady(rate_rad_s, level) - torque_nm) / self.time_constant_s
+    }
+
+    /// The torque after a time at constant rate: exact.
+    #[inline]
+    pub fn advance(&self, rate_rad_s: f64, time_s: f64, level: f64, torque_nm: f64) -> f64 {
+        let steady = self.steady(rate_rad_s, level);
+        steady + (torque_nm - steady) * (-time_s / self.time_constant_s).exp()
+    }
+
+    /// d steady / d rate, N m s/rad.
+    #[inline]
+    pub fn slope(&self, rate_rad_s: f64, level: f64) -> f64 {
+        let bent = (rate_rad_s / self.smoothing_rate_rad_s).tanh();
+        level * self.coulomb_nm * (1.0 - bent * bent) / self.smoothing_rate_rad_s
+    }
+
+    /// Partial derivatives of dT/dt and of the torque (the state itself).
+    #[inline]
+    pub fn partials(&self, rate_rad_s: f64, level: f64) -> Partials {
+        Partials {
+            state_by_rate: self.slope(rate_rad_s, level) / self.time_constant_s,
+            state_by_state: -self.time_constant_s.recip(),
+            torque_by_rate: 0.0,
+            torque_by_state: 1.0,
+        }
+    }
+}
