@@ -1,1 +1,22 @@
 //! The project file, and the one road from it to exported code.
+//!
+//! In come the text of a project file and the files that it names; out comes a resolved [`Project`], or every error of
+//! the file at once, each with its place, what is allowed, and a hint.
+//!
+//! *Invariant*: nothing here knows a pixel or a terminal, and no file is opened: texts and bytes are handed in.
+//!
+//! Modules in reading order: [`diagnostic`], [`file`] (as written), [`resolve`] (as meant).
+//!
+//! ```
+//! use counterpoise_project::Project;
+//! let errors = Project::parse("[plant]\nname = 3", "rig.toml").unwrap_err();
+//! assert_eq!(errors[1].to_string(), "rig.toml:2:8: error: plant.name = 3: must be a text in quotes, not a whole number");
+//! ```
+
+pub mod diagnostic;
+pub mod file;
+pub mod resolve;
+
+pub use diagnostic::{Diagnostic, Severity};
+pub use file::{Attachments, Document, Setting};
+pub use resolve::{Parsed, Project, Purpose};

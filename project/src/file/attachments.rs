@@ -1,0 +1,52 @@
+//! Files that a project file names, handed in by whoever has them.
+
+use std::collections::BTreeMap;
+
+/// Files by the names that the project file uses.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Attachments {
+    files: BTreeMap<String, Vec<u8>>,
+}
+
+impl Attachments {
+    /// No files.
+    pub fn none() -> Self {
+        Self::default()
+    }
+
+    /// The same with one file more.
+    #[must_use]
+    pub fn with(mut self, name: &str, bytes: Vec<u8>) -> Self {
+        self.files.insert(name.to_owned(), bytes);
+        self
+    }
+
+    /// The first two numeric columns of a CSV file with a header row; lines that start with # are comments.
+    pub(crate) fn pairs(&self, name: &str) -> Result<Vec<[f64; 2]>, String> {
+        let Some(bytes) = self.files.get(name) else {
+            return Err(format!("the file \"{name}\" was not found beside the project file"));
+        };
+        let mut reader = csv::ReaderBuilder::new()
+            .comment(Some(b'#'))
+            .trim(csv::Trim::All)
+            .flexible(true)
+            .from_reader(bytes.as_slice());
+        reader.records().map(|record| pair(name, &record.map_err(|e| format!("\"{name}\": {e}"))?)).collect()
+    }
+}
+
+fn pair(name: &str, record: &csv::StringRecord) -> Result<[f64; 2], String> {
+    let line = record.position().map_or(0, csv::Position::line);
+    let number = |column: usize| {
+        let written = record.get(column).unwrap_or_default();
+        let value: f64 = written.parse().map_err(|_| {
+            format!("\"{name}\" line {line} column {}: \"{written}\" is not a number", column + 1)
+        })?;
+        if value.is_finite() {
+            Ok(value)
+        } else {
+            Err(format!("\"{name}\" line {line} column {}: {written} is not finite", column + 1))
+        }
+    };
+    Ok([number(0)?, number(1)?])
+}

@@ -1,0 +1,158 @@
+//! Changes single values of a file and leaves everything else of it, comments and order included, as it is.
+
+use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
+
+use super::setting::Setting;
+
+/// Why a value could not be set.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EditError {
+    /// The text is not TOML, so that nothing in it can be set.
+    #[error("the file is not TOML: {why}")]
+    NotToml {
+        /// What the parser says.
+        why: String,
+    },
+    /// The path does not name a key.
+    #[error("\"{path}\" does not name a key")]
+    BadPath {
+        /// The path.
+        path: String,
+    },
+    /// The path leads through something that is not a table.
+    #[error("\"{path}\": \"{part}\" is not a table")]
+    NotATable {
+        /// The path.
+        path: String,
+        /// The part that is no table.
+        part: String,
+    },
+    /// An item beyond the end of a list of tables.
+    #[error("\"{path}\": there is no item {index} in \"{part}\" with its {length} items")]
+    NoSuchItem {
+        /// The path.
+        path: String,
+        /// The list.
+        part: String,
+        /// The index asked for, from 0.
+        index: usize,
+        /// How many items there are.
+        length: usize,
+    },
+    /// A number that a file cannot hold.
+    #[error("\"{path}\" cannot be set to {value}")]
+    BadValue {
+        /// The path.
+        path: String,
+        /// The value as spelt.
+        value: String,
+    },
+}
+
+/// One step of a path: a key, and the item of a list of tables.
+struct Step<'a> {
+    key: &'a str,
+    index: Option<usize>,
+}
+
+fn steps(path: &str) -> Result<Vec<Step<'_>>, EditError> {
+    let bad = || EditError::BadPath { path: path.to_owned() };
+    let step = |part| -> Result<Step<'_>, EditError> {
+        let (key, index) = match str::split_once(part, '[') {
+            None => (part, None),
+            Some((key, rest)) => {
+                (key, Some(rest.strip_suffix(']').and_then(|i| i.parse().ok()).ok_or_else(bad)?))
+            }
+        };
+        if key.is_empty() { Err(bad()) } else { Ok(Step { key, index }) }
+    };
+    path.split('.').map(step).collect()
+}
+
+/// The text with the value at the path set; tables on the way are made.
+pub(crate) fn set(text: &str, path: &str, setting: &Setting) -> Result<String, EditError> {
+    let mut document = open(text)?;
+    let value = setting
+        .to_toml()
+        .map_err(|_| EditError::BadValue { path: path.to_owned(), value: setting.spelt() })?;
+    let steps = steps(path)?;
+    let Some((last, way)) = steps.split_last() else {
+        return Err(EditError::BadPath { path: path.to_owned() });
+    };
+    let table = walk(document.as_table_mut(), way, path)?;
+    put(table, last.key, value);
+    Ok(document.to_string())
+}
+
+/// The text without the key at the path; the same text if the key is not there.
+pub(crate) fn remove(text: &str, path: &str) -> Result<String, EditError> {
+    let mut document = open(text)?;
+    let steps = steps(path)?;
+    let Some((last, way)) = steps.split_last() else {
+        return Err(EditError::BadPath { path: path.to_owned() });
+    };
+    walk(document.as_table_mut(), way, path)?.remove(last.key);
+    Ok(document.to_string())
+}
+
+fn open(text: &str) -> Result<DocumentMut, EditError> {
+    text.parse().map_err(|e: toml_edit::TomlError| EditError::NotToml { why: e.message().to_owned() })
+}
+
+/// Puts a value in the place of the old one, with the old one's spaces and comment.
+fn put(table: &mut dyn TableLike, key: &str, mut value: Value) {
+    match table.get_mut(key) {
+        Some(Item::Value(old)) => {
+            *value.decor_mut() = old.decor().clone();
+            *old = value;
+        }
+        _ => {
+            table.insert(key, Item::Value(value));
+        }
+    }
+}
+
+fn walk<'t>(
+    table: &'t mut dyn TableLike,
+    way: &[Step<'_>],
+    path: &str,
+) -> Result<&'t mut dyn TableLike, EditError> {
+    let Some((step, rest)) = way.split_first() else { return Ok(table) };
+    let item = table.entry(step.key).or_insert_with(implicit);
+    let next = match step.index {
+        None => item.as_table_like_mut(),
+        Some(index) => item_of(item, step.key, index, path)?,
+    };
+    let next =
+        next.ok_or_else(|| EditError::NotATable { path: path.to_owned(), part: step.key.to_owned() })?;
+    walk(next, rest, path)
+}
+
+/// A new table that gets a header only when it has keys of its own.
+fn implicit() -> Item {
+    let mut table = Table::new();
+    table.set_implicit(true);
+    Item::Table(table)
+}
+
+fn item_of<'t>(
+    item: &'t mut Item,
+    key: &str,
+    index: usize,
+    path: &str,
+) -> Result<Option<&'t mut dyn TableLike>, EditError> {
+    let length = item
+        .as_array_of_tables()
+        .map_or_else(|| item.as_array().map_or(0, toml_edit::Array::len), toml_edit::ArrayOfTables::len);
+    if index >= length {
+        return Err(EditError::NoSuchItem { path: path.to_owned(), part: key.to_owned(), index, length });
+    }
+    Ok(match item {
+        Item::ArrayOfTables(tables) => tables.get_mut(index).map(|t| t as &mut dyn TableLike),
+        Item::Value(Value::Array(items)) => {
+            items.get_mut(index).and_then(Value::as_inline_table_mut).map(|t| t as &mut dyn TableLike)
+        }
+        _ => None,
+    })
+}

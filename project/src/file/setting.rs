@@ -1,0 +1,59 @@
+//! A value to be put into a file, and how it is spelt.
+
+/// A value of a key.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Setting {
+    /// A number.
+    Number(f64),
+    /// A whole number.
+    Whole(i64),
+    /// A text.
+    Text(String),
+    /// A list of numbers.
+    Numbers(Vec<f64>),
+    /// A list of texts.
+    Texts(Vec<String>),
+    /// A list of pairs of numbers.
+    Pairs(Vec<[f64; 2]>),
+}
+
+/// Below this size, and from the next on, a number is written with an exponent.
+const SMALLEST_PLAIN: f64 = 1e-3;
+const LARGEST_PLAIN: f64 = 1e6;
+
+/// A number in the shortest form that reads back as the same number.
+pub(crate) fn number(value: f64) -> String {
+    let size = value.abs();
+    if value == 0.0 || (SMALLEST_PLAIN..LARGEST_PLAIN).contains(&size) {
+        format!("{value:?}")
+    } else {
+        format!("{value:e}")
+    }
+}
+
+/// A text in quotes.
+pub(crate) fn quoted(text: &str) -> String {
+    toml_edit::Value::from(text).to_string()
+}
+
+fn list<T>(items: &[T], spell: impl Fn(&T) -> String) -> String {
+    format!("[{}]", items.iter().map(spell).collect::<Vec<_>>().join(", "))
+}
+
+impl Setting {
+    /// The value as the file spells it.
+    pub fn spelt(&self) -> String {
+        match self {
+            Self::Number(value) => number(*value),
+            Self::Whole(value) => value.to_string(),
+            Self::Text(text) => quoted(text),
+            Self::Numbers(values) => list(values, |v| number(*v)),
+            Self::Texts(texts) => list(texts, |t| quoted(t)),
+            Self::Pairs(pairs) => list(pairs, |[a, b]| format!("[{}, {}]", number(*a), number(*b))),
+        }
+    }
+
+    pub(crate) fn to_toml(&self) -> Result<toml_edit::Value, toml_edit::TomlError> {
+        self.spelt().parse()
+    }
+}

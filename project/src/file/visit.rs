@@ -1,0 +1,117 @@
+//! One walk over a section serves reading, writing and comparing: it names each key once, beside the field it fills.
+
+use super::field::{Field, TableField};
+
+/// How many items a list of numbers holds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Count {
+    AtLeastOne,
+    Exactly(usize),
+}
+
+/// What is done with each key: read it into the field, or list the field's value.
+pub(crate) trait Visit {
+    fn number(&mut self, field: &Field, value: &mut f64);
+    fn whole(&mut self, field: &Field, value: &mut u32);
+    fn text(&mut self, field: &Field, value: &mut String);
+    fn choice(&mut self, field: &Field, allowed: &[&'static str], value: &mut &'static str);
+    fn numbers(&mut self, field: &Field, count: Count, value: &mut Vec<f64>);
+    fn texts(&mut self, field: &Field, value: &mut Vec<String>);
+    /// A list of pairs of numbers, or the name of a file handed in that holds them.
+    fn pairs(&mut self, field: &Field, value: &mut Vec<[f64; 2]>);
+    /// Steps into a table; false if it is not there (then `leave` must not follow).
+    fn enter(&mut self, table: &TableField, present: bool) -> bool;
+    fn leave(&mut self);
+    /// Steps into a list of tables of which the structure holds `length`; returns how many there are.
+    fn enter_list(&mut self, table: &TableField, length: usize) -> usize;
+    fn enter_item(&mut self, index: usize);
+    fn leave_list(&mut self);
+    /// The keys that stand in the present table and are not named by the walk: for tables whose keys are names.
+    fn free_keys(&mut self, present: &[String]) -> Vec<String>;
+    /// A text that stands where a table could: true if it is there.
+    fn shorthand(&mut self, key: &str, value: &mut String) -> bool;
+}
+
+/// An enumeration that the file spells by names.
+pub(crate) trait Choice: Copy + PartialEq + 'static {
+    const NAMES: &'static [(&'static str, Self)];
+
+    fn name(self) -> &'static str {
+        Self::NAMES.iter().find(|(_, value)| *value == self).map_or("", |(name, _)| name)
+    }
+}
+
+/// A key with one of a list of names.
+pub(crate) fn choose<T: Choice>(v: &mut dyn Visit, field: &Field, value: &mut T) {
+    let allowed: Vec<&'static str> = T::NAMES.iter().map(|(name, _)| *name).collect();
+    let mut name = value.name();
+    v.choice(field, &allowed, &mut name);
+    if let Some((_, chosen)) = T::NAMES.iter().find(|(known, _)| *known == name) {
+        *value = *chosen;
+    }
+}
+
+/// A table that is filled where it is there.
+pub(crate) fn table<T>(
+    v: &mut dyn Visit,
+    field: &TableField,
+    value: &mut T,
+    walk: impl FnOnce(&mut dyn Visit, &mut T),
+) {
+    if v.enter(field, true) {
+        walk(v, value);
+        v.leave();
+    }
+}
+
+/// A table whose absence means that the thing is not there.
+pub(crate) fn optional<T>(
+    v: &mut dyn Visit,
+    field: &TableField,
+    slot: &mut Option<T>,
+    blank: T,
+    walk: impl FnOnce(&mut dyn Visit, &mut T),
+) {
+    if v.enter(field, slot.is_some()) {
+        let mut value = slot.take().unwrap_or(blank);
+        walk(v, &mut value);
+        v.leave();
+        *slot = Some(value);
+    } else {
+        *slot = None;
+    }
+}
+
+/// A list of tables.
+pub(crate) fn list<T: Clone>(
+    v: &mut dyn Visit,
+    field: &TableField,
+    items: &mut Vec<T>,
+    blank: T,
+    walk: impl Fn(&mut dyn Visit, &mut T),
+) {
+    let count = v.enter_list(field, items.len());
+    items.resize(count, blank);
+    for (index, item) in items.iter_mut().enumerate() {
+        v.enter_item(index);
+        walk(v, item);
+        v.leave();
+    }
+    v.leave_list();
+}
+
+/// A list of exactly two numbers.
+pub(crate) fn pair(v: &mut dyn Visit, field: &Field, value: &mut [f64; 2]) {
+    let mut numbers = value.to_vec();
+    v.numbers(field, Count::Exactly(2), &mut numbers);
+    if let [near, far] = numbers[..] {
+        *value = [near, far];
+    }
+}
+
+/// A number that may be absent and then means nothing.
+pub(crate) fn maybe_number(v: &mut dyn Visit, field: &Field, slot: &mut Option<f64>) {
+    let mut value = slot.unwrap_or(f64::NAN);
+    v.number(&field.or(f64::NAN), &mut value);
+    *slot = (!value.is_nan()).then_some(value);
+}

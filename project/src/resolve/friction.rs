@@ -1,0 +1,267 @@
+//! Friction sections: the law by its name, then the keys of that law, then what every law may have.
+
+use counterpoise_models::{Friction, FrictionLaw, Ripple, StribeckCurve};
+
+use crate::file::field::{Field, Limit, TableField};
+use crate::file::visit::{Choice, Count, Visit, choose, table};
+
+/// The name of a law.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Law {
+    None,
+    Dahl,
+    Lugre,
+    Coulomb,
+    ResetIntegrator,
+    Stribeck,
+    Karnopp,
+    Walrath,
+    Bristle,
+}
+
+impl Choice for Law {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("none", Self::None),
+        ("dahl", Self::Dahl),
+        ("lugre", Self::Lugre),
+        ("coulomb", Self::Coulomb),
+        ("reset-integrator", Self::ResetIntegrator),
+        ("stribeck", Self::Stribeck),
+        ("karnopp", Self::Karnopp),
+        ("walrath", Self::Walrath),
+        ("bristle", Self::Bristle),
+    ];
+}
+
+/// The name of a Stribeck curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Curve {
+    Tustin,
+    Gaussian,
+    Exponential,
+    Lorentzian,
+    Polynomial,
+}
+
+impl Choice for Curve {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("tustin", Self::Tustin),
+        ("gaussian", Self::Gaussian),
+        ("exponential", Self::Exponential),
+        ("lorentzian", Self::Lorentzian),
+        ("polynomial", Self::Polynomial),
+    ];
+}
+
+const MODEL: Field = Field::new("model", "law of the dry part");
+const COULOMB: Field =
+    Field::new("coulomb", "sliding level of the dry part").unit("N m").limit(Limit::AtLeast(0.0));
+const REST_STIFFNESS: Field =
+    Field::new("rest_stiffness", "stiffness at rest").unit("N m/rad").limit(Limit::Above(0.0));
+const EXPONENT: Field = Field::new("exponent", "exponent of the Dahl law").limit(Limit::AtLeast(0.0)).or(1.0);
+const BRISTLE_STIFFNESS: Field =
+    Field::new("bristle_stiffness", "stiffness of the bristles").unit("N m/rad").limit(Limit::Above(0.0));
+const BRISTLE_DAMPING: Field =
+    Field::new("bristle_damping", "damping of the bristles").unit("N m s/rad").limit(Limit::AtLeast(0.0));
+const DEFLECTION: Field =
+    Field::new("deflection", "deflection at which the bond breaks").unit("rad").limit(Limit::Above(0.0));
+const DAMPING: Field =
+    Field::new("damping", "damping of the bond").unit("N m s/rad").limit(Limit::AtLeast(0.0));
+const CURVE: Field = Field::new("curve", "how the level falls with the rate").or_text("gaussian");
+const CURVE_EXPONENT: Field = Field::new("curve_exponent", "exponent of the curve").limit(Limit::Above(0.0));
+const COEFFICIENTS: Field =
+    Field::new("coefficients", "c1, c2, c3 of the polynomial in rate over stribeck_rate");
+const STICK_RATE: Field = Field::new("stick_rate", "half width of the band of rates that counts as rest")
+    .unit("rad/s")
+    .limit(Limit::Above(0.0));
+const TIME_CONSTANT: Field =
+    Field::new("time_constant", "lag of the dry part").unit("s").limit(Limit::Above(0.0));
+const SMOOTHING_RATE: Field =
+    Field::new("smoothing_rate", "rate that smooths the sign").unit("rad/s").limit(Limit::Above(0.0));
+const BRISTLES: Field = Field::new("bristles", "number of bristles").limit(Limit::Between(1.0, 100_000.0));
+const BOND: Field =
+    Field::new("bond", "deflection at which a bond snaps").unit("rad").limit(Limit::Above(0.0));
+
+const VISCOUS: Field =
+    Field::new("viscous", "viscous coefficient").unit("N m s/rad").limit(Limit::AtLeast(0.0)).or(0.0);
+const STATIC_RATIO: Field =
+    Field::new("static_ratio", "dry level at rest over sliding level").limit(Limit::AtLeast(1.0)).or(1.0);
+const STRIBECK_RATE: Field = Field::new("stribeck_rate", "rate at which the excess has fallen to 1/e")
+    .unit("rad/s")
+    .limit(Limit::Above(0.0))
+    .or(0.01);
+const ASYMMETRY: Field =
+    Field::new("asymmetry", "half the difference of the dry level between the directions, as a fraction")
+        .limit(Limit::Between(-1.0, 1.0))
+        .or(0.0);
+const QUADRATIC: Field =
+    Field::new("quadratic", "quadratic drag").unit("N m s^2/rad^2").limit(Limit::AtLeast(0.0)).or(0.0);
+const LOAD: Field = Field::new("load_coefficient", "growth of the dry level per N m of load")
+    .limit(Limit::AtLeast(0.0))
+    .or(0.0);
+const WARM_UP: Field = Field::new("warm_up", "fraction by which the level changes as it warms up")
+    .limit(Limit::Between(-10.0, 1.0))
+    .or(0.0);
+const WARM_UP_TIME: Field =
+    Field::new("warm_up_time", "time constant of the warm-up").unit("s").limit(Limit::Above(0.0)).or(1.0);
+const POSITION_RIPPLE: TableField =
+    TableField::inline("position_ripple", "variation of the dry level with the angle, as a fraction");
+
+/// Reads or lists a friction section.
+pub(crate) fn friction(v: &mut dyn Visit, value: &mut Friction) {
+    law(v, &mut value.law);
+    v.number(&VISCOUS, &mut value.viscous_nm_s_rad);
+    v.number(&STATIC_RATIO, &mut value.static_ratio);
+    v.number(&STRIBECK_RATE, &mut value.stribeck_rate_rad_s);
+    v.number(&ASYMMETRY, &mut value.asymmetry);
+    v.number(&QUADRATIC, &mut value.quadratic_nm_s2_rad2);
+    v.number(&LOAD, &mut value.load_coefficient);
+    v.number(&WARM_UP, &mut value.warm_up);
+    v.number(&WARM_UP_TIME, &mut value.warm_up_time_s);
+    table(v, &POSITION_RIPPLE, &mut value.position_ripple, ripple);
+}
+
+/// Reads or lists a ripple.
+pub(crate) fn ripple(v: &mut dyn Visit, value: &mut Ripple) {
+    v.number(&Field::new("amplitude", "amplitude").or(0.0), &mut value.amplitude);
+    v.number(&Field::new("order", "periods per turn").limit(Limit::AtLeast(0.0)).or(1.0), &mut value.order);
+    v.number(&Field::new("phase", "phase at zero angle").unit("rad").or(0.0), &mut value.phase_rad);
+}
+
+fn law(v: &mut dyn Visit, value: &mut FrictionLaw) {
+    let mut name = name_of(value);
+    choose(v, &MODEL, &mut name);
+    if name != name_of(value) {
+        *value = blank(name);
+    }
+    parts(v, value);
+}
+
+fn name_of(law: &FrictionLaw) -> Law {
+    match law {
+        FrictionLaw::None => Law::None,
+        FrictionLaw::Dahl { .. } => Law::Dahl,
+        FrictionLaw::Lugre { .. } => Law::Lugre,
+        FrictionLaw::Coulomb { .. } => Law::Coulomb,
+        FrictionLaw::ResetIntegrator { .. } => Law::ResetIntegrator,
+        FrictionLaw::Stribeck { .. } => Law::Stribeck,
+        FrictionLaw::Karnopp { .. } => Law::Karnopp,
+        FrictionLaw::Walrath { .. } => Law::Walrath,
+        FrictionLaw::Bristle { .. } => Law::Bristle,
+    }
+}
+
+/// A law whose numbers are still to be read.
+fn blank(law: Law) -> FrictionLaw {
+    let coulomb_nm = f64::NAN;
+    match law {
+        Law::None => FrictionLaw::None,
+        Law::Dahl => FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad: f64::NAN, exponent: 1.0 },
+        Law::Lugre => FrictionLaw::Lugre {
+            coulomb_nm,
+            bristle_stiffness_nm_rad: f64::NAN,
+            bristle_damping_nm_s_rad: f64::NAN,
+        },
+        Law::Coulomb => FrictionLaw::Coulomb { coulomb_nm },
+        Law::ResetIntegrator => {
+            FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad: f64::NAN, damping_nm_s_rad: f64::NAN }
+        }
+        Law::Stribeck => FrictionLaw::Stribeck { coulomb_nm, curve: StribeckCurve::Gaussian },
+        Law::Karnopp => FrictionLaw::Karnopp { coulomb_nm, stick_rate_rad_s: f64::NAN },
+        Law::Walrath => {
+            FrictionLaw::Walrath { coulomb_nm, time_constant_s: f64::NAN, smoothing_rate_rad_s: f64::NAN }
+        }
+        Law::Bristle => FrictionLaw::Bristle { coulomb_nm, bristles: 1, bond_rad: f64::NAN },
+    }
+}
+
+fn parts(v: &mut dyn Visit, law: &mut FrictionLaw) {
+    match law {
+        FrictionLaw::None => {}
+        FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad, exponent } => {
+            three(
+                v,
+                [(&COULOMB, coulomb_nm), (&REST_STIFFNESS, rest_stiffness_nm_rad), (&EXPONENT, exponent)],
+            );
+        }
+        FrictionLaw::Lugre { coulomb_nm, bristle_stiffness_nm_rad, bristle_damping_nm_s_rad } => {
+            three(
+                v,
+                [
+                    (&COULOMB, coulomb_nm),
+                    (&BRISTLE_STIFFNESS, bristle_stiffness_nm_rad),
+                    (&BRISTLE_DAMPING, bristle_damping_nm_s_rad),
+                ],
+            );
+        }
+        FrictionLaw::Coulomb { coulomb_nm } => v.number(&COULOMB, coulomb_nm),
+        FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad, damping_nm_s_rad } => {
+            three(v, [(&COULOMB, coulomb_nm), (&DEFLECTION, deflection_rad), (&DAMPING, damping_nm_s_rad)]);
+        }
+        FrictionLaw::Walrath { coulomb_nm, time_constant_s, smoothing_rate_rad_s } => {
+            three(
+                v,
+                [
+                    (&COULOMB, coulomb_nm),
+                    (&TIME_CONSTANT, time_constant_s),
+                    (&SMOOTHING_RATE, smoothing_rate_rad_s),
+                ],
+            );
+        }
+        FrictionLaw::Karnopp { coulomb_nm, stick_rate_rad_s } => {
+            v.number(&COULOMB, coulomb_nm);
+            v.number(&STICK_RATE, stick_rate_rad_s);
+        }
+        FrictionLaw::Stribeck { coulomb_nm, curve } => {
+            v.number(&COULOMB, coulomb_nm);
+            stribeck_curve(v, curve);
+        }
+        FrictionLaw::Bristle { coulomb_nm, bristles, bond_rad } => {
+            v.number(&COULOMB, coulomb_nm);
+            let mut count = u32::try_from(*bristles).unwrap_or(u32::MAX);
+            v.whole(&BRISTLES, &mut count);
+            *bristles = count as usize;
+            v.number(&BOND, bond_rad);
+        }
+    }
+}
+
+fn three(v: &mut dyn Visit, fields: [(&Field, &mut f64); 3]) {
+    for (field, value) in fields {
+        v.number(field, value);
+    }
+}
+
+fn stribeck_curve(v: &mut dyn Visit, curve: &mut StribeckCurve) {
+    let mut name = match curve {
+        StribeckCurve::Tustin => Curve::Tustin,
+        StribeckCurve::Gaussian => Curve::Gaussian,
+        StribeckCurve::Exponential { .. } => Curve::Exponential,
+        StribeckCurve::Lorentzian => Curve::Lorentzian,
+        StribeckCurve::Polynomial { .. } => Curve::Polynomial,
+    };
+    choose(v, &CURVE, &mut name);
+    *curve = match name {
+        Curve::Tustin => StribeckCurve::Tustin,
+        Curve::Gaussian => StribeckCurve::Gaussian,
+        Curve::Lorentzian => StribeckCurve::Lorentzian,
+        Curve::Exponential => {
+            let mut exponent =
+                if let StribeckCurve::Exponential { exponent } = *curve { exponent } else { f64::NAN };
+            v.number(&CURVE_EXPONENT, &mut exponent);
+            StribeckCurve::Exponential { exponent }
+        }
+        Curve::Polynomial => {
+            let old = if let StribeckCurve::Polynomial { coefficients } = *curve {
+                coefficients.to_vec()
+            } else {
+                vec![f64::NAN; 3]
+            };
+            let mut list = old;
+            v.numbers(&COEFFICIENTS, Count::Exactly(3), &mut list);
+            StribeckCurve::Polynomial {
+                coefficients: [0, 1, 2].map(|i| list.get(i).copied().unwrap_or(f64::NAN)),
+            }
+        }
+    };
+}

@@ -1,0 +1,208 @@
+//! The project file resolved: every value present, in SI units, checked against its range and its neighbours.
+
+mod checks;
+mod controller;
+mod friction;
+mod plant;
+mod structure;
+
+use counterpoise_controller::ProportionalIntegral;
+use counterpoise_models::Parameters;
+
+use crate::diagnostic::{Diagnostic, Problem, Severity};
+use crate::file::field::{Field, Limit, TableField};
+use crate::file::lister::{Line, Lister};
+use crate::file::reader::Reader;
+use crate::file::source::Remark;
+use crate::file::visit::{Visit, optional, table};
+use crate::file::{Attachments, Document, EditError, Setting, writer};
+
+/// The format of project files that this version reads and writes.
+pub const FORMAT: u32 = 1;
+
+/// A project with every value resolved.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Project {
+    /// The mechanism.
+    pub plant: Parameters,
+    /// The controller that was in the loop when recordings were made.
+    pub recording_controller: Option<ProportionalIntegral>,
+}
+
+/// A project and what is suspicious in its file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parsed {
+    /// The project.
+    pub project: Project,
+    /// What is allowed but likely to be a mistake.
+    pub warnings: Vec<Diagnostic>,
+}
+
+/// What a project file is read for: each command needs only its own sections.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// Model, frequency responses, diagnosis: the plant.
+    Plant,
+    /// Replay in closed loop: the plant and the controller of the recordings.
+    Replay,
+}
+
+impl Project {
+    /// Reads a project file that refers to no other file.
+    ///
+    /// # Errors
+    /// Every error of the file, in order of place.
+    pub fn parse(text: &str, name: &str) -> Result<Parsed, Vec<Diagnostic>> {
+        Self::resolve(&Document::parse(text, name), &Attachments::none())
+    }
+
+    /// Reads the bytes of a project file that refers to no other file.
+    ///
+    /// # Errors
+    /// Every error of the file, in order of place.
+    pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Parsed, Vec<Diagnostic>> {
+        Self::resolve(&Document::from_bytes(bytes, name)?, &Attachments::none())
+    }
+
+    /// Resolves a file as written, with the files that it refers to.
+    ///
+    /// # Errors
+    /// Every error of the file, in order of place.
+    pub fn resolve(document: &Document, attachments: &Attachments) -> Result<Parsed, Vec<Diagnostic>> {
+        let mut project = Self::blank();
+        let mut reader = Reader::new(&document.source, &document.entries, attachments);
+        let format = file(&mut reader, &mut project);
+        let mut findings = reader.finish();
+        findings.extend(refused_format(document, format));
+        findings.extend(checks::all(document, &project));
+        if !document.syntax.is_empty() {
+            findings.retain(|finding| stands_alone(document, finding));
+            findings.extend(document.syntax.clone());
+        }
+        findings.sort_by_key(|d| (d.line, d.column));
+        let (errors, warnings): (Vec<_>, Vec<_>) =
+            findings.into_iter().partition(|d| d.severity == Severity::Error);
+        if errors.is_empty() { Ok(Parsed { project, warnings }) } else { Err(errors) }
+    }
+
+    /// Resolves a file for a purpose: the sections that it needs must be there.
+    ///
+    /// # Errors
+    /// Every error of the file, and every section that is missing.
+    pub fn resolve_for(
+        document: &Document,
+        attachments: &Attachments,
+        purpose: Purpose,
+    ) -> Result<Parsed, Vec<Diagnostic>> {
+        let parsed = Self::resolve(document, attachments)?;
+        let missing = parsed.project.missing_for(document, purpose);
+        if missing.is_empty() { Ok(parsed) } else { Err(missing) }
+    }
+
+    fn missing_for(&self, document: &Document, purpose: Purpose) -> Vec<Diagnostic> {
+        let there = |section: &str| document.entries.iter().any(|e| e.key == section);
+        let absent = purpose.sections().iter().filter(|section| !there(section));
+        let remark = |section: &&str| {
+            let allowed = format!("section [{section}] is missing; {} needs it", purpose.words());
+            document.finding(Severity::Error, Remark::new(Problem::Missing, section, allowed))
+        };
+        absent.map(remark).collect()
+    }
+
+    /// The canonical text of the project: sections in fixed order, units in comments, usual values left out.
+    pub fn to_text(&self) -> String {
+        writer::canonical(&self.lines())
+    }
+
+    /// The file with every value that differs between two projects set, and everything else of it left as it is.
+    ///
+    /// # Errors
+    /// The text is not TOML, or a value leads through something that is no table.
+    pub fn update(&self, document: &Document, old: &Self) -> Result<Document, EditError> {
+        let (before, after) = (old.settings(), self.settings());
+        let mut out = document.clone();
+        for (path, setting, usual) in &after {
+            let known = before.iter().find(|(p, ..)| p == path);
+            let same = known.map_or(*usual, |(_, value, _)| value == setting);
+            if !same {
+                out = out.set(path, setting)?;
+            }
+        }
+        for (path, ..) in before.iter().filter(|(p, ..)| !after.iter().any(|(q, ..)| p == q)) {
+            out = out.remove(path)?;
+        }
+        Ok(out)
+    }
+
+    fn settings(&self) -> Vec<(String, Setting, bool)> {
+        let value = |line| match line {
+            Line::Value { path, setting, usual, .. } => Some((path, setting, usual)),
+            _ => None,
+        };
+        self.lines().into_iter().filter_map(value).collect()
+    }
+
+    fn lines(&self) -> Vec<Line> {
+        let mut lister = Lister::default();
+        file(&mut lister, &mut self.clone());
+        lister.lines
+    }
+
+    fn blank() -> Self {
+        Self { plant: plant::blank(), recording_controller: None }
+    }
+}
+
+impl Purpose {
+    fn sections(self) -> &'static [&'static str] {
+        match self {
+            Self::Plant => &["plant"],
+            Self::Replay => &["plant", "recording_controller"],
+        }
+    }
+
+    fn words(self) -> &'static str {
+        match self {
+            Self::Plant => "every command",
+            Self::Replay => "replay in closed loop",
+        }
+    }
+}
+
+/// Reads or lists the whole file; gives its format.
+fn file(v: &mut dyn Visit, project: &mut Project) -> u32 {
+    let mut format = FORMAT;
+    let field = Field::new("format", "format of this file").limit(Limit::AtLeast(0.0)).or(f64::from(FORMAT));
+    v.whole(&field, &mut format);
+    table(v, &TableField::required("plant", "the mechanism"), &mut project.plant, plant::plant);
+    let section =
+        TableField::optional("recording_controller", "the controller in the loop when recordings were made");
+    optional(
+        v,
+        &section,
+        &mut project.recording_controller,
+        controller::blank(),
+        controller::recording_controller,
+    );
+    let period = project.plant.interface.sample_period_s;
+    if let Some(controller) = &mut project.recording_controller {
+        controller.sample_period_s = period;
+    }
+    format
+}
+
+/// Whether a finding holds even though the syntax is broken elsewhere.
+fn stands_alone(document: &Document, finding: &Diagnostic) -> bool {
+    let elsewhere = document.syntax.iter().all(|s| s.line != finding.line);
+    elsewhere && matches!(finding.problem, Problem::OutOfRange | Problem::NotFinite)
+}
+
+fn refused_format(document: &Document, format: u32) -> Option<Diagnostic> {
+    if format == FORMAT {
+        return None;
+    }
+    let hint =
+        if format > FORMAT { "use a newer version of Counterpoise" } else { "formats are counted from 1" };
+    let remark = Remark::new(Problem::Format, "format", format!("this version reads format {FORMAT}"));
+    Some(document.finding(Severity::Error, remark.found(format.to_string()).hint(Some(hint.to_owned()))))
+}

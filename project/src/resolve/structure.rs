@@ -1,0 +1,184 @@
+//! The structure: the beam with its sections and masses, the lumped inertias, the configurations.
+
+use counterpoise_models::{Beam, Configuration, Lumped, PointMass, Section, SectionShape};
+
+use crate::file::field::{Field, Limit, TableField};
+use crate::file::visit::{Choice, Count, Visit, choose, list, pair};
+
+const YOUNGS_MODULUS: Field =
+    Field::new("youngs_modulus", "Young's modulus").unit("Pa").limit(Limit::Above(0.0));
+const POISSONS_RATIO: Field = Field::new("poissons_ratio", "Poisson's ratio, where shear is modelled")
+    .limit(Limit::Between(-0.999, 0.5))
+    .or(0.3);
+const DENSITY: Field = Field::new("density", "density").unit("kg/m^3").limit(Limit::Above(0.0));
+const PIVOT: Field = Field::new("pivot", "position of the hub pivot along the axis; x grows towards the tip")
+    .unit("m")
+    .or(0.0);
+const MODAL_DAMPING: Field =
+    Field::new("modal_damping", "damping ratio of flexible mode 1, 2, ...; the last holds for all above")
+        .limit(Limit::Between(0.0, 1.0));
+const SECTIONS: TableField = TableField::required("section", "a stretch of the beam");
+const MASSES: TableField = TableField::optional("mass", "a mass that can be fitted");
+
+const NAME: Field = Field::new("name", "name");
+const FROM: Field = Field::new("from", "near end along the axis").unit("m");
+const TO: Field = Field::new("to", "far end along the axis").unit("m");
+const SHAPE: Field = Field::new("shape", "how the cross section is given").or_text("tube");
+const OUTER: Field =
+    Field::new("outer_diameter", "at the near and the far end").unit("m").limit(Limit::Above(0.0));
+const INNER: Field = Field::new("inner_diameter", "at the near and the far end; 0 for solid")
+    .unit("m")
+    .limit(Limit::AtLeast(0.0));
+const AREA: Field = Field::new("area", "at the near and the far end").unit("m^2").limit(Limit::Above(0.0));
+const SECOND_MOMENT: Field =
+    Field::new("second_moment", "of area, at the near and the far end").unit("m^4").limit(Limit::Above(0.0));
+
+const POSITION: Field = Field::new("position", "position along the axis").unit("m");
+const MASS: Field = Field::new("mass", "mass").unit("kg").limit(Limit::Above(0.0));
+const OWN_INERTIA: Field =
+    Field::new("inertia", "own moment of inertia").unit("kg m^2").limit(Limit::AtLeast(0.0)).or(0.0);
+
+const HUB_INERTIA: Field =
+    Field::new("hub_inertia", "inertia at the hub").unit("kg m^2").limit(Limit::Above(0.0));
+const BEAM_INERTIA: Field =
+    Field::new("beam_inertia", "inertia of the beam").unit("kg m^2").limit(Limit::Above(0.0));
+const STIFFNESS: Field = Field::new("stiffness", "hub to beam").unit("N m/rad").limit(Limit::Above(0.0));
+const DAMPING: Field = Field::new("damping", "hub to beam").unit("N m s/rad").limit(Limit::AtLeast(0.0));
+const OUT_OF_BALANCE: Field =
+    Field::new("out_of_balance", "first moment of mass about the pivot, positive nose-heavy").unit("kg m");
+const VERTICAL_OFFSET: Field =
+    Field::new("vertical_offset", "first moment of mass above the pivot axis").unit("kg m").or(0.0);
+const POSITION_STIFFNESS: Field = Field::new("position_stiffness", "spring between hub and platform")
+    .unit("N m/rad")
+    .limit(Limit::AtLeast(0.0))
+    .or(0.0);
+const POSITION_STIFFNESS_CENTRE: Field =
+    Field::new("position_stiffness_centre", "angle of hub on platform at which it is slack")
+        .unit("rad")
+        .or(0.0);
+
+const FITTED: Field = Field::new("masses", "names of the fitted masses").or_empty();
+const ADDED_INERTIA: Field = Field::new("added_hub_inertia", "added at the hub without moment")
+    .unit("kg m^2")
+    .limit(Limit::AtLeast(0.0))
+    .or(0.0);
+
+/// How a cross section is given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Shape {
+    Tube,
+    Given,
+}
+
+impl Choice for Shape {
+    const NAMES: &'static [(&'static str, Self)] = &[("tube", Self::Tube), ("given", Self::Given)];
+}
+
+/// A beam still to be read.
+pub(crate) fn blank_beam() -> Beam {
+    Beam {
+        youngs_modulus_pa: f64::NAN,
+        poissons_ratio: f64::NAN,
+        density_kg_m3: f64::NAN,
+        pivot_m: f64::NAN,
+        modal_damping: Vec::new(),
+        sections: Vec::new(),
+        masses: Vec::new(),
+    }
+}
+
+/// Lumped inertias still to be read.
+pub(crate) fn blank_lumped() -> Lumped {
+    Lumped {
+        hub_inertia_kg_m2: f64::NAN,
+        beam_inertia_kg_m2: f64::NAN,
+        stiffness_nm_rad: f64::NAN,
+        damping_nm_s_rad: f64::NAN,
+        out_of_balance_kg_m: f64::NAN,
+        vertical_offset_kg_m: f64::NAN,
+        position_stiffness_nm_rad: f64::NAN,
+        position_stiffness_centre_rad: f64::NAN,
+    }
+}
+
+/// A configuration still to be read.
+pub(crate) fn blank_configuration() -> Configuration {
+    Configuration { name: String::new(), masses: Vec::new(), added_hub_inertia_kg_m2: 0.0 }
+}
+
+/// Reads or lists the beam.
+pub(crate) fn beam(v: &mut dyn Visit, beam: &mut Beam) {
+    v.number(&YOUNGS_MODULUS, &mut beam.youngs_modulus_pa);
+    v.number(&POISSONS_RATIO, &mut beam.poissons_ratio);
+    v.number(&DENSITY, &mut beam.density_kg_m3);
+    v.number(&PIVOT, &mut beam.pivot_m);
+    v.numbers(&MODAL_DAMPING, Count::AtLeastOne, &mut beam.modal_damping);
+    let blank =
+        Section { name: String::new(), from_m: f64::NAN, to_m: f64::NAN, shape: blank_shape(Shape::Tube) };
+    list(v, &SECTIONS, &mut beam.sections, blank, section);
+    let blank =
+        PointMass { name: String::new(), position_m: f64::NAN, mass_kg: f64::NAN, inertia_kg_m2: 0.0 };
+    list(v, &MASSES, &mut beam.masses, blank, mass);
+}
+
+fn section(v: &mut dyn Visit, section: &mut Section) {
+    v.text(&NAME, &mut section.name);
+    v.number(&FROM, &mut section.from_m);
+    v.number(&TO, &mut section.to_m);
+    let mut shape = shape_of(&section.shape);
+    choose(v, &SHAPE, &mut shape);
+    if shape != shape_of(&section.shape) {
+        section.shape = blank_shape(shape);
+    }
+    match &mut section.shape {
+        SectionShape::Tube { outer_diameter_m, inner_diameter_m } => {
+            pair(v, &OUTER, outer_diameter_m);
+            pair(v, &INNER, inner_diameter_m);
+        }
+        SectionShape::Given { area_m2, second_moment_m4 } => {
+            pair(v, &AREA, area_m2);
+            pair(v, &SECOND_MOMENT, second_moment_m4);
+        }
+    }
+}
+
+fn shape_of(shape: &SectionShape) -> Shape {
+    match shape {
+        SectionShape::Tube { .. } => Shape::Tube,
+        SectionShape::Given { .. } => Shape::Given,
+    }
+}
+
+fn blank_shape(shape: Shape) -> SectionShape {
+    let unread = [f64::NAN; 2];
+    match shape {
+        Shape::Tube => SectionShape::Tube { outer_diameter_m: unread, inner_diameter_m: unread },
+        Shape::Given => SectionShape::Given { area_m2: unread, second_moment_m4: unread },
+    }
+}
+
+fn mass(v: &mut dyn Visit, mass: &mut PointMass) {
+    v.text(&NAME, &mut mass.name);
+    v.number(&POSITION, &mut mass.position_m);
+    v.number(&MASS, &mut mass.mass_kg);
+    v.number(&OWN_INERTIA, &mut mass.inertia_kg_m2);
+}
+
+/// Reads or lists the lumped inertias.
+pub(crate) fn lumped(v: &mut dyn Visit, lumped: &mut Lumped) {
+    v.number(&HUB_INERTIA, &mut lumped.hub_inertia_kg_m2);
+    v.number(&BEAM_INERTIA, &mut lumped.beam_inertia_kg_m2);
+    v.number(&STIFFNESS, &mut lumped.stiffness_nm_rad);
+    v.number(&DAMPING, &mut lumped.damping_nm_s_rad);
+    v.number(&OUT_OF_BALANCE, &mut lumped.out_of_balance_kg_m);
+    v.number(&VERTICAL_OFFSET, &mut lumped.vertical_offset_kg_m);
+    v.number(&POSITION_STIFFNESS, &mut lumped.position_stiffness_nm_rad);
+    v.number(&POSITION_STIFFNESS_CENTRE, &mut lumped.position_stiffness_centre_rad);
+}
+
+/// Reads or lists a configuration.
+pub(crate) fn configuration(v: &mut dyn Visit, configuration: &mut Configuration) {
+    v.text(&NAME, &mut configuration.name);
+    v.texts(&FITTED, &mut configuration.masses);
+    v.number(&ADDED_INERTIA, &mut configuration.added_hub_inertia_kg_m2);
+}
