@@ -4,16 +4,18 @@
 //!
 //! *Invariant*: nothing here knows how a controller is designed, or marches in time.
 //!
-//! Modules in reading order: [`parameters`], [`friction`], [`plant`].
+//! Modules in reading order: [`parameters`], [`friction`], [`plant`], [`reference`] (the machine that examples start from).
 #![allow(non_snake_case)]
 
 pub mod error;
 pub mod friction;
 pub mod parameters;
 pub mod plant;
+pub mod reference;
 
 pub use error::Error;
 pub use parameters::*;
 pub use plant::{
-    Angles, Conditions, Equilibrium, Excitation, FrictionLinearisation, LinearPlant, Mesh, OperatingPoint, Plant,
+    Angles, Conditions, Equilibrium, Excitation, FrictionLinearisation, LinearPlant, Mesh, OperatingPoint,
+    Plant,
 };

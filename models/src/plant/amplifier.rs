@@ -1,0 +1,56 @@
+//! The static part of the amplifier: limit, dead zone and measured map of its input.
+
+use crate::parameters::{Amplifier, Motor};
+
+impl Amplifier {
+    /// Static gain of the closed amplifier loop, motor stalled: K_v / (R + K_v K_ifb), A/V.
+    pub fn stall_gain_a_v(&self, motor: &Motor) -> f64 {
+        self.gain / (motor.resistance_ohm + self.gain * self.current_feedback_v_a)
+    }
+
+    /// What the linear amplifier receives for a control: v = map(dead zone(clip(u))).
+    ///
+    /// The map is odd and linear between its points, with map(v) = i(v) / (stall gain); beyond the last point it goes
+    /// on with the linear amplifier's slope.
+    pub fn drive_v(&self, control_v: f64, motor: &Motor) -> f64 {
+        let clipped = control_v.abs().min(self.input_limit_v);
+        let beyond = (clipped - self.dead_zone_v).max(0.0);
+        control_v.signum() * self.mapped(beyond, self.stall_gain_a_v(motor))
+    }
+
+    /// The smallest control (in size) whose drive is `drive_v`; beyond the input limit the limit.
+    pub fn control_v(&self, drive_v: f64, motor: &Motor) -> f64 {
+        let size = drive_v.abs();
+        if size == 0.0 {
+            return 0.0;
+        }
+        let beyond = self.unmapped(size, self.stall_gain_a_v(motor));
+        drive_v.signum() * (beyond + self.dead_zone_v).min(self.input_limit_v)
+    }
+
+    /// The map of a positive input.
+    fn mapped(&self, input_v: f64, gain_a_v: f64) -> f64 {
+        let mut low = (0.0, 0.0);
+        for point in &self.map {
+            let high = (point.input_v, point.current_a / gain_a_v);
+            if input_v <= high.0 {
+                return low.1 + (input_v - low.0) * (high.1 - low.1) / (high.0 - low.0);
+            }
+            low = high;
+        }
+        low.1 + (input_v - low.0)
+    }
+
+    /// The smallest positive input whose map is `drive_v`.
+    fn unmapped(&self, drive_v: f64, gain_a_v: f64) -> f64 {
+        let mut low = (0.0, 0.0);
+        for point in &self.map {
+            let high = (point.input_v, point.current_a / gain_a_v);
+            if drive_v <= high.1 {
+                return low.0 + (drive_v - low.1) * (high.0 - low.0) / (high.1 - low.1);
+            }
+            low = high;
+        }
+        low.0 + (drive_v - low.1)
+    }
+}

@@ -1,0 +1,208 @@
+//! The plant's linear core: everything but dry friction, gravity's angle, the gap and the static amplifier map.
+
+use super::Plant;
+use counterpoise_lti::Mat;
+
+/// Index of each state of the core; the modes follow from [`MODES`] on as pairs (q, q').
+pub mod state {
+    /// Amplifier voltage V, V.
+    pub const VOLTAGE: usize = 0;
+    /// Armature current i, A.
+    pub const CURRENT: usize = 1;
+    /// Motor speed dtheta_m/dt + s dtheta_p/dt, rad/s (s: the motor's platform coupling).
+    pub const MOTOR: usize = 2;
+    /// Gear wind-up delta = theta_m / N + theta_p - theta_h, rad.
+    pub const WINDUP: usize = 3;
+    /// Angle of the rigid rotation theta_r, rad, inertial.
+    pub const ANGLE: usize = 4;
+    /// Rate of the rigid rotation, rad/s, inertial.
+    pub const RATE: usize = 5;
+    /// First of the pairs (q_k, q_k') of the flexible modes.
+    pub const MODES: usize = 6;
+}
+
+/// Index of each input of the core.
+pub mod input {
+    /// Drive of the linear amplifier, V, after limit, dead zone and map.
+    pub const DRIVE: usize = 0;
+    /// Platform pitch rate, rad/s.
+    pub const PLATFORM_RATE: usize = 1;
+    /// Torque on the motor shaft, N m, beside those of current, gear and viscous friction.
+    pub const MOTOR_TORQUE: usize = 2;
+    /// Torque on the hub, N m, beside those of gear and viscous friction.
+    pub const HUB_TORQUE: usize = 3;
+    /// Load G = (g + a_p) cos theta_h, m/s^2, which acts on every mass.
+    pub const LOAD: usize = 4;
+    /// Torque added to the gear's, N m: raises the hub, brakes the motor.
+    pub const MESH_TORQUE: usize = 5;
+    /// How many there are.
+    pub const COUNT: usize = 6;
+}
+
+/// Whether the gear's teeth touch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Mesh {
+    /// The mesh is a spring and a damper on the wind-up.
+    Touching,
+    /// Inside the gap: no torque passes.
+    Free,
+}
+
+/// x' = A x + B u with the layouts [`state`] and [`input`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Core {
+    /// State matrix.
+    pub A: Mat,
+    /// Input matrix.
+    pub B: Mat,
+}
+
+impl Plant {
+    /// Number of states of the linear core.
+    pub fn core_order(&self) -> usize {
+        state::MODES + 2 * self.body.modes.len()
+    }
+
+    /// The linear core with the teeth touching or apart
+    ///
+    /// ```text
+    ///     tau_a V'  = -V + K_v (v - K_ifb i)                   L i' = V - R i - K_e w_m
+    ///     J_m (w_m + s w_p)' = K_t i - F_v w_m + T_x - T_2 / N     T_2 = K_gb delta + D_gb delta' + T_mesh
+    ///     delta'    = w_m / N + w_p - w_h
+    ///     J w_r'    = T_hub - mu G,   q'' + 2 zeta w q' + w^2 q = phi T_hub - p G
+    ///     T_hub     = T_2 - F_v (w_h - w_p) + T_y
+    /// ```
+    ///
+    /// T_x, T_y, T_mesh, G are the inputs. Half the gap is not subtracted here: it enters by T_mesh.
+    pub fn core(&self, mesh: Mesh) -> Core {
+        let n = self.core_order();
+        let mut core = Core { A: Mat::zeros(n, n), B: Mat::zeros(n, input::COUNT) };
+        self.electrical_rows(&mut core);
+        self.mechanical_rows(&mut core, mesh);
+        core
+    }
+
+    /// The row c of the hub rate: w_h = c x.
+    pub fn hub_rate_row(&self) -> Vec<f64> {
+        self.body_row(1, |mode| mode.hub_shape)
+    }
+
+    /// The row c of the tip rate: w_t = c x.
+    pub fn tip_rate_row(&self) -> Vec<f64> {
+        self.body_row(1, |mode| mode.tip_shape)
+    }
+
+    /// The row c of the hub angle: theta_h = c x.
+    pub fn hub_angle_row(&self) -> Vec<f64> {
+        self.body_row(0, |mode| mode.hub_shape)
+    }
+
+    fn body_row(&self, derivative: usize, shape: impl Fn(&super::BodyMode) -> f64) -> Vec<f64> {
+        let mut row = vec![0.0; self.core_order()];
+        row[state::ANGLE + derivative] = 1.0;
+        for (k, mode) in self.body.modes.iter().enumerate() {
+            row[state::MODES + 2 * k + derivative] = shape(mode);
+        }
+        row
+    }
+
+    fn electrical_rows(&self, core: &mut Core) {
+        let (amplifier, motor) = (&self.parameters.amplifier, &self.parameters.motor);
+        let rate = 1.0 / amplifier.time_constant_s;
+        core.A[(state::VOLTAGE, state::VOLTAGE)] = -rate;
+        core.A[(state::VOLTAGE, state::CURRENT)] = -rate * amplifier.gain * amplifier.current_feedback_v_a;
+        core.B[(state::VOLTAGE, input::DRIVE)] = rate * amplifier.gain;
+        let per_henry = 1.0 / motor.inductance_h;
+        core.A[(state::CURRENT, state::VOLTAGE)] = per_henry;
+        core.A[(state::CURRENT, state::CURRENT)] = -motor.resistance_ohm * per_henry;
+        core.A[(state::CURRENT, state::MOTOR)] = -motor.back_emf_v_s_rad * per_henry;
+        core.B[(state::CURRENT, input::PLATFORM_RATE)] =
+            motor.back_emf_v_s_rad * motor.platform_coupling * per_henry;
+    }
+
+    fn mechanical_rows(&self, core: &mut Core, mesh: Mesh) {
+        let n = self.core_order();
+        let wind_up_rate = self.wind_up_rate_row();
+        for j in 0..n + input::COUNT {
+            set(core, state::WINDUP, j, wind_up_rate[j]);
+        }
+        let mesh_torque = self.mesh_torque_row(mesh, &wind_up_rate);
+        let hub_torque = self.hub_torque_row(&mesh_torque);
+        self.motor_row(core, &mesh_torque);
+        self.body_rows(core, &hub_torque);
+    }
+
+    /// delta' as a row over [states, inputs].
+    fn wind_up_rate_row(&self) -> Vec<f64> {
+        let (n, ratio) = (self.core_order(), self.parameters.gearbox.ratio);
+        let mut row: Vec<f64> = self.hub_rate_row().iter().map(|entry| -entry).collect();
+        row[state::MOTOR] += 1.0 / ratio;
+        row.resize(n + input::COUNT, 0.0);
+        row[n + input::PLATFORM_RATE] = 1.0 - self.parameters.motor.platform_coupling / ratio;
+        row
+    }
+
+    fn mesh_torque_row(&self, mesh: Mesh, wind_up_rate: &[f64]) -> Vec<f64> {
+        let gearbox = &self.parameters.gearbox;
+        let mut row = vec![0.0; wind_up_rate.len()];
+        if mesh == Mesh::Touching {
+            row.iter_mut().zip(wind_up_rate).for_each(|(r, w)| *r = gearbox.damping_nm_s_rad * w);
+            row[state::WINDUP] += gearbox.stiffness_nm_rad;
+        }
+        row[self.core_order() + input::MESH_TORQUE] = 1.0;
+        row
+    }
+
+    fn hub_torque_row(&self, mesh_torque: &[f64]) -> Vec<f64> {
+        let (n, viscous) = (self.core_order(), self.parameters.pivot_friction.viscous_nm_s_rad);
+        let mut row = mesh_torque.to_vec();
+        for (entry, hub) in row.iter_mut().zip(self.hub_rate_row()) {
+            *entry -= viscous * hub;
+        }
+        row[n + input::PLATFORM_RATE] += viscous;
+        row[n + input::HUB_TORQUE] = 1.0;
+        row
+    }
+
+    fn motor_row(&self, core: &mut Core, mesh_torque: &[f64]) {
+        let (n, motor) = (self.core_order(), &self.parameters.motor);
+        let viscous = self.parameters.motor_friction.viscous_nm_s_rad;
+        let mut row: Vec<f64> = mesh_torque.iter().map(|t| -t / self.parameters.gearbox.ratio).collect();
+        row[state::CURRENT] += motor.torque_constant_nm_a;
+        row[state::MOTOR] -= viscous;
+        row[n + input::PLATFORM_RATE] += viscous * motor.platform_coupling;
+        row[n + input::MOTOR_TORQUE] += 1.0;
+        for (j, entry) in row.iter().enumerate() {
+            set(core, state::MOTOR, j, entry / motor.inertia_kg_m2);
+        }
+    }
+
+    fn body_rows(&self, core: &mut Core, hub_torque: &[f64]) {
+        let body = &self.body;
+        core.A[(state::ANGLE, state::RATE)] = 1.0;
+        for (j, torque) in hub_torque.iter().enumerate() {
+            set(core, state::RATE, j, torque / body.inertia_kg_m2);
+        }
+        core.B[(state::RATE, input::LOAD)] = -body.out_of_balance_kg_m / body.inertia_kg_m2;
+        for (k, mode) in body.modes.iter().enumerate() {
+            let (q, dq) = (state::MODES + 2 * k, state::MODES + 2 * k + 1);
+            core.A[(q, dq)] = 1.0;
+            for (j, torque) in hub_torque.iter().enumerate() {
+                set(core, dq, j, mode.hub_shape * torque);
+            }
+            core.A[(dq, q)] -= mode.frequency_rad_s.powi(2);
+            core.A[(dq, dq)] -= 2.0 * mode.damping_ratio * mode.frequency_rad_s;
+            core.B[(dq, input::LOAD)] = -mode.load_share_kg_m;
+        }
+    }
+}
+
+/// Writes entry `j` of a row over [states, inputs].
+fn set(core: &mut Core, row: usize, j: usize, value: f64) {
+    let n = core.A.nrows();
+    if j < n {
+        core.A[(row, j)] = value;
+    } else {
+        core.B[(row, j - n)] = value;
+    }
+}

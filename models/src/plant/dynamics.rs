@@ -1,0 +1,196 @@
+//! The plant's nonlinear right-hand side.
+
+use super::core::{input, state};
+use super::{Conditions, Core, Mesh, Plant};
+use crate::parameters::{Friction, FrictionLaw};
+
+/// What acts on the plant at an instant.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Excitation {
+    /// Time since the start, s (for the warm-up of friction).
+    pub time_s: f64,
+    /// Control after the output converter, V.
+    pub control_v: f64,
+    /// Heave: upward acceleration of the pivot without gravity, m/s^2.
+    pub heave_m_s2: f64,
+    /// Platform angle, rad.
+    pub platform_angle_rad: f64,
+    /// Platform pitch rate, rad/s.
+    pub platform_rate_rad_s: f64,
+}
+
+impl Plant {
+    /// Number of states of the right-hand side: those of the core, then the dry friction state at the motor and at
+    /// the pivot (always both; a law without a state leaves its own at rest).
+    pub fn order(&self) -> usize {
+        self.core_order() + 2
+    }
+
+    /// The derivative of the state \[core ([`state`]), motor friction, pivot friction\]: the definition of the plant.
+    ///
+    /// Laws of the Dahl, LuGre and reset-integrator kind are continuous and are taken as they are (their state is a
+    /// torque in N m for Dahl, a deflection in rad for the others); every other law is taken as its level times the
+    /// sign of the rate. A voltage at the bus limit stays there. The simulator treats the same equations piecewise
+    /// exactly; this form is for second opinions.
+    pub fn derivative(&self, x: &[f64], at: &Excitation, dx: &mut [f64]) {
+        let n = self.core_order();
+        let dot = |row: &[f64]| row.iter().zip(x).map(|(c, s)| c * s).sum::<f64>();
+        let (hub_rate, hub_angle) = (dot(&self.hub_rate_row()), dot(&self.hub_angle_row()));
+        let relative_rate = hub_rate - at.platform_rate_rad_s;
+        let motor_rate = x[state::MOTOR] - self.parameters.motor.platform_coupling * at.platform_rate_rad_s;
+        let relative_angle = hub_angle - at.platform_angle_rad;
+        let motor_angle = self.parameters.gearbox.ratio * (x[state::WINDUP] + relative_angle);
+        let (mesh, offset) = self.mesh(x[state::WINDUP]);
+        let core = self.core(mesh);
+        let mesh_torque = self.mesh_torque_nm(x[state::WINDUP], hub_rate, motor_rate, at.platform_rate_rad_s);
+        let ratio = self.parameters.gearbox.ratio;
+        let conditions = [
+            Conditions {
+                rate_rad_s: motor_rate,
+                angle_rad: motor_angle,
+                load_nm: mesh_torque / ratio,
+                time_s: at.time_s,
+            },
+            Conditions {
+                rate_rad_s: relative_rate,
+                angle_rad: relative_angle,
+                load_nm: mesh_torque,
+                time_s: at.time_s,
+            },
+        ];
+        let (motor_dry, motor_state) = dry(&self.parameters.motor_friction, &conditions[0], x[n]);
+        let (pivot_dry, pivot_state) = dry(&self.parameters.pivot_friction, &conditions[1], x[n + 1]);
+        let (sin, cos) = hub_angle.sin_cos();
+        let gravity = self.parameters.gravity_m_s2 + at.heave_m_s2;
+        let mut u = [0.0; input::COUNT];
+        u[input::DRIVE] = self.parameters.amplifier.drive_v(at.control_v, &self.parameters.motor);
+        u[input::PLATFORM_RATE] = at.platform_rate_rad_s;
+        let loss = self.mesh_loss_nm(mesh_torque, motor_rate);
+        u[input::MOTOR_TORQUE] =
+            self.motor_torque_nm(x[state::CURRENT], motor_angle, motor_rate) + loss.motor_nm - motor_dry;
+        u[input::HUB_TORQUE] = self.hub_torque_nm(relative_angle, motor_angle, relative_rate) + loss.hub_nm
+            - pivot_dry
+            + gravity * self.body.vertical_offset_kg_m * sin;
+        u[input::LOAD] = gravity * cos;
+        u[input::MESH_TORQUE] = offset;
+        multiply(&core, x, &u, dx);
+        let bus = self.parameters.amplifier.bus_voltage_v;
+        if x[state::VOLTAGE].abs() >= bus && dx[state::VOLTAGE] * x[state::VOLTAGE] > 0.0 {
+            dx[state::VOLTAGE] = 0.0;
+        }
+        dx[n] = motor_state;
+        dx[n + 1] = pivot_state;
+    }
+
+    /// Whether the teeth touch at a wind-up, and the torque that takes half the gap off the spring, N m.
+    pub fn mesh(&self, wind_up_rad: f64) -> (Mesh, f64) {
+        let half = 0.5 * self.parameters.gearbox.backlash_rad;
+        if half > 0.0 && wind_up_rad.abs() <= half {
+            return (Mesh::Free, 0.0);
+        }
+        let sign = if half > 0.0 { wind_up_rad.signum() } else { 0.0 };
+        (Mesh::Touching, -sign * half * self.parameters.gearbox.stiffness_nm_rad)
+    }
+
+    /// The gear torque T_2 at the output, N m.
+    pub fn mesh_torque_nm(
+        &self,
+        wind_up_rad: f64,
+        hub_rate: f64,
+        motor_rate: f64,
+        platform_rate: f64,
+    ) -> f64 {
+        let gearbox = &self.parameters.gearbox;
+        match self.mesh(wind_up_rad) {
+            (Mesh::Free, _) => 0.0,
+            (Mesh::Touching, offset) => {
+                let rate = motor_rate / gearbox.ratio + platform_rate - hub_rate;
+                gearbox.stiffness_nm_rad * wind_up_rad + gearbox.damping_nm_s_rad * rate + offset
+            }
+        }
+    }
+
+    /// Smooth torques on the motor shaft beside those of the core: cogging, torque ripple, current limit, drag, N m.
+    pub fn motor_torque_nm(&self, current_a: f64, motor_angle_rad: f64, motor_rate_rad_s: f64) -> f64 {
+        let motor = &self.parameters.motor;
+        let limit = self.parameters.amplifier.current_limit_a;
+        let limited = current_a.clamp(-limit, limit);
+        let constant = motor.torque_constant_nm_a;
+        constant * (limited * (1.0 + motor.torque_ripple.at(motor_angle_rad)) - current_a)
+            + motor.cogging.at(motor_angle_rad)
+            - self.parameters.motor_friction.drag_nm(motor_rate_rad_s)
+    }
+
+    /// Smooth torques on the hub beside those of the core: spring, mesh ripple, drag, N m.
+    pub fn hub_torque_nm(
+        &self,
+        relative_angle_rad: f64,
+        motor_angle_rad: f64,
+        relative_rate_rad_s: f64,
+    ) -> f64 {
+        self.spring_torque_nm(relative_angle_rad) + self.parameters.gearbox.mesh_ripple.at(motor_angle_rad)
+            - self.parameters.pivot_friction.drag_nm(relative_rate_rad_s)
+    }
+}
+
+/// Motor rate over which the direction of the power through the mesh changes, rad/s.
+const POWER_REVERSAL_RATE: f64 = 0.05;
+
+/// What an imperfect mesh takes from either side.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct MeshLoss {
+    /// Torque added at the motor shaft, N m.
+    pub motor_nm: f64,
+    /// Torque added at the hub, N m.
+    pub hub_nm: f64,
+}
+
+impl Plant {
+    /// The mesh's loss: the driven side receives eta T_2. While the motor drives (T_2 w_m > 0) the hub lacks
+    /// (1 - eta) T_2; while the hub drives the motor lacks (1 - eta) T_2 / N. The share changes over smoothly within
+    /// a motor rate of 0.05 rad/s.
+    pub fn mesh_loss_nm(&self, mesh_torque_nm: f64, motor_rate_rad_s: f64) -> MeshLoss {
+        let lost = (1.0 - self.parameters.gearbox.mesh_efficiency) * mesh_torque_nm;
+        if lost == 0.0 {
+            return MeshLoss::default();
+        }
+        let sense = motor_rate_rad_s / motor_rate_rad_s.hypot(POWER_REVERSAL_RATE) * mesh_torque_nm.signum();
+        MeshLoss {
+            motor_nm: 0.5 * (1.0 - sense) * lost / self.parameters.gearbox.ratio,
+            hub_nm: -0.5 * (1.0 + sense) * lost,
+        }
+    }
+}
+
+/// dx = A x + B u.
+fn multiply(core: &Core, x: &[f64], u: &[f64], dx: &mut [f64]) {
+    let n = core.A.nrows();
+    for i in 0..n {
+        let free: f64 = (0..n).map(|j| core.A[(i, j)] * x[j]).sum();
+        let forced: f64 = (0..u.len()).map(|j| core.B[(i, j)] * u[j]).sum();
+        dx[i] = free + forced;
+    }
+}
+
+/// Torque of the dry part and derivative of its state.
+fn dry(friction: &Friction, at: &Conditions, z: f64) -> (f64, f64) {
+    let (w, level) = (at.rate_rad_s, friction.level_nm(at));
+    match friction.law {
+        FrictionLaw::None => (0.0, 0.0),
+        FrictionLaw::Dahl { rest_stiffness_nm_rad, exponent, .. } => {
+            let rest = 1.0 - z * w.signum() / level;
+            (z, rest_stiffness_nm_rad * w * rest.abs().powf(exponent) * rest.signum())
+        }
+        FrictionLaw::Lugre { bristle_stiffness_nm_rad, bristle_damping_nm_s_rad, .. } => {
+            let rate = w - bristle_stiffness_nm_rad * w.abs() * z / level;
+            (bristle_stiffness_nm_rad * z + bristle_damping_nm_s_rad * rate, rate)
+        }
+        FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad, damping_nm_s_rad } => {
+            let slid = (w > 0.0 && z >= deflection_rad) || (w < 0.0 && z <= -deflection_rad);
+            let rate = if slid { 0.0 } else { w };
+            let bonded = friction.static_ratio * coulomb_nm / deflection_rad * z + damping_nm_s_rad * rate;
+            (if z.abs() < deflection_rad { bonded } else { coulomb_nm * z.signum() }, rate)
+        }
+        _ => (level * if w == 0.0 { 0.0 } else { w.signum() }, 0.0),
+    }
+}

@@ -1,0 +1,104 @@
+//! The operating point: what the motor must do to hold the out-of-balance.
+
+use super::core::state;
+use super::{Mesh, Plant};
+
+/// Where the mechanism is held.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct OperatingPoint {
+    /// Hub angle, rad, inertial.
+    pub hub_angle_rad: f64,
+    /// Platform angle, rad, inertial.
+    pub platform_angle_rad: f64,
+}
+
+/// The mechanism at rest, friction without load: the motor alone holds weight and spring.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Equilibrium {
+    /// The operating point.
+    pub point: OperatingPoint,
+    /// Control that holds it, V: the smallest one in size; the input limit where none suffices.
+    pub control_v: f64,
+    /// Drive of the linear amplifier that holds it, V.
+    pub drive_v: f64,
+    /// Armature current, A.
+    pub current_a: f64,
+    /// Gear torque at the output, N m.
+    pub mesh_torque_nm: f64,
+    /// Whether the teeth touch: they do unless no torque passes and there is a gap.
+    pub mesh: Mesh,
+    /// Motor angle relative to the platform, rad.
+    pub motor_angle_rad: f64,
+    /// The states of the linear core ([`state`]).
+    pub core_state: Vec<f64>,
+}
+
+impl Plant {
+    /// The equilibrium at an operating point, in closed form:
+    ///
+    /// ```text
+    ///     T_2 = mu g cos theta_h - nu g sin theta_h + K_s (theta_h - theta_p - theta_0) - mesh ripple
+    ///     delta = T_2 / K_gb + sgn(T_2) b / 2,   K_t i = T_2 / N - cogging,   v = V / K_v + K_ifb i,  V = R i
+    /// ```
+    ///
+    /// Wherever the mesh ripple and the cogging depend on the motor angle, the angle at T_2 without ripple is taken.
+    pub fn equilibrium(&self, point: &OperatingPoint) -> Equilibrium {
+        let (gearbox, motor) = (&self.parameters.gearbox, &self.parameters.motor);
+        let relative = point.hub_angle_rad - point.platform_angle_rad;
+        let held = self.held_torque_nm(point);
+        let wind_up = held / gearbox.stiffness_nm_rad + half_gap(held, gearbox.backlash_rad);
+        let motor_angle = gearbox.ratio * (wind_up + relative);
+        let mesh_torque = held - gearbox.mesh_ripple.at(motor_angle);
+        let shaft = mesh_torque / gearbox.ratio - motor.cogging.at(motor_angle);
+        let current = shaft / (motor.torque_constant_nm_a * (1.0 + motor.torque_ripple.at(motor_angle)));
+        let amplifier = &self.parameters.amplifier;
+        let drive = current * (motor.resistance_ohm / amplifier.gain + amplifier.current_feedback_v_a);
+        let mut core_state = self.held_shape(point, held);
+        core_state[state::VOLTAGE] = motor.resistance_ohm * current;
+        core_state[state::CURRENT] = current;
+        core_state[state::WINDUP] =
+            mesh_torque / gearbox.stiffness_nm_rad + half_gap(mesh_torque, gearbox.backlash_rad);
+        Equilibrium {
+            point: *point,
+            control_v: amplifier.control_v(drive, motor),
+            drive_v: drive,
+            current_a: current,
+            mesh_torque_nm: mesh_torque,
+            mesh: if mesh_torque == 0.0 && gearbox.backlash_rad > 0.0 { Mesh::Free } else { Mesh::Touching },
+            motor_angle_rad: gearbox.ratio * (core_state[state::WINDUP] + relative),
+            core_state,
+        }
+    }
+
+    /// The torque that the gear must pass for the hub to rest.
+    fn held_torque_nm(&self, point: &OperatingPoint) -> f64 {
+        let (sin, cos) = point.hub_angle_rad.sin_cos();
+        let gravity = self.parameters.gravity_m_s2;
+        let weight = self.body.out_of_balance_kg_m * cos - self.body.vertical_offset_kg_m * sin;
+        gravity * weight - self.spring_torque_nm(point.hub_angle_rad - point.platform_angle_rad)
+    }
+
+    /// The angle and the modes of the structure under its weight, held at the hub by `held` less the spring.
+    fn held_shape(&self, point: &OperatingPoint, held: f64) -> Vec<f64> {
+        let (sin, cos) = point.hub_angle_rad.sin_cos();
+        let gravity = self.parameters.gravity_m_s2;
+        let relative = point.hub_angle_rad - point.platform_angle_rad;
+        let lift = gravity * self.body.vertical_offset_kg_m * sin;
+        let hub_torque = held + self.spring_torque_nm(relative) + lift;
+        let mut shape = vec![0.0; self.core_order()];
+        let mut rigid = point.hub_angle_rad;
+        for (k, mode) in self.body.modes.iter().enumerate() {
+            let forced = mode.hub_shape * hub_torque - mode.load_share_kg_m * gravity * cos;
+            let q = forced / mode.frequency_rad_s.powi(2);
+            shape[state::MODES + 2 * k] = q;
+            rigid -= mode.hub_shape * q;
+        }
+        shape[state::ANGLE] = rigid;
+        shape
+    }
+}
+
+/// Half of the gap, on the side on which a torque presses.
+fn half_gap(torque_nm: f64, backlash_rad: f64) -> f64 {
+    if torque_nm == 0.0 { 0.0 } else { 0.5 * backlash_rad * torque_nm.signum() }
+}

@@ -1,0 +1,76 @@
+//! The nonlinear plant: amplifier, motor, gear mesh with a gap, the structure, dry friction, gravity and heave.
+//!
+//! A [`Plant`] is [`Parameters`] whose ranges have been checked, with the structure in modal coordinates. From it:
+//! the linear [`core`] that a simulator steps exactly, the [`equilibrium`], the right-hand side ([`dynamics`]) and
+//! the linearisation ([`linear`]).
+
+mod amplifier;
+pub mod body;
+pub mod core;
+pub mod dry;
+pub mod dynamics;
+pub mod equilibrium;
+pub mod linear;
+mod ranges;
+mod sensor;
+
+pub use self::body::{Body, BodyMode};
+pub use self::core::{Core, Mesh};
+pub use self::dry::{Conditions, dahl_advance};
+pub use self::dynamics::Excitation;
+pub use self::equilibrium::{Equilibrium, OperatingPoint};
+pub use self::linear::{Angles, FrictionLinearisation, LinearPlant};
+
+use crate::Error;
+use crate::parameters::Parameters;
+
+/// A mechanism that has been checked and can be simulated or linearised.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plant {
+    pub(crate) parameters: Parameters,
+    pub(crate) body: Body,
+    /// Spring between hub and platform, N m/rad, and the relative angle at which it is slack, rad.
+    pub(crate) spring: (f64, f64),
+}
+
+impl Plant {
+    /// The plant with the two-inertia structure of its parameters.
+    ///
+    /// # Errors
+    /// [`Error::NoStructure`] without lumped inertias, [`Error::Parameter`] for the first parameter out of range.
+    pub fn lumped(parameters: &Parameters) -> Result<Self, Error> {
+        let lumped = parameters.lumped.as_ref().ok_or(Error::NoStructure)?;
+        ranges::lumped(lumped)?;
+        Self::with_body(parameters, Body::lumped(lumped))
+    }
+
+    /// The plant with a structure in modal coordinates, for instance from finite elements; the drive, the friction,
+    /// the sensors and the position spring are those of the parameters.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for the first parameter out of range.
+    pub fn with_body(parameters: &Parameters, body: Body) -> Result<Self, Error> {
+        ranges::check(parameters)?;
+        ranges::body(&body)?;
+        let spring = parameters
+            .lumped
+            .as_ref()
+            .map_or((0.0, 0.0), |l| (l.position_stiffness_nm_rad, l.position_stiffness_centre_rad));
+        Ok(Self { parameters: parameters.clone(), body, spring })
+    }
+
+    /// The parameters that the plant was built from.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// The structure in modal coordinates.
+    pub fn body(&self) -> &Body {
+        &self.body
+    }
+
+    /// Torque of the position spring on the hub at a hub angle relative to the platform, N m.
+    pub fn spring_torque_nm(&self, relative_angle_rad: f64) -> f64 {
+        -self.spring.0 * (relative_angle_rad - self.spring.1)
+    }
+}

@@ -1,0 +1,171 @@
+//! The ranges in which a mechanism makes sense, checked once, when a plant is built.
+
+use super::Body;
+use crate::Error;
+use crate::parameters::{Friction, FrictionLaw, Lumped, Parameters, Sensor};
+
+/// Refuses parameters outside their ranges; the first one found is named with its path.
+pub(super) fn check(parameters: &Parameters) -> Result<(), Error> {
+    finite("gravity_m_s2", parameters.gravity_m_s2)?;
+    drive(parameters)?;
+    friction("motor_friction", &parameters.motor_friction)?;
+    friction("pivot_friction", &parameters.pivot_friction)?;
+    sensors(parameters)?;
+    interface(parameters)
+}
+
+/// Refuses a two-inertia structure that has no finite, damped mode.
+pub(super) fn lumped(lumped: &Lumped) -> Result<(), Error> {
+    positive("lumped.hub_inertia_kg_m2", lumped.hub_inertia_kg_m2)?;
+    positive("lumped.beam_inertia_kg_m2", lumped.beam_inertia_kg_m2)?;
+    positive("lumped.stiffness_nm_rad", lumped.stiffness_nm_rad)?;
+    not_negative("lumped.damping_nm_s_rad", lumped.damping_nm_s_rad)?;
+    finite("lumped.out_of_balance_kg_m", lumped.out_of_balance_kg_m)?;
+    finite("lumped.vertical_offset_kg_m", lumped.vertical_offset_kg_m)?;
+    not_negative("lumped.position_stiffness_nm_rad", lumped.position_stiffness_nm_rad)?;
+    finite("lumped.position_stiffness_centre_rad", lumped.position_stiffness_centre_rad)
+}
+
+/// Refuses a modal structure without inertia or with a mode that is not an oscillator.
+pub(super) fn body(body: &Body) -> Result<(), Error> {
+    positive("body.inertia_kg_m2", body.inertia_kg_m2)?;
+    finite("body.out_of_balance_kg_m", body.out_of_balance_kg_m)?;
+    finite("body.vertical_offset_kg_m", body.vertical_offset_kg_m)?;
+    for (k, mode) in body.modes.iter().enumerate() {
+        positive(&format!("body.modes[{k}].frequency_rad_s"), mode.frequency_rad_s)?;
+        not_negative(&format!("body.modes[{k}].damping_ratio"), mode.damping_ratio)?;
+        finite(&format!("body.modes[{k}].hub_shape"), mode.hub_shape)?;
+        finite(&format!("body.modes[{k}].tip_shape"), mode.tip_shape)?;
+        finite(&format!("body.modes[{k}].load_share_kg_m"), mode.load_share_kg_m)?;
+    }
+    Ok(())
+}
+
+fn drive(parameters: &Parameters) -> Result<(), Error> {
+    let (gearbox, motor, amplifier) = (&parameters.gearbox, &parameters.motor, &parameters.amplifier);
+    positive("gearbox.ratio", gearbox.ratio)?;
+    positive("gearbox.stiffness_nm_rad", gearbox.stiffness_nm_rad)?;
+    not_negative("gearbox.damping_nm_s_rad", gearbox.damping_nm_s_rad)?;
+    not_negative("gearbox.backlash_rad", gearbox.backlash_rad)?;
+    within("gearbox.mesh_efficiency", gearbox.mesh_efficiency, 0.0, 1.0, "above 0, at most 1")?;
+    positive("motor.inertia_kg_m2", motor.inertia_kg_m2)?;
+    positive("motor.torque_constant_nm_a", motor.torque_constant_nm_a)?;
+    not_negative("motor.back_emf_v_s_rad", motor.back_emf_v_s_rad)?;
+    positive("motor.resistance_ohm", motor.resistance_ohm)?;
+    positive("motor.inductance_h", motor.inductance_h)?;
+    finite("motor.platform_coupling", motor.platform_coupling)?;
+    positive("amplifier.gain", amplifier.gain)?;
+    not_negative("amplifier.current_feedback_v_a", amplifier.current_feedback_v_a)?;
+    positive("amplifier.time_constant_s", amplifier.time_constant_s)?;
+    positive_or_infinite("amplifier.input_limit_v", amplifier.input_limit_v)?;
+    positive_or_infinite("amplifier.bus_voltage_v", amplifier.bus_voltage_v)?;
+    positive_or_infinite("amplifier.current_limit_a", amplifier.current_limit_a)?;
+    not_negative("amplifier.dead_zone_v", amplifier.dead_zone_v)?;
+    map(parameters)
+}
+
+fn map(parameters: &Parameters) -> Result<(), Error> {
+    let mut last = (0.0, 0.0);
+    for (k, point) in parameters.amplifier.map.iter().enumerate() {
+        let rises = point.input_v > last.0 && point.current_a >= last.1 && point.current_a.is_finite();
+        let allowed = "positive and above the point before, with a current that does not fall";
+        require(rises, &format!("amplifier.map[{k}].input_v"), point.input_v, allowed)?;
+        last = (point.input_v, point.current_a);
+    }
+    Ok(())
+}
+
+fn friction(path: &str, friction: &Friction) -> Result<(), Error> {
+    let at = |name: &str| format!("{path}.{name}");
+    not_negative(&at("coulomb_nm"), friction.coulomb_nm())?;
+    not_negative(&at("viscous_nm_s_rad"), friction.viscous_nm_s_rad)?;
+    positive(&at("static_ratio"), friction.static_ratio)?;
+    positive(&at("stribeck_rate_rad_s"), friction.stribeck_rate_rad_s)?;
+    within(&at("asymmetry"), friction.asymmetry.abs() + f64::MIN_POSITIVE, 0.0, 0.999, "below 1 in size")?;
+    not_negative(&at("quadratic_nm_s2_rad2"), friction.quadratic_nm_s2_rad2)?;
+    let ripple = friction.position_ripple.amplitude.abs() + f64::MIN_POSITIVE;
+    within(&at("position_ripple.amplitude"), ripple, 0.0, 0.999, "below 1 in size")?;
+    not_negative(&at("load_coefficient"), friction.load_coefficient)?;
+    within(&at("warm_up"), friction.warm_up + 2.0, 0.0, 2.999, "above -2 and below 1")?;
+    positive(&at("warm_up_time_s"), friction.warm_up_time_s)?;
+    law(path, &friction.law)
+}
+
+fn law(path: &str, law: &FrictionLaw) -> Result<(), Error> {
+    let at = |name: &str| format!("{path}.{name}");
+    match *law {
+        FrictionLaw::Dahl { rest_stiffness_nm_rad, exponent, .. } => {
+            positive(&at("rest_stiffness_nm_rad"), rest_stiffness_nm_rad)?;
+            positive(&at("exponent"), exponent)
+        }
+        FrictionLaw::Lugre { bristle_stiffness_nm_rad, bristle_damping_nm_s_rad, .. } => {
+            positive(&at("bristle_stiffness_nm_rad"), bristle_stiffness_nm_rad)?;
+            not_negative(&at("bristle_damping_nm_s_rad"), bristle_damping_nm_s_rad)
+        }
+        FrictionLaw::ResetIntegrator { deflection_rad, damping_nm_s_rad, .. } => {
+            positive(&at("deflection_rad"), deflection_rad)?;
+            not_negative(&at("damping_nm_s_rad"), damping_nm_s_rad)
+        }
+        _ => Ok(()),
+    }
+}
+
+fn sensors(parameters: &Parameters) -> Result<(), Error> {
+    let sensors = &parameters.sensors;
+    let named = [
+        ("sensors.hub_gyro", Some(&sensors.hub_gyro)),
+        ("sensors.platform_gyro", Some(&sensors.platform_gyro)),
+        ("sensors.platform_accelerometer", Some(&sensors.platform_accelerometer)),
+        ("sensors.motor_tachometer", sensors.motor_tachometer.as_ref()),
+        ("sensors.hub_resolver", sensors.hub_resolver.as_ref()),
+    ];
+    finite("sensors.accelerometer_lever_arm_m", sensors.accelerometer_lever_arm_m)?;
+    named.into_iter().filter_map(|(path, sensor)| Some((path, sensor?))).try_for_each(|(p, s)| sensor(p, s))
+}
+
+fn sensor(path: &str, sensor: &Sensor) -> Result<(), Error> {
+    let at = |name: &str| format!("{path}.{name}");
+    positive_or_infinite(&at("natural_frequency_rad_s"), sensor.natural_frequency_rad_s)?;
+    positive(&at("damping_ratio"), sensor.damping_ratio)?;
+    positive(&at("scale_v_unit"), sensor.scale_v_unit)?;
+    not_negative(&at("noise_rms"), sensor.noise_rms)?;
+    finite(&at("gain"), sensor.gain)?;
+    finite(&at("bias"), sensor.bias)?;
+    not_negative(&at("delay_s"), sensor.delay_s)?;
+    finite(&at("g_sensitivity"), sensor.g_sensitivity)
+}
+
+fn interface(parameters: &Parameters) -> Result<(), Error> {
+    let interface = &parameters.interface;
+    positive("interface.sample_period_s", interface.sample_period_s)?;
+    for (path, bits) in
+        [("interface.input_bits", interface.input_bits), ("interface.output_bits", interface.output_bits)]
+    {
+        within(path, f64::from(bits), 0.0, 32.0, "1 to 32")?;
+    }
+    Ok(())
+}
+
+fn require(holds: bool, parameter: &str, value: f64, allowed: &'static str) -> Result<(), Error> {
+    if holds { Ok(()) } else { Err(Error::Parameter { parameter: parameter.to_owned(), value, allowed }) }
+}
+
+fn positive(parameter: &str, value: f64) -> Result<(), Error> {
+    require(value > 0.0 && value.is_finite(), parameter, value, "positive and finite")
+}
+
+fn positive_or_infinite(parameter: &str, value: f64) -> Result<(), Error> {
+    require(value > 0.0, parameter, value, "positive")
+}
+
+fn not_negative(parameter: &str, value: f64) -> Result<(), Error> {
+    require(value >= 0.0 && value.is_finite(), parameter, value, "zero or positive, and finite")
+}
+
+fn finite(parameter: &str, value: f64) -> Result<(), Error> {
+    require(value.is_finite(), parameter, value, "finite")
+}
+
+fn within(parameter: &str, value: f64, above: f64, at_most: f64, allowed: &'static str) -> Result<(), Error> {
+    require(value > above && value <= at_most, parameter, value, allowed)
+}
