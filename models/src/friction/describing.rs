@@ -2,11 +2,14 @@
 
 use super::model::FrictionModel;
 use counterpoise_lti::C64;
+use std::f64::consts::TAU;
 
 /// Steps per period of the motion.
 const STEPS: usize = 2000;
-/// Periods after which the loop of every law has closed.
-const SETTLING_PERIODS: usize = 3;
+/// Periods after which a loop that has not closed is given as it is.
+const MOST_PERIODS: usize = 200;
+/// A loop is closed when a state repeats to this fraction of its largest value.
+const CLOSED: f64 = 1e-13;
 
 /// One period of the torque under a sinusoidal motion.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,33 +24,88 @@ pub struct Loop {
     pub lost_j: f64,
     /// Complex stiffness, N m/rad: the torque's first harmonic over the angle's.
     pub stiffness_nm_rad: C64,
+    /// Largest change of a state over the period, relative to its value: how well the loop is closed. Bristles, whose
+    /// snaps do not repeat, never close.
+    pub gap: f64,
 }
 
 /// The settled loop under x = A sin(omega t), at nominal level.
 ///
-/// The states move exactly over each of 2000 steps of constant mean rate. With the complex stiffness k, friction acts
+/// The states move exactly over each of 2000 steps of constant mean rate; the periodic solution is sought by Aitken's
+/// extrapolation from period to period. With the complex stiffness k, friction acts
 /// like a spring Re k and a damper Im k / omega; lost energy = pi A^2 Im k exactly for any law.
 pub fn sinusoidal_loop(model: &FrictionModel, amplitude_rad: f64, frequency_rad_s: f64) -> Loop {
-    let step_s = std::f64::consts::TAU / frequency_rad_s / STEPS as f64;
+    let motion = Motion { model, amplitude_rad, frequency_rad_s };
     let mut states = vec![0.0; model.states()];
+    motion.settle(&mut states);
+    let start = states.clone();
     let mut out = Loop {
         angle_rad: Vec::with_capacity(STEPS),
         rate_rad_s: Vec::with_capacity(STEPS),
         torque_nm: Vec::with_capacity(STEPS),
         lost_j: 0.0,
         stiffness_nm_rad: C64::new(0.0, 0.0),
+        gap: 0.0,
     };
-    for k in 0..STEPS * (SETTLING_PERIODS + 1) {
-        let angle = |j: usize| std::f64::consts::TAU * (j % STEPS) as f64 / STEPS as f64;
-        let moved = amplitude_rad * (angle(k + 1).sin() - angle(k).sin());
-        model.advance(moved / step_s, step_s, 1.0, &mut states);
-        if k >= STEPS * SETTLING_PERIODS {
-            let (sin, cos) = angle(k + 1).sin_cos();
-            out.push(amplitude_rad * sin, amplitude_rad * frequency_rad_s * cos, model, &states);
+    motion.period(&mut states, |angle, rate, states| {
+        out.angle_rad.push(angle);
+        out.rate_rad_s.push(rate);
+        out.torque_nm.push(model.torque(rate, 1.0, states));
+    });
+    out.gap = gap(&start, &states);
+    out.analyse(amplitude_rad, motion.step_s());
+    out
+}
+
+struct Motion<'a> {
+    model: &'a FrictionModel,
+    amplitude_rad: f64,
+    frequency_rad_s: f64,
+}
+
+impl Motion<'_> {
+    fn step_s(&self) -> f64 {
+        TAU / self.frequency_rad_s / STEPS as f64
+    }
+
+    /// Moves the states through one period and shows angle, rate and states after each step.
+    fn period(&self, states: &mut [f64], mut show: impl FnMut(f64, f64, &[f64])) {
+        let mut sin = 0.0;
+        for k in 1..=STEPS {
+            let (next, cos) = (TAU * (k % STEPS) as f64 / STEPS as f64).sin_cos();
+            let moved = self.amplitude_rad * (next - sin);
+            self.model.advance(moved / self.step_s(), self.step_s(), 1.0, states);
+            sin = next;
+            show(self.amplitude_rad * sin, self.amplitude_rad * self.frequency_rad_s * cos, states);
         }
     }
-    out.analyse(amplitude_rad, step_s);
-    out
+
+    fn settle(&self, states: &mut [f64]) {
+        for _ in 0..MOST_PERIODS / 2 {
+            let first = states.to_vec();
+            self.period(states, |_, _, _| {});
+            let second = states.to_vec();
+            self.period(states, |_, _, _| {});
+            if gap(&second, states) < CLOSED {
+                return;
+            }
+            if let ([a], [b], [c]) = (first.as_slice(), second.as_slice(), &mut *states) {
+                *c = extrapolated(*a, *b, *c);
+            }
+        }
+    }
+}
+
+/// Aitken: where a sequence a, b, c that converges geometrically ends.
+fn extrapolated(a: f64, b: f64, c: f64) -> f64 {
+    let bend = c - 2.0 * b + a;
+    let limit = c - (c - b) * (c - b) / bend;
+    if limit.is_finite() { limit } else { c }
+}
+
+fn gap(before: &[f64], after: &[f64]) -> f64 {
+    let change = |(a, b): (&f64, &f64)| if a == b { 0.0 } else { (a - b).abs() / a.abs().max(b.abs()) };
+    before.iter().zip(after).map(change).fold(0.0, f64::max)
 }
 
 /// The complex stiffness of [`sinusoidal_loop`], N m/rad.
@@ -56,14 +114,8 @@ pub fn describing_function(model: &FrictionModel, amplitude_rad: f64, frequency_
 }
 
 impl Loop {
-    fn push(&mut self, angle_rad: f64, rate_rad_s: f64, model: &FrictionModel, states: &[f64]) {
-        self.angle_rad.push(angle_rad);
-        self.rate_rad_s.push(rate_rad_s);
-        self.torque_nm.push(model.torque(rate_rad_s, 1.0, states));
-    }
-
     fn analyse(&mut self, amplitude_rad: f64, step_s: f64) {
-        let frequency = std::f64::consts::TAU / (step_s * STEPS as f64);
+        let frequency = TAU / (step_s * STEPS as f64);
         let dot = |a: &[f64]| a.iter().zip(&self.torque_nm).map(|(a, t)| a * t).sum::<f64>();
         self.lost_j = dot(&self.rate_rad_s) * step_s;
         let per = 2.0 / (STEPS as f64 * amplitude_rad * amplitude_rad);
