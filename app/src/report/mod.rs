@@ -1,0 +1,15 @@
+//! Reports: one HTML page that carries everything it needs.
+//!
+//! In comes a [`Report`] (plain data); out goes HTML with the figures inside as SVG, light or dark as the viewer likes, and fit for
+//! printing. The first screen answers whether the design is good: a headline, the main figures, the verdicts. The evidence follows.
+//!
+//! *Invariant*: nothing here measures or judges; nothing here reads a file, a clock or the network. Same report, same bytes.
+//!
+//! Modules in reading order: [`page`], [`html`], [`style`].
+
+pub mod html;
+pub mod page;
+pub mod style;
+
+pub use html::html;
+pub use page::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
