@@ -1,0 +1,60 @@
+//! What proves a design: residuals, spectra, and the cost that the assembled loop really has.
+
+use counterpoise_lti::linalg::{self, lyap};
+use counterpoise_lti::{C64, StateSpace};
+
+use crate::finding::{Cause, Finding, Part};
+use crate::{Error, Outcome};
+
+/// How well a Riccati equation was solved.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Equation {
+    /// Norm of the residual relative to the norms of the equation's terms.
+    pub relative_residual: f64,
+    /// Spectrum of the closed matrix: all in the left half plane.
+    pub spectrum: Vec<C64>,
+}
+
+/// A cost as predicted by the equations and as found on the assembled loop.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cost {
+    /// From the solutions of the Riccati and Sylvester equations; `None` where it has no bound.
+    pub predicted: Option<f64>,
+    /// From a Lyapunov equation of the assembled loop; `None` where that is not stable or not strictly proper.
+    pub achieved: Option<f64>,
+}
+
+impl Cost {
+    /// |achieved - predicted| / predicted, where both are known.
+    pub fn relative_difference(&self) -> Option<f64> {
+        let (predicted, achieved) = (self.predicted?, self.achieved?);
+        let scale = predicted.abs().max(f64::MIN_POSITIVE);
+        Some((achieved - predicted).abs() / scale)
+    }
+}
+
+impl From<linalg::Riccati> for Equation {
+    fn from(solution: linalg::Riccati) -> Self {
+        Self { relative_residual: solution.certificate.relative_residual, spectrum: solution.closed_loop }
+    }
+}
+
+/// The solution of a Riccati equation, or the finding that says why there is none.
+pub(crate) fn riccati(what: &'static str, part: Part, outcome: linalg::Outcome<linalg::Riccati>) -> Outcome<linalg::Riccati> {
+    match outcome {
+        linalg::Outcome::Solved(solution) => Outcome::Solved(solution),
+        linalg::Outcome::Infeasible(reason) => {
+            Outcome::Infeasible(vec![Finding::refusal(part, Cause::Equation { what, reason: reason.to_string() })])
+        }
+    }
+}
+
+/// trace(C P C') with A P + P A' + B B' = 0: the mean square of the outputs under unit white noise; `None` where the
+/// system is not strictly stable, or passes white noise on.
+pub(crate) fn lyapunov_cost(system: &StateSpace) -> Result<Option<f64>, Error> {
+    if system.D.norm_max() != 0.0 || !counterpoise_lti::is_stable(system)? {
+        return Ok(None);
+    }
+    let P = lyap(&system.A, &(&system.B * &system.B.t()))?;
+    Ok(Some((&system.C * &(&P * &system.C.t())).trace()))
+}

@@ -1,0 +1,133 @@
+//! The three-part design: feedback, heave feedforward and pitch feedforward, put together.
+
+use counterpoise_lti::{Mat, StateSpace, Timebase, append, series};
+
+use crate::{
+    Assembly, Channel, DesignPlant, Error, Feedback, Feedforward, Finding, Outcome, Specification, feedback, feedforward,
+    preflight,
+};
+
+/// A designed controller, continuous, with its certificates.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Design {
+    /// The feedback: its controller goes from (demand, measured rate) to (control, weighted control).
+    pub feedback: Feedback,
+    /// The heave feedforward.
+    pub heave: Option<Feedforward>,
+    /// The pitch feedforward.
+    pub pitch: Option<Feedforward>,
+    /// How they are put together, and where the demand enters.
+    pub specification: Specification,
+    /// The plant it was designed for.
+    pub plant: DesignPlant,
+    /// Findings of the preflight that do not stand in the way.
+    pub warnings: Vec<Finding>,
+}
+
+/// The three-part H2 design.
+///
+/// The steps: [`preflight()`] (refusals end here, before any equation is solved), [`feedback()`], [`feedforward()`] for
+/// heave and pitch. The three are independent of each other: each source of disturbance has its own weights.
+///
+/// # Errors
+/// [`Error`] for a plant that is not one. Weights that make no solvable problem are [`Outcome::Infeasible`] with every
+/// reason.
+pub fn design(plant: &DesignPlant, specification: &Specification) -> Result<Outcome<Design>, Error> {
+    let findings = preflight(plant, specification)?;
+    if findings.iter().any(Finding::is_refusal) {
+        return Ok(Outcome::Infeasible(findings));
+    }
+    let feedback = match feedback(plant, &specification.feedback, specification.reference)? {
+        Outcome::Solved(feedback) => feedback,
+        Outcome::Infeasible(reasons) => return Ok(Outcome::Infeasible(reasons)),
+    };
+    let mut parts = [None, None];
+    for (part, channel) in parts.iter_mut().zip([Channel::Heave, Channel::Pitch]) {
+        let Some(weights) = specification.feedforward(channel) else { continue };
+        match feedforward(plant, weights, channel)? {
+            Outcome::Solved(solution) => *part = Some(solution),
+            Outcome::Infeasible(reasons) => return Ok(Outcome::Infeasible(reasons)),
+        }
+    }
+    let [heave, pitch] = parts;
+    let (specification, plant) = (specification.clone(), plant.clone());
+    Ok(Outcome::Solved(Design { feedback, heave, pitch, specification, plant, warnings: findings }))
+}
+
+impl Design {
+    /// The feedforward of a channel.
+    pub fn part(&self, channel: Channel) -> Option<&Feedforward> {
+        match channel {
+            Channel::Heave => self.heave.as_ref(),
+            Channel::Pitch => self.pitch.as_ref(),
+        }
+    }
+
+    /// The feedback controller C0 from (demand, measured rate) to the control.
+    pub fn feedback_controller(&self) -> StateSpace {
+        self.feedback.controller.select(&[0], &[0, 1])
+    }
+
+    /// The feedforward module of a channel from the measured disturbance to the control.
+    pub fn feedforward_controller(&self, channel: Channel) -> Option<StateSpace> {
+        let module = &self.part(channel)?.module;
+        let inputs: Vec<usize> = (0..module.inputs()).collect();
+        Some(module.select(&[0], &inputs))
+    }
+
+    /// The whole controller from (demand, measured rate, heave signals, pitch signals) to the control, in the assembly
+    /// that the specification asks for.
+    ///
+    /// # Errors
+    /// [`Error::Lti`].
+    pub fn joint_controller(&self) -> Result<StateSpace, Error> {
+        let mut joint = StateSpace::gain(Mat::eye(2), Timebase::Continuous)?;
+        let mut modules = 0;
+        for channel in [Channel::Heave, Channel::Pitch] {
+            let Some(part) = self.part(channel) else { continue };
+            joint = append(&joint, &self.as_seen(&part.module)?)?;
+            modules += 1;
+        }
+        let wired = series(&joint, &self.mixer(modules)?)?;
+        let passed = StateSpace::gain(Mat::eye(1), Timebase::Continuous)?;
+        let controllers = append(&self.feedback_controller(), &passed)?;
+        let sum = StateSpace::gain(Mat::row(&[1.0, 1.0]), Timebase::Continuous)?;
+        Ok(series(&series(&wired, &controllers)?, &sum)?)
+    }
+
+    /// The module with outputs (control, expected rate), the latter as the hub sensor would read it.
+    fn as_seen(&self, module: &StateSpace) -> Result<StateSpace, Error> {
+        let inputs: Vec<usize> = (0..module.inputs()).collect();
+        let both = module.select(&[0, 1], &inputs);
+        match (&self.plant.hub_sensor, self.specification.assembly) {
+            (Some(sensor), Assembly::Grimble) => {
+                Ok(series(&both, &append(&StateSpace::gain(Mat::eye(1), Timebase::Continuous)?, sensor)?)?)
+            }
+            _ => Ok(both),
+        }
+    }
+
+    /// From (demand, rate, u1, y1, u2, y2, ...) to (demand, rate less what is expected, sum of the u).
+    fn mixer(&self, modules: usize) -> Result<StateSpace, Error> {
+        let share = match self.specification.assembly {
+            Assembly::SimpleAdd => 0.0,
+            Assembly::Grimble => -1.0,
+        };
+        let mut D = Mat::zeros(3, 2 + 2 * modules);
+        D[(0, 0)] = 1.0;
+        D[(1, 1)] = 1.0;
+        for module in 0..modules {
+            D[(2, 2 + 2 * module)] = 1.0;
+            D[(1, 3 + 2 * module)] = share;
+        }
+        Ok(StateSpace::gain(D, Timebase::Continuous)?)
+    }
+
+    /// The largest relative difference between predicted and achieved cost over the three parts; `None` where none of
+    /// them has both.
+    pub fn worst_cost_difference(&self) -> Option<f64> {
+        let parts = [self.heave.as_ref(), self.pitch.as_ref()];
+        let costs = parts.into_iter().flatten().map(|part| part.cost).chain([self.feedback.cost]);
+        costs.filter_map(|cost| cost.relative_difference()).max_by(f64::total_cmp)
+    }
+}

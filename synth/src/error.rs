@@ -1,0 +1,53 @@
+//! What can be wrong with a request to this crate.
+
+/// Every way in which a request to this crate can be refused. A problem that is well put but has no solution is not
+/// here: it is an [`crate::Outcome::Infeasible`].
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A system could not be built or evaluated.
+    #[error(transparent)]
+    Lti(#[from] counterpoise_lti::Error),
+    /// A matrix equation was put wrongly.
+    #[error(transparent)]
+    Linalg(#[from] counterpoise_lti::linalg::Error),
+    /// The discrete controller could not be built.
+    #[error(transparent)]
+    Controller(#[from] counterpoise_controller::Error),
+    /// A number outside what is allowed.
+    #[error("{what} = {value} must be {allowed}")]
+    Range {
+        /// Which number.
+        what: &'static str,
+        /// The value that was given.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// An index that names no input or output of the plant.
+    #[error("{what} is number {index}, but the plant has {count}")]
+    Index {
+        /// What the index names.
+        what: &'static str,
+        /// The index that was given, from 0.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A weight that has no realisation of the kind that is asked for.
+    #[error("weight {weight}: {problem}")]
+    Weight {
+        /// The weight as a formula.
+        weight: String,
+        /// What is in the way.
+        problem: &'static str,
+    },
+    /// A system whose kind does not fit its place.
+    #[error("{what}: {problem}")]
+    System {
+        /// Which system.
+        what: &'static str,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
+}

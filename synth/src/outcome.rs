@@ -1,0 +1,30 @@
+//! A well-put problem has a solution, or reasons why it has none.
+
+use crate::finding::Finding;
+
+/// The answer to a problem that is well put.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outcome<T> {
+    /// The solution.
+    Solved(T),
+    /// Why there is none: at least one refusal.
+    Infeasible(Vec<Finding>),
+}
+
+impl<T> Outcome<T> {
+    /// The solution, where there is one.
+    pub fn solved(self) -> Option<T> {
+        match self {
+            Outcome::Solved(solution) => Some(solution),
+            Outcome::Infeasible(_) => None,
+        }
+    }
+
+    /// The findings that say why there is no solution; empty where there is one.
+    pub fn findings(&self) -> &[Finding] {
+        match self {
+            Outcome::Solved(_) => &[],
+            Outcome::Infeasible(findings) => findings,
+        }
+    }
+}

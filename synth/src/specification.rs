@@ -1,0 +1,107 @@
+//! What the designer asks for: the weights of the three parts and how the parts are put together.
+
+use counterpoise_lti::Mat;
+
+use crate::{Channel, Weight};
+
+/// The whole of a three-part design, apart from the plant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Specification {
+    /// The feedback from the measured rate.
+    pub feedback: FeedbackWeights,
+    /// The feedforward from measured heave; `None` for a design without it.
+    pub heave: Option<FeedforwardWeights>,
+    /// The feedforward from measured pitch; `None` for a design without it.
+    pub pitch: Option<FeedforwardWeights>,
+    /// How the parts are put together.
+    pub assembly: Assembly,
+    /// Where the demand enters.
+    pub reference: Reference,
+}
+
+/// How the parts are put together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Assembly {
+    /// `u = C0 (r - y) + u_h + u_p`: the feedback also cleans up what the feedforward leaves.
+    #[default]
+    SimpleAdd,
+    /// `u = C0 (r - (y - y_h - y_p)) + u_h + u_p`: the feedback leaves to the feedforward what it expects of it.
+    /// Each source then costs exactly what its own weights say.
+    Grimble,
+}
+
+/// Where the demand enters the feedback.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Reference {
+    /// The controller sees the error r - y alone: one degree of freedom, quick and with overshoot.
+    #[default]
+    Error,
+    /// The demand enters the error weight's states alone: two degrees of freedom, slower and smooth. Needs an error
+    /// weight with states.
+    WeightOnly,
+}
+
+/// Weights and noises of the feedback part (the cost of what no sensor announces).
+#[derive(Debug, Clone, PartialEq)]
+pub struct FeedbackWeights {
+    /// Weight on the measured error.
+    pub error: Weight,
+    /// Weight on the control.
+    pub control: Weight,
+    /// Further outputs with a constant weight, as (output, weight): the tip's rate, for instance. All are summed into
+    /// one signal first, so (tip, k) and (hub, -k) weigh the twist rate.
+    pub combination: Vec<(usize, f64)>,
+    /// Spectral density of the measurement noise, (rad/s)^2 s.
+    pub measurement_noise: f64,
+    /// White disturbances that no sensor announces, as (input, spectral density).
+    pub disturbances: Vec<(usize, f64)>,
+    /// Spectral density of a fictitious white noise on the control, V^2 s: the more, the more of the state feedback's
+    /// margins the loop recovers, at the cost of noise.
+    pub loop_recovery: f64,
+}
+
+/// Weights and model of one feedforward part.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FeedforwardWeights {
+    /// Weight on the rate that the disturbance would cause.
+    pub error: Weight,
+    /// Weight on the feedforward's control.
+    pub control: Weight,
+    /// Shape of the disturbance: its spectrum is |generator|^2, driven by unit white noise. Strictly proper and stable.
+    pub generator: Weight,
+    /// What is known of the disturbance.
+    pub knowledge: Knowledge,
+}
+
+/// What the feedforward knows of the disturbance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Knowledge {
+    /// Its value and its derivatives up to the generator's order, exactly. The sensor is taken as perfect.
+    Exact,
+    /// The plant's sensor with white noise of this spectral density, unit^2 s: an optimal filter in front.
+    Measured {
+        /// Spectral density of the noise.
+        noise: f64,
+    },
+}
+
+impl Specification {
+    /// The feedforward of a channel.
+    pub fn feedforward(&self, channel: Channel) -> Option<&FeedforwardWeights> {
+        match channel {
+            Channel::Heave => self.heave.as_ref(),
+            Channel::Pitch => self.pitch.as_ref(),
+        }
+    }
+}
+
+impl FeedbackWeights {
+    /// The row that makes the weighted combination out of all true outputs; zeros where there is none.
+    pub(crate) fn combination_row(&self, outputs: usize) -> Mat {
+        let mut row = Mat::zeros(1, outputs);
+        for &(output, weight) in self.combination.iter().filter(|(output, _)| *output < outputs) {
+            row[(0, output)] += weight;
+        }
+        row
+    }
+}
