@@ -1,0 +1,176 @@
+//! Matrices in twice the working precision, as the sum of two doubles: what residuals are computed with.
+//!
+//! Products are split into slices whose products are exact in double precision, so that the fast kernels do the work.
+//! Source: Ozaki, Ogita, Oishi and Rump, Error-free transformations of matrix multiplication, Numer. Algorithms 59 (2012).
+
+use crate::mat::Mat;
+
+/// `high + low`, where `low` (absent: zero) is of the size of the rounding error of `high`.
+#[derive(Clone)]
+pub(crate) struct Extended {
+    pub(crate) high: Mat,
+    pub(crate) low: Option<Mat>,
+}
+
+impl From<Mat> for Extended {
+    fn from(high: Mat) -> Self {
+        Self { high, low: None }
+    }
+}
+
+impl Extended {
+    /// The nearest double matrix.
+    pub(crate) fn collapse(&self) -> Mat {
+        match &self.low {
+            None => self.high.clone(),
+            Some(low) => &self.high + low,
+        }
+    }
+
+    pub(crate) fn t(&self) -> Self {
+        Self { high: self.high.t(), low: self.low.as_ref().map(Mat::t) }
+    }
+
+    pub(crate) fn neg(&self) -> Self {
+        Self { high: -&self.high, low: self.low.as_ref().map(|low| -low) }
+    }
+
+    pub(crate) fn add(&self, other: &Self) -> Self {
+        let mut high = self.high.clone();
+        let mut low = match (&self.low, &other.low) {
+            (None, None) => Mat::zeros(high.nrows(), high.ncols()),
+            (Some(one), None) | (None, Some(one)) => one.clone(),
+            (Some(one), Some(two)) => one + two,
+        };
+        accumulate(&mut high, &mut low, &other.high);
+        renormalise(&mut high, &mut low);
+        Self { high, low: Some(low) }
+    }
+
+    /// The product with an error of about 2^-95 times the norms.
+    pub(crate) fn times(&self, other: &Self) -> Self {
+        let mut product = exact_product(&self.high, &other.high);
+        if let (Some(sum), Some(low)) = (product.low.as_mut(), other.low.as_ref()) {
+            *sum += &(&self.high * low);
+        }
+        if let (Some(sum), Some(low)) = (product.low.as_mut(), self.low.as_ref()) {
+            *sum += &(low * &other.high);
+        }
+        product
+    }
+}
+
+/// `high + low += term`, the rounding error of the sum kept in `low`.
+fn accumulate(high: &mut Mat, low: &mut Mat, term: &Mat) {
+    pulp::Arch::new().dispatch(|| {
+        for ((h, l), &t) in high.as_mut_slice().iter_mut().zip(low.as_mut_slice()).zip(term.as_slice()) {
+            let sum = *h + t;
+            let back = sum - *h;
+            *l += (*h - (sum - back)) + (t - back);
+            *h = sum;
+        }
+    });
+}
+
+fn renormalise(high: &mut Mat, low: &mut Mat) {
+    pulp::Arch::new().dispatch(|| {
+        for (h, l) in high.as_mut_slice().iter_mut().zip(low.as_mut_slice()) {
+            let sum = *h + *l;
+            *l -= sum - *h;
+            *h = sum;
+        }
+    });
+}
+
+/// `A B` of two double matrices as a sum of two.
+pub(crate) fn exact_product(A: &Mat, B: &Mat) -> Extended {
+    let inner = A.ncols().max(2) as f64;
+    let bits = ((53.0 - inner.log2().ceil()) / 2.0).floor() as i32;
+    let [a1, a2, a3] = slices(A, &row_exponents(A), bits, Side::Left);
+    let [b1, b2, b3] = slices(B, &column_exponents(B), bits, Side::Right);
+    let mut high = &a1 * &b1;
+    let tail = &b2 + &b3;
+    let mut low = &a2 * &tail + &a3 * B + &a1 * &b3;
+    accumulate(&mut high, &mut low, &(&a1 * &b2));
+    accumulate(&mut high, &mut low, &(&a2 * &b1));
+    renormalise(&mut high, &mut low);
+    Extended { high, low: Some(low) }
+}
+
+#[derive(Clone, Copy)]
+enum Side {
+    Left,
+    Right,
+}
+
+/// The exponent just above the largest entry of each row.
+fn row_exponents(A: &Mat) -> Vec<f64> {
+    let mut largest = vec![0.0_f64; A.nrows()];
+    for j in 0..A.ncols() {
+        largest.iter_mut().zip(A.column(j)).for_each(|(m, &a)| *m = m.max(a.abs()));
+    }
+    largest.into_iter().map(above).collect()
+}
+
+fn column_exponents(A: &Mat) -> Vec<f64> {
+    (0..A.ncols()).map(|j| above(A.column(j).iter().fold(0.0, |m: f64, &a| m.max(a.abs())))).collect()
+}
+
+/// A power of two at or above `value`.
+fn above(value: f64) -> f64 {
+    if value == 0.0 { 1.0 } else { value.log2().ceil().clamp(-900.0, 900.0).exp2() }
+}
+
+/// Three slices that sum to `A` (up to its last bits where a row or column spans more than they hold): each of the
+/// first two has `bits` bits counted from its row's or column's largest entry.
+fn slices(A: &Mat, largest: &[f64], bits: i32, side: Side) -> [Mat; 3] {
+    let anchor: Vec<f64> = largest.iter().map(|l| 1.5 * l * f64::from(52 - bits).exp2()).collect();
+    let step = f64::from(-bits).exp2();
+    let (first, rest) = cut(A, &anchor, side);
+    let finer: Vec<f64> = anchor.iter().map(|a| a * step).collect();
+    let (second, third) = cut(&rest, &finer, side);
+    [first, second, third]
+}
+
+/// The leading bits that survive the addition of the anchor, and what is left.
+fn cut(A: &Mat, anchor: &[f64], side: Side) -> (Mat, Mat) {
+    let (mut lead, mut rest) = (A.clone(), A.clone());
+    pulp::Arch::new().dispatch(|| {
+        for j in 0..A.ncols() {
+            let columns = lead.column_mut(j).iter_mut().zip(rest.column_mut(j));
+            match side {
+                Side::Left => columns.zip(anchor).for_each(|((l, r), &s)| shave(l, r, s)),
+                Side::Right => columns.for_each(|(l, r)| shave(l, r, anchor[j])),
+            }
+        }
+    });
+    (lead, rest)
+}
+
+#[inline(always)]
+fn shave(lead: &mut f64, rest: &mut f64, anchor: f64) {
+    *lead = (*lead + anchor) - anchor;
+    *rest -= *lead;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Integers of 50 bits: the product needs 100, and integer arithmetic gives it exactly.
+    #[test]
+    fn products_carry_twice_the_precision() {
+        let entry = |i: usize, j: usize| ((1_i64 << 49) + (i * 7919 + j * 104_729) as i64 * 999_983) as f64;
+        let A = Mat::from_fn(9, 7, entry);
+        let B = Mat::from_fn(7, 5, |i, j| -entry(j, i));
+        let product = exact_product(&A, &B);
+        let low = product.low.unwrap_or_else(|| Mat::zeros(9, 5));
+        for i in 0..9 {
+            for j in 0..5 {
+                let exact: i128 = (0..7).map(|k| A[(i, k)] as i128 * B[(k, j)] as i128).sum();
+                let rest = exact - product.high[(i, j)] as i128;
+                assert!((rest as f64 - low[(i, j)]).abs() < 1e-10 * (rest as f64).abs().max(1.0));
+            }
+        }
+    }
+}

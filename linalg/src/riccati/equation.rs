@@ -1,0 +1,137 @@
+//! The residuals of the three Riccati equations, in twice the working precision.
+//!
+//! With a gain `K` that is right to working precision, the completed square
+//! `(A-BK)'X + X(A-BK) + Q - SK - K'S' + K'RK` differs from the residual by `(K-K*)'R(K-K*)` only, so that no inverse is
+//! needed in more than working precision. The same holds in discrete time.
+
+use crate::dense::solve;
+use crate::extended::{Extended, exact_product};
+use crate::mat::Mat;
+use crate::sylvester::Kind;
+
+use super::newton::Equation;
+
+/// Plant and weights in scaled coordinates; `S` may be all zero.
+pub(super) struct Data {
+    pub(super) A: Mat,
+    pub(super) B: Mat,
+    pub(super) Q: Mat,
+    pub(super) R: Mat,
+    pub(super) S: Option<Mat>,
+}
+
+impl Data {
+    /// `K'RK - SK - K'S'`, which both equations share, and `Q`.
+    fn weights(&self, K: &Mat) -> Extended {
+        let mut sum = Extended::from(self.Q.clone());
+        sum = sum.add(&Extended::from(K.t()).times(&exact_product(&self.R, K)));
+        if let Some(S) = &self.S {
+            let cross = exact_product(S, K).neg();
+            sum = sum.add(&cross).add(&cross.t());
+        }
+        sum
+    }
+
+    /// `A - B K`
+    pub(super) fn closed(&self, K: &Mat) -> Mat {
+        &self.A - &(&self.B * K)
+    }
+}
+
+/// `A'X + XA - (XB+S) R^-1 (B'X+S') + Q = 0`
+pub(super) struct Continuous(pub(super) Data);
+
+impl Continuous {
+    /// `R^-1 (B'X + S')`
+    pub(super) fn gain(&self, X: &Mat) -> Option<Mat> {
+        let mut right = self.0.B.t() * X;
+        if let Some(S) = &self.0.S {
+            right += &S.t();
+        }
+        solve(&self.0.R, &right).ok()
+    }
+}
+
+impl Equation for Continuous {
+    fn residual(&self, X: &Extended) -> Option<(Mat, f64)> {
+        let data = &self.0;
+        let K = self.gain(&X.high)?;
+        let AX = Extended::from(data.A.t()).times(X);
+        let BX = Extended::from(data.B.t()).times(X);
+        let KBX = Extended::from(K.t()).times(&BX).neg();
+        let size = 2.0 * AX.high.norm_fro() + KBX.high.norm_fro() + data.Q.norm_fro();
+        let half = AX.add(&KBX);
+        let total = half.add(&half.t()).add(&data.weights(&K));
+        Some((total.collapse().symmetric_part(), size))
+    }
+
+    fn closed_loop(&self, X: &Mat) -> Option<Mat> {
+        Some(self.0.closed(&self.gain(X)?))
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Continuous
+    }
+}
+
+/// `A'X + XA - XGX + Q = 0`, `G` of any sign.
+pub(super) struct Quadratic {
+    pub(super) A: Mat,
+    pub(super) G: Mat,
+    pub(super) Q: Mat,
+}
+
+impl Equation for Quadratic {
+    fn residual(&self, X: &Extended) -> Option<(Mat, f64)> {
+        let AX = Extended::from(self.A.t()).times(X);
+        let square = X.times(&Extended::from(self.G.clone()).times(X)).neg();
+        let size = 2.0 * AX.high.norm_fro() + square.high.norm_fro() + self.Q.norm_fro();
+        let total = AX.add(&AX.t()).add(&square).add(&self.Q.clone().into());
+        Some((total.collapse().symmetric_part(), size))
+    }
+
+    fn closed_loop(&self, X: &Mat) -> Option<Mat> {
+        Some(&self.A - &(&self.G * X))
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Continuous
+    }
+}
+
+/// `A'XA - X - (A'XB+S)(R+B'XB)^-1(B'XA+S') + Q = 0`
+pub(super) struct Discrete(pub(super) Data);
+
+impl Discrete {
+    /// `(R + B'XB)^-1 (B'XA + S')`
+    pub(super) fn gain(&self, X: &Mat) -> Option<Mat> {
+        let data = &self.0;
+        let BX = data.B.t() * X;
+        let mut right = &BX * &data.A;
+        if let Some(S) = &data.S {
+            right += &S.t();
+        }
+        solve(&(&data.R + &(&BX * &data.B)), &right).ok()
+    }
+}
+
+impl Equation for Discrete {
+    fn residual(&self, X: &Extended) -> Option<(Mat, f64)> {
+        let data = &self.0;
+        let K = self.gain(&X.high)?;
+        let closed = exact_product(&data.B, &K).neg().add(&data.A.clone().into());
+        let moved = closed.t().times(&X.times(&closed));
+        let AXA = data.A.t() * &X.high * &data.A;
+        let size = AXA.norm_fro() + X.high.norm_fro() + data.Q.norm_fro() + (&AXA - &moved.high).norm_fro();
+        let total = moved.add(&X.neg()).add(&data.weights(&K));
+        Some((total.collapse().symmetric_part(), size))
+    }
+
+    fn closed_loop(&self, X: &Mat) -> Option<Mat> {
+        Some(self.0.closed(&self.gain(X)?))
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Discrete
+    }
+}

@@ -1,0 +1,123 @@
+//! Algebraic Riccati equations, continuous and discrete, each answer with its certificate.
+//!
+//! The road: fold the cross term away, scale by powers of two, solve (ordered Schur form of the Hamiltonian for small
+//! problems, structured doubling for large ones, each the fallback of the other), refine by Newton steps whose residual
+//! is computed in twice the working precision, certify, and either hand over or say which mode is in the way.
+
+mod certify;
+mod continuous;
+mod discrete;
+mod doubling;
+mod equation;
+mod newton;
+mod reason;
+mod scaling;
+mod subspace;
+
+use std::fmt;
+
+use crate::mat::{C64, Mat};
+
+pub use continuous::{care, care_g};
+pub use discrete::dare;
+pub use reason::Reason;
+
+/// What became of a problem: solved, or without a solution for a reason that is named.
+#[derive(Clone, Debug)]
+pub enum Outcome<T> {
+    /// The solution.
+    Solved(T),
+    /// There is none, or none that double precision can certify.
+    Infeasible(Reason),
+}
+
+impl<T> Outcome<T> {
+    /// The solution, if there is one.
+    pub fn solved(self) -> Option<T> {
+        match self {
+            Self::Solved(solution) => Some(solution),
+            Self::Infeasible(_) => None,
+        }
+    }
+
+    /// The solution as a `Result`, for callers to whom a missing solution is the end.
+    ///
+    /// # Errors
+    /// The reason why there is none.
+    pub fn into_result(self) -> Result<T, Reason> {
+        match self {
+            Self::Solved(solution) => Ok(solution),
+            Self::Infeasible(reason) => Err(reason),
+        }
+    }
+
+    /// The outcome with `change` applied to the solution.
+    pub fn map<U>(self, change: impl FnOnce(T) -> U) -> Outcome<U> {
+        match self {
+            Self::Solved(solution) => Outcome::Solved(change(solution)),
+            Self::Infeasible(reason) => Outcome::Infeasible(reason),
+        }
+    }
+}
+
+/// The stabilising solution of a Riccati equation.
+#[derive(Clone, Debug)]
+pub struct Riccati {
+    /// The symmetric solution, n x n.
+    pub X: Mat,
+    /// The gain, m x n: `R^-1 (B'X + S')`, or `(R + B'XB)^-1 (B'XA + S')` in discrete time. For [`care_g`], which knows
+    /// no input, `G X`.
+    pub F: Mat,
+    /// The eigenvalues of `A - B F` (of `A - G X`), sorted by real part.
+    pub closed_loop: Vec<C64>,
+    /// How good the solution is.
+    pub certificate: Certificate,
+}
+
+/// The evidence that a Riccati solution is one. All figures refer to the problem scaled by powers of two, where norms
+/// mean something.
+#[derive(Clone, Debug)]
+pub struct Certificate {
+    /// `norm(residual)` over the sum of the norms of the equation's terms, Frobenius, with `X` as it is returned.
+    pub relative_residual: f64,
+    /// `norm(X - X') / norm(X)`.
+    pub symmetry: f64,
+    /// Separation of the closed loop from its mirror image: the norm of the inverse Lyapunov operator, inverted
+    /// (continuous `A'H + HA`, discrete `A'HA - H`). Small: the solution is sensitive.
+    pub separation: f64,
+    /// Condition number of the solution (Kenney and Hewer, SIAM J. Control Optim. 28, 1990): relative change of `X`
+    /// over relative change of the data, an upper estimate.
+    pub condition: f64,
+    /// Which method gave the first approximation.
+    pub method: Method,
+    /// How many Newton steps refined it.
+    pub newton_steps: usize,
+}
+
+/// The method behind a Riccati solution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Ordered real Schur form of the Hamiltonian matrix (Laub 1979) or of the symplectic pencil.
+    Schur,
+    /// Structure-preserving doubling (Chu, Fan and Lin 2005).
+    Doubling,
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Schur => "ordered Schur form",
+            Self::Doubling => "structured doubling",
+        })
+    }
+}
+
+impl fmt::Display for Certificate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "residual {:.1e}, separation {:.1e}, condition {:.1e}, {} and {} Newton step(s)",
+            self.relative_residual, self.separation, self.condition, self.method, self.newton_steps
+        )
+    }
+}

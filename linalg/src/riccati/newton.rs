@@ -1,0 +1,71 @@
+//! Newton steps that make a Riccati solution as good as its data.
+//!
+//! Each step solves `L(E) = -residual(X)`, `L` the Lyapunov operator of the closed loop, whose Schur form is kept. The
+//! residual is computed in twice the working precision and the sum is kept as two doubles, so that the steps contract
+//! until `X` is right to its last bits, whatever the condition of the equation up to 1/eps.
+
+use crate::error::Error;
+use crate::extended::Extended;
+use crate::lyapunov::{solve_with_form, transposed};
+use crate::mat::Mat;
+use crate::schur::{Schur, schur};
+use crate::sylvester::Kind;
+use crate::tolerance::{EPS, NEWTON_STEPS};
+
+/// What Newton's method needs to know of an equation.
+pub(super) trait Equation {
+    /// The residual in twice the working precision, and the sum of the norms of its terms.
+    fn residual(&self, X: &Extended) -> Option<(Mat, f64)>;
+    /// `A - B F` for the gain that belongs to `X`.
+    fn closed_loop(&self, X: &Mat) -> Option<Mat>;
+    /// Which Lyapunov operator the derivative is.
+    fn kind(&self) -> Kind;
+}
+
+/// A refined solution.
+pub(super) struct Refined {
+    pub(super) X: Mat,
+    /// Schur form of the closed loop's transpose.
+    pub(super) form: Schur,
+    pub(super) steps: usize,
+}
+
+/// Above this relative correction the closed loop is computed anew before the next step.
+const STALE: f64 = 1e-4;
+
+/// Refines `X`; `None` where the closed loop has no Schur form or a step cannot be computed.
+pub(super) fn refine(equation: &impl Equation, X: Mat) -> Option<Refined> {
+    let mut X = Extended::from(X);
+    let mut form = closed_loop_form(equation, &X.high).ok()??;
+    let mut size = f64::INFINITY;
+    let mut steps = 0;
+    while steps < NEWTON_STEPS {
+        let (residual, _) = equation.residual(&X)?;
+        let Ok(step) = solve_with_form(&form, &residual, equation.kind()) else { break };
+        let step = step.symmetric_part();
+        let relative = step.norm_fro() / X.high.norm_fro().max(f64::MIN_POSITIVE);
+        let stuck = relative > 0.5 * size && size < STALE;
+        if !relative.is_finite() || stuck {
+            break;
+        }
+        X = X.add(&step.into());
+        steps += 1;
+        let rate = if size.is_finite() { relative / size } else { 100.0 * relative };
+        if relative > STALE {
+            form = closed_loop_form(equation, &X.high).ok()??;
+        }
+        size = relative;
+        if relative * rate < EPS / 16.0 {
+            break;
+        }
+    }
+    let X = X.collapse().symmetric_part();
+    Some(Refined { X, form, steps })
+}
+
+fn closed_loop_form(equation: &impl Equation, X: &Mat) -> Result<Option<Schur>, Error> {
+    match equation.closed_loop(X) {
+        Some(closed) if closed.is_finite() => Ok(Some(transposed(&schur(&closed)?))),
+        _ => Ok(None),
+    }
+}

@@ -1,0 +1,107 @@
+//! The symplectic scaling of a Hamiltonian problem by powers of two: exact, and the cure of unscaled physical units.
+//!
+//! Source: the idea of Benner, Symplectic balancing of Hamiltonian matrices, SIAM J. Sci. Comput. 22 (2001).
+
+use crate::mat::Mat;
+use crate::tolerance::{BALANCE_GAIN, BALANCE_SWEEPS};
+
+/// The data of `A'X + XA - XGX + Q = 0`, or of `X = A'X (I + G X)^-1 A + Q`.
+#[derive(Clone)]
+pub(super) struct Problem {
+    pub(super) A: Mat,
+    pub(super) G: Mat,
+    pub(super) Q: Mat,
+}
+
+/// A problem in the state `x = D z`, and the diagonal of `D`.
+pub(super) struct Scaled {
+    pub(super) problem: Problem,
+    pub(super) scale: Vec<f64>,
+}
+
+/// Lowers the norm of the Hamiltonian matrix `[A -G; -Q -A']` state by state.
+pub(super) fn scale(mut problem: Problem) -> Scaled {
+    let n = problem.A.nrows();
+    let mut scale = vec![1.0; n];
+    for _ in 0..BALANCE_SWEEPS {
+        let mut changed = false;
+        for i in 0..n {
+            let Some(factor) = best_factor(&problem, i) else { continue };
+            apply(&mut problem.A, i, 1.0 / factor, factor);
+            apply(&mut problem.G, i, 1.0 / factor, 1.0 / factor);
+            apply(&mut problem.Q, i, factor, factor);
+            scale[i] *= factor;
+            changed = true;
+        }
+        if !changed {
+            break;
+        }
+    }
+    Scaled { problem, scale }
+}
+
+impl Scaled {
+    /// The solution in the caller's units: `D^-1 Z D^-1`.
+    pub(super) fn restore(&self, Z: &Mat) -> Mat {
+        let inverse = self.inverse();
+        rescale(Z, &inverse, &inverse)
+    }
+
+    /// The diagonal of `D^-1`.
+    pub(super) fn inverse(&self) -> Vec<f64> {
+        self.scale.iter().map(|d| 1.0 / d).collect()
+    }
+}
+
+/// Entry (i, j) times `left[i] right[j]`, powers of two.
+pub(super) fn rescale(M: &Mat, left: &[f64], right: &[f64]) -> Mat {
+    Mat::from_fn(M.nrows(), M.ncols(), |i, j| left[i] * M[(i, j)] * right[j])
+}
+
+fn apply(M: &mut Mat, i: usize, row: f64, column: f64) {
+    M.column_mut(i).iter_mut().for_each(|e| *e *= column);
+    let n = M.nrows();
+    M.as_mut_slice()[i..].iter_mut().step_by(n).for_each(|e| *e *= row);
+}
+
+/// The part of the squared norm that state `i` changes: `up d^2 + down / d^2 + q d^4 + g / d^4`.
+struct Shares {
+    up: f64,
+    down: f64,
+    q: f64,
+    g: f64,
+}
+
+impl Shares {
+    fn at(&self, d: f64) -> f64 {
+        let square = d * d;
+        self.up * square + self.down / square + self.q * square * square + self.g / (square * square)
+    }
+}
+
+fn best_factor(problem: &Problem, i: usize) -> Option<f64> {
+    let shares = shares(problem, i);
+    if shares.up + shares.q == 0.0 || shares.down + shares.g == 0.0 {
+        return None;
+    }
+    let now = shares.at(1.0);
+    let mut factor = 1.0;
+    for direction in [2.0, 0.5] {
+        while shares.at(factor * direction) < shares.at(factor) {
+            factor *= direction;
+        }
+    }
+    (factor != 1.0 && shares.at(factor) < BALANCE_GAIN * now).then_some(factor)
+}
+
+fn shares(Problem { A, G, Q }: &Problem, i: usize) -> Shares {
+    let off = |entries: &[f64]| entries.iter().map(|e| e * e).sum::<f64>() - entries[i] * entries[i];
+    let n = A.nrows();
+    let row: f64 = A.as_slice()[i..].iter().step_by(n).map(|e| e * e).sum::<f64>() - A[(i, i)] * A[(i, i)];
+    Shares {
+        up: off(A.column(i)) + off(Q.column(i)),
+        down: row + off(G.column(i)),
+        q: 0.5 * Q[(i, i)] * Q[(i, i)],
+        g: 0.5 * G[(i, i)] * G[(i, i)],
+    }
+}

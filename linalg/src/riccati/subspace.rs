@@ -1,0 +1,51 @@
+//! The stable invariant subspace of the Hamiltonian matrix, by an ordered Schur form.
+//!
+//! Source: Laub, A Schur method for solving algebraic Riccati equations, IEEE Trans. Automat. Control 24 (1979).
+
+use crate::decomposition::rcond_one;
+use crate::dense::solve;
+use crate::error::Error;
+use crate::mat::Mat;
+use crate::schur::schur;
+
+use super::scaling::Problem;
+
+/// A first approximation of the stabilising solution; `None` where the subspace does not have the right dimension or is
+/// no graph.
+pub(super) fn by_schur(problem: &Problem) -> Option<Mat> {
+    stable_graph(&hamiltonian(problem))
+}
+
+/// The same for the discrete equation, whose symplectic pencil a Cayley transform makes Hamiltonian.
+pub(super) fn by_discrete_schur(problem: &Problem) -> Option<Mat> {
+    let Problem { A, G, Q } = problem;
+    let identity = Mat::eye(A.nrows());
+    let plus = Mat::from_blocks(&[&[&(A + &identity), G], &[&-Q, &(&identity + &A.t())]]);
+    let minus = Mat::from_blocks(&[&[&(A - &identity), &-G], &[&-Q, &(&identity - &A.t())]]);
+    let (direct, turned) = (rcond_one(&plus), rcond_one(&minus));
+    let H = if direct >= turned { solve(&plus, &minus) } else { solve(&minus, &plus) };
+    stable_graph(&H.ok()?)
+}
+
+fn stable_graph(H: &Mat) -> Option<Mat> {
+    let mut form = schur(H).ok()?;
+    let n = H.nrows() / 2;
+    let count = form.reorder(|l| l.re < 0.0).ok()?;
+    if count != n {
+        return None;
+    }
+    graph(&form.U, n).ok()
+}
+
+/// `[A -G; -Q -A']`.
+pub(super) fn hamiltonian(problem: &Problem) -> Mat {
+    let Problem { A, G, Q } = problem;
+    Mat::from_blocks(&[&[A, &-G], &[&-Q, &-A.t()]])
+}
+
+/// `U2 U1^-1` of the leading columns `[U1; U2]`, made symmetric.
+pub(super) fn graph(U: &Mat, n: usize) -> Result<Mat, Error> {
+    let (upper, lower) = (U.block(0, 0, n, n), U.block(n, 0, n, n));
+    let X = solve(&upper.t(), &lower.t())?;
+    Ok(X.symmetric_part())
+}

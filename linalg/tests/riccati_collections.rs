@@ -1,0 +1,82 @@
+//! The published collections CAREX and DAREX: residual, symmetry, spectrum, and the exact solution where it is known.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
+
+mod common;
+
+use common::difference;
+use counterpoise_linalg::{Mat, Riccati, care, care_g, dare, eigenvalues};
+use serde_json::Value;
+
+/// The examples of a file of the collection, where the checkout has it.
+fn collection(name: &str) -> Vec<(String, Value)> {
+    let path = format!("{}/../../shared/benchmarks/riccati/{name}", env!("CARGO_MANIFEST_DIR"));
+    let Ok(text) = std::fs::read_to_string(&path) else {
+        println!("skipped: {path} is not there");
+        return Vec::new();
+    };
+    let all: Value = serde_json::from_str(&text).unwrap();
+    all.as_object().unwrap().iter().map(|(key, value)| (key.clone(), value.clone())).collect()
+}
+
+fn matrix(example: &Value, key: &str) -> Option<Mat> {
+    let rows = example[key].as_array()?;
+    let rows: Vec<Vec<f64>> =
+        rows.iter().map(|r| r.as_array().unwrap().iter().map(|e| e.as_f64().unwrap()).collect()).collect();
+    Some(Mat::from_rows(&rows))
+}
+
+/// The relative residual of the continuous equation in the caller's units.
+fn residual(A: &Mat, G: &Mat, Q: &Mat, X: &Mat) -> f64 {
+    let (AX, XGX) = (A.t() * X, X * G * X);
+    (&AX + &AX.t() - &XGX + Q).norm_fro() / (2.0 * AX.norm_fro() + XGX.norm_fro() + Q.norm_fro())
+}
+
+fn report(name: &str, solution: &Riccati, residual: f64, error: Option<f64>) {
+    let error = error.map_or_else(|| "-".into(), |e| format!("{e:.1e}"));
+    println!("{name:12} residual {residual:.1e}, error {error}; {}", solution.certificate);
+}
+
+#[test]
+fn carex() {
+    for (name, example) in collection("carex.json") {
+        let get = |key| matrix(&example, key).unwrap();
+        let (A, B, Q, R, G) = (get("A"), get("B"), get("Q").symmetric_part(), get("R"), get("G").symmetric_part());
+        let outcome = care(&A, &B, &Q, &R, None).unwrap();
+        let solution = outcome.into_result().unwrap_or_else(|reason| panic!("{name}: {reason}"));
+        let size = residual(&A, &G, &Q, &solution.X);
+        let error = matrix(&example, "X").map(|X| difference(&solution.X, &X));
+        report(&name, &solution, size, error);
+        assert!(size < 1e-13, "{name}");
+        assert_eq!(solution.X, solution.X.t(), "{name}");
+        assert!(solution.closed_loop.iter().all(|l| l.re < 0.0), "{name}");
+        if let Some(error) = error {
+            assert!(error < 1e-11, "{name}: {error:e}");
+        }
+        let by_g = care_g(&A, &G, &Q).unwrap().into_result().unwrap();
+        let agreed = difference(&by_g.X, &solution.X);
+        assert!(agreed < 1e-15 * solution.certificate.condition.max(1e3), "{name}: two entries differ by {agreed:e}");
+    }
+}
+
+#[test]
+fn darex() {
+    for (name, example) in collection("darex.json") {
+        let get = |key| matrix(&example, key).unwrap();
+        let (A, B, Q, R, S) = (get("A"), get("B"), get("Q").symmetric_part(), get("R").symmetric_part(), get("S"));
+        let outcome = dare(&A, &B, &Q, &R, Some(&S)).unwrap();
+        let solution = outcome.into_result().unwrap_or_else(|reason| panic!("{name}: {reason}"));
+        let X = &solution.X;
+        let AXA = A.t() * X * &A;
+        let right = B.t() * X * &A + S.t();
+        let term = right.t() * &solution.F;
+        let size = (&AXA - X - &term + &Q).norm_fro() / (AXA.norm_fro() + X.norm_fro() + term.norm_fro() + Q.norm_fro());
+        let error = matrix(&example, "X").map(|X| difference(&solution.X, &X));
+        report(&name, &solution, size, error);
+        assert!(size < 1e-13, "{name}");
+        let poles = eigenvalues(&(&A - &(&B * &solution.F))).unwrap();
+        assert!(poles.iter().all(|l| l.norm() < 1.0 + 1e-12), "{name}");
+        if let Some(error) = error {
+            assert!(error < 1e-11, "{name}: {error:e}");
+        }
+    }
+}
