@@ -1,1 +1,26 @@
-//! From a recording to what the model left out.
+//! From recordings of a machine and its model to what the model left out.
+//!
+//! In come a mechanism's parameters, recordings, and a simulator that replays them; out comes an [`answer::Answer`]:
+//! a verdict, named effects with fitted parameters and their doubt, how the fit improved on data that was not
+//! fitted, and what these recordings cannot tell.
+//!
+//! The road: the balances say where and when ([`locate`]); the first look ranks every effect of the library by its
+//! linearised signature ([`look`]); the best are fitted in the simulator ([`fit`]) and judged on what they were not
+//! fitted to ([`score`], [`select`]); the judge puts it into words ([`judge`]).
+//!
+//! *Invariant*: nothing here knows a weight, a file, a thread or a clock; processors are handed in as a [`bench::Pool`].
+//!
+//! Modules in reading order: [`bench`], [`qualify`], [`library`], [`locate`], [`look`], [`fit`], [`score`], [`select`], [`judge`],
+//! [`answer`].
+
+pub mod answer;
+pub mod bench;
+pub mod fit;
+pub mod judge;
+pub mod library;
+pub mod locate;
+pub mod look;
+pub mod qualify;
+pub mod score;
+pub mod select;
+pub mod tolerance;

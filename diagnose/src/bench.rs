@@ -1,0 +1,81 @@
+//! What the diagnosis asks of a simulator, and how it asks for many runs at once.
+
+use counterpoise_models::Parameters;
+
+/// What one channel of one recording says about a model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Misfit {
+    /// Channel name.
+    pub channel: &'static str,
+    /// (simulated - measured) / floor, sample by sample.
+    pub residual: Vec<f64>,
+    /// RMS that a perfect model would leave (noise, quantisation, what the platform's sensors add), in the channel's unit.
+    pub floor: f64,
+    /// Standard deviation of the measurement, in the channel's unit.
+    pub spread: f64,
+}
+
+impl Misfit {
+    /// RMS of the residual in units of the floor.
+    pub fn relative_rms(&self) -> f64 {
+        rms(&self.residual)
+    }
+
+    /// RMS error in the channel's unit.
+    pub fn rms_error(&self) -> f64 {
+        self.relative_rms() * self.floor
+    }
+}
+
+/// Root of the mean square; 0 for nothing.
+pub fn rms(series: &[f64]) -> f64 {
+    if series.is_empty() {
+        0.0
+    } else {
+        (series.iter().map(|r| r * r).sum::<f64>() / series.len() as f64).sqrt()
+    }
+}
+
+/// A set of recordings of one machine, and a simulator that replays them.
+pub trait Bench: Sync {
+    /// Number of recordings.
+    fn count(&self) -> usize;
+    /// The misfit of each channel of recording `index` for a mechanism; none where the mechanism cannot be simulated.
+    fn misfit(&self, parameters: &Parameters, index: usize) -> Option<Vec<Misfit>>;
+    /// How far two runs of the same mechanism part that differ in sensor noise alone: RMS per channel, in units of
+    /// the floor. Small for a well-behaved loop; large where the loop hunts and no replay can follow it.
+    fn wander(&self, parameters: &Parameters, index: usize) -> Vec<f64>;
+}
+
+/// Runs independent jobs, in any order, on as many processors as the caller has.
+pub trait Pool: Sync {
+    /// Calls `job(0) .. job(count - 1)`, each once.
+    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync));
+    /// Whether the user asked to stop.
+    fn cancelled(&self) -> bool {
+        false
+    }
+    /// Says how far the work is.
+    fn progress(&self, _stage: &str, _done: usize, _of: usize) {}
+}
+
+/// One job after the other, on the calling thread.
+pub struct Serial;
+
+impl Pool for Serial {
+    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
+        (0..count).for_each(job);
+    }
+}
+
+/// `count` results of independent jobs, in order.
+pub fn map<T: Send>(pool: &dyn Pool, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let slots: Vec<std::sync::Mutex<Option<T>>> = (0..count).map(|_| std::sync::Mutex::new(None)).collect();
+    pool.run(count, &|index| {
+        let result = job(index);
+        if let Ok(mut slot) = slots[index].lock() {
+            *slot = Some(result);
+        }
+    });
+    slots.into_iter().filter_map(|slot| slot.into_inner().ok().flatten()).collect()
+}

@@ -1,0 +1,222 @@
+//! Output-error fit: Levenberg and Marquardt's method on the simulator's residuals.
+
+use counterpoise_linalg::{Mat, inverse, solve};
+use counterpoise_models::Parameters;
+
+use crate::bench::{Bench, Misfit, Pool, map};
+use crate::library::{Effect, Knob, Mapping};
+use crate::tolerance::{FIT_ITERATIONS, FIT_STEP, FIT_TOLERANCE};
+
+/// Which samples of which recordings a fit may see.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Selection {
+    /// Recording, and the share of its length from the start that is used.
+    pub parts: Vec<(usize, f64)>,
+}
+
+impl Selection {
+    /// Every recording, whole.
+    pub fn all(count: usize) -> Self {
+        Self { parts: (0..count).map(|index| (index, 1.0)).collect() }
+    }
+}
+
+/// A fitted set of effects.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// The effects, in the order in which they were found.
+    pub effects: Vec<&'static Effect>,
+    /// Their knobs' values, effect after effect.
+    pub values: Vec<f64>,
+    /// The mechanism with the effects.
+    pub parameters: Parameters,
+    /// Mean square of the residual over what the fit saw.
+    pub cost: f64,
+    /// Curvature of the cost in the fit's own variables, for intervals.
+    pub information: Mat,
+    /// Whether the iteration limit was reached before the cost settled.
+    pub limit_reached: bool,
+}
+
+/// All knobs of a list of effects.
+pub fn knobs(effects: &[&'static Effect]) -> Vec<&'static Knob> {
+    effects.iter().flat_map(|effect| effect.knobs.iter()).collect()
+}
+
+/// The mechanism with several effects' knobs set.
+pub fn applied(base: &Parameters, effects: &[&'static Effect], values: &[f64]) -> Parameters {
+    let mut changed = base.clone();
+    for (knob, &value) in knobs(effects).iter().zip(values) {
+        (knob.set)(&mut changed, value);
+    }
+    changed
+}
+
+pub(crate) fn to_variable(knob: &Knob, value: f64) -> f64 {
+    match knob.mapping {
+        Mapping::Log => value.max(f64::MIN_POSITIVE).ln() / knob.size,
+        Mapping::Linear | Mapping::Whole => value / knob.size,
+    }
+}
+
+pub(crate) fn from_variable(knob: &Knob, variable: f64) -> f64 {
+    let value = match knob.mapping {
+        Mapping::Log => (variable * knob.size).exp(),
+        Mapping::Linear => variable * knob.size,
+        Mapping::Whole => (variable * knob.size).round(),
+    };
+    value.clamp(knob.bounds[0], knob.bounds[1])
+}
+
+/// The residuals that a fit sees, one after the other; none where the mechanism cannot be simulated.
+pub fn residuals(bench: &dyn Bench, selection: &Selection, parameters: &Parameters) -> Option<Vec<f64>> {
+    let mut out = Vec::new();
+    for &(index, share) in &selection.parts {
+        for misfit in bench.misfit(parameters, index)? {
+            out.extend_from_slice(head(&misfit, share));
+        }
+    }
+    out.iter().all(|r| r.is_finite()).then_some(out)
+}
+
+fn head(misfit: &Misfit, share: f64) -> &[f64] {
+    let length = (misfit.residual.len() as f64 * share).round() as usize;
+    &misfit.residual[..length.min(misfit.residual.len())]
+}
+
+/// The problem that a fit solves: fixed but for the knobs.
+pub struct Problem<'a> {
+    /// Simulator and recordings.
+    pub bench: &'a dyn Bench,
+    /// Processors.
+    pub pool: &'a dyn Pool,
+    /// What the fit may see.
+    pub selection: &'a Selection,
+    /// The mechanism without the effects.
+    pub base: &'a Parameters,
+    /// The effects to fit.
+    pub effects: Vec<&'static Effect>,
+}
+
+impl Problem<'_> {
+    /// Fits from the given knob values.
+    pub fn fit(&self, start: &[f64]) -> Option<Fit> {
+        let knobs = knobs(&self.effects);
+        let mut x: Vec<f64> = knobs.iter().zip(start).map(|(k, &v)| to_variable(k, v)).collect();
+        let mut residual = self.at(&x)?;
+        let mut cost = mean_square(&residual);
+        let mut damping = 1e-2;
+        let mut information = Mat::zeros(x.len(), x.len());
+        let mut limit_reached = true;
+        for _ in 0..FIT_ITERATIONS {
+            if self.pool.cancelled() {
+                break;
+            }
+            let (normal, gradient) = self.linearised(&x, &residual);
+            information = normal;
+            let Some(step) = self.improve(&x, cost, &information, &gradient, &mut damping) else {
+                limit_reached = false;
+                break;
+            };
+            let settled = cost - step.cost < FIT_TOLERANCE * cost;
+            (x, residual, cost) = (step.x, step.residual, step.cost);
+            if settled {
+                limit_reached = false;
+                break;
+            }
+        }
+        let values: Vec<f64> = knobs.iter().zip(&x).map(|(k, &v)| from_variable(k, v)).collect();
+        let parameters = applied(self.base, &self.effects, &values);
+        Some(Fit { effects: self.effects.clone(), values, parameters, cost, information, limit_reached })
+    }
+
+    fn at(&self, x: &[f64]) -> Option<Vec<f64>> {
+        let values: Vec<f64> =
+            knobs(&self.effects).iter().zip(x).map(|(k, &v)| from_variable(k, v)).collect();
+        residuals(self.bench, self.selection, &applied(self.base, &self.effects, &values))
+    }
+
+    /// `J'J / N` and `J'r / N` by one-sided differences.
+    fn linearised(&self, x: &[f64], residual: &[f64]) -> (Mat, Vec<f64>) {
+        let knobs = knobs(&self.effects);
+        let columns = map(self.pool, x.len(), |j| {
+            let step = difference_step(knobs[j], x[j]);
+            let mut moved = x.to_vec();
+            moved[j] += step;
+            let there = self.at(&moved)?;
+            Some(there.iter().zip(residual).map(|(a, b)| (a - b) / step).collect::<Vec<f64>>())
+        });
+        let count = residual.len().max(1) as f64;
+        let column = |j: usize| columns[j].as_deref().unwrap_or(&[]);
+        let normal = Mat::from_fn(x.len(), x.len(), |i, j| dot(column(i), column(j)) / count);
+        let gradient = (0..x.len()).map(|j| dot(column(j), residual) / count).collect();
+        (normal, gradient)
+    }
+
+    /// The first damped step that lowers the cost; none where no step does.
+    fn improve(
+        &self,
+        x: &[f64],
+        cost: f64,
+        normal: &Mat,
+        gradient: &[f64],
+        damping: &mut f64,
+    ) -> Option<Step> {
+        for _ in 0..7 {
+            let step = damped_step(normal, gradient, *damping)?;
+            let moved: Vec<f64> = x.iter().zip(&step).map(|(a, b)| a - b).collect();
+            let candidate = self.at(&moved).map(|r| (mean_square(&r), r));
+            if let Some((lower, residual)) = candidate.filter(|c| c.0 < cost) {
+                *damping = (*damping * 0.1).max(1e-9);
+                return Some(Step { x: moved, residual, cost: lower });
+            }
+            *damping *= 10.0;
+        }
+        None
+    }
+}
+
+struct Step {
+    x: Vec<f64>,
+    residual: Vec<f64>,
+    cost: f64,
+}
+
+fn difference_step(knob: &Knob, x: f64) -> f64 {
+    let step = if knob.mapping == Mapping::Whole { 1.0 } else { FIT_STEP };
+    let upper = to_variable(knob, knob.bounds[1]);
+    if x + step > upper { -step } else { step }
+}
+
+fn damped_step(normal: &Mat, gradient: &[f64], damping: f64) -> Option<Vec<f64>> {
+    let largest = normal.diagonal().into_iter().fold(0.0, f64::max).max(f64::MIN_POSITIVE);
+    let mut damped = normal.clone();
+    for i in 0..gradient.len() {
+        damped[(i, i)] += damping * normal[(i, i)].max(1e-9 * largest);
+    }
+    let step = solve(&damped, &Mat::col(gradient)).ok()?;
+    step.is_finite().then(|| step.as_slice().to_vec())
+}
+
+fn mean_square(series: &[f64]) -> f64 {
+    dot(series, series) / series.len().max(1) as f64
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// 95 % intervals of a fit's values: Fisher's information, inflated by the residual's own size and colour.
+///
+/// `samples` is the number of residuals that the fit saw, `inflation` how many of them carry the information of one.
+pub fn intervals(fit: &Fit, samples: usize, inflation: f64) -> Vec<[f64; 2]> {
+    let covariance = inverse(&fit.information).ok();
+    let scale = fit.cost.max(1.0) * inflation / samples.max(1) as f64;
+    let bound = |(j, (knob, &value)): (usize, (&&'static Knob, &f64))| {
+        let deviation = covariance.as_ref().map_or(f64::INFINITY, |c| (c[(j, j)].max(0.0) * scale).sqrt());
+        let x = to_variable(knob, value);
+        let [low, high] = [x - 1.96 * deviation, x + 1.96 * deviation];
+        [from_variable(knob, low), from_variable(knob, high)]
+    };
+    knobs(&fit.effects).iter().zip(&fit.values).enumerate().map(bound).collect()
+}

@@ -1,0 +1,333 @@
+//! From a search to an answer in words: verdict, findings with their doubt, what the recordings cannot tell.
+
+use std::collections::BTreeMap;
+
+use crate::answer::{
+    Answer, ChannelFit, Channels, Experiment, Finding, FitTable, FittedParameter, Hypothesis, MapCell, Name,
+    NotExcited, Verdict,
+};
+use crate::bench::Bench;
+use crate::fit::intervals;
+use crate::library::Effect;
+use crate::look::{Look, is_ripple};
+use crate::score::{Score, correlation_time, score};
+use crate::select::{Candidate, Search};
+use crate::tolerance::{EQUIVALENT_DISTANCE, EXPLAINED, GAIN_NEEDED, RIVALRY, SHARE_TO_NAME};
+use counterpoise_models::Parameters;
+
+/// What the answer is made from.
+pub struct Evidence<'a> {
+    /// Simulator and recordings.
+    pub bench: &'a dyn Bench,
+    /// The mechanism as the project file has it.
+    pub base: &'a Parameters,
+    /// The search.
+    pub search: &'a Search,
+    /// Component x regime.
+    pub map: Vec<MapCell>,
+    /// Balances that the sensors allow.
+    pub isolability: Vec<crate::locate::Signature>,
+    /// What was wrong with the recordings themselves.
+    pub qualification: Vec<String>,
+}
+
+impl Evidence<'_> {
+    /// The answer.
+    pub fn answer(self) -> Answer {
+        let verdict = self.verdict();
+        let findings = self.findings(verdict);
+        let warnings = self.warnings();
+        Answer {
+            verdict,
+            next_experiment: self.next_experiment(verdict, &findings),
+            findings,
+            fit: self.fit_table(),
+            not_excited: not_excited(self.search.stages.first().map_or(&[], |s| &s.looks)),
+            hypotheses: self.hypotheses(),
+            isolability: self.isolability,
+            map: self.map,
+            qualification: self.qualification,
+            warnings,
+        }
+    }
+
+    fn verdict(&self) -> Verdict {
+        let Some(accepted) = self.named() else {
+            let explained = self.search.before.worst() < EXPLAINED && self.search.accepted.is_none();
+            return if explained { Verdict::Consistent } else { Verdict::Unknown };
+        };
+        let ambiguous = (0..accepted.fit.effects.len()).any(|i| !self.alternatives(accepted, i).is_empty());
+        match (accepted.whole.worst() < EXPLAINED, ambiguous) {
+            (true, false) => Verdict::Named,
+            (true, true) => Verdict::Ambiguous,
+            (false, _) => Verdict::Incomplete,
+        }
+    }
+
+    /// The accepted model, where it explains enough of the mismatch to carry a name.
+    fn named(&self) -> Option<&Candidate> {
+        let accepted = self.search.accepted.as_ref()?;
+        (self.share(accepted) > SHARE_TO_NAME).then_some(accepted)
+    }
+
+    /// Share of the distance from the floor that a model explains.
+    fn share(&self, model: &Candidate) -> f64 {
+        let before = self.search.before.distance().max(1e-3);
+        1.0 - model.whole.distance() / before
+    }
+
+    /// What explains the recordings as well as the effect at `index` does.
+    fn alternatives(&self, accepted: &Candidate, index: usize) -> Vec<Name> {
+        let Some(rivals) = self.search.rivals.get(index) else { return Vec::new() };
+        let chosen = accepted.fit.effects[index];
+        let best = rivals.iter().find(|r| r.newest().is_some_and(|e| same_name(e, chosen)));
+        let reach = best.map_or(accepted.whole.distance(), |b| b.whole.distance()) + EQUIVALENT_DISTANCE;
+        let mut names: Vec<Name> = Vec::new();
+        for rival in rivals.iter().filter(|r| r.whole.distance() < reach) {
+            let Some(effect) = rival.newest().filter(|e| !same_name(e, chosen)) else { continue };
+            let name = Name { effect: effect.effect, component: effect.component };
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
+    }
+
+    fn probability(&self, accepted: &Candidate, index: usize) -> f64 {
+        let rivals = self.search.rivals.get(index).map_or(&[][..], Vec::as_slice);
+        let chosen = accepted.fit.effects[index];
+        let best = rivals.iter().find(|r| r.newest().is_some_and(|e| same_name(e, chosen)));
+        let distance = best.map_or(accepted.whole.distance(), |b| b.whole.distance());
+        let others = rivals.iter().filter(|r| r.newest().is_some_and(|e| !same_name(e, chosen)));
+        let weight: f64 = others.map(|r| (-RIVALRY * (r.whole.distance() - distance).max(0.0)).exp()).sum();
+        let complete = if accepted.whole.worst() < EXPLAINED { 0.98 } else { 0.9 * self.share(accepted) };
+        complete / (1.0 + weight)
+    }
+
+    fn findings(&self, verdict: Verdict) -> Vec<Finding> {
+        match (self.named(), verdict) {
+            (Some(accepted), _) => {
+                (0..accepted.fit.effects.len()).map(|i| self.finding(accepted, i)).collect()
+            }
+            (None, Verdict::Unknown) => vec![self.unknown()],
+            _ => Vec::new(),
+        }
+    }
+
+    fn finding(&self, accepted: &Candidate, index: usize) -> Finding {
+        let effect = accepted.fit.effects[index];
+        let parameters = self.fitted_parameters(accepted, index);
+        let sizes: Vec<String> = parameters
+            .iter()
+            .take(4)
+            .map(|p| format!("{} {:.4} {} (was {:.4})", p.name, p.value, p.unit, p.before))
+            .collect();
+        let explanation = format!(
+            "{}; {}. Largest RMS error over its floor: {:.1} before, {:.2} after.",
+            effect.equation,
+            sizes.join(", "),
+            self.search.before.worst(),
+            accepted.whole.worst()
+        );
+        Finding {
+            effect: effect.effect,
+            component: effect.component,
+            probability: self.probability(accepted, index),
+            when: effect.when.to_owned(),
+            explanation,
+            parameters,
+            alternatives: self.alternatives(accepted, index),
+        }
+    }
+
+    fn fitted_parameters(&self, accepted: &Candidate, index: usize) -> Vec<FittedParameter> {
+        let first: usize = accepted.fit.effects[..index].iter().map(|e| e.knobs.len()).sum();
+        let effect = accepted.fit.effects[index];
+        let (samples, inflation) = self.worth(&accepted.fit.parameters);
+        let bounds = intervals(&accepted.fit, samples, inflation);
+        let one = |(j, knob): (usize, &crate::library::Knob)| {
+            let wrap =
+                if is_ripple(effect) && j == 2 { whole_turns(accepted.fit.values[first + j]) } else { 0.0 };
+            FittedParameter {
+                name: knob.name,
+                value: accepted.fit.values[first + j] - wrap,
+                unit: knob.unit,
+                before: (knob.get)(self.base),
+                ci95: bounds[first + j].map(|b| b - wrap),
+            }
+        };
+        effect.knobs.iter().enumerate().map(one).collect()
+    }
+
+    /// Number of residuals, and how many of them carry the information of one.
+    fn worth(&self, parameters: &Parameters) -> (usize, f64) {
+        let mut samples = 0;
+        let mut independent = 0.0;
+        for index in 0..self.bench.count() {
+            for misfit in self.bench.misfit(parameters, index).unwrap_or_default() {
+                samples += misfit.residual.len();
+                independent += misfit.residual.len() as f64 / correlation_time(&misfit.residual);
+            }
+        }
+        (samples, samples as f64 / independent.max(1.0))
+    }
+
+    fn unknown(&self) -> Finding {
+        let strongest = self.map.iter().max_by(|a, b| a.explained.total_cmp(&b.explained));
+        let component = strongest.map_or("unknown", |cell| match cell.component {
+            "twist" => "gearbox",
+            "hub" => "pivot",
+            _ => "structure",
+        });
+        let when = strongest.map_or_else(
+            || "not found".to_owned(),
+            |c| {
+                format!(
+                    "follows {} in the {} balance: {:.0} % of its power",
+                    c.regime,
+                    c.component,
+                    100.0 * c.explained
+                )
+            },
+        );
+        let best = self.search.stages.first().and_then(|s| s.candidates.first());
+        let nearest = best.and_then(|c| Some((c.newest()?, self.share(c)))).map_or_else(
+            String::new,
+            |(effect, share)| {
+                format!(
+                    " The nearest, {}, explains {:.0} % of the distance.",
+                    effect.label(),
+                    100.0 * share.max(0.0)
+                )
+            },
+        );
+        Finding {
+            effect: "unknown",
+            component,
+            probability: 0.9,
+            when,
+            explanation: format!("None of the known effects explains the mismatch.{nearest}"),
+            parameters: Vec::new(),
+            alternatives: Vec::new(),
+        }
+    }
+
+    fn fit_table(&self) -> FitTable {
+        let before = channels(&self.search.before);
+        let Some(accepted) = self.named() else {
+            return FitTable {
+                after: before.clone(),
+                held_out_before: before.clone(),
+                held_out_after: before.clone(),
+                before,
+            };
+        };
+        let held_out_before = score(self.bench, self.base, &accepted.held_out_parts);
+        FitTable {
+            before,
+            after: channels(&accepted.whole),
+            held_out_before: held_out_before.as_ref().map(channels).unwrap_or_default(),
+            held_out_after: channels(&accepted.held_out),
+        }
+    }
+
+    fn hypotheses(&self) -> Vec<Hypothesis> {
+        let accepted = self.search.accepted.as_ref();
+        let is_accepted =
+            |e: &Effect| accepted.is_some_and(|a| a.fit.effects.iter().any(|f| std::ptr::eq(*f, e)));
+        let stages = self.search.stages.iter().enumerate();
+        stages
+            .flat_map(|(stage, s)| s.candidates.iter().map(move |c| (stage + 1, c)))
+            .filter_map(|(stage, c)| {
+                let effect = c.newest()?;
+                Some(Hypothesis {
+                    stage,
+                    effect: effect.effect,
+                    component: effect.component,
+                    gain_nats: c.held_out.gain_over(&c.held_out_before),
+                    distance: c.whole.distance(),
+                    worst: c.whole.worst(),
+                    accepted: is_accepted(effect),
+                })
+            })
+            .collect()
+    }
+
+    fn next_experiment(&self, verdict: Verdict, findings: &[Finding]) -> Option<Experiment> {
+        let rival = findings.iter().find(|f| !f.alternatives.is_empty());
+        match (verdict, rival) {
+            (Verdict::Consistent, _) => None,
+            (_, Some(finding)) => {
+                let other = &finding.alternatives[0];
+                let effect = crate::library::named(finding.component, finding.effect).next()?;
+                Some(Experiment {
+                    what: effect.experiment.to_owned(),
+                    why: format!(
+                        "tells {} {} from {} {}",
+                        finding.component, finding.effect, other.component, other.effect
+                    ),
+                })
+            }
+            (Verdict::Unknown | Verdict::Incomplete, None) => Some(Experiment {
+                what: "slow travel over the whole range both ways, then a multisine at three amplitudes"
+                    .to_owned(),
+                why: "separates what depends on position, on rate and on amplitude".to_owned(),
+            }),
+            _ => None,
+        }
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        let mut out = Vec::new();
+        if self.search.cancelled {
+            out.push(
+                "stopped before the search was finished: the answer is what was found so far".to_owned(),
+            );
+        }
+        let limit = self.search.accepted.as_ref().is_some_and(|c| c.fit.limit_reached);
+        if limit {
+            out.push("the last fit reached its iteration limit before it settled".to_owned());
+        }
+        out
+    }
+}
+
+fn same_name(a: &Effect, b: &Effect) -> bool {
+    a.effect == b.effect && a.component == b.component
+}
+
+fn whole_turns(phase: f64) -> f64 {
+    std::f64::consts::TAU * (phase / std::f64::consts::TAU).round()
+}
+
+/// RMS over the recordings, channel by channel.
+fn channels(score: &Score) -> Channels {
+    let mut sums: BTreeMap<&'static str, (f64, f64, f64)> = BTreeMap::new();
+    for cell in &score.cells {
+        let sum = sums.entry(cell.channel).or_default();
+        *sum = (sum.0 + cell.rms_error.powi(2), sum.1 + cell.floor.powi(2), sum.2 + 1.0);
+    }
+    let fit = |(e, f, n): (f64, f64, f64)| ChannelFit { rms_error: (e / n).sqrt(), floor: (f / n).sqrt() };
+    sums.into_iter().map(|(channel, sum)| (channel, fit(sum))).collect()
+}
+
+/// Effects whose smallest detectable size is larger than a size that would matter.
+fn not_excited(looks: &[Look]) -> Vec<NotExcited> {
+    let mut out: Vec<NotExcited> = Vec::new();
+    for look in looks {
+        let knob = &look.effect.knobs[0];
+        let smallest = look.change * (2.0 * GAIN_NEEDED / look.information.max(1e-12)).sqrt();
+        let known =
+            out.iter().any(|n| n.effect == look.effect.effect && n.component == look.effect.component);
+        if !known && smallest > 2.0 * look.change {
+            out.push(NotExcited {
+                effect: look.effect.effect,
+                component: look.effect.component,
+                smallest_detectable: smallest,
+                parameter: knob.name,
+                unit: knob.unit,
+            });
+        }
+    }
+    out
+}

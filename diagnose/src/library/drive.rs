@@ -1,0 +1,245 @@
+//! Drive: motor, gearbox, amplifier, and the control's own timing.
+
+use super::structure::set_coulomb;
+use super::{Effect, Kind, knob};
+use counterpoise_models::{MapPoint, Parameters};
+
+/// Reads point `I` of the map as a fraction of the linear gain.
+fn map_fraction<const I: usize>(p: &Parameters) -> f64 {
+    let v = MAP_NODES_V[I];
+    let current = interpolated(&p.amplifier.map, v).unwrap_or(static_gain(p) * v);
+    current / (static_gain(p) * v)
+}
+
+/// Writes point `I` of the map as a fraction of the linear gain, on a map with all the nodes.
+fn set_map_fraction<const I: usize>(p: &mut Parameters, fraction: f64) {
+    let gain = static_gain(p);
+    if p.amplifier.map.len() != MAP_NODES_V.len() {
+        let old = std::mem::take(&mut p.amplifier.map);
+        let point = |&v: &f64| MapPoint { input_v: v, current_a: interpolated(&old, v).unwrap_or(gain * v) };
+        p.amplifier.map = MAP_NODES_V.iter().map(point).collect();
+    }
+    p.amplifier.map[I].current_a = fraction * gain * MAP_NODES_V[I];
+}
+
+/// Stalled gain of the linear amplifier, A/V.
+fn static_gain(p: &Parameters) -> f64 {
+    p.amplifier.gain / (p.motor.resistance_ohm + p.amplifier.gain * p.amplifier.current_feedback_v_a)
+}
+
+/// The map's current at `v > 0`, piecewise linear through the origin; none where there is no map or beyond it.
+fn interpolated(map: &[MapPoint], v: f64) -> Option<f64> {
+    let mut from = MapPoint { input_v: 0.0, current_a: 0.0 };
+    for &to in map {
+        if v <= to.input_v {
+            let share = (v - from.input_v) / (to.input_v - from.input_v);
+            return Some(from.current_a + share * (to.current_a - from.current_a));
+        }
+        from = to;
+    }
+    None
+}
+
+macro_rules! map_knobs {
+    ($($index:literal $name:literal),+) => {
+        &[$(knob!($name, "1", [0.05, 4.0], 0.1, Linear, get map_fraction::<$index>, set set_map_fraction::<$index>)),+]
+    };
+}
+
+/// Input voltages of the points that describe a free amplifier map, V; above the last one it is linear.
+pub const MAP_NODES_V: [f64; 14] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.95, 1.1, 1.25, 1.4, 1.7, 2.0];
+
+fn current_limit(p: &Parameters) -> f64 {
+    if p.amplifier.current_limit_a.is_finite() { p.amplifier.current_limit_a } else { 1e3 }
+}
+
+/// Motor, gearbox, amplifier, control.
+pub(super) static EFFECTS: &[Effect] = &[
+    Effect {
+        effect: "coulomb",
+        component: "motor",
+        kind: Kind::ParameterChange,
+        equation: "F_c sgn(w_m) at the motor shaft, another level",
+        source: "Dahl 1968",
+        when: "at every reversal of the motor",
+        experiment: "triangle demand with the platform still, then platform motion with the hub held still",
+        knobs: &[knob!(
+            "coulomb",
+            "N m",
+            [1e-4, 1e3],
+            0.1,
+            Log,
+            get | p | p.motor_friction.coulomb_nm(),
+            set | p,
+            v | set_coulomb(&mut p.motor_friction.law, v)
+        )],
+        starts: &[],
+    },
+    Effect {
+        effect: "viscous",
+        component: "motor",
+        kind: Kind::ParameterChange,
+        equation: "F_v w_m at the motor shaft, another coefficient",
+        source: "Dholiwar 2007, 5.2.6",
+        when: "in proportion to motor speed",
+        experiment: "constant rates, both ways, several speeds",
+        knobs: &[knob!("viscous", "N m s/rad", [0.0, 10.0], 0.002, Linear, motor_friction.viscous_nm_s_rad)],
+        starts: &[],
+    },
+    Effect {
+        effect: "cogging",
+        component: "motor",
+        kind: Kind::MissingPhysics,
+        equation: "torque A sin(n theta_m + phase) on the motor shaft, with or without current",
+        source: "Hanselman 2003; Proca et al. 2003",
+        when: "repeats with the motor's angle",
+        experiment: "slow constant rate over several motor turns, both ways",
+        knobs: &[
+            knob!("amplitude", "N m", [0.0, 10.0], 0.03, Linear, motor.cogging.amplitude),
+            knob!("order", "1/turn", [0.9, 100.0], 0.01, Log, motor.cogging.order),
+            knob!("phase", "rad", [-6.4, 6.4], 0.3, Linear, motor.cogging.phase_rad),
+        ],
+        starts: &[],
+    },
+    Effect {
+        effect: "torque_ripple",
+        component: "motor",
+        kind: Kind::MissingPhysics,
+        equation: "torque constant K_t (1 + A sin(n theta_m + phase))",
+        source: "Jahns and Soong 1996",
+        when: "repeats with the motor's angle, in proportion to current",
+        experiment: "slow constant rate over several motor turns at two out-of-balances",
+        knobs: &[
+            knob!("amplitude", "1", [0.0, 0.9], 0.02, Linear, motor.torque_ripple.amplitude),
+            knob!("order", "1/turn", [0.9, 100.0], 0.01, Log, motor.torque_ripple.order),
+            knob!("phase", "rad", [-6.4, 6.4], 0.3, Linear, motor.torque_ripple.phase_rad),
+        ],
+        starts: &[],
+    },
+    Effect {
+        effect: "torque_constant",
+        component: "motor",
+        kind: Kind::ParameterChange,
+        equation: "T_m = K_t i, another K_t",
+        source: "Dholiwar 2007, (5-23)",
+        when: "in proportion to motor torque",
+        experiment: "hold still at two known out-of-balances",
+        knobs: &[knob!("torque_constant", "N m/A", [1e-3, 100.0], 0.05, Log, motor.torque_constant_nm_a)],
+        starts: &[],
+    },
+    Effect {
+        effect: "backlash",
+        component: "gearbox",
+        kind: Kind::ParameterChange,
+        equation: "T_2 = K deadzone(delta, b / 2), another gap b",
+        source: "Nordin and Gutman 2002",
+        when: "when the mesh torque changes sign",
+        experiment: "torque reversals with the mechanism balanced",
+        knobs: &[knob!("backlash", "rad", [0.0, 0.1], 1e-3, Linear, gearbox.backlash_rad)],
+        starts: &[&[0.002], &[0.006], &[0.0]],
+    },
+    Effect {
+        effect: "stiffness",
+        component: "gearbox",
+        kind: Kind::ParameterChange,
+        equation: "T_2 = K deadzone(delta, b / 2), another K",
+        source: "Dholiwar 2007, (5-22)",
+        when: "near the resonance of the drive",
+        experiment: "multisine around the drive's resonance",
+        knobs: &[knob!("stiffness", "N m/rad", [1e3, 1e10], 0.1, Log, gearbox.stiffness_nm_rad)],
+        starts: &[],
+    },
+    Effect {
+        effect: "mesh_ripple",
+        component: "gearbox",
+        kind: Kind::MissingPhysics,
+        equation: "torque A sin(n theta_m + phase) on the hub",
+        source: "Smith 2003 on gear transmission error",
+        when: "repeats with the motor's angle, felt at the hub",
+        experiment: "slow constant rate over several motor turns, both ways",
+        knobs: &[
+            knob!("amplitude", "N m", [0.0, 2e3], 6.0, Linear, gearbox.mesh_ripple.amplitude),
+            knob!("order", "1/turn", [0.005, 100.0], 0.01, Log, gearbox.mesh_ripple.order),
+            knob!("phase", "rad", [-6.4, 6.4], 0.3, Linear, gearbox.mesh_ripple.phase_rad),
+        ],
+        starts: &[],
+    },
+    Effect {
+        effect: "mesh_efficiency",
+        component: "gearbox",
+        kind: Kind::MissingPhysics,
+        equation: "a fraction of the mesh torque is lost on the driven side",
+        source: "Pelchen, Schweiger, Otter 2002",
+        when: "in proportion to the mesh torque, changing with the direction of power",
+        experiment: "the same triangle at several out-of-balances",
+        knobs: &[knob!("efficiency", "1", [0.3, 1.0], 0.03, Linear, gearbox.mesh_efficiency)],
+        starts: &[&[0.95], &[0.85]],
+    },
+    Effect {
+        effect: "gain_curve",
+        component: "amplifier",
+        kind: Kind::MissingPhysics,
+        equation: "current = odd, piecewise linear map of the input; each point as a fraction of the linear gain",
+        source: "Dholiwar 2007, tables 7-1 and 7-2",
+        when: "at small control voltages, whatever the rate",
+        experiment: "stalled amplifier map, or runs at two out-of-balances",
+        knobs: map_knobs!(0 "gain at 0.1 V", 1 "gain at 0.2 V", 2 "gain at 0.3 V", 3 "gain at 0.4 V",
+            4 "gain at 0.5 V", 5 "gain at 0.6 V", 6 "gain at 0.7 V", 7 "gain at 0.8 V", 8 "gain at 0.95 V",
+            9 "gain at 1.1 V", 10 "gain at 1.25 V", 11 "gain at 1.4 V", 12 "gain at 1.7 V", 13 "gain at 2 V"),
+        starts: &[],
+    },
+    Effect {
+        effect: "dead_zone",
+        component: "amplifier",
+        kind: Kind::MissingPhysics,
+        equation: "no output for |v| below c, v - c sgn(v) beyond",
+        source: "Tao and Kokotovic 1996",
+        when: "at small control voltages",
+        experiment: "stalled amplifier map, or runs at two out-of-balances",
+        knobs: &[knob!("dead_zone", "V", [0.0, 2.0], 0.03, Linear, amplifier.dead_zone_v)],
+        starts: &[&[0.03], &[0.15]],
+    },
+    Effect {
+        effect: "current_limit",
+        component: "amplifier",
+        kind: Kind::MissingPhysics,
+        equation: "|i| does not exceed a limit",
+        source: "Dholiwar 2007, 5.2.4",
+        when: "at the largest currents",
+        experiment: "the largest steps that travel allows",
+        knobs: &[knob!("current_limit", "A", [0.5, 1e3], 0.1, Log,
+            get current_limit, set |p, v| p.amplifier.current_limit_a = v)],
+        starts: &[&[30.0], &[20.0], &[13.0], &[9.0]],
+    },
+    Effect {
+        effect: "bandwidth",
+        component: "amplifier",
+        kind: Kind::ParameterChange,
+        equation: "tau_a dV/dt = -V + ..., another tau_a",
+        source: "Dholiwar 2007, (5-21)",
+        when: "at the highest frequencies",
+        experiment: "multisine to the highest frequency",
+        knobs: &[knob!("time_constant", "s", [1e-5, 0.5], 0.3, Log, amplifier.time_constant_s)],
+        starts: &[&[1.5e-3], &[0.01], &[0.04]],
+    },
+    Effect {
+        effect: "delay",
+        component: "control",
+        kind: Kind::MissingPhysics,
+        equation: "the control reaches the amplifier d samples late",
+        source: "Astrom and Wittenmark 1997",
+        when: "in proportion to frequency",
+        experiment: "multisine to the highest frequency",
+        knobs: &[knob!(
+            "delay",
+            "samples",
+            [0.0, 30.0],
+            1.0,
+            Whole,
+            get | p | p.interface.output_delay_samples as f64,
+            set | p,
+            v | p.interface.output_delay_samples = v.round().max(0.0) as usize
+        )],
+        starts: &[],
+    },
+];

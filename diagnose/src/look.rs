@@ -1,0 +1,218 @@
+//! The first look: which effects, by their linearised signature in every channel, could explain the misfit.
+//!
+//! Each effect is tried at a small size in the simulator; the change that it makes to the residuals is its
+//! signature. The share of the residual that a combination of an effect's signatures explains ranks the effects,
+//! and the coefficients of the combination are where its fit starts.
+
+use counterpoise_linalg::{Mat, solve};
+use counterpoise_models::Parameters;
+
+use crate::bench::{Bench, Pool, map};
+use crate::fit::{from_variable, to_variable};
+use crate::library::{Effect, Mapping};
+
+/// Orders at which a torque that repeats with an angle is looked for, per turn.
+const ORDERS: [f64; 23] = [
+    1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 14.0, 15.0, 16.0, 18.0, 20.0, 21.0, 22.0,
+    24.0, 28.0, 30.0, 36.0,
+];
+
+/// How well an effect's signature explains the misfit, and where its fit should start.
+#[derive(Debug, Clone)]
+pub struct Look {
+    /// The effect.
+    pub effect: &'static Effect,
+    /// Knob values from which to fit.
+    pub start: Vec<f64>,
+    /// Share of the weighted residual that the signature explains, 0 to 1.
+    pub explained: f64,
+    /// Size of the signature per recording, for a typical size of the effect, in units of the floor (RMS).
+    pub signature: Vec<f64>,
+    /// Sum of squares of the signature at a typical size, in units of the floor: what decides detectability.
+    pub information: f64,
+    /// That size: the change of the first knob.
+    pub change: f64,
+}
+
+/// One effect at one set of directions in its knobs' fit variables.
+struct Trial {
+    effect: &'static Effect,
+    origin: Vec<f64>,
+    directions: Vec<Vec<f64>>,
+    combine: Combine,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Combine {
+    /// Any multiple of each direction.
+    Free,
+    /// From nothing towards the direction, not beyond twice its length.
+    Towards,
+    /// Sine and cosine of a ripple: amplitude and phase.
+    Ripple,
+}
+
+/// The residuals of a mechanism, one list a recording, all channels one after the other.
+pub type Residuals = Vec<Vec<f64>>;
+
+/// All residuals of a mechanism; none where it cannot be simulated.
+pub fn all_residuals(bench: &dyn Bench, parameters: &Parameters) -> Option<Residuals> {
+    let one = |index| Some(bench.misfit(parameters, index)?.into_iter().flat_map(|m| m.residual).collect());
+    (0..bench.count()).map(one).collect()
+}
+
+/// Looks at every effect of the library but those already taken; best first.
+pub fn first_look(
+    bench: &dyn Bench,
+    pool: &dyn Pool,
+    base: &Parameters,
+    effects: &[&'static Effect],
+) -> Vec<Look> {
+    let Some(here) = weighted(bench, base) else { return Vec::new() };
+    let trials: Vec<Trial> = effects.iter().flat_map(|effect| trials(effect, base)).collect();
+    let mut looks: Vec<Look> =
+        map(pool, trials.len(), |t| look(bench, base, &here, &trials[t])).into_iter().flatten().collect();
+    looks.sort_by(|a, b| b.explained.total_cmp(&a.explained));
+    looks
+}
+
+/// Residuals, and the weight that makes every channel of every recording count alike.
+struct Weighted {
+    residuals: Residuals,
+    weights: Residuals,
+}
+
+fn weighted(bench: &dyn Bench, base: &Parameters) -> Option<Weighted> {
+    let (mut residuals, mut weights) = (Vec::new(), Vec::new());
+    for index in 0..bench.count() {
+        let misfits = bench.misfit(base, index)?;
+        let wander = bench.wander(base, index);
+        let weight = |(c, m): (usize, &crate::bench::Misfit)| {
+            let size = m.relative_rms().max(1.0).max(wander.get(c).copied().unwrap_or(0.0));
+            vec![1.0 / size; m.residual.len()]
+        };
+        weights.push(misfits.iter().enumerate().flat_map(weight).collect());
+        residuals.push(misfits.into_iter().flat_map(|m| m.residual).collect());
+    }
+    Some(Weighted { residuals, weights })
+}
+
+fn look(bench: &dyn Bench, base: &Parameters, here: &Weighted, trial: &Trial) -> Option<Look> {
+    let signatures: Vec<Residuals> = trial
+        .directions
+        .iter()
+        .map(|direction| {
+            let there = all_residuals(bench, &moved(base, trial, direction))?;
+            Some(difference(&there, &here.residuals))
+        })
+        .collect::<Option<_>>()?;
+    let (coefficients, explained) = regress(here, &signatures, trial.combine)?;
+    let start = start_values(trial, &coefficients);
+    let signature = (0..bench.count()).map(|r| size(&signatures[0][r])).collect();
+    let information = signatures[0].iter().flatten().map(|d| d * d).sum();
+    let change = first_change(trial);
+    Some(Look { effect: trial.effect, start, explained, signature, information, change })
+}
+
+/// By how much the first direction changes the first knob.
+fn first_change(trial: &Trial) -> f64 {
+    let knob = &trial.effect.knobs[0];
+    let there = from_variable(knob, trial.origin[0] + trial.directions[0][0]);
+    (there - from_variable(knob, trial.origin[0])).abs()
+}
+
+fn moved(base: &Parameters, trial: &Trial, direction: &[f64]) -> Parameters {
+    let x = trial.origin.iter().zip(direction).map(|(a, b)| a + b);
+    let values: Vec<f64> = trial.effect.knobs.iter().zip(x).map(|(k, x)| from_variable(k, x)).collect();
+    trial.effect.applied(base, &values)
+}
+
+fn difference(a: &Residuals, b: &Residuals) -> Residuals {
+    a.iter().zip(b).map(|(a, b)| a.iter().zip(b).map(|(x, y)| x - y).collect()).collect()
+}
+
+fn size(series: &[f64]) -> f64 {
+    crate::bench::rms(series)
+}
+
+/// Weighted least squares of the residual on the signatures: coefficients, and the share explained.
+fn regress(here: &Weighted, signatures: &[Residuals], combine: Combine) -> Option<(Vec<f64>, f64)> {
+    let inner = |a: &Residuals, b: &Residuals| -> f64 {
+        let recordings = a.iter().zip(b).zip(&here.weights);
+        recordings
+            .map(|((a, b), w)| a.iter().zip(b).zip(w).map(|((x, y), w)| x * y * w * w).sum::<f64>())
+            .sum()
+    };
+    let count = signatures.len();
+    let gram = Mat::from_fn(count, count, |i, j| inner(&signatures[i], &signatures[j]));
+    let ridge = 1e-9 * gram.trace().max(f64::MIN_POSITIVE);
+    let gram = &gram + &Mat::eye(count).scale(ridge);
+    let right: Vec<f64> = signatures.iter().map(|s| -inner(s, &here.residuals)).collect();
+    let mut coefficients = solve(&gram, &Mat::col(&right)).ok()?.as_slice().to_vec();
+    let limit = if combine == Combine::Towards { [0.0, 2.0] } else { [-30.0, 30.0] };
+    coefficients.iter_mut().for_each(|c| *c = c.clamp(limit[0], limit[1]));
+    let total = inner(&here.residuals, &here.residuals);
+    let c = Mat::col(&coefficients);
+    let left = total - 2.0 * dot(&coefficients, &right) + (&c.t() * &(&gram * &c))[(0, 0)];
+    let explained = 1.0 - left / total.max(f64::MIN_POSITIVE);
+    explained.is_finite().then_some((coefficients, explained))
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+fn start_values(trial: &Trial, coefficients: &[f64]) -> Vec<f64> {
+    let mut x = trial.origin.clone();
+    if trial.combine == Combine::Ripple {
+        let (sine, cosine) = (coefficients[0], coefficients[1]);
+        x[0] += sine.hypot(cosine).clamp(0.2, 30.0) * trial.directions[0][0];
+        x[2] = to_variable(&trial.effect.knobs[2], cosine.atan2(sine));
+    } else {
+        for (direction, &c) in trial.directions.iter().zip(coefficients) {
+            x.iter_mut().zip(direction).for_each(|(x, d)| *x += c * d);
+        }
+    }
+    trial.effect.knobs.iter().zip(x).map(|(k, x)| from_variable(k, x)).collect()
+}
+
+fn trials(effect: &'static Effect, base: &Parameters) -> Vec<Trial> {
+    let knobs = effect.knobs;
+    let origin: Vec<f64> = knobs.iter().map(|k| to_variable(k, (k.get)(base))).collect();
+    let trial = |origin: Vec<f64>, directions, combine| Trial { effect, origin, directions, combine };
+    if knobs[0].mapping == Mapping::Whole {
+        let towards = |d: usize| trial(origin.clone(), vec![vec![d as f64]], Combine::Towards);
+        return [1, 2, 4, 8].into_iter().map(towards).collect();
+    }
+    if !effect.starts.is_empty() {
+        return effect.starts.iter().map(|start| towards(effect, base, start)).collect();
+    }
+    if is_ripple(effect) {
+        return ORDERS.iter().map(|&order| ripple(effect, order)).collect();
+    }
+    let unit = |j: usize| (0..knobs.len()).map(|i| if i == j { 0.1 } else { 0.0 }).collect();
+    vec![trial(origin, (0..knobs.len()).map(unit).collect(), Combine::Free)]
+}
+
+/// Whether the knobs are amplitude, order and phase.
+pub fn is_ripple(effect: &Effect) -> bool {
+    effect.knobs.len() == 3 && effect.knobs[1].name == "order"
+}
+
+/// From the model as it is towards a start; shape knobs (all but the first) jump, the first one goes there.
+fn towards(effect: &'static Effect, base: &Parameters, start: &[f64]) -> Trial {
+    let target: Vec<f64> = effect.knobs.iter().zip(start).map(|(k, &v)| to_variable(k, v)).collect();
+    let mut origin = target.clone();
+    origin[0] = to_variable(&effect.knobs[0], (effect.knobs[0].get)(base));
+    let mut direction = vec![0.0; target.len()];
+    direction[0] = target[0] - origin[0];
+    Trial { effect, origin, directions: vec![direction], combine: Combine::Towards }
+}
+
+fn ripple(effect: &'static Effect, order: f64) -> Trial {
+    let knobs = effect.knobs;
+    let origin = vec![0.0, to_variable(&knobs[1], order), 0.0];
+    let quarter = to_variable(&knobs[2], std::f64::consts::FRAC_PI_2);
+    let directions = vec![vec![0.3, 0.0, 0.0], vec![0.3, 0.0, quarter]];
+    Trial { effect, origin, directions, combine: Combine::Ripple }
+}

@@ -1,0 +1,215 @@
+//! Before any physics: are the recordings what they claim to be?
+//!
+//! Every channel is checked by itself (not finite, stuck, clipped, coarsely quantised), and the three ways to know the
+//! hub's rate on the platform (gyroscopes, tachometer over the ratio, the resolver's derivative) against each other.
+
+use crate::bench::rms;
+use crate::locate::Measured;
+
+/// Something that is wrong, or worth knowing, about a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Remark {
+    /// Name of the recording.
+    pub recording: String,
+    /// Channel.
+    pub channel: &'static str,
+    /// What was seen, with its figure.
+    pub what: String,
+    /// Whether the channel cannot be used.
+    pub unusable: bool,
+}
+
+/// Checks one recording.
+pub fn qualify(name: &str, measured: &Measured, ratio: f64) -> Vec<Remark> {
+    let mut remarks = Vec::new();
+    let mut say = |channel, what: String, unusable| {
+        remarks.push(Remark { recording: name.to_owned(), channel, what, unusable });
+    };
+    for (channel, series) in channels(measured) {
+        if let Some((what, unusable)) = alone(series) {
+            say(channel, what, unusable);
+        }
+    }
+    for (channel, slope, coherence) in slopes(measured, ratio) {
+        if let Some(what) = meaning(slope, coherence) {
+            say(channel, what, false);
+        }
+    }
+    remarks
+}
+
+fn channels(m: &Measured) -> Vec<(&'static str, &[f64])> {
+    let mut out: Vec<(&'static str, &[f64])> = vec![
+        ("control", &m.control),
+        ("hub_rate", &m.hub_rate),
+        ("platform_rate", &m.platform_rate),
+        ("platform_accel", &m.platform_accel),
+    ];
+    out.extend(m.motor_rate.as_deref().map(|series| ("motor_rate", series)));
+    out.extend(m.hub_position.as_deref().map(|series| ("hub_position", series)));
+    out
+}
+
+/// What a channel says about itself.
+fn alone(series: &[f64]) -> Option<(String, bool)> {
+    let bad = series.iter().filter(|v| !v.is_finite()).count();
+    if bad > 0 {
+        return Some((format!("{bad} of {} samples are not numbers", series.len()), true));
+    }
+    let (run, at) = longest_run(series);
+    let (low, high) = extent(series);
+    if run == series.len() && series.len() > 1 {
+        return (low != 0.0).then(|| (format!("stuck at {low} throughout"), true));
+    }
+    let quantum = step(series);
+    if run > series.len() / 10 && high - low > 20.0 * quantum {
+        let value = series[at];
+        let word = if value == low || value == high { "clipped" } else { "stuck" };
+        return Some((format!("{word} at {value} for {run} samples from sample {at}"), false));
+    }
+    (quantum > 0.05 * (high - low))
+        .then(|| (format!("only {:.0} steps over its range", (high - low) / quantum), false))
+}
+
+fn longest_run(series: &[f64]) -> (usize, usize) {
+    let (mut best, mut best_at, mut run, mut start) = (0, 0, 0, 0);
+    for k in 0..series.len() {
+        if k == 0 || series[k] != series[k - 1] {
+            (run, start) = (0, k);
+        }
+        run += 1;
+        if run > best {
+            (best, best_at) = (run, start);
+        }
+    }
+    (best, best_at)
+}
+
+fn extent(series: &[f64]) -> (f64, f64) {
+    series.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)))
+}
+
+/// Smallest difference between two different neighbouring values: the quantiser's step.
+fn step(series: &[f64]) -> f64 {
+    let (low, high) = extent(series);
+    let negligible = 1e-9 * (high - low);
+    let differences = series.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > negligible);
+    differences.fold(f64::INFINITY, f64::min).min(high - low)
+}
+
+/// Slope of each redundant channel on the gyroscopes' rate of the hub on the platform, and their coherence.
+fn slopes(m: &Measured, ratio: f64) -> Vec<(&'static str, f64, f64)> {
+    let relative: Vec<f64> = m.hub_rate.iter().zip(&m.platform_rate).map(|(h, p)| h - p).collect();
+    let half = (0.02 / m.period_s).round() as usize;
+    let smooth = |series: &[f64]| centred(&moving(series, half));
+    let reference = smooth(&relative);
+    let mut out = Vec::new();
+    if let Some(motor) = &m.motor_rate {
+        let geared: Vec<f64> = motor.iter().map(|w| w / ratio).collect();
+        out.push(("motor_rate", regression(&reference, &smooth(&geared))));
+    }
+    if let Some(position) = &m.hub_position {
+        let rate: Vec<f64> =
+            (0..position.len()).map(|k| slope_at(position, k, half.max(1)) / m.period_s).collect();
+        out.push(("hub_position", regression(&reference, &centred(&rate))));
+    }
+    out.into_iter().map(|(channel, (slope, coherence))| (channel, slope, coherence)).collect()
+}
+
+fn slope_at(series: &[f64], k: usize, half: usize) -> f64 {
+    let (from, to) = (k.saturating_sub(half), (k + half).min(series.len() - 1));
+    (series[to] - series[from]) / (to - from).max(1) as f64
+}
+
+fn moving(series: &[f64], half: usize) -> Vec<f64> {
+    let at = |k: usize| {
+        let window = &series[k.saturating_sub(half)..(k + half + 1).min(series.len())];
+        window.iter().sum::<f64>() / window.len() as f64
+    };
+    (0..series.len()).map(at).collect()
+}
+
+fn centred(series: &[f64]) -> Vec<f64> {
+    let mean = series.iter().sum::<f64>() / series.len().max(1) as f64;
+    series.iter().map(|v| v - mean).collect()
+}
+
+fn regression(x: &[f64], y: &[f64]) -> (f64, f64) {
+    let inner: f64 = x.iter().zip(y).map(|(a, b)| a * b).sum();
+    let power = x.len() as f64 * rms(x).powi(2);
+    let other = y.len() as f64 * rms(y).powi(2);
+    if power == 0.0 || other == 0.0 { (1.0, 0.0) } else { (inner / power, inner * inner / (power * other)) }
+}
+
+/// What a slope that is not 1 most likely means.
+fn meaning(slope: f64, coherence: f64) -> Option<String> {
+    if coherence < 0.5 || (slope - 1.0).abs() < 0.2 {
+        return None;
+    }
+    let degrees = 180.0 / std::f64::consts::PI;
+    let near = |value: f64| (slope / value - 1.0).abs() < 0.1;
+    let guess = if near(-1.0) {
+        "its sign is swapped"
+    } else if near(degrees) || near(-degrees) {
+        "it is in degrees"
+    } else if near(1.0 / degrees) {
+        "the gyroscopes are in degrees"
+    } else if near(1e3) || near(-1e3) {
+        "it is in thousandths"
+    } else {
+        "a scale or the gear ratio is wrong"
+    };
+    Some(format!("{slope:.3} times what the gyroscopes say: {guess}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn machine() -> Measured {
+        let rate: Vec<f64> = (0..5000).map(|k| 0.1 * (k as f64 * 0.004).sin()).collect();
+        let mut angle = 0.0;
+        let position = rate
+            .iter()
+            .map(|w| {
+                angle += w * 1e-3;
+                angle
+            })
+            .collect();
+        Measured {
+            period_s: 1e-3,
+            control: rate.iter().map(|w| 10.0 * w).collect(),
+            platform_rate: vec![0.0; 5000],
+            platform_accel: vec![0.0; 5000],
+            motor_rate: Some(rate.iter().map(|w| 200.0 * w).collect()),
+            hub_position: Some(position),
+            hub_rate: rate,
+        }
+    }
+
+    #[test]
+    fn a_sound_recording_raises_no_remark() {
+        assert_eq!(qualify("sound", &machine(), 200.0), vec![]);
+    }
+
+    #[test]
+    fn swapped_sign_degrees_and_gaps_are_named() {
+        let mut swapped = machine();
+        swapped.motor_rate = swapped.motor_rate.map(|w| w.iter().map(|v| -v).collect());
+        assert!(qualify("r", &swapped, 200.0)[0].what.contains("sign is swapped"));
+        let mut degrees = machine();
+        degrees.hub_position = degrees.hub_position.map(|a| a.iter().map(|v| v.to_degrees()).collect());
+        assert!(qualify("r", &degrees, 200.0)[0].what.contains("in degrees"));
+        let mut gap = machine();
+        gap.hub_rate[17] = f64::NAN;
+        let remark = &qualify("r", &gap, 200.0)[0];
+        assert!(remark.unusable && remark.channel == "hub_rate", "{remark:?}");
+    }
+
+    #[test]
+    fn clipping_is_seen() {
+        let mut clipped = machine();
+        clipped.control.iter_mut().for_each(|u| *u = u.clamp(-0.5, 0.5));
+        assert!(qualify("r", &clipped, 200.0)[0].what.starts_with("clipped at"));
+    }
+}

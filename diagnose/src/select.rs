@@ -1,0 +1,323 @@
+//! Which effects, together, explain the recordings: stepwise, with swaps, judged on what was not fitted.
+
+use counterpoise_models::Parameters;
+
+use crate::bench::{Bench, Pool};
+use crate::fit::{Fit, Problem, Selection, knobs};
+use crate::library::Effect;
+use crate::look::{Look, first_look, is_ripple};
+use crate::score::{Part, Score, score};
+use crate::tolerance::{
+    EFFECTS_AT_MOST, EXPLAINED, FITTED_SHARE, GAIN_NEEDED, PRUNE_SHARE, SHARE_NEEDED, SHORTLIST, SWAP_NEEDED,
+};
+
+/// A candidate that was fitted and judged.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    /// All effects of the model, fitted together; the new one is the last.
+    pub fit: Fit,
+    /// Fit of every recording, whole.
+    pub whole: Score,
+    /// Fit of what the candidate was not fitted to.
+    pub held_out: Score,
+    /// Fit of the model before, on the same data.
+    pub held_out_before: Score,
+    /// What the candidate was not fitted to.
+    pub held_out_parts: Vec<Part>,
+}
+
+impl Candidate {
+    /// The effect that the candidate adds.
+    pub fn newest(&self) -> Option<&'static Effect> {
+        self.fit.effects.last().copied()
+    }
+
+    /// Puts the newest effect at `index` of the list.
+    fn move_last_to(&mut self, index: usize) {
+        let Some(newest) = self.fit.effects.pop() else { return };
+        let first = knobs(&self.fit.effects[..index]).len();
+        let tail = self.fit.values.split_off(self.fit.values.len() - newest.knobs.len());
+        self.fit.values.splice(first..first, tail);
+        self.fit.effects.insert(index, newest);
+    }
+
+    /// Distance from the floor, with a price for each parameter beyond the second.
+    pub fn ranking(&self) -> f64 {
+        self.whole.distance() + 2e-3 * self.fit.values.len().saturating_sub(2) as f64
+    }
+}
+
+/// One stage: the candidates that were judged, best first, and what the first look said.
+#[derive(Debug, Clone)]
+pub struct Stage {
+    /// Candidates, best first.
+    pub candidates: Vec<Candidate>,
+    /// First look, best first.
+    pub looks: Vec<Look>,
+}
+
+impl Stage {
+    /// Whether a candidate of this stage added the effect that is all of a model.
+    fn contains(&self, model: &Candidate) -> bool {
+        let effect = model.newest();
+        let same = |c: &Candidate| c.newest().zip(effect).is_some_and(|(a, b)| std::ptr::eq(a, b));
+        self.candidates.iter().any(|c| c.fit.effects.len() == 1 && same(c))
+    }
+}
+
+/// The outcome of the search.
+#[derive(Debug, Clone)]
+pub struct Search {
+    /// The accepted effects, fitted to all recordings; none where the model as it is was kept.
+    pub accepted: Option<Candidate>,
+    /// Fit of the model as it was.
+    pub before: Score,
+    /// For each accepted effect, what was judged in its place beside the others, best first.
+    pub rivals: Vec<Vec<Candidate>>,
+    /// Every stage.
+    pub stages: Vec<Stage>,
+    /// Whether the user stopped the search.
+    pub cancelled: bool,
+}
+
+/// What the search works on.
+pub struct Searcher<'a> {
+    /// Simulator and recordings.
+    pub bench: &'a dyn Bench,
+    /// Processors, progress and cancel.
+    pub pool: &'a dyn Pool,
+    /// The mechanism as the project file has it.
+    pub base: &'a Parameters,
+    /// The effects that may be named.
+    pub effects: Vec<&'static Effect>,
+}
+
+impl Searcher<'_> {
+    /// Searches for up to three effects; none where the model as it is cannot be simulated.
+    pub fn search(&self) -> Option<Search> {
+        let before = self.whole_score(self.base)?;
+        let mut search =
+            Search { accepted: None, before, rivals: Vec::new(), stages: Vec::new(), cancelled: false };
+        for stage in 0..EFFECTS_AT_MOST {
+            self.pool.progress("naming", stage, EFFECTS_AT_MOST);
+            let present = search.accepted.as_ref();
+            if stage > 0 && present.is_some_and(|c| c.whole.worst() < 1.0 + 0.5 * (EXPLAINED - 1.0)) {
+                break;
+            }
+            let stage = self.stage(present);
+            let best = stage.candidates.iter().find(|c| self.acceptable(c)).cloned();
+            search.stages.push(stage);
+            let Some(best) = best else { break };
+            search.accepted = Some(self.refitted(best));
+            if self.pool.cancelled() {
+                search.cancelled = true;
+                break;
+            }
+        }
+        self.swap_and_prune(&mut search);
+        Some(search)
+    }
+
+    /// Looks at every effect on top of the present model, fits the shortlist and judges it.
+    fn stage(&self, present: Option<&Candidate>) -> Stage {
+        let model = present.map_or(self.base, |c| &c.fit.parameters);
+        let taken: Vec<&Effect> = present.map_or(Vec::new(), |c| c.fit.effects.clone());
+        let free: Vec<&'static Effect> =
+            self.effects.iter().copied().filter(|e| !taken.iter().any(|t| std::ptr::eq(*t, *e))).collect();
+        let looks = first_look(self.bench, self.pool, model, &free);
+        let shortlist = shortlist(&looks);
+        let mut candidates: Vec<Candidate> = Vec::new();
+        for (done, look) in shortlist.iter().enumerate() {
+            self.pool.progress("fitting", done, shortlist.len());
+            candidates.extend(self.candidate(present, look));
+        }
+        candidates.sort_by(|a, b| a.ranking().total_cmp(&b.ranking()));
+        let mut kept: Vec<Candidate> = Vec::new();
+        for candidate in candidates {
+            let known =
+                |k: &Candidate| k.newest().zip(candidate.newest()).is_some_and(|(a, b)| std::ptr::eq(a, b));
+            if !kept.iter().any(known) {
+                kept.push(candidate);
+            }
+        }
+        Stage { candidates: kept, looks }
+    }
+
+    /// Fits the present effects and one more to part of the data, and judges the result on the rest.
+    fn candidate(&self, present: Option<&Candidate>, look: &Look) -> Option<Candidate> {
+        let mut effects = present.map_or(Vec::new(), |c| c.fit.effects.clone());
+        let mut start = present.map_or(Vec::new(), |c| c.fit.values.clone());
+        effects.push(look.effect);
+        start.extend(&look.start);
+        let fitted = fitted_recordings(&look.signature);
+        let selection = Selection { parts: fitted.iter().map(|&r| (r, FITTED_SHARE)).collect() };
+        let fit = self.fit(effects, &start, &selection)?;
+        let parts = held_out_parts(self.bench.count(), &fitted);
+        let model = present.map_or(self.base, |c| &c.fit.parameters);
+        Some(Candidate {
+            whole: self.whole_score(&fit.parameters)?,
+            held_out: score(self.bench, &fit.parameters, &parts)?,
+            held_out_before: score(self.bench, model, &parts)?,
+            held_out_parts: parts,
+            fit,
+        })
+    }
+
+    fn fit(&self, effects: Vec<&'static Effect>, start: &[f64], selection: &Selection) -> Option<Fit> {
+        let problem = Problem { bench: self.bench, pool: self.pool, selection, base: self.base, effects };
+        let fit = problem.fit(start)?;
+        Some(self.snapped(&problem, fit))
+    }
+
+    /// A ripple's order that came out close to a whole number is that whole number: gears and poles are counted.
+    fn snapped(&self, problem: &Problem, fit: Fit) -> Fit {
+        let mut start = fit.values.clone();
+        let mut first = 0;
+        let mut moved = false;
+        for effect in &fit.effects {
+            if is_ripple(effect) && (start[first + 1] / start[first + 1].round() - 1.0).abs() < 0.004 {
+                start[first + 1] = start[first + 1].round();
+                moved = true;
+            }
+            first += effect.knobs.len();
+        }
+        if !moved {
+            return fit;
+        }
+        match problem.fit(&start) {
+            Some(again) if again.cost < fit.cost * 1.01 => again,
+            _ => fit,
+        }
+    }
+
+    fn whole_score(&self, parameters: &Parameters) -> Option<Score> {
+        score(self.bench, parameters, &whole_parts(self.bench.count()))
+    }
+
+    /// Whether a candidate gains enough, on data that it was not fitted to, harms no channel and keeps its bounds.
+    fn acceptable(&self, candidate: &Candidate) -> bool {
+        let gain = candidate.held_out.gain_over(&candidate.held_out_before);
+        let before = candidate.held_out_before.distance();
+        let share = (before - candidate.held_out.distance()) / before.max(0.02);
+        gain > GAIN_NEEDED && share > SHARE_NEEDED && !harmful(candidate) && within_bounds(&candidate.fit)
+    }
+
+    /// The accepted effects fitted once more, to everything.
+    fn refitted(&self, candidate: Candidate) -> Candidate {
+        let selection = Selection::all(self.bench.count());
+        let again = self.fit(candidate.fit.effects.clone(), &candidate.fit.values, &selection);
+        let judged = again.and_then(|fit| Some((self.whole_score(&fit.parameters)?, fit)));
+        match judged {
+            Some((whole, fit)) if whole.distance() <= candidate.whole.distance() + 0.01 => {
+                Candidate { fit, whole, ..candidate }
+            }
+            _ => candidate,
+        }
+    }
+
+    /// Replaces an effect where another explains more beside the rest, and drops one that the others make idle.
+    fn swap_and_prune(&self, search: &mut Search) {
+        let Some(mut best) = search.accepted.take() else { return };
+        self.prune(&mut best, search.before.distance());
+        if best.fit.effects.len() == 1 {
+            let stage = search.stages.iter().find(|s| s.contains(&best));
+            search.rivals = vec![stage.map_or(Vec::new(), |s| s.candidates.clone())];
+            search.accepted = Some(best);
+            return;
+        }
+        for index in 0..best.fit.effects.len() {
+            let Some(without) = self.without(&best, index).filter(|_| !self.pool.cancelled()) else {
+                search.rivals.push(Vec::new());
+                continue;
+            };
+            let rivals = self.stage(Some(&without)).candidates;
+            let better =
+                rivals.iter().find(|c| self.acceptable(c) && c.ranking() < best.ranking() - SWAP_NEEDED);
+            if let Some(better) = better {
+                let mut swapped = self.refitted(better.clone());
+                swapped.move_last_to(index);
+                best = swapped;
+            }
+            search.rivals.push(rivals);
+        }
+        search.accepted = Some(best);
+    }
+
+    /// Drops effects without which the rest explains the recordings as well.
+    fn prune(&self, best: &mut Candidate, before: f64) {
+        let mut index = 0;
+        while best.fit.effects.len() > 1 && index < best.fit.effects.len() && !self.pool.cancelled() {
+            let Some(without) = self.without(best, index) else { return };
+            let lost = without.whole.distance() - best.whole.distance();
+            if lost < PRUNE_SHARE * before {
+                *best = without;
+            } else {
+                index += 1;
+            }
+        }
+    }
+
+    fn without(&self, candidate: &Candidate, index: usize) -> Option<Candidate> {
+        let mut effects = candidate.fit.effects.clone();
+        let first = knobs(&effects[..index]).len();
+        let mut start = candidate.fit.values.clone();
+        start.drain(first..first + effects[index].knobs.len());
+        effects.remove(index);
+        let fit = self.fit(effects, &start, &Selection::all(self.bench.count()))?;
+        let whole = self.whole_score(&fit.parameters)?;
+        Some(Candidate { fit, whole, ..candidate.clone() })
+    }
+}
+
+/// The best looks, at most two starts for one effect.
+fn shortlist(looks: &[Look]) -> Vec<&Look> {
+    let mut picked: Vec<&Look> = Vec::new();
+    let mut effects = 0;
+    for look in looks {
+        let same = picked.iter().filter(|p| std::ptr::eq(p.effect, look.effect)).count();
+        if same == 0 {
+            effects += 1;
+        }
+        if effects > SHORTLIST {
+            break;
+        }
+        if same < 2 {
+            picked.push(look);
+        }
+    }
+    picked
+}
+
+/// The half of the recordings in which the effect shows most: those are fitted.
+fn fitted_recordings(signature: &[f64]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..signature.len()).collect();
+    order.sort_by(|&a, &b| signature[b].total_cmp(&signature[a]));
+    order.truncate(signature.len().div_ceil(2));
+    order.sort_unstable();
+    order
+}
+
+/// The other recordings whole, and the end of the fitted ones.
+fn held_out_parts(count: usize, fitted: &[usize]) -> Vec<Part> {
+    let part = |r| Part { recording: r, from: if fitted.contains(&r) { FITTED_SHARE } else { 0.0 }, to: 1.0 };
+    (0..count).map(part).collect()
+}
+
+fn whole_parts(count: usize) -> Vec<Part> {
+    (0..count).map(|r| Part { recording: r, from: 0.0, to: 1.0 }).collect()
+}
+
+/// Whether a channel that was not fitted gets clearly worse.
+fn harmful(candidate: &Candidate) -> bool {
+    let cells = candidate.held_out.cells.iter().zip(&candidate.held_out_before.cells);
+    cells.into_iter().any(|(after, before)| after.excess > 1.15 * before.excess.max(1.0))
+}
+
+/// Whether every knob stayed off the bounds of physical sense.
+fn within_bounds(fit: &Fit) -> bool {
+    knobs(&fit.effects).iter().zip(&fit.values).all(|(knob, &value)| {
+        let [low, high] = knob.bounds;
+        let margin = 1e-3 * (high - low).abs().min(value.abs());
+        (value > low + margin || low == 0.0) && value < high - margin
+    })
+}
