@@ -1,1 +1,112 @@
 //! The verified controller as source code.
+//!
+//! In come a [`Controller`](counterpoise_controller::Controller) and its [`Provenance`]; out go files as text: C99 and a
+//! `no_std` Rust crate, each with test vectors from the reference. Both print the same straight line of arithmetic that
+//! the reference runs, so their answers are equal to the last bit.
+//!
+//! *Invariant*: no file system, no clock, no compiler: text in memory only.
+//!
+//! Modules in reading order: [`provenance`], [`c99`](mod@c99), [`vectors`].
+//!
+//! ```
+//! use counterpoise_controller::{Controller, Parts};
+//! use counterpoise_export::{Options, Provenance, c99};
+//!
+//! let controller = Controller::new(Parts::new(1e-3, 10.0)).unwrap();
+//! let files = c99(&controller, &Provenance::default(), &Options::double("controller")).unwrap();
+//! assert_eq!(files[1].name, "controller.c");
+//! assert!(files[1].text.contains("controller_step"));
+//! ```
+
+pub mod c99;
+pub mod error;
+pub mod provenance;
+pub mod vectors;
+
+mod print;
+
+pub use c99::c99;
+pub use error::Error;
+pub use provenance::Provenance;
+
+use counterpoise_controller::Controller;
+use counterpoise_controller::program::Operation;
+
+/// A file of generated code.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct File {
+    /// Name, with folders separated by '/'.
+    pub name: String,
+    /// Contents.
+    pub text: String,
+}
+
+/// The numbers that the target computes in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Precision {
+    /// IEEE double: equal to the reference to the last bit.
+    Double,
+    /// IEEE single.
+    Single,
+}
+
+/// How code is generated.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Options {
+    /// What every name of the code starts with, and every file: a lower-case identifier.
+    pub name: String,
+    /// Numbers of the target.
+    pub precision: Precision,
+}
+
+impl Options {
+    /// Double precision under a name.
+    pub fn double(name: &str) -> Self {
+        Self { name: name.to_owned(), precision: Precision::Double }
+    }
+
+    /// Single precision under a name.
+    pub fn single(name: &str) -> Self {
+        Self { name: name.to_owned(), precision: Precision::Single }
+    }
+}
+
+/// Refuses a name that is no short lower-case identifier.
+pub(crate) fn check_name(name: &str) -> Result<(), Error> {
+    let problem = match name.chars().next() {
+        None => Some("is empty"),
+        Some(first) if !first.is_ascii_lowercase() => Some("must start with a lower-case letter"),
+        _ if !name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_') => {
+            Some("may hold only a to z, 0 to 9 and _")
+        }
+        _ if name.len() > 24 => Some("is longer than 24 characters"),
+        _ => None,
+    };
+    problem.map_or(Ok(()), |problem| Err(Error::Name { name: name.to_owned(), problem }))
+}
+
+/// Refuses coefficients that the precision cannot hold: overflow, or underflow to 0.
+pub(crate) fn check_range(controller: &Controller, precision: Precision) -> Result<(), Error> {
+    if precision == Precision::Double {
+        return Ok(());
+    }
+    let programs = controller.programs();
+    let operations = programs.step.operations().chain(programs.set_out_of_balance.operations());
+    for value in operations.flat_map(constants).chain(programs.initial()) {
+        let held = value as f32;
+        if !held.is_finite() || (held == 0.0 && value != 0.0) {
+            return Err(Error::SingleRange { what: "a coefficient".into(), value });
+        }
+    }
+    Ok(())
+}
+
+fn constants(operation: &Operation) -> Vec<f64> {
+    match operation {
+        Operation::Sum { constant, terms, .. } => {
+            constant.iter().copied().chain(terms.iter().map(|term| term.coefficient)).collect()
+        }
+        Operation::Clamp { low, high, .. } => vec![*low, *high],
+        _ => Vec::new(),
+    }
+}

@@ -6,6 +6,8 @@
 mod schedule;
 mod step;
 
+use std::collections::HashSet;
+
 use crate::program::{OnReset, Operation, Program, Programs, Section, Slot, StateGroup, Term};
 use crate::{Parts, READING_NAMES};
 
@@ -145,8 +147,20 @@ impl Writer {
         self.sum_into(into, None, &[(1.0, from)]);
     }
 
-    /// The program, with what it gives.
+    /// The program, with what it gives and without locals that nobody reads.
     pub fn finish(mut self, output: Option<Slot>) -> Program {
+        let mut read: HashSet<Slot> = output.into_iter().collect();
+        for section in self.program.sections.iter_mut().rev() {
+            let mut kept: Vec<Operation> = Vec::new();
+            for operation in section.operations.drain(..).rev() {
+                let into = operation.into_slot();
+                if matches!(into, Slot::State(_)) || read.contains(&into) {
+                    read.extend(operation.reads());
+                    kept.push(operation);
+                }
+            }
+            section.operations = kept.into_iter().rev().collect();
+        }
         self.program.sections.retain(|section| !section.operations.is_empty());
         self.program.output = output;
         self.program

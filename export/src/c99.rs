@@ -1,0 +1,135 @@
+//! The controller in C99.
+
+use counterpoise_controller::Controller;
+use counterpoise_controller::program::{OnReset, Operation, Program, Slot};
+use minijinja::{Environment, context};
+
+use crate::print::{Dialect, Printer, literal, state};
+use crate::vectors::{SHIPPED_SAMPLES, Vector, vectors};
+use crate::{Error, File, Options, Precision, Provenance, check_name, check_range};
+
+/// The controller as C99 source
+///
+/// | file | what it is |
+/// |---|---|
+/// | `NAME.h` | types, provenance, units, four functions |
+/// | `NAME.c` | the functions: no heap, no recursion, no global state, no library |
+/// | `NAME_self_test.c` | vectors and a function that counts where the target answers otherwise; no library |
+/// | `NAME_test.c` | a program that runs the self test and prints its outcome |
+/// | `NAME_interrupt.c` | a block to paste into the sampling interrupt |
+///
+/// # Errors
+/// [`Error::Name`] for a name that is no lower-case identifier, [`Error::SingleRange`] for a coefficient that single
+/// precision cannot hold.
+pub fn c99(controller: &Controller, provenance: &Provenance, options: &Options) -> Result<Vec<File>, Error> {
+    check_name(&options.name)?;
+    check_range(controller, options.precision)?;
+    let data = data(controller, provenance, options);
+    let environment = Environment::new();
+    let templates = [
+        (".h", include_str!("../templates/controller.h.jinja")),
+        (".c", include_str!("../templates/controller.c.jinja")),
+        ("_self_test.c", include_str!("../templates/self_test.c.jinja")),
+        ("_test.c", include_str!("../templates/test.c.jinja")),
+        ("_interrupt.c", include_str!("../templates/interrupt.c.jinja")),
+    ];
+    let fill = |(ending, template): (&str, &str)| {
+        let text = environment.render_str(template, &data)?;
+        Ok(File { name: format!("{}{ending}", options.name), text: text.trim_end().to_owned() + "\n" })
+    };
+    templates.into_iter().map(fill).collect()
+}
+
+fn data(controller: &Controller, provenance: &Provenance, options: &Options) -> minijinja::Value {
+    let (name, programs) = (&options.name, controller.programs());
+    let real = format!("{name}_real");
+    let printer = |program, input_prefix| Printer {
+        dialect: Dialect::C,
+        precision: options.precision,
+        programs,
+        program,
+        real: &real,
+        input_prefix,
+    };
+    let (step, set) = (printer(&programs.step, "in->"), printer(&programs.set_out_of_balance, ""));
+    context! {
+        name,
+        real => real.as_str(),
+        NAME => name.to_uppercase(),
+        number => if options.precision == Precision::Double { "double" } else { "float" },
+        provenance => provenance.lines(),
+        readings => reading_fields(),
+        states => state_fields(controller),
+        restart => initial(controller, options.precision, OnReset::Restart),
+        keep => initial(controller, options.precision, OnReset::Keep),
+        step => step.body(),
+        set => set.body(),
+        unused => unused(&programs.step),
+        period => literal(controller.sample_period_s(), options.precision, Dialect::C),
+        rate_hz => (1.0 / controller.sample_period_s()).round() as u64,
+        limit => literal(controller.limit_v(), options.precision, Dialect::C),
+        multiplications => programs.step.multiplications(),
+        additions => programs.step.additions(),
+        state_count => programs.state_count(),
+        vectors => vector_rows(controller, options.precision),
+    }
+}
+
+/// Arguments of the step that it does not use.
+fn unused(step: &Program) -> Vec<&'static str> {
+    let touched = |operation: &Operation, wanted: fn(&Slot) -> bool| {
+        wanted(&operation.into_slot()) || operation.reads().iter().any(wanted)
+    };
+    let touches = |wanted: fn(&Slot) -> bool| step.operations().any(|operation| touched(operation, wanted));
+    let state = (!touches(|slot| matches!(slot, Slot::State(_)))).then_some("c");
+    let input = (!touches(|slot| matches!(slot, Slot::Input(_)))).then_some("in");
+    state.into_iter().chain(input).collect()
+}
+
+/// Name and meaning of each reading.
+fn reading_fields() -> Vec<(&'static str, &'static str)> {
+    vec![
+        ("demand_rad_s", "demanded hub rate, rad/s"),
+        ("hub_rate_rad_s", "hub gyroscope, rad/s, positive nose-up, inertial"),
+        ("platform_rate_rad_s", "platform gyroscope, rad/s, inertial"),
+        ("platform_accel_m_s2", "platform accelerometer (heave, upwards), m/s^2, without gravity"),
+        ("motor_rate_rad_s", "motor tachometer, rad/s relative to the platform"),
+        ("hub_position_rad", "hub angle relative to the platform, rad"),
+    ]
+}
+
+fn state_fields(controller: &Controller) -> Vec<String> {
+    let groups = &controller.programs().states;
+    groups
+        .iter()
+        .map(|group| group.length.map_or(group.name.clone(), |n| format!("{}[{n}]", group.name)))
+        .collect()
+}
+
+/// Assignments that put states to their start.
+fn initial(controller: &Controller, precision: Precision, which: OnReset) -> Vec<String> {
+    let programs = controller.programs();
+    let groups = programs.states.iter().filter(|group| group.on_reset == which);
+    let each =
+        groups.flat_map(|group| group.initial.iter().enumerate().map(|(i, value)| (group.first + i, *value)));
+    each.map(|(i, value)| {
+        format!("{} = {};", state(programs, i, Dialect::C), literal(value, precision, Dialect::C))
+    })
+    .collect()
+}
+
+fn vector_rows(controller: &Controller, precision: Precision) -> Vec<String> {
+    let all = match precision {
+        Precision::Double => vectors::<f64>(controller, SHIPPED_SAMPLES),
+        Precision::Single => vectors::<f32>(controller, SHIPPED_SAMPLES),
+    };
+    all.iter().map(|vector| row(vector, precision)).collect()
+}
+
+fn row(vector: &Vector, precision: Precision) -> String {
+    let number = |value: f64| literal(value, precision, Dialect::C);
+    let readings: Vec<String> = vector.readings.iter().map(|value| number(*value)).collect();
+    let set = vector.set_out_of_balance_kg_m;
+    let (sets, value) = (u8::from(set.is_some()), number(set.unwrap_or(0.0)));
+    format!("{{ {sets}, {value}, {{ {} }}, {} }}", readings.join(", "), number(vector.control_v))
+}

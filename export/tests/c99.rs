@@ -1,0 +1,178 @@
+//! Generated C: it compiles without a word and answers what the reference answers, to the last bit.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
+
+mod support;
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use counterpoise_controller::{Controller, Number, Parts};
+use counterpoise_export::{Options, Precision, Provenance, c99};
+use support::{
+    Random, Request, STRICT, Target, folder, is_there, random_controller, run, server, typical, write,
+};
+
+fn provenance() -> Provenance {
+    Provenance {
+        generator: "counterpoise 0.1.0".into(),
+        project: "reference rig".into(),
+        project_hash: "0123456789abcdef".into(),
+        weights: vec!["feedback error 1/(s)".into()],
+        verdicts: vec!["gain margin >= 12 dB: holds (13.1 dB)".into()],
+    }
+}
+
+/// Compiles controllers into one program that answers requests.
+fn build(test: &str, controllers: &[Controller], precision: Precision, flags: &[&str]) -> PathBuf {
+    let folder = folder(test);
+    let mut names = Vec::new();
+    let mut sources = vec!["server.c".to_owned()];
+    for (i, controller) in controllers.iter().enumerate() {
+        let name = format!("controller_{i}");
+        let options = Options { name: name.clone(), precision };
+        write(&folder, &c99(controller, &provenance(), &options).unwrap());
+        sources.push(format!("{name}.c"));
+        names.push(name);
+    }
+    std::fs::write(folder.join("server.c"), server(&names)).unwrap();
+    run(Command::new("cc").current_dir(&folder).args(flags).args(&sources).args(["-o", "server"]));
+    folder.join("server")
+}
+
+/// Irregular requests: samples, resets, changes of the out-of-balance.
+fn requests(controllers: usize, samples: usize) -> Vec<(usize, Request)> {
+    let mut random = Random(99);
+    let mut all = Vec::new();
+    for k in 0..samples {
+        for which in 0..controllers {
+            match k % 97 {
+                31 => all.push((which, Request::Set(300.0 * random.signed()))),
+                77 => all.push((which, Request::Reset)),
+                _ => {}
+            }
+            all.push((which, Request::Step(random.readings().map(|value| f64::from(value as f32)))));
+        }
+    }
+    all
+}
+
+/// What the reference answers to the requests.
+fn reference<N: Number>(controllers: &[Controller], requests: &[(usize, Request)]) -> Vec<f64> {
+    use counterpoise_controller::SampledController;
+    let mut runners: Vec<_> = controllers.iter().map(|controller| controller.runner_in::<N>()).collect();
+    let mut answer = |(which, request): &(usize, Request)| match request {
+        Request::Reset => {
+            runners[*which].reset();
+            0.0
+        }
+        Request::Set(value) => {
+            runners[*which].set_out_of_balance(*value);
+            0.0
+        }
+        Request::Step(readings) => runners[*which].step_array(readings),
+    };
+    requests.iter().map(&mut answer).collect()
+}
+
+fn equal_to_the_last_bit(found: &[f64], expected: &[f64]) {
+    assert_eq!(found.len(), expected.len());
+    let differs = found.iter().zip(expected).position(|(a, b)| a.to_bits() != b.to_bits());
+    assert_eq!(differs, None, "{:?}", differs.map(|i| (found[i], expected[i])));
+}
+
+#[test]
+fn double_and_single_are_equal_to_the_reference_to_the_last_bit() {
+    if !is_there("cc") {
+        return println!("skipped: no C compiler");
+    }
+    let controllers = [typical()];
+    let asked = requests(1, 3000);
+    let double = build("typical_double", &controllers, Precision::Double, &STRICT);
+    let answers = Target::start(&double).ask_all(&asked);
+    assert!(answers.iter().any(|u| u.abs() == 10.0) && answers.iter().any(|u| u.abs() < 9.0 && *u != 0.0));
+    equal_to_the_last_bit(&answers, &reference::<f64>(&controllers, &asked));
+    let single = build("typical_single", &controllers, Precision::Single, &STRICT);
+    equal_to_the_last_bit(&Target::start(&single).ask_all(&asked), &reference::<f32>(&controllers, &asked));
+}
+
+#[test]
+fn two_hundred_random_controllers_are_equal_to_the_reference() {
+    if !is_there("cc") {
+        return println!("skipped: no C compiler");
+    }
+    let controllers: Vec<Controller> = (0..200).map(random_controller).collect();
+    let orders: Vec<usize> = controllers.iter().map(|c| c.parts().paths[0].system.order()).collect();
+    assert!(orders.iter().min() <= Some(&2) && orders.iter().max() >= Some(&39));
+    let flags = ["-std=c99", "-O0", "-ffp-contract=off", "-Werror", "-Wall"];
+    let asked = requests(controllers.len(), 120);
+    let program = build("random_double", &controllers, Precision::Double, &flags);
+    equal_to_the_last_bit(&Target::start(&program).ask_all(&asked), &reference::<f64>(&controllers, &asked));
+}
+
+#[test]
+fn what_is_shipped_compiles_and_passes_on_every_compiler() {
+    for compiler in ["gcc", "clang"] {
+        if !is_there(compiler) {
+            println!("skipped: no {compiler}");
+            continue;
+        }
+        for (kind, options) in [("double", Options::double("axis")), ("single", Options::single("axis"))] {
+            let folder = folder(&format!("shipped_{compiler}_{kind}"));
+            write(&folder, &c99(&typical(), &provenance(), &options).unwrap());
+            let compile = |arguments: &[&str]| {
+                run(Command::new(compiler).current_dir(&folder).args(STRICT).args(arguments))
+            };
+            let said = compile(&["axis.c", "axis_self_test.c", "axis_test.c", "-o", "axis_test"]);
+            assert_eq!(said, "");
+            assert_eq!(compile(&["-c", "axis_interrupt.c"]), "");
+            let outcome = run(&mut Command::new(folder.join("axis_test")));
+            assert!(outcome.contains("48 samples equal to the last bit"), "{outcome}");
+        }
+    }
+}
+
+#[test]
+fn the_self_test_sees_a_changed_coefficient() {
+    if !is_there("cc") {
+        return println!("skipped: no C compiler");
+    }
+    let folder = folder("spoilt");
+    let mut files = c99(&typical(), &provenance(), &Options::double("axis")).unwrap();
+    let coefficient = format!("{:?}", typical().parts().paths[0].system.B[(3, 0)].abs());
+    let nudged = files[1].text.replacen(&coefficient, &format!("1.001 * {coefficient}"), 1);
+    assert_ne!(nudged, files[1].text);
+    files[1].text = nudged;
+    write(&folder, &files);
+    let sources = ["axis.c", "axis_self_test.c", "axis_test.c"];
+    run(Command::new("cc").current_dir(&folder).args(["-std=c99"]).args(sources).args(["-o", "axis_test"]));
+    assert_eq!(Command::new(folder.join("axis_test")).status().unwrap().code(), Some(1));
+}
+
+#[test]
+fn an_empty_controller_compiles_too() {
+    if !is_there("cc") {
+        return println!("skipped: no C compiler");
+    }
+    let folder = folder("empty");
+    let controller = Controller::new(Parts::new(1e-3, 10.0)).unwrap();
+    write(&folder, &c99(&controller, &provenance(), &Options::double("nothing")).unwrap());
+    let sources = ["nothing.c", "nothing_self_test.c", "nothing_test.c"];
+    run(Command::new("cc").current_dir(&folder).args(STRICT).args(sources).args(["-o", "test"]));
+    run(&mut Command::new(folder.join("test")));
+}
+
+#[test]
+fn the_header_says_where_the_code_comes_from() {
+    let files = c99(&typical(), &provenance(), &Options::double("axis")).unwrap();
+    for line in provenance().lines() {
+        assert!(files[0].text.contains(&line) && files[1].text.contains(&line), "{line}");
+    }
+    assert!(files[0].text.contains("sample-period: 0.001 s (1000 Hz)"));
+}
+
+#[test]
+fn names_that_are_no_identifiers_are_refused() {
+    for name in ["", "9axis", "Axis", "an axis", "a_name_that_is_much_too_long_for_a_prefix"] {
+        assert!(c99(&typical(), &provenance(), &Options::double(name)).is_err(), "{name}");
+    }
+}

@@ -1,0 +1,283 @@
+//! What the tests of generated code share: controllers, a compiler, a program to talk to.
+#![allow(dead_code)]
+
+use std::io::{Read, Write};
+use std::path::{Path as FilePath, PathBuf};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+
+use counterpoise_controller::{
+    Controller, FrictionObserver, Parts, Path, READINGS, Readings, SampledController, Scaling, Signal,
+};
+use counterpoise_export::File;
+use counterpoise_lti::{Mat, StateSpace, Timebase};
+
+/// A folder for one test, emptied.
+pub fn folder(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Writes files under a folder.
+pub fn write(folder: &FilePath, files: &[File]) {
+    for file in files {
+        let path = folder.join(&file.name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, &file.text).unwrap();
+    }
+}
+
+/// Whether a program can be started.
+pub fn is_there(program: &str) -> bool {
+    Command::new(program).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
+}
+
+/// Runs a command; panics with what it printed where it fails. Gives its output.
+pub fn run(command: &mut Command) -> String {
+    let output = command.output().unwrap();
+    let text =
+        String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{command:?}\n{text}");
+    text
+}
+
+/// The flags under which generated C must pass without a word.
+pub const STRICT: [&str; 10] = [
+    "-std=c99",
+    "-O1",
+    "-Wall",
+    "-Wextra",
+    "-Wconversion",
+    "-Wsign-conversion",
+    "-Wdouble-promotion",
+    "-Wshadow",
+    "-pedantic",
+    "-Werror",
+];
+
+/// A controller like a design's: feedback with integrator and pairs, heave that scales, pitch, prefilter, friction.
+pub fn typical() -> Controller {
+    let mut random = Random(7);
+    let mut parts = Parts::new(1e-3, 10.0);
+    parts.design_out_of_balance_kg_m = 151.67;
+    parts.out_of_balance_range_kg_m = (-50.0, 300.0);
+    parts.bias_v_per_kg_m = 0.019;
+    parts.transfer_time_s = 0.05;
+    let mut feedback = path("feedback", vec![Signal::RateError], modal(&mut random, 12, 1));
+    feedback.system.A[(0, 0)] = 1.0;
+    feedback.anti_windup[0] = 0.02;
+    feedback.system.D[(0, 0)] = 9.0;
+    let mut heave = path("heave", vec![Signal::PlatformAcceleration], modal(&mut random, 9, 1));
+    heave.scaling = Scaling::WithOutOfBalance;
+    let pitch = path("pitch", vec![Signal::PlatformRate], modal(&mut random, 8, 1));
+    parts.paths = vec![feedback, heave, pitch];
+    parts.prefilter = Some(modal(&mut random, 1, 1));
+    parts.observers = vec![FrictionObserver {
+        name: "pivot_friction".into(),
+        rate: Signal::RelativeRate,
+        coulomb_nm: 117.0,
+        rest_stiffness_nm_rad: 2.4e5,
+        volts_per_nm: 1e-3,
+        viscous_v_s_rad: 0.1,
+    }];
+    Controller::new(parts).unwrap()
+}
+
+/// A path without anti-windup.
+pub fn path(name: &str, inputs: Vec<Signal>, system: StateSpace) -> Path {
+    let anti_windup = vec![0.0; system.order()];
+    Path { name: name.into(), inputs, system, anti_windup, scaling: Scaling::Fixed }
+}
+
+/// A stable system of first and second order sections.
+pub fn modal(random: &mut Random, order: usize, inputs: usize) -> StateSpace {
+    let mut A = Mat::zeros(order, order);
+    let mut k = 0;
+    while k < order {
+        let radius = 1.0 - 10.0_f64.powf(-3.0 + 2.5 * random.unit());
+        if k + 1 < order && random.unit() < 0.7 {
+            let angle = random.unit() * 1.5;
+            let (re, im) = (radius * angle.cos(), radius * angle.sin());
+            A.set_block(k, k, &Mat::from_rows(&[&[re, im], &[-im, re]]));
+            k += 2;
+        } else {
+            A[(k, k)] = radius;
+            k += 1;
+        }
+    }
+    let B = Mat::from_fn(order, inputs, |_, _| 0.1 * random.signed());
+    let C = Mat::from_fn(1, order, |_, _| random.signed());
+    let D = Mat::from_fn(1, inputs, |_, _| random.signed());
+    StateSpace::new(A, B, C, D, Timebase::Discrete { period_s: 1e-3 }).unwrap()
+}
+
+/// A full, badly scaled system: a modal one in coordinates whose units differ by up to 1e8.
+pub fn badly_scaled(random: &mut Random, order: usize, inputs: usize) -> StateSpace {
+    let base = modal(random, order, inputs);
+    let mixed = Mat::from_fn(order, order, |i, j| f64::from(i == j) + 0.05 * random.signed());
+    let unit: Vec<f64> = (0..order).map(|_| 10.0_f64.powf(4.0 * random.signed())).collect();
+    let T = &mixed * &Mat::diag(&unit);
+    let W = counterpoise_lti::linalg::inverse(&T).unwrap();
+    let A = &(&W * &base.A) * &T;
+    StateSpace::new(A, &W * &base.B, &base.C * &T, base.D, base.timebase).unwrap()
+}
+
+/// A random controller.
+pub fn random_controller(seed: u64) -> Controller {
+    let mut random = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
+    let mut parts = Parts::new(1e-3, 1.0 + 9.0 * random.unit());
+    parts.design_out_of_balance_kg_m = 1.0 + 200.0 * random.unit();
+    parts.out_of_balance_range_kg_m = (-400.0, 400.0);
+    parts.bias_v_per_kg_m = 0.02 * random.signed();
+    parts.transfer_time_s = 0.1 * random.unit();
+    let order = 1 + (random.unit() * 40.0) as usize;
+    let signals = [Signal::RateError, Signal::PlatformRate, Signal::PlatformAcceleration, Signal::MotorRate];
+    let inputs: Vec<Signal> = signals[..1 + (random.unit() * 4.0) as usize].to_vec();
+    let system = if order < 14 && random.unit() < 0.5 {
+        badly_scaled(&mut random, order, inputs.len())
+    } else {
+        modal(&mut random, order, inputs.len())
+    };
+    let mut first = path("first", inputs, system);
+    first.anti_windup[0] = 0.01 * random.signed();
+    let mut second = path("second", vec![Signal::HubPosition, Signal::PreviousControl], {
+        let mut system = modal(&mut random, 2, 2);
+        system.D = system.D.scale(0.1);
+        system
+    });
+    second.scaling = match seed % 3 {
+        0 => Scaling::Fixed,
+        1 => Scaling::WithOutOfBalance,
+        _ => Scaling::Scheduled { below_kg_m: Some(0.0), at_kg_m: 90.0, above_kg_m: Some(150.0) },
+    };
+    parts.paths = vec![first, second];
+    Controller::new(parts).unwrap()
+}
+
+/// Marsaglia's xorshift generator.
+pub struct Random(pub u64);
+
+impl Random {
+    /// Between 0 and 1.
+    pub fn unit(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Between -1 and 1.
+    pub fn signed(&mut self) -> f64 {
+        2.0 * self.unit() - 1.0
+    }
+
+    /// Readings that fill the usual ranges.
+    pub fn readings(&mut self) -> [f64; READINGS] {
+        counterpoise_export::vectors::LARGEST.map(|largest| largest * self.signed())
+    }
+}
+
+/// A program that steps controllers on request: (which, kind, six doubles) in, one double out.
+pub struct Target {
+    child: Child,
+    to: Option<ChildStdin>,
+    from: ChildStdout,
+}
+
+/// What a target is asked to do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Request {
+    /// Back to the start.
+    Reset,
+    /// Set the out-of-balance.
+    Set(f64),
+    /// One sample.
+    Step([f64; READINGS]),
+}
+
+impl Target {
+    /// Starts the program.
+    pub fn start(program: &FilePath) -> Self {
+        let mut child = Command::new(program).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+        let (to, from) = (child.stdin.take(), child.stdout.take().unwrap());
+        Self { child, to, from }
+    }
+
+    /// Carries out a request with controller `which`.
+    pub fn ask(&mut self, which: usize, request: Request) -> f64 {
+        let to = self.to.as_mut().unwrap();
+        to.write_all(&encode(which, request)).unwrap();
+        to.flush().unwrap();
+        let mut answer = [0; 8];
+        self.from.read_exact(&mut answer).unwrap();
+        f64::from_ne_bytes(answer)
+    }
+
+    /// Carries out many requests at once.
+    pub fn ask_all(mut self, requests: &[(usize, Request)]) -> Vec<f64> {
+        let bytes: Vec<u8> = requests.iter().flat_map(|(which, request)| encode(*which, *request)).collect();
+        let mut to = self.to.take().unwrap();
+        let writer = std::thread::spawn(move || to.write_all(&bytes).unwrap());
+        let mut answers = Vec::new();
+        self.from.read_to_end(&mut answers).unwrap();
+        writer.join().unwrap();
+        assert!(self.child.wait().unwrap().success());
+        answers.chunks_exact(8).map(|chunk| f64::from_ne_bytes(chunk.try_into().unwrap())).collect()
+    }
+}
+
+impl Drop for Target {
+    fn drop(&mut self) {
+        self.to = None;
+        let _ = self.child.wait();
+    }
+}
+
+fn encode(which: usize, request: Request) -> Vec<u8> {
+    let (kind, values) = match request {
+        Request::Reset => (0.0, [0.0; READINGS]),
+        Request::Set(value) => (1.0, [value, 0.0, 0.0, 0.0, 0.0, 0.0]),
+        Request::Step(readings) => (2.0, readings),
+    };
+    [which as f64, kind].iter().chain(&values).flat_map(|value| value.to_ne_bytes()).collect()
+}
+
+/// The main of a [`Target`] in C for controllers with the given names.
+pub fn server(names: &[String]) -> String {
+    let mut text = String::from("#include <stdio.h>\n");
+    for name in names {
+        text += &format!("#include \"{name}.h\"\nstatic {name}_state state_{name};\n");
+        text += &format!(
+            "static double serve_{name}(int kind, const double *v)\n{{\n    if (kind == 0) {{ {name}_reset(&state_{name}); return 0.0; }}\n    if (kind == 1) {{ {name}_set_out_of_balance(&state_{name}, ({name}_real)v[0]); return 0.0; }}\n"
+        );
+        text += &format!("    {{\n        {name}_readings in;\n");
+        for (i, reading) in counterpoise_controller::READING_NAMES.iter().enumerate() {
+            text += &format!("        in.{reading} = ({name}_real)v[{i}];\n");
+        }
+        text += &format!("        return (double){name}_step(&state_{name}, &in);\n    }}\n}}\n");
+    }
+    text += "int main(void)\n{\n    double in[8];\n";
+    for name in names {
+        text += &format!("    {name}_init(&state_{name});\n");
+    }
+    text += "    while (fread(in, sizeof in, 1, stdin) == 1) {\n        double out = 0.0;\n        switch ((int)in[0]) {\n";
+    for (i, name) in names.iter().enumerate() {
+        text += &format!("        case {i}: out = serve_{name}((int)in[1], in + 2); break;\n");
+    }
+    text += "        default: break;\n        }\n        fwrite(&out, sizeof out, 1, stdout);\n        fflush(stdout);\n    }\n    return 0;\n}\n";
+    text
+}
+
+/// A target as a controller of the simulated loop.
+pub struct InLoop(pub Target);
+
+impl SampledController for InLoop {
+    fn reset(&mut self) {
+        self.0.ask(0, Request::Reset);
+    }
+
+    fn step(&mut self, readings: &Readings) -> f64 {
+        self.0.ask(0, Request::Step(readings.to_array()))
+    }
+}
