@@ -40,12 +40,17 @@ impl From<linalg::Riccati> for Equation {
 }
 
 /// The solution of a Riccati equation, or the finding that says why there is none.
-pub(crate) fn riccati(what: &'static str, part: Part, outcome: linalg::Outcome<linalg::Riccati>) -> Outcome<linalg::Riccati> {
+pub(crate) fn riccati(
+    what: &'static str,
+    part: Part,
+    outcome: linalg::Outcome<linalg::Riccati>,
+) -> Outcome<linalg::Riccati> {
     match outcome {
         linalg::Outcome::Solved(solution) => Outcome::Solved(solution),
-        linalg::Outcome::Infeasible(reason) => {
-            Outcome::Infeasible(vec![Finding::refusal(part, Cause::Equation { what, reason: reason.to_string() })])
-        }
+        linalg::Outcome::Infeasible(reason) => Outcome::Infeasible(vec![Finding::refusal(
+            part,
+            Cause::Equation { what, reason: reason.to_string() },
+        )]),
     }
 }
 

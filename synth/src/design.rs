@@ -3,8 +3,8 @@
 use counterpoise_lti::{Mat, StateSpace, Timebase, append, series};
 
 use crate::{
-    Assembly, Channel, DesignPlant, Error, Feedback, Feedforward, Finding, Outcome, Specification, feedback, feedforward,
-    preflight,
+    Assembly, Channel, DesignPlant, Error, Feedback, Feedforward, Finding, Outcome, Specification, feedback,
+    feedforward, preflight,
 };
 
 /// A designed controller, continuous, with its certificates.

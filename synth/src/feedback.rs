@@ -57,7 +57,11 @@ struct Problem {
 /// # Errors
 /// [`Error`] for a plant or weights that do not make a problem. A problem without a solution is
 /// [`Outcome::Infeasible`].
-pub fn feedback(plant: &DesignPlant, weights: &FeedbackWeights, reference: Reference) -> Result<Outcome<Feedback>, Error> {
+pub fn feedback(
+    plant: &DesignPlant,
+    weights: &FeedbackWeights,
+    reference: Reference,
+) -> Result<Outcome<Feedback>, Error> {
     let problem = problem(plant, weights)?;
     let density = weights.measurement_noise;
     let regulator = match problem.regulator()? {
@@ -87,7 +91,10 @@ fn problem(plant: &DesignPlant, weights: &FeedbackWeights) -> Result<Problem, Er
     let system = plant.measured()?;
     let (n, inputs, outputs) = (system.order(), system.inputs(), system.outputs());
     if system.D[(0, plant.control)] != 0.0 {
-        return Err(Error::System { what: "plant", problem: "the control reaches the rate directly (D is not zero)" });
+        return Err(Error::System {
+            what: "plant",
+            problem: "the control reaches the rate directly (D is not zero)",
+        });
     }
     let column = |index: usize| system.B.block(0, index, n, 1);
     let mut Gw = column(plant.control).scale(weights.loop_recovery.sqrt());
@@ -155,7 +162,8 @@ impl Problem {
         let into = K.B.block(0, 1, k, 1);
         let (control, v) = (K.C.block(0, 0, 1, k), K.C.block(1, 0, 1, k));
         let A = Mat::from_blocks(&[&[&core.A, &(&core.B * &control)], &[&(&into * &core.C), &K.A]]);
-        let B = Mat::from_blocks(&[&[&self.Gw, &Mat::zeros(n, 1)], &[&Mat::zeros(k, m), &into.scale(V.sqrt())]]);
+        let B =
+            Mat::from_blocks(&[&[&self.Gw, &Mat::zeros(n, 1)], &[&Mat::zeros(k, m), &into.scale(V.sqrt())]]);
         let output = core.output();
         let (plant, own) = (output.block(0, 0, output.nrows(), n), output.block(0, n, output.nrows(), k - n));
         let own = Mat::zeros(output.nrows(), n).hstack(&own);

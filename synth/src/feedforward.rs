@@ -80,7 +80,11 @@ struct Filter {
 /// # Errors
 /// [`Error`] for a plant or weights that do not make a problem (see [`crate::preflight()`]); a problem without a
 /// solution is [`Outcome::Infeasible`].
-pub fn feedforward(plant: &DesignPlant, weights: &FeedforwardWeights, channel: Channel) -> Result<Outcome<Feedforward>, Error> {
+pub fn feedforward(
+    plant: &DesignPlant,
+    weights: &FeedforwardWeights,
+    channel: Channel,
+) -> Result<Outcome<Feedforward>, Error> {
     let problem = problem(plant, weights, channel)?;
     let regulator = match problem.regulator(channel.into())? {
         Outcome::Solved(solution) => solution,
@@ -107,7 +111,12 @@ pub fn feedforward(plant: &DesignPlant, weights: &FeedforwardWeights, channel: C
     finish(regulator, module, Some(filter.equation), cost)
 }
 
-fn finish(solution: Regulator, module: StateSpace, filter: Option<Equation>, cost: Cost) -> Result<Outcome<Feedforward>, Error> {
+fn finish(
+    solution: Regulator,
+    module: StateSpace,
+    filter: Option<Equation>,
+    cost: Cost,
+) -> Result<Outcome<Feedforward>, Error> {
     let dc_gain = counterpoise_lti::dcgain(&module)?[(0, 0)];
     Ok(Outcome::Solved(Feedforward {
         module,
@@ -127,7 +136,10 @@ fn problem(plant: &DesignPlant, weights: &FeedforwardWeights, channel: Channel) 
     let mut entering = columns.to_vec();
     entering.push(plant.control);
     if entering.iter().any(|&input| system.D[(plant.rate, input)] != 0.0) {
-        return Err(Error::System { what: "plant", problem: "an input reaches the rate directly (D is not zero)" });
+        return Err(Error::System {
+            what: "plant",
+            problem: "an input reaches the rate directly (D is not zero)",
+        });
     }
     let generator = with_derivatives(&weights.generator.realise()?, columns.len())?;
     let core = Augmented {
@@ -155,7 +167,8 @@ fn with_derivatives(generator: &StateSpace, count: usize) -> Result<StateSpace, 
         rows = rows.vstack(&row);
     }
     if count == 0 || direct > f64::EPSILON * generator.C.norm_fro() * generator.B.norm_fro() {
-        let problem = "it must have more poles than zeros by the number of inputs it acts on, and act on at least one";
+        let problem =
+            "it must have more poles than zeros by the number of inputs it acts on, and act on at least one";
         return Err(Error::System { what: "generator", problem });
     }
     let (A, B) = (generator.A.clone(), generator.B.clone());
@@ -303,7 +316,13 @@ impl Problem {
     ///
     /// `into` is the module's input matrix times what it reads of the generator's states; `noise` are the columns of
     /// white noise on \[generator; plant; module\].
-    fn assembled(&self, module: &StateSpace, source: &StateSpace, into: &Mat, noise: &Mat) -> Result<StateSpace, Error> {
+    fn assembled(
+        &self,
+        module: &StateSpace,
+        source: &StateSpace,
+        into: &Mat,
+        noise: &Mat,
+    ) -> Result<StateSpace, Error> {
         let (n, e, _) = self.core.sizes();
         let (g, k) = (source.order(), module.order());
         let (open, entering) = self.uncontrolled();

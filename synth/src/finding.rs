@@ -245,22 +245,37 @@ impl fmt::Display for Cause {
             Cause::WeightVoid => write!(f, "the weight is zero or one of its numbers is not finite"),
             Cause::WeightComplex => write!(f, "a complex root of the weight lacks its conjugate"),
             Cause::ErrorWeightImproper { excess } => {
-                write!(f, "the error weight rises with the power {excess} of frequency: the noise would cost infinitely much")
+                write!(
+                    f,
+                    "the error weight rises with the power {excess} of frequency: the noise would cost infinitely much"
+                )
             }
             Cause::ControlWeightVanishes { excess } => {
-                write!(f, "the control weight falls with the power {excess} of frequency: fast control would be free")
+                write!(
+                    f,
+                    "the control weight falls with the power {excess} of frequency: fast control would be free"
+                )
             }
             Cause::WeightMirrored { root } => {
-                write!(f, "the root {root:.4} lies in the right half plane and is mirrored: only the modulus counts")
+                write!(
+                    f,
+                    "the root {root:.4} lies in the right half plane and is mirrored: only the modulus counts"
+                )
             }
             Cause::PlantZeroAtErrorPole { relative_gain } => write!(
                 f,
                 "the error weight is infinite where the plant cannot act (its gain there is {relative_gain:.1e} of its largest)"
             ),
-            Cause::SensorBlindAtErrorPole => write!(f, "the error weight is infinite where the hub sensor reads nothing"),
-            Cause::ControlFreeUnseen => write!(f, "control costs nothing where the weighted error does not show it"),
+            Cause::SensorBlindAtErrorPole => {
+                write!(f, "the error weight is infinite where the hub sensor reads nothing")
+            }
+            Cause::ControlFreeUnseen => {
+                write!(f, "control costs nothing where the weighted error does not show it")
+            }
             Cause::WeightsBothInfinite => write!(f, "error weight and control weight are both infinite"),
-            Cause::GeneratorNotProper => write!(f, "the disturbance's generator passes white noise on: infinite power"),
+            Cause::GeneratorNotProper => {
+                write!(f, "the disturbance's generator passes white noise on: infinite power")
+            }
             Cause::GeneratorUnstable { pole } => {
                 write!(f, "the disturbance's generator has the pole {pole:.4}: its power grows without bound")
             }
@@ -269,30 +284,57 @@ impl fmt::Display for Cause {
                 "the disturbance acts through its derivatives, but its generator has {relative_degree} more poles than zeros where {needed} are needed"
             ),
             Cause::KnowledgeIncomplete { order, known } => {
-                write!(f, "exact knowledge is assumed of {order} states of the disturbance, but {known} signals act on the plant")
+                write!(
+                    f,
+                    "exact knowledge is assumed of {order} states of the disturbance, but {known} signals act on the plant"
+                )
             }
             Cause::Density { what, value } => write!(f, "the spectral density of {what} is {value}"),
-            Cause::NothingDisturbs => write!(f, "nothing disturbs the loop, so the observer ignores the measurement"),
+            Cause::NothingDisturbs => {
+                write!(f, "nothing disturbs the loop, so the observer ignores the measurement")
+            }
             Cause::NotStabilisable { pole } => write!(f, "the control does not reach the mode {pole:.4}"),
             Cause::NotDetectable { pole } => write!(f, "the measured rate does not show the mode {pole:.4}"),
-            Cause::NoiseMissesMode { pole } => write!(f, "no disturbance excites the undamped mode {pole:.4}"),
-            Cause::DirectPath { gain } => write!(f, "the control reaches the measured rate directly (gain {gain:.3e})"),
-            Cause::DelayLeftOut { delay_s } => write!(f, "the delay of {delay_s} s is left out (Pade order 0)"),
+            Cause::NoiseMissesMode { pole } => {
+                write!(f, "no disturbance excites the undamped mode {pole:.4}")
+            }
+            Cause::DirectPath { gain } => {
+                write!(f, "the control reaches the measured rate directly (gain {gain:.3e})")
+            }
+            Cause::DelayLeftOut { delay_s } => {
+                write!(f, "the delay of {delay_s} s is left out (Pade order 0)")
+            }
             Cause::DelayLimits { delay_s, crossover_rad_s } => {
-                write!(f, "the weights cross at {crossover_rad_s:.1} rad/s, where the delay of {delay_s} s costs {:.0} degrees", (delay_s * crossover_rad_s).to_degrees())
+                write!(
+                    f,
+                    "the weights cross at {crossover_rad_s:.1} rad/s, where the delay of {delay_s} s costs {:.0} degrees",
+                    (delay_s * crossover_rad_s).to_degrees()
+                )
             }
             Cause::ZeroLimits { zero, crossover_rad_s } => {
-                write!(f, "the weights cross at {crossover_rad_s:.1} rad/s, beyond the right half plane zero {zero:.4}")
+                write!(
+                    f,
+                    "the weights cross at {crossover_rad_s:.1} rad/s, beyond the right half plane zero {zero:.4}"
+                )
             }
             Cause::ChannelMissing => write!(f, "the plant has no input for this disturbance"),
             Cause::ChannelWithoutEffect => write!(f, "this disturbance does not reach the rate"),
             Cause::FeedforwardUnbounded { pole } => {
-                write!(f, "sensor noise reaches the mode {pole:.4}, which the feedforward alone cannot keep bounded")
+                write!(
+                    f,
+                    "sensor noise reaches the mode {pole:.4}, which the feedforward alone cannot keep bounded"
+                )
             }
-            Cause::ReferenceWithoutStates => write!(f, "the demand would enter the error weight's states, of which there are none"),
+            Cause::ReferenceWithoutStates => {
+                write!(f, "the demand would enter the error weight's states, of which there are none")
+            }
             Cause::Equation { what, reason } => write!(f, "{what} has no stabilising solution: {reason}"),
             Cause::SampledUnstable { pole, period_s } => {
-                write!(f, "sampled every {period_s} s the loop has the pole {pole:.6}, of modulus {:.6}", pole.norm())
+                write!(
+                    f,
+                    "sampled every {period_s} s the loop has the pole {pole:.6}, of modulus {:.6}",
+                    pole.norm()
+                )
             }
         }
     }
@@ -303,35 +345,55 @@ fn suggestion(cause: &Cause) -> &'static str {
         Cause::WeightVoid => "give it a gain and time constants that are not zero",
         Cause::WeightComplex => "give complex roots in conjugate pairs",
         Cause::ErrorWeightImproper { .. } => "give the error weight as many poles as zeros",
-        Cause::ControlWeightVanishes { .. } => "give the control weight as many zeros as poles, K (a s + 1) for instance",
+        Cause::ControlWeightVanishes { .. } => {
+            "give the control weight as many zeros as poles, K (a s + 1) for instance"
+        }
         Cause::WeightMirrored { .. } => "write the root with a negative real part",
         Cause::PlantZeroAtErrorPole { .. } => {
             "use K / (a s + 1) in place of K / (a s), or control the angle rather than the rate"
         }
-        Cause::SensorBlindAtErrorPole => "use a sensor that reads there, or an error weight that is finite there",
-        Cause::ControlFreeUnseen => "use a control weight that is not zero there, K (b s^2 + a s + 1) for instance",
+        Cause::SensorBlindAtErrorPole => {
+            "use a sensor that reads there, or an error weight that is finite there"
+        }
+        Cause::ControlFreeUnseen => {
+            "use a control weight that is not zero there, K (b s^2 + a s + 1) for instance"
+        }
         Cause::WeightsBothInfinite => "keep one of the two finite there",
         Cause::GeneratorNotProper => "give the generator more poles than zeros",
-        Cause::GeneratorUnstable { .. } => "move the pole into the left half plane, at the lowest frequency that matters",
-        Cause::GeneratorTooRough { .. } => "give the generator more poles than zeros by the number of inputs of the channel",
-        Cause::KnowledgeIncomplete { .. } => "use a generator of that order, or say what noise the sensor has",
-        Cause::Density { .. } => "give a positive number (zero is allowed for disturbances and loop recovery)",
+        Cause::GeneratorUnstable { .. } => {
+            "move the pole into the left half plane, at the lowest frequency that matters"
+        }
+        Cause::GeneratorTooRough { .. } => {
+            "give the generator more poles than zeros by the number of inputs of the channel"
+        }
+        Cause::KnowledgeIncomplete { .. } => {
+            "use a generator of that order, or say what noise the sensor has"
+        }
+        Cause::Density { .. } => {
+            "give a positive number (zero is allowed for disturbances and loop recovery)"
+        }
         Cause::NothingDisturbs => "give a loop recovery or a disturbance a positive density",
         Cause::NotStabilisable { .. } => "remove the mode from the plant, or give it an actuator",
         Cause::NotDetectable { .. } => {
             "remove the mode from the plant (the hub angle, where only rate is measured), or measure it"
         }
-        Cause::NoiseMissesMode { .. } => "give the loop recovery a positive density, or the mode some damping",
+        Cause::NoiseMissesMode { .. } => {
+            "give the loop recovery a positive density, or the mode some damping"
+        }
         Cause::DirectPath { .. } => "model the sensor or the delay",
         Cause::DelayLeftOut { .. } => "use a Pade order of 1 or 2",
         Cause::DelayLimits { .. } => "raise the control weight or lower the error weight, or sample faster",
-        Cause::ZeroLimits { .. } => "raise the control weight or lower the error weight until they cross below half the zero",
+        Cause::ZeroLimits { .. } => {
+            "raise the control weight or lower the error weight until they cross below half the zero"
+        }
         Cause::ChannelMissing => "name its input, or leave the feedforward out",
         Cause::ChannelWithoutEffect => "leave the feedforward out: it would be zero",
         Cause::FeedforwardUnbounded { .. } => {
             "use an error weight that is finite at that frequency, or let the feedback hold the mode"
         }
-        Cause::ReferenceWithoutStates => "let the demand enter through the error, or use an error weight with a pole",
+        Cause::ReferenceWithoutStates => {
+            "let the demand enter through the error, or use an error weight with a pole"
+        }
         Cause::Equation { .. } => "raise the weight or noise that the mode named needs",
         Cause::SampledUnstable { .. } => "sample faster, or lower the crossover",
     }

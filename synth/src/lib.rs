@@ -7,19 +7,52 @@
 //! equation is solved before [`preflight()`] has said that it can be.
 //!
 //! Modules in reading order: [`weight`], [`plant`], [`specification`], [`finding`], [`preflight`](mod@preflight),
-//! [`feedback`](mod@feedback), [`feedforward`](mod@feedforward), [`design`](mod@design), [`certificate`].
+//! [`feedback`](mod@feedback), [`feedforward`](mod@feedforward), [`design`](mod@design), [`discretise`](mod@discretise), [`certificate`].
+//!
+//! A servo of one inertia with viscous drag, held without steady error:
+//!
+//! ```
+//! use counterpoise_lti::{Mat, StateSpace, Timebase};
+//! use counterpoise_synth::*;
+//! let (A, B) = (Mat::from_rows(&[&[-0.5]]), Mat::from_rows(&[&[2.0, 1.0]]));
+//! let system = StateSpace::new(A, B, Mat::eye(1), Mat::zeros(1, 2), Timebase::Continuous)?;
+//! let plant = DesignPlant::ideal(system, 0, 0);
+//! let weights = FeedbackWeights {
+//!     error: Weight::Integral { gain: 10.0, time_s: 1.0 },
+//!     control: Weight::Lead { gain: 1.0, time_s: 0.01 },
+//!     combination: vec![],
+//!     measurement_noise: 1e-4,
+//!     disturbances: vec![(1, 1.0)],
+//!     loop_recovery: 0.0,
+//! };
+//! let Outcome::Solved(part) = feedback(&plant, &weights, Reference::Error)? else { unreachable!() };
+//! assert!(part.closed_loop.iter().all(|pole| pole.re < 0.0));
+//! assert!(part.cost.relative_difference().is_some_and(|difference| difference < 1e-6));
+//! # Ok::<(), Error>(())
+//! ```
 #![allow(non_snake_case)]
 
-pub mod weight;
-pub mod rational;
-pub mod plant;
-pub mod specification;
+mod augmented;
+pub mod certificate;
+pub mod design;
+pub mod discretise;
+pub mod error;
+pub mod feedback;
+pub mod feedforward;
 pub mod finding;
 pub mod outcome;
-pub mod error;
+pub mod plant;
 pub mod preflight;
+pub mod rational;
+pub mod specification;
+pub mod weight;
 
+pub use certificate::{Cost, Equation};
+pub use design::{Design, design};
+pub use discretise::{Sampled, Sampling, check, discretise, sampled_loop};
 pub use error::Error;
+pub use feedback::{Feedback, feedback};
+pub use feedforward::{Feedforward, feedforward};
 pub use finding::{Cause, Finding, Part, Severity};
 pub use outcome::Outcome;
 pub use plant::{Channel, DesignPlant};

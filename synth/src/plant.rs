@@ -77,14 +77,20 @@ impl DesignPlant {
             check_sensor(sensor)?;
         }
         if !(self.delay_s >= 0.0 && self.delay_s.is_finite()) {
-            return Err(Error::Range { what: "delay in s", value: self.delay_s, allowed: "zero or positive" });
+            return Err(Error::Range {
+                what: "delay in s",
+                value: self.delay_s,
+                allowed: "zero or positive",
+            });
         }
         Ok(())
     }
 
     fn check_indices(&self) -> Result<(), Error> {
         let inputs = self.system.inputs();
-        let index = |what, index, count| if index < count { Ok(()) } else { Err(Error::Index { what, index, count }) };
+        let index = |what, index, count| {
+            if index < count { Ok(()) } else { Err(Error::Index { what, index, count }) }
+        };
         index("control input", self.control, inputs)?;
         self.heave.iter().try_for_each(|&i| index("heave input", i, inputs))?;
         self.pitch.iter().try_for_each(|&i| index("pitch input", i, inputs))?;

@@ -5,7 +5,9 @@ use counterpoise_lti::response::Response;
 use counterpoise_lti::{C64, CMat, Mat, StateSpace, poles, zeros};
 
 use crate::finding::{Cause, Finding, Part};
-use crate::{Channel, DesignPlant, Error, FeedbackWeights, Knowledge, Rational, Reference, Specification, Weight};
+use crate::{
+    Channel, DesignPlant, Error, FeedbackWeights, Knowledge, Rational, Reference, Specification, Weight,
+};
 
 /// A gain smaller than this, relative to the plant's largest, counts as zero.
 pub const ZERO_GAIN: f64 = 1e-9;
@@ -59,7 +61,11 @@ fn check_plant(plant: &DesignPlant) -> Result<Vec<Finding>, Error> {
     Ok(findings)
 }
 
-fn check_feedback(plant: &DesignPlant, weights: &FeedbackWeights, reference: Reference) -> Result<Vec<Finding>, Error> {
+fn check_feedback(
+    plant: &DesignPlant,
+    weights: &FeedbackWeights,
+    reference: Reference,
+) -> Result<Vec<Finding>, Error> {
     let part = Part::Feedback;
     let mut findings = weight_forms(part, &weights.error, &weights.control);
     findings.extend(densities(weights));
@@ -80,7 +86,11 @@ fn check_feedback(plant: &DesignPlant, weights: &FeedbackWeights, reference: Ref
     Ok(findings)
 }
 
-fn check_feedforward(plant: &DesignPlant, spec: &Specification, channel: Channel) -> Result<Vec<Finding>, Error> {
+fn check_feedforward(
+    plant: &DesignPlant,
+    spec: &Specification,
+    channel: Channel,
+) -> Result<Vec<Finding>, Error> {
     let (part, columns) = (Part::from(channel), plant.columns(channel));
     let Some(weights) = spec.feedforward(channel) else { return Ok(Vec::new()) };
     let mut findings = weight_forms(part, &weights.error, &weights.control);
@@ -122,7 +132,9 @@ fn weight_forms(part: Part, error: &Weight, control: &Weight) -> Vec<Finding> {
     }
     for rate in axis_roots(&error.rational().poles) {
         if axis_roots(&control.rational().poles).contains(&rate) {
-            findings.push(Finding::refusal(part, Cause::WeightsBothInfinite).on("control weight", control).at(rate));
+            findings.push(
+                Finding::refusal(part, Cause::WeightsBothInfinite).on("control weight", control).at(rate),
+            );
         }
     }
     findings
@@ -134,7 +146,9 @@ fn well_formed(part: Part, role: &str, weight: &Weight) -> Vec<Finding> {
         return vec![Finding::refusal(part, Cause::WeightVoid).on(role, weight)];
     }
     let roots = || rational.zeros.iter().chain(&rational.poles);
-    let lone = roots().any(|root| root.im != 0.0 && !roots().any(|other| (other - root.conj()).norm() < 1e-9 * root.norm()));
+    let lone = roots().any(|root| {
+        root.im != 0.0 && !roots().any(|other| (other - root.conj()).norm() < 1e-9 * root.norm())
+    });
     let mut findings = Vec::new();
     if lone {
         findings.push(Finding::refusal(part, Cause::WeightComplex).on(role, weight));
@@ -148,7 +162,8 @@ fn well_formed(part: Part, role: &str, weight: &Weight) -> Vec<Finding> {
 
 fn densities(weights: &FeedbackWeights) -> Vec<Finding> {
     let mut findings = Vec::new();
-    let mut refuse = |what, value: f64| findings.push(Finding::refusal(Part::Feedback, Cause::Density { what, value }));
+    let mut refuse =
+        |what, value: f64| findings.push(Finding::refusal(Part::Feedback, Cause::Density { what, value }));
     let noise = weights.measurement_noise;
     if !(noise > 0.0 && noise.is_finite()) {
         refuse("the measurement noise", noise);
@@ -198,7 +213,11 @@ fn name_blind_sensor(findings: &mut [Finding], truth: &Gain) -> Result<(), Error
 }
 
 /// Undamped modes need a noise that excites them.
-fn noise_reaches(system: &StateSpace, control: usize, weights: &FeedbackWeights) -> Result<Vec<Finding>, Error> {
+fn noise_reaches(
+    system: &StateSpace,
+    control: usize,
+    weights: &FeedbackWeights,
+) -> Result<Vec<Finding>, Error> {
     let all = poles(system)?;
     let size = all.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
     let mut inputs: Vec<usize> = weights.disturbances.iter().filter(|d| d.1 > 0.0).map(|d| d.0).collect();
@@ -222,7 +241,9 @@ fn noise_reaches(system: &StateSpace, control: usize, weights: &FeedbackWeights)
 
 /// What delay and right half plane zeros say of the crossover that the weights ask for.
 fn limits(plant: &DesignPlant, weights: &FeedbackWeights, gain: &Gain) -> Result<Vec<Finding>, Error> {
-    let Some(crossover_rad_s) = gain.crossover(&weights.error, &weights.control) else { return Ok(Vec::new()) };
+    let Some(crossover_rad_s) = gain.crossover(&weights.error, &weights.control) else {
+        return Ok(Vec::new());
+    };
     let mut findings = Vec::new();
     let mut warn = |cause| {
         let finding = Finding::warning(Part::Feedback, cause).at(crossover_rad_s);
@@ -245,7 +266,8 @@ fn generator(part: Part, weight: &Weight, inputs: usize, knowledge: Knowledge) -
     let rational = weight.rational();
     let mut findings = well_formed(part, "generator", weight);
     let relative_degree = rational.relative_degree();
-    let mut refuse = |cause, rate: f64| findings.push(Finding::refusal(part, cause).on("generator", weight).at(rate));
+    let mut refuse =
+        |cause, rate: f64| findings.push(Finding::refusal(part, cause).on("generator", weight).at(rate));
     if relative_degree <= 0 {
         refuse(Cause::GeneratorNotProper, f64::INFINITY);
     } else if (relative_degree as usize) < inputs {
@@ -256,12 +278,18 @@ fn generator(part: Part, weight: &Weight, inputs: usize, knowledge: Knowledge) -
     }
     let order = rational.poles.len();
     if knowledge == Knowledge::Exact && order != inputs {
-        findings.push(Finding::refusal(part, Cause::KnowledgeIncomplete { order, known: inputs }).on("generator", weight));
+        findings.push(
+            Finding::refusal(part, Cause::KnowledgeIncomplete { order, known: inputs })
+                .on("generator", weight),
+        );
     }
     if let Knowledge::Measured { noise } = knowledge
         && !(noise > 0.0 && noise.is_finite())
     {
-        findings.push(Finding::refusal(part, Cause::Density { what: "the disturbance sensor's noise", value: noise }));
+        findings.push(Finding::refusal(
+            part,
+            Cause::Density { what: "the disturbance sensor's noise", value: noise },
+        ));
     }
     findings
 }

@@ -93,7 +93,8 @@ fn factors(roots: &[C64]) -> Result<Vec<Factor>, Error> {
             out.push(vec![-root.re]);
             continue;
         }
-        let partner = open.iter().position(|other| (other - root.conj()).norm() <= REAL_ROOT * root.norm().max(1e-300));
+        let partner =
+            open.iter().position(|other| (other - root.conj()).norm() <= REAL_ROOT * root.norm().max(1e-300));
         let Some(index) = partner else {
             let problem = "a complex root lacks its conjugate";
             return Err(counterpoise_lti::Error::Rational { what: "weight", problem }.into());
@@ -114,7 +115,9 @@ struct Section {
 fn pair(zeros: Vec<Factor>, poles: Vec<Factor>) -> Result<Vec<Section>, Error> {
     let degree = |list: &[Factor]| list.iter().map(Vec::len).sum::<usize>();
     if degree(&zeros) > degree(&poles) {
-        return Err(counterpoise_lti::Error::Rational { what: "weight", problem: "more zeros than poles" }.into());
+        return Err(
+            counterpoise_lti::Error::Rational { what: "weight", problem: "more zeros than poles" }.into()
+        );
     }
     let mut sections: Vec<Section> =
         poles.into_iter().map(|p| Section { numerator: vec![1.0], denominator: monic(&p) }).collect();
@@ -188,7 +191,8 @@ mod tests {
         let system = function.realise().unwrap();
         assert_eq!(system.order(), 4);
         for rate in [0.01, 1.0, 5.0, 90.0, 1e3] {
-            let (found, expected) = (response_at(&system, rate).unwrap()[(0, 0)], function.at(C64::new(0.0, rate)));
+            let (found, expected) =
+                (response_at(&system, rate).unwrap()[(0, 0)], function.at(C64::new(0.0, rate)));
             assert!((found - expected).norm() < 1e-12 * expected.norm(), "{rate}: {found} {expected}");
         }
     }

@@ -100,10 +100,14 @@ impl Weight {
             Weight::Lag { gain, time_s } => Rational::new(&[], &[real(-1.0 / time_s)], gain / time_s),
             Weight::Lead { gain, time_s } => Rational::new(&[real(-1.0 / time_s)], &[], gain * time_s),
             Weight::Quadratic { gain, second_s2, first_s } => polynomial(*gain, *second_s2, *first_s, 1.0),
-            Weight::QuadraticFreeAtZero { gain, second_s2, first_s } => polynomial(*gain, *second_s2, *first_s, 0.0),
+            Weight::QuadraticFreeAtZero { gain, second_s2, first_s } => {
+                polynomial(*gain, *second_s2, *first_s, 0.0)
+            }
             Weight::ZeroPoleGain { zeros, poles, gain } => Rational::new(zeros, poles, *gain),
             Weight::Shelf { low, high, corner_rad_s } => shelf(*low, *high, *corner_rad_s),
-            Weight::Notch { gain, centre_rad_s, width, factor } => notch(*gain, *centre_rad_s, *width, *factor),
+            Weight::Notch { gain, centre_rad_s, width, factor } => {
+                notch(*gain, *centre_rad_s, *width, *factor)
+            }
             Weight::Product(parts) => {
                 parts.iter().fold(Rational::new(&[], &[], 1.0), |all, part| all.times(&part.rational()))
             }
@@ -131,7 +135,10 @@ impl Weight {
     /// [`Error::Weight`] where the weight has more zeros than poles, or a number that is not finite.
     pub fn realise(&self) -> Result<StateSpace, Error> {
         let mirrored = self.rational().mirrored();
-        self.refuse(mirrored.relative_degree() < 0, "it rises without bound at high frequency: no proper realisation")?;
+        self.refuse(
+            mirrored.relative_degree() < 0,
+            "it rises without bound at high frequency: no proper realisation",
+        )?;
         self.realised(&mirrored)
     }
 
@@ -145,7 +152,10 @@ impl Weight {
     /// a number that is not finite.
     pub fn realise_inverse(&self) -> Result<StateSpace, Error> {
         let inverse = self.rational().mirrored().inverse();
-        self.refuse(inverse.relative_degree() < 0, "it vanishes at high frequency, where control would be free")?;
+        self.refuse(
+            inverse.relative_degree() < 0,
+            "it vanishes at high frequency, where control would be free",
+        )?;
         self.realised(&inverse)
     }
 

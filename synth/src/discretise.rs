@@ -1,0 +1,227 @@
+//! From the continuous design to the sampled controller that runs, and the sampled loop it makes.
+
+use counterpoise_controller::{Controller, Parts, Path, Scaling, Signal, realise::modal};
+use counterpoise_lti::linalg::{self, dare};
+use counterpoise_lti::response::Response;
+use counterpoise_lti::{C64, Discretisation, Mat, StateSpace, c2d, delay_samples, poles, series};
+
+use crate::finding::{Cause, Finding, Part};
+use crate::{Assembly, Channel, Design, DesignPlant, Error, Outcome, Reference};
+
+/// What sampling adds to a design.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sampling {
+    /// Sample period, s.
+    pub period_s: f64,
+    /// How each path becomes discrete.
+    pub method: Discretisation,
+    /// The control is limited to +/- this, V.
+    pub limit_v: f64,
+    /// Whole samples of delay of the real loop beyond the hold, for the check of the sampled loop.
+    pub delay_samples: usize,
+    /// Out-of-balance that the plant was taken at, kg m; 0 keeps the heave feedforward's gain fixed.
+    pub out_of_balance_kg_m: f64,
+    /// Lowest and highest out-of-balance that may be set, kg m.
+    pub out_of_balance_range_kg_m: (f64, f64),
+    /// Volts that hold one kg m against gravity.
+    pub bias_v_per_kg_m: f64,
+    /// Time in which the step of a changed out-of-balance fades in, s.
+    pub transfer_time_s: f64,
+}
+
+impl Sampling {
+    /// Tustin's method, no further delay, no out-of-balance.
+    pub fn new(period_s: f64, limit_v: f64) -> Self {
+        Self {
+            period_s,
+            method: Discretisation::Tustin { prewarp_rad_s: None },
+            limit_v,
+            delay_samples: 0,
+            out_of_balance_kg_m: 0.0,
+            out_of_balance_range_kg_m: (-1e6, 1e6),
+            bias_v_per_kg_m: 0.0,
+            transfer_time_s: 0.0,
+        }
+    }
+}
+
+/// A sampled controller with the loop it makes.
+#[derive(Debug, Clone)]
+pub struct Sampled {
+    /// The controller, in the realisation in which it runs.
+    pub controller: Controller,
+    /// The loop cut at the control, from control to the negative of the control that comes back: feed it to `margins`.
+    pub loop_gain: StateSpace,
+    /// Poles of the closed sampled loop.
+    pub closed_loop: Vec<C64>,
+}
+
+/// The design as a sampled controller.
+///
+/// Each path is discretised, brought to modal form (blocks of one and two states: coefficients that may be rounded) and
+/// given an anti-windup gain. What comes out is checked: the loop of the *discrete* controller around the plant with its
+/// sensor under a zero-order hold must be stable.
+///
+/// # Errors
+/// [`Error`] for a period or limit that is none, or a feedforward with exact knowledge of derivatives that no sensor
+/// reads. A sampled loop that is not stable is [`Outcome::Infeasible`].
+pub fn discretise(design: &Design, sampling: &Sampling) -> Result<Outcome<Sampled>, Error> {
+    let mut parts = Parts::new(sampling.period_s, sampling.limit_v);
+    parts.paths = paths(design, sampling)?;
+    parts.design_out_of_balance_kg_m = sampling.out_of_balance_kg_m;
+    parts.out_of_balance_range_kg_m = sampling.out_of_balance_range_kg_m;
+    parts.bias_v_per_kg_m = sampling.bias_v_per_kg_m;
+    parts.transfer_time_s = sampling.transfer_time_s;
+    check(&design.plant, Controller::new(parts)?, sampling)
+}
+
+/// A controller with the sampled loop it makes around a plant, refused where that is not stable.
+///
+/// # Errors
+/// [`Error`] for a plant that is not one.
+pub fn check(
+    plant: &DesignPlant,
+    controller: Controller,
+    sampling: &Sampling,
+) -> Result<Outcome<Sampled>, Error> {
+    let loop_gain = sampled_loop(plant, &controller, sampling)?;
+    let closed = counterpoise_lti::feedback(&loop_gain, &StateSpace::gain(Mat::eye(1), loop_gain.timebase)?)?;
+    let closed_loop = poles(&closed)?;
+    let largest = closed_loop.iter().copied().max_by(|a, b| a.norm().total_cmp(&b.norm()));
+    match largest {
+        Some(pole) if pole.norm() >= 1.0 => {
+            let cause = Cause::SampledUnstable { pole, period_s: sampling.period_s };
+            let rate = (pole.arg() / sampling.period_s).abs();
+            Ok(Outcome::Infeasible(vec![Finding::refusal(Part::Feedback, cause).at(rate)]))
+        }
+        _ => Ok(Outcome::Solved(Sampled { controller, loop_gain, closed_loop })),
+    }
+}
+
+/// The sampled loop cut at the control: plant and hub sensor under a zero-order hold, delayed by whole samples, then the
+/// controller from the hub rate; the sign is that of negative feedback.
+///
+/// # Errors
+/// [`Error::Lti`], [`Error::Controller`].
+pub fn sampled_loop(
+    plant: &DesignPlant,
+    controller: &Controller,
+    sampling: &Sampling,
+) -> Result<StateSpace, Error> {
+    let seen = sampled_plant(plant, sampling)?;
+    let linear = controller.linear(sampling.out_of_balance_kg_m)?;
+    let hub = Signal::HubRate.reading().unwrap_or(1);
+    Ok(series(&seen, &linear.select(&[0], &[hub]).negate())?)
+}
+
+fn sampled_plant(plant: &DesignPlant, sampling: &Sampling) -> Result<StateSpace, Error> {
+    let undelayed = DesignPlant { pade_order: 0, ..plant.clone() };
+    let seen = undelayed.measured()?.select(&[0], &[plant.control]);
+    let held = c2d(&seen, sampling.period_s, Discretisation::ZeroOrderHold)?;
+    match sampling.delay_samples {
+        0 => Ok(held),
+        count => Ok(series(&delay_samples(count, sampling.period_s)?, &held)?),
+    }
+}
+
+fn paths(design: &Design, sampling: &Sampling) -> Result<Vec<Path>, Error> {
+    if design.specification.assembly == Assembly::Grimble
+        && (design.heave.is_some() || design.pitch.is_some())
+    {
+        return Ok(vec![joint_path(design, sampling)?]);
+    }
+    let mut paths = vec![feedback_path(design, sampling)?];
+    for channel in [Channel::Heave, Channel::Pitch] {
+        let Some(system) = design.feedforward_controller(channel) else { continue };
+        needs_one_input(&system)?;
+        let system = modal(&c2d(&system, sampling.period_s, sampling.method)?)?.system;
+        let (name, input, scaling) = place(channel, sampling);
+        let anti_windup = vec![0.0; system.order()];
+        paths.push(Path { name: name.into(), inputs: vec![input], system, anti_windup, scaling });
+    }
+    Ok(paths)
+}
+
+fn place(channel: Channel, sampling: &Sampling) -> (&'static str, Signal, Scaling) {
+    match channel {
+        Channel::Heave if sampling.out_of_balance_kg_m != 0.0 => {
+            ("heave", Signal::PlatformAcceleration, Scaling::WithOutOfBalance)
+        }
+        Channel::Heave => ("heave", Signal::PlatformAcceleration, Scaling::Fixed),
+        Channel::Pitch => ("pitch", Signal::PlatformRate, Scaling::Fixed),
+    }
+}
+
+fn needs_one_input(system: &StateSpace) -> Result<(), Error> {
+    if system.inputs() == 1 {
+        return Ok(());
+    }
+    Err(Error::System {
+        what: "feedforward with exact knowledge",
+        problem: "no sensor reads the derivatives it needs",
+    })
+}
+
+fn feedback_path(design: &Design, sampling: &Sampling) -> Result<Path, Error> {
+    let controller = design.feedback_controller();
+    let (system, inputs) = match design.specification.reference {
+        Reference::Error => (controller.select(&[0], &[0]), vec![Signal::RateError]),
+        Reference::WeightOnly => (controller, vec![Signal::Demand, Signal::HubRate]),
+    };
+    let system = modal(&c2d(&system, sampling.period_s, sampling.method)?)?.system;
+    let anti_windup = anti_windup(&system, &sampled_plant(&design.plant, sampling)?)?;
+    Ok(Path { name: "feedback".into(), inputs, system, anti_windup, scaling: Scaling::Fixed })
+}
+
+fn joint_path(design: &Design, sampling: &Sampling) -> Result<Path, Error> {
+    let mut inputs = vec![Signal::Demand, Signal::HubRate];
+    for channel in [Channel::Heave, Channel::Pitch] {
+        let Some(module) = design.feedforward_controller(channel) else { continue };
+        needs_one_input(&module)?;
+        inputs.push(place(channel, sampling).1);
+    }
+    let system = modal(&c2d(&design.joint_controller()?, sampling.period_s, sampling.method)?)?.system;
+    let anti_windup = anti_windup(&system, &sampled_plant(&design.plant, sampling)?)?;
+    Ok(Path { name: "joint".into(), inputs, system, anti_windup, scaling: Scaling::Fixed })
+}
+
+/// The gain g of x\[k+1\] = A x + B y + g (limited - unlimited control), as a filter's gain: A - g C is stable whatever A
+/// is, and as quick as the loop itself.
+///
+/// While the limiter holds, the controller runs as x\[k+1\] = (A - g C) x + ...: g solves the filter equation of the
+/// controller's states driven by its inputs, with the controller's gain at the loop's crossover as the noise.
+fn anti_windup(path: &StateSpace, plant: &StateSpace) -> Result<Vec<f64>, Error> {
+    if path.order() == 0 {
+        return Ok(Vec::new());
+    }
+    let gain = gain_at_crossover(path, plant)?;
+    let R = Mat::eye(1).scale(gain * gain);
+    let Q = &path.B * &path.B.t();
+    match dare(&path.A.t(), &path.C.t(), &Q, &R, None)? {
+        linalg::Outcome::Solved(solution) => Ok(solution.F.as_slice().to_vec()),
+        linalg::Outcome::Infeasible(_) => Err(Error::System {
+            what: "controller",
+            problem: "a state that is not stable does not show in the control",
+        }),
+    }
+}
+
+/// Modulus of the path's largest input gain where the loop's gain last falls through 1 (or where the loop's gain is
+/// largest, if it never exceeds 1).
+fn gain_at_crossover(path: &StateSpace, plant: &StateSpace) -> Result<f64, Error> {
+    let (path, plant) = (Response::of(path)?, Response::of(plant)?);
+    let mut at_peak = (0.0, 1.0);
+    for k in (0..=120).rev() {
+        let rate = 10f64.powf(-1.0 + 4.5 * f64::from(k) / 120.0);
+        let (Ok(controller), Ok(response)) = (path.at(rate), plant.at(rate)) else { continue };
+        let gain = controller.norm_max();
+        let product = gain * response.norm_max();
+        if product >= 1.0 {
+            return Ok(gain);
+        }
+        if product > at_peak.0 {
+            at_peak = (product, gain);
+        }
+    }
+    Ok(at_peak.1)
+}

@@ -1,0 +1,185 @@
+//! The feedforward part against a Wiener-Hopf solution of its own, its limits, and its linearity.
+#![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
+
+use counterpoise_lti::{C64, Mat, StateSpace, Timebase, poles, response::response_at};
+use counterpoise_synth::{
+    Channel, DesignPlant, Feedforward, FeedforwardWeights, Knowledge, Outcome, Weight, feedforward,
+};
+use realfft::num_complex::Complex;
+
+/// A damped servo with one flexible mode; inputs [control, heave, pitch, pitch'], output the rate.
+fn plant(out_of_balance: f64) -> DesignPlant {
+    let A = Mat::from_rows(&[&[-1.0, -300.0, 0.5], &[1.0, 0.0, -1.0], &[0.5, 300.0, -1.5]]);
+    let B = Mat::from_rows(&[&[4.0, -0.8 * out_of_balance, 1.0, -0.1], &[0.0; 4], &[0.0, -0.1 * out_of_balance, 0.0, 0.0]]);
+    let system = StateSpace::new(A, B, Mat::row(&[1.0, 0.0, 0.0]), Mat::zeros(1, 4), Timebase::Continuous).unwrap();
+    DesignPlant { heave: vec![1], pitch: vec![2, 3], ..DesignPlant::ideal(system, 0, 0) }
+}
+
+fn weights(knowledge: Knowledge) -> FeedforwardWeights {
+    FeedforwardWeights {
+        error: Weight::Constant { gain: 20.0 },
+        control: Weight::Quadratic { gain: 0.1, second_s2: 1e-3, first_s: 4e-2 },
+        generator: Weight::Lag { gain: 2.0, time_s: 0.3 },
+        knowledge,
+    }
+}
+
+fn solved(outcome: Outcome<Feedforward>) -> Feedforward {
+    match outcome {
+        Outcome::Solved(part) => part,
+        Outcome::Infeasible(findings) => panic!("{findings:?}"),
+    }
+}
+
+fn fft(data: &mut [Complex<f64>], inverse: bool) {
+    let mut planner = rustfft::FftPlanner::new();
+    if inverse { planner.plan_fft_inverse(data.len()) } else { planner.plan_fft_forward(data.len()) }.process(data);
+}
+
+/// Frequencies of the points z on the unit circle under s = c (1 - z)/(1 + z): the causal part in s is the causal part
+/// in powers of z.
+fn circle(count: usize, c: f64) -> Vec<f64> {
+    (0..count).map(|k| -c * (std::f64::consts::PI * (k as f64 + 0.5) / count as f64).tan()).collect()
+}
+
+/// Powers of z from values at z_k = exp(2 pi j (k + 1/2)/N): the half step keeps the point at infinity away.
+fn causal(values: &[Complex<f64>]) -> Vec<Complex<f64>> {
+    let count = values.len();
+    let mut data = values.to_vec();
+    fft(&mut data, false);
+    data.iter_mut().skip(count / 2).for_each(|value| *value = Complex::new(0.0, 0.0));
+    fft(&mut data, true);
+    data.iter().map(|value| value / count as f64).collect()
+}
+
+/// T = - 1/(D W) { G* |Hq|^2 Gd W / D* }_+ with D*D = |Hq|^2 |G|^2 + |Hr|^2, all on the circle by FFT: D by the
+/// cepstrum (after the known factor (1 + s/c)^2 of its growth is taken out), the causal part by its powers of z.
+fn wiener_hopf(plant: &DesignPlant, weights: &FeedforwardWeights, rates: &[f64], c: f64) -> Vec<Complex<f64>> {
+    let value = |z: C64| Complex::new(z.re, z.im);
+    let at = |input: usize, rate: f64| value(response_at(&plant.system, rate).unwrap()[(0, input)]);
+    let growth = |rate: f64| Complex::new(1.0, rate / c).powi(2);
+    let logarithms: Vec<Complex<f64>> = rates
+        .iter()
+        .map(|&rate| {
+            let power = (weights.error.magnitude(rate) * at(0, rate).norm()).powi(2) + weights.control.magnitude(rate).powi(2);
+            Complex::new((power / growth(rate).norm_sqr()).ln(), 0.0)
+        })
+        .collect();
+    let D: Vec<Complex<f64>> =
+        minimum_phase(&logarithms).iter().zip(rates).map(|(value, &rate)| value * growth(rate)).collect();
+    let W: Vec<Complex<f64>> = rates.iter().map(|&rate| value(weights.generator.response(rate))).collect();
+    let inside: Vec<Complex<f64>> = (0..rates.len())
+        .map(|k| {
+            let rate = rates[k];
+            at(0, rate).conj() * weights.error.magnitude(rate).powi(2) * at(1, rate) * W[k] / D[k].conj()
+        })
+        .collect();
+    causal(&inside).iter().zip(&D).zip(&W).map(|((value, D), W)| -value / (D * W)).collect()
+}
+
+/// exp of the causal half of half the logarithm of a power spectrum.
+fn minimum_phase(logarithms: &[Complex<f64>]) -> Vec<Complex<f64>> {
+    let count = logarithms.len();
+    let turn = |k: usize, sign: f64| Complex::from_polar(1.0, sign * std::f64::consts::PI * k as f64 / count as f64);
+    let mut data = logarithms.to_vec();
+    fft(&mut data, false);
+    // With the half step, power m of z carries the factor exp(j pi m / N); the mean is shared between both halves.
+    data.iter_mut().skip(count / 2).for_each(|value| *value = Complex::new(0.0, 0.0));
+    data[0] *= 0.5;
+    debug_assert!((turn(0, 1.0) - 1.0).norm() < 1e-15);
+    fft(&mut data, true);
+    data.iter().map(|value| (value / (2.0 * count as f64) * 1.0).exp()).collect::<Vec<_>>()
+}
+
+#[test]
+fn the_module_is_the_wiener_hopf_solution() {
+    let (plant, weights) = (plant(1.0), weights(Knowledge::Exact));
+    let part = solved(feedforward(&plant, &weights, Channel::Heave).unwrap());
+    let c = 20.0;
+    let rates = circle(1 << 14, c);
+    let expected = wiener_hopf(&plant, &weights, &rates, c);
+    let largest = expected.iter().map(|value| value.norm()).fold(0.0, f64::max);
+    for k in (0..rates.len()).step_by(37).filter(|&k| rates[k].abs() < 1e4) {
+        let found = response_at(&part.module, rates[k]).unwrap()[(0, 0)];
+        let difference = (Complex::new(found.re, found.im) - expected[k]).norm();
+        assert!(difference < 1e-9 * largest, "at {} rad/s: {found} and {}", rates[k], expected[k]);
+    }
+}
+
+#[test]
+fn predicted_cost_is_the_achieved_one() {
+    let sensor = Weight::ZeroPoleGain {
+        zeros: vec![],
+        poles: vec![C64::new(-50.0, 60.0), C64::new(-50.0, -60.0)],
+        gain: 6100.0,
+    };
+    for knowledge in [Knowledge::Exact, Knowledge::Measured { noise: 1e-3 }] {
+        let mut plant = plant(1.0);
+        plant.heave_sensor = Some(sensor.realise().unwrap());
+        let part = solved(feedforward(&plant, &weights(knowledge), Channel::Heave).unwrap());
+        assert!(part.cost.relative_difference().unwrap() < 1e-9, "{knowledge:?}: {:?}", part.cost);
+        assert!(part.sylvester_residual < 1e-12);
+        assert!(poles(&part.module).unwrap().iter().all(|pole| pole.re < 0.0));
+    }
+}
+
+#[test]
+fn less_noise_costs_less_and_exact_knowledge_least() {
+    let cost = |knowledge| {
+        let part = solved(feedforward(&plant(1.0), &weights(knowledge), Channel::Heave).unwrap());
+        part.cost.predicted.unwrap()
+    };
+    let exact = cost(Knowledge::Exact);
+    let noisy: Vec<f64> = [1e-9, 1e-3, 1.0, 1e6].map(|noise| cost(Knowledge::Measured { noise })).to_vec();
+    assert!(exact < noisy[0] && noisy[0] < noisy[1] && noisy[1] < noisy[2] && noisy[2] < noisy[3], "{exact} {noisy:?}");
+    assert!((noisy[0] / exact - 1.0).abs() < 1e-2, "{exact} {noisy:?}");
+}
+
+#[test]
+fn pitch_uses_the_derivative_through_a_smooth_generator() {
+    let generator = Weight::ZeroPoleGain {
+        zeros: vec![],
+        poles: vec![C64::new(-3.0, 4.0), C64::new(-3.0, -4.0)],
+        gain: 10.0,
+    };
+    let free = Weight::QuadraticFreeAtZero { gain: 0.1, second_s2: 1e-3, first_s: 4e-2 };
+    let weights = FeedforwardWeights { generator, control: free, ..weights(Knowledge::Measured { noise: 1e-4 }) };
+    let part = solved(feedforward(&plant(1.0), &weights, Channel::Pitch).unwrap());
+    assert!(part.cost.relative_difference().unwrap() < 1e-9, "{:?}", part.cost);
+    // Steady control is free, so steady drag is cancelled but for what the filter holds back of a steady signal.
+    let at = |input: usize| response_at(&plant(1.0).system, 0.0).unwrap()[(0, input)].re;
+    let perfect = -at(2) / at(0);
+    assert!((part.dc_gain / perfect - 1.0).abs() < 0.02, "{} and {perfect}", part.dc_gain);
+    let exact = FeedforwardWeights { knowledge: Knowledge::Exact, ..weights };
+    let part = solved(feedforward(&plant(1.0), &exact, Channel::Pitch).unwrap());
+    assert!(part.cost.relative_difference().unwrap() < 1e-9, "{:?}", part.cost);
+    assert!((part.dc_gain / perfect - 1.0).abs() < 1e-9, "{} and {perfect}", part.dc_gain);
+}
+
+#[test]
+fn steady_heave_is_held_exactly_as_the_control_weight_goes_to_zero() {
+    let at = |input: usize| response_at(&plant(1.0).system, 0.0).unwrap()[(0, input)].re;
+    let perfect = -at(1) / at(0);
+    let mut last = f64::INFINITY;
+    for gain in [1.0, 0.1, 0.01, 0.001] {
+        let control = Weight::Quadratic { gain, second_s2: 1e-3, first_s: 4e-2 };
+        let weights = FeedforwardWeights { control, ..weights(Knowledge::Exact) };
+        let part = solved(feedforward(&plant(1.0), &weights, Channel::Heave).unwrap());
+        let difference = (part.dc_gain / perfect - 1.0).abs();
+        assert!(difference < last, "{gain}: {difference} after {last}");
+        last = difference;
+    }
+    assert!(last < 1e-6, "{last}");
+}
+
+#[test]
+fn the_module_is_linear_in_the_out_of_balance() {
+    for knowledge in [Knowledge::Exact, Knowledge::Measured { noise: 1e-3 }] {
+        let part = |m: f64| solved(feedforward(&plant(m), &weights(knowledge), Channel::Heave).unwrap());
+        let (one, half) = (part(1.0), part(0.37));
+        for rate in [0.0, 1.0, 10.0, 100.0] {
+            let (a, b) = (response_at(&one.module, rate).unwrap()[(0, 0)], response_at(&half.module, rate).unwrap()[(0, 0)]);
+            assert!((a * 0.37 - b).norm() < 1e-12 * a.norm(), "at {rate}: {a} {b}");
+        }
+    }
+}
