@@ -2,9 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
 
 use counterpoise_lti::{C64, Mat, StateSpace, Timebase, poles, response::response_at};
-use counterpoise_synth::{
-    DesignPlant, Feedback, FeedbackWeights, Outcome, Reference, Weight, feedback,
-};
+use counterpoise_synth::{DesignPlant, Feedback, FeedbackWeights, Outcome, Reference, Weight, feedback};
 
 fn system(A: &[&[f64]], B: &[&[f64]], C: &[&[f64]]) -> StateSpace {
     let (A, B, C) = (Mat::from_rows(A), Mat::from_rows(B), Mat::from_rows(C));
@@ -83,7 +81,11 @@ fn doyle_s_gain_margins_are_as_printed() {
         (1e4, 0.99048622, 1.00009608),
     ];
     for (q, low, high) in table {
-        let plant = DesignPlant::ideal(system(&[&[1.0, 1.0], &[0.0, 1.0]], &[&[0.0, 1.0], &[1.0, 1.0]], &[&[1.0, 0.0]]), 0, 0);
+        let plant = DesignPlant::ideal(
+            system(&[&[1.0, 1.0], &[0.0, 1.0]], &[&[0.0, 1.0], &[1.0, 1.0]], &[&[1.0, 0.0]]),
+            0,
+            0,
+        );
         // Q = q [1 1]'[1 1] is a further output, [1 1] x; the error itself is not weighed but for rounding.
         let mut plant = plant;
         plant.system.C = Mat::from_rows(&[&[1.0, 0.0], &[1.0, 1.0]]);
@@ -177,7 +179,8 @@ fn the_cost_is_the_integral_of_the_weighted_spectra() {
         let noises = [(G[(0, 1)], 1.0), (C64::ONE, 1e-4), (G[(0, 0)], 0.01)];
         let each = noises.iter().map(|(path, density)| {
             let (y, u) = ((S * path).norm_sqr(), (S * path * K).norm_sqr());
-            density * (weights.error.magnitude(rate).powi(2) * y + weights.control.magnitude(rate).powi(2) * u)
+            density
+                * (weights.error.magnitude(rate).powi(2) * y + weights.control.magnitude(rate).powi(2) * u)
         });
         each.sum::<f64>()
     };
