@@ -171,6 +171,14 @@ impl StateSpace {
         Self::new(self.A.clone(), &self.B * &R, &L * &self.C, &L * &(&self.D * &R), self.timebase)
     }
 
+    /// The system with its states in another order.
+    pub(crate) fn permute(&self, order: &[usize]) -> Self {
+        let inputs: Vec<usize> = (0..self.inputs()).collect();
+        let outputs: Vec<usize> = (0..self.outputs()).collect();
+        let (A, B) = (self.A.select(order, order), self.B.select(order, &inputs));
+        Self { A, B, C: self.C.select(&outputs, order), D: self.D.clone(), timebase: self.timebase }
+    }
+
     /// The dual system A', C', B', D'.
     pub fn dual(&self) -> Self {
         Self { A: self.A.t(), B: self.C.t(), C: self.B.t(), D: self.D.t(), timebase: self.timebase }
@@ -198,7 +206,11 @@ pub(crate) fn same_timebase(what: &'static str, g: &StateSpace, h: &StateSpace) 
 }
 
 fn fits(what: &'static str, found: usize, expected: usize) -> Result<(), Error> {
-    if found == expected { Ok(()) } else { Err(Error::Shape { what, found: (found, 1), expected: (expected, 1) }) }
+    if found == expected {
+        Ok(())
+    } else {
+        Err(Error::Shape { what, found: (found, 1), expected: (expected, 1) })
+    }
 }
 
 /// inv(M), refused where M is singular to working precision.
@@ -231,7 +243,8 @@ mod tests {
     fn connections_are_what_they_say_at_a_frequency() {
         let (g, h) = (first_order(-1.0, 2.0, 0.5), first_order(-3.0, 1.0, -0.2));
         let (a, b) = (at(&g), at(&h));
-        let close = |found: C64, expected: C64| assert!((found - expected).norm() < 1e-14, "{found} {expected}");
+        let close =
+            |found: C64, expected: C64| assert!((found - expected).norm() < 1e-14, "{found} {expected}");
         close(at(&series(&g, &h).unwrap()), a * b);
         close(at(&parallel(&g, &h).unwrap()), a + b);
         close(at(&feedback(&g, &h).unwrap()), a / (1.0 + a * b));

@@ -1,5 +1,6 @@
 //! Frequency response: Hessenberg form once, then one pass over it for each handful of points.
 
+use crate::components::components;
 use crate::error::During;
 use crate::hessenberg_sweep::{LANES, Lane, sweep};
 use crate::scaling::balance;
@@ -68,7 +69,7 @@ impl Response {
         let dual = g.outputs() < g.inputs();
         let (scaled, _) = balance(g);
         let scaled = if dual { scaled.dual() } else { scaled };
-        let (H, U) = linalg::hessenberg(&scaled.A).during("frequency response")?;
+        let (H, U, scaled) = block_hessenberg(&scaled)?;
         let (B, C) = (&U.t() * &scaled.B, &scaled.C * &U);
         Ok(Self { H, B, C, D: scaled.D, dual, timebase: g.timebase })
     }
@@ -122,6 +123,31 @@ impl Response {
         }
         Ok(if self.dual { CMat::from_fn(m, p, |i, j| G[(j, i)]) } else { G })
     }
+}
+
+/// Upper Hessenberg H = U' A U, group of states by group, and the system in the order of the groups that U refers to.
+fn block_hessenberg(g: &StateSpace) -> Result<(Mat, Mat, StateSpace), Error> {
+    let groups = components(&g.A);
+    let order: Vec<usize> = groups.iter().flatten().copied().collect();
+    let g = g.permute(&order);
+    if groups.len() < 2 {
+        let (H, U) = linalg::hessenberg(&g.A).during("frequency response")?;
+        return Ok((H, U, g));
+    }
+    let mut U = Mat::eye(g.order());
+    let mut blocks = Vec::with_capacity(groups.len());
+    let mut top = 0;
+    for size in groups.iter().map(Vec::len) {
+        if size > 2 {
+            let (H, V) = linalg::hessenberg(&g.A.block(top, top, size, size)).during("frequency response")?;
+            U.set_block(top, top, &V);
+            blocks.push((top, H));
+        }
+        top += size;
+    }
+    let mut H = if blocks.is_empty() { g.A.clone() } else { &U.t() * &(&g.A * &U) };
+    blocks.iter().for_each(|(top, block)| H.set_block(*top, *top, block));
+    Ok((H, U, g))
 }
 
 /// The point of the complex plane that belongs to a frequency in rad/s.

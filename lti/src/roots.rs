@@ -1,5 +1,6 @@
 //! Poles and zeros.
 
+use crate::components::components;
 use crate::error::During;
 use crate::scaling::balance;
 use crate::{C64, Error, Mat, StateSpace, Timebase};
@@ -10,10 +11,18 @@ pub const ZERO_RANK: f64 = 1e-13;
 
 /// The poles: the eigenvalues of A, sorted by real, then imaginary part.
 ///
+/// Groups of states that act on each other are taken one by one, so that the poles of blocks in series do not blur.
+///
 /// # Errors
 /// [`Error::Matrix`] where the eigenvalue iteration fails.
 pub fn poles(g: &StateSpace) -> Result<Vec<C64>, Error> {
-    linalg::eigenvalues(&balance(g).0.A).during("poles")
+    let A = balance(g).0.A;
+    let mut poles = Vec::with_capacity(A.nrows());
+    for group in components(&A) {
+        poles.extend(linalg::eigenvalues(&A.select(&group, &group)).during("poles")?);
+    }
+    sort(&mut poles);
+    Ok(poles)
 }
 
 /// Whether every pole lies inside the region of stability: left half plane, or unit disk. Poles on its border do not.
@@ -42,7 +51,7 @@ pub fn is_stable_pole(pole: C64, timebase: Timebase) -> bool {
 /// # Errors
 /// [`Error::Matrix`] where a decomposition fails.
 pub fn zeros(g: &StateSpace) -> Result<Vec<C64>, Error> {
-    let (scaled, _) = balance(&unit_gains(g));
+    let scaled = unit_gains(&balance(g).0);
     let tolerance = ZERO_RANK * system_matrix(&scaled).norm_fro();
     let rows = compress(scaled, tolerance)?;
     let square = compress(rows.dual(), tolerance)?.dual();

@@ -9,19 +9,18 @@ const WORTH_IT: f64 = 0.95;
 /// Sweeps over the states after which scaling stops; three or four are usual.
 const SWEEPS: usize = 60;
 
-/// Weight of B and C beside A: they decide only about states that A leaves free.
-const BESIDE: f64 = 1e-6;
-
 /// The system in the coordinates x = T z, T a diagonal of powers of two, and the diagonal of T.
 ///
 /// Rows and columns of A get norms of like size (Osborne's method with Parlett and Reinsch's powers of two; B and C
-/// decide where A is reducible). No rounding error is made, short of overflow.
+/// stand in, at the size of A, for a row or column of zeros). No rounding error is made, short of overflow.
 pub fn balance(g: &StateSpace) -> (StateSpace, Vec<f64>) {
     let n = g.order();
     let mut T = vec![1.0; n];
     let mut scaled = g.clone();
+    let weight = |norm: f64| if norm > 0.0 { g.A.norm_max() / norm } else { 0.0 };
+    let weights = (weight(g.B.norm_max()), weight(g.C.norm_max()));
     for _ in 0..SWEEPS {
-        let step: Vec<f64> = sweep(&mut scaled);
+        let step: Vec<f64> = sweep(&mut scaled, weights);
         if step.iter().all(|&f| f == 1.0) {
             break;
         }
@@ -30,12 +29,9 @@ pub fn balance(g: &StateSpace) -> (StateSpace, Vec<f64>) {
     (scaled, T)
 }
 
-/// One sweep of scaling in place; returns each state's factor.
-fn sweep(g: &mut StateSpace) -> Vec<f64> {
+/// One sweep of scaling in place, with the weights of B and C; returns each state's factor.
+fn sweep(g: &mut StateSpace, (b, c): (f64, f64)) -> Vec<f64> {
     let n = g.order();
-    let a = g.A.norm_max().max(f64::MIN_POSITIVE);
-    let weight = |norm: f64| if norm > 0.0 { BESIDE * a / norm } else { 0.0 };
-    let (b, c) = (weight(g.B.norm_max()), weight(g.C.norm_max()));
     let mut factors = vec![1.0; n];
     for i in 0..n {
         let (mut column, mut row) = (0.0, 0.0);
@@ -43,8 +39,12 @@ fn sweep(g: &mut StateSpace) -> Vec<f64> {
             column += g.A[(j, i)].abs();
             row += g.A[(i, j)].abs();
         }
-        column += c * g.C.column(i).iter().map(|x| x.abs()).sum::<f64>();
-        row += b * (0..g.inputs()).map(|j| g.B[(i, j)].abs()).sum::<f64>();
+        if column == 0.0 {
+            column = c * g.C.column(i).iter().map(|x| x.abs()).sum::<f64>();
+        }
+        if row == 0.0 {
+            row = b * (0..g.inputs()).map(|j| g.B[(i, j)].abs()).sum::<f64>();
+        }
         let f = factor(column, row);
         if f != 1.0 {
             scale_one(g, i, f);
