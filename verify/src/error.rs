@@ -42,4 +42,21 @@ pub enum Error {
         /// What.
         value: f64,
     },
+    /// A linear-systems operation failed.
+    #[error("linear loop: {0}")]
+    Lti(#[from] counterpoise_lti::Error),
+    /// The mechanism was refused.
+    #[error("plant: {0}")]
+    Models(#[from] counterpoise_models::Error),
+    /// The controller was refused.
+    #[error("controller: {0}")]
+    Controller(#[from] counterpoise_controller::Error),
+    /// The controller runs at another period than the mechanism's interface.
+    #[error("the controller's sample period is {controller_s} s, the interface's {interface_s} s")]
+    Period {
+        /// The controller's, s.
+        controller_s: f64,
+        /// The interface's, s.
+        interface_s: f64,
+    },
 }

@@ -5,7 +5,7 @@
 //!
 //! *Invariant*: nothing here knows how a controller was designed; nothing here reads a file, a clock or an unseeded random number.
 //!
-//! Modules in reading order: [`figure`], [`requirement`], [`signals`].
+//! Modules in reading order: [`figure`], [`requirement`], [`procedure`], [`signals`], [`history`], [`linear`].
 //!
 //! ```
 //! use counterpoise_verify::{Figure, Limit, Requirement, Verdict};
@@ -17,9 +17,14 @@
 
 pub mod error;
 pub mod figure;
+pub mod history;
+pub mod linear;
+pub mod procedure;
 pub mod requirement;
 pub mod signals;
 
 pub use error::Error;
 pub use figure::{Arrangement, Figure, LoopFigure, Model, Quantity, RestFigure, Source, StepFigure};
+pub use history::{Experiment, History};
+pub use procedure::{Procedure, Road, Sine, Step};
 pub use requirement::{Limit, Requirement, Verdict};

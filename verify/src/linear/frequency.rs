@@ -1,0 +1,200 @@
+//! Frequency responses of plant, controller, loop and platform to hub.
+
+use counterpoise_lti::{C64, CMat, Response, StateSpace};
+
+use super::plant::port;
+use super::{Closed, SampledPlant};
+use crate::{Arrangement, Error, Source};
+
+/// One complex response over frequency.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// What it is, for a legend.
+    pub name: String,
+    /// One value a frequency of [`Curves::frequency_hz`].
+    pub response: Vec<C64>,
+}
+
+/// All curves over one grid of frequencies up to half the sample rate.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curves {
+    /// Frequencies, Hz.
+    pub frequency_hz: Vec<f64>,
+    /// Hub rate for the control, heave and pitch rate, continuous, without sensors.
+    pub plant: Vec<Curve>,
+    /// The discrete controller from the hub gyroscope, the accelerometer and the platform gyroscope.
+    pub controller: Vec<Curve>,
+    /// The loop broken at the plant's input.
+    pub broken: Curve,
+    /// 1 / (1 + L) and L / (1 + L).
+    pub sensitivities: Vec<Curve>,
+    /// Hub rate over platform motion.
+    pub rejection: Vec<Rejection>,
+}
+
+/// Hub rate over platform motion in one arrangement.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rejection {
+    /// Heave or pitch.
+    pub source: Source,
+    /// How much of the controller acts.
+    pub arrangement: Arrangement,
+    /// Hub rate over heave, rad/s per m/s^2, or over pitch rate.
+    pub response: Vec<C64>,
+}
+
+/// Readings in the order of the controller.
+const HUB_GYRO: usize = 1;
+const PLATFORM_GYRO: usize = 2;
+const ACCELEROMETER: usize = 3;
+const POINTS: usize = 700;
+const LOWEST_HZ: f64 = 0.02;
+
+/// A logarithmic grid from 0.02 Hz to just below half the sample rate.
+pub fn grid_hz(sample_period_s: f64) -> Vec<f64> {
+    let highest = 0.499 / sample_period_s;
+    let ratio = (highest / LOWEST_HZ).ln() / (POINTS - 1) as f64;
+    (0..POINTS).map(|k| LOWEST_HZ * (ratio * k as f64).exp()).collect()
+}
+
+impl Curves {
+    /// The curves of `closed`, one loop an arrangement (the last one is the whole controller).
+    ///
+    /// # Errors
+    /// A response that does not exist because of a pole on the axis.
+    pub fn of(plant: &SampledPlant, closed: &[(Arrangement, Closed)]) -> Result<Self, Error> {
+        let frequency_hz = grid_hz(plant.sample_period_s);
+        let rates: Vec<f64> = frequency_hz.iter().map(|f| std::f64::consts::TAU * f).collect();
+        let continuous = Response::of(&plant.continuous)?.at_all(&rates)?;
+        let truth = |input: usize| continuous.iter().map(|m| m[(port::HUB, input)]).collect();
+        let names = ["control", "heave", "pitch"];
+        let plant_curves = (0..3).map(|j| Curve { name: names[j].to_owned(), response: truth(j) }).collect();
+        let broken = broken_at(closed, &rates)?;
+        let mut rejection = Vec::new();
+        for (arrangement, one) in closed {
+            rejection.extend(rejections(plant, one, *arrangement, &frequency_hz)?);
+        }
+        Ok(Self {
+            plant: plant_curves,
+            controller: controller_curves(closed, &rates)?,
+            sensitivities: sensitivities(&broken),
+            broken: Curve { name: "loop".to_owned(), response: broken },
+            rejection,
+            frequency_hz,
+        })
+    }
+}
+
+fn broken_at(closed: &[(Arrangement, Closed)], rates: &[f64]) -> Result<Vec<C64>, Error> {
+    let Some(L) = closed.iter().rev().find_map(|(_, one)| one.broken.as_ref()) else { return Ok(Vec::new()) };
+    Ok(Response::of(L)?.at_all(rates)?.iter().map(|m| m[(0, 0)]).collect())
+}
+
+fn sensitivities(broken: &[C64]) -> Vec<Curve> {
+    let one = C64::new(1.0, 0.0);
+    let of = |name: &str, value: &dyn Fn(C64) -> C64| Curve {
+        name: name.to_owned(),
+        response: broken.iter().map(|&L| value(L)).collect(),
+    };
+    vec![of("sensitivity", &|L| one / (one + L)), of("complementary sensitivity", &|L| L / (one + L))]
+}
+
+fn controller_curves(closed: &[(Arrangement, Closed)], rates: &[f64]) -> Result<Vec<Curve>, Error> {
+    let Some(K) = closed.iter().rev().find_map(|(_, one)| one.controller.as_ref()) else {
+        return Ok(Vec::new());
+    };
+    let response = Response::of(K)?.at_all(rates)?;
+    let column = |name: &str, j: usize| Curve {
+        name: name.to_owned(),
+        response: response.iter().map(|m| m[(0, j)]).collect(),
+    };
+    Ok(vec![
+        column("feedback", HUB_GYRO),
+        column("heave feedforward", ACCELEROMETER),
+        column("pitch feedforward", PLATFORM_GYRO),
+    ])
+}
+
+/// Hub rate over heave and over pitch rate at each frequency, in one arrangement.
+///
+/// A tone of the platform at w reaches the sampled readings as R(jw), exactly, for one tone has no aliases that matter. The control
+/// samples then have the tone u = K R / (1 - K P), and the held control has at w the part H(jw) u, H being the hold. So the hub has
+///
+/// ```text
+///     G_d(jw) + G_u(jw) H(jw) K (1 - K P)^-1 R,      H = (1 - exp(-jwT)) / (jwT)
+/// ```
+///
+/// # Errors
+/// A response that does not exist because of a pole.
+pub fn rejections(
+    plant: &SampledPlant,
+    closed: &Closed,
+    arrangement: Arrangement,
+    frequency_hz: &[f64],
+) -> Result<Vec<Rejection>, Error> {
+    let rates: Vec<f64> = frequency_hz.iter().map(|f| std::f64::consts::TAU * f).collect();
+    let continuous = Response::of(&plant.continuous)?.at_all(&rates)?;
+    let loops = match &closed.controller {
+        None => None,
+        Some(K) => {
+            Some((Response::of(K)?.at_all(&rates)?, Response::of(&to_readings(plant))?.at_all(&rates)?))
+        }
+    };
+    let at = |k: usize, input: usize| {
+        let direct = continuous[k][(port::HUB, input)];
+        let Some((K, P)) = &loops else { return direct };
+        let tone = control_tone(plant, &K[k], &P[k], &reading_tones(plant, &continuous[k], input, rates[k]));
+        direct + continuous[k][(port::HUB, 0)] * hold(plant, rates[k]) * tone
+    };
+    let all = [(Source::Heave, 1), (Source::Pitch, 2)];
+    Ok(all
+        .map(|(source, input)| Rejection {
+            source,
+            arrangement,
+            response: (0..rates.len()).map(|k| at(k, input)).collect(),
+        })
+        .into())
+}
+
+/// The discrete plant from control to readings.
+fn to_readings(plant: &SampledPlant) -> StateSpace {
+    let readings: Vec<usize> = (port::FIRST_READING..plant.sampled.outputs()).collect();
+    plant.sampled.select(&readings, &[port::CONTROL])
+}
+
+/// What a tone of the platform puts into the readings, without control.
+fn reading_tones(plant: &SampledPlant, continuous: &CMat, input: usize, rate: f64) -> Vec<C64> {
+    let delays = &plant.delays.readings;
+    let late = |i: usize| C64::from_polar(1.0, -rate * plant.sample_period_s * delays[i] as f64);
+    let sensed = (1..delays.len()).map(|i| continuous[(port::CURRENT + i, input)] * late(i));
+    std::iter::once(C64::new(0.0, 0.0)).chain(sensed).collect()
+}
+
+/// K (1 - K P)^-1 R for one control.
+fn control_tone(plant: &SampledPlant, K: &CMat, P: &CMat, R: &[C64]) -> C64 {
+    debug_assert_eq!(R.len(), plant.delays.readings.len());
+    let through = |column: &dyn Fn(usize) -> C64| (0..R.len()).map(|i| K[(0, i)] * column(i)).sum::<C64>();
+    through(&|i| R[i]) / (C64::new(1.0, 0.0) - through(&|i| P[(i, 0)]))
+}
+
+/// The hold and the control's delay.
+fn hold(plant: &SampledPlant, rate: f64) -> C64 {
+    let angle = rate * plant.sample_period_s;
+    let j = C64::new(0.0, angle);
+    (C64::new(1.0, 0.0) - (-j).exp()) / j * C64::from_polar(1.0, -angle * plant.delays.control as f64)
+}
+
+/// The rejection ratios in dB at some frequencies.
+///
+/// # Errors
+/// As [`rejections`].
+pub fn rejection_db(
+    plant: &SampledPlant,
+    closed: &Closed,
+    source: Source,
+    frequency_hz: &[f64],
+) -> Result<Vec<f64>, Error> {
+    let both = rejections(plant, closed, Arrangement::Compensated, frequency_hz)?;
+    let one = both.iter().filter(|rejection| rejection.source == source);
+    Ok(one.flat_map(|rejection| rejection.response.iter().map(|h| 20.0 * h.norm().log10())).collect())
+}

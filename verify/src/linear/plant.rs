@@ -1,0 +1,231 @@
+//! The plant with its sensors, as the sampled controller sees it.
+
+use counterpoise_lti::{Discretisation, Mat, StateSpace, Timebase, append, c2d, delay_samples, series};
+use counterpoise_models::parameters::{Parameters, Sensor};
+use counterpoise_models::plant::LinearPlant;
+
+use crate::Error;
+
+/// Readings of a controller, in the order of [`counterpoise_controller::READING_NAMES`].
+const READINGS: usize = counterpoise_controller::READINGS;
+
+/// Outputs of [`SampledPlant::continuous`] before the sensors.
+const TRUTHS: usize = 4;
+
+/// The plant and its sensors
+///
+/// ```text
+///     continuous: (control, heave, pitch rate) -> (hub rate, tip rate, motor rate, current | hub gyro, platform gyro,
+///                                                  accelerometer, tachometer, resolver)
+///     sampled:    (demand, heave, pitch rate, control) -> (hub rate, tip rate, motor rate, current, control | readings)
+/// ```
+///
+/// The sampled system holds the control and joins the samples of heave and pitch rate by straight lines; both are exact.
+/// Whole samples of delay, of the control and of sensors, are part of the sampled system alone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SampledPlant {
+    /// The continuous system.
+    pub continuous: StateSpace,
+    /// The sampled system.
+    pub sampled: StateSpace,
+    /// Sample period, s.
+    pub sample_period_s: f64,
+    /// The control that holds the mechanism at its operating point, V.
+    pub holding_v: f64,
+    /// Delays: of the control, then of the readings, in samples.
+    pub(crate) delays: Delays,
+}
+
+/// Whole samples by which signals are late.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Delays {
+    pub(crate) control: usize,
+    pub(crate) readings: [usize; READINGS],
+}
+
+/// Inputs and outputs of the sampled system.
+pub(crate) mod port {
+    /// Inputs.
+    pub const DEMAND: usize = 0;
+    pub const HEAVE: usize = 1;
+    pub const PITCH: usize = 2;
+    pub const CONTROL: usize = 3;
+    /// Outputs.
+    pub const HUB: usize = 0;
+    pub const TIP: usize = 1;
+    pub const CURRENT: usize = 3;
+    pub const CONTROL_OUT: usize = 4;
+    pub const FIRST_READING: usize = 5;
+}
+
+/// Whether the hub's angle is a state: only where the controller reads it, for it is an integrator that nothing else sees.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Resolver {
+    /// The controller reads the hub's angle.
+    Read,
+    /// It does not.
+    Unread,
+}
+
+impl SampledPlant {
+    /// The plant with the sensors and the clock of `parameters`.
+    ///
+    /// # Errors
+    /// Those of the models and of the sampling.
+    pub fn new(plant: &LinearPlant, parameters: &Parameters, resolver: Resolver) -> Result<Self, Error> {
+        let sensed = with_truths(plant)?;
+        let continuous = series(&sensed, &sensors(parameters, resolver)?)?;
+        let sample_period_s = parameters.interface.sample_period_s;
+        let delays = Delays::of(parameters);
+        let sampled = delays.apply(&sample(&continuous, sample_period_s)?, sample_period_s)?;
+        Ok(Self { continuous, sampled, sample_period_s, holding_v: plant.equilibrium.control_v, delays })
+    }
+}
+
+/// Outputs: hub, tip, motor rate and current; then what each sensor feels: hub rate and heave, pitch rate and heave, heave and
+/// pitch rate, motor rate, hub rate less pitch rate.
+fn with_truths(plant: &LinearPlant) -> Result<StateSpace, Error> {
+    let g = &plant.system;
+    let current = plant.state_names.iter().position(|name| name == "current_a");
+    let output = |row: usize| (g.C.block(row, 0, 1, g.order()), g.D.block(row, 0, 1, 3));
+    let input = |column: usize| {
+        (Mat::zeros(1, g.order()), Mat::from_fn(1, 3, |_, j| if j == column { 1.0 } else { 0.0 }))
+    };
+    let state = |index: Option<usize>| {
+        (Mat::from_fn(1, g.order(), |_, j| if Some(j) == index { 1.0 } else { 0.0 }), Mat::zeros(1, 3))
+    };
+    let (hub, motor) = (output(LinearPlant::HUB_RATE), output(LinearPlant::MOTOR_RATE));
+    let (heave, pitch) = (input(LinearPlant::HEAVE), input(LinearPlant::PITCH_RATE));
+    let relative = (hub.0.clone(), &hub.1 - &pitch.1);
+    let truths = [hub.clone(), output(LinearPlant::TIP_RATE), motor.clone(), state(current)];
+    let felt = [hub, heave.clone(), pitch.clone(), heave.clone(), heave, pitch, motor, relative];
+    let rows: Vec<(Mat, Mat)> = truths.into_iter().chain(felt).collect();
+    let C = Mat::from_fn(rows.len(), g.order(), |i, j| rows[i].0[(0, j)]);
+    let D = Mat::from_fn(rows.len(), 3, |i, j| rows[i].1[(0, j)]);
+    Ok(StateSpace::new(g.A.clone(), g.B.clone(), C, D, Timebase::Continuous)?)
+}
+
+/// The truths as they are, and each sensor on what it feels.
+fn sensors(parameters: &Parameters, resolver: Resolver) -> Result<StateSpace, Error> {
+    let sensors = &parameters.sensors;
+    let gyro = |sensor: &Sensor| -> Result<StateSpace, Error> {
+        let sum = StateSpace::gain(
+            Mat::row(&[1.0, sensor.g_sensitivity / nonzero(sensor.gain)]),
+            Timebase::Continuous,
+        )?;
+        Ok(series(&sum, &sensor.dynamics()?)?)
+    };
+    let tachometer = sensors.motor_tachometer.as_ref().map_or(0.0, |sensor| sensor.gain);
+    let angle = sensors.hub_resolver.as_ref().map_or(0.0, |sensor| sensor.gain);
+    let position = match resolver {
+        Resolver::Unread => StateSpace::gain(Mat::row(&[0.0]), Timebase::Continuous)?,
+        Resolver::Read => integrator(angle)?,
+    };
+    let mut all = StateSpace::gain(Mat::eye(TRUTHS), Timebase::Continuous)?;
+    for part in [
+        gyro(&sensors.hub_gyro)?,
+        gyro(&sensors.platform_gyro)?,
+        accelerometer(parameters)?,
+        StateSpace::gain(Mat::row(&[tachometer]), Timebase::Continuous)?,
+        position,
+    ] {
+        all = append(&all, &part)?;
+    }
+    Ok(all)
+}
+
+/// A gain of 0 reads nothing; its g-sensitivity then has no meaning either.
+fn nonzero(gain: f64) -> f64 {
+    if gain == 0.0 { f64::INFINITY } else { gain }
+}
+
+fn integrator(gain: f64) -> Result<StateSpace, Error> {
+    let one = Mat::row(&[1.0]);
+    Ok(StateSpace::new(Mat::zeros(1, 1), one, Mat::row(&[gain]), Mat::zeros(1, 1), Timebase::Continuous)?)
+}
+
+/// From (heave, pitch rate) to the reading: a sensor at a distance l from the pivot also feels l times the pitch acceleration.
+/// The derivative is taken inside the sensor's dynamics: x2 = x2' + w^2 l p.
+fn accelerometer(parameters: &Parameters) -> Result<StateSpace, Error> {
+    let sensor = &parameters.sensors.platform_accelerometer;
+    let arm = parameters.sensors.accelerometer_lever_arm_m;
+    let g = sensor.dynamics()?;
+    if g.order() == 0 {
+        return Ok(StateSpace::gain(Mat::row(&[sensor.gain, 0.0]), Timebase::Continuous)?);
+    }
+    let (w, z) = (sensor.natural_frequency_rad_s, sensor.damping_ratio);
+    let pitch = w * w * arm;
+    let B = Mat::from_rows(&[&[0.0, pitch], &[w * w, -2.0 * z * w * pitch]]);
+    Ok(StateSpace::new(g.A, B, g.C, Mat::zeros(1, 2), Timebase::Continuous)?)
+}
+
+/// (control, heave, pitch) -> (truths, readings) becomes (demand, heave, pitch, control) -> (truths, control, demand, readings).
+fn sample(continuous: &StateSpace, period_s: f64) -> Result<StateSpace, Error> {
+    let held = c2d(continuous, period_s, Discretisation::ZeroOrderHold)?;
+    let joined = c2d(continuous, period_s, Discretisation::FirstOrderHold)?;
+    let column = |j: usize| match j {
+        port::CONTROL => Some((&held, 0)),
+        port::HEAVE => Some((&joined, 1)),
+        port::PITCH => Some((&joined, 2)),
+        _ => None,
+    };
+    let row = |i: usize| match i {
+        port::CONTROL_OUT | port::FIRST_READING => None,
+        below if below < port::CONTROL_OUT => Some(below),
+        above => Some(above - 2),
+    };
+    let outputs = port::FIRST_READING + READINGS;
+    let B = Mat::from_fn(held.order(), 4, |i, j| column(j).map_or(0.0, |(g, from)| g.B[(i, from)]));
+    let C = Mat::from_fn(outputs, held.order(), |i, j| row(i).map_or(0.0, |from| held.C[(from, j)]));
+    let D = Mat::from_fn(outputs, 4, |i, j| match (i, j) {
+        (port::CONTROL_OUT, port::CONTROL) | (port::FIRST_READING, port::DEMAND) => 1.0,
+        _ => row(i).zip(column(j)).map_or(0.0, |(from, (g, input))| g.D[(from, input)]),
+    });
+    Ok(StateSpace::new(held.A.clone(), B, C, D, held.timebase)?)
+}
+
+impl Delays {
+    fn of(parameters: &Parameters) -> Self {
+        let period_s = parameters.interface.sample_period_s;
+        let sensors = &parameters.sensors;
+        let whole = |delay_s: f64| (delay_s / period_s).round().max(0.0) as usize;
+        let fitted = |sensor: &Option<Sensor>| sensor.as_ref().map_or(0, |s| whole(s.delay_s));
+        let readings = [
+            0,
+            whole(sensors.hub_gyro.delay_s),
+            whole(sensors.platform_gyro.delay_s),
+            whole(sensors.platform_accelerometer.delay_s),
+            fitted(&sensors.motor_tachometer),
+            fitted(&sensors.hub_resolver),
+        ];
+        Self { control: parameters.interface.output_delay_samples, readings }
+    }
+
+    /// Delays between the control computed and the control held (the output `control` is the computed one), and after sensors.
+    fn apply(&self, g: &StateSpace, period_s: f64) -> Result<StateSpace, Error> {
+        let discrete = Timebase::Discrete { period_s };
+        let line = |samples: usize| -> Result<StateSpace, Error> {
+            if samples == 0 {
+                Ok(StateSpace::gain(Mat::eye(1), discrete)?)
+            } else {
+                Ok(delay_samples(samples, period_s)?)
+            }
+        };
+        let before = append(&StateSpace::gain(Mat::eye(3), discrete)?, &line(self.control)?)?;
+        let mut after = StateSpace::gain(Mat::eye(port::FIRST_READING), discrete)?;
+        for samples in self.readings {
+            after = append(&after, &line(samples)?)?;
+        }
+        let mut delayed = series(&series(&before, g)?, &after)?;
+        if self.control > 0 {
+            computed_control(&mut delayed);
+        }
+        Ok(delayed)
+    }
+}
+
+/// Makes the output `control` the one that is computed, before its delay.
+fn computed_control(g: &mut StateSpace) {
+    (0..g.order()).for_each(|j| g.C[(port::CONTROL_OUT, j)] = 0.0);
+    (0..4).for_each(|j| g.D[(port::CONTROL_OUT, j)] = if j == port::CONTROL { 1.0 } else { 0.0 });
+}

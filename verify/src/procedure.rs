@@ -1,0 +1,206 @@
+//! What a verification does to the mechanism: the step, the platform's motion, the frequencies that are looked at.
+
+use counterpoise_models::plant::{FrictionLinearisation, OperatingPoint};
+
+use crate::Error;
+use crate::signals::{check_finite, check_length};
+
+/// Everything that a verification does.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Procedure {
+    /// Where the mechanism stands.
+    pub operating_point: OperatingPoint,
+    /// What the linear plant makes of dry friction.
+    pub friction: FrictionLinearisation,
+    /// The step of the demand.
+    pub step: Step,
+    /// Heave, m/s^2.
+    pub heave: Sine,
+    /// Pitch rate, rad/s.
+    pub pitch: Sine,
+    /// The platform's motion on a road, where there is one.
+    pub road: Option<Road>,
+    /// How long the platform heaves and pitches, s.
+    pub duration_s: f64,
+    /// Statistics leave out this much at the beginning: what starts abruptly rings, s.
+    pub settle_s: f64,
+    /// Frequencies at which the rejection ratio is tabulated, Hz.
+    pub rejection_hz: Vec<f64>,
+    /// Seed of the sensor noise.
+    pub seed: u64,
+}
+
+/// A step of the demanded hub rate from rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// Height, rad/s.
+    pub rate_rad_s: f64,
+    /// Length of the record after the step, s.
+    pub duration_s: f64,
+}
+
+/// A sine that starts at zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sine {
+    /// Amplitude, in the unit of what it drives.
+    pub amplitude: f64,
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+}
+
+/// Platform motion in samples of one period, straight lines between.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Road {
+    /// Name, for reports.
+    pub name: String,
+    /// Sample period, s.
+    pub sample_period_s: f64,
+    /// Heave at the pivot, m/s^2, gravity removed.
+    pub heave_m_s2: Vec<f64>,
+    /// Pitch rate, rad/s.
+    pub pitch_rate_rad_s: Vec<f64>,
+}
+
+impl Default for Procedure {
+    /// A step of 0.1 rad/s, heave of 2 m/s^2 at 1.5 Hz, pitch of 0.2 rad/s at 1 Hz, 10 s each, level, without a road.
+    fn default() -> Self {
+        Self {
+            operating_point: OperatingPoint::default(),
+            friction: FrictionLinearisation::Viscous,
+            step: Step { rate_rad_s: 0.1, duration_s: 3.0 },
+            heave: Sine { amplitude: 2.0, frequency_hz: 1.5 },
+            pitch: Sine { amplitude: 0.2, frequency_hz: 1.0 },
+            road: None,
+            duration_s: 10.0,
+            settle_s: 2.0,
+            rejection_hz: vec![0.3, 1.0, 1.5, 3.0, 5.0],
+            seed: 1,
+        }
+    }
+}
+
+impl Sine {
+    /// The value at a time.
+    pub fn at(&self, time_s: f64) -> f64 {
+        self.amplitude * (std::f64::consts::TAU * self.frequency_hz * time_s).sin()
+    }
+}
+
+impl Road {
+    /// Duration, s.
+    pub fn duration_s(&self) -> f64 {
+        self.heave_m_s2.len().saturating_sub(1) as f64 * self.sample_period_s
+    }
+
+    /// Heave and pitch rate at a time; 0 outside the record.
+    pub fn at(&self, time_s: f64) -> (f64, f64) {
+        (
+            between(&self.heave_m_s2, time_s / self.sample_period_s),
+            between(&self.pitch_rate_rad_s, time_s / self.sample_period_s),
+        )
+    }
+}
+
+/// The series at a fractional index.
+fn between(samples: &[f64], at: f64) -> f64 {
+    if at < 0.0 {
+        return 0.0;
+    }
+    let (k, fraction) = (at.floor() as usize, at - at.floor());
+    match (samples.get(k), samples.get(k + 1)) {
+        (Some(a), Some(b)) => a + fraction * (b - a),
+        (Some(a), None) if fraction == 0.0 => *a,
+        _ => 0.0,
+    }
+}
+
+impl Procedure {
+    /// Refuses durations, frequencies and roads that cannot be run.
+    ///
+    /// # Errors
+    /// [`Error::Range`], [`Error::Length`], [`Error::NotFinite`].
+    pub fn check(&self) -> Result<(), Error> {
+        let positive = [
+            ("step duration in s", self.step.duration_s),
+            ("duration in s", self.duration_s),
+            ("heave frequency in Hz", self.heave.frequency_hz),
+            ("pitch frequency in Hz", self.pitch.frequency_hz),
+        ];
+        for (what, value) in
+            positive.into_iter().chain(self.rejection_hz.iter().map(|f| ("rejection frequency in Hz", *f)))
+        {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(Error::Range { what, value, allowed: "positive" });
+            }
+        }
+        check_finite("amplitudes", &[self.heave.amplitude, self.pitch.amplitude, self.step.rate_rad_s])?;
+        if self.step.rate_rad_s == 0.0 {
+            return Err(Error::Range { what: "step in rad/s", value: 0.0, allowed: "not 0" });
+        }
+        if !(0.0..self.duration_s).contains(&self.settle_s) {
+            return Err(Error::Range {
+                what: "settling time in s",
+                value: self.settle_s,
+                allowed: "0 or more, below the duration",
+            });
+        }
+        self.road.as_ref().map_or(Ok(()), |road| self.check_road(road))
+    }
+
+    fn check_road(&self, road: &Road) -> Result<(), Error> {
+        check_length("pitch rate of the road", road.pitch_rate_rad_s.len(), road.heave_m_s2.len())?;
+        check_finite("heave of the road", &road.heave_m_s2)?;
+        check_finite("pitch rate of the road", &road.pitch_rate_rad_s)?;
+        if !(road.sample_period_s > 0.0 && road.sample_period_s.is_finite()) {
+            return Err(Error::Range {
+                what: "sample period of the road in s",
+                value: road.sample_period_s,
+                allowed: "positive",
+            });
+        }
+        if road.duration_s() <= self.settle_s {
+            return Err(Error::Range {
+                what: "duration of the road in s",
+                value: road.duration_s(),
+                allowed: "above the settling time",
+            });
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn the_default_can_be_run_and_nonsense_cannot() {
+        let good = Procedure::default();
+        good.check().unwrap();
+        assert!(Procedure { duration_s: 0.0, ..good.clone() }.check().is_err());
+        assert!(Procedure { settle_s: 10.0, ..good.clone() }.check().is_err());
+        assert!(Procedure { rejection_hz: vec![f64::NAN], ..good.clone() }.check().is_err());
+        let road = Road {
+            name: String::new(),
+            sample_period_s: 0.01,
+            heave_m_s2: vec![0.0; 500],
+            pitch_rate_rad_s: vec![0.0; 499],
+        };
+        assert!(matches!(Procedure { road: Some(road), ..good }.check(), Err(Error::Length { .. })));
+    }
+
+    #[test]
+    fn a_road_is_straight_between_its_samples() {
+        let road = Road {
+            name: String::new(),
+            sample_period_s: 0.5,
+            heave_m_s2: vec![0.0, 1.0, 3.0],
+            pitch_rate_rad_s: vec![1.0; 3],
+        };
+        assert_eq!(road.at(0.75), (2.0, 1.0));
+        assert_eq!(road.at(1.0), (3.0, 1.0));
+        assert_eq!(road.at(1.1), (0.0, 0.0));
+        assert_eq!(road.duration_s(), 1.0);
+    }
+}

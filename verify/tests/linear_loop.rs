@@ -1,0 +1,88 @@
+//! The linear loop, by two ways that share nothing but the plant.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
+
+mod support;
+
+use counterpoise_models::plant::{Angles, FrictionLinearisation, OperatingPoint};
+use counterpoise_verify::linear::frequency::{Curves, rejections};
+use counterpoise_verify::linear::plant::Resolver;
+use counterpoise_verify::linear::{Closed, SampledPlant, arranged, disturbance, step};
+use counterpoise_verify::signals::step_figures;
+use counterpoise_verify::{Arrangement, Sine, Source, Step};
+use num_complex::Complex64;
+use support::{controller, plant, rig};
+
+const ALL: [Arrangement; 3] = [Arrangement::Uncontrolled, Arrangement::Feedback, Arrangement::Compensated];
+
+fn sampled() -> SampledPlant {
+    let plant = plant();
+    let level = plant.equilibrium(&OperatingPoint::default());
+    let linear = plant.linearise(&level, FrictionLinearisation::Viscous, Angles::Drop).unwrap();
+    SampledPlant::new(&linear, &rig(), Resolver::Unread).unwrap()
+}
+
+fn closed(plant: &SampledPlant, arrangement: Arrangement) -> Closed {
+    let controller = arranged(&controller(), arrangement).unwrap();
+    Closed::new(plant, controller.as_ref(), 151.67).unwrap()
+}
+
+/// The complex amplitude of the last `cycles` periods of a series.
+fn tone(y: &[f64], frequency_hz: f64, period_s: f64, cycles: f64) -> Complex64 {
+    let count = (cycles / frequency_hz / period_s).round() as usize;
+    let first = y.len() - count;
+    let angle = |k: usize| -std::f64::consts::TAU * frequency_hz * k as f64 * period_s;
+    let sum: Complex64 = (first..y.len()).map(|k| y[k] * Complex64::from_polar(1.0, angle(k))).sum();
+    2.0 * sum / count as f64
+}
+
+#[test]
+fn the_rejection_ratio_is_what_a_time_history_shows() {
+    let plant = sampled();
+    let sine = Sine { amplitude: 1.0, frequency_hz: 2.0 };
+    for arrangement in ALL {
+        let closed = closed(&plant, arrangement);
+        let expected = rejections(&plant, &closed, arrangement, &[2.0]).unwrap();
+        for (source, ratio) in [(Source::Heave, &expected[0]), (Source::Pitch, &expected[1])] {
+            let motion = |t: f64| if source == Source::Heave { (sine.at(t), 0.0) } else { (0.0, sine.at(t)) };
+            let run = disturbance(&plant, &closed, (source, arrangement), 40.0, motion).unwrap();
+            let driven = if source == Source::Heave { &run.heave_m_s2 } else { &run.pitch_rate_rad_s };
+            let found = tone(&run.hub_rate_rad_s, 2.0, 1e-3, 8.0) / tone(driven, 2.0, 1e-3, 8.0);
+            let error = (found - ratio.response[0]).norm() / ratio.response[0].norm();
+            assert!(error < 2e-4, "{arrangement:?} {source:?}: {found} {} {error:e}", ratio.response[0]);
+        }
+    }
+}
+
+#[test]
+fn the_loop_is_stable_and_follows_a_step_without_error() {
+    let plant = sampled();
+    let closed = closed(&plant, Arrangement::Compensated);
+    assert!(closed.pole_radius() < 1.0, "{}", closed.pole_radius());
+    let run = step(&plant, &closed, Step { rate_rad_s: 0.1, duration_s: 5.0 }).unwrap();
+    let figures = step_figures(&run.time_s, &run.hub_rate_rad_s, 0.1).unwrap();
+    assert!(figures.steady_state_error_percent < 1e-3, "{figures:?}");
+    assert!(
+        (run.control_v[0] - plant.holding_v - 1.8).abs() < 1e-9,
+        "the first control is kp times the step"
+    );
+    assert!((plant.holding_v - 2.88).abs() < 0.01, "{}", plant.holding_v);
+}
+
+#[test]
+fn the_broken_loop_is_the_controller_times_the_held_plant() {
+    let plant = sampled();
+    let loops: Vec<_> = ALL.map(|arrangement| (arrangement, closed(&plant, arrangement))).into();
+    let curves = Curves::of(&plant, &loops).unwrap();
+    let gyro = |s: Complex64| 377.0 * 377.0 / (s * s + 2.0 * 0.7 * 377.0 * s + 377.0 * 377.0);
+    for (k, f) in curves.frequency_hz.iter().enumerate().filter(|(_, f)| **f < 20.0) {
+        let s = Complex64::new(0.0, std::f64::consts::TAU * f);
+        let z = (s * 1e-3).exp();
+        let pi = 18.0 + 0.08 / (z - 1.0);
+        let hold = (1.0 - 1.0 / z) / (s * 1e-3);
+        let expected = pi * hold * curves.plant[0].response[k] * gyro(s);
+        let error = (curves.broken.response[k] - expected).norm() / expected.norm();
+        assert!(error < 0.01, "{f} Hz: {error}");
+    }
+    assert_eq!(curves.controller[1].response[0].re, curves.controller[1].response[600].re);
+    assert_eq!(curves.rejection.len(), 6);
+}
