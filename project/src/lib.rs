@@ -15,6 +15,7 @@
 
 pub mod diagnostic;
 pub mod file;
+pub mod recording;
 pub mod resolve;
 
 pub use diagnostic::{Diagnostic, Severity};

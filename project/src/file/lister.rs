@@ -118,10 +118,6 @@ impl Visit for Lister {
         self.lists.pop();
     }
 
-    fn free_keys(&mut self, present: &[String]) -> Vec<String> {
-        present.to_vec()
-    }
-
     fn shorthand(&mut self, _key: &str, _value: &mut String) -> bool {
         false
     }

@@ -378,10 +378,6 @@ impl Visit for Reader<'_> {
         self.lists.pop();
     }
 
-    fn free_keys(&mut self, _present: &[String]) -> Vec<String> {
-        self.frames.last().map(|f| f.entries.iter().map(|e| e.key.clone()).collect()).unwrap_or_default()
-    }
-
     fn shorthand(&mut self, key: &str, value: &mut String) -> bool {
         let Some(entry) = self.frames.last().and_then(|f| f.entries.iter().find(|e| e.key == key)) else {
             return false;

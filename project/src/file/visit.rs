@@ -26,8 +26,6 @@ pub(crate) trait Visit {
     fn enter_list(&mut self, table: &TableField, length: usize) -> usize;
     fn enter_item(&mut self, index: usize);
     fn leave_list(&mut self);
-    /// The keys that stand in the present table and are not named by the walk: for tables whose keys are names.
-    fn free_keys(&mut self, present: &[String]) -> Vec<String>;
     /// A text that stands where a table could: true if it is there.
     fn shorthand(&mut self, key: &str, value: &mut String) -> bool;
 }

@@ -6,6 +6,7 @@ use super::Project;
 use crate::diagnostic::{Diagnostic, Problem, Severity, did_you_mean};
 use crate::file::Document;
 use crate::file::source::Remark;
+use crate::recording::{Mapping, Unit};
 
 /// Two ends of sections closer than this fraction of the beam's length adjoin.
 const ADJOINING: f64 = 1e-9;
@@ -46,6 +47,7 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     map(&mut findings, plant);
     coupling(&mut findings, plant);
     agreement(&mut findings, plant);
+    units(&mut findings, &project.recording);
     findings.list
 }
 
@@ -240,5 +242,21 @@ fn area(shape: &SectionShape, at: f64) -> f64 {
             std::f64::consts::FRAC_PI_4 * (along(outer_diameter_m).powi(2) - along(inner_diameter_m).powi(2))
         }
         SectionShape::Given { area_m2, .. } => along(area_m2),
+    }
+}
+
+/// Units in the mapping of channels must be known and of the channel's quantity.
+fn units(findings: &mut Findings<'_>, mapping: &Mapping) {
+    let time = mapping.time.iter().map(|s| ("time", "s", s));
+    let channels = mapping.channels.iter().map(|(c, s)| (c.name(), c.unit(), s));
+    for (name, wanted, source) in time.chain(channels) {
+        let Some(written) = &source.unit else { continue };
+        let target = Unit::parse(wanted).unwrap_or(Unit::ONE);
+        let fits = Unit::parse(written).is_some_and(|u| u.is_like(&target) || u.is_like(&Unit::ONE));
+        if !fits {
+            let path = format!("recording.channels.{name}.unit");
+            let remark = Remark::new(Problem::OutOfRange, &path, format!("must be a unit like {wanted}"));
+            findings.add(Severity::Error, remark.found(format!("\"{written}\"")));
+        }
     }
 }

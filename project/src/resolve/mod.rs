@@ -4,6 +4,7 @@ mod checks;
 mod controller;
 mod friction;
 mod plant;
+mod recording;
 mod structure;
 
 use counterpoise_controller::ProportionalIntegral;
@@ -16,6 +17,7 @@ use crate::file::reader::Reader;
 use crate::file::source::Remark;
 use crate::file::visit::{Visit, optional, table};
 use crate::file::{Attachments, Document, EditError, Setting, writer};
+use crate::recording::Mapping;
 
 /// The format of project files that this version reads and writes.
 pub const FORMAT: u32 = 1;
@@ -27,6 +29,8 @@ pub struct Project {
     pub plant: Parameters,
     /// The controller that was in the loop when recordings were made.
     pub recording_controller: Option<ProportionalIntegral>,
+    /// How the columns of recordings become channels.
+    pub recording: Mapping,
 }
 
 /// A project and what is suspicious in its file.
@@ -149,7 +153,7 @@ impl Project {
     }
 
     fn blank() -> Self {
-        Self { plant: plant::blank(), recording_controller: None }
+        Self { plant: plant::blank(), recording_controller: None, recording: Mapping::default() }
     }
 }
 
@@ -187,6 +191,11 @@ fn file(v: &mut dyn Visit, project: &mut Project) -> u32 {
     let period = project.plant.interface.sample_period_s;
     if let Some(controller) = &mut project.recording_controller {
         controller.sample_period_s = period;
+    }
+    let section = TableField::optional("recording", "how the columns of recordings become channels");
+    if v.enter(&section, project.recording != Mapping::default()) {
+        recording::recording(v, &mut project.recording);
+        v.leave();
     }
     format
 }

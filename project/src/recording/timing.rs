@@ -1,0 +1,221 @@
+//! The clock of a recording: its sample period, and what is wrong with it.
+
+use super::{Channel, RecordingError};
+
+/// Channels on one uniform clock.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    /// Name of the file.
+    pub name: String,
+    /// Sample period, s.
+    pub sample_period_s: f64,
+    /// Time of the first sample on the file's clock, s.
+    pub start_s: f64,
+    /// Channels in SI units; NaN where a sample is missing.
+    pub channels: Vec<(Channel, Vec<f64>)>,
+    /// What was found on the way.
+    pub findings: Vec<Finding>,
+}
+
+/// Something about a recording that its reader should know.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Finding {
+    /// There was no time column: the project's sample period was taken.
+    PeriodAssumed {
+        /// Sample period, s.
+        period_s: f64,
+    },
+    /// Time steps are uneven; the channels were interpolated on a uniform clock.
+    Uneven {
+        /// Standard deviation of the steps without gaps, as a fraction of the period.
+        jitter: f64,
+        /// Uniform sample period, s.
+        period_s: f64,
+    },
+    /// Samples are missing in the middle; they are NaN.
+    Gap {
+        /// Row after which they are missing, from 1.
+        row: usize,
+        /// How many.
+        samples: usize,
+    },
+    /// A channel has missing values.
+    Missing {
+        /// The channel.
+        channel: Channel,
+        /// How many values are missing.
+        samples: usize,
+        /// Row of the first, from 1.
+        first_row: usize,
+    },
+    /// The file's period is not the one that the project gives.
+    PeriodDiffers {
+        /// Of the file, s.
+        file_s: f64,
+        /// Of the project, s.
+        project_s: f64,
+    },
+}
+
+/// A step that exceeds this many periods is a gap.
+const GAP: f64 = 3.0;
+/// Steps that scatter by less than this fraction of the period are even.
+const EVEN: f64 = 1e-3;
+/// A file's period may differ from the project's by this fraction.
+const SAME_PERIOD: f64 = 1e-3;
+/// A gap of more than this many times the recording itself is no gap but a broken clock.
+const LONGEST_GAP: f64 = 10.0;
+/// Fewest rows of a recording.
+const FEWEST_ROWS: usize = 3;
+
+/// Channels and their times as a record.
+pub(super) fn record(
+    name: &str,
+    time: Option<Vec<f64>>,
+    period_s: Option<f64>,
+    channels: Vec<(Channel, Vec<f64>)>,
+) -> Result<Record, RecordingError> {
+    let mut record = match (time, period_s) {
+        (Some(time), wanted) => timed(name, &time, wanted, channels)?,
+        (None, Some(period_s)) => {
+            let findings = vec![Finding::PeriodAssumed { period_s }];
+            Record { name: name.to_owned(), sample_period_s: period_s, start_s: 0.0, channels, findings }
+        }
+        (None, None) => return Err(RecordingError::NoTime { file: name.to_owned() }),
+    };
+    let missing = record.channels.iter().filter_map(|(channel, values)| missing(*channel, values));
+    record.findings.extend(missing.collect::<Vec<_>>());
+    Ok(record)
+}
+
+fn missing(channel: Channel, values: &[f64]) -> Option<Finding> {
+    let first = values.iter().position(|v| !v.is_finite())?;
+    let samples = values.iter().filter(|v| !v.is_finite()).count();
+    Some(Finding::Missing { channel, samples, first_row: first + 1 })
+}
+
+fn timed(
+    name: &str,
+    time: &[f64],
+    wanted: Option<f64>,
+    channels: Vec<(Channel, Vec<f64>)>,
+) -> Result<Record, RecordingError> {
+    let rows: Vec<usize> = (0..time.len()).filter(|row| time[*row].is_finite()).collect();
+    let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return Err(too_short(name, 0)) };
+    if rows.len() < FEWEST_ROWS {
+        return Err(too_short(name, rows.len()));
+    }
+    let steps = steps(name, time, &rows)?;
+    let median = median(&steps);
+    let regular: Vec<f64> = steps.iter().copied().filter(|s| *s < GAP * median).collect();
+    let jitter = deviation(&regular, mean(&regular)) / mean(&regular);
+    let gaps = steps.len() != regular.len() || rows.len() != time.len();
+    let mut findings = gap_findings(&rows, &steps, median);
+    let period = if gaps || jitter > EVEN {
+        mean(&regular)
+    } else {
+        (time[*last] - time[*first]) / (rows.len() - 1) as f64
+    };
+    let period = rounded(period, wanted, median);
+    if let Some(project_s) = wanted.filter(|w| (period - w).abs() > SAME_PERIOD * w) {
+        findings.push(Finding::PeriodDiffers { file_s: period, project_s });
+    }
+    if jitter > EVEN {
+        findings.push(Finding::Uneven { jitter, period_s: period });
+    }
+    let channels = if gaps || jitter > EVEN { resampled(time, &rows, period, channels) } else { channels };
+    Ok(Record { name: name.to_owned(), sample_period_s: period, start_s: time[*first], channels, findings })
+}
+
+fn too_short(name: &str, rows: usize) -> RecordingError {
+    RecordingError::TooShort { file: name.to_owned(), rows }
+}
+
+fn steps(name: &str, time: &[f64], rows: &[usize]) -> Result<Vec<f64>, RecordingError> {
+    let step = |two: &[usize]| {
+        let (before_s, time_s) = (time[two[0]], time[two[1]]);
+        let stands =
+            || RecordingError::TimeStandsStill { file: name.to_owned(), row: two[1] + 1, time_s, before_s };
+        if time_s > before_s { Ok(time_s - before_s) } else { Err(stands()) }
+    };
+    let steps: Vec<f64> = rows.windows(2).map(step).collect::<Result<_, _>>()?;
+    let longest = LONGEST_GAP * rows.len() as f64 * median(&steps);
+    match steps.iter().position(|s| *s > longest) {
+        None => Ok(steps),
+        Some(at) => {
+            let (before_s, time_s) = (time[rows[at]], time[rows[at + 1]]);
+            Err(RecordingError::TimeLeaps { file: name.to_owned(), row: rows[at + 1] + 1, time_s, before_s })
+        }
+    }
+}
+
+/// The period of the project, or a period of a whole number of microseconds, where the file's means it.
+fn rounded(period: f64, wanted: Option<f64>, median: f64) -> f64 {
+    const MEANT: f64 = 1e-6;
+    let micro = (median * 1e6).round() * 1e-6;
+    let near = |p: f64| p > 0.0 && (period - p).abs() <= MEANT * p;
+    wanted.filter(|w| near(*w)).unwrap_or(if near(micro) { micro } else { period })
+}
+
+fn gap_findings(rows: &[usize], steps: &[f64], median: f64) -> Vec<Finding> {
+    let gap = |(at, step): (usize, &f64)| {
+        let samples = (step / median).round() as usize - 1;
+        (*step >= GAP * median).then(|| Finding::Gap { row: rows[at] + 1, samples })
+    };
+    steps.iter().enumerate().filter_map(gap).collect()
+}
+
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+fn deviation(values: &[f64], centre: f64) -> f64 {
+    (values.iter().map(|v| (v - centre) * (v - centre)).sum::<f64>() / values.len() as f64).sqrt()
+}
+
+/// Channels by linear interpolation on a uniform clock, NaN inside gaps.
+fn resampled(
+    time: &[f64],
+    rows: &[usize],
+    period: f64,
+    channels: Vec<(Channel, Vec<f64>)>,
+) -> Vec<(Channel, Vec<f64>)> {
+    let instants = instants(time, rows, period);
+    let at = |values: &[f64], (row, fraction): (usize, Option<f64>)| match fraction {
+        Some(0.0) => values[rows[row]],
+        Some(f) => values[rows[row]] * (1.0 - f) + values[rows[row + 1]] * f,
+        None => f64::NAN,
+    };
+    let channel = |(channel, values): (Channel, Vec<f64>)| {
+        (channel, instants.iter().map(|place| at(&values, *place)).collect())
+    };
+    channels.into_iter().map(channel).collect()
+}
+
+/// For each uniform instant: the row at or before it, and how far it lies to the next row (none inside a gap).
+fn instants(time: &[f64], rows: &[usize], period: f64) -> Vec<(usize, Option<f64>)> {
+    let (first, last) = (time[rows[0]], time[rows[rows.len() - 1]]);
+    let count = ((last - first) / period + EVEN).floor() as usize + 1;
+    let mut row = 0;
+    let place = |index: usize| {
+        let t = first + index as f64 * period;
+        while row + 1 < rows.len() && time[rows[row + 1]] <= t {
+            row += 1;
+        }
+        if row + 1 == rows.len() {
+            return (row, Some(0.0));
+        }
+        let step = time[rows[row + 1]] - time[rows[row]];
+        let fraction = (t - time[rows[row]]) / step;
+        let inside = if step < GAP * period { Some(fraction) } else { None };
+        let on_a_sample = fraction * step < EVEN * period;
+        (row, if on_a_sample { Some(0.0) } else { inside })
+    };
+    (0..count).map(place).collect()
+}

@@ -1,0 +1,50 @@
+//! The `[recording]` section: how the columns of recordings become channels.
+
+use crate::file::field::{Field, Limit, TableField};
+use crate::file::visit::{Visit, maybe_number, table};
+use crate::recording::{Channel, ChannelSource, Mapping};
+
+/// Reads or lists the mapping.
+pub(crate) fn recording(v: &mut dyn Visit, mapping: &mut Mapping) {
+    let period =
+        Field::new("sample_period", "of recordings without a time column").unit("s").limit(Limit::Above(0.0));
+    maybe_number(v, &period, &mut mapping.sample_period_s);
+    table(v, &TableField::optional("channels", "columns by the channel that they hold"), mapping, channels);
+}
+
+fn channels(v: &mut dyn Visit, mapping: &mut Mapping) {
+    mapping.time = source(v, "time", mapping.time.take());
+    let old = std::mem::take(&mut mapping.channels);
+    for channel in Channel::ALL {
+        let present = old.iter().find(|(c, _)| *c == channel).map(|(_, s)| s.clone());
+        if let Some(source) = source(v, channel.name(), present) {
+            mapping.channels.push((channel, source));
+        }
+    }
+}
+
+/// A column's name, or a table with the name, unit, scale and offset.
+fn source(v: &mut dyn Visit, channel: &'static str, present: Option<ChannelSource>) -> Option<ChannelSource> {
+    let mut column = String::new();
+    if v.shorthand(channel, &mut column) {
+        return Some(ChannelSource::named(&column));
+    }
+    if !v.enter(&TableField::inline(channel, ""), present.is_some()) {
+        return None;
+    }
+    let mut source = present.unwrap_or_else(|| ChannelSource::named(""));
+    v.text(&Field::new("column", "name of the column, without its unit"), &mut source.column);
+    let mut unit = source.unit.take().unwrap_or_default();
+    v.text(
+        &Field::new("unit", "unit of the column in place of the one in its header").or_text(""),
+        &mut unit,
+    );
+    source.unit = (!unit.is_empty()).then_some(unit);
+    v.number(
+        &Field::new("scale", "factor; a negative one turns the sign").limit(Limit::Not0).or(1.0),
+        &mut source.scale,
+    );
+    v.number(&Field::new("offset", "added after the factor").or(0.0), &mut source.offset);
+    v.leave();
+    Some(source)
+}

@@ -1,0 +1,270 @@
+//! Recordings: what is read, in which unit, on which clock; and what a damaged file is told.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::path::PathBuf;
+
+use counterpoise_project::recording::{Channel, ChannelSource, Finding, Mapping, Record, Table, Unit};
+use proptest::prelude::*;
+
+fn data(name: &str) -> Vec<u8> {
+    std::fs::read(PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)).unwrap()
+}
+
+fn shared(path: &str) -> Option<Vec<u8>> {
+    let full = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared").join(path);
+    let bytes = std::fs::read(&full).ok();
+    if bytes.is_none() {
+        println!("skipped: {} is not here", full.display());
+    }
+    bytes
+}
+
+fn read(text: &str) -> Table {
+    Table::read(text.as_bytes(), "run.csv").unwrap()
+}
+
+fn refused(text: &str) -> String {
+    let table = Table::read(text.as_bytes(), "run.csv");
+    table.and_then(|t| Mapping::default().apply(&t).map(|_| t)).unwrap_err().to_string()
+}
+
+fn channel(record: &Record, channel: Channel) -> &[f64] {
+    &record.channels.iter().find(|(c, _)| *c == channel).unwrap().1
+}
+
+#[test]
+fn units_in_si() {
+    let size = |unit: &str| Unit::parse(unit).map(|u| u.factor);
+    let close = |unit: &str, wanted: f64| {
+        let found = size(unit).unwrap();
+        assert!((found - wanted).abs() <= 1e-15 * wanted, "{unit}: {found} is not {wanted}");
+    };
+    close("rad/s", 1.0);
+    close("deg/s", PI / 180.0);
+    close("deg/s^2", PI / 180.0);
+    close("°", PI / 180.0);
+    close("mrad", 1e-3);
+    close("rpm", TAU / 60.0);
+    close("g", 9.80665);
+    close("mg", 9.80665e-3);
+    close("m/s²", 1.0);
+    close("m/s2", 1.0);
+    close("m s^-2", 1.0);
+    close("mV", 1e-3);
+    close("ms", 1e-3);
+    close("min", 60.0);
+    close("kN m", 1e3);
+    close("N m s/rad", 1.0);
+    close("kg m^2", 1.0);
+    assert!(Unit::parse("N m").unwrap().is_like(&Unit::parse("kg m^2/s^2").unwrap()));
+    assert!(Unit::parse("V").unwrap().is_like(&Unit::parse("ohm A").unwrap()));
+    assert!(Unit::parse("H").unwrap().is_like(&Unit::parse("ohm s").unwrap()));
+    assert!(!Unit::parse("rpm").unwrap().is_like(&Unit::parse("Hz").unwrap()));
+    assert_eq!([size("furlong"), size("rad/"), size("m^x"), size("k")], [None, Some(1.0), None, None]);
+}
+
+#[test]
+fn csv_with_units_comments_and_empty_cells() {
+    let table =
+        read("# a run\ntime [ms], hub_rate [deg/s], control [mV]\n0, 90, 1000\n1, , 2000\n2, -90, 3000\n");
+    let record = Mapping::default().apply(&table).unwrap();
+    assert_eq!(record.sample_period_s, 1e-3);
+    let rate = channel(&record, Channel::HubRate);
+    assert_eq!((rate[0], rate[2]), (FRAC_PI_2, -FRAC_PI_2));
+    assert!(rate[1].is_nan());
+    assert_eq!(channel(&record, Channel::Control), [1.0, 2.0, 3.0]);
+    assert_eq!(record.findings, [Finding::Missing { channel: Channel::HubRate, samples: 1, first_row: 2 }]);
+}
+
+#[test]
+fn csv_with_semicolons_and_decimal_commas() {
+    let table = read("\u{feff}time [s];control [V]\r\n0,0;1,5\r\n0,5;2,5\r\n1,0;-3,5\r\n");
+    assert_eq!(table.column("control").unwrap().values, [1.5, 2.5, -3.5]);
+    assert_eq!(table.column("time").unwrap().values, [0.0, 0.5, 1.0]);
+}
+
+#[test]
+fn damaged_csv_names_row_column_and_value() {
+    let table: [(&str, &str); 12] = [
+        ("", "run.csv: there is no row of numbers"),
+        ("time [s],control [V]\n", "run.csv: there is no row of numbers"),
+        ("time [s],control [V]\n0,1\n1,x\n", "run.csv:3: column \"control\": \"x\" is not a number"),
+        ("time [s],control [V]\n0,1\n1\n", "run.csv:3: 1 cells, but the header has 2"),
+        ("time [s],time [s]\n0,1\n1,2\n", "run.csv: two columns are named \"time\""),
+        (
+            "control [V]\n0\n1\n2\n",
+            "run.csv: there is no time column and no recording.sample_period in the project file",
+        ),
+        ("time [s],control [V]\n0,1\n1,2\n", "run.csv: 2 rows with a time are too few for a recording"),
+        ("time [s],control [V]\n0,1\n2,2\n1,2\n", "run.csv: time does not grow: row 3 is at 1 s after 2 s"),
+        (
+            "time [s],control [V]\n0,1\n1,2\n2,2\n3,1\n1e9,2\n",
+            "run.csv: time leaps: row 5 is at 1000000000 s after 3 s",
+        ),
+        (
+            "time [s],control [A]\n0,1\n1,2\n2,2\n",
+            "run.csv: column \"control\" is in [A], but control is in [V]",
+        ),
+        (
+            "time [s],hub_rate [Hz]\n0,1\n1,2\n2,2\n",
+            "run.csv: column \"hub_rate\" is in [Hz], but hub_rate is in [rad/s]",
+        ),
+        (
+            "time [s],hub_rate [turns/h]\n0,1\n1,2\n2,2\n",
+            "run.csv: column \"hub_rate\": unit [turns/h] is not known",
+        ),
+    ];
+    for (text, wanted) in table {
+        assert_eq!(refused(text), wanted, "{text:?}");
+    }
+}
+
+#[test]
+fn a_mapping_renames_scales_and_turns_the_sign() {
+    let table = read("t [s],w [count],u\n0,10,1\n0.1,20,2\n0.2,30,3\n");
+    let source = |column: &str, unit: Option<&str>, scale, offset| ChannelSource {
+        unit: unit.map(str::to_owned),
+        scale,
+        offset,
+        ..ChannelSource::named(column)
+    };
+    let channels = vec![
+        (Channel::HubRate, source("w", Some("deg/s"), -2.0, 5.0)),
+        (Channel::Control, source("u", None, 1.0, 0.0)),
+    ];
+    let mapping = Mapping { channels, ..Mapping::default() };
+    let record = mapping.apply(&table).unwrap();
+    let expected = [-15.0, -35.0, -55.0].map(|v: f64| v * (PI / 180.0));
+    assert_eq!(channel(&record, Channel::HubRate), expected);
+    assert_eq!(channel(&record, Channel::Control), [1.0, 2.0, 3.0]);
+    let wrong =
+        Mapping { channels: vec![(Channel::HubRate, ChannelSource::named("W"))], ..Mapping::default() };
+    assert_eq!(
+        wrong.apply(&table).unwrap_err().to_string(),
+        "run.csv: there is no column \"W\"; it has t, w, u (did you mean \"w\"?)"
+    );
+}
+
+#[test]
+fn a_gap_becomes_missing_samples() {
+    let mut text = "time [s],control [V]\n".to_owned();
+    for k in (0..10).chain(15..20) {
+        text += &format!("{},{}\n", f64::from(k) * 0.01, k);
+    }
+    let record = Mapping::default().apply(&read(&text)).unwrap();
+    let control = channel(&record, Channel::Control);
+    assert_eq!(control.len(), 20);
+    for (k, value) in control.iter().enumerate() {
+        let missing = (10..15).contains(&k);
+        assert!(if missing { value.is_nan() } else { (value - k as f64).abs() < 1e-9 }, "{k}: {value}");
+    }
+    assert_eq!(record.findings[0], Finding::Gap { row: 10, samples: 5 });
+}
+
+#[test]
+fn uneven_time_is_evened_out() {
+    let time = |k: usize| k as f64 * 0.01 + if k % 2 == 1 { 0.001 } else { 0.0 };
+    let rows: String = (0..101).map(|k| format!("{},{}\n", time(k), 3.0 * time(k))).collect();
+    let record = Mapping::default().apply(&read(&format!("time [s],control [V]\n{rows}"))).unwrap();
+    let worst =
+        channel(&record, Channel::Control).iter().enumerate().map(|(k, v)| (v - 0.03 * k as f64).abs());
+    assert!(worst.fold(0.0, f64::max) < 1e-12, "a straight line stays a straight line");
+    assert!(
+        matches!(record.findings[..], [Finding::Uneven { jitter, .. }] if (jitter - 0.1).abs() < 1e-3),
+        "{:?}",
+        record.findings
+    );
+}
+
+#[test]
+fn parquet_of_mixed_types_with_nulls() {
+    for file in ["mixed.parquet", "mixed_snappy.parquet"] {
+        let table = Table::read(&data(file), file).unwrap();
+        let names: Vec<_> = table.columns.iter().map(|c| c.name.as_str()).collect();
+        assert_eq!(names, ["time", "hub_rate", "control", "motor_rate", "flag"]);
+        let record = Mapping::default().apply(&table).unwrap();
+        assert_eq!(record.sample_period_s, 0.25);
+        let rate = channel(&record, Channel::HubRate);
+        assert!(rate[2].is_nan() && (rate[3] - PI).abs() < 1e-15);
+        assert_eq!(channel(&record, Channel::Control)[5], 0.006);
+        assert!((channel(&record, Channel::MotorRate)[1] - TAU).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn matlab_plain_and_compressed_structures() {
+    let plain = Table::read(&data("plain_v5.mat"), "plain_v5.mat").unwrap();
+    let names: Vec<_> = plain.columns.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["time", "hub_rate", "count"]);
+    assert_eq!(plain.column("count").unwrap().values[49], 49.0);
+    assert_eq!(Mapping::default().apply(&plain).unwrap().sample_period_s, 1e-3);
+    let log = Table::read(&data("structure_v7.mat"), "structure_v7.mat").unwrap();
+    let mapping = Mapping {
+        time: Some(ChannelSource::named("log.time")),
+        channels: vec![
+            (Channel::HubRate, ChannelSource::named("log.w_1")),
+            (Channel::MotorRate, ChannelSource::named("log.w_2")),
+        ],
+        ..Mapping::default()
+    };
+    let record = mapping.apply(&log).unwrap();
+    let (hub, motor) = (channel(&record, Channel::HubRate), channel(&record, Channel::MotorRate));
+    assert!((hub[10] - 0.4_f64.sin()).abs() < 1e-6 && motor.iter().zip(hub).all(|(m, h)| *m == -2.0 * h));
+}
+
+#[test]
+fn version_7_3_is_named() {
+    let error = Table::read(b"MATLAB 7.3 MAT-file", "a.mat").unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "a.mat: MATLAB version 7.3 (HDF5) is not read; save it with save(..., \"-v7\") or as CSV"
+    );
+}
+
+#[test]
+fn practice_recordings_as_they_stand() {
+    for file in ["triangle", "steps", "road", "multisine"] {
+        let Some(bytes) = shared(&format!("recordings/practice/p08/{file}.parquet")) else { return };
+        let record = Mapping::default().apply(&Table::read(&bytes, file).unwrap()).unwrap();
+        assert_eq!((record.sample_period_s, record.channels.len(), record.findings.len()), (1e-3, 7, 0));
+        assert!(record.channels.iter().all(|(_, values)| values.len() == 10_000));
+    }
+}
+
+#[test]
+fn recordings_of_other_machines() {
+    let Some(bytes) = shared("recordings/real/cogging/nocomp_0.parquet") else { return };
+    let table = Table::read(&bytes, "nocomp_0").unwrap();
+    let position = ChannelSource {
+        scale: TAU / 8192.0,
+        unit: Some("rad".to_owned()),
+        ..ChannelSource::named("position")
+    };
+    let current = ChannelSource::named("current");
+    let channels = vec![(Channel::MotorPosition, position), (Channel::MotorCurrent, current)];
+    let record = Mapping { channels, ..Mapping::default() }.apply(&table).unwrap();
+    assert!(record.findings.iter().any(|f| matches!(f, Finding::Uneven { .. })), "{:?}", record.findings);
+    assert!((1.0 / record.sample_period_s - 430.0).abs() < 30.0, "{} Hz", 1.0 / record.sample_period_s);
+    let Some(bytes) = shared("recordings/real/flexible-link/lqr.parquet") else { return };
+    let table = Table::read(&bytes, "lqr").unwrap();
+    let mapping =
+        Mapping { channels: vec![(Channel::HubPosition, ChannelSource::named("th1"))], ..Mapping::default() };
+    let record = mapping.apply(&table).unwrap();
+    let (radians, degrees) =
+        (channel(&record, Channel::HubPosition)[100], table.column("th1").unwrap().values[100]);
+    assert_eq!((record.sample_period_s, radians), (2e-3, degrees * (PI / 180.0)));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(500) })]
+
+    #[test]
+    fn a_damaged_file_never_panics(which in 0_usize..5, place in 0.0..1.0_f64, byte in any::<u8>(), cut in any::<bool>()) {
+        let file = ["plain_v5.mat", "structure_v7.mat", "mixed.parquet", "mixed_snappy.parquet", "run.csv"][which];
+        let mut bytes = if which < 4 { data(file) } else { b"time [s],control [V]\n0,1\n0.1,2\n0.2,nan\n0.4,inf\n".to_vec() };
+        let at = ((bytes.len() - 1) as f64 * place) as usize;
+        if cut { bytes.truncate(at) } else { bytes[at] = byte }
+        let _ = Table::read(&bytes, file).map(|table| Mapping::default().apply(&table));
+    }
+}
