@@ -5,8 +5,8 @@ use counterpoise_controller::program::{OnReset, Operation, Program, Slot};
 use minijinja::{Environment, context};
 
 use crate::print::{Dialect, Printer, literal, state};
-use crate::vectors::{SHIPPED_SAMPLES, Vector, vectors};
-use crate::{Error, File, Options, Precision, Provenance, check_name, check_range};
+use crate::vectors::{Vector, shipped};
+use crate::{Error, File, Options, Precision, Provenance, READING_FIELDS, check_name, check_range};
 
 /// The controller as C99 source
 ///
@@ -58,7 +58,7 @@ fn data(controller: &Controller, provenance: &Provenance, options: &Options) -> 
         NAME => name.to_uppercase(),
         number => if options.precision == Precision::Double { "double" } else { "float" },
         provenance => provenance.lines(),
-        readings => reading_fields(),
+        readings => READING_FIELDS,
         states => state_fields(controller),
         restart => initial(controller, options.precision, OnReset::Restart),
         keep => initial(controller, options.precision, OnReset::Keep),
@@ -71,7 +71,7 @@ fn data(controller: &Controller, provenance: &Provenance, options: &Options) -> 
         multiplications => programs.step.multiplications(),
         additions => programs.step.additions(),
         state_count => programs.state_count(),
-        vectors => vector_rows(controller, options.precision),
+        vectors => shipped(controller, options.precision).iter().map(|v| row(v, options.precision)).collect::<Vec<_>>(),
     }
 }
 
@@ -84,18 +84,6 @@ fn unused(step: &Program) -> Vec<&'static str> {
     let state = (!touches(|slot| matches!(slot, Slot::State(_)))).then_some("c");
     let input = (!touches(|slot| matches!(slot, Slot::Input(_)))).then_some("in");
     state.into_iter().chain(input).collect()
-}
-
-/// Name and meaning of each reading.
-fn reading_fields() -> Vec<(&'static str, &'static str)> {
-    vec![
-        ("demand_rad_s", "demanded hub rate, rad/s"),
-        ("hub_rate_rad_s", "hub gyroscope, rad/s, positive nose-up, inertial"),
-        ("platform_rate_rad_s", "platform gyroscope, rad/s, inertial"),
-        ("platform_accel_m_s2", "platform accelerometer (heave, upwards), m/s^2, without gravity"),
-        ("motor_rate_rad_s", "motor tachometer, rad/s relative to the platform"),
-        ("hub_position_rad", "hub angle relative to the platform, rad"),
-    ]
 }
 
 fn state_fields(controller: &Controller) -> Vec<String> {
@@ -116,14 +104,6 @@ fn initial(controller: &Controller, precision: Precision, which: OnReset) -> Vec
         format!("{} = {};", state(programs, i, Dialect::C), literal(value, precision, Dialect::C))
     })
     .collect()
-}
-
-fn vector_rows(controller: &Controller, precision: Precision) -> Vec<String> {
-    let all = match precision {
-        Precision::Double => vectors::<f64>(controller, SHIPPED_SAMPLES),
-        Precision::Single => vectors::<f32>(controller, SHIPPED_SAMPLES),
-    };
-    all.iter().map(|vector| row(vector, precision)).collect()
 }
 
 fn row(vector: &Vector, precision: Precision) -> String {

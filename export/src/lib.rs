@@ -6,7 +6,7 @@
 //!
 //! *Invariant*: no file system, no clock, no compiler: text in memory only.
 //!
-//! Modules in reading order: [`provenance`], [`c99`](mod@c99), [`vectors`].
+//! Modules in reading order: [`provenance`], [`c99`](mod@c99), [`rust_crate`](mod@rust_crate), [`vectors`].
 //!
 //! ```
 //! use counterpoise_controller::{Controller, Parts};
@@ -21,6 +21,7 @@
 pub mod c99;
 pub mod error;
 pub mod provenance;
+pub mod rust_crate;
 pub mod vectors;
 
 mod print;
@@ -28,6 +29,7 @@ mod print;
 pub use c99::c99;
 pub use error::Error;
 pub use provenance::Provenance;
+pub use rust_crate::rust_crate;
 
 use counterpoise_controller::Controller;
 use counterpoise_controller::program::Operation;
@@ -70,6 +72,16 @@ impl Options {
         Self { name: name.to_owned(), precision: Precision::Single }
     }
 }
+
+/// Name and meaning of each reading, in order.
+pub(crate) const READING_FIELDS: [(&str, &str); 6] = [
+    ("demand_rad_s", "demanded hub rate, rad/s"),
+    ("hub_rate_rad_s", "hub gyroscope, rad/s, positive nose-up, inertial"),
+    ("platform_rate_rad_s", "platform gyroscope, rad/s, inertial"),
+    ("platform_accel_m_s2", "platform accelerometer (heave, upwards), m/s^2, without gravity"),
+    ("motor_rate_rad_s", "motor tachometer, rad/s relative to the platform"),
+    ("hub_position_rad", "hub angle relative to the platform, rad"),
+];
 
 /// Refuses a name that is no short lower-case identifier.
 pub(crate) fn check_name(name: &str) -> Result<(), Error> {

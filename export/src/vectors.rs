@@ -2,6 +2,8 @@
 
 use counterpoise_controller::{Controller, Number, READINGS};
 
+use crate::Precision;
+
 /// Number of samples of the vectors that travel with the code.
 pub const SHIPPED_SAMPLES: usize = 48;
 
@@ -40,6 +42,14 @@ pub fn vectors<N: Number>(controller: &Controller, samples: usize) -> Vec<Vector
             Vector { set_out_of_balance_kg_m: set, readings, control_v: runner.step_array(&readings) }
         })
         .collect()
+}
+
+/// The vectors that travel with code of a precision.
+pub(crate) fn shipped(controller: &Controller, precision: Precision) -> Vec<Vector> {
+    match precision {
+        Precision::Double => vectors::<f64>(controller, SHIPPED_SAMPLES),
+        Precision::Single => vectors::<f32>(controller, SHIPPED_SAMPLES),
+    }
 }
 
 /// The nearest single-precision number, so that every target reads the same readings.

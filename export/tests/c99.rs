@@ -6,21 +6,12 @@ mod support;
 use std::path::PathBuf;
 use std::process::Command;
 
-use counterpoise_controller::{Controller, Number, Parts};
-use counterpoise_export::{Options, Precision, Provenance, c99};
+use counterpoise_controller::{Controller, Parts};
+use counterpoise_export::{Options, Precision, c99};
 use support::{
-    Random, Request, STRICT, Target, folder, is_there, random_controller, run, server, typical, write,
+    STRICT, Target, equal_to_the_last_bit, folder, is_there, provenance, random_controller, reference,
+    requests, run, server, typical, write,
 };
-
-fn provenance() -> Provenance {
-    Provenance {
-        generator: "counterpoise 0.1.0".into(),
-        project: "reference rig".into(),
-        project_hash: "0123456789abcdef".into(),
-        weights: vec!["feedback error 1/(s)".into()],
-        verdicts: vec!["gain margin >= 12 dB: holds (13.1 dB)".into()],
-    }
-}
 
 /// Compiles controllers into one program that answers requests.
 fn build(test: &str, controllers: &[Controller], precision: Precision, flags: &[&str]) -> PathBuf {
@@ -37,47 +28,6 @@ fn build(test: &str, controllers: &[Controller], precision: Precision, flags: &[
     std::fs::write(folder.join("server.c"), server(&names)).unwrap();
     run(Command::new("cc").current_dir(&folder).args(flags).args(&sources).args(["-o", "server"]));
     folder.join("server")
-}
-
-/// Irregular requests: samples, resets, changes of the out-of-balance.
-fn requests(controllers: usize, samples: usize) -> Vec<(usize, Request)> {
-    let mut random = Random(99);
-    let mut all = Vec::new();
-    for k in 0..samples {
-        for which in 0..controllers {
-            match k % 97 {
-                31 => all.push((which, Request::Set(300.0 * random.signed()))),
-                77 => all.push((which, Request::Reset)),
-                _ => {}
-            }
-            all.push((which, Request::Step(random.readings().map(|value| f64::from(value as f32)))));
-        }
-    }
-    all
-}
-
-/// What the reference answers to the requests.
-fn reference<N: Number>(controllers: &[Controller], requests: &[(usize, Request)]) -> Vec<f64> {
-    use counterpoise_controller::SampledController;
-    let mut runners: Vec<_> = controllers.iter().map(|controller| controller.runner_in::<N>()).collect();
-    let mut answer = |(which, request): &(usize, Request)| match request {
-        Request::Reset => {
-            runners[*which].reset();
-            0.0
-        }
-        Request::Set(value) => {
-            runners[*which].set_out_of_balance(*value);
-            0.0
-        }
-        Request::Step(readings) => runners[*which].step_array(readings),
-    };
-    requests.iter().map(&mut answer).collect()
-}
-
-fn equal_to_the_last_bit(found: &[f64], expected: &[f64]) {
-    assert_eq!(found.len(), expected.len());
-    let differs = found.iter().zip(expected).position(|(a, b)| a.to_bits() != b.to_bits());
-    assert_eq!(differs, None, "{:?}", differs.map(|i| (found[i], expected[i])));
 }
 
 #[test]

@@ -6,9 +6,9 @@ use std::path::{Path as FilePath, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use counterpoise_controller::{
-    Controller, FrictionObserver, Parts, Path, READINGS, Readings, SampledController, Scaling, Signal,
+    Controller, FrictionObserver, Number, Parts, Path, READINGS, Readings, SampledController, Scaling, Signal,
 };
-use counterpoise_export::File;
+use counterpoise_export::{File, Provenance};
 use counterpoise_lti::{Mat, StateSpace, Timebase};
 
 /// A folder for one test, emptied.
@@ -64,10 +64,12 @@ pub fn typical() -> Controller {
     parts.out_of_balance_range_kg_m = (-50.0, 300.0);
     parts.bias_v_per_kg_m = 0.019;
     parts.transfer_time_s = 0.05;
-    let mut feedback = path("feedback", vec![Signal::RateError], modal(&mut random, 12, 1));
-    feedback.system.A[(0, 0)] = 1.0;
+    let one = |x: f64| Mat::from_rows(&[&[x]]);
+    let timebase = Timebase::Discrete { period_s: 1e-3 };
+    let integrator = StateSpace::new(one(1.0), one(0.03), one(1.0), one(9.0), timebase).unwrap();
+    let both = counterpoise_lti::parallel(&integrator, &modal(&mut random, 11, 1)).unwrap();
+    let mut feedback = path("feedback", vec![Signal::RateError], both);
     feedback.anti_windup[0] = 0.02;
-    feedback.system.D[(0, 0)] = 9.0;
     let mut heave = path("heave", vec![Signal::PlatformAcceleration], modal(&mut random, 9, 1));
     heave.scaling = Scaling::WithOutOfBalance;
     let pitch = path("pitch", vec![Signal::PlatformRate], modal(&mut random, 8, 1));
@@ -280,4 +282,56 @@ impl SampledController for InLoop {
     fn step(&mut self, readings: &Readings) -> f64 {
         self.0.ask(0, Request::Step(readings.to_array()))
     }
+}
+
+/// A provenance.
+pub fn provenance() -> Provenance {
+    Provenance {
+        generator: "counterpoise 0.1.0".into(),
+        project: "reference rig".into(),
+        project_hash: "0123456789abcdef".into(),
+        weights: vec!["feedback error 1/(s)".into()],
+        verdicts: vec!["gain margin >= 12 dB: holds (13.1 dB)".into()],
+    }
+}
+
+/// Irregular requests: samples, resets, changes of the out-of-balance.
+pub fn requests(controllers: usize, samples: usize) -> Vec<(usize, Request)> {
+    let mut random = Random(99);
+    let mut all = Vec::new();
+    for k in 0..samples {
+        for which in 0..controllers {
+            match k % 97 {
+                31 => all.push((which, Request::Set(300.0 * random.signed()))),
+                77 => all.push((which, Request::Reset)),
+                _ => {}
+            }
+            all.push((which, Request::Step(random.readings().map(|value| f64::from(value as f32)))));
+        }
+    }
+    all
+}
+
+/// What the reference answers to the requests.
+pub fn reference<N: Number>(controllers: &[Controller], requests: &[(usize, Request)]) -> Vec<f64> {
+    let mut runners: Vec<_> = controllers.iter().map(|controller| controller.runner_in::<N>()).collect();
+    let mut answer = |(which, request): &(usize, Request)| match request {
+        Request::Reset => {
+            runners[*which].reset();
+            0.0
+        }
+        Request::Set(value) => {
+            runners[*which].set_out_of_balance(*value);
+            0.0
+        }
+        Request::Step(readings) => runners[*which].step_array(readings),
+    };
+    requests.iter().map(&mut answer).collect()
+}
+
+/// Compares bit by bit.
+pub fn equal_to_the_last_bit(found: &[f64], expected: &[f64]) {
+    assert_eq!(found.len(), expected.len());
+    let differs = found.iter().zip(expected).position(|(a, b)| a.to_bits() != b.to_bits());
+    assert_eq!(differs, None, "{:?}", differs.map(|i| (found[i], expected[i])));
 }

@@ -1,0 +1,112 @@
+//! The controller as a Rust crate.
+
+use counterpoise_controller::Controller;
+use counterpoise_controller::program::{OnReset, Operation, Program, Slot};
+use minijinja::{Environment, context};
+
+use crate::print::{Dialect, Printer, literal, state};
+use crate::vectors::{Vector, shipped};
+use crate::{Error, File, Options, Precision, Provenance, READING_FIELDS, check_name, check_range};
+
+/// The controller as a `no_std` Rust crate without dependencies and without `unsafe`: `Cargo.toml`, `src/lib.rs` and
+/// `tests/vectors.rs`, the same arithmetic and the same vectors as [`crate::c99()`].
+///
+/// # Errors
+/// As [`crate::c99()`].
+pub fn rust_crate(
+    controller: &Controller,
+    provenance: &Provenance,
+    options: &Options,
+) -> Result<Vec<File>, Error> {
+    check_name(&options.name)?;
+    check_range(controller, options.precision)?;
+    let data = data(controller, provenance, options);
+    let environment = Environment::new();
+    let templates = [
+        ("Cargo.toml", include_str!("../templates/cargo.toml.jinja")),
+        ("src/lib.rs", include_str!("../templates/lib.rs.jinja")),
+        ("tests/vectors.rs", include_str!("../templates/vectors.rs.jinja")),
+    ];
+    let fill = |(name, template): (&str, &str)| {
+        let text = environment.render_str(template, &data)?.trim_end().to_owned() + "\n";
+        Ok(File { name: format!("{}/{name}", options.name), text })
+    };
+    templates.into_iter().map(fill).collect()
+}
+
+fn data(controller: &Controller, provenance: &Provenance, options: &Options) -> minijinja::Value {
+    let programs = controller.programs();
+    let precision = options.precision;
+    let printer = |program, input_prefix| Printer {
+        dialect: Dialect::Rust,
+        precision,
+        programs,
+        program,
+        real: "Real",
+        input_prefix,
+    };
+    let (step, set) = (printer(&programs.step, "readings."), printer(&programs.set_out_of_balance, ""));
+    context! {
+        name => options.name.as_str(),
+        number => if precision == Precision::Double { "f64" } else { "f32" },
+        provenance => provenance.lines(),
+        readings => READING_FIELDS,
+        states => state_fields(controller),
+        start => start(controller, precision),
+        restart => restart(controller, precision),
+        step => step.body(),
+        set => set.body(),
+        reads_input => reads_input(&programs.step),
+        period => literal(controller.sample_period_s(), precision, Dialect::Rust),
+        limit => literal(controller.limit_v(), precision, Dialect::Rust),
+        vectors => shipped(controller, precision).iter().map(|v| row(v, precision)).collect::<Vec<_>>(),
+    }
+}
+
+fn reads_input(program: &Program) -> bool {
+    let reads = |operation: &Operation| operation.reads().iter().any(|slot| matches!(slot, Slot::Input(_)));
+    program.operations().any(reads)
+}
+
+fn state_fields(controller: &Controller) -> Vec<String> {
+    let kind = |length: Option<usize>| length.map_or("Real".to_owned(), |n| format!("[Real; {n}]"));
+    let groups = &controller.programs().states;
+    groups.iter().map(|group| format!("{}: {}", group.name, kind(group.length))).collect()
+}
+
+/// Field initialisers.
+fn start(controller: &Controller, precision: Precision) -> Vec<String> {
+    let number = |value: f64| literal(value, precision, Dialect::Rust);
+    let groups = &controller.programs().states;
+    groups
+        .iter()
+        .map(|group| match group.length {
+            Some(n) => format!("{}: [0.0; {n}]", group.name),
+            None => format!("{}: {}", group.name, number(group.initial.first().copied().unwrap_or(0.0))),
+        })
+        .collect()
+}
+
+/// Assignments of a reset.
+fn restart(controller: &Controller, precision: Precision) -> Vec<String> {
+    let programs = controller.programs();
+    let groups = programs.states.iter().filter(|group| group.on_reset == OnReset::Restart);
+    groups
+        .map(|group| match group.length {
+            Some(n) => format!("self.{} = [0.0; {n}];", group.name),
+            None => {
+                let value = group.initial.first().copied().unwrap_or(0.0);
+                let place = state(programs, group.first, Dialect::Rust);
+                format!("{place} = {};", literal(value, precision, Dialect::Rust))
+            }
+        })
+        .collect()
+}
+
+fn row(vector: &Vector, precision: Precision) -> String {
+    let number = |value: f64| literal(value, precision, Dialect::Rust);
+    let readings: Vec<String> = vector.readings.iter().map(|value| number(*value)).collect();
+    let set =
+        vector.set_out_of_balance_kg_m.map_or("None".to_owned(), |value| format!("Some({})", number(value)));
+    format!("({set}, [{}], {})", readings.join(", "), number(vector.control_v))
+}
