@@ -1,0 +1,66 @@
+//! The structure of a mechanism in one of its configurations.
+
+use super::fe::{FeModel, FeOptions, Fitted};
+use super::reduced::{PinnedStructure, lumped, pinned};
+use crate::Error;
+use crate::parameters::{Beam, Configuration, Parameters};
+
+/// A mechanism's beam with what a configuration fits to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Structure {
+    /// The beam.
+    pub beam: Beam,
+    /// What is fitted to it.
+    pub fitted: Fitted,
+}
+
+impl Structure {
+    /// The structure of a mechanism; `configuration` is `None` where nothing is fitted.
+    ///
+    /// # Errors
+    /// [`Error::NoStructure`] where the mechanism has no beam, [`Error::UnknownMass`] for a mass that it does not have.
+    pub fn new(parameters: &Parameters, configuration: Option<&Configuration>) -> Result<Self, Error> {
+        let beam = parameters.beam.clone().ok_or(Error::NoStructure)?;
+        let mut fitted = Fitted::default();
+        if let Some(configuration) = configuration {
+            fitted.hub_inertia_kg_m2 = configuration.added_hub_inertia_kg_m2;
+            for name in &configuration.masses {
+                let found = beam.masses.iter().find(|m| m.name == *name);
+                fitted.masses.push(found.cloned().ok_or_else(|| Error::UnknownMass {
+                    mass: name.clone(),
+                    configuration: configuration.name.clone(),
+                })?);
+            }
+        }
+        Ok(Self { beam, fitted })
+    }
+
+    /// Its finite-element model.
+    ///
+    /// # Errors
+    /// As for [`FeModel::beam`].
+    pub fn fe(&self, options: &FeOptions) -> Result<FeModel, Error> {
+        FeModel::beam(&self.beam, &self.fitted, options)
+    }
+
+    /// Its first `modes` flexible modes, pinned at the hub: what [`crate::Plant::with_body`] takes.
+    ///
+    /// # Errors
+    /// As for [`FeModel::beam`] and [`pinned`].
+    pub fn pinned(&self, options: &FeOptions, modes: usize) -> Result<PinnedStructure, Error> {
+        pinned(&self.fe(options)?, &self.beam.modal_damping, modes)
+    }
+}
+
+/// The parameters with two inertias derived from the bare beam where none are given, and as they are otherwise.
+///
+/// # Errors
+/// [`Error::NoStructure`] where there is neither, else as for [`FeModel::beam`] and [`lumped`].
+pub fn with_derived_lumped(parameters: &Parameters, options: &FeOptions) -> Result<Parameters, Error> {
+    if parameters.lumped.is_some() {
+        return Ok(parameters.clone());
+    }
+    let structure = Structure::new(parameters, None)?;
+    let derived = lumped(&structure.fe(options)?, &structure.beam.modal_damping)?;
+    Ok(Parameters { lumped: Some(derived), ..parameters.clone() })
+}

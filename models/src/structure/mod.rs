@@ -1,0 +1,37 @@
+//! The structure: finite elements of the beam, or matrices from elsewhere, down to a few modes or two inertias.
+//!
+//! In comes [`crate::Beam`] with what is fitted to it (or M, C, K as text); out go frequencies, shapes, effective masses,
+//! the [`crate::plant::Body`] of the plant and the derived [`crate::Lumped`].
+//!
+//! *Invariant*: nothing here knows the drive, a file or time.
+//!
+//! Modules in reading order: [`profile`], [`element`], [`power_law`], [`mesh`], [`fe`], [`modes`], [`damping`],
+//! [`reduced`], [`configured`].
+//!
+//! ```
+//! use counterpoise_models::structure::{FeModel, FeOptions, Fitted, lumped};
+//! let rig = counterpoise_models::reference::rig();
+//! let beam = rig.beam.ok_or(counterpoise_models::Error::NoStructure)?;
+//! let model = FeModel::beam(&beam, &Fitted::default(), &FeOptions::default())?;
+//! let two_inertias = lumped(&model, &beam.modal_damping)?;
+//! assert!((two_inertias.hub_inertia_kg_m2 - 74.1).abs() < 0.1);
+//! # Ok::<(), counterpoise_models::Error>(())
+//! ```
+
+pub mod configured;
+pub mod damping;
+pub mod element;
+pub mod fe;
+pub mod mesh;
+pub mod modes;
+pub mod power_law;
+pub mod profile;
+pub mod reduced;
+
+pub use configured::{Structure, with_derived_lumped};
+pub use element::{Integration, Theory};
+pub use fe::{FeModel, FeOptions, Fitted, NodeRows};
+pub use mesh::Mesh;
+pub use modes::{Direction, Modes, Support, modes};
+pub use profile::Profile;
+pub use reduced::{LockedMode, LockedStructure, PinnedStructure, locked, lumped, pinned};

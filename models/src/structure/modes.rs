@@ -1,0 +1,146 @@
+//! Modal analysis: natural frequencies, shapes and effective masses.
+
+use super::fe::FeModel;
+use crate::Error;
+use counterpoise_lti::Mat;
+use counterpoise_lti::linalg::sym_gen_eigen;
+
+/// How the structure is held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Support {
+    /// Not at all: two rigid modes.
+    Free,
+    /// The hub's deflection is held, its rotation free: one rigid mode.
+    Pinned,
+    /// Deflection and rotation of the hub are held.
+    Clamped,
+}
+
+/// A rigid motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Direction {
+    /// Upward translation.
+    Heave,
+    /// Rotation about the pivot.
+    Pitch,
+}
+
+/// The undamped modes of a structure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Modes {
+    /// How the structure was held.
+    pub support: Support,
+    /// Number of rigid modes, which come first and have frequency 0.
+    pub rigid: usize,
+    /// Natural frequencies, rad/s, rising.
+    pub frequencies_rad_s: Vec<f64>,
+    /// Mode shapes as columns over all unknowns, held ones included as zeros; phi' M phi = 1, the tip moves upward.
+    pub shapes: Mat,
+}
+
+/// The modes: K phi = w^2 M phi on the unknowns that the support leaves free.
+///
+/// The rigid modes are the exact rigid motions, and the flexible ones are made orthogonal to them. Cost: one symmetric
+/// eigenproblem of the number of unknowns.
+///
+/// # Errors
+/// [`Error::NoHubNode`] where a held structure has no node at the pivot, [`Error::NotFree`] where K resists a rigid
+/// motion that the support leaves free, [`Error::Linalg`] where M is not positive definite.
+pub fn modes(model: &FeModel, support: Support) -> Result<Modes, Error> {
+    let n = model.M.nrows();
+    let held = held(model, support)?;
+    let free: Vec<usize> = (0..n).filter(|i| !held.contains(i)).collect();
+    let rigid = rigid_modes(model, support)?;
+    let (values, vectors) = sym_gen_eigen(&model.K.select(&free, &free), &model.M.select(&free, &free))?;
+    let mut out = Modes {
+        support,
+        rigid: rigid.len(),
+        frequencies_rad_s: values.iter().map(|v| v.max(0.0).sqrt()).collect(),
+        shapes: Mat::zeros(n, free.len()),
+    };
+    for (j, shape) in rigid.iter().enumerate() {
+        out.frequencies_rad_s[j] = 0.0;
+        out.shapes.column_mut(j).copy_from_slice(shape);
+    }
+    for j in rigid.len()..free.len() {
+        let mut shape = vec![0.0; n];
+        free.iter().enumerate().for_each(|(k, &i)| shape[i] = vectors[(k, j)]);
+        rigid.iter().for_each(|r| remove(model, &mut shape, r));
+        normalise(model, &mut shape);
+        out.shapes.column_mut(j).copy_from_slice(&shape);
+    }
+    Ok(out)
+}
+
+impl Modes {
+    /// Natural frequencies of the flexible modes, rad/s.
+    pub fn flexible_rad_s(&self) -> &[f64] {
+        &self.frequencies_rad_s[self.rigid..]
+    }
+
+    /// Shape of flexible mode `k`, from 0.
+    pub fn flexible_shape(&self, k: usize) -> &[f64] {
+        self.shapes.column(self.rigid + k)
+    }
+
+    /// Participation phi_k' M r of each mode in a rigid motion, kg^(1/2) or kg^(1/2) m.
+    pub fn participation(&self, model: &FeModel, direction: Direction) -> Vec<f64> {
+        let rigid = match direction {
+            Direction::Heave => &model.heave,
+            Direction::Pitch => &model.pitch,
+        };
+        let carried = &model.M * &Mat::col(rigid);
+        (&self.shapes.t() * &carried).as_slice().to_vec()
+    }
+
+    /// Effective mass (phi_k' M r)^2 of each mode: kg for heave, kg m^2 for pitch. Over all modes they add up to the
+    /// total mass or inertia, less what rests on the held unknowns.
+    pub fn effective_mass(&self, model: &FeModel, direction: Direction) -> Vec<f64> {
+        self.participation(model, direction).into_iter().map(|p| p * p).collect()
+    }
+}
+
+fn held(model: &FeModel, support: Support) -> Result<Vec<usize>, Error> {
+    match support {
+        Support::Free => Ok(Vec::new()),
+        Support::Pinned => model.hub.map(|h| vec![h.deflection]).ok_or(Error::NoHubNode),
+        Support::Clamped => model.hub.map(|h| vec![h.deflection, h.rotation]).ok_or(Error::NoHubNode),
+    }
+}
+
+/// The rigid modes that the support leaves, of unit modal mass and orthogonal.
+fn rigid_modes(model: &FeModel, support: Support) -> Result<Vec<Vec<f64>>, Error> {
+    let motions: &[(&'static str, &Vec<f64>)] = match support {
+        Support::Free => &[("heave", &model.heave), ("pitch", &model.pitch)],
+        Support::Pinned => &[("pitch", &model.pitch)],
+        Support::Clamped => &[],
+    };
+    let mut out: Vec<Vec<f64>> = Vec::new();
+    for (motion, vector) in motions {
+        let vector_norm = Mat::col(vector).norm_fro();
+        let relative = (&model.K * &Mat::col(vector)).norm_fro() / (model.K.norm_fro() * vector_norm);
+        if relative > FREE {
+            return Err(Error::NotFree { motion, relative });
+        }
+        let mut shape = (*vector).clone();
+        out.iter().for_each(|r| remove(model, &mut shape, r));
+        normalise(model, &mut shape);
+        out.push(shape);
+    }
+    Ok(out)
+}
+
+/// Resistance of K to a rigid motion, relative to its norm, that counts as none.
+const FREE: f64 = 1e-6;
+
+fn remove(model: &FeModel, shape: &mut [f64], rigid: &[f64]) {
+    let share = model.inner(rigid, shape);
+    shape.iter_mut().zip(rigid).for_each(|(s, r)| *s -= share * r);
+}
+
+/// Unit modal mass, tip upward.
+fn normalise(model: &FeModel, shape: &mut [f64]) {
+    let norm = model.inner(shape, shape).sqrt();
+    let factor = if shape[model.tip.deflection] < 0.0 { -1.0 / norm } else { 1.0 / norm };
+    shape.iter_mut().for_each(|s| *s *= factor);
+}

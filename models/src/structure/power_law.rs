@@ -1,0 +1,90 @@
+//! The thesis' non-uniform element (R. Gallagher and C. Lee, 1970): area and second moment follow a power law.
+//!
+//! A(xi) = A_0 (1 + s xi^b), I(xi) = I_0 (1 + r xi^a) through the near end, the middle and the far end: (5-17) to
+//! (5-20), with the entries that the print has wrong corrected and the rotation's sign that of the uniform element.
+
+use super::element::{Element, Matrix4, Shape};
+use super::profile::Profile;
+use crate::Error;
+
+/// The element from x = `from_m` to `to_m`, Bernoulli-Euler.
+///
+/// # Errors
+/// [`Error::PowerLaw`] where the three cross sections are not monotone, so that no power law passes through them.
+pub fn element(profile: &Profile, from_m: f64, to_m: f64) -> Result<Element, Error> {
+    let (near, far) = (profile.after(from_m), profile.before(to_m));
+    let middle = profile.after(0.5 * (from_m + to_m));
+    let refused = || Error::PowerLaw { from_m, to_m };
+    let area = PowerLaw::through(near.area_m2, middle.area_m2, far.area_m2).ok_or_else(refused)?;
+    let second = PowerLaw::through(near.second_moment_m4, middle.second_moment_m4, far.second_moment_m4);
+    let length = to_m - from_m;
+    let line_mass = profile.density_kg_m3() * near.area_m2;
+    let rigidity = profile.youngs_modulus_pa() * near.second_moment_m4;
+    Ok(Element {
+        mass: mass(line_mass, length, &area),
+        stiffness: stiffness(rigidity, length, &second.ok_or_else(refused)?),
+        shape: Shape::hermite(from_m, to_m),
+    })
+}
+
+/// 1 + excess xi^exponent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PowerLaw {
+    /// Value at the far end over that at the near end, less 1.
+    pub excess: f64,
+    /// Exponent.
+    pub exponent: f64,
+}
+
+/// Difference of two cross sections, relative, that counts as none.
+const SAME: f64 = 1e-12;
+
+impl PowerLaw {
+    /// The law through the values at the near end, the middle and the far end: (5-19), (5-20). `None` where the
+    /// middle is not strictly between the ends, unless all three are the same.
+    pub fn through(near: f64, middle: f64, far: f64) -> Option<Self> {
+        let same = |a: f64, b: f64| (a - b).abs() <= SAME * near.abs();
+        if same(near, far) {
+            return same(near, middle).then_some(Self { excess: 0.0, exponent: 1.0 });
+        }
+        let share = (middle - near) / (far - near);
+        let monotone = share > 0.0 && share < 1.0 && near > 0.0;
+        monotone.then(|| Self { excess: far / near - 1.0, exponent: -share.log2() })
+    }
+
+    /// sum c_k / (exponent + k) x excess.
+    fn moments(&self, terms: &[(f64, f64)]) -> f64 {
+        self.excess * terms.iter().map(|(c, k)| c / (self.exponent + k)).sum::<f64>()
+    }
+}
+
+/// The mass matrix, (5-17) corrected; `line_mass` is rho A_0, kg/m.
+pub fn mass(line_mass: f64, length: f64, law: &PowerLaw) -> Matrix4 {
+    let m = |uniform: f64, terms: &[(f64, f64)]| line_mass * length * (uniform / 420.0 + law.moments(terms));
+    let l = length;
+    let m11 = m(156.0, &[(1.0, 1.0), (-6.0, 3.0), (4.0, 4.0), (9.0, 5.0), (-12.0, 6.0), (4.0, 7.0)]);
+    let m21 = l * m(22.0, &[(1.0, 2.0), (-2.0, 3.0), (-2.0, 4.0), (8.0, 5.0), (-7.0, 6.0), (2.0, 7.0)]);
+    let m31 = m(54.0, &[(3.0, 3.0), (-2.0, 4.0), (-9.0, 5.0), (12.0, 6.0), (-4.0, 7.0)]);
+    let m41 = -l * m(13.0, &[(1.0, 3.0), (-1.0, 4.0), (-3.0, 5.0), (5.0, 6.0), (-2.0, 7.0)]);
+    let m22 = l * l * m(4.0, &[(1.0, 3.0), (-4.0, 4.0), (6.0, 5.0), (-4.0, 6.0), (1.0, 7.0)]);
+    let m32 = l * m(13.0, &[(3.0, 4.0), (-8.0, 5.0), (7.0, 6.0), (-2.0, 7.0)]);
+    let m42 = -l * l * m(3.0, &[(1.0, 4.0), (-3.0, 5.0), (3.0, 6.0), (-1.0, 7.0)]);
+    let m33 = m(156.0, &[(9.0, 5.0), (-12.0, 6.0), (4.0, 7.0)]);
+    let m43 = -l * m(22.0, &[(3.0, 5.0), (-5.0, 6.0), (2.0, 7.0)]);
+    let m44 = l * l * m(4.0, &[(1.0, 5.0), (-2.0, 6.0), (1.0, 7.0)]);
+    [[m11, m21, m31, m41], [m21, m22, m32, m42], [m31, m32, m33, m43], [m41, m42, m43, m44]]
+}
+
+/// The stiffness matrix, (5-18) in the sign convention of (5-5); `rigidity` is E I_0, N m^2.
+pub fn stiffness(rigidity: f64, length: f64, law: &PowerLaw) -> Matrix4 {
+    let l = length;
+    let k =
+        |factor: f64, many: f64, terms: &[(f64, f64)]| factor * rigidity * (1.0 + many * law.moments(terms));
+    let k11 = k(12.0 / (l * l * l), 3.0, &[(1.0, 1.0), (-4.0, 2.0), (4.0, 3.0)]);
+    let k21 = k(6.0 / (l * l), 2.0, &[(2.0, 1.0), (-7.0, 2.0), (6.0, 3.0)]);
+    let k22 = k(4.0 / l, 1.0, &[(4.0, 1.0), (-12.0, 2.0), (9.0, 3.0)]);
+    let k41 = k(6.0 / (l * l), 2.0, &[(1.0, 1.0), (-5.0, 2.0), (6.0, 3.0)]);
+    let k42 = k(2.0 / l, 2.0, &[(2.0, 1.0), (-9.0, 2.0), (9.0, 3.0)]);
+    let k44 = k(4.0 / l, 1.0, &[(1.0, 1.0), (-6.0, 2.0), (9.0, 3.0)]);
+    [[k11, k21, -k11, k41], [k21, k22, -k21, k42], [-k11, -k21, k11, -k41], [k41, k42, -k41, k44]]
+}
