@@ -29,7 +29,11 @@ fn row(line: &str) -> (String, BTreeSet<String>) {
 fn graph_in_cargo() -> Graph {
     let workspace: toml::Table = fs::read_to_string(root().join("Cargo.toml")).unwrap().parse().unwrap();
     let members = workspace["workspace"]["members"].as_array().unwrap();
-    members.iter().map(|member| member.as_str().unwrap()).map(|folder| (folder.to_owned(), uses(folder))).collect()
+    members
+        .iter()
+        .map(|member| member.as_str().unwrap())
+        .map(|folder| (folder.to_owned(), uses(folder)))
+        .collect()
 }
 
 fn uses(folder: &str) -> BTreeSet<String> {
@@ -47,7 +51,18 @@ fn architecture_page_matches_cargo() {
 #[test]
 fn nothing_below_project_touches_the_world() {
     let forbidden = ["std::fs", "std::thread", "std::time", "std::env", "println!", "eprintln!", "rayon"];
-    for room in ["linalg", "lti", "controller", "models", "reduce", "synth", "simulate", "verify", "diagnose", "export"] {
+    for room in [
+        "linalg",
+        "lti",
+        "controller",
+        "models",
+        "reduce",
+        "synth",
+        "simulate",
+        "verify",
+        "diagnose",
+        "export",
+    ] {
         for file in rust_files(&root().join(room).join("src")) {
             let text = fs::read_to_string(&file).unwrap();
             let code = text.split("#[cfg(test)]").next().unwrap();

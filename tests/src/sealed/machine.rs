@@ -1,0 +1,192 @@
+//! The mechanism of the reference rig, written apart from the studio's simulator: Runge and Kutta's classical method
+//! at a fixed step, states and friction in forms of its own, for recordings whose truth the diagnosis cannot see.
+
+/// What the machine has; every field in SI units.
+#[derive(Debug, Clone)]
+pub struct Machine {
+    pub gravity: f64,
+    pub hub_inertia: f64,
+    pub beam_inertia: f64,
+    pub beam_stiffness: f64,
+    pub beam_damping: f64,
+    pub moment: f64,
+    pub moment_above: f64,
+    pub spring: f64,
+    pub spring_centre: f64,
+    pub spring_cubic: f64,
+    pub ratio: f64,
+    pub gear_stiffness: f64,
+    pub gear_damping: f64,
+    pub backlash: f64,
+    pub motor_inertia: f64,
+    pub torque_constant: f64,
+    pub back_emf: f64,
+    pub resistance: f64,
+    pub inductance: f64,
+    pub cogging: [f64; 3],
+    pub amplifier_gain: f64,
+    pub current_feedback: f64,
+    pub amplifier_time: f64,
+    pub amplifier_curve: Vec<[f64; 2]>,
+    pub dead_zone: f64,
+    pub current_limit: f64,
+    pub motor_friction: Dry,
+    pub pivot_friction: Dry,
+    pub quadratic_drag: f64,
+    pub delay_samples: usize,
+    pub hub_gyro: Gyro,
+    pub platform_gyro: Gyro,
+    pub accelerometer: Gyro,
+    pub lever_arm: f64,
+    pub platform_late: usize,
+    /// Torque on the hub that no model of the library has: amplitude, frequency in Hz, phase (a pump, a fan).
+    pub hum: [f64; 3],
+    /// Relative loss of drive torque per second of running, up to a fifth.
+    pub fading: f64,
+}
+
+/// Dry friction by Dahl's law with exponent 1, Stribeck level, asymmetry, and viscous part.
+#[derive(Debug, Clone)]
+pub struct Dry {
+    pub level: f64,
+    pub stiffness: f64,
+    pub viscous: f64,
+    pub static_ratio: f64,
+    pub stribeck_rate: f64,
+    pub asymmetry: f64,
+}
+
+/// A sensor of second order with errors.
+#[derive(Debug, Clone)]
+pub struct Gyro {
+    pub natural: f64,
+    pub damping: f64,
+    pub volts: f64,
+    pub noise: f64,
+    pub gain: f64,
+    pub bias: f64,
+    pub per_heave: f64,
+    pub late: usize,
+}
+
+/// What the platform does at an instant.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Platform {
+    pub angle: f64,
+    pub rate: f64,
+    pub acceleration: f64,
+    pub heave: f64,
+}
+
+/// Number of states: drive voltage, current, motor angle and rate, hub angle and rate, beam angle and rate, two
+/// friction torques, three sensors of two states.
+pub const STATES: usize = 16;
+
+impl Dry {
+    /// Level at a rate.
+    fn at(&self, rate: f64) -> f64 {
+        let stribeck = 1.0 + (self.static_ratio - 1.0) * (-(rate / self.stribeck_rate).powi(2)).exp();
+        self.level * stribeck * (1.0 + self.asymmetry * rate.signum())
+    }
+
+    fn slope(&self, torque: f64, rate: f64) -> f64 {
+        self.stiffness * rate * (1.0 - torque / self.at(rate) * rate.signum())
+    }
+}
+
+impl Machine {
+    /// Input of the amplifier after dead zone and curve.
+    fn shaped(&self, control: f64) -> f64 {
+        let v = control.clamp(-10.0, 10.0);
+        let v = v.signum() * (v.abs() - self.dead_zone).max(0.0);
+        if self.amplifier_curve.is_empty() {
+            return v;
+        }
+        let linear = self.amplifier_gain / (self.resistance + self.amplifier_gain * self.current_feedback);
+        let mut from = [0.0, 0.0];
+        for &to in &self.amplifier_curve {
+            if v.abs() <= to[0] {
+                let current = from[1] + (to[1] - from[1]) * (v.abs() - from[0]) / (to[0] - from[0]);
+                return v.signum() * current / linear;
+            }
+            from = to;
+        }
+        v
+    }
+
+    /// Derivatives of the states.
+    pub fn slopes(&self, t: f64, x: &[f64; STATES], control: f64, platform: Platform) -> [f64; STATES] {
+        let [volts, amps, shaft, spin, hub, hub_rate, beam, beam_rate, motor_dry, pivot_dry, ..] = *x;
+        let mut d = [0.0; STATES];
+        let clamp = |v: f64| v.clamp(-150.0, 150.0);
+        d[0] = (self.amplifier_gain * (self.shaped(control) - self.current_feedback * amps) - volts)
+            / self.amplifier_time;
+        d[1] = (clamp(volts) - self.resistance * amps - self.back_emf * spin) / self.inductance;
+        let fade = 1.0 - (self.fading * t).min(0.2);
+        let drive = self.torque_constant * fade * amps.clamp(-self.current_limit, self.current_limit);
+        let wound = shaft / self.ratio + platform.angle - hub;
+        let winding = spin / self.ratio + platform.rate - hub_rate;
+        let half = 0.5 * self.backlash;
+        let gear = if wound.abs() > half {
+            self.gear_stiffness * (wound - half * wound.signum()) + self.gear_damping * winding
+        } else {
+            0.0
+        };
+        let cog = self.cogging[0] * (self.cogging[1] * shaft + self.cogging[2]).sin();
+        d[2] = spin;
+        d[3] = (drive + cog - motor_dry - self.motor_friction.viscous * spin - gear / self.ratio)
+            / self.motor_inertia;
+        let sliding = hub_rate - platform.rate;
+        let twist = self.beam_stiffness * (hub - beam) + self.beam_damping * (hub_rate - beam_rate);
+        let weight =
+            (self.gravity + platform.heave) * (self.moment * hub.cos() - self.moment_above * hub.sin());
+        let stretch = hub - platform.angle - self.spring_centre;
+        let cable = self.spring * stretch + self.spring_cubic * stretch.powi(3);
+        let drag = self.pivot_friction.viscous * sliding + self.quadratic_drag * sliding * sliding.abs();
+        let hum = self.hum[0] * (std::f64::consts::TAU * self.hum[1] * t + self.hum[2]).sin();
+        d[4] = hub_rate;
+        d[5] = (gear - twist - pivot_dry - drag - weight - cable + hum) / self.hub_inertia;
+        d[6] = beam_rate;
+        d[7] = twist / self.beam_inertia;
+        d[8] = self.motor_friction.slope(motor_dry, spin);
+        d[9] = self.pivot_friction.slope(pivot_dry, sliding);
+        let lever = platform.heave + self.lever_arm * platform.acceleration;
+        let sensed =
+            [(&self.hub_gyro, hub_rate), (&self.platform_gyro, platform.rate), (&self.accelerometer, lever)];
+        for (k, (gyro, truth)) in sensed.into_iter().enumerate() {
+            let (y, speed) = (x[10 + 2 * k], x[11 + 2 * k]);
+            d[10 + 2 * k] = speed;
+            d[11 + 2 * k] =
+                gyro.natural * gyro.natural * (truth - y) - 2.0 * gyro.damping * gyro.natural * speed;
+        }
+        d
+    }
+
+    /// One classical Runge-Kutta step of length `h`, the platform given at its start, middle and end.
+    pub fn step(
+        &self,
+        t: f64,
+        h: f64,
+        x: &[f64; STATES],
+        control: f64,
+        platform: [Platform; 3],
+    ) -> [f64; STATES] {
+        let along = |x: &[f64; STATES], k: &[f64; STATES], s: f64| std::array::from_fn(|i| x[i] + s * k[i]);
+        let k1 = self.slopes(t, x, control, platform[0]);
+        let k2 = self.slopes(t + 0.5 * h, &along(x, &k1, 0.5 * h), control, platform[1]);
+        let k3 = self.slopes(t + 0.5 * h, &along(x, &k2, 0.5 * h), control, platform[1]);
+        let k4 = self.slopes(t + h, &along(x, &k3, h), control, platform[2]);
+        std::array::from_fn(|i| x[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]))
+    }
+
+    /// At rest with the motor holding the imbalance, everything level.
+    pub fn at_rest(&self) -> [f64; STATES] {
+        let weight = self.gravity * self.moment - self.spring * self.spring_centre;
+        let wound = weight / self.gear_stiffness + 0.5 * self.backlash * weight.signum();
+        let mut x = [0.0; STATES];
+        x[1] = weight / self.ratio / self.torque_constant;
+        x[0] = self.resistance * x[1];
+        x[2] = self.ratio * wound;
+        x
+    }
+}

@@ -1,0 +1,326 @@
+//! Which machine a seed gives: what it has that its project does not know, concealed from the diagnosis.
+
+use counterpoise_models::{FrictionLaw, Parameters, Sensor};
+
+use super::experiment::{Dice, Recorder};
+use super::machine::{Dry, Gyro, Machine};
+
+/// Something that the project does not know.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Concealed {
+    pub component: &'static str,
+    pub effect: &'static str,
+    /// Name and true value of each parameter that a diagnosis should find.
+    pub parameters: Vec<(&'static str, f64)>,
+    /// Size relative to one that is easily seen.
+    pub size: f64,
+    /// Names that recordings of this kind cannot tell from it.
+    pub also: Vec<(&'static str, &'static str)>,
+}
+
+/// How a machine was drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Family {
+    Nothing,
+    Single,
+    Pair,
+    Instrument,
+    Outside,
+}
+
+/// The sealed answer of one machine.
+#[derive(Debug, Clone)]
+pub struct Sealed {
+    pub family: Family,
+    pub concealed: Vec<Concealed>,
+    pub noise: f64,
+    pub motor_rate: bool,
+    pub hub_position: bool,
+}
+
+/// The machine that a project describes, as this simulator writes it.
+pub fn machine(p: &Parameters) -> Machine {
+    let l = p.lumped.clone().unwrap_or_else(|| panic!("the sealed machines are lumped"));
+    Machine {
+        gravity: p.gravity_m_s2,
+        hub_inertia: l.hub_inertia_kg_m2,
+        beam_inertia: l.beam_inertia_kg_m2,
+        beam_stiffness: l.stiffness_nm_rad,
+        beam_damping: l.damping_nm_s_rad,
+        moment: l.out_of_balance_kg_m,
+        moment_above: l.vertical_offset_kg_m,
+        spring: 0.0,
+        spring_centre: 0.0,
+        spring_cubic: 0.0,
+        ratio: p.gearbox.ratio,
+        gear_stiffness: p.gearbox.stiffness_nm_rad,
+        gear_damping: p.gearbox.damping_nm_s_rad,
+        backlash: p.gearbox.backlash_rad,
+        motor_inertia: p.motor.inertia_kg_m2,
+        torque_constant: p.motor.torque_constant_nm_a,
+        back_emf: p.motor.back_emf_v_s_rad,
+        resistance: p.motor.resistance_ohm,
+        inductance: p.motor.inductance_h,
+        cogging: [0.0, 1.0, 0.0],
+        amplifier_gain: p.amplifier.gain,
+        current_feedback: p.amplifier.current_feedback_v_a,
+        amplifier_time: p.amplifier.time_constant_s,
+        amplifier_curve: Vec::new(),
+        dead_zone: 0.0,
+        current_limit: f64::INFINITY,
+        motor_friction: dry(&p.motor_friction),
+        pivot_friction: dry(&p.pivot_friction),
+        quadratic_drag: 0.0,
+        delay_samples: 0,
+        hub_gyro: gyro(&p.sensors.hub_gyro),
+        platform_gyro: gyro(&p.sensors.platform_gyro),
+        accelerometer: gyro(&p.sensors.platform_accelerometer),
+        lever_arm: 0.0,
+        platform_late: 0,
+        hum: [0.0, 1.0, 0.0],
+        fading: 0.0,
+    }
+}
+
+fn dry(friction: &counterpoise_models::Friction) -> Dry {
+    let FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad, .. } = friction.law else {
+        panic!("the sealed machines have Dahl friction")
+    };
+    Dry {
+        level: coulomb_nm,
+        stiffness: rest_stiffness_nm_rad,
+        viscous: friction.viscous_nm_s_rad,
+        static_ratio: 1.0,
+        stribeck_rate: 0.01,
+        asymmetry: 0.0,
+    }
+}
+
+fn gyro(s: &Sensor) -> Gyro {
+    Gyro {
+        natural: s.natural_frequency_rad_s,
+        damping: s.damping_ratio,
+        volts: s.scale_v_unit,
+        noise: s.noise_rms,
+        gain: 1.0,
+        bias: 0.0,
+        per_heave: 0.0,
+        late: 0,
+    }
+}
+
+/// The recorder of a project: its controller, converters and the two sensors that may be missing.
+pub fn recorder(p: &Parameters, kp: f64, ki: f64, bias: f64) -> Recorder {
+    let ideal = |s: &Option<Sensor>| gyro(s.as_ref().unwrap_or(&Sensor::IDEAL));
+    Recorder {
+        kp,
+        ki,
+        bias,
+        input_bits: p.interface.input_bits,
+        output_bits: p.interface.output_bits,
+        tachometer: ideal(&p.sensors.motor_tachometer),
+        resolver: ideal(&p.sensors.hub_resolver),
+    }
+}
+
+/// Draws what a seed conceals and puts it into the machine.
+pub fn conceal(seed: u64, machine: &mut Machine) -> Sealed {
+    let mut dice = Dice::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5ea1);
+    let draw = dice.uniform(0.0, 1.0);
+    let family = match draw {
+        d if d < 0.20 => Family::Nothing,
+        d if d < 0.40 => Family::Outside,
+        d if d < 0.55 => Family::Pair,
+        d if d < 0.68 => Family::Instrument,
+        _ => Family::Single,
+    };
+    let noise = [0.5, 1.0, 3.0][dice.below(3)];
+    let sensors = dice.below(3);
+    let concealed = match family {
+        Family::Nothing => Vec::new(),
+        Family::Outside => vec![outside(machine, &mut dice)],
+        Family::Instrument => vec![instrument(machine, &mut dice)],
+        Family::Single => vec![physics(machine, &mut dice, usize::MAX)],
+        Family::Pair => {
+            let first = dice.below(PHYSICS);
+            let second = (first + 1 + dice.below(PHYSICS - 1)) % PHYSICS;
+            vec![physics(machine, &mut dice, first), physics(machine, &mut dice, second)]
+        }
+    };
+    for gyro in [&mut machine.hub_gyro, &mut machine.platform_gyro, &mut machine.accelerometer] {
+        gyro.noise *= noise;
+    }
+    Sealed { family, concealed, noise, motor_rate: sensors != 1, hub_position: sensors != 2 }
+}
+
+/// Number of kinds of physics that `physics` can put in.
+const PHYSICS: usize = 15;
+
+/// A size spread evenly in its logarithm around one that is easily seen.
+fn size(dice: &mut Dice) -> f64 {
+    10f64.powf(dice.uniform(-1.3, 0.3))
+}
+
+fn sign(dice: &mut Dice) -> f64 {
+    if dice.below(2) == 0 { 1.0 } else { -1.0 }
+}
+
+fn physics(m: &mut Machine, dice: &mut Dice, which: usize) -> Concealed {
+    let s = size(dice);
+    let which = if which == usize::MAX { dice.below(PHYSICS) } else { which };
+    let found = |component, effect, parameters| Concealed {
+        component,
+        effect,
+        parameters,
+        size: s,
+        also: Vec::new(),
+    };
+    let mut scaled = |value: &mut f64, share: f64| {
+        *value *= 1.0 + s * share * sign(dice);
+        *value
+    };
+    match which {
+        0 => found("pivot", "coulomb", vec![("coulomb", scaled(&mut m.pivot_friction.level, 0.4))]),
+        1 => found(
+            "pivot",
+            "viscous",
+            vec![("viscous", {
+                m.pivot_friction.viscous += 300.0 * s;
+                m.pivot_friction.viscous
+            })],
+        ),
+        2 => {
+            m.pivot_friction.static_ratio = 1.0 + 0.5 * s;
+            m.pivot_friction.stribeck_rate = dice.uniform(0.006, 0.03);
+            let p = vec![
+                ("static_ratio", m.pivot_friction.static_ratio),
+                ("stribeck_rate", m.pivot_friction.stribeck_rate),
+            ];
+            found("pivot", "stribeck", p)
+        }
+        3 => found(
+            "pivot",
+            "asymmetric_friction",
+            vec![("asymmetry", {
+                m.pivot_friction.asymmetry = (0.3 * s * sign(dice)).clamp(-0.8, 0.8);
+                m.pivot_friction.asymmetry
+            })],
+        ),
+        4 => found(
+            "pivot",
+            "quadratic_drag",
+            vec![("quadratic", {
+                m.quadratic_drag = 1500.0 * s;
+                m.quadratic_drag
+            })],
+        ),
+        5 => found("motor", "coulomb", vec![("coulomb", scaled(&mut m.motor_friction.level, 0.4))]),
+        6 => {
+            m.cogging = [0.12 * s, [4.0, 6.0, 8.0, 12.0, 24.0][dice.below(5)], dice.uniform(-3.0, 3.0)];
+            found(
+                "motor",
+                "cogging",
+                vec![("amplitude", m.cogging[0]), ("order", m.cogging[1]), ("phase", m.cogging[2])],
+            )
+        }
+        7 => {
+            found("motor", "torque_constant", vec![("torque_constant", scaled(&mut m.torque_constant, 0.15))])
+        }
+        8 => found(
+            "gearbox",
+            "backlash",
+            vec![("backlash", {
+                m.backlash += 3e-3 * s;
+                m.backlash
+            })],
+        ),
+        9 => found("gearbox", "stiffness", vec![("stiffness", scaled(&mut m.gear_stiffness, 0.35))]),
+        10 => {
+            m.dead_zone = 0.1 * s;
+            let mut c = found("amplifier", "dead_zone", vec![("dead_zone", m.dead_zone)]);
+            c.also.push(("amplifier", "gain_curve"));
+            c
+        }
+        11 => {
+            m.delay_samples = 1 + (5.0 * s) as usize;
+            let mut c = found("control", "delay", vec![("delay", m.delay_samples as f64)]);
+            c.also.push(("hub_gyro", "delay"));
+            c
+        }
+        12 => found(
+            "structure",
+            "out_of_balance",
+            vec![("out_of_balance", {
+                m.moment += 40.0 * s * sign(dice);
+                m.moment
+            })],
+        ),
+        13 => found("structure", "inertia", vec![("beam_inertia", scaled(&mut m.beam_inertia, 0.3))]),
+        _ => {
+            (m.spring, m.spring_centre) = (900.0 * s, dice.uniform(-0.06, 0.06));
+            found("structure", "position_stiffness", vec![("stiffness", m.spring)])
+        }
+    }
+}
+
+fn instrument(m: &mut Machine, dice: &mut Dice) -> Concealed {
+    let s = size(dice);
+    let signed = s * sign(dice);
+    let found = |component, effect, name, value| Concealed {
+        component,
+        effect,
+        parameters: vec![(name, value)],
+        size: s,
+        also: Vec::new(),
+    };
+    match dice.below(7) {
+        0 => {
+            m.hub_gyro.gain = 1.0 + 0.1 * signed;
+            found("hub_gyro", "scale", "gain", m.hub_gyro.gain)
+        }
+        1 => {
+            m.hub_gyro.bias = 0.01 * signed;
+            found("hub_gyro", "bias", "bias", m.hub_gyro.bias)
+        }
+        2 => {
+            m.platform_gyro.gain = 1.0 + 0.15 * signed;
+            found("platform_gyro", "scale", "gain", m.platform_gyro.gain)
+        }
+        3 => {
+            m.platform_gyro.bias = 0.01 * signed;
+            found("platform_gyro", "bias", "bias", m.platform_gyro.bias)
+        }
+        4 => {
+            m.accelerometer.gain = 1.0 + 0.2 * signed;
+            found("platform_accelerometer", "scale", "gain", m.accelerometer.gain)
+        }
+        5 => {
+            m.lever_arm = 1.0 * signed;
+            found("platform_accelerometer", "lever_arm", "lever_arm", m.lever_arm)
+        }
+        _ => {
+            m.platform_late = 4 + (20.0 * s) as usize;
+            found("platform", "channel_skew", "skew", m.platform_late as f64 * 1e-3)
+        }
+    }
+}
+
+/// Physics that no entry of the library has.
+fn outside(m: &mut Machine, dice: &mut Dice) -> Concealed {
+    let s = 10f64.powf(dice.uniform(-0.5, 0.5));
+    let component = match dice.below(3) {
+        0 => {
+            m.hum = [60.0 * s, dice.uniform(0.7, 6.0), dice.uniform(0.0, 6.0)];
+            "structure"
+        }
+        1 => {
+            m.spring_cubic = 6e5 * s;
+            "structure"
+        }
+        _ => {
+            m.fading = 0.01 * s;
+            "motor"
+        }
+    };
+    Concealed { component, effect: "unknown", parameters: Vec::new(), size: s, also: Vec::new() }
+}
