@@ -32,7 +32,21 @@ pub struct Look {
     pub information: f64,
     /// That size: the change of the first knob.
     pub change: f64,
+    /// The fitted part of the weighted residual, thinned, for finding effects that act together.
+    trace: Vec<f64>,
 }
+
+/// Effects that together explain more than any of them alone.
+#[derive(Debug, Clone)]
+pub struct Pair {
+    /// Places of the two in the list of looks.
+    pub members: [usize; 2],
+    /// Share of the weighted residual that their signatures explain together.
+    pub explained: f64,
+}
+
+/// Every how many samples one is kept of a trace.
+const TRACE_STRIDE: usize = 7;
 
 /// One effect at one set of directions in its knobs' fit variables.
 struct Trial {
@@ -59,6 +73,57 @@ pub type Residuals = Vec<Vec<f64>>;
 pub fn all_residuals(bench: &dyn Bench, parameters: &Parameters) -> Option<Residuals> {
     let one = |index| Some(bench.misfit(parameters, index)?.into_iter().flat_map(|m| m.residual).collect());
     (0..bench.count()).map(one).collect()
+}
+
+/// The best pairs of looks at different effects, by linear regression on both of their traces; best first.
+pub fn pairs(bench: &dyn Bench, base: &Parameters, looks: &[Look], count: usize) -> Vec<Pair> {
+    let Some(here) = weighted(bench, base) else { return Vec::new() };
+    let target: Vec<f64> = thinned(&here, |r, k| here.residuals[r][k]);
+    let total = dot(&target, &target).max(f64::MIN_POSITIVE);
+    let usable: Vec<usize> = (0..looks.len()).filter(|&i| is_best_of_its_effect(looks, i)).collect();
+    let mut out = Vec::new();
+    for (place, &i) in usable.iter().enumerate() {
+        for &j in &usable[place + 1..] {
+            let explained = together(&looks[i].trace, &looks[j].trace, &target) / total;
+            out.push(Pair { members: [i, j], explained });
+        }
+    }
+    out.sort_by(|a, b| b.explained.total_cmp(&a.explained));
+    out.truncate(count);
+    out
+}
+
+/// Whether no earlier (hence better) look is at the same effect.
+fn is_best_of_its_effect(looks: &[Look], index: usize) -> bool {
+    !looks[..index].iter().any(|l| std::ptr::eq(l.effect, looks[index].effect))
+}
+
+/// Power of the target that two traces explain together, each with a coefficient that is not negative.
+fn together(a: &[f64], b: &[f64], target: &[f64]) -> f64 {
+    let (aa, bb, ab) = (dot(a, a), dot(b, b), dot(a, b));
+    let (at, bt) = (dot(a, target), dot(b, target));
+    let determinant = aa * bb - ab * ab;
+    if determinant <= 1e-6 * aa * bb {
+        return 0.0;
+    }
+    let (x, y) = ((bb * at - ab * bt) / determinant, (aa * bt - ab * at) / determinant);
+    x * at + y * bt
+}
+
+/// What a look's combination of signatures takes off the weighted residual, thinned.
+fn trace(here: &Weighted, signatures: &[Residuals], coefficients: &[f64]) -> Vec<f64> {
+    let taken = |r: usize, k: usize| signatures.iter().zip(coefficients).map(|(s, c)| -c * s[r][k]).sum();
+    let series = thinned(here, taken);
+    let size = dot(&series, &series).sqrt();
+    if size > 0.0 {
+        return series;
+    }
+    thinned(here, |r, k| signatures[0][r][k])
+}
+
+fn thinned(here: &Weighted, value: impl Fn(usize, usize) -> f64) -> Vec<f64> {
+    let of = |r: usize| (0..here.residuals[r].len()).step_by(TRACE_STRIDE).map(move |k| (r, k));
+    (0..here.residuals.len()).flat_map(of).map(|(r, k)| here.weights[r][k] * value(r, k)).collect()
 }
 
 /// Looks at every effect of the library but those already taken; best first.
@@ -111,7 +176,8 @@ fn look(bench: &dyn Bench, base: &Parameters, here: &Weighted, trial: &Trial) ->
     let signature = (0..bench.count()).map(|r| size(&signatures[0][r])).collect();
     let information = signatures[0].iter().flatten().map(|d| d * d).sum();
     let change = first_change(trial);
-    Some(Look { effect: trial.effect, start, explained, signature, information, change })
+    let trace = trace(here, &signatures, &coefficients);
+    Some(Look { effect: trial.effect, start, explained, signature, information, change, trace })
 }
 
 /// By how much the first direction changes the first knob.

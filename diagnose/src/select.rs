@@ -5,10 +5,11 @@ use counterpoise_models::Parameters;
 use crate::bench::{Bench, Pool};
 use crate::fit::{Fit, Problem, Selection, knobs};
 use crate::library::Effect;
-use crate::look::{Look, first_look, is_ripple};
+use crate::look::{Look, first_look, is_ripple, pairs};
 use crate::score::{Part, Score, score};
 use crate::tolerance::{
-    EFFECTS_AT_MOST, EXPLAINED, FITTED_SHARE, GAIN_NEEDED, PRUNE_SHARE, SHARE_NEEDED, SHORTLIST, SWAP_NEEDED,
+    EFFECT_PRICE, EFFECTS_AT_MOST, EXPLAINED, FITTED_SHARE, GAIN_NEEDED, PAIRS, PARAMETER_PRICE, PRUNE_SHARE,
+    SHARE_NEEDED, SHORTLIST, SWAP_NEEDED,
 };
 
 /// A candidate that was fitted and judged.
@@ -41,9 +42,20 @@ impl Candidate {
         self.fit.effects.insert(index, newest);
     }
 
-    /// Distance from the floor, with a price for each parameter beyond the second.
+    /// Distance from the floor, with a price for each effect and for each parameter beyond the second.
     pub fn ranking(&self) -> f64 {
-        self.whole.distance() + 2e-3 * self.fit.values.len().saturating_sub(2) as f64
+        let parameters = self.fit.values.len().saturating_sub(2) as f64;
+        self.whole.distance() + PARAMETER_PRICE * parameters + EFFECT_PRICE * self.fit.effects.len() as f64
+    }
+
+    fn has_same_effects(&self, other: &Self) -> bool {
+        let all = |c: &Self| {
+            let mut labels: Vec<*const Effect> =
+                c.fit.effects.iter().map(|e| std::ptr::from_ref(*e)).collect();
+            labels.sort_unstable();
+            labels
+        };
+        all(self) == all(other)
     }
 }
 
@@ -62,6 +74,16 @@ impl Stage {
         let effect = model.newest();
         let same = |c: &Candidate| c.newest().zip(effect).is_some_and(|(a, b)| std::ptr::eq(a, b));
         self.candidates.iter().any(|c| c.fit.effects.len() == 1 && same(c))
+    }
+
+    /// The candidates of one effect alone.
+    fn singles(&self) -> Vec<Candidate> {
+        self.adding_one(0)
+    }
+
+    /// The candidates that add one effect to a number of present ones.
+    fn adding_one(&self, present: usize) -> Vec<Candidate> {
+        self.candidates.iter().filter(|c| c.fit.effects.len() == present + 1).cloned().collect()
     }
 }
 
@@ -98,10 +120,12 @@ impl Searcher<'_> {
         let before = self.whole_score(self.base)?;
         let mut search =
             Search { accepted: None, before, rivals: Vec::new(), stages: Vec::new(), cancelled: false };
-        for stage in 0..EFFECTS_AT_MOST {
-            self.pool.progress("naming", stage, EFFECTS_AT_MOST);
+        loop {
             let present = search.accepted.as_ref();
-            if stage > 0 && present.is_some_and(|c| c.whole.worst() < 1.0 + 0.5 * (EXPLAINED - 1.0)) {
+            let found = present.map_or(0, |c| c.fit.effects.len());
+            self.pool.progress("naming", found, EFFECTS_AT_MOST);
+            let explained = present.is_some_and(|c| c.whole.worst() < 1.0 + 0.5 * (EXPLAINED - 1.0));
+            if found >= EFFECTS_AT_MOST || explained {
                 break;
             }
             let stage = self.stage(present);
@@ -125,31 +149,42 @@ impl Searcher<'_> {
         let free: Vec<&'static Effect> =
             self.effects.iter().copied().filter(|e| !taken.iter().any(|t| std::ptr::eq(*t, *e))).collect();
         let looks = first_look(self.bench, self.pool, model, &free);
-        let shortlist = shortlist(&looks);
+        let trials = self.trials(model, &looks, taken.len());
         let mut candidates: Vec<Candidate> = Vec::new();
-        for (done, look) in shortlist.iter().enumerate() {
-            self.pool.progress("fitting", done, shortlist.len());
-            candidates.extend(self.candidate(present, look));
+        for (done, looks) in trials.iter().enumerate() {
+            self.pool.progress("fitting", done, trials.len());
+            candidates.extend(self.candidate(present, looks));
         }
         candidates.sort_by(|a, b| a.ranking().total_cmp(&b.ranking()));
         let mut kept: Vec<Candidate> = Vec::new();
         for candidate in candidates {
-            let known =
-                |k: &Candidate| k.newest().zip(candidate.newest()).is_some_and(|(a, b)| std::ptr::eq(a, b));
-            if !kept.iter().any(known) {
+            if !kept.iter().any(|k| k.has_same_effects(&candidate)) {
                 kept.push(candidate);
             }
         }
         Stage { candidates: kept, looks }
     }
 
-    /// Fits the present effects and one more to part of the data, and judges the result on the rest.
-    fn candidate(&self, present: Option<&Candidate>, look: &Look) -> Option<Candidate> {
+    /// What is fitted at a stage: the best effects one by one, and the best pairs of them.
+    fn trials<'l>(&self, model: &Parameters, looks: &'l [Look], taken: usize) -> Vec<Vec<&'l Look>> {
+        let mut trials: Vec<Vec<&Look>> = shortlist(looks).into_iter().map(|look| vec![look]).collect();
+        if taken + 2 <= EFFECTS_AT_MOST {
+            let pairs = pairs(self.bench, model, looks, PAIRS);
+            trials.extend(pairs.iter().map(|pair| pair.members.map(|i| &looks[i]).to_vec()));
+        }
+        trials
+    }
+
+    /// Fits the present effects and one or two more to part of the data, and judges the result on the rest.
+    fn candidate(&self, present: Option<&Candidate>, looks: &[&Look]) -> Option<Candidate> {
         let mut effects = present.map_or(Vec::new(), |c| c.fit.effects.clone());
         let mut start = present.map_or(Vec::new(), |c| c.fit.values.clone());
-        effects.push(look.effect);
-        start.extend(&look.start);
-        let fitted = fitted_recordings(&look.signature);
+        for look in looks {
+            effects.push(look.effect);
+            start.extend(&look.start);
+        }
+        let signature = |r: usize| looks.iter().map(|look| look.signature[r]).fold(0.0, f64::max);
+        let fitted = fitted_recordings(&(0..self.bench.count()).map(signature).collect::<Vec<f64>>());
         let selection = Selection { parts: fitted.iter().map(|&r| (r, FITTED_SHARE)).collect() };
         let fit = self.fit(effects, &start, &selection)?;
         let parts = held_out_parts(self.bench.count(), &fitted);
@@ -219,9 +254,8 @@ impl Searcher<'_> {
     fn swap_and_prune(&self, search: &mut Search) {
         let Some(mut best) = search.accepted.take() else { return };
         self.prune(&mut best, search.before.distance());
-        if best.fit.effects.len() == 1 {
-            let stage = search.stages.iter().find(|s| s.contains(&best));
-            search.rivals = vec![stage.map_or(Vec::new(), |s| s.candidates.clone())];
+        if let (1, Some(stage)) = (best.fit.effects.len(), search.stages.iter().find(|s| s.contains(&best))) {
+            search.rivals = vec![stage.singles()];
             search.accepted = Some(best);
             return;
         }
@@ -230,7 +264,7 @@ impl Searcher<'_> {
                 search.rivals.push(Vec::new());
                 continue;
             };
-            let rivals = self.stage(Some(&without)).candidates;
+            let rivals = self.stage(Some(&without)).adding_one(without.fit.effects.len());
             let better =
                 rivals.iter().find(|c| self.acceptable(c) && c.ranking() < best.ranking() - SWAP_NEEDED);
             if let Some(better) = better {

@@ -30,3 +30,9 @@ pub const SWAP_NEEDED: f64 = 0.02;
 pub const SHARE_TO_NAME: f64 = 0.5;
 /// Probability lost per unit of distance between the best effect and a rival, as an exponent.
 pub const RIVALRY: f64 = 60.0;
+/// Pairs of effects that are fitted together at a stage.
+pub const PAIRS: usize = 5;
+/// Distance that one more effect must be worth.
+pub const EFFECT_PRICE: f64 = 0.01;
+/// Distance that one more parameter must be worth.
+pub const PARAMETER_PRICE: f64 = 2e-3;
