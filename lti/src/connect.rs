@@ -184,8 +184,8 @@ impl StateSpace {
         Self { A: self.A.t(), B: self.C.t(), C: self.B.t(), D: self.D.t(), timebase: self.timebase }
     }
 
-    /// The system in the coordinates x = T z: inv(T) A T, inv(T) B, C T, for a diagonal T.
-    pub(crate) fn scale_states(&self, T: &[f64]) -> Self {
+    /// The system in the coordinates x = T z: inv(T) A T, inv(T) B, C T, for a diagonal T without zeros.
+    pub fn scale_states(&self, T: &[f64]) -> Self {
         let n = self.order();
         let A = Mat::from_fn(n, n, |i, j| self.A[(i, j)] * T[j] / T[i]);
         let B = Mat::from_fn(n, self.inputs(), |i, j| self.B[(i, j)] / T[i]);

@@ -1,10 +1,27 @@
 //! Linear time-invariant systems with an explicit timebase.
 //!
-//! In come A, B, C, D and a timebase; out go connected systems, responses, norms and margins.
+//! In come A, B, C, D and a timebase; out go connected and sampled systems, responses, norms, Gramians and margins. A
+//! system is scaled by powers of two before anything is computed from it, and taken apart into the groups of states
+//! that act on each other, so that plants in physical units and weights at the far ends of the spectrum keep their
+//! digits.
 //!
-//! *Invariant*: nothing here knows a machine, a weight, a file, a thread or a clock.
+//! *Invariant*: nothing here knows a machine, a weight, a file, a thread or a clock. There is no default timebase, no
+//! polynomial is expanded, `feedback` is negative and `lft` positive.
 //!
-//! Modules in reading order: [`system`].
+//! Modules in reading order: [`system`], [`connect`](mod@connect), [`named`], [`delay`], [`zpk`], [`discretise`],
+//! [`scaling`], [`components`], [`roots`], [`response`], [`time`], [`gramians`], [`norms`], [`margins`](mod@margins),
+//! [`error`].
+//!
+//! ```
+//! use counterpoise_lti::{C64, Timebase, Zpk, margins};
+//! // 2/(s+1)^3 may be multiplied by 4 before it oscillates, at sqrt(3) rad/s.
+//! let poles = vec![C64::new(-1.0, 0.0); 3];
+//! let g = Zpk { zeros: vec![], poles, gain: 2.0, timebase: Timebase::Continuous }.to_state_space()?;
+//! let margin = margins(&g)?.gain[0];
+//! assert!((margin.factor - 4.0).abs() < 1e-12);
+//! assert!((margin.rate_rad_s - 3f64.sqrt()).abs() < 1e-12);
+//! # Ok::<(), counterpoise_lti::Error>(())
+//! ```
 #![allow(non_snake_case)]
 
 pub mod components;
@@ -14,10 +31,13 @@ pub mod discretise;
 pub mod error;
 pub mod gramians;
 mod hessenberg_sweep;
+pub mod margins;
+pub mod named;
 pub mod norms;
 pub mod response;
 pub mod roots;
 pub mod scaling;
+mod scan;
 pub mod system;
 pub mod time;
 pub mod zpk;
@@ -29,6 +49,8 @@ pub use delay::{delay_samples, pade};
 pub use discretise::{Cost, Discretisation, SampledCost, c2d, d2c_tustin, sampled_cost};
 pub use error::Error;
 pub use gramians::{ctrb_factor, ctrb_gramian, hankel_values, hankelnorm, obsv_factor, obsv_gramian};
+pub use margins::{DiskMargin, GainChange, GainMargin, Margins, PhaseMargin, margins};
+pub use named::{Named, connect};
 pub use norms::{Peak, h2norm, hinfnorm, linfnorm};
 pub use response::{Response, dcgain, frequency_response, response_at, sigma};
 pub use roots::{is_stable, is_stable_pole, poles, zeros};

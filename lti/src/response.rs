@@ -109,6 +109,18 @@ impl Response {
         Ok(out)
     }
 
+    /// The first entry of the response at each frequency, not finite where that is a pole.
+    pub(crate) fn scalar_at_all(&self, rates_rad_s: &[f64]) -> Vec<C64> {
+        let mut out = Vec::with_capacity(rates_rad_s.len());
+        for group in rates_rad_s.chunks(LANES) {
+            let mut lanes = [C64::new(0.0, 1.0); LANES];
+            lanes.iter_mut().zip(group).for_each(|(lane, &rate)| *lane = point(rate, self.timebase));
+            let values = sweep(&self.H, &self.B, &self.C, &Lane::new(&lanes));
+            out.extend((0..group.len()).map(|lane| values[0].get(lane) + self.D[(0, 0)]));
+        }
+        out
+    }
+
     /// One lane's answer, with the direct path, refused where the point was a pole.
     fn gather(&self, values: &[Lane], lane: usize, s: C64) -> Result<CMat, Error> {
         let (p, m) = self.D.shape();

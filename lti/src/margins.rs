@@ -1,0 +1,201 @@
+//! Stability margins of a loop with one input and one output: every crossing, the peaks, the disk, the delay.
+
+use std::f64::consts::PI;
+
+use crate::connect::feedback;
+use crate::norms::Peak;
+use crate::roots::{is_stable_pole, poles};
+use crate::scan::{Point, Scan};
+use crate::zpk::needs_siso;
+use crate::{C64, Error, Mat, StateSpace, Timebase, response};
+
+/// A crossing of the negative real axis is one where the imaginary part is below this share of the real one.
+const REAL: f64 = 1e-6;
+
+/// A crossing of the unit circle is one where the gain is one within this.
+const UNIT: f64 = 1e-6;
+
+/// A direct path, or a gain at the end of the frequency axis, below this share of the loop's largest gain is zero.
+const NEGLIGIBLE: f64 = 1e-12;
+
+/// What a change of gain does at a crossing of the negative real axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GainChange {
+    /// The loop reaches the critical point when its gain rises by the factor (above one).
+    Increase,
+    /// The loop reaches the critical point when its gain falls to the factor (below one).
+    Decrease,
+}
+
+/// A crossing of the negative real axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GainMargin {
+    /// -1 / L: the loop times this passes through -1.
+    pub factor: f64,
+    /// The factor in dB; negative for a decrease.
+    pub db: f64,
+    /// Frequency in rad/s; 0, pi/T or infinite for a crossing at the end of the axis.
+    pub rate_rad_s: f64,
+    /// Which way.
+    pub change: GainChange,
+}
+
+/// A crossing of the unit circle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PhaseMargin {
+    /// The angle of L above -180 degrees, between -180 and 180 degrees.
+    pub deg: f64,
+    /// Frequency in rad/s.
+    pub rate_rad_s: f64,
+    /// The added delay in seconds that turns L onto -1.
+    pub delay_s: f64,
+}
+
+/// Gain and phase that may vary together (disk margin without skew, Seiler, Packard and Gahinet 2020).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DiskMargin {
+    /// Size of the disk: the reciprocal of the peak of (S - T)/2; 2 or more means any gain and 90 degrees.
+    pub alpha: f64,
+    /// Gain may fall to this, alone.
+    pub lowest_gain: f64,
+    /// Gain may rise to this, alone.
+    pub highest_gain: f64,
+    /// Phase may vary by this either way, alone, in degrees.
+    pub phase_deg: f64,
+    /// Frequency in rad/s at which the disk touches.
+    pub rate_rad_s: f64,
+}
+
+/// All margins of a loop under negative unit feedback. They are margins only where the closed loop is stable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Margins {
+    /// Every crossing of the negative real axis, by frequency.
+    pub gain: Vec<GainMargin>,
+    /// Every crossing of the unit circle, by frequency.
+    pub phase: Vec<PhaseMargin>,
+    /// Smallest added delay in seconds that reaches the critical point; infinite without a crossing.
+    pub delay_s: f64,
+    /// Peak of the sensitivity S = 1/(1 + L).
+    pub ms: Peak,
+    /// Peak of the complementary sensitivity T = L/(1 + L).
+    pub mt: Peak,
+    /// The disk margin.
+    pub disk: DiskMargin,
+    /// Whether every closed-loop pole is stable.
+    pub closed_loop_stable: bool,
+    /// The closed-loop pole that is nearest to, or farthest beyond, the border of stability.
+    pub critical_pole: C64,
+}
+
+impl Margins {
+    /// The smallest increase of gain, if any reaches the critical point.
+    pub fn gain_increase(&self) -> Option<&GainMargin> {
+        let upward = self.gain.iter().filter(|margin| margin.change == GainChange::Increase);
+        upward.min_by(|a, b| a.factor.total_cmp(&b.factor))
+    }
+
+    /// The smallest decrease of gain, if any reaches the critical point.
+    pub fn gain_decrease(&self) -> Option<&GainMargin> {
+        let downward = self.gain.iter().filter(|margin| margin.change == GainChange::Decrease);
+        downward.max_by(|a, b| a.factor.total_cmp(&b.factor))
+    }
+
+    /// The gain margin nearest to one either way, in dB without sign; infinite where nothing crosses.
+    pub fn gain_margin_db(&self) -> f64 {
+        self.gain.iter().map(|margin| margin.db.abs()).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The phase margin of smallest size, if the loop gain crosses one.
+    pub fn phase_margin(&self) -> Option<&PhaseMargin> {
+        self.phase.iter().min_by(|a, b| a.deg.abs().total_cmp(&b.deg.abs()))
+    }
+}
+
+/// The margins of L in the loop 1/(1 + L).
+///
+/// The response is evaluated on a grid that starts from all poles and zeros and is refined until neighbours agree within
+/// a quarter of the distance to the critical point (three percent near the unit circle and the negative axis); each
+/// change of sign is then closed in on to the last bit. Sampled loops are evaluated on the unit circle, up to and with
+/// half the sampling rate.
+///
+/// # Errors
+/// [`Error::NotSiso`]; [`Error::AlgebraicLoop`] where 1 + L(infinity) = 0.
+pub fn margins(loop_gain: &StateSpace) -> Result<Margins, Error> {
+    needs_siso("margins", loop_gain)?;
+    let unit = StateSpace::gain(Mat::eye(1), loop_gain.timebase)?;
+    let closed_poles = poles(&feedback(loop_gain, &unit)?)?;
+    let mut scan = Scan::of(loop_gain)?;
+    let ends = ends(loop_gain);
+    let phase: Vec<PhaseMargin> = phase_margins(&scan);
+    let gain = gain_margins(&scan, &ends);
+    scan.points.extend(&ends);
+    scan.points.sort_by(|a, b| a.rate.total_cmp(&b.rate));
+    Ok(Margins {
+        delay_s: phase.iter().map(|margin| margin.delay_s).fold(f64::INFINITY, f64::min),
+        ms: peak(&scan, |L| 1.0 / (L + 1.0).norm()),
+        mt: peak(&scan, |L| L.norm() / (L + 1.0).norm()),
+        disk: disk(&scan),
+        closed_loop_stable: closed_poles.iter().all(|&pole| is_stable_pole(pole, loop_gain.timebase)),
+        critical_pole: critical(&closed_poles, loop_gain.timebase),
+        gain,
+        phase,
+    })
+}
+
+/// The loop at zero frequency and at the upper end of the axis, where it is finite there.
+fn ends(g: &StateSpace) -> Vec<Point> {
+    let mut ends = Vec::new();
+    let mut add = |rate: f64, value: Option<C64>| ends.extend(value.map(|value| Point { rate, value }));
+    let at = |rate: f64| response::response_at(g, rate).ok().map(|H| H[(0, 0)]);
+    add(0.0, at(0.0));
+    match g.timebase {
+        Timebase::Continuous => add(f64::INFINITY, Some(C64::new(g.D[(0, 0)], 0.0))),
+        Timebase::Discrete { period_s } => add(PI / period_s, at(PI / period_s)),
+    }
+    ends
+}
+
+fn gain_margins(scan: &Scan, ends: &[Point]) -> Vec<GainMargin> {
+    let largest = scan.points.iter().map(|point| point.value.norm()).fold(0.0, f64::max);
+    let mut crossings = scan.crossings(|L| L.im);
+    crossings.extend(ends.iter().filter(|end| end.value.norm() > NEGLIGIBLE * largest));
+    crossings.retain(|point| point.value.re < 0.0 && point.value.im.abs() <= REAL * -point.value.re);
+    crossings.sort_by(|a, b| a.rate.total_cmp(&b.rate));
+    let margin = |point: &Point| {
+        let factor = -1.0 / point.value.re;
+        let change = if factor > 1.0 { GainChange::Increase } else { GainChange::Decrease };
+        GainMargin { factor, db: 20.0 * factor.log10(), rate_rad_s: point.rate, change }
+    };
+    crossings.iter().map(margin).collect()
+}
+
+fn phase_margins(scan: &Scan) -> Vec<PhaseMargin> {
+    let crossings = scan.crossings(|L| L.norm() - 1.0).into_iter();
+    let real = crossings.filter(|point| (point.value.norm() - 1.0).abs() <= UNIT);
+    let margin = |point: Point| {
+        let angle = (-point.value).arg();
+        let lag = if angle < 0.0 { angle + 2.0 * PI } else { angle };
+        PhaseMargin { deg: angle.to_degrees(), rate_rad_s: point.rate, delay_s: lag / point.rate }
+    };
+    real.map(margin).collect()
+}
+
+fn peak(scan: &Scan, of: impl Fn(C64) -> f64) -> Peak {
+    let found = scan.maximum(&of);
+    found.map_or(Peak { value: 0.0, rate_rad_s: 0.0 }, |p| Peak { value: of(p.value), rate_rad_s: p.rate })
+}
+
+fn disk(scan: &Scan) -> DiskMargin {
+    let peak = peak(scan, |L| 0.5 * (L - 1.0).norm() / (L + 1.0).norm());
+    let alpha = 1.0 / peak.value;
+    let highest_gain = if alpha < 2.0 { (2.0 + alpha) / (2.0 - alpha) } else { f64::INFINITY };
+    let lowest_gain = if alpha < 2.0 { 1.0 / highest_gain } else { 0.0 };
+    let phase_deg = 2.0 * (0.5 * alpha).atan().to_degrees();
+    DiskMargin { alpha, lowest_gain, highest_gain, phase_deg, rate_rad_s: peak.rate_rad_s }
+}
+
+/// The pole nearest to or farthest beyond the border.
+fn critical(poles: &[C64], timebase: Timebase) -> C64 {
+    let size = |pole: &C64| if timebase == Timebase::Continuous { pole.re } else { pole.norm() };
+    poles.iter().max_by(|a, b| size(a).total_cmp(&size(b))).copied().unwrap_or_default()
+}

@@ -1,0 +1,190 @@
+//! A loop's response on a grid that is as fine as the loop asks for, with crossings and extremes refined on it.
+
+use crate::response::Response;
+use crate::roots::{poles, zeros};
+use crate::{C64, Error, StateSpace, Timebase};
+
+/// Grid points a decade, before refinement.
+const PER_DECADE: usize = 30;
+
+/// Decades that the grid goes beyond the slowest and the fastest root.
+const BEYOND: f64 = 1e3;
+
+/// Neighbouring points may differ by this much of the distance to the critical point, or of their own size.
+const STEP: f64 = 0.25;
+
+/// ... and by this much where the loop gain is near one or the phase near -180 degrees.
+const NEAR_STEP: f64 = 0.03;
+
+/// |ln gain| or phase distance in rad that counts as near.
+const NEAR: f64 = 0.15;
+
+/// Rounds of refinement, and points in all, at most; what is then unresolved is a jump of width 1e-9 or less.
+const ROUNDS: usize = 40;
+const POINTS: usize = 40_000;
+
+/// Frequencies closer than this, relative, are one.
+const RESOLUTION: f64 = 1e-9;
+
+/// Rounds of zooming in on a crossing or extreme by a factor of four or more.
+const ZOOMS: usize = 30;
+
+/// One point of the loop's response.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Point {
+    pub rate: f64,
+    pub value: C64,
+}
+
+/// The response of a loop with one input and one output, resolved.
+pub(crate) struct Scan {
+    response: Response,
+    pub points: Vec<Point>,
+}
+
+impl Scan {
+    /// Resolves the loop's response.
+    pub fn of(g: &StateSpace) -> Result<Self, Error> {
+        let response = Response::of(g)?;
+        let mut scan = Self { response, points: Vec::new() };
+        let rates = starting_grid(g)?;
+        scan.points = scan.evaluate(&rates);
+        for _ in 0..ROUNDS {
+            let finer: Vec<f64> =
+                scan.points.windows(2).filter(|w| unresolved(w[0], w[1])).map(middle).collect();
+            if finer.is_empty() || scan.points.len() > POINTS {
+                break;
+            }
+            let more = scan.evaluate(&finer);
+            scan.points.extend(more);
+            scan.points.sort_by(|a, b| a.rate.total_cmp(&b.rate));
+        }
+        Ok(scan)
+    }
+
+    /// The response at the given frequencies, without those that are poles.
+    fn evaluate(&self, rates: &[f64]) -> Vec<Point> {
+        let values = self.response.scalar_at_all(rates);
+        let points = rates.iter().zip(values).map(|(&rate, value)| Point { rate, value });
+        points.filter(|point| point.value.re.is_finite() && point.value.im.is_finite()).collect()
+    }
+
+    /// Where a real function of the response changes sign.
+    pub fn crossings(&self, of: impl Fn(C64) -> f64) -> Vec<Point> {
+        let mut found = Vec::new();
+        for w in self.points.windows(2) {
+            if (of(w[0].value) < 0.0) != (of(w[1].value) < 0.0) {
+                found.push(self.bisect(w[0], w[1], &of));
+            }
+        }
+        found
+    }
+
+    /// The point between a and b where the sign changes: seven points inside the interval at a time.
+    fn bisect(&self, mut a: Point, mut b: Point, of: &impl Fn(C64) -> f64) -> Point {
+        let below = of(a.value) < 0.0;
+        for _ in 0..ZOOMS {
+            if b.rate - a.rate <= f64::EPSILON * b.rate {
+                break;
+            }
+            let inside = self.evaluate(&between(a.rate, b.rate));
+            let change = inside.iter().position(|point| (of(point.value) < 0.0) != below);
+            let last = change.map_or(inside.last(), |at| if at == 0 { None } else { inside.get(at - 1) });
+            b = change.and_then(|at| inside.get(at)).copied().unwrap_or(b);
+            a = last.copied().unwrap_or(a);
+        }
+        if of(a.value).abs() < of(b.value).abs() { a } else { b }
+    }
+
+    /// The largest value of a function of the response.
+    pub fn maximum(&self, of: impl Fn(C64) -> f64) -> Option<Point> {
+        let values: Vec<f64> = self.points.iter().map(|point| of(point.value)).collect();
+        let top = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let mut best: Option<Point> = None;
+        for (k, &value) in values.iter().enumerate().filter(|(_, value)| **value >= top * (1.0 - STEP)) {
+            let (left, right) = (k.saturating_sub(1), (k + 1).min(values.len() - 1));
+            if value >= values[left] && value >= values[right] {
+                let peak = self.zoom(self.points[left].rate, self.points[right].rate, self.points[k], &of);
+                if best.is_none_or(|b| of(peak.value) > of(b.value)) {
+                    best = Some(peak);
+                }
+            }
+        }
+        best
+    }
+
+    fn zoom(&self, mut low: f64, mut high: f64, mut best: Point, of: &impl Fn(C64) -> f64) -> Point {
+        for _ in 0..ZOOMS {
+            let rates = between(low, high);
+            if high - low <= RESOLUTION * high {
+                break;
+            }
+            for point in self.evaluate(&rates) {
+                best = if of(point.value) >= of(best.value) { point } else { best };
+            }
+            let below = rates.iter().copied().filter(|&rate| rate < best.rate);
+            let above = rates.iter().copied().filter(|&rate| rate > best.rate);
+            (low, high) = (below.fold(low, f64::max), above.fold(high, f64::min));
+        }
+        best
+    }
+}
+
+/// Seven frequencies inside an interval.
+fn between(low: f64, high: f64) -> Vec<f64> {
+    (1..8).map(|k| low + (high - low) * f64::from(k) / 8.0).collect()
+}
+
+fn middle(w: &[Point]) -> f64 {
+    if w[1].rate > 2.0 * w[0].rate { (w[0].rate * w[1].rate).sqrt() } else { 0.5 * (w[0].rate + w[1].rate) }
+}
+
+/// Whether something may hide between two neighbours.
+fn unresolved(a: Point, b: Point) -> bool {
+    if b.rate - a.rate <= RESOLUTION * b.rate {
+        return false;
+    }
+    let near = |value: C64| value.norm().ln().abs() < NEAR || (-value).arg().abs() < NEAR;
+    let step = if near(a.value) || near(b.value) { NEAR_STEP } else { STEP };
+    let size = a.value.norm().min(b.value.norm());
+    let to_critical = (a.value + 1.0).norm().min((b.value + 1.0).norm());
+    let change = (b.value - a.value).norm();
+    change > step * size || change > STEP * to_critical
+}
+
+/// A logarithmic grid over all roots, and close points about each lightly damped one.
+fn starting_grid(g: &StateSpace) -> Result<Vec<f64>, Error> {
+    let mut roots: Vec<C64> = poles(g)?;
+    roots.extend(zeros(g)?);
+    let mut highest = f64::INFINITY;
+    if let Timebase::Discrete { period_s } = g.timebase {
+        roots.iter_mut().for_each(|root| *root = root.ln() / period_s);
+        highest = std::f64::consts::PI / period_s;
+    }
+    let sizes = roots.iter().map(|root| root.norm()).filter(|size| size.is_normal());
+    let (low, high) =
+        sizes.fold((f64::INFINITY, 0.0_f64), |(low, high), size| (low.min(size), high.max(size)));
+    let (low, high) = if high > 0.0 { (low, high) } else { (1.0_f64.min(highest), 1.0) };
+    let (low, high) = (low.min(highest) / BEYOND, (high * BEYOND).min(highest));
+    let count = ((high / low).log10() * PER_DECADE as f64).ceil() as usize + 1;
+    let mut rates: Vec<f64> = (0..=count).map(|k| low * (high / low).powf(k as f64 / count as f64)).collect();
+    for root in roots.iter().filter(|root| root.im > 0.0) {
+        rates.extend(about(*root));
+    }
+    rates.retain(|&rate| rate > 0.0 && rate < highest && rate.is_finite());
+    rates.sort_by(f64::total_cmp);
+    rates.dedup_by(|b, a| *b - *a <= RESOLUTION * *b);
+    Ok(rates)
+}
+
+/// Points about a resonance, as close as its half width.
+fn about(root: C64) -> Vec<f64> {
+    let width = root.re.abs().max(RESOLUTION * root.im);
+    let mut rates = vec![root.im, root.norm()];
+    let mut offset = 0.25 * width;
+    while offset < root.im {
+        rates.extend([root.im - offset, root.im + offset]);
+        offset *= 2.0;
+    }
+    rates
+}
