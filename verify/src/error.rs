@@ -59,4 +59,7 @@ pub enum Error {
         /// The interface's, s.
         interface_s: f64,
     },
+    /// There is nothing to verify.
+    #[error("a loop without a controller has no margins")]
+    NoController,
 }

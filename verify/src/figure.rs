@@ -94,7 +94,7 @@ pub enum Quantity {
     ControlPeak,
     /// Peak of the motor current.
     CurrentPeak,
-    /// Largest hub angle from its mean.
+    /// Largest hub angle, relative to the platform, from where it started.
     TravelPeak,
     /// Fraction of the time during which the gear teeth are apart.
     GearOpen,

@@ -5,7 +5,8 @@
 //!
 //! *Invariant*: nothing here knows how a controller was designed; nothing here reads a file, a clock or an unseeded random number.
 //!
-//! Modules in reading order: [`figure`], [`requirement`], [`procedure`], [`signals`], [`history`], [`linear`].
+//! Modules in reading order: [`figure`], [`requirement`], [`procedure`], [`signals`], [`history`], [`linear`],
+//! [`nonlinear`], [`measure`], [`verification`].
 //!
 //! ```
 //! use counterpoise_verify::{Figure, Limit, Requirement, Verdict};
@@ -19,12 +20,19 @@ pub mod error;
 pub mod figure;
 pub mod history;
 pub mod linear;
+pub mod measure;
+pub mod nonlinear;
 pub mod procedure;
 pub mod requirement;
 pub mod signals;
+pub mod verification;
 
 pub use error::Error;
 pub use figure::{Arrangement, Figure, LoopFigure, Model, Quantity, RestFigure, Source, StepFigure};
 pub use history::{Experiment, History};
+pub use measure::{Measured, Value};
 pub use procedure::{Procedure, Road, Sine, Step};
 pub use requirement::{Limit, Requirement, Verdict};
+pub use verification::{
+    ARRANGEMENTS, Evidence, Verification, VerifiedController, linear_plant, verify, verify_linear,
+};

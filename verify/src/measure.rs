@@ -1,0 +1,143 @@
+//! Figures read from margins and time histories.
+
+use counterpoise_lti::{GainChange, Margins};
+
+use crate::history::{Experiment, History};
+use crate::signals::statistics::centred;
+use crate::signals::{StepFigures, mean, peak, rms, step_figures};
+use crate::{Figure, LoopFigure, Model, Quantity, RestFigure, StepFigure};
+
+/// What a figure turned out to be.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Value {
+    /// A number in the figure's unit; infinite where the figure has no bound (a loop that diverges, a margin without limit).
+    Is(f64),
+    /// There is no such number.
+    Absent {
+        /// Why.
+        why: String,
+    },
+}
+
+/// A figure with its value.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// Which figure.
+    pub figure: Figure,
+    /// What it is.
+    pub value: Value,
+}
+
+impl Value {
+    fn of(number: Option<f64>, why: &str) -> Self {
+        number.filter(|v| !v.is_nan()).map_or_else(|| Value::Absent { why: why.to_owned() }, Value::Is)
+    }
+}
+
+/// Margins of the loop broken at the plant's input, and the pole radius of the closed loop. An unstable loop has no margins: each is
+/// 0, and the sensitivities are infinite.
+pub fn loop_figures(margins: &Margins, pole_radius: f64) -> Vec<Measured> {
+    let stable = pole_radius < 1.0;
+    let margin = |value: f64| if stable { value } else { 0.0 };
+    let peak = |value: f64| if stable { value } else { f64::INFINITY };
+    let smallest = |change: GainChange| {
+        let those = margins.gain.iter().filter(|gain| gain.change == change);
+        those.map(|gain| gain.db.abs()).fold(f64::INFINITY, f64::min)
+    };
+    let phase = margins.phase.iter().map(|phase| phase.deg.abs()).fold(f64::INFINITY, f64::min);
+    let crossover =
+        margins.phase.iter().map(|phase| phase.rate_rad_s).fold(0.0, f64::max) / std::f64::consts::TAU;
+    let all = [
+        (LoopFigure::GainMargin, margin(smallest(GainChange::Increase))),
+        (LoopFigure::GainReductionMargin, margin(smallest(GainChange::Decrease))),
+        (LoopFigure::PhaseMargin, margin(phase)),
+        (LoopFigure::DelayMargin, margin(margins.delay_s)),
+        (LoopFigure::DiskMargin, margin(margins.disk.alpha)),
+        (LoopFigure::MaxSensitivity, peak(margins.ms.value)),
+        (LoopFigure::MaxComplementary, peak(margins.mt.value)),
+        (LoopFigure::PoleRadius, pole_radius),
+        (LoopFigure::Crossover, crossover),
+    ];
+    all.into_iter()
+        .map(|(figure, value)| Measured { figure: Figure::Loop(figure), value: Value::Is(value) })
+        .collect()
+}
+
+/// Figures of a time history. Statistics of a disturbance start at `settle_s`; those of a rest at half time.
+pub fn history_figures(history: &History, settle_s: f64) -> Vec<Measured> {
+    match history.experiment {
+        Experiment::Step => step_of(history),
+        Experiment::Disturbance(..) => disturbance_of(history, settle_s),
+        Experiment::Rest => rest_of(history),
+    }
+}
+
+/// The same figures of a history that does not exist because the loop diverges: all infinite.
+pub fn diverged(model: Model, experiment: Experiment) -> Vec<Measured> {
+    let all = Figure::all().into_iter().filter(|figure| match (figure, experiment) {
+        (Figure::Step(m, _), Experiment::Step) => *m == model,
+        (Figure::Disturbance(m, source, arrangement, _), Experiment::Disturbance(s, a)) => {
+            (*m, *source, *arrangement) == (model, s, a)
+        }
+        _ => false,
+    });
+    all.map(|figure| Measured { figure, value: Value::Is(f64::INFINITY) }).collect()
+}
+
+fn step_of(history: &History) -> Vec<Measured> {
+    let demand = history.demand_rad_s.last().copied().unwrap_or(0.0);
+    let found = step_figures(&history.time_s, &history.hub_rate_rad_s, demand);
+    let control = peak(&history.control_v);
+    let all: Vec<(StepFigure, Value)> = match found {
+        Ok(found) => step_values(&found, control),
+        Err(error) => vec![(StepFigure::Overshoot, Value::Absent { why: error.to_string() })],
+    };
+    all.into_iter()
+        .map(|(figure, value)| Measured { figure: Figure::Step(history.model, figure), value })
+        .collect()
+}
+
+fn step_values(found: &StepFigures, control_peak_v: f64) -> Vec<(StepFigure, Value)> {
+    let some = |number: f64| Value::of(Some(number), "not a number");
+    vec![
+        (StepFigure::Overshoot, some(found.overshoot_percent)),
+        (StepFigure::RiseTime, Value::of(found.rise_time_s, "the hub never reaches 90 % of the demand")),
+        (StepFigure::PeakTime, Value::of(found.peak_time_s, "the hub never exceeds the demand")),
+        (StepFigure::SettlingTime, Value::of(found.settling_time_s.or(Some(f64::INFINITY)), "")),
+        (StepFigure::SteadyStateError, some(found.steady_state_error_percent)),
+        (StepFigure::ControlPeak, some(control_peak_v)),
+    ]
+}
+
+fn disturbance_of(history: &History, settle_s: f64) -> Vec<Measured> {
+    let Experiment::Disturbance(source, arrangement) = history.experiment else { return Vec::new() };
+    let first = history.index_at(settle_s);
+    let of = |column: &[f64], what: fn(&[f64]) -> f64| {
+        let number = column.get(first..).filter(|part| !part.is_empty()).map(what);
+        Value::of(number, "not computed on this plant")
+    };
+    let all = [
+        (Quantity::HubRms, of(&history.hub_rate_rad_s, rms)),
+        (Quantity::HubPeak, of(&history.hub_rate_rad_s, peak)),
+        (Quantity::TipRms, of(&history.tip_rate_rad_s, rms)),
+        (Quantity::TipPeak, of(&history.tip_rate_rad_s, peak)),
+        (Quantity::ControlRms, of(&history.control_v, |part| rms(&centred(part)))),
+        (Quantity::ControlPeak, of(&history.control_v, peak)),
+        (Quantity::CurrentPeak, of(&history.current_a, peak)),
+        (Quantity::TravelPeak, of(&history.travel_rad, peak)),
+        (Quantity::GearOpen, of(&history.contact, |part| 1.0 - mean(part))),
+    ];
+    let figure = |quantity| Figure::Disturbance(history.model, source, arrangement, quantity);
+    all.into_iter().map(|(quantity, value)| Measured { figure: figure(quantity), value }).collect()
+}
+
+fn rest_of(history: &History) -> Vec<Measured> {
+    let half = history.time_s.len() / 2;
+    let drift =
+        history.travel_rad.last().zip(history.travel_rad.get(half)).map(|(end, start)| (end - start).abs());
+    let all = [
+        (RestFigure::HubRms, Value::Is(rms(&history.hub_rate_rad_s[half..]))),
+        (RestFigure::Drift, Value::of(drift, "the record is empty")),
+    ];
+    all.into_iter().map(|(figure, value)| Measured { figure: Figure::Rest(figure), value }).collect()
+}

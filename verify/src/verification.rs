@@ -1,0 +1,300 @@
+//! The verification of one controller on one mechanism.
+
+use counterpoise_controller::Controller;
+use counterpoise_lti::{C64, Margins, margins};
+use counterpoise_models::plant::{Angles, LinearPlant, Plant};
+
+use crate::history::{Experiment, History};
+use crate::linear::frequency::rejections;
+use crate::linear::{self, Closed, Curves, SampledPlant, arranged};
+use crate::measure::{Measured, Value, diverged, history_figures, loop_figures};
+use crate::{Arrangement, Error, Figure, Model, Procedure, Requirement, Source, Verdict, nonlinear};
+
+/// All arrangements, from least to most control.
+pub const ARRANGEMENTS: [Arrangement; 3] =
+    [Arrangement::Uncontrolled, Arrangement::Feedback, Arrangement::Compensated];
+
+/// What was measured, how it was judged, and what it was read from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verification {
+    /// Every figure that was measured.
+    pub figures: Vec<Measured>,
+    /// Every requirement with its verdict, in the order given.
+    pub verdicts: Vec<(Requirement, Verdict)>,
+    /// What the figures were read from.
+    pub evidence: Evidence,
+}
+
+/// Curves and time histories.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Evidence {
+    /// Sample period, s.
+    pub sample_period_s: f64,
+    /// The control that holds the mechanism at rest, V.
+    pub holding_v: f64,
+    /// Poles of the closed loop with the whole controller, in the z-plane.
+    pub poles: Vec<C64>,
+    /// All crossings and peaks of the loop broken at the plant's input.
+    pub margins: Margins,
+    /// Frequency responses.
+    pub curves: Curves,
+    /// Time histories: linear first.
+    pub histories: Vec<History>,
+}
+
+/// A controller that has been verified: the only thing that can be exported. It is made by [`verify`] alone, whatever the verdicts,
+/// and cannot be changed afterwards.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VerifiedController {
+    controller: Controller,
+    verification: Verification,
+}
+
+impl VerifiedController {
+    /// The controller.
+    pub fn controller(&self) -> &Controller {
+        &self.controller
+    }
+
+    /// What its verification found.
+    pub fn verification(&self) -> &Verification {
+        &self.verification
+    }
+
+    /// The controller with what its verification found.
+    pub fn into_parts(self) -> (Controller, Verification) {
+        (self.controller, self.verification)
+    }
+}
+
+impl Verification {
+    /// The value of a figure, where it was measured.
+    pub fn value(&self, figure: Figure) -> Option<f64> {
+        self.figures.iter().find(|measured| measured.figure == figure).and_then(|measured| {
+            match measured.value {
+                Value::Is(number) => Some(number),
+                Value::Absent { .. } => None,
+            }
+        })
+    }
+
+    /// How many requirements hold, fail, and could not be judged.
+    pub fn counts(&self) -> (usize, usize, usize) {
+        let count =
+            |which: fn(&Verdict) -> bool| self.verdicts.iter().filter(|(_, verdict)| which(verdict)).count();
+        (
+            count(|v| matches!(v, Verdict::Holds { .. })),
+            count(|v| matches!(v, Verdict::Fails { .. })),
+            count(|v| matches!(v, Verdict::NotApplicable { .. })),
+        )
+    }
+
+    /// Whether no requirement fails and the closed loop is stable.
+    pub fn passes(&self) -> bool {
+        self.counts().1 == 0 && self.evidence.margins.closed_loop_stable
+    }
+
+    /// A time history, where it was run.
+    pub fn history(&self, model: Model, experiment: Experiment) -> Option<&History> {
+        self.evidence
+            .histories
+            .iter()
+            .find(|history| (history.model, history.experiment) == (model, experiment))
+    }
+
+    fn judge(&mut self, requirements: &[Requirement]) {
+        let verdict = |requirement: &Requirement| match self
+            .figures
+            .iter()
+            .find(|measured| measured.figure == requirement.figure)
+            .map(|m| &m.value)
+        {
+            Some(Value::Is(number)) => requirement.judge(*number),
+            Some(Value::Absent { why }) => Verdict::NotApplicable { why: why.clone() },
+            None => Verdict::NotApplicable { why: "this experiment was not run".to_owned() },
+        };
+        self.verdicts =
+            requirements.iter().map(|requirement| (requirement.clone(), verdict(requirement))).collect();
+    }
+}
+
+/// Measures every figure of `controller` on `plant`, linear and nonlinear, and judges it against `requirements`.
+///
+/// The controller is the discrete one that will be exported; nothing is taken from its design. "Without control" means the constant
+/// voltage that holds the out-of-balance: a mechanism left to itself would fall. The out-of-balance that the controller is told is
+/// the one it was designed for.
+///
+/// # Errors
+/// [`Error::Period`] where controller and interface have two clocks, [`Error::Range`] and others for a procedure that cannot be run,
+/// and those of the plant, the controller and the simulator. A requirement that fails is a verdict, not an error.
+pub fn verify(
+    plant: &Plant,
+    controller: &Controller,
+    procedure: &Procedure,
+    requirements: &[Requirement],
+) -> Result<VerifiedController, Error> {
+    procedure.check()?;
+    let mut found = linear_part(plant, controller, procedure, requirements)?;
+    for history in nonlinear::histories(plant, controller, procedure)? {
+        found.figures.extend(history_figures(&history, procedure.settle_s));
+        found.evidence.histories.push(history);
+    }
+    found.judge(requirements);
+    Ok(VerifiedController { controller: controller.clone(), verification: found })
+}
+
+/// The plant linearised where the procedure has it stand; its angles are left out, so that gravity's gradient and a position spring
+/// appear in the nonlinear figures alone.
+///
+/// # Errors
+/// Those of the linearisation.
+pub fn linear_plant(plant: &Plant, procedure: &Procedure) -> Result<LinearPlant, Error> {
+    Ok(plant.linearise(&plant.equilibrium(&procedure.operating_point), procedure.friction, Angles::Drop)?)
+}
+
+/// The linear figures and evidence alone, judged against `requirements`: what needs no simulator.
+///
+/// # Errors
+/// As [`verify`].
+pub fn verify_linear(
+    plant: &Plant,
+    controller: &Controller,
+    procedure: &Procedure,
+    requirements: &[Requirement],
+) -> Result<Verification, Error> {
+    procedure.check()?;
+    let mut found = linear_part(plant, controller, procedure, requirements)?;
+    found.judge(requirements);
+    Ok(found)
+}
+
+fn linear_part(
+    plant: &Plant,
+    controller: &Controller,
+    procedure: &Procedure,
+    requirements: &[Requirement],
+) -> Result<Verification, Error> {
+    let resolver = linear::closed::resolver_use(controller);
+    let sampled = SampledPlant::new(&linear_plant(plant, procedure)?, plant.parameters(), resolver)?;
+    let moment = controller.parts().design_out_of_balance_kg_m;
+    let mut loops = Vec::new();
+    for arrangement in ARRANGEMENTS {
+        loops
+            .push((arrangement, Closed::new(&sampled, arranged(controller, arrangement)?.as_ref(), moment)?));
+    }
+    let whole = &loops[loops.len() - 1].1;
+    let broken = whole.broken.as_ref().ok_or(Error::NoController)?;
+    let margins = margins(broken)?;
+    let mut figures = loop_figures(&margins, whole.pole_radius());
+    let frequencies = rejection_frequencies(procedure, requirements);
+    for (arrangement, closed) in &loops {
+        figures.extend(rejection_figures(&sampled, closed, *arrangement, &frequencies)?);
+    }
+    let mut histories = Vec::new();
+    linear_histories(&sampled, &loops, procedure, &mut figures, &mut histories)?;
+    let curves = Curves::of(&sampled, &loops)?;
+    let (sample_period_s, holding_v, poles) =
+        (sampled.sample_period_s, sampled.holding_v, whole.poles.clone());
+    let evidence = Evidence { sample_period_s, holding_v, poles, margins, curves, histories };
+    Ok(Verification { figures, verdicts: Vec::new(), evidence })
+}
+
+/// The procedure's frequencies and those that requirements name.
+fn rejection_frequencies(procedure: &Procedure, requirements: &[Requirement]) -> Vec<f64> {
+    let named = requirements.iter().filter_map(|requirement| match requirement.figure {
+        Figure::Rejection { frequency_hz, .. } => Some(frequency_hz),
+        _ => None,
+    });
+    let mut all: Vec<f64> = procedure.rejection_hz.iter().copied().chain(named).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all
+}
+
+fn rejection_figures(
+    sampled: &SampledPlant,
+    closed: &Closed,
+    arrangement: Arrangement,
+    frequencies: &[f64],
+) -> Result<Vec<Measured>, Error> {
+    let mut figures = Vec::new();
+    let stable = arrangement == Arrangement::Uncontrolled || closed.pole_radius() < 1.0;
+    for rejection in rejections(sampled, closed, arrangement, frequencies)? {
+        for (frequency_hz, h) in frequencies.iter().zip(&rejection.response) {
+            let figure =
+                Figure::Rejection { source: rejection.source, arrangement, frequency_hz: *frequency_hz };
+            let db = if stable { 20.0 * h.norm().log10() } else { f64::INFINITY };
+            figures.push(Measured { figure, value: Value::Is(db) });
+        }
+    }
+    Ok(figures)
+}
+
+/// Runs the step with the whole controller and every disturbance in every arrangement.
+fn linear_histories(
+    sampled: &SampledPlant,
+    loops: &[(Arrangement, Closed)],
+    procedure: &Procedure,
+    figures: &mut Vec<Measured>,
+    histories: &mut Vec<History>,
+) -> Result<(), Error> {
+    for (arrangement, closed) in loops {
+        let stable = *arrangement == Arrangement::Uncontrolled || closed.pole_radius() < 1.0;
+        for experiment in experiments(procedure, *arrangement) {
+            if !stable {
+                figures.extend(diverged(Model::Linear, experiment));
+                continue;
+            }
+            let history = match experiment {
+                Experiment::Disturbance(source, _) => {
+                    let motion = |time_s: f64| procedure.motion(source, time_s);
+                    linear::disturbance(
+                        sampled,
+                        closed,
+                        (source, *arrangement),
+                        procedure.duration_of(source),
+                        motion,
+                    )?
+                }
+                Experiment::Step | Experiment::Rest => linear::step(sampled, closed, procedure.step)?,
+            };
+            figures.extend(history_figures(&history, procedure.settle_s));
+            histories.push(history);
+        }
+    }
+    Ok(())
+}
+
+/// What is run in an arrangement on the linear plant: nothing to see at rest.
+fn experiments(procedure: &Procedure, arrangement: Arrangement) -> Vec<Experiment> {
+    let step = (arrangement == Arrangement::Compensated).then_some(Experiment::Step);
+    let disturbances =
+        procedure.sources().into_iter().map(|source| Experiment::Disturbance(source, arrangement));
+    step.into_iter().chain(disturbances).collect()
+}
+
+impl Procedure {
+    /// The disturbances that are run.
+    pub fn sources(&self) -> Vec<Source> {
+        let road = self.road.as_ref().map(|_| Source::Road);
+        [Source::Heave, Source::Pitch, Source::Both].into_iter().chain(road).collect()
+    }
+
+    /// How long a disturbance lasts, s.
+    pub fn duration_of(&self, source: Source) -> f64 {
+        match (source, &self.road) {
+            (Source::Road, Some(road)) => road.duration_s(),
+            _ => self.duration_s,
+        }
+    }
+
+    /// Heave (m/s^2) and pitch rate (rad/s) of a disturbance at a time.
+    pub fn motion(&self, source: Source, time_s: f64) -> (f64, f64) {
+        match source {
+            Source::Heave => (self.heave.at(time_s), 0.0),
+            Source::Pitch => (0.0, self.pitch.at(time_s)),
+            Source::Both => (self.heave.at(time_s), self.pitch.at(time_s)),
+            Source::Road => self.road.as_ref().map_or((0.0, 0.0), |road| road.at(time_s)),
+        }
+    }
+}
