@@ -76,7 +76,9 @@ pub fn csvd(A: &CMat) -> Result<CSvd, Error> {
 /// Not square, not finite, not symmetric, or no convergence.
 pub fn sym_eigen(A: &Mat) -> Result<(Vec<f64>, Mat), Error> {
     check_symmetric("A", A)?;
-    let parts = view(A).self_adjoint_eigen(faer::Side::Lower).map_err(|_| no_convergence("the symmetric eigenproblem"))?;
+    let parts = view(A)
+        .self_adjoint_eigen(faer::Side::Lower)
+        .map_err(|_| no_convergence("the symmetric eigenproblem"))?;
     Ok(((0..A.nrows()).map(|i| parts.S()[i]).collect(), copy(parts.U())))
 }
 
@@ -86,7 +88,9 @@ pub fn sym_eigen(A: &Mat) -> Result<(Vec<f64>, Mat), Error> {
 /// As for [`sym_eigen`].
 pub fn sym_eigenvalues(A: &Mat) -> Result<Vec<f64>, Error> {
     check_symmetric("A", A)?;
-    view(A).self_adjoint_eigenvalues(faer::Side::Lower).map_err(|_| no_convergence("the symmetric eigenproblem"))
+    view(A)
+        .self_adjoint_eigenvalues(faer::Side::Lower)
+        .map_err(|_| no_convergence("the symmetric eigenproblem"))
 }
 
 /// The symmetric-definite problem `K v = lambda M v`, the smallest eigenvalue first, with `V' M V = I`.
@@ -100,7 +104,8 @@ pub fn sym_gen_eigen(K: &Mat, M: &Mat) -> Result<(Vec<f64>, Mat), Error> {
     check_symmetric("K", K)?;
     check_symmetric("M", M)?;
     check_shape("M", M, K.shape())?;
-    let scale: Vec<f64> = M.diagonal().iter().map(|&m| power_of_two(1.0 / m.abs().max(f64::MIN_POSITIVE).sqrt())).collect();
+    let scale: Vec<f64> =
+        M.diagonal().iter().map(|&m| power_of_two(1.0 / m.abs().max(f64::MIN_POSITIVE).sqrt())).collect();
     let scaled = |A: &Mat| Mat::from_fn(A.nrows(), A.ncols(), |i, j| scale[i] * A[(i, j)] * scale[j]);
     let L = crate::dense::cholesky(&scaled(M)).map_err(|_| Error::NotPositiveDefinite { what: "M" })?;
     let left = lower_solve(&L, &scaled(K));
@@ -153,9 +158,16 @@ pub(crate) fn hessenberg_checked(A: &Mat) -> (Mat, Mat) {
     let seq = faer::Par::Seq;
     let need = householder::hessenberg_in_place_scratch::<f64>(n, block, seq, Default::default());
     let mut buffer = MemBuffer::new(need);
-    householder::hessenberg_in_place(work.as_mut(), coefficients.as_mut(), seq, MemStack::new(&mut buffer), Default::default());
+    householder::hessenberg_in_place(
+        work.as_mut(),
+        coefficients.as_mut(),
+        seq,
+        MemStack::new(&mut buffer),
+        Default::default(),
+    );
     let mut Q = faer::Mat::<f64>::identity(n, n);
-    let need = apply::apply_block_householder_sequence_on_the_left_in_place_scratch::<f64>(n - 1, block, n - 1);
+    let need =
+        apply::apply_block_householder_sequence_on_the_left_in_place_scratch::<f64>(n - 1, block, n - 1);
     let mut buffer = MemBuffer::new(need);
     apply::apply_block_householder_sequence_on_the_left_in_place_with_conj(
         work.as_ref().submatrix(1, 0, n - 1, n - 1),
@@ -184,7 +196,8 @@ pub fn gen_eigenvalues(A: &Mat, E: &Mat) -> Result<Vec<(C64, f64)>, Error> {
     // The blocked QZ of faer 0.24 stalls between n = 75 and 130.
     params.schur.blocking_threshold = usize::MAX;
     let (mut left, mut right) = (view(A).to_owned(), view(E).to_owned());
-    let (mut re, mut im, mut beta) = (faer::Col::<f64>::zeros(n), faer::Col::<f64>::zeros(n), faer::Col::<f64>::zeros(n));
+    let (mut re, mut im, mut beta) =
+        (faer::Col::<f64>::zeros(n), faer::Col::<f64>::zeros(n), faer::Col::<f64>::zeros(n));
     let no = gevd::ComputeEigenvectors::No;
     let need = gevd::gevd_scratch::<f64>(n, no, no, faer::Par::Seq, params.into());
     let mut buffer = MemBuffer::new(need);

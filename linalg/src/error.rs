@@ -75,7 +75,9 @@ pub enum Error {
         eigenvalue: C64,
     },
     /// A linear matrix equation has no unique solution.
-    #[error("{equation} has no unique solution: the eigenvalues {first} and {second} meet (separation {separation:.1e})")]
+    #[error(
+        "{equation} has no unique solution: the eigenvalues {first} and {second} meet (separation {separation:.1e})"
+    )]
     CommonEigenvalue {
         /// Which equation.
         equation: &'static str,
@@ -95,7 +97,9 @@ pub enum Error {
         limit: usize,
     },
     /// Two eigenvalues are too close to change places without spoiling the matrix.
-    #[error("the eigenvalues {first} and {second} are too close to be reordered (backward error {error:.1e})")]
+    #[error(
+        "the eigenvalues {first} and {second} are too close to be reordered (backward error {error:.1e})"
+    )]
     SwapRejected {
         /// The eigenvalue that should move down.
         first: C64,
@@ -107,7 +111,11 @@ pub enum Error {
 }
 
 /// Whether `matrix` has the shape that the equation needs.
-pub(crate) fn check_shape<T: Scalar>(what: &'static str, matrix: &Dense<T>, needed: (usize, usize)) -> Result<(), Error> {
+pub(crate) fn check_shape<T: Scalar>(
+    what: &'static str,
+    matrix: &Dense<T>,
+    needed: (usize, usize),
+) -> Result<(), Error> {
     let (rows, cols) = matrix.shape();
     if (rows, cols) != needed {
         return Err(Error::Shape { what, rows, cols, needed_rows: needed.0, needed_cols: needed.1 });

@@ -3,6 +3,7 @@
 //! Products are split into slices whose products are exact in double precision, so that the fast kernels do the work.
 //! Source: Ozaki, Ogita, Oishi and Rump, Error-free transformations of matrix multiplication, Numer. Algorithms 59 (2012).
 
+use crate::kernel::vectorised;
 use crate::mat::Mat;
 
 /// `high + low`, where `low` (absent: zero) is of the size of the rounding error of `high`.
@@ -60,26 +61,26 @@ impl Extended {
     }
 }
 
-/// `high + low += term`, the rounding error of the sum kept in `low`.
-fn accumulate(high: &mut Mat, low: &mut Mat, term: &Mat) {
-    pulp::Arch::new().dispatch(|| {
+vectorised! {
+    /// `high + low += term`, the rounding error of the sum kept in `low`.
+    fn accumulate<'a>(high: &'a mut Mat, low: &'a mut Mat, term: &'a Mat) -> () {
         for ((h, l), &t) in high.as_mut_slice().iter_mut().zip(low.as_mut_slice()).zip(term.as_slice()) {
             let sum = *h + t;
             let back = sum - *h;
             *l += (*h - (sum - back)) + (t - back);
             *h = sum;
         }
-    });
+    }
 }
 
-fn renormalise(high: &mut Mat, low: &mut Mat) {
-    pulp::Arch::new().dispatch(|| {
+vectorised! {
+    fn renormalise<'a>(high: &'a mut Mat, low: &'a mut Mat) -> () {
         for (h, l) in high.as_mut_slice().iter_mut().zip(low.as_mut_slice()) {
             let sum = *h + *l;
             *l -= sum - *h;
             *h = sum;
         }
-    });
+    }
 }
 
 /// `A B` of two double matrices as a sum of two.
@@ -132,10 +133,10 @@ fn slices(A: &Mat, largest: &[f64], bits: i32, side: Side) -> [Mat; 3] {
     [first, second, third]
 }
 
-/// The leading bits that survive the addition of the anchor, and what is left.
-fn cut(A: &Mat, anchor: &[f64], side: Side) -> (Mat, Mat) {
-    let (mut lead, mut rest) = (A.clone(), A.clone());
-    pulp::Arch::new().dispatch(|| {
+vectorised! {
+    /// The leading bits that survive the addition of the anchor, and what is left.
+    fn cut<'a>(A: &'a Mat, anchor: &'a [f64], side: Side) -> (Mat, Mat) {
+        let (mut lead, mut rest) = (A.clone(), A.clone());
         for j in 0..A.ncols() {
             let columns = lead.column_mut(j).iter_mut().zip(rest.column_mut(j));
             match side {
@@ -143,8 +144,8 @@ fn cut(A: &Mat, anchor: &[f64], side: Side) -> (Mat, Mat) {
                 Side::Right => columns.for_each(|(l, r)| shave(l, r, anchor[j])),
             }
         }
-    });
-    (lead, rest)
+        (lead, rest)
+    }
 }
 
 #[inline(always)]

@@ -42,7 +42,8 @@ fn factor(A: &Mat, B: &Mat, kind: Kind) -> Result<Mat, Error> {
     let R = triangular_factor(&T, &(Z.h() * reduced.to_complex()), kind);
     let whole = form.U.to_complex() * &Z * &R;
     let n = A.nrows();
-    let real = Mat::from_fn(n, 2 * n, |i, j| d[i] * if j < n { whole[(i, j)].re } else { whole[(i, j - n)].im });
+    let real =
+        Mat::from_fn(n, 2 * n, |i, j| d[i] * if j < n { whole[(i, j)].re } else { whole[(i, j - n)].im });
     Ok(qr_r(&real.t())?.t())
 }
 

@@ -17,9 +17,10 @@ pub mod balance;
 pub mod decomposition;
 pub mod dense;
 mod error;
-mod extended;
 pub mod expm;
+mod extended;
 pub mod hammarling;
+mod kernel;
 pub mod lyapunov;
 pub mod mat;
 pub mod riccati;
@@ -28,13 +29,13 @@ mod small;
 pub mod sylvester;
 pub mod tolerance;
 
+pub use balance::{Balanced, balance};
 pub use decomposition::{
-    CSvd, Svd, cond, csingular_values, csvd, gen_eigenvalues, hessenberg, rank, rank_tolerance, rcond_one, singular_values, svd,
-    sym_eigen, sym_eigenvalues, sym_gen_eigen,
+    CSvd, Svd, cond, csingular_values, csvd, gen_eigenvalues, hessenberg, rank, rank_tolerance, rcond_one,
+    singular_values, svd, sym_eigen, sym_eigenvalues, sym_gen_eigen,
 };
 pub use dense::{Qr, cdet, cholesky, csolve, dot, inverse, lstsq, pinv, qr, qr_full_q, qr_r, solve};
 pub use error::Error;
-pub use balance::{Balanced, balance};
 pub use expm::{expm, expm_integral, van_loan_cost, van_loan_noise};
 pub use hammarling::{dlyap_factor, lyap_factor};
 pub use lyapunov::{dlyap, lyap};

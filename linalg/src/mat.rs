@@ -7,6 +7,8 @@
 use std::fmt;
 use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Neg, Sub, SubAssign};
 
+use crate::kernel::vectorised;
+
 /// A double-precision complex number.
 pub type C64 = num_complex::Complex<f64>;
 
@@ -54,7 +56,7 @@ impl Scalar for f64 {
     }
     fn gemm(m: usize, k: usize, n: usize, a: &[Self], b: &[Self], c: &mut [Self]) {
         if m * k * n < LARGE_PRODUCT {
-            return small_gemm(m, k, n, a, b, c);
+            return small_gemm_f64((m, k, n), a, b, c);
         }
         faer::linalg::matmul::matmul(
             faer::MatMut::from_column_major_slice_mut(c, m, n),
@@ -77,14 +79,30 @@ impl Scalar for C64 {
         self.conj()
     }
     fn gemm(m: usize, k: usize, n: usize, a: &[Self], b: &[Self], c: &mut [Self]) {
-        small_gemm(m, k, n, a, b, c);
+        small_gemm_c64((m, k, n), a, b, c);
     }
 }
+
+/// Side of the tiles in which a matrix is transposed.
+const TILE: usize = 16;
 
 /// Products with more multiplications than this go to faer's blocked kernel.
 const LARGE_PRODUCT: usize = 16 * 16 * 16;
 
-fn small_gemm<T: Scalar>(m: usize, k: usize, n: usize, a: &[T], b: &[T], c: &mut [T]) {
+vectorised! {
+    fn small_gemm_f64<'a>(shape: (usize, usize, usize), a: &'a [f64], b: &'a [f64], c: &'a mut [f64]) -> () {
+        small_gemm(shape, a, b, c);
+    }
+}
+
+vectorised! {
+    fn small_gemm_c64<'a>(shape: (usize, usize, usize), a: &'a [C64], b: &'a [C64], c: &'a mut [C64]) -> () {
+        small_gemm(shape, a, b, c);
+    }
+}
+
+#[inline(always)]
+fn small_gemm<T: Scalar>((m, k, n): (usize, usize, usize), a: &[T], b: &[T], c: &mut [T]) {
     for j in 0..n {
         let column = &mut c[j * m..(j + 1) * m];
         for l in 0..k {
@@ -115,16 +133,16 @@ impl<T: Scalar> Dense<T> {
 
     /// The identity of size `n`.
     pub fn eye(n: usize) -> Self {
-        Self::from_fn(n, n, |i, j| if i == j { T::ONE } else { T::ZERO })
+        let mut out = Self::zeros(n, n);
+        out.data.iter_mut().step_by(n + 1).for_each(|e| *e = T::ONE);
+        out
     }
 
     /// The matrix whose entry (i, j) is `entry(i, j)`.
     pub fn from_fn(rows: usize, cols: usize, mut entry: impl FnMut(usize, usize) -> T) -> Self {
         let mut data = Vec::with_capacity(rows * cols);
         for j in 0..cols {
-            for i in 0..rows {
-                data.push(entry(i, j));
-            }
+            data.extend((0..rows).map(|i| entry(i, j)));
         }
         Self { rows, cols, data }
     }
@@ -246,7 +264,24 @@ impl<T: Scalar> Dense<T> {
 
     /// The transpose.
     pub fn t(&self) -> Self {
-        Self::from_fn(self.cols, self.rows, |i, j| self[(j, i)])
+        let mut out = Self::zeros(self.cols, self.rows);
+        for top in (0..self.rows).step_by(TILE) {
+            for left in (0..self.cols).step_by(TILE) {
+                self.transpose_tile(&mut out, top, left);
+            }
+        }
+        out
+    }
+
+    /// Writes the transpose of the tile at (top, left).
+    fn transpose_tile(&self, out: &mut Self, top: usize, left: usize) {
+        let (bottom, right) = ((top + TILE).min(self.rows), (left + TILE).min(self.cols));
+        for i in top..bottom {
+            let target = &mut out.data[i * self.cols + left..i * self.cols + right];
+            for (t, j) in target.iter_mut().zip(left..) {
+                *t = self.data[j * self.rows + i];
+            }
+        }
     }
 
     /// The conjugate transpose.
@@ -256,15 +291,18 @@ impl<T: Scalar> Dense<T> {
 
     /// The block of `rows` x `cols` entries whose first one is at (top, left).
     pub fn block(&self, top: usize, left: usize, rows: usize, cols: usize) -> Self {
-        Self::from_fn(rows, cols, |i, j| self[(top + i, left + j)])
+        assert!(top + rows <= self.rows, "the block reaches below the matrix");
+        let mut data = Vec::with_capacity(rows * cols);
+        for j in left..left + cols {
+            data.extend_from_slice(&self.column(j)[top..top + rows]);
+        }
+        Self { rows, cols, data }
     }
 
     /// Writes `block` over the entries from (top, left) on.
     pub fn set_block(&mut self, top: usize, left: usize, block: &Self) {
         for j in 0..block.cols {
-            for i in 0..block.rows {
-                self[(top + i, left + j)] = block[(i, j)];
-            }
+            self.column_mut(left + j)[top..top + block.rows].copy_from_slice(block.column(j));
         }
     }
 
@@ -437,7 +475,7 @@ mod tests {
         let a = Mat::from_fn(33, 41, entry);
         let b = Mat::from_fn(41, 29, entry);
         let mut expected = Mat::zeros(33, 29);
-        small_gemm(33, 41, 29, a.as_slice(), b.as_slice(), expected.as_mut_slice());
+        small_gemm((33, 41, 29), a.as_slice(), b.as_slice(), expected.as_mut_slice());
         assert_eq!(&a * &b, expected);
     }
 

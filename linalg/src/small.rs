@@ -1,61 +1,52 @@
-//! Systems of at most a few unknowns, solved with complete pivoting and never refused.
+//! Systems of at most four unknowns, solved with complete pivoting and never refused.
 
 use crate::mat::Mat;
 use crate::tolerance::EPS;
 
-/// Solves `A x = b` in place by Gaussian elimination with complete pivoting; a pivot below `eps` times the largest
-/// entry is replaced by that bound, so that the answer is finite (the caller checks what it is worth). Returns whether
-/// every pivot was its own.
-pub(crate) fn solve_complete(A: &mut Mat, b: &mut [f64]) -> bool {
-    let n = b.len();
-    let floor = (EPS * A.norm_max()).max(f64::MIN_POSITIVE / EPS);
-    let mut order: Vec<usize> = (0..n).collect();
-    let mut honest = true;
+/// Solves the leading `n` rows and columns of `A x = b` in place by Gaussian elimination with complete pivoting; a pivot
+/// below `eps` times the largest entry is replaced by that bound, so that the answer is finite (the caller checks what it
+/// is worth).
+#[inline(always)]
+pub(crate) fn solve_complete(A: &mut [[f64; 4]; 4], b: &mut [f64; 4], n: usize) {
+    let largest = A[..n].iter().flat_map(|row| &row[..n]).fold(0.0_f64, |m, e| m.max(e.abs()));
+    let floor = (EPS * largest).max(f64::MIN_POSITIVE / EPS);
+    let mut order = [0, 1, 2, 3];
     for k in 0..n {
-        pivot(A, b, &mut order, k);
-        if A[(k, k)].abs() < floor {
-            A[(k, k)] = floor;
-            honest = false;
+        pivot(A, b, &mut order, (k, n));
+        if A[k][k].abs() < floor {
+            A[k][k] = floor;
         }
         for i in k + 1..n {
-            let factor = A[(i, k)] / A[(k, k)];
+            let factor = A[i][k] / A[k][k];
             for j in k + 1..n {
-                A[(i, j)] -= factor * A[(k, j)];
+                A[i][j] -= factor * A[k][j];
             }
             b[i] -= factor * b[k];
         }
     }
-    let mut x = vec![0.0; n];
+    let mut x = [0.0; 4];
     for k in (0..n).rev() {
-        let sum: f64 = (k + 1..n).map(|j| A[(k, j)] * x[j]).sum();
-        x[k] = (b[k] - sum) / A[(k, k)];
+        let sum: f64 = (k + 1..n).map(|j| A[k][j] * x[j]).sum();
+        x[k] = (b[k] - sum) / A[k][k];
     }
     (0..n).for_each(|k| b[order[k]] = x[k]);
-    honest
 }
 
-fn pivot(A: &mut Mat, b: &mut [f64], order: &mut [usize], k: usize) {
-    let n = b.len();
+/// Brings the largest entry of the trailing block to (k, k).
+#[inline(always)]
+fn pivot(A: &mut [[f64; 4]; 4], b: &mut [f64; 4], order: &mut [usize; 4], (k, n): (usize, usize)) {
     let (mut row, mut col) = (k, k);
-    for j in k..n {
-        for i in k..n {
-            if A[(i, j)].abs() > A[(row, col)].abs() {
+    for i in k..n {
+        for j in k..n {
+            if A[i][j].abs() > A[row][col].abs() {
                 (row, col) = (i, j);
             }
         }
     }
-    for j in 0..n {
-        let swapped = A[(k, j)];
-        A[(k, j)] = A[(row, j)];
-        A[(row, j)] = swapped;
-    }
-    for i in 0..n {
-        let swapped = A[(i, k)];
-        A[(i, k)] = A[(i, col)];
-        A[(i, col)] = swapped;
-    }
+    A.swap(k, row);
     b.swap(k, row);
     order.swap(k, col);
+    A.iter_mut().for_each(|line| line.swap(k, col));
 }
 
 /// The full orthogonal factor of a small tall matrix, by Householder reflections.

@@ -3,6 +3,7 @@
 //! Sources: Bartels and Stewart, Comm. ACM 15 (1972); Jonsson and Kagstrom, ACM TOMS 28 (2002) for the recursion.
 
 use crate::error::{Error, check_shape, check_square};
+use crate::kernel::vectorised;
 use crate::mat::{C64, Mat};
 use crate::schur::{Schur, blocks, schur};
 use crate::tolerance::EPS;
@@ -47,22 +48,21 @@ fn solve_by_schur(A: &Mat, B: &Mat, C: &Mat, kind: Kind) -> Result<Mat, Error> {
 
 /// The equation for matrices whose Schur forms are known.
 pub(crate) fn solve_with_forms(left: &Schur, right: &Schur, C: &Mat, kind: Kind) -> Result<Mat, Error> {
-    check_spectra(left, right, kind)?;
+    check_spectra(&left.eigenvalues(), &right.eigenvalues(), kind)?;
     let mut inner = left.U.t() * C * &right.U;
     solve_triangular(&left.T, &right.T, &mut inner, kind);
     Ok(&left.U * &inner * right.U.t())
 }
 
 /// Refuses a pair of eigenvalues that makes the equation singular to working precision.
-fn check_spectra(left: &Schur, right: &Schur, kind: Kind) -> Result<(), Error> {
-    let ours = left.eigenvalues();
-    let theirs = right.eigenvalues();
-    for &first in &ours {
-        for &second in &theirs {
-            let (separation, scale, equation) = match kind {
-                Kind::Continuous => ((first + second).norm(), first.norm() + second.norm(), "A X + X B = C"),
-                Kind::Discrete => ((first * second - 1.0).norm(), 1.0, "A X B - X + C = 0"),
+fn check_spectra(ours: &[C64], theirs: &[C64], kind: Kind) -> Result<(), Error> {
+    for &first in ours {
+        for &second in theirs {
+            let (gap, scale, equation) = match kind {
+                Kind::Continuous => (first + second, first.l1_norm() + second.l1_norm(), "A X + X B = C"),
+                Kind::Discrete => (first * second - 1.0, 1.0, "A X B - X + C = 0"),
             };
+            let separation = gap.l1_norm();
             if separation <= EPS * scale {
                 return Err(Error::CommonEigenvalue { equation, first, second, separation });
             }
@@ -78,7 +78,7 @@ const BASE: usize = 16;
 pub(crate) fn solve_triangular(A: &Mat, B: &Mat, C: &mut Mat, kind: Kind) {
     let (m, n) = C.shape();
     if m <= BASE && n <= BASE {
-        return pulp::Arch::new().dispatch(|| base(A, B, C, kind));
+        return base(A, B, C, kind);
     }
     if m >= n {
         split_rows(A, B, C, kind, middle(A));
@@ -117,16 +117,17 @@ fn split_columns(A: &Mat, B: &Mat, C: &mut Mat, kind: Kind, k: usize) {
     C.set_block(0, k, &right);
 }
 
-/// Column block by column block from the left, row block by row block from below.
-#[inline(always)]
-fn base(A: &Mat, B: &Mat, C: &mut Mat, kind: Kind) {
-    let rows = blocks(A);
-    for (j, width) in blocks(B) {
-        let known = right_hand_side(A, B, C, j, width, kind);
-        (0..width).for_each(|l| C.column_mut(j + l).copy_from_slice(known.column(l)));
-        for &(i, height) in rows.iter().rev() {
-            solve_block(A, B, C, (i, height), (j, width), kind);
-            eliminate(A, B, C, (i, height), (j, width), kind);
+vectorised! {
+    /// Column block by column block from the left, row block by row block from below.
+    fn base<'a>(A: &'a Mat, B: &'a Mat, C: &'a mut Mat, kind: Kind) -> () {
+        let rows = blocks(A);
+        for (j, width) in blocks(B) {
+            let known = right_hand_side(A, B, C, j, width, kind);
+            (0..width).for_each(|l| C.column_mut(j + l).copy_from_slice(known.column(l)));
+            for &(i, height) in rows.iter().rev() {
+                solve_block(A, B, C, (i, height), (j, width), kind);
+                eliminate(A, B, C, (i, height), (j, width), kind);
+            }
         }
     }
 }
@@ -166,15 +167,22 @@ fn upper_times(A: &Mat, X: &Mat) -> Mat {
 
 /// The block (i, j) by a system of one, two or four unknowns.
 #[inline(always)]
-fn solve_block(A: &Mat, B: &Mat, C: &mut Mat, (i, height): (usize, usize), (j, width): (usize, usize), kind: Kind) {
+fn solve_block(
+    A: &Mat,
+    B: &Mat,
+    C: &mut Mat,
+    (i, height): (usize, usize),
+    (j, width): (usize, usize),
+    kind: Kind,
+) {
     if height == 1 && width == 1 {
-        let pivot = if kind == Kind::Continuous { A[(i, i)] + B[(j, j)] } else { A[(i, i)] * B[(j, j)] - 1.0 };
+        let pivot =
+            if kind == Kind::Continuous { A[(i, i)] + B[(j, j)] } else { A[(i, i)] * B[(j, j)] - 1.0 };
         C[(i, j)] /= pivot;
         return;
     }
     let unknowns = height * width;
-    let mut system = Mat::zeros(unknowns, unknowns);
-    let mut right = [0.0; 4];
+    let (mut system, mut right) = ([[0.0; 4]; 4], [0.0; 4]);
     for q in 0..width {
         for p in 0..height {
             let row = q * height + p;
@@ -182,7 +190,7 @@ fn solve_block(A: &Mat, B: &Mat, C: &mut Mat, (i, height): (usize, usize), (j, w
             kronecker_row(A, B, &mut system, row, (i, p, height), (j, q, width), kind);
         }
     }
-    crate::small::solve_complete(&mut system, &mut right[..unknowns]);
+    crate::small::solve_complete(&mut system, &mut right, unknowns);
     (0..unknowns).for_each(|row| C[(i + row % height, j + row / height)] = right[row]);
 }
 
@@ -190,31 +198,39 @@ fn solve_block(A: &Mat, B: &Mat, C: &mut Mat, (i, height): (usize, usize), (j, w
 fn kronecker_row(
     A: &Mat,
     B: &Mat,
-    system: &mut Mat,
+    system: &mut [[f64; 4]; 4],
     row: usize,
     (i, p, height): (usize, usize, usize),
     (j, q, width): (usize, usize, usize),
     kind: Kind,
 ) {
     if kind == Kind::Continuous {
-        (0..height).for_each(|l| system[(row, q * height + l)] += A[(i + p, i + l)]);
-        (0..width).for_each(|l| system[(row, l * height + p)] += B[(j + l, j + q)]);
+        (0..height).for_each(|l| system[row][q * height + l] += A[(i + p, i + l)]);
+        (0..width).for_each(|l| system[row][l * height + p] += B[(j + l, j + q)]);
         return;
     }
     for l in 0..width {
-        (0..height).for_each(|k| system[(row, l * height + k)] = A[(i + p, i + k)] * B[(j + l, j + q)]);
+        (0..height).for_each(|k| system[row][l * height + k] = A[(i + p, i + k)] * B[(j + l, j + q)]);
     }
-    system[(row, row)] -= 1.0;
+    system[row][row] -= 1.0;
 }
 
 /// Takes the block just solved out of the rows above it.
 #[inline(always)]
-fn eliminate(A: &Mat, B: &Mat, C: &mut Mat, (i, height): (usize, usize), (j, width): (usize, usize), kind: Kind) {
-    let solved = C.block(i, j, height, width);
-    let factors = if kind == Kind::Continuous { solved } else { &solved * B.block(j, j, width, width) };
+fn eliminate(
+    A: &Mat,
+    B: &Mat,
+    C: &mut Mat,
+    (i, height): (usize, usize),
+    (j, width): (usize, usize),
+    kind: Kind,
+) {
     for l in 0..width {
         for k in 0..height {
-            let factor = factors[(k, l)];
+            let factor = match kind {
+                Kind::Continuous => C[(i + k, j + l)],
+                Kind::Discrete => (0..width).map(|p| C[(i + k, j + p)] * B[(j + p, j + l)]).sum(),
+            };
             let target = &mut C.column_mut(j + l)[..i];
             target.iter_mut().zip(&A.column(i + k)[..i]).for_each(|(t, &a)| *t -= factor * a);
         }

@@ -5,8 +5,8 @@ mod common;
 
 use common::{Random, difference};
 use counterpoise_linalg::{
-    Error, Mat, dlyap, dlyap_factor, dsylvester, expm, expm_integral, lyap, lyap_factor, sylvester, van_loan_cost,
-    van_loan_noise,
+    Error, Mat, dlyap, dlyap_factor, dsylvester, expm, expm_integral, lyap, lyap_factor, sylvester,
+    van_loan_cost, van_loan_noise,
 };
 
 #[test]

@@ -40,12 +40,14 @@ fn report(name: &str, solution: &Riccati, residual: f64, error: Option<f64>) {
 fn carex() {
     for (name, example) in collection("carex.json") {
         let get = |key| matrix(&example, key).unwrap();
-        let (A, B, Q, R, G) = (get("A"), get("B"), get("Q").symmetric_part(), get("R"), get("G").symmetric_part());
+        let (A, B, Q, R, G) =
+            (get("A"), get("B"), get("Q").symmetric_part(), get("R"), get("G").symmetric_part());
         let outcome = care(&A, &B, &Q, &R, None).unwrap();
         let solution = outcome.into_result().unwrap_or_else(|reason| panic!("{name}: {reason}"));
         // R F = B'X: the residual without an inverse of R, which is nearly singular in 2.2.
         let (AX, term) = (A.t() * &solution.X, &solution.X * &B * &solution.F);
-        let size = (&AX + &AX.t() - &term + &Q).norm_fro() / (2.0 * AX.norm_fro() + term.norm_fro() + Q.norm_fro());
+        let size =
+            (&AX + &AX.t() - &term + &Q).norm_fro() / (2.0 * AX.norm_fro() + term.norm_fro() + Q.norm_fro());
         let error = matrix(&example, "X").map(|X| difference(&solution.X, &X));
         report(&name, &solution, size, error);
         // X rounded to double leaves this residual, since the gain divides it by R.
@@ -64,7 +66,10 @@ fn carex() {
         assert!(residual(&A, &G, &Q, &by_g.X) < rounding.max(1e-14), "{name}");
         let data = difference(&(&B * solve(&R, &B.t()).unwrap()), &G);
         let agreed = difference(&by_g.X, &solution.X);
-        assert!(agreed < (data + 1e-15) * solution.certificate.condition, "{name}: two entries differ by {agreed:e}");
+        assert!(
+            agreed < (data + 1e-15) * solution.certificate.condition,
+            "{name}: two entries differ by {agreed:e}"
+        );
     }
 }
 
@@ -72,7 +77,8 @@ fn carex() {
 fn darex() {
     for (name, example) in collection("darex.json") {
         let get = |key| matrix(&example, key).unwrap();
-        let (A, B, Q, R, S) = (get("A"), get("B"), get("Q").symmetric_part(), get("R").symmetric_part(), get("S"));
+        let (A, B, Q, R, S) =
+            (get("A"), get("B"), get("Q").symmetric_part(), get("R").symmetric_part(), get("S"));
         let outcome = dare(&A, &B, &Q, &R, Some(&S)).unwrap();
         let solution = outcome.into_result().unwrap_or_else(|reason| panic!("{name}: {reason}"));
         let residual = |X: &Mat| {

@@ -24,8 +24,7 @@ pub(super) fn certify(
     let worst = closed_loop.iter().map(|&l| excess(l, kind)).fold(f64::NEG_INFINITY, f64::max);
     let stability = if kind == Kind::Continuous { worst } else { worst + 1.0 };
     let inaccurate = |residual| Reason::Inaccurate { residual, stability };
-    let (residual, size) =
-        equation.residual(&refined.X.clone().into()).ok_or(inaccurate(f64::INFINITY))?;
+    let (residual, size) = equation.residual(&refined.X.clone().into()).ok_or(inaccurate(f64::INFINITY))?;
     let relative_residual = if size > 0.0 { residual.norm_fro() / size } else { 0.0 };
     let sound = relative_residual.is_finite() && relative_residual <= RICCATI_RESIDUAL;
     if !sound || (worst >= 0.0 && !closed_loop.is_empty()) {
@@ -54,7 +53,8 @@ fn sensitivity(problem: &Problem, refined: &Refined, kind: Kind) -> (f64, f64) {
         return (0.0, f64::INFINITY);
     };
     let (h0, h2) = (H0.norm_fro(), H2.norm_fro());
-    let data = h0 * problem.Q.norm_fro() + 2.0 * (h0 * h2).sqrt() * problem.A.norm_fro() + h2 * problem.G.norm_fro();
+    let data =
+        h0 * problem.Q.norm_fro() + 2.0 * (h0 * h2).sqrt() * problem.A.norm_fro() + h2 * problem.G.norm_fro();
     (1.0 / h0, data / X.norm_fro().max(f64::MIN_POSITIVE))
 }
 

@@ -59,11 +59,19 @@ impl fmt::Display for Reason {
                 write!(f, " (relative distance from reach {distance:.1e})")
             }
             Self::Unobservable { mode, distance } => {
-                write!(f, "the mode {} lies on the stability boundary and the cost does not see it", Mode(*mode))?;
+                write!(
+                    f,
+                    "the mode {} lies on the stability boundary and the cost does not see it",
+                    Mode(*mode)
+                )?;
                 write!(f, " (relative distance from sight {distance:.1e})")
             }
             Self::OnBoundary { eigenvalue, distance } => {
-                write!(f, "the Hamiltonian has the eigenvalue {} on the stability boundary", Mode(*eigenvalue))?;
+                write!(
+                    f,
+                    "the Hamiltonian has the eigenvalue {} on the stability boundary",
+                    Mode(*eigenvalue)
+                )?;
                 write!(f, " (relative distance {distance:.1e}): no stabilising solution")
             }
             Self::NoGraph => f.write_str("the stable subspace gives no finite solution"),
@@ -102,7 +110,8 @@ const BOUNDARY: f64 = 1e-8;
 pub(super) fn lost_mode(problem: &Problem, kind: Kind) -> Option<Reason> {
     let modes = eigenvalues(&problem.A).ok()?;
     let size = problem.A.norm_fro();
-    let suspects = modes.iter().filter(|m| m.im >= 0.0 && excess(**m, kind) > -BOUNDARY * boundary_scale(size, kind));
+    let suspects =
+        modes.iter().filter(|m| m.im >= 0.0 && excess(**m, kind) > -BOUNDARY * boundary_scale(size, kind));
     suspects.filter_map(|&mode| lost(problem, mode, kind)).next()
 }
 

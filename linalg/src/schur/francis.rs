@@ -5,15 +5,18 @@
 
 use super::block::{Rotation, standardise};
 use crate::error::Error;
+use crate::kernel::vectorised;
 use crate::mat::Mat;
 use crate::tolerance::{EPS, QR_ITERATIONS};
 
 /// Below this, a subdiagonal is zero whatever its neighbours.
 const SMALL: f64 = f64::MIN_POSITIVE / EPS;
 
-/// Turns rows and columns `lo..=hi` of the Hessenberg matrix `H` into Schur form; the whole of `H` and `Z` follow.
-pub(super) fn francis(H: &mut Mat, Z: &mut Mat, lo: usize, hi: usize) -> Result<(), Error> {
-    pulp::Arch::new().dispatch(|| Iteration { lo, H, Z }.run(hi))
+vectorised! {
+    /// Turns rows and columns `lo..=hi` of the Hessenberg matrix `H` into Schur form; the whole of `H` and `Z` follow.
+    pub(super) fn francis<'a>(H: &'a mut Mat, Z: &'a mut Mat, lo: usize, hi: usize) -> Result<(), Error> {
+        Iteration { lo, H, Z }.run(hi)
+    }
 }
 
 struct Iteration<'a> {
@@ -85,7 +88,11 @@ impl Iteration<'_> {
         for k in first..end {
             let size = 3.min(end + 1 - k);
             if k > first {
-                v = [self.H[(k, k - 1)], self.H[(k + 1, k - 1)], if size == 3 { self.H[(k + 2, k - 1)] } else { 0.0 }];
+                v = [
+                    self.H[(k, k - 1)],
+                    self.H[(k + 1, k - 1)],
+                    if size == 3 { self.H[(k + 2, k - 1)] } else { 0.0 },
+                ];
             }
             let reflector = Reflector::new(v, size);
             if k > first {

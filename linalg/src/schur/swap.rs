@@ -4,6 +4,7 @@
 
 use super::block::{Rotation, pair, standardise};
 use crate::error::Error;
+use crate::kernel::vectorised;
 use crate::mat::Mat;
 use crate::tolerance::SWAP;
 
@@ -14,7 +15,7 @@ use crate::tolerance::SWAP;
 /// is changed then.
 pub(super) fn swap(T: &mut Mat, U: &mut Mat, k: usize, first: usize, second: usize) -> Result<(), Error> {
     if first == 1 && second == 1 {
-        pulp::Arch::new().dispatch(|| swap_single(T, U, k));
+        swap_single(T, U, k);
         return Ok(());
     }
     let size = first + second;
@@ -25,33 +26,42 @@ pub(super) fn swap(T: &mut Mat, U: &mut Mat, k: usize, first: usize, second: usi
     if left_over > SWAP * local.norm_max() {
         return Err(rejected(&local, first, left_over));
     }
-    pulp::Arch::new().dispatch(|| {
-        rotate_rows(T, &Q, k);
-        rotate_columns(T, &Q, k, k + size);
-        let rows = U.nrows();
-        rotate_columns(U, &Q, k, rows);
-    });
-    T.set_block(k + second, k, &Mat::zeros(first, second));
-    if second == 2 {
-        pulp::Arch::new().dispatch(|| standardise(T, U, k));
-    }
-    if first == 2 {
-        pulp::Arch::new().dispatch(|| standardise(T, U, k + second));
-    }
+    exchange(T, U, &Q, k, second);
     Ok(())
 }
 
-#[inline(always)]
-fn swap_single(T: &mut Mat, U: &mut Mat, k: usize) {
-    let (upper, lower) = (T[(k, k)], T[(k + 1, k + 1)]);
-    let turn = Rotation::zeroing(T[(k, k + 1)], lower - upper);
-    turn.left(T, k, k);
-    turn.right(T, k, k + 2);
-    let rows = U.nrows();
-    turn.right(U, k, rows);
-    T[(k, k)] = lower;
-    T[(k + 1, k + 1)] = upper;
-    T[(k + 1, k)] = 0.0;
+vectorised! {
+    /// Applies the orthogonal `Q` to the block at `k` and brings both blocks to standard form.
+    fn exchange<'a>(T: &'a mut Mat, U: &'a mut Mat, Q: &'a Mat, k: usize, second: usize) -> () {
+        let size = Q.nrows();
+        rotate_rows(T, Q, k);
+        rotate_columns(T, Q, k, k + size);
+        let rows = U.nrows();
+        rotate_columns(U, Q, k, rows);
+        for j in 0..second {
+            T.column_mut(k + j)[k + second..k + size].fill(0.0);
+        }
+        if second == 2 {
+            standardise(T, U, k);
+        }
+        if size == second + 2 {
+            standardise(T, U, k + second);
+        }
+    }
+}
+
+vectorised! {
+    fn swap_single<'a>(T: &'a mut Mat, U: &'a mut Mat, k: usize) -> () {
+        let (upper, lower) = (T[(k, k)], T[(k + 1, k + 1)]);
+        let turn = Rotation::zeroing(T[(k, k + 1)], lower - upper);
+        turn.left(T, k, k);
+        turn.right(T, k, k + 2);
+        let rows = U.nrows();
+        turn.right(U, k, rows);
+        T[(k, k)] = lower;
+        T[(k + 1, k + 1)] = upper;
+        T[(k + 1, k)] = 0.0;
+    }
 }
 
 /// An orthogonal matrix whose leading columns span the invariant subspace of the second block: with
@@ -59,21 +69,20 @@ fn swap_single(T: &mut Mat, U: &mut Mat, k: usize) {
 fn exchange_basis(local: &Mat, first: usize) -> Mat {
     let size = local.nrows();
     let second = size - first;
-    let mut system = Mat::zeros(first * second, first * second);
-    let mut right = vec![0.0; first * second];
+    let (mut system, mut right) = ([[0.0; 4]; 4], [0.0; 4]);
     for j in 0..second {
         for i in 0..first {
             let row = j * first + i;
             right[row] = local[(i, first + j)];
             for l in 0..first {
-                system[(row, j * first + l)] += local[(i, l)];
+                system[row][j * first + l] += local[(i, l)];
             }
             for l in 0..second {
-                system[(row, l * first + i)] -= local[(first + l, first + j)];
+                system[row][l * first + i] -= local[(first + l, first + j)];
             }
         }
     }
-    crate::small::solve_complete(&mut system, &mut right);
+    crate::small::solve_complete(&mut system, &mut right, first * second);
     let mut basis = Mat::zeros(size, second);
     for j in 0..second {
         for i in 0..first {

@@ -37,7 +37,8 @@ impl Random {
     /// A matrix whose eigenvalues all have real parts below `-margin`.
     pub fn stable(&mut self, n: usize, margin: f64) -> Mat {
         let A = self.matrix(n, n).scale(1.0 / (n as f64).sqrt());
-        let most = counterpoise_linalg::eigenvalues(&A).unwrap().iter().map(|l| l.re).fold(f64::MIN, f64::max);
+        let most =
+            counterpoise_linalg::eigenvalues(&A).unwrap().iter().map(|l| l.re).fold(f64::MIN, f64::max);
         &A - &Mat::eye(n).scale(most + margin)
     }
 }
