@@ -18,6 +18,17 @@ pub mod file;
 pub mod recording;
 pub mod resolve;
 
+pub use counterpoise_verify as verify;
 pub use diagnostic::{Diagnostic, Severity};
 pub use file::{Attachments, Document, Setting};
 pub use resolve::{Parsed, Project, Purpose};
+
+pub use counterpoise_controller as controller;
+pub use counterpoise_diagnose as diagnose;
+pub use counterpoise_export as export;
+pub use counterpoise_lti as lti;
+pub use counterpoise_models as models;
+pub use counterpoise_reduce as reduce;
+pub use counterpoise_simulate as simulate;
+pub use counterpoise_synth as synth;
+pub use counterpoise_verify as verify;
