@@ -18,9 +18,11 @@ pub mod file;
 pub mod recording;
 pub mod resolve;
 
-pub use counterpoise_verify as verify;
 pub use diagnostic::{Diagnostic, Severity};
 pub use file::{Attachments, Document, Setting};
+pub use resolve::design::{Export, Language, Reduction, ReductionMethod, Synthesis};
+pub use resolve::model::{Modelling, StructureChoice};
+pub use resolve::verify::{RoadSource, Verification};
 pub use resolve::{Parsed, Project, Purpose};
 
 pub use counterpoise_controller as controller;

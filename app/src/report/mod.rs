@@ -5,11 +5,17 @@
 //!
 //! *Invariant*: nothing here measures or judges; nothing here reads a file, a clock or the network. Same report, same bytes.
 //!
-//! Modules in reading order: [`page`], [`html`], [`style`].
+//! Modules in reading order: [`page`], [`html`], [`style`]; then a verification's report:
+//! [`summary`], [`evidence`], [`verification`].
 
+pub mod diagnosis;
+pub mod evidence;
 pub mod html;
 pub mod page;
 pub mod style;
+pub mod summary;
+pub mod verification;
 
 pub use html::html;
 pub use page::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
+pub use verification::{Context, of_verification};
