@@ -1,0 +1,204 @@
+//! One step: the linear core's answer, and the iteration on the port values at the nodes.
+
+use super::moments::{NODES, cardinal_coefficients};
+use super::ports::{FrictionState, PlatformSpan, Point, Ports, StepSpan};
+use super::tables::{FIXED_INPUTS, OUTPUTS, PORTS, STAGE_ROWS, STAGES, StepTable, result_length};
+use counterpoise_models::Plant;
+use counterpoise_models::plant::core::state;
+
+/// Change of a port, relative to its scale, at which its iteration ends.
+const ITERATION_TOLERANCE: f64 = 1e-6;
+/// Iterations after which a step is halved.
+const ITERATIONS: usize = 8;
+
+/// What a step is given.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Given<'a> {
+    /// The plant.
+    pub plant: &'a Plant,
+    /// Its nonlinear parts.
+    pub ports: &'a Ports,
+    /// The matrices of this step.
+    pub table: &'a StepTable,
+    /// The core's state at its start.
+    pub core: &'a [f64],
+    /// Friction's state at its start.
+    pub friction: &'a FrictionState,
+    /// Drive of the amplifier, V, and torque of half the gap, N m.
+    pub held: [f64; 2],
+    /// The platform along it.
+    pub platform: &'a PlatformSpan,
+    /// Its start, s.
+    pub time_s: f64,
+}
+
+/// The work space of a step, and its result.
+#[derive(Debug, Clone)]
+pub(crate) struct Attempt {
+    inputs: Vec<f64>,
+    result: Vec<f64>,
+    values: [f64; STAGES * PORTS],
+    start: [f64; PORTS],
+    outputs: [[f64; OUTPUTS]; 4],
+    memory: [FrictionState; STAGES],
+    /// Evaluations of the ports.
+    pub iterations: usize,
+    order: usize,
+}
+
+impl Attempt {
+    pub fn new(order: usize) -> Self {
+        Self {
+            inputs: vec![0.0; order + FIXED_INPUTS],
+            result: vec![0.0; result_length(order)],
+            values: [0.0; STAGES * PORTS],
+            start: [0.0; PORTS],
+            outputs: [[0.0; OUTPUTS]; 4],
+            memory: [FrictionState::default(); STAGES],
+            iterations: 0,
+            order,
+        }
+    }
+
+    /// Takes the step; says whether the ports have converged.
+    pub fn solve(&mut self, given: &Given, rows: &OutputRows) -> bool {
+        self.outputs[0] = rows.outputs(given.core);
+        let first =
+            Point { time_s: given.time_s, outputs: &self.outputs[0], platform: &given.platform.nodes[0] };
+        self.start = given.ports.at(given.plant, &first, given.friction);
+        self.fill_inputs(given);
+        self.result.fill(0.0);
+        given.table.fixed.multiply_add(&self.inputs, &mut self.result);
+        for stage in 0..STAGES {
+            self.values[stage * PORTS..(stage + 1) * PORTS].copy_from_slice(&self.start);
+        }
+        let converged = self.iterate(given);
+        given.table.end.multiply_add(&self.values, &mut self.result[STAGE_ROWS..]);
+        converged
+    }
+
+    fn fill_inputs(&mut self, given: &Given) {
+        let n = self.order;
+        self.inputs[..n].copy_from_slice(given.core);
+        self.inputs[n..n + 2].copy_from_slice(&given.held);
+        for (input, point) in self.inputs[n + 2..n + 6].iter_mut().zip(&given.platform.nodes) {
+            *input = point.rate;
+        }
+        self.inputs[n + 6..n + FIXED_INPUTS].copy_from_slice(&self.start);
+    }
+
+    fn iterate(&mut self, given: &Given) -> bool {
+        for iteration in 1..=ITERATIONS {
+            let mut rows = [0.0; STAGE_ROWS];
+            rows.copy_from_slice(&self.result[..STAGE_ROWS]);
+            given.table.stages.multiply_add(&self.values, &mut rows);
+            for stage in 0..STAGES {
+                self.outputs[stage + 1].copy_from_slice(&rows[stage * OUTPUTS..(stage + 1) * OUTPUTS]);
+            }
+            let found = given.ports.along(given.plant, &self.span(given));
+            let change = largest_change(&found.values, &self.values, &given.ports.scales);
+            self.values = found.values;
+            self.memory = found.memory;
+            self.iterations = iteration;
+            if change < ITERATION_TOLERANCE {
+                return true;
+            }
+        }
+        false
+    }
+
+    fn span<'a>(&'a self, given: &Given<'a>) -> StepSpan<'a> {
+        StepSpan {
+            time_s: given.time_s,
+            step_s: given.table.step_s,
+            outputs: &self.outputs,
+            platform: given.platform,
+            memory: given.friction,
+        }
+    }
+
+    /// How far the ports in the middle of the step are from the cubics through their nodes, relative to their scales.
+    pub fn defect(&self, given: &Given) -> f64 {
+        let middle = self.middle_outputs();
+        let time_s = given.time_s + 0.5 * given.table.step_s;
+        let point = Point { time_s, outputs: &middle, platform: &given.platform.middle };
+        let found = given.ports.middle(given.plant, &self.span(given), &self.memory[0], &point);
+        let weights = middle_weights();
+        let mut worst: f64 = 0.0;
+        for p in 0..PORTS {
+            let mut expected = weights[0] * self.start[p];
+            for stage in 0..STAGES {
+                expected += weights[stage + 1] * self.values[stage * PORTS + p];
+            }
+            let defect = (found[p] - expected).abs() / given.ports.scales[p];
+            worst = if defect <= worst { worst } else { defect };
+        }
+        worst
+    }
+
+    fn middle_outputs(&self) -> [f64; OUTPUTS] {
+        let mut middle = [0.0; OUTPUTS];
+        middle.copy_from_slice(&self.result[STAGE_ROWS..STAGE_ROWS + OUTPUTS]);
+        middle
+    }
+
+    /// The wind-up along the step: at its nodes and in its middle, with their fractions of the step.
+    pub fn wind_up(&self) -> [(f64, f64); 5] {
+        let at = |node: usize| (NODES[node], self.outputs[node][1]);
+        [at(0), at(1), (0.5, self.result[STAGE_ROWS + 1]), at(2), at(3)]
+    }
+
+    /// The hub rate at the nodes.
+    pub fn hub_rate(&self) -> [f64; 4] {
+        self.outputs.map(|outputs| outputs[3])
+    }
+
+    /// The core's state at the end.
+    pub fn end(&self) -> &[f64] {
+        &self.result[STAGE_ROWS + OUTPUTS..STAGE_ROWS + OUTPUTS + self.order]
+    }
+
+    /// Friction's state at the end.
+    pub fn friction(&self) -> FrictionState {
+        self.memory[STAGES - 1]
+    }
+}
+
+/// The rows that give hub angle and rate from the core's state.
+#[derive(Debug, Clone)]
+pub(crate) struct OutputRows {
+    angle: Vec<f64>,
+    rate: Vec<f64>,
+}
+
+impl OutputRows {
+    pub fn new(plant: &Plant) -> Self {
+        Self { angle: plant.hub_angle_row(), rate: plant.hub_rate_row() }
+    }
+
+    /// Motor state, wind-up, hub angle, hub rate, current.
+    #[inline]
+    pub fn outputs(&self, core: &[f64]) -> [f64; OUTPUTS] {
+        let dot = |row: &[f64]| row.iter().zip(core).map(|(c, x)| c * x).sum::<f64>();
+        [core[state::MOTOR], core[state::WINDUP], dot(&self.angle), dot(&self.rate), core[state::CURRENT]]
+    }
+}
+
+/// Values of the cardinal polynomials in the middle of a step.
+fn middle_weights() -> [f64; 4] {
+    [0, 1, 2, 3].map(|node| {
+        let c = cardinal_coefficients(node);
+        c[0] + 0.5 * (c[1] + 0.5 * (c[2] + 0.5 * c[3]))
+    })
+}
+
+/// Largest change relative to the scales; NaN counts as large.
+#[inline]
+fn largest_change(new: &[f64], old: &[f64], scales: &[f64; PORTS]) -> f64 {
+    let mut largest: f64 = 0.0;
+    for (k, (a, b)) in new.iter().zip(old).enumerate() {
+        let change = (a - b).abs() / scales[k % PORTS];
+        largest = if change <= largest { largest } else { change };
+    }
+    largest
+}

@@ -1,0 +1,319 @@
+//! The nonlinear parts of the plant along a step: dry friction, gravity's angle, and everything that is not linear.
+
+use super::moments::NODES;
+use super::tables::{OUTPUTS, PORTS, STAGES};
+use crate::Error;
+use counterpoise_models::Plant;
+use counterpoise_models::friction::{FrictionModel, Law, Surroundings};
+
+/// Which output is which (see [`OUTPUTS`]).
+const MOTOR: usize = 0;
+const WINDUP: usize = 1;
+const HUB_ANGLE: usize = 2;
+const HUB_RATE: usize = 3;
+const CURRENT: usize = 4;
+
+/// The states of dry friction: at the motor and at the pivot (N m for Dahl and Walrath, rad for LuGre and the reset
+/// integrator).
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct FrictionState {
+    /// At the motor shaft.
+    pub motor: f64,
+    /// At the hub pivot.
+    pub pivot: f64,
+}
+
+/// The platform at one instant.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct PlatformPoint {
+    pub angle: f64,
+    pub rate: f64,
+    pub heave: f64,
+}
+
+/// The platform along a step: at the four nodes and in the middle.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct PlatformSpan {
+    pub nodes: [PlatformPoint; 4],
+    pub middle: PlatformPoint,
+}
+
+/// What the ports give along a step.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PortSpan {
+    /// Values at the stages, stage by stage.
+    pub values: [f64; STAGES * PORTS],
+    /// Friction at the stages.
+    pub memory: [FrictionState; STAGES],
+}
+
+/// Where the nonlinear parts are evaluated.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Point<'a> {
+    pub time_s: f64,
+    pub outputs: &'a [f64; OUTPUTS],
+    pub platform: &'a PlatformPoint,
+}
+
+/// Relative motions at a point.
+#[derive(Debug, Clone, Copy, Default)]
+struct Motion {
+    motor_rate: f64,
+    motor_angle: f64,
+    pivot_rate: f64,
+    pivot_angle: f64,
+    mesh_torque: f64,
+}
+
+/// The plant's nonlinear parts, ready for evaluation.
+#[derive(Debug, Clone)]
+pub(crate) struct Ports {
+    motor: FrictionModel,
+    pivot: FrictionModel,
+    ratio: f64,
+    coupling: f64,
+    gravity: f64,
+    vertical_offset: f64,
+    motor_extras: bool,
+    hub_extras: bool,
+    lossy: bool,
+    needs_mesh_torque: bool,
+    /// Torques and loads against which an error at a port is small.
+    pub scales: [f64; PORTS],
+}
+
+impl Ports {
+    pub fn new(plant: &Plant) -> Result<Self, Error> {
+        let parameters = plant.parameters();
+        let motor = supported("motor", FrictionModel::new(&parameters.motor_friction)?)?;
+        let pivot = supported("pivot", FrictionModel::new(&parameters.pivot_friction)?)?;
+        let lossy = parameters.gearbox.mesh_efficiency != 1.0;
+        let loaded = |f: &counterpoise_models::Friction| f.load_coefficient != 0.0;
+        let held = plant.body().out_of_balance_kg_m.abs() * parameters.gravity_m_s2.abs();
+        let hub_scale = parameters.pivot_friction.coulomb_nm() + 0.1 * held;
+        let motor_scale = parameters.motor_friction.coulomb_nm() + 0.1 * held / parameters.gearbox.ratio;
+        Ok(Self {
+            motor,
+            pivot,
+            ratio: parameters.gearbox.ratio,
+            coupling: parameters.motor.platform_coupling,
+            gravity: parameters.gravity_m_s2,
+            vertical_offset: plant.body().vertical_offset_kg_m,
+            motor_extras: has_motor_extras(plant),
+            hub_extras: plant.spring_torque_nm(0.0) != plant.spring_torque_nm(1.0)
+                || parameters.gearbox.mesh_ripple.amplitude != 0.0
+                || parameters.pivot_friction.quadratic_nm_s2_rad2 != 0.0,
+            lossy,
+            needs_mesh_torque: lossy
+                || loaded(&parameters.motor_friction)
+                || loaded(&parameters.pivot_friction),
+            scales: [motor_scale, hub_scale, 1.0],
+        })
+    }
+
+    /// Port values at the start of a step, where friction's state is known.
+    pub fn at(&self, plant: &Plant, at: &Point, memory: &FrictionState) -> [f64; PORTS] {
+        let motion = self.motion(plant, at);
+        self.values(plant, at, &motion, memory)
+    }
+
+    /// Dry friction torques at the motor and at the pivot.
+    pub fn dry_torques(&self, plant: &Plant, at: &Point, memory: &FrictionState) -> [f64; 2] {
+        let motion = self.motion(plant, at);
+        [
+            dry(&self.motor, motion.motor_rate, self.motor_level(&motion, at.time_s), memory.motor),
+            dry(&self.pivot, motion.pivot_rate, self.pivot_level(&motion, at.time_s), memory.pivot),
+        ]
+    }
+
+    /// Port values at the stages of a step, friction advanced from node to node by its own closed form.
+    pub fn along(&self, plant: &Plant, span: &StepSpan) -> PortSpan {
+        let mut result =
+            PortSpan { values: [0.0; STAGES * PORTS], memory: [FrictionState::default(); STAGES] };
+        let mut memory = *span.memory;
+        let mut before = self.motion(plant, &span.point(0));
+        for stage in 0..STAGES {
+            let at = span.point(stage + 1);
+            let after = self.motion(plant, &at);
+            let time = (NODES[stage + 1] - NODES[stage]) * span.step_s;
+            self.advance(&before, &after, (span.time_s, time), &mut memory);
+            let values = self.values(plant, &at, &after, &memory);
+            result.values[stage * PORTS..(stage + 1) * PORTS].copy_from_slice(&values);
+            result.memory[stage] = memory;
+            before = after;
+        }
+        result
+    }
+
+    /// Port values in the middle of a step, from the first stage on.
+    pub fn middle(
+        &self,
+        plant: &Plant,
+        span: &StepSpan,
+        stage: &FrictionState,
+        middle: &Point,
+    ) -> [f64; PORTS] {
+        let before = self.motion(plant, &span.point(1));
+        let after = self.motion(plant, middle);
+        let mut memory = *stage;
+        self.advance(&before, &after, (span.time_s, (0.5 - NODES[1]) * span.step_s), &mut memory);
+        self.values(plant, middle, &after, &memory)
+    }
+
+    #[inline]
+    fn motion(&self, plant: &Plant, at: &Point) -> Motion {
+        let motor_rate = at.outputs[MOTOR] - self.coupling * at.platform.rate;
+        let pivot_angle = at.outputs[HUB_ANGLE] - at.platform.angle;
+        let mesh_torque = if self.needs_mesh_torque {
+            plant.mesh_torque_nm(at.outputs[WINDUP], at.outputs[HUB_RATE], motor_rate, at.platform.rate)
+        } else {
+            0.0
+        };
+        Motion {
+            motor_rate,
+            motor_angle: self.ratio * (at.outputs[WINDUP] + pivot_angle),
+            pivot_rate: at.outputs[HUB_RATE] - at.platform.rate,
+            pivot_angle,
+            mesh_torque,
+        }
+    }
+
+    #[inline]
+    fn advance(&self, before: &Motion, after: &Motion, time: (f64, f64), memory: &mut FrictionState) {
+        let motor = Path {
+            rates: [before.motor_rate, after.motor_rate],
+            travel: after.motor_angle - before.motor_angle,
+            time: time.1,
+        };
+        let level = self.motor_level(after, time.0);
+        memory.motor = motor.advance(&self.motor, level, memory.motor);
+        let pivot = Path {
+            rates: [before.pivot_rate, after.pivot_rate],
+            travel: after.pivot_angle - before.pivot_angle,
+            time: time.1,
+        };
+        let level = self.pivot_level(after, time.0);
+        memory.pivot = pivot.advance(&self.pivot, level, memory.pivot);
+    }
+
+    #[inline]
+    fn motor_level(&self, at: &Motion, time_s: f64) -> f64 {
+        if !self.motor.is_modulated() {
+            return 1.0;
+        }
+        let load_nm = at.mesh_torque / self.ratio;
+        self.motor.level(&Surroundings { angle_rad: at.motor_angle, load_nm, time_s })
+    }
+
+    #[inline]
+    fn pivot_level(&self, at: &Motion, time_s: f64) -> f64 {
+        if !self.pivot.is_modulated() {
+            return 1.0;
+        }
+        self.pivot.level(&Surroundings { angle_rad: at.pivot_angle, load_nm: at.mesh_torque, time_s })
+    }
+
+    #[inline]
+    fn values(&self, plant: &Plant, at: &Point, motion: &Motion, memory: &FrictionState) -> [f64; PORTS] {
+        let (sin, cos) = at.outputs[HUB_ANGLE].sin_cos();
+        let gravity = self.gravity + at.platform.heave;
+        let motor_level = self.motor_level(motion, at.time_s);
+        let pivot_level = self.pivot_level(motion, at.time_s);
+        let mut motor = -dry(&self.motor, motion.motor_rate, motor_level, memory.motor);
+        let mut hub = gravity * self.vertical_offset * sin
+            - dry(&self.pivot, motion.pivot_rate, pivot_level, memory.pivot);
+        if self.motor_extras {
+            motor += plant.motor_torque_nm(at.outputs[CURRENT], motion.motor_angle, motion.motor_rate);
+        }
+        if self.hub_extras {
+            hub += plant.hub_torque_nm(motion.pivot_angle, motion.motor_angle, motion.pivot_rate);
+        }
+        if self.lossy {
+            let loss = plant.mesh_loss_nm(motion.mesh_torque, motion.motor_rate);
+            motor += loss.motor_nm;
+            hub += loss.hub_nm;
+        }
+        [motor, hub, gravity * cos]
+    }
+}
+
+/// A step as the ports see it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct StepSpan<'a> {
+    pub time_s: f64,
+    pub step_s: f64,
+    pub outputs: &'a [[f64; OUTPUTS]; 4],
+    pub platform: &'a PlatformSpan,
+    pub memory: &'a FrictionState,
+}
+
+impl StepSpan<'_> {
+    #[inline]
+    fn point(&self, node: usize) -> Point<'_> {
+        Point {
+            time_s: self.time_s + NODES[node] * self.step_s,
+            outputs: &self.outputs[node],
+            platform: &self.platform.nodes[node],
+        }
+    }
+}
+
+/// A relative motion between two instants.
+struct Path {
+    rates: [f64; 2],
+    travel: f64,
+    time: f64,
+}
+
+impl Path {
+    /// Friction's state after the motion: exact at a constant level, whatever the rate did between; a reversal
+    /// splits the motion where the rate, taken as the cubic through angles and rates demands, is zero.
+    #[inline]
+    fn advance(&self, model: &FrictionModel, level: f64, state: f64) -> f64 {
+        let [before, after] = self.rates;
+        if model.states() == 0 || self.time == 0.0 {
+            return state;
+        }
+        let mut states = [state];
+        if before * after >= 0.0 {
+            model.advance(self.travel / self.time, self.time, level, &mut states);
+            return states[0];
+        }
+        let part = before / (before - after);
+        let straight = 0.5 * (before + after) * self.time;
+        let bend = (self.travel - straight) * part * part * (3.0 - 2.0 * part);
+        let first = 0.5 * before * part * self.time + bend;
+        for (travel, time) in [(first, part * self.time), (self.travel - first, (1.0 - part) * self.time)] {
+            if time > 0.0 {
+                model.advance(travel / time, time, level, &mut states);
+            }
+        }
+        states[0]
+    }
+}
+
+/// Torque of the dry part: the viscous and quadratic parts are elsewhere.
+#[inline]
+fn dry(model: &FrictionModel, rate: f64, level: f64, state: f64) -> f64 {
+    match model.law() {
+        Law::None => 0.0,
+        Law::Dahl(_) | Law::Walrath(_) => state,
+        law => law.torque(rate, level, &[state]),
+    }
+}
+
+fn has_motor_extras(plant: &Plant) -> bool {
+    let parameters = plant.parameters();
+    parameters.motor.cogging.amplitude != 0.0
+        || parameters.motor.torque_ripple.amplitude != 0.0
+        || parameters.amplifier.current_limit_a.is_finite()
+        || parameters.motor_friction.quadratic_nm_s2_rad2 != 0.0
+}
+
+/// Laws of one state that are continuous in the motion are stepped as they are; the others are refused.
+fn supported(place: &'static str, model: FrictionModel) -> Result<FrictionModel, Error> {
+    match model.law() {
+        Law::Sliding(_) | Law::Bristle(_) => Err(Error::Friction { place }),
+        _ => Ok(model),
+    }
+}

@@ -1,0 +1,89 @@
+//! What a run leaves: one value a sample in every column.
+
+use crate::engine::stepper::{Effort, PlantState};
+
+/// The columns of a run. Those of [`Truth`](TrueColumns) are empty where only the recording was kept.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TimeHistory {
+    /// Sample period, s; sample k is at k periods.
+    pub sample_period_s: f64,
+    /// What the controller read and gave.
+    pub readings: ReadingColumns,
+    /// What was true.
+    pub truth: TrueColumns,
+    /// The state at the end of the run.
+    pub final_state: PlantState,
+    /// How much work it was.
+    pub effort: Effort,
+}
+
+/// What the controller read and gave at each sample.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ReadingColumns {
+    /// Demanded hub rate, rad/s.
+    pub demand_rad_s: Vec<f64>,
+    /// Control before the output converter, V, injection included.
+    pub control_request_v: Vec<f64>,
+    /// Control after the output converter, V.
+    pub control_v: Vec<f64>,
+    /// Hub gyroscope, rad/s.
+    pub hub_rate_rad_s: Vec<f64>,
+    /// Platform gyroscope, rad/s.
+    pub platform_rate_rad_s: Vec<f64>,
+    /// Platform accelerometer, m/s^2.
+    pub platform_accel_m_s2: Vec<f64>,
+    /// Motor tachometer, rad/s; zeros where none is fitted.
+    pub motor_rate_rad_s: Vec<f64>,
+    /// Hub resolver, rad; zeros where none is fitted.
+    pub hub_position_rad: Vec<f64>,
+}
+
+/// What was true at each sample.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct TrueColumns {
+    /// Hub rate, rad/s, inertial.
+    pub hub_rate_rad_s: Vec<f64>,
+    /// Tip rate, rad/s, inertial.
+    pub tip_rate_rad_s: Vec<f64>,
+    /// Motor rate, rad/s, relative to the platform.
+    pub motor_rate_rad_s: Vec<f64>,
+    /// Hub angle, rad, inertial.
+    pub hub_angle_rad: Vec<f64>,
+    /// Platform angle, rad, inertial.
+    pub platform_angle_rad: Vec<f64>,
+    /// Platform pitch rate, rad/s.
+    pub platform_rate_rad_s: Vec<f64>,
+    /// Heave, m/s^2.
+    pub heave_m_s2: Vec<f64>,
+    /// Armature current, A.
+    pub current_a: Vec<f64>,
+    /// Amplifier voltage, V.
+    pub voltage_v: Vec<f64>,
+    /// Gear wind-up, rad.
+    pub wind_up_rad: Vec<f64>,
+    /// Gear torque T_2 at the output, N m.
+    pub mesh_torque_nm: Vec<f64>,
+    /// Contact of the teeth: 1 or -1 by the flank, 0 inside the gap.
+    pub contact: Vec<i8>,
+    /// Dry friction torque at the motor shaft, N m, opposing positive rates.
+    pub motor_friction_nm: Vec<f64>,
+    /// Dry friction torque at the pivot, N m, opposing positive rates.
+    pub pivot_friction_nm: Vec<f64>,
+}
+
+impl TimeHistory {
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.readings.control_v.len()
+    }
+
+    /// Whether the run had no sample.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The instants of the samples, s.
+    pub fn time_s(&self) -> Vec<f64> {
+        (0..self.len()).map(|k| k as f64 * self.sample_period_s).collect()
+    }
+}

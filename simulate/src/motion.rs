@@ -1,0 +1,146 @@
+//! The platform's motion, as the integrator takes it: polynomials over each sample period.
+
+use crate::engine::moments::NODES;
+use crate::engine::ports::{PlatformPoint, PlatformSpan};
+use crate::signal::Signal;
+
+/// How the platform moves. Rates and accelerations are inertial; heave is the pivot's upward acceleration without
+/// gravity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlatformMotion {
+    /// Pitch rate, rad/s.
+    pub pitch_rate_rad_s: Signal,
+    /// Heave, m/s^2.
+    pub heave_m_s2: Signal,
+    /// Platform angle at the start, rad.
+    pub initial_angle_rad: f64,
+}
+
+impl PlatformMotion {
+    /// A platform at rest and level.
+    pub const STILL: Self =
+        Self { pitch_rate_rad_s: Signal::ZERO, heave_m_s2: Signal::ZERO, initial_angle_rad: 0.0 };
+
+    /// A platform motion simulator that only pitches, with the mechanism's pivot a distance in front of its axis:
+    /// heave = offset x pitch acceleration. The pitch angle is a sum of sines (rad).
+    pub fn pitch_simulator(angle: &[crate::signal::Sine], offset_m: f64) -> Self {
+        let derivative = |order: i32, factor: f64| {
+            let turned = angle.iter().map(|s| crate::signal::Sine {
+                amplitude: factor * s.amplitude * s.frequency_rad_s.powi(order),
+                frequency_rad_s: s.frequency_rad_s,
+                phase_rad: s.phase_rad + f64::from(order) * std::f64::consts::FRAC_PI_2,
+            });
+            Signal::Sines(turned.collect())
+        };
+        Self {
+            pitch_rate_rad_s: derivative(1, 1.0),
+            heave_m_s2: derivative(2, offset_m),
+            initial_angle_rad: angle.iter().map(|s| s.at(0.0)).sum(),
+        }
+    }
+
+    /// The motion over the sample that starts at `start_s`, with the angle there.
+    pub(crate) fn sample(&self, start_s: f64, period_s: f64, angle_rad: f64) -> MotionSample {
+        let fit = |signal: &Signal| match signal {
+            Signal::Constant(value) => [*value, 0.0, 0.0, 0.0, 0.0],
+            other => fit_quartic(|s| other.at(start_s + s * period_s)),
+        };
+        MotionSample { angle_rad, period_s, rate: fit(&self.pitch_rate_rad_s), heave: fit(&self.heave_m_s2) }
+    }
+}
+
+/// The platform over one sample: polynomials in the fraction of the sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct MotionSample {
+    angle_rad: f64,
+    period_s: f64,
+    rate: [f64; 5],
+    heave: [f64; 5],
+}
+
+impl MotionSample {
+    /// The platform at a fraction of the sample.
+    #[inline]
+    pub fn at(&self, s: f64) -> PlatformPoint {
+        let r = &self.rate;
+        let integral = s * (r[0] + s * (r[1] / 2.0 + s * (r[2] / 3.0 + s * (r[3] / 4.0 + s * r[4] / 5.0))));
+        PlatformPoint {
+            angle: self.angle_rad + self.period_s * integral,
+            rate: quartic(r, s),
+            heave: quartic(&self.heave, s),
+        }
+    }
+
+    /// The platform along a step that starts at a fraction of the sample and takes a share of it.
+    #[inline]
+    pub fn span(&self, start: f64, share: f64) -> PlatformSpan {
+        PlatformSpan {
+            nodes: NODES.map(|node| self.at(start + node * share)),
+            middle: self.at(start + 0.5 * share),
+        }
+    }
+
+    /// The input of a platform sensor at the nodes of the whole sample.
+    pub fn nodes(&self, of: impl Fn(&PlatformPoint) -> f64) -> [f64; 4] {
+        NODES.map(|node| of(&self.at(node)))
+    }
+
+    /// Pitch acceleration at the start of the sample, rad/s^2.
+    pub fn pitch_acceleration_at(&self, s: f64) -> f64 {
+        let r = &self.rate;
+        (r[1] + s * (2.0 * r[2] + s * (3.0 * r[3] + s * 4.0 * r[4]))) / self.period_s
+    }
+}
+
+#[inline]
+fn quartic(c: &[f64; 5], s: f64) -> f64 {
+    c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * c[4])))
+}
+
+/// The quartic through five points inside (0, 1): never at the ends, where a step may lie.
+fn fit_quartic(f: impl Fn(f64) -> f64) -> [f64; 5] {
+    const POINTS: [f64; 5] =
+        [0.024_471_741_852_423, 0.206_107_373_853_763, 0.5, 0.793_892_626_146_237, 0.975_528_258_147_577];
+    // Newton's divided differences, then expanded in powers
+    let mut difference = POINTS.map(f);
+    if difference.iter().all(|&y| y == difference[0]) {
+        return [difference[0], 0.0, 0.0, 0.0, 0.0];
+    }
+    for order in 1..5 {
+        for i in (order..5).rev() {
+            difference[i] = (difference[i] - difference[i - 1]) / (POINTS[i] - POINTS[i - order]);
+        }
+    }
+    let mut c = [0.0; 5];
+    for i in (0..5).rev() {
+        for k in (1..5).rev() {
+            c[k] = c[k - 1] - POINTS[i] * c[k];
+        }
+        c[0] = difference[i] - POINTS[i] * c[0];
+    }
+    c
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quartic_is_fitted_exactly() {
+        let c = [1.0, -2.0, 0.5, 3.0, -1.5];
+        let fitted = fit_quartic(|s| quartic(&c, s));
+        for (a, b) in fitted.iter().zip(c) {
+            assert!((a - b).abs() < 1e-12, "{fitted:?}");
+        }
+    }
+
+    #[test]
+    fn the_angle_is_the_integral_of_the_rate() {
+        let motion = PlatformMotion { pitch_rate_rad_s: Signal::sine(0.3, 20.0), ..PlatformMotion::STILL };
+        let mut angle = 0.0;
+        for k in 0..1000 {
+            angle = motion.sample(f64::from(k) * 1e-3, 1e-3, angle).at(1.0).angle;
+        }
+        assert!((angle - 0.3 / 20.0 * (1.0 - 20.0_f64.cos())).abs() < 1e-13);
+    }
+}

@@ -1,0 +1,266 @@
+//! The sampled closed loop on the nonlinear plant.
+
+use crate::Error;
+use crate::engine::ports::{FrictionState, PlatformPoint};
+use crate::engine::stepper::{PlantState, Sample, Stepper};
+use crate::history::{ReadingColumns, TimeHistory, TrueColumns};
+use crate::motion::MotionSample;
+use crate::scenario::{Detail, Initial, Scenario};
+use crate::sensing::{Converter, Sensing, Truth};
+use counterpoise_controller::{Readings, SampledController};
+use counterpoise_models::plant::core::state;
+use counterpoise_models::{Mesh, OperatingPoint, Plant};
+
+/// Defect of a step that a run allows, relative to the plant's dry friction and a tenth of its weight torque: it
+/// leaves errors of about 1e-5 of the motion over 10 s on the reference rig.
+pub const TOLERANCE: f64 = 2e-4;
+
+/// Most samples that a run may have.
+const MOST_SAMPLES: f64 = 1e8;
+
+/// A plant ready to run again and again: its stored matrices are kept from run to run.
+#[derive(Debug, Clone)]
+pub struct Simulator {
+    plant: Plant,
+    stepper: Stepper,
+}
+
+/// Runs a plant with its controller through a scenario.
+///
+/// At the instants k T the sensors are read, the controller gives the control, the output converter holds it (after
+/// the interface's whole samples of delay), and the plant moves to the next instant; see the crate's documentation
+/// for the integrator. The controller is used as it is handed in: it is not reset.
+///
+/// # Errors
+/// A duration that is not positive, a state of the wrong length, a friction law that the simulator does not step, and
+/// a motion that grows beyond all bounds.
+pub fn run(
+    plant: &Plant,
+    controller: &mut dyn SampledController,
+    scenario: &Scenario,
+) -> Result<TimeHistory, Error> {
+    Simulator::new(plant)?.run(controller, scenario)
+}
+
+impl Simulator {
+    /// A simulator with the usual tolerance.
+    ///
+    /// # Errors
+    /// As [`run`].
+    pub fn new(plant: &Plant) -> Result<Self, Error> {
+        Self::with_tolerance(plant, TOLERANCE)
+    }
+
+    /// A simulator with a tolerance of its own in place of [`TOLERANCE`].
+    ///
+    /// # Errors
+    /// As [`run`], and a tolerance that is not positive.
+    pub fn with_tolerance(plant: &Plant, tolerance: f64) -> Result<Self, Error> {
+        positive("tolerance", tolerance)?;
+        let period_s = plant.parameters().interface.sample_period_s;
+        Ok(Self { plant: plant.clone(), stepper: Stepper::new(plant, period_s, tolerance)? })
+    }
+
+    /// The plant.
+    pub fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    /// A run from the start; see [`run`].
+    ///
+    /// # Errors
+    /// As [`run`].
+    pub fn run(
+        &mut self,
+        controller: &mut dyn SampledController,
+        scenario: &Scenario,
+    ) -> Result<TimeHistory, Error> {
+        positive("duration_s", scenario.duration_s)?;
+        self.stepper.restart();
+        let mut lap = Lap::new(&self.plant, scenario)?;
+        for k in 0..lap.samples {
+            let motion = lap.motion(k);
+            let control = lap.sample(k, controller, &motion);
+            if scenario.detail == Detail::Everything {
+                let dry = self.stepper.dry_torques(&lap.state, &motion.at(0.0), lap.time(k));
+                lap.truth.motor_friction_nm.push(dry[0]);
+                lap.truth.pivot_friction_nm.push(dry[1]);
+            }
+            let amplifier = &self.plant.parameters().amplifier;
+            let drive_v = amplifier.drive_v(control, &self.plant.parameters().motor);
+            let sample = Sample { drive_v, start_s: lap.time(k), motion: &motion };
+            self.stepper.advance(&mut lap.state, &sample);
+            lap.sensing.advance(&motion);
+            lap.angle = motion.at(1.0).angle;
+            if !lap.state.core.iter().all(|x| x.is_finite()) {
+                return Err(Error::Diverged { time_s: lap.time(k) });
+            }
+        }
+        Ok(TimeHistory {
+            sample_period_s: lap.period_s,
+            readings: lap.readings,
+            truth: lap.truth,
+            final_state: lap.state,
+            effort: self.stepper.effort,
+        })
+    }
+
+    /// The state of rest at a hub angle, on a platform at an angle and a rate: the motor holds weight and spring,
+    /// and hub and platform turn together.
+    pub fn rest(&self, hub_angle_rad: f64, platform_angle_rad: f64, platform_rate_rad_s: f64) -> PlantState {
+        rest(&self.plant, hub_angle_rad, platform_angle_rad, platform_rate_rad_s)
+    }
+}
+
+fn rest(plant: &Plant, hub_angle_rad: f64, platform_angle_rad: f64, platform_rate: f64) -> PlantState {
+    let mut core = plant.equilibrium(&OperatingPoint { hub_angle_rad, platform_angle_rad }).core_state;
+    core[state::RATE] = platform_rate;
+    core[state::MOTOR] = plant.parameters().motor.platform_coupling * platform_rate;
+    PlantState { core, friction: FrictionState::default(), hub_gyro: [platform_rate, 0.0] }
+}
+
+fn positive(what: &'static str, value: f64) -> Result<(), Error> {
+    if value > 0.0 && value.is_finite() {
+        Ok(())
+    } else {
+        Err(Error::Range { what, value, allowed: "positive and finite" })
+    }
+}
+
+/// One run under way.
+struct Lap<'a> {
+    plant: &'a Plant,
+    scenario: &'a Scenario,
+    period_s: f64,
+    samples: usize,
+    state: PlantState,
+    angle: f64,
+    sensing: Sensing,
+    output: Converter,
+    queue: Vec<f64>,
+    readings: ReadingColumns,
+    truth: TrueColumns,
+    rows: [Vec<f64>; 3],
+}
+
+impl<'a> Lap<'a> {
+    fn new(plant: &'a Plant, scenario: &'a Scenario) -> Result<Self, Error> {
+        let parameters = plant.parameters();
+        let period_s = parameters.interface.sample_period_s;
+        let samples = (scenario.duration_s / period_s - 1e-6).ceil();
+        if samples > MOST_SAMPLES {
+            return Err(Error::Range {
+                what: "duration_s",
+                value: scenario.duration_s,
+                allowed: "up to 1e8 samples",
+            });
+        }
+        let angle = scenario.platform.initial_angle_rad;
+        let start = scenario.platform.sample(0.0, period_s, angle).at(0.0);
+        let mut sensing = Sensing::new(parameters, scenario.imperfections);
+        sensing.settle(&start);
+        Ok(Self {
+            plant,
+            scenario,
+            period_s,
+            samples: samples as usize,
+            state: initial(plant, scenario, &start)?,
+            angle,
+            sensing,
+            output: Converter::new(parameters.interface.output_bits, scenario.imperfections),
+            queue: Vec::new(),
+            readings: ReadingColumns::default(),
+            truth: TrueColumns::default(),
+            rows: [plant.hub_rate_row(), plant.tip_rate_row(), plant.hub_angle_row()],
+        })
+    }
+
+    fn time(&self, k: usize) -> f64 {
+        k as f64 * self.period_s
+    }
+
+    fn motion(&self, k: usize) -> MotionSample {
+        self.scenario.platform.sample(self.time(k), self.period_s, self.angle)
+    }
+
+    /// Reads, controls and logs at sample k; gives the control that acts until the next.
+    fn sample(&mut self, k: usize, controller: &mut dyn SampledController, motion: &MotionSample) -> f64 {
+        let time = self.time(k);
+        let platform = motion.at(0.0);
+        let core = &self.state.core;
+        let hub_angle = dot(&self.rows[2], core);
+        let coupling = self.plant.parameters().motor.platform_coupling;
+        let motor_rate = core[state::MOTOR] - coupling * platform.rate;
+        let truth =
+            Truth { hub_gyro: self.state.hub_gyro[0], motor_rate, hub_position: hub_angle - platform.angle };
+        let mut readings = self.sensing.read(&truth);
+        readings.demand_rad_s = self.scenario.demand_rad_s.at(time);
+        let request = controller.step(&readings) + self.scenario.injection_v.at(time);
+        let control = self.output.convert(request);
+        self.log_readings(&readings, request, control);
+        if self.scenario.detail == Detail::Everything {
+            self.log_truth(&platform, motor_rate, hub_angle);
+        }
+        self.delayed(control)
+    }
+
+    fn delayed(&mut self, control: f64) -> f64 {
+        let delay = self.plant.parameters().interface.output_delay_samples;
+        if delay == 0 {
+            return control;
+        }
+        // before the first control arrives, the amplifier holds the mechanism as it found it
+        self.queue.push(control);
+        let index = self.queue.len().checked_sub(delay + 1);
+        index.map_or_else(|| self.queue[0], |k| self.queue[k])
+    }
+
+    fn log_readings(&mut self, readings: &Readings, request: f64, control: f64) {
+        let columns = &mut self.readings;
+        columns.demand_rad_s.push(readings.demand_rad_s);
+        columns.control_request_v.push(request);
+        columns.control_v.push(control);
+        columns.hub_rate_rad_s.push(readings.hub_rate_rad_s);
+        columns.platform_rate_rad_s.push(readings.platform_rate_rad_s);
+        columns.platform_accel_m_s2.push(readings.platform_accel_m_s2);
+        columns.motor_rate_rad_s.push(readings.motor_rate_rad_s);
+        columns.hub_position_rad.push(readings.hub_position_rad);
+    }
+
+    fn log_truth(&mut self, platform: &PlatformPoint, motor_rate: f64, hub_angle: f64) {
+        let core = &self.state.core;
+        let columns = &mut self.truth;
+        let hub_rate = dot(&self.rows[0], core);
+        let wind_up = core[state::WINDUP];
+        columns.hub_rate_rad_s.push(hub_rate);
+        columns.tip_rate_rad_s.push(dot(&self.rows[1], core));
+        columns.motor_rate_rad_s.push(motor_rate);
+        columns.hub_angle_rad.push(hub_angle);
+        columns.platform_angle_rad.push(platform.angle);
+        columns.platform_rate_rad_s.push(platform.rate);
+        columns.heave_m_s2.push(platform.heave);
+        columns.current_a.push(core[state::CURRENT]);
+        columns.voltage_v.push(core[state::VOLTAGE]);
+        columns.wind_up_rad.push(wind_up);
+        columns.mesh_torque_nm.push(self.plant.mesh_torque_nm(wind_up, hub_rate, motor_rate, platform.rate));
+        let touching = self.plant.mesh(wind_up).0 == Mesh::Touching;
+        columns.contact.push(if touching { wind_up.signum() as i8 } else { 0 });
+    }
+}
+
+fn initial(plant: &Plant, scenario: &Scenario, start: &PlatformPoint) -> Result<PlantState, Error> {
+    match &scenario.initial {
+        Initial::Rest { hub_angle_rad } => Ok(rest(plant, *hub_angle_rad, start.angle, start.rate)),
+        Initial::State(given) => {
+            let (found, expected) = (given.core.len(), plant.core_order());
+            if found != expected {
+                return Err(Error::Length { what: "the initial state of the core", found, expected });
+            }
+            Ok(given.as_ref().clone())
+        }
+    }
+}
+
+fn dot(row: &[f64], x: &[f64]) -> f64 {
+    row.iter().zip(x).map(|(c, v)| c * v).sum()
+}

@@ -1,0 +1,62 @@
+//! What is done to the mechanism in a run.
+
+use crate::engine::stepper::PlantState;
+use crate::motion::PlatformMotion;
+use crate::sensing::Imperfections;
+use crate::signal::Signal;
+
+/// A run of the sampled closed loop.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scenario {
+    /// Duration, s; the run has a sample at every whole period before it.
+    pub duration_s: f64,
+    /// Demanded hub rate, rad/s, as the controller reads it.
+    pub demand_rad_s: Signal,
+    /// Volts added to the control before the output converter.
+    pub injection_v: Signal,
+    /// How the platform moves.
+    pub platform: PlatformMotion,
+    /// What of sensors and converters is simulated.
+    pub imperfections: Imperfections,
+    /// Where the mechanism starts.
+    pub initial: Initial,
+    /// What is kept.
+    pub detail: Detail,
+}
+
+/// Where the mechanism starts.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Initial {
+    /// At rest at a hub angle (rad, inertial), the motor holding weight and spring, friction without load, the hub at
+    /// the platform's rate.
+    Rest {
+        /// Hub angle, rad.
+        hub_angle_rad: f64,
+    },
+    /// In a given state.
+    State(Box<PlantState>),
+}
+
+/// What a run keeps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Detail {
+    /// The readings, the demand and the control: what a recording of the machine has.
+    Recording,
+    /// That, and the true motions and torques.
+    Everything,
+}
+
+impl Scenario {
+    /// A run at rest with everything kept, without noise or quantisation: the start for others.
+    pub fn still(duration_s: f64) -> Self {
+        Self {
+            duration_s,
+            demand_rad_s: Signal::ZERO,
+            injection_v: Signal::ZERO,
+            platform: PlatformMotion::STILL,
+            imperfections: Imperfections::None,
+            initial: Initial::Rest { hub_angle_rad: 0.0 },
+            detail: Detail::Everything,
+        }
+    }
+}

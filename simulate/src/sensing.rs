@@ -1,0 +1,255 @@
+//! The sensors and converters of the digital controller, sample by sample.
+
+use crate::engine::filter::Filter;
+use crate::engine::ports::PlatformPoint;
+use crate::motion::MotionSample;
+use counterpoise_controller::Readings;
+use counterpoise_models::{Interface, Parameters, Sensor};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+/// Full range of every converter, V to either side.
+pub const CONVERTER_RANGE_V: f64 = 10.0;
+
+/// What of the sensors and converters is simulated. Their dynamics, gains, biases and delays always are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Imperfections {
+    /// Noise from a seed, and quantised converters.
+    NoiseAndQuantisation {
+        /// Seed of the noise: the same seed, the same noise.
+        seed: u64,
+    },
+    /// Quantised converters without noise.
+    Quantisation,
+    /// Neither noise nor quantisation.
+    None,
+}
+
+/// White noise of unit variance, five values a sample, by Box and Muller's method on ChaCha8.
+#[derive(Debug, Clone)]
+struct Noise {
+    source: ChaCha8Rng,
+    spare: Option<f64>,
+}
+
+impl Noise {
+    fn new(seed: u64) -> Self {
+        Self { source: ChaCha8Rng::seed_from_u64(seed), spare: None }
+    }
+
+    fn next(&mut self) -> f64 {
+        if let Some(spare) = self.spare.take() {
+            return spare;
+        }
+        let radius = (-2.0 * self.uniform().ln()).sqrt();
+        let (sin, cos) = (std::f64::consts::TAU * self.uniform()).sin_cos();
+        self.spare = Some(radius * sin);
+        radius * cos
+    }
+
+    /// Uniform in (0, 1\].
+    fn uniform(&mut self) -> f64 {
+        let bits = rand::Rng::next_u64(&mut self.source) >> 11;
+        (bits as f64 + 1.0) / (1u64 << 53) as f64
+    }
+}
+
+/// A quantiser over +/- 10 V; an infinitesimal step leaves the value alone.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Converter {
+    step_v: f64,
+}
+
+impl Converter {
+    pub fn new(bits: u32, imperfections: Imperfections) -> Self {
+        let step_v = match imperfections {
+            Imperfections::None => 0.0,
+            _ => 2.0 * CONVERTER_RANGE_V / f64::from(bits).exp2(),
+        };
+        Self { step_v }
+    }
+
+    pub fn convert(&self, volts: f64) -> f64 {
+        let limited = volts.clamp(-CONVERTER_RANGE_V, CONVERTER_RANGE_V);
+        if self.step_v == 0.0 { limited } else { (limited / self.step_v).round() * self.step_v }
+    }
+}
+
+/// One sensor from the filtered truth to the reading.
+#[derive(Debug, Clone)]
+struct Chain {
+    sensor: Sensor,
+    converter: Converter,
+    delay_samples: f64,
+    past: Vec<f64>,
+}
+
+impl Chain {
+    fn new(sensor: &Sensor, interface: &Interface, imperfections: Imperfections) -> Self {
+        Self {
+            sensor: sensor.clone(),
+            converter: Converter::new(interface.input_bits, imperfections),
+            delay_samples: sensor.delay_s / interface.sample_period_s,
+            past: Vec::new(),
+        }
+    }
+
+    /// The reading for a filtered truth and a filtered heave, with a noise of unit variance.
+    fn read(&mut self, truth: f64, heave: f64, noise: f64) -> f64 {
+        let sensor = &self.sensor;
+        let value = sensor.gain * truth + sensor.bias + sensor.g_sensitivity * heave;
+        let (scale, spread) = (sensor.scale_v_unit, sensor.noise_rms);
+        let delayed = self.delayed(value) + spread * noise;
+        self.converter.convert(delayed * scale) / scale
+    }
+
+    fn delayed(&mut self, value: f64) -> f64 {
+        if self.delay_samples == 0.0 {
+            return value;
+        }
+        self.past.push(value);
+        let position = (self.past.len() - 1) as f64 - self.delay_samples;
+        if position <= 0.0 {
+            return self.past[0];
+        }
+        let (index, part) = (position as usize, position.fract());
+        let next = self.past.get(index + 1).copied().unwrap_or(value);
+        self.past[index] + part * (next - self.past[index])
+    }
+}
+
+/// A platform sensor: its dynamics, driven by the platform alone, and its chain.
+#[derive(Debug, Clone)]
+struct PlatformSensor {
+    filter: Filter,
+    state: [f64; 2],
+    heave: [f64; 2],
+    chain: Chain,
+}
+
+impl PlatformSensor {
+    fn new(sensor: &Sensor, parameters: &Parameters, imperfections: Imperfections) -> Self {
+        Self {
+            filter: Filter::new(sensor, parameters.interface.sample_period_s),
+            state: [0.0; 2],
+            heave: [0.0; 2],
+            chain: Chain::new(sensor, &parameters.interface, imperfections),
+        }
+    }
+}
+
+/// The truth at a sample instant that the sensors of the mechanism turn into readings.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Truth {
+    pub hub_gyro: f64,
+    pub motor_rate: f64,
+    pub hub_position: f64,
+}
+
+/// All sensors.
+#[derive(Debug, Clone)]
+pub(crate) struct Sensing {
+    noise: Option<Noise>,
+    hub_gyro: Chain,
+    hub_heave: PlatformSensor,
+    platform_gyro: PlatformSensor,
+    accelerometer: PlatformSensor,
+    lever_arm_m: f64,
+    tachometer: Option<Chain>,
+    resolver: Option<Chain>,
+}
+
+impl Sensing {
+    pub fn new(parameters: &Parameters, imperfections: Imperfections) -> Self {
+        let sensors = &parameters.sensors;
+        let chain = |sensor: &Sensor| Chain::new(sensor, &parameters.interface, imperfections);
+        let driven = |sensor: &Sensor| PlatformSensor::new(sensor, parameters, imperfections);
+        let noise = match imperfections {
+            Imperfections::NoiseAndQuantisation { seed } => Some(Noise::new(seed)),
+            _ => None,
+        };
+        Self {
+            noise,
+            hub_gyro: chain(&sensors.hub_gyro),
+            hub_heave: driven(&sensors.hub_gyro),
+            platform_gyro: driven(&sensors.platform_gyro),
+            accelerometer: driven(&sensors.platform_accelerometer),
+            lever_arm_m: sensors.accelerometer_lever_arm_m,
+            tachometer: sensors.motor_tachometer.as_ref().map(chain),
+            resolver: sensors.hub_resolver.as_ref().map(chain),
+        }
+    }
+
+    /// Puts the platform's sensors where they would be after a long time at a platform state.
+    pub fn settle(&mut self, start: &PlatformPoint) {
+        self.platform_gyro.state = [start.rate, 0.0];
+        self.accelerometer.state = [start.heave, 0.0];
+        for sensor in [&mut self.hub_heave, &mut self.platform_gyro, &mut self.accelerometer] {
+            sensor.heave = [start.heave, 0.0];
+        }
+    }
+
+    /// The readings at a sample instant; the demand is left at 0.
+    pub fn read(&mut self, truth: &Truth) -> Readings {
+        let noise = [0; 5].map(|_| self.noise.as_mut().map_or(0.0, Noise::next));
+        let gyro = &mut self.platform_gyro;
+        let accelerometer = &mut self.accelerometer;
+        Readings {
+            demand_rad_s: 0.0,
+            hub_rate_rad_s: self.hub_gyro.read(truth.hub_gyro, self.hub_heave.heave[0], noise[0]),
+            platform_rate_rad_s: gyro.chain.read(gyro.state[0], gyro.heave[0], noise[1]),
+            platform_accel_m_s2: accelerometer.chain.read(accelerometer.state[0], 0.0, noise[2]),
+            motor_rate_rad_s: self
+                .tachometer
+                .as_mut()
+                .map_or(0.0, |c| c.read(truth.motor_rate, 0.0, noise[3])),
+            hub_position_rad: self
+                .resolver
+                .as_mut()
+                .map_or(0.0, |c| c.read(truth.hub_position, 0.0, noise[4])),
+        }
+    }
+
+    /// Moves the platform's sensors over a sample.
+    pub fn advance(&mut self, motion: &MotionSample) {
+        let arm = self.lever_arm_m;
+        let rate = motion.nodes(|p| p.rate);
+        let heave = motion.nodes(|p| p.heave);
+        let mut felt = heave;
+        if arm != 0.0 {
+            let nodes = crate::engine::moments::NODES;
+            felt = [0, 1, 2, 3].map(|k| heave[k] + arm * motion.pitch_acceleration_at(nodes[k]));
+        }
+        self.platform_gyro.filter.advance(0, &mut self.platform_gyro.state, &rate);
+        self.accelerometer.filter.advance(0, &mut self.accelerometer.state, &felt);
+        for sensor in [&mut self.hub_heave, &mut self.platform_gyro] {
+            if sensor.chain.sensor.g_sensitivity != 0.0 {
+                sensor.filter.advance(0, &mut sensor.heave, &heave);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_is_white_of_unit_variance() {
+        let mut noise = Noise::new(7);
+        let values: Vec<f64> = (0..100_000).map(|_| noise.next()).collect();
+        let mean = values.iter().sum::<f64>() / 1e5;
+        let variance = values.iter().map(|v| v * v).sum::<f64>() / 1e5;
+        let neighbour = values.windows(2).map(|w| w[0] * w[1]).sum::<f64>() / 1e5;
+        assert!(mean.abs() < 0.01 && (variance - 1.0).abs() < 0.02 && neighbour.abs() < 0.01);
+    }
+
+    #[test]
+    fn a_converter_rounds_to_its_step_and_limits() {
+        let converter = Converter::new(12, Imperfections::Quantisation);
+        let step = 20.0 / 4096.0;
+        assert_eq!(converter.convert(1.4 * step), step);
+        assert_eq!(converter.convert(11.0), 10.0);
+        assert_eq!(Converter::new(12, Imperfections::None).convert(1.4 * step), 1.4 * step);
+    }
+}

@@ -1,0 +1,158 @@
+//! Signals over time: what is demanded, and how the platform moves.
+
+use std::f64::consts::TAU;
+
+/// A scalar function of time, defined for every time.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Signal {
+    /// The same value for ever.
+    Constant(f64),
+    /// A sum of sines, each amplitude x sin(frequency t + phase).
+    Sines(Vec<Sine>),
+    /// Constant between changes: each entry is (time s, value from then on); 0 before the first.
+    Steps(Vec<(f64, f64)>),
+    /// A triangle wave that starts at 0 and rises.
+    Triangle {
+        /// Peak value.
+        amplitude: f64,
+        /// Period, s.
+        period_s: f64,
+    },
+    /// Values at t = 0, period, 2 period, ...; a cubic through slopes by central differences between them, constant
+    /// beyond the ends.
+    Samples {
+        /// Time between values, s.
+        period_s: f64,
+        /// The values.
+        values: Vec<f64>,
+    },
+    /// Values that are held from sample to sample; the last one for ever.
+    Held {
+        /// Time between values, s.
+        period_s: f64,
+        /// The values.
+        values: Vec<f64>,
+    },
+    /// A sum of signals.
+    Sum(Vec<Signal>),
+}
+
+/// A sine of a [`Signal::Sines`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sine {
+    /// Amplitude in the signal's unit.
+    pub amplitude: f64,
+    /// Angular frequency, rad/s.
+    pub frequency_rad_s: f64,
+    /// Phase at t = 0, rad.
+    pub phase_rad: f64,
+}
+
+impl Signal {
+    /// Nothing at all.
+    pub const ZERO: Self = Self::Constant(0.0);
+
+    /// A single sine.
+    pub fn sine(amplitude: f64, frequency_rad_s: f64) -> Self {
+        Self::Sines(vec![Sine { amplitude, frequency_rad_s, phase_rad: 0.0 }])
+    }
+
+    /// A step of a size at a time.
+    pub fn step(time_s: f64, size: f64) -> Self {
+        Self::Steps(vec![(time_s, size)])
+    }
+
+    /// The value at a time.
+    pub fn at(&self, time_s: f64) -> f64 {
+        match self {
+            Self::Constant(value) => *value,
+            Self::Sines(sines) => sines.iter().map(|s| s.at(time_s)).sum(),
+            Self::Steps(steps) => {
+                let passed = steps.iter().take_while(|(start, _)| *start <= time_s);
+                passed.last().map_or(0.0, |&(_, value)| value)
+            }
+            Self::Triangle { amplitude, period_s } => amplitude * triangle(time_s / period_s),
+            Self::Samples { period_s, values } => smooth(values, time_s / period_s),
+            Self::Held { period_s, values } => held(values, time_s / period_s),
+            Self::Sum(parts) => parts.iter().map(|part| part.at(time_s)).sum(),
+        }
+    }
+
+    /// Whether the signal is 0 at every time.
+    pub fn is_zero(&self) -> bool {
+        match self {
+            Self::Constant(value) => *value == 0.0,
+            Self::Sines(sines) => sines.iter().all(|s| s.amplitude == 0.0),
+            Self::Steps(steps) => steps.iter().all(|&(_, value)| value == 0.0),
+            Self::Triangle { amplitude, .. } => *amplitude == 0.0,
+            Self::Samples { values, .. } | Self::Held { values, .. } => values.iter().all(|&v| v == 0.0),
+            Self::Sum(parts) => parts.iter().all(Self::is_zero),
+        }
+    }
+}
+
+impl Sine {
+    /// The value at a time.
+    pub fn at(&self, time_s: f64) -> f64 {
+        self.amplitude * (self.frequency_rad_s * time_s + self.phase_rad).sin()
+    }
+}
+
+/// A triangle wave of amplitude and period 1.
+fn triangle(turns: f64) -> f64 {
+    let part = (turns + 0.25).rem_euclid(1.0);
+    1.0 - 4.0 * (part - 0.5).abs()
+}
+
+fn held(values: &[f64], position: f64) -> f64 {
+    // a time that is a whole number of samples but for rounding belongs to the later sample
+    let index = (position * (1.0 + f64::EPSILON * TAU) + 1e-9).max(0.0) as usize;
+    values.get(index).or(values.last()).copied().unwrap_or(0.0)
+}
+
+/// The cubic Hermite interpolation with slopes by central differences.
+fn smooth(values: &[f64], position: f64) -> f64 {
+    let Some(last) = values.len().checked_sub(1) else { return 0.0 };
+    if position <= 0.0 || last == 0 {
+        return values[0];
+    }
+    let index = position as usize;
+    if index >= last {
+        return values[last];
+    }
+    let at = |offset: isize| values[index.saturating_add_signed(offset).min(last)];
+    let (y0, y1) = (at(0), at(1));
+    let d0 = if index == 0 { y1 - y0 } else { 0.5 * (y1 - at(-1)) };
+    let d1 = if index + 1 == last { y1 - y0 } else { 0.5 * (at(2) - y0) };
+    let s = position - index as f64;
+    let (c2, c3) = (3.0 * (y1 - y0) - 2.0 * d0 - d1, 2.0 * (y0 - y1) + d0 + d1);
+    y0 + s * (d0 + s * (c2 + s * c3))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_triangle_rises_from_zero() {
+        let wave = Signal::Triangle { amplitude: 2.0, period_s: 4.0 };
+        for (time, value) in [(0.0, 0.0), (0.5, 1.0), (1.0, 2.0), (2.0, 0.0), (3.0, -2.0), (4.5, 1.0)] {
+            assert!((wave.at(time) - value).abs() < 1e-12, "{time}");
+        }
+    }
+
+    #[test]
+    fn samples_of_a_parabola_are_interpolated_exactly_inside() {
+        let values: Vec<f64> = (0..10).map(|k| f64::from(k * k)).collect();
+        let signal = Signal::Samples { period_s: 0.1, values };
+        assert!((signal.at(0.437) - 4.37 * 4.37).abs() < 1e-12);
+        assert_eq!(signal.at(5.0), 81.0);
+    }
+
+    #[test]
+    fn held_values_change_at_their_instants() {
+        let signal = Signal::Held { period_s: 1e-3, values: vec![1.0, 2.0, 3.0] };
+        assert_eq!(signal.at(2.0 * 1e-3), 3.0);
+        assert_eq!(signal.at(0.9e-3), 1.0);
+    }
+}
