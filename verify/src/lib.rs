@@ -27,6 +27,7 @@ pub mod requirement;
 pub mod signals;
 pub mod verification;
 
+pub use counterpoise_lti::{C64, Margins};
 pub use error::Error;
 pub use figure::{Arrangement, Figure, LoopFigure, Model, Quantity, RestFigure, Source, StepFigure};
 pub use history::{Experiment, History};

@@ -9,8 +9,9 @@
 //!
 //! *Invariant*: data in, text out; no file, no number that depends on the machine.
 //!
-//! Modules in reading order: [`figure`], [`ticks`], [`thin`], [`theme`], [`element`], [`draw`].
+//! Modules in reading order: [`figure`], [`ticks`], [`thin`], [`theme`], [`element`], [`draw`], [`bode`].
 
+pub mod bode;
 pub mod draw;
 pub mod element;
 pub mod figure;

@@ -3,6 +3,7 @@
 use counterpoise_project::verify::linear::{Curve, frequency::Rejection};
 use counterpoise_project::verify::{Arrangement, Experiment, History, Model, Source, Value, Verification};
 
+use super::summary::capital;
 use super::{Cell, Column, Section, Table};
 use crate::plot::bode::{BodeCurve, Phase, bode};
 use crate::plot::ticks::short;
@@ -248,11 +249,6 @@ fn controller_section(found: &Verification) -> Section {
     Section::new("Controllers")
         .saying("The discrete transfer functions as exported, from the readings to the control.")
         .showing(figures)
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 fn plant_section(found: &Verification) -> Section {

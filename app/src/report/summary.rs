@@ -45,7 +45,8 @@ fn failure(requirement: &Requirement, verdict: &Verdict) -> Option<String> {
     ))
 }
 
-fn capital(text: &str) -> String {
+/// The text with its first letter made large.
+pub fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
