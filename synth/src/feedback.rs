@@ -15,7 +15,7 @@ use counterpoise_lti::linalg::{Riccati, care, eigenvalues};
 use counterpoise_lti::{C64, Mat, StateSpace, Timebase};
 
 use crate::augmented::Augmented;
-use crate::certificate::{Cost, Equation, lyapunov_cost, riccati};
+use crate::certificate::{Cost, Equation, mean_square, riccati};
 use crate::finding::Part;
 use crate::{DesignPlant, Error, FeedbackWeights, Outcome, Reference};
 
@@ -80,7 +80,7 @@ pub fn feedback(
         F,
         L,
         closed_loop: eigenvalues(&closed.A)?,
-        cost: Cost { predicted: Some(predicted), achieved: lyapunov_cost(&closed)? },
+        cost: Cost { predicted: Some(predicted), achieved: mean_square(&closed)? },
         regulator: regulator.into(),
         filter: filter.into(),
         controller,

@@ -14,7 +14,7 @@ use counterpoise_lti::linalg::{Riccati, care, inverse, lyap, sylvester};
 use counterpoise_lti::{Mat, StateSpace, Timebase};
 
 use crate::augmented::Augmented;
-use crate::certificate::{Cost, Equation, lyapunov_cost, riccati};
+use crate::certificate::{Cost, Equation, mean_square, riccati};
 use crate::finding::Part;
 use crate::{Channel, DesignPlant, Error, FeedforwardWeights, Knowledge, Outcome};
 
@@ -95,7 +95,7 @@ pub fn feedforward(
         let module = problem.exact_module(&regulator, &knows)?;
         let cost = Cost {
             predicted: Some(problem.exact_cost(&regulator)?),
-            achieved: lyapunov_cost(&problem.exact_loop(&module, &knows)?)?,
+            achieved: mean_square(&problem.exact_loop(&module, &knows)?)?,
         };
         return finish(regulator, module, None, cost);
     };
@@ -106,7 +106,7 @@ pub fn feedforward(
     let module = problem.measured_module(&regulator, &filter)?;
     let cost = Cost {
         predicted: problem.measured_cost(&regulator, &filter)?,
-        achieved: lyapunov_cost(&problem.measured_loop(&module, &filter)?)?,
+        achieved: mean_square(&problem.measured_loop(&module, &filter)?)?,
     };
     finish(regulator, module, Some(filter.equation), cost)
 }
@@ -203,17 +203,13 @@ impl Problem {
         Ok(Outcome::Solved(Regulator { riccati, X_d, Fd, residual }))
     }
 
-    /// X_dd of A_d'X_dd + X_dd A_d + C_d'E'X_d + X_d'E C_d - F_d'F_d = 0.
-    fn generator_cost(&self, regulator: &Regulator) -> Result<Mat, Error> {
-        let cross = &self.ECd.t() * &regulator.X_d;
-        let Q = &(&cross + &cross.t()) - &(&regulator.Fd.t() * &regulator.Fd);
-        Ok(lyap(&self.generator.A.t(), &Q)?)
-    }
-
-    /// tr(B_d' X_dd B_d).
+    /// tr(B_d' X_dd B_d) with A_d'X_dd + X_dd A_d + C_d'E'X_d + X_d'E C_d - F_d'F_d = 0.
     fn exact_cost(&self, regulator: &Regulator) -> Result<f64, Error> {
         let B = &self.generator.B;
-        Ok((&B.t() * &(&self.generator_cost(regulator)? * B)).trace())
+        let cross = &self.ECd.t() * &regulator.X_d;
+        let Q = &(&cross + &cross.t()) - &(&regulator.Fd.t() * &regulator.Fd);
+        let X_dd = lyap(&self.generator.A.t(), &Q)?;
+        Ok((&B.t() * &(&X_dd * B)).trace())
     }
 
     /// x' = (A - BF) x + (E C_d - B F_d) inv(C_d) d.
@@ -250,7 +246,7 @@ impl Problem {
         let settled = (&system.A - &(&L * &system.C)).t();
         let S = sylvester(&open, &settled, &-(&entering * &shared))?;
         let gain = &S * &system.C.t().scale(1.0 / density);
-        let error_cost = self.error_cost(&S, &gain, density)?;
+        let error_cost = self.error_cost(&system, &L, &gain, density)?;
         let (_, _, u) = self.core.sizes();
         let Lx = gain.vstack(&Mat::zeros(u, 1));
         Ok(Outcome::Solved(Filter { system, L, Lx, error_cost, equation: solution.into(), density }))
@@ -272,18 +268,18 @@ impl Problem {
         (self.core.state().block(0, 0, n + e, n + e), entering)
     }
 
-    /// What the estimation error of the plant's state costs; `None` where it is not bounded.
-    fn error_cost(&self, S: &Mat, gain: &Mat, density: f64) -> Result<Option<f64>, Error> {
+    /// What the estimation error of the plant's state costs: it is driven by w and by the noise, through the filter.
+    /// `None` where it is not bounded.
+    fn error_cost(&self, system: &StateSpace, L: &Mat, Lx: &Mat, density: f64) -> Result<Option<f64>, Error> {
         let (open, entering) = self.uncontrolled();
-        let cross = &entering * &S.block(0, 0, S.nrows(), self.generator.order()).t();
-        let Q = &(&cross + &cross.t()) - &(gain * &gain.t()).scale(density);
-        let stable = counterpoise_lti::linalg::eigenvalues(&open)?.iter().all(|pole| pole.re < 0.0);
-        if !stable {
-            return Ok(None);
-        }
-        let Y = lyap(&open, &Q.symmetric_part())?;
-        let C = self.core.output().block(0, 0, 1, open.nrows());
-        Ok(Some((&C * &(&Y * &C.t())).trace()))
+        let (k, f, d) = (open.nrows(), system.order(), self.generator.order());
+        let into = &entering.hstack(&Mat::zeros(k, f - d)) - &(Lx * &system.C);
+        let settled = &system.A - &(L * &system.C);
+        let A = Mat::from_blocks(&[&[&open, &into], &[&Mat::zeros(f, k), &settled]]);
+        let noise = -density.sqrt();
+        let B = Mat::from_blocks(&[&[&Mat::zeros(k, 1), &Lx.scale(noise)], &[&system.B, &L.scale(noise)]]);
+        let C = self.core.output().block(0, 0, 1, k).hstack(&Mat::zeros(1, f));
+        mean_square(&StateSpace::new(A, B, C, Mat::zeros(1, 2), Timebase::Continuous)?)
     }
 
     /// x' = A x + B v + E C_d x_d + L_x nu, x_f' = A_f x_f + L_f nu, nu = measured - C_f x_f, v = -F x - F_d x_d.
@@ -300,16 +296,24 @@ impl Problem {
         Ok(StateSpace::new(A, B, C, Mat::zeros(3, 1), Timebase::Continuous)?)
     }
 
-    /// tr(L' X_j L V) over the joint state \[x; x_d\], plus what the estimation error costs.
+    /// What the solutions predict: the full-information loop on \[x; x_d\] driven by the innovation, plus what the
+    /// estimation error costs. Equal to tr(L' X_j L V) + ..., without that formula's cancellation.
     fn measured_cost(&self, regulator: &Regulator, filter: &Filter) -> Result<Option<f64>, Error> {
-        let X = &regulator.riccati.X;
-        let joint = Mat::from_blocks(&[
-            &[X, &regulator.X_d],
-            &[&regulator.X_d.t(), &self.generator_cost(regulator)?],
-        ]);
         let innovation = filter.Lx.vstack(&filter.L.block(0, 0, self.generator.order(), 1));
-        let known = filter.density * (&innovation.t() * &(&joint * &innovation)).trace();
-        Ok(filter.error_cost.map(|unknown| unknown + known))
+        let known = mean_square(&self.informed(regulator, &innovation.scale(filter.density.sqrt()))?)?;
+        Ok(known.zip(filter.error_cost).map(|(known, unknown)| known + unknown))
+    }
+
+    /// [x; x_d] under v = -F x - F_d x_d, from `noise` to (z1, v).
+    fn informed(&self, regulator: &Regulator, noise: &Mat) -> Result<StateSpace, Error> {
+        let (k, d) = (self.core.order(), self.generator.order());
+        let v = (-&regulator.riccati.F).hstack(&-&regulator.Fd);
+        let open =
+            Mat::from_blocks(&[&[&self.core.state(), &self.ECd], &[&Mat::zeros(d, k), &self.generator.A]]);
+        let A = &open + &(&self.core.input().vstack(&Mat::zeros(d, 1)) * &v);
+        let C = self.core.output().hstack(&Mat::zeros(1, d)).vstack(&v);
+        let D = Mat::zeros(2, noise.ncols());
+        Ok(StateSpace::new(A, noise.clone(), C, D, Timebase::Continuous)?)
     }
 
     /// Generator (and sensor), plant with its error weight, and module, from unit white noise to (z1, z2).
