@@ -1,1 +1,44 @@
 //! Model reduction with its error.
+//!
+//! In come systems (or mass, damping and stiffness) and an order or an error; out go smaller systems, each with the
+//! values by which its states were ranked, the a priori bound where there is one, the error that was measured, and
+//! warnings.
+//!
+//! *Invariant*: nothing here knows a weight's purpose, a machine, a file, a thread or a clock. Poles on or beyond the
+//! border of stability are never reduced: they are split off first and put back unchanged.
+//!
+//! Modules in reading order: [`reduction`], [`split`](mod@split), [`balanced`], [`weighted`], [`modal`], [`second_order`],
+//! [`minimal`](mod@minimal), [`measure`], [`error`].
+//!
+//! ```
+//! use counterpoise_lti::{C64, Timebase, Zpk};
+//! use counterpoise_reduce::{Method, Order, balred};
+//! // An integrator in front of a slow and a fast lag: the integrator stays, the fast lag goes.
+//! let poles = [0.0, -1.0, -500.0].map(|p| C64::new(p, 0.0)).to_vec();
+//! let g = Zpk { zeros: vec![], poles, gain: 500.0, timebase: Timebase::Continuous }.to_state_space()?;
+//! let reduced = balred(&g, Order::States(2), Method::SquareRoot)?;
+//! assert_eq!(counterpoise_lti::poles(&reduced.system)?[1].re, 0.0);
+//! assert!(reduced.measured_error.value <= reduced.bound.unwrap_or(0.0) * (1.0 + 1e-6));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+#![allow(non_snake_case)]
+
+pub mod balanced;
+pub mod error;
+pub mod measure;
+pub mod minimal;
+pub mod modal;
+pub mod reduction;
+pub mod second_order;
+pub mod split;
+pub mod weighted;
+
+pub use balanced::{Balanced, balred};
+pub use error::Error;
+pub use measure::error_norm;
+pub use minimal::{Minimal, minimal};
+pub use modal::{Residual, modal_truncation};
+pub use reduction::{Method, Order, Reduction, Warning};
+pub use second_order::{SecondOrder, SecondOrderReduction, guyan, modal_basis};
+pub use split::{Split, split, split_by};
+pub use weighted::{ControllerReduction, Weights, reduce_controller, weighted_balred};

@@ -1,0 +1,145 @@
+//! Balanced truncation and its singular perturbation, on the stable part.
+
+use crate::error::During;
+use crate::measure::error_norm;
+use crate::reduction::{bound, choose};
+use crate::split::split;
+use crate::{Error, Method, Order, Reduction};
+use counterpoise_lti::linalg;
+use counterpoise_lti::scaling::balance;
+use counterpoise_lti::{Mat, StateSpace, Timebase, ctrb_factor, obsv_factor, parallel};
+
+/// A stable system with the factors of its Gramians P = R R', Q = L L' and the decomposition L'R = U S V'.
+#[derive(Debug, Clone)]
+pub struct Balanced {
+    system: StateSpace,
+    R: Mat,
+    L: Mat,
+    U: Mat,
+    V: Mat,
+    values: Vec<f64>,
+}
+
+impl Balanced {
+    /// Prepares a stable system: two factored Lyapunov equations and a singular value decomposition.
+    ///
+    /// # Errors
+    /// [`Error::System`] with the pole where the system is not stable.
+    pub fn of(g: &StateSpace) -> Result<Self, Error> {
+        let (system, _) = balance(g);
+        let (R, L) = (ctrb_factor(&system)?, obsv_factor(&system)?);
+        Self::from_factors(system, R, L)
+    }
+
+    /// Prepares a system with factors of its own, of weighted Gramians say; each has a row a state.
+    ///
+    /// # Errors
+    /// [`Error::Matrix`] where the decomposition fails.
+    pub fn from_factors(system: StateSpace, R: Mat, L: Mat) -> Result<Self, Error> {
+        let parts = linalg::svd(&(&L.t() * &R)).during("balancing")?;
+        let mut values = parts.s;
+        values.truncate(system.order());
+        Ok(Self { system, R, L, U: parts.U, V: parts.V, values })
+    }
+
+    /// The Hankel values, largest first.
+    pub fn hankel(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// The system of order `r` by the given method; r at most the number of Hankel values above rounding.
+    ///
+    /// # Errors
+    /// [`Error::Matrix`] where the projection is singular: r is too large.
+    pub fn reduce(&self, r: usize, method: Method) -> Result<StateSpace, Error> {
+        match method {
+            Method::SquareRoot => self.square_root(r),
+            Method::BalancingFree => self.balancing_free(r),
+            Method::MatchDc => {
+                let largest = self.hankel().first().copied().unwrap_or(0.0);
+                let floor = self.system.order() as f64 * f64::EPSILON * largest;
+                let all = self.hankel().iter().filter(|&&s| s > floor).count().max(r);
+                residualise(&self.square_root(all)?, r)
+            }
+        }
+    }
+
+    /// Right and left projections R V and L U on the first r directions.
+    fn directions(&self, r: usize) -> (Mat, Mat) {
+        let first = |M: &Mat| M.block(0, 0, M.nrows(), r);
+        (&self.R * &first(&self.V), &self.L * &first(&self.U))
+    }
+
+    fn square_root(&self, r: usize) -> Result<StateSpace, Error> {
+        let scale: Vec<f64> = self.values[..r].iter().map(|s| 1.0 / s.sqrt()).collect();
+        let scale = Mat::diag(&scale);
+        let (T, W) = self.directions(r);
+        self.project(&(&T * &scale), &(&W * &scale).t())
+    }
+
+    /// Orthonormal bases of the same subspaces; the coordinates are not balanced, the response is the same.
+    fn balancing_free(&self, r: usize) -> Result<StateSpace, Error> {
+        let (T, W) = self.directions(r);
+        let X = linalg::qr(&T).during("balancing-free projection")?.Q;
+        let Y = linalg::qr(&W).during("balancing-free projection")?.Q;
+        let W = linalg::solve(&(&Y.t() * &X), &Y.t()).during("balancing-free projection")?;
+        self.project(&X, &W)
+    }
+
+    fn project(&self, T: &Mat, W: &Mat) -> Result<StateSpace, Error> {
+        let g = &self.system;
+        Ok(StateSpace::new(W * &(&g.A * T), W * &g.B, &g.C * T, g.D.clone(), g.timebase)?)
+    }
+}
+
+/// The first r states, the others at their equilibrium: x2 = -inv(A22) (A21 x1 + B2 u), A22 - I where sampled.
+fn residualise(g: &StateSpace, r: usize) -> Result<StateSpace, Error> {
+    let (n, m, p) = (g.order(), g.inputs(), g.outputs());
+    let s = n - r;
+    if s == 0 {
+        return Ok(g.clone());
+    }
+    let mut A22 = g.A.block(r, r, s, s);
+    if g.timebase != Timebase::Continuous {
+        A22 = &A22 - &Mat::eye(s);
+    }
+    let driven = g.A.block(r, 0, s, r).hstack(&g.B.block(r, 0, s, m));
+    let held = linalg::solve(&A22, &driven).during("singular perturbation")?;
+    let (X, U) = (held.block(0, 0, s, r), held.block(0, r, s, m));
+    let (A12, C2) = (g.A.block(0, r, r, s), g.C.block(0, r, p, s));
+    Ok(StateSpace::new(
+        &g.A.block(0, 0, r, r) - &(&A12 * &X),
+        &g.B.block(0, 0, r, m) - &(&A12 * &U),
+        &g.C.block(0, 0, p, r) - &(&C2 * &X),
+        &g.D - &(&C2 * &U),
+        g.timebase,
+    )?)
+}
+
+/// Balanced reduction of any system: integrators, poles on the border and unstable poles are kept, the stable part is
+/// reduced.
+///
+/// The H-infinity error is at most twice the sum of the Hankel values dropped. O(n^3).
+///
+/// # Errors
+/// [`Error::Order`] where fewer states are asked for than must be kept, [`Error::Range`], [`Error::Matrix`].
+pub fn balred(g: &StateSpace, order: Order, method: Method) -> Result<Reduction, Error> {
+    let parts = split(g)?;
+    let untouched = parts.second.order();
+    let balanced = Balanced::of(&parts.first)?;
+    let hankel = balanced.hankel().to_vec();
+    let (kept, mut warnings) = choose(&hankel, order, untouched)?;
+    let reduced = balanced.reduce(kept, method)?;
+    let (measured_error, grid) = error_norm(&parts.first, &reduced)?;
+    warnings.extend(grid);
+    let system = parallel(&reduced, &parts.second)?;
+    Ok(Reduction {
+        system,
+        bound: Some(bound(&hankel, kept)),
+        measured_error,
+        hankel,
+        kept,
+        untouched,
+        warnings,
+    })
+}

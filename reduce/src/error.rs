@@ -1,0 +1,70 @@
+//! What can be wrong with a request to this crate.
+
+use counterpoise_lti::linalg;
+
+/// Every way in which a reduction can be refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The system itself was refused.
+    #[error(transparent)]
+    System(#[from] counterpoise_lti::Error),
+    /// A matrix computation was refused.
+    #[error("{what}: {source}")]
+    Matrix {
+        /// Which step.
+        what: &'static str,
+        /// The reason.
+        source: linalg::Error,
+    },
+    /// Fewer states were asked for than poles that must be kept.
+    #[error("order {wanted} is below the {kept} poles on or beyond the border of stability, which are kept")]
+    Order {
+        /// The order asked for.
+        wanted: usize,
+        /// Number of poles that are kept.
+        kept: usize,
+    },
+    /// A number outside what the operation is defined for.
+    #[error("{what} = {value} must be {allowed}")]
+    Range {
+        /// Which argument.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// Matrices or degrees of freedom that do not fit together.
+    #[error("{what}: {found:?} does not fit {expected:?}")]
+    Shape {
+        /// Which.
+        what: &'static str,
+        /// The shape that was given.
+        found: (usize, usize),
+        /// The shape that was needed.
+        expected: (usize, usize),
+    },
+    /// A weight or a loop that must be stable is not.
+    #[error("{what} has the pole {re:.4e} {im:+.4e}i: a stable one is needed")]
+    Unstable {
+        /// Which system.
+        what: &'static str,
+        /// Real part of the pole.
+        re: f64,
+        /// Imaginary part of the pole.
+        im: f64,
+    },
+}
+
+/// Says which step a refused matrix computation belonged to.
+pub(crate) trait During<T> {
+    /// The same result, with the step's name in its error.
+    fn during(self, what: &'static str) -> Result<T, Error>;
+}
+
+impl<T> During<T> for Result<T, linalg::Error> {
+    fn during(self, what: &'static str) -> Result<T, Error> {
+        self.map_err(|source| Error::Matrix { what, source })
+    }
+}

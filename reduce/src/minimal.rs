@@ -1,0 +1,101 @@
+//! Minimal realisation: the states that the input reaches and the output sees, with the gap at which it was cut.
+
+use crate::error::During;
+use crate::{Error, Warning};
+use counterpoise_lti::linalg;
+use counterpoise_lti::scaling::balance;
+use counterpoise_lti::{Mat, StateSpace};
+
+/// A gap smaller than this leaves the order in doubt.
+pub const SAFE_GAP: f64 = 1e3;
+
+/// A minimal realisation and the numbers it rests on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Minimal {
+    /// The realisation.
+    pub system: StateSpace,
+    /// States that no input reaches.
+    pub unreachable: usize,
+    /// States, reachable ones, that no output sees.
+    pub unseen: usize,
+    /// The smallest singular value counted as a coupling, relative to the norm of the scaled system.
+    pub smallest_kept: f64,
+    /// The largest singular value counted as zero, likewise.
+    pub largest_dropped: f64,
+    /// What a user should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// The part of a system that is reachable and seen, by orthogonal staircases on the scaled system.
+///
+/// A coupling counts where its singular value exceeds `tolerance` times the norm of \[A B\] (or \[A; C\]); 1e-11 suits most
+/// systems. Unstable systems too. The gap between the smallest value kept and the largest dropped is returned: a clear
+/// order has a gap of many decades, and a gap below [`SAFE_GAP`] is a warning.
+///
+/// # Errors
+/// [`Error::Range`] for a tolerance outside (0, 1), [`Error::Matrix`].
+pub fn minimal(g: &StateSpace, tolerance: f64) -> Result<Minimal, Error> {
+    if !(tolerance > 0.0 && tolerance < 1.0) {
+        return Err(Error::Range { what: "tolerance", value: tolerance, allowed: "between 0 and 1" });
+    }
+    let mut gap = Gap { kept: 1.0, dropped: 0.0 };
+    let reached = reachable(&balance(g).0, tolerance, &mut gap)?;
+    let unreachable = g.order() - reached.order();
+    let seen = reachable(&balance(&reached).0.dual(), tolerance, &mut gap)?.dual();
+    let unseen = reached.order() - seen.order();
+    let doubtful = gap.dropped > 0.0 && gap.kept < SAFE_GAP * gap.dropped;
+    let warning = Warning::SmallGap { kept: gap.kept, dropped: gap.dropped };
+    Ok(Minimal {
+        system: seen,
+        unreachable,
+        unseen,
+        smallest_kept: gap.kept,
+        largest_dropped: gap.dropped,
+        warnings: if doubtful { vec![warning] } else { Vec::new() },
+    })
+}
+
+struct Gap {
+    kept: f64,
+    dropped: f64,
+}
+
+impl Gap {
+    /// Counts the singular values above the tolerance.
+    fn count(&mut self, values: &[f64], tolerance: f64) -> usize {
+        let (kept, dropped): (Vec<f64>, Vec<f64>) = values.iter().partition(|&&value| value > tolerance);
+        self.kept = kept.iter().copied().fold(self.kept, f64::min);
+        self.dropped = dropped.iter().copied().fold(self.dropped, f64::max);
+        kept.len()
+    }
+}
+
+/// The reachable part: each stair holds the states that the one before it drives.
+fn reachable(g: &StateSpace, tolerance: f64, gap: &mut Gap) -> Result<StateSpace, Error> {
+    let (n, p) = (g.order(), g.outputs());
+    let scale = g.A.norm_fro().max(f64::MIN_POSITIVE);
+    let inputs = g.B.norm_fro().max(f64::MIN_POSITIVE);
+    let (mut A, mut B, mut C) = (g.A.clone(), g.B.clone(), g.C.clone());
+    let (mut done, mut driving) = (0, B.scale(1.0 / inputs));
+    loop {
+        let rows = n - done;
+        if rows == 0 || driving.ncols() == 0 {
+            break;
+        }
+        let padded = driving.hstack(&Mat::zeros(rows, rows.saturating_sub(driving.ncols())));
+        let parts = linalg::svd(&padded).during("staircase")?;
+        let rank = gap.count(&parts.s[..rows.min(driving.ncols())], tolerance);
+        if rank == 0 {
+            break;
+        }
+        let mut U = Mat::eye(n);
+        U.set_block(done, done, &parts.U);
+        A = &U.t() * &(&A * &U);
+        B = &U.t() * &B;
+        C = &C * &U;
+        driving = A.block(done + rank, done, rows - rank, rank).scale(1.0 / scale);
+        done += rank;
+    }
+    let (A, B) = (A.block(0, 0, done, done), B.block(0, 0, done, g.inputs()));
+    Ok(StateSpace::new(A, B, C.block(0, 0, p, done), g.D.clone(), g.timebase)?)
+}

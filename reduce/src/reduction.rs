@@ -1,0 +1,166 @@
+//! What a reduction is asked for and what it answers.
+
+use std::fmt;
+
+use crate::Error;
+use counterpoise_lti::{Peak, StateSpace};
+
+/// How many states to keep.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Order {
+    /// This many in all, poles that must be kept among them.
+    States(usize),
+    /// As few as the bound on the H-infinity error allows.
+    Error {
+        /// The largest error allowed.
+        largest: f64,
+    },
+    /// Every state with a Hankel value above this share of the largest.
+    Relative {
+        /// The share, between 0 and 1.
+        share: f64,
+    },
+}
+
+/// How the smaller system is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// Balanced truncation in balanced coordinates (Tombs and Postlethwaite 1987).
+    SquareRoot,
+    /// The same response from orthogonal bases (Varga 1991): accurate where states are almost uncontrollable.
+    BalancingFree,
+    /// Singular perturbation of the balanced system (Liu and Anderson 1989): the gain at zero frequency is kept.
+    MatchDc,
+}
+
+/// A reduced system and what is known of its error.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reduction {
+    /// The reduced system.
+    pub system: StateSpace,
+    /// The values by which states were ranked, largest first (Hankel values; with weights, weighted ones). States that
+    /// had to be kept are not among them.
+    pub hankel: Vec<f64>,
+    /// A priori bound on the H-infinity error, where the method has one.
+    pub bound: Option<f64>,
+    /// The H-infinity error, measured, and where it is largest.
+    pub measured_error: Peak,
+    /// States kept of those that were ranked.
+    pub kept: usize,
+    /// Poles on or beyond the border of stability that were put back unchanged.
+    pub untouched: usize,
+    /// What a user should know.
+    pub warnings: Vec<Warning>,
+}
+
+/// What a user should know about a reduction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Warning {
+    /// The cut lies between two values of almost the same size: one more or one less state is the better choice.
+    CutsPair {
+        /// The last value kept.
+        kept: f64,
+        /// The first value dropped.
+        dropped: f64,
+    },
+    /// Fewer states than asked for carry anything above rounding.
+    FewerThanAsked {
+        /// Asked for.
+        asked: usize,
+        /// Kept.
+        kept: usize,
+    },
+    /// The system is too large for the exact norm: its error was measured at this many frequencies.
+    MeasuredOnGrid {
+        /// Number of frequencies.
+        points: usize,
+    },
+    /// The loop with the reduced controller is not stable.
+    LoopUnstable {
+        /// Real part of the worst pole.
+        re: f64,
+        /// Imaginary part of the worst pole.
+        im: f64,
+    },
+    /// The gap at which a realisation was cut is too small to be sure of the order.
+    SmallGap {
+        /// Smallest value kept.
+        kept: f64,
+        /// Largest value dropped.
+        dropped: f64,
+    },
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::CutsPair { kept, dropped } => {
+                write!(
+                    f,
+                    "the cut parts two values of like size, {kept:.4e} and {dropped:.4e}: keep one state more or less"
+                )
+            }
+            Self::FewerThanAsked { asked, kept } => {
+                write!(f, "{asked} states were asked for, only {kept} carry anything above rounding")
+            }
+            Self::MeasuredOnGrid { points } => {
+                write!(f, "the error was measured at {points} frequencies, not bounded between")
+            }
+            Self::LoopUnstable { re, im } => {
+                write!(
+                    f,
+                    "the loop with the reduced controller has the pole {re:.4e} {im:+.4e}i: keep more states"
+                )
+            }
+            Self::SmallGap { kept, dropped } => {
+                write!(f, "the order rests on a small gap: {kept:.2e} was kept, {dropped:.2e} dropped")
+            }
+        }
+    }
+}
+
+/// Values closer than this, relative, are a pair.
+const PAIR: f64 = 1e-3;
+
+/// How many of the ranked values to keep, and what there is to say about it.
+pub(crate) fn choose(hankel: &[f64], order: Order, untouched: usize) -> Result<(usize, Vec<Warning>), Error> {
+    let largest = hankel.first().copied().unwrap_or(0.0);
+    let numerical = hankel.iter().filter(|&&s| s > hankel.len() as f64 * f64::EPSILON * largest).count();
+    let asked = match order {
+        Order::States(wanted) => {
+            wanted.checked_sub(untouched).ok_or(Error::Order { wanted, kept: untouched })?.min(hankel.len())
+        }
+        Order::Error { largest } if largest >= 0.0 => {
+            (0..hankel.len()).find(|&r| bound(hankel, r) <= largest).unwrap_or(hankel.len())
+        }
+        Order::Error { largest: value } => {
+            return Err(Error::Range { what: "largest error", value, allowed: "not negative" });
+        }
+        Order::Relative { share } if (0.0..=1.0).contains(&share) => {
+            hankel.iter().filter(|&&s| s > share * largest).count()
+        }
+        Order::Relative { share: value } => {
+            return Err(Error::Range {
+                what: "share of the largest value",
+                value,
+                allowed: "between 0 and 1",
+            });
+        }
+    };
+    let kept = asked.min(numerical);
+    let mut warnings = Vec::new();
+    if kept < asked {
+        warnings.push(Warning::FewerThanAsked { asked: asked + untouched, kept: kept + untouched });
+    }
+    if kept > 0 && kept < numerical && hankel[kept] > (1.0 - PAIR) * hankel[kept - 1] {
+        warnings.push(Warning::CutsPair { kept: hankel[kept - 1], dropped: hankel[kept] });
+    }
+    Ok((kept, warnings))
+}
+
+/// Twice the sum of the values beyond the first `kept` (Glover 1984, Enns 1984).
+pub(crate) fn bound(hankel: &[f64], kept: usize) -> f64 {
+    // Smallest first, so that the tail does not vanish beside its head.
+    2.0 * hankel[kept..].iter().rev().sum::<f64>()
+}

@@ -1,0 +1,99 @@
+//! A system as the sum of two that share no poles: stable and the rest, slow and fast.
+
+use crate::Error;
+use crate::error::During;
+use counterpoise_lti::components::components;
+use counterpoise_lti::linalg::{self, Schur};
+use counterpoise_lti::scaling::balance;
+use counterpoise_lti::{C64, Mat, StateSpace, Timebase, parallel};
+
+/// A pole counts as on the border of stability within this share of its size.
+pub const BORDER: f64 = 1e-9;
+
+/// ... or within this share of the norm of the scaled A.
+pub const BORDER_NORM: f64 = 1e-13;
+
+/// `g = first + second`, no pole in common; the direct path is with the first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Split {
+    /// The part with the wanted poles and the direct path.
+    pub first: StateSpace,
+    /// The part with the other poles.
+    pub second: StateSpace,
+}
+
+impl Split {
+    /// The sum of both parts.
+    ///
+    /// # Errors
+    /// [`Error::System`] where the parts do not fit, which those of one split do.
+    pub fn sum(&self) -> Result<StateSpace, Error> {
+        Ok(parallel(&self.first, &self.second)?)
+    }
+}
+
+/// Stable part (with the direct path) and the rest: integrators, poles on the border, unstable poles.
+///
+/// # Errors
+/// As [`split_by`].
+pub fn split(g: &StateSpace) -> Result<Split, Error> {
+    let near = BORDER_NORM * balance(g).0.A.norm_max();
+    let timebase = g.timebase;
+    split_by(g, |pole| match timebase {
+        Timebase::Continuous => pole.re < -(BORDER * pole.norm() + near),
+        Timebase::Discrete { .. } => pole.norm() < 1.0 - BORDER,
+    })
+}
+
+/// The part with the poles that `wanted` picks (asked about one of each conjugate pair), and the part with the others.
+///
+/// Scaled, brought to Schur form group by group of states (so that an integrator's pole stays exactly zero), reordered,
+/// and decoupled by a Sylvester equation.
+///
+/// # Errors
+/// [`Error::Matrix`] where two poles, one in each part, are too close to part.
+pub fn split_by(g: &StateSpace, wanted: impl Fn(C64) -> bool) -> Result<Split, Error> {
+    let (g, _) = balance(g);
+    let mut form = block_schur(&g.A)?;
+    let k = form.reorder(&wanted).during("splitting")?;
+    let (n, m, p) = (g.order(), g.inputs(), g.outputs());
+    let (T11, T22) = (form.T.block(0, 0, k, k), form.T.block(k, k, n - k, n - k));
+    let T12 = form.T.block(0, k, k, n - k);
+    let X = if k == 0 || k == n {
+        Mat::zeros(k, n - k)
+    } else {
+        linalg::sylvester(&T11, &-&T22, &-T12).during("splitting")?
+    };
+    let (B, C) = (&form.U.t() * &g.B, &g.C * &form.U);
+    let (B2, C1) = (B.block(k, 0, n - k, m), C.block(0, 0, p, k));
+    let B1 = &B.block(0, 0, k, m) - &(&X * &B2);
+    let C2 = &C.block(0, k, p, n - k) + &(&C1 * &X);
+    Ok(Split {
+        first: StateSpace::new(T11, B1, C1, g.D, g.timebase)?,
+        second: StateSpace::new(T22, B2, C2, Mat::zeros(p, m), g.timebase)?,
+    })
+}
+
+/// A real Schur form put together from those of the groups of states that act on each other.
+fn block_schur(A: &Mat) -> Result<Schur, Error> {
+    let n = A.nrows();
+    let groups = components(A);
+    if groups.len() < 2 {
+        return linalg::schur(A).during("splitting");
+    }
+    let order: Vec<usize> = groups.iter().flatten().copied().collect();
+    let all: Vec<usize> = (0..n).collect();
+    let (P, ordered) = (Mat::eye(n).select(&all, &order), A.select(&order, &order));
+    let mut U = Mat::eye(n);
+    let mut blocks = Vec::new();
+    let mut top = 0;
+    for size in groups.iter().map(Vec::len) {
+        let part = linalg::schur(&ordered.block(top, top, size, size)).during("splitting")?;
+        U.set_block(top, top, &part.U);
+        blocks.push((top, part.T));
+        top += size;
+    }
+    let mut T = &U.t() * &(&ordered * &U);
+    blocks.iter().for_each(|(top, block)| T.set_block(*top, *top, block));
+    Ok(Schur { T, U: &P * &U })
+}
