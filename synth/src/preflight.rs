@@ -344,7 +344,8 @@ impl Gain {
         let points = (LOWEST * POINTS)..=(HIGHEST * POINTS);
         let rates = points.map(|k| 10f64.powf(f64::from(k) / f64::from(POINTS)));
         let moduli = rates.map(|rate| (rate, modulus(&response, rate))).collect::<Vec<_>>();
-        let largest = moduli.iter().map(|(_, modulus)| *modulus).fold(0.0, f64::max);
+        let finite = moduli.iter().map(|(_, modulus)| *modulus).filter(|modulus| modulus.is_finite());
+        let largest = finite.fold(0.0, f64::max);
         Ok(Self { response, moduli, largest })
     }
 

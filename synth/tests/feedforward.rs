@@ -71,7 +71,7 @@ fn values(powers: &[Complex<f64>], count: usize) -> Vec<Complex<f64>> {
 /// The stable part of a function that vanishes at infinity: its powers of z, less what they leave at z = -1.
 fn causal(function: &[Complex<f64>]) -> Vec<Complex<f64>> {
     let mut powers = powers(function);
-    let sign = |m: usize| if m % 2 == 0 { 1.0 } else { -1.0 };
+    let sign = |m: usize| if m.is_multiple_of(2) { 1.0 } else { -1.0 };
     let far: Complex<f64> = powers.iter().enumerate().map(|(m, power)| power * sign(m)).sum();
     powers[0] -= far;
     values(&powers, function.len())

@@ -1,0 +1,270 @@
+//! Weights that make no solvable problem are refused before solving: with the weight, the frequency, a suggestion.
+#![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
+
+mod common;
+
+use common::{rig, weights};
+use counterpoise_lti::{C64, Mat, StateSpace, Timebase};
+use counterpoise_synth::{
+    Cause, DesignPlant, Finding, Knowledge, Outcome, Part, Reference, Severity, Specification, Weight,
+    design, preflight,
+};
+
+fn pair(re: f64, im: f64) -> Vec<C64> {
+    vec![C64::new(re, im), C64::new(re, -im)]
+}
+
+/// The refusals of a changed specification; each must name a suggestion, and the design must give the same.
+fn refusals(plant: &DesignPlant, change: impl FnOnce(&mut Specification)) -> Vec<Finding> {
+    let mut specification = weights();
+    change(&mut specification);
+    let findings = preflight(plant, &specification).unwrap();
+    let refused: Vec<Finding> = findings.iter().filter(|finding| finding.is_refusal()).cloned().collect();
+    assert!(!refused.is_empty(), "{findings:?}");
+    match design(plant, &specification).unwrap() {
+        Outcome::Infeasible(reasons) => assert_eq!(format!("{reasons:?}"), format!("{findings:?}")),
+        Outcome::Solved(_) => panic!("solved although refused"),
+    }
+    for finding in &refused {
+        assert!(!finding.suggestion().is_empty() && finding.to_string().contains(finding.suggestion()));
+    }
+    refused
+}
+
+/// The rig with its plant's rate differentiated: a plant with a zero at the origin.
+fn washed_out() -> DesignPlant {
+    let wash = StateSpace::new(
+        Mat::diag(&[-1.0]),
+        Mat::eye(1),
+        Mat::diag(&[-1.0]),
+        Mat::eye(1),
+        Timebase::Continuous,
+    );
+    let system = rig().system;
+    let rate_only = system.select(&[0], &[0, 1, 2]);
+    DesignPlant { system: counterpoise_lti::series(&rate_only, &wash.unwrap()).unwrap(), ..rig() }
+}
+
+#[test]
+fn an_integrating_weight_on_a_plant_with_a_zero_at_the_origin() {
+    let refused = refusals(&washed_out(), |_| ());
+    assert!(matches!(refused[0].cause, Cause::PlantZeroAtErrorPole { .. }));
+    assert_eq!((refused[0].part, refused[0].rate_rad_s), (Part::Feedback, Some(0.0)));
+    assert!(refused[0].weight.as_ref().unwrap().starts_with("error weight"));
+}
+
+#[test]
+fn an_integrating_weight_behind_a_sensor_that_reads_no_steady_rate() {
+    let wash = Weight::ZeroPoleGain { zeros: vec![C64::ZERO], poles: vec![C64::new(-1.0, 0.0)], gain: 1.0 };
+    let plant = DesignPlant { hub_sensor: Some(wash.realise().unwrap()), ..rig() };
+    let refused = refusals(&plant, |_| ());
+    assert_eq!(refused[0].cause, Cause::SensorBlindAtErrorPole);
+    assert_eq!(refused[0].rate_rad_s, Some(0.0));
+}
+
+#[test]
+fn a_resonant_error_weight_at_a_zero_of_the_plant() {
+    let zero = C64::new(0.0, 110.0);
+    let blocked = Weight::ZeroPoleGain { zeros: pair(0.0, 110.0), poles: pair(-40.0, 100.0), gain: 1.0 };
+    let system =
+        counterpoise_lti::series(&rig().system.select(&[0], &[0, 1, 2]), &blocked.realise().unwrap())
+            .unwrap();
+    let plant = DesignPlant { system, ..rig() };
+    let refused = refusals(&plant, |s| {
+        s.feedback.error = Weight::ZeroPoleGain { zeros: vec![], poles: pair(0.0, 110.0), gain: 1e4 };
+        (s.heave, s.pitch) = (None, None);
+    });
+    assert!(matches!(refused[0].cause, Cause::PlantZeroAtErrorPole { .. }));
+    assert_eq!(refused[0].rate_rad_s, Some(zero.im));
+}
+
+#[test]
+fn a_control_weight_that_vanishes_at_high_frequency() {
+    for part in [Part::Feedback, Part::Heave, Part::Pitch] {
+        let falling = Weight::Lag { gain: 1.0, time_s: 0.01 };
+        let refused = refusals(&rig(), |s| match part {
+            Part::Feedback => s.feedback.control = falling,
+            Part::Heave => s.heave.as_mut().unwrap().control = falling,
+            _ => s.pitch.as_mut().unwrap().control = falling,
+        });
+        assert_eq!(refused[0].cause, Cause::ControlWeightVanishes { excess: 1 });
+        assert_eq!((refused[0].part, refused[0].rate_rad_s), (part, Some(f64::INFINITY)));
+    }
+}
+
+#[test]
+fn an_error_weight_that_rises_without_bound() {
+    let refused = refusals(&rig(), |s| s.feedback.error = Weight::Lead { gain: 1.0, time_s: 0.1 });
+    assert_eq!(refused[0].cause, Cause::ErrorWeightImproper { excess: 1 });
+    assert_eq!(refused[0].rate_rad_s, Some(f64::INFINITY));
+}
+
+#[test]
+fn a_free_control_where_the_error_does_not_show_it() {
+    let free = Weight::QuadraticFreeAtZero { gain: 1.0, second_s2: 1e-4, first_s: 0.02 };
+    let refused = refusals(&washed_out(), |s| {
+        s.feedback.error = Weight::Lag { gain: 1.0, time_s: 1.0 };
+        s.feedback.control = free;
+    });
+    assert_eq!(refused[0].cause, Cause::ControlFreeUnseen);
+    assert_eq!(refused[0].rate_rad_s, Some(0.0));
+}
+
+#[test]
+fn weights_that_are_both_infinite_at_one_frequency() {
+    let refused = refusals(&rig(), |s| {
+        s.feedback.control =
+            Weight::ZeroPoleGain { zeros: vec![C64::new(-50.0, 0.0)], poles: vec![C64::ZERO], gain: 1.0 };
+    });
+    assert_eq!(refused[0].cause, Cause::WeightsBothInfinite);
+    assert_eq!(refused[0].rate_rad_s, Some(0.0));
+}
+
+#[test]
+fn weights_that_are_void_or_not_numbers() {
+    let void = [
+        Weight::Constant { gain: 0.0 },
+        Weight::Lag { gain: 1.0, time_s: 0.0 },
+        Weight::Integral { gain: f64::NAN, time_s: 1.0 },
+    ];
+    for weight in void {
+        let refused = refusals(&rig(), |s| s.feedback.error = weight);
+        assert_eq!(refused[0].cause, Cause::WeightVoid);
+    }
+    let lone = Weight::ZeroPoleGain { zeros: vec![], poles: vec![C64::new(-1.0, 2.0)], gain: 1.0 };
+    assert_eq!(refusals(&rig(), |s| s.feedback.error = lone)[0].cause, Cause::WeightComplex);
+}
+
+#[test]
+fn noises_that_are_none() {
+    for noise in [0.0, -1.0, f64::NAN] {
+        let refused = refusals(&rig(), |s| s.feedback.measurement_noise = noise);
+        assert!(matches!(refused[0].cause, Cause::Density { what: "the measurement noise", .. }));
+    }
+    let refused =
+        refusals(&rig(), |s| s.heave.as_mut().unwrap().knowledge = Knowledge::Measured { noise: 0.0 });
+    assert!(matches!(refused[0].cause, Cause::Density { .. }));
+    assert_eq!(refused[0].part, Part::Heave);
+}
+
+#[test]
+fn generators_of_infinite_power() {
+    let cases = [
+        (Weight::Constant { gain: 1.0 }, Cause::GeneratorNotProper, f64::INFINITY),
+        (Weight::Integral { gain: 1.0, time_s: 1.0 }, Cause::GeneratorUnstable { pole: C64::ZERO }, 0.0),
+    ];
+    for (generator, cause, rate) in cases {
+        let refused = refusals(&rig(), |s| s.heave.as_mut().unwrap().generator = generator);
+        assert_eq!((refused[0].cause.clone(), refused[0].rate_rad_s), (cause, Some(rate)));
+    }
+}
+
+#[test]
+fn a_generator_too_rough_for_the_derivative_and_knowledge_that_is_not_complete() {
+    let mut plant = rig();
+    plant.pitch.push(2);
+    let refused =
+        refusals(&plant, |s| s.pitch.as_mut().unwrap().generator = Weight::Lag { gain: 1.0, time_s: 1.0 });
+    assert_eq!(refused[0].cause, Cause::GeneratorTooRough { relative_degree: 1, needed: 2 });
+    let refused = refusals(&rig(), |s| s.pitch.as_mut().unwrap().knowledge = Knowledge::Exact);
+    assert_eq!(refused[0].cause, Cause::KnowledgeIncomplete { order: 2, known: 1 });
+}
+
+#[test]
+fn a_feedforward_without_its_input_and_one_without_effect() {
+    let plant = DesignPlant { heave: vec![], ..rig() };
+    assert_eq!(refusals(&plant, |_| ())[0].cause, Cause::ChannelMissing);
+    let mut balanced = rig();
+    for state in 0..balanced.system.order() {
+        balanced.system.B[(state, 1)] = 0.0;
+    }
+    let findings = preflight(&balanced, &weights()).unwrap();
+    assert_eq!(
+        (findings[0].severity, findings[0].cause.clone()),
+        (Severity::Warning, Cause::ChannelWithoutEffect)
+    );
+}
+
+#[test]
+fn an_integrating_feedforward_with_a_noisy_sensor() {
+    let refused =
+        refusals(&rig(), |s| s.heave.as_mut().unwrap().error = Weight::Integral { gain: 1.0, time_s: 1.0 });
+    assert_eq!(refused[0].cause, Cause::FeedforwardUnbounded { pole: C64::ZERO });
+    assert_eq!((refused[0].part, refused[0].rate_rad_s), (Part::Heave, Some(0.0)));
+}
+
+#[test]
+fn modes_out_of_reach_of_control_or_measurement() {
+    let hidden = |B: f64, C: f64| {
+        let plant = rig();
+        let mut system = plant.system.clone();
+        let n = system.order();
+        system.A = system.A.block_diag(&Mat::eye(1).scale(2.0));
+        system.B = system.B.vstack(&Mat::row(&[B, 0.0, 0.0]));
+        system.C = system.C.hstack(&Mat::col(&[C, 0.0, 0.0]));
+        assert_eq!(system.A.nrows(), n + 1);
+        DesignPlant { system, ..plant }
+    };
+    let refused = refusals(&hidden(0.0, 1.0), |s| (s.heave, s.pitch) = (None, None));
+    assert!(matches!(refused[0].cause, Cause::NotStabilisable { pole } if (pole - 2.0).norm() < 1e-9));
+    let refused = refusals(&hidden(1.0, 0.0), |s| (s.heave, s.pitch) = (None, None));
+    assert!(matches!(refused[0].cause, Cause::NotDetectable { pole } if (pole - 2.0).norm() < 1e-9));
+}
+
+#[test]
+fn an_undamped_mode_that_no_noise_excites() {
+    let A = Mat::from_rows(&[&[-1.0, 0.0, 0.0], &[0.0, 0.0, 10.0], &[0.0, -10.0, 0.0]]);
+    let B = Mat::from_rows(&[&[1.0, 1.0], &[0.0, 0.0], &[1.0, 0.0]]);
+    let system =
+        StateSpace::new(A, B, Mat::row(&[1.0, 1.0, 0.0]), Mat::zeros(1, 2), Timebase::Continuous).unwrap();
+    let plant = DesignPlant::ideal(system, 0, 0);
+    let refused = refusals(&plant, |s| {
+        (s.heave, s.pitch) = (None, None);
+        s.feedback.loop_recovery = 0.0;
+    });
+    assert!(matches!(refused[0].cause, Cause::NoiseMissesMode { .. }));
+    assert!((refused[0].rate_rad_s.unwrap() - 10.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_direct_path_and_a_demand_without_states_to_enter() {
+    let mut plant = DesignPlant { delay_s: 0.0, hub_sensor: None, ..rig() };
+    plant.system.D[(0, 0)] = 0.1;
+    assert_eq!(refusals(&plant, |_| ())[0].cause, Cause::DirectPath { gain: 0.1 });
+    let refused = refusals(&rig(), |s| {
+        s.reference = Reference::WeightOnly;
+        s.feedback.error = Weight::Constant { gain: 1.0 };
+    });
+    assert_eq!(refused[0].cause, Cause::ReferenceWithoutStates);
+}
+
+#[test]
+fn warnings_do_not_stand_in_the_way() {
+    let warned = |change: &dyn Fn(&mut DesignPlant, &mut Specification)| {
+        let (mut plant, mut specification) = (rig(), weights());
+        change(&mut plant, &mut specification);
+        let Outcome::Solved(design) = design(&plant, &specification).unwrap() else { panic!("refused") };
+        design.warnings.first().map(|finding| finding.cause.clone())
+    };
+    assert_eq!(warned(&|_, _| ()), None);
+    let left_out = warned(&|plant, _| plant.pade_order = 0);
+    assert_eq!(left_out, Some(Cause::DelayLeftOut { delay_s: 1e-3 }));
+    let delayed = warned(&|plant, _| plant.delay_s = 0.03);
+    assert!(matches!(delayed, Some(Cause::DelayLimits { .. })), "{delayed:?}");
+    let mirrored = warned(&|_, s| s.feedback.control = Weight::Lead { gain: 1.0, time_s: -0.005 });
+    assert!(matches!(mirrored, Some(Cause::WeightMirrored { .. })));
+    let deaf = warned(&|_, s| (s.feedback.loop_recovery, s.feedback.disturbances) = (0.0, vec![]));
+    assert_eq!(deaf, Some(Cause::NothingDisturbs));
+}
+
+#[test]
+fn findings_read_like_an_engineer_s() {
+    let refused =
+        refusals(&washed_out(), |s| s.feedback.error = Weight::Integral { gain: 200.0, time_s: 1.0 });
+    let text = refused[0].to_string();
+    assert!(
+        text.starts_with("feedback, error weight 200 / (1 s), at 0.0000 rad/s: the error weight is infinite"),
+        "{text}"
+    );
+    assert!(text.contains("use K / (a s + 1)"), "{text}");
+}
