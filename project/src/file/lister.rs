@@ -118,6 +118,8 @@ impl Visit for Lister {
         self.lists.pop();
     }
 
+    fn complain(&mut self, _key: &str, _allowed: &str, _hint: Option<String>) {}
+
     fn shorthand(&mut self, _key: &str, _value: &mut String) -> bool {
         false
     }

@@ -378,6 +378,25 @@ impl Visit for Reader<'_> {
         self.lists.pop();
     }
 
+    fn complain(&mut self, key: &str, allowed: &str, hint: Option<String>) {
+        let path = self.path(key);
+        let Some(entry) = self.frames.last().and_then(|f| f.entries.iter().find(|e| e.key == key)) else {
+            return;
+        };
+        let item = self
+            .frames
+            .last()
+            .map(|f| f.path.clone())
+            .filter(|p| p.ends_with(']'))
+            .unwrap_or_else(|| path.clone());
+        let told = self.findings.iter().any(|f| f.path == path || f.path.starts_with(&item));
+        if !told {
+            let remark =
+                Remark::new(Problem::OutOfRange, &path, allowed).found(self.source.quote(&entry.node.span));
+            self.report(entry.node.span.start, remark.hint(hint));
+        }
+    }
+
     fn shorthand(&mut self, key: &str, value: &mut String) -> bool {
         let Some(entry) = self.frames.last().and_then(|f| f.entries.iter().find(|e| e.key == key)) else {
             return false;

@@ -26,6 +26,8 @@ pub(crate) trait Visit {
     fn enter_list(&mut self, table: &TableField, length: usize) -> usize;
     fn enter_item(&mut self, index: usize);
     fn leave_list(&mut self);
+    /// Says of the key just read what its type and range cannot say.
+    fn complain(&mut self, key: &str, allowed: &str, hint: Option<String>);
     /// A text that stands where a table could: true if it is there.
     fn shorthand(&mut self, key: &str, value: &mut String) -> bool;
 }

@@ -48,6 +48,7 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     coupling(&mut findings, plant);
     agreement(&mut findings, plant);
     units(&mut findings, &project.recording);
+    configuration(&mut findings, project);
     findings.list
 }
 
@@ -160,6 +161,18 @@ fn configurations(findings: &mut Findings<'_>, plant: &Parameters) {
                 );
             }
         }
+    }
+}
+
+/// The configuration that the model names must be one of the plant's.
+fn configuration(findings: &mut Findings<'_>, project: &Project) {
+    let Some(name) = &project.model.configuration else { return };
+    let known: Vec<&str> = project.plant.configurations.iter().map(|c| c.name.as_str()).collect();
+    if !known.contains(&name.as_str()) {
+        let allowed = format!("there is no such configuration; known are {}", quoted(&known));
+        let remark =
+            Remark::new(Problem::UnknownName, "model.configuration", allowed).found(format!("\"{name}\""));
+        findings.add(Severity::Error, remark.hint(did_you_mean(name, known.iter().copied())));
     }
 }
 

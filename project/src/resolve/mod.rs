@@ -2,10 +2,14 @@
 
 mod checks;
 mod controller;
+pub mod design;
 mod friction;
+pub mod model;
 mod plant;
 mod recording;
 mod structure;
+pub mod verify;
+mod weight;
 
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::Parameters;
@@ -18,6 +22,9 @@ use crate::file::source::Remark;
 use crate::file::visit::{Visit, optional, table};
 use crate::file::{Attachments, Document, EditError, Setting, writer};
 use crate::recording::Mapping;
+use design::{Export, Reduction, Synthesis};
+use model::Modelling;
+use verify::Verification;
 
 /// The format of project files that this version reads and writes.
 pub const FORMAT: u32 = 1;
@@ -27,6 +34,16 @@ pub const FORMAT: u32 = 1;
 pub struct Project {
     /// The mechanism.
     pub plant: Parameters,
+    /// Which description of the mechanism is taken, and where it stands.
+    pub model: Modelling,
+    /// How the plant is reduced before the design.
+    pub reduce: Reduction,
+    /// What is asked of the design.
+    pub synth: Option<Synthesis>,
+    /// What is done to the loop, and the limits of its figures.
+    pub verify: Option<Verification>,
+    /// What code is generated.
+    pub export: Export,
     /// The controller that was in the loop when recordings were made.
     pub recording_controller: Option<ProportionalIntegral>,
     /// How the columns of recordings become channels.
@@ -45,10 +62,26 @@ pub struct Parsed {
 /// What a project file is read for: each command needs only its own sections.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
-    /// Model, frequency responses, diagnosis: the plant.
-    Plant,
-    /// Replay in closed loop: the plant and the controller of the recordings.
+    /// Model and frequency responses of the plant.
+    Model,
+    /// Reduction of the plant.
+    Reduce,
+    /// Identification from recordings.
+    Identify,
+    /// Replay of recordings in closed loop.
     Replay,
+    /// Diagnosis of recordings.
+    Diagnose,
+    /// The design of a controller, without judging it.
+    Synth,
+    /// The design of a controller and its verification.
+    Verify,
+    /// The whole road, to code.
+    Design,
+    /// Code alone.
+    Export,
+    /// A robustness campaign.
+    Sweep,
 }
 
 impl Project {
@@ -107,7 +140,7 @@ impl Project {
         let there = |section: &str| document.entries.iter().any(|e| e.key == section);
         let absent = purpose.sections().iter().filter(|section| !there(section));
         let remark = |section: &&str| {
-            let allowed = format!("section [{section}] is missing; {} needs it", purpose.words());
+            let allowed = format!("section [{section}] is missing; `{}` needs it", purpose.name());
             document.finding(Severity::Error, Remark::new(Problem::Missing, section, allowed))
         };
         absent.map(remark).collect()
@@ -153,22 +186,43 @@ impl Project {
     }
 
     fn blank() -> Self {
-        Self { plant: plant::blank(), recording_controller: None, recording: Mapping::default() }
+        Self {
+            plant: plant::blank(),
+            model: Modelling::default(),
+            reduce: Reduction::default(),
+            synth: None,
+            verify: None,
+            export: Export::default(),
+            recording_controller: None,
+            recording: Mapping::default(),
+        }
     }
 }
 
 impl Purpose {
-    fn sections(self) -> &'static [&'static str] {
+    /// The sections that must be there; the others have usual values.
+    pub fn sections(self) -> &'static [&'static str] {
         match self {
-            Self::Plant => &["plant"],
-            Self::Replay => &["plant", "recording_controller"],
+            Self::Model | Self::Reduce | Self::Identify => &["plant"],
+            Self::Replay | Self::Diagnose => &["plant", "recording_controller"],
+            Self::Synth => &["plant", "synth"],
+            Self::Verify | Self::Design | Self::Export | Self::Sweep => &["plant", "synth", "verify"],
         }
     }
 
-    fn words(self) -> &'static str {
+    /// The command's name.
+    pub fn name(self) -> &'static str {
         match self {
-            Self::Plant => "every command",
-            Self::Replay => "replay in closed loop",
+            Self::Model => "model",
+            Self::Reduce => "reduce",
+            Self::Identify => "identify",
+            Self::Replay => "replay",
+            Self::Diagnose => "diagnose",
+            Self::Synth => "synth",
+            Self::Verify => "verify",
+            Self::Design => "design",
+            Self::Export => "export",
+            Self::Sweep => "sweep",
         }
     }
 }
@@ -176,9 +230,49 @@ impl Purpose {
 /// Reads or lists the whole file; gives its format.
 fn file(v: &mut dyn Visit, project: &mut Project) -> u32 {
     let mut format = FORMAT;
-    let field = Field::new("format", "format of this file").limit(Limit::AtLeast(0.0)).or(f64::from(FORMAT));
-    v.whole(&field, &mut format);
+    v.whole(
+        &Field::new("format", "format of this file").limit(Limit::AtLeast(0.0)).or(f64::from(FORMAT)),
+        &mut format,
+    );
     table(v, &TableField::required("plant", "the mechanism"), &mut project.plant, plant::plant);
+    designs(v, project);
+    recordings(v, project);
+    format
+}
+
+/// Sections of which every key has a usual value are written only where they differ from it.
+fn unless_usual<T: Default + PartialEq>(
+    v: &mut dyn Visit,
+    field: &TableField,
+    value: &mut T,
+    walk: fn(&mut dyn Visit, &mut T),
+) {
+    if v.enter(field, *value != T::default()) {
+        walk(v, value);
+        v.leave();
+    }
+}
+
+fn designs(v: &mut dyn Visit, project: &mut Project) {
+    unless_usual(v, &TableField::optional("model", "which plant is meant"), &mut project.model, model::model);
+    unless_usual(
+        v,
+        &TableField::optional("reduce", "reduction before the design"),
+        &mut project.reduce,
+        design::reduce,
+    );
+    let section = TableField::optional("synth", "what is asked of the design");
+    optional(v, &section, &mut project.synth, design::blank_synthesis(), design::synth);
+    let section = TableField::optional("verify", "what is done to the loop, and its limits");
+    optional(v, &section, &mut project.verify, verify::blank(), verify::verify);
+    if let Some(verification) = &mut project.verify {
+        verification.procedure.operating_point = project.model.operating_point;
+        verification.procedure.friction = project.model.friction;
+    }
+    unless_usual(v, &TableField::optional("export", "generated code"), &mut project.export, design::export);
+}
+
+fn recordings(v: &mut dyn Visit, project: &mut Project) {
     let section =
         TableField::optional("recording_controller", "the controller in the loop when recordings were made");
     optional(
@@ -188,16 +282,11 @@ fn file(v: &mut dyn Visit, project: &mut Project) -> u32 {
         controller::blank(),
         controller::recording_controller,
     );
-    let period = project.plant.interface.sample_period_s;
     if let Some(controller) = &mut project.recording_controller {
-        controller.sample_period_s = period;
+        controller.sample_period_s = project.plant.interface.sample_period_s;
     }
     let section = TableField::optional("recording", "how the columns of recordings become channels");
-    if v.enter(&section, project.recording != Mapping::default()) {
-        recording::recording(v, &mut project.recording);
-        v.leave();
-    }
-    format
+    unless_usual(v, &section, &mut project.recording, recording::recording);
 }
 
 /// Whether a finding holds even though the syntax is broken elsewhere.

@@ -1,0 +1,379 @@
+//! The `[reduce]`, `[synth]` and `[export]` sections: what is asked of the design and of its code.
+
+use counterpoise_export::{Options, Precision};
+use counterpoise_lti::Discretisation;
+use counterpoise_models::plant::LinearPlant;
+use counterpoise_synth::{
+    Assembly, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, Specification,
+};
+
+use super::model::count;
+use super::weight::{blank_weight, weight};
+use crate::file::field::{Field, Limit, TableField};
+use crate::file::visit::{Choice, Visit, choose, maybe_number, optional, table};
+
+/// How the plant is reduced before the design.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Reduction {
+    /// Method.
+    pub method: ReductionMethod,
+    /// States that are kept; `None` leaves the choice to the method.
+    pub order: Option<usize>,
+}
+
+/// Methods of reduction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ReductionMethod {
+    /// The plant as it is.
+    None,
+    /// States that are neither controllable nor observable are removed.
+    Minimal,
+    /// Fast modes are removed.
+    Modal,
+    /// Guyan's condensation of the structure.
+    Guyan,
+    /// Balanced truncation.
+    Balanced,
+}
+
+/// What is asked of a design.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Synthesis {
+    /// Weights and assembly. Inputs and outputs are numbered as those of [`LinearPlant`].
+    pub specification: Specification,
+    /// Delay of the design plant in sample periods.
+    pub delay_samples: f64,
+    /// Order of the Pade approximation of that delay.
+    pub pade_order: usize,
+    /// How the controller is sampled.
+    pub discretisation: Discretisation,
+    /// Time in which the step of a changed out-of-balance fades in, s.
+    pub transfer_time_s: f64,
+}
+
+/// What code is generated.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Export {
+    /// Languages.
+    pub languages: Vec<Language>,
+    /// Name and precision.
+    pub options: Options,
+}
+
+/// Languages of generated code.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Language {
+    /// C of 1999.
+    C99,
+    /// Rust without its standard library.
+    Rust,
+}
+
+impl Choice for ReductionMethod {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("none", Self::None),
+        ("minimal", Self::Minimal),
+        ("modal", Self::Modal),
+        ("guyan", Self::Guyan),
+        ("balanced", Self::Balanced),
+    ];
+}
+
+impl Choice for Assembly {
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("simple-add", Self::SimpleAdd), ("grimble", Self::Grimble)];
+}
+
+impl Choice for Reference {
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("error", Self::Error), ("weight-only", Self::WeightOnly)];
+}
+
+impl Choice for Language {
+    const NAMES: &'static [(&'static str, Self)] = &[("c99", Self::C99), ("rust", Self::Rust)];
+}
+
+impl Choice for Precision {
+    const NAMES: &'static [(&'static str, Self)] = &[("double", Self::Double), ("single", Self::Single)];
+}
+
+/// How a controller is sampled, by name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Sampled {
+    Tustin,
+    ZeroOrderHold,
+    FirstOrderHold,
+    Matched,
+}
+
+impl Choice for Sampled {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("tustin", Self::Tustin),
+        ("zero-order-hold", Self::ZeroOrderHold),
+        ("first-order-hold", Self::FirstOrderHold),
+        ("matched", Self::Matched),
+    ];
+}
+
+/// What a feedforward knows, by name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Known {
+    Exact,
+    Measured,
+}
+
+impl Choice for Known {
+    const NAMES: &'static [(&'static str, Self)] = &[("exact", Self::Exact), ("measured", Self::Measured)];
+}
+
+const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
+
+impl Default for Reduction {
+    fn default() -> Self {
+        Self { method: ReductionMethod::None, order: None }
+    }
+}
+
+impl Default for Export {
+    fn default() -> Self {
+        Self { languages: vec![Language::C99], options: Options::double("controller") }
+    }
+}
+
+/// A design still to be read.
+pub(crate) fn blank_synthesis() -> Synthesis {
+    let feedback = FeedbackWeights {
+        error: blank_weight(),
+        control: blank_weight(),
+        combination: Vec::new(),
+        measurement_noise: f64::NAN,
+        disturbances: Vec::new(),
+        loop_recovery: 0.0,
+    };
+    let (assembly, reference) = (Assembly::default(), Reference::default());
+    Synthesis {
+        specification: Specification { feedback, heave: None, pitch: None, assembly, reference },
+        delay_samples: 1.0,
+        pade_order: 2,
+        discretisation: Discretisation::Tustin { prewarp_rad_s: None },
+        transfer_time_s: 0.0,
+    }
+}
+
+fn blank_feedforward() -> FeedforwardWeights {
+    let knowledge = Knowledge::Measured { noise: f64::NAN };
+    FeedforwardWeights {
+        error: blank_weight(),
+        control: blank_weight(),
+        generator: blank_weight(),
+        knowledge,
+    }
+}
+
+/// Reads or lists the reduction.
+pub(crate) fn reduce(v: &mut dyn Visit, reduce: &mut Reduction) {
+    choose(v, &Field::new("method", "how the plant is reduced").or_text("none"), &mut reduce.method);
+    let mut order = reduce.order.unwrap_or(0);
+    count(
+        v,
+        &Field::new("order", "states that are kept; 0 leaves it to the method")
+            .limit(Limit::Between(0.0, 10_000.0))
+            .or(0.0),
+        &mut order,
+    );
+    reduce.order = (order > 0).then_some(order);
+}
+
+/// Reads or lists the design.
+pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis) {
+    let specification = &mut synth.specification;
+    choose(
+        v,
+        &Field::new("assembly", "how feedback and feedforward are put together").or_text("simple-add"),
+        &mut specification.assembly,
+    );
+    choose(
+        v,
+        &Field::new("reference", "where the demand enters").or_text("error"),
+        &mut specification.reference,
+    );
+    let delay = Field::new("delay_samples", "delay in the design plant, in sample periods")
+        .limit(Limit::Between(0.0, 100.0));
+    v.number(&delay.or(1.0), &mut synth.delay_samples);
+    count(
+        v,
+        &Field::new("pade_order", "order of the delay's approximation")
+            .limit(Limit::Between(0.0, 8.0))
+            .or(2.0),
+        &mut synth.pade_order,
+    );
+    discretisation(v, &mut synth.discretisation);
+    let transfer =
+        Field::new("transfer_time", "in which a changed out-of-balance fades in").unit("s").limit(AT_LEAST_0);
+    v.number(&transfer.or(0.0), &mut synth.transfer_time_s);
+    table(
+        v,
+        &TableField::required("feedback", "weights of the feedback"),
+        &mut specification.feedback,
+        feedback,
+    );
+    let heave = TableField::optional("heave", "weights of the feedforward from heave");
+    optional(v, &heave, &mut specification.heave, blank_feedforward(), |v, part| {
+        feedforward(v, part, "(m/s^2)^2 s")
+    });
+    let pitch = TableField::optional("pitch", "weights of the feedforward from pitch");
+    optional(v, &pitch, &mut specification.pitch, blank_feedforward(), |v, part| {
+        feedforward(v, part, "(rad/s)^2 s")
+    });
+}
+
+fn discretisation(v: &mut dyn Visit, method: &mut Discretisation) {
+    let (mut name, mut prewarp_rad_s) = match *method {
+        Discretisation::Tustin { prewarp_rad_s } => (Sampled::Tustin, prewarp_rad_s),
+        Discretisation::ZeroOrderHold => (Sampled::ZeroOrderHold, None),
+        Discretisation::FirstOrderHold => (Sampled::FirstOrderHold, None),
+        Discretisation::Matched => (Sampled::Matched, None),
+    };
+    choose(v, &Field::new("discretisation", "how the controller is sampled").or_text("tustin"), &mut name);
+    *method = match name {
+        Sampled::Tustin => {
+            let field = Field::new("prewarp", "where sampled and continuous agree")
+                .unit("rad/s")
+                .limit(Limit::Above(0.0));
+            maybe_number(v, &field, &mut prewarp_rad_s);
+            Discretisation::Tustin { prewarp_rad_s }
+        }
+        Sampled::ZeroOrderHold => Discretisation::ZeroOrderHold,
+        Sampled::FirstOrderHold => Discretisation::FirstOrderHold,
+        Sampled::Matched => Discretisation::Matched,
+    };
+}
+
+fn feedback(v: &mut dyn Visit, feedback: &mut FeedbackWeights) {
+    let noise =
+        Field::new("measurement_noise", "density of the noise of the measured rate").unit("(rad/s)^2 s");
+    v.number(&noise.limit(Limit::Above(0.0)), &mut feedback.measurement_noise);
+    let recovery = Field::new("loop_recovery", "density of a fictitious noise on the control").unit("V^2 s");
+    v.number(&recovery.limit(AT_LEAST_0).or(0.0), &mut feedback.loop_recovery);
+    indexed(v, &DISTURBANCES, &mut feedback.disturbances);
+    indexed(v, &COMBINATION, &mut feedback.combination);
+    table(v, &TableField::required("error", "weight on the measured error"), &mut feedback.error, weight);
+    table(v, &TableField::required("control", "weight on the control"), &mut feedback.control, weight);
+}
+
+/// Densities of white disturbances that no sensor announces, by the plant's inputs.
+const DISTURBANCES: [(Field, usize); 3] = [
+    (
+        Field::new("control_disturbance", "density of a disturbance at the control")
+            .unit("V^2 s")
+            .limit(AT_LEAST_0),
+        LinearPlant::CONTROL,
+    ),
+    (
+        Field::new("heave_disturbance", "density of heave that is not measured")
+            .unit("(m/s^2)^2 s")
+            .limit(AT_LEAST_0),
+        LinearPlant::HEAVE,
+    ),
+    (
+        Field::new("pitch_disturbance", "density of pitch that is not measured")
+            .unit("(rad/s)^2 s")
+            .limit(AT_LEAST_0),
+        LinearPlant::PITCH_RATE,
+    ),
+];
+
+/// Constant weights on further outputs, summed into one signal, by the plant's outputs.
+const COMBINATION: [(Field, usize); 3] = [
+    (Field::new("hub_weight", "constant weight on the hub rate"), LinearPlant::HUB_RATE),
+    (Field::new("tip_weight", "constant weight on the tip rate, added to it"), LinearPlant::TIP_RATE),
+    (Field::new("motor_weight", "constant weight on the motor rate, added to them"), LinearPlant::MOTOR_RATE),
+];
+
+/// Numbers by the index of a signal; those that are 0 are left out.
+fn indexed(v: &mut dyn Visit, fields: &[(Field, usize)], values: &mut Vec<(usize, f64)>) {
+    let old = std::mem::take(values);
+    for (field, index) in fields {
+        let mut value = old.iter().find(|(i, _)| i == index).map_or(0.0, |(_, value)| *value);
+        v.number(&field.or(0.0), &mut value);
+        if value != 0.0 {
+            values.push((*index, value));
+        }
+    }
+}
+
+fn feedforward(v: &mut dyn Visit, part: &mut FeedforwardWeights, noise_unit: &'static str) {
+    let (mut known, mut noise) = match part.knowledge {
+        Knowledge::Exact => (Known::Exact, f64::NAN),
+        Knowledge::Measured { noise } => (Known::Measured, noise),
+    };
+    choose(v, &Field::new("knowledge", "what is known of the disturbance").or_text("measured"), &mut known);
+    part.knowledge = match known {
+        Known::Exact => Knowledge::Exact,
+        Known::Measured => {
+            let field =
+                Field::new("measurement_noise", "density of the noise of its sensor").unit(noise_unit);
+            v.number(&field.limit(Limit::Above(0.0)), &mut noise);
+            Knowledge::Measured { noise }
+        }
+    };
+    table(
+        v,
+        &TableField::required("error", "weight on the rate that it would cause"),
+        &mut part.error,
+        weight,
+    );
+    table(
+        v,
+        &TableField::required("control", "weight on the feedforward's control"),
+        &mut part.control,
+        weight,
+    );
+    table(v, &TableField::required("generator", "shape of its spectrum"), &mut part.generator, weight);
+}
+
+/// Reads or lists what code is generated.
+pub(crate) fn export(v: &mut dyn Visit, export: &mut Export) {
+    let name = Field::new("name", "what every name of the code starts with").or_text("controller");
+    v.text(&name, &mut export.options.name);
+    if let Some(problem) = identifier(&export.options.name) {
+        v.complain("name", problem, None);
+    }
+    choose(
+        v,
+        &Field::new("precision", "numbers of the target").or_text("double"),
+        &mut export.options.precision,
+    );
+    languages(v, &mut export.languages);
+}
+
+fn languages(v: &mut dyn Visit, languages: &mut Vec<Language>) {
+    let mut names: Vec<String> = languages.iter().map(|l| l.name().to_owned()).collect();
+    v.texts(&Field::new("languages", "of the generated code").or_empty(), &mut names);
+    let known = |name: &String| Language::NAMES.iter().find(|(n, _)| n == name).map(|(_, l)| *l);
+    if let Some(unknown) = names.iter().find(|name| known(name).is_none()) {
+        let hint = crate::diagnostic::did_you_mean(unknown, Language::NAMES.iter().map(|(n, _)| *n));
+        v.complain("languages", "may hold \"c99\" and \"rust\"", hint);
+    }
+    *languages = names.iter().filter_map(known).collect();
+    if languages.is_empty() {
+        *languages = Export::default().languages;
+    }
+}
+
+/// Longest name that generated code may start with.
+const LONGEST_NAME: usize = 24;
+
+/// What keeps a name from being a short lower-case identifier.
+fn identifier(name: &str) -> Option<&'static str> {
+    let plain = name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
+    if !name.starts_with(|c: char| c.is_ascii_lowercase()) {
+        Some("must start with a lower-case letter")
+    } else if !plain {
+        Some("may hold only a to z, 0 to 9 and _")
+    } else if name.len() > LONGEST_NAME {
+        Some("must not be longer than 24 characters")
+    } else {
+        None
+    }
+}

@@ -1,0 +1,161 @@
+//! The `[model]` section: which description of the plant the designs and verifications take, and where it stands.
+
+use counterpoise_models::plant::{FrictionLinearisation, OperatingPoint};
+use counterpoise_models::structure::{FeOptions, Integration, Mesh, Theory};
+
+use crate::file::field::{Field, Limit};
+use crate::file::visit::{Choice, Visit, choose};
+
+/// Which plant is meant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Modelling {
+    /// The description of the structure that is taken.
+    pub structure: StructureChoice,
+    /// Flexible modes that are kept where the structure is the beam.
+    pub modes: usize,
+    /// How the beam is divided into elements; also where lumped inertias are derived from it.
+    pub elements: FeOptions,
+    /// Name of the configuration; `None` for the bare mechanism.
+    pub configuration: Option<String>,
+    /// Where the mechanism stands.
+    pub operating_point: OperatingPoint,
+    /// What a linear plant makes of dry friction.
+    pub friction: FrictionLinearisation,
+}
+
+/// Which description of the structure is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StructureChoice {
+    /// Two inertias.
+    Lumped,
+    /// The beam by finite elements, with its modes.
+    Beam,
+}
+
+impl Choice for StructureChoice {
+    const NAMES: &'static [(&'static str, Self)] = &[("lumped", Self::Lumped), ("beam", Self::Beam)];
+}
+
+impl Choice for Theory {
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("bernoulli-euler", Self::BernoulliEuler), ("timoshenko", Self::Timoshenko)];
+}
+
+impl Choice for Integration {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("quadrature", Self::Quadrature),
+        ("power-law", Self::PowerLaw),
+        ("uniform-average", Self::UniformAverage),
+    ];
+}
+
+/// What a linear plant makes of dry friction, by name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Dry {
+    Viscous,
+    DescribingFunction,
+}
+
+impl Choice for Dry {
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("viscous", Self::Viscous), ("describing-function", Self::DescribingFunction)];
+}
+
+/// Elements of the beam where the file does not say.
+const ELEMENTS: u32 = 24;
+/// Flexible modes where the file does not say.
+const MODES: u32 = 3;
+
+impl Default for Modelling {
+    /// The lumped plant, level, nothing fitted, dry friction left out of linear plants.
+    fn default() -> Self {
+        Self {
+            structure: StructureChoice::Lumped,
+            modes: MODES as usize,
+            elements: FeOptions { mesh: Mesh::Pivoted(ELEMENTS as usize), ..FeOptions::default() },
+            configuration: None,
+            operating_point: OperatingPoint::default(),
+            friction: FrictionLinearisation::Viscous,
+        }
+    }
+}
+
+/// Reads or lists the choice of plant.
+pub(crate) fn model(v: &mut dyn Visit, model: &mut Modelling) {
+    choose(v, &Field::new("structure", "description that is taken").or_text("lumped"), &mut model.structure);
+    count(
+        v,
+        &Field::new("modes", "flexible modes kept of the beam")
+            .limit(Limit::Between(0.0, 40.0))
+            .or(f64::from(MODES)),
+        &mut model.modes,
+    );
+    let Mesh::Pivoted(elements) = &mut model.elements.mesh else { return };
+    count(
+        v,
+        &Field::new("elements", "of the beam").limit(Limit::Between(2.0, 1000.0)).or(f64::from(ELEMENTS)),
+        elements,
+    );
+    choose(
+        v,
+        &Field::new("theory", "of the elements").or_text("bernoulli-euler"),
+        &mut model.elements.theory,
+    );
+    choose(
+        v,
+        &Field::new("integration", "cross section of an element").or_text("quadrature"),
+        &mut model.elements.integration,
+    );
+    let mut name = model.configuration.take().unwrap_or_default();
+    v.text(&Field::new("configuration", "name of what is fitted").or_text(""), &mut name);
+    model.configuration = (!name.is_empty()).then_some(name);
+    let angle = Limit::Between(-1.5, 1.5);
+    v.number(
+        &Field::new("hub_angle", "inertial").unit("rad").limit(angle).or(0.0),
+        &mut model.operating_point.hub_angle_rad,
+    );
+    v.number(
+        &Field::new("platform_angle", "inertial").unit("rad").limit(angle).or(0.0),
+        &mut model.operating_point.platform_angle_rad,
+    );
+    friction(v, &mut model.friction);
+}
+
+fn friction(v: &mut dyn Visit, friction: &mut FrictionLinearisation) {
+    let (mut dry, mut amplitude, mut frequency) = match *friction {
+        FrictionLinearisation::Viscous => (Dry::Viscous, f64::NAN, f64::NAN),
+        FrictionLinearisation::DescribingFunction { hub_amplitude_rad, frequency_rad_s } => {
+            (Dry::DescribingFunction, hub_amplitude_rad, frequency_rad_s)
+        }
+    };
+    choose(
+        v,
+        &Field::new("friction", "what a linear plant makes of dry friction").or_text("viscous"),
+        &mut dry,
+    );
+    *friction = match dry {
+        Dry::Viscous => FrictionLinearisation::Viscous,
+        Dry::DescribingFunction => {
+            let above = Limit::Above(0.0);
+            v.number(
+                &Field::new("friction_amplitude", "of the hub on the platform").unit("rad").limit(above),
+                &mut amplitude,
+            );
+            v.number(
+                &Field::new("friction_frequency", "of that motion").unit("rad/s").limit(above),
+                &mut frequency,
+            );
+            FrictionLinearisation::DescribingFunction {
+                hub_amplitude_rad: amplitude,
+                frequency_rad_s: frequency,
+            }
+        }
+    };
+}
+
+/// A whole number that counts things.
+pub(crate) fn count(v: &mut dyn Visit, field: &Field, value: &mut usize) {
+    let mut whole = u32::try_from(*value).unwrap_or(u32::MAX);
+    v.whole(field, &mut whole);
+    *value = whole as usize;
+}

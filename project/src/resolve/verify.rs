@@ -1,0 +1,199 @@
+//! The `[verify]` section: what is done to the loop, and the limits that its figures must keep.
+
+use counterpoise_verify::{Figure, Limit as Bound, Procedure, Requirement, Sine, Step};
+
+use crate::diagnostic::nearest;
+use crate::file::field::{Field, Limit, TableField};
+use crate::file::visit::{Count, Visit, list, maybe_number, optional, table};
+
+/// What a verification does and asks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verification {
+    /// What is done; operating point and friction are those of the model, and the road is still to be read.
+    pub procedure: Procedure,
+    /// Where the platform's motion on a road comes from.
+    pub road: Option<RoadSource>,
+    /// Figures with their limits.
+    pub requirements: Vec<Requirement>,
+}
+
+/// A recording of a platform in motion, and how it is taken.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RoadSource {
+    /// Name of the recording, beside the project file.
+    pub recording: String,
+    /// Column of the upward acceleration; its mean (gravity) is removed.
+    pub heave: String,
+    /// Column of the pitch rate; its mean is removed.
+    pub pitch: String,
+    /// Factor on heave; a negative one turns the sign.
+    pub heave_scale: f64,
+    /// Factor on pitch; a negative one turns the sign.
+    pub pitch_scale: f64,
+    /// Both are low-passed at this frequency without shift, Hz; `None` leaves them.
+    pub low_pass_hz: Option<f64>,
+    /// Start in the recording, s.
+    pub start_s: f64,
+    /// Length taken, s.
+    pub duration_s: f64,
+    /// Motion fades in and out over this time, s.
+    pub fade_s: f64,
+}
+
+const ABOVE_0: Limit = Limit::Above(0.0);
+const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
+
+/// A verification of which nothing is written: the usual procedure without requirements.
+pub(crate) fn blank() -> Verification {
+    Verification { procedure: Procedure::default(), road: None, requirements: Vec::new() }
+}
+
+fn blank_road() -> RoadSource {
+    RoadSource {
+        recording: String::new(),
+        heave: String::new(),
+        pitch: String::new(),
+        heave_scale: 1.0,
+        pitch_scale: 1.0,
+        low_pass_hz: None,
+        start_s: 0.0,
+        duration_s: f64::NAN,
+        fade_s: 1.0,
+    }
+}
+
+/// Reads or lists the verification.
+pub(crate) fn verify(v: &mut dyn Visit, verification: &mut Verification) {
+    let usual = Procedure::default();
+    let procedure = &mut verification.procedure;
+    let duration =
+        Field::new("duration", "how long the platform heaves and pitches").unit("s").limit(ABOVE_0);
+    v.number(&duration.or(usual.duration_s), &mut procedure.duration_s);
+    let settle = Field::new("settle", "left out of statistics at the beginning").unit("s").limit(AT_LEAST_0);
+    v.number(&settle.or(usual.settle_s), &mut procedure.settle_s);
+    if procedure.settle_s >= procedure.duration_s {
+        v.complain("settle", &format!("must be below the duration of {} s", procedure.duration_s), None);
+    }
+    seed(v, &mut procedure.seed);
+    rejection(v, &mut procedure.rejection_hz);
+    table(v, &TableField::optional("step", "a step of the demanded hub rate"), &mut procedure.step, step);
+    table(v, &TableField::optional("heave", "sine of heave"), &mut procedure.heave, |v, s| {
+        sine(v, s, usual.heave, "m/s^2")
+    });
+    table(v, &TableField::optional("pitch", "sine of the pitch rate"), &mut procedure.pitch, |v, s| {
+        sine(v, s, usual.pitch, "rad/s")
+    });
+    optional(
+        v,
+        &TableField::optional("road", "recorded motion of the platform"),
+        &mut verification.road,
+        blank_road(),
+        road,
+    );
+    requirements(v, &mut verification.requirements);
+}
+
+fn seed(v: &mut dyn Visit, seed: &mut u64) {
+    let mut whole = u32::try_from(*seed).unwrap_or(u32::MAX);
+    v.whole(
+        &Field::new("seed", "of the sensor noise").limit(Limit::Between(0.0, f64::from(u32::MAX))).or(1.0),
+        &mut whole,
+    );
+    *seed = u64::from(whole);
+}
+
+fn rejection(v: &mut dyn Visit, frequencies: &mut Vec<f64>) {
+    let field = Field::new("rejection_frequencies", "at which the rejection ratio is tabulated")
+        .unit("Hz")
+        .limit(ABOVE_0);
+    v.numbers(&field.or_empty(), Count::AtLeastOne, frequencies);
+    if frequencies.is_empty() {
+        *frequencies = Procedure::default().rejection_hz;
+    }
+}
+
+fn step(v: &mut dyn Visit, step: &mut Step) {
+    let usual = Procedure::default().step;
+    v.number(
+        &Field::new("rate", "height of the step").unit("rad/s").limit(Limit::Not0).or(usual.rate_rad_s),
+        &mut step.rate_rad_s,
+    );
+    v.number(
+        &Field::new("duration", "of the record").unit("s").limit(ABOVE_0).or(usual.duration_s),
+        &mut step.duration_s,
+    );
+}
+
+fn sine(v: &mut dyn Visit, sine: &mut Sine, usual: Sine, unit: &'static str) {
+    v.number(&Field::new("amplitude", "amplitude").unit(unit).or(usual.amplitude), &mut sine.amplitude);
+    v.number(
+        &Field::new("frequency", "frequency").unit("Hz").limit(ABOVE_0).or(usual.frequency_hz),
+        &mut sine.frequency_hz,
+    );
+}
+
+fn road(v: &mut dyn Visit, road: &mut RoadSource) {
+    v.text(&Field::new("recording", "file beside the project file"), &mut road.recording);
+    v.text(&Field::new("heave", "column of the upward acceleration"), &mut road.heave);
+    v.text(&Field::new("pitch", "column of the pitch rate"), &mut road.pitch);
+    let scale = "factor; a negative one turns the sign";
+    v.number(&Field::new("heave_scale", scale).or(1.0), &mut road.heave_scale);
+    v.number(&Field::new("pitch_scale", scale).or(1.0), &mut road.pitch_scale);
+    let low_pass =
+        Field::new("low_pass", "frequency above which motion is removed").unit("Hz").limit(ABOVE_0);
+    maybe_number(v, &low_pass, &mut road.low_pass_hz);
+    v.number(&Field::new("start", "in the recording").unit("s").limit(AT_LEAST_0).or(0.0), &mut road.start_s);
+    v.number(&Field::new("duration", "that is taken").unit("s").limit(ABOVE_0), &mut road.duration_s);
+    v.number(&Field::new("fade", "in and out").unit("s").limit(AT_LEAST_0).or(1.0), &mut road.fade_s);
+}
+
+/// A requirement as the file has it: either limit, or both.
+#[derive(Debug, Clone)]
+struct Asked {
+    figure: String,
+    at_least: Option<f64>,
+    at_most: Option<f64>,
+}
+
+fn requirements(v: &mut dyn Visit, requirements: &mut Vec<Requirement>) {
+    let mut asked: Vec<Asked> = requirements.iter().map(asked).collect();
+    let blank = Asked { figure: String::new(), at_least: None, at_most: None };
+    list(v, &TableField::optional("requirement", "a figure and its limit"), &mut asked, blank, requirement);
+    *requirements = asked.iter().flat_map(resolved).collect();
+}
+
+fn asked(requirement: &Requirement) -> Asked {
+    let (at_least, at_most) = match requirement.limit {
+        Bound::AtLeast(value) => (Some(value), None),
+        Bound::AtMost(value) => (None, Some(value)),
+    };
+    Asked { figure: requirement.figure.key(), at_least, at_most }
+}
+
+fn resolved(asked: &Asked) -> Vec<Requirement> {
+    let Ok(figure) = Figure::from_key(&asked.figure) else { return Vec::new() };
+    let limits = [asked.at_least.map(Bound::AtLeast), asked.at_most.map(Bound::AtMost)];
+    limits.into_iter().flatten().filter_map(|limit| Requirement::new(figure, limit).ok()).collect()
+}
+
+fn requirement(v: &mut dyn Visit, asked: &mut Asked) {
+    v.text(&Field::new("figure", "what is measured"), &mut asked.figure);
+    let known = Figure::from_key(&asked.figure);
+    if known.is_err() && !asked.figure.is_empty() {
+        let keys: Vec<String> = Figure::all().iter().map(Figure::key).collect();
+        let hint = nearest(&asked.figure, keys.iter().map(String::as_str))
+            .map(|name| format!("did you mean \"{name}\"?"));
+        v.complain("figure", "there is no such figure", hint);
+    }
+    let unit = known.map_or("", |figure| figure.unit());
+    maybe_number(v, &Field::new("at_least", "lower limit").unit(unit), &mut asked.at_least);
+    maybe_number(v, &Field::new("at_most", "upper limit").unit(unit), &mut asked.at_most);
+    if asked.at_least.is_none() && asked.at_most.is_none() {
+        v.complain("figure", "has no limit: give at_least, at_most or both", None);
+    }
+    if let (Some(low), Some(high)) = (asked.at_least, asked.at_most)
+        && low > high
+    {
+        v.complain("at_most", &format!("is below at_least = {low}"), None);
+    }
+}
