@@ -62,4 +62,7 @@ pub enum Error {
     /// There is nothing to verify.
     #[error("a loop without a controller has no margins")]
     NoController,
+    /// The simulator refused, or the motion diverged.
+    #[error("simulation: {0}")]
+    Simulate(#[from] counterpoise_simulate::Error),
 }

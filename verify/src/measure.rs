@@ -79,6 +79,7 @@ pub fn diverged(model: Model, experiment: Experiment) -> Vec<Measured> {
         (Figure::Disturbance(m, source, arrangement, _), Experiment::Disturbance(s, a)) => {
             (*m, *source, *arrangement) == (model, s, a)
         }
+        (Figure::Rest(_), Experiment::Rest) => model == Model::Nonlinear,
         _ => false,
     });
     all.map(|figure| Measured { figure, value: Value::Is(f64::INFINITY) }).collect()

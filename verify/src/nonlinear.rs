@@ -1,19 +1,129 @@
-//! Time histories on the nonlinear plant.
+//! Time histories on the nonlinear plant: friction, backlash, limits, converters and sensor noise, with the controller as exported.
 
-use counterpoise_controller::Controller;
-use counterpoise_models::plant::Plant;
+use counterpoise_controller::{Controller, Readings, Runner, SampledController};
+use counterpoise_models::plant::{OperatingPoint, Plant};
+use counterpoise_simulate::{
+    Detail, Imperfections, Initial, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
+};
 
-use crate::history::History;
-use crate::{Error, Procedure};
+use crate::history::{Experiment, History};
+use crate::linear::arranged;
+use crate::{Arrangement, Error, Model, Procedure, Source};
 
-/// Runs the procedure.
+/// What acts on the mechanism: the controller, or the voltage that holds it.
+enum Acting {
+    Runner(Box<Runner>),
+    Constant(f64),
+}
+
+impl SampledController for Acting {
+    fn reset(&mut self) {
+        if let Acting::Runner(runner) = self {
+            runner.reset();
+        }
+    }
+
+    fn step(&mut self, readings: &Readings) -> f64 {
+        match self {
+            Acting::Runner(runner) => runner.step(readings),
+            Acting::Constant(volts) => *volts,
+        }
+    }
+}
+
+/// Every experiment of a procedure: the step and the rest with the whole controller, the disturbances in every arrangement.
+pub fn experiments(procedure: &Procedure) -> Vec<Experiment> {
+    let mut all = vec![Experiment::Step, Experiment::Rest];
+    for source in procedure.sources() {
+        all.extend(crate::ARRANGEMENTS.map(|arrangement| Experiment::Disturbance(source, arrangement)));
+    }
+    all
+}
+
+/// Runs one experiment. `simulator` is kept by the caller, because it can be used again for the same plant.
 ///
 /// # Errors
-/// Those of the simulator.
-pub fn histories(
-    _plant: &Plant,
-    _controller: &Controller,
-    _procedure: &Procedure,
-) -> Result<Vec<History>, Error> {
-    Ok(Vec::new())
+/// [`Error::Simulate`], with the motion's divergence among its kinds, and those of the controller.
+pub fn history(
+    simulator: &mut Simulator,
+    controller: &Controller,
+    procedure: &Procedure,
+    experiment: Experiment,
+) -> Result<History, Error> {
+    let arrangement = match experiment {
+        Experiment::Disturbance(_, arrangement) => arrangement,
+        Experiment::Step | Experiment::Rest => Arrangement::Compensated,
+    };
+    let mut acting = match arranged(controller, arrangement)? {
+        Some(controller) => Acting::Runner(Box::new(controller.runner())),
+        None => Acting::Constant(holding_v(simulator.plant(), &procedure.operating_point)),
+    };
+    let run = simulator.run(&mut acting, &scenario(procedure, experiment))?;
+    Ok(columns(run, experiment))
+}
+
+fn holding_v(plant: &Plant, point: &OperatingPoint) -> f64 {
+    plant.equilibrium(point).control_v
+}
+
+fn scenario(procedure: &Procedure, experiment: Experiment) -> Scenario {
+    let still = Scenario {
+        imperfections: Imperfections::NoiseAndQuantisation { seed: procedure.seed },
+        initial: Initial::Rest { hub_angle_rad: procedure.operating_point.hub_angle_rad },
+        detail: Detail::Everything,
+        ..Scenario::still(procedure.duration_s)
+    };
+    let angle = procedure.operating_point.platform_angle_rad;
+    let platform = PlatformMotion { initial_angle_rad: angle, ..PlatformMotion::STILL };
+    match experiment {
+        Experiment::Rest => Scenario { platform, ..still },
+        Experiment::Step => Scenario {
+            duration_s: procedure.step.duration_s,
+            demand_rad_s: Signal::Constant(procedure.step.rate_rad_s),
+            platform,
+            ..still
+        },
+        Experiment::Disturbance(source, _) => Scenario {
+            duration_s: procedure.duration_of(source),
+            platform: moving(procedure, source, platform),
+            ..still
+        },
+    }
+}
+
+fn moving(procedure: &Procedure, source: Source, still: PlatformMotion) -> PlatformMotion {
+    let sine = |sine: &crate::Sine| Signal::sine(sine.amplitude, std::f64::consts::TAU * sine.frequency_hz);
+    let (heave_m_s2, pitch_rate_rad_s) = match (source, &procedure.road) {
+        (Source::Heave, _) => (sine(&procedure.heave), Signal::ZERO),
+        (Source::Pitch, _) => (Signal::ZERO, sine(&procedure.pitch)),
+        (Source::Both, _) => (sine(&procedure.heave), sine(&procedure.pitch)),
+        (Source::Road, None) => (Signal::ZERO, Signal::ZERO),
+        (Source::Road, Some(road)) => {
+            let samples =
+                |values: &[f64]| Signal::Samples { period_s: road.sample_period_s, values: values.to_vec() };
+            (samples(&road.heave_m_s2), samples(&road.pitch_rate_rad_s))
+        }
+    };
+    PlatformMotion { heave_m_s2, pitch_rate_rad_s, ..still }
+}
+
+fn columns(run: TimeHistory, experiment: Experiment) -> History {
+    let relative = |k: usize| run.truth.hub_angle_rad[k] - run.truth.platform_angle_rad[k];
+    let travel_rad = (0..run.len()).map(|k| relative(k) - relative(0)).collect();
+    let time_s = run.time_s();
+    let truth = run.truth;
+    History {
+        model: Model::Nonlinear,
+        experiment,
+        time_s,
+        demand_rad_s: run.readings.demand_rad_s,
+        heave_m_s2: truth.heave_m_s2,
+        pitch_rate_rad_s: truth.platform_rate_rad_s,
+        hub_rate_rad_s: truth.hub_rate_rad_s,
+        tip_rate_rad_s: truth.tip_rate_rad_s,
+        control_v: run.readings.control_v,
+        current_a: truth.current_a,
+        travel_rad,
+        contact: truth.contact.iter().map(|flank| f64::from(flank.abs())).collect(),
+    }
 }

@@ -3,6 +3,7 @@
 use counterpoise_controller::Controller;
 use counterpoise_lti::{C64, Margins, margins};
 use counterpoise_models::plant::{Angles, LinearPlant, Plant};
+use counterpoise_simulate::Simulator;
 
 use crate::history::{Experiment, History};
 use crate::linear::frequency::rejections;
@@ -135,12 +136,32 @@ pub fn verify(
 ) -> Result<VerifiedController, Error> {
     procedure.check()?;
     let mut found = linear_part(plant, controller, procedure, requirements)?;
-    for history in nonlinear::histories(plant, controller, procedure)? {
-        found.figures.extend(history_figures(&history, procedure.settle_s));
-        found.evidence.histories.push(history);
-    }
+    nonlinear_part(plant, controller, procedure, &mut found)?;
     found.judge(requirements);
     Ok(VerifiedController { controller: controller.clone(), verification: found })
+}
+
+/// Runs every experiment on the nonlinear plant; a motion that diverges has infinite figures and no history.
+fn nonlinear_part(
+    plant: &Plant,
+    controller: &Controller,
+    procedure: &Procedure,
+    found: &mut Verification,
+) -> Result<(), Error> {
+    let mut simulator = Simulator::new(plant)?;
+    for experiment in nonlinear::experiments(procedure) {
+        match nonlinear::history(&mut simulator, controller, procedure, experiment) {
+            Ok(history) => {
+                found.figures.extend(history_figures(&history, procedure.settle_s));
+                found.evidence.histories.push(history);
+            }
+            Err(Error::Simulate(counterpoise_simulate::Error::Diverged { .. })) => {
+                found.figures.extend(diverged(Model::Nonlinear, experiment));
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(())
 }
 
 /// The plant linearised where the procedure has it stand; its angles are left out, so that gravity's gradient and a position spring

@@ -5,8 +5,8 @@ mod support;
 
 use counterpoise_controller::Controller;
 use counterpoise_verify::{
-    Arrangement, Figure, Limit, LoopFigure, Model, Procedure, Quantity, Requirement, Source, StepFigure,
-    Verdict, verify_linear,
+    Arrangement, Experiment, Figure, Limit, LoopFigure, Model, Procedure, Quantity, Requirement, Source,
+    StepFigure, Verdict, verify, verify_linear,
 };
 use support::{controller, plant};
 
@@ -62,4 +62,57 @@ fn what_was_not_run_cannot_be_judged() {
     let found = verify_linear(&plant(), &controller(), &Procedure::default(), &requirements).unwrap();
     assert!(matches!(&found.verdicts[0].1, Verdict::NotApplicable { why } if why.contains("not run")));
     assert!(found.value(Figure::Step(Model::Linear, StepFigure::SteadyStateError)).unwrap() < 0.5);
+}
+
+/// A mechanism without what is not linear.
+fn linear_rig() -> counterpoise_models::plant::Plant {
+    use counterpoise_models::parameters::FrictionLaw;
+    let mut rig = support::rig();
+    rig.gearbox.backlash_rad = 0.0;
+    rig.motor_friction.law = FrictionLaw::None;
+    rig.pivot_friction.law = FrictionLaw::None;
+    for sensor in
+        [&mut rig.sensors.hub_gyro, &mut rig.sensors.platform_gyro, &mut rig.sensors.platform_accelerometer]
+    {
+        sensor.noise_rms = 0.0;
+    }
+    counterpoise_models::plant::Plant::lumped(&rig).unwrap()
+}
+
+#[test]
+fn the_simulator_without_friction_and_backlash_is_the_linear_loop() {
+    let verified = verify(&linear_rig(), &controller(), &Procedure::default(), &[]).unwrap();
+    let found = verified.verification();
+    for experiment in [
+        Experiment::Step,
+        Experiment::Disturbance(Source::Heave, Arrangement::Feedback),
+        Experiment::Disturbance(Source::Pitch, Arrangement::Compensated),
+        Experiment::Disturbance(Source::Both, Arrangement::Uncontrolled),
+    ] {
+        let linear = found.history(Model::Linear, experiment).unwrap();
+        let nonlinear = found.history(Model::Nonlinear, experiment).unwrap();
+        let samples = linear.hub_rate_rad_s.len().min(nonlinear.hub_rate_rad_s.len());
+        let error: f64 = (0..samples)
+            .map(|k| (linear.hub_rate_rad_s[k] - nonlinear.hub_rate_rad_s[k]).abs())
+            .fold(0.0, f64::max);
+        let size = linear.hub_rate_rad_s.iter().fold(0.0f64, |a, b| a.max(b.abs()));
+        // what is left: converters, and the cosine of the hub's angle in the out-of-balance
+        assert!(error < 0.03 * size, "{experiment:?}: {error} of {size}");
+    }
+}
+
+#[test]
+fn a_whole_verification_measures_everything_twice_alike() {
+    let run = || verify(&plant(), &controller(), &Procedure::default(), &[]).unwrap();
+    let (first, second) = (run(), run());
+    assert_eq!(first, second);
+    let found = first.verification();
+    for figure in Figure::all() {
+        let road = matches!(figure, Figure::Disturbance(_, Source::Road, ..));
+        let present = found.figures.iter().any(|measured| measured.figure == figure);
+        assert_eq!(present, !road, "{figure}");
+    }
+    let open =
+        Figure::Disturbance(Model::Nonlinear, Source::Both, Arrangement::Compensated, Quantity::GearOpen);
+    assert_eq!(found.value(open), Some(0.0), "gravity preloads the gear");
 }

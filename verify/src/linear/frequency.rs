@@ -22,7 +22,7 @@ pub struct Curves {
     pub frequency_hz: Vec<f64>,
     /// Hub rate for the control, heave and pitch rate, continuous, without sensors.
     pub plant: Vec<Curve>,
-    /// The discrete controller from the hub gyroscope, the accelerometer and the platform gyroscope.
+    /// The discrete controller from the hub gyroscope (with the sign of the rate error), the accelerometer and the platform gyroscope.
     pub controller: Vec<Curve>,
     /// The loop broken at the plant's input.
     pub broken: Curve,
@@ -104,14 +104,14 @@ fn controller_curves(closed: &[(Arrangement, Closed)], rates: &[f64]) -> Result<
         return Ok(Vec::new());
     };
     let response = Response::of(K)?.at_all(rates)?;
-    let column = |name: &str, j: usize| Curve {
+    let column = |name: &str, j: usize, sign: f64| Curve {
         name: name.to_owned(),
-        response: response.iter().map(|m| m[(0, j)]).collect(),
+        response: response.iter().map(|m| m[(0, j)] * sign).collect(),
     };
     Ok(vec![
-        column("feedback", HUB_GYRO),
-        column("heave feedforward", ACCELEROMETER),
-        column("pitch feedforward", PLATFORM_GYRO),
+        column("feedback", HUB_GYRO, -1.0),
+        column("heave feedforward", ACCELEROMETER, 1.0),
+        column("pitch feedforward", PLATFORM_GYRO, 1.0),
     ])
 }
 
