@@ -1,0 +1,83 @@
+//! The reference rig's beam against what its numbers are said to be.
+
+use super::assert_close;
+use counterpoise_models::reference::rig;
+use counterpoise_models::structure::{FeOptions, Structure, Support, lumped, modes, with_derived_lumped};
+use counterpoise_models::{Parameters, Plant};
+use std::f64::consts::TAU;
+
+#[test]
+fn the_beam_has_the_stated_inertia_moment_and_frequencies() {
+    let structure = Structure::new(&rig(), None).unwrap();
+    let model = structure.fe(&FeOptions::default()).unwrap();
+    assert_close(model.inertia_kg_m2(), 345.7, 0.05);
+    assert_close(model.first_moment_kg_m(), 151.67, 0.005);
+    assert_close(modes(&model, Support::Pinned).unwrap().flexible_rad_s()[0] / TAU, 37.9, 0.05);
+    assert_close(modes(&model, Support::Clamped).unwrap().flexible_rad_s()[0] / TAU, 17.6, 0.05);
+}
+
+#[test]
+fn frequencies_are_those_of_an_independent_program() {
+    let model = Structure::new(&rig(), None).unwrap().fe(&FeOptions::default()).unwrap();
+    let cases = [
+        (Support::Free, [37.9218352, 106.059864, 211.282733, 358.175963]),
+        (Support::Pinned, [37.9168922, 103.301924, 198.434032, 332.694206]),
+        (Support::Clamped, [17.5562389, 70.44562388, 169.3579973, 315.53715035]),
+    ];
+    for (support, expected) in cases {
+        let found = modes(&model, support).unwrap();
+        for (w, hz) in found.flexible_rad_s().iter().zip(expected) {
+            assert_close(w / TAU / hz, 1.0, 2e-4);
+        }
+    }
+}
+
+#[test]
+fn the_derived_two_inertias_are_the_given_ones() {
+    let rig = rig();
+    let structure = Structure::new(&rig, None).unwrap();
+    let derived =
+        lumped(&structure.fe(&FeOptions::default()).unwrap(), &structure.beam.modal_damping).unwrap();
+    let given = rig.lumped.clone().unwrap();
+    for (derived, given, relative) in [
+        (derived.hub_inertia_kg_m2, given.hub_inertia_kg_m2, 1e-3),
+        (derived.beam_inertia_kg_m2, given.beam_inertia_kg_m2, 1e-3),
+        (derived.stiffness_nm_rad, given.stiffness_nm_rad, 1e-3),
+        (derived.damping_nm_s_rad, given.damping_nm_s_rad, 3e-3),
+        (derived.out_of_balance_kg_m, given.out_of_balance_kg_m, 1e-4),
+    ] {
+        assert_close(derived / given, 1.0, relative);
+    }
+    let without = Parameters { lumped: None, ..rig };
+    assert_eq!(with_derived_lumped(&without, &FeOptions::default()).unwrap().lumped, Some(derived));
+}
+
+#[test]
+fn each_configuration_has_its_inertia_and_moment() {
+    let rig = rig();
+    for configuration in &rig.configurations {
+        let model = Structure::new(&rig, Some(configuration)).unwrap().fe(&FeOptions::default()).unwrap();
+        let lumped = rig.configured(configuration).unwrap().lumped.unwrap();
+        let inertia = lumped.hub_inertia_kg_m2 + lumped.beam_inertia_kg_m2;
+        assert_close(model.inertia_kg_m2() / inertia, 1.0, 3e-4);
+        assert_close(model.first_moment_kg_m(), lumped.out_of_balance_kg_m, 0.01);
+    }
+}
+
+#[test]
+fn the_plant_takes_any_number_of_modes() {
+    let rig = rig();
+    let structure = Structure::new(&rig, None).unwrap();
+    for count in [1, 3, 14, 40] {
+        let pinned = structure.pinned(&FeOptions::default(), count).unwrap();
+        assert_eq!(pinned.body.modes.len(), count);
+        assert!(Plant::with_body(&rig, pinned.body).is_ok());
+    }
+}
+
+#[test]
+fn damping_ratios_go_by_mode_and_the_last_holds_above() {
+    let pinned = Structure::new(&rig(), None).unwrap().pinned(&FeOptions::default(), 6).unwrap();
+    let ratios: Vec<f64> = pinned.body.modes.iter().map(|m| m.damping_ratio).collect();
+    assert_eq!(ratios, [0.010, 0.008, 0.008, 0.010, 0.010, 0.010]);
+}

@@ -1,0 +1,52 @@
+//! The thesis' table 6-1 on the reference rig's beam: few elements against 129.
+
+use super::{frequencies, options};
+use counterpoise_models::reference::rig;
+use counterpoise_models::structure::{Fitted, Integration, Mesh, Support};
+
+/// Free-free frequencies over those of the model of 129 elements.
+fn column(elements: usize, integration: Integration) -> Vec<f64> {
+    let beam = rig().beam.unwrap();
+    let of = |n, integration| {
+        frequencies(&beam, &Fitted::default(), &options(Mesh::Sections(n), integration), Support::Free)
+    };
+    let reference = of(129, Integration::Quadrature);
+    of(elements, integration).iter().zip(reference).map(|(w, r)| w / r).collect()
+}
+
+fn mean_error(ratios: &[f64], modes: usize) -> f64 {
+    ratios.iter().take(modes).map(|r| (r - 1.0).abs()).sum::<f64>() / modes as f64
+}
+
+#[test]
+fn columns_have_as_many_modes_as_the_elements_allow() {
+    for elements in [1, 2, 3, 14] {
+        assert_eq!(column(elements, Integration::UniformAverage).len(), 2 * elements);
+    }
+}
+
+#[test]
+fn uniform_elements_converge() {
+    let worst = |n: usize| mean_error(&column(n, Integration::UniformAverage), 2);
+    assert!(worst(14) < worst(3) && worst(3) < worst(2) && worst(2) < worst(1));
+    assert!(column(14, Integration::UniformAverage)[..5].iter().all(|r| (r - 1.0).abs() < 0.04));
+}
+
+#[test]
+fn tapered_elements_are_closer_than_uniform_ones_on_the_first_mode() {
+    for elements in [1, 2, 3] {
+        let error = |integration| (column(elements, integration)[0] - 1.0).abs();
+        let uniform = error(Integration::UniformAverage);
+        assert!(error(Integration::Quadrature) < uniform && error(Integration::PowerLaw) < uniform);
+    }
+    assert!((column(3, Integration::PowerLaw)[0] - 1.0).abs() < 0.01);
+    assert!((column(3, Integration::Quadrature)[0] - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn quadrature_is_never_below_the_fine_model() {
+    for elements in [1, 2, 3, 14] {
+        let ratios = column(elements, Integration::Quadrature);
+        assert!(ratios.iter().take(6).all(|&r| r > 1.0), "{elements}: {ratios:?}");
+    }
+}
