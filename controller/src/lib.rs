@@ -45,6 +45,8 @@ pub mod signal;
 mod check;
 mod lower;
 
+pub use counterpoise_lti as lti;
+
 pub use controller::Controller;
 pub use error::Error;
 pub use number::Number;

@@ -211,6 +211,18 @@ enum Flat<N> {
     Clamp { into: usize, of: usize, low: N, high: N },
 }
 
+impl<N> Flat<N> {
+    fn into_place(&self) -> usize {
+        match self {
+            Flat::Sum { into, .. }
+            | Flat::Product { into, .. }
+            | Flat::Quotient { into, .. }
+            | Flat::Magnitude { into, .. }
+            | Flat::Clamp { into, .. } => *into,
+        }
+    }
+}
+
 /// A program made ready to run in the numbers N.
 #[derive(Debug, Clone)]
 pub struct Compiled<N> {
@@ -247,13 +259,35 @@ impl<N: Number> Compiled<N> {
         if memory.len() < self.memory {
             return None;
         }
-        for (place, input) in memory[self.states..].iter_mut().zip(inputs) {
-            *place = input.clone();
-        }
+        self.take(memory, inputs);
         for operation in &self.operations {
             self.execute(operation, memory);
         }
         self.output.map(|place| memory[place].clone())
+    }
+
+    /// As [`Compiled::run`], but after each operation `touch` gets its number and what it wrote, to look at or to change.
+    pub fn run_touched(
+        &self,
+        memory: &mut [N],
+        inputs: &[N],
+        mut touch: impl FnMut(usize, &mut N),
+    ) -> Option<N> {
+        if memory.len() < self.memory {
+            return None;
+        }
+        self.take(memory, inputs);
+        for (number, operation) in self.operations.iter().enumerate() {
+            self.execute(operation, memory);
+            touch(number, &mut memory[operation.into_place()]);
+        }
+        self.output.map(|place| memory[place].clone())
+    }
+
+    fn take(&self, memory: &mut [N], inputs: &[N]) {
+        for (place, input) in memory[self.states..].iter_mut().zip(inputs) {
+            *place = input.clone();
+        }
     }
 
     #[inline]

@@ -38,6 +38,11 @@ impl<N: Number> Runner<N> {
         self.set.run(&mut self.memory, &[N::from_f64(out_of_balance_kg_m)]);
     }
 
+    /// Everything the last step knew: states, readings, then its locals, in the order of the step's program.
+    pub fn values(&self) -> Vec<f64> {
+        self.memory.iter().map(Number::to_f64).collect()
+    }
+
     /// The states, in the order of [`Programs::states`].
     pub fn states(&self) -> Vec<f64> {
         self.memory[..self.programs.state_count()].iter().map(Number::to_f64).collect()

@@ -6,7 +6,8 @@
 //!
 //! *Invariant*: no file system, no clock, no compiler: text in memory only.
 //!
-//! Modules in reading order: [`provenance`], [`c99`](mod@c99), [`rust_crate`](mod@rust_crate), [`vectors`].
+//! Modules in reading order: [`provenance`], [`c99`](mod@c99), [`rust_crate`](mod@rust_crate), [`ranges`],
+//! [`rounding`], [`fixed`], [`vectors`].
 //!
 //! ```
 //! use counterpoise_controller::{Controller, Parts};
@@ -17,10 +18,14 @@
 //! assert_eq!(files[1].name, "controller.c");
 //! assert!(files[1].text.contains("controller_step"));
 //! ```
+#![allow(non_snake_case)]
 
 pub mod c99;
 pub mod error;
+pub mod fixed;
 pub mod provenance;
+pub mod ranges;
+pub mod rounding;
 pub mod rust_crate;
 pub mod vectors;
 
@@ -28,7 +33,10 @@ mod print;
 
 pub use c99::c99;
 pub use error::Error;
+pub use fixed::{Fixed, FixedError, FixedRunner, fixed_c99, plan};
 pub use provenance::Provenance;
+pub use ranges::Ranges;
+pub use rounding::{Deviation, single_precision};
 pub use rust_crate::rust_crate;
 
 use counterpoise_controller::Controller;

@@ -156,7 +156,7 @@ fn name(names: &[String], i: usize) -> &str {
 }
 
 /// Pieces joined by blanks, broken where the line would grow too long.
-fn wrap(start: &str, pieces: &[String], indent: &str) -> String {
+pub(crate) fn wrap(start: &str, pieces: &[String], indent: &str) -> String {
     let mut text = start.to_owned();
     let mut width = start.len();
     for (i, piece) in pieces.iter().enumerate() {

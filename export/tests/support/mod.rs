@@ -5,11 +5,11 @@ use std::io::{Read, Write};
 use std::path::{Path as FilePath, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
+use counterpoise_controller::lti::{Mat, StateSpace, Timebase};
 use counterpoise_controller::{
     Controller, FrictionObserver, Number, Parts, Path, READINGS, Readings, SampledController, Scaling, Signal,
 };
 use counterpoise_export::{File, Provenance};
-use counterpoise_lti::{Mat, StateSpace, Timebase};
 
 /// A folder for one test, emptied.
 pub fn folder(name: &str) -> PathBuf {
@@ -67,7 +67,7 @@ pub fn typical() -> Controller {
     let one = |x: f64| Mat::from_rows(&[&[x]]);
     let timebase = Timebase::Discrete { period_s: 1e-3 };
     let integrator = StateSpace::new(one(1.0), one(0.03), one(1.0), one(9.0), timebase).unwrap();
-    let both = counterpoise_lti::parallel(&integrator, &modal(&mut random, 11, 1)).unwrap();
+    let both = counterpoise_controller::lti::parallel(&integrator, &modal(&mut random, 11, 1)).unwrap();
     let mut feedback = path("feedback", vec![Signal::RateError], both);
     feedback.anti_windup[0] = 0.02;
     let mut heave = path("heave", vec![Signal::PlatformAcceleration], modal(&mut random, 9, 1));
@@ -120,7 +120,7 @@ pub fn badly_scaled(random: &mut Random, order: usize, inputs: usize) -> StateSp
     let mixed = Mat::from_fn(order, order, |i, j| f64::from(i == j) + 0.05 * random.signed());
     let unit: Vec<f64> = (0..order).map(|_| 10.0_f64.powf(4.0 * random.signed())).collect();
     let T = &mixed * &Mat::diag(&unit);
-    let W = counterpoise_lti::linalg::inverse(&T).unwrap();
+    let W = counterpoise_controller::lti::linalg::inverse(&T).unwrap();
     let A = &(&W * &base.A) * &T;
     StateSpace::new(A, &W * &base.B, &base.C * &T, base.D, base.timebase).unwrap()
 }
@@ -245,17 +245,23 @@ fn encode(which: usize, request: Request) -> Vec<u8> {
     [which as f64, kind].iter().chain(&values).flat_map(|value| value.to_ne_bytes()).collect()
 }
 
-/// The main of a [`Target`] in C for controllers with the given names.
+/// The main of a [`Target`] in C for controllers with the given names, whose numbers are of type `NAME_real`.
 pub fn server(names: &[String]) -> String {
+    server_in(names, |name| format!("{name}_real"))
+}
+
+/// The main of a [`Target`] in C for controllers whose numbers are of the given type.
+pub fn server_in(names: &[String], kind: impl Fn(&str) -> String) -> String {
     let mut text = String::from("#include <stdio.h>\n");
     for name in names {
+        let real = kind(name);
         text += &format!("#include \"{name}.h\"\nstatic {name}_state state_{name};\n");
         text += &format!(
-            "static double serve_{name}(int kind, const double *v)\n{{\n    if (kind == 0) {{ {name}_reset(&state_{name}); return 0.0; }}\n    if (kind == 1) {{ {name}_set_out_of_balance(&state_{name}, ({name}_real)v[0]); return 0.0; }}\n"
+            "static double serve_{name}(int kind, const double *v)\n{{\n    if (kind == 0) {{ {name}_reset(&state_{name}); return 0.0; }}\n    if (kind == 1) {{ {name}_set_out_of_balance(&state_{name}, ({real})v[0]); return 0.0; }}\n"
         );
         text += &format!("    {{\n        {name}_readings in;\n");
         for (i, reading) in counterpoise_controller::READING_NAMES.iter().enumerate() {
-            text += &format!("        in.{reading} = ({name}_real)v[{i}];\n");
+            text += &format!("        in.{reading} = ({real})v[{i}];\n");
         }
         text += &format!("        return (double){name}_step(&state_{name}, &in);\n    }}\n}}\n");
     }

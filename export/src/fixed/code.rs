@@ -1,0 +1,210 @@
+//! The fixed-point controller in C99.
+
+use counterpoise_controller::program::{OnReset, Program, Slot};
+use counterpoise_controller::{READING_NAMES, READINGS};
+use minijinja::{Environment, context};
+
+use crate::fixed::plan::to_integer;
+use crate::fixed::{Fixed, FixedOperation, FixedProgram, FixedRunner};
+use crate::print::{Dialect, state, wrap};
+use crate::vectors::{SHIPPED_SAMPLES, vectors};
+use crate::{Error, File, Provenance, READING_FIELDS, Ranges, check_name};
+
+/// The controller in C99 with 32-bit integers: `NAME.h`, `NAME.c`, `NAME_self_test.c` and `NAME_test.c`, with the
+/// functions of [`crate::c99()`]. The header states the format of each reading and of the control.
+///
+/// # Errors
+/// [`Error::Name`].
+pub fn fixed_c99(fixed: &Fixed, provenance: &Provenance, name: &str) -> Result<Vec<File>, Error> {
+    check_name(name)?;
+    let data = data(fixed, provenance, name);
+    let environment = Environment::new();
+    let templates = [
+        (".h", include_str!("../../templates/fixed.h.jinja")),
+        (".c", include_str!("../../templates/fixed.c.jinja")),
+        ("_self_test.c", include_str!("../../templates/fixed_self_test.c.jinja")),
+        ("_test.c", include_str!("../../templates/fixed_test.c.jinja")),
+    ];
+    let fill = |(ending, template): (&str, &str)| {
+        let text = environment.render_str(template, &data)?.trim_end().to_owned() + "\n";
+        Ok(File { name: format!("{name}{ending}"), text })
+    };
+    templates.into_iter().map(fill).collect()
+}
+
+fn data(fixed: &Fixed, provenance: &Provenance, name: &str) -> minijinja::Value {
+    let programs = fixed.controller.programs();
+    let readings: Vec<(&str, i32, &str)> = READING_FIELDS
+        .iter()
+        .zip(&fixed.step.inputs)
+        .map(|(field, bits)| (field.0, *bits, field.1))
+        .collect();
+    let fields: Vec<String> = programs
+        .states
+        .iter()
+        .map(|group| {
+            let array = group.length.map_or(String::new(), |n| format!("[{n}]"));
+            format!(
+                "{}{array}; /* Q {} */",
+                group.name,
+                formats(&fixed.states[group.first..][..group.initial.len()])
+            )
+        })
+        .collect();
+    let printer = |program, fixed_program, input| Printer { fixed, name, program, fixed_program, input };
+    context! {
+        name, NAME => name.to_uppercase(),
+        provenance => provenance.lines(),
+        readings,
+        fields,
+        control_bits => fixed.control_bits(),
+        set_bits => fixed.set_out_of_balance.inputs[0],
+        period => format!("{:?}", fixed.controller.sample_period_s()),
+        worst => format!("{:.2e}", fixed.deviation.worst_v),
+        rms => format!("{:.2e}", fixed.deviation.rms_v),
+        samples => fixed.deviation.samples,
+        keep => initial(fixed, OnReset::Keep),
+        restart => initial(fixed, OnReset::Restart),
+        step => printer(&programs.step, &fixed.step, "in->").body(),
+        set => printer(&programs.set_out_of_balance, &fixed.set_out_of_balance, "").body(),
+        uses_narrow => uses_narrow(fixed),
+        vectors => rows(fixed),
+    }
+}
+
+fn formats(bits: &[i32]) -> String {
+    bits.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
+}
+
+fn uses_narrow(fixed: &Fixed) -> bool {
+    let all = fixed.step.operations.iter().chain(&fixed.set_out_of_balance.operations);
+    all.into_iter().any(|op| !matches!(op, FixedOperation::Clamp { .. } | FixedOperation::Magnitude { .. }))
+}
+
+fn initial(fixed: &Fixed, which: OnReset) -> Vec<String> {
+    let programs = fixed.controller.programs();
+    let groups = programs.states.iter().filter(|group| group.on_reset == which);
+    let places = groups.flat_map(|group| group.first..group.first + group.initial.len());
+    places.map(|i| format!("{} = {};", state(programs, i, Dialect::C), fixed.initial[i])).collect()
+}
+
+fn rows(fixed: &Fixed) -> Vec<String> {
+    let mut runner = FixedRunner::new(fixed);
+    let row = |vector: &crate::vectors::Vector| {
+        let set =
+            vector.set_out_of_balance_kg_m.map(|set| to_integer(set, fixed.set_out_of_balance.inputs[0]));
+        if let Some(set) = set {
+            runner.set_integer(set);
+        }
+        let readings: [i64; READINGS] =
+            std::array::from_fn(|i| to_integer(vector.readings[i], fixed.step.inputs[i]));
+        let control = runner.step_integers(&readings);
+        let list: Vec<String> = readings.iter().map(ToString::to_string).collect();
+        format!(
+            "{{ {}, {}, {{ {} }}, {control} }}",
+            u8::from(set.is_some()),
+            set.unwrap_or(0),
+            list.join(", ")
+        )
+    };
+    vectors::<f64>(&fixed.controller, SHIPPED_SAMPLES).iter().map(row).collect()
+}
+
+struct Printer<'a> {
+    fixed: &'a Fixed,
+    name: &'a str,
+    program: &'a Program,
+    fixed_program: &'a FixedProgram,
+    input: &'a str,
+}
+
+impl Printer<'_> {
+    fn body(&self) -> String {
+        let mut text = String::new();
+        let mut operations = self.fixed_program.operations.iter();
+        for section in &self.program.sections {
+            text.push_str(&format!("    /* {} */\n", section.says));
+            for _ in &section.operations {
+                text.push_str(
+                    &operations.next().map_or(String::new(), |operation| self.statement(operation)),
+                );
+            }
+            text.push('\n');
+        }
+        match self.program.output {
+            Some(output) => text + &format!("    return {};\n", self.slot(output)),
+            None => text.trim_end().to_owned() + "\n",
+        }
+    }
+
+    fn slot(&self, slot: Slot) -> String {
+        let programs = self.fixed.controller.programs();
+        match slot {
+            Slot::Input(i) if self.input.is_empty() => self.program.inputs[i].clone(),
+            Slot::Input(i) => format!("{}{}", self.input, READING_NAMES[i]),
+            Slot::Local(_) => Ranges::name(&self.fixed.controller, self.program, slot),
+            Slot::State(i) => state(programs, i, Dialect::C),
+        }
+    }
+
+    fn statement(&self, operation: &FixedOperation) -> String {
+        let (into, pieces) = self.pieces(operation);
+        let head = match into {
+            Slot::Local(i) => {
+                let bits = self.fixed_program.locals[i];
+                format!("    const int32_t {} /* Q {bits} */ = ", self.slot(into))
+            }
+            _ => format!("    {} = ", self.slot(into)),
+        };
+        wrap(&head, &pieces, "        ")
+    }
+
+    fn pieces(&self, operation: &FixedOperation) -> (Slot, Vec<String>) {
+        let name = self.name;
+        let wide = |slot: &Slot| format!("(int64_t){}", self.slot(*slot));
+        match operation {
+            FixedOperation::Sum { into, constant, terms, shift } => {
+                (*into, self.sum(*constant, terms, *shift))
+            }
+            FixedOperation::Product { into, a, b, shift } => {
+                (*into, vec![format!("{name}_narrow({} * {}, {shift}U)", wide(a), wide(b))])
+            }
+            FixedOperation::Quotient { into, above, below, left, shift } => {
+                let scale = 1_i64 << left;
+                let quotient = format!("({} * INT64_C({scale})) / {}", wide(above), wide(below));
+                (*into, vec![format!("{name}_narrow({quotient}, {shift}U)")])
+            }
+            FixedOperation::Magnitude { into, of } => {
+                let of = self.slot(*of);
+                (*into, vec![format!("(({of} < 0) ? -{of} : {of})")])
+            }
+            FixedOperation::Clamp { into, of, low, high } => {
+                let of = self.slot(*of);
+                (*into, vec![format!("(({of} < {low}) ? {low} : (({of} > {high}) ? {high} : {of}))")])
+            }
+        }
+    }
+
+    fn sum(&self, constant: i64, terms: &[(i64, Slot)], shift: u32) -> Vec<String> {
+        if let ([(1, of)], 0, 0) = (terms, constant, shift) {
+            return vec![self.slot(*of)];
+        }
+        let mut pieces = vec![format!("{}_narrow(", self.name)];
+        if constant != 0 || terms.is_empty() {
+            pieces.push(format!("INT64_C({constant})"));
+        }
+        for (factor, of) in terms {
+            let sign = match (pieces.len() > 1, *factor < 0) {
+                (true, true) => "- ",
+                (true, false) => "+ ",
+                (false, true) => "-",
+                (false, false) => "",
+            };
+            pieces.push(format!("{sign}INT64_C({}) * {}", factor.abs(), self.slot(*of)));
+        }
+        if let Some(last) = pieces.last_mut() {
+            last.push_str(&format!(", {shift}U)"));
+        }
+        pieces
+    }
+}

@@ -1,0 +1,385 @@
+//! Formats and integer operations of a controller, and the proof that nothing overflows.
+
+use counterpoise_controller::program::{Operation, Program, Slot, Term};
+use counterpoise_controller::{Controller, READINGS};
+
+use crate::Ranges;
+use crate::fixed::{ACCUMULATOR_BITS, FULL, FixedOperation, FixedProgram};
+use crate::rounding::{Deviation, ErrorSystem, OperationError};
+
+/// A controller in fixed point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fixed {
+    /// The controller.
+    pub controller: Controller,
+    /// Fraction bits of the states.
+    pub states: Vec<i32>,
+    /// The states at the start.
+    pub initial: Vec<i64>,
+    /// One sample.
+    pub step: FixedProgram,
+    /// Setting of the out-of-balance.
+    pub set_out_of_balance: FixedProgram,
+    /// How far the control can be from the reference.
+    pub deviation: Deviation,
+}
+
+/// Why a controller has no fixed-point form.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FixedError {
+    /// A number that stayed 0 in the runs that the ranges came from.
+    #[error("'{name}' stayed 0 in the runs given: its range is unknown; give runs that move it")]
+    NeverMoved {
+        /// Name of the number.
+        name: String,
+    },
+    /// A sum whose coefficients and ranges do not fit one accumulator.
+    #[error("'{name}': its terms are too far apart in size for one 64-bit sum ({missing_bits} bits missing)")]
+    NoRoom {
+        /// Name of what is computed.
+        name: String,
+        /// Bits that would be needed besides.
+        missing_bits: i32,
+    },
+    /// A divisor that its range does not keep away from 0.
+    #[error("'{name}' divides by '{divisor}', which is not proven to stay away from 0")]
+    Divisor {
+        /// Name of what is computed.
+        name: String,
+        /// Name of the divisor.
+        divisor: String,
+    },
+    /// A deviation larger than allowed.
+    #[error(
+        "the control may deviate by {worst_v:.3e} V over {samples} samples; {allowed_v:.3e} V are allowed"
+    )]
+    TooCoarse {
+        /// Predicted worst deviation, V.
+        worst_v: f64,
+        /// Samples of the prediction.
+        samples: usize,
+        /// What is allowed, V.
+        allowed_v: f64,
+    },
+}
+
+/// Chooses formats for the ranges, fixes the integer arithmetic, proves that it cannot overflow and predicts how far it
+/// is from the reference over `samples` samples.
+///
+/// # Errors
+/// [`FixedError`]: a range that is unknown, a sum that does not fit, a divisor that may be 0, or a predicted worst
+/// deviation above `allowed_v`.
+pub fn plan(
+    controller: &Controller,
+    ranges: &Ranges,
+    allowed_v: f64,
+    samples: usize,
+) -> Result<Fixed, FixedError> {
+    let programs = controller.programs();
+    let states = (0..programs.state_count()).map(|i| {
+        let largest = ranges.of(Slot::State(i)).max(programs.initial().get(i).map_or(0.0, |v| v.abs()));
+        let name = || Ranges::name(controller, &programs.step, Slot::State(i));
+        if largest > 0.0 { Ok(bits_for(largest)) } else { Err(FixedError::NeverMoved { name: name() }) }
+    });
+    let states: Vec<i32> = states.collect::<Result<_, _>>()?;
+    let inputs: Vec<i32> =
+        (0..READINGS).map(|i| bits_for(ranges.of(Slot::Input(i)).max(f64::MIN_POSITIVE))).collect();
+    let mut step = Writer::new(controller, &programs.step, &states, inputs);
+    step.all(|slot| ranges.of(slot))?;
+    let (low, high) = controller.parts().out_of_balance_range_kg_m;
+    let input = vec![bits_for(low.abs().max(high.abs()).max(1.0))];
+    let mut set = Writer::new(controller, &programs.set_out_of_balance, &states, input);
+    set.all(|_| 0.0)?;
+    let mut errors = step.errors.clone();
+    errors.extend(step.inputs.iter().map(|bits| uniform(0.5 * unit(*bits))));
+    let deviation = ErrorSystem::of(controller).deviation(&errors, samples);
+    if deviation.worst_v > allowed_v || !deviation.worst_v.is_finite() {
+        return Err(FixedError::TooCoarse { worst_v: deviation.worst_v, samples, allowed_v });
+    }
+    let initial =
+        programs.initial().iter().zip(&states).map(|(value, bits)| to_integer(*value, *bits)).collect();
+    let (step, set_out_of_balance) = (step.finish(), set.finish());
+    Ok(Fixed { controller: controller.clone(), states, initial, step, set_out_of_balance, deviation })
+}
+
+/// Fraction bits with which +/- `largest` just fits 32 bits.
+fn bits_for(largest: f64) -> i32 {
+    ((FULL as f64) / largest).log2().floor().clamp(-64.0, 96.0) as i32
+}
+
+/// The real value of one.
+pub(crate) fn unit(bits: i32) -> f64 {
+    f64::from(-bits).exp2()
+}
+
+/// The nearest integer, saturated.
+pub(crate) fn to_integer(value: f64, bits: i32) -> i64 {
+    (value * f64::from(bits).exp2()).round().clamp(-(FULL as f64), FULL as f64) as i64
+}
+
+fn uniform(half: f64) -> OperationError {
+    OperationError { worst: half, variance: half * half / 3.0 }
+}
+
+/// Integers from `low` to `high`.
+#[derive(Debug, Clone, Copy)]
+struct Span {
+    low: i128,
+    high: i128,
+}
+
+const ALL: Span = Span { low: -(FULL as i128), high: FULL as i128 };
+
+impl Span {
+    fn times(self, other: Self) -> Self {
+        let corners =
+            [self.low * other.low, self.low * other.high, self.high * other.low, self.high * other.high];
+        let (mut low, mut high) = (corners[0], corners[0]);
+        for corner in corners {
+            low = low.min(corner);
+            high = high.max(corner);
+        }
+        Self { low, high }
+    }
+
+    fn scaled(self, by: i128) -> Self {
+        self.times(Self { low: by, high: by })
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self { low: self.low + other.low, high: self.high + other.high }
+    }
+
+    fn size(self) -> i128 {
+        self.low.abs().max(self.high.abs())
+    }
+
+    fn narrowed(self, shift: u32) -> Self {
+        let half = if shift > 0 { 1_i128 << (shift - 1) } else { 0 };
+        let down = |value: i128| ((value + half) >> shift).clamp(ALL.low, ALL.high);
+        Self { low: down(self.low), high: down(self.high) }
+    }
+
+    fn fits(self) -> bool {
+        self.size() < 1_i128 << ACCUMULATOR_BITS
+    }
+}
+
+/// Turns a program's operations into integer ones, one after the other.
+struct Writer<'a> {
+    controller: &'a Controller,
+    program: &'a Program,
+    states: &'a [i32],
+    inputs: Vec<i32>,
+    locals: Vec<i32>,
+    spans: Vec<Span>,
+    operations: Vec<FixedOperation>,
+    errors: Vec<OperationError>,
+}
+
+impl<'a> Writer<'a> {
+    fn new(controller: &'a Controller, program: &'a Program, states: &'a [i32], inputs: Vec<i32>) -> Self {
+        let count = program.locals.len();
+        let (locals, spans) = (vec![0; count], vec![ALL; count]);
+        Self {
+            controller,
+            program,
+            states,
+            inputs,
+            locals,
+            spans,
+            operations: Vec::new(),
+            errors: Vec::new(),
+        }
+    }
+
+    fn finish(self) -> FixedProgram {
+        FixedProgram { inputs: self.inputs, locals: self.locals, operations: self.operations }
+    }
+
+    fn all(&mut self, largest: impl Fn(Slot) -> f64) -> Result<(), FixedError> {
+        for operation in self.program.operations() {
+            self.one(operation, largest(operation.into_slot()))?;
+        }
+        Ok(())
+    }
+
+    fn bits(&self, slot: Slot) -> i32 {
+        match slot {
+            Slot::Input(i) => self.inputs[i],
+            Slot::State(i) => self.states[i],
+            Slot::Local(i) => self.locals[i],
+        }
+    }
+
+    fn span(&self, slot: Slot) -> Span {
+        if let Slot::Local(i) = slot { self.spans[i] } else { ALL }
+    }
+
+    fn name(&self, slot: Slot) -> String {
+        Ranges::name(self.controller, self.program, slot)
+    }
+
+    /// Largest real magnitude that the integers of a slot can stand for.
+    fn size(&self, slot: Slot) -> f64 {
+        self.span(slot).size() as f64 * unit(self.bits(slot))
+    }
+
+    /// Fraction bits of a target: a state's own; a local's from the runs, or where they leave it at 0 or above what
+    /// intervals allow, from the intervals.
+    fn target(&self, into: Slot, seen: f64, possible: f64) -> i32 {
+        match into {
+            Slot::Local(_) => {
+                let largest = if seen > 0.0 { seen.min(possible) } else { possible };
+                bits_for(largest.max(f64::MIN_POSITIVE))
+            }
+            _ => self.bits(into),
+        }
+    }
+
+    fn put(
+        &mut self,
+        operation: FixedOperation,
+        (into, bits): (Slot, i32),
+        span: Span,
+        error: OperationError,
+    ) {
+        if let Slot::Local(i) = into {
+            self.locals[i] = bits;
+            self.spans[i] = span;
+        }
+        self.operations.push(operation);
+        self.errors.push(error);
+    }
+
+    fn one(&mut self, operation: &Operation, seen: f64) -> Result<(), FixedError> {
+        match operation {
+            Operation::Sum { into, constant, terms } => self.sum(*into, constant.unwrap_or(0.0), terms, seen),
+            Operation::Product { into, a, b } => self.product(*into, (*a, *b), seen),
+            Operation::Quotient { into, above, below } => self.quotient(*into, (*above, *below), seen),
+            Operation::Magnitude { into, of } => {
+                let (bits, span) = (self.bits(*of), Span { low: 0, high: self.span(*of).size() });
+                let magnitude = FixedOperation::Magnitude { into: *into, of: *of };
+                self.put(magnitude, (*into, bits), span, OperationError::default());
+                Ok(())
+            }
+            Operation::Clamp { into, of, low, high } => {
+                self.clamp(*into, *of, (*low, *high));
+                Ok(())
+            }
+        }
+    }
+
+    fn clamp(&mut self, into: Slot, of: Slot, (low, high): (f64, f64)) {
+        let bits = self.bits(of);
+        let (low, high) = (to_integer(low, bits), to_integer(high, bits));
+        let within = |value: i128| value.clamp(i128::from(low), i128::from(high));
+        let span = Span { low: within(self.span(of).low), high: within(self.span(of).high) };
+        let clamp = FixedOperation::Clamp { into, of, low, high };
+        self.put(clamp, (into, bits), span, OperationError::default());
+    }
+
+    fn sum(&mut self, into: Slot, constant: f64, terms: &[Term], seen: f64) -> Result<(), FixedError> {
+        let sizes: Vec<f64> = terms.iter().map(|term| term.coefficient.abs() * self.size(term.of)).collect();
+        let possible = constant.abs() + sizes.iter().sum::<f64>();
+        let bits = self.target(into, seen, possible);
+        let scale = self.accumulator(constant, terms);
+        if scale < bits {
+            return Err(FixedError::NoRoom { name: self.name(into), missing_bits: bits - scale });
+        }
+        let integer = |value: f64, bits: i32| (value * f64::from(bits).exp2()).round() as i64;
+        let mut factors: Vec<(i64, Slot)> =
+            terms.iter().map(|t| (integer(t.coefficient, scale - self.bits(t.of)), t.of)).collect();
+        let mut start = integer(constant, scale);
+        let mut worst = (constant - start as f64 * unit(scale)).abs();
+        for (term, (factor, _)) in terms.iter().zip(&factors) {
+            let rounded = *factor as f64 * unit(scale - self.bits(term.of));
+            worst += (term.coefficient - rounded).abs() * self.size(term.of);
+        }
+        let spare = spare_bits(start, &factors).min((scale - bits) as u32);
+        factors.iter_mut().for_each(|(factor, _)| *factor >>= spare);
+        start >>= spare;
+        let shift = (scale - bits) as u32 - spare;
+        let (span, size) = self.accumulated(start, &factors);
+        if size >= 1_i128 << ACCUMULATOR_BITS || shift > ACCUMULATOR_BITS {
+            return Err(FixedError::NoRoom { name: self.name(into), missing_bits: 1 });
+        }
+        let rounding = if shift > 0 { uniform(0.5 * unit(bits)) } else { OperationError::default() };
+        let error = OperationError { worst: rounding.worst + worst, ..rounding };
+        let sum = FixedOperation::Sum { into, constant: start, terms: factors, shift };
+        self.put(sum, (into, bits), span.narrowed(shift), error);
+        Ok(())
+    }
+
+    /// The finest scale, in fraction bits, at which all coefficients are 32-bit integers and the sum cannot overflow.
+    fn accumulator(&self, constant: f64, terms: &[Term]) -> i32 {
+        let fitting = terms.iter().map(|t| bits_for(t.coefficient.abs()) + self.bits(t.of));
+        let constant_bits = bits_for(constant.abs().max(f64::MIN_POSITIVE)) + 30;
+        let mut scale = fitting.min().unwrap_or(constant_bits).min(constant_bits);
+        let total = |scale: i32| {
+            let each = terms.iter().map(|t| {
+                let factor = (t.coefficient.abs() * f64::from(scale - self.bits(t.of)).exp2()).round() + 1.0;
+                factor * self.span(t.of).size() as f64
+            });
+            each.sum::<f64>() + constant.abs() * f64::from(scale).exp2()
+        };
+        while total(scale) >= 0.99 * f64::from(ACCUMULATOR_BITS).exp2() {
+            scale -= 1;
+        }
+        scale
+    }
+
+    /// What the sum can be, and a bound of all its partial sums.
+    fn accumulated(&self, start: i64, factors: &[(i64, Slot)]) -> (Span, i128) {
+        let start = Span { low: start.into(), high: start.into() };
+        let each = factors.iter().map(|(factor, of)| self.span(*of).scaled((*factor).into()));
+        each.fold((start, start.size()), |(sum, size), term| (sum.plus(term), size + term.size()))
+    }
+
+    fn product(&mut self, into: Slot, (a, b): (Slot, Slot), seen: f64) -> Result<(), FixedError> {
+        let span = self.span(a).times(self.span(b));
+        let both = self.bits(a) + self.bits(b);
+        let bits = self.target(into, seen, self.size(a) * self.size(b)).min(both);
+        if !span.fits() || self.cannot_take(into, bits) {
+            return Err(FixedError::NoRoom { name: self.name(into), missing_bits: 1 });
+        }
+        let shift = (both - bits) as u32;
+        let product = FixedOperation::Product { into, a, b, shift };
+        self.put(product, (into, bits), span.narrowed(shift), uniform(0.5 * unit(bits)));
+        Ok(())
+    }
+
+    /// Whether a state's own format differs from `bits`.
+    fn cannot_take(&self, into: Slot, bits: i32) -> bool {
+        !matches!(into, Slot::Local(_)) && self.bits(into) != bits
+    }
+
+    fn quotient(&mut self, into: Slot, (above, below): (Slot, Slot), seen: f64) -> Result<(), FixedError> {
+        let divisor = self.span(below);
+        let nearest = divisor.low.max(-divisor.high);
+        if nearest <= 0 {
+            return Err(FixedError::Divisor { name: self.name(into), divisor: self.name(below) });
+        }
+        let possible = self.size(above) / (nearest as f64 * unit(self.bits(below)));
+        let own = self.bits(above) - self.bits(below);
+        let most = (ACCUMULATOR_BITS - 31) as i32 - 1;
+        let bits = self.target(into, seen, possible).min(own + most);
+        if self.cannot_take(into, bits) {
+            return Err(FixedError::NoRoom { name: self.name(into), missing_bits: 1 });
+        }
+        let left = (bits - own).max(0) as u32;
+        let shift = (own + left as i32 - bits) as u32;
+        let size = (self.span(above).size() << left) / nearest;
+        let span = Span { low: -size, high: size }.narrowed(shift);
+        let quotient = FixedOperation::Quotient { into, above, below, left, shift };
+        self.put(quotient, (into, bits), span, uniform(1.5 * unit(bits)));
+        Ok(())
+    }
+}
+
+/// Trailing zeros that all the integers share.
+fn spare_bits(start: i64, factors: &[(i64, Slot)]) -> u32 {
+    let all = factors.iter().map(|(factor, _)| *factor).chain([start]).filter(|value| *value != 0);
+    all.map(i64::trailing_zeros).min().unwrap_or(0)
+}

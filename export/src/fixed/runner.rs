@@ -1,0 +1,122 @@
+//! Runs a fixed-point controller, integer by integer as the target does.
+
+use counterpoise_controller::program::{OnReset, Slot};
+use counterpoise_controller::{READINGS, Readings, SampledController};
+
+use crate::fixed::plan::{to_integer, unit};
+use crate::fixed::{Fixed, FixedOperation, FixedProgram, narrow};
+
+/// A fixed-point controller that runs.
+#[derive(Debug, Clone)]
+pub struct FixedRunner {
+    fixed: Fixed,
+    states: Vec<i64>,
+    locals: Vec<i64>,
+}
+
+impl FixedRunner {
+    /// The controller at its start.
+    pub fn new(fixed: &Fixed) -> Self {
+        let count = fixed.step.locals.len().max(fixed.set_out_of_balance.locals.len());
+        Self { fixed: fixed.clone(), states: fixed.initial.clone(), locals: vec![0; count] }
+    }
+
+    /// One sample in integers: the readings in the formats of [`FixedProgram::inputs`], the control in its own.
+    pub fn step_integers(&mut self, readings: &[i64; READINGS]) -> i64 {
+        self.run(Which::Step, readings);
+        let output = self.fixed.controller.programs().step.output;
+        output.map_or(0, |slot| self.read(slot, readings))
+    }
+
+    /// One sample: readings are rounded to their formats first.
+    pub fn step_array(&mut self, readings: &[f64; READINGS]) -> f64 {
+        let bits = &self.fixed.step.inputs;
+        let integers: [i64; READINGS] = std::array::from_fn(|i| to_integer(readings[i], bits[i]));
+        self.step_integers(&integers) as f64 * unit(self.fixed.control_bits())
+    }
+
+    /// Sets the out-of-balance, kg m.
+    pub fn set_out_of_balance(&mut self, out_of_balance_kg_m: f64) {
+        self.set_integer(to_integer(out_of_balance_kg_m, self.fixed.set_out_of_balance.inputs[0]));
+    }
+
+    /// Sets the out-of-balance in its integer format.
+    pub fn set_integer(&mut self, out_of_balance: i64) {
+        self.run(Which::Set, &[out_of_balance]);
+    }
+
+    fn run(&mut self, which: Which, inputs: &[i64]) {
+        let count = self.program(which).operations.len();
+        for number in 0..count {
+            let (into, value) = self.evaluate(&self.program(which).operations[number], inputs);
+            match into {
+                Slot::State(i) => self.states[i] = value,
+                Slot::Local(i) => self.locals[i] = value,
+                Slot::Input(_) => {}
+            }
+        }
+    }
+
+    fn program(&self, which: Which) -> &FixedProgram {
+        match which {
+            Which::Step => &self.fixed.step,
+            Which::Set => &self.fixed.set_out_of_balance,
+        }
+    }
+
+    fn read(&self, slot: Slot, inputs: &[i64]) -> i64 {
+        match slot {
+            Slot::State(i) => self.states[i],
+            Slot::Local(i) => self.locals[i],
+            Slot::Input(i) => inputs[i],
+        }
+    }
+
+    fn evaluate(&self, operation: &FixedOperation, inputs: &[i64]) -> (Slot, i64) {
+        let read = |slot: &Slot| self.read(*slot, inputs);
+        match operation {
+            FixedOperation::Sum { into, constant, terms, shift } => {
+                let sum = terms.iter().fold(*constant, |sum, (factor, of)| sum + factor * read(of));
+                (*into, narrow(sum, *shift))
+            }
+            FixedOperation::Product { into, a, b, shift } => (*into, narrow(read(a) * read(b), *shift)),
+            FixedOperation::Quotient { into, above, below, left, shift } => {
+                (*into, narrow((read(above) * (1_i64 << left)) / read(below), *shift))
+            }
+            FixedOperation::Magnitude { into, of } => (*into, read(of).abs()),
+            FixedOperation::Clamp { into, of, low, high } => (*into, read(of).clamp(*low, *high)),
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Which {
+    Step,
+    Set,
+}
+
+impl Fixed {
+    /// Fraction bits of the control.
+    pub fn control_bits(&self) -> i32 {
+        match self.controller.programs().step.output {
+            Some(Slot::Local(i)) => self.step.locals[i],
+            Some(Slot::State(i)) => self.states[i],
+            Some(Slot::Input(i)) => self.step.inputs[i],
+            None => 0,
+        }
+    }
+}
+
+impl SampledController for FixedRunner {
+    fn reset(&mut self) {
+        let groups = &self.fixed.controller.programs().states;
+        for group in groups.iter().filter(|group| group.on_reset == OnReset::Restart) {
+            let places = group.first..group.first + group.initial.len();
+            self.states[places.clone()].copy_from_slice(&self.fixed.initial[places]);
+        }
+    }
+
+    fn step(&mut self, readings: &Readings) -> f64 {
+        self.step_array(&readings.to_array())
+    }
+}

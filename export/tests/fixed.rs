@@ -1,0 +1,200 @@
+//! Fixed point and single precision: never further from the reference than predicted; fixed C equals its reference.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
+
+mod support;
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use counterpoise_controller::{Controller, READINGS, SampledController};
+use counterpoise_export::{
+    Fixed, FixedError, FixedRunner, Ranges, fixed_c99, plan, single_precision, vectors::LARGEST,
+};
+use support::{
+    Random, Request, STRICT, Target, folder, is_there, provenance, random_controller, run, server_in,
+    typical, write,
+};
+
+const SAMPLES: usize = 2000;
+
+/// Readings as of a loop at work: a slow and a fast part, well inside the converters.
+fn history(seed: u64, size: f64) -> Vec<[f64; READINGS]> {
+    let mut random = Random(seed);
+    let mut slow = [0.0; READINGS];
+    (0..SAMPLES)
+        .map(|_| {
+            let fast = random.readings();
+            std::array::from_fn(|i| {
+                slow[i] = 0.99 * slow[i] + 0.1 * fast[i];
+                size * (0.7 * slow[i] + 0.3 * fast[i]).clamp(-LARGEST[i], LARGEST[i])
+            })
+        })
+        .collect()
+}
+
+fn ranges(controller: &Controller, size: f64, margin: f64) -> Ranges {
+    let histories = [history(3, size), history(4, size), history(5, size)];
+    Ranges::from_readings(controller, &histories, margin)
+}
+
+/// Largest and RMS deviation from the reference, and whether the limiter stayed out of it.
+fn measure(
+    controller: &Controller,
+    other: &mut dyn FnMut(&[f64; READINGS]) -> f64,
+    size: f64,
+) -> (f64, f64, bool) {
+    let mut reference = controller.runner();
+    let (mut worst, mut squares, mut free) = (0.0_f64, 0.0, true);
+    for readings in history(11, size) {
+        let expected = reference.step_array(&readings);
+        let deviation = other(&readings) - expected;
+        worst = worst.max(deviation.abs());
+        squares += deviation * deviation;
+        free &= expected.abs() < controller.limit_v();
+    }
+    (worst, (squares / SAMPLES as f64).sqrt(), free)
+}
+
+#[test]
+fn the_typical_controller_in_fixed_point_keeps_its_prediction() {
+    let controller = typical();
+    let fixed = plan(&controller, &ranges(&controller, 0.05, 4.0), 2.5e-3, SAMPLES).unwrap();
+    let mut runner = FixedRunner::new(&fixed);
+    let (worst, rms, free) = measure(&controller, &mut |readings| runner.step_array(readings), 0.05);
+    let predicted = fixed.deviation;
+    println!(
+        "fixed: worst {worst:.2e} of {:.2e} V, RMS {rms:.2e} of {:.2e} V",
+        predicted.worst_v, predicted.rms_v
+    );
+    assert!(free && worst > 0.0 && worst <= predicted.worst_v);
+    assert!(rms < 3.0 * predicted.rms_v && rms > 0.02 * predicted.rms_v);
+}
+
+#[test]
+fn the_typical_controller_in_single_precision_keeps_its_prediction() {
+    let controller = typical();
+    let predicted = single_precision(&controller, &ranges(&controller, 0.05, 1.5), SAMPLES);
+    let mut runner = controller.runner_in::<f32>();
+    let (worst, rms, free) = measure(&controller, &mut |readings| runner.step_array(readings), 0.05);
+    println!(
+        "single: worst {worst:.2e} of {:.2e} V, RMS {rms:.2e} of {:.2e} V",
+        predicted.worst_v, predicted.rms_v
+    );
+    assert!(free && worst > 0.0 && worst <= predicted.worst_v);
+    assert!(rms < 3.0 * predicted.rms_v);
+}
+
+#[test]
+fn random_controllers_keep_their_prediction_or_are_refused() {
+    let (mut kept, mut refused) = (0, 0);
+    for seed in 0..200 {
+        let controller = random_controller(seed);
+        let known = ranges(&controller, 0.02, 4.0);
+        match plan(&controller, &known, 5e-3, SAMPLES) {
+            Ok(fixed) => {
+                let mut runner = FixedRunner::new(&fixed);
+                let (worst, _, free) =
+                    measure(&controller, &mut |readings| runner.step_array(readings), 0.02);
+                assert!(!free || worst <= fixed.deviation.worst_v, "{seed}: {worst} {:?}", fixed.deviation);
+                kept += usize::from(free);
+            }
+            Err(FixedError::TooCoarse { worst_v, allowed_v, .. }) => {
+                assert!(worst_v > allowed_v || worst_v.is_nan());
+                refused += 1;
+            }
+            Err(other) => {
+                assert!(!other.to_string().is_empty());
+                refused += 1;
+            }
+        }
+        let single = single_precision(&controller, &known, SAMPLES);
+        let mut runner = controller.runner_in::<f32>();
+        let (worst, _, free) = measure(&controller, &mut |readings| runner.step_array(readings), 0.02);
+        assert!(!free || worst <= single.worst_v, "{seed}: {worst} {single:?}");
+    }
+    println!("{kept} kept, {refused} refused");
+    assert!(kept >= 100, "{kept} kept, {refused} refused");
+}
+
+#[test]
+fn what_cannot_be_planned_says_why() {
+    let controller = typical();
+    let still = Ranges::from_readings(&controller, &[vec![[0.0; READINGS]; 10]], 4.0);
+    assert!(matches!(plan(&controller, &still, 1.0, 10), Err(FixedError::NeverMoved { .. })));
+    let known = ranges(&controller, 0.05, 4.0);
+    let refused = plan(&controller, &known, 1e-12, SAMPLES);
+    assert!(matches!(refused, Err(FixedError::TooCoarse { allowed_v: 1e-12, .. })));
+}
+
+fn build(test: &str, plans: &[Fixed], flags: &[&str]) -> PathBuf {
+    let folder = folder(test);
+    let mut names = Vec::new();
+    let mut sources = vec!["server.c".to_owned()];
+    for (i, fixed) in plans.iter().enumerate() {
+        let name = format!("controller_{i}");
+        write(&folder, &fixed_c99(fixed, &provenance(), &name).unwrap());
+        sources.push(format!("{name}.c"));
+        names.push(name);
+    }
+    std::fs::write(folder.join("server.c"), server_in(&names, |_| "int32_t".into())).unwrap();
+    run(Command::new("cc").current_dir(&folder).args(flags).args(&sources).args(["-o", "server"]));
+    folder.join("server")
+}
+
+/// Integers of any size in every reading, settings and resets, against the C with every overflow trapped.
+#[test]
+fn fixed_c_equals_its_reference_and_never_overflows() {
+    if !is_there("cc") {
+        return println!("skipped: no C compiler");
+    }
+    let controllers: Vec<Controller> =
+        std::iter::once(typical()).chain((0..40).map(random_controller)).collect();
+    let planned = |controller: &Controller| plan(controller, &ranges(controller, 0.02, 4.0), 1.0, 500);
+    let plans: Vec<Fixed> = controllers.iter().filter_map(|controller| planned(controller).ok()).collect();
+    assert!(plans.len() > 20, "{}", plans.len());
+    let trap =
+        ["-fsanitize=undefined", "-fno-sanitize-recover=all", "-std=c99", "-Wall", "-Wextra", "-Wconversion"];
+    let program = build("fixed_trapped", &plans, &[&trap[..], &["-Werror", "-pedantic"]].concat());
+    let mut random = Random(5);
+    let mut asked = Vec::new();
+    for k in 0..200 {
+        for which in 0..plans.len() {
+            if k % 40 == 17 {
+                asked.push((which, Request::Set((random.signed() * 2147483647.0).round())));
+            }
+            let size = [2147483647.0, 1e9, 1e7, 1e5][k % 4];
+            asked.push((which, Request::Step(std::array::from_fn(|_| (random.signed() * size).round()))));
+        }
+    }
+    let mut runners: Vec<FixedRunner> = plans.iter().map(FixedRunner::new).collect();
+    let answers = Target::start(&program).ask_all(&asked);
+    for ((which, request), answer) in asked.iter().zip(&answers) {
+        match request {
+            Request::Set(value) => runners[*which].set_integer(*value as i64),
+            Request::Step(v) => {
+                assert_eq!(runners[*which].step_integers(&v.map(|x| x as i64)) as f64, *answer)
+            }
+            Request::Reset => runners[*which].reset(),
+        }
+    }
+    assert_eq!(answers.len(), asked.len());
+}
+
+#[test]
+fn shipped_fixed_point_compiles_in_silence_and_passes() {
+    for compiler in ["gcc", "clang"] {
+        if !is_there(compiler) {
+            println!("skipped: no {compiler}");
+            continue;
+        }
+        let folder = folder(&format!("fixed_{compiler}"));
+        let controller = typical();
+        let fixed = plan(&controller, &ranges(&controller, 0.05, 4.0), 2.5e-3, SAMPLES).unwrap();
+        write(&folder, &fixed_c99(&fixed, &provenance(), "axis").unwrap());
+        let sources = ["axis.c", "axis_self_test.c", "axis_test.c", "-o", "axis_test"];
+        let said = run(Command::new(compiler).current_dir(&folder).args(STRICT).args(sources));
+        assert_eq!(said, "");
+        let outcome = run(&mut Command::new(folder.join("axis_test")));
+        assert!(outcome.contains("48 samples equal to the last bit"), "{outcome}");
+    }
+}
