@@ -126,15 +126,15 @@ impl Profile {
             let values = dimensions(&self.sections[at], middle);
             mean.iter_mut().zip(values).for_each(|(m, v)| *m += weight * v);
         }
-        self.from_dimensions(mean)
+        self.made_of(mean)
     }
 
     fn cross_section(&self, section: usize, x_m: f64) -> CrossSection {
-        self.from_dimensions(dimensions(&self.sections[section], x_m))
+        self.made_of(dimensions(&self.sections[section], x_m))
     }
 
     /// Cross section of a tube [D, d, 0, 0] or of given values [0, 0, A, I].
-    fn from_dimensions(&self, [outer, inner, area, second]: [f64; 4]) -> CrossSection {
+    fn made_of(&self, [outer, inner, area, second]: [f64; 4]) -> CrossSection {
         CrossSection {
             area_m2: area + PI / 4.0 * (outer * outer - inner * inner),
             second_moment_m4: second + PI / 64.0 * (outer.powi(4) - inner.powi(4)),

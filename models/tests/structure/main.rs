@@ -1,5 +1,5 @@
 //! Beams, modes and the reference rig's structure against closed forms and independent figures.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
 mod damping;
 mod power_law;
