@@ -1,6 +1,7 @@
 //! Balancing by powers of two: exact, and often worth ten digits.
 
 use crate::error::{Error, check_square};
+use crate::kernel::vectorised;
 use crate::mat::Mat;
 use crate::tolerance::{BALANCE_GAIN, BALANCE_SWEEPS};
 
@@ -24,45 +25,61 @@ pub fn balance(A: &Mat) -> Result<Balanced, Error> {
     let mut A = A.clone();
     let mut scale = vec![1.0; A.nrows()];
     for _ in 0..BALANCE_SWEEPS {
-        let mut changed = false;
-        for i in 0..A.nrows() {
-            if let Some(factor) = factor(&A, i) {
-                scale_state(&mut A, i, factor);
-                scale[i] *= factor;
-                changed = true;
-            }
-        }
-        if !changed {
+        let (columns, rows) = squares(&A);
+        let candidates = (0..A.nrows()).filter(|&i| factor(columns[i], rows[i]).is_some());
+        let changed = candidates.filter(|&i| rescale_state(&mut A, &mut scale, i)).count();
+        if changed == 0 {
             break;
         }
     }
     Ok(Balanced { A, scale })
 }
 
-/// The power of two for state `i`, where it lowers the norm enough.
-fn factor(A: &Mat, i: usize) -> Option<f64> {
-    let n = A.nrows();
-    let column = norm((0..n).filter(|&j| j != i).map(|j| A[(j, i)]));
-    let row = norm((0..n).filter(|&j| j != i).map(|j| A[(i, j)]));
-    if column == 0.0 || row == 0.0 {
-        return None;
+vectorised! {
+    /// For every state the sums of the squares of its column and of its row, off the diagonal.
+    pub(crate) fn squares<'a>(A: &'a Mat) -> (Vec<f64>, Vec<f64>) {
+        let n = A.nrows();
+        let (mut columns, mut rows) = (vec![0.0; n], vec![0.0; n]);
+        for j in 0..n {
+            let mut sums = [0.0; 8];
+            let chunks = A.column(j).chunks_exact(8);
+            let rest: f64 = chunks.remainder().iter().map(|e| e * e).sum();
+            chunks.for_each(|chunk| sums.iter_mut().zip(chunk).for_each(|(s, e)| *s += e * e));
+            columns[j] = sums.iter().sum::<f64>() + rest;
+            rows.iter_mut().zip(A.column(j)).for_each(|(r, e)| *r += e * e);
+        }
+        for (i, e) in A.diagonal().into_iter().enumerate() {
+            columns[i] -= e * e;
+            rows[i] -= e * e;
+        }
+        (columns, rows)
     }
-    let factor = crate::decomposition::power_of_two((row / column).sqrt());
-    let gain = (column * factor).hypot(row / factor) < BALANCE_GAIN * column.hypot(row);
-    (factor != 1.0 && gain).then_some(factor)
 }
 
-fn norm(entries: impl Iterator<Item = f64> + Clone) -> f64 {
-    let largest = entries.clone().fold(0.0_f64, |a, b| a.max(b.abs()));
-    if largest == 0.0 {
-        return 0.0;
+/// Scales state `i` of the present matrix, where that still pays. Returns whether it did.
+fn rescale_state(A: &mut Mat, scale: &mut [f64], i: usize) -> bool {
+    let n = A.nrows();
+    let diagonal = A[(i, i)] * A[(i, i)];
+    let column = A.column(i).iter().map(|e| e * e).sum::<f64>() - diagonal;
+    let row = A.as_slice()[i..].iter().step_by(n).map(|e| e * e).sum::<f64>() - diagonal;
+    let Some(factor) = factor(column, row) else { return false };
+    scale_state(A, i, factor);
+    scale[i] *= factor;
+    true
+}
+
+/// The power of two for a state with these sums of squares, where it lowers the norm enough.
+fn factor(column: f64, row: f64) -> Option<f64> {
+    if column <= 0.0 || row <= 0.0 {
+        return None;
     }
-    largest * entries.map(|e| (e / largest).powi(2)).sum::<f64>().sqrt()
+    let factor = crate::decomposition::power_of_two((row / column).sqrt().sqrt());
+    let gain = column * factor * factor + row / factor / factor < BALANCE_GAIN * (column + row);
+    (factor != 1.0 && gain).then_some(factor)
 }
 
 fn scale_state(A: &mut Mat, i: usize, factor: f64) {
     A.column_mut(i).iter_mut().for_each(|e| *e *= factor);
-    for j in 0..A.ncols() {
-        A[(i, j)] /= factor;
-    }
+    let n = A.nrows();
+    A.as_mut_slice()[i..].iter_mut().step_by(n).for_each(|e| *e /= factor);
 }

@@ -3,6 +3,7 @@
 use crate::balance::balance;
 use crate::dense::solve;
 use crate::error::{Error, check_finite, check_shape, check_square};
+use crate::kernel::vectorised;
 use crate::mat::Mat;
 
 /// The exponential of a square matrix.
@@ -15,13 +16,16 @@ use crate::mat::Mat;
 pub fn expm(A: &Mat) -> Result<Mat, Error> {
     check_square("A", A)?;
     let balanced = balance(A)?;
-    if balanced.A.norm_one() >= A.norm_one() {
+    if balanced.A.norm_one() > WORTHWHILE * A.norm_one() {
         return checked(pade(A)?);
     }
     let d = &balanced.scale;
     let inner = pade(&balanced.A)?;
     checked(Mat::from_fn(A.nrows(), A.ncols(), |i, j| inner[(i, j)] * d[i] / d[j]))
 }
+
+/// Balancing is used where it lowers the 1-norm at least to this part.
+const WORTHWHILE: f64 = 0.5;
 
 fn checked(result: Mat) -> Result<Mat, Error> {
     check_finite("the exponential", &result)?;
@@ -92,12 +96,14 @@ fn quotient((U, V): (Mat, Mat)) -> Result<Mat, Error> {
 fn low_degree(A: &Mat, b: &[f64]) -> (Mat, Mat) {
     let n = A.nrows();
     let square = A * A;
-    let mut power = Mat::eye(n);
-    let (mut odd, mut even) = (Mat::zeros(n, n), Mat::zeros(n, n));
-    for pair in b.chunks(2) {
+    let (mut odd, mut even) = (Mat::eye(n).scale(b[1]), Mat::eye(n).scale(b[0]));
+    let mut power = square.clone();
+    for (k, pair) in b.chunks(2).enumerate().skip(1) {
+        if k > 1 {
+            power = &power * &square;
+        }
         add_scaled(&mut even, &power, pair[0]);
         add_scaled(&mut odd, &power, pair[1]);
-        power = &power * &square;
     }
     (A * odd, even)
 }
@@ -120,8 +126,10 @@ fn degree_13(A: &Mat) -> (Mat, Mat) {
     (A * odd, even)
 }
 
-fn add_scaled(sum: &mut Mat, term: &Mat, factor: f64) {
-    sum.as_mut_slice().iter_mut().zip(term.as_slice()).for_each(|(s, &t)| *s += factor * t);
+vectorised! {
+    fn add_scaled<'a>(sum: &'a mut Mat, term: &'a Mat, factor: f64) -> () {
+        sum.as_mut_slice().iter_mut().zip(term.as_slice()).for_each(|(s, &t)| *s += factor * t);
+    }
 }
 
 /// The zero-order hold: `Phi = exp(A h)` and `Gamma = integral of exp(A s) B ds from 0 to h`; `A` n x n, `B` n x m,

@@ -83,8 +83,41 @@ vectorised! {
     }
 }
 
+/// Products with fewer multiplications than this are summed term by term.
+const SMALL_PRODUCT: usize = 24 * 24 * 24;
+
 /// `A B` of two double matrices as a sum of two.
 pub(crate) fn exact_product(A: &Mat, B: &Mat) -> Extended {
+    let (mut high, mut low) = (Mat::zeros(A.nrows(), B.ncols()), Mat::zeros(A.nrows(), B.ncols()));
+    if A.nrows() * A.ncols() * B.ncols() < SMALL_PRODUCT {
+        sum_terms(A, B, &mut high, &mut low);
+        renormalise(&mut high, &mut low);
+        return Extended { high, low: Some(low) };
+    }
+    sliced_product(A, B)
+}
+
+vectorised! {
+    /// Every product and every sum with its rounding error (Dekker, Knuth).
+    fn sum_terms<'a>(A: &'a Mat, B: &'a Mat, high: &'a mut Mat, low: &'a mut Mat) -> () {
+        for j in 0..B.ncols() {
+            let (h, l) = (high.column_mut(j), low.column_mut(j));
+            for (k, &factor) in B.column(j).iter().enumerate() {
+                for ((h, l), &a) in h.iter_mut().zip(l.iter_mut()).zip(A.column(k)) {
+                    let product = a * factor;
+                    let lost = a.mul_add(factor, -product);
+                    let sum = *h + product;
+                    let back = sum - *h;
+                    *l += (*h - (sum - back)) + (product - back) + lost;
+                    *h = sum;
+                }
+            }
+        }
+    }
+}
+
+/// The same by slices and fast products.
+fn sliced_product(A: &Mat, B: &Mat) -> Extended {
     let inner = A.ncols().max(2) as f64;
     let bits = ((53.0 - inner.log2().ceil()) / 2.0).floor() as i32;
     let [a1, a2, a3] = slices(A, &row_exponents(A), bits, Side::Left);
@@ -164,8 +197,14 @@ mod tests {
         let entry = |i: usize, j: usize| ((1_i64 << 49) + (i * 7919 + j * 104_729) as i64 * 999_983) as f64;
         let A = Mat::from_fn(9, 7, entry);
         let B = Mat::from_fn(7, 5, |i, j| -entry(j, i));
-        let product = exact_product(&A, &B);
-        let low = product.low.unwrap_or_else(|| Mat::zeros(9, 5));
+        for product in [exact_product(&A, &B), sliced_product(&A, &B)] {
+            check(&A, &B, &product);
+        }
+    }
+
+    fn check(A: &Mat, B: &Mat, product: &Extended) {
+        let none = Mat::zeros(9, 5);
+        let low = product.low.as_ref().unwrap_or(&none);
         for i in 0..9 {
             for j in 0..5 {
                 let exact: i128 = (0..7).map(|k| A[(i, k)] as i128 * B[(k, j)] as i128).sum();

@@ -41,6 +41,8 @@ pub trait Scalar:
     fn modulus(self) -> f64;
     /// The complex conjugate (the number itself where it is real).
     fn conjugate(self) -> Self;
+    /// The sum of the squared moduli, which may overflow.
+    fn sum_of_squares(data: &[Self]) -> f64;
     /// `C += A B` for column-major data; `A` is m x k, `B` is k x n.
     fn gemm(m: usize, k: usize, n: usize, a: &[Self], b: &[Self], c: &mut [Self]);
 }
@@ -53,6 +55,9 @@ impl Scalar for f64 {
     }
     fn conjugate(self) -> Self {
         self
+    }
+    fn sum_of_squares(data: &[Self]) -> f64 {
+        sum_of_squares(data)
     }
     fn gemm(m: usize, k: usize, n: usize, a: &[Self], b: &[Self], c: &mut [Self]) {
         if m * k * n < LARGE_PRODUCT {
@@ -78,8 +83,27 @@ impl Scalar for C64 {
     fn conjugate(self) -> Self {
         self.conj()
     }
+    fn sum_of_squares(data: &[Self]) -> f64 {
+        data.iter().map(|e| e.norm_sqr()).sum()
+    }
     fn gemm(m: usize, k: usize, n: usize, a: &[Self], b: &[Self], c: &mut [Self]) {
         small_gemm_c64((m, k, n), a, b, c);
+    }
+}
+
+/// Between these a sum of squares has neither overflowed nor lost small entries.
+const SAFE_SQUARES: (f64, f64) = (1e-200, 1e300);
+
+vectorised! {
+    /// Eight partial sums, so that the additions overlap.
+    fn sum_of_squares<'a>(data: &'a [f64]) -> f64 {
+        let mut sums = [0.0; 8];
+        let chunks = data.chunks_exact(8);
+        let rest: f64 = chunks.remainder().iter().map(|e| e * e).sum();
+        for chunk in chunks {
+            sums.iter_mut().zip(chunk).for_each(|(s, e)| *s += e * e);
+        }
+        sums.iter().sum::<f64>() + rest
     }
 }
 
@@ -328,6 +352,10 @@ impl<T: Scalar> Dense<T> {
 
     /// The square root of the sum of the squares, scaled against overflow.
     pub fn norm_fro(&self) -> f64 {
+        let plain = T::sum_of_squares(&self.data);
+        if plain > SAFE_SQUARES.0 && plain < SAFE_SQUARES.1 {
+            return plain.sqrt();
+        }
         let largest = self.norm_max();
         if largest == 0.0 || !largest.is_finite() {
             return largest;

@@ -47,7 +47,7 @@ fn solve_by_schur(A: &Mat, B: &Mat, C: &Mat, kind: Kind) -> Result<Mat, Error> {
 }
 
 /// The equation for matrices whose Schur forms are known.
-pub(crate) fn solve_with_forms(left: &Schur, right: &Schur, C: &Mat, kind: Kind) -> Result<Mat, Error> {
+fn solve_with_forms(left: &Schur, right: &Schur, C: &Mat, kind: Kind) -> Result<Mat, Error> {
     check_spectra(&left.eigenvalues(), &right.eigenvalues(), kind)?;
     let mut inner = left.U.t() * C * &right.U;
     solve_triangular(&left.T, &right.T, &mut inner, kind);
@@ -55,7 +55,7 @@ pub(crate) fn solve_with_forms(left: &Schur, right: &Schur, C: &Mat, kind: Kind)
 }
 
 /// Refuses a pair of eigenvalues that makes the equation singular to working precision.
-fn check_spectra(ours: &[C64], theirs: &[C64], kind: Kind) -> Result<(), Error> {
+pub(crate) fn check_spectra(ours: &[C64], theirs: &[C64], kind: Kind) -> Result<(), Error> {
     for &first in ours {
         for &second in theirs {
             let (gap, scale, equation) = match kind {

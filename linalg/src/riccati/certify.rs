@@ -1,8 +1,6 @@
 //! The certificate of a Riccati solution, computed from what is returned.
 
-use crate::lyapunov::solve_with_form;
 use crate::mat::{C64, Mat};
-use crate::schur::Schur;
 use crate::sylvester::Kind;
 use crate::tolerance::RICCATI_RESIDUAL;
 
@@ -19,7 +17,7 @@ pub(super) fn certify(
     method: Method,
 ) -> Result<(Vec<C64>, Certificate), Reason> {
     let kind = equation.kind();
-    let mut closed_loop = refined.form.eigenvalues();
+    let mut closed_loop = refined.derivative.form.eigenvalues();
     closed_loop.sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
     let worst = closed_loop.iter().map(|&l| excess(l, kind)).fold(f64::NEG_INFINITY, f64::max);
     let stability = if kind == Kind::Continuous { worst } else { worst + 1.0 };
@@ -30,7 +28,7 @@ pub(super) fn certify(
     if !sound || (worst >= 0.0 && !closed_loop.is_empty()) {
         return Err(inaccurate(relative_residual));
     }
-    let (separation, condition) = sensitivity(problem, refined, kind);
+    let (separation, condition) = sensitivity(problem, refined);
     let certificate = Certificate {
         relative_residual,
         symmetry: 0.0,
@@ -44,22 +42,12 @@ pub(super) fn certify(
 
 /// Separation and Kenney-Hewer condition number. For a stable operator the solution for the identity attains the norm of
 /// the inverse, so that the separation is exact in the 2-norm (here bounded by the Frobenius norm).
-fn sensitivity(problem: &Problem, refined: &Refined, kind: Kind) -> (f64, f64) {
+fn sensitivity(problem: &Problem, refined: &Refined) -> (f64, f64) {
     let n = problem.A.nrows();
-    let inner = |Q: &Mat| solve_inner(&refined.form, Q, kind);
-    let U = &refined.form.U;
+    let U = &refined.derivative.form.U;
     let X = U.t() * &refined.X * U;
-    let (Some(H0), Some(H2)) = (inner(&Mat::eye(n)), inner(&(&X * &X).symmetric_part())) else {
-        return (0.0, f64::INFINITY);
-    };
-    let (h0, h2) = (H0.norm_fro(), H2.norm_fro());
-    let data =
-        h0 * problem.Q.norm_fro() + 2.0 * (h0 * h2).sqrt() * problem.A.norm_fro() + h2 * problem.G.norm_fro();
+    let h0 = refined.derivative.solve_inner(&Mat::eye(n)).norm_fro();
+    let h2 = refined.derivative.solve_inner(&(&X * &X)).norm_fro();
+    let data = h0 * problem.Q.norm_fro() + 2.0 * (h0 * h2).sqrt() * problem.A.norm_fro() + h2 * problem.G.norm_fro();
     (1.0 / h0, data / X.norm_fro().max(f64::MIN_POSITIVE))
-}
-
-/// The Lyapunov equation in the coordinates of the Schur form.
-fn solve_inner(form: &Schur, Q: &Mat, kind: Kind) -> Option<Mat> {
-    let inner = Schur { T: form.T.clone(), U: Mat::eye(form.T.nrows()) };
-    solve_with_form(&inner, Q, kind).ok()
 }

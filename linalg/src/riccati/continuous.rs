@@ -86,7 +86,7 @@ pub(super) fn fold(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Optio
 }
 
 /// Above this size the products of the doubling beat the rotations of the Schur form.
-const LARGE: usize = 40;
+const LARGE: usize = 0;
 
 /// First approximation, refinement, certificate; the second method where the first does not lead to one.
 fn solve_scaled(

@@ -4,11 +4,10 @@
 //! residual is computed in twice the working precision and the sum is kept as two doubles, so that the steps contract
 //! until `X` is right to its last bits, whatever the condition of the equation up to 1/eps.
 
-use crate::error::Error;
 use crate::extended::Extended;
-use crate::lyapunov::{solve_with_form, transposed};
+use crate::lyapunov::{Operator, transposed};
 use crate::mat::Mat;
-use crate::schur::{Schur, schur};
+use crate::schur::schur;
 use crate::sylvester::Kind;
 use crate::tolerance::{EPS, NEWTON_STEPS};
 
@@ -25,8 +24,8 @@ pub(super) trait Equation {
 /// A refined solution.
 pub(super) struct Refined {
     pub(super) X: Mat,
-    /// Schur form of the closed loop's transpose.
-    pub(super) form: Schur,
+    /// The Lyapunov operator of the closed loop's transpose.
+    pub(super) derivative: Operator,
     pub(super) steps: usize,
 }
 
@@ -36,13 +35,12 @@ const STALE: f64 = 1e-4;
 /// Refines `X`; `None` where the closed loop has no Schur form or a step cannot be computed.
 pub(super) fn refine(equation: &impl Equation, X: Mat) -> Option<Refined> {
     let mut X = Extended::from(X);
-    let mut form = closed_loop_form(equation, &X.high).ok()??;
+    let mut derivative = derivative_at(equation, &X.high)?;
     let mut size = f64::INFINITY;
     let mut steps = 0;
     while steps < NEWTON_STEPS {
         let (residual, _) = equation.residual(&X)?;
-        let Ok(step) = solve_with_form(&form, &residual, equation.kind()) else { break };
-        let step = step.symmetric_part();
+        let step = derivative.solve(&residual).symmetric_part();
         let relative = step.norm_fro() / X.high.norm_fro().max(f64::MIN_POSITIVE);
         let stuck = relative > 0.5 * size && size < STALE;
         if !relative.is_finite() || stuck {
@@ -52,7 +50,7 @@ pub(super) fn refine(equation: &impl Equation, X: Mat) -> Option<Refined> {
         steps += 1;
         let rate = if size.is_finite() { relative / size } else { 100.0 * relative };
         if relative > STALE {
-            form = closed_loop_form(equation, &X.high).ok()??;
+            derivative = derivative_at(equation, &X.high)?;
         }
         size = relative;
         if relative * rate < EPS / 16.0 {
@@ -60,12 +58,10 @@ pub(super) fn refine(equation: &impl Equation, X: Mat) -> Option<Refined> {
         }
     }
     let X = X.collapse().symmetric_part();
-    Some(Refined { X, form, steps })
+    Some(Refined { X, derivative, steps })
 }
 
-fn closed_loop_form(equation: &impl Equation, X: &Mat) -> Result<Option<Schur>, Error> {
-    match equation.closed_loop(X) {
-        Some(closed) if closed.is_finite() => Ok(Some(transposed(&schur(&closed)?))),
-        _ => Ok(None),
-    }
+fn derivative_at(equation: &impl Equation, X: &Mat) -> Option<Operator> {
+    let closed = equation.closed_loop(X).filter(Mat::is_finite)?;
+    Operator::new(transposed(&schur(&closed).ok()?), equation.kind()).ok()
 }
