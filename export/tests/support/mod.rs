@@ -201,7 +201,12 @@ pub enum Request {
 impl Target {
     /// Starts the program.
     pub fn start(program: &FilePath) -> Self {
-        let mut child = Command::new(program).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+        Self::launch(&mut Command::new(program))
+    }
+
+    /// Starts the program by a command.
+    pub fn launch(command: &mut Command) -> Self {
+        let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
         let (to, from) = (child.stdin.take(), child.stdout.take().unwrap());
         Self { child, to, from }
     }
