@@ -6,7 +6,7 @@
 //! *Invariant*: nothing here knows the drive, a file or time.
 //!
 //! Modules in reading order: [`profile`], [`element`], [`power_law`], [`mesh`], [`fe`], [`modes`], [`damping`],
-//! [`reduced`], [`configured`].
+//! [`reduced`], [`configured`], [`import`].
 //!
 //! ```
 //! use counterpoise_models::structure::{FeModel, FeOptions, Fitted, lumped};
@@ -22,6 +22,7 @@ pub mod configured;
 pub mod damping;
 pub mod element;
 pub mod fe;
+pub mod import;
 pub mod mesh;
 pub mod modes;
 pub mod power_law;

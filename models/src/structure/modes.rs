@@ -40,8 +40,9 @@ pub struct Modes {
 
 /// The modes: K phi = w^2 M phi on the unknowns that the support leaves free.
 ///
-/// The rigid modes are the exact rigid motions, and the flexible ones are made orthogonal to them. Cost: one symmetric
-/// eigenproblem of the number of unknowns.
+/// The rigid modes are the exact rigid motions, and the flexible ones are made orthogonal to them. Unknowns without mass
+/// (rotations of a lumped-mass model) follow the others statically; there are as many modes as unknowns with mass. Cost:
+/// one symmetric eigenproblem of the number of unknowns.
 ///
 /// # Errors
 /// [`Error::NoHubNode`] where a held structure has no node at the pivot, [`Error::NotFree`] where K resists a rigid
@@ -51,18 +52,18 @@ pub fn modes(model: &FeModel, support: Support) -> Result<Modes, Error> {
     let held = held(model, support)?;
     let free: Vec<usize> = (0..n).filter(|i| !held.contains(i)).collect();
     let rigid = rigid_modes(model, support)?;
-    let (values, vectors) = sym_gen_eigen(&model.K.select(&free, &free), &model.M.select(&free, &free))?;
+    let (values, vectors) = pencil(&model.K.select(&free, &free), &model.M.select(&free, &free))?;
     let mut out = Modes {
         support,
         rigid: rigid.len(),
         frequencies_rad_s: values.iter().map(|v| v.max(0.0).sqrt()).collect(),
-        shapes: Mat::zeros(n, free.len()),
+        shapes: Mat::zeros(n, values.len()),
     };
     for (j, shape) in rigid.iter().enumerate() {
         out.frequencies_rad_s[j] = 0.0;
         out.shapes.column_mut(j).copy_from_slice(shape);
     }
-    for j in rigid.len()..free.len() {
+    for j in rigid.len()..values.len() {
         let mut shape = vec![0.0; n];
         free.iter().enumerate().for_each(|(k, &i)| shape[i] = vectors[(k, j)]);
         rigid.iter().for_each(|r| remove(model, &mut shape, r));
@@ -98,6 +99,24 @@ impl Modes {
     pub fn effective_mass(&self, model: &FeModel, direction: Direction) -> Vec<f64> {
         self.participation(model, direction).into_iter().map(|p| p * p).collect()
     }
+}
+
+/// K v = lambda M v, rising, for as many lambda as unknowns have mass.
+///
+/// Where some have none, M v = mu (K + s M) v with a shift s of the order of the first flexible lambda, and
+/// lambda = 1 / mu - s.
+fn pencil(K: &Mat, M: &Mat) -> Result<(Vec<f64>, Mat), Error> {
+    let n = M.nrows();
+    let with_mass: Vec<usize> = (0..n).filter(|&i| M[(i, i)] > 0.0).collect();
+    if with_mass.len() == n {
+        return Ok(sym_gen_eigen(K, M)?);
+    }
+    let highest = with_mass.iter().map(|&i| K[(i, i)] / M[(i, i)]).fold(0.0, f64::max);
+    let shift = highest * (2.0 / n as f64).powi(4);
+    let (inverses, vectors) = sym_gen_eigen(M, &(K + &M.scale(shift)))?;
+    let order: Vec<usize> = (n - with_mass.len()..n).rev().collect();
+    let values = order.iter().map(|&j| 1.0 / inverses[j] - shift).collect();
+    Ok((values, vectors.select(&(0..n).collect::<Vec<_>>(), &order)))
 }
 
 fn held(model: &FeModel, support: Support) -> Result<Vec<usize>, Error> {

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
 mod damping;
+mod import;
 mod power_law;
 mod reduced;
 mod rig;

@@ -1,0 +1,124 @@
+//! Matrix Market text (R. Boisvert, R. Pozo, K. Remington, NIST IR 5935, 1996): coordinate and array, real.
+
+use super::text::{integer, real, refused};
+use crate::Error;
+use counterpoise_lti::Mat;
+
+/// The matrix in a Matrix Market text: `real` or `integer`, `general`, `symmetric` or `skew-symmetric`; entries that are
+/// given twice add up.
+///
+/// # Errors
+/// [`Error::Import`] with the line: a header that is not supported, an index outside, a number missing or too many.
+pub fn matrix_market(text: &str) -> Result<Mat, Error> {
+    let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line));
+    let (_, banner) = lines.next().ok_or_else(|| refused(1, "the text is empty".to_owned()))?;
+    let header = Header::parse(banner)?;
+    let mut body = lines.filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('%'));
+    let (at, size) = body.next().ok_or_else(|| refused(1, "the size is missing".to_owned()))?;
+    let size: Vec<usize> = size.split_whitespace().map(|t| integer(at, t)).collect::<Result<_, _>>()?;
+    match (header.coordinate, size.as_slice()) {
+        (true, &[rows, cols, entries]) => coordinate(body, &header, (rows, cols), entries, at),
+        (false, &[rows, cols]) => array(body, &header, (rows, cols), at),
+        _ => Err(refused(at, "the size has the wrong number of entries".to_owned())),
+    }
+}
+
+struct Header {
+    coordinate: bool,
+    /// What the entry across the diagonal is multiplied by: 0 for a general matrix.
+    mirror: f64,
+}
+
+impl Header {
+    fn parse(banner: &str) -> Result<Self, Error> {
+        let words: Vec<String> = banner.split_whitespace().map(str::to_ascii_lowercase).collect();
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        let unsupported = || refused(1, format!("\"{banner}\" is not a real Matrix Market matrix"));
+        let ["%%matrixmarket", "matrix", format, "real" | "integer" | "double", symmetry] = words.as_slice()
+        else {
+            return Err(unsupported());
+        };
+        let mirror = match *symmetry {
+            "general" => 0.0,
+            "symmetric" => 1.0,
+            "skew-symmetric" => -1.0,
+            _ => return Err(unsupported()),
+        };
+        match *format {
+            "coordinate" => Ok(Self { coordinate: true, mirror }),
+            "array" => Ok(Self { coordinate: false, mirror }),
+            _ => Err(unsupported()),
+        }
+    }
+
+    fn add(&self, out: &mut Mat, (i, j): (usize, usize), value: f64) {
+        out[(i, j)] += value;
+        if i != j && self.mirror != 0.0 {
+            out[(j, i)] += self.mirror * value;
+        }
+    }
+}
+
+fn coordinate<'a>(
+    lines: impl Iterator<Item = (usize, &'a str)>,
+    header: &Header,
+    (rows, cols): (usize, usize),
+    entries: usize,
+    size_line: usize,
+) -> Result<Mat, Error> {
+    check_square(header, (rows, cols), size_line)?;
+    let mut out = Mat::zeros(rows, cols);
+    let mut found = 0;
+    for (at, line) in lines {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let [i, j, value] = words.as_slice() else {
+            return Err(refused(at, format!("\"{line}\" is not row, column and value")));
+        };
+        let (i, j): (usize, usize) = (integer(at, i)?, integer(at, j)?);
+        if i == 0 || j == 0 || i > rows || j > cols {
+            return Err(refused(at, format!("({i}, {j}) is outside {rows} x {cols}")));
+        }
+        header.add(&mut out, (i - 1, j - 1), real(at, value)?);
+        found += 1;
+    }
+    if found == entries {
+        Ok(out)
+    } else {
+        Err(refused(size_line, format!("{found} entries of {entries} are there")))
+    }
+}
+
+fn array<'a>(
+    lines: impl Iterator<Item = (usize, &'a str)>,
+    header: &Header,
+    (rows, cols): (usize, usize),
+    size_line: usize,
+) -> Result<Mat, Error> {
+    check_square(header, (rows, cols), size_line)?;
+    let first = |j: usize| {
+        if header.mirror == 0.0 {
+            0
+        } else if header.mirror > 0.0 {
+            j
+        } else {
+            j + 1
+        }
+    };
+    let mut places = (0..cols).flat_map(|j| (first(j)..rows).map(move |i| (i, j)));
+    let mut out = Mat::zeros(rows, cols);
+    for (at, line) in lines {
+        let place = places.next().ok_or_else(|| refused(at, "there are too many entries".to_owned()))?;
+        header.add(&mut out, place, real(at, line)?);
+    }
+    match places.next() {
+        None => Ok(out),
+        Some((i, j)) => Err(refused(size_line, format!("the entries end before ({}, {})", i + 1, j + 1))),
+    }
+}
+
+fn check_square(header: &Header, (rows, cols): (usize, usize), at: usize) -> Result<(), Error> {
+    if header.mirror != 0.0 && rows != cols {
+        return Err(refused(at, format!("a symmetric matrix cannot be {rows} x {cols}")));
+    }
+    Ok(())
+}

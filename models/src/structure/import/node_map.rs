@@ -1,0 +1,112 @@
+//! Which node and direction each row of an imported matrix belongs to, and where the nodes lie.
+
+use super::text::{integer, real, refused};
+use crate::Error;
+use std::collections::BTreeMap;
+
+/// An unknown: a component of a grid point, 1 to 3 translations and 4 to 6 rotations (0 for a scalar point).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Dof {
+    /// Grid point.
+    pub grid: u64,
+    /// Component.
+    pub component: u8,
+}
+
+/// Where the nodes lie, and what the rows mean.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NodeMap {
+    /// Component of the upward deflection.
+    pub deflection: u8,
+    /// Component of the rotation about the pivot's axis.
+    pub rotation: u8,
+    /// 1 where that rotation is positive nose-up, -1 where nose-down (about y with x forward and z up).
+    pub rotation_sign: f64,
+    /// Grid at the pivot.
+    pub pivot: u64,
+    /// Grid at the tip.
+    pub tip: u64,
+    /// Position of each grid along the axis, m.
+    pub positions_m: BTreeMap<u64, f64>,
+    /// The unknown of each row, for matrices that do not name their rows.
+    pub rows: Vec<Dof>,
+}
+
+impl NodeMap {
+    /// The map in a text of lines
+    ///
+    /// ```text
+    /// axes 3 -5        component of the deflection, of the rotation; minus where that is nose-down
+    /// pivot 100        grid at the pivot
+    /// tip 120          grid at the tip
+    /// node 100 0.0     grid and its position along the axis, m
+    /// row 100 3        grid and component of the next row (not for DMIG)
+    /// ```
+    ///
+    /// in any order but that of the rows; `#` begins a comment.
+    ///
+    /// # Errors
+    /// [`Error::Import`] with the line that cannot be read, or what is missing.
+    pub fn parse(text: &str) -> Result<Self, Error> {
+        let mut out = Draft::default();
+        for (i, raw) in text.lines().enumerate() {
+            let words: Vec<&str> = raw.split('#').next().unwrap_or("").split_whitespace().collect();
+            if !words.is_empty() {
+                out.read(i + 1, &words)?;
+            }
+        }
+        out.finish()
+    }
+
+    /// Position of a grid, m.
+    ///
+    /// # Errors
+    /// [`Error::Import`] for a grid that the map lacks.
+    pub fn position(&self, grid: u64) -> Result<f64, Error> {
+        let found = self.positions_m.get(&grid).copied();
+        found.ok_or_else(|| refused(0, format!("the node map has no position for grid {grid}")))
+    }
+}
+
+#[derive(Default)]
+struct Draft {
+    axes: Option<(u8, i8)>,
+    pivot: Option<u64>,
+    tip: Option<u64>,
+    positions_m: BTreeMap<u64, f64>,
+    rows: Vec<Dof>,
+}
+
+impl Draft {
+    fn read(&mut self, at: usize, words: &[&str]) -> Result<(), Error> {
+        match words {
+            ["axes", deflection, rotation] => {
+                self.axes = Some((integer(at, deflection)?, integer(at, rotation)?))
+            }
+            ["pivot", grid] => self.pivot = Some(integer(at, grid)?),
+            ["tip", grid] => self.tip = Some(integer(at, grid)?),
+            ["node", grid, position] => {
+                self.positions_m.insert(integer(at, grid)?, real(at, position)?);
+            }
+            ["row", grid, component] => {
+                self.rows.push(Dof { grid: integer(at, grid)?, component: integer(at, component)? });
+            }
+            _ => return Err(refused(at, format!("\"{}\" is not a line of a node map", words.join(" ")))),
+        }
+        Ok(())
+    }
+
+    fn finish(self) -> Result<NodeMap, Error> {
+        let missing = |what: &str| refused(0, format!("the node map lacks its \"{what}\" line"));
+        let (deflection, rotation) = self.axes.ok_or_else(|| missing("axes"))?;
+        Ok(NodeMap {
+            deflection,
+            rotation: rotation.unsigned_abs(),
+            rotation_sign: if rotation < 0 { -1.0 } else { 1.0 },
+            pivot: self.pivot.ok_or_else(|| missing("pivot"))?,
+            tip: self.tip.ok_or_else(|| missing("tip"))?,
+            positions_m: self.positions_m,
+            rows: self.rows,
+        })
+    }
+}

@@ -1,0 +1,33 @@
+//! What the readers share: lines that count from 1, and numbers as FORTRAN writes them.
+
+use crate::Error;
+
+/// A refusal at a line; 0 where no line is to blame.
+pub(super) fn refused(line: usize, what: String) -> Error {
+    Error::Import { line, what }
+}
+
+/// A number: `1.5e3`, `1.5D+03` or, as Nastran writes it, `1.5+3`.
+pub(super) fn real(line: usize, text: &str) -> Result<f64, Error> {
+    let plain = text.trim().replace(['d', 'D'], "e");
+    let value = plain.parse().ok().or_else(|| with_exponent(&plain)?.parse().ok());
+    let finite = value.filter(|v: &f64| v.is_finite());
+    finite.ok_or_else(|| refused(line, format!("\"{}\" is not a number", text.trim())))
+}
+
+/// The text with an `e` before a sign in its middle.
+fn with_exponent(text: &str) -> Option<String> {
+    let at = text.rfind(['+', '-']).filter(|&at| at > 0)?;
+    Some(format!("{}e{}", &text[..at], &text[at..]))
+}
+
+/// A whole number.
+pub(super) fn integer<T: std::str::FromStr>(line: usize, text: &str) -> Result<T, Error> {
+    text.trim().parse().map_err(|_| refused(line, format!("\"{}\" is not a whole number", text.trim())))
+}
+
+/// A piece of a line by columns; empty beyond the line's end.
+pub(super) fn columns(line: &str, from: usize, to: usize) -> &str {
+    let end = to.min(line.len());
+    if from >= end { "" } else { line.get(from..end).unwrap_or("") }
+}

@@ -1,0 +1,309 @@
+use super::{assert_all, assert_close, options, uniform};
+use counterpoise_lti::Mat;
+use counterpoise_models::Error;
+use counterpoise_models::structure::import::{Dof, Imported, NodeMap, dmig, matrix_market, op4};
+use counterpoise_models::structure::{FeModel, Fitted, Integration, Mesh, Support, lumped, modes};
+use std::fmt::Write;
+
+const ELEMENTS: usize = 6;
+
+fn model() -> FeModel {
+    let mut beam = uniform();
+    beam.pivot_m = 0.5;
+    FeModel::beam(&beam, &Fitted::default(), &options(Mesh::Equal(ELEMENTS), Integration::Quadrature))
+        .unwrap()
+}
+
+/// Rows in the reverse order of the nodes, rotations nose-down.
+fn map_text() -> String {
+    let mut text = "# a map\naxes 3 -5\npivot 13\ntip 16\n".to_owned();
+    (0..=ELEMENTS).for_each(|i| writeln!(text, "node {} {:?}", 10 + i, i as f64 / ELEMENTS as f64).unwrap());
+    (0..=ELEMENTS).rev().for_each(|i| writeln!(text, "row {} 3\nrow {} 5", 10 + i, 10 + i).unwrap());
+    text
+}
+
+/// The model's matrix with rows as in the map.
+fn mapped(A: &Mat, map: &NodeMap) -> Mat {
+    let index = |d: &Dof| 2 * (d.grid as usize - 10) + usize::from(d.component == 5);
+    let sign = |d: &Dof| if d.component == 5 { -1.0 } else { 1.0 };
+    let n = A.nrows();
+    Mat::from_fn(n, n, |i, j| {
+        let (a, b) = (&map.rows[i], &map.rows[j]);
+        sign(a) * A[(index(a), index(b))] * sign(b)
+    })
+}
+
+fn assert_same(imported: &Imported, map: &NodeMap) {
+    let (found, expected) = (imported.structure(map).unwrap(), model());
+    for support in [Support::Free, Support::Pinned, Support::Clamped] {
+        let of = |model: &FeModel| modes(model, support).unwrap().flexible_rad_s()[..5].to_vec();
+        assert_all(&of(&found), &of(&expected), 1e-7);
+    }
+    assert_close(found.inertia_kg_m2(), expected.inertia_kg_m2(), 1e-8);
+    assert_close(found.first_moment_kg_m(), expected.first_moment_kg_m(), 1e-8);
+    let (found, expected) = (lumped(&found, &[0.01]).unwrap(), lumped(&expected, &[0.01]).unwrap());
+    assert_close(found.hub_inertia_kg_m2 / expected.hub_inertia_kg_m2, 1.0, 1e-6);
+}
+
+#[test]
+fn matrix_market_gives_the_same_structure() {
+    let map = NodeMap::parse(&map_text()).unwrap();
+    let (M, K) = (mapped(&model().M, &map), mapped(&model().K, &map));
+    let mut array =
+        format!("%%MatrixMarket matrix array real general\n% mass\n{} {}\n", M.nrows(), M.ncols());
+    M.as_slice().iter().for_each(|v| writeln!(array, "{v:?}").unwrap());
+    let lower: Vec<(usize, usize)> =
+        (0..K.ncols()).flat_map(|j| (j..K.nrows()).map(move |i| (i, j))).collect();
+    let mut coordinate =
+        format!("%%MatrixMarket matrix coordinate real symmetric\n{0} {0} {1}\n", K.nrows(), lower.len());
+    lower.iter().for_each(|&(i, j)| writeln!(coordinate, "{} {} {:e}", i + 1, j + 1, K[(i, j)]).unwrap());
+    let imported = Imported::in_order_of(
+        &map,
+        matrix_market(&array).unwrap(),
+        None,
+        matrix_market(&coordinate).unwrap(),
+    );
+    assert_eq!((&imported.M, &imported.K), (&M, &K));
+    assert_same(&imported, &map);
+}
+
+#[test]
+fn matrix_market_reads_what_scipy_writes() {
+    let array = "%%MatrixMarket matrix array real symmetric\n%\n2 2\n1.2E1\n6\n-1.25E-6\n";
+    let expected = Mat::from_rows(&[[12.0, 6.0], [6.0, -1.25e-6]]);
+    assert_eq!(matrix_market(array).unwrap(), expected);
+    let skew = "%%MatrixMarket matrix array real skew-symmetric\n2 2\n3\n";
+    assert_eq!(matrix_market(skew).unwrap(), Mat::from_rows(&[[0.0, -3.0], [3.0, 0.0]]));
+}
+
+#[test]
+fn matrix_market_names_the_line_that_is_wrong() {
+    let cases = [
+        ("%%MatrixMarket matrix coordinate complex general\n1 1 1\n1 1 1 0\n", 1),
+        ("%%MatrixMarket matrix coordinate real general\n2 2 1\n3 1 1\n", 3),
+        ("%%MatrixMarket matrix coordinate real general\n2 2 1\n1 1 one\n", 3),
+        ("%%MatrixMarket matrix coordinate real general\n2 2 2\n1 1 1\n", 2),
+        ("%%MatrixMarket matrix array real general\n1 1\n1\n2\n", 4),
+        ("%%MatrixMarket matrix array real symmetric\n1 2\n1\n2\n", 2),
+        ("", 1),
+    ];
+    for (text, expected) in cases {
+        match matrix_market(text) {
+            Err(Error::Import { line, .. }) => assert_eq!(line, expected, "{text}"),
+            other => panic!("{text}: {other:?}"),
+        }
+    }
+}
+
+/// The matrix's lower half as DMIG in large fields.
+fn large_fields(name: &str, A: &Mat, map: &NodeMap) -> String {
+    let mut text = format!("$ DMIG Matrix {name}\nDMIG    {name:<8}{:>8}{:>8}{:>8}{:>8}\n", 0, 6, 2, 0);
+    for j in 0..A.ncols() {
+        let col = map.rows[j];
+        writeln!(text, "DMIG*   {name:<16}{:>16}{:>16}", col.grid, col.component).unwrap();
+        for i in j..A.nrows() {
+            let row = map.rows[i];
+            let value = format!("{:.9E}", A[(i, j)]).replace('E', "D");
+            writeln!(text, "*       {:>16}{:>16}{value:>16}", row.grid, row.component).unwrap();
+        }
+    }
+    text
+}
+
+#[test]
+fn dmig_gives_the_same_structure() {
+    let map = NodeMap::parse(&map_text()).unwrap();
+    let text = format!(
+        "BEGIN BULK\nGRID,1,,0.,0.,0.\n{}{}ENDDATA\n",
+        large_fields("KAAX", &mapped(&model().K, &map), &map),
+        large_fields("MAAX", &mapped(&model().M, &map), &map)
+    );
+    let imported = Imported::from_dmig(&dmig(&text).unwrap(), "maax", None, "KAAX").unwrap();
+    assert_same(&imported, &map);
+}
+
+#[test]
+fn dmig_reads_small_large_and_free_fields() {
+    let small = "\
+DMIG        KAAX       0       6       1       0       0               0
+DMIG        KAAX       1       3               1       31500000.
+DMIG        KAAX       1       5               1       3 -2.25-4
+               2       3      7.
+GRID           9
+               2       3    999.
+";
+    let large = "\
+DMIG*               KAAX               0               6               1
+*                      0               0                               0
+DMIG*               KAAX               1               3
+*                      1               3        1500000.
+DMIG*               KAAX               1               5
+*                      1               3        -.000225
+*                      2               3              7.
+";
+    let free = "DMIG,KAAX,0,6,1,0\nDMIG,KAAX,1,3,,1,3,1.5+6\nDMIG,KAAX,1,5,,1,3,-2.25-4\n,2,3,7.0\n";
+    let dof = |grid, component| Dof { grid, component };
+    let expected =
+        vec![(dof(1, 3), dof(1, 3), 1.5e6), (dof(1, 3), dof(1, 5), -2.25e-4), (dof(2, 3), dof(1, 5), 7.0)];
+    for text in [small, large, free] {
+        let found = dmig(text).unwrap();
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].entries, expected, "{text}");
+    }
+    let matrix = dmig(free).unwrap()[0].matrix(&[dof(1, 3), dof(1, 5), dof(2, 3)]);
+    assert_eq!(matrix, Mat::from_rows(&[[1.5e6, -2.25e-4, 0.0], [-2.25e-4, 0.0, 7.0], [0.0, 7.0, 0.0]]));
+}
+
+#[test]
+fn dmig_names_the_line_that_is_wrong() {
+    let cases = [
+        ("DMIG,K,1,3,,1,3,1.0\n", 1),
+        ("DMIG,K,0,6,3,0\n", 1),
+        ("DMIG,K,0,6,1,0\nDMIG,K,1,3,,1,3,x\n", 2),
+        ("DMIG,K,0,9,1,0\n", 1),
+    ];
+    for (text, expected) in cases {
+        assert!(matches!(dmig(text), Err(Error::Import { line, .. }) if line == expected), "{text}");
+    }
+    assert!(Imported::from_dmig(&[], "M", None, "K").is_err());
+}
+
+const OP4_DENSE: &str = "
+       4       4       6       2KGG     1P,3E23.16
+       1       1       4
+ 1.2000000000000000E+01 6.0000000000000000E+00 0.0000000000000000E+00
+-1.2500000000000001E-06
+       2       1       2
+ 6.0000000000000000E+00 4.0000000000000000E+00
+       3       3       1
+ 3.2500000000000000E+00
+       4       1       4
+-1.2500000000000001E-06 0.0000000000000000E+00 0.0000000000000000E+00
+ 1.0000000000000000E+08
+       5       1       1
+ 1.0000000000000000E+00
+       2       2       1       2MGG     1P,5E16.9
+       2       1       2
+ 5.000000000E-01-2.000000000E+00
+       3       1       1
+ 1.414213562E+00
+";
+
+const OP4_BIGMAT: &str = "
+       4      -4       6       2KGG     1P,5E16.9
+       1       0      10
+       5       1
+ 1.200000000E+01 6.000000000E+00
+       3       4
+-1.250000000E-06
+       2       0       6
+       5       1
+ 6.000000000E+00 4.000000000E+00
+       3       0       4
+       3       3
+ 3.250000000E+00
+       4       0       8
+       3       1
+-1.250000000E-06
+       3       4
+ 1.000000000E+08
+       5       1       1
+ 1.414213562E+00
+";
+
+const OP4_SPARSE: &str = "
+       4       4       6       2KGG     1P,5E16.9
+       1       0       8
+     327681
+ 1.200000000E+01 6.000000000E+00
+     196612
+-1.250000000E-06
+       2       0       5
+     327681
+ 6.000000000E+00 4.000000000E+00
+       3       0       3
+     196611
+ 3.250000000E+00
+       4       0       6
+     196609
+-1.250000000E-06
+     196612
+ 1.000000000E+08
+       5       1       1
+ 1.414213562E+00
+";
+
+#[test]
+fn op4_reads_dense_sparse_and_bigmat() {
+    let expected = Mat::from_rows(&[
+        [12.0, 6.0, 0.0, -1.25e-6],
+        [6.0, 4.0, 0.0, 0.0],
+        [0.0, 0.0, 3.25, 0.0],
+        [-1.25e-6, 0.0, 0.0, 1e8],
+    ]);
+    for text in [OP4_DENSE, OP4_BIGMAT, OP4_SPARSE] {
+        let found = op4(text).unwrap();
+        assert_eq!(found[0].name, "KGG");
+        assert_close((&found[0].matrix - &expected).norm_max(), 0.0, 1e-21);
+    }
+    let second = &op4(OP4_DENSE).unwrap()[1];
+    assert_eq!((second.name.as_str(), &second.matrix), ("MGG", &Mat::from_rows(&[[0.0, 0.5], [0.0, -2.0]])));
+}
+
+#[test]
+fn op4_names_the_line_that_is_wrong() {
+    let cases = [
+        (OP4_DENSE.replace("       2KGG", "       4KGG"), 2),
+        (OP4_DENSE.replace(" 3.2500000000000000E+00", " 3.25000000x0000000E+00"), 9),
+        (OP4_DENSE.replace("       3       3       1", "       3       5       1"), 9),
+        (OP4_BIGMAT.lines().take(12).collect::<Vec<_>>().join("\n"), 0),
+    ];
+    for (text, expected) in cases {
+        assert!(
+            matches!(op4(&text), Err(Error::Import { line, .. }) if line == expected),
+            "{expected}: {:?}",
+            op4(&text)
+        );
+    }
+}
+
+#[test]
+fn a_map_names_what_is_missing_or_wrong() {
+    let refused = |text: &str| match NodeMap::parse(text) {
+        Err(Error::Import { line, what }) => (line, what),
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(refused("axes 3 5\nknot 1\n").0, 2);
+    assert!(refused("axes 3 5\npivot 1\n").1.contains("tip"));
+    assert!(refused("pivot 1\ntip 2\n").1.contains("axes"));
+    let map = NodeMap::parse(&map_text().replace("node 12", "node 99")).unwrap();
+    let (M, K) = (mapped(&model().M, &map), mapped(&model().K, &map));
+    assert!(Imported::in_order_of(&map, M.clone(), None, K.clone()).structure(&map).is_err());
+    let good = NodeMap::parse(&map_text()).unwrap();
+    let skewed =
+        &K + &Mat::from_fn(K.nrows(), K.ncols(), |i, j| if i == 0 && j == 3 { K.norm_max() } else { 0.0 });
+    assert!(Imported::in_order_of(&good, M, None, skewed).structure(&good).is_err());
+}
+
+#[test]
+fn rotations_without_mass_follow_statically() {
+    let mut sparse = model();
+    let n = sparse.M.nrows();
+    let nodes = n / 2;
+    let share = |i: usize| if i == 0 || i == nodes - 1 { 0.5 } else { 1.0 } / (nodes - 1) as f64;
+    sparse.M = Mat::from_fn(n, n, |i, j| if i == j && i % 2 == 0 { share(i / 2) } else { 0.0 });
+    let found = modes(&sparse, Support::Clamped).unwrap();
+    assert_eq!(found.frequencies_rad_s.len(), nodes - 1);
+    let translations: Vec<usize> = (0..n).filter(|i| i % 2 == 0 && *i != 6).collect();
+    let rotations: Vec<usize> = (0..n).filter(|i| i % 2 == 1 && *i != 7).collect();
+    let part = |a: &[usize], b: &[usize]| sparse.K.select(a, b);
+    let follow =
+        counterpoise_lti::linalg::solve(&part(&rotations, &rotations), &part(&rotations, &translations))
+            .unwrap();
+    let condensed = &part(&translations, &translations) - &(&part(&translations, &rotations) * &follow);
+    let mass = sparse.M.select(&translations, &translations);
+    let (values, _) = counterpoise_lti::linalg::sym_gen_eigen(&condensed.symmetric_part(), &mass).unwrap();
+    let expected: Vec<f64> = values.iter().map(|v| v.sqrt()).collect();
+    assert_all(&found.frequencies_rad_s, &expected, 1e-9);
+    assert_eq!(modes(&sparse, Support::Pinned).unwrap().rigid, 1);
+}
