@@ -6,7 +6,7 @@ use minijinja::{Environment, context};
 
 use crate::print::{Dialect, Printer, literal, state};
 use crate::vectors::{Vector, shipped};
-use crate::{Error, File, Options, Precision, Provenance, READING_FIELDS, check_name, check_range};
+use crate::{Error, File, Options, Precision, Provenance, READING_FIELDS, Source, check_name, check_range};
 
 /// The controller as C99 source
 ///
@@ -21,10 +21,16 @@ use crate::{Error, File, Options, Precision, Provenance, READING_FIELDS, check_n
 /// # Errors
 /// [`Error::Name`] for a name that is no lower-case identifier, [`Error::SingleRange`] for a coefficient that single
 /// precision cannot hold.
-pub fn c99(controller: &Controller, provenance: &Provenance, options: &Options) -> Result<Vec<File>, Error> {
+pub fn c99<'a>(
+    source: impl Into<Source<'a>>,
+    provenance: &Provenance,
+    options: &Options,
+) -> Result<Vec<File>, Error> {
+    let source = source.into();
+    let controller = source.controller();
     check_name(&options.name)?;
     check_range(controller, options.precision)?;
-    let data = data(controller, provenance, options);
+    let data = data(controller, &provenance.header(source), options);
     let environment = Environment::new();
     let templates = [
         (".h", include_str!("../templates/controller.h.jinja")),
@@ -40,7 +46,7 @@ pub fn c99(controller: &Controller, provenance: &Provenance, options: &Options) 
     templates.into_iter().map(fill).collect()
 }
 
-fn data(controller: &Controller, provenance: &Provenance, options: &Options) -> minijinja::Value {
+fn data(controller: &Controller, provenance: &[String], options: &Options) -> minijinja::Value {
     let (name, programs) = (&options.name, controller.programs());
     let real = format!("{name}_real");
     let printer = |program, input_prefix| Printer {
@@ -57,7 +63,7 @@ fn data(controller: &Controller, provenance: &Provenance, options: &Options) -> 
         real => real.as_str(),
         NAME => name.to_uppercase(),
         number => if options.precision == Precision::Double { "double" } else { "float" },
-        provenance => provenance.lines(),
+        provenance => provenance.to_vec(),
         readings => READING_FIELDS,
         states => state_fields(controller),
         restart => initial(controller, options.precision, OnReset::Restart),

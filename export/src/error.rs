@@ -20,6 +20,9 @@ pub enum Error {
         /// The number.
         value: f64,
     },
+    /// A fixed-point plan of another controller than the one to be exported.
+    #[error("the fixed-point plan was made for another controller")]
+    OtherController,
     /// A template that could not be filled in.
     #[error("template: {0}")]
     Template(String),

@@ -1,20 +1,20 @@
 //! The verified controller as source code.
 //!
-//! In come a [`Controller`](counterpoise_controller::Controller) and its [`Provenance`]; out go files as text: C99 and a
+//! In come a verified controller (a [`Source`]) and its [`Provenance`]; out go files as text: C99 and a
 //! `no_std` Rust crate, each with test vectors from the reference. Both print the same straight line of arithmetic that
 //! the reference runs, so their answers are equal to the last bit.
 //!
 //! *Invariant*: no file system, no clock, no compiler: text in memory only.
 //!
-//! Modules in reading order: [`provenance`], [`c99`](mod@c99), [`rust_crate`](mod@rust_crate), [`ranges`],
+//! Modules in reading order: [`source`], [`provenance`], [`c99`](mod@c99), [`rust_crate`](mod@rust_crate), [`ranges`],
 //! [`rounding`], [`fixed`], [`vectors`].
 //!
 //! ```
 //! use counterpoise_controller::{Controller, Parts};
-//! use counterpoise_export::{Options, Provenance, c99};
+//! use counterpoise_export::{Options, Provenance, Source, c99};
 //!
 //! let controller = Controller::new(Parts::new(1e-3, 10.0)).unwrap();
-//! let files = c99(&controller, &Provenance::default(), &Options::double("controller")).unwrap();
+//! let files = c99(Source::Unverified(&controller), &Provenance::default(), &Options::double("controller")).unwrap();
 //! assert_eq!(files[1].name, "controller.c");
 //! assert!(files[1].text.contains("controller_step"));
 //! ```
@@ -27,6 +27,7 @@ pub mod provenance;
 pub mod ranges;
 pub mod rounding;
 pub mod rust_crate;
+pub mod source;
 pub mod vectors;
 
 mod print;
@@ -38,6 +39,7 @@ pub use provenance::Provenance;
 pub use ranges::Ranges;
 pub use rounding::{Deviation, single_precision};
 pub use rust_crate::rust_crate;
+pub use source::Source;
 
 use counterpoise_controller::Controller;
 use counterpoise_controller::program::Operation;

@@ -1,5 +1,7 @@
 //! Where generated code comes from: handed in, written into every header.
 
+use crate::Source;
+
 /// What the header of generated code says of its origin. All of it is handed in: this crate knows no clock and no file.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Provenance {
@@ -16,7 +18,14 @@ pub struct Provenance {
 }
 
 impl Provenance {
-    /// The lines of the header.
+    /// The lines of the header, with what the source says of its verification.
+    pub(crate) fn header(&self, source: Source) -> Vec<String> {
+        let mut lines = self.lines();
+        lines.push(source.line());
+        lines
+    }
+
+    /// The lines that the provenance itself makes.
     pub fn lines(&self) -> Vec<String> {
         let mut lines = vec![
             format!("generator: {}", self.generator),

@@ -6,21 +6,23 @@ use minijinja::{Environment, context};
 
 use crate::print::{Dialect, Printer, literal, state};
 use crate::vectors::{Vector, shipped};
-use crate::{Error, File, Options, Precision, Provenance, READING_FIELDS, check_name, check_range};
+use crate::{Error, File, Options, Precision, Provenance, READING_FIELDS, Source, check_name, check_range};
 
 /// The controller as a `no_std` Rust crate without dependencies and without `unsafe`: `Cargo.toml`, `src/lib.rs` and
 /// `tests/vectors.rs`, the same arithmetic and the same vectors as [`crate::c99()`].
 ///
 /// # Errors
 /// As [`crate::c99()`].
-pub fn rust_crate(
-    controller: &Controller,
+pub fn rust_crate<'a>(
+    source: impl Into<Source<'a>>,
     provenance: &Provenance,
     options: &Options,
 ) -> Result<Vec<File>, Error> {
+    let source = source.into();
+    let controller = source.controller();
     check_name(&options.name)?;
     check_range(controller, options.precision)?;
-    let data = data(controller, provenance, options);
+    let data = data(controller, &provenance.header(source), options);
     let environment = Environment::new();
     let templates = [
         ("Cargo.toml", include_str!("../templates/cargo.toml.jinja")),
@@ -34,7 +36,7 @@ pub fn rust_crate(
     templates.into_iter().map(fill).collect()
 }
 
-fn data(controller: &Controller, provenance: &Provenance, options: &Options) -> minijinja::Value {
+fn data(controller: &Controller, provenance: &[String], options: &Options) -> minijinja::Value {
     let programs = controller.programs();
     let precision = options.precision;
     let printer = |program, input_prefix| Printer {
@@ -49,7 +51,7 @@ fn data(controller: &Controller, provenance: &Provenance, options: &Options) -> 
     context! {
         name => options.name.as_str(),
         number => if precision == Precision::Double { "f64" } else { "f32" },
-        provenance => provenance.lines(),
+        provenance => provenance.to_vec(),
         readings => READING_FIELDS,
         states => state_fields(controller),
         start => start(controller, precision),

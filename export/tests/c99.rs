@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use counterpoise_controller::{Controller, Parts};
+use counterpoise_export::Source::Unverified;
 use counterpoise_export::{Options, Precision, c99};
 use support::{
     STRICT, Target, equal_to_the_last_bit, folder, is_there, provenance, random_controller, reference,
@@ -21,7 +22,7 @@ fn build(test: &str, controllers: &[Controller], precision: Precision, flags: &[
     for (i, controller) in controllers.iter().enumerate() {
         let name = format!("controller_{i}");
         let options = Options { name: name.clone(), precision };
-        write(&folder, &c99(controller, &provenance(), &options).unwrap());
+        write(&folder, &c99(Unverified(controller), &provenance(), &options).unwrap());
         sources.push(format!("{name}.c"));
         names.push(name);
     }
@@ -68,7 +69,7 @@ fn what_is_shipped_compiles_and_passes_on_every_compiler() {
         }
         for (kind, options) in [("double", Options::double("axis")), ("single", Options::single("axis"))] {
             let folder = folder(&format!("shipped_{compiler}_{kind}"));
-            write(&folder, &c99(&typical(), &provenance(), &options).unwrap());
+            write(&folder, &c99(Unverified(&typical()), &provenance(), &options).unwrap());
             let compile = |arguments: &[&str]| {
                 run(Command::new(compiler).current_dir(&folder).args(STRICT).args(arguments))
             };
@@ -87,7 +88,7 @@ fn the_self_test_sees_a_changed_coefficient() {
         return println!("skipped: no C compiler");
     }
     let folder = folder("spoilt");
-    let mut files = c99(&typical(), &provenance(), &Options::double("axis")).unwrap();
+    let mut files = c99(Unverified(&typical()), &provenance(), &Options::double("axis")).unwrap();
     let coefficient = format!("{:?}", typical().parts().paths[0].system.B[(3, 0)].abs());
     let nudged = files[1].text.replacen(&coefficient, &format!("1.001 * {coefficient}"), 1);
     assert_ne!(nudged, files[1].text);
@@ -105,7 +106,7 @@ fn an_empty_controller_compiles_too() {
     }
     let folder = folder("empty");
     let controller = Controller::new(Parts::new(1e-3, 10.0)).unwrap();
-    write(&folder, &c99(&controller, &provenance(), &Options::double("nothing")).unwrap());
+    write(&folder, &c99(Unverified(&controller), &provenance(), &Options::double("nothing")).unwrap());
     let sources = ["nothing.c", "nothing_self_test.c", "nothing_test.c"];
     run(Command::new("cc").current_dir(&folder).args(STRICT).args(sources).args(["-o", "test"]));
     run(&mut Command::new(folder.join("test")));
@@ -113,7 +114,7 @@ fn an_empty_controller_compiles_too() {
 
 #[test]
 fn the_header_says_where_the_code_comes_from() {
-    let files = c99(&typical(), &provenance(), &Options::double("axis")).unwrap();
+    let files = c99(Unverified(&typical()), &provenance(), &Options::double("axis")).unwrap();
     for line in provenance().lines() {
         assert!(files[0].text.contains(&line) && files[1].text.contains(&line), "{line}");
     }
@@ -123,6 +124,6 @@ fn the_header_says_where_the_code_comes_from() {
 #[test]
 fn names_that_are_no_identifiers_are_refused() {
     for name in ["", "9axis", "Axis", "an axis", "a_name_that_is_much_too_long_for_a_prefix"] {
-        assert!(c99(&typical(), &provenance(), &Options::double(name)).is_err(), "{name}");
+        assert!(c99(Unverified(&typical()), &provenance(), &Options::double(name)).is_err(), "{name}");
     }
 }

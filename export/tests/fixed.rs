@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use counterpoise_controller::{Controller, READINGS, SampledController};
+use counterpoise_export::Source::Unverified;
 use counterpoise_export::{
     Fixed, FixedError, FixedRunner, Ranges, fixed_c99, plan, single_precision, vectors::LARGEST,
 };
@@ -132,7 +133,7 @@ fn build(test: &str, plans: &[Fixed], flags: &[&str]) -> PathBuf {
     let mut sources = vec!["server.c".to_owned()];
     for (i, fixed) in plans.iter().enumerate() {
         let name = format!("controller_{i}");
-        write(&folder, &fixed_c99(fixed, &provenance(), &name).unwrap());
+        write(&folder, &fixed_c99(Unverified(&fixed.controller), fixed, &provenance(), &name).unwrap());
         sources.push(format!("{name}.c"));
         names.push(name);
     }
@@ -190,7 +191,7 @@ fn shipped_fixed_point_compiles_in_silence_and_passes() {
         let folder = folder(&format!("fixed_{compiler}"));
         let controller = typical();
         let fixed = plan(&controller, &ranges(&controller, 0.05, 4.0), 2.5e-3, SAMPLES).unwrap();
-        write(&folder, &fixed_c99(&fixed, &provenance(), "axis").unwrap());
+        write(&folder, &fixed_c99(Unverified(&fixed.controller), &fixed, &provenance(), "axis").unwrap());
         let sources = ["axis.c", "axis_self_test.c", "axis_test.c", "-o", "axis_test"];
         let said = run(Command::new(compiler).current_dir(&folder).args(STRICT).args(sources));
         assert_eq!(said, "");

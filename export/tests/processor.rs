@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use counterpoise_controller::{Controller, Number, READINGS};
+use counterpoise_export::Source::Unverified;
 use counterpoise_export::{File, Fixed, FixedRunner, Options, Precision, Ranges, c99, fixed_c99, plan};
 use support::{
     Random, Request, STRICT, Target, equal_to_the_last_bit, folder, is_there, provenance, reference,
@@ -138,11 +139,11 @@ fn a_step_costs_what_its_multiplications_need() {
     let step = &controller.programs().step;
     let (multiplications, additions) = (step.multiplications(), step.additions());
     println!("one step: {multiplications} multiplications, {additions} additions");
-    let exact = |options: Options| c99(&controller, &provenance(), &options).unwrap();
+    let exact = |options: Options| c99(Unverified(&controller), &provenance(), &options).unwrap();
     let kinds = [
         ("single", exact(Options::single("axis"))),
         ("double", exact(Options::double("axis"))),
-        ("fixed", fixed_c99(&fixed(&controller), &provenance(), "axis").unwrap()),
+        ("fixed", fixed_c99(Unverified(&controller), &fixed(&controller), &provenance(), "axis").unwrap()),
     ];
     for core in &CORES {
         for (kind, files) in &kinds {
@@ -177,7 +178,7 @@ fn answers(core: &Core, test: &str, files: &[File], main: &str, asked: &[(usize,
 fn compare<N: Number>(core: &Core, precision: Precision) {
     let (controllers, asked) = ([typical()], requests(1, 600));
     let options = Options { name: "controller_0".into(), precision };
-    let files = c99(&controllers[0], &provenance(), &options).unwrap();
+    let files = c99(Unverified(&controllers[0]), &provenance(), &options).unwrap();
     let main = server(&["controller_0".into()]);
     let found = answers(core, &format!("answers_{precision:?}"), &files, &main, &asked);
     equal_to_the_last_bit(&found, &reference::<N>(&controllers, &asked));
@@ -200,7 +201,7 @@ fn fixed_point_answers_are_equal() {
         return;
     }
     let fixed = fixed(&typical());
-    let files = fixed_c99(&fixed, &provenance(), "controller_0").unwrap();
+    let files = fixed_c99(Unverified(&fixed.controller), &fixed, &provenance(), "controller_0").unwrap();
     let main = server_in(&["controller_0".into()], |_| "int32_t".into());
     let mut random = Random(8);
     let mut runner = FixedRunner::new(&fixed);

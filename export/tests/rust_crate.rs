@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use counterpoise_controller::{Controller, Parts, READING_NAMES};
+use counterpoise_export::Source::Unverified;
 use counterpoise_export::{Options, Precision, rust_crate};
 use support::{
     Target, equal_to_the_last_bit, folder, provenance, random_controller, reference, requests, run, typical,
@@ -25,7 +26,7 @@ fn build(test: &str, controllers: &[Controller], precision: Precision) -> PathBu
     for (i, controller) in controllers.iter().enumerate() {
         let name = format!("controller_{i}");
         let options = Options { name: name.clone(), precision };
-        write(&folder, &rust_crate(controller, &provenance(), &options).unwrap());
+        write(&folder, &rust_crate(Unverified(controller), &provenance(), &options).unwrap());
         let source = format!("{name}/src/lib.rs");
         let flags =
             ["--edition=2021", "--crate-type=lib", "-Dwarnings", "-L.", "--crate-name", &name, &source];
@@ -74,7 +75,7 @@ fn random_controllers_are_equal_to_the_reference() {
 #[test]
 fn the_crate_passes_its_own_tests() {
     let folder = folder("rust_own_tests");
-    write(&folder, &rust_crate(&typical(), &provenance(), &Options::single("axis")).unwrap());
+    write(&folder, &rust_crate(Unverified(&typical()), &provenance(), &Options::single("axis")).unwrap());
     let source = folder.join("axis/src/lib.rs");
     let lib = ["--edition=2021", "--crate-type=lib", "--crate-name=axis", "-Dwarnings"];
     run(rustc().current_dir(&folder).args(lib).arg(source));

@@ -8,16 +8,25 @@ use crate::fixed::plan::to_integer;
 use crate::fixed::{Fixed, FixedOperation, FixedProgram, FixedRunner};
 use crate::print::{Dialect, state, wrap};
 use crate::vectors::{SHIPPED_SAMPLES, vectors};
-use crate::{Error, File, Provenance, READING_FIELDS, Ranges, check_name};
+use crate::{Error, File, Provenance, READING_FIELDS, Ranges, Source, check_name};
 
 /// The controller in C99 with 32-bit integers: `NAME.h`, `NAME.c`, `NAME_self_test.c` and `NAME_test.c`, with the
 /// functions of [`crate::c99()`]. The header states the format of each reading and of the control.
 ///
 /// # Errors
-/// [`Error::Name`].
-pub fn fixed_c99(fixed: &Fixed, provenance: &Provenance, name: &str) -> Result<Vec<File>, Error> {
+/// [`Error::Name`], and [`Error::OtherController`] where the plan was made for another controller than the source.
+pub fn fixed_c99<'a>(
+    source: impl Into<Source<'a>>,
+    fixed: &Fixed,
+    provenance: &Provenance,
+    name: &str,
+) -> Result<Vec<File>, Error> {
+    let source = source.into();
     check_name(name)?;
-    let data = data(fixed, provenance, name);
+    if *source.controller() != fixed.controller {
+        return Err(Error::OtherController);
+    }
+    let data = data(fixed, &provenance.header(source), name);
     let environment = Environment::new();
     let templates = [
         (".h", include_str!("../../templates/fixed.h.jinja")),
@@ -32,7 +41,7 @@ pub fn fixed_c99(fixed: &Fixed, provenance: &Provenance, name: &str) -> Result<V
     templates.into_iter().map(fill).collect()
 }
 
-fn data(fixed: &Fixed, provenance: &Provenance, name: &str) -> minijinja::Value {
+fn data(fixed: &Fixed, provenance: &[String], name: &str) -> minijinja::Value {
     let programs = fixed.controller.programs();
     let readings: Vec<(&str, i32, &str)> = READING_FIELDS
         .iter()
@@ -54,7 +63,7 @@ fn data(fixed: &Fixed, provenance: &Provenance, name: &str) -> minijinja::Value 
     let printer = |program, fixed_program, input| Printer { fixed, name, program, fixed_program, input };
     context! {
         name, NAME => name.to_uppercase(),
-        provenance => provenance.lines(),
+        provenance => provenance.to_vec(),
         readings,
         fields,
         control_bits => fixed.control_bits(),
