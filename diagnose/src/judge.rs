@@ -51,6 +51,11 @@ impl Evidence<'_> {
         }
     }
 
+    /// The mechanism that the answer stands for: with the named effects, or as it was.
+    pub fn improved(&self) -> Parameters {
+        self.named().map_or_else(|| self.base.clone(), |c| c.fit.parameters.clone())
+    }
+
     fn verdict(&self) -> Verdict {
         let Some(accepted) = self.named() else {
             let explained = self.search.before.worst() < EXPLAINED && self.search.accepted.is_none();

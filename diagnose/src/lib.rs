@@ -15,12 +15,18 @@
 
 pub mod answer;
 pub mod bench;
+pub mod diagnosis;
+pub mod error;
 pub mod fit;
 pub mod judge;
 pub mod library;
 pub mod locate;
 pub mod look;
 pub mod qualify;
+pub mod replays;
 pub mod score;
 pub mod select;
 pub mod tolerance;
+
+pub use diagnosis::{Diagnosis, diagnose};
+pub use error::Error;

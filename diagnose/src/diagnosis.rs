@@ -1,0 +1,72 @@
+//! The whole road of a diagnosis.
+
+use counterpoise_controller::ProportionalIntegral;
+use counterpoise_models::Parameters;
+use counterpoise_simulate::recording::Recording;
+
+use crate::answer::Answer;
+use crate::bench::Pool;
+use crate::error::Error;
+use crate::judge::Evidence;
+use crate::library::library;
+use crate::locate::{isolability, regime_map};
+use crate::qualify::qualify;
+use crate::replays::{Replays, measured};
+use crate::select::Searcher;
+
+/// What a diagnosis gives: the answer, and the machine that explains the recordings.
+#[derive(Debug, Clone)]
+pub struct Diagnosis {
+    /// The answer.
+    pub answer: Answer,
+    /// The mechanism with the named effects; as it was where there is none.
+    pub improved: Parameters,
+}
+
+/// Diagnoses a machine from its recordings.
+///
+/// # Errors
+/// No recording, a channel that is missing, a recording that does not fit the project's clock, a mechanism that cannot
+/// be simulated.
+pub fn diagnose(
+    base: &Parameters,
+    controller: &ProportionalIntegral,
+    recordings: &[Recording],
+    pool: &dyn Pool,
+) -> Result<Diagnosis, Error> {
+    check(recordings)?;
+    pool.progress("qualifying", 0, 1);
+    let qualification = remarks(base, recordings);
+    let bench = Replays::new(base, controller, recordings)?;
+    let has = |column: fn(&Recording) -> bool| recordings.iter().all(column);
+    let isolability = isolability(has(|r| r.motor_rate_rad_s.is_some()), has(|r| r.hub_position_rad.is_some()));
+    let map = regime_map(base, &bench.measured());
+    let searcher = Searcher { bench: &bench, pool, base, effects: library() };
+    let search = searcher.search().ok_or(Error::NotSimulated)?;
+    let evidence = Evidence { bench: &bench, base, search: &search, map, isolability, qualification };
+    let improved = evidence.improved();
+    Ok(Diagnosis { answer: evidence.answer(), improved })
+}
+
+fn check(recordings: &[Recording]) -> Result<(), Error> {
+    if recordings.is_empty() {
+        return Err(Error::NoRecording);
+    }
+    for r in recordings {
+        let needed = [
+            ("demand", r.demand_rad_s.is_some()),
+            ("control", r.control_v.is_some()),
+            ("hub_rate", r.hub_rate_rad_s.is_some()),
+        ];
+        if let Some((channel, _)) = needed.into_iter().find(|(_, present)| !present) {
+            return Err(Error::NoChannel { recording: r.name.clone(), channel });
+        }
+    }
+    Ok(())
+}
+
+fn remarks(base: &Parameters, recordings: &[Recording]) -> Vec<String> {
+    let of = |r: &Recording| measured(r).map(|m| qualify(&r.name, &m, base.gearbox.ratio)).unwrap_or_default();
+    let remarks = recordings.iter().flat_map(of);
+    remarks.map(|r| format!("{}: {}: {}", r.recording, r.channel, r.what)).collect()
+}
