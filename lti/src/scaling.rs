@@ -45,7 +45,8 @@ fn sweep(g: &mut StateSpace, (b, c): (f64, f64)) -> Vec<f64> {
         if row == 0.0 {
             row = b * (0..g.inputs()).map(|j| g.B[(i, j)].abs()).sum::<f64>();
         }
-        let f = factor(column, row);
+        let own = g.A[(i, i)].abs();
+        let f = factor(column, row, own);
         if f != 1.0 {
             scale_one(g, i, f);
             factors[i] = f;
@@ -55,8 +56,15 @@ fn sweep(g: &mut StateSpace, (b, c): (f64, f64)) -> Vec<f64> {
 }
 
 /// The power of two by which a state's column is to be multiplied.
-fn factor(column: f64, row: f64) -> f64 {
-    if column == 0.0 || row == 0.0 || !(column / row).is_normal() {
+///
+/// The diagonal entry counts in both: a coupling that is rounding error beside it must not be scaled up (James, Langou
+/// and Lowery 2014).
+fn factor(column: f64, row: f64, own: f64) -> f64 {
+    if column == 0.0 || row == 0.0 {
+        return 1.0;
+    }
+    let (column, row) = (column + own, row + own);
+    if !(column / row).is_normal() {
         return 1.0;
     }
     let f = (0.5 * (row / column).log2()).round().exp2();

@@ -1,5 +1,5 @@
 //! Margins: textbook figures, closed forms, and a flexible loop with many crossings against brute force.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
 use counterpoise_lti::{
     C64, Discretisation, GainChange, Mat, Response, StateSpace, Timebase, Zpk, c2d, feedback, hinfnorm,

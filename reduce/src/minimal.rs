@@ -41,7 +41,7 @@ pub fn minimal(g: &StateSpace, tolerance: f64) -> Result<Minimal, Error> {
     let mut gap = Gap { kept: 1.0, dropped: 0.0 };
     let reached = reachable(&balance(g).0, tolerance, &mut gap)?;
     let unreachable = g.order() - reached.order();
-    let seen = reachable(&balance(&reached).0.dual(), tolerance, &mut gap)?.dual();
+    let seen = reachable(&reached.dual(), tolerance, &mut gap)?.dual();
     let unseen = reached.order() - seen.order();
     let doubtful = gap.dropped > 0.0 && gap.kept < SAFE_GAP * gap.dropped;
     let warning = Warning::SmallGap { kept: gap.kept, dropped: gap.dropped };

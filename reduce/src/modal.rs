@@ -22,7 +22,7 @@ pub enum Residual {
 /// # Errors
 /// [`Error::Unstable`] where a fast pole is not stable, [`Error::Matrix`] where slow and fast poles are too close to part.
 pub fn modal_truncation(g: &StateSpace, rate_rad_s: f64, residual: Residual) -> Result<Reduction, Error> {
-    if !(rate_rad_s > 0.0) {
+    if rate_rad_s.is_nan() || rate_rad_s <= 0.0 {
         return Err(Error::Range { what: "rate_rad_s", value: rate_rad_s, allowed: "positive" });
     }
     let rate = |pole: counterpoise_lti::C64| match g.timebase {

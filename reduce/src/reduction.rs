@@ -120,8 +120,8 @@ impl fmt::Display for Warning {
     }
 }
 
-/// Values closer than this, relative, are a pair.
-const PAIR: f64 = 1e-3;
+/// Values closer than this, relative, are a pair (a mode of damping 0.05 has two values so far apart).
+const PAIR: f64 = 0.1;
 
 /// How many of the ranked values to keep, and what there is to say about it.
 pub(crate) fn choose(hankel: &[f64], order: Order, untouched: usize) -> Result<(usize, Vec<Warning>), Error> {

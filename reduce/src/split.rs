@@ -13,6 +13,9 @@ pub const BORDER: f64 = 1e-9;
 /// ... or within this share of the norm of the scaled A.
 pub const BORDER_NORM: f64 = 1e-13;
 
+/// Reordering moves a pole by less than this share of the norm of A.
+const SNAP: f64 = 1e-14;
+
 /// `g = first + second`, no pole in common; the direct path is with the first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Split {
@@ -56,6 +59,7 @@ pub fn split_by(g: &StateSpace, wanted: impl Fn(C64) -> bool) -> Result<Split, E
     let (g, _) = balance(g);
     let mut form = block_schur(&g.A)?;
     let k = form.reorder(&wanted).during("splitting")?;
+    snap(&mut form.T, &lone_poles(&g.A));
     let (n, m, p) = (g.order(), g.inputs(), g.outputs());
     let (T11, T22) = (form.T.block(0, 0, k, k), form.T.block(k, k, n - k, n - k));
     let T12 = form.T.block(0, k, k, n - k);
@@ -72,6 +76,25 @@ pub fn split_by(g: &StateSpace, wanted: impl Fn(C64) -> bool) -> Result<Split, E
         first: StateSpace::new(T11, B1, C1, g.D, g.timebase)?,
         second: StateSpace::new(T22, B2, C2, Mat::zeros(p, m), g.timebase)?,
     })
+}
+
+/// Poles that can be read off A: states that act on no state that acts on them.
+fn lone_poles(A: &Mat) -> Vec<f64> {
+    components(A).iter().filter(|group| group.len() == 1).map(|group| A[(group[0], group[0])]).collect()
+}
+
+/// Puts poles that can be read off A back to their exact places after reordering has moved them by rounding.
+fn snap(T: &mut Mat, exact: &[f64]) {
+    let near = SNAP * T.norm_max();
+    for &pole in exact {
+        let alone =
+            |k: usize| (k == 0 || T[(k, k - 1)] == 0.0) && (k + 1 == T.nrows() || T[(k + 1, k)] == 0.0);
+        let distance = |k: &usize| (T[(*k, *k)] - pole).abs();
+        let nearest = (0..T.nrows()).filter(|&k| alone(k)).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        if let Some(k) = nearest.filter(|k| distance(k) <= near) {
+            T[(k, k)] = pole;
+        }
+    }
 }
 
 /// A real Schur form put together from those of the groups of states that act on each other.

@@ -1,0 +1,101 @@
+//! The model-reduction collection of Chahlaoui and Van Dooren: Hankel values against the reference ones, errors within
+//! their bounds, responses against the reference magnitudes.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
+
+mod mat;
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+
+use counterpoise_lti::{Mat, StateSpace, Timebase, frequency_response};
+use counterpoise_reduce::{Balanced, Method, Order, balred};
+
+fn load(name: &str) -> Option<(StateSpace, HashMap<String, Mat>)> {
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/benchmarks/reduction");
+    let path = root.join(format!("{name}.mat"));
+    if !path.exists() {
+        println!("skipped: {} is not there", path.display());
+        return None;
+    }
+    let found = mat::read(&path);
+    let (A, B, C) = (found["A"].clone(), found["B"].clone(), found["C"].clone());
+    let D = Mat::zeros(C.nrows(), B.ncols());
+    Some((StateSpace::new(A, B, C, D, Timebase::Continuous).unwrap(), found))
+}
+
+/// The reference values themselves are good to 1e-12 to 1e-11 of the largest.
+fn check(name: &str, order: usize, digits: f64) {
+    let Some((g, found)) = load(name) else { return };
+    let balanced = Balanced::of(&g).unwrap();
+    let reference = &found["hsv"];
+    let largest = reference[(0, 0)];
+    for (k, value) in balanced.hankel().iter().enumerate() {
+        let error = (value - reference[(k, 0)]).abs() / largest;
+        assert!(error < digits, "{name}: Hankel value {k}: {value:e} against {:e}", reference[(k, 0)]);
+    }
+    for method in [Method::SquareRoot, Method::BalancingFree, Method::MatchDc] {
+        let reduced = balred(&g, Order::States(order), method).unwrap();
+        let bound = reduced.bound.unwrap();
+        let least = reduced.hankel[order];
+        let error = reduced.measured_error.value;
+        assert!(
+            error <= bound * (1.0 + 1e-6) + 1e-12 * largest,
+            "{name} {method:?}: {error:e} above {bound:e}"
+        );
+        assert!(
+            error >= 0.5 * least,
+            "{name} {method:?}: no system of order {order} can be this near: {error:e} {least:e}"
+        );
+        assert_eq!(reduced.system.order(), order);
+    }
+}
+
+/// `mag` holds the magnitude of each entry of the response, a column an entry, column by column.
+fn check_response(name: &str, digits: f64) {
+    let Some((g, found)) = load(name) else { return };
+    let (rates, magnitude) = (&found["w"], &found["mag"]);
+    let responses = frequency_response(&g, rates.as_slice()).unwrap();
+    let peak = magnitude.norm_max();
+    for (k, H) in responses.iter().enumerate() {
+        for (column, entry) in H.as_slice().iter().enumerate() {
+            let reference = magnitude[(k, column)];
+            let error = (entry.norm() - reference).abs();
+            assert!(
+                error < digits * (reference + 1e-6 * peak),
+                "{name} at {}: {} {reference}",
+                rates[(k, 0)],
+                entry.norm()
+            );
+        }
+    }
+}
+
+#[test]
+fn building() {
+    check("building", 10, 1e-11);
+    check_response("building", 1e-8);
+}
+
+#[test]
+fn cd_player() {
+    check("cdplayer", 16, 1e-10);
+    check_response("cdplayer", 1e-7);
+}
+
+#[test]
+fn heat() {
+    check("heat", 6, 1e-11);
+    check_response("heat", 1e-8);
+}
+
+#[test]
+fn pde() {
+    check("pde", 5, 1e-12);
+    check_response("pde", 1e-8);
+}
+
+#[test]
+fn beam() {
+    check("beam", 12, 1e-9);
+    check_response("beam", 1e-8);
+}
