@@ -47,6 +47,29 @@ impl History {
     pub fn index_at(&self, time_s: f64) -> usize {
         self.time_s.partition_point(|t| *t < time_s)
     }
+
+    /// The history from a time on, its clock and its travel starting there.
+    pub fn from_time(mut self, time_s: f64) -> Self {
+        let first = self.index_at(time_s - 1e-9);
+        let (start_s, start_rad) = (self.time_s.get(first).copied(), self.travel_rad.get(first).copied());
+        for column in [
+            &mut self.time_s,
+            &mut self.demand_rad_s,
+            &mut self.heave_m_s2,
+            &mut self.pitch_rate_rad_s,
+            &mut self.hub_rate_rad_s,
+            &mut self.tip_rate_rad_s,
+            &mut self.control_v,
+            &mut self.current_a,
+            &mut self.travel_rad,
+            &mut self.contact,
+        ] {
+            column.drain(..first.min(column.len()));
+        }
+        self.time_s.iter_mut().for_each(|t| *t -= start_s.unwrap_or(0.0));
+        self.travel_rad.iter_mut().for_each(|angle| *angle -= start_rad.unwrap_or(0.0));
+        self
+    }
 }
 
 /// The integral of a rate by the trapezoidal rule, from 0.

@@ -6,7 +6,7 @@
 //! *Invariant*: nothing here knows how a controller was designed; nothing here reads a file, a clock or an unseeded random number.
 //!
 //! Modules in reading order: [`figure`], [`requirement`], [`procedure`], [`signals`], [`history`], [`linear`],
-//! [`nonlinear`], [`measure`], [`verification`].
+//! [`nonlinear`], [`measure`], [`verification`], [`robust`].
 //!
 //! ```
 //! use counterpoise_verify::{Figure, Limit, Requirement, Verdict};
@@ -24,6 +24,7 @@ pub mod measure;
 pub mod nonlinear;
 pub mod procedure;
 pub mod requirement;
+pub mod robust;
 pub mod signals;
 pub mod verification;
 

@@ -40,7 +40,8 @@ pub fn experiments(procedure: &Procedure) -> Vec<Experiment> {
     all
 }
 
-/// Runs one experiment. `simulator` is kept by the caller, because it can be used again for the same plant.
+/// Runs one experiment. A step comes after the procedure's settling time, when friction carries its load, and the history starts
+/// with it. `simulator` is kept by the caller, because it can be used again for the same plant.
 ///
 /// # Errors
 /// [`Error::Simulate`], with the motion's divergence among its kinds, and those of the controller.
@@ -59,7 +60,8 @@ pub fn history(
         None => Acting::Constant(holding_v(simulator.plant(), &procedure.operating_point)),
     };
     let run = simulator.run(&mut acting, &scenario(procedure, experiment))?;
-    Ok(columns(run, experiment))
+    let history = columns(run, experiment);
+    Ok(if experiment == Experiment::Step { history.from_time(procedure.settle_s) } else { history })
 }
 
 fn holding_v(plant: &Plant, point: &OperatingPoint) -> f64 {
@@ -78,8 +80,8 @@ fn scenario(procedure: &Procedure, experiment: Experiment) -> Scenario {
     match experiment {
         Experiment::Rest => Scenario { platform, ..still },
         Experiment::Step => Scenario {
-            duration_s: procedure.step.duration_s,
-            demand_rad_s: Signal::Constant(procedure.step.rate_rad_s),
+            duration_s: procedure.settle_s + procedure.step.duration_s,
+            demand_rad_s: Signal::step(procedure.settle_s, procedure.step.rate_rad_s),
             platform,
             ..still
         },

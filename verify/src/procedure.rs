@@ -22,7 +22,8 @@ pub struct Procedure {
     pub road: Option<Road>,
     /// How long the platform heaves and pitches, s.
     pub duration_s: f64,
-    /// Statistics leave out this much at the beginning: what starts abruptly rings, s.
+    /// Statistics leave out this much at the beginning, for what starts abruptly rings; on the nonlinear plant the step comes
+    /// after it, s.
     pub settle_s: f64,
     /// Frequencies at which the rejection ratio is tabulated, Hz.
     pub rejection_hz: Vec<f64>,

@@ -232,7 +232,7 @@ fn rejection_frequencies(procedure: &Procedure, requirements: &[Requirement]) ->
     all
 }
 
-fn rejection_figures(
+pub(crate) fn rejection_figures(
     sampled: &SampledPlant,
     closed: &Closed,
     arrangement: Arrangement,
@@ -260,30 +260,38 @@ fn linear_histories(
     histories: &mut Vec<History>,
 ) -> Result<(), Error> {
     for (arrangement, closed) in loops {
-        let stable = *arrangement == Arrangement::Uncontrolled || closed.pole_radius() < 1.0;
         for experiment in experiments(procedure, *arrangement) {
-            if !stable {
-                figures.extend(diverged(Model::Linear, experiment));
-                continue;
-            }
-            let history = match experiment {
-                Experiment::Disturbance(source, _) => {
-                    let motion = |time_s: f64| procedure.motion(source, time_s);
-                    linear::disturbance(
-                        sampled,
-                        closed,
-                        (source, *arrangement),
-                        procedure.duration_of(source),
-                        motion,
-                    )?
+            match linear_history(sampled, closed, procedure, experiment)? {
+                None => figures.extend(diverged(Model::Linear, experiment)),
+                Some(history) => {
+                    figures.extend(history_figures(&history, procedure.settle_s));
+                    histories.push(history);
                 }
-                Experiment::Step | Experiment::Rest => linear::step(sampled, closed, procedure.step)?,
-            };
-            figures.extend(history_figures(&history, procedure.settle_s));
-            histories.push(history);
+            }
         }
     }
     Ok(())
+}
+
+/// One experiment on the linear plant; nothing where the loop that is closed is unstable.
+pub(crate) fn linear_history(
+    sampled: &SampledPlant,
+    closed: &Closed,
+    procedure: &Procedure,
+    experiment: Experiment,
+) -> Result<Option<History>, Error> {
+    if closed.controller.is_some() && closed.pole_radius() >= 1.0 {
+        return Ok(None);
+    }
+    let history = match experiment {
+        Experiment::Disturbance(source, arrangement) => {
+            let motion = |time_s: f64| procedure.motion(source, time_s);
+            let duration_s = procedure.duration_of(source);
+            linear::disturbance(sampled, closed, (source, arrangement), duration_s, motion)?
+        }
+        Experiment::Step | Experiment::Rest => linear::step(sampled, closed, procedure.step)?,
+    };
+    Ok(Some(history))
 }
 
 /// What is run in an arrangement on the linear plant: nothing to see at rest.

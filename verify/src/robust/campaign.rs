@@ -1,0 +1,192 @@
+//! A Monte Carlo campaign: every sample a pure function of the campaign and its own number.
+
+use std::ops::Range;
+
+use counterpoise_controller::Controller;
+use counterpoise_models::parameters::Parameters;
+use counterpoise_models::plant::Plant;
+
+use super::{Distribution, Varied, figures_of, latin_hypercube};
+use crate::measure::Value;
+use crate::{Error, Figure, Procedure, Requirement};
+
+/// A parameter and how its factor is distributed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Variation {
+    /// Which parameter.
+    pub parameter: Varied,
+    /// Its factor.
+    pub distribution: Distribution,
+}
+
+/// Everything that defines a campaign.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Campaign {
+    nominal: Parameters,
+    controller: Controller,
+    procedure: Procedure,
+    variations: Vec<Variation>,
+    requirements: Vec<Requirement>,
+    points: Vec<Vec<f64>>,
+}
+
+/// One mechanism of the campaign, and its figures.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sample {
+    /// Its number.
+    pub index: usize,
+    /// The factor of each variation.
+    pub factors: Vec<f64>,
+    /// The figure of each requirement; NaN where there is no such number, infinite where the loop diverges.
+    pub values: Vec<f64>,
+}
+
+impl Campaign {
+    /// A campaign of `samples` mechanisms from a Latin hypercube.
+    ///
+    /// # Errors
+    /// [`Error::Range`] for no samples, no variations or an impossible distribution, and those of [`Procedure::check`].
+    pub fn new(
+        (nominal, controller): (Parameters, Controller),
+        procedure: Procedure,
+        variations: Vec<Variation>,
+        requirements: Vec<Requirement>,
+        (samples, seed): (usize, u64),
+    ) -> Result<Self, Error> {
+        procedure.check()?;
+        for (what, count) in
+            [("samples", samples), ("variations", variations.len()), ("requirements", requirements.len())]
+        {
+            if count == 0 {
+                return Err(Error::Range { what, value: 0.0, allowed: "at least 1" });
+            }
+        }
+        variations.iter().try_for_each(|variation| variation.distribution.check())?;
+        let points = latin_hypercube(samples, variations.len(), seed);
+        Ok(Self { nominal, controller, procedure, variations, requirements, points })
+    }
+
+    /// Number of samples.
+    pub fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Whether there is no sample: never.
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+
+    /// The variations.
+    pub fn variations(&self) -> &[Variation] {
+        &self.variations
+    }
+
+    /// The requirements, whose figures are measured.
+    pub fn requirements(&self) -> &[Requirement] {
+        &self.requirements
+    }
+
+    /// The quantiles of a sample, one a variation.
+    ///
+    /// # Errors
+    /// [`Error::Range`] where there is no such sample.
+    pub fn quantiles(&self, index: usize) -> Result<Vec<f64>, Error> {
+        let none = Error::Range {
+            what: "number of the sample",
+            value: index as f64,
+            allowed: "below the number of samples",
+        };
+        self.points.get(index).cloned().ok_or(none)
+    }
+
+    /// The factors of a sample.
+    ///
+    /// # Errors
+    /// [`Error::Range`] where there is no such sample.
+    pub fn factors(&self, index: usize) -> Result<Vec<f64>, Error> {
+        let point = self.quantiles(index)?;
+        Ok(self
+            .variations
+            .iter()
+            .zip(&point)
+            .map(|(variation, u)| variation.distribution.quantile(*u))
+            .collect())
+    }
+
+    /// The mechanism with each variation's factor.
+    ///
+    /// # Errors
+    /// Factors that make no mechanism.
+    pub fn parameters(&self, factors: &[f64]) -> Result<Parameters, Error> {
+        let mut parameters = self.nominal.clone();
+        for (variation, &factor) in self.variations.iter().zip(factors) {
+            variation.parameter.scale(&mut parameters, factor)?;
+        }
+        Ok(parameters)
+    }
+
+    /// Runs one sample: the same bytes whoever runs it, and in whatever order. Its sensor noise has its own seed.
+    ///
+    /// # Errors
+    /// As [`figures_of`].
+    pub fn run(&self, index: usize) -> Result<Sample, Error> {
+        let factors = self.factors(index)?;
+        let seed = self.procedure.seed.wrapping_add(index as u64);
+        let values = self.values_at(&factors, seed)?;
+        Ok(Sample { index, factors, values })
+    }
+
+    /// The figures of the mechanism with the given factors.
+    ///
+    /// # Errors
+    /// As [`figures_of`].
+    pub fn values_at(&self, factors: &[f64], seed: u64) -> Result<Vec<f64>, Error> {
+        let plant = Plant::lumped(&self.parameters(factors)?)?;
+        let procedure = Procedure { seed, ..self.procedure.clone() };
+        let figures: Vec<Figure> = self.requirements.iter().map(|requirement| requirement.figure).collect();
+        let values = figures_of(&plant, &self.controller, &procedure, &figures)?;
+        Ok(values
+            .iter()
+            .map(|value| if let Value::Is(number) = value { *number } else { f64::NAN })
+            .collect())
+    }
+
+    /// The numbers of the samples of one shard of `shards`: neighbouring, all together every sample once.
+    ///
+    /// # Errors
+    /// [`Error::Range`] where there is no such shard.
+    pub fn shard(&self, shard: usize, shards: usize) -> Result<Range<usize>, Error> {
+        if shards == 0 || shard >= shards {
+            return Err(Error::Range {
+                what: "number of the shard",
+                value: shard as f64,
+                allowed: "below the number of shards",
+            });
+        }
+        let edge = |k: usize| (k as u128 * self.len() as u128 / shards as u128) as usize;
+        Ok(edge(shard)..edge(shard + 1))
+    }
+
+    /// Whether a sample meets every requirement that could be judged.
+    pub fn passes(&self, sample: &Sample) -> bool {
+        let judged = self.requirements.iter().zip(&sample.values);
+        judged.into_iter().all(|(requirement, value)| value.is_nan() || requirement.limit.room(*value) >= 0.0)
+    }
+}
+
+/// Puts the samples of shards together, by number.
+///
+/// # Errors
+/// [`Error::Length`] where samples are missing or there are too many, [`Error::Range`] where one comes twice.
+pub fn merge(campaign: &Campaign, shards: Vec<Vec<Sample>>) -> Result<Vec<Sample>, Error> {
+    let mut all: Vec<Sample> = shards.into_iter().flatten().collect();
+    all.sort_by_key(|sample| sample.index);
+    if let Some(pair) = all.windows(2).find(|pair| pair[0].index == pair[1].index) {
+        let value = pair[0].index as f64;
+        return Err(Error::Range { what: "number of a sample", value, allowed: "there once" });
+    }
+    if all.len() != campaign.len() {
+        return Err(Error::Length { what: "merged samples", found: all.len(), needed: campaign.len() });
+    }
+    Ok(all)
+}

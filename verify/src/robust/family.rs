@@ -1,0 +1,59 @@
+//! One parameter at a time, and the ways to load the mechanism.
+
+use counterpoise_controller::Controller;
+use counterpoise_models::parameters::Parameters;
+use counterpoise_models::plant::Plant;
+
+use super::{Varied, figures_of};
+use crate::measure::Value;
+use crate::{Error, Figure, Procedure};
+
+/// One mechanism of a family, and its figures.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Member {
+    /// What it is, for example `backlash x 2` or a configuration's name.
+    pub name: String,
+    /// The figures, in the order asked for.
+    pub values: Vec<Value>,
+}
+
+/// Figures with each parameter in turn at each factor.
+///
+/// # Errors
+/// As [`figures_of`], and factors that make no mechanism.
+pub fn one_at_a_time(
+    nominal: &Parameters,
+    controller: &Controller,
+    procedure: &Procedure,
+    figures: &[Figure],
+    families: &[(Varied, Vec<f64>)],
+) -> Result<Vec<Member>, Error> {
+    let mut members = Vec::new();
+    for (varied, factors) in families {
+        for &factor in factors {
+            let mut parameters = nominal.clone();
+            varied.scale(&mut parameters, factor)?;
+            let values = figures_of(&Plant::lumped(&parameters)?, controller, procedure, figures)?;
+            members.push(Member { name: format!("{} x {factor}", varied.key()), values });
+        }
+    }
+    Ok(members)
+}
+
+/// Figures in each configuration of the mechanism, the controller being told nothing.
+///
+/// # Errors
+/// As [`figures_of`], and configurations that fit masses which are not there.
+pub fn configurations(
+    nominal: &Parameters,
+    controller: &Controller,
+    procedure: &Procedure,
+    figures: &[Figure],
+) -> Result<Vec<Member>, Error> {
+    let member = |configuration| {
+        let plant = Plant::lumped(&nominal.configured(configuration)?)?;
+        let values = figures_of(&plant, controller, procedure, figures)?;
+        Ok(Member { name: configuration.name.clone(), values })
+    };
+    nominal.configurations.iter().map(member).collect()
+}

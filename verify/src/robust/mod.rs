@@ -1,0 +1,19 @@
+//! Robustness: one parameter at a time, many at once, and the worst that can be found. The controller stays as it is exported.
+//!
+//! Modules in reading order: [`varied`], [`sampling`], [`selected`], [`family`], [`campaign`], [`statistics`], [`worst`].
+
+pub mod campaign;
+pub mod family;
+pub mod sampling;
+pub mod selected;
+pub mod statistics;
+pub mod varied;
+pub mod worst;
+
+pub use campaign::{Campaign, Sample, Variation, merge};
+pub use family::{Member, configurations, one_at_a_time};
+pub use sampling::{Distribution, latin_hypercube};
+pub use selected::figures_of;
+pub use statistics::{Ranked, Summary, ranking, summary};
+pub use varied::Varied;
+pub use worst::{Worst, worst_case};

@@ -1,0 +1,141 @@
+//! A few figures, at the cost of no more experiments than they need.
+
+use counterpoise_controller::Controller;
+use counterpoise_lti::margins;
+use counterpoise_models::plant::Plant;
+use counterpoise_simulate::Simulator;
+
+use crate::history::Experiment;
+use crate::linear::closed::resolver_use;
+use crate::linear::{Closed, SampledPlant, arranged};
+use crate::measure::{Measured, Value, diverged, history_figures, loop_figures};
+use crate::verification::{linear_history, linear_plant, rejection_figures};
+use crate::{Arrangement, Error, Figure, Model, Procedure, nonlinear};
+
+/// Measures `wanted`, in that order: infinite where the loop diverges, absent where there is no such number.
+///
+/// # Errors
+/// As [`crate::verify`].
+pub fn figures_of(
+    plant: &Plant,
+    controller: &Controller,
+    procedure: &Procedure,
+    wanted: &[Figure],
+) -> Result<Vec<Value>, Error> {
+    let mut found = Vec::new();
+    let mut linear: Option<Linear> = None;
+    let mut simulator = Simulator::new(plant)?;
+    for need in needs(wanted) {
+        let measured = match need {
+            Need::Simulated(experiment) => simulated(&mut simulator, controller, procedure, experiment)?,
+            other => {
+                let loops = linear.get_or_insert(Linear::new(plant, controller, procedure)?);
+                loops.measure(other, procedure)?
+            }
+        };
+        found.extend(measured);
+    }
+    let value = |figure: &Figure| {
+        let absent = Value::Absent { why: "this experiment was not run".to_owned() };
+        found
+            .iter()
+            .find(|measured| measured.figure == *figure)
+            .map_or(absent, |measured| measured.value.clone())
+    };
+    Ok(wanted.iter().map(value).collect())
+}
+
+/// What has to be done for a figure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Need {
+    Margins,
+    Tone(Arrangement, f64),
+    Linear(Experiment),
+    Simulated(Experiment),
+}
+
+fn needs(wanted: &[Figure]) -> Vec<Need> {
+    let mut needs = Vec::new();
+    for figure in wanted {
+        let need = need_of(figure);
+        if !needs.contains(&need) {
+            needs.push(need);
+        }
+    }
+    needs
+}
+
+fn need_of(figure: &Figure) -> Need {
+    let on = |model: Model, experiment| match model {
+        Model::Linear => Need::Linear(experiment),
+        Model::Nonlinear => Need::Simulated(experiment),
+    };
+    match *figure {
+        Figure::Loop(_) => Need::Margins,
+        Figure::Step(model, _) => on(model, Experiment::Step),
+        Figure::Disturbance(model, source, arrangement, _) => {
+            on(model, Experiment::Disturbance(source, arrangement))
+        }
+        Figure::Rejection { arrangement, frequency_hz, .. } => Need::Tone(arrangement, frequency_hz),
+        Figure::Rest(_) => Need::Simulated(Experiment::Rest),
+    }
+}
+
+fn simulated(
+    simulator: &mut Simulator,
+    controller: &Controller,
+    procedure: &Procedure,
+    experiment: Experiment,
+) -> Result<Vec<Measured>, Error> {
+    match nonlinear::history(simulator, controller, procedure, experiment) {
+        Ok(history) => Ok(history_figures(&history, procedure.settle_s)),
+        Err(Error::Simulate(counterpoise_simulate::Error::Diverged { .. })) => {
+            Ok(diverged(Model::Nonlinear, experiment))
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// The linear plant with the controller that closes it.
+struct Linear<'a> {
+    sampled: SampledPlant,
+    controller: &'a Controller,
+}
+
+impl<'a> Linear<'a> {
+    fn new(plant: &Plant, controller: &'a Controller, procedure: &Procedure) -> Result<Self, Error> {
+        let linear = linear_plant(plant, procedure)?;
+        let sampled = SampledPlant::new(&linear, plant.parameters(), resolver_use(controller))?;
+        Ok(Self { sampled, controller })
+    }
+
+    fn closed(&self, arrangement: Arrangement) -> Result<Closed, Error> {
+        let moment = self.controller.parts().design_out_of_balance_kg_m;
+        Closed::new(&self.sampled, arranged(self.controller, arrangement)?.as_ref(), moment)
+    }
+
+    fn measure(&self, need: Need, procedure: &Procedure) -> Result<Vec<Measured>, Error> {
+        match need {
+            Need::Margins => {
+                let closed = self.closed(Arrangement::Compensated)?;
+                let broken = closed.broken.as_ref().ok_or(Error::NoController)?;
+                Ok(loop_figures(&margins(broken)?, closed.pole_radius()))
+            }
+            Need::Tone(arrangement, hz) => {
+                rejection_figures(&self.sampled, &self.closed(arrangement)?, arrangement, &[hz])
+            }
+            Need::Linear(experiment) | Need::Simulated(experiment) => {
+                let arrangement = match experiment {
+                    Experiment::Disturbance(_, arrangement) => arrangement,
+                    Experiment::Step | Experiment::Rest => Arrangement::Compensated,
+                };
+                let history =
+                    linear_history(&self.sampled, &self.closed(arrangement)?, procedure, experiment)?;
+                Ok(history.map_or_else(
+                    || diverged(Model::Linear, experiment),
+                    |history| history_figures(&history, procedure.settle_s),
+                ))
+            }
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! The parameters of a mechanism that a robustness test varies, each by a factor on its nominal value.
+
+use counterpoise_models::parameters::{Friction, FrictionLaw, Parameters};
+
+use crate::Error;
+
+/// A parameter, or parameters that vary together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Varied {
+    /// Inertia at the hub.
+    HubInertia,
+    /// Inertia of the beam.
+    BeamInertia,
+    /// Inertia of hub and beam together.
+    Inertia,
+    /// First moment of mass about the pivot.
+    OutOfBalance,
+    /// Dry friction at the motor shaft.
+    MotorFriction,
+    /// Dry friction at the pivot.
+    PivotFriction,
+    /// Dry friction at both.
+    Friction,
+    /// Viscous friction at both.
+    Viscous,
+    /// Gap of the gear.
+    Backlash,
+    /// Stiffness of the gear.
+    GearStiffness,
+    /// Stiffness between hub and beam.
+    StructureStiffness,
+    /// Damping between hub and beam.
+    StructureDamping,
+    /// Inertia of the motor.
+    MotorInertia,
+    /// Torque per ampere.
+    TorqueConstant,
+    /// Resistance of the armature.
+    Resistance,
+    /// Natural frequency of the hub's gyroscope.
+    GyroBandwidth,
+    /// Gain of the platform's accelerometer.
+    AccelerometerGain,
+    /// Gain of the platform's gyroscope.
+    PlatformGyroGain,
+}
+
+/// Every parameter with its key in a project file.
+pub const ALL: [(Varied, &str); 18] = [
+    (Varied::HubInertia, "hub_inertia"),
+    (Varied::BeamInertia, "beam_inertia"),
+    (Varied::Inertia, "inertia"),
+    (Varied::OutOfBalance, "out_of_balance"),
+    (Varied::MotorFriction, "motor_friction"),
+    (Varied::PivotFriction, "pivot_friction"),
+    (Varied::Friction, "friction"),
+    (Varied::Viscous, "viscous"),
+    (Varied::Backlash, "backlash"),
+    (Varied::GearStiffness, "gear_stiffness"),
+    (Varied::StructureStiffness, "structure_stiffness"),
+    (Varied::StructureDamping, "structure_damping"),
+    (Varied::MotorInertia, "motor_inertia"),
+    (Varied::TorqueConstant, "torque_constant"),
+    (Varied::Resistance, "resistance"),
+    (Varied::GyroBandwidth, "gyro_bandwidth"),
+    (Varied::AccelerometerGain, "accelerometer_gain"),
+    (Varied::PlatformGyroGain, "platform_gyro_gain"),
+];
+
+impl Varied {
+    /// The key in a project file.
+    pub fn key(self) -> &'static str {
+        ALL.iter().find(|row| row.0 == self).map_or("", |row| row.1)
+    }
+
+    /// The parameter with the given key.
+    pub fn from_key(key: &str) -> Option<Self> {
+        ALL.iter().find(|row| row.1 == key).map(|row| row.0)
+    }
+
+    /// Multiplies the parameter by `factor`. Inertias and stiffnesses of the structure are those of the lumped description.
+    ///
+    /// # Errors
+    /// [`Error::Range`] for a factor that is negative or not finite.
+    pub fn scale(self, parameters: &mut Parameters, factor: f64) -> Result<(), Error> {
+        if !(factor >= 0.0 && factor.is_finite()) {
+            return Err(Error::Range {
+                what: "factor of a varied parameter",
+                value: factor,
+                allowed: "0 or more",
+            });
+        }
+        match self {
+            Varied::Friction => {
+                Varied::MotorFriction.scale(parameters, factor)?;
+                Varied::PivotFriction.scale(parameters, factor)?;
+            }
+            Varied::MotorFriction => scale_dry(&mut parameters.motor_friction, factor),
+            Varied::PivotFriction => scale_dry(&mut parameters.pivot_friction, factor),
+            _ => self.places(parameters).into_iter().for_each(|place| *place *= factor),
+        }
+        Ok(())
+    }
+
+    fn places(self, p: &mut Parameters) -> Vec<&mut f64> {
+        let lumped = p.lumped.as_mut();
+        match self {
+            Varied::HubInertia => lumped.map(|l| &mut l.hub_inertia_kg_m2).into_iter().collect(),
+            Varied::BeamInertia => lumped.map(|l| &mut l.beam_inertia_kg_m2).into_iter().collect(),
+            Varied::Inertia => lumped
+                .map(|l| [&mut l.hub_inertia_kg_m2, &mut l.beam_inertia_kg_m2])
+                .into_iter()
+                .flatten()
+                .collect(),
+            Varied::OutOfBalance => lumped.map(|l| &mut l.out_of_balance_kg_m).into_iter().collect(),
+            Varied::StructureStiffness => lumped.map(|l| &mut l.stiffness_nm_rad).into_iter().collect(),
+            Varied::StructureDamping => lumped.map(|l| &mut l.damping_nm_s_rad).into_iter().collect(),
+            Varied::Viscous => {
+                vec![&mut p.motor_friction.viscous_nm_s_rad, &mut p.pivot_friction.viscous_nm_s_rad]
+            }
+            Varied::Backlash => vec![&mut p.gearbox.backlash_rad],
+            Varied::GearStiffness => vec![&mut p.gearbox.stiffness_nm_rad],
+            Varied::MotorInertia => vec![&mut p.motor.inertia_kg_m2],
+            Varied::TorqueConstant => vec![&mut p.motor.torque_constant_nm_a],
+            Varied::Resistance => vec![&mut p.motor.resistance_ohm],
+            Varied::GyroBandwidth => vec![&mut p.sensors.hub_gyro.natural_frequency_rad_s],
+            Varied::AccelerometerGain => vec![&mut p.sensors.platform_accelerometer.gain],
+            Varied::PlatformGyroGain => vec![&mut p.sensors.platform_gyro.gain],
+            Varied::MotorFriction | Varied::PivotFriction | Varied::Friction => Vec::new(),
+        }
+    }
+}
+
+/// The Coulomb level times `factor`; the stiffness at rest stays. A level of 0 is no dry friction.
+fn scale_dry(friction: &mut Friction, factor: f64) {
+    if factor == 0.0 {
+        friction.law = FrictionLaw::None;
+        return;
+    }
+    match &mut friction.law {
+        FrictionLaw::None => {}
+        FrictionLaw::Dahl { coulomb_nm, .. }
+        | FrictionLaw::Lugre { coulomb_nm, .. }
+        | FrictionLaw::Coulomb { coulomb_nm }
+        | FrictionLaw::ResetIntegrator { coulomb_nm, .. }
+        | FrictionLaw::Stribeck { coulomb_nm, .. }
+        | FrictionLaw::Karnopp { coulomb_nm, .. }
+        | FrictionLaw::Walrath { coulomb_nm, .. }
+        | FrictionLaw::Bristle { coulomb_nm, .. } => *coulomb_nm *= factor,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn every_parameter_can_be_varied_and_a_factor_of_one_changes_nothing() {
+        let rig = counterpoise_models::reference::rig();
+        for (varied, key) in ALL {
+            let (mut same, mut other) = (rig.clone(), rig.clone());
+            varied.scale(&mut same, 1.0).unwrap();
+            varied.scale(&mut other, 1.5).unwrap();
+            assert_eq!(same, rig, "{key}");
+            assert_ne!(other, rig, "{key}");
+            assert_eq!(Varied::from_key(key), Some(varied));
+        }
+    }
+
+    #[test]
+    fn friction_can_be_taken_away_but_not_made_negative() {
+        let mut rig = counterpoise_models::reference::rig();
+        Varied::Friction.scale(&mut rig, 0.0).unwrap();
+        assert_eq!(rig.pivot_friction.law, FrictionLaw::None);
+        assert!(Varied::Friction.scale(&mut rig, -1.0).is_err());
+    }
+}

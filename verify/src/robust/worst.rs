@@ -1,0 +1,110 @@
+//! The worst case, by a search from the worst samples.
+
+use super::{Campaign, Sample};
+use crate::Error;
+
+/// The worst mechanism that was found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Worst {
+    /// The factors of the variations.
+    pub factors: Vec<f64>,
+    /// The requirement's figure there.
+    pub value: f64,
+    /// The figure of the worst sample, where the search began.
+    pub start: f64,
+    /// How many mechanisms were tried.
+    pub tried: usize,
+    /// Whether the search ended because its steps grew small, not because of its limit.
+    pub converged: bool,
+}
+
+/// First step, in quantiles.
+const FIRST_STEP: f64 = 0.2;
+/// The search ends at this step.
+const LAST_STEP: f64 = 0.02;
+
+/// Searches from the worst of `samples` for factors inside the variations' ranges with even less room: a compass search in the
+/// quantiles (each coordinate up and down, the step halved when nothing is worse), at most `most` mechanisms. It is a lower bound
+/// of the true worst case.
+///
+/// # Errors
+/// [`Error::Length`] where no sample can be judged, and those of the campaign.
+pub fn worst_case(
+    campaign: &Campaign,
+    samples: &[Sample],
+    requirement: usize,
+    most: usize,
+) -> Result<Worst, Error> {
+    let limit = campaign.requirements()[requirement].limit;
+    let judged = samples.iter().filter(|sample| !sample.values[requirement].is_nan());
+    let first =
+        judged.min_by(|a, b| limit.room(a.values[requirement]).total_cmp(&limit.room(b.values[requirement])));
+    let first = first.ok_or(Error::Length { what: "samples to search from", found: 0, needed: 1 })?;
+    let seed = first.index as u64;
+    let mut search = Search { campaign, requirement, seed, tried: 0 };
+    let mut at = search.quantiles(first)?;
+    let mut value = search.value(&at)?;
+    let mut step = FIRST_STEP;
+    while step >= LAST_STEP && search.tried < most {
+        match search.better(&at, value, step, most)? {
+            Some((point, worse)) => (at, value) = (point, worse),
+            None => step *= 0.5,
+        }
+    }
+    let factors = search.factors(&at);
+    Ok(Worst {
+        factors,
+        value,
+        start: first.values[requirement],
+        tried: search.tried,
+        converged: step < LAST_STEP,
+    })
+}
+
+struct Search<'a> {
+    campaign: &'a Campaign,
+    requirement: usize,
+    seed: u64,
+    tried: usize,
+}
+
+impl Search<'_> {
+    fn factors(&self, quantiles: &[f64]) -> Vec<f64> {
+        let both = self.campaign.variations().iter().zip(quantiles);
+        both.map(|(variation, u)| variation.distribution.quantile(*u)).collect()
+    }
+
+    fn quantiles(&self, sample: &Sample) -> Result<Vec<f64>, Error> {
+        self.campaign.quantiles(sample.index)
+    }
+
+    fn value(&mut self, quantiles: &[f64]) -> Result<f64, Error> {
+        self.tried += 1;
+        Ok(self.campaign.values_at(&self.factors(quantiles), self.seed)?[self.requirement])
+    }
+
+    /// The first neighbour with less room.
+    fn better(
+        &mut self,
+        at: &[f64],
+        value: f64,
+        step: f64,
+        most: usize,
+    ) -> Result<Option<(Vec<f64>, f64)>, Error> {
+        let limit = self.campaign.requirements()[self.requirement].limit;
+        for k in 0..at.len() {
+            for sign in [1.0, -1.0] {
+                let mut point = at.to_vec();
+                point[k] = (point[k] + sign * step).clamp(0.0, 1.0);
+                if point[k] == at[k] || self.tried >= most {
+                    continue;
+                }
+                let found = self.value(&point)?;
+                if limit.room(found) < limit.room(value) {
+                    return Ok(Some((point, found)));
+                }
+            }
+        }
+        Ok(None)
+    }
+}

@@ -1,0 +1,90 @@
+//! Robustness: families, campaigns that do not depend on who runs them, and the search for the worst.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod support;
+
+use counterpoise_verify::robust::{
+    Campaign, Distribution, Variation, Varied, configurations, figures_of, merge, one_at_a_time, ranking,
+    summary, worst_case,
+};
+use counterpoise_verify::{Figure, Limit, Procedure, Requirement, Value, verify};
+use support::{controller, plant, rig};
+
+fn short() -> Procedure {
+    Procedure { duration_s: 1.0, settle_s: 0.3, ..Procedure::default() }
+}
+
+fn require(key: &str, limit: Limit) -> Requirement {
+    Requirement::new(Figure::from_key(key).unwrap(), limit).unwrap()
+}
+
+fn campaign(samples: usize) -> Campaign {
+    let vary =
+        |parameter, low, high| Variation { parameter, distribution: Distribution::Uniform { low, high } };
+    let variations = vec![
+        vary(Varied::Inertia, 0.5, 2.0),
+        vary(Varied::TorqueConstant, 0.9, 1.1),
+        vary(Varied::Backlash, 0.0, 2.0),
+    ];
+    let requirements = vec![
+        require("gain_margin_db", Limit::AtLeast(10.0)),
+        require("nonlinear_both_compensated_hub_rms_rad_s", Limit::AtMost(0.04)),
+    ];
+    Campaign::new((rig(), controller()), short(), variations, requirements, (samples, 11)).unwrap()
+}
+
+#[test]
+fn a_few_figures_are_those_of_the_whole_verification() {
+    let verified = verify(&plant(), &controller(), &short(), &[]).unwrap();
+    let wanted: Vec<Figure> =
+        verified.verification().figures.iter().map(|measured| measured.figure).collect();
+    let values = figures_of(&plant(), &controller(), &short(), &wanted).unwrap();
+    for (measured, value) in verified.verification().figures.iter().zip(&values) {
+        assert_eq!(&measured.value, value, "{}", measured.figure);
+    }
+}
+
+#[test]
+fn shards_in_any_order_give_the_same_bytes() {
+    let campaign = campaign(12);
+    let all: Vec<_> = (0..12).map(|index| campaign.run(index).unwrap()).collect();
+    for shards in [1, 5, 12, 20] {
+        let run = |shard| {
+            campaign.shard(shard, shards).unwrap().map(|index| campaign.run(index).unwrap()).collect()
+        };
+        let parts: Vec<Vec<_>> = (0..shards).rev().map(run).collect();
+        assert_eq!(merge(&campaign, parts).unwrap(), all);
+    }
+    assert!(merge(&campaign, vec![all.clone(), all[..1].to_vec()]).is_err());
+    assert!(merge(&campaign, vec![all[1..].to_vec()]).is_err());
+    assert!(campaign.shard(5, 5).is_err());
+}
+
+#[test]
+fn the_ranking_finds_what_matters_and_the_search_does_not_lose() {
+    let campaign = campaign(24);
+    let samples: Vec<_> = (0..24).map(|index| campaign.run(index).unwrap()).collect();
+    let order = ranking(&campaign, &samples, 0);
+    assert_eq!(order[0].variation, 0, "inertia sets the gain margin: {order:?}");
+    let backlash = order.iter().find(|ranked| ranked.variation == 2).unwrap();
+    assert!(backlash.correlation.abs() < 0.5, "a gap is not in the linear loop");
+    let overall = summary(&campaign, &samples, 0);
+    let worst = worst_case(&campaign, &samples, 0, 60).unwrap();
+    assert!(worst.converged && worst.value <= overall.lowest, "{worst:?}");
+    assert!(overall.interval.0 <= overall.share && overall.share <= overall.interval.1);
+}
+
+#[test]
+fn families_and_configurations_are_measured() {
+    let figures = [
+        Figure::from_key("phase_margin_deg").unwrap(),
+        Figure::from_key("nonlinear_step_overshoot_percent").unwrap(),
+    ];
+    let families = [(Varied::Inertia, vec![0.5, 1.0, 2.0])];
+    let members = one_at_a_time(&rig(), &controller(), &short(), &figures, &families).unwrap();
+    assert_eq!(members.len(), 3);
+    assert_eq!(members[1].values, figures_of(&plant(), &controller(), &short(), &figures).unwrap());
+    let loaded = configurations(&rig(), &controller(), &short(), &figures).unwrap();
+    assert_eq!(loaded.len(), rig().configurations.len());
+    assert!(loaded.iter().all(|member| matches!(member.values[0], Value::Is(margin) if margin > 0.0)));
+}
