@@ -236,7 +236,12 @@ fn rejection_curve(
 fn controller_section(found: &Verification) -> Section {
     let units = ["V s/rad", "V s\u{B2}/m", "V s/rad"];
     let curves = &found.evidence.curves;
-    let figures = curves.controller.iter().zip(units).map(|(curve, unit)| {
+    let present = curves
+        .controller
+        .iter()
+        .zip(units)
+        .filter(|(curve, _)| curve.response.iter().any(|h| h.norm() > 0.0));
+    let figures = present.map(|(curve, unit)| {
         let points = curve_points(&curves.frequency_hz, curve);
         bode(
             &capital(&curve.name),

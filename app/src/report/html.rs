@@ -175,7 +175,10 @@ fn cell_markup(cell: &Cell) -> String {
         Cell::Room(tone, part, text) => {
             let (class, _) = class_and_sign(*tone);
             let percent = (100.0 * part.clamp(0.0, 1.0)).round();
-            format!("<span class=\"room {class}\"><i style=\"width:{percent}%\"></i></span>{}", escape(text))
+            format!(
+                "<span class=\"pair-of\"><span class=\"room {class}\"><i style=\"width:{percent}%\"></i></span>{}</span>",
+                escape(text)
+            )
         }
     }
 }

@@ -51,6 +51,14 @@ pub fn capital(text: &str) -> String {
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
+/// `\u{2265} 12`.
+fn sign_of(limit: Limit) -> String {
+    match limit {
+        Limit::AtLeast(value) => format!("\u{2265} {}", short(value)),
+        Limit::AtMost(value) => format!("\u{2264} {}", short(value)),
+    }
+}
+
 /// `at least 12`.
 pub fn words_of(limit: Limit) -> String {
     match limit {
@@ -97,7 +105,7 @@ fn verdict_row(requirement: &Requirement, verdict: &Verdict) -> Vec<Cell> {
             ("\u{2013}".to_owned(), Cell::text(""), Cell::Verdict(Tone::Neutral, why.clone()))
         }
     };
-    vec![Cell::text(name), Cell::text(measured), Cell::text(words_of(requirement.limit)), room, verdict]
+    vec![Cell::text(name), Cell::text(measured), Cell::text(sign_of(requirement.limit)), room, verdict]
 }
 
 /// The numbers that a reader wants first.
