@@ -24,6 +24,8 @@ pub enum Part {
     Heave,
     /// The pitch feedforward.
     Pitch,
+    /// A generalised plant.
+    Generalised,
 }
 
 impl From<crate::Channel> for Part {
@@ -157,6 +159,20 @@ pub enum Cause {
         /// Why.
         reason: String,
     },
+    /// A control without weight: D12 lacks full column rank.
+    ControlUnweighed,
+    /// A measurement without noise: D21 lacks full row rank.
+    MeasurementNoiseless,
+    /// White noise reaches the weighted outputs directly: D11 is not zero.
+    NoiseReachesCost {
+        /// Its largest entry.
+        gain: f64,
+    },
+    /// No H-infinity bound was found that a controller reaches.
+    NoBoundReached {
+        /// The largest that was tried.
+        largest: f64,
+    },
     /// The sampled loop is not stable.
     SampledUnstable {
         /// The pole with the largest modulus.
@@ -235,6 +251,7 @@ impl fmt::Display for Part {
             Part::Feedback => "feedback",
             Part::Heave => "heave feedforward",
             Part::Pitch => "pitch feedforward",
+            Part::Generalised => "generalised plant",
         })
     }
 }
@@ -329,6 +346,15 @@ impl fmt::Display for Cause {
                 write!(f, "the demand would enter the error weight's states, of which there are none")
             }
             Cause::Equation { what, reason } => write!(f, "{what} has no stabilising solution: {reason}"),
+            Cause::ControlUnweighed => write!(f, "a control has no weight (D12 lacks full column rank)"),
+            Cause::MeasurementNoiseless => write!(f, "a measurement has no noise (D21 lacks full row rank)"),
+            Cause::NoiseReachesCost { gain } => {
+                write!(
+                    f,
+                    "white noise reaches the weighted outputs directly (D11 up to {gain:.3e}): infinite cost"
+                )
+            }
+            Cause::NoBoundReached { largest } => write!(f, "no controller keeps a bound up to {largest:.3e}"),
             Cause::SampledUnstable { pole, period_s } => {
                 write!(
                     f,
@@ -395,6 +421,12 @@ fn suggestion(cause: &Cause) -> &'static str {
             "let the demand enter through the error, or use an error weight with a pole"
         }
         Cause::Equation { .. } => "raise the weight or noise that the mode named needs",
+        Cause::ControlUnweighed => "weigh every control, if only lightly",
+        Cause::MeasurementNoiseless => "give every measurement a noise, if only a small one",
+        Cause::NoiseReachesCost { .. } => "let the noise pass a filter, or the weighted output one",
+        Cause::NoBoundReached { .. } => {
+            "look for a mode on the axis that no control reaches or no measurement shows"
+        }
         Cause::SampledUnstable { .. } => "sample faster, or lower the crossover",
     }
 }

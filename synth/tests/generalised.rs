@@ -1,0 +1,202 @@
+//! H2 and H-infinity synthesis against closed forms, printed figures and each other.
+#![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
+
+use counterpoise_lti::{C64, Mat, StateSpace, Timebase, append, h2norm, hinfnorm, series};
+use counterpoise_synth::{Cause, Generalised, H2, HInfinity, Outcome, Weight, h2syn, hinfsyn};
+
+fn rows(rows: &[&[f64]]) -> Mat {
+    Mat::from_rows(rows)
+}
+
+fn generalised(blocks: [&Mat; 4], controls: usize, measurements: usize) -> Generalised {
+    let [A, B, C, D] = blocks.map(Clone::clone);
+    let system = StateSpace::new(A, B, C, D, Timebase::Continuous).unwrap();
+    Generalised::new(system, controls, measurements).unwrap()
+}
+
+fn h2(plant: &Generalised) -> H2 {
+    match h2syn(plant).unwrap() {
+        Outcome::Solved(solution) => solution,
+        Outcome::Infeasible(findings) => panic!("{findings:?}"),
+    }
+}
+
+fn hinf(plant: &Generalised, tolerance: f64) -> HInfinity {
+    match hinfsyn(plant, tolerance).unwrap() {
+        Outcome::Solved(solution) => solution,
+        Outcome::Infeasible(findings) => panic!("{findings:?}"),
+    }
+}
+
+fn near(found: f64, expected: f64, tolerance: f64) {
+    assert!((found - expected).abs() <= tolerance * expected.abs(), "{found}, not {expected}");
+}
+
+#[test]
+fn the_cross_terms_of_octave_s_example() {
+    let plant = generalised(
+        [
+            &rows(&[&[-1.0]]),
+            &rows(&[&[1.0, 1.0]]),
+            &rows(&[&[1.0], &[1.0]]),
+            &rows(&[&[0.0, 1.0], &[1.0, 0.0]]),
+        ],
+        1,
+        1,
+    );
+    let solution = h2(&plant);
+    let K = &solution.controller;
+    assert!((K.A[(0, 0)] + 3.0).abs() < 1e-13 && (K.B[(0, 0)] * K.C[(0, 0)] + 1.0).abs() < 1e-13);
+    assert!(solution.predicted_norm < 1e-7 && solution.achieved_norm < 1e-7);
+}
+
+#[test]
+fn the_scalar_problem_has_its_closed_form() {
+    for (a, expected) in [(-1.0, 1.708203932499_f64), (0.0, 4.0), (1.0, 11.708203932499)] {
+        let (q, r, v) = (2.0, 1.0, 0.5);
+        let plant = generalised(
+            [
+                &rows(&[&[a]]),
+                &rows(&[&[1.0, 0.0, 1.0]]),
+                &rows(&[&[q], &[0.0], &[1.0]]),
+                &rows(&[&[0.0, 0.0, 0.0], &[0.0, 0.0, r], &[0.0, v, 0.0]]),
+            ],
+            1,
+            1,
+        );
+        let solution = h2(&plant);
+        near(solution.predicted_norm.powi(2), expected, 1e-11);
+        near(solution.achieved_norm.powi(2), expected, 1e-11);
+    }
+}
+
+/// An aircraft or helicopter of the COMPleib collection with states disturbed, and noise of density s^2 added.
+fn compleib(A: &Mat, inputs: (&Mat, &Mat), (C1, D12, C): (&Mat, &Mat, &Mat), s: f64) -> Generalised {
+    let (B1, B) = inputs;
+    let (n, w, y, u) = (A.nrows(), B1.ncols(), C.nrows(), B.ncols());
+    let D21 = Mat::zeros(y, w).hstack(&Mat::eye(y).scale(s));
+    let D = Mat::from_blocks(&[&[&Mat::zeros(C1.nrows(), w + y), D12], &[&D21, &Mat::zeros(y, u)]]);
+    let B = Mat::from_blocks(&[&[B1, &Mat::zeros(n, y), B]]);
+    generalised([A, &B, &C1.vstack(C), &D], u, y)
+}
+
+#[test]
+fn aircraft_of_compleib_cost_what_the_collection_s_data_give() {
+    let A = rows(&[
+        &[-0.037, 0.0123, 0.00055, -1.0],
+        &[0.0, 0.0, 1.0, 0.0],
+        &[-6.37, 0.0, -0.23, 0.0618],
+        &[1.25, 0.0, 0.016, -0.0457],
+    ]);
+    let B = rows(&[&[0.00084, 0.000236], &[0.0, 0.0], &[0.08, 0.804], &[-0.0862, -0.0665]]);
+    let C1 = Mat::eye(4).vstack(&Mat::zeros(2, 4));
+    let D12 = Mat::zeros(4, 2).vstack(&Mat::eye(2));
+    let noises = [1.0, 0.1, 0.01, 0.001];
+    let three = Mat::eye(4).block(1, 0, 3, 4);
+    let cases = [
+        (three, [15.4017431229, 12.7281840861, 12.4472404363, 12.4190332867]),
+        (Mat::eye(4), [15.2212010713, 12.6031106255, 12.3279703828, 12.3012135658]),
+    ];
+    for (C, expected) in cases {
+        for (noise, expected) in noises.into_iter().zip(expected) {
+            let solution = h2(&compleib(&A, (&Mat::eye(4), &B), (&C1, &D12, &C), noise));
+            near(solution.predicted_norm, expected, 1e-11);
+            near(solution.achieved_norm, expected, 1e-11);
+        }
+    }
+}
+
+#[test]
+fn the_helicopter_of_compleib_costs_what_the_collection_s_data_give() {
+    let A = rows(&[
+        &[-0.0366, 0.0271, 0.0188, -0.4555],
+        &[0.0482, -1.01, 0.0024, -4.0208],
+        &[0.1002, 0.3681, -0.707, 1.42],
+        &[0.0, 0.0, 1.0, 0.0],
+    ]);
+    let B1 = rows(&[&[4.678e-2, 0.0], &[4.572e-2, 9.88e-3], &[4.369e-2, 1.11e-3], &[-2.179e-2, 0.0]]);
+    let B = rows(&[&[0.4422, 0.1761], &[3.5446, -7.5922], &[-5.52, 4.49], &[0.0, 0.0]]);
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let C1 = rows(&[&[2.0 * half, 0.0, 0.0, 0.0], &[0.0, half, 0.0, 0.0]]);
+    let C = rows(&[&[0.0, 1.0, 0.0, 0.0]]);
+    let D12 = Mat::eye(2).scale(half);
+    for (noise, expected) in [(1.0, 1.00574404243), (0.1, 0.162908187158), (0.01, 0.0924739420148)] {
+        let solution = h2(&compleib(&A, (&B1, &B), (&C1, &D12, &C), noise));
+        near(solution.achieved_norm, expected, 1e-10);
+    }
+}
+
+/// Skogestad and Postlethwaite's S/KS problem: w the disturbance at the output, z = (Wp (w + G u), Wu u), y = -(w + G u).
+fn mixed_sensitivity() -> Generalised {
+    let real = |value: f64| C64::new(value, 0.0);
+    let G = Weight::ZeroPoleGain {
+        zeros: vec![],
+        poles: vec![real(-0.1), real(-20.0), real(-20.0)],
+        gain: 200.0 / 10.0 / (0.05 * 0.05),
+    };
+    let Wp = Weight::ZeroPoleGain { zeros: vec![real(-15.0)], poles: vec![real(-1e-3)], gain: 1.0 / 1.5 };
+    let timebase = Timebase::Continuous;
+    let gain = |D: &[&[f64]]| StateSpace::gain(rows(D), timebase).unwrap();
+    let plant = append(&gain(&[&[1.0]]), &append(&G.realise().unwrap(), &gain(&[&[1.0]])).unwrap()).unwrap();
+    let plant = series(&gain(&[&[1.0, 0.0], &[0.0, 1.0], &[0.0, 1.0]]), &plant).unwrap();
+    let sums = series(&plant, &gain(&[&[1.0, 1.0, 0.0], &[0.0, 0.0, 1.0], &[-1.0, -1.0, 0.0]])).unwrap();
+    let weights = append(&Wp.realise().unwrap(), &gain(&[&[1.0, 0.0], &[0.0, 1.0]])).unwrap();
+    Generalised::new(series(&sums, &weights).unwrap(), 1, 1).unwrap()
+}
+
+#[test]
+fn the_mixed_sensitivity_example_reaches_its_printed_bound() {
+    let plant = mixed_sensitivity();
+    let solution = hinf(&plant, 1e-4);
+    near(solution.achieved_norm, 1.3659, 2e-4);
+    assert!(solution.unreachable < solution.achieved_norm * (1.0 + 1e-6));
+    let closed = plant.close(&solution.controller).unwrap();
+    near(hinfnorm(&closed, 1e-9).unwrap().value, solution.achieved_norm, 1e-6);
+    assert!(solution.closed_loop.iter().all(|pole| pole.re < 0.0));
+}
+
+/// State x' = a x + w + u measured with noise: the H-infinity optimum tends to where both equations lose their solution.
+#[test]
+fn each_design_is_the_best_in_its_own_norm() {
+    let A = rows(&[&[0.0, 1.0], &[-2.0, -0.1]]);
+    let B = rows(&[&[0.0, 0.0, 0.0], &[1.0, 0.0, 1.0]]);
+    let C = rows(&[&[1.0, 0.0], &[0.0, 0.0], &[1.0, 0.0]]);
+    let D = rows(&[&[0.0, 0.0, 0.0], &[0.0, 0.0, 0.3], &[0.0, 0.2, 0.0]]);
+    let plant = generalised([&A, &B, &C, &D], 1, 1);
+    let (two, infinity) = (h2(&plant), hinf(&plant, 1e-3));
+    let loops = [&two.controller, &infinity.controller].map(|K| plant.close(K).unwrap());
+    let [first, second] = loops.map(|g| (h2norm(&g).unwrap(), hinfnorm(&g, 1e-9).unwrap().value));
+    assert!(first.0 < second.0 && first.1 > second.1, "{first:?} {second:?}");
+    near(two.predicted_norm, first.0, 1e-11);
+    assert!(infinity.achieved_norm / infinity.unreachable < 1.001);
+}
+
+#[test]
+fn a_direct_path_from_control_to_measurement_is_taken_into_the_controller() {
+    let A = rows(&[&[0.5, 1.0], &[0.0, -1.0]]);
+    let B = rows(&[&[1.0, 0.0, 0.0], &[0.0, 0.0, 1.0]]);
+    let C = rows(&[&[1.0, 0.0], &[0.0, 0.0], &[1.0, 0.0]]);
+    let with = |direct: f64| {
+        let D = rows(&[&[0.0, 0.0, 0.0], &[0.0, 0.0, 1.0], &[0.0, 1.0, direct]]);
+        generalised([&A, &B, &C, &D], 1, 1)
+    };
+    let (without, direct) = (h2(&with(0.0)), h2(&with(0.7)));
+    near(direct.achieved_norm, without.achieved_norm, 1e-10);
+    near(hinf(&with(0.7), 1e-5).achieved_norm, hinf(&with(0.0), 1e-5).achieved_norm, 1e-4);
+}
+
+#[test]
+fn broken_conditions_are_named() {
+    let A = rows(&[&[-1.0]]);
+    let (B, C) = (rows(&[&[1.0, 0.0, 1.0]]), rows(&[&[1.0], &[0.0], &[1.0]]));
+    let D = |d12: f64, d21: f64, d11: f64| rows(&[&[d11, 0.0, 0.0], &[0.0, 0.0, d12], &[0.0, d21, 0.0]]);
+    let cause = |D: &Mat| h2syn(&generalised([&A, &B, &C, D], 1, 1)).unwrap().findings()[0].cause.clone();
+    assert_eq!(cause(&D(0.0, 1.0, 0.0)), Cause::ControlUnweighed);
+    assert_eq!(cause(&D(1.0, 0.0, 0.0)), Cause::MeasurementNoiseless);
+    assert_eq!(cause(&D(1.0, 1.0, 0.5)), Cause::NoiseReachesCost { gain: 0.5 });
+    let unreachable =
+        generalised([&rows(&[&[1.0]]), &rows(&[&[1.0, 0.0, 0.0]]), &C, &D(1.0, 1.0, 0.0)], 1, 1);
+    let outcome = h2syn(&unreachable).unwrap();
+    assert!(outcome.findings()[0].to_string().contains("input does not reach"), "{:?}", outcome.findings());
+    assert!(matches!(hinfsyn(&unreachable, 1e-3).unwrap().findings()[0].cause, Cause::NoBoundReached { .. }));
+}
