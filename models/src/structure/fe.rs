@@ -110,6 +110,12 @@ impl FeModel {
         self.inner(&self.pitch, &self.pitch)
     }
 
+    /// M heave: the mass and first moment that each unknown carries, kg and kg m. Weight and heave load the structure with
+    /// -(g + a_p) cos theta of it.
+    pub fn carried(&self) -> Vec<f64> {
+        (&self.M * &Mat::col(&self.heave)).as_slice().to_vec()
+    }
+
     /// a' M b.
     pub fn inner(&self, a: &[f64], b: &[f64]) -> f64 {
         let carried = &self.M * &Mat::col(b);

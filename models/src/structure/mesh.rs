@@ -75,9 +75,13 @@ fn given(nodes: &[f64], [start, end]: [f64; 2]) -> Result<Vec<f64>, Error> {
     if spans { Ok(nodes.to_vec()) } else { Err(refused) }
 }
 
+/// Elements beyond which rounding spoils the first mode.
+const MOST_ELEMENTS: usize = 2000;
+
 fn positive(elements: usize) -> Result<usize, Error> {
-    if elements > 0 {
+    if (1..=MOST_ELEMENTS).contains(&elements) {
         return Ok(elements);
     }
-    Err(Error::Parameter { parameter: "mesh.elements".to_owned(), value: 0.0, allowed: "must be positive" })
+    let (parameter, value) = ("mesh.elements".to_owned(), elements as f64);
+    Err(Error::Parameter { parameter, value, allowed: "must be from 1 to 2000" })
 }

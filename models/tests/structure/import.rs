@@ -307,3 +307,32 @@ fn rotations_without_mass_follow_statically() {
     assert_all(&found.frequencies_rad_s, &expected, 1e-9);
     assert_eq!(modes(&sparse, Support::Pinned).unwrap().rigid, 1);
 }
+
+#[test]
+fn spoilt_texts_are_refused_and_nothing_else() {
+    let map = map_text();
+    let market =
+        "%%MatrixMarket matrix coordinate real symmetric\n2 2 3\n1 1 1.0\n2 1 -.5D0\n2 2 4\n".to_owned();
+    let bulk =
+        "DMIG,K,0,6,1,0\nDMIG,K,1,3,,1,3,1.5+6\nDMIG*   K              1\n*   2   3   1.0\n".to_owned();
+    let mut state = 1_u64;
+    let mut next = |below: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % below
+    };
+    for round in 0..4000 {
+        let source = [map.as_str(), &market, &bulk, OP4_DENSE, OP4_SPARSE][round % 5];
+        let mut bytes = source.as_bytes().to_vec();
+        for _ in 0..=next(4) {
+            let at = next(bytes.len());
+            match next(3) {
+                0 => bytes[at] = b" 0123456789.-+*,$\nEe"[next(20)],
+                1 => drop(bytes.remove(at)),
+                _ => bytes.insert(at, b"9- .\n"[next(5)]),
+            }
+        }
+        let text = String::from_utf8(bytes).unwrap();
+        let _ = (NodeMap::parse(&text).is_ok(), matrix_market(&text).is_ok(), op4(&text).is_ok());
+        let _ = dmig(&text).is_ok_and(|all| Imported::from_dmig(&all, "K", None, "K").is_ok());
+    }
+}

@@ -1,5 +1,6 @@
 use super::{assert_all, assert_close, cone, frequencies, options};
 use counterpoise_models::structure::{Fitted, Integration, Mesh, Support};
+use counterpoise_models::{Beam, Section, SectionShape};
 
 fn numbers(tip: f64, elements: usize, integration: Integration, support: Support) -> Vec<f64> {
     let (beam, factor) = cone(tip);
@@ -26,6 +27,40 @@ fn clamped_cones_have_the_published_frequencies() {
 fn a_full_cone_has_the_classic_frequencies() {
     let found = numbers(0.0, 120, Integration::Quadrature, Support::Clamped);
     assert_all(&found, &[8.7193, 21.1457, 38.4538, 60.6801], 2e-5);
+}
+
+/// A wedge of constant breadth in 400 sections, each with linear area and second moment.
+fn wedge(tip: f64) -> Beam {
+    let height = |k: i32| 1.0 - (1.0 - tip) * f64::from(k) / 400.0;
+    let section = |k: i32| Section {
+        name: format!("{k}"),
+        from_m: f64::from(k) / 400.0,
+        to_m: f64::from(k + 1) / 400.0,
+        shape: SectionShape::Given {
+            area_m2: [height(k), height(k + 1)],
+            second_moment_m4: [height(k).powi(3), height(k + 1).powi(3)],
+        },
+    };
+    Beam { sections: (0..400).map(section).collect(), ..super::uniform() }
+}
+
+#[test]
+fn wedges_of_many_sections_have_the_published_frequencies() {
+    let table = [
+        (0.2, [4.2924945, 15.7427002, 36.8845533, 68.1164222]),
+        (0.4, [3.9342775, 17.4878552, 44.0248094, 83.554072]),
+        (0.5, [3.8237848, 18.3172609, 47.264827, 90.4504777]),
+        (0.6, [3.7370761, 19.1138128, 50.3536546, 96.995394]),
+        (0.8, [3.6082749, 20.6210176, 56.1922784, 109.318401]),
+    ];
+    for (tip, expected) in table {
+        let options = options(Mesh::Equal(40), Integration::Quadrature);
+        assert_all(
+            &frequencies(&wedge(tip), &Fitted::default(), &options, Support::Clamped),
+            &expected,
+            2.5e-5,
+        );
+    }
 }
 
 #[test]

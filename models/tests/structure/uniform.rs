@@ -126,6 +126,17 @@ fn modes_are_orthonormal_and_effective_masses_add_up() {
 }
 
 #[test]
+fn every_unknown_carries_its_share_of_the_mass() {
+    let options = options(Mesh::Equal(4), Integration::Quadrature);
+    let model = FeModel::beam(&uniform(), &Fitted::default(), &options).unwrap();
+    let carried = model.carried();
+    let shares = [0.125, 0.25, 0.25, 0.25, 0.125];
+    shares.iter().enumerate().for_each(|(i, share)| assert_close(carried[2 * i], *share, 1e-14));
+    let moment: f64 = carried.iter().zip(&model.pitch).map(|(c, p)| c * p).sum();
+    assert_close(moment, 0.5, 1e-14);
+}
+
+#[test]
 fn what_has_no_hub_node_cannot_be_pinned() {
     let mut beam = uniform();
     beam.pivot_m = 0.3;

@@ -1,6 +1,6 @@
 //! Matrix Market text (R. Boisvert, R. Pozo, K. Remington, NIST IR 5935, 1996): coordinate and array, real.
 
-use super::text::{integer, real, refused};
+use super::text::{check_size, integer, real, refused};
 use crate::Error;
 use counterpoise_lti::Mat;
 
@@ -66,7 +66,7 @@ fn coordinate<'a>(
     entries: usize,
     size_line: usize,
 ) -> Result<Mat, Error> {
-    check_square(header, (rows, cols), size_line)?;
+    check_shape(header, (rows, cols), size_line)?;
     let mut out = Mat::zeros(rows, cols);
     let mut found = 0;
     for (at, line) in lines {
@@ -94,7 +94,7 @@ fn array<'a>(
     (rows, cols): (usize, usize),
     size_line: usize,
 ) -> Result<Mat, Error> {
-    check_square(header, (rows, cols), size_line)?;
+    check_shape(header, (rows, cols), size_line)?;
     let first = |j: usize| {
         if header.mirror == 0.0 {
             0
@@ -116,7 +116,8 @@ fn array<'a>(
     }
 }
 
-fn check_square(header: &Header, (rows, cols): (usize, usize), at: usize) -> Result<(), Error> {
+fn check_shape(header: &Header, (rows, cols): (usize, usize), at: usize) -> Result<(), Error> {
+    check_size(at, rows, cols)?;
     if header.mirror != 0.0 && rows != cols {
         return Err(refused(at, format!("a symmetric matrix cannot be {rows} x {cols}")));
     }

@@ -60,6 +60,7 @@ impl Imported {
         let mut rows: Vec<Dof> = [Some(m), Some(k), c].into_iter().flatten().flat_map(Dmig::dofs).collect();
         rows.sort_unstable();
         rows.dedup();
+        text::check_size(0, rows.len(), rows.len())?;
         Ok(Self { M: m.matrix(&rows), C: c.map(|c| c.matrix(&rows)), K: k.matrix(&rows), rows })
     }
 

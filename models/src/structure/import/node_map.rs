@@ -99,6 +99,9 @@ impl Draft {
     fn finish(self) -> Result<NodeMap, Error> {
         let missing = |what: &str| refused(0, format!("the node map lacks its \"{what}\" line"));
         let (deflection, rotation) = self.axes.ok_or_else(|| missing("axes"))?;
+        if deflection == rotation.unsigned_abs() {
+            return Err(refused(0, format!("component {deflection} cannot be both deflection and rotation")));
+        }
         Ok(NodeMap {
             deflection,
             rotation: rotation.unsigned_abs(),

@@ -1,6 +1,6 @@
 //! Nastran's OUTPUT4 as text: dense, sparse and "bigmat" columns of real matrices.
 
-use super::text::{columns, integer, real, refused};
+use super::text::{check_size, columns, integer, real, refused};
 use crate::Error;
 use counterpoise_lti::Mat;
 
@@ -52,7 +52,9 @@ impl Header {
         let name = columns(line, 32, 40).trim().to_owned();
         let width = value_width(columns(line, 40, line.len()));
         let width = width.ok_or_else(|| refused(at, "the format of the values is missing".to_owned()))?;
-        Ok(Self { name, rows: rows.unsigned_abs() as usize, cols: cols as usize, width })
+        let (rows, cols) = (rows.unsigned_abs() as usize, cols as usize);
+        check_size(at, rows, cols)?;
+        Ok(Self { name, rows, cols, width })
     }
 }
 

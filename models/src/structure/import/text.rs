@@ -26,6 +26,17 @@ pub(super) fn integer<T: std::str::FromStr>(line: usize, text: &str) -> Result<T
     text.trim().parse().map_err(|_| refused(line, format!("\"{}\" is not a whole number", text.trim())))
 }
 
+/// Unknowns beyond which a matrix is refused: dense algebra would take hours.
+const MOST_ROWS: usize = 5000;
+
+/// Whether a matrix of this size can be handled.
+pub(super) fn check_size(line: usize, rows: usize, cols: usize) -> Result<(), Error> {
+    if rows.max(cols) <= MOST_ROWS {
+        return Ok(());
+    }
+    Err(refused(line, format!("{rows} x {cols} is more than {MOST_ROWS} unknowns: condense the model first")))
+}
+
 /// A piece of a line by columns; empty beyond the line's end.
 pub(super) fn columns(line: &str, from: usize, to: usize) -> &str {
     let end = to.min(line.len());
