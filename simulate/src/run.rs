@@ -138,6 +138,8 @@ struct Lap<'a> {
     sensing: Sensing,
     output: Converter,
     queue: Vec<f64>,
+    /// Control that acts until the first delayed one arrives: the one that holds the amplifier as it starts.
+    before: f64,
     readings: ReadingColumns,
     truth: TrueColumns,
     rows: [Vec<f64>; 3],
@@ -159,12 +161,14 @@ impl<'a> Lap<'a> {
         let start = scenario.platform.sample(0.0, period_s, angle).at(0.0);
         let mut sensing = Sensing::new(parameters, scenario.imperfections);
         sensing.settle(&start);
+        let state = initial(plant, scenario, &start)?;
         Ok(Self {
             plant,
             scenario,
             period_s,
             samples: samples as usize,
-            state: initial(plant, scenario, &start)?,
+            before: holding_control(plant, &state.core),
+            state,
             angle,
             sensing,
             output: Converter::new(parameters.interface.output_bits, scenario.imperfections),
@@ -209,10 +213,9 @@ impl<'a> Lap<'a> {
         if delay == 0 {
             return control;
         }
-        // before the first control arrives, the amplifier holds the mechanism as it found it
         self.queue.push(control);
         let index = self.queue.len().checked_sub(delay + 1);
-        index.map_or_else(|| self.queue[0], |k| self.queue[k])
+        index.map_or(self.before, |k| self.queue[k])
     }
 
     fn log_readings(&mut self, readings: &Readings, request: f64, control: f64) {
@@ -246,6 +249,13 @@ impl<'a> Lap<'a> {
         let touching = self.plant.mesh(wind_up).0 == Mesh::Touching;
         columns.contact.push(if touching { wind_up.signum() as i8 } else { 0 });
     }
+}
+
+/// The control under which the amplifier's voltage stays as it is.
+fn holding_control(plant: &Plant, core: &[f64]) -> f64 {
+    let amplifier = &plant.parameters().amplifier;
+    let feedback = amplifier.current_feedback_v_a * core[state::CURRENT];
+    amplifier.control_v(core[state::VOLTAGE] / amplifier.gain + feedback, &plant.parameters().motor)
 }
 
 fn initial(plant: &Plant, scenario: &Scenario, start: &PlatformPoint) -> Result<PlantState, Error> {

@@ -1,0 +1,308 @@
+//! Replay: what the model does under what was recorded, and how far that is from what the machine did.
+//!
+//! The platform's motion comes from its sensors ([`platform`]), the start of the recording from its first moments
+//! ([`start`]), the control from the recorded controller acting on the simulated hub (closed loop) or from the
+//! recording (open loop). The run is without noise and without quantisation: what is left of a perfect model is the
+//! recording's own noise, whose size is the floor.
+
+pub mod platform;
+pub(crate) mod smoother;
+pub mod start;
+
+pub use platform::{platform_motion, reading_floor};
+
+use crate::Error;
+use crate::history::{ReadingColumns, TimeHistory};
+use crate::recording::{Channel, Recording};
+use crate::run::Simulator;
+use crate::scenario::{Detail, Initial, Scenario};
+use crate::sensing::{CONVERTER_RANGE_V, Imperfections};
+use crate::signal::Signal;
+use crate::{PlantState, PlatformMotion};
+use counterpoise_controller::{ProportionalIntegral, Readings, SampledController};
+use counterpoise_models::plant::core::state;
+use counterpoise_models::{Parameters, Plant};
+
+/// How the control of a replay comes about.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Loop {
+    /// The recorded controller acts on the simulated hub rate; its integral at the start is found from the recording.
+    Closed(ProportionalIntegral),
+    /// The recorded control is played back.
+    Open,
+}
+
+/// A recording beside its simulation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Replay {
+    /// How well each recorded channel fits.
+    pub channels: Vec<ChannelFit>,
+    /// The simulated readings.
+    pub simulated: ReadingColumns,
+    /// The state from which the simulation started.
+    pub start: PlantState,
+}
+
+/// How well one channel fits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChannelFit {
+    /// Which one.
+    pub channel: Channel,
+    /// RMS of simulated - recorded, in the channel's unit.
+    pub rms_error: f64,
+    /// What noise and quantisation of the project's sensors leave of a perfect model, in the channel's unit.
+    pub floor: f64,
+    /// RMS of the white noise in the recording itself, from its third differences: a check on the floor. An
+    /// overestimate where the channel moves fast.
+    pub white_noise: f64,
+    /// Variance accounted for, percent: 100 (1 - var(error) / var(recorded)).
+    pub vaf: f64,
+}
+
+/// Replays a recording.
+///
+/// # Errors
+/// A mechanism that cannot be simulated, a recording without samples, without the demand (closed loop) or the
+/// control (open loop), a sample period that is not the interface's, columns of different lengths.
+pub fn replay(parameters: &Parameters, recording: &Recording, control: &Loop) -> Result<Replay, Error> {
+    Replayer::new(parameters, recording)?.replay(parameters, control)
+}
+
+/// A recording made ready for replays with one mechanism after another, as long as the platform's sensors are the
+/// same: their readings are deconvolved once.
+#[derive(Debug, Clone)]
+pub struct Replayer<'a> {
+    recording: &'a Recording,
+    platform: PlatformMotion,
+    samples: usize,
+}
+
+impl<'a> Replayer<'a> {
+    /// Reconstructs the platform's motion.
+    ///
+    /// # Errors
+    /// As [`replay`].
+    pub fn new(parameters: &Parameters, recording: &'a Recording) -> Result<Self, Error> {
+        let samples = recording.len();
+        if samples == 0 {
+            return Err(Error::NoChannel { channel: "samples" });
+        }
+        for channel in Channel::ALL {
+            check_length(channel.name(), recording.column(channel), samples)?;
+        }
+        check_length("demand", recording.demand_rad_s.as_deref(), samples)?;
+        let period = parameters.interface.sample_period_s;
+        if (recording.sample_period_s / period - 1.0).abs() > 1e-6 {
+            let allowed = "the sample period of the interface";
+            return Err(Error::Range { what: "sample_period_s", value: recording.sample_period_s, allowed });
+        }
+        Ok(Self { recording, platform: platform_motion(parameters, recording), samples })
+    }
+
+    /// The recording.
+    pub fn recording(&self) -> &Recording {
+        self.recording
+    }
+
+    /// The reconstructed motion of the platform.
+    pub fn platform(&self) -> &PlatformMotion {
+        &self.platform
+    }
+
+    /// Replays the recording with a mechanism.
+    ///
+    /// # Errors
+    /// As [`replay`].
+    pub fn replay(&self, parameters: &Parameters, control: &Loop) -> Result<Replay, Error> {
+        let plant = Plant::lumped(parameters)?;
+        self.replay_plant(&plant, control)
+    }
+
+    /// Replays the recording with a plant, whatever its structure.
+    ///
+    /// # Errors
+    /// As [`replay`].
+    pub fn replay_plant(&self, plant: &Plant, control: &Loop) -> Result<Replay, Error> {
+        let mut simulator = Simulator::new(plant)?;
+        let mut start = start::estimate(&mut simulator, self)?;
+        let mut history = self.run(&mut simulator, control, &start)?;
+        if let (Loop::Closed(_), Some(offset)) = (control, self.position_offset(&history)) {
+            start.core[state::ANGLE] -= offset;
+            history = self.run(&mut simulator, control, &start)?;
+        }
+        let floors = Floors { parameters: plant.parameters(), control };
+        let channels = Channel::ALL
+            .into_iter()
+            .filter_map(|channel| {
+                let floor = floors.of(channel)?;
+                fit(channel, channel.of(&history.readings), self.recording.column(channel)?, floor)
+            })
+            .collect();
+        Ok(Replay { channels, simulated: history.readings, start })
+    }
+
+    fn run(
+        &self,
+        simulator: &mut Simulator,
+        control: &Loop,
+        start: &PlantState,
+    ) -> Result<TimeHistory, Error> {
+        let scenario = self.scenario(self.samples, start);
+        match control {
+            Loop::Open => simulator.run(&mut self.playback()?, &scenario),
+            Loop::Closed(controller) => {
+                let mut ready = self.controller_at_start(controller)?;
+                simulator.run(&mut ready, &scenario)
+            }
+        }
+    }
+
+    /// Mean difference of the hub position over the whole recording: a rate loop does not know its angle, and the
+    /// first moments do not fix it better than the resolver's noise.
+    fn position_offset(&self, history: &TimeHistory) -> Option<f64> {
+        let recorded = self.recording.hub_position_rad.as_deref()?;
+        let differences = history.readings.hub_position_rad.iter().zip(recorded).map(|(s, r)| s - r);
+        let (sum, count) =
+            differences.filter(|d| d.is_finite()).fold((0.0, 0.0), |(s, c), d| (s + d, c + 1.0));
+        (count > 0.0).then(|| sum / count)
+    }
+
+    /// A run of the first samples from a start.
+    pub(crate) fn scenario(&self, samples: usize, start: &PlantState) -> Scenario {
+        let period = self.recording.sample_period_s;
+        let demand = self.recording.demand_rad_s.clone().unwrap_or_default();
+        Scenario {
+            duration_s: samples as f64 * period,
+            demand_rad_s: Signal::Held { period_s: period, values: demand },
+            injection_v: Signal::ZERO,
+            platform: self.platform.clone(),
+            imperfections: Imperfections::None,
+            initial: Initial::State(Box::new(start.clone())),
+            detail: Detail::Recording,
+        }
+    }
+
+    /// A controller that plays the recorded control back.
+    pub(crate) fn playback(&self) -> Result<Playback<'a>, Error> {
+        let control_v = self.recording.control_v.as_deref().ok_or(Error::NoChannel { channel: "control" })?;
+        Ok(Playback::new(control_v))
+    }
+
+    /// The controller with the integral that it had at the first sample: the mean of what its output leaves
+    /// unexplained, for its inputs were recorded; as it was handed in where control or hub rate were not.
+    fn controller_at_start(&self, controller: &ProportionalIntegral) -> Result<ProportionalIntegral, Error> {
+        let demand = self.recording.demand_rad_s.as_deref().ok_or(Error::NoChannel { channel: "demand" })?;
+        let mut ready = controller.clone();
+        let (Some(control), Some(rate)) = (&self.recording.control_v, &self.recording.hub_rate_rad_s) else {
+            return Ok(ready);
+        };
+        ready.integral_v = 0.0;
+        let mut observer = ready.clone();
+        let (mut sum, mut count) = (0.0, 0.0);
+        for k in 0..self.samples.min(START_SAMPLES) {
+            let readings =
+                Readings { demand_rad_s: demand[k], hub_rate_rad_s: rate[k], ..Readings::default() };
+            let left = control[k] - observer.step(&readings);
+            if left.is_nan() || control[k].abs() >= CONVERTER_RANGE_V {
+                break;
+            }
+            sum += left;
+            count += 1.0;
+        }
+        ready.integral_v = if count > 0.0 { sum / count } else { 0.0 };
+        Ok(ready)
+    }
+}
+
+/// Samples from which the controller's integral at the start is taken.
+const START_SAMPLES: usize = 200;
+
+/// Plays a recorded control back; a missing value repeats the one before, and the last one stays.
+#[derive(Debug, Clone)]
+pub struct Playback<'a> {
+    control_v: &'a [f64],
+    next: usize,
+}
+
+impl<'a> Playback<'a> {
+    /// From the first sample on.
+    pub fn new(control_v: &'a [f64]) -> Self {
+        Self { control_v, next: 0 }
+    }
+}
+
+impl SampledController for Playback<'_> {
+    fn reset(&mut self) {
+        self.next = 0;
+    }
+
+    fn step(&mut self, _readings: &Readings) -> f64 {
+        let passed = &self.control_v[..self.control_v.len().min(self.next + 1)];
+        self.next += 1;
+        passed.iter().rev().find(|v| v.is_finite()).copied().unwrap_or(0.0)
+    }
+}
+
+/// The floors of the channels.
+struct Floors<'a> {
+    parameters: &'a Parameters,
+    control: &'a Loop,
+}
+
+impl Floors<'_> {
+    /// The floor of a channel: noise and quantisation of its sensor; for the control in closed loop the hub gyro's
+    /// through the proportional gain, and the output converter's step. Played-back control has none and no fit.
+    fn of(&self, channel: Channel) -> Option<f64> {
+        let (sensors, interface) = (&self.parameters.sensors, &self.parameters.interface);
+        let floor = |sensor| reading_floor(sensor, interface);
+        match channel {
+            Channel::HubRate => Some(floor(&sensors.hub_gyro)),
+            Channel::PlatformRate => Some(floor(&sensors.platform_gyro)),
+            Channel::PlatformAccel => Some(floor(&sensors.platform_accelerometer)),
+            Channel::MotorRate => sensors.motor_tachometer.as_ref().map(floor),
+            Channel::HubPosition => sensors.hub_resolver.as_ref().map(floor),
+            Channel::Control => {
+                let Loop::Closed(controller) = self.control else { return None };
+                let step = 2.0 * CONVERTER_RANGE_V / f64::from(interface.output_bits).exp2();
+                Some((controller.kp_v_s_rad * floor(&sensors.hub_gyro)).hypot(step / 12f64.sqrt()))
+            }
+        }
+    }
+}
+
+fn check_length(what: &'static str, column: Option<&[f64]>, expected: usize) -> Result<(), Error> {
+    match column {
+        Some(column) if column.len() != expected => {
+            Err(Error::Length { what, found: column.len(), expected })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The fit of a channel; none where no sample was recorded.
+fn fit(channel: Channel, simulated: &[f64], recorded: &[f64], floor: f64) -> Option<ChannelFit> {
+    let pairs = || simulated.iter().zip(recorded).filter(|(_, r)| r.is_finite());
+    let count = pairs().count() as f64;
+    if count == 0.0 {
+        return None;
+    }
+    let mean = |f: &dyn Fn(f64, f64) -> f64| pairs().map(|(s, r)| f(*s, *r)).sum::<f64>() / count;
+    let (error, level) = (mean(&|s, r| s - r), mean(&|_, r| r));
+    let variance = mean(&|_, r| (r - level).powi(2));
+    let scatter = mean(&|s, r| (s - r - error).powi(2));
+    Some(ChannelFit {
+        channel,
+        rms_error: mean(&|s, r| (s - r).powi(2)).sqrt(),
+        floor,
+        white_noise: white_noise(recorded),
+        vaf: if variance > 0.0 { 100.0 * (1.0 - scatter / variance) } else { 0.0 },
+    })
+}
+
+/// RMS of white noise by third differences, whose variance is 20 times the noise's.
+fn white_noise(values: &[f64]) -> f64 {
+    let differences = values.windows(4).map(|w| w[3] - 3.0 * (w[2] - w[1]) - w[0]);
+    let (sum, count) =
+        differences.filter(|d| d.is_finite()).fold((0.0, 0.0), |(s, c), d| (s + d * d, c + 1.0));
+    if count > 0.0 { (sum / count / 20.0_f64).sqrt() } else { 0.0 }
+}

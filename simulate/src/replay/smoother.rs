@@ -1,0 +1,291 @@
+//! A sensor's input from its readings: deconvolution by a Kalman smoother.
+
+use crate::engine::moments::Moments;
+use counterpoise_lti::Mat;
+use counterpoise_models::Sensor;
+
+/// States of the model: sensor output and its derivative, input and its two derivatives.
+const STATES: usize = 5;
+
+type Vector = [f64; STATES];
+type Square = [[f64; STATES]; STATES];
+
+/// Natural frequency, rad/s, with which an ideal sensor is modelled, relative to the sample rate in rad/s.
+const IDEAL_FREQUENCY: f64 = 2.0;
+/// Decades of the input's roughness that are tried, relative to what the noise would make of one sample.
+const DECADES: i32 = 32;
+/// Standard deviation of the state before the first reading, relative to the largest reading and the noise.
+const PRIOR: f64 = 10.0;
+
+/// The input of a sensor, sample by sample: r''' is white noise whose strength is the one under which the readings
+/// are likeliest (among powers of ten), y'' + 2 z w y' + w^2 y = w^2 r, and the readings are y + noise.
+///
+/// Readings of pure noise give a parabola through them: the strength shrinks to nothing, and a platform at rest
+/// stays at rest. Readings that are NaN are bridged. The answer is the fixed-interval smoother of Bryson and Frazier.
+///
+/// `noise` is the standard deviation of a reading, quantisation included.
+pub(crate) fn sensor_input(readings: &[f64], sensor: &Sensor, noise: f64, period_s: f64) -> Vec<f64> {
+    let largest = readings.iter().filter(|r| r.is_finite()).fold(0.0_f64, |a, r| a.max(r.abs()));
+    if largest == 0.0 {
+        return vec![0.0; readings.len()];
+    }
+    let model = Model::new(sensor, period_s, noise.max(1e-9 * largest), largest);
+    let unit = (model.noise / period_s.powi(3)).powi(2) * period_s;
+    let strengths = (0..DECADES).map(|k| unit * 10f64.powi(2 - k));
+    let mut best: Option<(f64, f64)> = None;
+    for strength in strengths {
+        let likelihood = model.filter(readings, strength, None);
+        if best.is_none_or(|(top, _)| likelihood > top) {
+            best = Some((likelihood, strength));
+        }
+    }
+    let strength = best.map_or(unit, |(_, strength)| strength);
+    let mut pass = Pass::with_capacity(readings.len());
+    model.filter(readings, strength, Some(&mut pass));
+    model.smooth(&pass)
+}
+
+/// The sampled model of sensor and input.
+struct Model {
+    transition: Square,
+    /// Covariance that unit strength adds in a sample.
+    added: Square,
+    noise: f64,
+    prior: Vector,
+}
+
+/// What the filter leaves for the smoother.
+struct Pass {
+    predicted: Vec<Vector>,
+    covariance: Vec<Square>,
+    innovation: Vec<f64>,
+}
+
+impl Pass {
+    fn with_capacity(n: usize) -> Self {
+        Self {
+            predicted: Vec::with_capacity(n),
+            covariance: Vec::with_capacity(n),
+            innovation: Vec::with_capacity(n),
+        }
+    }
+}
+
+impl Model {
+    fn new(sensor: &Sensor, period_s: f64, noise: f64, largest: f64) -> Self {
+        let w = sensor.natural_frequency_rad_s.min(IDEAL_FREQUENCY * std::f64::consts::TAU / period_s);
+        let z = sensor.damping_ratio;
+        let A = Mat::from_rows(&[
+            &[0.0, 1.0, 0.0, 0.0, 0.0],
+            &[-w * w, -2.0 * z * w, w * w, 0.0, 0.0],
+            &[0.0, 0.0, 0.0, 1.0, 0.0],
+            &[0.0, 0.0, 0.0, 0.0, 1.0],
+            &[0.0, 0.0, 0.0, 0.0, 0.0],
+        ]);
+        let drive = Mat::col(&[0.0, 0.0, 0.0, 0.0, 1.0]);
+        let end = Moments::family(&A, &drive, period_s, 1).remove(0);
+        let scale = PRIOR * (largest + noise);
+        Self {
+            transition: square(&end.Phi),
+            added: added_covariance(&A, period_s),
+            noise,
+            prior: [scale, scale * w, scale, scale * w, scale * w * w],
+        }
+    }
+
+    /// The log-likelihood of the readings, up to a constant.
+    fn filter(&self, readings: &[f64], strength: f64, mut pass: Option<&mut Pass>) -> f64 {
+        let mut x = [0.0; STATES];
+        let mut P = diagonal(&self.prior.map(|s| s * s));
+        let mut likelihood = 0.0;
+        let mut settled = false;
+        for &reading in readings {
+            let innovation = reading - x[0];
+            if let Some(pass) = pass.as_deref_mut() {
+                pass.predicted.push(x);
+                pass.covariance.push(P);
+                pass.innovation.push(innovation);
+            }
+            let variance = P[0][0] + self.noise * self.noise;
+            let gain = if reading.is_finite() { P.map(|row| row[0] / variance) } else { [0.0; STATES] };
+            if reading.is_finite() {
+                likelihood -= 0.5 * (variance.ln() + innovation * innovation / variance);
+                x = add(&x, &gain, innovation);
+            }
+            x = times(&self.transition, &x);
+            if !(settled && reading.is_finite()) {
+                let next = self.propagate(&P, &gain, strength);
+                settled = reading.is_finite() && nearly_equal(&next, &P);
+                P = next;
+            }
+        }
+        likelihood
+    }
+
+    /// F (P - K P_0) F' + Q.
+    fn propagate(&self, P: &Square, gain: &Vector, strength: f64) -> Square {
+        let mut kept = *P;
+        for i in 0..STATES {
+            for j in 0..STATES {
+                kept[i][j] -= gain[i] * P[0][j];
+            }
+        }
+        let mut next = product(&product(&self.transition, &kept), &transposed(&self.transition));
+        for i in 0..STATES {
+            for j in 0..=i {
+                let mean = 0.5 * (next[i][j] + next[j][i]) + strength * self.added[i][j];
+                next[i][j] = mean;
+                next[j][i] = mean;
+            }
+        }
+        next
+    }
+
+    /// Bryson and Frazier's backward pass: x = x_predicted - P lambda.
+    fn smooth(&self, pass: &Pass) -> Vec<f64> {
+        let n = pass.predicted.len();
+        let mut input = vec![0.0; n];
+        let mut later = [0.0; STATES];
+        for k in (0..n).rev() {
+            let P = &pass.covariance[k];
+            let mut lambda = times(&transposed(&self.transition), &later);
+            if k + 1 == n {
+                lambda = [0.0; STATES];
+            }
+            if pass.innovation[k].is_finite() {
+                let variance = P[0][0] + self.noise * self.noise;
+                let along: f64 = (0..STATES).map(|i| P[i][0] * lambda[i]).sum();
+                lambda[0] -= (along + pass.innovation[k]) / variance;
+            }
+            let correction: f64 = (0..STATES).map(|j| P[2][j] * lambda[j]).sum();
+            input[k] = pass.predicted[k][2] - correction;
+            later = lambda;
+        }
+        input
+    }
+}
+
+/// Covariance that white noise of unit strength at the input's third derivative adds in a period, by Simpson's rule
+/// on the integral of Phi g g' Phi'.
+fn added_covariance(A: &Mat, period_s: f64) -> Square {
+    const INTERVALS: usize = 32;
+    let step = period_s / INTERVALS as f64;
+    let one = Moments::family(A, &Mat::col(&[0.0; STATES]), step, 1).remove(0);
+    let phi = square(&one.Phi);
+    let mut direction = [0.0, 0.0, 0.0, 0.0, 1.0];
+    let mut sum = [[0.0; STATES]; STATES];
+    for k in 0..=INTERVALS {
+        let weight = if k == 0 || k == INTERVALS { 1.0 } else { 2.0 + 2.0 * (k % 2) as f64 };
+        for i in 0..STATES {
+            for j in 0..STATES {
+                sum[i][j] += weight * step / 3.0 * direction[i] * direction[j];
+            }
+        }
+        direction = times(&phi, &direction);
+    }
+    sum
+}
+
+fn square(M: &Mat) -> Square {
+    let mut out = [[0.0; STATES]; STATES];
+    for (i, row) in out.iter_mut().enumerate() {
+        for (j, entry) in row.iter_mut().enumerate() {
+            *entry = M[(i, j)];
+        }
+    }
+    out
+}
+
+fn diagonal(entries: &Vector) -> Square {
+    let mut out = [[0.0; STATES]; STATES];
+    (0..STATES).for_each(|i| out[i][i] = entries[i]);
+    out
+}
+
+fn transposed(a: &Square) -> Square {
+    let mut out = [[0.0; STATES]; STATES];
+    for i in 0..STATES {
+        for j in 0..STATES {
+            out[j][i] = a[i][j];
+        }
+    }
+    out
+}
+
+fn product(a: &Square, b: &Square) -> Square {
+    let mut out = [[0.0; STATES]; STATES];
+    for i in 0..STATES {
+        for j in 0..STATES {
+            out[i][j] = (0..STATES).map(|k| a[i][k] * b[k][j]).sum();
+        }
+    }
+    out
+}
+
+fn times(a: &Square, x: &Vector) -> Vector {
+    let mut out = [0.0; STATES];
+    for i in 0..STATES {
+        out[i] = (0..STATES).map(|j| a[i][j] * x[j]).sum();
+    }
+    out
+}
+
+fn add(x: &Vector, direction: &Vector, factor: f64) -> Vector {
+    let mut out = *x;
+    (0..STATES).for_each(|i| out[i] += factor * direction[i]);
+    out
+}
+
+fn nearly_equal(a: &Square, b: &Square) -> bool {
+    (0..STATES).all(|i| (a[i][i] - b[i][i]).abs() <= 1e-10 * b[i][i])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::filter::Filter;
+
+    fn readings(truth: impl Fn(f64) -> f64, noise: f64) -> (Vec<f64>, Vec<f64>) {
+        let sensor = gyro();
+        let filter = Filter::new(&sensor, 1e-3);
+        let mut state = [truth(0.0), 0.0];
+        let mut seed = 12345_u64;
+        let mut uniform = || {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (seed >> 33) as f64 / (1u64 << 31) as f64 - 0.5
+        };
+        let (mut read, mut true_input) = (Vec::new(), Vec::new());
+        for k in 0..5000 {
+            let t = f64::from(k) * 1e-3;
+            read.push(state[0] + noise * 12f64.sqrt() * uniform());
+            true_input.push(truth(t));
+            filter.advance(0, &mut state, &crate::engine::moments::NODES.map(|c| truth(t + c * 1e-3)));
+        }
+        (read, true_input)
+    }
+
+    fn gyro() -> Sensor {
+        Sensor { natural_frequency_rad_s: 377.0, ..Sensor::IDEAL }
+    }
+
+    fn error(found: &[f64], expected: &[f64]) -> f64 {
+        let sum: f64 = found.iter().zip(expected).map(|(a, b)| (a - b).powi(2)).sum();
+        (sum / found.len() as f64).sqrt()
+    }
+
+    #[test]
+    fn motion_is_recovered_far_below_the_noise() {
+        let truth = |t: f64| 0.1 * (9.0 * t).sin() + 0.03 * (31.0 * t + 1.0).sin();
+        let (read, expected) = readings(truth, 2e-4);
+        let found = sensor_input(&read, &gyro(), 2e-4, 1e-3);
+        assert!(error(&found, &expected) < 0.35 * 2e-4, "{}", error(&found, &expected));
+    }
+
+    #[test]
+    fn a_still_platform_stays_still() {
+        let (mut read, expected) = readings(|_| 0.0, 2e-4);
+        read[100] = f64::NAN;
+        let found = sensor_input(&read, &gyro(), 2e-4, 1e-3);
+        assert!(error(&found, &expected) < 0.05 * 2e-4, "{}", error(&found, &expected));
+    }
+}

@@ -1,0 +1,303 @@
+//! The state at the start of a recording, fitted to its first moments.
+//!
+//! Six numbers are unknown: hub angle, the rate at which hub and motor turn together, gear torque, dry friction at
+//! motor and pivot, and current. They are fitted by Levenberg and Marquardt's method to hub rate, motor rate and hub
+//! position over the first [`WINDOW_S`] seconds, under the recorded control, with the weak preference that the
+//! torques on motor and hub balance. The structure is taken bent as the gear torque bends it.
+
+use super::{Replayer, reading_floor};
+use crate::recording::Channel;
+use crate::run::Simulator;
+use crate::{Error, FrictionState, PlantState};
+use counterpoise_models::plant::core::state;
+use counterpoise_models::{Friction, FrictionLaw, Plant};
+
+/// Length of the first part that is fitted, s.
+const WINDOW_S: f64 = 0.6;
+/// Iterations of the fit.
+const ITERATIONS: usize = 12;
+/// Relative fall of the cost at which the fit ends.
+const FLAT: f64 = 1e-4;
+/// Share of the Coulomb level that an imbalance of the torques costs one unit.
+const IMBALANCE: f64 = 0.5;
+/// Samples from which the first rates and angles are taken.
+const FIRST: usize = 5;
+/// Number of unknowns.
+const UNKNOWNS: usize = 6;
+
+type Unknowns = [f64; UNKNOWNS];
+
+/// Indices of the unknowns.
+const ANGLE: usize = 0;
+const RATE: usize = 1;
+const MESH: usize = 2;
+const MOTOR_DRY: usize = 3;
+const PIVOT_DRY: usize = 4;
+const CURRENT: usize = 5;
+
+/// The state of the plant at the first sample.
+pub(crate) fn estimate(simulator: &mut Simulator, replayer: &Replayer) -> Result<PlantState, Error> {
+    let mut fit = Fit::new(simulator, replayer);
+    if fit.channels.is_empty() || replayer.recording().control_v.is_none() {
+        return Ok(fit.state(&fit.guess(None)));
+    }
+    let mut best: Option<(f64, Unknowns)> = None;
+    for current in [None, fit.commanded_current()] {
+        let guess = fit.guess(current);
+        let (cost, found) = fit.descend(guess)?;
+        if best.is_none_or(|(least, _)| cost < least) {
+            best = Some((cost, found));
+        }
+    }
+    let unknowns = best.map_or_else(|| fit.guess(None), |(_, found)| found);
+    Ok(fit.state(&unknowns))
+}
+
+struct Fit<'a, 'b> {
+    simulator: &'a mut Simulator,
+    replayer: &'a Replayer<'b>,
+    plant: Plant,
+    platform_rate: f64,
+    samples: usize,
+    /// Channels that are fitted, with their floors.
+    channels: Vec<(Channel, f64)>,
+    /// Sizes of the unknowns' steps.
+    steps: Unknowns,
+}
+
+impl<'a, 'b> Fit<'a, 'b> {
+    fn new(simulator: &'a mut Simulator, replayer: &'a Replayer<'b>) -> Self {
+        let plant = simulator.plant().clone();
+        let parameters = plant.parameters();
+        let sensors = &parameters.sensors;
+        let candidates = [
+            (Channel::HubRate, Some(&sensors.hub_gyro)),
+            (Channel::MotorRate, sensors.motor_tachometer.as_ref()),
+            (Channel::HubPosition, sensors.hub_resolver.as_ref()),
+        ];
+        let channels = candidates
+            .into_iter()
+            .filter(|(channel, _)| replayer.recording().column(*channel).is_some())
+            .filter_map(|(channel, sensor)| Some((channel, reading_floor(sensor?, &parameters.interface))))
+            .collect();
+        let samples = (WINDOW_S / replayer.recording().sample_period_s).round() as usize;
+        let steps = [
+            1e-5,
+            1e-4,
+            0.01 * level(&parameters.pivot_friction).max(1.0),
+            0.01 * level(&parameters.motor_friction).max(1e-4),
+            0.01 * level(&parameters.pivot_friction).max(1e-2),
+            1e-2,
+        ];
+        Self {
+            platform_rate: replayer.platform().pitch_rate_rad_s.at(0.0),
+            samples: samples.clamp(1, replayer.samples),
+            simulator,
+            replayer,
+            plant,
+            channels,
+            steps,
+        }
+    }
+
+    /// Mean of the first readings of a channel; 0 where there are none.
+    fn first(&self, channel: Channel) -> f64 {
+        let column = self.replayer.recording().column(channel).unwrap_or(&[]);
+        let values: Vec<f64> = column.iter().take(FIRST).copied().filter(|v| v.is_finite()).collect();
+        if values.is_empty() { 0.0 } else { values.iter().sum::<f64>() / values.len() as f64 }
+    }
+
+    /// The current that the first recorded control commands.
+    fn commanded_current(&self) -> Option<f64> {
+        let control = *self.replayer.recording().control_v.as_ref()?.first()?;
+        let (amplifier, motor) = (&self.plant.parameters().amplifier, &self.plant.parameters().motor);
+        let current = amplifier.drive_v(control, motor) * amplifier.stall_gain_a_v(motor);
+        current.is_finite().then_some(current)
+    }
+
+    /// Rest or steady motion, with the current given or as the weight needs it: friction carries what is left.
+    fn guess(&self, current: Option<f64>) -> Unknowns {
+        let parameters = self.plant.parameters();
+        let angle = self.first(Channel::HubPosition);
+        let motor_rate = self.first(Channel::MotorRate);
+        let weight = self.weight_nm(angle);
+        let (ratio, constant) = (parameters.gearbox.ratio, parameters.motor.torque_constant_nm_a);
+        let current = current.unwrap_or(weight / (ratio * constant));
+        let (motor, pivot) = (level(&parameters.motor_friction), level(&parameters.pivot_friction));
+        // the surplus of the motor is shared by the two frictions in proportion to their levels
+        let surplus = ratio * constant * current - weight;
+        let share = surplus / (ratio * motor + pivot).max(f64::MIN_POSITIVE);
+        let share = share.clamp(-1.0, 1.0);
+        let mesh = weight + pivot * share;
+        [angle, motor_rate / ratio, mesh, motor * share, pivot * share, current]
+    }
+
+    /// Torque of weight and spring that the gear must pass, N m.
+    fn weight_nm(&self, angle: f64) -> f64 {
+        let body = self.plant.body();
+        let (sin, cos) = angle.sin_cos();
+        let gravity = self.plant.parameters().gravity_m_s2 + self.replayer.platform().heave_m_s2.at(0.0);
+        gravity * (body.out_of_balance_kg_m * cos - body.vertical_offset_kg_m * sin)
+            - self.plant.spring_torque_nm(angle)
+    }
+
+    /// The state of the plant that the unknowns describe.
+    fn state(&self, u: &Unknowns) -> PlantState {
+        let parameters = self.plant.parameters();
+        let mut start = self.simulator.rest(u[ANGLE], 0.0, self.platform_rate + u[RATE]);
+        let half_gap = 0.5 * parameters.gearbox.backlash_rad * u[MESH].signum();
+        let motor_rate = parameters.gearbox.ratio * u[RATE];
+        let motor = &parameters.motor;
+        start.core[state::MOTOR] = motor_rate + motor.platform_coupling * self.platform_rate;
+        start.core[state::WINDUP] = u[MESH] / parameters.gearbox.stiffness_nm_rad + half_gap;
+        start.core[state::CURRENT] = u[CURRENT];
+        start.core[state::VOLTAGE] = motor.resistance_ohm * u[CURRENT] + motor.back_emf_v_s_rad * motor_rate;
+        start.friction = FrictionState {
+            motor: at_torque(&parameters.motor_friction, u[MOTOR_DRY]),
+            pivot: at_torque(&parameters.pivot_friction, u[PIVOT_DRY]),
+        };
+        start
+    }
+
+    /// Weighted residuals over the window, and those of the balance of torques.
+    fn residuals(&mut self, u: &Unknowns) -> Result<Vec<f64>, Error> {
+        let start = self.state(u);
+        let scenario = self.replayer.scenario(self.samples, &start);
+        let history = self.simulator.run(&mut self.replayer.playback()?, &scenario)?;
+        let mut residuals = Vec::with_capacity(self.samples * self.channels.len() + 2);
+        for &(channel, floor) in &self.channels {
+            let recorded = self.replayer.recording().column(channel).unwrap_or(&[]);
+            let pairs = channel.of(&history.readings).iter().zip(recorded);
+            residuals.extend(pairs.map(|(s, r)| if r.is_finite() { (s - r) / floor } else { 0.0 }));
+        }
+        residuals.extend(self.imbalance(u));
+        Ok(residuals)
+    }
+
+    fn imbalance(&self, u: &Unknowns) -> [f64; 2] {
+        let parameters = self.plant.parameters();
+        let motor_scale = IMBALANCE * level(&parameters.motor_friction).max(1e-3);
+        let pivot_scale = IMBALANCE * level(&parameters.pivot_friction).max(1.0);
+        let motor = parameters.motor.torque_constant_nm_a * u[CURRENT]
+            - u[MOTOR_DRY]
+            - parameters.motor_friction.viscous_nm_s_rad * parameters.gearbox.ratio * u[RATE]
+            - u[MESH] / parameters.gearbox.ratio;
+        let hub = u[MESH]
+            - u[PIVOT_DRY]
+            - parameters.pivot_friction.viscous_nm_s_rad * u[RATE]
+            - self.weight_nm(u[ANGLE]);
+        [motor / motor_scale, hub / pivot_scale]
+    }
+
+    /// Levenberg and Marquardt from a guess: the cost and the unknowns.
+    fn descend(&mut self, guess: Unknowns) -> Result<(f64, Unknowns), Error> {
+        let mut now = self.bounded(guess);
+        let mut residuals = self.residuals(&now)?;
+        let mut cost = squares(&residuals);
+        let mut damping = 1e-3;
+        for _ in 0..ITERATIONS {
+            let normal = self.normal_equations(&now, &residuals)?;
+            let mut next = now;
+            let step = normal.solve(damping);
+            (0..UNKNOWNS).for_each(|k| next[k] += step[k] * self.steps[k]);
+            let next = self.bounded(next);
+            let tried = self.residuals(&next)?;
+            let new_cost = squares(&tried);
+            if new_cost < cost {
+                let fall = (cost - new_cost) / cost;
+                (now, residuals, cost) = (next, tried, new_cost);
+                damping = (damping * 0.2).max(1e-9);
+                if fall < FLAT {
+                    break;
+                }
+            } else if damping > 1e6 {
+                break;
+            } else {
+                damping *= 10.0;
+            }
+        }
+        Ok((cost, now))
+    }
+
+    /// Friction within its levels.
+    fn bounded(&self, mut u: Unknowns) -> Unknowns {
+        let parameters = self.plant.parameters();
+        let (motor, pivot) = (level(&parameters.motor_friction), level(&parameters.pivot_friction));
+        u[MOTOR_DRY] = u[MOTOR_DRY].clamp(-motor, motor);
+        u[PIVOT_DRY] = u[PIVOT_DRY].clamp(-pivot, pivot);
+        u
+    }
+
+    /// Forward differences, taken inwards where friction is at its level.
+    fn normal_equations(&mut self, at: &Unknowns, residuals: &[f64]) -> Result<Normal, Error> {
+        let mut columns = Vec::with_capacity(UNKNOWNS);
+        for k in 0..UNKNOWNS {
+            let inwards = matches!(k, MOTOR_DRY | PIVOT_DRY) && at[k] > 0.0;
+            let sign = if inwards { -1.0 } else { 1.0 };
+            let mut moved = *at;
+            moved[k] += sign * self.steps[k];
+            let shifted = self.residuals(&moved)?;
+            columns.push(shifted.iter().zip(residuals).map(|(a, b)| sign * (a - b)).collect::<Vec<f64>>());
+        }
+        let mut normal = Normal { matrix: [[0.0; UNKNOWNS]; UNKNOWNS], right: [0.0; UNKNOWNS] };
+        for i in 0..UNKNOWNS {
+            normal.right[i] = -columns[i].iter().zip(residuals).map(|(a, b)| a * b).sum::<f64>();
+            for j in 0..UNKNOWNS {
+                normal.matrix[i][j] = columns[i].iter().zip(&columns[j]).map(|(a, b)| a * b).sum();
+            }
+        }
+        Ok(normal)
+    }
+}
+
+/// J'J and -J'r.
+struct Normal {
+    matrix: [[f64; UNKNOWNS]; UNKNOWNS],
+    right: Unknowns,
+}
+
+impl Normal {
+    /// The step with the diagonal raised by its own share `damping`; an unknown without effect does not move.
+    fn solve(&self, damping: f64) -> Unknowns {
+        let mut a = self.matrix;
+        let mut b = self.right;
+        for i in 0..UNKNOWNS {
+            a[i][i] = a[i][i] * (1.0 + damping) + f64::MIN_POSITIVE;
+        }
+        // Cholesky's method without roots; the matrix is positive by the line above
+        for j in 0..UNKNOWNS {
+            for i in j + 1..UNKNOWNS {
+                let factor = a[i][j] / a[j][j];
+                for k in j..UNKNOWNS {
+                    a[i][k] -= factor * a[j][k];
+                }
+                b[i] -= factor * b[j];
+            }
+        }
+        for j in (0..UNKNOWNS).rev() {
+            let known: f64 = (j + 1..UNKNOWNS).map(|k| a[j][k] * b[k]).sum();
+            b[j] = (b[j] - known) / a[j][j];
+        }
+        b.map(|step| if step.is_finite() { step } else { 0.0 })
+    }
+}
+
+fn squares(residuals: &[f64]) -> f64 {
+    residuals.iter().map(|r| r * r).sum()
+}
+
+/// The largest dry torque at rest, N m.
+fn level(friction: &Friction) -> f64 {
+    friction.coulomb_nm() * friction.static_ratio.max(1.0)
+}
+
+/// The state of a friction at rest that gives a torque.
+fn at_torque(friction: &Friction, torque_nm: f64) -> f64 {
+    match friction.law {
+        FrictionLaw::Lugre { bristle_stiffness_nm_rad, .. } => torque_nm / bristle_stiffness_nm_rad,
+        FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad, .. } if coulomb_nm > 0.0 => {
+            torque_nm * deflection_rad / (friction.static_ratio * coulomb_nm)
+        }
+        _ => torque_nm,
+    }
+}
