@@ -50,7 +50,8 @@ fn provenance(project: &Project, verified: &VerifiedController) -> Provenance {
     }
 }
 
-fn weights(synth: &Synthesis) -> Vec<String> {
+/// What each weight asks for, in words, one a line.
+pub fn weights(synth: &Synthesis) -> Vec<String> {
     let s = &synth.specification;
     let mut lines = vec![
         format!("feedback error: {}", s.feedback.error.meaning("the measured error")),

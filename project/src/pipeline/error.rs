@@ -1,0 +1,74 @@
+//! What can stop the road.
+
+use counterpoise_synth::Finding;
+
+/// Every way in which the road can end before its end.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PipelineError {
+    /// A section of the project that a step needs.
+    #[error("the project has no [{section}] section; {needed_by} needs it")]
+    Missing {
+        /// The section.
+        section: &'static str,
+        /// The step.
+        needed_by: &'static str,
+    },
+    /// A configuration that the project does not have.
+    #[error("there is no configuration \"{name}\"; the project has: {known}")]
+    Configuration {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// A reduction that the chosen structure does not allow.
+    #[error("reduction by {method}: {problem}")]
+    Reduction {
+        /// The method.
+        method: &'static str,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
+    /// Weights that make no solvable problem, every reason.
+    #[error("there is no controller for these weights:\n{}", lines(.0))]
+    NoController(Vec<Finding>),
+    /// A file that the project names.
+    #[error("the file \"{name}\", which [{section}] names: {problem}")]
+    File {
+        /// Its name.
+        name: String,
+        /// The section that names it.
+        section: &'static str,
+        /// What is wrong.
+        problem: String,
+    },
+    /// The mechanism was refused.
+    #[error("plant: {0}")]
+    Models(#[from] counterpoise_models::Error),
+    /// A linear-systems operation failed.
+    #[error("linear system: {0}")]
+    Lti(#[from] counterpoise_lti::Error),
+    /// The reduction failed.
+    #[error("reduction: {0}")]
+    Reduce(#[from] counterpoise_reduce::Error),
+    /// The design failed.
+    #[error("design: {0}")]
+    Synth(#[from] counterpoise_synth::Error),
+    /// The verification failed.
+    #[error("verification: {0}")]
+    Verify(#[from] counterpoise_verify::Error),
+    /// The export failed.
+    #[error("export: {0}")]
+    Export(#[from] counterpoise_export::Error),
+    /// The simulator refused.
+    #[error("simulation: {0}")]
+    Simulate(#[from] counterpoise_simulate::Error),
+    /// A recording cannot be used.
+    #[error("recording: {0}")]
+    Recording(#[from] crate::recording::RecordingError),
+}
+
+fn lines(findings: &[Finding]) -> String {
+    findings.iter().map(|f| format!("  - {f}")).collect::<Vec<_>>().join("\n")
+}

@@ -1,0 +1,104 @@
+//! The one road: from a project to a verified controller and its code.
+//!
+//! [`design`] is the whole of it: [`model`](mod@model) -> [`reduce`](mod@reduce) -> [`synthesise`] -> [`verify`](mod@verify)
+//! -> [`export`](mod@export). Each step takes what the one before it made; nothing else is shared. A caller who wants
+//! fewer steps calls fewer.
+
+pub mod error;
+pub mod export;
+pub mod model;
+pub mod reduce;
+pub mod synth;
+pub mod verify;
+
+use counterpoise_export::File;
+use counterpoise_verify::VerifiedController;
+
+pub use error::PipelineError;
+pub use export::export;
+pub use model::{Modelled, model};
+pub use reduce::{Reduced, reduce};
+pub use synth::{Synthesised, synthesise};
+pub use verify::verify;
+
+use crate::Project;
+
+/// What the road needs of the world, handed in: files beside the project, and somebody who watches the steps.
+pub trait World {
+    /// The bytes of a file beside the project file.
+    ///
+    /// # Errors
+    /// Why the file cannot be read, in words.
+    fn read(&self, name: &str) -> Result<Vec<u8>, String>;
+
+    /// Called when a step begins.
+    fn begins(&self, _step: Step) {}
+
+    /// Called when it has ended.
+    fn ended(&self, _step: Step) {}
+}
+
+/// The steps of the road.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Step {
+    /// The plant is built and linearised.
+    Model,
+    /// Its order is reduced.
+    Reduce,
+    /// The controller is designed and sampled.
+    Synthesise,
+    /// The sampled controller is verified.
+    Verify,
+    /// Its code is written.
+    Export,
+}
+
+impl Step {
+    /// The step in one word.
+    pub fn name(self) -> &'static str {
+        match self {
+            Step::Model => "model",
+            Step::Reduce => "reduce",
+            Step::Synthesise => "synthesise",
+            Step::Verify => "verify",
+            Step::Export => "export",
+        }
+    }
+}
+
+/// Everything that the road made.
+#[derive(Debug, Clone)]
+pub struct Designed {
+    /// The plant.
+    pub modelled: Modelled,
+    /// The plant that the design took.
+    pub reduced: Reduced,
+    /// The design and its sampled controller.
+    pub synthesised: Synthesised,
+    /// The controller with its verdicts.
+    pub verified: VerifiedController,
+    /// Its code.
+    pub files: Vec<File>,
+}
+
+/// The whole road.
+///
+/// # Errors
+/// [`PipelineError`]: what is missing in the project, what cannot be built, and every reason why there is no controller.
+/// A requirement that is not met is no error: it is a verdict in [`Designed::verified`].
+pub fn design(project: &Project, world: &dyn World) -> Result<Designed, PipelineError> {
+    let modelled = watched(world, Step::Model, || model(project))?;
+    let reduced = watched(world, Step::Reduce, || reduce(project, &modelled))?;
+    let synthesised = watched(world, Step::Synthesise, || synthesise(project, &modelled, &reduced))?;
+    let verified = watched(world, Step::Verify, || verify(project, &modelled, &synthesised, world))?;
+    let files = watched(world, Step::Export, || export(project, &verified))?;
+    Ok(Designed { modelled, reduced, synthesised, verified, files })
+}
+
+/// Runs a step under the eyes of the world.
+pub fn watched<T>(world: &dyn World, step: Step, run: impl FnOnce() -> T) -> T {
+    world.begins(step);
+    let made = run();
+    world.ended(step);
+    made
+}

@@ -1,0 +1,44 @@
+//! The verdicts on the sampled controller, on the full plant, with the road that the project names.
+
+use counterpoise_verify::{Procedure, Road, VerifiedController};
+
+use super::{Modelled, PipelineError, Synthesised, World};
+use crate::Project;
+use crate::recording::{Table, road};
+use crate::resolve::verify::RoadSource;
+
+/// Verifies the sampled controller on the plant as it was before reduction.
+///
+/// # Errors
+/// A road that cannot be read, and those of the verification.
+pub fn verify(
+    project: &Project,
+    modelled: &Modelled,
+    synthesised: &Synthesised,
+    world: &dyn World,
+) -> Result<VerifiedController, PipelineError> {
+    let asked = project
+        .verify
+        .as_ref()
+        .ok_or(PipelineError::Missing { section: "verify", needed_by: "the verification" })?;
+    let road = asked.road.as_ref().map(|source| read_road(source, world)).transpose()?;
+    let procedure = Procedure {
+        operating_point: project.model.operating_point,
+        friction: project.model.friction,
+        road,
+        ..asked.procedure.clone()
+    };
+    let controller = &synthesised.sampled.controller;
+    Ok(counterpoise_verify::verify(&modelled.plant, controller, &procedure, &asked.requirements)?)
+}
+
+/// The part of a recording that the project asks for.
+fn read_road(source: &RoadSource, world: &dyn World) -> Result<Road, PipelineError> {
+    let file = |problem: String| PipelineError::File {
+        name: source.recording.clone(),
+        section: "verify.road",
+        problem,
+    };
+    let bytes = world.read(&source.recording).map_err(file)?;
+    Ok(road(source, &Table::read(&bytes, &source.recording)?)?)
+}
