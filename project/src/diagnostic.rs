@@ -108,7 +108,9 @@ pub(crate) fn nearest<'a>(written: &str, known: impl IntoIterator<Item = &'a str
     let extends = |name: &str| {
         name.len() >= 3 && written.len() >= 3 && (written.starts_with(name) || name.starts_with(written))
     };
-    let near = |name: &&str| distance(name) <= (written.chars().count() / 3).max(1) || extends(name);
+    let length = written.chars().count();
+    let close = |distance: usize| distance <= (length / 3).max(1) && 2 * distance <= length;
+    let near = |name: &&str| close(distance(name)) || extends(name);
     known.into_iter().filter(near).min_by_key(|name| distance(name))
 }
 

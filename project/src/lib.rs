@@ -15,8 +15,10 @@
 
 pub mod diagnostic;
 pub mod file;
+pub mod pipeline;
 pub mod recording;
 pub mod resolve;
+pub mod results;
 
 pub use diagnostic::{Diagnostic, Severity};
 pub use file::{Attachments, Document, Setting};

@@ -85,14 +85,23 @@ pub(crate) fn set(text: &str, path: &str, setting: &Setting) -> Result<String, E
     Ok(document.to_string())
 }
 
-/// The text without the key at the path; the same text if the key is not there.
+/// The text without the key, table or item of a list of tables at the path; the same text if it is not there.
 pub(crate) fn remove(text: &str, path: &str) -> Result<String, EditError> {
     let mut document = open(text)?;
     let steps = steps(path)?;
     let Some((last, way)) = steps.split_last() else {
         return Err(EditError::BadPath { path: path.to_owned() });
     };
-    walk(document.as_table_mut(), way, path)?.remove(last.key);
+    let table = walk(document.as_table_mut(), way, path)?;
+    match (last.index, table.get_mut(last.key)) {
+        (None, _) => {
+            table.remove(last.key);
+        }
+        (Some(index), Some(Item::ArrayOfTables(items))) if index < items.len() => {
+            items.remove(index);
+        }
+        (Some(_), _) => {}
+    }
     Ok(document.to_string())
 }
 
@@ -119,7 +128,8 @@ fn walk<'t>(
     path: &str,
 ) -> Result<&'t mut dyn TableLike, EditError> {
     let Some((step, rest)) = way.split_first() else { return Ok(table) };
-    let item = table.entry(step.key).or_insert_with(implicit);
+    let item =
+        table.entry(step.key).or_insert_with(|| if step.index.is_some() { no_items() } else { implicit() });
     let next = match step.index {
         None => item.as_table_like_mut(),
         Some(index) => item_of(item, step.key, index, path)?,
@@ -136,6 +146,11 @@ fn implicit() -> Item {
     Item::Table(table)
 }
 
+fn no_items() -> Item {
+    Item::ArrayOfTables(toml_edit::ArrayOfTables::new())
+}
+
+/// An item of a list of tables; the one after the last is made.
 fn item_of<'t>(
     item: &'t mut Item,
     key: &str,
@@ -145,7 +160,9 @@ fn item_of<'t>(
     let length = item
         .as_array_of_tables()
         .map_or_else(|| item.as_array().map_or(0, toml_edit::Array::len), toml_edit::ArrayOfTables::len);
-    if index >= length {
+    if let (Item::ArrayOfTables(tables), true) = (&mut *item, index == length) {
+        tables.push(Table::new());
+    } else if index >= length {
         return Err(EditError::NoSuchItem { path: path.to_owned(), part: key.to_owned(), index, length });
     }
     Ok(match item {

@@ -8,6 +8,8 @@ pub(crate) struct Field {
     pub limit: Limit,
     pub default: Fallback,
     pub meaning: &'static str,
+    /// The canonical text has the key even where absence means the same.
+    pub shown: bool,
 }
 
 /// The range of a number.
@@ -57,7 +59,7 @@ pub(crate) enum Form {
 impl Field {
     /// A key that must be there, of any value.
     pub const fn new(key: &'static str, meaning: &'static str) -> Self {
-        Self { key, unit: "", limit: Limit::Any, default: Fallback::Required, meaning }
+        Self { key, unit: "", limit: Limit::Any, default: Fallback::Required, meaning, shown: false }
     }
 
     pub const fn unit(mut self, unit: &'static str) -> Self {
@@ -67,6 +69,11 @@ impl Field {
 
     pub const fn limit(mut self, limit: Limit) -> Self {
         self.limit = limit;
+        self
+    }
+
+    pub const fn shown(mut self) -> Self {
+        self.shown = true;
         self
     }
 

@@ -39,7 +39,8 @@ impl Lister {
     }
 
     fn value(&mut self, field: &Field, setting: Setting, usual: bool) {
-        let &Field { key, unit, meaning, .. } = field;
+        let &Field { key, unit, meaning, shown, .. } = field;
+        let usual = usual && !(shown && setting.is_finite());
         self.lines.push(Line::Value {
             path: self.path(key),
             key: key.to_owned(),

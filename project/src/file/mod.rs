@@ -34,11 +34,9 @@ impl Document {
         let source = Source { name: name.to_owned(), text: text.to_owned() };
         let (entries, errors) = tree::parse(text);
         let finding = |e: &tree::SyntaxError| {
-            source.diagnostic(
-                Severity::Error,
-                e.span.start,
-                Remark::new(Problem::Syntax, "", e.message.clone()),
-            )
+            let remark =
+                Remark::new(Problem::Syntax, "", e.message.clone()).hint(syntax_hint(text, e.span.start));
+            source.diagnostic(Severity::Error, e.span.start, remark)
         };
         let syntax = errors.iter().map(finding).collect();
         Self { source, entries, syntax }
@@ -137,4 +135,12 @@ impl Document {
         let at = self.locate(&remark.path);
         self.source.diagnostic(severity, at, remark)
     }
+}
+
+/// What to do about a mistake in the syntax, where it is a usual one.
+fn syntax_hint(text: &str, at: usize) -> Option<String> {
+    let (before, after) = (text.get(..at)?, text.get(at..)?);
+    let digit = |c: Option<char>| c.is_some_and(|c| c.is_ascii_digit());
+    let comma = after.starts_with(',') && digit(before.chars().next_back()) && digit(after.chars().nth(1));
+    comma.then(|| "numbers are written with a decimal point, as in 9.8".to_owned())
 }

@@ -203,6 +203,14 @@ impl Visit for Reader<'_> {
                 *value = whole as u32
             }
             Value::Whole(_) => self.refuse(&path, node, Problem::OutOfRange, field.limit.words(field.unit)),
+            Value::Number(_) => {
+                self.refuse(
+                    &path,
+                    node,
+                    Problem::WrongType,
+                    "must be a whole number, without decimal point".to_owned(),
+                );
+            }
             _ => self.wrong_type(&path, node, "a whole number"),
         }
     }
@@ -234,8 +242,9 @@ impl Visit for Reader<'_> {
         };
         let path = self.path(field.key);
         let list = allowed.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
+        let one_of = if allowed.len() == 1 { list } else { format!("one of {list}") };
         let Value::Text(text) = &node.value else {
-            self.wrong_type(&path, node, &format!("one of {list}"));
+            self.wrong_type(&path, node, &one_of);
             self.silence();
             return;
         };
@@ -243,7 +252,7 @@ impl Visit for Reader<'_> {
             *value = name;
             return;
         }
-        let remark = Remark::new(Problem::OutOfRange, &path, format!("must be one of {list}"))
+        let remark = Remark::new(Problem::OutOfRange, &path, format!("must be {one_of}"))
             .found(self.source.quote(&node.span));
         self.report(node.span.start, remark.hint(did_you_mean(text, allowed.iter().copied())));
         self.silence();

@@ -53,6 +53,11 @@ impl Setting {
         }
     }
 
+    /// Whether the value can be written.
+    pub(crate) fn is_finite(&self) -> bool {
+        !matches!(self, Self::Number(value) if !value.is_finite())
+    }
+
     pub(crate) fn to_toml(&self) -> Result<toml_edit::Value, toml_edit::TomlError> {
         self.spelt().parse()
     }

@@ -136,6 +136,14 @@ pub enum RecordingError {
         /// Time of the row before it, s.
         before_s: f64,
     },
+    /// A recording that cannot serve as the platform's motion.
+    #[error("{file}: not usable as a road: {why}")]
+    Road {
+        /// The file.
+        file: String,
+        /// Why.
+        why: String,
+    },
     /// Too few rows to tell a sample period.
     #[error("{file}: {rows} rows with a time are too few for a recording")]
     TooShort {

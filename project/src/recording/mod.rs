@@ -5,12 +5,14 @@ mod columnar;
 mod error;
 mod mapping;
 mod matlab;
+mod road;
 mod text;
 mod timing;
 mod unit;
 
 pub use error::RecordingError;
 pub use mapping::{Channel, ChannelSource, Mapping};
+pub use road::road;
 pub use timing::{Finding, Record};
 pub use unit::Unit;
 

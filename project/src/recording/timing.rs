@@ -57,6 +57,29 @@ pub enum Finding {
     },
 }
 
+impl Record {
+    /// A channel's values, where it was recorded.
+    pub fn channel(&self, channel: Channel) -> Option<&[f64]> {
+        self.channels.iter().find(|(c, _)| *c == channel).map(|(_, values)| values.as_slice())
+    }
+
+    /// The record as replay and diagnosis take it; motor angle and current are left behind.
+    pub fn recording(&self) -> counterpoise_simulate::recording::Recording {
+        let column = |channel| self.channel(channel).map(<[f64]>::to_vec);
+        counterpoise_simulate::recording::Recording {
+            name: self.name.clone(),
+            sample_period_s: self.sample_period_s,
+            demand_rad_s: column(Channel::Demand),
+            control_v: column(Channel::Control),
+            hub_rate_rad_s: column(Channel::HubRate),
+            platform_rate_rad_s: column(Channel::PlatformRate),
+            platform_accel_m_s2: column(Channel::PlatformAccel),
+            motor_rate_rad_s: column(Channel::MotorRate),
+            hub_position_rad: column(Channel::HubPosition),
+        }
+    }
+}
+
 /// A step that exceeds this many periods is a gap.
 const GAP: f64 = 3.0;
 /// Steps that scatter by less than this fraction of the period are even.
@@ -147,6 +170,17 @@ fn steps(name: &str, time: &[f64], rows: &[usize]) -> Result<Vec<f64>, Recording
             Err(RecordingError::TimeLeaps { file: name.to_owned(), row: rows[at + 1] + 1, time_s, before_s })
         }
     }
+}
+
+/// Period and columns on a uniform clock.
+pub(super) fn even(
+    name: &str,
+    time: &[f64],
+    columns: Vec<Vec<f64>>,
+) -> Result<(f64, Vec<Vec<f64>>), RecordingError> {
+    let numbered = columns.into_iter().zip(Channel::ALL).map(|(values, channel)| (channel, values)).collect();
+    let record = timed(name, time, None, numbered)?;
+    Ok((record.sample_period_s, record.channels.into_iter().map(|(_, values)| values).collect()))
 }
 
 /// The period of the project, or a period of a whole number of microseconds, where the file's means it.

@@ -172,7 +172,7 @@ fn blank_feedforward() -> FeedforwardWeights {
 
 /// Reads or lists the reduction.
 pub(crate) fn reduce(v: &mut dyn Visit, reduce: &mut Reduction) {
-    choose(v, &Field::new("method", "how the plant is reduced").or_text("none"), &mut reduce.method);
+    choose(v, &Field::new("method", "how the plant is reduced").or_text("none").shown(), &mut reduce.method);
     let mut order = reduce.order.unwrap_or(0);
     count(
         v,
@@ -189,22 +189,25 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis) {
     let specification = &mut synth.specification;
     choose(
         v,
-        &Field::new("assembly", "how feedback and feedforward are put together").or_text("simple-add"),
+        &Field::new("assembly", "how feedback and feedforward are put together")
+            .or_text("simple-add")
+            .shown(),
         &mut specification.assembly,
     );
     choose(
         v,
-        &Field::new("reference", "where the demand enters").or_text("error"),
+        &Field::new("reference", "where the demand enters").or_text("error").shown(),
         &mut specification.reference,
     );
     let delay = Field::new("delay_samples", "delay in the design plant, in sample periods")
         .limit(Limit::Between(0.0, 100.0));
-    v.number(&delay.or(1.0), &mut synth.delay_samples);
+    v.number(&delay.or(1.0).shown(), &mut synth.delay_samples);
     count(
         v,
         &Field::new("pade_order", "order of the delay's approximation")
             .limit(Limit::Between(0.0, 8.0))
-            .or(2.0),
+            .or(2.0)
+            .shown(),
         &mut synth.pade_order,
     );
     discretisation(v, &mut synth.discretisation);
@@ -234,7 +237,11 @@ fn discretisation(v: &mut dyn Visit, method: &mut Discretisation) {
         Discretisation::FirstOrderHold => (Sampled::FirstOrderHold, None),
         Discretisation::Matched => (Sampled::Matched, None),
     };
-    choose(v, &Field::new("discretisation", "how the controller is sampled").or_text("tustin"), &mut name);
+    choose(
+        v,
+        &Field::new("discretisation", "how the controller is sampled").or_text("tustin").shown(),
+        &mut name,
+    );
     *method = match name {
         Sampled::Tustin => {
             let field = Field::new("prewarp", "where sampled and continuous agree")
@@ -334,14 +341,14 @@ fn feedforward(v: &mut dyn Visit, part: &mut FeedforwardWeights, noise_unit: &'s
 
 /// Reads or lists what code is generated.
 pub(crate) fn export(v: &mut dyn Visit, export: &mut Export) {
-    let name = Field::new("name", "what every name of the code starts with").or_text("controller");
+    let name = Field::new("name", "what every name of the code starts with").or_text("controller").shown();
     v.text(&name, &mut export.options.name);
     if let Some(problem) = identifier(&export.options.name) {
         v.complain("name", problem, None);
     }
     choose(
         v,
-        &Field::new("precision", "numbers of the target").or_text("double"),
+        &Field::new("precision", "numbers of the target").or_text("double").shown(),
         &mut export.options.precision,
     );
     languages(v, &mut export.languages);

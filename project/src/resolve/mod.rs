@@ -1,5 +1,6 @@
 //! The project file resolved: every value present, in SI units, checked against its range and its neighbours.
 
+mod changes;
 mod checks;
 mod controller;
 pub mod design;
@@ -20,7 +21,7 @@ use crate::file::lister::{Line, Lister};
 use crate::file::reader::Reader;
 use crate::file::source::Remark;
 use crate::file::visit::{Visit, optional, table};
-use crate::file::{Attachments, Document, EditError, Setting, writer};
+use crate::file::{Attachments, Document, EditError, writer};
 use crate::recording::Mapping;
 use design::{Export, Reduction, Synthesis};
 use model::Modelling;
@@ -156,27 +157,7 @@ impl Project {
     /// # Errors
     /// The text is not TOML, or a value leads through something that is no table.
     pub fn update(&self, document: &Document, old: &Self) -> Result<Document, EditError> {
-        let (before, after) = (old.settings(), self.settings());
-        let mut out = document.clone();
-        for (path, setting, usual) in &after {
-            let known = before.iter().find(|(p, ..)| p == path);
-            let same = known.map_or(*usual, |(_, value, _)| value == setting);
-            if !same {
-                out = out.set(path, setting)?;
-            }
-        }
-        for (path, ..) in before.iter().filter(|(p, ..)| !after.iter().any(|(q, ..)| p == q)) {
-            out = out.remove(path)?;
-        }
-        Ok(out)
-    }
-
-    fn settings(&self) -> Vec<(String, Setting, bool)> {
-        let value = |line| match line {
-            Line::Value { path, setting, usual, .. } => Some((path, setting, usual)),
-            _ => None,
-        };
-        self.lines().into_iter().filter_map(value).collect()
+        changes::apply(document, &old.lines(), &self.lines())
     }
 
     fn lines(&self) -> Vec<Line> {
@@ -231,7 +212,7 @@ impl Purpose {
 fn file(v: &mut dyn Visit, project: &mut Project) -> u32 {
     let mut format = FORMAT;
     v.whole(
-        &Field::new("format", "format of this file").limit(Limit::AtLeast(0.0)).or(f64::from(FORMAT)),
+        &Field::new("format", "format of this file").limit(Limit::AtLeast(0.0)).or(f64::from(FORMAT)).shown(),
         &mut format,
     );
     table(v, &TableField::required("plant", "the mechanism"), &mut project.plant, plant::plant);

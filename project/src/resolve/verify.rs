@@ -68,9 +68,9 @@ pub(crate) fn verify(v: &mut dyn Visit, verification: &mut Verification) {
     let procedure = &mut verification.procedure;
     let duration =
         Field::new("duration", "how long the platform heaves and pitches").unit("s").limit(ABOVE_0);
-    v.number(&duration.or(usual.duration_s), &mut procedure.duration_s);
+    v.number(&duration.or(usual.duration_s).shown(), &mut procedure.duration_s);
     let settle = Field::new("settle", "left out of statistics at the beginning").unit("s").limit(AT_LEAST_0);
-    v.number(&settle.or(usual.settle_s), &mut procedure.settle_s);
+    v.number(&settle.or(usual.settle_s).shown(), &mut procedure.settle_s);
     if procedure.settle_s >= procedure.duration_s {
         v.complain("settle", &format!("must be below the duration of {} s", procedure.duration_s), None);
     }
@@ -96,7 +96,10 @@ pub(crate) fn verify(v: &mut dyn Visit, verification: &mut Verification) {
 fn seed(v: &mut dyn Visit, seed: &mut u64) {
     let mut whole = u32::try_from(*seed).unwrap_or(u32::MAX);
     v.whole(
-        &Field::new("seed", "of the sensor noise").limit(Limit::Between(0.0, f64::from(u32::MAX))).or(1.0),
+        &Field::new("seed", "of the sensor noise")
+            .limit(Limit::Between(0.0, f64::from(u32::MAX)))
+            .or(1.0)
+            .shown(),
         &mut whole,
     );
     *seed = u64::from(whole);
@@ -115,19 +118,26 @@ fn rejection(v: &mut dyn Visit, frequencies: &mut Vec<f64>) {
 fn step(v: &mut dyn Visit, step: &mut Step) {
     let usual = Procedure::default().step;
     v.number(
-        &Field::new("rate", "height of the step").unit("rad/s").limit(Limit::Not0).or(usual.rate_rad_s),
+        &Field::new("rate", "height of the step")
+            .unit("rad/s")
+            .limit(Limit::Not0)
+            .or(usual.rate_rad_s)
+            .shown(),
         &mut step.rate_rad_s,
     );
     v.number(
-        &Field::new("duration", "of the record").unit("s").limit(ABOVE_0).or(usual.duration_s),
+        &Field::new("duration", "of the record").unit("s").limit(ABOVE_0).or(usual.duration_s).shown(),
         &mut step.duration_s,
     );
 }
 
 fn sine(v: &mut dyn Visit, sine: &mut Sine, usual: Sine, unit: &'static str) {
-    v.number(&Field::new("amplitude", "amplitude").unit(unit).or(usual.amplitude), &mut sine.amplitude);
     v.number(
-        &Field::new("frequency", "frequency").unit("Hz").limit(ABOVE_0).or(usual.frequency_hz),
+        &Field::new("amplitude", "amplitude").unit(unit).or(usual.amplitude).shown(),
+        &mut sine.amplitude,
+    );
+    v.number(
+        &Field::new("frequency", "frequency").unit("Hz").limit(ABOVE_0).or(usual.frequency_hz).shown(),
         &mut sine.frequency_hz,
     );
 }
@@ -137,14 +147,14 @@ fn road(v: &mut dyn Visit, road: &mut RoadSource) {
     v.text(&Field::new("heave", "column of the upward acceleration"), &mut road.heave);
     v.text(&Field::new("pitch", "column of the pitch rate"), &mut road.pitch);
     let scale = "factor; a negative one turns the sign";
-    v.number(&Field::new("heave_scale", scale).or(1.0), &mut road.heave_scale);
-    v.number(&Field::new("pitch_scale", scale).or(1.0), &mut road.pitch_scale);
+    v.number(&Field::new("heave_scale", scale).or(1.0).shown(), &mut road.heave_scale);
+    v.number(&Field::new("pitch_scale", scale).or(1.0).shown(), &mut road.pitch_scale);
     let low_pass =
         Field::new("low_pass", "frequency above which motion is removed").unit("Hz").limit(ABOVE_0);
     maybe_number(v, &low_pass, &mut road.low_pass_hz);
     v.number(&Field::new("start", "in the recording").unit("s").limit(AT_LEAST_0).or(0.0), &mut road.start_s);
     v.number(&Field::new("duration", "that is taken").unit("s").limit(ABOVE_0), &mut road.duration_s);
-    v.number(&Field::new("fade", "in and out").unit("s").limit(AT_LEAST_0).or(1.0), &mut road.fade_s);
+    v.number(&Field::new("fade", "in and out").unit("s").limit(AT_LEAST_0).or(1.0).shown(), &mut road.fade_s);
 }
 
 /// A requirement as the file has it: either limit, or both.

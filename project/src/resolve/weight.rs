@@ -16,6 +16,8 @@ enum Form {
     Quadratic,
     QuadraticFreeAtZero,
     ZeroPoleGain,
+    ProportionalIntegral,
+    SecondOrder,
     Shelf,
     Notch,
     Product,
@@ -30,6 +32,8 @@ impl Choice for Form {
         ("quadratic", Self::Quadratic),
         ("quadratic-free-at-zero", Self::QuadraticFreeAtZero),
         ("zero-pole-gain", Self::ZeroPoleGain),
+        ("proportional-integral", Self::ProportionalIntegral),
+        ("second-order", Self::SecondOrder),
         ("shelf", Self::Shelf),
         ("notch", Self::Notch),
         ("product", Self::Product),
@@ -37,7 +41,7 @@ impl Choice for Form {
 }
 
 const FORM: Field = Field::new("form", "form of the weight");
-const GAIN: Field = Field::new("gain", "K").limit(Limit::Not0);
+const GAIN: Field = Field::new("gain", "factor K").limit(Limit::Not0);
 const TIME: Field = Field::new("time", "a: the corner is at 1/a").unit("s").limit(Limit::Above(0.0));
 const SECOND: Field = Field::new("second", "b of b s^2").unit("s^2").limit(Limit::AtLeast(0.0));
 const FIRST: Field = Field::new("first", "a of a s").unit("s").limit(Limit::AtLeast(0.0));
@@ -49,6 +53,13 @@ const CENTRE: Field = Field::new("centre", "where the notch is").unit("rad/s").l
 const WIDTH: Field = Field::new("width", "relative half width").limit(Limit::Above(0.0));
 const FACTOR: Field =
     Field::new("factor", "at the centre; below 1 a notch, above 1 a peak").limit(Limit::Above(0.0));
+const PI_CORNER: Field = Field::new("corner", "K (s + corner) / s: integral below, constant above")
+    .unit("rad/s")
+    .limit(Limit::Above(0.0));
+const NATURAL: Field = Field::new("natural_frequency", "w of K w^2 / (s^2 + 2 z w s + w^2)")
+    .unit("rad/s")
+    .limit(Limit::Above(0.0));
+const DAMPING: Field = Field::new("damping_ratio", "z").limit(Limit::AboveTo(0.0, 1.0));
 const ZEROS: Field = Field::new("zeros", "[real, imaginary], with their conjugates").unit("rad/s").or_empty();
 const POLES: Field = Field::new("poles", "[real, imaginary], with their conjugates").unit("rad/s").or_empty();
 const PART: TableField = TableField::required("part", "a factor of the product");
@@ -65,15 +76,77 @@ pub(crate) fn weight(v: &mut dyn Visit, weight: &mut Weight) {
     if form != form_of(weight) {
         *weight = blank(form);
     }
-    match weight {
-        Weight::Product(parts) => list(v, &PART, parts, blank_weight(), self::weight),
-        Weight::ZeroPoleGain { zeros, poles, gain } => {
+    match (form, weight) {
+        (Form::ProportionalIntegral, weight) => proportional_integral(v, weight),
+        (Form::SecondOrder, weight) => second_order(v, weight),
+        (_, Weight::Product(parts)) => list(v, &PART, parts, blank_weight(), self::weight),
+        (_, Weight::ZeroPoleGain { zeros, poles, gain }) => {
             roots(v, &ZEROS, zeros);
             roots(v, &POLES, poles);
             v.number(&GAIN, gain);
         }
-        simple => numbers(v, simple),
+        (_, simple) => numbers(v, simple),
     }
+}
+
+/// K (s + corner) / s.
+fn proportional_integral(v: &mut dyn Visit, weight: &mut Weight) {
+    let (mut gain, mut corner) = pi_parts(weight).unwrap_or((f64::NAN, f64::NAN));
+    v.number(&GAIN, &mut gain);
+    v.number(&PI_CORNER, &mut corner);
+    *weight = pi(gain, corner);
+}
+
+fn pi(gain: f64, corner: f64) -> Weight {
+    Weight::ZeroPoleGain { zeros: vec![C64::new(-corner, 0.0)], poles: vec![C64::ZERO], gain }
+}
+
+fn pi_parts(weight: &Weight) -> Option<(f64, f64)> {
+    let Weight::ZeroPoleGain { zeros, poles, gain } = weight else { return None };
+    match (&zeros[..], &poles[..]) {
+        ([zero], [pole]) if *pole == C64::ZERO && zero.im == 0.0 && zero.re < 0.0 => Some((*gain, -zero.re)),
+        _ => None,
+    }
+}
+
+/// K w^2 / (s^2 + 2 z w s + w^2).
+fn second_order(v: &mut dyn Visit, weight: &mut Weight) {
+    let (mut gain, mut natural, mut damping) =
+        second_order_parts(weight).unwrap_or((f64::NAN, f64::NAN, f64::NAN));
+    v.number(&GAIN, &mut gain);
+    v.number(&NATURAL, &mut natural);
+    v.number(&DAMPING, &mut damping);
+    *weight = resonator(gain, natural, damping);
+}
+
+fn resonator(gain: f64, natural: f64, damping: f64) -> Weight {
+    let (re, im) = (-damping * natural, natural * (1.0 - damping * damping).max(0.0).sqrt());
+    Weight::ZeroPoleGain {
+        zeros: Vec::new(),
+        poles: vec![C64::new(re, im), C64::new(re, -im)],
+        gain: gain * natural * natural,
+    }
+}
+
+/// Digits at which a natural frequency, a damping ratio and a gain are written.
+const DIGITS: i32 = 12;
+
+/// Gain, natural frequency and damping ratio, where a few digits of them give the weight to the last bit.
+fn second_order_parts(weight: &Weight) -> Option<(f64, f64, f64)> {
+    let Weight::ZeroPoleGain { zeros, poles, gain } = weight else { return None };
+    let ([], [first, _]) = (&zeros[..], &poles[..]) else { return None };
+    let natural = rounded(first.norm());
+    let damping = rounded(-first.re / natural);
+    let k = rounded(gain / (natural * natural));
+    (resonator(k, natural, damping) == *weight).then_some((k, natural, damping))
+}
+
+fn rounded(value: f64) -> f64 {
+    if value == 0.0 || !value.is_finite() {
+        return value;
+    }
+    let scale = 10_f64.powi(DIGITS - value.abs().log10().ceil() as i32);
+    (value * scale).round() / scale
 }
 
 /// The forms that are a few numbers.
@@ -118,6 +191,8 @@ fn form_of(weight: &Weight) -> Form {
         Weight::Lead { .. } => Form::Lead,
         Weight::Quadratic { .. } => Form::Quadratic,
         Weight::QuadraticFreeAtZero { .. } => Form::QuadraticFreeAtZero,
+        Weight::ZeroPoleGain { .. } if pi_parts(weight).is_some() => Form::ProportionalIntegral,
+        Weight::ZeroPoleGain { .. } if second_order_parts(weight).is_some() => Form::SecondOrder,
         Weight::ZeroPoleGain { .. } => Form::ZeroPoleGain,
         Weight::Shelf { .. } => Form::Shelf,
         Weight::Notch { .. } => Form::Notch,
@@ -134,7 +209,9 @@ fn blank(form: Form) -> Weight {
         Form::Lead => Weight::Lead { gain, time_s },
         Form::Quadratic => Weight::Quadratic { gain, second_s2, first_s },
         Form::QuadraticFreeAtZero => Weight::QuadraticFreeAtZero { gain, second_s2, first_s },
-        Form::ZeroPoleGain => Weight::ZeroPoleGain { zeros: Vec::new(), poles: Vec::new(), gain },
+        Form::ZeroPoleGain | Form::ProportionalIntegral | Form::SecondOrder => {
+            Weight::ZeroPoleGain { zeros: Vec::new(), poles: Vec::new(), gain }
+        }
         Form::Shelf => Weight::Shelf { low: f64::NAN, high: f64::NAN, corner_rad_s: f64::NAN },
         Form::Notch => Weight::Notch { gain, centre_rad_s: f64::NAN, width: f64::NAN, factor: f64::NAN },
         Form::Product => Weight::Product(Vec::new()),

@@ -1,0 +1,51 @@
+//! From one project to another by the fewest changes of the file.
+
+use crate::file::lister::Line;
+use crate::file::{Document, EditError, Setting};
+
+/// The file with what differs between two listings set or removed.
+pub(crate) fn apply(document: &Document, before: &[Line], after: &[Line]) -> Result<Document, EditError> {
+    let mut out = document.clone();
+    for path in gone(before, after).into_iter().rev() {
+        out = out.remove(path)?;
+    }
+    let old = values(before);
+    for (path, setting, usual) in values(after) {
+        let known = old.iter().find(|(p, ..)| *p == path);
+        let same = known.map_or(usual, |(_, value, _)| *value == setting);
+        if !same {
+            out = if setting.is_finite() { out.set(path, setting)? } else { out.remove(path)? };
+        }
+    }
+    Ok(out)
+}
+
+/// Paths of tables and keys that are no longer there, the outermost of each; later items stand later.
+fn gone<'l>(before: &'l [Line], after: &[Line]) -> Vec<&'l str> {
+    let kept: Vec<&str> = after.iter().filter_map(path).collect();
+    let mut gone: Vec<&str> = Vec::new();
+    for path in before.iter().filter_map(path).filter(|p| !kept.contains(p)) {
+        let inside = gone
+            .iter()
+            .any(|outer| path.strip_prefix(outer).is_some_and(|rest| rest.starts_with(['.', '['])));
+        if !inside {
+            gone.push(path);
+        }
+    }
+    gone
+}
+
+fn path(line: &Line) -> Option<&str> {
+    match line {
+        Line::Open { path, .. } | Line::Value { path, .. } => Some(path),
+        Line::Close => None,
+    }
+}
+
+fn values(lines: &[Line]) -> Vec<(&str, &Setting, bool)> {
+    let value = |line| match line {
+        &Line::Value { ref path, ref setting, usual, .. } => Some((path.as_str(), setting, usual)),
+        _ => None,
+    };
+    lines.iter().filter_map(value).collect()
+}
