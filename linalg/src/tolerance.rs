@@ -26,3 +26,7 @@ pub const DOUBLING_STEPS: usize = 60;
 
 /// Relative residual above which a Riccati solution is refused.
 pub const RICCATI_RESIDUAL: f64 = 1e-9;
+
+/// A residual is rounding where it is below this times the norms of the data and of the solution: then the solution is
+/// the best that doubles can hold.
+pub const ROUNDING: f64 = 16.0 * EPS;

@@ -37,10 +37,8 @@ pub fn care(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Result<Outco
         R: R.clone(),
         S: S.map(|S| rescale(S, d, &ones)),
     });
-    Ok(solve_scaled(&equation, &scaled, |Z| {
-        let gain = equation.gain(Z)?;
-        Some(rescale(&gain, &vec![1.0; gain.nrows()], &back))
-    }))
+    let outcome = solve_scaled(&equation, &scaled);
+    Ok(outcome.map(|inner| Riccati { F: rescale(&inner.F, &ones, &back), ..inner }))
 }
 
 /// Solves `A'X + XA - XGX + Q = 0` for the stabilising `X`: `A - G X` is stable. `G` and `Q` symmetric, of any sign, as
@@ -61,7 +59,8 @@ pub fn care_g(A: &Mat, G: &Mat, Q: &Mat) -> Result<Outcome<Riccati>, Error> {
     let Problem { A, G, Q } = scaled.problem.clone();
     let equation = Quadratic { A, G, Q };
     let (d, back) = (&scaled.scale, scaled.inverse());
-    Ok(solve_scaled(&equation, &scaled, |Z| Some(rescale(&(&equation.G * Z), d, &back))))
+    let outcome = solve_scaled(&equation, &scaled);
+    Ok(outcome.map(|inner| Riccati { F: rescale(&inner.F, d, &back), ..inner }))
 }
 
 /// The checks that both time bases share.
@@ -86,14 +85,11 @@ pub(super) fn fold(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Optio
 }
 
 /// Above this size the products of the doubling beat the rotations of the Schur form.
-const LARGE: usize = 0;
+const LARGE: usize = 12;
 
-/// First approximation, refinement, certificate; the second method where the first does not lead to one.
-fn solve_scaled(
-    equation: &impl Equation,
-    scaled: &Scaled,
-    gain: impl Fn(&Mat) -> Option<Mat>,
-) -> Outcome<Riccati> {
+/// First approximation, refinement, certificate; the second method where the first does not lead to one. The solution is
+/// in the caller's units, the gain still in the scaled ones.
+fn solve_scaled(equation: &impl Equation, scaled: &Scaled) -> Outcome<Riccati> {
     let problem = &scaled.problem;
     let order = if problem.A.nrows() > LARGE {
         [Method::Doubling, Method::Schur]
@@ -103,12 +99,11 @@ fn solve_scaled(
     let mut refusal = Reason::NoGraph;
     for method in order {
         match attempt(equation, problem, method) {
-            Ok((Z, closed_loop, certificate)) => {
-                if let Some(reason) = doubtful(problem, &certificate) {
-                    return Outcome::Infeasible(reason);
-                }
-                let Some(F) = gain(&Z) else { break };
-                return Outcome::Solved(Riccati { X: scaled.restore(&Z), F, closed_loop, certificate });
+            Ok(inner) => {
+                return match doubtful(problem, &inner.certificate) {
+                    Some(reason) => Outcome::Infeasible(reason),
+                    None => Outcome::Solved(Riccati { X: scaled.restore(&inner.X), ..inner }),
+                };
             }
             Err(reason) => refusal = reason,
         }
@@ -116,16 +111,14 @@ fn solve_scaled(
     Outcome::Infeasible(reason::diagnose(problem).unwrap_or(refusal))
 }
 
-type Attempt = (Mat, Vec<crate::mat::C64>, Certificate);
-
-fn attempt(equation: &impl Equation, problem: &Problem, method: Method) -> Result<Attempt, Reason> {
+fn attempt(equation: &impl Equation, problem: &Problem, method: Method) -> Result<Riccati, Reason> {
     let first = match method {
         Method::Schur => subspace::by_schur(problem),
         Method::Doubling => doubling::by_doubling(problem),
     };
     let refined = first.and_then(|Z| refine(equation, Z)).ok_or(Reason::NoGraph)?;
     let (closed_loop, certificate) = certify::certify(equation, problem, &refined, method)?;
-    Ok((refined.X, closed_loop, certificate))
+    Ok(Riccati { X: refined.X, F: refined.gain, closed_loop, certificate })
 }
 
 /// Below this separation, relative to the data, a solution is looked at twice: rounding may have moved a mode that

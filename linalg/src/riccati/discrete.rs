@@ -23,27 +23,48 @@ use super::{Certificate, Method, Outcome, Reason, Riccati, certify, doubling, re
 /// As for [`super::care`]. A problem without a solution is [`Outcome::Infeasible`] with the mode in the way.
 pub fn dare(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Result<Outcome<Riccati>, Error> {
     check_input(A, B, Q, R, S)?;
-    let mut refusal = Reason::SingularWeight { rcond: crate::decomposition::rcond_one(R) };
-    for shift in shifts(Q, R, B) {
-        let Some(problem) = shifted(A, B, Q, R, S, shift) else { continue };
+    let G = (B * B.t()).scale(1.0 / R.norm_fro().max(f64::MIN_POSITIVE.sqrt()));
+    let units = scale(Problem { A: A.clone(), G, Q: Q.clone() });
+    let (d, back, ones) = (&units.scale, units.inverse(), vec![1.0; R.nrows()]);
+    let data = Data {
+        A: rescale(A, &back, d),
+        B: rescale(B, &back, &ones),
+        Q: rescale(Q, d, d),
+        R: R.clone(),
+        S: S.map(|S| rescale(S, d, &ones)),
+    };
+    let outcome = solve_in_units(Discrete(data));
+    Ok(outcome.map(|inner| Riccati {
+        X: units.restore(&inner.X),
+        F: rescale(&inner.F, &ones, &back),
+        ..inner
+    }))
+}
+
+/// The equation in units that suit it, with one shift after the other.
+fn solve_in_units(equation: Discrete) -> Outcome<Riccati> {
+    let data = &equation.0;
+    let mut refusal = Reason::SingularWeight { rcond: crate::decomposition::rcond_one(&data.R) };
+    for shift in shifts(data) {
+        let Some(problem) = shifted(data, shift) else { continue };
         for method in [Method::Doubling, Method::Schur] {
-            match attempt((A, B, Q, R, S), &problem, shift, method) {
-                Ok(solution) => return Ok(accept(&problem, solution)),
+            match attempt(&equation, &problem, shift, method) {
+                Ok(solution) => return accept(&problem, solution),
                 Err(reason) => refusal = reason,
             }
         }
         if let Some(reason) = reason::lost_mode(&problem, Kind::Discrete) {
-            return Ok(Outcome::Infeasible(reason));
+            return Outcome::Infeasible(reason);
         }
     }
-    Ok(Outcome::Infeasible(refusal))
+    Outcome::Infeasible(refusal)
 }
 
 /// Reciprocal condition of `R` below which the equation is shifted first.
 const REGULAR: f64 = 1e-6;
 
 /// The shifts `s` to try: none where `R` is regular, and sizes that make `R + s B'B` so.
-fn shifts(Q: &Mat, R: &Mat, B: &Mat) -> Vec<f64> {
+fn shifts(Data { B, Q, R, .. }: &Data) -> Vec<f64> {
     let square = B.norm_fro().powi(2).max(f64::MIN_POSITIVE);
     let size = (Q.norm_fro() + R.norm_fro() / square).max(f64::MIN_POSITIVE);
     let regular = crate::decomposition::rcond_one(R) > REGULAR;
@@ -53,9 +74,9 @@ fn shifts(Q: &Mat, R: &Mat, B: &Mat) -> Vec<f64> {
 }
 
 /// The equation for `Z = X - sI`, its cross term folded away.
-fn shifted(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>, shift: f64) -> Option<Problem> {
+fn shifted(Data { A, B, Q, R, S }: &Data, shift: f64) -> Option<Problem> {
     if shift == 0.0 {
-        return fold(A, B, Q, R, S);
+        return fold(A, B, Q, R, S.as_ref());
     }
     let Q = (Q + &(A.t() * A - Mat::eye(A.nrows())).scale(shift)).symmetric_part();
     let R = (R + &(B.t() * B).scale(shift)).symmetric_part();
@@ -66,28 +87,16 @@ fn shifted(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>, shift: f64) -> O
     fold(A, B, &Q, &R, Some(&cross))
 }
 
-type Input<'a> = (&'a Mat, &'a Mat, &'a Mat, &'a Mat, Option<&'a Mat>);
-
-fn attempt((A, B, Q, R, S): Input, problem: &Problem, shift: f64, method: Method) -> Result<Riccati, Reason> {
+fn attempt(equation: &Discrete, problem: &Problem, shift: f64, method: Method) -> Result<Riccati, Reason> {
     let scaled = scale(problem.clone());
     let first = match method {
         Method::Doubling => doubling::run(scaled.problem.clone()),
         Method::Schur => subspace::by_discrete_schur(&scaled.problem),
     };
-    let (d, back) = (&scaled.scale, scaled.inverse());
-    let ones = vec![1.0; R.nrows()];
-    let equation = Discrete(Data {
-        A: rescale(A, &back, d),
-        B: rescale(B, &back, &ones),
-        Q: rescale(Q, d, d),
-        R: R.clone(),
-        S: S.map(|S| rescale(S, d, &ones)),
-    });
-    let offset = rescale(&Mat::eye(A.nrows()).scale(shift), d, d);
-    let refined = first.and_then(|Z| refine(&equation, &Z + &offset)).ok_or(Reason::NoGraph)?;
-    let (closed_loop, certificate) = certify::certify(&equation, &scaled.problem, &refined, method)?;
-    let gain = equation.gain(&refined.X).ok_or(Reason::SingularWeight { rcond: 0.0 })?;
-    Ok(Riccati { X: scaled.restore(&refined.X), F: rescale(&gain, &ones, &back), closed_loop, certificate })
+    let offset = Mat::eye(problem.A.nrows()).scale(shift);
+    let refined = first.and_then(|Z| refine(equation, scaled.restore(&Z) + offset)).ok_or(Reason::NoGraph)?;
+    let (closed_loop, certificate) = certify::certify(equation, problem, &refined, method)?;
+    Ok(Riccati { X: refined.X, F: refined.gain, closed_loop, certificate })
 }
 
 /// Below this separation a solution is looked at twice: rounding may have moved a mode that cannot be moved.

@@ -42,12 +42,12 @@ impl Data {
 pub(super) struct Continuous(pub(super) Data);
 
 impl Continuous {
-    /// `R^-1 (B'X + S')`
-    pub(super) fn gain(&self, X: &Mat) -> Option<Mat> {
-        let mut right = self.0.B.t() * X;
-        if let Some(S) = &self.0.S {
-            right += &S.t();
-        }
+    /// `R^-1 (B'X + S')` from `B'X`
+    fn gain_of(&self, BX: &Extended) -> Option<Mat> {
+        let right = match &self.0.S {
+            None => BX.collapse(),
+            Some(S) => BX.add(&S.t().into()).collapse(),
+        };
         solve(&self.0.R, &right).ok()
     }
 }
@@ -55,9 +55,9 @@ impl Continuous {
 impl Equation for Continuous {
     fn residual(&self, X: &Extended) -> Option<(Mat, f64)> {
         let data = &self.0;
-        let K = self.gain(&X.high)?;
         let AX = Extended::from(data.A.t()).times(X);
         let BX = Extended::from(data.B.t()).times(X);
+        let K = self.gain_of(&BX)?;
         let KBX = Extended::from(K.t()).times(&BX).neg();
         let size = 2.0 * AX.high.norm_fro() + KBX.high.norm_fro() + data.Q.norm_fro();
         let half = AX.add(&KBX);
@@ -65,8 +65,12 @@ impl Equation for Continuous {
         Some((total.collapse().symmetric_part(), size))
     }
 
-    fn closed_loop(&self, X: &Mat) -> Option<Mat> {
-        Some(self.0.closed(&self.gain(X)?))
+    fn gain(&self, X: &Extended) -> Option<Mat> {
+        self.gain_of(&Extended::from(self.0.B.t()).times(X))
+    }
+
+    fn closed_loop(&self, K: &Mat) -> Mat {
+        self.0.closed(K)
     }
 
     fn kind(&self) -> Kind {
@@ -90,8 +94,12 @@ impl Equation for Quadratic {
         Some((total.collapse().symmetric_part(), size))
     }
 
-    fn closed_loop(&self, X: &Mat) -> Option<Mat> {
-        Some(&self.A - &(&self.G * X))
+    fn gain(&self, X: &Extended) -> Option<Mat> {
+        Some(Extended::from(self.G.clone()).times(X).collapse())
+    }
+
+    fn closed_loop(&self, K: &Mat) -> Mat {
+        &self.A - K
     }
 
     fn kind(&self) -> Kind {
@@ -102,23 +110,10 @@ impl Equation for Quadratic {
 /// `A'XA - X - (A'XB+S)(R+B'XB)^-1(B'XA+S') + Q = 0`
 pub(super) struct Discrete(pub(super) Data);
 
-impl Discrete {
-    /// `(R + B'XB)^-1 (B'XA + S')`
-    pub(super) fn gain(&self, X: &Mat) -> Option<Mat> {
-        let data = &self.0;
-        let BX = data.B.t() * X;
-        let mut right = &BX * &data.A;
-        if let Some(S) = &data.S {
-            right += &S.t();
-        }
-        solve(&(&data.R + &(&BX * &data.B)), &right).ok()
-    }
-}
-
 impl Equation for Discrete {
     fn residual(&self, X: &Extended) -> Option<(Mat, f64)> {
         let data = &self.0;
-        let K = self.gain(&X.high)?;
+        let K = self.gain(X)?;
         let closed = exact_product(&data.B, &K).neg().add(&data.A.clone().into());
         let moved = closed.t().times(&X.times(&closed));
         let AXA = data.A.t() * &X.high * &data.A;
@@ -127,8 +122,19 @@ impl Equation for Discrete {
         Some((total.collapse().symmetric_part(), size))
     }
 
-    fn closed_loop(&self, X: &Mat) -> Option<Mat> {
-        Some(self.0.closed(&self.gain(X)?))
+    fn gain(&self, X: &Extended) -> Option<Mat> {
+        let data = &self.0;
+        let BX = Extended::from(data.B.t()).times(X);
+        let mut right = BX.times(&data.A.clone().into());
+        if let Some(S) = &data.S {
+            right = right.add(&S.t().into());
+        }
+        let weight = BX.times(&data.B.clone().into()).add(&data.R.clone().into());
+        solve(&weight.collapse(), &right.collapse()).ok()
+    }
+
+    fn closed_loop(&self, K: &Mat) -> Mat {
+        self.0.closed(K)
     }
 
     fn kind(&self) -> Kind {

@@ -80,6 +80,9 @@ pub struct Riccati {
 pub struct Certificate {
     /// `norm(residual)` over the sum of the norms of the equation's terms, Frobenius, with `X` as it is returned.
     pub relative_residual: f64,
+    /// `norm(residual)` over `norm(Q) + 2 norm(A) norm(X) + norm(G) norm(X)^2`: a few eps means that doubles can hold no
+    /// better `X`, even where the relative residual is larger because the terms are small against their factors.
+    pub backward_error: f64,
     /// `norm(X - X') / norm(X)`.
     pub symmetry: f64,
     /// Separation of the closed loop from its mirror image: the norm of the inverse Lyapunov operator, inverted

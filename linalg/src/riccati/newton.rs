@@ -15,8 +15,10 @@ use crate::tolerance::{EPS, NEWTON_STEPS};
 pub(super) trait Equation {
     /// The residual in twice the working precision, and the sum of the norms of its terms.
     fn residual(&self, X: &Extended) -> Option<(Mat, f64)>;
-    /// `A - B F` for the gain that belongs to `X`.
-    fn closed_loop(&self, X: &Mat) -> Option<Mat>;
+    /// The gain that belongs to `X` (`G X` where no input is known).
+    fn gain(&self, X: &Extended) -> Option<Mat>;
+    /// `A - B K` (`A - K` where no input is known).
+    fn closed_loop(&self, K: &Mat) -> Mat;
     /// Which Lyapunov operator the derivative is.
     fn kind(&self) -> Kind;
 }
@@ -24,6 +26,8 @@ pub(super) trait Equation {
 /// A refined solution.
 pub(super) struct Refined {
     pub(super) X: Mat,
+    /// The gain, from `X` before it was rounded.
+    pub(super) gain: Mat,
     /// The Lyapunov operator of the closed loop's transpose.
     pub(super) derivative: Operator,
     pub(super) steps: usize,
@@ -32,10 +36,13 @@ pub(super) struct Refined {
 /// Above this relative correction the closed loop is computed anew before the next step.
 const STALE: f64 = 1e-4;
 
+/// The contraction of a step over its relative size, assumed before there are two steps to compare.
+const FIRST_RATE: f64 = 1e6;
+
 /// Refines `X`; `None` where the closed loop has no Schur form or a step cannot be computed.
 pub(super) fn refine(equation: &impl Equation, X: Mat) -> Option<Refined> {
     let mut X = Extended::from(X);
-    let mut derivative = derivative_at(equation, &X.high)?;
+    let mut derivative = derivative_at(equation, &X)?;
     let mut size = f64::INFINITY;
     let mut steps = 0;
     while steps < NEWTON_STEPS {
@@ -48,20 +55,20 @@ pub(super) fn refine(equation: &impl Equation, X: Mat) -> Option<Refined> {
         }
         X = X.add(&step.into());
         steps += 1;
-        let rate = if size.is_finite() { relative / size } else { 100.0 * relative };
+        let rate = if size.is_finite() { relative / size } else { FIRST_RATE * relative };
         if relative > STALE {
-            derivative = derivative_at(equation, &X.high)?;
+            derivative = derivative_at(equation, &X)?;
         }
         size = relative;
         if relative * rate < EPS / 16.0 {
             break;
         }
     }
-    let X = X.collapse().symmetric_part();
-    Some(Refined { X, derivative, steps })
+    let gain = equation.gain(&X)?;
+    Some(Refined { X: X.collapse().symmetric_part(), gain, derivative, steps })
 }
 
-fn derivative_at(equation: &impl Equation, X: &Mat) -> Option<Operator> {
-    let closed = equation.closed_loop(X).filter(Mat::is_finite)?;
+fn derivative_at(equation: &impl Equation, X: &Extended) -> Option<Operator> {
+    let closed = equation.closed_loop(&equation.gain(X)?);
     Operator::new(transposed(&schur(&closed).ok()?), equation.kind()).ok()
 }

@@ -48,6 +48,8 @@ pub enum Reason {
         residual: f64,
         /// The largest real part (modulus in discrete time) of its closed loop.
         stability: f64,
+        /// Of the modes that are not stable the one that the input reaches least, and its relative distance from reach.
+        hardest: Option<(C64, f64)>,
     },
 }
 
@@ -78,9 +80,12 @@ impl fmt::Display for Reason {
             Self::SingularWeight { rcond } => {
                 write!(f, "the weight of the input is singular (reciprocal condition {rcond:.1e})")
             }
-            Self::Inaccurate { residual, stability } => {
+            Self::Inaccurate { residual, stability, hardest } => {
                 write!(f, "no solution could be certified: relative residual {residual:.1e},")?;
-                write!(f, " closed loop reaches {stability:.3e}")
+                write!(f, " closed loop reaches {stability:.3e}")?;
+                let Some((mode, reach)) = hardest else { return Ok(()) };
+                write!(f, "; the mode {} is not stable and the input hardly reaches it", Mode(*mode))?;
+                write!(f, " (relative distance from reach {reach:.1e})")
             }
         }
     }
@@ -113,6 +118,13 @@ pub(super) fn lost_mode(problem: &Problem, kind: Kind) -> Option<Reason> {
     let suspects =
         modes.iter().filter(|m| m.im >= 0.0 && excess(**m, kind) > -BOUNDARY * boundary_scale(size, kind));
     suspects.filter_map(|&mode| lost(problem, mode, kind)).next()
+}
+
+/// Of the modes that are not stable the one that the input reaches least, and its relative distance from reach.
+pub(super) fn hardest_mode(problem: &Problem, kind: Kind) -> Option<(C64, f64)> {
+    let modes = eigenvalues(&problem.A).ok()?;
+    let unstable = modes.into_iter().filter(|m| m.im >= 0.0 && excess(*m, kind) >= 0.0);
+    unstable.map(|m| (m, distance(&problem.A, &problem.G, m))).min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 fn lost(problem: &Problem, mode: C64, kind: Kind) -> Option<Reason> {

@@ -101,7 +101,8 @@ impl Shares {
 }
 
 fn all_shares(problem: &Problem) -> Vec<Shares> {
-    let ((a_up, a_down), (q_up, _), (g_up, _)) = (squares(&problem.A), squares(&problem.Q), squares(&problem.G));
+    let ((a_up, a_down), (q_up, _), (g_up, _)) =
+        (squares(&problem.A), squares(&problem.Q), squares(&problem.G));
     let state = |i: usize| Shares {
         up: a_up[i] + q_up[i],
         down: a_down[i] + g_up[i],

@@ -69,7 +69,7 @@ impl Iteration<'_> {
     #[inline(always)]
     fn shifts(&self, end: usize, tries: usize) -> [f64; 4] {
         let H = &self.H;
-        if tries % 10 == 0 {
+        if tries.is_multiple_of(10) {
             let s = H[(end, end - 1)].abs() + H[(end - 1, end - 2)].abs();
             let h11 = 0.75 * s + H[(end, end)];
             return [h11, -0.4375 * s, s, h11];
