@@ -1,70 +1,40 @@
-//! The report of a real verification: complete, self-contained, small. It is left in the target folder for a person to look at.
+//! The report of the reference rig's design: complete, self-contained, small. It is left in the target folder for a person to look at.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise::report::{Context, html, of_verification};
-use counterpoise_project::controller::{Controller, Parts, Path, Scaling, Signal};
-use counterpoise_project::lti::{Mat, StateSpace, Timebase};
-use counterpoise_project::models::{plant::Plant, reference};
-use counterpoise_project::verify::{Figure, Limit, Procedure, Requirement, Verification, verify};
+use counterpoise::report::{Context, html, of_design};
+use counterpoise_project::Project;
+use counterpoise_project::pipeline::{World, design};
 
-const PERIOD_S: f64 = 1e-3;
-const VOLTS_PER_NM: f64 = 1.0 / (3.0 * 0.86 * 200.0);
+/// The folder of the example.
+struct Example;
 
-fn path(name: &str, signal: Signal, system: StateSpace) -> Path {
-    let anti_windup = vec![0.01; system.order()];
-    Path { name: name.into(), inputs: vec![signal], system, anti_windup, scaling: Scaling::Fixed }
-}
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/reference-rig/");
 
-/// PI feedback and constant feedforward gains for the reference rig.
-fn controller(moment: f64) -> Controller {
-    let one = |x: f64| Mat::row(&[x]);
-    let timebase = Timebase::Discrete { period_s: PERIOD_S };
-    let pi = StateSpace::new(one(1.0), one(0.08), one(1.0), one(18.0), timebase).unwrap();
-    let heave = StateSpace::gain(one(moment * VOLTS_PER_NM), timebase).unwrap();
-    let mut parts = Parts::new(PERIOD_S, 10.0);
-    parts.paths =
-        vec![path("feedback", Signal::RateError, pi), path("heave", Signal::PlatformAcceleration, heave)];
-    parts.design_out_of_balance_kg_m = moment;
-    parts.bias_v_per_kg_m = 9.80665 * VOLTS_PER_NM;
-    Controller::new(parts).unwrap()
-}
-
-fn verification() -> Verification {
-    let rig = reference::rig();
-    let moment = rig.lumped.as_ref().unwrap().out_of_balance_kg_m;
-    let limits = [
-        ("gain_margin_db", Limit::AtLeast(12.0)),
-        ("phase_margin_deg", Limit::AtLeast(60.0)),
-        ("linear_step_overshoot_percent", Limit::AtMost(13.0)),
-        ("heave_compensated_drr_db at 1 Hz", Limit::AtMost(-50.0)),
-        ("pitch_compensated_drr_db at 1 Hz", Limit::AtMost(-40.0)),
-        ("linear_road_compensated_hub_rms_rad_s", Limit::AtMost(1e-3)),
-    ];
-    let requirements =
-        limits.map(|(key, limit)| Requirement::new(Figure::from_key(key).unwrap(), limit).unwrap());
-    let plant = Plant::lumped(&rig).unwrap();
-    let verified = verify(&plant, &controller(moment), &Procedure::default(), &requirements).unwrap();
-    verified.verification().clone()
+impl World for Example {
+    fn read(&self, name: &str) -> Result<Vec<u8>, String> {
+        std::fs::read(format!("{FOLDER}{name}")).map_err(|error| error.to_string())
+    }
 }
 
 #[test]
-fn a_report_holds_every_part_and_stays_small() {
-    let context = Context {
-        title: "Reference rig".into(),
-        subtitle: "PI feedback, heave feedforward".into(),
-        ..Context::default()
-    };
-    let page = html(&of_verification(&verification(), context));
+fn the_report_of_the_reference_rig_holds_every_part_and_stays_small() {
+    let text = std::fs::read_to_string(format!("{FOLDER}project.toml")).unwrap();
+    let project = Project::parse(&text, "project.toml").unwrap().project;
+    let designed = design(&project, &Example).unwrap();
+    let context = Context { title: "Reference rig".into(), subtitle: "verification".into(), ..Context::default() };
+    let page = html(&of_design(&designed, context).unwrap());
     std::fs::write(concat!(env!("CARGO_TARGET_TMPDIR"), "/report.html"), &page).unwrap();
-    for heading in [
+    for part in [
         "Requirements",
         "Loop and margins",
         "Platform in motion",
+        "Hub rate under the road, nonlinear plant",
         "Disturbance rejection ratio",
         "Controllers",
-        "Plant",
+        "Weights",
+        "Certificates",
     ] {
-        assert!(page.contains(heading), "{heading}");
+        assert!(page.contains(part), "{part}");
     }
     assert!(page.len() < 3_000_000, "{}", page.len());
     assert!(!page.contains("NaN"), "a number that is none reached the page");

@@ -6,8 +6,9 @@
 //! *Invariant*: nothing here measures or judges; nothing here reads a file, a clock or the network. Same report, same bytes.
 //!
 //! Modules in reading order: [`page`], [`html`], [`style`]; then a verification's report:
-//! [`summary`], [`evidence`], [`verification`].
+//! [`summary`], [`evidence`], [`verification`]; then a design's: [`design`].
 
+pub mod design;
 pub mod diagnosis;
 pub mod evidence;
 pub mod html;
@@ -16,6 +17,7 @@ pub mod style;
 pub mod summary;
 pub mod verification;
 
+pub use design::of_design;
 pub use html::html;
 pub use page::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
 pub use verification::{Context, of_verification};
