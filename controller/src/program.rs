@@ -212,7 +212,7 @@ enum Flat<N> {
 }
 
 impl<N> Flat<N> {
-    fn into_place(&self) -> usize {
+    fn target_place(&self) -> usize {
         match self {
             Flat::Sum { into, .. }
             | Flat::Product { into, .. }
@@ -279,7 +279,7 @@ impl<N: Number> Compiled<N> {
         self.take(memory, inputs);
         for (number, operation) in self.operations.iter().enumerate() {
             self.execute(operation, memory);
-            touch(number, &mut memory[operation.into_place()]);
+            touch(number, &mut memory[operation.target_place()]);
         }
         self.output.map(|place| memory[place].clone())
     }

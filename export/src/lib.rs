@@ -7,7 +7,8 @@
 //! *Invariant*: no file system, no clock, no compiler: text in memory only.
 //!
 //! Modules in reading order: [`source`], [`provenance`], [`c99`](mod@c99), [`rust_crate`](mod@rust_crate), [`ranges`],
-//! [`rounding`], [`fixed`], [`vectors`].
+//! [`rounding`], [`fixed`], [`vectors`],
+//! [`check`](mod@check).
 //!
 //! ```
 //! use counterpoise_controller::{Controller, Parts};
@@ -21,6 +22,7 @@
 #![allow(non_snake_case)]
 
 pub mod c99;
+pub mod check;
 pub mod error;
 pub mod fixed;
 pub mod provenance;
@@ -33,6 +35,7 @@ pub mod vectors;
 mod print;
 
 pub use c99::c99;
+pub use check::{Checked, check};
 pub use error::Error;
 pub use fixed::{Fixed, FixedError, FixedRunner, fixed_c99, plan};
 pub use provenance::Provenance;

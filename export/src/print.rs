@@ -111,11 +111,16 @@ impl Printer<'_> {
         for term in terms {
             let size = term.coefficient.abs();
             let of = self.slot(term.of);
-            let product = if size == 1.0 { of } else { format!("{} * {of}", self.literal(size)) };
             let negative = term.coefficient < 0.0;
-            pieces.push(match (pieces.is_empty(), negative) {
-                (true, false) => product,
-                (true, true) => format!("-{product}"),
+            let first = pieces.is_empty();
+            let sign = if first && negative { "-" } else { "" };
+            let product = match (size == 1.0, self.dialect) {
+                (true, _) => format!("{sign}{of}"),
+                (false, Dialect::C) => format!("({sign}{} * {of})", self.literal(size)),
+                (false, Dialect::Rust) => format!("{sign}{} * {of}", self.literal(size)),
+            };
+            pieces.push(match (first, negative) {
+                (true, _) => product,
                 (false, false) => format!("+ {product}"),
                 (false, true) => format!("- {product}"),
             });

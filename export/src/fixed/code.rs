@@ -203,13 +203,13 @@ impl Printer<'_> {
             pieces.push(format!("INT64_C({constant})"));
         }
         for (factor, of) in terms {
-            let sign = match (pieces.len() > 1, *factor < 0) {
-                (true, true) => "- ",
-                (true, false) => "+ ",
-                (false, true) => "-",
-                (false, false) => "",
+            let (before, sign) = match (pieces.len() > 1, *factor < 0) {
+                (true, true) => ("- ", ""),
+                (true, false) => ("+ ", ""),
+                (false, true) => ("", "-"),
+                (false, false) => ("", ""),
             };
-            pieces.push(format!("{sign}INT64_C({}) * {}", factor.abs(), self.slot(*of)));
+            pieces.push(format!("{before}({sign}INT64_C({}) * {})", factor.abs(), self.slot(*of)));
         }
         if let Some(last) = pieces.last_mut() {
             last.push_str(&format!(", {shift}U)"));

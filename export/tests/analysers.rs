@@ -1,0 +1,80 @@
+//! Static analysers on the generated C: not a word from Clang's analyser and cppcheck, nothing suppressed; MISRA C:2012
+//! deviations are those that the code itself lists.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
+
+mod support;
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::process::Command;
+
+use counterpoise_controller::READINGS;
+use counterpoise_export::Source::Unverified;
+use counterpoise_export::{Options, Ranges, c99, fixed_c99, plan};
+use support::{Random, folder, is_there, provenance, run, typical, write};
+
+/// Rules that generated code deviates from, all advisory.
+const DEVIATIONS: [&str; 2] = ["misra-c2012-2.5", "misra-c2012-8.7"];
+
+/// A folder for each kind of generated C.
+fn generated(test: &str) -> Vec<PathBuf> {
+    let controller = typical();
+    let mut random = Random(3);
+    let history: Vec<[f64; READINGS]> =
+        (0..2000).map(|_| random.readings().map(|value| 0.05 * value)).collect();
+    let known = Ranges::from_readings(&controller, &[history], 4.0);
+    let fixed = plan(&controller, &known, 1e-2, 2000).unwrap();
+    let kinds = [
+        ("double", c99(Unverified(&controller), &provenance(), &Options::double("axis")).unwrap()),
+        ("single", c99(Unverified(&controller), &provenance(), &Options::single("axis")).unwrap()),
+        ("fixed", fixed_c99(Unverified(&controller), &fixed, &provenance(), "axis").unwrap()),
+    ];
+    let place = |(kind, files): &(&str, Vec<counterpoise_export::File>)| {
+        let folder = folder(&format!("{test}_{kind}"));
+        write(&folder, files);
+        folder
+    };
+    kinds.iter().map(place).collect()
+}
+
+#[test]
+fn clangs_analyser_is_silent() {
+    if !is_there("clang") {
+        return println!("skipped: no clang");
+    }
+    for folder in generated("clang_analyser") {
+        for source in ["axis.c", "axis_self_test.c", "axis_test.c"] {
+            let flags =
+                ["--analyze", "-Xanalyzer", "-analyzer-output=text", "-std=c99", "-Wall", "-Wextra", source];
+            assert_eq!(run(Command::new("clang").current_dir(&folder).args(flags)), "");
+        }
+    }
+}
+
+#[test]
+fn cppcheck_is_silent() {
+    if !is_there("cppcheck") {
+        return println!("skipped: no cppcheck (apt install cppcheck)");
+    }
+    for folder in generated("cppcheck") {
+        let flags =
+            ["--std=c99", "--quiet", "--enable=warning,style,performance,portability", "--error-exitcode=1"];
+        assert_eq!(run(Command::new("cppcheck").current_dir(&folder).args(flags).arg(".")), "");
+    }
+}
+
+#[test]
+fn misra_deviations_are_the_ones_listed() {
+    if !is_there("cppcheck") {
+        return println!("skipped: no cppcheck (apt install cppcheck)");
+    }
+    for folder in generated("misra") {
+        let flags = ["--addon=misra", "--std=c99", "--quiet", "--enable=style", "axis.c"];
+        let said = run(Command::new("cppcheck").current_dir(&folder).args(flags));
+        let rules: BTreeSet<&str> =
+            said.split(['[', ']']).filter(|word| word.starts_with("misra-c2012-")).collect();
+        assert_eq!(rules, BTreeSet::from(DEVIATIONS), "{said}");
+        let code = std::fs::read_to_string(folder.join("axis.c")).unwrap();
+        assert!(code.contains("only the advisory rules 2.5 and 8.7"));
+    }
+}
