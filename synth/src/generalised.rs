@@ -38,6 +38,19 @@ pub(crate) struct Blocks {
     pub D12: Mat,
     pub D21: Mat,
     pub D22: Mat,
+    /// Physical state = scale x scaled state, powers of two.
+    pub scale: Vec<f64>,
+}
+
+impl Blocks {
+    /// A controller whose states estimate the scaled states, with states that estimate the plant's own: exact.
+    pub fn in_plant_states(&self, K: StateSpace) -> StateSpace {
+        let T = &self.scale;
+        let A = Mat::from_fn(K.order(), K.order(), |i, j| K.A[(i, j)] * (T[i] / T[j]));
+        let B = Mat::from_fn(K.order(), K.inputs(), |i, j| K.B[(i, j)] * T[i]);
+        let C = Mat::from_fn(K.outputs(), K.order(), |i, j| K.C[(i, j)] / T[j]);
+        StateSpace { A, B, C, ..K }
+    }
 }
 
 impl Generalised {
@@ -66,7 +79,7 @@ impl Generalised {
     }
 
     pub(crate) fn blocks(&self) -> Blocks {
-        let system = balance(&self.system).0;
+        let (system, scale) = balance(&self.system);
         let n = system.order();
         let (w, z) = (system.inputs() - self.controls, system.outputs() - self.measurements);
         let (u, y) = (self.controls, self.measurements);
@@ -80,6 +93,7 @@ impl Generalised {
             D21: system.D.block(z, 0, y, w),
             D22: system.D.block(z, w, y, u),
             A: system.A,
+            scale,
         }
     }
 

@@ -1,7 +1,7 @@
 //! H2 control of a generalised plant by two Riccati equations.
 
 use counterpoise_lti::linalg::care;
-use counterpoise_lti::{C64, Mat, StateSpace, Timebase, h2norm, poles};
+use counterpoise_lti::{C64, Mat, StateSpace, Timebase, h2norm};
 
 use crate::certificate::{Equation, riccati};
 use crate::finding::{Cause, Finding, Part};
@@ -21,7 +21,7 @@ pub struct H2 {
     pub predicted_norm: f64,
     /// Norm of the assembled loop; infinite where that is not stable.
     pub achieved_norm: f64,
-    /// Poles of the assembled loop.
+    /// Poles of the loop: those of the state feedback and of the observer, by separation.
     pub closed_loop: Vec<C64>,
     /// The regulator's equation.
     pub regulator: Equation,
@@ -65,12 +65,12 @@ pub fn h2syn(plant: &Generalised) -> Result<Outcome<H2>, Error> {
     };
     let (F, L) = (X.F.clone(), Y.F.t());
     let square = (&P.B1.t() * &(&X.X * &P.B1)).trace() + (&R * &(&F * &(&Y.X * &F.t()))).trace();
-    let controller = around_direct_path(observer(&P, &F, &L)?, &P.D22)?;
+    let controller = around_direct_path(P.in_plant_states(observer(&P, &F, &L)?), &P.D22)?;
     let closed = plant.close(&controller)?;
     Ok(Outcome::Solved(H2 {
         predicted_norm: square.max(0.0).sqrt(),
         achieved_norm: h2norm(&closed)?,
-        closed_loop: poles(&closed)?,
+        closed_loop: [X.closed_loop.as_slice(), Y.closed_loop.as_slice()].concat(),
         regulator: X.into(),
         filter: Y.into(),
         controller,

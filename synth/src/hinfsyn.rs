@@ -1,7 +1,9 @@
 //! H-infinity control of a generalised plant by two Riccati equations and a search for the smallest bound.
 
-use counterpoise_lti::linalg::{Outcome as Solution, care_g, inverse, singular_values, svd, sym_eigen};
-use counterpoise_lti::{C64, Mat, StateSpace, Timebase, hinfnorm, is_stable, poles};
+use counterpoise_lti::linalg::{
+    Outcome as Solution, care_g, inverse, singular_values, svd, sym_eigen, sym_eigenvalues,
+};
+use counterpoise_lti::{C64, Mat, StateSpace, Timebase, linfnorm, poles};
 
 use crate::finding::{Cause, Finding, Part};
 use crate::generalised::{Blocks, Generalised, around_direct_path};
@@ -29,9 +31,13 @@ pub struct HInfinity {
 /// The norm of the assembled loop may exceed the bound by this, relatively: the accuracy of the norm itself.
 pub const VERIFIED: f64 = 1e-6;
 /// Relative accuracy of the norms of candidate loops.
-const NORM_TOLERANCE: f64 = 1e-8;
-/// The spectral radius of XY is judged with this relative slack.
-const RADIUS: f64 = 1e-9;
+const NORM_TOLERANCE: f64 = 1e-9;
+/// By how much the norm that was found is rounded up, so that the claim is not below what is reached.
+const ROUNDED_UP: f64 = 1e-7;
+/// X and Y count as indefinite below minus this, relatively. A loose test: the loop itself is looked at afterwards.
+const INDEFINITE: f64 = 1e-7;
+/// By how much a bound is first raised whose loop does not keep it.
+const FIRST_RAISE: f64 = 1e-3;
 /// Bounds tried at most, upward and in the bisection.
 const MOST_TRIALS: usize = 80;
 
@@ -42,8 +48,9 @@ const MOST_TRIALS: usize = 80;
 /// ```
 ///
 /// and the central controller of Glover and Doyle (Zhou, Doyle, Glover, Robust and Optimal Control, theorem 17.1), D11
-/// of any kind. The bound is found by bisection; a bound counts as reached only where the assembled loop is stable and
-/// its norm, computed afresh, keeps it. The claim is thus never below what is reached.
+/// of any kind. The smallest bound is found by a guarded secant on ln rho(XY) - 2 ln g. The answer is then looked at
+/// afresh: the assembled loop must be stable and its norm must keep the bound, or the bound is raised until it does. The
+/// claim is thus never below what is reached.
 ///
 /// # Errors
 /// [`Error::Range`] for a tolerance that is not positive, [`Error`] where a decomposition fails. A plant that breaks a
@@ -56,99 +63,119 @@ pub fn hinfsyn(plant: &Generalised, tolerance: f64) -> Result<Outcome<HInfinity>
         return Ok(Outcome::Infeasible(findings));
     }
     let normal = Normal::of(plant)?;
-    let mut search = Search { plant, normal: &normal, low: normal.lower_bound()?, best: None, trials: 0 };
+    let low = End { bound: normal.lower_bound()?, margin: None };
+    let mut search = Search { plant, normal: &normal, low, high: None, trials: 0 };
     search.upward()?;
-    search.bisect(tolerance)?;
-    Ok(search.finish())
+    search.narrow(tolerance)?;
+    search.verified()
+}
+
+/// A bound with ln rho(XY) - 2 ln g there, where X and Y exist.
+#[derive(Clone, Copy)]
+struct End {
+    bound: f64,
+    margin: Option<f64>,
 }
 
 struct Search<'a> {
     plant: &'a Generalised,
     normal: &'a Normal,
-    low: f64,
-    best: Option<HInfinity>,
+    low: End,
+    high: Option<End>,
     trials: usize,
 }
 
 impl Search<'_> {
-    /// Doubles the bound until one is reached.
+    /// Raises the bound until one seems reachable.
     fn upward(&mut self) -> Result<(), Error> {
-        let mut bound = if self.low > 0.0 { 2.0 * self.low } else { self.normal.guess() };
-        while self.best.is_none() && self.trials < MOST_TRIALS {
+        let mut bound = if self.low.bound > 0.0 { 2.0 * self.low.bound } else { self.normal.guess() };
+        while self.high.is_none() && self.trials < MOST_TRIALS {
             self.attempt(bound)?;
             bound *= 4.0;
         }
         Ok(())
     }
 
-    /// Halves what lies between, geometrically once both ends are known. What a controller really reaches is often
-    /// less than its bound, and then the next bound starts from there.
-    fn bisect(&mut self, tolerance: f64) -> Result<(), Error> {
-        while self.trials < MOST_TRIALS {
-            let Some(best) = &self.best else { return Ok(()) };
-            let high = best.achieved_norm.min(best.bound);
-            if high <= self.low * (1.0 + tolerance) {
+    /// Brings the ends together to the tolerance.
+    fn narrow(&mut self, tolerance: f64) -> Result<(), Error> {
+        while let Some(high) = self.high {
+            let close = high.bound <= self.low.bound * (1.0 + tolerance);
+            if close || high.bound < f64::MIN_POSITIVE.sqrt() || self.trials >= MOST_TRIALS {
                 return Ok(());
             }
-            let middle = if self.low > 0.0 { (self.low * high).sqrt() } else { 0.1 * high };
-            if middle <= f64::MIN_POSITIVE {
-                return Ok(());
-            }
-            self.attempt(middle)?;
+            self.attempt(between(self.low, high, tolerance))?;
         }
         Ok(())
     }
 
     fn attempt(&mut self, bound: f64) -> Result<(), Error> {
         self.trials += 1;
-        let candidate = match self.normal.central(bound)? {
-            Some(K) => self.verify(K, bound)?,
-            None => None,
-        };
-        match candidate {
-            Some(candidate) => self.keep(candidate),
-            None => self.low = self.low.max(bound),
+        let margin = self.normal.margin(bound)?;
+        let end = End { bound, margin };
+        match margin {
+            Some(margin) if margin < 0.0 => self.high = Some(end),
+            _ => self.low = end,
         }
         Ok(())
     }
 
-    fn keep(&mut self, candidate: HInfinity) {
-        let better = self.best.as_ref().is_none_or(|best| candidate.achieved_norm < best.achieved_norm);
-        if better {
-            self.best = Some(candidate);
+    /// The controller at the upper end, or at the first bound above it whose loop keeps it.
+    fn verified(mut self) -> Result<Outcome<HInfinity>, Error> {
+        let mut bound = self.high.map_or(self.low.bound, |high| high.bound);
+        let mut raise = FIRST_RAISE;
+        while self.high.is_some() && self.trials < 2 * MOST_TRIALS {
+            self.trials += 1;
+            if let Some(K) = self.normal.central(bound)?
+                && let Some(answer) = self.verify(K, bound)?
+            {
+                return Ok(Outcome::Solved(answer));
+            }
+            bound *= 1.0 + raise;
+            raise = (2.0 * raise).min(1.0);
         }
+        let cause = Cause::NoBoundReached { largest: bound };
+        Ok(Outcome::Infeasible(vec![Finding::refusal(Part::Generalised, cause)]))
     }
 
-    /// The candidate, if its loop is stable and keeps the bound.
+    /// The controller with its certificates, if its loop is stable and keeps the bound.
     fn verify(&self, K: StateSpace, bound: f64) -> Result<Option<HInfinity>, Error> {
         let closed = self.plant.close(&K)?;
-        if !is_stable(&closed)? {
+        let closed_loop = poles(&closed)?;
+        if closed_loop.iter().any(|pole| pole.re >= 0.0) {
             return Ok(None);
         }
-        let peak = hinfnorm(&closed, NORM_TOLERANCE)?;
+        let peak = linfnorm(&closed, NORM_TOLERANCE)?;
         if peak.value > bound * (1.0 + VERIFIED) {
             return Ok(None);
         }
         Ok(Some(HInfinity {
             controller: K,
             bound,
-            achieved_norm: peak.value,
+            achieved_norm: peak.value * (1.0 + ROUNDED_UP),
             peak_rad_s: peak.rate_rad_s,
-            unreachable: 0.0,
-            closed_loop: poles(&closed)?,
-            trials: 0,
+            unreachable: self.low.bound,
+            closed_loop,
+            trials: self.trials,
         }))
     }
+}
 
-    fn finish(self) -> Outcome<HInfinity> {
-        match self.best {
-            Some(best) => Outcome::Solved(HInfinity { unreachable: self.low, trials: self.trials, ..best }),
-            None => {
-                let cause = Cause::NoBoundReached { largest: self.low };
-                Outcome::Infeasible(vec![Finding::refusal(Part::Generalised, cause)])
-            }
-        }
+/// A bound strictly between two ends: by the secant where both margins are known, else the middle; never nearer to an
+/// end than half the tolerance, so that the ends meet.
+fn between(low: End, high: End, tolerance: f64) -> f64 {
+    if low.bound <= 0.0 {
+        return 0.1 * high.bound;
     }
+    let (a, b) = (low.bound.ln(), high.bound.ln());
+    let middle = 0.5 * (a + b);
+    let guess = match (low.margin, high.margin) {
+        (Some(above), Some(below)) if above.is_finite() && below.is_finite() => {
+            b - below * (b - a) / (below - above)
+        }
+        _ => middle,
+    };
+    let guard = (0.5 * tolerance).min(0.25 * (b - a));
+    guess.clamp(a + guard, b - guard).exp()
 }
 
 /// The plant in the form D12 = \[0; I\], D21 = \[0 I\], by rotations of w and z and scalings of u and y.
@@ -178,6 +205,7 @@ impl Normal {
                 D21: &Y * &(&P.D21 * &wt),
                 D22: P.D22,
                 A: P.A,
+                scale: P.scale,
             },
             U,
             Y,
@@ -206,16 +234,18 @@ impl Normal {
         (self.P.D12.nrows() - self.P.D12.ncols(), self.P.D21.ncols() - self.P.D21.nrows())
     }
 
-    /// The central controller at a bound; `None` where the bound is not reachable.
+    /// ln rho(XY) - 2 ln g at a bound, negative where it is reachable; `None` where X or Y does not exist or is indefinite.
+    fn margin(&self, bound: f64) -> Result<Option<f64>, Error> {
+        let Some((X, _)) = self.regulator(bound)? else { return Ok(None) };
+        let Some((Y, _)) = self.filter(bound)? else { return Ok(None) };
+        Ok(Some(spectral_radius(&(&Y * &X))?.ln() - 2.0 * bound.ln()))
+    }
+
+    /// The central controller at a bound; `None` where there is none.
     fn central(&self, bound: f64) -> Result<Option<StateSpace>, Error> {
         let Some((X, F)) = self.regulator(bound)? else { return Ok(None) };
         let Some((Y, L)) = self.filter(bound)? else { return Ok(None) };
-        let product = &Y * &X;
-        let radius = spectral_radius(&product)?;
-        if radius >= bound * bound * (1.0 - RADIUS) {
-            return Ok(None);
-        }
-        let Z = &Mat::eye(X.nrows()) - &product.scale(1.0 / (bound * bound));
+        let Z = &Mat::eye(X.nrows()) - &(&Y * &X).scale(1.0 / (bound * bound));
         let Ok(Z) = inverse(&Z) else { return Ok(None) };
         self.assemble(bound, &F, &L, &Z)
     }
@@ -257,7 +287,7 @@ impl Normal {
             Timebase::Continuous,
         );
         match K {
-            Ok(K) => Ok(Some(around_direct_path(K, &P.D22)?)),
+            Ok(K) => Ok(Some(around_direct_path(P.in_plant_states(K), &P.D22)?)),
             Err(_) => Ok(None),
         }
     }
@@ -302,8 +332,7 @@ fn root(M: &Mat) -> Result<Option<Mat>, Error> {
 }
 
 /// The stabilising X of A'X + XA + C'C - (XB + C'D) R^-1 (B'X + D'C) = 0, R = D'D - diag(g^2 I, 0), and
-/// F = -R^-1 (D'C + B'X); `None` where there is none. That X is not indefinite need not be asked: an indefinite X makes a loop
-/// that is not stable, and every loop is looked at afterwards.
+/// F = -R^-1 (D'C + B'X); `None` where there is none, or where it is indefinite.
 fn solve_indefinite(
     A: &Mat,
     B: &Mat,
@@ -321,6 +350,13 @@ fn solve_indefinite(
     let G = (B * &(&R_inverse * &B.t())).symmetric_part();
     let Q = (&(&C.t() * C) - &(&cross.t() * &(&R_inverse * &cross))).symmetric_part();
     let Solution::Solved(solution) = care_g(&folded, &G, &Q)? else { return Ok(None) };
+    // What is negligible beside A in A - GX is rounding, whatever its sign.
+    let negligible = INDEFINITE * folded.norm_fro() / G.norm_fro().max(f64::MIN_POSITIVE);
+    let values = sym_eigenvalues(&solution.X.symmetric_part())?;
+    let largest = values.iter().copied().fold(0.0, |a: f64, b| a.max(b.abs()));
+    if values.iter().any(|value| *value < -(INDEFINITE * largest).max(negligible)) {
+        return Ok(None);
+    }
     let F = -&(&R_inverse * &(&cross + &(&B.t() * &solution.X)));
     Ok(Some((solution.X, F)))
 }
