@@ -1,0 +1,108 @@
+//! Replay of the practice machines, recorded by an independent simulator: with the concealed truth entered by hand
+//! every channel fits to within 1.5 times the floor.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod common;
+
+use common::{controller, recording};
+use counterpoise_controller::ProportionalIntegral;
+use counterpoise_models::{MapPoint, Parameters, Ripple, reference};
+use counterpoise_simulate::{Channel, Loop, Replay, replay};
+
+/// RMS error over floor that counts as a fit.
+const FIT: f64 = 1.5;
+
+const EXPERIMENTS: [&str; 4] = ["triangle", "steps", "road", "multisine"];
+
+fn truth(machine: &str) -> Parameters {
+    let mut rig = reference::rig();
+    match machine {
+        "p01" => {
+            rig.pivot_friction.static_ratio = 1.55;
+            rig.pivot_friction.stribeck_rate_rad_s = 0.012;
+        }
+        "p02" => rig.gearbox.backlash_rad = 0.006,
+        "p03" => rig.amplifier.map = measured_map(),
+        "p04" => rig.lumped.as_mut().unwrap().out_of_balance_kg_m = 186.0,
+        "p05" => rig.motor.cogging = Ripple { amplitude: 0.16, order: 6.0, phase_rad: 0.7 },
+        "p06" => rig.interface.output_delay_samples = 6,
+        "p07" => {
+            let lumped = rig.lumped.as_mut().unwrap();
+            lumped.position_stiffness_nm_rad = 900.0;
+            lumped.position_stiffness_centre_rad = -0.04;
+        }
+        _ => {}
+    }
+    if is_nearly_balanced(machine) {
+        rig.lumped.as_mut().unwrap().out_of_balance_kg_m = 20.0;
+    }
+    rig
+}
+
+fn measured_map() -> Vec<MapPoint> {
+    let input = [0.12, 0.22, 0.28, 0.34, 0.42, 0.51, 0.57, 0.8, 1.04, 1.13, 1.2, 1.27, 1.34, 2.0];
+    let current = [0.27, 0.48, 0.6, 0.7, 0.83, 0.96, 1.08, 1.86, 2.79, 3.04, 3.3, 3.53, 3.81, 6.0];
+    input.into_iter().zip(current).map(|(input_v, current_a)| MapPoint { input_v, current_a }).collect()
+}
+
+fn is_nearly_balanced(machine: &str) -> bool {
+    matches!(machine, "p02" | "p03")
+}
+
+fn closed(machine: &str) -> Loop {
+    let bias_v = if is_nearly_balanced(machine) { 0.38 } else { 2.88 };
+    Loop::Closed(ProportionalIntegral { bias_v, ..controller() })
+}
+
+fn replayed(machine: &str, experiment: &str, control: &Loop) -> Option<Replay> {
+    let recording = recording(&format!("{machine}/{experiment}"))?;
+    Some(replay(&truth(machine), &recording, control).unwrap())
+}
+
+fn assert_fits(replay: &Replay, channels: &[Channel], what: &str) {
+    for fit in replay.channels.iter().filter(|fit| channels.contains(&fit.channel)) {
+        let ratio = fit.rms_error / fit.floor;
+        assert!(ratio <= FIT, "{what}: {} at {ratio:.2} floors", fit.channel.name());
+    }
+}
+
+#[test]
+fn the_machine_as_modelled_fits_on_every_channel_in_closed_loop() {
+    for experiment in EXPERIMENTS {
+        let Some(replay) = replayed("p08", experiment, &closed("p08")) else { return };
+        assert_eq!(replay.channels.len(), Channel::ALL.len());
+        assert_fits(&replay, &Channel::ALL, experiment);
+    }
+}
+
+#[test]
+fn the_true_machines_fit_on_every_channel_in_closed_loop() {
+    for machine in ["p01", "p04", "p05", "p06", "p07"] {
+        for experiment in EXPERIMENTS {
+            let Some(replay) = replayed(machine, experiment, &closed(machine)) else { return };
+            assert_fits(&replay, &Channel::ALL, &format!("{machine} {experiment}"));
+        }
+    }
+}
+
+/// Hardly out of balance, these two cross their gap: in closed loop two runs that differ in sensor noise alone part
+/// by many floors, so they are judged under the recorded control, which does not feed the parting back. With the
+/// platform in motion even the noise of its sensors decides when the gap is crossed: `road` is left out.
+#[test]
+fn the_hunting_machines_fit_in_open_loop() {
+    for machine in ["p02", "p03"] {
+        for experiment in ["triangle", "steps", "multisine"] {
+            let Some(replay) = replayed(machine, experiment, &Loop::Open) else { return };
+            let rates = [Channel::HubRate, Channel::MotorRate];
+            assert_fits(&replay, &rates, &format!("{machine} {experiment}"));
+        }
+    }
+}
+
+#[test]
+fn the_wrong_machine_does_not_fit() {
+    let Some(recording) = recording("p04/triangle") else { return };
+    let replay = replay(&reference::rig(), &recording, &closed("p04")).unwrap();
+    let control = replay.channels.iter().find(|fit| fit.channel == Channel::Control).unwrap();
+    assert!(control.rms_error > 20.0 * control.floor);
+}
