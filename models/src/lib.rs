@@ -17,6 +17,5 @@ pub mod structure;
 pub use error::Error;
 pub use parameters::*;
 pub use plant::{
-    Angles, Conditions, Equilibrium, Excitation, FrictionLinearisation, LinearPlant, Mesh, OperatingPoint,
-    Plant,
+    Angles, Equilibrium, Excitation, FrictionLinearisation, LinearPlant, Mesh, OperatingPoint, Plant,
 };

@@ -81,7 +81,9 @@ pub(super) fn check(friction: &Friction) -> Result<(), Error> {
     positive("friction.stribeck_rate", friction.stribeck_rate_rad_s)?;
     below_one("friction.asymmetry", friction.asymmetry)?;
     below_one("friction.position_ripple.amplitude", friction.position_ripple.amplitude)?;
-    below_one("friction.warm_up", friction.warm_up)?;
+    if finite("friction.warm_up", friction.warm_up)? >= 1.0 {
+        return Err(refused("friction.warm_up", friction.warm_up, "must be below 1"));
+    }
     positive("friction.warm_up_time", friction.warm_up_time_s)?;
     not_negative("friction.load_coefficient", friction.load_coefficient)?;
     if friction.load_coefficient > 0.0 && friction.coulomb_nm() == 0.0 {

@@ -55,8 +55,8 @@ impl FrictionModel {
     /// # Errors
     /// [`Error::Parameter`] names the first parameter outside its range: levels, viscous and quadratic coefficients
     /// not negative; stiffnesses, deflections, rates, exponents and time constants positive; `static_ratio` positive
-    /// (not below 1 for laws that stick); |asymmetry| and the ripple's amplitude below 1; a load coefficient only
-    /// with a Coulomb level; a polynomial that stays positive.
+    /// (not below 1 for laws that stick); |asymmetry| and the ripple's amplitude below 1; warm-up below 1; a load
+    /// coefficient only with a Coulomb level; a polynomial that stays positive.
     pub fn new(friction: &Friction) -> Result<Self, Error> {
         build::check(friction)?;
         let coulomb = friction.coulomb_nm();
@@ -113,7 +113,13 @@ impl FrictionModel {
     /// The torque that opposes a positive rate, N m.
     #[inline]
     pub fn torque(&self, rate_rad_s: f64, level: f64, states: &[f64]) -> f64 {
-        self.law.torque(rate_rad_s, self.directed(rate_rad_s, level), states) + self.drag(rate_rad_s)
+        self.dry_torque(rate_rad_s, level, states) + self.drag(rate_rad_s)
+    }
+
+    /// The torque without viscous and quadratic drag, N m.
+    #[inline]
+    pub fn dry_torque(&self, rate_rad_s: f64, level: f64, states: &[f64]) -> f64 {
+        self.law.torque(rate_rad_s, self.directed(rate_rad_s, level), states)
     }
 
     /// The states after a time at constant rate: exact.

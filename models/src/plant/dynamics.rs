@@ -1,8 +1,8 @@
 //! The plant's nonlinear right-hand side.
 
 use super::core::{input, state};
-use super::{Conditions, Core, Mesh, Plant};
-use crate::parameters::{Friction, FrictionLaw};
+use super::{Core, Mesh, Plant};
+use crate::friction::{FrictionModel, Surroundings};
 
 /// What acts on the plant at an instant.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -28,9 +28,9 @@ impl Plant {
 
     /// The derivative of the state \[core ([`state`]), motor friction, pivot friction\]: the definition of the plant.
     ///
-    /// Laws of the Dahl, LuGre and reset-integrator kind are continuous and are taken as they are (their state is a
-    /// torque in N m for Dahl, a deflection in rad for the others); every other law is taken as its level times the
-    /// sign of the rate. A voltage at the bus limit stays there. The simulator treats the same equations piecewise
+    /// Laws with one state are continuous and are taken as they are (a torque in N m for Dahl and Walrath, a deflection in
+    /// rad for LuGre and the reset integrator); laws that truly stick slide at any rate but zero, and bristles are taken
+    /// at their mean sliding level. A voltage at the bus limit stays there. The simulator treats the same equations piecewise
     /// exactly; this form is for second opinions.
     pub fn derivative(&self, x: &[f64], at: &Excitation, dx: &mut [f64]) {
         let n = self.core_order();
@@ -44,22 +44,11 @@ impl Plant {
         let core = self.core(mesh);
         let mesh_torque = self.mesh_torque_nm(x[state::WINDUP], hub_rate, motor_rate, at.platform_rate_rad_s);
         let ratio = self.parameters.gearbox.ratio;
-        let conditions = [
-            Conditions {
-                rate_rad_s: motor_rate,
-                angle_rad: motor_angle,
-                load_nm: mesh_torque / ratio,
-                time_s: at.time_s,
-            },
-            Conditions {
-                rate_rad_s: relative_rate,
-                angle_rad: relative_angle,
-                load_nm: mesh_torque,
-                time_s: at.time_s,
-            },
-        ];
-        let (motor_dry, motor_state) = dry(&self.parameters.motor_friction, &conditions[0], x[n]);
-        let (pivot_dry, pivot_state) = dry(&self.parameters.pivot_friction, &conditions[1], x[n + 1]);
+        let around = |angle_rad: f64, load_nm: f64| Surroundings { angle_rad, load_nm, time_s: at.time_s };
+        let motor_around = around(motor_angle, mesh_torque / ratio);
+        let pivot_around = around(relative_angle, mesh_torque);
+        let (motor_dry, motor_state) = dry(&self.motor_friction, motor_rate, &motor_around, x[n]);
+        let (pivot_dry, pivot_state) = dry(&self.pivot_friction, relative_rate, &pivot_around, x[n + 1]);
         let (sin, cos) = hub_angle.sin_cos();
         let gravity = self.parameters.gravity_m_s2 + at.heave_m_s2;
         let mut u = [0.0; input::COUNT];
@@ -173,24 +162,12 @@ fn multiply(core: &Core, x: &[f64], u: &[f64], dx: &mut [f64]) {
 }
 
 /// Torque of the dry part and derivative of its state.
-fn dry(friction: &Friction, at: &Conditions, z: f64) -> (f64, f64) {
-    let (w, level) = (at.rate_rad_s, friction.level_nm(at));
-    match friction.law {
-        FrictionLaw::None => (0.0, 0.0),
-        FrictionLaw::Dahl { rest_stiffness_nm_rad, exponent, .. } => {
-            let rest = 1.0 - z * w.signum() / level;
-            (z, rest_stiffness_nm_rad * w * rest.abs().powf(exponent) * rest.signum())
-        }
-        FrictionLaw::Lugre { bristle_stiffness_nm_rad, bristle_damping_nm_s_rad, .. } => {
-            let rate = w - bristle_stiffness_nm_rad * w.abs() * z / level;
-            (bristle_stiffness_nm_rad * z + bristle_damping_nm_s_rad * rate, rate)
-        }
-        FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad, damping_nm_s_rad } => {
-            let slid = (w > 0.0 && z >= deflection_rad) || (w < 0.0 && z <= -deflection_rad);
-            let rate = if slid { 0.0 } else { w };
-            let bonded = friction.static_ratio * coulomb_nm / deflection_rad * z + damping_nm_s_rad * rate;
-            (if z.abs() < deflection_rad { bonded } else { coulomb_nm * z.signum() }, rate)
-        }
-        _ => (level * if w == 0.0 { 0.0 } else { w.signum() }, 0.0),
+fn dry(friction: &FrictionModel, rate: f64, at: &Surroundings, z: f64) -> (f64, f64) {
+    let level = friction.level(at);
+    if friction.states() > 1 {
+        return (friction.law().steady(rate, level), 0.0);
     }
+    let mut slope = [0.0];
+    friction.derivative(rate, level, &[z], &mut slope);
+    (friction.dry_torque(rate, level, &[z]), slope[0])
 }

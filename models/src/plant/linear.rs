@@ -1,11 +1,12 @@
 //! The plant linearised about an operating point.
 
 use super::core::{input, state};
-use super::{Core, Equilibrium, Mesh, Plant, dahl_advance};
+use super::{Core, Equilibrium, Mesh, Plant};
 use crate::Error;
-use crate::parameters::{Friction, FrictionLaw};
+use crate::friction::FrictionModel;
+use crate::friction::describing::describing_function;
+use crate::parameters::Friction;
 use counterpoise_lti::{Mat, StateSpace, Timebase};
-use std::f64::consts::{PI, TAU};
 
 /// What takes the place of dry friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -129,8 +130,8 @@ impl Plant {
         }
         let motor_amplitude = hub_amplitude_rad * self.parameters.gearbox.ratio;
         Ok((
-            describing_function(&self.parameters.motor_friction, motor_amplitude, frequency_rad_s),
-            describing_function(&self.parameters.pivot_friction, hub_amplitude_rad, frequency_rad_s),
+            impedance(&self.parameters.motor_friction, motor_amplitude, frequency_rad_s)?,
+            impedance(&self.parameters.pivot_friction, hub_amplitude_rad, frequency_rad_s)?,
         ))
     }
 
@@ -217,34 +218,9 @@ impl Plant {
     }
 }
 
-/// Steps of the cycle over which the fundamental is taken.
-const CYCLE_STEPS: usize = 2000;
-
-/// First harmonic of the dry torque over a steady cycle x = A cos(phi): F = k x + c x'.
-///
-/// Laws with a rest stiffness are taken as Dahl's, the others as a relay: c = 4 F_c / (pi A w).
-fn describing_function(friction: &Friction, amplitude: f64, frequency: f64) -> Impedance {
-    let level = friction.coulomb_nm();
-    let stiffness = friction.rest_stiffness_nm_rad();
-    if level == 0.0 {
-        return Impedance::default();
-    }
-    if !(stiffness > 0.0 && stiffness.is_finite()) {
-        return Impedance { stiffness: 0.0, damping: 4.0 * level / (PI * amplitude * frequency) };
-    }
-    let exponent = if let FrictionLaw::Dahl { exponent, .. } = friction.law { exponent } else { 1.0 };
-    let step = TAU / CYCLE_STEPS as f64;
-    let position = |k: usize| amplitude * (k as f64 * step).cos();
-    let (mut torque, mut in_phase, mut quadrature) = (0.0, 0.0, 0.0);
-    for k in 1..=3 * CYCLE_STEPS {
-        let before = torque;
-        torque = dahl_advance(torque, level, stiffness, exponent, position(k) - position(k - 1));
-        if k > 2 * CYCLE_STEPS {
-            let (sin, cos) = ((k as f64 - 0.5) * step).sin_cos();
-            in_phase += 0.5 * (before + torque) * cos * step;
-            quadrature -= 0.5 * (before + torque) * sin * step;
-        }
-    }
-    let scale = 1.0 / (PI * amplitude);
-    Impedance { stiffness: in_phase * scale, damping: quadrature * scale / frequency }
+/// The describing function of the dry part as a stiffness and a damping: F = k x + c x' for x = A sin(w t).
+fn impedance(friction: &Friction, amplitude: f64, frequency: f64) -> Result<Impedance, Error> {
+    let dry = Friction { viscous_nm_s_rad: 0.0, quadratic_nm_s2_rad2: 0.0, ..friction.clone() };
+    let complex = describing_function(&FrictionModel::new(&dry)?, amplitude, frequency);
+    Ok(Impedance { stiffness: complex.re, damping: complex.im / frequency })
 }

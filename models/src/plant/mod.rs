@@ -7,7 +7,7 @@
 mod amplifier;
 pub mod body;
 pub mod core;
-pub mod dry;
+mod dry;
 pub mod dynamics;
 pub mod equilibrium;
 pub mod linear;
@@ -16,12 +16,12 @@ mod sensor;
 
 pub use self::body::{Body, BodyMode};
 pub use self::core::{Core, Mesh};
-pub use self::dry::{Conditions, dahl_advance};
 pub use self::dynamics::Excitation;
 pub use self::equilibrium::{Equilibrium, OperatingPoint};
 pub use self::linear::{Angles, FrictionLinearisation, LinearPlant};
 
 use crate::Error;
+use crate::friction::FrictionModel;
 use crate::parameters::Parameters;
 
 /// A mechanism that has been checked and can be simulated or linearised.
@@ -29,6 +29,8 @@ use crate::parameters::Parameters;
 pub struct Plant {
     pub(crate) parameters: Parameters,
     pub(crate) body: Body,
+    pub(crate) motor_friction: FrictionModel,
+    pub(crate) pivot_friction: FrictionModel,
     /// Spring between hub and platform, N m/rad, and the relative angle at which it is slack, rad.
     pub(crate) spring: (f64, f64),
 }
@@ -56,7 +58,13 @@ impl Plant {
             .lumped
             .as_ref()
             .map_or((0.0, 0.0), |l| (l.position_stiffness_nm_rad, l.position_stiffness_centre_rad));
-        Ok(Self { parameters: parameters.clone(), body, spring })
+        Ok(Self {
+            motor_friction: FrictionModel::new(&parameters.motor_friction)?,
+            pivot_friction: FrictionModel::new(&parameters.pivot_friction)?,
+            parameters: parameters.clone(),
+            body,
+            spring,
+        })
     }
 
     /// The parameters that the plant was built from.

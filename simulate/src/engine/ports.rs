@@ -295,11 +295,7 @@ impl Path {
 /// Torque of the dry part: the viscous and quadratic parts are elsewhere.
 #[inline]
 fn dry(model: &FrictionModel, rate: f64, level: f64, state: f64) -> f64 {
-    match model.law() {
-        Law::None => 0.0,
-        Law::Dahl(_) | Law::Walrath(_) => state,
-        law => law.torque(rate, level, &[state]),
-    }
+    model.dry_torque(rate, level, &[state])
 }
 
 fn has_motor_extras(plant: &Plant) -> bool {

@@ -143,7 +143,7 @@ fn pad(fields: &mut Vec<String>) {
     while fields.len() > 4 && fields[fields.len() - 1].is_empty() {
         fields.pop();
     }
-    while fields.len() % 4 != 0 {
+    while !fields.len().is_multiple_of(4) {
         fields.push(String::new());
     }
 }

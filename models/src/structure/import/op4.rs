@@ -80,10 +80,10 @@ fn one<'a>(lines: &mut impl Iterator<Item = (usize, &'a str)>, header: Header) -
         }
         let numbers: Vec<usize> =
             line.split_whitespace().map(|t| integer(at, t)).collect::<Result<_, _>>()?;
-        match numbers.as_slice() {
-            &[column, first, _] => (row, col) = (first, column),
-            &[_, first] => row = first,
-            &[packed] => row = packed % STRING_ROW,
+        match *numbers.as_slice() {
+            [column, first, _] => (row, col) = (first, column),
+            [_, first] => row = first,
+            [packed] => row = packed % STRING_ROW,
             _ => return Err(refused(at, format!("\"{line}\" begins neither a column nor a string"))),
         }
     }
