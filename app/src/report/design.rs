@@ -5,6 +5,7 @@ use counterpoise_project::models::plant::LinearPlant;
 use counterpoise_project::pipeline::{Designed, Reduced};
 use counterpoise_project::synth::{Channel, Cost, Equation, Feedforward, Weight};
 
+use super::evidence::PLANT;
 use super::verification::{Context, of_verification};
 use super::{Cell, Column, Report, Section, Table, Tone};
 use crate::plot::bode::{BodeCurve, Phase, bode};
@@ -27,7 +28,9 @@ pub fn of_design(designed: &Designed, mut context: Context) -> Result<Report, Er
     let mut more =
         vec![reduction_section(designed)?, weight_section(designed), certificate_section(designed)];
     more.append(&mut context.more);
-    Ok(of_verification(designed.verified.verification(), Context { more, ..context }))
+    let mut report = of_verification(designed.verified.verification(), Context { more, ..context });
+    report.sections.retain(|section| section.heading != PLANT);
+    Ok(report)
 }
 
 fn rates_hz() -> Vec<f64> {

@@ -22,6 +22,9 @@ const SOURCES: [(Source, &str); 4] = [
     (Source::Road, "the road"),
 ];
 
+/// Heading of the section with the plant.
+pub const PLANT: &str = "Plant";
+
 /// Sections in the order in which a reader asks.
 pub fn sections(found: &Verification) -> Vec<Section> {
     let all = [
@@ -31,7 +34,6 @@ pub fn sections(found: &Verification) -> Vec<Section> {
         rejection_section(found),
         controller_section(found),
         plant_section(found),
-        figure_section(found),
     ];
     all.into_iter().collect()
 }
@@ -121,8 +123,15 @@ fn margin_table(found: &Verification) -> Table {
 }
 
 fn step_section(found: &Verification) -> Section {
-    let control = step_control(found);
-    Section::new("Step of the demanded hub rate").showing(step_figure(found, 220.0)).showing(control)
+    let control =
+        step_column(found, ("Control during the step", "control", "V"), |history| &history.control_v);
+    let tip = step_column(found, ("Tip rate during the step", "tip rate", "rad/s"), |history| {
+        &history.tip_rate_rad_s
+    });
+    Section::new("Step of the demanded hub rate")
+        .showing(step_figure(found, 220.0))
+        .showing(control)
+        .showing(tip)
 }
 
 const MODELS: [(Model, &str, Colour, Dash); 2] = [
@@ -154,14 +163,18 @@ pub fn step_figure(found: &Verification, height: f64) -> Option<Figure> {
     Some(Figure::new("Step of the demand", Axis::linear("time", "s"), vec![panel]))
 }
 
-fn step_control(found: &Verification) -> Option<Figure> {
+fn step_column(
+    found: &Verification,
+    (title, label, unit): (&str, &str, &str),
+    column: fn(&History) -> &Vec<f64>,
+) -> Option<Figure> {
     steps(found).next()?;
     let series = steps(found).map(|(history, name, colour, dash)| {
-        let points = paired(&history.time_s, &history.control_v);
+        let points = paired(&history.time_s, column(history));
         Series { name: name.to_owned(), points, colour, dash }
     });
-    let panel = Panel::of(Axis::linear("control", "V"), series.collect()).high(220.0);
-    Some(Figure::new("Control during the step", Axis::linear("time", "s"), vec![panel]))
+    let panel = Panel::of(Axis::linear(label, unit), series.collect()).high(220.0);
+    Some(Figure::new(title, Axis::linear("time", "s"), vec![panel]))
 }
 
 fn disturbance_section(found: &Verification) -> Section {
@@ -202,20 +215,21 @@ pub fn disturbance_figure(found: &Verification, model: Model, source: Source, he
 }
 
 fn rejection_section(found: &Verification) -> Section {
-    let figure = |source: Source, title: &str, unit: &str| {
+    let figure = |source: Source, title: &str, unit: &str, marks: Vec<Mark>| {
         let curves: Vec<BodeCurve> = ARRANGEMENTS
             .iter()
             .filter_map(|(arrangement, name, colour)| {
                 rejection_curve(found, source, *arrangement, name, *colour)
             })
             .collect();
-        bode(title, unit, &curves, Phase::Left, vec![Mark::Level { y: 0.0, text: String::new() }])
+        bode(title, unit, &curves, Phase::Left, marks)
     };
+    let unity = vec![Mark::Level { y: 0.0, text: String::new() }];
     Section::new("Disturbance rejection ratio")
         .saying("Hub rate over platform motion, linear plant; low is good. Exact for a tone at each frequency, hold and sampling included.")
         .showing([
-            figure(Source::Pitch, "DRR: hub rate over pitch rate", ""),
-            figure(Source::Heave, "DRR: hub rate over heave", "rad/s per m/s\u{B2}"),
+            figure(Source::Pitch, "DRR: hub rate over pitch rate", "", unity),
+            figure(Source::Heave, "DRR: hub rate over heave", "rad/s per m/s\u{B2}", Vec::new()),
         ])
 }
 
@@ -264,10 +278,11 @@ fn plant_section(found: &Verification) -> Section {
         let title = format!("Hub rate for {}", curve.name);
         bode(&title, unit, &[BodeCurve::new("", Colour::First, points)], Phase::Drawn, Vec::new())
     });
-    Section::new("Plant").saying("The linear plant that was verified, without sensors.").showing(figures)
+    Section::new(PLANT).saying("The linear plant that was verified, without sensors.").showing(figures)
 }
 
-fn figure_section(found: &Verification) -> Section {
+/// Every figure with its key: what a requirement can name.
+pub fn figure_section(found: &Verification) -> Section {
     let mut table = Table::new(
         "",
         &[Column::Text("figure"), Column::Number("value"), Column::Text("unit"), Column::Text("key")],

@@ -140,7 +140,7 @@ fn tile(found: &Verification, label: &str, figure: Figure) -> Option<Tile> {
     let kind = match figure {
         Figure::Disturbance(..) => "RMS, all feedforwards",
         Figure::Step(Model::Nonlinear, _) => "nonlinear plant",
-        Figure::Rejection { .. } => "hub rate over platform motion",
+        Figure::Rejection { .. } => "hub over platform",
         _ => "",
     };
     let note = limit.unwrap_or_else(|| kind.to_owned());

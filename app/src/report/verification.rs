@@ -21,6 +21,7 @@ pub struct Context {
 pub fn of_verification(found: &Verification, context: Context) -> Report {
     let mut sections = evidence::sections(found);
     sections.extend(context.more);
+    sections.push(evidence::figure_section(found));
     Report {
         title: context.title,
         subtitle: context.subtitle,
