@@ -1,2 +1,33 @@
 //! Counterpoise: a control-design studio for stabilised, out-of-balance servo mechanisms.
-fn main() {}
+//!
+//! `main` reads the arguments and hands them to one command; what a command may cost is its exit code:
+//! 0 all verdicts hold, 1 some fail, 2 bad input.
+
+mod arguments;
+mod commands;
+mod files;
+mod output;
+mod workers;
+
+use std::process::ExitCode;
+
+use arguments::{Arguments, Command};
+use clap::Parser;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse_from(arguments::with_json_file_joined(std::env::args()));
+    let done = match &arguments.command {
+        Command::Design(options) => commands::design::run(options),
+        Command::Model(options) => commands::stages::model(options),
+        Command::Reduce(options) => commands::stages::reduce(options),
+        Command::Synth(options) => commands::stages::synth(options),
+        Command::Verify(options) => commands::stages::verify(options),
+        Command::Export(options) => commands::stages::export(options),
+        Command::Replay(options) => commands::replay::run(options),
+        Command::Diagnose(options) => commands::diagnose::run(options),
+    };
+    done.unwrap_or_else(|error| {
+        eprintln!("{}", output::explained(&error));
+        ExitCode::from(2)
+    })
+}

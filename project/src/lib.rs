@@ -24,6 +24,7 @@ pub use diagnostic::{Diagnostic, Severity};
 pub use file::{Attachments, Document, Setting};
 pub use resolve::design::{Export, Language, Reduction, ReductionMethod, Synthesis};
 pub use resolve::model::{Modelling, StructureChoice};
+pub use resolve::sweep::Sweep;
 pub use resolve::verify::{RoadSource, Verification};
 pub use resolve::{Parsed, Project, Purpose};
 

@@ -57,6 +57,26 @@ pub enum Finding {
     },
 }
 
+impl std::fmt::Display for Finding {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::PeriodAssumed { period_s } => {
+                write!(f, "no time column: the project's sample period of {period_s} s was taken")
+            }
+            Self::Uneven { jitter, period_s } => {
+                write!(f, "time steps vary by {:.2} %: interpolated every {period_s:.6} s", 100.0 * jitter)
+            }
+            Self::Gap { row, samples } => write!(f, "{samples} samples are missing after row {row}"),
+            Self::Missing { channel, samples, first_row } => {
+                write!(f, "{}: {samples} values are missing, the first in row {first_row}", channel.name())
+            }
+            Self::PeriodDiffers { file_s, project_s } => {
+                write!(f, "the file's sample period is {file_s} s, the project's {project_s} s")
+            }
+        }
+    }
+}
+
 impl Record {
     /// A channel's values, where it was recorded.
     pub fn channel(&self, channel: Channel) -> Option<&[f64]> {

@@ -9,6 +9,7 @@ pub mod model;
 mod plant;
 mod recording;
 mod structure;
+pub mod sweep;
 pub mod verify;
 mod weight;
 
@@ -25,6 +26,7 @@ use crate::file::{Attachments, Document, EditError, writer};
 use crate::recording::Mapping;
 use design::{Export, Reduction, Synthesis};
 use model::Modelling;
+use sweep::Sweep;
 use verify::Verification;
 
 /// The format of project files that this version reads and writes.
@@ -43,6 +45,8 @@ pub struct Project {
     pub synth: Option<Synthesis>,
     /// What is done to the loop, and the limits of its figures.
     pub verify: Option<Verification>,
+    /// How robustness is tried.
+    pub sweep: Option<Sweep>,
     /// What code is generated.
     pub export: Export,
     /// The controller that was in the loop when recordings were made.
@@ -173,6 +177,7 @@ impl Project {
             reduce: Reduction::default(),
             synth: None,
             verify: None,
+            sweep: None,
             export: Export::default(),
             recording_controller: None,
             recording: Mapping::default(),
@@ -246,6 +251,8 @@ fn designs(v: &mut dyn Visit, project: &mut Project) {
     optional(v, &section, &mut project.synth, design::blank_synthesis(), design::synth);
     let section = TableField::optional("verify", "what is done to the loop, and its limits");
     optional(v, &section, &mut project.verify, verify::blank(), verify::verify);
+    let section = TableField::optional("sweep", "how robustness is tried");
+    optional(v, &section, &mut project.sweep, sweep::blank(), sweep::sweep);
     if let Some(verification) = &mut project.verify {
         verification.procedure.operating_point = project.model.operating_point;
         verification.procedure.friction = project.model.friction;

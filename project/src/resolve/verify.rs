@@ -74,7 +74,7 @@ pub(crate) fn verify(v: &mut dyn Visit, verification: &mut Verification) {
     if procedure.settle_s >= procedure.duration_s {
         v.complain("settle", &format!("must be below the duration of {} s", procedure.duration_s), None);
     }
-    seed(v, &mut procedure.seed);
+    seed(v, "of the sensor noise", &mut procedure.seed);
     rejection(v, &mut procedure.rejection_hz);
     table(v, &TableField::optional("step", "a step of the demanded hub rate"), &mut procedure.step, step);
     table(v, &TableField::optional("heave", "sine of heave"), &mut procedure.heave, |v, s| {
@@ -93,15 +93,11 @@ pub(crate) fn verify(v: &mut dyn Visit, verification: &mut Verification) {
     requirements(v, &mut verification.requirements);
 }
 
-fn seed(v: &mut dyn Visit, seed: &mut u64) {
+/// A seed of random numbers.
+pub(crate) fn seed(v: &mut dyn Visit, meaning: &'static str, seed: &mut u64) {
     let mut whole = u32::try_from(*seed).unwrap_or(u32::MAX);
-    v.whole(
-        &Field::new("seed", "of the sensor noise")
-            .limit(Limit::Between(0.0, f64::from(u32::MAX)))
-            .or(1.0)
-            .shown(),
-        &mut whole,
-    );
+    let range = Limit::Between(0.0, f64::from(u32::MAX));
+    v.whole(&Field::new("seed", meaning).limit(range).or(1.0).shown(), &mut whole);
     *seed = u64::from(whole);
 }
 

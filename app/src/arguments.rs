@@ -1,0 +1,153 @@
+//! The command line's grammar.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Parser, Subcommand};
+
+/// From a project file to a verified controller, and back from recordings to a better model.
+#[derive(Parser)]
+#[command(name = "counterpoise", version, about, max_term_width = 100)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Subcommand)]
+pub enum Command {
+    /// The main job: model, reduce, synthesise, verify, export, report
+    Design(DesignOptions),
+    /// The plant: operating point, poles, modes, linear model
+    Model(StageOptions),
+    /// The reduced plant and its error
+    Reduce(StageOptions),
+    /// The controller: weights, feedback, heave and pitch feedforward, certificates
+    Synth(StageOptions),
+    /// The verdicts: every figure against its limit, linear and nonlinear
+    Verify(StageOptions),
+    /// The verified controller as C and Rust, with self-test vectors
+    Export(DesignOptions),
+    /// Simulate what was recorded, and say how well it fits
+    Replay(ReplayOptions),
+    /// Locate, name and model what the simulation lacks, and show that the fit improves
+    Diagnose(DiagnoseOptions),
+}
+
+/// Where a result goes.
+#[derive(Args, Clone)]
+pub struct Results {
+    /// Print the result as JSON (to standard output, or to FILE)
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "-")]
+    pub json: Option<PathBuf>,
+    /// Say nothing about progress
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// Arguments of `design` and `export`.
+#[derive(Args)]
+pub struct DesignOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// Folder for what is written
+    #[arg(short, long, default_value = "out")]
+    pub output: PathBuf,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// Arguments of a single stage.
+#[derive(Args)]
+pub struct StageOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// Arguments of `replay`.
+#[derive(Args)]
+pub struct ReplayOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// Recordings of one machine: CSV, Parquet or MATLAB files, or folders of them
+    #[arg(required = true)]
+    pub recordings: Vec<PathBuf>,
+    /// Drive the plant with the recorded control instead of the recording's controller
+    #[arg(long)]
+    pub open_loop: bool,
+    /// Write a report with pictures to this HTML file
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// Arguments of `diagnose`.
+#[derive(Args)]
+pub struct DiagnoseOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// Recordings of one machine: CSV, Parquet or MATLAB files, or folders of them
+    #[arg(required = true)]
+    pub recordings: Vec<PathBuf>,
+    /// Write the improved project file
+    #[arg(long, value_name = "FILE")]
+    pub save: Option<PathBuf>,
+    /// Write a report with pictures to this HTML file
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// `--json FILE` written as `--json=FILE`, unless what follows is a project, a recording or another option: the file
+/// is optional, and must not swallow the argument after it.
+pub fn with_json_file_joined(arguments: impl Iterator<Item = String>) -> Vec<String> {
+    let mut out: Vec<String> = Vec::new();
+    for argument in arguments {
+        match out.last_mut() {
+            Some(last) if last == "--json" && names_a_result(&argument) => {
+                *last = format!("--json={argument}")
+            }
+            _ => out.push(argument),
+        }
+    }
+    out
+}
+
+fn names_a_result(argument: &str) -> bool {
+    let path = Path::new(argument);
+    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let is_input = path.is_dir() || ["toml", "csv", "parquet", "mat"].contains(&ending.as_str());
+    argument == "-" || (!argument.starts_with('-') && !is_input)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn joined(line: &str) -> String {
+        with_json_file_joined(line.split(' ').map(str::to_owned)).join(" ")
+    }
+
+    #[test]
+    fn json_takes_a_file_but_no_input() {
+        assert_eq!(joined("c replay p.toml r.csv --json"), "c replay p.toml r.csv --json");
+        assert_eq!(joined("c replay p.toml r.csv --json a.json"), "c replay p.toml r.csv --json=a.json");
+        assert_eq!(joined("c replay --json p.toml r.csv"), "c replay --json p.toml r.csv");
+        assert_eq!(joined("c replay --json a.json p.toml r.csv"), "c replay --json=a.json p.toml r.csv");
+        assert_eq!(joined("c design --json . -o x"), "c design --json . -o x");
+    }
+
+    #[test]
+    fn grammar_is_sound() {
+        use clap::CommandFactory;
+        Arguments::command().debug_assert();
+    }
+}

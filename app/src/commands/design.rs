@@ -1,0 +1,79 @@
+//! `counterpoise design`: the whole road, with its report and its code.
+
+use counterpoise_project::Purpose;
+use counterpoise_project::pipeline::{self, Designed};
+use counterpoise_project::results::DesignResult;
+use counterpoise_project::verify::{Limit, Verdict, Verification};
+
+use super::{Done, pages, verdict_code};
+use crate::arguments::DesignOptions;
+use crate::files::{self, Loaded, Surroundings};
+use crate::output;
+
+/// Runs the command.
+pub fn run(options: &DesignOptions) -> Done {
+    let loaded = files::load(&options.project, Purpose::Design)?;
+    output::warnings(&loaded, options.results.quiet);
+    let world = Surroundings::of(&loaded, options.results.quiet);
+    let made = pipeline::design(&loaded.project, &world)?;
+    let times = world.times();
+    let command = format!("counterpoise design {}", options.project.display());
+    write_results(options, &loaded, &made, &command, &times)?;
+    if !output::json(&options.results, &DesignResult::from(&made))? {
+        print(options, &made);
+    }
+    Ok(verdict_code(made.verified.verification().passes()))
+}
+
+fn write_results(
+    options: &DesignOptions,
+    loaded: &Loaded,
+    made: &Designed,
+    command: &str,
+    times: &[output::StageTime],
+) -> anyhow::Result<()> {
+    for file in &made.files {
+        files::write(&options.output.join(&file.name), file.text.as_bytes())?;
+    }
+    let page = pages::design(loaded, made, command, times);
+    files::write(&options.output.join("report.html"), page.as_bytes())
+}
+
+fn print(options: &DesignOptions, made: &Designed) {
+    print_verdicts(made.verified.verification());
+    println!();
+    println!("report  {}", options.output.join("report.html").display());
+    for file in &made.files {
+        println!("code    {}", options.output.join(&file.name).display());
+    }
+}
+
+/// The verdicts, one a line, and their sum.
+pub fn print_verdicts(found: &Verification) {
+    for (requirement, verdict) in &found.verdicts {
+        let name = requirement.figure.name();
+        let unit = requirement.figure.unit();
+        match verdict {
+            Verdict::Holds { value, limit, .. } => {
+                println!("  holds  {name}: {value:.4} {unit} ({} {})", sign(*limit), limit.value());
+            }
+            Verdict::Fails { value, limit, by } => {
+                println!(
+                    "  FAILS  {name}: {value:.4} {unit} ({} {}), by {by:.4}",
+                    sign(*limit),
+                    limit.value()
+                );
+            }
+            Verdict::NotApplicable { why } => println!("  -      {name}: not applicable, {why}"),
+        }
+    }
+    let (holds, fails, open) = found.counts();
+    println!("{holds} requirements hold, {fails} fail, {open} not applicable");
+}
+
+fn sign(limit: Limit) -> &'static str {
+    match limit {
+        Limit::AtLeast(_) => "at least",
+        Limit::AtMost(_) => "at most",
+    }
+}

@@ -1,0 +1,112 @@
+//! `counterpoise diagnose`: locate, name, model, and show that the fit improves.
+
+use anyhow::{Context, Result};
+use counterpoise_project::diagnose::answer::{Answer, Verdict};
+use counterpoise_project::diagnose::{Diagnosis, diagnose};
+use counterpoise_project::simulate::recording::Recording;
+use counterpoise_project::{Project, Purpose};
+
+use super::replay::read;
+use super::{Done, pages, verdict_code};
+use crate::arguments::DiagnoseOptions;
+use crate::files::{self, Loaded};
+use crate::output;
+use crate::workers::Workers;
+
+/// Runs the command.
+pub fn run(options: &DiagnoseOptions) -> Done {
+    let loaded = files::load(&options.project, Purpose::Diagnose)?;
+    output::warnings(&loaded, options.results.quiet);
+    let controller =
+        loaded.project.recording_controller.clone().context("the project has no [recording_controller]")?;
+    let read = read(&loaded, &options.recordings)?;
+    let recordings: Vec<Recording> = read.iter().map(|r| r.recording.clone()).collect();
+    let workers = Workers::new(options.results.quiet);
+    let found = diagnose(&loaded.project.plant, &controller, &recordings, &workers);
+    workers.finish();
+    let mut found = found?;
+    let remarks = read.iter().flat_map(|r| r.remarks.iter().map(|remark| format!("{}: {remark}", r.file)));
+    found.answer.qualification.extend(remarks);
+    if let Some(path) = &options.save {
+        save(&loaded, &found, path)?;
+    }
+    if let Some(path) = &options.report {
+        let page = pages::diagnosis(&loaded, &recordings, &found, &controller);
+        files::write(path, page.as_bytes())?;
+    }
+    if !output::json(&options.results, &found.answer)? {
+        print(&found.answer);
+    }
+    Ok(verdict_code(true))
+}
+
+/// Writes the project with the improved mechanism; everything else of the file stays as it is.
+fn save(loaded: &Loaded, found: &Diagnosis, path: &std::path::Path) -> Result<()> {
+    let improved = Project { plant: found.improved.clone(), ..loaded.project.clone() };
+    let document = improved.update(&loaded.document, &loaded.project)?;
+    files::write(path, document.text().as_bytes())
+}
+
+fn print(answer: &Answer) {
+    println!("balances that these sensors allow:");
+    for row in &answer.isolability {
+        println!(
+            "  {:<8} {:<4} sees {}",
+            row.balance,
+            if row.available { "yes" } else { "no" },
+            row.sees.join(", ")
+        );
+    }
+    println!();
+    println!("{}", sentence(answer.verdict));
+    for finding in &answer.findings {
+        println!(
+            "  {} {} (probability {:.0} %)",
+            finding.component,
+            finding.effect,
+            100.0 * finding.probability
+        );
+        println!("    {}", finding.explanation);
+        println!("    shows {}", finding.when);
+        for p in finding.parameters.iter().take(14) {
+            println!(
+                "    {} = {:.5} {}  [{:.5}, {:.5}], was {:.5}",
+                p.name, p.value, p.unit, p.ci95[0], p.ci95[1], p.before
+            );
+        }
+        for other in &finding.alternatives {
+            println!("    cannot be told from {} {}", other.component, other.effect);
+        }
+    }
+    println!(
+        "  {:<14} {:>12} {:>12} {:>12} {:>16} {:>16}",
+        "channel", "floor", "before", "after", "held out before", "held out after"
+    );
+    for (channel, before) in &answer.fit.before {
+        let number = |table: &counterpoise_project::diagnose::answer::Channels| {
+            table.get(channel).map_or(f64::NAN, |c| c.rms_error)
+        };
+        println!(
+            "  {channel:<14} {:12.4e} {:12.4e} {:12.4e} {:16.4e} {:16.4e}",
+            before.floor,
+            before.rms_error,
+            number(&answer.fit.after),
+            number(&answer.fit.held_out_before),
+            number(&answer.fit.held_out_after)
+        );
+    }
+    if let Some(next) = &answer.next_experiment {
+        println!("next experiment: {}; it {}", next.what, next.why);
+    }
+    answer.qualification.iter().chain(&answer.warnings).for_each(|remark| println!("note: {remark}"));
+}
+
+fn sentence(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Consistent => "consistent: the model explains the recordings",
+        Verdict::Named => "named: with this, the model explains the recordings",
+        Verdict::Ambiguous => "ambiguous: one of several that these recordings cannot tell apart",
+        Verdict::Incomplete => "incomplete: this is part of it, something is left over",
+        Verdict::Unknown => "unknown: something was left out that is none of the known effects",
+    }
+}

@@ -1,0 +1,74 @@
+//! `counterpoise replay`: simulate what was recorded, and say how well it fits.
+
+use anyhow::{Context, Result};
+use counterpoise_project::Purpose;
+use counterpoise_project::recording::{Record, Table};
+use counterpoise_project::results::{RecordingResult, ReplayResult};
+use counterpoise_project::simulate::recording::Recording;
+use counterpoise_project::simulate::replay::{Loop, replay};
+
+use super::{Done, verdict_code};
+use crate::arguments::ReplayOptions;
+use crate::files::{self, Loaded};
+use crate::output;
+
+/// A recording read, with what was found on the way.
+pub struct Read {
+    /// Name of the file.
+    pub file: String,
+    /// The recording.
+    pub recording: Recording,
+    /// What was found.
+    pub remarks: Vec<String>,
+}
+
+/// Reads recordings as the project maps them.
+pub fn read(loaded: &Loaded, paths: &[std::path::PathBuf]) -> Result<Vec<Read>> {
+    let one = |(file, bytes): (String, Vec<u8>)| {
+        let table = Table::read(&bytes, &file)?;
+        let record: Record = loaded.project.recording.apply(&table)?;
+        let remarks = record.findings.iter().map(ToString::to_string).collect();
+        Ok(Read { recording: record.recording(), file, remarks })
+    };
+    files::recordings(paths)?.into_iter().map(one).collect()
+}
+
+/// Runs the command.
+pub fn run(options: &ReplayOptions) -> Done {
+    let loaded =
+        files::load(&options.project, if options.open_loop { Purpose::Model } else { Purpose::Replay })?;
+    output::warnings(&loaded, options.results.quiet);
+    let control = match (&loaded.project.recording_controller, options.open_loop) {
+        (Some(controller), false) => Loop::Closed(controller.clone()),
+        _ => Loop::Open,
+    };
+    let read = read(&loaded, &options.recordings)?;
+    let mut result = ReplayResult { recordings: Vec::new() };
+    let mut replays = Vec::new();
+    for item in &read {
+        let replayed = replay(&loaded.project.plant, &item.recording, &control)
+            .with_context(|| format!("cannot replay {}", item.file))?;
+        result.recordings.push(RecordingResult::new(&item.file, &replayed, item.remarks.clone()));
+        replays.push(replayed);
+    }
+    if let Some(path) = &options.report {
+        let page = super::pages::replay(&loaded, &read, &replays, &result);
+        files::write(path, page.as_bytes())?;
+    }
+    if !output::json(&options.results, &result)? {
+        print(&result);
+    }
+    Ok(verdict_code(true))
+}
+
+fn print(result: &ReplayResult) {
+    for recording in &result.recordings {
+        println!("{}", recording.file);
+        recording.remarks.iter().for_each(|remark| println!("  {remark}"));
+        println!("  {:<16} {:>12} {:>12} {:>8} {:>10}", "channel", "RMS error", "floor", "ratio", "VAF %");
+        for (name, c) in &recording.channels {
+            let ratio = c.rms_error / c.floor;
+            println!("  {name:<16} {:12.4e} {:12.4e} {ratio:8.2} {:10.4}", c.rms_error, c.floor, c.vaf);
+        }
+    }
+}

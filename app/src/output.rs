@@ -1,0 +1,85 @@
+//! What is printed: results for a person or a machine, errors with their cause, times of stages.
+
+use std::path::Path;
+use std::sync::Mutex;
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use serde::Serialize;
+
+use crate::arguments::Results;
+use crate::files::{self, Loaded};
+
+/// An error and its causes, one below the other.
+pub fn explained(error: &anyhow::Error) -> String {
+    let mut lines = vec![format!("error: {error}")];
+    lines.extend(error.chain().skip(1).map(|cause| format!("  because: {cause}")));
+    lines.join("\n")
+}
+
+/// Prints a result as JSON where that was asked for; says whether it went to standard output.
+pub fn json<T: Serialize>(results: &Results, result: &T) -> Result<bool> {
+    let Some(target) = &results.json else { return Ok(false) };
+    let mut text = serde_json::to_string_pretty(result).context("cannot write the result as JSON")?;
+    text.push('\n');
+    if target == Path::new("-") {
+        print!("{text}");
+        return Ok(true);
+    }
+    files::write(target, text.as_bytes())?;
+    Ok(false)
+}
+
+/// Prints what is suspicious in a project file.
+pub fn warnings(loaded: &Loaded, quiet: bool) {
+    if !quiet {
+        loaded.warnings.iter().for_each(|warning| eprintln!("{warning}"));
+    }
+}
+
+/// What a stage took.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StageTime {
+    /// The stage.
+    pub name: String,
+    /// Its time, ms.
+    pub milliseconds: f64,
+}
+
+/// The stages of a run, told on the error stream as they end.
+pub struct Stages {
+    quiet: bool,
+    state: Mutex<(Instant, Vec<StageTime>)>,
+}
+
+impl Stages {
+    /// Starts the clock.
+    pub fn new(quiet: bool) -> Self {
+        Self { quiet, state: Mutex::new((Instant::now(), Vec::new())) }
+    }
+
+    /// A stage begins.
+    pub fn begins(&self, name: &str) {
+        if let Ok(mut state) = self.state.lock() {
+            state.0 = Instant::now();
+            state.1.push(StageTime { name: name.to_owned(), milliseconds: 0.0 });
+        }
+    }
+
+    /// The stage that began last has ended.
+    pub fn ended(&self) {
+        let Ok(mut state) = self.state.lock() else { return };
+        let milliseconds = 1e3 * state.0.elapsed().as_secs_f64();
+        if let Some(last) = state.1.last_mut() {
+            last.milliseconds = milliseconds;
+            if !self.quiet {
+                eprintln!("{:>12}  {milliseconds:8.1} ms", last.name);
+            }
+        }
+    }
+
+    /// What each stage took.
+    pub fn times(&self) -> Vec<StageTime> {
+        self.state.lock().map(|state| state.1.clone()).unwrap_or_default()
+    }
+}
