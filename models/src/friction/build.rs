@@ -36,12 +36,7 @@ pub(super) fn law(friction: &Friction) -> Result<Law, Error> {
         }
         FrictionLaw::Stribeck { curve, .. } => Law::Sliding(falling(friction, curve)?),
         FrictionLaw::ResetIntegrator { deflection_rad, damping_nm_s_rad, .. } => {
-            Law::ResetIntegrator(ResetIntegrator {
-                coulomb_nm: coulomb,
-                static_ratio: not_below_one("friction.static_ratio", friction.static_ratio)?,
-                deflection_rad: positive("reset.deflection", deflection_rad)?,
-                damping_nm_s_rad: not_negative("reset.damping", damping_nm_s_rad)?,
-            })
+            Law::ResetIntegrator(reset(friction, deflection_rad, damping_nm_s_rad)?)
         }
         FrictionLaw::Walrath { time_constant_s, smoothing_rate_rad_s, .. } => Law::Walrath(Walrath {
             coulomb_nm: coulomb,
@@ -64,6 +59,15 @@ fn sticking(friction: &Friction, rest_rate_rad_s: f64) -> Result<Sliding, Error>
     not_below_one("friction.static_ratio", friction.static_ratio)?;
     let level = stribeck(&Friction { static_ratio: 1.0, ..friction.clone() }, StribeckCurve::Gaussian);
     Ok(Sliding { level, breakaway_ratio: friction.static_ratio, rest_rate_rad_s })
+}
+
+fn reset(friction: &Friction, deflection_rad: f64, damping_nm_s_rad: f64) -> Result<ResetIntegrator, Error> {
+    Ok(ResetIntegrator {
+        coulomb_nm: friction.coulomb_nm(),
+        static_ratio: not_below_one("friction.static_ratio", friction.static_ratio)?,
+        deflection_rad: positive("reset.deflection", deflection_rad)?,
+        damping_nm_s_rad: not_negative("reset.damping", damping_nm_s_rad)?,
+    })
 }
 
 /// Sliding by a falling curve.

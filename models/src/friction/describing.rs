@@ -24,8 +24,8 @@ pub struct Loop {
     pub lost_j: f64,
     /// Complex stiffness, N m/rad: the torque's first harmonic over the angle's.
     pub stiffness_nm_rad: C64,
-    /// Largest change of a state over the period, relative to its value: how well the loop is closed. Bristles, whose
-    /// snaps do not repeat, never close.
+    /// Change of the state over the period, relative to its largest value: how well the loop is closed. 0 for bristles,
+    /// whose snaps do not repeat: their loop is the one after four periods.
     pub gap: f64,
 }
 
@@ -37,22 +37,20 @@ pub struct Loop {
 pub fn sinusoidal_loop(model: &FrictionModel, amplitude_rad: f64, frequency_rad_s: f64) -> Loop {
     let motion = Motion { model, amplitude_rad, frequency_rad_s };
     let mut states = vec![0.0; model.states()];
-    motion.settle(&mut states);
-    let start = states.clone();
+    let gap = motion.settle(&mut states);
     let mut out = Loop {
         angle_rad: Vec::with_capacity(STEPS),
         rate_rad_s: Vec::with_capacity(STEPS),
         torque_nm: Vec::with_capacity(STEPS),
         lost_j: 0.0,
         stiffness_nm_rad: C64::new(0.0, 0.0),
-        gap: 0.0,
+        gap,
     };
     motion.period(&mut states, |angle, rate, states| {
         out.angle_rad.push(angle);
         out.rate_rad_s.push(rate);
         out.torque_nm.push(model.torque(rate, 1.0, states));
     });
-    out.gap = gap(&start, &states);
     out.analyse(amplitude_rad, motion.step_s());
     out
 }
@@ -80,19 +78,22 @@ impl Motion<'_> {
         }
     }
 
-    fn settle(&self, states: &mut [f64]) {
-        for _ in 0..MOST_PERIODS / 2 {
-            let first = states.to_vec();
+    /// Brings the states onto the closed loop and gives the gap that is left.
+    fn settle(&self, states: &mut [f64]) -> f64 {
+        let mut gap = 0.0;
+        for _ in 0..if states.len() == 1 { MOST_PERIODS / 2 } else { 2 } {
+            let first = states.first().copied().unwrap_or(0.0);
             self.period(states, |_, _, _| {});
-            let second = states.to_vec();
-            self.period(states, |_, _, _| {});
-            if gap(&second, states) < CLOSED {
-                return;
+            let (second, mut largest) = (states.first().copied().unwrap_or(0.0), 0.0_f64);
+            self.period(states, |_, _, z| largest = largest.max(z.first().map_or(0.0, |z| z.abs())));
+            let [third] = states else { continue };
+            gap = if largest > 0.0 { (*third - second).abs() / largest } else { 0.0 };
+            if gap < CLOSED {
+                return gap;
             }
-            if let ([a], [b], [c]) = (first.as_slice(), second.as_slice(), &mut *states) {
-                *c = extrapolated(*a, *b, *c);
-            }
+            *third = extrapolated(first, second, *third);
         }
+        gap
     }
 }
 
@@ -101,11 +102,6 @@ fn extrapolated(a: f64, b: f64, c: f64) -> f64 {
     let bend = c - 2.0 * b + a;
     let limit = c - (c - b) * (c - b) / bend;
     if limit.is_finite() { limit } else { c }
-}
-
-fn gap(before: &[f64], after: &[f64]) -> f64 {
-    let change = |(a, b): (&f64, &f64)| if a == b { 0.0 } else { (a - b).abs() / a.abs().max(b.abs()) };
-    before.iter().zip(after).map(change).fold(0.0, f64::max)
 }
 
 /// The complex stiffness of [`sinusoidal_loop`], N m/rad.

@@ -14,6 +14,9 @@ pub struct StribeckLevel {
     curve: StribeckCurve,
 }
 
+/// Where exp(-x^2) is below 1e-21 and no longer changes a level: libraries are slow where exp underflows.
+const SPENT: f64 = 7.0;
+
 impl StribeckLevel {
     /// The level that starts at `static_ratio` x `coulomb_nm` and has fallen at `rate_rad_s` by its curve.
     pub fn new(coulomb_nm: f64, static_ratio: f64, rate_rad_s: f64, curve: StribeckCurve) -> Self {
@@ -61,12 +64,14 @@ impl StribeckLevel {
         Self { coulomb_nm: self.static_nm(), excess_nm: 0.0, curve: StribeckCurve::Gaussian, ..*self }
     }
 
+    #[inline]
     fn is_constant(&self) -> bool {
         self.excess_nm == 0.0 && !matches!(self.curve, StribeckCurve::Polynomial { .. })
     }
 
     fn shape(&self, x: f64) -> f64 {
         match self.curve {
+            StribeckCurve::Gaussian if x > SPENT => 0.0,
             StribeckCurve::Tustin => (-x).exp(),
             StribeckCurve::Gaussian => (-x * x).exp(),
             StribeckCurve::Exponential { exponent } => (-x.powf(exponent)).exp(),
@@ -77,6 +82,7 @@ impl StribeckLevel {
 
     fn shape_slope(&self, x: f64) -> f64 {
         match self.curve {
+            StribeckCurve::Gaussian if x > SPENT => 0.0,
             StribeckCurve::Tustin => -(-x).exp(),
             StribeckCurve::Gaussian => -2.0 * x * (-x * x).exp(),
             StribeckCurve::Exponential { exponent } => {

@@ -164,20 +164,17 @@ impl Profile {
                 gap.abs() <= ADJOINING * length,
                 "must adjoin the section before",
             )?;
-            for x in [section.from_m, section.to_m] {
-                let [outer, inner, ..] = dimensions(section, x);
-                check(&path("inner_diameter"), inner, inner >= 0.0, "must not be negative")?;
-                let at = self.cross_section(i, x);
-                let solid = outer >= 0.0 && at.area_m2 > 0.0 && at.second_moment_m4 > 0.0;
-                check(
-                    &path("outer_diameter"),
-                    at.area_m2,
-                    solid || self.is_point(i, x),
-                    "leaves no cross section",
-                )?;
-            }
+            [section.from_m, section.to_m].into_iter().try_for_each(|x| self.check_end(i, x, &path))?;
         }
         Ok(())
+    }
+
+    fn check_end(&self, i: usize, x_m: f64, path: &impl Fn(&str) -> String) -> Result<(), Error> {
+        let [outer, inner, ..] = dimensions(&self.sections[i], x_m);
+        check(&path("inner_diameter"), inner, inner >= 0.0, "must not be negative")?;
+        let at = self.cross_section(i, x_m);
+        let solid = outer >= 0.0 && at.area_m2 > 0.0 && at.second_moment_m4 > 0.0;
+        check(&path("outer_diameter"), at.area_m2, solid || self.is_point(i, x_m), "leaves no cross section")
     }
 
     /// Whether x is an end of the beam that may taper to a point.
