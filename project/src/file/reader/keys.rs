@@ -1,0 +1,241 @@
+//! What the reader does with each key: look it up, judge it, fill the field.
+
+use super::{List, NOTHING, Reader};
+use crate::diagnostic::{Problem, did_you_mean};
+use crate::file::field::{Fallback, Field, Need, TableField};
+use crate::file::source::Remark;
+use crate::file::tree::{Entry, Node, Value};
+use crate::file::visit::{Count, Visit};
+
+impl Visit for Reader<'_> {
+    fn number(&mut self, field: &Field, value: &mut f64) {
+        match self.find(field) {
+            Some(node) => *value = self.number_at(&self.path(field.key), node, field).unwrap_or(f64::NAN),
+            None => *value = if let Fallback::Number(default) = field.default { default } else { f64::NAN },
+        }
+    }
+
+    fn whole(&mut self, field: &Field, value: &mut u32) {
+        let Some(node) = self.find(field) else {
+            *value = if let Fallback::Number(default) = field.default { default as u32 } else { 0 };
+            return;
+        };
+        let path = self.path(field.key);
+        match node.value {
+            Value::Whole(whole) if field.limit.holds(whole as f64) && u32::try_from(whole).is_ok() => {
+                *value = whole as u32
+            }
+            Value::Whole(_) => self.refuse(&path, node, Problem::OutOfRange, field.limit.words(field.unit)),
+            Value::Number(_) => {
+                self.refuse(
+                    &path,
+                    node,
+                    Problem::WrongType,
+                    "must be a whole number, without decimal point".to_owned(),
+                );
+            }
+            _ => self.wrong_type(&path, node, "a whole number"),
+        }
+    }
+
+    fn text(&mut self, field: &Field, value: &mut String) {
+        let Some(node) = self.find(field) else {
+            *value =
+                if let Fallback::Text(default) = field.default { default.to_owned() } else { String::new() };
+            return;
+        };
+        let path = self.path(field.key);
+        match &node.value {
+            Value::Text(text) if text.trim().is_empty() && field.default == Fallback::Required => {
+                self.refuse(&path, node, Problem::OutOfRange, "must not be empty".to_owned());
+            }
+            Value::Text(text) => text.clone_into(value),
+            _ => self.wrong_type(&path, node, "a text in quotes"),
+        }
+    }
+
+    fn choice(&mut self, field: &Field, allowed: &[&'static str], value: &mut &'static str) {
+        let Some(node) = self.find(field) else {
+            if let Fallback::Text(default) = field.default {
+                *value = default;
+            } else {
+                self.silence();
+            }
+            return;
+        };
+        let path = self.path(field.key);
+        let list = allowed.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
+        let one_of = if allowed.len() == 1 { list } else { format!("one of {list}") };
+        let Value::Text(text) = &node.value else {
+            self.wrong_type(&path, node, &one_of);
+            self.silence();
+            return;
+        };
+        if let Some(name) = allowed.iter().find(|name| *name == text) {
+            *value = name;
+            return;
+        }
+        let remark = Remark::new(Problem::OutOfRange, &path, format!("must be {one_of}"))
+            .found(self.source.quote(&node.span));
+        self.report(node.span.start, remark.hint(did_you_mean(text, allowed.iter().copied())));
+        self.silence();
+    }
+
+    fn numbers(&mut self, field: &Field, count: Count, value: &mut Vec<f64>) {
+        let Some(node) = self.find(field) else {
+            value.clear();
+            return;
+        };
+        let path = self.path(field.key);
+        let Some(items) = self.items(&path, node, "a list of numbers") else { return };
+        match count {
+            Count::Exactly(n) if items.len() != n => {
+                self.refuse(
+                    &path,
+                    node,
+                    Problem::OutOfRange,
+                    format!("must hold {n} numbers, not {}", items.len()),
+                );
+            }
+            Count::AtLeastOne if items.is_empty() => {
+                self.refuse(&path, node, Problem::OutOfRange, "must hold at least one number".to_owned());
+            }
+            _ => {
+                *value = items
+                    .iter()
+                    .enumerate()
+                    .filter_map(|(i, item)| self.number_at(&format!("{path}[{i}]"), item, field))
+                    .collect()
+            }
+        }
+    }
+
+    fn texts(&mut self, field: &Field, value: &mut Vec<String>) {
+        value.clear();
+        let Some(node) = self.find(field) else { return };
+        let path = self.path(field.key);
+        let Some(items) = self.items(&path, node, "a list of texts") else { return };
+        for (i, item) in items.iter().enumerate() {
+            match &item.value {
+                Value::Text(text) => value.push(text.clone()),
+                _ => self.wrong_type(&format!("{path}[{i}]"), item, "a text in quotes"),
+            }
+        }
+    }
+
+    fn pairs(&mut self, field: &Field, value: &mut Vec<[f64; 2]>) {
+        value.clear();
+        let Some(node) = self.find(field) else { return };
+        let path = self.path(field.key);
+        if let Value::Text(name) = &node.value {
+            *value = self.pairs_from(&path, node, name).unwrap_or_default();
+            return;
+        }
+        let Some(items) = self.items(&path, node, "a list of pairs of numbers or the name of a file") else {
+            return;
+        };
+        *value = items
+            .iter()
+            .enumerate()
+            .filter_map(|(i, item)| self.pair_at(&format!("{path}[{i}]"), item, field))
+            .collect();
+    }
+
+    fn enter(&mut self, table: &TableField, _present: bool) -> bool {
+        let path = self.path(table.key);
+        let Some(entry) = self.look(table.key) else {
+            if table.need == Need::Required {
+                self.missing(
+                    table.key,
+                    format!("section [{path}] is missing; it is required: {}", table.meaning),
+                );
+            }
+            return false;
+        };
+        let Value::Table(entries) = &entry.node.value else {
+            self.wrong_type(&path, &entry.node, &format!("a table, as in [{path}]"));
+            return false;
+        };
+        self.push(path, entry.node.span.start, entries, false);
+        true
+    }
+
+    fn leave(&mut self) {
+        let Some(mut frame) = self.frames.pop() else { return };
+        let entries = if frame.silent { NOTHING } else { frame.entries };
+        let unknown: Vec<&Entry> = entries.iter().filter(|e| !frame.known.contains(&e.key)).collect();
+        for entry in unknown {
+            self.unknown(&mut frame, entry);
+        }
+        self.findings.extend(frame.missing.into_iter().map(|(_, finding)| finding));
+    }
+
+    fn enter_list(&mut self, table: &TableField, _length: usize) -> usize {
+        let path = self.path(table.key);
+        let entry = self.look(table.key);
+        let items: &[Node] = match entry.map(|e| &e.node) {
+            Some(Node { value: Value::List(items), .. }) => items,
+            Some(node) => {
+                self.wrong_type(&path, node, &format!("a list of tables, as in [[{path}]]"));
+                &[]
+            }
+            None => {
+                if table.need == Need::Required {
+                    self.missing(
+                        table.key,
+                        format!("section [[{path}]] is missing; at least one is required: {}", table.meaning),
+                    );
+                }
+                &[]
+            }
+        };
+        self.lists.push(List { path, items });
+        items.len()
+    }
+
+    fn enter_item(&mut self, index: usize) {
+        let Some(List { path, items }) = self.lists.last() else { return };
+        let (path, node) = (format!("{path}[{index}]"), items.get(index));
+        match node {
+            Some(Node { span, value: Value::Table(entries) }) => self.push(path, span.start, entries, false),
+            Some(node) => {
+                self.wrong_type(&path, node, "a table");
+                self.push(path, node.span.start, NOTHING, true);
+            }
+            None => self.push(path, 0, NOTHING, true),
+        }
+    }
+
+    fn leave_list(&mut self) {
+        self.lists.pop();
+    }
+
+    fn complain(&mut self, key: &str, allowed: &str, hint: Option<String>) {
+        let path = self.path(key);
+        let Some(entry) = self.frames.last().and_then(|f| f.entries.iter().find(|e| e.key == key)) else {
+            return;
+        };
+        let item = self
+            .frames
+            .last()
+            .map(|f| f.path.clone())
+            .filter(|p| p.ends_with(']'))
+            .unwrap_or_else(|| path.clone());
+        let told = self.findings.iter().any(|f| f.path == path || f.path.starts_with(&item));
+        if !told {
+            let remark =
+                Remark::new(Problem::OutOfRange, &path, allowed).found(self.source.quote(&entry.node.span));
+            self.report(entry.node.span.start, remark.hint(hint));
+        }
+    }
+
+    fn shorthand(&mut self, key: &str, value: &mut String) -> bool {
+        let Some(entry) = self.frames.last().and_then(|f| f.entries.iter().find(|e| e.key == key)) else {
+            return false;
+        };
+        let Value::Text(text) = &entry.node.value else { return false };
+        text.clone_into(value);
+        self.look(key);
+        true
+    }
+}

@@ -1,0 +1,196 @@
+//! Reads a tree into fields, and gathers every finding on the way instead of stopping at the first.
+
+mod keys;
+
+use super::attachments::Attachments;
+use super::field::{Fallback, Field, Limit};
+use super::source::{Remark, Source};
+use super::tree::{Entry, Node, Value};
+use super::visit::Visit;
+use crate::diagnostic::{Diagnostic, Problem, Severity, nearest};
+
+/// A walk over the tree of a file.
+pub(crate) struct Reader<'a> {
+    source: &'a Source,
+    attachments: &'a Attachments,
+    frames: Vec<Frame<'a>>,
+    lists: Vec<List<'a>>,
+    pub findings: Vec<Diagnostic>,
+}
+
+/// The table in which the walk stands.
+struct Frame<'a> {
+    path: String,
+    start: usize,
+    entries: &'a [Entry],
+    known: Vec<String>,
+    /// Something above is wrong already: say nothing of what is missing or not known here.
+    silent: bool,
+    /// What must be here and is not; forgiven where a misspelt key was meant for it.
+    missing: Vec<(String, Diagnostic)>,
+}
+
+/// The list of tables in which the walk stands.
+struct List<'a> {
+    path: String,
+    items: &'a [Node],
+}
+
+const NOTHING: &[Entry] = &[];
+
+impl<'a> Reader<'a> {
+    pub fn new(source: &'a Source, entries: &'a [Entry], attachments: &'a Attachments) -> Self {
+        let root = Frame {
+            path: String::new(),
+            start: 0,
+            entries,
+            known: Vec::new(),
+            silent: false,
+            missing: Vec::new(),
+        };
+        Self { source, attachments, frames: vec![root], lists: Vec::new(), findings: Vec::new() }
+    }
+
+    /// Says what the outermost table holds that the walk did not name, and gives the findings.
+    pub fn finish(mut self) -> Vec<Diagnostic> {
+        self.leave();
+        self.findings
+    }
+
+    fn path(&self, key: &str) -> String {
+        match self.frames.last() {
+            Some(frame) if !frame.path.is_empty() => format!("{}.{key}", frame.path),
+            _ => key.to_owned(),
+        }
+    }
+
+    fn report(&mut self, at: usize, remark: Remark) {
+        self.findings.push(self.source.diagnostic(Severity::Error, at, remark));
+    }
+
+    /// The node of a key, which from now on is known.
+    fn look(&mut self, key: &str) -> Option<&'a Entry> {
+        let frame = self.frames.last_mut()?;
+        frame.known.push(key.to_owned());
+        frame.entries.iter().find(|e| e.key == key)
+    }
+
+    fn missing(&mut self, key: &str, allowed: String) {
+        let path = self.path(key);
+        let Some(frame) = self.frames.last_mut().filter(|f| !f.silent) else { return };
+        let finding = self.source.diagnostic(
+            Severity::Error,
+            frame.start,
+            Remark::new(Problem::Missing, &path, allowed),
+        );
+        frame.missing.push((key.to_owned(), finding));
+    }
+
+    /// The node of a field, or a finding if it is required and not there.
+    fn find(&mut self, field: &Field) -> Option<&'a Node> {
+        let entry = self.look(field.key);
+        if entry.is_none() && field.default == Fallback::Required {
+            let unit = if field.unit.is_empty() { String::new() } else { format!(", {}", field.unit) };
+            self.missing(field.key, format!("is missing; it is required: {}{unit}", field.meaning));
+        }
+        entry.map(|e| &e.node)
+    }
+
+    fn refuse(&mut self, path: &str, node: &Node, problem: Problem, allowed: String) {
+        let found = self.source.quote(&node.span);
+        let remark = Remark::new(problem, path, allowed).found(found);
+        self.report(node.span.start, remark);
+    }
+
+    fn wrong_type(&mut self, path: &str, node: &Node, wanted: &str) {
+        let is = node.value.kind();
+        let found =
+            if matches!(node.value, Value::Table(_)) { is.to_owned() } else { self.source.quote(&node.span) };
+        let remark =
+            Remark::new(Problem::WrongType, path, format!("must be {wanted}, not {is}")).found(found);
+        self.report(node.span.start, remark);
+    }
+
+    /// A number at a node that obeys a field's range.
+    fn number_at(&mut self, path: &str, node: &Node, field: &Field) -> Option<f64> {
+        let value = match &node.value {
+            Value::Number(value) => *value,
+            Value::Whole(value) => *value as f64,
+            _ => {
+                self.wrong_type(path, node, &format!("a number{}", in_unit(field.unit)));
+                return None;
+            }
+        };
+        if !value.is_finite() {
+            let range = if field.limit == Limit::Any {
+                String::new()
+            } else {
+                format!("; it {}", field.limit.words(field.unit))
+            };
+            self.refuse(path, node, Problem::NotFinite, format!("must be a finite number{range}"));
+            return None;
+        }
+        if !field.limit.holds(value) {
+            self.refuse(path, node, Problem::OutOfRange, field.limit.words(field.unit));
+            return None;
+        }
+        Some(value)
+    }
+
+    /// The items of a list, or a finding.
+    fn items(&mut self, path: &str, node: &'a Node, wanted: &str) -> Option<&'a [Node]> {
+        if let Value::List(items) = &node.value {
+            return Some(items);
+        }
+        self.wrong_type(path, node, wanted);
+        None
+    }
+
+    fn pair_at(&mut self, path: &str, node: &'a Node, field: &Field) -> Option<[f64; 2]> {
+        let items = self.items(path, node, "a pair of numbers, as in [0.5, 1.5]")?;
+        let [first, second] = items else {
+            self.refuse(path, node, Problem::OutOfRange, format!("must hold 2 numbers, not {}", items.len()));
+            return None;
+        };
+        Some([self.number_at(path, first, field)?, self.number_at(path, second, field)?])
+    }
+
+    fn pairs_from(&mut self, path: &str, node: &Node, name: &str) -> Option<Vec<[f64; 2]>> {
+        match self.attachments.pairs(name) {
+            Ok(pairs) => Some(pairs),
+            Err(why) => {
+                self.refuse(path, node, Problem::UnknownName, why);
+                None
+            }
+        }
+    }
+
+    fn push(&mut self, path: String, start: usize, entries: &'a [Entry], silent: bool) {
+        self.frames.push(Frame { path, start, entries, known: Vec::new(), silent, missing: Vec::new() });
+    }
+
+    fn unknown(&mut self, frame: &mut Frame<'_>, entry: &Entry) {
+        let what = if matches!(entry.node.value, Value::Table(_)) { "section" } else { "key" };
+        let known: Vec<&str> = frame.known.iter().map(String::as_str).collect();
+        let near = nearest(&entry.key, known.iter().copied()).map(str::to_owned);
+        let path =
+            if frame.path.is_empty() { entry.key.clone() } else { format!("{}.{}", frame.path, entry.key) };
+        let allowed = format!("there is no such {what}; known here: {}", known.join(", "));
+        let hint = near.as_ref().map(|name| format!("did you mean \"{name}\"?"));
+        frame.missing.retain(|(key, _)| near.as_ref() != Some(key));
+        self.report(entry.key_span.start, Remark::new(Problem::UnknownKey, &path, allowed).hint(hint));
+    }
+}
+
+fn in_unit(unit: &str) -> String {
+    if unit.is_empty() { String::new() } else { format!(" in {unit}") }
+}
+
+impl Reader<'_> {
+    /// The rest of this table cannot be judged.
+    fn silence(&mut self) {
+        if let Some(frame) = self.frames.last_mut() {
+            frame.silent = true;
+        }
+    }
+}

@@ -1,0 +1,119 @@
+//! The `[sweep]` section: which parameters vary, one at a time and all at once.
+
+use counterpoise_verify::robust::{Distribution, Variation, Varied, varied};
+
+use crate::file::field::{Field, Limit, TableField};
+use crate::file::visit::{Choice, Count, Visit, choose, list};
+
+/// A robustness campaign.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sweep {
+    /// Mechanisms of the Monte Carlo campaign.
+    pub samples: usize,
+    /// Its seed.
+    pub seed: u64,
+    /// Parameters that vary together.
+    pub variations: Vec<Variation>,
+    /// Parameters that vary one at a time, with their factors.
+    pub families: Vec<(Varied, Vec<f64>)>,
+}
+
+impl Choice for Varied {
+    const NAMES: &'static [(&'static str, Self)] = &NAMES;
+}
+
+/// The parameters' keys, the other way round.
+const NAMES: [(&str, Varied); varied::ALL.len()] = {
+    let mut names = [("", Varied::Inertia); varied::ALL.len()];
+    let mut at = 0;
+    while at < names.len() {
+        names[at] = (varied::ALL[at].1, varied::ALL[at].0);
+        at += 1;
+    }
+    names
+};
+
+/// A distribution by name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Shape {
+    Uniform,
+    LogUniform,
+    Normal,
+}
+
+impl Choice for Shape {
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("uniform", Self::Uniform), ("log-uniform", Self::LogUniform), ("normal", Self::Normal)];
+}
+
+const PARAMETER: Field = Field::new("parameter", "what varies, as a factor on its value");
+const SHAPE: Field = Field::new("distribution", "of the factor").or_text("uniform").shown();
+const LOW: Field = Field::new("low", "lowest factor").limit(Limit::AtLeast(0.0));
+const HIGH: Field = Field::new("high", "highest factor").limit(Limit::Above(0.0));
+const LOWEST_LOG: Field = LOW.limit(Limit::Above(0.0));
+const DEVIATION: Field = Field::new("deviation", "standard deviation about 1, cut off at three of them")
+    .limit(Limit::AboveTo(0.0, 0.33));
+const FACTORS: Field = Field::new("factors", "one mechanism each").limit(Limit::AtLeast(0.0));
+/// Most mechanisms of a campaign.
+const MOST_SAMPLES: f64 = 1e7;
+
+/// A campaign of which nothing is written.
+pub(crate) fn blank() -> Sweep {
+    Sweep { samples: 200, seed: 1, variations: Vec::new(), families: Vec::new() }
+}
+
+/// Reads or lists a campaign.
+pub(crate) fn sweep(v: &mut dyn Visit, sweep: &mut Sweep) {
+    let samples = Field::new("samples", "mechanisms in which everything varies at once")
+        .limit(Limit::Between(1.0, MOST_SAMPLES));
+    super::model::count(v, &samples.or(200.0).shown(), &mut sweep.samples);
+    super::verify::seed(v, "of the campaign", &mut sweep.seed);
+    let blank = Variation {
+        parameter: Varied::Inertia,
+        distribution: Distribution::Uniform { low: f64::NAN, high: f64::NAN },
+    };
+    list(
+        v,
+        &TableField::optional("variation", "a parameter that varies with the others"),
+        &mut sweep.variations,
+        blank,
+        variation,
+    );
+    let blank = (Varied::Inertia, Vec::new());
+    list(
+        v,
+        &TableField::optional("family", "a parameter that varies alone"),
+        &mut sweep.families,
+        blank,
+        family,
+    );
+}
+
+fn variation(v: &mut dyn Visit, variation: &mut Variation) {
+    choose(v, &PARAMETER, &mut variation.parameter);
+    let (mut shape, mut low, mut high, mut deviation) = match variation.distribution {
+        Distribution::Uniform { low, high } => (Shape::Uniform, low, high, f64::NAN),
+        Distribution::LogUniform { low, high } => (Shape::LogUniform, low, high, f64::NAN),
+        Distribution::Normal { deviation } => (Shape::Normal, f64::NAN, f64::NAN, deviation),
+    };
+    choose(v, &SHAPE, &mut shape);
+    if shape == Shape::Normal {
+        v.number(&DEVIATION, &mut deviation);
+    } else {
+        v.number(if shape == Shape::LogUniform { &LOWEST_LOG } else { &LOW }, &mut low);
+        v.number(&HIGH, &mut high);
+    }
+    if low > high {
+        v.complain("high", &format!("must not be below the lowest factor {low}"), None);
+    }
+    variation.distribution = match shape {
+        Shape::Uniform => Distribution::Uniform { low, high },
+        Shape::LogUniform => Distribution::LogUniform { low, high },
+        Shape::Normal => Distribution::Normal { deviation },
+    };
+}
+
+fn family(v: &mut dyn Visit, (parameter, factors): &mut (Varied, Vec<f64>)) {
+    choose(v, &PARAMETER, parameter);
+    v.numbers(&FACTORS, Count::AtLeastOne, factors);
+}
