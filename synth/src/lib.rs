@@ -32,6 +32,7 @@
 //! ```
 #![allow(non_snake_case)]
 
+pub mod alternatives;
 mod augmented;
 pub mod certificate;
 pub mod design;
@@ -43,6 +44,7 @@ pub mod finding;
 pub mod generalised;
 pub mod h2syn;
 pub mod hinfsyn;
+pub mod lqg;
 pub mod outcome;
 pub mod plant;
 pub mod preflight;
@@ -50,6 +52,7 @@ pub mod rational;
 pub mod specification;
 pub mod weight;
 
+pub use alternatives::{Alternative, Method, alternative};
 pub use certificate::{Cost, Equation};
 pub use design::{Design, design};
 pub use discretise::{Sampled, Sampling, check, discretise, sampled_loop};
@@ -60,6 +63,7 @@ pub use finding::{Cause, Finding, Part, Severity};
 pub use generalised::Generalised;
 pub use h2syn::{H2, h2syn};
 pub use hinfsyn::{HInfinity, hinfsyn};
+pub use lqg::{Gain, Recovered, kalman, lqg_ltr, lqr, observer_controller};
 pub use outcome::Outcome;
 pub use plant::{Channel, DesignPlant};
 pub use preflight::preflight;

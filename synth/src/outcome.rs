@@ -1,5 +1,6 @@
 //! A well-put problem has a solution, or reasons why it has none.
 
+use crate::Error;
 use crate::finding::Finding;
 
 /// The answer to a problem that is well put.
@@ -26,5 +27,16 @@ impl<T> Outcome<T> {
             Outcome::Solved(_) => &[],
             Outcome::Infeasible(findings) => findings,
         }
+    }
+
+    /// The outcome with `change` applied to the solution.
+    ///
+    /// # Errors
+    /// Those of `change`.
+    pub fn try_map<U>(self, change: impl FnOnce(T) -> Result<U, Error>) -> Result<Outcome<U>, Error> {
+        Ok(match self {
+            Outcome::Solved(solution) => Outcome::Solved(change(solution)?),
+            Outcome::Infeasible(findings) => Outcome::Infeasible(findings),
+        })
     }
 }

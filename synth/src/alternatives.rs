@@ -1,0 +1,140 @@
+//! Three designs of the feedback side by side: H2, LQG/LTR and H-infinity on one plant and one pair of weights.
+//!
+//! Each answer is a controller from (demand, measured rate) to the control that sees the error alone, so that the same
+//! figures can be drawn from all three.
+
+use counterpoise_lti::{Mat, StateSpace, Timebase, append, series};
+
+use crate::{
+    DesignPlant, Error, FeedbackWeights, Generalised, Outcome, Reference, Weight, feedback, h2syn, hinfsyn,
+    lqg_ltr,
+};
+
+/// Where the poles on the axis of an error weight go in a textbook's plant, rad/s: its equations need them to decay.
+pub const SLOWEST_RAD_S: f64 = 1e-3;
+/// Relative accuracy of the H-infinity bound.
+const BOUND: f64 = 1e-3;
+
+/// Which method made a controller.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// The structured H2 design of [`feedback()`].
+    ThreePart,
+    /// Textbook H2 on the generalised plant, observer and weights in one: [`h2syn`].
+    JointH2,
+    /// [`lqg_ltr`] with the quotient of the weights as loop shape.
+    LqgLtr,
+    /// [`hinfsyn`] on the generalised plant.
+    HInfinity,
+}
+
+/// A feedback controller from (demand, measured rate) to the control, with what its method minimised.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Alternative {
+    /// The method.
+    pub method: Method,
+    /// The controller: u = C (r - y).
+    pub controller: StateSpace,
+    /// The norm it reached: H2 or H-infinity from the noises to the weighted error and control; none for LQG/LTR.
+    pub norm: Option<f64>,
+}
+
+/// The feedback designed by one method. Weights and plant are the same for all.
+///
+/// # Errors
+/// [`Error`] for weights without realisation; without solution [`Outcome::Infeasible`].
+pub fn alternative(
+    plant: &DesignPlant,
+    weights: &FeedbackWeights,
+    method: Method,
+) -> Result<Outcome<Alternative>, Error> {
+    match method {
+        Method::ThreePart => feedback(plant, weights, Reference::Error)?.try_map(|part| {
+            let norm = part.cost.achieved.map(f64::sqrt);
+            Ok(Alternative { method, controller: part.controller.select(&[0], &[0, 1]), norm })
+        }),
+        Method::JointH2 => h2syn(&generalised(plant, weights)?)?.try_map(|part| {
+            let controller = from_error(&part.controller, weights)?;
+            Ok(Alternative { method, controller, norm: Some(part.achieved_norm) })
+        }),
+        Method::HInfinity => hinfsyn(&generalised(plant, weights)?, BOUND)?.try_map(|part| {
+            let controller = from_error(&part.controller, weights)?;
+            Ok(Alternative { method, controller, norm: Some(part.achieved_norm) })
+        }),
+        Method::LqgLtr => {
+            let seen = plant.measured()?.select(&[0], &[plant.control]);
+            let shape = series(&weights.error.realise()?, &weights.control.realise_inverse()?)?;
+            let recovery = weights.loop_recovery.max(f64::MIN_POSITIVE) / weights.measurement_noise;
+            lqg_ltr(&seen, &shape, 1.0, recovery)?.try_map(|part| {
+                let controller = both(&part.controller.negate())?;
+                Ok(Alternative { method, controller, norm: None })
+            })
+        }
+    }
+}
+
+/// The textbook's plant for the feedback
+///
+/// ```text
+///     w = (white disturbances, noise)   u = v, the weighted control     z = (H_q e, v)     y = e = -(rate + noise)
+/// ```
+///
+/// with H_r^-1 before the plant (no far pole is needed for an improper H_r) and the error weight's poles on the axis
+/// moved to -[`SLOWEST_RAD_S`]: y does not show the error weight's states, and a textbook filter must be able to let
+/// them decay. The direct part of an error weight ends in a pole at 1e4 rad/s.
+///
+/// # Errors
+/// [`Error`] for a plant or weights that are not ones.
+pub fn generalised(plant: &DesignPlant, weights: &FeedbackWeights) -> Result<Generalised, Error> {
+    let seen = plant.measured()?;
+    let mut inputs: Vec<usize> = weights.disturbances.iter().map(|(input, _)| *input).collect();
+    let mut densities: Vec<f64> = weights.disturbances.iter().map(|(_, density)| density.sqrt()).collect();
+    inputs.extend([plant.control, plant.control]);
+    densities.extend([weights.loop_recovery.sqrt(), 1.0]);
+    let count = inputs.len();
+    let driven = seen.select(&[0], &inputs).scale_io(&[-1.0], &densities)?;
+    let inverse = weights.control.realise_inverse()?;
+    let wires = |n: usize| StateSpace::gain(Mat::eye(n), Timebase::Continuous);
+    let driven = series(&append(&wires(count - 1)?, &inverse)?, &driven)?;
+    // Inputs (disturbances, noise, v); outputs (e, v).
+    let mut spread = Mat::zeros(count + 2, count + 1);
+    for i in 0..count - 1 {
+        spread[(i, i)] = 1.0;
+    }
+    spread[(count - 1, count)] = 1.0;
+    spread[(count, count - 1)] = -weights.measurement_noise.sqrt();
+    spread[(count + 1, count)] = 1.0;
+    let spread = StateSpace::gain(spread, Timebase::Continuous)?;
+    let passed = series(&spread, &append(&driven, &wires(2)?)?)?;
+    let sum = Mat::from_rows(&[&[1.0, 1.0, 0.0], &[0.0, 0.0, 1.0], &[1.0, 1.0, 0.0]]);
+    let summed = series(&passed, &StateSpace::gain(sum, Timebase::Continuous)?)?;
+    let weighted = series(&summed, &append(&textbook(&weights.error).realise()?, &wires(2)?)?)?;
+    Generalised::new(weighted, 1, 1)
+}
+
+/// The error weight with its poles on the axis moved off it, and strictly proper.
+fn textbook(weight: &Weight) -> Weight {
+    let rational = weight.rational().mirrored();
+    let moved = |pole: &counterpoise_lti::C64| if pole.re == 0.0 { pole - SLOWEST_RAD_S } else { *pole };
+    let mut poles: Vec<_> = rational.poles.iter().map(moved).collect();
+    let mut gain = rational.gain;
+    if rational.zeros.len() == poles.len() {
+        poles.push(counterpoise_lti::C64::new(-FAST_RAD_S, 0.0));
+        gain *= FAST_RAD_S;
+    }
+    Weight::ZeroPoleGain { zeros: rational.zeros, poles, gain }
+}
+
+/// Where the direct part of an error weight ends in a textbook's plant, rad/s.
+const FAST_RAD_S: f64 = 1e4;
+
+/// H_r^-1 K from the error, with the demand's path.
+fn from_error(K: &StateSpace, weights: &FeedbackWeights) -> Result<StateSpace, Error> {
+    both(&series(K, &weights.control.realise_inverse()?)?)
+}
+
+/// C from (demand, rate): C r - C y.
+fn both(C: &StateSpace) -> Result<StateSpace, Error> {
+    let difference = StateSpace::gain(Mat::row(&[1.0, -1.0]), Timebase::Continuous)?;
+    Ok(series(&difference, C)?)
+}
