@@ -13,7 +13,7 @@ use counterpoise_models::{Mesh, OperatingPoint, Plant};
 
 /// Defect of a step that a run allows, relative to the plant's dry friction and a tenth of its weight torque: it
 /// leaves errors of about 1e-5 of the motion over 10 s on the reference rig.
-pub const TOLERANCE: f64 = 2e-4;
+pub const TOLERANCE: f64 = 2e-5;
 
 /// Most samples that a run may have.
 const MOST_SAMPLES: f64 = 1e8;

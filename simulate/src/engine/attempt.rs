@@ -1,7 +1,7 @@
 //! One step: the linear core's answer, and the iteration on the port values at the nodes.
 
-use super::moments::{NODES, cardinal_coefficients};
-use super::ports::{FrictionState, PlatformSpan, Point, Ports, StepSpan};
+use super::moments::{MIDDLE, NODES};
+use super::ports::{AngleNearby, FrictionState, PlatformSpan, Point, Ports, StepSpan};
 use super::tables::{FIXED_INPUTS, OUTPUTS, PORTS, STAGE_ROWS, STAGES, StepTable, result_length};
 use counterpoise_models::Plant;
 use counterpoise_models::plant::core::state;
@@ -41,6 +41,7 @@ pub(crate) struct Attempt {
     start: [f64; PORTS],
     outputs: [[f64; OUTPUTS]; 4],
     memory: [FrictionState; STAGES],
+    about: AngleNearby,
     /// Evaluations of the ports.
     pub iterations: usize,
     order: usize,
@@ -55,6 +56,7 @@ impl Attempt {
             start: [0.0; PORTS],
             outputs: [[0.0; OUTPUTS]; 4],
             memory: [FrictionState::default(); STAGES],
+            about: AngleNearby::new(0.0),
             iterations: 0,
             order,
         }
@@ -63,8 +65,13 @@ impl Attempt {
     /// Takes the step; says whether the ports have converged.
     pub fn solve(&mut self, given: &Given, rows: &OutputRows) -> bool {
         self.outputs[0] = rows.outputs(given.core);
-        let first =
-            Point { time_s: given.time_s, outputs: &self.outputs[0], platform: &given.platform.nodes[0] };
+        self.about = self.about.moved_to(self.outputs[0][2]);
+        let first = Point {
+            time_s: given.time_s,
+            outputs: &self.outputs[0],
+            platform: &given.platform.nodes[0],
+            about: &self.about,
+        };
         self.start = given.ports.at(given.plant, &first, given.friction);
         self.fill_inputs(given);
         self.result.fill(0.0);
@@ -114,6 +121,7 @@ impl Attempt {
             outputs: &self.outputs,
             platform: given.platform,
             memory: given.friction,
+            about: &self.about,
         }
     }
 
@@ -121,14 +129,13 @@ impl Attempt {
     pub fn defect(&self, given: &Given) -> f64 {
         let middle = self.middle_outputs();
         let time_s = given.time_s + 0.5 * given.table.step_s;
-        let point = Point { time_s, outputs: &middle, platform: &given.platform.middle };
+        let point = Point { time_s, outputs: &middle, platform: &given.platform.middle, about: &self.about };
         let found = given.ports.middle(given.plant, &self.span(given), &self.memory[0], &point);
-        let weights = middle_weights();
         let mut worst: f64 = 0.0;
         for p in 0..PORTS {
-            let mut expected = weights[0] * self.start[p];
+            let mut expected = MIDDLE[0] * self.start[p];
             for stage in 0..STAGES {
-                expected += weights[stage + 1] * self.values[stage * PORTS + p];
+                expected += MIDDLE[stage + 1] * self.values[stage * PORTS + p];
             }
             let defect = (found[p] - expected).abs() / given.ports.scales[p];
             worst = if defect <= worst { worst } else { defect };
@@ -182,14 +189,6 @@ impl OutputRows {
         let dot = |row: &[f64]| row.iter().zip(core).map(|(c, x)| c * x).sum::<f64>();
         [core[state::MOTOR], core[state::WINDUP], dot(&self.angle), dot(&self.rate), core[state::CURRENT]]
     }
-}
-
-/// Values of the cardinal polynomials in the middle of a step.
-fn middle_weights() -> [f64; 4] {
-    [0, 1, 2, 3].map(|node| {
-        let c = cardinal_coefficients(node);
-        c[0] + 0.5 * (c[1] + 0.5 * (c[2] + 0.5 * c[3]))
-    })
 }
 
 /// Largest change relative to the scales; NaN counts as large.

@@ -6,6 +6,9 @@ use counterpoise_lti::Mat;
 /// order six at the end of the step.
 pub(crate) const NODES: [f64; 4] = [0.0, 0.276_393_202_250_021, 0.723_606_797_749_979, 1.0];
 
+/// Values of the cardinal polynomials of the nodes in the middle of a step.
+pub(crate) const MIDDLE: [f64; 4] = [-0.125, 0.625, 0.625, -0.125];
+
 /// Number of polynomial coefficients of an input over a step.
 const TERMS: usize = 4;
 
@@ -127,6 +130,8 @@ mod tests {
                 let value = c[0] + s * (c[1] + s * (c[2] + s * c[3]));
                 assert!((value - f64::from(u8::from(i == node))).abs() < 1e-14);
             }
+            let middle = c[0] + 0.5 * (c[1] + 0.5 * (c[2] + 0.5 * c[3]));
+            assert!((middle - MIDDLE[node]).abs() < 1e-14, "{middle}");
         }
     }
 

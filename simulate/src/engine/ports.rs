@@ -53,6 +53,44 @@ pub(crate) struct Point<'a> {
     pub time_s: f64,
     pub outputs: &'a [f64; OUTPUTS],
     pub platform: &'a PlatformPoint,
+    pub about: &'a AngleNearby,
+}
+
+/// Sine and cosine of angles near one whose own are known.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct AngleNearby {
+    angle: f64,
+    sin: f64,
+    cos: f64,
+}
+
+impl AngleNearby {
+    /// Distance, rad, within which the series below is exact to rounding.
+    const NEAR: f64 = 2e-3;
+
+    pub fn new(angle: f64) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        Self { angle, sin, cos }
+    }
+
+    /// The same, or about a new angle where that one is far.
+    #[inline]
+    pub fn moved_to(self, angle: f64) -> Self {
+        if (angle - self.angle).abs() < 0.5 * Self::NEAR { self } else { Self::new(angle) }
+    }
+
+    /// Sine and cosine by the addition theorem, of the difference by its series.
+    #[inline]
+    fn sin_cos(&self, angle: f64) -> (f64, f64) {
+        let d = angle - self.angle;
+        if d.abs() > Self::NEAR {
+            return angle.sin_cos();
+        }
+        let square = d * d;
+        let (sin, cos) =
+            (d * (1.0 - square / 6.0 * (1.0 - square / 20.0)), 1.0 - 0.5 * square * (1.0 - square / 12.0));
+        (self.sin * cos + self.cos * sin, self.cos * cos - self.sin * sin)
+    }
 }
 
 /// Relative motions at a point.
@@ -215,7 +253,7 @@ impl Ports {
 
     #[inline]
     fn values(&self, plant: &Plant, at: &Point, motion: &Motion, memory: &FrictionState) -> [f64; PORTS] {
-        let (sin, cos) = at.outputs[HUB_ANGLE].sin_cos();
+        let (sin, cos) = at.about.sin_cos(at.outputs[HUB_ANGLE]);
         let gravity = self.gravity + at.platform.heave;
         let motor_level = self.motor_level(motion, at.time_s);
         let pivot_level = self.pivot_level(motion, at.time_s);
@@ -245,6 +283,7 @@ pub(crate) struct StepSpan<'a> {
     pub outputs: &'a [[f64; OUTPUTS]; 4],
     pub platform: &'a PlatformSpan,
     pub memory: &'a FrictionState,
+    pub about: &'a AngleNearby,
 }
 
 impl StepSpan<'_> {
@@ -254,6 +293,7 @@ impl StepSpan<'_> {
             time_s: self.time_s + NODES[node] * self.step_s,
             outputs: &self.outputs[node],
             platform: &self.platform.nodes[node],
+            about: self.about,
         }
     }
 }

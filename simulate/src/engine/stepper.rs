@@ -2,7 +2,7 @@
 
 use super::attempt::{Attempt, Given, OutputRows};
 use super::filter::Filter;
-use super::ports::{FrictionState, PlatformPoint, Point, Ports};
+use super::ports::{AngleNearby, FrictionState, PlatformPoint, Point, Ports};
 use super::tables::{LEVELS, StepTable, step_tables};
 use crate::Error;
 use crate::motion::MotionSample;
@@ -110,7 +110,9 @@ impl Stepper {
     /// Dry friction torques at the motor and at the pivot, N m.
     pub fn dry_torques(&self, x: &PlantState, platform: &PlatformPoint, time_s: f64) -> [f64; 2] {
         let outputs = self.rows.outputs(&x.core);
-        self.ports.dry_torques(&self.plant, &Point { time_s, outputs: &outputs, platform }, &x.friction)
+        let about = AngleNearby::new(outputs[2]);
+        let point = Point { time_s, outputs: &outputs, platform, about: &about };
+        self.ports.dry_torques(&self.plant, &point, &x.friction)
     }
 
     /// Moves the state over one sample period.

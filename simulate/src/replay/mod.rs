@@ -130,6 +130,26 @@ impl<'a> Replayer<'a> {
             start.core[state::ANGLE] -= offset;
             history = self.run(&mut simulator, control, &start)?;
         }
+        Ok(self.compared(plant, control, history, start))
+    }
+
+    /// Replays the recording once from a given start: that of a mechanism nearby, where many are tried.
+    ///
+    /// # Errors
+    /// As [`replay`].
+    pub fn replay_from(
+        &self,
+        parameters: &Parameters,
+        control: &Loop,
+        start: &PlantState,
+    ) -> Result<Replay, Error> {
+        let plant = Plant::lumped(parameters)?;
+        let history = self.run(&mut Simulator::new(&plant)?, control, start)?;
+        Ok(self.compared(&plant, control, history, start.clone()))
+    }
+
+    /// The fits of a run.
+    fn compared(&self, plant: &Plant, control: &Loop, history: TimeHistory, start: PlantState) -> Replay {
         let floors = Floors { parameters: plant.parameters(), control };
         let channels = Channel::ALL
             .into_iter()
@@ -138,7 +158,7 @@ impl<'a> Replayer<'a> {
                 fit(channel, channel.of(&history.readings), self.recording.column(channel)?, floor)
             })
             .collect();
-        Ok(Replay { channels, simulated: history.readings, start })
+        Replay { channels, simulated: history.readings, start }
     }
 
     fn run(
