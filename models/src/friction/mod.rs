@@ -19,7 +19,7 @@
 //! *Invariant*: nothing here knows an inertia or marches a mechanism in time.
 //!
 //! Modules in reading order: [`stribeck`], [`sliding`], [`dahl`], [`lugre`], [`reset`], [`walrath`], [`bristle`],
-//! [`law`], [`model`], [`describing`].
+//! [`law`], [`model`], [`contact`], [`describing`].
 //!
 //! ```
 //! use counterpoise_models::{Friction, FrictionLaw, friction::FrictionModel};
@@ -33,6 +33,7 @@
 
 pub mod bristle;
 mod build;
+pub mod contact;
 pub mod dahl;
 pub mod describing;
 pub mod law;
@@ -44,6 +45,7 @@ pub mod stribeck;
 pub mod walrath;
 
 pub use bristle::Bristle;
+pub use contact::{Contact, Joint, contact};
 pub use dahl::Dahl;
 pub use law::{Law, Partials};
 pub use lugre::Lugre;

@@ -1,6 +1,7 @@
 //! The friction toolbox against closed forms and against figures computed independently at tight tolerance.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod contact;
 mod dahl;
 mod holding;
 mod laws;
