@@ -7,7 +7,7 @@
 //! *Invariant*: no file system, no clock, no compiler: text in memory only.
 //!
 //! Modules in reading order: [`source`], [`provenance`], [`c99`](mod@c99), [`rust_crate`](mod@rust_crate), [`ranges`],
-//! [`rounding`], [`fixed`], [`vectors`],
+//! [`rounding`], [`fixed`], [`fmi`], [`vectors`],
 //! [`check`](mod@check).
 //!
 //! ```
@@ -25,6 +25,7 @@ pub mod c99;
 pub mod check;
 pub mod error;
 pub mod fixed;
+pub mod fmi;
 pub mod provenance;
 pub mod ranges;
 pub mod rounding;

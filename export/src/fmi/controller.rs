@@ -1,0 +1,58 @@
+//! The controller as a co-simulation unit.
+
+use minijinja::{Environment, context};
+
+use crate::fmi::{Unit, Variable};
+use crate::{Error, File, Options, Provenance, READING_FIELDS, Source, c99};
+
+/// The controller as an FMI 3.0 co-simulation unit, in a folder of the options' name.
+///
+/// Inputs are the readings, the output is the control; the out-of-balance is a tunable parameter.
+///
+/// # Errors
+/// As [`crate::c99()`].
+pub fn controller_unit<'a>(
+    source: impl Into<Source<'a>>,
+    provenance: &Provenance,
+    options: &Options,
+) -> Result<Vec<File>, Error> {
+    let source = source.into();
+    let controller = source.controller();
+    let code = c99(source, provenance, options)?;
+    let wanted = [format!("{}.h", options.name), format!("{}.c", options.name)];
+    let own = code.into_iter().filter(|file| wanted.contains(&file.name));
+    let placed = own.map(|file| File { name: format!("{}/sources/{}", options.name, file.name), ..file });
+    let mut variables = vec![Variable::time()];
+    variables.extend(
+        READING_FIELDS.iter().zip(UNITS).map(|(field, unit)| Variable::input(field.0, unit, field.1)),
+    );
+    variables.push(Variable::output("control_v", "V", "control, held from sample to sample"));
+    let design = controller.parts().design_out_of_balance_kg_m;
+    let says = "out-of-balance that the controller is told";
+    variables.push(Variable::parameter("out_of_balance_kg_m", "kg.m", says, design));
+    let unit = Unit {
+        name: &options.name,
+        description: "discrete controller of a stabilised, out-of-balance servo mechanism",
+        tool: &provenance.generator,
+        provenance: &provenance.header(source),
+        variables: &variables,
+        period_s: controller.sample_period_s(),
+        behaviour: behaviour(&options.name, controller.sample_period_s())?,
+    };
+    Ok(placed.chain(unit.files()?).collect())
+}
+
+/// Units of the readings.
+const UNITS: [&str; 6] = ["rad/s", "rad/s", "rad/s", "m/s2", "rad/s", "rad"];
+
+fn behaviour(name: &str, period_s: f64) -> Result<String, Error> {
+    let data = context! {
+        name,
+        real => format!("{name}_real"),
+        period => format!("{period_s:?}"),
+        readings => READING_FIELDS,
+        control => READING_FIELDS.len() + 1,
+        setting => READING_FIELDS.len() + 2,
+    };
+    Ok(Environment::new().render_str(include_str!("../../templates/fmu_controller.c.jinja"), data)?)
+}
