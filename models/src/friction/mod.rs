@@ -19,7 +19,7 @@
 //! *Invariant*: nothing here knows an inertia or marches a mechanism in time.
 //!
 //! Modules in reading order: [`stribeck`], [`sliding`], [`dahl`], [`lugre`], [`reset`], [`walrath`], [`bristle`],
-//! [`law`], [`model`], [`contact`], [`describing`].
+//! [`law`], [`model`], [`mod@contact`], [`describing`].
 //!
 //! ```
 //! use counterpoise_models::{Friction, FrictionLaw, friction::FrictionModel};

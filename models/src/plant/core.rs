@@ -3,7 +3,7 @@
 use super::Plant;
 use counterpoise_lti::Mat;
 
-/// Index of each state of the core; the modes follow from [`MODES`] on as pairs (q, q').
+/// Index of each state of the core; the modes follow from [`state::MODES`] on as pairs (q, q').
 pub mod state {
     /// Amplifier voltage V, V.
     pub const VOLTAGE: usize = 0;

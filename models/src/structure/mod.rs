@@ -5,7 +5,7 @@
 //!
 //! *Invariant*: nothing here knows the drive, a file or time.
 //!
-//! Modules in reading order: [`profile`], [`element`], [`power_law`], [`mesh`], [`fe`], [`modes`], [`damping`],
+//! Modules in reading order: [`profile`], [`element`], [`power_law`], [`mesh`], [`fe`], [`mod@modes`], [`damping`],
 //! [`reduced`], [`configured`], [`import`].
 //!
 //! ```
