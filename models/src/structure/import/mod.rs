@@ -1,7 +1,7 @@
 //! Structures from elsewhere: M, C and K as text, and which row belongs to which node.
 //!
 //! Readers take text and give matrices; nothing here opens a file. Matrix Market ([`matrix_market()`]) and OP4
-//! ([`op4()`]) hold plain matrices, whose rows the node map names; DMIG ([`dmig`]) names its own.
+//! ([`op4()`]) hold plain matrices, whose rows the node map names; DMIG ([`dmig()`]) names its own.
 //! [`Imported::structure`] makes the [`FeModel`] that modal analysis and the plant take.
 
 pub mod dmig;
