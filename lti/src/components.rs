@@ -24,6 +24,33 @@ pub fn components(A: &Mat) -> Vec<Vec<usize>> {
     groups
 }
 
+/// The groups of states that have nothing to do with each other: A is block diagonal in them.
+pub fn independent(A: &Mat) -> Vec<Vec<usize>> {
+    let n = A.nrows();
+    let mut group: Vec<usize> = (0..n).collect();
+    for j in 0..n {
+        for i in (0..n).filter(|&i| A[(i, j)] != 0.0) {
+            let (a, b) = (root(&mut group, i), root(&mut group, j));
+            group[a.max(b)] = a.min(b);
+        }
+    }
+    let mut groups = vec![Vec::new(); n];
+    for i in 0..n {
+        groups[root(&mut group, i)].push(i);
+    }
+    groups.retain(|members| !members.is_empty());
+    groups
+}
+
+/// The first member of a state's group (union-find with path halving).
+fn root(group: &mut [usize], mut i: usize) -> usize {
+    while group[i] != i {
+        group[i] = group[group[i]];
+        i = group[i];
+    }
+    i
+}
+
 /// For each state the set of states it acts on, itself among them, as bits (Warshall's closure).
 fn reachable(A: &Mat) -> Vec<Vec<u64>> {
     let n = A.nrows();
@@ -49,6 +76,13 @@ fn has(row: &[u64], bit: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_not_connected_is_independent() {
+        let mut A = Mat::eye(5);
+        (A[(0, 3)], A[(4, 3)]) = (1.0, 1.0);
+        assert_eq!(independent(&A), vec![vec![0, 3, 4], vec![1], vec![2]]);
+    }
 
     #[test]
     fn a_cascade_falls_into_its_parts_in_upper_triangular_order() {

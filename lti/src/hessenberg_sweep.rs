@@ -13,7 +13,7 @@ pub(crate) struct Lane {
 }
 
 impl Lane {
-    const ZERO: Self = Self { re: [0.0; LANES], im: [0.0; LANES] };
+    pub(crate) const ZERO: Self = Self { re: [0.0; LANES], im: [0.0; LANES] };
 
     pub(crate) fn new(values: &[C64; LANES]) -> Self {
         Self { re: values.map(|v| v.re), im: values.map(|v| v.im) }
@@ -25,6 +25,19 @@ impl Lane {
 
     pub(crate) fn get(&self, lane: usize) -> C64 {
         C64::new(self.re[lane], self.im[lane])
+    }
+
+    /// self += a.
+    pub(crate) fn add(&mut self, a: &Self) {
+        for l in 0..LANES {
+            self.re[l] += a.re[l];
+            self.im[l] += a.im[l];
+        }
+    }
+
+    #[inline(always)]
+    fn negated(&self) -> Self {
+        Self { re: self.re.map(|v| -v), im: self.im.map(|v| -v) }
     }
 
     /// self += a b.
@@ -57,20 +70,30 @@ impl Lane {
 /// column is used for the back substitution at once and forgotten.
 pub(crate) fn sweep(H: &Mat, B: &Mat, C: &Mat, s: &Lane) -> Vec<Lane> {
     let mut state = Sweep::start(H, B, C, s);
-    pulp::Arch::new().dispatch(|| state.run());
+    pulp::Arch::new().dispatch(Run(&mut state));
     state.answer
+}
+
+/// The work as pulp wants it: compiled once for each instruction set, chosen when the program runs.
+struct Run<'a, 'b>(&'b mut Sweep<'a>);
+
+impl pulp::NullaryFnOnce for Run<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.0.run();
+    }
 }
 
 struct Sweep<'a> {
     H: &'a Mat,
     C: &'a Mat,
     s: &'a Lane,
-    /// The column of s I - H that is being combined.
-    column: Vec<Lane>,
-    /// The same column of C, combined likewise.
+    /// For each row the entry of the column of s I - H that is being combined, then what is left of that row of B.
+    rows: Vec<Lane>,
+    /// The column of C, combined likewise.
     out: Vec<Lane>,
-    /// What is left of B, n x m.
-    rhs: Vec<Lane>,
     /// p x m.
     answer: Vec<Lane>,
     n: usize,
@@ -81,51 +104,26 @@ struct Sweep<'a> {
 impl<'a> Sweep<'a> {
     fn start(H: &'a Mat, B: &Mat, C: &'a Mat, s: &'a Lane) -> Self {
         let (n, m, p) = (H.nrows(), B.ncols(), C.nrows());
-        let mut start = Self {
-            H,
-            C,
-            s,
-            column: Vec::with_capacity(n),
-            out: Vec::with_capacity(p),
-            rhs: B.as_slice().iter().map(|&b| Lane::real(b)).collect(),
-            answer: vec![Lane::ZERO; p * m],
-            n,
-            m,
-            p,
-        };
-        if n > 0 {
-            start.column = (0..n).map(|i| start.entry(i, n - 1)).collect();
-            start.out = C.column(n - 1).iter().map(|&c| Lane::real(c)).collect();
+        let mut rows = Vec::with_capacity(n * (m + 1));
+        for i in 0..n {
+            rows.push(entry(H, s, i, n - 1));
+            rows.extend((0..m).map(|j| Lane::real(B[(i, j)])));
         }
-        start
-    }
-
-    /// Entry (i, j) of s I - H.
-    #[inline(always)]
-    fn entry(&self, i: usize, j: usize) -> Lane {
-        let h = Lane::real(-self.H[(i, j)]);
-        if i != j {
-            return h;
-        }
-        let mut diagonal = *self.s;
-        for l in 0..LANES {
-            diagonal.re[l] += h.re[l];
-        }
-        diagonal
+        let out = (0..p).map(|i| if n > 0 { Lane::real(C[(i, n - 1)]) } else { Lane::ZERO }).collect();
+        Self { H, C, s, rows, out, answer: vec![Lane::ZERO; p * m], n, m, p }
     }
 
     #[inline(always)]
     fn run(&mut self) {
+        let mut unknowns = vec![Lane::ZERO; self.m];
         for k in (1..self.n).rev() {
-            self.combine(k);
+            self.combine(k, &mut unknowns);
         }
         if self.n > 0 {
-            let pivot = self.column[0];
             for j in 0..self.m {
-                let x = Lane::quotient(&self.rhs[j * self.n], &pivot);
+                let x = Lane::quotient(&self.rows[1 + j], &self.rows[0]);
                 for i in 0..self.p {
-                    let c = self.out[i];
-                    self.answer[j * self.p + i].add_product(&c, &x);
+                    self.answer[j * self.p + i].add_product(&self.out[i], &x);
                 }
             }
         }
@@ -133,9 +131,9 @@ impl<'a> Sweep<'a> {
 
     /// Makes entry (k, k-1) zero with columns k-1 and k, solves for unknown k, and leaves the new column k-1.
     #[inline(always)]
-    fn combine(&mut self, k: usize) {
+    fn combine(&mut self, k: usize, unknowns: &mut [Lane]) {
         let sub = Lane::real(-self.H[(k, k - 1)]);
-        let current = self.column[k];
+        let current = self.rows[k * (self.m + 1)];
         let mut swap = [0.0; LANES];
         let (mut large, mut small) = (current, sub);
         for l in 0..LANES {
@@ -145,53 +143,64 @@ impl<'a> Sweep<'a> {
                 (large.im[l], small.im[l]) = (sub.im[l], current.im[l]);
             }
         }
-        // A column that is zero in both needs no combination: the pivot is zero and the answer infinite.
-        let mut factor = Lane::quotient(&small, &large);
-        for l in 0..LANES {
-            factor.re[l] = -factor.re[l];
-            factor.im[l] = -factor.im[l];
-        }
-        let unknowns = self.solve(k, &large, &swap);
-        self.columns(k, &factor, &swap, &unknowns);
+        // Where both are zero the pivot is zero and the answer not finite: s is a pole.
+        let factor = Lane::quotient(&small, &large).negated();
+        self.solve(k, &large, &swap, unknowns);
+        self.columns(k, &factor, &swap, unknowns);
     }
 
     /// The unknowns k, negated, one for each input.
     #[inline(always)]
-    fn solve(&mut self, k: usize, pivot: &Lane, swap: &[f64; LANES]) -> Vec<Lane> {
-        let mut unknowns = Vec::with_capacity(self.m);
-        for j in 0..self.m {
-            let x = Lane::quotient(&self.rhs[j * self.n + k], pivot);
+    fn solve(&mut self, k: usize, pivot: &Lane, swap: &[f64; LANES], unknowns: &mut [Lane]) {
+        let row = &self.rows[k * (self.m + 1)..(k + 1) * (self.m + 1)];
+        for (j, unknown) in unknowns.iter_mut().enumerate() {
+            let x = Lane::quotient(&row[1 + j], pivot);
             for i in 0..self.p {
-                let raw = self.C[(i, k - 1)];
-                let (kept, _) = choose(raw, &self.out[i], swap);
+                let (kept, _) = choose(self.C[(i, k - 1)], &self.out[i], swap);
                 self.answer[j * self.p + i].add_product(&kept, &x);
             }
-            unknowns.push(Lane { re: x.re.map(|v| -v), im: x.im.map(|v| -v) });
+            *unknown = x.negated();
         }
-        unknowns
     }
 
     /// Column k is finished and taken out of the right-hand sides; column k-1 is the other one plus factor times it.
     #[inline(always)]
     fn columns(&mut self, k: usize, factor: &Lane, swap: &[f64; LANES], unknowns: &[Lane]) {
+        let width = self.m + 1;
         let raw = &self.H.column(k - 1)[..k];
-        for (i, &h) in raw.iter().enumerate() {
-            let (mut kept, mut other) = choose(-h, &self.column[i], swap);
-            if i == k - 1 {
-                add_diagonal(&mut kept, &mut other, self.s, swap);
-            }
-            other.add_product(&kept, factor);
-            self.column[i] = other;
-            for (j, x) in unknowns.iter().enumerate() {
-                self.rhs[j * self.n + i].add_product(&kept, x);
-            }
+        let (upper, last) = self.rows[..k * width].split_at_mut((k - 1) * width);
+        for (row, &h) in upper.chunks_exact_mut(width).zip(raw) {
+            let (kept, other) = choose(-h, &row[0], swap);
+            update(row, &kept, other, factor, unknowns);
         }
+        let (mut kept, mut other) = choose(-raw[k - 1], &last[0], swap);
+        add_diagonal(&mut kept, &mut other, self.s, swap);
+        update(last, &kept, other, factor, unknowns);
         for i in 0..self.p {
             let (kept, mut other) = choose(self.C[(i, k - 1)], &self.out[i], swap);
             other.add_product(&kept, factor);
             self.out[i] = other;
         }
     }
+}
+
+/// One row: the new column's entry, and its right-hand sides less what unknown k explains.
+#[inline(always)]
+fn update(row: &mut [Lane], kept: &Lane, mut other: Lane, factor: &Lane, unknowns: &[Lane]) {
+    other.add_product(kept, factor);
+    row[0] = other;
+    for (rhs, x) in row[1..].iter_mut().zip(unknowns) {
+        rhs.add_product(kept, x);
+    }
+}
+
+/// Entry (i, j) of s I - H.
+fn entry(H: &Mat, s: &Lane, i: usize, j: usize) -> Lane {
+    let mut entry = if i == j { *s } else { Lane::ZERO };
+    for l in 0..LANES {
+        entry.re[l] -= H[(i, j)];
+    }
+    entry
 }
 
 /// (kept, other): the raw real entry and the current one, exchanged in the lanes where `swap` is one.

@@ -38,6 +38,7 @@ pub mod response;
 pub mod roots;
 pub mod scaling;
 mod scan;
+mod structure;
 pub mod system;
 pub mod time;
 pub mod zpk;

@@ -1,9 +1,10 @@
 //! Frequency response: Hessenberg form once, then one pass over it for each handful of points.
 
-use crate::components::components;
+use crate::components::{components, independent};
 use crate::error::During;
 use crate::hessenberg_sweep::{LANES, Lane, sweep};
 use crate::scaling::balance;
+use crate::structure::modes;
 use crate::{C64, CMat, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
 
@@ -47,12 +48,8 @@ pub fn dcgain(g: &StateSpace) -> Result<Mat, Error> {
 /// A system prepared for many evaluations of its response.
 #[derive(Debug, Clone)]
 pub struct Response {
-    /// Upper Hessenberg, n x n.
-    H: Mat,
-    /// n x m.
-    B: Mat,
-    /// p x n.
-    C: Mat,
+    /// Systems side by side whose responses add up.
+    parts: Vec<Part>,
     /// p x m.
     D: Mat,
     /// Whether the dual system is held: one with fewer inputs than outputs is cheaper.
@@ -60,18 +57,31 @@ pub struct Response {
     timebase: Timebase,
 }
 
+/// One system without direct path, in Hessenberg form.
+#[derive(Debug, Clone)]
+struct Part {
+    /// Upper Hessenberg, n x n.
+    H: Mat,
+    /// n x m.
+    B: Mat,
+    /// p x n.
+    C: Mat,
+}
+
 impl Response {
-    /// Scales and reduces a system.
+    /// Scales and reduces a system. A flexible structure is taken apart into its modes, and whatever falls into
+    /// independent parts is evaluated part by part: a modal model costs O(n) a point.
     ///
     /// # Errors
     /// [`Error::Matrix`] where the reduction fails.
     pub fn of(g: &StateSpace) -> Result<Self, Error> {
         let dual = g.outputs() < g.inputs();
-        let (scaled, _) = balance(g);
+        let (scaled, _) = balance(modes(g)?.as_ref().unwrap_or(g));
         let scaled = if dual { scaled.dual() } else { scaled };
-        let (H, U, scaled) = block_hessenberg(&scaled)?;
-        let (B, C) = (&U.t() * &scaled.B, &scaled.C * &U);
-        Ok(Self { H, B, C, D: scaled.D, dual, timebase: g.timebase })
+        let groups = independent(&scaled.A);
+        let parts: Result<Vec<Part>, Error> =
+            groups.iter().map(|group| Part::of(&scaled.permute(group))).collect();
+        Ok(Self { parts: parts?, D: scaled.D, dual, timebase: g.timebase })
     }
 
     /// The response at one frequency in rad/s.
@@ -101,12 +111,22 @@ impl Response {
         for group in points.chunks(LANES) {
             let mut lanes = [*group.last().unwrap_or(&C64::new(0.0, 0.0)); LANES];
             lanes[..group.len()].copy_from_slice(group);
-            let values = sweep(&self.H, &self.B, &self.C, &Lane::new(&lanes));
+            let values = self.sum(&Lane::new(&lanes));
             for (lane, &s) in group.iter().enumerate() {
                 out.push(self.gather(&values, lane, s)?);
             }
         }
         Ok(out)
+    }
+
+    /// The parts' responses added, p x m, column by column.
+    fn sum(&self, s: &Lane) -> Vec<Lane> {
+        let mut sum = vec![Lane::ZERO; self.D.as_slice().len()];
+        for part in &self.parts {
+            let values = sweep(&part.H, &part.B, &part.C, s);
+            sum.iter_mut().zip(&values).for_each(|(total, value)| total.add(value));
+        }
+        sum
     }
 
     /// The first entry of the response at each frequency, not finite where that is a pole.
@@ -115,7 +135,7 @@ impl Response {
         for group in rates_rad_s.chunks(LANES) {
             let mut lanes = [C64::new(0.0, 1.0); LANES];
             lanes.iter_mut().zip(group).for_each(|(lane, &rate)| *lane = point(rate, self.timebase));
-            let values = sweep(&self.H, &self.B, &self.C, &Lane::new(&lanes));
+            let values = self.sum(&Lane::new(&lanes));
             out.extend((0..group.len()).map(|lane| values[0].get(lane) + self.D[(0, 0)]));
         }
         out
@@ -134,6 +154,13 @@ impl Response {
             return Err(Error::Pole { what, re: s.re, im: s.im, problem });
         }
         Ok(if self.dual { CMat::from_fn(m, p, |i, j| G[(j, i)]) } else { G })
+    }
+}
+
+impl Part {
+    fn of(g: &StateSpace) -> Result<Self, Error> {
+        let (H, U, g) = block_hessenberg(g)?;
+        Ok(Self { B: &U.t() * &g.B, C: &g.C * &U, H })
     }
 }
 
