@@ -157,7 +157,7 @@ fn problem(plant: &DesignPlant, weights: &FeedforwardWeights, channel: Channel) 
 }
 
 /// The generator with outputs (d, d', d'', ...), `count` of them.
-fn with_derivatives(generator: &StateSpace, count: usize) -> Result<StateSpace, Error> {
+pub(crate) fn with_derivatives(generator: &StateSpace, count: usize) -> Result<StateSpace, Error> {
     let mut rows = generator.C.clone();
     let mut row = generator.C.clone();
     let mut direct = generator.D.norm_max();

@@ -49,6 +49,7 @@ pub mod outcome;
 pub mod plant;
 pub mod preflight;
 pub mod rational;
+pub mod schedule;
 pub mod specification;
 pub mod weight;
 
@@ -68,5 +69,8 @@ pub use outcome::Outcome;
 pub use plant::{Channel, DesignPlant};
 pub use preflight::preflight;
 pub use rational::Rational;
+pub use schedule::{
+    Conditions, Configuration, Entry, Law, discretise_schedule, schedule, stabilisation_error,
+};
 pub use specification::{Assembly, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, Specification};
 pub use weight::Weight;

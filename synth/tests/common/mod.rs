@@ -2,15 +2,21 @@
 #![allow(clippy::unwrap_used, dead_code)]
 
 use counterpoise_lti::C64;
-use counterpoise_models::{Angles, FrictionLinearisation, LinearPlant, OperatingPoint, Plant, reference};
+use counterpoise_models::{
+    Angles, FrictionLinearisation, LinearPlant, OperatingPoint, Parameters, Plant, reference,
+};
 use counterpoise_synth::{
     Assembly, DesignPlant, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, Specification, Weight,
 };
 
 /// The lumped reference rig, held at 0 rad, viscous friction, with its sensors and one sample of delay.
 pub fn rig() -> DesignPlant {
-    let parameters = reference::rig();
-    let plant = Plant::lumped(&parameters).unwrap();
+    plant(&reference::rig())
+}
+
+/// Any parameters as a design plant, in the same way.
+pub fn plant(parameters: &Parameters) -> DesignPlant {
+    let plant = Plant::lumped(parameters).unwrap();
     let equilibrium = plant.equilibrium(&OperatingPoint::default());
     let linear = plant.linearise(&equilibrium, FrictionLinearisation::Viscous, Angles::Drop).unwrap();
     let sensors = &parameters.sensors;
@@ -37,7 +43,7 @@ pub fn weights() -> Specification {
             control: Weight::Lead { gain: 1.0, time_s: 0.005 },
             combination: vec![],
             measurement_noise: 4e-11,
-            disturbances: vec![(LinearPlant::HEAVE, 3.6e-4)],
+            disturbances: vec![],
             loop_recovery: 3.6e-4,
         },
         heave: Some(heave()),

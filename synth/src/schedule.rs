@@ -1,0 +1,346 @@
+//! The design over out-of-balance: when a gain is enough, and when the controller must be designed anew.
+//!
+//! Theory: with the plant's inertia kept, no gravity gradient and separate costs, the out-of-balance M enters through the
+//! heave columns alone, in proportion. Then feedback and pitch feedforward do not change, and the heave feedforward is
+//! M times a fixed module. Here these conditions are *checked* on the plants, not believed.
+
+use counterpoise_controller::{Controller, Path, Scaling, Signal, realise::modal};
+use counterpoise_lti::response::Response;
+use counterpoise_lti::{Mat, StateSpace, Timebase, append, c2d, h2norm, lft, series};
+
+use crate::feedforward::with_derivatives;
+use crate::{
+    Channel, Design, DesignPlant, Error, Outcome, Sampled, Sampling, Specification, check, design, discretise,
+};
+
+/// A state of the machine: masses fitted, plant linearised with them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Configuration {
+    /// Its name.
+    pub name: String,
+    /// Its out-of-balance, kg m.
+    pub out_of_balance_kg_m: f64,
+    /// Its plant, with states and signals in the order of the nominal one.
+    pub plant: DesignPlant,
+}
+
+/// Relative difference below which two matrices count as equal.
+pub const EQUAL: f64 = 1e-9;
+/// The band over which controllers are compared, rad/s: 0.1 to 20 Hz.
+pub const BAND_RAD_S: (f64, f64) = (0.628, 126.0);
+/// Number of frequencies in the band.
+const BAND_POINTS: usize = 60;
+/// Largest deviation in the band up to which the gain law stands in for a redesign, relative to the redesigned module.
+pub const GAIN_LAW: f64 = 0.02;
+
+/// The conditions of the gain law, each as the largest relative deviation that was found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Conditions {
+    /// Control and measurement path: A, control column, outputs. Zero: feedback and pitch need not change.
+    pub path_deviation: f64,
+    /// Pitch columns.
+    pub pitch_deviation: f64,
+    /// Heave columns against the ratio of the out-of-balances.
+    pub proportion_deviation: f64,
+    /// Columns of the white disturbances that the feedback's filter assumes.
+    pub noise_deviation: f64,
+}
+
+impl Conditions {
+    /// Whether theory says that the feedback need not change.
+    pub fn feedback_stays(&self) -> bool {
+        self.path_deviation.max(self.noise_deviation) <= EQUAL
+    }
+
+    /// Whether theory says that the gain law is exact.
+    pub fn hold(&self) -> bool {
+        self.path_deviation.max(self.pitch_deviation).max(self.proportion_deviation) <= EQUAL
+    }
+}
+
+/// What to do with the heave feedforward in a configuration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Law {
+    /// Its gain times the ratio of the out-of-balances; exact by theory.
+    ExactGain {
+        /// M over the nominal M.
+        factor: f64,
+    },
+    /// The gain law does not hold exactly, but deviates from the redesign by no more than [`GAIN_LAW`] in the band.
+    NearlyGain {
+        /// M over the nominal M.
+        factor: f64,
+        /// Largest deviation in the band, relative to the redesign.
+        deviation: f64,
+    },
+    /// A design of its own.
+    Redesign {
+        /// Largest deviation of the gain law in the band, relative to the redesign; infinite without nominal imbalance.
+        deviation: f64,
+    },
+}
+
+/// One configuration of the schedule.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entry {
+    /// Its name.
+    pub name: String,
+    /// Its out-of-balance, kg m.
+    pub out_of_balance_kg_m: f64,
+    /// Which conditions hold.
+    pub conditions: Conditions,
+    /// What follows for the heave feedforward.
+    pub law: Law,
+    /// The full redesign.
+    pub design: Design,
+    /// Change of the feedback against nominal, lowest and highest over the band, dB.
+    pub feedback_db: (f64, f64),
+    /// Change of the heave feedforward; none where there is none.
+    pub heave_db: Option<(f64, f64)>,
+    /// Change of the pitch feedforward.
+    pub pitch_db: Option<(f64, f64)>,
+    /// RMS hub rate under the heave generator with the nominal controllers, rad/s.
+    pub error_before: Option<f64>,
+    /// The same with the nominal controllers and the gain law.
+    pub error_gain_law: Option<f64>,
+    /// The same with the redesign.
+    pub error_after: Option<f64>,
+}
+
+/// Designs every configuration anew and says what a gain would have done.
+///
+/// # Errors
+/// [`Error`] for plants that do not match the nominal one. A configuration without solution is
+/// [`Outcome::Infeasible`].
+pub fn schedule(
+    nominal: &Configuration,
+    others: &[Configuration],
+    specification: &Specification,
+) -> Result<Outcome<Vec<Entry>>, Error> {
+    let base = match design(&nominal.plant, specification)? {
+        Outcome::Solved(design) => design,
+        Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
+    };
+    let mut entries = Vec::new();
+    for configuration in std::iter::once(nominal).chain(others) {
+        match design(&configuration.plant, specification)? {
+            Outcome::Solved(design) => entries.push(entry(nominal, configuration, &base, design)?),
+            Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
+        }
+    }
+    Ok(Outcome::Solved(entries))
+}
+
+fn entry(
+    nominal: &Configuration,
+    here: &Configuration,
+    base: &Design,
+    design: Design,
+) -> Result<Entry, Error> {
+    let factor = here.out_of_balance_kg_m / nominal.out_of_balance_kg_m;
+    let noises: Vec<usize> =
+        design.specification.feedback.disturbances.iter().map(|(input, _)| *input).collect();
+    let conditions = conditions(&nominal.plant, &here.plant, (factor, &noises))?;
+    let law = law(conditions, base, &design, factor)?;
+    let error = |with: &Design, gain: f64| match with.heave {
+        Some(_) => stabilisation_error(&here.plant, with, Channel::Heave, gain).map(Some),
+        None => Ok(None),
+    };
+    let gain = if factor.is_finite() { factor } else { 1.0 };
+    let change =
+        |channel| match (base.feedforward_controller(channel), design.feedforward_controller(channel)) {
+            (Some(before), Some(after)) => change_db(&before, &after).map(Some),
+            _ => Ok(None),
+        };
+    Ok(Entry {
+        name: here.name.clone(),
+        out_of_balance_kg_m: here.out_of_balance_kg_m,
+        conditions,
+        law,
+        feedback_db: change_db(&base.feedback_controller(), &design.feedback_controller())?,
+        heave_db: change(Channel::Heave)?,
+        pitch_db: change(Channel::Pitch)?,
+        error_before: error(base, 1.0)?,
+        error_gain_law: error(base, gain)?,
+        error_after: error(&design, 1.0)?,
+        design,
+    })
+}
+
+/// Checks the conditions of the gain law on two plants: the ratio of their out-of-balances, and the inputs of the white
+/// disturbances that the feedback assumes.
+///
+/// # Errors
+/// [`Error::System`] where the plants have different sizes.
+pub fn conditions(
+    nominal: &DesignPlant,
+    here: &DesignPlant,
+    (factor, noises): (f64, &[usize]),
+) -> Result<Conditions, Error> {
+    let (a, b) = (&nominal.system, &here.system);
+    let same = a.order() == b.order() && a.D.shape() == b.D.shape() && nominal.heave == here.heave;
+    if !same || nominal.pitch != here.pitch || nominal.control != here.control {
+        return Err(Error::System {
+            what: "configuration",
+            problem: "its plant differs in size from the nominal one",
+        });
+    }
+    let states: Vec<usize> = (0..a.order()).collect();
+    let columns = |g: &StateSpace, inputs: &[usize]| g.B.select(&states, inputs);
+    let path = deviation(&a.A, &b.A)
+        .max(deviation(&columns(a, &[nominal.control]), &columns(b, &[here.control])))
+        .max(deviation(&a.C, &b.C));
+    let heave = columns(a, &nominal.heave).scale(factor);
+    Ok(Conditions {
+        path_deviation: path,
+        pitch_deviation: deviation(&columns(a, &nominal.pitch), &columns(b, &here.pitch)),
+        proportion_deviation: deviation(&heave, &columns(b, &here.heave)),
+        noise_deviation: deviation(&columns(a, noises), &columns(b, noises)),
+    })
+}
+
+/// |b - a| / |a|, infinite where that is no number.
+fn deviation(a: &Mat, b: &Mat) -> f64 {
+    let difference = (a - b).norm_fro();
+    if difference == 0.0 {
+        return 0.0;
+    }
+    let relative = difference / a.norm_fro();
+    if relative.is_nan() { f64::INFINITY } else { relative }
+}
+
+fn law(conditions: Conditions, base: &Design, here: &Design, factor: f64) -> Result<Law, Error> {
+    let modules = (base.feedforward_controller(Channel::Heave), here.feedforward_controller(Channel::Heave));
+    if conditions.hold() {
+        return Ok(Law::ExactGain { factor });
+    }
+    let (Some(before), Some(after)) = modules else { return Ok(Law::NearlyGain { factor, deviation: 0.0 }) };
+    if !factor.is_finite() {
+        return Ok(Law::Redesign { deviation: f64::INFINITY });
+    }
+    let deviation = worst_deviation(&before, &after, factor)?;
+    Ok(if deviation <= GAIN_LAW {
+        Law::NearlyGain { factor, deviation }
+    } else {
+        Law::Redesign { deviation }
+    })
+}
+
+/// Largest |after - factor before| in the band over the largest |after|.
+fn worst_deviation(before: &StateSpace, after: &StateSpace, factor: f64) -> Result<f64, Error> {
+    let (before, after) = (Response::of(before)?, Response::of(after)?);
+    let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
+    for rate in band() {
+        let (a, b) = (before.at(rate)?[(0, 0)], after.at(rate)?[(0, 0)]);
+        worst = worst.max((b - a * factor).norm());
+        largest = largest.max(b.norm());
+    }
+    Ok(if worst == 0.0 { 0.0 } else { worst / largest })
+}
+
+fn band() -> impl Iterator<Item = f64> {
+    let (low, high) = BAND_RAD_S;
+    (0..BAND_POINTS).map(move |k| low * (high / low).powf(k as f64 / (BAND_POINTS - 1) as f64))
+}
+
+/// Lowest and highest change of a controller's gain over the band, dB, on its last input.
+fn change_db(before: &StateSpace, after: &StateSpace) -> Result<(f64, f64), Error> {
+    let last = before.inputs() - 1;
+    let (before, after) = (Response::of(before)?, Response::of(after)?);
+    let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
+    for rate in band() {
+        let ratio = after.at(rate)?[(0, last)].norm() / before.at(rate)?[(0, last)].norm();
+        let db = 20.0 * ratio.log10();
+        (lowest, highest) = (lowest.min(db), highest.max(db));
+    }
+    Ok((lowest, highest))
+}
+
+/// RMS of the true rate under a channel's generator, feedback and feedforward in action, the feedforward's output times
+/// `gain`; infinite for a loop that is not stable.
+///
+/// # Errors
+/// [`Error::System`] where the design has no feedforward for the channel.
+pub fn stabilisation_error(
+    plant: &DesignPlant,
+    design: &Design,
+    channel: Channel,
+    gain: f64,
+) -> Result<f64, Error> {
+    let missing = Error::System { what: "design", problem: "it has no feedforward for this channel" };
+    let (Some(module), Some(weights)) =
+        (design.feedforward_controller(channel), design.specification.feedforward(channel))
+    else {
+        return Err(missing);
+    };
+    let columns = plant.columns(channel);
+    let source = with_derivatives(&weights.generator.realise()?, columns.len())?;
+    let module = match plant.sensor(channel) {
+        Some(sensor) if module.inputs() == 1 => series(sensor, &module)?,
+        _ => module,
+    };
+    let wires = StateSpace::gain(Mat::eye(columns.len()), Timebase::Continuous)?;
+    let doubled = StateSpace::gain(spread(columns.len(), module.inputs()), Timebase::Continuous)?;
+    let driven = series(
+        &series(&source, &doubled)?,
+        &append(&wires, &module.scale_io(&[gain], &vec![1.0; module.inputs()])?)?,
+    )?;
+    let seen = plant.measured()?;
+    let inputs: Vec<usize> = columns.iter().copied().chain([plant.control]).collect();
+    let open = append(&driven, &StateSpace::gain(Mat::eye(1), Timebase::Continuous)?)?;
+    let sum = StateSpace::gain(added(columns.len()), Timebase::Continuous)?;
+    let P = series(&series(&open, &sum)?, &seen.select(&[1 + plant.rate, 0], &inputs))?;
+    let K = design.feedback_controller().select(&[0], &[1]);
+    Ok(h2norm(&lft(&P, &K)?)?)
+}
+
+/// From (d, d', ...) to (d, d', ..., what the module reads).
+fn spread(signals: usize, read: usize) -> Mat {
+    Mat::eye(signals).vstack(&Mat::from_fn(read, signals, |i, j| if i == j { 1.0 } else { 0.0 }))
+}
+
+/// From (d, d', ..., u of the feedforward, u of the feedback) to (d, d', ..., their sum).
+fn added(signals: usize) -> Mat {
+    let mut D = Mat::zeros(signals + 1, signals + 2);
+    D.set_block(0, 0, &Mat::eye(signals));
+    (D[(signals, signals)], D[(signals, signals + 1)]) = (1.0, 1.0);
+    D
+}
+
+/// One controller for the whole schedule: the nominal feedback and pitch feedforward, and the redesigned heave
+/// feedforwards interpolated over the out-of-balance.
+///
+/// # Errors
+/// [`Error`] for fewer than two entries, or two of one out-of-balance. A nominal sampled loop that is not stable is
+/// [`Outcome::Infeasible`].
+pub fn discretise_schedule(
+    nominal: &Design,
+    entries: &[Entry],
+    sampling: &Sampling,
+) -> Result<Outcome<Sampled>, Error> {
+    let base = match discretise(nominal, sampling)? {
+        Outcome::Solved(sampled) => sampled,
+        Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
+    };
+    let mut sorted: Vec<&Entry> = entries.iter().collect();
+    sorted.sort_by(|a, b| a.out_of_balance_kg_m.total_cmp(&b.out_of_balance_kg_m));
+    if sorted.len() < 2 {
+        return Err(Error::System { what: "schedule", problem: "it needs two configurations or more" });
+    }
+    let at = |index: usize| sorted.get(index).map(|entry| entry.out_of_balance_kg_m);
+    let mut paths: Vec<Path> =
+        base.controller.parts().paths.iter().filter(|p| p.name != "heave").cloned().collect();
+    for (index, entry) in sorted.iter().enumerate() {
+        let Some(module) = entry.design.feedforward_controller(Channel::Heave) else { continue };
+        let system = modal(&c2d(&module, sampling.period_s, sampling.method)?)?.system;
+        let scaling = Scaling::Scheduled {
+            below_kg_m: index.checked_sub(1).and_then(at),
+            at_kg_m: entry.out_of_balance_kg_m,
+            above_kg_m: at(index + 1),
+        };
+        let (name, anti_windup) = (format!("heave_{index}"), vec![0.0; system.order()]);
+        paths.push(Path { name, inputs: vec![Signal::PlatformAcceleration], system, anti_windup, scaling });
+    }
+    let controller: Controller = base.controller.with(|parts| parts.paths = paths)?;
+    check(&nominal.plant, controller, sampling)
+}
