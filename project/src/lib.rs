@@ -13,6 +13,7 @@
 //! assert_eq!(errors[1].to_string(), "rig.toml:2:8: error: plant.name = 3: must be a text in quotes, not a whole number");
 //! ```
 
+pub mod claims;
 pub mod diagnostic;
 pub mod file;
 pub mod pipeline;

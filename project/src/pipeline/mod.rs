@@ -19,7 +19,7 @@ pub use export::export;
 pub use model::{Modelled, model};
 pub use reduce::{Reduced, reduce};
 pub use synth::{Synthesised, synthesise};
-pub use verify::verify;
+pub use verify::{procedure, verify};
 
 use crate::Project;
 

@@ -17,19 +17,27 @@ pub fn verify(
     synthesised: &Synthesised,
     world: &dyn World,
 ) -> Result<VerifiedController, PipelineError> {
-    let asked = project
-        .verify
-        .as_ref()
-        .ok_or(PipelineError::Missing { section: "verify", needed_by: "the verification" })?;
+    let procedure = procedure(project, world)?;
+    let asked = project.verify.as_ref().ok_or(MISSING)?;
+    let controller = &synthesised.sampled.controller;
+    Ok(counterpoise_verify::verify(&modelled.plant, controller, &procedure, &asked.requirements)?)
+}
+
+const MISSING: PipelineError = PipelineError::Missing { section: "verify", needed_by: "the verification" };
+
+/// What the project does to the mechanism, with its road read.
+///
+/// # Errors
+/// A road that cannot be read.
+pub fn procedure(project: &Project, world: &dyn World) -> Result<Procedure, PipelineError> {
+    let asked = project.verify.as_ref().ok_or(MISSING)?;
     let road = asked.road.as_ref().map(|source| read_road(source, world)).transpose()?;
-    let procedure = Procedure {
+    Ok(Procedure {
         operating_point: project.model.operating_point,
         friction: project.model.friction,
         road,
         ..asked.procedure.clone()
-    };
-    let controller = &synthesised.sampled.controller;
-    Ok(counterpoise_verify::verify(&modelled.plant, controller, &procedure, &asked.requirements)?)
+    })
 }
 
 /// The part of a recording that the project asks for.

@@ -1,0 +1,33 @@
+//! The thesis' claims on the reference rig: every row is there, and what it is known to find stays found.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use counterpoise_project::Project;
+use counterpoise_project::claims::{Finding, claims};
+use counterpoise_project::pipeline::World;
+
+struct Example;
+
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/reference-rig/");
+
+impl World for Example {
+    fn read(&self, name: &str) -> Result<Vec<u8>, String> {
+        std::fs::read(format!("{FOLDER}{name}")).map_err(|error| error.to_string())
+    }
+}
+
+#[test]
+fn every_claim_of_the_thesis_is_answered_on_the_reference_rig() {
+    let text = std::fs::read_to_string(format!("{FOLDER}project.toml")).unwrap();
+    let project = Project::parse(&text, "project.toml").unwrap().project;
+    let rows = claims(&project, &Example, &|_, _| {}).unwrap();
+    for row in &rows {
+        println!("{:4} {:?}\n     {}\n     {}", row.id, row.finding, row.says, row.measured);
+        assert!(!row.measured.contains("NaN"), "{}: {}", row.id, row.measured);
+    }
+    let ids: Vec<String> = (1..=27).map(|k| format!("C{k}")).collect();
+    assert_eq!(rows.iter().map(|row| row.id).collect::<Vec<_>>(), ids);
+    for id in ["C5", "C7"] {
+        let row = rows.iter().find(|row| row.id == id).unwrap();
+        assert_eq!(row.finding, Finding::Holds, "{id}: {}", row.measured);
+    }
+}
