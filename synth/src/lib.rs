@@ -32,6 +32,7 @@
 //! ```
 #![allow(non_snake_case)]
 
+pub mod adaptation;
 pub mod alternatives;
 mod augmented;
 pub mod certificate;
@@ -45,6 +46,7 @@ pub mod generalised;
 pub mod h2syn;
 pub mod hinfsyn;
 pub mod lqg;
+pub mod observer;
 pub mod outcome;
 pub mod plant;
 pub mod preflight;
@@ -53,6 +55,7 @@ pub mod schedule;
 pub mod specification;
 pub mod weight;
 
+pub use adaptation::{Adaptive, Estimation, Recursive, RecursiveSettings, WindowedMean};
 pub use alternatives::{Alternative, Method, alternative};
 pub use certificate::{Cost, Equation};
 pub use design::{Design, design};
@@ -65,6 +68,7 @@ pub use generalised::Generalised;
 pub use h2syn::{H2, h2syn};
 pub use hinfsyn::{HInfinity, hinfsyn};
 pub use lqg::{Gain, Recovered, kalman, lqg_ltr, lqr, observer_controller};
+pub use observer::{Drive, Drives, Identified, Side, friction_observers};
 pub use outcome::Outcome;
 pub use plant::{Channel, DesignPlant};
 pub use preflight::preflight;

@@ -1,0 +1,139 @@
+//! Cancelling dry friction by a nonlinear observer: identified levels in, observers for the controller out.
+
+use counterpoise_controller::{FrictionObserver, Signal};
+
+use crate::Error;
+
+/// On which side of the gear a friction acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// At the motor shaft: levels are torques there, per angle of the shaft.
+    Motor,
+    /// At the load: levels are torques at the hub.
+    Load,
+}
+
+/// A friction as it was identified, of Dahl's kind.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Identified {
+    /// A lower-case identifier.
+    pub name: String,
+    /// Where it acts.
+    pub side: Side,
+    /// Coulomb level, N m.
+    pub coulomb_nm: f64,
+    /// Rest stiffness, N m/rad.
+    pub rest_stiffness_nm_rad: f64,
+    /// Viscous coefficient, N m s/rad; 0 leaves the viscous part to the linear design, which knows it.
+    pub viscous_nm_s_rad: f64,
+}
+
+/// How the drive turns volts into torque at the hub.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drive {
+    /// Motor turns per hub turn.
+    pub ratio: f64,
+    /// Torque at the stalled hub for one volt, N m/V.
+    pub stall_nm_v: f64,
+}
+
+/// What drives the observer's friction state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Drives {
+    /// The measured rate of the hub relative to the platform: feedback.
+    MeasuredRate,
+    /// The demanded rate: feedforward, which noise and backlash cannot excite.
+    Demand,
+}
+
+/// One observer for each friction, in torque at the hub: a motor's level counts `ratio` times, its stiffness ratio^2
+/// times (the gear taken as rigid: its wind-up is small against presliding at the motor).
+///
+/// `share` is the part that is cancelled, 0 to 1: what is cancelled beyond what is there makes the loop hunt.
+///
+/// # Errors
+/// [`Error::Range`] for a share outside 0 to 1, a drive without torque, or levels that are not positive.
+pub fn friction_observers(
+    frictions: &[Identified],
+    drive: Drive,
+    drives: Drives,
+    share: f64,
+) -> Result<Vec<FrictionObserver>, Error> {
+    range("share", share, (0.0..=1.0).contains(&share), "from 0 to 1")?;
+    range("gear ratio", drive.ratio, drive.ratio > 0.0, "positive")?;
+    range("stall torque a volt", drive.stall_nm_v, drive.stall_nm_v != 0.0, "not zero")?;
+    frictions.iter().map(|friction| observer(friction, drive, drives, share)).collect()
+}
+
+fn observer(
+    friction: &Identified,
+    drive: Drive,
+    drives: Drives,
+    share: f64,
+) -> Result<FrictionObserver, Error> {
+    let (level, stiffness) = (friction.coulomb_nm, friction.rest_stiffness_nm_rad);
+    range("Coulomb level in N m", level, level > 0.0, "positive")?;
+    range("rest stiffness in N m/rad", stiffness, stiffness > 0.0, "positive")?;
+    let turns = match friction.side {
+        Side::Motor => drive.ratio,
+        Side::Load => 1.0,
+    };
+    let volts = share / drive.stall_nm_v;
+    Ok(FrictionObserver {
+        name: friction.name.clone(),
+        rate: match drives {
+            Drives::MeasuredRate => Signal::RelativeRate,
+            Drives::Demand => Signal::Demand,
+        },
+        coulomb_nm: level * turns,
+        rest_stiffness_nm_rad: stiffness * turns * turns,
+        volts_per_nm: volts,
+        viscous_v_s_rad: volts * friction.viscous_nm_s_rad * turns * turns,
+    })
+}
+
+fn range(what: &'static str, value: f64, good: bool, allowed: &'static str) -> Result<(), Error> {
+    if good && value.is_finite() { Ok(()) } else { Err(Error::Range { what, value, allowed }) }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use counterpoise_controller::{Controller, Parts, Readings, SampledController};
+
+    fn identified(side: Side) -> Identified {
+        Identified {
+            name: "dry".into(),
+            side,
+            coulomb_nm: 0.065,
+            rest_stiffness_nm_rad: 1.3,
+            viscous_nm_s_rad: 0.0,
+        }
+    }
+
+    #[test]
+    fn a_sliding_motor_is_given_the_volts_that_its_friction_takes() {
+        let drive = Drive { ratio: 200.0, stall_nm_v: 516.0 };
+        let observers =
+            friction_observers(&[identified(Side::Motor)], drive, Drives::MeasuredRate, 1.0).unwrap();
+        let mut parts = Parts::new(1e-3, 10.0);
+        parts.observers = observers;
+        let mut runner = Controller::new(parts).unwrap().runner();
+        let sliding = Readings { hub_rate_rad_s: 0.2, platform_rate_rad_s: -0.1, ..Readings::default() };
+        let last = (0..4000).map(|_| runner.step(&sliding)).last().unwrap();
+        assert!((last - 200.0 * 0.065 / 516.0).abs() < 1e-6, "{last}");
+        let back = Readings { hub_rate_rad_s: -0.2, platform_rate_rad_s: 0.1, ..Readings::default() };
+        let last = (0..4000).map(|_| runner.step(&back)).last().unwrap();
+        assert!((last + 200.0 * 0.065 / 516.0).abs() < 1e-6, "{last}");
+    }
+
+    #[test]
+    fn what_is_not_a_share_or_a_level_is_refused() {
+        let drive = Drive { ratio: 200.0, stall_nm_v: 516.0 };
+        let try_share = |share| friction_observers(&[identified(Side::Load)], drive, Drives::Demand, share);
+        assert!(try_share(1.2).is_err() && try_share(f64::NAN).is_err() && try_share(0.8).is_ok());
+        let none = Identified { coulomb_nm: 0.0, ..identified(Side::Load) };
+        assert!(friction_observers(&[none], drive, Drives::Demand, 0.8).is_err());
+    }
+}
