@@ -29,22 +29,80 @@ pub fn dlyap_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
     factor(A, B, Kind::Discrete)
 }
 
+/// The factors of both Gramians from one Schur form: `A P + P A' + B B' = 0` and `A' Q + Q A + C' C = 0`, each lower
+/// triangular. Method and errors as for [`lyap_factor`].
+///
+/// # Errors
+/// Wrong shapes, entries that are not finite, or [`Error::NotStable`] with the eigenvalue.
+pub fn lyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
+    let form = Prepared::of(A, Kind::Continuous)?;
+    Ok((form.reached(B)?, form.seen(C)?))
+}
+
+/// The factors of both Gramians from one Schur form: `A P A' - P + B B' = 0` and `A' Q A - Q + C' C = 0`; as
+/// [`lyap_factors`].
+///
+/// # Errors
+/// Wrong shapes, entries that are not finite, or [`Error::NotStable`] with the eigenvalue.
+pub fn dlyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
+    let form = Prepared::of(A, Kind::Discrete)?;
+    Ok((form.reached(B)?, form.seen(C)?))
+}
+
 fn factor(A: &Mat, B: &Mat, kind: Kind) -> Result<Mat, Error> {
-    check_square("A", A)?;
-    check_shape("B", B, (A.nrows(), B.ncols()))?;
-    let balanced = crate::balance::balance(A)?;
-    let form = schur(&balanced.A)?;
-    check_stable(&form, kind)?;
-    let d = &balanced.scale;
-    let scaled = Mat::from_fn(B.nrows(), B.ncols(), |i, j| B[(i, j)] / d[i]);
-    let (T, Z) = complex_form(&form);
-    let reduced = narrow(&(form.U.t() * &scaled))?;
-    let R = triangular_factor(&T, &(Z.h() * reduced.to_complex()), kind);
-    let whole = form.U.to_complex() * &Z * &R;
-    let n = A.nrows();
-    let real =
-        Mat::from_fn(n, 2 * n, |i, j| d[i] * if j < n { whole[(i, j)].re } else { whole[(i, j - n)].im });
-    Ok(qr_r(&real.t())?.t())
+    Prepared::of(A, kind)?.reached(B)
+}
+
+/// A stable matrix, balanced (`A = D Ab D^-1`), in Schur form `Ab = U (Z T Z^H) U'`.
+struct Prepared {
+    scale: Vec<f64>,
+    U: Mat,
+    Z: CMat,
+    T: CMat,
+    kind: Kind,
+}
+
+impl Prepared {
+    fn of(A: &Mat, kind: Kind) -> Result<Self, Error> {
+        check_square("A", A)?;
+        let balanced = crate::balance::balance(A)?;
+        let form = schur(&balanced.A)?;
+        check_stable(&form, kind)?;
+        let (T, Z) = complex_form(&form);
+        Ok(Self { scale: balanced.scale, U: form.U, Z, T, kind })
+    }
+
+    /// The factor of the equation with `A` and `B B'`.
+    fn reached(&self, B: &Mat) -> Result<Mat, Error> {
+        check_shape("B", B, (self.U.nrows(), B.ncols()))?;
+        let scaled = Mat::from_fn(B.nrows(), B.ncols(), |i, j| B[(i, j)] / self.scale[i]);
+        let reduced = narrow(&(self.U.t() * &scaled))?;
+        let R = triangular_factor(&self.T, &(self.Z.h() * reduced.to_complex()), self.kind);
+        self.lower(&(&self.Z * &R), |i| self.scale[i])
+    }
+
+    /// The factor of the equation with `A'` and `C' C`: its triangular form is `T^H` with rows and columns in reverse.
+    fn seen(&self, C: &Mat) -> Result<Mat, Error> {
+        let n = self.U.nrows();
+        check_shape("C", C, (C.nrows(), n))?;
+        let scaled = Mat::from_fn(n, C.nrows(), |i, j| C[(j, i)] * self.scale[i]);
+        let reduced = narrow(&(self.U.t() * &scaled))?;
+        let T = CMat::from_fn(n, n, |i, j| self.T[(n - 1 - j, n - 1 - i)].conj());
+        let Z = CMat::from_fn(n, n, |i, j| self.Z[(i, n - 1 - j)]);
+        let R = triangular_factor(&T, &(Z.h() * reduced.to_complex()), self.kind);
+        self.lower(&(&Z * &R), |i| 1.0 / self.scale[i])
+    }
+
+    /// The real lower triangular factor of `S S^H`, `S = diag(scale) U inner`.
+    fn lower(&self, inner: &CMat, scale: impl Fn(usize) -> f64) -> Result<Mat, Error> {
+        let n = self.U.nrows();
+        let parts = inner.map(|e| e.re).hstack(&inner.map(|e| e.im));
+        let mut whole = &self.U * &parts;
+        for j in 0..2 * n {
+            whole.column_mut(j).iter_mut().enumerate().for_each(|(i, e)| *e *= scale(i));
+        }
+        Ok(qr_r(&whole.t())?.t())
+    }
 }
 
 fn check_stable(form: &Schur, kind: Kind) -> Result<(), Error> {

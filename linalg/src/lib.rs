@@ -37,7 +37,7 @@ pub use decomposition::{
 pub use dense::{Qr, cdet, cholesky, csolve, dot, inverse, lstsq, pinv, qr, qr_full_q, qr_r, solve};
 pub use error::Error;
 pub use expm::{expm, expm_integral, van_loan_cost, van_loan_noise};
-pub use hammarling::{dlyap_factor, lyap_factor};
+pub use hammarling::{dlyap_factor, dlyap_factors, lyap_factor, lyap_factors};
 pub use lyapunov::{dlyap, lyap};
 pub use mat::{C64, CMat, Mat};
 pub use riccati::{Certificate, Method, Outcome, Reason, Riccati, care, care_g, dare};
