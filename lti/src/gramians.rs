@@ -45,12 +45,27 @@ pub fn obsv_factor(g: &StateSpace) -> Result<Mat, Error> {
     ctrb_factor(&g.dual())
 }
 
+/// Both factors, of P and of Q, from one Schur form.
+///
+/// # Errors
+/// [`Error::Pole`] for a system that is not stable.
+pub fn gramian_factors(g: &StateSpace) -> Result<(Mat, Mat), Error> {
+    let factors = match g.timebase {
+        Timebase::Continuous => linalg::lyap_factors(&g.A, &g.B, &g.C),
+        Timebase::Discrete { .. } => linalg::dlyap_factors(&g.A, &g.B, &g.C),
+    };
+    match factors {
+        Err(linalg::Error::NotStable { .. }) => Err(unstable("Gramians", g)?),
+        other => other.during("Gramians"),
+    }
+}
+
 /// The Hankel values, largest first: the square roots of the eigenvalues of P Q, from the factors.
 ///
 /// # Errors
 /// [`Error::Pole`] for a system that is not stable.
 pub fn hankel_values(g: &StateSpace) -> Result<Vec<f64>, Error> {
-    let (R, L) = (ctrb_factor(g)?, obsv_factor(g)?);
+    let (R, L) = gramian_factors(g)?;
     linalg::singular_values(&(&L.t() * &R)).during("Hankel values")
 }
 

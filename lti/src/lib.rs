@@ -49,7 +49,9 @@ pub use counterpoise_linalg::{C64, CMat, Mat};
 pub use delay::{delay_samples, pade};
 pub use discretise::{Cost, Discretisation, SampledCost, c2d, d2c_tustin, sampled_cost};
 pub use error::Error;
-pub use gramians::{ctrb_factor, ctrb_gramian, hankel_values, hankelnorm, obsv_factor, obsv_gramian};
+pub use gramians::{
+    ctrb_factor, ctrb_gramian, gramian_factors, hankel_values, hankelnorm, obsv_factor, obsv_gramian,
+};
 pub use margins::{DiskMargin, GainChange, GainMargin, Margins, PhaseMargin, margins};
 pub use named::{Named, connect};
 pub use norms::{Peak, h2norm, hinfnorm, linfnorm};

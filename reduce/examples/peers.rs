@@ -40,7 +40,10 @@ fn solve(kind: &str, g: &StateSpace, meta: &str) -> Answer {
         ),
         "bt" => {
             let order = number(meta, "bt_order") as usize;
-            let r = Balanced::of(g).expect("stable").reduce(order, Method::SquareRoot).expect("reducible");
+            let balanced = Balanced::of(g).expect("stable");
+            let r = balanced
+                .reduce(order.min(balanced.numerical_order()), Method::SquareRoot)
+                .expect("reducible");
             vec![("Ar", r.A), ("Br", r.B), ("Cr", r.C)]
         }
         other => panic!("unknown kind {other}"),

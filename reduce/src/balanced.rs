@@ -7,7 +7,7 @@ use crate::split::split;
 use crate::{Error, Method, Order, Reduction};
 use counterpoise_lti::linalg;
 use counterpoise_lti::scaling::balance;
-use counterpoise_lti::{Mat, StateSpace, Timebase, ctrb_factor, obsv_factor, parallel};
+use counterpoise_lti::{Mat, StateSpace, Timebase, gramian_factors, parallel};
 
 /// A stable system with the factors of its Gramians P = R R', Q = L L' and the decomposition L'R = U S V'.
 #[derive(Debug, Clone)]
@@ -27,7 +27,7 @@ impl Balanced {
     /// [`Error::System`] with the pole where the system is not stable.
     pub fn of(g: &StateSpace) -> Result<Self, Error> {
         let (system, _) = balance(g);
-        let (R, L) = (ctrb_factor(&system)?, obsv_factor(&system)?);
+        let (R, L) = gramian_factors(&system)?;
         Self::from_factors(system, R, L)
     }
 
@@ -47,7 +47,14 @@ impl Balanced {
         &self.values
     }
 
-    /// The system of order `r` by the given method; r at most the number of Hankel values above rounding.
+    /// The number of Hankel values above rounding: the largest order that can be asked for.
+    pub fn numerical_order(&self) -> usize {
+        let largest = self.values.first().copied().unwrap_or(0.0);
+        let floor = self.system.order() as f64 * f64::EPSILON * largest;
+        self.values.iter().filter(|&&value| value > floor).count()
+    }
+
+    /// The system of order `r` by the given method; r at most [`Balanced::numerical_order`].
     ///
     /// # Errors
     /// [`Error::Matrix`] where the projection is singular: r is too large.
@@ -55,12 +62,7 @@ impl Balanced {
         match method {
             Method::SquareRoot => self.square_root(r),
             Method::BalancingFree => self.balancing_free(r),
-            Method::MatchDc => {
-                let largest = self.hankel().first().copied().unwrap_or(0.0);
-                let floor = self.system.order() as f64 * f64::EPSILON * largest;
-                let all = self.hankel().iter().filter(|&&s| s > floor).count().max(r);
-                residualise(&self.square_root(all)?, r)
-            }
+            Method::MatchDc => residualise(&self.square_root(self.numerical_order().max(r))?, r),
         }
     }
 
