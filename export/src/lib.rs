@@ -7,7 +7,7 @@
 //! *Invariant*: no file system, no clock, no compiler: text in memory only.
 //!
 //! Modules in reading order: [`source`], [`provenance`], [`c99`](mod@c99), [`rust_crate`](mod@rust_crate), [`ranges`],
-//! [`rounding`], [`fixed`], [`fmi`], [`vectors`],
+//! [`rounding`], [`fixed`], [`targets`], [`fmi`], [`vectors`],
 //! [`check`](mod@check).
 //!
 //! ```
@@ -31,6 +31,7 @@ pub mod ranges;
 pub mod rounding;
 pub mod rust_crate;
 pub mod source;
+pub mod targets;
 pub mod vectors;
 
 mod print;
@@ -44,6 +45,7 @@ pub use ranges::Ranges;
 pub use rounding::{Deviation, single_precision};
 pub use rust_crate::rust_crate;
 pub use source::Source;
+pub use targets::{Numbers, TargetFigures, Targets, targets};
 
 use counterpoise_controller::Controller;
 use counterpoise_controller::program::Operation;

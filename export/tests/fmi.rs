@@ -14,7 +14,8 @@ use support::{STRICT, folder, is_there, provenance, run, typical, write};
 fn the_controller_unit_is_complete_and_compiles_in_silence() {
     let files = controller_unit(Unverified(&typical()), &provenance(), &Options::double("axis")).unwrap();
     let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
-    let expected = ["sources/axis.h", "sources/axis.c", "modelDescription.xml", "sources/buildDescription.xml"];
+    let expected =
+        ["sources/axis.h", "sources/axis.c", "modelDescription.xml", "sources/buildDescription.xml"];
     assert!(expected.iter().all(|name| names.contains(&format!("axis/{name}").as_str())), "{names:?}");
     let description = &files.iter().find(|file| file.name.ends_with("modelDescription.xml")).unwrap().text;
     let code = &files.iter().find(|file| file.name.ends_with("fmu.c")).unwrap().text;

@@ -59,7 +59,20 @@ pub fn history(
         Some(controller) => Acting::Runner(Box::new(controller.runner())),
         None => Acting::Constant(holding_v(simulator.plant(), &procedure.operating_point)),
     };
-    let run = simulator.run(&mut acting, &scenario(procedure, experiment))?;
+    history_of(simulator, &mut acting, procedure, experiment)
+}
+
+/// Runs one experiment with anything that acts once a sample: the same controller in other numbers, or on a target.
+///
+/// # Errors
+/// As [`history`].
+pub fn history_of(
+    simulator: &mut Simulator,
+    acting: &mut dyn SampledController,
+    procedure: &Procedure,
+    experiment: Experiment,
+) -> Result<History, Error> {
+    let run = simulator.run(acting, &scenario(procedure, experiment))?;
     let history = columns(run, experiment);
     Ok(if experiment == Experiment::Step { history.from_time(procedure.settle_s) } else { history })
 }

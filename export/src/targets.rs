@@ -1,0 +1,169 @@
+//! What smaller numbers cost: the controller in double, single and fixed point, side by side in the simulated loop.
+
+use counterpoise_controller::{Controller, Number, READINGS, Readings, Runner, SampledController};
+use counterpoise_models::plant::Plant;
+use counterpoise_simulate::Simulator;
+use counterpoise_verify::{Arrangement, Experiment, History, Procedure, VerifiedController, nonlinear};
+
+use crate::{Deviation, Fixed, FixedError, FixedRunner, Ranges, plan, single_precision};
+
+/// Margin of the ranges from which formats are chosen: two bits above what the verification's runs reach.
+pub const RANGE_MARGIN: f64 = 4.0;
+
+/// The numbers of a target.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Numbers {
+    /// Double: C and Rust, equal to the reference to the last bit.
+    Double,
+    /// Single: C and Rust.
+    Single,
+    /// 32-bit fixed point: C.
+    Fixed,
+}
+
+/// The controller in some numbers, in the simulated loop.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TargetFigures {
+    /// Which numbers.
+    pub numbers: Numbers,
+    /// How far the control can be from the reference for the same readings, predicted; exactly 0 for double.
+    pub predicted: Deviation,
+    /// How far it was, for the readings of the verification's runs, V.
+    pub measured_v: f64,
+    /// Each experiment with the closed loop's hub rate error in these numbers.
+    pub experiments: Vec<ExperimentFigures>,
+}
+
+/// The closed loop in one experiment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExperimentFigures {
+    /// Which.
+    pub experiment: Experiment,
+    /// RMS of demand less hub rate, rad/s.
+    pub error_rms_rad_s: f64,
+    /// That against double, dB: what the numbers cost in rejection.
+    pub cost_db: f64,
+}
+
+/// The comparison of a verified controller's targets.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Targets {
+    /// Double, single and, where it exists, fixed point.
+    pub figures: Vec<TargetFigures>,
+    /// The fixed-point form, or why there is none.
+    pub fixed: Result<Fixed, FixedError>,
+}
+
+/// Runs the verification's nonlinear experiments with the controller in each kind of numbers. The fixed-point formats come
+/// from the readings of the runs in double; its control may deviate by at most `allowed_v` for the same readings.
+///
+/// # Errors
+/// Those of the simulator.
+pub fn targets(
+    verified: &VerifiedController,
+    plant: &Plant,
+    procedure: &Procedure,
+    allowed_v: f64,
+) -> Result<Targets, counterpoise_verify::Error> {
+    let controller = verified.controller();
+    let mut bench = Bench { simulator: Simulator::new(plant)?, procedure, runs: Vec::new() };
+    let reference = bench.record(controller)?;
+    let samples = bench.runs.iter().map(Vec::len).max().unwrap_or(0);
+    let known = Ranges::from_readings(controller, &bench.runs, RANGE_MARGIN);
+    let fixed = plan(controller, &known, allowed_v, samples);
+    let exact = Deviation { worst_v: 0.0, rms_v: 0.0, samples };
+    let single = single_precision(controller, &known, samples);
+    let double = |c: &Controller| Box::new(c.runner()) as Box<dyn SampledController>;
+    let in_single = |c: &Controller| Box::new(c.runner_in::<f32>()) as Box<dyn SampledController>;
+    let mut figures = vec![
+        bench.figures((Numbers::Double, exact), &|| double(controller), (controller, &reference))?,
+        bench.figures((Numbers::Single, single), &|| in_single(controller), (controller, &reference))?,
+    ];
+    if let Ok(fixed) = &fixed {
+        let acting = || Box::new(FixedRunner::new(fixed)) as Box<dyn SampledController>;
+        let predicted = (Numbers::Fixed, fixed.deviation);
+        figures.push(bench.figures(predicted, &acting, (controller, &reference))?);
+    }
+    Ok(Targets { figures, fixed })
+}
+
+/// What all runs share.
+struct Bench<'a> {
+    simulator: Simulator,
+    procedure: &'a Procedure,
+    runs: Vec<Vec<[f64; READINGS]>>,
+}
+
+impl Bench<'_> {
+    /// The experiments with the whole controller.
+    fn experiments(&self) -> Vec<Experiment> {
+        let whole = |experiment: &Experiment| match experiment {
+            Experiment::Step | Experiment::Rest => true,
+            Experiment::Disturbance(_, arrangement) => *arrangement == Arrangement::Compensated,
+        };
+        nonlinear::experiments(self.procedure).into_iter().filter(whole).collect()
+    }
+
+    /// Runs everything in double and keeps the readings; gives the errors.
+    fn record(&mut self, controller: &Controller) -> Result<Vec<f64>, counterpoise_verify::Error> {
+        let mut errors = Vec::new();
+        for experiment in self.experiments() {
+            let mut recorder = Recorder { inner: controller.runner(), seen: Vec::new() };
+            let history =
+                nonlinear::history_of(&mut self.simulator, &mut recorder, self.procedure, experiment)?;
+            errors.push(error_rms(&history));
+            self.runs.push(recorder.seen);
+        }
+        Ok(errors)
+    }
+
+    fn figures(
+        &mut self,
+        (numbers, predicted): (Numbers, Deviation),
+        acting: &dyn Fn() -> Box<dyn SampledController>,
+        (controller, reference): (&Controller, &[f64]),
+    ) -> Result<TargetFigures, counterpoise_verify::Error> {
+        let mut experiments = Vec::new();
+        for (experiment, in_double) in self.experiments().into_iter().zip(reference) {
+            let history =
+                nonlinear::history_of(&mut self.simulator, acting().as_mut(), self.procedure, experiment)?;
+            let error_rms_rad_s = error_rms(&history);
+            let cost_db = 20.0 * (error_rms_rad_s / in_double).log10();
+            experiments.push(ExperimentFigures { experiment, error_rms_rad_s, cost_db });
+        }
+        let measured_v =
+            self.runs.iter().map(|run| deviation(controller, acting().as_mut(), run)).fold(0.0, f64::max);
+        Ok(TargetFigures { numbers, predicted, measured_v, experiments })
+    }
+}
+
+/// Largest difference from the reference for the same readings, V.
+fn deviation(controller: &Controller, other: &mut dyn SampledController, run: &[[f64; READINGS]]) -> f64 {
+    let mut reference = controller.runner();
+    let difference = |readings: &[f64; READINGS]| {
+        (reference.step_array(readings) - other.step(&Readings::from_array(*readings))).abs()
+    };
+    run.iter().map(difference).fold(0.0, f64::max)
+}
+
+fn error_rms(history: &History) -> f64 {
+    let squares = history.demand_rad_s.iter().zip(&history.hub_rate_rad_s).map(|(r, y)| (r - y).powi(2));
+    (squares.sum::<f64>() / history.time_s.len().max(1) as f64).sqrt()
+}
+
+/// A controller whose readings are kept.
+struct Recorder<N: Number> {
+    inner: Runner<N>,
+    seen: Vec<[f64; READINGS]>,
+}
+
+impl<N: Number> SampledController for Recorder<N> {
+    fn reset(&mut self) {
+        self.inner.reset();
+    }
+
+    fn step(&mut self, readings: &Readings) -> f64 {
+        self.seen.push(readings.to_array());
+        self.inner.step(readings)
+    }
+}
