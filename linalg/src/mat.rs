@@ -87,7 +87,17 @@ impl Scalar for C64 {
         data.iter().map(|e| e.norm_sqr()).sum()
     }
     fn gemm(m: usize, k: usize, n: usize, a: &[Self], b: &[Self], c: &mut [Self]) {
-        small_gemm_c64((m, k, n), a, b, c);
+        if m * k * n < LARGE_PRODUCT {
+            return small_gemm_c64((m, k, n), a, b, c);
+        }
+        faer::linalg::matmul::matmul(
+            faer::MatMut::from_column_major_slice_mut(c, m, n),
+            faer::Accum::Add,
+            faer::MatRef::from_column_major_slice(a, m, k),
+            faer::MatRef::from_column_major_slice(b, k, n),
+            C64::ONE,
+            faer::Par::Seq,
+        );
     }
 }
 
