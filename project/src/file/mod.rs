@@ -3,6 +3,7 @@
 mod attachments;
 mod edit;
 pub(crate) mod field;
+pub(crate) mod guide;
 pub(crate) mod lister;
 pub(crate) mod reader;
 mod setting;

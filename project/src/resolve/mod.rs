@@ -18,6 +18,7 @@ use counterpoise_models::Parameters;
 
 use crate::diagnostic::{Diagnostic, Problem, Severity};
 use crate::file::field::{Field, Limit, TableField};
+use crate::file::guide::{Guide, TURNS};
 use crate::file::lister::{Line, Lister};
 use crate::file::reader::Reader;
 use crate::file::source::Remark;
@@ -162,6 +163,16 @@ impl Project {
     /// The text is not TOML, or a value leads through something that is no table.
     pub fn update(&self, document: &Document, old: &Self) -> Result<Document, EditError> {
         changes::apply(document, &old.lines(), &self.lines())
+    }
+
+    /// The reference of all sections and keys, as Markdown, from the same walk that reads them.
+    pub fn reference() -> String {
+        let mut guide = Guide::default();
+        for turn in 0..TURNS {
+            guide.turn(turn);
+            file(&mut guide, &mut Self::blank());
+        }
+        guide.text()
     }
 
     fn lines(&self) -> Vec<Line> {

@@ -1,0 +1,246 @@
+//! The reference of all keys, from the same walk that reads them: what is said there cannot differ from what is read.
+
+use super::field::{Fallback, Field, Limit, Need, TableField};
+use super::visit::{Count, Visit};
+
+/// A table of the reference.
+#[derive(Debug, Clone, PartialEq)]
+struct Section {
+    path: String,
+    title: String,
+    rows: Vec<Row>,
+}
+
+/// A key of the reference.
+#[derive(Debug, Clone, PartialEq)]
+struct Row {
+    key: &'static str,
+    unit: &'static str,
+    allowed: String,
+    absent: String,
+    meaning: &'static str,
+    /// For every choice made before it in the table: its key, how many names it has, and those under which the key exists.
+    with: Vec<(&'static str, usize, Vec<&'static str>)>,
+}
+
+/// A walk that describes what it meets. The number of a walk, read as digits, says which name each choice of a table takes,
+/// so that the walks together see all keys.
+#[derive(Debug, Default)]
+pub(crate) struct Guide {
+    turn: usize,
+    stack: Vec<Frame>,
+    sections: Vec<Section>,
+}
+
+/// The table in which the walk stands, and the choices that were made in it.
+#[derive(Debug, Default)]
+struct Frame {
+    path: String,
+    /// Weight of the next choice's digit.
+    digit: usize,
+    chosen: Vec<(&'static str, usize, &'static str)>,
+}
+
+/// Walks that see every combination of choices within a table and one level into it.
+pub(crate) const TURNS: usize = 180;
+
+impl Guide {
+    /// A walk starts.
+    pub fn turn(&mut self, turn: usize) {
+        self.turn = turn;
+        self.stack.clear();
+        self.open(String::new(), "at the top of the file".to_owned());
+    }
+
+    fn open(&mut self, path: String, title: String) {
+        if !self.sections.iter().any(|s| s.path == path) {
+            let at = self.place(&path);
+            self.sections.insert(at, Section { path: path.clone(), title, rows: Vec::new() });
+        }
+        self.stack.push(Frame { path, digit: 1, chosen: Vec::new() });
+    }
+
+    /// A section stands behind the last one of its parent.
+    fn place(&self, path: &str) -> usize {
+        let parent = path.rsplit_once('.').map_or("", |(parent, _)| parent);
+        let last = self.sections.iter().rposition(|s| !parent.is_empty() && s.path.starts_with(parent));
+        last.map_or(self.sections.len(), |at| at + 1)
+    }
+
+    fn path(&self, key: &str) -> String {
+        match self.stack.last() {
+            Some(Frame { path, .. }) if !path.is_empty() => format!("{path}.{key}"),
+            _ => key.to_owned(),
+        }
+    }
+
+    fn row(&mut self, field: &Field, kind: String) {
+        let Some(frame) = self.stack.last() else { return };
+        let Some(section) = self.sections.iter_mut().find(|s| s.path == frame.path) else { return };
+        let at = section.rows.iter().position(|r| r.key == field.key).unwrap_or(section.rows.len());
+        if at == section.rows.len() {
+            let &Field { key, unit, meaning, .. } = field;
+            section.rows.push(Row {
+                key,
+                unit,
+                allowed: kind,
+                absent: absent(field),
+                meaning,
+                with: Vec::new(),
+            });
+        }
+        for (key, count, name) in &frame.chosen {
+            note(&mut section.rows[at].with, key, *count, name);
+        }
+    }
+
+    /// The reference as Markdown.
+    pub fn text(&self) -> String {
+        let mut text = String::new();
+        for (index, section) in self.sections.iter().enumerate().filter(|(_, s)| !s.rows.is_empty()) {
+            let same = self.sections[..index].iter().find(|s| s.rows == section.rows && s.rows.len() > 1);
+            text += &heading(section);
+            text += &same.map_or_else(|| table(&section.rows), |s| format!("Keys as in `[{}]`.\n", s.path));
+        }
+        text
+    }
+}
+
+fn heading(section: &Section) -> String {
+    let Section { path, title, .. } = section;
+    if path.is_empty() { format!("\n## {title}\n\n") } else { format!("\n## `[{path}]`: {title}\n\n") }
+}
+
+fn note(
+    with: &mut Vec<(&'static str, usize, Vec<&'static str>)>,
+    key: &'static str,
+    count: usize,
+    name: &'static str,
+) {
+    let at = with.iter().position(|(k, ..)| *k == key).unwrap_or(with.len());
+    if at == with.len() {
+        with.push((key, count, Vec::new()));
+    }
+    if !with[at].2.contains(&name) {
+        with[at].2.push(name);
+    }
+}
+
+fn table(rows: &[Row]) -> String {
+    let head = "| key | unit | allowed | if absent | meaning |\n|---|---|---|---|---|\n";
+    let line = |row: &Row| {
+        format!(
+            "| `{}` | {} | {} | {} | {}{} |\n",
+            row.key,
+            row.unit,
+            row.allowed,
+            row.absent,
+            row.meaning,
+            condition(row)
+        )
+    };
+    rows.iter().fold(head.to_owned(), |text, row| text + &line(row))
+}
+
+/// Under which choices a key exists, where it does not under all.
+fn condition(row: &Row) -> String {
+    let some = row.with.iter().filter(|(_, count, names)| names.len() < *count);
+    let words: Vec<String> = some.map(|(key, _, names)| format!("`{key}` {}", names.join(", "))).collect();
+    if words.is_empty() { String::new() } else { format!("; only with {}", words.join(" and ")) }
+}
+
+fn absent(field: &Field) -> String {
+    match field.default {
+        Fallback::Required => "must be there".to_owned(),
+        Fallback::Number(value) if value.is_finite() => value.to_string(),
+        Fallback::Text(text) if !text.is_empty() => format!("`{text}`"),
+        Fallback::Number(_) | Fallback::Text(_) | Fallback::Empty => String::new(),
+    }
+}
+
+fn range(limit: Limit) -> String {
+    match limit {
+        Limit::Any => "any number".to_owned(),
+        Limit::Above(low) => format!("> {low}"),
+        Limit::AtLeast(low) => format!(">= {low}"),
+        Limit::Between(low, high) => format!("{low} to {high}"),
+        Limit::AboveTo(low, high) => format!("> {low}, <= {high}"),
+        Limit::Not0 => "not 0".to_owned(),
+    }
+}
+
+impl Visit for Guide {
+    fn number(&mut self, field: &Field, _value: &mut f64) {
+        self.row(field, range(field.limit));
+    }
+
+    fn whole(&mut self, field: &Field, _value: &mut u32) {
+        self.row(field, format!("whole, {}", range(field.limit)));
+    }
+
+    fn text(&mut self, field: &Field, _value: &mut String) {
+        self.row(field, "text".to_owned());
+    }
+
+    fn choice(&mut self, field: &Field, allowed: &[&'static str], value: &mut &'static str) {
+        let names = allowed.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+        self.row(field, names);
+        let Some(frame) = self.stack.last_mut().filter(|_| !allowed.is_empty()) else { return };
+        *value = allowed[self.turn / frame.digit % allowed.len()];
+        frame.digit *= allowed.len();
+        frame.chosen.push((field.key, allowed.len(), value));
+    }
+
+    fn numbers(&mut self, field: &Field, count: Count, _value: &mut Vec<f64>) {
+        let many = if let Count::Exactly(n) = count { format!("{n} numbers") } else { "numbers".to_owned() };
+        self.row(field, format!("list of {many}, {}", range(field.limit)));
+    }
+
+    fn texts(&mut self, field: &Field, _value: &mut Vec<String>) {
+        self.row(field, "list of texts".to_owned());
+    }
+
+    fn pairs(&mut self, field: &Field, _value: &mut Vec<[f64; 2]>) {
+        self.row(field, "list of pairs of numbers".to_owned());
+    }
+
+    fn enter(&mut self, table: &TableField, _present: bool) -> bool {
+        let note = if table.need == Need::Optional { " (may be absent)" } else { "" };
+        let title = if table.meaning.is_empty() { "where the channel comes from" } else { table.meaning };
+        self.open(self.path(table.key), format!("{title}{note}"));
+        true
+    }
+
+    fn leave(&mut self) {
+        self.stack.pop();
+    }
+
+    /// One item shows what an item is; an item inside an item of its own kind is not shown again.
+    fn enter_list(&mut self, table: &TableField, _length: usize) -> usize {
+        let path = self.path(table.key);
+        let again = path.split('.').filter(|part| *part == table.key).count() > 1;
+        let digit = self.stack.last().map_or(1, |f| f.digit);
+        if again {
+            self.stack.push(Frame::default());
+        } else {
+            self.open(path, format!("{} (a list: `[[...]]`)", table.meaning));
+        }
+        self.stack.last_mut().into_iter().for_each(|frame| frame.digit = digit);
+        usize::from(!again)
+    }
+
+    fn enter_item(&mut self, _index: usize) {
+        let (path, digit) = self.stack.last().map_or((String::new(), 1), |f| (f.path.clone(), f.digit));
+        self.stack.push(Frame { path, digit, chosen: Vec::new() });
+    }
+
+    fn leave_list(&mut self) {
+        self.stack.pop();
+    }
+
+    fn complain(&mut self, _key: &str, _allowed: &str, _hint: Option<String>) {}
+
+    fn shorthand(&mut self, _key: &str, _value: &mut String) -> bool {
+        false
+    }
+}

@@ -1,0 +1,24 @@
+//! The reference of keys is what the reader reads.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use counterpoise_project::Project;
+
+const WRITTEN: &str = include_str!("../REFERENCE.md");
+
+#[test]
+fn the_written_reference_is_the_readers() {
+    let start = WRITTEN.find("\n## ").unwrap();
+    let (written, read) = (&WRITTEN[start..], Project::reference());
+    for (number, (written, read)) in written.lines().zip(read.lines()).enumerate() {
+        assert_eq!(written, read, "line {number} after the introduction of REFERENCE.md");
+    }
+    assert_eq!(written.lines().count(), read.lines().count());
+}
+
+#[test]
+fn every_key_of_the_good_file_is_in_the_reference() {
+    for line in include_str!("data/rig.toml").lines().filter(|l| !l.starts_with(['#', '['])) {
+        let Some((key, _)) = line.split_once(" = ") else { continue };
+        assert!(WRITTEN.contains(&format!("| `{}` |", key.trim())), "{key}");
+    }
+}
