@@ -1,6 +1,7 @@
 //! What the diagnosis asks of a simulator, and how it asks for many runs at once.
 
 use counterpoise_models::Parameters;
+use counterpoise_simulate::PlantState;
 
 /// What one channel of one recording says about a model.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,15 +37,47 @@ pub fn rms(series: &[f64]) -> f64 {
     }
 }
 
+/// How much of a recording is replayed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Span {
+    /// All of it.
+    Whole,
+    /// The first part, which candidates are fitted to.
+    Head,
+}
+
+/// How one recording stands to one mechanism.
+#[derive(Debug, Clone)]
+pub struct Judged {
+    /// Channels.
+    pub misfits: Vec<Misfit>,
+    /// How far two runs of the same mechanism part that differ in sensor noise alone: RMS per channel, in units of the
+    /// floor. Small for a well-behaved loop; large where the loop hunts and no replay can follow it.
+    pub wander: Vec<f64>,
+    /// The state in which the recording starts, where the simulator has one.
+    pub start: Option<PlantState>,
+}
+
+impl Judged {
+    /// Weight of a channel in a fit: less where a run does not repeat.
+    pub fn weight(&self, channel: usize) -> f64 {
+        let wander = self.wander.get(channel).copied().unwrap_or(0.0);
+        1.0 / (1.0 + wander * wander).sqrt()
+    }
+}
+
 /// A set of recordings of one machine, and a simulator that replays them.
 pub trait Bench: Sync {
     /// Number of recordings.
     fn count(&self) -> usize;
-    /// The misfit of each channel of recording `index` for a mechanism; none where the mechanism cannot be simulated.
-    fn misfit(&self, parameters: &Parameters, index: usize) -> Option<Vec<Misfit>>;
-    /// How far two runs of the same mechanism part that differ in sensor noise alone: RMS per channel, in units of
-    /// the floor. Small for a well-behaved loop; large where the loop hunts and no replay can follow it.
-    fn wander(&self, parameters: &Parameters, index: usize) -> Vec<f64>;
+    /// The recording in which the machine moves most.
+    fn liveliest(&self) -> usize;
+    /// The misfit of each channel of recording `index` over its first part or all of it, from the start of a judgement
+    /// of a mechanism nearby; none where it cannot be simulated.
+    fn misfit(&self, parameters: &Parameters, index: usize, span: Span, near: &Judged)
+    -> Option<Vec<Misfit>>;
+    /// Recording `index` from the mechanism's own start; none where it cannot be simulated.
+    fn judge(&self, parameters: &Parameters, index: usize) -> Option<Judged>;
 }
 
 /// Runs independent jobs, in any order, on as many processors as the caller has.

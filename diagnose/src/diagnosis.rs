@@ -11,7 +11,7 @@ use crate::judge::Evidence;
 use crate::library::library;
 use crate::locate::{isolability, regime_map};
 use crate::qualify::qualify;
-use crate::replays::{Replays, measured};
+use crate::replays::{Prepared, Replays, measured};
 use crate::select::Searcher;
 
 /// What a diagnosis gives: the answer, and the machine that explains the recordings.
@@ -37,9 +37,11 @@ pub fn diagnose(
     check(recordings)?;
     pool.progress("qualifying", 0, 1);
     let qualification = remarks(base, recordings);
-    let bench = Replays::new(base, controller, recordings)?;
+    let prepared = Prepared::new(recordings, base);
+    let bench = Replays::new(base, controller, &prepared)?;
     let has = |column: fn(&Recording) -> bool| recordings.iter().all(column);
-    let isolability = isolability(has(|r| r.motor_rate_rad_s.is_some()), has(|r| r.hub_position_rad.is_some()));
+    let isolability =
+        isolability(has(|r| r.motor_rate_rad_s.is_some()), has(|r| r.hub_position_rad.is_some()));
     let map = regime_map(base, &bench.measured());
     let searcher = Searcher { bench: &bench, pool, base, effects: library() };
     let search = searcher.search().ok_or(Error::NotSimulated)?;
@@ -66,7 +68,8 @@ fn check(recordings: &[Recording]) -> Result<(), Error> {
 }
 
 fn remarks(base: &Parameters, recordings: &[Recording]) -> Vec<String> {
-    let of = |r: &Recording| measured(r).map(|m| qualify(&r.name, &m, base.gearbox.ratio)).unwrap_or_default();
+    let of =
+        |r: &Recording| measured(r).map(|m| qualify(&r.name, &m, base.gearbox.ratio)).unwrap_or_default();
     let remarks = recordings.iter().flat_map(of);
     remarks.map(|r| format!("{}: {}: {}", r.recording, r.channel, r.what)).collect()
 }

@@ -8,7 +8,9 @@ pub enum Error {
     #[error("no recording was given")]
     NoRecording,
     /// A channel without which there is no diagnosis.
-    #[error("recording {recording}: the channel {channel} is missing; a diagnosis needs demand, control and hub_rate")]
+    #[error(
+        "recording {recording}: the channel {channel} is missing; a diagnosis needs demand, control and hub_rate"
+    )]
     NoChannel {
         /// Name of the recording.
         recording: String,

@@ -3,21 +3,25 @@
 use counterpoise_linalg::{Mat, inverse, solve};
 use counterpoise_models::Parameters;
 
-use crate::bench::{Bench, Misfit, Pool, map};
+use crate::bench::{Bench, Judged, Pool, Span, map};
 use crate::library::{Effect, Knob, Mapping};
 use crate::tolerance::{FIT_ITERATIONS, FIT_STEP, FIT_TOLERANCE};
 
-/// Which samples of which recordings a fit may see.
+/// Which recordings a fit may see.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Selection {
-    /// Recording, and the share of its length from the start that is used.
-    pub parts: Vec<(usize, f64)>,
+    /// Recordings.
+    pub recordings: Vec<usize>,
+    /// How much of each.
+    pub span: Span,
+    /// Iterations at the most.
+    pub iterations: usize,
 }
 
 impl Selection {
-    /// Every recording, whole.
+    /// Every recording, whole, to the end.
     pub fn all(count: usize) -> Self {
-        Self { parts: (0..count).map(|index| (index, 1.0)).collect() }
+        Self { recordings: (0..count).collect(), span: Span::Whole, iterations: FIT_ITERATIONS }
     }
 }
 
@@ -68,22 +72,6 @@ pub(crate) fn from_variable(knob: &Knob, variable: f64) -> f64 {
     value.clamp(knob.bounds[0], knob.bounds[1])
 }
 
-/// The residuals that a fit sees, one after the other; none where the mechanism cannot be simulated.
-pub fn residuals(bench: &dyn Bench, selection: &Selection, parameters: &Parameters) -> Option<Vec<f64>> {
-    let mut out = Vec::new();
-    for &(index, share) in &selection.parts {
-        for misfit in bench.misfit(parameters, index)? {
-            out.extend_from_slice(head(&misfit, share));
-        }
-    }
-    out.iter().all(|r| r.is_finite()).then_some(out)
-}
-
-fn head(misfit: &Misfit, share: f64) -> &[f64] {
-    let length = (misfit.residual.len() as f64 * share).round() as usize;
-    &misfit.residual[..length.min(misfit.residual.len())]
-}
-
 /// The problem that a fit solves: fixed but for the knobs.
 pub struct Problem<'a> {
     /// Simulator and recordings.
@@ -99,22 +87,33 @@ pub struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// Fits from the given knob values.
+    /// Fits from the given knob values: once with the recordings' starts as they are there, once more with those at
+    /// what was found.
     pub fn fit(&self, start: &[f64]) -> Option<Fit> {
+        let first = self.descend(start, self.selection.iterations)?;
+        match self.descend(&first.values, self.selection.iterations / 2) {
+            Some(second) => Some(second),
+            None => Some(first),
+        }
+    }
+
+    fn descend(&self, start: &[f64], iterations: usize) -> Option<Fit> {
         let knobs = knobs(&self.effects);
+        let near = self.near(start)?;
         let mut x: Vec<f64> = knobs.iter().zip(start).map(|(k, &v)| to_variable(k, v)).collect();
-        let mut residual = self.at(&x)?;
+        let mut residual = self.at(&x, &near)?;
         let mut cost = mean_square(&residual);
         let mut damping = 1e-2;
         let mut information = Mat::zeros(x.len(), x.len());
         let mut limit_reached = true;
-        for _ in 0..FIT_ITERATIONS {
+        for _ in 0..iterations {
             if self.pool.cancelled() {
                 break;
             }
-            let (normal, gradient) = self.linearised(&x, &residual);
+            let (normal, gradient) = self.linearised(&x, &residual, &near);
             information = normal;
-            let Some(step) = self.improve(&x, cost, &information, &gradient, &mut damping) else {
+            let slope = Slope { normal: &information, gradient: &gradient };
+            let Some(step) = self.improve(&x, cost, &slope, &mut damping, &near) else {
                 limit_reached = false;
                 break;
             };
@@ -130,20 +129,38 @@ impl Problem<'_> {
         Some(Fit { effects: self.effects.clone(), values, parameters, cost, information, limit_reached })
     }
 
-    fn at(&self, x: &[f64]) -> Option<Vec<f64>> {
+    /// How the recordings stand to the mechanism at given knob values.
+    fn near(&self, values: &[f64]) -> Option<Vec<Judged>> {
+        let parameters = applied(self.base, &self.effects, values);
+        let recordings = &self.selection.recordings;
+        let judged = map(self.pool, recordings.len(), |k| self.bench.judge(&parameters, recordings[k]));
+        judged.into_iter().collect()
+    }
+
+    /// The weighted residuals that the fit sees, one recording after the other.
+    fn at(&self, x: &[f64], near: &[Judged]) -> Option<Vec<f64>> {
         let values: Vec<f64> =
             knobs(&self.effects).iter().zip(x).map(|(k, &v)| from_variable(k, v)).collect();
-        residuals(self.bench, self.selection, &applied(self.base, &self.effects, &values))
+        let parameters = applied(self.base, &self.effects, &values);
+        let mut out = Vec::new();
+        for (&index, near) in self.selection.recordings.iter().zip(near) {
+            let misfits = self.bench.misfit(&parameters, index, self.selection.span, near)?;
+            for (c, misfit) in misfits.iter().enumerate() {
+                let weight = near.weight(c);
+                out.extend(misfit.residual.iter().map(|r| weight * r));
+            }
+        }
+        out.iter().all(|r| r.is_finite()).then_some(out)
     }
 
     /// `J'J / N` and `J'r / N` by one-sided differences.
-    fn linearised(&self, x: &[f64], residual: &[f64]) -> (Mat, Vec<f64>) {
+    fn linearised(&self, x: &[f64], residual: &[f64], near: &[Judged]) -> (Mat, Vec<f64>) {
         let knobs = knobs(&self.effects);
         let columns = map(self.pool, x.len(), |j| {
             let step = difference_step(knobs[j], x[j]);
             let mut moved = x.to_vec();
             moved[j] += step;
-            let there = self.at(&moved)?;
+            let there = self.at(&moved, near)?;
             Some(there.iter().zip(residual).map(|(a, b)| (a - b) / step).collect::<Vec<f64>>())
         });
         let count = residual.len().max(1) as f64;
@@ -158,14 +175,14 @@ impl Problem<'_> {
         &self,
         x: &[f64],
         cost: f64,
-        normal: &Mat,
-        gradient: &[f64],
+        slope: &Slope,
         damping: &mut f64,
+        near: &[Judged],
     ) -> Option<Step> {
         for _ in 0..7 {
-            let step = damped_step(normal, gradient, *damping)?;
+            let step = damped_step(slope.normal, slope.gradient, *damping)?;
             let moved: Vec<f64> = x.iter().zip(&step).map(|(a, b)| a - b).collect();
-            let candidate = self.at(&moved).map(|r| (mean_square(&r), r));
+            let candidate = self.at(&moved, near).map(|r| (mean_square(&r), r));
             if let Some((lower, residual)) = candidate.filter(|c| c.0 < cost) {
                 *damping = (*damping * 0.1).max(1e-9);
                 return Some(Step { x: moved, residual, cost: lower });
@@ -174,6 +191,12 @@ impl Problem<'_> {
         }
         None
     }
+}
+
+/// Curvature and gradient of the cost.
+struct Slope<'a> {
+    normal: &'a Mat,
+    gradient: &'a [f64],
 }
 
 struct Step {

@@ -169,7 +169,8 @@ impl Evidence<'_> {
         let mut samples = 0;
         let mut independent = 0.0;
         for index in 0..self.bench.count() {
-            for misfit in self.bench.misfit(parameters, index).unwrap_or_default() {
+            let judged = self.bench.judge(parameters, index);
+            for misfit in judged.map(|j| j.misfits).unwrap_or_default() {
                 samples += misfit.residual.len();
                 independent += misfit.residual.len() as f64 / correlation_time(&misfit.residual);
             }
@@ -227,7 +228,9 @@ impl Evidence<'_> {
                 before,
             };
         };
-        let held_out_before = score(self.bench, self.base, &accepted.held_out_parts);
+        let judged: Option<Vec<_>> =
+            (0..self.bench.count()).map(|r| self.bench.judge(self.base, r)).collect();
+        let held_out_before = judged.and_then(|j| score(&j, &accepted.held_out_parts));
         FitTable {
             before,
             after: channels(&accepted.whole),

@@ -7,7 +7,7 @@
 use counterpoise_linalg::{Mat, solve};
 use counterpoise_models::Parameters;
 
-use crate::bench::{Bench, Pool, map};
+use crate::bench::{Bench, Judged, Misfit, Pool, Span, map, rms};
 use crate::fit::{from_variable, to_variable};
 use crate::library::{Effect, Mapping};
 
@@ -66,18 +66,12 @@ enum Combine {
     Ripple,
 }
 
-/// The residuals of a mechanism, one list a recording, all channels one after the other.
-pub type Residuals = Vec<Vec<f64>>;
-
-/// All residuals of a mechanism; none where it cannot be simulated.
-pub fn all_residuals(bench: &dyn Bench, parameters: &Parameters) -> Option<Residuals> {
-    let one = |index| Some(bench.misfit(parameters, index)?.into_iter().flat_map(|m| m.residual).collect());
-    (0..bench.count()).map(one).collect()
-}
+/// One list of residuals a recording, all channels one after the other.
+type Residuals = Vec<Vec<f64>>;
 
 /// The best pairs of looks at different effects, by linear regression on both of their traces; best first.
-pub fn pairs(bench: &dyn Bench, base: &Parameters, looks: &[Look], count: usize) -> Vec<Pair> {
-    let Some(here) = weighted(bench, base) else { return Vec::new() };
+pub fn pairs(judged: &[Judged], looks: &[Look], count: usize) -> Vec<Pair> {
+    let here = weighted(judged);
     let target: Vec<f64> = thinned(&here, |r, k| here.residuals[r][k]);
     let total = dot(&target, &target).max(f64::MIN_POSITIVE);
     let usable: Vec<usize> = (0..looks.len()).filter(|&i| is_best_of_its_effect(looks, i)).collect();
@@ -112,13 +106,14 @@ fn together(a: &[f64], b: &[f64], target: &[f64]) -> f64 {
 
 /// What a look's combination of signatures takes off the weighted residual, thinned.
 fn trace(here: &Weighted, signatures: &[Residuals], coefficients: &[f64]) -> Vec<f64> {
-    let taken = |r: usize, k: usize| signatures.iter().zip(coefficients).map(|(s, c)| -c * s[r][k]).sum();
+    let of = |s: &Residuals, r: usize, k: usize| s[r].get(k).copied().unwrap_or(0.0);
+    let taken = |r: usize, k: usize| signatures.iter().zip(coefficients).map(|(s, c)| -c * of(s, r, k)).sum();
     let series = thinned(here, taken);
     let size = dot(&series, &series).sqrt();
     if size > 0.0 {
         return series;
     }
-    thinned(here, |r, k| signatures[0][r][k])
+    thinned(here, |r, k| of(&signatures[0], r, k))
 }
 
 fn thinned(here: &Weighted, value: impl Fn(usize, usize) -> f64) -> Vec<f64> {
@@ -127,18 +122,46 @@ fn thinned(here: &Weighted, value: impl Fn(usize, usize) -> f64) -> Vec<f64> {
 }
 
 /// Looks at every effect of the library but those already taken; best first.
-pub fn first_look(
-    bench: &dyn Bench,
-    pool: &dyn Pool,
-    base: &Parameters,
-    effects: &[&'static Effect],
-) -> Vec<Look> {
-    let Some(here) = weighted(bench, base) else { return Vec::new() };
-    let trials: Vec<Trial> = effects.iter().flat_map(|effect| trials(effect, base)).collect();
-    let mut looks: Vec<Look> =
-        map(pool, trials.len(), |t| look(bench, base, &here, &trials[t])).into_iter().flatten().collect();
+pub fn first_look(scene: &Scene, effects: &[&'static Effect]) -> Vec<Look> {
+    let (repeating, plain): (Vec<&'static Effect>, Vec<&'static Effect>) =
+        effects.iter().partition(|e| is_ripple(e) && e.starts.is_empty());
+    let mut trials: Vec<Trial> = plain.iter().flat_map(|effect| trials(effect, scene.base)).collect();
+    for effect in repeating {
+        trials.extend(best_orders(scene, effect));
+    }
+    let here = weighted(scene.judged);
+    let all: Vec<usize> = (0..scene.judged.len()).collect();
+    let found = map(scene.pool, trials.len(), |t| look(scene, &here, &trials[t], &all, Span::Whole));
+    let mut looks: Vec<Look> = found.into_iter().flatten().collect();
     looks.sort_by(|a, b| b.explained.total_cmp(&a.explained));
     looks
+}
+
+/// What a look is taken at.
+pub struct Scene<'a> {
+    /// Simulator and recordings.
+    pub bench: &'a dyn Bench,
+    /// Processors.
+    pub pool: &'a dyn Pool,
+    /// The mechanism.
+    pub base: &'a Parameters,
+    /// How every recording stands to it.
+    pub judged: &'a [Judged],
+}
+
+/// How many orders of a repeating torque go on from the scan.
+const ORDERS_KEPT: usize = 3;
+
+/// The orders of a repeating torque that explain most of the liveliest recording's first part.
+fn best_orders(scene: &Scene, effect: &'static Effect) -> Vec<Trial> {
+    let here = weighted(scene.judged);
+    let one = [scene.bench.liveliest()];
+    let scan: Vec<Trial> = ORDERS.iter().map(|&order| ripple(effect, order)).collect();
+    let looks = map(scene.pool, scan.len(), |t| look(scene, &here, &scan[t], &one, Span::Head));
+    let share = |l: &Option<Look>| l.as_ref().map_or(f64::NEG_INFINITY, |l| l.explained);
+    let mut ranked: Vec<(f64, Trial)> = looks.iter().map(share).zip(scan).collect();
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    ranked.into_iter().take(ORDERS_KEPT).map(|(_, trial)| trial).collect()
 }
 
 /// Residuals, and the weight that makes every channel of every recording count alike.
@@ -147,37 +170,52 @@ struct Weighted {
     weights: Residuals,
 }
 
-fn weighted(bench: &dyn Bench, base: &Parameters) -> Option<Weighted> {
-    let (mut residuals, mut weights) = (Vec::new(), Vec::new());
-    for index in 0..bench.count() {
-        let misfits = bench.misfit(base, index)?;
-        let wander = bench.wander(base, index);
-        let weight = |(c, m): (usize, &crate::bench::Misfit)| {
-            let size = m.relative_rms().max(1.0).max(wander.get(c).copied().unwrap_or(0.0));
+fn weighted(judged: &[Judged]) -> Weighted {
+    let weights = |j: &Judged| -> Vec<f64> {
+        let weight = |(c, m): (usize, &Misfit)| {
+            let size = m.relative_rms().max(1.0).max(1.0 / j.weight(c));
             vec![1.0 / size; m.residual.len()]
         };
-        weights.push(misfits.iter().enumerate().flat_map(weight).collect());
-        residuals.push(misfits.into_iter().flat_map(|m| m.residual).collect());
+        j.misfits.iter().enumerate().flat_map(weight).collect()
+    };
+    let residuals = |j: &Judged| j.misfits.iter().flat_map(|m| m.residual.iter().copied()).collect();
+    Weighted {
+        residuals: judged.iter().map(residuals).collect(),
+        weights: judged.iter().map(weights).collect(),
     }
-    Some(Weighted { residuals, weights })
 }
 
-fn look(bench: &dyn Bench, base: &Parameters, here: &Weighted, trial: &Trial) -> Option<Look> {
-    let signatures: Vec<Residuals> = trial
-        .directions
-        .iter()
-        .map(|direction| {
-            let there = all_residuals(bench, &moved(base, trial, direction))?;
-            Some(difference(&there, &here.residuals))
-        })
-        .collect::<Option<_>>()?;
+/// The look at one trial in some recordings.
+fn look(scene: &Scene, here: &Weighted, trial: &Trial, recordings: &[usize], span: Span) -> Option<Look> {
+    let signature = |direction: &Vec<f64>| -> Option<Residuals> {
+        let parameters = moved(scene.base, trial, direction);
+        let mut out = vec![Vec::new(); scene.judged.len()];
+        for &r in recordings {
+            let there = scene.bench.misfit(&parameters, r, span, &scene.judged[r])?;
+            out[r] = changes(&there, &scene.judged[r].misfits);
+        }
+        out.iter().flatten().all(|d| d.is_finite()).then_some(out)
+    };
+    let signatures: Vec<Residuals> = trial.directions.iter().map(signature).collect::<Option<_>>()?;
     let (coefficients, explained) = regress(here, &signatures, trial.combine)?;
     let start = start_values(trial, &coefficients);
-    let signature = (0..bench.count()).map(|r| size(&signatures[0][r])).collect();
+    let size = (0..scene.judged.len()).map(|r| rms(&signatures[0][r])).collect();
     let information = signatures[0].iter().flatten().map(|d| d * d).sum();
     let change = first_change(trial);
     let trace = trace(here, &signatures, &coefficients);
-    Some(Look { effect: trial.effect, start, explained, signature, information, change, trace })
+    Some(Look { effect: trial.effect, start, explained, signature: size, information, change, trace })
+}
+
+/// What a change of the mechanism does to the residuals; where only the first part was run, the rest stays 0.
+fn changes(there: &[Misfit], here: &[Misfit]) -> Vec<f64> {
+    let channel = |(t, h): (&Misfit, &Misfit)| {
+        let mut out = vec![0.0; h.residual.len()];
+        for ((o, a), b) in out.iter_mut().zip(&t.residual).zip(&h.residual) {
+            *o = a - b;
+        }
+        out
+    };
+    there.iter().zip(here).flat_map(channel).collect()
 }
 
 /// By how much the first direction changes the first knob.
@@ -191,14 +229,6 @@ fn moved(base: &Parameters, trial: &Trial, direction: &[f64]) -> Parameters {
     let x = trial.origin.iter().zip(direction).map(|(a, b)| a + b);
     let values: Vec<f64> = trial.effect.knobs.iter().zip(x).map(|(k, x)| from_variable(k, x)).collect();
     trial.effect.applied(base, &values)
-}
-
-fn difference(a: &Residuals, b: &Residuals) -> Residuals {
-    a.iter().zip(b).map(|(a, b)| a.iter().zip(b).map(|(x, y)| x - y).collect()).collect()
-}
-
-fn size(series: &[f64]) -> f64 {
-    crate::bench::rms(series)
 }
 
 /// Weighted least squares of the residual on the signatures: coefficients, and the share explained.
@@ -217,7 +247,10 @@ fn regress(here: &Weighted, signatures: &[Residuals], combine: Combine) -> Optio
     let mut coefficients = solve(&gram, &Mat::col(&right)).ok()?.as_slice().to_vec();
     let limit = if combine == Combine::Towards { [0.0, 2.0] } else { [-30.0, 30.0] };
     coefficients.iter_mut().for_each(|c| *c = c.clamp(limit[0], limit[1]));
-    let total = inner(&here.residuals, &here.residuals);
+    let total: f64 = (0..here.residuals.len())
+        .filter(|&r| !signatures[0][r].is_empty())
+        .map(|r| here.residuals[r].iter().zip(&here.weights[r]).map(|(x, w)| x * x * w * w).sum::<f64>())
+        .sum();
     let c = Mat::col(&coefficients);
     let left = total - 2.0 * dot(&coefficients, &right) + (&c.t() * &(&gram * &c))[(0, 0)];
     let explained = 1.0 - left / total.max(f64::MIN_POSITIVE);
@@ -252,9 +285,6 @@ fn trials(effect: &'static Effect, base: &Parameters) -> Vec<Trial> {
     }
     if !effect.starts.is_empty() {
         return effect.starts.iter().map(|start| towards(effect, base, start)).collect();
-    }
-    if is_ripple(effect) {
-        return ORDERS.iter().map(|&order| ripple(effect, order)).collect();
     }
     let unit = |j: usize| (0..knobs.len()).map(|i| if i == j { 0.1 } else { 0.0 }).collect();
     vec![trial(origin, (0..knobs.len()).map(unit).collect(), Combine::Free)]

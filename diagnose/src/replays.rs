@@ -6,53 +6,71 @@ use counterpoise_simulate::history::ReadingColumns;
 use counterpoise_simulate::recording::{Channel, Recording};
 use counterpoise_simulate::replay::{Loop, Replay, Replayer};
 
-use crate::bench::{Bench, Misfit, rms};
+use crate::bench::{Bench, Judged, Misfit, Span, rms};
 use crate::error::Error;
 use crate::locate::Measured;
+use crate::tolerance::FITTED_SHARE;
 
 /// Channels whose misfit is scored; the platform's are what drives the replay.
 const SCORED: [Channel; 4] = [Channel::Control, Channel::HubRate, Channel::MotorRate, Channel::HubPosition];
+
+/// Recordings of one machine with what is made of them once: their first parts, and copies with noise on the demand.
+pub struct Prepared {
+    whole: Vec<Recording>,
+    heads: Vec<Recording>,
+    noisy: Vec<Recording>,
+}
+
+impl Prepared {
+    /// Prepares recordings of a mechanism.
+    pub fn new(recordings: &[Recording], base: &Parameters) -> Self {
+        Self {
+            heads: recordings.iter().map(head).collect(),
+            noisy: recordings.iter().map(|r| with_noisy_demand(r, base)).collect(),
+            whole: recordings.to_vec(),
+        }
+    }
+}
 
 /// Recordings of one machine, ready to be replayed.
 pub struct Replays<'a> {
     base: &'a Parameters,
     control: Loop,
-    recordings: &'a [Recording],
-    ready: Vec<Replayer<'a>>,
-    noisy: Vec<Recording>,
+    prepared: &'a Prepared,
+    whole: Vec<Replayer<'a>>,
+    heads: Vec<Replayer<'a>>,
+    noisy: Vec<Replayer<'a>>,
     noise: Vec<[f64; SCORED.len()]>,
 }
 
 impl<'a> Replays<'a> {
-    /// Prepares the recordings: the platform's motion is reconstructed once, the noise of each channel is looked at.
+    /// Makes the recordings ready: the platform's motion is reconstructed, the noise of each channel is looked at.
     ///
     /// # Errors
     /// A recording that cannot be replayed.
     pub fn new(
         base: &'a Parameters,
         controller: &ProportionalIntegral,
-        recordings: &'a [Recording],
+        prepared: &'a Prepared,
     ) -> Result<Self, Error> {
-        let ready = recordings.iter().map(|r| Replayer::new(base, r)).collect::<Result<Vec<_>, _>>()?;
-        let noisy = recordings.iter().map(|r| with_noisy_demand(r, base)).collect();
-        let noise = recordings.iter().map(|r| SCORED.map(|c| r.column(c).map_or(0.0, white_noise))).collect();
-        Ok(Self { base, control: Loop::Closed(controller.clone()), recordings, ready, noisy, noise })
-    }
-
-    /// The replay of one recording.
-    ///
-    /// # Errors
-    /// A mechanism that cannot be simulated.
-    pub fn replay(&self, parameters: &Parameters, index: usize) -> Result<Replay, Error> {
-        if self.same_platform_sensors(parameters) {
-            return Ok(self.ready[index].replay(parameters, &self.control)?);
-        }
-        Ok(Replayer::new(parameters, &self.recordings[index])?.replay(parameters, &self.control)?)
+        let ready = |recordings: &'a [Recording]| {
+            recordings.iter().map(|r| Replayer::new(base, r)).collect::<Result<Vec<_>, _>>()
+        };
+        let noise = |r: &Recording| SCORED.map(|c| r.column(c).map_or(0.0, white_noise));
+        Ok(Self {
+            base,
+            control: Loop::Closed(controller.clone()),
+            whole: ready(&prepared.whole)?,
+            heads: ready(&prepared.heads)?,
+            noisy: ready(&prepared.noisy)?,
+            noise: prepared.whole.iter().map(noise).collect(),
+            prepared,
+        })
     }
 
     /// The recordings as the balances take them; those without hub rate or control are left out.
     pub fn measured(&self) -> Vec<Measured> {
-        self.recordings.iter().filter_map(measured).collect()
+        self.prepared.whole.iter().filter_map(measured).collect()
     }
 
     fn same_platform_sensors(&self, parameters: &Parameters) -> bool {
@@ -60,6 +78,64 @@ impl<'a> Replays<'a> {
         ours.platform_gyro == theirs.platform_gyro
             && ours.platform_accelerometer == theirs.platform_accelerometer
             && ours.accelerometer_lever_arm_m == theirs.accelerometer_lever_arm_m
+    }
+
+    /// Runs what a recording made ready needs, made ready anew where the platform's sensors are others.
+    fn with<T>(
+        &self,
+        parameters: &Parameters,
+        ready: &Replayer<'a>,
+        run: impl Fn(&Replayer) -> Result<T, counterpoise_simulate::Error>,
+    ) -> Option<T> {
+        if self.same_platform_sensors(parameters) {
+            return run(ready).ok();
+        }
+        run(&Replayer::new(parameters, ready.recording()).ok()?).ok()
+    }
+
+    fn misfits(&self, replay: &Replay, recording: &Recording, noise: &[f64]) -> Option<Vec<Misfit>> {
+        let mut out = Vec::new();
+        for (c, channel) in SCORED.into_iter().enumerate() {
+            let Some(fit) = replay.channels.iter().find(|f| f.channel == channel) else { continue };
+            let recorded = recording.column(channel)?;
+            let floor = fit.floor.max(noise[c]);
+            let simulated = channel.of(&replay.simulated);
+            let difference = |(s, r): (&f64, &f64)| if r.is_finite() { (s - r) / floor } else { 0.0 };
+            let residual: Vec<f64> = simulated.iter().zip(recorded).map(difference).collect();
+            out.push(Misfit { channel: channel.name(), residual, floor, spread: deviation(recorded) });
+        }
+        Some(out)
+    }
+
+    /// The demand with noise like the gyroscope's is the loop with another noise of the gyroscope.
+    fn wander(&self, parameters: &Parameters, index: usize, quiet: &Replay) -> Option<Vec<f64>> {
+        let shaken = self.with(parameters, &self.noisy[index], |r| {
+            r.replay_from(parameters, &self.control, &quiet.start)
+        })?;
+        let fitted = SCORED.into_iter().filter_map(|c| quiet.channels.iter().find(|f| f.channel == c));
+        let size = |fit: &counterpoise_simulate::replay::ChannelFit| {
+            let apart = apart(fit.channel, &quiet.simulated, &shaken.simulated) / fit.floor;
+            let own = if fit.channel == Channel::Control { 1.0 } else { 0.0 };
+            (apart * apart - own).max(0.0).sqrt()
+        };
+        Some(fitted.map(size).collect())
+    }
+}
+
+/// The first part of a recording.
+fn head(recording: &Recording) -> Recording {
+    let length = (recording.len() as f64 * FITTED_SHARE) as usize;
+    let cut = |column: &Option<Vec<f64>>| column.as_ref().map(|c| c[..length.min(c.len())].to_vec());
+    Recording {
+        name: recording.name.clone(),
+        sample_period_s: recording.sample_period_s,
+        demand_rad_s: cut(&recording.demand_rad_s),
+        control_v: cut(&recording.control_v),
+        hub_rate_rad_s: cut(&recording.hub_rate_rad_s),
+        platform_rate_rad_s: cut(&recording.platform_rate_rad_s),
+        platform_accel_m_s2: cut(&recording.platform_accel_m_s2),
+        motor_rate_rad_s: cut(&recording.motor_rate_rad_s),
+        hub_position_rad: cut(&recording.hub_position_rad),
     }
 }
 
@@ -79,38 +155,39 @@ pub fn measured(recording: &Recording) -> Option<Measured> {
 
 impl Bench for Replays<'_> {
     fn count(&self) -> usize {
-        self.recordings.len()
+        self.whole.len()
     }
 
-    fn misfit(&self, parameters: &Parameters, index: usize) -> Option<Vec<Misfit>> {
-        let replay = self.replay(parameters, index).ok()?;
-        let recording = &self.recordings[index];
-        let mut out = Vec::new();
-        for (c, channel) in SCORED.into_iter().enumerate() {
-            let Some(fit) = replay.channels.iter().find(|f| f.channel == channel) else { continue };
-            let recorded = recording.column(channel)?;
-            let floor = fit.floor.max(self.noise[index][c]);
-            let simulated = channel.of(&replay.simulated);
-            let difference = |(s, r): (&f64, &f64)| if r.is_finite() { (s - r) / floor } else { 0.0 };
-            let residual: Vec<f64> = simulated.iter().zip(recorded).map(difference).collect();
-            out.push(Misfit { channel: channel.name(), residual, floor, spread: deviation(recorded) });
-        }
-        Some(out)
+    fn liveliest(&self) -> usize {
+        let motion = |r: &Recording| r.hub_rate_rad_s.as_deref().map_or(0.0, deviation);
+        let sizes: Vec<f64> = self.prepared.whole.iter().map(motion).collect();
+        (0..sizes.len()).max_by(|&a, &b| sizes[a].total_cmp(&sizes[b])).unwrap_or(0)
     }
 
-    /// The demand with noise like the gyroscope's is the loop with another noise of the gyroscope.
-    fn wander(&self, parameters: &Parameters, index: usize) -> Vec<f64> {
-        let Ok(quiet) = self.replay(parameters, index) else { return Vec::new() };
-        let shaken = Replayer::new(parameters, &self.noisy[index]).and_then(|r| r.replay(parameters, &self.control));
-        let Ok(shaken) = shaken else { return Vec::new() };
-        let fitted = SCORED.into_iter().filter_map(|c| quiet.channels.iter().find(|f| f.channel == c));
-        fitted
-            .map(|fit| {
-                let apart = apart(fit.channel, &quiet.simulated, &shaken.simulated) / fit.floor;
-                let own = if fit.channel == Channel::Control { 1.0 } else { 0.0 };
-                (apart * apart - own).max(0.0).sqrt()
-            })
-            .collect()
+    fn misfit(
+        &self,
+        parameters: &Parameters,
+        index: usize,
+        span: Span,
+        near: &Judged,
+    ) -> Option<Vec<Misfit>> {
+        let ready = match span {
+            Span::Whole => &self.whole[index],
+            Span::Head => &self.heads[index],
+        };
+        let start = near.start.as_ref()?;
+        let replay = self.with(parameters, ready, |r| r.replay_from(parameters, &self.control, start))?;
+        self.misfits(&replay, ready.recording(), &self.noise[index])
+    }
+
+    fn judge(&self, parameters: &Parameters, index: usize) -> Option<Judged> {
+        let ready = &self.whole[index];
+        let quiet = self.with(parameters, ready, |r| r.replay(parameters, &self.control))?;
+        Some(Judged {
+            misfits: self.misfits(&quiet, ready.recording(), &self.noise[index])?,
+            wander: self.wander(parameters, index, &quiet)?,
+            start: Some(quiet.start),
+        })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use counterpoise_models::Parameters;
 
-use crate::bench::{Bench, rms};
+use crate::bench::{Bench, Judged, Pool, map, rms};
 use crate::tolerance::SCORE_FLOOR;
 
 /// The fit of one channel over one part of one recording.
@@ -40,16 +40,21 @@ pub struct Part {
     pub to: f64,
 }
 
-/// Scores a mechanism over parts of the recordings; none where it cannot be simulated.
-pub fn score(bench: &dyn Bench, parameters: &Parameters, parts: &[Part]) -> Option<Score> {
+/// Judges every recording, whole; none where the mechanism cannot be simulated.
+pub fn judge(bench: &dyn Bench, pool: &dyn Pool, parameters: &Parameters) -> Option<Vec<Judged>> {
+    let judged = map(pool, bench.count(), |index| bench.judge(parameters, index));
+    (judged.len() == bench.count()).then(|| judged.into_iter().collect::<Option<Vec<_>>>()).flatten()
+}
+
+/// The score over parts of judged recordings; none where a residual is not finite.
+pub fn score(judged: &[Judged], parts: &[Part]) -> Option<Score> {
     let mut cells = Vec::new();
     for part in parts {
-        let misfits = bench.misfit(parameters, part.recording)?;
-        let wander = bench.wander(parameters, part.recording);
-        for (c, misfit) in misfits.iter().enumerate() {
+        let here = &judged[part.recording];
+        for (c, misfit) in here.misfits.iter().enumerate() {
             let length = misfit.residual.len() as f64;
             let slice = &misfit.residual[(length * part.from) as usize..(length * part.to) as usize];
-            let unrepeatable = wander.get(c).copied().unwrap_or(0.0);
+            let unrepeatable = here.wander.get(c).copied().unwrap_or(0.0);
             cells.push(Cell {
                 recording: part.recording,
                 channel: misfit.channel,

@@ -1,15 +1,17 @@
 //! Which effects, together, explain the recordings: stepwise, with swaps, judged on what was not fitted.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use counterpoise_models::Parameters;
 
-use crate::bench::{Bench, Pool};
+use crate::bench::{Bench, Judged, Pool, Span, map};
 use crate::fit::{Fit, Problem, Selection, knobs};
 use crate::library::Effect;
-use crate::look::{Look, first_look, is_ripple, pairs};
-use crate::score::{Part, Score, score};
+use crate::look::{Look, Scene, first_look, is_ripple, pairs};
+use crate::score::{Part, Score, judge, score};
 use crate::tolerance::{
     EFFECT_PRICE, EFFECTS_AT_MOST, EXPLAINED, FITTED_SHARE, GAIN_NEEDED, PAIRS, PARAMETER_PRICE, PRUNE_SHARE,
-    SHARE_NEEDED, SHORTLIST, SWAP_NEEDED,
+    SEARCH_ITERATIONS, SHARE_NEEDED, SHORTLIST, SWAP_NEEDED,
 };
 
 /// A candidate that was fitted and judged.
@@ -145,16 +147,22 @@ impl Searcher<'_> {
     /// Looks at every effect on top of the present model, fits the shortlist and judges it.
     fn stage(&self, present: Option<&Candidate>) -> Stage {
         let model = present.map_or(self.base, |c| &c.fit.parameters);
+        let Some(judged) = judge(self.bench, self.pool, model) else {
+            return Stage { candidates: Vec::new(), looks: Vec::new() };
+        };
         let taken: Vec<&Effect> = present.map_or(Vec::new(), |c| c.fit.effects.clone());
         let free: Vec<&'static Effect> =
             self.effects.iter().copied().filter(|e| !taken.iter().any(|t| std::ptr::eq(*t, *e))).collect();
-        let looks = first_look(self.bench, self.pool, model, &free);
-        let trials = self.trials(model, &looks, taken.len());
-        let mut candidates: Vec<Candidate> = Vec::new();
-        for (done, looks) in trials.iter().enumerate() {
-            self.pool.progress("fitting", done, trials.len());
-            candidates.extend(self.candidate(present, looks));
-        }
+        let scene = Scene { bench: self.bench, pool: self.pool, base: model, judged: &judged };
+        let looks = first_look(&scene, &free);
+        let trials = trials(&judged, &looks, taken.len());
+        let done = AtomicUsize::new(0);
+        let fitted = map(self.pool, trials.len(), |t| {
+            let candidate = self.candidate(present, &trials[t], &judged);
+            self.pool.progress("fitting", done.fetch_add(1, Ordering::Relaxed), trials.len());
+            candidate
+        });
+        let mut candidates: Vec<Candidate> = fitted.into_iter().flatten().collect();
         candidates.sort_by(|a, b| a.ranking().total_cmp(&b.ranking()));
         let mut kept: Vec<Candidate> = Vec::new();
         for candidate in candidates {
@@ -165,18 +173,13 @@ impl Searcher<'_> {
         Stage { candidates: kept, looks }
     }
 
-    /// What is fitted at a stage: the best effects one by one, and the best pairs of them.
-    fn trials<'l>(&self, model: &Parameters, looks: &'l [Look], taken: usize) -> Vec<Vec<&'l Look>> {
-        let mut trials: Vec<Vec<&Look>> = shortlist(looks).into_iter().map(|look| vec![look]).collect();
-        if taken + 2 <= EFFECTS_AT_MOST {
-            let pairs = pairs(self.bench, model, looks, PAIRS);
-            trials.extend(pairs.iter().map(|pair| pair.members.map(|i| &looks[i]).to_vec()));
-        }
-        trials
-    }
-
     /// Fits the present effects and one or two more to part of the data, and judges the result on the rest.
-    fn candidate(&self, present: Option<&Candidate>, looks: &[&Look]) -> Option<Candidate> {
+    fn candidate(
+        &self,
+        present: Option<&Candidate>,
+        looks: &[&Look],
+        before: &[Judged],
+    ) -> Option<Candidate> {
         let mut effects = present.map_or(Vec::new(), |c| c.fit.effects.clone());
         let mut start = present.map_or(Vec::new(), |c| c.fit.values.clone());
         for look in looks {
@@ -185,14 +188,14 @@ impl Searcher<'_> {
         }
         let signature = |r: usize| looks.iter().map(|look| look.signature[r]).fold(0.0, f64::max);
         let fitted = fitted_recordings(&(0..self.bench.count()).map(signature).collect::<Vec<f64>>());
-        let selection = Selection { parts: fitted.iter().map(|&r| (r, FITTED_SHARE)).collect() };
-        let fit = self.fit(effects, &start, &selection)?;
         let parts = held_out_parts(self.bench.count(), &fitted);
-        let model = present.map_or(self.base, |c| &c.fit.parameters);
+        let selection = Selection { recordings: fitted, span: Span::Head, iterations: SEARCH_ITERATIONS };
+        let fit = self.fit(effects, &start, &selection)?;
+        let judged = judge(self.bench, self.pool, &fit.parameters)?;
         Some(Candidate {
-            whole: self.whole_score(&fit.parameters)?,
-            held_out: score(self.bench, &fit.parameters, &parts)?,
-            held_out_before: score(self.bench, model, &parts)?,
+            whole: score(&judged, &whole_parts(self.bench.count()))?,
+            held_out: score(&judged, &parts)?,
+            held_out_before: score(before, &parts)?,
             held_out_parts: parts,
             fit,
         })
@@ -226,7 +229,7 @@ impl Searcher<'_> {
     }
 
     fn whole_score(&self, parameters: &Parameters) -> Option<Score> {
-        score(self.bench, parameters, &whole_parts(self.bench.count()))
+        score(&judge(self.bench, self.pool, parameters)?, &whole_parts(self.bench.count()))
     }
 
     /// Whether a candidate gains enough, on data that it was not fitted to, harms no channel and keeps its bounds.
@@ -301,6 +304,16 @@ impl Searcher<'_> {
         let whole = self.whole_score(&fit.parameters)?;
         Some(Candidate { fit, whole, ..candidate.clone() })
     }
+}
+
+/// What is fitted at a stage: the best effects one by one, and the best pairs of them.
+fn trials<'l>(judged: &[Judged], looks: &'l [Look], taken: usize) -> Vec<Vec<&'l Look>> {
+    let mut trials: Vec<Vec<&Look>> = shortlist(looks).into_iter().map(|look| vec![look]).collect();
+    if taken + 2 <= EFFECTS_AT_MOST {
+        let pairs = pairs(judged, looks, PAIRS);
+        trials.extend(pairs.iter().map(|pair| pair.members.map(|i| &looks[i]).to_vec()));
+    }
+    trials
 }
 
 /// The best looks, at most two starts for one effect.

@@ -36,3 +36,5 @@ pub const PAIRS: usize = 5;
 pub const EFFECT_PRICE: f64 = 0.01;
 /// Distance that one more parameter must be worth.
 pub const PARAMETER_PRICE: f64 = 2e-3;
+/// Iterations of a fit while candidates are compared.
+pub const SEARCH_ITERATIONS: usize = 10;

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_diagnose::answer::{Answer, Verdict};
-use counterpoise_diagnose::bench::{Bench, Misfit, Serial};
+use counterpoise_diagnose::bench::{Bench, Judged, Misfit, Serial, Span};
 use counterpoise_diagnose::judge::Evidence;
 use counterpoise_diagnose::library::library;
 use counterpoise_diagnose::select::Searcher;
@@ -54,19 +54,25 @@ impl Bench for Statics {
         4
     }
 
-    fn misfit(&self, parameters: &Parameters, index: usize) -> Option<Vec<Misfit>> {
+    fn liveliest(&self) -> usize {
+        0
+    }
+
+    fn misfit(&self, parameters: &Parameters, index: usize, span: Span, _: &Judged) -> Option<Vec<Misfit>> {
         let strange = |k: usize| self.strange * (23.0 * motion(index, k).0).sin();
-        let residual = (0..SAMPLES)
-            .map(|k| {
-                (control(parameters, index, k) - control(&self.truth, index, k) - strange(k)) / FLOOR
-                    + noise(index, k)
-            })
-            .collect();
+        let samples = if span == Span::Whole { SAMPLES } else { SAMPLES * 6 / 10 };
+        let at = |k: usize| {
+            let difference = control(parameters, index, k) - control(&self.truth, index, k) - strange(k);
+            difference / FLOOR + noise(index, k)
+        };
+        let residual = (0..samples).map(at).collect();
         Some(vec![Misfit { channel: "control", residual, floor: FLOOR, spread: 1.0 }])
     }
 
-    fn wander(&self, _: &Parameters, _: usize) -> Vec<f64> {
-        vec![0.0]
+    fn judge(&self, parameters: &Parameters, index: usize) -> Option<Judged> {
+        let nothing = Judged { misfits: vec![], wander: vec![0.0], start: None };
+        let misfits = self.misfit(parameters, index, Span::Whole, &nothing)?;
+        Some(Judged { misfits, ..nothing })
     }
 }
 
