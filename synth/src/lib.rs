@@ -41,6 +41,7 @@ pub mod discretise;
 pub mod error;
 pub mod feedback;
 pub mod feedforward;
+pub mod figures;
 pub mod finding;
 pub mod generalised;
 pub mod h2syn;
@@ -52,6 +53,7 @@ pub mod plant;
 pub mod preflight;
 pub mod rational;
 pub mod schedule;
+pub mod search;
 pub mod specification;
 pub mod weight;
 
@@ -63,6 +65,7 @@ pub use discretise::{Sampled, Sampling, check, discretise, sampled_loop};
 pub use error::Error;
 pub use feedback::{Feedback, feedback};
 pub use feedforward::{Feedforward, feedforward};
+pub use figures::{Figures, figures};
 pub use finding::{Cause, Finding, Part, Severity};
 pub use generalised::Generalised;
 pub use h2syn::{H2, h2syn};
@@ -76,5 +79,6 @@ pub use rational::Rational;
 pub use schedule::{
     Conditions, Configuration, Entry, Law, discretise_schedule, schedule, stabilisation_error,
 };
+pub use search::{Ended, Found, Requirements, Trial, search, trade_off};
 pub use specification::{Assembly, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, Specification};
 pub use weight::Weight;

@@ -1,0 +1,128 @@
+//! The figures of a sampled feedback loop that a search needs: margins, overshoot, rejection, effort.
+
+use counterpoise_controller::Signal;
+use counterpoise_lti::response::Response;
+use counterpoise_lti::{C64, Discretisation, Mat, StateSpace, c2d, h2norm, margins};
+
+use crate::{DesignPlant, Error, Sampled, Sampling};
+
+/// What a sampled feedback loop does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Figures {
+    /// Smallest gain margin, dB.
+    pub gain_margin_db: f64,
+    /// Smallest phase margin, degrees; infinite without crossover.
+    pub phase_margin_deg: f64,
+    /// Largest sensitivity.
+    pub ms: f64,
+    /// Highest frequency at which the loop's gain is 1, rad/s; 0 without crossover.
+    pub crossover_rad_s: f64,
+    /// Peak of the true rate after a unit step of the demand, less 1.
+    pub overshoot: f64,
+    /// Largest control after a unit step of the demand, V s/rad.
+    pub step_control_v: f64,
+    /// RMS control for measurement noise of unit RMS, V s/rad.
+    pub noise_gain: f64,
+    /// RMS of |S| over the band of interest: the share of a disturbance that is left.
+    pub rejection: f64,
+}
+
+/// Over how many seconds a step is watched.
+pub const STEP_S: f64 = 1.5;
+/// Frequencies in the band.
+const BAND_POINTS: usize = 24;
+
+/// The figures of a sampled feedback loop; rejection over the band (low, high), rad/s.
+///
+/// # Errors
+/// [`Error`] where the plant is not one, or a decomposition fails.
+pub fn figures(
+    plant: &DesignPlant,
+    sampled: &Sampled,
+    sampling: &Sampling,
+    band_rad_s: (f64, f64),
+) -> Result<Figures, Error> {
+    let margin = margins(&sampled.loop_gain)?;
+    let (peak, control) = step(plant, sampled, sampling)?;
+    let crossings = margin.phase.iter().map(|phase| phase.rate_rad_s);
+    Ok(Figures {
+        gain_margin_db: margin.gain_margin_db(),
+        phase_margin_deg: margin.phase_margin().map_or(f64::INFINITY, |phase| phase.deg),
+        ms: margin.ms.value,
+        crossover_rad_s: crossings.fold(0.0, f64::max),
+        overshoot: peak - 1.0,
+        step_control_v: control,
+        noise_gain: noise_gain(plant, sampled, sampling)?,
+        rejection: rejection(&sampled.loop_gain, band_rad_s)?,
+    })
+}
+
+/// Measured and true rate from the held control.
+fn held(plant: &DesignPlant, sampling: &Sampling) -> Result<StateSpace, Error> {
+    let undelayed = DesignPlant { pade_order: 0, ..plant.clone() };
+    let seen = undelayed.measured()?.select(&[0, 1 + plant.rate], &[plant.control]);
+    Ok(c2d(&seen, sampling.period_s, Discretisation::ZeroOrderHold)?)
+}
+
+/// From (demand, hub rate) to the control.
+fn controller(sampled: &Sampled, sampling: &Sampling) -> Result<StateSpace, Error> {
+    let linear = sampled.controller.linear(sampling.out_of_balance_kg_m)?;
+    let reading = |signal: Signal, fallback: usize| signal.reading().unwrap_or(fallback);
+    let inputs = [reading(Signal::Demand, 0), reading(Signal::HubRate, 1)];
+    let linear = linear.select(&[0], &inputs);
+    // The paths that read neither signal stay at zero: leave their states out.
+    let used: Vec<usize> = (0..linear.order()).filter(|&i| (0..2).any(|j| linear.B[(i, j)] != 0.0)).collect();
+    let reached = reached(&linear.A, used);
+    Ok(StateSpace {
+        A: linear.A.select(&reached, &reached),
+        B: linear.B.select(&reached, &[0, 1]),
+        C: linear.C.select(&[0], &reached),
+        ..linear
+    })
+}
+
+/// The states that are driven by the given ones, these included, in order.
+fn reached(A: &Mat, mut from: Vec<usize>) -> Vec<usize> {
+    let mut next = 0;
+    while next < from.len() {
+        let j = from[next];
+        let new: Vec<usize> = (0..A.nrows()).filter(|&i| A[(i, j)] != 0.0 && !from.contains(&i)).collect();
+        from.extend(new);
+        next += 1;
+    }
+    from.sort_unstable();
+    from
+}
+
+/// Peak of the true rate and of the control after a unit step of the demand.
+fn step(plant: &DesignPlant, sampled: &Sampled, sampling: &Sampling) -> Result<(f64, f64), Error> {
+    let (P, K) = (held(plant, sampling)?, controller(sampled, sampling)?);
+    let (mut x, mut q) = (Mat::zeros(P.order(), 1), Mat::zeros(K.order(), 1));
+    let (mut peak, mut largest) = (0.0_f64, 0.0_f64);
+    for _ in 0..(STEP_S / sampling.period_s).ceil() as usize {
+        let y = &P.C * &x;
+        let read = Mat::col(&[1.0, y[(0, 0)]]);
+        let u = &(&K.C * &q) + &(&K.D * &read);
+        (peak, largest) = (peak.max(y[(1, 0)]), largest.max(u[(0, 0)].abs()));
+        q = &(&K.A * &q) + &(&K.B * &read);
+        x = &(&P.A * &x) + &(&P.B * &u);
+    }
+    Ok((peak, largest))
+}
+
+fn noise_gain(plant: &DesignPlant, sampled: &Sampled, sampling: &Sampling) -> Result<f64, Error> {
+    let seen = held(plant, sampling)?.select(&[0], &[0]);
+    let K = controller(sampled, sampling)?.select(&[0], &[1]);
+    Ok(h2norm(&counterpoise_lti::feedback(&K, &seen.negate())?)?)
+}
+
+fn rejection(loop_gain: &StateSpace, (low, high): (f64, f64)) -> Result<f64, Error> {
+    let response = Response::of(loop_gain)?;
+    let rate = |k: usize| low * (high / low).powf(k as f64 / (BAND_POINTS - 1) as f64);
+    let mut sum = 0.0;
+    for k in 0..BAND_POINTS {
+        let L = response.at(rate(k))?[(0, 0)];
+        sum += (C64::ONE + L).norm_sqr().recip();
+    }
+    Ok((sum / BAND_POINTS as f64).sqrt())
+}

@@ -1,0 +1,231 @@
+//! From requirements to weights: the weights are moved until the figures of the *sampled* loop hold, and then as far as
+//! they go towards rejection.
+
+use crate::figures::{Figures, figures};
+use crate::{DesignPlant, Error, Outcome, Reference, Sampling, Specification, Weight, design, discretise};
+
+/// What the feedback loop must keep. Infinite or zero limits ask for nothing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Requirements {
+    /// Smallest gain margin, dB.
+    pub gain_margin_db: f64,
+    /// Smallest phase margin, degrees.
+    pub phase_margin_deg: f64,
+    /// Largest sensitivity.
+    pub ms: f64,
+    /// Largest overshoot of a step, as a share of it.
+    pub overshoot: f64,
+    /// Smallest crossover, rad/s.
+    pub crossover_rad_s: f64,
+    /// Largest control after a unit step, V s/rad.
+    pub step_control_v: f64,
+    /// Largest RMS control for measurement noise of unit RMS, V s/rad.
+    pub noise_gain: f64,
+    /// Band over which rejection is wanted, rad/s.
+    pub band_rad_s: (f64, f64),
+}
+
+impl Requirements {
+    /// The margins and the overshoot of the source thesis: 12 dB, 60 degrees, 13 %; rejection from 0.2 to 2 Hz.
+    pub fn thesis() -> Self {
+        Self {
+            gain_margin_db: 12.0,
+            phase_margin_deg: 60.0,
+            ms: f64::INFINITY,
+            overshoot: 0.13,
+            crossover_rad_s: 0.0,
+            step_control_v: f64::INFINITY,
+            noise_gain: f64::INFINITY,
+            band_rad_s: (1.26, 12.6),
+        }
+    }
+
+    /// The sum of what is missed, each relative to its limit; 0 where everything holds.
+    pub fn missed(&self, found: &Figures) -> f64 {
+        let below =
+            |value: f64, limit: f64| if limit > 0.0 { ((limit - value) / limit).max(0.0) } else { 0.0 };
+        let above =
+            |value: f64, limit: f64| if limit.is_finite() { ((value - limit) / limit).max(0.0) } else { 0.0 };
+        below(found.gain_margin_db, self.gain_margin_db)
+            + below(found.phase_margin_deg, self.phase_margin_deg)
+            + below(found.crossover_rad_s, self.crossover_rad_s)
+            + above(found.ms, self.ms)
+            + above(found.overshoot, self.overshoot)
+            + above(found.step_control_v, self.step_control_v)
+            + above(found.noise_gain, self.noise_gain)
+    }
+}
+
+/// One trial of the search.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
+    /// The specification that was tried.
+    pub specification: Specification,
+    /// What its sampled loop does.
+    pub figures: Figures,
+    /// What it misses: 0 where the requirements hold.
+    pub missed: f64,
+}
+
+/// The answer of a search.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Found {
+    /// The best trial: nothing missed if that could be had, then the best rejection.
+    pub best: Trial,
+    /// Trials made.
+    pub trials: usize,
+    /// How the search ended.
+    pub ended: Ended,
+}
+
+/// How a search ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ended {
+    /// No step of the smallest size improves.
+    Settled,
+    /// The limit of trials was reached.
+    OutOfTrials,
+    /// The caller stopped it.
+    Stopped,
+}
+
+/// First and last step of the search, as natural logarithms of factors.
+const STEPS: (f64, f64) = (0.7, 0.04);
+/// Weight of a missed requirement against rejection.
+const PENALTY: f64 = 100.0;
+/// Knobs: error gain, error corners, control corners, loop recovery.
+const KNOBS: usize = 4;
+
+/// Searches weights and loop recovery of the feedback so that the requirements hold on the sampled loop.
+///
+/// A pattern search from the given specification over four factors (error weight's gain, the corners of the error and of
+/// the control weight, the loop recovery): deterministic, at most `most_trials` designs, and it asks `go_on` before each
+/// with the best so far. The feedforwards are left as they are, since they do not depend on the feedback's weights.
+///
+/// # Errors
+/// [`Error`] for a plant or sampling that is none. Where not even the start can be designed: [`Outcome::Infeasible`].
+pub fn search(
+    plant: &DesignPlant,
+    start: &Specification,
+    (requirements, sampling): (&Requirements, &Sampling),
+    most_trials: usize,
+    go_on: &mut dyn FnMut(&Trial) -> bool,
+) -> Result<Outcome<Found>, Error> {
+    let feedback_alone = Specification { heave: None, pitch: None, ..start.clone() };
+    let problem = Problem { plant, start: &feedback_alone, requirements, sampling };
+    let first = match problem.attempt([0.0; KNOBS])? {
+        Outcome::Solved(trial) => trial,
+        Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
+    };
+    let (mut at, mut best, mut trials, mut step) = ([0.0; KNOBS], first, 1, STEPS.0);
+    let mut ended = Ended::Settled;
+    'search: while step >= STEPS.1 {
+        let mut improved = false;
+        for direction in directions() {
+            ended = if trials >= most_trials { Ended::OutOfTrials } else { Ended::Stopped };
+            if trials >= most_trials || !go_on(&best) {
+                break 'search;
+            }
+            trials += 1;
+            let next = std::array::from_fn(|i| at[i] + step * direction[i]);
+            if let Outcome::Solved(trial) = problem.attempt(next)?
+                && merit(&trial) < merit(&best)
+            {
+                (at, best, improved) = (next, trial, true);
+            }
+        }
+        ended = Ended::Settled;
+        step *= if improved { 1.0 } else { 0.5 };
+    }
+    best.specification = Specification { feedback: best.specification.feedback, ..start.clone() };
+    Ok(Outcome::Solved(Found { best, trials, ended }))
+}
+
+/// The trade-off between rejection and the largest sensitivity: one search for each limit of Ms, each started from the
+/// one before. Limits that cannot be had come with what their best trial misses.
+///
+/// # Errors
+/// As [`search`].
+pub fn trade_off(
+    plant: &DesignPlant,
+    start: &Specification,
+    (requirements, sampling): (&Requirements, &Sampling),
+    ms_limits: &[f64],
+    most_trials: usize,
+) -> Result<Outcome<Vec<Found>>, Error> {
+    let mut curve: Vec<Found> = Vec::new();
+    for &ms in ms_limits {
+        let from = curve.last().map_or(start, |found| &found.best.specification).clone();
+        let limited = Requirements { ms, ..*requirements };
+        match search(plant, &from, (&limited, sampling), most_trials, &mut |_| true)? {
+            Outcome::Solved(found) => curve.push(found),
+            Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
+        }
+    }
+    Ok(Outcome::Solved(curve))
+}
+
+/// Each knob up and down, then gain and recovery together (which trade against each other).
+fn directions() -> Vec<[f64; KNOBS]> {
+    let mut all = Vec::new();
+    for knob in 0..KNOBS {
+        for sign in [1.0, -1.0] {
+            let mut direction = [0.0; KNOBS];
+            direction[knob] = sign;
+            all.push(direction);
+        }
+    }
+    all.extend([[1.0, -1.0, 0.0, 0.0], [-1.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 1.0], [-1.0, 0.0, 0.0, -1.0]]);
+    all
+}
+
+fn merit(trial: &Trial) -> f64 {
+    PENALTY * trial.missed + trial.figures.rejection
+}
+
+struct Problem<'a> {
+    plant: &'a DesignPlant,
+    start: &'a Specification,
+    requirements: &'a Requirements,
+    sampling: &'a Sampling,
+}
+
+impl Problem<'_> {
+    fn attempt(&self, knobs: [f64; KNOBS]) -> Result<Outcome<Trial>, Error> {
+        let specification = moved(self.start, knobs);
+        let designed = match design(self.plant, &specification)? {
+            Outcome::Solved(design) => design,
+            Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
+        };
+        discretise(&designed, self.sampling)?.try_map(|sampled| {
+            let figures = figures(self.plant, &sampled, self.sampling, self.requirements.band_rad_s)?;
+            let missed = self.requirements.missed(&figures);
+            Ok(Trial { specification, figures, missed })
+        })
+    }
+}
+
+/// The specification with its knobs turned by exp(knobs).
+fn moved(start: &Specification, knobs: [f64; KNOBS]) -> Specification {
+    let mut moved = start.clone();
+    let [gain, error, control, recovery] = knobs.map(f64::exp);
+    moved.feedback.error = stretched(&start.feedback.error, error, gain);
+    moved.feedback.control = stretched(&start.feedback.control, control, 1.0);
+    moved.feedback.loop_recovery *= recovery;
+    debug_assert!(matches!(moved.reference, Reference::Error | Reference::WeightOnly));
+    moved
+}
+
+/// gain W(s / factor): the corners moved, the modulus kept relative to them.
+fn stretched(weight: &Weight, factor: f64, gain: f64) -> Weight {
+    if factor == 1.0 && gain == 1.0 {
+        return weight.clone();
+    }
+    let rational = weight.rational();
+    let scale = factor.powi(rational.relative_degree());
+    Weight::ZeroPoleGain {
+        zeros: rational.zeros.iter().map(|root| root * factor).collect(),
+        poles: rational.poles.iter().map(|root| root * factor).collect(),
+        gain: rational.gain * gain * scale,
+    }
+}

@@ -1,0 +1,67 @@
+//! From requirements to weights, on the reference rig.
+#![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
+
+mod common;
+
+use common::{rig, thesis_weights, weights};
+use counterpoise_synth::{
+    Ended, Found, Outcome, Requirements, Sampling, Specification, Weight, search, trade_off,
+};
+
+fn found(start: &Specification, requirements: &Requirements, most: usize) -> Found {
+    let sampling = Sampling::new(1e-3, 10.0);
+    match search(&rig(), start, (requirements, &sampling), most, &mut |_| true).unwrap() {
+        Outcome::Solved(found) => found,
+        Outcome::Infeasible(findings) => panic!("{findings:?}"),
+    }
+}
+
+#[test]
+fn far_off_weights_are_brought_to_the_requirements_and_reject_more_than_the_thesis_form() {
+    let mut start = thesis_weights();
+    start.feedback.error = Weight::Integral { gain: 3000.0, time_s: 1.0 };
+    let requirements = Requirements::thesis();
+    let found = found(&start, &requirements, 120);
+    assert_eq!(found.best.missed, 0.0, "{:?}", found.best.figures);
+    let figures = found.best.figures;
+    assert!(figures.gain_margin_db >= 12.0 && figures.phase_margin_deg >= 60.0 && figures.overshoot <= 0.13);
+    assert_eq!(found.best.specification.heave, start.heave);
+}
+
+#[test]
+fn the_default_weights_are_improved_within_the_requirements_and_always_alike() {
+    let requirements = Requirements { ms: 1.4, ..Requirements::thesis() };
+    let (first, second) = (found(&weights(), &requirements, 60), found(&weights(), &requirements, 60));
+    assert_eq!(first, second);
+    let start = found(&weights(), &requirements, 1).best;
+    assert!(first.best.missed == 0.0 && first.best.figures.rejection < start.figures.rejection);
+}
+
+#[test]
+fn a_search_can_be_stopped_and_is_bounded() {
+    let sampling = Sampling::new(1e-3, 10.0);
+    let requirements = Requirements::thesis();
+    let mut asked = 0;
+    let mut go_on = |_: &_| {
+        asked += 1;
+        asked < 5
+    };
+    let stopped =
+        search(&rig(), &weights(), (&requirements, &sampling), 1000, &mut go_on).unwrap().solved().unwrap();
+    assert_eq!((stopped.ended, stopped.trials), (Ended::Stopped, 5));
+    assert_eq!(found(&weights(), &requirements, 9).ended, Ended::OutOfTrials);
+}
+
+#[test]
+fn more_sensitivity_buys_more_rejection() {
+    let sampling = Sampling::new(1e-3, 10.0);
+    let requirements =
+        Requirements { phase_margin_deg: 0.0, overshoot: 1.0, gain_margin_db: 6.0, ..Requirements::thesis() };
+    let limits = [1.2, 1.4, 1.7];
+    let curve =
+        trade_off(&rig(), &weights(), (&requirements, &sampling), &limits, 50).unwrap().solved().unwrap();
+    for (found, limit) in curve.iter().zip(limits) {
+        assert!(found.best.missed == 0.0 && found.best.figures.ms <= limit, "{:?}", found.best.figures);
+    }
+    assert!(curve.windows(2).all(|pair| pair[1].best.figures.rejection < pair[0].best.figures.rejection));
+}
