@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand};
 
+use crate::commands::{claims::ClaimsOptions, sweep::SweepOptions};
+
 /// From a project file to a verified controller, and back from recordings to a better model.
 #[derive(Parser)]
 #[command(name = "counterpoise", version, about, max_term_width = 100)]
@@ -32,6 +34,10 @@ pub enum Command {
     Replay(ReplayOptions),
     /// Locate, name and model what the simulation lacks, and show that the fit improves
     Diagnose(DiagnoseOptions),
+    /// Robustness: many mechanisms at once, in shards, and each configuration
+    Sweep(SweepOptions),
+    /// The thesis' claims, measured claim by claim
+    Claims(ClaimsOptions),
 }
 
 /// Where a result goes.

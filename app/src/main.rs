@@ -7,6 +7,7 @@ mod arguments;
 mod commands;
 mod files;
 mod output;
+mod shards;
 mod workers;
 
 use std::process::ExitCode;
@@ -25,6 +26,8 @@ fn main() -> ExitCode {
         Command::Export(options) => commands::stages::export(options),
         Command::Replay(options) => commands::replay::run(options),
         Command::Diagnose(options) => commands::diagnose::run(options),
+        Command::Sweep(options) => commands::sweep::run(options),
+        Command::Claims(options) => commands::claims::run(options),
     };
     done.unwrap_or_else(|error| {
         eprintln!("{}", output::explained(&error));

@@ -21,7 +21,8 @@ fn the_report_of_the_reference_rig_holds_every_part_and_stays_small() {
     let text = std::fs::read_to_string(format!("{FOLDER}project.toml")).unwrap();
     let project = Project::parse(&text, "project.toml").unwrap().project;
     let designed = design(&project, &Example).unwrap();
-    let context = Context { title: "Reference rig".into(), subtitle: "verification".into(), ..Context::default() };
+    let context =
+        Context { title: "Reference rig".into(), subtitle: "verification".into(), ..Context::default() };
     let page = html(&of_design(&designed, context).unwrap());
     std::fs::write(concat!(env!("CARGO_TARGET_TMPDIR"), "/report.html"), &page).unwrap();
     for part in [

@@ -1,10 +1,12 @@
 //! The commands: each loads what it needs, calls the road, prints, and says by its exit code how it went.
 
+pub mod claims;
 pub mod design;
 pub mod diagnose;
 pub mod pages;
 pub mod replay;
 pub mod stages;
+pub mod sweep;
 
 use std::process::ExitCode;
 

@@ -8,6 +8,7 @@
 //! Modules in reading order: [`page`], [`html`], [`style`]; then a verification's report:
 //! [`summary`], [`evidence`], [`verification`]; then a design's: [`design`].
 
+pub mod claims;
 pub mod design;
 pub mod diagnosis;
 pub mod evidence;
@@ -15,6 +16,7 @@ pub mod html;
 pub mod page;
 pub mod style;
 pub mod summary;
+pub mod sweep;
 pub mod verification;
 
 pub use design::of_design;

@@ -8,6 +8,7 @@ pub mod error;
 pub mod export;
 pub mod model;
 pub mod reduce;
+pub mod sweep;
 pub mod synth;
 pub mod verify;
 
@@ -18,6 +19,7 @@ pub use error::PipelineError;
 pub use export::export;
 pub use model::{Modelled, model};
 pub use reduce::{Reduced, reduce};
+pub use sweep::{campaign, families};
 pub use synth::{Synthesised, synthesise};
 pub use verify::{procedure, verify};
 

@@ -1,0 +1,149 @@
+//! The pages of a robustness campaign.
+
+use counterpoise_project::verify::robust::{Campaign, Member, Sample, ranking, summary};
+use counterpoise_project::verify::{Limit, Value, Verification};
+
+use super::verification::Context;
+use super::{Cell, Column, Headline, Report, Section, Table, Tone, summary as first};
+use crate::plot::ticks::short;
+use crate::plot::{Axis, Colour, Figure, Mark, Panel, Series};
+
+/// The report: shares of the campaign on the first screen.
+pub fn report(found: &Verification, campaign: &Campaign, samples: &[Sample], context: Context) -> Report {
+    let good = samples.iter().filter(|sample| campaign.passes(sample)).count();
+    let all = samples.len();
+    let tone = if good == all { Tone::Good } else { Tone::Bad };
+    let text = format!("{good} of {all} mechanisms meet every requirement");
+    let detail = format!("The nominal design: {}.", first::headline(found).text.to_lowercase());
+    Report {
+        title: format!("{}: robustness", context.title),
+        subtitle: context.subtitle,
+        headline: Headline { tone, text, detail },
+        tiles: Vec::new(),
+        verdicts: shares(campaign, samples),
+        glance: (0..campaign.requirements().len().min(2))
+            .map(|k| distribution(campaign, samples, k))
+            .collect(),
+        sections: context.more,
+        provenance: context.provenance,
+    }
+}
+
+/// Distributions, sensitivities and families.
+pub fn sections(campaign: &Campaign, samples: &[Sample], families: &[Member]) -> Vec<Section> {
+    let count = campaign.requirements().len();
+    let distributions = Section::new("Distributions")
+        .saying("How many mechanisms lie below a value; the dotted line is the limit.")
+        .showing((0..count).map(|k| distribution(campaign, samples, k)));
+    let sensitivity = Section::new("What matters")
+        .saying("Spearman's rank correlation between each factor and each figure: \u{2212}1 or 1 is strict order, 0 is none.")
+        .listing(sensitivity(campaign, samples));
+    let members =
+        Section::new("One at a time, and each configuration").listing(member_table(campaign, families));
+    vec![distributions, sensitivity, members]
+}
+
+fn name(campaign: &Campaign, requirement: usize) -> String {
+    let figure = campaign.requirements()[requirement].figure;
+    if figure.unit().is_empty() { figure.name() } else { format!("{} [{}]", figure.name(), figure.unit()) }
+}
+
+fn shares(campaign: &Campaign, samples: &[Sample]) -> Table {
+    let columns = [
+        Column::Text("requirement"),
+        Column::Number("met by"),
+        Column::Number("95 % interval"),
+        Column::Number("5 %"),
+        Column::Number("median"),
+        Column::Number("95 %"),
+        Column::Number("worst sample"),
+    ];
+    let mut table = Table::new("Requirements over the campaign", &columns);
+    for k in 0..campaign.requirements().len() {
+        let found = summary(campaign, samples, k);
+        let tone = if found.share >= 1.0 { Tone::Good } else { Tone::Bad };
+        let sign = match campaign.requirements()[k].limit {
+            Limit::AtLeast(limit) => format!("\u{2265} {}", short(limit)),
+            Limit::AtMost(limit) => format!("\u{2264} {}", short(limit)),
+        };
+        table.rows.push(vec![
+            Cell::text(format!("{} {sign}", name(campaign, k))),
+            Cell::Verdict(tone, format!("{:.1} %", 100.0 * found.share)),
+            Cell::text(format!("{:.1} to {:.1}", 100.0 * found.interval.0, 100.0 * found.interval.1)),
+            Cell::number(found.q05),
+            Cell::number(found.median),
+            Cell::number(found.q95),
+            Cell::text(found.worst.map_or(String::new(), |index| index.to_string())),
+        ]);
+    }
+    table
+}
+
+/// The share of mechanisms below each value.
+fn distribution(campaign: &Campaign, samples: &[Sample], requirement: usize) -> Figure {
+    let mut values: Vec<f64> =
+        samples.iter().map(|sample| sample.values[requirement]).filter(|v| v.is_finite()).collect();
+    values.sort_by(f64::total_cmp);
+    let all = samples.len().max(1) as f64;
+    let points = values.iter().enumerate().map(|(k, value)| (*value, 100.0 * (k + 1) as f64 / all)).collect();
+    let figure = campaign.requirements()[requirement].figure;
+    let limit = campaign.requirements()[requirement].limit.value();
+    let marks = vec![Mark::Instant { x: limit, text: format!("limit {}", short(limit)) }];
+    let panel = Panel::of(
+        Axis::linear("mechanisms below", "%").over(0.0, 100.0),
+        vec![Series::solid("", Colour::First, points)],
+    );
+    let (low, high) = (values.first().copied().unwrap_or(limit), values.last().copied().unwrap_or(limit));
+    let room = 0.03 * (high.max(limit) - low.min(limit)).max(f64::MIN_POSITIVE);
+    let axis =
+        Axis::linear(&figure.name(), figure.unit()).over(low.min(limit) - room, high.max(limit) + room);
+    Figure::new(&figure.name(), axis, vec![panel.marked(marks).high(150.0)])
+}
+
+fn sensitivity(campaign: &Campaign, samples: &[Sample]) -> Table {
+    let mut table = Table::new("", &[Column::Text("figure"), Column::Text("strongest first")]);
+    for k in 0..campaign.requirements().len() {
+        let ranked = ranking(campaign, samples, k);
+        let words = ranked.iter().map(|one| {
+            format!("{} {:+.2}", campaign.variations()[one.variation].parameter.key(), one.correlation)
+        });
+        table
+            .rows
+            .push(vec![Cell::text(name(campaign, k)), Cell::text(words.collect::<Vec<_>>().join(",  "))]);
+    }
+    table
+}
+
+/// Mechanisms down, requirements as text: their number varies, columns are fixed.
+fn member_table(campaign: &Campaign, families: &[Member]) -> Table {
+    let mut table = Table::new(
+        "",
+        &[
+            Column::Text("mechanism"),
+            Column::Text("figure"),
+            Column::Number("value"),
+            Column::Text("verdict"),
+        ],
+    );
+    for member in families {
+        for (requirement, value) in campaign.requirements().iter().zip(&member.values) {
+            let (number, room) = match value {
+                Value::Is(number) => (*number, requirement.limit.room(*number)),
+                Value::Absent { .. } => (f64::NAN, f64::NAN),
+            };
+            let (tone, word) = match room {
+                r if r.is_nan() => (Tone::Neutral, "not applicable".to_owned()),
+                r if r >= 0.0 => (Tone::Good, "holds".to_owned()),
+                r => (Tone::Bad, format!("fails by {}", short(-r))),
+            };
+            let cells = vec![
+                Cell::text(member.name.clone()),
+                Cell::text(requirement.figure.name()),
+                Cell::number(number),
+                Cell::Verdict(tone, word),
+            ];
+            table.rows.push(cells);
+        }
+    }
+    table
+}

@@ -1,0 +1,60 @@
+//! The robustness campaign that the project asks for.
+
+use counterpoise_verify::robust::{Campaign, Member, configurations, one_at_a_time};
+use counterpoise_verify::{Figure, VerifiedController};
+
+use super::{Modelled, PipelineError, World, procedure};
+use crate::Project;
+
+/// The Monte Carlo campaign of the project's requirements over its variations.
+///
+/// # Errors
+/// A section that is missing, a road that cannot be read, variations that make no mechanism.
+pub fn campaign(
+    project: &Project,
+    modelled: &Modelled,
+    verified: &VerifiedController,
+    world: &dyn World,
+) -> Result<Campaign, PipelineError> {
+    let asked = project
+        .sweep
+        .as_ref()
+        .ok_or(PipelineError::Missing { section: "sweep", needed_by: "the campaign" })?;
+    let judged = project
+        .verify
+        .as_ref()
+        .ok_or(PipelineError::Missing { section: "verify", needed_by: "the campaign" })?;
+    Ok(Campaign::new(
+        (modelled.parameters.clone(), verified.controller().clone()),
+        procedure(project, world)?,
+        asked.variations.clone(),
+        judged.requirements.clone(),
+        (asked.samples, asked.seed),
+    )?)
+}
+
+/// The figures of the project's requirements in each configuration and with each parameter of a family varied alone.
+///
+/// # Errors
+/// As [`campaign`].
+pub fn families(
+    project: &Project,
+    modelled: &Modelled,
+    verified: &VerifiedController,
+    world: &dyn World,
+) -> Result<Vec<Member>, PipelineError> {
+    let asked = project
+        .sweep
+        .as_ref()
+        .ok_or(PipelineError::Missing { section: "sweep", needed_by: "the families" })?;
+    let judged = project
+        .verify
+        .as_ref()
+        .ok_or(PipelineError::Missing { section: "verify", needed_by: "the families" })?;
+    let figures: Vec<Figure> = judged.requirements.iter().map(|requirement| requirement.figure).collect();
+    let (parameters, controller, procedure) =
+        (&modelled.parameters, verified.controller(), procedure(project, world)?);
+    let mut members = one_at_a_time(parameters, controller, &procedure, &figures, &asked.families)?;
+    members.extend(configurations(parameters, controller, &procedure, &figures)?);
+    Ok(members)
+}
