@@ -5,6 +5,7 @@
 
 use crate::dense::qr_r;
 use crate::error::{Error, check_shape, check_square};
+use crate::kernel::vectorised;
 use crate::mat::{C64, CMat, Mat};
 use crate::schur::{Schur, blocks, schur};
 use crate::sylvester::Kind;
@@ -161,33 +162,36 @@ fn turn(T: &mut CMat, Z: &mut CMat, k: usize, x: C64, y: C64) {
     columns(Z, n);
 }
 
-/// The upper triangular `R` with `P = R R^H`, from the last column to the first.
-fn triangular_factor(T: &CMat, B: &CMat, kind: Kind) -> CMat {
-    let n = T.nrows();
-    let mut B = B.clone();
-    let mut R = CMat::zeros(n, n);
-    for k in (0..n).rev() {
-        let lambda = T[(k, k)];
-        let row: Vec<C64> = B.row_vec(k);
-        let size = row.iter().map(|e| e.norm_sqr()).sum::<f64>().sqrt();
-        let gain = match kind {
-            Kind::Continuous => (-2.0 * lambda.re).sqrt(),
-            Kind::Discrete => ((1.0 - lambda.norm()) * (1.0 + lambda.norm())).sqrt(),
-        };
-        R[(k, k)] = C64::new(size / gain, 0.0);
-        if size == 0.0 {
-            continue;
+vectorised! {
+    /// The upper triangular `R` with `P = R R^H`, from the last column to the first.
+    fn triangular_factor<'a>(T: &'a CMat, B: &'a CMat, kind: Kind) -> CMat {
+        let n = T.nrows();
+        let mut B = B.clone();
+        let mut R = CMat::zeros(n, n);
+        for k in (0..n).rev() {
+            let lambda = T[(k, k)];
+            let row: Vec<C64> = B.row_vec(k);
+            let size = row.iter().map(|e| e.norm_sqr()).sum::<f64>().sqrt();
+            let gain = match kind {
+                Kind::Continuous => (-2.0 * lambda.re).sqrt(),
+                Kind::Discrete => ((1.0 - lambda.norm()) * (1.0 + lambda.norm())).sqrt(),
+            };
+            R[(k, k)] = C64::new(size / gain, 0.0);
+            if size == 0.0 {
+                continue;
+            }
+            let u: Vec<C64> = row.iter().map(|e| e.conj() / size).collect();
+            match kind {
+                Kind::Continuous => column(T, &mut B, &mut R, k, &u, gain),
+                Kind::Discrete => discrete_column(T, &mut B, &mut R, k, &u, gain),
+            }
         }
-        let u: Vec<C64> = row.iter().map(|e| e.conj() / size).collect();
-        match kind {
-            Kind::Continuous => column(T, &mut B, &mut R, k, &u, gain),
-            Kind::Discrete => discrete_column(T, &mut B, &mut R, k, &u, gain),
-        }
+        R
     }
-    R
 }
 
 /// `B1 u` for the rows above `k`.
+#[inline(always)]
 fn project(B: &CMat, u: &[C64], k: usize) -> Vec<C64> {
     let mut sum = vec![C64::new(0.0, 0.0); k];
     for (j, &factor) in u.iter().enumerate() {
@@ -197,6 +201,7 @@ fn project(B: &CMat, u: &[C64], k: usize) -> Vec<C64> {
 }
 
 /// `(T1 + conj(l) I) r = -(t rho + gain B1 u)`, then `B1 -= gain r u^H`.
+#[inline(always)]
 fn column(T: &CMat, B: &mut CMat, R: &mut CMat, k: usize, u: &[C64], gain: f64) {
     let (lambda, rho) = (T[(k, k)], R[(k, k)].re);
     let forced = project(B, u, k);
@@ -214,6 +219,7 @@ fn column(T: &CMat, B: &mut CMat, R: &mut CMat, k: usize, u: &[C64], gain: f64) 
 }
 
 /// `(I - conj(l) T1) r = conj(l) t rho + gain B1 u`; with `v = T1 r + t rho`, `B1 += (gain v - l B1 u - B1 u) u^H`.
+#[inline(always)]
 fn discrete_column(T: &CMat, B: &mut CMat, R: &mut CMat, k: usize, u: &[C64], gain: f64) {
     let (lambda, rho) = (T[(k, k)], R[(k, k)].re);
     let forced = project(B, u, k);

@@ -4,12 +4,20 @@
 //!
 //! *Invariant*: nothing here knows a system, a unit, a file, a thread or a clock.
 //!
-//! Modules in reading order: [`mat`].
+//! Modules in reading order: [`mat`] (the matrix itself), [`dense`] and [`decomposition`] (checked wrappers of faer),
+//! [`balance`], [`schur`] (ordered real Schur form), [`sylvester`], [`generalised`], [`lyapunov`], [`hammarling`] (factored
+//! Lyapunov solutions), [`expm`], [`riccati`] (with certificates and named refusals), [`tolerance`].
 //!
 //! ```
-//! use counterpoise_linalg::Mat;
-//! let a = Mat::from_rows(&[&[1.0, 2.0], &[3.0, 4.0]]);
-//! assert_eq!((&a * &Mat::eye(2))[(1, 0)], 3.0);
+//! use counterpoise_linalg::{Mat, care};
+//! // x'' = u at the cost of the integral of x^2 + u^2.
+//! let A = Mat::from_rows(&[&[0.0, 1.0], &[0.0, 0.0]]);
+//! let B = Mat::col(&[0.0, 1.0]);
+//! let answer = care(&A, &B, &Mat::diag(&[1.0, 0.0]), &Mat::eye(1), None)?;
+//! let solution = answer.into_result().map_err(|reason| reason.to_string()).unwrap();
+//! assert!((solution.F[(0, 1)] - 2f64.sqrt()).abs() < 1e-15);
+//! assert!(solution.certificate.relative_residual < 1e-15);
+//! # Ok::<(), counterpoise_linalg::Error>(())
 //! ```
 #![allow(non_snake_case)]
 
@@ -19,6 +27,7 @@ pub mod dense;
 mod error;
 pub mod expm;
 mod extended;
+pub mod generalised;
 pub mod hammarling;
 mod kernel;
 pub mod lyapunov;
@@ -37,9 +46,10 @@ pub use decomposition::{
 pub use dense::{Qr, cdet, cholesky, csolve, dot, inverse, lstsq, pinv, qr, qr_full_q, qr_r, solve};
 pub use error::Error;
 pub use expm::{expm, expm_integral, van_loan_cost, van_loan_noise};
+pub use generalised::gsylvester;
 pub use hammarling::{dlyap_factor, dlyap_factors, lyap_factor, lyap_factors};
 pub use lyapunov::{dlyap, lyap};
 pub use mat::{C64, CMat, Mat};
 pub use riccati::{Certificate, Method, Outcome, Reason, Riccati, care, care_g, dare};
-pub use schur::{Schur, eigenvalues, schur};
+pub use schur::{Schur, Subspace, eigenvalues, schur};
 pub use sylvester::{dsylvester, eigenvalue_separation, sylvester};

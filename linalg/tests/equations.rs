@@ -5,8 +5,8 @@ mod common;
 
 use common::{Random, difference};
 use counterpoise_linalg::{
-    Error, Mat, dlyap, dlyap_factor, dsylvester, expm, expm_integral, lyap, lyap_factor, sylvester,
-    van_loan_cost, van_loan_noise,
+    Error, Mat, dlyap, dlyap_factor, dsylvester, expm, expm_integral, gsylvester, lyap, lyap_factor,
+    sylvester, van_loan_cost, van_loan_noise,
 };
 
 #[test]
@@ -21,6 +21,25 @@ fn sylvester_passes_its_definition() {
         let scale = A.norm_fro() * X.norm_fro() * B.norm_fro() + X.norm_fro() + C.norm_fro();
         assert!((&A * &X * &B - &X + &C).norm_fro() < 1e-14 * scale, "{m} x {n} discrete");
     }
+}
+
+#[test]
+fn generalised_sylvester_passes_its_definition() {
+    let mut random = Random::new(12);
+    for (m, n) in [(1, 1), (4, 3), (12, 20)] {
+        let (A, C, B, D) =
+            (random.matrix(m, m), random.matrix(m, m), random.matrix(n, n), random.matrix(n, n));
+        let E = random.matrix(m, n);
+        for (A, D) in [(A.clone(), D.clone()), (A.scale(1e8), D.scale(1e-7)), (Mat::zeros(m, m), D.clone())] {
+            let X = gsylvester(&A, &B, &C, &D, &E).unwrap();
+            let (first, second) = (&A * &X * &B, &C * &X * &D);
+            let scale = first.norm_fro() + second.norm_fro() + E.norm_fro();
+            let cancelled = X.norm_fro() * (A.norm_fro() * B.norm_fro() + C.norm_fro() * D.norm_fro());
+            assert!((first + second - &E).norm_fro() < 1e-15 * (scale + cancelled), "{m} x {n}");
+        }
+    }
+    let zero = Mat::zeros(2, 2);
+    assert!(gsylvester(&zero, &zero, &zero, &zero, &Mat::eye(2)).is_err());
 }
 
 #[test]

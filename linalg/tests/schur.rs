@@ -53,6 +53,21 @@ fn reordering_keeps_the_form_and_sorts_it() {
 }
 
 #[test]
+fn subspace_condition_of_a_known_case() {
+    // [a c; 0 b]: separation |a - b|, projector sqrt(1 + (c / (a - b))^2).
+    let form = Schur { T: Mat::from_rows(&[&[1.0, 30.0], &[0.0, 1.01]]), U: Mat::eye(2) };
+    let condition = form.condition(1).unwrap();
+    assert!((condition.separation / 0.01 - 1.0).abs() < 1e-12);
+    assert!((condition.projector / 3000f64.hypot(1.0) - 1.0).abs() < 1e-12);
+    // A normal matrix: the separation is the distance of the spectra, the projector orthogonal.
+    let normal = Schur { T: Mat::diag(&[-3.0, -1.0, 2.0, 5.0]), U: Mat::eye(4) };
+    let condition = normal.condition(2).unwrap();
+    assert!((condition.separation / 3.0 - 1.0).abs() < 1e-2);
+    assert!((condition.projector - 1.0).abs() < 1e-15);
+    assert!(form.condition(3).is_err());
+}
+
+#[test]
 fn cyclic_permutations_converge() {
     for n in [3, 4, 10, 31] {
         let A = Mat::from_fn(n, n, |i, j| if i == (j + 1) % n { 1.0 } else { 0.0 });
