@@ -110,29 +110,20 @@ fn slope(period_s: f64, prewarp_rad_s: Option<f64>) -> Result<f64, Error> {
     }
 }
 
-/// With M = inv(a I - A): M (a I + A), sqrt(2a) M B, sqrt(2a) C M, D + C M B. The Gramians keep their values.
+/// With M = inv(a I - A): 2a M - I = M (a I + A), sqrt(2a) M B, sqrt(2a) C M, D + C M B. The Gramians keep their values.
 fn tustin(g: &StateSpace, period_s: f64, a: f64) -> Result<StateSpace, Error> {
     let n = g.order();
-    let aI = Mat::eye(n).scale(a);
     let pole = |_| Error::Pole {
         what: "Tustin",
         re: a,
         im: 0.0,
         problem: "is mapped to infinity: use another period",
     };
-    let stacked = (&aI + &g.A).hstack(&g.B);
-    let solved = linalg::solve(&(&aI - &g.A), &stacked).map_err(pole)?;
-    let MB = solved.block(0, n, n, g.inputs());
-    let CM = linalg::solve(&(&aI - &g.A).t(), &g.C.t()).map_err(pole)?.t();
-    let root = (2.0 * a).sqrt();
+    let M = linalg::inverse(&(&Mat::eye(n).scale(a) - &g.A)).map_err(pole)?;
+    let (MB, root) = (&M * &g.B, (2.0 * a).sqrt());
     let D = &g.D + &(&g.C * &MB);
-    StateSpace::new(
-        solved.block(0, 0, n, n),
-        MB.scale(root),
-        CM.scale(root),
-        D,
-        Timebase::Discrete { period_s },
-    )
+    let A = &M.scale(2.0 * a) - &Mat::eye(n);
+    StateSpace::new(A, MB.scale(root), (&g.C * &M).scale(root), D, Timebase::Discrete { period_s })
 }
 
 /// The sampled cost of a continuous quadratic one.
