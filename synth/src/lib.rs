@@ -55,6 +55,7 @@ pub mod rational;
 pub mod schedule;
 pub mod search;
 pub mod specification;
+pub mod table;
 pub mod weight;
 
 pub use adaptation::{Adaptive, Estimation, Recursive, RecursiveSettings, WindowedMean};
@@ -81,4 +82,5 @@ pub use schedule::{
 };
 pub use search::{Ended, Found, Requirements, Trial, search, trade_off};
 pub use specification::{Assembly, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, Specification};
+pub use table::{Fit, fit_table};
 pub use weight::Weight;
