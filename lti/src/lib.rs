@@ -8,7 +8,7 @@
 //! *Invariant*: nothing here knows a machine, a weight, a file, a thread or a clock. There is no default timebase, no
 //! polynomial is expanded, `feedback` is negative and `lft` positive.
 //!
-//! Modules in reading order: [`system`], [`connect`](mod@connect), [`named`], [`delay`], [`zpk`], [`discretise`],
+//! Modules in reading order: [`system`], [`connect`](mod@connect), [`named`], [`delay`], [`zpk`], [`transfer`], [`discretise`],
 //! [`scaling`], [`components`], [`roots`], [`response`], [`time`], [`gramians`], [`norms`], [`margins`](mod@margins),
 //! [`error`].
 //!
@@ -41,6 +41,7 @@ mod scan;
 mod structure;
 pub mod system;
 pub mod time;
+pub mod transfer;
 pub mod zpk;
 
 pub use connect::{append, feedback, inverse, lft, parallel, series};
@@ -59,4 +60,5 @@ pub use response::{Response, dcgain, frequency_response, response_at, sigma};
 pub use roots::{is_stable, is_stable_pole, poles, zeros};
 pub use system::{StateSpace, Timebase};
 pub use time::{TimeResponse, impulse, lsim, step};
+pub use transfer::TransferFunction;
 pub use zpk::Zpk;
