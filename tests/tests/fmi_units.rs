@@ -8,9 +8,9 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
 
-use counterpoise_export::Options;
 use counterpoise_export::Source::Unverified;
-use counterpoise_export::fmi::{PlantUnit, PlantUnitError, controller_unit, plant_unit};
+use counterpoise_export::fmi::{PlantUnit, PlantUnitError, controller_unit, pack, plant_unit};
+use counterpoise_export::{File, Options};
 use counterpoise_models::plant::Plant;
 use counterpoise_project::Project;
 use counterpoise_project::pipeline::{model, reduce, synthesise};
@@ -44,6 +44,16 @@ fn csv(run: &TimeHistory) -> String {
     text
 }
 
+/// A unit's library for this machine, compiled without a word.
+fn compiled(folder: &Path, name: &str, files: &[File]) -> Vec<u8> {
+    write(folder, files);
+    let own = [format!("{name}/sources/{name}.c"), format!("{name}/sources/fmu.c")];
+    let library = format!("{name}.so");
+    let link = ["-fPIC", "-shared", "-ffp-contract=off", "-lm", "-o", &library];
+    assert_eq!(run(Command::new("cc").current_dir(folder).args(STRICT).args(&own).args(link)), "");
+    std::fs::read(folder.join(library)).unwrap()
+}
+
 #[test]
 fn the_loop_closed_by_fmpy_is_the_simulated_one() {
     let project = project();
@@ -51,21 +61,19 @@ fn the_loop_closed_by_fmpy_is_the_simulated_one() {
     let reduced = reduce(&project, &modelled).unwrap();
     let controller = synthesise(&project, &modelled, &reduced).unwrap().sampled.controller;
     let folder = folder("fmi_loop");
-    write(
-        &folder,
-        &controller_unit(Unverified(&controller), &provenance(), &Options::double("axis")).unwrap(),
-    );
+    let axis = controller_unit(Unverified(&controller), &provenance(), &Options::double("axis")).unwrap();
     let plant = Plant::lumped(modelled.plant.parameters()).unwrap();
-    let asked = PlantUnit { plant: &plant, name: "rig" };
-    write(&folder, &plant_unit(asked, &provenance()).unwrap());
+    let rig = plant_unit(PlantUnit { plant: &plant, name: "rig" }, &provenance()).unwrap();
     let mut runner = controller.runner();
     let expected = Simulator::new(&plant).unwrap().run(&mut runner, &scenario()).unwrap();
     std::fs::write(folder.join("expected.csv"), csv(&expected)).unwrap();
     if !is_there("cc") {
         return println!("skipped: no C compiler");
     }
-    let sources = ["-fPIC", "-shared", "rig/sources/rig.c", "rig/sources/fmu.c", "-lm", "-o", "rig.so"];
-    assert_eq!(run(Command::new("cc").current_dir(&folder).args(STRICT).args(sources)), "");
+    for (name, files) in [("axis", &axis), ("rig", &rig)] {
+        let library = compiled(&folder, name, files);
+        std::fs::write(folder.join(format!("{name}.fmu")), pack(files, name, Some(&library))).unwrap();
+    }
     let python = Command::new("python3").args(["-c", "import fmpy"]).output();
     if !python.is_ok_and(|output| output.status.success()) {
         return println!("skipped: FMPy missing (pip install fmpy)");

@@ -9,9 +9,11 @@
 
 mod absent;
 mod controller;
+mod pack;
 mod plant;
 
 pub use controller::controller_unit;
+pub use pack::pack;
 pub use plant::{PlantUnit, PlantUnitError, plant_unit};
 
 use absent::ABSENT;

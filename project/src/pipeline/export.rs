@@ -1,18 +1,29 @@
 //! The verified controller as code, with where it comes from.
 
-use counterpoise_export::{File, Provenance, c99, rust_crate};
+use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
+use counterpoise_export::{File, Options, Provenance, Targets, c99, fixed_c99, rust_crate, targets};
+use counterpoise_models::plant::Plant;
 use counterpoise_verify::{Verdict, VerifiedController};
 use sha2::{Digest, Sha256};
 
-use super::PipelineError;
+use super::{Modelled, PipelineError, World};
 use crate::Project;
 use crate::resolve::design::{Language, Synthesis};
 
 /// The code in the languages that the project asks for.
 ///
+/// Fixed point takes its formats from the verification's nonlinear runs, and may deviate from the reference by half a step
+/// of the output converter.
+///
 /// # Errors
-/// A coefficient that the target's numbers cannot hold.
-pub fn export(project: &Project, verified: &VerifiedController) -> Result<Vec<File>, PipelineError> {
+/// A coefficient that the target's numbers cannot hold, a controller without a fixed-point form, a plant with physics
+/// that its unit does not hold.
+pub fn export(
+    project: &Project,
+    modelled: &Modelled,
+    verified: &VerifiedController,
+    world: &dyn World,
+) -> Result<Vec<File>, PipelineError> {
     let origin = provenance(project, verified);
     let options = &project.export.options;
     let mut files = Vec::new();
@@ -20,8 +31,46 @@ pub fn export(project: &Project, verified: &VerifiedController) -> Result<Vec<Fi
         files.extend(match language {
             Language::C99 => c99(verified, &origin, options)?,
             Language::Rust => rust_crate(verified, &origin, options)?,
+            Language::Fixed => {
+                let fixed = compare(project, modelled, verified, world)?.fixed?;
+                fixed_c99(verified, &fixed, &origin, &format!("{}_fixed", options.name))?
+            }
+            Language::Fmi => units(&modelled.plant, verified, &origin, options)?,
         });
     }
+    Ok(files)
+}
+
+/// The controller in double, single and fixed point, side by side in the verification's nonlinear runs.
+///
+/// # Errors
+/// Those of the simulator.
+pub fn compare(
+    project: &Project,
+    modelled: &Modelled,
+    verified: &VerifiedController,
+    world: &dyn World,
+) -> Result<Targets, PipelineError> {
+    let procedure = super::verify::procedure(project, world)?;
+    let bits = modelled.plant.parameters().interface.output_bits;
+    let half_step_v = CONVERTER_SPAN_V / 2.0 / f64::from(bits).exp2();
+    Ok(targets(verified, &modelled.plant, &procedure, half_step_v)?)
+}
+
+/// Range of the output converter, V.
+const CONVERTER_SPAN_V: f64 = 20.0;
+
+/// The units of the controller and of the plant with its lumped structure.
+fn units(
+    plant: &Plant,
+    verified: &VerifiedController,
+    origin: &Provenance,
+    options: &Options,
+) -> Result<Vec<File>, PipelineError> {
+    let named = |ending: &str| format!("{}_{ending}", options.name);
+    let mut files = controller_unit(verified, origin, &Options { name: named("unit"), ..options.clone() })?;
+    let lumped = Plant::lumped(plant.parameters())?;
+    files.extend(plant_unit(PlantUnit { plant: &lumped, name: &named("plant") }, origin)?);
     Ok(files)
 }
 

@@ -93,7 +93,7 @@ pub fn design(project: &Project, world: &dyn World) -> Result<Designed, Pipeline
     let reduced = watched(world, Step::Reduce, || reduce(project, &modelled))?;
     let synthesised = watched(world, Step::Synthesise, || synthesise(project, &modelled, &reduced))?;
     let verified = watched(world, Step::Verify, || verify(project, &modelled, &synthesised, world))?;
-    let files = watched(world, Step::Export, || export(project, &verified))?;
+    let files = watched(world, Step::Export, || export(project, &modelled, &verified, world))?;
     Ok(Designed { modelled, reduced, synthesised, verified, files })
 }
 

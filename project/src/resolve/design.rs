@@ -67,6 +67,10 @@ pub enum Language {
     C99,
     /// Rust without its standard library.
     Rust,
+    /// C of 1999 in 32-bit fixed point, under NAME_fixed.
+    Fixed,
+    /// FMI 3.0 co-simulation units of the controller, NAME_unit, and of the plant, NAME_plant.
+    Fmi,
 }
 
 impl Choice for ReductionMethod {
@@ -90,7 +94,8 @@ impl Choice for Reference {
 }
 
 impl Choice for Language {
-    const NAMES: &'static [(&'static str, Self)] = &[("c99", Self::C99), ("rust", Self::Rust)];
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("c99", Self::C99), ("rust", Self::Rust), ("fixed", Self::Fixed), ("fmi", Self::Fmi)];
 }
 
 impl Choice for Precision {
@@ -360,7 +365,7 @@ fn languages(v: &mut dyn Visit, languages: &mut Vec<Language>) {
     let known = |name: &String| Language::NAMES.iter().find(|(n, _)| n == name).map(|(_, l)| *l);
     if let Some(unknown) = names.iter().find(|name| known(name).is_none()) {
         let hint = crate::diagnostic::did_you_mean(unknown, Language::NAMES.iter().map(|(n, _)| *n));
-        v.complain("languages", "may hold \"c99\" and \"rust\"", hint);
+        v.complain("languages", "may hold \"c99\", \"rust\", \"fixed\" and \"fmi\"", hint);
     }
     *languages = names.iter().filter_map(known).collect();
     if languages.is_empty() {
@@ -368,8 +373,8 @@ fn languages(v: &mut dyn Visit, languages: &mut Vec<Language>) {
     }
 }
 
-/// Longest name that generated code may start with.
-const LONGEST_NAME: usize = 24;
+/// Longest name that generated code may start with: a language may add to it.
+const LONGEST_NAME: usize = 18;
 
 /// What keeps a name from being a short lower-case identifier.
 fn identifier(name: &str) -> Option<&'static str> {
