@@ -1,13 +1,15 @@
 //! What is read from sampled signals: step figures, spectra and rejection ratios, filters for platform motion.
 //!
-//! Modules in reading order: [`step`], [`welch`], [`filter`], [`statistics`].
+//! Modules in reading order: [`step`], [`welch`], [`filter`], [`iso_road`], [`statistics`].
 
 pub mod filter;
+pub mod iso_road;
 pub mod statistics;
 pub mod step;
 pub mod welch;
 
-pub use filter::{LowPass, low_pass};
+pub use filter::{LowPass, from_rest, low_pass};
+pub use iso_road::{Drive, RoadClass, Vehicle, iso_road};
 pub use statistics::{mean, peak, rms};
 pub use step::{StepFigures, step_figures};
 pub use welch::{Spectra, WelchOptions, welch};
