@@ -157,7 +157,8 @@ fn log(history: &TimeHistory) -> Vec<u8> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
-    let argument = |k: usize| arguments.get(k).ok_or("CONTROLLER_FILE FRICTION STIFFNESS TOLERANCE RUNS [LOG_FILE]");
+    let argument =
+        |k: usize| arguments.get(k).ok_or("CONTROLLER_FILE FRICTION STIFFNESS TOLERANCE RUNS [LOG_FILE]");
     let (law, stiffness) = (argument(2)?.parse()?, argument(3)?.parse()?);
     let (tolerance, runs): (f64, usize) = (argument(4)?.parse()?, argument(5)?.parse()?);
     let body = Body {

@@ -13,7 +13,7 @@
 //! *Invariant*: nothing here knows a requirement, a design, a file, a thread or a clock; noise comes from a seed.
 //!
 //! Modules in reading order: [`signal`], [`motion`], [`scenario`], [`run`], [`sensing`], [`history`], [`recording`],
-//! [`replay`].
+//! [`replay`], [`fra`].
 //!
 //! ```
 //! use counterpoise_controller::ProportionalIntegral;
@@ -33,6 +33,7 @@
 
 mod engine;
 pub mod error;
+pub mod fra;
 pub mod history;
 pub mod motion;
 pub mod recording;

@@ -1,0 +1,208 @@
+//! The frequency response analyser, on the nonlinear simulation and on recordings.
+//!
+//! A sine of one frequency and amplitude is put in, the motion is let settle, and input and output are compared at the
+//! fundamental over whole cycles, as a bench instrument does; mean and harmonics are told as well. [`measure`] does
+//! one point: a map of amplitudes and frequencies is as many independent calls. [`analyser::response`] does the same
+//! on the columns of a recording.
+//!
+//! Sampled columns are compared: the response from the control or the demand includes the converter's hold, that
+//! between the gyroscopes has both sensors in it.
+
+pub mod analyser;
+
+pub use analyser::{Response, Spectrum, response, spectrum};
+
+use crate::history::TimeHistory;
+use crate::run::Simulator;
+use crate::{Detail, Error, Imperfections, Initial, PlatformMotion, Scenario, Signal, Sine};
+use counterpoise_controller::{Readings, SampledController};
+use counterpoise_models::{OperatingPoint, Parameters, Plant};
+use std::f64::consts::TAU;
+
+/// What is excited, and what is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Test {
+    /// From the control (V) to the hub gyroscope (rad/s), without a controller: a constant control holds the weight.
+    Plant,
+    /// From the demand to the hub gyroscope, with the controller (rad/s over rad/s).
+    ClosedLoop,
+    /// From the platform gyroscope to the hub gyroscope, with the controller: the disturbance rejection ratio.
+    PlatformToHub,
+}
+
+/// The settings of the instrument.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Least number of cycles in a measurement.
+    pub cycles: usize,
+    /// Least duration of a measurement, s: at high frequencies more cycles are taken.
+    pub least_duration_s: f64,
+    /// Change of the response from one window to the next, relative to it, below which the motion has settled.
+    pub settled_below: f64,
+    /// Most windows that are waited for.
+    pub most_windows: usize,
+    /// What of sensors and converters is simulated.
+    pub imperfections: Imperfections,
+    /// Where the mechanism is, rad.
+    pub hub_angle_rad: f64,
+    /// Heave per pitch acceleration, m: a mechanism mounted that far in front of the simulator's axis.
+    pub offset_m: f64,
+}
+
+impl Default for Settings {
+    /// Two cycles and half a second a window, settled to 0.2 percent within 16 windows, noiseless, level, on the axis.
+    fn default() -> Self {
+        Self {
+            cycles: 2,
+            least_duration_s: 0.5,
+            settled_below: 2e-3,
+            most_windows: 16,
+            imperfections: Imperfections::None,
+            hub_angle_rad: 0.0,
+            offset_m: 0.0,
+        }
+    }
+}
+
+/// A point of a frequency response.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measurement {
+    /// Amplitude of the excitation: V for the plant, rad/s otherwise.
+    pub amplitude: f64,
+    /// The response over the last window.
+    pub response: Response,
+    /// Relative change of the response from the window before.
+    pub last_change: f64,
+    /// Whether that is below what the settings ask for; if not, the motion had not settled when the windows ran out.
+    pub settled: bool,
+}
+
+/// Measures one point. The frequency is moved to the nearest one of which whole cycles fill whole samples: by less
+/// than a sample in a window.
+///
+/// # Errors
+/// An amplitude or frequency that is not positive, a frequency above the Nyquist frequency, and what
+/// [`crate::run`] refuses.
+pub fn measure(
+    plant: &Plant,
+    controller: &mut dyn SampledController,
+    test: Test,
+    (frequency_rad_s, amplitude): (f64, f64),
+    settings: &Settings,
+) -> Result<Measurement, Error> {
+    if !(amplitude > 0.0 && amplitude.is_finite()) {
+        return Err(Error::Range { what: "amplitude", value: amplitude, allowed: "positive and finite" });
+    }
+    let period = plant.parameters().interface.sample_period_s;
+    let window = Window::new(frequency_rad_s, period, settings)?;
+    let mut simulator = Simulator::new(plant)?;
+    let mut windows = 3;
+    loop {
+        controller.reset();
+        let scenario = excitation(test, window.frequency_rad_s, amplitude, settings);
+        let scenario = Scenario { duration_s: (windows * window.samples) as f64 * period, ..scenario };
+        let history = match test {
+            Test::Plant => {
+                let hub_angle_rad = settings.hub_angle_rad;
+                let point = OperatingPoint { hub_angle_rad, platform_angle_rad: 0.0 };
+                simulator.run(&mut Holding(plant.equilibrium(&point).control_v), &scenario)?
+            }
+            _ => simulator.run(controller, &scenario)?,
+        };
+        let last = window.response(test, &history, windows - 1, period)?;
+        let before = window.response(test, &history, windows - 2, period)?;
+        let last_change = (last.value - before.value).norm() / last.value.norm();
+        let settled = last_change <= settings.settled_below;
+        if settled || windows >= settings.most_windows {
+            return Ok(Measurement { amplitude, response: last, last_change, settled });
+        }
+        windows = (2 * windows).min(settings.most_windows.max(3));
+    }
+}
+
+/// The mechanism with its motor disconnected from the amplifier: no current flows. For the platform-to-hub test, on a
+/// balanced mechanism: an unbalanced one falls.
+///
+/// # Errors
+/// A mechanism with lumped inertias that is out of balance.
+pub fn disconnected(parameters: &Parameters) -> Result<Parameters, Error> {
+    let mut open = parameters.clone();
+    if let Some(lumped) = &open.lumped
+        && (lumped.out_of_balance_kg_m, lumped.vertical_offset_kg_m) != (0.0, 0.0)
+    {
+        let allowed = "0 with the motor disconnected: nothing holds the weight";
+        return Err(Error::Range { what: "out_of_balance_kg_m", value: lumped.out_of_balance_kg_m, allowed });
+    }
+    open.motor.torque_constant_nm_a = f64::MIN_POSITIVE;
+    open.motor.back_emf_v_s_rad = 0.0;
+    Ok(open)
+}
+
+/// A window of whole cycles and whole samples.
+struct Window {
+    samples: usize,
+    frequency_rad_s: f64,
+}
+
+impl Window {
+    fn new(frequency_rad_s: f64, period_s: f64, settings: &Settings) -> Result<Self, Error> {
+        let nyquist = 0.5 * TAU / period_s;
+        if !(frequency_rad_s > 0.0 && frequency_rad_s < nyquist) {
+            let allowed = "above 0 and below the Nyquist frequency";
+            return Err(Error::Range { what: "frequency_rad_s", value: frequency_rad_s, allowed });
+        }
+        let wanted = settings.least_duration_s * frequency_rad_s / TAU;
+        let cycles = wanted.ceil().max(settings.cycles.max(1) as f64);
+        let samples = (cycles * TAU / (frequency_rad_s * period_s)).round();
+        Ok(Self { samples: samples as usize, frequency_rad_s: cycles * TAU / (samples * period_s) })
+    }
+
+    fn response(
+        &self,
+        test: Test,
+        history: &TimeHistory,
+        index: usize,
+        period_s: f64,
+    ) -> Result<Response, Error> {
+        let columns = &history.readings;
+        let input = match test {
+            Test::Plant => &columns.control_v,
+            Test::ClosedLoop => &columns.demand_rad_s,
+            Test::PlatformToHub => &columns.platform_rate_rad_s,
+        };
+        let range = index * self.samples..(index + 1) * self.samples;
+        let output = &columns.hub_rate_rad_s[range.clone()];
+        response(&input[range], output, period_s, self.frequency_rad_s, usize::MAX)
+    }
+}
+
+fn excitation(test: Test, frequency_rad_s: f64, amplitude: f64, settings: &Settings) -> Scenario {
+    let mut scenario = Scenario {
+        imperfections: settings.imperfections,
+        initial: Initial::Rest { hub_angle_rad: settings.hub_angle_rad },
+        detail: Detail::Recording,
+        ..Scenario::still(1.0)
+    };
+    match test {
+        Test::Plant => scenario.injection_v = Signal::sine(amplitude, frequency_rad_s),
+        Test::ClosedLoop => scenario.demand_rad_s = Signal::sine(amplitude, frequency_rad_s),
+        Test::PlatformToHub => {
+            // the rate starts at zero, its angle at the end of its swing
+            let angle =
+                Sine { amplitude: amplitude / frequency_rad_s, frequency_rad_s, phase_rad: -0.25 * TAU };
+            scenario.platform = PlatformMotion::pitch_simulator(&[angle], settings.offset_m);
+        }
+    }
+    scenario
+}
+
+/// A constant control.
+struct Holding(f64);
+
+impl SampledController for Holding {
+    fn reset(&mut self) {}
+
+    fn step(&mut self, _readings: &Readings) -> f64 {
+        self.0
+    }
+}
