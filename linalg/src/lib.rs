@@ -33,6 +33,7 @@ mod kernel;
 pub mod lyapunov;
 pub mod mat;
 pub mod riccati;
+mod scalar;
 pub mod schur;
 mod small;
 pub mod sylvester;

@@ -7,7 +7,8 @@
 use std::fmt;
 use std::ops::{Add, AddAssign, Index, IndexMut, Mul, Neg, Sub, SubAssign};
 
-use crate::kernel::vectorised;
+use crate::scalar::SAFE_SQUARES;
+pub use crate::scalar::Scalar;
 
 /// A double-precision complex number.
 pub type C64 = num_complex::Complex<f64>;
@@ -18,138 +19,8 @@ pub type Mat = Dense<f64>;
 /// A dense complex matrix.
 pub type CMat = Dense<C64>;
 
-/// What an entry of a matrix must be able to do.
-pub trait Scalar:
-    Copy
-    + PartialEq
-    + fmt::Debug
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Neg<Output = Self>
-    + AddAssign
-    + SubAssign
-    + Send
-    + Sync
-    + 'static
-{
-    /// The additive neutral element.
-    const ZERO: Self;
-    /// The multiplicative neutral element.
-    const ONE: Self;
-    /// The modulus.
-    fn modulus(self) -> f64;
-    /// The complex conjugate (the number itself where it is real).
-    fn conjugate(self) -> Self;
-    /// The sum of the squared moduli, which may overflow.
-    fn sum_of_squares(data: &[Self]) -> f64;
-    /// `C += A B` for column-major data; `A` is m x k, `B` is k x n.
-    fn gemm(m: usize, k: usize, n: usize, a: &[Self], b: &[Self], c: &mut [Self]);
-}
-
-impl Scalar for f64 {
-    const ZERO: Self = 0.0;
-    const ONE: Self = 1.0;
-    fn modulus(self) -> f64 {
-        self.abs()
-    }
-    fn conjugate(self) -> Self {
-        self
-    }
-    fn sum_of_squares(data: &[Self]) -> f64 {
-        sum_of_squares(data)
-    }
-    fn gemm(m: usize, k: usize, n: usize, a: &[Self], b: &[Self], c: &mut [Self]) {
-        if m * k * n < LARGE_PRODUCT {
-            return small_gemm_f64((m, k, n), a, b, c);
-        }
-        faer::linalg::matmul::matmul(
-            faer::MatMut::from_column_major_slice_mut(c, m, n),
-            faer::Accum::Add,
-            faer::MatRef::from_column_major_slice(a, m, k),
-            faer::MatRef::from_column_major_slice(b, k, n),
-            1.0,
-            faer::Par::Seq,
-        );
-    }
-}
-
-impl Scalar for C64 {
-    const ZERO: Self = C64 { re: 0.0, im: 0.0 };
-    const ONE: Self = C64 { re: 1.0, im: 0.0 };
-    fn modulus(self) -> f64 {
-        self.norm()
-    }
-    fn conjugate(self) -> Self {
-        self.conj()
-    }
-    fn sum_of_squares(data: &[Self]) -> f64 {
-        data.iter().map(|e| e.norm_sqr()).sum()
-    }
-    fn gemm(m: usize, k: usize, n: usize, a: &[Self], b: &[Self], c: &mut [Self]) {
-        if m * k * n < LARGE_PRODUCT {
-            return small_gemm_c64((m, k, n), a, b, c);
-        }
-        faer::linalg::matmul::matmul(
-            faer::MatMut::from_column_major_slice_mut(c, m, n),
-            faer::Accum::Add,
-            faer::MatRef::from_column_major_slice(a, m, k),
-            faer::MatRef::from_column_major_slice(b, k, n),
-            C64::ONE,
-            faer::Par::Seq,
-        );
-    }
-}
-
-/// Between these a sum of squares has neither overflowed nor lost small entries.
-const SAFE_SQUARES: (f64, f64) = (1e-200, 1e300);
-
-vectorised! {
-    /// Eight partial sums, so that the additions overlap.
-    fn sum_of_squares<'a>(data: &'a [f64]) -> f64 {
-        let mut sums = [0.0; 8];
-        let chunks = data.chunks_exact(8);
-        let rest: f64 = chunks.remainder().iter().map(|e| e * e).sum();
-        for chunk in chunks {
-            sums.iter_mut().zip(chunk).for_each(|(s, e)| *s += e * e);
-        }
-        sums.iter().sum::<f64>() + rest
-    }
-}
-
 /// Side of the tiles in which a matrix is transposed.
 const TILE: usize = 16;
-
-/// Products with more multiplications than this go to faer's blocked kernel.
-const LARGE_PRODUCT: usize = 16 * 16 * 16;
-
-vectorised! {
-    fn small_gemm_f64<'a>(shape: (usize, usize, usize), a: &'a [f64], b: &'a [f64], c: &'a mut [f64]) -> () {
-        small_gemm(shape, a, b, c);
-    }
-}
-
-vectorised! {
-    fn small_gemm_c64<'a>(shape: (usize, usize, usize), a: &'a [C64], b: &'a [C64], c: &'a mut [C64]) -> () {
-        small_gemm(shape, a, b, c);
-    }
-}
-
-#[inline(always)]
-fn small_gemm<T: Scalar>((m, k, n): (usize, usize, usize), a: &[T], b: &[T], c: &mut [T]) {
-    for j in 0..n {
-        let column = &mut c[j * m..(j + 1) * m];
-        for l in 0..k {
-            let factor = b[j * k + l];
-            if factor == T::ZERO {
-                continue;
-            }
-            for (target, &source) in column.iter_mut().zip(&a[l * m..(l + 1) * m]) {
-                *target += source * factor;
-            }
-        }
-    }
-}
 
 /// A dense column-major matrix of `T`.
 #[derive(Clone, PartialEq)]
@@ -506,16 +377,6 @@ impl<T: Scalar> fmt::Debug for Dense<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn large_and_small_products_agree() {
-        let entry = |i: usize, j: usize| ((7 * i + 3 * j) % 11) as f64 - 5.0;
-        let a = Mat::from_fn(33, 41, entry);
-        let b = Mat::from_fn(41, 29, entry);
-        let mut expected = Mat::zeros(33, 29);
-        small_gemm((33, 41, 29), a.as_slice(), b.as_slice(), expected.as_mut_slice());
-        assert_eq!(&a * &b, expected);
-    }
 
     #[test]
     fn blocks_go_where_they_belong() {

@@ -26,7 +26,27 @@ def shared(work):
     import check, gen, run_py
     for module in (check, gen, run_py):
         module.HERE = work
+    as_drawn = check.true_fr
+    check.true_fr = lambda family, n, P, w: rod_response(P, w) if family == 'flex' else as_drawn(family, n, P, w)
     return gen, check, run_py
+
+
+def rod_response(P, w):
+    """The response of the family `flex` from the closed form of the rod's modes, in long double.
+
+    The judge's own reference takes the natural frequencies from a symmetric eigenproblem in double precision, which is
+    good to eps norm(K): 1e-10 of the resonant peaks at n = 100, 2e-9 at n = 400, more than the better answers are off."""
+    import numpy as np
+    real = np.longdouble
+    n = len(P['A']) // 2
+    stiffness = real(P['A'][n, 1])
+    i, j, pi = np.arange(1, n + 1).astype(real), np.arange(1, n + 1).astype(real), 4 * np.arctan(real(1))
+    rates = 2 * np.sqrt(stiffness) * np.sin((2 * j - 1) * pi / (2 * (2 * n + 1)))
+    shapes = np.sin(np.outer(i, 2 * j - 1) * pi / (2 * n + 1))
+    shapes /= np.sqrt((shapes * shapes).sum(0))
+    s = 1j * w.astype(np.clongdouble)[:, None]
+    modes = 1 / (s * s + 2 * real(0.005) * rates * s + rates * rates)
+    return np.einsum('pi,fi,im->fpm', P['C2'][:, :n].astype(real) @ shapes, modes, shapes.T @ P['B2'][n:].astype(real))
 
 
 def generate(work, sizes):
@@ -34,7 +54,8 @@ def generate(work, sizes):
     if missing:
         gen = shared(work)[0]
         gen.NS = missing
-        gen.main()
+        with contextlib.redirect_stdout(sys.stderr):
+            gen.main()
 
 
 def child(work, family, n, method):
