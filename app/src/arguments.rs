@@ -28,8 +28,8 @@ pub enum Command {
     Synth(StageOptions),
     /// The verdicts: every figure against its limit, linear and nonlinear
     Verify(StageOptions),
-    /// The verified controller as C and Rust, with self-test vectors
-    Export(DesignOptions),
+    /// The verified controller as C, Rust, fixed point and FMI units, with self-test vectors
+    Export(ExportOptions),
     /// Simulate what was recorded, and say how well it fits
     Replay(ReplayOptions),
     /// Locate, name and model what the simulation lacks, and show that the fit improves
@@ -51,7 +51,7 @@ pub struct Results {
     pub quiet: bool,
 }
 
-/// Arguments of `design` and `export`.
+/// Arguments of `design`.
 #[derive(Args)]
 pub struct DesignOptions {
     /// Project file, or a folder with a project.toml
@@ -59,6 +59,22 @@ pub struct DesignOptions {
     /// Folder for what is written
     #[arg(short, long, default_value = "out")]
     pub output: PathBuf,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// Arguments of `export`.
+#[derive(Args)]
+pub struct ExportOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// Folder for what is written
+    #[arg(short, long, default_value = "out")]
+    pub output: PathBuf,
+    /// Write nothing; say whether this generated file is still what the project gives (may be repeated)
+    #[arg(long, value_name = "FILE")]
+    pub check: Vec<PathBuf>,
     /// Where results go.
     #[command(flatten)]
     pub results: Results,

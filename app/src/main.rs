@@ -23,7 +23,7 @@ fn main() -> ExitCode {
         Command::Reduce(options) => commands::stages::reduce(options),
         Command::Synth(options) => commands::stages::synth(options),
         Command::Verify(options) => commands::stages::verify(options),
-        Command::Export(options) => commands::stages::export(options),
+        Command::Export(options) => commands::export::run(options),
         Command::Replay(options) => commands::replay::run(options),
         Command::Diagnose(options) => commands::diagnose::run(options),
         Command::Sweep(options) => commands::sweep::run(options),

@@ -6,7 +6,7 @@ use counterpoise_project::{Purpose, diagnose::bench::rms};
 
 use super::design::print_verdicts;
 use super::{Done, verdict_code};
-use crate::arguments::{DesignOptions, StageOptions};
+use crate::arguments::StageOptions;
 use crate::files::{self, Loaded, Surroundings};
 use crate::output;
 
@@ -81,24 +81,6 @@ pub fn verify(options: &StageOptions) -> Done {
         print_verdicts(found);
     }
     Ok(verdict_code(found.passes()))
-}
-
-/// `counterpoise export`: the code without the report.
-pub fn export(options: &DesignOptions) -> Done {
-    let loaded = files::load(&options.project, Purpose::Export)?;
-    output::warnings(&loaded, options.results.quiet);
-    let world = Surroundings::of(&loaded, options.results.quiet);
-    let made = pipeline::design(&loaded.project, &world)?;
-    let mut names = Vec::new();
-    for file in &made.files {
-        let path = options.output.join(&file.name);
-        files::write(&path, file.text.as_bytes())?;
-        names.push(path.display().to_string());
-    }
-    if !output::json(&options.results, &names)? {
-        names.iter().for_each(|name| println!("{name}"));
-    }
-    Ok(verdict_code(made.verified.verification().passes()))
 }
 
 fn verdict_ok() -> Done {

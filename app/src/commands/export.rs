@@ -1,0 +1,126 @@
+//! `counterpoise export`: the verified controller as code; or whether generated files are still what the project gives.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::Context;
+use counterpoise_project::export::fmi::pack;
+use counterpoise_project::export::{Checked, File, check};
+use counterpoise_project::{Purpose, pipeline};
+use serde::Serialize;
+
+use super::{Done, verdict_code};
+use crate::arguments::ExportOptions;
+use crate::files::{self, Surroundings};
+use crate::output;
+
+/// Writes the code, or checks files.
+pub fn run(options: &ExportOptions) -> Done {
+    let loaded = files::load(&options.project, Purpose::Export)?;
+    output::warnings(&loaded, options.results.quiet);
+    let world = Surroundings::of(&loaded, options.results.quiet);
+    let made = pipeline::design(&loaded.project, &world)?;
+    if !options.check.is_empty() {
+        return checked(options, &made.files);
+    }
+    let written = write(&options.output, &made.files)?;
+    let names: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
+    if !output::json(&options.results, &names)? {
+        names.iter().for_each(|name| println!("{name}"));
+    }
+    Ok(verdict_code(made.verified.verification().passes()))
+}
+
+/// Writes generated files, and packs FMI units; with a library inside where this machine has a C compiler.
+pub fn write(folder: &Path, code: &[File]) -> anyhow::Result<Vec<PathBuf>> {
+    let mut written = Vec::new();
+    for file in code {
+        let path = folder.join(&file.name);
+        files::write(&path, file.text.as_bytes())?;
+        written.push(path);
+    }
+    for name in units(code) {
+        let inside = format!("{name}/");
+        let own: Vec<File> = code.iter().filter(|file| file.name.starts_with(&inside)).cloned().collect();
+        let path = folder.join(format!("{name}.fmu"));
+        files::write(&path, &pack(&own, &name, library(folder, &name).as_deref()))?;
+        written.push(path);
+    }
+    Ok(written)
+}
+
+/// Folders that hold an FMI unit.
+fn units(code: &[File]) -> BTreeSet<String> {
+    code.iter()
+        .filter_map(|file| file.name.strip_suffix("/modelDescription.xml"))
+        .map(str::to_owned)
+        .collect()
+}
+
+/// The unit's library for 64-bit Linux, where it can be made here.
+fn library(folder: &Path, name: &str) -> Option<Vec<u8>> {
+    if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+        return None;
+    }
+    let binaries = folder.join(name).join("binaries/x86_64-linux");
+    std::fs::create_dir_all(&binaries).ok()?;
+    let (sources, library) = (folder.join(name).join("sources"), binaries.join(format!("{name}.so")));
+    let mut compiler = Command::new("cc");
+    compiler.args(["-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-o"]).arg(&library);
+    compiler.arg(sources.join(format!("{name}.c"))).arg(sources.join("fmu.c")).arg("-lm");
+    let compiled = compiler.output().ok()?;
+    if !compiled.status.success() {
+        return None;
+    }
+    std::fs::read(library).ok()
+}
+
+/// What became of a file that was checked.
+#[derive(Serialize)]
+struct Outcome {
+    file: String,
+    same: bool,
+    says: String,
+}
+
+fn checked(options: &ExportOptions, code: &[File]) -> Done {
+    let mut outcomes = Vec::new();
+    for path in &options.check {
+        let text =
+            std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let file = path.display().to_string();
+        let (same, says) = outcome(&text, expected(path, code));
+        outcomes.push(Outcome { file, same, says });
+    }
+    if !output::json(&options.results, &outcomes)? {
+        outcomes.iter().for_each(|outcome| println!("{}: {}", outcome.file, outcome.says));
+    }
+    Ok(verdict_code(outcomes.iter().all(|outcome| outcome.same)))
+}
+
+/// The file of the project whose path ends like the given one: the longest match of whole components.
+fn expected<'a>(path: &Path, code: &'a [File]) -> Option<&'a File> {
+    let matches = code
+        .iter()
+        .filter(|file| path.ends_with(&file.name) || Path::new(&file.name).file_name() == path.file_name());
+    matches.max_by_key(|file| (path.ends_with(&file.name), file.name.len()))
+}
+
+fn outcome(text: &str, expected: Option<&File>) -> (bool, String) {
+    let Some(expected) = expected else {
+        return (false, "the project generates no file of this name".to_owned());
+    };
+    let line = |line: Option<String>| line.unwrap_or_else(|| "(end of file)".to_owned());
+    match check(text, expected) {
+        Checked::Same => (true, "is what the project gives".to_owned()),
+        Checked::NotGenerated => (false, "is no generated file".to_owned()),
+        Checked::OtherProject { found, expected } => {
+            (false, format!("was generated from project {found}; the project is now {expected}"))
+        }
+        Checked::Differs { line: number, found, expected } => (
+            false,
+            format!("line {number} was changed\n  found:    {}\n  expected: {}", line(found), line(expected)),
+        ),
+    }
+}
