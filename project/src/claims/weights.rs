@@ -1,6 +1,7 @@
 //! Claims on the choice of weights.
 
-use counterpoise_synth::Weight;
+use counterpoise_lti::{margins, series};
+use counterpoise_synth::{Alternative, Method, Outcome, Weight, alternative};
 use counterpoise_verify::{Figure, LoopFigure, Model, StepFigure};
 
 use super::{Bench, Claim, Finding};
@@ -58,4 +59,46 @@ fn figures(designed: &Designed) -> [f64; 4] {
         Figure::Loop(LoopFigure::PhaseMargin),
     ];
     wanted.map(|figure| designed.verified.verification().value(figure).unwrap_or(f64::NAN))
+}
+
+/// C27: three methods on one plant and one pair of weights.
+///
+/// # Errors
+/// Those of the design and the margins.
+pub fn c27(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+    let design = &bench.designed.synthesised.design;
+    let (mut words, mut stable) = (Vec::new(), true);
+    for (method, name) in
+        [(Method::ThreePart, "H2"), (Method::LqgLtr, "LQG/LTR"), (Method::HInfinity, "H-infinity")]
+    {
+        match alternative(&design.plant, &design.specification.feedback, method)? {
+            Outcome::Solved(part) => {
+                let (text, closed) = loop_words(bench, &part)?;
+                stable &= closed;
+                words.push(format!("{name}: {text}"));
+            }
+            Outcome::Infeasible(_) => {
+                stable = false;
+                words.push(format!("{name}: no solution"));
+            }
+        }
+    }
+    Ok(Claim {
+        id: "C27",
+        source: "app. 2",
+        says: "LQG/LTR, H2 and H-infinity as alternatives on the same plant",
+        measured: words.join("; "),
+        finding: Finding::of(stable),
+    })
+}
+
+/// Margins of a continuous design on the design plant, in words, and whether its loop is stable.
+fn loop_words(bench: &Bench<'_>, part: &Alternative) -> Result<(String, bool), PipelineError> {
+    let plant = &bench.designed.synthesised.design.plant;
+    let seen = plant.measured()?.select(&[0], &[plant.control]);
+    let found = margins(&series(&part.controller.select(&[0], &[0]), &seen)?)?;
+    let phase = found.phase_margin().map_or(f64::INFINITY, |phase| phase.deg);
+    let gain = found.gain_margin_db();
+    let text = format!("gain margin {gain:.1} dB, phase margin {phase:.0} deg, Ms {:.2}", found.ms.value);
+    Ok((text, found.closed_loop_stable))
 }
