@@ -149,3 +149,15 @@ fn an_amplifier_map_is_read_from_the_file_beside() {
     let absent = Project::resolve(&document, &Attachments::none()).unwrap_err()[0].to_string();
     assert_eq!(absent, format!("{at}the file \"amplifier-map.csv\" was not found beside the project file"));
 }
+
+#[test]
+fn an_unknown_language_is_told_with_those_that_there_are() {
+    let found = findings(&GOOD.replacen("[\"c99\", \"rust\"]", "[\"c99\", \"rost\"]", 1));
+    let [finding] = &found[..] else { panic!("{found:?}") };
+    assert!(
+        finding
+            .starts_with("rig.toml:309:13: error: export.languages = [\"c99\", \"rost\"]: may hold \"c99\""),
+        "{finding}"
+    );
+    assert!(finding.ends_with("(did you mean \"rust\"?)"), "{finding}");
+}
