@@ -3,7 +3,8 @@
 use counterpoise_lti::linalg;
 use counterpoise_lti::{C64, StateSpace, h2norm};
 
-use crate::finding::{Cause, Finding, Part};
+use crate::cause::Cause;
+use crate::finding::{Finding, Part};
 use crate::{Error, Outcome};
 
 /// How well a Riccati equation was solved.

@@ -5,7 +5,8 @@ use counterpoise_lti::linalg::{self, dare};
 use counterpoise_lti::response::Response;
 use counterpoise_lti::{C64, Discretisation, Mat, StateSpace, c2d, delay_samples, poles, series};
 
-use crate::finding::{Cause, Finding, Part};
+use crate::cause::Cause;
+use crate::finding::{Finding, Part};
 use crate::{Assembly, Channel, Design, DesignPlant, Error, Outcome, Reference};
 
 /// What sampling adds to a design.

@@ -4,7 +4,8 @@ use counterpoise_lti::linalg::{Svd, svd};
 use counterpoise_lti::scaling::balance;
 use counterpoise_lti::{Mat, StateSpace, Timebase, lft};
 
-use crate::finding::{Cause, Finding, Part};
+use crate::cause::Cause;
+use crate::finding::{Finding, Part};
 use crate::{Error, Outcome};
 
 /// A plant between what disturbs and what is judged

@@ -3,8 +3,9 @@
 use counterpoise_lti::linalg::care;
 use counterpoise_lti::{C64, Mat, StateSpace, Timebase, h2norm};
 
+use crate::cause::Cause;
 use crate::certificate::{Equation, riccati};
-use crate::finding::{Cause, Finding, Part};
+use crate::finding::{Finding, Part};
 use crate::generalised::{Blocks, Generalised, around_direct_path};
 use crate::{Error, Outcome};
 

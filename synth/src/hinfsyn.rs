@@ -5,7 +5,8 @@ use counterpoise_lti::linalg::{
 };
 use counterpoise_lti::{C64, Mat, StateSpace, Timebase, linfnorm, poles};
 
-use crate::finding::{Cause, Finding, Part};
+use crate::cause::Cause;
+use crate::finding::{Finding, Part};
 use crate::generalised::{Blocks, Generalised, around_direct_path};
 use crate::{Error, Outcome};
 

@@ -35,6 +35,7 @@
 pub mod adaptation;
 pub mod alternatives;
 mod augmented;
+pub mod cause;
 pub mod certificate;
 pub mod design;
 pub mod discretise;
@@ -60,6 +61,7 @@ pub mod weight;
 
 pub use adaptation::{Adaptive, Estimation, Recursive, RecursiveSettings, WindowedMean};
 pub use alternatives::{Alternative, Method, alternative};
+pub use cause::Cause;
 pub use certificate::{Cost, Equation};
 pub use design::{Design, design};
 pub use discretise::{Sampled, Sampling, check, discretise, sampled_loop};
@@ -67,7 +69,7 @@ pub use error::Error;
 pub use feedback::{Feedback, feedback};
 pub use feedforward::{Feedforward, feedforward};
 pub use figures::{Figures, figures};
-pub use finding::{Cause, Finding, Part, Severity};
+pub use finding::{Finding, Part, Severity};
 pub use generalised::Generalised;
 pub use h2syn::{H2, h2syn};
 pub use hinfsyn::{HInfinity, hinfsyn};

@@ -4,7 +4,8 @@ use counterpoise_lti::linalg::csingular_values;
 use counterpoise_lti::response::Response;
 use counterpoise_lti::{C64, CMat, Mat, StateSpace, poles, zeros};
 
-use crate::finding::{Cause, Finding, Part};
+use crate::cause::Cause;
+use crate::finding::{Finding, Part};
 use crate::{
     Channel, DesignPlant, Error, FeedbackWeights, Knowledge, Rational, Reference, Specification, Weight,
 };

@@ -1,0 +1,128 @@
+//! How the parts are put together, what the limiter does, and the tip's motion.
+#![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
+
+mod common;
+
+use common::{rig, weights};
+use counterpoise_controller::{Controller, Readings, SampledController};
+use counterpoise_lti::linalg::eigenvalues;
+use counterpoise_lti::{C64, Discretisation, Mat, StateSpace, c2d, h2norm, lft, response::response_at};
+use counterpoise_models::LinearPlant;
+use counterpoise_synth::{
+    Assembly, Design, DesignPlant, Knowledge, Outcome, Sampled, Sampling, Specification, Weight, design,
+    discretise,
+};
+
+fn solved<T>(outcome: Outcome<T>) -> T {
+    match outcome {
+        Outcome::Solved(solution) => solution,
+        Outcome::Infeasible(findings) => panic!("{findings:?}"),
+    }
+}
+
+fn designed(plant: &DesignPlant, specification: &Specification) -> Design {
+    solved(design(plant, specification).unwrap())
+}
+
+/// True rate over heave with the joint controller around the design plant, heave known exactly.
+fn rate_over_heave(design: &Design, rate: f64) -> C64 {
+    let plant = &design.plant;
+    let seen = response_at(&plant.measured().unwrap(), rate).unwrap();
+    let K = response_at(&design.joint_controller().unwrap(), rate).unwrap();
+    let (control, heave) = (plant.control, plant.heave[0]);
+    // u = k_y (G u + G_d d) + k_d d, with G the measured and G' the true rate.
+    let u = (K[(0, 1)] * seen[(0, heave)] + K[(0, 2)]) / (C64::ONE - K[(0, 1)] * seen[(0, control)]);
+    seen[(1, heave)] + seen[(1, control)] * u
+}
+
+#[test]
+fn in_grimble_s_assembly_the_feedback_keeps_out_of_what_the_feedforward_leaves() {
+    let mut specification = Specification { pitch: None, ..weights() };
+    let heave = specification.heave.as_mut().unwrap();
+    heave.knowledge = Knowledge::Exact;
+    heave.generator = Weight::Lag { gain: 1.0, time_s: 0.1 };
+    let simple = designed(&rig(), &specification);
+    specification.assembly = Assembly::Grimble;
+    let grimble = designed(&rig(), &specification);
+    for rate in [0.5, 6.0, 40.0] {
+        let expected = response_at(&grimble.heave.as_ref().unwrap().module, rate).unwrap()[(1, 0)];
+        let found = rate_over_heave(&grimble, rate);
+        assert!((found - expected).norm() < 1e-8 * expected.norm(), "at {rate}: {found} {expected}");
+        let seen = response_at(&rig().measured().unwrap(), rate).unwrap()[(0, 0)];
+        let K = response_at(&simple.feedback_controller(), rate).unwrap()[(0, 1)];
+        let cleaned = expected / (C64::ONE - seen * K);
+        let truth = rate_over_heave(&simple, rate);
+        // Simple addition: the same error times the sensitivity, but for the sensor between true and measured rate.
+        assert!((truth - cleaned).norm() < 1e-8 * cleaned.norm(), "at {rate}: {truth} {cleaned}");
+    }
+}
+
+#[test]
+fn the_joint_controller_runs_sampled_with_all_three_signals() {
+    let specification = Specification { assembly: Assembly::Grimble, ..weights() };
+    let design = designed(&rig(), &specification);
+    let sampled = solved(discretise(&design, &Sampling::new(1e-3, 10.0)).unwrap());
+    assert_eq!(sampled.controller.parts().paths.len(), 1);
+    let linear = response_at(&sampled.controller.linear(0.0).unwrap(), 5.0).unwrap();
+    let joint = response_at(&design.joint_controller().unwrap(), 5.0).unwrap();
+    for (reading, input) in [(0, 0), (1, 1), (3, 2), (2, 3)] {
+        let (a, b) = (linear[(0, reading)], joint[(0, input)]);
+        assert!((a - b).norm() < 1e-3 * b.norm(), "reading {reading}: {a} {b}");
+    }
+}
+
+/// Largest true rate over a demand that saturates the control.
+fn saturated_peak(sampled: &Sampled, demand: f64) -> f64 {
+    let undelayed = DesignPlant { pade_order: 0, ..rig() };
+    let seen = undelayed.measured().unwrap().select(&[0, 1], &[0]);
+    let P = c2d(&seen, 1e-3, Discretisation::ZeroOrderHold).unwrap();
+    let mut runner = sampled.controller.runner();
+    let (mut x, mut peak) = (Mat::zeros(P.order(), 1), 0.0_f64);
+    for _ in 0..8000 {
+        let y = &P.C * &x;
+        let readings = Readings { demand_rad_s: demand, hub_rate_rad_s: y[(0, 0)], ..Readings::default() };
+        let u = runner.step(&readings);
+        assert!(u.abs() <= 3.0);
+        x = &(&P.A * &x) + &(&P.B * &Mat::col(&[u]));
+        peak = peak.max(y[(1, 0)]);
+    }
+    peak
+}
+
+#[test]
+fn the_limiter_does_not_wind_the_integrator_up() {
+    let design = designed(&rig(), &weights());
+    let sampled = solved(discretise(&design, &Sampling::new(1e-3, 3.0)).unwrap());
+    let path = &sampled.controller.parts().paths[0];
+    let g = Mat::col(&path.anti_windup);
+    let held = &path.system.A - &(&g * &path.system.C);
+    assert!(eigenvalues(&held).unwrap().iter().all(|pole| pole.norm() < 1.0));
+    // 3 V hold 0.5 rad/s at most: a demand of 0.4 rad/s is on the limit for long.
+    let with = saturated_peak(&sampled, 0.4);
+    let bare: Controller = sampled.controller.with(|parts| parts.paths[0].anti_windup.fill(0.0)).unwrap();
+    let without = saturated_peak(&Sampled { controller: bare, ..sampled }, 0.4);
+    assert!(with < 1.08 * 0.4 && without > with + 0.02, "{with} with, {without} without");
+}
+
+/// RMS of hub and tip rate under white torque, which enters as the control does.
+fn motion(design: &Design) -> (f64, f64) {
+    let plant = &design.plant;
+    let seen = plant.measured().unwrap();
+    let K = design.feedback_controller().select(&[0], &[1]);
+    let rms = |output: usize| {
+        let P: StateSpace = seen.select(&[1 + output, 0], &[plant.control, plant.control]);
+        h2norm(&lft(&P, &K).unwrap()).unwrap()
+    };
+    (rms(LinearPlant::HUB_RATE), rms(LinearPlant::TIP_RATE))
+}
+
+#[test]
+fn weighing_the_tip_calms_the_tip() {
+    let mut specification = Specification { heave: None, pitch: None, ..weights() };
+    let hub_only = motion(&designed(&rig(), &specification));
+    specification.feedback.combination = vec![(LinearPlant::TIP_RATE, 60.0), (LinearPlant::HUB_RATE, -60.0)];
+    let design = designed(&rig(), &specification);
+    let with_tip = motion(&design);
+    assert!(with_tip.1 < 0.95 * hub_only.1, "tip {} before, {} after", hub_only.1, with_tip.1);
+    assert!(design.worst_cost_difference().unwrap() < 1e-6);
+}
