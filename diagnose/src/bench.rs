@@ -56,6 +56,17 @@ pub struct Judged {
     pub wander: Vec<f64>,
     /// The state in which the recording starts, where the simulator has one.
     pub start: Option<PlantState>,
+    /// How the recording was run.
+    pub drive: Drive,
+}
+
+/// How a recording is run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Drive {
+    /// The recording's controller acts on the simulated hub.
+    ClosedLoop,
+    /// The recorded control is played back: where the closed loop hunts, it repeats what the closed loop cannot.
+    Playback,
 }
 
 impl Judged {
@@ -76,6 +87,8 @@ pub trait Bench: Sync {
     /// of a mechanism nearby; none where it cannot be simulated.
     fn misfit(&self, parameters: &Parameters, index: usize, span: Span, near: &Judged)
     -> Option<Vec<Misfit>>;
+    /// As [`Bench::judge`], but from the start of a judgement of a mechanism nearby: quicker.
+    fn glance(&self, parameters: &Parameters, index: usize, near: &Judged) -> Option<Judged>;
     /// Recording `index` from the mechanism's own start; none where it cannot be simulated.
     fn judge(&self, parameters: &Parameters, index: usize) -> Option<Judged>;
 }

@@ -17,6 +17,33 @@ pub enum Error {
         /// Name of the channel.
         channel: &'static str,
     },
+    /// A channel without which nothing is identified.
+    #[error(
+        "recording {recording}: the channel {channel} is missing; identification needs control and hub_rate"
+    )]
+    NotIdentifiable {
+        /// Name of the recording.
+        recording: String,
+        /// Name of the channel.
+        channel: &'static str,
+    },
+    /// Too little sliding to identify anything.
+    #[error(
+        "the joint slides for {sliding_s:.2} s in these recordings, away from reversals and limits; {needed_s:.2} s are \
+         needed. Demand a triangle wave of rate, several times the presliding distance in each direction"
+    )]
+    TooLittleSliding {
+        /// Time that the joint slides, s.
+        sliding_s: f64,
+        /// Time that is needed, s.
+        needed_s: f64,
+    },
+    /// Motions that cannot be told apart.
+    #[error(
+        "weight, friction, rate and acceleration cannot be told apart in these recordings: they need both directions, \
+         several rates and several accelerations, as a triangle wave of rate has"
+    )]
+    NotTold,
     /// The mechanism as the project has it cannot be simulated on the recordings.
     #[error("the mechanism as the project file has it cannot be simulated on these recordings")]
     NotSimulated,

@@ -18,6 +18,7 @@ pub mod bench;
 pub mod diagnosis;
 pub mod error;
 pub mod fit;
+pub mod identify;
 pub mod judge;
 pub mod library;
 pub mod locate;

@@ -10,6 +10,7 @@ use counterpoise_models::Parameters;
 use crate::bench::{Bench, Judged, Misfit, Pool, Span, map, rms};
 use crate::fit::{from_variable, to_variable};
 use crate::library::{Effect, Mapping};
+use crate::score::{Part, score};
 
 /// Orders at which a torque that repeats with an angle is looked for, per turn.
 const ORDERS: [f64; 23] = [
@@ -45,6 +46,8 @@ pub struct Pair {
     pub explained: f64,
 }
 
+/// Effects with more parameters than this are not tried in pairs.
+const PAIRED_KNOBS: usize = 4;
 /// Every how many samples one is kept of a trace.
 const TRACE_STRIDE: usize = 7;
 
@@ -74,7 +77,9 @@ pub fn pairs(judged: &[Judged], looks: &[Look], count: usize) -> Vec<Pair> {
     let here = weighted(judged);
     let target: Vec<f64> = thinned(&here, |r, k| here.residuals[r][k]);
     let total = dot(&target, &target).max(f64::MIN_POSITIVE);
-    let usable: Vec<usize> = (0..looks.len()).filter(|&i| is_best_of_its_effect(looks, i)).collect();
+    let simple = |i: &usize| looks[*i].effect.knobs.len() <= PAIRED_KNOBS;
+    let usable: Vec<usize> =
+        (0..looks.len()).filter(|&i| is_best_of_its_effect(looks, i)).filter(simple).collect();
     let mut out = Vec::new();
     for (place, &i) in usable.iter().enumerate() {
         for &j in &usable[place + 1..] {
@@ -131,7 +136,10 @@ pub fn first_look(scene: &Scene, effects: &[&'static Effect]) -> Vec<Look> {
     }
     let here = weighted(scene.judged);
     let all: Vec<usize> = (0..scene.judged.len()).collect();
-    let found = map(scene.pool, trials.len(), |t| look(scene, &here, &trials[t], &all, Span::Whole));
+    let found = map(scene.pool, trials.len(), |t| {
+        let seen = look(scene, &here, &trials[t], &all, Span::Whole);
+        if trials[t].combine == Combine::Towards { gone_there(scene, &trials[t], seen) } else { seen }
+    });
     let mut looks: Vec<Look> = found.into_iter().flatten().collect();
     looks.sort_by(|a, b| b.explained.total_cmp(&a.explained));
     looks
@@ -147,6 +155,32 @@ pub struct Scene<'a> {
     pub base: &'a Parameters,
     /// How every recording stands to it.
     pub judged: &'a [Judged],
+}
+
+/// A look at an effect that is not small: what going all the way to its start does to the fit counts, too, for a
+/// signature that is not proportional to the size of its effect says little.
+fn gone_there(scene: &Scene, trial: &Trial, seen: Option<Look>) -> Option<Look> {
+    let mut seen = seen?;
+    let parameters = moved(scene.base, trial, &trial.directions[0]);
+    let judged: Option<Vec<Judged>> =
+        (0..scene.judged.len()).map(|r| scene.bench.glance(&parameters, r, &scene.judged[r])).collect();
+    let (Some(there), Some(here)) = (judged.and_then(|j| distance(&j)), distance(scene.judged)) else {
+        return Some(seen);
+    };
+    let gained = 1.0 - there / here.max(f64::MIN_POSITIVE);
+    if gained > seen.explained {
+        let x = trial.origin.iter().zip(&trial.directions[0]).map(|(a, b)| a + b);
+        seen.start = trial.effect.knobs.iter().zip(x).map(|(k, x)| from_variable(k, x)).collect();
+        seen.explained = gained;
+    }
+    Some(seen)
+}
+
+/// Distance of judged recordings from the floor.
+fn distance(judged: &[Judged]) -> Option<f64> {
+    let part = |r| Part { recording: r, from: 0.0, to: 1.0 };
+    let parts: Vec<Part> = (0..judged.len()).map(part).collect();
+    score(judged, &parts).map(|score| score.distance())
 }
 
 /// How many orders of a repeating torque go on from the scan.

@@ -4,9 +4,9 @@ use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::Parameters;
 use counterpoise_simulate::history::ReadingColumns;
 use counterpoise_simulate::recording::{Channel, Recording};
-use counterpoise_simulate::replay::{Loop, Replay, Replayer};
+use counterpoise_simulate::replay::{Loop, Replay, Replayer, reading_floor};
 
-use crate::bench::{Bench, Judged, Misfit, Span, rms};
+use crate::bench::{Bench, Drive, Judged, Misfit, Span, rms};
 use crate::error::Error;
 use crate::locate::Measured;
 use crate::tolerance::FITTED_SHARE;
@@ -41,6 +41,7 @@ pub struct Replays<'a> {
     heads: Vec<Replayer<'a>>,
     noisy: Vec<Replayer<'a>>,
     noise: Vec<[f64; SCORED.len()]>,
+    control_floor: f64,
 }
 
 impl<'a> Replays<'a> {
@@ -64,6 +65,7 @@ impl<'a> Replays<'a> {
             heads: ready(&prepared.heads)?,
             noisy: ready(&prepared.noisy)?,
             noise: prepared.whole.iter().map(noise).collect(),
+            control_floor: control_floor(base, controller),
             prepared,
         })
     }
@@ -93,16 +95,28 @@ impl<'a> Replays<'a> {
         run(&Replayer::new(parameters, ready.recording()).ok()?).ok()
     }
 
-    fn misfits(&self, replay: &Replay, recording: &Recording, noise: &[f64]) -> Option<Vec<Misfit>> {
+    fn control(&self, drive: Drive) -> &Loop {
+        match drive {
+            Drive::ClosedLoop => &self.control,
+            Drive::Playback => &Loop::Open,
+        }
+    }
+
+    /// The misfit of every scored channel; played back, the control has none of its own and the hub rate stands in its
+    /// place, so that mechanisms run in either way have as many channels.
+    fn misfits(&self, replay: &Replay, index: usize, length: usize, drive: Drive) -> Option<Vec<Misfit>> {
         let mut out = Vec::new();
         for (c, channel) in SCORED.into_iter().enumerate() {
-            let Some(fit) = replay.channels.iter().find(|f| f.channel == channel) else { continue };
-            let recorded = recording.column(channel)?;
-            let floor = fit.floor.max(noise[c]);
-            let simulated = channel.of(&replay.simulated);
+            let stand_in = channel == Channel::Control && drive == Drive::Playback;
+            let (shown, c) = if stand_in { (Channel::HubRate, 1) } else { (channel, c) };
+            let Some(fit) = replay.channels.iter().find(|f| f.channel == shown) else { continue };
+            let recorded = &self.prepared.whole[index].column(shown)?[..length];
+            let floor = fit.floor.max(self.noise[index][c]);
+            let simulated = shown.of(&replay.simulated);
             let difference = |(s, r): (&f64, &f64)| if r.is_finite() { (s - r) / floor } else { 0.0 };
             let residual: Vec<f64> = simulated.iter().zip(recorded).map(difference).collect();
-            out.push(Misfit { channel: channel.name(), residual, floor, spread: deviation(recorded) });
+            let told = if stand_in { self.control_floor } else { floor };
+            out.push(Misfit { channel: channel.name(), residual, floor: told, spread: deviation(recorded) });
         }
         Some(out)
     }
@@ -120,6 +134,35 @@ impl<'a> Replays<'a> {
         };
         Some(fitted.map(size).collect())
     }
+
+    /// A closed-loop run judged; where it does not repeat, the playback in its place.
+    fn judged(
+        &self,
+        parameters: &Parameters,
+        index: usize,
+        quiet: Replay,
+        playback: impl Fn() -> Option<Replay>,
+    ) -> Option<Judged> {
+        let length = self.prepared.whole[index].len();
+        let wander = self.wander(parameters, index, &quiet)?;
+        if wander.iter().all(|w| *w < HUNTING) {
+            let misfits = self.misfits(&quiet, index, length, Drive::ClosedLoop)?;
+            return Some(Judged { misfits, wander, start: Some(quiet.start), drive: Drive::ClosedLoop });
+        }
+        let played = playback()?;
+        let misfits = self.misfits(&played, index, length, Drive::Playback)?;
+        Some(Judged { misfits, wander: Vec::new(), start: Some(played.start), drive: Drive::Playback })
+    }
+}
+
+/// Two runs that part by more than this many floors are hunting: no replay in closed loop can follow.
+const HUNTING: f64 = 5.0;
+
+/// RMS of the control that the hub gyroscope's noise and the converters leave.
+fn control_floor(base: &Parameters, controller: &ProportionalIntegral) -> f64 {
+    let step = 20.0 / f64::from(base.interface.output_bits).exp2();
+    (controller.kp_v_s_rad * reading_floor(&base.sensors.hub_gyro, &base.interface))
+        .hypot(step / 12f64.sqrt())
 }
 
 /// The first part of a recording.
@@ -176,18 +219,22 @@ impl Bench for Replays<'_> {
             Span::Head => &self.heads[index],
         };
         let start = near.start.as_ref()?;
-        let replay = self.with(parameters, ready, |r| r.replay_from(parameters, &self.control, start))?;
-        self.misfits(&replay, ready.recording(), &self.noise[index])
+        let control = self.control(near.drive);
+        let replay = self.with(parameters, ready, |r| r.replay_from(parameters, control, start))?;
+        self.misfits(&replay, index, ready.recording().len(), near.drive)
+    }
+
+    fn glance(&self, parameters: &Parameters, index: usize, near: &Judged) -> Option<Judged> {
+        let (ready, start) = (&self.whole[index], near.start.as_ref()?);
+        let run =
+            |control: &Loop| self.with(parameters, ready, |r| r.replay_from(parameters, control, start));
+        self.judged(parameters, index, run(&self.control)?, || run(&Loop::Open))
     }
 
     fn judge(&self, parameters: &Parameters, index: usize) -> Option<Judged> {
         let ready = &self.whole[index];
-        let quiet = self.with(parameters, ready, |r| r.replay(parameters, &self.control))?;
-        Some(Judged {
-            misfits: self.misfits(&quiet, ready.recording(), &self.noise[index])?,
-            wander: self.wander(parameters, index, &quiet)?,
-            start: Some(quiet.start),
-        })
+        let run = |control: &Loop| self.with(parameters, ready, |r| r.replay(parameters, control));
+        self.judged(parameters, index, run(&self.control)?, || run(&Loop::Open))
     }
 }
 

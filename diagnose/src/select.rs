@@ -10,8 +10,8 @@ use crate::library::Effect;
 use crate::look::{Look, Scene, first_look, is_ripple, pairs};
 use crate::score::{Part, Score, judge, score};
 use crate::tolerance::{
-    EFFECT_PRICE, EFFECTS_AT_MOST, EXPLAINED, FITTED_SHARE, GAIN_NEEDED, PAIRS, PARAMETER_PRICE, PRUNE_SHARE,
-    SEARCH_ITERATIONS, SHARE_NEEDED, SHORTLIST, SWAP_NEEDED,
+    EFFECT_PRICE, EFFECTS_AT_MOST, EXPLAINED, FITTED_SHARE, GAIN_NEEDED, JOINT_KNOBS, PAIRS, PARAMETER_PRICE,
+    PRUNE_SHARE, RIVALS, SEARCH_ITERATIONS, SHARE_NEEDED, SHORTLIST, SWAP_NEEDED,
 };
 
 /// A candidate that was fitted and judged.
@@ -130,7 +130,7 @@ impl Searcher<'_> {
             if found >= EFFECTS_AT_MOST || explained {
                 break;
             }
-            let stage = self.stage(present);
+            let stage = self.stage(present, Effort::Full);
             let best = stage.candidates.iter().find(|c| self.acceptable(c)).cloned();
             search.stages.push(stage);
             let Some(best) = best else { break };
@@ -145,7 +145,7 @@ impl Searcher<'_> {
     }
 
     /// Looks at every effect on top of the present model, fits the shortlist and judges it.
-    fn stage(&self, present: Option<&Candidate>) -> Stage {
+    fn stage(&self, present: Option<&Candidate>, effort: Effort) -> Stage {
         let model = present.map_or(self.base, |c| &c.fit.parameters);
         let Some(judged) = judge(self.bench, self.pool, model) else {
             return Stage { candidates: Vec::new(), looks: Vec::new() };
@@ -155,7 +155,7 @@ impl Searcher<'_> {
             self.effects.iter().copied().filter(|e| !taken.iter().any(|t| std::ptr::eq(*t, *e))).collect();
         let scene = Scene { bench: self.bench, pool: self.pool, base: model, judged: &judged };
         let looks = first_look(&scene, &free);
-        let trials = trials(&judged, &looks, taken.len());
+        let trials = trials(&judged, &looks, taken.len(), effort);
         let done = AtomicUsize::new(0);
         let fitted = map(self.pool, trials.len(), |t| {
             let candidate = self.candidate(present, &trials[t], &judged);
@@ -180,8 +180,9 @@ impl Searcher<'_> {
         looks: &[&Look],
         before: &[Judged],
     ) -> Option<Candidate> {
-        let mut effects = present.map_or(Vec::new(), |c| c.fit.effects.clone());
-        let mut start = present.map_or(Vec::new(), |c| c.fit.values.clone());
+        let free = present.filter(|c| c.fit.values.len() <= JOINT_KNOBS);
+        let mut effects = free.map_or(Vec::new(), |c| c.fit.effects.clone());
+        let mut start = free.map_or(Vec::new(), |c| c.fit.values.clone());
         for look in looks {
             effects.push(look.effect);
             start.extend(&look.start);
@@ -190,7 +191,10 @@ impl Searcher<'_> {
         let fitted = fitted_recordings(&(0..self.bench.count()).map(signature).collect::<Vec<f64>>());
         let parts = held_out_parts(self.bench.count(), &fitted);
         let selection = Selection { recordings: fitted, span: Span::Head, iterations: SEARCH_ITERATIONS };
-        let fit = self.fit(effects, &start, &selection)?;
+        let fit = match (present, free) {
+            (Some(fixed), None) => self.fit_on_top(fixed, effects, &start, &selection)?,
+            _ => self.fit(effects, &start, &selection)?,
+        };
         let judged = judge(self.bench, self.pool, &fit.parameters)?;
         Some(Candidate {
             whole: score(&judged, &whole_parts(self.bench.count()))?,
@@ -199,6 +203,22 @@ impl Searcher<'_> {
             held_out_parts: parts,
             fit,
         })
+    }
+
+    /// Fits new effects while those of a model with many parameters stay as they are.
+    fn fit_on_top(
+        &self,
+        fixed: &Candidate,
+        effects: Vec<&'static Effect>,
+        start: &[f64],
+        selection: &Selection,
+    ) -> Option<Fit> {
+        let base = &fixed.fit.parameters;
+        let problem = Problem { bench: self.bench, pool: self.pool, selection, base, effects };
+        let mut fit = problem.fit(start)?;
+        fit.effects.splice(0..0, fixed.fit.effects.iter().copied());
+        fit.values.splice(0..0, fixed.fit.values.iter().copied());
+        Some(fit)
     }
 
     fn fit(&self, effects: Vec<&'static Effect>, start: &[f64], selection: &Selection) -> Option<Fit> {
@@ -242,7 +262,7 @@ impl Searcher<'_> {
 
     /// The accepted effects fitted once more, to everything.
     fn refitted(&self, candidate: Candidate) -> Candidate {
-        let selection = Selection::all(self.bench.count());
+        let selection = Selection { iterations: SEARCH_ITERATIONS, ..Selection::all(self.bench.count()) };
         let again = self.fit(candidate.fit.effects.clone(), &candidate.fit.values, &selection);
         let judged = again.and_then(|fit| Some((self.whole_score(&fit.parameters)?, fit)));
         match judged {
@@ -267,7 +287,7 @@ impl Searcher<'_> {
                 search.rivals.push(Vec::new());
                 continue;
             };
-            let rivals = self.stage(Some(&without)).adding_one(without.fit.effects.len());
+            let rivals = self.stage(Some(&without), Effort::Rivals).adding_one(without.fit.effects.len());
             let better =
                 rivals.iter().find(|c| self.acceptable(c) && c.ranking() < best.ranking() - SWAP_NEEDED);
             if let Some(better) = better {
@@ -300,24 +320,36 @@ impl Searcher<'_> {
         let mut start = candidate.fit.values.clone();
         start.drain(first..first + effects[index].knobs.len());
         effects.remove(index);
-        let fit = self.fit(effects, &start, &Selection::all(self.bench.count()))?;
+        let all = (0..self.bench.count()).collect();
+        let selection = Selection { recordings: all, span: Span::Head, iterations: SEARCH_ITERATIONS };
+        let fit = self.fit(effects, &start, &selection)?;
         let whole = self.whole_score(&fit.parameters)?;
         Some(Candidate { fit, whole, ..candidate.clone() })
     }
 }
 
+/// How widely a stage looks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Effort {
+    /// For the next effect.
+    Full,
+    /// For what could stand in the place of an effect that was found.
+    Rivals,
+}
+
 /// What is fitted at a stage: the best effects one by one, and the best pairs of them.
-fn trials<'l>(judged: &[Judged], looks: &'l [Look], taken: usize) -> Vec<Vec<&'l Look>> {
-    let mut trials: Vec<Vec<&Look>> = shortlist(looks).into_iter().map(|look| vec![look]).collect();
-    if taken + 2 <= EFFECTS_AT_MOST {
+fn trials<'l>(judged: &[Judged], looks: &'l [Look], taken: usize, effort: Effort) -> Vec<Vec<&'l Look>> {
+    let count = if effort == Effort::Full { SHORTLIST } else { RIVALS };
+    let mut trials: Vec<Vec<&Look>> = shortlist(looks, count).into_iter().map(|look| vec![look]).collect();
+    if effort == Effort::Full && taken + 2 <= EFFECTS_AT_MOST {
         let pairs = pairs(judged, looks, PAIRS);
         trials.extend(pairs.iter().map(|pair| pair.members.map(|i| &looks[i]).to_vec()));
     }
     trials
 }
 
-/// The best looks, at most two starts for one effect.
-fn shortlist(looks: &[Look]) -> Vec<&Look> {
+/// The best looks: so many effects, the best two of them from two starts.
+fn shortlist(looks: &[Look], count: usize) -> Vec<&Look> {
     let mut picked: Vec<&Look> = Vec::new();
     let mut effects = 0;
     for look in looks {
@@ -325,10 +357,10 @@ fn shortlist(looks: &[Look]) -> Vec<&Look> {
         if same == 0 {
             effects += 1;
         }
-        if effects > SHORTLIST {
+        if effects > count {
             break;
         }
-        if same < 2 {
+        if same == 0 || (same == 1 && effects <= 2) {
             picked.push(look);
         }
     }

@@ -38,3 +38,8 @@ pub const EFFECT_PRICE: f64 = 0.01;
 pub const PARAMETER_PRICE: f64 = 2e-3;
 /// Iterations of a fit while candidates are compared.
 pub const SEARCH_ITERATIONS: usize = 10;
+/// A model with more parameters than this stays as it is while further effects are compared, and is fitted together
+/// with the chosen one.
+pub const JOINT_KNOBS: usize = 6;
+/// Effects that are fitted in the place of one that was found.
+pub const RIVALS: usize = 5;

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_diagnose::answer::{Answer, Verdict};
-use counterpoise_diagnose::bench::{Bench, Judged, Misfit, Serial, Span};
+use counterpoise_diagnose::bench::{Bench, Drive, Judged, Misfit, Serial, Span};
 use counterpoise_diagnose::judge::Evidence;
 use counterpoise_diagnose::library::library;
 use counterpoise_diagnose::select::Searcher;
@@ -69,8 +69,12 @@ impl Bench for Statics {
         Some(vec![Misfit { channel: "control", residual, floor: FLOOR, spread: 1.0 }])
     }
 
+    fn glance(&self, parameters: &Parameters, index: usize, _: &Judged) -> Option<Judged> {
+        self.judge(parameters, index)
+    }
+
     fn judge(&self, parameters: &Parameters, index: usize) -> Option<Judged> {
-        let nothing = Judged { misfits: vec![], wander: vec![0.0], start: None };
+        let nothing = Judged { misfits: vec![], wander: vec![0.0], start: None, drive: Drive::ClosedLoop };
         let misfits = self.misfit(parameters, index, Span::Whole, &nothing)?;
         Some(Judged { misfits, ..nothing })
     }

@@ -136,7 +136,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         when: "when the mesh torque changes sign",
         experiment: "torque reversals with the mechanism balanced",
         knobs: &[knob!("backlash", "rad", [0.0, 0.1], 1e-3, Linear, gearbox.backlash_rad)],
-        starts: &[&[0.002], &[0.006], &[0.0]],
+        starts: &[&[0.0], &[0.001], &[0.002], &[0.004], &[0.007], &[0.012]],
     },
     Effect {
         effect: "stiffness",

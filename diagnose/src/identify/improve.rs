@@ -1,0 +1,89 @@
+//! The mechanism with what was identified in place of what the project said.
+
+use counterpoise_models::Parameters;
+use counterpoise_models::parameters::{FrictionLaw, MapPoint};
+
+use super::outcome::{Amplifier, Estimate, Identified};
+use super::tolerance::LINEAR_FROM_SHARE;
+
+/// The mechanism with the identified values of the first state of balance. A value stays where its interval holds
+/// what the project says. Friction changes at the pivot, the motor's part is kept, unless there is too little for
+/// that: then both shrink alike. Inertia changes in hub and beam alike.
+pub fn improved(p: &Parameters, found: &Identified) -> Parameters {
+    let mut out = p.clone();
+    if let Some(balance) = found.balances.first() {
+        inertia(&mut out, balance.out_of_balance_kg_m, balance.inertia_kg_m2);
+    }
+    let ratio = p.gearbox.ratio;
+    if let Some(level) = new_value(found.coulomb_nm) {
+        let motor = ratio * p.motor_friction.coulomb_nm();
+        let [pivot, motor] = shared(level, motor);
+        set_coulomb(&mut out.pivot_friction.law, pivot);
+        set_coulomb(&mut out.motor_friction.law, motor / ratio);
+    }
+    if let Some(level) = new_value(found.viscous_nm_s_rad) {
+        let [pivot, motor] = shared(level, ratio * ratio * p.motor_friction.viscous_nm_s_rad);
+        out.pivot_friction.viscous_nm_s_rad = pivot;
+        out.motor_friction.viscous_nm_s_rad = motor / (ratio * ratio);
+    }
+    if let Amplifier::Curve { points } = &found.amplifier {
+        out.amplifier.map = map(p, points.iter().map(|q| [q.input_v, q.current_a]));
+        out.amplifier.dead_zone_v = 0.0;
+    }
+    out
+}
+
+/// The value, where it is another than the project's.
+fn new_value(estimate: Estimate) -> Option<f64> {
+    (!estimate.holds(estimate.before)).then_some(estimate.value)
+}
+
+fn inertia(out: &mut Parameters, moment: Estimate, inertia: Estimate) {
+    let Some(lumped) = out.lumped.as_mut() else { return };
+    if let Some(moment) = new_value(moment) {
+        lumped.out_of_balance_kg_m = moment;
+    }
+    if let Some(total) = new_value(inertia).filter(|total| *total > 0.0) {
+        let growth = total / inertia.before;
+        lumped.hub_inertia_kg_m2 *= growth;
+        lumped.beam_inertia_kg_m2 *= growth;
+    }
+}
+
+/// A level at the hub as the parts of pivot and motor, given the motor's part as it was.
+fn shared(level: f64, motor: f64) -> [f64; 2] {
+    let level = level.max(0.0);
+    if level >= motor { [level - motor, motor] } else { [0.0, level] }
+}
+
+fn set_coulomb(law: &mut FrictionLaw, level: f64) {
+    match law {
+        FrictionLaw::None => {
+            if level > 0.0 {
+                *law = FrictionLaw::Coulomb { coulomb_nm: level };
+            }
+        }
+        FrictionLaw::Dahl { coulomb_nm, .. }
+        | FrictionLaw::Lugre { coulomb_nm, .. }
+        | FrictionLaw::Coulomb { coulomb_nm }
+        | FrictionLaw::ResetIntegrator { coulomb_nm, .. }
+        | FrictionLaw::Stribeck { coulomb_nm, .. }
+        | FrictionLaw::Karnopp { coulomb_nm, .. }
+        | FrictionLaw::Walrath { coulomb_nm, .. }
+        | FrictionLaw::Bristle { coulomb_nm, .. } => *coulomb_nm = level,
+    }
+}
+
+/// The points that rise in input and current, and the start of the linear range.
+fn map(p: &Parameters, points: impl Iterator<Item = [f64; 2]>) -> Vec<MapPoint> {
+    let top = LINEAR_FROM_SHARE * p.amplifier.input_limit_v;
+    let end = [top, p.amplifier.stall_gain_a_v(&p.motor) * p.amplifier.drive_v(top, &p.motor)];
+    let mut out: Vec<MapPoint> = Vec::new();
+    for [input_v, current_a] in points.filter(|q| q[1] < end[1]).chain([end]) {
+        let last = out.last().map_or(0.0, |q| q.current_a);
+        if current_a > last {
+            out.push(MapPoint { input_v, current_a });
+        }
+    }
+    out
+}

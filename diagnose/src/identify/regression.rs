@@ -1,0 +1,177 @@
+//! Least squares with regressors that have noise and residuals that hang together.
+
+use counterpoise_linalg::{Mat, inverse, sym_eigenvalues};
+
+use super::tolerance::{NORMAL_95, WORST_CONDITION};
+
+/// Rows of one recording for [`Sums::add`].
+pub struct Block<'a> {
+    /// One column an unknown; `None` where the unknown is not in this recording.
+    pub columns: Vec<Option<&'a [f64]>>,
+    /// What they sum to.
+    pub target: &'a [f64],
+    /// The rows that count.
+    pub counts: &'a [bool],
+    /// Variance of the noise in each column.
+    pub noise: Vec<f64>,
+    /// Samples over which residuals hang together.
+    pub memory: usize,
+}
+
+/// What came out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fit {
+    /// The unknowns.
+    pub value: Vec<f64>,
+    /// Half widths of their 95 % intervals.
+    pub half_width: Vec<f64>,
+    /// RMS of the residual.
+    pub residual_rms: f64,
+    /// Largest share of a regressor's power that is noise.
+    pub noise_share: f64,
+}
+
+/// min |y - X b|^2 over the rows that count, the noise of the regressors taken off:
+///
+/// ```text
+///     (X'X - sum D) b = X'y,   cov b = (X'X - sum D)^-1 S (X'X - sum D)^-1,
+///     S = 1/L sum_t s_t s_t',  s_t = sum of x r over the L rows from t on
+/// ```
+///
+/// D is the diagonal of noise variances; S is Newey and West's estimate with Bartlett's weights over L rows in time,
+/// written as sums over windows (Econometrica 55, 1987). The quantile grows with 1 / (number of independent windows).
+/// None where the columns cannot be told apart.
+pub fn fit(blocks: &[Block]) -> Option<Fit> {
+    let n = blocks.first()?.columns.len();
+    let mut normal = Mat::zeros(n, n);
+    let mut right = Mat::zeros(n, 1);
+    let mut noise = vec![0.0; n];
+    blocks.iter().for_each(|block| accumulate(block, &mut normal, &mut right, &mut noise));
+    let noise_share = (0..n).map(|i| noise[i] / normal[(i, i)].max(f64::MIN_POSITIVE)).fold(0.0, f64::max);
+    (0..n).for_each(|i| normal[(i, i)] -= noise[i]);
+    let inverted = scaled_inverse(&normal)?;
+    let value = (&inverted * &right).as_slice().to_vec();
+    let residuals: Vec<Vec<f64>> = blocks.iter().map(|block| residual(block, &value)).collect();
+    let mut spread = Mat::zeros(n, n);
+    let mut windows = 0.0;
+    for (block, residual) in blocks.iter().zip(&residuals) {
+        windows += counted(block) / block.memory as f64;
+        add_spread(block, residual, &mut spread);
+    }
+    let covariance = &(&inverted * &spread) * &inverted;
+    let quantile = student_95((windows - 1.0).max(1.0));
+    let power: f64 = residuals.iter().flatten().map(|r| r * r).sum();
+    let rows: f64 = blocks.iter().map(counted).sum();
+    Some(Fit {
+        half_width: (0..n).map(|i| quantile * covariance[(i, i)].max(0.0).sqrt()).collect(),
+        value,
+        residual_rms: (power / rows.max(1.0)).sqrt(),
+        noise_share,
+    })
+}
+
+/// The residual at every row; 0 where the row does not count.
+fn residual(block: &Block, value: &[f64]) -> Vec<f64> {
+    let at = |k: usize| {
+        let explained: f64 = block.columns.iter().zip(value).map(|(c, b)| c.map_or(0.0, |c| b * c[k])).sum();
+        if block.counts[k] { block.target[k] - explained } else { 0.0 }
+    };
+    (0..block.target.len()).map(at).collect()
+}
+
+fn counted(block: &Block) -> f64 {
+    block.counts.iter().filter(|c| **c).count() as f64
+}
+
+fn row(block: &Block, k: usize) -> Vec<f64> {
+    block.columns.iter().map(|c| c.map_or(0.0, |c| c[k])).collect()
+}
+
+fn accumulate(block: &Block, normal: &mut Mat, right: &mut Mat, noise: &mut [f64]) {
+    for k in (0..block.target.len()).filter(|k| block.counts[*k]) {
+        let x = row(block, k);
+        for i in (0..x.len()).filter(|i| x[*i] != 0.0) {
+            right[(i, 0)] += x[i] * block.target[k];
+            (0..x.len()).for_each(|j| normal[(i, j)] += x[i] * x[j]);
+        }
+    }
+    let rows = counted(block);
+    noise.iter_mut().zip(&block.noise).for_each(|(sum, variance)| *sum += rows * variance);
+}
+
+fn add_spread(block: &Block, residual: &[f64], spread: &mut Mat) {
+    let (n, length, memory) = (block.columns.len(), residual.len(), block.memory.max(1));
+    let scores: Vec<Vec<f64>> =
+        (0..length).map(|k| row(block, k).iter().map(|x| x * residual[k]).collect()).collect();
+    let mut window = vec![0.0; n];
+    for end in 0..length + memory {
+        if end < length {
+            window.iter_mut().zip(&scores[end]).for_each(|(w, s)| *w += s);
+        }
+        if end >= memory {
+            window.iter_mut().zip(&scores[end - memory]).for_each(|(w, s)| *w -= s);
+        }
+        for i in (0..n).filter(|i| window[*i] != 0.0) {
+            (0..n).for_each(|j| spread[(i, j)] += window[i] * window[j] / memory as f64);
+        }
+    }
+}
+
+/// The inverse by way of a unit diagonal; none where it is singular to the tolerance.
+fn scaled_inverse(normal: &Mat) -> Option<Mat> {
+    let n = normal.nrows();
+    let scale: Vec<f64> = (0..n).map(|i| normal[(i, i)].sqrt()).collect();
+    if scale.iter().any(|s| !s.is_finite() || *s <= 0.0) {
+        return None;
+    }
+    let mut unit = normal.clone();
+    (0..n).for_each(|i| (0..n).for_each(|j| unit[(i, j)] /= scale[i] * scale[j]));
+    let values = sym_eigenvalues(&unit).ok()?;
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = values.iter().copied().fold(0.0, f64::max);
+    if least * WORST_CONDITION < most {
+        return None;
+    }
+    let mut out = inverse(&unit).ok()?;
+    (0..n).for_each(|i| (0..n).for_each(|j| out[(i, j)] /= scale[i] * scale[j]));
+    Some(out)
+}
+
+/// The 97.5 % quantile of Student's t by its expansion about the normal one (Abramowitz and Stegun 26.7.5).
+pub fn student_95(freedom: f64) -> f64 {
+    let z = NORMAL_95;
+    let (z3, z5) = (z.powi(3), z.powi(5));
+    z + (z3 + z) / (4.0 * freedom) + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * freedom * freedom)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use super::*;
+
+    fn block<'a>(columns: &[&'a [f64]], target: &'a [f64], counts: &'a [bool]) -> Block<'a> {
+        let columns: Vec<_> = columns.iter().map(|c| Some(*c)).collect();
+        Block { noise: vec![0.0; columns.len()], columns, target, counts, memory: 10 }
+    }
+
+    #[test]
+    fn exact_data_give_exact_unknowns() {
+        let x: Vec<f64> = (0..200).map(|k| (0.3 * f64::from(k)).sin()).collect();
+        let one = vec![1.0; 200];
+        let y: Vec<f64> = x.iter().map(|x| 2.0 - 3.0 * x).collect();
+        let fit = fit(&[block(&[&one, &x], &y, &[true; 200])]).unwrap();
+        assert!((fit.value[0] - 2.0).abs() < 1e-12 && (fit.value[1] + 3.0).abs() < 1e-12);
+        assert!(fit.half_width[1] < 1e-12 && fit.residual_rms < 1e-12);
+    }
+
+    #[test]
+    fn equal_columns_are_refused() {
+        let x: Vec<f64> = (0..200).map(|k| (0.3 * f64::from(k)).sin()).collect();
+        assert!(fit(&[block(&[&x, &x], &x, &[true; 200])]).is_none());
+    }
+
+    #[test]
+    fn students_quantile() {
+        assert!((student_95(10.0) - 2.228).abs() < 0.01 && (student_95(30.0) - 2.042).abs() < 2e-3);
+    }
+}

@@ -1,0 +1,258 @@
+//! One recording as rows of the torque balance, all its signals passed by the same low-pass Q and the gyroscope's lag G:
+//!
+//! ```text
+//!     Q G [N K_t i] - N J_m Q' G [w_m + s w_p] - known
+//!         = mu Q G [(g + a_p) cos theta] + F_c Q [sgn v] + F_v Q [v] + J Q' [w]
+//! ```
+//!
+//! v is the motor's rate at the output, w that of the mean inertia, `known` the torque of what is known: the first
+//! moment above the axis and the spring to the platform.
+
+use counterpoise_models::Parameters;
+use counterpoise_models::parameters::FrictionLaw;
+use counterpoise_simulate::recording::Recording;
+
+use super::signal::{Chain, Kernel};
+use super::tolerance::*;
+use crate::Error;
+
+/// Rows of one recording; a row is a sample.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rows {
+    /// Torque that current and rotor leave for the hub, N m.
+    pub torque: Vec<f64>,
+    /// Weight and heave (m/s^2), sign, rate (rad/s), acceleration (rad/s^2).
+    pub regressors: [Vec<f64>; 4],
+    /// What each knot of a change of the amplifier's map takes from the torque of the map as it is, N m per V.
+    pub hats: Vec<Vec<f64>>,
+    /// Whether the row is sliding throughout the filter's window.
+    pub sliding: Vec<bool>,
+    /// Control as recorded, V.
+    pub control_v: Vec<f64>,
+    /// Control after the low-pass, V.
+    pub smooth_control_v: Vec<f64>,
+    /// Hub rate after the low-pass, rad/s.
+    pub smooth_rate_rad_s: Vec<f64>,
+    /// Direction of sliding, 1 or -1.
+    pub direction: Vec<f64>,
+    /// Whether the joint has not yet slid its presliding distance since it turned.
+    pub turning: Vec<bool>,
+    /// Variance of the noise in rate and acceleration after the filter.
+    pub noise: [f64; 2],
+    /// Sample period, s.
+    pub period_s: f64,
+}
+
+/// How rows are made: the mechanism, the low-pass (its standard deviation, s), the knots of the amplifier's map (V).
+pub struct Maker<'a> {
+    /// The mechanism.
+    pub p: &'a Parameters,
+    /// Standard deviation of the low-pass, s.
+    pub deviation_s: f64,
+    /// Knots, V.
+    pub knots_v: &'a [f64],
+}
+
+/// The channels of a recording without gaps, missing ones filled in by what they mean.
+struct Channels {
+    control: Vec<f64>,
+    hub: Vec<f64>,
+    platform: Vec<f64>,
+    heave: Vec<f64>,
+    motor: Option<Vec<f64>>,
+    position: Vec<f64>,
+    whole: Vec<bool>,
+}
+
+impl Maker<'_> {
+    /// The rows of a recording.
+    ///
+    /// # Errors
+    /// No control or no hub rate.
+    pub fn rows(&self, recording: &Recording) -> Result<Rows, Error> {
+        let period_s = recording.sample_period_s;
+        let channels = channels(recording)?;
+        let (chain, kernel) = (Chain::new(self.p, period_s), Kernel::new(self.deviation_s, period_s));
+        let ratio = self.p.gearbox.ratio;
+        let geared = || channels.hub.iter().zip(&channels.platform).map(|(h, p)| ratio * (h - p)).collect();
+        let motor: Vec<f64> = channels.motor.as_ref().map_or_else(geared, |m| chain.as_gyro(m));
+        let rate: Vec<f64> = motor.iter().map(|w| w / ratio).collect();
+        let (direction, turning) = self.directions(&rate, period_s);
+        let mean = chain.mean_rate(&channels.hub);
+        let noise = noise_variance(&channels.hub);
+        let [kept, steep] = kernel.noise_gains();
+        let motor_noise = noise_variance(&motor) / ratio.powi(2);
+        Ok(Rows {
+            torque: self.torque(&chain, &kernel, &channels, &motor),
+            regressors: [
+                kernel.smooth(&self.load(&chain, &channels, f64::cos)),
+                kernel.smooth(&direction),
+                kernel.smooth(&rate),
+                kernel.slope(&mean),
+            ],
+            hats: self.hats(&chain, &kernel, &channels.control),
+            sliding: self.sliding(&kernel, &channels, &turning, &self.calm(&rate, period_s)),
+            smooth_control_v: kernel.smooth(&channels.control),
+            smooth_rate_rad_s: kernel.smooth(&channels.hub),
+            control_v: channels.control,
+            direction,
+            turning,
+            noise: [motor_noise * kept, noise * steep],
+            period_s,
+        })
+    }
+
+    fn torque(&self, chain: &Chain, kernel: &Kernel, c: &Channels, motor: &[f64]) -> Vec<f64> {
+        let p = self.p;
+        let ratio = p.gearbox.ratio;
+        let drive: Vec<f64> = c.control.iter().map(|u| p.amplifier.drive_v(*u, &p.motor)).collect();
+        let (driven, braked) = (chain.current_of_drive(&drive), chain.current_of_rate(motor));
+        let gain = ratio * p.motor.torque_constant_nm_a;
+        let current = kernel.smooth(&sum(&driven, &braked, gain));
+        let platform = c.platform.iter().map(|w| p.motor.platform_coupling * w);
+        let rotor: Vec<f64> = motor.iter().zip(platform).map(|(m, w)| m + w).collect();
+        let rotor = kernel.slope(&rotor);
+        let known = kernel.smooth(&self.known(chain, c));
+        let inertia = ratio * p.motor.inertia_kg_m2;
+        (0..current.len()).map(|k| current[k] - inertia * rotor[k] - known[k]).collect()
+    }
+
+    /// (g + a_p) f(theta_h), as the gyroscope would show it.
+    fn load(&self, chain: &Chain, c: &Channels, of: fn(f64) -> f64) -> Vec<f64> {
+        let heave = chain.heave_as_gyro(&c.heave);
+        let weigh = |(angle, heave): (f64, &f64)| (self.p.gravity_m_s2 + heave) * of(angle);
+        inertial(c, chain).into_iter().zip(&heave).map(weigh).collect()
+    }
+
+    /// Torque of what is taken as known: the first moment above the axis, the spring to the platform.
+    fn known(&self, chain: &Chain, c: &Channels) -> Vec<f64> {
+        let Some(l) = self.p.lumped.as_ref() else { return vec![0.0; c.control.len()] };
+        let upright = self.load(chain, c, f64::sin);
+        let spring = |x: &f64| l.position_stiffness_nm_rad * (x - l.position_stiffness_centre_rad);
+        upright.iter().zip(&c.position).map(|(g, x)| spring(x) - l.vertical_offset_kg_m * g).collect()
+    }
+
+    fn hats(&self, chain: &Chain, kernel: &Kernel, control: &[f64]) -> Vec<Vec<f64>> {
+        let p = self.p;
+        let gain = p.gearbox.ratio * p.motor.torque_constant_nm_a;
+        let one = |index: usize| {
+            let of = |u: &f64| -gain * u.signum() * hat(self.knots_v, index, u.abs());
+            let shape: Vec<f64> = control.iter().map(of).collect();
+            kernel.smooth(&chain.current_of_drive(&shape))
+        };
+        (1..self.knots_v.len().saturating_sub(1)).map(one).collect()
+    }
+
+    /// Direction of sliding, and whether the joint is still in its presliding zone.
+    fn directions(&self, rate: &[f64], period_s: f64) -> (Vec<f64>, Vec<bool>) {
+        let smooth = self.calm(rate, period_s);
+        let slack = PRESLIDING_LENGTHS * presliding_rad(self.p);
+        let mut travelled = 0.0;
+        let mut turning = Vec::with_capacity(rate.len());
+        for k in 0..rate.len() {
+            let turned = k == 0 || (smooth[k] >= 0.0) != (smooth[k - 1] >= 0.0);
+            travelled = if turned { 0.0 } else { travelled + smooth[k].abs() * period_s };
+            turning.push(travelled < slack);
+        }
+        (smooth.iter().map(|w| if *w >= 0.0 { 1.0 } else { -1.0 }).collect(), turning)
+    }
+
+    /// The rate quiet enough for its sign to be taken.
+    fn calm(&self, rate: &[f64], period_s: f64) -> Vec<f64> {
+        Kernel::new(SIGN_DEVIATION_S.max(2.0 * period_s), period_s).smooth(rate)
+    }
+
+    /// Rows whose whole window slides, faster than crawling, with no limit reached and no sample missing.
+    fn sliding(&self, kernel: &Kernel, c: &Channels, turning: &[bool], calm: &[f64]) -> Vec<bool> {
+        let rms = (calm.iter().map(|w| w * w).sum::<f64>() / calm.len().max(1) as f64).sqrt();
+        let limit = LIMIT_SHARE * self.p.amplifier.input_limit_v;
+        let good = |k: usize| {
+            !turning[k] && c.whole[k] && calm[k].abs() > CRAWL_SHARE * rms && c.control[k].abs() < limit
+        };
+        let mut bad_so_far = vec![0_usize; turning.len() + 1];
+        (0..turning.len()).for_each(|k| bad_so_far[k + 1] = bad_so_far[k] + usize::from(!good(k)));
+        let half = kernel.half();
+        let clear = |k: usize| {
+            k >= half && k + half < turning.len() && bad_so_far[k + half + 1] == bad_so_far[k - half]
+        };
+        (0..turning.len()).map(clear).collect()
+    }
+}
+
+/// The hat function of a knot: 1 there, 0 at its neighbours and beyond.
+pub fn hat(knots: &[f64], index: usize, at: f64) -> f64 {
+    let (low, here, high) = (knots[index - 1], knots[index], knots[index + 1]);
+    let up = (at - low) / (here - low);
+    let down = (high - at) / (high - here);
+    up.min(down).max(0.0)
+}
+
+/// Hub angle to the horizon, as the gyroscope would show it.
+fn inertial(c: &Channels, chain: &Chain) -> Vec<f64> {
+    let platform = integral(&c.platform, chain.period_s());
+    let ahead = chain.as_gyro(&c.position);
+    ahead.iter().zip(&platform).map(|(a, b)| a + b).collect()
+}
+
+fn sum(a: &[f64], b: &[f64], gain: f64) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| gain * (a + b)).collect()
+}
+
+fn integral(rate: &[f64], period_s: f64) -> Vec<f64> {
+    let mut angle = 0.0;
+    let step = |w: &f64| {
+        let here = angle;
+        angle += w * period_s;
+        Some(here)
+    };
+    rate.iter().filter_map(step).collect()
+}
+
+/// Distance over which dry friction builds up after a reversal, at the output, rad: 0 where the law has none.
+fn presliding_rad(p: &Parameters) -> f64 {
+    let of = |law: &FrictionLaw| match *law {
+        FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad: stiffness, .. }
+        | FrictionLaw::Lugre { coulomb_nm, bristle_stiffness_nm_rad: stiffness, .. } => {
+            coulomb_nm / stiffness
+        }
+        FrictionLaw::ResetIntegrator { deflection_rad: x, .. } | FrictionLaw::Bristle { bond_rad: x, .. } => {
+            x
+        }
+        _ => 0.0,
+    };
+    let joints = [of(&p.pivot_friction.law), of(&p.motor_friction.law) / p.gearbox.ratio];
+    joints.into_iter().filter(|x| x.is_finite()).fold(LEAST_PRESLIDING_RAD, f64::max)
+}
+
+/// Variance of white noise, from second differences: they keep little of what moves.
+fn noise_variance(series: &[f64]) -> f64 {
+    let squares = series.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2));
+    squares.sum::<f64>() / 6.0 / series.len().saturating_sub(2).max(1) as f64
+}
+
+fn channels(r: &Recording) -> Result<Channels, Error> {
+    let missing = |channel| Error::NotIdentifiable { recording: r.name.clone(), channel };
+    let control = r.control_v.as_ref().ok_or_else(|| missing("control"))?;
+    let hub = r.hub_rate_rad_s.as_ref().ok_or_else(|| missing("hub_rate"))?;
+    let n = control.len().min(hub.len());
+    let mut whole = vec![true; n];
+    let mut filled = |column: &[f64]| {
+        let mut last = column.iter().copied().find(|x| x.is_finite()).unwrap_or(0.0);
+        let at = |k: usize| {
+            match column.get(k) {
+                Some(x) if x.is_finite() => last = *x,
+                _ => whole[k] = false,
+            }
+            last
+        };
+        (0..n).map(at).collect::<Vec<f64>>()
+    };
+    let (control, hub) = (filled(control), filled(hub));
+    let platform = r.platform_rate_rad_s.as_ref().map_or_else(|| vec![0.0; n], |c| filled(c));
+    let heave = r.platform_accel_m_s2.as_ref().map_or_else(|| vec![0.0; n], |c| filled(c));
+    let motor = r.motor_rate_rad_s.as_ref().map(|c| filled(c));
+    let relative: Vec<f64> = hub.iter().zip(&platform).map(|(h, p)| h - p).collect();
+    let turned = || integral(&relative, r.sample_period_s);
+    let position = r.hub_position_rad.as_ref().map_or_else(turned, |c| filled(c));
+    Ok(Channels { control, hub, platform, heave, motor, position, whole })
+}

@@ -1,0 +1,232 @@
+//! Signals made comparable: one low-pass for all, the gyroscope's lag for all, the amplifier's current from the control.
+
+#![allow(non_snake_case)]
+
+use counterpoise_linalg::{Mat, expm_integral};
+use counterpoise_models::{Parameters, parameters::Sensor};
+
+/// Exponent of the kernel (1 - (t/h)^2)^p: smooth enough at its ends for sums to be as good as integrals.
+const KERNEL_POWER: i32 = 7;
+
+/// A symmetric low-pass of compact support, and the exact derivative of what it passes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Kernel {
+    smooth: Vec<f64>,
+    slope: Vec<f64>,
+}
+
+impl Kernel {
+    /// The kernel of a standard deviation (s) at a sample period (s).
+    pub fn new(deviation_s: f64, period_s: f64) -> Self {
+        let half_s = deviation_s * f64::from(2 * KERNEL_POWER + 3).sqrt();
+        let half = ((half_s / period_s).ceil() as isize).max(1);
+        let share = |k: isize| k as f64 / (half + 1) as f64;
+        let raw: Vec<f64> = (-half..=half).map(|k| (1.0 - share(k).powi(2)).powi(KERNEL_POWER)).collect();
+        let tilt: Vec<f64> =
+            (-half..=half).map(|k| share(k) * (1.0 - share(k).powi(2)).powi(KERNEL_POWER - 1)).collect();
+        let area: f64 = raw.iter().sum();
+        let moment: f64 = tilt.iter().zip(-half..=half).map(|(t, k)| t * k as f64 * period_s).sum();
+        let scaled = |values: &[f64], by: f64| values.iter().map(|v| v / by).collect();
+        Self { smooth: scaled(&raw, area), slope: scaled(&tilt, moment) }
+    }
+
+    /// Samples on either side that enter.
+    pub fn half(&self) -> usize {
+        self.smooth.len() / 2
+    }
+
+    /// The smoothed series; its ends are held beyond the ends.
+    pub fn smooth(&self, series: &[f64]) -> Vec<f64> {
+        convolve(series, &self.smooth)
+    }
+
+    /// The derivative of the smoothed series, per second.
+    pub fn slope(&self, series: &[f64]) -> Vec<f64> {
+        convolve(series, &self.slope)
+    }
+
+    /// Variance of the smoothed series and of its derivative, per unit of white noise.
+    pub fn noise_gains(&self) -> [f64; 2] {
+        [&self.smooth, &self.slope].map(|k| k.iter().map(|w| w * w).sum())
+    }
+}
+
+/// Sum over the kernel of weight x sample: a weight after the middle meets a later sample.
+fn convolve(series: &[f64], kernel: &[f64]) -> Vec<f64> {
+    let (half, last) = (kernel.len() / 2, series.len().saturating_sub(1));
+    let at = |k: usize| {
+        if k >= half && k + half <= last {
+            return kernel.iter().zip(&series[k - half..=k + half]).map(|(w, x)| w * x).sum();
+        }
+        let near = |j: usize| series[(k + j).saturating_sub(half).min(last)];
+        kernel.iter().enumerate().map(|(j, w)| w * near(j)).sum()
+    };
+    (0..series.len()).map(at).collect()
+}
+
+/// A linear filter x' = A x + B u of two states that starts in its steady state, u linear or held between samples.
+struct Filter {
+    Ad: Mat,
+    Bd: Mat,
+    start: [f64; 2],
+    output: usize,
+}
+
+/// What an input does between samples.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Between {
+    /// It is held, as a converter does.
+    Held,
+    /// It goes straight to the next sample; over one sample only the mean matters here.
+    Straight,
+}
+
+impl Filter {
+    fn new(A: [[f64; 2]; 2], B: [f64; 2], output: usize, period_s: f64) -> Option<Self> {
+        let Am = Mat::from_rows(&[&A[0], &A[1]]);
+        let (Ad, Bi) = expm_integral(&Am, &Mat::col(&B), period_s).ok()?;
+        let det = A[0][0] * A[1][1] - A[0][1] * A[1][0];
+        let start = [(A[0][1] * B[1] - A[1][1] * B[0]) / det, (A[1][0] * B[0] - A[0][0] * B[1]) / det];
+        Some(Self { Ad, Bd: Bi, start, output })
+    }
+
+    fn run(&self, input: &[f64], between: Between) -> Vec<f64> {
+        let first = input.first().copied().unwrap_or(0.0);
+        let mut x = self.start.map(|s| s * first);
+        let next = |k: usize| input.get(k + 1).copied().unwrap_or(input[k]);
+        let mut out = Vec::with_capacity(input.len());
+        for k in 0..input.len() {
+            out.push(x[self.output]);
+            let u = if between == Between::Held { input[k] } else { 0.5 * (input[k] + next(k)) };
+            x = [0, 1].map(|i| self.Ad[(i, 0)] * x[0] + self.Ad[(i, 1)] * x[1] + self.Bd[(i, 0)] * u);
+        }
+        out
+    }
+}
+
+/// The known linear machinery between the signals of a recording.
+pub struct Chain<'a> {
+    p: &'a Parameters,
+    period_s: f64,
+    /// Samples by which the control is held back.
+    delay: usize,
+}
+
+impl<'a> Chain<'a> {
+    /// The chain of a mechanism at a sample period, s.
+    pub fn new(p: &'a Parameters, period_s: f64) -> Self {
+        Self { p, period_s, delay: p.interface.output_delay_samples }
+    }
+
+    /// Sample period, s.
+    pub fn period_s(&self) -> f64 {
+        self.period_s
+    }
+
+    /// A true signal as the hub gyroscope would show it: w^2 / (s^2 + 2 z w s + w^2).
+    pub fn as_gyro(&self, series: &[f64]) -> Vec<f64> {
+        let Sensor { natural_frequency_rad_s: w, damping_ratio: z, .. } = self.p.sensors.hub_gyro;
+        let filter = Filter::new([[0.0, 1.0], [-w * w, -2.0 * z * w]], [0.0, w * w], 0, self.period_s);
+        match filter {
+            Some(filter) if w.is_finite() => filter.run(series, Between::Straight),
+            _ => series.to_vec(),
+        }
+    }
+
+    /// The platform's accelerometer advanced by its own lag, 2 z / w, and then lagged as the gyroscope is.
+    pub fn heave_as_gyro(&self, series: &[f64]) -> Vec<f64> {
+        let sensor = &self.p.sensors.platform_accelerometer;
+        let ahead = 2.0 * sensor.damping_ratio / sensor.natural_frequency_rad_s / self.period_s;
+        let (whole, part) = (ahead.floor() as usize, ahead.fract());
+        let last = series.len().saturating_sub(1);
+        let at = |k: usize| series[k.min(last)];
+        let advanced: Vec<f64> =
+            (0..series.len()).map(|k| (1.0 - part) * at(k + whole) + part * at(k + whole + 1)).collect();
+        self.as_gyro(&advanced)
+    }
+
+    /// Current (A) that a drive (V) makes with the motor stalled, as the gyroscope would show it.
+    pub fn current_of_drive(&self, drive_v: &[f64]) -> Vec<f64> {
+        let first = drive_v.first().copied().unwrap_or(0.0);
+        let late: Vec<f64> = (0..drive_v.len())
+            .map(|k| if k < self.delay { first } else { drive_v[k - self.delay] })
+            .collect();
+        let gain = self.p.amplifier.gain / self.p.amplifier.time_constant_s;
+        self.as_gyro(&self.electrical([gain, 0.0], &late, Between::Held))
+    }
+
+    /// Current (A) that the back-EMF of a motor rate (rad/s) makes.
+    pub fn current_of_rate(&self, motor_rate: &[f64]) -> Vec<f64> {
+        let motor = &self.p.motor;
+        self.electrical([0.0, -motor.back_emf_v_s_rad / motor.inductance_h], motor_rate, Between::Straight)
+    }
+
+    /// ```text
+    ///     tau dV/dt = -V + K_v (v - K_ifb i),   L di/dt = V - R i - K_e w_m
+    /// ```
+    fn electrical(&self, B: [f64; 2], input: &[f64], between: Between) -> Vec<f64> {
+        let (amplifier, motor) = (&self.p.amplifier, &self.p.motor);
+        let tau = amplifier.time_constant_s;
+        let A = [
+            [-1.0 / tau, -amplifier.gain * amplifier.current_feedback_v_a / tau],
+            [1.0 / motor.inductance_h, -motor.resistance_ohm / motor.inductance_h],
+        ];
+        match Filter::new(A, B, 1, self.period_s) {
+            Some(filter) => filter.run(input, between),
+            None => vec![0.0; input.len()],
+        }
+    }
+
+    /// Rate of the mean inertia (J_h w_h + J_b w_b) / J, the beam moving as its spring and the measured hub make it.
+    pub fn mean_rate(&self, hub_rate: &[f64]) -> Vec<f64> {
+        let Some(l) = self.p.lumped.as_ref() else { return hub_rate.to_vec() };
+        let beam = l.beam_inertia_kg_m2;
+        let share = beam / (beam + l.hub_inertia_kg_m2);
+        let (k, d) = (l.stiffness_nm_rad / beam, l.damping_nm_s_rad / beam);
+        let Some(filter) = Filter::new([[0.0, -1.0], [k, -d]], [1.0, d], 1, self.period_s) else {
+            return hub_rate.to_vec();
+        };
+        let beam_rate = filter.run(hub_rate, Between::Straight);
+        hub_rate.iter().zip(&beam_rate).map(|(h, b)| (1.0 - share) * h + share * b).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use super::*;
+    use counterpoise_models::reference;
+
+    #[test]
+    fn the_kernel_keeps_lines_and_gives_their_slope() {
+        let kernel = Kernel::new(0.03, 1e-3);
+        let line: Vec<f64> = (0..1000).map(|k| 2.0 - 3e-3 * f64::from(k)).collect();
+        assert!((kernel.smooth(&line)[500] - line[500]).abs() < 1e-12);
+        assert!((kernel.slope(&line)[500] + 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_derivative_is_that_of_what_is_passed() {
+        let kernel = Kernel::new(0.03, 1e-3);
+        let (w, t) = (15.0_f64, 0.5_f64);
+        let wave: Vec<f64> = (0..1000).map(|k| (w * f64::from(k) * 1e-3).sin()).collect();
+        let passed = kernel.smooth(&wave)[500] / (w * t).sin();
+        assert!((kernel.slope(&wave)[500] - passed * w * (w * t).cos()).abs() < 1e-7 * w);
+    }
+
+    #[test]
+    fn the_stalled_amplifier_has_its_static_gain() {
+        let rig = reference::rig();
+        let chain = Chain::new(&rig, 1e-3);
+        let current = chain.current_of_drive(&[0.5; 50]);
+        let expected = 0.5 * rig.amplifier.stall_gain_a_v(&rig.motor);
+        assert!(current.iter().all(|i| (i - expected).abs() < 1e-9 * expected), "{current:?}");
+    }
+
+    #[test]
+    fn a_beam_that_turns_evenly_has_the_hubs_rate() {
+        let rig = reference::rig();
+        let mean = Chain::new(&rig, 1e-3).mean_rate(&[0.3; 50]);
+        assert!(mean.iter().all(|w| (w - 0.3).abs() < 1e-9));
+    }
+}

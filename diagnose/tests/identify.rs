@@ -1,0 +1,211 @@
+//! Identification held to simulated truth and to the practice recordings.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use counterpoise_controller::ProportionalIntegral;
+use counterpoise_diagnose::identify::{Amplifier, Estimate, Identified, identify, improved};
+use counterpoise_models::parameters::MapPoint;
+use counterpoise_models::{Parameters, Plant, reference};
+use counterpoise_simulate::{
+    Detail, Imperfections, Recording, Scenario, Signal, Simulator,
+};
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::record::RowAccessor;
+
+/// The points of the practice machine's amplifier: (V, A).
+const CURVE: [(f64, f64); 14] = [
+    (0.12, 0.27),
+    (0.22, 0.48),
+    (0.28, 0.6),
+    (0.34, 0.7),
+    (0.42, 0.83),
+    (0.51, 0.96),
+    (0.57, 1.08),
+    (0.8, 1.86),
+    (1.04, 2.79),
+    (1.13, 3.04),
+    (1.2, 3.3),
+    (1.27, 3.53),
+    (1.34, 3.81),
+    (2.0, 6.0),
+];
+
+fn controller(bias_v: f64) -> ProportionalIntegral {
+    ProportionalIntegral { kp_v_s_rad: 18.0, ki_v_rad: 80.0, bias_v, sample_period_s: 1e-3, integral_v: 0.0 }
+}
+
+/// A triangle wave of 0.15 rad/s and 2 s for 10 s, with noise and quantisation.
+fn triangle(simulator: &mut Simulator, bias_v: f64, seed: u64) -> Recording {
+    let scenario = Scenario {
+        demand_rad_s: Signal::Triangle { amplitude: 0.15, period_s: 2.0 },
+        imperfections: Imperfections::NoiseAndQuantisation { seed },
+        detail: Detail::Recording,
+        ..Scenario::still(10.0)
+    };
+    let history = simulator.run(&mut controller(bias_v), &scenario).unwrap();
+    Recording::from_run("triangle", 1e-3, &history.readings)
+}
+
+fn simulator(p: &Parameters) -> Simulator {
+    Simulator::new(&Plant::lumped(p).unwrap()).unwrap()
+}
+
+/// A machine that is not what its project says.
+fn other_machine() -> Parameters {
+    let mut p = reference::rig();
+    let lumped = p.lumped.as_mut().unwrap();
+    lumped.out_of_balance_kg_m = 171.0;
+    lumped.hub_inertia_kg_m2 *= 1.15;
+    lumped.beam_inertia_kg_m2 *= 1.15;
+    p.pivot_friction.viscous_nm_s_rad = 110.0;
+    if let counterpoise_models::parameters::FrictionLaw::Dahl { coulomb_nm, .. } = &mut p.pivot_friction.law {
+        *coulomb_nm = 150.0;
+    }
+    p
+}
+
+/// First moment, inertia, Coulomb, viscous.
+fn four(found: &Identified) -> [Estimate; 4] {
+    let b = &found.balances[0];
+    [b.out_of_balance_kg_m, b.inertia_kg_m2, found.coulomb_nm, found.viscous_nm_s_rad]
+}
+
+#[test]
+fn simulated_truth_is_found_and_lies_inside_the_intervals() {
+    let project = reference::rig();
+    let truth = other_machine();
+    let expected = [171.0, 345.7 * 1.15, 150.0 + 13.0, 110.0 + 80.0];
+    let mut machine = simulator(&truth);
+    let mut inside = [0; 4];
+    for seed in 0..20 {
+        let recording = triangle(&mut machine, 2.88, seed);
+        let found = identify(&project, &[&[recording]]).unwrap();
+        for (k, (estimate, value)) in four(&found).iter().zip(expected).enumerate() {
+            let limit = if k == 0 { 0.02 } else { 0.10 };
+            assert!((estimate.value / value - 1.0).abs() < limit, "{k}: {estimate:?}, truth {value}");
+            inside[k] += usize::from(estimate.holds(value));
+        }
+        if seed == 0 {
+            println!("{:?}\n{:?} residual {}", four(&found), found.breakaway_nm, found.residual_nm);
+        }
+    }
+    println!("inside of 20: {inside:?}");
+    assert!(inside.iter().all(|count| *count >= 18), "{inside:?}");
+}
+
+/// A rig with the measured amplifier, in a state of balance.
+fn nonlinear_rig(out_of_balance_kg_m: f64) -> Parameters {
+    let mut p = reference::rig();
+    p.amplifier.map = CURVE.iter().map(|&(input_v, current_a)| MapPoint { input_v, current_a }).collect();
+    p.lumped.as_mut().unwrap().out_of_balance_kg_m = out_of_balance_kg_m;
+    p
+}
+
+fn true_current(input_v: f64) -> f64 {
+    let rig = nonlinear_rig(0.0);
+    rig.amplifier.drive_v(input_v, &rig.motor) * rig.amplifier.stall_gain_a_v(&rig.motor)
+}
+
+fn worst_point(found: &Identified) -> f64 {
+    let Amplifier::Curve { points } = &found.amplifier else { panic!("no curve: {:?}", found.amplifier) };
+    for q in points {
+        println!("  {:?} truth {:.3}", q, true_current(q.input_v));
+    }
+    points.iter().map(|q| (q.current_a / true_current(q.input_v) - 1.0).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn the_gain_curve_is_recovered_from_balanced_and_midpoint_runs() {
+    let balanced = triangle(&mut simulator(&nonlinear_rig(10.0)), 0.2, 1);
+    let midpoint = triangle(&mut simulator(&nonlinear_rig(75.0)), 1.45, 2);
+    let found = identify(&reference::rig(), &[&[balanced], &[midpoint]]).unwrap();
+    println!("{:?} {:?} {:?}", found.balances, found.coulomb_nm, found.viscous_nm_s_rad);
+    assert!(worst_point(&found) < 0.10);
+    assert!((found.balances[0].out_of_balance_kg_m.value - 10.0).abs() < 0.5);
+    assert!((found.balances[1].out_of_balance_kg_m.value / 75.0 - 1.0).abs() < 0.02);
+    assert!((found.coulomb_nm.value / 130.0 - 1.0).abs() < 0.10);
+    let better = improved(&reference::rig(), &found);
+    assert!(better.amplifier.map.len() > 5);
+    assert!(Plant::lumped(&better).is_ok());
+}
+
+#[test]
+fn a_linear_amplifier_is_left_as_it_is() {
+    let recording = triangle(&mut simulator(&reference::rig()), 2.88, 3);
+    let found = identify(&reference::rig(), &[&[recording]]).unwrap();
+    assert!(!matches!(found.amplifier, Amplifier::Curve { .. }), "{:?}", found.amplifier);
+}
+
+#[test]
+fn a_mechanism_at_rest_is_refused_with_what_would_help() {
+    let still = Recording {
+        sample_period_s: 1e-3,
+        control_v: Some(vec![2.88; 3000]),
+        hub_rate_rad_s: Some(vec![0.0; 3000]),
+        ..Recording::default()
+    };
+    let error = identify(&reference::rig(), &[&[still]]).unwrap_err();
+    assert!(error.to_string().contains("triangle"), "{error}");
+}
+
+fn practice(machine: &str, experiment: &str) -> Option<Recording> {
+    let base = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/recordings/practice");
+    let path = format!("{base}/{machine}/{experiment}.parquet");
+    let Ok(file) = std::fs::File::open(&path) else {
+        println!("skipped: {path} is absent");
+        return None;
+    };
+    let reader = SerializedFileReader::new(file).unwrap();
+    let schema = reader.metadata().file_metadata().schema_descr_ptr();
+    let mut columns = vec![Vec::new(); schema.num_columns()];
+    for row in reader.get_row_iter(None).unwrap() {
+        let row = row.unwrap();
+        for (k, column) in columns.iter_mut().enumerate() {
+            column.push(row.get_double(k).or_else(|_| row.get_float(k).map(f64::from)).unwrap());
+        }
+    }
+    let find = |name: &str| {
+        let index = (0..schema.num_columns()).find(|&k| schema.column(k).name().starts_with(name))?;
+        Some(columns[index].clone())
+    };
+    Some(Recording {
+        name: experiment.to_owned(),
+        sample_period_s: 1e-3,
+        demand_rad_s: find("demand"),
+        control_v: find("control"),
+        hub_rate_rad_s: find("hub_rate"),
+        platform_rate_rad_s: find("platform_rate"),
+        platform_accel_m_s2: find("platform_accel"),
+        motor_rate_rad_s: find("motor_rate"),
+        hub_position_rad: find("hub_position"),
+    })
+}
+
+fn practices(machine: &str) -> Option<Vec<Recording>> {
+    ["triangle", "steps", "road", "multisine"].iter().map(|e| practice(machine, e)).collect()
+}
+
+#[test]
+fn practice_machines_have_their_out_of_balance() {
+    for (machine, moment) in [("p08", 151.67), ("p01", 151.67), ("p04", 186.0)] {
+        let Some(recordings) = practices(machine) else { return };
+        for set in [&recordings[..1], &recordings[..]] {
+            let found = identify(&reference::rig(), &[set]).unwrap();
+            let expected = [moment, 345.7, 130.0, 140.0];
+            println!("{machine} {}: {:?}", set.len(), four(&found).map(|e| [e.value, e.ci95[0], e.ci95[1]]));
+            println!("   {:?} {:?} res {}", found.breakaway_nm, found.lobes, found.residual_nm);
+            for (k, (estimate, value)) in four(&found).iter().zip(expected).enumerate() {
+                let limit = if k == 0 { 0.02 } else { 0.10 };
+                assert!((estimate.value / value - 1.0).abs() < limit, "{machine} {k}: {estimate:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_practice_machines_gain_curve_is_recovered() {
+    let (Some(balanced), Some(normal)) = (practices("p03"), practices("p08")) else { return };
+    let one = identify(&reference::rig(), &[&balanced]).unwrap();
+    assert!(worst_point(&one) < 0.10);
+    let triangle = identify(&reference::rig(), &[&balanced[..1], &normal[..1]]).unwrap();
+    assert!(worst_point(&triangle) < 0.10);
+}
