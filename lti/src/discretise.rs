@@ -110,7 +110,7 @@ fn slope(period_s: f64, prewarp_rad_s: Option<f64>) -> Result<f64, Error> {
     }
 }
 
-/// With M = inv(a I - A): 2a M - I = M (a I + A), sqrt(2a) M B, sqrt(2a) C M, D + C M B. The Gramians keep their values.
+/// With M the inverse of a I - A: 2a M - I = M (a I + A), sqrt(2a) M B, sqrt(2a) C M, D + C M B. The Gramians keep their values.
 fn tustin(g: &StateSpace, period_s: f64, a: f64) -> Result<StateSpace, Error> {
     let n = g.order();
     let pole = |_| Error::Pole {
@@ -119,7 +119,8 @@ fn tustin(g: &StateSpace, period_s: f64, a: f64) -> Result<StateSpace, Error> {
         im: 0.0,
         problem: "is mapped to infinity: use another period",
     };
-    let M = linalg::inverse(&(&Mat::eye(n).scale(a) - &g.A)).map_err(pole)?;
+    // One solution a column: the explicit inverse loses a digit on flexible structures.
+    let M = linalg::solve(&(&Mat::eye(n).scale(a) - &g.A), &Mat::eye(n)).map_err(pole)?;
     let (MB, root) = (&M * &g.B, (2.0 * a).sqrt());
     let D = &g.D + &(&g.C * &MB);
     let A = &M.scale(2.0 * a) - &Mat::eye(n);
