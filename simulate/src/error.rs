@@ -11,7 +11,7 @@ pub enum Error {
     #[error(transparent)]
     Lti(#[from] counterpoise_lti::Error),
     /// A friction law that the simulator does not step.
-    #[error("friction at the {place}: the simulator steps continuous laws of one state, not this one")]
+    #[error("friction at the {place}: the simulator steps laws of at most one state, not bristles")]
     Friction {
         /// Motor or pivot.
         place: &'static str,

@@ -7,7 +7,7 @@
 //! its matrix exponential, exactly; the nonlinear inputs are cubics through the four nodes of Lobatto's rule, found by
 //! fixed-point iteration; dry friction goes from node to node by its own closed form in the displacement, which no
 //! stiffness of presliding can upset; steps are a sample period halved until the inputs are as smooth as asked for,
-//! and down to a thousandth of it where the teeth part or meet. It wins because a smooth sample is one step, with one
+//! and down to a 256th of it where the teeth part or meet. It wins because a smooth sample is one step, with one
 //! product of a stored matrix, where a Runge-Kutta method needs twenty for stability alone.
 //!
 //! *Invariant*: nothing here knows a requirement, a design, a file, a thread or a clock; noise comes from a seed.

@@ -286,3 +286,35 @@ fn a_plant_of_many_modes_rests_and_moves() {
     let error = error(&found.truth.hub_rate_rad_s, &expected);
     assert!(error < 1e-5, "{error:e}");
 }
+
+#[test]
+fn coulomb_friction_holds_an_imbalance_without_creep_and_slides_at_its_level() {
+    for ratio in [1.0, 1.4] {
+        let plant = machine(|rig| {
+            rig.pivot_friction.law = FrictionLaw::Coulomb { coulomb_nm: 117.0 };
+            rig.motor_friction.law = FrictionLaw::Karnopp { coulomb_nm: 0.065, stick_rate_rad_s: 0.05 };
+        });
+        let mut rig = plant.parameters().clone();
+        rig.pivot_friction.static_ratio = ratio;
+        let plant = Plant::lumped(&rig).unwrap();
+        // 0.1 V is 52 N m at the hub: friction carries it
+        let held = plant.equilibrium(&OperatingPoint::default()).control_v + 0.1;
+        let still =
+            Simulator::new(&plant).unwrap().run(&mut Playback::new(&[held]), &Scenario::still(10.0)).unwrap();
+        // the stick may swing within its own deflection of a microradian, but it goes nowhere in ten seconds
+        let mean = |range: std::ops::Range<usize>| {
+            let part = &still.truth.hub_angle_rad[range];
+            part.iter().sum::<f64>() / part.len() as f64
+        };
+        let drift = mean(8000..10_000) - mean(2000..4000);
+        assert!(drift.abs() < 1e-6, "{drift:e}");
+        assert!(still.truth.hub_angle_rad.iter().all(|angle| angle.abs() < 1e-5));
+        let moving = Simulator::new(&plant)
+            .unwrap()
+            .run(&mut Playback::new(&[held + 0.9]), &Scenario::still(1.0))
+            .unwrap();
+        assert!(moving.truth.hub_rate_rad_s[999] > 0.01);
+        assert!((moving.truth.pivot_friction_nm[999] - 117.0).abs() < 1e-6);
+        assert!((moving.truth.motor_friction_nm[999] - 0.065).abs() < 1e-9);
+    }
+}

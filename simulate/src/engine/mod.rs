@@ -10,7 +10,7 @@
 //! Dry friction is advanced from node to node by its own closed form in the displacement, which is exact however
 //! stiff presliding is: nothing in a step can blow up, and a saturated friction costs no small steps.
 //!
-//! The steps are a sample period halved up to ten times, so that every matrix is stored. Where the ports are not a
+//! The steps are a sample period halved up to eight times, so that every matrix is stored. Where the ports are not a
 //! cubic (a reversal inside the step), or the teeth change, the step is halved; the control is held between samples,
 //! and most samples of a smooth motion are one step.
 

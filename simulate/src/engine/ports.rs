@@ -123,8 +123,9 @@ pub(crate) struct Ports {
 impl Ports {
     pub fn new(plant: &Plant) -> Result<Self, Error> {
         let parameters = plant.parameters();
-        let motor = supported("motor", FrictionModel::new(&parameters.motor_friction)?)?;
-        let pivot = supported("pivot", FrictionModel::new(&parameters.pivot_friction)?)?;
+        let ratio = parameters.gearbox.ratio;
+        let motor = supported("motor", FrictionModel::new(&parameters.motor_friction)?, ratio)?;
+        let pivot = supported("pivot", FrictionModel::new(&parameters.pivot_friction)?, 1.0)?;
         let lossy = parameters.gearbox.mesh_efficiency != 1.0;
         let loaded = |f: &counterpoise_models::Friction| f.load_coefficient != 0.0;
         let held = plant.body().out_of_balance_kg_m.abs() * parameters.gravity_m_s2.abs();
@@ -346,10 +347,16 @@ fn has_motor_extras(plant: &Plant) -> bool {
         || parameters.motor_friction.quadratic_nm_s2_rad2 != 0.0
 }
 
-/// Laws of one state that are continuous in the motion are stepped as they are; the others are refused.
-fn supported(place: &'static str, model: FrictionModel) -> Result<FrictionModel, Error> {
+/// Deflection within which a law that truly sticks is carried by Dahl's, rad at the hub.
+const STICK_DEFLECTION: f64 = 1e-6;
+/// Rate over which its breakaway level falls, rad/s at the hub.
+const STICK_RATE: f64 = 1e-3;
+
+/// Laws of one state are stepped as they are, those that truly stick as a very stiff Dahl's; bristles are refused.
+fn supported(place: &'static str, model: FrictionModel, turns: f64) -> Result<FrictionModel, Error> {
     match model.law() {
-        Law::Sliding(_) | Law::Bristle(_) => Err(Error::Friction { place }),
+        Law::Bristle(_) => Err(Error::Friction { place }),
+        Law::Sliding(_) => Ok(model.continuous(STICK_DEFLECTION * turns, STICK_RATE * turns)),
         _ => Ok(model),
     }
 }

@@ -17,7 +17,7 @@ pub(crate) const STAGE_ROWS: usize = 16;
 /// Rows that are worked on at a time: eight independent chains of two lanes keep a plain SSE2 core busy.
 const LANES: usize = 16;
 /// Number of halvings of a sample period down to the shortest step.
-pub(crate) const LEVELS: usize = 10;
+pub(crate) const LEVELS: usize = 8;
 /// Fixed inputs of a step behind the state: drive, half gap, platform rate at four nodes, ports at the first node.
 pub(crate) const FIXED_INPUTS: usize = 2 + 4 + PORTS;
 
