@@ -45,7 +45,7 @@ pub use ranges::Ranges;
 pub use rounding::{Deviation, single_precision};
 pub use rust_crate::rust_crate;
 pub use source::Source;
-pub use targets::{Numbers, TargetFigures, Targets, targets};
+pub use targets::{Numbers, TargetFigures, Targets, fixed_form, targets};
 
 use counterpoise_controller::Controller;
 use counterpoise_controller::program::Operation;

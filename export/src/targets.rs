@@ -68,8 +68,7 @@ pub fn targets(
     let controller = verified.controller();
     let mut bench = Bench { simulator: Simulator::new(plant)?, procedure, runs: Vec::new() };
     let reference = bench.record(controller)?;
-    let samples = bench.runs.iter().map(Vec::len).max().unwrap_or(0);
-    let known = Ranges::from_readings(controller, &bench.runs, RANGE_MARGIN);
+    let (known, samples) = bench.ranges(controller);
     let fixed = plan(controller, &known, allowed_v, samples);
     let exact = Deviation { worst_v: 0.0, rms_v: 0.0, samples };
     let single = single_precision(controller, &known, samples);
@@ -85,6 +84,23 @@ pub fn targets(
         figures.push(bench.figures(predicted, &acting, (controller, &reference))?);
     }
     Ok(Targets { figures, fixed })
+}
+
+/// The fixed-point form alone, with formats from the verification's nonlinear runs, or why there is none; see [`targets`].
+///
+/// # Errors
+/// Those of the simulator.
+pub fn fixed_form(
+    verified: &VerifiedController,
+    plant: &Plant,
+    procedure: &Procedure,
+    allowed_v: f64,
+) -> Result<Result<Fixed, FixedError>, counterpoise_verify::Error> {
+    let controller = verified.controller();
+    let mut bench = Bench { simulator: Simulator::new(plant)?, procedure, runs: Vec::new() };
+    bench.record(controller)?;
+    let (known, samples) = bench.ranges(controller);
+    Ok(plan(controller, &known, allowed_v, samples))
 }
 
 /// What all runs share.
@@ -115,6 +131,12 @@ impl Bench<'_> {
             self.runs.push(recorder.seen);
         }
         Ok(errors)
+    }
+
+    /// The ranges of the recorded runs, and the length of the longest.
+    fn ranges(&self, controller: &Controller) -> (Ranges, usize) {
+        let samples = self.runs.iter().map(Vec::len).max().unwrap_or(0);
+        (Ranges::from_readings(controller, &self.runs, RANGE_MARGIN), samples)
     }
 
     fn figures(

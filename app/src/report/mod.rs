@@ -17,6 +17,7 @@ pub mod page;
 pub mod style;
 pub mod summary;
 pub mod sweep;
+pub mod targets;
 pub mod verification;
 
 pub use design::of_design;

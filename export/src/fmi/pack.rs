@@ -17,7 +17,7 @@ pub fn pack(files: &[File], name: &str, linux_library: Option<&[u8]>) -> Vec<u8>
         directory.extend(b"PK\x01\x02\x14\x03");
         directory.extend(&header);
         directory.extend([0; 6]);
-        directory.extend([0, 0, 0, 0, 0xa4, 0x81]);
+        directory.extend([0, 0, 0xa4, 0x81]);
         put(&mut directory, archive.len());
         directory.extend(path.as_bytes());
         archive.extend(b"PK\x03\x04");

@@ -1,7 +1,9 @@
 //! The verified controller as code, with where it comes from.
 
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
-use counterpoise_export::{File, Options, Provenance, Targets, c99, fixed_c99, rust_crate, targets};
+use counterpoise_export::{
+    File, Options, Provenance, Targets, c99, fixed_c99, fixed_form, rust_crate, targets,
+};
 use counterpoise_models::plant::Plant;
 use counterpoise_verify::{Verdict, VerifiedController};
 use sha2::{Digest, Sha256};
@@ -32,7 +34,9 @@ pub fn export(
             Language::C99 => c99(verified, &origin, options)?,
             Language::Rust => rust_crate(verified, &origin, options)?,
             Language::Fixed => {
-                let fixed = compare(project, modelled, verified, world)?.fixed?;
+                let procedure = super::verify::procedure(project, world)?;
+                let allowed_v = half_step_v(&modelled.plant);
+                let fixed = fixed_form(verified, &modelled.plant, &procedure, allowed_v)??;
                 fixed_c99(verified, &fixed, &origin, &format!("{}_fixed", options.name))?
             }
             Language::Fmi => units(&modelled.plant, verified, &origin, options)?,
@@ -52,9 +56,12 @@ pub fn compare(
     world: &dyn World,
 ) -> Result<Targets, PipelineError> {
     let procedure = super::verify::procedure(project, world)?;
-    let bits = modelled.plant.parameters().interface.output_bits;
-    let half_step_v = CONVERTER_SPAN_V / 2.0 / f64::from(bits).exp2();
-    Ok(targets(verified, &modelled.plant, &procedure, half_step_v)?)
+    Ok(targets(verified, &modelled.plant, &procedure, half_step_v(&modelled.plant))?)
+}
+
+/// Half a step of the output converter, V.
+fn half_step_v(plant: &Plant) -> f64 {
+    CONVERTER_SPAN_V / 2.0 / f64::from(plant.parameters().interface.output_bits).exp2()
 }
 
 /// Range of the output converter, V.
@@ -103,13 +110,13 @@ fn provenance(project: &Project, verified: &VerifiedController) -> Provenance {
 pub fn weights(synth: &Synthesis) -> Vec<String> {
     let s = &synth.specification;
     let mut lines = vec![
-        format!("feedback error: {}", s.feedback.error.meaning("the measured error")),
-        format!("feedback control: {}", s.feedback.control.meaning("the control")),
+        format!("feedback error: {}", s.feedback.error.meaning("measured error")),
+        format!("feedback control: {}", s.feedback.control.meaning("control")),
     ];
     for (name, part) in [("heave", &s.heave), ("pitch", &s.pitch)] {
         if let Some(part) = part {
-            lines.push(format!("{name} error: {}", part.error.meaning("the hub rate")));
-            lines.push(format!("{name} control: {}", part.control.meaning("the control")));
+            lines.push(format!("{name} error: {}", part.error.meaning("hub rate")));
+            lines.push(format!("{name} control: {}", part.control.meaning("control")));
         }
     }
     lines
