@@ -3,7 +3,7 @@
 use crate::error::{Error, check_shape, check_square};
 use crate::mat::Mat;
 use crate::schur::{Schur, schur};
-use crate::sylvester::{Kind, check_spectra, solve_triangular};
+use crate::sylvester::{Kind, check_spectra, middle, solve_triangular};
 
 /// Solves `A X + X A' + Q = 0`; all n x n. `X` is symmetric where `Q` is, and positive semidefinite where `A` is stable
 /// and `Q` is positive semidefinite.
@@ -34,7 +34,8 @@ fn solve(A: &Mat, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
     let balanced = crate::balance::balance(A)?;
     let d = &balanced.scale;
     let inner = Mat::from_fn(Q.nrows(), Q.ncols(), |i, j| Q[(i, j)] / d[i] / d[j]);
-    let X = Operator::new(schur(&balanced.A)?, kind)?.solve(&inner);
+    let operator = Operator::new(schur(&balanced.A)?, kind)?;
+    let X = if is_symmetric(Q) { operator.solve(&inner) } else { operator.solve_general(&inner) };
     let X = if is_symmetric(Q) { X.symmetric_part() } else { X };
     Ok(Mat::from_fn(X.nrows(), X.ncols(), |i, j| X[(i, j)] * d[i] * d[j]))
 }
@@ -62,7 +63,7 @@ impl Operator {
         Ok(Self { form, reversed, kind })
     }
 
-    /// `X` with `operator(X) + Q = 0`.
+    /// `X` with `operator(X) + Q = 0` for a symmetric `Q`.
     pub(crate) fn solve(&self, Q: &Mat) -> Mat {
         let U = &self.form.U;
         let inner = self.solve_inner(&(U.t() * Q * U));
@@ -71,10 +72,51 @@ impl Operator {
 
     /// The same in the coordinates of the Schur form: `U'XU` for `U'QU`.
     pub(crate) fn solve_inner(&self, Q: &Mat) -> Mat {
+        match self.kind {
+            Kind::Continuous => symmetric(&self.form.T, &-Q),
+            Kind::Discrete => self.solve_inner_general(Q),
+        }
+    }
+
+    /// `X` with `operator(X) + Q = 0` for any `Q`.
+    pub(crate) fn solve_general(&self, Q: &Mat) -> Mat {
+        let U = &self.form.U;
+        let inner = self.solve_inner_general(&(U.t() * Q * U));
+        U * &inner * U.t()
+    }
+
+    fn solve_inner_general(&self, Q: &Mat) -> Mat {
         let mut X = flipped(Q, -1.0);
         solve_triangular(&self.form.T, &self.reversed, &mut X, self.kind);
         flipped(&X, 1.0)
     }
+}
+
+/// Orders up to this are solved without the use of symmetry.
+const SMALL: usize = 8;
+
+/// `T X + X T' = C` for symmetric `C`, of which the upper blocks are read: half the work of the general equation.
+fn symmetric(T: &Mat, C: &Mat) -> Mat {
+    let n = T.nrows();
+    if n <= SMALL {
+        return against_transpose(T, T, C);
+    }
+    let k = middle(T);
+    let (T11, T12, T22) = (T.block(0, 0, k, k), T.block(0, k, k, n - k), T.block(k, k, n - k, n - k));
+    let X22 = symmetric(&T22, &C.block(k, k, n - k, n - k));
+    let X12 = against_transpose(&T11, &T22, &(C.block(0, k, k, n - k) - &T12 * &X22));
+    let coupled = &T12 * X12.t();
+    let X11 = symmetric(&T11, &(C.block(0, 0, k, k) - (&coupled + &coupled.t())));
+    Mat::from_blocks(&[&[&X11, &X12], &[&X12.t(), &X22]])
+}
+
+/// `T X + X S' = C` for quasi-triangular `T` and `S`: `S'` with rows and columns in reverse order is one, too.
+fn against_transpose(T: &Mat, S: &Mat, C: &Mat) -> Mat {
+    let n = S.nrows();
+    let reversed = Mat::from_fn(n, n, |i, j| S[(n - 1 - j, n - 1 - i)]);
+    let mut X = flipped(C, 1.0);
+    solve_triangular(T, &reversed, &mut X, Kind::Continuous);
+    flipped(&X, 1.0)
 }
 
 /// The columns in reverse order, times a number.

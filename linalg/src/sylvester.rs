@@ -88,7 +88,7 @@ pub(crate) fn solve_triangular(A: &Mat, B: &Mat, C: &mut Mat, kind: Kind) {
 }
 
 /// A row near the middle that does not cut a 2 x 2 block.
-fn middle(T: &Mat) -> usize {
+pub(crate) fn middle(T: &Mat) -> usize {
     let half = T.nrows() / 2;
     if T[(half, half - 1)] != 0.0 { half + 1 } else { half }
 }
