@@ -35,7 +35,7 @@ fn write_results(
     for file in &made.files {
         files::write(&options.output.join(&file.name), file.text.as_bytes())?;
     }
-    let page = pages::design(loaded, made, command, times);
+    let page = pages::design(loaded, made, command, times)?;
     files::write(&options.output.join("report.html"), page.as_bytes())
 }
 

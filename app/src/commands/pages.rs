@@ -1,7 +1,7 @@
 //! From results to reports.
 
 use counterpoise::report::diagnosis::{Track, report};
-use counterpoise::report::{Cell, Column, Context, Section, Table, html, of_verification};
+use counterpoise::report::{Cell, Column, Context, Section, Table, html, of_design};
 use counterpoise_project::controller::ProportionalIntegral;
 use counterpoise_project::diagnose::Diagnosis;
 use counterpoise_project::diagnose::answer::{Answer, Verdict};
@@ -16,7 +16,12 @@ use crate::files::Loaded;
 use crate::output::StageTime;
 
 /// The report of a design.
-pub fn design(loaded: &Loaded, made: &Designed, command: &str, times: &[StageTime]) -> String {
+pub fn design(
+    loaded: &Loaded,
+    made: &Designed,
+    command: &str,
+    times: &[StageTime],
+) -> anyhow::Result<String> {
     let result = DesignResult::from(made);
     let context = Context {
         title: loaded.project.plant.name.clone(),
@@ -29,7 +34,7 @@ pub fn design(loaded: &Loaded, made: &Designed, command: &str, times: &[StageTim
             ("command".to_owned(), command.to_owned()),
         ],
     };
-    html(&of_verification(made.verified.verification(), context))
+    Ok(html(&of_design(made, context)?))
 }
 
 fn weights_section(loaded: &Loaded) -> Section {
@@ -50,7 +55,7 @@ fn certificates(result: &DesignResult) -> Section {
     if let Some(difference) = result.synth.cost_difference {
         row("predicted cost against cost of the assembled loop, relative", format!("{difference:.1e}"));
     }
-    let section = Section::new("Certificates").listing(table);
+    let section = Section::new("Orders").listing(table);
     let remarks = result.synth.warnings.iter().chain(&result.reduce.warnings);
     remarks.fold(section, |section, warning| section.saying(format!("Warning: {warning}")))
 }

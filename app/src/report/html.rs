@@ -58,7 +58,16 @@ impl Page {
         for tile in &report.tiles {
             self.tile(tile);
         }
-        self.put("</div>\n<div class=\"pair\"><div>\n");
+        self.put("</div>\n");
+        self.verdicts_beside_glance(report);
+    }
+
+    /// The verdicts with pictures beside them, or over the whole width where there are none.
+    fn verdicts_beside_glance(&mut self, report: &Report) {
+        if report.glance.is_empty() {
+            return self.table(&report.verdicts);
+        }
+        self.put("<div class=\"pair\"><div>\n");
         self.table(&report.verdicts);
         self.put("</div><div>\n");
         for figure in &report.glance {

@@ -134,9 +134,9 @@ fn tile(found: &Verification, label: &str, figure: Figure) -> Option<Tile> {
     let value = found.value(figure)?;
     let judged = found.verdicts.iter().find(|(requirement, _)| requirement.figure == figure);
     let tone = judged.map_or(Tone::Neutral, |(_, verdict)| tone_of(verdict));
-    let limit = judged.map(|(requirement, _)| words_of(requirement.limit));
-    let (value, unit) =
-        if figure.unit() == "rad/s" { (1e3 * value, "mrad/s") } else { (value, figure.unit()) };
+    let (scale, unit) = if figure.unit() == "rad/s" { (1e3, "mrad/s") } else { (1.0, figure.unit()) };
+    let limit = judged.map(|(requirement, _)| words_of(scaled(requirement.limit, scale)));
+    let value = scale * value;
     let kind = match figure {
         Figure::Disturbance(..) => "RMS, all feedforwards",
         Figure::Step(Model::Nonlinear, _) => "nonlinear plant",
@@ -145,6 +145,13 @@ fn tile(found: &Verification, label: &str, figure: Figure) -> Option<Tile> {
     };
     let note = limit.unwrap_or_else(|| kind.to_owned());
     Some(Tile { label: label.to_owned(), value: short(value), unit: unit.to_owned(), note, tone })
+}
+
+fn scaled(limit: Limit, scale: f64) -> Limit {
+    match limit {
+        Limit::AtLeast(value) => Limit::AtLeast(scale * value),
+        Limit::AtMost(value) => Limit::AtMost(scale * value),
+    }
 }
 
 fn tone_of(verdict: &Verdict) -> Tone {

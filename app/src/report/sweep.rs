@@ -21,9 +21,7 @@ pub fn report(found: &Verification, campaign: &Campaign, samples: &[Sample], con
         headline: Headline { tone, text, detail },
         tiles: Vec::new(),
         verdicts: shares(campaign, samples),
-        glance: (0..campaign.requirements().len().min(2))
-            .map(|k| distribution(campaign, samples, k))
-            .collect(),
+        glance: Vec::new(),
         sections: context.more,
         provenance: context.provenance,
     }

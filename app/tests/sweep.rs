@@ -1,0 +1,104 @@
+//! Campaigns of the command line: the same bytes however they are cut, run or killed.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+const EXAMPLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/reference-rig/project.toml");
+
+/// A quick campaign on the example's design.
+const CAMPAIGN: &str = r#"
+[verify]
+duration = 1.0
+settle = 0.3
+[[verify.requirement]]
+figure = "gain_margin_db"
+at_least = 9.0
+[[verify.requirement]]
+figure = "nonlinear_both_compensated_hub_rms_rad_s"
+at_most = 0.02
+[sweep]
+samples = 120
+seed = 5
+[[sweep.variation]]
+parameter = "hub_inertia"
+low = 0.8
+high = 1.25
+[[sweep.variation]]
+parameter = "friction"
+distribution = "log-uniform"
+low = 0.5
+high = 2.0
+"#;
+
+/// A fresh folder with the project in it.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    let example = fs::read_to_string(EXAMPLE).unwrap();
+    let design = example.split("\n[verify]").next().unwrap();
+    fs::write(folder.join("project.toml"), format!("{design}\n{CAMPAIGN}")).unwrap();
+    folder
+}
+
+fn sweep(folder: &Path, threads: &str, more: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_counterpoise"));
+    command.arg("sweep").arg(folder).arg("-o").arg(folder.join("out")).arg("-q").args(more);
+    command.env("RAYON_NUM_THREADS", threads).stdout(Stdio::null()).stderr(Stdio::piped());
+    command
+}
+
+fn samples(folder: &Path) -> Vec<u8> {
+    fs::read(folder.join("out/samples.parquet")).unwrap()
+}
+
+/// The bytes of an undisturbed run on one thread.
+fn reference(name: &str) -> Vec<u8> {
+    let folder = folder(name);
+    let done = sweep(&folder, "1", &[]).output().unwrap();
+    assert!(done.status.code().is_some_and(|code| code < 2), "{}", String::from_utf8_lossy(&done.stderr));
+    samples(&folder)
+}
+
+#[test]
+fn threads_and_shards_do_not_change_a_byte() {
+    let expected = reference("sweep_one");
+    let two = folder("sweep_two");
+    sweep(&two, "2", &[]).output().unwrap();
+    assert!(samples(&two) == expected, "two threads");
+    let cut = folder("sweep_cut");
+    for shard in ["2/3", "0/3", "1/3"] {
+        assert!(sweep(&cut, "2", &["--shard", shard]).status().unwrap().success());
+    }
+    sweep(&cut, "1", &["--merge"]).output().unwrap();
+    assert!(samples(&cut) == expected, "three shards");
+}
+
+#[test]
+fn a_killed_campaign_goes_on_to_the_same_result() {
+    let expected = reference("sweep_whole");
+    let killed = folder("sweep_killed");
+    for attempt in 0..8u64 {
+        let mut child = sweep(&killed, "2", &[]).spawn().unwrap();
+        std::thread::sleep(Duration::from_millis(60 + 97 * attempt % 600));
+        let _ = child.kill();
+        child.wait().unwrap();
+    }
+    sweep(&killed, "2", &[]).output().unwrap();
+    assert!(samples(&killed) == expected);
+}
+
+#[test]
+fn shards_of_another_campaign_are_refused() {
+    let mixed = folder("sweep_mixed");
+    assert!(sweep(&mixed, "1", &["--shard", "0/2"]).status().unwrap().success());
+    let text = fs::read_to_string(mixed.join("project.toml")).unwrap();
+    fs::write(mixed.join("project.toml"), text.replace("seed = 5", "seed = 6")).unwrap();
+    assert!(sweep(&mixed, "1", &["--shard", "1/2"]).status().unwrap().success());
+    let refused = sweep(&mixed, "1", &["--merge"]).output().unwrap();
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("another campaign"));
+}
