@@ -3,11 +3,18 @@
 //! In come a linear plant ([`DesignPlant`]) and what is asked of it ([`Specification`]: weights, noises, assembly); out
 //! comes a [`Design`] with its certificates, and from it a discrete controller that runs on the target.
 //!
-//! *Invariant*: nothing here knows friction, backlash, a kilogram or a simulator; no file, thread or clock; and no
-//! equation is solved before [`preflight()`] has said that it can be.
+//! *Invariant*: no physics lives here: no model of friction, backlash or structure is evaluated, none is simulated (the
+//! friction observer takes identified levels as plain numbers); no file, thread or clock; and no equation of the design
+//! is solved before [`preflight()`] has said that it can be.
 //!
-//! Modules in reading order: [`weight`], [`plant`], [`specification`], [`finding`], [`preflight`](mod@preflight),
-//! [`feedback`](mod@feedback), [`feedforward`](mod@feedforward), [`design`](mod@design), [`discretise`](mod@discretise), [`certificate`].
+//! Modules in reading order:
+//! - what is asked: [`weight`] (with [`rational`]; [`table`] fits one to drawn points), [`plant`], [`specification`];
+//! - whether it can be had: [`preflight`](mod@preflight), [`finding`], [`cause`], [`outcome`], [`error`];
+//! - the design: [`feedback`](mod@feedback), [`feedforward`](mod@feedforward), [`design`](mod@design), [`certificate`],
+//!   [`discretise`](mod@discretise);
+//! - around it: [`schedule`](mod@schedule) over out-of-balance, [`figures`](mod@figures) and [`search`](mod@search) from
+//!   requirements to weights, [`observer`] of friction, [`adaptation`];
+//! - other methods: [`generalised`], [`h2syn`](mod@h2syn), [`hinfsyn`](mod@hinfsyn), [`lqg`], [`alternatives`].
 //!
 //! A servo of one inertia with viscous drag, held without steady error:
 //!
