@@ -6,7 +6,8 @@
 
 BENCHMARK_FOLDER holds sim.c, controller.txt and MODEL.md of the comparison. Builds the C programs there under build/
 (gcc -O3 -march=native; --cvode needs SUNDIALS), makes the references once (RK4, 0.5 microseconds), and prints for
-every friction and stiffness the fastest of the rounds and the largest error of the load angle over the run.
+every friction and stiffness the fastest of the rounds and the largest error of the load angle over the run. The C
+programs tell processor time, ours wall time, the best of three in each round: measure on an idle machine.
 """
 
 import json
@@ -70,7 +71,7 @@ def main():
     for friction in range(3):
         for stiff in range(3):
             exe, reference = out / f"sim_{friction}_{stiff}", out / f"ref_{friction}_{stiff}.bin"
-            commands = {f"ours {t}": [OURS, folder / "controller.txt", friction, stiff, t, 1, log] for t in TOLERANCES}
+            commands = {f"ours {t}": [OURS, folder / "controller.txt", friction, stiff, t, 3, log] for t in TOLERANCES}
             commands |= {f"C {mode} {par}": [exe, mode, par, "10", log] for mode, par in peers}
             best = {}
             for _ in range(rounds):
