@@ -20,11 +20,11 @@ const BOUND: f64 = 1e-3;
 pub enum Method {
     /// The structured H2 design of [`feedback()`].
     ThreePart,
-    /// Textbook H2 on the generalised plant, observer and weights in one: [`h2syn`].
+    /// Textbook H2 on the generalised plant, observer and weights in one: [`h2syn()`].
     JointH2,
     /// [`lqg_ltr`] with the quotient of the weights as loop shape.
     LqgLtr,
-    /// [`hinfsyn`] on the generalised plant.
+    /// [`hinfsyn()`] on the generalised plant.
     HInfinity,
 }
 
