@@ -46,16 +46,16 @@ def rod_response(P, w):
     shapes /= np.sqrt((shapes * shapes).sum(0))
     s = 1j * w.astype(np.clongdouble)[:, None]
     modes = 1 / (s * s + 2 * real(0.005) * rates * s + rates * rates)
-    return np.einsum('pi,fi,im->fpm', P['C2'][:, :n].astype(real) @ shapes, modes, shapes.T @ P['B2'][n:].astype(real))
+    left, right = P['C2'][:, :n].astype(real) @ shapes, shapes.T @ P['B2'][n:].astype(real)
+    return np.einsum('pi,fi,im->fpm', left, modes, right).astype(complex)  # numpy.linalg takes no long doubles
 
 
 def generate(work, sizes):
-    missing = [n for n in sizes if not os.path.isdir(os.path.join(work, 'data', f'flexm_{n}'))]
+    """Makes the problems that are missing, in a process of its own: the generator works in long double."""
+    missing = [str(n) for n in sizes if not os.path.isdir(os.path.join(work, 'data', f'flexm_{n}'))]
     if missing:
-        gen = shared(work)[0]
-        gen.NS = missing
-        with contextlib.redirect_stdout(sys.stderr):
-            gen.main()
+        command = [sys.executable, os.path.abspath(__file__), '--work', work, '--sizes', ','.join(missing), '--generate']
+        subprocess.run(command, check=True, stdout=sys.stderr)
 
 
 def child(work, family, n, method):
@@ -140,7 +140,7 @@ def main():
     p.add_argument('--sizes', default='10,20,50,100,200,400'); p.add_argument('--threads', type=int, default=1)
     p.add_argument('--limit', type=float, default=150); p.add_argument('--all', action='store_true', help='slow peers too')
     p.add_argument('--work', default=os.path.join(ROOT, 'out', 'peers')); p.add_argument('--out')
-    p.add_argument('--child', nargs=3)
+    p.add_argument('--child', nargs=3); p.add_argument('--generate', action='store_true')
     a = p.parse_args()
     if not os.path.isdir(SHARED):
         sys.exit(f'skipped: {SHARED} is not there')
@@ -148,6 +148,10 @@ def main():
     os.makedirs(a.work, exist_ok=True)
     if a.child:
         return child(a.work, a.child[0], int(a.child[1]), a.child[2])
+    if a.generate:
+        gen = shared(a.work)[0]
+        gen.NS = [int(n) for n in a.sizes.split(',')]
+        return gen.main()
     if not os.path.exists(PROGRAM):
         sys.exit('build first: cargo build --release -p counterpoise-tests --example counterpoise-peers')
     sizes = [int(n) for n in a.sizes.split(',')]
