@@ -5,9 +5,7 @@ use counterpoise_controller::ProportionalIntegral;
 use counterpoise_diagnose::identify::{Amplifier, Estimate, Identified, identify, improved};
 use counterpoise_models::parameters::MapPoint;
 use counterpoise_models::{Parameters, Plant, reference};
-use counterpoise_simulate::{
-    Detail, Imperfections, Recording, Scenario, Signal, Simulator,
-};
+use counterpoise_simulate::{Detail, Imperfections, Recording, Scenario, Signal, Simulator};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::RowAccessor;
 

@@ -10,6 +10,16 @@ use super::tolerance::LINEAR_FROM_SHARE;
 /// what the project says. Friction changes at the pivot, the motor's part is kept, unless there is too little for
 /// that: then both shrink alike. Inertia changes in hub and beam alike.
 pub fn improved(p: &Parameters, found: &Identified) -> Parameters {
+    let mut out = moved(p, found);
+    if let Amplifier::Curve { points } = &found.amplifier {
+        out.amplifier.map = map(p, points.iter().map(|q| [q.input_v, q.current_a]));
+        out.amplifier.dead_zone_v = 0.0;
+    }
+    out
+}
+
+/// The same, the amplifier as it was.
+pub(super) fn moved(p: &Parameters, found: &Identified) -> Parameters {
     let mut out = p.clone();
     if let Some(balance) = found.balances.first() {
         inertia(&mut out, balance.out_of_balance_kg_m, balance.inertia_kg_m2);
@@ -25,10 +35,6 @@ pub fn improved(p: &Parameters, found: &Identified) -> Parameters {
         let [pivot, motor] = shared(level, ratio * ratio * p.motor_friction.viscous_nm_s_rad);
         out.pivot_friction.viscous_nm_s_rad = pivot;
         out.motor_friction.viscous_nm_s_rad = motor / (ratio * ratio);
-    }
-    if let Amplifier::Curve { points } = &found.amplifier {
-        out.amplifier.map = map(p, points.iter().map(|q| [q.input_v, q.current_a]));
-        out.amplifier.dead_zone_v = 0.0;
     }
     out
 }

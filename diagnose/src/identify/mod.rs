@@ -50,6 +50,15 @@ pub fn identify(p: &Parameters, states: &[&[Recording]]) -> Result<Identified, E
     if states.iter().all(|state| state.is_empty()) {
         return Err(Error::NoRecording);
     }
+    let mut found = round(p, states, &Before::of(p))?;
+    for _ in 1..ROUNDS {
+        found = round(&improve::moved(p, &found), states, &Before::of(p))?;
+    }
+    Ok(found)
+}
+
+/// One round, with the beam and the presliding distances of a mechanism.
+fn round(p: &Parameters, states: &[&[Recording]], before: &Before) -> Result<Identified, Error> {
     let plain = Problem::new(p, states, &[])?;
     let sliding_s = plain.sliding_s();
     if sliding_s < LEAST_SLIDING_S {
@@ -60,7 +69,6 @@ pub fn identify(p: &Parameters, states: &[&[Recording]]) -> Result<Identified, E
     let (problem, fit) = found.curved.as_ref().map_or((&plain, &linear), |(problem, fit)| (problem, fit));
     let layout = problem.layout;
     let estimate = |k: usize, before: f64| Estimate::new(fit.value[k], fit.half_width[k], before);
-    let before = Before::of(p);
     let balance = |s: usize| Balance {
         out_of_balance_kg_m: estimate(layout.moment(s), before.moment),
         inertia_kg_m2: estimate(layout.inertia(s), before.inertia),

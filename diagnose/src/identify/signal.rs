@@ -2,7 +2,7 @@
 
 #![allow(non_snake_case)]
 
-use counterpoise_linalg::{Mat, expm_integral};
+use counterpoise_linalg::{Mat, expm_integral, solve};
 use counterpoise_models::{Parameters, parameters::Sensor};
 
 /// Exponent of the kernel (1 - (t/h)^2)^p: smooth enough at its ends for sums to be as good as integrals.
@@ -64,11 +64,13 @@ fn convolve(series: &[f64], kernel: &[f64]) -> Vec<f64> {
     (0..series.len()).map(at).collect()
 }
 
-/// A linear filter x' = A x + B u of two states that starts in its steady state, u linear or held between samples.
+/// A linear filter x' = A x + B u that starts in its steady state; exact for an input that is held between samples, or
+/// straight.
 struct Filter {
     Ad: Mat,
-    Bd: Mat,
-    start: [f64; 2],
+    held: Mat,
+    ramp: Mat,
+    start: Mat,
     output: usize,
 }
 
@@ -77,28 +79,48 @@ struct Filter {
 enum Between {
     /// It is held, as a converter does.
     Held,
-    /// It goes straight to the next sample; over one sample only the mean matters here.
+    /// It goes straight to the next sample.
     Straight,
 }
 
 impl Filter {
-    fn new(A: [[f64; 2]; 2], B: [f64; 2], output: usize, period_s: f64) -> Option<Self> {
-        let Am = Mat::from_rows(&[&A[0], &A[1]]);
-        let (Ad, Bi) = expm_integral(&Am, &Mat::col(&B), period_s).ok()?;
-        let det = A[0][0] * A[1][1] - A[0][1] * A[1][0];
-        let start = [(A[0][1] * B[1] - A[1][1] * B[0]) / det, (A[1][0] * B[0] - A[0][0] * B[1]) / det];
-        Some(Self { Ad, Bd: Bi, start, output })
+    /// The filter whose output is a state; none where A is singular or not finite.
+    fn new(A: &Mat, B: &Mat, output: usize, period_s: f64) -> Option<Self> {
+        let n = A.nrows();
+        // with the input as one more state, its slope is the input
+        let mut wide = Mat::zeros(n + 1, n + 1);
+        wide.set_block(0, 0, A);
+        wide.set_block(0, n, B);
+        let mut slope = Mat::zeros(n + 1, 1);
+        slope[(n, 0)] = 1.0;
+        let (moved, ramp) = expm_integral(&wide, &slope, period_s).ok()?;
+        Some(Self {
+            Ad: moved.block(0, 0, n, n),
+            held: moved.block(0, n, n, 1),
+            ramp: ramp.block(0, 0, n, 1).scale(1.0 / period_s),
+            start: solve(A, &B.scale(-1.0)).ok()?,
+            output,
+        })
     }
 
     fn run(&self, input: &[f64], between: Between) -> Vec<f64> {
-        let first = input.first().copied().unwrap_or(0.0);
-        let mut x = self.start.map(|s| s * first);
-        let next = |k: usize| input.get(k + 1).copied().unwrap_or(input[k]);
+        let mut x = self.start.scale(input.first().copied().unwrap_or(0.0));
         let mut out = Vec::with_capacity(input.len());
-        for k in 0..input.len() {
-            out.push(x[self.output]);
-            let u = if between == Between::Held { input[k] } else { 0.5 * (input[k] + next(k)) };
-            x = [0, 1].map(|i| self.Ad[(i, 0)] * x[0] + self.Ad[(i, 1)] * x[1] + self.Bd[(i, 0)] * u);
+        for (k, u) in input.iter().enumerate() {
+            out.push(x[(self.output, 0)]);
+            let next = input.get(k + 1).copied().unwrap_or(*u);
+            let rise = if between == Between::Held { 0.0 } else { next - u };
+            x = self.advanced(&x, *u, rise);
+        }
+        out
+    }
+
+    fn advanced(&self, x: &Mat, u: f64, rise: f64) -> Mat {
+        let n = x.nrows();
+        let mut out = Mat::zeros(n, 1);
+        for i in 0..n {
+            let moved: f64 = (0..n).map(|j| self.Ad[(i, j)] * x[(j, 0)]).sum();
+            out[(i, 0)] = moved + self.held[(i, 0)] * u + self.ramp[(i, 0)] * rise;
         }
         out
     }
@@ -125,12 +147,15 @@ impl<'a> Chain<'a> {
 
     /// A true signal as the hub gyroscope would show it: w^2 / (s^2 + 2 z w s + w^2).
     pub fn as_gyro(&self, series: &[f64]) -> Vec<f64> {
+        let lagged = self.gyro().and_then(|(A, B)| Filter::new(&A, &B, 0, self.period_s));
+        lagged.map_or_else(|| series.to_vec(), |filter| filter.run(series, Between::Straight))
+    }
+
+    /// State matrix and input of the gyroscope, the reading first; none where it is ideal.
+    fn gyro(&self) -> Option<(Mat, Mat)> {
         let Sensor { natural_frequency_rad_s: w, damping_ratio: z, .. } = self.p.sensors.hub_gyro;
-        let filter = Filter::new([[0.0, 1.0], [-w * w, -2.0 * z * w]], [0.0, w * w], 0, self.period_s);
-        match filter {
-            Some(filter) if w.is_finite() => filter.run(series, Between::Straight),
-            _ => series.to_vec(),
-        }
+        let A = || Mat::from_rows(&[&[0.0, 1.0], &[-w * w, -2.0 * z * w]]);
+        w.is_finite().then(|| (A(), Mat::col(&[0.0, w * w])))
     }
 
     /// The platform's accelerometer advanced by its own lag, 2 z / w, and then lagged as the gyroscope is.
@@ -151,30 +176,37 @@ impl<'a> Chain<'a> {
         let late: Vec<f64> = (0..drive_v.len())
             .map(|k| if k < self.delay { first } else { drive_v[k - self.delay] })
             .collect();
-        let gain = self.p.amplifier.gain / self.p.amplifier.time_constant_s;
-        self.as_gyro(&self.electrical([gain, 0.0], &late, Between::Held))
+        let B = Mat::col(&[self.p.amplifier.gain / self.p.amplifier.time_constant_s, 0.0]);
+        let filter = match self.gyro() {
+            None => Filter::new(&self.electrical(), &B, 1, self.period_s),
+            Some((gyro, reads)) => {
+                // the gyroscope reads the current: one filter, exact for the held control
+                let mut reading = Mat::zeros(2, 2);
+                reading.set_block(0, 1, &reads);
+                let both = Mat::from_blocks(&[&[&self.electrical(), &Mat::zeros(2, 2)], &[&reading, &gyro]]);
+                Filter::new(&both, &B.vstack(&Mat::zeros(2, 1)), 2, self.period_s)
+            }
+        };
+        filter.map_or_else(|| vec![0.0; late.len()], |filter| filter.run(&late, Between::Held))
     }
 
     /// Current (A) that the back-EMF of a motor rate (rad/s) makes.
     pub fn current_of_rate(&self, motor_rate: &[f64]) -> Vec<f64> {
         let motor = &self.p.motor;
-        self.electrical([0.0, -motor.back_emf_v_s_rad / motor.inductance_h], motor_rate, Between::Straight)
+        let B = Mat::col(&[0.0, -motor.back_emf_v_s_rad / motor.inductance_h]);
+        let filter = Filter::new(&self.electrical(), &B, 1, self.period_s);
+        filter.map_or_else(|| vec![0.0; motor_rate.len()], |filter| filter.run(motor_rate, Between::Straight))
     }
 
     /// ```text
     ///     tau dV/dt = -V + K_v (v - K_ifb i),   L di/dt = V - R i - K_e w_m
     /// ```
-    fn electrical(&self, B: [f64; 2], input: &[f64], between: Between) -> Vec<f64> {
+    fn electrical(&self) -> Mat {
         let (amplifier, motor) = (&self.p.amplifier, &self.p.motor);
         let tau = amplifier.time_constant_s;
-        let A = [
-            [-1.0 / tau, -amplifier.gain * amplifier.current_feedback_v_a / tau],
-            [1.0 / motor.inductance_h, -motor.resistance_ohm / motor.inductance_h],
-        ];
-        match Filter::new(A, B, 1, self.period_s) {
-            Some(filter) => filter.run(input, between),
-            None => vec![0.0; input.len()],
-        }
+        let feedback = -amplifier.gain * amplifier.current_feedback_v_a / tau;
+        let L = motor.inductance_h;
+        Mat::from_rows(&[&[-1.0 / tau, feedback], &[1.0 / L, -motor.resistance_ohm / L]])
     }
 
     /// Rate of the mean inertia (J_h w_h + J_b w_b) / J, the beam moving as its spring and the measured hub make it.
@@ -183,7 +215,8 @@ impl<'a> Chain<'a> {
         let beam = l.beam_inertia_kg_m2;
         let share = beam / (beam + l.hub_inertia_kg_m2);
         let (k, d) = (l.stiffness_nm_rad / beam, l.damping_nm_s_rad / beam);
-        let Some(filter) = Filter::new([[0.0, -1.0], [k, -d]], [1.0, d], 1, self.period_s) else {
+        let A = Mat::from_rows(&[&[0.0, -1.0], &[k, -d]]);
+        let Some(filter) = Filter::new(&A, &Mat::col(&[1.0, d]), 1, self.period_s) else {
             return hub_rate.to_vec();
         };
         let beam_rate = filter.run(hub_rate, Between::Straight);

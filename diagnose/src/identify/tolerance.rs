@@ -6,8 +6,8 @@ pub const LOW_PASS_S: f64 = 0.03;
 pub const SIGN_DEVIATION_S: f64 = 0.004;
 /// Standard deviation of the low-pass through which a breakaway is looked at, s.
 pub const BREAKAWAY_DEVIATION_S: f64 = 0.006;
-/// Presliding distances after a reversal that are left out: what is missing of the level then is 2 exp(-6).
-pub const PRESLIDING_LENGTHS: f64 = 6.0;
+/// Presliding distances after a reversal that are left out: what is missing of the level then is 2 exp(-8).
+pub const PRESLIDING_LENGTHS: f64 = 8.0;
 /// Presliding distance of a law that has none, or of one that is unknown, rad.
 pub const LEAST_PRESLIDING_RAD: f64 = 2e-4;
 /// Rates below this share of a recording's RMS rate are left out.
@@ -38,3 +38,5 @@ pub const CURVE_WORTH: f64 = 0.5;
 pub const CURVE_DEPARTURE: f64 = 0.03;
 /// Reversals below which no breakaway is told.
 pub const LEAST_REVERSALS: usize = 3;
+/// Rounds: how far the beam swings and how long presliding lasts follow from what is identified.
+pub const ROUNDS: usize = 3;
