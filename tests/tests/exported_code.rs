@@ -15,16 +15,20 @@ use counterpoise_export::{
 };
 use counterpoise_models::plant::Plant;
 use counterpoise_project::Project;
-use counterpoise_project::pipeline::{model, reduce, synthesise};
+use counterpoise_project::pipeline::export::compare;
+use counterpoise_project::pipeline::{World, model, reduce, synthesise, verify};
 use counterpoise_simulate::{Imperfections, PlatformMotion, Scenario, Signal, Simulator, TimeHistory};
 use support::{InLoop, STRICT, Target, folder, is_there, provenance, run, server, write};
 
-/// Plant and controller of the shipped example.
-fn reference_rig() -> (Plant, Controller) {
+fn project() -> Project {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/reference-rig/project.toml");
     let text = std::fs::read_to_string(file).unwrap();
-    let project =
-        Project::parse(&text, "project.toml").map_err(|errors| errors[0].to_string()).unwrap().project;
+    Project::parse(&text, "project.toml").map_err(|errors| errors[0].to_string()).unwrap().project
+}
+
+/// Plant and controller of the shipped example.
+fn reference_rig() -> (Plant, Controller) {
+    let project = project();
     let modelled = model(&project).unwrap();
     let reduced = reduce(&project, &modelled).unwrap();
     let made = synthesise(&project, &modelled, &reduced).unwrap();
@@ -139,6 +143,34 @@ fn single_and_fixed_move_the_rig_nearly_as_the_reference_does() {
         let cost_db = 20.0 * (rms(&drive(&plant, controller.as_mut(), 4.0)) / reference).log10();
         println!("{name}: hub rate error {cost_db:+.4} dB against double");
         assert!(cost_db.abs() < 0.1, "{name}: {cost_db}");
+    }
+}
+
+/// The example's folder.
+struct Example;
+
+impl World for Example {
+    fn read(&self, name: &str) -> Result<Vec<u8>, String> {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/reference-rig");
+        std::fs::read(folder.join(name)).map_err(|error| error.to_string())
+    }
+}
+
+#[test]
+fn the_targets_stand_side_by_side_in_every_experiment_of_the_verification() {
+    let project = project();
+    let modelled = model(&project).unwrap();
+    let reduced = reduce(&project, &modelled).unwrap();
+    let made = synthesise(&project, &modelled, &reduced).unwrap();
+    let verified = verify(&project, &modelled, &made, &Example).unwrap();
+    let found = compare(&project, &modelled, &verified, &Example).unwrap();
+    assert_eq!(found.figures.len(), 3);
+    for target in &found.figures {
+        assert!(target.measured_v <= target.predicted.worst_v, "{target:?}");
+        for each in &target.experiments {
+            println!("{:?} {:?}: {:+.4} dB", target.numbers, each.experiment, each.cost_db);
+            assert!(each.cost_db.abs() < 0.5, "{each:?}");
+        }
     }
 }
 
