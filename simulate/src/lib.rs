@@ -12,8 +12,8 @@
 //!
 //! *Invariant*: nothing here knows a requirement, a design, a file, a thread or a clock; noise comes from a seed.
 //!
-//! Modules in reading order: [`signal`], [`motion`], [`scenario`], [`run`], [`sensing`], [`history`], [`recording`],
-//! [`replay`], [`fra`].
+//! Modules in reading order: [`signal`], [`motion`], [`scenario`], [`mod@run`], [`sensing`], [`history`], [`recording`],
+//! [`mod@replay`], [`fra`].
 //!
 //! ```
 //! use counterpoise_controller::ProportionalIntegral;

@@ -7,7 +7,7 @@ use counterpoise_models::Plant;
 use counterpoise_models::plant::core::state;
 
 /// Change of a port, relative to its scale, at which its iteration ends.
-const ITERATION_TOLERANCE: f64 = 1e-6;
+const ITERATION_TOLERANCE: f64 = 1e-5;
 /// Iterations after which a step is halved.
 const ITERATIONS: usize = 8;
 

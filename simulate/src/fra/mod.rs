@@ -82,7 +82,7 @@ pub struct Measurement {
 ///
 /// # Errors
 /// An amplitude or frequency that is not positive, a frequency above the Nyquist frequency, and what
-/// [`crate::run`] refuses.
+/// [`crate::run()`] refuses.
 pub fn measure(
     plant: &Plant,
     controller: &mut dyn SampledController,

@@ -2,7 +2,7 @@
 //!
 //! Six numbers are unknown: hub angle, the rate at which hub and motor turn together, gear torque, dry friction at
 //! motor and pivot, and current. They are fitted by Levenberg and Marquardt's method to hub rate, motor rate and hub
-//! position over the first [`WINDOW_S`] seconds, under the recorded control, with the weak preference that the
+//! position over the first 0.6 seconds, under the recorded control, with the weak preference that the
 //! torques on motor and hub balance. The structure is taken bent as the gear torque bends it.
 
 use super::{Replayer, reading_floor};
