@@ -1,11 +1,13 @@
 //! `counterpoise design`: the whole road, with its report and its code.
 
-use counterpoise_project::Purpose;
+use counterpoise_project::export::Precision;
 use counterpoise_project::pipeline::{self, Designed};
 use counterpoise_project::results::DesignResult;
 use counterpoise_project::verify::{Limit, Verdict, Verification};
+use counterpoise_project::{Language, Purpose};
 
-use super::{Done, pages, verdict_code};
+use super::pages::Run;
+use super::{Done, export, pages, verdict_code};
 use crate::arguments::DesignOptions;
 use crate::files::{self, Loaded, Surroundings};
 use crate::output;
@@ -18,25 +20,22 @@ pub fn run(options: &DesignOptions) -> Done {
     let made = pipeline::design(&loaded.project, &world)?;
     let times = world.times();
     let command = format!("counterpoise design {}", options.project.display());
-    write_results(options, &loaded, &made, &command, &times)?;
+    let targets = smaller_numbers(&loaded)
+        .then(|| pipeline::export::compare(&loaded.project, &made.modelled, &made.verified, &world))
+        .transpose()?;
+    let page = pages::design(&loaded, &made, &Run { command, times, targets })?;
+    export::write(&options.output, &made.files)?;
+    files::write(&options.output.join("report.html"), page.as_bytes())?;
     if !output::json(&options.results, &DesignResult::from(&made))? {
         print(options, &made);
     }
     Ok(verdict_code(made.verified.verification().passes()))
 }
 
-fn write_results(
-    options: &DesignOptions,
-    loaded: &Loaded,
-    made: &Designed,
-    command: &str,
-    times: &[output::StageTime],
-) -> anyhow::Result<()> {
-    for file in &made.files {
-        files::write(&options.output.join(&file.name), file.text.as_bytes())?;
-    }
-    let page = pages::design(loaded, made, command, times)?;
-    files::write(&options.output.join("report.html"), page.as_bytes())
+/// Whether the project asks for code in numbers smaller than the reference's: then the report says what they cost.
+fn smaller_numbers(loaded: &Loaded) -> bool {
+    let export = &loaded.project.export;
+    export.options.precision == Precision::Single || export.languages.contains(&Language::Fixed)
 }
 
 fn print(options: &DesignOptions, made: &Designed) {

@@ -1,10 +1,12 @@
 //! From results to reports.
 
 use counterpoise::report::diagnosis::{Track, report};
+use counterpoise::report::targets;
 use counterpoise::report::{Cell, Column, Context, Section, Table, html, of_design};
 use counterpoise_project::controller::ProportionalIntegral;
 use counterpoise_project::diagnose::Diagnosis;
 use counterpoise_project::diagnose::answer::{Answer, Verdict};
+use counterpoise_project::export::Targets;
 use counterpoise_project::pipeline::Designed;
 use counterpoise_project::pipeline::export::{project_hash, weights};
 use counterpoise_project::results::{DesignResult, ReplayResult};
@@ -15,23 +17,31 @@ use super::replay::Read;
 use crate::files::Loaded;
 use crate::output::StageTime;
 
+/// A run of `design`, as its report tells of it.
+pub struct Run {
+    /// The command line.
+    pub command: String,
+    /// What each stage took.
+    pub times: Vec<StageTime>,
+    /// What smaller numbers cost, where the project asks for them.
+    pub targets: Option<Targets>,
+}
+
 /// The report of a design.
-pub fn design(
-    loaded: &Loaded,
-    made: &Designed,
-    command: &str,
-    times: &[StageTime],
-) -> anyhow::Result<String> {
+pub fn design(loaded: &Loaded, made: &Designed, run: &Run) -> anyhow::Result<String> {
     let result = DesignResult::from(made);
+    let mut more = vec![weights_section(loaded), certificates(&result)];
+    more.extend(run.targets.as_ref().map(targets::section));
+    more.push(times_section(&run.times));
     let context = Context {
         title: loaded.project.plant.name.clone(),
         subtitle: "From the project file to a verified controller".to_owned(),
-        more: vec![weights_section(loaded), certificates(&result), times_section(times)],
+        more,
         provenance: vec![
             ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
             ("project".to_owned(), loaded.path.display().to_string()),
             ("project hash".to_owned(), project_hash(&loaded.project)),
-            ("command".to_owned(), command.to_owned()),
+            ("command".to_owned(), run.command.clone()),
         ],
     };
     Ok(html(&of_design(made, context)?))
