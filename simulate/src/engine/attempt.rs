@@ -42,6 +42,7 @@ pub(crate) struct Attempt {
     outputs: [[f64; OUTPUTS]; 4],
     memory: [FrictionState; STAGES],
     about: AngleNearby,
+    slope: [f64; 2],
     /// Evaluations of the ports.
     pub iterations: usize,
     order: usize,
@@ -57,6 +58,7 @@ impl Attempt {
             outputs: [[0.0; OUTPUTS]; 4],
             memory: [FrictionState::default(); STAGES],
             about: AngleNearby::new(0.0),
+            slope: [0.0; 2],
             iterations: 0,
             order,
         }
@@ -76,12 +78,30 @@ impl Attempt {
         self.fill_inputs(given);
         self.result.fill(0.0);
         given.table.fixed.multiply_add(&self.inputs, &mut self.result);
-        for stage in 0..STAGES {
-            self.values[stage * PORTS..(stage + 1) * PORTS].copy_from_slice(&self.start);
-        }
+        self.guess(given);
         let converged = self.iterate(given);
         given.table.end.multiply_add(&self.values, &mut self.result[STAGE_ROWS..]);
         converged
+    }
+
+    /// First values of the ports at the stages: the torques as the step before would go on, the load as the platform
+    /// has it.
+    fn guess(&mut self, given: &Given) {
+        let slope = self.slope.map(|per_second| per_second * given.table.step_s);
+        for stage in 0..STAGES {
+            let (fraction, at) = (NODES[stage + 1], stage * PORTS);
+            self.values[at] = self.start[0] + fraction * slope[0];
+            self.values[at + 1] = self.start[1] + fraction * slope[1];
+            let heave = given.platform.nodes[stage + 1].heave;
+            self.values[at + 2] = given.ports.load(&self.about, self.outputs[0][2], heave);
+        }
+    }
+
+    /// Keeps the slopes of the torques at the end of the step that was just taken.
+    pub fn accept(&mut self, step_s: f64) {
+        let (end, before) = ((STAGES - 1) * PORTS, (STAGES - 2) * PORTS);
+        let span = (NODES[3] - NODES[2]) * step_s;
+        self.slope = [0, 1].map(|p| (self.values[end + p] - self.values[before + p]) / span);
     }
 
     fn fill_inputs(&mut self, given: &Given) {

@@ -199,6 +199,12 @@ impl Ports {
         self.values(plant, middle, &after, &memory)
     }
 
+    /// The load at a hub angle under a heave.
+    #[inline]
+    pub fn load(&self, about: &AngleNearby, hub_angle: f64, heave: f64) -> f64 {
+        (self.gravity + heave) * about.sin_cos(hub_angle).1
+    }
+
     #[inline]
     fn motion(&self, plant: &Plant, at: &Point) -> Motion {
         let motor_rate = at.outputs[MOTOR] - self.coupling * at.platform.rate;

@@ -104,6 +104,7 @@ impl Stepper {
     /// Forgets the work and the step size of the run before.
     pub fn restart(&mut self) {
         self.level = 0;
+        self.attempt = Attempt::new(self.plant.core_order());
         self.effort = Effort::default();
     }
 
@@ -208,6 +209,7 @@ impl Stepper {
         let bus = self.plant.parameters().amplifier.bus_voltage_v;
         let voltage = &mut x.core[state::VOLTAGE];
         *voltage = if mode.held != 0.0 { mode.held * bus } else { voltage.clamp(-bus, bus) };
+        self.attempt.accept(self.period_s * fraction(TICKS >> self.level));
         self.effort.steps += 1;
     }
 
