@@ -34,6 +34,8 @@ pub enum Command {
     Replay(ReplayOptions),
     /// Locate, name and model what the simulation lacks, and show that the fit improves
     Diagnose(DiagnoseOptions),
+    /// Out-of-balance, friction, inertia and the amplifier's gain curve, from triangle waves in closed loop
+    Identify(IdentifyOptions),
     /// Robustness: many mechanisms at once, in shards, and each configuration
     Sweep(SweepOptions),
     /// The thesis' claims, measured claim by claim
@@ -118,6 +120,28 @@ pub struct DiagnoseOptions {
     #[arg(required = true)]
     pub recordings: Vec<PathBuf>,
     /// Write the improved project file
+    #[arg(long, value_name = "FILE")]
+    pub save: Option<PathBuf>,
+    /// Write a report with pictures to this HTML file
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// Arguments of `identify`.
+#[derive(Args)]
+pub struct IdentifyOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// Recordings of one machine in one state of balance: CSV, Parquet or MATLAB files, or folders of them
+    #[arg(required = true)]
+    pub recordings: Vec<PathBuf>,
+    /// Recordings of the same machine at another out-of-balance: they tell the amplifier's curve from friction
+    #[arg(long, value_name = "RECORDING", num_args = 1..)]
+    pub other: Vec<PathBuf>,
+    /// Write the project file with the identified values
     #[arg(long, value_name = "FILE")]
     pub save: Option<PathBuf>,
     /// Write a report with pictures to this HTML file

@@ -26,6 +26,7 @@ fn main() -> ExitCode {
         Command::Export(options) => commands::export::run(options),
         Command::Replay(options) => commands::replay::run(options),
         Command::Diagnose(options) => commands::diagnose::run(options),
+        Command::Identify(options) => commands::identify::run(options),
         Command::Sweep(options) => commands::sweep::run(options),
         Command::Claims(options) => commands::claims::run(options),
     };

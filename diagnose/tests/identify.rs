@@ -134,6 +134,27 @@ fn a_linear_amplifier_is_left_as_it_is() {
 }
 
 #[test]
+fn hub_rate_and_control_alone_are_enough() {
+    let whole = triangle(&mut simulator(&other_machine()), 2.88, 4);
+    let bare = Recording { motor_rate_rad_s: None, hub_position_rad: None, ..whole };
+    let found = identify(&reference::rig(), &[&[bare]]).unwrap();
+    for (estimate, value) in four(&found).iter().zip([171.0, 397.555, 163.0, 190.0]) {
+        assert!((estimate.value / value - 1.0).abs() < 0.05, "{estimate:?}, truth {value}");
+    }
+    assert!(found.notes.iter().any(|note| note.contains("no motor rate")));
+}
+
+#[test]
+fn the_improved_mechanism_is_found_again_as_it_is() {
+    let recording = triangle(&mut simulator(&other_machine()), 2.88, 5);
+    let found = identify(&reference::rig(), &[std::slice::from_ref(&recording)]).unwrap();
+    let better = improved(&reference::rig(), &found);
+    let again = identify(&better, &[&[recording]]).unwrap();
+    assert!(four(&again).iter().all(|e| e.holds(e.before)), "{:?}", four(&again));
+    assert_eq!(improved(&better, &again), better);
+}
+
+#[test]
 fn a_mechanism_at_rest_is_refused_with_what_would_help() {
     let still = Recording {
         sample_period_s: 1e-3,

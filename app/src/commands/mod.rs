@@ -4,6 +4,7 @@ pub mod claims;
 pub mod design;
 pub mod diagnose;
 pub mod export;
+pub mod identify;
 pub mod pages;
 pub mod replay;
 pub mod stages;

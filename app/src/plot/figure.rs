@@ -59,7 +59,8 @@ pub enum Scale {
 pub struct Series {
     /// Its name in the legend; empty for none.
     pub name: String,
-    /// (x, y), x never falling.
+    /// (x, y) in the order in which they are joined; x may go back (a loop) in series short enough not to be thinned
+    /// ([`MOST_POINTS`](super::thin::MOST_POINTS)).
     pub points: Vec<(f64, f64)>,
     /// Its colour.
     pub colour: Colour,

@@ -13,6 +13,7 @@ pub mod design;
 pub mod diagnosis;
 pub mod evidence;
 pub mod html;
+pub mod identify;
 pub mod page;
 pub mod style;
 pub mod summary;

@@ -11,12 +11,14 @@ use super::tolerance::{BREAKAWAY_DEVIATION_S, LEAST_REVERSALS};
 use crate::Error;
 
 /// Torque that the balance leaves beside weight, viscous friction and inertia, through a shorter low-pass: its highest
-/// value between a reversal and the end of presliding, mean over all reversals. None where there are too few.
+/// value between a reversal and the end of presliding, mean over all reversals; `before` is the project's. None where
+/// there are too few.
 pub fn breakaway(
     p: &Parameters,
     states: &[&[Recording]],
     problem: &Problem,
     fit: &Fit,
+    before: f64,
 ) -> Result<Option<Estimate>, Error> {
     // the gain curve is left out: a reversal is over before a small control lasts
     let short = Problem::through(p, states, &[], BREAKAWAY_DEVIATION_S)?;
@@ -35,9 +37,6 @@ pub fn breakaway(
     let mean = peaks.iter().sum::<f64>() / count;
     let spread = (peaks.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt();
     let half = student_95(count - 1.0) * spread / count.sqrt();
-    let of =
-        |friction: &counterpoise_models::parameters::Friction| friction.coulomb_nm() * friction.static_ratio;
-    let before = of(&p.pivot_friction) + p.gearbox.ratio * of(&p.motor_friction);
     Ok(Some(Estimate::new(mean, half, before)))
 }
 

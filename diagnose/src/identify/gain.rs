@@ -61,7 +61,7 @@ fn knots(p: &Parameters, plain: &Problem) -> Vec<f64> {
         };
         plain.parts.iter().map(near).sum()
     };
-    let inner = (1..KNOTS).map(|k| k as f64 * spacing).filter(|v| time(*v) >= LEAST_AT_KNOT_S);
+    let inner = (1..KNOTS).map(|k| top * k as f64 / KNOTS as f64).filter(|v| time(*v) >= LEAST_AT_KNOT_S);
     let mut out = vec![0.0];
     out.extend(inner);
     out.push(top);

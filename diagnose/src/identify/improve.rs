@@ -4,7 +4,7 @@ use counterpoise_models::Parameters;
 use counterpoise_models::parameters::{FrictionLaw, MapPoint};
 
 use super::outcome::{Amplifier, Estimate, Identified};
-use super::tolerance::LINEAR_FROM_SHARE;
+use super::tolerance::{DIGITS, LINEAR_FROM_SHARE};
 
 /// The mechanism with the identified values of the first state of balance. A value stays where its interval holds
 /// what the project says. Friction changes at the pivot, the motor's part is kept, unless there is too little for
@@ -41,7 +41,16 @@ pub(super) fn moved(p: &Parameters, found: &Identified) -> Parameters {
 
 /// The value, where it is another than the project's.
 fn new_value(estimate: Estimate) -> Option<f64> {
-    (!estimate.holds(estimate.before)).then_some(estimate.value)
+    (!estimate.holds(estimate.before)).then_some(rounded(estimate.value))
+}
+
+/// A value to so many digits that a project file can be read: more than any interval is narrow.
+fn rounded(value: f64) -> f64 {
+    if value == 0.0 || !value.is_finite() {
+        return value;
+    }
+    let scale = 10_f64.powi(DIGITS - 1 - value.abs().log10().floor() as i32);
+    (value * scale).round() / scale
 }
 
 fn inertia(out: &mut Parameters, moment: Estimate, inertia: Estimate) {
@@ -51,8 +60,8 @@ fn inertia(out: &mut Parameters, moment: Estimate, inertia: Estimate) {
     }
     if let Some(total) = new_value(inertia).filter(|total| *total > 0.0) {
         let growth = total / inertia.before;
-        lumped.hub_inertia_kg_m2 *= growth;
-        lumped.beam_inertia_kg_m2 *= growth;
+        lumped.hub_inertia_kg_m2 = rounded(growth * lumped.hub_inertia_kg_m2);
+        lumped.beam_inertia_kg_m2 = rounded(growth * lumped.beam_inertia_kg_m2);
     }
 }
 
@@ -88,7 +97,7 @@ fn map(p: &Parameters, points: impl Iterator<Item = [f64; 2]>) -> Vec<MapPoint> 
     for [input_v, current_a] in points.filter(|q| q[1] < end[1]).chain([end]) {
         let last = out.last().map_or(0.0, |q| q.current_a);
         if current_a > last {
-            out.push(MapPoint { input_v, current_a });
+            out.push(MapPoint { input_v, current_a: rounded(current_a) });
         }
     }
     out

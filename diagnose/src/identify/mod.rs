@@ -29,6 +29,7 @@ pub use improve::improved;
 pub use outcome::{Amplifier, Balance, Estimate, GainPoint, Identified, Lobes, Loop};
 
 use counterpoise_models::Parameters;
+use counterpoise_models::parameters::Friction;
 use counterpoise_simulate::recording::Recording;
 
 use crate::Error;
@@ -77,13 +78,13 @@ fn round(p: &Parameters, states: &[&[Recording]], before: &Before) -> Result<Ide
         balances: (0..states.len()).map(balance).collect(),
         coulomb_nm: estimate(layout.coulomb(), before.coulomb),
         viscous_nm_s_rad: estimate(layout.viscous(), before.viscous),
-        breakaway_nm: breakaway::breakaway(p, states, problem, fit)?,
+        breakaway_nm: breakaway::breakaway(p, states, problem, fit, before.breakaway)?,
         lobes: lobes(p, layout, &fit.value),
         loops: loops(p, problem, &fit.value),
         residual_nm: fit.residual_rms,
         noise_share: fit.noise_share,
         sliding_s,
-        notes: notes(p, states, &found.amplifier),
+        notes: notes(p, states, &found.amplifier, fit.residual_rms / fit.value[layout.coulomb()]),
         amplifier: found.amplifier,
     })
 }
@@ -94,13 +95,16 @@ struct Before {
     inertia: f64,
     coulomb: f64,
     viscous: f64,
+    breakaway: f64,
 }
 
 impl Before {
     fn of(p: &Parameters) -> Self {
         let ratio = p.gearbox.ratio;
         let lumped = p.lumped.as_ref();
+        let highest = |friction: &Friction| friction.coulomb_nm() * friction.static_ratio;
         Self {
+            breakaway: highest(&p.pivot_friction) + ratio * highest(&p.motor_friction),
             moment: lumped.map_or(f64::NAN, |l| l.out_of_balance_kg_m),
             inertia: lumped.map_or(f64::NAN, |l| l.hub_inertia_kg_m2 + l.beam_inertia_kg_m2),
             coulomb: p.pivot_friction.coulomb_nm() + ratio * p.motor_friction.coulomb_nm(),
@@ -147,11 +151,18 @@ fn loops(p: &Parameters, problem: &Problem, value: &[f64]) -> Vec<Loop> {
     problem.parts.iter().enumerate().map(one).collect()
 }
 
-fn notes(p: &Parameters, states: &[&[Recording]], amplifier: &Amplifier) -> Vec<String> {
+fn notes(p: &Parameters, states: &[&[Recording]], amplifier: &Amplifier, left: f64) -> Vec<String> {
     let mut out = vec![
         "friction is the sum of pivot and motor, at the hub: one state of the rig does not tell them apart"
             .to_owned(),
+        "the intervals take gear ratio, motor constants and sensor lags as exact".to_owned(),
     ];
+    if left.abs() > RESIDUAL_DOUBT {
+        out.push(format!(
+            "the torque balance leaves {:.0} % of the Coulomb friction: something else acts, `diagnose` looks for it",
+            100.0 * left.abs()
+        ));
+    }
     let all = || states.iter().flat_map(|state| state.iter());
     if all().any(|r| r.motor_rate_rad_s.is_none()) {
         out.push(

@@ -40,3 +40,7 @@ pub const CURVE_DEPARTURE: f64 = 0.03;
 pub const LEAST_REVERSALS: usize = 3;
 /// Rounds: how far the beam swings and how long presliding lasts follow from what is identified.
 pub const ROUNDS: usize = 3;
+/// Significant digits of values that go into a project file.
+pub const DIGITS: i32 = 6;
+/// RMS of what the torque balance leaves, relative to the Coulomb friction, from which on something else acts.
+pub const RESIDUAL_DOUBT: f64 = 0.02;

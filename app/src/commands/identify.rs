@@ -1,0 +1,108 @@
+//! `counterpoise identify`: the triangle-wave method.
+
+use anyhow::Result;
+use counterpoise::report::html;
+use counterpoise::report::identify::report;
+use counterpoise_project::diagnose::identify::{Amplifier, Estimate, Identified, identify, improved};
+use counterpoise_project::simulate::recording::Recording;
+use counterpoise_project::{Project, Purpose};
+
+use super::replay::read;
+use super::{Done, verdict_code};
+use crate::arguments::IdentifyOptions;
+use crate::files::{self, Loaded};
+use crate::output;
+
+/// Runs the command.
+pub fn run(options: &IdentifyOptions) -> Done {
+    let loaded = files::load(&options.project, Purpose::Model)?;
+    output::warnings(&loaded, options.results.quiet);
+    let (first, second) = (group(&loaded, &options.recordings)?, group(&loaded, &options.other)?);
+    let states: Vec<&[Recording]> =
+        [&first.recordings[..], &second.recordings[..]].into_iter().filter(|s| !s.is_empty()).collect();
+    let mut found = identify(&loaded.project.plant, &states)?;
+    found.notes.extend(first.remarks.into_iter().chain(second.remarks));
+    if let Some(path) = &options.save {
+        save(&loaded, &found, path)?;
+    }
+    if let Some(path) = &options.report {
+        let command = format!("counterpoise identify {}", loaded.path.display());
+        let page = html(&report(&loaded.project.plant.name, &command, &found));
+        files::write(path, page.as_bytes())?;
+    }
+    if !output::json(&options.results, &found)? {
+        print(&found);
+    }
+    Ok(verdict_code(true))
+}
+
+/// The recordings of one state of balance, with what was found on reading them.
+struct Group {
+    recordings: Vec<Recording>,
+    remarks: Vec<String>,
+}
+
+fn group(loaded: &Loaded, paths: &[std::path::PathBuf]) -> Result<Group> {
+    let mut group = Group { recordings: Vec::new(), remarks: Vec::new() };
+    for item in read(loaded, paths)? {
+        group.remarks.extend(item.remarks.iter().map(|remark| format!("{}: {remark}", item.file)));
+        let stem = std::path::Path::new(&item.file).file_stem().map(|s| s.to_string_lossy().into_owned());
+        group.recordings.push(Recording { name: stem.unwrap_or(item.file), ..item.recording });
+    }
+    Ok(group)
+}
+
+/// Writes the project with the identified values; everything else of the file stays as it is.
+fn save(loaded: &Loaded, found: &Identified, path: &std::path::Path) -> Result<()> {
+    let plant = improved(&loaded.project.plant, found);
+    let project = Project { plant, ..loaded.project.clone() };
+    let document = project.update(&loaded.document, &loaded.project)?;
+    files::write(path, document.text().as_bytes())
+}
+
+fn print(found: &Identified) {
+    println!("{:<28} {:>12}   {:^25} {:>12}  unit", "", "identified", "95 % interval", "project");
+    for (state, balance) in found.balances.iter().enumerate() {
+        let of = |name: &str| match state {
+            0 => name.to_owned(),
+            _ => format!("{name}, other state"),
+        };
+        line(&of("out-of-balance"), &balance.out_of_balance_kg_m, "kg m");
+        line(&of("inertia"), &balance.inertia_kg_m2, "kg m^2");
+    }
+    line("Coulomb friction, total", &found.coulomb_nm, "N m");
+    line("viscous friction, total", &found.viscous_nm_s_rad, "N m s/rad");
+    match &found.breakaway_nm {
+        Some(breakaway) => line("breakaway", breakaway, "N m"),
+        None => println!("breakaway: too few reversals"),
+    }
+    let l = &found.lobes;
+    println!(
+        "u against rate: offset {:.3} V, step {:.3} V, slope {:.3} V s/rad, width {:.3} V per rad/s^2",
+        l.offset_v, l.step_v, l.slope_v_s_rad, l.width_v_s2_rad
+    );
+    println!("left over: {:.2} N m RMS, of {:.1} s of sliding", found.residual_nm, found.sliding_s);
+    amplifier(&found.amplifier);
+    found.notes.iter().for_each(|note| println!("note: {note}"));
+}
+
+fn line(name: &str, e: &Estimate, unit: &str) {
+    println!(
+        "{name:<28} {:12.3}   [{:10.3}, {:10.3}] {:12.3}  {unit}",
+        e.value, e.ci95[0], e.ci95[1], e.before
+    );
+}
+
+fn amplifier(found: &Amplifier) {
+    match found {
+        Amplifier::Curve { .. } => println!("amplifier: its gain curve is not the project's"),
+        Amplifier::AsInProject { .. } => println!("amplifier: its gain curve is the project's"),
+        Amplifier::NotIdentifiable { why } => println!("amplifier: not identifiable: {why}"),
+    }
+    for q in found.points() {
+        println!(
+            "  {:6.3} V  {:7.3} A  [{:7.3}, {:7.3}]  project {:7.3} A  scatter {:.4} A",
+            q.input_v, q.current_a, q.ci95_a[0], q.ci95_a[1], q.linear_a, q.scatter_a
+        );
+    }
+}
