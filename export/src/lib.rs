@@ -7,7 +7,7 @@
 //! *Invariant*: no file system, no clock, no compiler: text in memory only.
 //!
 //! Modules in reading order: [`source`], [`provenance`], [`c99`](mod@c99), [`rust_crate`](mod@rust_crate), [`ranges`],
-//! [`rounding`], [`fixed`], [`targets`], [`fmi`], [`vectors`],
+//! [`rounding`], [`fixed`], [`targets`](mod@targets), [`fmi`], [`vectors`],
 //! [`check`](mod@check).
 //!
 //! ```
