@@ -11,7 +11,7 @@
 //! *Invariant*: nothing here knows a weight, a file, a thread or a clock; processors are handed in as a [`bench::Pool`].
 //!
 //! Modules in reading order: [`bench`], [`qualify`], [`library`], [`locate`], [`look`], [`fit`], [`score`], [`select`], [`judge`],
-//! [`answer`].
+//! [`answer`]; apart from them [`identify`], the triangle-wave method.
 
 pub mod answer;
 pub mod bench;

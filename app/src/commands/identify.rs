@@ -73,8 +73,8 @@ fn print(found: &Identified) {
     line("Coulomb friction, total", &found.coulomb_nm, "N m");
     line("viscous friction, total", &found.viscous_nm_s_rad, "N m s/rad");
     match &found.breakaway_nm {
-        Some(breakaway) => line("breakaway", breakaway, "N m"),
-        None => println!("breakaway: too few reversals"),
+        Some(breakaway) => line("highest after a reversal", breakaway, "N m"),
+        None => println!("highest friction after a reversal: too few reversals"),
     }
     let l = &found.lobes;
     println!(

@@ -5,11 +5,17 @@ use counterpoise_project::diagnose::identify::{Amplifier, Estimate, GainPoint, I
 use super::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
 use crate::plot::{Axis, Band, Colour, Figure, Mark, Panel, Series};
 
+/// Its name in tables; a peak, so that it is not held against the project's level.
+const BREAKAWAY: &str = "highest after a reversal";
+
 /// The report.
 pub fn report(machine: &str, command: &str, found: &Identified) -> Report {
     let loops: Vec<Figure> = found.loops.iter().map(|l| loop_figure(l, found, command)).collect();
-    let (glance, others) = loops.split_at(loops.len().min(1));
-    let mut sections = vec![Section::new("Control against rate").showing(others.to_vec())];
+    let (first, others) = loops.split_at(loops.len().min(1));
+    let mut sections = Vec::new();
+    if !others.is_empty() {
+        sections.push(Section::new("Control against rate").showing(others.to_vec()));
+    }
     sections.push(amplifier_section(&found.amplifier, command));
     sections.push(found.notes.iter().fold(Section::new("To be known with the numbers"), |s, n| s.saying(n)));
     Report {
@@ -19,7 +25,7 @@ pub fn report(machine: &str, command: &str, found: &Identified) -> Report {
         headline: headline(found),
         tiles: tiles(found),
         verdicts: estimates(found),
-        glance: glance.to_vec(),
+        glance: first.iter().map(|figure| explained(figure, found)).collect(),
         sections,
         provenance: vec![
             ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
@@ -31,7 +37,7 @@ pub fn report(machine: &str, command: &str, found: &Identified) -> Report {
 fn headline(found: &Identified) -> Headline {
     let moved: Vec<&str> = named(found)
         .into_iter()
-        .filter(|(_, e, _)| e.before.is_finite() && !e.holds(e.before))
+        .filter(|(name, e, _)| *name != BREAKAWAY && e.before.is_finite() && !e.holds(e.before))
         .map(|(name, _, _)| name)
         .collect();
     let text = if moved.is_empty() {
@@ -60,7 +66,7 @@ fn named(found: &Identified) -> Vec<(&'static str, Estimate, &'static str)> {
     }
     out.push(("Coulomb friction", found.coulomb_nm, "N m"));
     out.push(("viscous friction", found.viscous_nm_s_rad, "N m s/rad"));
-    out.extend(found.breakaway_nm.map(|e| ("breakaway", e, "N m")));
+    out.extend(found.breakaway_nm.map(|e| (BREAKAWAY, e, "N m")));
     out
 }
 
@@ -69,7 +75,7 @@ fn tiles(found: &Identified) -> Vec<Tile> {
         label: name.to_owned(),
         value: crate::plot::ticks::short(e.value),
         unit: unit.to_owned(),
-        note: format!("± {:.2}", 0.5 * (e.ci95[1] - e.ci95[0])),
+        note: format!("± {}", crate::plot::ticks::short(0.5 * (e.ci95[1] - e.ci95[0]))),
         tone: Tone::Neutral,
     };
     named(found).into_iter().filter(|(name, ..)| !name.contains("other")).take(4).map(tile).collect()
@@ -88,7 +94,7 @@ fn estimates(found: &Identified) -> Table {
         table.rows.push(vec![
             Cell::text(name),
             Cell::number(e.value),
-            Cell::text(format!("{:.2} to {:.2}", e.ci95[0], e.ci95[1])),
+            Cell::text(format!("{:.3} to {:.3}", e.ci95[0], e.ci95[1])),
             if e.before.is_finite() { Cell::number(e.before) } else { Cell::text("") },
             Cell::text(unit),
         ]);
@@ -110,24 +116,29 @@ fn loop_figure(picture: &Loop, found: &Identified, command: &str) -> Figure {
     } else {
         panel
     };
-    let title = format!("{}: control against hub rate", picture.recording);
+    let state = if picture.balance == 0 { "" } else { ", other state" };
+    let title = format!("{}{state}: control against hub rate", picture.recording);
     let figure = Figure::new(&title, Axis::linear("hub rate", "rad/s"), vec![panel]);
-    let l = &found.lobes;
-    let figure = figure.captioned(&format!(
-        "Offset: out-of-balance. Step at rate zero ({:.2} V): twice the Coulomb friction. Slope of the lobes ({:.2} V s/rad): \
-         viscous friction and back-EMF. Width ({:.2} V per rad/s²): inertia.",
-        l.step_v, l.slope_v_s_rad, l.width_v_s2_rad
-    ));
     Figure { command: command.to_owned(), ..figure }
+}
+
+/// The same figure with how it is read.
+fn explained(figure: &Figure, found: &Identified) -> Figure {
+    let l = &found.lobes;
+    figure.clone().captioned(&format!(
+        "Offset: out-of-balance. Step at rate zero ({:.2} V): twice the Coulomb friction. Slope of the lobes ({:.2} V s/rad): \
+         viscous friction and back-EMF. Width ({:.2} V per rad/s²): inertia. Presliding, about rate zero, was not fitted.",
+        l.step_v, l.slope_v_s_rad, l.width_v_s2_rad
+    ))
 }
 
 fn amplifier_section(amplifier: &Amplifier, command: &str) -> Section {
     let section = Section::new("Amplifier");
     let points = amplifier.points();
     let text = match amplifier {
-        Amplifier::Curve { .. } => "Its gain curve departs from the project's.",
-        Amplifier::AsInProject { .. } => "Its gain curve is the project's.",
-        Amplifier::NotIdentifiable { why } => why,
+        Amplifier::Curve { .. } => "Its gain curve departs from the project's.".to_owned(),
+        Amplifier::AsInProject { .. } => "Its gain curve is the project's.".to_owned(),
+        Amplifier::NotIdentifiable { why } => format!("Not identifiable: {why}."),
     };
     let section = section.saying(text);
     if points.is_empty() {

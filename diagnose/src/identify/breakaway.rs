@@ -10,9 +10,9 @@ use super::rows::Rows;
 use super::tolerance::{BREAKAWAY_DEVIATION_S, LEAST_REVERSALS};
 use crate::Error;
 
-/// Torque that the balance leaves beside weight, viscous friction and inertia, through a shorter low-pass: its highest
-/// value between a reversal and the end of presliding, mean over all reversals; `before` is the project's. None where
-/// there are too few.
+/// The Coulomb level and what friction after a reversal exceeds it by, through a shorter low-pass: its highest value
+/// from the reversal to the end of presliding, less the highest in as long a stretch of sliding that follows (so that
+/// noise cancels), mean over all reversals; `before` is the project's. None where there are too few.
 pub fn breakaway(
     p: &Parameters,
     states: &[&[Recording]],
@@ -20,39 +20,40 @@ pub fn breakaway(
     fit: &Fit,
     before: f64,
 ) -> Result<Option<Estimate>, Error> {
-    // the gain curve is left out: a reversal is over before a small control lasts
-    let short = Problem::through(p, states, &[], BREAKAWAY_DEVIATION_S)?;
-    let mut value = fit.value[..problem.layout.knot(0)].to_vec();
-    value[problem.layout.coulomb()] = 0.0;
-    let peaks: Vec<f64> = short
+    let short = Problem::through(p, states, &problem.knots_v, BREAKAWAY_DEVIATION_S)?;
+    let excesses: Vec<f64> = short
         .parts
         .iter()
         .enumerate()
-        .flat_map(|(index, part)| peaks(&part.rows, &short.residual(index, &value)))
+        .flat_map(|(index, part)| excesses(&part.rows, &short.residual(index, &fit.value)))
         .collect();
-    if peaks.len() < LEAST_REVERSALS {
+    if excesses.len() < LEAST_REVERSALS {
         return Ok(None);
     }
-    let count = peaks.len() as f64;
-    let mean = peaks.iter().sum::<f64>() / count;
-    let spread = (peaks.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt();
+    let count = excesses.len() as f64;
+    let mean = excesses.iter().sum::<f64>() / count;
+    let spread = (excesses.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt();
     let half = student_95(count - 1.0) * spread / count.sqrt();
-    Ok(Some(Estimate::new(mean, half, before)))
+    Ok(Some(Estimate::new(fit.value[problem.layout.coulomb()] + mean, half, before)))
 }
 
-/// The peak after each reversal that ends in sliding; the first stretch of a recording is no reversal.
-fn peaks(rows: &Rows, friction: &[f64]) -> Vec<f64> {
-    let mut out = Vec::new();
-    let mut peak: Option<f64> = None;
-    for k in 1..friction.len() {
-        let reversed = rows.direction[k] != rows.direction[k - 1];
-        if reversed {
-            peak = Some(f64::NEG_INFINITY);
-        }
-        if !rows.turning[k] {
-            out.extend(peak.take().filter(|x| x.is_finite()));
-        }
-        peak = peak.map(|x| x.max(friction[k] * rows.direction[k]));
+/// What each reversal's peak is above the peak of the sliding that follows; the start of a recording is no reversal.
+fn excesses(rows: &Rows, left: &[f64]) -> Vec<f64> {
+    let reversed = |k: &usize| rows.direction[*k] != rows.direction[*k - 1];
+    (1..left.len()).filter(reversed).filter_map(|start| excess(rows, left, start)).collect()
+}
+
+/// None where the motion turns again before as long a stretch of sliding is over.
+fn excess(rows: &Rows, left: &[f64], start: usize) -> Option<f64> {
+    let direction = rows.direction[start];
+    let until = |from: usize, stops: &dyn Fn(usize) -> bool| (from..left.len()).find(|k| stops(*k));
+    let slides = until(start, &|k| !rows.turning[k])?;
+    let end = slides + (slides - start);
+    let steady = |k: usize| rows.direction[k] == direction && (k < slides || !rows.turning[k]);
+    if end > left.len() || !(start..end).all(steady) {
+        return None;
     }
-    out
+    let peak =
+        |range: std::ops::Range<usize>| range.map(|k| direction * left[k]).fold(f64::NEG_INFINITY, f64::max);
+    Some(peak(start..slides) - peak(slides..end))
 }

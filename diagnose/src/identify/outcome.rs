@@ -91,7 +91,8 @@ pub struct Identified {
     pub coulomb_nm: Estimate,
     /// Viscous friction, pivot + N^2 x motor, N m s/rad.
     pub viscous_nm_s_rad: Estimate,
-    /// Highest friction torque after a reversal, mean over the reversals, N m; none where there are too few.
+    /// Highest friction torque after a reversal, mean over the reversals, N m; none where there are too few. Backlash and
+    /// bending that a reversal sets off are in it.
     pub breakaway_nm: Option<Estimate>,
     /// Amplifier.
     pub amplifier: Amplifier,

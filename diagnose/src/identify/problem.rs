@@ -62,6 +62,8 @@ pub struct Problem {
     pub layout: Layout,
     /// The recordings.
     pub parts: Vec<Part>,
+    /// Knots of the amplifier's map with both ends, V; empty where its change is no unknown.
+    pub knots_v: Vec<f64>,
 }
 
 impl Problem {
@@ -86,7 +88,7 @@ impl Problem {
             }
         }
         let layout = Layout { states: states.len(), knots: knots_v.len().saturating_sub(2) };
-        Ok(Self { layout, parts })
+        Ok(Self { layout, parts, knots_v: knots_v.to_vec() })
     }
 
     /// Time that the joint slides, s.
