@@ -4,7 +4,7 @@ use counterpoise_linalg::{Mat, inverse, sym_eigenvalues};
 
 use super::tolerance::{NORMAL_95, WORST_CONDITION};
 
-/// Rows of one recording for [`Sums::add`].
+/// Rows of one recording.
 pub struct Block<'a> {
     /// One column an unknown; `None` where the unknown is not in this recording.
     pub columns: Vec<Option<&'a [f64]>>,
