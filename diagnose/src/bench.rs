@@ -28,6 +28,9 @@ impl Misfit {
     }
 }
 
+/// What one pair of runs parts by is a poor estimate of what any two part by: it is taken this many times.
+const WANDER_DOUBT: f64 = 2.0;
+
 /// Root of the mean square; 0 for nothing.
 pub fn rms(series: &[f64]) -> f64 {
     if series.is_empty() {
@@ -72,7 +75,7 @@ pub enum Drive {
 impl Judged {
     /// Weight of a channel in a fit: less where a run does not repeat.
     pub fn weight(&self, channel: usize) -> f64 {
-        let wander = self.wander.get(channel).copied().unwrap_or(0.0);
+        let wander = WANDER_DOUBT * self.wander.get(channel).copied().unwrap_or(0.0);
         1.0 / (1.0 + wander * wander).sqrt()
     }
 }

@@ -7,8 +7,9 @@ use counterpoise_simulate::recording::Recording;
 use crate::answer::Answer;
 use crate::bench::Pool;
 use crate::error::Error;
+use crate::identify::{Amplifier, identify, improved};
 use crate::judge::Evidence;
-use crate::library::library;
+use crate::library::{Effect, free_curve, library};
 use crate::locate::{isolability, regime_map};
 use crate::qualify::qualify;
 use crate::replays::{Prepared, Replays, measured};
@@ -43,11 +44,21 @@ pub fn diagnose(
     let isolability =
         isolability(has(|r| r.motor_rate_rad_s.is_some()), has(|r| r.hub_position_rad.is_some()));
     let map = regime_map(base, &bench.measured());
-    let searcher = Searcher { bench: &bench, pool, base, effects: library() };
+    let seeds = seeds(base, recordings);
+    let searcher = Searcher { bench: &bench, pool, base, effects: library(), seeds };
     let search = searcher.search().ok_or(Error::NotSimulated)?;
     let evidence = Evidence { bench: &bench, base, search: &search, map, isolability, qualification };
     let improved = evidence.improved();
     Ok(Diagnosis { answer: evidence.answer(), improved })
+}
+
+/// What the triangle-wave method finds of the amplifier's curve, as a start: from a distance no fit would get there.
+fn seeds(base: &Parameters, recordings: &[Recording]) -> Vec<(&'static Effect, Vec<f64>)> {
+    let Ok(found) = identify(base, &[recordings]) else { return Vec::new() };
+    match found.amplifier {
+        Amplifier::Curve { .. } => vec![(free_curve(), free_curve().values(&improved(base, &found)))],
+        _ => Vec::new(),
+    }
 }
 
 fn check(recordings: &[Recording]) -> Result<(), Error> {

@@ -7,9 +7,9 @@
 use counterpoise_linalg::{Mat, solve};
 use counterpoise_models::Parameters;
 
-use crate::bench::{Bench, Judged, Misfit, Pool, Span, map, rms};
+use crate::bench::{Bench, Drive, Judged, Misfit, Pool, Span, map, rms};
 use crate::fit::{from_variable, to_variable};
-use crate::library::{Effect, Mapping};
+use crate::library::{Effect, Mapping, scan_range};
 use crate::score::{Part, score};
 
 /// Orders at which a torque that repeats with an angle is looked for, per turn.
@@ -35,6 +35,21 @@ pub struct Look {
     pub change: f64,
     /// The fitted part of the weighted residual, thinned, for finding effects that act together.
     trace: Vec<f64>,
+}
+
+impl Look {
+    /// A look at an effect whose values are known from elsewhere: it is fitted whatever its signature.
+    pub fn seeded(effect: &'static Effect, start: Vec<f64>, recordings: usize) -> Self {
+        Self {
+            effect,
+            start,
+            explained: 0.0,
+            signature: vec![1.0; recordings],
+            information: f64::INFINITY,
+            change: 0.0,
+            trace: Vec::new(),
+        }
+    }
 }
 
 /// Effects that together explain more than any of them alone.
@@ -134,6 +149,7 @@ pub fn first_look(scene: &Scene, effects: &[&'static Effect]) -> Vec<Look> {
     for effect in repeating {
         trials.extend(best_orders(scene, effect));
     }
+    trials.extend(effects.iter().filter_map(|effect| scanned(scene, effect)));
     let here = weighted(scene.judged);
     let all: Vec<usize> = (0..scene.judged.len()).collect();
     let found = map(scene.pool, trials.len(), |t| {
@@ -181,6 +197,36 @@ fn distance(judged: &[Judged]) -> Option<f64> {
     let part = |r| Part { recording: r, from: 0.0, to: 1.0 };
     let parts: Vec<Part> = (0..judged.len()).map(part).collect();
     score(judged, &parts).map(|score| score.distance())
+}
+
+/// Points of a scan, and of each of its two refinements.
+const SCAN: usize = 64;
+const SCAN_AGAIN: usize = 9;
+
+/// The value of an effect's only parameter that fits the liveliest recording's first part best, played back: there
+/// even a loop that hunts repeats.
+fn scanned(scene: &Scene, effect: &'static Effect) -> Option<Trial> {
+    let range = scan_range(effect)?;
+    let knob = &effect.knobs[0];
+    let index = scene.bench.liveliest();
+    let near = Judged { drive: Drive::Playback, ..scene.judged[index].clone() };
+    let cost = |value: f64| {
+        let misfits = scene.bench.misfit(&effect.applied(scene.base, &[value]), index, Span::Head, &near);
+        let sum = |m: Vec<Misfit>| m.iter().map(|m| m.relative_rms().max(1.0).ln()).sum();
+        misfits.map_or(f64::INFINITY, sum)
+    };
+    let (mut low, mut high) = (range[0], range[1]);
+    let mut best = low;
+    for count in [SCAN, SCAN_AGAIN, SCAN_AGAIN] {
+        let value = |k: usize| low * (high / low).powf(k as f64 / (count - 1) as f64);
+        let costs = map(scene.pool, count, |k| cost(value(k)));
+        let lowest = (0..costs.len()).min_by(|&a, &b| costs[a].total_cmp(&costs[b]))?;
+        best = value(lowest);
+        (low, high) = (value(lowest.saturating_sub(1)), value((lowest + 1).min(count - 1)));
+    }
+    let best = if knob.mapping == Mapping::Whole { best.round() } else { best };
+    let trial = towards(effect, scene.base, &[best]);
+    (trial.directions[0][0] != 0.0).then_some(trial)
 }
 
 /// How many orders of a repeating torque go on from the scan.
@@ -318,7 +364,8 @@ fn trials(effect: &'static Effect, base: &Parameters) -> Vec<Trial> {
         return [1, 2, 4, 8].into_iter().map(towards).collect();
     }
     if !effect.starts.is_empty() {
-        return effect.starts.iter().map(|start| towards(effect, base, start)).collect();
+        let all = effect.starts.iter().map(|start| towards(effect, base, start));
+        return all.filter(|trial| trial.directions[0][0] != 0.0).collect();
     }
     let unit = |j: usize| (0..knobs.len()).map(|i| if i == j { 0.1 } else { 0.0 }).collect();
     vec![trial(origin, (0..knobs.len()).map(unit).collect(), Combine::Free)]

@@ -26,7 +26,7 @@ impl Prepared {
     pub fn new(recordings: &[Recording], base: &Parameters) -> Self {
         Self {
             heads: recordings.iter().map(head).collect(),
-            noisy: recordings.iter().map(|r| with_noisy_demand(r, base)).collect(),
+            noisy: recordings.iter().map(|r| with_other_noise(r, base)).collect(),
             whole: recordings.to_vec(),
         }
     }
@@ -121,18 +121,27 @@ impl<'a> Replays<'a> {
         Some(out)
     }
 
-    /// The demand with noise like the gyroscope's is the loop with another noise of the gyroscope.
-    fn wander(&self, parameters: &Parameters, index: usize, quiet: &Replay) -> Option<Vec<f64>> {
-        let shaken = self.with(parameters, &self.noisy[index], |r| {
-            r.replay_from(parameters, &self.control, &quiet.start)
-        })?;
-        let fitted = SCORED.into_iter().filter_map(|c| quiet.channels.iter().find(|f| f.channel == c));
-        let size = |fit: &counterpoise_simulate::replay::ChannelFit| {
-            let apart = apart(fit.channel, &quiet.simulated, &shaken.simulated) / fit.floor;
-            let own = if fit.channel == Channel::Control { 1.0 } else { 0.0 };
-            (apart * apart - own).max(0.0).sqrt()
+    /// How far a run parts from one with other noise: the demand with noise like the hub gyroscope's is the loop with
+    /// another noise of it, and the platform's readings with more noise are another reconstruction of its motion.
+    fn wander(
+        &self,
+        parameters: &Parameters,
+        index: usize,
+        quiet: &Replay,
+        drive: Drive,
+    ) -> Option<Vec<f64>> {
+        let control = self.control(drive);
+        let shaken =
+            self.with(parameters, &self.noisy[index], |r| r.replay_from(parameters, control, &quiet.start))?;
+        let size = |channel: Channel| {
+            let stand_in = channel == Channel::Control && drive == Drive::Playback;
+            let shown = if stand_in { Channel::HubRate } else { channel };
+            let fit = quiet.channels.iter().find(|f| f.channel == shown)?;
+            let apart = apart(shown, &quiet.simulated, &shaken.simulated) / fit.floor;
+            let own = if shown == Channel::Control { 1.0 } else { 0.0 };
+            Some((apart * apart - own).max(0.0).sqrt())
         };
-        Some(fitted.map(size).collect())
+        Some(SCORED.into_iter().filter_map(size).collect())
     }
 
     /// A closed-loop run judged; where it does not repeat, the playback in its place.
@@ -144,14 +153,15 @@ impl<'a> Replays<'a> {
         playback: impl Fn() -> Option<Replay>,
     ) -> Option<Judged> {
         let length = self.prepared.whole[index].len();
-        let wander = self.wander(parameters, index, &quiet)?;
+        let wander = self.wander(parameters, index, &quiet, Drive::ClosedLoop)?;
         if wander.iter().all(|w| *w < HUNTING) {
             let misfits = self.misfits(&quiet, index, length, Drive::ClosedLoop)?;
             return Some(Judged { misfits, wander, start: Some(quiet.start), drive: Drive::ClosedLoop });
         }
         let played = playback()?;
         let misfits = self.misfits(&played, index, length, Drive::Playback)?;
-        Some(Judged { misfits, wander: Vec::new(), start: Some(played.start), drive: Drive::Playback })
+        let wander = self.wander(parameters, index, &played, Drive::Playback)?;
+        Some(Judged { misfits, wander, start: Some(played.start), drive: Drive::Playback })
     }
 }
 
@@ -258,9 +268,9 @@ fn white_noise(series: &[f64]) -> f64 {
     median / (0.6745 * 20f64.sqrt())
 }
 
-/// The recording with noise on its demand of the size of the hub gyroscope's (a fixed sequence).
-fn with_noisy_demand(recording: &Recording, p: &Parameters) -> Recording {
-    let size = p.sensors.hub_gyro.noise_rms.max(1e-9);
+/// The recording with other noise: on its demand of the size of the hub gyroscope's, on the platform's channels of the
+/// size of their sensors' (a fixed sequence).
+fn with_other_noise(recording: &Recording, p: &Parameters) -> Recording {
     let mut state = 0x2545_f491_4f6c_dd1d_u64;
     let mut uniform = || {
         state ^= state << 13;
@@ -270,8 +280,13 @@ fn with_noisy_demand(recording: &Recording, p: &Parameters) -> Recording {
     };
     let mut normal = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
     let mut noisy = recording.clone();
-    if let Some(demand) = noisy.demand_rad_s.as_mut() {
-        demand.iter_mut().for_each(|r| *r += size * normal());
+    let columns = [
+        (&mut noisy.demand_rad_s, p.sensors.hub_gyro.noise_rms.max(1e-9)),
+        (&mut noisy.platform_rate_rad_s, p.sensors.platform_gyro.noise_rms),
+        (&mut noisy.platform_accel_m_s2, p.sensors.platform_accelerometer.noise_rms),
+    ];
+    for (column, size) in columns {
+        column.iter_mut().flatten().for_each(|value| *value += size * normal());
     }
     noisy
 }

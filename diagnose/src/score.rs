@@ -54,11 +54,10 @@ pub fn score(judged: &[Judged], parts: &[Part]) -> Option<Score> {
         for (c, misfit) in here.misfits.iter().enumerate() {
             let length = misfit.residual.len() as f64;
             let slice = &misfit.residual[(length * part.from) as usize..(length * part.to) as usize];
-            let unrepeatable = here.wander.get(c).copied().unwrap_or(0.0);
             cells.push(Cell {
                 recording: part.recording,
                 channel: misfit.channel,
-                excess: rms(slice) / (1.0 + unrepeatable * unrepeatable).sqrt(),
+                excess: rms(slice) * here.weight(c),
                 rms_error: rms(slice) * misfit.floor,
                 floor: misfit.floor,
                 worth: slice.len() as f64 / correlation_time(slice),

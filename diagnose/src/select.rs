@@ -6,12 +6,12 @@ use counterpoise_models::Parameters;
 
 use crate::bench::{Bench, Judged, Pool, Span, map};
 use crate::fit::{Fit, Problem, Selection, knobs};
-use crate::library::Effect;
+use crate::library::{Effect, refinement};
 use crate::look::{Look, Scene, first_look, is_ripple, pairs};
 use crate::score::{Part, Score, judge, score};
 use crate::tolerance::{
-    EFFECT_PRICE, EFFECTS_AT_MOST, EXPLAINED, FITTED_SHARE, GAIN_NEEDED, JOINT_KNOBS, PAIRS, PARAMETER_PRICE,
-    PRUNE_SHARE, RIVALS, SEARCH_ITERATIONS, SHARE_NEEDED, SHORTLIST, SWAP_NEEDED,
+    EFFECT_PRICE, EFFECTS_AT_MOST, EXPLAINED, FITTED_SHARE, GAIN_NEEDED, JOINT_KNOBS, NOTHING_LEFT, PAIRS,
+    PARAMETER_PRICE, PRUNE_SHARE, RIVALS, SEARCH_ITERATIONS, SHARE_NEEDED, SHORTLIST, SWAP_NEEDED,
 };
 
 /// A candidate that was fitted and judged.
@@ -114,6 +114,8 @@ pub struct Searcher<'a> {
     pub base: &'a Parameters,
     /// The effects that may be named.
     pub effects: Vec<&'static Effect>,
+    /// Effects with values found by other means, to be fitted from there at the first stage.
+    pub seeds: Vec<(&'static Effect, Vec<f64>)>,
 }
 
 impl Searcher<'_> {
@@ -126,7 +128,8 @@ impl Searcher<'_> {
             let present = search.accepted.as_ref();
             let found = present.map_or(0, |c| c.fit.effects.len());
             self.pool.progress("naming", found, EFFECTS_AT_MOST);
-            let explained = present.is_some_and(|c| c.whole.worst() < 1.0 + 0.5 * (EXPLAINED - 1.0));
+            let explained =
+                present.is_some_and(|c| c.whole.worst() < EXPLAINED && c.whole.distance() < NOTHING_LEFT);
             if found >= EFFECTS_AT_MOST || explained {
                 break;
             }
@@ -134,7 +137,7 @@ impl Searcher<'_> {
             let best = stage.candidates.iter().find(|c| self.acceptable(c)).cloned();
             search.stages.push(stage);
             let Some(best) = best else { break };
-            search.accepted = Some(self.refitted(best));
+            search.accepted = Some(self.refined(self.refitted(best)));
             if self.pool.cancelled() {
                 search.cancelled = true;
                 break;
@@ -155,7 +158,12 @@ impl Searcher<'_> {
             self.effects.iter().copied().filter(|e| !taken.iter().any(|t| std::ptr::eq(*t, *e))).collect();
         let scene = Scene { bench: self.bench, pool: self.pool, base: model, judged: &judged };
         let looks = first_look(&scene, &free);
-        let trials = trials(&judged, &looks, taken.len(), effort);
+        let seeded = |(effect, start): &(&'static Effect, Vec<f64>)| {
+            Look::seeded(effect, start.clone(), self.bench.count())
+        };
+        let seeds: Vec<Look> = self.seeds.iter().filter(|_| taken.is_empty()).map(seeded).collect();
+        let mut trials = trials(&judged, &looks, taken.len(), effort);
+        trials.extend(seeds.iter().map(|look| vec![look]));
         let done = AtomicUsize::new(0);
         let fitted = map(self.pool, trials.len(), |t| {
             let candidate = self.candidate(present, &trials[t], &judged);
@@ -258,6 +266,25 @@ impl Searcher<'_> {
         let before = candidate.held_out_before.distance();
         let share = (before - candidate.held_out.distance()) / before.max(0.02);
         gain > GAIN_NEEDED && share > SHARE_NEEDED && !harmful(candidate) && within_bounds(&candidate.fit)
+    }
+
+    /// The accepted effects with those in a coarse form refined, where that explains more.
+    fn refined(&self, candidate: Candidate) -> Candidate {
+        let finer = |effect: &&'static Effect| refinement(effect).unwrap_or(effect);
+        let effects: Vec<&'static Effect> = candidate.fit.effects.iter().map(finer).collect();
+        if effects.iter().zip(&candidate.fit.effects).all(|(a, b)| std::ptr::eq(*a, *b)) {
+            return candidate;
+        }
+        let start: Vec<f64> = effects.iter().flat_map(|e| e.values(&candidate.fit.parameters)).collect();
+        let selection = Selection { iterations: SEARCH_ITERATIONS, ..Selection::all(self.bench.count()) };
+        let fit = self.fit(effects, &start, &selection);
+        let judged = fit.and_then(|fit| Some((self.whole_score(&fit.parameters)?, fit)));
+        match judged {
+            Some((whole, fit)) if whole.distance() < candidate.whole.distance() => {
+                Candidate { fit, whole, ..candidate }
+            }
+            _ => candidate,
+        }
     }
 
     /// The accepted effects fitted once more, to everything.

@@ -43,3 +43,5 @@ pub const SEARCH_ITERATIONS: usize = 10;
 pub const JOINT_KNOBS: usize = 6;
 /// Effects that are fitted in the place of one that was found.
 pub const RIVALS: usize = 5;
+/// Distance from the floor below which nothing is left that a further effect could explain.
+pub const NOTHING_LEFT: f64 = 0.07;

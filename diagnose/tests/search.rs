@@ -85,7 +85,9 @@ fn diagnosed(change: impl Fn(&mut Parameters), strange: f64) -> Answer {
     let mut truth = base.clone();
     change(&mut truth);
     let bench = Statics { truth, strange };
-    let search = Searcher { bench: &bench, pool: &Serial, base: &base, effects: library() }.search().unwrap();
+    let search = Searcher { bench: &bench, pool: &Serial, base: &base, effects: library(), seeds: vec![] }
+        .search()
+        .unwrap();
     let evidence = Evidence {
         bench: &bench,
         base: &base,

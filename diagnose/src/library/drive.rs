@@ -22,6 +22,26 @@ fn set_map_fraction<const I: usize>(p: &mut Parameters, fraction: f64) {
     p.amplifier.map[I].current_a = fraction * gain * MAP_NODES_V[I];
 }
 
+/// Input at which the map's shortfall has fallen to 1/e of that at the first point; 0.8 V where there is none.
+fn map_corner(p: &Parameters) -> f64 {
+    let gain = static_gain(p);
+    let short = |point: &MapPoint| (1.0 - point.current_a / (gain * point.input_v)).abs();
+    let Some(first) = p.amplifier.map.first().map(short).filter(|s| *s > 1e-6) else { return USUAL_CORNER_V };
+    let below = p.amplifier.map.iter().find(|point| short(point) < first / std::f64::consts::E);
+    below.map_or(USUAL_CORNER_V, |point| point.input_v)
+}
+
+/// Corner of a gain curve where nothing is known of it, V.
+const USUAL_CORNER_V: f64 = 0.8;
+
+/// Writes the map 1 - depth exp(-(v / corner)^3) at all nodes.
+fn shape_map(p: &mut Parameters, depth: f64, corner: f64) {
+    let gain = static_gain(p);
+    let fraction = |v: f64| 1.0 - depth * (-(v / corner).powi(3)).exp();
+    let point = |&v: &f64| MapPoint { input_v: v, current_a: fraction(v) * gain * v };
+    p.amplifier.map = MAP_NODES_V.iter().map(point).collect();
+}
+
 /// Stalled gain of the linear amplifier, A/V.
 fn static_gain(p: &Parameters) -> f64 {
     p.amplifier.gain / (p.motor.resistance_ohm + p.amplifier.gain * p.amplifier.current_feedback_v_a)
@@ -52,6 +72,21 @@ pub const MAP_NODES_V: [f64; 14] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.95
 fn current_limit(p: &Parameters) -> f64 {
     if p.amplifier.current_limit_a.is_finite() { p.amplifier.current_limit_a } else { 1e3 }
 }
+
+/// The amplifier's curve with every point free: what a found gain curve is refined to.
+pub(super) static FREE_CURVE: Effect = Effect {
+    effect: "gain_curve",
+    component: "amplifier",
+    kind: Kind::MissingPhysics,
+    equation: "current = odd, piecewise linear map of the input; each point as a fraction of the linear gain",
+    source: "Dholiwar 2007, tables 7-1 and 7-2",
+    when: "at small control voltages, whatever the rate",
+    experiment: "stalled amplifier map, or runs at two out-of-balances",
+    knobs: map_knobs!(0 "gain at 0.1 V", 1 "gain at 0.2 V", 2 "gain at 0.3 V", 3 "gain at 0.4 V",
+            4 "gain at 0.5 V", 5 "gain at 0.6 V", 6 "gain at 0.7 V", 7 "gain at 0.8 V", 8 "gain at 0.95 V",
+            9 "gain at 1.1 V", 10 "gain at 1.25 V", 11 "gain at 1.4 V", 12 "gain at 1.7 V", 13 "gain at 2 V"),
+    starts: &[],
+};
 
 /// Motor, gearbox, amplifier, control.
 pub(super) static EFFECTS: &[Effect] = &[
@@ -179,14 +214,25 @@ pub(super) static EFFECTS: &[Effect] = &[
         effect: "gain_curve",
         component: "amplifier",
         kind: Kind::MissingPhysics,
-        equation: "current = odd, piecewise linear map of the input; each point as a fraction of the linear gain",
+        equation: "gain of the amplifier x (1 - depth exp(-(|v| / corner)^3)): another gain at small inputs",
         source: "Dholiwar 2007, tables 7-1 and 7-2",
         when: "at small control voltages, whatever the rate",
         experiment: "stalled amplifier map, or runs at two out-of-balances",
-        knobs: map_knobs!(0 "gain at 0.1 V", 1 "gain at 0.2 V", 2 "gain at 0.3 V", 3 "gain at 0.4 V",
-            4 "gain at 0.5 V", 5 "gain at 0.6 V", 6 "gain at 0.7 V", 7 "gain at 0.8 V", 8 "gain at 0.95 V",
-            9 "gain at 1.1 V", 10 "gain at 1.25 V", 11 "gain at 1.4 V", 12 "gain at 1.7 V", 13 "gain at 2 V"),
-        starts: &[],
+        knobs: &[
+            knob!(
+                "depth",
+                "1",
+                [-2.0, 0.95],
+                0.1,
+                Linear,
+                get | p | 1.0 - map_fraction::<0>(p),
+                set | p,
+                depth | shape_map(p, depth, map_corner(p))
+            ),
+            knob!("corner", "V", [0.1, 1.9], 0.2, Log,
+                get map_corner, set |p, corner| shape_map(p, 1.0 - map_fraction::<0>(p), corner)),
+        ],
+        starts: &[&[0.3, 0.4], &[0.3, 0.8], &[0.3, 1.4], &[-0.3, 0.8]],
     },
     Effect {
         effect: "dead_zone",

@@ -100,6 +100,28 @@ pub fn library() -> Vec<&'static Effect> {
     structure::EFFECTS.iter().chain(drive::EFFECTS).chain(sensing::EFFECTS).collect()
 }
 
+/// The range over which an effect's only parameter is scanned before it is fitted: where the response is so far from
+/// proportional to it that a fit from a distance goes astray.
+pub fn scan_range(effect: &Effect) -> Option<[f64; 2]> {
+    match (effect.component, effect.effect) {
+        ("gearbox", "backlash") => Some([1e-4, 0.03]),
+        ("control", "delay") => Some([1.0, 16.0]),
+        _ => None,
+    }
+}
+
+/// What an effect found in a coarse form is refined to: the same effect with more parameters.
+pub fn refinement(effect: &Effect) -> Option<&'static Effect> {
+    let coarse =
+        effect.effect == drive::FREE_CURVE.effect && effect.knobs.len() < drive::FREE_CURVE.knobs.len();
+    coarse.then_some(&drive::FREE_CURVE)
+}
+
+/// The amplifier's curve with every point free.
+pub fn free_curve() -> &'static Effect {
+    &drive::FREE_CURVE
+}
+
 /// The effects that carry a name, in library order.
 pub fn named<'a>(component: &'a str, effect: &'a str) -> impl Iterator<Item = &'static Effect> + 'a {
     library().into_iter().filter(move |e| e.component == component && e.effect == effect)
