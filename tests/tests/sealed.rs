@@ -1,0 +1,91 @@
+//! A few machines whose truth is concealed, diagnosed: a found name must never make data worse that was not fitted.
+//!
+//! `COUNTERPOISE_SEEDS=0..40 cargo test --release -p counterpoise-tests --test sealed -- --nocapture` scores more of them.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use counterpoise_diagnose::answer::Answer;
+use counterpoise_diagnose::bench::Pool;
+use counterpoise_diagnose::diagnose;
+use counterpoise_models::{Parameters, reference};
+use counterpoise_simulate::recording::Recording;
+use counterpoise_tests::sealed::{Case, Family, KINDS, PERIOD, Sealed, Written, case};
+
+/// Proportional and integral gain and bias of the loop in which the machines are recorded.
+const GAINS: [f64; 3] = [18.0, 80.0, 2.88];
+
+struct Threads;
+
+impl Pool for Threads {
+    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
+        counterpoise_tests::in_parallel(count, job);
+    }
+}
+
+fn recordings(case: &Case) -> Vec<Recording> {
+    let one = |(index, written): (usize, &Written)| Recording {
+        name: format!("{:?}", KINDS[index]),
+        sample_period_s: PERIOD,
+        demand_rad_s: Some(written.demand.clone()),
+        control_v: Some(written.control.clone()),
+        hub_rate_rad_s: Some(written.hub_rate.clone()),
+        platform_rate_rad_s: Some(written.platform_rate.clone()),
+        platform_accel_m_s2: Some(written.platform_accel.clone()),
+        motor_rate_rad_s: case.sealed.motor_rate.then(|| written.motor_rate.clone()),
+        hub_position_rad: case.sealed.hub_position.then(|| written.hub_position.clone()),
+    };
+    case.recordings.iter().map(|(_, written)| written).enumerate().map(one).collect()
+}
+
+fn seeds() -> std::ops::Range<u64> {
+    let asked = std::env::var("COUNTERPOISE_SEEDS").ok();
+    let bounds = asked.as_deref().and_then(|text| text.split_once(".."));
+    let parse = |(a, b): (&str, &str)| Some(a.parse().ok()?..b.parse().ok()?);
+    bounds.and_then(parse).unwrap_or(0..2)
+}
+
+/// Whether every concealed effect was named and nothing else, by its name or one that cannot be told from it.
+fn right(sealed: &Sealed, answer: &Answer) -> bool {
+    let named = |c: &counterpoise_tests::sealed::Concealed| {
+        answer.findings.iter().any(|f| {
+            (f.component, f.effect) == (c.component, c.effect)
+                || c.also.contains(&(f.component, f.effect))
+                || f.alternatives.iter().any(|a| (a.component, a.effect) == (c.component, c.effect))
+        })
+    };
+    match sealed.family {
+        Family::Nothing => answer.findings.is_empty(),
+        Family::Outside => answer.findings.iter().all(|f| f.effect == "unknown"),
+        _ => answer.findings.len() == sealed.concealed.len() && sealed.concealed.iter().all(named),
+    }
+}
+
+#[test]
+fn a_name_never_makes_data_worse_that_was_not_fitted() {
+    let nominal: Parameters = reference::rig();
+    let controller = counterpoise_controller::ProportionalIntegral {
+        kp_v_s_rad: GAINS[0],
+        ki_v_rad: GAINS[1],
+        bias_v: GAINS[2],
+        sample_period_s: PERIOD,
+        integral_v: 0.0,
+    };
+    let (mut good, mut all) = (0, 0);
+    for seed in seeds() {
+        let case = case(seed, &nominal, GAINS);
+        let found = diagnose(&nominal, &controller, &recordings(&case), &Threads).unwrap();
+        let answer = &found.answer;
+        let right = right(&case.sealed, answer);
+        (good, all) = (good + usize::from(right), all + 1);
+        let truth: Vec<_> = case.sealed.concealed.iter().map(|c| (c.component, c.effect, c.size)).collect();
+        let names: Vec<_> = answer.findings.iter().map(|f| (f.component, f.effect)).collect();
+        println!(
+            "seed {seed}: right {right}, {:?} {truth:?}, {:?} {names:?}",
+            case.sealed.family, answer.verdict
+        );
+        for (channel, after) in &answer.fit.held_out_after {
+            let before = answer.fit.held_out_before[channel];
+            assert!(after.rms_error < 1.05 * before.rms_error.max(before.floor), "seed {seed}, {channel}");
+        }
+    }
+    println!("{good} of {all} right");
+}
