@@ -1,5 +1,6 @@
 //! What is printed: results for a person or a machine, errors with their cause, times of stages.
 
+use std::io::Write;
 use std::path::Path;
 use std::sync::Mutex;
 use std::time::Instant;
@@ -9,6 +10,21 @@ use serde::Serialize;
 
 use crate::arguments::Results;
 use crate::files::{self, Loaded};
+
+/// Writes to standard output. A reader that has gone away, as in `| head`, ends the program and is no error of it.
+pub fn put(text: &str) {
+    let mut out = std::io::stdout().lock();
+    if out.write_all(text.as_bytes()).and_then(|()| out.flush()).is_err() {
+        std::process::exit(0);
+    }
+}
+
+/// `println!` for results: see [`put`].
+macro_rules! say {
+    () => { $crate::output::put("\n") };
+    ($($text:tt)*) => { $crate::output::put(&(format!($($text)*) + "\n")) };
+}
+pub(crate) use say;
 
 /// An error and its causes, one below the other.
 pub fn explained(error: &anyhow::Error) -> String {
@@ -23,7 +39,7 @@ pub fn json<T: Serialize>(results: &Results, result: &T) -> Result<bool> {
     let mut text = serde_json::to_string_pretty(result).context("cannot write the result as JSON")?;
     text.push('\n');
     if target == Path::new("-") {
-        print!("{text}");
+        put(&text);
         return Ok(true);
     }
     files::write(target, text.as_bytes())?;

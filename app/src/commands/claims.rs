@@ -1,5 +1,6 @@
 //! `counterpoise claims`: the thesis' claims on a project's mechanism.
 
+use crate::output::say;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -59,7 +60,7 @@ pub fn run(options: &ClaimsOptions) -> Done {
     let table: Vec<Row<'_>> = rows.iter().map(row).collect();
     if !output::json(&options.results, &table)? {
         table.iter().for_each(print);
-        println!("report  {}", options.report.display());
+        say!("report  {}", options.report.display());
     }
     Ok(verdict_code(rows.iter().all(|claim| claim.finding != Finding::Fails)))
 }
@@ -75,6 +76,6 @@ fn row(claim: &Claim) -> Row<'_> {
 }
 
 fn print(row: &Row<'_>) {
-    println!("{:4} {:13} {}", row.id, row.finding, row.says);
-    [row.measured, row.why].iter().filter(|text| !text.is_empty()).for_each(|text| println!("     {text}"));
+    say!("{:4} {:13} {}", row.id, row.finding, row.says);
+    [row.measured, row.why].iter().filter(|text| !text.is_empty()).for_each(|text| say!("     {text}"));
 }

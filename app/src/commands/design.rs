@@ -1,5 +1,6 @@
 //! `counterpoise design`: the whole road, with its report and its code.
 
+use crate::output::say;
 use counterpoise_project::export::Precision;
 use counterpoise_project::pipeline::{self, Designed};
 use counterpoise_project::results::DesignResult;
@@ -40,10 +41,10 @@ fn smaller_numbers(loaded: &Loaded) -> bool {
 
 fn print(options: &DesignOptions, made: &Designed) {
     print_verdicts(made.verified.verification());
-    println!();
-    println!("report  {}", options.output.join("report.html").display());
+    say!();
+    say!("report  {}", options.output.join("report.html").display());
     for file in &made.files {
-        println!("code    {}", options.output.join(&file.name).display());
+        say!("code    {}", options.output.join(&file.name).display());
     }
 }
 
@@ -54,20 +55,16 @@ pub fn print_verdicts(found: &Verification) {
         let unit = requirement.figure.unit();
         match verdict {
             Verdict::Holds { value, limit, .. } => {
-                println!("  holds  {name}: {value:.4} {unit} ({} {})", sign(*limit), limit.value());
+                say!("  holds  {name}: {value:.4} {unit} ({} {})", sign(*limit), limit.value());
             }
             Verdict::Fails { value, limit, by } => {
-                println!(
-                    "  FAILS  {name}: {value:.4} {unit} ({} {}), by {by:.4}",
-                    sign(*limit),
-                    limit.value()
-                );
+                say!("  FAILS  {name}: {value:.4} {unit} ({} {}), by {by:.4}", sign(*limit), limit.value());
             }
-            Verdict::NotApplicable { why } => println!("  -      {name}: not applicable, {why}"),
+            Verdict::NotApplicable { why } => say!("  -      {name}: not applicable, {why}"),
         }
     }
     let (holds, fails, open) = found.counts();
-    println!("{holds} requirements hold, {fails} fail, {open} not applicable");
+    say!("{holds} requirements hold, {fails} fail, {open} not applicable");
 }
 
 fn sign(limit: Limit) -> &'static str {

@@ -1,5 +1,6 @@
 //! `counterpoise diagnose`: locate, name, model, and show that the fit improves.
 
+use crate::output::say;
 use anyhow::{Context, Result};
 use counterpoise_project::diagnose::answer::{Answer, Verdict};
 use counterpoise_project::diagnose::{Diagnosis, diagnose};
@@ -48,45 +49,50 @@ fn save(loaded: &Loaded, found: &Diagnosis, path: &std::path::Path) -> Result<()
 }
 
 fn print(answer: &Answer) {
-    println!("balances that these sensors allow:");
+    say!("balances that these sensors allow:");
     for row in &answer.isolability {
-        println!(
+        say!(
             "  {:<8} {:<4} sees {}",
             row.balance,
             if row.available { "yes" } else { "no" },
             row.sees.join(", ")
         );
     }
-    println!();
-    println!("{}", sentence(answer.verdict));
+    say!();
+    say!("{}", sentence(answer.verdict));
     for finding in &answer.findings {
-        println!(
-            "  {} {} (probability {:.0} %)",
-            finding.component,
-            finding.effect,
-            100.0 * finding.probability
-        );
-        println!("    {}", finding.explanation);
-        println!("    shows {}", finding.when);
+        say!("  {} {} (probability {:.0} %)", finding.component, finding.effect, 100.0 * finding.probability);
+        say!("    {}", finding.explanation);
+        say!("    shows {}", finding.when);
         for p in finding.parameters.iter().take(14) {
-            println!(
+            say!(
                 "    {} = {:.5} {}  [{:.5}, {:.5}], was {:.5}",
-                p.name, p.value, p.unit, p.ci95[0], p.ci95[1], p.before
+                p.name,
+                p.value,
+                p.unit,
+                p.ci95[0],
+                p.ci95[1],
+                p.before
             );
         }
         for other in &finding.alternatives {
-            println!("    cannot be told from {} {}", other.component, other.effect);
+            say!("    cannot be told from {} {}", other.component, other.effect);
         }
     }
-    println!(
+    say!(
         "  {:<14} {:>12} {:>12} {:>12} {:>16} {:>16}",
-        "channel", "floor", "before", "after", "held out before", "held out after"
+        "channel",
+        "floor",
+        "before",
+        "after",
+        "held out before",
+        "held out after"
     );
     for (channel, before) in &answer.fit.before {
         let number = |table: &counterpoise_project::diagnose::answer::Channels| {
             table.get(channel).map_or(f64::NAN, |c| c.rms_error)
         };
-        println!(
+        say!(
             "  {channel:<14} {:12.4e} {:12.4e} {:12.4e} {:16.4e} {:16.4e}",
             before.floor,
             before.rms_error,
@@ -96,9 +102,9 @@ fn print(answer: &Answer) {
         );
     }
     if let Some(next) = &answer.next_experiment {
-        println!("next experiment: {}; it {}", next.what, next.why);
+        say!("next experiment: {}; it {}", next.what, next.why);
     }
-    answer.qualification.iter().chain(&answer.warnings).for_each(|remark| println!("note: {remark}"));
+    answer.qualification.iter().chain(&answer.warnings).for_each(|remark| say!("note: {remark}"));
 }
 
 fn sentence(verdict: Verdict) -> &'static str {

@@ -1,5 +1,6 @@
 //! `counterpoise export`: the verified controller as code; or whether generated files are still what the project gives.
 
+use crate::output::say;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -27,7 +28,7 @@ pub fn run(options: &ExportOptions) -> Done {
     let written = write(&options.output, &made.files)?;
     let names: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
     if !output::json(&options.results, &names)? {
-        names.iter().for_each(|name| println!("{name}"));
+        names.iter().for_each(|name| say!("{name}"));
     }
     Ok(verdict_code(made.verified.verification().passes()))
 }
@@ -94,7 +95,7 @@ fn checked(options: &ExportOptions, code: &[File]) -> Done {
         outcomes.push(Outcome { file, same, says });
     }
     if !output::json(&options.results, &outcomes)? {
-        outcomes.iter().for_each(|outcome| println!("{}: {}", outcome.file, outcome.says));
+        outcomes.iter().for_each(|outcome| say!("{}: {}", outcome.file, outcome.says));
     }
     Ok(verdict_code(outcomes.iter().all(|outcome| outcome.same)))
 }

@@ -1,5 +1,6 @@
 //! `counterpoise identify`: the triangle-wave method.
 
+use crate::output::say;
 use anyhow::Result;
 use counterpoise::report::html;
 use counterpoise::report::identify::report;
@@ -61,7 +62,7 @@ fn save(loaded: &Loaded, found: &Identified, path: &std::path::Path) -> Result<(
 }
 
 fn print(found: &Identified) {
-    println!("{:<28} {:>12}   {:^25} {:>12}  unit", "", "identified", "95 % interval", "project");
+    say!("{:<28} {:>12}   {:^25} {:>12}  unit", "", "identified", "95 % interval", "project");
     for (state, balance) in found.balances.iter().enumerate() {
         let of = |name: &str| match state {
             0 => name.to_owned(),
@@ -74,35 +75,40 @@ fn print(found: &Identified) {
     line("viscous friction, total", &found.viscous_nm_s_rad, "N m s/rad");
     match &found.breakaway_nm {
         Some(breakaway) => line("highest after a reversal", breakaway, "N m"),
-        None => println!("highest friction after a reversal: too few reversals"),
+        None => say!("highest friction after a reversal: too few reversals"),
     }
     let l = &found.lobes;
-    println!(
+    say!(
         "u against rate: offset {:.3} V, step {:.3} V, slope {:.3} V s/rad, width {:.3} V per rad/s^2",
-        l.offset_v, l.step_v, l.slope_v_s_rad, l.width_v_s2_rad
+        l.offset_v,
+        l.step_v,
+        l.slope_v_s_rad,
+        l.width_v_s2_rad
     );
-    println!("left over: {:.2} N m RMS, of {:.1} s of sliding", found.residual_nm, found.sliding_s);
+    say!("left over: {:.2} N m RMS, of {:.1} s of sliding", found.residual_nm, found.sliding_s);
     amplifier(&found.amplifier);
-    found.notes.iter().for_each(|note| println!("note: {note}"));
+    found.notes.iter().for_each(|note| say!("note: {note}"));
 }
 
 fn line(name: &str, e: &Estimate, unit: &str) {
-    println!(
-        "{name:<28} {:12.3}   [{:10.3}, {:10.3}] {:12.3}  {unit}",
-        e.value, e.ci95[0], e.ci95[1], e.before
-    );
+    say!("{name:<28} {:12.3}   [{:10.3}, {:10.3}] {:12.3}  {unit}", e.value, e.ci95[0], e.ci95[1], e.before);
 }
 
 fn amplifier(found: &Amplifier) {
     match found {
-        Amplifier::Curve { .. } => println!("amplifier: its gain curve is not the project's"),
-        Amplifier::AsInProject { .. } => println!("amplifier: its gain curve is the project's"),
-        Amplifier::NotIdentifiable { why } => println!("amplifier: not identifiable: {why}"),
+        Amplifier::Curve { .. } => say!("amplifier: its gain curve is not the project's"),
+        Amplifier::AsInProject { .. } => say!("amplifier: its gain curve is the project's"),
+        Amplifier::NotIdentifiable { why } => say!("amplifier: not identifiable: {why}"),
     }
     for q in found.points() {
-        println!(
+        say!(
             "  {:6.3} V  {:7.3} A  [{:7.3}, {:7.3}]  project {:7.3} A  scatter {:.4} A",
-            q.input_v, q.current_a, q.ci95_a[0], q.ci95_a[1], q.linear_a, q.scatter_a
+            q.input_v,
+            q.current_a,
+            q.ci95_a[0],
+            q.ci95_a[1],
+            q.linear_a,
+            q.scatter_a
         );
     }
 }

@@ -1,5 +1,6 @@
 //! `counterpoise replay`: simulate what was recorded, and say how well it fits.
 
+use crate::output::say;
 use anyhow::{Context, Result};
 use counterpoise_project::Purpose;
 use counterpoise_project::recording::{Record, Table};
@@ -63,12 +64,12 @@ pub fn run(options: &ReplayOptions) -> Done {
 
 fn print(result: &ReplayResult) {
     for recording in &result.recordings {
-        println!("{}", recording.file);
-        recording.remarks.iter().for_each(|remark| println!("  {remark}"));
-        println!("  {:<16} {:>12} {:>12} {:>8} {:>10}", "channel", "RMS error", "floor", "ratio", "VAF %");
+        say!("{}", recording.file);
+        recording.remarks.iter().for_each(|remark| say!("  {remark}"));
+        say!("  {:<16} {:>12} {:>12} {:>8} {:>10}", "channel", "RMS error", "floor", "ratio", "VAF %");
         for (name, c) in &recording.channels {
             let ratio = c.rms_error / c.floor;
-            println!("  {name:<16} {:12.4e} {:12.4e} {ratio:8.2} {:10.4}", c.rms_error, c.floor, c.vaf);
+            say!("  {name:<16} {:12.4e} {:12.4e} {ratio:8.2} {:10.4}", c.rms_error, c.floor, c.vaf);
         }
     }
 }

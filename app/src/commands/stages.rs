@@ -1,5 +1,6 @@
 //! Single stages of the road, from the same file.
 
+use crate::output::say;
 use counterpoise_project::pipeline::{self, Modelled, Reduced, Synthesised};
 use counterpoise_project::results::{ModelResult, ReduceResult, SynthResult, VerifyResult};
 use counterpoise_project::{Purpose, diagnose::bench::rms};
@@ -15,13 +16,13 @@ pub fn model(options: &StageOptions) -> Done {
     let loaded = loaded(options, Purpose::Model)?;
     let result = ModelResult::from(&pipeline::model(&loaded.project)?);
     if !output::json(&options.results, &result)? {
-        println!("{}: linear plant of order {}", result.name, result.order);
-        println!("out-of-balance {:.4} kg m, held by {:.4} V", result.out_of_balance_kg_m, result.holding_v);
-        println!("states: {}", result.states.join(", "));
-        println!("{:>14} {:>14} {:>10}", "frequency Hz", "damping", "");
+        say!("{}: linear plant of order {}", result.name, result.order);
+        say!("out-of-balance {:.4} kg m, held by {:.4} V", result.out_of_balance_kg_m, result.holding_v);
+        say!("states: {}", result.states.join(", "));
+        say!("{:>14} {:>14} {:>10}", "frequency Hz", "damping", "");
         for [re, im] in result.poles_rad_s.iter().filter(|p| p[1] >= 0.0) {
             let size = re.hypot(*im);
-            println!("{:14.4} {:14.4}", size / std::f64::consts::TAU, -re / size.max(f64::MIN_POSITIVE));
+            say!("{:14.4} {:14.4}", size / std::f64::consts::TAU, -re / size.max(f64::MIN_POSITIVE));
         }
     }
     verdict_ok()
@@ -33,15 +34,15 @@ pub fn reduce(options: &StageOptions) -> Done {
     let (_, reduced) = to_reduced(&loaded)?;
     let result = ReduceResult::from(&reduced);
     if !output::json(&options.results, &result)? {
-        println!("order {} -> {}", result.order[0], result.order[1]);
+        say!("order {} -> {}", result.order[0], result.order[1]);
         if let Some([error, rate]) = result.error {
-            println!("largest error {error:.4e} at {rate:.4} rad/s");
+            say!("largest error {error:.4e} at {rate:.4} rad/s");
         }
         if let Some(bound) = result.bound {
-            println!("bound {bound:.4e}");
+            say!("bound {bound:.4e}");
         }
-        result.ranked.iter().enumerate().for_each(|(k, value)| println!("{:4} {value:.4e}", k + 1));
-        result.warnings.iter().for_each(|w| println!("warning: {w}"));
+        result.ranked.iter().enumerate().for_each(|(k, value)| say!("{:4} {value:.4e}", k + 1));
+        result.warnings.iter().for_each(|w| say!("warning: {w}"));
     }
     verdict_ok()
 }
@@ -53,19 +54,19 @@ pub fn synth(options: &StageOptions) -> Done {
     let result = SynthResult::from(&made);
     if !output::json(&options.results, &result)? {
         print_weights(&loaded);
-        println!("design plant of order {}", result.plant_order);
-        result.path_orders.iter().for_each(|(name, order)| println!("{name}: order {order}"));
+        say!("design plant of order {}", result.plant_order);
+        result.path_orders.iter().for_each(|(name, order)| say!("{name}: order {order}"));
         let radius: Vec<f64> = result.closed_loop_poles.iter().map(|[re, im]| re.hypot(*im)).collect();
         let largest = radius.iter().copied().fold(0.0, f64::max);
-        println!(
+        say!(
             "closed sampled loop: {} poles, largest modulus {largest:.6}, RMS {:.4}",
             radius.len(),
             rms(&radius)
         );
         if let Some(difference) = result.cost_difference {
-            println!("predicted cost and cost of the assembled loop differ by {difference:.1e}");
+            say!("predicted cost and cost of the assembled loop differ by {difference:.1e}");
         }
-        result.warnings.iter().for_each(|w| println!("warning: {w}"));
+        result.warnings.iter().for_each(|w| say!("warning: {w}"));
     }
     verdict_ok()
 }
@@ -107,6 +108,6 @@ fn to_synthesised(loaded: &Loaded) -> anyhow::Result<(Modelled, Synthesised)> {
 
 fn print_weights(loaded: &Loaded) {
     if let Some(synth) = &loaded.project.synth {
-        pipeline::export::weights(synth).iter().for_each(|line| println!("{line}"));
+        pipeline::export::weights(synth).iter().for_each(|line| say!("{line}"));
     }
 }

@@ -1,5 +1,6 @@
 //! `counterpoise sweep`: robustness, in shards that anybody may run.
 
+use crate::output::say;
 use std::path::Path;
 use std::time::Duration;
 
@@ -150,7 +151,7 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
     let passes = samples.iter().all(|sample| named.campaign.passes(sample));
     if !output::json(&options.results, &summaries(named, &samples))? {
         print(named, &samples);
-        println!("report  {}", options.output.join("report.html").display());
+        say!("report  {}", options.output.join("report.html").display());
     }
     Ok(verdict_code(passes))
 }
@@ -187,7 +188,7 @@ fn print(named: &Named, samples: &[Sample]) {
     for row in summaries(named, samples) {
         let (low, high) = (100.0 * row.interval.0, 100.0 * row.interval.1);
         let worst = row.worst_sample.map_or(String::new(), |k| format!(", worst: --sample {k}"));
-        println!(
+        say!(
             "{:6.2} % ({low:.1} to {high:.1})  {}: 5 % {:.4}, median {:.4}, 95 % {:.4}{worst}",
             100.0 * row.share,
             row.figure,
@@ -219,8 +220,8 @@ fn one_sample(named: &Named, index: usize, results: &Results) -> Done {
         figures: figures.zip(sample.values.iter().copied()).collect(),
     };
     if !output::json(results, &one)? {
-        one.factors.iter().for_each(|(key, factor)| println!("{key} x {factor:.4}"));
-        one.figures.iter().for_each(|(key, value)| println!("{key} = {value:.6}"));
+        one.factors.iter().for_each(|(key, factor)| say!("{key} x {factor:.4}"));
+        one.figures.iter().for_each(|(key, value)| say!("{key} = {value:.6}"));
     }
     Ok(verdict_code(named.campaign.passes(&sample)))
 }
