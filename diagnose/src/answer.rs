@@ -34,6 +34,13 @@ pub struct FittedParameter {
     pub ci95: [f64; 2],
 }
 
+impl FittedParameter {
+    /// The unit as it is written after a number: a space and the unit, or nothing for a pure number.
+    pub fn suffix(&self) -> String {
+        if self.unit == "1" { String::new() } else { format!(" {}", self.unit) }
+    }
+}
+
 /// An effect by its name.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Name {

@@ -125,7 +125,7 @@ impl Evidence<'_> {
         let sizes: Vec<String> = parameters
             .iter()
             .take(4)
-            .map(|p| format!("{} {:.4} {} (was {:.4})", p.name, p.value, p.unit, p.before))
+            .map(|p| format!("{} {:.4}{} (was {:.4})", p.name, p.value, p.suffix(), p.before))
             .collect();
         let explanation = format!(
             "{}; {}. Largest RMS error over its floor: {:.1} before, {:.2} after.",

@@ -66,7 +66,7 @@ fn print(answer: &Answer) {
         say!("    shows {}", finding.when);
         for p in finding.parameters.iter().take(14) {
             say!(
-                "    {} = {:.5} {}  [{:.5}, {:.5}], was {:.5}",
+                "    {} = {:.5}{}  [{:.5}, {:.5}], was {:.5}",
                 p.name,
                 p.value,
                 p.unit,

@@ -111,8 +111,13 @@ fn findings_table(findings: &[Finding]) -> Table {
     for finding in findings {
         let parameters = finding.parameters.iter().take(6).map(|p| {
             format!(
-                "{} = {:.4} {} [{:.4}, {:.4}], was {:.4}",
-                p.name, p.value, p.unit, p.ci95[0], p.ci95[1], p.before
+                "{} = {:.4}{} [{:.4}, {:.4}], was {:.4}",
+                p.name,
+                p.value,
+                p.suffix(),
+                p.ci95[0],
+                p.ci95[1],
+                p.before
             )
         });
         let others = finding.alternatives.iter().map(|a| format!("{} {}", a.component, words(a.effect)));
@@ -274,7 +279,7 @@ fn comparison(track: &Track, command: &str) -> Figure {
     }
     let panels = vec![
         Panel::of(Axis::linear(track.channel, track.unit), signals).high(190.0),
-        Panel::of(Axis::linear("simulated - measured", track.unit), errors).high(120.0),
+        Panel::of(Axis::linear("error", track.unit), errors).high(120.0),
     ];
     let title = format!("{}: {}", track.recording, track.channel.replace('_', " "));
     let figure = Figure::new(&title, Axis::linear("time", "s"), panels);
