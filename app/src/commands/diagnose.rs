@@ -69,7 +69,7 @@ fn print(answer: &Answer) {
                 "    {} = {:.5}{}  [{:.5}, {:.5}], was {:.5}",
                 p.name,
                 p.value,
-                p.unit,
+                p.suffix(),
                 p.ci95[0],
                 p.ci95[1],
                 p.before
