@@ -138,6 +138,8 @@ pub struct Hypothesis {
     pub effect: &'static str,
     /// Component.
     pub component: &'static str,
+    /// Effects that were fitted together with it.
+    pub beside: Vec<Name>,
     /// Log-likelihood gained on data that it was not fitted to, in nats.
     pub gain_nats: f64,
     /// Mean ln(RMS / floor) left over all channels: 0 is perfect.

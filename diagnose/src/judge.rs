@@ -241,8 +241,7 @@ impl Evidence<'_> {
 
     fn hypotheses(&self) -> Vec<Hypothesis> {
         let accepted = self.search.accepted.as_ref();
-        let is_accepted =
-            |e: &Effect| accepted.is_some_and(|a| a.fit.effects.iter().any(|f| std::ptr::eq(*f, e)));
+        let named = |e: &Effect| accepted.is_some_and(|a| a.fit.effects.iter().any(|f| same_name(f, e)));
         let stages = self.search.stages.iter().enumerate();
         stages
             .flat_map(|(stage, s)| s.candidates.iter().map(move |c| (stage + 1, c)))
@@ -252,10 +251,11 @@ impl Evidence<'_> {
                     stage,
                     effect: effect.effect,
                     component: effect.component,
+                    beside: beside(c),
                     gain_nats: c.held_out.gain_over(&c.held_out_before),
                     distance: c.whole.distance(),
                     worst: c.whole.worst(),
-                    accepted: is_accepted(effect),
+                    accepted: c.fit.effects.iter().all(|e| named(e)),
                 })
             })
             .collect()
@@ -298,6 +298,13 @@ impl Evidence<'_> {
         }
         out
     }
+}
+
+/// The effects of a candidate but its newest.
+fn beside(candidate: &Candidate) -> Vec<Name> {
+    let effects = &candidate.fit.effects;
+    let name = |e: &&'static Effect| Name { effect: e.effect, component: e.component };
+    effects[..effects.len().saturating_sub(1)].iter().map(name).collect()
 }
 
 fn same_name(a: &Effect, b: &Effect) -> bool {

@@ -210,6 +210,7 @@ fn tried_section(answer: &Answer) -> Section {
         Column::Number("stage"),
         Column::Text("component"),
         Column::Text("effect"),
+        Column::Text("beside"),
         Column::Number("gain on held-out data [nat]"),
         Column::Number("mean ln(error / floor)"),
         Column::Number("worst error / floor"),
@@ -217,12 +218,15 @@ fn tried_section(answer: &Answer) -> Section {
     ];
     let mut table = Table::new("Every hypothesis that was fitted in the simulator", &columns);
     for h in &answer.hypotheses {
+        let beside: Vec<String> =
+            h.beside.iter().map(|b| format!("{} {}", b.component, words(b.effect))).collect();
         let verdict =
             if h.accepted { Cell::Verdict(Tone::Good, "accepted".to_owned()) } else { Cell::text("") };
         table.rows.push(vec![
             Cell::text(h.stage.to_string()),
             Cell::text(h.component),
             Cell::text(words(h.effect)),
+            Cell::text(beside.join(", ")),
             Cell::number(h.gain_nats),
             Cell::text(format!("{:.3}", h.distance)),
             Cell::text(format!("{:.2}", h.worst)),
