@@ -5,6 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use counterpoise_project::models::Parameters;
 use counterpoise_project::pipeline::{Step, World};
 use counterpoise_project::{Attachments, Diagnostic, Document, Parsed, Project, Purpose};
 
@@ -105,6 +106,13 @@ fn in_folder(folder: &Path) -> Result<Vec<PathBuf>> {
 fn is_recording(path: &Path) -> bool {
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     path.is_file() && RECORDINGS.contains(&ending.as_str())
+}
+
+/// Writes the project with an improved mechanism; everything else of the file stays as it is.
+pub fn save_improved(loaded: &Loaded, plant: &Parameters, path: &Path) -> Result<()> {
+    let improved = Project { plant: plant.clone(), ..loaded.project.clone() };
+    let document = improved.update(&loaded.document, &loaded.project)?;
+    write(path, document.text().as_bytes())
 }
 
 /// Writes a file whole or not at all: to a neighbour first, then renamed.

@@ -12,19 +12,12 @@ pub struct Misfit {
     pub residual: Vec<f64>,
     /// RMS that a perfect model would leave (noise, quantisation, what the platform's sensors add), in the channel's unit.
     pub floor: f64,
-    /// Standard deviation of the measurement, in the channel's unit.
-    pub spread: f64,
 }
 
 impl Misfit {
     /// RMS of the residual in units of the floor.
     pub fn relative_rms(&self) -> f64 {
         rms(&self.residual)
-    }
-
-    /// RMS error in the channel's unit.
-    pub fn rms_error(&self) -> f64 {
-        self.relative_rms() * self.floor
     }
 }
 

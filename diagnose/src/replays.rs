@@ -116,7 +116,7 @@ impl<'a> Replays<'a> {
             let difference = |(s, r): (&f64, &f64)| if r.is_finite() { (s - r) / floor } else { 0.0 };
             let residual: Vec<f64> = simulated.iter().zip(recorded).map(difference).collect();
             let told = if stand_in { self.control_floor } else { floor };
-            out.push(Misfit { channel: channel.name(), residual, floor: told, spread: deviation(recorded) });
+            out.push(Misfit { channel: channel.name(), residual, floor: told });
         }
         Some(out)
     }

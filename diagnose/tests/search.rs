@@ -66,7 +66,7 @@ impl Bench for Statics {
             difference / FLOOR + noise(index, k)
         };
         let residual = (0..samples).map(at).collect();
-        Some(vec![Misfit { channel: "control", residual, floor: FLOOR, spread: 1.0 }])
+        Some(vec![Misfit { channel: "control", residual, floor: FLOOR }])
     }
 
     fn glance(&self, parameters: &Parameters, index: usize, _: &Judged) -> Option<Judged> {

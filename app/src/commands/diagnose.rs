@@ -1,16 +1,16 @@
 //! `counterpoise diagnose`: locate, name, model, and show that the fit improves.
 
 use crate::output::say;
-use anyhow::{Context, Result};
-use counterpoise_project::diagnose::answer::{Answer, Verdict};
-use counterpoise_project::diagnose::{Diagnosis, diagnose};
+use anyhow::Context;
+use counterpoise_project::Purpose;
+use counterpoise_project::diagnose::answer::{Answer, Channels, Finding, FitTable, Verdict};
+use counterpoise_project::diagnose::diagnose;
 use counterpoise_project::simulate::recording::Recording;
-use counterpoise_project::{Project, Purpose};
 
 use super::replay::read;
 use super::{Done, pages, verdict_code};
 use crate::arguments::DiagnoseOptions;
-use crate::files::{self, Loaded};
+use crate::files;
 use crate::output;
 use crate::workers::Workers;
 
@@ -29,7 +29,7 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     let remarks = read.iter().flat_map(|r| r.remarks.iter().map(|remark| format!("{}: {remark}", r.file)));
     found.answer.qualification.extend(remarks);
     if let Some(path) = &options.save {
-        save(&loaded, &found, path)?;
+        files::save_improved(&loaded, &found.improved, path)?;
     }
     if let Some(path) = &options.report {
         let page = pages::diagnosis(&loaded, &recordings, &found, &controller);
@@ -39,13 +39,6 @@ pub fn run(options: &DiagnoseOptions) -> Done {
         print(&found.answer);
     }
     Ok(verdict_code(true))
-}
-
-/// Writes the project with the improved mechanism; everything else of the file stays as it is.
-fn save(loaded: &Loaded, found: &Diagnosis, path: &std::path::Path) -> Result<()> {
-    let improved = Project { plant: found.improved.clone(), ..loaded.project.clone() };
-    let document = improved.update(&loaded.document, &loaded.project)?;
-    files::write(path, document.text().as_bytes())
 }
 
 fn print(answer: &Answer) {
@@ -60,25 +53,35 @@ fn print(answer: &Answer) {
     }
     say!();
     say!("{}", sentence(answer.verdict));
-    for finding in &answer.findings {
-        say!("  {} {} (probability {:.0} %)", finding.component, finding.effect, 100.0 * finding.probability);
-        say!("    {}", finding.explanation);
-        say!("    shows {}", finding.when);
-        for p in finding.parameters.iter().take(14) {
-            say!(
-                "    {} = {:.5}{}  [{:.5}, {:.5}], was {:.5}",
-                p.name,
-                p.value,
-                p.suffix(),
-                p.ci95[0],
-                p.ci95[1],
-                p.before
-            );
-        }
-        for other in &finding.alternatives {
-            say!("    cannot be told from {} {}", other.component, other.effect);
-        }
+    answer.findings.iter().for_each(print_finding);
+    print_fit(&answer.fit);
+    if let Some(next) = &answer.next_experiment {
+        say!("next experiment: {}; it {}", next.what, next.why);
     }
+    answer.qualification.iter().chain(&answer.warnings).for_each(|remark| say!("note: {remark}"));
+}
+
+fn print_finding(finding: &Finding) {
+    say!("  {} {} (probability {:.0} %)", finding.component, finding.effect, 100.0 * finding.probability);
+    say!("    {}", finding.explanation);
+    say!("    shows {}", finding.when);
+    for p in finding.parameters.iter().take(14) {
+        say!(
+            "    {} = {:.5}{}  [{:.5}, {:.5}], was {:.5}",
+            p.name,
+            p.value,
+            p.suffix(),
+            p.ci95[0],
+            p.ci95[1],
+            p.before
+        );
+    }
+    for other in &finding.alternatives {
+        say!("    cannot be told from {} {}", other.component, other.effect);
+    }
+}
+
+fn print_fit(fit: &FitTable) {
     say!(
         "  {:<14} {:>12} {:>12} {:>12} {:>16} {:>16}",
         "channel",
@@ -88,23 +91,17 @@ fn print(answer: &Answer) {
         "held out before",
         "held out after"
     );
-    for (channel, before) in &answer.fit.before {
-        let number = |table: &counterpoise_project::diagnose::answer::Channels| {
-            table.get(channel).map_or(f64::NAN, |c| c.rms_error)
-        };
+    for (channel, before) in &fit.before {
+        let number = |table: &Channels| table.get(channel).map_or(f64::NAN, |c| c.rms_error);
         say!(
             "  {channel:<14} {:12.4e} {:12.4e} {:12.4e} {:16.4e} {:16.4e}",
             before.floor,
             before.rms_error,
-            number(&answer.fit.after),
-            number(&answer.fit.held_out_before),
-            number(&answer.fit.held_out_after)
+            number(&fit.after),
+            number(&fit.held_out_before),
+            number(&fit.held_out_after)
         );
     }
-    if let Some(next) = &answer.next_experiment {
-        say!("next experiment: {}; it {}", next.what, next.why);
-    }
-    answer.qualification.iter().chain(&answer.warnings).for_each(|remark| say!("note: {remark}"));
 }
 
 fn sentence(verdict: Verdict) -> &'static str {

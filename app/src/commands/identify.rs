@@ -4,9 +4,9 @@ use crate::output::say;
 use anyhow::Result;
 use counterpoise::report::html;
 use counterpoise::report::identify::report;
+use counterpoise_project::Purpose;
 use counterpoise_project::diagnose::identify::{Amplifier, Estimate, Identified, identify, improved};
 use counterpoise_project::simulate::recording::Recording;
-use counterpoise_project::{Project, Purpose};
 
 use super::replay::read;
 use super::{Done, verdict_code};
@@ -24,7 +24,7 @@ pub fn run(options: &IdentifyOptions) -> Done {
     let mut found = identify(&loaded.project.plant, &states)?;
     found.notes.extend(first.remarks.into_iter().chain(second.remarks));
     if let Some(path) = &options.save {
-        save(&loaded, &found, path)?;
+        files::save_improved(&loaded, &improved(&loaded.project.plant, &found), path)?;
     }
     if let Some(path) = &options.report {
         let command = format!("counterpoise identify {}", loaded.path.display());
@@ -51,14 +51,6 @@ fn group(loaded: &Loaded, paths: &[std::path::PathBuf]) -> Result<Group> {
         group.recordings.push(Recording { name: stem.unwrap_or(item.file), ..item.recording });
     }
     Ok(group)
-}
-
-/// Writes the project with the identified values; everything else of the file stays as it is.
-fn save(loaded: &Loaded, found: &Identified, path: &std::path::Path) -> Result<()> {
-    let plant = improved(&loaded.project.plant, found);
-    let project = Project { plant, ..loaded.project.clone() };
-    let document = project.update(&loaded.document, &loaded.project)?;
-    files::write(path, document.text().as_bytes())
 }
 
 fn print(found: &Identified) {
