@@ -7,8 +7,7 @@
 //! *Invariant*: no file system, no clock, no compiler: text in memory only.
 //!
 //! Modules in reading order: [`source`], [`provenance`], [`c99`](mod@c99), [`rust_crate`](mod@rust_crate), [`ranges`],
-//! [`rounding`], [`fixed`], [`targets`](mod@targets), [`fmi`], [`vectors`],
-//! [`check`](mod@check).
+//! [`rounding`], [`fixed`], [`targets`](mod@targets), [`board`], [`fmi`], [`vectors`], [`check`](mod@check).
 //!
 //! ```
 //! use counterpoise_controller::{Controller, Parts};
@@ -21,6 +20,7 @@
 //! ```
 #![allow(non_snake_case)]
 
+pub mod board;
 pub mod c99;
 pub mod check;
 pub mod error;

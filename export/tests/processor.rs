@@ -4,89 +4,20 @@
 
 mod support;
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+#[path = "support/target.rs"]
+mod target;
 
 use counterpoise_controller::{Controller, Number, READINGS};
 use counterpoise_export::Source::Unverified;
-use counterpoise_export::{File, Fixed, FixedRunner, Options, Precision, Ranges, c99, fixed_c99, plan};
-use support::{
-    Random, Request, STRICT, Target, equal_to_the_last_bit, folder, is_there, provenance, reference,
-    requests, run, server, server_in, typical, write,
+use counterpoise_export::board::{CORES, Core};
+use counterpoise_export::{
+    File, Fixed, FixedRunner, Numbers, Options, Precision, Ranges, c99, fixed_c99, plan,
 };
-
-/// A core, QEMU's board for it, and the compiler's flags.
-struct Core {
-    name: &'static str,
-    machine: &'static str,
-    flags: [&'static str; 4],
-}
-
-const CORES: [Core; 2] = [
-    Core {
-        name: "Cortex-M4F",
-        machine: "mps2-an386",
-        flags: ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"],
-    },
-    Core {
-        name: "Cortex-M7",
-        machine: "mps2-an500",
-        flags: ["-mcpu=cortex-m7", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv5-d16"],
-    },
-];
-
-const COMPILER: &str = "arm-none-eabi-gcc";
-const EMULATOR: &str = "qemu-system-arm";
-
-fn tools_are_there() -> bool {
-    let missing: Vec<&str> = [COMPILER, EMULATOR].into_iter().filter(|tool| !is_there(tool)).collect();
-    if !missing.is_empty() {
-        println!(
-            "skipped: {} missing (apt install gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm)",
-            missing.join(", ")
-        );
-    }
-    missing.is_empty()
-}
-
-/// Cross-compiles sources in a folder, the controller itself without a warning allowed.
-fn build(core: &Core, folder: &Path, own: &[&str], harness: &[&str], defines: &[&str]) -> PathBuf {
-    let board = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/target");
-    let common = ["-O2", "-ffp-contract=off", "-c"];
-    for source in own {
-        let strict = STRICT.iter().filter(|flag| !flag.starts_with("-O"));
-        let stack = ["-fstack-usage"];
-        run(Command::new(COMPILER)
-            .current_dir(folder)
-            .args(core.flags)
-            .args(strict)
-            .args(common)
-            .args(stack)
-            .arg(source));
-    }
-    let objects: Vec<String> = own.iter().map(|source| source.replace(".c", ".o")).collect();
-    let link =
-        ["-std=gnu99", "-O2", "-ffp-contract=off", "-nostartfiles", "--specs=rdimon.specs", "-I.", "-T"];
-    run(Command::new(COMPILER)
-        .current_dir(folder)
-        .args(core.flags)
-        .args(link)
-        .arg(board.join("mps2.ld"))
-        .arg(board.join("startup.c"))
-        .args(defines)
-        .args(harness)
-        .args(&objects)
-        .args(["-lm", "-o", "firmware.elf"]));
-    folder.join("firmware.elf")
-}
-
-fn emulator(core: &Core, firmware: &Path) -> Command {
-    let mut command = Command::new(EMULATOR);
-    let board = ["-M", core.machine, "-nographic", "-monitor", "none", "-serial", "none"];
-    command.args(board).args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(firmware);
-    command.stderr(Stdio::inherit());
-    command
-}
+use support::{
+    Random, Request, Target, equal_to_the_last_bit, folder, provenance, reference, requests, server,
+    server_in, typical, write,
+};
+use target::{build, cost, emulator, tools_are_there};
 
 fn known_ranges(controller: &Controller) -> Ranges {
     let mut random = Random(3);
@@ -97,37 +28,6 @@ fn known_ranges(controller: &Controller) -> Ranges {
 
 fn fixed(controller: &Controller) -> Fixed {
     plan(controller, &known_ranges(controller), 1e-2, 2000).unwrap()
-}
-
-/// What a step costs on a core.
-#[derive(Debug)]
-struct Cost {
-    instructions: u64,
-    flash_bytes: u64,
-    state_bytes: u64,
-    stack_bytes: u64,
-}
-
-fn cost(core: &Core, kind: &str, files: &[File]) -> Cost {
-    let folder = folder(&format!("count_{}_{kind}", core.machine));
-    write(&folder, files);
-    let count = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/target/count.c");
-    let defines: &[&str] = if kind == "fixed" { &["-DAXIS_FIXED"] } else { &[] };
-    let firmware = build(core, &folder, &["axis.c", "axis_self_test.c"], &[count.to_str().unwrap()], defines);
-    let said = run(emulator(core, &firmware).args(["-icount", "shift=0"]));
-    let words: Vec<&str> = said.split_whitespace().collect();
-    assert_eq!(words[..2], ["wrong", "0"], "{said}");
-    let number = |text: &str| text.parse::<u64>().unwrap();
-    let size = run(Command::new("arm-none-eabi-size").current_dir(&folder).arg("axis.o"));
-    let flash = size.lines().nth(1).unwrap().split_whitespace().next().unwrap().to_owned();
-    let usage = std::fs::read_to_string(folder.join("axis.su")).unwrap();
-    let stack = usage.lines().map(|line| number(line.split('\t').nth(1).unwrap())).max().unwrap();
-    Cost {
-        instructions: number(words[3]),
-        flash_bytes: number(&flash),
-        state_bytes: number(words[5]),
-        stack_bytes: stack,
-    }
 }
 
 #[test]
@@ -141,27 +41,29 @@ fn a_step_costs_what_its_multiplications_need() {
     println!("one step: {multiplications} multiplications, {additions} additions");
     let exact = |options: Options| c99(Unverified(&controller), &provenance(), &options).unwrap();
     let kinds = [
-        ("single", exact(Options::single("axis"))),
-        ("double", exact(Options::double("axis"))),
-        ("fixed", fixed_c99(Unverified(&controller), &fixed(&controller), &provenance(), "axis").unwrap()),
+        (Numbers::Single, exact(Options::single("axis"))),
+        (Numbers::Double, exact(Options::double("axis"))),
+        (
+            Numbers::Fixed,
+            fixed_c99(Unverified(&controller), &fixed(&controller), &provenance(), "axis").unwrap(),
+        ),
     ];
     for core in &CORES {
-        for (kind, files) in &kinds {
-            let cost = cost(core, kind, files);
-            println!("{} {kind}: {cost:?}", core.name);
-            if *kind == "single" {
+        for (numbers, files) in &kinds {
+            let cost = cost(core, "count", ("axis", *numbers), files);
+            println!("{} {numbers:?}: {cost:?}", core.name);
+            if *numbers == Numbers::Single {
                 // One instruction each for product, sum and the load of its coefficient, one to store and one to load a
                 // state; the rest is call, limits and addresses.
                 let states = controller.programs().state_count();
                 let needed = (2 * multiplications + additions + 2 * states) as u64;
-                assert!(cost.instructions < 2000, "{cost:?}");
-                assert!(
-                    cost.instructions < needed + needed / 2 && cost.instructions > needed / 2,
-                    "{cost:?} {needed}"
-                );
+                let found = cost.step_instructions;
+                assert!(found < 2000, "{cost:?}");
+                assert!(found < needed + needed / 2 && found > needed / 2, "{cost:?} {needed}");
             }
             assert!(cost.flash_bytes < 16 * 1024 && cost.stack_bytes < 1024, "{cost:?}");
             assert!(cost.state_bytes <= 8 * controller.programs().state_count() as u64);
+            assert!(cost.set_instructions < cost.step_instructions, "{cost:?}");
         }
     }
 }
@@ -171,8 +73,8 @@ fn answers(core: &Core, test: &str, files: &[File], main: &str, asked: &[(usize,
     let folder = folder(&format!("{test}_{}", core.machine));
     write(&folder, files);
     std::fs::write(folder.join("server.c"), main).unwrap();
-    let firmware = build(core, &folder, &["controller_0.c"], &["server.c"], &[]);
-    Target::launch(&mut emulator(core, &firmware)).ask_all(asked)
+    build(core, &folder, &["controller_0.c".into()], "server.c");
+    Target::launch(&mut emulator(core, &folder)).ask_all(asked)
 }
 
 fn compare<N: Number>(core: &Core, precision: Precision) {

@@ -89,7 +89,7 @@ fn a_processor_in_the_simulated_loop_moves_the_rig_as_the_reference_does() {
     let files = c99(Unverified(&controller), &provenance(), &Options::single("controller")).unwrap();
     write(&folder, &files);
     std::fs::write(folder.join("server.c"), server(&["controller".into()])).unwrap();
-    let board = Path::new(env!("CARGO_MANIFEST_DIR")).join("../export/tests/target");
+    let board = Path::new(env!("CARGO_MANIFEST_DIR")).join("../export/target");
     let core = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"];
     let link = ["-std=gnu99", "-O2", "-ffp-contract=off", "-nostartfiles", "--specs=rdimon.specs", "-T"];
     run(Command::new("arm-none-eabi-gcc")

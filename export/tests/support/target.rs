@@ -1,0 +1,66 @@
+//! Cross compiler and emulator, for the tests that have them.
+#![allow(dead_code)]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use counterpoise_export::board::{COMPILER, Core, Cost, EMULATOR, LINK, SIZER, counter, emulate};
+use counterpoise_export::{File, Numbers};
+
+use super::support::{STRICT, folder, is_there, run, write};
+
+/// Whether the tools are there; says which are missing.
+pub fn tools_are_there() -> bool {
+    let missing: Vec<&str> = [COMPILER, EMULATOR].into_iter().filter(|tool| !is_there(tool)).collect();
+    if !missing.is_empty() {
+        println!(
+            "skipped: {} missing (apt install gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm)",
+            missing.join(", ")
+        );
+    }
+    missing.is_empty()
+}
+
+/// Cross-compiles sources in a folder without a warning allowed; gives the objects.
+pub fn compile(core: &Core, folder: &Path, own: &[String]) -> Vec<String> {
+    for source in own {
+        let strict = STRICT.iter().filter(|flag| !flag.starts_with("-O"));
+        let mut command = Command::new(COMPILER);
+        command.current_dir(folder).args(core.flags).args(strict);
+        command.args(["-O2", "-ffp-contract=off", "-fstack-usage", "-c"]).arg(source);
+        assert_eq!(run(&mut command), "");
+    }
+    own.iter().map(|source| source.replace(".c", ".o")).collect()
+}
+
+/// Links `firmware.elf` from the controller's sources and a program.
+pub fn build(core: &Core, folder: &Path, own: &[String], program: &str) -> PathBuf {
+    let objects = compile(core, folder, own);
+    let board: Vec<File> = counter("axis", Numbers::Double);
+    for file in board.iter().filter(|file| file.name != "count.c") {
+        std::fs::write(folder.join(&file.name), &file.text).unwrap();
+    }
+    let mut linker = Command::new(COMPILER);
+    linker.current_dir(folder).args(core.flags).args(LINK).args(["startup.c", program]);
+    run(linker.args(&objects).args(["-lm", "-o", "firmware.elf"]));
+    folder.join("firmware.elf")
+}
+
+/// The emulator with the firmware of a folder.
+pub fn emulator(core: &Core, folder: &Path) -> Command {
+    let mut command = Command::new(EMULATOR);
+    command.current_dir(folder).args(emulate(core)).stderr(Stdio::inherit());
+    command
+}
+
+/// What the code called `name` costs on a core.
+pub fn cost(core: &Core, test: &str, (name, numbers): (&str, Numbers), files: &[File]) -> Cost {
+    let folder = folder(&format!("{test}_{}_{numbers:?}", core.machine));
+    write(&folder, files);
+    write(&folder, &counter(name, numbers));
+    build(core, &folder, &[format!("{name}.c"), format!("{name}_self_test.c")], "count.c");
+    let said = run(&mut emulator(core, &folder));
+    let size = run(Command::new(SIZER).current_dir(&folder).arg(format!("{name}.o")));
+    let usage = std::fs::read_to_string(folder.join(format!("{name}.su"))).unwrap();
+    Cost::read(&said, &size, &usage).unwrap_or_else(|| panic!("{said}{size}{usage}"))
+}
