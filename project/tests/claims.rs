@@ -24,9 +24,16 @@ fn every_claim_of_the_thesis_is_answered_on_the_reference_rig() {
         println!("{:4} {:?}\n     {}\n     {}", row.id, row.finding, row.says, row.measured);
         assert!(!row.measured.contains("NaN"), "{}: {}", row.id, row.measured);
     }
-    let ids: Vec<String> = (1..=27).map(|k| format!("C{k}")).collect();
+    let thesis = (1..=27).map(|k| format!("C{k}"));
+    let ids: Vec<String> = thesis.chain((1..=4).map(|k| format!("F{k}"))).collect();
+    for row in &rows {
+        assert!(!matches!(row.finding, Finding::NotMeasured { .. }), "{}", row.id);
+        if let Finding::Differs { why } = &row.finding {
+            assert!(!why.is_empty(), "{}", row.id);
+        }
+    }
     assert_eq!(rows.iter().map(|row| row.id).collect::<Vec<_>>(), ids);
-    for id in ["C5", "C7"] {
+    for id in ["C5", "C7", "C19", "C20"] {
         let row = rows.iter().find(|row| row.id == id).unwrap();
         assert_eq!(row.finding, Finding::Holds, "{id}: {}", row.measured);
     }

@@ -6,9 +6,14 @@
 //! The source is D. K. Dholiwar, *Control of out-of-balance servo mechanism subjected to external disturbances*, PhD thesis,
 //! Loughborough University, 2007.
 //!
-//! Modules in reading order: [`bench`], [`structure`], [`linear`], [`nonlinear`], [`imbalance`], [`tests_of`], [`weights`].
+//! Modules in reading order: [`bench`], [`structure`], [`linear`], [`nonlinear`], [`imbalance`], [`friction_laws`], [`tests_of`],
+//! [`identified`], [`adaptation`], [`weights`], [`beyond`].
 
+pub mod adaptation;
 pub mod bench;
+pub mod beyond;
+pub mod friction_laws;
+pub mod identified;
 pub mod imbalance;
 pub mod linear;
 pub mod nonlinear;
@@ -24,7 +29,7 @@ use crate::pipeline::{PipelineError, World};
 /// A row of the table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Claim {
-    /// C1 to C27.
+    /// C1 to C27, and F1 to F4 for what the thesis asks for beyond itself.
     pub id: &'static str,
     /// Where in the thesis.
     pub source: &'static str,
@@ -70,7 +75,7 @@ impl Finding {
 /// A row and what measures it.
 type Row = fn(&Bench<'_>) -> Result<Claim, PipelineError>;
 
-const ROWS: [Row; 22] = [
+const ROWS: [Row; 31] = [
     structure::c1,
     structure::c2,
     structure::c3,
@@ -85,48 +90,23 @@ const ROWS: [Row; 22] = [
     nonlinear::c12,
     imbalance::c13,
     imbalance::c14,
+    friction_laws::c15,
+    friction_laws::c16,
     tests_of::c17,
     tests_of::c18,
+    identified::c19,
+    identified::c20,
     tests_of::c21,
     imbalance::c22,
     nonlinear::c23,
+    adaptation::c24,
     nonlinear::c25,
     weights::c26,
     weights::c27,
-];
-
-/// Rows that this command does not measure.
-const ELSEWHERE: [(&str, &str, &str, &str); 5] = [
-    (
-        "C15",
-        "7.2, figs 7-2 to 7-5",
-        "friction models agree at large amplitude and differ at small; Dahl fits the rig best",
-        "the frequency map of the friction laws is not part of this command",
-    ),
-    (
-        "C16",
-        "7.2",
-        "Dahl runs 1.5 times as fast as the reset integrator and 3 times as fast as LuGre",
-        "results do not depend on a clock: the speed is a benchmark's",
-    ),
-    (
-        "C19",
-        "7.3, fig 7-10",
-        "u against hub rate shows out-of-balance, friction, viscous friction and inertia",
-        "identification from recordings is not part of this command",
-    ),
-    (
-        "C20",
-        "7.3.1, tables 7-1, 7-2",
-        "the amplifier's gain curve is recovered without a stall test",
-        "identification from recordings is not part of this command",
-    ),
-    (
-        "C24",
-        "7.6, fig 7-18",
-        "the mean of the control updates the heave feedforward after steps of out-of-balance",
-        "a mechanism that changes during a run is not part of this command",
-    ),
+    adaptation::f1,
+    beyond::f2,
+    friction_laws::f3,
+    beyond::f4,
 ];
 
 /// Measures every row, in order. `progress` is told the number of rows done and of all.
@@ -144,13 +124,5 @@ pub fn claims(
         progress(done, ROWS.len());
         rows.push(row(&bench)?);
     }
-    rows.extend(ELSEWHERE.map(|(id, source, says, why)| Claim {
-        id,
-        source,
-        says,
-        measured: String::new(),
-        finding: Finding::NotMeasured { why },
-    }));
-    rows.sort_by_key(|claim| claim.id[1..].parse::<u32>().unwrap_or(u32::MAX));
     Ok(rows)
 }

@@ -70,6 +70,9 @@ pub enum PipelineError {
     /// The simulator refused.
     #[error("simulation: {0}")]
     Simulate(#[from] counterpoise_simulate::Error),
+    /// The identification refused.
+    #[error("identification: {0}")]
+    Diagnose(#[from] counterpoise_diagnose::Error),
     /// A recording cannot be used.
     #[error("recording: {0}")]
     Recording(#[from] crate::recording::RecordingError),
