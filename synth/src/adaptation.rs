@@ -243,12 +243,22 @@ pub struct Adaptive {
     estimation: Estimation,
     start: Estimation,
     history: Vec<f64>,
+    held_samples: usize,
+    samples: usize,
 }
 
 impl Adaptive {
     /// The controller with its estimator.
     pub fn new(runner: Runner, estimation: Estimation) -> Self {
-        Self { runner, start: estimation.clone(), estimation, history: Vec::new() }
+        let start = estimation.clone();
+        Self { runner, start, estimation, history: Vec::new(), held_samples: 0, samples: 0 }
+    }
+
+    /// The same, but estimates are used only after so many samples; before, they are made and not used.
+    #[must_use]
+    pub fn held(mut self, samples: usize) -> Self {
+        self.held_samples = samples;
+        self
     }
 
     /// Every out-of-balance that was set, kg m, in order.
@@ -262,6 +272,7 @@ impl SampledController for Adaptive {
         self.runner.reset();
         self.estimation = self.start.clone();
         self.history.clear();
+        self.samples = 0;
     }
 
     fn step(&mut self, readings: &Readings) -> f64 {
@@ -270,7 +281,8 @@ impl SampledController for Adaptive {
             Estimation::Mean(mean) => mean.update(readings, control),
             Estimation::Squares(squares) => Some(squares.update(readings, control)),
         };
-        if let Some(out_of_balance) = estimate {
+        self.samples += 1;
+        if let Some(out_of_balance) = estimate.filter(|_| self.samples > self.held_samples) {
             self.runner.set_out_of_balance(out_of_balance);
             self.history.push(out_of_balance);
         }

@@ -3,8 +3,8 @@
 use counterpoise_lti::{Mat, StateSpace, Timebase, append, series};
 
 use crate::{
-    Assembly, Channel, DesignPlant, Error, Feedback, Feedforward, Finding, Outcome, Specification, feedback,
-    feedforward, preflight,
+    Assembly, Basis, Channel, DesignPlant, Error, Feedback, Feedforward, Finding, Outcome, Specification,
+    feedback, feedforward, preflight,
 };
 
 /// A designed controller, continuous, with its certificates.
@@ -22,6 +22,9 @@ pub struct Design {
     pub plant: DesignPlant,
     /// Findings of the preflight that do not stand in the way.
     pub warnings: Vec<Finding>,
+    /// A feedback controller from (demand, measured rate) to the control in place of the three-part one's: another
+    /// method's, or one of lower order.
+    pub substitute: Option<StateSpace>,
 }
 
 /// The three-part H2 design.
@@ -44,14 +47,33 @@ pub fn design(plant: &DesignPlant, specification: &Specification) -> Result<Outc
     let mut parts = [None, None];
     for (part, channel) in parts.iter_mut().zip([Channel::Heave, Channel::Pitch]) {
         let Some(weights) = specification.feedforward(channel) else { continue };
-        match feedforward(plant, weights, channel)? {
+        let solved = match weights.basis {
+            Basis::OpenLoop => feedforward(plant, weights, channel)?,
+            Basis::ClosedLoop => feedforward(&with_feedback(plant, &feedback)?, weights, channel)?,
+        };
+        match solved {
             Outcome::Solved(solution) => *part = Some(solution),
             Outcome::Infeasible(reasons) => return Ok(Outcome::Infeasible(reasons)),
         }
     }
     let [heave, pitch] = parts;
     let (specification, plant) = (specification.clone(), plant.clone());
-    Ok(Outcome::Solved(Design { feedback, heave, pitch, specification, plant, warnings: findings }))
+    let warnings = findings;
+    Ok(Outcome::Solved(Design { feedback, heave, pitch, specification, plant, warnings, substitute: None }))
+}
+
+/// The plant with the feedback around it, its sensor and delay inside: states \[plant; controller\].
+fn with_feedback(plant: &DesignPlant, feedback: &Feedback) -> Result<DesignPlant, Error> {
+    let (seen, K) = (plant.measured()?, feedback.controller.select(&[0], &[1]));
+    let (n, k, outputs) = (seen.order(), K.order(), seen.outputs() - 1);
+    let column = seen.B.block(0, plant.control, n, 1);
+    let row = seen.C.block(0, 0, 1, n);
+    let A = Mat::from_blocks(&[&[&seen.A, &(&column * &K.C)], &[&(&K.B * &row), &K.A]]);
+    let B = seen.B.vstack(&Mat::zeros(k, seen.inputs()));
+    let C = seen.C.block(1, 0, outputs, n).hstack(&Mat::zeros(outputs, k));
+    let D = seen.D.block(1, 0, outputs, seen.inputs());
+    let system = StateSpace::new(A, B, C, D, Timebase::Continuous)?;
+    Ok(DesignPlant { system, hub_sensor: None, delay_s: 0.0, pade_order: 0, ..plant.clone() })
 }
 
 impl Design {
@@ -65,7 +87,8 @@ impl Design {
 
     /// The feedback controller C0 from (demand, measured rate) to the control.
     pub fn feedback_controller(&self) -> StateSpace {
-        self.feedback.controller.select(&[0], &[0, 1])
+        let own = || self.feedback.controller.select(&[0], &[0, 1]);
+        self.substitute.clone().unwrap_or_else(own)
     }
 
     /// The feedforward module of a channel from the measured disturbance to the control.

@@ -132,10 +132,14 @@ fn finish(
 
 fn problem(plant: &DesignPlant, weights: &FeedforwardWeights, channel: Channel) -> Result<Problem, Error> {
     let system = plant.delayed()?;
+    let weighed = weights.output.unwrap_or(plant.rate);
+    if weighed >= system.outputs() {
+        return Err(Error::Index { what: "weighed output", index: weighed, count: system.outputs() });
+    }
     let (n, columns) = (system.order(), plant.columns(channel));
     let mut entering = columns.to_vec();
     entering.push(plant.control);
-    if entering.iter().any(|&input| system.D[(plant.rate, input)] != 0.0) {
+    if entering.iter().any(|&input| system.D[(weighed, input)] != 0.0) {
         return Err(Error::System {
             what: "plant",
             problem: "an input reaches the rate directly (D is not zero)",
@@ -144,7 +148,7 @@ fn problem(plant: &DesignPlant, weights: &FeedforwardWeights, channel: Channel) 
     let generator = with_derivatives(&weights.generator.realise()?, columns.len())?;
     let core = Augmented {
         B: system.B.block(0, plant.control, n, 1),
-        C: system.C.block(plant.rate, 0, 1, n),
+        C: system.C.block(weighed, 0, 1, n),
         further: Mat::zeros(0, n),
         error: weights.error.realise()?,
         control: weights.control.realise_inverse()?,

@@ -87,9 +87,11 @@ pub use plant::{Channel, DesignPlant};
 pub use preflight::preflight;
 pub use rational::Rational;
 pub use schedule::{
-    Conditions, Configuration, Entry, Law, discretise_schedule, schedule, stabilisation_error,
+    Conditions, Configuration, Entry, Law, discretise_schedule, error_at, schedule, stabilisation_error,
 };
 pub use search::{Ended, Found, Requirements, Trial, search, trade_off};
-pub use specification::{Assembly, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, Specification};
+pub use specification::{
+    Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, Specification,
+};
 pub use table::{Fit, fit_table};
 pub use weight::Weight;

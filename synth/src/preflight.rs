@@ -103,9 +103,10 @@ fn check_feedforward(
         return Ok(findings);
     }
     let system = plant.delayed()?;
-    let gain = Gain::of(&system.select(&[plant.rate], &[plant.control]))?;
+    let weighed = weights.output.unwrap_or(plant.rate);
+    let gain = Gain::of(&system.select(&[weighed], &[plant.control]))?;
     findings.extend(against_plant(part, &weights.error, &weights.control, &gain)?);
-    let disturbed = Gain::of(&system.select(&[plant.rate], columns))?;
+    let disturbed = Gain::of(&system.select(&[weighed], columns))?;
     if disturbed.largest == 0.0 {
         findings.push(Finding::warning(part, Cause::ChannelWithoutEffect));
     }

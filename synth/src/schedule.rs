@@ -267,6 +267,23 @@ pub fn stabilisation_error(
     channel: Channel,
     gain: f64,
 ) -> Result<f64, Error> {
+    error_at(plant, design, channel, (gain, plant.rate))
+}
+
+/// As [`stabilisation_error`], at any output of the plant: the tip's rate, for instance.
+///
+/// # Errors
+/// As [`stabilisation_error`], and [`Error::Index`] for an output that is none.
+pub fn error_at(
+    plant: &DesignPlant,
+    design: &Design,
+    channel: Channel,
+    (gain, output): (f64, usize),
+) -> Result<f64, Error> {
+    let count = plant.system.outputs();
+    if output >= count {
+        return Err(Error::Index { what: "output", index: output, count });
+    }
     let missing = Error::System { what: "design", problem: "it has no feedforward for this channel" };
     let (Some(module), Some(weights)) =
         (design.feedforward_controller(channel), design.specification.feedforward(channel))
@@ -289,7 +306,7 @@ pub fn stabilisation_error(
     let inputs: Vec<usize> = columns.iter().copied().chain([plant.control]).collect();
     let open = append(&driven, &StateSpace::gain(Mat::eye(1), Timebase::Continuous)?)?;
     let sum = StateSpace::gain(added(columns.len()), Timebase::Continuous)?;
-    let P = series(&series(&open, &sum)?, &seen.select(&[1 + plant.rate, 0], &inputs))?;
+    let P = series(&series(&open, &sum)?, &seen.select(&[1 + output, 0], &inputs))?;
     let K = design.feedback_controller().select(&[0], &[1]);
     Ok(h2norm(&lft(&P, &K)?)?)
 }

@@ -71,6 +71,20 @@ pub struct FeedforwardWeights {
     pub generator: Weight,
     /// What is known of the disturbance.
     pub knowledge: Knowledge,
+    /// The output whose rate is weighed: the tip, for instance; `None` for the rate that is controlled.
+    pub output: Option<usize>,
+    /// The plant that the feedforward is designed on.
+    pub basis: Basis,
+}
+
+/// The plant that a feedforward is designed on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Basis {
+    /// The plant alone: G and G_d.
+    #[default]
+    OpenLoop,
+    /// The plant with the feedback around it: S G and S G_d. The module then knows what the feedback will do.
+    ClosedLoop,
 }
 
 /// What the feedforward knows of the disturbance.

@@ -3,7 +3,7 @@
 
 use counterpoise_lti::{C64, Mat, StateSpace, Timebase, poles, response::response_at};
 use counterpoise_synth::{
-    Channel, DesignPlant, Feedforward, FeedforwardWeights, Knowledge, Outcome, Weight, feedforward,
+    Basis, Channel, DesignPlant, Feedforward, FeedforwardWeights, Knowledge, Outcome, Weight, feedforward,
 };
 use rustfft::num_complex::Complex;
 
@@ -26,6 +26,8 @@ fn weights(knowledge: Knowledge) -> FeedforwardWeights {
         control: Weight::Quadratic { gain: 0.1, second_s2: 1e-3, first_s: 4e-2 },
         generator: Weight::Lag { gain: 2.0, time_s: 0.3 },
         knowledge,
+        output: None,
+        basis: Basis::OpenLoop,
     }
 }
 

@@ -4,9 +4,10 @@ use counterpoise_export::{Options, Precision};
 use counterpoise_lti::Discretisation;
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_synth::{
-    Assembly, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, Specification,
+    Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, Specification,
 };
 
+use super::around::{self, Around};
 use super::model::count;
 use super::weight::{blank_weight, weight};
 use crate::file::field::{Field, Limit, TableField};
@@ -49,6 +50,8 @@ pub struct Synthesis {
     pub discretisation: Discretisation,
     /// Time in which the step of a changed out-of-balance fades in, s.
     pub transfer_time_s: f64,
+    /// Method, order, observer, schedule, adaptation, search.
+    pub around: Around,
 }
 
 /// What code is generated.
@@ -162,6 +165,7 @@ pub(crate) fn blank_synthesis() -> Synthesis {
         pade_order: 2,
         discretisation: Discretisation::Tustin { prewarp_rad_s: None },
         transfer_time_s: 0.0,
+        around: Around::default(),
     }
 }
 
@@ -172,6 +176,8 @@ fn blank_feedforward() -> FeedforwardWeights {
         control: blank_weight(),
         generator: blank_weight(),
         knowledge,
+        output: None,
+        basis: Basis::OpenLoop,
     }
 }
 
@@ -219,6 +225,7 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis) {
     let transfer =
         Field::new("transfer_time", "in which a changed out-of-balance fades in").unit("s").limit(AT_LEAST_0);
     v.number(&transfer.or(0.0), &mut synth.transfer_time_s);
+    around::keys(v, &mut synth.around);
     table(
         v,
         &TableField::required("feedback", "weights of the feedback"),
@@ -233,6 +240,15 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis) {
     optional(v, &pitch, &mut specification.pitch, blank_feedforward(), |v, part| {
         feedforward(v, part, "(rad/s)^2 s")
     });
+    around::tables(v, &mut synth.around);
+    if specification.assembly == Assembly::Grimble {
+        let apart = |part: &FeedforwardWeights| part.output.is_some() || part.basis == Basis::ClosedLoop;
+        if [&specification.heave, &specification.pitch].into_iter().flatten().any(apart) {
+            let allowed =
+                "must be \"simple-add\" where a feedforward weighs the tip or is designed on the closed loop";
+            v.complain("assembly", allowed, None);
+        }
+    }
 }
 
 fn discretisation(v: &mut dyn Visit, method: &mut Discretisation) {
@@ -314,7 +330,32 @@ fn indexed(v: &mut dyn Visit, fields: &[(Field, usize)], values: &mut Vec<(usize
     }
 }
 
+/// The rate that a feedforward weighs, by name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Weighed {
+    Hub,
+    Tip,
+}
+
+impl Choice for Weighed {
+    const NAMES: &'static [(&'static str, Self)] = &[("hub", Self::Hub), ("tip", Self::Tip)];
+}
+
+impl Choice for Basis {
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("open-loop", Self::OpenLoop), ("closed-loop", Self::ClosedLoop)];
+}
+
+fn weighed(v: &mut dyn Visit, part: &mut FeedforwardWeights) {
+    let mut which = if part.output == Some(LinearPlant::TIP_RATE) { Weighed::Tip } else { Weighed::Hub };
+    choose(v, &Field::new("output", "whose rate is weighed").or_text("hub"), &mut which);
+    part.output = (which == Weighed::Tip).then_some(LinearPlant::TIP_RATE);
+    let basis = Field::new("basis", "plant that it is designed on: alone, or with the feedback around it");
+    choose(v, &basis.or_text("open-loop"), &mut part.basis);
+}
+
 fn feedforward(v: &mut dyn Visit, part: &mut FeedforwardWeights, noise_unit: &'static str) {
+    weighed(v, part);
     let (mut known, mut noise) = match part.knowledge {
         Knowledge::Exact => (Known::Exact, f64::NAN),
         Knowledge::Measured { noise } => (Known::Measured, noise),
@@ -384,7 +425,7 @@ fn identifier(name: &str) -> Option<&'static str> {
     } else if !plain {
         Some("may hold only a to z, 0 to 9 and _")
     } else if name.len() > LONGEST_NAME {
-        Some("must not be longer than 24 characters")
+        Some("must not be longer than 18 characters")
     } else {
         None
     }

@@ -1,5 +1,6 @@
 //! The project file resolved: every value present, in SI units, checked against its range and its neighbours.
 
+pub mod around;
 mod changes;
 mod checks;
 mod controller;
@@ -200,8 +201,8 @@ impl Purpose {
     /// The sections that must be there; the others have usual values.
     pub fn sections(self) -> &'static [&'static str] {
         match self {
-            Self::Model | Self::Reduce | Self::Identify => &["plant"],
-            Self::Replay | Self::Diagnose => &["plant", "recording_controller"],
+            Self::Model | Self::Reduce | Self::Identify | Self::Diagnose => &["plant"],
+            Self::Replay => &["plant", "recording_controller"],
             Self::Synth => &["plant", "synth"],
             Self::Verify | Self::Design | Self::Export | Self::Sweep => &["plant", "synth", "verify"],
         }

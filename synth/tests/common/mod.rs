@@ -6,7 +6,8 @@ use counterpoise_models::{
     Angles, FrictionLinearisation, LinearPlant, OperatingPoint, Parameters, Plant, reference,
 };
 use counterpoise_synth::{
-    Assembly, DesignPlant, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, Specification, Weight,
+    Assembly, Basis, DesignPlant, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, Specification,
+    Weight,
 };
 
 /// The lumped reference rig, held at 0 rad, viscous friction, with its sensors and one sample of delay.
@@ -66,6 +67,8 @@ fn heave() -> FeedforwardWeights {
         control: Weight::Quadratic { gain: 1.0, second_s2: 1e-4, first_s: 1.4e-2 },
         generator: low_pass(1.0, 20.0),
         knowledge: Knowledge::Measured { noise: 2.5e-8 },
+        output: None,
+        basis: Basis::OpenLoop,
     }
 }
 
@@ -75,6 +78,8 @@ fn pitch() -> FeedforwardWeights {
         control: Weight::QuadraticFreeAtZero { gain: 1.0, second_s2: 1e-4, first_s: 1.4e-2 },
         generator: low_pass(0.1, 12.0),
         knowledge: Knowledge::Measured { noise: 4e-11 },
+        output: None,
+        basis: Basis::OpenLoop,
     }
 }
 

@@ -1,0 +1,356 @@
+//! What surrounds the three parts in `[synth]`: the method, the order, prefilter, friction observer, schedule, adaptation
+//! and the search for weights.
+
+use counterpoise_synth::{Drives, Method, Requirements, Weight};
+
+use super::model::count;
+use super::weight::{blank_weight, weight};
+use crate::file::field::{Field, Limit, TableField};
+use crate::file::visit::{Choice, Count, Visit, choose, maybe_number, optional, pair};
+
+/// What surrounds the three parts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Around {
+    /// The method of the feedback that is built.
+    pub method: Method,
+    /// Further methods, shown beside it with the same figures.
+    pub alternatives: Vec<Method>,
+    /// States that are kept of the feedback; `None` keeps them all.
+    pub controller_order: Option<usize>,
+    /// Filter of the demand before the controller.
+    pub prefilter: Option<Weight>,
+    /// Nonlinear observer of friction.
+    pub observer: Option<ObserverAsked>,
+    /// Designs over out-of-balance.
+    pub schedule: Option<ScheduleAsked>,
+    /// Estimation of the out-of-balance while the machine runs.
+    pub adaptation: Option<Adaptation>,
+    /// Requirements from which weights are searched.
+    pub search: Option<SearchAsked>,
+}
+
+/// Which friction is cancelled, and how.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ObserverAsked {
+    /// What drives its friction state.
+    pub drives: Drives,
+    /// Part that is cancelled, 0 to 1.
+    pub share: f64,
+    /// Friction at the motor shaft, as identified; `None` takes the plant's.
+    pub motor: Option<Levels>,
+    /// Friction at the pivot, as identified; `None` takes the plant's.
+    pub pivot: Option<Levels>,
+}
+
+/// A dry friction as it was identified.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Levels {
+    /// Coulomb level, N m; 0 where none is to be cancelled.
+    pub coulomb_nm: f64,
+    /// Rest stiffness, N m/rad.
+    pub rest_stiffness_nm_rad: f64,
+}
+
+/// The states of balance that are designed for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScheduleAsked {
+    /// Names of the plant's configurations: masses fitted, inertia changed with them.
+    pub configurations: Vec<String>,
+    /// Factors on the out-of-balance alone, inertia kept.
+    pub factors: Vec<f64>,
+    /// What the exported controller takes.
+    pub law: LawAsked,
+}
+
+/// What the exported controller takes of a schedule.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LawAsked {
+    /// The gain law where it stands in for every redesign, else the redesigns, interpolated.
+    Auto,
+    /// The gain law.
+    Gain,
+    /// The redesigns, interpolated.
+    Redesign,
+}
+
+/// How the out-of-balance is estimated from the control.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Adaptation {
+    /// Method.
+    pub method: AdaptationMethod,
+    /// Window of the mean, s.
+    pub window_s: f64,
+    /// Forgetting time of least squares, s.
+    pub memory_s: f64,
+    /// Excitation below which least squares stand still, m/s^2.
+    pub dead_band_m_s2: f64,
+    /// Normalised step of the gradient, 0 to 2.
+    pub step: f64,
+    /// Rate at which the sign of a rate counts half, rad/s.
+    pub half_rate_rad_s: f64,
+    /// Largest change of the estimate, kg m/s.
+    pub rate_limit_kg_m_s: f64,
+    /// Whether its controller is exported with it, or the estimate is only tried in simulations.
+    pub trial: Trial,
+}
+
+/// Methods of adaptation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AdaptationMethod {
+    /// A normalised gradient, which is part of the exported controller.
+    Gradient,
+    /// The mean of the control over a window, in simulation.
+    WindowedMean,
+    /// Recursive least squares, in simulation.
+    Recursive,
+}
+
+/// The runs in which the adaptation is tried.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
+    /// Length of a run, s.
+    pub duration_s: f64,
+    /// Factors on the out-of-balance, one for each equal part of the run.
+    pub changes: Vec<f64>,
+    /// Gain curve of another amplifier, [control V, equivalent V]; empty for the plant's own alone.
+    pub amplifier_curve: Vec<[f64; 2]>,
+}
+
+/// Requirements, and how far the search goes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SearchAsked {
+    /// What the sampled loop must keep.
+    pub requirements: Requirements,
+    /// Most designs that are tried for one answer.
+    pub trials: usize,
+    /// Limits of the sensitivity at which the trade-off curve has its points.
+    pub ms_limits: Vec<f64>,
+}
+
+impl Choice for Method {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("three-part", Self::ThreePart),
+        ("joint-h2", Self::JointH2),
+        ("lqg-ltr", Self::LqgLtr),
+        ("h-infinity", Self::HInfinity),
+    ];
+}
+
+impl Choice for Drives {
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("measured-rate", Self::MeasuredRate), ("demand", Self::Demand)];
+}
+
+impl Choice for LawAsked {
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("auto", Self::Auto), ("gain", Self::Gain), ("redesign", Self::Redesign)];
+}
+
+impl Choice for AdaptationMethod {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("gradient", Self::Gradient),
+        ("windowed-mean", Self::WindowedMean),
+        ("recursive", Self::Recursive),
+    ];
+}
+
+impl Default for Around {
+    /// The three-part design as it is.
+    fn default() -> Self {
+        Self {
+            method: Method::ThreePart,
+            alternatives: Vec::new(),
+            controller_order: None,
+            prefilter: None,
+            observer: None,
+            schedule: None,
+            adaptation: None,
+            search: None,
+        }
+    }
+}
+
+const ABOVE_0: Limit = Limit::Above(0.0);
+const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
+
+/// Reads or lists the keys of `[synth]` that are not the three parts'.
+pub(crate) fn keys(v: &mut dyn Visit, around: &mut Around) {
+    let method = Field::new("method", "method of the feedback that is built").or_text("three-part");
+    choose(v, &method, &mut around.method);
+    methods(v, &mut around.alternatives);
+    let mut order = around.controller_order.unwrap_or(0);
+    let field = Field::new("controller_order", "states kept of the feedback; 0 keeps all");
+    count(v, &field.limit(Limit::Between(0.0, 1000.0)).or(0.0), &mut order);
+    around.controller_order = (order > 0).then_some(order);
+}
+
+/// Reads or lists the tables of `[synth]` that are not the three parts'.
+pub(crate) fn tables(v: &mut dyn Visit, around: &mut Around) {
+    let section = TableField::optional("prefilter", "filter of the demand before the controller");
+    optional(v, &section, &mut around.prefilter, blank_weight(), prefilter);
+    let section = TableField::optional("observer", "nonlinear observer that cancels dry friction");
+    optional(v, &section, &mut around.observer, blank_observer(), observer);
+    let section = TableField::optional("schedule", "designs over out-of-balance");
+    optional(v, &section, &mut around.schedule, blank_schedule(), schedule);
+    let section = TableField::optional("adaptation", "out-of-balance estimated from the control");
+    optional(v, &section, &mut around.adaptation, blank_adaptation(), adaptation);
+    let section = TableField::optional("search", "requirements from which weights are searched");
+    optional(v, &section, &mut around.search, blank_search(), search);
+}
+
+fn methods(v: &mut dyn Visit, methods: &mut Vec<Method>) {
+    let mut names: Vec<String> = methods.iter().map(|m| m.name().to_owned()).collect();
+    let meaning = "further methods of the feedback, shown beside it with the same figures";
+    v.texts(&Field::new("alternatives", meaning).or_empty(), &mut names);
+    let known = |name: &String| Method::NAMES.iter().find(|(n, _)| n == name).map(|(_, m)| *m);
+    if let Some(unknown) = names.iter().find(|name| known(name).is_none()) {
+        let hint = crate::diagnostic::did_you_mean(unknown, Method::NAMES.iter().map(|(n, _)| *n));
+        let allowed = "may hold \"three-part\", \"joint-h2\", \"lqg-ltr\" and \"h-infinity\"";
+        v.complain("alternatives", allowed, hint);
+    }
+    *methods = names.iter().filter_map(known).collect();
+}
+
+fn prefilter(v: &mut dyn Visit, filter: &mut Weight) {
+    weight(v, filter);
+    let rational = filter.rational();
+    if rational.relative_degree() < 0 || rational.poles.iter().any(|pole| pole.re >= 0.0) {
+        v.complain("form", "must have no more zeros than poles, and all poles in the left half plane", None);
+    }
+}
+
+fn blank_observer() -> ObserverAsked {
+    ObserverAsked { drives: Drives::MeasuredRate, share: 1.0, motor: None, pivot: None }
+}
+
+fn observer(v: &mut dyn Visit, observer: &mut ObserverAsked) {
+    let drives = "rate that the friction follows: measured (feedback) or demanded (feedforward)";
+    choose(v, &Field::new("drives", drives).or_text("measured-rate"), &mut observer.drives);
+    let share = Field::new("share", "part of the level that is cancelled").limit(Limit::Between(0.0, 1.0));
+    v.number(&share.or(1.0).shown(), &mut observer.share);
+    let blank = Levels { coulomb_nm: f64::NAN, rest_stiffness_nm_rad: f64::NAN };
+    let motor = TableField::optional("motor", "friction at the motor shaft as identified; else the plant's");
+    optional(v, &motor, &mut observer.motor, blank, levels);
+    let pivot = TableField::optional("pivot", "friction at the pivot as identified; else the plant's");
+    optional(v, &pivot, &mut observer.pivot, blank, levels);
+}
+
+fn levels(v: &mut dyn Visit, levels: &mut Levels) {
+    let coulomb = Field::new("coulomb", "level of the sliding friction; 0 leaves it alone").unit("N m");
+    v.number(&coulomb.limit(AT_LEAST_0), &mut levels.coulomb_nm);
+    let stiffness = Field::new("rest_stiffness", "stiffness at rest").unit("N m/rad");
+    v.number(&stiffness.limit(ABOVE_0), &mut levels.rest_stiffness_nm_rad);
+}
+
+fn blank_schedule() -> ScheduleAsked {
+    ScheduleAsked { configurations: Vec::new(), factors: Vec::new(), law: LawAsked::Auto }
+}
+
+fn schedule(v: &mut dyn Visit, schedule: &mut ScheduleAsked) {
+    let names = "configurations of the plant: masses fitted, inertia changed with them";
+    v.texts(&Field::new("configurations", names).or_empty(), &mut schedule.configurations);
+    let factors = Field::new("factors", "on the out-of-balance alone, inertia kept").limit(AT_LEAST_0);
+    v.numbers(&factors.or_empty(), Count::AtLeastOne, &mut schedule.factors);
+    choose(v, &Field::new("law", "what the exported controller takes").or_text("auto"), &mut schedule.law);
+    if schedule.configurations.is_empty() && schedule.factors.is_empty() {
+        v.complain("configurations", "must name a configuration where there are no factors", None);
+    }
+}
+
+fn blank_adaptation() -> Adaptation {
+    Adaptation {
+        method: AdaptationMethod::Gradient,
+        window_s: 1.0,
+        memory_s: 2.0,
+        dead_band_m_s2: 0.1,
+        step: 0.002,
+        half_rate_rad_s: 5e-3,
+        rate_limit_kg_m_s: 400.0,
+        trial: Trial { duration_s: 40.0, changes: vec![1.0, 0.5, 1.25, 0.75], amplifier_curve: Vec::new() },
+    }
+}
+
+fn adaptation(v: &mut dyn Visit, a: &mut Adaptation) {
+    let usual = blank_adaptation();
+    let method = "gradient is part of the exported code; the others run in `adapt`";
+    choose(v, &Field::new("method", method).or_text("gradient").shown(), &mut a.method);
+    match a.method {
+        AdaptationMethod::Gradient => {
+            let step = Field::new("step", "normalised step").limit(Limit::AboveTo(0.0, 1.9));
+            v.number(&step.or(usual.step), &mut a.step);
+        }
+        AdaptationMethod::WindowedMean => {
+            let window = Field::new("window", "over which the control is averaged").unit("s").limit(ABOVE_0);
+            v.number(&window.or(usual.window_s), &mut a.window_s);
+        }
+        AdaptationMethod::Recursive => {
+            let memory = Field::new("memory", "forgetting time").unit("s").limit(ABOVE_0);
+            v.number(&memory.or(usual.memory_s), &mut a.memory_s);
+            let band = Field::new("dead_band", "excitation (RMS) below which the estimate stands still");
+            v.number(&band.unit("m/s^2").limit(AT_LEAST_0).or(usual.dead_band_m_s2), &mut a.dead_band_m_s2);
+        }
+    }
+    if a.method != AdaptationMethod::WindowedMean {
+        let half = Field::new("half_rate", "rate at which its sign counts half").unit("rad/s");
+        v.number(&half.limit(ABOVE_0).or(usual.half_rate_rad_s), &mut a.half_rate_rad_s);
+        let limit = Field::new("rate_limit", "largest change of the estimate").unit("kg m/s");
+        v.number(&limit.limit(ABOVE_0).or(usual.rate_limit_kg_m_s), &mut a.rate_limit_kg_m_s);
+    }
+    trial(v, &mut a.trial);
+}
+
+fn trial(v: &mut dyn Visit, trial: &mut Trial) {
+    let usual = blank_adaptation().trial;
+    let duration = Field::new("duration", "of a run of `adapt`").unit("s").limit(ABOVE_0);
+    v.number(&duration.or(usual.duration_s), &mut trial.duration_s);
+    let changes = "factors on the out-of-balance, one for each equal part of a run";
+    v.numbers(
+        &Field::new("changes", changes).limit(AT_LEAST_0).or_empty(),
+        Count::AtLeastOne,
+        &mut trial.changes,
+    );
+    if trial.changes.is_empty() {
+        trial.changes = usual.changes;
+    }
+    let curve =
+        Field::new("amplifier_curve", "of the runs with a nonlinear amplifier, [control V, current A]");
+    v.pairs(&curve.or_empty(), &mut trial.amplifier_curve);
+}
+
+fn blank_search() -> SearchAsked {
+    SearchAsked { requirements: Requirements::thesis(), trials: 300, ms_limits: Vec::new() }
+}
+
+fn search(v: &mut dyn Visit, search: &mut SearchAsked) {
+    let usual = Requirements::thesis();
+    let asked = &mut search.requirements;
+    let margin = Field::new("gain_margin", "smallest gain margin").unit("dB").limit(AT_LEAST_0);
+    v.number(&margin.or(usual.gain_margin_db), &mut asked.gain_margin_db);
+    let margin = Field::new("phase_margin", "smallest phase margin").unit("degrees").limit(AT_LEAST_0);
+    v.number(&margin.or(usual.phase_margin_deg), &mut asked.phase_margin_deg);
+    let overshoot = Field::new("overshoot", "largest overshoot of a step, as a share of it");
+    v.number(&overshoot.limit(AT_LEAST_0).or(usual.overshoot), &mut asked.overshoot);
+    let crossover = Field::new("crossover", "lowest crossover").unit("rad/s").limit(AT_LEAST_0);
+    v.number(&crossover.or(usual.crossover_rad_s), &mut asked.crossover_rad_s);
+    unlimited(v, "max_sensitivity", "largest sensitivity", &mut asked.ms);
+    unlimited(v, "step_control", "largest control after a unit step, V s/rad", &mut asked.step_control_v);
+    unlimited(v, "noise_gain", "largest RMS control for unit noise, V s/rad", &mut asked.noise_gain);
+    let mut band = [asked.band_rad_s.0, asked.band_rad_s.1];
+    let field = Field::new("band", "over which rejection is wanted").unit("rad/s").limit(ABOVE_0);
+    pair(v, &field.or_empty(), &mut band);
+    asked.band_rad_s = (band[0], band[1]);
+    if band[0] >= band[1] {
+        v.complain("band", "must rise", None);
+    }
+    let trials = Field::new("trials", "most designs that are tried for one answer");
+    count(v, &trials.limit(Limit::Between(1.0, 100_000.0)).or(300.0), &mut search.trials);
+    let limits = Field::new("trade_off", "limits of the sensitivity, one for each point of the trade-off");
+    v.numbers(&limits.limit(Limit::Above(1.0)).or_empty(), Count::AtLeastOne, &mut search.ms_limits);
+}
+
+/// A limit that is infinite where it is not written.
+fn unlimited(v: &mut dyn Visit, key: &'static str, meaning: &'static str, value: &mut f64) {
+    let mut slot = value.is_finite().then_some(*value);
+    maybe_number(v, &Field::new(key, meaning).limit(ABOVE_0), &mut slot);
+    *value = slot.unwrap_or(f64::INFINITY);
+}
