@@ -1,8 +1,8 @@
 //! The whole road of a diagnosis.
 
-use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::Parameters;
 use counterpoise_simulate::recording::Recording;
+use counterpoise_simulate::replay::Loop;
 
 use crate::answer::Answer;
 use crate::bench::Pool;
@@ -24,22 +24,24 @@ pub struct Diagnosis {
     pub improved: Parameters,
 }
 
-/// Diagnoses a machine from its recordings.
+/// Diagnoses a machine from its recordings: in closed loop with the controller that was in the loop, or under the
+/// recorded control where it is not known ([`Loop::Open`]).
 ///
 /// # Errors
 /// No recording, a channel that is missing, a recording that does not fit the project's clock, a mechanism that cannot
 /// be simulated.
 pub fn diagnose(
     base: &Parameters,
-    controller: &ProportionalIntegral,
+    control: impl Into<Loop>,
     recordings: &[Recording],
     pool: &dyn Pool,
 ) -> Result<Diagnosis, Error> {
-    check(recordings)?;
+    let control = control.into();
+    check(recordings, &control)?;
     pool.progress("qualifying", 0, 1);
     let qualification = remarks(base, recordings);
     let prepared = Prepared::new(recordings, base);
-    let bench = Replays::new(base, controller, &prepared)?;
+    let bench = Replays::new(base, &control, &prepared)?;
     let has = |column: fn(&Recording) -> bool| recordings.iter().all(column);
     let isolability =
         isolability(has(|r| r.motor_rate_rad_s.is_some()), has(|r| r.hub_position_rad.is_some()));
@@ -61,13 +63,13 @@ fn seeds(base: &Parameters, recordings: &[Recording]) -> Vec<(&'static Effect, V
     }
 }
 
-fn check(recordings: &[Recording]) -> Result<(), Error> {
+fn check(recordings: &[Recording], control: &Loop) -> Result<(), Error> {
     if recordings.is_empty() {
         return Err(Error::NoRecording);
     }
     for r in recordings {
         let needed = [
-            ("demand", r.demand_rad_s.is_some()),
+            ("demand", r.demand_rad_s.is_some() || *control == Loop::Open),
             ("control", r.control_v.is_some()),
             ("hub_rate", r.hub_rate_rad_s.is_some()),
         ];

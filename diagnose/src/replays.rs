@@ -1,4 +1,5 @@
-//! The simulator as the diagnosis asks it: every recording replayed in closed loop for any mechanism.
+//! The simulator as the diagnosis asks it: every recording replayed for any mechanism, in closed loop where the
+//! controller is known, else under the recorded control.
 
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::Parameters;
@@ -49,23 +50,22 @@ impl<'a> Replays<'a> {
     ///
     /// # Errors
     /// A recording that cannot be replayed.
-    pub fn new(
-        base: &'a Parameters,
-        controller: &ProportionalIntegral,
-        prepared: &'a Prepared,
-    ) -> Result<Self, Error> {
+    pub fn new(base: &'a Parameters, control: &Loop, prepared: &'a Prepared) -> Result<Self, Error> {
         let ready = |recordings: &'a [Recording]| {
             recordings.iter().map(|r| Replayer::new(base, r)).collect::<Result<Vec<_>, _>>()
         };
         let noise = |r: &Recording| SCORED.map(|c| r.column(c).map_or(0.0, white_noise));
         Ok(Self {
             base,
-            control: Loop::Closed(controller.clone()),
+            control: control.clone(),
             whole: ready(&prepared.whole)?,
             heads: ready(&prepared.heads)?,
             noisy: ready(&prepared.noisy)?,
             noise: prepared.whole.iter().map(noise).collect(),
-            control_floor: control_floor(base, controller),
+            control_floor: match control {
+                Loop::Closed(controller) => control_floor(base, controller),
+                Loop::Open => 0.0,
+            },
             prepared,
         })
     }
@@ -92,7 +92,7 @@ impl<'a> Replays<'a> {
         if self.same_platform_sensors(parameters) {
             return run(ready).ok();
         }
-        run(&Replayer::new(parameters, ready.recording()).ok()?).ok()
+        run(&ready.with_platform_sensors_of(parameters)).ok()
     }
 
     fn control(&self, drive: Drive) -> &Loop {
@@ -108,6 +108,9 @@ impl<'a> Replays<'a> {
         let mut out = Vec::new();
         for (c, channel) in SCORED.into_iter().enumerate() {
             let stand_in = channel == Channel::Control && drive == Drive::Playback;
+            if stand_in && self.control == Loop::Open {
+                continue;
+            }
             let (shown, c) = if stand_in { (Channel::HubRate, 1) } else { (channel, c) };
             let Some(fit) = replay.channels.iter().find(|f| f.channel == shown) else { continue };
             let recorded = &self.prepared.whole[index].column(shown)?[..length];
@@ -135,6 +138,9 @@ impl<'a> Replays<'a> {
             self.with(parameters, &self.noisy[index], |r| r.replay_from(parameters, control, &quiet.start))?;
         let size = |channel: Channel| {
             let stand_in = channel == Channel::Control && drive == Drive::Playback;
+            if stand_in && self.control == Loop::Open {
+                return None;
+            }
             let shown = if stand_in { Channel::HubRate } else { channel };
             let fit = quiet.channels.iter().find(|f| f.channel == shown)?;
             let apart = apart(shown, &quiet.simulated, &shaken.simulated) / fit.floor;
@@ -153,12 +159,20 @@ impl<'a> Replays<'a> {
         playback: impl Fn() -> Option<Replay>,
     ) -> Option<Judged> {
         let length = self.prepared.whole[index].len();
+        if self.control == Loop::Open {
+            return self.played(parameters, index, quiet);
+        }
         let wander = self.wander(parameters, index, &quiet, Drive::ClosedLoop)?;
         if wander.iter().all(|w| *w < HUNTING) {
             let misfits = self.misfits(&quiet, index, length, Drive::ClosedLoop)?;
             return Some(Judged { misfits, wander, start: Some(quiet.start), drive: Drive::ClosedLoop });
         }
-        let played = playback()?;
+        self.played(parameters, index, playback()?)
+    }
+
+    /// A run under the recorded control, judged.
+    fn played(&self, parameters: &Parameters, index: usize, played: Replay) -> Option<Judged> {
+        let length = self.prepared.whole[index].len();
         let misfits = self.misfits(&played, index, length, Drive::Playback)?;
         let wander = self.wander(parameters, index, &played, Drive::Playback)?;
         Some(Judged { misfits, wander, start: Some(played.start), drive: Drive::Playback })
@@ -238,6 +252,14 @@ impl Bench for Replays<'_> {
         let (ready, start) = (&self.whole[index], near.start.as_ref()?);
         let run =
             |control: &Loop| self.with(parameters, ready, |r| r.replay_from(parameters, control, start));
+        self.judged(parameters, index, run(&self.control)?, || run(&Loop::Open))
+    }
+
+    fn judge_near(&self, parameters: &Parameters, index: usize, near: &Judged) -> Option<Judged> {
+        let Some(start) = near.start.as_ref() else { return self.judge(parameters, index) };
+        let ready = &self.whole[index];
+        let run =
+            |control: &Loop| self.with(parameters, ready, |r| r.replay_near(parameters, control, start));
         self.judged(parameters, index, run(&self.control)?, || run(&Loop::Open))
     }
 

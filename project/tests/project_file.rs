@@ -239,7 +239,7 @@ fn a_mapping_of_channels_is_written_and_read() {
     );
     let mapping = Project::parse(&text, "rig.toml").unwrap().project.recording;
     let control =
-        ChannelSource { column: "u".to_owned(), unit: Some("mV".to_owned()), scale: -1.0, offset: 3.0 };
+        ChannelSource { unit: Some("mV".to_owned()), scale: -1.0, offset: 3.0, ..ChannelSource::named("u") };
     assert_eq!(
         mapping.channels,
         [(Channel::Control, control), (Channel::HubRate, ChannelSource::named("w"))]

@@ -268,3 +268,25 @@ proptest! {
         let _ = Table::read(&bytes, file).map(|table| Mapping::default().apply(&table));
     }
 }
+
+#[test]
+fn a_mapping_unrolls_adds_and_differentiates() {
+    let table = read("time [s],count,bend [count]\n0,8000,0\n0.1,8100,1\n0.2,8,2\n0.3,108,3\n0.4,208,4\n");
+    let turns = ChannelSource {
+        scale: TAU / 8192.0,
+        unit: Some("rad".to_owned()),
+        wraps_at: Some(8192.0),
+        ..ChannelSource::named("count")
+    };
+    let rate = ChannelSource { slope_over_s: Some(0.2), ..turns.clone() };
+    let bent = ChannelSource { plus: Some("bend".to_owned()), ..turns.clone() };
+    let channels =
+        vec![(Channel::MotorPosition, turns), (Channel::MotorRate, rate), (Channel::HubPosition, bent)];
+    let record = Mapping { channels, ..Mapping::default() }.apply(&table).unwrap();
+    let counts = |channel| -> Vec<f64> {
+        record.channel(channel).unwrap().iter().map(|v| (v * 8192.0 / TAU).round()).collect()
+    };
+    assert_eq!(counts(Channel::MotorPosition), [8000.0, 8100.0, 8200.0, 8300.0, 8400.0]);
+    assert_eq!(counts(Channel::HubPosition), [8000.0, 8101.0, 8202.0, 8303.0, 8404.0]);
+    assert_eq!(counts(Channel::MotorRate), [1000.0; 5]);
+}

@@ -1,11 +1,11 @@
 //! `counterpoise diagnose`: locate, name, model, and show that the fit improves.
 
 use crate::output::say;
-use anyhow::Context;
 use counterpoise_project::Purpose;
 use counterpoise_project::diagnose::answer::{Answer, Channels, Finding, FitTable, Verdict};
 use counterpoise_project::diagnose::diagnose;
 use counterpoise_project::simulate::recording::Recording;
+use counterpoise_project::simulate::replay::Loop;
 
 use super::replay::read;
 use super::{Done, pages, verdict_code};
@@ -18,12 +18,11 @@ use crate::workers::Workers;
 pub fn run(options: &DiagnoseOptions) -> Done {
     let loaded = files::load(&options.project, Purpose::Diagnose)?;
     output::warnings(&loaded, options.results.quiet);
-    let controller =
-        loaded.project.recording_controller.clone().context("the project has no [recording_controller]")?;
+    let control = loaded.project.recording_controller.as_ref().map_or(Loop::Open, Loop::from);
     let read = read(&loaded, &options.recordings)?;
     let recordings: Vec<Recording> = read.iter().map(|r| r.recording.clone()).collect();
     let workers = Workers::new(options.results.quiet);
-    let found = diagnose(&loaded.project.plant, &controller, &recordings, &workers);
+    let found = diagnose(&loaded.project.plant, control.clone(), &recordings, &workers);
     workers.finish();
     let mut found = found?;
     let remarks = read.iter().flat_map(|r| r.remarks.iter().map(|remark| format!("{}: {remark}", r.file)));
@@ -32,7 +31,7 @@ pub fn run(options: &DiagnoseOptions) -> Done {
         files::save_improved(&loaded, &found.improved, path)?;
     }
     if let Some(path) = &options.report {
-        let page = pages::diagnosis(&loaded, &recordings, &found, &controller);
+        let page = pages::diagnosis(&loaded, &recordings, &found, &control);
         files::write(path, page.as_bytes())?;
     }
     if !output::json(&options.results, &found.answer)? {

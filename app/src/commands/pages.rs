@@ -3,7 +3,6 @@
 use counterpoise::report::diagnosis::{Track, report};
 use counterpoise::report::targets;
 use counterpoise::report::{Cell, Column, Context, Section, Table, html, of_design};
-use counterpoise_project::controller::ProportionalIntegral;
 use counterpoise_project::diagnose::Diagnosis;
 use counterpoise_project::diagnose::answer::{Answer, Verdict};
 use counterpoise_project::export::Targets;
@@ -79,17 +78,11 @@ fn times_section(times: &[StageTime]) -> Section {
 }
 
 /// The report of a diagnosis.
-pub fn diagnosis(
-    loaded: &Loaded,
-    recordings: &[Recording],
-    found: &Diagnosis,
-    controller: &ProportionalIntegral,
-) -> String {
-    let control = Loop::Closed(controller.clone());
+pub fn diagnosis(loaded: &Loaded, recordings: &[Recording], found: &Diagnosis, control: &Loop) -> String {
     let improved = found.improved != loaded.project.plant;
     let tracks = recordings.iter().flat_map(|recording| {
-        let before = replayed(&loaded.project.plant, recording, &control).ok();
-        let after = improved.then(|| replayed(&found.improved, recording, &control).ok()).flatten();
+        let before = replayed(&loaded.project.plant, recording, control).ok();
+        let after = improved.then(|| replayed(&found.improved, recording, control).ok()).flatten();
         before.map(|before| tracks(recording, &before, after.as_ref())).unwrap_or_default()
     });
     let command = format!("counterpoise diagnose {}", loaded.path.display());

@@ -26,7 +26,8 @@ pub enum Channel {
     MotorCurrent,
 }
 
-/// Where a channel comes from: value in SI = unit x (scale x column + offset).
+/// Where a channel comes from: value in SI = unit x (scale x (column + plus) + offset), of which the channel may be
+/// the slope over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChannelSource {
     /// Name of the column.
@@ -37,6 +38,12 @@ pub struct ChannelSource {
     pub scale: f64,
     /// Added after the factor, in the column's unit.
     pub offset: f64,
+    /// Another column, of the same unit, that is added before the factor (a deflection to an angle).
+    pub plus: Option<String>,
+    /// A counter that starts anew after this many is unrolled; none where it does not.
+    pub wraps_at: Option<f64>,
+    /// The channel is the column's slope, by the difference over this time, s; none where it is the column itself.
+    pub slope_over_s: Option<f64>,
 }
 
 /// How the columns of recordings become channels.
@@ -94,7 +101,24 @@ impl Channel {
 impl ChannelSource {
     /// A column taken as it is.
     pub fn named(column: &str) -> Self {
-        Self { column: column.to_owned(), unit: None, scale: 1.0, offset: 0.0 }
+        Self {
+            column: column.to_owned(),
+            unit: None,
+            scale: 1.0,
+            offset: 0.0,
+            plus: None,
+            wraps_at: None,
+            slope_over_s: None,
+        }
+    }
+
+    /// The unit that the column must be like, for a channel of a unit: the channel's own, or what has it as its slope.
+    pub fn unit_of_column(&self, channel: &'static str) -> &'static str {
+        match (self.slope_over_s, channel) {
+            (Some(_), "rad/s") => "rad",
+            (Some(_), "m/s^2") => "m/s",
+            _ => channel,
+        }
     }
 }
 
@@ -113,7 +137,20 @@ impl Mapping {
                 channels.push((channel, values));
             }
         }
-        record(&table.name, self.time(table)?, self.sample_period_s, channels)
+        let mut record = record(&table.name, self.time(table)?, self.sample_period_s, channels)?;
+        self.differentiate(&mut record);
+        Ok(record)
+    }
+
+    /// Puts slopes in the place of the columns that the mapping takes them of.
+    fn differentiate(&self, record: &mut Record) {
+        let period_s = record.sample_period_s;
+        for (channel, source) in &self.channels {
+            let Some(over_s) = source.slope_over_s else { continue };
+            for (_, values) in record.channels.iter_mut().filter(|(c, _)| c == channel) {
+                *values = slopes(values, period_s, over_s);
+            }
+        }
     }
 
     fn channel(&self, table: &Table, channel: Channel) -> Result<Option<Vec<f64>>, RecordingError> {
@@ -147,6 +184,7 @@ fn converted(
     wanted: &'static str,
 ) -> Result<Vec<f64>, RecordingError> {
     let column = table.column(&source.column)?;
+    let wanted = source.unit_of_column(wanted);
     let target = Unit::parse(wanted).unwrap_or(Unit::ONE);
     let written = source.unit.as_ref().or(column.unit.as_ref());
     let unit = written.map_or(Ok(target), |w| table.unit(&source.column, w))?;
@@ -155,5 +193,36 @@ fn converted(
         let (file, column) = (table.name.clone(), source.column.clone());
         return Err(RecordingError::WrongUnit { file, column, unit, channel, wanted });
     }
-    Ok(column.values.iter().map(|v| unit.to_si(source.scale * v + source.offset)).collect())
+    let mut values = column.values.clone();
+    if let Some(other) = &source.plus {
+        values.iter_mut().zip(&table.column(other)?.values).for_each(|(v, o)| *v += o);
+    }
+    if let Some(turn) = source.wraps_at {
+        unroll(&mut values, turn);
+    }
+    Ok(values.iter().map(|v| unit.to_si(source.scale * v + source.offset)).collect())
+}
+
+/// Adds a turn wherever a counter has started anew: a step of more than half a turn is none of the machine's.
+fn unroll(values: &mut [f64], turn: f64) {
+    let (mut turns, mut last) = (0.0, f64::NAN);
+    for value in values.iter_mut().filter(|v| v.is_finite()) {
+        let step = *value - last;
+        if step.is_finite() {
+            turns -= (step / turn).round();
+        }
+        last = *value;
+        *value += turns * turn;
+    }
+}
+
+/// Central differences over the given time, at least one sample to either side; one-sided at the ends.
+fn slopes(values: &[f64], period_s: f64, over_s: f64) -> Vec<f64> {
+    let half = (0.5 * over_s / period_s).round().max(1.0) as usize;
+    let last = values.len().saturating_sub(1);
+    let at = |k: usize| {
+        let (low, high) = (k.saturating_sub(half), (k + half).min(last));
+        if high == low { 0.0 } else { (values[high] - values[low]) / ((high - low) as f64 * period_s) }
+    };
+    (0..values.len()).map(at).collect()
 }

@@ -261,7 +261,7 @@ fn area(shape: &SectionShape, at: f64) -> f64 {
 /// Units in the mapping of channels must be known and of the channel's quantity.
 fn units(findings: &mut Findings<'_>, mapping: &Mapping) {
     let time = mapping.time.iter().map(|s| ("time", "s", s));
-    let channels = mapping.channels.iter().map(|(c, s)| (c.name(), c.unit(), s));
+    let channels = mapping.channels.iter().map(|(c, s)| (c.name(), s.unit_of_column(c.unit()), s));
     for (name, wanted, source) in time.chain(channels) {
         let Some(written) = &source.unit else { continue };
         let target = Unit::parse(wanted).unwrap_or(Unit::ONE);

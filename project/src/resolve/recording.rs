@@ -45,6 +45,20 @@ fn source(v: &mut dyn Visit, channel: &'static str, present: Option<ChannelSourc
         &mut source.scale,
     );
     v.number(&Field::new("offset", "added after the factor").or(0.0), &mut source.offset);
+    shaping(v, &mut source);
     v.leave();
     Some(source)
+}
+
+/// What is made of a column beyond a factor and an offset.
+fn shaping(v: &mut dyn Visit, source: &mut ChannelSource) {
+    let mut plus = source.plus.take().unwrap_or_default();
+    let field = Field::new("plus", "another column of the same unit, added before the factor").or_text("");
+    v.text(&field, &mut plus);
+    source.plus = (!plus.is_empty()).then_some(plus);
+    let field = Field::new("wraps_at", "a counter that starts anew after this many is unrolled");
+    maybe_number(v, &field.limit(Limit::Above(0.0)), &mut source.wraps_at);
+    let field =
+        Field::new("slope_over", "the channel is the column's slope, by the difference over this time");
+    maybe_number(v, &field.unit("s").limit(Limit::Above(0.0)), &mut source.slope_over_s);
 }

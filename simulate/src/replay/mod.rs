@@ -32,6 +32,12 @@ pub enum Loop {
     Open,
 }
 
+impl From<&ProportionalIntegral> for Loop {
+    fn from(controller: &ProportionalIntegral) -> Self {
+        Self::Closed(controller.clone())
+    }
+}
+
 /// A recording beside its simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Replay {
@@ -73,6 +79,7 @@ pub fn replay(parameters: &Parameters, recording: &Recording, control: &Loop) ->
 #[derive(Debug, Clone)]
 pub struct Replayer<'a> {
     recording: &'a Recording,
+    sensed: platform::Sensed,
     platform: PlatformMotion,
     samples: usize,
 }
@@ -96,7 +103,17 @@ impl<'a> Replayer<'a> {
             let allowed = "the sample period of the interface";
             return Err(Error::Range { what: "sample_period_s", value: recording.sample_period_s, allowed });
         }
-        Ok(Self { recording, platform: platform_motion(parameters, recording), samples })
+        let sensed = platform::Sensed::new(parameters, recording, None);
+        let platform = sensed.motion(parameters, period);
+        Ok(Self { recording, sensed, platform, samples })
+    }
+
+    /// The same recording seen by other sensors of the platform: their readings are deconvolved anew only where a
+    /// sensor's dynamics or noise are others.
+    pub fn with_platform_sensors_of(&self, parameters: &Parameters) -> Self {
+        let sensed = platform::Sensed::new(parameters, self.recording, Some(&self.sensed));
+        let platform = sensed.motion(parameters, self.recording.sample_period_s);
+        Self { recording: self.recording, sensed, platform, samples: self.samples }
     }
 
     /// The recording.
@@ -118,13 +135,41 @@ impl<'a> Replayer<'a> {
         self.replay_plant(&plant, control)
     }
 
+    /// Replays the recording with a mechanism whose start is sought from that of a mechanism nearby: quicker than
+    /// [`Self::replay`], which seeks it from what is recorded alone.
+    ///
+    /// # Errors
+    /// As [`replay`].
+    pub fn replay_near(
+        &self,
+        parameters: &Parameters,
+        control: &Loop,
+        near: &PlantState,
+    ) -> Result<Replay, Error> {
+        let plant = Plant::lumped(parameters)?;
+        let mut simulator = Simulator::new(&plant)?;
+        let start = start::refine(&mut simulator, self, near)?;
+        self.settled(&plant, simulator, control, start)
+    }
+
     /// Replays the recording with a plant, whatever its structure.
     ///
     /// # Errors
     /// As [`replay`].
     pub fn replay_plant(&self, plant: &Plant, control: &Loop) -> Result<Replay, Error> {
         let mut simulator = Simulator::new(plant)?;
-        let mut start = start::estimate(&mut simulator, self)?;
+        let start = start::estimate(&mut simulator, self)?;
+        self.settled(plant, simulator, control, start)
+    }
+
+    /// Runs from a start, and once more where the hub's angle was off over the whole recording.
+    fn settled(
+        &self,
+        plant: &Plant,
+        mut simulator: Simulator,
+        control: &Loop,
+        mut start: PlantState,
+    ) -> Result<Replay, Error> {
         let mut history = self.run(&mut simulator, control, &start)?;
         if let (Loop::Closed(_), Some(offset)) = (control, self.position_offset(&history)) {
             start.core[state::ANGLE] -= offset;
