@@ -1,0 +1,173 @@
+//! What a dragged weight shows at once: the design, its loop, and the linear responses, from the pipeline that the command line runs.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use counterpoise_project::lti::{Margins, margins};
+use counterpoise_project::models::Parameters;
+use counterpoise_project::pipeline::{self, Modelled, PipelineError, Reduced, Synthesised};
+use counterpoise_project::verify::linear::closed::resolver_use;
+use counterpoise_project::verify::linear::{self, Closed, Curves, SampledPlant, arranged};
+use counterpoise_project::verify::{ARRANGEMENTS, Arrangement, History, Procedure, Source, Step};
+use counterpoise_project::{Modelling, Project, Reduction};
+
+/// Seconds of heave and pitch that are shown while a weight is dragged.
+const SHOWN_S: f64 = 2.0;
+/// Seconds of the step.
+const STEP_S: f64 = 1.0;
+
+/// What is asked of the live road.
+#[derive(Debug, Clone)]
+pub struct Ask {
+    /// The project.
+    pub project: Arc<Project>,
+    /// The design at another out-of-balance than the project's, kg m.
+    pub out_of_balance_kg_m: Option<f64>,
+}
+
+/// A design with its linear consequences.
+#[derive(Debug, Clone)]
+pub struct Live {
+    /// The project that it was made from.
+    pub project: Arc<Project>,
+    /// The plant.
+    pub modelled: Arc<Modelled>,
+    /// The plant that the design took.
+    pub reduced: Arc<Reduced>,
+    /// The design.
+    pub synthesised: Synthesised,
+    /// All margins of the loop.
+    pub margins: Margins,
+    /// Frequency responses.
+    pub curves: Curves,
+    /// The response to a step of the demand.
+    pub step: History,
+    /// The responses to heave, then to pitch, in each arrangement.
+    pub motions: Vec<History>,
+    /// What it took.
+    pub took: Duration,
+    /// The out-of-balance that was tried, kg m.
+    pub tried_kg_m: Option<f64>,
+}
+
+/// What stays the same while weights change.
+#[derive(Default)]
+pub struct Cache {
+    kept: Option<Kept>,
+}
+
+type Key = (Parameters, Modelling, Reduction, Option<f64>);
+
+struct Kept {
+    key: Key,
+    modelled: Arc<Modelled>,
+    reduced: Arc<Reduced>,
+    sampled: SampledPlant,
+    open: Closed,
+}
+
+impl Cache {
+    /// The plant of a request, made anew only where it differs from the last one.
+    fn plant(&mut self, ask: &Ask) -> Result<&Kept, PipelineError> {
+        let p = &ask.project;
+        let key = (p.plant.clone(), p.model.clone(), p.reduce, ask.out_of_balance_kg_m);
+        if self.kept.as_ref().is_none_or(|kept| kept.key != key) {
+            self.kept = None;
+            self.kept = Some(Kept::new(ask, key)?);
+        }
+        self.kept.as_ref().ok_or(PipelineError::Missing { section: "plant", needed_by: "the design" })
+    }
+}
+
+impl Kept {
+    fn new(ask: &Ask, key: Key) -> Result<Self, PipelineError> {
+        let modelled = modelled(ask)?;
+        let reduced = pipeline::reduce(&ask.project, &modelled)?;
+        let sampled =
+            SampledPlant::new(&modelled.linear, &modelled.parameters, linear::plant::Resolver::Unread)?;
+        let open = Closed::new(&sampled, None, modelled.plant.body().out_of_balance_kg_m)?;
+        Ok(Self { key, modelled: Arc::new(modelled), reduced: Arc::new(reduced), sampled, open })
+    }
+}
+
+/// The plant, at the out-of-balance that is tried where one is.
+fn modelled(ask: &Ask) -> Result<Modelled, PipelineError> {
+    let made = pipeline::model(&ask.project)?;
+    let Some(moment) = ask.out_of_balance_kg_m else { return Ok(made) };
+    let mut tried = Project::clone(&ask.project);
+    tried.plant = made.parameters;
+    tried.model.configuration = None;
+    if let Some(lumped) = &mut tried.plant.lumped {
+        lumped.out_of_balance_kg_m = moment;
+    }
+    pipeline::model(&tried)
+}
+
+/// The design and its linear consequences.
+///
+/// # Errors
+/// Those of the pipeline, with every reason why there is no controller.
+pub fn live(ask: &Ask, cache: &mut Cache) -> Result<Live, PipelineError> {
+    let begun = Instant::now();
+    let kept = cache.plant(ask)?;
+    let synthesised = pipeline::synthesise(&ask.project, &kept.modelled, &kept.reduced)?;
+    let controller = &synthesised.sampled.controller;
+    let whole;
+    let sampled = match resolver_use(controller) {
+        linear::plant::Resolver::Unread => &kept.sampled,
+        read => {
+            whole = SampledPlant::new(&kept.modelled.linear, &kept.modelled.parameters, read)?;
+            &whole
+        }
+    };
+    let moment = kept.modelled.plant.body().out_of_balance_kg_m;
+    let mut loops = vec![(Arrangement::Uncontrolled, kept.open.clone())];
+    for arrangement in ARRANGEMENTS.into_iter().skip(1) {
+        loops.push((arrangement, Closed::new(sampled, arranged(controller, arrangement)?.as_ref(), moment)?));
+    }
+    let none = PipelineError::Missing { section: "synth", needed_by: "the loop" };
+    let broken = loops.last().and_then(|(_, closed)| closed.broken.as_ref()).ok_or(none)?;
+    let margins = margins(broken)?;
+    let curves = Curves::of(sampled, &loops)?;
+    let (step, motions) = histories(&ask.project, sampled, &loops)?;
+    Ok(Live {
+        project: Arc::clone(&ask.project),
+        modelled: Arc::clone(&kept.modelled),
+        reduced: Arc::clone(&kept.reduced),
+        margins,
+        curves,
+        step,
+        motions,
+        synthesised,
+        took: begun.elapsed(),
+        tried_kg_m: ask.out_of_balance_kg_m,
+    })
+}
+
+type Loops = [(Arrangement, Closed)];
+
+fn histories(
+    project: &Project,
+    sampled: &SampledPlant,
+    loops: &Loops,
+) -> Result<(History, Vec<History>), PipelineError> {
+    let procedure = project.verify.as_ref().map_or_else(Procedure::default, |v| v.procedure.clone());
+    let all = &loops[loops.len() - 1].1;
+    let step = linear::step(sampled, all, Step { duration_s: STEP_S, ..procedure.step })?;
+    let mut motions = Vec::new();
+    for source in [Source::Heave, Source::Pitch] {
+        for (arrangement, closed) in loops {
+            let motion = |time_s: f64| procedure.motion(source, time_s);
+            motions.push(linear::disturbance(sampled, closed, (source, *arrangement), SHOWN_S, motion)?);
+        }
+    }
+    Ok((step, motions))
+}
+
+/// Every reason in an error, one a line.
+pub fn reasons(error: &PipelineError) -> Vec<String> {
+    match error {
+        PipelineError::NoController(findings) => findings.iter().map(ToString::to_string).collect(),
+        other => vec![other.to_string()],
+    }
+}
