@@ -18,6 +18,8 @@ pub struct Arguments {
 /// The commands.
 #[derive(Subcommand)]
 pub enum Command {
+    /// A folder with a complete project file to start from
+    New(NewOptions),
     /// The main job: model, reduce, synthesise, verify, export, report
     Design(DesignOptions),
     /// The plant: operating point, poles, modes, linear model
@@ -51,6 +53,13 @@ pub struct Results {
     /// Say nothing about progress
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+/// Arguments of `new`.
+#[derive(Args)]
+pub struct NewOptions {
+    /// Folder to make, or an empty one; its name becomes the machine's
+    pub folder: PathBuf,
 }
 
 /// Arguments of `design`.

@@ -12,7 +12,7 @@ use counterpoise_project::{Attachments, Diagnostic, Document, Parsed, Project, P
 use crate::output::{StageTime, Stages};
 
 /// Name of the project file in a project's folder.
-const PROJECT_FILE: &str = "project.toml";
+pub const PROJECT_FILE: &str = "project.toml";
 /// Endings of files that can be recordings.
 const RECORDINGS: [&str; 3] = ["csv", "parquet", "mat"];
 

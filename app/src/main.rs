@@ -18,6 +18,7 @@ use clap::Parser;
 fn main() -> ExitCode {
     let arguments = Arguments::parse_from(arguments::with_json_file_joined(std::env::args()));
     let done = match &arguments.command {
+        Command::New(options) => commands::new::run(options),
         Command::Design(options) => commands::design::run(options),
         Command::Model(options) => commands::stages::model(options),
         Command::Reduce(options) => commands::stages::reduce(options),

@@ -31,6 +31,10 @@ pub use resolve::sweep::Sweep;
 pub use resolve::verify::{RoadSource, Verification};
 pub use resolve::{Parsed, Project, Purpose};
 
+/// Text of a complete, commented project file to start a new one from: an out-of-balance cantilever on a moving
+/// platform, whose design holds every requirement that it states.
+pub const STARTER: &str = include_str!("starter.toml");
+
 pub use counterpoise_controller as controller;
 pub use counterpoise_diagnose as diagnose;
 pub use counterpoise_export as export;

@@ -5,6 +5,7 @@ pub mod design;
 pub mod diagnose;
 pub mod export;
 pub mod identify;
+pub mod new;
 pub mod pages;
 pub mod replay;
 pub mod stages;
