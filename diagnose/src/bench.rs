@@ -66,6 +66,11 @@ pub enum Drive {
 }
 
 impl Judged {
+    /// The judgement without its residuals: where a run nearby may start.
+    pub fn stance(&self) -> Self {
+        Self { misfits: Vec::new(), ..self.clone() }
+    }
+
     /// Weight of a channel in a fit: less where a run does not repeat.
     pub fn weight(&self, channel: usize) -> f64 {
         let wander = WANDER_DOUBT * self.wander.get(channel).copied().unwrap_or(0.0);
@@ -85,6 +90,10 @@ pub trait Bench: Sync {
     -> Option<Vec<Misfit>>;
     /// As [`Bench::judge`], but from the start of a judgement of a mechanism nearby: quicker.
     fn glance(&self, parameters: &Parameters, index: usize, near: &Judged) -> Option<Judged>;
+    /// As [`Bench::judge`], the mechanism's own start sought from that of a judgement nearby: quicker.
+    fn judge_near(&self, parameters: &Parameters, index: usize, _near: &Judged) -> Option<Judged> {
+        self.judge(parameters, index)
+    }
     /// Recording `index` from the mechanism's own start; none where it cannot be simulated.
     fn judge(&self, parameters: &Parameters, index: usize) -> Option<Judged>;
 }

@@ -84,6 +84,8 @@ pub struct Problem<'a> {
     pub base: &'a Parameters,
     /// The effects to fit.
     pub effects: Vec<&'static Effect>,
+    /// How every recording stands to a mechanism nearby; empty where none was judged.
+    pub stances: &'a [Judged],
 }
 
 impl Problem<'_> {
@@ -133,7 +135,11 @@ impl Problem<'_> {
     fn near(&self, values: &[f64]) -> Option<Vec<Judged>> {
         let parameters = applied(self.base, &self.effects, values);
         let recordings = &self.selection.recordings;
-        let judged = map(self.pool, recordings.len(), |k| self.bench.judge(&parameters, recordings[k]));
+        let one = |index: usize| match self.stances.get(index) {
+            Some(near) => self.bench.judge_near(&parameters, index, near),
+            None => self.bench.judge(&parameters, index),
+        };
+        let judged = map(self.pool, recordings.len(), |k| one(recordings[k]));
         judged.into_iter().collect()
     }
 
@@ -164,7 +170,7 @@ impl Problem<'_> {
             Some(there.iter().zip(residual).map(|(a, b)| (a - b) / step).collect::<Vec<f64>>())
         });
         let count = residual.len().max(1) as f64;
-        let column = |j: usize| columns[j].as_deref().unwrap_or(&[]);
+        let column = |j: usize| columns.get(j).and_then(|c| c.as_deref()).unwrap_or(&[]);
         let normal = Mat::from_fn(x.len(), x.len(), |i, j| dot(column(i), column(j)) / count);
         let gradient = (0..x.len()).map(|j| dot(column(j), residual) / count).collect();
         (normal, gradient)

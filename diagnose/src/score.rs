@@ -46,6 +46,17 @@ pub fn judge(bench: &dyn Bench, pool: &dyn Pool, parameters: &Parameters) -> Opt
     (judged.len() == bench.count()).then(|| judged.into_iter().collect::<Option<Vec<_>>>()).flatten()
 }
 
+/// As [`judge`], from the starts of judgements of a mechanism nearby.
+pub fn judge_near(
+    bench: &dyn Bench,
+    pool: &dyn Pool,
+    parameters: &Parameters,
+    near: &[Judged],
+) -> Option<Vec<Judged>> {
+    let judged = map(pool, near.len(), |index| bench.judge_near(parameters, index, &near[index]));
+    (judged.len() == near.len()).then(|| judged.into_iter().collect::<Option<Vec<_>>>()).flatten()
+}
+
 /// The score over parts of judged recordings; none where a residual is not finite.
 pub fn score(judged: &[Judged], parts: &[Part]) -> Option<Score> {
     let mut cells = Vec::new();

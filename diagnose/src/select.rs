@@ -8,7 +8,7 @@ use crate::bench::{Bench, Judged, Pool, Span, map};
 use crate::fit::{Fit, Problem, Selection, knobs};
 use crate::library::{Effect, refinement};
 use crate::look::{Look, Scene, first_look, is_ripple, pairs};
-use crate::score::{Part, Score, judge, score};
+use crate::score::{Part, Score, judge, judge_near, score};
 use crate::tolerance::{
     EFFECT_PRICE, EFFECTS_AT_MOST, EXPLAINED, FITTED_SHARE, GAIN_NEEDED, JOINT_KNOBS, NOTHING_LEFT, PAIRS,
     PARAMETER_PRICE, PRUNE_SHARE, RIVALS, SEARCH_ITERATIONS, SHARE_NEEDED, SHORTLIST, SWAP_NEEDED,
@@ -27,6 +27,8 @@ pub struct Candidate {
     pub held_out_before: Score,
     /// What the candidate was not fitted to.
     pub held_out_parts: Vec<Part>,
+    /// How the recordings stand to it, without their residuals.
+    pub stances: Vec<Judged>,
 }
 
 impl Candidate {
@@ -48,6 +50,11 @@ impl Candidate {
     pub fn ranking(&self) -> f64 {
         let parameters = self.fit.values.len().saturating_sub(2) as f64;
         self.whole.distance() + PARAMETER_PRICE * parameters + EFFECT_PRICE * self.fit.effects.len() as f64
+    }
+
+    /// Whether nothing is left that a further effect could explain.
+    fn explains(&self) -> bool {
+        self.whole.worst() < EXPLAINED && self.whole.distance() < NOTHING_LEFT
     }
 
     fn has_same_effects(&self, other: &Self) -> bool {
@@ -128,8 +135,7 @@ impl Searcher<'_> {
             let present = search.accepted.as_ref();
             let found = present.map_or(0, |c| c.fit.effects.len());
             self.pool.progress("naming", found, EFFECTS_AT_MOST);
-            let explained =
-                present.is_some_and(|c| c.whole.worst() < EXPLAINED && c.whole.distance() < NOTHING_LEFT);
+            let explained = present.is_some_and(Candidate::explains);
             if found >= EFFECTS_AT_MOST || explained {
                 break;
             }
@@ -162,15 +168,17 @@ impl Searcher<'_> {
             Look::seeded(effect, start.clone(), self.bench.count())
         };
         let seeds: Vec<Look> = self.seeds.iter().filter(|_| taken.is_empty()).map(seeded).collect();
-        let mut trials = trials(&judged, &looks, taken.len(), effort);
-        trials.extend(seeds.iter().map(|look| vec![look]));
-        let done = AtomicUsize::new(0);
-        let fitted = map(self.pool, trials.len(), |t| {
-            let candidate = self.candidate(present, &trials[t], &judged);
-            self.pool.progress("fitting", done.fetch_add(1, Ordering::Relaxed), trials.len());
-            candidate
-        });
-        let mut candidates: Vec<Candidate> = fitted.into_iter().flatten().collect();
+        let count = if effort == Effort::Full { SHORTLIST } else { RIVALS };
+        let mut singles: Vec<Vec<&Look>> =
+            shortlist(&looks, count).into_iter().map(|look| vec![look]).collect();
+        singles.extend(seeds.iter().map(|look| vec![look]));
+        let mut candidates = self.candidates(present, &singles, &judged);
+        let alone = candidates.iter().any(|c| c.explains() && self.acceptable(c));
+        if effort == Effort::Full && taken.len() + 2 <= EFFECTS_AT_MOST && !alone {
+            let found = pairs(&judged, &looks, PAIRS);
+            let both: Vec<Vec<&Look>> = found.iter().map(|p| p.members.map(|i| &looks[i]).to_vec()).collect();
+            candidates.extend(self.candidates(present, &both, &judged));
+        }
         candidates.sort_by(|a, b| a.ranking().total_cmp(&b.ranking()));
         let mut kept: Vec<Candidate> = Vec::new();
         for candidate in candidates {
@@ -179,6 +187,22 @@ impl Searcher<'_> {
             }
         }
         Stage { candidates: kept, looks }
+    }
+
+    /// Fits and judges every trial.
+    fn candidates(
+        &self,
+        present: Option<&Candidate>,
+        trials: &[Vec<&Look>],
+        judged: &[Judged],
+    ) -> Vec<Candidate> {
+        let done = AtomicUsize::new(0);
+        let fitted = map(self.pool, trials.len(), |t| {
+            let candidate = self.candidate(present, &trials[t], judged);
+            self.pool.progress("fitting", done.fetch_add(1, Ordering::Relaxed), trials.len());
+            candidate
+        });
+        fitted.into_iter().flatten().collect()
     }
 
     /// Fits the present effects and one or two more to part of the data, and judges the result on the rest.
@@ -201,14 +225,15 @@ impl Searcher<'_> {
         let selection = Selection { recordings: fitted, span: Span::Head, iterations: SEARCH_ITERATIONS };
         let fit = match (present, free) {
             (Some(fixed), None) => self.fit_on_top(fixed, effects, &start, &selection)?,
-            _ => self.fit(effects, &start, &selection)?,
+            _ => self.fit(effects, &start, &selection, before)?,
         };
-        let judged = judge(self.bench, self.pool, &fit.parameters)?;
+        let judged = judge_near(self.bench, self.pool, &fit.parameters, before)?;
         Some(Candidate {
             whole: score(&judged, &whole_parts(self.bench.count()))?,
             held_out: score(&judged, &parts)?,
             held_out_before: score(before, &parts)?,
             held_out_parts: parts,
+            stances: judged.iter().map(Judged::stance).collect(),
             fit,
         })
     }
@@ -222,15 +247,23 @@ impl Searcher<'_> {
         selection: &Selection,
     ) -> Option<Fit> {
         let base = &fixed.fit.parameters;
-        let problem = Problem { bench: self.bench, pool: self.pool, selection, base, effects };
+        let stances = &fixed.stances;
+        let problem = Problem { bench: self.bench, pool: self.pool, selection, base, effects, stances };
         let mut fit = problem.fit(start)?;
         fit.effects.splice(0..0, fixed.fit.effects.iter().copied());
         fit.values.splice(0..0, fixed.fit.values.iter().copied());
         Some(fit)
     }
 
-    fn fit(&self, effects: Vec<&'static Effect>, start: &[f64], selection: &Selection) -> Option<Fit> {
-        let problem = Problem { bench: self.bench, pool: self.pool, selection, base: self.base, effects };
+    fn fit(
+        &self,
+        effects: Vec<&'static Effect>,
+        start: &[f64],
+        selection: &Selection,
+        stances: &[Judged],
+    ) -> Option<Fit> {
+        let (bench, pool, base) = (self.bench, self.pool, self.base);
+        let problem = Problem { bench, pool, selection, base, effects, stances };
         let fit = problem.fit(start)?;
         Some(self.snapped(&problem, fit))
     }
@@ -277,7 +310,7 @@ impl Searcher<'_> {
         }
         let start: Vec<f64> = effects.iter().flat_map(|e| e.values(&candidate.fit.parameters)).collect();
         let selection = Selection { iterations: SEARCH_ITERATIONS, ..Selection::all(self.bench.count()) };
-        let fit = self.fit(effects, &start, &selection);
+        let fit = self.fit(effects, &start, &selection, &candidate.stances);
         let judged = fit.and_then(|fit| Some((self.whole_score(&fit.parameters)?, fit)));
         match judged {
             Some((whole, fit)) if whole.distance() < candidate.whole.distance() => {
@@ -290,7 +323,8 @@ impl Searcher<'_> {
     /// The accepted effects fitted once more, to everything.
     fn refitted(&self, candidate: Candidate) -> Candidate {
         let selection = Selection { iterations: SEARCH_ITERATIONS, ..Selection::all(self.bench.count()) };
-        let again = self.fit(candidate.fit.effects.clone(), &candidate.fit.values, &selection);
+        let (effects, stances) = (candidate.fit.effects.clone(), &candidate.stances);
+        let again = self.fit(effects, &candidate.fit.values, &selection, stances);
         let judged = again.and_then(|fit| Some((self.whole_score(&fit.parameters)?, fit)));
         match judged {
             Some((whole, fit)) if whole.distance() <= candidate.whole.distance() + 0.01 => {
@@ -349,7 +383,7 @@ impl Searcher<'_> {
         effects.remove(index);
         let all = (0..self.bench.count()).collect();
         let selection = Selection { recordings: all, span: Span::Head, iterations: SEARCH_ITERATIONS };
-        let fit = self.fit(effects, &start, &selection)?;
+        let fit = self.fit(effects, &start, &selection, &candidate.stances)?;
         let whole = self.whole_score(&fit.parameters)?;
         Some(Candidate { fit, whole, ..candidate.clone() })
     }
@@ -362,17 +396,6 @@ enum Effort {
     Full,
     /// For what could stand in the place of an effect that was found.
     Rivals,
-}
-
-/// What is fitted at a stage: the best effects one by one, and the best pairs of them.
-fn trials<'l>(judged: &[Judged], looks: &'l [Look], taken: usize, effort: Effort) -> Vec<Vec<&'l Look>> {
-    let count = if effort == Effort::Full { SHORTLIST } else { RIVALS };
-    let mut trials: Vec<Vec<&Look>> = shortlist(looks, count).into_iter().map(|look| vec![look]).collect();
-    if effort == Effort::Full && taken + 2 <= EFFECTS_AT_MOST {
-        let pairs = pairs(judged, looks, PAIRS);
-        trials.extend(pairs.iter().map(|pair| pair.members.map(|i| &looks[i]).to_vec()));
-    }
-    trials
 }
 
 /// The best looks: so many effects, the best two of them from two starts.

@@ -20,19 +20,85 @@ pub fn reading_floor(sensor: &Sensor, interface: &Interface) -> f64 {
 /// Rate and heave come from a smoother that deconvolves the sensor and shrinks to a constant where there is nothing
 /// but noise. A platform without the sensor is still.
 pub fn platform_motion(parameters: &Parameters, recording: &Recording) -> PlatformMotion {
+    Sensed::new(parameters, recording, None).motion(parameters, recording.sample_period_s)
+}
+
+/// What the platform's sensors were given, before their gain, bias and delay are taken out: the costly part, which many
+/// mechanisms share.
+#[derive(Debug, Clone)]
+pub(crate) struct Sensed {
+    rate: Deconvolved,
+    heave: Deconvolved,
+}
+
+/// The input of one sensor, and the dynamics that were taken out.
+#[derive(Debug, Clone)]
+struct Deconvolved {
+    dynamics: Sensor,
+    noise: f64,
+    input: Option<Vec<f64>>,
+}
+
+impl Deconvolved {
+    /// Deconvolves the readings, unless that was done before for the same dynamics and noise.
+    fn new(
+        sensor: &Sensor,
+        interface: &Interface,
+        readings: (Option<&[f64]>, f64),
+        before: Option<&Self>,
+    ) -> Self {
+        let noise = reading_floor(sensor, interface);
+        let errorless = Sensor { gain: 1.0, bias: 0.0, delay_s: 0.0, g_sensitivity: 0.0, ..sensor.clone() };
+        match before.filter(|b| b.dynamics == errorless && b.noise == noise) {
+            Some(same) => same.clone(),
+            None => {
+                let input = readings.0.map(|values| sensor_input(values, sensor, noise, readings.1));
+                Self { dynamics: errorless, noise, input }
+            }
+        }
+    }
+
+    /// The input with gain, bias and delay taken out.
+    fn corrected(&self, sensor: &Sensor, period_s: f64) -> Option<Vec<f64>> {
+        let advanced = advanced(self.input.as_deref()?, sensor.delay_s / period_s);
+        Some(advanced.into_iter().map(|value| (value - sensor.bias) / sensor.gain).collect())
+    }
+}
+
+impl Sensed {
+    /// Deconvolves both sensors' readings; what was done before for the same dynamics is kept.
+    pub(crate) fn new(parameters: &Parameters, recording: &Recording, before: Option<&Self>) -> Self {
+        let (sensors, interface) = (&parameters.sensors, &parameters.interface);
+        let period = recording.sample_period_s;
+        let (rate, heave) = (recording.platform_rate_rad_s.as_deref(), recording.platform_accel_m_s2.as_deref());
+        let gyro = before.map(|b| &b.rate);
+        let accelerometer = before.map(|b| &b.heave);
+        Self {
+            rate: Deconvolved::new(&sensors.platform_gyro, interface, (rate, period), gyro),
+            heave: Deconvolved::new(&sensors.platform_accelerometer, interface, (heave, period), accelerometer),
+        }
+    }
+
+    /// The motion of the platform with the sensors' errors taken out.
+    pub(crate) fn motion(&self, parameters: &Parameters, period_s: f64) -> PlatformMotion {
+        let sensors = &parameters.sensors;
+        let rate = self.rate.corrected(&sensors.platform_gyro, period_s);
+        let heave = self.heave.corrected(&sensors.platform_accelerometer, period_s);
+        combined(parameters, rate, heave, period_s)
+    }
+}
+
+/// The motion of the platform from the corrected rate and heave: lever arm and g-sensitivity taken out.
+fn combined(
+    parameters: &Parameters,
+    rate: Option<Vec<f64>>,
+    mut heave: Option<Vec<f64>>,
+    period_s: f64,
+) -> PlatformMotion {
     let sensors = &parameters.sensors;
-    let input = |readings: &Option<Vec<f64>>, sensor: &Sensor| {
-        let readings = readings.as_deref()?;
-        let noise = reading_floor(sensor, &parameters.interface);
-        let input = sensor_input(readings, sensor, noise, recording.sample_period_s);
-        let advanced = advanced(&input, sensor.delay_s / recording.sample_period_s);
-        Some(advanced.into_iter().map(|value| (value - sensor.bias) / sensor.gain).collect::<Vec<f64>>())
-    };
-    let rate = input(&recording.platform_rate_rad_s, &sensors.platform_gyro);
-    let mut heave = input(&recording.platform_accel_m_s2, &sensors.platform_accelerometer);
     let arm = sensors.accelerometer_lever_arm_m;
     if let (Some(heave), Some(rate), true) = (heave.as_mut(), rate.as_ref(), arm != 0.0) {
-        let slope = slopes(rate, recording.sample_period_s);
+        let slope = slopes(rate, period_s);
         heave.iter_mut().zip(slope).for_each(|(h, a)| *h -= arm * a);
     }
     let sensitivity = sensors.platform_gyro.g_sensitivity / sensors.platform_gyro.gain;
@@ -43,7 +109,7 @@ pub fn platform_motion(parameters: &Parameters, recording: &Recording) -> Platfo
         rate
     });
     let signal = |values: Option<Vec<f64>>| match values {
-        Some(values) => Signal::Samples { period_s: recording.sample_period_s, values },
+        Some(values) => Signal::Samples { period_s, values },
         None => Signal::ZERO,
     };
     PlatformMotion { pitch_rate_rad_s: signal(corrected), heave_m_s2: signal(heave), initial_angle_rad: 0.0 }

@@ -18,6 +18,8 @@ const WINDOW_S: f64 = 0.6;
 const ITERATIONS: usize = 12;
 /// Relative fall of the cost at which the fit ends.
 const FLAT: f64 = 1e-4;
+/// Mean square of the residuals, in floors, below which a start is as good as it gets.
+const EXPLAINED: f64 = 1.1;
 /// Share of the Coulomb level that an imbalance of the torques costs one unit.
 const IMBALANCE: f64 = 0.5;
 /// Samples from which the first rates and angles are taken.
@@ -48,9 +50,26 @@ pub(crate) fn estimate(simulator: &mut Simulator, replayer: &Replayer) -> Result
         if best.is_none_or(|(least, _)| cost < least) {
             best = Some((cost, found));
         }
+        if fit.explained(cost) {
+            break;
+        }
     }
     let unknowns = best.map_or_else(|| fit.guess(None), |(_, found)| found);
     Ok(fit.state(&unknowns))
+}
+
+/// The state at the first sample, sought from that of a plant nearby.
+pub(crate) fn refine(
+    simulator: &mut Simulator,
+    replayer: &Replayer,
+    near: &PlantState,
+) -> Result<PlantState, Error> {
+    let mut fit = Fit::new(simulator, replayer);
+    if fit.channels.is_empty() || replayer.recording().control_v.is_none() {
+        return Ok(fit.state(&fit.guess(None)));
+    }
+    let (_, found) = fit.descend(fit.unknowns(near))?;
+    Ok(fit.state(&found))
 }
 
 struct Fit<'a, 'b> {
@@ -157,6 +176,26 @@ impl<'a, 'b> Fit<'a, 'b> {
             pivot: at_torque(&parameters.pivot_friction, u[PIVOT_DRY]),
         };
         start
+    }
+
+    /// The unknowns of a state.
+    fn unknowns(&self, state: &PlantState) -> Unknowns {
+        let parameters = self.plant.parameters();
+        let windup = state.core[state::WINDUP];
+        let half_gap = (0.5 * parameters.gearbox.backlash_rad).min(windup.abs()) * windup.signum();
+        [
+            state.core[state::ANGLE],
+            state.core[state::RATE] - self.platform_rate,
+            parameters.gearbox.stiffness_nm_rad * (windup - half_gap),
+            torque(&parameters.motor_friction, state.friction.motor),
+            torque(&parameters.pivot_friction, state.friction.pivot),
+            state.core[state::CURRENT],
+        ]
+    }
+
+    /// Whether a cost is what noise alone leaves.
+    fn explained(&self, cost: f64) -> bool {
+        cost < EXPLAINED * (self.samples * self.channels.len()) as f64
     }
 
     /// Weighted residuals over the window, and those of the balance of torques.
@@ -299,5 +338,16 @@ fn at_torque(friction: &Friction, torque_nm: f64) -> f64 {
             torque_nm * deflection_rad / (friction.static_ratio * coulomb_nm)
         }
         _ => torque_nm,
+    }
+}
+
+/// The torque that a state of a friction at rest gives.
+fn torque(friction: &Friction, state: f64) -> f64 {
+    match friction.law {
+        FrictionLaw::Lugre { bristle_stiffness_nm_rad, .. } => state * bristle_stiffness_nm_rad,
+        FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad, .. } if deflection_rad > 0.0 => {
+            state * friction.static_ratio * coulomb_nm / deflection_rad
+        }
+        _ => state,
     }
 }
