@@ -1,7 +1,7 @@
 //! The controller in C99.
 
 use counterpoise_controller::Controller;
-use counterpoise_controller::program::{OnReset, Operation, Program, Slot};
+use counterpoise_controller::program::{OnReset, Operation, Program, Programs, Slot};
 use minijinja::{Environment, context};
 
 use crate::print::{Dialect, Printer, literal, state};
@@ -100,16 +100,33 @@ fn state_fields(controller: &Controller) -> Vec<String> {
         .collect()
 }
 
-/// Assignments that put states to their start.
+/// Statements that put states to their start: a loop for an array that starts with one value.
 fn initial(controller: &Controller, precision: Precision, which: OnReset) -> Vec<String> {
     let programs = controller.programs();
     let groups = programs.states.iter().filter(|group| group.on_reset == which);
-    let each =
-        groups.flat_map(|group| group.initial.iter().enumerate().map(|(i, value)| (group.first + i, *value)));
-    each.map(|(i, value)| {
-        format!("{} = {};", state(programs, i, Dialect::C), literal(value, precision, Dialect::C))
-    })
-    .collect()
+    let text = |value: f64| literal(value, precision, Dialect::C);
+    groups
+        .flat_map(|group| {
+            let values: Vec<String> = group.initial.iter().map(|value| text(*value)).collect();
+            assignments(programs, group.first, &values)
+        })
+        .collect()
+}
+
+/// Assignments of values to the states from `first`: a loop where they are alike.
+pub(crate) fn assignments(programs: &Programs, first: usize, values: &[String]) -> Vec<String> {
+    let name = programs.locate(first).map_or("", |(group, _)| group.name.as_str());
+    match values {
+        [start, rest @ ..] if rest.len() > 1 && rest.iter().all(|value| value == start) => vec![
+            format!("for (int i = 0; i < {}; i++) {{", values.len()),
+            format!("    c->{name}[i] = {start};"),
+            "}".to_owned(),
+        ],
+        _ => {
+            let each = values.iter().enumerate();
+            each.map(|(i, value)| format!("{} = {value};", state(programs, first + i, Dialect::C))).collect()
+        }
+    }
 }
 
 fn row(vector: &Vector, precision: Precision) -> String {

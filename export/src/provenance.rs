@@ -22,7 +22,7 @@ impl Provenance {
     pub(crate) fn header(&self, source: Source) -> Vec<String> {
         let mut lines = self.lines();
         lines.push(source.line());
-        lines
+        lines.iter().flat_map(|line| wrapped(line)).collect()
     }
 
     /// The lines that the provenance itself makes.
@@ -38,6 +38,28 @@ impl Provenance {
     }
 }
 
+/// Longest line of a header's text.
+const WIDTH: usize = 110;
+
+/// The words of a line over several, the following ones indented. A word longer than a line stays whole.
+fn wrapped(line: &str) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in line.split(' ') {
+        let full = lines.last().is_some_and(|last| {
+            !last.trim().is_empty() && last.chars().count() + 1 + word.chars().count() > WIDTH
+        });
+        if full {
+            lines.push("   ".to_owned());
+        }
+        if let Some(last) = lines.last_mut() {
+            let gap = if last.is_empty() { "" } else { " " };
+            last.push_str(gap);
+            last.push_str(word);
+        }
+    }
+    lines
+}
+
 /// The text on one line, unable to end a comment.
 fn one_line(text: &str) -> String {
     let plain: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
@@ -47,6 +69,15 @@ fn one_line(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_long_line_is_wrapped_and_loses_no_word() {
+        let long = "verdict: ".to_owned() + &"word ".repeat(60);
+        let lines = wrapped(long.trim_end());
+        assert!(lines.len() > 2 && lines.iter().all(|line| line.len() <= WIDTH));
+        let words = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+        assert_eq!(words(&lines.join(" ")), words(&long));
+    }
 
     #[test]
     fn a_line_cannot_leave_its_comment() {

@@ -1,13 +1,17 @@
 //! How large every number of a step becomes, from runs of the controller.
 
 use counterpoise_controller::program::{Program, Slot};
-use counterpoise_controller::{Controller, READINGS, SampledController};
+use counterpoise_controller::{Controller, Number, READINGS};
 
-/// Largest magnitude of every state, reading and local of a step.
+/// Largest magnitude and RMS of every state, reading and local of a step, and what rounded coefficients do.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranges {
     states: usize,
     largest: Vec<f64>,
+    /// Sum of squares of the liveliest run, a sample.
+    mean_square: Vec<f64>,
+    coefficients_v: f64,
+    coefficients_mean_square: f64,
 }
 
 impl Ranges {
@@ -19,26 +23,45 @@ impl Ranges {
         let (low, high) = controller.parts().out_of_balance_range_kg_m;
         let program = &controller.programs().step;
         let states = controller.programs().state_count();
-        let mut ranges = Self { states, largest: vec![0.0; states + READINGS + program.locals.len()] };
+        let count = states + READINGS + program.locals.len();
+        let mut ranges = Self {
+            states,
+            largest: vec![0.0; count],
+            mean_square: vec![0.0; count],
+            coefficients_v: 0.0,
+            coefficients_mean_square: 0.0,
+        };
         for history in histories {
             for setting in [None, Some(low), Some(high)] {
                 ranges.watch(controller, history, setting);
             }
         }
         ranges.largest.iter_mut().for_each(|largest| *largest *= margin);
+        ranges.coefficients_v *= margin;
         ranges
     }
 
     fn watch(&mut self, controller: &Controller, history: &[[f64; READINGS]], setting: Option<f64>) {
-        let mut runner = controller.runner();
-        runner.reset();
+        let (mut runner, mut stored) = (controller.runner(), controller.runner_in::<Stored>());
+        let mut squares = vec![0.0; self.largest.len()];
+        let mut off_squares = 0.0;
         for (k, readings) in history.iter().enumerate() {
             if let (Some(out_of_balance), true) = (setting, k == history.len() / 2) {
                 runner.set_out_of_balance(out_of_balance);
+                stored.set_out_of_balance(out_of_balance);
                 self.grow(&runner.states());
             }
-            runner.step_array(readings);
-            self.grow(&runner.values());
+            let off = stored.step_array(readings) - runner.step_array(readings);
+            self.coefficients_v = self.coefficients_v.max(off.abs());
+            off_squares += off * off;
+            let values = runner.values();
+            self.grow(&values);
+            squares.iter_mut().zip(&values).for_each(|(sum, value)| *sum += value * value);
+        }
+        let samples = history.len().max(1) as f64;
+        self.coefficients_mean_square = self.coefficients_mean_square.max(off_squares / samples);
+        for (most, sum) in self.mean_square.iter_mut().zip(squares) {
+            *most = most.max(sum / samples);
         }
     }
 
@@ -50,12 +73,31 @@ impl Ranges {
 
     /// Largest magnitude of a slot of the step.
     pub fn of(&self, slot: Slot) -> f64 {
-        let place = match slot {
+        self.largest.get(self.place(slot)).copied().unwrap_or(0.0)
+    }
+
+    /// RMS of a slot in the liveliest run, without the margin.
+    pub fn rms(&self, slot: Slot) -> f64 {
+        self.mean_square.get(self.place(slot)).copied().unwrap_or(0.0).sqrt()
+    }
+
+    /// Largest deviation of the control, V, with coefficients and readings rounded to single precision and everything
+    /// else in double, times the margin.
+    pub fn of_coefficients_v(&self) -> f64 {
+        self.coefficients_v
+    }
+
+    /// The RMS of that deviation in the run where it is largest, V, without the margin.
+    pub fn of_coefficients_rms_v(&self) -> f64 {
+        self.coefficients_mean_square.sqrt()
+    }
+
+    fn place(&self, slot: Slot) -> usize {
+        match slot {
             Slot::State(i) => i,
             Slot::Input(i) => self.states + i,
             Slot::Local(i) => self.states + READINGS + i,
-        };
-        self.largest.get(place).copied().unwrap_or(0.0)
+        }
     }
 
     /// The same ranges with the largest readings given: a converter's full scale.
@@ -79,5 +121,33 @@ impl Ranges {
                 None => String::new(),
             },
         }
+    }
+}
+
+/// A number in double that was stored in single precision: what [`Number::from_f64`] takes is rounded, arithmetic is not.
+#[derive(Debug, Clone, Copy)]
+struct Stored(f64);
+
+impl Number for Stored {
+    fn from_f64(value: f64) -> Self {
+        Self(f64::from(value as f32))
+    }
+    fn to_f64(&self) -> f64 {
+        self.0
+    }
+    fn plus(&self, other: &Self) -> Self {
+        Self(self.0 + other.0)
+    }
+    fn times(&self, other: &Self) -> Self {
+        Self(self.0 * other.0)
+    }
+    fn over(&self, other: &Self) -> Self {
+        Self(self.0 / other.0)
+    }
+    fn magnitude(&self) -> Self {
+        Self(self.0.abs())
+    }
+    fn clamped(&self, low: &Self, high: &Self) -> Self {
+        Self(self.0.max(low.0).min(high.0))
     }
 }

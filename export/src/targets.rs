@@ -30,6 +30,8 @@ pub struct TargetFigures {
     pub predicted: Deviation,
     /// How far it was, for the readings of the verification's runs, V.
     pub measured_v: f64,
+    /// RMS of that difference in the run where it is largest, V.
+    pub measured_rms_v: f64,
     /// Each experiment with the closed loop's hub rate error in these numbers.
     pub experiments: Vec<ExperimentFigures>,
 }
@@ -70,7 +72,7 @@ pub fn targets(
     let reference = bench.record(controller)?;
     let (known, samples) = bench.ranges(controller);
     let fixed = plan(controller, &known, allowed_v, samples);
-    let exact = Deviation { worst_v: 0.0, rms_v: 0.0, samples };
+    let exact = Deviation::none(samples);
     let single = single_precision(controller, &known, samples);
     let double = |c: &Controller| Box::new(c.runner()) as Box<dyn SampledController>;
     let in_single = |c: &Controller| Box::new(c.runner_in::<f32>()) as Box<dyn SampledController>;
@@ -153,19 +155,27 @@ impl Bench<'_> {
             let cost_db = 20.0 * (error_rms_rad_s / in_double).log10();
             experiments.push(ExperimentFigures { experiment, error_rms_rad_s, cost_db });
         }
-        let measured_v =
-            self.runs.iter().map(|run| deviation(controller, acting().as_mut(), run)).fold(0.0, f64::max);
-        Ok(TargetFigures { numbers, predicted, measured_v, experiments })
+        let off = self.runs.iter().map(|run| deviation(controller, acting().as_mut(), run));
+        let larger = |a: (f64, f64), b: (f64, f64)| (a.0.max(b.0), a.1.max(b.1));
+        let (measured_v, measured_rms_v) = off.fold((0.0, 0.0), larger);
+        Ok(TargetFigures { numbers, predicted, measured_v, measured_rms_v, experiments })
     }
 }
 
-/// Largest difference from the reference for the same readings, V.
-fn deviation(controller: &Controller, other: &mut dyn SampledController, run: &[[f64; READINGS]]) -> f64 {
+/// Largest and RMS difference from the reference for the same readings, V.
+fn deviation(
+    controller: &Controller,
+    other: &mut dyn SampledController,
+    run: &[[f64; READINGS]],
+) -> (f64, f64) {
     let mut reference = controller.runner();
-    let difference = |readings: &[f64; READINGS]| {
-        (reference.step_array(readings) - other.step(&Readings::from_array(*readings))).abs()
-    };
-    run.iter().map(difference).fold(0.0, f64::max)
+    let (mut largest, mut squares) = (0.0_f64, 0.0);
+    for readings in run {
+        let off = reference.step_array(readings) - other.step(&Readings::from_array(*readings));
+        largest = largest.max(off.abs());
+        squares += off * off;
+    }
+    (largest, (squares / run.len().max(1) as f64).sqrt())
 }
 
 fn error_rms(history: &History) -> f64 {

@@ -4,14 +4,14 @@ use counterpoise_controller::program::{OnReset, Program, Slot};
 use counterpoise_controller::{READING_NAMES, READINGS};
 use minijinja::{Environment, context};
 
+use crate::c99::assignments;
 use crate::fixed::plan::to_integer;
 use crate::fixed::{Fixed, FixedOperation, FixedProgram, FixedRunner};
 use crate::print::{Dialect, state, wrap};
 use crate::vectors::{SHIPPED_SAMPLES, vectors};
 use crate::{Error, File, Provenance, READING_FIELDS, Ranges, Source, check_name};
 
-/// The controller in C99 with 32-bit integers: `NAME.h`, `NAME.c`, `NAME_self_test.c` and `NAME_test.c`, with the
-/// functions of [`crate::c99()`]. The header states the format of each reading and of the control.
+/// The controller in C99 with 32-bit integers: the files and functions of [`crate::c99()`]. The header states the format of each reading and of the control.
 ///
 /// # Errors
 /// [`Error::Name`], and [`Error::OtherController`] where the plan was made for another controller than the source.
@@ -33,6 +33,7 @@ pub fn fixed_c99<'a>(
         (".c", include_str!("../../templates/fixed.c.jinja")),
         ("_self_test.c", include_str!("../../templates/fixed_self_test.c.jinja")),
         ("_test.c", include_str!("../../templates/fixed_test.c.jinja")),
+        ("_interrupt.c", include_str!("../../templates/fixed_interrupt.c.jinja")),
     ];
     let fill = |(ending, template): (&str, &str)| {
         let text = environment.render_str(template, &data)?.trim_end().to_owned() + "\n";
@@ -68,8 +69,10 @@ fn data(fixed: &Fixed, provenance: &[String], name: &str) -> minijinja::Value {
         fields,
         control_bits => fixed.control_bits(),
         set_bits => fixed.set_out_of_balance.inputs[0],
+        rate_hz => (1.0 / fixed.controller.sample_period_s()).round() as u64,
         period => format!("{:?}", fixed.controller.sample_period_s()),
         worst => format!("{:.2e}", fixed.deviation.worst_v),
+        likely => format!("{:.2e}", fixed.deviation.likely_v),
         rms => format!("{:.2e}", fixed.deviation.rms_v),
         samples => fixed.deviation.samples,
         keep => initial(fixed, OnReset::Keep),
@@ -93,8 +96,12 @@ fn uses_narrow(fixed: &Fixed) -> bool {
 fn initial(fixed: &Fixed, which: OnReset) -> Vec<String> {
     let programs = fixed.controller.programs();
     let groups = programs.states.iter().filter(|group| group.on_reset == which);
-    let places = groups.flat_map(|group| group.first..group.first + group.initial.len());
-    places.map(|i| format!("{} = {};", state(programs, i, Dialect::C), fixed.initial[i])).collect()
+    groups
+        .flat_map(|group| {
+            let values = &fixed.initial[group.first..group.first + group.initial.len()];
+            assignments(programs, group.first, &values.iter().map(ToString::to_string).collect::<Vec<_>>())
+        })
+        .collect()
 }
 
 fn rows(fixed: &Fixed) -> Vec<String> {

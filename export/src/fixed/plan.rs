@@ -119,7 +119,7 @@ pub(crate) fn to_integer(value: f64, bits: i32) -> i64 {
 }
 
 fn uniform(half: f64) -> OperationError {
-    OperationError { worst: half, variance: half * half / 3.0 }
+    OperationError { worst: half, steady: 0.0, squares: half * half, variance: half * half / 3.0 }
 }
 
 /// Integers from `low` to `high`.
@@ -306,7 +306,7 @@ impl<'a> Writer<'a> {
             return Err(FixedError::NoRoom { name: self.name(into), missing_bits: 1 });
         }
         let rounding = if shift > 0 { uniform(0.5 * unit(bits)) } else { OperationError::default() };
-        let error = OperationError { worst: rounding.worst + worst, ..rounding };
+        let error = OperationError { worst: rounding.worst + worst, steady: worst, ..rounding };
         let sum = FixedOperation::Sum { into, constant: start, terms: factors, shift };
         self.put(sum, (into, bits), span.narrowed(shift), error);
         Ok(())

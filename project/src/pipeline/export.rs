@@ -5,7 +5,7 @@ use counterpoise_export::{
     File, Options, Provenance, Targets, c99, fixed_c99, fixed_form, rust_crate, targets,
 };
 use counterpoise_models::plant::Plant;
-use counterpoise_verify::{Verdict, VerifiedController};
+use counterpoise_verify::{Limit, Verdict, VerifiedController};
 use sha2::{Digest, Sha256};
 
 use super::{Modelled, PipelineError, World};
@@ -90,10 +90,15 @@ pub fn project_hash(project: &Project) -> String {
 fn provenance(project: &Project, verified: &VerifiedController) -> Provenance {
     let verification = verified.verification();
     let verdicts = verification.verdicts.iter().map(|(requirement, verdict)| {
-        let figure = requirement.figure.name();
+        let (figure, unit) = (requirement.figure.name(), requirement.figure.unit());
+        let asked = |limit: &Limit| match limit {
+            Limit::AtLeast(value) => format!("at least {value}"),
+            Limit::AtMost(value) => format!("at most {value}"),
+        };
+        let said = |value: f64, limit: &Limit| format!("{figure}: {value:.4} {unit} ({})", asked(limit));
         match verdict {
-            Verdict::Holds { value, .. } => format!("{figure}: {value:.4} holds"),
-            Verdict::Fails { value, .. } => format!("{figure}: {value:.4} fails"),
+            Verdict::Holds { value, limit, .. } => format!("{}: holds", said(*value, limit)),
+            Verdict::Fails { value, limit, .. } => format!("{}: FAILS", said(*value, limit)),
             Verdict::NotApplicable { why } => format!("{figure}: not applicable, {why}"),
         }
     });
