@@ -145,8 +145,7 @@ pub fn single_precision(controller: &Controller, ranges: &Ranges, samples: usize
     let mut errors: Vec<OperationError> = step.operations().map(|op| single.error(op)).collect();
     errors.extend((0..READINGS).map(|_| OperationError::default()));
     let rounding = ErrorSystem::of(controller).deviation(&errors, samples);
-    let mut coefficients: Vec<OperationError> =
-        step.operations().map(|op| single.coefficients(op)).collect();
+    let mut coefficients: Vec<OperationError> = step.operations().map(|op| single.coefficients(op)).collect();
     coefficients.extend((0..READINGS).map(|i| steady(SINGLE_UNIT * ranges.of(Slot::Input(i)))));
     let stored = ErrorSystem::of(controller).deviation(&coefficients, samples);
     let seen = ranges.of_coefficients_v();
@@ -206,19 +205,22 @@ impl Single<'_> {
     fn coefficients(&self, operation: &Operation) -> OperationError {
         let size = |slot: &Slot| self.ranges.of(*slot);
         let kept = |slot: &Slot| if self.is_kept(*slot) { 3.0 } else { 0.0 };
-        steady(SINGLE_UNIT * match operation {
-            Operation::Sum { constant, terms, .. } => {
-                let each = terms.iter().map(|term| {
-                    let stored = f64::from(u8::from(term.coefficient.abs() != 1.0));
-                    (stored + kept(&term.of)) * term.coefficient.abs() * size(&term.of)
-                });
-                constant.map_or(0.0, f64::abs) + each.sum::<f64>()
-            }
-            Operation::Product { a, b, .. } => (kept(a) + kept(b)) * size(a) * size(b),
-            Operation::Quotient { into, above, below } => (kept(above) + kept(below)) * size(into),
-            Operation::Magnitude { .. } => 0.0,
-            Operation::Clamp { low, high, .. } => low.abs().max(high.abs()),
-        })
+        steady(
+            SINGLE_UNIT
+                * match operation {
+                    Operation::Sum { constant, terms, .. } => {
+                        let each = terms.iter().map(|term| {
+                            let stored = f64::from(u8::from(term.coefficient.abs() != 1.0));
+                            (stored + kept(&term.of)) * term.coefficient.abs() * size(&term.of)
+                        });
+                        constant.map_or(0.0, f64::abs) + each.sum::<f64>()
+                    }
+                    Operation::Product { a, b, .. } => (kept(a) + kept(b)) * size(a) * size(b),
+                    Operation::Quotient { into, above, below } => (kept(above) + kept(below)) * size(into),
+                    Operation::Magnitude { .. } => 0.0,
+                    Operation::Clamp { low, high, .. } => low.abs().max(high.abs()),
+                },
+        )
     }
 
     /// States that a reset keeps are those that setting the out-of-balance computes.

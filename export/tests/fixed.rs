@@ -119,7 +119,9 @@ fn random_controllers_keep_their_prediction_or_are_refused() {
         }
     }
     let (tight, tighter) = (median(tight), median(tighter));
-    println!("{kept} kept, {refused} refused; single: RMS predicted {tight:.1} times measured, likely {tighter:.1} times below worst");
+    println!(
+        "{kept} kept, {refused} refused; single: RMS predicted {tight:.1} times measured, likely {tighter:.1} times below worst"
+    );
     assert!(tight > 0.5 && tight < 5.0 && tighter > 3.0, "{tight} {tighter}");
     assert!(kept >= 100, "{kept} kept, {refused} refused");
 }
