@@ -94,6 +94,24 @@ pub enum Error {
         /// What is allowed.
         allowed: &'static str,
     },
+    /// A descriptor system whose constraints leave variables undetermined.
+    #[error("s E - A is singular for every s: {equations} of its equations say nothing about the variables")]
+    SingularPencil {
+        /// How many equations are left over.
+        equations: usize,
+    },
+    /// A descriptor system that differentiates its input.
+    #[error(
+        "output {output} contains derivative {derivative} of input {input} (both counted from 0): no proper system has this transfer function"
+    )]
+    Improper {
+        /// Which output, from 0.
+        output: usize,
+        /// Which input, from 0.
+        input: usize,
+        /// Order of the derivative.
+        derivative: usize,
+    },
     /// An iteration that reached its limit without its tolerance.
     #[error("{what} did not converge in {iterations} iterations (last change {change:.1e})")]
     NotConverged {

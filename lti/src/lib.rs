@@ -8,7 +8,8 @@
 //! *Invariant*: nothing here knows a machine, a weight, a file, a thread or a clock. There is no default timebase, no
 //! polynomial is expanded, `feedback` is negative and `lft` positive.
 //!
-//! Modules in reading order: [`system`], [`connect`](mod@connect), [`named`], [`delay`], [`zpk`], [`transfer`], [`discretise`],
+//! Modules in reading order: [`system`], [`connect`](mod@connect), [`named`], [`delay`], [`zpk`], [`transfer`], [`descriptor`],
+//! [`discretise`],
 //! [`scaling`], [`components`], [`roots`], [`response`], [`time`], [`gramians`], [`norms`], [`margins`](mod@margins),
 //! [`error`].
 //!
@@ -27,6 +28,7 @@
 pub mod components;
 pub mod connect;
 pub mod delay;
+pub mod descriptor;
 pub mod discretise;
 pub mod error;
 pub mod gramians;
@@ -41,6 +43,7 @@ mod scan;
 mod structure;
 pub mod system;
 pub mod time;
+mod tracked;
 pub mod transfer;
 pub mod zpk;
 
@@ -48,6 +51,7 @@ pub use connect::{append, feedback, inverse, lft, parallel, series};
 pub use counterpoise_linalg as linalg;
 pub use counterpoise_linalg::{C64, CMat, Mat};
 pub use delay::{delay_samples, pade};
+pub use descriptor::Descriptor;
 pub use discretise::{Cost, Discretisation, SampledCost, c2d, d2c_tustin, sampled_cost};
 pub use error::Error;
 pub use gramians::{

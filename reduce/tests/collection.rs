@@ -7,12 +7,17 @@ mod mat;
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-use counterpoise_lti::{Mat, StateSpace, Timebase, frequency_response};
+use counterpoise_lti::{
+    C64, Descriptor, Mat, StateSpace, Timebase, frequency_response, is_stable, linalg, response_at,
+};
 use counterpoise_reduce::{Balanced, Method, Order, balred};
 
+fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/benchmarks/reduction")
+}
+
 fn load(name: &str) -> Option<(StateSpace, HashMap<String, Mat>)> {
-    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/benchmarks/reduction");
-    let path = root.join(format!("{name}.mat"));
+    let path = folder().join(format!("{name}.mat"));
     if !path.exists() {
         println!("skipped: {} is not there", path.display());
         return None;
@@ -98,4 +103,45 @@ fn pde() {
 fn beam() {
     check("beam", 12, 1e-9);
     check_response("beam", 1e-8);
+}
+
+/// The circuit is a descriptor system of index two and more, with capacitors across its ports: an admittance with a
+/// part proportional to s, which no reduction touches. Its outputs are its inputs' currents, C = B'.
+#[test]
+fn mna1() {
+    let path = folder().join("mna1.mat");
+    if !path.exists() {
+        println!("skipped: {} is not there", path.display());
+        return;
+    }
+    let found = mat::read(&path);
+    let (E, A, B) = (&found["E"], &found["A"], &found["B"]);
+    let D = Mat::zeros(B.ncols(), B.ncols());
+    let system = StateSpace::new(A.clone(), B.clone(), B.t(), D, Timebase::Continuous).unwrap();
+    let circuit = Descriptor::new(E.clone(), system).unwrap().reduce_index().unwrap();
+    let g = &circuit.system;
+    assert_eq!((g.order(), circuit.derivatives.len()), (256, 1));
+    assert!(is_stable(g).unwrap());
+    for rate in [0.0, 1e5, 1e7, 1e9, 1e11, 1e13] {
+        let s = C64::new(0.0, rate);
+        let M = E.to_complex().scale(s) - A.to_complex();
+        let expected = &B.t().to_complex() * &linalg::csolve(&M, &B.to_complex()).unwrap();
+        let direct = circuit.derivatives[0].to_complex().scale(s);
+        let error =
+            (&(&response_at(g, rate).unwrap() + &direct) - &expected).norm_max() / expected.norm_max();
+        assert!(error < 1e-7, "{rate:e} rad/s: {error:e}");
+    }
+    // Passive: the admittance at zero frequency and the capacitance are symmetric.
+    let capacitance = &circuit.derivatives[0];
+    assert!((capacitance - &capacitance.t()).norm_max() < 1e-9 * capacitance.norm_max());
+    for method in [Method::SquareRoot, Method::BalancingFree, Method::MatchDc] {
+        let reduced = balred(g, Order::States(40), method).unwrap();
+        let (error, bound) = (reduced.measured_error.value, reduced.bound.unwrap());
+        println!("{method:?}: {error:e} within {bound:e}, largest {:e}", reduced.hankel[0]);
+        assert!(
+            error <= bound * (1.0 + 1e-6) + 1e-9 * reduced.hankel[0],
+            "{method:?}: {error:e} above {bound:e}"
+        );
+        assert!(is_stable(&reduced.system).unwrap());
+    }
 }

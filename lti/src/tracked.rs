@@ -1,0 +1,113 @@
+//! A matrix whose entries remember how large the numbers were that they were summed from: an entry that cancelled to
+//! rounding error is known to be zero, whatever the scale of its neighbours.
+
+use counterpoise_linalg::{self as linalg, Mat};
+
+/// An entry that is below this share of what was summed to it is a zero.
+pub(crate) const CANCELLED: f64 = 1e-11;
+
+#[derive(Debug, Clone)]
+pub(crate) struct Tracked {
+    /// The entries.
+    pub value: Mat,
+    /// The largest sums of magnitudes that made them.
+    size: Mat,
+}
+
+impl Tracked {
+    /// Data as given: nothing has cancelled yet.
+    pub fn of(value: Mat) -> Self {
+        let size = value.map(f64::abs);
+        Self { value, size }
+    }
+
+    pub fn select(&self, rows: &[usize], cols: &[usize]) -> Self {
+        Self { value: self.value.select(rows, cols), size: self.size.select(rows, cols) }
+    }
+
+    /// Whether the whole column is zero.
+    pub fn column_is_zero(&self, j: usize) -> bool {
+        self.value.column(j).iter().all(|&entry| entry == 0.0)
+    }
+
+    /// self - left right, entries that cancel set to zero.
+    pub fn minus_product(&self, left: &Self, right: &Mat) -> Self {
+        let value = &self.value - &(&left.value * right);
+        let size = &self.size + &(&left.size * &right.map(f64::abs));
+        let mut found = Self { value, size };
+        (0..found.value.ncols()).for_each(|j| found.clean(j));
+        found
+    }
+
+    /// Subtracts `factors[i]` times row p from each row i.
+    fn reduce_rows(&mut self, p: usize, factors: &[f64]) {
+        for j in 0..self.value.ncols() {
+            let (pivot, size) = (self.value[(p, j)], self.size[(p, j)]);
+            if pivot == 0.0 {
+                continue;
+            }
+            let entries = self.value.column_mut(j).iter_mut().zip(self.size.column_mut(j)).zip(factors);
+            for ((value, total), &factor) in entries.filter(|(_, factor)| **factor != 0.0) {
+                *value -= factor * pivot;
+                *total += factor.abs() * size;
+            }
+            self.clean(j);
+        }
+    }
+
+    fn clean(&mut self, j: usize) {
+        for (value, size) in self.value.column_mut(j).iter_mut().zip(self.size.column(j)) {
+            if value.abs() <= CANCELLED * size {
+                *value = 0.0;
+            }
+        }
+    }
+}
+
+/// Gauss' elimination of `rows` of M with complete pivoting among `cols`; the same row operations are applied to
+/// `others`. Pivots leave both lists: rows that remain are zero in these columns. Returns the pivots (row, column).
+pub(crate) fn eliminate(
+    M: &mut Tracked,
+    others: &mut [&mut Tracked],
+    rows: &mut Vec<usize>,
+    cols: &mut Vec<usize>,
+) -> Vec<(usize, usize)> {
+    let mut pivots = Vec::new();
+    while let Some((i, j)) = largest(&M.value, rows, cols) {
+        let (p, q) = (rows.swap_remove(i), cols.swap_remove(j));
+        let mut factors = vec![0.0; M.value.nrows()];
+        for &row in rows.iter() {
+            factors[row] = M.value[(row, q)] / M.value[(p, q)];
+        }
+        M.reduce_rows(p, &factors);
+        others.iter_mut().for_each(|other| other.reduce_rows(p, &factors));
+        rows.iter().for_each(|&row| M.value[(row, q)] = 0.0);
+        pivots.push((p, q));
+    }
+    pivots
+}
+
+/// The place in the lists of the largest entry, none where all are zero.
+fn largest(M: &Mat, rows: &[usize], cols: &[usize]) -> Option<(usize, usize)> {
+    let (mut best, mut found) = (0.0, None);
+    for (j, &col) in cols.iter().enumerate() {
+        let column = M.column(col);
+        for (i, &row) in rows.iter().enumerate() {
+            if column[row].abs() > best {
+                (best, found) = (column[row].abs(), Some((i, j)));
+            }
+        }
+    }
+    found
+}
+
+/// The solution of `M[rows, cols] X = right[rows]`, the columns being those of pivots in these rows.
+pub(crate) fn solve_pivots(M: &Mat, pivots: &[(usize, usize)], right: &Mat) -> Result<Mat, linalg::Error> {
+    let rows: Vec<usize> = pivots.iter().map(|pivot| pivot.0).collect();
+    let cols: Vec<usize> = pivots.iter().map(|pivot| pivot.1).collect();
+    let every: Vec<usize> = (0..right.ncols()).collect();
+    if rows.is_empty() {
+        return Ok(Mat::zeros(0, right.ncols()));
+    }
+    linalg::solve(&M.select(&rows, &cols), &right.select(&rows, &every))
+}
