@@ -7,11 +7,8 @@ use counterpoise_diagnose::answer::Answer;
 use counterpoise_diagnose::bench::Pool;
 use counterpoise_diagnose::diagnose;
 use counterpoise_models::{Parameters, reference};
-use counterpoise_simulate::recording::Recording;
-use counterpoise_tests::sealed::{Case, Family, KINDS, PERIOD, Sealed, Written, case};
-
-/// Proportional and integral gain and bias of the loop in which the machines are recorded.
-const GAINS: [f64; 3] = [18.0, 80.0, 2.88];
+use counterpoise_tests::sealed::row::recordings;
+use counterpoise_tests::sealed::{Family, GAINS, PERIOD, Sealed, case};
 
 struct Threads;
 
@@ -19,21 +16,6 @@ impl Pool for Threads {
     fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
         counterpoise_tests::in_parallel(count, job);
     }
-}
-
-fn recordings(case: &Case) -> Vec<Recording> {
-    let one = |(index, written): (usize, &Written)| Recording {
-        name: format!("{:?}", KINDS[index]),
-        sample_period_s: PERIOD,
-        demand_rad_s: Some(written.demand.clone()),
-        control_v: Some(written.control.clone()),
-        hub_rate_rad_s: Some(written.hub_rate.clone()),
-        platform_rate_rad_s: Some(written.platform_rate.clone()),
-        platform_accel_m_s2: Some(written.platform_accel.clone()),
-        motor_rate_rad_s: case.sealed.motor_rate.then(|| written.motor_rate.clone()),
-        hub_position_rad: case.sealed.hub_position.then(|| written.hub_position.clone()),
-    };
-    case.recordings.iter().map(|(_, written)| written).enumerate().map(one).collect()
 }
 
 fn seeds() -> std::ops::Range<u64> {

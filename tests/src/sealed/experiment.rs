@@ -7,13 +7,13 @@ use std::f64::consts::TAU;
 use super::machine::{Gyro, Machine, Platform, STATES};
 
 /// Samples of a recording.
-pub const SAMPLES: usize = 10_000;
+pub const SAMPLES: usize = 5_000;
 /// Sample period, s.
 pub const PERIOD: f64 = 1e-3;
 /// Steps of the integrator per sample.
 const STEPS: usize = 16;
 /// Samples for which the loop holds still before the recorder starts.
-const HOLD: usize = 3_000;
+const HOLD: usize = 2_000;
 
 /// The four kinds of experiment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

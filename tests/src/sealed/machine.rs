@@ -24,6 +24,10 @@ pub struct Machine {
     pub resistance: f64,
     pub inductance: f64,
     pub cogging: [f64; 3],
+    /// Amplitude, order per motor turn, phase: of the torque constant, and of the torque on the hub.
+    pub torque_ripple: [f64; 3],
+    pub mesh_ripple: [f64; 3],
+    pub mesh_efficiency: f64,
     pub amplifier_gain: f64,
     pub current_feedback: f64,
     pub amplifier_time: f64,
@@ -54,6 +58,19 @@ pub struct Dry {
     pub static_ratio: f64,
     pub stribeck_rate: f64,
     pub asymmetry: f64,
+    /// Amplitude, order per turn, phase of the level along the angle.
+    pub along: [f64; 3],
+    pub per_load: f64,
+    /// Relative fall of the level, and its time constant.
+    pub warming: [f64; 2],
+}
+
+/// Where a friction acts: what its level may depend on beside the rate.
+#[derive(Debug, Clone, Copy, Default)]
+struct Place {
+    angle: f64,
+    load: f64,
+    time: f64,
 }
 
 /// A sensor of second order with errors.
@@ -83,14 +100,17 @@ pub struct Platform {
 pub const STATES: usize = 16;
 
 impl Dry {
-    /// Level at a rate.
-    fn at(&self, rate: f64) -> f64 {
+    /// Level at a rate and place.
+    fn at(&self, rate: f64, place: Place) -> f64 {
         let stribeck = 1.0 + (self.static_ratio - 1.0) * (-(rate / self.stribeck_rate).powi(2)).exp();
-        self.level * stribeck * (1.0 + self.asymmetry * rate.signum())
+        let [amplitude, order, phase] = self.along;
+        let warm = 1.0 - self.warming[0] * (1.0 - (-place.time / self.warming[1]).exp());
+        let own = self.level * (1.0 + amplitude * (order * place.angle + phase).sin()) * warm;
+        (own + self.per_load * place.load.abs()) * stribeck * (1.0 + self.asymmetry * rate.signum())
     }
 
-    fn slope(&self, torque: f64, rate: f64) -> f64 {
-        self.stiffness * rate * (1.0 - torque / self.at(rate) * rate.signum())
+    fn slope(&self, torque: f64, rate: f64, place: Place) -> f64 {
+        self.stiffness * rate * (1.0 - torque / self.at(rate, place) * rate.signum())
     }
 }
 
@@ -123,7 +143,9 @@ impl Machine {
             / self.amplifier_time;
         d[1] = (clamp(volts) - self.resistance * amps - self.back_emf * spin) / self.inductance;
         let fade = 1.0 - (self.fading * t).min(0.2);
-        let drive = self.torque_constant * fade * amps.clamp(-self.current_limit, self.current_limit);
+        let wave = |[a, n, p]: [f64; 3]| a * (n * shaft + p).sin();
+        let constant = self.torque_constant * (1.0 + wave(self.torque_ripple));
+        let drive = constant * fade * amps.clamp(-self.current_limit, self.current_limit);
         let wound = shaft / self.ratio + platform.angle - hub;
         let winding = spin / self.ratio + platform.rate - hub_rate;
         let half = 0.5 * self.backlash;
@@ -132,9 +154,14 @@ impl Machine {
         } else {
             0.0
         };
-        let cog = self.cogging[0] * (self.cogging[1] * shaft + self.cogging[2]).sin();
+        let lost = (1.0 - self.mesh_efficiency) * gear;
+        let forward = 0.5 * (1.0 + spin / spin.hypot(0.05) * gear.signum());
+        let (to_hub, to_motor) = (gear - forward * lost, gear - (1.0 - forward) * lost);
         d[2] = spin;
-        d[3] = (drive + cog - motor_dry - self.motor_friction.viscous * spin - gear / self.ratio)
+        d[3] = (drive + wave(self.cogging)
+            - motor_dry
+            - self.motor_friction.viscous * spin
+            - to_motor / self.ratio)
             / self.motor_inertia;
         let sliding = hub_rate - platform.rate;
         let twist = self.beam_stiffness * (hub - beam) + self.beam_damping * (hub_rate - beam_rate);
@@ -145,11 +172,13 @@ impl Machine {
         let drag = self.pivot_friction.viscous * sliding + self.quadratic_drag * sliding * sliding.abs();
         let hum = self.hum[0] * (std::f64::consts::TAU * self.hum[1] * t + self.hum[2]).sin();
         d[4] = hub_rate;
-        d[5] = (gear - twist - pivot_dry - drag - weight - cable + hum) / self.hub_inertia;
+        d[5] = (to_hub + wave(self.mesh_ripple) + hum - twist - pivot_dry - drag - weight - cable)
+            / self.hub_inertia;
         d[6] = beam_rate;
         d[7] = twist / self.beam_inertia;
-        d[8] = self.motor_friction.slope(motor_dry, spin);
-        d[9] = self.pivot_friction.slope(pivot_dry, sliding);
+        d[8] = self.motor_friction.slope(motor_dry, spin, Place::default());
+        let place = Place { angle: hub - platform.angle, load: gear, time: t };
+        d[9] = self.pivot_friction.slope(pivot_dry, sliding, place);
         let lever = platform.heave + self.lever_arm * platform.acceleration;
         let sensed =
             [(&self.hub_gyro, hub_rate), (&self.platform_gyro, platform.rate), (&self.accelerometer, lever)];

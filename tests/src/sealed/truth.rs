@@ -62,6 +62,9 @@ pub fn machine(p: &Parameters) -> Machine {
         resistance: p.motor.resistance_ohm,
         inductance: p.motor.inductance_h,
         cogging: [0.0, 1.0, 0.0],
+        torque_ripple: [0.0, 1.0, 0.0],
+        mesh_ripple: [0.0, 1.0, 0.0],
+        mesh_efficiency: 1.0,
         amplifier_gain: p.amplifier.gain,
         current_feedback: p.amplifier.current_feedback_v_a,
         amplifier_time: p.amplifier.time_constant_s,
@@ -93,6 +96,9 @@ fn dry(friction: &counterpoise_models::Friction) -> Dry {
         static_ratio: 1.0,
         stribeck_rate: 0.01,
         asymmetry: 0.0,
+        along: [0.0, 1.0, 0.0],
+        per_load: 0.0,
+        warming: [0.0, 1.0],
     }
 }
 
@@ -154,7 +160,7 @@ pub fn conceal(seed: u64, machine: &mut Machine) -> Sealed {
 }
 
 /// Number of kinds of physics that `physics` can put in.
-const PHYSICS: usize = 15;
+const PHYSICS: usize = 27;
 
 /// A size spread evenly in its logarithm around one that is easily seen.
 fn size(dice: &mut Dice) -> f64 {
@@ -256,9 +262,82 @@ fn physics(m: &mut Machine, dice: &mut Dice, which: usize) -> Concealed {
             })],
         ),
         13 => found("structure", "inertia", vec![("beam_inertia", scaled(&mut m.beam_inertia, 0.3))]),
-        _ => {
+        14 => {
             (m.spring, m.spring_centre) = (900.0 * s, dice.uniform(-0.06, 0.06));
             found("structure", "position_stiffness", vec![("stiffness", m.spring)])
+        }
+        _ => Concealed { size: s, ..further(m, dice, which, s) },
+    }
+}
+
+/// One effect with one parameter.
+fn one(component: &'static str, effect: &'static str, parameter: (&'static str, f64)) -> Concealed {
+    Concealed { component, effect, parameters: vec![parameter], size: 1.0, also: Vec::new() }
+}
+
+/// The rest of the vocabulary: what modulates friction, ripples, and the amplifier's limits.
+fn further(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed {
+    let order = [4.0, 6.0, 8.0, 12.0, 24.0][dice.below(5)];
+    let phase = dice.uniform(-3.0, 3.0);
+    match which {
+        15 => {
+            m.pivot_friction.along = [(0.3 * s).min(0.8), [4.0, 8.0, 15.0, 30.0, 45.0][dice.below(5)], phase];
+            one("pivot", "position_dependent_friction", ("amplitude", m.pivot_friction.along[0]))
+        }
+        16 => {
+            m.pivot_friction.stiffness *= 2f64.powf(s * sign(dice));
+            one("pivot", "presliding_stiffness", ("rest_stiffness", m.pivot_friction.stiffness))
+        }
+        17 => {
+            m.pivot_friction.per_load = 0.04 * s;
+            one("pivot", "load_dependent_friction", ("load_coefficient", m.pivot_friction.per_load))
+        }
+        18 => {
+            m.pivot_friction.warming = [(0.3 * s).min(0.8), dice.uniform(1.5, 5.0)];
+            one("pivot", "warm_up", ("warm_up", m.pivot_friction.warming[0]))
+        }
+        19 => {
+            m.motor_friction.viscous += 0.004 * s;
+            one("motor", "viscous", ("viscous", m.motor_friction.viscous))
+        }
+        20 => {
+            m.torque_ripple = [0.05 * s, order, phase];
+            one("motor", "torque_ripple", ("amplitude", m.torque_ripple[0]))
+        }
+        21 => {
+            m.mesh_ripple = [15.0 * s, order, phase];
+            one("gearbox", "mesh_ripple", ("amplitude", m.mesh_ripple[0]))
+        }
+        22 => {
+            m.mesh_efficiency = 1.0 - 0.08 * s;
+            one("gearbox", "mesh_efficiency", ("efficiency", m.mesh_efficiency))
+        }
+        _ => drive_or_structure(m, dice, which, s),
+    }
+}
+
+fn drive_or_structure(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed {
+    match which {
+        23 => {
+            let (depth, corner) = ((0.3 * s).min(0.8), dice.uniform(0.4, 1.4));
+            let stalled = m.amplifier_gain / (m.resistance + m.amplifier_gain * m.current_feedback);
+            let point = |v: f64| [v, stalled * v * (1.0 - depth * (-(v / corner).powi(3)).exp())];
+            m.amplifier_curve = (1..=40).map(|k| point(0.05 * f64::from(k))).collect();
+            let mut curve = one("amplifier", "gain_curve", ("depth", depth));
+            curve.parameters.clear();
+            curve
+        }
+        24 => {
+            m.amplifier_time *= 1.0 + 1.5 * s;
+            one("amplifier", "bandwidth", ("time_constant", m.amplifier_time))
+        }
+        25 => {
+            m.moment_above += 30.0 * s * sign(dice);
+            one("structure", "vertical_offset", ("vertical_offset", m.moment_above))
+        }
+        _ => {
+            m.beam_stiffness *= 2f64.powf(s * sign(dice));
+            one("structure", "flexible_mode", ("stiffness", m.beam_stiffness))
         }
     }
 }
@@ -273,7 +352,28 @@ fn instrument(m: &mut Machine, dice: &mut Dice) -> Concealed {
         size: s,
         also: Vec::new(),
     };
-    match dice.below(7) {
+    match dice.below(12) {
+        7 => {
+            m.hub_gyro.natural /= 1.0 + s;
+            found("hub_gyro", "bandwidth", "natural_frequency", m.hub_gyro.natural)
+        }
+        8 => {
+            m.hub_gyro.late = 1 + (5.0 * s) as usize;
+            let late = found("hub_gyro", "delay", "delay", m.hub_gyro.late as f64 * 1e-3);
+            Concealed { also: vec![("control", "delay")], ..late }
+        }
+        9 => {
+            m.hub_gyro.per_heave = 3e-3 * signed;
+            found("hub_gyro", "g_sensitivity", "g_sensitivity", m.hub_gyro.per_heave)
+        }
+        10 => {
+            m.platform_gyro.per_heave = 3e-3 * signed;
+            found("platform_gyro", "g_sensitivity", "g_sensitivity", m.platform_gyro.per_heave)
+        }
+        11 => {
+            m.accelerometer.bias = 0.3 * signed;
+            found("platform_accelerometer", "bias", "bias", m.accelerometer.bias)
+        }
         0 => {
             m.hub_gyro.gain = 1.0 + 0.1 * signed;
             found("hub_gyro", "scale", "gain", m.hub_gyro.gain)

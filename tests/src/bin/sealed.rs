@@ -1,0 +1,58 @@
+//! Scores the diagnosis on machines whose truth is concealed; one line a seed is added to a file, and seeds that are
+//! in it already are passed over.
+//!
+//! `cargo run --release -p counterpoise-tests --bin sealed -- 1..141 target/sealed.jsonl`
+
+use std::io::Write;
+use std::sync::Mutex;
+
+use counterpoise_controller::ProportionalIntegral;
+use counterpoise_diagnose::{bench::Serial, diagnose};
+use counterpoise_models::reference;
+use counterpoise_tests::sealed::row::{recordings, scored};
+use counterpoise_tests::sealed::{GAINS, PERIOD, Row, case, table};
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [range, path] = arguments.as_slice() else { return println!("usage: sealed FIRST..END FILE") };
+    let Some(seeds) = parsed(range) else { return println!("{range}: a range such as 1..141 is needed") };
+    let known = std::fs::read_to_string(path).unwrap_or_default();
+    let mut rows: Vec<Row> = known.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
+    let left: Vec<u64> = seeds.filter(|seed| !rows.iter().any(|r| r.seed == *seed)).collect();
+    let file = std::fs::OpenOptions::new().create(true).append(true).open(path);
+    let file = Mutex::new(file.unwrap_or_else(|error| panic!("{path}: {error}")));
+    let fresh = Mutex::new(Vec::new());
+    counterpoise_tests::in_parallel(left.len(), &|k| {
+        let row = row(left[k]);
+        let line = serde_json::to_string(&row).unwrap_or_default();
+        println!("{line}");
+        if let (Ok(mut file), Ok(mut fresh)) = (file.lock(), fresh.lock()) {
+            writeln!(file, "{line}").unwrap_or_else(|error| panic!("{path}: {error}"));
+            fresh.push(row);
+        }
+    });
+    rows.extend(fresh.into_inner().unwrap_or_default());
+    rows.sort_by_key(|row| row.seed);
+    println!("{}", table::page(&rows));
+}
+
+fn parsed(range: &str) -> Option<std::ops::Range<u64>> {
+    let (first, end) = range.split_once("..")?;
+    Some(first.parse().ok()?..end.parse().ok()?)
+}
+
+fn row(seed: u64) -> Row {
+    let nominal = reference::rig();
+    let controller = ProportionalIntegral {
+        kp_v_s_rad: GAINS[0],
+        ki_v_rad: GAINS[1],
+        bias_v: GAINS[2],
+        sample_period_s: PERIOD,
+        integral_v: 0.0,
+    };
+    let case = case(seed, &nominal, GAINS);
+    let clock = std::time::Instant::now();
+    let found = diagnose(&nominal, &controller, &recordings(&case), &Serial);
+    let found = found.unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+    scored(seed, &case, &found.answer, clock.elapsed().as_secs_f64())
+}

@@ -1,0 +1,146 @@
+//! How one answer stands to its sealed truth: a line of the score.
+
+use counterpoise_diagnose::answer::{Answer, Channels, Finding, Verdict};
+use counterpoise_simulate::recording::Recording;
+use serde::{Deserialize, Serialize};
+
+use super::{Case, Concealed, Family, KINDS, PERIOD, Sealed, Written};
+
+/// One machine's score.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Row {
+    pub seed: u64,
+    pub family: String,
+    /// What is concealed, `component effect`.
+    pub truth: Vec<String>,
+    /// RMS change that it makes to the most changed channel, in floors: below 1 it drowns.
+    pub visibility: f64,
+    pub noise: f64,
+    pub verdict: String,
+    /// What was found, `component effect`.
+    pub found: Vec<String>,
+    /// For each finding with a name: its probability, and whether it is true.
+    pub stated: Vec<(f64, bool)>,
+    /// Concealed effects whose component was found; whose name was; that were named or among the alternatives.
+    pub component: usize,
+    pub top: usize,
+    pub in_set: usize,
+    /// Names offered for all findings, alternatives included.
+    pub offered: usize,
+    /// 95 % intervals that hold the true value, of how many.
+    pub covered: usize,
+    pub intervals: usize,
+    /// Mean ln(RMS / floor) over the channels, data that was not fitted: the model as it was, the improved one.
+    pub held_out_before: f64,
+    pub held_out_after: f64,
+    /// Whether data that was not fitted got worse.
+    pub damaged: bool,
+    pub seconds: f64,
+}
+
+/// What the diagnosis is handed of a machine.
+pub fn recordings(case: &Case) -> Vec<Recording> {
+    let one = |(index, written): (usize, &Written)| Recording {
+        name: format!("{:?}", KINDS[index]),
+        sample_period_s: PERIOD,
+        demand_rad_s: Some(written.demand.clone()),
+        control_v: Some(written.control.clone()),
+        hub_rate_rad_s: Some(written.hub_rate.clone()),
+        platform_rate_rad_s: Some(written.platform_rate.clone()),
+        platform_accel_m_s2: Some(written.platform_accel.clone()),
+        motor_rate_rad_s: case.sealed.motor_rate.then(|| written.motor_rate.clone()),
+        hub_position_rad: case.sealed.hub_position.then(|| written.hub_position.clone()),
+    };
+    case.recordings.iter().map(|(_, written)| written).enumerate().map(one).collect()
+}
+
+/// Scores an answer.
+pub fn scored(seed: u64, case: &Case, answer: &Answer, seconds: f64) -> Row {
+    let sealed = &case.sealed;
+    let known = sealed.family != Family::Outside;
+    let count = |hit: &dyn Fn(&Concealed) -> bool| sealed.concealed.iter().filter(|c| hit(c)).count();
+    let any = |hit: &dyn Fn(&Finding) -> bool| answer.findings.iter().any(hit);
+    let names = |c: &str, e: &str| format!("{c} {e}");
+    let (covered, intervals) = coverage(sealed, answer);
+    Row {
+        seed,
+        family: format!("{:?}", sealed.family),
+        truth: sealed.concealed.iter().map(|c| names(c.component, c.effect)).collect(),
+        visibility: visibility(case, answer),
+        noise: sealed.noise,
+        verdict: format!("{:?}", answer.verdict),
+        found: answer.findings.iter().map(|f| names(f.component, f.effect)).collect(),
+        stated: answer.findings.iter().filter(|f| f.effect != "unknown").map(|f| stated(sealed, f)).collect(),
+        component: count(&|c| any(&|f| f.component == c.component)),
+        top: count(&|c| known && any(&|f| is(c, f.component, f.effect))),
+        in_set: count(&|c| known && any(&|f| offers(c, f))),
+        offered: answer.findings.iter().map(|f| 1 + f.alternatives.len()).sum(),
+        covered,
+        intervals,
+        held_out_before: distance(&answer.fit.held_out_before),
+        held_out_after: distance(&answer.fit.held_out_after),
+        damaged: answer.verdict != Verdict::Consistent && damaged(answer),
+        seconds,
+    }
+}
+
+/// Whether a name is the concealed effect's, or one that such recordings cannot tell from it.
+fn is(c: &Concealed, component: &str, effect: &str) -> bool {
+    (c.component, c.effect) == (component, effect) || c.also.contains(&(component, effect))
+}
+
+fn offers(c: &Concealed, f: &Finding) -> bool {
+    is(c, f.component, f.effect) || f.alternatives.iter().any(|a| is(c, a.component, a.effect))
+}
+
+fn stated(sealed: &Sealed, f: &Finding) -> (f64, bool) {
+    (f.probability, sealed.concealed.iter().any(|c| is(c, f.component, f.effect)))
+}
+
+/// True values inside the intervals of the findings with the right name, and how many were looked at.
+fn coverage(sealed: &Sealed, answer: &Answer) -> (usize, usize) {
+    let mut inside = (0, 0);
+    for c in &sealed.concealed {
+        let finding = answer.findings.iter().find(|f| (f.component, f.effect) == (c.component, c.effect));
+        for p in finding.map_or(&[][..], |f| &f.parameters) {
+            let truth = c.parameters.iter().find(|(name, _)| *name == p.name);
+            if let Some(&(_, value)) = truth {
+                inside.0 += usize::from(p.ci95[0] <= value && value <= p.ci95[1]);
+                inside.1 += 1;
+            }
+        }
+    }
+    inside
+}
+
+/// The change that the concealed effect makes to the most changed channel of any recording, in floors.
+fn visibility(case: &Case, answer: &Answer) -> f64 {
+    let mut largest: f64 = 0.0;
+    for ((_, with), without) in case.recordings.iter().zip(&case.plain) {
+        let channels = [
+            ("control", &with.control, &without.control),
+            ("hub_rate", &with.hub_rate, &without.hub_rate),
+            ("motor_rate", &with.motor_rate, &without.motor_rate),
+            ("hub_position", &with.hub_position, &without.hub_position),
+        ];
+        for (name, a, b) in channels {
+            let Some(fit) = answer.fit.before.get(name) else { continue };
+            let square = a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum::<f64>() / a.len() as f64;
+            largest = largest.max(square.sqrt() / fit.floor);
+        }
+    }
+    largest
+}
+
+/// Mean ln(RMS / floor) of the channels, 0 at the floor.
+fn distance(channels: &Channels) -> f64 {
+    let sum: f64 = channels.values().map(|c| (c.rms_error / c.floor).max(1.0).ln()).sum();
+    sum / channels.len().max(1) as f64
+}
+
+fn damaged(answer: &Answer) -> bool {
+    answer.fit.held_out_after.iter().any(|(channel, after)| {
+        let before = answer.fit.held_out_before[channel];
+        after.rms_error > 1.05 * before.rms_error.max(before.floor)
+    })
+}

@@ -1,0 +1,109 @@
+//! The score of many machines as a page.
+
+use std::fmt::Write;
+
+use super::Row;
+
+/// Visibility, in floors, from which an effect counts as detectable.
+pub const DETECTABLE: f64 = 1.0;
+
+/// The whole page.
+pub fn page(rows: &[Row]) -> String {
+    let mut out = String::from("| figure | value |\n|---|---|\n");
+    for (name, value) in figures(rows) {
+        let _ = writeln!(out, "| {name} | {value} |");
+    }
+    out.push_str("\nPower against size, single effects (visibility: RMS change of the most changed channel, in floors):\n\n");
+    out.push_str(
+        "| visibility | machines | something found | named | in the set offered |\n|---|---|---|---|---|\n",
+    );
+    for (low, high) in [(0.0, 0.5), (0.5, 1.0), (1.0, 2.0), (2.0, 5.0), (5.0, f64::INFINITY)] {
+        out.push_str(&power(rows, low, high));
+    }
+    out.push_str("\nProbability as stated against how often the name was true:\n\n");
+    out.push_str("| stated | findings | mean stated | true |\n|---|---|---|---|\n");
+    for (low, high) in [(0.0, 0.3), (0.3, 0.6), (0.6, 0.9), (0.9, 1.01)] {
+        out.push_str(&reliability(rows, low, high));
+    }
+    out
+}
+
+fn figures(rows: &[Row]) -> Vec<(&'static str, String)> {
+    let of = |family: &str| rows.iter().filter(|r| r.family == family).collect::<Vec<_>>();
+    let (nothing, outside, pairs) = (of("Nothing"), of("Outside"), of("Pair"));
+    let singles: Vec<&Row> = rows.iter().filter(|r| is_single(r)).collect();
+    let clear: Vec<&Row> = singles.iter().copied().filter(|r| r.visibility >= DETECTABLE).collect();
+    let known: Vec<&Row> = rows.iter().filter(|r| r.family != "Nothing").collect();
+    let named = |rows: &[&Row]| {
+        rows.iter().filter(|r| r.top == r.truth.len() && r.found.len() == r.truth.len()).count()
+    };
+    let some =
+        |rows: &[&Row], hit: &dyn Fn(&Row) -> bool| share(rows.iter().filter(|r| hit(r)).count(), rows.len());
+    let inside = rows.iter().map(|r| r.covered).sum();
+    let intervals = rows.iter().map(|r| r.intervals).sum();
+    let improved: Vec<&Row> = rows.iter().filter(|r| !r.stated.is_empty()).collect();
+    let mean = |f: &dyn Fn(&Row) -> f64, rows: &[&Row]| {
+        rows.iter().map(|r| f(r)).sum::<f64>() / rows.len().max(1) as f64
+    };
+    vec![
+        ("machines", rows.len().to_string()),
+        (
+            "false alarms (anything found where nothing is concealed)",
+            some(&nothing, &|r| !r.found.is_empty()),
+        ),
+        (
+            "detectable single effects and instrument faults named, nothing else",
+            share(named(&clear), clear.len()),
+        ),
+        ("the same, truth in the set offered", some(&clear, &|r| r.in_set == r.truth.len())),
+        ("mean size of the set offered", format!("{:.2}", mean(&|r| r.offered as f64, &clear))),
+        ("all single effects named, of any size", share(named(&singles), singles.len())),
+        ("component right, where something is concealed and found", {
+            let found: Vec<&Row> = known.iter().copied().filter(|r| !r.found.is_empty()).collect();
+            some(&found, &|r| r.component > 0)
+        }),
+        ("two effects, both detected by name", share(named(&pairs), pairs.len())),
+        ("two effects, at least one", some(&pairs, &|r| r.top > 0)),
+        ("outside the library: no name given", some(&outside, &|r| r.stated.is_empty())),
+        ("95 % intervals that hold the truth", share(inside, intervals)),
+        ("damage (data not fitted got worse)", some(&rows.iter().collect::<Vec<_>>(), &|r| r.damaged)),
+        (
+            "distance on data not fitted, named machines: before",
+            format!("{:.3}", mean(&|r| r.held_out_before, &improved)),
+        ),
+        ("the same, after", format!("{:.3}", mean(&|r| r.held_out_after, &improved))),
+        ("seconds a machine", format!("{:.0}", mean(&|r| r.seconds, &rows.iter().collect::<Vec<_>>()))),
+    ]
+}
+
+fn is_single(row: &Row) -> bool {
+    row.family == "Single" || row.family == "Instrument"
+}
+
+/// `part of whole`, with the percentage.
+fn share(part: usize, whole: usize) -> String {
+    format!("{part} of {whole} ({:.0} %)", 100.0 * part as f64 / whole.max(1) as f64)
+}
+
+fn power(rows: &[Row], low: f64, high: f64) -> String {
+    let here: Vec<&Row> =
+        rows.iter().filter(|r| is_single(r) && r.visibility >= low && r.visibility < high).collect();
+    let found = here.iter().filter(|r| !r.found.is_empty()).count();
+    let named = here.iter().filter(|r| r.top == 1 && r.found.len() == 1).count();
+    let offered = here.iter().filter(|r| r.in_set == 1).count();
+    let label = if high.is_finite() { format!("{low} to {high}") } else { format!("above {low}") };
+    format!("| {label} | {} | {found} | {named} | {offered} |\n", here.len())
+}
+
+fn reliability(rows: &[Row], low: f64, high: f64) -> String {
+    let all = rows.iter().flat_map(|r| &r.stated);
+    let here: Vec<&(f64, bool)> = all.filter(|(p, _)| *p >= low && *p < high).collect();
+    let mean = here.iter().map(|s| s.0).sum::<f64>() / here.len().max(1) as f64;
+    let right = here.iter().filter(|s| s.1).count();
+    format!(
+        "| {low:.1} to {:.1} | {} | {mean:.2} | {} |\n",
+        high.min(1.0),
+        here.len(),
+        share(right, here.len())
+    )
+}
