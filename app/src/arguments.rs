@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand};
 
-use crate::commands::{claims::ClaimsOptions, sweep::SweepOptions};
+use crate::commands::{
+    claims::ClaimsOptions, fra::FraOptions, sweep::SweepOptions, synth::SynthOptions, verify::VerifyOptions,
+};
 
 /// From a project file to a verified controller, and back from recordings to a better model.
 #[derive(Parser)]
@@ -27,11 +29,15 @@ pub enum Command {
     /// The reduced plant and its error
     Reduce(StageOptions),
     /// The controller: weights, feedback, heave and pitch feedforward, certificates
-    Synth(StageOptions),
+    Synth(SynthOptions),
+    /// The adaptation to a changing out-of-balance, in eight runs of the nonlinear closed loop
+    Adapt(StageOptions),
     /// The verdicts: every figure against its limit, linear and nonlinear
-    Verify(StageOptions),
+    Verify(VerifyOptions),
     /// The verified controller as C, Rust, fixed point and FMI units, with self-test vectors
     Export(ExportOptions),
+    /// Frequency responses as an analyser measures them: nonlinear, amplitude by amplitude, or on recordings
+    Fra(FraOptions),
     /// Simulate what was recorded, and say how well it fits
     Replay(ReplayOptions),
     /// Locate, name and model what the simulation lacks, and show that the fit improves

@@ -7,6 +7,7 @@ mod arguments;
 mod commands;
 mod files;
 mod output;
+mod processor;
 mod shards;
 mod workers;
 
@@ -22,9 +23,11 @@ fn main() -> ExitCode {
         Command::Design(options) => commands::design::run(options),
         Command::Model(options) => commands::stages::model(options),
         Command::Reduce(options) => commands::stages::reduce(options),
-        Command::Synth(options) => commands::stages::synth(options),
-        Command::Verify(options) => commands::stages::verify(options),
+        Command::Synth(options) => commands::synth::run(options),
+        Command::Adapt(options) => commands::adapt::run(options),
+        Command::Verify(options) => commands::verify::run(options),
         Command::Export(options) => commands::export::run(options),
+        Command::Fra(options) => commands::fra::run(options),
         Command::Replay(options) => commands::replay::run(options),
         Command::Diagnose(options) => commands::diagnose::run(options),
         Command::Identify(options) => commands::identify::run(options),

@@ -1,15 +1,19 @@
 //! The commands: each loads what it needs, calls the road, prints, and says by its exit code how it went.
 
+pub mod adapt;
 pub mod claims;
 pub mod design;
 pub mod diagnose;
 pub mod export;
+pub mod fra;
 pub mod identify;
 pub mod new;
 pub mod pages;
 pub mod replay;
 pub mod stages;
 pub mod sweep;
+pub mod synth;
+pub mod verify;
 
 use std::process::ExitCode;
 

@@ -1,14 +1,13 @@
 //! Single stages of the road, from the same file.
 
 use crate::output::say;
-use counterpoise_project::pipeline::{self, Modelled, Reduced, Synthesised};
-use counterpoise_project::results::{ModelResult, ReduceResult, SynthResult, VerifyResult};
-use counterpoise_project::{Purpose, diagnose::bench::rms};
+use counterpoise_project::Purpose;
+use counterpoise_project::pipeline::{self, Modelled, Reduced};
+use counterpoise_project::results::{ModelResult, ReduceResult};
 
-use super::design::print_verdicts;
 use super::{Done, verdict_code};
 use crate::arguments::StageOptions;
-use crate::files::{self, Loaded, Surroundings};
+use crate::files::{self, Loaded};
 use crate::output;
 
 /// `counterpoise model`.
@@ -47,43 +46,6 @@ pub fn reduce(options: &StageOptions) -> Done {
     verdict_ok()
 }
 
-/// `counterpoise synth`.
-pub fn synth(options: &StageOptions) -> Done {
-    let loaded = loaded(options, Purpose::Synth)?;
-    let (_, made) = to_synthesised(&loaded)?;
-    let result = SynthResult::from(&made);
-    if !output::json(&options.results, &result)? {
-        print_weights(&loaded);
-        say!("design plant of order {}", result.plant_order);
-        result.path_orders.iter().for_each(|(name, order)| say!("{name}: order {order}"));
-        let radius: Vec<f64> = result.closed_loop_poles.iter().map(|[re, im]| re.hypot(*im)).collect();
-        let largest = radius.iter().copied().fold(0.0, f64::max);
-        say!(
-            "closed sampled loop: {} poles, largest modulus {largest:.6}, RMS {:.4}",
-            radius.len(),
-            rms(&radius)
-        );
-        if let Some(difference) = result.cost_difference {
-            say!("predicted cost and cost of the assembled loop differ by {difference:.1e}");
-        }
-        result.warnings.iter().for_each(|w| say!("warning: {w}"));
-    }
-    verdict_ok()
-}
-
-/// `counterpoise verify`.
-pub fn verify(options: &StageOptions) -> Done {
-    let loaded = loaded(options, Purpose::Verify)?;
-    let world = Surroundings::of(&loaded, options.results.quiet);
-    let (modelled, made) = to_synthesised(&loaded)?;
-    let verified = pipeline::verify(&loaded.project, &modelled, &made, &world)?;
-    let found = verified.verification();
-    if !output::json(&options.results, &VerifyResult::from(found))? {
-        print_verdicts(found);
-    }
-    Ok(verdict_code(found.passes()))
-}
-
 fn verdict_ok() -> Done {
     Ok(verdict_code(true))
 }
@@ -98,16 +60,4 @@ fn to_reduced(loaded: &Loaded) -> anyhow::Result<(Modelled, Reduced)> {
     let modelled = pipeline::model(&loaded.project)?;
     let reduced = pipeline::reduce(&loaded.project, &modelled)?;
     Ok((modelled, reduced))
-}
-
-fn to_synthesised(loaded: &Loaded) -> anyhow::Result<(Modelled, Synthesised)> {
-    let (modelled, reduced) = to_reduced(loaded)?;
-    let made = pipeline::synthesise(&loaded.project, &modelled, &reduced)?;
-    Ok((modelled, made))
-}
-
-fn print_weights(loaded: &Loaded) {
-    if let Some(synth) = &loaded.project.synth {
-        pipeline::export::weights(synth).iter().for_each(|line| say!("{line}"));
-    }
 }

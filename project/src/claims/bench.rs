@@ -2,8 +2,8 @@
 
 use counterpoise_controller::{Controller, FrictionObserver, Signal};
 use counterpoise_lti::{Response, StateSpace};
+use counterpoise_models::Parameters;
 use counterpoise_models::plant::Plant;
-use counterpoise_models::{FrictionLaw, Parameters};
 use counterpoise_simulate::Simulator;
 use counterpoise_verify::history::{Experiment, History};
 use counterpoise_verify::robust::figures_of;
@@ -12,6 +12,7 @@ use counterpoise_verify::{
 };
 
 use crate::Project;
+use crate::pipeline::surround::rest_stiffness_nm_rad;
 use crate::pipeline::{Designed, PipelineError, World, design, procedure};
 
 /// A design that is put to the test.
@@ -168,23 +169,6 @@ pub fn with_observers(
     let motor = observer("friction_motor", &parameters.motor_friction, ratio);
     let present = [pivot, motor].into_iter().filter(|one| one.coulomb_nm > 0.0);
     Ok(controller.with(|parts| parts.observers = present.collect())?)
-}
-
-/// Stiffness at rest; a law without one breaks away within this angle in the observer, rad.
-const BREAKAWAY_RAD: f64 = 5e-4;
-
-fn rest_stiffness_nm_rad(law: &FrictionLaw) -> f64 {
-    match law {
-        FrictionLaw::Dahl { rest_stiffness_nm_rad, .. } => *rest_stiffness_nm_rad,
-        FrictionLaw::Lugre { bristle_stiffness_nm_rad, .. } => *bristle_stiffness_nm_rad,
-        FrictionLaw::None => 0.0,
-        FrictionLaw::Coulomb { coulomb_nm }
-        | FrictionLaw::ResetIntegrator { coulomb_nm, .. }
-        | FrictionLaw::Stribeck { coulomb_nm, .. }
-        | FrictionLaw::Karnopp { coulomb_nm, .. }
-        | FrictionLaw::Walrath { coulomb_nm, .. }
-        | FrictionLaw::Bristle { coulomb_nm, .. } => coulomb_nm / BREAKAWAY_RAD,
-    }
 }
 
 /// The largest difference in dB between two systems of one output over a band, over the given input.

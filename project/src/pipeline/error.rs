@@ -14,6 +14,12 @@ pub enum PipelineError {
         /// The step.
         needed_by: &'static str,
     },
+    /// A key that needs a controller which sees the error alone.
+    #[error("synth.{key} needs reference = \"error\": the controller must see demand less rate alone")]
+    NeedsError {
+        /// The key.
+        key: &'static str,
+    },
     /// A configuration that the project does not have.
     #[error("there is no configuration \"{name}\"; the project has: {known}")]
     Configuration {
@@ -73,6 +79,14 @@ pub enum PipelineError {
     /// The identification refused.
     #[error("identification: {0}")]
     Diagnose(#[from] counterpoise_diagnose::Error),
+    /// A channel that a recording lacks.
+    #[error("the recording {recording} has no channel {channel}, which this frequency response needs")]
+    Channel {
+        /// Name of the recording.
+        recording: String,
+        /// The channel.
+        channel: &'static str,
+    },
     /// A recording cannot be used.
     #[error("recording: {0}")]
     Recording(#[from] crate::recording::RecordingError),

@@ -4,10 +4,16 @@
 //! -> [`export`](mod@export). Each step takes what the one before it made; nothing else is shared. A caller who wants
 //! fewer steps calls fewer.
 
+pub mod adapt;
+pub mod balance;
+pub mod beside;
 pub mod error;
 pub mod export;
+pub mod fra;
 pub mod model;
 pub mod reduce;
+pub mod search;
+pub(crate) mod surround;
 pub mod sweep;
 pub mod synth;
 pub mod verify;
@@ -21,7 +27,7 @@ pub use model::{Modelled, model};
 pub use reduce::{Reduced, reduce};
 pub use sweep::{campaign, families};
 pub use synth::{Synthesised, synthesise};
-pub use verify::{procedure, verify};
+pub use verify::{procedure, verify, verify_linear_on, verify_on};
 
 use crate::Project;
 

@@ -1,9 +1,16 @@
 //! The three-part design on the reduced plant, and its sampled controller.
 
+use counterpoise_lti::{Mat, StateSpace, Timebase, series};
+use counterpoise_models::Parameters;
 use counterpoise_models::plant::LinearPlant;
-use counterpoise_synth::{Design, DesignPlant, Finding, Outcome, Sampled, Sampling, design, discretise};
+use counterpoise_reduce::{ControllerReduction, Method as Truncation, Order, reduce_controller};
+use counterpoise_synth::{
+    Alternative, Channel, Design, DesignPlant, Entry, Finding, Method, Outcome, Reference, Sampled, Sampling,
+    alternative, design, discretise, discretise_schedule,
+};
 
-use super::{Modelled, PipelineError, Reduced};
+use super::surround::surrounded;
+use super::{Modelled, PipelineError, Reduced, balance};
 use crate::Project;
 use crate::resolve::design::Synthesis;
 
@@ -16,9 +23,26 @@ pub struct Synthesised {
     pub sampled: Sampled,
     /// What a designer should know.
     pub warnings: Vec<Finding>,
+    /// How it is sampled.
+    pub sampling: Sampling,
+    /// The other method that made the feedback, where the project names one.
+    pub other: Option<Alternative>,
+    /// What was left out of the feedback to reach its order, where the project asks for one.
+    pub lowered: Option<Lowered>,
+    /// The designs over out-of-balance, nominal first; empty without schedule.
+    pub balance: Vec<Entry>,
 }
 
-/// Designs feedback and feedforwards, and samples them.
+/// A feedback of lower order, and the one before it.
+#[derive(Debug, Clone)]
+pub struct Lowered {
+    /// The feedback before.
+    pub before: StateSpace,
+    /// The reduction from the error, and what it does to the loop.
+    pub reduction: ControllerReduction,
+}
+
+/// Designs feedback and feedforwards, and samples them with what surrounds them.
 ///
 /// # Errors
 /// [`PipelineError::NoController`] with every reason, and those of the plant and the design.
@@ -30,13 +54,57 @@ pub fn synthesise(
     let asked =
         project.synth.as_ref().ok_or(PipelineError::Missing { section: "synth", needed_by: "the design" })?;
     let plant = design_plant(asked, modelled, reduced)?;
-    let design = solved(design(&plant, &asked.specification)?)?;
-    let sampled = solved(discretise(&design, &sampling(asked, modelled))?)?;
+    let mut design = solved(design(&plant, &asked.specification)?)?;
+    let other = by_method(asked, &mut design)?;
+    let lowered = asked.around.controller_order.map(|order| lower(&mut design, order)).transpose()?;
+    let sampling = sampling(asked, modelled);
+    let balance = match &asked.around.schedule {
+        Some(wanted) => balance::balance(project, asked, (modelled, wanted))?,
+        None => Vec::new(),
+    };
+    let sampled = match &asked.around.schedule {
+        Some(wanted) if balance::redesigns(wanted, &balance) && design.part(Channel::Heave).is_some() => {
+            solved(discretise_schedule(&design, &balance, &sampling)?)?
+        }
+        _ => solved(discretise(&design, &sampling)?)?,
+    };
+    let sampled = surrounded(sampled, (asked, modelled), (&plant, &sampling))?;
     let warnings = design.warnings.clone();
-    Ok(Synthesised { design, sampled, warnings })
+    Ok(Synthesised { design, sampled, warnings, sampling, other, lowered, balance })
 }
 
-fn solved<T>(outcome: Outcome<T>) -> Result<T, PipelineError> {
+/// Puts the feedback of another method in place of the three-part one, where the project names one.
+fn by_method(asked: &Synthesis, design: &mut Design) -> Result<Option<Alternative>, PipelineError> {
+    let method = asked.around.method;
+    if method == Method::ThreePart {
+        return Ok(None);
+    }
+    sees_the_error_alone(design, "method")?;
+    let made = solved(alternative(&design.plant, &asked.specification.feedback, method)?)?;
+    design.substitute = Some(made.controller.clone());
+    Ok(Some(made))
+}
+
+/// Puts a feedback of lower order in place of the design's, by frequency-weighted balancing that keeps the loop.
+fn lower(design: &mut Design, order: usize) -> Result<Lowered, PipelineError> {
+    sees_the_error_alone(design, "controller_order")?;
+    let before = design.feedback_controller();
+    let seen = design.plant.measured()?.select(&[0], &[design.plant.control]);
+    let from_error = before.select(&[0], &[0]);
+    let reduction = reduce_controller(&seen, &from_error, Order::States(order), Truncation::MatchDc)?;
+    let difference = StateSpace::gain(Mat::row(&[1.0, -1.0]), Timebase::Continuous)?;
+    design.substitute = Some(series(&difference, &reduction.reduction.system)?);
+    Ok(Lowered { before, reduction })
+}
+
+fn sees_the_error_alone(design: &Design, key: &'static str) -> Result<(), PipelineError> {
+    match design.specification.reference {
+        Reference::Error => Ok(()),
+        Reference::WeightOnly => Err(PipelineError::NeedsError { key }),
+    }
+}
+
+pub(crate) fn solved<T>(outcome: Outcome<T>) -> Result<T, PipelineError> {
     match outcome {
         Outcome::Solved(solution) => Ok(solution),
         Outcome::Infeasible(reasons) => Err(PipelineError::NoController(reasons)),
@@ -67,14 +135,14 @@ pub fn design_plant(
 /// Volts of the output converter beyond which the control is limited: the converter's own range.
 const CONVERTER_RANGE_V: f64 = 10.0;
 
-fn sampling(asked: &Synthesis, modelled: &Modelled) -> Sampling {
+pub(crate) fn sampling(asked: &Synthesis, modelled: &Modelled) -> Sampling {
     let p = &modelled.parameters;
     let moment = modelled.plant.body().out_of_balance_kg_m;
-    let torque_per_volt =
-        p.gearbox.ratio * p.motor.torque_constant_nm_a * p.amplifier.stall_gain_a_v(&p.motor);
-    let bias_v_per_kg_m = p.gravity_m_s2 / torque_per_volt;
+    let volts_per_nm = 1.0 / torque_per_volt(p);
+    let bias_v_per_kg_m = p.gravity_m_s2 * volts_per_nm;
     let limit_v = p.amplifier.input_limit_v.min(CONVERTER_RANGE_V);
-    let reach = limit_v / bias_v_per_kg_m.max(f64::MIN_POSITIVE);
+    let felt_m_s2 = if p.gravity_m_s2 == 0.0 { STANDARD_GRAVITY_M_S2 } else { p.gravity_m_s2 };
+    let reach = limit_v / (volts_per_nm * felt_m_s2);
     Sampling {
         method: asked.discretisation,
         delay_samples: p.interface.output_delay_samples,
@@ -84,4 +152,12 @@ fn sampling(asked: &Synthesis, modelled: &Modelled) -> Sampling {
         transfer_time_s: asked.transfer_time_s,
         ..Sampling::new(p.interface.sample_period_s, limit_v)
     }
+}
+
+/// The acceleration that an out-of-balance is judged by where no gravity acts on it, m/s^2.
+const STANDARD_GRAVITY_M_S2: f64 = 9.80665;
+
+/// Torque at the stalled hub for one volt of control, N m/V.
+pub(crate) fn torque_per_volt(p: &Parameters) -> f64 {
+    p.gearbox.ratio * p.motor.torque_constant_nm_a * p.amplifier.stall_gain_a_v(&p.motor)
 }

@@ -1,0 +1,57 @@
+//! `counterpoise adapt`: the adaptation put to the test in the nonlinear closed loop.
+
+use counterpoise_project::Purpose;
+use counterpoise_project::pipeline::adapt::{AdaptRun, Interval, adapt};
+use counterpoise_project::pipeline::{self};
+
+use super::{Done, verdict_code};
+use crate::arguments::StageOptions;
+use crate::files;
+use crate::output::{self, say};
+
+/// How near to the default case the hub rate must come back.
+const NEAR: f64 = 1.10;
+
+/// Runs the command.
+pub fn run(options: &StageOptions) -> Done {
+    let loaded = files::load(&options.project, Purpose::Verify)?;
+    output::warnings(&loaded, options.results.quiet);
+    let modelled = pipeline::model(&loaded.project)?;
+    let reduced = pipeline::reduce(&loaded.project, &modelled)?;
+    let made = pipeline::synthesise(&loaded.project, &modelled, &reduced)?;
+    let runs = adapt(&loaded.project, &modelled, &made)?;
+    if !output::json(&options.results, &runs)? {
+        print(&runs);
+    }
+    Ok(verdict_code(runs.iter().flat_map(|run| &run.intervals).all(returned)))
+}
+
+/// Whether the hub rate came back, where the adaptation was to bring it back.
+fn returned(interval: &Interval) -> bool {
+    !interval.adapted || interval.over_default <= NEAR
+}
+
+fn print(runs: &[AdaptRun]) {
+    for run in runs {
+        say!("({}) {}", run.letter, run.says);
+        for interval in &run.intervals {
+            let [from, to] = interval.from_to_s;
+            let verdict = match (interval.adapted, returned(interval)) {
+                (true, true) => "holds",
+                (true, false) => "FAILS",
+                (false, _) => "",
+            };
+            say!(
+                "    {from:5.1} to {to:5.1} s: out-of-balance {:7.2} kg m, controller uses {:7.2}; hub rate {:.3} mrad/s RMS, {:.3} of (a)  {verdict}",
+                interval.out_of_balance_kg_m,
+                interval.used_kg_m,
+                1e3 * interval.hub_rms_rad_s,
+                interval.over_default
+            );
+        }
+    }
+    let judged: Vec<&Interval> =
+        runs.iter().flat_map(|run| &run.intervals).filter(|interval| interval.adapted).collect();
+    let good = judged.iter().filter(|interval| returned(interval)).count();
+    say!("{good} of {} adapted intervals are within 10 % of run (a)", judged.len());
+}

@@ -1,0 +1,266 @@
+//! `counterpoise synth`: the controller with its certificates, and what stands beside it; or the search for its weights.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use counterpoise_project::Purpose;
+use counterpoise_project::pipeline::beside::{Beside, LoopFigures, MethodRow, beside};
+use counterpoise_project::pipeline::search::{Searched, search};
+use counterpoise_project::pipeline::{self, Modelled, Reduced};
+use counterpoise_project::results::SynthResult;
+use counterpoise_project::synth::{Figures, Trial};
+use serde::Serialize;
+
+use super::{Done, verdict_code};
+use crate::arguments::Results;
+use crate::files::{self, Loaded};
+use crate::output::{self, say};
+
+/// Arguments of `synth`.
+#[derive(Args)]
+pub struct SynthOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// Search the weights for the requirements of [synth.search]
+    #[arg(long)]
+    pub search: bool,
+    /// With --search: write the project with the weights that were found
+    #[arg(long, value_name = "FILE", requires = "search")]
+    pub save: Option<PathBuf>,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// The design and what stands beside it, for a machine.
+#[derive(Serialize)]
+struct Whole<'a> {
+    #[serde(flatten)]
+    synth: &'a SynthResult,
+    beside: &'a Beside,
+}
+
+/// Runs the command.
+pub fn run(options: &SynthOptions) -> Done {
+    let loaded = files::load(&options.project, Purpose::Synth)?;
+    output::warnings(&loaded, options.results.quiet);
+    let modelled = pipeline::model(&loaded.project)?;
+    let reduced = pipeline::reduce(&loaded.project, &modelled)?;
+    if options.search {
+        return searched(options, &loaded, (&modelled, &reduced));
+    }
+    let made = pipeline::synthesise(&loaded.project, &modelled, &reduced)?;
+    let beside = beside(&loaded.project, (&modelled, &reduced), &made)?;
+    let result = SynthResult::from(&made);
+    if !output::json(&options.results, &Whole { synth: &result, beside: &beside })? {
+        print_weights(&loaded);
+        print_design(&result);
+        print_beside(&beside);
+    }
+    Ok(verdict_code(true))
+}
+
+fn print_weights(loaded: &Loaded) {
+    if let Some(synth) = &loaded.project.synth {
+        pipeline::export::weights(synth).iter().for_each(|line| say!("{line}"));
+    }
+}
+
+fn print_design(result: &SynthResult) {
+    say!();
+    say!("design plant of order {}", result.plant_order);
+    result.path_orders.iter().for_each(|(name, order)| say!("{name}: order {order}"));
+    let largest = result.closed_loop_poles.iter().map(|[re, im]| re.hypot(*im)).fold(0.0, f64::max);
+    say!("closed sampled loop: {} poles, largest modulus {largest:.6}", result.closed_loop_poles.len());
+    if let Some(difference) = result.cost_difference {
+        say!("predicted cost and cost of the assembled loop differ by {difference:.1e}");
+    }
+    result.warnings.iter().for_each(|w| say!("warning: {w}"));
+}
+
+/// What stands beside the design.
+pub fn print_beside(beside: &Beside) {
+    print_methods(&beside.methods);
+    if let Some(row) = &beside.lowered {
+        say!();
+        say!(
+            "feedback of order {} lowered to {} by frequency-weighted balancing:",
+            row.order[0],
+            row.order[1]
+        );
+        say!("  the closed loop changes by {:.2} % at most", 100.0 * row.loop_change);
+        for (name, found) in [("before", &row.before), ("after", &row.after)] {
+            say!("  {name:8}{}", figures_line(found));
+        }
+    }
+    if !beside.motions.is_empty() {
+        say!();
+        say!("RMS rate under the expected motion, feedback alone -> with feedforward, mrad/s");
+        for row in &beside.motions {
+            let pair = |[alone, both]: [f64; 2]| format!("{:.3} -> {:.3}", 1e3 * alone, 1e3 * both);
+            say!("  {:8} hub {:>20}   tip {:>20}", row.disturbance, pair(row.hub_rad_s), pair(row.tip_rad_s));
+        }
+    }
+    print_balance(beside);
+    if let Some(found) = &beside.spillover {
+        let says = if found.largest_pole < 1.0 { "stable" } else { "NOT STABLE" };
+        let (modes, order, pole) = (found.modes, found.order, found.largest_pole);
+        say!();
+        say!("on the beam with {modes} modes (order {order}): {says}, largest modulus {pole:.6}");
+    }
+}
+
+fn print_methods(rows: &[MethodRow]) {
+    if rows.len() < 2 {
+        return;
+    }
+    say!();
+    say!("methods of the feedback, the same plant and weights, figures of the sampled loop:");
+    for row in rows {
+        let kind = if row.integral { "integral" } else { "no integral" };
+        let norm = row.norm.map_or(String::new(), |norm| format!(", norm {norm:.4}"));
+        say!("  {}, {kind}: order {}{norm}", row.method, row.order);
+        match (&row.figures, &row.why) {
+            (Some(found), _) => say!("    {}", figures_line(found)),
+            (None, Some(why)) => say!("    no controller: {why}"),
+            (None, None) => {}
+        }
+    }
+}
+
+fn figures_line(f: &LoopFigures) -> String {
+    format!(
+        "margins {:.1} dB, {:.1} deg; Ms {:.3}; crossover {:.1} rad/s; overshoot {:.1} %; |S| {:.3}; noise gain {:.2} V s/rad",
+        f.gain_margin_db,
+        f.phase_margin_deg,
+        f.max_sensitivity,
+        f.crossover_rad_s,
+        f.overshoot_percent,
+        f.rejection,
+        f.noise_gain
+    )
+}
+
+fn print_balance(beside: &Beside) {
+    if beside.balance.is_empty() {
+        return;
+    }
+    say!();
+    say!("over out-of-balance: change of each controller from 0.1 to 20 Hz, lowest .. highest, dB,");
+    say!("and RMS hub rate under the expected heave, mrad/s: nominal controllers | gain law | redesign");
+    for row in &beside.balance {
+        let range = |[low, high]: [f64; 2]| format!("{:+.2} .. {:+.2}", tidy(low), tidy(high));
+        let change = |db: Option<[f64; 2]>| db.map_or("none".to_owned(), range);
+        let error = |value: Option<f64>| value.map_or("-".to_owned(), |rate| format!("{:.3}", 1e3 * rate));
+        say!("  {} ({:.2} kg m)", row.name, row.out_of_balance_kg_m);
+        say!(
+            "    feedback {}; heave {}; pitch {}",
+            range(row.feedback_db),
+            change(row.heave_db),
+            change(row.pitch_db)
+        );
+        say!(
+            "    error {} | {} | {}",
+            error(row.error_before_rad_s),
+            error(row.error_gain_law_rad_s),
+            error(row.error_after_rad_s)
+        );
+        say!("    {}", row.conditions);
+        say!("    {}", row.law);
+    }
+}
+
+/// Without the sign of a zero that is shown.
+fn tidy(db: f64) -> f64 {
+    if db.abs() < 5e-3 { 0.0 } else { db }
+}
+
+/// The search as a machine reads it.
+#[derive(Serialize)]
+struct SearchResult {
+    settled: String,
+    trials: usize,
+    missed: f64,
+    missed_on_full_plant: f64,
+    weights: Vec<String>,
+    curve: Vec<CurvePoint>,
+}
+
+/// A point of the trade-off curve.
+#[derive(Serialize)]
+struct CurvePoint {
+    max_sensitivity_limit: f64,
+    max_sensitivity: f64,
+    rejection: f64,
+    noise_gain: f64,
+    missed: f64,
+}
+
+fn searched(options: &SynthOptions, loaded: &Loaded, plant: (&Modelled, &Reduced)) -> Done {
+    let found = search(&loaded.project, plant, &mut |_: &Trial| true)?;
+    let holds = found.found.best.missed == 0.0 && found.missed_on_full_plant == 0.0;
+    if let Some(path) = &options.save {
+        let document = found.project.update(&loaded.document, &loaded.project)?;
+        files::write(path, document.text().as_bytes())?;
+    }
+    if !output::json(&options.results, &search_result(&found))? {
+        print_search(&found);
+        options.save.iter().for_each(|path| say!("project {}", path.display()));
+    }
+    Ok(verdict_code(holds))
+}
+
+fn search_result(found: &Searched) -> SearchResult {
+    let weights = found.project.synth.as_ref().map(pipeline::export::weights).unwrap_or_default();
+    let point = |(limit, found): &(f64, counterpoise_project::synth::Found)| CurvePoint {
+        max_sensitivity_limit: *limit,
+        max_sensitivity: found.best.figures.ms,
+        rejection: found.best.figures.rejection,
+        noise_gain: found.best.figures.noise_gain,
+        missed: found.best.missed,
+    };
+    SearchResult {
+        settled: format!("{:?}", found.found.ended),
+        trials: found.found.trials,
+        missed: found.found.best.missed,
+        missed_on_full_plant: found.missed_on_full_plant,
+        weights,
+        curve: found.curve.iter().map(point).collect(),
+    }
+}
+
+fn print_search(found: &Searched) {
+    let result = search_result(found);
+    say!("{} designs were tried ({})", result.trials, result.settled.to_lowercase());
+    result.weights.iter().take(2).for_each(|line| say!("{line}"));
+    let recovery = found.found.best.specification.feedback.loop_recovery;
+    say!("loop recovery {recovery:.4e} V^2 s");
+    for (name, figures, missed) in [
+        ("on the design plant", &found.found.best.figures, result.missed),
+        ("on the plant before reduction", &found.on_full_plant, result.missed_on_full_plant),
+    ] {
+        let verdict = if missed == 0.0 { "the requirements hold" } else { "REQUIREMENTS ARE MISSED" };
+        say!("{name}: {verdict}");
+        say!("  {}", searched_line(figures));
+    }
+    if !result.curve.is_empty() {
+        say!("trade-off: limit of Ms, Ms, |S| over the band, noise gain V s/rad");
+    }
+    for point in &result.curve {
+        let missed = if point.missed == 0.0 { "" } else { "  (requirements are missed)" };
+        let (limit, ms) = (point.max_sensitivity_limit, point.max_sensitivity);
+        say!("  {limit:6.3} {ms:7.3} {:8.4} {:9.3}{missed}", point.rejection, point.noise_gain);
+    }
+}
+
+fn searched_line(f: &Figures) -> String {
+    figures_line(&LoopFigures {
+        gain_margin_db: f.gain_margin_db,
+        phase_margin_deg: f.phase_margin_deg,
+        max_sensitivity: f.ms,
+        crossover_rad_s: f.crossover_rad_s,
+        overshoot_percent: 100.0 * f.overshoot,
+        rejection: f.rejection,
+        noise_gain: f.noise_gain,
+    })
+}

@@ -1,0 +1,312 @@
+//! The adaptation put to the test: runs of the nonlinear closed loop in which the out-of-balance steps while the platform
+//! moves, without and with adaptation, with the plant's amplifier and with a nonlinear one.
+
+use std::f64::consts::TAU;
+
+use counterpoise_controller::{Controller, SampledController};
+use counterpoise_models::MapPoint;
+use counterpoise_models::plant::Plant;
+use counterpoise_simulate::signal::Sine;
+use counterpoise_simulate::{
+    Detail, Imperfections, Initial, PlantState, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
+};
+use counterpoise_synth::adaptation::{Curve, Scale};
+use counterpoise_synth::{Adaptive, Estimation, Recursive, RecursiveSettings, WindowedMean};
+use counterpoise_verify::Procedure;
+use serde::Serialize;
+
+use super::balance::unbalanced;
+use super::synth::torque_per_volt;
+use super::{Modelled, PipelineError, Synthesised};
+use crate::Project;
+use crate::resolve::around::{Adaptation, AdaptationMethod};
+
+/// A run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AdaptRun {
+    /// Its letter, as in the source thesis' figure 7-18.
+    pub letter: char,
+    /// What is done.
+    pub says: &'static str,
+    /// Whether the controller follows the estimate.
+    pub adapts: bool,
+    /// The parts of the run between changes.
+    pub intervals: Vec<Interval>,
+}
+
+/// A part of a run between changes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Interval {
+    /// Start and end, s.
+    pub from_to_s: [f64; 2],
+    /// Factor on the out-of-balance.
+    pub factor: f64,
+    /// True out-of-balance, kg m.
+    pub out_of_balance_kg_m: f64,
+    /// Out-of-balance that the controller uses at the end, kg m.
+    pub used_kg_m: f64,
+    /// RMS of the hub rate once the estimate has had time, rad/s.
+    pub hub_rms_rad_s: f64,
+    /// The same over that of run (a) in the same time.
+    pub over_default: f64,
+    /// Whether the adaptation was in force throughout.
+    pub adapted: bool,
+}
+
+/// Share of an interval that is left to the estimate before the RMS is taken.
+const SETTLE: f64 = 0.4;
+/// When the single change comes, when a late adaptation starts, when an early one does; as shares of the run.
+const CHANGE: f64 = 0.3;
+const LATE: f64 = 0.7;
+const EARLY: f64 = 0.03;
+/// The out-of-balance is steady at this share of the run; intervals shorter than this are not judged.
+const SHORT: f64 = 0.05;
+
+/// What is done in a run.
+struct Plan {
+    letter: char,
+    says: &'static str,
+    /// Start of each part as a share of the run, and the factor in it.
+    parts: Vec<(f64, f64)>,
+    /// When adaptation starts, as a share of the run.
+    from: Option<f64>,
+    /// Whether the amplifier is the nonlinear one.
+    curved: bool,
+}
+
+/// The mechanism and its controller, as every run needs them.
+struct Stage<'a> {
+    adaptation: &'a Adaptation,
+    controller: &'a Controller,
+    modelled: &'a Modelled,
+    procedure: &'a Procedure,
+}
+
+/// All runs, (a) first. Those with a nonlinear amplifier come only where the project gives its curve.
+///
+/// # Errors
+/// A project without adaptation, and those of the plant and the simulator.
+pub fn adapt(
+    project: &Project,
+    modelled: &Modelled,
+    made: &Synthesised,
+) -> Result<Vec<AdaptRun>, PipelineError> {
+    let missing = |section| PipelineError::Missing { section, needed_by: "`adapt`" };
+    let asked = project.synth.as_ref().ok_or(missing("synth"))?;
+    let adaptation = asked.around.adaptation.as_ref().ok_or(missing("synth.adaptation"))?;
+    let verification = project.verify.as_ref().ok_or(missing("verify"))?;
+    let controller = &made.sampled.controller;
+    let stage = Stage { adaptation, controller, modelled, procedure: &verification.procedure };
+    let mut runs: Vec<AdaptRun> = Vec::new();
+    for plan in plans(adaptation) {
+        let (mut run, default) = (stage.run(&plan)?, stage.default_for(&plan)?);
+        for (interval, usual) in run.intervals.iter_mut().zip(&default) {
+            interval.over_default = interval.hub_rms_rad_s / usual;
+        }
+        runs.push(run);
+    }
+    Ok(runs)
+}
+
+fn plans(adaptation: &Adaptation) -> Vec<Plan> {
+    let changes = &adaptation.trial.changes;
+    let first = changes.iter().copied().find(|factor| *factor != 1.0).unwrap_or(1.0);
+    let share = |k: usize| k as f64 / changes.len() as f64;
+    let many: Vec<(f64, f64)> = changes.iter().enumerate().map(|(k, factor)| (share(k), *factor)).collect();
+    let one = vec![(0.0, 1.0), (CHANGE, first)];
+    let late = vec![(0.0, 1.0), (CHANGE, first), (LATE, first)];
+    let plan = |letter, says, parts: &[(f64, f64)], from, curved| Plan {
+        letter,
+        says,
+        parts: parts.to_vec(),
+        from,
+        curved,
+    };
+    let mut plans = vec![
+        plan('a', "default out-of-balance, no adaptation", &[(0.0, 1.0)], None, false),
+        plan('b', "one change, no adaptation", &one, None, false),
+        plan('c', "one change, adaptation from 0.7 of the run", &late, Some(LATE), false),
+        plan('d', "one change, adaptation from 0.03 of the run", &one, Some(EARLY), false),
+        plan('e', "several changes, no adaptation", &many, None, false),
+        plan('f', "several changes, adaptation", &many, Some(EARLY), false),
+        plan('g', "one change, adaptation, nonlinear amplifier", &one, Some(EARLY), true),
+        plan('h', "several changes, adaptation, nonlinear amplifier", &many, Some(EARLY), true),
+    ];
+    plans.retain(|plan| !plan.curved || !adaptation.trial.amplifier_curve.is_empty());
+    plans.retain(|plan| plan.letter != 'c' || adaptation.method != AdaptationMethod::Gradient);
+    plans
+}
+
+/// What acts: the controller alone, or with an estimator beside it.
+enum Acting {
+    Alone(Box<counterpoise_controller::Runner>),
+    Beside(Box<Adaptive>),
+}
+
+impl SampledController for Acting {
+    fn reset(&mut self) {
+        match self {
+            Acting::Alone(runner) => runner.reset(),
+            Acting::Beside(adaptive) => adaptive.reset(),
+        }
+    }
+
+    fn step(&mut self, readings: &counterpoise_controller::Readings) -> f64 {
+        match self {
+            Acting::Alone(runner) => runner.step(readings),
+            Acting::Beside(adaptive) => adaptive.step(readings),
+        }
+    }
+}
+
+impl Acting {
+    /// The out-of-balance in force, of which the state has the given place.
+    fn used_kg_m(&self, (place, design): (Option<usize>, f64)) -> f64 {
+        match self {
+            Acting::Alone(runner) => place.and_then(|k| runner.states().get(k).copied()).unwrap_or(design),
+            Acting::Beside(adaptive) => adaptive.history_kg_m().last().copied().unwrap_or(design),
+        }
+    }
+}
+
+impl Stage<'_> {
+    fn run(&self, plan: &Plan) -> Result<AdaptRun, PipelineError> {
+        let plant = self.plant(plan.curved)?;
+        let mut acting = self.acting(plan)?;
+        let (mut state, mut angle) = (None, self.procedure.operating_point.platform_angle_rad);
+        let moment = self.modelled.plant.body().out_of_balance_kg_m;
+        let states = &self.controller.programs().states;
+        let place = states.iter().find(|group| group.name == "out_of_balance_kg_m").map(|group| group.first);
+        let mut intervals = Vec::new();
+        for (k, &(start, factor)) in plan.parts.iter().enumerate() {
+            let end = plan.parts.get(k + 1).map_or(1.0, |part| part.0);
+            let history =
+                self.part(&unbalanced(&plant, factor)?, &mut acting, (start, end), (state, angle))?;
+            let late = plan.from.is_some_and(|from| from <= start + SHORT);
+            intervals.push(Interval {
+                from_to_s: [start, end].map(|share| share * self.adaptation.trial.duration_s),
+                factor,
+                out_of_balance_kg_m: factor * moment,
+                used_kg_m: acting.used_kg_m((place, moment)),
+                hub_rms_rad_s: settled_rms(&history),
+                over_default: 1.0,
+                adapted: late,
+            });
+            angle = history.truth.platform_angle_rad.last().copied().unwrap_or(angle);
+            state = Some(history.final_state);
+        }
+        let adapts = plan.from.is_some();
+        Ok(AdaptRun { letter: plan.letter, says: plan.says, adapts, intervals })
+    }
+
+    /// The RMS of the default case in the parts of a plan.
+    fn default_for(&self, plan: &Plan) -> Result<Vec<f64>, PipelineError> {
+        let parts = plan.parts.iter().map(|(start, _)| (*start, 1.0)).collect();
+        let default = Plan { letter: 'a', says: "", parts, from: None, curved: false };
+        Ok(self.run(&default)?.intervals.iter().map(|interval| interval.hub_rms_rad_s).collect())
+    }
+
+    fn plant(&self, curved: bool) -> Result<Plant, PipelineError> {
+        if !curved {
+            return Ok(self.modelled.plant.clone());
+        }
+        let mut parameters = self.modelled.plant.parameters().clone();
+        let curve = &self.adaptation.trial.amplifier_curve;
+        parameters.amplifier.map =
+            curve.iter().map(|&[input_v, current_a]| MapPoint { input_v, current_a }).collect();
+        Ok(Plant::with_body(&parameters, self.modelled.plant.body().clone())?)
+    }
+
+    fn part(
+        &self,
+        plant: &Plant,
+        acting: &mut Acting,
+        (start, end): (f64, f64),
+        (state, angle): (Option<PlantState>, f64),
+    ) -> Result<TimeHistory, PipelineError> {
+        let whole = self.adaptation.trial.duration_s;
+        let from_s = start * whole;
+        let rest = Initial::Rest { hub_angle_rad: self.procedure.operating_point.hub_angle_rad };
+        let sine = |sine: &counterpoise_verify::Sine| {
+            let frequency_rad_s = TAU * sine.frequency_hz;
+            Signal::Sines(vec![Sine {
+                amplitude: sine.amplitude,
+                frequency_rad_s,
+                phase_rad: frequency_rad_s * from_s,
+            }])
+        };
+        let platform = PlatformMotion {
+            heave_m_s2: sine(&self.procedure.heave),
+            pitch_rate_rad_s: sine(&self.procedure.pitch),
+            initial_angle_rad: angle,
+        };
+        let scenario = Scenario {
+            platform,
+            imperfections: Imperfections::NoiseAndQuantisation { seed: self.procedure.seed + from_s as u64 },
+            initial: state.map_or(rest, |state| Initial::State(Box::new(state))),
+            detail: Detail::Everything,
+            ..Scenario::still((end - start) * whole)
+        };
+        Ok(Simulator::new(plant)?.run(acting, &scenario)?)
+    }
+
+    fn acting(&self, plan: &Plan) -> Result<Acting, PipelineError> {
+        let alone = self.controller.with(|parts| parts.estimator = None);
+        let alone = alone.map_err(counterpoise_synth::Error::from)?;
+        let Some(from) = plan.from else { return Ok(Acting::Alone(Box::new(alone.runner()))) };
+        let period_s = self.modelled.parameters.interface.sample_period_s;
+        let estimation = match self.adaptation.method {
+            AdaptationMethod::Gradient => return Ok(Acting::Alone(Box::new(self.controller.runner()))),
+            AdaptationMethod::WindowedMean => {
+                let window = (self.adaptation.window_s / period_s).round() as usize;
+                Estimation::Mean(WindowedMean::new(self.scale(plan.curved), window)?)
+            }
+            AdaptationMethod::Recursive => {
+                Estimation::Squares(Recursive::new(self.settings(plan.curved, period_s))?)
+            }
+        };
+        let held = (from * self.adaptation.trial.duration_s / period_s) as usize;
+        let adaptive = Adaptive::new(alone.runner(), estimation).held(held);
+        Ok(Acting::Beside(Box::new(adaptive)))
+    }
+
+    fn settings(&self, curved: bool, sample_period_s: f64) -> RecursiveSettings {
+        let start_kg_m = self.modelled.plant.body().out_of_balance_kg_m;
+        RecursiveSettings {
+            scale: self.scale(curved),
+            memory_s: self.adaptation.memory_s,
+            sample_period_s,
+            dead_band_m_s2: self.adaptation.dead_band_m_s2,
+            half_rate_rad_s: self.adaptation.half_rate_rad_s,
+            rate_limit_kg_m_s: self.adaptation.rate_limit_kg_m_s,
+            start_kg_m,
+            start_deviation_kg_m: start_kg_m.abs().max(1.0),
+        }
+    }
+
+    /// Volts and gravity, and the amplifier's curve as it was identified, made odd.
+    fn scale(&self, curved: bool) -> Scale {
+        let p = &self.modelled.parameters;
+        let gain = p.amplifier.stall_gain_a_v(&p.motor);
+        let mut points: Vec<(f64, f64)> = Vec::new();
+        if curved {
+            let curve = &self.adaptation.trial.amplifier_curve;
+            let beyond_0 = || curve.iter().filter(|point| point[0] > 0.0);
+            points.extend(beyond_0().rev().map(|[v, i]| (-v, -i / gain)));
+            points.push((0.0, 0.0));
+            points.extend(beyond_0().map(|[v, i]| (*v, i / gain)));
+        }
+        Scale {
+            volts_per_kg_m_s2: 1.0 / torque_per_volt(p),
+            gravity_m_s2: p.gravity_m_s2,
+            curve: Curve { points },
+        }
+    }
+}
+
+/// RMS of the true hub rate in the later part of a run.
+fn settled_rms(history: &TimeHistory) -> f64 {
+    let all = &history.truth.hub_rate_rad_s;
+    let late = &all[(SETTLE * all.len() as f64) as usize..];
+    (late.iter().map(|rate| rate * rate).sum::<f64>() / late.len().max(1) as f64).sqrt()
+}

@@ -1,0 +1,62 @@
+//! From requirements to weights: the search, its trade-off curve, and the project with the weights that were found.
+
+use counterpoise_synth::{Figures, Found, Outcome, Trial, figures, search as searched, trade_off};
+
+use super::synth::{design_plant, sampling};
+use super::{Modelled, PipelineError, Reduced};
+use crate::Project;
+use crate::resolve::around::SearchAsked;
+
+/// The answer of a search.
+#[derive(Debug, Clone)]
+pub struct Searched {
+    /// What was found.
+    pub found: Found,
+    /// The trade-off between rejection and sensitivity: a limit, and what was found under it.
+    pub curve: Vec<(f64, Found)>,
+    /// The figures of what was found on the plant as it was before reduction.
+    pub on_full_plant: Figures,
+    /// What the best trial misses there, 0 where the requirements hold.
+    pub missed_on_full_plant: f64,
+    /// The project with the weights that were found.
+    pub project: Project,
+}
+
+/// Searches the weights and the loop recovery of the feedback; `go_on` is asked before each trial.
+///
+/// # Errors
+/// A project without requirements, and those of the plant and the design.
+pub fn search(
+    project: &Project,
+    (modelled, reduced): (&Modelled, &Reduced),
+    go_on: &mut dyn FnMut(&Trial) -> bool,
+) -> Result<Searched, PipelineError> {
+    let missing = |section| PipelineError::Missing { section, needed_by: "the search for weights" };
+    let asked = project.synth.as_ref().ok_or(missing("synth"))?;
+    let wanted: &SearchAsked = asked.around.search.as_ref().ok_or(missing("synth.search"))?;
+    let plant = design_plant(asked, modelled, reduced)?;
+    let sampling = sampling(asked, modelled);
+    let limits = (&wanted.requirements, &sampling);
+    let found = solved(searched(&plant, &asked.specification, limits, wanted.trials, go_on)?)?;
+    let mut curve = Vec::new();
+    if !wanted.ms_limits.is_empty() {
+        let from = &found.best.specification;
+        let points = solved(trade_off(&plant, from, limits, &wanted.ms_limits, wanted.trials)?)?;
+        curve = wanted.ms_limits.iter().copied().zip(points).collect();
+    }
+    let mut project = project.clone();
+    if let Some(synth) = &mut project.synth {
+        synth.specification = found.best.specification.clone();
+    }
+    let full = counterpoise_synth::DesignPlant { system: modelled.linear.system.clone(), ..plant.clone() };
+    let designed = solved(counterpoise_synth::design(&plant, &found.best.specification)?)?;
+    let sampled = solved(counterpoise_synth::discretise(&designed, &sampling)?)?;
+    let around_full = solved(counterpoise_synth::check(&full, sampled.controller, &sampling)?)?;
+    let on_full_plant = figures(&full, &around_full, &sampling, wanted.requirements.band_rad_s)?;
+    let missed_on_full_plant = wanted.requirements.missed(&on_full_plant);
+    Ok(Searched { found, curve, on_full_plant, missed_on_full_plant, project })
+}
+
+fn solved<T>(outcome: Outcome<T>) -> Result<T, PipelineError> {
+    super::synth::solved(outcome)
+}
