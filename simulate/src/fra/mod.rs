@@ -75,6 +75,8 @@ pub struct Measurement {
     pub last_change: f64,
     /// Whether that is below what the settings ask for; if not, the motion had not settled when the windows ran out.
     pub settled: bool,
+    /// How long the mechanism was simulated for this point, s, trials that had not settled included.
+    pub simulated_s: f64,
 }
 
 /// Measures one point. The frequency is moved to the nearest one of which whole cycles fill whole samples: by less
@@ -97,10 +99,12 @@ pub fn measure(
     let window = Window::new(frequency_rad_s, period, settings)?;
     let mut simulator = Simulator::new(plant)?;
     let mut windows = 3;
+    let mut simulated_s = 0.0;
     loop {
         controller.reset();
         let scenario = excitation(test, window.frequency_rad_s, amplitude, settings);
         let scenario = Scenario { duration_s: (windows * window.samples) as f64 * period, ..scenario };
+        simulated_s += scenario.duration_s;
         let history = match test {
             Test::Plant => {
                 let hub_angle_rad = settings.hub_angle_rad;
@@ -114,7 +118,7 @@ pub fn measure(
         let last_change = (last.value - before.value).norm() / last.value.norm();
         let settled = last_change <= settings.settled_below;
         if settled || windows >= settings.most_windows {
-            return Ok(Measurement { amplitude, response: last, last_change, settled });
+            return Ok(Measurement { amplitude, response: last, last_change, settled, simulated_s });
         }
         windows = (2 * windows).min(settings.most_windows.max(3));
     }

@@ -1,0 +1,217 @@
+//! `counterpoise fra`: the frequency response analyser, on the simulated mechanism or on recordings.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+use counterpoise::report::fra::report;
+use counterpoise::report::html;
+use counterpoise_project::Purpose;
+use counterpoise_project::pipeline;
+use counterpoise_project::pipeline::fra::{Analyser, Around, Map, On, Plan};
+
+use super::{Done, replay, verdict_code};
+use crate::arguments::Results;
+use crate::files::{self, Loaded};
+use crate::output::{self, say};
+use crate::workers::Workers;
+
+/// Arguments of `fra`.
+#[derive(Args)]
+pub struct FraOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// What is excited and measured
+    #[arg(long = "loop", value_enum, default_value_t = LoopName::Disturbance)]
+    pub around: LoopName,
+    /// Amplitudes of the sine: V for `plant`, rad/s otherwise
+    #[arg(long, value_name = "A,B,...", value_delimiter = ',')]
+    pub amplitudes: Vec<f64>,
+    /// Frequencies in Hz: a list, or FROM:TO:COUNT on a logarithmic scale
+    #[arg(long, value_name = "F,...|FROM:TO:COUNT")]
+    pub frequencies: Option<String>,
+    /// Distance of the mechanism in front of the platform's pitch axis, m: heave = this x pitch acceleration
+    #[arg(long, value_name = "METRES", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub offset: f64,
+    /// Run the instrument on these recordings instead of the simulation (needs --frequencies)
+    #[arg(long, value_name = "RECORDING", num_args = 1..)]
+    pub recording: Vec<PathBuf>,
+    /// Write a report with pictures to this HTML file
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// The loops by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum LoopName {
+    /// Control to hub rate, without a controller
+    Plant,
+    /// Demand to hub rate, with the controller
+    Closed,
+    /// Platform rate to hub rate, with the controller
+    Disturbance,
+    /// Platform rate to hub rate, balanced, the motor disconnected
+    Disconnected,
+}
+
+impl From<LoopName> for Around {
+    fn from(name: LoopName) -> Self {
+        match name {
+            LoopName::Plant => Self::Plant,
+            LoopName::Closed => Self::Closed,
+            LoopName::Disturbance => Self::Disturbance,
+            LoopName::Disconnected => Self::Disconnected,
+        }
+    }
+}
+
+const CONTROL_AMPLITUDES_V: [f64; 5] = [0.1, 0.2, 0.5, 1.0, 2.0];
+const RATE_AMPLITUDES_RAD_S: [f64; 5] = [0.01, 0.02, 0.05, 0.1, 0.2];
+/// From, to (Hz) and count where nothing is said.
+const FREQUENCIES: (f64, f64, usize) = (0.3, 30.0, 25);
+/// Most frequencies of one map.
+const MOST_FREQUENCIES: usize = 10_000;
+
+/// Runs the command.
+pub fn run(options: &FraOptions) -> Done {
+    let loaded = files::load(&options.project, Purpose::Model)?;
+    output::warnings(&loaded, options.results.quiet);
+    let plan = plan(options)?;
+    let (maps, speed) = if options.recording.is_empty() {
+        simulated(&loaded, &plan, options.results.quiet)?
+    } else {
+        (recorded(&loaded, &plan, options)?, None)
+    };
+    if let Some(path) = &options.report {
+        let command = std::env::args().collect::<Vec<_>>().join(" ");
+        files::write(path, html(&report(&maps, &command)).as_bytes())?;
+    }
+    if !output::json(&options.results, &maps)? {
+        maps.iter().for_each(print);
+        speed.iter().for_each(|line| say!("{line}"));
+    }
+    Ok(verdict_code(true))
+}
+
+/// The map of the simulated mechanism, and how fast it was.
+fn simulated(loaded: &Loaded, plan: &Plan, quiet: bool) -> Result<(Vec<Map>, Option<String>)> {
+    let modelled = pipeline::model(&loaded.project)?;
+    let analyser = Analyser::new(&loaded.project, &modelled, plan, On::Simulation)?;
+    let workers = Workers::new(quiet);
+    let start = Instant::now();
+    let measured = analyser.measure(plan, &workers);
+    let seconds = start.elapsed().as_secs_f64();
+    workers.finish();
+    let map = analyser.compare(&measured?, &Workers::new(true))?;
+    let speed = format!(
+        "{} points, {:.0} s of motion simulated in {seconds:.2} s: {:.0} times real time on {} threads",
+        map.points.len(),
+        map.simulated_s,
+        map.simulated_s / seconds,
+        rayon::current_num_threads()
+    );
+    Ok((vec![map], Some(speed)))
+}
+
+fn recorded(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<Vec<Map>> {
+    let modelled = pipeline::model(&loaded.project)?;
+    let analyser = Analyser::new(&loaded.project, &modelled, plan, On::Recording)?;
+    let mut maps = Vec::new();
+    for item in replay::read(loaded, &options.recording)? {
+        let mut map = analyser.recorded(&item.recording, &plan.frequencies_hz)?;
+        map.recording = Some(item.file);
+        map.remarks.extend(item.remarks);
+        maps.push(map);
+    }
+    Ok(maps)
+}
+
+fn plan(options: &FraOptions) -> Result<Plan> {
+    let around = Around::from(options.around);
+    let usual = if around == Around::Plant { CONTROL_AMPLITUDES_V } else { RATE_AMPLITUDES_RAD_S };
+    let amplitudes = if options.amplitudes.is_empty() { usual.to_vec() } else { options.amplitudes.clone() };
+    let frequencies_hz = match &options.frequencies {
+        Some(text) => frequencies(text)?,
+        None if options.recording.is_empty() => logarithmic(FREQUENCIES),
+        None => {
+            bail!("--recording needs --frequencies: the frequencies in Hz at which the recording was excited")
+        }
+    };
+    Ok(Plan { around, amplitudes, frequencies_hz, offset_m: options.offset })
+}
+
+/// `1,2,5` or `0.3:30:25`.
+fn frequencies(text: &str) -> Result<Vec<f64>> {
+    let number = |part: &str| match part.trim().parse::<f64>() {
+        Ok(hz) if hz > 0.0 && hz.is_finite() => Ok(hz),
+        _ => bail!("--frequencies {text}: \"{part}\" is not a positive number of Hz"),
+    };
+    let parts: Vec<&str> = text.split(':').collect();
+    match parts[..] {
+        [list] => list.split(',').map(number).collect(),
+        [from, to, count] => match count.trim().parse::<usize>() {
+            Ok(count) if (2..=MOST_FREQUENCIES).contains(&count) => {
+                Ok(logarithmic((number(from)?, number(to)?, count)))
+            }
+            _ => bail!("--frequencies {text}: COUNT must be a whole number from 2 to {MOST_FREQUENCIES}"),
+        },
+        _ => bail!("--frequencies {text}: write a list as 1,2,5 or a range as FROM:TO:COUNT"),
+    }
+}
+
+fn logarithmic((from, to, count): (f64, f64, usize)) -> Vec<f64> {
+    let step = (to / from).ln() / (count - 1) as f64;
+    (0..count).map(|k| from * (step * k as f64).exp()).collect()
+}
+
+fn print(map: &Map) {
+    let from = map.recording.as_deref().unwrap_or("simulated");
+    say!("{}: {} ({from})", map.name, map.around.words());
+    say!(
+        "{:>10} {:>10} {:>9} {:>9} {:>11} {:>11} {:>9} {:>11}",
+        map.around.unit(),
+        "Hz",
+        "gain dB",
+        "phase deg",
+        "linear dB",
+        "descr. dB",
+        "harmonics",
+        "mean rad/s"
+    );
+    let db = |h: [f64; 2]| 20.0 * h[0].hypot(h[1]).log10();
+    for p in &map.points {
+        let described = p.describing.map_or("-".to_owned(), |h| format!("{:.2}", db(h)));
+        say!(
+            "{:10.4} {:10.4} {:9.2} {:9.2} {:11.2} {described:>11} {:8.2}% {:11.2e}{}",
+            p.amplitude,
+            p.frequency_hz,
+            p.gain_db,
+            p.phase_deg,
+            db(p.linear),
+            100.0 * p.distortion,
+            p.mean_rad_s,
+            if p.settled { "" } else { "  not settled" }
+        );
+    }
+    map.remarks.iter().for_each(|remark| say!("note: {remark}"));
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn frequencies_are_a_list_or_a_range() {
+        assert_eq!(frequencies("1, 2.5,10").unwrap(), [1.0, 2.5, 10.0]);
+        let range = frequencies("0.1:10:3").unwrap();
+        assert!((range[1] - 1.0).abs() < 1e-12 && (range[2] - 10.0).abs() < 1e-12);
+        for bad in ["", "0", "-1", "1:2", "1:2:1", "1:x:4", "nan"] {
+            assert!(frequencies(bad).unwrap_err().to_string().contains("--frequencies"), "{bad}");
+        }
+    }
+}
