@@ -11,7 +11,7 @@ use std::process::Command;
 use counterpoise_controller::READINGS;
 use counterpoise_export::Source::Unverified;
 use counterpoise_export::{Options, Ranges, c99, fixed_c99, plan};
-use support::{Random, folder, is_there, provenance, run, typical, write};
+use support::{Random, complete, folder, is_there, provenance, run, typical, write};
 
 /// Rules that generated code deviates from, all advisory.
 const DEVIATIONS: [&str; 2] = ["misra-c2012-2.5", "misra-c2012-8.7"];
@@ -26,6 +26,7 @@ fn generated(test: &str) -> Vec<PathBuf> {
     let fixed = plan(&controller, &known, 1e-2, 2000).unwrap();
     let kinds = [
         ("double", c99(Unverified(&controller), &provenance(), &Options::double("axis")).unwrap()),
+        ("complete", c99(Unverified(&complete()), &provenance(), &Options::single("axis")).unwrap()),
         ("single", c99(Unverified(&controller), &provenance(), &Options::single("axis")).unwrap()),
         ("fixed", fixed_c99(Unverified(&controller), &fixed, &provenance(), "axis").unwrap()),
     ];

@@ -10,8 +10,8 @@ use counterpoise_controller::{Controller, Parts};
 use counterpoise_export::Source::Unverified;
 use counterpoise_export::{Options, Precision, c99};
 use support::{
-    STRICT, Target, equal_to_the_last_bit, folder, is_there, provenance, random_controller, reference,
-    requests, run, server, typical, write,
+    STRICT, Target, complete, equal_to_the_last_bit, folder, is_there, provenance, random_controller,
+    reference, requests, run, server, typical, write,
 };
 
 /// Compiles controllers into one program that answers requests.
@@ -44,6 +44,31 @@ fn double_and_single_are_equal_to_the_reference_to_the_last_bit() {
     equal_to_the_last_bit(&answers, &reference::<f64>(&controllers, &asked));
     let single = build("typical_single", &controllers, Precision::Single, &STRICT);
     equal_to_the_last_bit(&Target::start(&single).ask_all(&asked), &reference::<f32>(&controllers, &asked));
+}
+
+/// Corrections, schedule, observers, estimator, bumpless transfer, prefilter, anti-windup: nothing is left out.
+#[test]
+fn a_controller_with_every_block_is_equal_to_the_reference() {
+    if !is_there("cc") {
+        return println!("skipped: no C compiler");
+    }
+    let (controllers, asked) = ([complete()], requests(1, 3000));
+    let double = build("complete_double", &controllers, Precision::Double, &STRICT);
+    equal_to_the_last_bit(&Target::start(&double).ask_all(&asked), &reference::<f64>(&controllers, &asked));
+    let single = build("complete_single", &controllers, Precision::Single, &STRICT);
+    equal_to_the_last_bit(&Target::start(&single).ask_all(&asked), &reference::<f32>(&controllers, &asked));
+    let code = c99(Unverified(&complete()), &provenance(), &Options::double("axis")).unwrap()[1].text.clone();
+    for block in [
+        "corrected readings",
+        "reference prefilter",
+        "friction observer motor_friction",
+        "excess_v",
+        "estimate of the out-of-balance",
+        "gains and bias that belong to it",
+        "the step this makes is taken out, to fade in",
+    ] {
+        assert!(code.contains(block), "{block}");
+    }
 }
 
 #[test]

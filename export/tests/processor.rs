@@ -14,8 +14,8 @@ use counterpoise_export::{
     File, Fixed, FixedRunner, Numbers, Options, Precision, Ranges, c99, fixed_c99, plan,
 };
 use support::{
-    Random, Request, Target, equal_to_the_last_bit, folder, provenance, reference, requests, server,
-    server_in, typical, write,
+    Random, Request, Target, complete, equal_to_the_last_bit, folder, provenance, reference, requests,
+    server, server_in, typical, write,
 };
 use target::{build, cost, emulator, tools_are_there};
 
@@ -78,7 +78,7 @@ fn answers(core: &Core, test: &str, files: &[File], main: &str, asked: &[(usize,
 }
 
 fn compare<N: Number>(core: &Core, precision: Precision) {
-    let (controllers, asked) = ([typical()], requests(1, 600));
+    let (controllers, asked) = ([complete()], requests(1, 600));
     let options = Options { name: "controller_0".into(), precision };
     let files = c99(Unverified(&controllers[0]), &provenance(), &options).unwrap();
     let main = server(&["controller_0".into()]);

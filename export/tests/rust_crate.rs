@@ -11,8 +11,8 @@ use counterpoise_controller::{Controller, Parts, READING_NAMES};
 use counterpoise_export::Source::Unverified;
 use counterpoise_export::{Options, Precision, rust_crate};
 use support::{
-    Target, equal_to_the_last_bit, folder, provenance, random_controller, reference, requests, run, typical,
-    write,
+    Target, complete, equal_to_the_last_bit, folder, provenance, random_controller, reference, requests, run,
+    typical, write,
 };
 
 fn rustc() -> Command {
@@ -55,8 +55,8 @@ fn build(test: &str, controllers: &[Controller], precision: Precision) -> PathBu
 
 #[test]
 fn double_and_single_are_equal_to_the_reference_to_the_last_bit() {
-    let controllers = [typical()];
-    let asked = requests(1, 2000);
+    let controllers = [typical(), complete()];
+    let asked = requests(2, 2000);
     let double = build("rust_double", &controllers, Precision::Double);
     equal_to_the_last_bit(&Target::start(&double).ask_all(&asked), &reference::<f64>(&controllers, &asked));
     let single = build("rust_single", &controllers, Precision::Single);

@@ -7,9 +7,10 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use counterpoise_controller::lti::{Mat, StateSpace, Timebase};
 use counterpoise_controller::{
-    Controller, FrictionObserver, Number, Parts, Path, READINGS, Readings, SampledController, Scaling, Signal,
+    Controller, Correction, Estimator, FrictionObserver, Number, Parts, Path, READINGS, Readings,
+    SampledController, Scaling, Signal,
 };
-use counterpoise_export::{File, Provenance};
+use counterpoise_export::{File, Fixed, Provenance};
 
 /// A folder for one test, emptied.
 pub fn folder(name: &str) -> PathBuf {
@@ -84,6 +85,39 @@ pub fn typical() -> Controller {
         viscous_v_s_rad: 0.1,
     }];
     Controller::new(parts).unwrap()
+}
+
+/// Every block that a controller can have: besides those of [`typical`], corrected readings, two designs that the
+/// out-of-balance fades between, a second observer that follows the demand, and the estimator of the out-of-balance.
+pub fn complete() -> Controller {
+    let with = |parts: &mut Parts| {
+        parts.corrections = vec![
+            Correction { reading: 1, gain: 1.02, offset: -3e-4 },
+            Correction { reading: 3, gain: 0.97, offset: 0.012 },
+        ];
+        parts.paths[1].scaling =
+            Scaling::Scheduled { below_kg_m: None, at_kg_m: 60.0, above_kg_m: Some(180.0) };
+        parts.paths[2].scaling =
+            Scaling::Scheduled { below_kg_m: Some(60.0), at_kg_m: 180.0, above_kg_m: None };
+        parts.observers.push(FrictionObserver {
+            name: "motor_friction".into(),
+            rate: Signal::Demand,
+            coulomb_nm: 13.0,
+            rest_stiffness_nm_rad: 5.2e4,
+            volts_per_nm: 2e-3,
+            viscous_v_s_rad: 0.0,
+        });
+        parts.estimator = Some(Estimator {
+            gravity_m_s2: 9.80665,
+            rate: Signal::RelativeRate,
+            half_rate_rad_s: 0.01,
+            step: 0.3,
+            scale: [0.02, 0.1, 0.1],
+            volts_per_kg_m_s2: 0.019 / 9.80665,
+            rate_limit_kg_m_s: 20.0,
+        });
+    };
+    typical().with(with).unwrap()
 }
 
 /// A path without anti-windup.
@@ -292,6 +326,33 @@ impl SampledController for InLoop {
 
     fn step(&mut self, readings: &Readings) -> f64 {
         self.0.ask(0, Request::Step(readings.to_array()))
+    }
+}
+
+/// A fixed-point target as a controller of the simulated loop.
+pub struct FixedInLoop {
+    target: Target,
+    fixed: Fixed,
+}
+
+impl FixedInLoop {
+    /// A target that serves the code of this form.
+    pub fn new(target: Target, fixed: &Fixed) -> Self {
+        Self { target, fixed: fixed.clone() }
+    }
+}
+
+impl SampledController for FixedInLoop {
+    fn reset(&mut self) {
+        self.target.ask(0, Request::Reset);
+    }
+
+    fn step(&mut self, readings: &Readings) -> f64 {
+        let (values, bits) = (readings.to_array(), &self.fixed.step.inputs);
+        let largest = 2147483647.0;
+        let integer = |i: usize| (values[i] * f64::from(bits[i]).exp2()).round().clamp(-largest, largest);
+        let control = self.target.ask(0, Request::Step(std::array::from_fn(integer)));
+        control * f64::from(-self.fixed.control_bits()).exp2()
     }
 }
 
