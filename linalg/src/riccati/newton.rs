@@ -5,7 +5,7 @@
 //! until `X` is right to its last bits, whatever the condition of the equation up to 1/eps.
 
 use crate::extended::Extended;
-use crate::lyapunov::{Operator, transposed};
+use crate::lyapunov::{Operator, dlyap, lyap, transposed};
 use crate::mat::Mat;
 use crate::schur::schur;
 use crate::sylvester::Kind;
@@ -39,15 +39,20 @@ const STALE: f64 = 1e-4;
 /// The contraction of a step over its relative size, assumed before there are two steps to compare.
 const FIRST_RATE: f64 = 1e6;
 
+/// Steps that shrink by less than this come from a derivative that rounding has spoilt.
+const SLOW: f64 = 0.02;
+
 /// Refines `X`; `None` where the closed loop has no Schur form or a step cannot be computed.
 pub(super) fn refine(equation: &impl Equation, X: Mat) -> Option<Refined> {
     let mut X = Extended::from(X);
     let mut derivative = derivative_at(equation, &X)?;
     let mut size = f64::INFINITY;
     let mut steps = 0;
+    let mut slow = false;
     while steps < NEWTON_STEPS {
         let (residual, _) = equation.residual(&X)?;
-        let step = derivative.solve(&residual).symmetric_part();
+        let step = if slow { careful_step(equation, &X, &residual)? } else { derivative.solve(&residual) };
+        let step = step.symmetric_part();
         let relative = step.norm_fro() / X.high.norm_fro().max(f64::MIN_POSITIVE);
         let stuck = relative > 0.5 * size && size < STALE;
         if !relative.is_finite() || stuck {
@@ -56,6 +61,7 @@ pub(super) fn refine(equation: &impl Equation, X: Mat) -> Option<Refined> {
         X = X.add(&step.into());
         steps += 1;
         let rate = if size.is_finite() { relative / size } else { FIRST_RATE * relative };
+        slow = slow || rate > SLOW && size.is_finite();
         if relative > STALE {
             derivative = derivative_at(equation, &X)?;
         }
@@ -66,6 +72,16 @@ pub(super) fn refine(equation: &impl Equation, X: Mat) -> Option<Refined> {
     }
     let gain = equation.gain(&X)?;
     Some(Refined { X: X.collapse().symmetric_part(), gain, derivative, steps })
+}
+
+/// The step from the closed loop as it is now, balanced first: a pole close to the border of stability keeps its
+/// distance from it, also where the states' units lie far apart.
+fn careful_step(equation: &impl Equation, X: &Extended, residual: &Mat) -> Option<Mat> {
+    let closed = equation.closed_loop(&equation.gain(X)?).t();
+    match equation.kind() {
+        Kind::Continuous => lyap(&closed, residual).ok(),
+        Kind::Discrete => dlyap(&closed, residual).ok(),
+    }
 }
 
 fn derivative_at(equation: &impl Equation, X: &Extended) -> Option<Operator> {
