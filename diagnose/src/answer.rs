@@ -127,6 +127,8 @@ pub struct MapCell {
     pub regime: &'static str,
     /// Share of the balance's variance that a function of the variable explains, on data not used to find it.
     pub explained: f64,
+    /// Shape of that function in words; empty where the variable explains little or the shape is not a simple one.
+    pub shape: String,
 }
 
 /// A hypothesis that was fitted and judged, for the table of evidence.

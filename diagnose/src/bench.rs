@@ -119,10 +119,13 @@ impl Pool for Serial {
     }
 }
 
-/// `count` results of independent jobs, in order.
+/// `count` results of independent jobs, in order; fewer where the user asked to stop.
 pub fn map<T: Send>(pool: &dyn Pool, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let slots: Vec<std::sync::Mutex<Option<T>>> = (0..count).map(|_| std::sync::Mutex::new(None)).collect();
     pool.run(count, &|index| {
+        if pool.cancelled() {
+            return;
+        }
         let result = job(index);
         if let Ok(mut slot) = slots[index].lock() {
             *slot = Some(result);

@@ -29,7 +29,7 @@ pub struct Diagnosis {
 ///
 /// # Errors
 /// No recording, a channel that is missing, a recording that does not fit the project's clock, a mechanism that cannot
-/// be simulated.
+/// be simulated; [`Error::Cancelled`] where the pool was asked to stop.
 pub fn diagnose(
     base: &Parameters,
     control: impl Into<Loop>,
@@ -48,7 +48,11 @@ pub fn diagnose(
     let map = regime_map(base, &bench.measured());
     let seeds = seeds(base, recordings);
     let searcher = Searcher { bench: &bench, pool, base, effects: library(), seeds };
-    let search = searcher.search().ok_or(Error::NotSimulated)?;
+    let search = searcher.search();
+    if pool.cancelled() {
+        return Err(Error::Cancelled);
+    }
+    let search = search.ok_or(Error::NotSimulated)?;
     let evidence = Evidence { bench: &bench, base, search: &search, map, isolability, qualification };
     let improved = evidence.improved();
     Ok(Diagnosis { answer: evidence.answer(), improved })

@@ -47,6 +47,9 @@ pub enum Error {
     /// The mechanism as the project has it cannot be simulated on the recordings.
     #[error("the mechanism as the project file has it cannot be simulated on these recordings")]
     NotSimulated,
+    /// The user asked to stop.
+    #[error("cancelled: nothing was found or written")]
+    Cancelled,
     /// The simulator refused.
     #[error(transparent)]
     Simulate(#[from] counterpoise_simulate::Error),

@@ -188,11 +188,11 @@ impl Evidence<'_> {
         let when = strongest.map_or_else(
             || "not found".to_owned(),
             |c| {
+                let comma = if c.shape.is_empty() { "" } else { "; " };
+                let share = 100.0 * c.explained;
                 format!(
-                    "follows {} in the {} balance: {:.0} % of its power",
-                    c.regime,
-                    c.component,
-                    100.0 * c.explained
+                    "follows {} in the {} balance: {share:.0} % of its power{comma}{}",
+                    c.regime, c.component, c.shape
                 )
             },
         );

@@ -10,7 +10,7 @@
 //!
 //! *Invariant*: nothing here knows a weight, a file, a thread or a clock; processors are handed in as a [`bench::Pool`].
 //!
-//! Modules in reading order: [`mod@bench`], [`qualify`], [`library`], [`locate`], [`look`], [`fit`], [`score`], [`select`], [`judge`],
+//! Modules in reading order: [`mod@bench`], [`qualify`], [`library`], [`locate`], [`look`], [`fit`], [`score`], [`select`], [`shape`], [`judge`],
 //! [`answer`]; apart from them [`identify`], the triangle-wave method.
 
 pub mod answer;
@@ -27,6 +27,7 @@ pub mod qualify;
 pub mod replays;
 pub mod score;
 pub mod select;
+pub mod shape;
 pub mod tolerance;
 
 pub use diagnosis::{Diagnosis, diagnose};

@@ -15,6 +15,7 @@ use counterpoise_models::Parameters;
 use serde::Serialize;
 
 use crate::answer::MapCell;
+use crate::shape::shape;
 
 /// What was measured, as the balances need it.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,10 +76,29 @@ pub fn regime_map(parameters: &Parameters, recordings: &[Measured]) -> Vec<MapCe
         for (k, &(regime, _)) in first.regimes.iter().enumerate() {
             let residual: Vec<f64> = here.iter().flat_map(|b| b.residual.iter().copied()).collect();
             let variable: Vec<f64> = here.iter().flat_map(|b| b.regimes[k].1.iter().copied()).collect();
-            cells.push(MapCell { component, regime, explained: explained(&residual, &variable) });
+            let explained = explained(&residual, &variable);
+            let shape =
+                if explained > SHAPED { shape(&residual, &variable, unit(regime)) } else { String::new() };
+            cells.push(MapCell { component, regime, explained, shape });
         }
     }
     cells
+}
+
+/// Share of a balance's power from which its shape along a variable is described.
+const SHAPED: f64 = 0.1;
+
+/// The unit of a regime variable, with a space before it.
+fn unit(regime: &str) -> &'static str {
+    match regime {
+        "rate" | "amplitude" => " rad/s",
+        "position" | "motor angle" => " rad",
+        "load" => " N m",
+        "control" => " V",
+        "time" => " s",
+        "acceleration" => " rad/s^2",
+        _ => "",
+    }
 }
 
 /// The measured signals after the low-pass, and what follows from them.
