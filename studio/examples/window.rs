@@ -1,0 +1,15 @@
+//! The window alone, without the command line: `cargo run --release -p counterpoise-studio --example window -- PROJECT [SCRIPT] [SIZE]`.
+
+use counterpoise_studio::window::{Error, Options, run};
+
+fn main() -> Result<(), Error> {
+    let mut arguments = std::env::args_os().skip(1).map(std::path::PathBuf::from);
+    let project = arguments.next();
+    let script = arguments.next().filter(|p| !p.as_os_str().is_empty());
+    let size = arguments.next().and_then(|s| {
+        let (width, height) = s.to_str()?.split_once('x')?;
+        Some([width.parse().ok()?, height.parse().ok()?])
+    });
+    let frame_log = arguments.next();
+    run(Options { project, script, frame_log, size, state: None })
+}

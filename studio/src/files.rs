@@ -1,0 +1,97 @@
+//! Files: projects read and written so that nothing half-written is left, and what stands beside them.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use counterpoise_project::pipeline::World;
+use counterpoise_project::{Attachments, Document};
+
+/// Name of the project file in a project's folder.
+const PROJECT_FILE: &str = "project.toml";
+
+/// The project file that a path means.
+pub fn project_file(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join(PROJECT_FILE) } else { path.to_owned() }
+}
+
+/// The text of a project file and the files that it names.
+///
+/// # Errors
+/// The file cannot be read, or is not text, in words.
+pub fn read(path: &Path) -> Result<(String, Attachments), String> {
+    let bytes = fs::read(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
+    let name = path.display().to_string();
+    let document = Document::from_bytes(&bytes, &name)
+        .map_err(|errors| errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))?;
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let with = |all: Attachments, name: String| match fs::read(folder.join(&name)) {
+        Ok(bytes) => all.with(&name, bytes),
+        Err(_) => all,
+    };
+    let attachments = document.attachments().into_iter().fold(Attachments::none(), with);
+    Ok((document.text().to_owned(), attachments))
+}
+
+/// Writes a file whole or not at all: to a neighbour first, then renamed.
+///
+/// # Errors
+/// Those of the file system; the old file is then as it was.
+pub fn write(path: &Path, content: &[u8]) -> io::Result<()> {
+    if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
+        fs::create_dir_all(folder)?;
+    }
+    let mut partial = path.as_os_str().to_owned();
+    partial.push(".partial");
+    let partial = PathBuf::from(partial);
+    let written = fs::File::create(&partial).and_then(|mut file| {
+        file.write_all(content)?;
+        file.sync_all()
+    });
+    let done = written.and_then(|()| fs::rename(&partial, path));
+    if done.is_err() {
+        let _ = fs::remove_file(&partial);
+    }
+    done
+}
+
+/// What the road is given of the world: the files beside the project.
+#[derive(Debug, Clone)]
+pub struct Folder(pub PathBuf);
+
+impl World for Folder {
+    fn read(&self, name: &str) -> Result<Vec<u8>, String> {
+        let path = self.0.join(name);
+        fs::read(&path).map_err(|error| format!("cannot read {}: {error}", path.display()))
+    }
+}
+
+/// Where the studio keeps its own files: journals and the list of recent projects.
+pub fn state_folder() -> PathBuf {
+    let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+    set("XDG_STATE_HOME")
+        .or_else(|| set("HOME").map(|home| home.join(".local/state")))
+        .or_else(|| set("LOCALAPPDATA"))
+        .unwrap_or_else(std::env::temp_dir)
+        .join("counterpoise")
+}
+
+const RECENT: &str = "recent.json";
+const MOST_RECENT: usize = 8;
+
+/// Projects opened before, the last one first.
+pub fn recent(folder: &Path) -> Vec<PathBuf> {
+    fs::read(folder.join(RECENT)).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or_default()
+}
+
+/// Notes that a project was opened; a list that cannot be written is no harm.
+pub fn note_recent(folder: &Path, project: &Path) {
+    let whole = project.canonicalize().unwrap_or_else(|_| project.to_owned());
+    let mut all = recent(folder);
+    all.retain(|path| *path != whole);
+    all.insert(0, whole);
+    all.truncate(MOST_RECENT);
+    if let Ok(bytes) = serde_json::to_vec(&all) {
+        let _ = write(&folder.join(RECENT), &bytes);
+    }
+}

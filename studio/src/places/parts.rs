@@ -1,0 +1,131 @@
+//! What the places are made of: cells, plots that can be copied, numbers with units, messages.
+
+use egui::{Rect, RichText, Ui, Vec2, vec2};
+
+use crate::chart::{Chart, Shown};
+use crate::command::Command;
+use crate::keys;
+use crate::theme::{Theme, space};
+use crate::view::View;
+
+/// Cells of a grid that fills a room: `columns` wide where the room is narrow, one more column where it is wide.
+pub fn grid(room: Rect, count: usize, columns: usize) -> Vec<Rect> {
+    let columns = if room.width() > 1500.0 { columns + 1 } else { columns }.min(count.max(1));
+    let rows = count.div_ceil(columns);
+    let gap = space::MEDIUM;
+    let size = vec2(
+        (room.width() - gap * (columns - 1) as f32) / columns as f32,
+        (room.height() - gap * (rows - 1) as f32) / rows as f32,
+    );
+    let at = |k: usize| {
+        let corner = room.min + vec2((size.x + gap) * (k % columns) as f32, (size.y + gap) * (k / columns) as f32);
+        Rect::from_min_size(corner, size)
+    };
+    (0..count).map(at).collect()
+}
+
+/// Shows a chart in a cell; it can be copied from its menu, and by command while the pointer is on it.
+pub fn chart(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, cell: Rect, chart: &Chart) -> Shown {
+    let theme = view.theme;
+    let mut inside = ui.new_child(egui::UiBuilder::new().id_salt(&chart.title).max_rect(cell));
+    let shown = chart.show(&mut inside, &theme, cell.size());
+    if shown.response.hovered() || view.chart.is_none() {
+        view.chart = Some((chart.clone(), cell));
+    }
+    shown.response.context_menu(|ui| {
+        for (name, command) in
+            [("Copy as CSV", Command::CopyCsv), ("Copy as SVG", Command::CopySvg), ("Copy as PNG", Command::CopyPng)]
+        {
+            if ui.button(name).clicked() {
+                queue.push(command);
+                ui.close();
+            }
+        }
+        ui.label(RichText::new("double-click shows all").small().color(theme.weak));
+    });
+    shown
+}
+
+/// A number of the project: dragged or typed, with its unit; meaning and range on hover.
+pub fn number(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, path: &str, value: f64) {
+    let theme = view.theme;
+    let name = path.rsplit('.').next().unwrap_or(path).replace('_', " ");
+    let known = keys::key(path);
+    let hint = known.map_or_else(String::new, |k| format!("{}\nallowed: {}\n{path}", k.meaning, k.allowed));
+    let label = ui.label(RichText::new(&name).color(theme.weak)).on_hover_text(&hint);
+    let mut edited = value;
+    let speed = if value == 0.0 { 1e-3 } else { value.abs() * 5e-3 };
+    let widget = egui::DragValue::new(&mut edited)
+        .speed(speed)
+        .custom_formatter(|v, _| short(v))
+        .custom_parser(|text| text.trim().replace(',', ".").parse().ok())
+        .update_while_editing(false);
+    let response = ui.add_sized(vec2(78.0, 20.0), widget).labelled_by(label.id).on_hover_text(&hint);
+    ui.label(RichText::new(known.map_or("", |k| k.unit.as_str())).small().color(theme.weak));
+    if response.drag_started() {
+        view.gesture += 1;
+    }
+    if response.changed() && edited != value {
+        let gesture = response.dragged().then_some(view.gesture);
+        let value = if gesture.is_some() { crate::knobs::significant(edited) } else { edited };
+        queue.push(Command::Set { path: path.to_owned(), value, gesture });
+    }
+    view.dragging |= response.dragged();
+    ui.end_row();
+}
+
+/// A number in few characters.
+pub fn short(value: f64) -> String {
+    if !value.is_finite() {
+        return if value.is_nan() { "-".to_owned() } else { "\u{221e}".to_owned() };
+    }
+    let size = value.abs();
+    if value == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e5).contains(&size) {
+        let digits = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
+        let text = format!("{value:.digits$}");
+        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    } else {
+        format!("{value:.2e}")
+    }
+}
+
+/// What to do where there is nothing to show yet.
+pub fn empty(ui: &mut Ui, theme: &Theme, title: &str, text: &str) {
+    ui.add_space(ui.available_height() * 0.3);
+    ui.vertical_centered(|ui| {
+        ui.label(RichText::new(title).heading());
+        ui.add_space(space::SMALL);
+        ui.label(RichText::new(text).color(theme.weak));
+    });
+}
+
+/// Reasons why there is nothing, in place.
+pub fn reasons(ui: &mut Ui, theme: &Theme, title: &str, why: &[String]) {
+    theme.card().stroke(egui::Stroke::new(1.0, theme.bad)).show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        ui.label(RichText::new(title).strong().color(theme.bad));
+        for reason in why.iter().take(6) {
+            ui.label(RichText::new(reason).small());
+        }
+    });
+}
+
+/// A heading of a group in a side panel.
+pub fn heading(ui: &mut Ui, text: &str) {
+    ui.add_space(space::SMALL);
+    ui.label(RichText::new(text).strong());
+}
+
+/// The room that is left, with its size.
+pub fn room(ui: &mut Ui) -> Rect {
+    let size = ui.available_size().max(Vec2::splat(200.0));
+    ui.allocate_exact_size(size, egui::Sense::hover()).0
+}
+
+/// A side panel in the look of the studio.
+pub fn side(id: &'static str, theme: &Theme, width: f32) -> egui::Panel {
+    let frame = egui::Frame::new().fill(theme.ground).inner_margin(egui::Margin { left: 0, right: 8, top: 0, bottom: 0 });
+    egui::Panel::left(id).exact_size(width).resizable(false).show_separator_line(false).frame(frame)
+}

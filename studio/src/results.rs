@@ -1,0 +1,61 @@
+//! What was computed, by the revision that it came from.
+
+use std::sync::Arc;
+
+use counterpoise_project::verify::VerifiedController;
+
+use crate::live::Live;
+
+/// A result and the revision of the project that it came from.
+#[derive(Debug, Clone)]
+pub struct Of<T> {
+    /// The revision.
+    pub revision: u64,
+    /// The result.
+    pub value: T,
+}
+
+/// Everything that was computed.
+#[derive(Debug, Clone, Default)]
+pub struct Results {
+    /// The last good design.
+    pub live: Option<Of<Arc<Live>>>,
+    /// Why there is no design for a revision.
+    pub no_design: Option<Of<Vec<String>>>,
+    /// The last verification.
+    pub verified: Option<Of<Arc<VerifiedController>>>,
+    /// Why a revision could not be verified.
+    pub no_verification: Option<Of<Vec<String>>>,
+    /// Whether a design is being made.
+    pub designing: bool,
+    /// Whether a verification runs.
+    pub verifying: bool,
+}
+
+impl Results {
+    /// Why the project as it stands has no design.
+    pub fn why_not(&self, revision: u64) -> Option<&[String]> {
+        self.no_design.as_ref().filter(|of| of.revision == revision).map(|of| of.value.as_slice())
+    }
+
+    /// The design, with whether it is of an older revision.
+    pub fn design(&self, revision: u64) -> Option<(&Arc<Live>, Age)> {
+        self.live.as_ref().map(|of| (&of.value, Age::of(of.revision, revision)))
+    }
+}
+
+/// Whether a result is of the project as it stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Age {
+    /// It is.
+    Fresh,
+    /// It is of an older revision.
+    Stale,
+}
+
+impl Age {
+    /// The age of a result.
+    pub fn of(result: u64, project: u64) -> Self {
+        if result == project { Self::Fresh } else { Self::Stale }
+    }
+}

@@ -1,0 +1,254 @@
+//! The window around the places: the bar, the messages, the list of commands, shortcuts, files that are dropped.
+
+use egui::{Key, KeyboardShortcut, Modifiers, RichText, Ui};
+
+use crate::command::{Command, Entry, Place, entries};
+use crate::places;
+use crate::results::Age;
+use crate::studio::Studio;
+use crate::theme::{Theme, space};
+use crate::view::{FrequencyUnit, GainUnit, Tone};
+
+/// Shows the studio and carries out what was asked of it in this frame.
+pub fn show(studio: &mut Studio, ui: &mut Ui) {
+    let theme = studio.view.theme;
+    let mut queue = shortcuts(ui);
+    queue.extend(dropped(ui));
+    egui::Panel::top("bar")
+        .frame(egui::Frame::new().fill(theme.card).inner_margin(egui::Margin::symmetric(12, 7)))
+        .show(ui, |ui| bar(studio, ui, &mut queue));
+    egui::Panel::bottom("foot")
+        .frame(egui::Frame::new().fill(theme.card).inner_margin(egui::Margin::symmetric(12, 4)))
+        .show(ui, |ui| foot(studio, ui, &mut queue));
+    let ground = egui::Frame::new().fill(theme.ground).inner_margin(egui::Margin::same(space::MEDIUM as i8));
+    egui::CentralPanel::default().frame(ground).show(ui, |ui| {
+        if studio.opened.is_none() {
+            places::welcome::show(studio, ui, &mut queue);
+            return;
+        }
+        outside(studio, ui, &mut queue);
+        match studio.view.place {
+            Place::Plant => places::plant::show(studio, ui, &mut queue),
+            Place::Reduce => places::reduce::show(studio, ui, &mut queue),
+            Place::Design => places::design::show(studio, ui, &mut queue),
+            Place::Verify => places::verify::show(studio, ui, &mut queue),
+            Place::Diagnose => places::diagnose::show(studio, ui, &mut queue),
+        }
+    });
+    palette(studio, ui, &mut queue);
+    for command in queue {
+        copy(studio, ui, &command);
+        studio.run(&command);
+    }
+}
+
+fn bar(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
+    let theme = studio.view.theme;
+    ui.horizontal(|ui| {
+        ui.label(RichText::new("Counterpoise").strong().size(15.0));
+        ui.add_space(space::LARGE);
+        for place in Place::ALL {
+            let chosen = studio.view.place == place;
+            let text = RichText::new(place.name()).color(if chosen { theme.accent } else { theme.text });
+            if ui.selectable_label(chosen, text).clicked() {
+                queue.push(Command::Go { place });
+            }
+        }
+        ui.add_space(space::LARGE);
+        if let Some(opened) = &studio.opened {
+            let name = opened.session.project().map_or("project", |p| p.plant.name.as_str());
+            ui.label(RichText::new(name).color(theme.weak));
+            if opened.session.is_changed() {
+                ui.label(RichText::new("edited").small().color(theme.warn)).on_hover_text("Ctrl+S saves");
+            }
+        }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| tools(studio, ui, queue));
+    });
+}
+
+fn tools(studio: &Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
+    let view = &studio.view;
+    let (undo, redo) = studio.opened.as_ref().map_or((false, false), |o| o.session.can());
+    let frequency = if view.frequency == FrequencyUnit::Hertz { "Hz" } else { "rad/s" };
+    let gain = if view.gain == GainUnit::Decibel { "dB" } else { "abs" };
+    let mut button = |ui: &mut Ui, text: &str, hint: &str, enabled, command: Command| {
+        let widget = egui::Button::new(text).frame_when_inactive(false);
+        if ui.add_enabled(enabled, widget).on_hover_text(hint).clicked() {
+            queue.push(command);
+        }
+    };
+    button(ui, "Commands", "Every command, by name (Ctrl+K)", true, Command::Palette);
+    button(ui, "Theme", "Light or dark (Ctrl+T)", true, Command::ToggleTheme);
+    button(ui, gain, "Gains in dB or absolute (Ctrl+B)", true, Command::ToggleGain);
+    button(ui, frequency, "Frequencies in Hz or rad/s (Ctrl+H)", true, Command::ToggleFrequency);
+    ui.separator();
+    button(ui, "Redo", "Ctrl+Y", redo, Command::Redo);
+    button(ui, "Undo", "Ctrl+Z", undo, Command::Undo);
+}
+
+fn foot(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
+    let theme = studio.view.theme;
+    ui.horizontal(|ui| {
+        ui.set_height(20.0);
+        let (text, colour) = state(studio, &theme);
+        ui.label(RichText::new("\u{25cf}").small().color(colour));
+        ui.label(RichText::new(text).small());
+        if !studio.is_idle() && ui.small_button("Stop").on_hover_text("Esc").clicked() {
+            queue.push(Command::Cancel);
+        }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if let Some(of) = &studio.results.live {
+                let took = of.value.took.as_secs_f64() * 1e3;
+                ui.label(RichText::new(format!("design and responses {took:.1} ms")).small().color(theme.weak));
+            }
+            if let Some(notice) = studio.view.notice.clone() {
+                let colour = if notice.tone == Tone::Wrong { theme.bad } else { theme.weak };
+                if ui.small_button("x").on_hover_text("close this message").clicked() {
+                    studio.view.notice = None;
+                }
+                ui.add(egui::Label::new(RichText::new(&notice.text).small().color(colour)).truncate())
+                    .on_hover_text(&notice.text);
+            }
+        });
+    });
+}
+
+/// What is running or stale, in words.
+fn state(studio: &Studio, theme: &Theme) -> (String, egui::Color32) {
+    let Some(opened) = &studio.opened else { return ("no project".to_owned(), theme.weak) };
+    let revision = opened.session.revision();
+    if studio.diagnosis().diagnose.is_busy() {
+        return (format!("diagnosing: {}", studio.diagnosis().progress()), theme.accent);
+    }
+    if studio.results.why_not(revision).is_some() {
+        return ("no controller for this project; the last good design is shown".to_owned(), theme.bad);
+    }
+    if studio.results.verifying {
+        return ("verifying on the full plant".to_owned(), theme.accent);
+    }
+    match &studio.results.verified {
+        Some(of) if Age::of(of.revision, revision) == Age::Fresh => {
+            let (holds, fails, open) = of.value.verification().counts();
+            let colour = if fails == 0 { theme.good } else { theme.bad };
+            let rest = if open > 0 { format!(", {open} not applicable") } else { String::new() };
+            (format!("verified: {holds} requirements hold, {fails} fail{rest}"), colour)
+        }
+        _ => ("not verified yet".to_owned(), theme.warn),
+    }
+}
+
+/// A file that somebody else changed.
+fn outside(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
+    let theme = studio.view.theme;
+    let Some(opened) = studio.opened.as_mut().filter(|o| o.changed_outside) else { return };
+    theme.card().show(ui, |ui| {
+        ui.horizontal(|ui| {
+            ui.label(RichText::new("The project file was changed by another program.").color(theme.warn));
+            if ui.button("Read it again").clicked() {
+                queue.push(Command::Reload);
+            }
+            if ui.button("Keep what is here").clicked() {
+                opened.changed_outside = false;
+            }
+        });
+    });
+    ui.add_space(space::SMALL);
+}
+
+/// A shortcut as it is written.
+pub fn shortcut(written: &str) -> Option<KeyboardShortcut> {
+    let mut modifiers = Modifiers::NONE;
+    let mut key = None;
+    for part in written.split('+') {
+        match part {
+            "Ctrl" => modifiers = modifiers | Modifiers::COMMAND,
+            "Shift" => modifiers = modifiers | Modifiers::SHIFT,
+            "Esc" => key = Some(Key::Escape),
+            name => key = Key::from_name(name),
+        }
+    }
+    key.map(|key| KeyboardShortcut::new(modifiers, key))
+}
+
+fn shortcuts(ui: &Ui) -> Vec<Command> {
+    let mut all: Vec<(KeyboardShortcut, Command)> =
+        entries().into_iter().filter_map(|e| Some((shortcut(e.shortcut)?, e.command))).collect();
+    all.extend(shortcut("Ctrl+Shift+P").map(|s| (s, Command::Palette)));
+    all.extend(shortcut("Ctrl+Shift+Z").map(|s| (s, Command::Redo)));
+    all.sort_by_key(|(s, _)| !s.modifiers.shift);
+    ui.input_mut(|input| all.into_iter().filter(|(s, _)| input.consume_shortcut(s)).map(|(_, c)| c).collect())
+}
+
+/// A project or recordings that were dropped on the window.
+fn dropped(ui: &Ui) -> Vec<Command> {
+    let paths: Vec<_> = ui.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_path_buf()).collect());
+    let is_project = |p: &std::path::PathBuf| p.is_dir() || p.extension().is_some_and(|e| e == "toml");
+    match paths.iter().find(|p| is_project(p)) {
+        Some(path) => vec![Command::Open { path: path.clone() }],
+        None if paths.is_empty() => Vec::new(),
+        None => vec![Command::Go { place: Place::Diagnose }, Command::Recordings { paths }],
+    }
+}
+
+/// The entries that a typed text finds: every word of it must appear.
+pub fn found(typed: &str) -> Vec<Entry> {
+    let words: Vec<String> = typed.to_lowercase().split_whitespace().map(str::to_owned).collect();
+    let fits = |e: &Entry| words.iter().all(|w| e.name.to_lowercase().contains(w));
+    entries().into_iter().filter(fits).collect()
+}
+
+fn palette(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
+    let theme = studio.view.theme;
+    let Some((typed, chosen)) = &mut studio.view.palette else { return };
+    let mut done = None;
+    let close = ui.input(|i| i.key_pressed(Key::Escape));
+    egui::Window::new("All commands")
+        .title_bar(false)
+        .resizable(false)
+        .anchor(egui::Align2::CENTER_TOP, [0.0, 70.0])
+        .fixed_size([460.0, 420.0])
+        .show(ui.ctx(), |ui| {
+            let edit = egui::TextEdit::singleline(typed).hint_text("type a command").desired_width(f32::INFINITY);
+            let field = ui.add(edit);
+            field.request_focus();
+            let list = found(typed);
+            let (up, down, enter) = ui.input(|i| (i.key_pressed(Key::ArrowUp), i.key_pressed(Key::ArrowDown), i.key_pressed(Key::Enter)));
+            *chosen = (*chosen + usize::from(down)).saturating_sub(usize::from(up)).min(list.len().saturating_sub(1));
+            ui.add_space(space::SMALL);
+            egui::ScrollArea::vertical().max_height(360.0).show(ui, |ui| {
+                for (k, entry) in list.iter().enumerate() {
+                    if row(ui, entry, k == *chosen, &theme) || (enter && k == *chosen) {
+                        done = Some(entry.command.clone());
+                    }
+                }
+            });
+        });
+    if done.is_some() || close {
+        studio.view.palette = None;
+    }
+    queue.extend(done.filter(|command| *command != Command::Palette));
+}
+
+fn row(ui: &mut Ui, entry: &Entry, chosen: bool, theme: &Theme) -> bool {
+    let text = egui::Button::selectable(chosen, entry.name)
+        .right_text(RichText::new(entry.shortcut).small().color(theme.weak))
+        .min_size(egui::vec2(ui.available_width(), 24.0));
+    ui.add(text).clicked()
+}
+
+/// Copies the last plot that was pointed at.
+fn copy(studio: &Studio, ui: &Ui, command: &Command) {
+    let Some((chart, rect)) = &studio.view.chart else { return };
+    match command {
+        Command::CopyCsv => ui.ctx().copy_text(chart.csv()),
+        Command::CopySvg => ui.ctx().copy_text(chart.svg()),
+        Command::CopyPng => {
+            let (ctx, rect, scale) = (ui.ctx().clone(), *rect, ui.ctx().pixels_per_point());
+            let callback = egui::ScreenshotCallback::new(move |image| {
+                ctx.copy_image(image.region(&rect, Some(scale)));
+            });
+            ui.ctx().send_viewport_cmd(egui::ViewportCommand::Screenshot(callback));
+        }
+        _ => {}
+    }
+}
