@@ -9,11 +9,12 @@ use crate::bench::Pool;
 use crate::error::Error;
 use crate::identify::{Amplifier, identify, improved};
 use crate::judge::Evidence;
-use crate::library::{Effect, free_curve, library};
+use crate::library::{Effect, free_curve, library, named};
 use crate::locate::{isolability, regime_map};
 use crate::qualify::qualify;
 use crate::replays::{Prepared, Replays, measured};
 use crate::select::Searcher;
+use crate::tolerance::BIAS_SEEN_RAD_S;
 
 /// What a diagnosis gives: the answer, and the machine that explains the recordings.
 #[derive(Debug, Clone)]
@@ -46,7 +47,8 @@ pub fn diagnose(
     let isolability =
         isolability(has(|r| r.motor_rate_rad_s.is_some()), has(|r| r.hub_position_rad.is_some()));
     let map = regime_map(base, &bench.measured());
-    let seeds = seeds(base, recordings);
+    let mut seeds = seeds(base, recordings);
+    seeds.extend(biases(base, recordings));
     let searcher = Searcher { bench: &bench, pool, base, effects: library(), seeds };
     let search = searcher.search();
     if pool.cancelled() {
@@ -56,6 +58,34 @@ pub fn diagnose(
     let evidence = Evidence { bench: &bench, base, search: &search, map, isolability, qualification };
     let improved = evidence.improved();
     Ok(Diagnosis { answer: evidence.answer(), improved })
+}
+
+/// Both gyroscopes' biases, where the kinematics say that one of them has one: a loop that holds a biased rate moves from
+/// the first sample on, and the signature of a small bias says nothing of that.
+fn biases(base: &Parameters, recordings: &[Recording]) -> Vec<(&'static Effect, Vec<f64>)> {
+    let each: Vec<f64> = recordings.iter().filter_map(|r| rate_error(r, base.gearbox.ratio)).collect();
+    let mean = each.iter().sum::<f64>() / each.len().max(1) as f64;
+    if mean.abs() < BIAS_SEEN_RAD_S {
+        return Vec::new();
+    }
+    let (hub, platform) = (named("hub_gyro", "bias"), named("platform_gyro", "bias"));
+    let hub = hub.map(|e| (e, vec![base.sensors.hub_gyro.bias + mean]));
+    hub.chain(platform.map(|e| (e, vec![base.sensors.platform_gyro.bias - mean]))).collect()
+}
+
+/// Mean of what the gyroscopes say of the hub's rate on the platform less what motor or resolver say.
+fn rate_error(recording: &Recording, ratio: f64) -> Option<f64> {
+    let mean = |series: &[f64]| series.iter().sum::<f64>() / series.len().max(1) as f64;
+    let hub = mean(recording.hub_rate_rad_s.as_deref()?);
+    let platform = recording.platform_rate_rad_s.as_deref().map_or(0.0, mean);
+    let known = match (&recording.motor_rate_rad_s, recording.hub_position_rad.as_deref()) {
+        (Some(motor), _) => mean(motor) / ratio,
+        (None, Some([first, .., last])) => {
+            (last - first) / ((recording.len() - 1) as f64 * recording.sample_period_s)
+        }
+        _ => return None,
+    };
+    Some(hub - platform - known).filter(|error| error.is_finite())
 }
 
 /// What the triangle-wave method finds of the amplifier's curve, as a start: from a distance no fit would get there.

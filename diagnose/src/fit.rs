@@ -5,7 +5,7 @@ use counterpoise_models::Parameters;
 
 use crate::bench::{Bench, Judged, Pool, Span, map};
 use crate::library::{Effect, Knob, Mapping};
-use crate::tolerance::{FIT_ITERATIONS, FIT_STEP, FIT_TOLERANCE};
+use crate::tolerance::{FIT_ITERATIONS, FIT_STEP, FIT_TOLERANCE, FITTED_SHARE, STRETCH, SYSTEMATIC};
 
 /// Which recordings a fit may see.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,6 +38,8 @@ pub struct Fit {
     pub cost: f64,
     /// Curvature of the cost in the fit's own variables, for intervals.
     pub information: Mat,
+    /// Scatter of the cost's gradient, stretch of time by stretch: what the noise, coloured as it is, does to it.
+    pub scatter: Mat,
     /// Whether the iteration limit was reached before the cost settled.
     pub limit_reached: bool,
 }
@@ -107,13 +109,15 @@ impl Problem<'_> {
         let mut cost = mean_square(&residual);
         let mut damping = 1e-2;
         let mut information = Mat::zeros(x.len(), x.len());
+        let mut scatter = information.clone();
         let mut limit_reached = true;
         for _ in 0..iterations {
             if self.pool.cancelled() {
                 break;
             }
-            let (normal, gradient) = self.linearised(&x, &residual, &near);
-            information = normal;
+            let slopes = self.linearised(&x, &residual, &near);
+            (information, scatter) = (slopes.normal, slopes.scatter);
+            let gradient = slopes.gradient;
             let slope = Slope { normal: &information, gradient: &gradient };
             let Some(step) = self.improve(&x, cost, &slope, &mut damping, &near) else {
                 limit_reached = false;
@@ -128,7 +132,8 @@ impl Problem<'_> {
         }
         let values: Vec<f64> = knobs.iter().zip(&x).map(|(k, &v)| from_variable(k, v)).collect();
         let parameters = applied(self.base, &self.effects, &values);
-        Some(Fit { effects: self.effects.clone(), values, parameters, cost, information, limit_reached })
+        let effects = self.effects.clone();
+        Some(Fit { effects, values, parameters, cost, information, scatter, limit_reached })
     }
 
     /// How the recordings stand to the mechanism at given knob values.
@@ -159,8 +164,8 @@ impl Problem<'_> {
         out.iter().all(|r| r.is_finite()).then_some(out)
     }
 
-    /// `J'J / N` and `J'r / N` by one-sided differences.
-    fn linearised(&self, x: &[f64], residual: &[f64], near: &[Judged]) -> (Mat, Vec<f64>) {
+    /// `J'J / N`, `J'r / N` and the scatter of the latter, by one-sided differences.
+    fn linearised(&self, x: &[f64], residual: &[f64], near: &[Judged]) -> Linearised {
         let knobs = knobs(&self.effects);
         let columns = map(self.pool, x.len(), |j| {
             let step = difference_step(knobs[j], x[j]);
@@ -173,7 +178,29 @@ impl Problem<'_> {
         let column = |j: usize| columns.get(j).and_then(|c| c.as_deref()).unwrap_or(&[]);
         let normal = Mat::from_fn(x.len(), x.len(), |i, j| dot(column(i), column(j)) / count);
         let gradient = (0..x.len()).map(|j| dot(column(j), residual) / count).collect();
-        (normal, gradient)
+        let places = self.stretches(near, residual.len());
+        let scatter = Mat::from_fn(x.len(), x.len(), |i, j| {
+            let sum = |of: usize| stretch_sums(column(of), residual, &places);
+            dot(&sum(i), &sum(j)) / (count * count)
+        });
+        Linearised { normal, gradient, scatter }
+    }
+
+    /// The stretch of time that each residual belongs to, all channels of a recording alike.
+    fn stretches(&self, near: &[Judged], count: usize) -> Vec<usize> {
+        let mut places = Vec::with_capacity(count);
+        let mut first = 0;
+        for judged in near {
+            let whole = judged.misfits.first().map_or(0, |m| m.residual.len());
+            let share = if self.selection.span == Span::Whole { 1.0 } else { FITTED_SHARE };
+            let samples = (whole as f64 * share) as usize;
+            for _ in &judged.misfits {
+                places.extend((0..samples).map(|k| first + k / STRETCH));
+            }
+            first += samples / STRETCH + 1;
+        }
+        places.resize(count, first);
+        places
     }
 
     /// The first damped step that lowers the cost; none where no step does.
@@ -197,6 +224,22 @@ impl Problem<'_> {
         }
         None
     }
+}
+
+/// Sums of slope x residual, stretch by stretch.
+fn stretch_sums(slope: &[f64], residual: &[f64], places: &[usize]) -> Vec<f64> {
+    let mut sums = vec![0.0; places.iter().max().map_or(0, |last| last + 1)];
+    for ((j, r), &place) in slope.iter().zip(residual).zip(places) {
+        sums[place] += j * r;
+    }
+    sums
+}
+
+/// Curvature and gradient of the cost, and the gradient's scatter.
+struct Linearised {
+    normal: Mat,
+    gradient: Vec<f64>,
+    scatter: Mat,
 }
 
 /// Curvature and gradient of the cost.
@@ -235,14 +278,23 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
-/// 95 % intervals of a fit's values: Fisher's information, inflated by the residual's own size and colour.
+/// 95 % intervals of a fit's values: the larger of Fisher's information, inflated by the residual's own size and colour,
+/// and the sandwich `H^-1 S H^-1` of the gradient's scatter (White 1982), which holds where the residual's colour meets
+/// that of the slopes; to it comes what two simulators of the same mechanism differ by.
 ///
 /// `samples` is the number of residuals that the fit saw, `inflation` how many of them carry the information of one.
 pub fn intervals(fit: &Fit, samples: usize, inflation: f64) -> Vec<[f64; 2]> {
     let covariance = inverse(&fit.information).ok();
+    let sandwich = covariance.as_ref().map(|c| &(c * &fit.scatter) * c);
     let scale = fit.cost.max(1.0) * inflation / samples.max(1) as f64;
     let bound = |(j, (knob, &value)): (usize, (&&'static Knob, &f64))| {
-        let deviation = covariance.as_ref().map_or(f64::INFINITY, |c| (c[(j, j)].max(0.0) * scale).sqrt());
+        let fisher = covariance.as_ref().map_or(f64::INFINITY, |c| c[(j, j)].max(0.0) * scale);
+        let coloured = sandwich.as_ref().map_or(0.0, |s| s[(j, j)].max(0.0));
+        let systematic = match knob.mapping {
+            Mapping::Log => SYSTEMATIC / knob.size,
+            Mapping::Linear | Mapping::Whole => SYSTEMATIC * value.abs() / knob.size,
+        };
+        let deviation = fisher.max(coloured).sqrt().hypot(systematic);
         let x = to_variable(knob, value);
         let [low, high] = [x - 1.96 * deviation, x + 1.96 * deviation];
         [from_variable(knob, low), from_variable(knob, high)]

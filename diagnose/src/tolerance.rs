@@ -45,3 +45,9 @@ pub const JOINT_KNOBS: usize = 6;
 pub const RIVALS: usize = 5;
 /// Distance from the floor below which nothing is left that a further effect could explain.
 pub const NOTHING_LEFT: f64 = 0.07;
+/// Samples of a stretch: longer than the loop remembers its noise.
+pub const STRETCH: usize = 250;
+/// Relative deviation of a parameter that two careful simulators of one mechanism differ by.
+pub const SYSTEMATIC: f64 = 5e-4;
+/// Difference between the gyroscopes and the motor's or the resolver's rate, rad/s, from which a bias is sought.
+pub const BIAS_SEEN_RAD_S: f64 = 2e-4;

@@ -1,6 +1,6 @@
 //! How one answer stands to its sealed truth: a line of the score.
 
-use counterpoise_diagnose::answer::{Answer, Channels, Finding, Verdict};
+use counterpoise_diagnose::answer::{Answer, ChannelFit, Channels, Finding, Verdict};
 use counterpoise_simulate::recording::Recording;
 use serde::{Deserialize, Serialize};
 
@@ -113,8 +113,13 @@ fn coverage(sealed: &Sealed, answer: &Answer) -> (usize, usize) {
     inside
 }
 
-/// The change that the concealed effect makes to the most changed channel of any recording, in floors.
+/// The change that the concealed effect makes to the most changed channel of any recording, in floors; a fault of the
+/// platform's own sensors changes no motion, and counts by the misfit that it makes.
 fn visibility(case: &Case, answer: &Answer) -> f64 {
+    if case.sealed.concealed.iter().any(|c| c.component.starts_with("platform")) {
+        let over = |f: &ChannelFit| ((f.rms_error / f.floor).powi(2) - 1.0).max(0.0).sqrt();
+        return answer.fit.before.values().map(over).fold(0.0, f64::max);
+    }
     let mut largest: f64 = 0.0;
     for ((_, with), without) in case.recordings.iter().zip(&case.plain) {
         let channels = [
