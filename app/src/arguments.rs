@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Parser, Subcommand};
 
 use crate::commands::{
-    claims::ClaimsOptions, fra::FraOptions, sweep::SweepOptions, synth::SynthOptions, verify::VerifyOptions,
+    claims::ClaimsOptions, fra::FraOptions, model::ModelOptions, sweep::SweepOptions, synth::SynthOptions,
+    verify::VerifyOptions,
 };
 
 /// From a project file to a verified controller, and back from recordings to a better model.
@@ -14,7 +15,7 @@ use crate::commands::{
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
-    pub command: Command,
+    pub command: Option<Command>,
 }
 
 /// The commands.
@@ -25,7 +26,7 @@ pub enum Command {
     /// The main job: model, reduce, synthesise, verify, export, report
     Design(DesignOptions),
     /// The plant: operating point, poles, modes, linear model
-    Model(StageOptions),
+    Model(ModelOptions),
     /// The reduced plant and its error
     Reduce(StageOptions),
     /// The controller: weights, feedback, heave and pitch feedforward, certificates
@@ -48,6 +49,24 @@ pub enum Command {
     Sweep(SweepOptions),
     /// The thesis' claims, measured claim by claim
     Claims(ClaimsOptions),
+    /// The desktop studio: weights in the hand, consequences at once (also with no arguments)
+    Studio(StudioOptions),
+}
+
+/// Arguments of `studio`.
+#[derive(Args, Default)]
+pub struct StudioOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: Option<PathBuf>,
+    /// Replay a log of commands, one JSON value a line
+    #[arg(long, value_name = "FILE")]
+    pub script: Option<PathBuf>,
+    /// Write what each redrawn design took, as CSV
+    #[arg(long, value_name = "FILE")]
+    pub frame_log: Option<PathBuf>,
+    /// Size of the window in points, as 1280x800
+    #[arg(long, value_name = "WxH")]
+    pub size: Option<String>,
 }
 
 /// Where a result goes.

@@ -13,15 +13,16 @@ mod workers;
 
 use std::process::ExitCode;
 
-use arguments::{Arguments, Command};
+use arguments::{Arguments, Command, StudioOptions};
 use clap::Parser;
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse_from(arguments::with_json_file_joined(std::env::args()));
-    let done = match &arguments.command {
+    let window = Command::Studio(StudioOptions::default());
+    let done = match arguments.command.as_ref().unwrap_or(&window) {
         Command::New(options) => commands::new::run(options),
         Command::Design(options) => commands::design::run(options),
-        Command::Model(options) => commands::stages::model(options),
+        Command::Model(options) => commands::model::run(options),
         Command::Reduce(options) => commands::stages::reduce(options),
         Command::Synth(options) => commands::synth::run(options),
         Command::Adapt(options) => commands::adapt::run(options),
@@ -33,6 +34,7 @@ fn main() -> ExitCode {
         Command::Identify(options) => commands::identify::run(options),
         Command::Sweep(options) => commands::sweep::run(options),
         Command::Claims(options) => commands::claims::run(options),
+        Command::Studio(options) => commands::studio::run(options),
     };
     done.unwrap_or_else(|error| {
         eprintln!("{}", output::explained(&error));

@@ -3,29 +3,12 @@
 use crate::output::say;
 use counterpoise_project::Purpose;
 use counterpoise_project::pipeline::{self, Modelled, Reduced};
-use counterpoise_project::results::{ModelResult, ReduceResult};
+use counterpoise_project::results::ReduceResult;
 
 use super::{Done, verdict_code};
 use crate::arguments::StageOptions;
 use crate::files::{self, Loaded};
 use crate::output;
-
-/// `counterpoise model`.
-pub fn model(options: &StageOptions) -> Done {
-    let loaded = loaded(options, Purpose::Model)?;
-    let result = ModelResult::from(&pipeline::model(&loaded.project)?);
-    if !output::json(&options.results, &result)? {
-        say!("{}: linear plant of order {}", result.name, result.order);
-        say!("out-of-balance {:.4} kg m, held by {:.4} V", result.out_of_balance_kg_m, result.holding_v);
-        say!("states: {}", result.states.join(", "));
-        say!("{:>14} {:>14} {:>10}", "frequency Hz", "damping", "");
-        for [re, im] in result.poles_rad_s.iter().filter(|p| p[1] >= 0.0) {
-            let size = re.hypot(*im);
-            say!("{:14.4} {:14.4}", size / std::f64::consts::TAU, -re / size.max(f64::MIN_POSITIVE));
-        }
-    }
-    verdict_ok()
-}
 
 /// `counterpoise reduce`.
 pub fn reduce(options: &StageOptions) -> Done {

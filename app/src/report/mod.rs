@@ -6,15 +6,19 @@
 //! *Invariant*: nothing here measures or judges; nothing here reads a file, a clock or the network. Same report, same bytes.
 //!
 //! Modules in reading order: [`page`], [`html`], [`style`]; then a verification's report:
-//! [`summary`], [`evidence`], [`verification`]; then a design's: [`design`].
+//! [`summary`], [`evidence`], [`spectra`], [`verification`], [`difference`]; then a design's: [`design`].
 
 pub mod claims;
 pub mod design;
 pub mod diagnosis;
+pub mod difference;
 pub mod evidence;
+pub mod fra;
 pub mod html;
 pub mod identify;
+pub mod model;
 pub mod page;
+pub mod spectra;
 pub mod style;
 pub mod summary;
 pub mod sweep;

@@ -11,6 +11,7 @@ pub mod error;
 pub mod export;
 pub mod fra;
 pub mod model;
+pub mod portrait;
 pub mod reduce;
 pub mod search;
 pub(crate) mod surround;

@@ -1,0 +1,77 @@
+//! `counterpoise model`: the plant, its poles, the modes of its structure, and pictures of both and of its friction.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use counterpoise::report::html;
+use counterpoise::report::model::report;
+use counterpoise_project::Purpose;
+use counterpoise_project::pipeline;
+use counterpoise_project::pipeline::portrait::{ModeSet, portrait};
+use counterpoise_project::results::ModelResult;
+
+use super::{Done, verdict_code};
+use crate::arguments::Results;
+use crate::files;
+use crate::output::{self, say};
+
+/// Arguments of `model`.
+#[derive(Args)]
+pub struct ModelOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// Write a report with mode shapes and friction characteristics to this HTML file
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// Runs the command.
+pub fn run(options: &ModelOptions) -> Done {
+    let loaded = files::load(&options.project, Purpose::Model)?;
+    output::warnings(&loaded, options.results.quiet);
+    let modelled = pipeline::model(&loaded.project)?;
+    let result = ModelResult::from(&modelled);
+    let portrait = portrait(&loaded.project, &modelled)?;
+    if let Some(path) = &options.report {
+        let command = std::env::args().collect::<Vec<_>>().join(" ");
+        files::write(path, html(&report(&result, &portrait, &command)).as_bytes())?;
+    }
+    if !output::json(&options.results, &result)? {
+        print(&result);
+        modes(&portrait.modes);
+    }
+    Ok(verdict_code(true))
+}
+
+fn print(result: &ModelResult) {
+    say!("{}: linear plant of order {}", result.name, result.order);
+    say!("out-of-balance {:.4} kg m, held by {:.4} V", result.out_of_balance_kg_m, result.holding_v);
+    say!("states: {}", result.states.join(", "));
+    say!("{:>14} {:>14}", "frequency Hz", "damping");
+    for [re, im] in result.poles_rad_s.iter().filter(|p| p[1] >= 0.0) {
+        let size = re.hypot(*im);
+        say!("{:14.4} {:14.4}", size / std::f64::consts::TAU, -re / size.max(f64::MIN_POSITIVE));
+    }
+}
+
+fn modes(sets: &[ModeSet]) {
+    if sets.is_empty() {
+        return;
+    }
+    say!("flexible modes of the beam:");
+    say!("{:>10} {:>12} {:>16} {:>24}", "hub", "Hz", "effective kg", "effective kg m^2, pitch");
+    for set in sets {
+        for mode in &set.modes {
+            say!(
+                "{:>10} {:12.4} {:16.4} {:24.4}",
+                set.support,
+                mode.frequency_hz,
+                mode.effective_mass_kg,
+                mode.effective_inertia_kg_m2
+            );
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! What a reader wants to see of a plant: the modes of its structure, and its friction at motor and pivot.
+
+use counterpoise_models::friction::FrictionModel;
+use counterpoise_models::friction::describing::sinusoidal_loop;
+use counterpoise_models::structure::{Direction, FeModel, Modes, Structure, Support, modes};
+use counterpoise_models::{Friction, FrictionLaw};
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+use super::{Modelled, PipelineError};
+use crate::Project;
+
+/// The pictures of a plant as plain data.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Portrait {
+    /// The modes of the beam, one set a support; empty without a beam.
+    pub modes: Vec<ModeSet>,
+    /// Friction at the motor and at the pivot, where there is any.
+    pub frictions: Vec<FrictionPortrait>,
+}
+
+/// The first modes of a structure held in one way.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ModeSet {
+    /// `free`, `pinned` or `clamped` at the hub.
+    pub support: &'static str,
+    /// The flexible modes, rising.
+    pub modes: Vec<Mode>,
+}
+
+/// A flexible mode.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Mode {
+    /// Natural frequency, Hz.
+    pub frequency_hz: f64,
+    /// Effective mass in heave, kg.
+    pub effective_mass_kg: f64,
+    /// Effective inertia in pitch, kg m^2.
+    pub effective_inertia_kg_m2: f64,
+    /// Distance from the pivot (m) and deflection, the largest being 1.
+    pub shape: Vec<[f64; 2]>,
+}
+
+/// Friction at one place.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FrictionPortrait {
+    /// `motor` or `pivot`.
+    pub place: &'static str,
+    /// Relative rate (rad/s) and steady torque (N m).
+    pub steady: Vec<[f64; 2]>,
+    /// Settled loops under sinusoidal motion, the swing rising through presliding into sliding.
+    pub loops: Vec<FrictionLoop>,
+}
+
+/// A settled loop.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FrictionLoop {
+    /// Amplitude of the motion, rad.
+    pub amplitude_rad: f64,
+    /// Angle (rad) and torque (N m).
+    pub points: Vec<[f64; 2]>,
+    /// Rate (rad/s) and torque (N m).
+    pub over_rate: Vec<[f64; 2]>,
+    /// Energy lost in a period, J.
+    pub lost_j: f64,
+}
+
+/// Flexible modes that are shown.
+const SHOWN: usize = 4;
+/// Largest hub rate on the platform that is shown, rad/s; the motor turns by the gear's ratio faster.
+const SHOWN_RATE_RAD_S: f64 = 0.3;
+/// Points on each side of rest; they lie as the cube of an even grid, closer about rest.
+const SIDE: i32 = 150;
+/// Frequency of the loops, Hz.
+const LOOP_HZ: f64 = 1.0;
+/// Swings of the loops over the deflection at which presliding ends.
+const SWINGS: [f64; 4] = [0.3, 1.0, 3.0, 10.0];
+/// That deflection for laws that truly stick, which have none, rad at the hub.
+const STICK_SWING_RAD: f64 = 1e-4;
+/// Every so many of a loop's points are kept.
+const KEPT: usize = 5;
+
+/// The pictures of the modelled plant.
+///
+/// # Errors
+/// Those of the structure and the friction laws.
+pub fn portrait(project: &Project, modelled: &Modelled) -> Result<Portrait, PipelineError> {
+    let mut out = Portrait { modes: Vec::new(), frictions: Vec::new() };
+    if project.plant.beam.is_some() {
+        let fitted = &project.plant.configurations;
+        let configuration = fitted.iter().find(|c| Some(&c.name) == project.model.configuration.as_ref());
+        let fe = Structure::new(&project.plant, configuration)?.fe(&project.model.elements)?;
+        let supports = [(Support::Free, "free"), (Support::Pinned, "pinned"), (Support::Clamped, "clamped")];
+        for (support, name) in supports {
+            out.modes.push(ModeSet { support: name, modes: shown(&fe, &modes(&fe, support)?) });
+        }
+    }
+    let p = &modelled.parameters;
+    let places = [("motor", &p.motor_friction, p.gearbox.ratio), ("pivot", &p.pivot_friction, 1.0)];
+    for (place, friction, ratio) in places {
+        if friction.law != FrictionLaw::None || friction.viscous_nm_s_rad != 0.0 {
+            out.frictions.push(pictured(place, friction, ratio)?);
+        }
+    }
+    Ok(out)
+}
+
+fn shown(fe: &FeModel, all: &Modes) -> Vec<Mode> {
+    let masses = all.effective_mass(fe, Direction::Heave);
+    let inertias = all.effective_mass(fe, Direction::Pitch);
+    let count = all.flexible_rad_s().len().min(SHOWN);
+    let mode = |k: usize| Mode {
+        frequency_hz: all.flexible_rad_s()[k] / TAU,
+        effective_mass_kg: masses[all.rigid + k],
+        effective_inertia_kg_m2: inertias[all.rigid + k],
+        shape: scaled(fe, all.flexible_shape(k)),
+    };
+    (0..count).map(mode).collect()
+}
+
+/// Deflections over the distance from the pivot. A deflection moves with heave and, by its arm, with pitch.
+fn scaled(fe: &FeModel, shape: &[f64]) -> Vec<[f64; 2]> {
+    let deflections = (0..shape.len()).filter(|&i| fe.heave[i] != 0.0);
+    let mut points: Vec<[f64; 2]> = deflections.map(|i| [fe.pitch[i], shape[i]]).collect();
+    let largest = points.iter().map(|p| p[1].abs()).fold(f64::MIN_POSITIVE, f64::max);
+    points.iter_mut().for_each(|p| p[1] /= largest);
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    points
+}
+
+fn pictured(place: &'static str, friction: &Friction, ratio: f64) -> Result<FrictionPortrait, PipelineError> {
+    let model = FrictionModel::new(friction)?;
+    let rate = |k: i32| SHOWN_RATE_RAD_S * ratio * (f64::from(k) / f64::from(SIDE)).powi(3);
+    let steady = (-SIDE..=SIDE).filter(|&k| k != 0).map(|k| [rate(k), model.steady(rate(k))]).collect();
+    let stiffness = model.rest_stiffness_nm_rad();
+    let end = friction.coulomb_nm() / stiffness;
+    let end = if end > 0.0 && end.is_finite() { end } else { STICK_SWING_RAD * ratio };
+    let loops = match friction.law {
+        FrictionLaw::None => Vec::new(),
+        _ => SWINGS.iter().map(|swing| looped(&model, swing * end)).collect(),
+    };
+    Ok(FrictionPortrait { place, steady, loops })
+}
+
+fn looped(model: &FrictionModel, amplitude_rad: f64) -> FrictionLoop {
+    let found = sinusoidal_loop(model, amplitude_rad, TAU * LOOP_HZ);
+    let closed = |x: &[f64]| -> Vec<[f64; 2]> {
+        let kept = (0..x.len()).step_by(KEPT).chain([0]);
+        kept.map(|k| [x[k], found.torque_nm[k]]).collect()
+    };
+    FrictionLoop {
+        amplitude_rad,
+        points: closed(&found.angle_rad),
+        over_rate: closed(&found.rate_rad_s),
+        lost_j: found.lost_j,
+    }
+}
