@@ -104,6 +104,15 @@ pub(crate) fn redesigns(asked: &ScheduleAsked, entries: &[Entry]) -> bool {
     }
 }
 
+/// The designs that the exported controller interpolates: those of the configurations; of the factors where there are
+/// none, because two designs of one out-of-balance and different inertia cannot both hold.
+pub(crate) fn interpolated<'a>(asked: &ScheduleAsked, entries: &'a [Entry]) -> &'a [Entry] {
+    match asked.configurations.len() {
+        0 => entries,
+        count => &entries[..entries.len().min(1 + count)],
+    }
+}
+
 /// The entries as plain rows.
 pub fn rows(entries: &[Entry]) -> Vec<BalanceRow> {
     entries.iter().map(row).collect()

@@ -64,7 +64,7 @@ pub fn synthesise(
     };
     let sampled = match &asked.around.schedule {
         Some(wanted) if balance::redesigns(wanted, &balance) && design.part(Channel::Heave).is_some() => {
-            solved(discretise_schedule(&design, &balance, &sampling)?)?
+            solved(discretise_schedule(&design, balance::interpolated(wanted, &balance), &sampling)?)?
         }
         _ => solved(discretise(&design, &sampling)?)?,
     };

@@ -6,7 +6,7 @@ use counterpoise_synth::{Drives, Method, Requirements, Weight};
 use super::model::count;
 use super::weight::{blank_weight, weight};
 use crate::file::field::{Field, Limit, TableField};
-use crate::file::visit::{Choice, Count, Visit, choose, maybe_number, optional, pair};
+use crate::file::visit::{Choice, Count, Visit, choose, maybe_number, optional, pair, table};
 
 /// What surrounds the three parts.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,7 +90,7 @@ pub struct Adaptation {
     pub half_rate_rad_s: f64,
     /// Largest change of the estimate, kg m/s.
     pub rate_limit_kg_m_s: f64,
-    /// Whether its controller is exported with it, or the estimate is only tried in simulations.
+    /// The runs in which it is tried.
     pub trial: Trial,
 }
 
@@ -296,7 +296,7 @@ fn adaptation(v: &mut dyn Visit, a: &mut Adaptation) {
         let limit = Field::new("rate_limit", "largest change of the estimate").unit("kg m/s");
         v.number(&limit.limit(ABOVE_0).or(usual.rate_limit_kg_m_s), &mut a.rate_limit_kg_m_s);
     }
-    trial(v, &mut a.trial);
+    table(v, &TableField::optional("trial", "the runs of `adapt`"), &mut a.trial, trial);
 }
 
 fn trial(v: &mut dyn Visit, trial: &mut Trial) {

@@ -1,0 +1,95 @@
+//! Every shipped example: its design exists, costs what the equations predict, and meets its requirements.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::path::{Path, PathBuf};
+
+use counterpoise_project::pipeline::{World, model, reduce, synthesise, verify};
+use counterpoise_project::{Attachments, Document, Project};
+use counterpoise_verify::Verdict;
+
+/// Predicted and achieved H2 norm agree within this.
+const COST: f64 = 1e-6;
+
+struct Beside(PathBuf);
+
+impl World for Beside {
+    fn read(&self, name: &str) -> Result<Vec<u8>, String> {
+        std::fs::read(self.0.join(name)).map_err(|error| error.to_string())
+    }
+}
+
+fn projects() -> Vec<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples");
+    let mut files = Vec::new();
+    let mut folders = vec![root];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|ending| ending == "toml") {
+                files.push(path);
+            }
+        }
+    }
+    files.sort();
+    files
+}
+
+fn resolved(path: &Path) -> Project {
+    let document = Document::from_bytes(&std::fs::read(path).unwrap(), &path.display().to_string()).unwrap();
+    let folder = path.parent().unwrap();
+    let attachments = document.attachments().into_iter().fold(Attachments::none(), |all, name| {
+        match std::fs::read(folder.join(&name)) {
+            Ok(bytes) => all.with(&name, bytes),
+            Err(_) => all,
+        }
+    });
+    match Project::resolve(&document, &attachments) {
+        Ok(parsed) => parsed.project,
+        Err(errors) => panic!("{errors:?}"),
+    }
+}
+
+#[test]
+fn every_example_costs_what_is_predicted_and_meets_its_requirements() {
+    let (mut designs, mut wrong) = (0, Vec::new());
+    for path in projects() {
+        let project = resolved(&path);
+        if project.synth.is_none() {
+            continue;
+        }
+        designs += 1;
+        let name = path.strip_prefix(env!("CARGO_MANIFEST_DIR")).unwrap_or(&path).display().to_string();
+        let modelled = model(&project).unwrap();
+        let reduced = reduce(&project, &modelled).unwrap();
+        let made = match synthesise(&project, &modelled, &reduced) {
+            Ok(made) => made,
+            Err(error) => {
+                wrong.push(format!("{name}: {error}"));
+                continue;
+            }
+        };
+        let costs = [Some(made.design.feedback.cost)]
+            .into_iter()
+            .chain([made.design.heave.as_ref(), made.design.pitch.as_ref()].map(|part| part.map(|p| p.cost)));
+        for cost in costs.flatten() {
+            match cost.relative_difference() {
+                Some(difference) if difference < COST => {}
+                other => wrong.push(format!("{name}: cost differs by {other:?}: {cost:?}")),
+            }
+        }
+        if project.verify.is_some() {
+            let world = Beside(path.parent().unwrap().to_owned());
+            let verified = verify(&project, &modelled, &made, &world).unwrap();
+            for (requirement, verdict) in &verified.verification().verdicts {
+                println!("{name}: {}: {verdict:?}", requirement.figure.key());
+                if !matches!(verdict, Verdict::Holds { .. }) {
+                    wrong.push(format!("{name}: {}: {verdict:?}", requirement.figure.key()));
+                }
+            }
+        }
+    }
+    assert!(designs >= 7, "{designs} designs");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
