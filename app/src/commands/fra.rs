@@ -194,7 +194,11 @@ fn print(map: &Map) {
             db(p.linear),
             100.0 * p.distortion,
             p.mean_rad_s,
-            if p.settled { "" } else { "  not settled" }
+            match (p.settled, &map.recording) {
+                (true, _) => "",
+                (false, None) => "  not settled",
+                (false, Some(_)) => "  not excited",
+            }
         );
     }
     map.remarks.iter().for_each(|remark| say!("note: {remark}"));

@@ -31,7 +31,7 @@ fn headline(maps: &[Map]) -> Headline {
     let unsettled = points.iter().filter(|p| !p.settled).count();
     let text = match unsettled {
         0 => format!("{} points measured, every one settled", points.len()),
-        n => format!("{} points measured, {n} had not settled", points.len()),
+        n => format!("{} points measured, {n} not settled or not excited", points.len()),
     };
     let spread = maps.first().map_or(0.0, widest_spread);
     let detail =

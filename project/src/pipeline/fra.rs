@@ -69,7 +69,7 @@ pub struct Point {
     pub cycles: usize,
     /// Relative change of the response from the window before; none on a recording.
     pub last_change: Option<f64>,
-    /// Whether the motion had settled; a recording is taken as it is.
+    /// Whether the motion had settled; on a recording, whether it was excited at this frequency at all.
     pub settled: bool,
     /// The linear model without dry friction.
     pub linear: [f64; 2],
@@ -231,7 +231,8 @@ impl Analyser {
         let mut points = Vec::with_capacity(frequencies_hz.len());
         for hz in frequencies_hz {
             let found = fra::response(input, output, recording.sample_period_s, TAU * hz, usize::MAX)?;
-            points.push(self.point_of(&found, found.input.harmonics[0].norm())?);
+            let point = self.point_of(&found, found.input.harmonics[0].norm())?;
+            points.push(Point { settled: excited(&found, recording.sample_period_s), ..point });
         }
         Ok(Map {
             name: self.name.clone(),
@@ -376,6 +377,15 @@ const LEAST_SWING_RAD: f64 = 1e-12;
 const SELF_CONSISTENT: f64 = 5e-3;
 /// Trials to find that swing.
 const MOST_TRIALS: usize = 30;
+
+/// A line of a recording's input counts as excitation when it stands this many times above what noise leaves of it.
+const ABOVE_NOISE: f64 = 5.0;
+
+/// Whether the input has a line at the frequency: n samples of noise leave an amplitude of about sqrt(2 / n) of their RMS.
+fn excited(found: &Response, period_s: f64) -> bool {
+    let samples = found.cycles as f64 * TAU / (found.frequency_rad_s * period_s);
+    found.input.harmonics[0].norm() > ABOVE_NOISE * found.input.residual_rms * (2.0 / samples).sqrt()
+}
 
 fn column(all: &counterpoise_lti::CMat, input: usize) -> Vec<C64> {
     (0..all.nrows()).map(|i| all[(i, input)]).collect()
