@@ -214,12 +214,17 @@ fn matlab_plain_and_compressed_structures() {
 }
 
 #[test]
-fn version_7_3_is_named() {
-    let error = Table::read(b"MATLAB 7.3 MAT-file", "a.mat").unwrap_err().to_string();
-    assert_eq!(
-        error,
-        "a.mat: MATLAB version 7.3 (HDF5) is not read; save it with save(..., \"-v7\") or as CSV"
-    );
+fn matlab_version_7_3() {
+    let table = Table::read(include_bytes!("data/v73.mat"), "v73.mat").unwrap();
+    let names: Vec<&str> = table.columns.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["big", "count", "hub_rate", "time", "log.w_1", "log.w_2"]);
+    assert!(table.columns.iter().all(|c| c.values.len() == 50));
+    let record = Mapping::default().apply(&table).unwrap();
+    assert!(record.channel(Channel::HubRate).unwrap().iter().all(|v| v.is_finite()));
+    let mut bytes = include_bytes!("data/v73.mat").to_vec();
+    bytes.truncate(700);
+    let error = Table::read(&bytes, "cut.mat").unwrap_err().to_string();
+    assert!(error.starts_with("cut.mat: not a readable HDF5 file"), "{error}");
 }
 
 #[test]

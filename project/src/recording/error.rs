@@ -14,12 +14,6 @@ pub enum RecordingError {
         /// What the reader says.
         why: String,
     },
-    /// A MATLAB file of version 7.3.
-    #[error("{file}: MATLAB version 7.3 (HDF5) is not read; save it with save(..., \"-v7\") or as CSV")]
-    Matlab73 {
-        /// The file.
-        file: String,
-    },
     /// A cell that is not a number.
     #[error("{file}:{line}: column \"{column}\": \"{value}\" is not a number")]
     Cell {

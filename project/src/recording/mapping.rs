@@ -49,7 +49,7 @@ pub struct ChannelSource {
 /// How the columns of recordings become channels.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mapping {
-    /// Sample period of recordings without a time column, s.
+    /// Sample period of recordings without a time column, and the one on which uneven time is evened out, s.
     pub sample_period_s: Option<f64>,
     /// Name of the time column; `time` if none is given.
     pub time: Option<ChannelSource>,

@@ -32,10 +32,10 @@ struct Element<'a> {
 }
 
 /// An array: name, rows, columns, values.
-struct Array {
-    name: String,
-    rows: usize,
-    values: Vec<f64>,
+pub(super) struct Array {
+    pub(super) name: String,
+    pub(super) rows: usize,
+    pub(super) values: Vec<f64>,
 }
 
 /// The columns of a MATLAB file of version 5.
@@ -172,7 +172,7 @@ impl Element<'_> {
 }
 
 /// The arrays as columns of the most frequent length among them (the longer one where two are as frequent).
-fn columns(arrays: Vec<Array>) -> Vec<Column> {
+pub(super) fn columns(arrays: Vec<Array>) -> Vec<Column> {
     let all: Vec<Column> = arrays.into_iter().flat_map(split).collect();
     let frequency = |length: usize| all.iter().filter(|c| c.values.len() == length).count();
     let length = all

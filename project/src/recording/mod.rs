@@ -3,6 +3,7 @@
 
 mod columnar;
 mod error;
+mod hierarchical;
 mod mapping;
 mod matlab;
 mod road;
@@ -45,7 +46,7 @@ const MATLAB_7_3: &[u8] = b"MATLAB 7.3";
 const HDF5: &[u8] = b"\x89HDF";
 
 impl Table {
-    /// Reads the bytes of a recording, whose kind is seen from its first bytes: Parquet, MATLAB version 5, else CSV
+    /// Reads the bytes of a recording, whose kind is seen from its first bytes: Parquet, MATLAB version 5 or 7.3, HDF5, else CSV
     /// with one header row `name [unit]`.
     ///
     /// # Errors
@@ -56,7 +57,7 @@ impl Table {
         } else if bytes.starts_with(MATLAB) {
             matlab::read(bytes, name)?
         } else if bytes.starts_with(MATLAB_7_3) || bytes.starts_with(HDF5) {
-            return Err(RecordingError::Matlab73 { file: name.to_owned() });
+            hierarchical::read(bytes, name)?
         } else {
             text::read(bytes, name)?
         };

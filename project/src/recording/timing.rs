@@ -154,7 +154,9 @@ fn timed(
     let jitter = deviation(&regular, mean(&regular)) / mean(&regular);
     let gaps = steps.len() != regular.len() || rows.len() != time.len();
     let mut findings = gap_findings(&rows, &steps, median);
-    let period = if gaps || jitter > EVEN {
+    let period = if jitter > EVEN {
+        wanted.unwrap_or_else(|| mean(&regular))
+    } else if gaps {
         mean(&regular)
     } else {
         (time[*last] - time[*first]) / (rows.len() - 1) as f64

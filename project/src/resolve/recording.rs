@@ -6,8 +6,9 @@ use crate::recording::{Channel, ChannelSource, Mapping};
 
 /// Reads or lists the mapping.
 pub(crate) fn recording(v: &mut dyn Visit, mapping: &mut Mapping) {
-    let period =
-        Field::new("sample_period", "of recordings without a time column").unit("s").limit(Limit::Above(0.0));
+    let period = Field::new("sample_period", "of recordings without a time column, or with uneven time")
+        .unit("s")
+        .limit(Limit::Above(0.0));
     maybe_number(v, &period, &mut mapping.sample_period_s);
     table(v, &TableField::optional("channels", "columns by the channel that they hold"), mapping, channels);
 }
