@@ -252,7 +252,9 @@ impl Cause {
             Cause::ReferenceWithoutStates => {
                 "let the demand enter through the error, or use an error weight with a pole"
             }
-            Cause::Equation { .. } => "raise the weight or noise that the mode named needs",
+            Cause::Equation { .. } => {
+                "give the mode named an input, a sensor, a weight or a noise; a block that is there twice is connected once, by name"
+            }
             Cause::ControlUnweighed => "weigh every control, if only lightly",
             Cause::MeasurementNoiseless => "give every measurement a noise, if only a small one",
             Cause::NoiseReachesCost { .. } => "let the noise pass a filter, or the weighted output one",

@@ -8,6 +8,7 @@ use counterpoise_lti::{C64, Mat, StateSpace, Timebase, linfnorm, poles};
 use crate::cause::Cause;
 use crate::finding::{Finding, Part};
 use crate::generalised::{Blocks, Generalised, around_direct_path};
+use crate::h2syn::h2syn;
 use crate::{Error, Outcome};
 
 /// An H-infinity controller with its certificates.
@@ -67,8 +68,25 @@ pub fn hinfsyn(plant: &Generalised, tolerance: f64) -> Result<Outcome<HInfinity>
     let low = End { bound: normal.lower_bound()?, margin: None };
     let mut search = Search { plant, normal: &normal, low, high: None, trials: 0 };
     search.upward()?;
+    if search.high.is_none()
+        && let Some(findings) = obstacle(plant)?
+    {
+        return Ok(Outcome::Infeasible(findings));
+    }
     search.narrow(tolerance)?;
     search.verified()
+}
+
+/// The mode in the way where no bound is kept: as the bound grows the equations become those of H2, which name it.
+fn obstacle(plant: &Generalised) -> Result<Option<Vec<Finding>>, Error> {
+    let mut limit = plant.clone();
+    let system = &mut limit.system;
+    let (p, m) = (system.outputs() - plant.measurements, system.inputs() - plant.controls);
+    system.D.set_block(0, 0, &Mat::zeros(p, m));
+    Ok(match h2syn(&limit)? {
+        Outcome::Infeasible(findings) => Some(findings),
+        Outcome::Solved(_) => None,
+    })
 }
 
 /// A bound with ln rho(XY) - 2 ln g there, where X and Y exist.

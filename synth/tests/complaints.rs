@@ -1,0 +1,113 @@
+//! What users of other tools complain of, one test each: stacked blocks that become unstabilisable, refusals without a
+//! reason, searches that hang where nothing is feasible.
+#![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
+
+use counterpoise_lti::{Mat, Named, StateSpace, Timebase, connect, poles, series};
+use counterpoise_synth::{Generalised, Outcome, h2syn, hinfsyn};
+
+const CONTINUOUS: Timebase = Timebase::Continuous;
+
+fn first_order(pole: f64, gain: f64) -> StateSpace {
+    let one = |x: f64| Mat::diag(&[x]);
+    StateSpace::new(one(pole), one(1.0), one(gain), one(0.0), CONTINUOUS).unwrap()
+}
+
+/// An unstable plant (its pole at +2) whose output is judged by two weights and measured with noise.
+fn by_name() -> StateSpace {
+    let plant = Named::new(first_order(2.0, 1.0), &["drive"], &["rate"]).unwrap();
+    let drive = Named::sum("drive", &[(1.0, "u"), (1.0, "w")], CONTINUOUS).unwrap();
+    let slow = Named::new(first_order(-0.1, 3.0), &["rate"], &["z1"]).unwrap();
+    let fast = Named::new(first_order(-40.0, 10.0), &["rate"], &["z2"]).unwrap();
+    let effort = Named::sum("z3", &[(1.0, "u")], CONTINUOUS).unwrap();
+    let sensor = Named::sum("y", &[(1.0, "rate"), (0.1, "n")], CONTINUOUS).unwrap();
+    connect(&[plant, drive, slow, fast, effort, sensor], &["w", "n", "u"], &["z1", "z2", "z3", "y"]).unwrap()
+}
+
+/// The same written as other tools stack it: each row with a plant of its own.
+fn stacked() -> StateSpace {
+    let g = || first_order(2.0, 1.0);
+    let rows = [series(&g(), &first_order(-0.1, 3.0)), series(&g(), &first_order(-40.0, 10.0)), Ok(g())];
+    let all = rows.into_iter().map(Result::unwrap).reduce(|a, b| counterpoise_lti::append(&a, &b).unwrap());
+    let all = all.unwrap();
+    // One input for all three plants: (w, n, u); outputs z1, z2, z3 = u, y.
+    let drive = Mat::from_rows(&[&[1.0, 0.0, 1.0], &[1.0, 0.0, 1.0], &[1.0, 0.0, 1.0]]);
+    let zeros = Mat::zeros(1, all.order());
+    let C = all.C.block(0, 0, 2, all.order()).vstack(&zeros).vstack(&all.C.block(2, 0, 1, all.order()));
+    let mut D = Mat::zeros(4, 3);
+    (D[(2, 2)], D[(3, 1)]) = (1.0, 0.1);
+    StateSpace::new(all.A, &all.B * &drive, C, D, CONTINUOUS).unwrap()
+}
+
+fn causes<T>(outcome: &Outcome<T>) -> Vec<String> {
+    outcome.findings().iter().map(|finding| finding.to_string()).collect()
+}
+
+#[test]
+fn blocks_connected_by_name_share_their_plant() {
+    let system = by_name();
+    assert_eq!(system.order(), 3, "the plant's state is there once");
+    let plant = Generalised::new(system, 1, 1).unwrap();
+    let Outcome::Solved(h2) = h2syn(&plant).unwrap() else { panic!("H2 has a solution") };
+    assert!(poles(&plant.close(&h2.controller).unwrap()).unwrap().iter().all(|pole| pole.re < 0.0));
+    let Outcome::Solved(hinf) = hinfsyn(&plant, 1e-3).unwrap() else { panic!("H-infinity has a solution") };
+    assert!(hinf.achieved_norm <= hinf.bound * (1.0 + 1e-6));
+}
+
+#[test]
+fn blocks_stacked_with_a_plant_each_are_refused_with_the_mode_that_is_there_thrice() {
+    let plant = Generalised::new(stacked(), 1, 1).unwrap();
+    for found in [causes(&h2syn(&plant).unwrap()), causes(&hinfsyn(&plant, 1e-3).unwrap())] {
+        assert!(
+            found
+                .iter()
+                .any(|text| text.contains("the mode 2.000000 is not stable and the input does not reach it")),
+            "{found:?}"
+        );
+    }
+}
+
+/// x' = A x + w + B2 u, y = C2 x + n, both judged.
+fn plain(A: &Mat, B2: &Mat, C2: &Mat) -> Generalised {
+    let n = A.nrows();
+    let (I, o) = (Mat::eye(n), Mat::zeros(n, 1));
+    let B = I.hstack(&o).hstack(B2);
+    let C = I.vstack(&o.t()).vstack(C2);
+    let mut D = Mat::zeros(n + 2, n + 2);
+    (D[(n, n + 1)], D[(n + 1, n)]) = (1.0, 1.0);
+    let system = StateSpace::new(A.clone(), B, C, D, CONTINUOUS).unwrap();
+    Generalised::new(system, 1, 1).unwrap()
+}
+
+#[test]
+fn a_mode_that_nothing_reaches_ends_the_search_at_once_and_is_named() {
+    // An undamped oscillator at 7 rad/s beside the loop, and one that nobody sees.
+    let A = Mat::from_rows(&[&[-1.0, 0.0, 0.0], &[0.0, 0.0, 7.0], &[0.0, -7.0, 0.0]]);
+    let (reached, seen) = (Mat::col(&[1.0, 0.0, 1.0]), Mat::row(&[1.0, 1.0, 0.0]));
+    let (missed, unseen) = (Mat::col(&[1.0, 0.0, 0.0]), Mat::row(&[1.0, 0.0, 0.0]));
+    for (B2, C2) in [(&missed, &seen), (&reached, &unseen)] {
+        let plant = plain(&A, B2, C2);
+        let (h2, hinf) = (h2syn(&plant).unwrap(), hinfsyn(&plant, 1e-4).unwrap());
+        assert!(h2.findings().len() + hinf.findings().len() >= 2);
+        for text in causes(&h2).into_iter().chain(causes(&hinf)) {
+            assert!(text.contains("7.000000j"), "{text}");
+        }
+    }
+    assert!(h2syn(&plain(&A, &reached, &seen)).unwrap().solved().is_some());
+}
+
+#[test]
+fn a_mode_that_is_barely_reached_ends_within_the_trials() {
+    for reach in [1e-3, 1e-6, 1e-9, 1e-12] {
+        let plant = plain(&Mat::diag(&[1.0, -2.0]), &Mat::col(&[reach, 1.0]), &Mat::row(&[1.0, 1.0]));
+        match hinfsyn(&plant, 1e-3).unwrap() {
+            Outcome::Solved(found) => {
+                assert!(found.trials <= 200, "{reach:e}: {}", found.trials);
+                assert!(found.closed_loop.iter().all(|pole| pole.re < 0.0), "{reach:e}");
+                assert!(found.achieved_norm <= found.bound * (1.0 + 1e-6), "{reach:e}");
+            }
+            Outcome::Infeasible(findings) => {
+                assert!(reach < 1e-5 && !findings.is_empty(), "{reach:e}: {findings:?}");
+            }
+        }
+    }
+}
