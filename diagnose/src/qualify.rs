@@ -30,12 +30,40 @@ pub fn qualify(name: &str, measured: &Measured, ratio: f64) -> Vec<Remark> {
             say(channel, what, unusable);
         }
     }
-    for (channel, slope, coherence) in slopes(measured, ratio) {
-        if let Some(what) = meaning(slope, coherence) {
+    for (channel, reference, rate) in redundant(measured, ratio) {
+        let (slope, coherence) = regression(&reference, &rate);
+        if let Some(what) =
+            meaning(slope, coherence).or_else(|| shifted(&reference, &rate, measured.period_s))
+        {
             say(channel, what, false);
         }
     }
     remarks
+}
+
+/// Two clocks whose readings part by more than this are told, s: sensors and gear account for a few milliseconds.
+const OFFSET_TOLD_S: f64 = 8e-3;
+/// Clock offsets up to this are sought, s.
+const OFFSET_SOUGHT_S: f64 = 0.1;
+/// Share of the difference between two channels that an offset must take away to be believed.
+const OFFSET_EXPLAINS: f64 = 0.5;
+
+/// Whether a channel comes later or earlier than the gyroscopes: the offset with the smallest difference.
+fn shifted(reference: &[f64], rate: &[f64], period_s: f64) -> Option<String> {
+    let most = (OFFSET_SOUGHT_S / period_s).round() as usize;
+    let inside = most..reference.len().checked_sub(most).filter(|end| *end > 2 * most)?;
+    let apart = |lag: isize| {
+        let difference = |k: usize| rate[k.saturating_add_signed(lag)] - reference[k];
+        rms(&inside.clone().map(difference).collect::<Vec<f64>>()).powi(2)
+    };
+    let most = isize::try_from(most).ok()?;
+    let (lag, least) = (-most..=most).map(|lag| (lag, apart(lag))).min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let offset_s = lag as f64 * period_s;
+    let told = offset_s.abs() > OFFSET_TOLD_S && lag.abs() < most && least < OFFSET_EXPLAINS * apart(0);
+    let word = if lag > 0 { "later" } else { "earlier" };
+    told.then(|| {
+        format!("{:.0} ms {word} than the gyroscopes: its clock has an offset", 1e3 * offset_s.abs())
+    })
 }
 
 fn channels(m: &Measured) -> Vec<(&'static str, &[f64])> {
@@ -62,6 +90,9 @@ fn alone(series: &[f64]) -> Option<(String, bool)> {
         return (low != 0.0).then(|| (format!("stuck at {low} throughout"), true));
     }
     let quantum = step(series);
+    if let Some(what) = clipped(series, low, high, quantum) {
+        return Some((what, false));
+    }
     if run > series.len() / 10 && high - low > 20.0 * quantum {
         let value = series[at];
         let word = if value == low || value == high { "clipped" } else { "stuck" };
@@ -69,6 +100,27 @@ fn alone(series: &[f64]) -> Option<(String, bool)> {
     }
     (quantum > 0.05 * (high - low))
         .then(|| (format!("only {:.0} steps over its range", (high - low) / quantum), false))
+}
+
+/// Samples that stay at one extreme for this long make a flat top.
+const FLAT_TOP: usize = 5;
+/// A channel is clipped where flat tops at one extreme hold this share of it.
+const CLIPPED_SHARE: f64 = 0.01;
+/// Fewest steps of the quantiser over the range for which a flat top means something.
+const FINE_STEPS: f64 = 200.0;
+
+/// Flat tops at an extreme, several times over: a limit, not a coincidence.
+fn clipped(series: &[f64], low: f64, high: f64, quantum: f64) -> Option<String> {
+    if high - low < FINE_STEPS * quantum {
+        return None;
+    }
+    let flat = |limit: f64| {
+        let tops = series.chunk_by(|a, b| a == b).filter(|top| top[0] == limit && top.len() >= FLAT_TOP);
+        tops.map(<[f64]>::len).sum::<usize>()
+    };
+    let (limit, samples) = [(low, flat(low)), (high, flat(high))].into_iter().max_by_key(|(_, n)| *n)?;
+    (samples as f64 > CLIPPED_SHARE * series.len() as f64)
+        .then(|| format!("clipped at {limit}: {samples} samples lie there in flat tops"))
 }
 
 fn longest_run(series: &[f64]) -> (usize, usize) {
@@ -97,8 +149,8 @@ fn step(series: &[f64]) -> f64 {
     differences.fold(f64::INFINITY, f64::min).min(high - low)
 }
 
-/// Slope of each redundant channel on the gyroscopes' rate of the hub on the platform, and their coherence.
-fn slopes(m: &Measured, ratio: f64) -> Vec<(&'static str, f64, f64)> {
+/// Each redundant channel's rate of the hub on the platform beside the gyroscopes', smoothed alike.
+fn redundant(m: &Measured, ratio: f64) -> Vec<(&'static str, Vec<f64>, Vec<f64>)> {
     let relative: Vec<f64> = m.hub_rate.iter().zip(&m.platform_rate).map(|(h, p)| h - p).collect();
     let half = (0.02 / m.period_s).round() as usize;
     let smooth = |series: &[f64]| centred(&moving(series, half));
@@ -106,14 +158,14 @@ fn slopes(m: &Measured, ratio: f64) -> Vec<(&'static str, f64, f64)> {
     let mut out = Vec::new();
     if let Some(motor) = &m.motor_rate {
         let geared: Vec<f64> = motor.iter().map(|w| w / ratio).collect();
-        out.push(("motor_rate", regression(&reference, &smooth(&geared))));
+        out.push(("motor_rate", reference.clone(), smooth(&geared)));
     }
     if let Some(position) = &m.hub_position {
         let rate: Vec<f64> =
             (0..position.len()).map(|k| slope_at(position, k, half.max(1)) / m.period_s).collect();
-        out.push(("hub_position", regression(&reference, &centred(&rate))));
+        out.push(("hub_position", reference, centred(&rate)));
     }
-    out.into_iter().map(|(channel, (slope, coherence))| (channel, slope, coherence)).collect()
+    out
 }
 
 fn slope_at(series: &[f64], k: usize, half: usize) -> f64 {
@@ -204,6 +256,16 @@ mod tests {
         gap.hub_rate[17] = f64::NAN;
         let remark = &qualify("r", &gap, 200.0)[0];
         assert!(remark.unusable && remark.channel == "hub_rate", "{remark:?}");
+    }
+
+    #[test]
+    fn a_clock_offset_is_told_with_its_size() {
+        let mut late = machine();
+        late.motor_rate = late.motor_rate.map(|w| (0..w.len()).map(|k| w[k.saturating_sub(30)]).collect());
+        assert_eq!(
+            qualify("r", &late, 200.0)[0].what,
+            "30 ms later than the gyroscopes: its clock has an offset"
+        );
     }
 
     #[test]
