@@ -81,9 +81,11 @@ fn threads_and_shards_do_not_change_a_byte() {
 fn a_killed_campaign_goes_on_to_the_same_result() {
     let expected = reference("sweep_whole");
     let killed = folder("sweep_killed");
-    for attempt in 0..8u64 {
+    let mut state = 20_260_101_u64;
+    for _ in 0..50 {
         let mut child = sweep(&killed, "2", &[]).spawn().unwrap();
-        std::thread::sleep(Duration::from_millis(60 + 97 * attempt % 600));
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        std::thread::sleep(Duration::from_millis(20 + (state >> 33) % 400));
         let _ = child.kill();
         child.wait().unwrap();
     }

@@ -6,7 +6,7 @@
 //! *Invariant*: nothing here knows how a controller was designed; nothing here reads a file, a clock or an unseeded random number.
 //!
 //! Modules in reading order: [`figure`], [`requirement`], [`procedure`], [`signals`], [`history`], [`linear`],
-//! [`nonlinear`], [`measure`], [`verification`], [`robust`].
+//! [`nonlinear`], [`measure`], [`verification`], [`spectral`], [`difference`], [`robust`].
 //!
 //! ```
 //! use counterpoise_verify::{Figure, Limit, Requirement, Verdict};
@@ -16,6 +16,7 @@
 //! ```
 #![allow(non_snake_case)]
 
+pub mod difference;
 pub mod error;
 pub mod figure;
 pub mod history;
@@ -26,6 +27,7 @@ pub mod procedure;
 pub mod requirement;
 pub mod robust;
 pub mod signals;
+pub mod spectral;
 pub mod verification;
 
 pub use counterpoise_lti::{C64, Margins};

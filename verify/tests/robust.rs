@@ -4,8 +4,8 @@
 mod support;
 
 use counterpoise_verify::robust::{
-    Campaign, Distribution, Variation, Varied, configurations, figures_of, merge, one_at_a_time, ranking,
-    summary, worst_case,
+    Campaign, Distribution, Points, Variation, Varied, configurations, figures_of, merge, one_at_a_time,
+    ranking, summary, worst_case,
 };
 use counterpoise_verify::{Figure, Limit, Procedure, Requirement, Value, verify};
 use support::{controller, plant, rig};
@@ -30,7 +30,14 @@ fn campaign(samples: usize) -> Campaign {
         require("gain_margin_db", Limit::AtLeast(10.0)),
         require("nonlinear_both_compensated_hub_rms_rad_s", Limit::AtMost(0.04)),
     ];
-    Campaign::new((rig(), controller()), short(), variations, requirements, (samples, 11)).unwrap()
+    Campaign::new(
+        (rig(), controller()),
+        short(),
+        variations,
+        requirements,
+        (samples, 11, Points::LatinHypercube),
+    )
+    .unwrap()
 }
 
 #[test]

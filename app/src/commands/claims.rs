@@ -5,12 +5,12 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use counterpoise::report::{Context, claims as page, html};
-use counterpoise_project::Purpose;
+use counterpoise::report::{Context, claims as page, evidence, html};
 use counterpoise_project::claims::{Claim, Finding, claims};
+use counterpoise_project::{Purpose, pipeline};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{Done, verdict_code};
+use super::{Done, pages, verdict_code};
 use crate::arguments::Results;
 use crate::files::{self, Surroundings};
 use crate::output;
@@ -54,9 +54,18 @@ pub fn run(options: &ClaimsOptions) -> Done {
     let rows = claims(&loaded.project, &world, &progress)?;
     bar.finish_and_clear();
     let title = format!("The thesis' claims on the {}", loaded.project.plant.name);
-    let context =
-        Context { title, subtitle: "measured, nothing tuned for a row".to_owned(), ..Context::default() };
-    files::write(&options.report, html(&page::report(&rows, context)).as_bytes())?;
+    let designed = pipeline::design(&loaded.project, &world)?;
+    let command = format!("counterpoise claims {}", options.project.display());
+    let context = Context {
+        title,
+        subtitle: "measured, nothing tuned for a row; the figures are those of the design that the rows put to the test"
+            .to_owned(),
+        more: evidence::sections(designed.verified.verification()),
+        provenance: vec![("command".to_owned(), command.clone())],
+    };
+    let mut report = page::report(&rows, context);
+    pages::reproduced_by(&mut report, &command);
+    files::write(&options.report, html(&report).as_bytes())?;
     let table: Vec<Row<'_>> = rows.iter().map(row).collect();
     if !output::json(&options.results, &table)? {
         table.iter().for_each(print);

@@ -16,6 +16,8 @@ use crate::plot::{Colour, Figure};
 const GOOD_RESIDUAL: f64 = 1e-8;
 /// Predicted and achieved cost agree within this.
 const GOOD_COST: f64 = 1e-6;
+/// Heading of the section with the weights.
+pub const WEIGHTS: &str = "Weights";
 const POINTS: usize = 500;
 const LOWEST_HZ: f64 = 0.02;
 const HIGHEST_HZ: f64 = 500.0;
@@ -89,7 +91,7 @@ fn reduction_words(reduced: &Reduced) -> String {
 
 fn weight_section(designed: &Designed) -> Section {
     let asked = &designed.synthesised.design.specification;
-    let mut section = Section::new("Weights")
+    let mut section = Section::new(WEIGHTS)
         .saying(format!(
             "Feedback: {}. {}.",
             asked.feedback.error.meaning("error"),

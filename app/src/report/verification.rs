@@ -2,7 +2,7 @@
 
 use counterpoise_project::verify::Verification;
 
-use super::{Report, Section, evidence, summary};
+use super::{Report, Section, evidence, spectra, summary};
 
 /// What a verification does not know about itself.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -20,6 +20,7 @@ pub struct Context {
 /// The report: the verdicts on the first screen, then the evidence, then what `context` adds.
 pub fn of_verification(found: &Verification, context: Context) -> Report {
     let mut sections = evidence::sections(found);
+    sections.extend(spectra::section(found));
     sections.extend(context.more);
     sections.push(evidence::figure_section(found));
     Report {

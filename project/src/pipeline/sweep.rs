@@ -29,7 +29,7 @@ pub fn campaign(
         procedure(project, world)?,
         asked.variations.clone(),
         judged.requirements.clone(),
-        (asked.samples, asked.seed),
+        (asked.samples, asked.seed, asked.layout),
     )?)
 }
 

@@ -1,6 +1,7 @@
 //! The verdicts on the sampled controller, on the full plant, with the road that the project names.
 
-use counterpoise_verify::{Procedure, Road, VerifiedController};
+use counterpoise_models::plant::Plant;
+use counterpoise_verify::{Procedure, Road, Verification, VerifiedController};
 
 use super::{Modelled, PipelineError, Synthesised, World};
 use crate::Project;
@@ -17,10 +18,37 @@ pub fn verify(
     synthesised: &Synthesised,
     world: &dyn World,
 ) -> Result<VerifiedController, PipelineError> {
-    let procedure = procedure(project, world)?;
+    verify_on(project, &modelled.plant, synthesised, &procedure(project, world)?)
+}
+
+/// Verifies the sampled controller on a plant and by a procedure that need not be the project's own.
+///
+/// # Errors
+/// Those of the verification.
+pub fn verify_on(
+    project: &Project,
+    plant: &Plant,
+    synthesised: &Synthesised,
+    procedure: &Procedure,
+) -> Result<VerifiedController, PipelineError> {
     let asked = project.verify.as_ref().ok_or(MISSING)?;
     let controller = &synthesised.sampled.controller;
-    Ok(counterpoise_verify::verify(&modelled.plant, controller, &procedure, &asked.requirements)?)
+    Ok(counterpoise_verify::verify(plant, controller, procedure, &asked.requirements)?)
+}
+
+/// The linear figures alone, on a plant and by a procedure.
+///
+/// # Errors
+/// Those of the verification.
+pub fn verify_linear_on(
+    project: &Project,
+    plant: &Plant,
+    synthesised: &Synthesised,
+    procedure: &Procedure,
+) -> Result<Verification, PipelineError> {
+    let asked = project.verify.as_ref().ok_or(MISSING)?;
+    let controller = &synthesised.sampled.controller;
+    Ok(counterpoise_verify::verify_linear(plant, controller, procedure, &asked.requirements)?)
 }
 
 const MISSING: PipelineError = PipelineError::Missing { section: "verify", needed_by: "the verification" };

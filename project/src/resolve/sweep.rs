@@ -1,6 +1,6 @@
 //! The `[sweep]` section: which parameters vary, one at a time and all at once.
 
-use counterpoise_verify::robust::{Distribution, Variation, Varied, varied};
+use counterpoise_verify::robust::{Distribution, Points, Variation, Varied, varied};
 
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{Choice, Count, Visit, choose, list};
@@ -12,6 +12,8 @@ pub struct Sweep {
     pub samples: usize,
     /// Its seed.
     pub seed: u64,
+    /// How its points are laid out.
+    pub layout: Points,
     /// Parameters that vary together.
     pub variations: Vec<Variation>,
     /// Parameters that vary one at a time, with their factors.
@@ -46,6 +48,13 @@ impl Choice for Shape {
         &[("uniform", Self::Uniform), ("log-uniform", Self::LogUniform), ("normal", Self::Normal)];
 }
 
+impl Choice for Points {
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("latin-hypercube", Self::LatinHypercube), ("sobol", Self::Sobol)];
+}
+
+const POINTS: Field =
+    Field::new("points", "how the mechanisms are laid out in their ranges").or_text("latin-hypercube");
 const PARAMETER: Field = Field::new("parameter", "what varies, as a factor on its value");
 const SHAPE: Field = Field::new("distribution", "of the factor").or_text("uniform").shown();
 const LOW: Field = Field::new("low", "lowest factor").limit(Limit::AtLeast(0.0));
@@ -59,7 +68,13 @@ const MOST_SAMPLES: f64 = 1e7;
 
 /// A campaign of which nothing is written.
 pub(crate) fn blank() -> Sweep {
-    Sweep { samples: 200, seed: 1, variations: Vec::new(), families: Vec::new() }
+    Sweep {
+        samples: 200,
+        seed: 1,
+        layout: Points::LatinHypercube,
+        variations: Vec::new(),
+        families: Vec::new(),
+    }
 }
 
 /// Reads or lists a campaign.
@@ -68,6 +83,7 @@ pub(crate) fn sweep(v: &mut dyn Visit, sweep: &mut Sweep) {
         .limit(Limit::Between(1.0, MOST_SAMPLES));
     super::model::count(v, &samples.or(200.0).shown(), &mut sweep.samples);
     super::verify::seed(v, "of the campaign", &mut sweep.seed);
+    choose(v, &POINTS, &mut sweep.layout);
     let blank = Variation {
         parameter: Varied::Inertia,
         distribution: Distribution::Uniform { low: f64::NAN, high: f64::NAN },

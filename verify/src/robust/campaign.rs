@@ -6,7 +6,7 @@ use counterpoise_controller::Controller;
 use counterpoise_models::parameters::Parameters;
 use counterpoise_models::plant::Plant;
 
-use super::{Distribution, Varied, figures_of, latin_hypercube};
+use super::{Distribution, Points, Varied, figures_of};
 use crate::measure::Value;
 use crate::{Error, Figure, Procedure, Requirement};
 
@@ -42,7 +42,7 @@ pub struct Sample {
 }
 
 impl Campaign {
-    /// A campaign of `samples` mechanisms from a Latin hypercube.
+    /// A campaign of a number of mechanisms, laid out from a seed.
     ///
     /// # Errors
     /// [`Error::Range`] for no samples, no variations or an impossible distribution, and those of [`Procedure::check`].
@@ -51,7 +51,7 @@ impl Campaign {
         procedure: Procedure,
         variations: Vec<Variation>,
         requirements: Vec<Requirement>,
-        (samples, seed): (usize, u64),
+        (samples, seed, layout): (usize, u64, Points),
     ) -> Result<Self, Error> {
         procedure.check()?;
         for (what, count) in
@@ -62,7 +62,7 @@ impl Campaign {
             }
         }
         variations.iter().try_for_each(|variation| variation.distribution.check())?;
-        let points = latin_hypercube(samples, variations.len(), seed);
+        let points = layout.lay(samples, variations.len(), seed)?;
         Ok(Self { nominal, controller, procedure, variations, requirements, points })
     }
 

@@ -1,19 +1,21 @@
 //! Robustness: one parameter at a time, many at once, and the worst that can be found. The controller stays as it is exported.
 //!
-//! Modules in reading order: [`varied`], [`sampling`], [`selected`], [`family`], [`campaign`], [`statistics`], [`worst`].
+//! Modules in reading order: [`varied`], [`sampling`], [`sobol`], [`selected`], [`family`], [`campaign`], [`statistics`], [`worst`].
 
 pub mod campaign;
 pub mod family;
 pub mod sampling;
 pub mod selected;
+pub mod sobol;
 pub mod statistics;
 pub mod varied;
 pub mod worst;
 
 pub use campaign::{Campaign, Sample, Variation, merge};
 pub use family::{Member, configurations, one_at_a_time};
-pub use sampling::{Distribution, latin_hypercube};
+pub use sampling::{Distribution, Points, latin_hypercube};
 pub use selected::figures_of;
+pub use sobol::sobol;
 pub use statistics::{Ranked, Summary, ranking, summary};
 pub use varied::Varied;
 pub use worst::{Worst, worst_case};

@@ -29,6 +29,29 @@ pub enum Distribution {
     },
 }
 
+/// How the points of a campaign are laid out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Points {
+    /// Each coordinate once in each of as many strata as there are samples.
+    #[default]
+    LatinHypercube,
+    /// Sobol's sequence with a digital shift: a longer campaign holds the shorter one's points.
+    Sobol,
+}
+
+impl Points {
+    /// The points of the open unit cube.
+    ///
+    /// # Errors
+    /// As [`super::sobol()`].
+    pub fn lay(self, samples: usize, dimensions: usize, seed: u64) -> Result<Vec<Vec<f64>>, Error> {
+        match self {
+            Points::LatinHypercube => Ok(latin_hypercube(samples, dimensions, seed)),
+            Points::Sobol => super::sobol(samples, dimensions, seed),
+        }
+    }
+}
+
 /// Standard deviations at which a normal factor is cut off.
 const CUT: f64 = 3.0;
 

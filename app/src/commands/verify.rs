@@ -1,0 +1,199 @@
+//! `counterpoise verify`: the verdicts, on the plant and the road that the user asks for, alone or beside another project's.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result};
+use clap::{Args, ValueEnum};
+use counterpoise::report::{Context, Section, difference, html, of_verification};
+use counterpoise_project::pipeline::{self, export::project_hash};
+use counterpoise_project::results::VerifyResult;
+use counterpoise_project::verify::difference::{Change, changes};
+use counterpoise_project::verify::signals::iso_road::{Drive, RoadClass, Vehicle, iso_road};
+use counterpoise_project::verify::{Procedure, Verification};
+use counterpoise_project::{Project, Purpose, StructureChoice};
+
+use super::design::print_verdicts;
+use super::{Done, pages, verdict_code};
+use crate::arguments::Results;
+use crate::files::{self, Loaded, Surroundings};
+use crate::output::{self, say};
+
+/// Arguments of `verify`.
+#[derive(Args)]
+pub struct VerifyOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// The plant that the controller is verified on; the controller stays the project's
+    #[arg(long, value_enum, default_value = "project")]
+    pub plant: PlantChoice,
+    /// Drive over a road of this ISO 8608 class (A to E) instead of the project's recording
+    #[arg(long, value_name = "CLASS")]
+    pub road: Option<String>,
+    /// Speed on that road, m/s
+    #[arg(long, value_name = "M_S", default_value_t = 8.0, requires = "road")]
+    pub speed: f64,
+    /// Say what changed from this project (or folder) to PROJECT
+    #[arg(long, value_name = "BEFORE")]
+    pub against: Option<PathBuf>,
+    /// Write a report with pictures to this HTML file
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// On what a controller is verified.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PlantChoice {
+    /// As the project's [model] says: nonlinear and linear
+    Project,
+    /// The linear plant alone: margins, linear step and disturbances, rejection ratios
+    Linear,
+    /// The two lumped inertias, nonlinear and linear
+    Lumped,
+    /// The finite elements' modes, nonlinear and linear
+    Fe,
+}
+
+/// Length of a synthetic drive, s, the period of its samples, s, and the time in which it fades in and out, s.
+const DRIVE_S: (f64, f64, f64) = (30.0, 0.005, 1.0);
+
+/// Runs the command.
+pub fn run(options: &VerifyOptions) -> Done {
+    let (loaded, found) = verified(options, &options.project)?;
+    let before = options.against.as_ref().map(|path| verified(options, path)).transpose()?;
+    let changed = before.as_ref().map(|(_, before)| changes(before, &found));
+    if let Some(path) = &options.report {
+        let more: Vec<Section> = changed
+            .iter()
+            .zip(&options.against)
+            .map(|(changed, path)| difference::section(&path.display().to_string(), changed))
+            .collect();
+        files::write(path, page(options, &loaded, &found, more).as_bytes())?;
+    }
+    match &changed {
+        Some(changed) => tell_changes(options, changed)?,
+        None if !output::json(&options.results, &VerifyResult::from(&found))? => print_verdicts(&found),
+        None => {}
+    }
+    if let (Some(path), None) = (&options.report, &options.results.json) {
+        say!("report  {}", path.display());
+    }
+    Ok(verdict_code(found.passes()))
+}
+
+/// A project's controller, verified as the options ask.
+fn verified(options: &VerifyOptions, path: &Path) -> Result<(Loaded, Verification)> {
+    let loaded = files::load(path, Purpose::Verify)?;
+    output::warnings(&loaded, options.results.quiet);
+    let world = Surroundings::of(&loaded, options.results.quiet);
+    let project = &loaded.project;
+    let modelled = pipeline::model(project)?;
+    let made = pipeline::synthesise(project, &modelled, &pipeline::reduce(project, &modelled)?)?;
+    let mut procedure = pipeline::procedure(project, &world)?;
+    if let Some(class) = &options.road {
+        procedure.road = Some(drive(class, options.speed, &procedure)?);
+    }
+    let structure = match options.plant {
+        PlantChoice::Lumped => StructureChoice::Lumped,
+        PlantChoice::Fe => StructureChoice::Beam,
+        PlantChoice::Project | PlantChoice::Linear => project.model.structure,
+    };
+    let plant = pipeline::model(&with_structure(project, structure))?.plant;
+    let found = match options.plant {
+        PlantChoice::Linear => pipeline::verify_linear_on(project, &plant, &made, &procedure)?,
+        _ => pipeline::verify_on(project, &plant, &made, &procedure)?.into_parts().1,
+    };
+    Ok((loaded, found))
+}
+
+fn with_structure(project: &Project, structure: StructureChoice) -> Project {
+    let mut other = project.clone();
+    other.model.structure = structure;
+    other
+}
+
+fn drive(class: &str, speed_m_s: f64, procedure: &Procedure) -> Result<counterpoise_project::verify::Road> {
+    let class = RoadClass::from_letter(class).with_context(|| {
+        format!("--road {class}: the classes of ISO 8608 here are A (very good) to E (very poor)")
+    })?;
+    let (duration_s, sample_period_s, fade_s) = DRIVE_S;
+    let drive = Drive { class, speed_m_s, duration_s, sample_period_s, fade_s, seed: procedure.seed };
+    iso_road(drive, Vehicle::HEAVY).with_context(|| format!("--speed {speed_m_s}"))
+}
+
+fn command(options: &VerifyOptions) -> String {
+    let mut words = format!("counterpoise verify {}", options.project.display());
+    if let Some(value) = options.plant.to_possible_value().filter(|_| options.plant != PlantChoice::Project) {
+        words += &format!(" --plant {}", value.get_name());
+    }
+    if let Some(class) = &options.road {
+        words += &format!(" --road {class} --speed {}", options.speed);
+    }
+    if let Some(path) = &options.against {
+        words += &format!(" --against {}", path.display());
+    }
+    words
+}
+
+fn page(options: &VerifyOptions, loaded: &Loaded, found: &Verification, more: Vec<Section>) -> String {
+    let command = command(options);
+    let context = Context {
+        title: loaded.project.plant.name.clone(),
+        subtitle: "Verification of the controller as it is exported".to_owned(),
+        more,
+        provenance: vec![
+            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+            ("project hash".to_owned(), project_hash(&loaded.project)),
+            ("command".to_owned(), command.clone()),
+        ],
+    };
+    let mut report = of_verification(found, context);
+    pages::reproduced_by(&mut report, &command);
+    html(&report)
+}
+
+/// A figure before and after, for a machine.
+#[derive(serde::Serialize)]
+struct Row {
+    figure: String,
+    unit: &'static str,
+    before: Option<f64>,
+    after: Option<f64>,
+    held: Option<bool>,
+    holds: Option<bool>,
+}
+
+fn tell_changes(options: &VerifyOptions, changed: &[Change]) -> Result<()> {
+    let row = |change: &Change| Row {
+        figure: change.figure.key(),
+        unit: change.figure.unit(),
+        before: change.before,
+        after: change.after,
+        held: change.held,
+        holds: change.holds,
+    };
+    let rows: Vec<Row> = changed.iter().map(row).collect();
+    if output::json(&options.results, &rows)? {
+        return Ok(());
+    }
+    let judged = changed.iter().filter(|change| change.holds.is_some() || change.held.is_some());
+    let shown: Vec<&Change> = judged.collect();
+    for change in &shown {
+        let text = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |v| format!("{v:.4}"));
+        say!(
+            "  {:15} {}: {} -> {} {} ({})",
+            difference::verdict(change).1,
+            change.figure.name(),
+            text(change.before),
+            text(change.after),
+            change.figure.unit(),
+            difference::size(change)
+        );
+    }
+    let others = changed.iter().filter(|change| difference::moved(change)).count();
+    let turned = changed.iter().filter(|change| change.turned()).count();
+    say!("{turned} verdicts turned; {others} of {} figures changed (--report shows all)", changed.len());
+    Ok(())
+}

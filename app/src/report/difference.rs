@@ -1,0 +1,67 @@
+//! Two verifications side by side, as a section.
+
+use counterpoise_project::verify::difference::Change;
+
+use super::{Cell, Column, Section, Table, Tone};
+
+/// Relative change below which a figure counts as the same.
+const SAME: f64 = 1e-6;
+
+/// Every figure that changed, those whose verdict turned first.
+pub fn section(before: &str, changes: &[Change]) -> Section {
+    let columns = [
+        Column::Text("figure"),
+        Column::Number("before"),
+        Column::Number("after"),
+        Column::Number("change"),
+        Column::Text("unit"),
+        Column::Text("requirement"),
+    ];
+    let mut table = Table::new("", &columns);
+    let mut moved: Vec<&Change> = changes.iter().filter(|change| moved(change)).collect();
+    moved.sort_by_key(|change| (!change.turned(), change.holds.is_none()));
+    table.rows = moved.iter().map(|change| row(change)).collect();
+    let same = changes.len() - moved.len();
+    Section::new("Before and after")
+        .saying(format!("Before: {before}. {} figures changed, {same} did not.", moved.len()))
+        .listing(table)
+}
+
+/// Whether a figure changed at all.
+pub fn moved(change: &Change) -> bool {
+    change.turned() || change.relative().is_none_or(|part| part.abs() > SAME) && change.before != change.after
+}
+
+/// The verdict's way, in words.
+pub fn verdict(change: &Change) -> (Tone, &'static str) {
+    match (change.held, change.holds) {
+        (Some(true), Some(false)) => (Tone::Bad, "no longer holds"),
+        (Some(false), Some(true)) => (Tone::Good, "now holds"),
+        (_, Some(true)) => (Tone::Good, "holds"),
+        (_, Some(false)) => (Tone::Bad, "fails"),
+        _ => (Tone::Neutral, ""),
+    }
+}
+
+/// The change as a person reads it: percent, or the difference where a figure is in decibels or degrees.
+pub fn size(change: &Change) -> String {
+    let (Some(before), Some(after)) = (change.before, change.after) else { return "\u{2013}".to_owned() };
+    match change.figure.unit() {
+        "dB" | "deg" | "%" => format!("{:+.2} {}", after - before, change.figure.unit()),
+        _ => format!("{:+.1} %", 100.0 * change.relative().unwrap_or(f64::NAN)),
+    }
+}
+
+fn row(change: &Change) -> Vec<Cell> {
+    let number = |value: Option<f64>| value.map_or_else(|| Cell::text("\u{2013}"), Cell::number);
+    let (tone, word) = verdict(change);
+    let requirement = if word.is_empty() { Cell::text("") } else { Cell::Verdict(tone, word.to_owned()) };
+    vec![
+        Cell::text(change.figure.name()),
+        number(change.before),
+        number(change.after),
+        Cell::text(size(change)),
+        Cell::text(change.figure.unit()),
+        requirement,
+    ]
+}

@@ -1,0 +1,57 @@
+//! What changed from one verification to another.
+
+use crate::{Figure, Verdict, Verification};
+
+/// A figure before and after.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Change {
+    /// Which figure.
+    pub figure: Figure,
+    /// Its value before; none where it was not measured.
+    pub before: Option<f64>,
+    /// Its value after; none where it was not measured.
+    pub after: Option<f64>,
+    /// Whether its requirements held before; none without one that could be judged.
+    pub held: Option<bool>,
+    /// Whether its requirements hold after.
+    pub holds: Option<bool>,
+}
+
+impl Change {
+    /// (after - before) / |before|: 0 where both are the same, infinite from 0 or without a bound, none where one is missing.
+    pub fn relative(&self) -> Option<f64> {
+        let (before, after) = (self.before?, self.after?);
+        Some(if before == after { 0.0 } else { (after - before) / before.abs() })
+    }
+
+    /// Whether a requirement is met that was not, or the other way.
+    pub fn turned(&self) -> bool {
+        matches!((self.held, self.holds), (Some(a), Some(b)) if a != b)
+    }
+}
+
+/// Every figure of either verification, in the order of the second, those of the first alone at the end.
+pub fn changes(before: &Verification, after: &Verification) -> Vec<Change> {
+    let mut figures: Vec<Figure> = after.figures.iter().map(|measured| measured.figure).collect();
+    let gone = before.figures.iter().map(|measured| measured.figure);
+    figures.extend(gone.filter(|figure| after.figures.iter().all(|m| m.figure != *figure)));
+    let change = |figure: Figure| Change {
+        figure,
+        before: before.value(figure),
+        after: after.value(figure),
+        held: held(before, figure),
+        holds: held(after, figure),
+    };
+    figures.into_iter().map(change).collect()
+}
+
+fn held(found: &Verification, figure: Figure) -> Option<bool> {
+    let judged = found.verdicts.iter().filter(|(requirement, _)| requirement.figure == figure);
+    judged
+        .filter_map(|(_, verdict)| match verdict {
+            Verdict::Holds { .. } => Some(true),
+            Verdict::Fails { .. } => Some(false),
+            Verdict::NotApplicable { .. } => None,
+        })
+        .reduce(|a, b| a && b)
+}
