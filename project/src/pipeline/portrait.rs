@@ -65,6 +65,8 @@ pub struct FrictionLoop {
     pub lost_j: f64,
 }
 
+/// Share of the whole mass or inertia that is rounding.
+const ROUNDING: f64 = 1e-14;
 /// Flexible modes that are shown.
 const SHOWN: usize = 4;
 /// Largest hub rate on the platform that is shown, rad/s; the motor turns by the gear's ratio faster.
@@ -111,11 +113,16 @@ fn shown(fe: &FeModel, all: &Modes) -> Vec<Mode> {
     let count = all.flexible_rad_s().len().min(SHOWN);
     let mode = |k: usize| Mode {
         frequency_hz: all.flexible_rad_s()[k] / TAU,
-        effective_mass_kg: masses[all.rigid + k],
-        effective_inertia_kg_m2: inertias[all.rigid + k],
+        effective_mass_kg: above_rounding(masses[all.rigid + k], fe.mass_kg()),
+        effective_inertia_kg_m2: above_rounding(inertias[all.rigid + k], fe.inertia_kg_m2()),
         shape: scaled(fe, all.flexible_shape(k)),
     };
     (0..count).map(mode).collect()
+}
+
+/// An effective mass that is rounding beside the whole is none: the mode is orthogonal to the rigid motion.
+fn above_rounding(mass: f64, whole: f64) -> f64 {
+    if mass < ROUNDING * whole { 0.0 } else { mass }
 }
 
 /// Deflections over the distance from the pivot. A deflection moves with heave and, by its arm, with pitch.
