@@ -1,17 +1,18 @@
 //! `counterpoise design`: the whole road, with its report and its code.
 
 use crate::output::say;
-use counterpoise_project::export::Precision;
+use counterpoise::report::Section;
+use counterpoise::report::targets::{self, Operations};
+use counterpoise_project::Purpose;
 use counterpoise_project::pipeline::{self, Designed};
 use counterpoise_project::results::DesignResult;
 use counterpoise_project::verify::{Limit, Verdict, Verification};
-use counterpoise_project::{Language, Purpose};
 
 use super::pages::Run;
 use super::{Done, export, pages, verdict_code};
 use crate::arguments::DesignOptions;
 use crate::files::{self, Loaded, Surroundings};
-use crate::output;
+use crate::{output, processor};
 
 /// Runs the command.
 pub fn run(options: &DesignOptions) -> Done {
@@ -21,9 +22,7 @@ pub fn run(options: &DesignOptions) -> Done {
     let made = pipeline::design(&loaded.project, &world)?;
     let times = world.times();
     let command = format!("counterpoise design {}", options.project.display());
-    let targets = smaller_numbers(&loaded)
-        .then(|| pipeline::export::compare(&loaded.project, &made.modelled, &made.verified, &world))
-        .transpose()?;
+    let targets = on_target(&loaded, &made, &world)?;
     let page = pages::design(&loaded, &made, &Run { command, times, targets })?;
     export::write(&options.output, &made.files)?;
     files::write(&options.output.join("report.html"), page.as_bytes())?;
@@ -33,10 +32,17 @@ pub fn run(options: &DesignOptions) -> Done {
     Ok(verdict_code(made.verified.verification().passes()))
 }
 
-/// Whether the project asks for code in numbers smaller than the reference's: then the report says what they cost.
-fn smaller_numbers(loaded: &Loaded) -> bool {
-    let export = &loaded.project.export;
-    export.options.precision == Precision::Single || export.languages.contains(&Language::Fixed)
+/// The controller in every kind of numbers, in the simulated loop and on a processor.
+fn on_target(loaded: &Loaded, made: &Designed, world: &Surroundings) -> anyhow::Result<Section> {
+    let compared = pipeline::export::compare(&loaded.project, &made.modelled, &made.verified, world)?;
+    let code = pipeline::export::every_target(&loaded.project, &made.verified, &compared)?;
+    let programs = made.verified.controller().programs();
+    let operations = Operations {
+        multiplications: programs.step.multiplications(),
+        additions: programs.step.additions(),
+        states: programs.state_count(),
+    };
+    Ok(targets::section(&compared, operations, &processor::costs(&code)))
 }
 
 fn print(options: &DesignOptions, made: &Designed) {

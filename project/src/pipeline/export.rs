@@ -2,7 +2,7 @@
 
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
 use counterpoise_export::{
-    File, Options, Provenance, Targets, c99, fixed_c99, fixed_form, rust_crate, targets,
+    File, Numbers, Options, Provenance, Targets, c99, fixed_c99, fixed_form, rust_crate, targets,
 };
 use counterpoise_models::plant::Plant;
 use counterpoise_verify::{Limit, Verdict, VerifiedController};
@@ -57,6 +57,39 @@ pub fn compare(
 ) -> Result<Targets, PipelineError> {
     let procedure = super::verify::procedure(project, world)?;
     Ok(targets(verified, &modelled.plant, &procedure, half_step_v(&modelled.plant))?)
+}
+
+/// The C of a controller in some numbers.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TargetCode {
+    /// The numbers.
+    pub numbers: Numbers,
+    /// What every name of the code starts with.
+    pub name: String,
+    /// Code and self test.
+    pub files: Vec<File>,
+}
+
+/// The C in every kind of numbers that the controller exists in, whatever the project asks for: to count its cost.
+///
+/// # Errors
+/// A name that no code can have.
+pub fn every_target(
+    project: &Project,
+    verified: &VerifiedController,
+    compared: &Targets,
+) -> Result<Vec<TargetCode>, PipelineError> {
+    let origin = provenance(project, verified);
+    let name = project.export.options.name.clone();
+    let code = |numbers, files| TargetCode { numbers, name: name.clone(), files };
+    let mut all = vec![code(Numbers::Double, c99(verified, &origin, &Options::double(&name))?)];
+    if let Ok(files) = c99(verified, &origin, &Options::single(&name)) {
+        all.push(code(Numbers::Single, files));
+    }
+    if let Ok(fixed) = &compared.fixed {
+        all.push(code(Numbers::Fixed, fixed_c99(verified, fixed, &origin, &name)?));
+    }
+    Ok(all)
 }
 
 /// Half a step of the output converter, V.
