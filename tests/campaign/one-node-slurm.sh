@@ -22,7 +22,8 @@ work=$(mktemp -d)
 pids=""
 finish() {
     for pid in $pids; do kill "$pid" 2>/dev/null || true; done
-    rm -rf "$work"
+    wait
+    rm -rf "$work" || true
 }
 trap finish EXIT
 
