@@ -3,7 +3,9 @@
 use std::fmt::Write;
 
 use egui::{Color32, Ui, Vec2};
-use egui_plot::{GridInput, GridMark, Line, LineStyle, Plot, PlotBounds, PlotPoint, PlotPoints, PlotTransform};
+use egui_plot::{
+    GridInput, GridMark, Line, LineStyle, Plot, PlotBounds, PlotPoint, PlotPoints, PlotTransform,
+};
 
 use crate::theme::Theme;
 
@@ -129,11 +131,21 @@ impl Chart {
             .allow_double_click_reset(true)
             .set_margin_fraction(Vec2::new(0.0, 0.06))
             .label_formatter(|_| None);
+        if self.scales[0] == Scale::Linear {
+            plot = plot.x_grid_spacer(|input| even(input, X_MARKS));
+        }
+        if self.scales[1] == Scale::Linear {
+            plot = plot.y_grid_spacer(|input| even(input, Y_MARKS));
+        }
         if self.scales[0] == Scale::Log {
-            plot = plot.x_grid_spacer(decades).x_axis_formatter(|mark, range| power(mark, range.end() - range.start()));
+            plot = plot
+                .x_grid_spacer(decades)
+                .x_axis_formatter(|mark, range| power(mark, range.end() - range.start()));
         }
         if self.scales[1] == Scale::Log {
-            plot = plot.y_grid_spacer(decades).y_axis_formatter(|mark, range| power(mark, range.end() - range.start()));
+            plot = plot
+                .y_grid_spacer(decades)
+                .y_axis_formatter(|mark, range| power(mark, range.end() - range.start()));
         }
         let [x, y] = self.range;
         if let Some((low, high)) = x.map(|r| self.limits(0, r)) {
@@ -149,7 +161,9 @@ impl Chart {
         });
         let title = self.title.clone();
         let response = shown.response;
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Image, true, format!("plot: {title}")));
+        response.widget_info(|| {
+            egui::WidgetInfo::labeled(egui::WidgetType::Image, true, format!("plot: {title}"))
+        });
         Shown { transform: shown.transform, response }
     }
 
@@ -165,26 +179,42 @@ impl Chart {
     fn draw<'a>(&'a self, plot: &mut egui_plot::PlotUi<'a>, theme: &Theme, pixels: f32) {
         for level in &self.levels {
             let y = self.place(1, *level);
-            plot.hline(egui_plot::HLine::new("", y).color(theme.weak.gamma_multiply(0.6)).width(1.0).allow_hover(false));
+            plot.hline(
+                egui_plot::HLine::new("", y)
+                    .color(theme.weak.gamma_multiply(0.6))
+                    .width(1.0)
+                    .allow_hover(false),
+            );
         }
         let bounds = plot.plot_bounds();
+        let all = (f64::NEG_INFINITY, f64::INFINITY);
+        let seen = if plot.auto_bounds().x { all } else { (bounds.min()[0], bounds.max()[0]) };
         for curve in &self.curves {
             let placed: Vec<[f64; 2]> =
                 curve.points.iter().map(|p| [self.place(0, p[0]), self.place(1, p[1])]).collect();
-            let points = thin(&placed, (bounds.min()[0], bounds.max()[0]), pixels as usize);
+            let points = thin(&placed, seen, pixels as usize);
             let style = match curve.dash {
                 Dash::Solid => LineStyle::Solid,
                 Dash::Dashed => LineStyle::dashed_dense(),
                 Dash::Dotted => LineStyle::dotted_dense(),
             };
-            plot.line(Line::new(&curve.name, PlotPoints::from(points)).color(curve.colour).width(1.6).style(style));
+            plot.line(
+                Line::new(&curve.name, PlotPoints::from(points)).color(curve.colour).width(1.6).style(style),
+            );
         }
         for (x, label) in &self.marks {
             let x = self.place(0, *x);
-            plot.vline(egui_plot::VLine::new("", x).color(theme.weak.gamma_multiply(0.7)).width(1.0).allow_hover(false));
+            plot.vline(
+                egui_plot::VLine::new("", x)
+                    .color(theme.weak.gamma_multiply(0.7))
+                    .width(1.0)
+                    .allow_hover(false),
+            );
             let top = bounds.min()[1] + 0.94 * (bounds.max()[1] - bounds.min()[1]);
             let text = egui::RichText::new(format!(" {label}")).small().color(theme.weak);
-            plot.text(egui_plot::Text::new("", PlotPoint::new(x, top), text).anchor(egui::Align2::LEFT_CENTER));
+            plot.text(
+                egui_plot::Text::new("", PlotPoint::new(x, top), text).anchor(egui::Align2::LEFT_CENTER),
+            );
         }
     }
 
@@ -239,6 +269,20 @@ pub fn thin(points: &[[f64; 2]], (low, high): (f64, f64), pixels: usize) -> Vec<
     seen.chunks(each).flat_map(extremes).collect()
 }
 
+/// About how many marks stand on an even axis.
+const X_MARKS: f64 = 6.0;
+const Y_MARKS: f64 = 5.0;
+
+/// Marks of an even axis, at round numbers.
+fn even(input: GridInput, count: f64) -> Vec<GridMark> {
+    let (low, high) = input.bounds;
+    let raw = ((high - low) / count).max(f64::MIN_POSITIVE);
+    let decade = 10f64.powf(raw.log10().floor());
+    let step_size = [1.0, 2.0, 5.0, 10.0].map(|k| k * decade).into_iter().find(|s| *s >= raw).unwrap_or(raw);
+    let marks = (low / step_size).ceil() as i64..=(high / step_size).floor() as i64;
+    marks.map(|k| GridMark { value: k as f64 * step_size, step_size }).collect()
+}
+
 /// Marks of an axis that runs by decades.
 fn decades(input: GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
@@ -252,6 +296,7 @@ fn decades(input: GridInput) -> Vec<GridMark> {
             marks.extend((2..10).map(|k| GridMark { value: at + f64::from(k).log10(), step_size: 0.1 }));
         }
     }
+    marks.retain(|mark| (low..=high).contains(&mark.value));
     marks
 }
 

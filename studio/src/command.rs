@@ -194,8 +194,7 @@ pub fn entries() -> Vec<Entry> {
 
 impl Place {
     /// All places, along the road.
-    pub const ALL: [Place; 5] =
-        [Place::Plant, Place::Reduce, Place::Design, Place::Verify, Place::Diagnose];
+    pub const ALL: [Place; 5] = [Place::Plant, Place::Reduce, Place::Design, Place::Verify, Place::Diagnose];
 
     /// Its name.
     pub fn name(self) -> &'static str {

@@ -81,7 +81,10 @@ const MOST_RECENT: usize = 8;
 
 /// Projects opened before, the last one first.
 pub fn recent(folder: &Path) -> Vec<PathBuf> {
-    fs::read(folder.join(RECENT)).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or_default()
+    fs::read(folder.join(RECENT))
+        .ok()
+        .and_then(|bytes| serde_json::from_slice(&bytes).ok())
+        .unwrap_or_default()
 }
 
 /// Notes that a project was opened; a list that cannot be written is no harm.

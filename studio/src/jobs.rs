@@ -146,7 +146,8 @@ impl Pool for Watch<'_> {
 }
 
 fn diagnosis(ask: &DiagnoseAsk, watch: &Watch) -> Result<Diagnosis, Reasons> {
-    let recordings: Vec<Recording> = ask.paths.iter().map(|path| recording(&ask.project, path)).collect::<Result<_, _>>()?;
+    let recordings: Vec<Recording> =
+        ask.paths.iter().map(|path| recording(&ask.project, path)).collect::<Result<_, _>>()?;
     let control = ask.project.recording_controller.as_ref().map_or(Loop::Open, Loop::from);
     diagnose(&ask.project.plant, control, &recordings, watch).map_err(|error| vec![error.to_string()])
 }

@@ -50,7 +50,9 @@ fn read(reference: &str) -> BTreeMap<String, Key> {
         let inside = format!("{other}.");
         let alike: Vec<(String, Key)> = keys
             .iter()
-            .filter_map(|(path, key)| Some((format!("{section}.{}", path.strip_prefix(&inside)?), key.clone())))
+            .filter_map(|(path, key)| {
+                Some((format!("{section}.{}", path.strip_prefix(&inside)?), key.clone()))
+            })
             .collect();
         keys.extend(alike);
     }

@@ -91,7 +91,8 @@ fn foot(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         ui.set_height(20.0);
         let (text, colour) = state(studio, &theme);
-        ui.label(RichText::new("\u{25cf}").small().color(colour));
+        let (dot, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
+        ui.painter().circle_filled(dot.center(), 4.0, colour);
         ui.label(RichText::new(text).small());
         if !studio.is_idle() && ui.small_button("Stop").on_hover_text("Esc").clicked() {
             queue.push(Command::Cancel);
@@ -99,7 +100,9 @@ fn foot(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if let Some(of) = &studio.results.live {
                 let took = of.value.took.as_secs_f64() * 1e3;
-                ui.label(RichText::new(format!("design and responses {took:.1} ms")).small().color(theme.weak));
+                ui.label(
+                    RichText::new(format!("design and responses {took:.1} ms")).small().color(theme.weak),
+                );
             }
             if let Some(notice) = studio.view.notice.clone() {
                 let colour = if notice.tone == Tone::Wrong { theme.bad } else { theme.weak };
@@ -208,12 +211,17 @@ fn palette(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
         .anchor(egui::Align2::CENTER_TOP, [0.0, 70.0])
         .fixed_size([460.0, 420.0])
         .show(ui.ctx(), |ui| {
-            let edit = egui::TextEdit::singleline(typed).hint_text("type a command").desired_width(f32::INFINITY);
+            let edit =
+                egui::TextEdit::singleline(typed).hint_text("type a command").desired_width(f32::INFINITY);
             let field = ui.add(edit);
             field.request_focus();
             let list = found(typed);
-            let (up, down, enter) = ui.input(|i| (i.key_pressed(Key::ArrowUp), i.key_pressed(Key::ArrowDown), i.key_pressed(Key::Enter)));
-            *chosen = (*chosen + usize::from(down)).saturating_sub(usize::from(up)).min(list.len().saturating_sub(1));
+            let (up, down, enter) = ui.input(|i| {
+                (i.key_pressed(Key::ArrowUp), i.key_pressed(Key::ArrowDown), i.key_pressed(Key::Enter))
+            });
+            *chosen = (*chosen + usize::from(down))
+                .saturating_sub(usize::from(up))
+                .min(list.len().saturating_sub(1));
             ui.add_space(space::SMALL);
             egui::ScrollArea::vertical().max_height(360.0).show(ui, |ui| {
                 for (k, entry) in list.iter().enumerate() {

@@ -9,8 +9,8 @@ use counterpoise_project::verify::VerifiedController;
 
 use crate::command::Command;
 use crate::files::{self, Folder};
-use crate::journal::{self, Head, Journal};
 use crate::jobs::{self, Jobs, VerifyAsk};
+use crate::journal::{self, Head, Journal};
 use crate::live::{Ask, Live};
 use crate::results::{Of, Results};
 use crate::session::Session;
@@ -139,7 +139,9 @@ impl Studio {
                 if session.apply(&replace).is_ok() {
                     already.push(replace);
                     let edits = found.commands.len();
-                    self.view.say(format!("{edits} edits that were not saved are back; \"Read the file again\" leaves them"));
+                    self.view.say(format!(
+                        "{edits} edits that were not saved are back; \"Read the file again\" leaves them"
+                    ));
                 }
             }
         }
@@ -148,7 +150,8 @@ impl Studio {
             Ok(journal) => Some(journal),
             Err(error) => {
                 let place = place.display();
-                self.view.warn(format!("edits are not kept against a crash, {place} cannot be written: {error}"));
+                self.view
+                    .warn(format!("edits are not kept against a crash, {place} cannot be written: {error}"));
                 None
             }
         };
@@ -221,7 +224,9 @@ impl Studio {
         };
         let stale = self.opened.as_ref().is_none_or(|o| o.session.revision() != of.revision);
         if stale || ask.live.tried_kg_m.is_some() {
-            return self.view.warn("not exported: the verification is of an older design; verify (F5), then export");
+            return self
+                .view
+                .warn("not exported: the verification is of an older design; verify (F5), then export");
         }
         let out = ask.folder.0.join("out");
         match jobs::export(&ask, &of.value, &out) {
@@ -241,7 +246,8 @@ impl Studio {
     }
 
     fn accept(&mut self) {
-        let improved = self.opened.as_ref().and_then(|o| self.jobs.improved(o.session.text(), o.session.project()?));
+        let improved =
+            self.opened.as_ref().and_then(|o| self.jobs.improved(o.session.text(), o.session.project()?));
         match improved {
             Some(Ok(text)) => self.run(&Command::Replace { text }),
             Some(Err(why)) => self.view.warn(why),
@@ -257,7 +263,8 @@ impl Studio {
             self.verify();
         }
         self.look_outside();
-        (self.results.designing, self.results.verifying) = (self.jobs.live.is_busy(), self.jobs.verify.is_busy());
+        (self.results.designing, self.results.verifying) =
+            (self.jobs.live.is_busy(), self.jobs.verify.is_busy());
     }
 
     /// When the studio should next look after itself, while nobody touches it.
@@ -329,10 +336,13 @@ impl Studio {
         let now = modified(&opened.path);
         if now.is_some() && now != opened.modified {
             opened.modified = now;
-            opened.changed_outside = std::fs::read(&opened.path).is_ok_and(|b| b != opened.session.text().as_bytes());
+            opened.changed_outside =
+                std::fs::read(&opened.path).is_ok_and(|b| b != opened.session.text().as_bytes());
         }
         if let Some(why) = opened.journal.as_ref().and_then(Journal::trouble) {
-            self.view.warn(format!("edits are not kept against a crash: {why}. Save (Ctrl+S) as soon as there is room"));
+            self.view.warn(format!(
+                "edits are not kept against a crash: {why}. Save (Ctrl+S) as soon as there is room"
+            ));
         }
     }
 }

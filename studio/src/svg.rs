@@ -18,7 +18,12 @@ pub fn drawing(chart: &Chart) -> String {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" font-family=\"sans-serif\" font-size=\"12\">\n\
          <rect width=\"{WIDTH}\" height=\"{HEIGHT}\" fill=\"#fff\"/>\n"
     );
-    let _ = writeln!(out, "<text x=\"{}\" y=\"18\" font-weight=\"bold\">{}</text>", MARGIN[0], escaped(&chart.title));
+    let _ = writeln!(
+        out,
+        "<text x=\"{}\" y=\"18\" font-weight=\"bold\">{}</text>",
+        MARGIN[0],
+        escaped(&chart.title)
+    );
     axes(&mut out, chart, x, y);
     for (k, curve) in chart.curves.iter().enumerate() {
         let placed: Vec<[f64; 2]> =
@@ -57,23 +62,49 @@ fn axes(out: &mut String, chart: &Chart, x: (f64, f64), y: (f64, f64)) {
     for value in ticks(x) {
         let at = across(value, x);
         let text = label(value, chart.scales[0]);
-        let _ = writeln!(out, "<line x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"{}\" y2=\"{bottom}\" stroke=\"#ddd\"/><text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{text}</text>", MARGIN[1], bottom + 16.0);
+        let _ = writeln!(
+            out,
+            "<line x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"{}\" y2=\"{bottom}\" stroke=\"#ddd\"/><text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{text}</text>",
+            MARGIN[1],
+            bottom + 16.0
+        );
     }
     for value in ticks(y) {
         let at = down(value, y);
         let text = label(value, chart.scales[1]);
-        let _ = writeln!(out, "<line x1=\"{}\" x2=\"{right}\" y1=\"{at:.1}\" y2=\"{at:.1}\" stroke=\"#ddd\"/><text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{text}</text>", MARGIN[0], MARGIN[0] - 6.0, at + 4.0);
+        let _ = writeln!(
+            out,
+            "<line x1=\"{}\" x2=\"{right}\" y1=\"{at:.1}\" y2=\"{at:.1}\" stroke=\"#ddd\"/><text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{text}</text>",
+            MARGIN[0],
+            MARGIN[0] - 6.0,
+            at + 4.0
+        );
     }
     let middle = 0.5 * (MARGIN[1] + bottom);
-    let _ = writeln!(out, "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>", 0.5 * (MARGIN[0] + right), HEIGHT - 12.0, escaped(&chart.labels[0]));
-    let _ = writeln!(out, "<text transform=\"translate(16 {middle}) rotate(-90)\" text-anchor=\"middle\">{}</text>", escaped(&chart.labels[1]));
+    let _ = writeln!(
+        out,
+        "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
+        0.5 * (MARGIN[0] + right),
+        HEIGHT - 12.0,
+        escaped(&chart.labels[0])
+    );
+    let _ = writeln!(
+        out,
+        "<text transform=\"translate(16 {middle}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
+        escaped(&chart.labels[1])
+    );
 }
 
 fn range(chart: &Chart, axis: usize) -> (f64, f64) {
     if let Some((low, high)) = chart.range[axis] {
         return (chart.place(axis, low), chart.place(axis, high));
     }
-    let values = chart.curves.iter().flat_map(|c| &c.points).map(|p| chart.place(axis, p[axis])).filter(|v| v.is_finite());
+    let values = chart
+        .curves
+        .iter()
+        .flat_map(|c| &c.points)
+        .map(|p| chart.place(axis, p[axis]))
+        .filter(|v| v.is_finite());
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
     if low < high { (low, high) } else { (-1.0, 1.0) }
 }
@@ -99,7 +130,11 @@ fn ticks((low, high): (f64, f64)) -> Vec<f64> {
 fn label(value: f64, scale: Scale) -> String {
     if scale == Scale::Log {
         let power = 10f64.powf(value);
-        return if (1e-3..1e5).contains(&power) { format!("{power:.3}").trim_end_matches('0').trim_end_matches('.').to_owned() } else { format!("{power:.0e}") };
+        return if (1e-3..1e5).contains(&power) {
+            format!("{power:.3}").trim_end_matches('0').trim_end_matches('.').to_owned()
+        } else {
+            format!("{power:.0e}")
+        };
     }
     let text = format!("{value:.6}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()

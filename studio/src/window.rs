@@ -30,7 +30,9 @@ pub struct Options {
 #[non_exhaustive]
 pub enum Error {
     /// There is no window system, or no way to draw.
-    #[error("no window can be opened: {0}. The command line does everything the studio does: counterpoise --help")]
+    #[error(
+        "no window can be opened: {0}. The command line does everything the studio does: counterpoise --help"
+    )]
     Window(String),
     /// The script cannot be read.
     #[error("the script {path}: {why}")]
@@ -67,7 +69,9 @@ pub fn run(options: Options) -> Result<(), Error> {
 fn read_script(path: &Path) -> Result<Vec<Command>, Error> {
     let bad = |why: String| Error::Script { path: path.to_owned(), why };
     let text = std::fs::read_to_string(path).map_err(|error| bad(error.to_string()))?;
-    let line = |(k, line): (usize, &str)| serde_json::from_str(line).map_err(|e| bad(format!("line {}: {e}", k + 1)));
+    let line = |(k, line): (usize, &str)| {
+        serde_json::from_str(line).map_err(|e| bad(format!("line {}: {e}", k + 1)))
+    };
     text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()).map(line).collect()
 }
 
@@ -94,7 +98,14 @@ impl Window {
         if let Some(log) = &mut log {
             let _ = writeln!(log, "revision,pipeline_ms,change_to_drawn_ms,frame_ms");
         }
-        Self { studio, script: script.into_iter(), log, drawn_revision: None, changed: Instant::now(), themed: None }
+        Self {
+            studio,
+            script: script.into_iter(),
+            log,
+            drawn_revision: None,
+            changed: Instant::now(),
+            themed: None,
+        }
     }
 
     /// The next command of the script, when the last one is done.
@@ -139,7 +150,11 @@ impl eframe::App for Window {
         self.follow_script();
         self.studio.tick();
         let busy = self.script.len() > 0;
-        ui.ctx().request_repaint_after(if busy { Duration::from_millis(2) } else { self.studio.wakes_after() });
+        ui.ctx().request_repaint_after(if busy {
+            Duration::from_millis(2)
+        } else {
+            self.studio.wakes_after()
+        });
     }
 
     fn on_exit(&mut self, _: Option<&eframe::glow::Context>) {

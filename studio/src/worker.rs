@@ -38,8 +38,7 @@ pub struct Worker<I, O> {
 impl<I: Send + 'static, O: Send + 'static> Worker<I, O> {
     /// A worker; `wake` is called when an answer is there.
     pub fn new(wake: Wake, mut work: impl FnMut(I, &Token) -> O + Send + 'static) -> Self {
-        let state =
-            State { asked: None, running: None, token: Token::default(), answer: None, ended: false };
+        let state = State { asked: None, running: None, token: Token::default(), answer: None, ended: false };
         let shared = Arc::new(Shared { state: Mutex::new(state), asked: Condvar::new() });
         let own = Arc::clone(&shared);
         std::thread::spawn(move || {

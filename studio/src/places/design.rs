@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
+use counterpoise_project::Project;
 use counterpoise_project::synth::{FeedforwardWeights, Weight};
 use counterpoise_project::verify::linear::Curve as Response;
 use counterpoise_project::verify::{Arrangement, History, Source};
-use counterpoise_project::Project;
 use egui::{Color32, RichText, Ui};
 
 use super::parts;
@@ -44,7 +44,12 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
         egui::ScrollArea::vertical().show(ui, |ui| side(ui, view, queue, &project, live.as_ref()));
     });
     if let Some(why) = &why {
-        parts::reasons(ui, &view.theme, "No controller for these weights; the last good design stays below", why);
+        parts::reasons(
+            ui,
+            &view.theme,
+            "No controller for these weights; the last good design stays below",
+            why,
+        );
     }
     let Some((live, age)) = design else {
         return parts::empty(ui, &studio.view.theme, "Designing", "the first design appears in a moment");
@@ -75,7 +80,10 @@ fn shapes<'a>(project: &'a Project, part: Part, theme: &Theme) -> Vec<Shape<'a>>
     };
     match part {
         Part::Feedback => {
-            vec![shape("feedback", "error", &s.feedback.error, 0), shape("feedback", "control", &s.feedback.control, 1)]
+            vec![
+                shape("feedback", "error", &s.feedback.error, 0),
+                shape("feedback", "control", &s.feedback.control, 1),
+            ]
         }
         Part::Heave => forward("heave", &s.heave),
         Part::Pitch => forward("pitch", &s.pitch),
@@ -95,7 +103,10 @@ fn side(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, project: &Projec
         ui.set_width(ui.available_width());
         let all = shapes(project, view.part, &theme);
         if all.is_empty() {
-            ui.label(RichText::new("This project has no such part; add its section to the file.").color(theme.weak));
+            ui.label(
+                RichText::new("This project has no such part; add its section to the file.")
+                    .color(theme.weak),
+            );
         }
         for shape in &all {
             weight(ui, view, queue, shape);
@@ -135,6 +146,9 @@ fn noises(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, project: &Proj
     });
 }
 
+/// Smaller moves of the slider are none, kg m.
+const SMALLEST_TRIAL_KG_M: f64 = 0.05;
+
 /// The slider that tries another out-of-balance.
 fn balance(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, live: &Live) {
     let theme = view.theme;
@@ -152,9 +166,14 @@ fn balance(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, live: &Live) 
         });
         let mut tried = view.tried_kg_m.unwrap_or(moment);
         ui.spacing_mut().slider_width = 168.0;
-        let slider = egui::Slider::new(&mut tried, 0.0..=400.0).suffix(" kg m").fixed_decimals(1);
-        let response = ui.add(slider).on_hover_text("the design at another first moment of mass: watch the heave feedforward");
-        if response.changed() {
+        let slider = egui::Slider::new(&mut tried, 0.0..=400.0)
+            .suffix(" kg m")
+            .custom_formatter(|v, _| parts::short(v));
+        let response = ui
+            .add(slider)
+            .on_hover_text("the design at another first moment of mass: watch the heave feedforward");
+        let now = view.tried_kg_m.unwrap_or(moment);
+        if response.changed() && (tried - now).abs() > SMALLEST_TRIAL_KG_M {
             queue.push(Command::Try { out_of_balance_kg_m: Some(tried) });
         }
         view.dragging |= response.dragged();
@@ -168,7 +187,9 @@ const FIGURES: [Figure; 9] = [
     ("phase margin", "deg", |d| d.margins.phase_margin().map_or(f64::INFINITY, |p| p.deg)),
     ("max sensitivity", "", |d| d.margins.ms.value),
     ("delay margin", "ms", |d| 1e3 * d.margins.delay_s),
-    ("crossover", "Hz", |d| d.margins.phase.iter().map(|p| p.rate_rad_s).fold(0.0, f64::max) / std::f64::consts::TAU),
+    ("crossover", "Hz", |d| {
+        d.margins.phase.iter().map(|p| p.rate_rad_s).fold(0.0, f64::max) / std::f64::consts::TAU
+    }),
     ("step overshoot", "%", overshoot),
     ("heave left", "mrad/s", |d| peak(d, Source::Heave)),
     ("pitch left", "mrad/s", |d| peak(d, Source::Pitch)),
@@ -202,12 +223,16 @@ fn figures(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, live: &Live) 
     let theme = view.theme;
     theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
-        egui::Grid::new("figures").num_columns(5).min_col_width(36.0).spacing([10.0, 3.0]).show(ui, |ui| {
+        egui::Grid::new("figures").num_columns(5).min_col_width(28.0).spacing([6.0, 3.0]).show(ui, |ui| {
             ui.label("");
             ui.label(RichText::new("now").small().color(theme.weak));
             for slot in Slot::ALL {
                 let kept = view.kept.contains_key(slot.name());
-                let hint = if kept { "kept; click to keep the present design instead" } else { "keep this design for comparison" };
+                let hint = if kept {
+                    "kept; click to keep the present design instead"
+                } else {
+                    "keep this design for comparison"
+                };
                 if ui.selectable_label(kept, slot.name()).on_hover_text(hint).clicked() {
                     queue.push(Command::Keep { slot });
                 }
@@ -218,7 +243,8 @@ fn figures(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, live: &Live) 
                 ui.label(RichText::new(label).color(theme.weak));
                 ui.label(RichText::new(parts::short(of(live))).strong());
                 for slot in Slot::ALL {
-                    let text = view.kept.get(slot.name()).map_or(String::new(), |kept| parts::short(of(kept)));
+                    let text =
+                        view.kept.get(slot.name()).map_or(String::new(), |kept| parts::short(of(kept)));
                     ui.label(RichText::new(text).color(theme.weak));
                 }
                 ui.end_row();
@@ -231,8 +257,13 @@ fn plots(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, project: &Proje
     let room = parts::room(ui);
     let cells = parts::grid(room, 6, 2);
     weights_plot(ui, view, queue, project, cells[0]);
-    let charts =
-        [loop_chart(view, live), sensitivity_chart(view, live), step_chart(view, live), motion_chart(view, live, Source::Heave), motion_chart(view, live, Source::Pitch)];
+    let charts = [
+        loop_chart(view, live),
+        sensitivity_chart(view, live),
+        step_chart(view, live),
+        motion_chart(view, live, Source::Heave),
+        motion_chart(view, live, Source::Pitch),
+    ];
     for (cell, chart) in cells[1..].iter().zip(&charts) {
         parts::chart(ui, view, queue, *cell, chart);
     }
@@ -254,7 +285,7 @@ fn magnitudes(view: &View, frequency_hz: &[f64], response: &Response) -> Vec<[f6
 }
 
 /// Bounds of the weights' plot: frequencies in rad/s and moduli.
-const WEIGHT_RATES: (f64, f64) = (0.06, 6000.0);
+const WEIGHT_RATES: (f64, f64) = (0.1, 5000.0);
 
 fn weights_plot(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, project: &Project, cell: egui::Rect) {
     let theme = view.theme;
@@ -295,7 +326,8 @@ impl Handle<'_> {
     /// The frequency (rad/s) and modulus at a place of the screen.
     fn value(&self, view: &View, at: egui::Pos2) -> (f64, f64) {
         let point = self.shown.transform.value_from_position(at);
-        let plain = |axis: usize, v: f64| if self.chart.scales[axis] == Scale::Log { 10f64.powf(v) } else { v };
+        let plain =
+            |axis: usize, v: f64| if self.chart.scales[axis] == Scale::Log { 10f64.powf(v) } else { v };
         (view.rad_s(plain(0, point.x)), view.modulus(plain(1, point.y)))
     }
 }
@@ -311,7 +343,11 @@ fn handle(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, h: &Handle) {
     }
     let id = ui.id().with((&h.shape.path, h.index));
     let response = ui
-        .interact(egui::Rect::from_center_size(at, egui::Vec2::splat(22.0)), id, egui::Sense::click_and_drag())
+        .interact(
+            egui::Rect::from_center_size(at, egui::Vec2::splat(22.0)),
+            id,
+            egui::Sense::click_and_drag(),
+        )
         .on_hover_cursor(egui::CursorIcon::Move);
     let name = format!("{} weight: {}", h.shape.name, h.knob.name);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Slider, true, name.clone()));
@@ -346,7 +382,9 @@ fn nudged(ui: &Ui, response: &egui::Response, at: egui::Pos2) -> Option<egui::Po
         (egui::Key::ArrowUp, egui::vec2(0.0, -NUDGE)),
         (egui::Key::ArrowDown, egui::vec2(0.0, NUDGE)),
     ];
-    let step = ui.input(|i| keys.iter().filter(|(k, _)| i.key_pressed(*k)).fold(egui::Vec2::ZERO, |sum, (_, v)| sum + *v));
+    let step = ui.input(|i| {
+        keys.iter().filter(|(k, _)| i.key_pressed(*k)).fold(egui::Vec2::ZERO, |sum, (_, v)| sum + *v)
+    });
     (step != egui::Vec2::ZERO).then_some(at + step)
 }
 
@@ -390,7 +428,12 @@ fn milli(time_s: &[f64], values: &[f64]) -> Vec<[f64; 2]> {
 fn step_chart(view: &View, live: &Live) -> Chart {
     let of = |d: &Live| milli(&d.step.time_s, &d.step.hub_rate_rad_s);
     let mut chart = with_kept(view, Chart::new("Step of the demand", "time, s", "hub rate, mrad/s"), of);
-    chart = chart.curve("demand", view.theme.weak, Dash::Dashed, milli(&live.step.time_s, &live.step.demand_rad_s));
+    chart = chart.curve(
+        "demand",
+        view.theme.weak,
+        Dash::Dashed,
+        milli(&live.step.time_s, &live.step.demand_rad_s),
+    );
     chart.curve("hub", view.theme.curves[0], Dash::Solid, of(live))
 }
 
@@ -400,10 +443,16 @@ fn motion_chart(view: &View, live: &Live, source: Source) -> Chart {
         _ => ("Pitch of the platform", &view.theme.curves),
     };
     let of = |arrangement| {
-        move |d: &Live| motion(d, source, arrangement).map_or(Vec::new(), |h| milli(&h.time_s, &h.hub_rate_rad_s))
+        move |d: &Live| {
+            motion(d, source, arrangement).map_or(Vec::new(), |h| milli(&h.time_s, &h.hub_rate_rad_s))
+        }
     };
-    let chart = with_kept(view, Chart::new(title, "time, s", "hub rate, mrad/s"), of(Arrangement::Compensated));
-    chart
-        .curve("feedback alone", colours[1], Dash::Dashed, of(Arrangement::Feedback)(live))
-        .curve("with feedforward", colours[0], Dash::Solid, of(Arrangement::Compensated)(live))
+    let chart =
+        with_kept(view, Chart::new(title, "time, s", "hub rate, mrad/s"), of(Arrangement::Compensated));
+    chart.curve("feedback alone", colours[1], Dash::Dashed, of(Arrangement::Feedback)(live)).curve(
+        "with feedforward",
+        colours[0],
+        Dash::Solid,
+        of(Arrangement::Compensated)(live),
+    )
 }

@@ -23,7 +23,10 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
                 ui.label(name).on_hover_text(path.display().to_string());
             }
             if jobs.recordings.is_empty() {
-                ui.label(RichText::new("Drop CSV, Parquet or MATLAB files of one machine onto the window.").color(theme.weak));
+                ui.label(
+                    RichText::new("Drop CSV, Parquet or MATLAB files of one machine onto the window.")
+                        .color(theme.weak),
+                );
             }
             ui.add_space(space::SMALL);
             let ready = !busy && !jobs.recordings.is_empty();
@@ -90,11 +93,22 @@ fn finding(ui: &mut Ui, theme: &Theme, finding: &Finding) {
     ui.label(format!("{} It shows {}.", finding.explanation, finding.when));
     for p in finding.parameters.iter().take(14) {
         let [low, high] = p.ci95;
-        let text = format!("{} = {}{}   [{}, {}]   was {}", p.name, parts::short(p.value), p.suffix(), parts::short(low), parts::short(high), parts::short(p.before));
+        let text = format!(
+            "{} = {}{}   [{}, {}]   was {}",
+            p.name,
+            parts::short(p.value),
+            p.suffix(),
+            parts::short(low),
+            parts::short(high),
+            parts::short(p.before)
+        );
         ui.label(RichText::new(text).monospace());
     }
     for other in &finding.alternatives {
-        ui.label(RichText::new(format!("cannot be told from {} {}", other.component, other.effect)).color(theme.warn));
+        ui.label(
+            RichText::new(format!("cannot be told from {} {}", other.component, other.effect))
+                .color(theme.warn),
+        );
     }
 }
 

@@ -18,7 +18,8 @@ pub fn grid(room: Rect, count: usize, columns: usize) -> Vec<Rect> {
         (room.height() - gap * (rows - 1) as f32) / rows as f32,
     );
     let at = |k: usize| {
-        let corner = room.min + vec2((size.x + gap) * (k % columns) as f32, (size.y + gap) * (k / columns) as f32);
+        let corner =
+            room.min + vec2((size.x + gap) * (k % columns) as f32, (size.y + gap) * (k / columns) as f32);
         Rect::from_min_size(corner, size)
     };
     (0..count).map(at).collect()
@@ -33,9 +34,11 @@ pub fn chart(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, cell: Rect,
         view.chart = Some((chart.clone(), cell));
     }
     shown.response.context_menu(|ui| {
-        for (name, command) in
-            [("Copy as CSV", Command::CopyCsv), ("Copy as SVG", Command::CopySvg), ("Copy as PNG", Command::CopyPng)]
-        {
+        for (name, command) in [
+            ("Copy as CSV", Command::CopyCsv),
+            ("Copy as SVG", Command::CopySvg),
+            ("Copy as PNG", Command::CopyPng),
+        ] {
             if ui.button(name).clicked() {
                 queue.push(command);
                 ui.close();
@@ -126,6 +129,11 @@ pub fn room(ui: &mut Ui) -> Rect {
 
 /// A side panel in the look of the studio.
 pub fn side(id: &'static str, theme: &Theme, width: f32) -> egui::Panel {
-    let frame = egui::Frame::new().fill(theme.ground).inner_margin(egui::Margin { left: 0, right: 8, top: 0, bottom: 0 });
+    let frame = egui::Frame::new().fill(theme.ground).inner_margin(egui::Margin {
+        left: 0,
+        right: 8,
+        top: 0,
+        bottom: 0,
+    });
     egui::Panel::left(id).exact_size(width).resizable(false).show_separator_line(false).frame(frame)
 }

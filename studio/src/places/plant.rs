@@ -5,7 +5,7 @@ use std::sync::Arc;
 use counterpoise_project::lti::poles;
 use counterpoise_project::models::Parameters;
 use counterpoise_project::models::friction::FrictionModel;
-use counterpoise_project::models::parameters::{Beam, SectionShape};
+use counterpoise_project::models::parameters::{Beam, PointMass, SectionShape};
 use counterpoise_project::models::plant::LinearPlant;
 use counterpoise_project::models::structure::{FeModel, FeOptions, Fitted, Modes, Profile, Support, modes};
 use egui::{Color32, Pos2, Rect, RichText, Stroke, Ui, pos2, vec2};
@@ -42,7 +42,12 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
         egui::ScrollArea::vertical().show(ui, |ui| side(ui, view, queue, &text, design.as_deref()));
     });
     if let Some(why) = &why {
-        parts::reasons(ui, &view.theme, "The project cannot be used as it stands; the last good one stays below", why);
+        parts::reasons(
+            ui,
+            &view.theme,
+            "The project cannot be used as it stands; the last good one stays below",
+            why,
+        );
     }
     let Some(project) = project else { return };
     let room = parts::room(ui);
@@ -91,7 +96,9 @@ fn numbers_of(text: &str, section: &str) -> Vec<(String, f64)> {
         at = at.and_then(|t| t.get(part)).and_then(toml::Value::as_table);
     }
     let number = |value: &toml::Value| value.as_float().or_else(|| value.as_integer().map(|v| v as f64));
-    at.map_or(Vec::new(), |t| t.iter().filter_map(|(key, value)| Some((key.clone(), number(value)?))).collect())
+    at.map_or(Vec::new(), |t| {
+        t.iter().filter_map(|(key, value)| Some((key.clone(), number(value)?))).collect()
+    })
 }
 
 /// The operating point and the poles.
@@ -138,7 +145,12 @@ fn mechanism(ui: &mut Ui, view: &mut View, plant: &Parameters, room: Rect) {
         let canvas = ui.available_rect_before_wrap();
         match &plant.beam {
             Some(beam) => drawing(ui, view, beam, canvas),
-            None => parts::empty(ui, &theme, "Two inertias", "this project gives no beam to draw; its lumped structure is beside"),
+            None => parts::empty(
+                ui,
+                &theme,
+                "Two inertias",
+                "this project gives no beam to draw; its lumped structure is beside",
+            ),
         }
     });
 }
@@ -168,11 +180,23 @@ fn drawing(ui: &mut Ui, view: &View, beam: &Beam, canvas: Rect) {
     for section in &beam.sections {
         outline(ui, &theme, &frame, section.from_m, section.to_m, half_heights(&section.shape), &shape);
     }
-    for mass in &beam.masses {
+    for (k, mass) in beam.masses.iter().enumerate() {
+        let near = |other: &&PointMass| (other.position_m - mass.position_m).abs() < 0.3;
+        let below = beam.masses[..k].iter().filter(near).count() as f32;
         let at = frame.at(mass.position_m, shape(mass.position_m));
         let radius = (2.2 * mass.mass_kg.max(1.0).sqrt() as f32).clamp(4.0, 20.0);
-        ui.painter().circle(at, radius, theme.curves[1].gamma_multiply(0.25), Stroke::new(1.5, theme.curves[1]));
-        text(ui, at + vec2(0.0, -radius - 9.0), &format!("{}: {} kg", mass.name, parts::short(mass.mass_kg)), theme.weak);
+        ui.painter().circle(
+            at,
+            radius,
+            theme.curves[1].gamma_multiply(0.25),
+            Stroke::new(1.5, theme.curves[1]),
+        );
+        text(
+            ui,
+            at + vec2(0.0, -32.0 - 14.0 * below),
+            &format!("{}: {} kg", mass.name, parts::short(mass.mass_kg)),
+            theme.weak,
+        );
     }
     pivot(ui, &theme, frame.at(beam.pivot_m, 0.0), scale);
     ruler(ui, &theme, &frame, (first.from_m, last.to_m), canvas.bottom() - 18.0);
@@ -185,7 +209,15 @@ fn half_heights(shape: &SectionShape) -> [f64; 2] {
     }
 }
 
-fn outline(ui: &Ui, theme: &Theme, frame: &Frame, from: f64, to: f64, half: [f64; 2], shape: &dyn Fn(f64) -> f64) {
+fn outline(
+    ui: &Ui,
+    theme: &Theme,
+    frame: &Frame,
+    from: f64,
+    to: f64,
+    half: [f64; 2],
+    shape: &dyn Fn(f64) -> f64,
+) {
     const PIECES: usize = 12;
     let x = |k: usize| from + (to - from) * k as f64 / PIECES as f64;
     let thick = |k: usize| half[0] + (half[1] - half[0]) * k as f64 / PIECES as f64;
@@ -227,7 +259,7 @@ fn ruler(ui: &Ui, theme: &Theme, frame: &Frame, (from, to): (f64, f64), y: f32) 
     while metre <= to {
         let x = frame.at(metre, 0.0).x;
         ui.painter().line_segment([pos2(x, y - 4.0), pos2(x, y)], stroke);
-        text(ui, pos2(x, y + 9.0), &format!("{metre} m"), theme.weak);
+        text(ui, pos2(x, y + 9.0), &format!("{} m", metre as i64), theme.weak);
         metre += 1.0;
     }
 }
@@ -285,10 +317,13 @@ fn modes_of(beam: &Beam) -> Option<(Vec<f64>, Modes)> {
 fn response(view: &View, live: &Live) -> Chart {
     let curves = &live.curves;
     let mut chart = bode(view, "Plant: hub rate", "modulus");
-    for (k, (curve, name)) in curves.plant.iter().zip(["per V", "per m/s\u{b2} of heave", "per rad/s of pitch"]).enumerate() {
+    for (k, (curve, name)) in
+        curves.plant.iter().zip(["per V", "per m/s\u{b2} of heave", "per rad/s of pitch"]).enumerate()
+    {
         let dash = [Dash::Solid, Dash::Dashed, Dash::Dotted][k];
         let rate = |f: f64| view.rate(f * std::f64::consts::TAU);
-        let points = curves.frequency_hz.iter().zip(&curve.response).map(|(f, h)| [rate(*f), view.level(h.norm())]);
+        let points =
+            curves.frequency_hz.iter().zip(&curve.response).map(|(f, h)| [rate(*f), view.level(h.norm())]);
         chart = chart.curve(name, view.theme.curves[k], dash, points.collect());
     }
     debug_assert_eq!(LinearPlant::HUB_RATE, 0);
@@ -299,7 +334,10 @@ fn response(view: &View, live: &Live) -> Chart {
 fn friction(view: &View, plant: &Parameters) -> Chart {
     let mut chart = Chart::new("Friction at the hub", "hub rate, mrad/s", "torque, N m");
     let ratio = plant.gearbox.ratio;
-    let parts = [("pivot", &plant.pivot_friction, 1.0, Dash::Solid), ("motor, through the gear", &plant.motor_friction, ratio, Dash::Dashed)];
+    let parts = [
+        ("pivot", &plant.pivot_friction, 1.0, Dash::Solid),
+        ("motor, through the gear", &plant.motor_friction, ratio, Dash::Dashed),
+    ];
     for (k, (name, friction, n, dash)) in parts.into_iter().enumerate() {
         let Ok(model) = FrictionModel::new(friction) else { continue };
         let point = |j: i32| {

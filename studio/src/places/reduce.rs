@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use counterpoise_project::ReductionMethod;
 use counterpoise_project::lti::{StateSpace, hankel_values, poles, response};
 use counterpoise_project::models::plant::LinearPlant;
-use counterpoise_project::ReductionMethod;
 use egui::{RichText, Ui};
 
 use super::{design::bode, parts};
@@ -31,7 +31,12 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     let asked = opened.session.project().map(|p| p.reduce);
     let view = &mut studio.view;
     let (Some(live), Some(asked)) = (design, asked) else {
-        return parts::empty(ui, &view.theme, "No plant yet", "the project file must be free of errors first");
+        return parts::empty(
+            ui,
+            &view.theme,
+            "No plant yet",
+            "the project file must be free of errors first",
+        );
     };
     parts::side("orders", &view.theme, 312.0).show(ui, |ui| {
         side(ui, view, queue, &live, asked.method);
@@ -41,7 +46,12 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     }
     let room = parts::room(ui);
     let cells = parts::grid(room, 4, 2);
-    let charts = [hankel(view, &live), against(view, &live, LinearPlant::CONTROL, "Control to hub rate"), error(view, &live), against(view, &live, LinearPlant::HEAVE, "Heave to hub rate")];
+    let charts = [
+        hankel(view, &live),
+        against(view, &live, LinearPlant::CONTROL, "Control to hub rate"),
+        error(view, &live),
+        against(view, &live, LinearPlant::HEAVE, "Heave to hub rate"),
+    ];
     for (cell, chart) in cells.iter().zip(&charts) {
         parts::chart(ui, view, queue, *cell, chart);
     }
@@ -67,18 +77,27 @@ fn side(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, live: &Live, cho
         ui.add_enabled_ui(ordered, |ui| {
             ui.horizontal_wrapped(|ui| {
                 for order in 1..before {
-                    if ui.selectable_label(live.reduced.system.order() == order, order.to_string()).clicked() {
-                        queue.push(Command::SetWhole { path: "reduce.order".to_owned(), value: order as i64 });
+                    if ui.selectable_label(live.reduced.system.order() == order, order.to_string()).clicked()
+                    {
+                        queue
+                            .push(Command::SetWhole { path: "reduce.order".to_owned(), value: order as i64 });
                     }
                 }
             });
         });
         ui.label(format!("{before} states, {} kept", live.reduced.system.order()));
         let figure = |ui: &mut Ui, name: &str, value: Option<String>| {
-            ui.label(RichText::new(format!("{name}: {}", value.unwrap_or_else(|| "-".to_owned()))).color(theme.weak));
+            ui.label(
+                RichText::new(format!("{name}: {}", value.unwrap_or_else(|| "-".to_owned())))
+                    .color(theme.weak),
+            );
         };
         figure(ui, "bound on the error", live.reduced.bound.map(parts::short));
-        figure(ui, "largest error", live.reduced.error.map(|(e, w)| format!("{} at {} rad/s", parts::short(e), parts::short(w))));
+        figure(
+            ui,
+            "largest error",
+            live.reduced.error.map(|(e, w)| format!("{} at {} rad/s", parts::short(e), parts::short(w))),
+        );
         live.reduced.warnings.iter().for_each(|w| {
             ui.label(RichText::new(w).small().color(theme.warn));
         });

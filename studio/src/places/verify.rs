@@ -19,7 +19,8 @@ use crate::view::View;
 pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     let Some(opened) = &studio.opened else { return };
     let revision = opened.session.revision();
-    let found = studio.results.verified.as_ref().map(|of| (Arc::clone(&of.value), Age::of(of.revision, revision)));
+    let found =
+        studio.results.verified.as_ref().map(|of| (Arc::clone(&of.value), Age::of(of.revision, revision)));
     let why = studio.results.no_verification.as_ref().map(|of| of.value.clone());
     let verifying = studio.results.verifying;
     let view = &mut studio.view;
@@ -27,14 +28,23 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
         parts::reasons(ui, &view.theme, "The design could not be verified", why);
     }
     let Some((verified, age)) = found else {
-        return parts::empty(ui, &view.theme, if verifying { "Verifying" } else { "Not verified yet" }, "F5 runs the design on the full plant");
+        return parts::empty(
+            ui,
+            &view.theme,
+            if verifying { "Verifying" } else { "Not verified yet" },
+            "F5 runs the design on the full plant",
+        );
     };
     parts::side("verdicts", &view.theme, 430.0).show(ui, |ui| {
         ui.horizontal(|ui| {
             if ui.button("Verify").on_hover_text("F5").clicked() {
                 queue.push(Command::Verify);
             }
-            if ui.add_enabled(age == Age::Fresh, egui::Button::new("Export code")).on_hover_text("Ctrl+E: into the folder out beside the project").clicked() {
+            if ui
+                .add_enabled(age == Age::Fresh, egui::Button::new("Export code"))
+                .on_hover_text("Ctrl+E: into the folder out beside the project")
+                .clicked()
+            {
                 queue.push(Command::Export);
             }
             if age == Age::Stale {
@@ -65,9 +75,9 @@ fn table(ui: &mut Ui, view: &mut View, verified: &VerifiedController) {
 /// One requirement; says whether it was clicked.
 fn row(ui: &mut Ui, theme: &Theme, (requirement, verdict): (&Requirement, &Verdict), chosen: bool) -> bool {
     let (mark, colour, value) = match verdict {
-        Verdict::Holds { value, .. } => ("\u{2714}", theme.good, parts::short(*value)),
-        Verdict::Fails { value, .. } => ("\u{2716}", theme.bad, parts::short(*value)),
-        Verdict::NotApplicable { .. } => ("\u{2013}", theme.warn, "-".to_owned()),
+        Verdict::Holds { value, .. } => ("holds", theme.good, parts::short(*value)),
+        Verdict::Fails { value, .. } => ("FAILS", theme.bad, parts::short(*value)),
+        Verdict::NotApplicable { .. } => ("open", theme.warn, "-".to_owned()),
     };
     let sign = match requirement.limit {
         Limit::AtLeast(_) => "\u{2265}",
@@ -137,7 +147,8 @@ fn behind_chart(view: &View, verified: &VerifiedController, experiment: Experime
     let title = format!("{}: hub rate", name(experiment));
     let mut chart = Chart::new(&title, "time, s", "hub rate, mrad/s");
     if let Experiment::Disturbance(source, _) = experiment
-        && let Some(h) = found.history(Model::Nonlinear, Experiment::Disturbance(source, Arrangement::Feedback))
+        && let Some(h) =
+            found.history(Model::Nonlinear, Experiment::Disturbance(source, Arrangement::Feedback))
     {
         let points = series(h, |h| &h.hub_rate_rad_s, 1e3);
         chart = chart.curve("feedback alone", view.theme.curves[1].gamma_multiply(0.7), Dash::Solid, points);
@@ -185,7 +196,12 @@ fn rejection(view: &View, verified: &VerifiedController, source: Source) -> Char
             Arrangement::Compensated => ("with feedforward", 0, Dash::Solid),
         };
         let rate = |f: f64| view.rate(f * std::f64::consts::TAU);
-        let points = curves.frequency_hz.iter().zip(&one.response).map(|(f, h)| [rate(*f), view.level(h.norm())]).collect();
+        let points = curves
+            .frequency_hz
+            .iter()
+            .zip(&one.response)
+            .map(|(f, h)| [rate(*f), view.level(h.norm())])
+            .collect();
         chart = chart.curve(name, view.theme.curves[k], dash, points);
     }
     chart

@@ -13,7 +13,12 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     ui.add_space(ui.available_height() * 0.22);
     ui.vertical_centered(|ui| {
         ui.label(RichText::new("Counterpoise").size(30.0).strong());
-        ui.label(RichText::new("Drop a project file or its folder here, or start with: counterpoise studio PROJECT").color(theme.weak));
+        ui.label(
+            RichText::new(
+                "Drop a project file or its folder here, or start with: counterpoise studio PROJECT",
+            )
+            .color(theme.weak),
+        );
         if let Some(why) = &studio.refused {
             ui.add_space(space::MEDIUM);
             ui.label(RichText::new(why).color(theme.bad));
