@@ -12,28 +12,39 @@ use counterpoise_models::reference;
 use counterpoise_tests::sealed::row::{recordings, scored};
 use counterpoise_tests::sealed::{GAINS, PERIOD, Row, case, table};
 
-fn main() {
+fn main() -> std::io::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [range, path] = arguments.as_slice() else { return println!("usage: sealed FIRST..END FILE") };
-    let Some(seeds) = parsed(range) else { return println!("{range}: a range such as 1..141 is needed") };
+    let [range, path] = arguments.as_slice() else { return usage("two arguments are needed") };
+    let Some(seeds) = parsed(range) else { return usage(range) };
     let known = std::fs::read_to_string(path).unwrap_or_default();
     let mut rows: Vec<Row> = known.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
     let left: Vec<u64> = seeds.filter(|seed| !rows.iter().any(|r| r.seed == *seed)).collect();
-    let file = std::fs::OpenOptions::new().create(true).append(true).open(path);
-    let file = Mutex::new(file.unwrap_or_else(|error| panic!("{path}: {error}")));
+    let file = std::fs::OpenOptions::new().create(true).append(true).open(path)?;
+    let file = Mutex::new(file);
     let fresh = Mutex::new(Vec::new());
     counterpoise_tests::in_parallel(left.len(), &|k| {
-        let row = row(left[k]);
+        let row = match row(left[k]) {
+            Ok(row) => row,
+            Err(error) => return eprintln!("seed {}: {error}", left[k]),
+        };
         let line = serde_json::to_string(&row).unwrap_or_default();
         println!("{line}");
         if let (Ok(mut file), Ok(mut fresh)) = (file.lock(), fresh.lock()) {
-            writeln!(file, "{line}").unwrap_or_else(|error| panic!("{path}: {error}"));
-            fresh.push(row);
+            match writeln!(file, "{line}") {
+                Ok(()) => fresh.push(row),
+                Err(error) => eprintln!("{path}: {error}"),
+            }
         }
     });
     rows.extend(fresh.into_inner().unwrap_or_default());
     rows.sort_by_key(|row| row.seed);
     println!("{}", table::page(&rows));
+    Ok(())
+}
+
+fn usage(wrong: &str) -> std::io::Result<()> {
+    let message = format!("{wrong}; usage: sealed FIRST..END FILE, as in sealed 1..141 target/sealed.jsonl");
+    Err(std::io::Error::other(message))
 }
 
 fn parsed(range: &str) -> Option<std::ops::Range<u64>> {
@@ -41,7 +52,7 @@ fn parsed(range: &str) -> Option<std::ops::Range<u64>> {
     Some(first.parse().ok()?..end.parse().ok()?)
 }
 
-fn row(seed: u64) -> Row {
+fn row(seed: u64) -> Result<Row, counterpoise_diagnose::Error> {
     let nominal = reference::rig();
     let controller = ProportionalIntegral {
         kp_v_s_rad: GAINS[0],
@@ -52,7 +63,6 @@ fn row(seed: u64) -> Row {
     };
     let case = case(seed, &nominal, GAINS);
     let clock = std::time::Instant::now();
-    let found = diagnose(&nominal, &controller, &recordings(&case), &Serial);
-    let found = found.unwrap_or_else(|error| panic!("seed {seed}: {error}"));
-    scored(seed, &case, &found.answer, clock.elapsed().as_secs_f64())
+    let found = diagnose(&nominal, &controller, &recordings(&case), &Serial)?;
+    Ok(scored(seed, &case, &found.answer, clock.elapsed().as_secs_f64()))
 }
