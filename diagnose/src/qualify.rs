@@ -45,8 +45,9 @@ pub fn qualify(name: &str, measured: &Measured, ratio: f64) -> Vec<Remark> {
 const OFFSET_TOLD_S: f64 = 8e-3;
 /// Clock offsets up to this are sought, s.
 const OFFSET_SOUGHT_S: f64 = 0.1;
-/// Share of the difference between two channels that an offset must take away to be believed.
-const OFFSET_EXPLAINS: f64 = 0.5;
+/// Share of the difference between two channels that an offset may leave to be believed: a wide gap between the teeth
+/// makes the motor lead, too, but leaves a quarter and more.
+const OFFSET_EXPLAINS: f64 = 0.1;
 
 /// Whether a channel comes later or earlier than the gyroscopes: the offset with the smallest difference.
 fn shifted(reference: &[f64], rate: &[f64], period_s: f64) -> Option<String> {
@@ -195,7 +196,7 @@ fn regression(x: &[f64], y: &[f64]) -> (f64, f64) {
 
 /// What a slope that is not 1 most likely means.
 fn meaning(slope: f64, coherence: f64) -> Option<String> {
-    if coherence < 0.5 || (slope - 1.0).abs() < 0.2 {
+    if coherence.is_nan() || coherence < 0.5 || (slope - 1.0).abs() < 0.2 {
         return None;
     }
     let degrees = 180.0 / std::f64::consts::PI;

@@ -3,6 +3,8 @@
 use crate::output::say;
 use anyhow::{Context, Result};
 use counterpoise_project::Purpose;
+use counterpoise_project::diagnose::qualify::qualify;
+use counterpoise_project::diagnose::replays::measured;
 use counterpoise_project::recording::{Record, Table};
 use counterpoise_project::results::{RecordingResult, ReplayResult};
 use counterpoise_project::simulate::recording::Recording;
@@ -49,7 +51,8 @@ pub fn run(options: &ReplayOptions) -> Done {
     for item in &read {
         let replayed = replay(&loaded.project.plant, &item.recording, &control)
             .with_context(|| format!("cannot replay {}", item.file))?;
-        result.recordings.push(RecordingResult::new(&item.file, &replayed, item.remarks.clone()));
+        let remarks = item.remarks.iter().cloned().chain(faults(&loaded, &item.recording)).collect();
+        result.recordings.push(RecordingResult::new(&item.file, &replayed, remarks));
         replays.push(replayed);
     }
     if let Some(path) = &options.report {
@@ -60,6 +63,13 @@ pub fn run(options: &ReplayOptions) -> Done {
         print(&result);
     }
     Ok(verdict_code(true))
+}
+
+/// What is wrong with a recording itself: told before the fit is.
+fn faults(loaded: &Loaded, recording: &Recording) -> Vec<String> {
+    let ratio = loaded.project.plant.gearbox.ratio;
+    let remarks = measured(recording).map(|m| qualify(&recording.name, &m, ratio)).unwrap_or_default();
+    remarks.into_iter().map(|r| format!("{}: {}", r.channel, r.what)).collect()
 }
 
 fn print(result: &ReplayResult) {
