@@ -43,8 +43,8 @@ pub struct ExperimentFigures {
     pub experiment: Experiment,
     /// RMS of demand less hub rate, rad/s.
     pub error_rms_rad_s: f64,
-    /// That against double, dB: what the numbers cost in rejection.
-    pub cost_db: f64,
+    /// That against double, dB: what the numbers cost in rejection. Nothing where the loop in double has no error at all.
+    pub cost_db: Option<f64>,
 }
 
 /// The comparison of a verified controller's targets.
@@ -152,7 +152,7 @@ impl Bench<'_> {
             let history =
                 nonlinear::history_of(&mut self.simulator, acting().as_mut(), self.procedure, experiment)?;
             let error_rms_rad_s = error_rms(&history);
-            let cost_db = 20.0 * (error_rms_rad_s / in_double).log10();
+            let cost_db = (*in_double > 0.0).then(|| 20.0 * (error_rms_rad_s / in_double).log10());
             experiments.push(ExperimentFigures { experiment, error_rms_rad_s, cost_db });
         }
         let off = self.runs.iter().map(|run| deviation(controller, acting().as_mut(), run));

@@ -92,8 +92,11 @@ fn loop_row(targets: &Targets, i: usize) -> Vec<Cell> {
         cells.push(Cell::text(format!("{:.4e}", each.error_rms_rad_s)));
         if figures.numbers != Numbers::Double {
             // Less than 0.0005 dB either way prints as 0, without a sign.
-            let cost =
-                if each.cost_db.abs() < 5e-4 { "0.000".to_owned() } else { format!("{:+.3}", each.cost_db) };
+            let cost = match each.cost_db {
+                None => "\u{2013}".to_owned(),
+                Some(cost) if cost.abs() < 5e-4 => "0.000".to_owned(),
+                Some(cost) => format!("{cost:+.3}"),
+            };
             cells.push(Cell::text(cost));
         }
     }
