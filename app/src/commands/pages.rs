@@ -1,7 +1,8 @@
 //! From results to reports.
 
+use counterpoise::report::design::WEIGHTS;
 use counterpoise::report::diagnosis::{Track, report};
-use counterpoise::report::{Cell, Column, Context, Section, Table, html, of_design};
+use counterpoise::report::{Cell, Column, Context, Report, Section, Table, html, of_design};
 use counterpoise_project::diagnose::Diagnosis;
 use counterpoise_project::diagnose::answer::{Answer, Verdict};
 use counterpoise_project::pipeline::Designed;
@@ -27,7 +28,7 @@ pub struct Run {
 /// The report of a design.
 pub fn design(loaded: &Loaded, made: &Designed, run: &Run) -> anyhow::Result<String> {
     let result = DesignResult::from(made);
-    let mut more = vec![weights_section(loaded), certificates(&result)];
+    let mut more = vec![certificates(&result)];
     more.push(run.targets.clone());
     more.push(times_section(&run.times));
     let context = Context {
@@ -41,12 +42,19 @@ pub fn design(loaded: &Loaded, made: &Designed, run: &Run) -> anyhow::Result<Str
             ("command".to_owned(), run.command.clone()),
         ],
     };
-    Ok(html(&of_design(made, context)?))
+    let mut report = of_design(made, context)?;
+    let lines = loaded.project.synth.as_ref().map(weights).unwrap_or_default();
+    for section in report.sections.iter_mut().filter(|section| section.heading == WEIGHTS) {
+        section.text.clone_from(&lines);
+    }
+    reproduced_by(&mut report, &run.command);
+    Ok(html(&report))
 }
 
-fn weights_section(loaded: &Loaded) -> Section {
-    let lines = loaded.project.synth.as_ref().map(weights).unwrap_or_default();
-    lines.into_iter().fold(Section::new("What the weights ask for"), Section::saying)
+/// Writes under every figure of the evidence the command that reproduces it.
+pub fn reproduced_by(report: &mut Report, command: &str) {
+    let figures = report.sections.iter_mut().flat_map(|section| &mut section.figures);
+    figures.filter(|figure| figure.command.is_empty()).for_each(|figure| figure.command = command.to_owned());
 }
 
 fn certificates(result: &DesignResult) -> Section {
