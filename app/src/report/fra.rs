@@ -185,7 +185,10 @@ fn extremes(map: &Map) -> Table {
         Column::Number("linear [dB]"),
         Column::Number("describing [dB]"),
     ];
-    let mut table = Table::new("Each amplitude; linear, describing: how far those models are off, median of the gain", &columns);
+    let mut table = Table::new(
+        "Each amplitude; linear, describing: how far those models are off, median of the gain",
+        &columns,
+    );
     for (amplitude, points) in families(map) {
         let highest = points.iter().max_by(|a, b| a.gain_db.total_cmp(&b.gain_db));
         let off = |of: fn(&Point) -> Option<[f64; 2]>| {

@@ -70,12 +70,18 @@ impl Sensed {
     pub(crate) fn new(parameters: &Parameters, recording: &Recording, before: Option<&Self>) -> Self {
         let (sensors, interface) = (&parameters.sensors, &parameters.interface);
         let period = recording.sample_period_s;
-        let (rate, heave) = (recording.platform_rate_rad_s.as_deref(), recording.platform_accel_m_s2.as_deref());
+        let (rate, heave) =
+            (recording.platform_rate_rad_s.as_deref(), recording.platform_accel_m_s2.as_deref());
         let gyro = before.map(|b| &b.rate);
         let accelerometer = before.map(|b| &b.heave);
         Self {
             rate: Deconvolved::new(&sensors.platform_gyro, interface, (rate, period), gyro),
-            heave: Deconvolved::new(&sensors.platform_accelerometer, interface, (heave, period), accelerometer),
+            heave: Deconvolved::new(
+                &sensors.platform_accelerometer,
+                interface,
+                (heave, period),
+                accelerometer,
+            ),
         }
     }
 
