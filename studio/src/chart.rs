@@ -3,9 +3,7 @@
 use std::fmt::Write;
 
 use egui::{Color32, Ui, Vec2};
-use egui_plot::{
-    GridInput, GridMark, Line, LineStyle, Plot, PlotBounds, PlotPoint, PlotPoints, PlotTransform,
-};
+use egui_plot::{GridInput, GridMark, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotTransform};
 
 use crate::theme::Theme;
 
@@ -132,10 +130,10 @@ impl Chart {
             .set_margin_fraction(Vec2::new(0.0, 0.06))
             .label_formatter(|_| None);
         if self.scales[0] == Scale::Linear {
-            plot = plot.x_grid_spacer(|input| even(input, X_MARKS));
+            plot = plot.x_grid_spacer(|input| even(input, X_MARKS)).x_axis_formatter(|mark, _| plain(mark));
         }
         if self.scales[1] == Scale::Linear {
-            plot = plot.y_grid_spacer(|input| even(input, Y_MARKS));
+            plot = plot.y_grid_spacer(|input| even(input, Y_MARKS)).y_axis_formatter(|mark, _| plain(mark));
         }
         if self.scales[0] == Scale::Log {
             plot = plot
@@ -154,8 +152,7 @@ impl Chart {
         let pixels = size.x;
         let shown = plot.show(ui, |plot| {
             if let (Some((low, high)), true) = (y.map(|r| self.limits(1, r)), plot.auto_bounds().y) {
-                let b = plot.plot_bounds();
-                plot.set_plot_bounds(PlotBounds::from_min_max([b.min()[0], low], [b.max()[0], high]));
+                plot.set_plot_bounds_y(low..=high);
             }
             self.draw(plot, theme, pixels);
         });
@@ -281,6 +278,12 @@ fn even(input: GridInput, count: f64) -> Vec<GridMark> {
     let step_size = [1.0, 2.0, 5.0, 10.0].map(|k| k * decade).into_iter().find(|s| *s >= raw).unwrap_or(raw);
     let marks = (low / step_size).ceil() as i64..=(high / step_size).floor() as i64;
     marks.map(|k| GridMark { value: k as f64 * step_size, step_size }).collect()
+}
+
+/// A mark's number, with the digits that its step needs.
+fn plain(mark: GridMark) -> String {
+    let digits = (-mark.step_size.log10()).ceil().clamp(0.0, 9.0) as usize;
+    format!("{:.digits$}", mark.value + 0.0)
 }
 
 /// Marks of an axis that runs by decades.

@@ -70,7 +70,7 @@ mod tests {
         assert_eq!(backlash.unit, "rad");
         assert!(backlash.allowed.contains('0'), "{}", backlash.allowed);
         assert_eq!(key("plant.friction.pivot.coulomb").unwrap().unit, "N m");
-        assert_eq!(key("synth.heave.control.gain").unwrap().meaning, "factor K");
+        assert!(key("synth.heave.control.gain").unwrap().meaning.starts_with("factor K"));
         assert!(key("plant.beam.section[2].from").is_some());
     }
 }

@@ -19,10 +19,11 @@ shoot() { # NAME SIZE SCALE SECONDS COMMANDS...
     xvfb-run -a -s "-screen 0 ${size}x24" sh -c "
         export WINIT_X11_SCALE_FACTOR=$scale
         '$window' '$work/rig' '$work/script' $points & pid=\$!
-        command -v xdotool > /dev/null && xdotool mousemove 4 4
-        sleep $seconds
+        sleep 2
+        command -v xdotool > /dev/null && xdotool mousemove 300 $(( ${size#*x} - 6 ))
+        sleep $(( seconds - 2 ))
         import -window root docs/$name.png
-        kill \$pid"
+        kill \$pid || echo "$name: the window has ended by itself" >&2"
 }
 drag=$(for k in 26 27 28 29 30 31; do printf '{"set":{"path":"synth.feedback.error.gain","value":%s,"gesture":1}}\n' $k; done)
 shoot studio-design 1280x800 1 6 '{"keep":{"slot":"A"}}' "$drag" '{"go":{"place":"design"}}'

@@ -166,7 +166,7 @@ fn error(view: &View, live: &Live) -> Chart {
         Some((a[(row, column)] - b[(row, column)]).norm().max(1e-16))
     };
     let mut chart = bode(view, "Error, control to hub rate", "modulus");
-    if let Some(bound) = live.reduced.bound {
+    if let Some(bound) = live.reduced.bound.filter(|bound| *bound > 0.0) {
         chart.levels.push(view.level(bound));
     }
     chart.curve("error", view.theme.curves[3], Dash::Solid, curve(view, difference))
