@@ -9,6 +9,7 @@ mod files;
 mod output;
 mod processor;
 mod shards;
+mod stop;
 mod workers;
 
 use std::process::ExitCode;

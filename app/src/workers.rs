@@ -7,6 +7,8 @@ use counterpoise_project::diagnose::bench::Pool;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
+use crate::stop;
+
 /// All processors of this machine, with a line that says how far the work is.
 pub struct Workers {
     bar: Mutex<ProgressBar>,
@@ -34,6 +36,10 @@ impl Workers {
 impl Pool for Workers {
     fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
         (0..count).into_par_iter().for_each(job);
+    }
+
+    fn cancelled(&self) -> bool {
+        stop::asked()
     }
 
     fn progress(&self, stage: &str, done: usize, of: usize) {

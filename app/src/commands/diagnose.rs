@@ -12,6 +12,7 @@ use super::{Done, pages, verdict_code};
 use crate::arguments::DiagnoseOptions;
 use crate::files;
 use crate::output;
+use crate::stop;
 use crate::workers::Workers;
 
 /// Runs the command.
@@ -21,6 +22,7 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     let control = loaded.project.recording_controller.as_ref().map_or(Loop::Open, Loop::from);
     let read = read(&loaded, &options.recordings)?;
     let recordings: Vec<Recording> = read.iter().map(|r| r.recording.clone()).collect();
+    stop::watch();
     let workers = Workers::new(options.results.quiet);
     let found = diagnose(&loaded.project.plant, control.clone(), &recordings, &workers);
     workers.finish();

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use super::{Done, verdict_code};
 use crate::arguments::Results;
 use crate::files::{self, Surroundings};
-use crate::{output, shards};
+use crate::{output, shards, stop};
 
 /// Arguments of `sweep`.
 #[derive(Args)]
@@ -120,7 +120,15 @@ fn run_all(named: &Named, options: &SweepOptions) -> Result<()> {
     };
     bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} samples, {elapsed} gone, {eta} to go")?);
     bar.enable_steady_tick(Duration::from_millis(200));
+    stop::watch();
     for shard in 0..count {
+        if stop::asked() {
+            bar.finish_and_clear();
+            bail!(
+                "stopped after {shard} of {count} shards, which are kept in {}; the same command goes on from there",
+                options.output.display()
+            );
+        }
         run_shard(named, &options.output, (shard, count), &bar)?;
     }
     bar.finish_and_clear();
