@@ -1,0 +1,23 @@
+//! Ctrl-C: the first asks the work to end in good order, a second ends the program at once.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+static ASKED: AtomicBool = AtomicBool::new(false);
+/// Exit code of a program that Ctrl-C ended, as shells have it.
+const INTERRUPTED: i32 = 130;
+
+/// From here on Ctrl-C asks to stop. Where no handler can be set, Ctrl-C ends the program, as it would have.
+pub fn watch() {
+    let handler = || {
+        if ASKED.swap(true, Ordering::SeqCst) {
+            std::process::exit(INTERRUPTED);
+        }
+        eprintln!("\nstopping (Ctrl-C again to stop at once)");
+    };
+    let _ = ctrlc::set_handler(handler);
+}
+
+/// Whether the user asked to stop.
+pub fn asked() -> bool {
+    ASKED.load(Ordering::SeqCst)
+}
