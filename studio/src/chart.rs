@@ -158,9 +158,7 @@ impl Chart {
         });
         let title = self.title.clone();
         let response = shown.response;
-        response.widget_info(|| {
-            egui::WidgetInfo::labeled(egui::WidgetType::Image, true, format!("plot: {title}"))
-        });
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("plot: {title}")));
         Shown { transform: shown.transform, response }
     }
 

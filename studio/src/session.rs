@@ -91,8 +91,14 @@ impl Session {
             Command::SetText { path, value } => self.document.set(path, &Setting::Text(value.clone()))?,
             Command::Remove { path } => self.document.remove(path)?,
             Command::Replace { text } => Document::parse(text, self.document.name()),
-            Command::Undo => return Ok(self.back()),
-            Command::Redo => return Ok(self.forth()),
+            Command::Undo => {
+                self.back();
+                return Ok(());
+            }
+            Command::Redo => {
+                self.forth();
+                return Ok(());
+            }
             _ => return Ok(()),
         };
         if changed.text() != self.document.text() {
@@ -196,7 +202,7 @@ mod tests {
     #[test]
     fn a_log_of_commands_replayed_gives_the_same_project() {
         let mut first = session();
-        let log = vec![
+        let log = [
             set(30.0, Some(1)),
             set(31.5, Some(1)),
             Command::SetText { path: "synth.assembly".to_owned(), value: "grimble".to_owned() },

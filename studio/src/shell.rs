@@ -164,8 +164,8 @@ pub fn shortcut(written: &str) -> Option<KeyboardShortcut> {
     let mut key = None;
     for part in written.split('+') {
         match part {
-            "Ctrl" => modifiers = modifiers | Modifiers::COMMAND,
-            "Shift" => modifiers = modifiers | Modifiers::SHIFT,
+            "Ctrl" => modifiers |= Modifiers::COMMAND,
+            "Shift" => modifiers |= Modifiers::SHIFT,
             "Esc" => key = Some(Key::Escape),
             name => key = Key::from_name(name),
         }

@@ -341,7 +341,7 @@ fn handle(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, h: &Handle) {
     if !h.shown.transform.frame().expand(6.0).contains(at) {
         return;
     }
-    let id = ui.id().with((&h.shape.path, h.index));
+    let id = ui.scope_id().with((&h.shape.path, h.index));
     let response = ui
         .interact(
             egui::Rect::from_center_size(at, egui::Vec2::splat(22.0)),
@@ -350,7 +350,7 @@ fn handle(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, h: &Handle) {
         )
         .on_hover_cursor(egui::CursorIcon::Move);
     let name = format!("{} weight: {}", h.shape.name, h.knob.name);
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Slider, true, name.clone()));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Slider, true, name.clone()));
     let lit = response.hovered() || response.dragged() || response.has_focus();
     let radius = if lit { 7.0 } else { 5.5 };
     ui.painter().circle(at, radius, theme.card, egui::Stroke::new(2.5, h.shape.colour));

@@ -297,7 +297,7 @@ type Kept = Arc<(Vec<f64>, Modes)>;
 
 /// The modes of the beam pinned at its hub, computed once.
 fn kept_modes(ui: &Ui, beam: &Beam) -> Option<Kept> {
-    let id = egui::Id::new("modes of the beam");
+    let id = egui::Id::unique("modes of the beam");
     let kept: Option<(Beam, Option<Kept>)> = ui.data(|d| d.get_temp(id));
     if let Some((_, found)) = kept.filter(|(of, _)| of == beam) {
         return found;
