@@ -53,11 +53,11 @@ pub fn reduce(project: &Project, modelled: &Modelled) -> Result<Reduced, Pipelin
         }
         ReductionMethod::Balanced => {
             let order = asked.order.map_or(Order::Relative { share: 1e-6 }, Order::States);
-            Ok(ranked(balred(system, order, Method::MatchDc)?, plain))
+            Ok(ranked(balred(system, order, Method::BalancingFree)?, plain))
         }
         ReductionMethod::Modal => {
             let rate = slowest_dropped(system, asked.order)?;
-            Ok(ranked(modal_truncation(system, rate, Residual::MatchDc)?, plain))
+            Ok(ranked(modal_truncation(system, rate, Residual::Drop)?, plain))
         }
         ReductionMethod::Guyan => Err(PipelineError::Reduction {
             method: "guyan",
