@@ -1,7 +1,6 @@
 //! Files: finding the project and its recordings, and writing results so that nothing half-written is left.
 
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
@@ -115,24 +114,10 @@ pub fn save_improved(loaded: &Loaded, plant: &Parameters, path: &Path) -> Result
     write(path, document.text().as_bytes())
 }
 
-/// Writes a file whole or not at all: to a neighbour first, then renamed.
+/// Writes a file whole or not at all, as the studio does.
 pub fn write(path: &Path, content: &[u8]) -> Result<()> {
-    let told = || format!("cannot write {}", path.display());
-    if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
-        fs::create_dir_all(folder).with_context(told)?;
-    }
-    let mut partial = path.as_os_str().to_owned();
-    partial.push(".partial");
-    let partial = PathBuf::from(partial);
-    let written = fs::File::create(&partial).and_then(|mut file| {
-        file.write_all(content)?;
-        file.sync_all()
-    });
-    let renamed = written.and_then(|()| fs::rename(&partial, path));
-    if renamed.is_err() {
-        let _ = fs::remove_file(&partial);
-    }
-    renamed.with_context(told)
+    counterpoise_studio::files::write(path, content)
+        .with_context(|| format!("cannot write {}", path.display()))
 }
 
 /// What the road is given of the world: the files beside the project, and a clock that watches its steps.
