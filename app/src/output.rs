@@ -26,11 +26,29 @@ macro_rules! say {
 }
 pub(crate) use say;
 
-/// An error and its causes, one below the other.
+/// An error and its causes, one below the other; a cause that the line above it quotes is not said twice.
 pub fn explained(error: &anyhow::Error) -> String {
     let mut lines = vec![format!("error: {error}")];
-    lines.extend(error.chain().skip(1).map(|cause| format!("  because: {cause}")));
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !lines.iter().any(|line| line.contains(&cause)) {
+            lines.push(format!("  because: {cause}"));
+        }
+    }
     lines.join("\n")
+}
+
+/// A number of a printed line: five significant digits, a plain minus sign, and a word for what has no bound.
+pub fn figure(value: f64) -> String {
+    if !value.is_finite() {
+        let sign = if value < 0.0 { "minus " } else { "" };
+        return format!("{sign}infinite");
+    }
+    let magnitude = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
+    if !(-4.0..7.0).contains(&magnitude) {
+        return format!("{value:.4e}");
+    }
+    let decimals = (4.0 - magnitude).clamp(0.0, 8.0) as usize;
+    format!("{value:.decimals$}")
 }
 
 /// Prints a result as JSON where that was asked for; says whether it went to standard output.
@@ -97,5 +115,25 @@ impl Stages {
     /// What each stage took.
     pub fn times(&self) -> Vec<StageTime> {
         self.state.lock().map(|state| state.1.clone()).unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn printed_figures_keep_their_digits_at_every_size() {
+        let texts: Vec<String> =
+            [14.49204, -0.000_123_456, 0.0, 151_670.4, 2.5e9, f64::INFINITY].map(figure).into();
+        assert_eq!(texts, ["14.492", "-0.00012346", "0.0000", "151670", "2.5000e9", "infinite"]);
+    }
+
+    #[test]
+    fn a_cause_that_was_quoted_is_not_said_twice() {
+        let cause = anyhow::anyhow!("the matrix is singular");
+        assert_eq!(explained(&cause.context("design: the matrix is singular")), "error: design: the matrix is singular");
+        let cause = anyhow::anyhow!("no space left");
+        assert_eq!(explained(&cause.context("cannot write a.c")), "error: cannot write a.c\n  because: no space left");
     }
 }

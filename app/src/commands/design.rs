@@ -61,16 +61,22 @@ pub fn print_verdicts(found: &Verification) {
         let unit = requirement.figure.unit();
         match verdict {
             Verdict::Holds { value, limit, .. } => {
-                say!("  holds  {name}: {value:.4} {unit} ({} {})", sign(*limit), limit.value());
+                say!("  holds  {name}: {} ({} {})", with_unit(*value, unit), sign(*limit), limit.value());
             }
             Verdict::Fails { value, limit, by } => {
-                say!("  FAILS  {name}: {value:.4} {unit} ({} {}), by {by:.4}", sign(*limit), limit.value());
+                let by = output::figure(*by);
+                say!("  FAILS  {name}: {} ({} {}), by {by}", with_unit(*value, unit), sign(*limit), limit.value());
             }
             Verdict::NotApplicable { why } => say!("  -      {name}: not applicable, {why}"),
         }
     }
     let (holds, fails, open) = found.counts();
     say!("{holds} requirements hold, {fails} fail, {open} not applicable");
+}
+
+fn with_unit(value: f64, unit: &str) -> String {
+    let number = output::figure(value);
+    if unit.is_empty() { number } else { format!("{number} {unit}") }
 }
 
 fn sign(limit: Limit) -> &'static str {

@@ -28,6 +28,19 @@ pub enum PipelineError {
         /// What there is.
         known: String,
     },
+    /// A control range in which the mechanism cannot be held against gravity.
+    #[error(
+        "the out-of-balance of {moment_kg_m:.2} kg m takes {needed_v:.3} V to hold, and the control is limited to {limit_v} V: \
+         raise plant.amplifier.input_limit or its gain, or balance the mechanism"
+    )]
+    CannotHold {
+        /// The out-of-balance, kg m.
+        moment_kg_m: f64,
+        /// The control that holds it, V.
+        needed_v: f64,
+        /// The limit, V.
+        limit_v: f64,
+    },
     /// A reduction that the chosen structure does not allow.
     #[error("reduction by {method}: {problem}")]
     Reduction {

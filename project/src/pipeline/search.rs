@@ -35,7 +35,7 @@ pub fn search(
     let asked = project.synth.as_ref().ok_or(missing("synth"))?;
     let wanted: &SearchAsked = asked.around.search.as_ref().ok_or(missing("synth.search"))?;
     let plant = design_plant(asked, modelled, reduced)?;
-    let sampling = sampling(asked, modelled);
+    let sampling = sampling(asked, modelled)?;
     let limits = (&wanted.requirements, &sampling);
     let found = solved(searched(&plant, &asked.specification, limits, wanted.trials, go_on)?)?;
     let mut curve = Vec::new();

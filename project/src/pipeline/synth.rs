@@ -57,7 +57,7 @@ pub fn synthesise(
     let mut design = solved(design(&plant, &asked.specification)?)?;
     let other = by_method(asked, &mut design)?;
     let lowered = asked.around.controller_order.map(|order| lower(&mut design, order)).transpose()?;
-    let sampling = sampling(asked, modelled);
+    let sampling = sampling(asked, modelled)?;
     let balance = match &asked.around.schedule {
         Some(wanted) => balance::balance(project, asked, (modelled, wanted))?,
         None => Vec::new(),
@@ -135,7 +135,7 @@ pub fn design_plant(
 /// Volts of the output converter beyond which the control is limited: the converter's own range.
 const CONVERTER_RANGE_V: f64 = 10.0;
 
-pub(crate) fn sampling(asked: &Synthesis, modelled: &Modelled) -> Sampling {
+pub(crate) fn sampling(asked: &Synthesis, modelled: &Modelled) -> Result<Sampling, PipelineError> {
     let p = &modelled.parameters;
     let moment = modelled.plant.body().out_of_balance_kg_m;
     let volts_per_nm = 1.0 / torque_per_volt(p);
@@ -143,7 +143,11 @@ pub(crate) fn sampling(asked: &Synthesis, modelled: &Modelled) -> Sampling {
     let limit_v = p.amplifier.input_limit_v.min(CONVERTER_RANGE_V);
     let felt_m_s2 = if p.gravity_m_s2 == 0.0 { STANDARD_GRAVITY_M_S2 } else { p.gravity_m_s2 };
     let reach = limit_v / (volts_per_nm * felt_m_s2);
-    Sampling {
+    if moment.abs() > reach {
+        let needed_v = moment.abs() * volts_per_nm * felt_m_s2;
+        return Err(PipelineError::CannotHold { moment_kg_m: moment, needed_v, limit_v });
+    }
+    Ok(Sampling {
         method: asked.discretisation,
         delay_samples: p.interface.output_delay_samples,
         out_of_balance_kg_m: moment,
@@ -151,7 +155,7 @@ pub(crate) fn sampling(asked: &Synthesis, modelled: &Modelled) -> Sampling {
         bias_v_per_kg_m,
         transfer_time_s: asked.transfer_time_s,
         ..Sampling::new(p.interface.sample_period_s, limit_v)
-    }
+    })
 }
 
 /// The acceleration that an out-of-balance is judged by where no gravity acts on it, m/s^2.

@@ -130,6 +130,11 @@ impl<'a> Reader<'a> {
             self.refuse(path, node, Problem::NotFinite, format!("must be a finite number{range}"));
             return None;
         }
+        if value != 0.0 && !SIZES.contains(&value.abs()) {
+            let allowed = format!("must be 0 or of a size between {:e} and {:e}", SIZES.start(), SIZES.end());
+            self.refuse(path, node, Problem::OutOfRange, allowed);
+            return None;
+        }
         if !field.limit.holds(value) {
             self.refuse(path, node, Problem::OutOfRange, field.limit.words(field.unit));
             return None;
@@ -181,6 +186,9 @@ impl<'a> Reader<'a> {
         self.report(entry.key_span.start, Remark::new(Problem::UnknownKey, &path, allowed).hint(hint));
     }
 }
+
+/// Sizes that a number of a machine can have: beyond them squares overflow or vanish.
+const SIZES: std::ops::RangeInclusive<f64> = 1e-40..=1e40;
 
 fn in_unit(unit: &str) -> String {
     if unit.is_empty() { String::new() } else { format!(" in {unit}") }
