@@ -132,8 +132,14 @@ mod tests {
     #[test]
     fn a_cause_that_was_quoted_is_not_said_twice() {
         let cause = anyhow::anyhow!("the matrix is singular");
-        assert_eq!(explained(&cause.context("design: the matrix is singular")), "error: design: the matrix is singular");
+        assert_eq!(
+            explained(&cause.context("design: the matrix is singular")),
+            "error: design: the matrix is singular"
+        );
         let cause = anyhow::anyhow!("no space left");
-        assert_eq!(explained(&cause.context("cannot write a.c")), "error: cannot write a.c\n  because: no space left");
+        assert_eq!(
+            explained(&cause.context("cannot write a.c")),
+            "error: cannot write a.c\n  because: no space left"
+        );
     }
 }

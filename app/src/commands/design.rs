@@ -65,7 +65,12 @@ pub fn print_verdicts(found: &Verification) {
             }
             Verdict::Fails { value, limit, by } => {
                 let by = output::figure(*by);
-                say!("  FAILS  {name}: {} ({} {}), by {by}", with_unit(*value, unit), sign(*limit), limit.value());
+                say!(
+                    "  FAILS  {name}: {} ({} {}), by {by}",
+                    with_unit(*value, unit),
+                    sign(*limit),
+                    limit.value()
+                );
             }
             Verdict::NotApplicable { why } => say!("  -      {name}: not applicable, {why}"),
         }
