@@ -63,7 +63,14 @@ pub fn run(options: Options) -> Result<(), Error> {
         native,
         Box::new(move |context| Ok(Box::new(Window::new(&context.egui_ctx, &options, script)))),
     );
-    made.map_err(|error| Error::Window(error.to_string()))
+    made.map_err(|error| Error::Window(reason(&error.to_string())))
+}
+
+/// What the window system says, without the file and line of its source that it says it at.
+fn reason(error: &str) -> String {
+    let said =
+        error.rsplit_once(".rs:").and_then(|(_, rest)| rest.split_once(": ")).map_or(error, |(_, said)| said);
+    said.trim_end_matches('.').to_owned()
 }
 
 fn read_script(path: &Path) -> Result<Vec<Command>, Error> {
