@@ -59,23 +59,78 @@ pub fn lsim(g: &StateSpace, u: &Mat, x0: Option<&[f64]>) -> Result<Mat, Error> {
         let (found, expected) = ((x0.len(), u.ncols()), (n, g.inputs()));
         return Err(Error::Shape { what: "lsim: initial state, inputs", found, expected });
     }
-    let (inputs, mut x) = (u.t(), x0);
-    let mut y = Mat::zeros(g.outputs(), samples);
-    for k in 0..samples {
-        accumulate(y.column_mut(k), &g.C, &x);
-        accumulate(y.column_mut(k), &g.D, inputs.column(k));
-        let mut next = vec![0.0; n];
-        accumulate(&mut next, &g.A, &x);
-        accumulate(&mut next, &g.B, inputs.column(k));
-        x = next;
-    }
-    Ok(y.t())
+    let mut march = March {
+        parts: [&g.C, &g.D, &g.A, &g.B].map(Runs::of),
+        inputs: u.t(),
+        y: Mat::zeros(g.outputs(), samples),
+        x: x0,
+    };
+    pulp::Arch::new().dispatch(&mut march);
+    Ok(march.y.t())
 }
 
-/// sum += M v.
-fn accumulate(sum: &mut [f64], M: &Mat, v: &[f64]) {
-    for (j, &factor) in v.iter().enumerate().filter(|(_, factor)| **factor != 0.0) {
-        sum.iter_mut().zip(M.column(j)).for_each(|(s, m)| *s += m * factor);
+/// The samples one after another; compiled once for each instruction set, chosen when the program runs.
+struct March<'a> {
+    /// C, D, A, B.
+    parts: [Runs<'a>; 4],
+    inputs: Mat,
+    y: Mat,
+    x: Vec<f64>,
+}
+
+impl pulp::NullaryFnOnce for &mut March<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let [C, D, A, B] = &self.parts;
+        let mut next = vec![0.0; self.x.len()];
+        for k in 0..self.inputs.ncols() {
+            let u = self.inputs.column(k);
+            C.accumulate(self.y.column_mut(k), &self.x);
+            D.accumulate(self.y.column_mut(k), u);
+            next.fill(0.0);
+            A.accumulate(&mut next, &self.x);
+            B.accumulate(&mut next, u);
+            std::mem::swap(&mut self.x, &mut next);
+        }
+    }
+}
+
+/// Zeros between two entries of a column that are worked through rather than stepped over.
+const GAP: usize = 4;
+
+/// A matrix with the stretches of rows, column by column, that are not zero: a loop of filters has few.
+struct Runs<'a> {
+    M: &'a Mat,
+    rows: Vec<Vec<std::ops::Range<usize>>>,
+}
+
+impl<'a> Runs<'a> {
+    fn of(M: &'a Mat) -> Self {
+        let stretches = |j: usize| {
+            let mut found: Vec<std::ops::Range<usize>> = Vec::new();
+            for i in (0..M.nrows()).filter(|&i| M[(i, j)] != 0.0) {
+                match found.last_mut() {
+                    Some(last) if i < last.end + GAP => last.end = i + 1,
+                    _ => found.push(i..i + 1),
+                }
+            }
+            found
+        };
+        Self { M, rows: (0..M.ncols()).map(stretches).collect() }
+    }
+
+    /// sum += M v.
+    #[inline(always)]
+    fn accumulate(&self, sum: &mut [f64], v: &[f64]) {
+        for (j, &factor) in v.iter().enumerate().filter(|(_, factor)| **factor != 0.0) {
+            let column = self.M.column(j);
+            for rows in &self.rows[j] {
+                let part = sum[rows.clone()].iter_mut().zip(&column[rows.clone()]);
+                part.for_each(|(s, m)| *s += m * factor);
+            }
+        }
     }
 }
 

@@ -57,37 +57,79 @@ pub fn grid_hz(sample_period_s: f64) -> Vec<f64> {
     (0..POINTS).map(|k| LOWEST_HZ * (ratio * k as f64).exp()).collect()
 }
 
+/// What a plant contributes to its curves: computed once, while controllers come and go.
+#[derive(Debug, Clone)]
+pub struct PlantResponse {
+    /// Frequencies, Hz.
+    pub frequency_hz: Vec<f64>,
+    rates_rad_s: Vec<f64>,
+    /// (control, heave, pitch rate) to all outputs, continuous.
+    continuous: Vec<CMat>,
+    /// Control to readings, sampled.
+    readings: Vec<CMat>,
+}
+
+impl PlantResponse {
+    /// The response of a plant at some frequencies.
+    ///
+    /// # Errors
+    /// A response that does not exist because of a pole on the axis.
+    pub fn of(plant: &SampledPlant, frequency_hz: Vec<f64>) -> Result<Self, Error> {
+        let rates_rad_s: Vec<f64> = frequency_hz.iter().map(|f| std::f64::consts::TAU * f).collect();
+        let continuous = Response::of(&plant.continuous)?.at_all(&rates_rad_s)?;
+        let readings = Response::of(&to_readings(plant))?.at_all(&rates_rad_s)?;
+        Ok(Self { frequency_hz, rates_rad_s, continuous, readings })
+    }
+
+    fn controller(&self, closed: &Closed) -> Result<Option<Vec<CMat>>, Error> {
+        let K = closed.controller.as_ref();
+        K.map(|K| Ok(Response::of(K)?.at_all(&self.rates_rad_s)?)).transpose()
+    }
+}
+
 impl Curves {
     /// The curves of `closed`, one loop an arrangement (the last one is the whole controller).
     ///
     /// # Errors
     /// A response that does not exist because of a pole on the axis.
     pub fn of(plant: &SampledPlant, closed: &[(Arrangement, Closed)]) -> Result<Self, Error> {
-        let frequency_hz = grid_hz(plant.sample_period_s);
-        let rates: Vec<f64> = frequency_hz.iter().map(|f| std::f64::consts::TAU * f).collect();
-        let continuous = Response::of(&plant.continuous)?.at_all(&rates)?;
-        let truth = |input: usize| continuous.iter().map(|m| m[(port::HUB, input)]).collect();
+        Self::with(plant, &PlantResponse::of(plant, grid_hz(plant.sample_period_s))?, closed)
+    }
+
+    /// As [`Curves::of`], with what the plant contributes already at hand.
+    ///
+    /// # Errors
+    /// As [`Curves::of`].
+    pub fn with(
+        plant: &SampledPlant,
+        at: &PlantResponse,
+        closed: &[(Arrangement, Closed)],
+    ) -> Result<Self, Error> {
+        let truth = |input: usize| at.continuous.iter().map(|m| m[(port::HUB, input)]).collect();
         let names = ["control", "heave", "pitch"];
         let plant_curves = (0..3).map(|j| Curve { name: names[j].to_owned(), response: truth(j) }).collect();
-        let broken = broken_at(closed, &rates)?;
-        let mut rejection = Vec::new();
+        let (mut rejection, mut controller) = (Vec::new(), None);
         for (arrangement, one) in closed {
-            rejection.extend(rejections(plant, one, *arrangement, &frequency_hz)?);
+            let K = at.controller(one)?;
+            rejection.extend(rejection_of(plant, at, K.as_deref(), *arrangement));
+            controller = K.or(controller);
         }
+        let broken = controller.as_deref().map_or(Vec::new(), |K| broken_at(K, &at.readings));
         Ok(Self {
             plant: plant_curves,
-            controller: controller_curves(closed, &rates)?,
+            controller: controller.as_deref().map_or(Vec::new(), controller_curves),
             sensitivities: sensitivities(&broken),
             broken: Curve { name: "loop".to_owned(), response: broken },
             rejection,
-            frequency_hz,
+            frequency_hz: at.frequency_hz.clone(),
         })
     }
 }
 
-fn broken_at(closed: &[(Arrangement, Closed)], rates: &[f64]) -> Result<Vec<C64>, Error> {
-    let Some(L) = closed.iter().rev().find_map(|(_, one)| one.broken.as_ref()) else { return Ok(Vec::new()) };
-    Ok(Response::of(L)?.at_all(rates)?.iter().map(|m| m[(0, 0)]).collect())
+/// L = -K P.
+fn broken_at(K: &[CMat], P: &[CMat]) -> Vec<C64> {
+    let at = |(K, P): (&CMat, &CMat)| -(0..P.nrows()).map(|i| K[(0, i)] * P[(i, 0)]).sum::<C64>();
+    K.iter().zip(P).map(at).collect()
 }
 
 fn sensitivities(broken: &[C64]) -> Vec<Curve> {
@@ -99,20 +141,16 @@ fn sensitivities(broken: &[C64]) -> Vec<Curve> {
     vec![of("sensitivity", &|L| one / (one + L)), of("complementary sensitivity", &|L| L / (one + L))]
 }
 
-fn controller_curves(closed: &[(Arrangement, Closed)], rates: &[f64]) -> Result<Vec<Curve>, Error> {
-    let Some(K) = closed.iter().rev().find_map(|(_, one)| one.controller.as_ref()) else {
-        return Ok(Vec::new());
-    };
-    let response = Response::of(K)?.at_all(rates)?;
+fn controller_curves(response: &[CMat]) -> Vec<Curve> {
     let column = |name: &str, j: usize, sign: f64| Curve {
         name: name.to_owned(),
         response: response.iter().map(|m| m[(0, j)] * sign).collect(),
     };
-    Ok(vec![
+    vec![
         column("feedback", HUB_GYRO, -1.0),
         column("heave feedforward", ACCELEROMETER, 1.0),
         column("pitch feedforward", PLATFORM_GYRO, 1.0),
-    ])
+    ]
 }
 
 /// Hub rate over heave and over pitch rate at each frequency, in one arrangement.
@@ -132,28 +170,28 @@ pub fn rejections(
     arrangement: Arrangement,
     frequency_hz: &[f64],
 ) -> Result<Vec<Rejection>, Error> {
-    let rates: Vec<f64> = frequency_hz.iter().map(|f| std::f64::consts::TAU * f).collect();
-    let continuous = Response::of(&plant.continuous)?.at_all(&rates)?;
-    let loops = match &closed.controller {
-        None => None,
-        Some(K) => {
-            Some((Response::of(K)?.at_all(&rates)?, Response::of(&to_readings(plant))?.at_all(&rates)?))
-        }
+    let at = PlantResponse::of(plant, frequency_hz.to_vec())?;
+    let K = at.controller(closed)?;
+    Ok(rejection_of(plant, &at, K.as_deref(), arrangement).into())
+}
+
+fn rejection_of(
+    plant: &SampledPlant,
+    at: &PlantResponse,
+    controller: Option<&[CMat]>,
+    arrangement: Arrangement,
+) -> [Rejection; 2] {
+    let one = |k: usize, input: usize| {
+        let (G, rate) = (&at.continuous[k], at.rates_rad_s[k]);
+        let Some(K) = controller else { return G[(port::HUB, input)] };
+        let tone = control_tone(plant, &K[k], &at.readings[k], &reading_tones(plant, G, input, rate));
+        G[(port::HUB, input)] + G[(port::HUB, 0)] * hold(plant, rate) * tone
     };
-    let at = |k: usize, input: usize| {
-        let direct = continuous[k][(port::HUB, input)];
-        let Some((K, P)) = &loops else { return direct };
-        let tone = control_tone(plant, &K[k], &P[k], &reading_tones(plant, &continuous[k], input, rates[k]));
-        direct + continuous[k][(port::HUB, 0)] * hold(plant, rates[k]) * tone
-    };
-    let all = [(Source::Heave, 1), (Source::Pitch, 2)];
-    Ok(all
-        .map(|(source, input)| Rejection {
-            source,
-            arrangement,
-            response: (0..rates.len()).map(|k| at(k, input)).collect(),
-        })
-        .into())
+    [(Source::Heave, 1), (Source::Pitch, 2)].map(|(source, input)| Rejection {
+        source,
+        arrangement,
+        response: (0..at.rates_rad_s.len()).map(|k| one(k, input)).collect(),
+    })
 }
 
 /// The discrete plant from control to readings.

@@ -11,6 +11,6 @@ pub mod plant;
 pub mod time;
 
 pub use closed::{Closed, arranged};
-pub use frequency::{Curve, Curves, rejection_db};
+pub use frequency::{Curve, Curves, PlantResponse, rejection_db};
 pub use plant::SampledPlant;
 pub use time::{disturbance, step};
