@@ -45,12 +45,31 @@ pub struct Beam {
     pub density_kg_m3: f64,
     /// Position of the hub pivot along the beam axis, m.
     pub pivot_m: f64,
-    /// Damping ratio of flexible mode 1, 2, ...; the last holds for all above.
+    /// Damping ratio of flexible mode 1, 2, ... of the structure pinned at its hub.
     pub modal_damping: Vec<f64>,
+    /// What the damping of the structure is made of.
+    pub damping: StructuralDamping,
     /// Sections, adjoining, in order of position.
     pub sections: Vec<Section>,
     /// Masses that can be fitted.
     pub masses: Vec<PointMass>,
+}
+
+/// What the damping of a structure is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum StructuralDamping {
+    /// Damping ratios mode by mode; the last holds for all above: (5-13).
+    #[default]
+    Modal,
+    /// Damping ratios mode by mode; above the last the ratio grows with the frequency, as stiffness damps: (5-14), corrected.
+    ModalWithStiffness,
+    /// C = a_0 M + a_1 K through two points, each a frequency (rad/s) and its damping ratio: (5-11), (5-12).
+    Rayleigh {
+        /// Frequency, rad/s, and damping ratio.
+        first: [f64; 2],
+        /// Frequency, rad/s, and damping ratio.
+        second: [f64; 2],
+    },
 }
 
 /// A stretch of the beam.
@@ -75,6 +94,14 @@ pub enum SectionShape {
         outer_diameter_m: [f64; 2],
         /// Inner diameter at the near and the far end, m (0 for solid).
         inner_diameter_m: [f64; 2],
+    },
+    /// A solid rectangle whose height (in the plane of bending) and width vary linearly from the near to the far end: a wedge, a
+    /// tapered bar.
+    Rectangle {
+        /// Height at the near and the far end, m.
+        height_m: [f64; 2],
+        /// Width at the near and the far end, m.
+        width_m: [f64; 2],
     },
     /// Area and second moment of area given, linear from the near to the far end.
     Given {
@@ -187,7 +214,23 @@ pub struct Amplifier {
     pub dead_zone_v: f64,
     /// Current is clipped to +/- this, A; infinite where there is no limit.
     pub current_limit_a: f64,
+    /// What lies between its input and the motor's current.
+    pub dynamics: AmplifierDynamics,
 }
+
+/// What lies between an amplifier's input and the motor's current.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum AmplifierDynamics {
+    /// The amplifier's lag, both feedbacks, the armature and its back-EMF.
+    #[default]
+    Modelled,
+    /// An ideal current source: i = (static gain of the closed amplifier loop) x (input after limit, dead zone and map), whatever
+    /// the motor's speed. It follows its input within [`IDEAL_LAG_S`].
+    IdealCurrent,
+}
+
+/// Time constant with which an ideal current source follows its input, s: a hundredth of the shortest sample period in use.
+pub const IDEAL_LAG_S: f64 = 1e-5;
 
 /// A point of the amplifier's measured map.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -211,6 +254,8 @@ pub struct Friction {
     pub stribeck_rate_rad_s: f64,
     /// Half the difference of the dry level between the two directions, as a fraction.
     pub asymmetry: f64,
+    /// Half the difference of the viscous coefficient between the two directions, as a fraction.
+    pub viscous_asymmetry: f64,
     /// Quadratic drag, N m s^2/rad^2.
     pub quadratic_nm_s2_rad2: f64,
     /// Relative variation of the dry level with the angle.
@@ -401,6 +446,7 @@ impl Friction {
             static_ratio: 1.0,
             stribeck_rate_rad_s: 0.01,
             asymmetry: 0.0,
+            viscous_asymmetry: 0.0,
             quadratic_nm_s2_rad2: 0.0,
             position_ripple: Ripple::NONE,
             load_coefficient: 0.0,

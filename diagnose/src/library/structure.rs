@@ -253,6 +253,17 @@ pub(super) static EFFECTS: &[Effect] = &[
         starts: &[],
     },
     Effect {
+        effect: "asymmetric_friction",
+        component: "pivot",
+        kind: Kind::MissingPhysics,
+        equation: "viscous part F_v (1 + a sgn(w)) w",
+        source: "Janot, Gautier, Brunot 2019 on the EMPS axis; Armstrong-Helouvry, Dupont, Canudas de Wit 1994",
+        when: "different in the two directions of motion, in proportion to the rate",
+        experiment: "constant rates, both ways, several speeds",
+        knobs: &[knob!("viscous_asymmetry", "1", [-0.9, 0.9], 0.1, Linear, pivot_friction.viscous_asymmetry)],
+        starts: &[],
+    },
+    Effect {
         effect: "position_dependent_friction",
         component: "pivot",
         kind: Kind::MissingPhysics,

@@ -84,6 +84,7 @@ pub(super) fn check(friction: &Friction) -> Result<(), Error> {
     positive("friction.static_ratio", friction.static_ratio)?;
     positive("friction.stribeck_rate", friction.stribeck_rate_rad_s)?;
     below_one("friction.asymmetry", friction.asymmetry)?;
+    below_one("friction.viscous_asymmetry", friction.viscous_asymmetry)?;
     below_one("friction.position_ripple.amplitude", friction.position_ripple.amplitude)?;
     if finite("friction.warm_up", friction.warm_up)? >= 1.0 {
         return Err(refused("friction.warm_up", friction.warm_up, "must be below 1"));

@@ -8,7 +8,7 @@ use super::stribeck::StribeckLevel;
 use crate::Error;
 use crate::parameters::{Friction, Ripple, StribeckCurve};
 
-/// T = dry(w, states; level) + F_v w + F_q w |w|.
+/// T = dry(w, states; level) + F_v (1 + a_v sgn w) w + F_q w |w|.
 ///
 /// The dry law's level is scaled by
 /// `level = [1 + ripple(angle)] [1 + u (exp(-t / tau) - 1)] + c |load| / F_c`, see [`FrictionModel::level`], and in
@@ -19,6 +19,7 @@ pub struct FrictionModel {
     viscous_nm_s_rad: f64,
     quadratic_nm_s2_rad2: f64,
     asymmetry: f64,
+    viscous_asymmetry: f64,
     ripple: Ripple,
     load_per_coulomb: f64,
     warm_up: f64,
@@ -46,6 +47,7 @@ impl FrictionModel {
         viscous_nm_s_rad: 0.0,
         quadratic_nm_s2_rad2: 0.0,
         asymmetry: 0.0,
+        viscous_asymmetry: 0.0,
         ripple: Ripple::NONE,
         load_per_coulomb: 0.0,
         warm_up: 0.0,
@@ -57,7 +59,7 @@ impl FrictionModel {
     /// # Errors
     /// [`Error::Parameter`] names the first parameter outside its range: levels, viscous and quadratic coefficients
     /// not negative; stiffnesses, deflections, rates, exponents and time constants positive; `static_ratio` positive
-    /// (not below 1 for laws that stick); |asymmetry| and the ripple's amplitude below 1; warm-up below 1; a load
+    /// (not below 1 for laws that stick); both asymmetries and the ripple's amplitude below 1; warm-up below 1; a load
     /// coefficient only with a Coulomb level; a polynomial that stays positive.
     pub fn new(friction: &Friction) -> Result<Self, Error> {
         build::check(friction)?;
@@ -67,6 +69,7 @@ impl FrictionModel {
             viscous_nm_s_rad: friction.viscous_nm_s_rad,
             quadratic_nm_s2_rad2: friction.quadratic_nm_s2_rad2,
             asymmetry: friction.asymmetry,
+            viscous_asymmetry: friction.viscous_asymmetry,
             ripple: friction.position_ripple,
             load_per_coulomb: if coulomb > 0.0 { friction.load_coefficient / coulomb } else { 0.0 },
             warm_up: friction.warm_up,
@@ -200,11 +203,18 @@ impl FrictionModel {
 
     #[inline]
     fn drag(&self, rate_rad_s: f64) -> f64 {
-        (self.viscous_nm_s_rad + self.quadratic_nm_s2_rad2 * rate_rad_s.abs()) * rate_rad_s
+        (self.viscous_along(rate_rad_s) + self.quadratic_nm_s2_rad2 * rate_rad_s.abs()) * rate_rad_s
     }
 
     #[inline]
     fn drag_slope(&self, rate_rad_s: f64) -> f64 {
-        self.viscous_nm_s_rad + 2.0 * self.quadratic_nm_s2_rad2 * rate_rad_s.abs()
+        self.viscous_along(rate_rad_s) + 2.0 * self.quadratic_nm_s2_rad2 * rate_rad_s.abs()
+    }
+
+    /// The viscous coefficient in the direction of motion; the mean of both at rest.
+    #[inline]
+    fn viscous_along(&self, rate_rad_s: f64) -> f64 {
+        let direction = if rate_rad_s == 0.0 { 0.0 } else { rate_rad_s.signum() };
+        self.viscous_nm_s_rad * (1.0 + self.viscous_asymmetry * direction)
     }
 }

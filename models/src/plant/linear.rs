@@ -220,7 +220,12 @@ impl Plant {
 
 /// The describing function of the dry part as a stiffness and a damping: F = k x + c x' for x = A sin(w t).
 fn impedance(friction: &Friction, amplitude: f64, frequency: f64) -> Result<Impedance, Error> {
-    let dry = Friction { viscous_nm_s_rad: 0.0, quadratic_nm_s2_rad2: 0.0, ..friction.clone() };
+    let dry = Friction {
+        viscous_nm_s_rad: 0.0,
+        viscous_asymmetry: 0.0,
+        quadratic_nm_s2_rad2: 0.0,
+        ..friction.clone()
+    };
     let complex = describing_function(&FrictionModel::new(&dry)?, amplitude, frequency);
     Ok(Impedance { stiffness: complex.re, damping: complex.im / frequency })
 }

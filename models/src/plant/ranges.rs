@@ -82,6 +82,13 @@ fn friction(path: &str, friction: &Friction) -> Result<(), Error> {
     positive(&at("static_ratio"), friction.static_ratio)?;
     positive(&at("stribeck_rate_rad_s"), friction.stribeck_rate_rad_s)?;
     within(&at("asymmetry"), friction.asymmetry.abs() + f64::MIN_POSITIVE, 0.0, 0.999, "below 1 in size")?;
+    within(
+        &at("viscous_asymmetry"),
+        friction.viscous_asymmetry.abs() + f64::MIN_POSITIVE,
+        0.0,
+        0.999,
+        "below 1 in size",
+    )?;
     not_negative(&at("quadratic_nm_s2_rad2"), friction.quadratic_nm_s2_rad2)?;
     let ripple = friction.position_ripple.amplitude.abs() + f64::MIN_POSITIVE;
     within(&at("position_ripple.amplitude"), ripple, 0.0, 0.999, "below 1 in size")?;

@@ -138,6 +138,18 @@ fn asymmetry_scales_each_direction() {
 }
 
 #[test]
+fn viscous_friction_may_differ_between_the_directions() {
+    let parameters = Friction { viscous_asymmetry: -0.25, ..Friction::plain(FrictionLaw::None, 2.0) };
+    let friction = FrictionModel::new(&parameters).unwrap();
+    assert_close(friction.steady(3.0), 4.5, 1e-14);
+    assert_close(friction.steady(-3.0), -7.5, 1e-14);
+    assert_close(friction.steady_slope(-3.0), 2.5, 1e-14);
+    for rate in [-3.0, 0.0, 3.0] {
+        assert_close(2.0 * rate + parameters.drag_nm(rate), friction.steady(rate), 1e-14);
+    }
+}
+
+#[test]
 fn parameters_out_of_range_are_refused_by_name() {
     let plain = Friction::plain(stribeck_dahl(), 0.0);
     let cases = [

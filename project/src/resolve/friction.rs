@@ -94,6 +94,12 @@ const ASYMMETRY: Field =
     Field::new("asymmetry", "half the difference of the dry level between the directions, as a fraction")
         .limit(Limit::Between(-1.0, 1.0))
         .or(0.0);
+const VISCOUS_ASYMMETRY: Field = Field::new(
+    "viscous_asymmetry",
+    "half the difference of the viscous coefficient between the directions, as a fraction",
+)
+.limit(Limit::Between(-1.0, 1.0))
+.or(0.0);
 const QUADRATIC: Field =
     Field::new("quadratic", "quadratic drag").unit("N m s^2/rad^2").limit(Limit::AtLeast(0.0)).or(0.0);
 const LOAD: Field = Field::new("load_coefficient", "growth of the dry level per N m of load")
@@ -114,6 +120,7 @@ pub(crate) fn friction(v: &mut dyn Visit, value: &mut Friction) {
     v.number(&STATIC_RATIO, &mut value.static_ratio);
     v.number(&STRIBECK_RATE, &mut value.stribeck_rate_rad_s);
     v.number(&ASYMMETRY, &mut value.asymmetry);
+    v.number(&VISCOUS_ASYMMETRY, &mut value.viscous_asymmetry);
     v.number(&QUADRATIC, &mut value.quadratic_nm_s2_rad2);
     v.number(&LOAD, &mut value.load_coefficient);
     v.number(&WARM_UP, &mut value.warm_up);

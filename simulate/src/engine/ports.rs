@@ -141,7 +141,7 @@ impl Ports {
             motor_extras: has_motor_extras(plant),
             hub_extras: plant.spring_torque_nm(0.0) != plant.spring_torque_nm(1.0)
                 || parameters.gearbox.mesh_ripple.amplitude != 0.0
-                || parameters.pivot_friction.quadratic_nm_s2_rad2 != 0.0,
+                || parameters.pivot_friction.has_drag(),
             lossy,
             needs_mesh_torque: lossy
                 || loaded(&parameters.motor_friction)
@@ -350,7 +350,7 @@ fn has_motor_extras(plant: &Plant) -> bool {
     parameters.motor.cogging.amplitude != 0.0
         || parameters.motor.torque_ripple.amplitude != 0.0
         || parameters.amplifier.current_limit_a.is_finite()
-        || parameters.motor_friction.quadratic_nm_s2_rad2 != 0.0
+        || parameters.motor_friction.has_drag()
 }
 
 /// Deflection within which a law that truly sticks is carried by Dahl's, rad at the hub.
