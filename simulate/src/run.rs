@@ -18,6 +18,9 @@ pub const TOLERANCE: f64 = 2e-5;
 /// Most samples that a run may have.
 const MOST_SAMPLES: f64 = 1e8;
 
+/// Largest hub angle at the start, rad.
+const MOST_ANGLE_RAD: f64 = 1e5;
+
 /// A plant ready to run again and again: its stored matrices are kept from run to run.
 #[derive(Debug, Clone)]
 pub struct Simulator {
@@ -253,9 +256,9 @@ impl<'a> Lap<'a> {
 
 /// The control under which the amplifier's voltage stays as it is.
 fn holding_control(plant: &Plant, core: &[f64]) -> f64 {
-    let amplifier = &plant.parameters().amplifier;
-    let feedback = amplifier.current_feedback_v_a * core[state::CURRENT];
-    amplifier.control_v(core[state::VOLTAGE] / amplifier.gain + feedback, &plant.parameters().motor)
+    let (amplifier, motor) = (&plant.parameters().amplifier, &plant.parameters().motor);
+    let drive_v = amplifier.holding_drive_v(core[state::VOLTAGE], core[state::CURRENT], motor);
+    amplifier.control_v(drive_v, motor)
 }
 
 fn initial(plant: &Plant, scenario: &Scenario, start: &PlatformPoint) -> Result<PlantState, Error> {
@@ -265,6 +268,11 @@ fn initial(plant: &Plant, scenario: &Scenario, start: &PlatformPoint) -> Result<
             let (found, expected) = (given.core.len(), plant.core_order());
             if found != expected {
                 return Err(Error::Length { what: "the initial state of the core", found, expected });
+            }
+            let angle = given.core[state::ANGLE];
+            if angle.is_nan() || angle.abs() > MOST_ANGLE_RAD {
+                let allowed = "within 1e5 rad: beyond, the displacements of presliding are lost in rounding";
+                return Err(Error::Range { what: "the initial hub angle", value: angle, allowed });
             }
             Ok(given.as_ref().clone())
         }

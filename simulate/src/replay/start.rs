@@ -3,7 +3,8 @@
 //! Six numbers are unknown: hub angle, the rate at which hub and motor turn together, gear torque, dry friction at
 //! motor and pivot, and current. They are fitted by Levenberg and Marquardt's method to hub rate, motor rate and hub
 //! position over the first 0.6 seconds, under the recorded control, with the weak preference that the
-//! torques on motor and hub balance. The structure is taken bent as the gear torque bends it.
+//! torques on motor and hub balance. What none of the readings shows (the angle of a balanced mechanism without a
+//! resolver) stays where it was guessed. The structure is taken bent as the gear torque bends it.
 
 use super::{Replayer, reading_floor};
 use crate::recording::Channel;
@@ -22,6 +23,10 @@ const FLAT: f64 = 1e-4;
 const EXPLAINED: f64 = 1.1;
 /// Share of the Coulomb level that an imbalance of the torques costs one unit.
 const IMBALANCE: f64 = 0.5;
+/// Distance from the guess, in steps of the differences, that costs one unit: it decides nothing that a reading shows,
+/// and holds what no reading shows. Without it rounding errors in the place of a sensitivity send an angle to 1e10 rad,
+/// where displacements of a micrometre are lost.
+const FAR: f64 = 3e4;
 /// Samples from which the first rates and angles are taken.
 const FIRST: usize = 5;
 /// Number of unknowns.
@@ -82,6 +87,8 @@ struct Fit<'a, 'b> {
     channels: Vec<(Channel, f64)>,
     /// Sizes of the unknowns' steps.
     steps: Unknowns,
+    /// Where the fit started.
+    anchor: Unknowns,
 }
 
 impl<'a, 'b> Fit<'a, 'b> {
@@ -116,6 +123,7 @@ impl<'a, 'b> Fit<'a, 'b> {
             plant,
             channels,
             steps,
+            anchor: [0.0; UNKNOWNS],
         }
     }
 
@@ -210,6 +218,7 @@ impl<'a, 'b> Fit<'a, 'b> {
             residuals.extend(pairs.map(|(s, r)| if r.is_finite() { (s - r) / floor } else { 0.0 }));
         }
         residuals.extend(self.imbalance(u));
+        residuals.extend((0..UNKNOWNS).map(|k| (u[k] - self.anchor[k]) / (FAR * self.steps[k])));
         Ok(residuals)
     }
 
@@ -231,6 +240,7 @@ impl<'a, 'b> Fit<'a, 'b> {
     /// Levenberg and Marquardt from a guess: the cost and the unknowns.
     fn descend(&mut self, guess: Unknowns) -> Result<(f64, Unknowns), Error> {
         let mut now = self.bounded(guess);
+        self.anchor = now;
         let mut residuals = self.residuals(&now)?;
         let mut cost = squares(&residuals);
         let mut damping = 1e-3;
