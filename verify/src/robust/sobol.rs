@@ -117,4 +117,16 @@ mod tests {
         boxes.dedup();
         assert_eq!(boxes.len(), 64);
     }
+
+    #[test]
+    fn an_unshifted_point_is_that_of_the_published_numbers() {
+        // point 37 times 64 of scipy.stats.qmc.Sobol(18, scramble=False), SciPy 1.17, which reads Joe and Kuo's table
+        let published = [59, 41, 37, 59, 49, 19, 11, 51, 39, 11, 1, 5, 37, 55, 7, 31, 51, 27];
+        let gray = 37u32 ^ (37 >> 1);
+        for (dimension, expected) in published.into_iter().enumerate() {
+            let numbers = direction_numbers(dimension);
+            let at = (0..BITS as usize).filter(|k| gray >> k & 1 == 1).fold(0, |x, k| x ^ numbers[k]);
+            assert_eq!(at >> (BITS - 6), expected, "dimension {dimension}");
+        }
+    }
 }
