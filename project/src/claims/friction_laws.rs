@@ -236,7 +236,7 @@ pub fn f3(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         source,
         says,
         measured: format!(
-            "RMS distance from the rig's map: LuGre {:.2} dB as matched, {:.2} dB fitted (stiffness x{:.2}, damping x{:.3}); reset integrator {:.2} dB, {:.2} dB fitted (x{:.2}, x{:.3}). LuGre without bristle damping is Dahl's law: damping alone set it apart; the reset integrator has no hysteresis before it slides, and damping stands in for it at one frequency only",
+            "RMS distance from the rig's map: LuGre {:.2} dB as matched, {:.2} dB fitted (stiffness x{:.2}, damping x{:.3}); reset integrator {:.2} dB, {:.2} dB fitted (x{:.2}, x{:.3}). LuGre without bristle damping is Dahl's law: damping alone set it apart; the reset integrator has no hysteresis before it slides, which neither its stiffness nor its damping supplies",
             a.before, a.after, a.at[0], a.at[1], b.before, b.after, b.at[0], b.at[1]
         ),
         finding: Finding::of(a.after < 0.5 * a.before && b.after <= b.before && a.after < b.after),
