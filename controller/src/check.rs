@@ -4,7 +4,10 @@ use std::collections::HashSet;
 
 use counterpoise_lti::{StateSpace, Timebase};
 
-use crate::{Error, Estimator, FrictionObserver, Parts, Path, Programs, READINGS, Scaling, Signal};
+use crate::{
+    Error, Estimator, FrictionObserver, Learning, ObserverLaw, Parts, Path, Programs, READINGS, Scaling,
+    Signal,
+};
 
 /// Relative difference of two sample periods that is taken for rounding.
 const SAME_PERIOD: f64 = 1e-12;
@@ -29,7 +32,17 @@ pub fn parts(parts: &Parts) -> Result<(), Error> {
     }
     parts.paths.iter().try_for_each(|each| path(each, parts))?;
     parts.observers.iter().try_for_each(observer)?;
+    drive_curve(&parts.drive_curve)?;
     parts.estimator.as_ref().map_or(Ok(()), estimator)
+}
+
+fn drive_curve(points: &[[f64; 2]]) -> Result<(), Error> {
+    for column in 0..2 {
+        let what = ["volts of a linear drive (V)", "control of the drive's curve (V)"][column];
+        rising(what, points, column)?;
+        points.first().map_or(Ok(()), |point| positive(what, point[column]))?;
+    }
+    Ok(())
 }
 
 fn numbers(parts: &Parts) -> Result<(), Error> {
@@ -143,7 +156,60 @@ fn observer(observer: &FrictionObserver) -> Result<(), Error> {
     at_least_0(&format!("rest stiffness of '{name}' (N m/rad)"), observer.rest_stiffness_nm_rad)?;
     finite(&format!("gain of '{name}' (V/(N m))"), observer.volts_per_nm)?;
     finite(&format!("viscous gain of '{name}' (V s/rad)"), observer.viscous_v_s_rad)?;
+    if !observer.level.is_empty() {
+        rising(&format!("speeds of the level of '{name}' (rad/s)"), &observer.level, 0)?;
+        for point in &observer.level {
+            positive(&format!("level of '{name}' over its Coulomb level"), point[1])?;
+        }
+    }
+    law(observer)?;
     rate(observer.rate)
+}
+
+fn law(observer: &FrictionObserver) -> Result<(), Error> {
+    let name = &observer.name;
+    let held = || positive(&format!("rest stiffness of '{name}' (N m/rad)"), observer.rest_stiffness_nm_rad);
+    let damped = |damping| at_least_0(&format!("damping of '{name}' (N m s/rad)"), damping);
+    let soft = |rate| positive(&format!("rate of the sign of '{name}' (rad/s)"), rate);
+    match observer.law {
+        ObserverLaw::Dahl => Ok(()),
+        ObserverLaw::DahlPower { exponent } => {
+            positive(&format!("exponent of '{name}'"), exponent).and_then(|()| held())
+        }
+        ObserverLaw::Lugre { damping_nm_s_rad } => damped(damping_nm_s_rad).and_then(|()| held()),
+        ObserverLaw::ResetIntegrator { static_ratio, damping_nm_s_rad } => {
+            range(&format!("static ratio of '{name}'"), static_ratio, static_ratio >= 1.0, "1 or more")?;
+            damped(damping_nm_s_rad).and_then(|()| held())
+        }
+        ObserverLaw::Sliding { sign_rate_rad_s } => soft(sign_rate_rad_s),
+        ObserverLaw::Walrath { sign_rate_rad_s, time_constant_s } => {
+            positive(&format!("time constant of '{name}' (s)"), time_constant_s)?;
+            soft(sign_rate_rad_s)
+        }
+    }
+}
+
+/// The control limit in volts of a linear drive: the last stretch of the drive's curve goes on.
+pub fn equivalent_limit_v(parts: &Parts) -> f64 {
+    let mut from = [0.0, 0.0];
+    let mut slope = 1.0;
+    for to in &parts.drive_curve {
+        slope = (to[0] - from[0]) / (to[1] - from[1]);
+        if to[1] >= parts.limit_v {
+            break;
+        }
+        from = *to;
+    }
+    from[0] + slope * (parts.limit_v - from[1])
+}
+
+/// The entries of a column rise.
+fn rising(what: &str, points: &[[f64; 2]], column: usize) -> Result<(), Error> {
+    for pair in points.windows(2) {
+        let (before, after) = (pair[0][column], pair[1][column]);
+        range(what, after, after > before && after.is_finite(), "above the one before")?;
+    }
+    points.first().map_or(Ok(()), |point| at_least_0(what, point[column]))
 }
 
 fn rate(signal: Signal) -> Result<(), Error> {
@@ -157,20 +223,41 @@ fn rate(signal: Signal) -> Result<(), Error> {
 fn estimator(estimator: &Estimator) -> Result<(), Error> {
     finite("gravity (m/s^2)", estimator.gravity_m_s2)?;
     positive("half rate (rad/s)", estimator.half_rate_rad_s)?;
-    range(
-        "adaptation step",
-        estimator.step,
-        estimator.step > 0.0 && estimator.step < 2.0,
-        "in 0 < step < 2",
-    )?;
-    for scale in estimator.scale {
-        at_least_0("scale of an estimated parameter", scale)?;
-    }
+    learning(estimator)?;
     let volts = estimator.volts_per_kg_m_s2;
     range("volts for a kg m at 1 m/s^2", volts, volts.is_finite() && volts != 0.0, "finite and not 0")?;
-    positive("rate limit (kg m/s)", estimator.rate_limit_kg_m_s)?;
+    let limit = estimator.rate_limit_kg_m_s;
+    range("rate limit (kg m/s)", limit, limit > 0.0, "positive")?;
     rate(estimator.rate)
 }
+
+fn learning(estimator: &Estimator) -> Result<(), Error> {
+    match &estimator.learning {
+        Learning::Gradient { step, scale } => {
+            range("adaptation step", *step, *step > 0.0 && *step < 2.0, "in 0 < step < 2")?;
+            scale.iter().try_for_each(|scale| at_least_0("scale of an estimated parameter", *scale))
+        }
+        Learning::Mean { window_samples } => {
+            let samples = f64::from(*window_samples);
+            range(
+                "window (samples)",
+                samples,
+                (1.0..=LONGEST_WINDOW).contains(&samples),
+                "from 1 to 1000000",
+            )?;
+            let gravity = estimator.gravity_m_s2;
+            range("gravity (m/s^2)", gravity, gravity != 0.0, "other than 0 for the mean: it goes by gravity")
+        }
+        Learning::Squares { forget, dead_band_m_s2, deviation } => {
+            range("what a sample keeps", *forget, *forget > 0.0 && *forget <= 1.0, "in 0 < forget <= 1")?;
+            at_least_0("dead-band (m/s^2)", *dead_band_m_s2)?;
+            deviation.iter().try_for_each(|one| positive("deviation of an estimated parameter", *one))
+        }
+    }
+}
+
+/// A window that single precision still counts.
+const LONGEST_WINDOW: f64 = 1e6;
 
 fn count(path: &str, what: &'static str, found: usize, expected: usize) -> Result<(), Error> {
     if found == expected {

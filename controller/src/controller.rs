@@ -68,7 +68,7 @@ impl Controller {
     }
 
     /// The linear part at a set out-of-balance: from the readings, in the order of [`crate::READING_NAMES`], to the
-    /// control before the limiter. The program itself is differentiated at rest, so nothing can be left out. Friction
+    /// control before the limiter, in volts of a linear drive. The program itself is differentiated at rest, so nothing can be left out. Friction
     /// observers are taken as sliding (their force constant) and the estimator as standing still.
     ///
     /// # Errors
@@ -78,6 +78,7 @@ impl Controller {
             parts.estimator = None;
             parts.observers.iter_mut().for_each(|observer| observer.volts_per_nm = 0.0);
             parts.bias_v_per_kg_m = 0.0;
+            parts.drive_curve.clear();
         })?;
         sliding.differentiate(out_of_balance_kg_m)
     }

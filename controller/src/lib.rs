@@ -6,8 +6,8 @@
 //!
 //! *Invariant*: nothing here knows how a controller was designed, or what plant it drives; no file, thread or clock.
 //!
-//! Modules in reading order: [`sampled`], [`signal`], [`parts`], [`controller`], [`program`], [`number`], [`runner`],
-//! [`realise`].
+//! Modules in reading order: [`sampled`], [`signal`], [`parts`], [`friction`], [`estimator`], [`controller`], [`program`],
+//! [`number`], [`runner`], [`realise`].
 //!
 //! ```
 //! use counterpoise_controller::{Controller, Parts, Path, Scaling, Signal};
@@ -34,6 +34,8 @@
 
 pub mod controller;
 pub mod error;
+pub mod estimator;
+pub mod friction;
 pub mod number;
 pub mod parts;
 pub mod program;
@@ -49,8 +51,10 @@ pub use counterpoise_lti as lti;
 
 pub use controller::Controller;
 pub use error::Error;
+pub use estimator::{Estimator, Learning};
+pub use friction::{FrictionObserver, ObserverLaw};
 pub use number::Number;
-pub use parts::{Correction, Estimator, FrictionObserver, Parts, Path, Scaling};
+pub use parts::{Correction, Parts, Path, Scaling};
 pub use program::Programs;
 pub use runner::Runner;
 pub use sampled::{ProportionalIntegral, Readings, SampledController};

@@ -2,7 +2,7 @@
 
 use counterpoise_lti::StateSpace;
 
-use crate::Signal;
+use crate::{Estimator, FrictionObserver, Signal};
 
 /// A discrete transfer path from signals to volts
 ///
@@ -43,29 +43,6 @@ pub enum Scaling {
     },
 }
 
-/// Dahl's friction from a rate, as volts that cancel it
-///
-/// ```text
-///     F[k+1] = (F[k] + sigma T w) / (1 + sigma T |w| / F_c),   output  volts_per_nm F[k+1] + volts_s_rad w
-/// ```
-///
-/// The update is the implicit step of dF = sigma (dx - F/F_c |dx|): it needs no exponential and keeps |F| <= F_c.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FrictionObserver {
-    /// Name: a lower-case identifier.
-    pub name: String,
-    /// The rate w that the friction follows: a measured one (feedback) or the demand (feedforward).
-    pub rate: Signal,
-    /// Coulomb level F_c, N m.
-    pub coulomb_nm: f64,
-    /// Rest stiffness sigma, N m/rad.
-    pub rest_stiffness_nm_rad: f64,
-    /// Volts that cancel one N m.
-    pub volts_per_nm: f64,
-    /// Volts for one rad/s of rate: the viscous part; may be 0.
-    pub viscous_v_s_rad: f64,
-}
-
 /// Correction of a reading: corrected = gain reading + offset.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Correction {
@@ -75,33 +52,6 @@ pub struct Correction {
     pub gain: f64,
     /// Offset, in the unit of the reading.
     pub offset: f64,
-}
-
-/// Estimates the out-of-balance from the control while the machine runs, and sets it
-///
-/// ```text
-///     phi = (g + a_p, w / (|w| + w0), w)        v = phi p,   p = (volts per m/s^2, dry V, viscous V s/rad)
-///     p  += step (u - v) phi / (1 + phi' S phi) S,       S = diag(scale^2)
-///     M   = p_0 / volts_per_kg_m_s2, moved by at most `rate_limit_kg_m_s` T a sample, kept inside the range
-/// ```
-///
-/// A normalised gradient estimator: stable for 0 < step < 2. It acts on the feedforward's gain and the bias only.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Estimator {
-    /// Acceleration of gravity along the axis that the imbalance feels, m/s^2; 0 in azimuth or without gravity.
-    pub gravity_m_s2: f64,
-    /// Rate of the friction regressors.
-    pub rate: Signal,
-    /// Rate w0 at which the dry regressor is half grown, rad/s.
-    pub half_rate_rad_s: f64,
-    /// Adaptation step, 0 < step < 2.
-    pub step: f64,
-    /// Typical sizes of the three parameters relative to each other's regressors: S.
-    pub scale: [f64; 3],
-    /// Volts that hold one kg m at one m/s^2.
-    pub volts_per_kg_m_s2: f64,
-    /// Largest change of the out-of-balance, kg m/s.
-    pub rate_limit_kg_m_s: f64,
 }
 
 /// All parts of a controller.
@@ -127,6 +77,11 @@ pub struct Parts {
     pub transfer_time_s: f64,
     /// Estimator of the out-of-balance.
     pub estimator: Option<Estimator>,
+    /// The inverse of the drive's measured curve: (volts of a linear drive, control that has their effect), both rising
+    /// from beyond 0; odd, straight between, the last stretch goes on. Empty where the drive is linear.
+    ///
+    /// Everything before it (paths, limiter, anti-windup, estimator) is in volts of a linear drive.
+    pub drive_curve: Vec<[f64; 2]>,
     /// The control is limited to +/- this, V.
     pub limit_v: f64,
 }
@@ -145,6 +100,7 @@ impl Parts {
             bias_v_per_kg_m: 0.0,
             transfer_time_s: 0.0,
             estimator: None,
+            drive_curve: Vec::new(),
             limit_v,
         }
     }

@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
 use counterpoise_controller::{
-    Controller, Correction, Error, Estimator, FrictionObserver, Parts, Path, READINGS, Runner,
-    SampledController, Scaling, Signal,
+    Controller, Correction, Error, Estimator, FrictionObserver, Learning, ObserverLaw, Parts, Path, READINGS,
+    Runner, SampledController, Scaling, Signal,
 };
 use counterpoise_lti::{Mat, StateSpace, Timebase};
 
@@ -122,6 +122,8 @@ fn the_friction_observer_follows_dahl() {
         parts.observers = vec![FrictionObserver {
             name: "pivot".into(),
             rate: Signal::HubRate,
+            law: ObserverLaw::Dahl,
+            level: Vec::new(),
             coulomb_nm: 117.0,
             rest_stiffness_nm_rad: 2.4e5,
             volts_per_nm: 1e-3,
@@ -153,8 +155,8 @@ fn the_estimator_finds_the_out_of_balance_under_friction() {
         gravity_m_s2: 9.81,
         rate: Signal::HubRate,
         half_rate_rad_s: 0.01,
-        step: 0.05,
-        scale: [0.1, 1.0, 1.0],
+        learning: Learning::Gradient { step: 0.05, scale: [0.1, 1.0, 1.0] },
+        hold_samples: 0,
         volts_per_kg_m_s2: 0.002,
         rate_limit_kg_m_s: 50.0,
     });

@@ -1,6 +1,6 @@
 //! Cancelling dry friction by a nonlinear observer: identified levels in, observers for the controller out.
 
-use counterpoise_controller::{FrictionObserver, Signal};
+use counterpoise_controller::{FrictionObserver, ObserverLaw, Signal};
 
 use crate::Error;
 
@@ -13,17 +13,21 @@ pub enum Side {
     Load,
 }
 
-/// A friction as it was identified, of Dahl's kind.
+/// A friction as it was identified.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identified {
     /// A lower-case identifier.
     pub name: String,
     /// Where it acts.
     pub side: Side,
+    /// Its law, with rates and damping of the side where it acts.
+    pub law: ObserverLaw,
     /// Coulomb level, N m.
     pub coulomb_nm: f64,
-    /// Rest stiffness, N m/rad.
+    /// Rest stiffness, N m/rad; laws that slide alone do not use it.
     pub rest_stiffness_nm_rad: f64,
+    /// The level over the Coulomb level by the speed, (rad/s, 1); empty for a constant level.
+    pub level: Vec<[f64; 2]>,
     /// Viscous coefficient, N m s/rad; 0 leaves the viscous part to the linear design, which knows it.
     pub viscous_nm_s_rad: f64,
 }
@@ -73,7 +77,8 @@ fn observer(
 ) -> Result<FrictionObserver, Error> {
     let (level, stiffness) = (friction.coulomb_nm, friction.rest_stiffness_nm_rad);
     range("Coulomb level in N m", level, level > 0.0, "positive")?;
-    range("rest stiffness in N m/rad", stiffness, stiffness > 0.0, "positive")?;
+    let slides = matches!(friction.law, ObserverLaw::Sliding { .. } | ObserverLaw::Walrath { .. });
+    range("rest stiffness in N m/rad", stiffness, stiffness > 0.0 || slides, "positive")?;
     let turns = match friction.side {
         Side::Motor => drive.ratio,
         Side::Load => 1.0,
@@ -85,11 +90,28 @@ fn observer(
             Drives::MeasuredRate => Signal::RelativeRate,
             Drives::Demand => Signal::Demand,
         },
+        law: at_the_hub(&friction.law, turns),
         coulomb_nm: level * turns,
         rest_stiffness_nm_rad: stiffness * turns * turns,
+        level: friction.level.iter().map(|[speed, level]| [speed / turns, *level]).collect(),
         volts_per_nm: volts,
         viscous_v_s_rad: volts * friction.viscous_nm_s_rad * turns * turns,
     })
+}
+
+/// A law of a side that turns so many times as fast, by the hub's rate and in torque at the hub.
+fn at_the_hub(law: &ObserverLaw, turns: f64) -> ObserverLaw {
+    let mut law = law.clone();
+    match &mut law {
+        ObserverLaw::Dahl | ObserverLaw::DahlPower { .. } => {}
+        ObserverLaw::Lugre { damping_nm_s_rad } | ObserverLaw::ResetIntegrator { damping_nm_s_rad, .. } => {
+            *damping_nm_s_rad *= turns * turns;
+        }
+        ObserverLaw::Sliding { sign_rate_rad_s } | ObserverLaw::Walrath { sign_rate_rad_s, .. } => {
+            *sign_rate_rad_s /= turns;
+        }
+    }
+    law
 }
 
 fn range(what: &'static str, value: f64, good: bool, allowed: &'static str) -> Result<(), Error> {
@@ -106,8 +128,10 @@ mod tests {
         Identified {
             name: "dry".into(),
             side,
+            law: ObserverLaw::Dahl,
             coulomb_nm: 0.065,
             rest_stiffness_nm_rad: 1.3,
+            level: Vec::new(),
             viscous_nm_s_rad: 0.0,
         }
     }

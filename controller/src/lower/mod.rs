@@ -1,8 +1,11 @@
 //! From a controller's parts to its straight lines of arithmetic.
 //!
 //! Order of a step: corrections, prefilter, derived signals, friction observers, outputs of the paths, their gains, the
-//! sum, the limiter, new states. Coefficients that are exactly 0 are left out here, once for all back ends.
+//! sum, the limiter, the drive's curve, new states. Coefficients that are exactly 0 are left out here, once for all back ends.
 
+mod curve;
+mod estimate;
+mod observe;
 mod schedule;
 mod step;
 

@@ -2,7 +2,7 @@
 
 use crate::lower::{States, Writer};
 use crate::program::{OnReset, Operation, Program, Slot};
-use crate::{Parts, Scaling};
+use crate::{Estimator, Learning, Parts, Scaling};
 
 /// States that belong to the out-of-balance.
 pub(crate) struct Layout {
@@ -48,14 +48,22 @@ pub(crate) fn layout(parts: &Parts, states: &mut States) -> Layout {
         (follows && parts.transfer_time_s > 0.0).then(|| states.scalar("transfer_v", 0.0, OnReset::Restart));
     let estimate = parts.estimator.as_ref().map_or(Vec::new(), |estimator| {
         let holds = design * estimator.volts_per_kg_m_s2;
-        (0..3)
-            .map(|i| {
-                let initial = if i == 0 { holds } else { 0.0 };
-                states.scalar(&format!("estimate_{i}"), initial, OnReset::Keep)
-            })
+        let initial = |i| if i == 0 { holds } else { 0.0 };
+        (0..parameters(estimator))
+            .map(|i| states.scalar(&format!("estimate_{i}"), initial(i), OnReset::Keep))
             .collect()
     });
     Layout { out_of_balance, bias, transfer, estimate, paths }
+}
+
+/// Number of estimated parameters.
+fn parameters(estimator: &Estimator) -> usize {
+    match estimator.learning {
+        Learning::Gradient { .. } => 3,
+        Learning::Mean { .. } => 1,
+        Learning::Squares { .. } if estimator.gravity_m_s2 == 0.0 => 4,
+        Learning::Squares { .. } => 3,
+    }
 }
 
 fn initial_gain(scaling: Scaling, design: f64) -> Option<f64> {
@@ -152,7 +160,7 @@ pub(crate) fn program(parts: &Parts, layout: &Layout) -> Program {
 }
 
 /// The part of the last control that gains and bias make.
-fn slow_part(writer: &mut Writer, layout: &Layout, when: &str) -> Slot {
+pub(crate) fn slow_part(writer: &mut Writer, layout: &Layout, when: &str) -> Slot {
     let mut parts: Vec<(f64, Slot)> = Vec::new();
     for (i, followed) in layout.paths.iter().enumerate() {
         if let Some(followed) = followed {

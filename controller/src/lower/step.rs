@@ -2,10 +2,12 @@
 
 use counterpoise_lti::StateSpace;
 
-use crate::lower::schedule::{self, Layout};
-use crate::lower::{PREFILTER_STATES, PREVIOUS_CONTROL, States, Writer, reading_names};
+use crate::check;
+use crate::lower::estimate::{self, Seen};
+use crate::lower::schedule::Layout;
+use crate::lower::{PREFILTER_STATES, PREVIOUS_CONTROL, States, Writer, curve, observe, reading_names};
 use crate::program::{OnReset, Program, Slot};
-use crate::{Estimator, FrictionObserver, Parts, Path, READINGS, Signal};
+use crate::{FrictionObserver, Parts, Path, READINGS, Signal};
 
 /// Where each signal of this step is found.
 struct Signals {
@@ -37,12 +39,15 @@ pub(crate) fn program(parts: &Parts, layout: &Layout, states: &mut States) -> Pr
     let mut signals = corrected(parts, &mut writer);
     prefilter(parts, &mut signals, states, &mut writer, &mut pending);
     derive(parts, &mut signals, states, &mut writer);
-    let dry: Vec<Slot> =
-        parts.observers.iter().map(|o| observe(o, parts, &signals, states, &mut writer)).collect();
+    let observe = |o: &FrictionObserver| {
+        observe::observe(o, (signals.slot(o.rate), parts.sample_period_s), states, &mut writer)
+    };
+    let dry: Vec<Slot> = parts.observers.iter().map(observe).collect();
     let path_states: Vec<Vec<Slot>> =
         parts.paths.iter().map(|path| states.array(&path.name, path.system.order())).collect();
     let outputs = outputs(parts, layout, &signals, &path_states, &mut writer);
     let (control, limited) = control(parts, layout, (&outputs, &dry), &mut writer);
+    let driven = drive(parts, limited, &mut writer);
     let excess = excess(parts, (control, limited), &mut writer);
     for (path, x) in parts.paths.iter().zip(&path_states) {
         let u: Vec<Slot> = path.inputs.iter().map(|signal| signals.slot(*signal)).collect();
@@ -54,8 +59,9 @@ pub(crate) fn program(parts: &Parts, layout: &Layout, states: &mut States) -> Pr
         writer.copy(state, new);
     }
     fade(parts, layout, &mut writer);
-    estimate(parts, layout, &signals, limited, &mut writer);
-    writer.finish(Some(limited))
+    let signal = |signal| signals.slot(signal);
+    estimate::estimate(&Seen { parts, layout, signal: &signal, control: limited }, states, &mut writer);
+    writer.finish(Some(driven))
 }
 
 fn corrected(parts: &Parts, writer: &mut Writer) -> Signals {
@@ -102,28 +108,6 @@ fn derive(parts: &Parts, signals: &mut Signals, states: &mut States, writer: &mu
         used(Signal::PreviousControl).then(|| states.scalar(PREVIOUS_CONTROL, 0.0, OnReset::Restart));
 }
 
-/// The implicit Dahl step; gives the observer's volts.
-fn observe(
-    observer: &FrictionObserver,
-    parts: &Parts,
-    signals: &Signals,
-    states: &mut States,
-    writer: &mut Writer,
-) -> Slot {
-    let name = &observer.name;
-    writer.section(format!("friction observer {name}: Dahl, implicit step"));
-    let force = states.scalar(&format!("{name}_nm"), 0.0, OnReset::Restart);
-    let rate = signals.slot(observer.rate);
-    let grip = observer.rest_stiffness_nm_rad * parts.sample_period_s;
-    let speed = writer.magnitude(format!("{name}_speed_rad_s"), rate);
-    let above = writer.sum(format!("{name}_above_nm"), &[(1.0, force), (grip, rate)]);
-    let below = writer.local(format!("{name}_below"));
-    writer.sum_into(below, Some(1.0), &[(grip / observer.coulomb_nm, speed)]);
-    let next = writer.quotient(format!("{name}_next_nm"), above, below);
-    writer.copy(force, next);
-    writer.sum(format!("{name}_v"), &[(observer.volts_per_nm, force), (observer.viscous_v_s_rad, rate)])
-}
-
 /// C x + D u of each path, with its gain where it follows the out-of-balance.
 fn outputs(
     parts: &Parts,
@@ -158,8 +142,22 @@ fn control(
     let all = outputs.iter().chain(dry).copied().chain(layout.bias).chain(layout.transfer);
     let terms: Vec<(f64, Slot)> = all.map(|slot| (1.0, slot)).collect();
     let control = writer.sum("control_v", &terms);
-    let limited = writer.clamp("limited_v", control, (-parts.limit_v, parts.limit_v));
+    let limit = check::equivalent_limit_v(parts);
+    let limited = writer.clamp("limited_v", control, (-limit, limit));
     (control, limited)
+}
+
+/// The control that has the effect of the limited volts of a linear drive.
+fn drive(parts: &Parts, limited: Slot, writer: &mut Writer) -> Slot {
+    if parts.drive_curve.is_empty() {
+        return limited;
+    }
+    writer.section("inverse of the drive's measured curve");
+    let mut points: Vec<[f64; 2]> =
+        parts.drive_curve.iter().copied().take_while(|point| point[1] < parts.limit_v).collect();
+    points.push([check::equivalent_limit_v(parts), parts.limit_v]);
+    let driven = curve::odd(writer, "driven_v", limited, &points);
+    writer.clamp("driven_limited_v", driven, (-parts.limit_v, parts.limit_v))
 }
 
 /// limited - unlimited control, where a path uses it.
@@ -213,51 +211,4 @@ fn fade(parts: &Parts, layout: &Layout, writer: &mut Writer) {
     let keep = parts.transfer_time_s / (parts.transfer_time_s + parts.sample_period_s);
     let next = writer.sum("faded_v", &[(keep, transfer)]);
     writer.copy(transfer, next);
-}
-
-/// The normalised gradient step of the estimator, and the gains that follow.
-fn estimate(parts: &Parts, layout: &Layout, signals: &Signals, limited: Slot, writer: &mut Writer) {
-    let (Some(estimator), [p0, p1, p2]) = (&parts.estimator, layout.estimate.as_slice()) else { return };
-    writer.section("estimate of the out-of-balance from the control");
-    let phi = regressors(estimator, signals, writer);
-    let p = [*p0, *p1, *p2];
-    let explained: [Slot; 3] =
-        std::array::from_fn(|i| writer.product(format!("explained_{i}_v"), p[i], phi[i]));
-    let [e0, e1, e2] = explained;
-    let left = writer.sum("unexplained_v", &[(1.0, limited), (-1.0, e0), (-1.0, e1), (-1.0, e2)]);
-    let squares: [Slot; 3] = std::array::from_fn(|i| writer.product(format!("square_{i}"), phi[i], phi[i]));
-    let size = writer.local("excitation");
-    let weights: Vec<(f64, Slot)> = (0..3).map(|i| (estimator.scale[i].powi(2), squares[i])).collect();
-    writer.sum_into(size, Some(1.0), &weights);
-    let push = writer.quotient("push", left, size);
-    for i in 0..3 {
-        let along = writer.product(format!("along_{i}"), push, phi[i]);
-        let gain = estimator.step * estimator.scale[i].powi(2);
-        let next = writer.sum(format!("estimate_next_{i}"), &[(1.0, p[i]), (gain, along)]);
-        writer.copy(p[i], next);
-    }
-    follow_estimate(estimator, (parts, layout), *p0, writer);
-}
-
-fn regressors(estimator: &Estimator, signals: &Signals, writer: &mut Writer) -> [Slot; 3] {
-    let lift = writer.local("lift_m_s2");
-    let heave = signals.slot(Signal::PlatformAcceleration);
-    writer.sum_into(lift, Some(estimator.gravity_m_s2), &[(1.0, heave)]);
-    let rate = signals.slot(estimator.rate);
-    let speed = writer.magnitude("estimator_speed_rad_s", rate);
-    let softened = writer.local("softened_speed_rad_s");
-    writer.sum_into(softened, Some(estimator.half_rate_rad_s), &[(1.0, speed)]);
-    [lift, writer.quotient("direction", rate, softened), rate]
-}
-
-/// The out-of-balance moves to the estimate at its limited rate.
-fn follow_estimate(estimator: &Estimator, (parts, layout): (&Parts, &Layout), p0: Slot, writer: &mut Writer) {
-    let most = estimator.rate_limit_kg_m_s * parts.sample_period_s;
-    let aim = writer.sum("aim_kg_m", &[(1.0 / estimator.volts_per_kg_m_s2, p0)]);
-    let way = writer.sum("way_kg_m", &[(1.0, aim), (-1.0, layout.out_of_balance)]);
-    let moved = writer.clamp("moved_kg_m", way, (-most, most));
-    let sum = writer.sum("unbounded_kg_m", &[(1.0, layout.out_of_balance), (1.0, moved)]);
-    let bounded = writer.clamp("bounded_kg_m", sum, parts.out_of_balance_range_kg_m);
-    writer.copy(layout.out_of_balance, bounded);
-    schedule::follow(writer, parts, layout);
 }

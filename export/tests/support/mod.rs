@@ -7,7 +7,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use counterpoise_controller::lti::{Mat, StateSpace, Timebase};
 use counterpoise_controller::{
-    Controller, Correction, Estimator, FrictionObserver, Number, Parts, Path, READINGS, Readings,
+    Controller, Correction, Estimator, FrictionObserver, Learning, Number, ObserverLaw, Parts, Path, READINGS, Readings,
     SampledController, Scaling, Signal,
 };
 use counterpoise_export::{File, Fixed, Provenance};
@@ -79,6 +79,8 @@ pub fn typical() -> Controller {
     parts.observers = vec![FrictionObserver {
         name: "pivot_friction".into(),
         rate: Signal::RelativeRate,
+        law: ObserverLaw::Dahl,
+        level: Vec::new(),
         coulomb_nm: 117.0,
         rest_stiffness_nm_rad: 2.4e5,
         volts_per_nm: 1e-3,
@@ -102,6 +104,8 @@ pub fn complete() -> Controller {
         parts.observers.push(FrictionObserver {
             name: "motor_friction".into(),
             rate: Signal::Demand,
+            law: ObserverLaw::Dahl,
+            level: Vec::new(),
             coulomb_nm: 13.0,
             rest_stiffness_nm_rad: 5.2e4,
             volts_per_nm: 2e-3,
@@ -111,8 +115,8 @@ pub fn complete() -> Controller {
             gravity_m_s2: 9.80665,
             rate: Signal::RelativeRate,
             half_rate_rad_s: 0.01,
-            step: 0.3,
-            scale: [0.02, 0.1, 0.1],
+            learning: Learning::Gradient { step: 0.3, scale: [0.02, 0.1, 0.1] },
+            hold_samples: 0,
             volts_per_kg_m_s2: 0.019 / 9.80665,
             rate_limit_kg_m_s: 20.0,
         });

@@ -1,6 +1,6 @@
 //! What the rows share: the design of the project's mechanism, variants of it, and the experiments on them.
 
-use counterpoise_controller::{Controller, FrictionObserver, Signal};
+use counterpoise_controller::{Controller, FrictionObserver, ObserverLaw, Signal};
 use counterpoise_lti::{Response, StateSpace};
 use counterpoise_models::Parameters;
 use counterpoise_models::plant::Plant;
@@ -12,7 +12,7 @@ use counterpoise_verify::{
 };
 
 use crate::Project;
-use crate::pipeline::surround::rest_stiffness_nm_rad;
+use crate::pipeline::observers::rest_stiffness_nm_rad;
 use crate::pipeline::{Designed, PipelineError, World, design, procedure};
 
 /// A design that is put to the test.
@@ -160,6 +160,8 @@ pub fn with_observers(
     let observer = |name: &str, friction: &counterpoise_models::Friction, scale: f64| FrictionObserver {
         name: name.to_owned(),
         rate: Signal::RelativeRate,
+        law: ObserverLaw::Dahl,
+        level: Vec::new(),
         coulomb_nm: share * scale * friction.coulomb_nm(),
         rest_stiffness_nm_rad: scale * scale * rest_stiffness_nm_rad(&friction.law),
         volts_per_nm: 1.0 / torque_per_volt,

@@ -16,10 +16,11 @@ use counterpoise_verify::Procedure;
 use serde::Serialize;
 
 use super::balance::unbalanced;
+use super::surround::drive_curve;
 use super::synth::torque_per_volt;
 use super::{Modelled, PipelineError, Synthesised};
 use crate::Project;
-use crate::resolve::around::{Adaptation, AdaptationMethod};
+use crate::resolve::around::{Adaptation, AdaptationMethod, Undo};
 
 /// A run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -80,6 +81,7 @@ struct Stage<'a> {
     controller: &'a Controller,
     modelled: &'a Modelled,
     procedure: &'a Procedure,
+    undo: Undo,
 }
 
 /// All runs, (a) first. Those with a nonlinear amplifier come only where the project gives its curve.
@@ -96,7 +98,8 @@ pub fn adapt(
     let adaptation = asked.around.adaptation.as_ref().ok_or(missing("synth.adaptation"))?;
     let verification = project.verify.as_ref().ok_or(missing("verify"))?;
     let controller = &made.sampled.controller;
-    let stage = Stage { adaptation, controller, modelled, procedure: &verification.procedure };
+    let (procedure, undo) = (&verification.procedure, asked.around.amplifier_curve);
+    let stage = Stage { adaptation, controller, modelled, procedure, undo };
     let mut runs: Vec<AdaptRun> = Vec::new();
     for plan in plans(adaptation) {
         let (mut run, default) = (stage.run(&plan)?, stage.default_for(&plan)?);
@@ -133,7 +136,6 @@ fn plans(adaptation: &Adaptation) -> Vec<Plan> {
         plan('h', "several changes, adaptation, nonlinear amplifier", &many, Some(EARLY), true),
     ];
     plans.retain(|plan| !plan.curved || !adaptation.trial.amplifier_curve.is_empty());
-    plans.retain(|plan| plan.letter != 'c' || adaptation.method != AdaptationMethod::Gradient);
     plans
 }
 
@@ -250,24 +252,56 @@ impl Stage<'_> {
         Ok(Simulator::new(plant)?.run(acting, &scenario)?)
     }
 
+    /// The exported controller with its own estimator, held until its time. Where the amplifier's curve is left in the loop,
+    /// an estimator beside the controller knows it.
     fn acting(&self, plan: &Plan) -> Result<Acting, PipelineError> {
-        let alone = self.controller.with(|parts| parts.estimator = None);
-        let alone = alone.map_err(counterpoise_synth::Error::from)?;
-        let Some(from) = plan.from else { return Ok(Acting::Alone(Box::new(alone.runner()))) };
-        let period_s = self.modelled.parameters.interface.sample_period_s;
-        let estimation = match self.adaptation.method {
-            AdaptationMethod::Gradient => return Ok(Acting::Alone(Box::new(self.controller.runner()))),
+        let held = plan.from.map(|from| (from * self.adaptation.trial.duration_s / self.period_s()) as u32);
+        let beside = plan.curved && self.undo == Undo::Leave && held.is_some();
+        let curve = match (plan.curved, self.undo) {
+            (true, Undo::Undo) => self.drive_curve(),
+            _ => Vec::new(),
+        };
+        let controller = self.controller.with(|parts| {
+            parts.drive_curve = curve;
+            parts.estimator = parts.estimator.take().filter(|_| held.is_some() && !beside);
+            if let (Some(estimator), Some(samples)) = (&mut parts.estimator, held) {
+                estimator.hold_samples = samples;
+            }
+        });
+        let runner = controller.map_err(counterpoise_synth::Error::from)?.runner();
+        match self.estimation(plan.curved)?.filter(|_| beside) {
+            None => Ok(Acting::Alone(Box::new(runner))),
+            Some(estimation) => {
+                let held = held.unwrap_or(0) as usize;
+                Ok(Acting::Beside(Box::new(Adaptive::new(runner, estimation).held(held))))
+            }
+        }
+    }
+
+    /// An estimator beside the controller; none for the gradient.
+    fn estimation(&self, curved: bool) -> Result<Option<Estimation>, PipelineError> {
+        let period_s = self.period_s();
+        Ok(match self.adaptation.method {
+            AdaptationMethod::Gradient => None,
             AdaptationMethod::WindowedMean => {
                 let window = (self.adaptation.window_s / period_s).round() as usize;
-                Estimation::Mean(WindowedMean::new(self.scale(plan.curved), window)?)
+                Some(Estimation::Mean(WindowedMean::new(self.scale(curved), window)?))
             }
             AdaptationMethod::Recursive => {
-                Estimation::Squares(Recursive::new(self.settings(plan.curved, period_s))?)
+                Some(Estimation::Squares(Recursive::new(self.settings(curved, period_s))?))
             }
-        };
-        let held = (from * self.adaptation.trial.duration_s / period_s) as usize;
-        let adaptive = Adaptive::new(alone.runner(), estimation).held(held);
-        Ok(Acting::Beside(Box::new(adaptive)))
+        })
+    }
+
+    fn period_s(&self) -> f64 {
+        self.modelled.parameters.interface.sample_period_s
+    }
+
+    fn drive_curve(&self) -> Vec<[f64; 2]> {
+        let p = &self.modelled.parameters;
+        let point = |&[input_v, current_a]: &[f64; 2]| MapPoint { input_v, current_a };
+        let map: Vec<MapPoint> = self.adaptation.trial.amplifier_curve.iter().map(point).collect();
+        drive_curve(&map, p.amplifier.stall_gain_a_v(&p.motor))
     }
 
     fn settings(&self, curved: bool, sample_period_s: f64) -> RecursiveSettings {

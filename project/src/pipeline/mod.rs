@@ -11,6 +11,7 @@ pub mod error;
 pub mod export;
 pub mod fra;
 pub mod model;
+pub(crate) mod observers;
 pub mod portrait;
 pub mod reduce;
 pub mod search;
@@ -24,7 +25,7 @@ use counterpoise_verify::VerifiedController;
 
 pub use error::PipelineError;
 pub use export::export;
-pub use model::{Modelled, model};
+pub use model::{Modelled, finite_elements, finite_elements_of, model};
 pub use reduce::{Reduced, reduce};
 pub use sweep::{campaign, families};
 pub use synth::{Synthesised, synthesise};

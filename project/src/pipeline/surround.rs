@@ -1,19 +1,24 @@
 //! What surrounds the design's paths in the controller: the demand's prefilter, friction observers, the estimator.
 
-use counterpoise_controller::{Estimator, FrictionObserver, Parts, Signal};
+use counterpoise_controller::{Estimator, FrictionObserver, Learning, Parts, Signal};
 use counterpoise_lti::{StateSpace, c2d};
-use counterpoise_models::{Friction, FrictionLaw, Parameters};
+use counterpoise_models::{Friction, MapPoint, Parameters};
 use counterpoise_synth::{
     DesignPlant, Drive, Identified, Sampled, Sampling, Side, check, friction_observers,
 };
 
+use super::observers::observed;
 use super::synth::{solved, torque_per_volt};
 use super::{Modelled, PipelineError};
-use crate::resolve::around::{Adaptation, AdaptationMethod, Levels, ObserverAsked};
+use crate::resolve::around::{Adaptation, AdaptationMethod, ObserverAsked, Stands, Undo};
 use crate::resolve::design::Synthesis;
 
-/// Stiffness at rest; a law without one breaks away within this angle in the observer, rad.
-const BREAKAWAY_RAD: f64 = 5e-4;
+/// Standard deviation with which parameters other than the imbalance start, V or V s/rad.
+const LOOSE: f64 = 10.0;
+/// A stretch of a measured curve is at least this share of its reach.
+const SHORTEST: f64 = 0.03;
+/// A curve that rises less than this share of a linear drive's is taken as noise: its inverse would be too steep.
+const LEAST_SLOPE: f64 = 0.2;
 /// Smallest out-of-balance from which the estimator takes the size of its first parameter, kg m.
 const SMALL_KG_M: f64 = 10.0;
 
@@ -32,12 +37,19 @@ pub(crate) fn surrounded(
         None => Vec::new(),
     };
     let adaptation = asked.around.adaptation.as_ref();
-    let estimator = adaptation.and_then(|adaptation| estimator(adaptation, modelled));
-    if prefilter.is_none() && observers.is_empty() && estimator.is_none() {
+    let estimator = adaptation.map(|adaptation| estimator(adaptation, modelled));
+    let amplifier = &modelled.parameters.amplifier;
+    let drive_curve = match asked.around.amplifier_curve {
+        Undo::Leave => Vec::new(),
+        Undo::Undo => drive_curve(&amplifier.map, amplifier.stall_gain_a_v(&modelled.parameters.motor)),
+    };
+    let bare = prefilter.is_none() && observers.is_empty() && estimator.is_none() && drive_curve.is_empty();
+    if bare {
         return Ok(sampled);
     }
     let change = |parts: &mut Parts| {
         (parts.prefilter, parts.observers, parts.estimator) = (prefilter, observers, estimator);
+        parts.drive_curve = drive_curve;
     };
     let controller = sampled.controller.with(change).map_err(counterpoise_synth::Error::from)?;
     solved(check(plant, controller, sampling)?)
@@ -48,72 +60,78 @@ fn prefilter(asked: &Synthesis, sampling: &Sampling) -> Result<Option<StateSpace
     Ok(Some(c2d(&weight.realise()?, sampling.period_s, sampling.method)?))
 }
 
-/// Observers of the friction at motor and pivot: the identified levels, or the plant's.
+/// Observers of the friction at motor and pivot: as identified, or the plant's.
 fn observers(asked: &ObserverAsked, p: &Parameters) -> Result<Vec<FrictionObserver>, PipelineError> {
     let sides = [
-        ("friction_pivot", Side::Load, asked.pivot, &p.pivot_friction),
-        ("friction_motor", Side::Motor, asked.motor, &p.motor_friction),
+        ("friction_pivot", Side::Load, &asked.pivot, &p.pivot_friction),
+        ("friction_motor", Side::Motor, &asked.motor, &p.motor_friction),
     ];
-    let identified: Vec<Identified> = sides
-        .into_iter()
-        .map(|(name, side, given, friction)| {
-            identified(name, side, given.unwrap_or_else(|| of_plant(friction)))
-        })
-        .filter(|one| one.coulomb_nm > 0.0)
-        .collect();
+    let follow = |(name, side, given, of_plant): (&str, Side, &Option<Friction>, &Friction)| match given {
+        Some(own) => observed((name, side), own, (Stands::ByItself, asked.sign_rate_rad_s)),
+        None => observed((name, side), of_plant, (asked.stands, asked.sign_rate_rad_s)),
+    };
+    let identified: Vec<Identified> = sides.into_iter().filter_map(follow).collect();
     let drive = Drive { ratio: p.gearbox.ratio, stall_nm_v: torque_per_volt(p) };
     Ok(friction_observers(&identified, drive, asked.drives, asked.share)?)
 }
 
-fn identified(name: &str, side: Side, levels: Levels) -> Identified {
-    Identified {
-        name: name.to_owned(),
-        side,
-        coulomb_nm: levels.coulomb_nm,
-        rest_stiffness_nm_rad: levels.rest_stiffness_nm_rad,
-        viscous_nm_s_rad: 0.0,
-    }
-}
-
-fn of_plant(friction: &Friction) -> Levels {
-    let rest_stiffness_nm_rad = rest_stiffness_nm_rad(&friction.law);
-    Levels { coulomb_nm: friction.coulomb_nm(), rest_stiffness_nm_rad }
-}
-
-/// The stiffness at rest with which an observer stands for a law; of a law without one, what lets it break away within
-/// half a milliradian.
-pub(crate) fn rest_stiffness_nm_rad(law: &FrictionLaw) -> f64 {
-    match law {
-        FrictionLaw::Dahl { rest_stiffness_nm_rad, .. } => *rest_stiffness_nm_rad,
-        FrictionLaw::Lugre { bristle_stiffness_nm_rad, .. } => *bristle_stiffness_nm_rad,
-        FrictionLaw::None => 0.0,
-        FrictionLaw::Coulomb { coulomb_nm }
-        | FrictionLaw::ResetIntegrator { coulomb_nm, .. }
-        | FrictionLaw::Stribeck { coulomb_nm, .. }
-        | FrictionLaw::Karnopp { coulomb_nm, .. }
-        | FrictionLaw::Walrath { coulomb_nm, .. }
-        | FrictionLaw::Bristle { coulomb_nm, .. } => coulomb_nm / BREAKAWAY_RAD,
-    }
-}
-
-/// The estimator that is part of the controller; none for the methods that run beside it.
-fn estimator(adaptation: &Adaptation, modelled: &Modelled) -> Option<Estimator> {
-    if adaptation.method != AdaptationMethod::Gradient {
-        return None;
-    }
+/// The estimator of the out-of-balance.
+fn estimator(adaptation: &Adaptation, modelled: &Modelled) -> Estimator {
     let p = &modelled.parameters;
     let volts = 1.0 / torque_per_volt(p);
-    let moment = modelled.plant.body().out_of_balance_kg_m.abs().max(SMALL_KG_M);
-    let ratio = p.gearbox.ratio;
-    let dry = p.pivot_friction.coulomb_nm() + ratio * p.motor_friction.coulomb_nm();
-    let viscous = p.pivot_friction.viscous_nm_s_rad + ratio * ratio * p.motor_friction.viscous_nm_s_rad;
-    Some(Estimator {
+    let mean = adaptation.method == AdaptationMethod::WindowedMean;
+    Estimator {
+        learning: learning(adaptation, modelled),
         gravity_m_s2: p.gravity_m_s2,
         rate: Signal::RelativeRate,
         half_rate_rad_s: adaptation.half_rate_rad_s,
-        step: adaptation.step,
-        scale: [moment * volts, dry * volts, viscous * volts],
         volts_per_kg_m_s2: volts,
-        rate_limit_kg_m_s: adaptation.rate_limit_kg_m_s,
-    })
+        rate_limit_kg_m_s: if mean { f64::INFINITY } else { adaptation.rate_limit_kg_m_s },
+        hold_samples: 0,
+    }
+}
+
+fn learning(adaptation: &Adaptation, modelled: &Modelled) -> Learning {
+    let p = &modelled.parameters;
+    let volts = 1.0 / torque_per_volt(p);
+    let moment = modelled.plant.body().out_of_balance_kg_m.abs().max(SMALL_KG_M);
+    let (ratio, period_s) = (p.gearbox.ratio, p.interface.sample_period_s);
+    match adaptation.method {
+        AdaptationMethod::Gradient => {
+            let dry = p.pivot_friction.coulomb_nm() + ratio * p.motor_friction.coulomb_nm();
+            let viscous =
+                p.pivot_friction.viscous_nm_s_rad + ratio * ratio * p.motor_friction.viscous_nm_s_rad;
+            Learning::Gradient {
+                step: adaptation.step,
+                scale: [moment, dry, viscous].map(|size| size * volts),
+            }
+        }
+        AdaptationMethod::WindowedMean => {
+            Learning::Mean { window_samples: (adaptation.window_s / period_s).round() as u32 }
+        }
+        AdaptationMethod::Recursive => Learning::Squares {
+            forget: (-period_s / adaptation.memory_s).exp(),
+            dead_band_m_s2: adaptation.dead_band_m_s2,
+            deviation: [moment * volts, LOOSE, LOOSE, LOOSE],
+        },
+    }
+}
+
+/// The inverse of the amplifier's measured curve: (volts of a linear amplifier, control), rising, from its positive
+/// points. A point that would make a stretch steeper or shorter than the measurement can tell is left out.
+pub(crate) fn drive_curve(map: &[MapPoint], gain_a_v: f64) -> Vec<[f64; 2]> {
+    let mut points: Vec<[f64; 2]> =
+        map.iter().map(|point| [point.current_a / gain_a_v, point.input_v]).filter(|p| p[1] > 0.0).collect();
+    points.sort_by(|a, b| a[1].total_cmp(&b[1]));
+    let most = points.iter().map(|point| point[0]).fold(0.0, f64::max);
+    let mut kept: Vec<[f64; 2]> = Vec::new();
+    let mut from = [0.0, 0.0];
+    for point in points {
+        let step = [point[0] - from[0], point[1] - from[1]];
+        if step[0] > SHORTEST * most && step[0] > LEAST_SLOPE * step[1] && step[1] > 0.0 {
+            kept.push(point);
+            from = point;
+        }
+    }
+    kept
 }

@@ -1,8 +1,10 @@
 //! What surrounds the three parts in `[synth]`: the method, the order, prefilter, friction observer, schedule, adaptation
 //! and the search for weights.
 
+use counterpoise_models::Friction;
 use counterpoise_synth::{Drives, Method, Requirements, Weight};
 
+use super::friction::{blank_identified, identified};
 use super::model::count;
 use super::weight::{blank_weight, weight};
 use crate::file::field::{Field, Limit, TableField};
@@ -19,6 +21,8 @@ pub struct Around {
     pub controller_order: Option<usize>,
     /// Filter of the demand before the controller.
     pub prefilter: Option<Weight>,
+    /// What the controller does about the amplifier's measured curve.
+    pub amplifier_curve: Undo,
     /// Nonlinear observer of friction.
     pub observer: Option<ObserverAsked>,
     /// Designs over out-of-balance.
@@ -29,6 +33,24 @@ pub struct Around {
     pub search: Option<SearchAsked>,
 }
 
+/// How an observer stands for a friction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stands {
+    /// As Dahl's law with the same level and stiffness at rest.
+    AsDahl,
+    /// By the friction's own law.
+    ByItself,
+}
+
+/// What the controller does about the amplifier's measured curve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Undo {
+    /// Nothing: the loop has the curve's gain. The estimator alone knows the curve, in `adapt`.
+    Leave,
+    /// Its last step is the inverse of the curve.
+    Undo,
+}
+
 /// Which friction is cancelled, and how.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObserverAsked {
@@ -37,18 +59,13 @@ pub struct ObserverAsked {
     /// Part that is cancelled, 0 to 1.
     pub share: f64,
     /// Friction at the motor shaft, as identified; `None` takes the plant's.
-    pub motor: Option<Levels>,
+    pub motor: Option<Friction>,
     /// Friction at the pivot, as identified; `None` takes the plant's.
-    pub pivot: Option<Levels>,
-}
-
-/// A dry friction as it was identified.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Levels {
-    /// Coulomb level, N m; 0 where none is to be cancelled.
-    pub coulomb_nm: f64,
-    /// Rest stiffness, N m/rad.
-    pub rest_stiffness_nm_rad: f64,
+    pub pivot: Option<Friction>,
+    /// By which law the plant's friction is followed.
+    pub stands: Stands,
+    /// Rate below which the sign of a law that truly sticks is softened, rad/s.
+    pub sign_rate_rad_s: f64,
 }
 
 /// The states of balance that are designed for.
@@ -97,11 +114,11 @@ pub struct Adaptation {
 /// Methods of adaptation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AdaptationMethod {
-    /// A normalised gradient, which is part of the exported controller.
+    /// A normalised gradient.
     Gradient,
-    /// The mean of the control over a window, in simulation.
+    /// The mean of the control over a window.
     WindowedMean,
-    /// Recursive least squares, in simulation.
+    /// Recursive least squares with forgetting.
     Recursive,
 }
 
@@ -141,6 +158,14 @@ impl Choice for Drives {
         &[("measured-rate", Self::MeasuredRate), ("demand", Self::Demand)];
 }
 
+impl Choice for Stands {
+    const NAMES: &'static [(&'static str, Self)] = &[("dahl", Self::AsDahl), ("plant", Self::ByItself)];
+}
+
+impl Choice for Undo {
+    const NAMES: &'static [(&'static str, Self)] = &[("leave", Self::Leave), ("undo", Self::Undo)];
+}
+
 impl Choice for LawAsked {
     const NAMES: &'static [(&'static str, Self)] =
         &[("auto", Self::Auto), ("gain", Self::Gain), ("redesign", Self::Redesign)];
@@ -162,6 +187,7 @@ impl Default for Around {
             alternatives: Vec::new(),
             controller_order: None,
             prefilter: None,
+            amplifier_curve: Undo::Leave,
             observer: None,
             schedule: None,
             adaptation: None,
@@ -178,6 +204,8 @@ pub(crate) fn keys(v: &mut dyn Visit, around: &mut Around) {
     let method = Field::new("method", "method of the feedback that is built").or_text("three-part");
     choose(v, &method, &mut around.method);
     methods(v, &mut around.alternatives);
+    let curve = "of `plant.amplifier.map` (in `adapt` the trial's curve): `undo` ends the controller with its inverse";
+    choose(v, &Field::new("amplifier_curve", curve).or_text("leave"), &mut around.amplifier_curve);
     let mut order = around.controller_order.unwrap_or(0);
     let field = Field::new("controller_order", "states kept of the feedback; 0 keeps all");
     count(v, &field.limit(Limit::Between(0.0, 1000.0)).or(0.0), &mut order);
@@ -220,7 +248,14 @@ fn prefilter(v: &mut dyn Visit, filter: &mut Weight) {
 }
 
 fn blank_observer() -> ObserverAsked {
-    ObserverAsked { drives: Drives::MeasuredRate, share: 1.0, motor: None, pivot: None }
+    ObserverAsked {
+        drives: Drives::MeasuredRate,
+        share: 1.0,
+        motor: None,
+        pivot: None,
+        stands: Stands::AsDahl,
+        sign_rate_rad_s: 5e-3,
+    }
 }
 
 fn observer(v: &mut dyn Visit, observer: &mut ObserverAsked) {
@@ -228,18 +263,16 @@ fn observer(v: &mut dyn Visit, observer: &mut ObserverAsked) {
     choose(v, &Field::new("drives", drives).or_text("measured-rate"), &mut observer.drives);
     let share = Field::new("share", "part of the level that is cancelled").limit(Limit::Between(0.0, 1.0));
     v.number(&share.or(1.0).shown(), &mut observer.share);
-    let blank = Levels { coulomb_nm: f64::NAN, rest_stiffness_nm_rad: f64::NAN };
-    let motor = TableField::optional("motor", "friction at the motor shaft as identified; else the plant's");
-    optional(v, &motor, &mut observer.motor, blank, levels);
-    let pivot = TableField::optional("pivot", "friction at the pivot as identified; else the plant's");
-    optional(v, &pivot, &mut observer.pivot, blank, levels);
-}
-
-fn levels(v: &mut dyn Visit, levels: &mut Levels) {
-    let coulomb = Field::new("coulomb", "level of the sliding friction; 0 leaves it alone").unit("N m");
-    v.number(&coulomb.limit(AT_LEAST_0), &mut levels.coulomb_nm);
-    let stiffness = Field::new("rest_stiffness", "stiffness at rest").unit("N m/rad");
-    v.number(&stiffness.limit(ABOVE_0), &mut levels.rest_stiffness_nm_rad);
+    let law = "the plant's friction followed by Dahl's law of its level and stiffness, or by its own law";
+    choose(v, &Field::new("law", law).or_text("dahl"), &mut observer.stands);
+    let sign = Field::new("sign_rate", "rate that softens the sign of a law that truly sticks").unit("rad/s");
+    v.number(&sign.limit(ABOVE_0).or(5e-3), &mut observer.sign_rate_rad_s);
+    let motor = "friction at the motor shaft as identified, with its own law; else the plant's";
+    let motor = TableField::optional("motor", motor);
+    optional(v, &motor, &mut observer.motor, blank_identified(), identified);
+    let pivot = "friction at the pivot as identified, with its own law; else the plant's";
+    let pivot = TableField::optional("pivot", pivot);
+    optional(v, &pivot, &mut observer.pivot, blank_identified(), identified);
 }
 
 fn blank_schedule() -> ScheduleAsked {
@@ -272,7 +305,7 @@ fn blank_adaptation() -> Adaptation {
 
 fn adaptation(v: &mut dyn Visit, a: &mut Adaptation) {
     let usual = blank_adaptation();
-    let method = "gradient is part of the exported code; the others run in `adapt`";
+    let method = "how the estimate, which is part of the exported code, is made";
     choose(v, &Field::new("method", method).or_text("gradient").shown(), &mut a.method);
     match a.method {
         AdaptationMethod::Gradient => {

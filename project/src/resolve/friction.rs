@@ -135,9 +135,25 @@ pub(crate) fn ripple(v: &mut dyn Visit, value: &mut Ripple) {
     v.number(&Field::new("phase", "phase at zero angle").unit("rad").or(0.0), &mut value.phase_rad);
 }
 
+/// Reads or lists a dry friction as it was identified: a law, Dahl's where none is named, and its Stribeck level.
+pub(crate) fn identified(v: &mut dyn Visit, value: &mut Friction) {
+    named_law(v, &MODEL.or_text("dahl"), &mut value.law);
+    v.number(&STATIC_RATIO, &mut value.static_ratio);
+    v.number(&STRIBECK_RATE, &mut value.stribeck_rate_rad_s);
+}
+
+/// An identified friction still to be read.
+pub(crate) fn blank_identified() -> Friction {
+    Friction::plain(blank(Law::Dahl), 0.0)
+}
+
 fn law(v: &mut dyn Visit, value: &mut FrictionLaw) {
+    named_law(v, &MODEL, value);
+}
+
+fn named_law(v: &mut dyn Visit, field: &Field, value: &mut FrictionLaw) {
     let mut name = name_of(value);
-    choose(v, &MODEL, &mut name);
+    choose(v, field, &mut name);
     if name != name_of(value) {
         *value = blank(name);
     }

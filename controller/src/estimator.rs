@@ -1,0 +1,63 @@
+//! The out-of-balance estimated from the control while the machine runs.
+
+use crate::Signal;
+
+/// Estimates the out-of-balance from the control, and sets it
+///
+/// ```text
+///     phi = (g cos(theta) + a_p, w / (|w| + w0), w, 1)        v = phi p
+///     M   = p_0 / volts_per_kg_m_s2, moved by at most `rate_limit_kg_m_s` T a sample, kept inside the range
+/// ```
+///
+/// with theta the hub's position reading, a_p the platform's acceleration reading, w the rate. How p is learnt is the
+/// [`Learning`]. It acts on the feedforward's gain and the bias only: no estimate can make the linear loop unstable.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimator {
+    /// How it learns.
+    pub learning: Learning,
+    /// Acceleration of gravity along the axis that the imbalance feels, m/s^2; 0 in azimuth or without gravity.
+    pub gravity_m_s2: f64,
+    /// Rate of the friction regressors.
+    pub rate: Signal,
+    /// Rate w0 at which the dry regressor is half grown, rad/s.
+    pub half_rate_rad_s: f64,
+    /// Volts that hold one kg m at one m/s^2.
+    pub volts_per_kg_m_s2: f64,
+    /// Largest change of the out-of-balance, kg m/s; infinite for none.
+    pub rate_limit_kg_m_s: f64,
+    /// The out-of-balance in force follows the estimate only after so many samples.
+    pub hold_samples: u32,
+}
+
+/// How an [`Estimator`] learns.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Learning {
+    /// Normalised gradient on the first three regressors:
+    /// `p += step (u - v) phi / (1 + phi' S phi) S, S = diag(scale^2)`; stable for 0 < step < 2.
+    Gradient {
+        /// Adaptation step, 0 < step < 2.
+        step: f64,
+        /// Typical sizes of the three parameters relative to each other's regressors.
+        scale: [f64; 3],
+    },
+    /// The mean of the control over each window, over that of gravity's share: p_0 anew at the end of every window, the
+    /// step that this makes faded in over the transfer time. The other regressors are not used.
+    Mean {
+        /// Samples of a window.
+        window_samples: u32,
+    },
+    /// Recursive least squares with forgetting, on the first three regressors, and on the fourth where gravity is 0.
+    ///
+    /// The covariance is kept as U D U' (G. J. Bierman, *Factorization Methods for Discrete Sequential Estimation*, 1977),
+    /// so that it stays positive in single precision. Two factors between 0 and 1 hold it back: learning fades out where
+    /// the mean square of the first regressor falls from 1.1 to 1 times `dead_band_m_s2`^2, and forgetting fades out
+    /// where a variance grows from 9 to 10 times its start.
+    Squares {
+        /// What a sample keeps of the weight of those before it, 0 < forget <= 1.
+        forget: f64,
+        /// Below this RMS of the first regressor the estimate stands still, m/s^2; 0 for none.
+        dead_band_m_s2: f64,
+        /// Standard deviations of the parameters at the start: V per m/s^2, V, V s/rad, V.
+        deviation: [f64; 4],
+    },
+}

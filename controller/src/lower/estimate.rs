@@ -1,0 +1,306 @@
+//! The estimator of the out-of-balance in a step.
+
+use crate::lower::schedule::{self, Layout};
+use crate::lower::{States, Writer};
+use crate::program::{OnReset, Slot};
+use crate::{Estimator, Learning, Parts, Signal};
+
+/// The mean square of the first regressor, over that of the dead-band, at which learning is whole.
+const WHOLE: f64 = 1.21;
+/// A variance over its start at which forgetting begins to fade, and at which it has ended.
+const WOUND: (f64, f64) = (9.0, 10.0);
+
+/// What an estimator sees in a sample.
+pub(crate) struct Seen<'a> {
+    /// The parts that it belongs to.
+    pub parts: &'a Parts,
+    /// States of the out-of-balance.
+    pub layout: &'a Layout,
+    /// Where a signal is found.
+    pub signal: &'a dyn Fn(Signal) -> Slot,
+    /// The limited control, in volts of a linear drive.
+    pub control: Slot,
+}
+
+/// Writes the estimator's step.
+pub(crate) fn estimate(seen: &Seen<'_>, states: &mut States, writer: &mut Writer) {
+    let Some(estimator) = &seen.parts.estimator else { return };
+    writer.section("estimate of the out-of-balance from the control");
+    match &estimator.learning {
+        Learning::Gradient { step, scale } => gradient(seen, estimator, (*step, scale), writer),
+        Learning::Mean { window_samples } => mean(seen, estimator, *window_samples, (states, writer)),
+        Learning::Squares { .. } => squares(seen, estimator, (states, writer)),
+    }
+    follow(seen, estimator, states, writer);
+}
+
+/// g cos(theta) + a_p: cos by its series, good to 2e-5 within 1 rad.
+fn lift(seen: &Seen<'_>, estimator: &Estimator, with_heave: Option<Slot>, writer: &mut Writer) -> Slot {
+    let g = estimator.gravity_m_s2;
+    let lift = writer.local("lift_m_s2");
+    let mut terms: Vec<(f64, Slot)> = with_heave.map(|heave| (1.0, heave)).into_iter().collect();
+    if g != 0.0 {
+        let angle = (seen.signal)(Signal::HubPosition);
+        let square = writer.product("angle_square", angle, angle);
+        let fourth = writer.product("angle_fourth", square, square);
+        let sixth = writer.product("angle_sixth", square, fourth);
+        terms.extend([(-g / 2.0, square), (g / 24.0, fourth), (-g / 720.0, sixth)]);
+    }
+    writer.sum_into(lift, Some(g), &terms);
+    lift
+}
+
+fn regressors(seen: &Seen<'_>, estimator: &Estimator, writer: &mut Writer) -> [Slot; 3] {
+    let heave = (seen.signal)(Signal::PlatformAcceleration);
+    let lift = lift(seen, estimator, Some(heave), writer);
+    let rate = (seen.signal)(estimator.rate);
+    let speed = writer.magnitude("estimator_speed_rad_s", rate);
+    let softened = writer.local("softened_speed_rad_s");
+    writer.sum_into(softened, Some(estimator.half_rate_rad_s), &[(1.0, speed)]);
+    [lift, writer.quotient("direction", rate, softened), rate]
+}
+
+/// The control less what the regressors explain of it.
+fn unexplained(control: Slot, p: &[Slot], phi: &[Slot], writer: &mut Writer) -> Slot {
+    let mut terms = vec![(1.0, control)];
+    for (i, (p, phi)) in p.iter().zip(phi).enumerate() {
+        terms.push((-1.0, writer.product(format!("explained_{i}_v"), *p, *phi)));
+    }
+    writer.sum("unexplained_v", &terms)
+}
+
+/// The normalised gradient step.
+fn gradient(seen: &Seen<'_>, estimator: &Estimator, (step, scale): (f64, &[f64; 3]), writer: &mut Writer) {
+    let p = &seen.layout.estimate;
+    let phi = regressors(seen, estimator, writer);
+    let left = unexplained(seen.control, p, &phi, writer);
+    let squares: [Slot; 3] = std::array::from_fn(|i| writer.product(format!("square_{i}"), phi[i], phi[i]));
+    let size = writer.local("excitation");
+    let weights: Vec<(f64, Slot)> = (0..3).map(|i| (scale[i].powi(2), squares[i])).collect();
+    writer.sum_into(size, Some(1.0), &weights);
+    let push = writer.quotient("push", left, size);
+    for i in 0..3 {
+        let along = writer.product(format!("along_{i}"), push, phi[i]);
+        let gain = step * scale[i].powi(2);
+        let next = writer.sum(format!("estimate_next_{i}"), &[(1.0, p[i]), (gain, along)]);
+        writer.copy(p[i], next);
+    }
+}
+
+/// The windowed mean: `window_ends` is 1 at the end of a window and 0 else.
+fn mean(seen: &Seen<'_>, estimator: &Estimator, window: u32, (states, writer): (&mut States, &mut Writer)) {
+    let lift = lift(seen, estimator, None, writer);
+    let kept = ["window_sum_v", "window_lift_m_s2", "window_count"];
+    let [sum, gravity, count] = kept.map(|name| states.scalar(name, 0.0, OnReset::Restart));
+    let sum_now = writer.sum("sum_now_v", &[(1.0, sum), (1.0, seen.control)]);
+    let gravity_now = writer.sum("lift_now_m_s2", &[(1.0, gravity), (1.0, lift)]);
+    let count_now = writer.local("count_now");
+    writer.sum_into(count_now, Some(1.0), &[(1.0, count)]);
+    let past = writer.local("window_past");
+    writer.sum_into(past, Some(1.0 - f64::from(window)), &[(1.0, count_now)]);
+    let ends = writer.clamp("window_ends", past, (0.0, 1.0));
+    let goes_on = writer.local("window_goes_on");
+    writer.sum_into(goes_on, Some(1.0), &[(-1.0, ends)]);
+    let found = writer.quotient("mean_v_per_m_s2", sum_now, gravity_now);
+    blend(seen.layout.estimate[0], found, ("estimate", ends, goes_on), writer);
+    for (state, now, name) in [
+        (sum, sum_now, "sum_next_v"),
+        (gravity, gravity_now, "lift_next_m_s2"),
+        (count, count_now, "count_next"),
+    ] {
+        let next = writer.product(name, now, goes_on);
+        writer.copy(state, next);
+    }
+}
+
+/// `into = new` where `ends` is 1, as it was where it is 0.
+fn blend(into: Slot, new: Slot, (name, ends, goes_on): (&str, Slot, Slot), writer: &mut Writer) {
+    let taken = writer.product(format!("{name}_taken"), new, ends);
+    let kept = writer.product(format!("{name}_kept"), into, goes_on);
+    let sum = writer.sum(format!("{name}_new"), &[(1.0, taken), (1.0, kept)]);
+    writer.copy(into, sum);
+}
+
+/// Recursive least squares with the covariance as U D U'.
+fn squares(seen: &Seen<'_>, estimator: &Estimator, (states, writer): (&mut States, &mut Writer)) {
+    let Learning::Squares { forget, dead_band_m_s2, deviation } = &estimator.learning else { return };
+    let p = seen.layout.estimate.clone();
+    let n = p.len();
+    let mut phi = regressors(seen, estimator, writer).to_vec();
+    if n > 3 {
+        let one = writer.local("constant_regressor");
+        writer.sum_into(one, Some(1.0), &[]);
+        phi.push(one);
+    }
+    let gate = (*dead_band_m_s2 > 0.0).then(|| gate(phi[0], (*forget, *dead_band_m_s2), states, writer));
+    let mut left = unexplained(seen.control, &p, &phi, writer);
+    if let Some(gate) = gate {
+        left = writer.product("gated_unexplained_v", gate, left);
+        let gated = |(i, slot): (usize, &Slot)| writer.product(format!("gated_{i}"), gate, *slot);
+        phi = phi.iter().enumerate().map(gated).collect();
+    }
+    let start: Vec<f64> = deviation.iter().take(n).map(|deviation| deviation * deviation).collect();
+    let factors = Factors::new(&start, states);
+    let keep = factors.keep((*forget, gate), &start, writer);
+    let gain = factors.update(&phi, keep, writer);
+    for (i, (p, gain)) in p.iter().zip(gain).enumerate() {
+        let move_by = writer.product(format!("move_{i}"), gain, left);
+        let next = writer.sum(format!("estimate_next_{i}"), &[(1.0, *p), (1.0, move_by)]);
+        writer.copy(*p, next);
+    }
+}
+
+/// 1 where the regressor is lively, 0 inside the dead-band.
+fn gate(phi: Slot, (forget, dead_band): (f64, f64), states: &mut States, writer: &mut Writer) -> Slot {
+    let liveliness = states.scalar("liveliness", 0.0, OnReset::Restart);
+    let square = writer.product("lift_square", phi, phi);
+    let next = writer.sum("liveliness_next", &[(forget, liveliness), (1.0 - forget, square)]);
+    writer.copy(liveliness, next);
+    let slope = 1.0 / ((WHOLE - 1.0) * dead_band * dead_band);
+    let beyond = writer.local("beyond_dead_band");
+    writer.sum_into(beyond, Some(-1.0 / (WHOLE - 1.0)), &[(slope, next)]);
+    writer.clamp("gate", beyond, (0.0, 1.0))
+}
+
+/// U and D of the covariance: U unit upper triangular, column by column.
+struct Factors {
+    U: Vec<Vec<Slot>>,
+    D: Vec<Slot>,
+}
+
+impl Factors {
+    fn new(start: &[f64], states: &mut States) -> Self {
+        let keep = OnReset::Restart;
+        let D = start.iter().enumerate().map(|(j, d)| states.scalar(&format!("variance_{j}"), *d, keep));
+        let D: Vec<Slot> = D.collect();
+        let U = (0..start.len())
+            .map(|j| (0..j).map(|i| states.scalar(&format!("factor_{i}_{j}"), 0.0, keep)).collect())
+            .collect();
+        Self { U, D }
+    }
+
+    /// What a sample keeps: 1 - (1 - forget) x gate x what the largest variances allow.
+    fn keep(&self, (forget, gate): (f64, Option<Slot>), start: &[f64], writer: &mut Writer) -> Option<Slot> {
+        if forget >= 1.0 {
+            return None;
+        }
+        let mut allowed: Option<Slot> = gate;
+        for (i, &start) in start.iter().enumerate() {
+            let variance = self.variance(i, writer);
+            let room = writer.local(format!("room_{i}"));
+            let span = (WOUND.1 - WOUND.0) * start;
+            writer.sum_into(room, Some(WOUND.1 * start / span), &[(-1.0 / span, variance)]);
+            let room = writer.clamp(format!("may_forget_{i}"), room, (0.0, 1.0));
+            allowed = Some(match allowed {
+                Some(other) => writer.product(format!("may_forget_to_{i}"), other, room),
+                None => room,
+            });
+        }
+        let keep = writer.local("keep");
+        writer.sum_into(
+            keep,
+            Some(1.0),
+            &allowed.map(|slot| (forget - 1.0, slot)).into_iter().collect::<Vec<_>>(),
+        );
+        Some(keep)
+    }
+
+    /// P_ii = sum over j >= i of U_ij^2 D_j.
+    fn variance(&self, i: usize, writer: &mut Writer) -> Slot {
+        let mut terms = vec![(1.0, self.D[i])];
+        for j in i + 1..self.D.len() {
+            let square = writer.product(format!("factor_square_{i}_{j}"), self.U[j][i], self.U[j][i]);
+            terms.push((1.0, writer.product(format!("share_{i}_{j}"), square, self.D[j])));
+        }
+        writer.sum(format!("spread_{i}"), &terms)
+    }
+
+    /// Bierman's update; the gain.
+    fn update(&self, phi: &[Slot], keep: Option<Slot>, writer: &mut Writer) -> Vec<Slot> {
+        let mut size = keep.unwrap_or_else(|| {
+            let one = writer.local("keep");
+            writer.sum_into(one, Some(1.0), &[]);
+            one
+        });
+        let mut gain: Vec<Slot> = Vec::new();
+        for j in 0..self.D.len() {
+            let f = self.along(j, phi, writer);
+            let v = writer.product(format!("pull_{j}"), self.D[j], f);
+            let square = writer.product(format!("pull_square_{j}"), v, f);
+            let next = writer.sum(format!("size_{j}"), &[(1.0, size), (1.0, square)]);
+            self.shrink(j, (size, next, keep), writer);
+            let p = writer.quotient(format!("lean_{j}"), f, size);
+            for i in 0..j {
+                let U = self.U[j][i];
+                let before = writer.sum(format!("factor_before_{i}_{j}"), &[(1.0, U)]);
+                let lean = writer.product(format!("lean_{i}_{j}"), gain[i], p);
+                let turned = writer.sum(format!("factor_next_{i}_{j}"), &[(1.0, U), (-1.0, lean)]);
+                writer.copy(U, turned);
+                let add = writer.product(format!("pull_{i}_{j}"), before, v);
+                gain[i] = writer.sum(format!("gain_{i}_{j}"), &[(1.0, gain[i]), (1.0, add)]);
+            }
+            gain.push(v);
+            size = next;
+        }
+        let scaled = |(i, slot): (usize, &Slot)| writer.quotient(format!("gain_{i}"), *slot, size);
+        gain.iter().enumerate().map(scaled).collect()
+    }
+
+    /// f_j = phi_j + sum over i < j of U_ij phi_i.
+    fn along(&self, j: usize, phi: &[Slot], writer: &mut Writer) -> Slot {
+        let mut terms = vec![(1.0, phi[j])];
+        for i in 0..j {
+            terms.push((1.0, writer.product(format!("along_{i}_{j}"), self.U[j][i], phi[i])));
+        }
+        writer.sum(format!("along_{j}"), &terms)
+    }
+
+    /// D_j falls by what was seen, and grows by what is forgotten.
+    fn shrink(&self, j: usize, (size, next, keep): (Slot, Slot, Option<Slot>), writer: &mut Writer) {
+        let share = writer.quotient(format!("left_{j}"), size, next);
+        let mut now = writer.product(format!("variance_left_{j}"), self.D[j], share);
+        if let Some(keep) = keep {
+            now = writer.quotient(format!("variance_next_{j}"), now, keep);
+        }
+        writer.copy(self.D[j], now);
+    }
+}
+
+/// The out-of-balance moves to the estimate at its limited rate.
+fn follow(seen: &Seen<'_>, estimator: &Estimator, states: &mut States, writer: &mut Writer) {
+    let (parts, layout) = (seen.parts, seen.layout);
+    let fades = matches!(estimator.learning, Learning::Mean { .. });
+    let transfer = layout.transfer.filter(|_| fades);
+    let before = transfer.map(|_| schedule::slow_part(writer, layout, "before"));
+    let aim = writer.sum("aim_kg_m", &[(1.0 / estimator.volts_per_kg_m_s2, layout.estimate[0])]);
+    let mut way = writer.sum("way_kg_m", &[(1.0, aim), (-1.0, layout.out_of_balance)]);
+    if estimator.rate_limit_kg_m_s.is_finite() {
+        let most = estimator.rate_limit_kg_m_s * parts.sample_period_s;
+        way = writer.clamp("moved_kg_m", way, (-most, most));
+    }
+    if estimator.hold_samples > 0 {
+        let enabled = enabled(estimator.hold_samples, states, writer);
+        way = writer.product("enabled_move_kg_m", way, enabled);
+    }
+    let sum = writer.sum("unbounded_kg_m", &[(1.0, layout.out_of_balance), (1.0, way)]);
+    let bounded = writer.clamp("bounded_kg_m", sum, parts.out_of_balance_range_kg_m);
+    writer.copy(layout.out_of_balance, bounded);
+    schedule::follow(writer, parts, layout);
+    if let (Some(transfer), Some(before)) = (transfer, before) {
+        let after = schedule::slow_part(writer, layout, "after");
+        let sum = writer.sum("new_transfer_v", &[(1.0, transfer), (1.0, before), (-1.0, after)]);
+        writer.copy(transfer, sum);
+    }
+}
+
+/// 0 for so many samples, then 1.
+fn enabled(hold_samples: u32, states: &mut States, writer: &mut Writer) -> Slot {
+    let count = states.scalar("estimator_samples", 0.0, OnReset::Restart);
+    let now = writer.local("estimator_samples_now");
+    writer.sum_into(now, Some(1.0), &[(1.0, count)]);
+    let kept = writer.clamp("estimator_samples_kept", now, (0.0, f64::from(hold_samples) + 1.0));
+    writer.copy(count, kept);
+    let past = writer.local("past_hold");
+    writer.sum_into(past, Some(-f64::from(hold_samples)), &[(1.0, kept)]);
+    writer.clamp("estimator_enabled", past, (0.0, 1.0))
+}

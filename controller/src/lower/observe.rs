@@ -1,0 +1,180 @@
+//! The friction observers of a step.
+
+use crate::lower::{States, Writer, curve};
+use crate::program::{OnReset, Slot};
+use crate::{FrictionObserver, ObserverLaw};
+
+/// Points of y(r) = r^i; below a distance of 0 from yielding nothing moves.
+const POWER_POINTS: i32 = 14;
+/// Largest distance from yielding: the torque is at the level against the motion.
+const FARTHEST: f64 = 2.0;
+/// Rates over w0 at which the softened sign tanh has its points.
+const TANH_AT: [f64; 9] = [0.25, 0.5, 0.75, 1.0, 1.3, 1.7, 2.2, 3.0, 4.5];
+/// Share of the bond's limit at which the reset integrator's breakaway begins to fall to the sliding level.
+const BREAKS_FROM: f64 = 0.98;
+
+/// What an observer's step is made of.
+struct Step<'a> {
+    observer: &'a FrictionObserver,
+    rate: Slot,
+    /// Torque gained in a sample per rad/s of rate: sigma T.
+    grip: f64,
+}
+
+/// Writes the observer's step; gives its volts.
+pub(crate) fn observe(
+    observer: &FrictionObserver,
+    (rate, period_s): (Slot, f64),
+    states: &mut States,
+    writer: &mut Writer,
+) -> Slot {
+    writer.section(format!("friction observer {}: {}", observer.name, observer.law.says()));
+    let step = Step { observer, rate, grip: observer.rest_stiffness_nm_rad * period_s };
+    let torque = match &observer.law {
+        ObserverLaw::Dahl => step.dahl(states, writer).1,
+        ObserverLaw::DahlPower { exponent } => step.power(*exponent, states, writer),
+        ObserverLaw::Lugre { damping_nm_s_rad } => {
+            let (before, after) = step.dahl(states, writer);
+            step.damped(*damping_nm_s_rad / step.grip, (before, after, after), writer)
+        }
+        ObserverLaw::ResetIntegrator { static_ratio, damping_nm_s_rad } => {
+            step.bond(*static_ratio, *damping_nm_s_rad, states, writer)
+        }
+        ObserverLaw::Sliding { sign_rate_rad_s } => step.sliding(*sign_rate_rad_s, writer),
+        ObserverLaw::Walrath { sign_rate_rad_s, time_constant_s } => {
+            step.walrath(*sign_rate_rad_s, period_s / time_constant_s, states, writer)
+        }
+    };
+    let terms = [(observer.volts_per_nm, torque), (observer.viscous_v_s_rad, rate)];
+    writer.sum(step.named("v"), &terms)
+}
+
+impl ObserverLaw {
+    /// The law in words, for the reader of target code.
+    pub fn says(&self) -> &'static str {
+        match self {
+            ObserverLaw::Dahl => "Dahl, implicit step",
+            ObserverLaw::DahlPower { .. } => "Dahl with an exponent, bounded step",
+            ObserverLaw::Lugre { .. } => "LuGre, implicit step",
+            ObserverLaw::ResetIntegrator { .. } => "reset integrator",
+            ObserverLaw::Sliding { .. } => "sliding level with a softened sign",
+            ObserverLaw::Walrath { .. } => "Walrath, implicit step",
+        }
+    }
+}
+
+impl Step<'_> {
+    fn named(&self, what: &str) -> String {
+        format!("{}_{what}", self.observer.name)
+    }
+
+    fn state(&self, states: &mut States) -> Slot {
+        states.scalar(&self.named("nm"), 0.0, OnReset::Restart)
+    }
+
+    /// The level over F_c; none where it is constant.
+    fn level(&self, speed: Slot, writer: &mut Writer) -> Option<Slot> {
+        let points = &self.observer.level;
+        (!points.is_empty()).then(|| curve::level(writer, &self.named("level"), speed, points))
+    }
+
+    /// Dahl's implicit step: a copy of the torque before where a caller needs it, and the state after.
+    fn dahl(&self, states: &mut States, writer: &mut Writer) -> (Slot, Slot) {
+        let force = self.state(states);
+        let before = writer.sum(self.named("before_nm"), &[(1.0, force)]);
+        let speed = writer.magnitude(self.named("speed_rad_s"), self.rate);
+        let above = writer.sum(self.named("above_nm"), &[(1.0, force), (self.grip, self.rate)]);
+        let yields = match self.level(speed, writer) {
+            Some(level) => writer.quotient(self.named("yields_rad_s"), speed, level),
+            None => speed,
+        };
+        let below = writer.local(self.named("below"));
+        writer.sum_into(below, Some(1.0), &[(self.grip / self.observer.coulomb_nm, yields)]);
+        let next = writer.quotient(self.named("next_nm"), above, below);
+        writer.copy(force, next);
+        (before, force)
+    }
+
+    /// torque + damping x (after - before).
+    fn damped(&self, damping: f64, (before, after, torque): (Slot, Slot, Slot), writer: &mut Writer) -> Slot {
+        let change = writer.sum(self.named("change_nm"), &[(1.0, after), (-1.0, before)]);
+        writer.sum(self.named("torque_nm"), &[(1.0, torque), (damping, change)])
+    }
+
+    /// Dahl with an exponent. With the rate split by its sign, each part has its own distance from yielding.
+    fn power(&self, exponent: f64, states: &mut States, writer: &mut Writer) -> Slot {
+        let force = self.state(states);
+        let speed = writer.magnitude(self.named("speed_rad_s"), self.rate);
+        let level = self.level(speed, writer);
+        let level_nm = writer.local(self.named("level_nm"));
+        let (constant, share) = match level {
+            Some(level) => (None, vec![(self.observer.coulomb_nm, level)]),
+            None => (Some(self.observer.coulomb_nm), Vec::new()),
+        };
+        writer.sum_into(level_nm, constant, &share);
+        let drawn = writer.quotient(self.named("drawn"), force, level_nm);
+        let forth = writer.sum(self.named("forth_rad_s"), &[(0.5, speed), (0.5, self.rate)]);
+        let back = writer.sum(self.named("back_rad_s"), &[(0.5, speed), (-0.5, self.rate)]);
+        let yielding = [("forth", -1.0, forth), ("back", 1.0, back)].map(|(way, sign, rate)| {
+            let distance = writer.local(self.named(&format!("{way}_distance")));
+            writer.sum_into(distance, Some(1.0), &[(sign, drawn)]);
+            let y = curve::level(writer, &self.named(&format!("{way}_power")), distance, &power(exponent));
+            writer.product(self.named(&format!("{way}_slip_rad_s")), rate, y)
+        });
+        let gained = self.grip / self.observer.coulomb_nm;
+        let mut ratio =
+            writer.sum(self.named("gain_rad_s"), &[(gained, yielding[0]), (-gained, yielding[1])]);
+        if let Some(level) = level {
+            ratio = writer.quotient(self.named("gain"), ratio, level);
+        }
+        let free = writer.sum(self.named("free"), &[(1.0, drawn), (1.0, ratio)]);
+        let held = writer.clamp(self.named("held"), free, (-1.0, 1.0));
+        let next = writer.product(self.named("next_nm"), held, level_nm);
+        writer.copy(force, next);
+        force
+    }
+
+    fn bond(&self, static_ratio: f64, damping: f64, states: &mut States, writer: &mut Writer) -> Slot {
+        let bond = self.state(states);
+        let limit = self.observer.coulomb_nm;
+        let before = writer.sum(self.named("before_nm"), &[(1.0, bond)]);
+        let free = writer.sum(self.named("free_nm"), &[(1.0, bond), (self.grip, self.rate)]);
+        let held = writer.clamp(self.named("held_nm"), free, (-limit, limit));
+        writer.copy(bond, held);
+        let size = writer.magnitude(self.named("size_nm"), bond);
+        let factor = [[BREAKS_FROM * limit, static_ratio], [limit, 1.0]];
+        let factor = curve::level(writer, &self.named("factor"), size, &factor);
+        let torque = writer.product(self.named("bond_nm"), bond, factor);
+        self.damped(damping / self.grip, (before, bond, torque), writer)
+    }
+
+    fn sliding(&self, sign_rate: f64, writer: &mut Writer) -> Slot {
+        let soft = writer.clamp(self.named("soft_rad_s"), self.rate, (-sign_rate, sign_rate));
+        let unit = writer.sum(self.named("unit_nm"), &[(self.observer.coulomb_nm / sign_rate, soft)]);
+        let speed = writer.magnitude(self.named("speed_rad_s"), self.rate);
+        match self.level(speed, writer) {
+            Some(level) => writer.product(self.named("torque_nm"), unit, level),
+            None => unit,
+        }
+    }
+
+    fn walrath(&self, sign_rate: f64, lags: f64, states: &mut States, writer: &mut Writer) -> Slot {
+        let force = self.state(states);
+        let points = TANH_AT.map(|x| [x * sign_rate, x.tanh()]);
+        let sign = curve::odd(writer, &self.named("sign"), self.rate, &points);
+        let keep = 1.0 / (1.0 + lags);
+        let share = lags * keep * self.observer.coulomb_nm;
+        let next = writer.sum(self.named("next_nm"), &[(keep, force), (share, sign)]);
+        writer.copy(force, next);
+        force
+    }
+}
+
+/// Points of r^i from 0 to the farthest distance, closer where the curve bends.
+fn power(exponent: f64) -> Vec<[f64; 2]> {
+    let bend = if exponent < 1.0 { 2.0 } else { 1.0 };
+    (0..=POWER_POINTS)
+        .map(|k| FARTHEST * (f64::from(k) / f64::from(POWER_POINTS)).powf(bend))
+        .map(|r| [r, r.powf(exponent)])
+        .collect()
+}
