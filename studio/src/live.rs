@@ -7,7 +7,9 @@ use counterpoise_project::lti::{Margins, margins};
 use counterpoise_project::models::Parameters;
 use counterpoise_project::pipeline::{self, Modelled, PipelineError, Reduced, Synthesised};
 use counterpoise_project::verify::linear::closed::resolver_use;
-use counterpoise_project::verify::linear::{self, Closed, Curves, SampledPlant, arranged};
+use counterpoise_project::verify::linear::frequency::grid_hz;
+use counterpoise_project::verify::linear::plant::Resolver;
+use counterpoise_project::verify::linear::{self, Closed, Curves, PlantResponse, SampledPlant, arranged};
 use counterpoise_project::verify::{ARRANGEMENTS, Arrangement, History, Procedure, Source, Step};
 use counterpoise_project::{Modelling, Project, Reduction};
 
@@ -62,20 +64,27 @@ struct Kept {
     key: Key,
     modelled: Arc<Modelled>,
     reduced: Arc<Reduced>,
+    sensed: Option<Sensed>,
+}
+
+/// The plant as the controller sees it, with what it alone contributes to the pictures.
+struct Sensed {
+    resolver: Resolver,
     sampled: SampledPlant,
+    response: PlantResponse,
     open: Closed,
 }
 
 impl Cache {
     /// The plant of a request, made anew only where it differs from the last one.
-    fn plant(&mut self, ask: &Ask) -> Result<&Kept, PipelineError> {
+    fn plant(&mut self, ask: &Ask) -> Result<&mut Kept, PipelineError> {
         let p = &ask.project;
         let key = (p.plant.clone(), p.model.clone(), p.reduce, ask.out_of_balance_kg_m);
         if self.kept.as_ref().is_none_or(|kept| kept.key != key) {
             self.kept = None;
             self.kept = Some(Kept::new(ask, key)?);
         }
-        self.kept.as_ref().ok_or(PipelineError::Missing { section: "plant", needed_by: "the design" })
+        self.kept.as_mut().ok_or(PipelineError::Missing { section: "plant", needed_by: "the design" })
     }
 }
 
@@ -83,10 +92,23 @@ impl Kept {
     fn new(ask: &Ask, key: Key) -> Result<Self, PipelineError> {
         let modelled = modelled(ask)?;
         let reduced = pipeline::reduce(&ask.project, &modelled)?;
-        let sampled =
-            SampledPlant::new(&modelled.linear, &modelled.parameters, linear::plant::Resolver::Unread)?;
+        Ok(Self { key, modelled: Arc::new(modelled), reduced: Arc::new(reduced), sensed: None })
+    }
+
+    fn sensed(&mut self, resolver: Resolver) -> Result<&Sensed, PipelineError> {
+        match self.sensed.take() {
+            Some(kept) if kept.resolver == resolver => Ok(self.sensed.insert(kept)),
+            _ => Ok(self.sensed.insert(Sensed::new(&self.modelled, resolver)?)),
+        }
+    }
+}
+
+impl Sensed {
+    fn new(modelled: &Modelled, resolver: Resolver) -> Result<Self, PipelineError> {
+        let sampled = SampledPlant::new(&modelled.linear, &modelled.parameters, resolver)?;
+        let response = PlantResponse::of(&sampled, grid_hz(sampled.sample_period_s))?;
         let open = Closed::new(&sampled, None, modelled.plant.body().out_of_balance_kg_m)?;
-        Ok(Self { key, modelled: Arc::new(modelled), reduced: Arc::new(reduced), sampled, open })
+        Ok(Self { resolver, sampled, response, open })
     }
 }
 
@@ -111,33 +133,18 @@ pub fn live(ask: &Ask, cache: &mut Cache) -> Result<Live, PipelineError> {
     let begun = Instant::now();
     let kept = cache.plant(ask)?;
     let synthesised = pipeline::synthesise(&ask.project, &kept.modelled, &kept.reduced)?;
-    let controller = &synthesised.sampled.controller;
-    let whole;
-    let sampled = match resolver_use(controller) {
-        linear::plant::Resolver::Unread => &kept.sampled,
-        read => {
-            whole = SampledPlant::new(&kept.modelled.linear, &kept.modelled.parameters, read)?;
-            &whole
-        }
-    };
-    let moment = kept.modelled.plant.body().out_of_balance_kg_m;
-    let mut loops = vec![(Arrangement::Uncontrolled, kept.open.clone())];
-    for arrangement in ARRANGEMENTS.into_iter().skip(1) {
-        loops.push((arrangement, Closed::new(sampled, arranged(controller, arrangement)?.as_ref(), moment)?));
-    }
-    let none = PipelineError::Missing { section: "synth", needed_by: "the loop" };
-    let broken = loops.last().and_then(|(_, closed)| closed.broken.as_ref()).ok_or(none)?;
-    let margins = margins(broken)?;
-    let curves = Curves::of(sampled, &loops)?;
-    let (step, motions) = histories(&ask.project, sampled, &loops)?;
+    let (modelled, reduced) = (Arc::clone(&kept.modelled), Arc::clone(&kept.reduced));
+    let sensed = kept.sensed(resolver_use(&synthesised.sampled.controller))?;
+    let loops = loops(sensed, &synthesised, &modelled)?;
+    let shown = consequences(&ask.project, sensed, &loops)?;
     Ok(Live {
         project: Arc::clone(&ask.project),
-        modelled: Arc::clone(&kept.modelled),
-        reduced: Arc::clone(&kept.reduced),
-        margins,
-        curves,
-        step,
-        motions,
+        modelled,
+        reduced,
+        margins: shown.margins,
+        curves: shown.curves,
+        step: shown.step,
+        motions: shown.motions,
         synthesised,
         took: begun.elapsed(),
         tried_kg_m: ask.out_of_balance_kg_m,
@@ -146,22 +153,51 @@ pub fn live(ask: &Ask, cache: &mut Cache) -> Result<Live, PipelineError> {
 
 type Loops = [(Arrangement, Closed)];
 
-fn histories(
-    project: &Project,
-    sampled: &SampledPlant,
-    loops: &Loops,
-) -> Result<(History, Vec<History>), PipelineError> {
-    let procedure = project.verify.as_ref().map_or_else(Procedure::default, |v| v.procedure.clone());
-    let all = &loops[loops.len() - 1].1;
-    let step = linear::step(sampled, all, Step { duration_s: STEP_S, ..procedure.step })?;
-    let mut motions = Vec::new();
-    for source in [Source::Heave, Source::Pitch] {
-        for (arrangement, closed) in loops {
-            let motion = |time_s: f64| procedure.motion(source, time_s);
-            motions.push(linear::disturbance(sampled, closed, (source, *arrangement), SHOWN_S, motion)?);
-        }
+/// The loop in each arrangement; the feedback alone stands before the whole controller.
+fn loops(
+    sensed: &Sensed,
+    synthesised: &Synthesised,
+    modelled: &Modelled,
+) -> Result<Vec<(Arrangement, Closed)>, PipelineError> {
+    let (controller, moment) =
+        (&synthesised.sampled.controller, modelled.plant.body().out_of_balance_kg_m);
+    let mut loops = vec![(Arrangement::Uncontrolled, sensed.open.clone())];
+    for arrangement in ARRANGEMENTS.into_iter().skip(1) {
+        let acting = arranged(controller, arrangement)?;
+        loops.push((arrangement, Closed::new(&sensed.sampled, acting.as_ref(), moment)?));
     }
-    Ok((step, motions))
+    Ok(loops)
+}
+
+struct Shown {
+    margins: Margins,
+    curves: Curves,
+    step: History,
+    motions: Vec<History>,
+}
+
+/// What the loops do. Paths that see the platform alone are at rest in a step and outside the loop's return path, so the
+/// margins and the step are those of the feedback alone.
+fn consequences(project: &Project, sensed: &Sensed, loops: &Loops) -> Result<Shown, PipelineError> {
+    let none = || PipelineError::Missing { section: "synth", needed_by: "the loop" };
+    let ([.., (_, feedback), (_, whole)], sampled) = (loops, &sensed.sampled) else { return Err(none()) };
+    let procedure = project.verify.as_ref().map_or_else(Procedure::default, |v| v.procedure.clone());
+    let motions = |source: Source| -> Result<Vec<History>, PipelineError> {
+        let motion = |time_s: f64| procedure.motion(source, time_s);
+        let one = |(arrangement, closed): &(Arrangement, Closed)| {
+            Ok(linear::disturbance(sampled, closed, (source, *arrangement), SHOWN_S, motion)?)
+        };
+        loops.iter().map(one).collect()
+    };
+    std::thread::scope(|scope| {
+        let moved = scope.spawn(|| Ok([motions(Source::Heave)?, motions(Source::Pitch)?].concat()));
+        let mut margins = margins(feedback.broken.as_ref().ok_or_else(none)?)?;
+        margins.closed_loop_stable &= whole.pole_radius() < 1.0;
+        let curves = Curves::with(sampled, &sensed.response, loops)?;
+        let step = linear::step(sampled, feedback, Step { duration_s: STEP_S, ..procedure.step })?;
+        let motions = moved.join().unwrap_or_else(|_| Err(none()))?;
+        Ok(Shown { margins, curves, step, motions })
+    })
 }
 
 /// Every reason in an error, one a line.
