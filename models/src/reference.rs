@@ -53,6 +53,7 @@ fn beam() -> Beam {
         density_kg_m3: 7850.0,
         pivot_m: 0.0,
         modal_damping: vec![0.010, 0.008, 0.008, 0.010],
+        damping: StructuralDamping::Modal,
         sections: vec![
             tube("breech and hub", -0.55, 0.25, [0.220, 0.220]),
             tube("rear tube", 0.25, 1.30, [0.140, 0.105]),
@@ -104,6 +105,7 @@ fn amplifier() -> Amplifier {
         map: Vec::new(),
         dead_zone_v: 0.0,
         current_limit_a: f64::INFINITY,
+        dynamics: AmplifierDynamics::Modelled,
     }
 }
 

@@ -212,3 +212,21 @@ fn parameters_out_of_range_are_refused_by_name() {
     let rig = Parameters { lumped: None, ..reference::rig() };
     assert!(matches!(Plant::lumped(&rig), Err(Error::NoStructure)));
 }
+
+#[test]
+fn an_ideal_current_source_drives_its_current_whatever_the_speed() {
+    let mut p = reference::rig();
+    p.amplifier.dynamics = counterpoise_models::AmplifierDynamics::IdealCurrent;
+    let (modelled, ideal) = (Plant::lumped(&reference::rig()).unwrap(), Plant::lumped(&p).unwrap());
+    let point = OperatingPoint::default();
+    let (a, b) = (modelled.equilibrium(&point), ideal.equilibrium(&point));
+    assert_eq!((a.control_v, a.current_a), (b.control_v, b.current_a), "the static gain is the same");
+    // with no friction the motor's back-EMF and the armature's lag are all that a step of control feels
+    let linear = ideal.linearise(&b, FrictionLinearisation::Viscous, Angles::Drop).unwrap().system;
+    let current = linear.A.column(1);
+    let held: Vec<f64> = (0..linear.order()).filter(|&j| j != 1).map(|j| linear.A[(1, j)]).collect();
+    assert!(held.iter().all(|a| *a == 0.0), "nothing but its input moves the current: {held:?}");
+    assert!(current[1] <= -9e4);
+    let gain = linear.B[(1, LinearPlant::CONTROL)] / -current[1];
+    assert!((gain / p.amplifier.stall_gain_a_v(&p.motor) - 1.0).abs() < 1e-12);
+}

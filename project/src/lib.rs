@@ -26,9 +26,11 @@ pub mod results;
 pub use diagnostic::{Diagnostic, Severity};
 pub use file::{Attachments, Document, Setting};
 pub use resolve::design::{Export, Language, Reduction, ReductionMethod, Synthesis};
+pub use resolve::import::{ImportedStructure, MatrixFormat};
 pub use resolve::model::{Modelling, StructureChoice};
+pub use resolve::platform::{Motion, MotionKind, PlatformSource, RoadSource};
 pub use resolve::sweep::Sweep;
-pub use resolve::verify::{RoadSource, Verification};
+pub use resolve::verify::Verification;
 pub use resolve::{Parsed, Project, Purpose};
 
 /// Text of a complete, commented project file to start a new one from: an out-of-balance cantilever on a moving

@@ -7,7 +7,7 @@ use counterpoise_models::{
     FrictionLaw, Lumped, MapPoint, Parameters, Ripple, Sensor, StribeckCurve, reference,
 };
 use counterpoise_project::recording::{Channel, ChannelSource, Table, road};
-use counterpoise_project::{Document, Project, RoadSource, Setting, StructureChoice};
+use counterpoise_project::{Document, PlatformSource, Project, RoadSource, Setting, StructureChoice};
 use counterpoise_synth::Weight;
 use counterpoise_verify::{Figure, Limit, LoopFigure, Requirement};
 use proptest::prelude::*;
@@ -78,7 +78,8 @@ fn design_sections_mean_what_they_say() {
     let verify = project.verify.unwrap();
     let margin = Requirement::new(Figure::Loop(LoopFigure::GainMargin), Limit::AtLeast(12.0)).unwrap();
     assert_eq!((verify.requirements.len(), &verify.requirements[0]), (5, &margin));
-    assert_eq!(verify.road.unwrap().recording, "road.parquet");
+    let Some(PlatformSource::Recording(road)) = verify.road else { panic!("the road is recorded") };
+    assert_eq!(road.recording, "road.parquet");
     assert_eq!(project.model.structure, StructureChoice::Lumped);
 }
 
@@ -290,7 +291,7 @@ fn a_road_is_cut_filtered_scaled_and_centred() {
 fn a_given_road_is_read() {
     let Some(bytes) = shared("recordings/platform/sandy_loam_05.parquet") else { return };
     let table = Table::read(&bytes, "sandy_loam_05").unwrap();
-    let source = good().verify.unwrap().road.unwrap();
+    let Some(PlatformSource::Recording(source)) = good().verify.unwrap().road else { panic!("a recording") };
     let made = road(&source, &table).unwrap();
     assert!((made.sample_period_s - 0.01).abs() < 1e-3, "{}", made.sample_period_s);
     let peak = made.heave_m_s2.iter().fold(0.0_f64, |m, v| m.max(v.abs()));

@@ -97,7 +97,8 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<(Loaded, Verificatio
     }
     let structure = match options.plant {
         PlantChoice::Lumped => StructureChoice::Lumped,
-        PlantChoice::Fe => StructureChoice::Beam,
+        PlantChoice::Fe => pipeline::finite_elements_of(project)
+            .context("--plant fe: the project has neither [plant.beam] nor [plant.import]")?,
         PlantChoice::Project | PlantChoice::Linear => project.model.structure,
     };
     let plant = pipeline::model(&with_structure(project, structure))?.plant;

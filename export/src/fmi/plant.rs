@@ -1,6 +1,6 @@
 //! The nonlinear plant as a co-simulation unit.
 
-use counterpoise_models::parameters::{Friction, FrictionLaw, Parameters, Sensor};
+use counterpoise_models::parameters::{AmplifierDynamics, Friction, FrictionLaw, Parameters, Sensor};
 use counterpoise_models::plant::Plant;
 use minijinja::{Environment, context};
 
@@ -116,6 +116,7 @@ fn missing(p: &Parameters) -> Option<&'static str> {
         (p.motor.torque_ripple.amplitude != 0.0, "torque ripple"),
         (p.motor.platform_coupling != 0.0, "coupling of the rotor to the platform"),
         (p.amplifier.current_limit_a.is_finite(), "current limit"),
+        (p.amplifier.dynamics == AmplifierDynamics::IdealCurrent, "ideal current source"),
         (spring, "position spring"),
         (
             !dahl_or_none(&p.motor_friction) || !dahl_or_none(&p.pivot_friction),

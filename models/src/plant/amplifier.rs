@@ -1,11 +1,20 @@
 //! The static part of the amplifier: limit, dead zone and measured map of its input.
 
-use crate::parameters::{Amplifier, Motor};
+use crate::parameters::{Amplifier, AmplifierDynamics, Motor};
 
 impl Amplifier {
     /// Static gain of the closed amplifier loop, motor stalled: K_v / (R + K_v K_ifb), A/V.
     pub fn stall_gain_a_v(&self, motor: &Motor) -> f64 {
         self.gain / (motor.resistance_ohm + self.gain * self.current_feedback_v_a)
+    }
+
+    /// The drive under which voltage and current stay as they are: V / K_v + K_ifb i, or i over the static gain for an ideal
+    /// current source.
+    pub fn holding_drive_v(&self, voltage_v: f64, current_a: f64, motor: &Motor) -> f64 {
+        match self.dynamics {
+            AmplifierDynamics::Modelled => voltage_v / self.gain + self.current_feedback_v_a * current_a,
+            AmplifierDynamics::IdealCurrent => current_a / self.stall_gain_a_v(motor),
+        }
     }
 
     /// What the linear amplifier receives for a control: v = map(dead zone(clip(u))).

@@ -1,6 +1,7 @@
 //! The plant's linear core: everything but dry friction, gravity's angle, the gap and the static amplifier map.
 
 use super::Plant;
+use crate::parameters::{AmplifierDynamics, IDEAL_LAG_S};
 use counterpoise_lti::Mat;
 
 /// Index of each state of the core; the modes follow from [`state::MODES`] on as pairs (q, q').
@@ -73,7 +74,8 @@ impl Plant {
     ///     T_hub     = T_2 - F_v (w_h - w_p) + T_y
     /// ```
     ///
-    /// T_x, T_y, T_mesh, G are the inputs. Half the gap is not subtracted here: it enters by T_mesh.
+    /// T_x, T_y, T_mesh, G are the inputs. With an ideal current source the first line is t i' = v K_v / (R + K_v K_ifb) - i with
+    /// t = [`IDEAL_LAG_S`], and the voltage stays 0. Half the gap is not subtracted here: it enters by T_mesh.
     pub fn core(&self, mesh: Mesh) -> Core {
         let n = self.core_order();
         let mut core = Core { A: Mat::zeros(n, n), B: Mat::zeros(n, input::COUNT) };
@@ -108,6 +110,12 @@ impl Plant {
 
     fn electrical_rows(&self, core: &mut Core) {
         let (amplifier, motor) = (&self.parameters.amplifier, &self.parameters.motor);
+        if amplifier.dynamics == AmplifierDynamics::IdealCurrent {
+            core.A[(state::VOLTAGE, state::VOLTAGE)] = -1.0 / amplifier.time_constant_s;
+            core.A[(state::CURRENT, state::CURRENT)] = -1.0 / IDEAL_LAG_S;
+            core.B[(state::CURRENT, input::DRIVE)] = amplifier.stall_gain_a_v(motor) / IDEAL_LAG_S;
+            return;
+        }
         let rate = 1.0 / amplifier.time_constant_s;
         core.A[(state::VOLTAGE, state::VOLTAGE)] = -rate;
         core.A[(state::VOLTAGE, state::CURRENT)] = -rate * amplifier.gain * amplifier.current_feedback_v_a;

@@ -2,6 +2,7 @@
 
 use super::core::state;
 use super::{Mesh, Plant};
+use crate::parameters::AmplifierDynamics;
 
 /// Where the mechanism is held.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -54,7 +55,10 @@ impl Plant {
         let amplifier = &self.parameters.amplifier;
         let drive = current * (motor.resistance_ohm / amplifier.gain + amplifier.current_feedback_v_a);
         let mut core_state = self.held_shape(point, held);
-        core_state[state::VOLTAGE] = motor.resistance_ohm * current;
+        core_state[state::VOLTAGE] = match amplifier.dynamics {
+            AmplifierDynamics::Modelled => motor.resistance_ohm * current,
+            AmplifierDynamics::IdealCurrent => 0.0,
+        };
         core_state[state::CURRENT] = current;
         core_state[state::WINDUP] =
             mesh_torque / gearbox.stiffness_nm_rad + half_gap(mesh_torque, gearbox.backlash_rad);

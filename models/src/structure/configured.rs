@@ -1,9 +1,11 @@
 //! The structure of a mechanism in one of its configurations.
 
+use super::damping::{modal_with_stiffness, rayleigh, rayleigh_coefficients};
 use super::fe::{FeModel, FeOptions, Fitted};
+use super::modes::{Support, modes};
 use super::reduced::{PinnedStructure, lumped, pinned};
 use crate::Error;
-use crate::parameters::{Beam, Configuration, Parameters};
+use crate::parameters::{Beam, Configuration, Parameters, StructuralDamping};
 
 /// A mechanism's beam with what a configuration fits to it.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,12 +37,24 @@ impl Structure {
         Ok(Self { beam, fitted })
     }
 
-    /// Its finite-element model.
+    /// Its finite-element model, with a damping matrix where its damping is not modal with the last ratio for all above.
     ///
     /// # Errors
-    /// As for [`FeModel::beam`].
+    /// As for [`FeModel::beam`], [`rayleigh_coefficients`] and [`modes`].
     pub fn fe(&self, options: &FeOptions) -> Result<FeModel, Error> {
-        FeModel::beam(&self.beam, &self.fitted, options)
+        let mut model = FeModel::beam(&self.beam, &self.fitted, options)?;
+        model.C = match self.beam.damping {
+            StructuralDamping::Modal => None,
+            StructuralDamping::ModalWithStiffness => {
+                let pinned = modes(&model, Support::Pinned)?;
+                Some(modal_with_stiffness(&model, &pinned, &self.beam.modal_damping))
+            }
+            StructuralDamping::Rayleigh { first, second } => {
+                let (a0, a1) = rayleigh_coefficients(first.into(), second.into())?;
+                Some(rayleigh(&model, a0, a1))
+            }
+        };
+        Ok(model)
     }
 
     /// Its first `modes` flexible modes, pinned at the hub: what [`crate::Plant::with_body`] takes.

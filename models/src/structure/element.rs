@@ -19,7 +19,7 @@ pub enum Theory {
 /// Where an element takes its cross section from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Integration {
-    /// The true cross section, by quadrature that is exact for tubes of linear diameter: frequencies are upper bounds.
+    /// The true cross section, by quadrature that is exact for tubes and rectangles of linear dimensions: frequencies are upper bounds.
     #[default]
     Quadrature,
     /// A power law through the near end, middle and far end: (5-17) to (5-20), corrected. Bernoulli-Euler only.

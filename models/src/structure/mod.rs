@@ -6,7 +6,7 @@
 //! *Invariant*: nothing here knows the drive, a file or time.
 //!
 //! Modules in reading order: [`profile`], [`element`], [`power_law`], [`mesh`], [`fe`], [`mod@modes`], [`damping`],
-//! [`reduced`], [`configured`], [`import`].
+//! [`reduced`], [`refinement`], [`configured`], [`import`].
 //!
 //! ```
 //! use counterpoise_models::structure::{FeModel, FeOptions, Fitted, lumped};
@@ -28,6 +28,7 @@ pub mod modes;
 pub mod power_law;
 pub mod profile;
 pub mod reduced;
+pub mod refinement;
 
 pub use configured::{Structure, with_derived_lumped};
 pub use element::{Integration, Theory};

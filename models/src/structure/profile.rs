@@ -27,7 +27,7 @@ pub struct CrossSection {
 
 /// Gap between sections that still counts as adjoining, relative to the beam's length.
 const ADJOINING: f64 = 1e-9;
-/// Shear coefficient where only area and second moment are given: that of a rectangle.
+/// Shear coefficient where only area and second moment are given: that of a rectangle without Poisson's effect.
 const SHEAR_COEFFICIENT: f64 = 5.0 / 6.0;
 
 impl Profile {
@@ -118,7 +118,7 @@ impl Profile {
     /// moments are averaged themselves).
     pub fn average(&self, from_m: f64, to_m: f64) -> CrossSection {
         let length = to_m - from_m;
-        let mut mean = [0.0; 4];
+        let mut mean = [0.0; 6];
         for (a, b) in self.pieces_m(from_m, to_m) {
             let weight = (b - a) / length;
             let middle = 0.5 * (a + b);
@@ -133,15 +133,17 @@ impl Profile {
         self.made_of(dimensions(&self.sections[section], x_m))
     }
 
-    /// Cross section of a tube [D, d, 0, 0] or of given values [0, 0, A, I].
-    fn made_of(&self, [outer, inner, area, second]: [f64; 4]) -> CrossSection {
+    /// Cross section of a tube [D, d, 0, 0, 0, 0], of given values [0, 0, A, I, 0, 0] or of a rectangle [0, 0, 0, 0, h, w].
+    fn made_of(&self, [outer, inner, area, second, height, width]: [f64; 6]) -> CrossSection {
         CrossSection {
-            area_m2: area + PI / 4.0 * (outer * outer - inner * inner),
-            second_moment_m4: second + PI / 64.0 * (outer.powi(4) - inner.powi(4)),
-            shear_coefficient: if outer > 0.0 {
-                cowper(inner / outer, self.poissons_ratio)
-            } else {
-                SHEAR_COEFFICIENT
+            area_m2: area + PI / 4.0 * (outer * outer - inner * inner) + height * width,
+            second_moment_m4: second
+                + PI / 64.0 * (outer.powi(4) - inner.powi(4))
+                + width * height.powi(3) / 12.0,
+            shear_coefficient: match (outer > 0.0, height > 0.0) {
+                (true, _) => cowper(inner / outer, self.poissons_ratio),
+                (_, true) => rectangle(self.poissons_ratio),
+                _ => SHEAR_COEFFICIENT,
             },
         }
     }
@@ -170,11 +172,18 @@ impl Profile {
     }
 
     fn check_end(&self, i: usize, x_m: f64, path: &impl Fn(&str) -> String) -> Result<(), Error> {
-        let [outer, inner, ..] = dimensions(&self.sections[i], x_m);
+        let [outer, inner, _, _, height, width] = dimensions(&self.sections[i], x_m);
         check(&path("inner_diameter"), inner, inner >= 0.0, "must not be negative")?;
+        check(&path("height"), height, height >= 0.0, "must not be negative")?;
+        check(&path("width"), width, width >= 0.0, "must not be negative")?;
         let at = self.cross_section(i, x_m);
         let solid = outer >= 0.0 && at.area_m2 > 0.0 && at.second_moment_m4 > 0.0;
-        check(&path("outer_diameter"), at.area_m2, solid || self.is_point(i, x_m), "leaves no cross section")
+        let field = match self.sections[i].shape {
+            SectionShape::Tube { .. } => "outer_diameter",
+            SectionShape::Rectangle { .. } => "height",
+            SectionShape::Given { .. } => "area",
+        };
+        check(&path(field), at.area_m2, solid || self.is_point(i, x_m), "leaves no cross section")
     }
 
     /// Whether x is an end of the beam that may taper to a point.
@@ -185,17 +194,26 @@ impl Profile {
     }
 }
 
-fn dimensions(section: &Section, x_m: f64) -> [f64; 4] {
+/// Outer and inner diameter, given area and second moment, height and width; 0 where the section has none.
+fn dimensions(section: &Section, x_m: f64) -> [f64; 6] {
     let t = (x_m - section.from_m) / (section.to_m - section.from_m);
     let linear = |[near, far]: [f64; 2]| near + (far - near) * t;
     match section.shape {
         SectionShape::Tube { outer_diameter_m, inner_diameter_m } => {
-            [linear(outer_diameter_m), linear(inner_diameter_m), 0.0, 0.0]
+            [linear(outer_diameter_m), linear(inner_diameter_m), 0.0, 0.0, 0.0, 0.0]
         }
         SectionShape::Given { area_m2, second_moment_m4 } => {
-            [0.0, 0.0, linear(area_m2), linear(second_moment_m4)]
+            [0.0, 0.0, linear(area_m2), linear(second_moment_m4), 0.0, 0.0]
+        }
+        SectionShape::Rectangle { height_m, width_m } => {
+            [0.0, 0.0, 0.0, 0.0, linear(height_m), linear(width_m)]
         }
     }
+}
+
+/// Shear coefficient of a rectangle: Cowper, as for the tube.
+fn rectangle(poissons_ratio: f64) -> f64 {
+    10.0 * (1.0 + poissons_ratio) / (12.0 + 11.0 * poissons_ratio)
 }
 
 /// Shear coefficient of a tube, m = inner / outer diameter: G. Cowper, "The shear coefficient in Timoshenko's beam

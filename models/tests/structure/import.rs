@@ -336,3 +336,17 @@ fn spoilt_texts_are_refused_and_nothing_else() {
         let _ = dmig(&text).is_ok_and(|all| Imported::from_dmig(&all, "K", None, "K").is_ok());
     }
 }
+
+#[test]
+fn what_is_fitted_to_imported_matrices_is_what_is_fitted_to_the_beam() {
+    let bare = model();
+    let map = NodeMap::parse(&map_text()).unwrap();
+    let imported = Imported::in_order_of(&map, mapped(&bare.M, &map), None, mapped(&bare.K, &map));
+    let mass = super::mass(-0.2, 3.0, 0.1);
+    let fitted = Fitted { masses: vec![mass], hub_inertia_kg_m2: 0.7 };
+    let made = imported.fitted(&map, &fitted).unwrap().structure(&map).unwrap();
+    let (arm, pivot) = (-0.2 - map.position(map.pivot).unwrap(), bare.inertia_kg_m2());
+    assert_close(made.mass_kg(), bare.mass_kg() + 3.0, 1e-12);
+    assert_close(made.first_moment_kg_m(), bare.first_moment_kg_m() + 3.0 * arm, 1e-12);
+    assert_close(made.inertia_kg_m2(), pivot + 3.0 * arm * arm + 0.1 + 0.7, 1e-12);
+}

@@ -12,7 +12,7 @@ mod timoshenko;
 mod uniform;
 
 use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Integration, Mesh, Support, Theory, modes};
-use counterpoise_models::{Beam, PointMass, Section, SectionShape};
+use counterpoise_models::{Beam, PointMass, Section, SectionShape, StructuralDamping};
 
 /// A beam of unit modulus and density along 0 .. 1, pivot at 0.
 pub(crate) fn unit_beam(shape: SectionShape) -> Beam {
@@ -22,6 +22,7 @@ pub(crate) fn unit_beam(shape: SectionShape) -> Beam {
         density_kg_m3: 1.0,
         pivot_m: 0.0,
         modal_damping: vec![0.01],
+        damping: StructuralDamping::Modal,
         sections: vec![Section { name: "beam".to_owned(), from_m: 0.0, to_m: 1.0, shape }],
         masses: Vec::new(),
     }

@@ -3,7 +3,7 @@
 use super::assert_close;
 use counterpoise_models::reference::rig;
 use counterpoise_models::structure::{FeOptions, Structure, Support, lumped, modes, with_derived_lumped};
-use counterpoise_models::{Parameters, Plant};
+use counterpoise_models::{Parameters, Plant, StructuralDamping};
 use std::f64::consts::TAU;
 
 #[test]
@@ -80,4 +80,25 @@ fn damping_ratios_go_by_mode_and_the_last_holds_above() {
     let pinned = Structure::new(&rig(), None).unwrap().pinned(&FeOptions::default(), 6).unwrap();
     let ratios: Vec<f64> = pinned.body.modes.iter().map(|m| m.damping_ratio).collect();
     assert_eq!(ratios, [0.010, 0.008, 0.008, 0.010, 0.010, 0.010]);
+}
+
+#[test]
+fn the_damping_of_the_plant_follows_the_law_that_the_beam_names() {
+    let ratios = |damping| {
+        let mut structure = Structure::new(&rig(), None).unwrap();
+        structure.beam.damping = damping;
+        let pinned = structure.pinned(&FeOptions::default(), 6).unwrap();
+        pinned.body.modes.iter().map(|m| (m.frequency_rad_s, m.damping_ratio)).collect::<Vec<_>>()
+    };
+    let modal = ratios(StructuralDamping::Modal);
+    let grown = ratios(StructuralDamping::ModalWithStiffness);
+    for k in 0..6 {
+        let expected = if k < 4 { modal[k].1 } else { 0.010 * modal[k].0 / modal[3].0 };
+        assert_close(grown[k].1 / expected, 1.0, 1e-6);
+    }
+    let (first, second) = ([modal[0].0, 0.01], [modal[2].0, 0.03]);
+    let rayleigh = ratios(StructuralDamping::Rayleigh { first, second });
+    assert_close(rayleigh[0].1, 0.01, 1e-9);
+    assert_close(rayleigh[2].1, 0.03, 1e-9);
+    assert!(rayleigh[1].1 < 0.02 && rayleigh[5].1 > 0.03, "{rayleigh:?}");
 }

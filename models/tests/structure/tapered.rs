@@ -1,6 +1,6 @@
-use super::{assert_all, assert_close, cone, frequencies, options};
+use super::{assert_all, assert_close, cone, frequencies, options, unit_beam};
 use counterpoise_models::structure::{Fitted, Integration, Mesh, Support};
-use counterpoise_models::{Beam, Section, SectionShape};
+use counterpoise_models::{Beam, SectionShape};
 
 fn numbers(tip: f64, elements: usize, integration: Integration, support: Support) -> Vec<f64> {
     let (beam, factor) = cone(tip);
@@ -29,38 +29,56 @@ fn a_full_cone_has_the_classic_frequencies() {
     assert_all(&found, &[8.7193, 21.1457, 38.4538, 60.6801], 2e-5);
 }
 
-/// A wedge of constant breadth in 400 sections, each with linear area and second moment.
-fn wedge(tip: f64) -> Beam {
-    let height = |k: i32| 1.0 - (1.0 - tip) * f64::from(k) / 400.0;
-    let section = |k: i32| Section {
-        name: format!("{k}"),
-        from_m: f64::from(k) / 400.0,
-        to_m: f64::from(k + 1) / 400.0,
-        shape: SectionShape::Given {
-            area_m2: [height(k), height(k + 1)],
-            second_moment_m4: [height(k).powi(3), height(k + 1).powi(3)],
-        },
-    };
-    Beam { sections: (0..400).map(section).collect(), ..super::uniform() }
+/// A wedge of unit breadth, and the factor from its w to w sqrt(rho A_0 L^4 / (E I_0)): I_0 = 1/12.
+fn wedge(tip: f64) -> (Beam, f64) {
+    let shape = SectionShape::Rectangle { height_m: [1.0, tip], width_m: [1.0, 1.0] };
+    (unit_beam(shape), 12_f64.sqrt())
+}
+
+fn wedge_numbers(tip: f64, elements: usize) -> Vec<f64> {
+    let (beam, factor) = wedge(tip);
+    let options = options(Mesh::Equal(elements), Integration::Quadrature);
+    let found = frequencies(&beam, &Fitted::default(), &options, Support::Clamped);
+    found.into_iter().map(|w| w * factor).collect()
 }
 
 #[test]
-fn wedges_of_many_sections_have_the_published_frequencies() {
+fn clamped_wedges_have_the_published_frequencies() {
     let table = [
         (0.2, [4.2924945, 15.7427002, 36.8845533, 68.1164222]),
         (0.4, [3.9342775, 17.4878552, 44.0248094, 83.554072]),
         (0.5, [3.8237848, 18.3172609, 47.264827, 90.4504777]),
         (0.6, [3.7370761, 19.1138128, 50.3536546, 96.995394]),
         (0.8, [3.6082749, 20.6210176, 56.1922784, 109.318401]),
+        (1.0, [3.5160153, 22.0344916, 61.6972144, 120.9019161]),
     ];
     for (tip, expected) in table {
-        let options = options(Mesh::Equal(40), Integration::Quadrature);
-        assert_all(
-            &frequencies(&wedge(tip), &Fitted::default(), &options, Support::Clamped),
-            &expected,
-            2.5e-5,
-        );
+        assert_all(&wedge_numbers(tip, 60), &expected, 5e-6);
     }
+}
+
+#[test]
+fn a_full_wedge_has_the_classic_frequencies() {
+    assert_all(&wedge_numbers(0.0, 120), &[5.3151, 15.2072, 30.0198, 49.7633], 2e-5);
+}
+
+#[test]
+fn errors_of_a_wedge_fall_with_the_fourth_power_from_above() {
+    let exact = [3.8237848, 18.3172609, 47.264827, 90.4504777];
+    for mode in 1..4 {
+        let errors = [12, 24, 48].map(|n| wedge_numbers(0.5, n)[mode] / exact[mode] - 1.0);
+        assert!(errors.iter().all(|&e| e > 0.0));
+        assert!(errors.windows(2).all(|e| (e[0] / e[1]).log2() >= 3.8), "{mode}: {errors:?}");
+    }
+}
+
+#[test]
+fn a_rectangle_is_its_area_and_second_moment_whatever_its_kind() {
+    let given = SectionShape::Given { area_m2: [0.02; 2], second_moment_m4: [0.2 * 0.001 / 12.0; 2] };
+    let rectangle = SectionShape::Rectangle { height_m: [0.1; 2], width_m: [0.2; 2] };
+    let options = options(Mesh::Equal(6), Integration::Quadrature);
+    let of = |shape| frequencies(&unit_beam(shape), &Fitted::default(), &options, Support::Free);
+    assert_all(&of(rectangle), &of(given), 1e-12);
 }
 
 #[test]

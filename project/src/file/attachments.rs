@@ -21,16 +21,25 @@ impl Attachments {
         self
     }
 
+    /// A file as text.
+    pub(crate) fn text(&self, name: &str) -> Result<String, String> {
+        let bytes = self.bytes(name)?;
+        String::from_utf8(bytes.to_vec()).map_err(|_| format!("the file \"{name}\" is not UTF-8 text"))
+    }
+
+    fn bytes(&self, name: &str) -> Result<&[u8], String> {
+        let missing = || format!("the file \"{name}\" was not found beside the project file");
+        self.files.get(name).map(Vec::as_slice).ok_or_else(missing)
+    }
+
     /// The first two numeric columns of a CSV file with a header row; lines that start with # are comments.
     pub(crate) fn pairs(&self, name: &str) -> Result<Vec<[f64; 2]>, String> {
-        let Some(bytes) = self.files.get(name) else {
-            return Err(format!("the file \"{name}\" was not found beside the project file"));
-        };
+        let bytes = self.bytes(name)?;
         let mut reader = csv::ReaderBuilder::new()
             .comment(Some(b'#'))
             .trim(csv::Trim::All)
             .flexible(true)
-            .from_reader(bytes.as_slice());
+            .from_reader(bytes);
         reader.records().map(|record| pair(name, &record.map_err(|e| format!("\"{name}\": {e}"))?)).collect()
     }
 }

@@ -240,6 +240,10 @@ impl Visit for Guide {
 
     fn complain(&mut self, _key: &str, _allowed: &str, _hint: Option<String>) {}
 
+    fn attached(&mut self, _name: &str) -> Option<Result<String, String>> {
+        None
+    }
+
     fn shorthand(&mut self, _key: &str, _value: &mut String) -> bool {
         false
     }

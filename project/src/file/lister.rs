@@ -121,6 +121,10 @@ impl Visit for Lister {
 
     fn complain(&mut self, _key: &str, _allowed: &str, _hint: Option<String>) {}
 
+    fn attached(&mut self, _name: &str) -> Option<Result<String, String>> {
+        None
+    }
+
     fn shorthand(&mut self, _key: &str, _value: &mut String) -> bool {
         false
     }

@@ -20,6 +20,18 @@ use crate::diagnostic::{Diagnostic, Problem, Severity};
 use source::{Remark, Source};
 use tree::{Entry, Value};
 
+/// Keys that name a file which resolving the project needs; some may hold the table itself instead.
+const NAMING_FILES: [&str; 8] = [
+    "plant.amplifier.map",
+    "plant.import.mass",
+    "plant.import.stiffness",
+    "plant.import.damping",
+    "plant.import.node_map",
+    "verify.road.heave_psd",
+    "verify.road.pitch_psd",
+    "verify.road.sines",
+];
+
 /// A project file as written.
 #[derive(Debug, Clone)]
 pub struct Document {
@@ -72,18 +84,23 @@ impl Document {
 
     /// Names of the files that the project file refers to and that resolving it needs.
     pub fn attachments(&self) -> Vec<String> {
-        let map = ["plant", "amplifier", "map"].iter().try_fold(None::<&Value>, |at, key| {
-            let entries = match at {
-                None => &self.entries,
-                Some(Value::Table(entries)) => entries,
-                Some(_) => return None,
-            };
-            entries.iter().find(|e| e.key == *key).map(|e| Some(&e.node.value))
-        });
-        match map.flatten() {
-            Some(Value::Text(name)) => vec![name.clone()],
-            _ => Vec::new(),
+        let mut names: Vec<String> = NAMING_FILES.iter().filter_map(|path| self.text_at(path)).collect();
+        names.retain(|name| !name.is_empty());
+        names.sort();
+        names.dedup();
+        names
+    }
+
+    /// The text at a path of keys, where one stands there.
+    fn text_at(&self, path: &str) -> Option<String> {
+        let mut entries = self.entries.as_slice();
+        let mut found = None;
+        for key in path.split('.') {
+            let entry = entries.iter().find(|e| e.key == key)?;
+            entries = if let Value::Table(inside) = &entry.node.value { inside } else { &[] };
+            found = Some(&entry.node.value);
         }
+        if let Some(Value::Text(text)) = found { Some(text.clone()) } else { None }
     }
 
     /// The same file with one value set; comments, order and spaces stay. Sections on the way are made.

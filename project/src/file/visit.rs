@@ -28,6 +28,8 @@ pub(crate) trait Visit {
     fn leave_list(&mut self);
     /// Says of the key just read what its type and range cannot say.
     fn complain(&mut self, key: &str, allowed: &str, hint: Option<String>);
+    /// The text of a file that was handed in, or why there is none; `None` where nothing is read.
+    fn attached(&mut self, name: &str) -> Option<Result<String, String>>;
     /// A text that stands where a table could: true if it is there.
     fn shorthand(&mut self, key: &str, value: &mut String) -> bool;
 }

@@ -10,12 +10,11 @@ use counterpoise_synth::{
 use serde::Serialize;
 
 use super::synth::design_plant;
-use super::{Modelled, PipelineError, Reduced, Synthesised, model};
+use super::{Modelled, PipelineError, Reduced, Synthesised, finite_elements_of, model};
 use crate::Project;
 use crate::file::visit::Choice;
 use crate::pipeline::balance::{BalanceRow, rows};
 use crate::resolve::design::Synthesis;
-use crate::resolve::model::StructureChoice;
 
 /// Everything that stands beside a design.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -267,11 +266,9 @@ fn spillover(
     (asked, modelled): (&Synthesis, &Modelled),
     made: &Synthesised,
 ) -> Result<Option<Spillover>, PipelineError> {
-    if project.plant.beam.is_none() {
-        return Ok(None);
-    }
+    let Some(structure) = finite_elements_of(project) else { return Ok(None) };
     let mut full = project.clone();
-    full.model.structure = StructureChoice::Beam;
+    full.model.structure = structure;
     full.model.modes = MODES.max(project.model.modes);
     let modes = full.model.modes;
     let flexible = model(&full)?;

@@ -116,7 +116,11 @@ fn units(
 
 /// Hash of the project as it was resolved: the same for two files that mean the same.
 pub fn project_hash(project: &Project) -> String {
-    let digest = Sha256::digest(project.to_text().as_bytes());
+    let mut text = project.to_text();
+    if let Some(content) = project.import.as_ref().and_then(|import| import.content.as_ref()) {
+        text += &format!("{content:?}");
+    }
+    let digest = Sha256::digest(text.as_bytes());
     digest.iter().take(16).map(|byte| format!("{byte:02x}")).collect()
 }
 

@@ -444,7 +444,7 @@ fn disconnected(
     let open = fra::disconnected(&parameters)?;
     Ok(match project.model.structure {
         StructureChoice::Lumped => Plant::lumped(&open)?,
-        StructureChoice::Beam => {
+        StructureChoice::Beam | StructureChoice::Import => {
             let body = counterpoise_models::plant::Body {
                 out_of_balance_kg_m: 0.0,
                 vertical_offset_kg_m: 0.0,

@@ -7,6 +7,7 @@
 pub mod adapt;
 pub mod balance;
 pub mod beside;
+pub mod effort;
 pub mod error;
 pub mod export;
 pub mod fra;
@@ -29,7 +30,7 @@ pub use model::{Modelled, finite_elements, finite_elements_of, model};
 pub use reduce::{Reduced, reduce};
 pub use sweep::{campaign, families};
 pub use synth::{Synthesised, synthesise};
-pub use verify::{procedure, verify, verify_linear_on, verify_on};
+pub use verify::{procedure, verify, verify_linear_on, verify_on, verify_watched};
 
 use crate::Project;
 

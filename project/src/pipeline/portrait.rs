@@ -2,12 +2,12 @@
 
 use counterpoise_models::friction::FrictionModel;
 use counterpoise_models::friction::describing::sinusoidal_loop;
-use counterpoise_models::structure::{Direction, FeModel, Modes, Structure, Support, modes};
+use counterpoise_models::structure::{Direction, FeModel, Modes, Support, modes};
 use counterpoise_models::{Friction, FrictionLaw};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-use super::{Modelled, PipelineError};
+use super::{Modelled, PipelineError, finite_elements, finite_elements_of};
 use crate::Project;
 
 /// The pictures of a plant as plain data.
@@ -88,10 +88,8 @@ const KEPT: usize = 5;
 /// Those of the structure and the friction laws.
 pub fn portrait(project: &Project, modelled: &Modelled) -> Result<Portrait, PipelineError> {
     let mut out = Portrait { modes: Vec::new(), frictions: Vec::new() };
-    if project.plant.beam.is_some() {
-        let fitted = &project.plant.configurations;
-        let configuration = fitted.iter().find(|c| Some(&c.name) == project.model.configuration.as_ref());
-        let fe = Structure::new(&project.plant, configuration)?.fe(&project.model.elements)?;
+    if let Some(structure) = finite_elements_of(project) {
+        let (fe, _) = finite_elements(project, structure)?;
         let supports = [(Support::Free, "free"), (Support::Pinned, "pinned"), (Support::Clamped, "clamped")];
         for (support, name) in supports {
             out.modes.push(ModeSet { support: name, modes: shown(&fe, &modes(&fe, support)?) });

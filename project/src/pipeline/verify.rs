@@ -6,7 +6,7 @@ use counterpoise_verify::{Procedure, Road, Verification, VerifiedController};
 use super::{Modelled, PipelineError, Synthesised, World};
 use crate::Project;
 use crate::recording::{Table, road};
-use crate::resolve::verify::RoadSource;
+use crate::resolve::platform::{PlatformSource, RoadSource};
 
 /// Verifies the sampled controller on the plant as it was before reduction.
 ///
@@ -36,6 +36,22 @@ pub fn verify_on(
     Ok(counterpoise_verify::verify(plant, controller, procedure, &asked.requirements)?)
 }
 
+/// As [`verify`], for somebody who looks on: `watch` sees what is found so far and says whether to go on; none where it said no.
+///
+/// # Errors
+/// As [`verify`].
+pub fn verify_watched(
+    project: &Project,
+    modelled: &Modelled,
+    synthesised: &Synthesised,
+    (world, watch): (&dyn World, &mut dyn FnMut(&Verification) -> bool),
+) -> Result<Option<VerifiedController>, PipelineError> {
+    let asked = project.verify.as_ref().ok_or(MISSING)?;
+    let controller = &synthesised.sampled.controller;
+    let by = procedure(project, world)?;
+    Ok(counterpoise_verify::verify_watched(&modelled.plant, controller, (&by, &asked.requirements), watch)?)
+}
+
 /// The linear figures alone, on a plant and by a procedure.
 ///
 /// # Errors
@@ -59,13 +75,21 @@ const MISSING: PipelineError = PipelineError::Missing { section: "verify", neede
 /// A road that cannot be read.
 pub fn procedure(project: &Project, world: &dyn World) -> Result<Procedure, PipelineError> {
     let asked = project.verify.as_ref().ok_or(MISSING)?;
-    let road = asked.road.as_ref().map(|source| read_road(source, world)).transpose()?;
+    let road = asked.road.as_ref().map(|source| moved(source, world)).transpose()?;
     Ok(Procedure {
         operating_point: project.model.operating_point,
         friction: project.model.friction,
         road,
         ..asked.procedure.clone()
     })
+}
+
+/// The platform's motion, read or made.
+fn moved(source: &PlatformSource, world: &dyn World) -> Result<Road, PipelineError> {
+    match source {
+        PlatformSource::Recording(source) => read_road(source, world),
+        PlatformSource::Made(motion) => Ok(motion.road()?),
+    }
 }
 
 /// The part of a recording that the project asks for.

@@ -5,7 +5,7 @@ use counterpoise_verify::signals::filter::{LowPass, from_rest, low_pass};
 
 use super::timing::even;
 use super::{RecordingError, Table, Unit};
-use crate::resolve::verify::RoadSource;
+use crate::resolve::platform::RoadSource;
 
 /// Heave and pitch rate from a recording: the stretch that is asked for, low-passed, scaled, without their means (which
 /// takes gravity away), and faded in and out.

@@ -3,9 +3,12 @@
 use counterpoise_models::{Beam, Parameters, SectionShape};
 
 use super::Project;
+use super::import::ImportedStructure;
+use super::model::StructureChoice;
 use crate::diagnostic::{Diagnostic, Problem, Severity, did_you_mean};
 use crate::file::Document;
 use crate::file::source::Remark;
+use crate::file::visit::Choice;
 use crate::recording::{Mapping, Unit};
 
 /// Two ends of sections closer than this fraction of the beam's length adjoin.
@@ -31,11 +34,12 @@ impl Findings<'_> {
 pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     let mut findings = Findings { document, list: Vec::new() };
     let plant = &project.plant;
-    if document.has("plant") && !document.has("plant.beam") && !document.has("plant.lumped") {
+    let described = ["plant.beam", "plant.lumped", "plant.import"].iter().any(|path| document.has(path));
+    if document.has("plant") && !described {
         let remark = Remark::new(
             Problem::Missing,
             "plant",
-            "the structure is missing: give [plant.beam], [plant.lumped] or both",
+            "the structure is missing: give [plant.beam], [plant.lumped] or [plant.import]",
         );
         findings.add(Severity::Error, remark);
     }
@@ -43,7 +47,10 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
         sections(&mut findings, beam);
         masses(&mut findings, beam);
     }
-    configurations(&mut findings, plant);
+    let imported = project.import.iter().flat_map(|import| &import.masses);
+    duplicates(&mut findings, "plant.import.mass", imported.map(|mass| mass.name.as_str()));
+    configurations(&mut findings, project);
+    structure(&mut findings, project);
     map(&mut findings, plant);
     coupling(&mut findings, plant);
     agreement(&mut findings, plant);
@@ -142,10 +149,33 @@ fn masses(findings: &mut Findings<'_>, beam: &Beam) {
     }
 }
 
-fn configurations(findings: &mut Findings<'_>, plant: &Parameters) {
+/// The structure that the model takes must be there.
+fn structure(findings: &mut Findings<'_>, project: &Project) {
+    let (section, there) = match project.model.structure {
+        StructureChoice::Lumped => return,
+        StructureChoice::Beam => ("plant.beam", project.plant.beam.is_some()),
+        StructureChoice::Import => ("plant.import", project.import.is_some()),
+    };
+    if !there {
+        let allowed = format!("needs the section [{section}]");
+        let found = format!("\"{}\"", project.model.structure.name());
+        findings.add(Severity::Error, Remark::new(Problem::Missing, "model.structure", allowed).found(found));
+    }
+    let undamped =
+        |import: &ImportedStructure| import.damping.file.is_empty() && import.modal_damping.is_empty();
+    if project.import.as_ref().is_some_and(undamped) {
+        let allowed = "the structure has no damping: give modal_damping or a damping matrix";
+        findings.add(Severity::Error, Remark::new(Problem::Missing, "plant.import", allowed));
+    }
+}
+
+fn configurations(findings: &mut Findings<'_>, project: &Project) {
     const LIST: &str = "plant.configuration";
+    let plant = &project.plant;
     duplicates(findings, LIST, plant.configurations.iter().map(|c| c.name.as_str()));
-    let known: Vec<&str> = plant.beam.iter().flat_map(|b| b.masses.iter().map(|m| m.name.as_str())).collect();
+    let of_beam = plant.beam.iter().flat_map(|b| &b.masses);
+    let of_import = project.import.iter().flat_map(|i| &i.masses);
+    let known: Vec<&str> = of_beam.chain(of_import).map(|m| m.name.as_str()).collect();
     for (index, configuration) in plant.configurations.iter().enumerate() {
         for (place, name) in configuration.masses.iter().enumerate() {
             let path = format!("{LIST}[{index}].masses[{place}]");
@@ -254,6 +284,7 @@ fn area(shape: &SectionShape, at: f64) -> f64 {
         SectionShape::Tube { outer_diameter_m, inner_diameter_m } => {
             std::f64::consts::FRAC_PI_4 * (along(outer_diameter_m).powi(2) - along(inner_diameter_m).powi(2))
         }
+        SectionShape::Rectangle { height_m, width_m } => along(height_m) * along(width_m),
         SectionShape::Given { area_m2, .. } => along(area_m2),
     }
 }

@@ -6,8 +6,10 @@ mod checks;
 mod controller;
 pub mod design;
 mod friction;
+pub mod import;
 pub mod model;
 mod plant;
+pub mod platform;
 mod recording;
 mod structure;
 pub mod sweep;
@@ -39,6 +41,8 @@ pub const FORMAT: u32 = 1;
 pub struct Project {
     /// The mechanism.
     pub plant: Parameters,
+    /// The structure as matrices from elsewhere, where there is one.
+    pub import: Option<import::ImportedStructure>,
     /// Which description of the mechanism is taken, and where it stands.
     pub model: Modelling,
     /// How the plant is reduced before the design.
@@ -185,6 +189,7 @@ impl Project {
     fn blank() -> Self {
         Self {
             plant: plant::blank(),
+            import: None,
             model: Modelling::default(),
             reduce: Reduction::default(),
             synth: None,
@@ -232,7 +237,11 @@ fn file(v: &mut dyn Visit, project: &mut Project) -> u32 {
         &Field::new("format", "format of this file").limit(Limit::AtLeast(0.0)).or(f64::from(FORMAT)).shown(),
         &mut format,
     );
-    table(v, &TableField::required("plant", "the mechanism"), &mut project.plant, plant::plant);
+    table(v, &TableField::required("plant", "the mechanism"), project, |v, project| {
+        plant::plant(v, &mut project.plant);
+        let section = TableField::optional("import", "the structure as matrices of a finite-element package");
+        optional(v, &section, &mut project.import, import::blank(), import::import);
+    });
     designs(v, project);
     recordings(v, project);
     format

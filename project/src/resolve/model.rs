@@ -30,10 +30,13 @@ pub enum StructureChoice {
     Lumped,
     /// The beam by finite elements, with its modes.
     Beam,
+    /// Matrices of a finite-element package, with their modes.
+    Import,
 }
 
 impl Choice for StructureChoice {
-    const NAMES: &'static [(&'static str, Self)] = &[("lumped", Self::Lumped), ("beam", Self::Beam)];
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("lumped", Self::Lumped), ("beam", Self::Beam), ("import", Self::Import)];
 }
 
 impl Choice for Theory {
@@ -85,7 +88,7 @@ pub(crate) fn model(v: &mut dyn Visit, model: &mut Modelling) {
     choose(v, &Field::new("structure", "description that is taken").or_text("lumped"), &mut model.structure);
     count(
         v,
-        &Field::new("modes", "flexible modes kept of the beam")
+        &Field::new("modes", "flexible modes kept of beam or matrices")
             .limit(Limit::Between(0.0, 40.0))
             .or(f64::from(MODES)),
         &mut model.modes,

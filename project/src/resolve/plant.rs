@@ -1,14 +1,14 @@
 //! The `[plant]` section: drive train, sensors, interface, and the structure.
 
 use counterpoise_models::{
-    Amplifier, Friction, FrictionLaw, Gearbox, Interface, MapPoint, Motor, Parameters, Ripple, Sensor,
-    Sensors,
+    Amplifier, AmplifierDynamics, Friction, FrictionLaw, Gearbox, Interface, MapPoint, Motor, Parameters,
+    Ripple, Sensor, Sensors,
 };
 
 use super::friction::{friction, ripple};
 use super::structure::{beam, blank_beam, blank_configuration, blank_lumped, configuration, lumped};
 use crate::file::field::{Field, Limit, TableField};
-use crate::file::visit::{Visit, list, optional, table};
+use crate::file::visit::{Choice, Visit, choose, list, optional, table};
 
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 const ABOVE_0: Limit = Limit::Above(0.0);
@@ -81,6 +81,7 @@ fn blank_amplifier() -> Amplifier {
         map: Vec::new(),
         dead_zone_v: 0.0,
         current_limit_a: f64::INFINITY,
+        dynamics: AmplifierDynamics::Modelled,
     }
 }
 
@@ -215,7 +216,14 @@ fn amplifier(v: &mut dyn Visit, amplifier: &mut Amplifier) {
         .unit("A")
         .limit(ABOVE_0);
     v.number(&limit.or(f64::INFINITY), &mut amplifier.current_limit_a);
+    let dynamics = "modelled: lag, feedbacks, armature and back-EMF; ideal-current: the current follows the input at once";
+    choose(v, &Field::new("dynamics", dynamics).or_text("modelled"), &mut amplifier.dynamics);
     map(v, &mut amplifier.map);
+}
+
+impl Choice for AmplifierDynamics {
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("modelled", Self::Modelled), ("ideal-current", Self::IdealCurrent)];
 }
 
 fn map(v: &mut dyn Visit, map: &mut Vec<MapPoint>) {

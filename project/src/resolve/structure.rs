@@ -1,6 +1,6 @@
 //! The structure: the beam with its sections and masses, the lumped inertias, the configurations.
 
-use counterpoise_models::{Beam, Configuration, Lumped, PointMass, Section, SectionShape};
+use counterpoise_models::{Beam, Configuration, Lumped, PointMass, Section, SectionShape, StructuralDamping};
 
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{Choice, Count, Visit, choose, list, pair};
@@ -14,9 +14,20 @@ const DENSITY: Field = Field::new("density", "density").unit("kg/m^3").limit(Lim
 const PIVOT: Field = Field::new("pivot", "position of the hub pivot along the axis; x grows towards the tip")
     .unit("m")
     .or(0.0);
-const MODAL_DAMPING: Field =
-    Field::new("modal_damping", "damping ratio of flexible mode 1, 2, ...; the last holds for all above")
-        .limit(Limit::Between(0.0, 1.0));
+const MODAL_DAMPING: Field = Field::new(
+    "modal_damping",
+    "damping ratio of flexible mode 1, 2, ... of the structure pinned at its hub",
+)
+.limit(Limit::Between(0.0, 1.0));
+const DAMPING_LAW: Field = Field::new(
+    "damping",
+    "modal: the last ratio holds for all above; modal-stiffness: it grows with the frequency",
+)
+.or_text("modal");
+const RAYLEIGH_FIRST: Field =
+    Field::new("rayleigh_first", "frequency [rad/s] and damping ratio").limit(Limit::AtLeast(0.0));
+const RAYLEIGH_SECOND: Field =
+    Field::new("rayleigh_second", "higher frequency [rad/s] and damping ratio").limit(Limit::AtLeast(0.0));
 const SECTIONS: TableField = TableField::required("section", "a stretch of the beam");
 const MASSES: TableField = TableField::optional("mass", "a mass that can be fitted");
 
@@ -29,6 +40,11 @@ const OUTER: Field =
 const INNER: Field = Field::new("inner_diameter", "at the near and the far end; 0 for solid")
     .unit("m")
     .limit(Limit::AtLeast(0.0));
+const HEIGHT: Field =
+    Field::new("height", "in the plane of bending, at the near and the far end; 0 for a point")
+        .unit("m")
+        .limit(Limit::AtLeast(0.0));
+const WIDTH: Field = Field::new("width", "at the near and the far end").unit("m").limit(Limit::AtLeast(0.0));
 const AREA: Field = Field::new("area", "at the near and the far end").unit("m^2").limit(Limit::Above(0.0));
 const SECOND_MOMENT: Field =
     Field::new("second_moment", "of area, at the near and the far end").unit("m^4").limit(Limit::Above(0.0));
@@ -67,11 +83,29 @@ const ADDED_INERTIA: Field = Field::new("added_hub_inertia", "added at the hub w
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Shape {
     Tube,
+    Rectangle,
     Given,
 }
 
+/// The law of damping, by name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Law {
+    Modal,
+    ModalWithStiffness,
+    Rayleigh,
+}
+
+impl Choice for Law {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("modal", Self::Modal),
+        ("modal-stiffness", Self::ModalWithStiffness),
+        ("rayleigh", Self::Rayleigh),
+    ];
+}
+
 impl Choice for Shape {
-    const NAMES: &'static [(&'static str, Self)] = &[("tube", Self::Tube), ("given", Self::Given)];
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("tube", Self::Tube), ("rectangle", Self::Rectangle), ("given", Self::Given)];
 }
 
 /// A beam still to be read.
@@ -82,6 +116,7 @@ pub(crate) fn blank_beam() -> Beam {
         density_kg_m3: f64::NAN,
         pivot_m: f64::NAN,
         modal_damping: Vec::new(),
+        damping: StructuralDamping::Modal,
         sections: Vec::new(),
         masses: Vec::new(),
     }
@@ -112,13 +147,46 @@ pub(crate) fn beam(v: &mut dyn Visit, beam: &mut Beam) {
     v.number(&POISSONS_RATIO, &mut beam.poissons_ratio);
     v.number(&DENSITY, &mut beam.density_kg_m3);
     v.number(&PIVOT, &mut beam.pivot_m);
-    v.numbers(&MODAL_DAMPING, Count::AtLeastOne, &mut beam.modal_damping);
+    damping(v, beam);
     let blank =
         Section { name: String::new(), from_m: f64::NAN, to_m: f64::NAN, shape: blank_shape(Shape::Tube) };
     list(v, &SECTIONS, &mut beam.sections, blank, section);
+    masses(v, &mut beam.masses);
+}
+
+/// Reads or lists the masses that can be fitted.
+pub(crate) fn masses(v: &mut dyn Visit, masses: &mut Vec<PointMass>) {
     let blank =
         PointMass { name: String::new(), position_m: f64::NAN, mass_kg: f64::NAN, inertia_kg_m2: 0.0 };
-    list(v, &MASSES, &mut beam.masses, blank, mass);
+    list(v, &MASSES, masses, blank, mass);
+}
+
+fn damping(v: &mut dyn Visit, beam: &mut Beam) {
+    let (mut law, mut first, mut second) = match beam.damping {
+        StructuralDamping::Modal => (Law::Modal, [f64::NAN; 2], [f64::NAN; 2]),
+        StructuralDamping::ModalWithStiffness => (Law::ModalWithStiffness, [f64::NAN; 2], [f64::NAN; 2]),
+        StructuralDamping::Rayleigh { first, second } => (Law::Rayleigh, first, second),
+    };
+    choose(v, &DAMPING_LAW, &mut law);
+    beam.damping = match law {
+        Law::Rayleigh => {
+            pair(v, &RAYLEIGH_FIRST, &mut first);
+            pair(v, &RAYLEIGH_SECOND, &mut second);
+            if first[0] <= 0.0 || second[0] <= first[0] {
+                v.complain(
+                    "rayleigh_second",
+                    "must have a frequency above the first's, and both above 0",
+                    None,
+                );
+            }
+            StructuralDamping::Rayleigh { first, second }
+        }
+        Law::Modal => StructuralDamping::Modal,
+        Law::ModalWithStiffness => StructuralDamping::ModalWithStiffness,
+    };
+    if law != Law::Rayleigh {
+        v.numbers(&MODAL_DAMPING, Count::AtLeastOne, &mut beam.modal_damping);
+    }
 }
 
 fn section(v: &mut dyn Visit, section: &mut Section) {
@@ -135,6 +203,10 @@ fn section(v: &mut dyn Visit, section: &mut Section) {
             pair(v, &OUTER, outer_diameter_m);
             pair(v, &INNER, inner_diameter_m);
         }
+        SectionShape::Rectangle { height_m, width_m } => {
+            pair(v, &HEIGHT, height_m);
+            pair(v, &WIDTH, width_m);
+        }
         SectionShape::Given { area_m2, second_moment_m4 } => {
             pair(v, &AREA, area_m2);
             pair(v, &SECOND_MOMENT, second_moment_m4);
@@ -145,6 +217,7 @@ fn section(v: &mut dyn Visit, section: &mut Section) {
 fn shape_of(shape: &SectionShape) -> Shape {
     match shape {
         SectionShape::Tube { .. } => Shape::Tube,
+        SectionShape::Rectangle { .. } => Shape::Rectangle,
         SectionShape::Given { .. } => Shape::Given,
     }
 }
@@ -153,6 +226,7 @@ fn blank_shape(shape: Shape) -> SectionShape {
     let unread = [f64::NAN; 2];
     match shape {
         Shape::Tube => SectionShape::Tube { outer_diameter_m: unread, inner_diameter_m: unread },
+        Shape::Rectangle => SectionShape::Rectangle { height_m: unread, width_m: unread },
         Shape::Given => SectionShape::Given { area_m2: unread, second_moment_m4: unread },
     }
 }

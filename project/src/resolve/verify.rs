@@ -2,6 +2,7 @@
 
 use counterpoise_verify::{Figure, Limit as Bound, Procedure, Requirement, Sine, Step};
 
+use super::platform::{self, PlatformSource};
 use crate::diagnostic::nearest;
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{Count, Visit, list, maybe_number, optional, table};
@@ -12,32 +13,9 @@ pub struct Verification {
     /// What is done; operating point and friction are those of the model, and the road is still to be read.
     pub procedure: Procedure,
     /// Where the platform's motion on a road comes from.
-    pub road: Option<RoadSource>,
+    pub road: Option<PlatformSource>,
     /// Figures with their limits.
     pub requirements: Vec<Requirement>,
-}
-
-/// A recording of a platform in motion, and how it is taken.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RoadSource {
-    /// Name of the recording, beside the project file.
-    pub recording: String,
-    /// Column of the upward acceleration; its mean (gravity) is removed.
-    pub heave: String,
-    /// Column of the pitch rate; its mean is removed.
-    pub pitch: String,
-    /// Factor on heave; a negative one turns the sign.
-    pub heave_scale: f64,
-    /// Factor on pitch; a negative one turns the sign.
-    pub pitch_scale: f64,
-    /// Both are low-passed at this frequency without shift, Hz; `None` leaves them.
-    pub low_pass_hz: Option<f64>,
-    /// Start in the recording, s.
-    pub start_s: f64,
-    /// Length taken, s.
-    pub duration_s: f64,
-    /// Motion fades in and out over this time, s.
-    pub fade_s: f64,
 }
 
 const ABOVE_0: Limit = Limit::Above(0.0);
@@ -46,20 +24,6 @@ const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 /// A verification of which nothing is written: the usual procedure without requirements.
 pub(crate) fn blank() -> Verification {
     Verification { procedure: Procedure::default(), road: None, requirements: Vec::new() }
-}
-
-fn blank_road() -> RoadSource {
-    RoadSource {
-        recording: String::new(),
-        heave: String::new(),
-        pitch: String::new(),
-        heave_scale: 1.0,
-        pitch_scale: 1.0,
-        low_pass_hz: None,
-        start_s: 0.0,
-        duration_s: f64::NAN,
-        fade_s: 1.0,
-    }
 }
 
 /// Reads or lists the verification.
@@ -85,10 +49,13 @@ pub(crate) fn verify(v: &mut dyn Visit, verification: &mut Verification) {
     });
     optional(
         v,
-        &TableField::optional("road", "recorded motion of the platform"),
+        &TableField::optional(
+            "road",
+            "motion of the platform: recorded, of a spectrum, on a simulator, or over a road",
+        ),
         &mut verification.road,
-        blank_road(),
-        road,
+        platform::blank(),
+        platform::platform,
     );
     requirements(v, &mut verification.requirements);
 }
@@ -136,21 +103,6 @@ fn sine(v: &mut dyn Visit, sine: &mut Sine, usual: Sine, unit: &'static str) {
         &Field::new("frequency", "frequency").unit("Hz").limit(ABOVE_0).or(usual.frequency_hz).shown(),
         &mut sine.frequency_hz,
     );
-}
-
-fn road(v: &mut dyn Visit, road: &mut RoadSource) {
-    v.text(&Field::new("recording", "file beside the project file"), &mut road.recording);
-    v.text(&Field::new("heave", "column of the upward acceleration"), &mut road.heave);
-    v.text(&Field::new("pitch", "column of the pitch rate"), &mut road.pitch);
-    let scale = "factor; a negative one turns the sign";
-    v.number(&Field::new("heave_scale", scale).or(1.0).shown(), &mut road.heave_scale);
-    v.number(&Field::new("pitch_scale", scale).or(1.0).shown(), &mut road.pitch_scale);
-    let low_pass =
-        Field::new("low_pass", "frequency above which motion is removed").unit("Hz").limit(ABOVE_0);
-    maybe_number(v, &low_pass, &mut road.low_pass_hz);
-    v.number(&Field::new("start", "in the recording").unit("s").limit(AT_LEAST_0).or(0.0), &mut road.start_s);
-    v.number(&Field::new("duration", "that is taken").unit("s").limit(ABOVE_0), &mut road.duration_s);
-    v.number(&Field::new("fade", "in and out").unit("s").limit(AT_LEAST_0).or(1.0).shown(), &mut road.fade_s);
 }
 
 /// A requirement as the file has it: either limit, or both.

@@ -205,6 +205,7 @@ fn drawing(ui: &mut Ui, view: &View, beam: &Beam, canvas: Rect) {
 fn half_heights(shape: &SectionShape) -> [f64; 2] {
     match shape {
         SectionShape::Tube { outer_diameter_m, .. } => outer_diameter_m.map(|d| 0.5 * d),
+        SectionShape::Rectangle { height_m, .. } => height_m.map(|h| 0.5 * h),
         SectionShape::Given { area_m2, .. } => area_m2.map(|a| 0.5 * a.max(0.0).sqrt()),
     }
 }

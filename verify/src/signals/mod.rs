@@ -1,15 +1,17 @@
 //! What is read from sampled signals: step figures, spectra and rejection ratios, filters for platform motion.
 //!
-//! Modules in reading order: [`step`], [`welch`], [`filter`], [`iso_road`], [`statistics`].
+//! Modules in reading order: [`step`], [`welch`], [`filter`], [`iso_road`], [`spectrum`], [`statistics`].
 
 pub mod filter;
 pub mod iso_road;
+pub mod spectrum;
 pub mod statistics;
 pub mod step;
 pub mod welch;
 
 pub use filter::{LowPass, from_rest, low_pass};
 pub use iso_road::{Drive, RoadClass, Vehicle, iso_road};
+pub use spectrum::{Realisation, Tone, pitch_simulator, random_motion};
 pub use statistics::{mean, peak, rms};
 pub use step::{StepFigures, step_figures};
 pub use welch::{Spectra, WelchOptions, welch};

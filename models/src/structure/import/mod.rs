@@ -15,7 +15,7 @@ pub use matrix_market::matrix_market;
 pub use node_map::{Dof, NodeMap};
 pub use op4::{Op4, op4};
 
-use super::fe::{FeModel, NodeRows};
+use super::fe::{FeModel, Fitted, NodeRows};
 use crate::Error;
 use counterpoise_lti::Mat;
 
@@ -97,6 +97,31 @@ impl Imported {
             tip: self.node(map, map.tip)?,
             tip_arm_m: map.position(map.tip)? - map.position(map.pivot)?,
         })
+    }
+
+    /// The matrices with what is fitted: each point mass hangs on the nearest grid by a rigid arm, and the hub's inertia turns with
+    /// the pivot's grid.
+    ///
+    /// # Errors
+    /// [`Error::Import`] where the grid that carries a mass lacks a row that it needs.
+    pub fn fitted(&self, map: &NodeMap, fitted: &Fitted) -> Result<Self, Error> {
+        let mut out = self.clone();
+        for mass in &fitted.masses {
+            let grid = map.nearest(mass.position_m)?;
+            let arm = mass.position_m - map.position(grid)?;
+            let node = self.node(map, grid)?;
+            let (w, turn) = (node.deflection, node.rotation);
+            let coupling = map.rotation_sign * mass.mass_kg * arm;
+            out.M[(w, w)] += mass.mass_kg;
+            out.M[(w, turn)] += coupling;
+            out.M[(turn, w)] += coupling;
+            out.M[(turn, turn)] += mass.mass_kg * arm * arm + mass.inertia_kg_m2;
+        }
+        if fitted.hub_inertia_kg_m2 != 0.0 {
+            let turn = self.node(map, map.pivot)?.rotation;
+            out.M[(turn, turn)] += fitted.hub_inertia_kg_m2;
+        }
+        Ok(out)
     }
 
     /// The matrix with rotations counted nose-up.

@@ -66,6 +66,16 @@ impl NodeMap {
         let found = self.positions_m.get(&grid).copied();
         found.ok_or_else(|| refused(0, format!("the node map has no position for grid {grid}")))
     }
+
+    /// The grid nearest to a place on the axis.
+    ///
+    /// # Errors
+    /// [`Error::Import`] where the map has no grid.
+    pub fn nearest(&self, position_m: f64) -> Result<u64, Error> {
+        let distance = |x: f64| (x - position_m).abs();
+        let found = self.positions_m.iter().min_by(|a, b| distance(*a.1).total_cmp(&distance(*b.1)));
+        found.map(|(grid, _)| *grid).ok_or_else(|| refused(0, "the node map has no grid".to_owned()))
+    }
 }
 
 #[derive(Default)]

@@ -229,6 +229,10 @@ impl Visit for Reader<'_> {
         }
     }
 
+    fn attached(&mut self, name: &str) -> Option<Result<String, String>> {
+        if name.is_empty() { None } else { Some(self.attachments.text(name)) }
+    }
+
     fn shorthand(&mut self, key: &str, value: &mut String) -> bool {
         let Some(entry) = self.frames.last().and_then(|f| f.entries.iter().find(|e| e.key == key)) else {
             return false;

@@ -1,0 +1,226 @@
+//! The `[plant.import]` section: the structure as mass, stiffness and damping matrices of a finite-element package.
+
+use counterpoise_lti::Mat;
+use counterpoise_models::PointMass;
+use counterpoise_models::structure::FeModel;
+use counterpoise_models::structure::fe::Fitted;
+use counterpoise_models::structure::import::{Dmig, Imported, NodeMap, dmig, matrix_market, op4};
+
+use super::structure::masses;
+use crate::file::field::{Field, Limit};
+use crate::file::visit::{Choice, Count, Visit, choose};
+
+/// The structure as matrices from elsewhere.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImportedStructure {
+    /// How the files are written.
+    pub format: MatrixFormat,
+    /// File of the mass matrix.
+    pub mass: MatrixFile,
+    /// File of the stiffness matrix.
+    pub stiffness: MatrixFile,
+    /// File of the damping matrix; an empty name where there is none.
+    pub damping: MatrixFile,
+    /// File that says which node each row belongs to and where the nodes lie.
+    pub node_map: String,
+    /// Damping ratio of flexible mode 1, 2, ..., the last holding for all above, where there is no damping matrix.
+    pub modal_damping: Vec<f64>,
+    /// Masses that a configuration can fit.
+    pub masses: Vec<PointMass>,
+    /// What the files hold.
+    pub content: Option<ImportedContent>,
+}
+
+/// A matrix in a file.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct MatrixFile {
+    /// Name of the file.
+    pub file: String,
+    /// Name of the matrix in it; empty for the only one.
+    pub name: String,
+}
+
+/// The matrices and the node map, read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImportedContent {
+    /// The matrices.
+    pub matrices: Imported,
+    /// The node map.
+    pub map: NodeMap,
+}
+
+/// How matrices are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MatrixFormat {
+    /// Matrix Market, one matrix a file.
+    MatrixMarket,
+    /// Nastran DMIG entries.
+    Dmig,
+    /// Nastran OUTPUT4, as text.
+    Op4,
+}
+
+impl Choice for MatrixFormat {
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("matrix-market", Self::MatrixMarket), ("dmig", Self::Dmig), ("op4", Self::Op4)];
+}
+
+impl ImportedContent {
+    /// The structure with what is fitted to it.
+    ///
+    /// # Errors
+    /// As for [`Imported::fitted`] and [`Imported::structure`].
+    pub fn structure(&self, fitted: &Fitted) -> Result<FeModel, counterpoise_models::Error> {
+        self.matrices.fitted(&self.map, fitted)?.structure(&self.map)
+    }
+}
+
+/// An import still to be read.
+pub(crate) fn blank() -> ImportedStructure {
+    ImportedStructure {
+        format: MatrixFormat::MatrixMarket,
+        mass: MatrixFile::default(),
+        stiffness: MatrixFile::default(),
+        damping: MatrixFile::default(),
+        node_map: String::new(),
+        modal_damping: Vec::new(),
+        masses: Vec::new(),
+        content: None,
+    }
+}
+
+/// Reads or lists the import.
+pub(crate) fn import(v: &mut dyn Visit, import: &mut ImportedStructure) {
+    choose(v, &Field::new("format", "of the matrices").or_text("matrix-market"), &mut import.format);
+    v.text(&Field::new("mass", "file of the mass matrix, SI units"), &mut import.mass.file);
+    v.text(&Field::new("stiffness", "file of the stiffness matrix, SI units"), &mut import.stiffness.file);
+    let damping = Field::new("damping", "file of the damping matrix, SI units");
+    v.text(&damping.or_text(""), &mut import.damping.file);
+    if import.format != MatrixFormat::MatrixMarket {
+        let name = |key, meaning| Field::new(key, meaning).or_text("");
+        v.text(&name("mass_name", "name of the mass matrix in its file"), &mut import.mass.name);
+        v.text(&name("stiffness_name", "name of the stiffness matrix"), &mut import.stiffness.name);
+        v.text(&name("damping_name", "name of the damping matrix"), &mut import.damping.name);
+    }
+    let map = "file that names the node of each row, and where the nodes lie";
+    v.text(&Field::new("node_map", map), &mut import.node_map);
+    let ratios = Field::new(
+        "modal_damping",
+        "damping ratio of flexible mode 1, 2, ... where there is no damping matrix",
+    );
+    v.numbers(
+        &ratios.limit(Limit::Between(0.0, 1.0)).or_empty(),
+        Count::AtLeastOne,
+        &mut import.modal_damping,
+    );
+    masses(v, &mut import.masses);
+    if let Some(content) = content(v, import) {
+        import.content = Some(content);
+    }
+}
+
+/// What the files hold, where they are at hand and make a structure; what is wrong with them is said.
+fn content(v: &mut dyn Visit, import: &ImportedStructure) -> Option<ImportedContent> {
+    let map = read(v, "node_map", &import.node_map, NodeMap::parse)?;
+    let matrices = match import.format {
+        MatrixFormat::MatrixMarket => plain(v, import, &map, |text, _| matrix_market(text)),
+        MatrixFormat::Op4 => plain(v, import, &map, |text, name| {
+            let all = op4(text)?;
+            let known: Vec<&str> = all.iter().map(|one| one.name.as_str()).collect();
+            let at = the_one(&known, name)?;
+            Ok(all[at].matrix.clone())
+        }),
+        MatrixFormat::Dmig => grids(v, import),
+    }?;
+    let content = ImportedContent { matrices, map };
+    match content.structure(&Fitted::default()) {
+        Ok(_) => Some(content),
+        Err(error) => {
+            v.complain("node_map", &format!("does not fit the matrices: {}", said(&error)), None);
+            None
+        }
+    }
+}
+
+/// Matrices in the rows' order of the node map.
+fn plain(
+    v: &mut dyn Visit,
+    import: &ImportedStructure,
+    map: &NodeMap,
+    parse: impl Fn(&str, &str) -> Result<Mat, counterpoise_models::Error>,
+) -> Option<Imported> {
+    let mut matrix = |key, from: &MatrixFile| read(v, key, &from.file, |text| parse(text, &from.name));
+    let (mass, stiffness) = (matrix("mass", &import.mass), matrix("stiffness", &import.stiffness));
+    let damping = match import.damping.file.is_empty() {
+        true => None,
+        false => Some(matrix("damping", &import.damping)?),
+    };
+    Some(Imported::in_order_of(map, mass?, damping, stiffness?))
+}
+
+/// Matrices that name their rows.
+fn grids(v: &mut dyn Visit, import: &ImportedStructure) -> Option<Imported> {
+    let mut all: Vec<Dmig> = Vec::new();
+    let mut named = Vec::new();
+    for (key, from) in
+        [("mass", &import.mass), ("stiffness", &import.stiffness), ("damping", &import.damping)]
+    {
+        if from.file.is_empty() {
+            continue;
+        }
+        let inside = read(v, key, &from.file, |text| {
+            let all = dmig(text)?;
+            let known: Vec<&str> = all.iter().map(|one| one.name.as_str()).collect();
+            let at = the_one(&known, &from.name)?;
+            Ok(all[at].clone())
+        })?;
+        // names need not differ between files
+        let name = format!("{key}:{}", inside.name);
+        all.push(Dmig { name: name.clone(), ..inside });
+        named.push(name);
+    }
+    let (mass, stiffness) = (named.first()?, named.get(1)?);
+    match Imported::from_dmig(&all, mass, named.get(2).map(String::as_str), stiffness) {
+        Ok(made) => Some(made),
+        Err(error) => {
+            v.complain("mass", &said(&error), None);
+            None
+        }
+    }
+}
+
+/// The matrix of a name among those of a file, or the only one where no name is asked for.
+fn the_one(known: &[&str], name: &str) -> Result<usize, counterpoise_models::Error> {
+    let found = match (name, known.len()) {
+        ("", 1) => Some(0),
+        ("", _) => None,
+        (name, _) => known.iter().position(|one| one.eq_ignore_ascii_case(name)),
+    };
+    let what = || format!("it holds the matrices {}: name the one that is meant", known.join(", "));
+    found.ok_or_else(|| counterpoise_models::Error::Import { line: 0, what: what() })
+}
+
+/// A file parsed; none where there is nothing to read, or what is wrong has been said.
+fn read<T>(
+    v: &mut dyn Visit,
+    key: &str,
+    file: &str,
+    parse: impl Fn(&str) -> Result<T, counterpoise_models::Error>,
+) -> Option<T> {
+    let parsed = v.attached(file)?.and_then(|text| parse(&text).map_err(|error| said(&error)));
+    match parsed {
+        Ok(value) => Some(value),
+        Err(why) => {
+            v.complain(key, &why, None);
+            None
+        }
+    }
+}
+
+/// A mistake in a file, with its line where one is to blame.
+fn said(error: &counterpoise_models::Error) -> String {
+    match error {
+        counterpoise_models::Error::Import { line: 0, what } => what.clone(),
+        other => other.to_string(),
+    }
+}

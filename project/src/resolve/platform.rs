@@ -1,0 +1,281 @@
+//! The `[verify.road]` section: how the platform moves, from a recording, a spectrum, a motion simulator or a road.
+
+use counterpoise_verify::Road;
+use counterpoise_verify::signals::iso_road::{Drive, RoadClass, Vehicle, iso_road};
+use counterpoise_verify::signals::spectrum::{
+    Realisation, Tone, integrated, pitch_simulator, random_motion, tones,
+};
+use std::f64::consts::TAU;
+
+use super::verify::seed;
+use crate::file::field::{Field, Limit};
+use crate::file::visit::{Choice, Visit, choose, maybe_number};
+
+/// Where the platform's motion comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PlatformSource {
+    /// A recording of a platform in motion.
+    Recording(RoadSource),
+    /// A motion made from numbers.
+    Made(Motion),
+}
+
+/// A recording of a platform in motion, and how it is taken.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RoadSource {
+    /// Name of the recording, beside the project file.
+    pub recording: String,
+    /// Column of the upward acceleration; its mean (gravity) is removed.
+    pub heave: String,
+    /// Column of the pitch rate; its mean is removed.
+    pub pitch: String,
+    /// Factor on heave; a negative one turns the sign.
+    pub heave_scale: f64,
+    /// Factor on pitch; a negative one turns the sign.
+    pub pitch_scale: f64,
+    /// Both are low-passed at this frequency without shift, Hz; `None` leaves them.
+    pub low_pass_hz: Option<f64>,
+    /// Start in the recording, s.
+    pub start_s: f64,
+    /// Length taken, s.
+    pub duration_s: f64,
+    /// Motion fades in and out over this time, s.
+    pub fade_s: f64,
+}
+
+/// A motion made from numbers, the same for the same seed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    /// What it is made from.
+    pub kind: MotionKind,
+    /// Duration, fades and seed.
+    pub realisation: Realisation,
+}
+
+/// What a motion is made from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MotionKind {
+    /// Independent heave and pitch of given spectra.
+    Spectrum {
+        /// Points of the heave's density, [Hz, (m/s^2)^2/Hz].
+        heave_psd: Vec<[f64; 2]>,
+        /// Points of the pitch rate's density, [Hz, (rad/s)^2/Hz].
+        pitch_psd: Vec<[f64; 2]>,
+    },
+    /// A platform motion simulator that only pitches.
+    Simulator {
+        /// The pivot's distance in front of its axis, m: heave is that x pitch acceleration.
+        offset_m: f64,
+        /// Sines of the pitch angle, [rad, Hz].
+        sines: Vec<[f64; 2]>,
+        /// Points of the pitch rate's density, [Hz, (rad/s)^2/Hz].
+        pitch_psd: Vec<[f64; 2]>,
+    },
+    /// A drive of a heavy wheeled vehicle over a road of ISO 8608.
+    IsoRoad {
+        /// How rough the road is.
+        class: RoadClass,
+        /// How fast the vehicle goes, m/s.
+        speed_m_s: f64,
+    },
+}
+
+/// What a motion is made from, by name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Recording,
+    Spectrum,
+    Simulator,
+    IsoRoad,
+}
+
+impl Choice for Kind {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("recording", Self::Recording),
+        ("spectrum", Self::Spectrum),
+        ("simulator", Self::Simulator),
+        ("iso-8608", Self::IsoRoad),
+    ];
+}
+
+impl Choice for RoadClass {
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("A", Self::A), ("B", Self::B), ("C", Self::C), ("D", Self::D), ("E", Self::E)];
+}
+
+const ABOVE_0: Limit = Limit::Above(0.0);
+const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
+/// Duration where the file does not say, s.
+const DURATION_S: f64 = 30.0;
+/// Period of a road's samples, s.
+const ROAD_PERIOD_S: f64 = 0.005;
+
+impl Motion {
+    /// The motion.
+    ///
+    /// # Errors
+    /// Those of the generators.
+    pub fn road(&self) -> Result<Road, counterpoise_verify::Error> {
+        let how = self.realisation;
+        match &self.kind {
+            MotionKind::Spectrum { heave_psd, pitch_psd } => random_motion(heave_psd, pitch_psd, how),
+            MotionKind::Simulator { offset_m, sines, pitch_psd } => {
+                let sine = |s: &[f64; 2]| Tone { rate_rad_s: TAU * s[1], amplitude: s[0], phase_rad: 0.0 };
+                let mut angle: Vec<Tone> = sines.iter().map(sine).collect();
+                angle.extend(integrated(&tones(pitch_psd, how.seed, 0)?));
+                pitch_simulator(&angle, *offset_m, how)
+            }
+            MotionKind::IsoRoad { class, speed_m_s } => {
+                let drive = Drive {
+                    class: *class,
+                    speed_m_s: *speed_m_s,
+                    duration_s: how.duration_s,
+                    sample_period_s: ROAD_PERIOD_S,
+                    fade_s: how.fade_s,
+                    seed: how.seed,
+                };
+                iso_road(drive, Vehicle::HEAVY)
+            }
+        }
+    }
+}
+
+/// A recording of which nothing is known yet.
+pub(crate) fn blank() -> PlatformSource {
+    PlatformSource::Recording(blank_recording())
+}
+
+fn blank_recording() -> RoadSource {
+    RoadSource {
+        recording: String::new(),
+        heave: String::new(),
+        pitch: String::new(),
+        heave_scale: 1.0,
+        pitch_scale: 1.0,
+        low_pass_hz: None,
+        start_s: 0.0,
+        duration_s: f64::NAN,
+        fade_s: 1.0,
+    }
+}
+
+fn kind(source: &PlatformSource) -> Kind {
+    match source {
+        PlatformSource::Recording(_) => Kind::Recording,
+        PlatformSource::Made(motion) => match motion.kind {
+            MotionKind::Spectrum { .. } => Kind::Spectrum,
+            MotionKind::Simulator { .. } => Kind::Simulator,
+            MotionKind::IsoRoad { .. } => Kind::IsoRoad,
+        },
+    }
+}
+
+fn blank_of(kind: Kind) -> PlatformSource {
+    let empty = Vec::new;
+    let made = |kind| {
+        let realisation = Realisation { duration_s: DURATION_S, fade_s: 1.0, seed: 1 };
+        PlatformSource::Made(Motion { kind, realisation })
+    };
+    match kind {
+        Kind::Recording => blank(),
+        Kind::Spectrum => made(MotionKind::Spectrum { heave_psd: empty(), pitch_psd: empty() }),
+        Kind::Simulator => {
+            made(MotionKind::Simulator { offset_m: f64::NAN, sines: empty(), pitch_psd: empty() })
+        }
+        Kind::IsoRoad => made(MotionKind::IsoRoad { class: RoadClass::C, speed_m_s: f64::NAN }),
+    }
+}
+
+/// Reads or lists the platform's motion.
+pub(crate) fn platform(v: &mut dyn Visit, source: &mut PlatformSource) {
+    let mut chosen = kind(source);
+    choose(v, &Field::new("kind", "where the motion comes from").or_text("recording"), &mut chosen);
+    if chosen != kind(source) {
+        *source = blank_of(chosen);
+    }
+    match source {
+        PlatformSource::Recording(road) => recording(v, road),
+        PlatformSource::Made(motion) => made(v, motion),
+    }
+}
+
+fn recording(v: &mut dyn Visit, road: &mut RoadSource) {
+    v.text(&Field::new("recording", "file beside the project file"), &mut road.recording);
+    v.text(&Field::new("heave", "column of the upward acceleration"), &mut road.heave);
+    v.text(&Field::new("pitch", "column of the pitch rate"), &mut road.pitch);
+    let scale = "factor; a negative one turns the sign";
+    v.number(&Field::new("heave_scale", scale).or(1.0).shown(), &mut road.heave_scale);
+    v.number(&Field::new("pitch_scale", scale).or(1.0).shown(), &mut road.pitch_scale);
+    let low_pass =
+        Field::new("low_pass", "frequency above which motion is removed").unit("Hz").limit(ABOVE_0);
+    maybe_number(v, &low_pass, &mut road.low_pass_hz);
+    v.number(&Field::new("start", "in the recording").unit("s").limit(AT_LEAST_0).or(0.0), &mut road.start_s);
+    v.number(&Field::new("duration", "that is taken").unit("s").limit(ABOVE_0), &mut road.duration_s);
+    v.number(&Field::new("fade", "in and out").unit("s").limit(AT_LEAST_0).or(1.0).shown(), &mut road.fade_s);
+}
+
+fn made(v: &mut dyn Visit, motion: &mut Motion) {
+    match &mut motion.kind {
+        MotionKind::Spectrum { heave_psd, pitch_psd } => {
+            let heave = "density of the heave by its points, [Hz, (m/s^2)^2/Hz], or the name of a CSV file";
+            v.pairs(&Field::new("heave_psd", heave).limit(ABOVE_0).or_empty(), heave_psd);
+            density_of_pitch(v, pitch_psd);
+        }
+        MotionKind::Simulator { offset_m, sines, pitch_psd } => {
+            let offset = "distance of the pivot in front of the simulator's axis";
+            v.number(&Field::new("offset", offset).unit("m"), offset_m);
+            let angle = "sines of the pitch angle, [rad, Hz], or the name of a CSV file";
+            v.pairs(&Field::new("sines", angle).limit(ABOVE_0).or_empty(), sines);
+            density_of_pitch(v, pitch_psd);
+        }
+        MotionKind::IsoRoad { class, speed_m_s } => {
+            choose(
+                v,
+                &Field::new("class", "of the road, A (very good) to E (very poor)").or_text("C"),
+                class,
+            );
+            v.number(&Field::new("speed", "of the vehicle").unit("m/s").limit(ABOVE_0), speed_m_s);
+        }
+    }
+    let how = &mut motion.realisation;
+    let duration = Field::new("duration", "of the motion").unit("s").limit(ABOVE_0);
+    v.number(&duration.or(DURATION_S).shown(), &mut how.duration_s);
+    v.number(&Field::new("fade", "in and out").unit("s").limit(AT_LEAST_0).or(1.0).shown(), &mut how.fade_s);
+    seed(v, "of the phases", &mut how.seed);
+    judge(v, motion);
+}
+
+fn density_of_pitch(v: &mut dyn Visit, pitch_psd: &mut Vec<[f64; 2]>) {
+    let pitch = "density of the pitch rate by its points, [Hz, (rad/s)^2/Hz], or the name of a CSV file";
+    v.pairs(&Field::new("pitch_psd", pitch).limit(ABOVE_0).or_empty(), pitch_psd);
+}
+
+/// Says what the generators would refuse, at the key that is to blame.
+fn judge(v: &mut dyn Visit, motion: &Motion) {
+    let (key, nothing) = match &motion.kind {
+        MotionKind::Spectrum { heave_psd, pitch_psd } => {
+            let key = if heave_psd.is_empty() { "pitch_psd" } else { "heave_psd" };
+            (key, heave_psd.is_empty() && pitch_psd.is_empty())
+        }
+        MotionKind::Simulator { sines, pitch_psd, .. } => {
+            (if sines.is_empty() { "pitch_psd" } else { "sines" }, sines.is_empty() && pitch_psd.is_empty())
+        }
+        MotionKind::IsoRoad { .. } => ("speed", false),
+    };
+    if nothing {
+        v.complain("kind", "has nothing that moves: give a density or, for the simulator, sines", None);
+        return;
+    }
+    let how = motion.realisation;
+    if 2.0 * how.fade_s > how.duration_s {
+        v.complain("fade", &format!("must be at most half the duration of {} s", how.duration_s), None);
+        return;
+    }
+    let short = Motion {
+        realisation: Realisation { duration_s: how.fade_s.max(0.01) * 2.0, ..how },
+        ..motion.clone()
+    };
+    if let Err(error) = short.road() {
+        v.complain(key, &format!("cannot be realised: {error}"), None);
+    }
+}

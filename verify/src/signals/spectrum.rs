@@ -1,0 +1,260 @@
+//! Platform motion that has a given spectrum, and the motion of a simulator that only pitches.
+//!
+//! A spectrum is a one-sided power spectral density by its points, straight between them on logarithmic scales. It is realised
+//! as a sum of sines at logarithmically spaced frequencies with random phases (S. Rice, Bell System Technical Journal 23, 1944):
+//! each has the exact variance of its band, so that the variance of the sum does not depend on the seed.
+
+use std::f64::consts::TAU;
+
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::{Error, Road};
+
+/// A sine of a platform's motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tone {
+    /// Frequency, rad/s.
+    pub rate_rad_s: f64,
+    /// Amplitude, in the unit of what moves.
+    pub amplitude: f64,
+    /// Phase at the start, rad.
+    pub phase_rad: f64,
+}
+
+/// How long a motion lasts, and how it begins and ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Realisation {
+    /// Duration, s.
+    pub duration_s: f64,
+    /// Time in which the motion fades in and out, s.
+    pub fade_s: f64,
+    /// Seed of the phases.
+    pub seed: u64,
+}
+
+/// Sines of a realisation.
+const SINES: usize = 300;
+/// Period of the samples, s.
+const PERIOD_S: f64 = 1e-3;
+/// Highest frequency that samples of that period carry to about 1 %, Hz.
+const HIGHEST_HZ: f64 = 50.0;
+/// The pitch's phases are drawn from a sequence of their own.
+const PITCH_STREAM: u64 = 1;
+
+/// Independent heave and pitch with given spectra, from rest to rest; heave in points [Hz, (m/s^2)^2/Hz], pitch rate in points
+/// [Hz, (rad/s)^2/Hz]. No points: no motion.
+///
+/// # Errors
+/// As [`tones`], and for a duration or fade out of range.
+pub fn random_motion(heave: &[[f64; 2]], pitch: &[[f64; 2]], how: Realisation) -> Result<Road, Error> {
+    let samples = check(how)?;
+    let series = |points: &[[f64; 2]], stream: u64| -> Result<Vec<f64>, Error> {
+        let tones = tones(points, how.seed, stream)?;
+        let at = |k: usize| {
+            let t = k as f64 * PERIOD_S;
+            window(t, how)[0] * sum(&tones, t)[0]
+        };
+        Ok((0..samples).map(at).collect())
+    };
+    Ok(Road {
+        name: format!("motion of a given spectrum, seed {}", how.seed),
+        sample_period_s: PERIOD_S,
+        heave_m_s2: series(heave, 0)?,
+        pitch_rate_rad_s: series(pitch, PITCH_STREAM)?,
+    })
+}
+
+/// A platform motion simulator that only pitches, the mechanism's pivot standing `offset_m` in front of its axis:
+///
+/// ```text
+///     theta(t) = fade(t) sum a_k sin(w_k t + phase_k),   pitch rate = theta',   heave = offset theta''
+/// ```
+///
+/// exactly, the fade being twice differentiable, from rest to rest.
+///
+/// # Errors
+/// For a duration, fade, offset, amplitude or frequency out of range.
+pub fn pitch_simulator(angle: &[Tone], offset_m: f64, how: Realisation) -> Result<Road, Error> {
+    let samples = check(how)?;
+    range("offset of the pivot in m", offset_m, offset_m.is_finite(), "finite")?;
+    for tone in angle {
+        range("amplitude of the pitch in rad", tone.amplitude, tone.amplitude.is_finite(), "finite")?;
+        frequency(tone.rate_rad_s / TAU)?;
+    }
+    let at = |k: usize| {
+        let t = k as f64 * PERIOD_S;
+        let (w, x) = (window(t, how), sum(angle, t));
+        let rate = w[1] * x[0] + w[0] * x[1];
+        (offset_m * (w[2] * x[0] + 2.0 * w[1] * x[1] + w[0] * x[2]), rate)
+    };
+    let (heave_m_s2, pitch_rate_rad_s) = (0..samples).map(at).unzip();
+    let name = format!("platform motion simulator, pivot {offset_m} m in front of its axis");
+    Ok(Road { name, sample_period_s: PERIOD_S, heave_m_s2, pitch_rate_rad_s })
+}
+
+/// The sines of a realisation, each with the variance of its band; seeds and streams have phases of their own.
+///
+/// # Errors
+/// [`Error::Range`] for a single point, frequencies that do not rise, are not positive or are above 50 Hz, and densities that are
+/// not positive.
+pub fn tones(points: &[[f64; 2]], seed: u64, stream: u64) -> Result<Vec<Tone>, Error> {
+    let (Some(first), Some(last)) = (points.first(), points.last()) else { return Ok(Vec::new()) };
+    range("points of a spectrum", points.len() as f64, points.len() > 1, "at least 2")?;
+    for two in points.windows(2) {
+        range("frequency of a spectrum in Hz", two[1][0], two[1][0] > two[0][0], "above the one before")?;
+    }
+    for [hz, density] in points {
+        frequency(*hz)?;
+        range("density of a spectrum", *density, *density > 0.0 && density.is_finite(), "positive")?;
+    }
+    let mut source = ChaCha8Rng::seed_from_u64(seed);
+    source.set_stream(stream);
+    let ratio = (last[0] / first[0]).powf(1.0 / SINES as f64);
+    let tone = |k: usize| {
+        let low = first[0] * ratio.powi(k as i32);
+        let variance = power(points, low, low * ratio);
+        Tone {
+            rate_rad_s: TAU * low * ratio.sqrt(),
+            amplitude: (2.0 * variance).sqrt(),
+            phase_rad: TAU * (source.next_u64() >> 11) as f64 / (1u64 << 53) as f64,
+        }
+    };
+    Ok((0..SINES).map(tone).collect())
+}
+
+/// Tones of the angle whose rate the given tones are.
+#[must_use]
+pub fn integrated(rate: &[Tone]) -> Vec<Tone> {
+    let turned = |tone: &Tone| Tone {
+        amplitude: tone.amplitude / tone.rate_rad_s,
+        phase_rad: tone.phase_rad - std::f64::consts::FRAC_PI_2,
+        ..*tone
+    };
+    rate.iter().map(turned).collect()
+}
+
+/// Integral of the density over a band, exactly: between two points it is c f^p.
+pub fn power(points: &[[f64; 2]], low_hz: f64, high_hz: f64) -> f64 {
+    let piece = |two: &[[f64; 2]]| {
+        let (from, to) = (two[0][0].max(low_hz), two[1][0].min(high_hz));
+        if to <= from {
+            return 0.0;
+        }
+        let slope = (two[1][1] / two[0][1]).ln() / (two[1][0] / two[0][0]).ln();
+        let at = two[0][1] * (from / two[0][0]).powf(slope);
+        let (p, span) = (slope + 1.0, (to / from).ln());
+        at * from * if p.abs() * span < 1e-9 { span } else { (p * span).exp_m1() / p }
+    };
+    points.windows(2).map(piece).sum()
+}
+
+/// A sum of sines and its first two derivatives.
+fn sum(tones: &[Tone], time_s: f64) -> [f64; 3] {
+    tones.iter().fold([0.0; 3], |[x, v, a], tone| {
+        let w = tone.rate_rad_s;
+        let (sin, cos) = (w * time_s + tone.phase_rad).sin_cos();
+        [x + tone.amplitude * sin, v + tone.amplitude * w * cos, a - tone.amplitude * w * w * sin]
+    })
+}
+
+/// The fade s^3 (10 - 15 s + 6 s^2) in and out, and its first two derivatives.
+fn window(time_s: f64, how: Realisation) -> [f64; 3] {
+    let left = (how.duration_s - time_s).max(0.0);
+    let (from_end, sign) = if time_s <= left { (time_s, 1.0) } else { (left, -1.0) };
+    if from_end >= how.fade_s {
+        return [1.0, 0.0, 0.0];
+    }
+    let (s, f) = (from_end / how.fade_s, how.fade_s);
+    let value = s * s * s * (10.0 + s * (6.0 * s - 15.0));
+    let slope = 30.0 * s * s * (1.0 - s) * (1.0 - s) / f;
+    [value, sign * slope, 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / (f * f)]
+}
+
+fn check(how: Realisation) -> Result<usize, Error> {
+    let long = how.duration_s > 0.0 && how.duration_s <= 3600.0;
+    range("duration of the motion in s", how.duration_s, long, "positive, at most 3600")?;
+    let fits = how.fade_s >= 0.0 && 2.0 * how.fade_s <= how.duration_s;
+    range("fade of the motion in s", how.fade_s, fits, "at most half the duration")?;
+    Ok((how.duration_s / PERIOD_S).round() as usize + 1)
+}
+
+fn frequency(hz: f64) -> Result<(), Error> {
+    range("frequency of the platform in Hz", hz, hz > 0.0 && hz <= HIGHEST_HZ, "positive, at most 50")
+}
+
+fn range(what: &'static str, value: f64, holds: bool, allowed: &'static str) -> Result<(), Error> {
+    if holds { Ok(()) } else { Err(Error::Range { what, value, allowed }) }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::signals::rms;
+    use crate::signals::welch::{WelchOptions, welch};
+
+    const HOW: Realisation = Realisation { duration_s: 120.0, fade_s: 0.0, seed: 7 };
+    const POINTS: [[f64; 2]; 3] = [[0.3, 0.02], [1.5, 0.5], [12.0, 0.004]];
+
+    #[test]
+    fn the_variance_is_the_integral_of_the_density() {
+        let tones = tones(&POINTS, 3, 0).unwrap();
+        let variance: f64 = tones.iter().map(|t| 0.5 * t.amplitude * t.amplitude).sum();
+        assert!((variance / power(&POINTS, 0.0, 100.0) - 1.0).abs() < 1e-9);
+        // 1/f from 1 to e has the integral 1
+        let e = std::f64::consts::E;
+        assert!((power(&[[1.0, 1.0], [e, 1.0 / e]], 0.0, 9.0) - 1.0).abs() < 1e-12);
+        let made = random_motion(&POINTS, &[], HOW).unwrap();
+        assert!((rms(&made.heave_m_s2).powi(2) / variance - 1.0).abs() < 0.1);
+        assert!(made.pitch_rate_rad_s.iter().all(|p| *p == 0.0));
+    }
+
+    #[test]
+    fn the_estimated_spectrum_is_the_given_one() {
+        let made = random_motion(&POINTS, &[], HOW).unwrap();
+        let options = WelchOptions { segment: 8192, confidence: 0.95 };
+        let found = welch(&made.heave_m_s2, &made.heave_m_s2, made.sample_period_s, options).unwrap();
+        for (low, high) in [(0.5, 1.0), (1.0, 2.0), (2.0, 4.0), (4.0, 8.0)] {
+            let step = found.frequency_hz[1] - found.frequency_hz[0];
+            let inside = |hz: f64| hz >= low && hz < high;
+            let pairs = found.frequency_hz.iter().zip(&found.pxx);
+            let sum: f64 = pairs.filter(|(hz, _)| inside(**hz)).map(|(_, density)| density * step).sum();
+            let ratio = sum / power(&POINTS, low, high);
+            assert!((0.7..1.4).contains(&ratio), "{low} to {high} Hz: {ratio}");
+        }
+    }
+
+    #[test]
+    fn a_pitch_simulator_heaves_with_its_pitch_acceleration() {
+        let angle = [Tone { rate_rad_s: 9.0, amplitude: 0.03, phase_rad: 0.4 }];
+        let how = Realisation { duration_s: 6.0, fade_s: 1.0, seed: 1 };
+        let made = pitch_simulator(&angle, 1.7, how).unwrap();
+        let rate = &made.pitch_rate_rad_s;
+        for k in 1..rate.len() - 1 {
+            let slope = (rate[k + 1] - rate[k - 1]) / (2.0 * PERIOD_S);
+            assert!((made.heave_m_s2[k] - 1.7 * slope).abs() < 2e-4, "{k}");
+        }
+        assert_eq!((rate[0], made.heave_m_s2[0]), (0.0, 0.0));
+        let turned: f64 = rate.iter().map(|r| r * PERIOD_S).sum();
+        assert!(turned.abs() < 1e-6, "it comes back to where it was: {turned}");
+    }
+
+    #[test]
+    fn a_seed_repeats_and_nonsense_is_refused() {
+        let made =
+            |seed| random_motion(&POINTS, &POINTS, Realisation { seed, duration_s: 5.0, ..HOW }).unwrap();
+        assert_eq!(made(1), made(1));
+        assert_ne!(made(1).heave_m_s2, made(2).heave_m_s2);
+        assert_ne!(made(1).heave_m_s2, made(1).pitch_rate_rad_s);
+        for bad in [
+            vec![[1.0, 1.0]],
+            vec![[2.0, 1.0], [1.0, 1.0]],
+            vec![[1.0, 0.0], [2.0, 1.0]],
+            vec![[1.0, 1.0], [80.0, 1.0]],
+        ] {
+            assert!(random_motion(&bad, &[], HOW).is_err(), "{bad:?}");
+        }
+        assert!(random_motion(&POINTS, &[], Realisation { fade_s: 70.0, ..HOW }).is_err());
+    }
+}
