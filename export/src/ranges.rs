@@ -1,74 +1,72 @@
-//! How large every number of a step becomes, from runs of the controller.
+//! How large every number of a step becomes, from runs of the controller and from what can be set.
+
+mod settings;
 
 use counterpoise_controller::program::{Program, Slot};
-use counterpoise_controller::{Controller, Number, READINGS};
+use counterpoise_controller::{Controller, READINGS, Runner};
 
-/// Largest magnitude and RMS of every state, reading and local of a step, and what rounded coefficients do.
+pub(crate) use settings::settings;
+
+/// Samples of a run in which the out-of-balance is set half way.
+const SETTING_SAMPLES: usize = 4000;
+
+/// Largest magnitude of every state, reading and local of a step, with the runs that it was taken from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranges {
     states: usize,
     largest: Vec<f64>,
-    /// Sum of squares of the liveliest run, a sample.
-    mean_square: Vec<f64>,
-    coefficients_v: f64,
-    coefficients_mean_square: f64,
+    runs: Vec<Run>,
+}
+
+/// Readings of a run, and the out-of-balance that is set half way.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Run {
+    /// Readings, one row a sample.
+    pub readings: Vec<[f64; READINGS]>,
+    /// What is set half way, kg m; nothing leaves the design's.
+    pub set_kg_m: Option<f64>,
+}
+
+impl Run {
+    /// The sample before which the out-of-balance is set.
+    pub fn set_at(&self) -> Option<(usize, f64)> {
+        self.set_kg_m.map(|value| (self.readings.len() / 2, value))
+    }
+
+    /// Calls `each` with every sample, and `set` before the sample at which the out-of-balance is set.
+    pub fn play<S>(
+        &self,
+        state: &mut S,
+        mut set: impl FnMut(&mut S, f64),
+        mut each: impl FnMut(&mut S, usize, &[f64; READINGS]),
+    ) {
+        for (k, readings) in self.readings.iter().enumerate() {
+            if let Some((_, value)) = self.set_at().filter(|(at, _)| *at == k) {
+                set(state, value);
+            }
+            each(state, k, readings);
+        }
+    }
 }
 
 impl Ranges {
-    /// The ranges that occur when the controller gets these readings, times `margin`, each history run three times: with
-    /// the design's out-of-balance throughout, and with the lowest and the highest one set half way.
+    /// The ranges that occur when the controller gets these readings, times `margin`: each history with the design's
+    /// out-of-balance, and its beginning with every other one at which gains have a corner (the lowest, the highest, the
+    /// points of a schedule) set half way. Gains and bias get the whole range that can be set, by interval arithmetic.
     ///
     /// The readings are those of closed-loop runs: open loop, an integrator would wander out of any range.
     pub fn from_readings(controller: &Controller, histories: &[Vec<[f64; READINGS]>], margin: f64) -> Self {
-        let (low, high) = controller.parts().out_of_balance_range_kg_m;
-        let program = &controller.programs().step;
         let states = controller.programs().state_count();
-        let count = states + READINGS + program.locals.len();
-        let mut ranges = Self {
-            states,
-            largest: vec![0.0; count],
-            mean_square: vec![0.0; count],
-            coefficients_v: 0.0,
-            coefficients_mean_square: 0.0,
-        };
-        for history in histories {
-            for setting in [None, Some(low), Some(high)] {
-                ranges.watch(controller, history, setting);
-            }
+        let count = states + READINGS + controller.programs().step.locals.len();
+        let mut ranges = Self { states, largest: vec![0.0; count], runs: runs(controller, histories) };
+        for run in &ranges.runs {
+            watch(&mut ranges.largest, controller, run);
         }
         ranges.largest.iter_mut().for_each(|largest| *largest *= margin);
-        ranges.coefficients_v *= margin;
+        for (state, bound) in settings::settable(controller, &ranges.largest[..states]) {
+            ranges.largest[state] = ranges.largest[state].max(bound);
+        }
         ranges
-    }
-
-    fn watch(&mut self, controller: &Controller, history: &[[f64; READINGS]], setting: Option<f64>) {
-        let (mut runner, mut stored) = (controller.runner(), controller.runner_in::<Stored>());
-        let mut squares = vec![0.0; self.largest.len()];
-        let mut off_squares = 0.0;
-        for (k, readings) in history.iter().enumerate() {
-            if let (Some(out_of_balance), true) = (setting, k == history.len() / 2) {
-                runner.set_out_of_balance(out_of_balance);
-                stored.set_out_of_balance(out_of_balance);
-                self.grow(&runner.states());
-            }
-            let off = stored.step_array(readings) - runner.step_array(readings);
-            self.coefficients_v = self.coefficients_v.max(off.abs());
-            off_squares += off * off;
-            let values = runner.values();
-            self.grow(&values);
-            squares.iter_mut().zip(&values).for_each(|(sum, value)| *sum += value * value);
-        }
-        let samples = history.len().max(1) as f64;
-        self.coefficients_mean_square = self.coefficients_mean_square.max(off_squares / samples);
-        for (most, sum) in self.mean_square.iter_mut().zip(squares) {
-            *most = most.max(sum / samples);
-        }
-    }
-
-    fn grow(&mut self, values: &[f64]) {
-        for (largest, value) in self.largest.iter_mut().zip(values) {
-            *largest = largest.max(value.abs());
-        }
     }
 
     /// Largest magnitude of a slot of the step.
@@ -76,20 +74,9 @@ impl Ranges {
         self.largest.get(self.place(slot)).copied().unwrap_or(0.0)
     }
 
-    /// RMS of a slot in the liveliest run, without the margin.
-    pub fn rms(&self, slot: Slot) -> f64 {
-        self.mean_square.get(self.place(slot)).copied().unwrap_or(0.0).sqrt()
-    }
-
-    /// Largest deviation of the control, V, with coefficients and readings rounded to single precision and everything
-    /// else in double, times the margin.
-    pub fn of_coefficients_v(&self) -> f64 {
-        self.coefficients_v
-    }
-
-    /// The RMS of that deviation in the run where it is largest, V, without the margin.
-    pub fn of_coefficients_rms_v(&self) -> f64 {
-        self.coefficients_mean_square.sqrt()
+    /// The runs.
+    pub(crate) fn runs(&self) -> &[Run] {
+        &self.runs
     }
 
     fn place(&self, slot: Slot) -> usize {
@@ -124,30 +111,30 @@ impl Ranges {
     }
 }
 
-/// A number in double that was stored in single precision: what [`Number::from_f64`] takes is rounded, arithmetic is not.
-#[derive(Debug, Clone, Copy)]
-struct Stored(f64);
+/// Every history as it is, and its beginning with each setting.
+fn runs(controller: &Controller, histories: &[Vec<[f64; READINGS]>]) -> Vec<Run> {
+    let mut all = Vec::new();
+    for history in histories {
+        all.push(Run { readings: history.clone(), set_kg_m: None });
+        let beginning = &history[..history.len().min(SETTING_SAMPLES)];
+        let with = |value| Run { readings: beginning.to_vec(), set_kg_m: Some(value) };
+        all.extend(settings(controller).into_iter().map(with));
+    }
+    all
+}
 
-impl Number for Stored {
-    fn from_f64(value: f64) -> Self {
-        Self(f64::from(value as f32))
-    }
-    fn to_f64(&self) -> f64 {
-        self.0
-    }
-    fn plus(&self, other: &Self) -> Self {
-        Self(self.0 + other.0)
-    }
-    fn times(&self, other: &Self) -> Self {
-        Self(self.0 * other.0)
-    }
-    fn over(&self, other: &Self) -> Self {
-        Self(self.0 / other.0)
-    }
-    fn magnitude(&self) -> Self {
-        Self(self.0.abs())
-    }
-    fn clamped(&self, low: &Self, high: &Self) -> Self {
-        Self(self.0.max(low.0).min(high.0))
-    }
+fn watch(largest: &mut [f64], controller: &Controller, run: &Run) {
+    let mut grow = |values: &[f64]| {
+        for (most, value) in largest.iter_mut().zip(values) {
+            *most = most.max(value.abs());
+        }
+    };
+    run.play(
+        &mut controller.runner(),
+        |runner: &mut Runner, value| runner.set_out_of_balance(value),
+        |runner, _, readings| {
+            runner.step_array(readings);
+            grow(&runner.values());
+        },
+    );
 }

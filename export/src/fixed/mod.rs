@@ -6,6 +6,7 @@
 
 mod code;
 mod plan;
+mod predict;
 mod runner;
 
 pub use code::fixed_c99;

@@ -1,11 +1,14 @@
 //! Formats and integer operations of a controller, and the proof that nothing overflows.
 
+use counterpoise_controller::lti::poles;
 use counterpoise_controller::program::{Operation, Program, Slot, Term};
 use counterpoise_controller::{Controller, READINGS};
 
 use crate::Ranges;
+use crate::fixed::predict::{OperationError, predict};
 use crate::fixed::{ACCUMULATOR_BITS, FULL, FixedOperation, FixedProgram};
-use crate::rounding::{Deviation, ErrorSystem, OperationError};
+use crate::ranges::settings;
+use crate::rounding::Deviation;
 
 /// A controller in fixed point.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +32,9 @@ pub struct Fixed {
 #[non_exhaustive]
 pub enum FixedError {
     /// A number that stayed 0 in the runs that the ranges came from.
-    #[error("'{name}' stayed 0 in the runs given: its range is unknown; give runs that move it")]
+    #[error(
+        "'{name}' stayed 0 in the runs given, so its format is unknown: give runs that move it (a feedforward needs its disturbance)"
+    )]
     NeverMoved {
         /// Name of the number.
         name: String,
@@ -49,6 +54,19 @@ pub enum FixedError {
         name: String,
         /// Name of the divisor.
         divisor: String,
+    },
+    /// A controller whose errors grow without bound.
+    #[error(
+        "by itself, without the plant, the controller is unstable at an out-of-balance of {out_of_balance_kg_m} kg m, which can be \
+         set (a pole at {radius:.6} from 0): rounding errors would grow to {worst_v:.1e} V"
+    )]
+    Unstable {
+        /// The out-of-balance, kg m.
+        out_of_balance_kg_m: f64,
+        /// Modulus of the largest pole.
+        radius: f64,
+        /// Predicted worst deviation, V.
+        worst_v: f64,
     },
     /// A deviation larger than allowed.
     #[error(
@@ -91,17 +109,40 @@ pub fn plan(
     let input = vec![bits_for(low.abs().max(high.abs()).max(1.0))];
     let mut set = Writer::new(controller, &programs.set_out_of_balance, &states, input);
     set.all(|_| 0.0)?;
-    let mut errors = step.errors.clone();
-    errors.extend(step.inputs.iter().map(|bits| uniform(0.5 * unit(*bits))));
-    let deviation = ErrorSystem::of(controller).deviation(&errors, samples);
-    if deviation.worst_v > allowed_v || !deviation.worst_v.is_finite() {
-        return Err(FixedError::TooCoarse { worst_v: deviation.worst_v, samples, allowed_v });
-    }
     let initial =
         programs.initial().iter().zip(&states).map(|(value, bits)| to_integer(*value, *bits)).collect();
-    let (step, set_out_of_balance) = (step.finish(), set.finish());
-    Ok(Fixed { controller: controller.clone(), states, initial, step, set_out_of_balance, deviation })
+    let errors = std::mem::take(&mut step.errors);
+    let mut fixed = Fixed {
+        controller: controller.clone(),
+        initial,
+        step: step.finish(),
+        set_out_of_balance: set.program(),
+        deviation: Deviation::none(samples),
+        states: states.clone(),
+    };
+    fixed.deviation = predict(&fixed, ranges, (errors, &set), samples);
+    let worst_v = fixed.deviation.worst_v;
+    if worst_v <= allowed_v {
+        return Ok(fixed);
+    }
+    Err(match unstable(controller) {
+        Some((out_of_balance_kg_m, radius)) => FixedError::Unstable { out_of_balance_kg_m, radius, worst_v },
+        None => FixedError::TooCoarse { worst_v, samples, allowed_v },
+    })
 }
+
+/// A setting at which the controller by itself is unstable, with the modulus of its largest pole.
+fn unstable(controller: &Controller) -> Option<(f64, f64)> {
+    let all = std::iter::once(controller.parts().design_out_of_balance_kg_m).chain(settings(controller));
+    let radius = |set: f64| {
+        let poles = poles(&controller.linear(set).ok()?).ok()?;
+        Some((set, poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max)))
+    };
+    all.filter_map(radius).max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, radius)| *radius > UNSTABLE)
+}
+
+/// Modulus beyond which a pole is unstable: an integrator's may be off 1 by rounding.
+const UNSTABLE: f64 = 1.0 + 1e-9;
 
 /// Fraction bits with which +/- `largest` just fits 32 bits.
 fn bits_for(largest: f64) -> i32 {
@@ -118,13 +159,9 @@ pub(crate) fn to_integer(value: f64, bits: i32) -> i64 {
     (value * f64::from(bits).exp2()).round().clamp(-(FULL as f64), FULL as f64) as i64
 }
 
-fn uniform(half: f64) -> OperationError {
-    OperationError { worst: half, steady: 0.0, squares: half * half, variance: half * half / 3.0 }
-}
-
 /// Integers from `low` to `high`.
 #[derive(Debug, Clone, Copy)]
-struct Span {
+pub(crate) struct Span {
     low: i128,
     high: i128,
 }
@@ -155,6 +192,16 @@ impl Span {
         self.low.abs().max(self.high.abs())
     }
 
+    /// Distance from 0; not positive where 0 lies inside.
+    fn nearest(self) -> i128 {
+        self.low.max(-self.high)
+    }
+
+    fn squared(self) -> Self {
+        let low = self.nearest().max(0);
+        Self { low: low * low, high: self.size() * self.size() }
+    }
+
     fn narrowed(self, shift: u32) -> Self {
         let half = if shift > 0 { 1_i128 << (shift - 1) } else { 0 };
         let down = |value: i128| ((value + half) >> shift).clamp(ALL.low, ALL.high);
@@ -167,7 +214,7 @@ impl Span {
 }
 
 /// Turns a program's operations into integer ones, one after the other.
-struct Writer<'a> {
+pub(crate) struct Writer<'a> {
     controller: &'a Controller,
     program: &'a Program,
     states: &'a [i32],
@@ -198,6 +245,19 @@ impl<'a> Writer<'a> {
         FixedProgram { inputs: self.inputs, locals: self.locals, operations: self.operations }
     }
 
+    fn program(&self) -> FixedProgram {
+        FixedProgram {
+            inputs: self.inputs.clone(),
+            locals: self.locals.clone(),
+            operations: self.operations.clone(),
+        }
+    }
+
+    /// Errors of the operations written.
+    pub fn errors(&self) -> &[OperationError] {
+        &self.errors
+    }
+
     fn all(&mut self, largest: impl Fn(Slot) -> f64) -> Result<(), FixedError> {
         for operation in self.program.operations() {
             self.one(operation, largest(operation.into_slot()))?;
@@ -205,7 +265,8 @@ impl<'a> Writer<'a> {
         Ok(())
     }
 
-    fn bits(&self, slot: Slot) -> i32 {
+    /// Fraction bits of a slot.
+    pub fn bits(&self, slot: Slot) -> i32 {
         match slot {
             Slot::Input(i) => self.inputs[i],
             Slot::State(i) => self.states[i],
@@ -222,8 +283,13 @@ impl<'a> Writer<'a> {
     }
 
     /// Largest real magnitude that the integers of a slot can stand for.
-    fn size(&self, slot: Slot) -> f64 {
+    pub fn size(&self, slot: Slot) -> f64 {
         self.span(slot).size() as f64 * unit(self.bits(slot))
+    }
+
+    /// Smallest real magnitude that the integers of a divisor can stand for.
+    pub fn nearest(&self, slot: Slot) -> f64 {
+        self.span(slot).nearest() as f64 * unit(self.bits(slot))
     }
 
     /// Fraction bits of a target: a state's own; a local's from the runs, or where they leave it at 0 or above what
@@ -305,8 +371,9 @@ impl<'a> Writer<'a> {
         if size >= 1_i128 << ACCUMULATOR_BITS || shift > ACCUMULATOR_BITS {
             return Err(FixedError::NoRoom { name: self.name(into), missing_bits: 1 });
         }
-        let rounding = if shift > 0 { uniform(0.5 * unit(bits)) } else { OperationError::default() };
-        let error = OperationError { worst: rounding.worst + worst, steady: worst, ..rounding };
+        let rounding =
+            if shift > 0 { OperationError::nearest(0.5 * unit(bits)) } else { OperationError::default() };
+        let error = OperationError { worst: rounding.worst + worst, ..rounding };
         let sum = FixedOperation::Sum { into, constant: start, terms: factors, shift };
         self.put(sum, (into, bits), span.narrowed(shift), error);
         Ok(())
@@ -338,7 +405,7 @@ impl<'a> Writer<'a> {
     }
 
     fn product(&mut self, into: Slot, (a, b): (Slot, Slot), seen: f64) -> Result<(), FixedError> {
-        let span = self.span(a).times(self.span(b));
+        let span = if a == b { self.span(a).squared() } else { self.span(a).times(self.span(b)) };
         let both = self.bits(a) + self.bits(b);
         let bits = self.target(into, seen, self.size(a) * self.size(b)).min(both);
         if !span.fits() || self.cannot_take(into, bits) {
@@ -346,7 +413,7 @@ impl<'a> Writer<'a> {
         }
         let shift = (both - bits) as u32;
         let product = FixedOperation::Product { into, a, b, shift };
-        self.put(product, (into, bits), span.narrowed(shift), uniform(0.5 * unit(bits)));
+        self.put(product, (into, bits), span.narrowed(shift), OperationError::nearest(0.5 * unit(bits)));
         Ok(())
     }
 
@@ -356,8 +423,7 @@ impl<'a> Writer<'a> {
     }
 
     fn quotient(&mut self, into: Slot, (above, below): (Slot, Slot), seen: f64) -> Result<(), FixedError> {
-        let divisor = self.span(below);
-        let nearest = divisor.low.max(-divisor.high);
+        let nearest = self.span(below).nearest();
         if nearest <= 0 {
             return Err(FixedError::Divisor { name: self.name(into), divisor: self.name(below) });
         }
@@ -373,9 +439,16 @@ impl<'a> Writer<'a> {
         let size = (self.span(above).size() << left) / nearest;
         let span = Span { low: -size, high: size }.narrowed(shift);
         let quotient = FixedOperation::Quotient { into, above, below, left, shift };
-        self.put(quotient, (into, bits), span, uniform(1.5 * unit(bits)));
+        self.put(quotient, (into, bits), span, cut(bits, shift));
         Ok(())
     }
+}
+
+/// A quotient loses up to one unit before it is narrowed, always towards 0, and half a unit after.
+fn cut(bits: i32, shift: u32) -> OperationError {
+    let (before, after) = (unit(bits + shift as i32), if shift > 0 { 0.5 * unit(bits) } else { 0.0 });
+    let squares = 0.25 * before * before + after * after;
+    OperationError { worst: before + after, steady: 0.5 * before, squares }
 }
 
 /// Trailing zeros that all the integers share.

@@ -7,8 +7,8 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use counterpoise_controller::lti::{Mat, StateSpace, Timebase};
 use counterpoise_controller::{
-    Controller, Correction, Estimator, FrictionObserver, Learning, Number, ObserverLaw, Parts, Path, READINGS, Readings,
-    SampledController, Scaling, Signal,
+    Controller, Correction, Estimator, FrictionObserver, Learning, Number, ObserverLaw, Parts, Path,
+    READINGS, Readings, SampledController, Scaling, Signal,
 };
 use counterpoise_export::{File, Fixed, Provenance};
 

@@ -1,0 +1,189 @@
+//! How far fixed point is from the reference: errors of its operations, and a run in its coefficients without rounding.
+
+use counterpoise_controller::program::{Operation, Program, Slot};
+use counterpoise_controller::{Controller, READINGS};
+
+use crate::Ranges;
+use crate::fixed::plan::{Writer, unit};
+use crate::fixed::{Fixed, FixedOperation, FixedProgram};
+use crate::ranges::Run;
+use crate::rounding::{Arithmetic, Deviation, Effect, Gains, Noise, deviation, is_kept, left_wrong};
+
+/// One operation's rounding.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct OperationError {
+    /// Largest error of what the operation writes, that of rounded coefficients included.
+    pub worst: f64,
+    /// The part of its rounding that does not average out.
+    pub steady: f64,
+    /// The square of the bound of the part that does.
+    pub squares: f64,
+}
+
+impl OperationError {
+    /// Rounding to nearest.
+    pub fn nearest(half: f64) -> Self {
+        Self { worst: half, steady: 0.0, squares: half * half }
+    }
+}
+
+/// How far the control can be from the reference.
+pub(crate) fn predict(
+    fixed: &Fixed,
+    ranges: &Ranges,
+    (errors, set): (Vec<OperationError>, &Writer<'_>),
+    samples: usize,
+) -> Deviation {
+    let controller = &fixed.controller;
+    let left = left_by_setting(fixed, set);
+    let error = |slot: &Slot| match slot {
+        Slot::State(i) if is_kept(controller, *slot) => left[*i],
+        _ => 0.0,
+    };
+    let kept = left_wrong(controller, ranges, &error);
+    let readings = fixed.step.inputs.iter().map(|bits| OperationError::nearest(0.5 * unit(*bits)));
+    let quantised = Quantised { fixed, errors: errors.into_iter().chain(readings).collect(), kept };
+    deviation(controller, ranges, &quantised, samples)
+}
+
+/// Largest error of each state after a setting, or at the start.
+fn left_by_setting(fixed: &Fixed, set: &Writer<'_>) -> Vec<f64> {
+    let program = &fixed.controller.programs().set_out_of_balance;
+    let mut states: Vec<f64> = fixed.states.iter().map(|bits| 0.5 * unit(*bits)).collect();
+    let mut locals = vec![0.0; program.locals.len()];
+    for (operation, own) in program.operations().zip(set.errors()) {
+        let error = |slot: &Slot| match *slot {
+            Slot::State(i) => states[i],
+            Slot::Local(i) => locals[i],
+            Slot::Input(_) => 0.5 * unit(set.bits(*slot)),
+        };
+        let total = own.worst + inherited(operation, set, &error);
+        match operation.into_slot() {
+            Slot::State(i) => states[i] = states[i].max(total),
+            Slot::Local(i) => locals[i] = total,
+            Slot::Input(_) => {}
+        }
+    }
+    states
+}
+
+/// What an operation passes on of its operands' errors.
+fn inherited(operation: &Operation, set: &Writer<'_>, error: &dyn Fn(&Slot) -> f64) -> f64 {
+    match operation {
+        Operation::Sum { terms, .. } => terms.iter().map(|t| t.coefficient.abs() * error(&t.of)).sum(),
+        Operation::Product { a, b, .. } => error(a) * set.size(*b) + error(b) * set.size(*a),
+        Operation::Quotient { into, above, below } => {
+            (error(above) + error(below) * set.size(*into)) / set.nearest(*below)
+        }
+        Operation::Magnitude { of, .. } => error(of),
+        Operation::Clamp { of, .. } => error(of) + 0.5 * unit(set.bits(*of)),
+    }
+}
+
+/// Errors in fixed point.
+struct Quantised<'a> {
+    fixed: &'a Fixed,
+    errors: Vec<OperationError>,
+    kept: Vec<f64>,
+}
+
+impl Arithmetic for Quantised<'_> {
+    fn worst(&self) -> Vec<f64> {
+        let kept = self.kept.iter().copied().chain(std::iter::repeat(0.0));
+        self.errors.iter().zip(kept).map(|(error, kept)| error.worst + kept).collect()
+    }
+
+    fn kept(&self) -> Vec<f64> {
+        self.errors.iter().zip(&self.kept).map(|(error, kept)| error.steady + kept).collect()
+    }
+
+    fn coefficients(&self, run: &Run) -> Effect {
+        let mut off = Vec::with_capacity(run.readings.len());
+        let mut both = (self.fixed.controller.runner(), Unrounded::new(self.fixed));
+        run.play(
+            &mut both,
+            |(runner, unrounded), value| {
+                runner.set_out_of_balance(value);
+                unrounded.set_out_of_balance(value);
+            },
+            |(runner, unrounded), _, readings| {
+                off.push(unrounded.step(readings) - runner.step_array(readings))
+            },
+        );
+        Effect::of(&off)
+    }
+
+    fn noise(&self, _run: &Run, gains: &Gains) -> Noise {
+        let squares: Vec<f64> = self.errors.iter().map(|error| error.squares).collect();
+        gains.steady_noise(&squares)
+    }
+}
+
+/// A fixed-point controller whose coefficients are rounded and nothing else: numbers are real multiples of their units.
+struct Unrounded<'a> {
+    fixed: &'a Fixed,
+    states: Vec<f64>,
+    locals: Vec<f64>,
+}
+
+impl<'a> Unrounded<'a> {
+    fn new(fixed: &'a Fixed) -> Self {
+        let controller: &Controller = &fixed.controller;
+        let initial = controller.programs().initial();
+        let states = initial.iter().zip(&fixed.states).map(|(value, bits)| value / unit(*bits)).collect();
+        let count = fixed.step.locals.len().max(fixed.set_out_of_balance.locals.len());
+        Self { fixed, states, locals: vec![0.0; count] }
+    }
+
+    fn step(&mut self, readings: &[f64; READINGS]) -> f64 {
+        let bits = &self.fixed.step.inputs;
+        let inputs: [f64; READINGS] = std::array::from_fn(|i| readings[i] / unit(bits[i]));
+        self.run(&self.fixed.step, &inputs);
+        let program: &Program = &self.fixed.controller.programs().step;
+        let control = program.output.map_or(0.0, |slot| self.read(slot, &inputs));
+        control * unit(self.fixed.control_bits())
+    }
+
+    fn set_out_of_balance(&mut self, out_of_balance_kg_m: f64) {
+        let program = &self.fixed.set_out_of_balance;
+        self.run(program, &[out_of_balance_kg_m / unit(program.inputs[0])]);
+    }
+
+    fn run(&mut self, program: &FixedProgram, inputs: &[f64]) {
+        for operation in &program.operations {
+            let (into, value) = self.evaluate(operation, inputs);
+            match into {
+                Slot::State(i) => self.states[i] = value,
+                Slot::Local(i) => self.locals[i] = value,
+                Slot::Input(_) => {}
+            }
+        }
+    }
+
+    fn read(&self, slot: Slot, inputs: &[f64]) -> f64 {
+        match slot {
+            Slot::State(i) => self.states[i],
+            Slot::Local(i) => self.locals[i],
+            Slot::Input(i) => inputs[i],
+        }
+    }
+
+    fn evaluate(&self, operation: &FixedOperation, inputs: &[f64]) -> (Slot, f64) {
+        let read = |slot: &Slot| self.read(*slot, inputs);
+        let moved = |value: f64, shift: u32| value * (-f64::from(shift)).exp2();
+        match operation {
+            FixedOperation::Sum { into, constant, terms, shift } => {
+                let sum = terms.iter().fold(*constant as f64, |sum, (c, of)| sum + *c as f64 * read(of));
+                (*into, moved(sum, *shift))
+            }
+            FixedOperation::Product { into, a, b, shift } => (*into, moved(read(a) * read(b), *shift)),
+            FixedOperation::Quotient { into, above, below, left, shift } => {
+                (*into, moved(f64::from(*left).exp2() * read(above) / read(below), *shift))
+            }
+            FixedOperation::Magnitude { into, of } => (*into, read(of).abs()),
+            FixedOperation::Clamp { into, of, low, high } => {
+                (*into, read(of).clamp(*low as f64, *high as f64))
+            }
+        }
+    }
+}
