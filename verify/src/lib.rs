@@ -39,4 +39,5 @@ pub use procedure::{Procedure, Road, Sine, Step};
 pub use requirement::{Limit, Requirement, Verdict};
 pub use verification::{
     ARRANGEMENTS, Evidence, Verification, VerifiedController, linear_plant, verify, verify_linear,
+    verify_watched,
 };

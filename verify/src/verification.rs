@@ -136,18 +136,44 @@ pub fn verify(
 ) -> Result<VerifiedController, Error> {
     procedure.check()?;
     let mut found = linear_part(plant, controller, procedure, requirements)?;
-    nonlinear_part(plant, controller, procedure, &mut found)?;
+    nonlinear_part(plant, controller, procedure, (&mut found, &mut |_| true))?;
     found.judge(requirements);
     Ok(VerifiedController { controller: controller.clone(), verification: found })
 }
 
-/// Runs every experiment on the nonlinear plant; a motion that diverges has infinite figures and no history.
+/// As [`verify`], for somebody who looks on: `watch` is shown what is found so far, first the linear part and then after each run
+/// on the nonlinear plant, and says whether to go on. None where it said no.
+///
+/// # Errors
+/// As [`verify`].
+pub fn verify_watched(
+    plant: &Plant,
+    controller: &Controller,
+    (procedure, requirements): (&Procedure, &[Requirement]),
+    watch: &mut dyn FnMut(&Verification) -> bool,
+) -> Result<Option<VerifiedController>, Error> {
+    procedure.check()?;
+    let mut found = linear_part(plant, controller, procedure, requirements)?;
+    found.judge(requirements);
+    if !watch(&found) {
+        return Ok(None);
+    }
+    let mut judging = |found: &mut Verification| {
+        found.judge(requirements);
+        watch(found)
+    };
+    let whole = nonlinear_part(plant, controller, procedure, (&mut found, &mut judging))?;
+    Ok(whole.then(|| VerifiedController { controller: controller.clone(), verification: found }))
+}
+
+/// Runs every experiment on the nonlinear plant; a motion that diverges has infinite figures and no history. Says whether it came
+/// to the end: `go_on` is asked after each.
 fn nonlinear_part(
     plant: &Plant,
     controller: &Controller,
     procedure: &Procedure,
-    found: &mut Verification,
-) -> Result<(), Error> {
+    (found, go_on): (&mut Verification, &mut dyn FnMut(&mut Verification) -> bool),
+) -> Result<bool, Error> {
     let mut simulator = Simulator::new(plant)?;
     for experiment in nonlinear::experiments(procedure) {
         match nonlinear::history(&mut simulator, controller, procedure, experiment) {
@@ -160,8 +186,11 @@ fn nonlinear_part(
             }
             Err(error) => return Err(error),
         }
+        if !go_on(found) {
+            return Ok(false);
+        }
     }
-    Ok(())
+    Ok(true)
 }
 
 /// The plant linearised where the procedure has it stand; its angles are left out, so that gravity's gradient and a position spring
