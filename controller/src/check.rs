@@ -189,18 +189,17 @@ fn law(observer: &FrictionObserver) -> Result<(), Error> {
     }
 }
 
-/// The control limit in volts of a linear drive: the last stretch of the drive's curve goes on.
+/// The control limit in volts of a linear drive.
 pub fn equivalent_limit_v(parts: &Parts) -> f64 {
     let mut from = [0.0, 0.0];
-    let mut slope = 1.0;
     for to in &parts.drive_curve {
-        slope = (to[0] - from[0]) / (to[1] - from[1]);
         if to[1] >= parts.limit_v {
-            break;
+            let slope = (to[0] - from[0]) / (to[1] - from[1]);
+            return from[0] + slope * (parts.limit_v - from[1]);
         }
         from = *to;
     }
-    from[0] + slope * (parts.limit_v - from[1])
+    from[0] + parts.limit_v - from[1]
 }
 
 /// The entries of a column rise.
@@ -248,9 +247,11 @@ fn learning(estimator: &Estimator) -> Result<(), Error> {
             let gravity = estimator.gravity_m_s2;
             range("gravity (m/s^2)", gravity, gravity != 0.0, "other than 0 for the mean: it goes by gravity")
         }
-        Learning::Squares { forget, dead_band_m_s2, deviation } => {
-            range("what a sample keeps", *forget, *forget > 0.0 && *forget <= 1.0, "in 0 < forget <= 1")?;
+        Learning::Squares { forget, dead_band_m_s2, deviation, filter_s, inertia_v_s2_rad } => {
+            range("what a sample keeps", *forget, *forget > 0.0 && *forget < 1.0, "in 0 < forget < 1")?;
             at_least_0("dead-band (m/s^2)", *dead_band_m_s2)?;
+            at_least_0("filter of the estimator (s)", *filter_s)?;
+            inertia_v_s2_rad.iter().try_for_each(|one| finite("inertia (V s^2/rad)", *one))?;
             deviation.iter().try_for_each(|one| positive("deviation of an estimated parameter", *one))
         }
     }

@@ -48,16 +48,23 @@ pub enum Learning {
     },
     /// Recursive least squares with forgetting, on the first three regressors, and on the fourth where gravity is 0.
     ///
+    /// Control and regressors first pass the same lag `filter_s`, which leaves their relation as it is and gives the
+    /// accelerations of hub and rate; what the inertias take is known, and is taken from the control.
+    ///
     /// The covariance is kept as U D U' (G. J. Bierman, *Factorization Methods for Discrete Sequential Estimation*, 1977),
     /// so that it stays positive in single precision. Two factors between 0 and 1 hold it back: learning fades out where
     /// the mean square of the first regressor falls from 1.1 to 1 times `dead_band_m_s2`^2, and forgetting fades out
     /// where a variance grows from 9 to 10 times its start.
     Squares {
-        /// What a sample keeps of the weight of those before it, 0 < forget <= 1.
+        /// What a sample keeps of the weight of those before it, 0 < forget < 1.
         forget: f64,
         /// Below this RMS of the first regressor the estimate stands still, m/s^2; 0 for none.
         dead_band_m_s2: f64,
         /// Standard deviations of the parameters at the start: V per m/s^2, V, V s/rad, V.
         deviation: [f64; 4],
+        /// Lag that control and regressors pass, s; 0 for none, and then the inertias are not used.
+        filter_s: f64,
+        /// Volts that accelerate the hub, and what follows the estimator's rate, by 1 rad/s^2.
+        inertia_v_s2_rad: [f64; 2],
     },
 }

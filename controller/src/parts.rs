@@ -78,7 +78,7 @@ pub struct Parts {
     /// Estimator of the out-of-balance.
     pub estimator: Option<Estimator>,
     /// The inverse of the drive's measured curve: (volts of a linear drive, control that has their effect), both rising
-    /// from beyond 0; odd, straight between, the last stretch goes on. Empty where the drive is linear.
+    /// from beyond 0; odd, straight between, of slope 1 beyond the last. Empty where the drive is linear.
     ///
     /// Everything before it (paths, limiter, anti-windup, estimator) is in volts of a linear drive.
     pub drive_curve: Vec<[f64; 2]>,

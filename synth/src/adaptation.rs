@@ -107,6 +107,10 @@ pub struct RecursiveSettings {
     pub start_kg_m: f64,
     /// Standard deviation of the start, kg m.
     pub start_deviation_kg_m: f64,
+    /// Lag that control and regressors pass, s: their relation stays, and accelerations are known. 0 for none.
+    pub filter_s: f64,
+    /// Volts that accelerate the hub, and the hub against the platform, by 1 rad/s^2; used with a filter alone.
+    pub inertia_v_s2_rad: [f64; 2],
 }
 
 /// Recursive least squares with forgetting on
@@ -117,11 +121,15 @@ pub struct RecursiveSettings {
 ///
 /// with w the hub's rate relative to the platform, a the accelerometer's reading. The fourth regressor (a constant) is
 /// used only without gravity, where it takes what is not the imbalance's: with gravity it could not be told from it.
+/// Learning fades out where the mean square of the first regressor falls from 1.21 to 1 times the dead-band's, forgetting
+/// where a variance grows from 9 to 10 times its start. The controller's own estimator
+/// ([`counterpoise_controller::Learning::Squares`]) is the same with the covariance in factors.
 #[derive(Debug, Clone)]
 pub struct Recursive {
     settings: RecursiveSettings,
     parameters: [f64; SIZE],
     covariance: [[f64; SIZE]; SIZE],
+    lagged: [f64; SIZE + 1],
     excitation: f64,
     estimate: f64,
 }
@@ -130,8 +138,10 @@ pub struct Recursive {
 const SIZE: usize = 4;
 /// Parameters other than the imbalance start with this standard deviation, V or V s/rad.
 const LOOSE: f64 = 10.0;
-/// The trace of the covariance is not let grow beyond this times its start by forgetting.
-const WIND_UP: f64 = 10.0;
+/// Forgetting fades while a variance grows between these times its start.
+const WIND_UP: (f64, f64) = (9.0, 10.0);
+/// The mean square over that of the dead-band at which learning is whole.
+const WHOLE: f64 = 1.21;
 
 impl Recursive {
     /// The estimator at its start.
@@ -157,7 +167,8 @@ impl Recursive {
         parameters[0] = settings.start_kg_m * volts;
         let covariance = start_covariance(&settings);
         let estimate = settings.start_kg_m;
-        Ok(Self { settings, parameters, covariance, excitation: 0.0, estimate })
+        let lagged = [0.0; SIZE + 1];
+        Ok(Self { settings, parameters, covariance, lagged, excitation: 0.0, estimate })
     }
 
     /// The estimate, kg m.
@@ -167,12 +178,11 @@ impl Recursive {
 
     /// Takes a sample and gives the estimate, kg m.
     pub fn update(&mut self, readings: &Readings, control_v: f64) -> f64 {
-        let phi = self.regressors(readings);
+        let (phi, volts) = self.lag(readings, self.settings.scale.curve.at(control_v));
         let forget = (-self.settings.sample_period_s / self.settings.memory_s).exp();
         self.excitation = forget * self.excitation + (1.0 - forget) * phi[0] * phi[0];
-        if self.excitation.sqrt() >= self.settings.dead_band_m_s2 {
-            self.learn(&phi, self.settings.scale.curve.at(control_v), forget);
-        }
+        let gate = self.gate();
+        self.learn(&phi.map(|regressor| gate * regressor), gate * volts, 1.0 - (1.0 - forget) * gate);
         let wanted = self.parameters[0] / self.settings.scale.volts_per_kg_m_s2;
         let step = self.settings.rate_limit_kg_m_s * self.settings.sample_period_s;
         self.estimate += (wanted - self.estimate).clamp(-step, step);
@@ -191,7 +201,35 @@ impl Recursive {
         ]
     }
 
-    /// One step of recursive least squares; forgetting stops while the covariance is large.
+    /// 1 where the first regressor is lively, 0 inside the dead-band.
+    fn gate(&self) -> f64 {
+        let dead_band = self.settings.dead_band_m_s2;
+        if dead_band == 0.0 {
+            return 1.0;
+        }
+        ((self.excitation / (dead_band * dead_band) - 1.0) / (WHOLE - 1.0)).clamp(0.0, 1.0)
+    }
+
+    /// Regressors, and the volts less what the inertias take, after the lag.
+    fn lag(&mut self, readings: &Readings, volts: f64) -> ([f64; SIZE], f64) {
+        let phi = self.regressors(readings);
+        if self.settings.filter_s == 0.0 {
+            return (phi, volts);
+        }
+        let period_s = self.settings.sample_period_s;
+        let share = period_s / (self.settings.filter_s + period_s);
+        let all = [phi[0], phi[1], phi[2], readings.hub_rate_rad_s, volts];
+        let mut change = [0.0; SIZE + 1];
+        for (i, value) in all.into_iter().enumerate() {
+            change[i] = share * (value - self.lagged[i]);
+            self.lagged[i] += change[i];
+        }
+        let [of_hub, of_rate] = self.settings.inertia_v_s2_rad;
+        let left = self.lagged[4] - (of_hub * change[3] + of_rate * change[2]) / period_s;
+        ([self.lagged[0], self.lagged[1], self.lagged[2], phi[3]], left)
+    }
+
+    /// One step of recursive least squares; forgetting fades while the covariance is large.
     fn learn(&mut self, phi: &[f64; SIZE], volts: f64, forget: f64) {
         let mut gain = [0.0; SIZE];
         for (i, row) in self.covariance.iter().enumerate() {
@@ -199,7 +237,7 @@ impl Recursive {
         }
         let spread: f64 = gain.iter().zip(phi).map(|(g, x)| g * x).sum();
         let predicted: f64 = self.parameters.iter().zip(phi).map(|(p, x)| p * x).sum();
-        let forget = if self.wound_up() { 1.0 } else { forget };
+        let forget = 1.0 - (1.0 - forget) * self.may_forget();
         let scale = 1.0 / (forget + spread);
         for i in 0..SIZE {
             self.parameters[i] += scale * gain[i] * (volts - predicted);
@@ -209,9 +247,11 @@ impl Recursive {
         }
     }
 
-    fn wound_up(&self) -> bool {
+    fn may_forget(&self) -> f64 {
         let start = start_covariance(&self.settings);
-        (0..SIZE).any(|i| self.covariance[i][i] > WIND_UP * start[i][i])
+        let used = (0..SIZE).filter(|&i| start[i][i] > 0.0);
+        let room = |i: usize| (WIND_UP.1 - self.covariance[i][i] / start[i][i]) / (WIND_UP.1 - WIND_UP.0);
+        used.map(|i| room(i).clamp(0.0, 1.0)).product()
     }
 }
 

@@ -1,7 +1,10 @@
 //! Estimating the out-of-balance from signals whose truth is known.
 #![allow(clippy::unwrap_used, non_snake_case)]
 
-use counterpoise_controller::Readings;
+use counterpoise_controller::{
+    Controller, Estimator, Learning, Parts, Path, Readings, Runner, SampledController, Scaling, Signal,
+};
+use counterpoise_lti::{Mat, StateSpace, Timebase};
 use counterpoise_synth::adaptation::{Curve, Recursive, RecursiveSettings, Scale, WindowedMean};
 
 const VOLTS: f64 = 1.0 / 516.0;
@@ -21,6 +24,63 @@ fn settings(gravity_m_s2: f64) -> RecursiveSettings {
         rate_limit_kg_m_s: 400.0,
         start_kg_m: 150.0,
         start_deviation_kg_m: 100.0,
+        filter_s: 0.0,
+        inertia_v_s2_rad: [0.0; 2],
+    }
+}
+
+/// A controller whose control is the demand, with an estimator.
+fn carrying(learning: Learning, gravity_m_s2: f64) -> Controller {
+    let timebase = Timebase::Discrete { period_s: PERIOD_S };
+    let gain = StateSpace::gain(Mat::eye(1), timebase).unwrap();
+    let mut parts = Parts::new(PERIOD_S, 10.0);
+    let (inputs, scaling) = (vec![Signal::Demand], Scaling::Fixed);
+    parts.paths = vec![Path { name: "through".into(), inputs, system: gain, anti_windup: vec![], scaling }];
+    parts.design_out_of_balance_kg_m = 150.0;
+    parts.estimator = Some(Estimator {
+        learning,
+        gravity_m_s2,
+        rate: Signal::RelativeRate,
+        half_rate_rad_s: 1e-3,
+        volts_per_kg_m_s2: VOLTS,
+        rate_limit_kg_m_s: 400.0,
+        hold_samples: 0,
+    });
+    Controller::new(parts).unwrap()
+}
+
+fn used(controller: &Controller, runner: &Runner) -> f64 {
+    let groups = &controller.programs().states;
+    let group = groups.iter().find(|group| group.name == "out_of_balance_kg_m").unwrap();
+    runner.states()[group.first]
+}
+
+/// The controller's own least squares, with the covariance in factors, and the plain ones are one estimator.
+#[test]
+fn the_controllers_estimator_and_the_plain_one_agree() {
+    for (gravity, filter_s) in [(9.80665, 0.0), (0.0, 0.0), (0.0, 0.02)] {
+        let inertia_v_s2_rad = [346.0 * VOLTS, 160.0 * VOLTS];
+        let mut plain =
+            Recursive::new(RecursiveSettings { filter_s, inertia_v_s2_rad, ..settings(gravity) }).unwrap();
+        let controller = carrying(
+            Learning::Squares {
+                forget: (-PERIOD_S / 2.0_f64).exp(),
+                dead_band_m_s2: 0.2,
+                deviation: [100.0 * VOLTS, 10.0, 10.0, 10.0],
+                filter_s,
+                inertia_v_s2_rad,
+            },
+            gravity,
+        );
+        let mut runner = controller.runner();
+        for k in 0..20_000 {
+            let truth = if k < 8_000 { 151.67 } else { 57.0 };
+            let (readings, control) = sample(k, truth, gravity, if k > 15_000 { 0.05 } else { 1.0 });
+            let estimate = plain.update(&readings, control);
+            runner.step(&Readings { demand_rad_s: control, ..readings });
+            let own = used(&controller, &runner);
+            assert!((own - estimate).abs() < 1e-6, "{gravity} {filter_s} sample {k}: {own} {estimate}");
+        }
     }
 }
 

@@ -123,17 +123,26 @@ fn blend(into: Slot, new: Slot, (name, ends, goes_on): (&str, Slot, Slot), write
 
 /// Recursive least squares with the covariance as U D U'.
 fn squares(seen: &Seen<'_>, estimator: &Estimator, (states, writer): (&mut States, &mut Writer)) {
-    let Learning::Squares { forget, dead_band_m_s2, deviation } = &estimator.learning else { return };
+    let Learning::Squares { forget, dead_band_m_s2, deviation, filter_s, inertia_v_s2_rad } =
+        &estimator.learning
+    else {
+        return;
+    };
     let p = seen.layout.estimate.clone();
     let n = p.len();
     let mut phi = regressors(seen, estimator, writer).to_vec();
+    let mut control = seen.control;
+    if *filter_s > 0.0 {
+        let filtered = Filtered { seen, filter_s: *filter_s, inertia: *inertia_v_s2_rad };
+        (control, phi) = filtered.write(&phi, states, writer);
+    }
     if n > 3 {
         let one = writer.local("constant_regressor");
         writer.sum_into(one, Some(1.0), &[]);
         phi.push(one);
     }
     let gate = (*dead_band_m_s2 > 0.0).then(|| gate(phi[0], (*forget, *dead_band_m_s2), states, writer));
-    let mut left = unexplained(seen.control, &p, &phi, writer);
+    let mut left = unexplained(control, &p, &phi, writer);
     if let Some(gate) = gate {
         left = writer.product("gated_unexplained_v", gate, left);
         let gated = |(i, slot): (usize, &Slot)| writer.product(format!("gated_{i}"), gate, *slot);
@@ -147,6 +156,42 @@ fn squares(seen: &Seen<'_>, estimator: &Estimator, (states, writer): (&mut State
         let move_by = writer.product(format!("move_{i}"), gain, left);
         let next = writer.sum(format!("estimate_next_{i}"), &[(1.0, *p), (1.0, move_by)]);
         writer.copy(*p, next);
+    }
+}
+
+/// Control and regressors after the same lag.
+struct Filtered<'a> {
+    seen: &'a Seen<'a>,
+    filter_s: f64,
+    inertia: [f64; 2],
+}
+
+impl Filtered<'_> {
+    /// The control less what the inertias take, and the regressors.
+    fn write(&self, phi: &[Slot], states: &mut States, writer: &mut Writer) -> (Slot, Vec<Slot>) {
+        let hub = (self.seen.signal)(Signal::HubRate);
+        let names = ["lift", "direction", "rate"];
+        let lagged: Vec<(Slot, Slot)> =
+            names.iter().zip(phi).map(|(name, of)| self.lag((name, *of), states, writer)).collect();
+        let (_, hub_change) = self.lag(("hub_rate", hub), states, writer);
+        let (control, _) = self.lag(("control", self.seen.control), states, writer);
+        let period_s = self.seen.parts.sample_period_s;
+        let [of_hub, of_rate] = self.inertia.map(|inertia| -inertia / period_s);
+        let rate_change = lagged[2].1;
+        let terms = [(1.0, control), (of_hub, hub_change), (of_rate, rate_change)];
+        let left = writer.sum("control_without_inertia_v", &terms);
+        (left, lagged.into_iter().map(|(now, _)| now).collect())
+    }
+
+    /// The implicit step of a lag: the value now, and its change.
+    fn lag(&self, (name, of): (&str, Slot), states: &mut States, writer: &mut Writer) -> (Slot, Slot) {
+        let period_s = self.seen.parts.sample_period_s;
+        let state = states.scalar(&format!("lagged_{name}"), 0.0, OnReset::Restart);
+        let share = period_s / (self.filter_s + period_s);
+        let change = writer.sum(format!("lagged_{name}_change"), &[(share, of), (-share, state)]);
+        let next = writer.sum(format!("lagged_{name}_next"), &[(1.0, state), (1.0, change)]);
+        writer.copy(state, next);
+        (next, change)
     }
 }
 
@@ -181,9 +226,6 @@ impl Factors {
 
     /// What a sample keeps: 1 - (1 - forget) x gate x what the largest variances allow.
     fn keep(&self, (forget, gate): (f64, Option<Slot>), start: &[f64], writer: &mut Writer) -> Option<Slot> {
-        if forget >= 1.0 {
-            return None;
-        }
         let mut allowed: Option<Slot> = gate;
         for (i, &start) in start.iter().enumerate() {
             let variance = self.variance(i, writer);

@@ -90,6 +90,8 @@ fn estimation(
         rate_limit_kg_m_s: 50.0,
         start_kg_m,
         start_deviation_kg_m: 100.0,
+        filter_s: 0.0,
+        inertia_v_s2_rad: [0.0; 2],
     })?))
 }
 

@@ -16,7 +16,7 @@ use counterpoise_verify::Procedure;
 use serde::Serialize;
 
 use super::balance::unbalanced;
-use super::surround::drive_curve;
+use super::surround::{SMALL_KG_M, drive_curve, inertia_v_s2_rad};
 use super::synth::torque_per_volt;
 use super::{Modelled, PipelineError, Synthesised};
 use crate::Project;
@@ -314,7 +314,9 @@ impl Stage<'_> {
             half_rate_rad_s: self.adaptation.half_rate_rad_s,
             rate_limit_kg_m_s: self.adaptation.rate_limit_kg_m_s,
             start_kg_m,
-            start_deviation_kg_m: start_kg_m.abs().max(1.0),
+            start_deviation_kg_m: start_kg_m.abs().max(SMALL_KG_M),
+            filter_s: self.adaptation.filter_s,
+            inertia_v_s2_rad: inertia_v_s2_rad(self.modelled),
         }
     }
 

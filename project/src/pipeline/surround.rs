@@ -20,7 +20,7 @@ const SHORTEST: f64 = 0.03;
 /// A curve that rises less than this share of a linear drive's is taken as noise: its inverse would be too steep.
 const LEAST_SLOPE: f64 = 0.2;
 /// Smallest out-of-balance from which the estimator takes the size of its first parameter, kg m.
-const SMALL_KG_M: f64 = 10.0;
+pub(crate) const SMALL_KG_M: f64 = 10.0;
 
 /// The sampled controller with what surrounds its paths, checked anew.
 ///
@@ -113,8 +113,17 @@ fn learning(adaptation: &Adaptation, modelled: &Modelled) -> Learning {
             forget: (-period_s / adaptation.memory_s).exp(),
             dead_band_m_s2: adaptation.dead_band_m_s2,
             deviation: [moment * volts, LOOSE, LOOSE, LOOSE],
+            filter_s: adaptation.filter_s,
+            inertia_v_s2_rad: inertia_v_s2_rad(modelled),
         },
     }
+}
+
+/// Volts that accelerate the hub with its structure, and the motor on the platform, by 1 rad/s^2 of the hub.
+pub(crate) fn inertia_v_s2_rad(modelled: &Modelled) -> [f64; 2] {
+    let p = &modelled.parameters;
+    let volts = 1.0 / torque_per_volt(p);
+    [modelled.plant.body().inertia_kg_m2 * volts, p.motor.inertia_kg_m2 * p.gearbox.ratio.powi(2) * volts]
 }
 
 /// The inverse of the amplifier's measured curve: (volts of a linear amplifier, control), rising, from its positive

@@ -101,6 +101,8 @@ pub struct Adaptation {
     pub memory_s: f64,
     /// Excitation below which least squares stand still, m/s^2.
     pub dead_band_m_s2: f64,
+    /// Lag that control and regressors of least squares pass, s.
+    pub filter_s: f64,
     /// Normalised step of the gradient, 0 to 2.
     pub step: f64,
     /// Rate at which the sign of a rate counts half, rad/s.
@@ -296,6 +298,7 @@ fn blank_adaptation() -> Adaptation {
         window_s: 1.0,
         memory_s: 2.0,
         dead_band_m_s2: 0.1,
+        filter_s: 0.02,
         step: 0.002,
         half_rate_rad_s: 5e-3,
         rate_limit_kg_m_s: 400.0,
@@ -321,6 +324,9 @@ fn adaptation(v: &mut dyn Visit, a: &mut Adaptation) {
             v.number(&memory.or(usual.memory_s), &mut a.memory_s);
             let band = Field::new("dead_band", "excitation (RMS) below which the estimate stands still");
             v.number(&band.unit("m/s^2").limit(AT_LEAST_0).or(usual.dead_band_m_s2), &mut a.dead_band_m_s2);
+            let filter = "lag of control and regressors, through which accelerations are known; 0 for none";
+            let filter = Field::new("filter", filter).unit("s").limit(AT_LEAST_0);
+            v.number(&filter.or(usual.filter_s), &mut a.filter_s);
         }
     }
     if a.method != AdaptationMethod::WindowedMean {
