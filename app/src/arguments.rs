@@ -137,6 +137,10 @@ pub struct ReplayOptions {
     /// Drive the plant with the recorded control instead of the recording's controller
     #[arg(long)]
     pub open_loop: bool,
+    /// Start anew every so many seconds from a state fitted to the first half of what follows, under the recorded control: for a
+    /// machine that hunts, which no model follows for long
+    #[arg(long, value_name = "SECONDS")]
+    pub windows: Option<f64>,
     /// Write a report with pictures to this HTML file
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,

@@ -76,6 +76,18 @@ impl Channel {
             Self::HubPosition => &columns.hub_position_rad,
         }
     }
+
+    /// The same, to be changed.
+    pub(crate) fn of_mut(self, columns: &mut ReadingColumns) -> &mut [f64] {
+        match self {
+            Self::Control => &mut columns.control_v,
+            Self::HubRate => &mut columns.hub_rate_rad_s,
+            Self::PlatformRate => &mut columns.platform_rate_rad_s,
+            Self::PlatformAccel => &mut columns.platform_accel_m_s2,
+            Self::MotorRate => &mut columns.motor_rate_rad_s,
+            Self::HubPosition => &mut columns.hub_position_rad,
+        }
+    }
 }
 
 impl Recording {

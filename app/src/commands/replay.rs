@@ -8,7 +8,7 @@ use counterpoise_project::diagnose::replays::measured;
 use counterpoise_project::recording::{Record, Table};
 use counterpoise_project::results::{RecordingResult, ReplayResult};
 use counterpoise_project::simulate::recording::Recording;
-use counterpoise_project::simulate::replay::{Loop, replay};
+use counterpoise_project::simulate::replay::{Loop, Replayer, replay};
 
 use super::{Done, verdict_code};
 use crate::arguments::ReplayOptions;
@@ -38,10 +38,10 @@ pub fn read(loaded: &Loaded, paths: &[std::path::PathBuf]) -> Result<Vec<Read>> 
 
 /// Runs the command.
 pub fn run(options: &ReplayOptions) -> Done {
-    let loaded =
-        files::load(&options.project, if options.open_loop { Purpose::Model } else { Purpose::Replay })?;
+    let open = options.open_loop || options.windows.is_some();
+    let loaded = files::load(&options.project, if open { Purpose::Model } else { Purpose::Replay })?;
     output::warnings(&loaded, options.results.quiet);
-    let control = match (&loaded.project.recording_controller, options.open_loop) {
+    let control = match (&loaded.project.recording_controller, open) {
         (Some(controller), false) => Loop::Closed(controller.clone()),
         _ => Loop::Open,
     };
@@ -49,8 +49,14 @@ pub fn run(options: &ReplayOptions) -> Done {
     let mut result = ReplayResult { recordings: Vec::new() };
     let mut replays = Vec::new();
     for item in &read {
-        let replayed = replay(&loaded.project.plant, &item.recording, &control)
-            .with_context(|| format!("cannot replay {}", item.file))?;
+        let plant = &loaded.project.plant;
+        let replayed = match options.windows {
+            None => replay(plant, &item.recording, &control),
+            Some(window_s) => {
+                Replayer::new(plant, &item.recording).and_then(|r| r.replay_windows(plant, window_s))
+            }
+        };
+        let replayed = replayed.with_context(|| format!("cannot replay {}", item.file))?;
         let remarks = item.remarks.iter().cloned().chain(faults(&loaded, &item.recording)).collect();
         result.recordings.push(RecordingResult::new(&item.file, &replayed, remarks));
         replays.push(replayed);

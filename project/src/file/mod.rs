@@ -23,9 +23,9 @@ use tree::{Entry, Value};
 /// Keys that name a file which resolving the project needs; some may hold the table itself instead.
 const NAMING_FILES: [&str; 8] = [
     "plant.amplifier.map",
-    "plant.import.mass",
-    "plant.import.stiffness",
-    "plant.import.damping",
+    "plant.import.mass_matrix",
+    "plant.import.stiffness_matrix",
+    "plant.import.damping_matrix",
     "plant.import.node_map",
     "verify.road.heave_psd",
     "verify.road.pitch_psd",

@@ -92,9 +92,12 @@ pub(crate) fn blank() -> ImportedStructure {
 /// Reads or lists the import.
 pub(crate) fn import(v: &mut dyn Visit, import: &mut ImportedStructure) {
     choose(v, &Field::new("format", "of the matrices").or_text("matrix-market"), &mut import.format);
-    v.text(&Field::new("mass", "file of the mass matrix, SI units"), &mut import.mass.file);
-    v.text(&Field::new("stiffness", "file of the stiffness matrix, SI units"), &mut import.stiffness.file);
-    let damping = Field::new("damping", "file of the damping matrix, SI units");
+    v.text(&Field::new("mass_matrix", "file of the mass matrix, SI units"), &mut import.mass.file);
+    v.text(
+        &Field::new("stiffness_matrix", "file of the stiffness matrix, SI units"),
+        &mut import.stiffness.file,
+    );
+    let damping = Field::new("damping_matrix", "file of the damping matrix, SI units");
     v.text(&damping.or_text(""), &mut import.damping.file);
     if import.format != MatrixFormat::MatrixMarket {
         let name = |key, meaning| Field::new(key, meaning).or_text("");
@@ -150,10 +153,11 @@ fn plain(
     parse: impl Fn(&str, &str) -> Result<Mat, counterpoise_models::Error>,
 ) -> Option<Imported> {
     let mut matrix = |key, from: &MatrixFile| read(v, key, &from.file, |text| parse(text, &from.name));
-    let (mass, stiffness) = (matrix("mass", &import.mass), matrix("stiffness", &import.stiffness));
+    let (mass, stiffness) =
+        (matrix("mass_matrix", &import.mass), matrix("stiffness_matrix", &import.stiffness));
     let damping = match import.damping.file.is_empty() {
         true => None,
-        false => Some(matrix("damping", &import.damping)?),
+        false => Some(matrix("damping_matrix", &import.damping)?),
     };
     Some(Imported::in_order_of(map, mass?, damping, stiffness?))
 }
@@ -162,9 +166,11 @@ fn plain(
 fn grids(v: &mut dyn Visit, import: &ImportedStructure) -> Option<Imported> {
     let mut all: Vec<Dmig> = Vec::new();
     let mut named = Vec::new();
-    for (key, from) in
-        [("mass", &import.mass), ("stiffness", &import.stiffness), ("damping", &import.damping)]
-    {
+    for (key, from) in [
+        ("mass_matrix", &import.mass),
+        ("stiffness_matrix", &import.stiffness),
+        ("damping_matrix", &import.damping),
+    ] {
         if from.file.is_empty() {
             continue;
         }
@@ -183,7 +189,7 @@ fn grids(v: &mut dyn Visit, import: &ImportedStructure) -> Option<Imported> {
     match Imported::from_dmig(&all, mass, named.get(2).map(String::as_str), stiffness) {
         Ok(made) => Some(made),
         Err(error) => {
-            v.complain("mass", &said(&error), None);
+            v.complain("mass_matrix", &said(&error), None);
             None
         }
     }

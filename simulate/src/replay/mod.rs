@@ -8,6 +8,7 @@
 pub mod platform;
 pub(crate) mod smoother;
 pub mod start;
+mod windows;
 
 pub use platform::{platform_motion, reading_floor};
 
@@ -195,15 +196,18 @@ impl<'a> Replayer<'a> {
 
     /// The fits of a run.
     fn compared(&self, plant: &Plant, control: &Loop, history: TimeHistory, start: PlantState) -> Replay {
-        let floors = Floors { parameters: plant.parameters(), control };
-        let channels = Channel::ALL
-            .into_iter()
-            .filter_map(|channel| {
-                let floor = floors.of(channel)?;
-                fit(channel, channel.of(&history.readings), self.recording.column(channel)?, floor)
-            })
-            .collect();
+        let channels = self.fits(plant.parameters(), control, &history.readings);
         Replay { channels, simulated: history.readings, start }
+    }
+
+    /// How well simulated readings fit the recording, channel by channel.
+    fn fits(&self, parameters: &Parameters, control: &Loop, simulated: &ReadingColumns) -> Vec<ChannelFit> {
+        let floors = Floors { parameters, control };
+        let one = |channel: Channel| {
+            let floor = floors.of(channel)?;
+            fit(channel, channel.of(simulated), self.recording.column(channel)?, floor)
+        };
+        Channel::ALL.into_iter().filter_map(one).collect()
     }
 
     fn run(
@@ -290,6 +294,19 @@ pub struct Playback<'a> {
 }
 
 impl<'a> Playback<'a> {
+    /// The recorded control with missing values filled by those before them.
+    pub(crate) fn filled(recording: &Recording) -> Result<Vec<f64>, Error> {
+        let control_v = recording.control_v.as_deref().ok_or(Error::NoChannel { channel: "control" })?;
+        let mut last = 0.0;
+        let held = control_v.iter().map(|v| {
+            if v.is_finite() {
+                last = *v;
+            }
+            last
+        });
+        Ok(held.collect())
+    }
+
     /// From the first sample on.
     pub fn new(control_v: &'a [f64]) -> Self {
         Self { control_v, next: 0 }

@@ -278,7 +278,7 @@ impl<'a, 'b> Fit<'a, 'b> {
     }
 
     /// Forward differences, taken inwards where friction is at its level.
-    fn normal_equations(&mut self, at: &Unknowns, residuals: &[f64]) -> Result<Normal, Error> {
+    fn normal_equations(&mut self, at: &Unknowns, residuals: &[f64]) -> Result<Normal<UNKNOWNS>, Error> {
         let mut columns = Vec::with_capacity(UNKNOWNS);
         for k in 0..UNKNOWNS {
             let inwards = matches!(k, MOTOR_DRY | PIVOT_DRY) && at[k] > 0.0;
@@ -288,60 +288,62 @@ impl<'a, 'b> Fit<'a, 'b> {
             let shifted = self.residuals(&moved)?;
             columns.push(shifted.iter().zip(residuals).map(|(a, b)| sign * (a - b)).collect::<Vec<f64>>());
         }
-        let mut normal = Normal { matrix: [[0.0; UNKNOWNS]; UNKNOWNS], right: [0.0; UNKNOWNS] };
-        for i in 0..UNKNOWNS {
-            normal.right[i] = -columns[i].iter().zip(residuals).map(|(a, b)| a * b).sum::<f64>();
-            for j in 0..UNKNOWNS {
-                normal.matrix[i][j] = columns[i].iter().zip(&columns[j]).map(|(a, b)| a * b).sum();
-            }
-        }
-        Ok(normal)
+        Ok(Normal::of(&columns, residuals))
     }
 }
 
 /// J'J and -J'r.
-struct Normal {
-    matrix: [[f64; UNKNOWNS]; UNKNOWNS],
-    right: Unknowns,
+pub(super) struct Normal<const N: usize> {
+    matrix: [[f64; N]; N],
+    right: [f64; N],
 }
 
-impl Normal {
+impl<const N: usize> Normal<N> {
+    /// From the columns of J, as many as there are unknowns, and the residuals.
+    pub(super) fn of(columns: &[Vec<f64>], residuals: &[f64]) -> Self {
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        Self {
+            right: std::array::from_fn(|i| -dot(&columns[i], residuals)),
+            matrix: std::array::from_fn(|i| std::array::from_fn(|j| dot(&columns[i], &columns[j]))),
+        }
+    }
+
     /// The step with the diagonal raised by its own share `damping`; an unknown without effect does not move.
-    fn solve(&self, damping: f64) -> Unknowns {
+    pub(super) fn solve(&self, damping: f64) -> [f64; N] {
         let mut a = self.matrix;
         let mut b = self.right;
-        for i in 0..UNKNOWNS {
+        for i in 0..N {
             a[i][i] = a[i][i] * (1.0 + damping) + f64::MIN_POSITIVE;
         }
         // Cholesky's method without roots; the matrix is positive by the line above
-        for j in 0..UNKNOWNS {
-            for i in j + 1..UNKNOWNS {
+        for j in 0..N {
+            for i in j + 1..N {
                 let factor = a[i][j] / a[j][j];
-                for k in j..UNKNOWNS {
+                for k in j..N {
                     a[i][k] -= factor * a[j][k];
                 }
                 b[i] -= factor * b[j];
             }
         }
-        for j in (0..UNKNOWNS).rev() {
-            let known: f64 = (j + 1..UNKNOWNS).map(|k| a[j][k] * b[k]).sum();
+        for j in (0..N).rev() {
+            let known: f64 = (j + 1..N).map(|k| a[j][k] * b[k]).sum();
             b[j] = (b[j] - known) / a[j][j];
         }
         b.map(|step| if step.is_finite() { step } else { 0.0 })
     }
 }
 
-fn squares(residuals: &[f64]) -> f64 {
+pub(super) fn squares(residuals: &[f64]) -> f64 {
     residuals.iter().map(|r| r * r).sum()
 }
 
 /// The largest dry torque at rest, N m.
-fn level(friction: &Friction) -> f64 {
+pub(super) fn level(friction: &Friction) -> f64 {
     friction.coulomb_nm() * friction.static_ratio.max(1.0)
 }
 
 /// The state of a friction at rest that gives a torque.
-fn at_torque(friction: &Friction, torque_nm: f64) -> f64 {
+pub(super) fn at_torque(friction: &Friction, torque_nm: f64) -> f64 {
     match friction.law {
         FrictionLaw::Lugre { bristle_stiffness_nm_rad, .. } => torque_nm / bristle_stiffness_nm_rad,
         FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad, .. } if coulomb_nm > 0.0 => {
@@ -352,7 +354,7 @@ fn at_torque(friction: &Friction, torque_nm: f64) -> f64 {
 }
 
 /// The torque that a state of a friction at rest gives.
-fn torque(friction: &Friction, state: f64) -> f64 {
+pub(super) fn torque(friction: &Friction, state: f64) -> f64 {
     match friction.law {
         FrictionLaw::Lugre { bristle_stiffness_nm_rad, .. } => state * bristle_stiffness_nm_rad,
         FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad, .. } if deflection_rad > 0.0 => {

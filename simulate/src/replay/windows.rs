@@ -1,0 +1,272 @@
+//! Replay over short horizons: the model starts anew every so many seconds from a state fitted to the moments that follow.
+//!
+//! A machine that hunts, or floats in a wide gap, forgets its start: two runs that differ by the noise of a sensor part after a
+//! while, and over a whole recording no model can follow, however true. Over a short horizon it must. The control is the recorded
+//! one. Each window starts from where the one before ended, moved by seven numbers (hub angle and rate, motor rate, gear wind-up,
+//! dry friction at motor and pivot, current) that are fitted to its first half by Levenberg and Marquardt's method; a wind-up inside
+//! the gap is one of the states that the fit can find.
+
+use super::start::{Normal, at_torque, level, squares, torque};
+use super::{Loop, Playback, Replay, Replayer, reading_floor};
+use crate::recording::Channel;
+use crate::run::Simulator;
+use crate::scenario::{Detail, Initial, Scenario};
+use crate::sensing::Imperfections;
+use crate::signal::Signal;
+use crate::{Error, PlantState, PlatformMotion};
+use counterpoise_models::plant::core::state;
+use counterpoise_models::{Parameters, Plant};
+
+/// Shortest window, samples.
+const SHORTEST: usize = 20;
+/// Share of a window to which its start is fitted.
+const FITTED: f64 = 0.5;
+/// Iterations of a fit, and the relative fall of the cost at which it ends.
+const ITERATIONS: usize = 15;
+const FLAT: f64 = 1e-4;
+/// Number of unknowns.
+const UNKNOWNS: usize = 7;
+/// Their order.
+const ANGLE: usize = 0;
+const HUB: usize = 1;
+const MOTOR: usize = 2;
+const WINDUP: usize = 3;
+const MOTOR_DRY: usize = 4;
+const PIVOT_DRY: usize = 5;
+const CURRENT: usize = 6;
+
+type Move = [f64; UNKNOWNS];
+
+impl Replayer<'_> {
+    /// Replays the recorded control over windows of a length, each from a start of its own; the platform's channels are those of
+    /// the whole recording.
+    ///
+    /// # Errors
+    /// As [`super::replay`] in open loop, and [`Error::Range`] for a window of less than 20 samples.
+    pub fn replay_windows(&self, parameters: &Parameters, window_s: f64) -> Result<Replay, Error> {
+        let length = (window_s / self.recording.sample_period_s).round();
+        if length.is_nan() || length < SHORTEST as f64 {
+            return Err(Error::Range { what: "window_s", value: window_s, allowed: "at least 20 samples" });
+        }
+        let mut whole = self.replay(parameters, &Loop::Open)?;
+        let mut windows = Windows::new(self, parameters, length as usize)?;
+        let mut near = whole.start.clone();
+        let mut from = 0;
+        while from < self.samples {
+            let left = self.samples - from;
+            let count = if left < windows.length + SHORTEST { left } else { windows.length };
+            let start = windows.fitted(&near, from, count)?;
+            let history = windows.run(&start, from, count)?;
+            for channel in FOLLOWED {
+                let found = channel.of(&history.readings);
+                channel.of_mut(&mut whole.simulated)[from..from + count].copy_from_slice(found);
+            }
+            near = history.final_state;
+            from += count;
+        }
+        whole.channels = self.fits(parameters, &Loop::Open, &whole.simulated);
+        Ok(whole)
+    }
+}
+
+/// The channels that say what the plant does.
+const FOLLOWED: [Channel; 3] = [Channel::HubRate, Channel::MotorRate, Channel::HubPosition];
+
+struct Windows<'a, 'b> {
+    replayer: &'a Replayer<'b>,
+    simulator: Simulator,
+    plant: Plant,
+    length: usize,
+    /// The control as it acts: recorded, missing values filled, held back by the interface's delay.
+    control_v: Vec<f64>,
+    /// The platform's angle at each sample.
+    platform_rad: Vec<f64>,
+    channels: Vec<(Channel, f64)>,
+    steps: Move,
+    /// How far the seven may be off where a window ends, as the fit expects.
+    spread: Move,
+}
+
+impl<'a, 'b> Windows<'a, 'b> {
+    fn new(replayer: &'a Replayer<'b>, parameters: &Parameters, length: usize) -> Result<Self, Error> {
+        let mut prompt = parameters.clone();
+        let delay = std::mem::take(&mut prompt.interface.output_delay_samples);
+        let plant = Plant::lumped(&prompt)?;
+        let mut playback = Playback::filled(replayer.recording)?;
+        if let Some(&first) = playback.first() {
+            playback.splice(0..0, std::iter::repeat_n(first, delay));
+        }
+        let sensors = &parameters.sensors;
+        let candidates = [
+            (Channel::HubRate, Some(&sensors.hub_gyro)),
+            (Channel::MotorRate, sensors.motor_tachometer.as_ref()),
+            (Channel::HubPosition, sensors.hub_resolver.as_ref()),
+        ];
+        let channels = candidates
+            .into_iter()
+            .filter(|(channel, _)| replayer.recording.column(*channel).is_some())
+            .filter_map(|(channel, sensor)| Some((channel, reading_floor(sensor?, &parameters.interface))));
+        let (motor, pivot) = (level(&parameters.motor_friction), level(&parameters.pivot_friction));
+        let gearbox = &parameters.gearbox;
+        let bent = (pivot / gearbox.stiffness_nm_rad).max(1e-7);
+        Ok(Self {
+            channels: channels.collect(),
+            platform_rad: angles(replayer),
+            simulator: Simulator::new(&plant)?,
+            plant,
+            replayer,
+            length,
+            control_v: playback,
+            steps: [
+                1e-5,
+                1e-4,
+                1e-4 * gearbox.ratio,
+                0.01 * bent,
+                0.01 * motor.max(1e-4),
+                0.01 * pivot.max(1e-2),
+                1e-2,
+            ],
+            spread: [
+                1e-3,
+                1e-1,
+                1e-1 * gearbox.ratio,
+                bent + gearbox.backlash_rad,
+                motor.max(1e-4),
+                pivot.max(1e-2),
+                1.0,
+            ],
+        })
+    }
+
+    /// A run of some samples from a state at one of them.
+    fn run(&mut self, start: &PlantState, from: usize, count: usize) -> Result<crate::TimeHistory, Error> {
+        let period = self.replayer.recording.sample_period_s;
+        let later = |signal: &Signal| match signal {
+            Signal::Samples { period_s, values } => Signal::Samples {
+                period_s: *period_s,
+                values: values[from.min(values.len() - 1)..(from + count + 3).min(values.len())].to_vec(),
+            },
+            other => other.clone(),
+        };
+        let platform = PlatformMotion {
+            pitch_rate_rad_s: later(&self.replayer.platform.pitch_rate_rad_s),
+            heave_m_s2: later(&self.replayer.platform.heave_m_s2),
+            initial_angle_rad: self.platform_rad[from],
+        };
+        let scenario = Scenario {
+            duration_s: count as f64 * period,
+            demand_rad_s: Signal::ZERO,
+            injection_v: Signal::ZERO,
+            platform,
+            imperfections: Imperfections::None,
+            initial: Initial::State(Box::new(start.clone())),
+            detail: Detail::Recording,
+        };
+        self.simulator.run(&mut Playback::new(&self.control_v[from..]), &scenario)
+    }
+
+    /// The start of a window near a state.
+    fn fitted(&mut self, near: &PlantState, from: usize, count: usize) -> Result<PlantState, Error> {
+        let seen = ((count as f64 * FITTED) as usize).max(SHORTEST).min(count);
+        if self.channels.is_empty() {
+            return Ok(near.clone());
+        }
+        let mut now: Move = [0.0; UNKNOWNS];
+        let mut residuals = self.residuals(near, &now, from, seen)?;
+        let mut cost = squares(&residuals);
+        let mut damping = 1e-3;
+        for _ in 0..ITERATIONS {
+            let step = self.normal(near, (&now, &residuals), from, seen)?.solve(damping);
+            let next: Move = std::array::from_fn(|k| now[k] + step[k] * self.steps[k]);
+            let tried = self.residuals(near, &next, from, seen)?;
+            let new_cost = squares(&tried);
+            if new_cost < cost {
+                let fall = (cost - new_cost) / cost;
+                (now, residuals, cost) = (next, tried, new_cost);
+                damping = (damping * 0.2_f64).max(1e-9);
+                if fall < FLAT {
+                    break;
+                }
+            } else if damping > 1e6 {
+                break;
+            } else {
+                damping *= 10.0;
+            }
+        }
+        Ok(self.moved(near, &now))
+    }
+
+    /// A state moved by the seven, friction within its levels.
+    fn moved(&self, near: &PlantState, by: &Move) -> PlantState {
+        let parameters = self.plant.parameters();
+        let mut out = near.clone();
+        out.core[state::ANGLE] += by[ANGLE];
+        out.core[state::RATE] += by[HUB];
+        out.core[state::MOTOR] += by[MOTOR];
+        out.core[state::WINDUP] += by[WINDUP];
+        out.core[state::CURRENT] += by[CURRENT];
+        out.hub_gyro[0] += by[HUB];
+        let dry = |friction, old: f64, by: f64| {
+            let most = level(friction);
+            at_torque(friction, (torque(friction, old) + by).clamp(-most, most))
+        };
+        out.friction.motor = dry(&parameters.motor_friction, near.friction.motor, by[MOTOR_DRY]);
+        out.friction.pivot = dry(&parameters.pivot_friction, near.friction.pivot, by[PIVOT_DRY]);
+        out
+    }
+
+    fn residuals(
+        &mut self,
+        near: &PlantState,
+        by: &Move,
+        from: usize,
+        seen: usize,
+    ) -> Result<Vec<f64>, Error> {
+        let history = self.run(&self.moved(near, by), from, seen)?;
+        let mut out = Vec::with_capacity(seen * self.channels.len() + UNKNOWNS);
+        for &(channel, floor) in &self.channels {
+            let recorded = self.replayer.recording.column(channel).unwrap_or(&[]);
+            let pairs = channel.of(&history.readings).iter().zip(&recorded[from..]);
+            out.extend(pairs.map(|(s, r)| if r.is_finite() { (s - r) / floor } else { 0.0 }));
+        }
+        out.extend(by.iter().zip(&self.spread).map(|(b, s)| b / s));
+        Ok(out)
+    }
+
+    /// The normal equations by forward differences; friction is moved inwards.
+    fn normal(
+        &mut self,
+        near: &PlantState,
+        (at, residuals): (&Move, &[f64]),
+        from: usize,
+        seen: usize,
+    ) -> Result<Normal<UNKNOWNS>, Error> {
+        let mut columns: Vec<Vec<f64>> = Vec::with_capacity(UNKNOWNS);
+        for k in 0..UNKNOWNS {
+            let inwards = match k {
+                MOTOR_DRY => near.friction.motor + at[k] > 0.0,
+                PIVOT_DRY => near.friction.pivot + at[k] > 0.0,
+                _ => false,
+            };
+            let sign = if inwards { -1.0 } else { 1.0 };
+            let mut moved = *at;
+            moved[k] += sign * self.steps[k];
+            let shifted = self.residuals(near, &moved, from, seen)?;
+            columns.push(shifted.iter().zip(residuals).map(|(a, b)| sign * (a - b)).collect());
+        }
+        Ok(Normal::of(&columns, residuals))
+    }
+}
+
+/// The angle of the platform at each sample, from its rate: Simpson's rule between samples.
+fn angles(replayer: &Replayer) -> Vec<f64> {
+    let (period, rate) = (replayer.recording.sample_period_s, &replayer.platform.pitch_rate_rad_s);
+    let mut angle = replayer.platform.initial_angle_rad;
+    let mut out = Vec::with_capacity(replayer.samples);
+    for k in 0..replayer.samples {
+        out.push(angle);
+        let at = |part: f64| rate.at((k as f64 + part) * period);
+        angle += period / 6.0 * (at(0.0) + 4.0 * at(0.5) + at(1.0));
+    }
+    out
+}
