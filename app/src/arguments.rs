@@ -154,8 +154,8 @@ pub struct ReplayOptions {
 pub struct DiagnoseOptions {
     /// Project file, or a folder with a project.toml
     pub project: PathBuf,
-    /// Recordings of one machine: CSV, Parquet or MATLAB files, or folders of them
-    #[arg(required = true)]
+    /// Recordings of one machine: CSV, Parquet or MATLAB files, or folders of them; none where the project's section
+    /// `measured` holds the natural frequencies of the structure
     pub recordings: Vec<PathBuf>,
     /// Write the improved project file
     #[arg(long, value_name = "FILE")]

@@ -19,6 +19,9 @@ use crate::workers::Workers;
 pub fn run(options: &DiagnoseOptions) -> Done {
     let loaded = files::load(&options.project, Purpose::Diagnose)?;
     output::warnings(&loaded, options.results.quiet);
+    if options.recordings.is_empty() {
+        return super::structure::run(&loaded, options);
+    }
     let control = loaded.project.recording_controller.as_ref().map_or(Loop::Open, Loop::from);
     let read = read(&loaded, &options.recordings)?;
     let recordings: Vec<Recording> = read.iter().map(|r| r.recording.clone()).collect();

@@ -12,6 +12,7 @@ pub mod new;
 pub mod pages;
 pub mod replay;
 pub mod stages;
+pub mod structure;
 pub mod studio;
 pub mod sweep;
 pub mod synth;

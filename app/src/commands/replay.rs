@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use counterpoise_project::Purpose;
 use counterpoise_project::diagnose::qualify::qualify;
 use counterpoise_project::diagnose::replays::measured;
-use counterpoise_project::recording::{Record, Table};
+use counterpoise_project::recording::{Mapping, Record, Table};
 use counterpoise_project::results::{RecordingResult, ReplayResult};
 use counterpoise_project::simulate::recording::Recording;
 use counterpoise_project::simulate::replay::{Loop, Replayer, replay};
@@ -27,13 +27,24 @@ pub struct Read {
 
 /// Reads recordings as the project maps them.
 pub fn read(loaded: &Loaded, paths: &[std::path::PathBuf]) -> Result<Vec<Read>> {
-    let one = |(file, bytes): (String, Vec<u8>)| {
-        let table = Table::read(&bytes, &file)?;
-        let record: Record = loaded.project.recording.apply(&table)?;
-        let remarks = record.findings.iter().map(ToString::to_string).collect();
-        Ok(Read { recording: record.recording(), file, remarks })
+    let clock = loaded.project.recording.sample_period_s;
+    let mapping = Mapping {
+        sample_period_s: clock.or(Some(loaded.project.plant.interface.sample_period_s)),
+        ..loaded.project.recording.clone()
     };
-    files::recordings(paths)?.into_iter().map(one).collect()
+    let mut out = Vec::new();
+    for (file, bytes) in files::recordings(paths)? {
+        let records = mapping.records(&Table::read(&bytes, &file)?)?;
+        out.extend(records.iter().map(Read::of));
+    }
+    Ok(out)
+}
+
+impl Read {
+    fn of(record: &Record) -> Self {
+        let remarks = record.findings.iter().map(ToString::to_string).collect();
+        Self { recording: record.recording(), file: record.name.clone(), remarks }
+    }
 }
 
 /// Runs the command.

@@ -19,6 +19,7 @@ pub mod identify;
 pub mod model;
 pub mod page;
 pub mod spectra;
+pub mod structure;
 pub mod style;
 pub mod summary;
 pub mod sweep;

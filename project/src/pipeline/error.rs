@@ -28,6 +28,14 @@ pub enum PipelineError {
         /// What there is.
         known: String,
     },
+    /// More modes were measured than the model has.
+    #[error("{measured} modes were measured, the finite elements have {modes}: raise model.elements")]
+    FewModes {
+        /// Flexible modes of the model.
+        modes: usize,
+        /// Measured modes.
+        measured: usize,
+    },
     /// A control range in which the mechanism cannot be held against gravity.
     #[error(
         "the out-of-balance of {moment_kg_m:.2} kg m takes {needed_v:.3} V to hold, and the control is limited to {limit_v} V: \

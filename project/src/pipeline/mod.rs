@@ -16,6 +16,7 @@ pub(crate) mod observers;
 pub mod portrait;
 pub mod reduce;
 pub mod search;
+pub mod structure;
 pub(crate) mod surround;
 pub mod sweep;
 pub mod synth;

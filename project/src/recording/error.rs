@@ -130,6 +130,20 @@ pub enum RecordingError {
         /// Time of the row before it, s.
         before_s: f64,
     },
+    /// A window that the recording does not cover.
+    #[error(
+        "{file}: recording.windows: from {from_s} s to {to_s} s is not within the recording's 0 to {length_s} s"
+    )]
+    Window {
+        /// The file.
+        file: String,
+        /// Start of the window, s from the first sample.
+        from_s: f64,
+        /// End of the window, s.
+        to_s: f64,
+        /// Length of the recording, s.
+        length_s: f64,
+    },
     /// A recording that cannot serve as the platform's motion.
     #[error("{file}: not usable as a road: {why}")]
     Road {

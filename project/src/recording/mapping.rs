@@ -1,5 +1,6 @@
 //! Which column of a file is which channel of the mechanism, and how its numbers become the channel's.
 
+use super::shaping::{lagging_slopes, on_clock, slopes, unroll};
 use super::timing::{Record, record};
 use super::{RecordingError, Table, Unit};
 
@@ -38,19 +39,27 @@ pub struct ChannelSource {
     pub scale: f64,
     /// Added after the factor, in the column's unit.
     pub offset: f64,
-    /// Another column, of the same unit, that is added before the factor (a deflection to an angle).
+    /// Another column that is added before the factor (a deflection to an angle).
     pub plus: Option<String>,
+    /// Factor on that other column.
+    pub plus_scale: f64,
     /// A counter that starts anew after this many is unrolled; none where it does not.
     pub wraps_at: Option<f64>,
     /// The channel is the column's slope, by the difference over this time, s; none where it is the column itself.
     pub slope_over_s: Option<f64>,
+    /// The channel is the slope with which something follows the column with this lag, s; none where it is not.
+    pub slope_lag_s: Option<f64>,
+    /// The column with the times of this one; none where it is on the file's clock.
+    pub clock: Option<String>,
 }
 
 /// How the columns of recordings become channels.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mapping {
-    /// Sample period of recordings without a time column, and the one on which uneven time is evened out, s.
+    /// Sample period of recordings without a time column, and the one on which all others are put, s.
     pub sample_period_s: Option<f64>,
+    /// The parts of each recording that are used, s from its first sample; all of it where there is none.
+    pub windows_s: Vec<[f64; 2]>,
     /// Name of the time column; `time` if none is given.
     pub time: Option<ChannelSource>,
     /// Channels whose column has another name than the channel.
@@ -107,16 +116,20 @@ impl ChannelSource {
             scale: 1.0,
             offset: 0.0,
             plus: None,
+            plus_scale: 1.0,
             wraps_at: None,
             slope_over_s: None,
+            slope_lag_s: None,
+            clock: None,
         }
     }
 
     /// The unit that the column must be like, for a channel of a unit: the channel's own, or what has it as its slope.
     pub fn unit_of_column(&self, channel: &'static str) -> &'static str {
-        match (self.slope_over_s, channel) {
-            (Some(_), "rad/s") => "rad",
-            (Some(_), "m/s^2") => "m/s",
+        let is_slope = self.slope_over_s.or(self.slope_lag_s).is_some();
+        match channel {
+            "rad/s" if is_slope => "rad",
+            "m/s^2" if is_slope => "m/s",
             _ => channel,
         }
     }
@@ -126,37 +139,64 @@ impl Mapping {
     /// The channels of a table, in SI units and uniform in time.
     ///
     /// A channel that the mapping names must be there; the others are taken where a column bears their name.
-    /// Uneven time is evened out by linear interpolation; gaps become NaN; both are told as findings.
+    /// Uneven time is evened out by linear interpolation; gaps become NaN; a file at another rate than
+    /// [`Mapping::sample_period_s`] is put on that; all are told as findings. Windows are not looked at.
     ///
     /// # Errors
     /// A named column is missing, a unit is unknown or of another quantity, or time cannot be told.
     pub fn apply(&self, table: &Table) -> Result<Record, RecordingError> {
+        let time = self.time(table)?;
         let mut channels = Vec::new();
         for channel in Channel::ALL {
-            if let Some(values) = self.channel(table, channel)? {
+            if let Some(values) = self.channel(table, channel, time.as_deref())? {
                 channels.push((channel, values));
             }
         }
-        let mut record = record(&table.name, self.time(table)?, self.sample_period_s, channels)?;
+        let mut record = record(&table.name, time, self.sample_period_s, channels)?;
         self.differentiate(&mut record);
+        record.resample(self.sample_period_s);
         Ok(record)
+    }
+
+    /// The windows of a table, each a recording of its own; the whole of it where the mapping has none.
+    ///
+    /// # Errors
+    /// As [`Mapping::apply`], and a window that the recording does not cover.
+    pub fn records(&self, table: &Table) -> Result<Vec<Record>, RecordingError> {
+        let whole = self.apply(table)?;
+        if self.windows_s.is_empty() {
+            return Ok(vec![whole]);
+        }
+        self.windows_s.iter().map(|window| whole.window(*window)).collect()
     }
 
     /// Puts slopes in the place of the columns that the mapping takes them of.
     fn differentiate(&self, record: &mut Record) {
         let period_s = record.sample_period_s;
         for (channel, source) in &self.channels {
-            let Some(over_s) = source.slope_over_s else { continue };
             for (_, values) in record.channels.iter_mut().filter(|(c, _)| c == channel) {
-                *values = slopes(values, period_s, over_s);
+                if let Some(over_s) = source.slope_over_s {
+                    *values = slopes(values, period_s, over_s);
+                }
+                if let Some(lag_s) = source.slope_lag_s {
+                    *values = lagging_slopes(values, period_s, lag_s);
+                }
             }
         }
     }
 
-    fn channel(&self, table: &Table, channel: Channel) -> Result<Option<Vec<f64>>, RecordingError> {
+    fn channel(
+        &self,
+        table: &Table,
+        channel: Channel,
+        time: Option<&[f64]>,
+    ) -> Result<Option<Vec<f64>>, RecordingError> {
         let mapped = self.channels.iter().find(|(c, _)| *c == channel).map(|(_, source)| source);
         match mapped {
-            Some(source) => converted(table, source, channel.name(), channel.unit()).map(Some),
+            Some(source) => {
+                let values = converted(table, source, channel.name(), channel.unit())?;
+                on_the_clock(table, source, values, time).map(Some)
+            }
             None if table.column(channel.name()).is_ok() => {
                 converted(table, &ChannelSource::named(channel.name()), channel.name(), channel.unit())
                     .map(Some)
@@ -195,7 +235,7 @@ fn converted(
     }
     let mut values = column.values.clone();
     if let Some(other) = &source.plus {
-        values.iter_mut().zip(&table.column(other)?.values).for_each(|(v, o)| *v += o);
+        values.iter_mut().zip(&table.column(other)?.values).for_each(|(v, o)| *v += source.plus_scale * o);
     }
     if let Some(turn) = source.wraps_at {
         unroll(&mut values, turn);
@@ -203,26 +243,14 @@ fn converted(
     Ok(values.iter().map(|v| unit.to_si(source.scale * v + source.offset)).collect())
 }
 
-/// Adds a turn wherever a counter has started anew: a step of more than half a turn is none of the machine's.
-fn unroll(values: &mut [f64], turn: f64) {
-    let (mut turns, mut last) = (0.0, f64::NAN);
-    for value in values.iter_mut().filter(|v| v.is_finite()) {
-        let step = *value - last;
-        if step.is_finite() {
-            turns -= (step / turn).round();
-        }
-        last = *value;
-        *value += turns * turn;
-    }
-}
-
-/// Central differences over the given time, at least one sample to either side; one-sided at the ends.
-fn slopes(values: &[f64], period_s: f64, over_s: f64) -> Vec<f64> {
-    let half = (0.5 * over_s / period_s).round().max(1.0) as usize;
-    let last = values.len().saturating_sub(1);
-    let at = |k: usize| {
-        let (low, high) = (k.saturating_sub(half), (k + half).min(last));
-        if high == low { 0.0 } else { (values[high] - values[low]) / ((high - low) as f64 * period_s) }
-    };
-    (0..values.len()).map(at).collect()
+/// Values whose times stand in a column of their own, on the file's clock.
+fn on_the_clock(
+    table: &Table,
+    source: &ChannelSource,
+    values: Vec<f64>,
+    time: Option<&[f64]>,
+) -> Result<Vec<f64>, RecordingError> {
+    let (Some(clock), Some(time)) = (&source.clock, time) else { return Ok(values) };
+    let own = converted(table, &ChannelSource::named(clock), "time", "s")?;
+    Ok(on_clock(&values, &own, time))
 }

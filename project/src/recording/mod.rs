@@ -7,6 +7,7 @@ mod hierarchical;
 mod mapping;
 mod matlab;
 mod road;
+mod shaping;
 mod text;
 mod timing;
 mod unit;

@@ -1,5 +1,6 @@
 //! The clock of a recording: its sample period, and what is wrong with it.
 
+use super::shaping::{resampled as on_period, samples_of};
 use super::{Channel, RecordingError};
 
 /// Channels on one uniform clock.
@@ -48,8 +49,8 @@ pub enum Finding {
         /// Row of the first, from 1.
         first_row: usize,
     },
-    /// The file's period is not the one that the project gives.
-    PeriodDiffers {
+    /// The file's period is not the one that the project gives: it was put on that.
+    Resampled {
         /// Of the file, s.
         file_s: f64,
         /// Of the project, s.
@@ -70,8 +71,11 @@ impl std::fmt::Display for Finding {
             Self::Missing { channel, samples, first_row } => {
                 write!(f, "{}: {samples} values are missing, the first in row {first_row}", channel.name())
             }
-            Self::PeriodDiffers { file_s, project_s } => {
-                write!(f, "the file's sample period is {file_s} s, the project's {project_s} s")
+            Self::Resampled { file_s, project_s } if file_s < project_s => {
+                write!(f, "sampled every {file_s} s: averaged to the project's {project_s} s")
+            }
+            Self::Resampled { file_s, project_s } => {
+                write!(f, "sampled every {file_s} s: interpolated to the project's {project_s} s")
             }
         }
     }
@@ -81,6 +85,34 @@ impl Record {
     /// A channel's values, where it was recorded.
     pub fn channel(&self, channel: Channel) -> Option<&[f64]> {
         self.channels.iter().find(|(c, _)| *c == channel).map(|(_, values)| values.as_slice())
+    }
+
+    /// Puts every channel on another period, where it is another.
+    pub(super) fn resample(&mut self, wanted: Option<f64>) {
+        let file_s = self.sample_period_s;
+        let Some(project_s) = wanted.filter(|w| (file_s - w).abs() > SAME_PERIOD * w) else { return };
+        for (channel, values) in &mut self.channels {
+            *values = on_period(*channel, values, file_s, project_s);
+        }
+        self.sample_period_s = project_s;
+        self.findings.push(Finding::Resampled { file_s, project_s });
+    }
+
+    /// The part from one time to another, s from the first sample.
+    ///
+    /// # Errors
+    /// [`RecordingError::Window`] where the recording does not cover it.
+    pub fn window(&self, window_s: [f64; 2]) -> Result<Self, RecordingError> {
+        let length = self.channels.first().map_or(0, |(_, values)| values.len());
+        let range = samples_of(&self.name, window_s, self.sample_period_s, length)?;
+        let part = |(channel, values): &(Channel, Vec<f64>)| (*channel, values[range.clone()].to_vec());
+        Ok(Self {
+            name: format!("{}, {} to {} s", self.name, window_s[0], window_s[1]),
+            sample_period_s: self.sample_period_s,
+            start_s: self.start_s + range.start as f64 * self.sample_period_s,
+            channels: self.channels.iter().map(part).collect(),
+            findings: self.findings.clone(),
+        })
     }
 
     /// The record as replay and diagnosis take it; motor angle and current are left behind.
@@ -162,9 +194,6 @@ fn timed(
         (time[*last] - time[*first]) / (rows.len() - 1) as f64
     };
     let period = rounded(period, wanted, median);
-    if let Some(project_s) = wanted.filter(|w| (period - w).abs() > SAME_PERIOD * w) {
-        findings.push(Finding::PeriodDiffers { file_s: period, project_s });
-    }
     if jitter > EVEN {
         findings.push(Finding::Uneven { jitter, period_s: period });
     }

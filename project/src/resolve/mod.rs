@@ -6,6 +6,7 @@ mod checks;
 mod controller;
 pub mod design;
 mod friction;
+pub mod measured;
 pub mod import;
 pub mod model;
 mod plant;
@@ -59,6 +60,8 @@ pub struct Project {
     pub recording_controller: Option<ProportionalIntegral>,
     /// How the columns of recordings become channels.
     pub recording: Mapping,
+    /// Natural frequencies measured on the real structure.
+    pub measured: Option<measured::MeasuredModes>,
 }
 
 /// A project and what is suspicious in its file.
@@ -198,6 +201,7 @@ impl Project {
             export: Export::default(),
             recording_controller: None,
             recording: Mapping::default(),
+            measured: None,
         }
     }
 }
@@ -296,6 +300,8 @@ fn recordings(v: &mut dyn Visit, project: &mut Project) {
     }
     let section = TableField::optional("recording", "how the columns of recordings become channels");
     unless_usual(v, &section, &mut project.recording, recording::recording);
+    let section = TableField::optional("measured", "natural frequencies measured on the real structure");
+    optional(v, &section, &mut project.measured, measured::blank(), measured::measured);
 }
 
 /// Whether a finding holds even though the syntax is broken elsewhere.

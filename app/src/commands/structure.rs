@@ -1,0 +1,70 @@
+//! `counterpoise diagnose` without recordings: what the structure's model left out, from measured natural frequencies.
+
+use anyhow::bail;
+use counterpoise::report::html;
+use counterpoise::report::structure::report;
+use counterpoise_project::pipeline::structure::{StructureAnswer, StructureVerdict, held, structure};
+
+use super::{Done, verdict_code};
+use crate::arguments::DiagnoseOptions;
+use crate::files::{self, Loaded};
+use crate::output::{self, say};
+
+/// Runs the command on a project with measured modes.
+pub fn run(loaded: &Loaded, options: &DiagnoseOptions) -> Done {
+    let Some(measured) = &loaded.project.measured else {
+        bail!(
+            "no recording to diagnose, and {} has no [measured] section: name recordings, or give the natural frequencies of the \
+             structure as measured.modes",
+            loaded.path.display()
+        );
+    };
+    let found = structure(&loaded.project, measured)?;
+    if let Some(path) = &options.save {
+        let document = found.improved.update(&loaded.document, &loaded.project)?;
+        files::write(path, document.text().as_bytes())?;
+    }
+    if let Some(path) = &options.report {
+        let command = format!("counterpoise diagnose {}", loaded.path.display());
+        let page = report(&loaded.project.plant.name, &command, &found.answer);
+        files::write(path, html(&page).as_bytes())?;
+    }
+    if !output::json(&options.results, &found.answer)? {
+        say!("{} natural frequencies, structure {}", measured.modes_hz.len(), held(measured.support));
+        print(&found.answer);
+    }
+    Ok(verdict_code(true))
+}
+
+fn print(answer: &StructureAnswer) {
+    let named = answer.verdict != StructureVerdict::Consistent;
+    let best = answer.tried.get(1).filter(|_| named);
+    say!("{}: {}", word(answer.verdict), answer.explanation);
+    let head = best.map_or(String::new(), |t| format!("with {}", t.what));
+    say!("  {:>4} {:>12} {:>12} {:>8}   {head}", "mode", "measured Hz", "model Hz", "error %");
+    for (k, measured) in answer.measured_hz.iter().enumerate() {
+        let error = |f: f64| 100.0 * (f / measured - 1.0);
+        let model = answer.model_hz[k];
+        let improved =
+            best.map_or(String::new(), |t| format!("{:12.3} {:+8.2}", t.modes_hz[k], error(t.modes_hz[k])));
+        say!("  {:>4} {measured:12.3} {model:12.3} {:+8.2}   {improved}", k + 1, error(model));
+    }
+    say!();
+    say!("  {:<64} {:>10} {:>14}", "tried", "RMS %", "not fitted %");
+    for t in &answer.tried {
+        let numbers: Vec<String> =
+            t.parameters.iter().map(|(name, value)| format!("{name} {value:.4}")).collect();
+        say!("  {:<64} {:10.2} {:14.2}  {}", t.what, t.rms_percent, t.left_out_percent, numbers.join(", "));
+    }
+    answer.alternatives.iter().for_each(|other| say!("  cannot be told from {other}"));
+}
+
+fn word(verdict: StructureVerdict) -> &'static str {
+    match verdict {
+        StructureVerdict::Consistent => "consistent",
+        StructureVerdict::Named => "named",
+        StructureVerdict::Incomplete => "incomplete",
+        StructureVerdict::Ambiguous => "ambiguous",
+        StructureVerdict::Unknown => "unknown",
+    }
+}

@@ -1,0 +1,238 @@
+//! Machines of another size: the diagnosis works on a machine that moves alike with torques and a gear ratio like the
+//! reference rig's, and its answer is brought back.
+//!
+//! The library's bounds and typical sizes are those of a mechanism of some hundred kg m^2 behind a gear of some hundred turns.
+//! Torques at the hub times S and the gear ratio times c leave every motion of the hub, every control and every current as
+//! they are; torques at the motor are then S / c, its rates and angles c times what they were.
+
+use counterpoise_models::parameters::{Friction, FrictionLaw};
+use counterpoise_models::{Parameters, Ripple};
+use counterpoise_simulate::recording::Recording;
+use counterpoise_simulate::replay::Loop;
+
+use crate::answer::{Answer, Channels};
+use crate::bench::Pool;
+use crate::diagnosis::{Diagnosis, diagnose as diagnose_as_it_is};
+use crate::error::Error;
+use crate::library::{Knob, named};
+
+/// Inertia and gear ratio for which the library's sizes are meant.
+const USUAL: (f64, f64) = (345.0, 200.0);
+/// Factors within which a machine is taken as it is.
+const AS_IT_IS: (f64, f64) = (20.0, 5.0);
+
+/// Factors on the torques at the hub and on the gear ratio.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scale {
+    /// On torques at the hub.
+    pub torque: f64,
+    /// On the gear ratio.
+    pub ratio: f64,
+}
+
+/// Diagnoses a machine of any size from its recordings: see [`crate::diagnosis::diagnose`].
+///
+/// # Errors
+/// As there.
+pub fn diagnose(
+    base: &Parameters,
+    control: impl Into<Loop>,
+    recordings: &[Recording],
+    pool: &dyn Pool,
+) -> Result<Diagnosis, Error> {
+    let Some(scale) = Scale::of(base) else { return diagnose_as_it_is(base, control, recordings, pool) };
+    let scaled = scale.applied(base);
+    let recordings: Vec<Recording> = recordings.iter().map(|r| scale.recording(r)).collect();
+    let mut found = diagnose_as_it_is(&scaled, control, &recordings, pool)?;
+    scale.bring_back(&mut found.answer, &scaled);
+    found.improved = scale.inverse().applied(&found.improved);
+    Ok(found)
+}
+
+impl Scale {
+    /// The factors that bring a machine to the usual size; none where it has that already, or no lumped structure.
+    pub fn of(base: &Parameters) -> Option<Self> {
+        let lumped = base.lumped.as_ref()?;
+        let torque = USUAL.0 / (lumped.hub_inertia_kg_m2 + lumped.beam_inertia_kg_m2);
+        let ratio = USUAL.1 / base.gearbox.ratio;
+        let near = |factor: f64, bound: f64| (1.0 / bound..=bound).contains(&factor);
+        let usual = near(torque, AS_IT_IS.0) && near(ratio, AS_IT_IS.1);
+        (!usual && torque.is_finite() && torque > 0.0).then_some(Self { torque, ratio })
+    }
+
+    fn inverse(self) -> Self {
+        Self { torque: 1.0 / self.torque, ratio: 1.0 / self.ratio }
+    }
+
+    /// The machine with other torques and another gear that moves alike.
+    pub fn applied(self, base: &Parameters) -> Parameters {
+        let (s, c) = (self.torque, self.ratio);
+        let mut p = base.clone();
+        if let Some(lumped) = &mut p.lumped {
+            lumped.hub_inertia_kg_m2 *= s;
+            lumped.beam_inertia_kg_m2 *= s;
+            lumped.stiffness_nm_rad *= s;
+            lumped.damping_nm_s_rad *= s;
+            lumped.out_of_balance_kg_m *= s;
+            lumped.vertical_offset_kg_m *= s;
+            lumped.position_stiffness_nm_rad *= s;
+        }
+        p.gearbox.ratio *= c;
+        p.gearbox.stiffness_nm_rad *= s;
+        p.gearbox.damping_nm_s_rad *= s;
+        p.gearbox.mesh_ripple = ripple(&p.gearbox.mesh_ripple, s, c);
+        p.motor.inertia_kg_m2 *= s / (c * c);
+        p.motor.torque_constant_nm_a *= s / c;
+        p.motor.back_emf_v_s_rad /= c;
+        p.motor.cogging = ripple(&p.motor.cogging, s / c, c);
+        p.motor.torque_ripple = ripple(&p.motor.torque_ripple, 1.0, c);
+        p.motor_friction = friction(&p.motor_friction, s / c, c);
+        p.pivot_friction = friction(&p.pivot_friction, s, 1.0);
+        if let Some(tachometer) = &mut p.sensors.motor_tachometer {
+            tachometer.scale_v_unit /= c;
+            tachometer.noise_rms *= c;
+            tachometer.bias *= c;
+            tachometer.g_sensitivity *= c;
+        }
+        p
+    }
+
+    fn recording(self, recording: &Recording) -> Recording {
+        let mut out = recording.clone();
+        out.motor_rate_rad_s.iter_mut().flatten().for_each(|rate| *rate *= self.ratio);
+        out
+    }
+
+    /// Numbers of the answer as they are for the machine itself.
+    fn bring_back(self, answer: &mut Answer, scaled: &Parameters) {
+        for finding in &mut answer.findings {
+            for parameter in &mut finding.parameters {
+                let Some(knob) = knob(finding.component, finding.effect, parameter.name) else { continue };
+                let own = |value: f64| self.own(scaled, knob, value);
+                parameter.value = own(parameter.value);
+                parameter.before = own(parameter.before);
+                parameter.ci95 = parameter.ci95.map(own);
+            }
+        }
+        for effect in &mut answer.not_excited {
+            let Some(knob) = knob(effect.component, effect.effect, effect.parameter) else { continue };
+            effect.smallest_detectable = self.own(scaled, knob, effect.smallest_detectable);
+        }
+        let fit = &mut answer.fit;
+        for table in [&mut fit.before, &mut fit.after, &mut fit.held_out_before, &mut fit.held_out_after] {
+            self.bring_channels_back(table);
+        }
+    }
+
+    fn bring_channels_back(self, table: &mut Channels) {
+        if let Some(motor) = table.get_mut("motor_rate") {
+            motor.rms_error /= self.ratio;
+            motor.floor /= self.ratio;
+        }
+    }
+
+    /// The value of a knob on the machine itself that has a given one on the scaled machine.
+    fn own(self, scaled: &Parameters, knob: &Knob, value: f64) -> f64 {
+        let mut probe = scaled.clone();
+        (knob.set)(&mut probe, value);
+        let taken = (knob.get)(&probe);
+        let own = (knob.get)(&self.inverse().applied(&probe));
+        let factor = own / taken;
+        if factor.is_finite() && factor != 0.0 { value * factor } else { value }
+    }
+}
+
+fn knob(component: &str, effect: &str, name: &str) -> Option<&'static Knob> {
+    let knobs = named(component, effect).flat_map(|e| e.knobs.iter());
+    knobs.into_iter().find(|knob| knob.name == name)
+}
+
+/// A ripple whose amplitude is a torque times `t`, over an angle times `r`.
+fn ripple(ripple: &Ripple, t: f64, r: f64) -> Ripple {
+    Ripple { amplitude: ripple.amplitude * t, order: ripple.order / r, phase_rad: ripple.phase_rad }
+}
+
+/// A friction whose torques are `t` times, and whose rates and angles `r` times what they were.
+fn friction(friction: &Friction, t: f64, r: f64) -> Friction {
+    Friction {
+        law: law(&friction.law, t, r),
+        viscous_nm_s_rad: friction.viscous_nm_s_rad * t / r,
+        stribeck_rate_rad_s: friction.stribeck_rate_rad_s * r,
+        quadratic_nm_s2_rad2: friction.quadratic_nm_s2_rad2 * t / (r * r),
+        position_ripple: ripple(&friction.position_ripple, 1.0, r),
+        ..friction.clone()
+    }
+}
+
+fn law(law: &FrictionLaw, t: f64, r: f64) -> FrictionLaw {
+    let mut law = law.clone();
+    match &mut law {
+        FrictionLaw::None => {}
+        FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad, .. } => {
+            *coulomb_nm *= t;
+            *rest_stiffness_nm_rad *= t / r;
+        }
+        FrictionLaw::Lugre { coulomb_nm, bristle_stiffness_nm_rad, bristle_damping_nm_s_rad } => {
+            *coulomb_nm *= t;
+            *bristle_stiffness_nm_rad *= t / r;
+            *bristle_damping_nm_s_rad *= t / r;
+        }
+        FrictionLaw::Coulomb { coulomb_nm } | FrictionLaw::Stribeck { coulomb_nm, .. } => *coulomb_nm *= t,
+        FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad, damping_nm_s_rad } => {
+            *coulomb_nm *= t;
+            *deflection_rad *= r;
+            *damping_nm_s_rad *= t / r;
+        }
+        FrictionLaw::Karnopp { coulomb_nm, stick_rate_rad_s: rate }
+        | FrictionLaw::Walrath { coulomb_nm, smoothing_rate_rad_s: rate, .. }
+        | FrictionLaw::Bristle { coulomb_nm, bond_rad: rate, .. } => {
+            *coulomb_nm *= t;
+            *rate *= r;
+        }
+    }
+    law
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::panic)]
+    use super::*;
+    use counterpoise_models::reference::rig;
+    use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
+    use counterpoise_controller::ProportionalIntegral;
+    use counterpoise_models::Plant;
+
+    fn rates(machine: &Parameters) -> (Vec<f64>, Vec<f64>) {
+        let plant = Plant::lumped(machine).unwrap();
+        let bias_v = plant.equilibrium(&Default::default()).control_v;
+        let sample_period_s = machine.interface.sample_period_s;
+        let mut controller =
+            ProportionalIntegral { kp_v_s_rad: 18.0, ki_v_rad: 80.0, bias_v, sample_period_s, integral_v: 0.0 };
+        let scenario = Scenario {
+            demand_rad_s: Signal::Triangle { amplitude: 0.15, period_s: 1.0 },
+            imperfections: Imperfections::None,
+            detail: Detail::Recording,
+            ..Scenario::still(1.0)
+        };
+        let run = Simulator::new(&plant).unwrap().run(&mut controller, &scenario).unwrap();
+        (run.readings.hub_rate_rad_s, run.readings.control_v)
+    }
+
+    #[test]
+    fn a_scaled_machine_moves_alike_and_comes_back() {
+        let rig = rig();
+        let small = Scale { torque: 1e-4, ratio: 0.01 };
+        let machine = small.applied(&rig);
+        let ((rate, control), (rate_small, control_small)) = (rates(&rig), rates(&machine));
+        let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+        assert!(apart(&rate, &rate_small) < 1e-4 * 0.15, "{}", apart(&rate, &rate_small));
+        assert!(apart(&control, &control_small) < 1e-3, "{}", apart(&control, &control_small));
+        let scale = Scale::of(&machine).unwrap();
+        let usual = scale.applied(&machine);
+        assert!((usual.gearbox.ratio - USUAL.1).abs() < 1e-9);
+        assert!(Scale::of(&usual).is_none() && Scale::of(&rig).is_none());
+        let knob = knob("pivot", "coulomb", "coulomb").unwrap();
+        let own = scale.own(&usual, knob, usual.pivot_friction.coulomb_nm());
+        assert!((own / machine.pivot_friction.coulomb_nm() - 1.0).abs() < 1e-12);
+    }
+}
