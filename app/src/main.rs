@@ -6,6 +6,7 @@
 mod arguments;
 mod commands;
 mod files;
+mod host;
 mod output;
 mod processor;
 mod shards;

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use counterpoise::report::targets::{CoreCost, Costs};
+use counterpoise_project::Language;
 use counterpoise_project::export::board::{
     COMPILE, COMPILER, CORES, Core, Cost, EMULATOR, LINK, SIZER, counter, emulate,
 };
@@ -21,7 +22,7 @@ pub fn costs(code: &[TargetCode]) -> Costs {
     }
     let folder = std::env::temp_dir().join(format!("counterpoise-{}", std::process::id()));
     let (mut counted, mut failed) = (Vec::new(), Vec::new());
-    for each in code {
+    for each in code.iter().filter(|each| each.language == Language::C99) {
         for core in &CORES {
             match count(core, &folder, each) {
                 Some(cost) => counted.push(CoreCost { core: core.name, numbers: each.numbers, cost }),

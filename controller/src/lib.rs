@@ -42,6 +42,7 @@ pub mod program;
 pub mod realise;
 pub mod runner;
 pub mod sampled;
+pub mod sensitivity;
 pub mod signal;
 
 mod check;

@@ -7,16 +7,20 @@
 //! *Invariant*: no file system, no clock, no compiler: text in memory only.
 //!
 //! Modules in reading order: [`source`], [`provenance`], [`c99`](mod@c99), [`rust_crate`](mod@rust_crate), [`ranges`],
-//! [`rounding`], [`fixed`], [`targets`](mod@targets), [`board`], [`fmi`], [`vectors`], [`check`](mod@check).
+//! [`rounding`], [`fixed`], [`targets`](mod@targets), [`board`], [`host`],
+//! [`fmi`], [`vectors`], [`check`](mod@check).
 //!
 //! ```
 //! use counterpoise_controller::{Controller, Parts};
 //! use counterpoise_export::{Options, Provenance, Source, c99};
 //!
-//! let controller = Controller::new(Parts::new(1e-3, 10.0)).unwrap();
-//! let files = c99(Source::Unverified(&controller), &Provenance::default(), &Options::double("controller")).unwrap();
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let controller = Controller::new(Parts::new(1e-3, 10.0))?;
+//! let files = c99(Source::Unverified(&controller), &Provenance::default(), &Options::double("controller"))?;
 //! assert_eq!(files[1].name, "controller.c");
 //! assert!(files[1].text.contains("controller_step"));
+//! # Ok(())
+//! # }
 //! ```
 #![allow(non_snake_case)]
 
@@ -26,6 +30,7 @@ pub mod check;
 pub mod error;
 pub mod fixed;
 pub mod fmi;
+pub mod host;
 pub mod provenance;
 pub mod ranges;
 pub mod rounding;
@@ -45,7 +50,7 @@ pub use ranges::Ranges;
 pub use rounding::{Deviation, single_precision};
 pub use rust_crate::rust_crate;
 pub use source::Source;
-pub use targets::{Numbers, TargetFigures, Targets, fixed_form, targets};
+pub use targets::{Numbers, Record, TargetFigures, Targets, fixed_form, targets};
 
 use counterpoise_controller::Controller;
 use counterpoise_controller::program::Operation;

@@ -1,6 +1,6 @@
 //! What smaller numbers cost: the controller in double, single and fixed point, side by side in the simulated loop.
 
-use counterpoise_controller::{Controller, Number, READINGS, Readings, Runner, SampledController};
+use counterpoise_controller::{Controller, READINGS, Readings, SampledController};
 use counterpoise_models::plant::Plant;
 use counterpoise_simulate::Simulator;
 use counterpoise_verify::{Arrangement, Experiment, History, Procedure, VerifiedController, nonlinear};
@@ -34,6 +34,17 @@ pub struct TargetFigures {
     pub measured_rms_v: f64,
     /// Each experiment with the closed loop's hub rate error in these numbers.
     pub experiments: Vec<ExperimentFigures>,
+    /// What the controller read and gave in each experiment's closed loop: code that gives the same moves the plant alike.
+    pub closed_loops: Vec<Record>,
+}
+
+/// Readings of a run and the controls that were given, in V: one each a sample.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Record {
+    /// Readings in the order of the controller's.
+    pub readings: Vec<[f64; READINGS]>,
+    /// Controls, V.
+    pub controls_v: Vec<f64>,
 }
 
 /// The closed loop in one experiment.
@@ -126,11 +137,11 @@ impl Bench<'_> {
     fn record(&mut self, controller: &Controller) -> Result<Vec<f64>, counterpoise_verify::Error> {
         let mut errors = Vec::new();
         for experiment in self.experiments() {
-            let mut recorder = Recorder { inner: controller.runner(), seen: Vec::new() };
+            let mut recorder = Recorder { inner: Box::new(controller.runner()), seen: Record::default() };
             let history =
                 nonlinear::history_of(&mut self.simulator, &mut recorder, self.procedure, experiment)?;
             errors.push(error_rms(&history));
-            self.runs.push(recorder.seen);
+            self.runs.push(recorder.seen.readings);
         }
         Ok(errors)
     }
@@ -147,10 +158,12 @@ impl Bench<'_> {
         acting: &dyn Fn() -> Box<dyn SampledController>,
         (controller, reference): (&Controller, &[f64]),
     ) -> Result<TargetFigures, counterpoise_verify::Error> {
-        let mut experiments = Vec::new();
+        let (mut experiments, mut closed_loops) = (Vec::new(), Vec::new());
         for (experiment, in_double) in self.experiments().into_iter().zip(reference) {
+            let mut recorder = Recorder { inner: acting(), seen: Record::default() };
             let history =
-                nonlinear::history_of(&mut self.simulator, acting().as_mut(), self.procedure, experiment)?;
+                nonlinear::history_of(&mut self.simulator, &mut recorder, self.procedure, experiment)?;
+            closed_loops.push(recorder.seen);
             let error_rms_rad_s = error_rms(&history);
             let cost_db = (*in_double > 0.0).then(|| 20.0 * (error_rms_rad_s / in_double).log10());
             experiments.push(ExperimentFigures { experiment, error_rms_rad_s, cost_db });
@@ -158,7 +171,7 @@ impl Bench<'_> {
         let off = self.runs.iter().map(|run| deviation(controller, acting().as_mut(), run));
         let larger = |a: (f64, f64), b: (f64, f64)| (a.0.max(b.0), a.1.max(b.1));
         let (measured_v, measured_rms_v) = off.fold((0.0, 0.0), larger);
-        Ok(TargetFigures { numbers, predicted, measured_v, measured_rms_v, experiments })
+        Ok(TargetFigures { numbers, predicted, measured_v, measured_rms_v, experiments, closed_loops })
     }
 }
 
@@ -183,19 +196,21 @@ fn error_rms(history: &History) -> f64 {
     (squares.sum::<f64>() / history.time_s.len().max(1) as f64).sqrt()
 }
 
-/// A controller whose readings are kept.
-struct Recorder<N: Number> {
-    inner: Runner<N>,
-    seen: Vec<[f64; READINGS]>,
+/// A controller whose readings and controls are kept.
+struct Recorder {
+    inner: Box<dyn SampledController>,
+    seen: Record,
 }
 
-impl<N: Number> SampledController for Recorder<N> {
+impl SampledController for Recorder {
     fn reset(&mut self) {
         self.inner.reset();
     }
 
     fn step(&mut self, readings: &Readings) -> f64 {
-        self.seen.push(readings.to_array());
-        self.inner.step(readings)
+        let control_v = self.inner.step(readings);
+        self.seen.readings.push(readings.to_array());
+        self.seen.controls_v.push(control_v);
+        control_v
     }
 }

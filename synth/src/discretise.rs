@@ -1,6 +1,7 @@
 //! From the continuous design to the sampled controller that runs, and the sampled loop it makes.
 
-use counterpoise_controller::{Controller, Parts, Path, Scaling, Signal, realise::modal};
+use counterpoise_controller::sensitivity::{Form, realise};
+use counterpoise_controller::{Controller, Parts, Path, Scaling, Signal};
 use counterpoise_lti::linalg::{self, dare};
 use counterpoise_lti::response::Response;
 use counterpoise_lti::{C64, Discretisation, Mat, StateSpace, c2d, delay_samples, poles, series};
@@ -16,6 +17,8 @@ pub struct Sampling {
     pub period_s: f64,
     /// How each path becomes discrete.
     pub method: Discretisation,
+    /// The form in which each path runs.
+    pub form: Form,
     /// The control is limited to +/- this, V.
     pub limit_v: f64,
     /// Whole samples of delay of the real loop beyond the hold, for the check of the sampled loop.
@@ -36,6 +39,7 @@ impl Sampling {
         Self {
             period_s,
             method: Discretisation::Tustin { prewarp_rad_s: None },
+            form: Form::LeastSensitive,
             limit_v,
             delay_samples: 0,
             out_of_balance_kg_m: 0.0,
@@ -59,7 +63,7 @@ pub struct Sampled {
 
 /// The design as a sampled controller.
 ///
-/// Each path is discretised, brought to modal form (blocks of one and two states: coefficients that may be rounded) and
+/// Each path is discretised, brought to the form asked for ([`Form`]: by default the one whose coefficients may be rounded) and
 /// given an anti-windup gain. What comes out is checked: the loop of the *discrete* controller around the plant with its
 /// sensor under a zero-order hold must be stable.
 ///
@@ -135,12 +139,20 @@ fn paths(design: &Design, sampling: &Sampling) -> Result<Vec<Path>, Error> {
     for channel in [Channel::Heave, Channel::Pitch] {
         let Some(system) = design.feedforward_controller(channel) else { continue };
         needs_one_input(&system)?;
-        let system = modal(&c2d(&system, sampling.period_s, sampling.method)?)?.system;
+        let system = sampled(&system, sampling)?;
         let (name, input, scaling) = place(channel, sampling);
         let anti_windup = vec![0.0; system.order()];
         paths.push(Path { name: name.into(), inputs: vec![input], system, anti_windup, scaling });
     }
     Ok(paths)
+}
+
+/// A continuous path as a discrete one in the form in which it runs.
+///
+/// # Errors
+/// Those of the discretisation and of the realisation.
+pub(crate) fn sampled(path: &StateSpace, sampling: &Sampling) -> Result<StateSpace, Error> {
+    Ok(realise(&c2d(path, sampling.period_s, sampling.method)?, sampling.form)?)
 }
 
 fn place(channel: Channel, sampling: &Sampling) -> (&'static str, Signal, Scaling) {
@@ -169,7 +181,7 @@ fn feedback_path(design: &Design, sampling: &Sampling) -> Result<Path, Error> {
         Reference::Error => (controller.select(&[0], &[0]), vec![Signal::RateError]),
         Reference::WeightOnly => (controller, vec![Signal::Demand, Signal::HubRate]),
     };
-    let system = modal(&c2d(&system, sampling.period_s, sampling.method)?)?.system;
+    let system = sampled(&system, sampling)?;
     let anti_windup = anti_windup(&system, &sampled_plant(&design.plant, sampling)?)?;
     Ok(Path { name: "feedback".into(), inputs, system, anti_windup, scaling: Scaling::Fixed })
 }
@@ -181,7 +193,7 @@ fn joint_path(design: &Design, sampling: &Sampling) -> Result<Path, Error> {
         needs_one_input(&module)?;
         inputs.push(place(channel, sampling).1);
     }
-    let system = modal(&c2d(&design.joint_controller()?, sampling.period_s, sampling.method)?)?.system;
+    let system = sampled(&design.joint_controller()?, sampling)?;
     let anti_windup = anti_windup(&system, &sampled_plant(&design.plant, sampling)?)?;
     Ok(Path { name: "joint".into(), inputs, system, anti_windup, scaling: Scaling::Fixed })
 }

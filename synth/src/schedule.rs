@@ -4,10 +4,11 @@
 //! heave columns alone, in proportion. Then feedback and pitch feedforward do not change, and the heave feedforward is
 //! M times a fixed module. Here these conditions are *checked* on the plants, not believed.
 
-use counterpoise_controller::{Controller, Path, Scaling, Signal, realise::modal};
+use counterpoise_controller::{Controller, Path, Scaling, Signal};
 use counterpoise_lti::response::Response;
-use counterpoise_lti::{Mat, StateSpace, Timebase, append, c2d, h2norm, lft, series};
+use counterpoise_lti::{Mat, StateSpace, Timebase, append, h2norm, lft, series};
 
+use crate::discretise::sampled;
 use crate::feedforward::with_derivatives;
 use crate::{
     Channel, Design, DesignPlant, Error, Outcome, Sampled, Sampling, Specification, check, design, discretise,
@@ -349,7 +350,7 @@ pub fn discretise_schedule(
         base.controller.parts().paths.iter().filter(|p| p.name != "heave").cloned().collect();
     for (index, entry) in sorted.iter().enumerate() {
         let Some(module) = entry.design.feedforward_controller(Channel::Heave) else { continue };
-        let system = modal(&c2d(&module, sampling.period_s, sampling.method)?)?.system;
+        let system = sampled(&module, sampling)?;
         let scaling = Scaling::Scheduled {
             below_kg_m: index.checked_sub(1).and_then(at),
             at_kg_m: entry.out_of_balance_kg_m,

@@ -2,7 +2,7 @@
 
 use crate::output::say;
 use counterpoise::report::Section;
-use counterpoise::report::targets::{self, Operations};
+use counterpoise::report::targets::{self, Operations, Told};
 use counterpoise_project::Purpose;
 use counterpoise_project::pipeline::{self, Designed};
 use counterpoise_project::results::DesignResult;
@@ -12,7 +12,7 @@ use super::pages::Run;
 use super::{Done, export, pages, verdict_code};
 use crate::arguments::DesignOptions;
 use crate::files::{self, Loaded, Surroundings};
-use crate::{output, processor};
+use crate::{host, output, processor};
 
 /// Runs the command.
 pub fn run(options: &DesignOptions) -> Done {
@@ -42,7 +42,13 @@ fn on_target(loaded: &Loaded, made: &Designed, world: &Surroundings) -> anyhow::
         additions: programs.step.additions(),
         states: programs.state_count(),
     };
-    Ok(targets::section(&compared, operations, &processor::costs(&code)))
+    Ok(targets::section(&Told {
+        targets: &compared,
+        proofs: &host::proofs(&code, &compared),
+        operations,
+        costs: &processor::costs(&code),
+        forms: &pipeline::export::forms(&made.verified)?,
+    }))
 }
 
 fn print(options: &DesignOptions, made: &Designed) {

@@ -1,7 +1,9 @@
 //! The controller on its targets: in double, single and fixed point side by side, and what a step costs.
 
+use counterpoise_project::controller::sensitivity::Form;
 use counterpoise_project::export::board::Cost;
 use counterpoise_project::export::{Numbers, TargetFigures, Targets};
+use counterpoise_project::pipeline::export::PathForms;
 use counterpoise_project::verify::{Experiment, Source};
 
 use super::{Cell, Column, Section, Table};
@@ -37,21 +39,64 @@ pub struct Operations {
     pub states: usize,
 }
 
+/// Whether compiled code answers as its model does.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Answered {
+    /// To the last bit, in every sample.
+    Alike {
+        /// Samples compared.
+        samples: usize,
+    },
+    /// Not everywhere.
+    Otherwise {
+        /// Samples compared.
+        samples: usize,
+        /// Those that differ.
+        wrong: usize,
+    },
+    /// It was not run, and why.
+    NotRun(String),
+}
+
+/// Code that was compiled and run on this machine.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Proof {
+    /// Rust, else C.
+    pub rust: bool,
+    /// Its numbers.
+    pub numbers: Numbers,
+    /// What it answered.
+    pub answered: Answered,
+}
+
+/// All that the section tells of.
+#[derive(Debug, Clone, Copy)]
+pub struct Told<'a> {
+    /// The closed loop in each kind of numbers.
+    pub targets: &'a Targets,
+    /// The compiled code beside its model.
+    pub proofs: &'a [Proof],
+    /// Operations of a step.
+    pub operations: Operations,
+    /// Instructions and memory.
+    pub costs: &'a Costs,
+    /// Realisations of the paths.
+    pub forms: &'a [PathForms],
+}
+
 /// The section of a report that sets the targets side by side.
-pub fn section(targets: &Targets, operations: Operations, costs: &Costs) -> Section {
-    let about = "The C in double and the Rust in double are equal to the verified controller to the last bit, so their \
-                 column is one; so are C and Rust in single precision to each other.";
-    let section = Section::new("On the target").saying(about).listing(loops(targets));
-    let section = match &targets.fixed {
+pub fn section(told: &Told<'_>) -> Section {
+    let about = "Every code below was generated, compiled and given all readings of its own closed loops on the nonlinear plant. \
+                 Where it answers as its model to the last bit, it moves the plant as its model does, sample by sample. What \
+                 small numbers cost is against double; for heave, pitch and road it is what the rejection ratio loses.";
+    let section = Section::new("On the target").saying(about).listing(loops(told));
+    let section = match &told.targets.fixed {
         Ok(_) => section,
         Err(why) => section.saying(format!("There is no fixed-point form: {why}.")),
     };
-    let Operations { multiplications, additions, states } = operations;
-    let work = format!(
-        "One step takes {multiplications} multiplications and {additions} additions on {states} states, without a loop; only \
-         limits branch, so the largest count is the worst case within a few instructions."
-    );
-    let section = section.listing(deviations(targets)).saying(work);
+    let section = section.listing(proof_table(told.proofs)).listing(deviations(told.targets));
+    let section = section.listing(form_table(told.forms)).saying(work(told.operations));
+    let costs = told.costs;
     let section = if costs.counted.is_empty() { section } else { section.listing(cost_table(costs)) };
     match &costs.remark {
         Some(remark) => section.saying(format!("Instructions, flash and stack: {remark}.")),
@@ -59,38 +104,75 @@ pub fn section(targets: &Targets, operations: Operations, costs: &Costs) -> Sect
     }
 }
 
-/// The closed loop in each experiment, a column for each kind of numbers.
-fn loops(targets: &Targets) -> Table {
+fn work(operations: Operations) -> String {
+    let Operations { multiplications, additions, states } = operations;
+    let needed = 2 * multiplications + additions + 2 * states;
+    format!(
+        "One step takes {multiplications} multiplications and {additions} additions on {states} states, without a loop; only \
+         limits branch, so the largest count is the worst case within a few instructions. By hand a step in single precision \
+         needs about {needed} instructions: a product and the load of its coefficient, a sum, a load and a store of each state."
+    )
+}
+
+/// The closed loop in each experiment, a column for each code.
+fn loops(told: &Told<'_>) -> Table {
     let mut columns = vec![Column::Text("experiment")];
-    for figures in &targets.figures {
-        columns.push(Column::Number(match figures.numbers {
-            Numbers::Double => "double, C and Rust [rad/s]",
-            Numbers::Single => "single, C and Rust [rad/s]",
-            Numbers::Fixed => "fixed point, C [rad/s]",
-        }));
-        match figures.numbers {
-            Numbers::Double => {}
-            Numbers::Single => columns.push(Column::Number("single costs [dB]")),
-            Numbers::Fixed => columns.push(Column::Number("fixed costs [dB]")),
+    for (figures, proof) in codes(told) {
+        columns.push(Column::Number(code_unit(proof)));
+        if !proof.rust && figures.numbers != Numbers::Double {
+            columns.push(Column::Number(if figures.numbers == Numbers::Single {
+                "single costs [dB]"
+            } else {
+                "fixed costs [dB]"
+            }));
         }
     }
     let mut table =
         Table::new("Hub rate error RMS of the closed loop with the exported code, nonlinear plant", &columns);
-    let experiments =
-        targets.figures.first().map(|figures| figures.experiments.as_slice()).unwrap_or_default();
-    table.rows = (0..experiments.len()).map(|i| loop_row(targets, i)).collect();
+    let experiments = told.targets.figures.first().map_or(0, |figures| figures.experiments.len());
+    table.rows = (0..experiments).map(|i| loop_row(told, i)).collect();
     table
 }
 
-fn loop_row(targets: &Targets, i: usize) -> Vec<Cell> {
+/// Each code with the figures of its numbers.
+fn codes<'a>(told: &Told<'a>) -> Vec<(&'a TargetFigures, &'a Proof)> {
+    let figures = |proof: &Proof| told.targets.figures.iter().find(|f| f.numbers == proof.numbers);
+    told.proofs.iter().filter_map(|proof| Some((figures(proof)?, proof))).collect()
+}
+
+fn code_name(proof: &Proof) -> &'static str {
+    match (proof.rust, proof.numbers) {
+        (false, Numbers::Double) => "C, double",
+        (false, Numbers::Single) => "C, single",
+        (false, Numbers::Fixed) => "C, 32-bit fixed point",
+        (true, Numbers::Single) => "Rust, single",
+        (true, _) => "Rust, double",
+    }
+}
+
+fn code_unit(proof: &Proof) -> &'static str {
+    match (proof.rust, proof.numbers) {
+        (false, Numbers::Double) => "C double [rad/s]",
+        (false, Numbers::Single) => "C single [rad/s]",
+        (false, Numbers::Fixed) => "C fixed [rad/s]",
+        (true, Numbers::Single) => "Rust single [rad/s]",
+        (true, _) => "Rust double [rad/s]",
+    }
+}
+
+fn loop_row(told: &Told<'_>, i: usize) -> Vec<Cell> {
     let mut cells = Vec::new();
-    for figures in &targets.figures {
+    for (figures, proof) in codes(told) {
         let Some(each) = figures.experiments.get(i) else { continue };
         if cells.is_empty() {
             cells.push(Cell::text(experiment(each.experiment)));
         }
-        cells.push(Cell::text(format!("{:.4e}", each.error_rms_rad_s)));
-        if figures.numbers != Numbers::Double {
+        cells.push(match proof.answered {
+            Answered::Alike { .. } => Cell::text(format!("{:.4e}", each.error_rms_rad_s)),
+            Answered::Otherwise { .. } => Cell::text("differs"),
+            Answered::NotRun(_) => Cell::text("not run"),
+        });
+        if !proof.rust && figures.numbers != Numbers::Double {
             // Less than 0.0005 dB either way prints as 0, without a sign.
             let cost = match each.cost_db {
                 None => "\u{2013}".to_owned(),
@@ -101,6 +183,47 @@ fn loop_row(targets: &Targets, i: usize) -> Vec<Cell> {
         }
     }
     cells
+}
+
+fn proof_table(proofs: &[Proof]) -> Table {
+    let columns = [Column::Text("code"), Column::Text("compiled and run on this machine, beside its model")];
+    let mut table =
+        Table::new("Compiled code beside its model, for all readings of its closed loops", &columns);
+    let said = |answered: &Answered| match answered {
+        Answered::Alike { samples } => format!("{samples} samples equal to the last bit"),
+        Answered::Otherwise { samples, wrong } => format!("{wrong} of {samples} samples DIFFER"),
+        Answered::NotRun(why) => format!("not run: {why}"),
+    };
+    let row = |proof: &Proof| vec![Cell::text(code_name(proof)), Cell::text(said(&proof.answered))];
+    table.rows = proofs.iter().map(row).collect();
+    table
+}
+
+fn form_table(forms: &[PathForms]) -> Table {
+    let columns = [
+        Column::Text("path"),
+        Column::Text("form"),
+        Column::Number("coefficients"),
+        Column::Number("error predicted [1]"),
+        Column::Number("error measured [1]"),
+        Column::Text(""),
+    ];
+    let title = "Realisation: error of each path's frequency response with coefficients in single precision";
+    let mut table = Table::new(title, &columns);
+    for each in forms {
+        for candidate in &each.candidates {
+            let name = if candidate.form == Form::Balanced { "balanced" } else { "modal sections" };
+            table.rows.push(vec![
+                Cell::text(each.path.as_str()),
+                Cell::text(name),
+                Cell::text(candidate.coefficients.to_string()),
+                Cell::text(format!("{:.1e}", candidate.predicted)),
+                Cell::text(format!("{:.1e}", candidate.measured)),
+                Cell::text(if candidate.form == each.chosen { "in use" } else { "" }),
+            ]);
+        }
+    }
+    table
 }
 
 /// How far the control is from the reference for the same readings.

@@ -10,6 +10,7 @@ mod predict;
 mod runner;
 
 pub use code::fixed_c99;
+pub(crate) use plan::{to_integer, unit};
 pub use plan::{Fixed, FixedError, plan};
 pub use runner::FixedRunner;
 

@@ -1,5 +1,7 @@
 //! The verified controller as code, with where it comes from.
 
+use counterpoise_controller::realise::coefficients;
+use counterpoise_controller::sensitivity::{Candidate, Form, candidates};
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
 use counterpoise_export::{
     File, Numbers, Options, Provenance, Targets, c99, fixed_c99, fixed_form, rust_crate, targets,
@@ -59,9 +61,11 @@ pub fn compare(
     Ok(targets(verified, &modelled.plant, &procedure, half_step_v(&modelled.plant))?)
 }
 
-/// The C of a controller in some numbers.
+/// The code of a controller in some numbers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TargetCode {
+    /// C99 or Rust.
+    pub language: Language,
     /// The numbers.
     pub numbers: Numbers,
     /// What every name of the code starts with.
@@ -70,7 +74,8 @@ pub struct TargetCode {
     pub files: Vec<File>,
 }
 
-/// The C in every kind of numbers that the controller exists in, whatever the project asks for: to count its cost.
+/// The code in every language and every kind of numbers that the controller exists in, whatever the project asks for: to run
+/// it beside its model, and to count its cost.
 ///
 /// # Errors
 /// A name that no code can have.
@@ -81,15 +86,51 @@ pub fn every_target(
 ) -> Result<Vec<TargetCode>, PipelineError> {
     let origin = provenance(project, verified);
     let name = project.export.options.name.clone();
-    let code = |numbers, files| TargetCode { numbers, name: name.clone(), files };
-    let mut all = vec![code(Numbers::Double, c99(verified, &origin, &Options::double(&name))?)];
-    if let Ok(files) = c99(verified, &origin, &Options::single(&name)) {
-        all.push(code(Numbers::Single, files));
+    let code = |language, numbers, files| TargetCode { language, numbers, name: name.clone(), files };
+    let mut all = Vec::new();
+    for (numbers, options) in
+        [(Numbers::Double, Options::double(&name)), (Numbers::Single, Options::single(&name))]
+    {
+        // What single precision cannot hold has no form in it.
+        let (Ok(c), Ok(rust)) = (c99(verified, &origin, &options), rust_crate(verified, &origin, &options))
+        else {
+            continue;
+        };
+        all.push(code(Language::C99, numbers, c));
+        all.push(code(Language::Rust, numbers, rust));
     }
     if let Ok(fixed) = &compared.fixed {
-        all.push(code(Numbers::Fixed, fixed_c99(verified, fixed, &origin, &name)?));
+        all.push(code(Language::C99, Numbers::Fixed, fixed_c99(verified, fixed, &origin, &name)?));
     }
     Ok(all)
+}
+
+/// How sensitive each path's coefficients are: the forms that it could have, and the one that it has.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PathForms {
+    /// Name of the path.
+    pub path: String,
+    /// Modal and balanced.
+    pub candidates: Vec<Candidate>,
+    /// The form of the verified controller.
+    pub chosen: Form,
+}
+
+/// The forms of each path that has states.
+///
+/// # Errors
+/// Those of the realisation.
+pub fn forms(verified: &VerifiedController) -> Result<Vec<PathForms>, PipelineError> {
+    let paths = verified.controller().parts().paths.iter().filter(|path| path.system.order() > 0);
+    let of = |path: &counterpoise_controller::Path| {
+        let candidates = candidates(&path.system).map_err(counterpoise_synth::Error::from)?;
+        let count = coefficients(&path.system);
+        // A form is known by its number of coefficients: few in blocks, all of them in a full matrix.
+        let nearest = candidates.iter().min_by_key(|candidate| candidate.coefficients.abs_diff(count));
+        let chosen = nearest.map_or(Form::Modal, |candidate| candidate.form);
+        Ok(PathForms { path: path.name.clone(), candidates, chosen })
+    };
+    paths.map(of).collect()
 }
 
 /// Half a step of the output converter, V.

@@ -149,6 +149,7 @@ pub(crate) fn sampling(asked: &Synthesis, modelled: &Modelled) -> Result<Samplin
     }
     Ok(Sampling {
         method: asked.discretisation,
+        form: asked.form,
         delay_samples: p.interface.output_delay_samples,
         out_of_balance_kg_m: moment,
         out_of_balance_range_kg_m: (-reach, reach),

@@ -1,5 +1,6 @@
 //! The `[reduce]`, `[synth]` and `[export]` sections: what is asked of the design and of its code.
 
+use counterpoise_controller::sensitivity::Form;
 use counterpoise_export::{Options, Precision};
 use counterpoise_lti::Discretisation;
 use counterpoise_models::plant::LinearPlant;
@@ -48,6 +49,8 @@ pub struct Synthesis {
     pub pade_order: usize,
     /// How the controller is sampled.
     pub discretisation: Discretisation,
+    /// The form in which each path runs.
+    pub form: Form,
     /// Time in which the step of a changed out-of-balance fades in, s.
     pub transfer_time_s: f64,
     /// Method, order, observer, schedule, adaptation, search.
@@ -103,6 +106,11 @@ impl Choice for Language {
 
 impl Choice for Precision {
     const NAMES: &'static [(&'static str, Self)] = &[("double", Self::Double), ("single", Self::Single)];
+}
+
+impl Choice for Form {
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("least-sensitive", Self::LeastSensitive), ("modal", Self::Modal), ("balanced", Self::Balanced)];
 }
 
 /// How a controller is sampled, by name.
@@ -164,6 +172,7 @@ pub(crate) fn blank_synthesis() -> Synthesis {
         delay_samples: 1.0,
         pade_order: 2,
         discretisation: Discretisation::Tustin { prewarp_rad_s: None },
+        form: Form::LeastSensitive,
         transfer_time_s: 0.0,
         around: Around::default(),
     }
@@ -222,6 +231,8 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis) {
         &mut synth.pade_order,
     );
     discretisation(v, &mut synth.discretisation);
+    let form = Field::new("realisation", "form in which the controller runs").or_text("least-sensitive");
+    choose(v, &form, &mut synth.form);
     let transfer =
         Field::new("transfer_time", "in which a changed out-of-balance fades in").unit("s").limit(AT_LEAST_0);
     v.number(&transfer.or(0.0), &mut synth.transfer_time_s);

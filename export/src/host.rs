@@ -1,0 +1,64 @@
+//! What replays recorded readings through the generated code on this machine: programs and command lines; nothing is run
+//! here.
+//!
+//! Code that answers every reading of a closed loop's run as its model does moves the plant as the model does: the first
+//! control is the same, so is the next reading, and so on.
+
+use crate::fixed::{Fixed, to_integer, unit};
+use crate::targets::Record;
+use crate::{File, Numbers};
+
+/// The C compiler.
+pub const C_COMPILER: &str = "cc";
+/// Its flags, up to the sources: without a warning, and no product contracted with a sum.
+pub const C_FLAGS: [&str; 7] = ["-std=c99", "-O1", "-ffp-contract=off", "-Wall", "-Wextra", "-pedantic", "-Werror"];
+/// The Rust compiler.
+pub const RUST_COMPILER: &str = "rustc";
+/// Its flags for the generated crate, up to the source.
+pub const RUST_LIBRARY: [&str; 4] = ["--edition=2021", "-O", "--crate-type=lib", "-Dwarnings"];
+/// Its flags for the program that replays, up to the source.
+pub const RUST_PROGRAM: [&str; 6] = ["--edition=2021", "-O", "-L.", "-Dwarnings", "-o", "replay"];
+
+/// The program that replays readings through C code of a name: `replay.c`.
+pub fn c_replay(name: &str, numbers: Numbers) -> File {
+    let fixed = if numbers == Numbers::Fixed { "#define AXIS_FIXED\n" } else { "" };
+    let text = format!("{fixed}{}", include_str!("../target/replay.c"));
+    File { name: "replay.c".into(), text: text.replace("axis", name).replace("AXIS", &name.to_uppercase()) }
+}
+
+/// The program that replays readings through the Rust crate of a name: `replay.rs`.
+pub fn rust_replay(name: &str) -> File {
+    File { name: "replay.rs".into(), text: include_str!("../target/replay.rs").replace("axis", name) }
+}
+
+/// Samples as bytes for the replaying programs: every record begins with a sample of no numbers. In fixed point the readings
+/// are integers in their formats.
+pub fn requests(records: &[Record], fixed: Option<&Fixed>) -> Vec<u8> {
+    let number = |value: f64, i: usize| match fixed {
+        None => value,
+        Some(fixed) => to_integer(value, fixed.step.inputs[i]) as f64,
+    };
+    let mut bytes = Vec::new();
+    for record in records {
+        bytes.extend([f64::NAN; 6].iter().flat_map(|value| value.to_ne_bytes()));
+        for readings in &record.readings {
+            bytes.extend(readings.iter().enumerate().flat_map(|(i, value)| number(*value, i).to_ne_bytes()));
+        }
+    }
+    bytes
+}
+
+/// Number of samples, and of those that were answered otherwise than the records say; nothing where answers are missing.
+pub fn differing(records: &[Record], fixed: Option<&Fixed>, answers: &[u8]) -> Option<(usize, usize)> {
+    let scale = fixed.map_or(1.0, |fixed| unit(fixed.control_bits()));
+    let mut values = answers.chunks_exact(8).map(|chunk| f64::from_ne_bytes(chunk.try_into().unwrap_or([0; 8])));
+    let (mut samples, mut wrong) = (0, 0);
+    for record in records {
+        values.next()?;
+        for control_v in &record.controls_v {
+            samples += 1;
+            wrong += usize::from((values.next()? * scale).to_bits() != control_v.to_bits());
+        }
+    }
+    Some((samples, wrong))
+}
