@@ -25,10 +25,13 @@ pub mod locate;
 pub mod look;
 pub mod qualify;
 pub mod replays;
+pub mod residuals;
+pub mod scaled;
 pub mod score;
 pub mod select;
 pub mod shape;
 pub mod tolerance;
 
-pub use diagnosis::{Diagnosis, diagnose};
+pub use diagnosis::Diagnosis;
 pub use error::Error;
+pub use scaled::diagnose;

@@ -3,14 +3,18 @@
 use crate::output::say;
 use counterpoise_project::Purpose;
 use counterpoise_project::diagnose::answer::{Answer, Channels, Finding, FitTable, Verdict};
-use counterpoise_project::diagnose::diagnose;
+use counterpoise_project::diagnose::{Diagnosis, diagnose};
+use counterpoise_project::pipeline::{Consequence, consequence};
 use counterpoise_project::simulate::recording::Recording;
 use counterpoise_project::simulate::replay::Loop;
+use counterpoise_project::verify::Verification;
+use counterpoise_project::verify::difference::changes;
+use counterpoise::report::difference;
 
 use super::replay::read;
 use super::{Done, pages, verdict_code};
 use crate::arguments::DiagnoseOptions;
-use crate::files;
+use crate::files::{self, Loaded, Surroundings};
 use crate::output;
 use crate::stop;
 use crate::workers::Workers;
@@ -35,14 +39,39 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     if let Some(path) = &options.save {
         files::save_improved(&loaded, &found.improved, path)?;
     }
+    let consequence = told(&loaded, &found, options.results.quiet)?;
     if let Some(path) = &options.report {
-        let page = pages::diagnosis(&loaded, &recordings, &found, &control);
+        let page = pages::diagnosis(&loaded, &recordings, (&found, consequence.as_ref()), &control);
         files::write(path, page.as_bytes())?;
     }
     if !output::json(&options.results, &found.answer)? {
         print(&found.answer);
+        consequence.iter().for_each(print_consequence);
     }
     Ok(verdict_code(true))
+}
+
+/// What the improved model means for the project's design; none where nothing was found or the project has no design.
+fn told(loaded: &Loaded, found: &Diagnosis, quiet: bool) -> anyhow::Result<Option<Consequence>> {
+    if found.improved == loaded.project.plant {
+        return Ok(None);
+    }
+    Ok(consequence(&loaded.project, &found.improved, &Surroundings::of(loaded, quiet))?)
+}
+
+fn print_consequence(found: &Consequence) {
+    say!("the project's design on the improved model:");
+    for change in changes(&found.before, &found.kept).iter().filter(|change| change.turned()) {
+        let (_, word) = difference::verdict(change);
+        say!("  {word}: {} ({})", change.figure.name(), difference::size(change));
+    }
+    let line = |name: &str, v: &Verification| {
+        let (hold, fail, _) = v.counts();
+        say!("  {name:<32} {hold} requirements hold, {fail} fail");
+    };
+    line("before, on the model as it was", &found.before);
+    line("the same controller", &found.kept);
+    found.redesigned.iter().for_each(|v| line("designed anew", v));
 }
 
 fn print(answer: &Answer) {

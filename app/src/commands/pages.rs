@@ -2,10 +2,10 @@
 
 use counterpoise::report::design::WEIGHTS;
 use counterpoise::report::diagnosis::{Track, report};
-use counterpoise::report::{Cell, Column, Context, Report, Section, Table, html, of_design};
+use counterpoise::report::{Cell, Column, Context, Report, Section, Table, difference, html, of_design};
 use counterpoise_project::diagnose::Diagnosis;
 use counterpoise_project::diagnose::answer::{Answer, Verdict};
-use counterpoise_project::pipeline::Designed;
+use counterpoise_project::pipeline::{Consequence, Designed};
 use counterpoise_project::pipeline::export::{project_hash, weights};
 use counterpoise_project::results::{DesignResult, ReplayResult};
 use counterpoise_project::simulate::recording::{Channel, Recording};
@@ -84,7 +84,12 @@ fn times_section(times: &[StageTime]) -> Section {
 }
 
 /// The report of a diagnosis.
-pub fn diagnosis(loaded: &Loaded, recordings: &[Recording], found: &Diagnosis, control: &Loop) -> String {
+pub fn diagnosis(
+    loaded: &Loaded,
+    recordings: &[Recording],
+    (found, consequence): (&Diagnosis, Option<&Consequence>),
+    control: &Loop,
+) -> String {
     let improved = found.improved != loaded.project.plant;
     let tracks = recordings.iter().flat_map(|recording| {
         let before = replayed(&loaded.project.plant, recording, control).ok();
@@ -92,7 +97,10 @@ pub fn diagnosis(loaded: &Loaded, recordings: &[Recording], found: &Diagnosis, c
         before.map(|before| tracks(recording, &before, after.as_ref())).unwrap_or_default()
     });
     let command = format!("counterpoise diagnose {}", loaded.path.display());
-    html(&report(&loaded.project.plant.name, &command, &found.answer, &tracks.collect::<Vec<_>>()))
+    let mut page =
+        report(&loaded.project.plant.name, &command, &found.answer, &tracks.collect::<Vec<_>>());
+    page.sections.splice(1..1, consequence.map(difference::consequence));
+    html(&page)
 }
 
 fn tracks(recording: &Recording, before: &Replay, after: Option<&Replay>) -> Vec<Track> {

@@ -4,7 +4,7 @@ use counterpoise_project::diagnose::answer::{Answer, Channels, Finding, Verdict}
 
 use crate::plot::{Axis, Colour, Figure, Panel, Series};
 
-use super::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
+use super::{Cell, Column, Headline, Report, Section, Table, Tile, Tone, residual};
 
 /// One channel of one recording, measured and simulated.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,8 +27,9 @@ pub struct Track {
 
 /// The report.
 pub fn report(machine: &str, command: &str, answer: &Answer, tracks: &[Track]) -> Report {
-    let mut sections = vec![fit_section(answer, tracks), where_section(answer), tried_section(answer)];
-    sections.push(cannot_tell(answer));
+    let mut sections = vec![fit_section(answer, tracks)];
+    sections.extend(residual::sections(tracks));
+    sections.extend([where_section(answer), tried_section(answer), cannot_tell(answer)]);
     Report {
         title: format!("Diagnosis of {machine}"),
         subtitle: "where the simulation departs from the recordings, and what explains it".to_owned(),
@@ -71,30 +72,17 @@ fn words(effect: &str) -> String {
 
 fn tiles(answer: &Answer) -> Vec<Tile> {
     let worst = |channels: &Channels| channels.values().map(|c| c.rms_error / c.floor).fold(0.0, f64::max);
-    let tile = |label: &str, value: String, unit: &str, note: &str| Tile {
-        label: label.to_owned(),
-        value,
-        unit: unit.to_owned(),
-        note: note.to_owned(),
-        tone: Tone::Neutral,
-    };
     let mut out = vec![
-        tile(
-            "error over floor, before",
-            format!("{:.1}", worst(&answer.fit.before)),
-            "",
-            "worst channel, all recordings",
-        ),
-        tile("error over floor, after", format!("{:.2}", worst(&answer.fit.after)), "", "1 is perfect"),
-        tile("on data not fitted", format!("{:.2}", worst(&answer.fit.held_out_after)), "", "worst channel"),
+        Tile::plain("error over floor, before", format!("{:.1}", worst(&answer.fit.before)), "")
+            .noted("worst channel, all recordings"),
+        Tile::plain("error over floor, after", format!("{:.2}", worst(&answer.fit.after)), "")
+            .noted("1 is perfect"),
+        Tile::plain("on data not fitted", format!("{:.2}", worst(&answer.fit.held_out_after)), "")
+            .noted("worst channel"),
     ];
     if let Some(first) = answer.findings.first() {
-        out.push(tile(
-            "probability",
-            format!("{:.0}", 100.0 * first.probability),
-            "%",
-            "of the first finding",
-        ));
+        let probability = Tile::plain("probability", format!("{:.0}", 100.0 * first.probability), "%");
+        out.push(probability.noted("of the first finding"));
     }
     out
 }

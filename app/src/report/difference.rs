@@ -1,6 +1,8 @@
 //! Two verifications side by side, as a section.
 
-use counterpoise_project::verify::difference::Change;
+use counterpoise_project::pipeline::Consequence;
+use counterpoise_project::verify::Verification;
+use counterpoise_project::verify::difference::{Change, changes};
 
 use super::{Cell, Column, Section, Table, Tone};
 
@@ -25,6 +27,25 @@ pub fn section(before: &str, changes: &[Change]) -> Section {
     Section::new("Before and after")
         .saying(format!("Before: {before}. {} figures changed, {same} did not.", moved.len()))
         .listing(table)
+}
+
+/// What an improved model means for the controller that was designed on the one before.
+pub fn consequence(found: &Consequence) -> Section {
+    let counted = |v: &Verification| {
+        let (hold, fail, _) = v.counts();
+        format!("{hold} requirements hold, {fail} fail")
+    };
+    let anew = match &found.redesigned {
+        Some(redesigned) => format!("Designed anew on the improved model: {}.", counted(redesigned)),
+        None => "Designed anew on the improved model: the weights give no controller.".to_owned(),
+    };
+    let text = format!(
+        "The controller designed on the model as it was: {} there, {} on the improved model. {anew}",
+        counted(&found.before),
+        counted(&found.kept)
+    );
+    let table = section("the model as it was", &changes(&found.before, &found.kept));
+    Section { heading: "What it means for the controller".to_owned(), ..table }.saying(text)
 }
 
 /// Whether a figure changed at all.

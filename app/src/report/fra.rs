@@ -158,21 +158,14 @@ fn widest_spread(map: &Map) -> f64 {
 }
 
 fn tiles(map: &Map) -> Vec<Tile> {
-    let tile = |label: &str, value: String, unit: &str, note: &str| Tile {
-        label: label.to_owned(),
-        value,
-        unit: unit.to_owned(),
-        note: note.to_owned(),
-        tone: Tone::Neutral,
-    };
     let largest = map.points.iter().map(|p| p.gain_db).fold(f64::MIN, f64::max);
     let distortion = map.points.iter().map(|p| p.distortion).fold(0.0, f64::max);
     let unit = if map.around.unit() == "V" { "dB re rad/s per V" } else { "dB" };
     vec![
-        tile("points", map.points.len().to_string(), "", ""),
-        tile("largest gain", short(largest), unit, ""),
-        tile("spread over amplitudes", short(widest_spread(map)), "dB", "0 on a linear machine"),
-        tile("largest harmonics", short(100.0 * distortion), "%", "of the fundamental"),
+        Tile::plain("points", map.points.len().to_string(), ""),
+        Tile::plain("largest gain", short(largest), unit),
+        Tile::plain("spread over amplitudes", short(widest_spread(map)), "dB").noted("0 on a linear machine"),
+        Tile::plain("largest harmonics", short(100.0 * distortion), "%").noted("of the fundamental"),
     ]
 }
 

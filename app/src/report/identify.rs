@@ -3,6 +3,7 @@
 use counterpoise_project::diagnose::identify::{Amplifier, Estimate, GainPoint, Identified, Loop};
 
 use super::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
+use crate::plot::ticks::short;
 use crate::plot::{Axis, Band, Colour, Figure, Mark, Panel, Series};
 
 /// Its name in tables; a peak, so that it is not held against the project's level.
@@ -71,12 +72,9 @@ fn named(found: &Identified) -> Vec<(&'static str, Estimate, &'static str)> {
 }
 
 fn tiles(found: &Identified) -> Vec<Tile> {
-    let tile = |(name, e, unit): (&str, Estimate, &str)| Tile {
-        label: name.to_owned(),
-        value: crate::plot::ticks::short(e.value),
-        unit: unit.to_owned(),
-        note: format!("± {}", crate::plot::ticks::short(0.5 * (e.ci95[1] - e.ci95[0]))),
-        tone: Tone::Neutral,
+    let tile = |(name, e, unit): (&str, Estimate, &str)| {
+        Tile::plain(name, short(e.value), unit)
+            .noted(&format!("± {}", short(0.5 * (e.ci95[1] - e.ci95[0]))))
     };
     named(found).into_iter().filter(|(name, ..)| !name.contains("other")).take(4).map(tile).collect()
 }

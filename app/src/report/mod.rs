@@ -18,6 +18,7 @@ pub mod html;
 pub mod identify;
 pub mod model;
 pub mod page;
+pub mod residual;
 pub mod spectra;
 pub mod structure;
 pub mod style;

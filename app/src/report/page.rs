@@ -104,6 +104,20 @@ pub enum Cell {
     Room(Tone, f64, String),
 }
 
+impl Tile {
+    /// A number that is neither good nor bad, without a remark.
+    pub fn plain(label: &str, value: String, unit: &str) -> Self {
+        let (label, unit) = (label.to_owned(), unit.to_owned());
+        Self { label, value, unit, note: String::new(), tone: Tone::Neutral }
+    }
+
+    /// The tile with a remark under it.
+    pub fn noted(mut self, note: &str) -> Self {
+        note.clone_into(&mut self.note);
+        self
+    }
+}
+
 impl Cell {
     /// A cell of text.
     pub fn text(text: impl Into<String>) -> Self {

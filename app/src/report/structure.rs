@@ -32,13 +32,8 @@ pub fn report(machine: &str, command: &str, answer: &StructureAnswer) -> Report 
 const EXPLAINED: &str = "Each was fitted to all modes but one and judged on that one, mode after mode; the last column is the RMS of those errors.";
 
 fn tile(tried: &counterpoise_project::pipeline::structure::TriedStructure) -> Tile {
-    Tile {
-        label: tried.what.clone(),
-        value: format!("{:.2}", tried.left_out_percent),
-        unit: "%".to_owned(),
-        note: "RMS of modes that were not fitted".to_owned(),
-        tone: Tone::Neutral,
-    }
+    Tile::plain(&tried.what, format!("{:.2}", tried.left_out_percent), "%")
+        .noted("RMS of modes that were not fitted")
 }
 
 fn errors(answer: &StructureAnswer, command: &str) -> Figure {

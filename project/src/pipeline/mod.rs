@@ -7,6 +7,7 @@
 pub mod adapt;
 pub mod balance;
 pub mod beside;
+pub mod consequence;
 pub mod effort;
 pub mod error;
 pub mod export;
@@ -25,6 +26,7 @@ pub mod verify;
 use counterpoise_export::File;
 use counterpoise_verify::VerifiedController;
 
+pub use consequence::{Consequence, consequence};
 pub use error::PipelineError;
 pub use export::export;
 pub use model::{Modelled, finite_elements, finite_elements_of, model};

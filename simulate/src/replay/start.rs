@@ -2,8 +2,8 @@
 //!
 //! Six numbers are unknown: hub angle, the rate at which hub and motor turn together, gear torque, dry friction at
 //! motor and pivot, and current. They are fitted by Levenberg and Marquardt's method to hub rate, motor rate and hub
-//! position over the first 0.6 seconds, under the recorded control, with the weak preference that the
-//! torques on motor and hub balance. What none of the readings shows (the angle of a balanced mechanism without a
+//! position over the first 0.6 seconds, or the first tenth of a shorter recording, under the recorded control, with the weak
+//! preference that the torques on motor and hub balance. What none of the readings shows (the angle of a balanced mechanism without a
 //! resolver) stays where it was guessed. The structure is taken bent as the gear torque bends it.
 
 use super::{Replayer, reading_floor};
@@ -15,6 +15,8 @@ use counterpoise_models::{Friction, FrictionLaw, Plant};
 
 /// Length of the first part that is fitted, s.
 const WINDOW_S: f64 = 0.6;
+/// Share of a recording that this part is at the most.
+const WINDOW_SHARE: f64 = 0.1;
 /// Iterations of the fit.
 const ITERATIONS: usize = 12;
 /// Relative fall of the cost at which the fit ends.
@@ -106,7 +108,8 @@ impl<'a, 'b> Fit<'a, 'b> {
             .filter(|(channel, _)| replayer.recording().column(*channel).is_some())
             .filter_map(|(channel, sensor)| Some((channel, reading_floor(sensor?, &parameters.interface))))
             .collect();
-        let samples = (WINDOW_S / replayer.recording().sample_period_s).round() as usize;
+        let recording = replayer.recording();
+        let samples = (WINDOW_S / recording.sample_period_s).round().min(WINDOW_SHARE * recording.len() as f64) as usize;
         let steps = [
             1e-5,
             1e-4,
