@@ -67,6 +67,9 @@ pub struct StudioOptions {
     /// Size of the window in points, as 1280x800
     #[arg(long, value_name = "WxH")]
     pub size: Option<String>,
+    /// Carry out the script without a window, and end with it
+    #[arg(long, requires = "script")]
+    pub no_window: bool,
 }
 
 /// Where a result goes.

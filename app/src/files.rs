@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use counterpoise_project::models::Parameters;
 use counterpoise_project::pipeline::{Step, World};
-use counterpoise_project::{Attachments, Diagnostic, Document, Parsed, Project, Purpose};
+use counterpoise_project::{Diagnostic, Document, Parsed, Project, Purpose};
 
 use crate::output::{StageTime, Stages};
 
-/// Name of the project file in a project's folder.
-pub const PROJECT_FILE: &str = "project.toml";
+pub use counterpoise_studio::files::PROJECT_FILE;
+
 /// Endings of files that can be recordings.
 const RECORDINGS: [&str; 3] = ["csv", "parquet", "mat"];
 
@@ -56,20 +56,10 @@ pub fn load(path: &Path, purpose: Purpose) -> Result<Loaded> {
     let bad = |errors, text: &str| BadProject { errors, text: text.to_owned() };
     let lossy = String::from_utf8_lossy(&bytes);
     let document = Document::from_bytes(&bytes, &name).map_err(|errors| bad(errors, &lossy))?;
-    let attachments = attachments(&document, &path);
+    let attachments = counterpoise_studio::files::attachments(&document, &path);
     let resolved = Project::resolve_for(&document, &attachments, purpose);
     let Parsed { project, warnings } = resolved.map_err(|errors| bad(errors, document.text()))?;
     Ok(Loaded { path, document, project, warnings })
-}
-
-/// The files that a project names, from beside it; a missing one is told by the project's own errors.
-fn attachments(document: &Document, path: &Path) -> Attachments {
-    let folder = path.parent().unwrap_or(Path::new("."));
-    let read = |all: Attachments, name: String| match fs::read(folder.join(&name)) {
-        Ok(bytes) => all.with(&name, bytes),
-        Err(_) => all,
-    };
-    document.attachments().into_iter().fold(Attachments::none(), read)
 }
 
 /// The recordings among files and folders, in the order given; a folder's are sorted by name.

@@ -11,5 +11,5 @@ fn main() -> Result<(), Error> {
         Some([width.parse().ok()?, height.parse().ok()?])
     });
     let frame_log = arguments.next();
-    run(Options { project, script, frame_log, size, state: None })
+    run(Options { project, script, frame_log, size, ..Options::default() })
 }

@@ -1,10 +1,13 @@
 //! Plots: data first, drawn in the theme, copied as numbers, drawing or pixels.
 
+use std::borrow::Cow;
 use std::fmt::Write;
 
 use egui::{Color32, Ui, Vec2};
-use egui_plot::{GridInput, GridMark, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotTransform};
+use egui_plot::{AxisHints, GridInput, GridMark, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotTransform};
 
+use crate::number::short;
+use crate::pyramid::Points;
 use crate::theme::Theme;
 
 /// A curve.
@@ -13,7 +16,7 @@ pub struct Curve {
     /// Its name.
     pub name: String,
     /// Its points, in the units of the axes.
-    pub points: Vec<[f64; 2]>,
+    pub points: Points,
     /// Its colour.
     pub colour: Color32,
     /// How it is stroked.
@@ -53,10 +56,14 @@ pub struct Chart {
     pub curves: Vec<Curve>,
     /// Vertical marks with their labels.
     pub marks: Vec<(f64, String)>,
+    /// Single points with their labels.
+    pub spots: Vec<([f64; 2], String)>,
     /// Horizontal lines.
     pub levels: Vec<f64>,
     /// Fixed range of the axes, where they have one.
     pub range: [Option<(f64, f64)>; 2],
+    /// Charts of one group share their x axis and their cursor.
+    pub group: Option<&'static str>,
 }
 
 /// What showing a chart gives back.
@@ -76,15 +83,30 @@ impl Chart {
             scales: [Scale::Linear; 2],
             curves: Vec::new(),
             marks: Vec::new(),
+            spots: Vec::new(),
             levels: Vec::new(),
             range: [None, None],
+            group: None,
         }
     }
 
     /// With another curve.
     #[must_use]
-    pub fn curve(mut self, name: &str, colour: Color32, dash: Dash, points: Vec<[f64; 2]>) -> Self {
-        self.curves.push(Curve { name: name.to_owned(), points, colour, dash });
+    pub fn curve(self, name: &str, colour: Color32, dash: Dash, points: Vec<[f64; 2]>) -> Self {
+        self.with(Curve { name: name.to_owned(), points: Points::Few(points), colour, dash })
+    }
+
+    /// With another curve, of any length.
+    #[must_use]
+    pub fn with(mut self, curve: Curve) -> Self {
+        self.curves.push(curve);
+        self
+    }
+
+    /// In a group of charts that are zoomed and read together.
+    #[must_use]
+    pub fn grouped(mut self, group: &'static str) -> Self {
+        self.group = Some(group);
         self
     }
 
@@ -109,57 +131,90 @@ impl Chart {
             ui.label(egui::RichText::new(&self.title).strong());
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 ui.spacing_mut().item_spacing.x = 5.0;
+                let read = self.cursor(ui);
                 for curve in self.curves.iter().rev().filter(|c| !c.name.is_empty()) {
-                    ui.label(egui::RichText::new(&curve.name).small().color(theme.weak));
+                    match read.and_then(|x| curve.points.at(x)) {
+                        Some(value) => ui.label(egui::RichText::new(short(value)).small().color(theme.text)),
+                        None => ui.label(egui::RichText::new(&curve.name).small().color(theme.weak)),
+                    };
                     swatch(ui, curve);
+                }
+                if let Some(x) = read {
+                    ui.label(egui::RichText::new(format!("at {}", short(x))).small().color(theme.accent));
                 }
             });
         });
+    }
+
+    /// The name under which the cursor of the chart, or of its group, is kept.
+    fn cursor_id(&self) -> egui::Id {
+        egui::Id::unique(("cursor", self.group.unwrap_or(self.title.as_str())))
+    }
+
+    /// Where the pointer stood on the chart, or on another of its group, in the frame before.
+    fn cursor(&self, ui: &Ui) -> Option<f64> {
+        let kept: Option<(u64, f64)> = ui.data(|d| d.get_temp(self.cursor_id()));
+        let (frame, x) = kept?;
+        (ui.ctx().cumulative_frame_nr() <= frame + 1).then_some(x)
+    }
+
+    fn note_cursor(&self, ui: &Ui, shown: &Shown) {
+        if let Some(at) = shown.response.hover_pos() {
+            let x = self.unplace(0, shown.transform.value_from_position(at).x);
+            let frame = ui.ctx().cumulative_frame_nr();
+            ui.data_mut(|d| d.insert_temp(self.cursor_id(), (frame, x)));
+        }
     }
 
     fn plot(&self, ui: &mut Ui, theme: &Theme, size: Vec2) -> Shown {
         let mut plot = Plot::new(("chart", &self.title))
             .width(size.x)
             .height(size.y)
-            .x_axis_label(egui::RichText::new(&self.labels[0]).small().color(theme.weak))
-            .y_axis_label(egui::RichText::new(&self.labels[1]).small().color(theme.weak))
-            .y_axis_min_width(46.0)
+            .custom_x_axes(vec![self.axis(0, theme)])
+            .custom_y_axes(vec![self.axis(1, theme).min_thickness(40.0)])
             .grid_color(theme.grid)
+            .grid_spacing(egui::Rangef::new(5.0, 60.0))
             .show_background(false)
             .allow_double_click_reset(true)
             .set_margin_fraction(Vec2::new(0.0, 0.06))
             .label_formatter(|_| None);
-        if self.scales[0] == Scale::Linear {
-            plot = plot.x_grid_spacer(|input| even(input, X_MARKS)).x_axis_formatter(|mark, _| plain(mark));
-        }
-        if self.scales[1] == Scale::Linear {
-            plot = plot.y_grid_spacer(|input| even(input, Y_MARKS)).y_axis_formatter(|mark, _| plain(mark));
-        }
-        if self.scales[0] == Scale::Log {
-            plot = plot
-                .x_grid_spacer(decades)
-                .x_axis_formatter(|mark, range| power(mark, range.end() - range.start()));
-        }
-        if self.scales[1] == Scale::Log {
-            plot = plot
-                .y_grid_spacer(decades)
-                .y_axis_formatter(|mark, range| power(mark, range.end() - range.start()));
+        let scales = self.scales;
+        plot = plot.x_grid_spacer(move |input| marks(scales[0], input, size.x / X_APART));
+        plot = plot.y_grid_spacer(move |input| marks(scales[1], input, size.y / Y_APART));
+        if let Some(group) = self.group {
+            let id = egui::Id::unique(("group", group));
+            plot = plot.link_axis(id, [true, false]).link_cursor(id, [true, false]);
         }
         let [x, y] = self.range;
         if let Some((low, high)) = x.map(|r| self.limits(0, r)) {
             plot = plot.default_x_bounds(low, high);
         }
-        let pixels = size.x;
         let shown = plot.show(ui, |plot| {
             if let (Some((low, high)), true) = (y.map(|r| self.limits(1, r)), plot.auto_bounds().y) {
                 plot.set_plot_bounds_y(low..=high);
             }
-            self.draw(plot, theme, pixels);
+            self.draw(plot, theme, size);
         });
         let title = self.title.clone();
         let response = shown.response;
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("plot: {title}")));
-        Shown { transform: shown.transform, response }
+        let shown = Shown { transform: shown.transform, response };
+        self.note_cursor(ui, &shown);
+        shown
+    }
+
+    fn axis<'a>(&self, axis: usize, theme: &Theme) -> AxisHints<'a> {
+        let hints = if axis == 0 { AxisHints::new_x() } else { AxisHints::new_y() };
+        let number = match self.scales[axis] {
+            Scale::Linear => plain,
+            Scale::Log => power,
+        };
+        hints
+            .label(egui::RichText::new(&self.labels[axis]).small().color(theme.weak))
+            .formatter(move |mark, _| number(mark))
+            .label_spacing(egui::Rangef::new(1.0, 2.0))
+            .tick_label_color(theme.text.gamma_multiply(0.85))
+            .tick_label_font(egui::FontId::proportional(11.0))
     }
 
     fn limits(&self, axis: usize, (low, high): (f64, f64)) -> (f64, f64) {
@@ -171,7 +226,12 @@ impl Chart {
         if self.scales[axis] == Scale::Log { value.max(f64::MIN_POSITIVE).log10() } else { value }
     }
 
-    fn draw<'a>(&'a self, plot: &mut egui_plot::PlotUi<'a>, theme: &Theme, pixels: f32) {
+    /// A place on an axis as a value.
+    pub fn unplace(&self, axis: usize, placed: f64) -> f64 {
+        if self.scales[axis] == Scale::Log { 10f64.powf(placed) } else { placed }
+    }
+
+    fn draw<'a>(&'a self, plot: &mut egui_plot::PlotUi<'a>, theme: &Theme, size: Vec2) {
         for level in &self.levels {
             let y = self.place(1, *level);
             plot.hline(
@@ -183,19 +243,34 @@ impl Chart {
         }
         let bounds = plot.plot_bounds();
         let all = (f64::NEG_INFINITY, f64::INFINITY);
-        let seen = if plot.auto_bounds().x { all } else { (bounds.min()[0], bounds.max()[0]) };
+        let seen = if plot.auto_bounds().x {
+            all
+        } else {
+            (self.unplace(0, bounds.min()[0]), self.unplace(0, bounds.max()[0]))
+        };
+        let per_unit = [f64::from(size.x) / bounds.width(), f64::from(size.y) / bounds.height()];
         for curve in &self.curves {
-            let placed: Vec<[f64; 2]> =
-                curve.points.iter().map(|p| [self.place(0, p[0]), self.place(1, p[1])]).collect();
-            let points = thin(&placed, seen, pixels as usize);
+            let shown = curve.points.shown(seen, size.x as usize);
+            let mut points: Vec<[f64; 2]> =
+                shown.iter().map(|p| [self.place(0, p[0]), self.place(1, p[1])]).collect();
             let style = match curve.dash {
                 Dash::Solid => LineStyle::Solid,
                 Dash::Dashed => LineStyle::dashed_dense(),
                 Dash::Dotted => LineStyle::dotted_dense(),
             };
+            if curve.dash != Dash::Solid && per_unit.iter().all(|v| v.is_finite()) {
+                points = corners(&points, per_unit);
+            }
             plot.line(
                 Line::new(&curve.name, PlotPoints::from(points)).color(curve.colour).width(1.6).style(style),
             );
+        }
+        for (at, label) in &self.spots {
+            let place = [self.place(0, at[0]), self.place(1, at[1])];
+            plot.points(egui_plot::Points::new("", vec![place]).color(theme.accent).radius(4.5).allow_hover(false));
+            let text = egui::RichText::new(format!("  {label}")).small().color(theme.text);
+            let at = PlotPoint::new(place[0], place[1]);
+            plot.text(egui_plot::Text::new("", at, text).anchor(egui::Align2::LEFT_BOTTOM));
         }
         for (x, label) in &self.marks {
             let x = self.place(0, *x);
@@ -217,7 +292,7 @@ impl Chart {
     pub fn csv(&self) -> String {
         let mut out = String::from("curve,x,y\n");
         for curve in &self.curves {
-            for [x, y] in &curve.points {
+            for [x, y] in curve.points.all() {
                 let _ = writeln!(out, "{},{x:e},{y:e}", curve.name);
             }
         }
@@ -244,13 +319,13 @@ fn swatch(ui: &mut Ui, curve: &Curve) {
 }
 
 /// What a screen can show of a long curve: in each stretch of pixels the first, lowest, highest and last point.
-pub fn thin(points: &[[f64; 2]], (low, high): (f64, f64), pixels: usize) -> Vec<[f64; 2]> {
+pub fn thin(points: &[[f64; 2]], (low, high): (f64, f64), pixels: usize) -> Cow<'_, [[f64; 2]]> {
     let from = points.partition_point(|p| p[0] < low).saturating_sub(1);
     let to = (points.partition_point(|p| p[0] <= high) + 1).min(points.len());
     let seen = if from < to { &points[from..to] } else { points };
     let stretches = pixels.max(64);
     if seen.len() <= 4 * stretches {
-        return seen.to_vec();
+        return Cow::Borrowed(seen);
     }
     let each = seen.len().div_ceil(stretches);
     let extremes = |part: &[[f64; 2]]| {
@@ -261,12 +336,46 @@ pub fn thin(points: &[[f64; 2]], (low, high): (f64, f64), pixels: usize) -> Vec<
         kept.sort_unstable();
         kept.map(|k| part[k])
     };
-    seen.chunks(each).flat_map(extremes).collect()
+    Cow::Owned(seen.chunks(each).flat_map(extremes).collect())
 }
 
-/// About how many marks stand on an even axis.
-const X_MARKS: f64 = 6.0;
-const Y_MARKS: f64 = 5.0;
+/// How far a dashed curve may lie beside its points, in pixels.
+const BESIDE: f64 = 0.3;
+
+/// The corners of a curve that straight lines join to what the eye cannot tell from it (Ramer, Douglas and Peucker): dashes need
+/// segments longer than themselves.
+fn corners(points: &[[f64; 2]], per_unit: [f64; 2]) -> Vec<[f64; 2]> {
+    let at = |k: usize| [points[k][0] * per_unit[0], points[k][1] * per_unit[1]];
+    let mut kept = vec![false; points.len()];
+    let mut open = vec![(0, points.len().saturating_sub(1))];
+    while let Some((a, b)) = open.pop() {
+        if b >= kept.len() {
+            break;
+        }
+        (kept[a], kept[b]) = (true, true);
+        let (from, to) = (at(a), at(b));
+        let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+        let length = dx.hypot(dy).max(f64::MIN_POSITIVE);
+        let beside = |k: usize| ((at(k)[0] - from[0]) * dy - (at(k)[1] - from[1]) * dx).abs() / length;
+        let far = (a + 1..b).map(|k| (k, beside(k))).max_by(|p, q| p.1.total_cmp(&q.1));
+        if let Some((k, _)) = far.filter(|(_, distance)| *distance > BESIDE) {
+            open.extend([(a, k), (k, b)]);
+        }
+    }
+    points.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(p, _)| *p).collect()
+}
+
+/// How far apart the numbers of an axis should stand, points.
+const X_APART: f32 = 58.0;
+const Y_APART: f32 = 34.0;
+
+/// Marks of an axis that has room for some numbers.
+fn marks(scale: Scale, input: GridInput, room: f32) -> Vec<GridMark> {
+    match scale {
+        Scale::Linear => even(input, f64::from(room.max(2.0))),
+        Scale::Log => decades(input, f64::from(room.max(2.0))),
+    }
+}
 
 /// Marks of an even axis, at round numbers.
 fn even(input: GridInput, count: f64) -> Vec<GridMark> {
@@ -284,31 +393,39 @@ fn plain(mark: GridMark) -> String {
     format!("{:.digits$}", mark.value + 0.0)
 }
 
+/// Step of a mark without a number.
+const BARE: f64 = 0.1;
+/// Decades that are so few that 2 and 5 have numbers, too; and so many that what is between decades has no mark.
+const FEW: f64 = 1.3;
+const MANY: f64 = 7.0;
+
 /// Marks of an axis that runs by decades.
-fn decades(input: GridInput) -> Vec<GridMark> {
+fn decades(input: GridInput, count: f64) -> Vec<GridMark> {
     let (low, high) = input.bounds;
-    let wide = high - low > 7.0;
+    let each = ((high - low) / count).ceil().max(1.0) as i64;
     let mut marks = Vec::new();
     for decade in low.floor() as i64..=high.ceil() as i64 {
-        let at = decade as f64;
-        let step_size = if wide && decade % 2 != 0 { 0.2 } else { 1.0 };
-        marks.push(GridMark { value: at, step_size });
-        if !wide {
-            marks.extend((2..10).map(|k| GridMark { value: at + f64::from(k).log10(), step_size: 0.1 }));
+        let step_size = if decade.rem_euclid(each) == 0 { 1.0 } else { BARE };
+        marks.push(GridMark { value: decade as f64, step_size });
+        if high - low <= MANY {
+            let numbered = |k: i32| high - low < FEW && (k == 2 || k == 5);
+            marks.extend((2..10).map(|k| GridMark {
+                value: decade as f64 + f64::from(k).log10(),
+                step_size: if numbered(k) { 1.0 } else { BARE },
+            }));
         }
     }
     marks.retain(|mark| (low..=high).contains(&mark.value));
     marks
 }
 
-fn power(mark: GridMark, _span: f64) -> String {
+fn power(mark: GridMark) -> String {
     if mark.step_size < 0.9 {
         return String::new();
     }
-    let exponent = mark.value.round() as i32;
-    match exponent {
-        -3..=4 => format!("{}", 10f64.powi(exponent)),
-        _ => format!("1e{exponent}"),
+    match mark.value {
+        -3.01..=4.01 => short(10f64.powf(mark.value)),
+        _ => format!("1e{}", mark.value.round() as i32),
     }
 }
 
@@ -326,5 +443,14 @@ mod tests {
         assert!(all.len() <= 4000 && all.iter().any(|p| p[1] == 9.0));
         let part = thin(&points, (10.0, 11.0), 1000);
         assert!(part.len() <= 1003 && part[0][0] <= 10.0 && part[part.len() - 1][0] >= 11.0);
+    }
+
+    #[test]
+    fn a_straight_line_has_two_corners_and_a_step_four() {
+        let line: Vec<[f64; 2]> = (0..1000).map(|k| [f64::from(k), 5.0]).collect();
+        assert_eq!(corners(&line, [0.4, 1.0]).len(), 2);
+        let step: Vec<[f64; 2]> = (0..1000).map(|k| [f64::from(k), if k < 500 { 0.0 } else { 50.0 }]).collect();
+        assert_eq!(corners(&step, [0.4, 1.0]).len(), 4);
+        assert!(corners(&[], [1.0, 1.0]).is_empty());
     }
 }

@@ -1,5 +1,6 @@
 //! Everything that can be done in the studio, as one closed list: menus, shortcuts, the palette, tests and logs all speak it.
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
@@ -18,6 +19,36 @@ pub enum Place {
     Verify,
     /// Recordings against the model.
     Diagnose,
+}
+
+/// What the verification is looked at by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Evidence {
+    /// Runs on the full plant over time.
+    Histories,
+    /// What is left of the platform's motion over frequency.
+    Rejection,
+    /// Frequency responses as an analyser measures them, amplitude by amplitude.
+    Map,
+    /// The requirements over many mechanisms.
+    Robustness,
+}
+
+/// What of a diagnosis is looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Inquiry {
+    /// Measured and simulated channels.
+    Signals,
+    /// Simulated less measured.
+    Errors,
+    /// What was found, and how the fit improved.
+    Findings,
+    /// Which balance departs, and with which variable.
+    Map,
+    /// Everything that was tried.
+    Tried,
 }
 
 /// One of the designs that are kept for comparison.
@@ -79,12 +110,28 @@ pub enum Command {
         /// The path.
         path: PathBuf,
     },
+    /// Makes a folder with a complete project file to start from, and opens it.
+    New {
+        /// The folder; it must not hold a project.
+        folder: PathBuf,
+    },
+    /// Leaves the project; what was not saved comes back when it is opened again.
+    Close,
     /// Writes the project to its file.
     Save,
     /// Reads the project's file again and leaves what was not saved.
     Reload,
     /// Verifies the design on the full plant.
     Verify,
+    /// Measures the frequency responses of the full plant with the controller, amplitude by amplitude.
+    Measure,
+    /// Tries the controller on many mechanisms that differ as the project says.
+    Sweep,
+    /// Looks at one kind of the verification's evidence.
+    Look {
+        /// Which.
+        evidence: Evidence,
+    },
     /// Stops what is running.
     Cancel,
     /// Writes the verified controller's code beside the project, into `out`.
@@ -93,6 +140,11 @@ pub enum Command {
     Recordings {
         /// Files.
         paths: Vec<PathBuf>,
+    },
+    /// Looks at one part of the diagnosis.
+    Inquire {
+        /// Which.
+        inquiry: Inquiry,
     },
     /// Diagnoses the machine from the recordings.
     Diagnose,
@@ -124,6 +176,8 @@ pub enum Command {
     ToggleFrequency,
     /// Gains in dB or absolute.
     ToggleGain,
+    /// Angles and their rates in thousandths of a radian or degrees.
+    ToggleAngle,
     /// Opens or closes the list of commands.
     Palette,
     /// Copies the plot under the pointer (or the last one) as numbers.
@@ -149,7 +203,7 @@ impl Command {
 #[derive(Debug, Clone)]
 pub struct Entry {
     /// What it says.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// Its shortcut, as `Ctrl+Z`; empty where it has none.
     pub shortcut: &'static str,
     /// What it does.
@@ -158,8 +212,10 @@ pub struct Entry {
 
 /// Every command that needs no further word, in the order of the palette.
 pub fn entries() -> Vec<Entry> {
-    let entry = |name, shortcut, command| Entry { name, shortcut, command };
+    let entry = |name: &'static str, shortcut, command| Entry { name: name.into(), shortcut, command };
     let go = |place| Command::Go { place };
+    let look = |evidence| Command::Look { evidence };
+    let inquire = |inquiry| Command::Inquire { inquiry };
     vec![
         entry("Go to Plant", "Ctrl+1", go(Place::Plant)),
         entry("Go to Reduce", "Ctrl+2", go(Place::Reduce)),
@@ -170,9 +226,21 @@ pub fn entries() -> Vec<Entry> {
         entry("Redo", "Ctrl+Y", Command::Redo),
         entry("Save the project", "Ctrl+S", Command::Save),
         entry("Read the file again, leaving what was not saved", "", Command::Reload),
+        entry("Close the project", "Ctrl+W", Command::Close),
         entry("Verify on the full plant", "F5", Command::Verify),
+        entry("Look at the time histories", "", look(Evidence::Histories)),
+        entry("Look at the rejection of disturbances", "", look(Evidence::Rejection)),
+        entry("Look at the analyser's map", "", look(Evidence::Map)),
+        entry("Look at the robustness", "", look(Evidence::Robustness)),
+        entry("Measure the frequency responses, amplitude by amplitude", "F7", Command::Measure),
+        entry("Try the controller on many mechanisms", "F8", Command::Sweep),
         entry("Stop what is running", "Esc", Command::Cancel),
         entry("Export the verified controller's code", "Ctrl+E", Command::Export),
+        entry("Look at measured and simulated channels", "", inquire(Inquiry::Signals)),
+        entry("Look at the errors of the model", "", inquire(Inquiry::Errors)),
+        entry("Look at what the diagnosis found", "", inquire(Inquiry::Findings)),
+        entry("Look at where and when the model departs", "", inquire(Inquiry::Map)),
+        entry("Look at what the diagnosis tried", "", inquire(Inquiry::Tried)),
         entry("Diagnose the recordings", "F6", Command::Diagnose),
         entry("Accept the diagnosis into the project", "", Command::Accept),
         entry("Keep this design as A", "Ctrl+Shift+1", Command::Keep { slot: Slot::A }),
@@ -185,7 +253,8 @@ pub fn entries() -> Vec<Entry> {
         entry("Light or dark", "Ctrl+T", Command::ToggleTheme),
         entry("Frequencies in Hz or rad/s", "Ctrl+H", Command::ToggleFrequency),
         entry("Gains in dB or absolute", "Ctrl+B", Command::ToggleGain),
-        entry("Copy plot as CSV", "", Command::CopyCsv),
+        entry("Angles in mrad or degrees", "Ctrl+G", Command::ToggleAngle),
+        entry("Copy plot as CSV", "Ctrl+Shift+C", Command::CopyCsv),
         entry("Copy plot as SVG", "", Command::CopySvg),
         entry("Copy plot as PNG", "", Command::CopyPng),
         entry("All commands", "Ctrl+K", Command::Palette),
@@ -204,6 +273,39 @@ impl Place {
             Place::Design => "Design",
             Place::Verify => "Verify",
             Place::Diagnose => "Diagnose",
+        }
+    }
+}
+
+impl Evidence {
+    /// All kinds.
+    pub const ALL: [Evidence; 4] =
+        [Evidence::Histories, Evidence::Rejection, Evidence::Map, Evidence::Robustness];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Evidence::Histories => "Histories",
+            Evidence::Rejection => "Rejection",
+            Evidence::Map => "Analyser",
+            Evidence::Robustness => "Robustness",
+        }
+    }
+}
+
+impl Inquiry {
+    /// All parts.
+    pub const ALL: [Inquiry; 5] =
+        [Inquiry::Signals, Inquiry::Errors, Inquiry::Findings, Inquiry::Map, Inquiry::Tried];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Inquiry::Signals => "Signals",
+            Inquiry::Errors => "Errors",
+            Inquiry::Findings => "Findings",
+            Inquiry::Map => "Where and when",
+            Inquiry::Tried => "Tried",
         }
     }
 }

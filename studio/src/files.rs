@@ -5,10 +5,10 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use counterpoise_project::pipeline::World;
-use counterpoise_project::{Attachments, Document};
+use counterpoise_project::{Attachments, Document, STARTER, Setting};
 
 /// Name of the project file in a project's folder.
-const PROJECT_FILE: &str = "project.toml";
+pub const PROJECT_FILE: &str = "project.toml";
 
 /// The project file that a path means.
 pub fn project_file(path: &Path) -> PathBuf {
@@ -24,13 +24,40 @@ pub fn read(path: &Path) -> Result<(String, Attachments), String> {
     let name = path.display().to_string();
     let document = Document::from_bytes(&bytes, &name)
         .map_err(|errors| errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))?;
+    Ok((document.text().to_owned(), attachments(&document, path)))
+}
+
+/// The files that a project names, from beside it; a missing one is told by the project's own errors.
+pub fn attachments(document: &Document, path: &Path) -> Attachments {
     let folder = path.parent().unwrap_or(Path::new("."));
     let with = |all: Attachments, name: String| match fs::read(folder.join(&name)) {
         Ok(bytes) => all.with(&name, bytes),
         Err(_) => all,
     };
-    let attachments = document.attachments().into_iter().fold(Attachments::none(), with);
-    Ok((document.text().to_owned(), attachments))
+    document.attachments().into_iter().fold(Attachments::none(), with)
+}
+
+/// Makes a folder with a complete project file to start from; gives the file. The folder's name becomes the machine's.
+///
+/// # Errors
+/// A folder that holds a project already, or cannot be made, in words.
+pub fn create(folder: &Path) -> Result<PathBuf, String> {
+    let path = folder.join(PROJECT_FILE);
+    if path.exists() {
+        return Err(format!("{} is there already; give another folder, or remove it", path.display()));
+    }
+    if folder.exists() && !folder.is_dir() {
+        return Err(format!("{} is a file, not a folder; give another name", folder.display()));
+    }
+    let cannot = |error: io::Error| format!("cannot make {}: {error}", folder.display());
+    fs::create_dir_all(folder).map_err(cannot)?;
+    let whole = folder.canonicalize().map_err(cannot)?;
+    let name = whole.file_name().and_then(|name| name.to_str()).unwrap_or("machine");
+    let document = Document::parse(STARTER, PROJECT_FILE);
+    let named = document.set("plant.name", &Setting::Text(name.to_owned())).map_err(|e| e.to_string())?;
+    let path = whole.join(PROJECT_FILE);
+    write(&path, named.text().as_bytes()).map_err(cannot)?;
+    Ok(path)
 }
 
 /// Writes a file whole or not at all: to a neighbour first, then renamed.

@@ -1,19 +1,24 @@
 //! What runs off the window's thread: the live design, the verification, the diagnosis.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
 
-use counterpoise_project::diagnose::bench::Pool;
 use counterpoise_project::diagnose::{Diagnosis, diagnose};
-use counterpoise_project::pipeline;
-use counterpoise_project::recording::Table;
-use counterpoise_project::simulate::recording::Recording;
+use counterpoise_project::pipeline::effort::{EffortPoint, effort};
+use counterpoise_project::pipeline::{self, World};
+use counterpoise_project::models::Parameters;
 use counterpoise_project::simulate::replay::Loop;
-use counterpoise_project::verify::VerifiedController;
+use counterpoise_project::verify::{Verification, VerifiedController};
 use counterpoise_project::{Document, Project};
 
-use crate::files::{self, Folder};
+use crate::exporting::{ExportAsk, export};
+use crate::files::Folder;
 use crate::live::{Ask, Cache, Live, live, reasons};
+use crate::measure::{MeasureAnswer, MeasureAsk, SoFar, measure};
+use crate::recordings::{self, LookAsk, Seen, look};
+use crate::results::Of;
+use crate::watch::{Progress, Watch};
 use crate::worker::{Token, Wake, Worker};
 
 /// What is asked of the verification.
@@ -34,45 +39,86 @@ pub struct DiagnoseAsk {
     pub paths: Vec<PathBuf>,
 }
 
-type Reasons = Vec<String>;
+/// What is asked of the trade-off.
+#[derive(Debug, Clone)]
+pub struct EffortAsk {
+    /// The design around which error and effort are traded.
+    pub live: Arc<Live>,
+}
+
+/// Why there is no result, one reason a line.
+pub type Reasons = Vec<String>;
+
+/// What a running verification has found so far, with its revision.
+pub type Partial = Arc<Mutex<Option<(u64, Arc<Verification>)>>>;
 
 /// The workers.
 pub struct Jobs {
     /// Makes the live design.
     pub live: Worker<Ask, Result<Box<Live>, Reasons>>,
     /// Verifies.
-    pub verify: Worker<VerifyAsk, Result<VerifiedController, Reasons>>,
+    pub verify: Worker<(u64, VerifyAsk), Result<Option<VerifiedController>, Reasons>>,
+    /// Trades error against effort.
+    pub effort: Worker<EffortAsk, Option<Vec<EffortPoint>>>,
+    /// Measures.
+    pub measure: Worker<MeasureAsk, MeasureAnswer>,
+    /// Exports.
+    pub export: Worker<ExportAsk, Result<Option<Vec<PathBuf>>, String>>,
     /// Diagnoses.
     pub diagnose: Worker<DiagnoseAsk, Result<Diagnosis, Reasons>>,
+    /// Lays recordings beside the model.
+    pub look: Worker<LookAsk, Option<Vec<Seen>>>,
     /// The recordings to diagnose.
     pub recordings: Vec<PathBuf>,
+    /// The recordings beside the model, of a revision of the project.
+    pub seen: Option<Of<Vec<Seen>>>,
     /// The last diagnosis, or why there is none.
     pub diagnosed: Option<Result<Diagnosis, Reasons>>,
-    progress: Arc<Mutex<String>>,
+    /// The mechanism that was diagnosed.
+    pub diagnosed_plant: Option<Parameters>,
+    /// What a running verification has found so far.
+    pub partial: Partial,
+    /// What a running campaign has found so far.
+    pub so_far: SoFar,
+    diagnosing: Progress,
+    measuring: Progress,
 }
+
+/// Factors on the error weight at which error is traded against effort.
+fn factors() -> Vec<f64> {
+    (-6..=6).map(|k| 2f64.powf(0.5 * f64::from(k))).collect()
+}
+
+/// Between two looks at a running verification.
+const LOOK_EVERY: Duration = Duration::from_millis(60);
 
 impl Jobs {
     /// Workers that wait.
     pub fn new(wake: &Wake) -> Self {
         let mut cache = Cache::default();
-        let progress = Arc::new(Mutex::new(String::new()));
-        let (said, woken) = (Arc::clone(&progress), Arc::clone(wake));
+        let (diagnosing, measuring) = (Progress::default(), Progress::default());
+        let (partial, so_far) = (Partial::default(), SoFar::default());
         Self {
             live: Worker::new(Arc::clone(wake), move |ask, _| {
                 live(&ask, &mut cache).map(Box::new).map_err(|error| reasons(&error))
             }),
-            verify: Worker::new(Arc::clone(wake), |ask: VerifyAsk, _| {
-                let live = &ask.live;
-                pipeline::verify(&live.project, &live.modelled, &live.synthesised, &ask.folder)
-                    .map_err(|error| reasons(&error))
+            verify: verifier(wake, &partial),
+            effort: Worker::new(Arc::clone(wake), |ask: EffortAsk, token: &Token| {
+                let d = &ask.live;
+                effort(&d.project, (&d.modelled, &d.reduced), &factors(), &|| !token.is_cancelled()).ok()?
             }),
-            diagnose: Worker::new(Arc::clone(wake), move |ask, token| {
-                let watch = Watch { token, said: &said, wake: &woken };
-                diagnosis(&ask, &watch)
-            }),
+            measure: measurer(wake, &measuring, &so_far),
+            export: Worker::new(Arc::clone(wake), |ask: ExportAsk, token: &Token| export(&ask, token)),
+            diagnose: diagnoser(wake, &diagnosing),
+            look: Worker::new(Arc::clone(wake), |ask: LookAsk, token: &Token| look(&ask, token)),
             recordings: Vec::new(),
+            seen: None,
             diagnosed: None,
-            progress,
+            diagnosed_plant: None,
+            partial,
+            so_far,
+            diagnosing,
+            measuring,
         }
     }
 
@@ -80,24 +126,52 @@ impl Jobs {
     pub fn cancel(&self) {
         self.live.cancel();
         self.verify.cancel();
+        self.effort.cancel();
+        self.measure.cancel();
+        self.export.cancel();
         self.diagnose.cancel();
+        self.look.cancel();
     }
 
     /// Whether anything runs.
     pub fn is_busy(&self) -> bool {
-        self.live.is_busy() || self.verify.is_busy() || self.diagnose.is_busy()
+        self.live.is_busy()
+            || self.verify.is_busy()
+            || self.effort.is_busy()
+            || self.measure.is_busy()
+            || self.export.is_busy()
+            || self.diagnose.is_busy()
+            || self.look.is_busy()
     }
 
     /// How far the diagnosis is.
     pub fn progress(&self) -> String {
-        self.progress.lock().map(|text| text.clone()).unwrap_or_default()
+        self.diagnosing.said()
     }
 
-    /// Takes a diagnosis that has come.
-    pub fn take_diagnosis(&mut self) {
-        if let Some((_, answer)) = self.diagnose.take() {
+    /// How far the measurement is.
+    pub fn measuring(&self) -> String {
+        self.measuring.said()
+    }
+
+    /// Takes what has come of recordings and diagnoses; says whether there is a new diagnosis.
+    pub fn take_diagnosis(&mut self) -> bool {
+        if let Some((revision, Some(value))) = self.look.take() {
+            self.seen = Some(Of { revision, value });
+        }
+        let answer = self.diagnose.take();
+        let came = answer.is_some();
+        if let Some((_, answer)) = answer {
             self.diagnosed = Some(answer);
         }
+        came
+    }
+
+    /// Forgets recordings and diagnoses: another project is opened.
+    pub fn forget(&mut self) {
+        self.cancel();
+        (self.seen, self.diagnosed, self.diagnosed_plant) = (None, None, None);
+        self.recordings.clear();
     }
 
     /// The project's text with the diagnosed mechanism, where there is one.
@@ -110,70 +184,55 @@ impl Jobs {
     }
 }
 
-/// Processors of the diagnosis: it takes all but the window's, and stops when it is told to.
-struct Watch<'a> {
-    token: &'a Token,
-    said: &'a Mutex<String>,
-    wake: &'a Wake,
+fn verifier(
+    wake: &Wake,
+    partial: &Partial,
+) -> Worker<(u64, VerifyAsk), Result<Option<VerifiedController>, Reasons>> {
+    let (partial, woken) = (Arc::clone(partial), Arc::clone(wake));
+    Worker::new(Arc::clone(wake), move |(revision, ask): (u64, VerifyAsk), token: &Token| {
+        let (live, mut looked) = (&ask.live, None::<Instant>);
+        let mut watch = |found: &Verification| {
+            if looked.is_none_or(|at| at.elapsed() > LOOK_EVERY) {
+                if let Ok(mut kept) = partial.lock() {
+                    *kept = Some((revision, Arc::new(found.clone())));
+                }
+                looked = Some(Instant::now());
+                woken();
+            }
+            !token.is_cancelled()
+        };
+        let seen = (&ask.folder as &dyn World, &mut watch as &mut dyn FnMut(&Verification) -> bool);
+        pipeline::verify_watched(&live.project, &live.modelled, &live.synthesised, seen)
+            .map_err(|error| reasons(&error))
+    })
 }
 
-impl Pool for Watch<'_> {
-    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
-        let next = std::sync::atomic::AtomicUsize::new(0);
-        let work = || {
-            loop {
-                let k = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-                if k >= count {
-                    break;
-                }
-                job(k);
-            }
-        };
-        let threads = std::thread::available_parallelism().map_or(1, usize::from).min(count.max(1));
-        std::thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(work))));
-    }
+fn measurer(wake: &Wake, progress: &Progress, so_far: &SoFar) -> Worker<MeasureAsk, MeasureAnswer> {
+    let (progress, woken, so_far) = (progress.clone(), Arc::clone(wake), Arc::clone(so_far));
+    Worker::new(Arc::clone(wake), move |ask: MeasureAsk, token: &Token| {
+        measure(&ask, &so_far, &Watch { token, progress: &progress, wake: &woken })
+    })
+}
 
-    fn cancelled(&self) -> bool {
-        self.token.is_cancelled()
-    }
-
-    fn progress(&self, stage: &str, done: usize, of: usize) {
-        if let Ok(mut said) = self.said.lock() {
-            *said = format!("{stage} {}/{of}", done + 1);
-        }
-        (self.wake)();
-    }
+fn diagnoser(wake: &Wake, progress: &Progress) -> Worker<DiagnoseAsk, Result<Diagnosis, Reasons>> {
+    let (progress, woken) = (progress.clone(), Arc::clone(wake));
+    Worker::new(Arc::clone(wake), move |ask: DiagnoseAsk, token: &Token| {
+        diagnosis(&ask, &Watch { token, progress: &progress, wake: &woken })
+    })
 }
 
 fn diagnosis(ask: &DiagnoseAsk, watch: &Watch) -> Result<Diagnosis, Reasons> {
-    let recordings: Vec<Recording> =
-        ask.paths.iter().map(|path| recording(&ask.project, path)).collect::<Result<_, _>>()?;
-    let control = ask.project.recording_controller.as_ref().map_or(Loop::Open, Loop::from);
-    diagnose(&ask.project.plant, control, &recordings, watch).map_err(|error| vec![error.to_string()])
-}
-
-/// Reads a recording as the project maps it.
-///
-/// # Errors
-/// What is wrong with it, in words.
-pub fn recording(project: &Project, path: &Path) -> Result<Recording, Reasons> {
-    let name = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|error| vec![format!("cannot read {name}: {error}")])?;
-    let table = Table::read(&bytes, &name).map_err(|error| vec![error.to_string()])?;
-    let record = project.recording.apply(&table).map_err(|error| vec![format!("{name}: {error}")])?;
-    Ok(record.recording())
-}
-
-/// Writes the verified controller's code; gives the names of the files.
-///
-/// # Errors
-/// Why it could not be made or written.
-pub fn export(ask: &VerifyAsk, verified: &VerifiedController, out: &Path) -> Result<Vec<String>, String> {
-    let made = pipeline::export(&ask.live.project, &ask.live.modelled, verified, &ask.folder)
-        .map_err(|error| error.to_string())?;
-    for file in &made {
-        files::write(&out.join(&file.name), file.text.as_bytes())
-            .map_err(|error| format!("{} cannot be written: {error}", out.join(&file.name).display()))?;
+    let (mut all, mut remarks) = (Vec::new(), Vec::new());
+    for path in &ask.paths {
+        let (_, records) = recordings::read(&ask.project, path).map_err(|why| vec![why])?;
+        for record in &records {
+            remarks.extend(record.findings.iter().map(|finding| format!("{}: {finding}", record.name)));
+            all.push(record.recording());
+        }
     }
-    Ok(made.into_iter().map(|file| file.name).collect())
+    let control = ask.project.recording_controller.as_ref().map_or(Loop::Open, Loop::from);
+    let mut found =
+        diagnose(&ask.project.plant, control, &all, watch).map_err(|error| vec![error.to_string()])?;
+    found.answer.qualification.extend(remarks);
+    Ok(found)
 }

@@ -9,8 +9,9 @@
 //!
 //! *Invariant*: no equation of the field stands here, and nothing can be done here that the command line cannot do.
 //!
-//! Modules in reading order: [`command`], [`session`], [`journal`], [`keys`], [`knobs`], [`live`], [`worker`], [`jobs`],
-//! [`results`], [`view`], [`studio`], [`theme`], [`chart`], [`svg`], [`shell`], [`places`], [`files`], [`window`].
+//! Modules in reading order: [`command`], [`session`], [`journal`], [`keys`], [`knobs`], [`live`], [`worker`], [`watch`],
+//! [`measure`], [`exporting`], [`pyramid`], [`recordings`], [`jobs`], [`results`], [`view`], [`studio`], [`rounds`], [`theme`],
+//! [`number`], [`chart`], [`svg`], [`shell`], [`places`], [`files`], [`replay`], [`window`].
 //!
 //! ```
 //! use counterpoise_studio::{command::Command, session::Session};
@@ -24,19 +25,27 @@
 
 pub mod chart;
 pub mod command;
+pub mod exporting;
 pub mod files;
 pub mod jobs;
 pub mod journal;
 pub mod keys;
 pub mod knobs;
 pub mod live;
+pub mod measure;
+pub mod number;
 pub mod places;
+pub mod pyramid;
+pub mod recordings;
+pub mod replay;
 pub mod results;
+pub mod rounds;
 pub mod session;
 pub mod shell;
 pub mod studio;
 pub mod svg;
 pub mod theme;
 pub mod view;
+pub mod watch;
 pub mod window;
 pub mod worker;

@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
-use counterpoise_project::verify::VerifiedController;
+use counterpoise_project::pipeline::effort::EffortPoint;
+use counterpoise_project::verify::{Verification, VerifiedController};
 
 use crate::live::Live;
+use crate::measure::Measured;
 
 /// A result and the revision of the project that it came from.
 #[derive(Debug, Clone)]
@@ -24,6 +26,12 @@ pub struct Results {
     pub no_design: Option<Of<Vec<String>>>,
     /// The last verification.
     pub verified: Option<Of<Arc<VerifiedController>>>,
+    /// What a verification that still runs has found so far.
+    pub partial: Option<Of<Arc<Verification>>>,
+    /// Error against effort around the last good design.
+    pub effort: Option<Of<Vec<EffortPoint>>>,
+    /// The last map of the analyser, and the last campaign.
+    pub measured: Measured,
     /// Why a revision could not be verified.
     pub no_verification: Option<Of<Vec<String>>>,
     /// Whether a design is being made.
@@ -42,6 +50,36 @@ impl Results {
     pub fn design(&self, revision: u64) -> Option<(&Arc<Live>, Age)> {
         self.live.as_ref().map(|of| (&of.value, Age::of(of.revision, revision)))
     }
+}
+
+impl Results {
+    /// What is known of the verification: all of it, or what a running one has found so far where that is newer.
+    pub fn verification(&self, revision: u64) -> Option<(&Verification, Standing)> {
+        let whole = self.verified.as_ref();
+        if let Some(part) = self.partial.as_ref()
+            && self.verifying
+            && whole.is_none_or(|of| of.revision != part.revision)
+        {
+            return Some((&part.value, Standing::Running));
+        }
+        let of = whole?;
+        let standing = match Age::of(of.revision, revision) {
+            Age::Fresh => Standing::Whole,
+            Age::Stale => Standing::Stale,
+        };
+        Some((of.value.verification(), standing))
+    }
+}
+
+/// How a verification stands to the project.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Standing {
+    /// It is of the project as it stands, and complete.
+    Whole,
+    /// It is still running.
+    Running,
+    /// It is of an older design.
+    Stale,
 }
 
 /// Whether a result is of the project as it stands.

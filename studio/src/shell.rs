@@ -7,7 +7,7 @@ use crate::places;
 use crate::results::Age;
 use crate::studio::Studio;
 use crate::theme::{Theme, space};
-use crate::view::{FrequencyUnit, GainUnit, Tone};
+use crate::view::{AngleUnit, FrequencyUnit, GainUnit, Tone};
 
 /// Shows the studio and carries out what was asked of it in this frame.
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
@@ -58,11 +58,34 @@ fn bar(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
         if let Some(opened) = &studio.opened {
             let name = opened.session.project().map_or("project", |p| p.plant.name.as_str());
             ui.label(RichText::new(name).color(theme.weak));
+            configurations(ui, opened, queue);
             if opened.session.is_changed() {
                 ui.label(RichText::new("edited").small().color(theme.warn)).on_hover_text("Ctrl+S saves");
             }
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| tools(studio, ui, queue));
+    });
+}
+
+/// Which configuration of the mechanism is designed for, where it has several.
+fn configurations(ui: &mut Ui, opened: &crate::studio::Opened, queue: &mut Vec<Command>) {
+    const KEY: &str = "model.configuration";
+    let Some(project) = opened.session.project().filter(|p| !p.plant.configurations.is_empty()) else { return };
+    let now = project.model.configuration.clone();
+    let shown = now.clone().unwrap_or_else(|| "as written".to_owned());
+    let boxed = egui::ComboBox::from_id_salt("configuration").selected_text(shown).width(120.0);
+    let shown = boxed.show_ui(ui, |ui| {
+        if ui.selectable_label(now.is_none(), "as written").clicked() && now.is_some() {
+            queue.push(Command::Remove { path: KEY.to_owned() });
+        }
+        for one in &project.plant.configurations {
+            if ui.selectable_label(now.as_deref() == Some(one.name.as_str()), &one.name).clicked() {
+                queue.push(Command::SetText { path: KEY.to_owned(), value: one.name.clone() });
+            }
+        }
+    });
+    shown.response.widget_info(|| {
+        egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "configuration of the mechanism")
     });
 }
 
@@ -79,6 +102,8 @@ fn tools(studio: &Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     };
     button(ui, "Commands", "Every command, by name (Ctrl+K)", true, Command::Palette);
     button(ui, "Theme", "Light or dark (Ctrl+T)", true, Command::ToggleTheme);
+    let angle = if view.angle == AngleUnit::Milliradian { "mrad" } else { "deg" };
+    button(ui, angle, "Angles in mrad or degrees (Ctrl+G)", true, Command::ToggleAngle);
     button(ui, gain, "Gains in dB or absolute (Ctrl+B)", true, Command::ToggleGain);
     button(ui, frequency, "Frequencies in Hz or rad/s (Ctrl+H)", true, Command::ToggleFrequency);
     ui.separator();
@@ -125,6 +150,13 @@ fn state(studio: &Studio, theme: &Theme) -> (String, egui::Color32) {
     }
     if studio.results.why_not(revision).is_some() {
         return ("no controller for this project; the last good design is shown".to_owned(), theme.bad);
+    }
+    let jobs = studio.diagnosis();
+    if jobs.export.is_busy() {
+        return ("writing the code".to_owned(), theme.accent);
+    }
+    if jobs.measure.is_busy() {
+        return (format!("measuring: {}", jobs.measuring()), theme.accent);
     }
     if studio.results.verifying {
         return ("verifying on the full plant".to_owned(), theme.accent);
@@ -185,7 +217,9 @@ fn shortcuts(ui: &Ui) -> Vec<Command> {
 /// A project or recordings that were dropped on the window.
 fn dropped(ui: &Ui) -> Vec<Command> {
     let paths: Vec<_> = ui.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_path_buf()).collect());
-    let is_project = |p: &std::path::PathBuf| p.is_dir() || p.extension().is_some_and(|e| e == "toml");
+    let is_project = |p: &std::path::PathBuf| {
+        crate::files::project_file(p).is_file() && (p.is_dir() || p.extension().is_some_and(|e| e == "toml"))
+    };
     match paths.iter().find(|p| is_project(p)) {
         Some(path) => vec![Command::Open { path: path.clone() }],
         None if paths.is_empty() => Vec::new(),
@@ -193,15 +227,24 @@ fn dropped(ui: &Ui) -> Vec<Command> {
     }
 }
 
-/// The entries that a typed text finds: every word of it must appear.
-pub fn found(typed: &str) -> Vec<Entry> {
+/// The entries that a typed text finds, of all commands and the projects that were open before: every word of it must appear.
+pub fn found(typed: &str, recent: &[std::path::PathBuf]) -> Vec<Entry> {
     let words: Vec<String> = typed.to_lowercase().split_whitespace().map(str::to_owned).collect();
     let fits = |e: &Entry| words.iter().all(|w| e.name.to_lowercase().contains(w));
-    entries().into_iter().filter(fits).collect()
+    let open = |path: &std::path::PathBuf| Entry {
+        name: format!("Open {}", path.display()).into(),
+        shortcut: "",
+        command: Command::Open { path: path.clone() },
+    };
+    entries().into_iter().chain(recent.iter().map(open)).filter(fits).collect()
 }
 
 fn palette(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     let theme = studio.view.theme;
+    if studio.view.palette.is_none() {
+        return;
+    }
+    let recent = crate::files::recent(&studio.state);
     let Some((typed, chosen)) = &mut studio.view.palette else { return };
     let mut done = None;
     let close = ui.input(|i| i.key_pressed(Key::Escape));
@@ -215,7 +258,7 @@ fn palette(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
                 egui::TextEdit::singleline(typed).hint_text("type a command").desired_width(f32::INFINITY);
             let field = ui.add(edit);
             field.request_focus();
-            let list = found(typed);
+            let list = found(typed, &recent);
             let (up, down, enter) = ui.input(|i| {
                 (i.key_pressed(Key::ArrowUp), i.key_pressed(Key::ArrowDown), i.key_pressed(Key::Enter))
             });
@@ -238,7 +281,7 @@ fn palette(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
 }
 
 fn row(ui: &mut Ui, entry: &Entry, chosen: bool, theme: &Theme) -> bool {
-    let text = egui::Button::selectable(chosen, entry.name)
+    let text = egui::Button::selectable(chosen, entry.name.as_ref()).truncate()
         .right_text(RichText::new(entry.shortcut).small().color(theme.weak))
         .min_size(egui::vec2(ui.available_width(), 24.0));
     ui.add(text).clicked()

@@ -1,26 +1,23 @@
-//! The studio itself: carries out commands, asks the workers, takes their answers, keeps the journal.
+//! The studio itself: carries out commands. What it does by itself, frame after frame, stands in [`crate::rounds`].
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Instant, SystemTime};
 
 use counterpoise_project::Attachments;
 use counterpoise_project::verify::VerifiedController;
 
 use crate::command::Command;
+use crate::exporting::{ExportAsk, Library};
 use crate::files::{self, Folder};
-use crate::jobs::{self, Jobs, VerifyAsk};
+use crate::jobs::{self, EffortAsk, Jobs, VerifyAsk};
 use crate::journal::{self, Head, Journal};
-use crate::live::{Ask, Live};
-use crate::results::{Of, Results};
+use crate::measure::MeasureAsk;
+use crate::recordings::{self, LookAsk};
+use crate::results::Results;
 use crate::session::Session;
 use crate::view::View;
 use crate::worker::Wake;
-
-/// How long after the last change the nonlinear verification begins.
-const VERIFY_AFTER: Duration = Duration::from_millis(120);
-/// How often it is looked whether the file was changed outside.
-const LOOK_EVERY: Duration = Duration::from_secs(1);
 
 /// An opened project.
 pub struct Opened {
@@ -28,8 +25,8 @@ pub struct Opened {
     pub path: PathBuf,
     /// What is done to it.
     pub session: Session,
-    journal: Option<Journal>,
-    modified: Option<SystemTime>,
+    pub(crate) journal: Option<Journal>,
+    pub(crate) modified: Option<SystemTime>,
     /// Whether the file was changed by somebody else since it was read.
     pub changed_outside: bool,
 }
@@ -44,10 +41,12 @@ pub struct Studio {
     pub view: View,
     /// What was computed.
     pub results: Results,
-    jobs: Jobs,
-    asked: Option<(u64, Option<f64>)>,
-    verify_at: Option<Instant>,
-    looked: Instant,
+    pub(crate) jobs: Jobs,
+    pub(crate) asked: Option<(u64, Option<f64>)>,
+    pub(crate) verify_at: Option<Instant>,
+    pub(crate) looked: Instant,
+    /// Makes the libraries of FMI units; none are made where nobody says how.
+    pub library: Library,
     /// Why a project could not be opened.
     pub refused: Option<String>,
 }
@@ -64,6 +63,7 @@ impl Studio {
             asked: None,
             verify_at: None,
             looked: Instant::now(),
+            library: |_, _| None,
             refused: None,
         }
     }
@@ -92,11 +92,15 @@ impl Studio {
     fn act(&mut self, command: &Command) {
         match command {
             Command::Open { path } => self.open(path),
+            Command::New { folder } => self.create(folder),
+            Command::Close => self.leave(),
             Command::Save => self.save(),
             Command::Reload => self.reload(),
             Command::Verify => self.verify(),
             Command::Cancel => self.cancel(),
             Command::Export => self.export(),
+            Command::Measure => self.measure(MeasureAsk::Map),
+            Command::Sweep => self.sweep(),
             Command::Keep { slot } => {
                 if let Some(of) = &self.results.live {
                     self.view.keep(*slot, &of.value);
@@ -104,11 +108,30 @@ impl Studio {
                 }
             }
             Command::CopyCsv | Command::CopySvg | Command::CopyPng => {}
-            Command::Recordings { paths } => self.jobs.recordings = paths.clone(),
+            Command::Recordings { paths } => self.record(paths),
             Command::Diagnose => self.diagnose(),
             Command::Accept => self.accept(),
             _ => {}
         }
+    }
+
+    fn create(&mut self, folder: &Path) {
+        match files::create(folder) {
+            Ok(path) => {
+                self.open(&path);
+                self.view.say(format!("{} is a complete machine: change its numbers to your own", path.display()));
+            }
+            Err(why) => {
+                self.view.warn(why.clone());
+                self.refused = Some(why);
+            }
+        }
+    }
+
+    fn leave(&mut self) {
+        self.jobs.forget();
+        self.close();
+        (self.results, self.asked, self.verify_at) = (Results::default(), None, None);
     }
 
     /// Opens a project; edits that were never saved come back.
@@ -116,7 +139,7 @@ impl Studio {
         let path = files::project_file(path);
         match files::read(&path) {
             Ok((text, attachments)) => {
-                self.close();
+                self.leave();
                 self.begin(path, &text, attachments);
             }
             Err(why) => {
@@ -205,145 +228,107 @@ impl Studio {
         self.view.say("stopped");
     }
 
-    fn ask_verification(&self) -> Option<(u64, VerifyAsk)> {
+    pub(crate) fn ask_verification(&self) -> Option<(u64, VerifyAsk)> {
         let (opened, of) = (self.opened.as_ref()?, self.results.live.as_ref()?);
         let folder = opened.path.parent().unwrap_or(Path::new(".")).to_owned();
         Some((of.revision, VerifyAsk { live: Arc::clone(&of.value), folder: Folder(folder) }))
     }
 
-    fn verify(&mut self) {
+    pub(crate) fn verify(&mut self) {
         self.verify_at = None;
         if let Some((revision, ask)) = self.ask_verification() {
-            self.jobs.verify.ask(revision, ask);
+            let live = Arc::clone(&ask.live);
+            self.jobs.verify.ask(revision, (revision, ask));
+            self.jobs.effort.ask(revision, EffortAsk { live });
         }
     }
 
-    fn export(&mut self) {
-        let (Some((_, ask)), Some(of)) = (self.ask_verification(), self.results.verified.clone()) else {
-            return self.view.warn("there is nothing to export: the design is not verified yet (F5)");
+    /// The design with its verification, where both are of the project as it stands; else says what is missing.
+    fn verified_now(&mut self, what: &str) -> Option<(u64, VerifyAsk, Arc<VerifiedController>)> {
+        let (Some((revision, ask)), Some(of)) = (self.ask_verification(), self.results.verified.clone()) else {
+            self.view.warn(format!("{what}: the design is not verified yet (F5)"));
+            return None;
         };
         let stale = self.opened.as_ref().is_none_or(|o| o.session.revision() != of.revision);
         if stale || ask.live.tried_kg_m.is_some() {
-            return self
-                .view
-                .warn("not exported: the verification is of an older design; verify (F5), then export");
+            self.view.warn(format!("{what}: the verification is of an older design; verify (F5) first"));
+            return None;
         }
-        let out = ask.folder.0.join("out");
-        match jobs::export(&ask, &of.value, &out) {
-            Ok(names) => self.view.say(format!("wrote {} to {}", names.join(", "), out.display())),
-            Err(why) => self.view.warn(format!("not exported: {why}")),
+        Some((revision, ask, of.value))
+    }
+
+    fn export(&mut self) {
+        let Some((revision, design, verified)) = self.verified_now("not exported") else { return };
+        let out = design.folder.0.join("out");
+        self.jobs.export.ask(revision, ExportAsk { design, verified, out, library: self.library });
+    }
+
+    fn measure(&mut self, of: fn(VerifyAsk) -> MeasureAsk) {
+        match self.ask_verification() {
+            Some((revision, ask)) => self.jobs.measure.ask(revision, of(ask)),
+            None => self.view.warn("there is no controller to measure with yet"),
         }
+    }
+
+    fn sweep(&mut self) {
+        if let Some((revision, ask, verified)) = self.verified_now("not tried") {
+            self.jobs.measure.ask(revision, MeasureAsk::Robust(ask, verified));
+        }
+    }
+
+    fn record(&mut self, paths: &[PathBuf]) {
+        self.jobs.recordings = recordings::files(paths);
+        (self.jobs.seen, self.jobs.diagnosed, self.jobs.diagnosed_plant) = (None, None, None);
+        self.view.recording = 0;
+        if self.jobs.recordings.is_empty() && !paths.is_empty() {
+            self.view.warn("there is no recording in that folder (CSV, Parquet, MATLAB, HDF5)");
+        }
+        self.look();
+    }
+
+    /// Lays the recordings beside the model as it stands, and beside the diagnosed one.
+    pub(crate) fn look(&mut self) {
+        let Some(opened) = &self.opened else { return };
+        let Some(project) = opened.session.project() else { return };
+        let diagnosed = self.jobs.diagnosed.as_ref().and_then(|found| found.as_ref().ok());
+        let improved = diagnosed
+            .filter(|_| self.jobs.diagnosed_plant.as_ref() == Some(&project.plant))
+            .map(|found| Arc::new(found.improved.clone()));
+        let (project, paths) = (Arc::clone(project), self.jobs.recordings.clone());
+        self.jobs.look.ask(opened.session.revision(), LookAsk { project, paths, improved });
     }
 
     fn diagnose(&mut self) {
         let Some(opened) = &self.opened else { return };
         let Some(project) = opened.session.project() else { return };
         if self.jobs.recordings.is_empty() {
-            return self.view.warn("drop recordings (CSV, Parquet, MATLAB) onto the window first");
+            return self.view.warn("drop recordings (CSV, Parquet, MATLAB, HDF5) onto the window first");
         }
         let ask = jobs::DiagnoseAsk { project: Arc::clone(project), paths: self.jobs.recordings.clone() };
+        self.jobs.diagnosed_plant = Some(project.plant.clone());
         self.jobs.diagnose.ask(opened.session.revision(), ask);
     }
 
     fn accept(&mut self) {
+        let Some(project) = self.opened.as_ref().and_then(|o| o.session.project()) else { return };
+        if self.jobs.diagnosed_plant.as_ref().is_some_and(|plant| *plant != project.plant) {
+            return self.view.warn("not accepted: the mechanism was changed since the diagnosis; diagnose again (F6)");
+        }
         let improved =
             self.opened.as_ref().and_then(|o| self.jobs.improved(o.session.text(), o.session.project()?));
         match improved {
-            Some(Ok(text)) => self.run(&Command::Replace { text }),
+            Some(Ok(text)) => {
+                self.run(&Command::Replace { text });
+                self.view.say("the diagnosis is in the project; design and verification follow (Ctrl+Z takes it back)");
+            }
             Some(Err(why)) => self.view.warn(why),
             None => self.view.warn("there is no diagnosis to accept"),
         }
     }
 
-    /// Takes answers, asks for what is due; once a frame.
-    pub fn tick(&mut self) {
-        self.take_answers();
-        self.ask_design();
-        if self.verify_at.is_some_and(|at| Instant::now() >= at) && !self.view.dragging {
-            self.verify();
-        }
-        self.look_outside();
-        (self.results.designing, self.results.verifying) =
-            (self.jobs.live.is_busy(), self.jobs.verify.is_busy());
-    }
-
-    /// When the studio should next look after itself, while nobody touches it.
-    pub fn wakes_after(&self) -> Duration {
-        let verify = self.verify_at.map(|at| at.saturating_duration_since(Instant::now()));
-        verify.unwrap_or(LOOK_EVERY).max(Duration::from_millis(5))
-    }
-
-    /// Whether nothing is asked for or running.
-    pub fn is_idle(&self) -> bool {
-        self.verify_at.is_none() && !self.jobs.is_busy()
-    }
-
     /// What the diagnosis knows.
     pub fn diagnosis(&self) -> &Jobs {
         &self.jobs
-    }
-
-    fn take_answers(&mut self) {
-        if let Some((revision, answer)) = self.jobs.live.take() {
-            match answer {
-                Ok(live) => self.designed(revision, live),
-                Err(why) => self.results.no_design = Some(Of { revision, value: why }),
-            }
-        }
-        if let Some((revision, answer)) = self.jobs.verify.take() {
-            match answer {
-                Ok(found) => self.verified(revision, found),
-                Err(why) => self.results.no_verification = Some(Of { revision, value: why }),
-            }
-        }
-        self.jobs.take_diagnosis();
-    }
-
-    fn designed(&mut self, revision: u64, live: Box<Live>) {
-        self.results.no_design = None;
-        self.results.live = Some(Of { revision, value: Arc::new(*live) });
-        self.verify_at = Some(Instant::now() + VERIFY_AFTER);
-    }
-
-    fn verified(&mut self, revision: u64, found: VerifiedController) {
-        self.results.no_verification = None;
-        self.results.verified = Some(Of { revision, value: Arc::new(found) });
-    }
-
-    fn ask_design(&mut self) {
-        let Some(opened) = &self.opened else { return };
-        let now = (opened.session.revision(), self.view.tried_kg_m);
-        if self.asked == Some(now) {
-            return;
-        }
-        self.asked = Some(now);
-        if !opened.session.errors().is_empty() {
-            let value = opened.session.errors().iter().map(ToString::to_string).collect();
-            self.results.no_design = Some(Of { revision: now.0, value });
-        } else if let Some(project) = opened.session.project() {
-            let ask = Ask { project: Arc::clone(project), out_of_balance_kg_m: now.1 };
-            self.jobs.live.ask(now.0, ask);
-        }
-    }
-
-    /// Looks whether somebody else wrote the file, and whether the journal is written.
-    fn look_outside(&mut self) {
-        if self.looked.elapsed() < LOOK_EVERY {
-            return;
-        }
-        self.looked = Instant::now();
-        let Some(opened) = &mut self.opened else { return };
-        let now = modified(&opened.path);
-        if now.is_some() && now != opened.modified {
-            opened.modified = now;
-            opened.changed_outside =
-                std::fs::read(&opened.path).is_ok_and(|b| b != opened.session.text().as_bytes());
-        }
-        if let Some(why) = opened.journal.as_ref().and_then(Journal::trouble) {
-            self.view.warn(format!(
-                "edits are not kept against a crash: {why}. Save (Ctrl+S) as soon as there is room"
-            ));
-        }
     }
 }
 
@@ -353,6 +338,6 @@ impl Drop for Studio {
     }
 }
 
-fn modified(path: &Path) -> Option<SystemTime> {
+pub(crate) fn modified(path: &Path) -> Option<SystemTime> {
     std::fs::metadata(path).and_then(|m| m.modified()).ok()
 }

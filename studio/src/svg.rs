@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::chart::{Chart, Dash, Scale, thin};
+use crate::chart::{Chart, Dash, Scale};
 
 const WIDTH: f64 = 720.0;
 const HEIGHT: f64 = 400.0;
@@ -26,10 +26,11 @@ pub fn drawing(chart: &Chart) -> String {
     );
     axes(&mut out, chart, x, y);
     for (k, curve) in chart.curves.iter().enumerate() {
-        let placed: Vec<[f64; 2]> =
-            curve.points.iter().map(|p| [chart.place(0, p[0]), chart.place(1, p[1])]).collect();
-        let points: Vec<String> = thin(&placed, x, WIDTH as usize)
+        let seen = (chart.unplace(0, x.0), chart.unplace(0, x.1));
+        let shown = curve.points.shown(seen, WIDTH as usize);
+        let points: Vec<String> = shown
             .iter()
+            .map(|p| [chart.place(0, p[0]), chart.place(1, p[1])])
             .filter(|p| p[0].is_finite() && p[1].is_finite() && (x.0..=x.1).contains(&p[0]))
             .map(|p| format!("{:.1},{:.1}", across(p[0], x), down(p[1].clamp(y.0, y.1), y)))
             .collect();
@@ -102,7 +103,7 @@ fn range(chart: &Chart, axis: usize) -> (f64, f64) {
     let values = chart
         .curves
         .iter()
-        .flat_map(|c| &c.points)
+        .flat_map(|c| c.points.all())
         .map(|p| chart.place(axis, p[axis]))
         .filter(|v| v.is_finite());
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));

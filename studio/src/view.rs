@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::chart::Chart;
-use crate::command::{Command, Place, Slot};
+use crate::command::{Command, Evidence, Inquiry, Place, Slot};
 use crate::live::Live;
 use crate::theme::{DARK, LIGHT, Theme};
 
@@ -24,6 +24,15 @@ pub enum GainUnit {
     Decibel,
     /// As they are, by decades.
     Absolute,
+}
+
+/// How angles and their rates are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AngleUnit {
+    /// mrad and mrad/s.
+    Milliradian,
+    /// Degrees and degrees/s.
+    Degree,
 }
 
 /// Which part of the design the weights are shown of.
@@ -65,6 +74,10 @@ pub struct View {
     pub frequency: FrequencyUnit,
     /// Unit of gains.
     pub gain: GainUnit,
+    /// Unit of angles.
+    pub angle: AngleUnit,
+    /// What the verification is looked at by.
+    pub evidence: Evidence,
     /// Whose weights are shown.
     pub part: Part,
     /// Designs kept for comparison.
@@ -79,6 +92,14 @@ pub struct View {
     pub notice: Option<Notice>,
     /// The list of commands, while it is open: what was typed, and which entry is chosen.
     pub palette: Option<(String, usize)>,
+    /// Which recording is shown.
+    pub recording: usize,
+    /// What of the diagnosis is shown.
+    pub inquiry: Inquiry,
+    /// The path of recordings that is typed.
+    pub recordings_path: String,
+    /// The path that is typed where no project is open.
+    pub path: String,
     /// The plot that was under the pointer last.
     pub chart: Option<(Chart, egui::Rect)>,
     /// Which mode of the mechanism moves.
@@ -96,6 +117,8 @@ impl Default for View {
             theme: DARK,
             frequency: FrequencyUnit::Hertz,
             gain: GainUnit::Decibel,
+            angle: AngleUnit::Milliradian,
+            evidence: Evidence::Histories,
             part: Part::Feedback,
             kept: BTreeMap::new(),
             tried_kg_m: None,
@@ -103,6 +126,10 @@ impl Default for View {
             dragging: false,
             notice: None,
             palette: None,
+            recording: 0,
+            inquiry: Inquiry::Signals,
+            recordings_path: String::new(),
+            path: String::new(),
             chart: None,
             mode: 0,
             verdict: 0,
@@ -132,6 +159,18 @@ impl View {
                     GainUnit::Decibel => GainUnit::Absolute,
                     GainUnit::Absolute => GainUnit::Decibel,
                 }
+            }
+            Command::ToggleAngle => {
+                self.angle = match self.angle {
+                    AngleUnit::Milliradian => AngleUnit::Degree,
+                    AngleUnit::Degree => AngleUnit::Milliradian,
+                }
+            }
+            Command::Look { evidence } => {
+                (self.place, self.evidence) = (Place::Verify, *evidence);
+            }
+            Command::Inquire { inquiry } => {
+                (self.place, self.inquiry) = (Place::Diagnose, *inquiry);
             }
             Command::Palette => {
                 self.palette = if self.palette.is_some() { None } else { Some((String::new(), 0)) }
@@ -169,6 +208,22 @@ impl View {
         match self.frequency {
             FrequencyUnit::Hertz => shown * std::f64::consts::TAU,
             FrequencyUnit::Radians => shown,
+        }
+    }
+
+    /// What a rate in rad/s (or an angle in rad) is multiplied by to be shown.
+    pub fn angular(&self) -> f64 {
+        match self.angle {
+            AngleUnit::Milliradian => 1e3,
+            AngleUnit::Degree => 1.0_f64.to_degrees(),
+        }
+    }
+
+    /// The unit in which rates are shown.
+    pub fn angular_rate_unit(&self) -> &'static str {
+        match self.angle {
+            AngleUnit::Milliradian => "mrad/s",
+            AngleUnit::Degree => "deg/s",
         }
     }
 

@@ -1,14 +1,25 @@
 //! The native window.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::command::Command;
+use crate::exporting::Library;
 use crate::files;
+use crate::replay::{FrameLog, Offscreen, Script};
 use crate::shell;
 use crate::studio::Studio;
+
+/// What the studio is seen on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Surface {
+    /// A window.
+    #[default]
+    Window,
+    /// Nothing: the script is carried out frame by frame and the studio ends with it.
+    Nothing,
+}
 
 /// How the studio is started.
 #[derive(Debug, Clone, Default)]
@@ -23,6 +34,10 @@ pub struct Options {
     pub size: Option<[f32; 2]>,
     /// Where the studio keeps its own files; the usual place where none is given.
     pub state: Option<PathBuf>,
+    /// What it is seen on.
+    pub surface: Surface,
+    /// Makes the libraries of FMI units; none are made where nobody says how.
+    pub library: Option<Library>,
 }
 
 /// Why the studio could not be run.
@@ -52,6 +67,10 @@ const SIZE: [f32; 2] = [1280.0, 800.0];
 /// A script that cannot be read; a machine without a window system.
 pub fn run(options: Options) -> Result<(), Error> {
     let script = options.script.as_deref().map(read_script).transpose()?.unwrap_or_default();
+    if options.surface == Surface::Nothing {
+        unseen(&options, script);
+        return Ok(());
+    }
     let viewport = egui::ViewportBuilder::default()
         .with_title("Counterpoise")
         .with_app_id("counterpoise")
@@ -73,6 +92,24 @@ fn reason(error: &str) -> String {
     said.trim_end_matches('.').to_owned()
 }
 
+/// Carries out the script without a window.
+fn unseen(options: &Options, script: Vec<Command>) {
+    let state = options.state.clone().unwrap_or_else(files::state_folder);
+    let mut offscreen = Offscreen::new(&state, options.size.unwrap_or(SIZE));
+    prepare(&mut offscreen.studio, options);
+    offscreen.play(script, &mut FrameLog::new(options.frame_log.as_deref()));
+    offscreen.studio.close();
+}
+
+fn prepare(studio: &mut Studio, options: &Options) {
+    if let Some(library) = options.library {
+        studio.library = library;
+    }
+    if let Some(project) = &options.project {
+        studio.open(project);
+    }
+}
+
 fn read_script(path: &Path) -> Result<Vec<Command>, Error> {
     let bad = |why: String| Error::Script { path: path.to_owned(), why };
     let text = std::fs::read_to_string(path).map_err(|error| bad(error.to_string()))?;
@@ -85,10 +122,8 @@ fn read_script(path: &Path) -> Result<Vec<Command>, Error> {
 /// The window with its studio.
 struct Window {
     studio: Studio,
-    script: std::vec::IntoIter<Command>,
-    log: Option<std::fs::File>,
-    drawn_revision: Option<u64>,
-    changed: Instant,
+    script: Script,
+    log: FrameLog,
     themed: Option<crate::theme::Theme>,
 }
 
@@ -98,48 +133,16 @@ impl Window {
         let wake = Arc::new(move || waking.request_repaint());
         let state = options.state.clone().unwrap_or_else(files::state_folder);
         let mut studio = Studio::new(&state, wake);
-        if let Some(project) = &options.project {
-            studio.open(project);
-        }
-        let mut log = options.frame_log.as_ref().and_then(|path| std::fs::File::create(path).ok());
-        if let Some(log) = &mut log {
-            let _ = writeln!(log, "revision,pipeline_ms,change_to_drawn_ms,frame_ms");
-        }
-        Self {
-            studio,
-            script: script.into_iter(),
-            log,
-            drawn_revision: None,
-            changed: Instant::now(),
-            themed: None,
-        }
+        prepare(&mut studio, options);
+        let log = FrameLog::new(options.frame_log.as_deref());
+        Self { studio, script: Script::new(script), log, themed: None }
     }
 
     /// The next command of the script, when the last one is done.
     fn follow_script(&mut self) {
-        let drawn = self.studio.results.live.as_ref().map(|of| of.revision);
-        let now = self.studio.opened.as_ref().map(|o| o.session.revision());
-        let busy = self.studio.results.designing || (drawn != now && self.studio.results.no_design.is_none());
-        if busy && now.is_some() {
-            return;
-        }
-        if let Some(command) = self.script.next() {
-            self.changed = Instant::now();
+        if let Some(command) = self.script.next(&self.studio) {
+            self.log.changes();
             self.studio.run(&command);
-        }
-    }
-
-    /// Notes what a redrawn design took, from the change to the end of the frame that shows it.
-    fn note_frame(&mut self, begun: Instant) {
-        let Some(of) = &self.studio.results.live else { return };
-        if self.drawn_revision == Some(of.revision) {
-            return;
-        }
-        self.drawn_revision = Some(of.revision);
-        let ms = |d: Duration| d.as_secs_f64() * 1e3;
-        if let Some(log) = &mut self.log {
-            let took = [ms(of.value.took), ms(self.changed.elapsed()), ms(begun.elapsed())];
-            let _ = writeln!(log, "{},{:.2},{:.2},{:.2}", of.revision, took[0], took[1], took[2]);
         }
     }
 }
@@ -153,10 +156,10 @@ impl eframe::App for Window {
         }
         self.studio.tick();
         shell::show(&mut self.studio, ui);
-        self.note_frame(begun);
+        self.log.frame(&self.studio, begun);
         self.follow_script();
         self.studio.tick();
-        let busy = self.script.len() > 0;
+        let busy = !self.script.is_done();
         ui.ctx().request_repaint_after(if busy {
             Duration::from_millis(2)
         } else {

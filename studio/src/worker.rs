@@ -68,10 +68,10 @@ impl<I: Send + 'static, O: Send + 'static> Worker<I, O> {
         state.asked.is_some() || state.running.is_some()
     }
 
-    /// Drops what is asked for, and what is running when it looks at its token; its answer is dropped in any case.
+    /// Drops what is asked for, and what is running when it looks at its token; an answer is dropped in any case.
     pub fn cancel(&self) {
         let mut state = self.shared.lock();
-        state.asked = None;
+        (state.asked, state.answer) = (None, None);
         state.token.0.store(true, Ordering::Relaxed);
     }
 }

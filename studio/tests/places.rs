@@ -77,6 +77,7 @@ fn a_design_made_in_the_window_exports_the_bytes_of_the_command_line() {
     window.run(&gain(28.5, 1));
     settle(&mut window);
     window.run(&Command::Export);
+    settle(&mut window);
     window.run(&Command::Save);
     let (text, _) = read(&folder.join("project.toml")).unwrap();
     let project = counterpoise_project::Project::parse(&text, "project.toml").unwrap().project;

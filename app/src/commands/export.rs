@@ -1,14 +1,13 @@
 //! `counterpoise export`: the verified controller as code; or whether generated files are still what the project gives.
 
 use crate::output::say;
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::Context;
-use counterpoise_project::export::fmi::pack;
 use counterpoise_project::export::{Checked, File, check};
 use counterpoise_project::{Purpose, pipeline};
+use counterpoise_studio::exporting;
 use serde::Serialize;
 
 use super::{Done, verdict_code};
@@ -35,32 +34,12 @@ pub fn run(options: &ExportOptions) -> Done {
 
 /// Writes generated files, and packs FMI units; with a library inside where this machine has a C compiler.
 pub fn write(folder: &Path, code: &[File]) -> anyhow::Result<Vec<PathBuf>> {
-    let mut written = Vec::new();
-    for file in code {
-        let path = folder.join(&file.name);
-        files::write(&path, file.text.as_bytes())?;
-        written.push(path);
-    }
-    for name in units(code) {
-        let inside = format!("{name}/");
-        let own: Vec<File> = code.iter().filter(|file| file.name.starts_with(&inside)).cloned().collect();
-        let path = folder.join(format!("{name}.fmu"));
-        files::write(&path, &pack(&own, &name, library(folder, &name).as_deref()))?;
-        written.push(path);
-    }
-    Ok(written)
-}
-
-/// Folders that hold an FMI unit.
-fn units(code: &[File]) -> BTreeSet<String> {
-    code.iter()
-        .filter_map(|file| file.name.strip_suffix("/modelDescription.xml"))
-        .map(str::to_owned)
-        .collect()
+    let written = exporting::write(folder, code, library, &|| true).map_err(anyhow::Error::msg)?;
+    Ok(written.unwrap_or_default())
 }
 
 /// The unit's library for 64-bit Linux, where it can be made here.
-fn library(folder: &Path, name: &str) -> Option<Vec<u8>> {
+pub fn library(folder: &Path, name: &str) -> Option<Vec<u8>> {
     if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
         return None;
     }

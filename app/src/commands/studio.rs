@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use counterpoise_studio::window::{self, Options};
+use counterpoise_studio::window::{self, Options, Surface};
 
 use super::Done;
 use crate::arguments::StudioOptions;
@@ -15,6 +15,8 @@ pub fn run(options: &StudioOptions) -> Done {
         frame_log: options.frame_log.clone(),
         size: options.size.as_deref().and_then(size),
         state: None,
+        surface: if options.no_window { Surface::Nothing } else { Surface::Window },
+        library: Some(super::export::library),
     })?;
     Ok(ExitCode::SUCCESS)
 }

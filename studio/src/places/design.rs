@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use counterpoise_project::Project;
+use counterpoise_project::pipeline::effort::EffortPoint;
 use counterpoise_project::synth::{FeedforwardWeights, Weight};
 use counterpoise_project::verify::linear::Curve as Response;
 use counterpoise_project::verify::{Arrangement, History, Source};
@@ -13,7 +14,7 @@ use crate::chart::{Chart, Dash, Scale, Shown};
 use crate::command::{Command, Slot};
 use crate::knobs::{self, Knob};
 use crate::live::Live;
-use crate::results::Age;
+use crate::results::{Age, Of};
 use crate::studio::Studio;
 use crate::theme::{Theme, space};
 use crate::view::{GainUnit, Part, View};
@@ -37,6 +38,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     };
     let why = studio.results.why_not(revision).map(<[String]>::to_vec);
     let design = studio.results.design(revision).map(|(live, age)| (Arc::clone(live), age));
+    let effort = studio.results.effort.clone();
     let view = &mut studio.view;
     view.dragging = false;
     let live = design.as_ref().map(|(live, _)| Arc::clone(live));
@@ -57,7 +59,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     if age == Age::Stale && why.is_some() {
         ui.multiply_opacity(0.55);
     }
-    plots(ui, view, queue, &project, &live);
+    plots(ui, view, queue, &project, (&live, effort.as_ref()));
 }
 
 fn shapes<'a>(project: &'a Project, part: Part, theme: &Theme) -> Vec<Shape<'a>> {
@@ -181,6 +183,8 @@ fn balance(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, live: &Live) 
 }
 
 type Figure = (&'static str, &'static str, fn(&Live) -> f64);
+/// In place of a unit: the figure is a rate in rad/s, shown in the unit that was chosen.
+const RATE: &str = "rate";
 
 const FIGURES: [Figure; 9] = [
     ("gain margin", "dB", |d| d.margins.gain_margin_db()),
@@ -191,8 +195,8 @@ const FIGURES: [Figure; 9] = [
         d.margins.phase.iter().map(|p| p.rate_rad_s).fold(0.0, f64::max) / std::f64::consts::TAU
     }),
     ("step overshoot", "%", overshoot),
-    ("heave left", "mrad/s", |d| peak(d, Source::Heave)),
-    ("pitch left", "mrad/s", |d| peak(d, Source::Pitch)),
+    ("heave left", RATE, |d| peak(d, Source::Heave)),
+    ("pitch left", RATE, |d| peak(d, Source::Pitch)),
     ("step control", "V", |d| swing(&d.step.control_v)),
 ];
 
@@ -207,10 +211,10 @@ fn swing(control_v: &[f64]) -> f64 {
     control_v.iter().map(|v| (v - first).abs()).fold(0.0, f64::max)
 }
 
-/// Largest hub rate in the second half of a motion with the whole controller, mrad/s.
+/// Largest hub rate in the second half of a motion with the whole controller, rad/s.
 fn peak(live: &Live, source: Source) -> f64 {
     let hub = motion(live, source, Arrangement::Compensated).map_or(&[][..], |h| &h.hub_rate_rad_s[..]);
-    1e3 * hub.iter().skip(hub.len() / 2).map(|v| v.abs()).fold(0.0, f64::max)
+    hub.iter().skip(hub.len() / 2).map(|v| v.abs()).fold(0.0, f64::max)
 }
 
 fn motion(live: &Live, source: Source, arrangement: Arrangement) -> Option<&History> {
@@ -239,12 +243,15 @@ fn figures(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, live: &Live) 
             }
             ui.end_row();
             for (name, unit, of) in FIGURES {
+                let is_rate = unit == RATE;
+                let (unit, factor) =
+                    if is_rate { (view.angular_rate_unit(), view.angular()) } else { (unit, 1.0) };
+                let shown = |live: &Live| parts::short(factor * of(live));
                 let label = if unit.is_empty() { name.to_owned() } else { format!("{name}, {unit}") };
                 ui.label(RichText::new(label).color(theme.weak));
-                ui.label(RichText::new(parts::short(of(live))).strong());
+                ui.label(RichText::new(shown(live)).strong());
                 for slot in Slot::ALL {
-                    let text =
-                        view.kept.get(slot.name()).map_or(String::new(), |kept| parts::short(of(kept)));
+                    let text = view.kept.get(slot.name()).map_or(String::new(), |kept| shown(kept));
                     ui.label(RichText::new(text).color(theme.weak));
                 }
                 ui.end_row();
@@ -253,16 +260,24 @@ fn figures(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, live: &Live) 
     });
 }
 
-fn plots(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, project: &Project, live: &Live) {
+fn plots(
+    ui: &mut Ui,
+    view: &mut View,
+    queue: &mut Vec<Command>,
+    project: &Project,
+    (live, effort): (&Live, Option<&Of<Vec<EffortPoint>>>),
+) {
     let room = parts::room(ui);
-    let cells = parts::grid(room, 6, 2);
+    let cells = parts::mosaic(room);
     weights_plot(ui, view, queue, project, cells[0]);
     let charts = [
         loop_chart(view, live),
         sensitivity_chart(view, live),
         step_chart(view, live),
+        control_chart(view, live),
         motion_chart(view, live, Source::Heave),
         motion_chart(view, live, Source::Pitch),
+        effort_chart(view, effort),
     ];
     for (cell, chart) in cells[1..].iter().zip(&charts) {
         parts::chart(ui, view, queue, *cell, chart);
@@ -421,37 +436,73 @@ fn sensitivity_chart(view: &View, live: &Live) -> Chart {
     chart
 }
 
-fn milli(time_s: &[f64], values: &[f64]) -> Vec<[f64; 2]> {
-    time_s.iter().zip(values).map(|(t, v)| [*t, 1e3 * v]).collect()
+/// A history of rates in the unit that is shown.
+fn rates(view: &View, time_s: &[f64], values: &[f64]) -> Vec<[f64; 2]> {
+    let factor = view.angular();
+    time_s.iter().zip(values).map(|(t, v)| [*t, factor * v]).collect()
+}
+
+fn time_chart(view: &View, title: &str) -> Chart {
+    Chart::new(title, "time, s", &format!("hub rate, {}", view.angular_rate_unit())).grouped("design")
 }
 
 fn step_chart(view: &View, live: &Live) -> Chart {
-    let of = |d: &Live| milli(&d.step.time_s, &d.step.hub_rate_rad_s);
-    let mut chart = with_kept(view, Chart::new("Step of the demand", "time, s", "hub rate, mrad/s"), of);
-    chart = chart.curve(
-        "demand",
-        view.theme.weak,
-        Dash::Dashed,
-        milli(&live.step.time_s, &live.step.demand_rad_s),
-    );
+    let of = |d: &Live| rates(view, &d.step.time_s, &d.step.hub_rate_rad_s);
+    let mut chart = with_kept(view, time_chart(view, "Step of the demand"), of);
+    let demand = rates(view, &live.step.time_s, &live.step.demand_rad_s);
+    chart = chart.curve("demand", view.theme.weak, Dash::Dashed, demand);
+    chart.group = None;
     chart.curve("hub", view.theme.curves[0], Dash::Solid, of(live))
 }
 
+/// The control about the value that holds the weight.
+fn control_chart(view: &View, live: &Live) -> Chart {
+    let held = live.modelled.linear.equilibrium.control_v;
+    let about = |h: &History| h.time_s.iter().zip(&h.control_v).map(|(t, v)| [*t, v - held]).collect::<Vec<_>>();
+    let of = |source| motion(live, source, Arrangement::Compensated).map_or(Vec::new(), about);
+    let c = &view.theme.curves;
+    Chart::new("Control effort", "time, s", "about the holding value, V")
+        .grouped("design")
+        .curve("heave", c[1], Dash::Dashed, of(Source::Heave))
+        .curve("pitch", c[2], Dash::Dotted, of(Source::Pitch))
+        .curve("step", c[0], Dash::Solid, about(&live.step))
+}
+
+/// Room around the trade-off, as a factor.
+const EFFORT_MARGIN: f64 = 1.25;
+
+/// Error against effort over the error weight, with the design itself.
+fn effort_chart(view: &View, effort: Option<&Of<Vec<EffortPoint>>>) -> Chart {
+    let mut chart = Chart::new("Error against effort", "control for unit noise, V s/rad", "disturbance left");
+    chart.scales = [Scale::Log; 2];
+    let points = effort.map_or(&[][..], |of| &of.value[..]);
+    let at = |p: &EffortPoint| [p.figures.noise_gain, p.figures.rejection];
+    let mut line: Vec<[f64; 2]> = points.iter().map(at).collect();
+    line.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    if let Some(now) = points.iter().find(|p| p.factor == 1.0) {
+        chart.spots.push((at(now), "now".to_owned()));
+    }
+    for axis in 0..2 {
+        let values = line.iter().map(|p| p[axis]);
+        let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(v), b.max(v)));
+        chart.range[axis] = (low < high).then_some((low / EFFORT_MARGIN, high * EFFORT_MARGIN));
+    }
+    chart.curve("by the error weight", view.theme.curves[0], Dash::Solid, line)
+}
+
 fn motion_chart(view: &View, live: &Live, source: Source) -> Chart {
-    let (title, colours) = match source {
-        Source::Heave => ("Heave of the platform", &view.theme.curves),
-        _ => ("Pitch of the platform", &view.theme.curves),
-    };
+    let title = if source == Source::Heave { "Heave" } else { "Pitch" };
     let of = |arrangement| {
         move |d: &Live| {
-            motion(d, source, arrangement).map_or(Vec::new(), |h| milli(&h.time_s, &h.hub_rate_rad_s))
+            motion(d, source, arrangement)
+                .map_or(Vec::new(), |h| rates(view, &h.time_s, &h.hub_rate_rad_s))
         }
     };
-    let chart =
-        with_kept(view, Chart::new(title, "time, s", "hub rate, mrad/s"), of(Arrangement::Compensated));
-    chart.curve("feedback alone", colours[1], Dash::Dashed, of(Arrangement::Feedback)(live)).curve(
+    let chart = with_kept(view, time_chart(view, title), of(Arrangement::Compensated));
+    let c = &view.theme.curves;
+    chart.curve("feedback alone", c[1], Dash::Dashed, of(Arrangement::Feedback)(live)).curve(
         "with feedforward",
-        colours[0],
+        c[0],
         Dash::Solid,
         of(Arrangement::Compensated)(live),
     )

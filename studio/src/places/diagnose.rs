@@ -1,147 +1,270 @@
 //! Diagnose: recordings against the model, what was left out, and the improved mechanism taken over.
 
-use counterpoise_project::diagnose::Diagnosis;
-use counterpoise_project::diagnose::answer::{Answer, Finding, Verdict};
+use std::path::PathBuf;
+
+use counterpoise_project::recording::Channel;
 use egui::{RichText, Ui};
 
-use super::parts;
-use crate::command::Command;
-use crate::studio::Studio;
+use super::{findings, parts};
+use crate::chart::{Chart, Curve, Dash};
+use crate::command::{Command, Inquiry};
+use crate::jobs::Jobs;
+use crate::pyramid::Points;
+use crate::recordings::{self, Seen, Track};
+use crate::results::Of;
+use crate::studio::{Opened, Studio};
 use crate::theme::{Theme, space};
+use crate::view::View;
 
 /// Shows the place.
 pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
-    let theme = studio.view.theme;
-    let jobs = studio.diagnosis();
-    let busy = jobs.diagnose.is_busy();
-    parts::side("recordings", &theme, 312.0).show(ui, |ui| {
-        theme.card().show(ui, |ui| {
-            ui.set_width(ui.available_width());
-            parts::heading(ui, "Recordings");
-            for path in &jobs.recordings {
-                let name = path.file_name().unwrap_or_default().to_string_lossy();
-                ui.label(name).on_hover_text(path.display().to_string());
-            }
-            if jobs.recordings.is_empty() {
-                ui.label(
-                    RichText::new("Drop CSV, Parquet or MATLAB files of one machine onto the window.")
-                        .color(theme.weak),
-                );
-            }
+    let Some(opened) = &studio.opened else { return };
+    let (jobs, view) = (&studio.jobs, &mut studio.view);
+    let theme = view.theme;
+    parts::side("recordings", &theme, 330.0).show(ui, |ui| {
+        egui::ScrollArea::vertical().show(ui, |ui| {
+            theme.card().show(ui, |ui| {
+                ui.set_width(ui.available_width());
+                list(ui, view, queue, (jobs, opened));
+            });
             ui.add_space(space::SMALL);
-            let ready = !busy && !jobs.recordings.is_empty();
-            if ui.add_enabled(ready, egui::Button::new("Diagnose")).on_hover_text("F6").clicked() {
-                queue.push(Command::Diagnose);
-            }
-            if busy {
-                ui.label(RichText::new(jobs.progress()).color(theme.accent));
-                if ui.button("Stop").clicked() {
-                    queue.push(Command::Cancel);
-                }
-            }
+            mapping(ui, view, queue, (jobs, opened));
         });
     });
-    match &jobs.diagnosed {
-        Some(Ok(found)) => {
-            egui::ScrollArea::vertical().show(ui, |ui| answer(ui, &theme, queue, found));
+    if jobs.recordings.is_empty() {
+        return parts::empty(
+            ui,
+            &theme,
+            "No recordings yet",
+            "recordings tell what the model leaves out: friction, backlash, out-of-balance, sensors, delay",
+        );
+    }
+    tabs(ui, view, queue, jobs);
+    match (view.inquiry, &jobs.diagnosed) {
+        (Inquiry::Signals | Inquiry::Errors, _) => channels(ui, view, queue, jobs),
+        (_, Some(Err(why))) => parts::reasons(ui, &theme, "The recordings could not be diagnosed", why),
+        (inquiry, Some(Ok(found))) => {
+            egui::ScrollArea::vertical().show(ui, |ui| match inquiry {
+                Inquiry::Map => findings::map(ui, &theme, &found.answer),
+                Inquiry::Tried => findings::tried(ui, &theme, &found.answer),
+                _ => findings::answer(ui, &theme, queue, &found.answer),
+            });
         }
-        Some(Err(why)) => parts::reasons(ui, &theme, "The recordings could not be diagnosed", why),
-        None if busy => parts::empty(ui, &theme, "Diagnosing", &jobs.progress()),
-        None => parts::empty(
+        (_, None) if jobs.diagnose.is_busy() => parts::empty(ui, &theme, "Diagnosing", &jobs.progress()),
+        (_, None) => parts::empty(
             ui,
             &theme,
             "No diagnosis yet",
-            "recordings tell what the model leaves out: friction, backlash, out-of-balance, sensors, delay",
+            "F6 fits every effect of the library to part of the data and judges it on the rest",
         ),
     }
 }
 
-fn sentence(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Consistent => "The model explains the recordings",
-        Verdict::Named => "With this, the model explains the recordings",
-        Verdict::Ambiguous => "One of several that these recordings cannot tell apart",
-        Verdict::Incomplete => "This is part of it; something is left over",
-        Verdict::Unknown => "Something was left out that is none of the known effects",
-    }
+fn tabs(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, jobs: &Jobs) {
+    ui.horizontal(|ui| {
+        for inquiry in Inquiry::ALL {
+            if ui.selectable_label(view.inquiry == inquiry, inquiry.name()).clicked() {
+                queue.push(Command::Inquire { inquiry });
+            }
+        }
+        if let Some(Ok(found)) = &jobs.diagnosed {
+            ui.add_space(space::LARGE);
+            ui.label(RichText::new(findings::sentence(found.answer.verdict)).color(view.theme.weak));
+        }
+    });
 }
 
-fn answer(ui: &mut Ui, theme: &Theme, queue: &mut Vec<Command>, found: &Diagnosis) {
-    let answer = &found.answer;
-    theme.card().show(ui, |ui| {
-        ui.set_width(ui.available_width());
-        ui.label(RichText::new(sentence(answer.verdict)).heading());
-        answer.findings.iter().for_each(|f| finding(ui, theme, f));
-        if !answer.findings.is_empty() && ui.button("Accept into the project").clicked() {
+/// The recordings, and what can be done with them.
+fn list(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, (jobs, opened): (&Jobs, &Opened)) {
+    let theme = view.theme;
+    parts::heading(ui, "Recordings");
+    let seen = jobs.seen.as_ref().map(|of| of.value.as_slice()).unwrap_or_default();
+    for (k, one) in seen.iter().enumerate() {
+        let bad = !one.trouble.is_empty();
+        let text = RichText::new(&one.name).color(if bad { theme.bad } else { theme.text });
+        if ui.selectable_label(view.recording == k, text).on_hover_text(one.path.display().to_string()).clicked() {
+            view.recording = k;
+        }
+    }
+    if seen.is_empty() {
+        for path in &jobs.recordings {
+            ui.label(path.file_name().unwrap_or_default().to_string_lossy());
+        }
+    }
+    add(ui, view, queue, (jobs, opened));
+    ui.add_space(space::SMALL);
+    let busy = jobs.diagnose.is_busy();
+    ui.horizontal(|ui| {
+        let ready = !busy && !jobs.recordings.is_empty();
+        if ui.add_enabled(ready, egui::Button::new("Diagnose")).on_hover_text("F6").clicked() {
+            queue.push(Command::Diagnose);
+        }
+        let found = matches!(&jobs.diagnosed, Some(Ok(found)) if !found.answer.findings.is_empty());
+        let accept = ui.add_enabled(found && !busy, egui::Button::new("Accept into the project"));
+        if accept.on_hover_text("one step that can be undone; design and verification follow").clicked() {
             queue.push(Command::Accept);
         }
-    });
-    ui.add_space(space::MEDIUM);
-    theme.card().show(ui, |ui| {
-        ui.set_width(ui.available_width());
-        fit(ui, theme, answer);
-    });
-    ui.add_space(space::MEDIUM);
-    theme.card().show(ui, |ui| {
-        ui.set_width(ui.available_width());
-        evidence(ui, theme, answer);
-    });
-}
-
-fn finding(ui: &mut Ui, theme: &Theme, finding: &Finding) {
-    parts::heading(ui, &format!("{} {}", finding.component, finding.effect));
-    ui.label(format!("{} It shows {}.", finding.explanation, finding.when));
-    for p in finding.parameters.iter().take(14) {
-        let [low, high] = p.ci95;
-        let text = format!(
-            "{} = {}{}   [{}, {}]   was {}",
-            p.name,
-            parts::short(p.value),
-            p.suffix(),
-            parts::short(low),
-            parts::short(high),
-            parts::short(p.before)
-        );
-        ui.label(RichText::new(text).monospace());
-    }
-    for other in &finding.alternatives {
-        ui.label(
-            RichText::new(format!("cannot be told from {} {}", other.component, other.effect))
-                .color(theme.warn),
-        );
-    }
-}
-
-fn fit(ui: &mut Ui, theme: &Theme, answer: &Answer) {
-    parts::heading(ui, "RMS error by channel");
-    egui::Grid::new("fit").num_columns(4).striped(true).spacing([28.0, 4.0]).show(ui, |ui| {
-        for head in ["channel", "noise floor", "before", "after", "held out, after"] {
-            ui.label(RichText::new(head).small().color(theme.weak));
+        if busy && ui.button("Stop").on_hover_text("Esc").clicked() {
+            queue.push(Command::Cancel);
         }
-        ui.end_row();
-        for (channel, before) in &answer.fit.before {
-            ui.label(channel.to_string());
-            ui.label(parts::short(before.floor));
-            ui.label(parts::short(before.rms_error));
-            for table in [&answer.fit.after, &answer.fit.held_out_after] {
-                ui.label(parts::short(table.get(channel).map_or(f64::NAN, |c| c.rms_error)));
+    });
+    if busy {
+        ui.label(RichText::new(jobs.progress()).small().color(theme.accent));
+    }
+}
+
+/// Ways to give recordings without a mouse, and those that lie beside the project.
+fn add(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, (jobs, opened): (&Jobs, &Opened)) {
+    let theme = view.theme;
+    let label = ui.label(
+        RichText::new("Drop files or a folder onto the window, or type a path:").small().color(theme.weak),
+    );
+    ui.horizontal(|ui| {
+        let field = egui::TextEdit::singleline(&mut view.recordings_path).desired_width(220.0);
+        let field = ui.add(field.hint_text("file or folder")).labelled_by(label.id);
+        let entered = field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
+        let typed = view.recordings_path.trim();
+        let ready = !typed.is_empty() && std::path::Path::new(typed).exists();
+        if ui.add_enabled(ready, egui::Button::new("Add")).clicked() || (entered && ready) {
+            let paths = jobs.recordings.iter().cloned().chain([PathBuf::from(typed)]).collect();
+            queue.push(Command::Recordings { paths });
+            view.recordings_path.clear();
+        }
+    });
+    if jobs.recordings.is_empty() {
+        let folder = opened.path.parent().unwrap_or(std::path::Path::new(".")).to_owned();
+        let beside = recordings::files(std::slice::from_ref(&folder));
+        let text = format!("Take the {} beside the project", beside.len());
+        if !beside.is_empty() && ui.button(text).clicked() {
+            queue.push(Command::Recordings { paths: beside });
+        }
+    } else if ui.small_button("Remove all").clicked() {
+        queue.push(Command::Recordings { paths: Vec::new() });
+    }
+}
+
+/// Which column of the chosen recording is which channel.
+fn mapping(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, (jobs, opened): (&Jobs, &Opened)) {
+    let (Some(seen), Some(project)) = (chosen(view, jobs.seen.as_ref()), opened.session.project()) else { return };
+    let theme = view.theme;
+    theme.card().show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        parts::heading(ui, "Channels");
+        for channel in Channel::ALL {
+            let source = project.recording.channels.iter().find(|(c, _)| *c == channel).map(|(_, s)| s);
+            let there = seen.tracks.iter().any(|track| track.channel == channel.name());
+            let path = format!("recording.channels.{}", channel.name());
+            ui.horizontal(|ui| {
+                let colour = if there { theme.text } else { theme.weak };
+                let name = channel.name().replace('_', " ");
+                ui.add_sized([112.0, 20.0], egui::Label::new(RichText::new(&name).color(colour)).halign(egui::Align::Min));
+                let shown = source.map_or("by its name", |s| s.column.as_str());
+                column(ui, queue, (&name, &path, shown), (&seen.columns, source.is_some()));
+            });
+            if let Some(source) = source {
+                egui::Grid::new(&path).num_columns(3).spacing([8.0, 2.0]).show(ui, |ui| {
+                    parts::number(ui, view, queue, &format!("{path}.scale"), source.scale);
+                    parts::number(ui, view, queue, &format!("{path}.offset"), source.offset);
+                });
             }
-            ui.end_row();
         }
     });
 }
 
-fn evidence(ui: &mut Ui, theme: &Theme, answer: &Answer) {
-    parts::heading(ui, "Balances that these sensors allow");
-    for row in &answer.isolability {
-        let sees = row.sees.join(", ");
-        let colour = if row.available { theme.text } else { theme.weak };
-        ui.label(RichText::new(format!("{}: {sees}", row.balance)).color(colour));
+fn column(
+    ui: &mut Ui,
+    queue: &mut Vec<Command>,
+    (name, path, shown): (&str, &str, &str),
+    (columns, mapped): (&[(String, Option<String>)], bool),
+) {
+    let boxed = egui::ComboBox::from_id_salt(path).selected_text(shown).width(150.0);
+    let response = boxed.show_ui(ui, |ui| {
+        if ui.selectable_label(!mapped, "by its name").clicked() && mapped {
+            queue.push(Command::Remove { path: path.to_owned() });
+        }
+        for (column, unit) in columns {
+            let text = unit.as_ref().map_or(column.clone(), |unit| format!("{column} [{unit}]"));
+            if ui.selectable_label(mapped && shown == column, text).clicked() {
+                queue.push(Command::SetText { path: format!("{path}.column"), value: column.clone() });
+            }
+        }
+    });
+    response.response.widget_info(|| {
+        egui::WidgetInfo::labeled(egui::Role::ComboBox, true, format!("column of the {name}"))
+    });
+}
+
+fn chosen<'a>(view: &View, seen: Option<&'a Of<Vec<Seen>>>) -> Option<&'a Seen> {
+    let all = &seen?.value;
+    all.get(view.recording.min(all.len().saturating_sub(1)))
+}
+
+/// The channels of the chosen recording, under one cursor.
+fn channels(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, jobs: &Jobs) {
+    let theme = view.theme;
+    let Some(seen) = chosen(view, jobs.seen.as_ref()) else {
+        return parts::empty(ui, &theme, "Reading", "the recordings are read and replayed on the model");
+    };
+    if !seen.trouble.is_empty() {
+        let title = format!("{}: mend it, or its mapping on the left", seen.name);
+        parts::reasons(ui, &theme, &title, &seen.trouble);
     }
-    if let Some(next) = &answer.next_experiment {
-        ui.label(format!("Next experiment: {}; it {}", next.what, next.why));
+    if !seen.remarks.is_empty() {
+        theme.card().show(ui, |ui| {
+            ui.set_width(ui.available_width());
+            for remark in seen.remarks.iter().take(4) {
+                ui.label(RichText::new(remark).small().color(theme.warn));
+            }
+        });
     }
-    for remark in answer.qualification.iter().chain(&answer.warnings) {
-        ui.label(RichText::new(remark).small().color(theme.weak));
+    let errors = view.inquiry == Inquiry::Errors;
+    let drawn: Vec<&Track> = seen.tracks.iter().filter(|t| t.model.is_some() || !errors).collect();
+    if drawn.is_empty() {
+        return;
     }
+    let room = parts::room(ui);
+    let columns = if drawn.len() > 4 { 2 } else { 1 };
+    for (cell, track) in parts::grid(room, drawn.len(), columns).iter().zip(drawn) {
+        let chart = if errors { error_chart(&theme, track) } else { signal_chart(&theme, track) };
+        parts::chart(ui, view, queue, *cell, &chart);
+    }
+}
+
+fn titled(track: &Track) -> Chart {
+    let name = track.channel.replace('_', " ");
+    let mut title = name.clone();
+    if let (Some(model), Some(floor)) = (&track.model, track.floor) {
+        title = format!("{name}: error {:.2} x its floor", model.rms / floor);
+        if let Some(improved) = &track.improved {
+            title = format!("{title}, {:.2} with the diagnosis", improved.rms / floor);
+        }
+    }
+    Chart::new(&title, "time, s", &format!("{name}, {}", track.unit)).grouped("recording")
+}
+
+fn long(name: &str, theme: &Theme, k: usize, pyramid: &std::sync::Arc<crate::pyramid::Pyramid>) -> Curve {
+    let points = Points::Many(std::sync::Arc::clone(pyramid));
+    Curve { name: name.to_owned(), points, colour: theme.curves[k], dash: Dash::Solid }
+}
+
+fn signal_chart(theme: &Theme, track: &Track) -> Chart {
+    let mut chart = titled(track).with(long("measured", theme, 1, &track.measured));
+    if let Some(model) = &track.model {
+        chart = chart.with(long("model", theme, 0, &model.signal));
+    }
+    if let Some(improved) = &track.improved {
+        chart = chart.with(long("with the diagnosis", theme, 2, &improved.signal));
+    }
+    chart
+}
+
+fn error_chart(theme: &Theme, track: &Track) -> Chart {
+    let mut chart = titled(track);
+    if let Some(model) = &track.model {
+        chart = chart.with(long("model", theme, 0, &model.error));
+    }
+    if let Some(improved) = &track.improved {
+        chart = chart.with(long("with the diagnosis", theme, 2, &improved.error));
+    }
+    chart
 }

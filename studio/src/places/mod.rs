@@ -8,8 +8,10 @@
 
 pub mod design;
 pub mod diagnose;
+pub mod findings;
 pub mod parts;
 pub mod plant;
 pub mod reduce;
+pub mod robustness;
 pub mod verify;
 pub mod welcome;

@@ -5,12 +5,17 @@ use egui::{Rect, RichText, Ui, Vec2, vec2};
 use crate::chart::{Chart, Shown};
 use crate::command::Command;
 use crate::keys;
+pub use crate::number::short;
 use crate::theme::{Theme, space};
 use crate::view::View;
 
 /// Cells of a grid that fills a room: `columns` wide where the room is narrow, one more column where it is wide.
 pub fn grid(room: Rect, count: usize, columns: usize) -> Vec<Rect> {
     let columns = if room.width() > 1500.0 { columns + 1 } else { columns }.min(count.max(1));
+    grid_of(room, count, columns)
+}
+
+fn grid_of(room: Rect, count: usize, columns: usize) -> Vec<Rect> {
     let rows = count.div_ceil(columns);
     let gap = space::MEDIUM;
     let size = vec2(
@@ -23,6 +28,14 @@ pub fn grid(room: Rect, count: usize, columns: usize) -> Vec<Rect> {
         Rect::from_min_size(corner, size)
     };
     (0..count).map(at).collect()
+}
+
+/// Nine cells of three columns, the first two of the first row joined into one.
+pub fn mosaic(room: Rect) -> Vec<Rect> {
+    let mut cells = grid_of(room, 9, 3);
+    let second = cells.remove(1);
+    cells[0] = cells[0].union(second);
+    cells
 }
 
 /// Shows a chart in a cell; it can be copied from its menu, and by command while the pointer is on it.
@@ -75,23 +88,6 @@ pub fn number(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, path: &str
     }
     view.dragging |= response.dragged();
     ui.end_row();
-}
-
-/// A number in few characters.
-pub fn short(value: f64) -> String {
-    if !value.is_finite() {
-        return if value.is_nan() { "-".to_owned() } else { "\u{221e}".to_owned() };
-    }
-    let size = value.abs();
-    if value == 0.0 {
-        "0".to_owned()
-    } else if (1e-3..1e5).contains(&size) {
-        let digits = (3 - size.log10().floor() as i32).clamp(0, 6) as usize;
-        let text = format!("{value:.digits$}");
-        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
-    } else {
-        format!("{value:.2e}")
-    }
 }
 
 /// What to do where there is nothing to show yet.

@@ -1,16 +1,14 @@
-//! Verify: verdicts on the full plant, and the figure behind each, one click away; then export.
-
-use std::sync::Arc;
+//! Verify: verdicts on the full plant, the figure behind each one click away, while the runs stream in; then export.
 
 use counterpoise_project::verify::{
-    Arrangement, Experiment, Figure, History, Limit, Model, Requirement, Source, Verdict, VerifiedController,
+    Arrangement, Experiment, Figure, History, Limit, Model, Requirement, Source, Verdict, Verification,
 };
 use egui::{RichText, Ui};
 
-use super::{design::bode, parts};
+use super::{design::bode, parts, robustness};
 use crate::chart::{Chart, Dash};
-use crate::command::Command;
-use crate::results::Age;
+use crate::command::{Command, Evidence};
+use crate::results::Standing;
 use crate::studio::Studio;
 use crate::theme::{Theme, space};
 use crate::view::View;
@@ -19,54 +17,72 @@ use crate::view::View;
 pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     let Some(opened) = &studio.opened else { return };
     let revision = opened.session.revision();
-    let found =
-        studio.results.verified.as_ref().map(|of| (Arc::clone(&of.value), Age::of(of.revision, revision)));
-    let why = studio.results.no_verification.as_ref().map(|of| of.value.clone());
-    let verifying = studio.results.verifying;
-    let view = &mut studio.view;
-    if let Some(why) = &why {
+    let why = studio.results.no_verification.as_ref().map(|of| of.value.as_slice());
+    let busy = studio.diagnosis().measure.is_busy();
+    let (results, view) = (&studio.results, &mut studio.view);
+    if let Some(why) = why {
         parts::reasons(ui, &view.theme, "The design could not be verified", why);
     }
-    let Some((verified, age)) = found else {
-        return parts::empty(
-            ui,
-            &view.theme,
-            if verifying { "Verifying" } else { "Not verified yet" },
-            "F5 runs the design on the full plant",
-        );
+    let Some((found, standing)) = results.verification(revision) else {
+        let title = if results.verifying { "Verifying" } else { "Not verified yet" };
+        return parts::empty(ui, &view.theme, title, "F5 runs the design on the full plant");
     };
     parts::side("verdicts", &view.theme, 430.0).show(ui, |ui| {
-        ui.horizontal(|ui| {
-            if ui.button("Verify").on_hover_text("F5").clicked() {
-                queue.push(Command::Verify);
-            }
-            if ui
-                .add_enabled(age == Age::Fresh, egui::Button::new("Export code"))
-                .on_hover_text("Ctrl+E: into the folder out beside the project")
-                .clicked()
-            {
-                queue.push(Command::Export);
-            }
-            if age == Age::Stale {
-                ui.label(RichText::new("of an older design").color(view.theme.warn));
-            }
-        });
+        actions(ui, view, queue, standing);
         ui.add_space(space::SMALL);
-        egui::ScrollArea::vertical().show(ui, |ui| table(ui, view, &verified));
+        egui::ScrollArea::vertical().show(ui, |ui| table(ui, view, queue, found));
     });
-    if age == Age::Stale {
+    ui.horizontal(|ui| {
+        for evidence in Evidence::ALL {
+            if ui.selectable_label(view.evidence == evidence, evidence.name()).clicked() {
+                queue.push(Command::Look { evidence });
+            }
+        }
+    });
+    if standing == Standing::Stale {
         ui.multiply_opacity(0.55);
     }
-    plots(ui, view, queue, &verified);
+    match view.evidence {
+        Evidence::Histories => histories(ui, view, queue, found),
+        Evidence::Rejection => rejections(ui, view, queue, found),
+        Evidence::Map => robustness::map(ui, view, queue, (&results.measured, revision, busy)),
+        Evidence::Robustness => robustness::campaign(ui, view, queue, (&results.measured, revision, busy)),
+    }
 }
 
-fn table(ui: &mut Ui, view: &mut View, verified: &VerifiedController) {
+fn actions(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, standing: Standing) {
+    ui.horizontal(|ui| {
+        if ui.button("Verify").on_hover_text("F5").clicked() {
+            queue.push(Command::Verify);
+        }
+        let export = ui.add_enabled(standing == Standing::Whole, egui::Button::new("Export code"));
+        if export.on_hover_text("Ctrl+E: into the folder out beside the project").clicked() {
+            queue.push(Command::Export);
+        }
+        match standing {
+            Standing::Whole => {}
+            Standing::Stale => {
+                ui.label(RichText::new("of an older design").color(view.theme.warn));
+            }
+            Standing::Running => {
+                ui.label(RichText::new("running").color(view.theme.accent));
+                if ui.button("Stop").on_hover_text("Esc").clicked() {
+                    queue.push(Command::Cancel);
+                }
+            }
+        }
+    });
+}
+
+fn table(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: &Verification) {
     let theme = view.theme;
     theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
-        for (k, (requirement, verdict)) in verified.verification().verdicts.iter().enumerate() {
+        for (k, (requirement, verdict)) in found.verdicts.iter().enumerate() {
             if row(ui, &theme, (requirement, verdict), view.verdict == k) {
                 view.verdict = k;
+                let evidence = behind(requirement.figure);
+                queue.push(Command::Look { evidence });
             }
         }
     });
@@ -94,17 +110,60 @@ fn row(ui: &mut Ui, theme: &Theme, (requirement, verdict): (&Requirement, &Verdi
     ui.add(button).on_hover_text(requirement.figure.name()).clicked()
 }
 
-fn plots(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, verified: &VerifiedController) {
-    let verdicts = &verified.verification().verdicts;
-    let chosen = verdicts.get(view.verdict.min(verdicts.len().saturating_sub(1)));
-    let behind = chosen.map_or(Experiment::Step, |(requirement, _)| experiment(requirement.figure));
-    let mut charts = vec![behind_chart(view, verified, behind)];
-    charts.push(time_chart(view, verified, behind, "Control", "V", |h| &h.control_v));
-    charts.push(rejection(view, verified, Source::Heave));
-    charts.push(rejection(view, verified, Source::Pitch));
+/// What a figure is read from.
+fn behind(figure: Figure) -> Evidence {
+    let key = figure.key();
+    let over_frequency = ["margin", "sensitivity", "drr"].iter().any(|word| key.contains(word));
+    if over_frequency { Evidence::Rejection } else { Evidence::Histories }
+}
+
+fn chosen(view: &View, found: &Verification) -> Experiment {
+    let last = found.verdicts.len().saturating_sub(1);
+    let chosen = found.verdicts.get(view.verdict.min(last));
+    chosen.map_or(Experiment::Step, |(requirement, _)| experiment(requirement.figure))
+}
+
+/// The run behind the chosen verdict, four of its signals under one cursor.
+fn histories(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: &Verification) {
+    let of = chosen(view, found);
+    let rate = view.angular();
+    let charts = [
+        hub_chart(view, found, of),
+        time_chart(view, found, of, ("Control", "V", 1.0), |h| &h.control_v),
+        time_chart(view, found, of, ("Motor current", "A", 1.0), |h| &h.current_a),
+        time_chart(view, found, of, ("Tip rate", view.angular_rate_unit(), rate), |h| &h.tip_rate_rad_s),
+    ];
     let room = parts::room(ui);
     for (cell, chart) in parts::grid(room, 4, 2).iter().zip(&charts) {
         parts::chart(ui, view, queue, *cell, chart);
+    }
+}
+
+/// What the loop does over frequency.
+fn rejections(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: &Verification) {
+    let curves = &found.evidence.curves;
+    let of = |response: &counterpoise_project::verify::linear::Curve| -> Vec<[f64; 2]> {
+        let at = |(f, h): (&f64, &counterpoise_project::lti::C64)| {
+            [view.rate(f * std::f64::consts::TAU), view.level(h.norm())]
+        };
+        curves.frequency_hz.iter().zip(&response.response).map(at).collect()
+    };
+    let c = view.theme.curves;
+    let mut loops = bode(view, "Loop gain", "modulus").curve("L", c[0], Dash::Solid, of(&curves.broken));
+    loops.levels.push(view.level(1.0));
+    if let Some(crossing) = found.evidence.margins.phase_margin() {
+        loops.marks.push((view.rate(crossing.rate_rad_s), format!("{:.0}\u{b0}", crossing.deg)));
+    }
+    loops.range[1] = Some((view.level(1e-4), view.level(1e4)));
+    let mut sensitivity = bode(view, "Sensitivity", "modulus");
+    for (k, (one, name)) in curves.sensitivities.iter().zip(["S", "T"]).enumerate() {
+        sensitivity = sensitivity.curve(name, c[k], [Dash::Solid, Dash::Dashed][k % 2], of(one));
+    }
+    sensitivity.range[1] = Some((view.level(1e-3), view.level(4.0)));
+    let charts = [rejection(view, found, Source::Heave), rejection(view, found, Source::Pitch), loops, sensitivity];
+    let room = parts::room(ui);
+    for (cell, chart) in parts::grid(room, 4, 2).iter().zip(charts) {
+        parts::chart(ui, view, queue, *cell, &chart.grouped("verified over frequency"));
     }
 }
 
@@ -142,15 +201,16 @@ fn series(history: &History, column: fn(&History) -> &Vec<f64>, factor: f64) -> 
     history.time_s.iter().zip(column(history)).map(|(t, v)| [*t, factor * v]).collect()
 }
 
-fn behind_chart(view: &View, verified: &VerifiedController, experiment: Experiment) -> Chart {
-    let found = verified.verification();
+fn hub_chart(view: &View, found: &Verification, experiment: Experiment) -> Chart {
     let title = format!("{}: hub rate", name(experiment));
-    let mut chart = Chart::new(&title, "time, s", "hub rate, mrad/s");
+    let label = format!("hub rate, {}", view.angular_rate_unit());
+    let mut chart = Chart::new(&title, "time, s", &label).grouped("verified over time");
+    let factor = view.angular();
     if let Experiment::Disturbance(source, _) = experiment
         && let Some(h) =
             found.history(Model::Nonlinear, Experiment::Disturbance(source, Arrangement::Feedback))
     {
-        let points = series(h, |h| &h.hub_rate_rad_s, 1e3);
+        let points = series(h, |h| &h.hub_rate_rad_s, factor);
         chart = chart.curve("feedback alone", view.theme.curves[1].gamma_multiply(0.7), Dash::Solid, points);
     }
     for (model, label, colour, dash) in [
@@ -158,7 +218,7 @@ fn behind_chart(view: &View, verified: &VerifiedController, experiment: Experime
         (Model::Linear, "linear", view.theme.curves[2], Dash::Dashed),
     ] {
         if let Some(h) = found.history(model, experiment) {
-            chart = chart.curve(label, colour, dash, series(h, |h| &h.hub_rate_rad_s, 1e3));
+            chart = chart.curve(label, colour, dash, series(h, |h| &h.hub_rate_rad_s, factor));
         }
     }
     chart
@@ -166,28 +226,27 @@ fn behind_chart(view: &View, verified: &VerifiedController, experiment: Experime
 
 fn time_chart(
     view: &View,
-    verified: &VerifiedController,
+    found: &Verification,
     experiment: Experiment,
-    what: &str,
-    unit: &str,
+    (what, unit, factor): (&str, &str, f64),
     column: fn(&History) -> &Vec<f64>,
 ) -> Chart {
-    let title = format!("{}: {}", name(experiment), what.to_lowercase());
-    let chart = Chart::new(&title, "time, s", &format!("{}, {unit}", what.to_lowercase()));
-    match verified.verification().history(Model::Nonlinear, experiment) {
-        Some(h) => chart.curve("full plant", view.theme.curves[0], Dash::Solid, series(h, column, 1.0)),
+    let chart = Chart::new(what, "time, s", &format!("{}, {unit}", what.to_lowercase()));
+    let chart = chart.grouped("verified over time");
+    match found.history(Model::Nonlinear, experiment) {
+        Some(h) => chart.curve("full plant", view.theme.curves[0], Dash::Solid, series(h, column, factor)),
         None => chart,
     }
 }
 
 /// What is left of a disturbance over frequency, by how much of the controller acts.
-fn rejection(view: &View, verified: &VerifiedController, source: Source) -> Chart {
+fn rejection(view: &View, found: &Verification, source: Source) -> Chart {
     let (title, label) = if source == Source::Heave {
         ("Rejection of heave", "rad/s per m/s\u{b2}")
     } else {
         ("Rejection of pitch", "rad/s per rad/s")
     };
-    let curves = &verified.verification().evidence.curves;
+    let curves = &found.evidence.curves;
     let mut chart = bode(view, title, label);
     for one in curves.rejection.iter().filter(|r| r.source == source) {
         let (name, k, dash) = match one.arrangement {
