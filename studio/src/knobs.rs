@@ -68,7 +68,7 @@ pub fn numbers(weight: &Weight) -> Numbers {
             }
             _ => Vec::new(),
         },
-        Weight::Product(_) => Vec::new(),
+        Weight::Product(_) | Weight::Table { .. } => Vec::new(),
     }
 }
 
@@ -89,6 +89,7 @@ pub fn form(weight: &Weight) -> &'static str {
             _ => "zero-pole-gain",
         },
         Weight::Product(_) => "product",
+        Weight::Table { .. } => "table",
     }
 }
 

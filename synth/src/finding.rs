@@ -92,6 +92,7 @@ impl fmt::Display for Finding {
         }
         match self.rate_rad_s {
             Some(rate) if rate.is_infinite() => write!(f, ", at high frequency")?,
+            Some(0.0) => write!(f, ", at zero frequency")?,
             Some(rate) => write!(f, ", at {rate:.4} rad/s")?,
             None => {}
         }

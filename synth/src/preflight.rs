@@ -104,6 +104,10 @@ fn check_feedforward(
     }
     let system = plant.delayed()?;
     let weighed = weights.output.unwrap_or(plant.rate);
+    let (index, count) = (weighed, system.outputs());
+    if index >= count {
+        return Err(Error::Index { what: "weighted output", index, count });
+    }
     let gain = Gain::of(&system.select(&[weighed], &[plant.control]))?;
     findings.extend(against_plant(part, &weights.error, &weights.control, &gain)?);
     let disturbed = Gain::of(&system.select(&[weighed], columns))?;

@@ -89,9 +89,35 @@ pub enum Weight {
     },
     /// The product of weights.
     Product(Vec<Weight>),
+    /// A table of moduli, by the stable function of minimum phase that comes nearest to it ([`Weight::table`]).
+    Table {
+        /// Frequency in rad/s and modulus, the frequencies rising.
+        points: Vec<[f64; 2]>,
+        /// Order of the function.
+        order: usize,
+        /// The function.
+        fitted: Box<Weight>,
+    },
 }
 
 impl Weight {
+    /// A table of (frequency in rad/s, modulus), fitted by a function of the given order ([`crate::fit_table`]).
+    ///
+    /// # Errors
+    /// As [`crate::fit_table`].
+    pub fn table(points: &[[f64; 2]], order: usize) -> Result<Self, Error> {
+        let pairs: Vec<(f64, f64)> = points.iter().map(|&[rate, modulus]| (rate, modulus)).collect();
+        let fitted = Box::new(crate::fit_table(&pairs, order)?.weight);
+        Ok(Weight::Table { points: points.to_vec(), order, fitted })
+    }
+
+    /// How far a table's function is from its points at most, dB; 0 for every other form.
+    pub fn worst_db(&self) -> f64 {
+        let Weight::Table { points, fitted, .. } = self else { return 0.0 };
+        let off = |&[rate, modulus]: &[f64; 2]| 20.0 * (fitted.magnitude(rate) / modulus).log10().abs();
+        points.iter().map(off).fold(0.0, f64::max)
+    }
+
     /// The weight as gain, zeros and poles, as it was written: nothing mirrored.
     pub fn rational(&self) -> Rational {
         match self {
@@ -111,6 +137,7 @@ impl Weight {
             Weight::Product(parts) => {
                 parts.iter().fold(Rational::new(&[], &[], 1.0), |all, part| all.times(&part.rational()))
             }
+            Weight::Table { fitted, .. } => fitted.rational(),
         }
     }
 
@@ -210,6 +237,10 @@ impl fmt::Display for Weight {
             Weight::Product(parts) => {
                 let texts: Vec<String> = parts.iter().map(ToString::to_string).collect();
                 write!(f, "({})", texts.join(") ("))
+            }
+            Weight::Table { points, order, .. } => {
+                let (count, off) = (points.len(), self.worst_db());
+                write!(f, "table of {count} points, by a function of order {order} within {off:.2} dB")
             }
         }
     }
@@ -312,6 +343,17 @@ mod tests {
         let weight = Weight::ZeroPoleGain { zeros: vec![], poles: poles.to_vec(), gain: 2.0 };
         let system = weight.realise().unwrap();
         assert_eq!(system.A[(0, 0)], -0.3);
+    }
+
+    #[test]
+    fn a_table_is_the_function_that_comes_nearest() {
+        let lag = |rate: f64| 30.0 / (1.0 + (rate / 2.0).powi(2)).sqrt() + 0.5;
+        let points: Vec<[f64; 2]> =
+            (0..12).map(|k| 0.05 * 2.5_f64.powi(k)).map(|rate| [rate, lag(rate)]).collect();
+        let table = Weight::table(&points, 2).unwrap();
+        assert!(table.worst_db() < 0.5, "{}", table.worst_db());
+        assert!(table.realise().is_ok() && table.to_string().contains("table of 12 points"), "{table}");
+        assert!(Weight::table(&points[..3], 2).is_err());
     }
 
     #[test]

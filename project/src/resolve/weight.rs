@@ -3,6 +3,7 @@
 use counterpoise_lti::C64;
 use counterpoise_synth::Weight;
 
+use super::model::count;
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{Choice, Visit, choose, list};
 
@@ -21,6 +22,7 @@ enum Form {
     Shelf,
     Notch,
     Product,
+    Table,
 }
 
 impl Choice for Form {
@@ -37,6 +39,7 @@ impl Choice for Form {
         ("shelf", Self::Shelf),
         ("notch", Self::Notch),
         ("product", Self::Product),
+        ("table", Self::Table),
     ];
 }
 
@@ -62,6 +65,15 @@ const NATURAL: Field = Field::new("natural_frequency", "w of K w^2 / (s^2 + 2 z 
 const DAMPING: Field = Field::new("damping_ratio", "z").limit(Limit::AboveTo(0.0, 1.0));
 const ZEROS: Field = Field::new("zeros", "[real, imaginary], with their conjugates").unit("rad/s").or_empty();
 const POLES: Field = Field::new("poles", "[real, imaginary], with their conjugates").unit("rad/s").or_empty();
+const POINTS: Field =
+    Field::new("points", "frequency in rad/s and modulus, rising, or the name of a CSV file")
+        .limit(Limit::Above(0.0));
+const ORDER: Field =
+    Field::new("order", "of the stable function of minimum phase that is fitted to the points")
+        .limit(Limit::Between(1.0, 8.0))
+        .or(2.0);
+/// Deviation from a point of a table that is allowed, dB.
+const WITHIN_DB: f64 = 3.0;
 const PART: TableField = TableField::required("part", "a factor of the product");
 
 /// A weight still to be read.
@@ -85,7 +97,29 @@ pub(crate) fn weight(v: &mut dyn Visit, weight: &mut Weight) {
             roots(v, &POLES, poles);
             v.number(&GAIN, gain);
         }
+        (Form::Table, weight) => table(v, weight),
         (_, simple) => numbers(v, simple),
+    }
+}
+
+/// A table and the function that stands for it; fitted anew only where points or order have changed.
+fn table(v: &mut dyn Visit, weight: &mut Weight) {
+    let Weight::Table { points, order, .. } = &*weight else { return };
+    let (mut new, mut new_order) = (points.clone(), *order);
+    v.pairs(&POINTS, &mut new);
+    count(v, &ORDER, &mut new_order);
+    if (&new, new_order) == (points, *order) || new.is_empty() {
+        return;
+    }
+    match Weight::table(&new, new_order) {
+        Ok(fitted) if fitted.worst_db() > WITHIN_DB => {
+            let off = fitted.worst_db();
+            let hint = format!("the best is {off:.2} dB away: raise order, or smooth the table");
+            let allowed = format!("must be met by a function of order {new_order} within {WITHIN_DB} dB");
+            v.complain("points", &allowed, Some(hint));
+        }
+        Ok(fitted) => *weight = fitted,
+        Err(error) => v.complain("points", &format!("must be a table of moduli ({error})"), None),
     }
 }
 
@@ -166,7 +200,7 @@ fn numbers(v: &mut dyn Visit, weight: &mut Weight) {
         Weight::Notch { gain, centre_rad_s, width, factor } => {
             vec![(&GAIN, gain), (&CENTRE, centre_rad_s), (&WIDTH, width), (&FACTOR, factor)]
         }
-        Weight::ZeroPoleGain { .. } | Weight::Product(_) => Vec::new(),
+        Weight::ZeroPoleGain { .. } | Weight::Product(_) | Weight::Table { .. } => Vec::new(),
     };
     for (field, value) in fields {
         v.number(field, value);
@@ -197,6 +231,7 @@ fn form_of(weight: &Weight) -> Form {
         Weight::Shelf { .. } => Form::Shelf,
         Weight::Notch { .. } => Form::Notch,
         Weight::Product(_) => Form::Product,
+        Weight::Table { .. } => Form::Table,
     }
 }
 
@@ -215,5 +250,8 @@ fn blank(form: Form) -> Weight {
         Form::Shelf => Weight::Shelf { low: f64::NAN, high: f64::NAN, corner_rad_s: f64::NAN },
         Form::Notch => Weight::Notch { gain, centre_rad_s: f64::NAN, width: f64::NAN, factor: f64::NAN },
         Form::Product => Weight::Product(Vec::new()),
+        Form::Table => {
+            Weight::Table { points: Vec::new(), order: 2, fitted: Box::new(Weight::Constant { gain }) }
+        }
     }
 }
