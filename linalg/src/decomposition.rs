@@ -2,6 +2,7 @@
 
 use faer::linalg::evd::hessenberg as householder;
 
+use crate::compact;
 use crate::dense::{copy, solve, view};
 use crate::error::{Error, check_finite, check_shape, check_square, check_symmetric};
 use crate::mat::{C64, CMat, Mat};
@@ -125,9 +126,13 @@ pub fn sym_gen_eigen(K: &Mat, M: &Mat) -> Result<(Vec<f64>, Mat), Error> {
     Ok((values, Mat::from_fn(inner.nrows(), inner.ncols(), |i, j| scale[i] * inner[(i, j)])))
 }
 
-/// The power of two nearest to a positive number, on the logarithmic scale.
+/// The power of two nearest to a positive number, on the logarithmic scale, from 2^-1000 to 2^1000.
 pub(crate) fn power_of_two(value: f64) -> f64 {
-    value.log2().round().clamp(-1000.0, 1000.0).exp2()
+    const ONE: i64 = 1023;
+    let bits = value.to_bits();
+    let mantissa = f64::from_bits((bits & ((1 << 52) - 1)) | ((ONE as u64) << 52));
+    let exponent = (bits >> 52) as i64 + i64::from(mantissa > std::f64::consts::SQRT_2);
+    f64::from_bits((exponent.clamp(ONE - 1000, ONE + 1000) as u64) << 52)
 }
 
 fn lower_solve(L: &Mat, B: &Mat) -> Mat {
@@ -154,11 +159,17 @@ pub fn hessenberg(A: &Mat) -> Result<(Mat, Mat), Error> {
     if n < 3 {
         return Ok((A.clone(), Mat::eye(n)));
     }
-    Ok(hessenberg_checked(A))
+    let (least, most) = compact::SAFE_ENTRIES;
+    if n <= compact::LIMIT && (least..most).contains(&A.norm_max()) {
+        let mut H = A.clone();
+        let Q = compact::hessenberg(&mut H);
+        return Ok((H, Q));
+    }
+    Ok(blocked_hessenberg(A))
 }
 
-/// [`hessenberg`] of a finite square matrix with at least three rows.
-pub(crate) fn hessenberg_checked(A: &Mat) -> (Mat, Mat) {
+/// [`hessenberg`] of a finite square matrix with at least three rows, by faer's kernel.
+fn blocked_hessenberg(A: &Mat) -> (Mat, Mat) {
     use faer::dyn_stack::{MemBuffer, MemStack};
     use faer::linalg::householder as apply;
     let n = A.nrows();

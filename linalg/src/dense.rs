@@ -6,6 +6,7 @@ use faer::linalg::solvers::{DenseSolveCore, Solve};
 use faer::traits::ComplexField;
 use faer::{MatMut, MatRef};
 
+use crate::compact;
 use crate::error::{Error, check_finite, check_shape, check_square};
 use crate::mat::{C64, CMat, Dense, Mat, Scalar};
 use crate::tolerance::EPS;
@@ -31,7 +32,13 @@ pub(crate) fn copy<T: Scalar>(A: MatRef<'_, T>) -> Dense<T> {
 /// # Errors
 /// Wrong shapes, entries that are not finite, and a pivot that is zero to working precision ([`Error::Singular`]).
 pub fn solve(A: &Mat, B: &Mat) -> Result<Mat, Error> {
-    lu_solve(A, B)
+    if A.nrows() > compact::LIMIT {
+        return lu_solve(A, B);
+    }
+    check_square("A", A)?;
+    check_shape("B", B, (A.nrows(), B.ncols()))?;
+    let singular = Error::Singular { what: "A", rcond: 0.0 };
+    compact::solve(A, B).filter(Mat::is_finite).ok_or(singular)
 }
 
 /// Solves the complex system `A X = B` by LU with partial pivoting. Errors as for [`solve`].
@@ -45,6 +52,9 @@ pub fn csolve(A: &CMat, B: &CMat) -> Result<CMat, Error> {
 /// As for [`solve`].
 pub fn inverse(A: &Mat) -> Result<Mat, Error> {
     check_square("A", A)?;
+    if A.nrows() <= compact::LIMIT {
+        return solve(A, &Mat::eye(A.nrows()));
+    }
     let lu = view(A).partial_piv_lu();
     check_pivots(lu.U())?;
     Ok(copy(lu.inverse().as_ref()))

@@ -133,6 +133,9 @@ pub(crate) fn check_square<T: Scalar>(what: &'static str, matrix: &Dense<T>) -> 
 
 /// Whether every entry is finite.
 pub(crate) fn check_finite<T: Scalar>(what: &'static str, matrix: &Dense<T>) -> Result<(), Error> {
+    if matrix.is_finite() {
+        return Ok(());
+    }
     match matrix.as_slice().iter().position(|e| !e.modulus().is_finite()) {
         None => Ok(()),
         Some(at) => {

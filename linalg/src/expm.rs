@@ -74,25 +74,30 @@ const COEFFICIENTS_13: [f64; 14] = [
 ];
 
 fn pade(A: &Mat) -> Result<Mat, Error> {
-    let norm = A.norm_one();
-    for (limit, coefficients) in DEGREES {
-        if norm <= limit {
-            return quotient(low_degree(A, coefficients));
-        }
-    }
-    let squarings = (norm / LARGEST).log2().ceil().max(0.0) as i32;
-    let mut X = quotient(degree_13(&A.scale((-squarings as f64).exp2())))?;
+    let (A, squarings) = halved(A);
+    let (W, V) = approximant(&A);
+    let U = &A * &W;
+    let mut X = solve(&(&V - &U), &(&V + &U))?;
     for _ in 0..squarings {
         X = &X * &X;
     }
     Ok(X)
 }
 
-/// `(V - U)^-1 (V + U)` for the odd part `U` and the even part `V`.
-fn quotient((U, V): (Mat, Mat)) -> Result<Mat, Error> {
-    solve(&(&V - &U), &(&V + &U))
+/// The matrix over the power of two for which the approximant of the largest degree is good, and the exponent.
+fn halved(A: &Mat) -> (Mat, i32) {
+    let squarings = (A.norm_one() / LARGEST).log2().ceil().max(0.0) as i32;
+    (A.scale((-squarings as f64).exp2()), squarings)
 }
 
+/// `W` and `V` of the lowest degree that is good to double precision.
+fn approximant(A: &Mat) -> (Mat, Mat) {
+    let norm = A.norm_one();
+    let degree = DEGREES.iter().find(|(limit, _)| norm <= *limit);
+    degree.map_or_else(|| degree_13(A), |(_, coefficients)| low_degree(A, coefficients))
+}
+
+/// `W` and `V` of `A` for one degree: the odd part of the numerator is `A W`, the even part `V`.
 fn low_degree(A: &Mat, b: &[f64]) -> (Mat, Mat) {
     let n = A.nrows();
     let square = A * A;
@@ -105,9 +110,10 @@ fn low_degree(A: &Mat, b: &[f64]) -> (Mat, Mat) {
         add_scaled(&mut even, &power, pair[0]);
         add_scaled(&mut odd, &power, pair[1]);
     }
-    (A * odd, even)
+    (odd, even)
 }
 
+/// The same for degree 13, with three powers.
 fn degree_13(A: &Mat) -> (Mat, Mat) {
     let b = &COEFFICIENTS_13;
     let A2 = A * A;
@@ -123,7 +129,7 @@ fn degree_13(A: &Mat) -> (Mat, Mat) {
     };
     let odd = &A6 * sum([0.0, b[9], b[11], b[13]]) + sum([b[1], b[3], b[5], b[7]]);
     let even = &A6 * sum([0.0, b[8], b[10], b[12]]) + sum([b[0], b[2], b[4], b[6]]);
-    (A * odd, even)
+    (odd, even)
 }
 
 vectorised! {
@@ -135,20 +141,41 @@ vectorised! {
 /// The zero-order hold: `Phi = exp(A h)` and `Gamma = integral of exp(A s) B ds from 0 to h`; `A` n x n, `B` n x m,
 /// `h > 0` in seconds (or any unit that agrees with `A`).
 ///
-/// Method: the exponential of `[A B; 0 0] h` (Van Loan), the input columns scaled by a power of two so that they do not
-/// raise the norm.
+/// Method: the exponential of `[A B; 0 0] h` (Van Loan) by its Pade approximant, of which the first n rows are computed
+/// only; with `A W` and `V` the odd and the even part of the numerator, `(V - A W) [Phi - I, Gamma] = 2 [A W, W B]`. `A` is
+/// balanced by powers of two, the size of `B` plays no part.
 ///
 /// # Errors
 /// Wrong shapes, entries that are not finite.
 pub fn expm_integral(A: &Mat, B: &Mat, h: f64) -> Result<(Mat, Mat), Error> {
     check_square("A", A)?;
     check_shape("B", B, (A.nrows(), B.ncols()))?;
+    let balanced = balance(A)?;
+    let worthwhile = balanced.A.norm_one() <= WORTHWHILE * A.norm_one();
+    if !worthwhile {
+        return held(&A.scale(h), &B.scale(h));
+    }
+    let d = &balanced.scale;
+    let inner = Mat::from_fn(B.nrows(), B.ncols(), |i, j| B[(i, j)] * h / d[i]);
+    let (Phi, Gamma) = held(&balanced.A.scale(h), &inner)?;
+    let Phi = Mat::from_fn(Phi.nrows(), Phi.ncols(), |i, j| Phi[(i, j)] * d[i] / d[j]);
+    Ok((checked(Phi)?, checked(Mat::from_fn(B.nrows(), B.ncols(), |i, j| Gamma[(i, j)] * d[i]))?))
+}
+
+/// `exp(A)` and the integral of `exp(A s) B` from 0 to 1.
+fn held(A: &Mat, B: &Mat) -> Result<(Mat, Mat), Error> {
     let (n, m) = B.shape();
-    let mut big = Mat::zeros(n + m, n + m);
-    big.set_block(0, 0, &A.scale(h));
-    big.set_block(0, n, &B.scale(h));
-    let result = expm(&big)?;
-    Ok((result.block(0, 0, n, n), result.block(0, n, n, m)))
+    let (A, squarings) = halved(A);
+    let B = B.scale((-squarings as f64).exp2());
+    let (W, V) = approximant(&A);
+    let U = &A * &W;
+    let change = solve(&(&V - &U), &U.hstack(&(&W * &B)).scale(2.0))?;
+    let (mut Phi, mut Gamma) = (change.block(0, 0, n, n) + Mat::eye(n), change.block(0, n, n, m));
+    for _ in 0..squarings {
+        Gamma = &Gamma + &(&Phi * &Gamma);
+        Phi = &Phi * &Phi;
+    }
+    Ok((checked(Phi)?, checked(Gamma)?))
 }
 
 /// The sampled cost: `Phi = exp(A h)` and `W = integral of exp(A' s) Q exp(A s) ds from 0 to h`, `Q` symmetric.
@@ -189,4 +216,37 @@ pub fn van_loan_cost(A: &Mat, Q: &Mat, h: f64) -> Result<(Mat, Mat), Error> {
 pub fn van_loan_noise(A: &Mat, Q: &Mat, h: f64) -> Result<(Mat, Mat), Error> {
     let (Phi, W) = van_loan_cost(&A.t(), Q, h)?;
     Ok((Phi.t(), W))
+}
+
+/// The accumulated cost: `P = integral of W(t) dt from 0 to h` with the `W(t)` of [`van_loan_cost`], `Q` symmetric. White
+/// noise of intensity `V` that enters during a period costs `tr(V P)` before the next sample can answer it.
+///
+/// Source: Van Loan 1978, the next block of the same exponential; halved and doubled as there, by
+/// `P(2h) = P(h) + h W(h) + Phi(h)' P(h) Phi(h)`.
+///
+/// # Errors
+/// As for [`van_loan_cost`].
+pub fn van_loan_accumulated(A: &Mat, Q: &Mat, h: f64) -> Result<Mat, Error> {
+    check_square("A", A)?;
+    check_shape("Q", Q, A.shape())?;
+    let n = A.nrows();
+    let halvings = (A.norm_one() * h).log2().ceil().clamp(0.0, 60.0) as i32;
+    let mut step = h * (-halvings as f64).exp2();
+    let mut big = Mat::zeros(3 * n, 3 * n);
+    big.set_block(0, 0, &A.t().scale(-step));
+    big.set_block(0, n, &Mat::eye(n).scale(step));
+    big.set_block(n, n, &A.t().scale(-step));
+    big.set_block(n, 2 * n, &Q.scale(step));
+    big.set_block(2 * n, 2 * n, &A.scale(step));
+    let parts = expm(&big)?;
+    let mut Phi = parts.block(2 * n, 2 * n, n, n);
+    let mut W = (Phi.t() * parts.block(n, 2 * n, n, n)).symmetric_part();
+    let mut P = (Phi.t() * parts.block(0, 2 * n, n, n)).symmetric_part();
+    for _ in 0..halvings {
+        P = (&P + &W.scale(step) + Phi.t() * &P * &Phi).symmetric_part();
+        W = (&W + &(Phi.t() * &W * &Phi)).symmetric_part();
+        Phi = &Phi * &Phi;
+        step *= 2.0;
+    }
+    checked(P)
 }

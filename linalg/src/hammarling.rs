@@ -54,11 +54,11 @@ fn factor(A: &Mat, B: &Mat, kind: Kind) -> Result<Mat, Error> {
     Prepared::of(A, kind)?.reached(B)
 }
 
-/// A stable matrix, balanced (`A = D Ab D^-1`), in Schur form `Ab = U (Z T Z^H) U'`.
+/// A stable matrix, balanced (`A = D Ab D^-1`), in Schur form `Ab = U (Z T Z^H) U'`; `Z` turns complex pairs only.
 struct Prepared {
     scale: Vec<f64>,
     U: Mat,
-    Z: CMat,
+    turns: Vec<Turn>,
     T: CMat,
     kind: Kind,
 }
@@ -69,8 +69,8 @@ impl Prepared {
         let balanced = crate::balance::balance(A)?;
         let form = schur(&balanced.A)?;
         check_stable(&form, kind)?;
-        let (T, Z) = complex_form(&form);
-        Ok(Self { scale: balanced.scale, U: form.U, Z, T, kind })
+        let (T, turns) = complex_form(&form);
+        Ok(Self { scale: balanced.scale, U: form.U, turns, T, kind })
     }
 
     /// The factor of the equation with `A` and `B B'`.
@@ -78,8 +78,9 @@ impl Prepared {
         check_shape("B", B, (self.U.nrows(), B.ncols()))?;
         let scaled = Mat::from_fn(B.nrows(), B.ncols(), |i, j| B[(i, j)] / self.scale[i]);
         let reduced = narrow(&(self.U.t() * &scaled))?;
-        let R = triangular_factor(&self.T, &(self.Z.h() * reduced.to_complex()), self.kind);
-        self.lower(&(&self.Z * &R), |i| self.scale[i])
+        let mut R = triangular_factor(&self.T, &self.turned_back(&reduced), self.kind);
+        self.turns.iter().for_each(|turn| turn.rows(&mut R));
+        self.lower(&R, |i| self.scale[i])
     }
 
     /// The factor of the equation with `A'` and `C' C`: its triangular form is `T^H` with rows and columns in reverse.
@@ -89,9 +90,17 @@ impl Prepared {
         let scaled = Mat::from_fn(n, C.nrows(), |i, j| C[(j, i)] * self.scale[i]);
         let reduced = narrow(&(self.U.t() * &scaled))?;
         let T = CMat::from_fn(n, n, |i, j| self.T[(n - 1 - j, n - 1 - i)].conj());
-        let Z = CMat::from_fn(n, n, |i, j| self.Z[(i, n - 1 - j)]);
-        let R = triangular_factor(&T, &(Z.h() * reduced.to_complex()), self.kind);
-        self.lower(&(&Z * &R), |i| 1.0 / self.scale[i])
+        let R = triangular_factor(&T, &upside_down(&self.turned_back(&reduced)), self.kind);
+        let mut R = upside_down(&R);
+        self.turns.iter().for_each(|turn| turn.rows(&mut R));
+        self.lower(&R, |i| 1.0 / self.scale[i])
+    }
+
+    /// `Z^H B`
+    fn turned_back(&self, B: &Mat) -> CMat {
+        let mut B = B.to_complex();
+        self.turns.iter().for_each(|turn| turn.back().rows(&mut B));
+        B
     }
 
     /// The real lower triangular factor of `S S^H`, `S = diag(scale) U inner`.
@@ -122,11 +131,48 @@ fn narrow(B: &Mat) -> Result<Mat, Error> {
     if B.ncols() <= B.nrows() { Ok(B.clone()) } else { Ok(qr_r(&B.t())?.t()) }
 }
 
-/// The complex triangular form of a real Schur form and the unitary `Z` with `T_real = Z T Z^H`.
-fn complex_form(form: &Schur) -> (CMat, CMat) {
+/// The rows in reverse order.
+fn upside_down(M: &CMat) -> CMat {
+    let mut out = M.clone();
+    (0..M.ncols()).for_each(|j| out.column_mut(j).reverse());
+    out
+}
+
+/// The unitary `[x -conj(y); y conj(x)]` in rows and columns `k`, `k + 1`.
+struct Turn {
+    k: usize,
+    x: C64,
+    y: C64,
+}
+
+impl Turn {
+    fn back(&self) -> Self {
+        Self { k: self.k, x: self.x.conj(), y: -self.y }
+    }
+
+    /// `Z M`
+    fn rows(&self, M: &mut CMat) {
+        let (k, x, y) = (self.k, self.x, self.y);
+        for j in 0..M.ncols() {
+            let (p, q) = (M[(k, j)], M[(k + 1, j)]);
+            (M[(k, j)], M[(k + 1, j)]) = (x * p - y.conj() * q, y * p + x.conj() * q);
+        }
+    }
+
+    /// `M Z` in the first `rows` rows.
+    fn columns(&self, M: &mut CMat, rows: usize) {
+        let (k, x, y) = (self.k, self.x, self.y);
+        for i in 0..rows {
+            let (p, q) = (M[(i, k)], M[(i, k + 1)]);
+            (M[(i, k)], M[(i, k + 1)]) = (p * x + q * y, q * x.conj() - p * y.conj());
+        }
+    }
+}
+
+/// The complex triangular form of a real Schur form and the turns that make up the unitary `Z` with `T_real = Z T Z^H`.
+fn complex_form(form: &Schur) -> (CMat, Vec<Turn>) {
     let mut T = form.T.to_complex();
-    let n = T.nrows();
-    let mut Z = CMat::eye(n);
+    let mut turns = Vec::new();
     for (k, size) in blocks(&form.T) {
         if size == 2 {
             let (a, b, c) = (form.T[(k, k)], form.T[(k, k + 1)], form.T[(k + 1, k)]);
@@ -134,32 +180,16 @@ fn complex_form(form: &Schur) -> (CMat, CMat) {
             // Eigenvector [b; j omega] of [a b; c a] for a + j omega.
             let norm = b.hypot(omega);
             let (x, y) = (C64::new(b / norm, 0.0), C64::new(0.0, omega / norm));
-            turn(&mut T, &mut Z, k, x, y);
+            let turn = Turn { k, x, y };
+            turn.back().rows(&mut T);
+            turn.columns(&mut T, k + 2);
             T[(k, k)] = C64::new(a, omega);
             T[(k + 1, k + 1)] = C64::new(a, -omega);
             T[(k + 1, k)] = C64::new(0.0, 0.0);
+            turns.push(turn);
         }
     }
-    (T, Z)
-}
-
-/// The unitary similarity whose first column is `[x; y]`, in rows and columns `k`, `k + 1`.
-fn turn(T: &mut CMat, Z: &mut CMat, k: usize, x: C64, y: C64) {
-    let n = T.nrows();
-    for j in k..n {
-        let (p, q) = (T[(k, j)], T[(k + 1, j)]);
-        T[(k, j)] = x.conj() * p + y.conj() * q;
-        T[(k + 1, j)] = -y * p + x * q;
-    }
-    let columns = |M: &mut CMat, rows: usize| {
-        for i in 0..rows {
-            let (p, q) = (M[(i, k)], M[(i, k + 1)]);
-            M[(i, k)] = p * x + q * y;
-            M[(i, k + 1)] = q * x.conj() - p * y.conj();
-        }
-    };
-    columns(T, k + 2);
-    columns(Z, n);
+    (T, turns)
 }
 
 vectorised! {

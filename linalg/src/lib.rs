@@ -22,6 +22,7 @@
 #![allow(non_snake_case)]
 
 pub mod balance;
+mod compact;
 pub mod decomposition;
 pub mod dense;
 mod error;
@@ -31,6 +32,7 @@ pub mod generalised;
 pub mod hammarling;
 mod kernel;
 pub mod lyapunov;
+mod lyapunov_leaf;
 pub mod mat;
 pub mod riccati;
 mod scalar;
@@ -46,7 +48,7 @@ pub use decomposition::{
 };
 pub use dense::{Qr, cdet, cholesky, csolve, dot, inverse, lstsq, pinv, qr, qr_full_q, qr_r, solve};
 pub use error::Error;
-pub use expm::{expm, expm_integral, van_loan_cost, van_loan_noise};
+pub use expm::{expm, expm_integral, van_loan_accumulated, van_loan_cost, van_loan_noise};
 pub use generalised::gsylvester;
 pub use hammarling::{dlyap_factor, dlyap_factors, lyap_factor, lyap_factors};
 pub use lyapunov::{dlyap, lyap};

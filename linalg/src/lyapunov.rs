@@ -1,6 +1,7 @@
 //! Lyapunov equations, continuous and discrete, solved for the whole matrix.
 
 use crate::error::{Error, check_shape, check_square};
+use crate::lyapunov_leaf;
 use crate::mat::Mat;
 use crate::schur::{Schur, schur};
 use crate::sylvester::{Kind, check_spectra, middle, solve_triangular};
@@ -35,21 +36,22 @@ fn solve(A: &Mat, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
     let d = &balanced.scale;
     let inner = Mat::from_fn(Q.nrows(), Q.ncols(), |i, j| Q[(i, j)] / d[i] / d[j]);
     let operator = Operator::new(schur(&balanced.A)?, kind)?;
-    let X = if is_symmetric(Q) { operator.solve(&inner) } else { operator.solve_general(&inner) };
-    let X = if is_symmetric(Q) { X.symmetric_part() } else { X };
+    let X = if is_symmetric(Q) {
+        operator.solve(&inner).symmetric_part()
+    } else {
+        operator.solve_general(&inner)
+    };
     Ok(Mat::from_fn(X.nrows(), X.ncols(), |i, j| X[(i, j)] * d[i] * d[j]))
 }
 
 fn is_symmetric(Q: &Mat) -> bool {
-    *Q == Q.t()
+    (0..Q.ncols()).all(|j| (0..j).all(|i| Q[(i, j)] == Q[(j, i)]))
 }
 
 /// A Lyapunov operator `X -> A X + X A'` or `X -> A X A' - X` that is inverted more than once.
 pub(crate) struct Operator {
     /// `A = U T U'`
     pub(crate) form: Schur,
-    /// The triangle of `A'` with its rows and columns in reverse order.
-    reversed: Mat,
     kind: Kind,
 }
 
@@ -58,9 +60,7 @@ impl Operator {
     pub(crate) fn new(form: Schur, kind: Kind) -> Result<Self, Error> {
         let eigenvalues = form.eigenvalues();
         check_spectra(&eigenvalues, &eigenvalues, kind)?;
-        let n = form.T.nrows();
-        let reversed = Mat::from_fn(n, n, |i, j| form.T[(n - 1 - j, n - 1 - i)]);
-        Ok(Self { form, reversed, kind })
+        Ok(Self { form, kind })
     }
 
     /// `X` with `operator(X) + Q = 0` for a symmetric `Q`.
@@ -86,20 +86,29 @@ impl Operator {
     }
 
     fn solve_inner_general(&self, Q: &Mat) -> Mat {
+        let T = &self.form.T;
+        if self.kind == Kind::Continuous {
+            return against_transpose(T, T, &-Q);
+        }
+        // The triangle of `A'` with its rows and columns in reverse order is one, too.
+        let n = T.nrows();
+        let reversed = Mat::from_fn(n, n, |i, j| T[(n - 1 - j, n - 1 - i)]);
         let mut X = flipped(Q, -1.0);
-        solve_triangular(&self.form.T, &self.reversed, &mut X, self.kind);
+        solve_triangular(T, &reversed, &mut X, self.kind);
         flipped(&X, 1.0)
     }
 }
 
-/// Orders up to this are solved without the use of symmetry.
-const SMALL: usize = 8;
+/// Sides up to this are solved block by block, larger ones by halves.
+const SMALL: usize = 40;
 
 /// `T X + X T' = C` for symmetric `C`, of which the upper blocks are read: half the work of the general equation.
 fn symmetric(T: &Mat, C: &Mat) -> Mat {
     let n = T.nrows();
     if n <= SMALL {
-        return against_transpose(T, T, C);
+        let mut X = C.clone();
+        lyapunov_leaf::solve_symmetric(T, &mut X);
+        return X;
     }
     let k = middle(T);
     let (T11, T12, T22) = (T.block(0, 0, k, k), T.block(0, k, k, n - k), T.block(k, k, n - k, n - k));
@@ -110,13 +119,24 @@ fn symmetric(T: &Mat, C: &Mat) -> Mat {
     Mat::from_blocks(&[&[&X11, &X12], &[&X12.t(), &X22]])
 }
 
-/// `T X + X S' = C` for quasi-triangular `T` and `S`: `S'` with rows and columns in reverse order is one, too.
+/// `T X + X S' = C` for quasi-triangular `T` and `S`, the longer side cut in half until both are short.
 fn against_transpose(T: &Mat, S: &Mat, C: &Mat) -> Mat {
-    let n = S.nrows();
-    let reversed = Mat::from_fn(n, n, |i, j| S[(n - 1 - j, n - 1 - i)]);
-    let mut X = flipped(C, 1.0);
-    solve_triangular(T, &reversed, &mut X, Kind::Continuous);
-    flipped(&X, 1.0)
+    let (m, n) = C.shape();
+    if m <= SMALL && n <= SMALL {
+        let mut X = C.clone();
+        lyapunov_leaf::solve(T, S, &mut X);
+        return X;
+    }
+    if m >= n {
+        let k = middle(T);
+        let lower = against_transpose(&T.block(k, k, m - k, m - k), S, &C.block(k, 0, m - k, n));
+        let rest = C.block(0, 0, k, n) - &T.block(0, k, k, m - k) * &lower;
+        return against_transpose(&T.block(0, 0, k, k), S, &rest).vstack(&lower);
+    }
+    let k = middle(S);
+    let right = against_transpose(T, &S.block(k, k, n - k, n - k), &C.block(0, k, m, n - k));
+    let rest = C.block(0, 0, m, k) - &right * S.block(0, k, k, n - k).t();
+    against_transpose(T, &S.block(0, 0, k, k), &rest).hstack(&right)
 }
 
 /// The columns in reverse order, times a number.

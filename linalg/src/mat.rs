@@ -257,7 +257,7 @@ impl<T: Scalar> Dense<T> {
 
     /// Whether every entry is finite.
     pub fn is_finite(&self) -> bool {
-        self.data.iter().all(|e| e.modulus().is_finite())
+        T::all_finite(&self.data)
     }
 }
 

@@ -31,6 +31,8 @@ pub trait Scalar:
     fn conjugate(self) -> Self;
     /// The sum of the squared moduli, which may overflow.
     fn sum_of_squares(data: &[Self]) -> f64;
+    /// Whether every entry is finite.
+    fn all_finite(data: &[Self]) -> bool;
     /// `C += A B` for column-major data; `A` is m x k, `B` is k x n.
     fn gemm(m: usize, k: usize, n: usize, a: &[Self], b: &[Self], c: &mut [Self]);
 }
@@ -46,6 +48,9 @@ impl Scalar for f64 {
     }
     fn sum_of_squares(data: &[Self]) -> f64 {
         sum_of_squares(data)
+    }
+    fn all_finite(data: &[Self]) -> bool {
+        all_finite(data)
     }
     fn gemm(m: usize, k: usize, n: usize, a: &[Self], b: &[Self], c: &mut [Self]) {
         if m * k * n < LARGE_PRODUCT {
@@ -73,6 +78,9 @@ impl Scalar for C64 {
     }
     fn sum_of_squares(data: &[Self]) -> f64 {
         data.iter().map(|e| e.norm_sqr()).sum()
+    }
+    fn all_finite(data: &[Self]) -> bool {
+        data.iter().all(|e| e.re.is_finite() && e.im.is_finite())
     }
     fn gemm(m: usize, k: usize, n: usize, a: &[Self], b: &[Self], c: &mut [Self]) {
         if m * k * n < LARGE_PRODUCT {
@@ -105,6 +113,19 @@ vectorised! {
     }
 }
 
+vectorised! {
+    /// Zero times a number that is not finite is no number.
+    fn all_finite<'a>(data: &'a [f64]) -> bool {
+        let mut sums = [0.0; 8];
+        let chunks = data.chunks_exact(8);
+        let rest: f64 = chunks.remainder().iter().map(|e| e * 0.0).sum();
+        for chunk in chunks {
+            sums.iter_mut().zip(chunk).for_each(|(s, e)| *s += e * 0.0);
+        }
+        sums.iter().sum::<f64>() + rest == 0.0
+    }
+}
+
 /// Products with more multiplications than this go to faer's blocked kernel.
 const LARGE_PRODUCT: usize = 16 * 16 * 16;
 
@@ -122,16 +143,26 @@ vectorised! {
 
 #[inline(always)]
 fn small_gemm<T: Scalar>((m, k, n): (usize, usize, usize), a: &[T], b: &[T], c: &mut [T]) {
+    if m == 0 {
+        return;
+    }
     for j in 0..n {
         let column = &mut c[j * m..(j + 1) * m];
-        for l in 0..k {
-            let factor = b[j * k + l];
-            if factor == T::ZERO {
-                continue;
+        let (factors, mut sources) = (&b[j * k..(j + 1) * k], a);
+        // Four columns at a time, added one after the other: the target is read and written a quarter as often.
+        let fours = factors.chunks_exact(4);
+        let rest = fours.remainder();
+        for f in fours {
+            let (four, others) = sources.split_at(4 * m);
+            sources = others;
+            let ((p, q), (r, s)) = (four[..2 * m].split_at(m), four[2 * m..].split_at(m));
+            for ((target, (&p, &q)), (&r, &s)) in column.iter_mut().zip(p.iter().zip(q)).zip(r.iter().zip(s))
+            {
+                *target = *target + p * f[0] + q * f[1] + r * f[2] + s * f[3];
             }
-            for (target, &source) in column.iter_mut().zip(&a[l * m..(l + 1) * m]) {
-                *target += source * factor;
-            }
+        }
+        for (&factor, source) in rest.iter().zip(sources.chunks_exact(m)) {
+            column.iter_mut().zip(source).for_each(|(target, &source)| *target += source * factor);
         }
     }
 }

@@ -6,7 +6,7 @@ mod common;
 use common::{Random, difference};
 use counterpoise_linalg::{
     Error, Mat, dlyap, dlyap_factor, dsylvester, expm, expm_integral, gsylvester, lyap, lyap_factor,
-    sylvester, van_loan_cost, van_loan_noise,
+    sylvester, van_loan_accumulated, van_loan_cost, van_loan_noise,
 };
 
 #[test]
@@ -156,4 +156,16 @@ fn wrong_shapes_are_refused() {
     assert!(sylvester(&Mat::eye(2), &Mat::eye(3), &Mat::zeros(3, 2)).is_err());
     assert!(matches!(expm(&Mat::diag(&[f64::INFINITY])), Err(Error::NotFinite { .. })));
     assert!(matches!(expm(&Mat::diag(&[1e6])), Err(Error::NotFinite { .. })));
+}
+
+#[test]
+fn accumulated_cost_of_a_lag_has_its_closed_form() {
+    // W(t) = q (1 - exp(-2 a t)) / (2 a), its integral from 0 to h: q (h - W(h) / q) / (2 a).
+    let (a, q): (f64, f64) = (3.0, 2.0);
+    for h in [1e-3, 0.1, 40.0] {
+        let P = van_loan_accumulated(&Mat::diag(&[-a]), &Mat::diag(&[q]), h).unwrap()[(0, 0)];
+        let lag = -(-2.0 * a * h).exp_m1() / (2.0 * a);
+        let expected = q * (h - lag) / (2.0 * a);
+        assert!((P / expected - 1.0).abs() < 1e-11, "{h}: {P} {expected}");
+    }
 }

@@ -4,29 +4,14 @@
 
 mod common;
 
-use common::difference;
-use counterpoise_linalg::{Mat, Outcome, Reason, Riccati, care, care_g, dare};
-
-fn solve(A: &Mat, B: &Mat, Q: &Mat, R: &Mat) -> Riccati {
-    care(A, B, Q, R, None).unwrap().into_result().unwrap_or_else(|why| panic!("{why}"))
-}
-
-fn solve_g(A: &Mat, G: &Mat, Q: &Mat) -> Riccati {
-    care_g(A, G, Q).unwrap().into_result().unwrap_or_else(|why| panic!("{why}"))
-}
-
-/// The error that rounding the data alone explains.
-fn within_data(solution: &Riccati, exact: &Mat, what: &str) {
-    let error = difference(&solution.X, exact);
-    let data = f64::EPSILON * solution.certificate.condition;
-    assert!(error <= data.max(4e-15), "{what}: error {error:.1e}, data explain {data:.1e}");
-}
+use common::{difference, solved, solved_discrete, solved_g, within_data};
+use counterpoise_linalg::{Mat, Outcome, Reason, care, care_g};
 
 #[test]
 fn carex_2_1_almost_unstabilisable() {
     for e in [1.0, 1e-3, 1e-6] {
         let (A, B) = (Mat::diag(&[1.0, -2.0]), Mat::col(&[e, 0.0]));
-        let solution = solve(&A, &B, &Mat::from_fn(2, 2, |_, _| 1.0), &Mat::eye(1));
+        let solution = solved(&A, &B, &Mat::from_fn(2, 2, |_, _| 1.0), &Mat::eye(1));
         let root = (1.0 + e * e).sqrt();
         let (x12, x22) = (1.0 / (2.0 + root), 0.25 * (1.0 - e * e / (2.0 + root).powi(2)));
         let exact = Mat::from_rows(&[&[(1.0 + root) / (e * e), x12], &[x12, x22]]);
@@ -45,7 +30,7 @@ fn carex_2_1_almost_unstabilisable() {
 fn carex_2_3_ill_conditioned_for_large_e() {
     for e in [1e-6, 1.0, 1e6] {
         let A = Mat::from_rows(&[&[0.0, e], &[0.0, 0.0]]);
-        let solution = solve(&A, &Mat::col(&[0.0, 1.0]), &Mat::eye(2), &Mat::eye(1));
+        let solution = solved(&A, &Mat::col(&[0.0, 1.0]), &Mat::eye(2), &Mat::eye(1));
         let root = (1.0 + 2.0 * e).sqrt();
         within_data(&solution, &Mat::from_rows(&[&[root / e, 1.0], &[1.0, root]]), &format!("2.3, {e:e}"));
     }
@@ -55,7 +40,7 @@ fn carex_2_3_ill_conditioned_for_large_e() {
 fn carex_2_4_hamiltonian_near_the_axis() {
     for e in [1.0, 1e-3, 1e-7] {
         let A = Mat::from_rows(&[&[e + 1.0, 1.0], &[1.0, e + 1.0]]);
-        let solution = solve_g(&A, &Mat::eye(2), &Mat::eye(2).scale(e * e));
+        let solution = solved_g(&A, &Mat::eye(2), &Mat::eye(2).scale(e * e));
         let x11 = 0.5 * (2.0 * (e + 1.0) + (2.0 * (e + 1.0).powi(2) + 2.0).sqrt() + 2f64.sqrt() * e);
         let x12 = x11 / (x11 - (e + 1.0));
         within_data(&solution, &Mat::from_rows(&[&[x11, x12], &[x12, x11]]), &format!("2.4, {e:e}"));
@@ -67,7 +52,7 @@ fn carex_2_5_h_infinity_near_the_axis() {
     for e in [1.0, 1e-2, 1e-5] {
         let A = Mat::from_rows(&[&[3.0 - e, 1.0], &[4.0, 2.0 - e]]);
         let Q = Mat::from_rows(&[&[4.0 * e - 11.0, 2.0 * e - 5.0], &[2.0 * e - 5.0, 2.0 * e - 2.0]]);
-        let solution = solve(&A, &Mat::col(&[1.0, 1.0]), &Q, &Mat::eye(1));
+        let solution = solved(&A, &Mat::col(&[1.0, 1.0]), &Q, &Mat::eye(1));
         within_data(&solution, &Mat::from_rows(&[&[2.0, 1.0], &[1.0, 1.0]]), &format!("2.5, {e:e}"));
     }
 }
@@ -85,7 +70,7 @@ fn carex_2_6_badly_scaled() {
         let (G, Q) = (Mat::eye(3).scale(1.0 / e), reflected([1.0 / e, 1.0, e]));
         let exact = |a: f64, q: f64| e * (a + (a * a + q / e).sqrt());
         let X = reflected([exact(e, 1.0 / e), exact(2.0 * e, 1.0), exact(3.0 * e, e)]);
-        within_data(&solve_g(&A, &G, &Q), &X, &format!("2.6, {e:e}"));
+        within_data(&solved_g(&A, &G, &Q), &X, &format!("2.6, {e:e}"));
     }
 }
 
@@ -128,7 +113,7 @@ fn vehicles(count: usize) -> (Mat, Mat, Mat) {
 fn carex_3_1_string_of_vehicles() {
     for count in [3, 20, 60] {
         let (A, B, Q) = vehicles(count);
-        let solution = solve(&A, &B, &Q, &Mat::eye(count));
+        let solution = solved(&A, &B, &Q, &Mat::eye(count));
         assert!(solution.certificate.relative_residual < 1e-15, "{count} vehicles");
         // The distances sum to nothing that the cost sees: the mean velocity keeps its own pole at -1.
         assert!(solution.closed_loop.iter().any(|l| (l - (-1.0)).norm() < 1e-9));
@@ -144,7 +129,7 @@ fn carex_3_2_circulant() {
         d if d == n - 1 => 1.0,
         _ => 0.0,
     });
-    let solution = solve_g(&A, &Mat::eye(n), &Mat::eye(n));
+    let solution = solved_g(&A, &Mat::eye(n), &Mat::eye(n));
     let wave = |k: usize| 2.0 * std::f64::consts::PI * k as f64 / n as f64;
     let entry = |d: usize| {
         let term = |k: usize| {
@@ -164,7 +149,7 @@ fn carex_4_1_chain_of_integrators() {
         let A = Mat::from_fn(n, n, |i, j| if j == i + 1 { 1.0 } else { 0.0 });
         let B = Mat::from_fn(n, 1, |i, _| if i == n - 1 { 1.0 } else { 0.0 });
         let Q = Mat::from_fn(n, n, |i, j| if i + j == 0 { q } else { 0.0 });
-        let X = solve(&A, &B, &Q, &Mat::eye(1).scale(r)).X;
+        let X = solved(&A, &B, &Q, &Mat::eye(1).scale(r)).X;
         let expected: f64 = (q * r).sqrt();
         assert!(
             (X[(0, n - 1)] / expected - 1.0).abs() < 1e-9,
@@ -187,12 +172,8 @@ fn carex_4_3_string_of_masses() {
     let A = Mat::from_blocks(&[&[&O, &I], &[&K.scale(-1.0 / mass), &I.scale(-damping / mass)]]);
     let mut B = Mat::zeros(2 * l, 2);
     (B[(l, 0)], B[(2 * l - 1, 1)]) = (1.0 / mass, -1.0 / mass);
-    let solution = solve(&A, &B, &Mat::eye(2 * l), &Mat::eye(2));
+    let solution = solved(&A, &B, &Mat::eye(2 * l), &Mat::eye(2));
     assert!(solution.certificate.relative_residual < 1e-15);
-}
-
-fn solve_discrete(A: &Mat, B: &Mat, Q: &Mat, R: &Mat) -> Riccati {
-    dare(A, B, Q, R, None).unwrap().into_result().unwrap_or_else(|why| panic!("{why}"))
 }
 
 #[test]
@@ -200,7 +181,7 @@ fn darex_2_1_singular_weight() {
     let A = Mat::from_rows(&[&[4.0, 3.0], &[-4.5, -3.5]]);
     let Q = Mat::from_rows(&[&[9.0, 6.0], &[6.0, 4.0]]);
     for r in [1e6, 1.0, 1e-6, 0.0] {
-        let solution = solve_discrete(&A, &Mat::col(&[1.0, -1.0]), &Q, &Mat::eye(1).scale(r));
+        let solution = solved_discrete(&A, &Mat::col(&[1.0, -1.0]), &Q, &Mat::eye(1).scale(r));
         let exact = Q.scale(0.5 * (1.0 + (1.0 + 4.0 * r).sqrt()));
         within_data(&solution, &exact, &format!("2.1, {r:e}"));
     }
@@ -212,7 +193,7 @@ fn darex_2_2_ill_conditioned_weight() {
     let B = Mat::from_rows(&[&[4.877, 4.877], &[-1.1895, 3.569]]);
     for e in [1.0, 1e-3, 1e-6] {
         let R = Mat::diag(&[1.0 / (3.0 * e), 3.0 * e]);
-        let solution = solve_discrete(&A, &B, &Mat::diag(&[0.005, 0.02]), &R);
+        let solution = solved_discrete(&A, &B, &Mat::diag(&[0.005, 0.02]), &R);
         assert!(solution.certificate.relative_residual < 1e-13, "2.2, {e:e}: {}", solution.certificate);
     }
 }
@@ -221,7 +202,7 @@ fn darex_2_2_ill_conditioned_weight() {
 fn darex_2_3_large_entry() {
     for e in [1e-3, 1.0, 1e6] {
         let A = Mat::from_rows(&[&[0.0, e], &[0.0, 0.0]]);
-        let solution = solve_discrete(&A, &Mat::col(&[0.0, 1.0]), &Mat::eye(2), &Mat::eye(1));
+        let solution = solved_discrete(&A, &Mat::col(&[0.0, 1.0]), &Mat::eye(2), &Mat::eye(1));
         within_data(&solution, &Mat::diag(&[1.0, 1.0 + e * e]), &format!("2.3, {e:e}"));
     }
 }
@@ -230,10 +211,14 @@ fn darex_2_3_large_entry() {
 fn darex_2_5_reflected_diagonal() {
     for r in [1e-6, 1.0, 1e6] {
         let weight = Mat::eye(3).scale(r);
-        let solution =
-            solve_discrete(&reflected([0.0, 1.0, 3.0]), &Mat::eye(3).scale(1.0 / r.sqrt()), &weight, &weight);
+        let solution = solved_discrete(
+            &reflected([0.0, 1.0, 3.0]),
+            &Mat::eye(3).scale(1.0 / r.sqrt()),
+            &weight,
+            &weight,
+        );
         assert!(solution.certificate.relative_residual < 1e-14, "2.5, {r:e}");
-        let unit = solve_discrete(&reflected([0.0, 1.0, 3.0]), &Mat::eye(3), &Mat::eye(3), &Mat::eye(3));
+        let unit = solved_discrete(&reflected([0.0, 1.0, 3.0]), &Mat::eye(3), &Mat::eye(3), &Mat::eye(3));
         let exact = reflected([1.0, 0.5 * (1.0 + 5f64.sqrt()), 0.5 * (9.0 + 85f64.sqrt())]);
         within_data(&unit, &exact, "2.5");
     }
@@ -244,7 +229,7 @@ fn darex_4_1_shift_register() {
     for n in [10, 100] {
         let A = Mat::from_fn(n, n, |i, j| if j == i + 1 { 1.0 } else { 0.0 });
         let B = Mat::from_fn(n, 1, |i, _| if i == n - 1 { 1.0 } else { 0.0 });
-        let solution = solve_discrete(&A, &B, &Mat::eye(n), &Mat::eye(1));
+        let solution = solved_discrete(&A, &B, &Mat::eye(n), &Mat::eye(1));
         let exact: Vec<f64> = (1..=n).map(|k| k as f64).collect();
         within_data(&solution, &Mat::diag(&exact), &format!("4.1, n = {n}"));
     }

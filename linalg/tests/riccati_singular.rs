@@ -4,12 +4,8 @@
 
 mod common;
 
-use common::difference;
-use counterpoise_linalg::{Mat, Riccati, care, cond, dare, solve};
-
-fn answer(A: &Mat, B: &Mat, Q: &Mat, R: &Mat) -> Riccati {
-    care(A, B, Q, R, None).unwrap().into_result().unwrap_or_else(|why| panic!("{why}"))
-}
+use common::{difference, solved, solved_discrete};
+use counterpoise_linalg::{Mat, Riccati, cond, solve};
 
 /// A certified answer: small residual, every pole of the loop in the left half plane.
 fn certified(solution: &Riccati, largest_residual: f64, what: &str) {
@@ -23,7 +19,7 @@ fn carex_2_2_weight_tends_to_a_singular_one() {
     let Q = Mat::from_rows(&[&[100.0, 1000.0], &[1000.0, 10000.0]]);
     for e in [1.0, 1e-4, 1e-8, 1e-12] {
         let R = Mat::from_rows(&[&[1.0 + e, 1.0], &[1.0, 1.0]]);
-        let solution = answer(&A, &B, &Q, &R);
+        let solution = solved(&A, &B, &Q, &R);
         // X rounded to double leaves this residual, since the gain divides it by R.
         certified(&solution, f64::EPSILON * cond(&R).unwrap().max(100.0), &format!("2.2, {e:e}"));
         // R F = B'X, the gain being as large as the inverse of R.
@@ -43,7 +39,7 @@ fn carex_2_7_magnetic_tape_with_a_fast_amplifier() {
             &[0.0, 0.0, 0.0, -1.0 / e],
         ]);
         let B = Mat::col(&[0.0, 0.0, 0.0, 1.0 / e]);
-        let solution = answer(&A, &B, &Mat::diag(&[1.0, 0.0, 1.0, 0.0]), &Mat::eye(1));
+        let solution = solved(&A, &B, &Mat::diag(&[1.0, 0.0, 1.0, 0.0]), &Mat::eye(1));
         certified(&solution, 1e-14, &format!("2.7, {e:e}"));
     }
 }
@@ -76,7 +72,7 @@ fn heat(n: usize, conductivity: f64, actuator: (f64, f64), sensor: (f64, f64)) -
 fn carex_4_2_heat_flow() {
     for (n, conductivity, place) in [(20, 0.01, 0.2), (100, 0.01, 0.2), (100, 1e-6, 0.2), (200, 1.0, 0.85)] {
         let (A, B, C) = heat(n, conductivity, (place, place + 0.1), (0.2, 0.3));
-        let solution = answer(&A, &B, &(C.t() * &C), &Mat::eye(1));
+        let solution = solved(&A, &B, &(C.t() * &C), &Mat::eye(1));
         // sb02md leaves 9e-12, 5e-9, 9e-13 and 7e-6.
         certified(&solution, 1e-13, &format!("4.2, {n}, {conductivity:e}"));
     }
@@ -95,7 +91,7 @@ fn carex_4_3_long_string_of_masses() {
         let A = Mat::from_blocks(&[&[&O, &I], &[&K.scale(-1.0 / mass), &I.scale(-damping / mass)]]);
         let mut B = Mat::zeros(2 * l, 2);
         (B[(l, 0)], B[(2 * l - 1, 1)]) = (1.0 / mass, -1.0 / mass);
-        certified(&answer(&A, &B, &Mat::eye(2 * l), &Mat::eye(2)), 1e-14, &format!("4.3, {l}"));
+        certified(&solved(&A, &B, &Mat::eye(2 * l), &Mat::eye(2)), 1e-14, &format!("4.3, {l}"));
     }
 }
 
@@ -107,7 +103,7 @@ fn carex_4_1_longest_chain_that_double_holds() {
         let A = Mat::from_fn(n, n, |i, j| if j == i + 1 { 1.0 } else { 0.0 });
         let B = Mat::from_fn(n, 1, |i, _| if i == n - 1 { 1.0 } else { 0.0 });
         let Q = Mat::from_fn(n, n, |i, j| if i + j == 0 { q } else { 0.0 });
-        let solution = answer(&A, &B, &Q, &Mat::eye(1).scale(r));
+        let solution = solved(&A, &B, &Q, &Mat::eye(1).scale(r));
         certified(&solution, 1e-14, &format!("4.1, {q:e}, {r:e}"));
         // The loop has Butterworth's poles: the 2n-th roots of q/r with sign, all of one modulus.
         let radius = (q / r).powf(0.5 / n as f64);
@@ -117,17 +113,13 @@ fn carex_4_1_longest_chain_that_double_holds() {
     }
 }
 
-fn discrete(A: &Mat, B: &Mat, Q: &Mat, R: &Mat) -> Riccati {
-    dare(A, B, Q, R, None).unwrap().into_result().unwrap_or_else(|why| panic!("{why}"))
-}
-
 #[test]
 fn darex_2_4_scaled_reflection() {
     let V = Mat::from_fn(3, 3, |i, j| if i == j { 1.0 / 3.0 } else { -2.0 / 3.0 });
     let reflected = |d: [f64; 3]| (&V * &Mat::diag(&d) * &V).symmetric_part();
     for e in [1e-8, 1e-3, 1.0, 1e6] {
         let weight = Mat::eye(3).scale(e);
-        let solution = discrete(&reflected([0.0, 1.0, 3.0]), &Mat::eye(3), &weight, &weight);
+        let solution = solved_discrete(&reflected([0.0, 1.0, 3.0]), &Mat::eye(3), &weight, &weight);
         let roots = [1.0, 0.5 * (1.0 + 5f64.sqrt()), 0.5 * (9.0 + 85f64.sqrt())];
         let error = difference(&solution.X, &reflected(roots).scale(e));
         assert!(error < 1e-14, "{e:e}: {error:e}");
@@ -144,7 +136,7 @@ fn darex_2_5_paper_machine_with_a_slow_pole() {
         let mut A = Mat::from_fn(4, 4, |i, j| if i == j + 1 { 1.0 } else { 0.0 });
         A[(0, 0)] = alpha;
         let Q = Mat::diag(&[0.0, 0.0, 0.0, 1.0]);
-        let solution = discrete(&A, &Mat::col(&[beta, 0.0, 0.0, 0.0]), &Q, &Mat::eye(1).scale(r));
+        let solution = solved_discrete(&A, &Mat::col(&[beta, 0.0, 0.0, 0.0]), &Q, &Mat::eye(1).scale(r));
         let term = r * (alpha + 1.0) * (alpha - 1.0) + beta * beta;
         let x = 0.5 * (term + (term * term + 4.0 * beta * beta * r).sqrt()) / (beta * beta);
         let exact = Mat::diag(&[x, 1.0, 1.0, 1.0]);
@@ -159,7 +151,7 @@ fn darex_4_1_longest_shift_register() {
     let A = Mat::from_fn(n, n, |i, j| if j == i + 1 { 1.0 } else { 0.0 });
     let B = Mat::from_fn(n, 1, |i, _| if i == n - 1 { 1.0 } else { 0.0 });
     let exact: Vec<f64> = (1..=n).map(|k| k as f64).collect();
-    assert!(difference(&discrete(&A, &B, &Mat::eye(n), &Mat::eye(1)).X, &Mat::diag(&exact)) < 1e-13);
+    assert!(difference(&solved_discrete(&A, &B, &Mat::eye(n), &Mat::eye(1)).X, &Mat::diag(&exact)) < 1e-13);
 }
 
 #[test]
@@ -169,7 +161,7 @@ fn the_smallest_problems_and_the_widest_units() {
         for q in [1e-8, 1.0, 1e8] {
             for r in [1e-8, 1.0, 1e8] {
                 let one = |x: f64| Mat::diag(&[x]);
-                let solution = answer(&one(a), &one(1.0), &one(q), &one(r));
+                let solution = solved(&one(a), &one(1.0), &one(q), &one(r));
                 let root = (a * a + q / r).sqrt();
                 let exact = if a > 0.0 { r * (a + root) } else { q / (root - a) };
                 let found = solution.X[(0, 0)];
@@ -178,5 +170,5 @@ fn the_smallest_problems_and_the_widest_units() {
         }
     }
     let (none, inputs) = (Mat::zeros(0, 0), Mat::zeros(0, 1));
-    assert_eq!(answer(&none, &inputs, &none, &Mat::eye(1)).F.shape(), (1, 0));
+    assert_eq!(solved(&none, &inputs, &none, &Mat::eye(1)).F.shape(), (1, 0));
 }

@@ -49,16 +49,20 @@ impl Lane {
         }
     }
 
-    /// a / b by complex division lane by lane; only O(n) of these are needed.
+    /// a / b lane by lane (Smith, Comm. ACM 5 (1962) 435); only O(n) of these are needed. One rounding where b is real or
+    /// imaginary, as it is at a resonance, which magnifies every further one by its quality factor.
     #[inline(always)]
     fn quotient(a: &Self, b: &Self) -> Self {
         let mut out = Self::ZERO;
         for l in 0..LANES {
-            let scale = 1.0 / b.re[l].abs().max(b.im[l].abs());
-            let (x, y) = (b.re[l] * scale, b.im[l] * scale);
-            let size = scale / (x * x + y * y);
-            out.re[l] = (a.re[l] * x + a.im[l] * y) * size;
-            out.im[l] = (a.im[l] * x - a.re[l] * y) * size;
+            // Where the imaginary part is the larger, both numbers are turned by a right angle first.
+            let upright = b.re[l].abs() >= b.im[l].abs();
+            let (large, small) = if upright { (b.re[l], b.im[l]) } else { (b.im[l], -b.re[l]) };
+            let (re, im) = if upright { (a.re[l], a.im[l]) } else { (a.im[l], -a.re[l]) };
+            let ratio = small / large;
+            let size = large + small * ratio;
+            out.re[l] = (re + im * ratio) / size;
+            out.im[l] = (im - re * ratio) / size;
         }
         out
     }

@@ -9,7 +9,7 @@
 //! polynomial is expanded, `feedback` is negative and `lft` positive.
 //!
 //! Modules in reading order: [`system`], [`connect`](mod@connect), [`named`], [`delay`], [`zpk`], [`transfer`], [`descriptor`],
-//! [`discretise`],
+//! [`discretise`], [`sampled`],
 //! [`scaling`], [`components`], [`roots`], [`response`], [`time`], [`gramians`], [`norms`], [`margins`](mod@margins),
 //! [`error`].
 //!
@@ -38,6 +38,7 @@ pub mod named;
 pub mod norms;
 pub mod response;
 pub mod roots;
+pub mod sampled;
 pub mod scaling;
 mod scan;
 mod structure;
@@ -62,6 +63,7 @@ pub use named::{Named, connect};
 pub use norms::{Peak, h2norm, hinfnorm, linfnorm};
 pub use response::{Response, dcgain, frequency_response, response_at, sigma};
 pub use roots::{is_stable, is_stable_pole, poles, zeros};
+pub use sampled::{Noise, SampledProblem, sampled_problem};
 pub use system::{StateSpace, Timebase};
 pub use time::{TimeResponse, impulse, lsim, step};
 pub use transfer::TransferFunction;

@@ -84,8 +84,8 @@ pub(super) fn fold(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Optio
     Some(Problem { A: A - &(B * &K), G, Q: (Q - &(S * &K)).symmetric_part() })
 }
 
-/// Above this size the products of the doubling beat the rotations of the Schur form.
-const LARGE: usize = 12;
+/// Above this size the products of the doubling beat the rotations of the Schur form of twice the size.
+const LARGE: usize = 4;
 
 /// First approximation, refinement, certificate; the second method where the first does not lead to one. The solution is
 /// in the caller's units, the gain still in the scaled ones.

@@ -6,7 +6,7 @@
 use crate::dense::solve;
 use crate::error::Error;
 use crate::mat::Mat;
-use crate::tolerance::{DOUBLING_STEPS, EPS};
+use crate::tolerance::DOUBLING_STEPS;
 
 use super::scaling::Problem;
 
@@ -35,26 +35,29 @@ fn cayley(A: &Mat, G: &Mat, Q: &Mat, gamma: f64) -> Result<Problem, Error> {
     Ok(Problem { A, G: G.symmetric_part(), Q: H.symmetric_part() })
 }
 
+/// Convergence is quadratic: below this change the next one would be rounding, and Newton steps follow anyhow.
+const SETTLED: f64 = 1e-7;
+
 /// Doubles `X = A'X (I + G X)^-1 A + Q` until `Q`, which tends to `X`, stands still.
 pub(super) fn run(mut form: Problem) -> Option<Mat> {
     let n = form.A.nrows();
-    let mut last = f64::INFINITY;
     for _ in 0..DOUBLING_STEPS {
         let middle = Mat::eye(n) + &form.G * &form.Q;
+        // Both parts of the next form, (I + G Q)^-1 [A, G].
         let solved = solve(&middle, &form.A.hstack(&form.G)).ok()?;
-        let (V, W) = (solved.block(0, 0, n, n), solved.block(0, n, n, n));
-        let step = (form.A.t() * (&form.Q * &V)).symmetric_part();
-        form.G += &(&form.A * &W * form.A.t()).symmetric_part();
-        form.A = &form.A * &V;
+        let transposed = form.A.t();
+        let step = (&transposed * (&form.Q * &solved.block(0, 0, n, n))).symmetric_part();
         form.Q += &step;
         let change = step.norm_fro() / form.Q.norm_fro().max(f64::MIN_POSITIVE);
         if !change.is_finite() {
             return None;
         }
-        if change < 16.0 * EPS || (change < 1e-7 && change >= last) {
+        if change < SETTLED {
             return Some(form.Q);
         }
-        last = change;
+        let moved = &form.A * &solved;
+        form.G += &(&moved.block(0, n, n, n) * &transposed).symmetric_part();
+        form.A = moved.block(0, 0, n, n);
     }
     None
 }

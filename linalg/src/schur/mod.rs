@@ -28,6 +28,53 @@ pub struct Schur {
 /// Not square, entries that are not finite, or more than forty iterations an eigenvalue.
 pub fn schur(A: &Mat) -> Result<Schur, Error> {
     check_square("A", A)?;
+    match independent(A) {
+        groups if groups.len() > 1 => group_by_group(A, &groups),
+        _ => connected(A),
+    }
+}
+
+/// The form of each group of states that has nothing to do with the others: a modal model costs next to nothing.
+fn group_by_group(A: &Mat, groups: &[Vec<usize>]) -> Result<Schur, Error> {
+    let n = A.nrows();
+    let (mut T, mut U) = (Mat::zeros(n, n), Mat::zeros(n, n));
+    let mut top = 0;
+    for group in groups {
+        let form = connected(&A.select(group, group))?;
+        T.set_block(top, top, &form.T);
+        for j in 0..group.len() {
+            group.iter().enumerate().for_each(|(i, &state)| U[(state, top + j)] = form.U[(i, j)]);
+        }
+        top += group.len();
+    }
+    Ok(Schur { T, U })
+}
+
+/// The groups of states in which a matrix is block diagonal, one group where every state reaches every other.
+fn independent(A: &Mat) -> Vec<Vec<usize>> {
+    let n = A.nrows();
+    let mut label: Vec<usize> = (0..n).collect();
+    let mut count = n;
+    for j in 0..n {
+        for i in 0..n {
+            if count > 1 && A[(i, j)] != 0.0 && label[i] != label[j] {
+                let (kept, gone) = (label[i].min(label[j]), label[i].max(label[j]));
+                label.iter_mut().filter(|l| **l == gone).for_each(|l| *l = kept);
+                count -= 1;
+            }
+        }
+        if count <= 1 {
+            return vec![(0..n).collect()];
+        }
+    }
+    let mut groups = vec![Vec::new(); n];
+    label.iter().enumerate().for_each(|(state, &l)| groups[l].push(state));
+    groups.retain(|group| !group.is_empty());
+    groups
+}
+
+/// The form of a matrix that is not taken apart.
+fn connected(A: &Mat) -> Result<Schur, Error> {
     let (mut T, mut U) = hessenberg(A)?;
     if A.nrows() > 0 {
         francis::francis(&mut T, &mut U, 0, A.nrows() - 1)?;

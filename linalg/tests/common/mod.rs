@@ -1,7 +1,7 @@
-//! Random matrices from a seed, and the measures of error that the suites share.
+//! Random matrices from a seed, the measures of error and the solved equations that the suites share.
 #![allow(dead_code, non_snake_case)]
 
-use counterpoise_linalg::Mat;
+use counterpoise_linalg::{Error, Mat, Outcome, Riccati, care, care_g, dare};
 
 /// A small portable generator (SplitMix64).
 pub struct Random(u64);
@@ -46,4 +46,30 @@ impl Random {
 /// `norm(A - B) / norm(B)`.
 pub fn difference(A: &Mat, B: &Mat) -> f64 {
     (A - B).norm_fro() / B.norm_fro().max(f64::MIN_POSITIVE)
+}
+
+/// The solution of `care` without a cross term.
+pub fn solved(A: &Mat, B: &Mat, Q: &Mat, R: &Mat) -> Riccati {
+    solution(care(A, B, Q, R, None))
+}
+
+/// The solution of `care_g`.
+pub fn solved_g(A: &Mat, G: &Mat, Q: &Mat) -> Riccati {
+    solution(care_g(A, G, Q))
+}
+
+/// The solution of `dare` without a cross term.
+pub fn solved_discrete(A: &Mat, B: &Mat, Q: &Mat, R: &Mat) -> Riccati {
+    solution(dare(A, B, Q, R, None))
+}
+
+fn solution(outcome: Result<Outcome<Riccati>, Error>) -> Riccati {
+    outcome.unwrap().into_result().unwrap_or_else(|why| panic!("{why}"))
+}
+
+/// The error that rounding the data alone explains.
+pub fn within_data(solution: &Riccati, exact: &Mat, what: &str) {
+    let error = difference(&solution.X, exact);
+    let data = f64::EPSILON * solution.certificate.condition;
+    assert!(error <= data.max(4e-15), "{what}: error {error:.1e}, data explain {data:.1e}");
 }

@@ -18,12 +18,12 @@ pub struct Problem {
     A: Mat,
     B1: Mat,
     B2: Mat,
-    C1: Mat,
-    C2: Mat,
-    D12: Mat,
-    D21: Mat,
     Q: Mat,
     R: Mat,
+    /// Frequencies in rad/s, one column.
+    rates: Mat,
+    plant: StateSpace,
+    generalised: Generalised,
     meta: serde_json::Value,
 }
 
@@ -31,17 +31,17 @@ impl Problem {
     /// Reads the folder of a problem.
     pub fn read(folder: &Path) -> Self {
         let matrix = |name: &str| files::read(&folder.join(format!("{name}.mtx")));
+        let [A, B1, B2, C1, C2, D12, D21] = ["A", "B1", "B2", "C1", "C2", "D12", "D21"].map(matrix);
         let meta = std::fs::read_to_string(folder.join("meta.json")).expect("meta.json");
         Self {
-            A: matrix("A"),
-            B1: matrix("B1"),
-            B2: matrix("B2"),
-            C1: matrix("C1"),
-            C2: matrix("C2"),
-            D12: matrix("D12"),
-            D21: matrix("D21"),
+            plant: system(&A, &B2, &C2, Mat::zeros(C2.nrows(), B2.ncols())),
+            generalised: generalised(&A, (&B1, &B2), (&C1, &C2), (&D12, &D21)),
+            A,
+            B1,
+            B2,
             Q: matrix("Q").symmetric_part(),
             R: matrix("R"),
+            rates: matrix("w"),
             meta: serde_json::from_str(&meta).expect("JSON"),
         }
     }
@@ -49,22 +49,15 @@ impl Problem {
     fn setting(&self, key: &str) -> f64 {
         self.meta[key].as_f64().unwrap_or_else(|| panic!("meta.json has no {key}"))
     }
+}
 
-    /// From the control to the measurement.
-    fn plant(&self) -> StateSpace {
-        let D = Mat::zeros(self.C2.nrows(), self.B2.ncols());
-        system(&self.A, &self.B2, &self.C2, D)
-    }
-
-    fn generalised(&self) -> Result<Generalised, String> {
-        let B = self.B1.hstack(&self.B2);
-        let C = self.C1.vstack(&self.C2);
-        let D11 = Mat::zeros(self.C1.nrows(), self.B1.ncols());
-        let D22 = Mat::zeros(self.C2.nrows(), self.B2.ncols());
-        let D = Mat::from_blocks(&[&[&D11, &self.D12], &[&self.D21, &D22]]);
-        let system = system(&self.A, &B, &C, D);
-        Generalised::new(system, self.B2.ncols(), self.C2.nrows()).map_err(text)
-    }
+/// The generalised plant, without direct paths from disturbance to cost and from control to measurement.
+fn generalised(A: &Mat, (B1, B2): (&Mat, &Mat), (C1, C2): (&Mat, &Mat), (D12, D21): (&Mat, &Mat)) -> Generalised {
+    let D11 = Mat::zeros(C1.nrows(), B1.ncols());
+    let D22 = Mat::zeros(C2.nrows(), B2.ncols());
+    let D = Mat::from_blocks(&[&[&D11, D12], &[D21, &D22]]);
+    let system = system(A, &B1.hstack(B2), &C1.vstack(C2), D);
+    Generalised::new(system, B2.ncols(), C2.nrows()).expect("shapes that fit")
 }
 
 fn system(A: &Mat, B: &Mat, C: &Mat, D: Mat) -> StateSpace {
@@ -86,11 +79,11 @@ pub fn solver(kind: &str) -> fn(&Problem) -> Result<Answer, String> {
         "zoh" => |p| sampled(p, Discretisation::ZeroOrderHold),
         "tustin" => |p| sampled(p, Discretisation::Tustin { prewarp_rad_s: None }),
         "h2" => |p| {
-            let solution = solved(h2syn(&p.generalised()?).map_err(text)?)?;
+            let solution = solved(h2syn(&p.generalised).map_err(text)?)?;
             Ok(controller(solution.controller))
         },
         "hinf" => |p| {
-            let solution = solved(hinfsyn(&p.generalised()?, HINF_TOLERANCE).map_err(text)?)?;
+            let solution = solved(hinfsyn(&p.generalised, HINF_TOLERANCE).map_err(text)?)?;
             let mut answer = controller(solution.controller);
             answer.push(("gam", Mat::eye(1).scale(solution.bound)));
             Ok(answer)
@@ -114,25 +107,23 @@ fn controller(K: StateSpace) -> Answer {
 }
 
 fn sampled(p: &Problem, method: Discretisation) -> Result<Answer, String> {
-    let G = c2d(&p.plant(), p.setting("Ts"), method).map_err(text)?;
+    let G = c2d(&p.plant, p.setting("Ts"), method).map_err(text)?;
     Ok(vec![("Ad", G.A), ("Bd", G.B), ("Cd", G.C), ("Dd", G.D)])
 }
 
 fn reduced(p: &Problem) -> Result<Answer, String> {
     let order = p.setting("bt_order") as usize;
-    let G = Balanced::of(&p.plant()).and_then(|b| b.reduce(order, Method::SquareRoot)).map_err(text)?;
+    let G = Balanced::of(&p.plant).and_then(|b| b.reduce(order, Method::SquareRoot)).map_err(text)?;
     Ok(vec![("Ar", G.A), ("Br", G.B), ("Cr", G.C), ("Dr", G.D)])
 }
 
-/// One row a frequency, the entries of the response column by column.
+/// One row a frequency, the entries of the response column by column. The frequencies are read, not computed anew: at a
+/// resonance of quality 100 the last bits of a logarithmic grid show as 2e-13 of the response.
 fn response(p: &Problem) -> Result<Answer, String> {
-    let (low, high) = (p.setting("wmin").log10(), p.setting("wmax").log10());
-    let count = p.setting("nfreq") as usize;
-    let rate = |i: usize| 10f64.powf(low + (high - low) * i as f64 / (count - 1) as f64);
-    let rates: Vec<f64> = (0..count).map(rate).collect();
-    let G = frequency_response(&p.plant(), &rates).map_err(text)?;
-    let width = p.C2.nrows() * p.B2.ncols();
-    let re = Mat::from_fn(count, width, |i, j| G[i].as_slice()[j].re);
-    let im = Mat::from_fn(count, width, |i, j| G[i].as_slice()[j].im);
+    let rates = p.rates.as_slice();
+    let G = frequency_response(&p.plant, rates).map_err(text)?;
+    let width = p.plant.outputs() * p.plant.inputs();
+    let re = Mat::from_fn(rates.len(), width, |i, j| G[i].as_slice()[j].re);
+    let im = Mat::from_fn(rates.len(), width, |i, j| G[i].as_slice()[j].im);
     Ok(vec![("Hre", re), ("Him", im)])
 }

@@ -1,16 +1,19 @@
 //! One problem of the peers' benchmark, solved and timed: `counterpoise-peers KIND FAMILY N DATA_DIR OUT_DIR`.
 //!
-//! KIND is care, lyap, zoh, tustin, h2, hinf, bt or freq. `DATA_DIR/FAMILY_N` has the matrices as Matrix Market files
+//! KIND is care, lyap, zoh, tustin, h2, hinf, bt or freq, or carex and darex with FAMILY and N the group and the number of an
+//! example. `DATA_DIR/FAMILY_N` has the matrices as Matrix Market files
 //! and the settings as `meta.json`; the answer goes to OUT_DIR as Matrix Market files, a line of JSON with the shortest
 //! time in seconds to standard output. A refusal is an answer too: `{"refused": "why"}`.
 #![allow(missing_docs, clippy::expect_used, clippy::panic)]
 
+mod collections;
 mod files;
 mod kinds;
 
 use std::path::Path;
 use std::time::Instant;
 
+use collections::Equation;
 use kinds::{Answer, Problem};
 use serde_json::json;
 
@@ -19,9 +22,15 @@ fn main() {
     let [kind, family, n, data, out] = arguments.as_slice() else {
         panic!("usage: counterpoise-peers KIND FAMILY N DATA_DIR OUT_DIR")
     };
-    let problem = Problem::read(&Path::new(data).join(format!("{family}_{n}")));
-    let solve = kinds::solver(kind);
-    match best(|| solve(&problem)) {
+    let folder = Path::new(data).join(format!("{family}_{n}"));
+    let result = if kind == "carex" || kind == "darex" {
+        let equation = Equation::read(kind, &folder);
+        best(|| equation.solve())
+    } else {
+        let (problem, solve) = (Problem::read(&folder), kinds::solver(kind));
+        best(|| solve(&problem))
+    };
+    match result {
         (seconds, Ok(answer)) => {
             files::write(Path::new(out), &answer);
             println!("{}", json!({ "seconds": seconds }));
