@@ -255,7 +255,7 @@ impl<'a> Lap<'a> {
 }
 
 /// The control under which the amplifier's voltage stays as it is.
-fn holding_control(plant: &Plant, core: &[f64]) -> f64 {
+pub(crate) fn holding_control(plant: &Plant, core: &[f64]) -> f64 {
     let (amplifier, motor) = (&plant.parameters().amplifier, &plant.parameters().motor);
     let drive_v = amplifier.holding_drive_v(core[state::VOLTAGE], core[state::CURRENT], motor);
     amplifier.control_v(drive_v, motor)

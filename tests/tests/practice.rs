@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 use counterpoise_diagnose::answer::Verdict;
 use counterpoise_diagnose::bench::Pool;
 use counterpoise_diagnose::diagnose;
-use counterpoise_project::Project;
 use counterpoise_project::recording::Table;
+use counterpoise_project::{Attachments, Document, Project, Setting};
 use counterpoise_simulate::recording::Recording;
-use counterpoise_simulate::replay::{Loop, replay};
+use counterpoise_simulate::replay::{Loop, Replay, Replayer, replay};
 
 /// As many threads as the machine has.
 struct Threads;
@@ -89,4 +89,113 @@ fn left_out_friction_is_named_sized_and_its_improved_model_fits_what_it_has_not_
     }
     let improved = Project { plant: found.improved, ..project };
     assert!(worst(&improved, &folder.join("unseen")) < 1.5);
+}
+
+/// What a machine has more than its project says, entered by hand: keys of the project file and their values.
+fn truth(machine: &str) -> Vec<(&'static str, Setting)> {
+    let number = |key, value| (key, Setting::Number(value));
+    match machine {
+        "p01" => vec![
+            number("plant.friction.pivot.static_ratio", 1.55),
+            number("plant.friction.pivot.stribeck_rate", 0.012),
+        ],
+        "p02" => vec![number("plant.gearbox.backlash", 6e-3)],
+        "p03" => vec![("plant.amplifier.map", Setting::Pairs(GAIN_CURVE.to_vec()))],
+        "p04" => vec![number("plant.lumped.out_of_balance", 186.0)],
+        "p05" => vec![
+            number("plant.motor.cogging.amplitude", 0.16),
+            number("plant.motor.cogging.order", 6.0),
+            number("plant.motor.cogging.phase", 0.7),
+        ],
+        "p06" => vec![("plant.interface.output_delay_samples", Setting::Whole(6))],
+        "p07" => vec![
+            number("plant.lumped.position_stiffness", 900.0),
+            number("plant.lumped.position_stiffness_centre", -0.04),
+        ],
+        _ => Vec::new(),
+    }
+}
+
+/// Input voltage and stalled current of p03's amplifier.
+const GAIN_CURVE: [[f64; 2]; 14] = [
+    [0.12, 0.27],
+    [0.22, 0.48],
+    [0.28, 0.6],
+    [0.34, 0.7],
+    [0.42, 0.83],
+    [0.51, 0.96],
+    [0.57, 1.08],
+    [0.8, 1.86],
+    [1.04, 2.79],
+    [1.13, 3.04],
+    [1.2, 3.3],
+    [1.27, 3.53],
+    [1.34, 3.81],
+    [2.0, 6.0],
+];
+
+/// A practice machine's project with the truth entered, and all its recordings.
+fn known(machine: &str) -> Option<(Project, Vec<Recording>)> {
+    let folder = practice(machine)?;
+    let text = fs::read_to_string(folder.join("project.toml")).unwrap();
+    let document = truth(machine)
+        .iter()
+        .fold(Document::parse(&text, machine), |document, (key, value)| document.set(key, value).unwrap());
+    let project = Project::resolve(&document, &Attachments::none()).unwrap().project;
+    let mut all = recordings(&project, &folder);
+    all.extend(recordings(&project, &folder.join("unseen")));
+    assert_eq!(all.len(), 7);
+    Some((project, all))
+}
+
+/// Every channel of a replay within 1.5 times its floor.
+fn assert_fits(machine: &str, recording: &str, replayed: &Replay) {
+    for fit in &replayed.channels {
+        let ratio = fit.rms_error / fit.floor;
+        assert!(ratio < 1.5, "{machine} {recording} {}: {ratio:.2} times the floor", fit.channel.name());
+    }
+}
+
+#[test]
+fn machines_whose_truth_is_known_replay_in_closed_loop_to_their_floor() {
+    for machine in ["p01", "p04", "p05", "p06", "p07"] {
+        let Some((project, all)) = known(machine) else { return };
+        let control = Loop::Closed(project.recording_controller.clone().unwrap());
+        counterpoise_tests::in_parallel(all.len(), &|k| {
+            let replayed = replay(&project.plant, &all[k], &control).unwrap();
+            assert_fits(machine, &all[k].name, &replayed);
+        });
+    }
+}
+
+#[test]
+fn machines_that_hunt_replay_to_their_floor_over_half_a_second() {
+    for machine in ["p02", "p03"] {
+        let Some((project, all)) = known(machine) else { return };
+        counterpoise_tests::in_parallel(all.len(), &|k| {
+            let replayer = Replayer::new(&project.plant, &all[k]).unwrap();
+            assert_fits(machine, &all[k].name, &replayer.replay_windows(&project.plant, 0.5).unwrap());
+        });
+    }
+}
+
+#[test]
+fn cogging_that_nearly_stalls_the_motor_replays_in_open_loop_from_a_start_fitted_over_half_the_recording() {
+    let Some((project, all)) = known("p05") else { return };
+    let steps = all.iter().find(|r| r.name.contains("steps") && !r.name.contains("unseen")).unwrap();
+    let replayer = Replayer::new(&project.plant, steps).unwrap();
+    assert_fits("p05", "steps", &replayer.replay_windows(&project.plant, 10.0).unwrap());
+}
+
+#[test]
+fn short_horizons_do_not_hide_what_a_model_lacks() {
+    let Some(folder) = practice("p02") else { return };
+    let project = project(&folder);
+    let lacking = recordings(&project, &folder);
+    let worst = |recording: &Recording| {
+        let replayer = Replayer::new(&project.plant, recording).unwrap();
+        let replayed = replayer.replay_windows(&project.plant, 0.5).unwrap();
+        replayed.channels.iter().map(|c| c.rms_error / c.floor).fold(0.0, f64::max)
+    };
+    assert!(lacking.iter().map(worst).fold(0.0, f64::max) > 10.0);
 }

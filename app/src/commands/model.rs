@@ -7,7 +7,7 @@ use counterpoise::report::html;
 use counterpoise::report::model::report;
 use counterpoise_project::Purpose;
 use counterpoise_project::pipeline;
-use counterpoise_project::pipeline::portrait::{ModeSet, portrait};
+use counterpoise_project::pipeline::portrait::{MeshColumn, Meshes, ModeSet, portrait};
 use counterpoise_project::results::ModelResult;
 
 use super::{Done, verdict_code};
@@ -36,12 +36,13 @@ pub fn run(options: &ModelOptions) -> Done {
     let result = ModelResult::from(&modelled);
     let portrait = portrait(&loaded.project, &modelled)?;
     if let Some(path) = &options.report {
-        let command = std::env::args().collect::<Vec<_>>().join(" ");
+        let command = format!("counterpoise model {} --report {}", options.project.display(), path.display());
         files::write(path, html(&report(&result, &portrait, &command)).as_bytes())?;
     }
     if !output::json(&options.results, &result)? {
         print(&result);
         modes(&portrait.modes);
+        portrait.meshes.iter().for_each(meshes);
     }
     Ok(verdict_code(true))
 }
@@ -61,7 +62,7 @@ fn modes(sets: &[ModeSet]) {
     if sets.is_empty() {
         return;
     }
-    say!("flexible modes of the beam:");
+    say!("flexible modes of the structure:");
     say!("{:>10} {:>12} {:>16} {:>24}", "hub", "Hz", "effective kg", "effective kg m^2, pitch");
     for set in sets {
         for mode in &set.modes {
@@ -73,5 +74,15 @@ fn modes(sets: &[ModeSet]) {
                 mode.effective_inertia_kg_m2
             );
         }
+    }
+}
+
+fn meshes(meshes: &Meshes) {
+    say!("frequencies over those of {} elements, free at both ends:", meshes.reference);
+    let head = |c: &MeshColumn| format!("{:>11}", format!("{} {}", c.elements, c.kind));
+    say!("{:>5} {:>10}{}", "mode", "Hz", meshes.columns.iter().map(head).collect::<String>());
+    for (mode, hz) in meshes.reference_hz.iter().enumerate() {
+        let cell = |c: &MeshColumn| c.ratios.get(mode).map_or(format!("{:>11}", ""), |r| format!("{r:11.4}"));
+        say!("{:>5} {hz:10.3}{}", mode + 1, meshes.columns.iter().map(cell).collect::<String>());
     }
 }

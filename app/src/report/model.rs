@@ -1,6 +1,6 @@
 //! The report of a plant: its numbers, poles, the modes of its structure, and its friction.
 
-use counterpoise_project::pipeline::portrait::{FrictionPortrait, ModeSet, Portrait};
+use counterpoise_project::pipeline::portrait::{FrictionLoop, FrictionPortrait, Meshes, ModeSet, Portrait};
 use counterpoise_project::results::ModelResult;
 
 use super::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
@@ -13,6 +13,7 @@ pub fn report(result: &ModelResult, portrait: &Portrait, command: &str) -> Repor
     if !portrait.modes.is_empty() {
         sections.push(modes_section(&portrait.modes, command));
     }
+    sections.extend(portrait.meshes.as_ref().map(|meshes| meshes_section(meshes, command)));
     sections.extend(portrait.frictions.iter().map(|friction| friction_section(friction, command)));
     let glance = portrait.modes.iter().find(|set| set.support == "pinned").map(|set| shapes(set, command));
     Report {
@@ -110,46 +111,125 @@ fn shapes(set: &ModeSet, command: &str) -> Figure {
     Figure { command: command.to_owned(), ..figure }
 }
 
+fn meshes_section(meshes: &Meshes, command: &str) -> Section {
+    let mut columns = vec![Column::Text("elements")];
+    columns.extend(MODE_HEADS.iter().take(meshes.reference_hz.len()).map(|head| Column::Number(head)));
+    let mut table = Table::new("Frequencies over the reference's, free at both ends", &columns);
+    let row = |name: String, values: Vec<String>| {
+        let filled = values.into_iter().chain(std::iter::repeat(String::new())).take(columns.len() - 1);
+        std::iter::once(name).chain(filled).map(Cell::text).collect()
+    };
+    let hertz = meshes.reference_hz.iter().map(|hz| short(*hz)).collect();
+    table.rows.push(row(format!("{} tapered [Hz]", meshes.reference), hertz));
+    for mesh in &meshes.columns {
+        let ratios = mesh.ratios.iter().map(|r| format!("{r:.4}")).collect();
+        table.rows.push(row(format!("{} {}", mesh.elements, mesh.kind), ratios));
+    }
+    Section::new("How many elements")
+        .saying(
+            "Uniform elements have the mean diameter of the stretch that they stand for, tapered ones its true cross section by \
+             quadrature: their frequencies are never below the beam's.",
+        )
+        .showing([convergence(meshes, command)])
+        .listing(table)
+}
+
+/// Heads of the table's columns.
+const MODE_HEADS: [&str; 9] =
+    ["mode 1", "mode 2", "mode 3", "mode 4", "mode 5", "mode 6", "mode 7", "mode 8", "mode 9"];
+
+/// Modes whose errors are drawn.
+const DRAWN: usize = 3;
+
+fn convergence(meshes: &Meshes, command: &str) -> Figure {
+    let curve = |kind: &str, mode: usize| -> Vec<(f64, f64)> {
+        let all = meshes.finer.iter().filter(|c| c.kind == kind);
+        all.filter_map(|c| Some((c.elements as f64, 100.0 * (c.ratios.get(mode)? - 1.0).abs()))).collect()
+    };
+    let mut series = Vec::new();
+    for (mode, colour) in (0..DRAWN).zip(Colour::CYCLE) {
+        series.push(Series::solid(&format!("mode {}, tapered", mode + 1), colour, curve("tapered", mode)));
+        series.push(Series::dashed(&format!("mode {}, uniform", mode + 1), colour, curve("uniform", mode)));
+    }
+    let panel = Panel::of(Axis::logarithmic("error of the frequency", "%"), series).high(260.0);
+    let caption = format!(
+        "Against {} elements. Tapered elements fall with the fourth power of their number, uniform ones with the second.",
+        meshes.reference
+    );
+    let figure =
+        Figure::new("Error against the number of elements", Axis::logarithmic("elements", ""), vec![panel]);
+    Figure { command: command.to_owned(), ..figure.captioned(&caption) }
+}
+
+/// Loops in order of swing that have not slid: those below the one whose torque no longer grows.
+const PRESLIDING: usize = 3;
+
 fn friction_section(friction: &FrictionPortrait, command: &str) -> Section {
     let place = friction.place;
-    let points = |all: &[[f64; 2]]| -> Vec<(f64, f64)> { all.iter().map(|p| (p[0], p[1])).collect() };
-    let torque = || Axis::linear("torque", "N m");
-    let steady = vec![Series::solid("", Colour::First, points(&friction.steady))];
+    let steady = friction.steady.iter().map(|p| (p[0], p[1])).collect();
     let mut figures = vec![
         Figure::new(
             &format!("Friction at the {place} against steady rate"),
             Axis::linear("rate", "rad/s"),
-            vec![Panel::of(torque(), steady).high(220.0)],
+            vec![torques(vec![Series::solid("", Colour::First, steady)])],
         )
         .captioned("The torque after a long time at a constant rate, viscous part included."),
     ];
-    let name = |amplitude: f64| format!("\u{B1} {} mrad", short(1e3 * amplitude));
-    for one in friction.loops.iter().filter(|l| !l.points.is_empty()) {
-        let milli = one.points.iter().map(|p| (1e3 * p[0], p[1])).collect();
-        let loops = vec![Series::solid(&name(one.amplitude_rad), Colour::First, milli)];
-        let title = format!("Loop at the {place}, {}", name(one.amplitude_rad));
-        let caption = format!("One period of a 1 Hz sine, settled: {} J are lost in it.", short(one.lost_j));
-        let panel = Panel::of(torque(), loops).high(200.0);
-        figures.push(Figure::new(&title, Axis::linear("angle", "mrad"), vec![panel]).captioned(&caption));
-    }
-    let all_rates: Vec<Series> = friction
-        .loops
-        .iter()
-        .zip(Colour::CYCLE)
-        .map(|(one, colour)| {
-            let top = one.over_rate.iter().map(|p| p[0].abs()).fold(f64::MIN_POSITIVE, f64::max);
-            let relative = one.over_rate.iter().map(|p| (p[0] / top, p[1])).collect();
-            Series::solid(&name(one.amplitude_rad), colour, relative)
-        })
-        .collect();
-    if !all_rates.is_empty() {
-        let panel = Panel::of(torque(), all_rates).high(220.0);
-        let title = format!("Loops at the {place} against rate");
-        figures.push(
-            Figure::new(&title, Axis::linear("rate over its peak", ""), vec![panel])
-                .captioned("The same loops against rate, each over its own largest rate."),
-        );
+    let mut section = Section::new(&format!("Friction at the {place}"));
+    let loops: Vec<&FrictionLoop> = friction.loops.iter().filter(|l| !l.points.is_empty()).collect();
+    if !loops.is_empty() {
+        figures.extend(loop_figures(place, &loops));
+        section = section.listing(losses(&loops));
     }
     figures.iter_mut().for_each(|figure| command.clone_into(&mut figure.command));
-    Section::new(&format!("Friction at the {place}")).showing(figures)
+    section.showing(figures)
+}
+
+fn torques(series: Vec<Series>) -> Panel {
+    Panel::of(Axis::linear("torque", "N m"), series).high(240.0)
+}
+
+fn swing(one: &FrictionLoop) -> String {
+    format!("\u{B1} {} mrad", short(1e3 * one.amplitude_rad))
+}
+
+/// The loops through presliding over the angle, all loops over their own swing, and over their own largest rate.
+fn loop_figures(place: &str, loops: &[&FrictionLoop]) -> [Figure; 3] {
+    let curves = |many: usize, of: &dyn Fn(&FrictionLoop) -> Vec<(f64, f64)>| -> Panel {
+        let named = loops.iter().zip(Colour::CYCLE).take(many);
+        torques(named.map(|(one, colour)| Series::solid(&swing(one), colour, of(one))).collect())
+    };
+    let milli = |one: &FrictionLoop| one.points.iter().map(|p| (1e3 * p[0], p[1])).collect();
+    let relative = |points: &[[f64; 2]]| {
+        let top = points.iter().map(|p| p[0].abs()).fold(f64::MIN_POSITIVE, f64::max);
+        points.iter().map(|p| (p[0] / top, p[1])).collect()
+    };
+    let presliding = curves(PRESLIDING, &milli);
+    let sliding = curves(loops.len(), &|one| relative(&one.points));
+    let rates = curves(loops.len(), &|one| relative(&one.over_rate));
+    [
+        Figure::new(&format!("Presliding at the {place}"), Axis::linear("angle", "mrad"), vec![presliding])
+            .captioned("Torque over the angle in settled loops under a 1 Hz sine, from a spring with little loss to sliding."),
+        Figure::new(&format!("Into sliding at the {place}"), Axis::linear("angle over its swing", ""), vec![sliding])
+            .captioned("Every loop over its own swing: the area is the share of the work that is lost."),
+        Figure::new(&format!("Loops at the {place} against rate"), Axis::linear("rate over its peak", ""), vec![rates])
+            .captioned("The same loops against rate, each over its own largest rate."),
+    ]
+}
+
+fn losses(loops: &[&FrictionLoop]) -> Table {
+    let columns = [
+        Column::Number("swing [mrad]"),
+        Column::Number("largest torque [N m]"),
+        Column::Number("lost in a period [J]"),
+        Column::Number("equivalent viscous damping at 1 Hz [N m s/rad]"),
+    ];
+    let mut table = Table::new("Loops under a 1 Hz sine", &columns);
+    for one in loops {
+        let torque = one.points.iter().map(|p| p[1].abs()).fold(0.0, f64::max);
+        let damping = one.lost_j / (2.0 * (std::f64::consts::PI * one.amplitude_rad).powi(2));
+        let cells = [1e3 * one.amplitude_rad, torque, one.lost_j, damping];
+        table.rows.push(cells.iter().map(|value| Cell::number(*value)).collect());
+    }
+    table
 }

@@ -2,8 +2,9 @@
 
 use counterpoise_models::friction::FrictionModel;
 use counterpoise_models::friction::describing::sinusoidal_loop;
-use counterpoise_models::structure::{Direction, FeModel, Modes, Support, modes};
-use counterpoise_models::{Friction, FrictionLaw};
+use counterpoise_models::structure::refinement::{COLUMNS, REFERENCE, Refinement, refinements};
+use counterpoise_models::structure::{Direction, FeModel, Integration, Modes, Support, modes};
+use counterpoise_models::{Beam, Friction, FrictionLaw};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -15,8 +16,34 @@ use crate::Project;
 pub struct Portrait {
     /// The modes of the beam, one set a support; empty without a beam.
     pub modes: Vec<ModeSet>,
+    /// What few elements make of the beam; none without a beam.
+    pub meshes: Option<Meshes>,
     /// Friction at the motor and at the pivot, where there is any.
     pub frictions: Vec<FrictionPortrait>,
+}
+
+/// What few elements make of a beam, free at both ends, beside many: the columns of the thesis' table 6-1.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Meshes {
+    /// Elements of the model that is compared with.
+    pub reference: usize,
+    /// Its flexible frequencies, Hz.
+    pub reference_hz: Vec<f64>,
+    /// The columns of the table.
+    pub columns: Vec<MeshColumn>,
+    /// Meshes that grow finer, of uniform and of tapered elements.
+    pub finer: Vec<MeshColumn>,
+}
+
+/// Frequencies of one mesh over the reference's.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeshColumn {
+    /// `uniform` or `tapered`.
+    pub kind: &'static str,
+    /// Number of elements.
+    pub elements: usize,
+    /// Ratio of frequencies, mode by mode.
+    pub ratios: Vec<f64>,
 }
 
 /// The first modes of a structure held in one way.
@@ -87,7 +114,8 @@ const KEPT: usize = 5;
 /// # Errors
 /// Those of the structure and the friction laws.
 pub fn portrait(project: &Project, modelled: &Modelled) -> Result<Portrait, PipelineError> {
-    let mut out = Portrait { modes: Vec::new(), frictions: Vec::new() };
+    let meshes = project.plant.beam.as_ref().map(meshes).transpose()?;
+    let mut out = Portrait { modes: Vec::new(), meshes, frictions: Vec::new() };
     if let Some(structure) = finite_elements_of(project) {
         let (fe, _) = finite_elements(project, structure)?;
         let supports = [(Support::Free, "free"), (Support::Pinned, "pinned"), (Support::Clamped, "clamped")];
@@ -104,6 +132,29 @@ pub fn portrait(project: &Project, modelled: &Modelled) -> Result<Portrait, Pipe
     }
     Ok(out)
 }
+
+fn meshes(beam: &Beam) -> Result<Meshes, PipelineError> {
+    let finer = FINER.iter().flat_map(|&n| KINDS.map(|(integration, _)| (integration, n)));
+    let asked: Vec<(Integration, usize)> = COLUMNS.iter().copied().chain(finer).collect();
+    let (reference, found) = refinements(beam, &asked)?;
+    let named = |r: Refinement| MeshColumn {
+        kind: KINDS.iter().find(|(kind, _)| *kind == r.integration).map_or("", |(_, name)| name),
+        elements: r.elements,
+        ratios: r.ratios.into_iter().take(TABLED).collect(),
+    };
+    let mut columns: Vec<MeshColumn> = found.into_iter().map(named).collect();
+    let finer = columns.split_off(COLUMNS.len());
+    let reference_hz = reference.iter().take(TABLED).map(|w| w / TAU).collect();
+    Ok(Meshes { reference: REFERENCE, reference_hz, columns, finer })
+}
+
+/// Kinds of elements by name.
+const KINDS: [(Integration, &str); 2] =
+    [(Integration::UniformAverage, "uniform"), (Integration::Quadrature, "tapered")];
+/// Modes of the table of meshes.
+const TABLED: usize = 9;
+/// Elements of the meshes that grow finer.
+const FINER: [usize; 7] = [3, 5, 8, 12, 18, 28, 42];
 
 fn shown(fe: &FeModel, all: &Modes) -> Vec<Mode> {
     let masses = all.effective_mass(fe, Direction::Heave);
@@ -123,14 +174,37 @@ fn above_rounding(mass: f64, whole: f64) -> f64 {
     if mass < ROUNDING * whole { 0.0 } else { mass }
 }
 
-/// Deflections over the distance from the pivot. A deflection moves with heave and, by its arm, with pitch.
+/// Deflections over the distance from the pivot, cubic between the nodes where their rotations are known.
 fn scaled(fe: &FeModel, shape: &[f64]) -> Vec<[f64; 2]> {
-    let deflections = (0..shape.len()).filter(|&i| fe.heave[i] != 0.0);
-    let mut points: Vec<[f64; 2]> = deflections.map(|i| [fe.pitch[i], shape[i]]).collect();
+    // a deflection moves with heave and, by its arm, with pitch; a rotation with pitch alone, by 1
+    let deflections: Vec<usize> = (0..shape.len()).filter(|&i| fe.heave[i] != 0.0).collect();
+    let turns = |i: usize| fe.heave.get(i + 1) == Some(&0.0) && fe.pitch.get(i + 1) == Some(&1.0);
+    let known = deflections.iter().all(|&i| turns(i));
+    let node = |&i: &usize| [fe.pitch[i], shape[i], if known { shape[i + 1] } else { 0.0 }];
+    let mut nodes: Vec<[f64; 3]> = deflections.iter().map(node).collect();
+    nodes.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut points: Vec<[f64; 2]> = nodes.iter().take(1).map(|n| [n[0], n[1]]).collect();
+    for two in nodes.windows(2) {
+        match known {
+            true => points.extend((1..=BETWEEN).map(|k| hermite(two, k as f64 / BETWEEN as f64))),
+            false => points.push([two[1][0], two[1][1]]),
+        }
+    }
     let largest = points.iter().map(|p| p[1].abs()).fold(f64::MIN_POSITIVE, f64::max);
     points.iter_mut().for_each(|p| p[1] /= largest);
-    points.sort_by(|a, b| a[0].total_cmp(&b[0]));
     points
+}
+
+/// Points of a shape from node to node.
+const BETWEEN: usize = 5;
+
+/// The cubic between two nodes [place, deflection, slope] at a fraction of their distance.
+fn hermite(two: &[[f64; 3]], s: f64) -> [f64; 2] {
+    let ([x0, w0, t0], [x1, w1, t1]) = (two[0], two[1]);
+    let l = x1 - x0;
+    let third = s * s * (3.0 - 2.0 * s);
+    let bend = l * (t0 * s * (1.0 - s) * (1.0 - s) + t1 * s * s * (s - 1.0));
+    [x0 + l * s, w0 * (1.0 - third) + w1 * third + bend]
 }
 
 fn pictured(place: &'static str, friction: &Friction, ratio: f64) -> Result<FrictionPortrait, PipelineError> {

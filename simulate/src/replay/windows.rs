@@ -9,7 +9,7 @@
 use super::start::{Normal, at_torque, level, squares, torque};
 use super::{Loop, Playback, Replay, Replayer, reading_floor};
 use crate::recording::Channel;
-use crate::run::Simulator;
+use crate::run::{Simulator, holding_control};
 use crate::scenario::{Detail, Initial, Scenario};
 use crate::sensing::Imperfections;
 use crate::signal::Signal;
@@ -49,7 +49,7 @@ impl Replayer<'_> {
             return Err(Error::Range { what: "window_s", value: window_s, allowed: "at least 20 samples" });
         }
         let mut whole = self.replay(parameters, &Loop::Open)?;
-        let mut windows = Windows::new(self, parameters, length as usize)?;
+        let mut windows = Windows::new(self, parameters, (length as usize, &whole.start))?;
         let mut near = whole.start.clone();
         let mut from = 0;
         while from < self.samples {
@@ -77,7 +77,8 @@ struct Windows<'a, 'b> {
     simulator: Simulator,
     plant: Plant,
     length: usize,
-    /// The control as it acts: recorded, missing values filled, held back by the interface's delay.
+    /// The control as it acts: recorded, missing values filled, held back by the interface's delay; before the first arrives it is
+    /// the one that holds the start.
     control_v: Vec<f64>,
     /// The platform's angle at each sample.
     platform_rad: Vec<f64>,
@@ -88,14 +89,17 @@ struct Windows<'a, 'b> {
 }
 
 impl<'a, 'b> Windows<'a, 'b> {
-    fn new(replayer: &'a Replayer<'b>, parameters: &Parameters, length: usize) -> Result<Self, Error> {
+    fn new(
+        replayer: &'a Replayer<'b>,
+        parameters: &Parameters,
+        (length, start): (usize, &PlantState),
+    ) -> Result<Self, Error> {
         let mut prompt = parameters.clone();
         let delay = std::mem::take(&mut prompt.interface.output_delay_samples);
         let plant = Plant::lumped(&prompt)?;
-        let mut playback = Playback::filled(replayer.recording)?;
-        if let Some(&first) = playback.first() {
-            playback.splice(0..0, std::iter::repeat_n(first, delay));
-        }
+        let held = holding_control(&plant, &start.core);
+        let mut control_v = vec![held; delay];
+        control_v.extend(Playback::filled(replayer.recording)?);
         let sensors = &parameters.sensors;
         let candidates = [
             (Channel::HubRate, Some(&sensors.hub_gyro)),
@@ -116,7 +120,7 @@ impl<'a, 'b> Windows<'a, 'b> {
             plant,
             replayer,
             length,
-            control_v: playback,
+            control_v,
             steps: [
                 1e-5,
                 1e-4,
