@@ -15,7 +15,7 @@ use counterpoise_models::plant::Body;
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{Friction, FrictionLaw, Parameters, Plant, Sensor, reference};
 use counterpoise_simulate::{
-    Detail, FrictionState, Initial, PlantState, PlatformMotion, Scenario, Signal, Simulator, Sine,
+    Bonds, Detail, FrictionState, Initial, PlantState, PlatformMotion, Scenario, Signal, Simulator, Sine,
     TimeHistory,
 };
 use std::error::Error;
@@ -129,6 +129,7 @@ fn scenario(plant: &Plant) -> Scenario {
         initial: Initial::State(Box::new(PlantState {
             core,
             friction: FrictionState::default(),
+            bonds: Bonds::default(),
             hub_gyro: [0.0; 2],
         })),
         ..Scenario::still(10.001)

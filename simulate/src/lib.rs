@@ -43,7 +43,7 @@ pub mod scenario;
 pub mod sensing;
 pub mod signal;
 
-pub use engine::ports::FrictionState;
+pub use engine::ports::{Bonds, FrictionState};
 pub use engine::stepper::{Effort, PlantState};
 pub use error::Error;
 pub use history::{ReadingColumns, TimeHistory, TrueColumns};

@@ -1,7 +1,7 @@
 //! The sampled closed loop on the nonlinear plant.
 
 use crate::Error;
-use crate::engine::ports::{FrictionState, PlatformPoint};
+use crate::engine::ports::{Bonds, FrictionState, PlatformPoint};
 use crate::engine::stepper::{PlantState, Sample, Stepper};
 use crate::history::{ReadingColumns, TimeHistory, TrueColumns};
 use crate::motion::MotionSample;
@@ -79,23 +79,22 @@ impl Simulator {
         scenario: &Scenario,
     ) -> Result<TimeHistory, Error> {
         positive("duration_s", scenario.duration_s)?;
-        self.stepper.restart();
-        let mut lap = Lap::new(&self.plant, scenario)?;
+        let mut lap = Lap::new(&self.plant, scenario, &mut self.stepper)?;
         for k in 0..lap.samples {
             let motion = lap.motion(k);
-            let control = lap.sample(k, controller, &motion);
-            if scenario.detail == Detail::Everything {
-                let dry = self.stepper.dry_torques(&lap.state, &motion.at(0.0), lap.time(k));
-                lap.truth.motor_friction_nm.push(dry[0]);
-                lap.truth.pivot_friction_nm.push(dry[1]);
-            }
+            let control = lap.sample(k, controller, &motion, &self.stepper);
             let amplifier = &self.plant.parameters().amplifier;
             let drive_v = amplifier.drive_v(control, &self.plant.parameters().motor);
             let sample = Sample { drive_v, start_s: lap.time(k), motion: &motion };
-            self.stepper.advance(&mut lap.state, &sample);
+            if scenario.detail == Detail::Everything {
+                let dry = self.stepper.dry_torques(&sample);
+                lap.truth.motor_friction_nm.push(dry[0]);
+                lap.truth.pivot_friction_nm.push(dry[1]);
+            }
+            self.stepper.advance(&sample);
             lap.sensing.advance(&motion);
             lap.angle = motion.at(1.0).angle;
-            if !lap.state.core.iter().all(|x| x.is_finite()) {
+            if !self.stepper.is_finite() {
                 return Err(Error::Diverged { time_s: lap.time(k) });
             }
         }
@@ -103,7 +102,7 @@ impl Simulator {
             sample_period_s: lap.period_s,
             readings: lap.readings,
             truth: lap.truth,
-            final_state: lap.state,
+            final_state: self.stepper.state(),
             effort: self.stepper.effort,
         })
     }
@@ -119,7 +118,7 @@ fn rest(plant: &Plant, hub_angle_rad: f64, platform_angle_rad: f64, platform_rat
     let mut core = plant.equilibrium(&OperatingPoint { hub_angle_rad, platform_angle_rad }).core_state;
     core[state::RATE] = platform_rate;
     core[state::MOTOR] = plant.parameters().motor.platform_coupling * platform_rate;
-    PlantState { core, friction: FrictionState::default(), hub_gyro: [platform_rate, 0.0] }
+    PlantState { core, friction: FrictionState::default(), bonds: Bonds::default(), hub_gyro: [platform_rate, 0.0] }
 }
 
 fn positive(what: &'static str, value: f64) -> Result<(), Error> {
@@ -136,7 +135,6 @@ struct Lap<'a> {
     scenario: &'a Scenario,
     period_s: f64,
     samples: usize,
-    state: PlantState,
     angle: f64,
     sensing: Sensing,
     output: Converter,
@@ -145,11 +143,10 @@ struct Lap<'a> {
     before: f64,
     readings: ReadingColumns,
     truth: TrueColumns,
-    rows: [Vec<f64>; 3],
 }
 
 impl<'a> Lap<'a> {
-    fn new(plant: &'a Plant, scenario: &'a Scenario) -> Result<Self, Error> {
+    fn new(plant: &'a Plant, scenario: &'a Scenario, stepper: &mut Stepper) -> Result<Self, Error> {
         let parameters = plant.parameters();
         let period_s = parameters.interface.sample_period_s;
         let samples = (scenario.duration_s / period_s - 1e-6).ceil();
@@ -165,20 +162,19 @@ impl<'a> Lap<'a> {
         let mut sensing = Sensing::new(parameters, scenario.imperfections);
         sensing.settle(&start);
         let state = initial(plant, scenario, &start)?;
+        stepper.restart(&state);
         Ok(Self {
             plant,
             scenario,
             period_s,
             samples: samples as usize,
             before: holding_control(plant, &state.core),
-            state,
             angle,
             sensing,
             output: Converter::new(parameters.interface.output_bits, scenario.imperfections),
             queue: Vec::new(),
             readings: ReadingColumns::default(),
             truth: TrueColumns::default(),
-            rows: [plant.hub_rate_row(), plant.tip_rate_row(), plant.hub_angle_row()],
         })
     }
 
@@ -191,22 +187,26 @@ impl<'a> Lap<'a> {
     }
 
     /// Reads, controls and logs at sample k; gives the control that acts until the next.
-    fn sample(&mut self, k: usize, controller: &mut dyn SampledController, motion: &MotionSample) -> f64 {
+    fn sample(
+        &mut self,
+        k: usize,
+        controller: &mut dyn SampledController,
+        motion: &MotionSample,
+        stepper: &Stepper,
+    ) -> f64 {
         let time = self.time(k);
         let platform = motion.at(0.0);
-        let core = &self.state.core;
-        let hub_angle = dot(&self.rows[2], core);
-        let coupling = self.plant.parameters().motor.platform_coupling;
-        let motor_rate = core[state::MOTOR] - coupling * platform.rate;
-        let truth =
-            Truth { hub_gyro: self.state.hub_gyro[0], motor_rate, hub_position: hub_angle - platform.angle };
+        let [motor, _, hub_angle, _, _] = *stepper.outputs();
+        let motor_rate = motor - self.plant.parameters().motor.platform_coupling * platform.rate;
+        let hub_gyro = stepper.hub_gyro()[0];
+        let truth = Truth { hub_gyro, motor_rate, hub_position: hub_angle - platform.angle };
         let mut readings = self.sensing.read(&truth);
         readings.demand_rad_s = self.scenario.demand_rad_s.at(time);
         let request = controller.step(&readings) + self.scenario.injection_v.at(time);
         let control = self.output.convert(request);
         self.log_readings(&readings, request, control);
         if self.scenario.detail == Detail::Everything {
-            self.log_truth(&platform, motor_rate, hub_angle);
+            self.log_truth(&platform, motor_rate, stepper);
         }
         self.delayed(control)
     }
@@ -233,20 +233,19 @@ impl<'a> Lap<'a> {
         columns.hub_position_rad.push(readings.hub_position_rad);
     }
 
-    fn log_truth(&mut self, platform: &PlatformPoint, motor_rate: f64, hub_angle: f64) {
-        let core = &self.state.core;
+    fn log_truth(&mut self, platform: &PlatformPoint, motor_rate: f64, stepper: &Stepper) {
+        let [_, wind_up, hub_angle, hub_rate, current] = *stepper.outputs();
+        let [voltage, tip_rate] = stepper.voltage_and_tip();
         let columns = &mut self.truth;
-        let hub_rate = dot(&self.rows[0], core);
-        let wind_up = core[state::WINDUP];
         columns.hub_rate_rad_s.push(hub_rate);
-        columns.tip_rate_rad_s.push(dot(&self.rows[1], core));
+        columns.tip_rate_rad_s.push(tip_rate);
         columns.motor_rate_rad_s.push(motor_rate);
         columns.hub_angle_rad.push(hub_angle);
         columns.platform_angle_rad.push(platform.angle);
         columns.platform_rate_rad_s.push(platform.rate);
         columns.heave_m_s2.push(platform.heave);
-        columns.current_a.push(core[state::CURRENT]);
-        columns.voltage_v.push(core[state::VOLTAGE]);
+        columns.current_a.push(current);
+        columns.voltage_v.push(voltage);
         columns.wind_up_rad.push(wind_up);
         columns.mesh_torque_nm.push(self.plant.mesh_torque_nm(wind_up, hub_rate, motor_rate, platform.rate));
         let touching = self.plant.mesh(wind_up).0 == Mesh::Touching;
@@ -277,8 +276,4 @@ fn initial(plant: &Plant, scenario: &Scenario, start: &PlatformPoint) -> Result<
             Ok(given.as_ref().clone())
         }
     }
-}
-
-fn dot(row: &[f64], x: &[f64]) -> f64 {
-    row.iter().zip(x).map(|(c, v)| c * v).sum()
 }

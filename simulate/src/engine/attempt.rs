@@ -1,10 +1,9 @@
 //! One step: the linear core's answer, and the iteration on the port values at the nodes.
 
 use super::moments::{MIDDLE, NODES};
-use super::ports::{AngleNearby, FrictionState, PlatformSpan, Point, Ports, StepSpan};
-use super::tables::{FIXED_INPUTS, OUTPUTS, PORTS, STAGE_ROWS, STAGES, StepTable, result_length};
+use super::ports::{AngleNearby, Bonds, FrictionState, PlatformSpan, Point, Ports, StepSpan};
+use super::tables::{FIXED_INPUTS, OUTPUTS, PORTS, STAGE_ROWS, STAGES, STATE, StepTable, result_length};
 use counterpoise_models::Plant;
-use counterpoise_models::plant::core::state;
 
 /// Change of a port, relative to its scale, at which its iteration ends.
 const ITERATION_TOLERANCE: f64 = 1e-5;
@@ -24,6 +23,10 @@ pub(crate) struct Given<'a> {
     pub core: &'a [f64],
     /// Friction's state at its start.
     pub friction: &'a FrictionState,
+    /// The bonds of bristles at its start.
+    pub bonds: &'a Bonds,
+    /// What the nonlinear parts see at its start.
+    pub outputs: [f64; OUTPUTS],
     /// Drive of the amplifier, V, and torque of half the gap, N m.
     pub held: [f64; 2],
     /// The platform along it.
@@ -41,6 +44,7 @@ pub(crate) struct Attempt {
     start: [f64; PORTS],
     outputs: [[f64; OUTPUTS]; 4],
     memory: [FrictionState; STAGES],
+    bonds: Bonds,
     about: AngleNearby,
     slope: [f64; 2],
     /// Evaluations of the ports.
@@ -57,6 +61,7 @@ impl Attempt {
             start: [0.0; PORTS],
             outputs: [[0.0; OUTPUTS]; 4],
             memory: [FrictionState::default(); STAGES],
+            bonds: Bonds::default(),
             about: AngleNearby::new(0.0),
             slope: [0.0; 2],
             iterations: 0,
@@ -65,8 +70,8 @@ impl Attempt {
     }
 
     /// Takes the step; says whether the ports have converged.
-    pub fn solve(&mut self, given: &Given, rows: &OutputRows) -> bool {
-        self.outputs[0] = rows.outputs(given.core);
+    pub fn solve(&mut self, given: &Given) -> bool {
+        self.outputs[0] = given.outputs;
         self.about = self.about.moved_to(self.outputs[0][2]);
         let first = Point {
             time_s: given.time_s,
@@ -76,8 +81,11 @@ impl Attempt {
         };
         self.start = given.ports.at(given.plant, &first, given.friction);
         self.fill_inputs(given);
-        self.result.fill(0.0);
-        given.table.fixed.multiply_add(&self.inputs, &mut self.result);
+        let (seen, state) = self.result.split_at_mut(STATE);
+        seen.fill(0.0);
+        given.table.fixed.multiply_add(&self.inputs, seen);
+        given.table.flow.multiply(given.core, state);
+        given.table.drive.multiply_add(&self.inputs[self.order..], state);
         self.guess(given);
         let converged = self.iterate(given);
         given.table.end.multiply_add(&self.values, &mut self.result[STAGE_ROWS..]);
@@ -122,7 +130,10 @@ impl Attempt {
             for stage in 0..STAGES {
                 self.outputs[stage + 1].copy_from_slice(&rows[stage * OUTPUTS..(stage + 1) * OUTPUTS]);
             }
-            let found = given.ports.along(given.plant, &self.span(given));
+            self.bonds.copy(given.bonds);
+            let mut bonds = std::mem::take(&mut self.bonds);
+            let found = given.ports.along(given.plant, &self.span(given), &mut bonds);
+            self.bonds = bonds;
             let change = largest_change(&found.values, &self.values, &given.ports.scales);
             self.values = found.values;
             self.memory = found.memory;
@@ -147,10 +158,12 @@ impl Attempt {
 
     /// How far the ports in the middle of the step are from the cubics through their nodes, relative to their scales.
     pub fn defect(&self, given: &Given) -> f64 {
+        let mut bonds = given.bonds.clone();
+
         let middle = self.middle_outputs();
         let time_s = given.time_s + 0.5 * given.table.step_s;
         let point = Point { time_s, outputs: &middle, platform: &given.platform.middle, about: &self.about };
-        let found = given.ports.middle(given.plant, &self.span(given), &self.memory[0], &point);
+        let found = given.ports.middle(given.plant, &self.span(given), (&self.memory[0], &mut bonds), &point);
         let mut worst: f64 = 0.0;
         for p in 0..PORTS {
             let mut expected = MIDDLE[0] * self.start[p];
@@ -175,39 +188,34 @@ impl Attempt {
         [at(0), at(1), (0.5, self.result[STAGE_ROWS + 1]), at(2), at(3)]
     }
 
-    /// The hub rate at the nodes.
-    pub fn hub_rate(&self) -> [f64; 4] {
-        self.outputs.map(|outputs| outputs[3])
+    /// What the nonlinear parts see at the nodes.
+    pub fn outputs(&self) -> &[[f64; OUTPUTS]; 4] {
+        &self.outputs
+    }
+
+    /// Values of the ports at the start.
+    pub fn start_ports(&self) -> &[f64; PORTS] {
+        &self.start
+    }
+
+    /// Values of the ports at the end.
+    pub fn end_ports(&self) -> [f64; PORTS] {
+        std::array::from_fn(|p| self.values[(STAGES - 1) * PORTS + p])
     }
 
     /// The core's state at the end.
     pub fn end(&self) -> &[f64] {
-        &self.result[STAGE_ROWS + OUTPUTS..STAGE_ROWS + OUTPUTS + self.order]
+        &self.result[STATE..STATE + self.order]
     }
 
     /// Friction's state at the end.
     pub fn friction(&self) -> FrictionState {
         self.memory[STAGES - 1]
     }
-}
 
-/// The rows that give hub angle and rate from the core's state.
-#[derive(Debug, Clone)]
-pub(crate) struct OutputRows {
-    angle: Vec<f64>,
-    rate: Vec<f64>,
-}
-
-impl OutputRows {
-    pub fn new(plant: &Plant) -> Self {
-        Self { angle: plant.hub_angle_row(), rate: plant.hub_rate_row() }
-    }
-
-    /// Motor state, wind-up, hub angle, hub rate, current.
-    #[inline]
-    pub fn outputs(&self, core: &[f64]) -> [f64; OUTPUTS] {
-        let dot = |row: &[f64]| row.iter().zip(core).map(|(c, x)| c * x).sum::<f64>();
-        [core[state::MOTOR], core[state::WINDUP], dot(&self.angle), dot(&self.rate), core[state::CURRENT]]
+    /// The bonds at the end.
+    pub fn bonds(&self) -> &Bonds {
+        &self.bonds
     }
 }
 

@@ -1,7 +1,7 @@
 //! A second-order sensor driven by a rate that is known at the nodes of each step.
 
-use super::moments::{Moments, NODES};
-use super::tables::LEVELS;
+use super::moments::{Moments, cardinal_weights};
+use super::tables::DEEPEST;
 use counterpoise_lti::Mat;
 use counterpoise_models::Sensor;
 
@@ -19,15 +19,15 @@ pub(crate) struct Filter {
 }
 
 impl Filter {
-    /// The filter of a sensor over steps of `period_s` halved up to [`LEVELS`] times.
+    /// The filter of a sensor over steps of `period_s` halved up to [`DEEPEST`] times.
     pub fn new(sensor: &Sensor, period_s: f64) -> Self {
         let (w, z) = (sensor.natural_frequency_rad_s, sensor.damping_ratio);
         if w.is_infinite() {
             return Self { levels: Vec::new() };
         }
         let A = Mat::from_rows(&[&[0.0, 1.0], &[-w * w, -2.0 * z * w]]);
-        let finest = period_s / f64::from(1u32 << LEVELS);
-        let family = Moments::family(&A, &Mat::col(&[0.0, w * w]), finest, LEVELS + 1);
+        let finest = period_s / f64::from(1u32 << DEEPEST);
+        let family = Moments::family(&A, &Mat::col(&[0.0, w * w]), finest, DEEPEST + 1);
         let mut levels: Vec<FilterStep> = family
             .iter()
             .enumerate()
@@ -57,12 +57,8 @@ impl Filter {
 
 impl FilterStep {
     fn new(moments: &Moments, step_s: f64) -> Self {
-        let mut nodes = [[0.0; 2]; 4];
-        for (node, answer) in nodes.iter_mut().enumerate().take(NODES.len()) {
-            let column = moments.cardinal(0, node, step_s);
-            *answer = [column[0], column[1]];
-        }
-        let phi = &moments.Phi;
-        Self { phi: [[phi[(0, 0)], phi[(0, 1)]], [phi[(1, 0)], phi[(1, 1)]]], nodes }
+        let weights = cardinal_weights(step_s);
+        let nodes = std::array::from_fn(|node| [0, 1].map(|row| moments.answer(row, 0, &weights[node])));
+        Self { phi: [0, 1].map(|i| [0, 1].map(|j| moments.phi(i, j))), nodes }
     }
 }

@@ -16,7 +16,10 @@
 
 pub(crate) mod attempt;
 pub(crate) mod filter;
+pub(crate) mod joints;
+pub(crate) mod linear;
 pub(crate) mod moments;
 pub(crate) mod ports;
 pub(crate) mod stepper;
+pub(crate) mod strips;
 pub(crate) mod tables;

@@ -18,11 +18,14 @@ const SMALL: f64 = 0.1;
 /// Terms of the power series: at the norm above, the first one left out is below the rounding error.
 const SERIES_TERMS: usize = 12;
 
-/// Over a time t: `Phi = exp(A t)` and `P_k = int_0^t exp(A (t - s)) B s^k / k! ds`, k = 0..3.
+/// Over a time t: `Phi = exp(A t)` and `P_k = int_0^t exp(A (t - s)) B s^k / k! ds`, k = 0..3; row by row, the P_k of a
+/// row one after the other.
 #[derive(Debug, Clone)]
 pub(crate) struct Moments {
-    pub Phi: Mat,
-    pub P: [Mat; TERMS],
+    order: usize,
+    inputs: usize,
+    phi: Vec<f64>,
+    forced: Vec<f64>,
 }
 
 impl Moments {
@@ -33,7 +36,7 @@ impl Moments {
     pub fn family(A: &Mat, B: &Mat, finest: f64, count: usize) -> Vec<Self> {
         let mut time = finest;
         let mut halvings = 0;
-        while A.norm_one() * time > SMALL && halvings < 60 {
+        while A.norm_one() * time > SMALL && halvings < 80 {
             time *= 0.5;
             halvings += 1;
         }
@@ -52,52 +55,101 @@ impl Moments {
     }
 
     fn series(A: &Mat, B: &Mat, time: f64) -> Self {
-        let n = A.nrows();
-        let mut Phi = Mat::eye(n);
-        let mut P = [0; TERMS].map(|_| Mat::zeros(n, B.ncols()));
+        let (n, c) = (A.nrows(), B.ncols());
+        let rows = |M: &Mat| -> Vec<f64> { (0..n).flat_map(|i| M.row_vec(i)).collect() };
+        let (a, b) = (rows(A), rows(B));
+        let mut phi = rows(&Mat::eye(n));
+        let mut forced = vec![0.0; n * TERMS * c];
         // powers of A t over the factorial
-        let mut power = Mat::eye(n);
+        let mut power = phi.clone();
         for m in 0..SERIES_TERMS {
-            let forced = &power * B;
+            let answer = product(&power, &b, n, c);
             let mut factor = time;
-            for (k, moment) in P.iter_mut().enumerate() {
+            for k in 0..TERMS {
                 // A^m t^(m+k+1) / (m+k+1)! = (A^m t^m / m!) t^(k+1) m! / (m+k+1)!
                 factor /= (m + k + 1) as f64;
-                *moment += &forced.scale(factor);
+                for i in 0..n {
+                    for j in 0..c {
+                        forced[(i * TERMS + k) * c + j] += factor * answer[i * c + j];
+                    }
+                }
                 factor *= time;
             }
-            power = (&power * A).scale(time / (m + 1) as f64);
-            Phi += &power;
+            power = product(&power, &a, n, n);
+            let scale = time / (m + 1) as f64;
+            for (p, total) in power.iter_mut().zip(&mut phi) {
+                *p *= scale;
+                *total += *p;
+            }
         }
-        Self { Phi, P }
+        Self { order: n, inputs: c, phi, forced }
     }
 
     fn doubled(&self, time: f64) -> Self {
-        let mut P = [0, 1, 2, 3].map(|k| &self.Phi * &self.P[k]);
-        for (k, moment) in P.iter_mut().enumerate() {
-            let mut factor = 1.0;
-            for j in (0..=k).rev() {
-                *moment += &self.P[j].scale(factor);
-                factor *= time / (k - j + 1) as f64;
+        let (n, c) = (self.order, self.inputs);
+        let mut forced = product(&self.phi, &self.forced, n, TERMS * c);
+        let factors = [1.0, time, time * time / 2.0, time * time * time / 6.0];
+        for (new, old) in forced.chunks_exact_mut(TERMS * c).zip(self.forced.chunks_exact(TERMS * c)) {
+            for k in 0..TERMS {
+                for j in 0..=k {
+                    for column in 0..c {
+                        new[k * c + column] += factors[k - j] * old[j * c + column];
+                    }
+                }
             }
         }
-        Self { Phi: &self.Phi * &self.Phi, P }
+        Self { order: n, inputs: c, phi: product(&self.phi, &self.phi, n, n), forced }
     }
 
-    /// The answer to input column `column` when it is the cardinal polynomial of node `node` of a step of length
-    /// `step`, whatever part of the step these moments span.
-    pub fn cardinal(&self, column: usize, node: usize, step: f64) -> Vec<f64> {
-        let coefficients = cardinal_coefficients(node);
-        let mut answer = vec![0.0; self.Phi.nrows()];
-        let mut factor = 1.0;
-        for (k, coefficient) in coefficients.into_iter().enumerate() {
-            for (a, p) in answer.iter_mut().zip(self.P[k].column(column)) {
-                *a += coefficient * factor * p;
-            }
-            factor *= (k + 1) as f64 / step;
-        }
-        answer
+    /// Number of states.
+    pub fn order(&self) -> usize {
+        self.order
     }
+
+    /// An entry of Phi.
+    pub fn phi(&self, i: usize, j: usize) -> f64 {
+        self.phi[i * self.order + j]
+    }
+
+    /// An entry of P_k.
+    #[cfg(test)]
+    pub fn p(&self, k: usize, i: usize, j: usize) -> f64 {
+        self.forced[(i * TERMS + k) * self.inputs + j]
+    }
+
+    /// The answer of row `row` to a constant input.
+    pub fn constant(&self, row: usize, column: usize) -> f64 {
+        self.forced[row * TERMS * self.inputs + column]
+    }
+
+    /// The answer of row `row` to input column `column` when it is a polynomial over a step, of which these moments
+    /// span a part; `weights` as [`cardinal_weights`] gives them.
+    pub fn answer(&self, row: usize, column: usize, weights: &[f64; TERMS]) -> f64 {
+        let at = row * TERMS * self.inputs + column;
+        (0..TERMS).map(|k| weights[k] * self.forced[at + k * self.inputs]).sum()
+    }
+}
+
+/// Weights of the moments P_k of a step of a given length for each node's cardinal polynomial: coefficient k! / step^k.
+pub(crate) fn cardinal_weights(step: f64) -> [[f64; TERMS]; 4] {
+    let factors = [1.0, 1.0 / step, 2.0 / step.powi(2), 6.0 / step.powi(3)];
+    std::array::from_fn(|node| {
+        let coefficients = cardinal_coefficients(node);
+        std::array::from_fn(|k| coefficients[k] * factors[k])
+    })
+}
+
+/// A square matrix of order n times one of `columns` columns, row by row.
+fn product(left: &[f64], right: &[f64], n: usize, columns: usize) -> Vec<f64> {
+    let mut out = vec![0.0; n * columns];
+    for (row, target) in left.chunks_exact(n).zip(out.chunks_exact_mut(columns)) {
+        for (factor, source) in row.iter().zip(right.chunks_exact(columns)) {
+            for (t, s) in target.iter_mut().zip(source) {
+                *t += factor * s;
+            }
+        }
+    }
+    out
 }
 
 /// Coefficients, lowest first, of the polynomial that is 1 at node `node` and 0 at the others.
@@ -140,7 +192,7 @@ mod tests {
         let family = Moments::family(&Mat::zeros(1, 1), &Mat::eye(1), 0.25, 3);
         let expected = [1.0, 0.5, 1.0 / 6.0, 1.0 / 24.0];
         for (k, value) in expected.into_iter().enumerate() {
-            assert!((family[2].P[k][(0, 0)] - value).abs() < 1e-15);
+            assert!((family[2].p(k, 0, 0) - value).abs() < 1e-15);
         }
     }
 
@@ -153,8 +205,8 @@ mod tests {
         let z = rate * time;
         let phi1 = (z.exp() - 1.0) / z;
         let phi2 = (phi1 - 1.0) / z;
-        assert!((family[10].Phi[(0, 0)] - z.exp()).abs() < 1e-14);
-        assert!((family[10].P[0][(0, 0)] / (time * phi1) - 1.0).abs() < 1e-12);
-        assert!((family[10].P[1][(0, 0)] / (time * time * phi2) - 1.0).abs() < 1e-12);
+        assert!((family[10].phi(0, 0) - z.exp()).abs() < 1e-14);
+        assert!((family[10].p(0, 0, 0) / (time * phi1) - 1.0).abs() < 1e-12);
+        assert!((family[10].p(1, 0, 0) / (time * time * phi2) - 1.0).abs() < 1e-12);
     }
 }

@@ -4,7 +4,7 @@ use super::moments::NODES;
 use super::tables::{OUTPUTS, PORTS, STAGES};
 use crate::Error;
 use counterpoise_models::Plant;
-use counterpoise_models::friction::{FrictionModel, Law, Surroundings};
+use counterpoise_models::friction::{Bristle, FrictionModel, Law, Stick, Surroundings};
 
 /// Which output is which (see [`OUTPUTS`]).
 const MOTOR: usize = 0;
@@ -13,8 +13,9 @@ const HUB_ANGLE: usize = 2;
 const HUB_RATE: usize = 3;
 const CURRENT: usize = 4;
 
-/// The states of dry friction: at the motor and at the pivot (N m for Dahl and Walrath, rad for LuGre and the reset
-/// integrator).
+/// The states of dry friction: at the motor and at the pivot. N m for Dahl and Walrath, rad for LuGre and the reset
+/// integrator, the sum of the deflections, rad, for bristles. For a law that truly sticks: 0 at rest, the sign of the
+/// rate while it slides, twice that inside the band of rates in which Karnopp's law has its breakaway level.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FrictionState {
     /// At the motor shaft.
@@ -36,6 +37,24 @@ pub(crate) struct PlatformPoint {
 pub(crate) struct PlatformSpan {
     pub nodes: [PlatformPoint; 4],
     pub middle: PlatformPoint,
+}
+
+/// The bonds of bristle friction at motor and pivot, as [`counterpoise_models::friction::Bristle`] has them; empty
+/// where friction has none, or where all are unbent.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Bonds {
+    /// At the motor shaft.
+    pub motor: Vec<f64>,
+    /// At the hub pivot.
+    pub pivot: Vec<f64>,
+}
+
+impl Bonds {
+    /// Takes the bonds of another without a new allocation.
+    pub(crate) fn copy(&mut self, from: &Self) {
+        self.motor.clone_from(&from.motor);
+        self.pivot.clone_from(&from.pivot);
+    }
 }
 
 /// What the ports give along a step.
@@ -123,9 +142,8 @@ pub(crate) struct Ports {
 impl Ports {
     pub fn new(plant: &Plant) -> Result<Self, Error> {
         let parameters = plant.parameters();
-        let ratio = parameters.gearbox.ratio;
-        let motor = supported("motor", FrictionModel::new(&parameters.motor_friction)?, ratio)?;
-        let pivot = supported("pivot", FrictionModel::new(&parameters.pivot_friction)?, 1.0)?;
+        let motor = FrictionModel::new(&parameters.motor_friction)?;
+        let pivot = FrictionModel::new(&parameters.pivot_friction)?;
         let lossy = parameters.gearbox.mesh_efficiency != 1.0;
         let loaded = |f: &counterpoise_models::Friction| f.load_coefficient != 0.0;
         let held = plant.body().out_of_balance_kg_m.abs() * parameters.gravity_m_s2.abs();
@@ -165,8 +183,41 @@ impl Ports {
         ]
     }
 
+    /// What the friction at the motor (0) or at the pivot (1) holds at a point; `None` where its law does not stick.
+    pub fn stick(&self, plant: &Plant, joint: usize, at: &Point) -> Option<Stick> {
+        let motion = self.motion(plant, at);
+        match joint {
+            0 => self.motor.stick(self.motor_level(&motion, at.time_s)),
+            _ => self.pivot.stick(self.pivot_level(&motion, at.time_s)),
+        }
+    }
+
+    /// The band of rates in which a sliding joint has its breakaway level, rad/s; 0 where that is its sliding level.
+    pub fn band(&self, joint: usize) -> f64 {
+        match [&self.motor, &self.pivot][joint].law() {
+            Law::Sliding(law) if law.breakaway_ratio > 1.0 => law.rest_rate_rad_s,
+            _ => 0.0,
+        }
+    }
+
+    /// Whether the law at the motor (0) or at the pivot (1) truly sticks.
+    pub fn sticks(&self, joint: usize) -> bool {
+        matches!([&self.motor, &self.pivot][joint].law(), Law::Sliding(_))
+    }
+
+    /// Whether either law is that of bristles, whose torque jumps with every bond that snaps.
+    pub fn bristled(&self) -> bool {
+        [&self.motor, &self.pivot].iter().any(|model| matches!(model.law(), Law::Bristle(_)))
+    }
+
+    /// Rates of the motor and of the pivot relative to the platform.
+    #[inline]
+    pub fn rates(&self, outputs: &[f64; OUTPUTS], platform_rate: f64) -> [f64; 2] {
+        [outputs[MOTOR] - self.coupling * platform_rate, outputs[HUB_RATE] - platform_rate]
+    }
+
     /// Port values at the stages of a step, friction advanced from node to node by its own closed form.
-    pub fn along(&self, plant: &Plant, span: &StepSpan) -> PortSpan {
+    pub fn along(&self, plant: &Plant, span: &StepSpan, bonds: &mut Bonds) -> PortSpan {
         let mut result =
             PortSpan { values: [0.0; STAGES * PORTS], memory: [FrictionState::default(); STAGES] };
         let mut memory = *span.memory;
@@ -175,7 +226,7 @@ impl Ports {
             let at = span.point(stage + 1);
             let after = self.motion(plant, &at);
             let time = (NODES[stage + 1] - NODES[stage]) * span.step_s;
-            self.advance(&before, &after, (span.time_s, time), &mut memory);
+            self.advance(&before, &after, (span.time_s, time), &mut memory, bonds);
             let values = self.values(plant, &at, &after, &memory);
             result.values[stage * PORTS..(stage + 1) * PORTS].copy_from_slice(&values);
             result.memory[stage] = memory;
@@ -189,13 +240,19 @@ impl Ports {
         &self,
         plant: &Plant,
         span: &StepSpan,
-        stage: &FrictionState,
+        (stage, bonds): (&FrictionState, &mut Bonds),
         middle: &Point,
     ) -> [f64; PORTS] {
         let before = self.motion(plant, &span.point(1));
         let after = self.motion(plant, middle);
+        if self.bristled() {
+            // bonds remember their path: it begins at the first node
+            let first = self.motion(plant, &span.point(0));
+            self.advance(&first, &before, (span.time_s, span.step_s), &mut stage.clone(), bonds);
+        }
         let mut memory = *stage;
-        self.advance(&before, &after, (span.time_s, (0.5 - NODES[1]) * span.step_s), &mut memory);
+        let time = (span.time_s, (0.5 - NODES[1]) * span.step_s);
+        self.advance(&before, &after, time, &mut memory, bonds);
         self.values(plant, middle, &after, &memory)
     }
 
@@ -224,21 +281,28 @@ impl Ports {
     }
 
     #[inline]
-    fn advance(&self, before: &Motion, after: &Motion, time: (f64, f64), memory: &mut FrictionState) {
+    fn advance(
+        &self,
+        before: &Motion,
+        after: &Motion,
+        time: (f64, f64),
+        memory: &mut FrictionState,
+        bonds: &mut Bonds,
+    ) {
         let motor = Path {
             rates: [before.motor_rate, after.motor_rate],
             travel: after.motor_angle - before.motor_angle,
             time: time.1,
         };
         let level = self.motor_level(after, time.0);
-        memory.motor = motor.advance(&self.motor, level, memory.motor);
+        memory.motor = motor.advance(&self.motor, level, memory.motor, &mut bonds.motor);
         let pivot = Path {
             rates: [before.pivot_rate, after.pivot_rate],
             travel: after.pivot_angle - before.pivot_angle,
             time: time.1,
         };
         let level = self.pivot_level(after, time.0);
-        memory.pivot = pivot.advance(&self.pivot, level, memory.pivot);
+        memory.pivot = pivot.advance(&self.pivot, level, memory.pivot, &mut bonds.pivot);
     }
 
     #[inline]
@@ -316,33 +380,63 @@ impl Path {
     /// Friction's state after the motion: exact at a constant level, whatever the rate did between; a reversal
     /// splits the motion where the rate, taken as the cubic through angles and rates demands, is zero.
     #[inline]
-    fn advance(&self, model: &FrictionModel, level: f64, state: f64) -> f64 {
+    fn advance(&self, model: &FrictionModel, level: f64, state: f64, bonds: &mut Vec<f64>) -> f64 {
         let [before, after] = self.rates;
-        if model.states() == 0 || self.time == 0.0 {
-            return state;
+        match model.law() {
+            Law::None | Law::Sliding(_) => return state,
+            Law::Bristle(law) => return self.drag(law, bonds),
+            _ if self.time == 0.0 => return state,
+            _ => {}
         }
         let mut states = [state];
         if before * after >= 0.0 {
             model.advance(self.travel / self.time, self.time, level, &mut states);
             return states[0];
         }
-        let part = before / (before - after);
-        let straight = 0.5 * (before + after) * self.time;
-        let bend = (self.travel - straight) * part * part * (3.0 - 2.0 * part);
-        let first = 0.5 * before * part * self.time + bend;
-        for (travel, time) in [(first, part * self.time), (self.travel - first, (1.0 - part) * self.time)] {
+        for (travel, time) in self.parts() {
             if time > 0.0 {
                 model.advance(travel / time, time, level, &mut states);
             }
         }
         states[0]
     }
+
+    /// Travel and time before and after a reversal.
+    fn parts(&self) -> [(f64, f64); 2] {
+        let [before, after] = self.rates;
+        let part = before / (before - after);
+        let straight = 0.5 * (before + after) * self.time;
+        let bend = (self.travel - straight) * part * part * (3.0 - 2.0 * part);
+        let first = 0.5 * before * part * self.time + bend;
+        [(first, part * self.time), (self.travel - first, (1.0 - part) * self.time)]
+    }
+
+    /// Bends and snaps the bonds; gives the sum of their deflections.
+    fn drag(&self, law: &Bristle, bonds: &mut Vec<f64>) -> f64 {
+        bonds.resize(2 * law.bristles, 0.0);
+        if self.rates[0] * self.rates[1] >= 0.0 {
+            law.displace(self.travel, bonds);
+        } else {
+            self.parts().iter().for_each(|(travel, _)| law.displace(*travel, bonds));
+        }
+        bonds[..law.bristles].iter().sum()
+    }
 }
 
-/// Torque of the dry part: the viscous and quadratic parts are elsewhere.
+/// Torque of the dry part: the viscous and quadratic parts are elsewhere. A law that truly sticks slides in the
+/// direction that its state tells, and takes no part in the ports at rest.
 #[inline]
 fn dry(model: &FrictionModel, rate: f64, level: f64, state: f64) -> f64 {
-    model.dry_torque(rate, level, &[state])
+    let Law::Sliding(_) = model.law() else { return model.dry_torque(rate, level, &[state]) };
+    if state == 0.0 {
+        return 0.0;
+    }
+    if state.abs() > 1.0
+        && let Some(stick) = model.stick(level)
+    {
+        return if state > 0.0 { stick.positive_nm } else { -stick.negative_nm };
+    }
+    model.dry_torque(rate.abs().max(f64::MIN_POSITIVE) * state, level, &[])
 }
 
 fn has_motor_extras(plant: &Plant) -> bool {
@@ -351,18 +445,4 @@ fn has_motor_extras(plant: &Plant) -> bool {
         || parameters.motor.torque_ripple.amplitude != 0.0
         || parameters.amplifier.current_limit_a.is_finite()
         || parameters.motor_friction.has_drag()
-}
-
-/// Deflection within which a law that truly sticks is carried by Dahl's, rad at the hub.
-const STICK_DEFLECTION: f64 = 1e-6;
-/// Rate over which its breakaway level falls, rad/s at the hub.
-const STICK_RATE: f64 = 1e-3;
-
-/// Laws of one state are stepped as they are, those that truly stick as a very stiff Dahl's; bristles are refused.
-fn supported(place: &'static str, model: FrictionModel, turns: f64) -> Result<FrictionModel, Error> {
-    match model.law() {
-        Law::Bristle(_) => Err(Error::Friction { place }),
-        Law::Sliding(_) => Ok(model.continuous(STICK_DEFLECTION * turns, STICK_RATE * turns)),
-        _ => Ok(model),
-    }
 }

@@ -1,18 +1,27 @@
-//! The steps within a sample: their choice, and the events of mesh and amplifier.
+//! The steps within a sample: their choice, and the events of mesh, amplifier and sticking joints.
 
-use super::attempt::{Attempt, Given, OutputRows};
+use super::attempt::{Attempt, Given};
 use super::filter::Filter;
-use super::ports::{AngleNearby, FrictionState, PlatformPoint, Point, Ports};
-use super::tables::{LEVELS, StepTable, step_tables};
+use super::joints::{Instant, holding};
+use super::linear::{Linear, Mode, dot};
+use super::ports::{AngleNearby, Bonds, FrictionState, PlatformPoint, Point, Ports};
+use super::tables::{DEEPEST, LEVELS, OUTPUTS, PORTS};
 use crate::Error;
 use crate::motion::MotionSample;
-use counterpoise_models::plant::core::state;
 use counterpoise_models::{Mesh, Plant};
 
 /// How far below the tolerance the defect must be for the next step to be twice as long.
 const LENGTHEN_BELOW: f64 = 1.0 / 64.0;
 /// Shortest steps in a sample period.
-const TICKS: u32 = 1 << LEVELS;
+const TICKS: u32 = 1 << DEEPEST;
+/// Leading bits of the way to an event that are gone before it is predicted anew.
+const BITS: u32 = 6;
+/// Changes of joints in a sample from which on their instants are found to the shortest ordinary step only.
+const MANY_CHANGES: usize = 40;
+/// Halvings with which the instants at which teeth or voltage change are found.
+const CONTACT_LEVELS: usize = 14;
+/// Halvings that roughness may ask for where bonds snap: each makes a jump, which no step resolves.
+const BRISTLE_LEVELS: usize = 3;
 
 /// What moves: the states of the plant between samples.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +30,8 @@ pub struct PlantState {
     pub core: Vec<f64>,
     /// States of dry friction.
     pub friction: FrictionState,
+    /// The bonds of bristle friction.
+    pub bonds: Bonds,
     /// Hub gyroscope before its gain and bias: rate, rad/s, and its derivative.
     pub hub_gyro: [f64; 2],
 }
@@ -32,41 +43,42 @@ pub struct Effort {
     pub steps: usize,
     /// Steps tried and shortened.
     pub rejected: usize,
-    /// Shortest steps that were taken although their error was above the tolerance: at events and jumps.
+    /// Shortest steps that were taken although their error was above the tolerance: at jumps.
     pub forced: usize,
     /// Evaluations of the nonlinear parts along a step.
     pub iterations: usize,
+    /// Changes of joints that truly stick: to rest, to sliding, or from one direction to the other.
+    pub changes: usize,
 }
 
 /// Steps a plant from sample to sample.
 #[derive(Debug, Clone)]
 pub(crate) struct Stepper {
-    plant: Plant,
-    ports: Ports,
-    rows: OutputRows,
+    pub(super) plant: Plant,
+    pub(super) ports: Ports,
+    /// Turns of each joint per turn of the hub.
+    pub(super) turns: [f64; 2],
     filter: Filter,
     period_s: f64,
-    tables: [Option<Vec<StepTable>>; 4],
+    cores: Vec<Option<Linear>>,
+    empty: Linear,
+    now: Now,
     attempt: Attempt,
     level: usize,
+    finest: usize,
     tolerance: f64,
     pub effort: Effort,
 }
 
-/// The mode of the core.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Mode {
-    mesh: Mesh,
-    /// Torque of half the gap, N m.
-    offset: f64,
-    /// Sign of the bus limit at which the voltage is held; 0 where it is free.
-    held: f64,
-}
-
-impl Mode {
-    fn index(&self) -> usize {
-        usize::from(self.mesh == Mesh::Free) + 2 * usize::from(self.held != 0.0)
-    }
+/// Where the plant is.
+#[derive(Debug, Clone)]
+struct Now {
+    core: usize,
+    z: Vec<f64>,
+    outputs: [f64; OUTPUTS],
+    friction: FrictionState,
+    bonds: Bonds,
+    hub_gyro: [f64; 2],
 }
 
 /// What came of a step that was tried.
@@ -84,57 +96,180 @@ pub(crate) struct Sample<'a> {
     pub motion: &'a MotionSample,
 }
 
+/// The way to an event that was seen: ticks to go, and the level to try after them.
+#[derive(Debug, Clone, Copy, Default)]
+struct Approach {
+    ticks: u32,
+    then: usize,
+}
+
 impl Stepper {
     /// A stepper whose steps leave a defect of at most `tolerance`, relative to the ports' scales.
     pub fn new(plant: &Plant, period_s: f64, tolerance: f64) -> Result<Self, Error> {
+        let ports = Ports::new(plant)?;
+        let mode = Mode { mesh: Mesh::Touching, offset: 0.0, held: 0.0, stuck: [false; 2] };
+        let empty = Linear::new(plant, &mode, period_s);
+        let n = plant.core_order();
+        let now = Now {
+            core: mode.index(),
+            z: vec![0.0; n],
+            outputs: [0.0; OUTPUTS],
+            friction: FrictionState::default(),
+            bonds: Bonds::default(),
+            hub_gyro: [0.0; 2],
+        };
         Ok(Self {
+            finest: if ports.bristled() { BRISTLE_LEVELS } else { LEVELS },
             plant: plant.clone(),
-            ports: Ports::new(plant)?,
-            rows: OutputRows::new(plant),
+            ports,
+            turns: [plant.parameters().gearbox.ratio, 1.0],
             filter: Filter::new(&plant.parameters().sensors.hub_gyro, period_s),
             period_s,
-            tables: [None, None, None, None],
-            attempt: Attempt::new(plant.core_order()),
+            cores: vec![None; Mode::COUNT],
+            empty,
+            now,
+            attempt: Attempt::new(n),
             level: 0,
             tolerance,
             effort: Effort::default(),
         })
     }
 
-    /// Forgets the work and the step size of the run before.
-    pub fn restart(&mut self) {
+    /// Begins a run in a state.
+    pub fn restart(&mut self, start: &PlantState) {
         self.level = 0;
         self.attempt = Attempt::new(self.plant.core_order());
         self.effort = Effort::default();
+        self.now = Now {
+            core: self.now.core,
+            z: self.linear().coordinates(&start.core),
+            outputs: [0.0; OUTPUTS],
+            friction: start.friction,
+            bonds: start.bonds.clone(),
+            hub_gyro: start.hub_gyro,
+        };
+        self.now.outputs = self.linear().see(&self.now.z);
     }
 
-    /// Dry friction torques at the motor and at the pivot, N m.
-    pub fn dry_torques(&self, x: &PlantState, platform: &PlatformPoint, time_s: f64) -> [f64; 2] {
-        let outputs = self.rows.outputs(&x.core);
-        let about = AngleNearby::new(outputs[2]);
-        let point = Point { time_s, outputs: &outputs, platform, about: &about };
-        self.ports.dry_torques(&self.plant, &point, &x.friction)
+    /// The state of the plant.
+    pub fn state(&self) -> PlantState {
+        PlantState {
+            core: self.linear().physical(&self.now.z),
+            friction: self.now.friction,
+            bonds: self.now.bonds.clone(),
+            hub_gyro: self.now.hub_gyro,
+        }
+    }
+
+    /// Motor state, wind-up, hub angle, hub rate, current.
+    pub fn outputs(&self) -> &[f64; OUTPUTS] {
+        &self.now.outputs
+    }
+
+    /// Voltage of the amplifier and rate of the tip.
+    pub fn voltage_and_tip(&self) -> [f64; 2] {
+        let linear = self.linear();
+        [dot(&linear.voltage, &self.now.z), dot(&linear.tip, &self.now.z)]
+    }
+
+    /// The hub gyroscope: rate, and its derivative.
+    pub fn hub_gyro(&self) -> &[f64; 2] {
+        &self.now.hub_gyro
+    }
+
+    /// Whether the motion is still finite.
+    pub fn is_finite(&self) -> bool {
+        self.now.z.iter().all(|x| x.is_finite())
+    }
+
+    pub(super) fn linear(&self) -> &Linear {
+        self.cores[self.now.core].as_ref().unwrap_or(&self.empty)
+    }
+
+    pub(super) fn core(&self) -> &[f64] {
+        &self.now.z
+    }
+
+    pub(super) fn friction(&self) -> &FrictionState {
+        &self.now.friction
+    }
+
+    pub(super) fn set_friction(&mut self, joint: usize, value: f64) {
+        self.effort.changes += usize::from(self.now.friction.get(joint) != value);
+        self.now.friction.set(joint, value);
+    }
+
+    /// Brings a joint to rest: takes its rate relative to the platform by an impulse.
+    pub(super) fn arrest(&mut self, joint: usize, rate: f64) {
+        let Self { cores, empty, now, .. } = self;
+        let linear = cores[now.core].as_ref().unwrap_or(empty);
+        now.z.iter_mut().zip(&linear.pushes[joint]).for_each(|(z, push)| *z -= rate * push);
+        now.outputs = linear.see(&now.z);
+    }
+
+    /// Dry friction torques at the motor and at the pivot at the beginning of a sample, N m.
+    pub fn dry_torques(&mut self, sample: &Sample) -> [f64; 2] {
+        self.settle(sample);
+        let mode = self.mode(sample.drive_v);
+        self.enter(&mode);
+        let at = self.instant(sample, 0.0, &mode);
+        let point = self.point(&at);
+        let mut torques =
+            self.ports.dry_torques(&self.plant, &point.of(&self.now.outputs), &self.now.friction);
+        for joint in [0, 1] {
+            if self.ports.sticks(joint) && self.now.friction.get(joint) == 0.0 {
+                torques[joint] = self.load(joint, &self.now.z, &self.ports_at(&at), &at).1;
+            }
+        }
+        torques
+    }
+
+    /// Values of the ports where the plant is.
+    pub(super) fn ports_at(&self, at: &Instant) -> [f64; PORTS] {
+        self.ports.at(&self.plant, &self.point(at).of(&self.now.outputs), &self.now.friction)
+    }
+
+    fn point<'a>(&self, at: &'a Instant) -> Place<'a> {
+        Place { time_s: at.time_s, platform: &at.platform, about: AngleNearby::new(self.now.outputs[2]) }
+    }
+
+    fn instant(&self, sample: &Sample, part: f64, mode: &Mode) -> Instant {
+        Instant {
+            platform: sample.motion.at(part),
+            acceleration: sample.motion.pitch_acceleration_at(part),
+            time_s: sample.start_s + part * self.period_s,
+            drive_v: sample.drive_v,
+            offset: mode.offset,
+        }
     }
 
     /// Moves the state over one sample period.
-    pub fn advance(&mut self, x: &mut PlantState, sample: &Sample) {
-        let mut tick = 0;
+    pub fn advance(&mut self, sample: &Sample) {
+        self.settle(sample);
+        let before = self.effort.changes;
+        let (mut tick, mut approach) = (0, Approach::default());
         while tick < TICKS {
+            if approach.ticks > 0 {
+                self.level = level_within(approach.ticks);
+            }
             while (TICKS >> self.level) > TICKS - tick {
                 self.level += 1;
             }
-            let mode = self.mode(x, sample.drive_v);
-            self.prepare(mode);
-            match self.attempt(x, sample, tick, mode) {
+            let mode = self.mode(sample.drive_v);
+            self.enter(&mode);
+            let deepest = if self.effort.changes - before > MANY_CHANGES { LEVELS } else { DEEPEST };
+            match self.try_step(sample, tick, &mode, deepest) {
                 Tried::Good { defect } => {
-                    self.commit(x, mode);
+                    self.commit(&mode);
                     tick += TICKS >> self.level;
-                    if defect < LENGTHEN_BELOW * self.tolerance && self.level > 0 {
-                        self.level -= 1;
-                    }
+                    let changed = self.transitions(&self.instant(sample, fraction(tick), &mode));
+                    self.next_level(&mut approach, defect, changed);
                 }
-                Tried::Event { fraction } => self.shorten_to(fraction),
+                Tried::Event { fraction } => {
+                    approach = self.approach(fraction, deepest);
+                }
                 Tried::Rough => {
+                    approach = Approach::default();
                     self.level += 1;
                     self.effort.rejected += 1;
                 }
@@ -142,89 +277,126 @@ impl Stepper {
         }
     }
 
-    /// The mode at a state: the voltage is held where it is at the bus limit and pushed against it.
-    fn mode(&self, x: &PlantState, drive_v: f64) -> Mode {
-        let (mesh, offset) = self.plant.mesh(x.core[state::WINDUP]);
-        let voltage = x.core[state::VOLTAGE];
-        let at_limit = voltage.abs() >= self.plant.parameters().amplifier.bus_voltage_v;
-        let pushed = self.voltage_push(&x.core, drive_v) * voltage > 0.0;
-        Mode { mesh, offset, held: if at_limit && pushed { voltage.signum() } else { 0.0 } }
-    }
-
-    /// tau_a V', were the voltage free.
-    fn voltage_push(&self, core: &[f64], drive_v: f64) -> f64 {
-        let amplifier = &self.plant.parameters().amplifier;
-        amplifier.gain * (drive_v - amplifier.current_feedback_v_a * core[state::CURRENT])
-            - core[state::VOLTAGE]
-    }
-
-    fn prepare(&mut self, mode: Mode) {
-        let slot = &mut self.tables[mode.index()];
-        if slot.is_none() {
-            *slot = Some(step_tables(&self.plant, mode.mesh, mode.held != 0.0, self.period_s));
+    fn next_level(&mut self, approach: &mut Approach, defect: f64, changed: bool) {
+        if changed {
+            *approach = Approach::default();
+            self.level = 0;
+        } else if approach.ticks > 0 {
+            approach.ticks = approach.ticks.saturating_sub(TICKS >> self.level);
+            if approach.ticks == 0 {
+                self.level = approach.then;
+            }
+        } else if defect < LENGTHEN_BELOW * self.tolerance && self.level > 0 {
+            self.level -= 1;
         }
     }
 
-    fn attempt(&mut self, x: &PlantState, sample: &Sample, tick: u32, mode: Mode) -> Tried {
-        let Some(table) = self.tables[mode.index()].as_ref().map(|levels| &levels[self.level]) else {
-            return Tried::Rough;
-        };
+    /// The mode at the state: the voltage is held where it is at the bus limit and pushed against it.
+    fn mode(&self, drive_v: f64) -> Mode {
+        let (mesh, offset) = self.plant.mesh(self.now.outputs[1]);
+        let voltage = dot(&self.linear().voltage, &self.now.z);
+        let at_limit = voltage.abs() >= self.plant.parameters().amplifier.bus_voltage_v;
+        let pushed = at_limit && self.voltage_push(voltage, self.now.outputs[4], drive_v) * voltage > 0.0;
+        let stuck = [0, 1].map(|j| self.ports.sticks(j) && self.now.friction.get(j) == 0.0);
+        Mode { mesh, offset, held: if pushed { voltage.signum() } else { 0.0 }, stuck }
+    }
+
+    /// tau_a V', were the voltage free.
+    fn voltage_push(&self, voltage: f64, current: f64, drive_v: f64) -> f64 {
+        let amplifier = &self.plant.parameters().amplifier;
+        amplifier.gain * (drive_v - amplifier.current_feedback_v_a * current) - voltage
+    }
+
+    /// Makes the mode's core the one at hand, with the table of the level.
+    fn enter(&mut self, mode: &Mode) {
+        let index = mode.index();
+        if self.cores[index].is_none() {
+            self.cores[index] = Some(Linear::new(&self.plant, mode, self.period_s));
+        }
+        if index != self.now.core {
+            let physical = self.linear().physical(&self.now.z);
+            self.now.core = index;
+            self.now.z = self.linear().coordinates(&physical);
+        }
+        if let Some(linear) = &mut self.cores[index] {
+            linear.prepare(self.level);
+        }
+    }
+
+    fn try_step(&mut self, sample: &Sample, tick: u32, mode: &Mode, deepest: usize) -> Tried {
+        let linear = self.cores[self.now.core].as_ref().unwrap_or(&self.empty);
+        let Some(table) = linear.table(self.level) else { return Tried::Rough };
         let (start, share) = (fraction(tick), fraction(TICKS >> self.level));
         let platform = sample.motion.span(start, share);
         let given = Given {
             plant: &self.plant,
             ports: &self.ports,
             table,
-            core: &x.core,
-            friction: &x.friction,
+            core: &self.now.z,
+            friction: &self.now.friction,
+            bonds: &self.now.bonds,
+            outputs: self.now.outputs,
             held: [sample.drive_v, mode.offset],
             platform: &platform,
             time_s: sample.start_s + start * self.period_s,
         };
-        let converged = self.attempt.solve(&given, &self.rows);
+        let converged = self.attempt.solve(&given);
         self.effort.iterations += self.attempt.iterations;
         let defect = self.attempt.defect(&given) * share;
-        let finest = self.level == LEVELS;
+        let finest = self.level >= self.finest;
         let fine = converged && defect <= self.tolerance;
-        self.effort.forced += usize::from(finest && !fine);
-        if finest {
-            return Tried::Good { defect };
-        }
-        if !converged {
+        if !(finest || converged) {
             return Tried::Rough;
         }
-        let event = self.mesh_event(mode).min(self.bus_event(mode, x, sample.drive_v));
-        match (event <= 1.0, fine) {
-            (true, _) => Tried::Event { fraction: event },
-            (false, true) => Tried::Good { defect },
-            (false, false) => Tried::Rough,
+        let mut event = f64::INFINITY;
+        if self.level < deepest.min(CONTACT_LEVELS) {
+            event = self.mesh_event(mode).min(self.bus_event(mode, sample.drive_v));
         }
+        if self.level < deepest {
+            event = event.min(self.joint_event(sample, (start, share), mode));
+        }
+        if event <= 1.0 {
+            return Tried::Event { fraction: event };
+        }
+        self.effort.forced += usize::from(finest && !fine);
+        if finest || fine { Tried::Good { defect } } else { Tried::Rough }
     }
 
     /// Takes the step that was tried last.
-    fn commit(&mut self, x: &mut PlantState, mode: Mode) {
-        x.core.copy_from_slice(self.attempt.end());
-        x.friction = self.attempt.friction();
-        self.filter.advance(self.level, &mut x.hub_gyro, &self.attempt.hub_rate());
-        let bus = self.plant.parameters().amplifier.bus_voltage_v;
-        let voltage = &mut x.core[state::VOLTAGE];
-        *voltage = if mode.held != 0.0 { mode.held * bus } else { voltage.clamp(-bus, bus) };
+    fn commit(&mut self, mode: &Mode) {
+        self.now.z.copy_from_slice(self.attempt.end());
+        self.now.friction = self.attempt.friction();
+        self.now.bonds.copy(self.attempt.bonds());
+        let hub_rate = self.attempt.outputs().map(|outputs| outputs[3]);
+        self.filter.advance(self.level, &mut self.now.hub_gyro, &hub_rate);
+        let Self { cores, empty, now, plant, .. } = self;
+        let linear = cores[now.core].as_ref().unwrap_or(empty);
+        let bus = plant.parameters().amplifier.bus_voltage_v;
+        let voltage = dot(&linear.voltage, &now.z);
+        let wanted = if mode.held != 0.0 { mode.held * bus } else { voltage.clamp(-bus, bus) };
+        if wanted != voltage {
+            now.z.iter_mut().zip(&linear.lift).for_each(|(z, lift)| *z += lift * (wanted - voltage));
+        }
+        now.outputs = linear.see(&now.z);
         self.attempt.accept(self.period_s * fraction(TICKS >> self.level));
         self.effort.steps += 1;
     }
 
-    /// Chooses the longest step that ends before an event at a fraction of the one that was tried.
-    fn shorten_to(&mut self, fraction: f64) {
+    /// How to come near an event at a fraction of the step that was tried.
+    fn approach(&mut self, fraction: f64, deepest: usize) -> Approach {
         self.effort.rejected += 1;
-        let limit = f64::from(TICKS >> self.level) * fraction;
-        self.level += 1;
-        while self.level < LEVELS && f64::from(TICKS >> self.level) > limit {
-            self.level += 1;
+        let ticks = (f64::from(TICKS >> self.level) * fraction) as u32;
+        if ticks == 0 {
+            self.level = deepest.max(self.level + 1).min(DEEPEST);
+            return Approach::default();
         }
+        let spare = (32 - ticks.leading_zeros()).saturating_sub(BITS);
+        let then = level_within((ticks >> BITS).max(1)).saturating_sub(1).max(self.level + 1);
+        Approach { ticks: ticks >> spare << spare, then: then.min(DEEPEST) }
     }
 
     /// Fraction of the step at which the teeth part or meet; infinite if they do not.
-    fn mesh_event(&self, mode: Mode) -> f64 {
+    fn mesh_event(&self, mode: &Mode) -> f64 {
         let half = 0.5 * self.plant.parameters().gearbox.backlash_rad;
         if half == 0.0 {
             return f64::INFINITY;
@@ -234,30 +406,88 @@ impl Stepper {
             Mesh::Free => half - wind_up.abs(),
             Mesh::Touching => -mode.offset.signum() * wind_up - half,
         };
-        let wind_up = self.attempt.wind_up();
-        for pair in wind_up.windows(2) {
-            let (before, after) = (holds(pair[0].1), holds(pair[1].1));
-            if after < 0.0 {
-                return crossing((pair[0].0, before), (pair[1].0, after));
-            }
-        }
-        f64::INFINITY
+        first_crossing(self.attempt.wind_up().map(|(part, wind_up)| (part, holds(wind_up))))
     }
 
     /// Fraction of the step at which the voltage reaches or leaves the bus limit; infinite if it does not.
-    fn bus_event(&self, mode: Mode, x: &PlantState, drive_v: f64) -> f64 {
-        let end = self.attempt.end();
+    fn bus_event(&self, mode: &Mode, drive_v: f64) -> f64 {
         let bus = self.plant.parameters().amplifier.bus_voltage_v;
-        let holds = |core: &[f64]| {
+        let row = &self.linear().voltage;
+        let holds = |z: &[f64], outputs: &[f64; OUTPUTS]| {
+            let voltage = dot(row, z);
             if mode.held == 0.0 {
-                bus - core[state::VOLTAGE].abs()
+                bus - voltage.abs()
             } else {
-                mode.held * self.voltage_push(core, drive_v)
+                mode.held * self.voltage_push(voltage, outputs[4], drive_v)
             }
         };
-        let after = holds(end);
-        if after >= 0.0 { f64::INFINITY } else { crossing((0.0, holds(&x.core)), (1.0, after)) }
+        let after = holds(self.attempt.end(), &self.attempt.outputs()[3]);
+        if after >= 0.0 {
+            return f64::INFINITY;
+        }
+        crossing((0.0, holds(&self.now.z, &self.now.outputs)), (1.0, after))
     }
+
+    /// Fraction of the step at which a joint comes to rest, breaks away or leaves its band; infinite if none does.
+    fn joint_event(&self, sample: &Sample, (start, share): (f64, f64), mode: &Mode) -> f64 {
+        let mut event = f64::INFINITY;
+        for joint in [0, 1] {
+            if !self.ports.sticks(joint) {
+                continue;
+            }
+            event = event.min(if mode.stuck[joint] {
+                self.break_event(joint, sample, (start, share), mode)
+            } else {
+                let nodes = sample.motion.span(start, share).nodes;
+                let rates: [f64; 4] = std::array::from_fn(|k| {
+                    self.ports.rates(&self.attempt.outputs()[k], nodes[k].rate)[joint]
+                });
+                let margins = self.joint_margins(joint, &rates);
+                let at = super::moments::NODES;
+                first_crossing(std::array::from_fn::<_, 4, _>(|k| (at[k], margins[k])))
+            });
+        }
+        event
+    }
+
+    /// Fraction of the step at which a joint at rest breaks away: the torque that holds it is looked at at both ends.
+    fn break_event(
+        &self,
+        joint: usize,
+        sample: &Sample,
+        (start, share): (f64, f64),
+        mode: &Mode,
+    ) -> f64 {
+        let end = self.instant(sample, start + share, mode);
+        let (stick, torque) = self.load(joint, self.attempt.end(), &self.attempt.end_ports(), &end);
+        if stick.holds(torque) {
+            return f64::INFINITY;
+        }
+        let begin = self.instant(sample, start, mode);
+        let hold = &self.linear().holds[joint];
+        let first = holding(hold, &self.now.z, self.attempt.start_ports(), &begin);
+        let limit = if torque > 0.0 { stick.positive_nm } else { stick.negative_nm };
+        let margin = |torque_nm: f64| limit - torque_nm * torque.signum();
+        crossing((0.0, margin(first)), (1.0, margin(torque)))
+    }
+}
+
+/// A point but for what is seen there.
+struct Place<'a> {
+    time_s: f64,
+    platform: &'a PlatformPoint,
+    about: AngleNearby,
+}
+
+impl Place<'_> {
+    fn of<'b>(&'b self, outputs: &'b [f64; OUTPUTS]) -> Point<'b> {
+        Point { time_s: self.time_s, outputs, platform: self.platform, about: &self.about }
+    }
+}
+
+/// The level of the longest step of at most so many ticks.
+fn level_within(ticks: u32) -> usize {
+    DEEPEST.saturating_sub(31 - ticks.max(1).leading_zeros() as usize)
 }
 
 /// Ticks as a fraction of a sample.
@@ -265,8 +495,48 @@ fn fraction(ticks: u32) -> f64 {
     f64::from(ticks) / f64::from(TICKS)
 }
 
+/// Where margins along a step first fall below zero; infinite if none does.
+fn first_crossing<const N: usize>(margins: [(f64, f64); N]) -> f64 {
+    let below = margins.windows(2).find(|pair| pair[1].1 < 0.0);
+    below.map_or(f64::INFINITY, |pair| crossing(pair[0], pair[1]))
+}
+
 /// Where the straight line between a value that holds and one below zero is zero.
 fn crossing(before: (f64, f64), after: (f64, f64)) -> f64 {
     let from = before.1.max(0.0);
     before.0 + (after.0 - before.0) * from / (from - after.1)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::{PlatformMotion, Signal, Simulator};
+    use counterpoise_models::reference;
+
+    /// The state after a few samples with every step of one level.
+    fn moved(finest: usize, volts: f64) -> Vec<f64> {
+        let plant = Plant::lumped(&reference::rig()).unwrap();
+        let start = Simulator::new(&plant).unwrap().rest(0.01, 0.0, 0.0);
+        let mut stepper = Stepper::new(&plant, 1e-3, if finest == 0 { 1e9 } else { 1e-30 }).unwrap();
+        stepper.finest = finest;
+        stepper.restart(&start);
+        let platform = PlatformMotion { pitch_rate_rad_s: Signal::sine(0.1, 8.0), ..PlatformMotion::STILL };
+        for k in 0..4 {
+            let motion = platform.sample(f64::from(k) * 1e-3, 1e-3, 0.0);
+            stepper.advance(&Sample { drive_v: volts, start_s: f64::from(k) * 1e-3, motion: &motion });
+        }
+        stepper.state().core
+    }
+
+    #[test]
+    fn the_deepest_steps_go_where_whole_samples_go() {
+        let whole = moved(0, 5.0);
+        for level in [4, 8, 9, 12, 14] {
+            let found = moved(level, 5.0);
+            for (a, b) in found.iter().zip(&whole) {
+                assert!((a - b).abs() < 1e-7 * (1.0 + b.abs()), "{level}: {found:?} {whole:?}");
+            }
+        }
+    }
 }

@@ -1,10 +1,11 @@
-//! A step of the linear core as one matrix: from the state and its inputs to what the nonlinear parts see at the
+//! A step of the linear core as a few matrices: from the state and its inputs to what the nonlinear parts see at the
 //! nodes of the step, and to the state at its end.
 
-use super::moments::{Moments, NODES};
+use super::linear::{Linear, Span};
+use super::moments::{MIDDLE, NODES, cardinal_weights};
+use super::strips::{Strips, padded};
 use counterpoise_lti::Mat;
-use counterpoise_models::plant::core::{input, state};
-use counterpoise_models::{Mesh, Plant};
+use counterpoise_models::plant::core::input;
 
 /// What the nonlinear parts see at a node: motor state, wind-up, hub angle, hub rate, current.
 pub(crate) const OUTPUTS: usize = 5;
@@ -12,172 +13,172 @@ pub(crate) const OUTPUTS: usize = 5;
 pub(crate) const PORTS: usize = 3;
 /// Unknown nodes of a step.
 pub(crate) const STAGES: usize = 3;
-/// Rows and columns of the coupling between the ports at the unknown nodes and the outputs there.
+/// Rows and columns of the coupling between the ports at the unknown nodes and the outputs there, padded.
 pub(crate) const STAGE_ROWS: usize = 16;
-/// Rows that are worked on at a time: eight independent chains of two lanes keep a plain SSE2 core busy.
-const LANES: usize = 16;
-/// Number of halvings of a sample period down to the shortest step.
+/// Rows of the outputs in the middle, padded.
+pub(crate) const MIDDLE_ROWS: usize = 8;
+/// Where the state begins in a result.
+pub(crate) const STATE: usize = STAGE_ROWS + MIDDLE_ROWS;
+/// Halvings of a sample period down to the shortest step that smoothness may ask for.
 pub(crate) const LEVELS: usize = 8;
+/// Halvings of a sample period down to the shortest step: with these the instants of sticking and breaking away are
+/// found, to a millionth of the period.
+pub(crate) const DEEPEST: usize = 20;
 /// Fixed inputs of a step behind the state: drive, half gap, platform rate at four nodes, ports at the first node.
 pub(crate) const FIXED_INPUTS: usize = 2 + 4 + PORTS;
 
-const PORT_INPUTS: [usize; PORTS] = [input::MOTOR_TORQUE, input::HUB_TORQUE, input::LOAD];
+pub(crate) const PORT_INPUTS: [usize; PORTS] = [input::MOTOR_TORQUE, input::HUB_TORQUE, input::LOAD];
 
-/// A matrix stored in strips of [`LANES`] rows, column by column within a strip.
-#[derive(Debug, Clone)]
-pub(crate) struct Strips {
-    columns: usize,
-    data: Vec<f64>,
-}
-
-impl Strips {
-    fn new(M: &Mat) -> Self {
-        let strips = M.nrows().div_ceil(LANES);
-        let mut data = Vec::with_capacity(strips * LANES * M.ncols());
-        for strip in 0..strips {
-            for j in 0..M.ncols() {
-                for lane in 0..LANES {
-                    let i = strip * LANES + lane;
-                    data.push(if i < M.nrows() { M[(i, j)] } else { 0.0 });
-                }
-            }
-        }
-        Self { columns: M.ncols(), data }
-    }
-
-    /// out = start + M v, where `out` and `start` are as long as the padded rows.
-    #[inline]
-    pub fn multiply_add(&self, v: &[f64], out: &mut [f64]) {
-        let v = &v[..self.columns];
-        let strips = self.data.chunks_exact(LANES * self.columns);
-        for (strip, target) in strips.zip(out.chunks_exact_mut(LANES)) {
-            let mut sum = [0.0; LANES];
-            sum.copy_from_slice(target);
-            for (column, &factor) in strip.chunks_exact(LANES).zip(v) {
-                for lane in 0..LANES {
-                    sum[lane] += column[lane] * factor;
-                }
-            }
-            target.copy_from_slice(&sum);
-        }
-    }
-}
-
-/// One step of a given length from a given core.
+/// One step of a given length from a given core. A result is \[outputs at the stages (16 rows); outputs in the middle
+/// (8 rows); state at the end\].
 #[derive(Debug, Clone)]
 pub(crate) struct StepTable {
     /// Length of the step, s.
     pub step_s: f64,
-    /// From \[state, fixed inputs\] to \[outputs at the stages (16 rows); outputs at the middle (5), state at the end\].
+    /// From \[state, fixed inputs\] to the outputs at the stages and in the middle.
     pub fixed: Strips,
+    /// From the state to the state at the end.
+    pub flow: Flow,
+    /// From the fixed inputs to the state at the end.
+    pub drive: Strips,
     /// From the ports at the stages to the outputs at the stages.
     pub stages: Strips,
-    /// From the ports at the stages to the outputs at the middle and the state at the end.
+    /// From the ports at the stages to the outputs in the middle and the state at the end.
     pub end: Strips,
 }
 
-/// Length of a vector of the results of [`StepTable::fixed`], padded.
-pub(crate) fn result_length(order: usize) -> usize {
-    STAGE_ROWS + (OUTPUTS + order).div_ceil(LANES) * LANES
+/// exp(A h), block by block.
+#[derive(Debug, Clone)]
+pub(crate) struct Flow {
+    /// Blocks of one or two states: diagonal, and the factor on the neighbour with its index.
+    pairs: Vec<[f64; 4]>,
+    from: usize,
+    /// A block of any size before them.
+    head: Strips,
+    head_rows: usize,
 }
 
-/// The tables of one core at every level; level 0 is the whole sample period.
-pub(crate) fn step_tables(plant: &Plant, mesh: Mesh, clamped: bool, period_s: f64) -> Vec<StepTable> {
-    let mut core = plant.core(mesh);
-    if clamped {
-        hold_voltage(&mut core.A, &mut core.B);
-    }
-    let finest = period_s / f64::from(1u32 << LEVELS);
-    let at = |fraction: f64| Moments::family(&core.A, &core.B, finest * fraction, LEVELS + 1);
-    let middles = Moments::family(&core.A, &core.B, 0.5 * finest, LEVELS + 2);
-    let (first, second) = (at(NODES[1]), at(NODES[2]));
-    let C = output_rows(plant);
-    let finest_first = (0..=LEVELS).map(|k| {
-        let step = finest * f64::from(1u32 << k);
-        Spans { C: &C, step, stages: [&first[k], &second[k], &middles[k + 1]], middle: &middles[k] }.table()
-    });
-    let mut tables: Vec<StepTable> = finest_first.collect();
-    tables.reverse();
-    tables
-}
-
-/// The moments of one step at its nodes.
-struct Spans<'a> {
-    C: &'a Mat,
-    step: f64,
-    stages: [&'a Moments; STAGES],
-    middle: &'a Moments,
-}
-
-impl Spans<'_> {
-    fn table(&self) -> StepTable {
-        let end = self.stages[STAGES - 1];
-        let n = end.Phi.nrows();
-        let eye = Mat::eye(n);
-        let mut stage_fixed = Mat::zeros(STAGE_ROWS, n + FIXED_INPUTS);
-        let mut stage_ports = Mat::zeros(STAGE_ROWS, STAGES * PORTS);
-        for (s, span) in self.stages.iter().enumerate() {
-            stage_fixed.set_block(s * OUTPUTS, 0, &self.fixed(self.C, span));
-            stage_ports.set_block(s * OUTPUTS, 0, &self.ports(self.C, span));
+impl Flow {
+    /// out = exp(A h) z.
+    #[inline(always)]
+    pub fn multiply(&self, z: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        self.head.multiply_add(&z[..self.from], &mut out[..self.head_rows]);
+        let pairs = z[self.from..].chunks_exact(2).zip(out[self.from..].chunks_exact_mut(2));
+        for (block, (z, out)) in self.pairs.iter().zip(pairs) {
+            out[0] = block[0] * z[0] + block[1] * z[1];
+            out[1] = block[2] * z[0] + block[3] * z[1];
         }
-        let fixed = stage_fixed.vstack(&self.fixed(self.C, self.middle)).vstack(&self.fixed(&eye, end));
-        let end_ports = self.ports(self.C, self.middle).vstack(&self.ports(&eye, end));
-        StepTable {
-            step_s: self.step,
-            fixed: Strips::new(&fixed),
-            stages: Strips::new(&stage_ports),
-            end: Strips::new(&end_ports),
+    }
+}
+
+/// Length of a vector of the results of a step, padded.
+pub(crate) fn result_length(order: usize) -> usize {
+    STATE + padded(order)
+}
+
+/// The table of a step.
+pub(crate) fn step_table(core: &Linear, span: &Span) -> StepTable {
+    let n = core.order();
+    let end = Answers::new(core, span, STAGES);
+    let eye = Mat::eye(n);
+    let mut fixed = Mat::zeros(STATE, n + FIXED_INPUTS);
+    let mut stages = Mat::zeros(STAGE_ROWS, STAGES * PORTS);
+    for stage in 1..=STAGES {
+        let answers = Answers::new(core, span, stage);
+        fixed.set_block((stage - 1) * OUTPUTS, 0, &answers.fixed(&core.outputs));
+        stages.set_block((stage - 1) * OUTPUTS, 0, &answers.ports(&core.outputs));
+    }
+    let middle = Answers::new(core, span, Span::MIDDLE);
+    fixed.set_block(STAGE_ROWS, 0, &middle.fixed(&core.outputs));
+    let mut end_ports = Mat::zeros(MIDDLE_ROWS + n, STAGES * PORTS);
+    end_ports.set_block(0, 0, &middle.ports(&core.outputs));
+    end_ports.set_block(MIDDLE_ROWS, 0, &end.ports(&eye));
+    StepTable {
+        step_s: span.step_s,
+        fixed: Strips::new(&fixed),
+        flow: flow(core, span),
+        drive: Strips::new(&end.inputs),
+        stages: Strips::new(&stages),
+        end: Strips::new(&end_ports),
+    }
+}
+
+fn flow(core: &Linear, span: &Span) -> Flow {
+    let from = core.head();
+    let phi = |block: usize, i: usize, j: usize| span.at(STAGES)[block].phi(i, j);
+    let first = usize::from(from > 0);
+    let head = Mat::from_fn(from, from, |i, j| phi(0, i, j));
+    let pairs = (first..core.blocks())
+        .map(|b| [phi(b, 0, 0), phi(b, 0, 1), phi(b, 1, 0), phi(b, 1, 1)])
+        .collect();
+    Flow { pairs, from, head: Strips::new(&head), head_rows: padded(from) }
+}
+
+/// The state's answers at one node: to the state at the start, to the fixed inputs, to the ports at the stages.
+struct Answers {
+    Phi: Mat,
+    inputs: Mat,
+    stages: Mat,
+}
+
+impl Answers {
+    fn new(core: &Linear, span: &Span, node: usize) -> Self {
+        let n = core.order();
+        let mut answers = Self {
+            Phi: Mat::zeros(n, n),
+            inputs: Mat::zeros(n, FIXED_INPUTS),
+            stages: Mat::zeros(n, STAGES * PORTS),
+        };
+        let weights = cardinal_weights(span.step_s);
+        for (block, moments) in span.at(node).iter().enumerate() {
+            let first = core.first(block);
+            for row in 0..moments.order() {
+                let i = first + row;
+                for j in 0..moments.order() {
+                    answers.Phi[(i, first + j)] = moments.phi(row, j);
+                }
+                answers.inputs[(i, 0)] = moments.constant(row, input::DRIVE);
+                answers.inputs[(i, 1)] = moments.constant(row, input::MESH_TORQUE);
+                for k in 0..NODES.len() {
+                    answers.inputs[(i, 2 + k)] = moments.answer(row, input::PLATFORM_RATE, &weights[k]);
+                }
+                for (p, column) in PORT_INPUTS.into_iter().enumerate() {
+                    answers.inputs[(i, 6 + p)] = moments.answer(row, column, &weights[0]);
+                    for stage in 0..STAGES {
+                        answers.stages[(i, stage * PORTS + p)] =
+                            moments.answer(row, column, &weights[stage + 1]);
+                    }
+                }
+            }
+        }
+        answers.carry(core, node);
+        answers
+    }
+
+    /// Joints that stick move with the platform: the state is beside y, which flows, by carried x rate.
+    fn carry(&mut self, core: &Linear, node: usize) {
+        if core.carried.iter().all(|&c| c == 0.0) {
+            return;
+        }
+        let start = &self.Phi * &Mat::col(&core.carried);
+        for i in 0..core.order() {
+            self.inputs[(i, 2)] -= start[(i, 0)];
+            for k in 0..NODES.len() {
+                let here =
+                    if node == Span::MIDDLE { MIDDLE[k] } else { f64::from(u8::from(k == node)) };
+                self.inputs[(i, 2 + k)] += core.carried[i] * here;
+            }
         }
     }
 
     /// C x the answers to the state and the fixed inputs.
-    fn fixed(&self, C: &Mat, span: &Moments) -> Mat {
-        let n = span.Phi.nrows();
-        let mut M = Mat::zeros(n, n + FIXED_INPUTS);
-        M.set_block(0, 0, &span.Phi);
-        let mut put = |j: usize, answer: &[f64]| M.column_mut(n + j).copy_from_slice(answer);
-        put(0, span.P[0].column(input::DRIVE));
-        put(1, span.P[0].column(input::MESH_TORQUE));
-        for node in 0..NODES.len() {
-            put(2 + node, &span.cardinal(input::PLATFORM_RATE, node, self.step));
-        }
-        for (p, column) in PORT_INPUTS.into_iter().enumerate() {
-            put(6 + p, &span.cardinal(column, 0, self.step));
-        }
-        C * &M
+    fn fixed(&self, C: &Mat) -> Mat {
+        (C * &self.Phi).hstack(&(C * &self.inputs))
     }
 
     /// C x the answers to the ports at the stages.
-    fn ports(&self, C: &Mat, span: &Moments) -> Mat {
-        let mut M = Mat::zeros(span.Phi.nrows(), STAGES * PORTS);
-        for stage in 0..STAGES {
-            for (p, column) in PORT_INPUTS.into_iter().enumerate() {
-                let answer = span.cardinal(column, stage + 1, self.step);
-                M.column_mut(stage * PORTS + p).copy_from_slice(&answer);
-            }
-        }
-        C * &M
-    }
-}
-
-fn output_rows(plant: &Plant) -> Mat {
-    let n = plant.core_order();
-    let unit = |k: usize| -> Vec<f64> { (0..n).map(|j| f64::from(u8::from(j == k))).collect() };
-    Mat::from_rows(&[
-        unit(state::MOTOR),
-        unit(state::WINDUP),
-        plant.hub_angle_row(),
-        plant.hub_rate_row(),
-        unit(state::CURRENT),
-    ])
-}
-
-/// The amplifier's voltage at its limit: it neither follows the drive nor relaxes.
-fn hold_voltage(A: &mut Mat, B: &mut Mat) {
-    for j in 0..A.ncols() {
-        A[(state::VOLTAGE, j)] = 0.0;
-    }
-    for j in 0..B.ncols() {
-        B[(state::VOLTAGE, j)] = 0.0;
+    fn ports(&self, C: &Mat) -> Mat {
+        C * &self.stages
     }
 }

@@ -86,7 +86,7 @@ impl Model {
         let end = Moments::family(&A, &drive, period_s, 1).remove(0);
         let scale = PRIOR * (largest + noise);
         Self {
-            transition: square(&end.Phi),
+            transition: square(&end),
             added: added_covariance(&A, period_s),
             noise,
             prior: [scale, scale * w, scale, scale * w, scale * w * w],
@@ -171,7 +171,7 @@ fn added_covariance(A: &Mat, period_s: f64) -> Square {
     const INTERVALS: usize = 32;
     let step = period_s / INTERVALS as f64;
     let one = Moments::family(A, &Mat::col(&[0.0; STATES]), step, 1).remove(0);
-    let phi = square(&one.Phi);
+    let phi = square(&one);
     let mut direction = [0.0, 0.0, 0.0, 0.0, 1.0];
     let mut sum = [[0.0; STATES]; STATES];
     for k in 0..=INTERVALS {
@@ -186,11 +186,11 @@ fn added_covariance(A: &Mat, period_s: f64) -> Square {
     sum
 }
 
-fn square(M: &Mat) -> Square {
+fn square(moments: &Moments) -> Square {
     let mut out = [[0.0; STATES]; STATES];
     for (i, row) in out.iter_mut().enumerate() {
         for (j, entry) in row.iter_mut().enumerate() {
-            *entry = M[(i, j)];
+            *entry = moments.phi(i, j);
         }
     }
     out

@@ -352,7 +352,9 @@ pub(super) fn at_torque(friction: &Friction, torque_nm: f64) -> f64 {
         FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad, .. } if coulomb_nm > 0.0 => {
             torque_nm * deflection_rad / (friction.static_ratio * coulomb_nm)
         }
-        _ => torque_nm,
+        FrictionLaw::Dahl { .. } | FrictionLaw::Walrath { .. } => torque_nm,
+        // what truly sticks carries what it must; bonds start unbent
+        _ => 0.0,
     }
 }
 
@@ -363,6 +365,7 @@ pub(super) fn torque(friction: &Friction, state: f64) -> f64 {
         FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad, .. } if deflection_rad > 0.0 => {
             state * friction.static_ratio * coulomb_nm / deflection_rad
         }
-        _ => state,
+        FrictionLaw::Dahl { .. } | FrictionLaw::Walrath { .. } => state,
+        _ => 0.0,
     }
 }

@@ -1,0 +1,295 @@
+//! The linear core in one of its modes: which equations hold while the teeth touch or not, the voltage is at its limit
+//! or not, and either joint sticks or not.
+
+use super::moments::{Moments, NODES};
+use super::tables::{DEEPEST, LEVELS, OUTPUTS, STAGES, StepTable, step_table};
+use counterpoise_lti::Mat;
+use counterpoise_models::plant::core::{input, state};
+use counterpoise_models::plant::Core;
+use counterpoise_models::{Mesh, Plant};
+
+/// The mode of the core.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Mode {
+    pub mesh: Mesh,
+    /// Torque of half the gap, N m.
+    pub offset: f64,
+    /// Sign of the bus limit at which the voltage is held; 0 where it is free.
+    pub held: f64,
+    /// Whether the motor's and the pivot's friction stick.
+    pub stuck: [bool; 2],
+}
+
+impl Mode {
+    /// Number of cores.
+    pub const COUNT: usize = 16;
+
+    /// Which core.
+    pub fn index(&self) -> usize {
+        usize::from(self.mesh == Mesh::Free)
+            + 2 * usize::from(self.held != 0.0)
+            + 4 * usize::from(self.stuck[0])
+            + 8 * usize::from(self.stuck[1])
+    }
+}
+
+/// The torque that a joint's friction must have for the joint to stay at rest:
+/// `T = row z + inputs u - inertia x (its rate relative to the platform's acceleration)`.
+#[derive(Debug, Clone)]
+pub(crate) struct Hold {
+    pub row: Vec<f64>,
+    pub inputs: [f64; input::COUNT],
+    /// Torque per angular acceleration of the platform, kg m^2.
+    pub platform: f64,
+}
+
+/// x' = A x + B u in one mode, in coordinates z in which A is a block and pairs on the diagonal.
+#[derive(Debug, Clone)]
+pub(crate) struct Linear {
+    blocks: Vec<(Mat, Mat)>,
+    firsts: Vec<usize>,
+    n: usize,
+    /// What the nonlinear parts see, from z.
+    pub outputs: Mat,
+    /// z per platform rate that joints at rest carry.
+    pub carried: Vec<f64>,
+    /// What holds the joints; for any mode, stuck or not.
+    pub holds: [Hold; 2],
+    /// Change of z that changes the joints' rates by one, as an impulse on the joint does.
+    pub pushes: [Vec<f64>; 2],
+    /// Voltage of the amplifier and rate of the tip, from z.
+    pub voltage: Vec<f64>,
+    pub tip: Vec<f64>,
+    /// Change of z that changes the voltage by one.
+    pub lift: Vec<f64>,
+    coarse: Chain,
+    deep: Option<Chain>,
+    period_s: f64,
+    tables: Vec<Option<StepTable>>,
+}
+
+/// The moments of all blocks at times that double.
+#[derive(Debug, Clone)]
+struct Chain {
+    finest: f64,
+    /// For the first and second inner node and for the middle of each step, and the end of the last: time by time, block by block.
+    nodes: [Vec<Vec<Moments>>; 3],
+}
+
+impl Chain {
+    fn new(blocks: &[(Mat, Mat)], finest: f64, count: usize) -> Self {
+        let family = |fraction: f64, count: usize| {
+            let families: Vec<Vec<Moments>> =
+                blocks.iter().map(|(A, B)| Moments::family(A, B, finest * fraction, count)).collect();
+            (0..count).map(|k| families.iter().map(|family| family[k].clone()).collect()).collect()
+        };
+        Self { finest, nodes: [family(NODES[1], count), family(NODES[2], count), family(0.5, count + 1)] }
+    }
+
+    fn span(&self, k: usize) -> Span<'_> {
+        let [first, second, middle] = &self.nodes;
+        Span {
+            step_s: self.finest * f64::from(1u32 << k),
+            nodes: [&first[k], &second[k], &middle[k + 1], &middle[k]],
+        }
+    }
+}
+
+/// The moments of one step at its nodes.
+pub(crate) struct Span<'a> {
+    pub step_s: f64,
+    nodes: [&'a [Moments]; STAGES + 1],
+}
+
+impl Span<'_> {
+    /// The middle of the step among its nodes.
+    pub const MIDDLE: usize = STAGES + 1;
+
+    /// The moments of the blocks at node 1, 2, 3 (the end), or in the middle.
+    pub fn at(&self, node: usize) -> &[Moments] {
+        self.nodes[node - 1]
+    }
+}
+
+impl Linear {
+    /// The core of a plant in a mode, for steps of a sample period and its halves.
+    pub fn new(plant: &Plant, mode: &Mode, period_s: f64) -> Self {
+        let mut core = plant.core(mode.mesh);
+        if mode.held != 0.0 {
+            hold_voltage(&mut core);
+        }
+        let joints = joints(plant);
+        let holds = [0, 1].map(|k| joints[k].hold(&core));
+        let pushes = [0, 1].map(|k| joints[k].push(&core));
+        let mut carried = vec![0.0; core.A.nrows()];
+        for (joint, _) in joints.iter().zip(mode.stuck).filter(|(_, stuck)| *stuck) {
+            joint.stick(&mut core, &mut carried);
+        }
+        let n = core.A.nrows();
+        let blocks = vec![(core.A, core.B)];
+        let coarse = Chain::new(&blocks, period_s / f64::from(1u32 << LEVELS), LEVELS + 1);
+        Self {
+            blocks,
+            firsts: vec![0],
+            n,
+            outputs: output_rows(plant),
+            carried,
+            holds,
+            pushes,
+            voltage: unit(n, state::VOLTAGE),
+            tip: plant.tip_rate_row(),
+            lift: unit(n, state::VOLTAGE),
+            coarse,
+            deep: None,
+            period_s,
+            tables: vec![None; DEEPEST + 1],
+        }
+    }
+
+    /// Number of states.
+    pub fn order(&self) -> usize {
+        self.n
+    }
+
+    /// What the nonlinear parts see at z.
+    pub fn see(&self, z: &[f64]) -> [f64; OUTPUTS] {
+        let mut seen = [0.0; OUTPUTS];
+        for (j, value) in z.iter().enumerate() {
+            for (s, c) in seen.iter_mut().zip(self.outputs.column(j)) {
+                *s += c * value;
+            }
+        }
+        seen
+    }
+
+    /// The physical state at z.
+    pub fn physical(&self, z: &[f64]) -> Vec<f64> {
+        z.to_vec()
+    }
+
+    /// The coordinates z of a physical state.
+    pub fn coordinates(&self, x: &[f64]) -> Vec<f64> {
+        x.to_vec()
+    }
+
+    /// Number of blocks.
+    pub fn blocks(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// First state of a block.
+    pub fn first(&self, block: usize) -> usize {
+        self.firsts[block]
+    }
+
+    /// Size of the block before the pairs.
+    pub fn head(&self) -> usize {
+        self.blocks[0].0.nrows()
+    }
+
+    /// Makes the table of a level, if it is not there yet.
+    pub fn prepare(&mut self, level: usize) {
+        if self.tables[level].is_some() {
+            return;
+        }
+        let table = if level <= LEVELS {
+            step_table(self, &self.coarse.span(LEVELS - level))
+        } else {
+            let deep = self.deep.take().unwrap_or_else(|| {
+                Chain::new(&self.blocks, self.period_s / f64::from(1u32 << DEEPEST), DEEPEST - LEVELS)
+            });
+            let table = step_table(self, &deep.span(DEEPEST - level));
+            self.deep = Some(deep);
+            table
+        };
+        self.tables[level] = Some(table);
+    }
+
+    /// The table of a level that [`Linear::prepare`] has made.
+    pub fn table(&self, level: usize) -> Option<&StepTable> {
+        self.tables[level].as_ref()
+    }
+}
+
+/// A joint between a body and the platform.
+struct Joint {
+    /// The rate of its body: rate = row x.
+    row: Vec<f64>,
+    port: usize,
+    /// Share of the platform's rate that its body has at rest.
+    share: f64,
+}
+
+fn joints(plant: &Plant) -> [Joint; 2] {
+    [
+        Joint { row: unit(plant.core_order(), state::MOTOR), port: input::MOTOR_TORQUE, share: plant.parameters().motor.platform_coupling },
+        Joint { row: plant.hub_rate_row(), port: input::HUB_TORQUE, share: 1.0 },
+    ]
+}
+
+impl Joint {
+    /// Acceleration of the joint's body per torque on it, 1/(kg m^2).
+    fn mobility(&self, core: &Core) -> f64 {
+        dot(&self.row, core.B.column(self.port))
+    }
+
+    /// Change of the state that changes the joint's rate by one.
+    fn push(&self, core: &Core) -> Vec<f64> {
+        core.B.column(self.port).iter().map(|b| b / self.mobility(core)).collect()
+    }
+
+    fn hold(&self, core: &Core) -> Hold {
+        let inertia = 1.0 / self.mobility(core);
+        let row = (0..core.A.ncols()).map(|j| inertia * dot(&self.row, core.A.column(j))).collect();
+        let inputs = std::array::from_fn(|j| inertia * dot(&self.row, core.B.column(j)));
+        Hold { row, inputs, platform: inertia * self.share }
+    }
+
+    /// Takes the joint's freedom from the core. With x = y + carried w_p the rate of y at the joint is zero:
+    /// y' = P (A y + B u + A carried w_p), P = I - b c / (c b).
+    fn stick(&self, core: &mut Core, carried: &mut [f64]) {
+        let push = self.push(core);
+        let mine: Vec<f64> = push.iter().map(|p| p * self.share).collect();
+        for i in 0..mine.len() {
+            let drawn: f64 = (0..mine.len()).map(|j| core.A[(i, j)] * mine[j]).sum();
+            core.B[(i, input::PLATFORM_RATE)] += drawn;
+            carried[i] += mine[i];
+        }
+        for M in [&mut core.A, &mut core.B] {
+            for j in 0..M.ncols() {
+                let along = dot(&self.row, M.column(j));
+                M.column_mut(j).iter_mut().zip(&push).for_each(|(entry, p)| *entry -= along * p);
+            }
+        }
+    }
+}
+
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+fn unit(n: usize, k: usize) -> Vec<f64> {
+    (0..n).map(|j| f64::from(u8::from(j == k))).collect()
+}
+
+/// What the nonlinear parts see, from the physical state.
+fn output_rows(plant: &Plant) -> Mat {
+    let n = plant.core_order();
+    let rows: [Vec<f64>; OUTPUTS] = [
+        unit(n, state::MOTOR),
+        unit(n, state::WINDUP),
+        plant.hub_angle_row(),
+        plant.hub_rate_row(),
+        unit(n, state::CURRENT),
+    ];
+    Mat::from_rows(&rows)
+}
+
+/// The amplifier's voltage at its limit: it neither follows the drive nor relaxes.
+fn hold_voltage(core: &mut Core) {
+    for M in [&mut core.A, &mut core.B] {
+        for j in 0..M.ncols() {
+            M[(state::VOLTAGE, j)] = 0.0;
+        }
+    }
+}

@@ -1,0 +1,259 @@
+//! True stick in the mechanism, bristles, and what every law of friction must do at rest.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use counterpoise_models::plant::core::state;
+use counterpoise_models::{
+    Friction, FrictionLaw, OperatingPoint, Parameters, Plant, StribeckCurve, reference,
+};
+use counterpoise_simulate::{
+    Initial, Playback, PlatformMotion, Scenario, Signal, Simulator, Sine, TimeHistory,
+};
+
+fn machine(change: impl Fn(&mut Parameters)) -> Plant {
+    let mut rig = reference::rig();
+    change(&mut rig);
+    Plant::lumped(&rig).unwrap()
+}
+
+fn run(plant: &Plant, volts: &[f64], scenario: &Scenario) -> TimeHistory {
+    Simulator::new(plant).unwrap().run(&mut Playback::new(volts), scenario).unwrap()
+}
+
+/// One mass on one joint: a rigid, heavy hub and hardly any motor, pushed by the heave through its out-of-balance.
+fn one_mass(inertia: f64, law: FrictionLaw, static_ratio: f64) -> Parameters {
+    let mut rig = reference::rig();
+    rig.gravity_m_s2 = 0.0;
+    let lumped = rig.lumped.as_mut().unwrap();
+    lumped.hub_inertia_kg_m2 = inertia;
+    lumped.beam_inertia_kg_m2 = 1e-3;
+    lumped.out_of_balance_kg_m = 100.0;
+    rig.gearbox.backlash_rad = 2.0;
+    rig.motor_friction = Friction::plain(FrictionLaw::None, 0.0);
+    rig.pivot_friction = Friction { static_ratio, ..Friction::plain(law, 0.0) };
+    rig
+}
+
+fn pushed(amplitude: f64, frequency_rad_s: f64, duration_s: f64) -> Scenario {
+    let heave_m_s2 = Signal::Sines(vec![Sine { amplitude, frequency_rad_s, phase_rad: 0.0 }]);
+    Scenario { platform: PlatformMotion { heave_m_s2, ..PlatformMotion::STILL }, ..Scenario::still(duration_s) }
+}
+
+/// J w' = -mu a sin(W t) - F: breakaway at mu a sin(W t) = F_s, then the closed form with the sliding level.
+#[test]
+fn breakaway_and_arrest_are_at_their_exact_instants() {
+    let (push, level, ratio, frequency) = (200.0, 80.0, 1.5, 3.0);
+    let plant = machine(|rig| *rig = one_mass(1e6, FrictionLaw::Coulomb { coulomb_nm: level }, ratio));
+    let history = run(&plant, &[0.0], &pushed(push / 100.0, frequency, 1.2));
+    let inertia = 1e6;
+    let leave = (ratio * level / push).asin() / frequency;
+    let rate = |t: f64| {
+        let swing = push / frequency * ((frequency * leave).cos() - (frequency * t).cos());
+        -(swing - level * (t - leave)) / inertia
+    };
+    let mut worst = 0.0_f64;
+    let mut moving = 0;
+    for (k, found) in history.truth.hub_rate_rad_s.iter().enumerate() {
+        let t = k as f64 * 1e-3;
+        let expected = if t < leave { 0.0 } else { rate(t).min(0.0) };
+        if t > leave && rate(t) >= 0.0 {
+            break;
+        }
+        moving += usize::from(expected != 0.0);
+        if t < leave {
+            assert!(found.abs() < 1e-20, "creeps at {t}: {found:e}");
+        }
+        worst = worst.max((found - expected).abs());
+    }
+    println!("worst {worst:.1e} rad/s over {moving} samples of motion, {:?}", history.effort);
+    let fastest = rate(0.9).abs();
+    assert!(moving > 500 && worst < 1e-7 * fastest, "{worst:e} of {fastest:e}");
+}
+
+/// The amplitude of a mass on a spring falls by 4 F / k a cycle, linearly, and the motion ends for good.
+#[test]
+fn coulomb_friction_takes_its_constant_share_of_every_swing() {
+    let (level, stiffness) = (5.0, 400.0);
+    let plant = machine(|rig| {
+        *rig = one_mass(100.0, FrictionLaw::Coulomb { coulomb_nm: level }, 1.0);
+        let lumped = rig.lumped.as_mut().unwrap();
+        lumped.out_of_balance_kg_m = 0.0;
+        lumped.position_stiffness_nm_rad = stiffness;
+        lumped.position_stiffness_centre_rad = 0.09;
+    });
+    let mut start = Simulator::new(&plant).unwrap().rest(0.0, 0.0, 0.0);
+    for free in [state::WINDUP, state::CURRENT, state::VOLTAGE] {
+        start.core[free] = 0.0;
+    }
+    let scenario = Scenario { initial: Initial::State(Box::new(start)), ..Scenario::still(12.0) };
+    let angle = run(&plant, &[0.0], &scenario).truth.hub_angle_rad;
+    let from_centre = |k: usize| angle[k] - 0.09;
+    let turns: Vec<f64> = (1..angle.len() - 1)
+        .filter(|&k| (angle[k] - angle[k - 1]) * (angle[k + 1] - angle[k]) < 0.0)
+        .map(|k| from_centre(k).abs())
+        .collect();
+    let share = 2.0 * level / stiffness;
+    for (swing, turn) in turns.iter().enumerate().take(3) {
+        let expected = 0.09 - (swing + 1) as f64 * share;
+        assert!((turn - expected).abs() < 2e-6, "{swing}: {turn} {expected}");
+    }
+    let rest = from_centre(angle.len() - 1);
+    assert!(turns.len() >= 3, "{turns:?}");
+    assert!(rest.abs() * stiffness <= level);
+    assert_eq!(angle[angle.len() - 1], angle[angle.len() - 2000]);
+}
+
+fn laws(coulomb_nm: f64, deflection_rad: f64) -> Vec<(&'static str, FrictionLaw, f64)> {
+    let stiffness = coulomb_nm / deflection_rad;
+    let curve = |curve| FrictionLaw::Stribeck { coulomb_nm, curve };
+    vec![
+        ("Coulomb", FrictionLaw::Coulomb { coulomb_nm }, 1.0),
+        ("Coulomb with stiction", FrictionLaw::Coulomb { coulomb_nm }, 1.4),
+        ("Tustin", curve(StribeckCurve::Tustin), 1.3),
+        ("Gaussian", curve(StribeckCurve::Gaussian), 1.3),
+        ("exponential", curve(StribeckCurve::Exponential { exponent: 0.8 }), 1.3),
+        ("Lorentzian", curve(StribeckCurve::Lorentzian), 1.3),
+        ("polynomial", curve(StribeckCurve::Polynomial { coefficients: [-0.2, 0.1, 0.0] }), 1.0),
+        ("Karnopp", FrictionLaw::Karnopp { coulomb_nm, stick_rate_rad_s: 10.0 * deflection_rad }, 1.3),
+        ("Dahl", FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad: stiffness, exponent: 1.0 }, 1.0),
+        ("Dahl, exponent 2", FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad: stiffness, exponent: 2.0 }, 1.0),
+        (
+            "LuGre",
+            FrictionLaw::Lugre {
+                coulomb_nm,
+                bristle_stiffness_nm_rad: stiffness,
+                bristle_damping_nm_s_rad: 0.01 * stiffness,
+            },
+            1.3,
+        ),
+        (
+            "reset integrator",
+            FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad, damping_nm_s_rad: 0.01 * stiffness },
+            1.2,
+        ),
+        ("bristles", FrictionLaw::Bristle { coulomb_nm, bristles: 12, bond_rad: 2.0 * deflection_rad }, 1.0),
+        (
+            "Walrath",
+            FrictionLaw::Walrath {
+                coulomb_nm,
+                time_constant_s: 0.02,
+                smoothing_rate_rad_s: 2.0 * deflection_rad,
+            },
+            1.0,
+        ),
+    ]
+}
+
+/// The rig with 117 N m of dry friction at the hub, shared between motor and pivot.
+fn split(law: impl Fn(f64, f64) -> FrictionLaw, ratio: f64, at_motor: f64) -> Plant {
+    machine(|rig| {
+        let (turns, viscous) = (rig.gearbox.ratio, rig.pivot_friction.viscous_nm_s_rad);
+        let part = |share: f64, turns: f64, viscous: f64| {
+            if share == 0.0 {
+                return Friction::plain(FrictionLaw::None, viscous);
+            }
+            Friction {
+                static_ratio: ratio,
+                stribeck_rate_rad_s: 0.01 * turns,
+                ..Friction::plain(law(117.0 * share / turns, 5e-4 * turns), viscous)
+            }
+        };
+        rig.motor_friction = part(at_motor, turns, rig.motor_friction.viscous_nm_s_rad);
+        rig.pivot_friction = part(1.0 - at_motor, 1.0, viscous);
+    })
+}
+
+/// Half of what friction can carry is put on the motor: after the deflection nothing goes on moving, but for Walrath's
+/// law, which creeps as its paper has it.
+#[test]
+fn every_law_holds_a_constant_torque_at_motor_and_pivot_in_any_split() {
+    for (index, (name, _, ratio)) in laws(1.0, 1.0).into_iter().enumerate() {
+        for at_motor in [0.0, 0.3, 0.5, 0.9, 1.0] {
+            let plant = split(|level, deflection| laws(level, deflection)[index].1.clone(), ratio, at_motor);
+            let held = plant.equilibrium(&OperatingPoint::default()).control_v;
+            let angle = run(&plant, &[held + 0.1], &Scenario::still(12.0)).truth.hub_angle_rad;
+            let mean = |range: std::ops::Range<usize>| {
+                angle[range.clone()].iter().sum::<f64>() / range.len() as f64
+            };
+            let drift = (mean(11_000..12_000) - mean(8000..9000)).abs() / 3.0;
+            println!("{name} {at_motor}: {drift:.1e} rad/s");
+            if name == "Walrath" {
+                assert!(drift > 1e-4, "{name} {at_motor}: {drift:e} rad/s");
+            } else {
+                assert!(drift < 1e-9, "{name} {at_motor}: {drift:e} rad/s");
+            }
+        }
+    }
+}
+
+/// Over a whole number of cycles of the platform, friction only takes energy: at every joint, in every split.
+#[test]
+fn every_law_dissipates() {
+    for (index, (name, _, ratio)) in laws(1.0, 1.0).into_iter().enumerate() {
+        for at_motor in [0.0, 0.5, 1.0] {
+            let plant = split(|level, deflection| laws(level, deflection)[index].1.clone(), ratio, at_motor);
+            let held = plant.equilibrium(&OperatingPoint::default()).control_v;
+            let platform = PlatformMotion {
+                pitch_rate_rad_s: Signal::sine(0.05, std::f64::consts::TAU),
+                ..PlatformMotion::STILL
+            };
+            let scenario = Scenario { platform, ..Scenario::still(4.0) };
+            let volts: Vec<f64> = (0..4000)
+                .map(|k| held + 0.5 * (std::f64::consts::TAU * 1.5e-3 * f64::from(k)).sin())
+                .collect();
+            let truth = run(&plant, &volts, &scenario).truth;
+            let worked = |torque: &[f64], rate: &dyn Fn(usize) -> f64| -> f64 {
+                (2000..4000).map(|k| 1e-3 * torque[k] * rate(k)).sum()
+            };
+            let motor = worked(&truth.motor_friction_nm, &|k| truth.motor_rate_rad_s[k]);
+            let pivot = worked(&truth.pivot_friction_nm, &|k| {
+                truth.hub_rate_rad_s[k] - truth.platform_rate_rad_s[k]
+            });
+            let travelled: f64 = (2000..4000).map(|k| 1e-3 * truth.platform_rate_rad_s[k].abs()).sum();
+            let scale = 117.0 * travelled;
+            assert!(motor > -1e-3 * scale && pivot > -1e-3 * scale, "{name} {at_motor}: {motor} {pivot}");
+            assert!(motor + pivot > 0.1 * scale, "{name} {at_motor}: {motor} {pivot} of {scale}");
+        }
+    }
+}
+
+/// Both joints at rest on a moving platform: hub and motor ride with it, and friction carries the inertia.
+#[test]
+fn joints_at_rest_ride_with_the_platform() {
+    let plant = split(|coulomb_nm, _| FrictionLaw::Coulomb { coulomb_nm }, 1.0, 0.5);
+    let held = plant.equilibrium(&OperatingPoint::default()).control_v;
+    let platform =
+        PlatformMotion { pitch_rate_rad_s: Signal::sine(0.01, 3.0), ..PlatformMotion::STILL };
+    let history = run(&plant, &[held], &Scenario { platform, ..Scenario::still(3.0) });
+    let truth = &history.truth;
+    assert_eq!(history.effort.changes, 0);
+    for k in 0..3000 {
+        assert!((truth.hub_rate_rad_s[k] - truth.platform_rate_rad_s[k]).abs() < 1e-12);
+        assert!(truth.motor_rate_rad_s[k].abs() < 1e-9);
+    }
+    let moved = truth.pivot_friction_nm.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+    assert!(moved > 1.0 && moved < 58.5, "{moved}");
+}
+
+/// The instants of sticking and breaking away are those of a stiff Dahl's law in the limit.
+#[test]
+fn true_stick_is_the_limit_of_stiff_presliding() {
+    let motion = |law: &dyn Fn(f64) -> FrictionLaw| {
+        let plant = split(|level, _| law(level), 1.0, 0.5);
+        let held = plant.equilibrium(&OperatingPoint::default()).control_v;
+        let volts: Vec<f64> = (0..3000).map(|k| held + 0.6 * (0.006 * f64::from(k)).sin()).collect();
+        run(&plant, &volts, &Scenario::still(3.0)).truth.hub_rate_rad_s
+    };
+    let stuck = motion(&|coulomb_nm| FrictionLaw::Coulomb { coulomb_nm });
+    let distance = |stiffness: f64| {
+        let law = |coulomb_nm: f64| {
+            let turns = if coulomb_nm < 1.0 { 1e-4 } else { 1.0 };
+            FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad: stiffness * coulomb_nm * turns, exponent: 1.0 }
+        };
+        let found = motion(&law);
+        let worst = found.iter().zip(&stuck).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        worst / stuck.iter().fold(0.0_f64, |a, b| a.max(b.abs()))
+    };
+    let errors = [1e5, 1e6, 1e7].map(distance);
+    println!("Dahl's law from true stick: {errors:?}");
+    assert!(errors[1] < 0.6 * errors[0] && errors[2] < 0.6 * errors[1] && errors[2] < 3e-2);
+}
