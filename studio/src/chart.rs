@@ -171,7 +171,7 @@ impl Chart {
             .width(size.x)
             .height(size.y)
             .custom_x_axes(vec![self.axis(0, theme)])
-            .custom_y_axes(vec![self.axis(1, theme).min_thickness(40.0)])
+            .custom_y_axes(vec![self.axis(1, theme).min_thickness(48.0)])
             .grid_color(theme.grid)
             .grid_spacing(egui::Rangef::new(5.0, 60.0))
             .show_background(false)
@@ -281,10 +281,10 @@ impl Chart {
                     .allow_hover(false),
             );
             let top = bounds.min()[1] + 0.94 * (bounds.max()[1] - bounds.min()[1]);
-            let text = egui::RichText::new(format!(" {label}")).small().color(theme.weak);
-            plot.text(
-                egui_plot::Text::new("", PlotPoint::new(x, top), text).anchor(egui::Align2::LEFT_CENTER),
-            );
+            let text = egui::RichText::new(format!(" {label} ")).small().color(theme.weak);
+            let is_right = x > bounds.min()[0] + 0.7 * bounds.width();
+            let side = if is_right { egui::Align2::RIGHT_CENTER } else { egui::Align2::LEFT_CENTER };
+            plot.text(egui_plot::Text::new("", PlotPoint::new(x, top), text).anchor(side));
         }
     }
 

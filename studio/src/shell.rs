@@ -148,6 +148,9 @@ fn state(studio: &Studio, theme: &Theme) -> (String, egui::Color32) {
     if studio.diagnosis().diagnose.is_busy() {
         return (format!("diagnosing: {}", studio.diagnosis().progress()), theme.accent);
     }
+    if opened.session.project().is_some_and(|p| p.synth.is_none()) && opened.session.errors().is_empty() {
+        return ("a model without a controller: the project has no section [synth]".to_owned(), theme.weak);
+    }
     if studio.results.why_not(revision).is_some() {
         return ("no controller for this project; the last good design is shown".to_owned(), theme.bad);
     }

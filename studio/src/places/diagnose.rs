@@ -150,25 +150,30 @@ fn mapping(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, (jobs, opened
     theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
         parts::heading(ui, "Channels");
-        for channel in Channel::ALL {
-            let source = project.recording.channels.iter().find(|(c, _)| *c == channel).map(|(_, s)| s);
-            let there = seen.tracks.iter().any(|track| track.channel == channel.name());
-            let path = format!("recording.channels.{}", channel.name());
-            ui.horizontal(|ui| {
-                let colour = if there { theme.text } else { theme.weak };
+        egui::Grid::new("channels").num_columns(2).spacing([8.0, 4.0]).show(ui, |ui| {
+            for channel in Channel::ALL {
+                let source = project.recording.channels.iter().find(|(c, _)| *c == channel).map(|(_, s)| s);
+                let there = seen.tracks.iter().any(|track| track.channel == channel.name());
                 let name = channel.name().replace('_', " ");
-                ui.add_sized([112.0, 20.0], egui::Label::new(RichText::new(&name).color(colour)).halign(egui::Align::Min));
-                let shown = source.map_or("by its name", |s| s.column.as_str());
+                ui.label(RichText::new(&name).color(if there { theme.text } else { theme.weak }));
+                let (path, shown) = (path_of(channel), source.map_or("by its name", |s| s.column.as_str()));
                 column(ui, queue, (&name, &path, shown), (&seen.columns, source.is_some()));
-            });
-            if let Some(source) = source {
-                egui::Grid::new(&path).num_columns(3).spacing([8.0, 2.0]).show(ui, |ui| {
-                    parts::number(ui, view, queue, &format!("{path}.scale"), source.scale);
-                    parts::number(ui, view, queue, &format!("{path}.offset"), source.offset);
-                });
+                ui.end_row();
             }
+        });
+        for (channel, source) in &project.recording.channels {
+            let path = path_of(*channel);
+            parts::heading(ui, &channel.name().replace('_', " "));
+            egui::Grid::new(&path).num_columns(3).spacing([8.0, 2.0]).show(ui, |ui| {
+                parts::number(ui, view, queue, &format!("{path}.scale"), source.scale);
+                parts::number(ui, view, queue, &format!("{path}.offset"), source.offset);
+            });
         }
     });
+}
+
+fn path_of(channel: Channel) -> String {
+    format!("recording.channels.{}", channel.name())
 }
 
 fn column(

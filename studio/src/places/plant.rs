@@ -54,8 +54,8 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     let (top, below) = room.split_top_bottom_at_y(room.top() + 0.42 * room.height());
     mechanism(ui, view, &project.plant, top);
     let below = below.with_min_y(below.min.y + space::MEDIUM);
-    let Some(live) = design else { return };
-    let charts = [response(view, &live), friction(view, &project.plant)];
+    let mut charts = vec![friction(view, &project.plant)];
+    charts.extend(design.as_deref().map(|live| response(view, live)));
     for (cell, chart) in parts::grid(below, 2, 2).iter().zip(&charts) {
         parts::chart(ui, view, queue, *cell, chart);
     }

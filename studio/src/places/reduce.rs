@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use counterpoise_project::ReductionMethod;
-use counterpoise_project::lti::{StateSpace, hankel_values, poles, response};
+use counterpoise_project::lti::{C64, CMat, StateSpace, hankel_values, poles, response};
 use counterpoise_project::models::plant::LinearPlant;
+use counterpoise_project::pipeline::{Modelled, Reduced};
 use egui::{RichText, Ui};
 
 use super::{design::bode, parts};
@@ -44,16 +45,84 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     if let Some(why) = &why {
         parts::reasons(ui, &view.theme, "This reduction has no design; the last good one stays below", why);
     }
+    let seen = portrait(ui, &live);
     let room = parts::room(ui);
     let cells = parts::grid(room, 4, 2);
+    let values = hankel(view, &live, &seen);
+    let shown = parts::chart(ui, view, queue, cells[0], &values);
+    if let (true, Some(at)) = (shown.response.clicked(), shown.response.interact_pointer_pos()) {
+        let state = shown.transform.value_from_position(at).x.round();
+        order(queue, asked.method, state.clamp(1.0, (live.reduced.order_before - 1).max(1) as f64) as usize);
+    }
     let charts = [
-        hankel(view, &live),
-        against(view, &live, LinearPlant::CONTROL, "Control to hub rate"),
-        error(view, &live),
-        against(view, &live, LinearPlant::HEAVE, "Heave to hub rate"),
+        against(view, &seen, 0, "Control to hub rate"),
+        error(view, &live, &seen),
+        against(view, &seen, 1, "Heave to hub rate"),
     ];
-    for (cell, chart) in cells.iter().zip(&charts) {
+    for (cell, chart) in cells[1..].iter().zip(&charts) {
         parts::chart(ui, view, queue, *cell, chart);
+    }
+}
+
+/// Asks for an order; a method that has none gives way to balancing.
+fn order(queue: &mut Vec<Command>, method: ReductionMethod, order: usize) {
+    if !matches!(method, ReductionMethod::Balanced | ReductionMethod::Modal) {
+        queue.push(Command::SetText { path: "reduce.method".to_owned(), value: "balanced".to_owned() });
+    }
+    queue.push(Command::SetWhole { path: "reduce.order".to_owned(), value: order as i64 });
+}
+
+/// What the place draws of a plant and its reduction; kept from frame to frame.
+struct Portrait {
+    of: (Arc<Modelled>, Arc<Reduced>),
+    poles: Vec<C64>,
+    hankel: Vec<f64>,
+    rates: Vec<f64>,
+    /// Hub rate for the control and for heave: full, then reduced.
+    moduli: [[Vec<f64>; 2]; 2],
+    error: Vec<f64>,
+}
+
+/// The portrait of a design's plant, made anew only where the plant is another.
+fn portrait(ui: &Ui, live: &Live) -> Arc<Portrait> {
+    let id = egui::Id::unique("portrait of a reduction");
+    let kept: Option<Arc<Portrait>> = ui.data(|d| d.get_temp(id));
+    let same = |p: &Arc<Portrait>| Arc::ptr_eq(&p.of.0, &live.modelled) && Arc::ptr_eq(&p.of.1, &live.reduced);
+    kept.filter(same).unwrap_or_else(|| {
+        let made = Arc::new(Portrait::of(live));
+        ui.data_mut(|d| d.insert_temp(id, Arc::clone(&made)));
+        made
+    })
+}
+
+impl Portrait {
+    fn of(live: &Live) -> Self {
+        let (full, small) = (&live.modelled.linear.system, &live.reduced.system);
+        let rates: Vec<f64> = rates().collect();
+        let at = |system: &StateSpace| response::frequency_response(system, &rates).unwrap_or_default();
+        let (full_at, small_at) = (at(full), at(small));
+        let modulus = |all: &[CMat], input: usize| -> Vec<f64> {
+            all.iter().map(|h| h[(LinearPlant::HUB_RATE, input)].norm()).collect()
+        };
+        let entry = (LinearPlant::HUB_RATE, LinearPlant::CONTROL);
+        let error = full_at.iter().zip(&small_at).map(|(a, b)| (a[entry] - b[entry]).norm().max(1e-16));
+        let moduli = [LinearPlant::CONTROL, LinearPlant::HEAVE]
+            .map(|input| [modulus(&full_at, input), modulus(&small_at, input)]);
+        let mut poles = poles(full).unwrap_or_default();
+        poles.retain(|p| p.im >= 0.0);
+        poles.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
+        Self {
+            of: (Arc::clone(&live.modelled), Arc::clone(&live.reduced)),
+            poles,
+            hankel: hankel_values(full).unwrap_or_default(),
+            error: error.collect(),
+            moduli,
+            rates,
+        }
+    }
+
+    fn curve(&self, view: &View, values: &[f64]) -> Vec<[f64; 2]> {
+        self.rates.iter().zip(values).map(|(w, v)| [view.rate(*w), view.level(*v)]).collect()
     }
 }
 
@@ -79,8 +148,7 @@ fn side(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, live: &Live, cho
                 for order in 1..before {
                     if ui.selectable_label(live.reduced.system.order() == order, order.to_string()).clicked()
                     {
-                        queue
-                            .push(Command::SetWhole { path: "reduce.order".to_owned(), value: order as i64 });
+                        self::order(queue, chosen, order);
                     }
                 }
             });
@@ -103,23 +171,31 @@ fn side(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, live: &Live, cho
         });
     });
     ui.add_space(space::SMALL);
+    let seen = portrait(ui, live);
     theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
-        modes(ui, view, &live.modelled.linear.system);
+        modes(ui, view, queue, (&seen, chosen));
     });
 }
 
-/// The poles of the full plant, slow ones first.
-fn modes(ui: &mut Ui, view: &View, plant: &StateSpace) {
-    parts::heading(ui, "Poles of the full plant");
-    let mut all = poles(plant).unwrap_or_default();
-    all.retain(|p| p.im >= 0.0);
-    all.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
-    egui::Grid::new("poles").num_columns(2).spacing([24.0, 2.0]).show(ui, |ui| {
-        ui.label(RichText::new(view.rate_label()).small().color(view.theme.weak));
-        ui.label(RichText::new("damping").small().color(view.theme.weak));
+/// The poles of the full plant, slow ones first; a click keeps the states down to there.
+fn modes(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, (seen, chosen): (&Portrait, ReductionMethod)) {
+    parts::heading(ui, "Modes of the full plant");
+    ui.label(RichText::new("a click keeps the states down to there").small().color(view.theme.weak));
+    egui::Grid::new("poles").num_columns(3).spacing([20.0, 2.0]).show(ui, |ui| {
+        for head in ["states", view.rate_label(), "damping"] {
+            ui.label(RichText::new(head).small().color(view.theme.weak));
+        }
         ui.end_row();
-        for pole in all {
+        let (mut states, whole) = (0, seen.of.1.order_before);
+        let kept = seen.of.1.system.order();
+        for pole in &seen.poles {
+            states += if pole.im > 0.0 { 2 } else { 1 };
+            let hint = format!("keep {states} of {whole} states");
+            let label = ui.selectable_label(states <= kept, states.to_string()).on_hover_text(hint);
+            if label.clicked() && states < whole {
+                order(queue, chosen, states);
+            }
             ui.label(parts::short(view.rate(pole.norm())));
             ui.label(parts::short(-pole.re / pole.norm().max(f64::MIN_POSITIVE)));
             ui.end_row();
@@ -127,11 +203,18 @@ fn modes(ui: &mut Ui, view: &View, plant: &StateSpace) {
     });
 }
 
-fn hankel(view: &View, live: &Live) -> Chart {
-    let mut chart = Chart::new("Hankel values", "state", "value");
+fn hankel(view: &View, live: &Live, seen: &Portrait) -> Chart {
+    let title = if seen.hankel.is_empty() {
+        "Hankel values: none, the plant is not stable"
+    } else {
+        "Hankel values: click the order to keep"
+    };
+    let mut chart = Chart::new(title, "state", "value");
     chart.scales[1] = Scale::Log;
-    let values = hankel_values(&live.modelled.linear.system).unwrap_or_default();
-    let points = values.iter().enumerate().map(|(k, v)| [(k + 1) as f64, v.max(1e-16)]).collect();
+    let points: Vec<[f64; 2]> =
+        seen.hankel.iter().enumerate().map(|(k, v)| [(k + 1) as f64, v.max(1e-16)]).collect();
+    chart.spots = points.iter().map(|p| (*p, String::new())).collect();
+    chart.range[0] = Some((0.5, points.len().max(1) as f64 + 0.5));
     chart = chart.curve("", view.theme.curves[0], Dash::Solid, points);
     chart.marks.push((live.reduced.system.order() as f64 + 0.5, "kept to here".to_owned()));
     chart
@@ -143,31 +226,18 @@ fn rates() -> impl Iterator<Item = f64> {
     (0..POINTS).map(|k| 0.06 * (1e5_f64).powf(k as f64 / (POINTS - 1) as f64))
 }
 
-fn curve(view: &View, of: impl Fn(f64) -> Option<f64>) -> Vec<[f64; 2]> {
-    rates().filter_map(|w| Some([view.rate(w), view.level(of(w)?)])).collect()
-}
-
-fn modulus(system: &StateSpace, input: usize) -> impl Fn(f64) -> Option<f64> {
-    move |w| response::response_at(system, w).ok().map(|h| h[(LinearPlant::HUB_RATE, input)].norm())
-}
-
-fn against(view: &View, live: &Live, input: usize, title: &str) -> Chart {
-    let (full, small) = (&live.modelled.linear.system, &live.reduced.system);
+fn against(view: &View, seen: &Portrait, input: usize, title: &str) -> Chart {
+    let [full, small] = &seen.moduli[input];
     bode(view, title, "modulus")
-        .curve("full", view.theme.curves[1], Dash::Dashed, curve(view, modulus(full, input)))
-        .curve("reduced", view.theme.curves[0], Dash::Solid, curve(view, modulus(small, input)))
+        .curve("full", view.theme.curves[1], Dash::Dashed, seen.curve(view, full))
+        .curve("reduced", view.theme.curves[0], Dash::Solid, seen.curve(view, small))
+        .grouped("reduction")
 }
 
-fn error(view: &View, live: &Live) -> Chart {
-    let (full, small) = (&live.modelled.linear.system, &live.reduced.system);
-    let difference = |w: f64| {
-        let (a, b) = (response::response_at(full, w).ok()?, response::response_at(small, w).ok()?);
-        let (row, column) = (LinearPlant::HUB_RATE, LinearPlant::CONTROL);
-        Some((a[(row, column)] - b[(row, column)]).norm().max(1e-16))
-    };
+fn error(view: &View, live: &Live, seen: &Portrait) -> Chart {
     let mut chart = bode(view, "Error, control to hub rate", "modulus");
     if let Some(bound) = live.reduced.bound.filter(|bound| *bound > 0.0) {
         chart.levels.push(view.level(bound));
     }
-    chart.curve("error", view.theme.curves[3], Dash::Solid, curve(view, difference))
+    chart.curve("error", view.theme.curves[3], Dash::Solid, seen.curve(view, &seen.error)).grouped("reduction")
 }

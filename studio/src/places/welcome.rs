@@ -86,13 +86,18 @@ fn beside(path: &Path, is_folder: bool) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(&folder) else { return Vec::new() };
     let fits = |p: &PathBuf| {
         let name = p.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-        let kind = p.is_dir() || p.extension().is_some_and(|e| e == "toml");
+        let kind = p.is_dir() || (p.extension().is_some_and(|e| e == "toml") && is_project(p));
         kind && name.starts_with(&start) && !name.starts_with('.')
     };
     let mut found: Vec<PathBuf> = entries.filter_map(|e| Some(e.ok()?.path())).filter(fits).collect();
     found.sort_by_key(|p| (!files::project_file(p).is_file(), p.clone()));
     found.truncate(OFFERED);
     found
+}
+
+/// Whether a TOML file has a plant.
+fn is_project(path: &Path) -> bool {
+    std::fs::read_to_string(path).is_ok_and(|text| text.contains("[plant"))
 }
 
 fn recent(paths: &[PathBuf], ui: &mut Ui, theme: &Theme, queue: &mut Vec<Command>) {

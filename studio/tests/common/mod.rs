@@ -1,0 +1,62 @@
+//! What the tests of the window share.
+#![allow(dead_code)]
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use counterpoise_studio::command::Command;
+use counterpoise_studio::shell;
+use counterpoise_studio::studio::Studio;
+use egui_kittest::Harness;
+
+/// A window with a studio.
+pub type Bench = Harness<'static, Studio>;
+
+/// A copy of the reference rig in a folder of its own.
+pub fn rig(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("counterpoise-studio-{name}-{}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/reference-rig");
+    for file in ["project.toml", "sandy-loam.parquet"] {
+        std::fs::copy(example.join(file), folder.join(file)).unwrap();
+    }
+    folder
+}
+
+/// A studio with the project of a folder.
+pub fn studio(folder: &Path) -> Studio {
+    let mut studio = Studio::new(&folder.join("state"), Arc::new(|| {}));
+    studio.run(&Command::Open { path: folder.to_owned() });
+    studio
+}
+
+/// A window with that studio.
+pub fn bench(folder: &Path) -> Bench {
+    around(studio(folder))
+}
+
+/// A window around a studio.
+pub fn around(studio: Studio) -> Bench {
+    let show = |ui: &mut egui::Ui, studio: &mut Studio| {
+        studio.tick();
+        shell::show(studio, ui);
+        studio.tick();
+    };
+    let bench = Harness::builder().with_size([1280.0, 800.0]).build_ui_state(show, studio);
+    let theme = bench.state().view.theme;
+    theme.apply(&bench.ctx);
+    bench
+}
+
+/// Waits until nothing runs.
+pub fn settle(studio: &mut Studio) {
+    let end = Instant::now() + Duration::from_secs(240);
+    studio.tick();
+    while !studio.is_idle() {
+        assert!(Instant::now() < end, "the studio does not come to rest");
+        std::thread::sleep(Duration::from_millis(2));
+        studio.tick();
+    }
+}
