@@ -160,7 +160,7 @@ pub fn hessenberg(A: &Mat) -> Result<(Mat, Mat), Error> {
         return Ok((A.clone(), Mat::eye(n)));
     }
     let (least, most) = compact::SAFE_ENTRIES;
-    if n <= compact::LIMIT && (least..most).contains(&A.norm_max()) {
+    if n <= compact::SIMILARITIES && (least..most).contains(&A.norm_max()) {
         let mut H = A.clone();
         let Q = compact::hessenberg(&mut H);
         return Ok((H, Q));

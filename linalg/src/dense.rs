@@ -32,7 +32,7 @@ pub(crate) fn copy<T: Scalar>(A: MatRef<'_, T>) -> Dense<T> {
 /// # Errors
 /// Wrong shapes, entries that are not finite, and a pivot that is zero to working precision ([`Error::Singular`]).
 pub fn solve(A: &Mat, B: &Mat) -> Result<Mat, Error> {
-    if A.nrows() > compact::LIMIT {
+    if A.nrows() > compact::SYSTEMS {
         return lu_solve(A, B);
     }
     check_square("A", A)?;
@@ -52,7 +52,7 @@ pub fn csolve(A: &CMat, B: &CMat) -> Result<CMat, Error> {
 /// As for [`solve`].
 pub fn inverse(A: &Mat) -> Result<Mat, Error> {
     check_square("A", A)?;
-    if A.nrows() <= compact::LIMIT {
+    if A.nrows() <= compact::SYSTEMS {
         return solve(A, &Mat::eye(A.nrows()));
     }
     let lu = view(A).partial_piv_lu();
