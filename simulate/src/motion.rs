@@ -40,15 +40,121 @@ impl PlatformMotion {
     }
 
     /// The motion over the sample that starts at `start_s`, with the angle there.
+    #[cfg(test)]
     pub(crate) fn sample(&self, start_s: f64, period_s: f64, angle_rad: f64) -> MotionSample {
-        let fit = |signal: &Signal| match signal {
-            Signal::Constant(value) => [*value, 0.0, 0.0, 0.0, 0.0],
+        Track::new(self, period_s, start_s).sample(angle_rad)
+    }
+}
+
+/// A platform motion sample by sample.
+#[derive(Debug, Clone)]
+pub(crate) struct Track<'a> {
+    period_s: f64,
+    first_s: f64,
+    next: usize,
+    rate: Followed<'a>,
+    heave: Followed<'a>,
+}
+
+impl<'a> Track<'a> {
+    /// From a time on.
+    pub fn new(platform: &'a PlatformMotion, period_s: f64, first_s: f64) -> Self {
+        let follow = |signal: &'a Signal| Followed::new(signal, period_s);
+        Self {
+            period_s,
+            first_s,
+            next: 0,
+            rate: follow(&platform.pitch_rate_rad_s),
+            heave: follow(&platform.heave_m_s2),
+        }
+    }
+
+    /// The motion over the next sample, with the angle at its start.
+    pub fn sample(&mut self, angle_rad: f64) -> MotionSample {
+        let (k, period_s) = (self.next, self.period_s);
+        let start_s = self.first_s + k as f64 * period_s;
+        self.next += 1;
+        MotionSample {
+            angle_rad,
+            period_s,
+            rate: self.rate.next(k, start_s, period_s),
+            heave: self.heave.next(k, start_s, period_s),
+        }
+    }
+}
+
+/// A signal that is followed from sample to sample.
+#[derive(Debug, Clone)]
+enum Followed<'a> {
+    Constant(f64),
+    Sines(Vec<Rotor>),
+    Other(&'a Signal),
+}
+
+impl<'a> Followed<'a> {
+    fn new(signal: &'a Signal, period_s: f64) -> Self {
+        match signal {
+            Signal::Constant(value) => Self::Constant(*value),
             Signal::Sines(sines) if sines.iter().all(|s| s.frequency_rad_s.abs() * period_s < SLOW) => {
-                sum_of_sines(sines, start_s, period_s)
+                Self::Sines(sines.iter().map(|sine| Rotor::new(*sine, period_s)).collect())
             }
-            other => fit_quartic(|s| other.at(start_s + s * period_s)),
-        };
-        MotionSample { angle_rad, period_s, rate: fit(&self.pitch_rate_rad_s), heave: fit(&self.heave_m_s2) }
+            other => Self::Other(other),
+        }
+    }
+
+    fn next(&mut self, k: usize, start_s: f64, period_s: f64) -> [f64; 5] {
+        match self {
+            Self::Constant(value) => [*value, 0.0, 0.0, 0.0, 0.0],
+            Self::Sines(rotors) => {
+                let mut about = [0.0; 5];
+                for rotor in rotors {
+                    if k.is_multiple_of(RENEWED) {
+                        rotor.set(start_s + 0.5 * period_s);
+                    }
+                    rotor.add(&mut about);
+                    rotor.turn();
+                }
+                from_middle(about)
+            }
+            Self::Other(signal) => fit_quartic(|s| signal.at(start_s + s * period_s)),
+        }
+    }
+}
+
+/// Samples after which a rotor's sine is computed anew.
+const RENEWED: usize = 64;
+
+/// A sine in the middle of a sample, turned from sample to sample.
+#[derive(Debug, Clone, Copy)]
+struct Rotor {
+    sine: Sine,
+    turn: f64,
+    rotation: (f64, f64),
+    now: (f64, f64),
+}
+
+impl Rotor {
+    fn new(sine: Sine, period_s: f64) -> Self {
+        let turn = sine.frequency_rad_s * period_s;
+        Self { sine, turn, rotation: turn.sin_cos(), now: (0.0, 1.0) }
+    }
+
+    fn set(&mut self, time_s: f64) {
+        self.now = (self.sine.frequency_rad_s * time_s + self.sine.phase_rad).sin_cos();
+    }
+
+    fn turn(&mut self) {
+        let ((sin, cos), (s, c)) = (self.now, self.rotation);
+        self.now = (sin * c + cos * s, cos * c - sin * s);
+    }
+
+    /// Adds the series about the middle of the sample in powers of its fraction.
+    fn add(&self, about: &mut [f64; 5]) {
+        let ((sin, cos), a, turn) = (self.now, self.sine.amplitude, self.turn);
+        let square = turn * turn;
+        let terms =
+            [sin, turn * cos, -0.5 * square * sin, -turn * square / 6.0 * cos, square * square / 24.0 * sin];
+        about.iter_mut().zip(terms).for_each(|(c, term)| *c += a * term);
     }
 }
 
@@ -103,18 +209,8 @@ fn quartic(c: &[f64; 5], s: f64) -> f64 {
 /// Angle per sample, rad, below which the series of a sine to the fourth power over half a sample is exact to 1e-11.
 const SLOW: f64 = 0.05;
 
-/// The series of a sum of sines about the middle of a sample, in powers of the fraction of the sample.
-fn sum_of_sines(sines: &[Sine], start_s: f64, period_s: f64) -> [f64; 5] {
-    let mut about = [0.0; 5];
-    for sine in sines {
-        let turn = sine.frequency_rad_s * period_s;
-        let (sin, cos) = (sine.frequency_rad_s * (start_s + 0.5 * period_s) + sine.phase_rad).sin_cos();
-        let (a, square) = (sine.amplitude, turn * turn);
-        let terms =
-            [sin, turn * cos, -0.5 * square * sin, -turn * square / 6.0 * cos, square * square / 24.0 * sin];
-        about.iter_mut().zip(terms).for_each(|(c, term)| *c += a * term);
-    }
-    let [c0, c1, c2, c3, c4] = about;
+/// From powers of the distance from the middle of a sample to powers of the fraction of the sample.
+fn from_middle([c0, c1, c2, c3, c4]: [f64; 5]) -> [f64; 5] {
     [
         c0 - 0.5 * (c1 - 0.5 * (c2 - 0.5 * (c3 - 0.5 * c4))),
         c1 - c2 + 0.75 * c3 - 0.5 * c4,
@@ -162,12 +258,17 @@ mod tests {
     }
 
     #[test]
-    fn the_series_of_a_sine_is_its_fit() {
+    fn a_rotor_follows_its_sine() {
         let sine = Sine { amplitude: 0.7, frequency_rad_s: 30.0, phase_rad: 0.4 };
-        let series = sum_of_sines(&[sine], 1.234, 1e-3);
-        for s in [0.0, 0.3, 0.8, 1.0] {
-            let expected = sine.at(1.234 + s * 1e-3);
-            assert!((quartic(&series, s) - expected).abs() < 1e-11);
+        let signal = Signal::Sines(vec![sine]);
+        let platform = PlatformMotion { heave_m_s2: signal, ..PlatformMotion::STILL };
+        let mut track = Track::new(&platform, 1e-3, 1.234);
+        for k in 0..500 {
+            let sample = track.sample(0.0);
+            for s in [0.0, 0.3, 0.8, 1.0] {
+                let expected = sine.at(1.234 + (f64::from(k) + s) * 1e-3);
+                assert!((sample.at(s).heave - expected).abs() < 1e-11);
+            }
         }
     }
 

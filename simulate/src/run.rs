@@ -4,7 +4,7 @@ use crate::Error;
 use crate::engine::ports::{Bonds, FrictionState, PlatformPoint};
 use crate::engine::stepper::{PlantState, Sample, Stepper};
 use crate::history::{ReadingColumns, TimeHistory, TrueColumns};
-use crate::motion::MotionSample;
+use crate::motion::{MotionSample, Track};
 use crate::scenario::{Detail, Initial, Scenario};
 use crate::sensing::{Converter, Sensing, Truth};
 use counterpoise_controller::{Readings, SampledController};
@@ -81,7 +81,7 @@ impl Simulator {
         positive("duration_s", scenario.duration_s)?;
         let mut lap = Lap::new(&self.plant, scenario, &mut self.stepper)?;
         for k in 0..lap.samples {
-            let motion = lap.motion(k);
+            let motion = lap.track.sample(lap.angle);
             let control = lap.sample(k, controller, &motion, &self.stepper);
             let amplifier = &self.plant.parameters().amplifier;
             let drive_v = amplifier.drive_v(control, &self.plant.parameters().motor);
@@ -136,6 +136,7 @@ struct Lap<'a> {
     period_s: f64,
     samples: usize,
     angle: f64,
+    track: Track<'a>,
     sensing: Sensing,
     output: Converter,
     queue: Vec<f64>,
@@ -158,7 +159,8 @@ impl<'a> Lap<'a> {
             });
         }
         let angle = scenario.platform.initial_angle_rad;
-        let start = scenario.platform.sample(0.0, period_s, angle).at(0.0);
+        let track = Track::new(&scenario.platform, period_s, 0.0);
+        let start = track.clone().sample(angle).at(0.0);
         let mut sensing = Sensing::new(parameters, scenario.imperfections);
         sensing.settle(&start);
         let state = initial(plant, scenario, &start)?;
@@ -170,6 +172,7 @@ impl<'a> Lap<'a> {
             samples: samples as usize,
             before: holding_control(plant, &state.core),
             angle,
+            track,
             sensing,
             output: Converter::new(parameters.interface.output_bits, scenario.imperfections),
             queue: Vec::new(),
@@ -180,10 +183,6 @@ impl<'a> Lap<'a> {
 
     fn time(&self, k: usize) -> f64 {
         k as f64 * self.period_s
-    }
-
-    fn motion(&self, k: usize) -> MotionSample {
-        self.scenario.platform.sample(self.time(k), self.period_s, self.angle)
     }
 
     /// Reads, controls and logs at sample k; gives the control that acts until the next.

@@ -95,6 +95,7 @@ impl FrictionModel {
     }
 
     /// The dry law.
+    #[inline]
     pub fn law(&self) -> &Law {
         &self.law
     }

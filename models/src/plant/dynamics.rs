@@ -72,6 +72,7 @@ impl Plant {
     }
 
     /// Whether the teeth touch at a wind-up, and the torque that takes half the gap off the spring, N m.
+    #[inline]
     pub fn mesh(&self, wind_up_rad: f64) -> (Mesh, f64) {
         let half = 0.5 * self.parameters.gearbox.backlash_rad;
         if half > 0.0 && wind_up_rad.abs() <= half {

@@ -68,11 +68,13 @@ impl Plant {
     }
 
     /// The parameters that the plant was built from.
+    #[inline]
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
     }
 
     /// The structure in modal coordinates.
+    #[inline]
     pub fn body(&self) -> &Body {
         &self.body
     }

@@ -5,8 +5,16 @@ use super::ports::{AngleNearby, Bonds, FrictionState, PlatformSpan, Point, Ports
 use super::tables::{FIXED_INPUTS, OUTPUTS, PORTS, STAGE_ROWS, STAGES, STATE, StepTable, result_length};
 use counterpoise_models::Plant;
 
-/// Change of a port, relative to its scale, at which its iteration ends.
-const ITERATION_TOLERANCE: f64 = 1e-5;
+/// Largest error of a port, relative to its scale, at which its iteration ends.
+const ITERATION_TOLERANCE: f64 = 2e-6;
+/// The same relative to the step's tolerance.
+const ITERATION_SHARE: f64 = 0.05;
+/// Least contraction that is counted on from one iteration to the next.
+const LEAST_CONTRACTION: f64 = 0.01;
+/// Change of a port, relative to its scale, below which its contraction is rounding.
+const ROUNDING: f64 = 1e-10;
+/// Change in the first iteration, relative to the scale, above which a step was not foreseen.
+const PREDICTED: f64 = 1e-3;
 /// Iterations after which a step is halved.
 const ITERATIONS: usize = 8;
 
@@ -33,6 +41,8 @@ pub(crate) struct Given<'a> {
     pub platform: &'a PlatformSpan,
     /// Its start, s.
     pub time_s: f64,
+    /// Defect that is allowed.
+    pub tolerance: f64,
 }
 
 /// The work space of a step, and its result.
@@ -46,9 +56,13 @@ pub(crate) struct Attempt {
     memory: [FrictionState; STAGES],
     bonds: Bonds,
     about: AngleNearby,
-    slope: [f64; 2],
+    before: Before,
+    /// Factor from the change in one iteration to that in the next.
+    contraction: f64,
     /// Evaluations of the ports.
     pub iterations: usize,
+    /// Whether the ports went on as in the step before.
+    pub predicted: bool,
     order: usize,
 }
 
@@ -63,8 +77,10 @@ impl Attempt {
             memory: [FrictionState::default(); STAGES],
             bonds: Bonds::default(),
             about: AngleNearby::new(0.0),
-            slope: [0.0; 2],
+            before: Before::default(),
+            contraction: 1.0,
             iterations: 0,
+            predicted: false,
             order,
         }
     }
@@ -95,21 +111,22 @@ impl Attempt {
     /// First values of the ports at the stages: the torques as the step before would go on, the load as the platform
     /// has it.
     fn guess(&mut self, given: &Given) {
-        let slope = self.slope.map(|per_second| per_second * given.table.step_s);
+        let weights = self.before.weights(given.table.step_s);
         for stage in 0..STAGES {
-            let (fraction, at) = (NODES[stage + 1], stage * PORTS);
-            self.values[at] = self.start[0] + fraction * slope[0];
-            self.values[at + 1] = self.start[1] + fraction * slope[1];
+            let at = stage * PORTS;
+            for p in 0..2 {
+                let inner: f64 = (0..STAGES).map(|k| weights[stage][k] * self.before.values[k][p]).sum();
+                self.values[at + p] = self.start[p] + inner;
+            }
             let heave = given.platform.nodes[stage + 1].heave;
             self.values[at + 2] = given.ports.load(&self.about, self.outputs[0][2], heave);
         }
     }
 
-    /// Keeps the slopes of the torques at the end of the step that was just taken.
+    /// Keeps the torques of the step that was just taken.
     pub fn accept(&mut self, step_s: f64) {
-        let (end, before) = ((STAGES - 1) * PORTS, (STAGES - 2) * PORTS);
-        let span = (NODES[3] - NODES[2]) * step_s;
-        self.slope = [0, 1].map(|p| (self.values[end + p] - self.values[before + p]) / span);
+        let values = std::array::from_fn(|k| [self.values[k * PORTS], self.values[k * PORTS + 1]]);
+        self.before.keep(step_s, values);
     }
 
     fn fill_inputs(&mut self, given: &Given) {
@@ -123,26 +140,41 @@ impl Attempt {
     }
 
     fn iterate(&mut self, given: &Given) -> bool {
+        let allowed = (ITERATION_SHARE * given.tolerance).min(ITERATION_TOLERANCE);
+        let mut last = f64::INFINITY;
+        self.predicted = false;
         for iteration in 1..=ITERATIONS {
-            let mut rows = [0.0; STAGE_ROWS];
-            rows.copy_from_slice(&self.result[..STAGE_ROWS]);
-            given.table.stages.multiply_add(&self.values, &mut rows);
-            for stage in 0..STAGES {
-                self.outputs[stage + 1].copy_from_slice(&rows[stage * OUTPUTS..(stage + 1) * OUTPUTS]);
-            }
-            self.bonds.copy(given.bonds);
-            let mut bonds = std::mem::take(&mut self.bonds);
-            let found = given.ports.along(given.plant, &self.span(given), &mut bonds);
-            self.bonds = bonds;
-            let change = largest_change(&found.values, &self.values, &given.ports.scales);
-            self.values = found.values;
-            self.memory = found.memory;
+            let change = self.iteration(given);
             self.iterations = iteration;
-            if change < ITERATION_TOLERANCE {
+            if iteration == 1 {
+                self.predicted = change < given.tolerance.min(PREDICTED);
+            } else if last > ROUNDING {
+                self.contraction = (2.0 * change / last).clamp(LEAST_CONTRACTION, 1.0);
+            }
+            if change * self.contraction < allowed {
                 return true;
             }
+            last = change;
         }
         false
+    }
+
+    /// Evaluates the ports along the step; gives their largest change.
+    fn iteration(&mut self, given: &Given) -> f64 {
+        let mut rows = [0.0; STAGE_ROWS];
+        rows.copy_from_slice(&self.result[..STAGE_ROWS]);
+        given.table.stages.multiply_add(&self.values, &mut rows);
+        for stage in 0..STAGES {
+            self.outputs[stage + 1].copy_from_slice(&rows[stage * OUTPUTS..(stage + 1) * OUTPUTS]);
+        }
+        self.bonds.copy(given.bonds);
+        let mut bonds = std::mem::take(&mut self.bonds);
+        let found = given.ports.along(given.plant, &self.span(given), &mut bonds);
+        self.bonds = bonds;
+        let change = largest_change(&found.values, &self.values, &given.ports.scales);
+        self.values = found.values;
+        self.memory = found.memory;
+        change
     }
 
     fn span<'a>(&'a self, given: &Given<'a>) -> StepSpan<'a> {
@@ -217,6 +249,48 @@ impl Attempt {
     pub fn bonds(&self) -> &Bonds {
         &self.bonds
     }
+}
+
+/// The torques at the inner nodes and at the end of the step before.
+#[derive(Debug, Clone, Copy, Default)]
+struct Before {
+    step_s: f64,
+    values: [[f64; 2]; STAGES],
+    /// Weights for a step of the same length.
+    same: [[f64; STAGES]; STAGES],
+}
+
+impl Before {
+    fn keep(&mut self, step_s: f64, values: [[f64; 2]; STAGES]) {
+        if self.step_s == 0.0 {
+            self.same = extrapolation(1.0);
+        }
+        self.step_s = step_s;
+        self.values = values;
+    }
+
+    /// Weights of the values before for the change of the torques to each stage of a step.
+    fn weights(&self, step_s: f64) -> [[f64; STAGES]; STAGES] {
+        if self.step_s == 0.0 {
+            [[0.0; STAGES]; STAGES]
+        } else if step_s == self.step_s {
+            self.same
+        } else {
+            extrapolation(step_s / self.step_s)
+        }
+    }
+}
+
+/// The parabola through the last three nodes of a step, at the stages of the next, less its end.
+fn extrapolation(ratio: f64) -> [[f64; STAGES]; STAGES] {
+    std::array::from_fn(|stage| {
+        let at = 1.0 + ratio * NODES[stage + 1];
+        std::array::from_fn(|k| {
+            let others = (1..=STAGES).filter(|&j| j != k + 1);
+            let cardinal: f64 = others.map(|j| (at - NODES[j]) / (NODES[k + 1] - NODES[j])).product();
+            if k + 1 == STAGES { cardinal - 1.0 } else { cardinal }
+        })
+    })
 }
 
 /// Largest change relative to the scales; NaN counts as large.

@@ -72,7 +72,8 @@ impl Stepper {
     /// What a joint can hold, and the torque that it holds at rest, at a state of the core.
     pub(crate) fn load(&self, joint: usize, core: &[f64], ports: &[f64; PORTS], at: &Instant) -> (Stick, f64) {
         let linear = self.linear();
-        let outputs = linear.see(core);
+        let seen = linear.see(core);
+        let outputs = *super::linear::outputs(&seen);
         let about = AngleNearby::new(outputs[2]);
         let point = Point { time_s: at.time_s, outputs: &outputs, platform: &at.platform, about: &about };
         let none = Stick { positive_nm: 0.0, negative_nm: 0.0, rest_rate_rad_s: 0.0 };

@@ -2,11 +2,25 @@
 //! or not, and either joint sticks or not.
 
 use super::moments::{Moments, NODES};
+use super::strips::{NARROW, Strips};
 use super::tables::{DEEPEST, LEVELS, OUTPUTS, STAGES, StepTable, step_table};
 use counterpoise_lti::Mat;
 use counterpoise_models::plant::core::{input, state};
 use counterpoise_models::plant::Core;
 use counterpoise_models::{Mesh, Plant};
+
+/// Motor state, wind-up, hub angle, hub rate, current; amplifier voltage, tip rate; nothing.
+pub(crate) type Seen = [f64; NARROW];
+
+/// Where the voltage is among what is seen.
+pub(crate) const VOLTAGE: usize = OUTPUTS;
+/// Where the tip rate is among what is seen.
+pub(crate) const TIP: usize = OUTPUTS + 1;
+
+/// What the nonlinear parts see of it.
+pub(crate) fn outputs(seen: &Seen) -> &[f64; OUTPUTS] {
+    seen.first_chunk().unwrap_or(&[0.0; OUTPUTS])
+}
 
 /// The mode of the core.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,15 +65,14 @@ pub(crate) struct Linear {
     n: usize,
     /// What the nonlinear parts see, from z.
     pub outputs: Mat,
+    /// That, the voltage and the rate of the tip, stored for products.
+    seen: Strips,
     /// z per platform rate that joints at rest carry.
     pub carried: Vec<f64>,
     /// What holds the joints; for any mode, stuck or not.
     pub holds: [Hold; 2],
     /// Change of z that changes the joints' rates by one, as an impulse on the joint does.
     pub pushes: [Vec<f64>; 2],
-    /// Voltage of the amplifier and rate of the tip, from z.
-    pub voltage: Vec<f64>,
-    pub tip: Vec<f64>,
     /// Change of z that changes the voltage by one.
     pub lift: Vec<f64>,
     coarse: Chain,
@@ -126,18 +139,19 @@ impl Linear {
             joint.stick(&mut core, &mut carried);
         }
         let n = core.A.nrows();
+        let outputs = output_rows(plant);
+        let others = Mat::from_rows(&[unit(n, state::VOLTAGE), plant.tip_rate_row()]);
         let blocks = vec![(core.A, core.B)];
         let coarse = Chain::new(&blocks, period_s / f64::from(1u32 << LEVELS), LEVELS + 1);
         Self {
             blocks,
             firsts: vec![0],
             n,
-            outputs: output_rows(plant),
+            seen: Strips::new(&outputs.vstack(&others)),
+            outputs,
             carried,
             holds,
             pushes,
-            voltage: unit(n, state::VOLTAGE),
-            tip: plant.tip_rate_row(),
             lift: unit(n, state::VOLTAGE),
             coarse,
             deep: None,
@@ -151,14 +165,10 @@ impl Linear {
         self.n
     }
 
-    /// What the nonlinear parts see at z.
-    pub fn see(&self, z: &[f64]) -> [f64; OUTPUTS] {
-        let mut seen = [0.0; OUTPUTS];
-        for (j, value) in z.iter().enumerate() {
-            for (s, c) in seen.iter_mut().zip(self.outputs.column(j)) {
-                *s += c * value;
-            }
-        }
+    /// What is seen at z: what the nonlinear parts see, then voltage and rate of the tip.
+    pub fn see(&self, z: &[f64]) -> Seen {
+        let mut seen = [0.0; NARROW];
+        self.seen.multiply_add(z, &mut seen);
         seen
     }
 

@@ -3,7 +3,7 @@
 use super::attempt::{Attempt, Given};
 use super::filter::Filter;
 use super::joints::{Instant, holding};
-use super::linear::{Linear, Mode, dot};
+use super::linear::{Linear, Mode, Seen, TIP, VOLTAGE, outputs};
 use super::ports::{AngleNearby, Bonds, FrictionState, PlatformPoint, Point, Ports};
 use super::tables::{DEEPEST, LEVELS, OUTPUTS, PORTS};
 use crate::Error;
@@ -15,11 +15,16 @@ const LENGTHEN_BELOW: f64 = 1.0 / 64.0;
 /// Shortest steps in a sample period.
 const TICKS: u32 = 1 << DEEPEST;
 /// Leading bits of the way to an event that are gone before it is predicted anew.
-const BITS: u32 = 6;
+const BITS: u32 = 5;
 /// Changes of joints in a sample from which on their instants are found to the shortest ordinary step only.
 const MANY_CHANGES: usize = 40;
-/// Halvings with which the instants at which teeth or voltage change are found.
-const CONTACT_LEVELS: usize = 14;
+/// Halvings with which the instants at which teeth or voltage change are found, at a tolerance of [`CONTACT_TOLERANCE`]; one
+/// more for half of it.
+const CONTACT_LEVELS: f64 = 11.0;
+/// Fewest of them.
+const FEWEST_CONTACT_LEVELS: usize = 6;
+/// See [`CONTACT_LEVELS`].
+const CONTACT_TOLERANCE: f64 = 2e-5;
 /// Halvings that roughness may ask for where bonds snap: each makes a jump, which no step resolves.
 const BRISTLE_LEVELS: usize = 3;
 
@@ -60,12 +65,18 @@ pub(crate) struct Stepper {
     pub(super) turns: [f64; 2],
     filter: Filter,
     period_s: f64,
-    cores: Vec<Option<Linear>>,
-    empty: Linear,
+    /// The cores that were needed so far, the one at hand first of them all at the start.
+    cores: Vec<Linear>,
+    index: [Option<usize>; Mode::COUNT],
+    /// Whether any joint truly sticks.
+    joints: bool,
     now: Now,
+    /// What is seen at the end of the step that was tried.
+    ahead: Seen,
     attempt: Attempt,
     level: usize,
     finest: usize,
+    contact: usize,
     tolerance: f64,
     pub effort: Effort,
 }
@@ -75,7 +86,7 @@ pub(crate) struct Stepper {
 struct Now {
     core: usize,
     z: Vec<f64>,
-    outputs: [f64; OUTPUTS],
+    seen: Seen,
     friction: FrictionState,
     bonds: Bonds,
     hub_gyro: [f64; 2],
@@ -84,7 +95,7 @@ struct Now {
 /// What came of a step that was tried.
 enum Tried {
     Good { defect: f64 },
-    Event { fraction: f64 },
+    Event { fraction: f64, depth: usize },
     Rough,
 }
 
@@ -108,12 +119,13 @@ impl Stepper {
     pub fn new(plant: &Plant, period_s: f64, tolerance: f64) -> Result<Self, Error> {
         let ports = Ports::new(plant)?;
         let mode = Mode { mesh: Mesh::Touching, offset: 0.0, held: 0.0, stuck: [false; 2] };
-        let empty = Linear::new(plant, &mode, period_s);
+        let mut index = [None; Mode::COUNT];
+        index[mode.index()] = Some(0);
         let n = plant.core_order();
         let now = Now {
-            core: mode.index(),
+            core: 0,
             z: vec![0.0; n],
-            outputs: [0.0; OUTPUTS],
+            seen: Seen::default(),
             friction: FrictionState::default(),
             bonds: Bonds::default(),
             hub_gyro: [0.0; 2],
@@ -121,15 +133,18 @@ impl Stepper {
         Ok(Self {
             finest: if ports.bristled() { BRISTLE_LEVELS } else { LEVELS },
             plant: plant.clone(),
+            joints: ports.sticks(0) || ports.sticks(1),
             ports,
             turns: [plant.parameters().gearbox.ratio, 1.0],
             filter: Filter::new(&plant.parameters().sensors.hub_gyro, period_s),
             period_s,
-            cores: vec![None; Mode::COUNT],
-            empty,
+            cores: vec![Linear::new(plant, &mode, period_s)],
+            index,
             now,
+            ahead: Seen::default(),
             attempt: Attempt::new(n),
             level: 0,
+            contact: contact_levels(tolerance),
             tolerance,
             effort: Effort::default(),
         })
@@ -143,12 +158,12 @@ impl Stepper {
         self.now = Now {
             core: self.now.core,
             z: self.linear().coordinates(&start.core),
-            outputs: [0.0; OUTPUTS],
+            seen: Seen::default(),
             friction: start.friction,
             bonds: start.bonds.clone(),
             hub_gyro: start.hub_gyro,
         };
-        self.now.outputs = self.linear().see(&self.now.z);
+        self.now.seen = self.linear().see(&self.now.z);
     }
 
     /// The state of the plant.
@@ -163,13 +178,12 @@ impl Stepper {
 
     /// Motor state, wind-up, hub angle, hub rate, current.
     pub fn outputs(&self) -> &[f64; OUTPUTS] {
-        &self.now.outputs
+        outputs(&self.now.seen)
     }
 
     /// Voltage of the amplifier and rate of the tip.
     pub fn voltage_and_tip(&self) -> [f64; 2] {
-        let linear = self.linear();
-        [dot(&linear.voltage, &self.now.z), dot(&linear.tip, &self.now.z)]
+        [self.now.seen[VOLTAGE], self.now.seen[TIP]]
     }
 
     /// The hub gyroscope: rate, and its derivative.
@@ -183,7 +197,7 @@ impl Stepper {
     }
 
     pub(super) fn linear(&self) -> &Linear {
-        self.cores[self.now.core].as_ref().unwrap_or(&self.empty)
+        &self.cores[self.now.core]
     }
 
     pub(super) fn core(&self) -> &[f64] {
@@ -201,10 +215,10 @@ impl Stepper {
 
     /// Brings a joint to rest: takes its rate relative to the platform by an impulse.
     pub(super) fn arrest(&mut self, joint: usize, rate: f64) {
-        let Self { cores, empty, now, .. } = self;
-        let linear = cores[now.core].as_ref().unwrap_or(empty);
+        let Self { cores, now, .. } = self;
+        let linear = &cores[now.core];
         now.z.iter_mut().zip(&linear.pushes[joint]).for_each(|(z, push)| *z -= rate * push);
-        now.outputs = linear.see(&now.z);
+        now.seen = linear.see(&now.z);
     }
 
     /// Dry friction torques at the motor and at the pivot at the beginning of a sample, N m.
@@ -215,7 +229,7 @@ impl Stepper {
         let at = self.instant(sample, 0.0, &mode);
         let point = self.point(&at);
         let mut torques =
-            self.ports.dry_torques(&self.plant, &point.of(&self.now.outputs), &self.now.friction);
+            self.ports.dry_torques(&self.plant, &point.of(self.outputs()), &self.now.friction);
         for joint in [0, 1] {
             if self.ports.sticks(joint) && self.now.friction.get(joint) == 0.0 {
                 torques[joint] = self.load(joint, &self.now.z, &self.ports_at(&at), &at).1;
@@ -226,11 +240,11 @@ impl Stepper {
 
     /// Values of the ports where the plant is.
     pub(super) fn ports_at(&self, at: &Instant) -> [f64; PORTS] {
-        self.ports.at(&self.plant, &self.point(at).of(&self.now.outputs), &self.now.friction)
+        self.ports.at(&self.plant, &self.point(at).of(self.outputs()), &self.now.friction)
     }
 
     fn point<'a>(&self, at: &'a Instant) -> Place<'a> {
-        Place { time_s: at.time_s, platform: &at.platform, about: AngleNearby::new(self.now.outputs[2]) }
+        Place { time_s: at.time_s, platform: &at.platform, about: AngleNearby::new(self.now.seen[2]) }
     }
 
     fn instant(&self, sample: &Sample, part: f64, mode: &Mode) -> Instant {
@@ -262,12 +276,13 @@ impl Stepper {
                 Tried::Good { defect } => {
                     self.commit(&mode);
                     tick += TICKS >> self.level;
-                    let changed = self.transitions(&self.instant(sample, fraction(tick), &mode));
+                    let mut changed = self.plant.mesh(self.now.seen[1]).0 != mode.mesh;
+                    if self.joints {
+                        changed |= self.transitions(&self.instant(sample, fraction(tick), &mode));
+                    }
                     self.next_level(&mut approach, defect, changed);
                 }
-                Tried::Event { fraction } => {
-                    approach = self.approach(fraction, deepest);
-                }
+                Tried::Event { fraction, depth } => approach = self.approach(fraction, depth),
                 Tried::Rough => {
                     approach = Approach::default();
                     self.level += 1;
@@ -293,10 +308,10 @@ impl Stepper {
 
     /// The mode at the state: the voltage is held where it is at the bus limit and pushed against it.
     fn mode(&self, drive_v: f64) -> Mode {
-        let (mesh, offset) = self.plant.mesh(self.now.outputs[1]);
-        let voltage = dot(&self.linear().voltage, &self.now.z);
+        let (mesh, offset) = self.plant.mesh(self.now.seen[1]);
+        let voltage = self.now.seen[VOLTAGE];
         let at_limit = voltage.abs() >= self.plant.parameters().amplifier.bus_voltage_v;
-        let pushed = at_limit && self.voltage_push(voltage, self.now.outputs[4], drive_v) * voltage > 0.0;
+        let pushed = at_limit && self.voltage_push(voltage, self.now.seen[4], drive_v) * voltage > 0.0;
         let stuck = [0, 1].map(|j| self.ports.sticks(j) && self.now.friction.get(j) == 0.0);
         Mode { mesh, offset, held: if pushed { voltage.signum() } else { 0.0 }, stuck }
     }
@@ -309,22 +324,24 @@ impl Stepper {
 
     /// Makes the mode's core the one at hand, with the table of the level.
     fn enter(&mut self, mode: &Mode) {
-        let index = mode.index();
-        if self.cores[index].is_none() {
-            self.cores[index] = Some(Linear::new(&self.plant, mode, self.period_s));
-        }
-        if index != self.now.core {
+        let core = match self.index[mode.index()] {
+            Some(core) => core,
+            None => {
+                self.cores.push(Linear::new(&self.plant, mode, self.period_s));
+                self.index[mode.index()] = Some(self.cores.len() - 1);
+                self.cores.len() - 1
+            }
+        };
+        if core != self.now.core {
             let physical = self.linear().physical(&self.now.z);
-            self.now.core = index;
+            self.now.core = core;
             self.now.z = self.linear().coordinates(&physical);
         }
-        if let Some(linear) = &mut self.cores[index] {
-            linear.prepare(self.level);
-        }
+        self.cores[core].prepare(self.level);
     }
 
     fn try_step(&mut self, sample: &Sample, tick: u32, mode: &Mode, deepest: usize) -> Tried {
-        let linear = self.cores[self.now.core].as_ref().unwrap_or(&self.empty);
+        let linear = &self.cores[self.now.core];
         let Some(table) = linear.table(self.level) else { return Tried::Rough };
         let (start, share) = (fraction(tick), fraction(TICKS >> self.level));
         let platform = sample.motion.span(start, share);
@@ -335,31 +352,43 @@ impl Stepper {
             core: &self.now.z,
             friction: &self.now.friction,
             bonds: &self.now.bonds,
-            outputs: self.now.outputs,
+            outputs: *self.outputs(),
             held: [sample.drive_v, mode.offset],
             platform: &platform,
             time_s: sample.start_s + start * self.period_s,
+            tolerance: self.tolerance,
         };
         let converged = self.attempt.solve(&given);
         self.effort.iterations += self.attempt.iterations;
-        let defect = self.attempt.defect(&given) * share;
+        self.ahead = linear.see(self.attempt.end());
+        let defect = if self.attempt.predicted { 0.0 } else { self.attempt.defect(&given) * share };
         let finest = self.level >= self.finest;
         let fine = converged && defect <= self.tolerance;
         if !(finest || converged) {
             return Tried::Rough;
         }
-        let mut event = f64::INFINITY;
-        if self.level < deepest.min(CONTACT_LEVELS) {
-            event = self.mesh_event(mode).min(self.bus_event(mode, sample.drive_v));
-        }
-        if self.level < deepest {
-            event = event.min(self.joint_event(sample, (start, share), mode));
-        }
-        if event <= 1.0 {
-            return Tried::Event { fraction: event };
+        if let Some(event) = self.event(sample, (start, share), mode, deepest) {
+            return event;
         }
         self.effort.forced += usize::from(finest && !fine);
         if finest || fine { Tried::Good { defect } } else { Tried::Rough }
+    }
+
+    /// The first event of the step that was tried, if its instant is still to be found more closely.
+    fn event(&self, sample: &Sample, part: (f64, f64), mode: &Mode, deepest: usize) -> Option<Tried> {
+        if self.joints && self.level < deepest {
+            let fraction = self.joint_event(sample, part, mode);
+            if fraction <= 1.0 {
+                return Some(Tried::Event { fraction, depth: deepest });
+            }
+        }
+        if self.level < self.contact {
+            let fraction = self.mesh_event(mode).min(self.bus_event(mode, sample.drive_v));
+            if fraction <= 1.0 {
+                return Some(Tried::Event { fraction, depth: self.contact });
+            }
+        }
+        None
     }
 
     /// Takes the step that was tried last.
@@ -369,30 +398,32 @@ impl Stepper {
         self.now.bonds.copy(self.attempt.bonds());
         let hub_rate = self.attempt.outputs().map(|outputs| outputs[3]);
         self.filter.advance(self.level, &mut self.now.hub_gyro, &hub_rate);
-        let Self { cores, empty, now, plant, .. } = self;
-        let linear = cores[now.core].as_ref().unwrap_or(empty);
+        let Self { cores, now, plant, .. } = self;
+        let linear = &cores[now.core];
         let bus = plant.parameters().amplifier.bus_voltage_v;
-        let voltage = dot(&linear.voltage, &now.z);
+        now.seen = self.ahead;
+        let voltage = now.seen[VOLTAGE];
         let wanted = if mode.held != 0.0 { mode.held * bus } else { voltage.clamp(-bus, bus) };
         if wanted != voltage {
             now.z.iter_mut().zip(&linear.lift).for_each(|(z, lift)| *z += lift * (wanted - voltage));
+            now.seen = linear.see(&now.z);
         }
-        now.outputs = linear.see(&now.z);
         self.attempt.accept(self.period_s * fraction(TICKS >> self.level));
         self.effort.steps += 1;
     }
 
     /// How to come near an event at a fraction of the step that was tried.
-    fn approach(&mut self, fraction: f64, deepest: usize) -> Approach {
+    fn approach(&mut self, fraction: f64, depth: usize) -> Approach {
         self.effort.rejected += 1;
-        let ticks = (f64::from(TICKS >> self.level) * fraction) as u32;
+        let grain = TICKS >> depth;
+        let ticks = (f64::from(TICKS >> self.level) * fraction) as u32 / grain * grain;
         if ticks == 0 {
-            self.level = deepest.max(self.level + 1).min(DEEPEST);
+            self.level = depth.max(self.level + 1).min(DEEPEST);
             return Approach::default();
         }
         let spare = (32 - ticks.leading_zeros()).saturating_sub(BITS);
-        let then = level_within((ticks >> BITS).max(1)).saturating_sub(1).max(self.level + 1);
-        Approach { ticks: ticks >> spare << spare, then: then.min(DEEPEST) }
+        let then = level_within((ticks >> BITS).max(grain)).saturating_sub(1).max(self.level + 1);
+        Approach { ticks: ticks >> spare << spare, then: then.min(depth) }
     }
 
     /// Fraction of the step at which the teeth part or meet; infinite if they do not.
@@ -412,20 +443,18 @@ impl Stepper {
     /// Fraction of the step at which the voltage reaches or leaves the bus limit; infinite if it does not.
     fn bus_event(&self, mode: &Mode, drive_v: f64) -> f64 {
         let bus = self.plant.parameters().amplifier.bus_voltage_v;
-        let row = &self.linear().voltage;
-        let holds = |z: &[f64], outputs: &[f64; OUTPUTS]| {
-            let voltage = dot(row, z);
+        let holds = |seen: &Seen| {
             if mode.held == 0.0 {
-                bus - voltage.abs()
+                bus - seen[VOLTAGE].abs()
             } else {
-                mode.held * self.voltage_push(voltage, outputs[4], drive_v)
+                mode.held * self.voltage_push(seen[VOLTAGE], seen[4], drive_v)
             }
         };
-        let after = holds(self.attempt.end(), &self.attempt.outputs()[3]);
+        let after = holds(&self.ahead);
         if after >= 0.0 {
             return f64::INFINITY;
         }
-        crossing((0.0, holds(&self.now.z, &self.now.outputs)), (1.0, after))
+        crossing((0.0, holds(&self.now.seen)), (1.0, after))
     }
 
     /// Fraction of the step at which a joint comes to rest, breaks away or leaves its band; infinite if none does.
@@ -483,6 +512,12 @@ impl Place<'_> {
     fn of<'b>(&'b self, outputs: &'b [f64; OUTPUTS]) -> Point<'b> {
         Point { time_s: self.time_s, outputs, platform: self.platform, about: &self.about }
     }
+}
+
+/// Halvings with which the instants of contact are found.
+fn contact_levels(tolerance: f64) -> usize {
+    let wanted = CONTACT_LEVELS + (CONTACT_TOLERANCE / tolerance).log2();
+    (wanted.round() as usize).clamp(FEWEST_CONTACT_LEVELS, DEEPEST)
 }
 
 /// The level of the longest step of at most so many ticks.

@@ -36,13 +36,35 @@ impl Strips {
         }
     }
 
-    /// out = start + M v, where `out` is as long as the padded rows.
-    #[inline(always)]
+    /// out = start + M v, where `out` is as long as the padded rows; in the widest registers of the machine, with the
+    /// same sums in the same order on every machine.
+    #[inline]
     pub fn multiply_add(&self, v: &[f64], out: &mut [f64]) {
+        pulp::Arch::new().dispatch(Product { M: self, v, out });
+    }
+
+    #[inline(always)]
+    fn product(&self, v: &[f64], out: &mut [f64]) {
         let v = &v[..self.columns];
         let (wide, narrow) = out.split_at_mut(self.wide.len() / self.columns.max(1));
         strips::<WIDE>(&self.wide, v, wide);
         strips::<NARROW>(&self.narrow, v, narrow);
+    }
+}
+
+/// A product that is compiled for every width of registers.
+struct Product<'a> {
+    M: &'a Strips,
+    v: &'a [f64],
+    out: &'a mut [f64],
+}
+
+impl pulp::NullaryFnOnce for Product<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.M.product(self.v, self.out);
     }
 }
 

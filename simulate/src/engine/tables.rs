@@ -60,7 +60,7 @@ pub(crate) struct Flow {
 
 impl Flow {
     /// out = exp(A h) z.
-    #[inline(always)]
+    #[inline]
     pub fn multiply(&self, z: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         self.head.multiply_add(&z[..self.from], &mut out[..self.head_rows]);

@@ -20,7 +20,9 @@ const WINDOW_SHARE: f64 = 0.1;
 /// Iterations of the fit.
 const ITERATIONS: usize = 12;
 /// Relative fall of the cost at which the fit ends.
-const FLAT: f64 = 1e-4;
+const FLAT: f64 = 1e-3;
+/// Damping beyond which no step lowers the cost.
+const STUCK: f64 = 1e3;
 /// Mean square of the residuals, in floors, below which a start is as good as it gets.
 const EXPLAINED: f64 = 1.1;
 /// Share of the Coulomb level that an imbalance of the torques costs one unit.
@@ -247,8 +249,8 @@ impl<'a, 'b> Fit<'a, 'b> {
         let mut residuals = self.residuals(&now)?;
         let mut cost = squares(&residuals);
         let mut damping = 1e-3;
+        let mut normal = self.normal_equations(&now, &residuals)?;
         for _ in 0..ITERATIONS {
-            let normal = self.normal_equations(&now, &residuals)?;
             let mut next = now;
             let step = normal.solve(damping);
             (0..UNKNOWNS).for_each(|k| next[k] += step[k] * self.steps[k]);
@@ -262,7 +264,8 @@ impl<'a, 'b> Fit<'a, 'b> {
                 if fall < FLAT {
                     break;
                 }
-            } else if damping > 1e6 {
+                normal = self.normal_equations(&now, &residuals)?;
+            } else if damping > STUCK {
                 break;
             } else {
                 damping *= 10.0;
