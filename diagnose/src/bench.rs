@@ -71,6 +71,11 @@ impl Judged {
         Self { misfits: Vec::new(), ..self.clone() }
     }
 
+    /// RMS of a channel's residual in floors, less where a run does not repeat.
+    pub fn excess(&self, channel: usize) -> f64 {
+        self.misfits[channel].relative_rms() * self.weight(channel)
+    }
+
     /// Weight of a channel in a fit: less where a run does not repeat.
     pub fn weight(&self, channel: usize) -> f64 {
         let wander = WANDER_DOUBT * self.wander.get(channel).copied().unwrap_or(0.0);

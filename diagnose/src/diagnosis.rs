@@ -11,6 +11,7 @@ use crate::identify::{Amplifier, identify, improved};
 use crate::judge::Evidence;
 use crate::library::{Effect, free_curve, library, named};
 use crate::locate::{isolability, regime_map};
+use crate::noise::{as_heard, with_noise_of};
 use crate::qualify::qualify;
 use crate::replays::{Prepared, Replays, measured};
 use crate::select::Searcher;
@@ -41,6 +42,8 @@ pub fn diagnose(
     check(recordings, &control)?;
     pool.progress("qualifying", 0, 1);
     let qualification = remarks(base, recordings);
+    let project = base;
+    let base = &as_heard(project, recordings);
     let prepared = Prepared::new(recordings, base);
     let bench = Replays::new(base, &control, &prepared)?;
     let has = |column: fn(&Recording) -> bool| recordings.iter().all(column);
@@ -56,7 +59,7 @@ pub fn diagnose(
     }
     let search = search.ok_or(Error::NotSimulated)?;
     let evidence = Evidence { bench: &bench, base, search: &search, map, isolability, qualification };
-    let improved = evidence.improved();
+    let improved = with_noise_of(evidence.improved(), project);
     Ok(Diagnosis { answer: evidence.answer(), improved })
 }
 

@@ -5,7 +5,7 @@ use counterpoise_models::Parameters;
 
 use crate::bench::{Bench, Judged, Pool, Span, map};
 use crate::library::{Effect, Knob, Mapping};
-use crate::tolerance::{FIT_ITERATIONS, FIT_STEP, FIT_TOLERANCE, FITTED_SHARE, STRETCH, SYSTEMATIC};
+use crate::tolerance::{FIT_ITERATIONS, FIT_STEP, FIT_TOLERANCE, FITTED_SHARE, RESTART_WORTH, RESTARTS, SEARCH_ITERATIONS, STRETCH, STRETCHES_TOGETHER, SYSTEMATIC, TRIAL_ITERATIONS};
 
 /// Which recordings a fit may see.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,12 +16,29 @@ pub struct Selection {
     pub span: Span,
     /// Iterations at the most.
     pub iterations: usize,
+    /// Times at the most that the recordings' starts are sought anew at what was found.
+    pub restarts: usize,
 }
 
 impl Selection {
     /// Every recording, whole, to the end.
     pub fn all(count: usize) -> Self {
-        Self { recordings: (0..count).collect(), span: Span::Whole, iterations: FIT_ITERATIONS }
+        Self { span: Span::Whole, ..Self::heads((0..count).collect()) }
+    }
+
+    /// The first part of some recordings, to the end.
+    pub fn heads(recordings: Vec<usize>) -> Self {
+        Self { recordings, span: Span::Head, iterations: FIT_ITERATIONS, restarts: RESTARTS }
+    }
+
+    /// The first part of some recordings, for a comparison of candidates.
+    pub fn searching(recordings: Vec<usize>) -> Self {
+        Self { iterations: SEARCH_ITERATIONS, ..Self::heads(recordings) }
+    }
+
+    /// The first part of some recordings, for a first impression.
+    pub fn trying(recordings: Vec<usize>) -> Self {
+        Self { iterations: TRIAL_ITERATIONS, restarts: 1, ..Self::heads(recordings) }
     }
 }
 
@@ -42,6 +59,8 @@ pub struct Fit {
     pub scatter: Mat,
     /// Whether the iteration limit was reached before the cost settled.
     pub limit_reached: bool,
+    /// The recordings that it saw, and how each stands to it, without the residuals.
+    pub stances: Vec<(usize, Judged)>,
 }
 
 /// All knobs of a list of effects.
@@ -91,19 +110,30 @@ pub struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// Fits from the given knob values: once with the recordings' starts as they are there, once more with those at
-    /// what was found.
+    /// Fits from the given knob values, with the recordings' starts as they are there; again with those at what was found,
+    /// until that changes nothing any more.
     pub fn fit(&self, start: &[f64]) -> Option<Fit> {
-        let first = self.descend(start, self.selection.iterations)?;
-        match self.descend(&first.values, self.selection.iterations / 2) {
-            Some(second) => Some(second),
-            None => Some(first),
+        let near = |index: usize| self.stances.get(index);
+        let mut best = self.descend(start, self.selection.iterations, self.near(start, &near)?)?;
+        for _ in 0..self.selection.restarts {
+            let own = |index: usize| best.stances.iter().find(|(r, _)| *r == index).map(|(_, near)| near);
+            let Some(next) = self
+                .near(&best.values, &own)
+                .and_then(|near| self.descend(&best.values, self.selection.iterations.div_ceil(2), near))
+            else {
+                break;
+            };
+            let settled = next.cost > best.cost * (1.0 - RESTART_WORTH);
+            best = next;
+            if settled {
+                break;
+            }
         }
+        Some(best)
     }
 
-    fn descend(&self, start: &[f64], iterations: usize) -> Option<Fit> {
+    fn descend(&self, start: &[f64], iterations: usize, near: Vec<Judged>) -> Option<Fit> {
         let knobs = knobs(&self.effects);
-        let near = self.near(start)?;
         let mut x: Vec<f64> = knobs.iter().zip(start).map(|(k, &v)| to_variable(k, v)).collect();
         let mut residual = self.at(&x, &near)?;
         let mut cost = mean_square(&residual);
@@ -133,14 +163,19 @@ impl Problem<'_> {
         let values: Vec<f64> = knobs.iter().zip(&x).map(|(k, &v)| from_variable(k, v)).collect();
         let parameters = applied(self.base, &self.effects, &values);
         let effects = self.effects.clone();
-        Some(Fit { effects, values, parameters, cost, information, scatter, limit_reached })
+        let stances = self.selection.recordings.iter().copied().zip(near.iter().map(Judged::stance)).collect();
+        Some(Fit { effects, values, parameters, cost, information, scatter, limit_reached, stances })
     }
 
-    /// How the recordings stand to the mechanism at given knob values.
-    fn near(&self, values: &[f64]) -> Option<Vec<Judged>> {
+    /// How the recordings stand to the mechanism at given knob values, from what is known of a mechanism nearby.
+    fn near<'n>(
+        &self,
+        values: &[f64],
+        known: &(dyn Fn(usize) -> Option<&'n Judged> + Sync),
+    ) -> Option<Vec<Judged>> {
         let parameters = applied(self.base, &self.effects, values);
         let recordings = &self.selection.recordings;
-        let one = |index: usize| match self.stances.get(index) {
+        let one = |index: usize| match known(index) {
             Some(near) => self.bench.judge_near(&parameters, index, near),
             None => self.bench.judge(&parameters, index),
         };
@@ -179,10 +214,10 @@ impl Problem<'_> {
         let normal = Mat::from_fn(x.len(), x.len(), |i, j| dot(column(i), column(j)) / count);
         let gradient = (0..x.len()).map(|j| dot(column(j), residual) / count).collect();
         let places = self.stretches(near, residual.len());
-        let scatter = Mat::from_fn(x.len(), x.len(), |i, j| {
-            let sum = |of: usize| stretch_sums(column(of), residual, &places);
-            dot(&sum(i), &sum(j)) / (count * count)
-        });
+        let sums: Vec<Vec<f64>> =
+            (0..x.len()).map(|j| stretch_sums(column(j), residual, &places)).collect();
+        let scatter =
+            Mat::from_fn(x.len(), x.len(), |i, j| long_run(&sums[i], &sums[j]) / (count * count));
         Linearised { normal, gradient, scatter }
     }
 
@@ -197,7 +232,7 @@ impl Problem<'_> {
             for _ in &judged.misfits {
                 places.extend((0..samples).map(|k| first + k / STRETCH));
             }
-            first += samples / STRETCH + 1;
+            first += samples / STRETCH + 1 + STRETCHES_TOGETHER;
         }
         places.resize(count, first);
         places
@@ -233,6 +268,14 @@ fn stretch_sums(slope: &[f64], residual: &[f64], places: &[usize]) -> Vec<f64> {
         sums[place] += j * r;
     }
     sums
+}
+
+/// Sum of the products of two series over all lags up to [`STRETCHES_TOGETHER`], with Bartlett's weights (Newey and
+/// West 1987): never negative for a series with itself.
+fn long_run(a: &[f64], b: &[f64]) -> f64 {
+    let lagged = |lag: usize| dot(a.get(lag..).unwrap_or(&[]), b) + dot(a, b.get(lag..).unwrap_or(&[]));
+    let weight = |lag: usize| 1.0 - lag as f64 / (STRETCHES_TOGETHER + 1) as f64;
+    dot(a, b) + (1..=STRETCHES_TOGETHER).map(|lag| weight(lag) * lagged(lag)).sum::<f64>()
 }
 
 /// Curvature and gradient of the cost, and the gradient's scatter.

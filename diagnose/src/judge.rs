@@ -12,7 +12,7 @@ use crate::library::Effect;
 use crate::look::{Look, is_ripple};
 use crate::score::{Score, correlation_time, score};
 use crate::select::{Candidate, Search};
-use crate::tolerance::{EQUIVALENT_DISTANCE, EXPLAINED, GAIN_NEEDED, RIVALRY, SHARE_TO_NAME};
+use crate::tolerance::{AMBIGUOUS, EXPLAINED, GAIN_NEEDED, RIVALRY, SHARE_TO_NAME};
 use counterpoise_models::Parameters;
 
 /// What the answer is made from.
@@ -58,7 +58,7 @@ impl Evidence<'_> {
 
     fn verdict(&self) -> Verdict {
         let Some(accepted) = self.named() else {
-            let explained = self.search.before.worst() < EXPLAINED && self.search.accepted.is_none();
+            let explained = self.search.before.worst() < EXPLAINED;
             return if explained { Verdict::Consistent } else { Verdict::Unknown };
         };
         let ambiguous = (0..accepted.fit.effects.len()).any(|i| !self.alternatives(accepted, i).is_empty());
@@ -72,7 +72,7 @@ impl Evidence<'_> {
     /// The accepted model, where it explains enough of the mismatch to carry a name.
     fn named(&self) -> Option<&Candidate> {
         let accepted = self.search.accepted.as_ref()?;
-        (self.share(accepted) > SHARE_TO_NAME).then_some(accepted)
+        (accepted.explains() || self.share(accepted) > SHARE_TO_NAME).then_some(accepted)
     }
 
     /// Share of the distance from the floor that a model explains.
@@ -86,9 +86,9 @@ impl Evidence<'_> {
         let Some(rivals) = self.search.rivals.get(index) else { return Vec::new() };
         let chosen = accepted.fit.effects[index];
         let best = rivals.iter().find(|r| r.newest().is_some_and(|e| same_name(e, chosen)));
-        let reach = best.map_or(accepted.whole.distance(), |b| b.whole.distance()) + EQUIVALENT_DISTANCE;
+        let best = best.unwrap_or(accepted);
         let mut names: Vec<Name> = Vec::new();
-        for rival in rivals.iter().filter(|r| r.whole.distance() < reach) {
+        for rival in rivals.iter().filter(|r| r.behind(best) < AMBIGUOUS) {
             let Some(effect) = rival.newest().filter(|e| !same_name(e, chosen)) else { continue };
             let name = Name { effect: effect.effect, component: effect.component };
             if !names.contains(&name) {
@@ -102,9 +102,9 @@ impl Evidence<'_> {
         let rivals = self.search.rivals.get(index).map_or(&[][..], Vec::as_slice);
         let chosen = accepted.fit.effects[index];
         let best = rivals.iter().find(|r| r.newest().is_some_and(|e| same_name(e, chosen)));
-        let distance = best.map_or(accepted.whole.distance(), |b| b.whole.distance());
+        let best = best.unwrap_or(accepted);
         let others = rivals.iter().filter(|r| r.newest().is_some_and(|e| !same_name(e, chosen)));
-        let weight: f64 = others.map(|r| (-RIVALRY * (r.whole.distance() - distance).max(0.0)).exp()).sum();
+        let weight: f64 = others.map(|r| (-RIVALRY * r.behind(best).max(0.0)).exp()).sum();
         let complete = if accepted.whole.worst() < EXPLAINED { 0.98 } else { 0.9 * self.share(accepted) };
         complete / (1.0 + weight)
     }

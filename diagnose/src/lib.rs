@@ -10,11 +10,12 @@
 //!
 //! *Invariant*: nothing here knows a weight, a file, a thread or a clock; processors are handed in as a [`bench::Pool`].
 //!
-//! Modules in reading order: [`mod@bench`], [`qualify`], [`library`], [`locate`], [`look`], [`fit`], [`score`], [`select`], [`shape`], [`judge`],
-//! [`answer`]; apart from them [`identify`], the triangle-wave method.
+//! Modules in reading order: [`mod@bench`], [`qualify`], [`noise`], [`library`], [`locate`], [`look`], [`fit`], [`score`], [`select`], [`shape`], [`judge`],
+//! [`answer`], [`scaled`]; apart from them [`mod@refit`], a given structure fitted and judged, and [`identify`], the triangle-wave method.
 
 pub mod answer;
 pub mod bench;
+mod candidate;
 pub mod diagnosis;
 pub mod error;
 pub mod fit;
@@ -23,7 +24,10 @@ pub mod judge;
 pub mod library;
 pub mod locate;
 pub mod look;
+pub mod noise;
+mod polish;
 pub mod qualify;
+pub mod refit;
 pub mod replays;
 pub mod residuals;
 pub mod scaled;
@@ -34,4 +38,5 @@ pub mod tolerance;
 
 pub use diagnosis::Diagnosis;
 pub use error::Error;
+pub use refit::{Structure, refit};
 pub use scaled::diagnose;

@@ -9,13 +9,14 @@ use counterpoise_models::Parameters;
 
 use crate::bench::{Bench, Drive, Judged, Misfit, Pool, Span, map, rms};
 use crate::fit::{from_variable, to_variable};
-use crate::library::{Effect, Mapping, scan_range};
+use crate::library::{Effect, Knob, Mapping, scan_range};
 use crate::score::{Part, score};
+use crate::tolerance::EXPLAINED;
 
-/// Orders at which a torque that repeats with an angle is looked for, per turn.
-const ORDERS: [f64; 23] = [
+/// Orders at which something that repeats with an angle is looked for, per turn.
+const ORDERS: [f64; 25] = [
     1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 14.0, 15.0, 16.0, 18.0, 20.0, 21.0, 22.0,
-    24.0, 28.0, 30.0, 36.0,
+    24.0, 28.0, 30.0, 36.0, 45.0, 60.0,
 ];
 
 /// How well an effect's signature explains the misfit, and where its fit should start.
@@ -52,6 +53,25 @@ impl Look {
     }
 }
 
+impl Look {
+    /// The look with its change taken `share` times: all knobs of a plain effect, the first of one with a shape. A ripple
+    /// that is taken the other way round stays as it is.
+    fn scaled(&self, share: f64, base: &Parameters) -> Self {
+        let ripple = is_ripple(self.effect);
+        let moves = |j: usize| j == 0 || (self.effect.starts.is_empty() && !ripple);
+        let share = if ripple { share.abs() } else { share };
+        let value = |(j, knob): (usize, &Knob)| {
+            if !moves(j) {
+                return self.start[j];
+            }
+            let from = to_variable(knob, (knob.get)(base));
+            from_variable(knob, from + share * (to_variable(knob, self.start[j]) - from))
+        };
+        let start = self.effect.knobs.iter().enumerate().map(value).collect();
+        Self { start, ..self.clone() }
+    }
+}
+
 /// Effects that together explain more than any of them alone.
 #[derive(Debug, Clone)]
 pub struct Pair {
@@ -59,6 +79,15 @@ pub struct Pair {
     pub members: [usize; 2],
     /// Share of the weighted residual that their signatures explain together.
     pub explained: f64,
+    /// What each member's change counts for beside the other.
+    pub shares: [f64; 2],
+}
+
+impl Pair {
+    /// Both looks, their starts where the two together would start.
+    pub fn looks(&self, looks: &[Look], base: &Parameters) -> [Look; 2] {
+        [0, 1].map(|k| looks[self.members[k]].scaled(self.shares[k], base))
+    }
 }
 
 /// Effects with more parameters than this are not tried in pairs.
@@ -98,8 +127,8 @@ pub fn pairs(judged: &[Judged], looks: &[Look], count: usize) -> Vec<Pair> {
     let mut out = Vec::new();
     for (place, &i) in usable.iter().enumerate() {
         for &j in &usable[place + 1..] {
-            let explained = together(&looks[i].trace, &looks[j].trace, &target) / total;
-            out.push(Pair { members: [i, j], explained });
+            let (explained, shares) = together(&looks[i].trace, &looks[j].trace, &target);
+            out.push(Pair { members: [i, j], explained: explained / total, shares });
         }
     }
     out.sort_by(|a, b| b.explained.total_cmp(&a.explained));
@@ -112,16 +141,16 @@ fn is_best_of_its_effect(looks: &[Look], index: usize) -> bool {
     !looks[..index].iter().any(|l| std::ptr::eq(l.effect, looks[index].effect))
 }
 
-/// Power of the target that two traces explain together, each with a coefficient that is not negative.
-fn together(a: &[f64], b: &[f64], target: &[f64]) -> f64 {
+/// Power of the target that two traces explain together, and their coefficients.
+fn together(a: &[f64], b: &[f64], target: &[f64]) -> (f64, [f64; 2]) {
     let (aa, bb, ab) = (dot(a, a), dot(b, b), dot(a, b));
     let (at, bt) = (dot(a, target), dot(b, target));
     let determinant = aa * bb - ab * ab;
     if determinant <= 1e-6 * aa * bb {
-        return 0.0;
+        return (0.0, [1.0, 1.0]);
     }
     let (x, y) = ((bb * at - ab * bt) / determinant, (aa * bt - ab * at) / determinant);
-    x * at + y * bt
+    (x * at + y * bt, [x, y])
 }
 
 /// What a look's combination of signatures takes off the weighted residual, thinned.
@@ -152,13 +181,19 @@ pub fn first_look(scene: &Scene, effects: &[&'static Effect]) -> Vec<Look> {
     trials.extend(effects.iter().filter_map(|effect| scanned(scene, effect)));
     let here = weighted(scene.judged);
     let all: Vec<usize> = (0..scene.judged.len()).collect();
-    let found = map(scene.pool, trials.len(), |t| {
-        let seen = look(scene, &here, &trials[t], &all, Span::Whole);
-        if trials[t].combine == Combine::Towards { gone_there(scene, &trials[t], seen) } else { seen }
-    });
-    let mut looks: Vec<Look> = found.into_iter().flatten().collect();
+    let span = if scene.reach == Reach::Whole { Span::Whole } else { Span::Head };
+    let found =
+        map(scene.pool, trials.len(), |t| look(scene, &here, &trials[t], &all, span).map(|look| (t, look)));
+    let mut found: Vec<(usize, Look)> = found.into_iter().flatten().collect();
+    found.sort_by(|a, b| b.1.explained.total_cmp(&a.1.explained));
+    let mut looks = visited(scene, &trials, found);
     looks.sort_by(|a, b| b.explained.total_cmp(&a.explained));
     looks
+}
+
+/// Whether every channel is so close to its floor that changes of the mechanism act on it in proportion.
+pub fn is_close(judged: &[Judged]) -> bool {
+    judged.iter().all(|j| (0..j.misfits.len()).all(|c| j.excess(c) < EXPLAINED))
 }
 
 /// What a look is taken at.
@@ -171,17 +206,49 @@ pub struct Scene<'a> {
     pub base: &'a Parameters,
     /// How every recording stands to it.
     pub judged: &'a [Judged],
+    /// How much is asked of a look.
+    pub reach: Reach,
 }
+
+/// How much is asked of a look.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reach {
+    /// The signature over the first part of the recordings.
+    Signature,
+    /// The signature over all of them and, where the model is far from them, what the whole change does.
+    Whole,
+}
+
+/// The looks, those at the best starts of effects that are not small taken all the way, where the model is far from the
+/// recordings.
+fn visited(scene: &Scene, trials: &[Trial], found: Vec<(usize, Look)>) -> Vec<Look> {
+    let thorough = scene.reach == Reach::Whole && !is_close(scene.judged);
+    let of_effect = |k: usize| {
+        let same = |(t, l): &&(usize, Look)| {
+            std::ptr::eq(l.effect, found[k].1.effect) && trials[*t].combine == Combine::Towards
+        };
+        found[..k].iter().filter(same).count()
+    };
+    let goes = |k: usize| {
+        thorough && trials[found[k].0].combine == Combine::Towards && of_effect(k) < STARTS_VISITED
+    };
+    map(scene.pool, found.len(), |k| {
+        let (t, look) = &found[k];
+        if goes(k) { gone_there(scene, &trials[*t], look.clone()) } else { look.clone() }
+    })
+}
+
+/// Starts of an effect that are taken all the way.
+const STARTS_VISITED: usize = 3;
 
 /// A look at an effect that is not small: what going all the way to its start does to the fit counts, too, for a
 /// signature that is not proportional to the size of its effect says little.
-fn gone_there(scene: &Scene, trial: &Trial, seen: Option<Look>) -> Option<Look> {
-    let mut seen = seen?;
+fn gone_there(scene: &Scene, trial: &Trial, mut seen: Look) -> Look {
     let parameters = moved(scene.base, trial, &trial.directions[0]);
     let judged: Option<Vec<Judged>> =
         (0..scene.judged.len()).map(|r| scene.bench.glance(&parameters, r, &scene.judged[r])).collect();
     let (Some(there), Some(here)) = (judged.and_then(|j| distance(&j)), distance(scene.judged)) else {
-        return Some(seen);
+        return seen;
     };
     let gained = 1.0 - there / here.max(f64::MIN_POSITIVE);
     if gained > seen.explained {
@@ -189,7 +256,7 @@ fn gone_there(scene: &Scene, trial: &Trial, seen: Option<Look>) -> Option<Look> 
         seen.start = trial.effect.knobs.iter().zip(x).map(|(k, x)| from_variable(k, x)).collect();
         seen.explained = gained;
     }
-    Some(seen)
+    seen
 }
 
 /// Distance of judged recordings from the floor.
@@ -236,7 +303,11 @@ const ORDERS_KEPT: usize = 3;
 fn best_orders(scene: &Scene, effect: &'static Effect) -> Vec<Trial> {
     let here = weighted(scene.judged);
     let one = [scene.bench.liveliest()];
-    let scan: Vec<Trial> = ORDERS.iter().map(|&order| ripple(effect, order)).collect();
+    let per_motor_turn = ORDERS.iter().copied();
+    let per_hub_turn = ORDERS.iter().map(|order| order / scene.base.gearbox.ratio);
+    let [lowest, _] = effect.knobs[1].bounds;
+    let orders = per_motor_turn.chain(per_hub_turn.filter(|order| *order >= lowest && *order < ORDERS[0]));
+    let scan: Vec<Trial> = orders.map(|order| ripple(effect, order)).collect();
     let looks = map(scene.pool, scan.len(), |t| look(scene, &here, &scan[t], &one, Span::Head));
     let share = |l: &Option<Look>| l.as_ref().map_or(f64::NEG_INFINITY, |l| l.explained);
     let mut ranked: Vec<(f64, Trial)> = looks.iter().map(share).zip(scan).collect();

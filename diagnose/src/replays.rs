@@ -10,6 +10,7 @@ use counterpoise_simulate::replay::{Loop, Replay, Replayer, reading_floor};
 use crate::bench::{Bench, Drive, Judged, Misfit, Span, rms};
 use crate::error::Error;
 use crate::locate::Measured;
+use crate::noise::floor;
 use crate::tolerance::FITTED_SHARE;
 
 /// Channels whose misfit is scored; the platform's are what drives the replay.
@@ -41,7 +42,8 @@ pub struct Replays<'a> {
     whole: Vec<Replayer<'a>>,
     heads: Vec<Replayer<'a>>,
     noisy: Vec<Replayer<'a>>,
-    noise: Vec<[f64; SCORED.len()]>,
+    /// RMS of each scored channel's own noise, recording by recording.
+    floors: Vec<[f64; SCORED.len()]>,
     control_floor: f64,
 }
 
@@ -54,14 +56,14 @@ impl<'a> Replays<'a> {
         let ready = |recordings: &'a [Recording]| {
             recordings.iter().map(|r| Replayer::new(base, r)).collect::<Result<Vec<_>, _>>()
         };
-        let noise = |r: &Recording| SCORED.map(|c| r.column(c).map_or(0.0, white_noise));
+        let floors = |r: &Recording| SCORED.map(|c| floor(base, c, r.column(c).unwrap_or(&[])));
         Ok(Self {
             base,
             control: control.clone(),
             whole: ready(&prepared.whole)?,
             heads: ready(&prepared.heads)?,
             noisy: ready(&prepared.noisy)?,
-            noise: prepared.whole.iter().map(noise).collect(),
+            floors: prepared.whole.iter().map(floors).collect(),
             control_floor: match control {
                 Loop::Closed(controller) => control_floor(base, controller),
                 Loop::Open => 0.0,
@@ -112,9 +114,11 @@ impl<'a> Replays<'a> {
                 continue;
             }
             let (shown, c) = if stand_in { (Channel::HubRate, 1) } else { (channel, c) };
-            let Some(fit) = replay.channels.iter().find(|f| f.channel == shown) else { continue };
+            if !replay.channels.iter().any(|f| f.channel == shown) {
+                continue;
+            }
             let recorded = &self.prepared.whole[index].column(shown)?[..length];
-            let floor = fit.floor.max(self.noise[index][c]);
+            let floor = self.floors[index][c];
             let simulated = shown.of(&replay.simulated);
             let difference = |(s, r): (&f64, &f64)| if r.is_finite() { (s - r) / floor } else { 0.0 };
             let residual: Vec<f64> = simulated.iter().zip(recorded).map(difference).collect();
@@ -142,8 +146,9 @@ impl<'a> Replays<'a> {
                 return None;
             }
             let shown = if stand_in { Channel::HubRate } else { channel };
-            let fit = quiet.channels.iter().find(|f| f.channel == shown)?;
-            let apart = apart(shown, &quiet.simulated, &shaken.simulated) / fit.floor;
+            quiet.channels.iter().find(|f| f.channel == shown)?;
+            let place = SCORED.into_iter().position(|c| c == shown)?;
+            let apart = apart(shown, &quiet.simulated, &shaken.simulated) / self.floors[index][place];
             let own = if shown == Channel::Control { 1.0 } else { 0.0 };
             Some((apart * apart - own).max(0.0).sqrt())
         };
@@ -279,15 +284,6 @@ fn deviation(series: &[f64]) -> f64 {
     let finite: Vec<f64> = series.iter().copied().filter(|v| v.is_finite()).collect();
     let mean = finite.iter().sum::<f64>() / finite.len().max(1) as f64;
     rms(&finite.iter().map(|v| v - mean).collect::<Vec<f64>>())
-}
-
-/// White noise of a channel from its third differences, by their median: steps and slow motion do not disturb it.
-fn white_noise(series: &[f64]) -> f64 {
-    let third = series.windows(4).map(|w| (w[3] - 3.0 * (w[2] - w[1]) - w[0]).abs());
-    let mut sizes: Vec<f64> = third.filter(|d| d.is_finite()).collect();
-    sizes.sort_by(f64::total_cmp);
-    let median = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
-    median / (0.6745 * 20f64.sqrt())
 }
 
 /// The recording with other noise: on its demand of the size of the hub gyroscope's, on the platform's channels of the

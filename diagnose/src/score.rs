@@ -87,11 +87,22 @@ impl Score {
         let cells = self.cells.iter().zip(&before.cells);
         cells
             .map(|(after, before)| {
-                let ratio = (before.excess.max(SCORE_FLOOR) / after.excess.max(SCORE_FLOOR)).ln();
+                let ratio = log_excess(before) - log_excess(after);
                 let worth = if ratio > 0.0 { after.worth } else { before.worth };
                 worth * ratio
             })
             .sum()
+    }
+
+    /// Nats by which this mechanism is behind another on the same parts, every cell weighed by what it is worth to the other.
+    pub fn loss_against(&self, other: &Score) -> f64 {
+        let cells = self.cells.iter().zip(&other.cells);
+        cells.map(|(ours, theirs)| theirs.worth * log_excess(ours) - theirs.worth * log_excess(theirs)).sum()
+    }
+
+    /// Mean over the cells of ln(excess), below the floor as well: what tells models apart that are all close to it.
+    pub fn level(&self) -> f64 {
+        self.cells.iter().map(log_excess).sum::<f64>() / self.cells.len().max(1) as f64
     }
 
     /// Mean over the cells of ln(excess), the distance from the floor: 0 is perfect.
@@ -104,6 +115,10 @@ impl Score {
     pub fn worst(&self) -> f64 {
         self.cells.iter().map(|cell| cell.excess).fold(0.0, f64::max)
     }
+}
+
+fn log_excess(cell: &Cell) -> f64 {
+    cell.excess.max(SCORE_FLOOR).ln()
 }
 
 /// Integrated correlation time of a series in samples, 1 for white noise (initial positive sequence, Geyer 1992).

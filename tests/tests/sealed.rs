@@ -8,7 +8,7 @@ use counterpoise_diagnose::bench::Pool;
 use counterpoise_diagnose::diagnose;
 use counterpoise_models::{Parameters, reference};
 use counterpoise_tests::sealed::row::recordings;
-use counterpoise_tests::sealed::{Family, GAINS, PERIOD, Sealed, case};
+use counterpoise_tests::sealed::{Family, Sealed, case, controller};
 
 struct Threads;
 
@@ -44,16 +44,10 @@ fn right(sealed: &Sealed, answer: &Answer) -> bool {
 #[test]
 fn a_name_never_makes_data_worse_that_was_not_fitted() {
     let nominal: Parameters = reference::rig();
-    let controller = counterpoise_controller::ProportionalIntegral {
-        kp_v_s_rad: GAINS[0],
-        ki_v_rad: GAINS[1],
-        bias_v: GAINS[2],
-        sample_period_s: PERIOD,
-        integral_v: 0.0,
-    };
+    let controller = controller();
     let (mut good, mut all) = (0, 0);
     for seed in seeds() {
-        let case = case(seed, &nominal, GAINS);
+        let case = case(seed, &nominal);
         let found = diagnose(&nominal, &controller, &recordings(&case), &Threads).unwrap();
         let answer = &found.answer;
         let right = right(&case.sealed, answer);

@@ -6,11 +6,11 @@
 use std::io::Write;
 use std::sync::Mutex;
 
-use counterpoise_controller::ProportionalIntegral;
 use counterpoise_diagnose::{bench::Serial, diagnose};
 use counterpoise_models::reference;
+use counterpoise_tests::sealed::oracle::compared;
 use counterpoise_tests::sealed::row::{recordings, scored};
-use counterpoise_tests::sealed::{GAINS, PERIOD, Row, case, table};
+use counterpoise_tests::sealed::{Row, case, controller, table};
 
 fn main() -> std::io::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -54,15 +54,10 @@ fn parsed(range: &str) -> Option<std::ops::Range<u64>> {
 
 fn row(seed: u64) -> Result<Row, counterpoise_diagnose::Error> {
     let nominal = reference::rig();
-    let controller = ProportionalIntegral {
-        kp_v_s_rad: GAINS[0],
-        ki_v_rad: GAINS[1],
-        bias_v: GAINS[2],
-        sample_period_s: PERIOD,
-        integral_v: 0.0,
-    };
-    let case = case(seed, &nominal, GAINS);
+    let case = case(seed, &nominal);
     let clock = std::time::Instant::now();
-    let found = diagnose(&nominal, &controller, &recordings(&case), &Serial)?;
-    Ok(scored(seed, &case, &found.answer, clock.elapsed().as_secs_f64()))
+    let found = diagnose(&nominal, &controller(), &recordings(&case), &Serial)?;
+    let mut row = scored(seed, &case, &found.answer, clock.elapsed().as_secs_f64());
+    row.split = compared(&nominal, &case, &found.answer)?;
+    Ok(row)
 }

@@ -49,6 +49,7 @@ pub struct Written {
 }
 
 /// Seeded numbers.
+#[derive(Clone)]
 pub struct Dice(ChaCha8Rng);
 
 impl Dice {

@@ -4,6 +4,7 @@
 
 pub mod experiment;
 pub mod machine;
+pub mod oracle;
 pub mod row;
 pub mod table;
 pub mod truth;
@@ -12,15 +13,16 @@ pub use experiment::{Dice, Experiment, Kind, PERIOD, Recorder, SAMPLES, Written,
 pub use row::{Row, scored};
 pub use truth::{Concealed, Family, Sealed};
 
+use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::Parameters;
 use machine::Machine;
 
 /// One machine: what the diagnosis sees, and what it does not.
 pub struct Case {
-    /// Recordings by kind of experiment.
-    pub recordings: Vec<(Kind, Written)>,
-    /// The same experiments on the machine without what is concealed, the same noise.
-    pub plain: Vec<Written>,
+    /// Recordings, one of each of [`KINDS`].
+    pub recordings: Vec<Written>,
+    /// For each concealed effect: the same experiments on the machine without it, the same noise.
+    pub without: Vec<Vec<Written>>,
     /// The sealed answer.
     pub sealed: Sealed,
 }
@@ -31,15 +33,17 @@ pub const KINDS: [Kind; 4] = [Kind::Triangle, Kind::Steps, Kind::Road, Kind::Mul
 /// Proportional and integral gain and bias of the loop in which the machines are recorded.
 pub const GAINS: [f64; 3] = [18.0, 80.0, 2.88];
 
-/// The machine of a seed, recorded with the given proportional and integral gain and bias.
-pub fn case(seed: u64, nominal: &Parameters, gains: [f64; 3]) -> Case {
-    let mut plain = truth::machine(nominal);
-    let mut machine = plain.clone();
-    let sealed = truth::conceal(seed, &mut machine);
-    for gyro in [&mut plain.hub_gyro, &mut plain.platform_gyro, &mut plain.accelerometer] {
-        gyro.noise *= sealed.noise;
-    }
-    let mut recorder = truth::recorder(nominal, gains[0], gains[1], gains[2]);
+/// The controller of that loop.
+pub fn controller() -> ProportionalIntegral {
+    let [kp_v_s_rad, ki_v_rad, bias_v] = GAINS;
+    ProportionalIntegral { kp_v_s_rad, ki_v_rad, bias_v, sample_period_s: PERIOD, integral_v: 0.0 }
+}
+
+/// The machine of a seed, recorded.
+pub fn case(seed: u64, nominal: &Parameters) -> Case {
+    let mut machine = truth::machine(nominal);
+    let (sealed, without) = truth::conceal(seed, &mut machine);
+    let mut recorder = truth::recorder(nominal, GAINS[0], GAINS[1], GAINS[2]);
     recorder.tachometer.noise *= sealed.noise;
     recorder.resolver.noise *= sealed.noise;
     let one = |machine: &Machine, k: usize| {
@@ -47,7 +51,6 @@ pub fn case(seed: u64, nominal: &Parameters, gains: [f64; 3]) -> Case {
         let experiment = Experiment::new(KINDS[k], &mut dice);
         record(machine, &recorder, &experiment, &mut dice)
     };
-    let recordings = (0..KINDS.len()).map(|k| (KINDS[k], one(&machine, k))).collect();
-    let plain = (0..KINDS.len()).map(|k| one(&plain, k)).collect();
-    Case { recordings, plain, sealed }
+    let all = |machine: &Machine| (0..KINDS.len()).map(|k| one(machine, k)).collect::<Vec<Written>>();
+    Case { recordings: all(&machine), without: without.iter().map(all).collect(), sealed }
 }

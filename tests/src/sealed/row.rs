@@ -36,6 +36,52 @@ pub struct Row {
     /// Whether data that was not fitted got worse.
     pub damaged: bool,
     pub seconds: f64,
+    /// For each concealed effect, the RMS change that it makes beside the others to the most changed channel, in floors.
+    #[serde(default)]
+    pub sizes: Vec<f64>,
+    /// For each interval: how far the value is from the truth, in its standard deviations.
+    #[serde(default)]
+    pub errors: Vec<f64>,
+    /// Gap and evidence of each finding with a name, as the probability is made from.
+    #[serde(default)]
+    pub evidence: Vec<Tried>,
+    /// Mean ln(RMS / floor) on the last part of every recording, fitted to the first: the model as it was, its parameters
+    /// refitted, what was found, the truth.
+    #[serde(default)]
+    pub split: [Option<f64>; 4],
+}
+
+/// A hypothesis that was fitted: what the search weighed.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Tried {
+    pub stage: usize,
+    pub name: String,
+    pub beside: usize,
+    pub gain: f64,
+    pub distance: f64,
+    pub worst: f64,
+    pub accepted: bool,
+}
+
+/// Hypotheses kept of each stage.
+const KEPT: usize = 6;
+
+fn tried(answer: &Answer) -> Vec<Tried> {
+    let mut out: Vec<Tried> = Vec::new();
+    for h in &answer.hypotheses {
+        if out.iter().filter(|t| t.stage == h.stage).count() < KEPT {
+            out.push(Tried {
+                stage: h.stage,
+                name: format!("{} {}", h.component, h.effect),
+                beside: h.beside.len(),
+                gain: h.gain_nats,
+                distance: h.distance,
+                worst: h.worst,
+                accepted: h.accepted,
+            });
+        }
+    }
+    out
 }
 
 /// What the diagnosis is handed of a machine.
@@ -51,7 +97,7 @@ pub fn recordings(case: &Case) -> Vec<Recording> {
         motor_rate_rad_s: case.sealed.motor_rate.then(|| written.motor_rate.clone()),
         hub_position_rad: case.sealed.hub_position.then(|| written.hub_position.clone()),
     };
-    case.recordings.iter().map(|(_, written)| written).enumerate().map(one).collect()
+    case.recordings.iter().enumerate().map(one).collect()
 }
 
 /// Scores an answer.
@@ -61,12 +107,13 @@ pub fn scored(seed: u64, case: &Case, answer: &Answer, seconds: f64) -> Row {
     let count = |hit: &dyn Fn(&Concealed) -> bool| sealed.concealed.iter().filter(|c| hit(c)).count();
     let any = |hit: &dyn Fn(&Finding) -> bool| answer.findings.iter().any(hit);
     let names = |c: &str, e: &str| format!("{c} {e}");
-    let (covered, intervals) = coverage(sealed, answer);
+    let errors = errors(sealed, answer);
+    let sizes: Vec<f64> = (0..sealed.concealed.len()).map(|k| size(case, k, answer)).collect();
     Row {
         seed,
         family: format!("{:?}", sealed.family),
         truth: sealed.concealed.iter().map(|c| names(c.component, c.effect)).collect(),
-        visibility: visibility(case, answer),
+        visibility: sizes.iter().copied().fold(0.0, f64::max),
         noise: sealed.noise,
         verdict: format!("{:?}", answer.verdict),
         found: answer.findings.iter().map(|f| names(f.component, f.effect)).collect(),
@@ -75,12 +122,16 @@ pub fn scored(seed: u64, case: &Case, answer: &Answer, seconds: f64) -> Row {
         top: count(&|c| known && any(&|f| is(c, f.component, f.effect))),
         in_set: count(&|c| known && any(&|f| offers(c, f))),
         offered: answer.findings.iter().map(|f| 1 + f.alternatives.len()).sum(),
-        covered,
-        intervals,
+        covered: errors.iter().filter(|e| e.abs() <= 1.96).count(),
+        intervals: errors.len(),
         held_out_before: distance(&answer.fit.held_out_before),
         held_out_after: distance(&answer.fit.held_out_after),
         damaged: answer.verdict != Verdict::Consistent && damaged(answer),
         seconds,
+        sizes,
+        errors,
+        evidence: tried(answer),
+        split: [None; 4],
     }
 }
 
@@ -97,31 +148,31 @@ fn stated(sealed: &Sealed, f: &Finding) -> (f64, bool) {
     (f.probability, sealed.concealed.iter().any(|c| is(c, f.component, f.effect)))
 }
 
-/// True values inside the intervals of the findings with the right name, and how many were looked at.
-fn coverage(sealed: &Sealed, answer: &Answer) -> (usize, usize) {
-    let mut inside = (0, 0);
+/// Errors of the parameters of the findings with the right name, in their standard deviations.
+fn errors(sealed: &Sealed, answer: &Answer) -> Vec<f64> {
+    let mut errors = Vec::new();
     for c in &sealed.concealed {
         let finding = answer.findings.iter().find(|f| (f.component, f.effect) == (c.component, c.effect));
         for p in finding.map_or(&[][..], |f| &f.parameters) {
             let truth = c.parameters.iter().find(|(name, _)| *name == p.name);
             if let Some(&(_, value)) = truth {
-                inside.0 += usize::from(p.ci95[0] <= value && value <= p.ci95[1]);
-                inside.1 += 1;
+                let side = if value < p.value { p.value - p.ci95[0] } else { p.ci95[1] - p.value };
+                errors.push(1.96 * (p.value - value) / side.max(f64::MIN_POSITIVE));
             }
         }
     }
-    inside
+    errors
 }
 
-/// The change that the concealed effect makes to the most changed channel of any recording, in floors; a fault of the
-/// platform's own sensors changes no motion, and counts by the misfit that it makes.
-fn visibility(case: &Case, answer: &Answer) -> f64 {
-    if case.sealed.concealed.iter().any(|c| c.component.starts_with("platform")) {
+/// The change that a concealed effect makes beside the others to the most changed channel of any recording, in floors; a
+/// fault of the platform's own sensors changes no motion, and counts by the misfit that it makes.
+fn size(case: &Case, index: usize, answer: &Answer) -> f64 {
+    if case.sealed.concealed[index].component.starts_with("platform") {
         let over = |f: &ChannelFit| ((f.rms_error / f.floor).powi(2) - 1.0).max(0.0).sqrt();
         return answer.fit.before.values().map(over).fold(0.0, f64::max);
     }
     let mut largest: f64 = 0.0;
-    for ((_, with), without) in case.recordings.iter().zip(&case.plain) {
+    for (with, without) in case.recordings.iter().zip(&case.without[index]) {
         let channels = [
             ("control", &with.control, &without.control),
             ("hub_rate", &with.hub_rate, &without.hub_rate),

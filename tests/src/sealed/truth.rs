@@ -129,8 +129,8 @@ pub fn recorder(p: &Parameters, kp: f64, ki: f64, bias: f64) -> Recorder {
     }
 }
 
-/// Draws what a seed conceals and puts it into the machine.
-pub fn conceal(seed: u64, machine: &mut Machine) -> Sealed {
+/// Draws what a seed conceals and puts it into the machine; also the machines that lack one concealed effect each.
+pub fn conceal(seed: u64, machine: &mut Machine) -> (Sealed, Vec<Machine>) {
     let mut dice = Dice::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5ea1);
     let draw = dice.uniform(0.0, 1.0);
     let family = match draw {
@@ -142,6 +142,7 @@ pub fn conceal(seed: u64, machine: &mut Machine) -> Sealed {
     };
     let noise = [0.5, 1.0, 3.0][dice.below(3)];
     let sensors = dice.below(3);
+    let mut without = vec![machine.clone()];
     let concealed = match family {
         Family::Nothing => Vec::new(),
         Family::Outside => vec![outside(machine, &mut dice)],
@@ -150,13 +151,19 @@ pub fn conceal(seed: u64, machine: &mut Machine) -> Sealed {
         Family::Pair => {
             let first = dice.below(PHYSICS);
             let second = (first + 1 + dice.below(PHYSICS - 1)) % PHYSICS;
-            vec![physics(machine, &mut dice, first), physics(machine, &mut dice, second)]
+            let one = physics(machine, &mut dice, first);
+            without.push(machine.clone());
+            physics(&mut without[0], &mut dice.clone(), second);
+            vec![one, physics(machine, &mut dice, second)]
         }
     };
-    for gyro in [&mut machine.hub_gyro, &mut machine.platform_gyro, &mut machine.accelerometer] {
-        gyro.noise *= noise;
+    without.truncate(concealed.len());
+    for machine in without.iter_mut().chain([machine]) {
+        for gyro in [&mut machine.hub_gyro, &mut machine.platform_gyro, &mut machine.accelerometer] {
+            gyro.noise *= noise;
+        }
     }
-    Sealed { family, concealed, noise, motor_rate: sensors != 1, hub_position: sensors != 2 }
+    (Sealed { family, concealed, noise, motor_rate: sensors != 1, hub_position: sensors != 2 }, without)
 }
 
 /// Number of kinds of physics that `physics` can put in.

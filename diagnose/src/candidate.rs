@@ -1,0 +1,202 @@
+//! A model that was fitted and judged, and the weighing of several of them.
+
+use crate::bench::Judged;
+use crate::fit::{Fit, knobs};
+use crate::library::Effect;
+use crate::look::Look;
+use crate::score::{Part, Score};
+use crate::tolerance::{
+    EFFECT_PRICE, EXPLAINED, FINAL_REACH, FINALISTS, FITTED_SHARE, GAIN_NEEDED, HARM, NOTHING_LEFT, PARAMETER_PRICE, SYSTEMATIC_GAIN,
+};
+
+/// A candidate that was fitted and judged.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    /// All effects of the model, fitted together; the new one is the last.
+    pub fit: Fit,
+    /// Fit of every recording, whole.
+    pub whole: Score,
+    /// Fit of what the candidate was not fitted to.
+    pub held_out: Score,
+    /// Fit of the model before, on the same data.
+    pub held_out_before: Score,
+    /// What the candidate was not fitted to.
+    pub held_out_parts: Vec<Part>,
+    /// How the recordings stand to it, without their residuals.
+    pub stances: Vec<Judged>,
+}
+
+impl Candidate {
+    /// The effect that the candidate adds.
+    pub fn newest(&self) -> Option<&'static Effect> {
+        self.fit.effects.last().copied()
+    }
+
+    /// Log-likelihood gained on data that it was not fitted to, in nats.
+    pub fn gain(&self) -> f64 {
+        self.held_out.gain_over(&self.held_out_before)
+    }
+
+    /// Nats by which the candidate is behind another on all data, each effect and each parameter at its price.
+    pub fn behind(&self, other: &Self) -> f64 {
+        self.whole.loss_against(&other.whole) + self.price() - other.price()
+    }
+
+    /// What its effects and parameters must be worth, in nats.
+    fn price(&self) -> f64 {
+        EFFECT_PRICE * self.fit.effects.len() as f64 + PARAMETER_PRICE * self.fit.values.len() as f64
+    }
+
+    /// Whether it gains enough, on data that it was not fitted to, harms no channel there and keeps its bounds.
+    pub fn is_acceptable(&self) -> bool {
+        self.gain() > GAIN_NEEDED && !self.is_harmful() && self.is_within_bounds()
+    }
+
+    /// Whether a channel that was not fitted gets clearly worse.
+    pub fn is_harmful(&self) -> bool {
+        let cells = self.held_out.cells.iter().zip(&self.held_out_before.cells);
+        cells.into_iter().any(|(after, before)| after.excess > HARM * before.excess.max(1.0))
+    }
+
+    /// Whether every knob stayed off the bounds of physical sense.
+    fn is_within_bounds(&self) -> bool {
+        knobs(&self.fit.effects).iter().zip(&self.fit.values).all(|(knob, &value)| {
+            let [low, high] = knob.bounds;
+            let margin = 1e-3 * (high - low).abs().min(value.abs());
+            (value > low + margin || low == 0.0) && value < high - margin
+        })
+    }
+
+    /// Whether its last effect is worth having beside those of a smaller model: more than chance, and more than what two
+    /// careful simulators of one mechanism differ by, which grows with all that was explained.
+    pub fn is_worth_more_than(&self, smaller: &Score, nothing: &Score) -> bool {
+        let gain = self.whole.gain_over(smaller);
+        gain > GAIN_NEEDED && gain > SYSTEMATIC_GAIN * self.whole.gain_over(nothing)
+    }
+
+    /// Whether nothing is left that a further effect could explain.
+    pub fn explains(&self) -> bool {
+        self.whole.worst() < EXPLAINED && self.whole.distance() < NOTHING_LEFT
+    }
+
+    pub(crate) fn has_same_effects(&self, other: &Self) -> bool {
+        let all = |c: &Self| {
+            let mut labels: Vec<*const Effect> =
+                c.fit.effects.iter().map(|e| std::ptr::from_ref(*e)).collect();
+            labels.sort_unstable();
+            labels
+        };
+        all(self) == all(other)
+    }
+
+    /// Puts the newest effect at `index` of the list.
+    pub(crate) fn move_last_to(&mut self, index: usize) {
+        let Some(newest) = self.fit.effects.pop() else { return };
+        let first = knobs(&self.fit.effects[..index]).len();
+        let tail = self.fit.values.split_off(self.fit.values.len() - newest.knobs.len());
+        self.fit.values.splice(first..first, tail);
+        self.fit.effects.insert(index, newest);
+    }
+}
+
+/// Candidates best first, each set of effects once: by the likelihood of all data, every channel weighed by what it is
+/// worth to the one that is nearest to the floor.
+pub(crate) fn ranked(mut candidates: Vec<Candidate>) -> Vec<Candidate> {
+    candidates.sort_by(|a, b| a.whole.level().total_cmp(&b.whole.level()));
+    if let Some(nearest) = candidates.first().cloned() {
+        candidates.sort_by(|a, b| a.behind(&nearest).total_cmp(&b.behind(&nearest)));
+    }
+    let mut kept: Vec<Candidate> = Vec::new();
+    for candidate in candidates {
+        if !kept.iter().any(|k| k.has_same_effects(&candidate)) {
+            kept.push(candidate);
+        }
+    }
+    kept
+}
+
+/// Candidates in their order, and the rest: those that are worth a fit to every recording, and the others.
+pub(crate) fn finalists(mut candidates: Vec<Candidate>) -> (Vec<Candidate>, Vec<Candidate>) {
+    let Some(best) = candidates.first() else { return (candidates, Vec::new()) };
+    let limit = best.whole.level() + FINAL_REACH[usize::from(!best.explains())];
+    let near = candidates.iter().take(FINALISTS).take_while(|c| c.whole.level() < limit).count();
+    let others = candidates.split_off(near.max(1));
+    (candidates, others)
+}
+
+/// One stage: the candidates that were judged, best first, and what the first look said.
+#[derive(Debug, Clone)]
+pub struct Stage {
+    /// Candidates, best first.
+    pub candidates: Vec<Candidate>,
+    /// First look, best first.
+    pub looks: Vec<Look>,
+}
+
+impl Stage {
+    /// Whether a candidate of this stage added the effect that is all of a model.
+    pub(crate) fn contains(&self, model: &Candidate) -> bool {
+        let effect = model.newest();
+        let same = |c: &Candidate| c.newest().zip(effect).is_some_and(|(a, b)| std::ptr::eq(a, b));
+        self.candidates.iter().any(|c| c.fit.effects.len() == 1 && same(c))
+    }
+
+    /// The candidates of one effect alone.
+    pub(crate) fn singles(&self) -> Vec<Candidate> {
+        self.adding_one(0)
+    }
+
+    /// The candidates that have all effects of a smaller model and one more.
+    pub(crate) fn beside(&self, smaller: &Candidate) -> Vec<Candidate> {
+        let has = |c: &Candidate, e: &Effect| c.fit.effects.iter().any(|f| std::ptr::eq(*f, e));
+        let all = |c: &&Candidate| {
+            c.fit.effects.len() == smaller.fit.effects.len() + 1
+                && smaller.fit.effects.iter().all(|e| has(c, e))
+        };
+        self.candidates.iter().filter(all).cloned().collect()
+    }
+
+    /// The candidates that add one effect to a number of present ones.
+    pub(crate) fn adding_one(&self, present: usize) -> Vec<Candidate> {
+        self.candidates.iter().filter(|c| c.fit.effects.len() == present + 1).cloned().collect()
+    }
+}
+
+/// The best looks: so many effects, the best two of them from two starts.
+pub(crate) fn shortlist(looks: &[Look], count: usize) -> Vec<&Look> {
+    let mut picked: Vec<&Look> = Vec::new();
+    let mut effects = 0;
+    for look in looks {
+        let same = picked.iter().filter(|p| std::ptr::eq(p.effect, look.effect)).count();
+        if same == 0 {
+            effects += 1;
+        }
+        if effects > count {
+            break;
+        }
+        if same == 0 || (same == 1 && effects <= 2) {
+            picked.push(look);
+        }
+    }
+    picked
+}
+
+/// The half of the recordings in which an effect shows most.
+pub(crate) fn telling_recordings(signature: &[f64]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..signature.len()).collect();
+    order.sort_by(|&a, &b| signature[b].total_cmp(&signature[a]));
+    order.truncate(signature.len().div_ceil(2));
+    order.sort_unstable();
+    order
+}
+
+/// The end of every fitted recording, and the others whole.
+pub(crate) fn held_out_parts(count: usize, fitted: &[usize]) -> Vec<Part> {
+    let part = |r| Part { recording: r, from: if fitted.contains(&r) { FITTED_SHARE } else { 0.0 }, to: 1.0 };
+    (0..count).map(part).collect()
+}
+
+/// All recordings, whole.
+pub(crate) fn whole_parts(count: usize) -> Vec<Part> {
+    (0..count).map(|recording| Part { recording, from: 0.0, to: 1.0 }).collect()
+}

@@ -1,0 +1,101 @@
+//! What is done to the effects that were accepted: fitted to everything, refined, swapped for better ones, dropped where
+//! the others do without them.
+
+use crate::fit::{Selection, knobs};
+use crate::library::{Effect, refinement};
+use crate::select::{Candidate, Effort, Search, Searcher};
+use crate::tolerance::{RIVALS, SEARCH_ITERATIONS, SWAP_NEEDED};
+
+impl Searcher<'_> {
+    /// The accepted effects with those in a coarse form refined, where that explains more.
+    pub(crate) fn refined(&self, candidate: Candidate) -> Candidate {
+        let finer = |effect: &&'static Effect| refinement(effect).unwrap_or(effect);
+        let effects: Vec<&'static Effect> = candidate.fit.effects.iter().map(finer).collect();
+        if effects.iter().zip(&candidate.fit.effects).all(|(a, b)| std::ptr::eq(*a, *b)) {
+            return candidate;
+        }
+        let start: Vec<f64> = effects.iter().flat_map(|e| e.values(&candidate.fit.parameters)).collect();
+        let selection = Selection { iterations: SEARCH_ITERATIONS, ..Selection::all(self.bench.count()) };
+        let fit = self.fit(effects, &start, &selection, &candidate.stances);
+        let judged = fit.and_then(|fit| Some((self.whole_score(&fit.parameters)?, fit)));
+        match judged.map(|(whole, fit)| Candidate { fit, whole, ..candidate.clone() }) {
+            Some(finer) if finer.behind(&candidate) < 0.0 => finer,
+            _ => candidate,
+        }
+    }
+
+    /// The accepted effects fitted once more, to everything.
+    pub(crate) fn refitted(&self, candidate: Candidate) -> Candidate {
+        let selection = Selection { iterations: SEARCH_ITERATIONS, ..Selection::all(self.bench.count()) };
+        let (effects, stances) = (candidate.fit.effects.clone(), &candidate.stances);
+        let again = self.fit(effects, &candidate.fit.values, &selection, stances);
+        let judged = again.and_then(|fit| Some((self.whole_score(&fit.parameters)?, fit)));
+        match judged {
+            Some((whole, fit)) if whole.level() <= candidate.whole.level() + 0.01 => {
+                Candidate { fit, whole, ..candidate }
+            }
+            _ => candidate,
+        }
+    }
+
+    /// Replaces an effect where another explains more beside the rest, and drops one that the others make idle.
+    pub(crate) fn swap_and_prune(&self, search: &mut Search) {
+        let Some(mut best) = search.accepted.take() else { return };
+        self.prune(&mut best, search);
+        if let (1, Some(stage)) = (best.fit.effects.len(), search.stages.iter().find(|s| s.contains(&best))) {
+            search.rivals = vec![stage.singles()];
+            search.accepted = Some(best);
+            return;
+        }
+        for index in 0..best.fit.effects.len() {
+            let Some(without) = self.without(&best, index).filter(|_| !self.pool.cancelled()) else {
+                search.rivals.push(Vec::new());
+                continue;
+            };
+            let rivals = self.rivals(search, &without);
+            let better = rivals.iter().find(|c| c.is_acceptable() && c.behind(&best) < -SWAP_NEEDED);
+            if let Some(better) = better {
+                let mut swapped = self.refitted(better.clone());
+                swapped.move_last_to(index);
+                best = swapped;
+            }
+            search.rivals.push(rivals);
+        }
+        search.accepted = Some(best);
+    }
+
+    /// What else could stand beside the effects of a model: from the stage that tried it, or looked for now.
+    fn rivals(&self, search: &Search, without: &Candidate) -> Vec<Candidate> {
+        let tried = search.stages.iter().map(|stage| stage.beside(without)).max_by_key(Vec::len);
+        match tried.filter(|tried| tried.len() >= RIVALS) {
+            Some(tried) => tried,
+            None => self.stage(Some(without), Effort::Rivals).adding_one(without.fit.effects.len()),
+        }
+    }
+
+    /// Drops effects without which the rest explains the recordings as well.
+    fn prune(&self, best: &mut Candidate, search: &Search) {
+        let mut index = 0;
+        while best.fit.effects.len() > 1 && index < best.fit.effects.len() && !self.pool.cancelled() {
+            let Some(without) = self.without(best, index) else { return };
+            if best.is_worth_more_than(&without.whole, &search.before) {
+                index += 1;
+            } else {
+                *best = without;
+            }
+        }
+    }
+
+    fn without(&self, candidate: &Candidate, index: usize) -> Option<Candidate> {
+        let mut effects = candidate.fit.effects.clone();
+        let first = knobs(&effects[..index]).len();
+        let mut start = candidate.fit.values.clone();
+        start.drain(first..first + effects[index].knobs.len());
+        effects.remove(index);
+        let recordings = (0..self.bench.count()).collect();
+        let selection = Selection::searching(recordings);
+        let fit = self.fit(effects, &start, &selection, &[])?;
+        let whole = self.whole_score(&fit.parameters)?;
+        Some(Candidate { fit, whole, ..candidate.clone() })
+    }
+}

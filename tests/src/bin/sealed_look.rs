@@ -1,0 +1,66 @@
+//! What the diagnosis says of one sealed machine, with everything that it tried, beside the truth.
+//!
+//! `cargo run --release -p counterpoise-tests --bin sealed_look -- 13`
+
+use counterpoise_diagnose::answer::Answer;
+use counterpoise_diagnose::bench::Pool;
+use counterpoise_diagnose::diagnose;
+use counterpoise_models::reference;
+use counterpoise_tests::sealed::oracle::compared;
+use counterpoise_tests::sealed::row::{recordings, scored};
+use counterpoise_tests::sealed::{Case, case, controller};
+
+struct Threads;
+
+impl Pool for Threads {
+    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
+        counterpoise_tests::in_parallel(count, job);
+    }
+}
+
+fn main() {
+    for seed in std::env::args().skip(1).filter_map(|text| text.parse().ok()) {
+        let case = case(seed, &reference::rig());
+        let clock = std::time::Instant::now();
+        match diagnose(&reference::rig(), &controller(), &recordings(&case), &Threads) {
+            Ok(found) => print(seed, &case, &found.answer, clock.elapsed().as_secs_f64()),
+            Err(error) => println!("seed {seed}: {error}"),
+        }
+    }
+}
+
+fn print(seed: u64, case: &Case, answer: &Answer, seconds: f64) {
+    println!("seed {seed}, noise {}, {seconds:.1} s", case.sealed.noise);
+    for concealed in &case.sealed.concealed {
+        println!("  {concealed:?}");
+    }
+    println!("  {:?}", answer.verdict);
+    for finding in &answer.findings {
+        println!("  {} {} {:.3}", finding.component, finding.effect, finding.probability);
+        finding.parameters.iter().for_each(|p| println!("    {} {} {:?}", p.name, p.value, p.ci95));
+        finding.alternatives.iter().for_each(|a| println!("    or {} {}", a.component, a.effect));
+    }
+    for (channel, before) in &answer.fit.before {
+        let after = answer.fit.after.get(channel).map_or(f64::NAN, |c| c.rms_error / c.floor);
+        println!("  {channel}: {:.3} floors before, {after:.3} after", before.rms_error / before.floor);
+    }
+    for h in &answer.hypotheses {
+        let beside: Vec<String> = h.beside.iter().map(|n| format!("{} {}", n.component, n.effect)).collect();
+        let mark = if h.accepted { "*" } else { " " };
+        println!(
+            "  {mark} stage {} {:<40} gain {:9.1} distance {:.4} worst {:.3} beside {}",
+            h.stage,
+            format!("{} {}", h.component, h.effect),
+            h.gain_nats,
+            h.distance,
+            h.worst,
+            beside.join(", ")
+        );
+    }
+    let row = scored(seed, case, answer, seconds);
+    println!("  sizes {:.2?}, errors {:.2?}", row.sizes, row.errors);
+    match compared(&reference::rig(), case, answer) {
+        Ok(split) => println!("  nominal, refitted, found, truth: {split:.4?}"),
+        Err(error) => println!("  {error}"),
+    }
+}
