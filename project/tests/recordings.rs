@@ -295,3 +295,62 @@ fn a_mapping_unrolls_adds_and_differentiates() {
     assert_eq!(counts(Channel::HubPosition), [8000.0, 8101.0, 8202.0, 8303.0, 8404.0]);
     assert_eq!(counts(Channel::MotorRate), [1000.0; 5]);
 }
+
+#[test]
+fn windows_and_other_rates() {
+    let rows: String = (0..40).map(|k| format!("{},{},{}\n", 0.01 * f64::from(k), k, 2 * k)).collect();
+    let table = read(&format!("time [s],control [V],hub_rate [rad/s]\n{rows}"));
+    let mapping = Mapping { windows_s: vec![[0.0, 0.1], [0.2, 0.4]], ..Mapping::default() };
+    let parts = mapping.records(&table).unwrap();
+    assert_eq!(parts.len(), 2);
+    assert_eq!(channel(&parts[1], Channel::Control), (20..40).map(f64::from).collect::<Vec<_>>());
+    assert!((parts[1].start_s - 0.2).abs() < 1e-12);
+    let beyond = Mapping { windows_s: vec![[0.3, 0.5]], ..Mapping::default() };
+    let said = beyond.records(&table).unwrap_err().to_string();
+    assert!(said.contains("from 0.3 s to 0.5 s is not within"), "{said}");
+    // a held control is averaged over the sample for which it is held, a reading about its instant
+    let coarse = Mapping { sample_period_s: Some(0.04), ..Mapping::default() }.apply(&table).unwrap();
+    assert_eq!(coarse.sample_period_s, 0.04);
+    assert_eq!(channel(&coarse, Channel::Control)[1], 5.5);
+    assert_eq!(channel(&coarse, Channel::HubRate)[1], 2.0 * 4.0);
+    assert!(coarse.findings.iter().any(|f| matches!(f, Finding::Resampled { .. })));
+    let fine = Mapping { sample_period_s: Some(0.005), ..Mapping::default() }.apply(&table).unwrap();
+    assert_eq!(channel(&fine, Channel::Control)[..4], [0.0, 0.0, 1.0, 1.0]);
+    assert_eq!(channel(&fine, Channel::HubRate)[..4], [0.0, 1.0, 2.0, 3.0]);
+}
+
+#[test]
+fn the_lagging_slope_makes_a_position_controller_one_of_the_rate() {
+    let (period, kp, kv) = (1e-3, 160.0, 240.0);
+    let reference = |k: u32| 0.1 * (0.02 * f64::from(k)).sin();
+    let rows: String = (0..500).map(|k| format!("{},{},{}\n", period * f64::from(k), reference(k), 0.5)).collect();
+    let table = read(&format!("time [s],reference [rad],pulse [V]\n{rows}"));
+    let demand = ChannelSource {
+        slope_lag_s: Some(1.0 / kp),
+        plus: Some("pulse".to_owned()),
+        plus_scale: 0.01,
+        ..ChannelSource::named("reference")
+    };
+    let mapping = Mapping { channels: vec![(Channel::Demand, demand)], ..Mapping::default() };
+    let record = mapping.apply(&table).unwrap();
+    // with q = 0, u = kp kv (reference - q) - kv q' is kv d + kp kv (sum of d), but for the start that the follower takes over
+    let start = kp * kv * (reference(0) + 0.005);
+    let mut sum = 0.0;
+    for (k, d) in channel(&record, Channel::Demand).iter().enumerate() {
+        let u = kv * d + kp * kv * sum + start;
+        let wanted = kp * kv * (reference(u32::try_from(k).unwrap()) + 0.005);
+        assert!((u - wanted).abs() < 1e-9 * kp * kv, "{k}: {u} {wanted}");
+        sum += period * d;
+    }
+}
+
+#[test]
+fn a_clock_of_its_own() {
+    let table = read("time [s],w [rad/s],t2 [s]\n0,0,0.05\n0.1,1,0.15\n0.2,2,0.25\n0.3,3,0.35\n");
+    let source = ChannelSource { clock: Some("t2".to_owned()), ..ChannelSource::named("w") };
+    let mapping = Mapping { channels: vec![(Channel::HubRate, source)], ..Mapping::default() };
+    let record = mapping.apply(&table).unwrap();
+    let found = channel(&record, Channel::HubRate);
+    assert!(found[0].is_nan());
+    assert!(found[1..].iter().zip([0.5, 1.5, 2.5]).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
+}

@@ -69,11 +69,17 @@ pub(super) fn resampled(channel: Channel, values: &[f64], from_s: f64, to_s: f64
         match (held, ratio > 1.0) {
             (true, true) => mean(values, place, place + ratio),
             (true, false) => values[((place + 1e-9) as usize).min(values.len() - 1)],
-            (false, true) => mean(values, place - 0.5 * ratio, place + 0.5 * ratio),
+            (false, true) => about(values, place, 0.5 * ratio),
             (false, false) => linear(values, place),
         }
     };
-    (0..count.min(if values.is_empty() { 0 } else { count })).map(at).collect()
+    if values.is_empty() { Vec::new() } else { (0..count).map(at).collect() }
+}
+
+/// Mean of the samples about a place, those at the very ends with half their weight.
+fn about(values: &[f64], place: f64, half: f64) -> f64 {
+    let (from, to) = (place - half, place + half);
+    0.5 * (mean(values, from, to) + mean(values, from + 1e-6, to + 1e-6))
 }
 
 /// Mean of the samples with an index from `from` up to, but not including, `to`.

@@ -1,0 +1,119 @@
+//! Recordings through the command line: every format, other rates, several clocks, windows, renamed and missing columns.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const PROJECT: &str = include_str!("../../examples/left-out-friction/project.toml");
+const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/");
+
+fn counterpoise(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_counterpoise")).args(arguments).output().unwrap()
+}
+
+/// A fresh folder with a project that has some text more.
+fn project(name: &str, more: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    fs::write(folder.join("project.toml"), format!("{PROJECT}\n{more}")).unwrap();
+    folder
+}
+
+/// The replay of a file, as JSON.
+fn replayed(project: &Path, file: &Path) -> serde_json::Value {
+    let run = counterpoise(&["replay", project.to_str().unwrap(), file.to_str().unwrap(), "--json"]);
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    serde_json::from_slice(&run.stdout).unwrap()
+}
+
+fn data(file: &str) -> PathBuf {
+    Path::new(DATA).join(file)
+}
+
+#[test]
+fn every_format_gives_the_same_numbers() {
+    let project = project("formats", "");
+    let channels = |file: &str| replayed(&project, &data(file))["recordings"][0]["channels"].clone();
+    let csv = channels("run.csv");
+    assert_eq!(csv.as_object().unwrap().len(), 4, "{csv}");
+    for file in ["run.parquet", "run_v5.mat", "run_v73.mat"] {
+        assert_eq!(channels(file), csv, "{file}");
+    }
+}
+
+#[test]
+fn windows_are_recordings_of_their_own() {
+    let project = project("windows", "[recording]\nwindows = [[0.0, 0.2], [0.15, 0.35]]\n");
+    let result = replayed(&project, &data("run.csv"));
+    let files: Vec<&str> =
+        result["recordings"].as_array().unwrap().iter().map(|r| r["file"].as_str().unwrap()).collect();
+    assert!(files.len() == 2 && files[1].ends_with("run.csv, 0.15 to 0.35 s"), "{files:?}");
+    let beyond = self::project("windows-beyond", "[recording]\nwindows = [[0.0, 5.0]]\n");
+    let run = counterpoise(&["replay", beyond.to_str().unwrap(), data("run.csv").to_str().unwrap()]);
+    let said = String::from_utf8_lossy(&run.stderr).into_owned();
+    assert_eq!(run.status.code(), Some(2));
+    assert!(said.contains("recording.windows: from 0 s to 5 s is not within the recording's 0 to 0.4 s"), "{said}");
+}
+
+/// The rows of the recording as CSV, every `step`-th, with a clock of its own for the motor's rate.
+fn rows(step: usize) -> Vec<Vec<String>> {
+    let text = fs::read_to_string(data("run.csv")).unwrap();
+    let rows = text.lines().skip(1).step_by(step);
+    rows.map(|line| line.split(',').map(str::to_owned).collect()).collect()
+}
+
+#[test]
+fn a_file_at_another_rate_is_put_on_the_projects_clock_and_told() {
+    let project = project("rates", "");
+    let slow = project.join("slow.csv");
+    let mut text = "time [s],demand [rad/s],control [V],hub_rate [rad/s]\n".to_owned();
+    for row in rows(2) {
+        text.push_str(&format!("{},{},{},{}\n", row[0], row[1], row[2], row[3]));
+    }
+    fs::write(&slow, text).unwrap();
+    let result = replayed(&project, &slow);
+    let told = result["recordings"][0]["remarks"][0].as_str().unwrap().to_owned();
+    assert_eq!(told, "sampled every 0.002 s: interpolated to the project's 0.001 s");
+    let vaf = result["recordings"][0]["channels"]["hub_rate"]["vaf"].as_f64().unwrap();
+    assert!(vaf > 99.9, "{vaf}");
+}
+
+#[test]
+fn a_channel_with_a_clock_of_its_own_lands_on_the_files_clock() {
+    let more = "[recording.channels]\nmotor_rate = { column = \"tacho\", unit = \"rad/s\", scale = -1.0, clock = \"t2\" }\n";
+    let project = project("clocks", more);
+    let file = project.join("two-clocks.csv");
+    let mut text = "time [s],control [V],demand [rad/s],hub_rate [rad/s],t2 [ms],tacho\n".to_owned();
+    let slow = rows(3);
+    for (k, row) in rows(1).iter().enumerate() {
+        let tacho = slow.get(k).map_or(",".to_owned(), |r| {
+            let (time, rate): (f64, f64) = (r[0].parse().unwrap(), r[4].parse().unwrap());
+            format!("{},{}", 1e3 * time, -rate)
+        });
+        text.push_str(&format!("{},{},{},{},{tacho}\n", row[0], row[2], row[1], row[3]));
+    }
+    fs::write(&file, text).unwrap();
+    let own = replayed(&project, &file);
+    let whole = replayed(&self::project("one-clock", ""), &data("run.csv"));
+    let error = |result: &serde_json::Value| {
+        result["recordings"][0]["channels"]["motor_rate"]["rms_error"].as_f64().unwrap()
+    };
+    assert!((error(&own) / error(&whole) - 1.0).abs() < 0.2, "{} {}", error(&own), error(&whole));
+}
+
+#[test]
+fn a_control_at_its_limit_is_told_and_played_back_at_its_limit() {
+    let project = project("clipped", "");
+    let file = project.join("clipped.csv");
+    let mut text = "time [s],demand [rad/s],control [V],hub_rate [rad/s]\n".to_owned();
+    for (k, row) in rows(1).iter().enumerate() {
+        let control = if (100..160).contains(&k) { "10.0" } else { &row[2] };
+        text.push_str(&format!("{},{},{control},{}\n", row[0], row[1], row[3]));
+    }
+    fs::write(&file, text).unwrap();
+    let run = counterpoise(&["replay", project.to_str().unwrap(), file.to_str().unwrap(), "--open-loop"]);
+    let said = String::from_utf8_lossy(&run.stdout).into_owned();
+    assert!(run.status.success() && said.contains("control: clipped at 10"), "{said}");
+}
