@@ -11,6 +11,7 @@ use crate::identify::{Amplifier, identify, improved};
 use crate::judge::Evidence;
 use crate::library::{Effect, free_curve, library, named};
 use crate::locate::{isolability, regime_map};
+use crate::mend::mended;
 use crate::noise::{as_heard, with_noise_of};
 use crate::qualify::qualify;
 use crate::replays::{Prepared, Replays, measured};
@@ -41,7 +42,8 @@ pub fn diagnose(
     let control = control.into();
     check(recordings, &control)?;
     pool.progress("qualifying", 0, 1);
-    let qualification = remarks(base, recordings);
+    let (recordings, qualification) = qualified(base, recordings)?;
+    let recordings = recordings.as_slice();
     let project = base;
     let base = &as_heard(project, recordings);
     let prepared = Prepared::new(recordings, base);
@@ -117,9 +119,31 @@ fn check(recordings: &[Recording], control: &Loop) -> Result<(), Error> {
     Ok(())
 }
 
-fn remarks(base: &Parameters, recordings: &[Recording]) -> Vec<String> {
-    let of =
-        |r: &Recording| measured(r).map(|m| qualify(&r.name, &m, base.gearbox.ratio)).unwrap_or_default();
-    let remarks = recordings.iter().flat_map(of);
-    remarks.map(|r| format!("{}: {}: {}", r.recording, r.channel, r.what)).collect()
+/// The recordings without their holes and without channels that cannot be what they claim, and what was found.
+fn qualified(base: &Parameters, recordings: &[Recording]) -> Result<(Vec<Recording>, Vec<String>), Error> {
+    let ratio = base.gearbox.ratio;
+    let (mut sound, mut told) = (Vec::new(), Vec::new());
+    for recording in recordings {
+        let mended = mended(recording, ratio);
+        told.extend(mended.remarks.iter().map(|(channel, what)| format!("{}: {channel}: {what}", recording.name)));
+        for mut part in mended.parts {
+            let remarks = measured(&part).map(|m| qualify(&part.name, &m, ratio)).unwrap_or_default();
+            for remark in &remarks {
+                let out = remark.unusable && left_out(&mut part, remark.channel);
+                let end = if out { "; it is not compared" } else { "" };
+                told.push(format!("{}: {}: {}{end}", remark.recording, remark.channel, remark.what));
+            }
+            sound.push(part);
+        }
+    }
+    if sound.is_empty() { Err(Error::Unusable { what: told.join("; ") }) } else { Ok((sound, told)) }
+}
+
+/// Takes a channel out of a recording that can do without it.
+fn left_out(recording: &mut Recording, channel: &str) -> bool {
+    match channel {
+        "motor_rate" => recording.motor_rate_rad_s.take().is_some(),
+        "hub_position" => recording.hub_position_rad.take().is_some(),
+        _ => false,
+    }
 }

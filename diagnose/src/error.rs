@@ -47,6 +47,12 @@ pub enum Error {
     /// The mechanism as the project has it cannot be simulated on the recordings.
     #[error("the mechanism as the project file has it cannot be simulated on these recordings")]
     NotSimulated,
+    /// Nothing of the recordings can be replayed.
+    #[error("nothing of these recordings can be replayed: {what}")]
+    Unusable {
+        /// What was found wrong with them.
+        what: String,
+    },
     /// The user asked to stop.
     #[error("cancelled: nothing was found or written")]
     Cancelled,

@@ -10,7 +10,7 @@
 //!
 //! *Invariant*: nothing here knows a weight, a file, a thread or a clock; processors are handed in as a [`bench::Pool`].
 //!
-//! Modules in reading order: [`mod@bench`], [`qualify`], [`noise`], [`library`], [`locate`], [`look`], [`fit`], [`score`], [`select`], [`shape`], [`judge`],
+//! Modules in reading order: [`mod@bench`], [`mend`], [`qualify`], [`noise`], [`library`], [`locate`], [`look`], [`fit`], [`score`], [`select`], [`shape`], [`judge`],
 //! [`answer`], [`scaled`]; apart from them [`mod@refit`], a given structure fitted and judged, and [`identify`], the triangle-wave method.
 
 pub mod answer;
@@ -24,6 +24,7 @@ pub mod judge;
 pub mod library;
 pub mod locate;
 pub mod look;
+pub mod mend;
 pub mod noise;
 mod polish;
 pub mod qualify;

@@ -30,16 +30,34 @@ pub fn qualify(name: &str, measured: &Measured, ratio: f64) -> Vec<Remark> {
             say(channel, what, unusable);
         }
     }
-    for (channel, reference, rate) in redundant(measured, ratio) {
-        let (slope, coherence) = regression(&reference, &rate);
-        if let Some(what) =
-            meaning(slope, coherence).or_else(|| shifted(&reference, &rate, measured.period_s))
+    let pairs = redundant(measured, ratio);
+    let slopes: Vec<(f64, f64)> = pairs.iter().map(|(_, gyros, other)| regression(gyros, other)).collect();
+    if let Some((what, unusable)) = all_against_the_gyros(&slopes) {
+        say("hub_rate", what, unusable);
+        return remarks;
+    }
+    for ((channel, gyros, other), (slope, coherence)) in pairs.iter().zip(slopes) {
+        if let Some((what, unusable)) = meaning(slope, coherence) {
+            say(channel, format!("{slope:.3} times what the gyroscopes say: {what}"), unusable);
+        } else if let Some(what) =
+            drifting(gyros, other, measured.period_s).or_else(|| shifted(gyros, other, measured.period_s))
         {
             say(channel, what, false);
         }
     }
     remarks
 }
+
+/// Two sensors that agree with each other and not with the gyroscopes: those are wrong.
+fn all_against_the_gyros(slopes: &[(f64, f64)]) -> Option<(String, bool)> {
+    let &[(a, coherence_a), (b, coherence_b)] = slopes else { return None };
+    let agree = (a / b - 1.0).abs() < AGREE;
+    let (what, _) = meaning(1.0 / a, coherence_a.min(coherence_b)).filter(|_| agree)?;
+    Some((format!("the gyroscopes give {:.3} times what motor and resolver say: {what}", 1.0 / a), false))
+}
+
+/// Two slopes within this share of each other agree.
+const AGREE: f64 = 0.1;
 
 /// Two clocks whose readings part by more than this are told, s: sensors and gear account for a few milliseconds.
 const OFFSET_TOLD_S: f64 = 8e-3;
@@ -51,20 +69,44 @@ const OFFSET_EXPLAINS: f64 = 0.1;
 
 /// Whether a channel comes later or earlier than the gyroscopes: the offset with the smallest difference.
 fn shifted(reference: &[f64], rate: &[f64], period_s: f64) -> Option<String> {
+    let (offset_s, believed) = offset(reference, rate, period_s)?;
+    let word = if offset_s > 0.0 { "later" } else { "earlier" };
+    (believed && offset_s.abs() > OFFSET_TOLD_S).then(|| {
+        format!("{:.0} ms {word} than the gyroscopes: its clock has an offset", 1e3 * offset_s.abs())
+    })
+}
+
+/// Whether a channel's clock runs fast or slow: other offsets at the start and at the end.
+fn drifting(reference: &[f64], rate: &[f64], period_s: f64) -> Option<String> {
+    let third = reference.len() / 3;
+    let at = |from: usize| offset(&reference[from..from + third], &rate[from..from + third], period_s);
+    let ((start_s, first), (end_s, last)) = (at(0)?, at(reference.len() - third)?);
+    let apart_s = end_s - start_s;
+    let part = apart_s / (2.0 * third as f64 * period_s);
+    let told = (first || last) && apart_s.abs() > OFFSET_TOLD_S;
+    let word = if apart_s > 0.0 { "slow" } else { "fast" };
+    told.then(|| {
+        format!(
+            "{:.0} ms off the gyroscopes at the start, {:.0} ms at the end: its clock runs {:.2} % {word}",
+            1e3 * start_s,
+            1e3 * end_s,
+            100.0 * part.abs()
+        )
+    })
+}
+
+/// The offset, s, with the smallest difference, and whether it explains so much that it is believed.
+fn offset(reference: &[f64], rate: &[f64], period_s: f64) -> Option<(f64, bool)> {
     let most = (OFFSET_SOUGHT_S / period_s).round() as usize;
     let inside = most..reference.len().checked_sub(most).filter(|end| *end > 2 * most)?;
     let apart = |lag: isize| {
         let difference = |k: usize| rate[k.saturating_add_signed(lag)] - reference[k];
-        rms(&inside.clone().map(difference).collect::<Vec<f64>>()).powi(2)
+        rms(&inside.clone().map(difference).filter(|d| d.is_finite()).collect::<Vec<f64>>()).powi(2)
     };
     let most = isize::try_from(most).ok()?;
     let (lag, least) = (-most..=most).map(|lag| (lag, apart(lag))).min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let offset_s = lag as f64 * period_s;
-    let told = offset_s.abs() > OFFSET_TOLD_S && lag.abs() < most && least < OFFSET_EXPLAINS * apart(0);
-    let word = if lag > 0 { "later" } else { "earlier" };
-    told.then(|| {
-        format!("{:.0} ms {word} than the gyroscopes: its clock has an offset", 1e3 * offset_s.abs())
-    })
+    let inside = lag.abs() < most;
+    Some((lag as f64 * period_s, inside && least < OFFSET_EXPLAINS * apart(0)))
 }
 
 fn channels(m: &Measured) -> Vec<(&'static str, &[f64])> {
@@ -83,7 +125,8 @@ fn channels(m: &Measured) -> Vec<(&'static str, &[f64])> {
 fn alone(series: &[f64]) -> Option<(String, bool)> {
     let bad = series.iter().filter(|v| !v.is_finite()).count();
     if bad > 0 {
-        return Some((format!("{bad} of {} samples are not numbers", series.len()), true));
+        let all = bad == series.len();
+        return Some((format!("{bad} of {} samples are missing or not numbers", series.len()), all));
     }
     let (run, at) = longest_run(series);
     let (low, high) = extent(series);
@@ -174,6 +217,7 @@ fn slope_at(series: &[f64], k: usize, half: usize) -> f64 {
     (series[to] - series[from]) / (to - from).max(1) as f64
 }
 
+/// Moving mean; missing where a sample in the window is missing.
 fn moving(series: &[f64], half: usize) -> Vec<f64> {
     let at = |k: usize| {
         let window = &series[k.saturating_sub(half)..(k + half + 1).min(series.len())];
@@ -182,20 +226,24 @@ fn moving(series: &[f64], half: usize) -> Vec<f64> {
     (0..series.len()).map(at).collect()
 }
 
+/// The series about the mean of what is there.
 fn centred(series: &[f64]) -> Vec<f64> {
-    let mean = series.iter().sum::<f64>() / series.len().max(1) as f64;
+    let there: Vec<f64> = series.iter().copied().filter(|v| v.is_finite()).collect();
+    let mean = there.iter().sum::<f64>() / there.len().max(1) as f64;
     series.iter().map(|v| v - mean).collect()
 }
 
+/// Slope of y over x and their coherence, where both are there.
 fn regression(x: &[f64], y: &[f64]) -> (f64, f64) {
-    let inner: f64 = x.iter().zip(y).map(|(a, b)| a * b).sum();
-    let power = x.len() as f64 * rms(x).powi(2);
-    let other = y.len() as f64 * rms(y).powi(2);
+    let both = || x.iter().zip(y).filter(|(a, b)| a.is_finite() && b.is_finite());
+    let inner: f64 = both().map(|(a, b)| a * b).sum();
+    let power: f64 = both().map(|(a, _)| a * a).sum();
+    let other: f64 = both().map(|(_, b)| b * b).sum();
     if power == 0.0 || other == 0.0 { (1.0, 0.0) } else { (inner / power, inner * inner / (power * other)) }
 }
 
-/// What a slope that is not 1 most likely means.
-fn meaning(slope: f64, coherence: f64) -> Option<String> {
+/// What a slope that is not 1 most likely means, and whether the channel cannot be used as it is.
+fn meaning(slope: f64, coherence: f64) -> Option<(String, bool)> {
     if coherence.is_nan() || coherence < 0.5 || (slope - 1.0).abs() < 0.2 {
         return None;
     }
@@ -206,13 +254,13 @@ fn meaning(slope: f64, coherence: f64) -> Option<String> {
     } else if near(degrees) || near(-degrees) {
         "it is in degrees"
     } else if near(1.0 / degrees) {
-        "the gyroscopes are in degrees"
+        "one is in degrees where the other is in radians"
     } else if near(1e3) || near(-1e3) {
         "it is in thousandths"
     } else {
-        "a scale or the gear ratio is wrong"
+        return Some(("a scale or the gear ratio is wrong".to_owned(), false));
     };
-    Some(format!("{slope:.3} times what the gyroscopes say: {guess}"))
+    Some((guess.to_owned(), true))
 }
 
 #[cfg(test)]
@@ -256,7 +304,7 @@ mod tests {
         let mut gap = machine();
         gap.hub_rate[17] = f64::NAN;
         let remark = &qualify("r", &gap, 200.0)[0];
-        assert!(remark.unusable && remark.channel == "hub_rate", "{remark:?}");
+        assert!(remark.what.starts_with("1 of 5000") && remark.channel == "hub_rate", "{remark:?}");
     }
 
     #[test]
@@ -267,6 +315,28 @@ mod tests {
             qualify("r", &late, 200.0)[0].what,
             "30 ms later than the gyroscopes: its clock has an offset"
         );
+    }
+
+    #[test]
+    fn a_clock_that_drifts_is_told_and_no_slope_is_made_of_missing_samples() {
+        let mut slow = machine();
+        slow.motor_rate = slow.motor_rate.map(|w| (0..w.len()).map(|k| w[k - k / 100]).collect());
+        let remark = &qualify("r", &slow, 200.0)[0];
+        assert!(remark.channel == "motor_rate" && remark.what.contains("its clock runs 1.0"), "{remark:?}");
+        let mut holes = machine();
+        if let Some(motor) = holes.motor_rate.as_mut() {
+            motor[1000..2500].fill(f64::NAN);
+        }
+        assert_eq!(qualify("r", &holes, 200.0).len(), 1);
+    }
+
+    #[test]
+    fn when_motor_and_resolver_agree_the_gyroscope_is_wrong() {
+        let mut swapped = machine();
+        swapped.hub_rate.iter_mut().for_each(|w| *w = -*w);
+        let remarks = qualify("r", &swapped, 200.0);
+        assert_eq!((remarks.len(), remarks[0].channel), (1, "hub_rate"));
+        assert!(remarks[0].what.contains("sign is swapped"), "{remarks:?}");
     }
 
     #[test]
