@@ -105,7 +105,7 @@ pub fn read(project: &Project, path: &Path) -> Result<(Table, Vec<Record>), Stri
     let table = Table::read(&bytes, &name).map_err(|error| error.to_string())?;
     let clock = project.recording.sample_period_s.or(Some(project.plant.interface.sample_period_s));
     let mapping = Mapping { sample_period_s: clock, ..project.recording.clone() };
-    let records = mapping.records(&table).map_err(|error| format!("{name}: {error}"))?;
+    let records = mapping.records(&table).map_err(|error| error.to_string())?;
     Ok((table, records))
 }
 

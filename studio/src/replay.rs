@@ -89,12 +89,23 @@ impl Script {
     }
 }
 
+/// A frame, cut into triangles.
+pub struct Drawn {
+    /// What is to be painted, in order.
+    pub primitives: Vec<egui::ClippedPrimitive>,
+    /// Changes of the textures that it is painted with.
+    pub textures: egui::TexturesDelta,
+}
+
 /// A studio whose frames are laid out and nowhere drawn.
 pub struct Offscreen {
     /// The studio.
     pub studio: Studio,
     context: egui::Context,
     size: egui::Vec2,
+    themed: Option<crate::theme::Theme>,
+    /// Changes of the textures in frames that were only played.
+    pub textures: egui::TexturesDelta,
     woken: Receiver<()>,
     begun: Instant,
 }
@@ -111,12 +122,11 @@ impl Offscreen {
         });
         let studio = Studio::new(state, wake);
         let context = egui::Context::default();
-        studio.view.theme.apply(&context);
-        Self { studio, context, size: size.into(), woken, begun: Instant::now() }
+        Self { studio, context, size: size.into(), themed: None, textures: egui::TexturesDelta::default(), woken, begun: Instant::now() }
     }
 
-    /// One frame with events; gives how many triangles it has.
-    pub fn frame(&mut self, events: Vec<egui::Event>) -> usize {
+    /// One frame with events.
+    pub fn frame(&mut self, events: Vec<egui::Event>) -> Drawn {
         self.studio.tick();
         let input = egui::RawInput {
             screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, self.size)),
@@ -125,14 +135,14 @@ impl Offscreen {
             ..Default::default()
         };
         let studio = &mut self.studio;
+        if self.themed != Some(studio.view.theme) {
+            studio.view.theme.apply(&self.context);
+            self.themed = Some(studio.view.theme);
+        }
         let output = self.context.run_ui(input, |ui| shell::show(studio, ui));
         self.studio.tick();
-        let drawn = self.context.tessellate(output.shapes, output.pixels_per_point);
-        let triangles = |p: &egui::ClippedPrimitive| match &p.primitive {
-            egui::epaint::Primitive::Mesh(mesh) => mesh.indices.len() / 3,
-            egui::epaint::Primitive::Callback(_) => 0,
-        };
-        drawn.iter().map(triangles).sum()
+        let primitives = self.context.tessellate(output.shapes, output.pixels_per_point);
+        Drawn { primitives, textures: output.textures_delta }
     }
 
     /// Waits until a worker has an answer or the studio has something to do by itself.
@@ -146,13 +156,15 @@ impl Offscreen {
         let (mut script, mut frames) = (Script::new(commands), Vec::new());
         loop {
             let begun = Instant::now();
-            self.frame(Vec::new());
+            let drawn = self.frame(Vec::new());
+            self.textures.append(drawn.textures);
             frames.extend(log.frame(&self.studio, begun));
             match script.next(&self.studio) {
                 Some(command) => {
                     log.changes();
                     self.studio.run(&command);
                     self.studio.tick();
+                    continue;
                 }
                 None if script.is_done() && self.studio.is_idle() => return frames,
                 None => {}

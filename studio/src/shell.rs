@@ -291,18 +291,27 @@ fn row(ui: &mut Ui, entry: &Entry, chosen: bool, theme: &Theme) -> bool {
 }
 
 /// Copies the last plot that was pointed at.
-fn copy(studio: &Studio, ui: &Ui, command: &Command) {
+fn copy(studio: &mut Studio, ui: &Ui, command: &Command) {
     let Some((chart, rect)) = &studio.view.chart else { return };
-    match command {
-        Command::CopyCsv => ui.ctx().copy_text(chart.csv()),
-        Command::CopySvg => ui.ctx().copy_text(chart.svg()),
+    let kind = match command {
+        Command::CopyCsv => {
+            ui.ctx().copy_text(chart.csv());
+            "numbers (CSV)"
+        }
+        Command::CopySvg => {
+            ui.ctx().copy_text(chart.svg());
+            "a drawing (SVG)"
+        }
         Command::CopyPng => {
             let (ctx, rect, scale) = (ui.ctx().clone(), *rect, ui.ctx().pixels_per_point());
             let callback = egui::ScreenshotCallback::new(move |image| {
                 ctx.copy_image(image.region(&rect, Some(scale)));
             });
             ui.ctx().send_viewport_cmd(egui::ViewportCommand::Screenshot(callback));
+            "pixels (PNG)"
         }
-        _ => {}
-    }
+        _ => return,
+    };
+    let said = format!("\"{}\" is in the clipboard as {kind}", chart.title);
+    studio.view.say(said);
 }

@@ -187,6 +187,24 @@ fn what_was_saved_and_exported_is_there_when_it_is_opened_again_and_a_log_gives_
     [folder, other].iter().for_each(|f| std::fs::remove_dir_all(f).unwrap());
 }
 
+#[test]
+fn weights_that_no_controller_meets_say_why_in_place_and_the_last_good_design_stays() {
+    let folder = rig("refused");
+    let mut bench = bench(&folder);
+    rest(&mut bench);
+    let path = "synth.feedback.control.form".to_owned();
+    bench.state_mut().run(&Command::SetText { path, value: "lag".to_owned() });
+    rest(&mut bench);
+    assert!(says(&bench, "No controller for these weights"));
+    assert!(says(&bench, "as many zeros as poles"), "the way out is told");
+    assert!(says(&bench, "plot: Loop gain"), "the last good design is still there");
+    bench.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    rest(&mut bench);
+    assert!(!says(&bench, "No controller for these weights"));
+    drop(bench);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
 /// The example with recordings that the model does not explain, given the weights of the reference rig, and short windows.
 fn left_out(name: &str) -> PathBuf {
     let folder = rig(name);
@@ -239,7 +257,7 @@ fn recordings_are_diagnosed_the_finding_is_accepted_and_design_and_verdicts_foll
 fn a_recording_that_is_no_numbers_says_so_in_place_and_the_others_stay() {
     let folder = left_out("nan");
     let mut rows = String::from("time [s],demand [rad/s],control [V],hub_rate [rad/s]\n");
-    (0..2000).for_each(|k| rows.push_str(&format!("{:.3},0.1,nan,nan\n", f64::from(k) * 1e-3)));
+    (0..4000).for_each(|k| rows.push_str(&format!("{:.3},0.1,nan,nan\n", f64::from(k) * 1e-3)));
     std::fs::write(folder.join("broken.csv"), rows).unwrap();
     let mut bench = bench(&folder);
     rest(&mut bench);
@@ -300,6 +318,38 @@ fn a_disk_that_takes_nothing_is_told_and_nothing_is_lost() {
     let again = studio(&folder);
     assert!(again.opened.as_ref().unwrap().session.text().contains("other"), "the edit is in the journal");
     drop(again);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn another_out_of_balance_is_tried_a_plot_is_copied_and_a_change_outside_is_noticed() {
+    let folder = rig("habits");
+    let mut bench = bench(&folder);
+    rest(&mut bench);
+    let before = text(&bench);
+    bench.state_mut().run(&Command::Try { out_of_balance_kg_m: Some(250.0) });
+    rest(&mut bench);
+    assert_eq!(bench.state().results.live.as_ref().unwrap().value.tried_kg_m, Some(250.0));
+    assert!(says(&bench, "tried, not in the project"));
+    assert_eq!(text(&bench), before, "a trial is not in the project");
+    bench.state_mut().run(&Command::Try { out_of_balance_kg_m: None });
+    rest(&mut bench);
+    let plot = bench.get_by_label("plot: Loop gain").rect().center();
+    bench.hover_at(plot);
+    bench.run_steps(2);
+    bench.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::C);
+    bench.run_steps(2);
+    assert!(says(&bench, "\"Loop gain\" is in the clipboard as numbers"));
+    let (chart, _) = bench.state().view.chart.clone().unwrap();
+    assert!(chart.csv().starts_with("curve,x,y\nL,") && chart.svg().starts_with("<svg"));
+    std::fs::write(folder.join("project.toml"), before.replace("reference rig", "another rig")).unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(1100));
+    rest(&mut bench);
+    assert!(says(&bench, "changed by another program"));
+    bench.get_by_label("Read it again").click();
+    rest(&mut bench);
+    assert!(text(&bench).contains("another rig"));
+    drop(bench);
     std::fs::remove_dir_all(folder).unwrap();
 }
 

@@ -95,7 +95,7 @@ fn infeasible_weights_say_why_and_the_last_good_design_stays() {
     let mut window = studio(&folder);
     settle(&mut window);
     let path = "synth.feedback.control.form".to_owned();
-    window.run(&Command::SetText { path, value: "integral".to_owned() });
+    window.run(&Command::SetText { path, value: "lag".to_owned() });
     settle(&mut window);
     let revision = window.opened.as_ref().unwrap().session.revision();
     assert!(!window.results.why_not(revision).unwrap().is_empty());

@@ -1,0 +1,91 @@
+//! A log of commands, and what the window then looks like: painted without a graphics card, compared with `tests/pictures/*.png`.
+//! `UPDATE_PICTURES=1 cargo test` takes them anew.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod common;
+#[path = "common/paint.rs"]
+mod paint;
+
+use std::path::Path;
+
+use common::rig;
+use counterpoise_studio::command::{Command, Evidence, Place, Slot};
+use counterpoise_studio::replay::{FrameLog, Offscreen};
+use image::RgbaImage;
+use paint::Painter;
+
+const SIZE: [u32; 2] = [1280, 800];
+/// The foot of the window, where times stand that differ from run to run.
+const FOOT: u32 = 30;
+/// Two colours that differ by this much are two.
+const TOLD_APART: u8 = 40;
+/// Share of pixels that may differ.
+const ALLOWED: f64 = 0.004;
+
+fn is_same(a: &RgbaImage, b: &RgbaImage) -> bool {
+    if a.dimensions() != b.dimensions() {
+        return false;
+    }
+    let differs = |(p, q): &(&image::Rgba<u8>, &image::Rgba<u8>)| {
+        p.0.iter().zip(&q.0).any(|(x, y)| x.abs_diff(*y) > TOLD_APART)
+    };
+    let count = a.pixels().zip(b.pixels()).filter(differs).count();
+    let share = count as f64 / f64::from(a.width() * a.height());
+    if share > ALLOWED {
+        eprintln!("{:.2} % of the pixels differ", 100.0 * share);
+    }
+    share <= ALLOWED
+}
+
+fn compare(name: &str, picture: &RgbaImage) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/pictures");
+    let path = folder.join(format!("{name}.png"));
+    if std::env::var_os("UPDATE_PICTURES").is_some() {
+        std::fs::create_dir_all(&folder).unwrap();
+        return picture.save(path).unwrap();
+    }
+    let before = image::open(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display())).to_rgba8();
+    if !is_same(&before, picture) {
+        let new = std::env::temp_dir().join(format!("counterpoise-{name}.png"));
+        picture.save(&new).unwrap();
+        panic!("{name} looks different: see {}; UPDATE_PICTURES=1 keeps the new look", new.display());
+    }
+}
+
+#[test]
+fn each_place_looks_as_it_did() {
+    let folder = rig("pictures");
+    let mut seat = Offscreen::new(&folder.join("state"), SIZE.map(|v| v as f32));
+    let (mut log, mut painter) = (FrameLog::new(None), Painter::default());
+    let gain = Command::Set { path: "synth.feedback.error.gain".to_owned(), value: 31.0, gesture: Some(1) };
+    let first = vec![Command::Open { path: folder.clone() }];
+    let shots: Vec<(&str, Vec<Command>)> = vec![
+        ("design", [first, vec![Command::Keep { slot: Slot::A }, gain]].concat()),
+        ("plant", vec![Command::Go { place: Place::Plant }]),
+        ("reduce", vec![Command::Go { place: Place::Reduce }]),
+        ("verify", vec![Command::Look { evidence: Evidence::Histories }]),
+        ("rejection", vec![Command::Look { evidence: Evidence::Rejection }]),
+        ("diagnose", vec![Command::Go { place: Place::Diagnose }]),
+        ("light", vec![Command::ToggleTheme, Command::Go { place: Place::Design }]),
+        ("welcome", vec![Command::Close]),
+    ];
+    for (name, commands) in shots {
+        seat.play(commands, &mut log);
+        seat.studio.view.notice = None;
+        for _ in 0..3 {
+            let drawn = seat.frame(Vec::new());
+            seat.textures.append(drawn.textures);
+        }
+        painter.take(&std::mem::take(&mut seat.textures));
+        let drawn = seat.frame(Vec::new());
+        let mut picture = painter.paint(&drawn, SIZE);
+        for y in SIZE[1] - FOOT..SIZE[1] {
+            (0..SIZE[0]).for_each(|x| picture.put_pixel(x, y, image::Rgba([0, 0, 0, 255])));
+        }
+        if name != "welcome" {
+            compare(name, &picture);
+        }
+    }
+    drop(seat);
+    std::fs::remove_dir_all(folder).unwrap();
+}
