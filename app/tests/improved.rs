@@ -19,7 +19,8 @@ fn counterpoise(folder: &Path, arguments: &[&str]) -> Output {
 /// The reference rig's whole project with the controller of the recordings, small enough for a quick test.
 fn project(folder: &Path) -> String {
     let rig = fs::read_to_string(format!("{EXAMPLES}reference-rig/project.toml")).unwrap();
-    fs::copy(format!("{EXAMPLES}reference-rig/sandy-loam.parquet"), folder.join("sandy-loam.parquet")).unwrap();
+    fs::copy(format!("{EXAMPLES}reference-rig/sandy-loam.parquet"), folder.join("sandy-loam.parquet"))
+        .unwrap();
     let rig = rig.replace("samples = 200", "samples = 3");
     rig + "\n[recording_controller]\nkind = \"pi\"\nkp = 18.0\nki = 80.0\nbias = 2.88\n\n[recording]\nwindows = [[0.0, 2.5]]\n"
 }
@@ -42,7 +43,10 @@ fn what_a_diagnosis_saves_every_command_takes() {
     );
     let said = String::from_utf8_lossy(&run.stdout).into_owned();
     assert!(said.contains("the project's design on the improved model"), "{said}");
-    assert_ne!(fs::read(folder.join("improved.toml")).unwrap(), fs::read(folder.join("project.toml")).unwrap());
+    assert_ne!(
+        fs::read(folder.join("improved.toml")).unwrap(),
+        fs::read(folder.join("project.toml")).unwrap()
+    );
     let page = fs::read_to_string(folder.join("diagnosis.html")).unwrap();
     for part in [
         "What it means for the controller",

@@ -54,7 +54,10 @@ fn windows_are_recordings_of_their_own() {
     let run = counterpoise(&["replay", beyond.to_str().unwrap(), data("run.csv").to_str().unwrap()]);
     let said = String::from_utf8_lossy(&run.stderr).into_owned();
     assert_eq!(run.status.code(), Some(2));
-    assert!(said.contains("recording.windows: from 0 s to 5 s is not within the recording's 0 to 0.4 s"), "{said}");
+    assert!(
+        said.contains("recording.windows: from 0 s to 5 s is not within the recording's 0 to 0.4 s"),
+        "{said}"
+    );
 }
 
 /// The rows of the recording as CSV, every `step`-th, with a clock of its own for the motor's rate.

@@ -197,17 +197,22 @@ fn law(law: &FrictionLaw, t: f64, r: f64) -> FrictionLaw {
 mod tests {
     #![allow(clippy::unwrap_used, clippy::panic)]
     use super::*;
-    use counterpoise_models::reference::rig;
-    use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
     use counterpoise_controller::ProportionalIntegral;
     use counterpoise_models::Plant;
+    use counterpoise_models::reference::rig;
+    use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
 
     fn rates(machine: &Parameters) -> (Vec<f64>, Vec<f64>) {
         let plant = Plant::lumped(machine).unwrap();
         let bias_v = plant.equilibrium(&Default::default()).control_v;
         let sample_period_s = machine.interface.sample_period_s;
-        let mut controller =
-            ProportionalIntegral { kp_v_s_rad: 18.0, ki_v_rad: 80.0, bias_v, sample_period_s, integral_v: 0.0 };
+        let mut controller = ProportionalIntegral {
+            kp_v_s_rad: 18.0,
+            ki_v_rad: 80.0,
+            bias_v,
+            sample_period_s,
+            integral_v: 0.0,
+        };
         let scenario = Scenario {
             demand_rad_s: Signal::Triangle { amplitude: 0.15, period_s: 1.0 },
             imperfections: Imperfections::None,

@@ -323,7 +323,8 @@ fn windows_and_other_rates() {
 fn the_lagging_slope_makes_a_position_controller_one_of_the_rate() {
     let (period, kp, kv) = (1e-3, 160.0, 240.0);
     let reference = |k: u32| 0.1 * (0.02 * f64::from(k)).sin();
-    let rows: String = (0..500).map(|k| format!("{},{},{}\n", period * f64::from(k), reference(k), 0.5)).collect();
+    let rows: String =
+        (0..500).map(|k| format!("{},{},{}\n", period * f64::from(k), reference(k), 0.5)).collect();
     let table = read(&format!("time [s],reference [rad],pulse [V]\n{rows}"));
     let demand = ChannelSource {
         slope_lag_s: Some(1.0 / kp),

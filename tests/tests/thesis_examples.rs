@@ -93,7 +93,8 @@ fn the_amplifiers_curve_is_recovered_in_one_iteration_and_the_second_changes_not
     let states = [&[balanced.clone()][..], &[midpoint][..]];
     let found = identify(&project.plant, &states).unwrap();
     assert!(matches!(found.amplifier, Amplifier::Curve { .. }));
-    let errors = found.amplifier.points().iter().map(|q| (q.input_v, q.current_a / current_a(q.input_v) - 1.0));
+    let errors =
+        found.amplifier.points().iter().map(|q| (q.input_v, q.current_a / current_a(q.input_v) - 1.0));
     let worst = errors.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).unwrap();
     assert!(worst.1.abs() < 0.04, "{worst:?}");
     let moments: Vec<f64> = found.balances.iter().map(|b| b.out_of_balance_kg_m.value).collect();

@@ -1,6 +1,7 @@
 //! `counterpoise diagnose`: locate, name, model, and show that the fit improves.
 
 use crate::output::say;
+use counterpoise::report::difference;
 use counterpoise_project::Purpose;
 use counterpoise_project::diagnose::answer::{Answer, Channels, Finding, FitTable, Verdict};
 use counterpoise_project::diagnose::{Diagnosis, diagnose};
@@ -9,7 +10,6 @@ use counterpoise_project::simulate::recording::Recording;
 use counterpoise_project::simulate::replay::Loop;
 use counterpoise_project::verify::Verification;
 use counterpoise_project::verify::difference::changes;
-use counterpoise::report::difference;
 
 use super::replay::read;
 use super::{Done, pages, verdict_code};
@@ -75,6 +75,11 @@ fn print_consequence(found: &Consequence) {
 }
 
 fn print(answer: &Answer) {
+    if !answer.qualification.is_empty() {
+        say!("about the recordings themselves:");
+        answer.qualification.iter().for_each(|remark| say!("  {remark}"));
+        say!();
+    }
     say!("balances that these sensors allow:");
     for row in &answer.isolability {
         say!(
@@ -91,7 +96,7 @@ fn print(answer: &Answer) {
     if let Some(next) = &answer.next_experiment {
         say!("next experiment: {}; it {}", next.what, next.why);
     }
-    answer.qualification.iter().chain(&answer.warnings).for_each(|remark| say!("note: {remark}"));
+    answer.warnings.iter().for_each(|remark| say!("note: {remark}"));
 }
 
 fn print_finding(finding: &Finding) {

@@ -73,8 +73,7 @@ fn named(found: &Identified) -> Vec<(&'static str, Estimate, &'static str)> {
 
 fn tiles(found: &Identified) -> Vec<Tile> {
     let tile = |(name, e, unit): (&str, Estimate, &str)| {
-        Tile::plain(name, short(e.value), unit)
-            .noted(&format!("± {}", short(0.5 * (e.ci95[1] - e.ci95[0]))))
+        Tile::plain(name, short(e.value), unit).noted(&format!("± {}", short(0.5 * (e.ci95[1] - e.ci95[0]))))
     };
     named(found).into_iter().filter(|(name, ..)| !name.contains("other")).take(4).map(tile).collect()
 }

@@ -18,14 +18,17 @@ const COHERENT: f64 = 0.5;
 /// Every section on what is left over.
 pub fn sections(tracks: &[Track]) -> Vec<Section> {
     let mut out = Vec::new();
-    let loops: Vec<Figure> = recordings(tracks).into_iter().filter_map(|r| loop_figure(tracks, r)).take(DRAWN).collect();
+    let loops: Vec<Figure> =
+        recordings(tracks).into_iter().filter_map(|r| loop_figure(tracks, r)).take(DRAWN).collect();
     if !loops.is_empty() {
         out.push(Section::new("Control against rate").saying(LOOPS).showing(loops));
     }
     let responses: Vec<Figure> =
         recordings(tracks).into_iter().filter_map(|r| response(tracks, r)).take(DRAWN).collect();
     if !responses.is_empty() {
-        out.push(Section::new("Frequency response, measured and simulated").saying(RESPONSES).showing(responses));
+        out.push(
+            Section::new("Frequency response, measured and simulated").saying(RESPONSES).showing(responses),
+        );
     }
     let spectra: Vec<Figure> = tracks.iter().filter_map(spectrum).take(2 * DRAWN).collect();
     if !spectra.is_empty() {
@@ -142,7 +145,8 @@ fn tests(tracks: &[Track]) -> Section {
         Column::Number("correlation with the control / band"),
         Column::Number("with the hub rate / band"),
     ];
-    let mut table = Table::new("Is anything left in the residuals? 5 % and below 1 are what noise gives", &columns);
+    let mut table =
+        Table::new("Is anything left in the residuals? 5 % and below 1 are what noise gives", &columns);
     let mut figures = Vec::new();
     for track in tracks {
         let found = [("as it was", &track.before), ("improved", &track.after)]
@@ -160,7 +164,8 @@ fn tests(tracks: &[Track]) -> Section {
 
 fn test(tracks: &[Track], track: &Track, run: &[f64]) -> Option<ResidualTest> {
     let residual: Vec<f64> = run.iter().zip(&track.measured).map(|(s, m)| s - m).collect();
-    let drivers = ["control", "hub_rate"].map(|name| self::track(tracks, &track.recording, name).map(|t| (name, &t.measured[..])));
+    let drivers = ["control", "hub_rate"]
+        .map(|name| self::track(tracks, &track.recording, name).map(|t| (name, &t.measured[..])));
     let drivers: Vec<(&'static str, &[f64])> = drivers.into_iter().flatten().collect();
     residual_test(&residual, &drivers)
 }
@@ -169,10 +174,13 @@ fn row(track: &Track, model: &str, test: &ResidualTest) -> Vec<Cell> {
     let share = Cell::text(format!("{:.0} %", 100.0 * test.outside));
     let of = |name: &str| {
         let found = test.cross.iter().find(|c| c.with == name && track.channel != name);
-        found.map_or_else(|| Cell::text("\u{2013}"), |c| {
-            let tone = if c.size() < 1.0 { Tone::Good } else { Tone::Neutral };
-            Cell::Verdict(tone, format!("{:.1}", c.size()))
-        })
+        found.map_or_else(
+            || Cell::text("\u{2013}"),
+            |c| {
+                let size = format!("{:.1}", c.size());
+                if c.size() < 1.0 { Cell::Verdict(Tone::Good, size) } else { Cell::text(size) }
+            },
+        )
     };
     vec![
         Cell::text(&track.recording),
@@ -188,12 +196,18 @@ fn autocorrelation(track: &Track, found: &[(&str, Option<ResidualTest>); 2]) -> 
     let colours = [Colour::Second, Colour::First];
     let line = |((name, test), colour): (&(&str, Option<ResidualTest>), Colour)| {
         let values = test.as_ref()?.autocorrelation.iter().enumerate();
-        Some(Series::solid(name, colour, values.map(|(k, r)| (1e3 * k as f64 * track.period_s, *r)).collect()))
+        Some(Series::solid(
+            name,
+            colour,
+            values.map(|(k, r)| (1e3 * k as f64 * track.period_s, *r)).collect(),
+        ))
     };
     let series: Vec<Series> = found.iter().zip(colours).filter_map(line).collect();
     let band = found.iter().find_map(|(_, test)| test.as_ref())?.band;
     let marks = [band, -band].map(|y| Mark::Level { y, text: "95 % band of white noise".to_owned() });
-    let panel = Panel::of(Axis::linear("autocorrelation", "").over(-1.0, 1.0), series).high(150.0).marked(marks.to_vec());
+    let panel = Panel::of(Axis::linear("autocorrelation", "").over(-1.0, 1.0), series)
+        .high(150.0)
+        .marked(marks.to_vec());
     let title = format!("{}: residual of {}", track.recording, track.channel.replace('_', " "));
     Some(Figure::new(&title, Axis::linear("lag", "ms"), vec![panel]))
 }

@@ -134,15 +134,11 @@ pub fn structure(project: &Project, measured: &MeasuredModes) -> Result<Structur
 }
 
 fn hypotheses(modes: usize) -> Vec<Hypothesis> {
-    let changes = [
-        Change::Nothing,
-        Change::Mesh,
-        Change::Shear,
-        Change::EndMass(End::Near),
-        Change::EndMass(End::Tip),
-    ];
+    let changes =
+        [Change::Nothing, Change::Mesh, Change::Shear, Change::EndMass(End::Near), Change::EndMass(End::Tip)];
     let scales = if modes < FEWEST_MODES { vec![Scale::AsItIs] } else { vec![Scale::AsItIs, Scale::Fitted] };
-    let all = changes.iter().flat_map(|&change| scales.iter().map(move |&scaled| Hypothesis { change, scaled }));
+    let all =
+        changes.iter().flat_map(|&change| scales.iter().map(move |&scaled| Hypothesis { change, scaled }));
     all.filter(|h| modes >= FEWEST_MODES || !matches!(h.change, Change::EndMass(_))).collect()
 }
 
@@ -185,8 +181,7 @@ impl Bench<'_> {
         let fit = |left_out: Option<usize>| self.fit(&candidates, hypothesis.scaled, left_out);
         let (mass, scale, modes_hz) = fit(None);
         let errors = |modes: &[f64]| rms((0..count).map(|k| (modes[k] / self.measured.modes_hz[k]).ln()));
-        let left_out =
-            rms((0..count).map(|k| (fit(Some(k)).2[k] / self.measured.modes_hz[k]).ln()));
+        let left_out = rms((0..count).map(|k| (fit(Some(k)).2[k] / self.measured.modes_hz[k]).ln()));
         let mut parameters = Vec::new();
         if matches!(hypothesis.change, Change::EndMass(_)) {
             parameters.push(("mass [kg]".to_owned(), mass));
@@ -221,7 +216,8 @@ impl Bench<'_> {
                 let (fe, _) = finite_elements(self.project, StructureChoice::Beam)?;
                 let own = fe.mass_kg();
                 let ratio = (MASSES.1 / MASSES.0).powf(1.0 / (MASSES.2 - 1) as f64);
-                let masses = (0..MASSES.2).map(|k| own * MASSES.0 * ratio.powi(i32::try_from(k).unwrap_or(0)));
+                let masses =
+                    (0..MASSES.2).map(|k| own * MASSES.0 * ratio.powi(i32::try_from(k).unwrap_or(0)));
                 masses.map(|m| Ok((m, self.frequencies(options, Some((end, m)))?))).collect()
             }
         }

@@ -42,8 +42,12 @@ pub(super) fn lagging_slopes(values: &[f64], period_s: f64, lag_s: f64) -> Vec<f
 
 /// A column with a clock of its own on the file's clock: linear in between, missing outside of what it covers.
 pub(super) fn on_clock(values: &[f64], own_s: &[f64], clock_s: &[f64]) -> Vec<f64> {
-    let known: Vec<(f64, f64)> =
-        own_s.iter().copied().zip(values.iter().copied()).filter(|(t, v)| t.is_finite() && v.is_finite()).collect();
+    let known: Vec<(f64, f64)> = own_s
+        .iter()
+        .copied()
+        .zip(values.iter().copied())
+        .filter(|(t, v)| t.is_finite() && v.is_finite())
+        .collect();
     clock_s.iter().map(|t| between(&known, *t)).collect()
 }
 

@@ -111,7 +111,9 @@ impl<'a, 'b> Fit<'a, 'b> {
             .filter_map(|(channel, sensor)| Some((channel, reading_floor(sensor?, &parameters.interface))))
             .collect();
         let recording = replayer.recording();
-        let samples = (WINDOW_S / recording.sample_period_s).round().min(WINDOW_SHARE * recording.len() as f64) as usize;
+        let samples = (WINDOW_S / recording.sample_period_s)
+            .round()
+            .min(WINDOW_SHARE * recording.len() as f64) as usize;
         let steps = [
             1e-5,
             1e-4,
