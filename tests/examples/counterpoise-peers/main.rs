@@ -39,17 +39,32 @@ fn main() {
     }
 }
 
-/// Runs for half a second or three times, whichever is longer, but no longer than twenty seconds.
+/// Runs for half a second or three times, whichever is longer, but no longer than twenty seconds. The time is the shortest;
+/// of a run of a millisecond or more the processor's time, where the system tells it: a busy machine interrupts such runs.
 fn best(run: impl Fn() -> Result<Answer, String>) -> (f64, Result<Answer, String>) {
     let (mut shortest, mut total, mut times) = (f64::INFINITY, 0.0, 0);
     loop {
-        let start = Instant::now();
+        let (used, start) = (processor_seconds(), Instant::now());
         let answer = run();
-        let seconds = start.elapsed().as_secs_f64();
-        (shortest, total, times) = (seconds.min(shortest), total + seconds, times + 1);
+        let wall = start.elapsed().as_secs_f64();
+        let seconds = match (used, processor_seconds()) {
+            (Some(before), Some(after)) if wall > LONG => wall.min(after - before),
+            _ => wall,
+        };
+        (shortest, total, times) = (seconds.min(shortest), total + wall, times + 1);
         let enough = (times > 3 && total > 0.5) || total > 20.0;
         if enough || answer.is_err() {
             return (shortest, answer);
         }
     }
+}
+
+/// Above this many seconds the processor's time is read well enough.
+const LONG: f64 = 1e-3;
+
+/// The processor time of this thread so far; the kernel books it when the thread gives way.
+fn processor_seconds() -> Option<f64> {
+    std::thread::yield_now();
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    text.split_whitespace().next()?.parse::<f64>().ok().map(|nanoseconds| 1e-9 * nanoseconds)
 }

@@ -7,8 +7,8 @@
 The examples come from the collections' own generators, BB01AD and BB02AD (default parameters), which are compiled here from
 SLICOT's sources; they lie, with their data, in slycot's source distribution: `pip download --no-binary slycot --no-deps
 slycot`. Needs gfortran, numpy, scipy and slycot. One judge for all: the residual of the returned X in long double, over the
-sum of the norms of its terms."""
-import argparse, ctypes, glob, json, os, subprocess, sys, warnings
+sum of the norms of its terms. Then the discrete equation's times on random systems."""
+import argparse, ctypes, glob, json, os, subprocess, time, warnings
 
 import numpy as np
 import scipy.linalg as sla
@@ -113,7 +113,7 @@ def peers(kind, E):
     scipys = sla.solve_continuous_are if kind == 'carex' else sla.solve_discrete_are
     yield 'sb02od', lambda: slycot.sb02od(n, m, A, B, Q, R, letter, L=S)[0]
     yield 'sg02ad', lambda: slycot.sg02ad(letter, 'B', 'N', 'U', 'N', 'N', 'S', 'N', n, m, n, A, np.eye(n), B, Q, R, S)[1]
-    if not S.any() and np.linalg.matrix_rank(R) == m and (kind == 'carex' or np.linalg.matrix_rank(A) == n):
+    if kind == 'carex' and not S.any() and np.linalg.matrix_rank(R) == m:
         yield 'sb02md', lambda: slycot.sb02md(n, A, B @ np.linalg.solve(R, B.T), Q, letter)[0]
     yield 'scipy', lambda: scipys(A, B, Q, R, s=S)
 
@@ -129,17 +129,18 @@ def attempt(run):
 
 
 def ours(kind, group, number, work):
+    """X or why there is none, and the shortest time in seconds."""
     out = os.path.join(work, 'X')
     done = subprocess.run([PROGRAM, kind, str(group), str(number), os.path.join(work, kind), out], capture_output=True, text=True, check=True)
     said = json.loads(done.stdout)
     if 'refused' in said:
-        return None, said['refused']
-    return read(os.path.join(out, 'X.mtx')), ''
+        return None, said['refused'], None
+    return read(os.path.join(out, 'X.mtx')), '', said['seconds']
 
 
 def row(kind, group, number, E, note, work):
     write(os.path.join(work, kind, f'{group}_{number}'), E)
-    X, why = ours(kind, group, number, work)
+    X, why, _ = ours(kind, group, number, work)
     found = residual(kind, E, X) if X is not None else None
     theirs = {}
     for name, run in peers(kind, E):
@@ -152,6 +153,38 @@ def row(kind, group, number, E, note, work):
     return [f'{kind} {group}.{number}', str(len(E['A'])), mine] + [cell(name) for name in ('sb02md', 'sb02od', 'sg02ad', 'scipy')] + [ratio]
 
 
+def sampled(n):
+    """A random stable system sampled ten times a unit of time, two inputs, unit weights."""
+    random = np.random.default_rng(n)
+    A = random.standard_normal((n, n)) / np.sqrt(n)
+    A -= (np.linalg.eigvals(A).real.max() + 0.2) * np.eye(n)
+    return dict(A=sla.expm(0.1 * A), B=random.standard_normal((n, 2)), Q=np.eye(n), R=np.eye(2), S=np.zeros((n, 2)))
+
+
+def shortest(run):
+    """Seconds of the shortest of the runs that half a second holds, three at least."""
+    times = []
+    while len(times) < 3 or sum(times) < 0.5:
+        start = time.perf_counter()
+        run()
+        times.append(time.perf_counter() - start)
+    return min(times)
+
+
+def timed(n, work):
+    """One line of the discrete equation's times in ms and residuals, peers and Counterpoise in turn."""
+    E = sampled(n)
+    write(os.path.join(work, 'darex', f'random_{n}'), E)
+    runs = dict(peers('darex', E))
+    first = {name: (shortest(run), residual('darex', E, run())) for name, run in runs.items() if attempt(run)[0] is not None}
+    X, why, seconds = ours('darex', 'random', n, work)
+    best = min(seconds_of for seconds_of, _ in first.values())
+    cell = lambda name: f'{1e3 * first[name][0]:.3g} ms, {first[name][1]:.1e}' if name in first else 'refused'
+    cells = [cell(name) for name in ('sb02od', 'sg02ad', 'scipy')]
+    return ['random, sampled', str(n), f"{1e3 * seconds:.3g} ms, {residual('darex', E, X):.1e}"] + cells + [f'{best / seconds:.2g}']
+
+
+TIMES = ['discrete equation', 'n', 'Counterpoise', 'sb02od', 'sg02ad', 'SciPy', 'time ratio to the fastest']
 HEAD = ['example', 'n', 'Counterpoise', 'sb02md', 'sb02od', 'sg02ad', 'SciPy', 'over the best of SLICOT']
 
 
@@ -173,6 +206,11 @@ def main():
                 E, note = example(library, slicot, kind, group, number)
                 lines.append('| ' + ' | '.join(row(kind, group, number, E, note, work)) + ' |')
                 print(lines[-1], flush=True)
+    lines += ['', '| ' + ' | '.join(TIMES) + ' |', '|' + '---|' * len(TIMES)]
+    print('\n'.join(lines[-3:]), flush=True)
+    for n in (10, 20, 50, 100, 200):
+        lines.append('| ' + ' | '.join(timed(n, work)) + ' |')
+        print(lines[-1], flush=True)
     if a.out:
         with open(a.out, 'w') as file:
             file.write('\n'.join(lines) + '\n')
