@@ -6,7 +6,8 @@ use crate::library::Effect;
 use crate::look::Look;
 use crate::score::{Part, Score};
 use crate::tolerance::{
-    EFFECT_PRICE, EXPLAINED, FINAL_REACH, FINALISTS, FITTED_SHARE, GAIN_NEEDED, HARM, NOTHING_LEFT, PARAMETER_PRICE, SYSTEMATIC_GAIN,
+    EFFECT_PRICE, EXPLAINED, FINAL_REACH, FINALISTS, FITTED_SHARE, GAIN_NEEDED, HARM, NOTHING_LEFT,
+    PARAMETER_PRICE, SYSTEMATIC_GAIN,
 };
 
 /// A candidate that was fitted and judged.

@@ -125,7 +125,9 @@ fn qualified(base: &Parameters, recordings: &[Recording]) -> Result<(Vec<Recordi
     let (mut sound, mut told) = (Vec::new(), Vec::new());
     for recording in recordings {
         let mended = mended(recording, ratio);
-        told.extend(mended.remarks.iter().map(|(channel, what)| format!("{}: {channel}: {what}", recording.name)));
+        told.extend(
+            mended.remarks.iter().map(|(channel, what)| format!("{}: {channel}: {what}", recording.name)),
+        );
         for mut part in mended.parts {
             let remarks = measured(&part).map(|m| qualify(&part.name, &m, ratio)).unwrap_or_default();
             for remark in &remarks {

@@ -5,7 +5,10 @@ use counterpoise_models::Parameters;
 
 use crate::bench::{Bench, Judged, Pool, Span, map};
 use crate::library::{Effect, Knob, Mapping};
-use crate::tolerance::{FIT_ITERATIONS, FIT_STEP, FIT_TOLERANCE, FITTED_SHARE, RESTART_WORTH, RESTARTS, SEARCH_ITERATIONS, STRETCH, STRETCHES_TOGETHER, SYSTEMATIC, TRIAL_ITERATIONS};
+use crate::tolerance::{
+    FIT_ITERATIONS, FIT_STEP, FIT_TOLERANCE, FITTED_SHARE, RESTART_WORTH, RESTARTS, SEARCH_ITERATIONS,
+    STRETCH, STRETCHES_TOGETHER, SYSTEMATIC, TRIAL_ITERATIONS,
+};
 
 /// Which recordings a fit may see.
 #[derive(Debug, Clone, PartialEq)]
@@ -163,7 +166,8 @@ impl Problem<'_> {
         let values: Vec<f64> = knobs.iter().zip(&x).map(|(k, &v)| from_variable(k, v)).collect();
         let parameters = applied(self.base, &self.effects, &values);
         let effects = self.effects.clone();
-        let stances = self.selection.recordings.iter().copied().zip(near.iter().map(Judged::stance)).collect();
+        let stances =
+            self.selection.recordings.iter().copied().zip(near.iter().map(Judged::stance)).collect();
         Some(Fit { effects, values, parameters, cost, information, scatter, limit_reached, stances })
     }
 
@@ -214,10 +218,8 @@ impl Problem<'_> {
         let normal = Mat::from_fn(x.len(), x.len(), |i, j| dot(column(i), column(j)) / count);
         let gradient = (0..x.len()).map(|j| dot(column(j), residual) / count).collect();
         let places = self.stretches(near, residual.len());
-        let sums: Vec<Vec<f64>> =
-            (0..x.len()).map(|j| stretch_sums(column(j), residual, &places)).collect();
-        let scatter =
-            Mat::from_fn(x.len(), x.len(), |i, j| long_run(&sums[i], &sums[j]) / (count * count));
+        let sums: Vec<Vec<f64>> = (0..x.len()).map(|j| stretch_sums(column(j), residual, &places)).collect();
+        let scatter = Mat::from_fn(x.len(), x.len(), |i, j| long_run(&sums[i], &sums[j]) / (count * count));
         Linearised { normal, gradient, scatter }
     }
 

@@ -164,9 +164,8 @@ fn parted(whole: &Recording, broken: &[bool]) -> (Vec<Recording>, Option<String>
 }
 
 fn part(whole: &Recording, (from, to): (usize, usize), (k, count): (usize, usize)) -> Recording {
-    let cut = |column: &Option<Vec<f64>>| {
-        column.as_ref().map(|c| c[from.min(c.len())..to.min(c.len())].to_vec())
-    };
+    let cut =
+        |column: &Option<Vec<f64>>| column.as_ref().map(|c| c[from.min(c.len())..to.min(c.len())].to_vec());
     let name = if count > 1 { format!("{} (part {})", whole.name, k + 1) } else { whole.name.clone() };
     Recording {
         name,
@@ -209,7 +208,8 @@ mod tests {
     #[test]
     fn a_gap_parts_the_recording_and_is_told() {
         let mut r = recording();
-        for column in [&mut r.demand_rad_s, &mut r.control_v, &mut r.hub_rate_rad_s, &mut r.motor_rate_rad_s] {
+        for column in [&mut r.demand_rad_s, &mut r.control_v, &mut r.hub_rate_rad_s, &mut r.motor_rate_rad_s]
+        {
             column.as_mut().unwrap()[2000..2500].fill(f64::NAN);
         }
         let mended = mended(&r, 200.0);

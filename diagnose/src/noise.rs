@@ -26,8 +26,12 @@ pub fn floor(base: &Parameters, channel: Channel, series: &[f64]) -> f64 {
 pub fn as_heard(base: &Parameters, recordings: &[Recording]) -> Parameters {
     let mut heard = base.clone();
     for channel in Channel::ALL {
-        let mut levels: Vec<f64> =
-            recordings.iter().filter_map(|r| r.column(channel)).map(white_noise).filter(|n| *n > 0.0).collect();
+        let mut levels: Vec<f64> = recordings
+            .iter()
+            .filter_map(|r| r.column(channel))
+            .map(white_noise)
+            .filter(|n| *n > 0.0)
+            .collect();
         levels.sort_by(f64::total_cmp);
         let Some(&level) = levels.get(levels.len() / 2) else { continue };
         if let Some(sensor) = sensor_mut(&mut heard, channel) {
@@ -98,7 +102,8 @@ mod tests {
             .map(|k| 0.1 * (k as f64 * 0.004).sin() + f64::from(k / 1000) + 2e-3 * noise())
             .collect();
         assert!((white_noise(&rate) / 2e-3 - 1.0).abs() < 0.05, "{}", white_noise(&rate));
-        let recording = Recording { hub_rate_rad_s: Some(rate), sample_period_s: 1e-3, ..Recording::default() };
+        let recording =
+            Recording { hub_rate_rad_s: Some(rate), sample_period_s: 1e-3, ..Recording::default() };
         let base = reference::rig();
         let heard = as_heard(&base, &[recording]);
         assert!((heard.sensors.hub_gyro.noise_rms / 2e-3 - 1.0).abs() < 0.05);

@@ -42,26 +42,38 @@ impl Searcher<'_> {
     pub(crate) fn swap_and_prune(&self, search: &mut Search) {
         let Some(mut best) = search.accepted.take() else { return };
         self.prune(&mut best, search);
+        if best.fit.effects.len() > 1 {
+            let before = best.fit.effects.clone();
+            search.rivals = self.swapped(&mut best, search);
+            let same = best.fit.effects.iter().zip(&before).all(|(a, b)| std::ptr::eq(*a, *b));
+            let dropped = if same { Vec::new() } else { self.prune(&mut best, search) };
+            for index in dropped {
+                search.rivals.remove(index);
+            }
+        }
         if let (1, Some(stage)) = (best.fit.effects.len(), search.stages.iter().find(|s| s.contains(&best))) {
             search.rivals = vec![stage.singles()];
-            search.accepted = Some(best);
-            return;
         }
+        search.accepted = Some(best);
+    }
+
+    /// Replaces effects where another explains more beside the rest; gives what was judged in the place of each.
+    fn swapped(&self, best: &mut Candidate, search: &Search) -> Vec<Vec<Candidate>> {
+        let mut all = Vec::new();
         for index in 0..best.fit.effects.len() {
-            let Some(without) = self.without(&best, index).filter(|_| !self.pool.cancelled()) else {
-                search.rivals.push(Vec::new());
+            let Some(without) = self.without(best, index).filter(|_| !self.pool.cancelled()) else {
+                all.push(Vec::new());
                 continue;
             };
             let rivals = self.rivals(search, &without);
-            let better = rivals.iter().find(|c| c.is_acceptable() && c.behind(&best) < -SWAP_NEEDED);
+            let better = rivals.iter().find(|c| c.is_acceptable() && c.behind(best) < -SWAP_NEEDED);
             if let Some(better) = better {
-                let mut swapped = self.refitted(better.clone());
-                swapped.move_last_to(index);
-                best = swapped;
+                *best = self.refitted(better.clone());
+                best.move_last_to(index);
             }
-            search.rivals.push(rivals);
+            all.push(rivals);
         }
-        search.accepted = Some(best);
+        all
     }
 
     /// What else could stand beside the effects of a model: from the stage that tried it, or looked for now.
@@ -73,17 +85,20 @@ impl Searcher<'_> {
         }
     }
 
-    /// Drops effects without which the rest explains the recordings as well.
-    fn prune(&self, best: &mut Candidate, search: &Search) {
+    /// Drops effects without which the rest explains the recordings as well; gives their places, one after the other.
+    fn prune(&self, best: &mut Candidate, search: &Search) -> Vec<usize> {
+        let mut dropped = Vec::new();
         let mut index = 0;
         while best.fit.effects.len() > 1 && index < best.fit.effects.len() && !self.pool.cancelled() {
-            let Some(without) = self.without(best, index) else { return };
+            let Some(without) = self.without(best, index) else { break };
             if best.is_worth_more_than(&without.whole, &search.before) {
                 index += 1;
             } else {
                 *best = without;
+                dropped.push(index);
             }
         }
+        dropped
     }
 
     fn without(&self, candidate: &Candidate, index: usize) -> Option<Candidate> {

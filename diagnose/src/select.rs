@@ -15,9 +15,7 @@ use crate::fit::{Fit, Problem, Selection};
 use crate::library::Effect;
 use crate::look::{Look, Reach, Scene, first_look, is_close, is_ripple, pairs};
 use crate::score::{Score, judge, judge_near, score};
-use crate::tolerance::{
-    EFFECTS_AT_MOST, GAIN_NEEDED, JOINT_KNOBS, PAIRS, PROMISE_SHARE, RIVALS, SHORTLIST,
-};
+use crate::tolerance::{EFFECTS_AT_MOST, GAIN_NEEDED, JOINT_KNOBS, PAIRS, PROMISE_SHARE, RIVALS, SHORTLIST};
 
 /// The outcome of the search.
 #[derive(Debug, Clone)]
@@ -135,12 +133,7 @@ impl Searcher<'_> {
     }
 
     /// Fits the present effects and one or two more to the recordings in which they show most.
-    fn candidate(
-        &self,
-        present: Option<&Candidate>,
-        looks: &[Look],
-        before: &[Judged],
-    ) -> Option<Candidate> {
+    fn candidate(&self, present: Option<&Candidate>, looks: &[Look], before: &[Judged]) -> Option<Candidate> {
         let free = present.filter(|c| c.fit.values.len() <= JOINT_KNOBS);
         let mut effects = free.map_or(Vec::new(), |c| c.fit.effects.clone());
         let mut start = free.map_or(Vec::new(), |c| c.fit.values.clone());
@@ -176,7 +169,9 @@ impl Searcher<'_> {
                 Some(fixed) => self.fit_on_top(fixed, effects, start, &selection),
                 None => self.fit(effects, start, &selection, &[]),
             };
-            fit.and_then(|fit| self.judged(fit, &selection.recordings, before))
+            let fit = fit?;
+            let judged = judge(self.bench, self.pool, &fit.parameters)?;
+            self.weighed(fit, &judged, &selection.recordings, before)
         });
         if again.len() < candidates.len() {
             return candidates;
@@ -190,13 +185,18 @@ impl Searcher<'_> {
 
     /// A fit judged on everything, and on what it was not fitted to.
     fn judged(&self, fit: Fit, fitted: &[usize], before: &[Judged]) -> Option<Candidate> {
-        let parts = held_out_parts(self.bench.count(), fitted);
         let own = |r: usize| fit.stances.iter().find(|(index, _)| *index == r).map(|(_, near)| near);
         let near: Vec<Judged> = (0..before.len()).map(|r| own(r).unwrap_or(&before[r]).stance()).collect();
         let judged = judge_near(self.bench, self.pool, &fit.parameters, &near)?;
+        self.weighed(fit, &judged, fitted, before)
+    }
+
+    /// A fit with how every recording stands to it, as a candidate.
+    fn weighed(&self, fit: Fit, judged: &[Judged], fitted: &[usize], before: &[Judged]) -> Option<Candidate> {
+        let parts = held_out_parts(self.bench.count(), fitted);
         Some(Candidate {
-            whole: score(&judged, &whole_parts(self.bench.count()))?,
-            held_out: score(&judged, &parts)?,
+            whole: score(judged, &whole_parts(self.bench.count()))?,
+            held_out: score(judged, &parts)?,
             held_out_before: score(before, &parts)?,
             held_out_parts: parts,
             stances: judged.iter().map(Judged::stance).collect(),

@@ -30,7 +30,7 @@ pub const RIVALRY: f64 = 0.15;
 pub const PAIRS: usize = 5;
 /// Log-likelihood that one more effect must be worth, in nats.
 pub const EFFECT_PRICE: f64 = 15.0;
-/// Log-likelihood that one more parameter must be worth, in nats: half the logarithm of the samples, and the search.
+/// Log-likelihood that one more parameter must be worth, in nats: half the logarithm of the number of samples.
 pub const PARAMETER_PRICE: f64 = 5.0;
 /// Iterations of a fit while candidates are compared.
 pub const SEARCH_ITERATIONS: usize = 10;
@@ -52,7 +52,7 @@ pub const BIAS_SEEN_RAD_S: f64 = 2e-4;
 /// A channel is harmed that is left further from its floor by this factor.
 pub const HARM: f64 = 1.15;
 /// Share of all that was gained that a further effect must gain: less is what two simulators differ by.
-pub const SYSTEMATIC_GAIN: f64 = 1e-3;
+pub const SYSTEMATIC_GAIN: f64 = 5e-3;
 /// Candidates of a stage that are fitted once more, to every recording.
 pub const FINALISTS: usize = 4;
 /// Mean ln(RMS / floor) by which a finalist may be behind the best after its first fit: where the best explains the
@@ -60,7 +60,8 @@ pub const FINALISTS: usize = 4;
 pub const FINAL_REACH: [f64; 2] = [0.03, 0.7];
 /// Iterations of a first fit of a candidate.
 pub const TRIAL_ITERATIONS: usize = 6;
-/// Candidates that are behind the best by fewer nats than this cannot be told from it: three standard errors of the log-likelihood ratio of two models so close.
+/// Candidates that are behind the best by fewer nats than this cannot be told from it: three standard errors of the
+/// log-likelihood ratio of two models so close.
 pub const AMBIGUOUS: f64 = 18.0;
 /// Times at the most that a fit seeks the recordings' starts anew at what it found.
 pub const RESTARTS: usize = 2;

@@ -1,8 +1,9 @@
 //! `counterpoise replay`: simulate what was recorded, and say how well it fits.
 
 use crate::output::say;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use counterpoise_project::Purpose;
+use counterpoise_project::diagnose::mend::mended;
 use counterpoise_project::diagnose::qualify::qualify;
 use counterpoise_project::diagnose::replays::measured;
 use counterpoise_project::recording::{Mapping, Record, Table};
@@ -35,15 +36,28 @@ pub fn read(loaded: &Loaded, paths: &[std::path::PathBuf]) -> Result<Vec<Read>> 
     let mut out = Vec::new();
     for (file, bytes) in files::recordings(paths)? {
         let records = mapping.records(&Table::read(&bytes, &file)?)?;
-        out.extend(records.iter().map(Read::of));
+        for record in &records {
+            out.extend(Read::of(record, loaded.project.plant.gearbox.ratio)?);
+        }
     }
     Ok(out)
 }
 
 impl Read {
-    fn of(record: &Record) -> Self {
-        let remarks = record.findings.iter().map(ToString::to_string).collect();
-        Self { recording: record.recording(), file: record.name.clone(), remarks }
+    /// The parts of a record that can be replayed; what was found stands with the first.
+    fn of(record: &Record, ratio: f64) -> Result<Vec<Self>> {
+        let mended = mended(&record.recording(), ratio);
+        let done = mended.remarks.into_iter().map(|(channel, what)| format!("{channel}: {what}"));
+        let mut remarks: Vec<String> = record.findings.iter().map(ToString::to_string).chain(done).collect();
+        if mended.parts.is_empty() {
+            bail!("nothing of {} can be replayed: {}", record.name, remarks.join("; "));
+        }
+        let part = |recording: Recording| Self {
+            file: recording.name.clone(),
+            recording,
+            remarks: std::mem::take(&mut remarks),
+        };
+        Ok(mended.parts.into_iter().map(part).collect())
     }
 }
 

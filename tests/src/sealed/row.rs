@@ -42,7 +42,7 @@ pub struct Row {
     /// For each interval: how far the value is from the truth, in its standard deviations.
     #[serde(default)]
     pub errors: Vec<f64>,
-    /// Gap and evidence of each finding with a name, as the probability is made from.
+    /// What the search weighed: the best few of each stage.
     #[serde(default)]
     pub evidence: Vec<Tried>,
     /// Mean ln(RMS / floor) on the last part of every recording, fitted to the first: the model as it was, its parameters

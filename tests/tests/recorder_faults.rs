@@ -1,0 +1,142 @@
+//! Faults of the recorder, put into a recording of an independent simulator: each is named by the qualification, and none
+//! keeps the rest of the recording from being replayed.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::fs;
+use std::path::Path;
+
+use counterpoise_diagnose::mend::mended;
+use counterpoise_diagnose::qualify::qualify;
+use counterpoise_diagnose::replays::measured;
+use counterpoise_project::Project;
+use counterpoise_project::recording::{Column, Table};
+use counterpoise_simulate::recording::Recording;
+use counterpoise_simulate::replay::{Loop, replay};
+
+/// What a recorder made of a table is said to be, and its parts that can be replayed.
+struct Told {
+    remarks: Vec<String>,
+    parts: Vec<Recording>,
+    project: Project,
+}
+
+impl Told {
+    fn says(&self, what: &str) -> bool {
+        self.remarks.iter().any(|remark| remark.contains(what))
+    }
+
+    /// The largest RMS error over its floor of every part in closed loop.
+    fn worst(&self) -> f64 {
+        let control = Loop::Closed(self.project.recording_controller.clone().unwrap());
+        let fits =
+            self.parts.iter().flat_map(|part| replay(&self.project.plant, part, &control).unwrap().channels);
+        fits.map(|c| c.rms_error / c.floor).fold(0.0, f64::max)
+    }
+}
+
+/// The triangle of a machine as modelled with a fault put in; none, with a message, where it is not here.
+fn with(fault: impl Fn(&mut Table)) -> Option<Told> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/recordings/practice/p08");
+    let Ok(bytes) = fs::read(folder.join("triangle.parquet")) else {
+        println!("skipped: {} is not here", folder.display());
+        return None;
+    };
+    let project =
+        Project::from_bytes(&fs::read(folder.join("project.toml")).unwrap(), "project.toml").unwrap().project;
+    let mut table = Table::read(&bytes, "triangle.parquet").unwrap();
+    fault(&mut table);
+    let record = project.recording.apply(&table).unwrap();
+    let ratio = project.plant.gearbox.ratio;
+    let mended = mended(&record.recording(), ratio);
+    let mut remarks: Vec<String> = record.findings.iter().map(ToString::to_string).collect();
+    remarks.extend(mended.remarks.iter().map(|(channel, what)| format!("{channel}: {what}")));
+    for part in &mended.parts {
+        let here = qualify(&part.name, &measured(part).unwrap(), ratio);
+        remarks.extend(here.into_iter().map(|r| format!("{}: {}", r.channel, r.what)));
+    }
+    Some(Told { remarks, parts: mended.parts, project })
+}
+
+fn column<'a>(table: &'a mut Table, name: &str) -> &'a mut Column {
+    table.columns.iter_mut().find(|c| c.name == name).unwrap()
+}
+
+fn changed(table: &mut Table, name: &str, change: impl Fn(usize, f64) -> f64) {
+    let values = &mut column(table, name).values;
+    *values = values.iter().enumerate().map(|(k, v)| change(k, *v)).collect();
+}
+
+#[test]
+fn a_sound_recording_has_nothing_wrong() {
+    let Some(told) = with(|_| ()) else { return };
+    assert!(told.remarks.is_empty(), "{:?}", told.remarks);
+    assert!(told.worst() < 1.5);
+}
+
+#[test]
+fn a_gap_in_time_parts_the_recording_and_both_parts_replay() {
+    let Some(told) = with(|table| {
+        for column in &mut table.columns {
+            column.values.drain(4000..4700);
+        }
+    }) else {
+        return;
+    };
+    assert!(
+        told.says("700 samples are missing after row") && told.says("time: a gap of 0.70"),
+        "{:?}",
+        told.remarks
+    );
+    assert_eq!(told.parts.len(), 2);
+    assert!(told.worst() < 1.6, "{}", told.worst());
+}
+
+#[test]
+fn missing_stuck_and_clipped_readings_are_named_without_a_false_scale() {
+    let missing = with(|table| changed(table, "motor_rate", |k, v| if k % 50 < 5 { f64::NAN } else { v }));
+    let Some(missing) = missing else { return };
+    assert!(missing.says("motor_rate: "), "{:?}", missing.remarks);
+    let stuck = with(|table| {
+        let held = column(table, "motor_rate").values[3000];
+        changed(table, "motor_rate", |k, v| if (3000..4500).contains(&k) { held } else { v });
+    })
+    .unwrap();
+    assert!(stuck.says("motor_rate: stuck or clipped"), "{:?}", stuck.remarks);
+    let clipped = with(|table| {
+        let top = 0.5 * column(table, "motor_rate").values.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
+        changed(table, "motor_rate", |_, v| v.clamp(-top, top));
+    })
+    .unwrap();
+    assert!(clipped.says("motor_rate: ") && clipped.says("clipped at"), "{:?}", clipped.remarks);
+    for told in [missing, stuck, clipped] {
+        assert!(!told.says("gear ratio"), "{:?}", told.remarks);
+        assert!(told.worst() < 1.5, "{}, {:?}", told.worst(), told.remarks);
+    }
+}
+
+#[test]
+fn a_swapped_sign_and_a_wrong_unit_are_named() {
+    let Some(swapped) = with(|table| changed(table, "motor_rate", |_, v| -v)) else { return };
+    assert!(swapped.says("motor_rate: -1.0") && swapped.says("its sign is swapped"), "{:?}", swapped.remarks);
+    let degrees = with(|table| changed(table, "hub_position", |_, v| v.to_degrees())).unwrap();
+    assert!(degrees.says("hub_position: 57.") && degrees.says("it is in degrees"), "{:?}", degrees.remarks);
+    let gyro = with(|table| changed(table, "hub_rate", |_, v| -v)).unwrap();
+    assert!(gyro.says("hub_rate: the gyroscopes give -1.0"), "{:?}", gyro.remarks);
+}
+
+#[test]
+fn a_clock_that_is_late_or_drifts_is_named_with_its_figure() {
+    let Some(late) = with(|table| {
+        let was = column(table, "motor_rate").values.clone();
+        changed(table, "motor_rate", |k, _| was[k.saturating_sub(25)]);
+    }) else {
+        return;
+    };
+    assert!(late.says("motor_rate: 2") && late.says("its clock has an offset"), "{:?}", late.remarks);
+    let slow = with(|table| {
+        let was = column(table, "motor_rate").values.clone();
+        changed(table, "motor_rate", |k, _| was[k - k / 200]);
+    })
+    .unwrap();
+    assert!(slow.says("motor_rate: ") && slow.says("its clock runs 0.5"), "{:?}", slow.remarks);
+}
