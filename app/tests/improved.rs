@@ -22,7 +22,7 @@ fn project(folder: &Path) -> String {
     fs::copy(format!("{EXAMPLES}reference-rig/sandy-loam.parquet"), folder.join("sandy-loam.parquet"))
         .unwrap();
     let rig = rig.replace("samples = 200", "samples = 3");
-    rig + "\n[recording_controller]\nkind = \"pi\"\nkp = 18.0\nki = 80.0\nbias = 2.88\n\n[recording]\nwindows = [[0.0, 2.5]]\n"
+    rig + "\n[recording_controller]\nkind = \"pi\"\nkp = 18.0\nki = 80.0\nbias = 2.88\n\n[recording]\nwindows = [[0.0, 2.5]]\n[recording.channels]\ncontrol = \"control\"\n"
 }
 
 fn folder() -> PathBuf {

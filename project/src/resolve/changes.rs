@@ -12,7 +12,8 @@ pub(crate) fn apply(document: &Document, before: &[Line], after: &[Line]) -> Res
     let old = values(before);
     for (path, setting, usual) in values(after) {
         let known = old.iter().find(|(p, ..)| *p == path);
-        let same = known.map_or(usual, |(_, value, _)| *value == setting);
+        let absent = |value: &Setting| !value.is_finite() && !setting.is_finite();
+        let same = known.map_or(usual, |(_, value, _)| *value == setting || absent(value));
         if !same {
             out = if setting.is_finite() { out.set(path, setting)? } else { out.remove(path)? };
         }
