@@ -4,11 +4,13 @@
 //! model is from it. Or a frequency, and out comes the response that an analyser would show.
 //!
 //! The integrator is exponential collocation. The plant is a linear core with a few nonlinear inputs; the core moves by
-//! its matrix exponential, exactly; the nonlinear inputs are cubics through the four nodes of Lobatto's rule, found by
-//! fixed-point iteration; dry friction goes from node to node by its own closed form in the displacement, which no
-//! stiffness of presliding can upset; steps are a sample period halved until the inputs are as smooth as asked for,
-//! and down to a 256th of it where the teeth part or meet. It wins because a smooth sample is one step, with one
-//! product of a stored matrix, where a Runge-Kutta method needs twenty for stability alone.
+//! its matrix exponential, exactly, mode by mode where it has many; the nonlinear inputs are cubics through the four nodes of
+//! Lobatto's rule, found by fixed-point iteration, most often in one pass, for they go on as in the step before; dry
+//! friction goes from node to node by its own closed form in the displacement, which no stiffness of presliding can
+//! upset; a joint that truly sticks is a core without its freedom; steps are a sample period halved until the inputs are
+//! as smooth as asked for, and down to the instants where teeth part or meet, joints stick or break away. It wins because
+//! a smooth sample is one step, with one product of a stored matrix, where a Runge-Kutta method needs twenty for stability
+//! alone.
 //!
 //! *Invariant*: nothing here knows a requirement, a design, a file, a thread or a clock; noise comes from a seed.
 //!

@@ -78,9 +78,27 @@ impl Simulator {
         controller: &mut dyn SampledController,
         scenario: &Scenario,
     ) -> Result<TimeHistory, Error> {
+        self.run_while(controller, scenario, usize::MAX, &mut |_| true)
+    }
+
+    /// A run that is asked after every so many samples whether it goes on: it ends at the scenario's duration, or where
+    /// `goes_on` says no to the readings so far.
+    ///
+    /// # Errors
+    /// As [`run`].
+    pub fn run_while(
+        &mut self,
+        controller: &mut dyn SampledController,
+        scenario: &Scenario,
+        every: usize,
+        goes_on: &mut dyn FnMut(&ReadingColumns) -> bool,
+    ) -> Result<TimeHistory, Error> {
         positive("duration_s", scenario.duration_s)?;
         let mut lap = Lap::new(&self.plant, scenario, &mut self.stepper)?;
         for k in 0..lap.samples {
+            if k > 0 && k.is_multiple_of(every.max(1)) && !goes_on(&lap.readings) {
+                break;
+            }
             let motion = lap.track.sample(lap.angle);
             let control = lap.sample(k, controller, &motion, &self.stepper);
             let amplifier = &self.plant.parameters().amplifier;

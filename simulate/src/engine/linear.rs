@@ -1,6 +1,7 @@
 //! The linear core in one of its modes: which equations hold while the teeth touch or not, the voltage is at its limit
 //! or not, and either joint sticks or not.
 
+use super::modal::modal;
 use super::moments::{Moments, NODES};
 use super::strips::{NARROW, Strips};
 use super::tables::{DEEPEST, LEVELS, OUTPUTS, STAGES, StepTable, step_table};
@@ -63,6 +64,8 @@ pub(crate) struct Linear {
     blocks: Vec<(Mat, Mat)>,
     firsts: Vec<usize>,
     n: usize,
+    /// x = V z and z = W x; the same where there is none.
+    coordinates: Option<(Mat, Mat)>,
     /// What the nonlinear parts see, from z.
     pub outputs: Mat,
     /// That, the voltage and the rate of the tip, stored for products.
@@ -141,23 +144,52 @@ impl Linear {
         let n = core.A.nrows();
         let outputs = output_rows(plant);
         let others = Mat::from_rows(&[unit(n, state::VOLTAGE), plant.tip_rate_row()]);
-        let blocks = vec![(core.A, core.B)];
-        let coarse = Chain::new(&blocks, period_s / f64::from(1u32 << LEVELS), LEVELS + 1);
-        Self {
-            blocks,
-            firsts: vec![0],
+        let mut linear = Self {
+            blocks: Vec::new(),
+            firsts: Vec::new(),
             n,
+            coordinates: None,
             seen: Strips::new(&outputs.vstack(&others)),
             outputs,
             carried,
             holds,
             pushes,
             lift: unit(n, state::VOLTAGE),
-            coarse,
+            coarse: Chain { finest: 0.0, nodes: [Vec::new(), Vec::new(), Vec::new()] },
             deep: None,
             period_s,
             tables: vec![None; DEEPEST + 1],
+        };
+        linear.take_apart(core, &others);
+        linear.coarse = Chain::new(&linear.blocks, period_s / f64::from(1u32 << LEVELS), LEVELS + 1);
+        linear
+    }
+
+    /// Goes over to coordinates in which the core falls apart, where there are any worth while.
+    fn take_apart(&mut self, core: Core, others: &Mat) {
+        let Some(modal) = modal(&core.A) else {
+            self.blocks = vec![(core.A, core.B)];
+            self.firsts = vec![0];
+            return;
+        };
+        let column = |v: &[f64]| (&modal.W * &Mat::col(v)).column(0).to_vec();
+        self.carried = column(&self.carried);
+        self.lift = column(&self.lift);
+        self.pushes = [0, 1].map(|k| column(&self.pushes[k]));
+        for hold in &mut self.holds {
+            hold.row = (&Mat::row(&hold.row) * &modal.V).row_vec(0);
         }
+        self.seen = Strips::new(&(&self.outputs.vstack(others) * &modal.V));
+        self.outputs = &self.outputs * &modal.V;
+        let B = &modal.W * &core.B;
+        let mut first = 0;
+        for block in modal.blocks {
+            let size = block.nrows();
+            self.firsts.push(first);
+            self.blocks.push((block, B.block(first, 0, size, B.ncols())));
+            first += size;
+        }
+        self.coordinates = Some((modal.V, modal.W));
     }
 
     /// Number of states.
@@ -174,12 +206,14 @@ impl Linear {
 
     /// The physical state at z.
     pub fn physical(&self, z: &[f64]) -> Vec<f64> {
-        z.to_vec()
+        let V = self.coordinates.as_ref().map(|(V, _)| V);
+        V.map_or_else(|| z.to_vec(), |V| (V * &Mat::col(z)).column(0).to_vec())
     }
 
     /// The coordinates z of a physical state.
     pub fn coordinates(&self, x: &[f64]) -> Vec<f64> {
-        x.to_vec()
+        let W = self.coordinates.as_ref().map(|(_, W)| W);
+        W.map_or_else(|| x.to_vec(), |W| (W * &Mat::col(x)).column(0).to_vec())
     }
 
     /// Number of blocks.

@@ -10,14 +10,19 @@
 //! Dry friction is advanced from node to node by its own closed form in the displacement, which is exact however
 //! stiff presliding is: nothing in a step can blow up, and a saturated friction costs no small steps.
 //!
-//! The steps are a sample period halved up to eight times, so that every matrix is stored. Where the ports are not a
-//! cubic (a reversal inside the step), or the teeth change, the step is halved; the control is held between samples,
-//! and most samples of a smooth motion are one step.
+//! The steps are a sample period and its halves, so that every matrix is made once. Where the ports are not a cubic (a
+//! reversal inside the step) the step is halved, up to eight times; where teeth part or meet, the voltage meets its limit, a
+//! joint comes to rest or breaks away, shorter and shorter steps end at that instant. The control is held between
+//! samples, and most samples of a smooth motion are one step.
+//!
+//! Modules in reading order: [`linear`] (the core in its modes), [`modal`], [`moments`], [`tables`], [`strips`],
+//! [`ports`], [`attempt`] (one step), [`joints`] (true stick), [`stepper`], [`filter`].
 
 pub(crate) mod attempt;
 pub(crate) mod filter;
 pub(crate) mod joints;
 pub(crate) mod linear;
+pub(crate) mod modal;
 pub(crate) mod moments;
 pub(crate) mod ports;
 pub(crate) mod stepper;

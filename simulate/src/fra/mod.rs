@@ -12,7 +12,7 @@ pub mod analyser;
 
 pub use analyser::{Response, Spectrum, response, spectrum};
 
-use crate::history::TimeHistory;
+use crate::history::ReadingColumns;
 use crate::run::Simulator;
 use crate::{Detail, Error, Imperfections, Initial, PlatformMotion, Scenario, Signal, Sine};
 use counterpoise_controller::{Readings, SampledController};
@@ -75,7 +75,7 @@ pub struct Measurement {
     pub last_change: f64,
     /// Whether that is below what the settings ask for; if not, the motion had not settled when the windows ran out.
     pub settled: bool,
-    /// How long the mechanism was simulated for this point, s, trials that had not settled included.
+    /// How long the mechanism was simulated for this point, s, until it had settled.
     pub simulated_s: f64,
 }
 
@@ -97,30 +97,52 @@ pub fn measure(
     }
     let period = plant.parameters().interface.sample_period_s;
     let window = Window::new(frequency_rad_s, period, settings)?;
+    let most = settings.most_windows.max(3);
+    let scenario = Scenario {
+        duration_s: (most * window.samples) as f64 * period,
+        ..excitation(test, window.frequency_rad_s, amplitude, settings)
+    };
     let mut simulator = Simulator::new(plant)?;
-    let mut windows = 3;
-    let mut simulated_s = 0.0;
-    loop {
-        controller.reset();
-        let scenario = excitation(test, window.frequency_rad_s, amplitude, settings);
-        let scenario = Scenario { duration_s: (windows * window.samples) as f64 * period, ..scenario };
-        simulated_s += scenario.duration_s;
-        let history = match test {
-            Test::Plant => {
-                let hub_angle_rad = settings.hub_angle_rad;
-                let point = OperatingPoint { hub_angle_rad, platform_angle_rad: 0.0 };
-                simulator.run(&mut Holding(plant.equilibrium(&point).control_v), &scenario)?
-            }
-            _ => simulator.run(controller, &scenario)?,
-        };
-        let last = window.response(test, &history, windows - 1, period)?;
-        let before = window.response(test, &history, windows - 2, period)?;
-        let last_change = (last.value - before.value).norm() / last.value.norm();
-        let settled = last_change <= settings.settled_below;
-        if settled || windows >= settings.most_windows {
-            return Ok(Measurement { amplitude, response: last, last_change, settled, simulated_s });
+    let mut settling = Settling { test, window: &window, period, allowed: settings.settled_below, last: None };
+    let mut goes_on = |readings: &ReadingColumns| settling.goes_on(readings);
+    controller.reset();
+    let history = match test {
+        Test::Plant => {
+            let point = OperatingPoint { hub_angle_rad: settings.hub_angle_rad, platform_angle_rad: 0.0 };
+            let mut holding = Holding(plant.equilibrium(&point).control_v);
+            simulator.run_while(&mut holding, &scenario, window.samples, &mut goes_on)?
         }
-        windows = (2 * windows).min(settings.most_windows.max(3));
+        _ => simulator.run_while(controller, &scenario, window.samples, &mut goes_on)?,
+    };
+    let windows = history.len() / window.samples;
+    let last = window.response(test, &history.readings, windows - 1, period)?;
+    let before = window.response(test, &history.readings, windows - 2, period)?;
+    let last_change = (last.value - before.value).norm() / last.value.norm();
+    let settled = last_change <= settings.settled_below;
+    Ok(Measurement { amplitude, response: last, last_change, settled, simulated_s: history.len() as f64 * period })
+}
+
+/// Whether the motion has settled, asked at the end of every window: one run serves them all.
+struct Settling<'a> {
+    test: Test,
+    window: &'a Window,
+    period: f64,
+    allowed: f64,
+    last: Option<Response>,
+}
+
+impl Settling<'_> {
+    fn goes_on(&mut self, readings: &ReadingColumns) -> bool {
+        let windows = readings.control_v.len() / self.window.samples;
+        let found = self.window.response(self.test, readings, windows - 1, self.period).ok();
+        let change = match (&found, &self.last) {
+            (Some(now), Some(before)) if windows >= 3 => {
+                (now.value - before.value).norm() / now.value.norm()
+            }
+            _ => f64::INFINITY,
+        };
+        self.last = found;
+        change.is_nan() || change > self.allowed
     }
 }
 
@@ -164,11 +186,10 @@ impl Window {
     fn response(
         &self,
         test: Test,
-        history: &TimeHistory,
+        columns: &ReadingColumns,
         index: usize,
         period_s: f64,
     ) -> Result<Response, Error> {
-        let columns = &history.readings;
         let input = match test {
             Test::Plant => &columns.control_v,
             Test::ClosedLoop => &columns.demand_rad_s,
