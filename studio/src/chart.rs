@@ -4,7 +4,9 @@ use std::borrow::Cow;
 use std::fmt::Write;
 
 use egui::{Color32, Ui, Vec2};
-use egui_plot::{AxisHints, GridInput, GridMark, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotTransform};
+use egui_plot::{
+    AxisHints, GridInput, GridMark, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotTransform,
+};
 
 use crate::number::short;
 use crate::pyramid::Points;
@@ -267,7 +269,9 @@ impl Chart {
         }
         for (at, label) in &self.spots {
             let place = [self.place(0, at[0]), self.place(1, at[1])];
-            plot.points(egui_plot::Points::new("", vec![place]).color(theme.accent).radius(4.5).allow_hover(false));
+            plot.points(
+                egui_plot::Points::new("", vec![place]).color(theme.accent).radius(4.5).allow_hover(false),
+            );
             let text = egui::RichText::new(format!("  {label}")).small().color(theme.text);
             let at = PlotPoint::new(place[0], place[1]);
             plot.text(egui_plot::Text::new("", at, text).anchor(egui::Align2::LEFT_BOTTOM));
@@ -449,7 +453,8 @@ mod tests {
     fn a_straight_line_has_two_corners_and_a_step_four() {
         let line: Vec<[f64; 2]> = (0..1000).map(|k| [f64::from(k), 5.0]).collect();
         assert_eq!(corners(&line, [0.4, 1.0]).len(), 2);
-        let step: Vec<[f64; 2]> = (0..1000).map(|k| [f64::from(k), if k < 500 { 0.0 } else { 50.0 }]).collect();
+        let step: Vec<[f64; 2]> =
+            (0..1000).map(|k| [f64::from(k), if k < 500 { 0.0 } else { 50.0 }]).collect();
         assert_eq!(corners(&step, [0.4, 1.0]).len(), 4);
         assert!(corners(&[], [1.0, 1.0]).is_empty());
     }

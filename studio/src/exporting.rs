@@ -52,7 +52,8 @@ pub fn write(
 ) -> Result<Option<Vec<PathBuf>>, String> {
     let mut written = Vec::new();
     let mut put = |path: PathBuf, bytes: &[u8]| {
-        files::write(&path, bytes).map_err(|error| format!("{} cannot be written: {error}", path.display()))?;
+        files::write(&path, bytes)
+            .map_err(|error| format!("{} cannot be written: {error}", path.display()))?;
         written.push(path);
         Ok::<bool, String>(go_on())
     };

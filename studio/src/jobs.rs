@@ -5,9 +5,9 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use counterpoise_project::diagnose::{Diagnosis, diagnose};
+use counterpoise_project::models::Parameters;
 use counterpoise_project::pipeline::effort::{EffortPoint, effort};
 use counterpoise_project::pipeline::{self, World};
-use counterpoise_project::models::Parameters;
 use counterpoise_project::simulate::replay::Loop;
 use counterpoise_project::verify::{Verification, VerifiedController};
 use counterpoise_project::{Document, Project};

@@ -159,8 +159,7 @@ fn loops(
     synthesised: &Synthesised,
     modelled: &Modelled,
 ) -> Result<Vec<(Arrangement, Closed)>, PipelineError> {
-    let (controller, moment) =
-        (&synthesised.sampled.controller, modelled.plant.body().out_of_balance_kg_m);
+    let (controller, moment) = (&synthesised.sampled.controller, modelled.plant.body().out_of_balance_kg_m);
     let mut loops = vec![(Arrangement::Uncontrolled, sensed.open.clone())];
     for arrangement in ARRANGEMENTS.into_iter().skip(1) {
         let acting = arranged(controller, arrangement)?;

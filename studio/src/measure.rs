@@ -130,8 +130,7 @@ fn robust(campaign: &Campaign, samples: &[Sample]) -> Robust {
         RobustRow {
             requirement: requirement.clone(),
             summary: summary(campaign, samples, k),
-            strongest: strongest
-                .map(|r| (campaign.variations()[r.variation].parameter.key(), r.correlation)),
+            strongest: strongest.map(|r| (campaign.variations()[r.variation].parameter.key(), r.correlation)),
             values,
         }
     };

@@ -122,7 +122,15 @@ impl Offscreen {
         });
         let studio = Studio::new(state, wake);
         let context = egui::Context::default();
-        Self { studio, context, size: size.into(), themed: None, textures: egui::TexturesDelta::default(), woken, begun: Instant::now() }
+        Self {
+            studio,
+            context,
+            size: size.into(),
+            themed: None,
+            textures: egui::TexturesDelta::default(),
+            woken,
+            begun: Instant::now(),
+        }
     }
 
     /// One frame with events.

@@ -70,7 +70,9 @@ fn bar(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
 /// Which configuration of the mechanism is designed for, where it has several.
 fn configurations(ui: &mut Ui, opened: &crate::studio::Opened, queue: &mut Vec<Command>) {
     const KEY: &str = "model.configuration";
-    let Some(project) = opened.session.project().filter(|p| !p.plant.configurations.is_empty()) else { return };
+    let Some(project) = opened.session.project().filter(|p| !p.plant.configurations.is_empty()) else {
+        return;
+    };
     let now = project.model.configuration.clone();
     let shown = now.clone().unwrap_or_else(|| "as written".to_owned());
     let boxed = egui::ComboBox::from_id_salt("configuration").selected_text(shown).width(120.0);
@@ -284,7 +286,8 @@ fn palette(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
 }
 
 fn row(ui: &mut Ui, entry: &Entry, chosen: bool, theme: &Theme) -> bool {
-    let text = egui::Button::selectable(chosen, entry.name.as_ref()).truncate()
+    let text = egui::Button::selectable(chosen, entry.name.as_ref())
+        .truncate()
         .right_text(RichText::new(entry.shortcut).small().color(theme.weak))
         .min_size(egui::vec2(ui.available_width(), 24.0));
     ui.add(text).clicked()

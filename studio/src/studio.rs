@@ -119,7 +119,8 @@ impl Studio {
         match files::create(folder) {
             Ok(path) => {
                 self.open(&path);
-                self.view.say(format!("{} is a complete machine: change its numbers to your own", path.display()));
+                self.view
+                    .say(format!("{} is a complete machine: change its numbers to your own", path.display()));
             }
             Err(why) => {
                 self.view.warn(why.clone());
@@ -245,7 +246,8 @@ impl Studio {
 
     /// The design with its verification, where both are of the project as it stands; else says what is missing.
     fn verified_now(&mut self, what: &str) -> Option<(u64, VerifyAsk, Arc<VerifiedController>)> {
-        let (Some((revision, ask)), Some(of)) = (self.ask_verification(), self.results.verified.clone()) else {
+        let (Some((revision, ask)), Some(of)) = (self.ask_verification(), self.results.verified.clone())
+        else {
             self.view.warn(format!("{what}: the design is not verified yet (F5)"));
             return None;
         };
@@ -312,14 +314,18 @@ impl Studio {
     fn accept(&mut self) {
         let Some(project) = self.opened.as_ref().and_then(|o| o.session.project()) else { return };
         if self.jobs.diagnosed_plant.as_ref().is_some_and(|plant| *plant != project.plant) {
-            return self.view.warn("not accepted: the mechanism was changed since the diagnosis; diagnose again (F6)");
+            return self
+                .view
+                .warn("not accepted: the mechanism was changed since the diagnosis; diagnose again (F6)");
         }
         let improved =
             self.opened.as_ref().and_then(|o| self.jobs.improved(o.session.text(), o.session.project()?));
         match improved {
             Some(Ok(text)) => {
                 self.run(&Command::Replace { text });
-                self.view.say("the diagnosis is in the project; design and verification follow (Ctrl+Z takes it back)");
+                self.view.say(
+                    "the diagnosis is in the project; design and verification follow (Ctrl+Z takes it back)",
+                );
             }
             Some(Err(why)) => self.view.warn(why),
             None => self.view.warn("there is no diagnosis to accept"),

@@ -96,6 +96,7 @@ impl Theme {
     fn visuals(&self, mut v: Visuals) -> Visuals {
         (v.panel_fill, v.window_fill, v.extreme_bg_color, v.faint_bg_color) =
             (self.ground, self.card, self.card, self.field);
+        v.text_edit_bg_color = Some(self.field);
         v.override_text_color = Some(self.text);
         v.weak_text_color = Some(self.weak);
         v.window_stroke = Stroke::new(1.0, self.line);

@@ -99,7 +99,8 @@ fn every_place_and_every_view_of_it_is_drawn_with_names_for_a_screen_reader() {
         rest(&mut bench);
         assert_eq!(bench.state().view.place, place);
     }
-    for command in [Command::ToggleTheme, Command::ToggleFrequency, Command::ToggleGain, Command::ToggleAngle] {
+    for command in [Command::ToggleTheme, Command::ToggleFrequency, Command::ToggleGain, Command::ToggleAngle]
+    {
         bench.state_mut().run(&command);
         for place in Place::ALL {
             bench.state_mut().run(&Command::Go { place });
@@ -117,7 +118,9 @@ fn every_place_and_every_view_of_it_is_drawn_with_names_for_a_screen_reader() {
     bench.state_mut().run(&Command::Go { place: Place::Design });
     bench.state_mut().run(&Command::Keep { slot: Slot::B });
     rest(&mut bench);
-    for plot in ["Weights", "Loop gain", "Sensitivity", "Step of the demand", "Control effort", "Heave", "Pitch"] {
+    for plot in
+        ["Weights", "Loop gain", "Sensitivity", "Step of the demand", "Control effort", "Heave", "Pitch"]
+    {
         assert!(says(&bench, &format!("plot: {plot}")), "{plot}");
     }
     drop(bench);
@@ -379,7 +382,12 @@ fn every_example_opens_without_an_error_and_every_place_shows_it() {
         let wants = studio.opened.as_ref().unwrap().session.project().unwrap().synth.is_some();
         let mut bench = common::around(studio);
         rest(&mut bench);
-        assert_eq!(bench.state().results.live.is_some(), wants, "{shown}: {:?}", bench.state().results.no_design);
+        assert_eq!(
+            bench.state().results.live.is_some(),
+            wants,
+            "{shown}: {:?}",
+            bench.state().results.no_design
+        );
         for place in Place::ALL {
             bench.state_mut().run(&Command::Go { place });
             bench.run_steps(2);

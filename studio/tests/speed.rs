@@ -83,7 +83,9 @@ fn every_change_of_a_replayed_drag_is_drawn_and_verified_when_it_ends() {
 fn long_recordings_are_panned_and_zoomed() {
     let begun = Instant::now();
     let channel = |c: u32| {
-        let value = |k: u32| (f64::from(k) * 0.003 * f64::from(c + 1)).sin() + 0.1 * f64::from(k * 2_654_435_761 % 97);
+        let value = |k: u32| {
+            (f64::from(k) * 0.003 * f64::from(c + 1)).sin() + 0.1 * f64::from(k * 2_654_435_761 % 97)
+        };
         Arc::new(Pyramid::new((0..600_000_u32).map(|k| [f64::from(k) * 1e-3, value(k)]).collect()))
     };
     let channels: Vec<Arc<Pyramid>> = (0..8).map(channel).collect();

@@ -18,16 +18,17 @@ picture() { xdotool mousemove 300 794; sleep 1; import -window root "$DOCS/guide
 cd "$WORK/machines"
 "$WINDOW" & pid=$!
 pause; pause
-click 640 226                                  # the field of the path
+xdotool search --name Counterpoise windowfocus --sync 2> /dev/null || true
+click 640 246                                  # the field of the path
 xdotool type --delay 30 turret; pause
 picture 1-new
-click 476 252                                  # New project here
+click 487 272                                  # New project here
 pause; pause
 click 148 18                                   # Plant
 picture 2-plant
 click 275 18                                   # Design
 xdotool mousemove 630 170 mousedown 1; sleep 0.5
-for k in 1 2 3 4 5 6 7 8; do xdotool mousemove $(( 630 + 4 * k )) $(( 170 - 2 * k )); sleep 0.2; done
+for k in 1 2 3 4 5 6 7 8; do xdotool mousemove $(( 630 + 2 * k )) $(( 170 - k / 4 )); sleep 0.2; done
 sleep 1; xdotool mouseup 1; pause
 picture 3-design
 click 336 18                                   # Verify

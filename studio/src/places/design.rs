@@ -458,7 +458,8 @@ fn step_chart(view: &View, live: &Live) -> Chart {
 /// The control about the value that holds the weight.
 fn control_chart(view: &View, live: &Live) -> Chart {
     let held = live.modelled.linear.equilibrium.control_v;
-    let about = |h: &History| h.time_s.iter().zip(&h.control_v).map(|(t, v)| [*t, v - held]).collect::<Vec<_>>();
+    let about =
+        |h: &History| h.time_s.iter().zip(&h.control_v).map(|(t, v)| [*t, v - held]).collect::<Vec<_>>();
     let of = |source| motion(live, source, Arrangement::Compensated).map_or(Vec::new(), about);
     let c = &view.theme.curves;
     Chart::new("Control effort", "time, s", "about the holding value, V")
@@ -494,8 +495,7 @@ fn motion_chart(view: &View, live: &Live, source: Source) -> Chart {
     let title = if source == Source::Heave { "Heave" } else { "Pitch" };
     let of = |arrangement| {
         move |d: &Live| {
-            motion(d, source, arrangement)
-                .map_or(Vec::new(), |h| rates(view, &h.time_s, &h.hub_rate_rad_s))
+            motion(d, source, arrangement).map_or(Vec::new(), |h| rates(view, &h.time_s, &h.hub_rate_rad_s))
         }
     };
     let chart = with_kept(view, time_chart(view, title), of(Arrangement::Compensated));

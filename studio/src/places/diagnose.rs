@@ -82,7 +82,11 @@ fn list(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, (jobs, opened): 
     for (k, one) in seen.iter().enumerate() {
         let bad = !one.trouble.is_empty();
         let text = RichText::new(&one.name).color(if bad { theme.bad } else { theme.text });
-        if ui.selectable_label(view.recording == k, text).on_hover_text(one.path.display().to_string()).clicked() {
+        if ui
+            .selectable_label(view.recording == k, text)
+            .on_hover_text(one.path.display().to_string())
+            .clicked()
+        {
             view.recording = k;
         }
     }
@@ -145,7 +149,9 @@ fn add(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, (jobs, opened): (
 
 /// Which column of the chosen recording is which channel.
 fn mapping(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, (jobs, opened): (&Jobs, &Opened)) {
-    let (Some(seen), Some(project)) = (chosen(view, jobs.seen.as_ref()), opened.session.project()) else { return };
+    let (Some(seen), Some(project)) = (chosen(view, jobs.seen.as_ref()), opened.session.project()) else {
+        return;
+    };
     let theme = view.theme;
     theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());

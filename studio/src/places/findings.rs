@@ -107,7 +107,10 @@ fn evidence(ui: &mut Ui, theme: &Theme, answer: &Answer) {
 /// Where and when: which balance departs, and how much of that follows one variable.
 pub fn map(ui: &mut Ui, theme: &Theme, answer: &Answer) {
     card(ui, theme, |ui| {
-        parts::heading(ui, "Share of each balance's residual that follows one variable, on data not used to find it");
+        parts::heading(
+            ui,
+            "Share of each balance's residual that follows one variable, on data not used to find it",
+        );
         let mut components: Vec<&str> = Vec::new();
         let mut regimes: Vec<&str> = Vec::new();
         for cell in &answer.map {

@@ -87,7 +87,8 @@ struct Portrait {
 fn portrait(ui: &Ui, live: &Live) -> Arc<Portrait> {
     let id = egui::Id::unique("portrait of a reduction");
     let kept: Option<Arc<Portrait>> = ui.data(|d| d.get_temp(id));
-    let same = |p: &Arc<Portrait>| Arc::ptr_eq(&p.of.0, &live.modelled) && Arc::ptr_eq(&p.of.1, &live.reduced);
+    let same =
+        |p: &Arc<Portrait>| Arc::ptr_eq(&p.of.0, &live.modelled) && Arc::ptr_eq(&p.of.1, &live.reduced);
     kept.filter(same).unwrap_or_else(|| {
         let made = Arc::new(Portrait::of(live));
         ui.data_mut(|d| d.insert_temp(id, Arc::clone(&made)));
@@ -239,5 +240,7 @@ fn error(view: &View, live: &Live, seen: &Portrait) -> Chart {
     if let Some(bound) = live.reduced.bound.filter(|bound| *bound > 0.0) {
         chart.levels.push(view.level(bound));
     }
-    chart.curve("error", view.theme.curves[3], Dash::Solid, seen.curve(view, &seen.error)).grouped("reduction")
+    chart
+        .curve("error", view.theme.curves[3], Dash::Solid, seen.curve(view, &seen.error))
+        .grouped("reduction")
 }

@@ -14,7 +14,13 @@ use crate::view::View;
 type Of<'a> = (&'a Measured, u64, bool);
 
 /// A button that starts a measurement, beside what was measured last.
-fn start(ui: &mut Ui, theme: &Theme, queue: &mut Vec<Command>, (text, hint): (&str, &str), state: (bool, bool)) {
+fn start(
+    ui: &mut Ui,
+    theme: &Theme,
+    queue: &mut Vec<Command>,
+    (text, hint): (&str, &str),
+    state: (bool, bool),
+) {
     let (busy, stale) = state;
     ui.horizontal(|ui| {
         let command = if text.starts_with("Measure") { Command::Measure } else { Command::Sweep };
@@ -54,11 +60,8 @@ pub fn map(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, (measured, re
                 if k == 0 {
                     chart = chart.curve("linear", theme.weak, Dash::Dashed, placed(linear));
                 }
-                let name = format!(
-                    "{} {}",
-                    parts::short(view.angular() * amplitude),
-                    view.angular_rate_unit()
-                );
+                let name =
+                    format!("{} {}", parts::short(view.angular() * amplitude), view.angular_rate_unit());
                 let colour = theme.curves[k % theme.curves.len()];
                 chart = chart.curve(&name, colour, Dash::Solid, placed(seen));
             }
@@ -72,7 +75,13 @@ pub fn map(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, (measured, re
 pub fn campaign(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, (measured, revision, busy): Of<'_>) {
     let theme = view.theme;
     let stale = measured.robust.as_ref().is_some_and(|of| of.revision != revision);
-    start(ui, &theme, queue, ("Try many mechanisms", "F8: the campaign of the section [sweep]"), (busy, stale));
+    start(
+        ui,
+        &theme,
+        queue,
+        ("Try many mechanisms", "F8: the campaign of the section [sweep]"),
+        (busy, stale),
+    );
     match measured.robust.as_ref().map(|of| &of.value) {
         None => parts::empty(
             ui,
@@ -126,7 +135,9 @@ fn line(ui: &mut Ui, theme: &Theme, row: &RobustRow, chosen: bool) -> bool {
     ui.label(RichText::new(format!("{:.0} %", 100.0 * s.share)).color(colour));
     ui.label(parts::short(s.median));
     ui.label(format!("{} to {}", parts::short(s.q05), parts::short(s.q95)));
-    ui.label(row.strongest.map_or(String::new(), |(name, by)| format!("{} ({by:+.2})", name.replace('_', " "))));
+    ui.label(
+        row.strongest.map_or(String::new(), |(name, by)| format!("{} ({by:+.2})", name.replace('_', " "))),
+    );
     clicked
 }
 

@@ -160,7 +160,8 @@ fn rejections(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: &Ve
         sensitivity = sensitivity.curve(name, c[k], [Dash::Solid, Dash::Dashed][k % 2], of(one));
     }
     sensitivity.range[1] = Some((view.level(1e-3), view.level(4.0)));
-    let charts = [rejection(view, found, Source::Heave), rejection(view, found, Source::Pitch), loops, sensitivity];
+    let charts =
+        [rejection(view, found, Source::Heave), rejection(view, found, Source::Pitch), loops, sensitivity];
     let room = parts::room(ui);
     for (cell, chart) in parts::grid(room, 4, 2).iter().zip(charts) {
         parts::chart(ui, view, queue, *cell, &chart.grouped("verified over frequency"));

@@ -44,8 +44,13 @@ fn chooser(typed: &mut String, ui: &mut Ui, theme: &Theme, queue: &mut Vec<Comma
     let label = ui.label(
         RichText::new("Type a path, or drop a project's folder onto this window.").small().color(theme.weak),
     );
-    let field = egui::TextEdit::singleline(typed).hint_text("folder of a project").desired_width(f32::INFINITY);
-    let entered = ui.add(field).labelled_by(label.id).lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
+    let field =
+        egui::TextEdit::singleline(typed).hint_text("folder of a project").desired_width(f32::INFINITY);
+    let field = ui.add(field).labelled_by(label.id);
+    let entered = field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
+    if ui.memory(|memory| memory.focused().is_none()) {
+        field.request_focus();
+    }
     let path = PathBuf::from(typed.trim());
     let there = !typed.trim().is_empty() && files::project_file(&path).is_file();
     let free = !typed.trim().is_empty() && !path.join(PROJECT_FILE).exists() && !path.is_file();

@@ -107,7 +107,9 @@ fn sample(texture: &ColorImage, u: f32, v: f32) -> [f32; 4] {
         c.to_array().map(f32::from)
     };
     let [a, b, c, d] = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
-    std::array::from_fn(|k| (a[k] * (1.0 - fx) + b[k] * fx) * (1.0 - fy) + (c[k] * (1.0 - fx) + d[k] * fx) * fy)
+    std::array::from_fn(|k| {
+        (a[k] * (1.0 - fx) + b[k] * fx) * (1.0 - fy) + (c[k] * (1.0 - fx) + d[k] * fx) * fy
+    })
 }
 
 /// Premultiplied, as the window blends.
