@@ -107,7 +107,10 @@ fn deviations(system: &StateSpace, rates: &[f64]) -> Result<Vec<f64>, Error> {
     let n = system.order();
     let with = |B: &Mat, C: &Mat| {
         let D = Mat::zeros(C.nrows(), B.ncols());
-        frequency_response(&StateSpace::new(system.A.clone(), B.clone(), C.clone(), D, system.timebase)?, rates)
+        frequency_response(
+            &StateSpace::new(system.A.clone(), B.clone(), C.clone(), D, system.timebase)?,
+            rates,
+        )
     };
     let (f, g) = (with(&system.B, &Mat::eye(n))?, with(&Mat::eye(n), &system.C)?);
     let at = |k: usize| {
@@ -160,7 +163,11 @@ fn balanced(system: &StateSpace) -> Result<StateSpace, Error> {
     for size in &realised.blocks {
         let places = first..first + size;
         let block = realised.system.A.block(first, first, *size, *size);
-        if radius(&block, system.timebase)? > MARGINAL { marginal.extend(places) } else { stable.extend(places) }
+        if radius(&block, system.timebase)? > MARGINAL {
+            marginal.extend(places)
+        } else {
+            stable.extend(places)
+        }
         first += size;
     }
     let part = |places: &[usize]| states(&realised.system, places);
@@ -224,7 +231,8 @@ mod tests {
         ]);
         let B = Mat::from_rows(&[&[0.03], &[1.0], &[0.2], &[-0.4]]);
         let C = Mat::from_rows(&[&[1.0, 0.02, -0.3, 0.1]]);
-        let T = Mat::from_fn(4, 4, |i, j| f64::from(i == j) + 0.3 * f64::from((i * 5 + j * 3) as u8 % 7) - 0.6);
+        let T =
+            Mat::from_fn(4, 4, |i, j| f64::from(i == j) + 0.3 * f64::from((i * 5 + j * 3) as u8 % 7) - 0.6);
         let W = counterpoise_lti::linalg::inverse(&T).unwrap();
         let D = Mat::from_rows(&[&[0.5]]);
         StateSpace::new(&(&W * &A) * &T, &W * &B, &C * &T, D, PERIOD).unwrap()
@@ -277,7 +285,12 @@ mod tests {
         let as_it_is = candidate(&given, Form::Modal).unwrap();
         let all = candidates(&given).unwrap();
         let chosen = least(&all).unwrap();
-        assert!(as_it_is.predicted > 100.0 * chosen.predicted, "{:e} {:e}", as_it_is.predicted, chosen.predicted);
+        assert!(
+            as_it_is.predicted > 100.0 * chosen.predicted,
+            "{:e} {:e}",
+            as_it_is.predicted,
+            chosen.predicted
+        );
         assert!(as_it_is.measured > 10.0 * chosen.measured);
     }
 }

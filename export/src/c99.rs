@@ -17,6 +17,7 @@ use crate::{Error, File, Options, Precision, Provenance, READING_FIELDS, Source,
 /// | `NAME_self_test.c` | vectors and a function that counts where the target answers otherwise; no library |
 /// | `NAME_test.c` | a program that runs the self test and prints its outcome |
 /// | `NAME_interrupt.c` | a block to paste into the sampling interrupt |
+/// | `NAME_README.md` | how to put it to work |
 ///
 /// # Errors
 /// [`Error::Name`] for a name that is no lower-case identifier, [`Error::SingleRange`] for a coefficient that single
@@ -38,6 +39,7 @@ pub fn c99<'a>(
         ("_self_test.c", include_str!("../templates/self_test.c.jinja")),
         ("_test.c", include_str!("../templates/test.c.jinja")),
         ("_interrupt.c", include_str!("../templates/interrupt.c.jinja")),
+        ("_README.md", include_str!("../templates/readme.md.jinja")),
     ];
     let fill = |(ending, template): (&str, &str)| {
         let text = environment.render_str(template, &data)?;
@@ -64,6 +66,8 @@ fn data(controller: &Controller, provenance: &[String], options: &Options) -> mi
         NAME => name.to_uppercase(),
         number => if options.precision == Precision::Double { "double" } else { "float" },
         provenance => provenance.to_vec(),
+        verified => line_with(provenance, "verified:"),
+        hash => line_with(provenance, "project-hash:"),
         readings => READING_FIELDS,
         states => state_fields(controller),
         restart => initial(controller, options.precision, OnReset::Restart),
@@ -79,6 +83,11 @@ fn data(controller: &Controller, provenance: &[String], options: &Options) -> mi
         state_count => programs.state_count(),
         vectors => shipped(controller, options.precision).iter().map(|v| row(v, options.precision)).collect::<Vec<_>>(),
     }
+}
+
+/// The line of the header that begins with a word.
+pub(crate) fn line_with(provenance: &[String], word: &str) -> String {
+    provenance.iter().find(|line| line.starts_with(word)).cloned().unwrap_or_default()
 }
 
 /// Arguments of the step that it does not use.

@@ -11,7 +11,8 @@ use crate::{File, Numbers};
 /// The C compiler.
 pub const C_COMPILER: &str = "cc";
 /// Its flags, up to the sources: without a warning, and no product contracted with a sum.
-pub const C_FLAGS: [&str; 7] = ["-std=c99", "-O1", "-ffp-contract=off", "-Wall", "-Wextra", "-pedantic", "-Werror"];
+pub const C_FLAGS: [&str; 7] =
+    ["-std=c99", "-O1", "-ffp-contract=off", "-Wall", "-Wextra", "-pedantic", "-Werror"];
 /// The Rust compiler.
 pub const RUST_COMPILER: &str = "rustc";
 /// Its flags for the generated crate, up to the source.
@@ -51,7 +52,8 @@ pub fn requests(records: &[Record], fixed: Option<&Fixed>) -> Vec<u8> {
 /// Number of samples, and of those that were answered otherwise than the records say; nothing where answers are missing.
 pub fn differing(records: &[Record], fixed: Option<&Fixed>, answers: &[u8]) -> Option<(usize, usize)> {
     let scale = fixed.map_or(1.0, |fixed| unit(fixed.control_bits()));
-    let mut values = answers.chunks_exact(8).map(|chunk| f64::from_ne_bytes(chunk.try_into().unwrap_or([0; 8])));
+    let mut values =
+        answers.chunks_exact(8).map(|chunk| f64::from_ne_bytes(chunk.try_into().unwrap_or([0; 8])));
     let (mut samples, mut wrong) = (0, 0);
     for record in records {
         values.next()?;

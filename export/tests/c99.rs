@@ -147,6 +147,18 @@ fn the_header_says_where_the_code_comes_from() {
 }
 
 #[test]
+fn the_readme_names_what_is_there() {
+    let files = c99(Unverified(&typical()), &provenance(), &Options::double("axis")).unwrap();
+    let readme = &files.iter().find(|file| file.name == "axis_README.md").unwrap().text;
+    assert!(files.iter().all(|file| file.name.ends_with(".md") || readme.contains(&file.name)));
+    for said in
+        ["verified: NO", "project-hash: 0123456789abcdef", "1000 Hz", "| `hub_rate_rad_s` |", "+/- 10.0"]
+    {
+        assert!(readme.contains(said), "{said}");
+    }
+}
+
+#[test]
 fn names_that_are_no_identifiers_are_refused() {
     for name in ["", "9axis", "Axis", "an axis", "a_name_that_is_much_too_long_for_a_prefix"] {
         assert!(c99(Unverified(&typical()), &provenance(), &Options::double(name)).is_err(), "{name}");

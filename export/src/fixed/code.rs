@@ -4,7 +4,7 @@ use counterpoise_controller::program::{OnReset, Program, Slot};
 use counterpoise_controller::{READING_NAMES, READINGS};
 use minijinja::{Environment, context};
 
-use crate::c99::assignments;
+use crate::c99::{assignments, line_with};
 use crate::fixed::plan::to_integer;
 use crate::fixed::{Fixed, FixedOperation, FixedProgram, FixedRunner};
 use crate::print::{Dialect, state, wrap};
@@ -34,6 +34,7 @@ pub fn fixed_c99<'a>(
         ("_self_test.c", include_str!("../../templates/fixed_self_test.c.jinja")),
         ("_test.c", include_str!("../../templates/fixed_test.c.jinja")),
         ("_interrupt.c", include_str!("../../templates/fixed_interrupt.c.jinja")),
+        ("_README.md", include_str!("../../templates/fixed_readme.md.jinja")),
     ];
     let fill = |(ending, template): (&str, &str)| {
         let text = environment.render_str(template, &data)?.trim_end().to_owned() + "\n";
@@ -65,6 +66,8 @@ fn data(fixed: &Fixed, provenance: &[String], name: &str) -> minijinja::Value {
     context! {
         name, NAME => name.to_uppercase(),
         provenance => provenance.to_vec(),
+        verified => line_with(provenance, "verified:"),
+        hash => line_with(provenance, "project-hash:"),
         readings,
         fields,
         control_bits => fixed.control_bits(),

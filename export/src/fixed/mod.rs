@@ -10,8 +10,8 @@ mod predict;
 mod runner;
 
 pub use code::fixed_c99;
-pub(crate) use plan::{to_integer, unit};
 pub use plan::{Fixed, FixedError, plan};
+pub(crate) use plan::{to_integer, unit};
 pub use runner::FixedRunner;
 
 use counterpoise_controller::program::Slot;

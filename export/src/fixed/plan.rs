@@ -48,7 +48,10 @@ pub enum FixedError {
         missing_bits: i32,
     },
     /// A divisor that its range does not keep away from 0.
-    #[error("'{name}' divides by '{divisor}', which is not proven to stay away from 0")]
+    #[error(
+        "'{name}' divides by '{divisor}', which is not proven to stay away from 0: use single precision, or an estimator whose \
+         divisor cannot vanish (the gradient's is at least 1)"
+    )]
     Divisor {
         /// Name of what is computed.
         name: String,
