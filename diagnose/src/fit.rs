@@ -114,14 +114,13 @@ pub struct Problem<'a> {
 
 impl Problem<'_> {
     /// Fits from the given knob values, with the recordings' starts as they are there; again with those at what was found,
-    /// until that changes nothing any more.
+    /// sought anew (from nearby they would stay where the wrong values had put them), until that changes nothing any more.
     pub fn fit(&self, start: &[f64]) -> Option<Fit> {
         let near = |index: usize| self.stances.get(index);
         let mut best = self.descend(start, self.selection.iterations, self.near(start, &near)?)?;
         for _ in 0..self.selection.restarts {
-            let own = |index: usize| best.stances.iter().find(|(r, _)| *r == index).map(|(_, near)| near);
             let Some(next) = self
-                .near(&best.values, &own)
+                .near(&best.values, &|_| None)
                 .and_then(|near| self.descend(&best.values, self.selection.iterations.div_ceil(2), near))
             else {
                 break;
