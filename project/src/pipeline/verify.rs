@@ -36,6 +36,9 @@ pub fn verify_on(
     Ok(counterpoise_verify::verify(plant, controller, procedure, &asked.requirements)?)
 }
 
+/// Somebody who looks on: sees what is found so far and says whether to go on.
+pub type Onlooker<'a> = &'a mut dyn FnMut(&Verification) -> bool;
+
 /// As [`verify`], for somebody who looks on: `watch` sees what is found so far and says whether to go on; none where it said no.
 ///
 /// # Errors
@@ -44,7 +47,7 @@ pub fn verify_watched(
     project: &Project,
     modelled: &Modelled,
     synthesised: &Synthesised,
-    (world, watch): (&dyn World, &mut dyn FnMut(&Verification) -> bool),
+    (world, watch): (&dyn World, Onlooker<'_>),
 ) -> Result<Option<VerifiedController>, PipelineError> {
     let asked = project.verify.as_ref().ok_or(MISSING)?;
     let controller = &synthesised.sampled.controller;
