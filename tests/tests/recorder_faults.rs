@@ -117,7 +117,7 @@ fn missing_stuck_and_clipped_readings_are_named_without_a_false_scale() {
 #[test]
 fn a_swapped_sign_and_a_wrong_unit_are_named() {
     let Some(swapped) = with(|table| changed(table, "motor_rate", |_, v| -v)) else { return };
-    assert!(swapped.says("motor_rate: -1.0") && swapped.says("its sign is swapped"), "{:?}", swapped.remarks);
+    assert!(swapped.says("times what the gyroscopes say: its sign is swapped"), "{:?}", swapped.remarks);
     let degrees = with(|table| changed(table, "hub_position", |_, v| v.to_degrees())).unwrap();
     assert!(degrees.says("hub_position: 57.") && degrees.says("it is in degrees"), "{:?}", degrees.remarks);
     let gyro = with(|table| changed(table, "hub_rate", |_, v| -v)).unwrap();
