@@ -71,6 +71,26 @@ pub struct TrueColumns {
     pub pivot_friction_nm: Vec<f64>,
 }
 
+/// Samples for which room is made at once.
+const ROOM: usize = 1 << 20;
+
+impl ReadingColumns {
+    /// Empty columns with room for a run.
+    pub(crate) fn for_samples(samples: usize) -> Self {
+        let column = || Vec::with_capacity(samples.min(ROOM));
+        Self {
+            demand_rad_s: column(),
+            control_request_v: column(),
+            control_v: column(),
+            hub_rate_rad_s: column(),
+            platform_rate_rad_s: column(),
+            platform_accel_m_s2: column(),
+            motor_rate_rad_s: column(),
+            hub_position_rad: column(),
+        }
+    }
+}
+
 impl TimeHistory {
     /// Number of samples.
     pub fn len(&self) -> usize {

@@ -15,7 +15,7 @@
 //! *Invariant*: nothing here knows a requirement, a design, a file, a thread or a clock; noise comes from a seed.
 //!
 //! Modules in reading order: [`signal`], [`motion`], [`scenario`], [`mod@run`], [`sensing`], [`history`], [`recording`],
-//! [`mod@replay`], [`fra`].
+//! [`mod@replay`], [`fra`], [`convergence`].
 //!
 //! ```
 //! use counterpoise_controller::ProportionalIntegral;
@@ -33,6 +33,7 @@
 //! ```
 #![allow(non_snake_case)]
 
+pub mod convergence;
 mod engine;
 pub mod error;
 pub mod fra;

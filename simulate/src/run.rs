@@ -136,7 +136,12 @@ fn rest(plant: &Plant, hub_angle_rad: f64, platform_angle_rad: f64, platform_rat
     let mut core = plant.equilibrium(&OperatingPoint { hub_angle_rad, platform_angle_rad }).core_state;
     core[state::RATE] = platform_rate;
     core[state::MOTOR] = plant.parameters().motor.platform_coupling * platform_rate;
-    PlantState { core, friction: FrictionState::default(), bonds: Bonds::default(), hub_gyro: [platform_rate, 0.0] }
+    PlantState {
+        core,
+        friction: FrictionState::default(),
+        bonds: Bonds::default(),
+        hub_gyro: [platform_rate, 0.0],
+    }
 }
 
 fn positive(what: &'static str, value: f64) -> Result<(), Error> {
@@ -194,7 +199,7 @@ impl<'a> Lap<'a> {
             sensing,
             output: Converter::new(parameters.interface.output_bits, scenario.imperfections),
             queue: Vec::new(),
-            readings: ReadingColumns::default(),
+            readings: ReadingColumns::for_samples(samples as usize),
             truth: TrueColumns::default(),
         })
     }

@@ -6,7 +6,7 @@ use counterpoise_models::{
     Friction, FrictionLaw, OperatingPoint, Parameters, Plant, StribeckCurve, reference,
 };
 use counterpoise_simulate::{
-    Initial, Playback, PlatformMotion, Scenario, Signal, Simulator, Sine, TimeHistory,
+    Initial, PlatformMotion, Playback, Scenario, Signal, Simulator, Sine, TimeHistory,
 };
 
 fn machine(change: impl Fn(&mut Parameters)) -> Plant {
@@ -35,7 +35,10 @@ fn one_mass(inertia: f64, law: FrictionLaw, static_ratio: f64) -> Parameters {
 
 fn pushed(amplitude: f64, frequency_rad_s: f64, duration_s: f64) -> Scenario {
     let heave_m_s2 = Signal::Sines(vec![Sine { amplitude, frequency_rad_s, phase_rad: 0.0 }]);
-    Scenario { platform: PlatformMotion { heave_m_s2, ..PlatformMotion::STILL }, ..Scenario::still(duration_s) }
+    Scenario {
+        platform: PlatformMotion { heave_m_s2, ..PlatformMotion::STILL },
+        ..Scenario::still(duration_s)
+    }
 }
 
 /// J w' = -mu a sin(W t) - F: breakaway at mu a sin(W t) = F_s, then the closed form with the sliding level.
@@ -115,7 +118,11 @@ fn laws(coulomb_nm: f64, deflection_rad: f64) -> Vec<(&'static str, FrictionLaw,
         ("polynomial", curve(StribeckCurve::Polynomial { coefficients: [-0.2, 0.1, 0.0] }), 1.0),
         ("Karnopp", FrictionLaw::Karnopp { coulomb_nm, stick_rate_rad_s: 10.0 * deflection_rad }, 1.3),
         ("Dahl", FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad: stiffness, exponent: 1.0 }, 1.0),
-        ("Dahl, exponent 2", FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad: stiffness, exponent: 2.0 }, 1.0),
+        (
+            "Dahl, exponent 2",
+            FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad: stiffness, exponent: 2.0 },
+            1.0,
+        ),
         (
             "LuGre",
             FrictionLaw::Lugre {
@@ -171,9 +178,8 @@ fn every_law_holds_a_constant_torque_at_motor_and_pivot_in_any_split() {
             let plant = split(|level, deflection| laws(level, deflection)[index].1.clone(), ratio, at_motor);
             let held = plant.equilibrium(&OperatingPoint::default()).control_v;
             let angle = run(&plant, &[held + 0.1], &Scenario::still(12.0)).truth.hub_angle_rad;
-            let mean = |range: std::ops::Range<usize>| {
-                angle[range.clone()].iter().sum::<f64>() / range.len() as f64
-            };
+            let mean =
+                |range: std::ops::Range<usize>| angle[range.clone()].iter().sum::<f64>() / range.len() as f64;
             let drift = (mean(11_000..12_000) - mean(8000..9000)).abs() / 3.0;
             println!("{name} {at_motor}: {drift:.1e} rad/s");
             if name == "Walrath" {
@@ -205,9 +211,8 @@ fn every_law_dissipates() {
                 (2000..4000).map(|k| 1e-3 * torque[k] * rate(k)).sum()
             };
             let motor = worked(&truth.motor_friction_nm, &|k| truth.motor_rate_rad_s[k]);
-            let pivot = worked(&truth.pivot_friction_nm, &|k| {
-                truth.hub_rate_rad_s[k] - truth.platform_rate_rad_s[k]
-            });
+            let pivot =
+                worked(&truth.pivot_friction_nm, &|k| truth.hub_rate_rad_s[k] - truth.platform_rate_rad_s[k]);
             let travelled: f64 = (2000..4000).map(|k| 1e-3 * truth.platform_rate_rad_s[k].abs()).sum();
             let scale = 117.0 * travelled;
             assert!(motor > -1e-3 * scale && pivot > -1e-3 * scale, "{name} {at_motor}: {motor} {pivot}");
@@ -221,8 +226,7 @@ fn every_law_dissipates() {
 fn joints_at_rest_ride_with_the_platform() {
     let plant = split(|coulomb_nm, _| FrictionLaw::Coulomb { coulomb_nm }, 1.0, 0.5);
     let held = plant.equilibrium(&OperatingPoint::default()).control_v;
-    let platform =
-        PlatformMotion { pitch_rate_rad_s: Signal::sine(0.01, 3.0), ..PlatformMotion::STILL };
+    let platform = PlatformMotion { pitch_rate_rad_s: Signal::sine(0.01, 3.0), ..PlatformMotion::STILL };
     let history = run(&plant, &[held], &Scenario { platform, ..Scenario::still(3.0) });
     let truth = &history.truth;
     assert_eq!(history.effort.changes, 0);
@@ -247,7 +251,11 @@ fn true_stick_is_the_limit_of_stiff_presliding() {
     let distance = |stiffness: f64| {
         let law = |coulomb_nm: f64| {
             let turns = if coulomb_nm < 1.0 { 1e-4 } else { 1.0 };
-            FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad: stiffness * coulomb_nm * turns, exponent: 1.0 }
+            FrictionLaw::Dahl {
+                coulomb_nm,
+                rest_stiffness_nm_rad: stiffness * coulomb_nm * turns,
+                exponent: 1.0,
+            }
         };
         let found = motion(&law);
         let worst = found.iter().zip(&stuck).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);

@@ -70,7 +70,13 @@ impl Stepper {
     }
 
     /// What a joint can hold, and the torque that it holds at rest, at a state of the core.
-    pub(crate) fn load(&self, joint: usize, core: &[f64], ports: &[f64; PORTS], at: &Instant) -> (Stick, f64) {
+    pub(crate) fn load(
+        &self,
+        joint: usize,
+        core: &[f64],
+        ports: &[f64; PORTS],
+        at: &Instant,
+    ) -> (Stick, f64) {
         let linear = self.linear();
         let seen = linear.see(core);
         let outputs = *super::linear::outputs(&seen);

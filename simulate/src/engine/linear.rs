@@ -6,8 +6,8 @@ use super::moments::{Moments, NODES};
 use super::strips::{NARROW, Strips};
 use super::tables::{DEEPEST, LEVELS, OUTPUTS, STAGES, StepTable, step_table};
 use counterpoise_lti::Mat;
-use counterpoise_models::plant::core::{input, state};
 use counterpoise_models::plant::Core;
+use counterpoise_models::plant::core::{input, state};
 use counterpoise_models::{Mesh, Plant};
 
 /// Motor state, wind-up, hub angle, hub rate, current; amplifier voltage, tip rate; nothing.
@@ -266,7 +266,11 @@ struct Joint {
 
 fn joints(plant: &Plant) -> [Joint; 2] {
     [
-        Joint { row: unit(plant.core_order(), state::MOTOR), port: input::MOTOR_TORQUE, share: plant.parameters().motor.platform_coupling },
+        Joint {
+            row: unit(plant.core_order(), state::MOTOR),
+            port: input::MOTOR_TORQUE,
+            share: plant.parameters().motor.platform_coupling,
+        },
         Joint { row: plant.hub_rate_row(), port: input::HUB_TORQUE, share: 1.0 },
     ]
 }

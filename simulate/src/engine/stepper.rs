@@ -228,8 +228,7 @@ impl Stepper {
         self.enter(&mode);
         let at = self.instant(sample, 0.0, &mode);
         let point = self.point(&at);
-        let mut torques =
-            self.ports.dry_torques(&self.plant, &point.of(self.outputs()), &self.now.friction);
+        let mut torques = self.ports.dry_torques(&self.plant, &point.of(self.outputs()), &self.now.friction);
         for joint in [0, 1] {
             if self.ports.sticks(joint) && self.now.friction.get(joint) == 0.0 {
                 torques[joint] = self.load(joint, &self.now.z, &self.ports_at(&at), &at).1;
@@ -480,13 +479,7 @@ impl Stepper {
     }
 
     /// Fraction of the step at which a joint at rest breaks away: the torque that holds it is looked at at both ends.
-    fn break_event(
-        &self,
-        joint: usize,
-        sample: &Sample,
-        (start, share): (f64, f64),
-        mode: &Mode,
-    ) -> f64 {
+    fn break_event(&self, joint: usize, sample: &Sample, (start, share): (f64, f64), mode: &Mode) -> f64 {
         let end = self.instant(sample, start + share, mode);
         let (stick, torque) = self.load(joint, self.attempt.end(), &self.attempt.end_ports(), &end);
         if stick.holds(torque) {

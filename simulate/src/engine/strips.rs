@@ -29,11 +29,7 @@ impl Strips {
             }
             data
         };
-        Self {
-            columns: M.ncols(),
-            wide: store(0, wide_rows, WIDE),
-            narrow: store(wide_rows, rows, NARROW),
-        }
+        Self { columns: M.ncols(), wide: store(0, wide_rows, WIDE), narrow: store(wide_rows, rows, NARROW) }
     }
 
     /// out = start + M v, where `out` is as long as the padded rows; in the widest registers of the machine, with the

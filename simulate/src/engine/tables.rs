@@ -109,9 +109,8 @@ fn flow(core: &Linear, span: &Span) -> Flow {
     let phi = |block: usize, i: usize, j: usize| span.at(STAGES)[block].phi(i, j);
     let first = usize::from(from > 0);
     let head = Mat::from_fn(from, from, |i, j| phi(0, i, j));
-    let pairs = (first..core.blocks())
-        .map(|b| [phi(b, 0, 0), phi(b, 0, 1), phi(b, 1, 0), phi(b, 1, 1)])
-        .collect();
+    let pairs =
+        (first..core.blocks()).map(|b| [phi(b, 0, 0), phi(b, 0, 1), phi(b, 1, 0), phi(b, 1, 1)]).collect();
     Flow { pairs, from, head: Strips::new(&head), head_rows: padded(from) }
 }
 
@@ -165,8 +164,7 @@ impl Answers {
         for i in 0..core.order() {
             self.inputs[(i, 2)] -= start[(i, 0)];
             for k in 0..NODES.len() {
-                let here =
-                    if node == Span::MIDDLE { MIDDLE[k] } else { f64::from(u8::from(k == node)) };
+                let here = if node == Span::MIDDLE { MIDDLE[k] } else { f64::from(u8::from(k == node)) };
                 self.inputs[(i, 2 + k)] += core.carried[i] * here;
             }
         }

@@ -103,7 +103,8 @@ pub fn measure(
         ..excitation(test, window.frequency_rad_s, amplitude, settings)
     };
     let mut simulator = Simulator::new(plant)?;
-    let mut settling = Settling { test, window: &window, period, allowed: settings.settled_below, last: None };
+    let mut settling =
+        Settling { test, window: &window, period, allowed: settings.settled_below, last: None };
     let mut goes_on = |readings: &ReadingColumns| settling.goes_on(readings);
     controller.reset();
     let history = match test {
@@ -119,7 +120,13 @@ pub fn measure(
     let before = window.response(test, &history.readings, windows - 2, period)?;
     let last_change = (last.value - before.value).norm() / last.value.norm();
     let settled = last_change <= settings.settled_below;
-    Ok(Measurement { amplitude, response: last, last_change, settled, simulated_s: history.len() as f64 * period })
+    Ok(Measurement {
+        amplitude,
+        response: last,
+        last_change,
+        settled,
+        simulated_s: history.len() as f64 * period,
+    })
 }
 
 /// Whether the motion has settled, asked at the end of every window: one run serves them all.
@@ -136,9 +143,7 @@ impl Settling<'_> {
         let windows = readings.control_v.len() / self.window.samples;
         let found = self.window.response(self.test, readings, windows - 1, self.period).ok();
         let change = match (&found, &self.last) {
-            (Some(now), Some(before)) if windows >= 3 => {
-                (now.value - before.value).norm() / now.value.norm()
-            }
+            (Some(now), Some(before)) if windows >= 3 => (now.value - before.value).norm() / now.value.norm(),
             _ => f64::INFINITY,
         };
         self.last = found;

@@ -1,0 +1,92 @@
+//! The simulator's speed: `cargo bench -p counterpoise-simulate`.
+//!
+//! Ten seconds of the two-mass servo with three laws of friction at three stiffnesses (the rows of
+//! `tests/peers/nonlinear/TABLE.md`; their ratio is the cost of the laws), and of the reference rig with more and more modes.
+#![allow(missing_docs, non_snake_case, clippy::unwrap_used)]
+
+mod two_mass;
+
+use counterpoise_controller::ProportionalIntegral;
+use counterpoise_models::plant::{Body, BodyMode};
+use counterpoise_models::{OperatingPoint, Plant, reference};
+use counterpoise_simulate::{Detail, PlatformMotion, Scenario, Signal, Simulator};
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use two_mass::{Controller, scenario};
+
+const FRICTIONS: [&str; 3] = ["Dahl", "LuGre", "reset integrator"];
+const TIMES: [u32; 3] = [1, 20, 500];
+/// Defect at which every row but the stiffest LuGre's is exact to 1e-5, but for the reset integrator's own corners.
+const TOLERANCE: f64 = 1e-3;
+
+fn servo(criterion: &mut Criterion) {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/benchmarks/peers/nonlinear/controller.txt");
+    if Controller::read(file).is_err() {
+        println!("skipped: {file} is absent");
+        return;
+    }
+    let mut group = criterion.benchmark_group("two-mass servo");
+    group.sample_size(20);
+    for (law, friction) in FRICTIONS.into_iter().enumerate() {
+        for (stiffness, times) in TIMES.into_iter().enumerate() {
+            let plant = two_mass::plant(law as u32, stiffness as u32).unwrap();
+            let scenario = Scenario { detail: Detail::Recording, ..scenario(&plant) };
+            group.bench_function(BenchmarkId::new(friction, times), |bencher| {
+                bencher.iter(|| {
+                    let mut controller = Controller::read(file).unwrap();
+                    Simulator::with_tolerance(&plant, TOLERANCE)
+                        .unwrap()
+                        .run(&mut controller, &scenario)
+                        .unwrap()
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
+/// The rig with more modes.
+fn flexible(modes: u32) -> Plant {
+    let rig = reference::rig();
+    let mut body = Body::lumped(rig.lumped.as_ref().unwrap());
+    body.modes.extend((2..=modes).map(|k| BodyMode {
+        frequency_rad_s: 240.0 * f64::from(k * k),
+        damping_ratio: 0.01,
+        hub_shape: 0.05 / f64::from(k),
+        tip_shape: -0.05,
+        load_share_kg_m: 0.1 / f64::from(k),
+    }));
+    Plant::with_body(&rig, body).unwrap()
+}
+
+fn modes(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("modes");
+    group.sample_size(20);
+    for modes in [1, 3, 14, 40] {
+        let plant = flexible(modes);
+        let controller = ProportionalIntegral {
+            kp_v_s_rad: 18.0,
+            ki_v_rad: 80.0,
+            bias_v: plant.equilibrium(&OperatingPoint::default()).control_v,
+            sample_period_s: 1e-3,
+            integral_v: 0.0,
+        };
+        let scenario = Scenario {
+            demand_rad_s: Signal::Triangle { amplitude: 0.1, period_s: 1.0 },
+            platform: PlatformMotion { pitch_rate_rad_s: Signal::sine(0.1, 8.0), ..PlatformMotion::STILL },
+            detail: Detail::Recording,
+            ..Scenario::still(10.0)
+        };
+        let mut simulator = Simulator::new(&plant).unwrap();
+        group.bench_function(BenchmarkId::new("ten seconds", modes), |bencher| {
+            bencher.iter(|| simulator.run(&mut controller.clone(), &scenario).unwrap());
+        });
+        group.bench_function(BenchmarkId::new("matrices", modes), |bencher| {
+            let moment = Scenario { duration_s: 1e-3, ..scenario.clone() };
+            bencher.iter(|| Simulator::new(&plant).unwrap().run(&mut controller.clone(), &moment).unwrap());
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, servo, modes);
+criterion_main!(benches);
