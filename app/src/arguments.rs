@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Parser, Subcommand};
 
 use crate::commands::{
-    claims::ClaimsOptions, fra::FraOptions, model::ModelOptions, sweep::SweepOptions, synth::SynthOptions,
-    verify::VerifyOptions,
+    adapt::AdaptOptions, claims::ClaimsOptions, fra::FraOptions, model::ModelOptions, sweep::SweepOptions,
+    synth::SynthOptions, verify::VerifyOptions,
 };
 
 /// From a project file to a verified controller, and back from recordings to a better model.
@@ -32,7 +32,7 @@ pub enum Command {
     /// The controller: weights, feedback, heave and pitch feedforward, certificates
     Synth(SynthOptions),
     /// The adaptation to a changing out-of-balance, in eight runs of the nonlinear closed loop
-    Adapt(StageOptions),
+    Adapt(AdaptOptions),
     /// The verdicts: every figure against its limit, linear and nonlinear
     Verify(VerifyOptions),
     /// The verified controller as C, Rust, fixed point and FMI units, with self-test vectors

@@ -20,7 +20,8 @@ const LAG: &str = "form = 'lag'\ngain = 1.0\ntime = 0.1";
 const LEAD: &str = "form = 'lead'\ngain = 1.0\ntime = 0.1";
 const INTEGRAL: &str = "form = 'integral'\ngain = 1.0\ntime = 1.0";
 const CONSTANT: &str = "form = 'constant'\ngain = 1.0";
-const FREE_FOR_EVER: &str = "form = 'zero-pole-gain'\nzeros = [[-1.0, 0.0]]\npoles = [[0.0, 0.0]]\ngain = 1.0";
+const FREE_FOR_EVER: &str =
+    "form = 'zero-pole-gain'\nzeros = [[-1.0, 0.0]]\npoles = [[0.0, 0.0]]\ngain = 1.0";
 const UNSTABLE: &str = "form = 'zero-pole-gain'\npoles = [[0.5, 0.0], [-20.0, 0.0]]\ngain = 400.0";
 /// Infinite, and zero, at the hub's antiresonance sqrt(3.305e6 / 271.6) of the undamped structure.
 const RESONANT: &str = "form = 'zero-pole-gain'\npoles = [[0.0, 110.31151498702857], [0.0, -110.31151498702857]]\nzeros = [[-1.0, 0.0]]\ngain = 100.0";
@@ -45,8 +46,16 @@ const WEIGHTS: [(&str, &str, [&str; 3]); 15] = [
     (FB_CONTROL, NOTCHED, ["feedback, control weight", ANTIRESONANCE, "not zero there"]),
     (HEAVE_CONTROL, NOTCHED, ["heave feedforward, control weight", ANTIRESONANCE, "not zero there"]),
     (HEAVE_GENERATOR, CONSTANT, ["heave feedforward, generator 1", HIGH, "more poles than zeros"]),
-    (PITCH_GENERATOR, INTEGRAL, ["pitch feedforward, generator", ZERO, "move the pole into the left half plane"]),
-    (HEAVE_GENERATOR, UNSTABLE, ["heave feedforward, generator", ZERO, "move the pole into the left half plane"]),
+    (
+        PITCH_GENERATOR,
+        INTEGRAL,
+        ["pitch feedforward, generator", ZERO, "move the pole into the left half plane"],
+    ),
+    (
+        HEAVE_GENERATOR,
+        UNSTABLE,
+        ["heave feedforward, generator", ZERO, "move the pole into the left half plane"],
+    ),
     (HEAVE_ERROR, INTEGRAL, ["heave feedforward, error weight 1 / (1 s)", ZERO, "finite at that frequency"]),
     (PITCH_ERROR, INTEGRAL, ["pitch feedforward, error weight 1 / (1 s)", ZERO, "finite at that frequency"]),
 ];
@@ -100,9 +109,10 @@ fn weights_without_a_controller_are_refused_in_words() {
     let of_weights = WEIGHTS.iter().enumerate().map(|(k, (header, body, words))| {
         judged(&format!("refused-weight-{k}.toml"), &with_weight(header, body), words)
     });
-    let of_lines = LINES.iter().enumerate().map(|(k, (lines, words))| {
-        judged(&format!("refused-lines-{k}.toml"), &with_lines(lines), words)
-    });
+    let of_lines = LINES
+        .iter()
+        .enumerate()
+        .map(|(k, (lines, words))| judged(&format!("refused-lines-{k}.toml"), &with_lines(lines), words));
     let wrong: String = of_weights.chain(of_lines).collect();
     assert!(wrong.is_empty(), "{wrong}");
 }

@@ -43,6 +43,11 @@ impl<N: Number> Runner<N> {
         self.memory.iter().map(Number::to_f64).collect()
     }
 
+    /// One state, by its place in [`Programs::states`].
+    pub fn state(&self, place: usize) -> Option<f64> {
+        self.memory[..self.programs.state_count()].get(place).map(Number::to_f64)
+    }
+
     /// The states, in the order of [`Programs::states`].
     pub fn states(&self) -> Vec<f64> {
         self.memory[..self.programs.state_count()].iter().map(Number::to_f64).collect()

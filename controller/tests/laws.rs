@@ -193,7 +193,8 @@ fn least_squares_find_the_out_of_balance_exactly() {
     for (gravity, constant, filter_s) in [(9.81, 0.0, 0.0), (0.0, 0.4, 0.0), (0.0, 0.4, 0.02)] {
         let deviation = [0.3, 10.0, 10.0, 10.0];
         let (filter_s, inertia_v_s2_rad) = (filter_s, [0.0, 0.05]);
-        let learning = Learning::Squares { forget: 0.9995, dead_band_m_s2: 0.2, deviation, filter_s, inertia_v_s2_rad };
+        let learning =
+            Learning::Squares { forget: 0.9995, dead_band_m_s2: 0.2, deviation, filter_s, inertia_v_s2_rad };
         let controller = estimating(learning, gravity);
         let (mut double, mut single) = (controller.runner(), controller.runner_in::<f32>());
         for k in 0..20_000 {
@@ -214,7 +215,8 @@ fn least_squares_find_the_out_of_balance_exactly() {
 #[test]
 fn inside_the_dead_band_least_squares_stand_still() {
     let (deviation, filter_s, inertia_v_s2_rad) = ([0.3, 10.0, 10.0, 10.0], 0.0, [0.0; 2]);
-    let learning = Learning::Squares { forget: 0.999, dead_band_m_s2: 0.2, deviation, filter_s, inertia_v_s2_rad };
+    let learning =
+        Learning::Squares { forget: 0.999, dead_band_m_s2: 0.2, deviation, filter_s, inertia_v_s2_rad };
     let controller = estimating(learning, 0.0);
     let mut runner = controller.runner();
     for k in 0..200_000 {

@@ -99,8 +99,8 @@ const KNOBS: usize = 4;
 /// Searches weights and loop recovery of the feedback so that the requirements hold on the sampled loop.
 ///
 /// A pattern search from the given specification over four factors (error weight's gain, the corners of the error and of
-/// the control weight, the loop recovery): deterministic, at most `most_trials` designs, and it asks `go_on` before each
-/// with the best so far. The feedforwards are left as they are, since they do not depend on the feedback's weights.
+/// the control weight, the loop recovery), singly and in pairs, each direction walked as far as it improves:
+/// deterministic, at most `most_trials` designs, and it asks `go_on` before each with the best so far. The feedforwards are left as they are, since they do not depend on the feedback's weights.
 ///
 /// # Errors
 /// [`Error`] for a plant or sampling that is none. Where not even the start can be designed: [`Outcome::Infeasible`].
@@ -122,16 +122,20 @@ pub fn search(
     'search: while step >= STEPS.1 {
         let mut improved = false;
         for direction in directions() {
-            ended = if trials >= most_trials { Ended::OutOfTrials } else { Ended::Stopped };
-            if trials >= most_trials || !go_on(&best) {
-                break 'search;
-            }
-            trials += 1;
-            let next = std::array::from_fn(|i| at[i] + step * direction[i]);
-            if let Outcome::Solved(trial) = problem.attempt(next)?
-                && merit(&trial) < merit(&best)
-            {
-                (at, best, improved) = (next, trial, true);
+            let mut walks = true;
+            while walks {
+                ended = if trials >= most_trials { Ended::OutOfTrials } else { Ended::Stopped };
+                if trials >= most_trials || !go_on(&best) {
+                    break 'search;
+                }
+                trials += 1;
+                let next = std::array::from_fn(|i| at[i] + step * direction[i]);
+                walks = false;
+                if let Outcome::Solved(trial) = problem.attempt(next)?
+                    && merit(&trial) < merit(&best)
+                {
+                    (at, best, improved, walks) = (next, trial, true, true);
+                }
             }
         }
         ended = Ended::Settled;
@@ -141,8 +145,9 @@ pub fn search(
     Ok(Outcome::Solved(Found { best, trials, ended }))
 }
 
-/// The trade-off between rejection and the largest sensitivity: one search for each limit of Ms, each started from the
-/// one before. Limits that cannot be had come with what their best trial misses.
+/// The trade-off between rejection and the largest sensitivity: for each limit of Ms the better of two searches, one
+/// started from the given specification and one from the answer before. Limits that cannot be had come with what their
+/// best trial misses. `go_on` is asked before each trial; once it says no, every search ends with its first.
 ///
 /// # Errors
 /// As [`search`].
@@ -150,22 +155,29 @@ pub fn trade_off(
     plant: &DesignPlant,
     start: &Specification,
     (requirements, sampling): (&Requirements, &Sampling),
-    ms_limits: &[f64],
-    most_trials: usize,
+    (ms_limits, most_trials): (&[f64], usize),
+    go_on: &mut dyn FnMut(&Trial) -> bool,
 ) -> Result<Outcome<Vec<Found>>, Error> {
     let mut curve: Vec<Found> = Vec::new();
     for &ms in ms_limits {
-        let from = curve.last().map_or(start, |found| &found.best.specification).clone();
         let limited = Requirements { ms, ..*requirements };
-        match search(plant, &from, (&limited, sampling), most_trials, &mut |_| true)? {
-            Outcome::Solved(found) => curve.push(found),
-            Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
+        let before = curve.last().map(|found| found.best.specification.clone());
+        let mut best: Option<Found> = None;
+        for from in before.iter().chain([start]) {
+            let found = match search(plant, from, (&limited, sampling), most_trials, go_on)? {
+                Outcome::Solved(found) => found,
+                Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
+            };
+            if best.as_ref().is_none_or(|other| merit(&found.best) < merit(&other.best)) {
+                best = Some(found);
+            }
         }
+        curve.extend(best);
     }
     Ok(Outcome::Solved(curve))
 }
 
-/// Each knob up and down, then gain and recovery together (which trade against each other).
+/// Each knob up and down, then each pair of knobs together and against each other.
 fn directions() -> Vec<[f64; KNOBS]> {
     let mut all = Vec::new();
     for knob in 0..KNOBS {
@@ -175,7 +187,13 @@ fn directions() -> Vec<[f64; KNOBS]> {
             all.push(direction);
         }
     }
-    all.extend([[1.0, -1.0, 0.0, 0.0], [-1.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 1.0], [-1.0, 0.0, 0.0, -1.0]]);
+    for (first, second) in (0..KNOBS).flat_map(|i| (i + 1..KNOBS).map(move |j| (i, j))) {
+        for (a, b) in [(1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0)] {
+            let mut direction = [0.0; KNOBS];
+            (direction[first], direction[second]) = (a, b);
+            all.push(direction);
+        }
+    }
     all
 }
 

@@ -58,8 +58,10 @@ fn more_sensitivity_buys_more_rejection() {
     let requirements =
         Requirements { phase_margin_deg: 0.0, overshoot: 1.0, gain_margin_db: 6.0, ..Requirements::thesis() };
     let limits = [1.2, 1.4, 1.7];
-    let curve =
-        trade_off(&rig(), &weights(), (&requirements, &sampling), &limits, 50).unwrap().solved().unwrap();
+    let curve = trade_off(&rig(), &weights(), (&requirements, &sampling), (&limits, 60), &mut |_| true)
+        .unwrap()
+        .solved()
+        .unwrap();
     for (found, limit) in curve.iter().zip(limits) {
         assert!(found.best.missed == 0.0 && found.best.figures.ms <= limit, "{:?}", found.best.figures);
     }

@@ -53,13 +53,7 @@ fn after_each_step_of_out_of_balance_the_hub_rate_comes_back() {
     let runs = runs("adaptation");
     let letters: String = runs.iter().map(|run| run.letter).collect();
     assert_eq!(letters, "abcdefgh");
-    let (nonlinear, others): (Vec<_>, Vec<_>) = runs.iter().cloned().partition(|run| run.letter == 'h');
-    came_back(&others);
-    // As in the source: with the nonlinear amplifier the lowest out-of-balance is the one that comes back less well.
-    for interval in &nonlinear[0].intervals {
-        let lowest = interval.factor == 0.37;
-        assert_eq!(interval.over_default > 1.10, lowest, "{interval:?}");
-    }
+    came_back(&runs);
     let worse = |letter: char| {
         let run = runs.iter().find(|run| run.letter == letter).unwrap();
         run.intervals.iter().map(|interval| interval.over_default).fold(0.0, f64::max)
@@ -67,8 +61,21 @@ fn after_each_step_of_out_of_balance_the_hub_rate_comes_back() {
     assert!(worse('b') > 1.2 && worse('e') > 1.2, "{} {}", worse('b'), worse('e'));
 }
 
-/// Out-of-balance of the azimuth example, kg m.
-const NOMINAL_KG_M: f64 = 151.67;
+/// As in the source: with the amplifier's curve left in the loop, the lowest out-of-balance comes back less well, and no other.
+#[test]
+fn with_the_amplifiers_curve_in_the_loop_the_lowest_out_of_balance_comes_back_less_well() {
+    let left = text("adaptation").replacen("amplifier_curve = \"undo\"", "amplifier_curve = \"leave\"", 1);
+    let project = project(&left);
+    let modelled = model(&project).unwrap();
+    let runs = adapt(&project, &modelled, &made(&project).unwrap()).unwrap();
+    let last = runs.iter().find(|run| run.letter == 'h').unwrap();
+    for interval in &last.intervals {
+        assert_eq!(interval.over_default > 1.10, interval.factor == 0.37, "{interval:?}");
+    }
+}
+
+/// How near to the truth the estimate comes without gravity, kg m.
+const NEAR_KG_M: f64 = 4.0;
 
 #[test]
 fn without_gravity_the_lateral_acceleration_tells_the_out_of_balance() {
@@ -76,7 +83,7 @@ fn without_gravity_the_lateral_acceleration_tells_the_out_of_balance() {
     came_back(&runs);
     for interval in runs.iter().flat_map(|run| &run.intervals).filter(|interval| interval.adapted) {
         let off = (interval.used_kg_m - interval.out_of_balance_kg_m).abs();
-        assert!(off < 0.1 * NOMINAL_KG_M, "{interval:?}");
+        assert!(off < NEAR_KG_M, "{interval:?}");
     }
 }
 
@@ -128,17 +135,17 @@ const REFUSED: [(&str, &str, &[&str]); 13] = [
     (
         "form = \"lead\"\ngain = 1.0\ntime = 0.005                 # s",
         "form = \"zero-pole-gain\"\nzeros = [[-50.0, 0.0]]\npoles = [[0.0, 0.0]]\ngain = 1.0",
-        &["feedback, control weight", "0.0000 rad/s", "both infinite"],
+        &["feedback, control weight", "zero frequency", "both infinite"],
     ),
     (
         "[synth.heave.error]\nform = \"constant\"\ngain = 300.0",
         "[synth.heave.error]\nform = \"integral\"\ngain = 300.0\ntime = 1.0",
-        &["heave", "0.0000 rad/s", "error weight that is finite"],
+        &["heave", "zero frequency", "error weight that is finite"],
     ),
     (
         "[synth.pitch.error]\nform = \"constant\"\ngain = 300.0",
         "[synth.pitch.error]\nform = \"integral\"\ngain = 300.0\ntime = 1.0",
-        &["pitch", "0.0000 rad/s", "error weight that is finite"],
+        &["pitch", "zero frequency", "error weight that is finite"],
     ),
     (
         "[synth.heave.error]\nform = \"constant\"\ngain = 300.0",
@@ -168,12 +175,12 @@ const REFUSED: [(&str, &str, &[&str]); 13] = [
     (
         "form = \"second-order\"\ngain = 1.0\nnatural_frequency = 20.0     # rad/s\ndamping_ratio = 0.7",
         "form = \"integral\"\ngain = 1.0\ntime = 1.0",
-        &["heave", "generator", "0.0000 rad/s", "left half plane"],
+        &["heave", "generator", "zero frequency", "left half plane"],
     ),
     (
         "form = \"second-order\"\ngain = 0.1\nnatural_frequency = 12.0     # rad/s\ndamping_ratio = 0.7",
         "form = \"integral\"\ngain = 0.1\ntime = 1.0",
-        &["pitch", "generator", "0.0000 rad/s", "left half plane"],
+        &["pitch", "generator", "zero frequency", "left half plane"],
     ),
 ];
 

@@ -4,31 +4,47 @@ use counterpoise_project::Purpose;
 use counterpoise_project::pipeline::adapt::{AdaptRun, Interval, adapt};
 use counterpoise_project::pipeline::{self};
 
+use std::path::PathBuf;
+
+use clap::Args;
+use counterpoise::report::adaptation::{report, returned};
+use counterpoise::report::html;
+
 use super::{Done, verdict_code};
-use crate::arguments::StageOptions;
+use crate::arguments::Results;
 use crate::files;
 use crate::output::{self, say};
 
-/// How near to the default case the hub rate must come back.
-const NEAR: f64 = 1.10;
+/// Arguments of `adapt`.
+#[derive(Args)]
+pub struct AdaptOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// Write a report with pictures to this HTML file
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
 
 /// Runs the command.
-pub fn run(options: &StageOptions) -> Done {
+pub fn run(options: &AdaptOptions) -> Done {
     let loaded = files::load(&options.project, Purpose::Verify)?;
     output::warnings(&loaded, options.results.quiet);
     let modelled = pipeline::model(&loaded.project)?;
     let reduced = pipeline::reduce(&loaded.project, &modelled)?;
     let made = pipeline::synthesise(&loaded.project, &modelled, &reduced)?;
     let runs = adapt(&loaded.project, &modelled, &made)?;
+    if let Some(path) = &options.report {
+        let command = format!("counterpoise adapt {}", options.project.display());
+        files::write(path, html(&report(&loaded.project.plant.name, &command, &runs)).as_bytes())?;
+    }
     if !output::json(&options.results, &runs)? {
         print(&runs);
+        options.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
     Ok(verdict_code(runs.iter().flat_map(|run| &run.intervals).all(returned)))
-}
-
-/// Whether the hub rate came back, where the adaptation was to bring it back.
-fn returned(interval: &Interval) -> bool {
-    !interval.adapted || interval.over_default <= NEAR
 }
 
 fn print(runs: &[AdaptRun]) {

@@ -1,17 +1,24 @@
 //! From results to reports.
 
-use counterpoise::report::design::WEIGHTS;
+use counterpoise::report::design::{WEIGHTS, weight_section};
 use counterpoise::report::diagnosis::{Track, report};
-use counterpoise::report::{Cell, Column, Context, Report, Section, Table, difference, html, of_design};
+use counterpoise::report::{
+    Cell, Column, Context, Headline, Report, Section, Table, Tile, Tone, bench, difference, html, of_design,
+    trade_off,
+};
 use counterpoise_project::diagnose::Diagnosis;
 use counterpoise_project::diagnose::answer::{Answer, Verdict};
-use counterpoise_project::pipeline::{Consequence, Designed};
+use counterpoise_project::pipeline::Synthesised;
+use counterpoise_project::pipeline::beside::{Beside, beside};
 use counterpoise_project::pipeline::export::{project_hash, weights};
-use counterpoise_project::results::{DesignResult, ReplayResult};
+use counterpoise_project::pipeline::search::Searched;
+use counterpoise_project::pipeline::{Consequence, Designed};
+use counterpoise_project::results::{DesignResult, ReplayResult, SynthResult};
 use counterpoise_project::simulate::recording::{Channel, Recording};
 use counterpoise_project::simulate::replay::{Loop, Replay, replay as replayed};
 
 use super::replay::Read;
+use super::synth::VerifiedPoint;
 use crate::files::Loaded;
 use crate::output::StageTime;
 
@@ -28,7 +35,9 @@ pub struct Run {
 /// The report of a design.
 pub fn design(loaded: &Loaded, made: &Designed, run: &Run) -> anyhow::Result<String> {
     let result = DesignResult::from(made);
-    let mut more = vec![certificates(&result)];
+    let (plant, made_of) = ((&made.modelled, &made.reduced), &made.synthesised);
+    let mut more = bench::sections(made_of, &beside(&loaded.project, plant, made_of)?)?;
+    more.push(certificates(&result));
     more.push(run.targets.clone());
     more.push(times_section(&run.times));
     let context = Context {
@@ -49,6 +58,86 @@ pub fn design(loaded: &Loaded, made: &Designed, run: &Run) -> anyhow::Result<Str
     }
     reproduced_by(&mut report, &run.command);
     Ok(html(&report))
+}
+
+/// The report of `synth`: the weights, and what stands beside the design.
+pub fn synth(
+    loaded: &Loaded,
+    (made, beside): (&Synthesised, &Beside),
+    result: &SynthResult,
+) -> anyhow::Result<String> {
+    let command = format!("counterpoise synth {}", loaded.path.display());
+    let radius = result.closed_loop_poles.iter().map(|[re, im]| re.hypot(*im)).fold(0.0, f64::max);
+    let mut sections = bench::sections(made, beside)?;
+    let mut weights_section = weight_section(&made.design.specification);
+    weights_section.text = loaded.project.synth.as_ref().map(weights).unwrap_or_default();
+    sections.push(weights_section);
+    let tile = |(name, order): (&String, &usize)| Tile::plain(name, order.to_string(), "states");
+    let mut report = Report {
+        title: loaded.project.plant.name.clone(),
+        subtitle: "The design, and what stands beside it".to_owned(),
+        headline: Headline {
+            tone: Tone::Neutral,
+            text: format!("The sampled loop is stable: largest pole modulus {radius:.6}"),
+            detail: format!("Design plant of order {}.", result.plant_order),
+        },
+        tiles: result.path_orders.iter().map(tile).collect(),
+        verdicts: Table::new("", &[]),
+        glance: Vec::new(),
+        sections,
+        provenance: provenance(loaded, &command),
+    };
+    reproduced_by(&mut report, &command);
+    Ok(html(&report))
+}
+
+/// The report of a search: the trade-off curve, and the verdicts on its points.
+pub fn search(loaded: &Loaded, found: &Searched, points: &[VerifiedPoint]) -> anyhow::Result<String> {
+    let command = format!("counterpoise synth {} --search", loaded.path.display());
+    let mut report = trade_off::report(&loaded.project.plant.name, found, &verified_table(points));
+    report.provenance = provenance(loaded, &command);
+    reproduced_by(&mut report, &command);
+    Ok(html(&report))
+}
+
+fn verified_table(points: &[VerifiedPoint]) -> Table {
+    let columns = [
+        Column::Text("weights"),
+        Column::Number("|S| over the band"),
+        Column::Number("hold"),
+        Column::Number("fail"),
+        Column::Text("verdict"),
+        Column::Text("what fails"),
+    ];
+    let mut table = Table::new("Verified on the full nonlinear plant", &columns);
+    for point in points {
+        let name = point
+            .max_sensitivity_limit
+            .map_or("the answer".to_owned(), |limit| format!("Ms at most {limit}"));
+        let verdict = if point.holds {
+            Cell::Verdict(Tone::Good, "holds".to_owned())
+        } else {
+            Cell::Verdict(Tone::Bad, "fails".to_owned())
+        };
+        table.rows.push(vec![
+            Cell::text(name),
+            Cell::number(point.rejection),
+            Cell::text(point.verdicts[0].to_string()),
+            Cell::text(point.verdicts[1].to_string()),
+            verdict,
+            Cell::text(point.failing.join("; ")),
+        ]);
+    }
+    table
+}
+
+fn provenance(loaded: &Loaded, command: &str) -> Vec<(String, String)> {
+    vec![
+        ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+        ("project".to_owned(), loaded.path.display().to_string()),
+        ("project hash".to_owned(), project_hash(&loaded.project)),
+        ("command".to_owned(), command.to_owned()),
+    ]
 }
 
 /// Writes under every figure of the evidence the command that reproduces it.
@@ -97,8 +186,7 @@ pub fn diagnosis(
         before.map(|before| tracks(recording, &before, after.as_ref())).unwrap_or_default()
     });
     let command = format!("counterpoise diagnose {}", loaded.path.display());
-    let mut page =
-        report(&loaded.project.plant.name, &command, &found.answer, &tracks.collect::<Vec<_>>());
+    let mut page = report(&loaded.project.plant.name, &command, &found.answer, &tracks.collect::<Vec<_>>());
     page.sections.splice(1..1, consequence.map(difference::consequence));
     html(&page)
 }
@@ -119,10 +207,11 @@ fn tracks(recording: &Recording, before: &Replay, after: Option<&Replay>) -> Vec
     drawn.into_iter().filter_map(track).collect()
 }
 
-fn short(path: &str) -> String {
-    std::path::Path::new(path)
-        .file_stem()
-        .map_or_else(|| path.to_owned(), |s| s.to_string_lossy().into_owned())
+/// The name of a recording without its folder and ending, its window kept.
+fn short(name: &str) -> String {
+    let (path, window) = name.split_once(", ").map_or((name, String::new()), |(p, w)| (p, format!(", {w}")));
+    let stem = std::path::Path::new(path).file_stem().map(|s| s.to_string_lossy().into_owned());
+    stem.unwrap_or_else(|| path.to_owned()) + &window
 }
 
 fn unit(channel: Channel) -> &'static str {

@@ -5,16 +5,18 @@ use std::path::PathBuf;
 use clap::Args;
 use counterpoise_project::Purpose;
 use counterpoise_project::pipeline::beside::{Beside, LoopFigures, MethodRow, beside};
-use counterpoise_project::pipeline::search::{Searched, search};
+use counterpoise_project::pipeline::search::{Judged, Searched, judged, search};
 use counterpoise_project::pipeline::{self, Modelled, Reduced};
 use counterpoise_project::results::SynthResult;
 use counterpoise_project::synth::{Figures, Trial};
+use counterpoise_project::verify::Verdict;
 use serde::Serialize;
 
-use super::{Done, verdict_code};
+use super::{Done, pages, verdict_code};
 use crate::arguments::Results;
-use crate::files::{self, Loaded};
+use crate::files::{self, Loaded, Surroundings};
 use crate::output::{self, say};
+use crate::stop;
 
 /// Arguments of `synth`.
 #[derive(Args)]
@@ -27,6 +29,9 @@ pub struct SynthOptions {
     /// With --search: write the project with the weights that were found
     #[arg(long, value_name = "FILE", requires = "search")]
     pub save: Option<PathBuf>,
+    /// Write a report with pictures to this HTML file
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
     /// Where results go.
     #[command(flatten)]
     pub results: Results,
@@ -52,10 +57,14 @@ pub fn run(options: &SynthOptions) -> Done {
     let made = pipeline::synthesise(&loaded.project, &modelled, &reduced)?;
     let beside = beside(&loaded.project, (&modelled, &reduced), &made)?;
     let result = SynthResult::from(&made);
+    if let Some(path) = &options.report {
+        files::write(path, pages::synth(&loaded, (&made, &beside), &result)?.as_bytes())?;
+    }
     if !output::json(&options.results, &Whole { synth: &result, beside: &beside })? {
         print_weights(&loaded);
         print_design(&result);
         print_beside(&beside);
+        options.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
     Ok(verdict_code(true))
 }
@@ -184,6 +193,7 @@ struct SearchResult {
     missed_on_full_plant: f64,
     weights: Vec<String>,
     curve: Vec<CurvePoint>,
+    verified: Vec<VerifiedPoint>,
 }
 
 /// A point of the trade-off curve.
@@ -196,21 +206,92 @@ struct CurvePoint {
     missed: f64,
 }
 
+/// The verdicts on the weights of a point.
+#[derive(Serialize)]
+pub struct VerifiedPoint {
+    /// Limit of Ms under which they were found; none for the answer itself.
+    pub max_sensitivity_limit: Option<f64>,
+    /// Rejection on the design plant.
+    pub rejection: f64,
+    /// Verdicts that hold, that fail, and that do not apply.
+    pub verdicts: [usize; 3],
+    /// Which fail, with their values.
+    pub failing: Vec<String>,
+    /// Whether everything holds.
+    pub holds: bool,
+}
+
 fn searched(options: &SynthOptions, loaded: &Loaded, plant: (&Modelled, &Reduced)) -> Done {
-    let found = search(&loaded.project, plant, &mut |_: &Trial| true)?;
-    let holds = found.found.best.missed == 0.0 && found.missed_on_full_plant == 0.0;
+    stop::watch();
+    let mut found = search(&loaded.project, plant, &mut |_: &Trial| !stop::asked())?;
+    let world = Surroundings::of(loaded, true);
+    let judged = match loaded.project.verify {
+        Some(_) => judged(&found, plant, &world, &mut || !stop::asked())?,
+        None => Vec::new(),
+    };
+    let chosen = judged.iter().position(Judged::holds);
+    if let Some(point) = chosen.and_then(|k| judged.get(k)) {
+        found.project = point.project.clone();
+    }
+    let full = found.found.best.missed == 0.0 && found.missed_on_full_plant == 0.0;
+    let holds = if judged.is_empty() { full } else { chosen.is_some() };
     if let Some(path) = &options.save {
         let document = found.project.update(&loaded.document, &loaded.project)?;
         files::write(path, document.text().as_bytes())?;
     }
-    if !output::json(&options.results, &search_result(&found))? {
-        print_search(&found);
+    let points: Vec<VerifiedPoint> = judged.iter().map(verified_point).collect();
+    let result = search_result(&found, points);
+    if let Some(path) = &options.report {
+        files::write(path, pages::search(loaded, &found, &result.verified)?.as_bytes())?;
+    }
+    if !output::json(&options.results, &result)? {
+        print_search(&found, &result);
+        print_verified(&result.verified, chosen);
         options.save.iter().for_each(|path| say!("project {}", path.display()));
+        options.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
     Ok(verdict_code(holds))
 }
 
-fn search_result(found: &Searched) -> SearchResult {
+fn verified_point(point: &Judged) -> VerifiedPoint {
+    let found = point.verified.verification();
+    let (holds, fails, open) = found.counts();
+    let failing = found.verdicts.iter().filter_map(|(requirement, verdict)| match verdict {
+        Verdict::Fails { value, limit, .. } => Some(format!(
+            "{}: {} against {}",
+            requirement.figure.name(),
+            output::figure(*value),
+            limit.value()
+        )),
+        _ => None,
+    });
+    VerifiedPoint {
+        max_sensitivity_limit: point.ms_limit,
+        rejection: point.found.best.figures.rejection,
+        verdicts: [holds, fails, open],
+        failing: failing.collect(),
+        holds: point.holds(),
+    }
+}
+
+fn print_verified(points: &[VerifiedPoint], chosen: Option<usize>) {
+    if points.is_empty() {
+        return say!("no [verify] section: the figures are those of the linear loop alone");
+    }
+    say!("verified on the nonlinear plant, the answer first, then the points by their rejection:");
+    for (k, point) in points.iter().enumerate() {
+        let [holds, fails, _] = point.verdicts;
+        let name = point.max_sensitivity_limit.map_or("answer".to_owned(), |limit| format!("Ms <= {limit}"));
+        let mark = if Some(k) == chosen { "  <- taken" } else { "" };
+        say!("  {name:12} |S| {:.4}: {holds} requirements hold, {fails} fail{mark}", point.rejection);
+        point.failing.iter().for_each(|line| say!("      {line}"));
+    }
+    if chosen.is_none() {
+        say!("NO POINT KEEPS EVERY REQUIREMENT on the nonlinear plant");
+    }
+}
+
+fn search_result(found: &Searched, verified: Vec<VerifiedPoint>) -> SearchResult {
     let weights = found.project.synth.as_ref().map(pipeline::export::weights).unwrap_or_default();
     let point = |(limit, found): &(f64, counterpoise_project::synth::Found)| CurvePoint {
         max_sensitivity_limit: *limit,
@@ -226,11 +307,11 @@ fn search_result(found: &Searched) -> SearchResult {
         missed_on_full_plant: found.missed_on_full_plant,
         weights,
         curve: found.curve.iter().map(point).collect(),
+        verified,
     }
 }
 
-fn print_search(found: &Searched) {
-    let result = search_result(found);
+fn print_search(found: &Searched, result: &SearchResult) {
     say!("{} designs were tried ({})", result.trials, result.settled.to_lowercase());
     result.weights.iter().take(2).for_each(|line| say!("{line}"));
     let recovery = found.found.best.specification.feedback.loop_recovery;

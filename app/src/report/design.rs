@@ -3,7 +3,7 @@
 use counterpoise_project::lti::{Error, Response, StateSpace};
 use counterpoise_project::models::plant::LinearPlant;
 use counterpoise_project::pipeline::{Designed, Reduced};
-use counterpoise_project::synth::{Channel, Cost, Equation, Feedforward, Weight};
+use counterpoise_project::synth::{Channel, Cost, Equation, Feedforward, Specification, Weight};
 
 use super::evidence::PLANT;
 use super::verification::{Context, of_verification};
@@ -27,8 +27,11 @@ const HIGHEST_HZ: f64 = 500.0;
 /// # Errors
 /// A frequency response that does not exist.
 pub fn of_design(designed: &Designed, mut context: Context) -> Result<Report, Error> {
-    let mut more =
-        vec![reduction_section(designed)?, weight_section(designed), certificate_section(designed)];
+    let mut more = vec![
+        reduction_section(designed)?,
+        weight_section(&designed.synthesised.design.specification),
+        certificate_section(designed),
+    ];
     more.append(&mut context.more);
     let mut report = of_verification(designed.verified.verification(), Context { more, ..context });
     report.sections.retain(|section| section.heading != PLANT);
@@ -89,8 +92,8 @@ fn reduction_words(reduced: &Reduced) -> String {
     format!("Order {before} was reduced to {after} ({:?}).{error}{bound}.", reduced.method)
 }
 
-fn weight_section(designed: &Designed) -> Section {
-    let asked = &designed.synthesised.design.specification;
+/// The weights in pictures, with their meaning in words.
+pub fn weight_section(asked: &Specification) -> Section {
     let mut section = Section::new(WEIGHTS)
         .saying(format!(
             "Feedback: {}. {}.",

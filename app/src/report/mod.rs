@@ -8,6 +8,8 @@
 //! Modules in reading order: [`page`], [`html`], [`style`]; then a verification's report:
 //! [`summary`], [`evidence`], [`spectra`], [`verification`], [`difference`]; then a design's: [`design`].
 
+pub mod adaptation;
+pub mod bench;
 pub mod claims;
 pub mod design;
 pub mod diagnosis;
@@ -25,6 +27,7 @@ pub mod style;
 pub mod summary;
 pub mod sweep;
 pub mod targets;
+pub mod trade_off;
 pub mod verification;
 
 pub use design::of_design;

@@ -33,6 +33,24 @@ pub struct AdaptRun {
     pub adapts: bool,
     /// The parts of the run between changes.
     pub intervals: Vec<Interval>,
+    /// The run over time.
+    #[serde(skip)]
+    pub trace: Trace,
+}
+
+/// A run over time, every so many samples.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Trace {
+    /// Time, s.
+    pub time_s: Vec<f64>,
+    /// True out-of-balance, kg m.
+    pub out_of_balance_kg_m: Vec<f64>,
+    /// Out-of-balance that the controller uses, kg m.
+    pub used_kg_m: Vec<f64>,
+    /// Control, V.
+    pub control_v: Vec<f64>,
+    /// True hub rate, rad/s.
+    pub hub_rate_rad_s: Vec<f64>,
 }
 
 /// A part of a run between changes.
@@ -62,6 +80,8 @@ const LATE: f64 = 0.7;
 const EARLY: f64 = 0.03;
 /// The out-of-balance is steady at this share of the run; intervals shorter than this are not judged.
 const SHORT: f64 = 0.05;
+/// A trace has every so manieth sample.
+const EVERY: usize = 10;
 
 /// What is done in a run.
 struct Plan {
@@ -145,6 +165,40 @@ enum Acting {
     Beside(Box<Adaptive>),
 }
 
+/// The controller with a note of the out-of-balance that it uses.
+struct Noted {
+    acting: Acting,
+    /// Place of the out-of-balance among the states, and its value where there is no such state.
+    place: (Option<usize>, f64),
+    used_kg_m: Vec<f64>,
+}
+
+impl SampledController for Noted {
+    fn reset(&mut self) {
+        self.acting.reset();
+    }
+
+    fn step(&mut self, readings: &counterpoise_controller::Readings) -> f64 {
+        let control = self.acting.step(readings);
+        self.used_kg_m.push(self.acting.used_kg_m(self.place));
+        control
+    }
+}
+
+impl Trace {
+    fn extend(&mut self, (from_s, out_of_balance_kg_m): (f64, f64), history: &TimeHistory, used_kg_m: &[f64]) {
+        let (rate, control) = (&history.truth.hub_rate_rad_s, &history.readings.control_request_v);
+        let count = rate.len().min(used_kg_m.len()).min(control.len());
+        for k in (0..count).step_by(EVERY) {
+            self.time_s.push(from_s + k as f64 * history.sample_period_s);
+            self.out_of_balance_kg_m.push(out_of_balance_kg_m);
+            self.used_kg_m.push(used_kg_m[k]);
+            self.control_v.push(control[k]);
+            self.hub_rate_rad_s.push(rate[k]);
+        }
+    }
+}
+
 impl SampledController for Acting {
     fn reset(&mut self) {
         match self {
@@ -165,7 +219,7 @@ impl Acting {
     /// The out-of-balance in force, of which the state has the given place.
     fn used_kg_m(&self, (place, design): (Option<usize>, f64)) -> f64 {
         match self {
-            Acting::Alone(runner) => place.and_then(|k| runner.states().get(k).copied()).unwrap_or(design),
+            Acting::Alone(runner) => place.and_then(|k| runner.state(k)).unwrap_or(design),
             Acting::Beside(adaptive) => adaptive.history_kg_m().last().copied().unwrap_or(design),
         }
     }
@@ -174,22 +228,25 @@ impl Acting {
 impl Stage<'_> {
     fn run(&self, plan: &Plan) -> Result<AdaptRun, PipelineError> {
         let plant = self.plant(plan.curved)?;
-        let mut acting = self.acting(plan)?;
         let (mut state, mut angle) = (None, self.procedure.operating_point.platform_angle_rad);
         let moment = self.modelled.plant.body().out_of_balance_kg_m;
         let states = &self.controller.programs().states;
         let place = states.iter().find(|group| group.name == "out_of_balance_kg_m").map(|group| group.first);
-        let mut intervals = Vec::new();
+        let place = (place, moment);
+        let mut noted = Noted { acting: self.acting(plan)?, place, used_kg_m: Vec::new() };
+        let (mut intervals, mut trace) = (Vec::new(), Trace::default());
         for (k, &(start, factor)) in plan.parts.iter().enumerate() {
             let end = plan.parts.get(k + 1).map_or(1.0, |part| part.0);
             let history =
-                self.part(&unbalanced(&plant, factor)?, &mut acting, (start, end), (state, angle))?;
+                self.part(&unbalanced(&plant, factor)?, &mut noted, (start, end), (state, angle))?;
+            let from_s = start * self.adaptation.trial.duration_s;
+            trace.extend((from_s, factor * moment), &history, &std::mem::take(&mut noted.used_kg_m));
             let late = plan.from.is_some_and(|from| from <= start + SHORT);
             intervals.push(Interval {
                 from_to_s: [start, end].map(|share| share * self.adaptation.trial.duration_s),
                 factor,
                 out_of_balance_kg_m: factor * moment,
-                used_kg_m: acting.used_kg_m((place, moment)),
+                used_kg_m: noted.acting.used_kg_m(place),
                 hub_rms_rad_s: settled_rms(&history),
                 over_default: 1.0,
                 adapted: late,
@@ -198,7 +255,7 @@ impl Stage<'_> {
             state = Some(history.final_state);
         }
         let adapts = plan.from.is_some();
-        Ok(AdaptRun { letter: plan.letter, says: plan.says, adapts, intervals })
+        Ok(AdaptRun { letter: plan.letter, says: plan.says, adapts, intervals, trace })
     }
 
     /// The RMS of the default case in the parts of a plan.
@@ -222,7 +279,7 @@ impl Stage<'_> {
     fn part(
         &self,
         plant: &Plant,
-        acting: &mut Acting,
+        acting: &mut Noted,
         (start, end): (f64, f64),
         (state, angle): (Option<PlantState>, f64),
     ) -> Result<TimeHistory, PipelineError> {

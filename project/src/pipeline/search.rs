@@ -2,8 +2,10 @@
 
 use counterpoise_synth::{Figures, Found, Outcome, Trial, figures, search as searched, trade_off};
 
+use counterpoise_verify::VerifiedController;
+
 use super::synth::{design_plant, sampling};
-use super::{Modelled, PipelineError, Reduced};
+use super::{Modelled, PipelineError, Reduced, World, synthesise, verify};
 use crate::Project;
 use crate::resolve::around::SearchAsked;
 
@@ -41,7 +43,8 @@ pub fn search(
     let mut curve = Vec::new();
     if !wanted.ms_limits.is_empty() {
         let from = &found.best.specification;
-        let points = solved(trade_off(&plant, from, limits, &wanted.ms_limits, wanted.trials)?)?;
+        let by = (&wanted.ms_limits[..], wanted.trials);
+        let points = solved(trade_off(&plant, from, limits, by, go_on)?)?;
         curve = wanted.ms_limits.iter().copied().zip(points).collect();
     }
     let mut project = project.clone();
@@ -55,6 +58,56 @@ pub fn search(
     let on_full_plant = figures(&full, &around_full, &sampling, wanted.requirements.band_rad_s)?;
     let missed_on_full_plant = wanted.requirements.missed(&on_full_plant);
     Ok(Searched { found, curve, on_full_plant, missed_on_full_plant, project })
+}
+
+/// Weights that were found, with the project's own verdicts on them: on the full nonlinear plant.
+#[derive(Debug, Clone)]
+pub struct Judged {
+    /// The limit of Ms under which they were found; none for the answer itself.
+    pub ms_limit: Option<f64>,
+    /// What was found.
+    pub found: Found,
+    /// The verified controller.
+    pub verified: VerifiedController,
+    /// The project with these weights.
+    pub project: Project,
+}
+
+impl Judged {
+    /// Whether the searched requirements and every verdict hold.
+    pub fn holds(&self) -> bool {
+        self.found.best.missed == 0.0 && self.verified.verification().passes()
+    }
+}
+
+/// The answer of a search and the points of its curve, each verified by the project's `[verify]`: the answer first, the
+/// points then in the order of their rejection. `go_on` is asked before each.
+///
+/// # Errors
+/// A project without `[verify]`, and those of the design and the verification.
+pub fn judged(
+    searched: &Searched,
+    (modelled, reduced): (&Modelled, &Reduced),
+    world: &dyn World,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Result<Vec<Judged>, PipelineError> {
+    let mut points: Vec<(Option<f64>, &Found)> =
+        searched.curve.iter().map(|(limit, found)| (Some(*limit), found)).collect();
+    points.sort_by(|a, b| a.1.best.figures.rejection.total_cmp(&b.1.best.figures.rejection));
+    let mut all = Vec::new();
+    for (ms_limit, found) in std::iter::once((None, &searched.found)).chain(points) {
+        if !go_on() {
+            break;
+        }
+        let mut project = searched.project.clone();
+        if let Some(synth) = &mut project.synth {
+            synth.specification = found.best.specification.clone();
+        }
+        let made = synthesise(&project, modelled, reduced)?;
+        let verified = verify(&project, modelled, &made, world)?;
+        all.push(Judged { ms_limit, found: found.clone(), verified, project });
+    }
+    Ok(all)
 }
 
 fn solved<T>(outcome: Outcome<T>) -> Result<T, PipelineError> {
