@@ -1,16 +1,15 @@
 //! Plots: data first, drawn in the theme, copied as numbers, drawing or pixels.
 
-use std::borrow::Cow;
 use std::fmt::Write;
 
 use egui::{Color32, Ui, Vec2};
-use egui_plot::{
-    AxisHints, GridInput, GridMark, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotTransform,
-};
+use egui_plot::{AxisHints, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotTransform};
 
+use crate::axes::{X_APART, Y_APART, marks, plain, power};
 use crate::number::short;
 use crate::pyramid::Points;
 use crate::theme::Theme;
+use crate::thinning::corners;
 
 /// A curve.
 #[derive(Debug, Clone, PartialEq)]
@@ -267,6 +266,11 @@ impl Chart {
                 Line::new(&curve.name, PlotPoints::from(points)).color(curve.colour).width(1.6).style(style),
             );
         }
+        self.draw_spots(plot, theme);
+        self.draw_marks(plot, theme);
+    }
+
+    fn draw_spots<'a>(&'a self, plot: &mut egui_plot::PlotUi<'a>, theme: &Theme) {
         for (at, label) in &self.spots {
             let place = [self.place(0, at[0]), self.place(1, at[1])];
             plot.points(
@@ -276,6 +280,10 @@ impl Chart {
             let at = PlotPoint::new(place[0], place[1]);
             plot.text(egui_plot::Text::new("", at, text).anchor(egui::Align2::LEFT_BOTTOM));
         }
+    }
+
+    fn draw_marks<'a>(&'a self, plot: &mut egui_plot::PlotUi<'a>, theme: &Theme) {
+        let bounds = plot.plot_bounds();
         for (x, label) in &self.marks {
             let x = self.place(0, *x);
             plot.vline(
@@ -319,143 +327,5 @@ fn swatch(ui: &mut Ui, curve: &Curve) {
         }
         Dash::Dashed => ui.painter().extend(egui::Shape::dashed_line(&line, stroke, 5.0, 3.0)),
         Dash::Dotted => ui.painter().extend(egui::Shape::dotted_line(&line, curve.colour, 4.0, 1.2)),
-    }
-}
-
-/// What a screen can show of a long curve: in each stretch of pixels the first, lowest, highest and last point.
-pub fn thin(points: &[[f64; 2]], (low, high): (f64, f64), pixels: usize) -> Cow<'_, [[f64; 2]]> {
-    let from = points.partition_point(|p| p[0] < low).saturating_sub(1);
-    let to = (points.partition_point(|p| p[0] <= high) + 1).min(points.len());
-    let seen = if from < to { &points[from..to] } else { points };
-    let stretches = pixels.max(64);
-    if seen.len() <= 4 * stretches {
-        return Cow::Borrowed(seen);
-    }
-    let each = seen.len().div_ceil(stretches);
-    let extremes = |part: &[[f64; 2]]| {
-        let by = |better: fn(f64, f64) -> bool| {
-            (0..part.len()).fold(0, |best, k| if better(part[k][1], part[best][1]) { k } else { best })
-        };
-        let mut kept = [0, by(|a, b| a < b), by(|a, b| a > b), part.len() - 1];
-        kept.sort_unstable();
-        kept.map(|k| part[k])
-    };
-    Cow::Owned(seen.chunks(each).flat_map(extremes).collect())
-}
-
-/// How far a dashed curve may lie beside its points, in pixels.
-const BESIDE: f64 = 0.3;
-
-/// The corners of a curve that straight lines join to what the eye cannot tell from it (Ramer, Douglas and Peucker): dashes need
-/// segments longer than themselves.
-fn corners(points: &[[f64; 2]], per_unit: [f64; 2]) -> Vec<[f64; 2]> {
-    let at = |k: usize| [points[k][0] * per_unit[0], points[k][1] * per_unit[1]];
-    let mut kept = vec![false; points.len()];
-    let mut open = vec![(0, points.len().saturating_sub(1))];
-    while let Some((a, b)) = open.pop() {
-        if b >= kept.len() {
-            break;
-        }
-        (kept[a], kept[b]) = (true, true);
-        let (from, to) = (at(a), at(b));
-        let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
-        let length = dx.hypot(dy).max(f64::MIN_POSITIVE);
-        let beside = |k: usize| ((at(k)[0] - from[0]) * dy - (at(k)[1] - from[1]) * dx).abs() / length;
-        let far = (a + 1..b).map(|k| (k, beside(k))).max_by(|p, q| p.1.total_cmp(&q.1));
-        if let Some((k, _)) = far.filter(|(_, distance)| *distance > BESIDE) {
-            open.extend([(a, k), (k, b)]);
-        }
-    }
-    points.iter().zip(&kept).filter(|(_, kept)| **kept).map(|(p, _)| *p).collect()
-}
-
-/// How far apart the numbers of an axis should stand, points.
-const X_APART: f32 = 58.0;
-const Y_APART: f32 = 34.0;
-
-/// Marks of an axis that has room for some numbers.
-fn marks(scale: Scale, input: GridInput, room: f32) -> Vec<GridMark> {
-    match scale {
-        Scale::Linear => even(input, f64::from(room.max(2.0))),
-        Scale::Log => decades(input, f64::from(room.max(2.0))),
-    }
-}
-
-/// Marks of an even axis, at round numbers.
-fn even(input: GridInput, count: f64) -> Vec<GridMark> {
-    let (low, high) = input.bounds;
-    let raw = ((high - low) / count).max(f64::MIN_POSITIVE);
-    let decade = 10f64.powf(raw.log10().floor());
-    let step_size = [1.0, 2.0, 5.0, 10.0].map(|k| k * decade).into_iter().find(|s| *s >= raw).unwrap_or(raw);
-    let marks = (low / step_size).ceil() as i64..=(high / step_size).floor() as i64;
-    marks.map(|k| GridMark { value: k as f64 * step_size, step_size }).collect()
-}
-
-/// A mark's number, with the digits that its step needs.
-fn plain(mark: GridMark) -> String {
-    let digits = (-mark.step_size.log10()).ceil().clamp(0.0, 9.0) as usize;
-    format!("{:.digits$}", mark.value + 0.0)
-}
-
-/// Step of a mark without a number.
-const BARE: f64 = 0.1;
-/// Decades that are so few that 2 and 5 have numbers, too; and so many that what is between decades has no mark.
-const FEW: f64 = 1.3;
-const MANY: f64 = 7.0;
-
-/// Marks of an axis that runs by decades.
-fn decades(input: GridInput, count: f64) -> Vec<GridMark> {
-    let (low, high) = input.bounds;
-    let each = ((high - low) / count).ceil().max(1.0) as i64;
-    let mut marks = Vec::new();
-    for decade in low.floor() as i64..=high.ceil() as i64 {
-        let step_size = if decade.rem_euclid(each) == 0 { 1.0 } else { BARE };
-        marks.push(GridMark { value: decade as f64, step_size });
-        if high - low <= MANY {
-            let numbered = |k: i32| high - low < FEW && (k == 2 || k == 5);
-            marks.extend((2..10).map(|k| GridMark {
-                value: decade as f64 + f64::from(k).log10(),
-                step_size: if numbered(k) { 1.0 } else { BARE },
-            }));
-        }
-    }
-    marks.retain(|mark| (low..=high).contains(&mark.value));
-    marks
-}
-
-fn power(mark: GridMark) -> String {
-    if mark.step_size < 0.9 {
-        return String::new();
-    }
-    match mark.value {
-        -3.01..=4.01 => short(10f64.powf(mark.value)),
-        _ => format!("1e{}", mark.value.round() as i32),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
-    use super::*;
-
-    #[test]
-    fn peaks_survive_thinning_and_the_rest_is_left_out() {
-        let mut points: Vec<[f64; 2]> =
-            (0..600_000).map(|k| [f64::from(k) * 1e-3, (f64::from(k) * 0.01).sin()]).collect();
-        points[123_456][1] = 9.0;
-        let all = thin(&points, (0.0, 600.0), 1000);
-        assert!(all.len() <= 4000 && all.iter().any(|p| p[1] == 9.0));
-        let part = thin(&points, (10.0, 11.0), 1000);
-        assert!(part.len() <= 1003 && part[0][0] <= 10.0 && part[part.len() - 1][0] >= 11.0);
-    }
-
-    #[test]
-    fn a_straight_line_has_two_corners_and_a_step_four() {
-        let line: Vec<[f64; 2]> = (0..1000).map(|k| [f64::from(k), 5.0]).collect();
-        assert_eq!(corners(&line, [0.4, 1.0]).len(), 2);
-        let step: Vec<[f64; 2]> =
-            (0..1000).map(|k| [f64::from(k), if k < 500 { 0.0 } else { 50.0 }]).collect();
-        assert_eq!(corners(&step, [0.4, 1.0]).len(), 4);
-        assert!(corners(&[], [1.0, 1.0]).is_empty());
     }
 }

@@ -11,7 +11,7 @@
 //!
 //! Modules in reading order: [`command`], [`session`], [`journal`], [`keys`], [`knobs`], [`live`], [`worker`], [`watch`],
 //! [`measure`], [`exporting`], [`pyramid`], [`recordings`], [`jobs`], [`results`], [`view`], [`studio`], [`rounds`], [`theme`],
-//! [`number`], [`chart`], [`svg`], [`shell`], [`places`], [`files`], [`replay`], [`window`].
+//! [`number`], [`thinning`], [`axes`], [`chart`], [`svg`], [`shell`], [`places`], [`files`], [`replay`], [`window`].
 //!
 //! ```
 //! use counterpoise_studio::{command::Command, session::Session};
@@ -23,6 +23,7 @@
 //! # Ok::<(), counterpoise_project::file::EditError>(())
 //! ```
 
+pub mod axes;
 pub mod chart;
 pub mod command;
 pub mod exporting;
@@ -45,6 +46,7 @@ pub mod shell;
 pub mod studio;
 pub mod svg;
 pub mod theme;
+pub mod thinning;
 pub mod view;
 pub mod watch;
 pub mod window;

@@ -138,14 +138,25 @@ fn robust(campaign: &Campaign, samples: &[Sample]) -> Robust {
     Robust { rows, done: samples.len(), of: campaign.len() }
 }
 
-/// Curves of a map, one an amplitude: frequency in rad/s, and the modulus as measured and of the linear model.
-pub fn curves(map: &Map) -> Vec<(f64, Vec<[f64; 2]>, Vec<[f64; 2]>)> {
-    let mut all: Vec<(f64, Vec<[f64; 2]>, Vec<[f64; 2]>)> = Vec::new();
+/// One amplitude of a map: frequencies in rad/s with moduli.
+#[derive(Debug, Clone, Default)]
+pub struct Amplitude {
+    /// Amplitude of the excitation.
+    pub amplitude: f64,
+    /// As measured.
+    pub measured: Vec<[f64; 2]>,
+    /// Of the linear model.
+    pub linear: Vec<[f64; 2]>,
+}
+
+/// The curves of a map, amplitude by amplitude.
+pub fn curves(map: &Map) -> Vec<Amplitude> {
+    let mut all: Vec<Amplitude> = Vec::new();
     for point in &map.points {
-        if all.last().is_none_or(|last| last.0 != point.amplitude) {
-            all.push((point.amplitude, Vec::new(), Vec::new()));
+        if all.last().is_none_or(|last| last.amplitude != point.amplitude) {
+            all.push(Amplitude { amplitude: point.amplitude, ..Amplitude::default() });
         }
-        if let Some((_, measured, linear)) = all.last_mut() {
+        if let Some(Amplitude { measured, linear, .. }) = all.last_mut() {
             let (rate, size) = (TAU * point.frequency_hz, |h: [f64; 2]| h[0].hypot(h[1]));
             measured.push([rate, size(point.response)]);
             linear.push([rate, size(point.linear)]);

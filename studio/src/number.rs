@@ -24,7 +24,7 @@ mod tests {
 
     #[test]
     fn numbers_are_short_and_keep_four_digits() {
-        let said = [0.0, 3.14159, 151.66, 0.0123, 4e-8, 123456.0, f64::INFINITY, f64::NAN].map(short);
-        assert_eq!(said, ["0", "3.142", "151.7", "0.0123", "4.00e-8", "1.23e5", "\u{221e}", "-"]);
+        let said = [0.0, 2.34567, 151.66, 0.0123, 4e-8, 123456.0, f64::INFINITY, f64::NAN].map(short);
+        assert_eq!(said, ["0", "2.346", "151.7", "0.0123", "4.00e-8", "1.23e5", "\u{221e}", "-"]);
     }
 }

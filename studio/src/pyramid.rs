@@ -94,7 +94,7 @@ impl Points {
     /// What a screen shows of a part.
     pub fn shown(&self, range: (f64, f64), pixels: usize) -> Cow<'_, [[f64; 2]]> {
         match self {
-            Self::Few(points) => crate::chart::thin(points, range, pixels),
+            Self::Few(points) => crate::thinning::thin(points, range, pixels),
             Self::Many(pyramid) => pyramid.shown(range, pixels),
         }
     }

@@ -13,7 +13,7 @@ use crate::chart::{Chart, Dash, Scale};
 use crate::command::Command;
 use crate::live::Live;
 use crate::studio::Studio;
-use crate::theme::space;
+use crate::theme::{Theme, space};
 use crate::view::View;
 
 const METHODS: [(&str, ReductionMethod, &str); 4] = [
@@ -139,43 +139,46 @@ fn side(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, live: &Live, cho
         }
     });
     ui.add_space(space::SMALL);
-    let before = live.reduced.order_before;
     theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
-        parts::heading(ui, "Order");
-        let ordered = matches!(chosen, ReductionMethod::Balanced | ReductionMethod::Modal);
-        ui.add_enabled_ui(ordered, |ui| {
-            ui.horizontal_wrapped(|ui| {
-                for order in 1..before {
-                    if ui.selectable_label(live.reduced.system.order() == order, order.to_string()).clicked()
-                    {
-                        self::order(queue, chosen, order);
-                    }
-                }
-            });
-        });
-        ui.label(format!("{before} states, {} kept", live.reduced.system.order()));
-        let figure = |ui: &mut Ui, name: &str, value: Option<String>| {
-            ui.label(
-                RichText::new(format!("{name}: {}", value.unwrap_or_else(|| "-".to_owned())))
-                    .color(theme.weak),
-            );
-        };
-        figure(ui, "bound on the error", live.reduced.bound.map(parts::short));
-        figure(
-            ui,
-            "largest error",
-            live.reduced.error.map(|(e, w)| format!("{} at {} rad/s", parts::short(e), parts::short(w))),
-        );
-        live.reduced.warnings.iter().for_each(|w| {
-            ui.label(RichText::new(w).small().color(theme.warn));
-        });
+        orders(ui, &theme, queue, (live, chosen));
     });
     ui.add_space(space::SMALL);
     let seen = portrait(ui, live);
     theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
         modes(ui, view, queue, (&seen, chosen));
+    });
+}
+
+/// Orders to choose from, and what the present one costs.
+fn orders(ui: &mut Ui, theme: &Theme, queue: &mut Vec<Command>, (live, chosen): (&Live, ReductionMethod)) {
+    let before = live.reduced.order_before;
+    parts::heading(ui, "Order");
+    let ordered = matches!(chosen, ReductionMethod::Balanced | ReductionMethod::Modal);
+    ui.add_enabled_ui(ordered, |ui| {
+        ui.horizontal_wrapped(|ui| {
+            for order in 1..before {
+                if ui.selectable_label(live.reduced.system.order() == order, order.to_string()).clicked() {
+                    self::order(queue, chosen, order);
+                }
+            }
+        });
+    });
+    ui.label(format!("{before} states, {} kept", live.reduced.system.order()));
+    let figure = |ui: &mut Ui, name: &str, value: Option<String>| {
+        ui.label(
+            RichText::new(format!("{name}: {}", value.unwrap_or_else(|| "-".to_owned()))).color(theme.weak),
+        );
+    };
+    figure(ui, "bound on the error", live.reduced.bound.map(parts::short));
+    figure(
+        ui,
+        "largest error",
+        live.reduced.error.map(|(e, w)| format!("{} at {} rad/s", parts::short(e), parts::short(w))),
+    );
+    live.reduced.warnings.iter().for_each(|w| {
+        ui.label(RichText::new(w).small().color(theme.warn));
     });
 }
 

@@ -56,14 +56,14 @@ pub fn map(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, (measured, re
             let placed = |points: &[[f64; 2]]| -> Vec<[f64; 2]> {
                 points.iter().map(|p| [view.rate(p[0]), view.level(p[1])]).collect()
             };
-            for (k, (amplitude, seen, linear)) in curves(map).iter().enumerate() {
+            for (k, one) in curves(map).iter().enumerate() {
                 if k == 0 {
-                    chart = chart.curve("linear", theme.weak, Dash::Dashed, placed(linear));
+                    chart = chart.curve("linear", theme.weak, Dash::Dashed, placed(&one.linear));
                 }
                 let name =
-                    format!("{} {}", parts::short(view.angular() * amplitude), view.angular_rate_unit());
+                    format!("{} {}", parts::short(view.angular() * one.amplitude), view.angular_rate_unit());
                 let colour = theme.curves[k % theme.curves.len()];
-                chart = chart.curve(&name, colour, Dash::Solid, placed(seen));
+                chart = chart.curve(&name, colour, Dash::Solid, placed(&one.measured));
             }
             let room = parts::room(ui);
             parts::chart(ui, view, queue, room, &chart);
