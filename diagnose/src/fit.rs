@@ -7,7 +7,7 @@ use crate::bench::{Bench, Judged, Pool, Span, map};
 use crate::library::{Effect, Knob, Mapping};
 use crate::tolerance::{
     FIT_ITERATIONS, FIT_STEP, FIT_TOLERANCE, FITTED_SHARE, RESTART_WORTH, RESTARTS, SEARCH_ITERATIONS,
-    STRETCH, STRETCHES_TOGETHER, SYSTEMATIC, TRIAL_ITERATIONS,
+    STRETCH, STRETCHES_TOGETHER, SYSTEMATIC, TRIAL_ITERATIONS, TRIAL_RESTARTS,
 };
 
 /// Which recordings a fit may see.
@@ -41,7 +41,7 @@ impl Selection {
 
     /// The first part of some recordings, for a first impression.
     pub fn trying(recordings: Vec<usize>) -> Self {
-        Self { iterations: TRIAL_ITERATIONS, restarts: 1, ..Self::heads(recordings) }
+        Self { iterations: TRIAL_ITERATIONS, restarts: TRIAL_RESTARTS, ..Self::heads(recordings) }
     }
 }
 

@@ -30,8 +30,9 @@ pub const RIVALRY: f64 = 0.15;
 pub const PAIRS: usize = 5;
 /// Log-likelihood that one more effect must be worth, in nats.
 pub const EFFECT_PRICE: f64 = 15.0;
-/// Log-likelihood that one more parameter must be worth, in nats: half the logarithm of the number of samples.
-pub const PARAMETER_PRICE: f64 = 5.0;
+/// Log-likelihood that one more parameter must be worth, in nats: half the logarithm of the number of samples, and what
+/// the scan for its start gives it by chance.
+pub const PARAMETER_PRICE: f64 = 10.0;
 /// Iterations of a fit while candidates are compared.
 pub const SEARCH_ITERATIONS: usize = 10;
 /// A model with more parameters than this stays as it is while further effects are compared, and is fitted together
@@ -64,6 +65,8 @@ pub const TRIAL_ITERATIONS: usize = 6;
 /// log-likelihood ratio of two models so close.
 pub const AMBIGUOUS: f64 = 18.0;
 /// Times at the most that a fit seeks the recordings' starts anew at what it found.
-pub const RESTARTS: usize = 2;
+pub const RESTARTS: usize = 6;
+/// The same for a first fit of a candidate.
+pub const TRIAL_RESTARTS: usize = 3;
 /// Share by which a new start must lower the cost for a further one to be sought.
-pub const RESTART_WORTH: f64 = 2e-3;
+pub const RESTART_WORTH: f64 = 0.02;

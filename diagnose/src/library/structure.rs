@@ -273,7 +273,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         experiment: "slow travel over the whole range, both ways",
         knobs: &[
             knob!("amplitude", "1", [0.0, 0.95], 0.1, Linear, pivot_friction.position_ripple.amplitude),
-            knob!("order", "1/turn", [0.5, 400.0], 0.02, Log, pivot_friction.position_ripple.order),
+            knob!("order", "1/turn", [2.0, 400.0], 0.02, Log, pivot_friction.position_ripple.order),
             knob!("phase", "rad", [-6.4, 6.4], 0.3, Linear, pivot_friction.position_ripple.phase_rad),
         ],
         starts: &[],
