@@ -23,7 +23,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     std::fs::write(format!("{folder}/stiffness.mtx"), market(&fe.K))?;
     let (hub, tip) = (fe.hub.ok_or("no node at the pivot")?, fe.tip);
     let grid = |row: usize| FIRST_GRID + row / 2;
-    let mut map = "# which grid and component each row of the matrices belongs to, and where the grids lie\n".to_owned();
+    let mut map = "# which grid and component each row of the matrices belongs to, and where the grids lie\n"
+        .to_owned();
     map += "axes 3 5          # deflection upward is component 3, rotation nose-up component 5\n";
     writeln!(map, "pivot {}\ntip {}", grid(hub.deflection), grid(tip.deflection))?;
     for row in (0..fe.heave.len()).step_by(2) {

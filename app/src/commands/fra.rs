@@ -87,7 +87,10 @@ pub fn run(options: &FraOptions) -> Done {
         (recorded(&loaded, &plan, options)?, None)
     };
     if let Some(path) = &options.report {
-        let command = std::env::args().collect::<Vec<_>>().join(" ");
+        let command = std::iter::once("counterpoise".to_owned())
+            .chain(std::env::args().skip(1))
+            .collect::<Vec<_>>()
+            .join(" ");
         files::write(path, html(&report(&maps, &command)).as_bytes())?;
     }
     if !output::json(&options.results, &maps)? {

@@ -153,7 +153,7 @@ fn convergence(meshes: &Meshes, command: &str) -> Figure {
     }
     let panel = Panel::of(Axis::logarithmic("error of the frequency", "%"), series).high(260.0);
     let caption = format!(
-        "Against {} elements. Tapered elements fall with the fourth power of their number, uniform ones with the second.",
+        "Against {} elements. The error of tapered elements falls with the fourth power of their number, that of uniform ones with the second.",
         meshes.reference
     );
     let figure =
@@ -211,7 +211,7 @@ fn loop_figures(place: &str, loops: &[&FrictionLoop]) -> [Figure; 3] {
         Figure::new(&format!("Presliding at the {place}"), Axis::linear("angle", "mrad"), vec![presliding])
             .captioned("Torque over the angle in settled loops under a 1 Hz sine, from a spring with little loss to sliding."),
         Figure::new(&format!("Into sliding at the {place}"), Axis::linear("angle over its swing", ""), vec![sliding])
-            .captioned("Every loop over its own swing: the area is the share of the work that is lost."),
+            .captioned("Every loop over its own swing: the fuller it is, the more of the work is lost."),
         Figure::new(&format!("Loops at the {place} against rate"), Axis::linear("rate over its peak", ""), vec![rates])
             .captioned("The same loops against rate, each over its own largest rate."),
     ]

@@ -149,10 +149,10 @@ fn masses(findings: &mut Findings<'_>, beam: &Beam) {
     }
 }
 
-/// The structure that the model takes must be there.
+/// The structure that the model takes must be there, and imported matrices must be damped.
 fn structure(findings: &mut Findings<'_>, project: &Project) {
     let (section, there) = match project.model.structure {
-        StructureChoice::Lumped => return,
+        StructureChoice::Lumped => ("plant", true),
         StructureChoice::Beam => ("plant.beam", project.plant.beam.is_some()),
         StructureChoice::Import => ("plant.import", project.import.is_some()),
     };

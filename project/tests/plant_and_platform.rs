@@ -1,0 +1,161 @@
+//! Structures, amplifiers and platforms of the project file: what is read is written, and what is wrong is told at its key.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use counterpoise_models::{AmplifierDynamics, SectionShape, StructuralDamping};
+use counterpoise_project::{Attachments, Document, MotionKind, PlatformSource, Project, Setting};
+
+const GOOD: &str = include_str!("data/rig.toml");
+
+fn with(changes: &[(&str, Setting)]) -> Document {
+    let start = Document::parse(GOOD, "rig.toml");
+    changes.iter().fold(start, |document, (path, setting)| document.set(path, setting).unwrap())
+}
+
+fn resolved(document: &Document) -> Project {
+    match Project::resolve(document, &Attachments::none()) {
+        Ok(parsed) => parsed.project,
+        Err(errors) => panic!("{errors:?}"),
+    }
+}
+
+fn again(project: &Project) -> Project {
+    resolved(&Document::parse(&project.to_text(), "again.toml"))
+}
+
+fn text(value: &str) -> Setting {
+    Setting::Text(value.to_owned())
+}
+
+/// What is said about a file.
+fn said(document: &Document, files: &Attachments) -> Vec<String> {
+    let errors = Project::resolve(document, files).unwrap_err();
+    errors.iter().map(|error| error.to_string().split_once("error: ").unwrap().1.to_owned()).collect()
+}
+
+#[test]
+fn rectangles_and_laws_of_damping_survive_the_file() {
+    let tube = "outer_diameter = [0.105, 0.070]\ninner_diameter = [0.050, 0.050]";
+    let bar = "shape = \"rectangle\"\nheight = [0.1, 0.06]\nwidth = [0.05, 0.05]";
+    assert!(GOOD.contains(tube));
+    let barred = GOOD.replace(tube, bar);
+    let rayleigh =
+        "damping = \"rayleigh\"\nrayleigh_first = [100.0, 0.01]\nrayleigh_second = [900.0, 0.02] #";
+    let project = resolved(&Document::parse(&barred.replace("modal_damping =", rayleigh), "rig.toml"));
+    let beam = project.plant.beam.as_ref().unwrap();
+    let expected = SectionShape::Rectangle { height_m: [0.1, 0.06], width_m: [0.05, 0.05] };
+    assert_eq!(beam.sections[2].shape, expected);
+    let law = StructuralDamping::Rayleigh { first: [100.0, 0.01], second: [900.0, 0.02] };
+    assert_eq!((beam.damping, again(&project) == project), (law, true));
+    let grown = resolved(&with(&[("plant.beam.damping", text("modal-stiffness"))]));
+    assert_eq!(grown.plant.beam.as_ref().unwrap().damping, StructuralDamping::ModalWithStiffness);
+    assert_eq!(again(&grown), grown);
+}
+
+#[test]
+fn an_ideal_current_source_survives_the_file() {
+    let project = resolved(&with(&[("plant.amplifier.dynamics", text("ideal-current"))]));
+    assert_eq!(project.plant.amplifier.dynamics, AmplifierDynamics::IdealCurrent);
+    assert_eq!(again(&project), project);
+}
+
+fn moving(changes: &[(&str, Setting)]) -> Document {
+    let bare = Document::parse(GOOD, "rig.toml").remove("verify.road").unwrap();
+    let path = |key: &str| format!("verify.road.{key}");
+    changes.iter().fold(bare, |document, (key, setting)| document.set(&path(key), setting).unwrap())
+}
+
+#[test]
+fn every_kind_of_motion_survives_the_file_and_repeats() {
+    let psd = || Setting::Pairs(vec![[0.3, 0.02], [2.0, 0.1], [8.0, 1e-3]]);
+    let kinds = [
+        moving(&[("kind", text("spectrum")), ("heave_psd", psd()), ("seed", Setting::Whole(7))]),
+        moving(&[("kind", text("simulator")), ("offset", Setting::Number(1.2)), ("pitch_psd", psd())]),
+        moving(&[("kind", text("iso-8608")), ("class", text("D")), ("speed", Setting::Number(5.0))]),
+    ];
+    for document in kinds {
+        let project = resolved(&document);
+        assert_eq!(again(&project), project);
+        let Some(PlatformSource::Made(motion)) = project.verify.unwrap().road else { panic!("it is made") };
+        let road = motion.road().unwrap();
+        assert_eq!(road, motion.road().unwrap());
+        assert!(
+            (road.duration_s() - 30.0).abs() < 1e-9 && road.pitch_rate_rad_s.len() == road.heave_m_s2.len()
+        );
+        let still = matches!(&motion.kind, MotionKind::Spectrum { pitch_psd, .. } if pitch_psd.is_empty());
+        assert_eq!(still, road.pitch_rate_rad_s.iter().all(|rate| *rate == 0.0));
+    }
+}
+
+#[test]
+fn motions_that_cannot_be_made_are_told_at_their_key() {
+    let none = Attachments::none();
+    let nothing = said(&moving(&[("kind", text("spectrum"))]), &none);
+    assert_eq!(
+        nothing,
+        [
+            "verify.road.kind = \"spectrum\": has nothing that moves: give a density or, for the simulator, sines"
+        ]
+    );
+    let falling = Setting::Pairs(vec![[2.0, 0.1], [1.0, 0.1]]);
+    let told = said(&moving(&[("kind", text("spectrum")), ("heave_psd", falling)]), &none);
+    assert!(
+        told[0].starts_with("verify.road.heave_psd") && told[0].contains("above the one before"),
+        "{told:?}"
+    );
+    let psd = Setting::Pairs(vec![[1.0, 0.1], [2.0, 0.1]]);
+    let long = [("kind", text("spectrum")), ("heave_psd", psd), ("fade", Setting::Number(20.0))];
+    assert!(said(&moving(&long), &none)[0].contains("at most half the duration of 30 s"));
+    let missing = said(&moving(&[("kind", text("spectrum")), ("heave_psd", text("road.csv"))]), &none);
+    let told = "the file \"road.csv\" was not found beside the project file";
+    assert!(missing.iter().any(|line| line.contains(told)), "{missing:?}");
+}
+
+fn imported() -> Document {
+    with(&[
+        ("plant.import.mass_matrix", text("m.mtx")),
+        ("plant.import.stiffness_matrix", text("k.mtx")),
+        ("plant.import.node_map", text("nodes.map")),
+        ("plant.import.modal_damping", Setting::Numbers(vec![0.01])),
+    ])
+}
+
+/// Two nodes of a rigid bar, pivot at the first, with one spring between the rotations.
+fn files(mass: &str, map: &str) -> Attachments {
+    let head = "%%MatrixMarket matrix coordinate real symmetric\n4 4 ";
+    let stiffness = format!("{head}3\n2 2 1e6\n4 2 -1e6\n4 4 1e6\n");
+    let add = |all: Attachments, name: &str, text: &str| all.with(name, text.as_bytes().to_vec());
+    let all = add(Attachments::none(), "m.mtx", mass);
+    add(add(all, "k.mtx", &stiffness), "nodes.map", map)
+}
+
+const MASS: &str =
+    "%%MatrixMarket matrix coordinate real symmetric\n4 4 4\n1 1 5.0\n2 2 3.0\n3 3 5.0\n4 4 3.0\n";
+const MAP: &str = "axes 3 5\npivot 1\ntip 2\nnode 1 0.0\nnode 2 2.0\nrow 1 3\nrow 1 5\nrow 2 3\nrow 2 5\n";
+
+#[test]
+fn an_import_is_read_with_its_files_and_asks_for_them_by_name() {
+    assert_eq!(imported().attachments(), ["k.mtx", "m.mtx", "nodes.map"]);
+    let project = Project::resolve(&imported(), &files(MASS, MAP)).unwrap().project;
+    let content = project.import.as_ref().unwrap().content.as_ref().unwrap();
+    let structure = content.structure(&Default::default()).unwrap();
+    assert_eq!((structure.mass_kg(), structure.first_moment_kg_m()), (10.0, 10.0));
+    assert_eq!(structure.inertia_kg_m2(), 3.0 + 3.0 + 5.0 * 4.0);
+}
+
+#[test]
+fn what_is_wrong_with_an_import_is_told_at_the_key_that_names_the_file() {
+    let missing = said(&imported(), &Attachments::none());
+    assert!(missing[0].contains("plant.import.mass_matrix") || missing[0].contains("plant.import.node_map"));
+    let broken = said(&imported(), &files(&MASS.replace("2 2 3.0", "2 2 x"), MAP));
+    assert_eq!(broken, ["plant.import.mass_matrix = \"m.mtx\": line 4: \"x\" is not a number"]);
+    let lost = said(&imported(), &files(MASS, &MAP.replace("pivot 1", "pivot 9")));
+    assert!(
+        lost[0].starts_with("plant.import.node_map = \"nodes.map\": does not fit the matrices"),
+        "{lost:?}"
+    );
+    let undamped = imported().remove("plant.import.modal_damping").unwrap();
+    let told = said(&undamped, &files(MASS, MAP));
+    assert!(told[0].contains("give modal_damping or a damping matrix"), "{told:?}");
+    let absent = said(&with(&[("model.structure", text("import"))]), &Attachments::none());
+    assert!(absent[0].contains("needs the section [plant.import]"), "{absent:?}");
+}
