@@ -14,6 +14,7 @@ use std::process::Command;
 use counterpoise_controller::{Controller, SampledController};
 use counterpoise_export::Source::Unverified;
 use counterpoise_export::board::CORES;
+use counterpoise_export::host::{RUST_COMPILER, differing, requests, rust_replay};
 use counterpoise_export::{
     File, FixedRunner, Numbers, Options, Precision, Ranges, Targets, c99, fixed_c99, plan, rust_crate,
     single_precision,
@@ -307,6 +308,34 @@ impl Design {
         assert!(drive(&self.plant, code.as_mut(), 0.5) == expected, "{} {numbers:?}", self.name);
     }
 
+    /// The Rust crate compiles without a word, passes its own tests, and answers every reading of the closed loops of the
+    /// verification's experiments as its model does.
+    fn rust_answers_alike(&self) {
+        let folder = folder(&format!("example_{}_rust", self.name));
+        write(
+            &folder,
+            &rust_crate(Unverified(&self.controller), &provenance(), &Options::double("axis")).unwrap(),
+        );
+        write(&folder, &[rust_replay("axis")]);
+        let rustc =
+            |arguments: &[&str]| run(Command::new(RUST_COMPILER).current_dir(&folder).args(arguments));
+        let library =
+            ["--edition=2021", "--crate-type=lib", "--crate-name=axis", "-Dwarnings", "axis/src/lib.rs"];
+        assert_eq!(rustc(&library), "");
+        assert_eq!(rustc(&["--edition=2021", "-L.", "-Dwarnings", "-o", "replay", "replay.rs"]), "");
+        let tests =
+            ["--edition=2021", "--test", "-L.", "--extern", "axis", "-Dwarnings", "axis/tests/vectors.rs"];
+        assert_eq!(rustc(&tests), "");
+        assert!(run(&mut Command::new(folder.join("vectors"))).contains("1 passed"));
+        let records = &self.compared.figures[0].closed_loops;
+        std::fs::write(folder.join("readings"), requests(records, None)).unwrap();
+        let readings = std::fs::File::open(folder.join("readings")).unwrap();
+        let output = Command::new(folder.join("replay")).stdin(readings).output().unwrap();
+        let samples: usize = records.iter().map(|record| record.controls_v.len()).sum();
+        assert!(samples > 1000);
+        assert_eq!(differing(records, None, &output.stdout), Some((samples, 0)), "{}", self.name);
+    }
+
     /// Deviations stay within what was predicted, and the closed loop where it was.
     fn within_prediction(&self) {
         for target in &self.compared.figures {
@@ -337,6 +366,7 @@ fn the_code_of_every_example_compiles_in_silence_and_moves_the_plant_alike() {
         };
         designs += 1;
         design.within_prediction();
+        design.rust_answers_alike();
         for (numbers, folder) in design.kinds() {
             let sources = ["axis.c", "axis_self_test.c", "axis_test.c", "-o", "axis_test"];
             assert_eq!(run(Command::new("cc").current_dir(&folder).args(STRICT).args(sources)), "");

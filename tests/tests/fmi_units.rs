@@ -5,15 +5,17 @@
 mod support;
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use counterpoise_export::Source::Unverified;
 use counterpoise_export::fmi::{PlantUnit, PlantUnitError, controller_unit, pack, plant_unit};
 use counterpoise_export::{File, Options};
+use counterpoise_models::Error as ModelError;
 use counterpoise_models::plant::Plant;
-use counterpoise_project::Project;
 use counterpoise_project::pipeline::{model, reduce, synthesise};
+use counterpoise_project::{Attachments, Document, Project, Purpose};
+use counterpoise_simulate::signal::Sine;
 use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator, TimeHistory};
 use support::{STRICT, folder, is_there, provenance, run, write};
 
@@ -23,11 +25,18 @@ fn project() -> Project {
     Project::parse(&text, "project.toml").map_err(|errors| errors[0].to_string()).unwrap().project
 }
 
+/// Two sines that begin without a slope: the unit goes on in the straight line through its last two inputs, and at the
+/// start there is only one.
+fn swing(amplitude: f64, frequency_rad_s: f64) -> Signal {
+    let sine = |amplitude, frequency_rad_s| Sine { amplitude, frequency_rad_s, phase_rad: 0.0 };
+    Signal::Sines(vec![sine(amplitude, frequency_rad_s), sine(-0.5 * amplitude, 2.0 * frequency_rad_s)])
+}
+
 /// A step of demand on a platform that heaves and pitches; ideal converters.
 fn scenario() -> Scenario {
     let platform = PlatformMotion {
-        heave_m_s2: Signal::sine(0.5, 9.0),
-        pitch_rate_rad_s: Signal::sine(0.05, 7.0),
+        heave_m_s2: swing(0.5, 9.0),
+        pitch_rate_rad_s: swing(0.05, 7.0),
         ..PlatformMotion::STILL
     };
     Scenario { demand_rad_s: Signal::step(0.2, 0.1), platform, ..Scenario::still(2.0) }
@@ -54,32 +63,91 @@ fn compiled(folder: &Path, name: &str, files: &[File]) -> Vec<u8> {
     std::fs::read(folder.join(library)).unwrap()
 }
 
-#[test]
-fn the_loop_closed_by_fmpy_is_the_simulated_one() {
-    let project = project();
+/// Writes the units of an example's controller and plant, and what the studio's own loop does; false where the example asks
+/// for no controller.
+fn written(path: &Path, folder: &Path) -> bool {
+    let Some(project) = resolved(path) else { return false };
     let modelled = model(&project).unwrap();
+    let plant = match Plant::lumped(modelled.plant.parameters()) {
+        Ok(plant) => plant,
+        Err(ModelError::NoStructure) => {
+            println!(
+                "passed over {}: the unit's plant has a lumped structure, and this one has none",
+                path.display()
+            );
+            return false;
+        }
+        Err(why) => panic!("{}: {why}", path.display()),
+    };
     let reduced = reduce(&project, &modelled).unwrap();
     let controller = synthesise(&project, &modelled, &reduced).unwrap().sampled.controller;
-    let folder = folder("fmi_loop");
     let axis = controller_unit(Unverified(&controller), &provenance(), &Options::double("axis")).unwrap();
-    let plant = Plant::lumped(modelled.plant.parameters()).unwrap();
     let rig = plant_unit(PlantUnit { plant: &plant, name: "rig" }, &provenance()).unwrap();
-    let mut runner = controller.runner();
-    let expected = Simulator::new(&plant).unwrap().run(&mut runner, &scenario()).unwrap();
+    let mut simulator = Simulator::new(&plant).unwrap();
+    let expected = simulator.run(&mut controller.runner(), &scenario()).unwrap();
+    std::fs::create_dir_all(folder).unwrap();
     std::fs::write(folder.join("expected.csv"), csv(&expected)).unwrap();
+    for (name, files) in [("axis", &axis), ("rig", &rig)] {
+        let library = compiled(folder, name, files);
+        std::fs::write(folder.join(format!("{name}.fmu")), pack(files, name, Some(&library))).unwrap();
+    }
+    true
+}
+
+/// The project of a file with the files that it names; nothing where it has no design.
+fn resolved(path: &Path) -> Option<Project> {
+    let document = Document::from_bytes(&std::fs::read(path).unwrap(), "project.toml").ok()?;
+    let read = |all: Attachments, name: String| match std::fs::read(path.parent().unwrap().join(&name)) {
+        Ok(bytes) => all.with(&name, bytes),
+        Err(_) => all,
+    };
+    let attached = document.attachments().into_iter().fold(Attachments::none(), read);
+    let model_only = Project::resolve_for(&document, &attached, Purpose::Model).ok()?.project;
+    model_only
+        .synth
+        .is_some()
+        .then(|| Project::resolve_for(&document, &attached, Purpose::Export).unwrap().project)
+}
+
+/// Every project file of the examples, with a name for its folder.
+fn examples() -> Vec<(String, PathBuf)> {
+    let mut open = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples")];
+    let mut found = Vec::new();
+    while let Some(folder) = open.pop() {
+        for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                open.push(path);
+            } else if path.extension().is_some_and(|ending| ending == "toml") {
+                let parent = path.parent().and_then(Path::file_name).unwrap();
+                let stem = path.file_stem().unwrap();
+                found.push((format!("{}-{}", parent.display(), stem.display()), path));
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+#[test]
+fn the_loop_that_fmpy_closes_is_the_simulated_one_for_every_example() {
     if !is_there("cc") {
         return println!("skipped: no C compiler");
     }
-    for (name, files) in [("axis", &axis), ("rig", &rig)] {
-        let library = compiled(&folder, name, files);
-        std::fs::write(folder.join(format!("{name}.fmu")), pack(files, name, Some(&library))).unwrap();
+    let all = folder("fmi_loop");
+    let mut folders = Vec::new();
+    for (name, path) in examples() {
+        let folder = all.join(&name);
+        if written(&path, &folder) {
+            folders.push(folder);
+        }
     }
+    assert!(folders.len() >= 8, "{folders:?}");
     let python = Command::new("python3").args(["-c", "import fmpy"]).output();
     if !python.is_ok_and(|output| output.status.success()) {
         return println!("skipped: FMPy missing (pip install fmpy)");
     }
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("peers/fmi/check.py");
-    println!("{}", run(Command::new("python3").arg(script).arg(&folder)));
+    println!("{}", run(Command::new("python3").arg(script).args(&folders)));
 }
 
 #[test]

@@ -1,9 +1,9 @@
 """Runs the generated FMI 3.0 units of controller and plant in FMPy and compares the closed loop with the studio's.
 
     pip install fmpy
-    python check.py FOLDER
+    python check.py FOLDER...
 
-FOLDER holds the units `axis.fmu` (controller) and `rig.fmu` (plant) and `expected.csv` with the columns time, demand,
+Each FOLDER holds the units `axis.fmu` (controller) and `rig.fmu` (plant) and `expected.csv` with the columns time, demand,
 heave, pitch_rate, control, hub_rate, one row a sample. The units are validated by FMPy and stepped: controller first,
 then plant. Prints the largest differences; exit code 1 where they exceed the limits.
 """
@@ -70,10 +70,10 @@ def main(folder):
     outcome = 0
     for name, limit in [("control", LIMIT_CONTROL), ("hub_rate", LIMIT_RATE)]:
         relative = worst[name] / max(abs(row[name]) for row in rows)
-        print(f"{name}: largest difference {worst[name]:.3e}, {relative:.2e} of the largest value")
+        print(f"{folder.name}: {name}: largest difference {worst[name]:.3e}, {relative:.2e} of the largest value")
         outcome |= relative > limit
     return outcome
 
 
 if __name__ == "__main__":
-    sys.exit(main(pathlib.Path(sys.argv[1])))
+    sys.exit(max(main(pathlib.Path(folder)) for folder in sys.argv[1:]))
