@@ -65,8 +65,8 @@ pub const TRIAL_ITERATIONS: usize = 6;
 /// log-likelihood ratio of two models so close.
 pub const AMBIGUOUS: f64 = 18.0;
 /// Times at the most that a fit seeks the recordings' starts anew at what it found.
-pub const RESTARTS: usize = 6;
+pub const RESTARTS: usize = 2;
 /// The same for a first fit of a candidate.
-pub const TRIAL_RESTARTS: usize = 3;
+pub const TRIAL_RESTARTS: usize = 1;
 /// Share by which a new start must lower the cost for a further one to be sought.
-pub const RESTART_WORTH: f64 = 0.02;
+pub const RESTART_WORTH: f64 = 2e-3;
