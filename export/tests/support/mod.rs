@@ -152,11 +152,10 @@ pub fn modal(random: &mut Random, order: usize, inputs: usize) -> StateSpace {
     StateSpace::new(A, B, C, D, Timebase::Discrete { period_s: 1e-3 }).unwrap()
 }
 
-/// A badly scaled system: a modal one in coordinates whose units differ by up to 1e8, and full where its order is small.
+/// A full, badly scaled system: a modal one in coordinates whose units differ by up to 1e8.
 pub fn badly_scaled(random: &mut Random, order: usize, inputs: usize) -> StateSpace {
     let base = modal(random, order, inputs);
-    let full = if order < 14 { 0.05 } else { 0.0 };
-    let mixed = Mat::from_fn(order, order, |i, j| f64::from(i == j) + full * random.signed());
+    let mixed = Mat::from_fn(order, order, |i, j| f64::from(i == j) + 0.05 * random.signed());
     let unit: Vec<f64> = (0..order).map(|_| 10.0_f64.powf(4.0 * random.signed())).collect();
     let T = &mixed * &Mat::diag(&unit);
     let W = counterpoise_controller::lti::linalg::inverse(&T).unwrap();
@@ -175,7 +174,7 @@ pub fn random_controller(seed: u64) -> Controller {
     let order = 1 + (random.unit() * 40.0) as usize;
     let signals = [Signal::RateError, Signal::PlatformRate, Signal::PlatformAcceleration, Signal::MotorRate];
     let inputs: Vec<Signal> = signals[..1 + (random.unit() * 4.0) as usize].to_vec();
-    let system = if random.unit() < 0.5 {
+    let system = if order < 14 && random.unit() < 0.5 {
         badly_scaled(&mut random, order, inputs.len())
     } else {
         modal(&mut random, order, inputs.len())
