@@ -39,6 +39,11 @@ impl FittedParameter {
     pub fn suffix(&self) -> String {
         if self.unit == "1" { String::new() } else { format!(" {}", self.unit) }
     }
+
+    /// Name, value and the value in the model as it was, in words.
+    pub fn in_words(&self) -> String {
+        format!("{} {:.4}{} (was {:.4})", self.name, self.value, self.suffix(), self.before)
+    }
 }
 
 /// An effect by its name.

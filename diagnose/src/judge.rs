@@ -122,11 +122,7 @@ impl Evidence<'_> {
     fn finding(&self, accepted: &Candidate, index: usize) -> Finding {
         let effect = accepted.fit.effects[index];
         let parameters = self.fitted_parameters(accepted, index);
-        let sizes: Vec<String> = parameters
-            .iter()
-            .take(4)
-            .map(|p| format!("{} {:.4}{} (was {:.4})", p.name, p.value, p.suffix(), p.before))
-            .collect();
+        let sizes: Vec<String> = parameters.iter().take(4).map(FittedParameter::in_words).collect();
         let explanation = format!(
             "{}; {}. Largest RMS error over its floor: {:.1} before, {:.2} after.",
             effect.equation,

@@ -18,6 +18,8 @@ use crate::library::{Knob, named};
 
 /// Inertia and gear ratio for which the library's sizes are meant.
 const USUAL: (f64, f64) = (345.0, 200.0);
+/// Regime variables that are torques or the motor's angle: those of the scaled machine are not the machine's own.
+const SCALED_REGIMES: [&str; 2] = ["load", "motor angle"];
 /// Factors within which a machine is taken as it is.
 const AS_IT_IS: (f64, f64) = (20.0, 5.0);
 
@@ -57,7 +59,10 @@ impl Scale {
         let ratio = USUAL.1 / base.gearbox.ratio;
         let near = |factor: f64, bound: f64| (1.0 / bound..=bound).contains(&factor);
         let usual = near(torque, AS_IT_IS.0) && near(ratio, AS_IT_IS.1);
-        (!usual && torque.is_finite() && torque > 0.0).then_some(Self { torque, ratio })
+        // powers of two: numbers come back to the last bit
+        let near_power = |factor: f64| factor.log2().round().exp2();
+        let scale = Self { torque: near_power(torque), ratio: near_power(ratio) };
+        (!usual && torque.is_finite() && torque > 0.0).then_some(scale)
     }
 
     fn inverse(self) -> Self {
@@ -109,10 +114,18 @@ impl Scale {
             for parameter in &mut finding.parameters {
                 let Some(knob) = knob(finding.component, finding.effect, parameter.name) else { continue };
                 let own = |value: f64| self.own(scaled, knob, value);
+                let scaled_words = parameter.in_words();
                 parameter.value = own(parameter.value);
                 parameter.before = own(parameter.before);
                 parameter.ci95 = parameter.ci95.map(own);
+                finding.explanation = finding.explanation.replace(&scaled_words, &parameter.in_words());
             }
+            if SCALED_REGIMES.iter().any(|regime| finding.when.contains(regime)) {
+                finding.when = without_sizes(&finding.when);
+            }
+        }
+        for cell in answer.map.iter_mut().filter(|cell| SCALED_REGIMES.contains(&cell.regime)) {
+            cell.shape = without_sizes(&cell.shape);
         }
         for effect in &mut answer.not_excited {
             let Some(knob) = knob(effect.component, effect.effect, effect.parameter) else { continue };
@@ -145,6 +158,12 @@ impl Scale {
 fn knob(component: &str, effect: &str, name: &str) -> Option<&'static Knob> {
     let knobs = named(component, effect).flat_map(|e| e.knobs.iter());
     knobs.into_iter().find(|knob| knob.name == name)
+}
+
+/// A shape in words without the range and the period, which are the scaled machine's.
+fn without_sizes(words: &str) -> String {
+    let cut = [" over ", " every "].iter().filter_map(|word| words.find(word)).min();
+    words[..cut.unwrap_or(words.len())].to_owned()
 }
 
 /// A ripple whose amplitude is a torque times `t`, over an angle times `r`.
@@ -234,7 +253,12 @@ mod tests {
         assert!(apart(&control, &control_small) < 1e-3, "{}", apart(&control, &control_small));
         let scale = Scale::of(&machine).unwrap();
         let usual = scale.applied(&machine);
-        assert!((usual.gearbox.ratio - USUAL.1).abs() < 1e-9);
+        assert!((0.7..1.5).contains(&(usual.gearbox.ratio / USUAL.1)));
+        assert_eq!(scale.inverse().applied(&usual), machine);
+        assert_eq!(
+            without_sizes("follows load: odd in it over -1.000 to 1.000 N m"),
+            "follows load: odd in it"
+        );
         assert!(Scale::of(&usual).is_none() && Scale::of(&rig).is_none());
         let knob = knob("pivot", "coulomb", "coulomb").unwrap();
         let own = scale.own(&usual, knob, usual.pivot_friction.coulomb_nm());
