@@ -4,7 +4,7 @@
 use crate::fit::{Selection, knobs};
 use crate::library::{Effect, refinement};
 use crate::select::{Candidate, Effort, Search, Searcher};
-use crate::tolerance::{RIVALS, SEARCH_ITERATIONS, SWAP_NEEDED};
+use crate::tolerance::{GAIN_NEEDED, RIVALS, SEARCH_ITERATIONS, SWAP_NEEDED};
 
 impl Searcher<'_> {
     /// The accepted effects with those in a coarse form refined, where that explains more.
@@ -52,7 +52,11 @@ impl Searcher<'_> {
             }
         }
         if let (1, Some(stage)) = (best.fit.effects.len(), search.stages.iter().find(|s| s.contains(&best))) {
-            search.rivals = vec![stage.singles()];
+            let singles = stage.singles();
+            if singles.iter().any(|c| c.has_same_effects(&best) && c.gain() < GAIN_NEEDED) {
+                return;
+            }
+            search.rivals = vec![singles];
         }
         search.accepted = Some(best);
     }

@@ -79,7 +79,7 @@ impl Searcher<'_> {
         let worth = |c: &&Candidate| c.is_acceptable() && c.is_worth_more_than(smaller, nothing);
         let best = stage.candidates.iter().find(worth)?.clone();
         let validated = self.validated(best)?;
-        (!validated.is_harmful()).then_some(validated)
+        (!validated.is_harmful() && validated.gain() > GAIN_NEEDED).then_some(validated)
     }
 
     /// Looks at every effect on top of the present model, fits the shortlist and judges it.
