@@ -48,10 +48,25 @@ pub(crate) fn riccati(
 ) -> Outcome<linalg::Riccati> {
     match outcome {
         linalg::Outcome::Solved(solution) => Outcome::Solved(solution),
-        linalg::Outcome::Infeasible(reason) => Outcome::Infeasible(vec![Finding::refusal(
-            part,
-            Cause::Equation { what, reason: reason.to_string() },
-        )]),
+        linalg::Outcome::Infeasible(reason) => {
+            let finding = Finding::refusal(part, Cause::Equation { what, reason: reason.to_string() });
+            let rate = mode_of(&reason).map(|mode| mode.norm());
+            Outcome::Infeasible(vec![match rate {
+                Some(rate) => finding.at(rate),
+                None => finding,
+            }])
+        }
+    }
+}
+
+/// The mode that a reason names.
+fn mode_of(reason: &linalg::Reason) -> Option<C64> {
+    use linalg::Reason;
+    match reason {
+        Reason::Uncontrollable { mode, .. } | Reason::Unobservable { mode, .. } => Some(*mode),
+        Reason::OnBoundary { eigenvalue, .. } => Some(*eigenvalue),
+        Reason::Inaccurate { hardest, .. } => hardest.map(|(mode, _)| mode),
+        Reason::NoGraph | Reason::SingularWeight { .. } => None,
     }
 }
 
