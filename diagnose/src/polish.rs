@@ -1,7 +1,7 @@
 //! What is done to the effects that were accepted: fitted to everything, refined, swapped for better ones, dropped where
 //! the others do without them.
 
-use crate::fit::{Selection, knobs};
+use crate::fit::{Fit, Selection, applied, knobs};
 use crate::library::{Effect, refinement};
 use crate::select::{Candidate, Effort, Search, Searcher};
 use crate::tolerance::{GAIN_NEEDED, RIVALS, SEARCH_ITERATIONS, SWAP_NEEDED};
@@ -105,6 +105,8 @@ impl Searcher<'_> {
         dropped
     }
 
+    /// A candidate without one of its effects: the others fitted anew, or as they are where that is no better, as it is where
+    /// the effect was idle.
     fn without(&self, candidate: &Candidate, index: usize) -> Option<Candidate> {
         let mut effects = candidate.fit.effects.clone();
         let first = knobs(&effects[..index]).len();
@@ -113,8 +115,13 @@ impl Searcher<'_> {
         effects.remove(index);
         let recordings = (0..self.bench.count()).collect();
         let selection = Selection::searching(recordings);
+        let kept = applied(self.base, &effects, &start);
         let fit = self.fit(effects, &start, &selection, &[])?;
-        let whole = self.whole_score(&fit.parameters)?;
+        let (whole, as_it_is) = (self.whole_score(&fit.parameters)?, self.whole_score(&kept)?);
+        if as_it_is.level() < whole.level() {
+            let fit = Fit { values: start, parameters: kept, ..fit };
+            return Some(Candidate { fit, whole: as_it_is, ..candidate.clone() });
+        }
         Some(Candidate { fit, whole, ..candidate.clone() })
     }
 }
