@@ -106,8 +106,8 @@ pub struct NotExcited {
     pub effect: &'static str,
     /// Component.
     pub component: &'static str,
-    /// Smallest change of its first parameter that these recordings would show.
-    pub smallest_detectable: f64,
+    /// Smallest change of its first parameter that these recordings would show; none where no change within reason moves them.
+    pub smallest_detectable: Option<f64>,
     /// That parameter.
     pub parameter: &'static str,
     /// Its unit.

@@ -322,6 +322,9 @@ fn channels(score: &Score) -> Channels {
     sums.into_iter().map(|(channel, sum)| (channel, fit(sum))).collect()
 }
 
+/// Sizes beyond this many times the one that is looked for are not told: the effect does not move these recordings.
+const LARGEST_TOLD: f64 = 100.0;
+
 /// Effects whose smallest detectable size is larger than a size that would matter.
 fn not_excited(looks: &[Look]) -> Vec<NotExcited> {
     let mut out: Vec<NotExcited> = Vec::new();
@@ -334,7 +337,7 @@ fn not_excited(looks: &[Look]) -> Vec<NotExcited> {
             out.push(NotExcited {
                 effect: look.effect.effect,
                 component: look.effect.component,
-                smallest_detectable: smallest,
+                smallest_detectable: (smallest < LARGEST_TOLD * look.change).then_some(smallest),
                 parameter: knob.name,
                 unit: knob.unit,
             });

@@ -129,7 +129,7 @@ impl Scale {
         }
         for effect in &mut answer.not_excited {
             let Some(knob) = knob(effect.component, effect.effect, effect.parameter) else { continue };
-            effect.smallest_detectable = self.own(scaled, knob, effect.smallest_detectable);
+            effect.smallest_detectable = effect.smallest_detectable.map(|size| self.own(scaled, knob, size));
         }
         let fit = &mut answer.fit;
         for table in [&mut fit.before, &mut fit.after, &mut fit.held_out_before, &mut fit.held_out_after] {

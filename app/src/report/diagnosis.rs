@@ -2,6 +2,7 @@
 
 use counterpoise_project::diagnose::answer::{Answer, Channels, Finding, Verdict};
 
+use crate::plot::ticks::short;
 use crate::plot::{Axis, Colour, Figure, Panel, Series};
 
 use super::{Cell, Column, Headline, Report, Section, Table, Tile, Tone, residual};
@@ -230,7 +231,10 @@ fn cannot_tell(answer: &Answer) -> Section {
     let mut table =
         Table::new("Effects of which these recordings cannot say whether they are there", &columns);
     for n in &answer.not_excited {
-        let size = format!("{} {:.3} {}", n.parameter, n.smallest_detectable, n.unit);
+        let size = match n.smallest_detectable {
+            Some(size) => format!("{} {} {}", n.parameter, short(size), n.unit),
+            None => "nothing: it does not move them".to_owned(),
+        };
         table.rows.push(vec![Cell::text(n.component), Cell::text(words(n.effect)), Cell::text(size)]);
     }
     let section = Section::new("What these recordings cannot tell").listing(table);

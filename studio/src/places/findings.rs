@@ -92,8 +92,15 @@ fn evidence(ui: &mut Ui, theme: &Theme, answer: &Answer) {
     }
     for one in &answer.not_excited {
         let name = format!("{} {}", one.component, one.effect).replace('_', " ");
-        let least = format!("{} {}", parts::short(one.smallest_detectable), one.unit);
-        let text = format!("{name}: these recordings would show a {} from {least}", one.parameter);
+        let text = match one.smallest_detectable {
+            Some(size) => format!(
+                "{name}: these recordings would show a {} from {} {}",
+                one.parameter.replace('_', " "),
+                parts::short(size),
+                one.unit
+            ),
+            None => format!("{name}: these recordings would not show it"),
+        };
         ui.label(RichText::new(text).small().color(theme.weak));
     }
     if let Some(next) = &answer.next_experiment {
