@@ -8,6 +8,7 @@ mod commands;
 mod files;
 mod host;
 mod output;
+mod pace;
 mod processor;
 mod shards;
 mod stop;

@@ -104,3 +104,20 @@ fn shards_of_another_campaign_are_refused() {
     assert_eq!(refused.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&refused.stderr).contains("another campaign"));
 }
+
+#[test]
+fn a_campaign_tells_what_a_large_one_would_cost_unless_nothing_was_run() {
+    let told = folder("sweep_cost");
+    let run = || {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_counterpoise"));
+        command.arg("sweep").arg(&told).arg("-o").arg(told.join("out")).env("RAYON_NUM_THREADS", "1");
+        String::from_utf8(command.output().unwrap().stderr).unwrap()
+    };
+    let first = run();
+    let line = first.lines().last().unwrap_or_default();
+    assert!(line.starts_with("120 samples run in ") && line.contains(" on 1 thread: "), "{first}");
+    assert!(line.contains("at this pace 100000 would take "), "{first}");
+    fs::remove_file(told.join("out/shard-000002-of-000003.parquet")).unwrap();
+    assert!(run().contains("40 samples run in "), "only the shard that was missing");
+    assert!(!run().contains("100000"), "nothing was run");
+}

@@ -2,7 +2,6 @@
 
 use crate::output::say;
 use std::path::Path;
-use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -11,12 +10,12 @@ use counterpoise_project::Purpose;
 use counterpoise_project::pipeline::export::project_hash;
 use counterpoise_project::pipeline::{self, Designed};
 use counterpoise_project::verify::robust::{Campaign, Member, Sample, merge, summary};
-use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
 use super::{Done, verdict_code};
 use crate::arguments::Results;
 use crate::files::{self, Surroundings};
+use crate::pace::Pace;
 use crate::{output, shards, stop};
 
 /// Arguments of `sweep`.
@@ -61,13 +60,26 @@ pub fn run(options: &SweepOptions) -> Done {
     }
     if let Some(shard) = &options.shard {
         let (shard, of) = shard_of(shard)?;
-        run_shard(&named, &options.output, (shard, of), &ProgressBar::hidden())?;
+        let pace = pace(options, named.campaign.shard(shard, of)?.len())?;
+        run_shard(&named, &options.output, (shard, of), &pace)?;
+        told(options, pace.finish());
         return Ok(verdict_code(true));
     }
-    if !options.merge {
-        run_all(&named, options)?;
+    let cost = if options.merge { None } else { run_all(&named, options)? };
+    let code = finish(&named, options)?;
+    told(options, cost);
+    Ok(code)
+}
+
+fn pace(options: &SweepOptions, count: usize) -> Result<Pace> {
+    if options.results.quiet { Ok(Pace::silent(count)) } else { Pace::shown(count) }
+}
+
+/// Tells what a large campaign would cost, beside the results and not among them.
+fn told(options: &SweepOptions, cost: Option<String>) {
+    if let Some(cost) = cost.filter(|_| !options.results.quiet) {
+        eprintln!("{cost}");
     }
-    finish(&named, options)
 }
 
 fn prepare(options: &SweepOptions) -> Result<Named> {
@@ -91,48 +103,41 @@ fn shard_of(text: &str) -> Result<(usize, usize)> {
 }
 
 /// Runs a shard unless its file is there and whole.
-fn run_shard(named: &Named, folder: &Path, (shard, of): (usize, usize), bar: &ProgressBar) -> Result<()> {
+fn run_shard(named: &Named, folder: &Path, (shard, of): (usize, usize), pace: &Pace) -> Result<()> {
     let range = named.campaign.shard(shard, of)?;
     let path = shards::path(folder, shard, of);
     if path.exists() {
         let there = shards::read(&path, &named.campaign, &named.name);
         if there.is_ok_and(|samples| samples.iter().map(|sample| sample.index).eq(range.clone())) {
-            bar.inc(range.len() as u64);
+            pace.kept(range.len());
             return Ok(());
         }
     }
     let one = |index: usize| {
         let sample = named.campaign.run(index);
-        bar.inc(1);
+        pace.ran();
         sample
     };
     let samples = range.into_par_iter().map(one).collect::<Result<Vec<Sample>, _>>()?;
     shards::write(&path, &named.campaign, &named.name, &samples)
 }
 
-/// Runs every shard on all processors; what was done before stays done.
-fn run_all(named: &Named, options: &SweepOptions) -> Result<()> {
+/// Runs every shard on all processors; what was done before stays done. Says what a large campaign would cost.
+fn run_all(named: &Named, options: &SweepOptions) -> Result<Option<String>> {
     let count = named.campaign.len().div_ceil(SHARD);
-    let bar = if options.results.quiet {
-        ProgressBar::hidden()
-    } else {
-        ProgressBar::new(named.campaign.len() as u64)
-    };
-    bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} samples, {elapsed} gone, {eta} to go")?);
-    bar.enable_steady_tick(Duration::from_millis(200));
+    let pace = pace(options, named.campaign.len())?;
     stop::watch();
     for shard in 0..count {
         if stop::asked() {
-            bar.finish_and_clear();
+            pace.finish();
             bail!(
                 "stopped after {shard} of {count} shards, which are kept in {}; the same command goes on from there",
                 options.output.display()
             );
         }
-        run_shard(named, &options.output, (shard, count), &bar)?;
+        run_shard(named, &options.output, (shard, count), &pace)?;
     }
-    bar.finish_and_clear();
-    Ok(())
+    Ok(pace.finish())
 }
 
 /// Merges, writes the samples and the report, and prints the summary.
