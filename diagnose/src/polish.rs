@@ -4,7 +4,7 @@
 use crate::fit::{Fit, Selection, applied, knobs};
 use crate::library::{Effect, refinement};
 use crate::select::{Candidate, Effort, Search, Searcher};
-use crate::tolerance::{GAIN_NEEDED, RIVALS, SEARCH_ITERATIONS, SWAP_NEEDED};
+use crate::tolerance::{AMBIGUOUS, GAIN_NEEDED, RIVALS, SEARCH_ITERATIONS, SWAP_NEEDED};
 
 impl Searcher<'_> {
     /// The accepted effects with those in a coarse form refined, where that explains more.
@@ -56,9 +56,27 @@ impl Searcher<'_> {
             if singles.iter().any(|c| c.has_same_effects(&best) && c.gain() < GAIN_NEEDED) {
                 return;
             }
-            search.rivals = vec![singles];
+            search.rivals = vec![self.heard_again(singles, &best)];
         }
         search.accepted = Some(best);
+    }
+
+    /// The rivals of a single effect, best first: itself as it is fitted now, and what was level with its first fit or ahead of it
+    /// fitted as thoroughly, so that no effect passes for indistinguishable because the other one's first fit went astray.
+    fn heard_again(&self, singles: Vec<Candidate>, best: &Candidate) -> Vec<Candidate> {
+        let Some(first) = singles.iter().find(|c| c.has_same_effects(best)).cloned() else { return singles };
+        let again = |rival: Candidate| {
+            if rival.has_same_effects(best) {
+                best.clone()
+            } else if rival.behind(&first) < AMBIGUOUS && rival.behind(best) >= AMBIGUOUS {
+                self.refitted(rival)
+            } else {
+                rival
+            }
+        };
+        let mut heard: Vec<Candidate> = singles.into_iter().map(again).collect();
+        heard.sort_by(|a, b| a.behind(best).total_cmp(&b.behind(best)));
+        heard
     }
 
     /// Replaces effects where another explains more beside the rest; gives what was judged in the place of each.
