@@ -1,5 +1,5 @@
 #!/bin/sh
-# Runs a campaign through a real Slurm of one node, kills a task on the way, and compares with the campaign run here.
+# Runs a campaign through a real Slurm of one node, kills the array in the middle, submits it again, and compares with the campaign run here.
 #
 #     tests/campaign/one-node-slurm.sh [COUNTERPOISE]
 #
@@ -75,7 +75,7 @@ for _ in $(seq 30); do
 done
 [ -n "$up" ] || { tail -n 5 "$work"/*.log; skip "the one-node Slurm does not come up"; }
 
-# The example's design, with a campaign of seconds.
+# The example's design, with a campaign of some ten seconds: each shard lasts long enough to be killed inside.
 mkdir "$work/project"
 sed '/^\[verify\]/,$d' "$root/examples/reference-rig/project.toml" >"$work/project/project.toml"
 cat >>"$work/project/project.toml" <<'TOML'
@@ -89,7 +89,7 @@ at_least = 9.0
 figure = "nonlinear_both_compensated_hub_rms_rad_s"
 at_most = 0.02
 [sweep]
-samples = 240
+samples = 1800
 seed = 5
 [[sweep.variation]]
 parameter = "hub_inertia"
@@ -107,16 +107,40 @@ judged "$program" sweep "$work/project" -o "$work/here" --quiet >/dev/null
 export COUNTERPOISE="$program"
 cd "$work"
 submit() { sbatch --parsable --array="0-$((shards - 1))" "$here/array.sbatch" "$work/project" "$work/there"; }
-wait_for() { while squeue -h -j "$1" 2>/dev/null | grep -q .; do sleep 0.3; done; }
+wait_for() { while squeue -h -j "$1" 2>/dev/null | grep -q .; do sleep 0.1; done; }
+whole() { find "$work/there" -name 'shard-*.parquet' 2>/dev/null | wc -l; }
+running() { squeue -h -r -t running -j "$1" -o %i 2>/dev/null | wc -l; }
+# Inode, time and content of every whole shard: what is whole must not be written again.
+marks() { find "$work/there" -name 'shard-*.parquet' -printf '%f %i %T@ ' -exec sha256sum {} \; 2>/dev/null | sort; }
+
+# The kill comes where it hurts: some shards are whole, and a task is in the middle of another.
 first=$(submit)
-sleep 1.5
-scancel --signal=KILL "$first" 2>/dev/null || true
+for _ in $(seq 1200); do
+    { [ "$(whole)" -ge 2 ] && [ "$(running "$first")" -ge 1 ]; } && break
+    sleep 0.05
+done
+sleep 0.3
+struck=$(running "$first")
+scancel --signal=KILL --full "$first"
+scancel "$first" 2>/dev/null || true
 wait_for "$first"
-whole=$(find "$work/there" -name 'shard-*.parquet' 2>/dev/null | wc -l)
-echo "killed: job array $first, $whole of $shards shards were whole"
+kept=$(whole)
+marks >kept.txt
+echo "killed: job array $first, $struck running, $kept of $shards shards whole"
+[ "$struck" -ge 1 ] || { echo "failed: no task was running when the kill came"; exit 1; }
+[ "$kept" -ge 1 ] && [ "$kept" -lt "$shards" ] || { echo "failed: the kill left $kept of $shards shards whole"; exit 1; }
+"$program" sweep "$work/project" -o "$work/there" --merge --quiet >/dev/null 2>merge.txt && code=0 || code=$?
+[ "$code" = 2 ] || { echo "failed: a merge of $kept of $shards shards ended with $code"; exit 1; }
+echo "merge before the rest: refused:"; sed 's/^/    /' merge.txt
+
 second=$(submit)
 wait_for "$second"
-echo "run again: job array $second, $(find "$work/there" -name 'shard-*.parquet' | wc -l) of $shards shards are whole"
+again=$(whole)
+echo "run again: job array $second, $again of $shards shards are whole"
+[ "$again" = "$shards" ] || { cat slurm-*.out; echo "failed: $again of $shards shards"; exit 1; }
+marks >all.txt
+[ "$(comm -12 kept.txt all.txt | wc -l)" = "$kept" ] || { echo "failed: a whole shard was written again"; exit 1; }
+
 judged "$program" sweep "$work/project" -o "$work/there" --merge --quiet >/dev/null
 cmp "$work/here/samples.parquet" "$work/there/samples.parquet"
-echo "the same bytes: through Slurm in $shards shards with a kill on the way, and here in one run"
+echo "the same bytes: through Slurm in $shards shards, $kept of them kept over the kill, and here in one run"
