@@ -202,12 +202,12 @@ fn print(named: &Named, samples: &[Sample]) {
         let (low, high) = (100.0 * row.interval.0, 100.0 * row.interval.1);
         let worst = row.worst_sample.map_or(String::new(), |k| format!(", worst: --sample {k}"));
         say!(
-            "{:6.2} % ({low:.1} to {high:.1})  {}: 5 % {:.4}, median {:.4}, 95 % {:.4}{worst}",
+            "{:6.2} % ({low:.1} to {high:.1})  {}: 5 % {}, median {}, 95 % {}{worst}",
             100.0 * row.share,
             row.figure,
-            row.q05,
-            row.median,
-            row.q95
+            output::figure(row.q05),
+            output::figure(row.median),
+            output::figure(row.q95)
         );
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 use clap::{Args, ValueEnum};
-use counterpoise::report::{Context, Section, difference, html, of_verification};
+use counterpoise::report::{Context, difference, html, of_verification};
 use counterpoise_project::pipeline::{self, export::project_hash};
 use counterpoise_project::results::VerifyResult;
 use counterpoise_project::verify::difference::{Change, changes};
@@ -65,12 +65,7 @@ pub fn run(options: &VerifyOptions) -> Done {
     let before = options.against.as_ref().map(|path| verified(options, path)).transpose()?;
     let changed = before.as_ref().map(|(_, before)| changes(before, &found));
     if let Some(path) = &options.report {
-        let more: Vec<Section> = changed
-            .iter()
-            .zip(&options.against)
-            .map(|(changed, path)| difference::section(&path.display().to_string(), changed))
-            .collect();
-        files::write(path, page(options, &loaded, &found, more).as_bytes())?;
+        files::write(path, page(options, &loaded, &found, changed.as_deref()).as_bytes())?;
     }
     match &changed {
         Some(changed) => tell_changes(options, changed)?,
@@ -138,12 +133,17 @@ fn command(options: &VerifyOptions) -> String {
     words
 }
 
-fn page(options: &VerifyOptions, loaded: &Loaded, found: &Verification, more: Vec<Section>) -> String {
+fn page(
+    options: &VerifyOptions,
+    loaded: &Loaded,
+    found: &Verification,
+    changed: Option<&[Change]>,
+) -> String {
     let command = command(options);
     let context = Context {
         title: loaded.project.plant.name.clone(),
         subtitle: "Verification of the controller as it is exported".to_owned(),
-        more,
+        more: Vec::new(),
         provenance: vec![
             ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
             ("project hash".to_owned(), project_hash(&loaded.project)),
@@ -151,6 +151,12 @@ fn page(options: &VerifyOptions, loaded: &Loaded, found: &Verification, more: Ve
         ],
     };
     let mut report = of_verification(found, context);
+    if let (Some(changed), Some(path)) = (changed, &options.against) {
+        let before = path.display().to_string();
+        let told = difference::headline(&before, changed);
+        report.headline.detail = format!("{} {told}", report.headline.detail).trim().to_owned();
+        report.sections.insert(0, difference::section(&before, changed));
+    }
     pages::reproduced_by(&mut report, &command);
     html(&report)
 }
@@ -182,7 +188,7 @@ fn tell_changes(options: &VerifyOptions, changed: &[Change]) -> Result<()> {
     let judged = changed.iter().filter(|change| change.holds.is_some() || change.held.is_some());
     let shown: Vec<&Change> = judged.collect();
     for change in &shown {
-        let text = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |v| format!("{v:.4}"));
+        let text = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), output::figure);
         say!(
             "  {:15} {}: {} -> {} {} ({})",
             difference::verdict(change).1,

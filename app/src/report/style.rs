@@ -32,10 +32,10 @@ table{border-collapse:collapse;width:100%;font-size:13.5px;background:var(--pane
 caption{text-align:left;font-weight:600;padding:4px 0}
 th{font-weight:600;color:var(--soft);border-bottom:1.5px solid var(--frame)}
 .pair-of{white-space:nowrap}
-td.words:first-child{min-width:2.5em}
+td.words:first-child{min-width:2.5em}.pair td.words:first-child{min-width:12em}
 th,td{padding:3.5px 10px 3.5px 0;text-align:left;vertical-align:baseline}td{border-bottom:1px solid var(--grid)}
 .number{text-align:right;white-space:nowrap;padding-left:8px;font-variant-numeric:tabular-nums}
-.chip{font-weight:600;white-space:nowrap}.chip.good{color:var(--good)}.chip.bad{color:var(--bad)}.chip.none{color:var(--none)}
+.chip{font-weight:600;white-space:nowrap}.chip.good{color:var(--good)}.chip.bad{color:var(--bad)}.chip.none{color:var(--none);white-space:normal}
 .room{display:inline-block;width:54px;height:8px;border-radius:4px;background:var(--grid);margin-right:8px;overflow:hidden}
 .room i{display:block;height:100%}.room.good i{background:var(--good)}.room.bad i{background:var(--bad)}
 nav{display:flex;flex-wrap:wrap;gap:6px 18px;margin-top:18px;padding:8px 0;border-top:1px solid var(--grid);border-bottom:1px solid var(--grid)}

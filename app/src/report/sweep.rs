@@ -1,7 +1,7 @@
 //! The pages of a robustness campaign.
 
 use counterpoise_project::verify::robust::{Campaign, Member, Sample, ranking, summary};
-use counterpoise_project::verify::{Limit, Value, Verification};
+use counterpoise_project::verify::{Limit, Requirement, Value, Verification};
 
 use super::verification::Context;
 use super::{Cell, Column, Headline, Report, Section, Table, Tone, summary as first};
@@ -34,10 +34,15 @@ pub fn sections(campaign: &Campaign, samples: &[Sample], families: &[Member]) ->
         .saying("How many mechanisms lie below a value; the dotted line is the limit.")
         .showing((0..count).map(|k| distribution(campaign, samples, k)));
     let sensitivity = Section::new("What matters")
-        .saying("Spearman's rank correlation between each factor and each figure: \u{2212}1 or 1 is strict order, 0 is none.")
+        .saying(format!(
+            "Spearman's rank correlation between each factor and each figure: \u{2212}1 or 1 is strict order, 0 is none. Left \
+             out is what chance alone would often give: less than {:.2}, two over the root of the number of mechanisms.",
+            chance(samples)
+        ))
         .listing(sensitivity(campaign, samples));
-    let members =
-        Section::new("One at a time, and each configuration").listing(member_table(campaign, families));
+    let members = Section::new("One at a time, and each configuration")
+        .listing(member_summary(campaign, families))
+        .listing(member_table(campaign, families));
     vec![distributions, sensitivity, members]
 }
 
@@ -60,10 +65,7 @@ fn shares(campaign: &Campaign, samples: &[Sample]) -> Table {
     for k in 0..campaign.requirements().len() {
         let found = summary(campaign, samples, k);
         let tone = if found.share >= 1.0 { Tone::Good } else { Tone::Bad };
-        let sign = match campaign.requirements()[k].limit {
-            Limit::AtLeast(limit) => format!("\u{2265} {}", short(limit)),
-            Limit::AtMost(limit) => format!("\u{2264} {}", short(limit)),
-        };
+        let sign = bound(campaign.requirements()[k].limit);
         table.rows.push(vec![
             Cell::text(format!("{} {sign}", name(campaign, k))),
             Cell::Verdict(tone, format!("{:.1} %", 100.0 * found.share)),
@@ -92,55 +94,100 @@ fn distribution(campaign: &Campaign, samples: &[Sample], requirement: usize) -> 
         vec![Series::solid("", Colour::First, points)],
     );
     let (low, high) = (values.first().copied().unwrap_or(limit), values.last().copied().unwrap_or(limit));
-    let room = 0.03 * (high.max(limit) - low.min(limit)).max(f64::MIN_POSITIVE);
+    let span = high.max(limit) - low.min(limit);
+    let span = if span > 0.0 { span } else { limit.abs().max(1.0) };
+    let room = 0.03 * span;
     let axis =
         Axis::linear(&figure.name(), figure.unit()).over(low.min(limit) - room, high.max(limit) + room);
     Figure::new(&figure.name(), axis, vec![panel.marked(marks).high(150.0)])
+}
+
+/// The rank correlation that chance alone exceeds in about one case of twenty.
+fn chance(samples: &[Sample]) -> f64 {
+    2.0 / (samples.len().max(1) as f64).sqrt()
 }
 
 fn sensitivity(campaign: &Campaign, samples: &[Sample]) -> Table {
     let mut table = Table::new("", &[Column::Text("figure"), Column::Text("strongest first")]);
     for k in 0..campaign.requirements().len() {
         let ranked = ranking(campaign, samples, k);
-        let words = ranked.iter().map(|one| {
-            format!("{} {:+.2}", campaign.variations()[one.variation].parameter.key(), one.correlation)
+        let clear = ranked.iter().filter(|one| one.correlation.abs() >= chance(samples));
+        let words = clear.map(|one| {
+            let key = campaign.variations()[one.variation].parameter.key();
+            format!("{key} {:+.2}", one.correlation).replace('-', "\u{2212}")
         });
-        table
-            .rows
-            .push(vec![Cell::text(name(campaign, k)), Cell::text(words.collect::<Vec<_>>().join(",  "))]);
+        let words = words.collect::<Vec<_>>().join(",  ");
+        let words = if words.is_empty() { "nothing that stands out".to_owned() } else { words };
+        table.rows.push(vec![Cell::text(name(campaign, k)), Cell::text(words)]);
     }
     table
 }
 
+/// A mechanism a row: how many requirements hold, and what fails.
+fn member_summary(campaign: &Campaign, families: &[Member]) -> Table {
+    let columns = [Column::Text("mechanism"), Column::Text("requirements"), Column::Text("what fails")];
+    let mut table = Table::new("Verdicts", &columns);
+    for member in families {
+        let both = campaign.requirements().iter().zip(&member.values);
+        let judged: Vec<_> =
+            both.map(|(requirement, value)| (requirement, judged(requirement, value))).collect();
+        let all = judged.iter().filter(|(_, (_, room))| !room.is_nan()).count();
+        let failed: Vec<String> = judged
+            .iter()
+            .filter(|(_, (_, room))| *room < 0.0)
+            .map(|(requirement, (value, _))| failure(requirement, *value))
+            .collect();
+        let verdict = match failed.len() {
+            0 => Cell::Verdict(Tone::Good, format!("all {all} hold")),
+            some => Cell::Verdict(Tone::Bad, format!("{some} of {all} fail")),
+        };
+        table.rows.push(vec![Cell::text(member.name.clone()), verdict, Cell::text(failed.join("; "))]);
+    }
+    table
+}
+
+fn failure(requirement: &Requirement, value: f64) -> String {
+    let figure = requirement.figure;
+    let value = format!("{} {}", short(value), figure.unit());
+    format!("{}: {} ({})", figure.name(), value.trim_end(), bound(requirement.limit))
+}
+
+/// A limit with its sign.
+fn bound(limit: Limit) -> String {
+    match limit {
+        Limit::AtLeast(limit) => format!("\u{2265} {}", short(limit)),
+        Limit::AtMost(limit) => format!("\u{2264} {}", short(limit)),
+    }
+}
+
+/// A figure and its room; NaN where it could not be measured.
+fn judged(requirement: &Requirement, value: &Value) -> (f64, f64) {
+    match value {
+        Value::Is(number) => (*number, requirement.limit.room(*number)),
+        Value::Absent { .. } => (f64::NAN, f64::NAN),
+    }
+}
+
 /// Mechanisms down, requirements as text: their number varies, columns are fixed.
 fn member_table(campaign: &Campaign, families: &[Member]) -> Table {
-    let mut table = Table::new(
-        "",
-        &[
-            Column::Text("mechanism"),
-            Column::Text("figure"),
-            Column::Number("value"),
-            Column::Text("verdict"),
-        ],
-    );
+    let columns =
+        [Column::Text("mechanism"), Column::Text("figure"), Column::Number("value"), Column::Text("verdict")];
+    let mut table = Table::new("Every figure", &columns);
     for member in families {
-        for (requirement, value) in campaign.requirements().iter().zip(&member.values) {
-            let (number, room) = match value {
-                Value::Is(number) => (*number, requirement.limit.room(*number)),
-                Value::Absent { .. } => (f64::NAN, f64::NAN),
-            };
+        for (k, (requirement, value)) in campaign.requirements().iter().zip(&member.values).enumerate() {
+            let (number, room) = judged(requirement, value);
             let (tone, word) = match room {
                 r if r.is_nan() => (Tone::Neutral, "not applicable".to_owned()),
                 r if r >= 0.0 => (Tone::Good, "holds".to_owned()),
                 r => (Tone::Bad, format!("fails by {}", short(-r))),
             };
-            let cells = vec![
-                Cell::text(member.name.clone()),
-                Cell::text(requirement.figure.name()),
+            let named = if k == 0 { member.name.as_str() } else { "" };
+            table.rows.push(vec![
+                Cell::text(named),
+                Cell::text(name(campaign, k)),
                 Cell::number(number),
                 Cell::Verdict(tone, word),
-            ];
-            table.rows.push(cells);
+            ]);
         }
     }
     table
