@@ -42,5 +42,5 @@ nav{display:flex;flex-wrap:wrap;gap:6px 18px;margin-top:18px;padding:8px 0;borde
 nav a{color:var(--c1);text-decoration:none}nav a:hover{text-decoration:underline}
 footer{margin-top:34px;color:var(--soft);font-size:13px}dl{display:grid;grid-template-columns:max-content 1fr;gap:2px 16px;margin:0}dd{margin:0;overflow-wrap:anywhere}
 @media print{:root{--ground:#fff;--panel:#fff;--ink:#1b2733;--soft:#5b6b7a;--grid:#e3e8ee;--frame:#9aa8b5;--c1:#0072b2;--c2:#d55e00;--c3:#009e73;--c4:#b0609a;--c5:#c98a00;--c6:#56b4e9;--c7:#8794a1;--good:#00754f;--bad:#b8430a}
-main{max-width:none;padding:0}nav{display:none}figure,tr,.tile,.headline{break-inside:avoid}h2{break-after:avoid}.figures{grid-template-columns:1fr 1fr}*{print-color-adjust:exact;-webkit-print-color-adjust:exact}}
+main{max-width:none;padding:0}nav{display:none}table{font-size:11.5px}figure,tr,.tile,.headline{break-inside:avoid}h2,h2+p{break-after:avoid}.figures{grid-template-columns:1fr 1fr}*{print-color-adjust:exact;-webkit-print-color-adjust:exact}}
 ";

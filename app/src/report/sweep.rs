@@ -181,9 +181,8 @@ fn member_table(campaign: &Campaign, families: &[Member]) -> Table {
                 r if r >= 0.0 => (Tone::Good, "holds".to_owned()),
                 r => (Tone::Bad, format!("fails by {}", short(-r))),
             };
-            let named = if k == 0 { member.name.as_str() } else { "" };
             table.rows.push(vec![
-                Cell::text(named),
+                Cell::text(member.name.clone()),
                 Cell::text(name(campaign, k)),
                 Cell::number(number),
                 Cell::Verdict(tone, word),
