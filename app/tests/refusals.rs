@@ -60,8 +60,11 @@ const WEIGHTS: [(&str, &str, [&str; 3]); 15] = [
     (PITCH_ERROR, INTEGRAL, ["pitch feedforward, error weight 1 / (1 s)", ZERO, "finite at that frequency"]),
 ];
 
+/// Replacements in the example, and what the refusal has to say.
+type Line = (&'static [(&'static str, &'static str)], [&'static str; 2]);
+
 /// Lines in the place of lines, where no one frequency is to blame.
-const LINES: [(&[(&str, &str)], [&str; 2]); 2] = [
+const LINES: [Line; 2] = [
     (
         &[
             ("reference = \"error\"", "reference = \"weight-only\""),

@@ -1,6 +1,6 @@
 //! Blocks one by one: every law of friction, every way of learning the out-of-balance, the inverse of the drive's curve.
 //! The generated C answers what the reference answers, to the last bit, in double and in single precision.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
 mod support;
 

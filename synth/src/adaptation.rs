@@ -273,7 +273,7 @@ pub enum Estimation {
     /// The windowed mean.
     Mean(WindowedMean),
     /// Recursive least squares.
-    Squares(Recursive),
+    Squares(Box<Recursive>),
 }
 
 /// A controller whose out-of-balance follows an estimate.

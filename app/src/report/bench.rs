@@ -139,12 +139,15 @@ fn balance(made: &Synthesised, rows: &[BalanceRow]) -> Result<Section, Error> {
     Ok(section.listing(changes(rows)))
 }
 
+/// A controller taken out of a design; none where the design has none of its kind.
+type Taken<'a> = dyn Fn(&Design) -> Option<StateSpace> + 'a;
+
 /// The response of a controller, from one of its inputs, in every state of balance.
 fn family(
     name: &str,
     unit: &str,
     designs: &[Named<'_>],
-    (input, of): (usize, &dyn Fn(&Design) -> Option<StateSpace>),
+    (input, of): (usize, &Taken<'_>),
 ) -> Result<Option<Figure>, Error> {
     let mut curves = Vec::new();
     for (k, (state, design)) in designs.iter().enumerate() {

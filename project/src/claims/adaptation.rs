@@ -81,7 +81,7 @@ fn estimation(
             (WINDOW_S / sample_period_s).round() as usize,
         )?));
     }
-    Ok(Estimation::Squares(Recursive::new(RecursiveSettings {
+    let squares = Recursive::new(RecursiveSettings {
         scale,
         memory_s: 3.0,
         sample_period_s,
@@ -92,7 +92,8 @@ fn estimation(
         start_deviation_kg_m: 100.0,
         filter_s: 0.0,
         inertia_v_s2_rad: [0.0; 2],
-    })?))
+    })?;
+    Ok(Estimation::Squares(Box::new(squares)))
 }
 
 /// RMS hub rate, mrad/s, over the last part of each interval, the out-of-balance stepping between intervals.

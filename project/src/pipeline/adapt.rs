@@ -186,7 +186,12 @@ impl SampledController for Noted {
 }
 
 impl Trace {
-    fn extend(&mut self, (from_s, out_of_balance_kg_m): (f64, f64), history: &TimeHistory, used_kg_m: &[f64]) {
+    fn extend(
+        &mut self,
+        (from_s, out_of_balance_kg_m): (f64, f64),
+        history: &TimeHistory,
+        used_kg_m: &[f64],
+    ) {
         let (rate, control) = (&history.truth.hub_rate_rad_s, &history.readings.control_request_v);
         let count = rate.len().min(used_kg_m.len()).min(control.len());
         for k in (0..count).step_by(EVERY) {
@@ -345,7 +350,7 @@ impl Stage<'_> {
                 Some(Estimation::Mean(WindowedMean::new(self.scale(curved), window)?))
             }
             AdaptationMethod::Recursive => {
-                Some(Estimation::Squares(Recursive::new(self.settings(curved, period_s))?))
+                Some(Estimation::Squares(Box::new(Recursive::new(self.settings(curved, period_s))?)))
             }
         })
     }

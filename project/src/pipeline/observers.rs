@@ -27,7 +27,7 @@ pub(crate) fn observed(
     (stands, sign_rate_rad_s): (Stands, f64),
 ) -> Option<Identified> {
     let coulomb_nm = friction.coulomb_nm();
-    if !(coulomb_nm > 0.0) {
+    if coulomb_nm.is_nan() || coulomb_nm <= 0.0 {
         return None;
     }
     let (law, rest_stiffness_nm_rad, curve) = match stands {

@@ -52,7 +52,12 @@ impl Problem {
 }
 
 /// The generalised plant, without direct paths from disturbance to cost and from control to measurement.
-fn generalised(A: &Mat, (B1, B2): (&Mat, &Mat), (C1, C2): (&Mat, &Mat), (D12, D21): (&Mat, &Mat)) -> Generalised {
+fn generalised(
+    A: &Mat,
+    (B1, B2): (&Mat, &Mat),
+    (C1, C2): (&Mat, &Mat),
+    (D12, D21): (&Mat, &Mat),
+) -> Generalised {
     let D11 = Mat::zeros(C1.nrows(), B1.ncols());
     let D22 = Mat::zeros(C2.nrows(), B2.ncols());
     let D = Mat::from_blocks(&[&[&D11, D12], &[D21, &D22]]);
