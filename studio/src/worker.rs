@@ -62,10 +62,10 @@ impl<I: Send + 'static, O: Send + 'static> Worker<I, O> {
         self.shared.lock().answer.take()
     }
 
-    /// Whether something is asked for or running.
+    /// Whether something is asked for, running, or answered and not yet taken.
     pub fn is_busy(&self) -> bool {
         let state = self.shared.lock();
-        state.asked.is_some() || state.running.is_some()
+        state.asked.is_some() || state.running.is_some() || state.answer.is_some()
     }
 
     /// Drops what is asked for, and what is running when it looks at its token; an answer is dropped in any case.
