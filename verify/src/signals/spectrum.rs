@@ -231,7 +231,9 @@ mod tests {
         let how = Realisation { duration_s: 6.0, fade_s: 1.0, seed: 1 };
         let made = pitch_simulator(&angle, 1.7, how).unwrap();
         let rate = &made.pitch_rate_rad_s;
-        for k in 1..rate.len() - 1 {
+        // where the fade begins or ends its third derivative jumps, which a difference quotient sees
+        let jumps = [1.0, 5.0].map(|t: f64| (t / PERIOD_S).round() as usize);
+        for k in (1..rate.len() - 1).filter(|k| !jumps.contains(k)) {
             let slope = (rate[k + 1] - rate[k - 1]) / (2.0 * PERIOD_S);
             assert!((made.heave_m_s2[k] - 1.7 * slope).abs() < 2e-4, "{k}");
         }
