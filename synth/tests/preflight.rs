@@ -263,7 +263,9 @@ fn findings_read_like_an_engineer_s() {
         refusals(&washed_out(), |s| s.feedback.error = Weight::Integral { gain: 200.0, time_s: 1.0 });
     let text = refused[0].to_string();
     assert!(
-        text.starts_with("feedback, error weight 200 / (1 s), at zero frequency: the error weight is infinite"),
+        text.starts_with(
+            "feedback, error weight 200 / (1 s), at zero frequency: the error weight is infinite"
+        ),
         "{text}"
     );
     assert!(text.contains("use K / (a s + 1)"), "{text}");
