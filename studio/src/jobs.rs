@@ -133,15 +133,15 @@ impl Jobs {
         self.look.cancel();
     }
 
-    /// Whether anything runs.
+    /// Whether anything runs, or has an answer that was not yet taken.
     pub fn is_busy(&self) -> bool {
-        self.live.is_busy()
-            || self.verify.is_busy()
-            || self.effort.is_busy()
-            || self.measure.is_busy()
-            || self.export.is_busy()
-            || self.diagnose.is_busy()
-            || self.look.is_busy()
+        self.live.is_pending()
+            || self.verify.is_pending()
+            || self.effort.is_pending()
+            || self.measure.is_pending()
+            || self.export.is_pending()
+            || self.diagnose.is_pending()
+            || self.look.is_pending()
     }
 
     /// How far the diagnosis is.

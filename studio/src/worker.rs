@@ -62,8 +62,14 @@ impl<I: Send + 'static, O: Send + 'static> Worker<I, O> {
         self.shared.lock().answer.take()
     }
 
-    /// Whether something is asked for, running, or answered and not yet taken.
+    /// Whether something is asked for or running.
     pub fn is_busy(&self) -> bool {
+        let state = self.shared.lock();
+        state.asked.is_some() || state.running.is_some()
+    }
+
+    /// Whether something is asked for, running, or answered and not yet taken.
+    pub fn is_pending(&self) -> bool {
         let state = self.shared.lock();
         state.asked.is_some() || state.running.is_some() || state.answer.is_some()
     }
