@@ -182,8 +182,8 @@ impl Section {
     }
 }
 
-/// c2d by z = exp(s T): zeros at infinity go to z = -1 but for one, the gain is matched at zero frequency, or where that
-/// is a pole or zero at a tenth of the sampling rate.
+/// c2d by z = exp(s T): zeros at infinity go to z = -1 but for one. The gain is matched at zero frequency; roots at the
+/// origin count there as their slopes, s^n as ((z - 1) / T)^n.
 pub(crate) fn matched(g: &StateSpace, period_s: f64) -> Result<StateSpace, Error> {
     needs_siso("matched discretisation", g)?;
     let zpk = Zpk::of(g)?;
@@ -196,10 +196,15 @@ pub(crate) fn matched(g: &StateSpace, period_s: f64) -> Result<StateSpace, Error
     };
     let missing = sampled.poles.len() - sampled.zeros.len();
     sampled.zeros.extend(vec![C64::new(-1.0, 0.0); missing.saturating_sub(1)]);
-    let smallest =
-        zpk.zeros.iter().chain(&zpk.poles).map(|r| r.norm() * period_s).fold(f64::INFINITY, f64::min);
-    let s = if smallest > CONJUGATE { C64::new(0.0, 0.0) } else { C64::new(0.1 / period_s, 0.0) };
-    sampled.gain = (zpk.at(s) / sampled.at((s * period_s).exp())).re;
+    let away = |r: &&C64| r.norm() * period_s > CONJUGATE;
+    let factors = |roots: &[C64]| {
+        roots.iter().filter(away).map(|r| -r / (C64::new(1.0, 0.0) - (r * period_s).exp())).product::<C64>()
+    };
+    let at_origin = |roots: &[C64]| roots.iter().filter(|r| !away(r)).count() as i32;
+    let slope = at_origin(&zpk.zeros) - at_origin(&zpk.poles);
+    let added = 2f64.powi(missing.saturating_sub(1) as i32);
+    let ratio = (factors(&zpk.zeros) / factors(&zpk.poles)).re;
+    sampled.gain = zpk.gain * ratio / (added * period_s.powi(slope));
     sampled.to_state_space()
 }
 
@@ -222,6 +227,19 @@ mod tests {
             ],
             gain: -40.0,
             timebase: Timebase::Continuous,
+        }
+    }
+
+    #[test]
+    fn an_integrator_sampled_by_matching_keeps_its_slope() {
+        let c = C64::new;
+        let (zeros, poles) = (vec![c(-3.0, 0.0)], vec![c(0.0, 0.0), c(-40.0, 0.0), c(-90.0, 0.0)]);
+        let zpk = Zpk { zeros, poles, gain: 700.0, timebase: Timebase::Continuous };
+        let sampled = matched(&zpk.to_state_space().unwrap(), 1e-3).unwrap();
+        for (rate, within) in [(0.01, 1e-4), (1.0, 1e-3), (15.0, 1e-2)] {
+            let found = crate::frequency_response(&sampled, &[rate]).unwrap()[0][(0, 0)];
+            let ratio = found.norm() / zpk.at(c(0.0, rate)).norm();
+            assert!((ratio - 1.0).abs() < within, "{rate} rad/s: {ratio}");
         }
     }
 

@@ -1,0 +1,181 @@
+//! The choices of `[synth]` and `[reduce]` through the project file: sampling, prefilter, the feedforward's basis, weights from
+//! tables, laws of the friction observer, reduced plants.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use counterpoise_project::Project;
+use counterpoise_project::pipeline::beside::{Beside, beside};
+use counterpoise_project::pipeline::{Modelled, Synthesised, World, model, reduce, synthesise, verify};
+use counterpoise_verify::{Figure, Verification};
+
+struct Nothing;
+
+impl World for Nothing {
+    fn read(&self, name: &str) -> Result<Vec<u8>, String> {
+        Err(format!("{name} is not needed"))
+    }
+}
+
+fn text(file: &str) -> String {
+    std::fs::read_to_string(format!("{}/../examples/{file}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+/// The file with lines in the place of lines.
+fn with(file: &str, changes: &[(&str, &str)]) -> String {
+    changes.iter().fold(text(file), |text, (from, to)| {
+        assert!(text.contains(from), "{file} has no {from:?}");
+        text.replacen(from, to, 1)
+    })
+}
+
+fn project(text: &str) -> Project {
+    match Project::parse(text, "project.toml") {
+        Ok(parsed) => parsed.project,
+        Err(errors) => panic!("{errors:?}"),
+    }
+}
+
+fn made(project: &Project) -> (Modelled, Synthesised) {
+    let modelled = model(project).unwrap();
+    let reduced = reduce(project, &modelled).unwrap();
+    let made = synthesise(project, &modelled, &reduced).unwrap_or_else(|error| panic!("{error}"));
+    (modelled, made)
+}
+
+fn verified(project: &Project) -> Verification {
+    let (modelled, made) = made(project);
+    verify(project, &modelled, &made, &Nothing).unwrap().verification().clone()
+}
+
+fn value(found: &Verification, key: &str) -> f64 {
+    let figure =
+        Figure::all().into_iter().find(|figure| figure.key() == key).unwrap_or_else(|| panic!("{key}"));
+    found.value(figure).unwrap()
+}
+
+fn stands_beside(project: &Project) -> Beside {
+    let modelled = model(project).unwrap();
+    let reduced = reduce(project, &modelled).unwrap();
+    let made = synthesise(project, &modelled, &reduced).unwrap();
+    beside(project, (&modelled, &reduced), &made).unwrap()
+}
+
+const CHAPTER_6: &str = "appendix-5/chapter-6.toml";
+const TUSTIN: &str = "discretisation = \"tustin\"";
+
+/// At 1 kHz every sampling gives the loop that was designed.
+#[test]
+fn every_sampling_gives_nearly_the_same_loop() {
+    let base = stands_beside(&project(&text(CHAPTER_6))).methods[0].figures.unwrap();
+    for choice in [
+        "discretisation = \"tustin\"\nprewarp = 15.0",
+        "discretisation = \"zero-order-hold\"",
+        "discretisation = \"first-order-hold\"",
+        "discretisation = \"matched\"",
+    ] {
+        let found =
+            stands_beside(&project(&with(CHAPTER_6, &[(TUSTIN, choice)]))).methods[0].figures.unwrap();
+        println!("{choice}: {found:?}");
+        assert!((found.gain_margin_db - base.gain_margin_db).abs() < 0.7, "{choice}");
+        assert!((found.phase_margin_deg - base.phase_margin_deg).abs() < 1.5, "{choice}");
+    }
+}
+
+#[test]
+fn a_prefilter_takes_the_overshoot_and_nothing_else() {
+    let filter = "[synth.prefilter]\nform = \"lag\"\ngain = 1.0\ntime = 0.12\n\n[synth.feedback]";
+    let filtered = project(&with(CHAPTER_6, &[("[synth.feedback]", filter)]));
+    let (plain, filtered) = (verified(&project(&text(CHAPTER_6))), verified(&filtered));
+    let overshoot = |found| value(found, "linear_step_overshoot_percent");
+    assert!(overshoot(&filtered) < 0.3 * overshoot(&plain), "{} {}", overshoot(&filtered), overshoot(&plain));
+    assert_eq!(value(&filtered, "gain_margin_db"), value(&plain, "gain_margin_db"));
+    assert!(value(&filtered, "linear_step_steady_state_error_percent") < 0.1);
+}
+
+/// On the plant with the feedback around it, the feedforward reckons with what the feedback does anyway.
+#[test]
+fn a_feedforward_on_the_closed_loop_costs_what_is_predicted_and_needs_no_more_effort() {
+    let heave = [("[synth.heave]\n", "[synth.heave]\nbasis = \"closed-loop\"\n")];
+    let (_, closed) = made(&project(&with(CHAPTER_6, &heave)));
+    let (_, open) = made(&project(&text(CHAPTER_6)));
+    let (closed, open) = (closed.design.heave.unwrap(), open.design.heave.unwrap());
+    assert!(
+        closed.cost.relative_difference().is_some_and(|difference| difference < 1e-6),
+        "{:?}",
+        closed.cost
+    );
+    assert!(closed.cost.predicted <= open.cost.predicted, "{:?} {:?}", closed.cost, open.cost);
+}
+
+const TABLE: &str = "form = \"table\"\norder = 2\npoints = [[0.1, 300.0], [1.0, 300.0], [5.0, 290.0], [15.0, 260.0], [40.0, 200.0], [100.0, 170.0], [300.0, 160.0]]";
+const HEAVE_ERROR: &str = "[synth.heave.error]\nform = \"constant\"\ngain = 300.0";
+
+#[test]
+fn a_weight_from_a_table_is_fitted_designed_with_and_kept_in_the_file() {
+    let written = with(CHAPTER_6, &[(HEAVE_ERROR, &format!("[synth.heave.error]\n{TABLE}"))]);
+    let project = project(&written);
+    let weight = project.synth.as_ref().unwrap().specification.heave.as_ref().unwrap().error.clone();
+    assert!(weight.worst_db() < 1.0 && weight.to_string().starts_with("table of 7 points"), "{weight}");
+    let (_, made) = made(&project);
+    assert!(made.design.heave.unwrap().cost.relative_difference().unwrap() < 1e-6);
+    let again = Project::parse(&project.to_text(), "again.toml").unwrap().project;
+    assert_eq!(again.synth, project.synth);
+}
+
+#[test]
+fn a_table_that_no_function_meets_is_refused_with_what_helps() {
+    let jagged = "[synth.heave.error]\nform = \"table\"\norder = 1\npoints = [[0.1, 1.0], [1.0, 100.0], [2.0, 1.0], [5.0, 100.0], [10.0, 1.0]]";
+    let errors = Project::parse(&with(CHAPTER_6, &[(HEAVE_ERROR, jagged)]), "p.toml").err().unwrap();
+    let said = errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
+    for word in ["synth.heave.error.points", "within 3 dB", "raise order"] {
+        assert!(said.contains(word), "{word}: {said}");
+    }
+}
+
+const PIVOT: &str = "[plant.friction.pivot]\nmodel = \"dahl\"\ncoulomb = 117.0              # N m\nrest_stiffness = 2.4e5       # N m/rad";
+
+/// Each law of the toolbox in the plant and, by itself, in the observer: the hub is held better than without.
+#[test]
+fn an_observer_of_every_law_holds_the_hub_better() {
+    let observer = "[synth.observer]\nlaw = \"plant\"\nshare = 0.7\nsign_rate = 0.02\n\n[synth.feedback]";
+    let laws = [
+        "model = \"dahl\"\nexponent = 2.0\nrest_stiffness = 2.4e5\ncoulomb = 117.0",
+        "model = \"lugre\"\nbristle_stiffness = 2.4e5\nbristle_damping = 500.0\nstatic_ratio = 1.3\nstribeck_rate = 0.01\ncoulomb = 117.0",
+        "model = \"coulomb\"\ncoulomb = 117.0",
+        "model = \"stribeck\"\nstatic_ratio = 1.3\nstribeck_rate = 0.02\ncoulomb = 117.0",
+        "model = \"karnopp\"\nstick_rate = 1e-3\ncoulomb = 117.0",
+        "model = \"reset-integrator\"\ndeflection = 5e-4\ndamping = 500.0\nstatic_ratio = 1.2\ncoulomb = 117.0",
+        "model = \"walrath\"\ntime_constant = 0.005\nsmoothing_rate = 0.01\ncoulomb = 117.0",
+        "model = \"bristle\"\nbristles = 20\nbond = 1e-3\ncoulomb = 117.0",
+    ];
+    for law in laws {
+        let plant = format!("[plant.friction.pivot]\n{law}");
+        let plain = with(CHAPTER_6, &[(PIVOT, &plant), ("duration = 10.0 ", "duration = 4.0 ")]);
+        let observed = plain.replacen("[synth.feedback]", observer, 1);
+        let rms = |text: &str| value(&verified(&project(text)), "nonlinear_both_compensated_hub_rms_rad_s");
+        let (without, with) = (rms(&plain), rms(&observed));
+        println!("{}: {:.3} -> {:.3} mrad/s", law.lines().next().unwrap(), 1e3 * without, 1e3 * with);
+        assert!(with < 0.9 * without, "{law}: {without} {with}");
+    }
+}
+
+/// Modal and balanced plants from the file: the design is made on fewer states and holds on the beam with twelve modes.
+#[test]
+fn designs_on_modal_and_balanced_plants_hold_on_the_full_beam() {
+    let beam = ("structure = \"lumped\"", "structure = \"beam\"\nmodes = 6");
+    for (method, order) in [("modal", 9), ("balanced", 9)] {
+        let reduction = format!("[reduce]\nmethod = \"{method}\"\norder = {order}\n\n[synth]\n");
+        let lowered = "controller_order = 8\nassembly = \"simple-add\"";
+        let file =
+            with(CHAPTER_6, &[beam, ("[synth]\n", &reduction), ("assembly = \"simple-add\"", lowered)]);
+        let project = project(&file);
+        let modelled = model(&project).unwrap();
+        let reduced = reduce(&project, &modelled).unwrap();
+        assert!(reduced.system.order() <= order && modelled.linear.system.order() > order, "{method}");
+        let found = stands_beside(&project);
+        let (lowered, spill) = (found.lowered.unwrap(), found.spillover.unwrap());
+        println!("{method}: {lowered:?} {spill:?}");
+        assert_eq!(lowered.order[1], 8);
+        assert!(lowered.loop_change < 0.05, "{lowered:?}");
+        assert!(spill.modes == 12 && spill.largest_pole < 1.0, "{method}: {spill:?}");
+    }
+}
