@@ -1,7 +1,8 @@
 //! Scores the diagnosis on machines whose truth is concealed; one line a seed is added to a file, and seeds that are
 //! in it already are passed over.
 //!
-//! `cargo run --release -p counterpoise-tests --bin sealed -- 1..141 target/sealed.jsonl`
+//! `cargo run --release -p counterpoise-tests --bin sealed -- 1..141 target/sealed.jsonl`; seeds from 1000 on are the machines with one
+//! effect each of the whole vocabulary, of a size that is easily seen.
 
 use std::io::Write;
 use std::sync::Mutex;
@@ -10,7 +11,8 @@ use counterpoise_diagnose::{bench::Serial, diagnose};
 use counterpoise_models::reference;
 use counterpoise_tests::sealed::oracle::compared;
 use counterpoise_tests::sealed::row::{recordings, scored};
-use counterpoise_tests::sealed::{Row, case, controller, table};
+use counterpoise_tests::sealed::truth::ALL;
+use counterpoise_tests::sealed::{Row, case, case_of, controller, table};
 
 fn main() -> std::io::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -18,7 +20,8 @@ fn main() -> std::io::Result<()> {
     let Some(seeds) = parsed(range) else { return usage(range) };
     let known = std::fs::read_to_string(path).unwrap_or_default();
     let mut rows: Vec<Row> = known.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
-    let left: Vec<u64> = seeds.filter(|seed| !rows.iter().any(|r| r.seed == *seed)).collect();
+    let last = FIRST_EFFECT + ALL as u64;
+    let left: Vec<u64> = seeds.take_while(|seed| *seed < last).filter(|seed| !rows.iter().any(|r| r.seed == *seed)).collect();
     let file = std::fs::OpenOptions::new().create(true).append(true).open(path)?;
     let file = Mutex::new(file);
     let fresh = Mutex::new(Vec::new());
@@ -52,9 +55,18 @@ fn parsed(range: &str) -> Option<std::ops::Range<u64>> {
     Some(first.parse().ok()?..end.parse().ok()?)
 }
 
+/// The seed of the machine with the first effect of the vocabulary alone.
+const FIRST_EFFECT: u64 = 1_000;
+/// Size of those effects.
+const EASILY_SEEN: f64 = 0.7;
+
 fn row(seed: u64) -> Result<Row, counterpoise_diagnose::Error> {
     let nominal = reference::rig();
-    let case = case(seed, &nominal);
+    let case = if seed < FIRST_EFFECT {
+        case(seed, &nominal)
+    } else {
+        case_of((seed - FIRST_EFFECT) as usize, EASILY_SEEN, &nominal)
+    };
     let clock = std::time::Instant::now();
     let found = diagnose(&nominal, &controller(), &recordings(&case), &Serial)?;
     let mut row = scored(seed, &case, &found.answer, clock.elapsed().as_secs_f64());

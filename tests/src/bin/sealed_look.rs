@@ -1,6 +1,7 @@
 //! What the diagnosis says of one sealed machine, with everything that it tried, beside the truth.
 //!
-//! `cargo run --release -p counterpoise-tests --bin sealed_look -- 13`
+//! `cargo run --release -p counterpoise-tests --bin sealed_look -- 13`; `e12:0.7` is the machine with the effect numbered 12 alone, of
+//! size 0.7.
 
 use counterpoise_diagnose::answer::Answer;
 use counterpoise_diagnose::bench::Pool;
@@ -8,7 +9,8 @@ use counterpoise_diagnose::diagnose;
 use counterpoise_models::reference;
 use counterpoise_tests::sealed::oracle::compared;
 use counterpoise_tests::sealed::row::{recordings, scored};
-use counterpoise_tests::sealed::{Case, case, controller};
+use counterpoise_tests::sealed::truth::ALL;
+use counterpoise_tests::sealed::{Case, case, case_of, controller};
 
 struct Threads;
 
@@ -19,14 +21,29 @@ impl Pool for Threads {
 }
 
 fn main() {
-    for seed in std::env::args().skip(1).filter_map(|text| text.parse().ok()) {
-        let case = case(seed, &reference::rig());
+    for text in std::env::args().skip(1) {
+        let Some((seed, case)) = asked(&text) else {
+            println!("{text} is neither a seed nor an effect, as e12:0.7");
+            continue;
+        };
         let clock = std::time::Instant::now();
         match diagnose(&reference::rig(), &controller(), &recordings(&case), &Threads) {
             Ok(found) => print(seed, &case, &found.answer, clock.elapsed().as_secs_f64()),
             Err(error) => println!("seed {seed}: {error}"),
         }
     }
+}
+
+/// The machine that an argument asks for.
+fn asked(text: &str) -> Option<(u64, Case)> {
+    let nominal = reference::rig();
+    let Some(effect) = text.strip_prefix('e') else {
+        let seed = text.parse().ok()?;
+        return Some((seed, case(seed, &nominal)));
+    };
+    let (which, size) = effect.split_once(':').unwrap_or((effect, "1"));
+    let which: usize = which.parse().ok().filter(|w| *w < ALL)?;
+    Some((1_000 + which as u64, case_of(which, size.parse().ok()?, &nominal)))
 }
 
 fn print(seed: u64, case: &Case, answer: &Answer, seconds: f64) {

@@ -14,6 +14,8 @@ pub struct Machine {
     pub spring: f64,
     pub spring_centre: f64,
     pub spring_cubic: f64,
+    /// Level, N m, and stiffness, N m/rad, of a hose that remembers (Bouc and Wen), between hub and platform.
+    pub hysteresis: [f64; 2],
     pub ratio: f64,
     pub gear_stiffness: f64,
     pub gear_damping: f64,
@@ -96,8 +98,8 @@ pub struct Platform {
 }
 
 /// Number of states: drive voltage, current, motor angle and rate, hub angle and rate, beam angle and rate, two
-/// friction torques, three sensors of two states.
-pub const STATES: usize = 16;
+/// friction torques, three sensors of two states, the hose's torque.
+pub const STATES: usize = 17;
 
 impl Dry {
     /// Level at a rate and place.
@@ -168,7 +170,7 @@ impl Machine {
         let weight =
             (self.gravity + platform.heave) * (self.moment * hub.cos() - self.moment_above * hub.sin());
         let stretch = hub - platform.angle - self.spring_centre;
-        let cable = self.spring * stretch + self.spring_cubic * stretch.powi(3);
+        let cable = self.spring * stretch + self.spring_cubic * stretch.powi(3) + x[16];
         let drag = self.pivot_friction.viscous * sliding + self.quadratic_drag * sliding * sliding.abs();
         let hum = self.hum[0] * (std::f64::consts::TAU * self.hum[1] * t + self.hum[2]).sin();
         d[4] = hub_rate;
@@ -179,6 +181,12 @@ impl Machine {
         d[8] = self.motor_friction.slope(motor_dry, spin, Place::default());
         let place = Place { angle: hub - platform.angle, load: gear, time: t };
         d[9] = self.pivot_friction.slope(pivot_dry, sliding, place);
+        let [yields, stiff] = self.hysteresis;
+        if yields > 0.0 {
+            // Bouc and Wen with n = 1, beta = gamma = 1/2
+            let bent = x[16] / yields;
+            d[16] = stiff * (sliding - 0.5 * sliding.abs() * bent - 0.5 * sliding * bent.abs());
+        }
         let lever = platform.heave + self.lever_arm * platform.acceleration;
         let sensed =
             [(&self.hub_gyro, hub_rate), (&self.platform_gyro, platform.rate), (&self.accelerometer, lever)];

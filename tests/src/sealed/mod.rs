@@ -43,6 +43,22 @@ pub fn controller() -> ProportionalIntegral {
 pub fn case(seed: u64, nominal: &Parameters) -> Case {
     let mut machine = truth::machine(nominal);
     let (sealed, without) = truth::conceal(seed, &mut machine);
+    recorded(seed, nominal, &machine, (sealed, without))
+}
+
+/// The machine with one given effect of a given size, recorded: see [`truth::conceal_one`].
+pub fn case_of(which: usize, size: f64, nominal: &Parameters) -> Case {
+    let mut machine = truth::machine(nominal);
+    let sealed = truth::conceal_one(which, size, &mut machine);
+    recorded(1_000 + which as u64, nominal, &machine, sealed)
+}
+
+fn recorded(
+    seed: u64,
+    nominal: &Parameters,
+    machine: &Machine,
+    (sealed, without): (Sealed, Vec<Machine>),
+) -> Case {
     let mut recorder = truth::recorder(nominal, GAINS[0], GAINS[1], GAINS[2]);
     recorder.tachometer.noise *= sealed.noise;
     recorder.resolver.noise *= sealed.noise;
@@ -52,5 +68,5 @@ pub fn case(seed: u64, nominal: &Parameters) -> Case {
         record(machine, &recorder, &experiment, &mut dice)
     };
     let all = |machine: &Machine| (0..KINDS.len()).map(|k| one(machine, k)).collect::<Vec<Written>>();
-    Case { recordings: all(&machine), without: without.iter().map(all).collect(), sealed }
+    Case { recordings: all(machine), without: without.iter().map(all).collect(), sealed }
 }

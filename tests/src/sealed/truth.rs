@@ -71,6 +71,7 @@ pub fn machine(p: &Parameters) -> Machine {
         amplifier_curve: Vec::new(),
         dead_zone: 0.0,
         current_limit: f64::INFINITY,
+        hysteresis: [0.0, 1.0],
         motor_friction: dry(&p.motor_friction),
         pivot_friction: dry(&p.pivot_friction),
         quadratic_drag: 0.0,
@@ -166,8 +167,31 @@ pub fn conceal(seed: u64, machine: &mut Machine) -> (Sealed, Vec<Machine>) {
     (Sealed { family, concealed, noise, motor_rate: sensors != 1, hub_position: sensors != 2 }, without)
 }
 
-/// Number of kinds of physics that `physics` can put in.
+/// Number of kinds of physics that the seeds draw from.
 const PHYSICS: usize = 27;
+/// All kinds of physics that can be put in, the seeds' first.
+const ALL_PHYSICS: usize = 30;
+/// All kinds of faults that can be put in, the seeds' first.
+const ALL_INSTRUMENTS: usize = 14;
+
+/// Number of machines of [`conceal_one`].
+pub const ALL: usize = ALL_PHYSICS + ALL_INSTRUMENTS;
+
+/// Puts one given effect of a given size into the machine; also the machine without it. All sensors, usual noise.
+pub fn conceal_one(which: usize, size: f64, machine: &mut Machine) -> (Sealed, Vec<Machine>) {
+    let mut dice = Dice::new(0xe0_0000 + which as u64);
+    let without = vec![machine.clone()];
+    let concealed = if which < ALL_PHYSICS {
+        physics_of(machine, &mut dice, which, size)
+    } else {
+        let signed = size * sign(&mut dice);
+        instrument_of(machine, which - ALL_PHYSICS, size, signed)
+    };
+    let family = if which < ALL_PHYSICS { Family::Single } else { Family::Instrument };
+    let sealed =
+        Sealed { family, concealed: vec![concealed], noise: 1.0, motor_rate: true, hub_position: true };
+    (sealed, without)
+}
 
 /// A size spread evenly in its logarithm around one that is easily seen.
 fn size(dice: &mut Dice) -> f64 {
@@ -178,9 +202,14 @@ fn sign(dice: &mut Dice) -> f64 {
     if dice.below(2) == 0 { 1.0 } else { -1.0 }
 }
 
+/// Any kind of physics, or a given one, of any size.
 fn physics(m: &mut Machine, dice: &mut Dice, which: usize) -> Concealed {
     let s = size(dice);
     let which = if which == usize::MAX { dice.below(PHYSICS) } else { which };
+    physics_of(m, dice, which, s)
+}
+
+fn physics_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed {
     let found = |component, effect, parameters| Concealed {
         component,
         effect,
@@ -342,16 +371,36 @@ fn drive_or_structure(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) ->
             m.moment_above += 30.0 * s * sign(dice);
             one("structure", "vertical_offset", ("vertical_offset", m.moment_above))
         }
-        _ => {
+        26 => {
             m.beam_stiffness *= 2f64.powf(s * sign(dice));
             one("structure", "flexible_mode", ("stiffness", m.beam_stiffness))
+        }
+        27 => {
+            m.current_limit = 9.0 + 3.0 / s;
+            one("amplifier", "current_limit", ("current_limit", m.current_limit))
+        }
+        28 => {
+            m.hysteresis = [60.0 * s, 1500.0 * s];
+            one("structure", "hysteresis", ("level", m.hysteresis[0]))
+        }
+        _ => {
+            m.hub_inertia *= 1.0 + s * sign(dice).max(-0.5);
+            one("structure", "inertia", ("hub_inertia", m.hub_inertia))
         }
     }
 }
 
+/// Number of kinds of faults that `instrument` can put in.
+const INSTRUMENTS: usize = 12;
+
 fn instrument(m: &mut Machine, dice: &mut Dice) -> Concealed {
     let s = size(dice);
     let signed = s * sign(dice);
+    let which = dice.below(INSTRUMENTS);
+    instrument_of(m, which, s, signed)
+}
+
+fn instrument_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> Concealed {
     let found = |component, effect, name, value| Concealed {
         component,
         effect,
@@ -359,7 +408,7 @@ fn instrument(m: &mut Machine, dice: &mut Dice) -> Concealed {
         size: s,
         also: Vec::new(),
     };
-    match dice.below(12) {
+    match which {
         7 => {
             m.hub_gyro.natural /= 1.0 + s;
             found("hub_gyro", "bandwidth", "natural_frequency", m.hub_gyro.natural)
@@ -405,9 +454,17 @@ fn instrument(m: &mut Machine, dice: &mut Dice) -> Concealed {
             m.lever_arm = 1.0 * signed;
             found("platform_accelerometer", "lever_arm", "lever_arm", m.lever_arm)
         }
-        _ => {
+        6 => {
             m.platform_late = 4 + (20.0 * s) as usize;
             found("platform", "channel_skew", "skew", m.platform_late as f64 * 1e-3)
+        }
+        12 => {
+            m.platform_gyro.natural /= 1.0 + 10.0 * s;
+            found("platform_gyro", "bandwidth", "natural_frequency", m.platform_gyro.natural)
+        }
+        _ => {
+            m.platform_gyro.late = 4 + (20.0 * s) as usize;
+            found("platform_gyro", "delay", "delay", m.platform_gyro.late as f64 * 1e-3)
         }
     }
 }
