@@ -1,44 +1,17 @@
 //! The studio driven through its commands, with every place drawn (without pixels), and its results beside the command line's road.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::time::{Duration, Instant};
+mod common;
 
+use std::sync::Arc;
+
+use common::{rig, settle, studio};
 use counterpoise_project::pipeline;
 use counterpoise_studio::command::{Command, Place, Slot};
 use counterpoise_studio::files::{Folder, read};
 use counterpoise_studio::shell;
 use counterpoise_studio::studio::Studio;
 use egui_kittest::Harness;
-
-/// A copy of the example in a folder of its own.
-fn rig(name: &str) -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("counterpoise-studio-{name}-{}", std::process::id()));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/reference-rig");
-    for file in ["project.toml", "sandy-loam.parquet"] {
-        std::fs::copy(example.join(file), folder.join(file)).unwrap();
-    }
-    folder
-}
-
-fn studio(folder: &Path) -> Studio {
-    let mut studio = Studio::new(&folder.join("state"), Arc::new(|| {}));
-    studio.run(&Command::Open { path: folder.to_owned() });
-    studio
-}
-
-fn settle(studio: &mut Studio) {
-    let end = Instant::now() + Duration::from_secs(60);
-    studio.tick();
-    while !studio.is_idle() {
-        assert!(Instant::now() < end, "the studio does not come to rest");
-        std::thread::sleep(Duration::from_millis(2));
-        studio.tick();
-    }
-}
 
 fn gain(value: f64, gesture: u64) -> Command {
     Command::Set { path: "synth.feedback.error.gain".to_owned(), value, gesture: Some(gesture) }

@@ -2,10 +2,12 @@
 //! (`-- --nocapture`), for a loaded machine tells nothing.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use std::path::{Path, PathBuf};
+mod common;
+
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use common::rig;
 use counterpoise_project::{Attachments, Project};
 use counterpoise_studio::chart::{Chart, Curve, Dash};
 use counterpoise_studio::command::Command;
@@ -42,17 +44,6 @@ fn every_revision_of_a_drag_is_designed() {
         took.push(made.took.as_secs_f64() * 1e3);
     }
     told("live road", took);
-}
-
-fn rig(name: &str) -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("counterpoise-speed-{name}-{}", std::process::id()));
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/reference-rig");
-    for file in ["project.toml", "sandy-loam.parquet"] {
-        std::fs::copy(example.join(file), folder.join(file)).unwrap();
-    }
-    folder
 }
 
 #[test]
