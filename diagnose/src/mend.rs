@@ -164,20 +164,11 @@ fn parted(whole: &Recording, broken: &[bool]) -> (Vec<Recording>, Option<String>
 }
 
 fn part(whole: &Recording, (from, to): (usize, usize), (k, count): (usize, usize)) -> Recording {
-    let cut =
-        |column: &Option<Vec<f64>>| column.as_ref().map(|c| c[from.min(c.len())..to.min(c.len())].to_vec());
-    let name = if count > 1 { format!("{} (part {})", whole.name, k + 1) } else { whole.name.clone() };
-    Recording {
-        name,
-        sample_period_s: whole.sample_period_s,
-        demand_rad_s: cut(&whole.demand_rad_s),
-        control_v: cut(&whole.control_v),
-        hub_rate_rad_s: cut(&whole.hub_rate_rad_s),
-        platform_rate_rad_s: cut(&whole.platform_rate_rad_s),
-        platform_accel_m_s2: cut(&whole.platform_accel_m_s2),
-        motor_rate_rad_s: cut(&whole.motor_rate_rad_s),
-        hub_position_rad: cut(&whole.hub_position_rad),
+    let mut part = whole.part(from..to);
+    if count > 1 {
+        part.name = format!("{} (part {})", whole.name, k + 1);
     }
+    part
 }
 
 #[cfg(test)]

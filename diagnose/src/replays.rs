@@ -196,19 +196,7 @@ fn control_floor(base: &Parameters, controller: &ProportionalIntegral) -> f64 {
 
 /// The first part of a recording.
 fn head(recording: &Recording) -> Recording {
-    let length = (recording.len() as f64 * FITTED_SHARE) as usize;
-    let cut = |column: &Option<Vec<f64>>| column.as_ref().map(|c| c[..length.min(c.len())].to_vec());
-    Recording {
-        name: recording.name.clone(),
-        sample_period_s: recording.sample_period_s,
-        demand_rad_s: cut(&recording.demand_rad_s),
-        control_v: cut(&recording.control_v),
-        hub_rate_rad_s: cut(&recording.hub_rate_rad_s),
-        platform_rate_rad_s: cut(&recording.platform_rate_rad_s),
-        platform_accel_m_s2: cut(&recording.platform_accel_m_s2),
-        motor_rate_rad_s: cut(&recording.motor_rate_rad_s),
-        hub_position_rad: cut(&recording.hub_position_rad),
-    }
+    recording.part(0..(recording.len() as f64 * FITTED_SHARE) as usize)
 }
 
 /// One recording as the balances take it.

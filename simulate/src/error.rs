@@ -10,12 +10,6 @@ pub enum Error {
     /// A linear-systems operation failed.
     #[error(transparent)]
     Lti(#[from] counterpoise_lti::Error),
-    /// A friction law that the simulator does not step.
-    #[error("friction at the {place}: the simulator steps laws of at most one state, not bristles")]
-    Friction {
-        /// Motor or pivot.
-        place: &'static str,
-    },
     /// A number outside its range.
     #[error("{what} = {value}: {allowed}")]
     Range {

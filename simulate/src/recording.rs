@@ -1,5 +1,7 @@
 //! A recording of the machine as plain data.
 
+use std::ops::Range;
+
 use crate::history::ReadingColumns;
 
 /// A channel of a recording that a replay compares.
@@ -100,6 +102,26 @@ impl Recording {
             Channel::PlatformAccel => self.platform_accel_m_s2.as_deref(),
             Channel::MotorRate => self.motor_rate_rad_s.as_deref(),
             Channel::HubPosition => self.hub_position_rad.as_deref(),
+        }
+    }
+
+    /// The samples `range` of every channel; of a shorter column what it has of them. The name is kept.
+    pub fn part(&self, range: Range<usize>) -> Self {
+        let cut = |column: &Option<Vec<f64>>| {
+            let column = column.as_deref()?;
+            let end = range.end.min(column.len());
+            Some(column[range.start.min(end)..end].to_vec())
+        };
+        Self {
+            name: self.name.clone(),
+            sample_period_s: self.sample_period_s,
+            demand_rad_s: cut(&self.demand_rad_s),
+            control_v: cut(&self.control_v),
+            hub_rate_rad_s: cut(&self.hub_rate_rad_s),
+            platform_rate_rad_s: cut(&self.platform_rate_rad_s),
+            platform_accel_m_s2: cut(&self.platform_accel_m_s2),
+            motor_rate_rad_s: cut(&self.motor_rate_rad_s),
+            hub_position_rad: cut(&self.hub_position_rad),
         }
     }
 

@@ -1,12 +1,10 @@
 //! Friction between two bodies as a whole: a dry law, what modulates it, viscous and quadratic drag.
 
 use super::build;
-use super::dahl::Dahl;
 use super::law::{Law, Partials};
 use super::sliding::Stick;
-use super::stribeck::StribeckLevel;
 use crate::Error;
-use crate::parameters::{Friction, Ripple, StribeckCurve};
+use crate::parameters::{Friction, Ripple};
 
 /// T = dry(w, states; level) + F_v (1 + a_v sgn w) w + F_q w |w|.
 ///
@@ -75,23 +73,6 @@ impl FrictionModel {
             warm_up: friction.warm_up,
             warm_up_time_s: friction.warm_up_time_s,
         })
-    }
-
-    /// The model with a law that truly sticks carried by Dahl's, for integrators of continuous laws: at rest it is a
-    /// stiff spring that reaches breakaway within about `deflection_rad`, sliding it is the law itself. It holds a
-    /// constant torque without creep. A breakaway above the sliding level's own falls within `rate_rad_s` or the
-    /// law's band of rest. Other laws are left as they are.
-    pub fn continuous(self, deflection_rad: f64, rate_rad_s: f64) -> Self {
-        let Law::Sliding(sliding) = self.law else { return self };
-        let rate = rate_rad_s.max(sliding.rest_rate_rad_s);
-        let level = if sliding.breakaway_ratio > 1.0 {
-            let coulomb = sliding.level.static_nm();
-            StribeckLevel::new(coulomb, sliding.breakaway_ratio, rate, StribeckCurve::Gaussian)
-        } else {
-            sliding.level
-        };
-        let rest_stiffness_nm_rad = sliding.breakaway_nm() / deflection_rad;
-        Self { law: Law::Dahl(Dahl { level, rest_stiffness_nm_rad, exponent: 1.0 }), ..self }
     }
 
     /// The dry law.
