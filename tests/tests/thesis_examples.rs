@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use counterpoise_diagnose::identify::{Amplifier, identify, improved};
 use counterpoise_project::Project;
+use counterpoise_project::claims::identified::AMPLIFIER;
 use counterpoise_project::pipeline::structure::{StructureVerdict, structure};
 use counterpoise_project::recording::Table;
 use counterpoise_simulate::recording::Recording;
@@ -56,28 +57,11 @@ fn modes_that_the_model_has_are_consistent_and_a_softer_beam_is_a_stiffness() {
     assert!((modulus(&found.improved) / modulus(&project) / 0.95_f64.powi(2) - 1.0).abs() < 1e-6);
 }
 
-/// The concealed curve: V, A.
-const CURVE: [(f64, f64); 15] = [
-    (0.0, 0.0),
-    (0.12, 0.27),
-    (0.22, 0.48),
-    (0.28, 0.6),
-    (0.34, 0.7),
-    (0.42, 0.83),
-    (0.51, 0.96),
-    (0.57, 1.08),
-    (0.8, 1.86),
-    (1.04, 2.79),
-    (1.13, 3.04),
-    (1.2, 3.3),
-    (1.27, 3.53),
-    (1.34, 3.81),
-    (2.0, 6.0),
-];
-
+/// The current of the concealed curve, A.
 fn current_a(volt: f64) -> f64 {
-    let above = CURVE.iter().position(|(v, _)| *v >= volt).unwrap().max(1);
-    let ((v0, i0), (v1, i1)) = (CURVE[above - 1], CURVE[above]);
+    let curve: Vec<(f64, f64)> = std::iter::once((0.0, 0.0)).chain(AMPLIFIER).collect();
+    let above = curve.iter().position(|(v, _)| *v >= volt).unwrap().max(1);
+    let ((v0, i0), (v1, i1)) = (curve[above - 1], curve[above]);
     i0 + (i1 - i0) * (volt - v0) / (v1 - v0)
 }
 
