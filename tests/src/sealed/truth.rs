@@ -210,99 +210,89 @@ fn physics(m: &mut Machine, dice: &mut Dice, which: usize) -> Concealed {
 }
 
 fn physics_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed {
-    let found = |component, effect, parameters| Concealed {
-        component,
-        effect,
-        parameters,
-        size: s,
-        also: Vec::new(),
+    let concealed = match which {
+        0..=5 => friction_of(m, dice, which, s),
+        6..=11 => drive_of(m, dice, which, s),
+        12..=14 => structure_of(m, dice, which, s),
+        _ => further(m, dice, which, s),
     };
-    let mut scaled = |value: &mut f64, share: f64| {
-        *value *= 1.0 + s * share * sign(dice);
-        *value
-    };
+    Concealed { size: s, ..concealed }
+}
+
+/// Changes `value` by `share` of it, up or down.
+fn scaled(dice: &mut Dice, value: &mut f64, share: f64) -> f64 {
+    *value *= 1.0 + share * sign(dice);
+    *value
+}
+
+fn friction_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed {
+    let pivot = &mut m.pivot_friction;
     match which {
-        0 => found("pivot", "coulomb", vec![("coulomb", scaled(&mut m.pivot_friction.level, 0.4))]),
-        1 => found(
-            "pivot",
-            "viscous",
-            vec![("viscous", {
-                m.pivot_friction.viscous += 300.0 * s;
-                m.pivot_friction.viscous
-            })],
-        ),
-        2 => {
-            m.pivot_friction.static_ratio = 1.0 + 0.5 * s;
-            m.pivot_friction.stribeck_rate = dice.uniform(0.006, 0.03);
-            let p = vec![
-                ("static_ratio", m.pivot_friction.static_ratio),
-                ("stribeck_rate", m.pivot_friction.stribeck_rate),
-            ];
-            found("pivot", "stribeck", p)
+        0 => one("pivot", "coulomb", ("coulomb", scaled(dice, &mut pivot.level, 0.4 * s))),
+        1 => {
+            pivot.viscous += 300.0 * s;
+            one("pivot", "viscous", ("viscous", pivot.viscous))
         }
-        3 => found(
-            "pivot",
-            "asymmetric_friction",
-            vec![("asymmetry", {
-                m.pivot_friction.asymmetry = (0.3 * s * sign(dice)).clamp(-0.8, 0.8);
-                m.pivot_friction.asymmetry
-            })],
-        ),
-        4 => found(
-            "pivot",
-            "quadratic_drag",
-            vec![("quadratic", {
-                m.quadratic_drag = 1500.0 * s;
-                m.quadratic_drag
-            })],
-        ),
-        5 => found("motor", "coulomb", vec![("coulomb", scaled(&mut m.motor_friction.level, 0.4))]),
+        2 => {
+            pivot.static_ratio = 1.0 + 0.5 * s;
+            pivot.stribeck_rate = dice.uniform(0.006, 0.03);
+            let mut stribeck = one("pivot", "stribeck", ("static_ratio", pivot.static_ratio));
+            stribeck.parameters.push(("stribeck_rate", pivot.stribeck_rate));
+            stribeck
+        }
+        3 => {
+            pivot.asymmetry = (0.3 * s * sign(dice)).clamp(-0.8, 0.8);
+            one("pivot", "asymmetric_friction", ("asymmetry", pivot.asymmetry))
+        }
+        4 => {
+            m.quadratic_drag = 1500.0 * s;
+            one("pivot", "quadratic_drag", ("quadratic", m.quadratic_drag))
+        }
+        _ => one("motor", "coulomb", ("coulomb", scaled(dice, &mut m.motor_friction.level, 0.4 * s))),
+    }
+}
+
+fn drive_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed {
+    match which {
         6 => {
             m.cogging = [0.12 * s, [4.0, 6.0, 8.0, 12.0, 24.0][dice.below(5)], dice.uniform(-3.0, 3.0)];
-            found(
-                "motor",
-                "cogging",
-                vec![("amplitude", m.cogging[0]), ("order", m.cogging[1]), ("phase", m.cogging[2])],
-            )
+            let mut cogging = one("motor", "cogging", ("amplitude", m.cogging[0]));
+            cogging.parameters.extend([("order", m.cogging[1]), ("phase", m.cogging[2])]);
+            cogging
         }
         7 => {
-            found("motor", "torque_constant", vec![("torque_constant", scaled(&mut m.torque_constant, 0.15))])
+            let constant = scaled(dice, &mut m.torque_constant, 0.15 * s);
+            one("motor", "torque_constant", ("torque_constant", constant))
         }
-        8 => found(
-            "gearbox",
-            "backlash",
-            vec![("backlash", {
-                m.backlash += 3e-3 * s;
-                m.backlash
-            })],
-        ),
-        9 => found("gearbox", "stiffness", vec![("stiffness", scaled(&mut m.gear_stiffness, 0.35))]),
+        8 => {
+            m.backlash += 3e-3 * s;
+            one("gearbox", "backlash", ("backlash", m.backlash))
+        }
+        9 => one("gearbox", "stiffness", ("stiffness", scaled(dice, &mut m.gear_stiffness, 0.35 * s))),
         10 => {
             m.dead_zone = 0.1 * s;
-            let mut c = found("amplifier", "dead_zone", vec![("dead_zone", m.dead_zone)]);
-            c.also.push(("amplifier", "gain_curve"));
-            c
+            let dead_zone = one("amplifier", "dead_zone", ("dead_zone", m.dead_zone));
+            Concealed { also: vec![("amplifier", "gain_curve")], ..dead_zone }
         }
-        11 => {
+        _ => {
             m.delay_samples = 1 + (5.0 * s) as usize;
-            let mut c = found("control", "delay", vec![("delay", m.delay_samples as f64)]);
-            c.also.push(("hub_gyro", "delay"));
-            c
+            let delay = one("control", "delay", ("delay", m.delay_samples as f64));
+            Concealed { also: vec![("hub_gyro", "delay")], ..delay }
         }
-        12 => found(
-            "structure",
-            "out_of_balance",
-            vec![("out_of_balance", {
-                m.moment += 40.0 * s * sign(dice);
-                m.moment
-            })],
-        ),
-        13 => found("structure", "inertia", vec![("beam_inertia", scaled(&mut m.beam_inertia, 0.3))]),
-        14 => {
+    }
+}
+
+fn structure_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed {
+    match which {
+        12 => {
+            m.moment += 40.0 * s * sign(dice);
+            one("structure", "out_of_balance", ("out_of_balance", m.moment))
+        }
+        13 => one("structure", "inertia", ("beam_inertia", scaled(dice, &mut m.beam_inertia, 0.3 * s))),
+        _ => {
             (m.spring, m.spring_centre) = (900.0 * s, dice.uniform(-0.06, 0.06));
-            found("structure", "position_stiffness", vec![("stiffness", m.spring)])
+            one("structure", "position_stiffness", ("stiffness", m.spring))
         }
-        _ => Concealed { size: s, ..further(m, dice, which, s) },
     }
 }
 
@@ -401,70 +391,82 @@ fn instrument(m: &mut Machine, dice: &mut Dice) -> Concealed {
 }
 
 fn instrument_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> Concealed {
-    let found = |component, effect, name, value| Concealed {
-        component,
-        effect,
-        parameters: vec![(name, value)],
-        size: s,
-        also: Vec::new(),
+    let concealed = match which {
+        0 | 1 | 7..=9 => hub_gyro_of(m, which, s, signed),
+        4..=6 | 11 => heave_or_clock_of(m, which, s, signed),
+        _ => platform_gyro_of(m, which, s, signed),
     };
+    Concealed { size: s, ..concealed }
+}
+
+fn hub_gyro_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> Concealed {
     match which {
-        7 => {
-            m.hub_gyro.natural /= 1.0 + s;
-            found("hub_gyro", "bandwidth", "natural_frequency", m.hub_gyro.natural)
-        }
-        8 => {
-            m.hub_gyro.late = 1 + (5.0 * s) as usize;
-            let late = found("hub_gyro", "delay", "delay", m.hub_gyro.late as f64 * 1e-3);
-            Concealed { also: vec![("control", "delay")], ..late }
-        }
-        9 => {
-            m.hub_gyro.per_heave = 3e-3 * signed;
-            found("hub_gyro", "g_sensitivity", "g_sensitivity", m.hub_gyro.per_heave)
-        }
-        10 => {
-            m.platform_gyro.per_heave = 3e-3 * signed;
-            found("platform_gyro", "g_sensitivity", "g_sensitivity", m.platform_gyro.per_heave)
-        }
-        11 => {
-            m.accelerometer.bias = 0.3 * signed;
-            found("platform_accelerometer", "bias", "bias", m.accelerometer.bias)
-        }
         0 => {
             m.hub_gyro.gain = 1.0 + 0.1 * signed;
-            found("hub_gyro", "scale", "gain", m.hub_gyro.gain)
+            one("hub_gyro", "scale", ("gain", m.hub_gyro.gain))
         }
         1 => {
             m.hub_gyro.bias = 0.01 * signed;
-            found("hub_gyro", "bias", "bias", m.hub_gyro.bias)
+            one("hub_gyro", "bias", ("bias", m.hub_gyro.bias))
         }
-        2 => {
-            m.platform_gyro.gain = 1.0 + 0.15 * signed;
-            found("platform_gyro", "scale", "gain", m.platform_gyro.gain)
+        7 => {
+            m.hub_gyro.natural /= 1.0 + s;
+            one("hub_gyro", "bandwidth", ("natural_frequency", m.hub_gyro.natural))
         }
-        3 => {
-            m.platform_gyro.bias = 0.01 * signed;
-            found("platform_gyro", "bias", "bias", m.platform_gyro.bias)
+        8 => {
+            m.hub_gyro.late = 1 + (5.0 * s) as usize;
+            let late = one("hub_gyro", "delay", ("delay", m.hub_gyro.late as f64 * 1e-3));
+            Concealed { also: vec![("control", "delay")], ..late }
         }
+        _ => {
+            m.hub_gyro.per_heave = 3e-3 * signed;
+            one("hub_gyro", "g_sensitivity", ("g_sensitivity", m.hub_gyro.per_heave))
+        }
+    }
+}
+
+fn heave_or_clock_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> Concealed {
+    match which {
         4 => {
             m.accelerometer.gain = 1.0 + 0.2 * signed;
-            found("platform_accelerometer", "scale", "gain", m.accelerometer.gain)
+            one("platform_accelerometer", "scale", ("gain", m.accelerometer.gain))
         }
         5 => {
             m.lever_arm = 1.0 * signed;
-            found("platform_accelerometer", "lever_arm", "lever_arm", m.lever_arm)
+            one("platform_accelerometer", "lever_arm", ("lever_arm", m.lever_arm))
         }
-        6 => {
+        11 => {
+            m.accelerometer.bias = 0.3 * signed;
+            one("platform_accelerometer", "bias", ("bias", m.accelerometer.bias))
+        }
+        _ => {
             m.platform_late = 4 + (20.0 * s) as usize;
-            found("platform", "channel_skew", "skew", m.platform_late as f64 * 1e-3)
+            one("platform", "channel_skew", ("skew", m.platform_late as f64 * 1e-3))
+        }
+    }
+}
+
+fn platform_gyro_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> Concealed {
+    match which {
+        2 => {
+            m.platform_gyro.gain = 1.0 + 0.15 * signed;
+            one("platform_gyro", "scale", ("gain", m.platform_gyro.gain))
+        }
+        3 => {
+            m.platform_gyro.bias = 0.01 * signed;
+            one("platform_gyro", "bias", ("bias", m.platform_gyro.bias))
+        }
+        10 => {
+            m.platform_gyro.per_heave = 3e-3 * signed;
+            one("platform_gyro", "g_sensitivity", ("g_sensitivity", m.platform_gyro.per_heave))
         }
         12 => {
             m.platform_gyro.natural /= 1.0 + 10.0 * s;
-            found("platform_gyro", "bandwidth", "natural_frequency", m.platform_gyro.natural)
+            one("platform_gyro", "bandwidth", ("natural_frequency", m.platform_gyro.natural))
         }
         _ => {
             m.platform_gyro.late = 4 + (20.0 * s) as usize;
-            found("platform_gyro", "delay", "delay", m.platform_gyro.late as f64 * 1e-3)
+            one("platform_gyro", "delay", ("delay", m.platform_gyro.late as f64 * 1e-3))
         }
     }
 }
