@@ -8,12 +8,11 @@ use counterpoise_project::models::Parameters;
 use counterpoise_project::pipeline::{Step, World};
 use counterpoise_project::{Diagnostic, Document, Parsed, Project, Purpose};
 
+use counterpoise_studio::recordings::{ENDINGS as RECORDINGS, is_recording};
+
 use crate::output::{StageTime, Stages};
 
 pub use counterpoise_studio::files::PROJECT_FILE;
-
-/// Endings of files that can be recordings.
-const RECORDINGS: [&str; 3] = ["csv", "parquet", "mat"];
 
 /// A project as found on disk.
 pub struct Loaded {
@@ -69,7 +68,7 @@ pub fn recordings(paths: &[PathBuf]) -> Result<Vec<(String, Vec<u8>)>> {
         if path.is_dir() {
             let inside = in_folder(path)?;
             if inside.is_empty() {
-                bail!("the folder {} holds no recording (.csv, .parquet or .mat)", path.display());
+                bail!("the folder {} holds no recording (.{})", path.display(), RECORDINGS.join(", ."));
             }
             found.extend(inside);
         } else {
@@ -90,11 +89,6 @@ fn in_folder(folder: &Path) -> Result<Vec<PathBuf>> {
         entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|p| is_recording(p)).collect();
     paths.sort();
     Ok(paths)
-}
-
-fn is_recording(path: &Path) -> bool {
-    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    path.is_file() && RECORDINGS.contains(&ending.as_str())
 }
 
 /// Writes the project with an improved mechanism; everything else of the file stays as it is.

@@ -300,12 +300,14 @@ impl Chart {
         }
     }
 
-    /// The numbers: one column for x, one a curve, where the curves share their x; else x and y a curve.
+    /// The numbers, one point a line: curve, x, y, under the labels of the axes.
     pub fn csv(&self) -> String {
-        let mut out = String::from("curve,x,y\n");
+        let [x, y] = self.labels.each_ref().map(|label| quoted(label));
+        let mut out = format!("curve,{x},{y}\n");
         for curve in &self.curves {
-            for [x, y] in curve.points.all() {
-                let _ = writeln!(out, "{},{x:e},{y:e}", curve.name);
+            let name = quoted(if curve.name.is_empty() { &self.title } else { &curve.name });
+            for [x, y] in curve.points.all().iter() {
+                let _ = writeln!(out, "{name},{x:e},{y:e}");
             }
         }
         out
@@ -315,6 +317,11 @@ impl Chart {
     pub fn svg(&self) -> String {
         crate::svg::drawing(self)
     }
+}
+
+/// A cell of CSV.
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }
 
 fn swatch(ui: &mut Ui, curve: &Curve) {

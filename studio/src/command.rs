@@ -62,6 +62,20 @@ pub enum Slot {
     C,
 }
 
+/// What files and folders are looked through for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Purpose {
+    /// A project to open, or a place for a new one.
+    Project,
+    /// A place for the project under another name.
+    SaveAs,
+    /// Recordings to add.
+    Recordings,
+    /// A folder for the exported code.
+    Export,
+}
+
 /// What can be done.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -115,10 +129,20 @@ pub enum Command {
         /// The folder; it must not hold a project.
         folder: PathBuf,
     },
+    /// Looks through files and folders.
+    Browse {
+        /// For what.
+        purpose: Purpose,
+    },
     /// Leaves the project; what was not saved comes back when it is opened again.
     Close,
     /// Writes the project to its file.
     Save,
+    /// Writes the project to another file, with the files that it names, and goes on there.
+    SaveAs {
+        /// The file, or a folder for a project.toml.
+        path: PathBuf,
+    },
     /// Reads the project's file again and leaves what was not saved.
     Reload,
     /// Verifies the design on the full plant.
@@ -134,8 +158,13 @@ pub enum Command {
     },
     /// Stops what is running.
     Cancel,
-    /// Writes the verified controller's code beside the project, into `out`.
+    /// Writes the verified controller's code into the folder that was chosen last; `out` beside the project where none was.
     Export,
+    /// Writes it into another folder.
+    ExportTo {
+        /// The folder; it is made where there is none.
+        folder: PathBuf,
+    },
     /// Drops recordings onto the diagnosis.
     Recordings {
         /// Files.
@@ -178,6 +207,10 @@ pub enum Command {
     ToggleGain,
     /// Angles and their rates in thousandths of a radian or degrees.
     ToggleAngle,
+    /// Everything larger.
+    Larger,
+    /// Everything smaller.
+    Smaller,
     /// Opens or closes the list of commands.
     Palette,
     /// Copies the plot under the pointer (or the last one) as numbers.
@@ -216,6 +249,7 @@ pub fn entries() -> Vec<Entry> {
     let go = |place| Command::Go { place };
     let look = |evidence| Command::Look { evidence };
     let inquire = |inquiry| Command::Inquire { inquiry };
+    let browse = |purpose| Command::Browse { purpose };
     vec![
         entry("Go to Plant", "Ctrl+1", go(Place::Plant)),
         entry("Go to Reduce", "Ctrl+2", go(Place::Reduce)),
@@ -224,7 +258,9 @@ pub fn entries() -> Vec<Entry> {
         entry("Go to Diagnose", "Ctrl+5", go(Place::Diagnose)),
         entry("Undo", "Ctrl+Z", Command::Undo),
         entry("Redo", "Ctrl+Y", Command::Redo),
+        entry("Open or make a project", "Ctrl+O", browse(Purpose::Project)),
         entry("Save the project", "Ctrl+S", Command::Save),
+        entry("Save the project as", "Ctrl+Shift+S", browse(Purpose::SaveAs)),
         entry("Read the file again, leaving what was not saved", "", Command::Reload),
         entry("Close the project", "Ctrl+W", Command::Close),
         entry("Verify on the full plant", "F5", Command::Verify),
@@ -236,6 +272,8 @@ pub fn entries() -> Vec<Entry> {
         entry("Try the controller on many mechanisms", "F8", Command::Sweep),
         entry("Stop what is running", "Esc", Command::Cancel),
         entry("Export the verified controller's code", "Ctrl+E", Command::Export),
+        entry("Export into another folder", "Ctrl+Shift+E", browse(Purpose::Export)),
+        entry("Add recordings", "Ctrl+R", browse(Purpose::Recordings)),
         entry("Look at measured and simulated channels", "", inquire(Inquiry::Signals)),
         entry("Look at the errors of the model", "", inquire(Inquiry::Errors)),
         entry("Look at what the diagnosis found", "", inquire(Inquiry::Findings)),
@@ -257,6 +295,8 @@ pub fn entries() -> Vec<Entry> {
         entry("Copy plot as CSV", "Ctrl+Shift+C", Command::CopyCsv),
         entry("Copy plot as SVG", "", Command::CopySvg),
         entry("Copy plot as PNG", "", Command::CopyPng),
+        entry("Everything larger", "Ctrl+Plus", Command::Larger),
+        entry("Everything smaller", "Ctrl+Minus", Command::Smaller),
         entry("All commands", "Ctrl+K", Command::Palette),
     ]
 }

@@ -104,24 +104,40 @@ pub fn state_folder() -> PathBuf {
 }
 
 const RECENT: &str = "recent.json";
+const FOLDERS: &str = "folders.json";
 const MOST_RECENT: usize = 8;
 
 /// Projects opened before, the last one first.
 pub fn recent(folder: &Path) -> Vec<PathBuf> {
-    fs::read(folder.join(RECENT))
-        .ok()
-        .and_then(|bytes| serde_json::from_slice(&bytes).ok())
-        .unwrap_or_default()
+    noted(&folder.join(RECENT))
 }
 
 /// Notes that a project was opened; a list that cannot be written is no harm.
 pub fn note_recent(folder: &Path, project: &Path) {
-    let whole = project.canonicalize().unwrap_or_else(|_| project.to_owned());
-    let mut all = recent(folder);
+    note(&folder.join(RECENT), project);
+}
+
+/// Folders that recordings were taken from or code was exported to, the last one first.
+pub fn folders(folder: &Path) -> Vec<PathBuf> {
+    noted(&folder.join(FOLDERS))
+}
+
+/// Notes such a folder.
+pub fn note_folder(folder: &Path, used: &Path) {
+    note(&folder.join(FOLDERS), used);
+}
+
+fn noted(list: &Path) -> Vec<PathBuf> {
+    fs::read(list).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or_default()
+}
+
+fn note(list: &Path, path: &Path) {
+    let whole = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let mut all = noted(list);
     all.retain(|path| *path != whole);
     all.insert(0, whole);
     all.truncate(MOST_RECENT);
     if let Ok(bytes) = serde_json::to_vec(&all) {
-        let _ = write(&folder.join(RECENT), &bytes);
+        let _ = write(list, &bytes);
     }
 }

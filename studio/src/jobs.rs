@@ -13,6 +13,8 @@ use counterpoise_project::verify::{Verification, VerifiedController};
 use counterpoise_project::{Document, Project};
 
 use crate::exporting::{ExportAsk, export};
+use crate::browser::{Listing, list};
+use crate::command::Purpose;
 use crate::files::Folder;
 use crate::live::{Ask, Cache, Live, live, reasons};
 use crate::measure::{MeasureAnswer, MeasureAsk, SoFar, measure};
@@ -68,6 +70,10 @@ pub struct Jobs {
     pub diagnose: Worker<DiagnoseAsk, Result<Diagnosis, Reasons>>,
     /// Lays recordings beside the model.
     pub look: Worker<LookAsk, Option<Vec<Seen>>>,
+    /// Lists folders.
+    pub list: Worker<(PathBuf, Purpose), Listing>,
+    /// Recordings beside the project, to offer.
+    pub beside: Vec<PathBuf>,
     /// The recordings to diagnose.
     pub recordings: Vec<PathBuf>,
     /// The recordings beside the model, of a revision of the project.
@@ -111,6 +117,10 @@ impl Jobs {
             export: Worker::new(Arc::clone(wake), |ask: ExportAsk, token: &Token| export(&ask, token)),
             diagnose: diagnoser(wake, &diagnosing),
             look: Worker::new(Arc::clone(wake), |ask: LookAsk, token: &Token| look(&ask, token)),
+            list: Worker::new(Arc::clone(wake), |(folder, purpose): (PathBuf, Purpose), _: &Token| {
+                list(&folder, purpose)
+            }),
+            beside: Vec::new(),
             recordings: Vec::new(),
             seen: None,
             diagnosed: None,

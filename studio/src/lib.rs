@@ -10,8 +10,9 @@
 //! *Invariant*: no equation of the field stands here, and nothing can be done here that the command line cannot do.
 //!
 //! Modules in reading order: [`command`], [`session`], [`journal`], [`keys`], [`knobs`], [`live`], [`worker`], [`watch`],
-//! [`measure`], [`exporting`], [`pyramid`], [`recordings`], [`jobs`], [`results`], [`view`], [`studio`], [`rounds`], [`theme`],
-//! [`number`], [`thinning`], [`axes`], [`chart`], [`svg`], [`shell`], [`places`], [`files`], [`replay`], [`window`].
+//! [`measure`], [`exporting`], [`pyramid`], [`recordings`], [`browser`], [`jobs`], [`results`], [`view`], [`studio`], [`filing`],
+//! [`rounds`], [`theme`], [`number`], [`thinning`], [`axes`], [`chart`], [`svg`], [`shell`], [`palette`], [`places`], [`files`],
+//! [`replay`], [`window`].
 //!
 //! ```
 //! use counterpoise_studio::{command::Command, session::Session};
@@ -24,10 +25,12 @@
 //! ```
 
 pub mod axes;
+pub mod browser;
 pub mod chart;
 pub mod command;
 pub mod exporting;
 pub mod files;
+pub mod filing;
 pub mod jobs;
 pub mod journal;
 pub mod keys;
@@ -35,6 +38,7 @@ pub mod knobs;
 pub mod live;
 pub mod measure;
 pub mod number;
+pub mod palette;
 pub mod places;
 pub mod pyramid;
 pub mod recordings;

@@ -78,16 +78,16 @@ fn above(points: &[[f64; 2]], below: &[[u32; 2]], fan: usize) -> Vec<[u32; 2]> {
 pub enum Points {
     /// A few thousand at most.
     Few(Vec<[f64; 2]>),
-    /// As many as a recording has.
-    Many(Arc<Pyramid>),
+    /// As many as a recording has, with what their values are multiplied by.
+    Many(Arc<Pyramid>, f64),
 }
 
 impl Points {
     /// Every point.
-    pub fn all(&self) -> &[[f64; 2]] {
+    pub fn all(&self) -> Cow<'_, [[f64; 2]]> {
         match self {
-            Self::Few(points) => points,
-            Self::Many(pyramid) => pyramid.all(),
+            Self::Few(points) => Cow::Borrowed(points),
+            Self::Many(pyramid, factor) => scaled(Cow::Borrowed(pyramid.all()), *factor),
         }
     }
 
@@ -95,18 +95,25 @@ impl Points {
     pub fn shown(&self, range: (f64, f64), pixels: usize) -> Cow<'_, [[f64; 2]]> {
         match self {
             Self::Few(points) => crate::thinning::thin(points, range, pixels),
-            Self::Many(pyramid) => pyramid.shown(range, pixels),
+            Self::Many(pyramid, factor) => scaled(pyramid.shown(range, pixels), *factor),
         }
     }
 
     /// The value at a place, by straight lines between the points; none outside.
     pub fn at(&self, x: f64) -> Option<f64> {
-        let all = self.all();
+        let (all, factor) = match self {
+            Self::Few(points) => (points.as_slice(), 1.0),
+            Self::Many(pyramid, factor) => (pyramid.all(), *factor),
+        };
         let after = all.partition_point(|p| p[0] < x);
         let (a, b) = (all.get(after.checked_sub(1)?)?, all.get(after)?);
         let share = if b[0] > a[0] { (x - a[0]) / (b[0] - a[0]) } else { 0.0 };
-        Some(a[1] + share * (b[1] - a[1]))
+        Some(factor * (a[1] + share * (b[1] - a[1])))
     }
+}
+
+fn scaled(points: Cow<'_, [[f64; 2]]>, factor: f64) -> Cow<'_, [[f64; 2]]> {
+    if factor == 1.0 { points } else { points.iter().map(|p| [p[0], factor * p[1]]).collect() }
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use crate::pyramid::Pyramid;
 use crate::worker::Token;
 
 /// Endings of files that can be recordings.
-const ENDINGS: [&str; 5] = ["csv", "parquet", "mat", "h5", "hdf5"];
+pub const ENDINGS: [&str; 5] = ["csv", "parquet", "mat", "h5", "hdf5"];
 
 /// What is asked: the recordings beside a project's model.
 #[derive(Debug, Clone)]
@@ -90,7 +90,8 @@ pub fn files(paths: &[PathBuf]) -> Vec<PathBuf> {
     found
 }
 
-fn is_recording(path: &Path) -> bool {
+/// Whether a path is a file whose ending says that it can be a recording.
+pub fn is_recording(path: &Path) -> bool {
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     path.is_file() && ENDINGS.contains(&ending.as_str())
 }

@@ -9,7 +9,11 @@ use crate::journal::Journal;
 use crate::live::{Ask, Live};
 use crate::measure::MeasureAnswer;
 use crate::results::Of;
-use crate::studio::{Studio, modified};
+use crate::browser::Browser;
+use crate::command::Purpose;
+use crate::filing::modified;
+use crate::recordings;
+use crate::studio::Studio;
 
 /// How long after the last change the nonlinear verification begins.
 const VERIFY_AFTER: Duration = Duration::from_millis(120);
@@ -26,6 +30,7 @@ impl Studio {
         }
         self.look_again();
         self.look_outside();
+        self.list_folder();
         (self.results.designing, self.results.verifying) =
             (self.jobs.live.is_busy(), self.jobs.verify.is_busy());
     }
@@ -140,6 +145,24 @@ impl Studio {
         }
     }
 
+    /// Lists the folder that is looked through, again every now and then; where no project is open there always is one.
+    fn list_folder(&mut self) {
+        let here = || Browser::new(Purpose::Project, &std::env::current_dir().unwrap_or_default());
+        if self.opened.is_none() && self.view.browser.is_none() {
+            self.view.browser = Some(here());
+        }
+        let Some(browser) = &mut self.view.browser else { return };
+        let wanted = (browser.folder(), browser.purpose);
+        if let Some((_, listing)) = self.jobs.list.take() {
+            self.listed = Instant::now();
+            browser.listing = Some(listing);
+        }
+        let there = browser.listing.as_ref().is_some_and(|l| (&l.folder, l.purpose) == (&wanted.0, wanted.1));
+        if (!there || self.listed.elapsed() > LOOK_EVERY) && !self.jobs.list.is_busy() {
+            self.jobs.list.ask(0, wanted);
+        }
+    }
+
     /// Looks whether somebody else wrote the file, and whether the journal is written.
     fn look_outside(&mut self) {
         if self.looked.elapsed() < LOOK_EVERY {
@@ -147,6 +170,10 @@ impl Studio {
         }
         self.looked = Instant::now();
         let Some(opened) = &mut self.opened else { return };
+        if self.jobs.recordings.is_empty() {
+            let folder = opened.path.parent().map(std::path::Path::to_owned);
+            self.jobs.beside = folder.map_or(Vec::new(), |folder| recordings::files(&[folder]));
+        }
         let now = modified(&opened.path);
         if now.is_some() && now != opened.modified {
             opened.modified = now;

@@ -74,6 +74,11 @@ impl Session {
         (!self.undo.is_empty(), !self.redo.is_empty())
     }
 
+    /// Gives the project's file another name.
+    pub fn rename(&mut self, name: &str) {
+        self.document = Document::parse(self.document.text(), name);
+    }
+
     /// Notes that the text as it stands has been written.
     pub fn mark_saved(&mut self) {
         self.saved = self.document.text().to_owned();

@@ -2,8 +2,8 @@
 
 use egui::{Key, KeyboardShortcut, Modifiers, RichText, Ui};
 
-use crate::command::{Command, Entry, Place, entries};
-use crate::places;
+use crate::command::{Command, Place, Purpose, entries};
+use crate::{palette, places};
 use crate::results::Age;
 use crate::studio::Studio;
 use crate::theme::{Theme, space};
@@ -12,7 +12,7 @@ use crate::view::{AngleUnit, FrequencyUnit, GainUnit, Tone};
 /// Shows the studio and carries out what was asked of it in this frame.
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
     let theme = studio.view.theme;
-    let mut queue = shortcuts(ui);
+    let mut queue = shortcuts(studio, ui);
     queue.extend(dropped(ui));
     egui::Panel::top("bar")
         .frame(egui::Frame::new().fill(theme.card).inner_margin(egui::Margin::symmetric(12, 7)))
@@ -35,9 +35,11 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
             Place::Diagnose => places::diagnose::show(studio, ui, &mut queue),
         }
     });
-    palette(studio, ui, &mut queue);
+    places::browse::over(studio, ui, &mut queue);
+    palette::show(studio, ui, &mut queue);
     for command in queue {
         copy(studio, ui, &command);
+        resize(ui, &command);
         studio.run(&command);
     }
 }
@@ -46,7 +48,9 @@ fn bar(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     let theme = studio.view.theme;
     ui.horizontal(|ui| {
         ui.label(RichText::new("Counterpoise").strong().size(15.0));
-        ui.add_space(space::LARGE);
+        ui.add_space(space::SMALL);
+        menu(ui, studio.opened.is_some(), queue);
+        ui.add_space(space::SMALL);
         for place in Place::ALL {
             let chosen = studio.view.place == place;
             let text = RichText::new(place.name()).color(if chosen { theme.accent } else { theme.text });
@@ -64,6 +68,33 @@ fn bar(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
             }
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| tools(studio, ui, queue));
+    });
+}
+
+/// What concerns files, with its shortcuts.
+fn menu(ui: &mut Ui, is_open: bool, queue: &mut Vec<Command>) {
+    let browse = |purpose| Command::Browse { purpose };
+    let groups = [
+        vec![browse(Purpose::Project), Command::Save, browse(Purpose::SaveAs), Command::Reload],
+        vec![browse(Purpose::Recordings), Command::Export, browse(Purpose::Export)],
+        vec![Command::Close],
+    ];
+    let all = entries();
+    ui.menu_button("File", |ui| {
+        ui.set_min_width(380.0);
+        for (k, group) in groups.iter().enumerate() {
+            if k > 0 {
+                ui.separator();
+            }
+            for entry in group.iter().filter_map(|command| all.iter().find(|e| e.command == *command)) {
+                let shortcut = RichText::new(entry.shortcut).small().weak();
+                let button = egui::Button::new(entry.name.as_ref()).right_text(shortcut);
+                if ui.add_enabled(is_open || entry.command == groups[0][0], button).clicked() {
+                    queue.push(entry.command.clone());
+                    ui.close();
+                }
+            }
+        }
     });
 }
 
@@ -210,12 +241,22 @@ pub fn shortcut(written: &str) -> Option<KeyboardShortcut> {
     key.map(|key| KeyboardShortcut::new(modifiers, key))
 }
 
-fn shortcuts(ui: &Ui) -> Vec<Command> {
+/// Shortcuts; while a list lies over the window its keys are its own, and Esc is taken only where there is something to stop.
+fn shortcuts(studio: &Studio, ui: &Ui) -> Vec<Command> {
+    if studio.opened.is_some() && studio.view.browser.is_some() {
+        return Vec::new();
+    }
     let mut all: Vec<(KeyboardShortcut, Command)> =
         entries().into_iter().filter_map(|e| Some((shortcut(e.shortcut)?, e.command))).collect();
     all.extend(shortcut("Ctrl+Shift+P").map(|s| (s, Command::Palette)));
     all.extend(shortcut("Ctrl+Shift+Z").map(|s| (s, Command::Redo)));
     all.sort_by_key(|(s, _)| !s.modifiers.shift);
+    let is_listing = studio.view.palette.is_some();
+    all.retain(|(_, command)| match command {
+        Command::Palette => true,
+        Command::Cancel => !is_listing && !studio.is_idle(),
+        _ => !is_listing,
+    });
     ui.input_mut(|input| all.into_iter().filter(|(s, _)| input.consume_shortcut(s)).map(|(_, c)| c).collect())
 }
 
@@ -230,67 +271,6 @@ fn dropped(ui: &Ui) -> Vec<Command> {
         None if paths.is_empty() => Vec::new(),
         None => vec![Command::Go { place: Place::Diagnose }, Command::Recordings { paths }],
     }
-}
-
-/// The entries that a typed text finds, of all commands and the projects that were open before: every word of it must appear.
-pub fn found(typed: &str, recent: &[std::path::PathBuf]) -> Vec<Entry> {
-    let words: Vec<String> = typed.to_lowercase().split_whitespace().map(str::to_owned).collect();
-    let fits = |e: &Entry| words.iter().all(|w| e.name.to_lowercase().contains(w));
-    let open = |path: &std::path::PathBuf| Entry {
-        name: format!("Open {}", path.display()).into(),
-        shortcut: "",
-        command: Command::Open { path: path.clone() },
-    };
-    entries().into_iter().chain(recent.iter().map(open)).filter(fits).collect()
-}
-
-fn palette(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
-    let theme = studio.view.theme;
-    if studio.view.palette.is_none() {
-        return;
-    }
-    let recent = crate::files::recent(&studio.state);
-    let Some((typed, chosen)) = &mut studio.view.palette else { return };
-    let mut done = None;
-    let close = ui.input(|i| i.key_pressed(Key::Escape));
-    egui::Window::new("All commands")
-        .title_bar(false)
-        .resizable(false)
-        .anchor(egui::Align2::CENTER_TOP, [0.0, 70.0])
-        .fixed_size([460.0, 420.0])
-        .show(ui.ctx(), |ui| {
-            let edit =
-                egui::TextEdit::singleline(typed).hint_text("type a command").desired_width(f32::INFINITY);
-            let field = ui.add(edit);
-            field.request_focus();
-            let list = found(typed, &recent);
-            let (up, down, enter) = ui.input(|i| {
-                (i.key_pressed(Key::ArrowUp), i.key_pressed(Key::ArrowDown), i.key_pressed(Key::Enter))
-            });
-            *chosen = (*chosen + usize::from(down))
-                .saturating_sub(usize::from(up))
-                .min(list.len().saturating_sub(1));
-            ui.add_space(space::SMALL);
-            egui::ScrollArea::vertical().max_height(360.0).show(ui, |ui| {
-                for (k, entry) in list.iter().enumerate() {
-                    if row(ui, entry, k == *chosen, &theme) || (enter && k == *chosen) {
-                        done = Some(entry.command.clone());
-                    }
-                }
-            });
-        });
-    if done.is_some() || close {
-        studio.view.palette = None;
-    }
-    queue.extend(done.filter(|command| *command != Command::Palette));
-}
-
-fn row(ui: &mut Ui, entry: &Entry, chosen: bool, theme: &Theme) -> bool {
-    let text = egui::Button::selectable(chosen, entry.name.as_ref())
-        .truncate()
-        .right_text(RichText::new(entry.shortcut).small().color(theme.weak))
-        .min_size(egui::vec2(ui.available_width(), 24.0));
-    ui.add(text).clicked()
 }
 
 /// Copies the last plot that was pointed at.
@@ -317,4 +297,13 @@ fn copy(studio: &mut Studio, ui: &Ui, command: &Command) {
     };
     let said = format!("\"{}\" is in the clipboard as {kind}", chart.title);
     studio.view.say(said);
+}
+
+/// Makes everything larger or smaller.
+fn resize(ui: &Ui, command: &Command) {
+    match command {
+        Command::Larger => egui::gui_zoom::zoom_in(ui.ctx()),
+        Command::Smaller => egui::gui_zoom::zoom_out(ui.ctx()),
+        _ => {}
+    }
 }

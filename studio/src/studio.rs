@@ -1,17 +1,17 @@
-//! The studio itself: carries out commands. What it does by itself, frame after frame, stands in [`crate::rounds`].
+//! The studio itself: carries out commands. What concerns files stands in [`crate::filing`]; what it does by itself, frame after
+//! frame, in [`crate::rounds`].
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Instant, SystemTime};
 
-use counterpoise_project::Attachments;
 use counterpoise_project::verify::VerifiedController;
 
 use crate::command::Command;
 use crate::exporting::{ExportAsk, Library};
 use crate::files::{self, Folder};
 use crate::jobs::{self, EffortAsk, Jobs, VerifyAsk};
-use crate::journal::{self, Head, Journal};
+use crate::journal::Journal;
 use crate::measure::MeasureAsk;
 use crate::recordings::{self, LookAsk};
 use crate::results::Results;
@@ -45,6 +45,7 @@ pub struct Studio {
     pub(crate) asked: Option<(u64, Option<f64>)>,
     pub(crate) verify_at: Option<Instant>,
     pub(crate) looked: Instant,
+    pub(crate) listed: Instant,
     /// Makes the libraries of FMI units; none are made where nobody says how.
     pub library: Library,
     /// Why a project could not be opened.
@@ -63,6 +64,7 @@ impl Studio {
             asked: None,
             verify_at: None,
             looked: Instant::now(),
+            listed: Instant::now(),
             library: |_, _| None,
             refused: None,
         }
@@ -94,11 +96,18 @@ impl Studio {
             Command::Open { path } => self.open(path),
             Command::New { folder } => self.create(folder),
             Command::Close => self.leave(),
+            Command::Browse { purpose } => self.browse(*purpose),
             Command::Save => self.save(),
+            Command::SaveAs { path } => self.save_as(path),
             Command::Reload => self.reload(),
             Command::Verify => self.verify(),
             Command::Cancel => self.cancel(),
             Command::Export => self.export(),
+            Command::ExportTo { folder } => {
+                files::note_folder(&self.state, folder);
+                (self.view.out, self.view.browser) = (Some(folder.clone()), None);
+                self.export();
+            }
             Command::Measure => self.measure(MeasureAsk::Map),
             Command::Sweep => self.sweep(),
             Command::Keep { slot } => {
@@ -113,114 +122,6 @@ impl Studio {
             Command::Accept => self.accept(),
             _ => {}
         }
-    }
-
-    fn create(&mut self, folder: &Path) {
-        match files::create(folder) {
-            Ok(path) => {
-                self.open(&path);
-                self.view
-                    .say(format!("{} is a complete machine: change its numbers to your own", path.display()));
-            }
-            Err(why) => {
-                self.view.warn(why.clone());
-                self.refused = Some(why);
-            }
-        }
-    }
-
-    fn leave(&mut self) {
-        self.jobs.forget();
-        self.close();
-        (self.results, self.asked, self.verify_at) = (Results::default(), None, None);
-    }
-
-    /// Opens a project; edits that were never saved come back.
-    pub fn open(&mut self, path: &Path) {
-        let path = files::project_file(path);
-        match files::read(&path) {
-            Ok((text, attachments)) => {
-                self.leave();
-                self.begin(path, &text, attachments);
-            }
-            Err(why) => {
-                self.view.warn(why.clone());
-                self.refused = Some(why);
-            }
-        }
-    }
-
-    fn begin(&mut self, path: PathBuf, text: &str, attachments: Attachments) {
-        let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-        let mut session = Session::new(text, &name, attachments);
-        let place = journal::path_for(&self.state, &path);
-        let mut already = Vec::new();
-        if let Some(found) = journal::recover(&place) {
-            let mut before = Session::new(&found.head.text, &name, Attachments::none());
-            let good = found.commands.iter().all(|c| before.apply(c).is_ok());
-            if good && before.text() != text {
-                let replace = Command::Replace { text: before.text().to_owned() };
-                if session.apply(&replace).is_ok() {
-                    already.push(replace);
-                    let edits = found.commands.len();
-                    self.view.say(format!(
-                        "{edits} edits that were not saved are back; \"Read the file again\" leaves them"
-                    ));
-                }
-            }
-        }
-        let head = Head { project: path.clone(), text: text.to_owned() };
-        let journal = match Journal::begin(&place, &head, &already) {
-            Ok(journal) => Some(journal),
-            Err(error) => {
-                let place = place.display();
-                self.view
-                    .warn(format!("edits are not kept against a crash, {place} cannot be written: {error}"));
-                None
-            }
-        };
-        files::note_recent(&self.state, &path);
-        let modified = modified(&path);
-        self.refused = None;
-        self.opened = Some(Opened { path, session, journal, modified, changed_outside: false });
-        (self.asked, self.results) = (None, Results::default());
-    }
-
-    /// Leaves the project; its journal goes when everything is saved, and stays when not.
-    pub fn close(&mut self) {
-        if let Some(opened) = self.opened.take()
-            && !opened.session.is_changed()
-            && let Some(journal) = opened.journal
-        {
-            journal.remove();
-        }
-    }
-
-    fn save(&mut self) {
-        let Some(opened) = &mut self.opened else { return };
-        match files::write(&opened.path, opened.session.text().as_bytes()) {
-            Ok(()) => {
-                opened.session.mark_saved();
-                (opened.modified, opened.changed_outside) = (modified(&opened.path), false);
-                let head = Head { project: opened.path.clone(), text: opened.session.text().to_owned() };
-                opened.journal = None;
-                opened.journal = Journal::begin(&journal::path_for(&self.state, &opened.path), &head, &[]).ok();
-                self.view.say(format!("saved {}", opened.path.display()));
-            }
-            Err(error) => self.view.warn(format!(
-                "not saved, {} cannot be written: {error}. Nothing is lost: the edits are in the journal; make room or choose another folder, and save again",
-                opened.path.display()
-            )),
-        }
-    }
-
-    fn reload(&mut self) {
-        let Some(opened) = self.opened.take() else { return };
-        let path = opened.path.clone();
-        if let Some(journal) = opened.journal {
-            journal.remove();
-        }
-        self.open(&path);
     }
 
     fn cancel(&mut self) {
@@ -261,7 +162,7 @@ impl Studio {
 
     fn export(&mut self) {
         let Some((revision, design, verified)) = self.verified_now("not exported") else { return };
-        let out = design.folder.0.join("out");
+        let out = self.view.out.clone().unwrap_or_else(|| design.folder.0.join("out"));
         self.jobs.export.ask(revision, ExportAsk { design, verified, out, library: self.library });
     }
 
@@ -279,6 +180,10 @@ impl Studio {
     }
 
     fn record(&mut self, paths: &[PathBuf]) {
+        self.view.browser = None;
+        if let Some(folder) = paths.last().and_then(|path| path.parent()) {
+            files::note_folder(&self.state, folder);
+        }
         self.jobs.recordings = recordings::files(paths);
         (self.jobs.seen, self.jobs.diagnosed, self.jobs.diagnosed_plant) = (None, None, None);
         self.view.recording = 0;
@@ -342,8 +247,4 @@ impl Drop for Studio {
     fn drop(&mut self) {
         self.close();
     }
-}
-
-pub(crate) fn modified(path: &Path) -> Option<SystemTime> {
-    std::fs::metadata(path).and_then(|m| m.modified()).ok()
 }

@@ -103,7 +103,7 @@ fn range(chart: &Chart, axis: usize) -> (f64, f64) {
     let values = chart
         .curves
         .iter()
-        .flat_map(|c| c.points.all())
+        .flat_map(|c| c.points.all().into_owned())
         .map(|p| chart.place(axis, p[axis]))
         .filter(|v| v.is_finite());
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));

@@ -1,8 +1,10 @@
 //! What the window shows of it all: neither the project nor a result, and never undone.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 
+use crate::browser::Browser;
 use crate::chart::Chart;
 use crate::command::{Command, Evidence, Inquiry, Place, Slot};
 use crate::live::Live;
@@ -96,10 +98,10 @@ pub struct View {
     pub recording: usize,
     /// What of the diagnosis is shown.
     pub inquiry: Inquiry,
-    /// The path of recordings that is typed.
-    pub recordings_path: String,
-    /// The path that is typed where no project is open.
-    pub path: String,
+    /// Files and folders, while they are looked through.
+    pub browser: Option<Browser>,
+    /// Where code is exported to, where another folder than the usual one was chosen.
+    pub out: Option<PathBuf>,
     /// The plot that was under the pointer last.
     pub chart: Option<(Chart, egui::Rect)>,
     /// Which mode of the mechanism moves.
@@ -128,8 +130,8 @@ impl Default for View {
             palette: None,
             recording: 0,
             inquiry: Inquiry::Signals,
-            recordings_path: String::new(),
-            path: String::new(),
+            browser: None,
+            out: None,
             chart: None,
             mode: 0,
             verdict: 0,
@@ -216,6 +218,19 @@ impl View {
         match self.angle {
             AngleUnit::Milliradian => 1e3,
             AngleUnit::Degree => 1.0_f64.to_degrees(),
+        }
+    }
+
+    /// A unit of the project's, with radians as they are shown, and what a value in it is multiplied by.
+    pub fn shown_unit(&self, unit: &str) -> (String, f64) {
+        let radian = match self.angle {
+            AngleUnit::Milliradian => "mrad",
+            AngleUnit::Degree => "deg",
+        };
+        match unit {
+            "rad" => (radian.to_owned(), self.angular()),
+            "rad/s" => (self.angular_rate_unit().to_owned(), self.angular()),
+            other => (other.to_owned(), 1.0),
         }
     }
 

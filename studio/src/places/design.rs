@@ -44,7 +44,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     let view = &mut studio.view;
     view.dragging = false;
     let live = design.as_ref().map(|(live, _)| Arc::clone(live));
-    parts::side("weights", &view.theme, 312.0).show(ui, |ui| {
+    parts::side("weights", &view.theme, 326.0).show(ui, |ui| {
         egui::ScrollArea::vertical().show(ui, |ui| side(ui, view, queue, &project, live.as_ref()));
     });
     if let Some(why) = &why {
@@ -224,7 +224,7 @@ fn figures(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, live: &Live) 
     let theme = view.theme;
     theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
-        egui::Grid::new("figures").num_columns(5).min_col_width(28.0).spacing([6.0, 3.0]).show(ui, |ui| {
+        egui::Grid::new("figures").num_columns(5).min_col_width(28.0).spacing([9.0, 3.0]).show(ui, |ui| {
             ui.label("");
             ui.label(RichText::new("now").small().color(theme.weak));
             for slot in Slot::ALL {

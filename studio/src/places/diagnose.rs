@@ -1,16 +1,16 @@
 //! Diagnose: recordings against the model, what was left out, and the improved mechanism taken over.
 
-use std::path::PathBuf;
+use std::sync::Arc;
 
 use counterpoise_project::recording::Channel;
 use egui::{RichText, Ui};
 
 use super::{findings, parts};
 use crate::chart::{Chart, Curve, Dash};
-use crate::command::{Command, Inquiry};
+use crate::command::{Command, Inquiry, Purpose};
 use crate::jobs::Jobs;
-use crate::pyramid::Points;
-use crate::recordings::{self, Seen, Track};
+use crate::pyramid::{Points, Pyramid};
+use crate::recordings::{Seen, Track};
 use crate::results::Of;
 use crate::studio::{Opened, Studio};
 use crate::theme::{Theme, space};
@@ -25,7 +25,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
         egui::ScrollArea::vertical().show(ui, |ui| {
             theme.card().show(ui, |ui| {
                 ui.set_width(ui.available_width());
-                list(ui, view, queue, (jobs, opened));
+                list(ui, view, queue, jobs);
             });
             ui.add_space(space::SMALL);
             mapping(ui, view, queue, (jobs, opened));
@@ -67,7 +67,7 @@ fn tabs(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, jobs: &Jobs) {
                 queue.push(Command::Inquire { inquiry });
             }
         }
-        if let Some(Ok(found)) = &jobs.diagnosed {
+        if let (Some(Ok(found)), true) = (&jobs.diagnosed, view.inquiry != Inquiry::Findings) {
             ui.add_space(space::LARGE);
             ui.label(RichText::new(findings::sentence(found.answer.verdict)).color(view.theme.weak));
         }
@@ -75,7 +75,7 @@ fn tabs(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, jobs: &Jobs) {
 }
 
 /// The recordings, and what can be done with them.
-fn list(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, (jobs, opened): (&Jobs, &Opened)) {
+fn list(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, jobs: &Jobs) {
     let theme = view.theme;
     parts::heading(ui, "Recordings");
     let seen = jobs.seen.as_ref().map(|of| of.value.as_slice()).unwrap_or_default();
@@ -95,7 +95,7 @@ fn list(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, (jobs, opened): 
             ui.label(path.file_name().unwrap_or_default().to_string_lossy());
         }
     }
-    add(ui, view, queue, (jobs, opened));
+    add(ui, view, queue, jobs);
     ui.add_space(space::SMALL);
     let busy = jobs.diagnose.is_busy();
     ui.horizontal(|ui| {
@@ -117,34 +117,24 @@ fn list(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, (jobs, opened): 
     }
 }
 
-/// Ways to give recordings without a mouse, and those that lie beside the project.
-fn add(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, (jobs, opened): (&Jobs, &Opened)) {
-    let theme = view.theme;
-    let label = ui.label(
-        RichText::new("Drop files or a folder onto the window, or type a path:").small().color(theme.weak),
-    );
+/// Ways to give recordings beside dropping them.
+fn add(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, jobs: &Jobs) {
+    if jobs.recordings.is_empty() {
+        ui.label(RichText::new("Drop files or a folder onto the window, or").small().color(view.theme.weak));
+    }
     ui.horizontal(|ui| {
-        let field = egui::TextEdit::singleline(&mut view.recordings_path).desired_width(220.0);
-        let field = ui.add(field.hint_text("file or folder")).labelled_by(label.id);
-        let entered = field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
-        let typed = view.recordings_path.trim();
-        let ready = !typed.is_empty() && std::path::Path::new(typed).exists();
-        if ui.add_enabled(ready, egui::Button::new("Add")).clicked() || (entered && ready) {
-            let paths = jobs.recordings.iter().cloned().chain([PathBuf::from(typed)]).collect();
-            queue.push(Command::Recordings { paths });
-            view.recordings_path.clear();
+        if ui.button("Add\u{2026}").on_hover_text("look for recordings (Ctrl+R)").clicked() {
+            queue.push(Command::Browse { purpose: Purpose::Recordings });
+        }
+        let text = format!("Take the {} beside the project", jobs.beside.len());
+        if !jobs.recordings.is_empty() {
+            if ui.button("Remove all").clicked() {
+                queue.push(Command::Recordings { paths: Vec::new() });
+            }
+        } else if !jobs.beside.is_empty() && ui.button(text).clicked() {
+            queue.push(Command::Recordings { paths: jobs.beside.clone() });
         }
     });
-    if jobs.recordings.is_empty() {
-        let folder = opened.path.parent().unwrap_or(std::path::Path::new(".")).to_owned();
-        let beside = recordings::files(std::slice::from_ref(&folder));
-        let text = format!("Take the {} beside the project", beside.len());
-        if !beside.is_empty() && ui.button(text).clicked() {
-            queue.push(Command::Recordings { paths: beside });
-        }
-    } else if ui.small_button("Remove all").clicked() {
-        queue.push(Command::Recordings { paths: Vec::new() });
-    }
 }
 
 /// Which column of the chosen recording is which channel.
@@ -236,12 +226,12 @@ fn channels(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, jobs: &Jobs)
     let room = parts::room(ui);
     let columns = if drawn.len() > 4 { 2 } else { 1 };
     for (cell, track) in parts::grid(room, drawn.len(), columns).iter().zip(drawn) {
-        let chart = if errors { error_chart(&theme, track) } else { signal_chart(&theme, track) };
+        let chart = if errors { error_chart(view, track) } else { signal_chart(view, track) };
         parts::chart(ui, view, queue, *cell, &chart);
     }
 }
 
-fn titled(track: &Track) -> Chart {
+fn titled(view: &View, track: &Track) -> (Chart, f64) {
     let name = track.channel.replace('_', " ");
     let mut title = name.clone();
     if let (Some(model), Some(floor)) = (&track.model, track.floor) {
@@ -250,32 +240,36 @@ fn titled(track: &Track) -> Chart {
             title = format!("{title}, {:.2} with the diagnosis", improved.rms / floor);
         }
     }
-    Chart::new(&title, "time, s", &format!("{name}, {}", track.unit)).grouped("recording")
+    let (unit, factor) = view.shown_unit(track.unit);
+    (Chart::new(&title, "time, s", &format!("{name}, {unit}")).grouped("recording"), factor)
 }
 
-fn long(name: &str, theme: &Theme, k: usize, pyramid: &std::sync::Arc<crate::pyramid::Pyramid>) -> Curve {
-    let points = Points::Many(std::sync::Arc::clone(pyramid));
+/// A long curve, its values multiplied to be shown.
+fn long(name: &str, theme: &Theme, k: usize, (pyramid, factor): (&Arc<Pyramid>, f64)) -> Curve {
+    let points = Points::Many(Arc::clone(pyramid), factor);
     Curve { name: name.to_owned(), points, colour: theme.curves[k], dash: Dash::Solid }
 }
 
-fn signal_chart(theme: &Theme, track: &Track) -> Chart {
-    let mut chart = titled(track).with(long("measured", theme, 1, &track.measured));
+fn signal_chart(view: &View, track: &Track) -> Chart {
+    let (mut chart, factor) = titled(view, track);
+    let theme = &view.theme;
+    chart = chart.with(long("measured", theme, 1, (&track.measured, factor)));
     if let Some(model) = &track.model {
-        chart = chart.with(long("model", theme, 0, &model.signal));
+        chart = chart.with(long("model", theme, 0, (&model.signal, factor)));
     }
     if let Some(improved) = &track.improved {
-        chart = chart.with(long("with the diagnosis", theme, 2, &improved.signal));
+        chart = chart.with(long("with the diagnosis", theme, 2, (&improved.signal, factor)));
     }
     chart
 }
 
-fn error_chart(theme: &Theme, track: &Track) -> Chart {
-    let mut chart = titled(track);
+fn error_chart(view: &View, track: &Track) -> Chart {
+    let (mut chart, factor) = titled(view, track);
     if let Some(model) = &track.model {
-        chart = chart.with(long("model", theme, 0, &model.error));
+        chart = chart.with(long("model", &view.theme, 0, (&model.error, factor)));
     }
     if let Some(improved) = &track.improved {
-        chart = chart.with(long("with the diagnosis", theme, 2, &improved.error));
+        chart = chart.with(long("with the diagnosis", &view.theme, 2, (&improved.error, factor)));
     }
     chart
 }

@@ -72,7 +72,7 @@ fn fit(ui: &mut Ui, theme: &Theme, answer: &Answer) {
         }
         ui.end_row();
         for (channel, before) in &answer.fit.before {
-            ui.label(channel.to_string());
+            ui.label(channel.replace('_', " "));
             ui.label(parts::short(before.floor));
             ui.label(parts::short(before.rms_error));
             for table in [&answer.fit.after, &answer.fit.held_out_after] {

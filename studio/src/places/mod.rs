@@ -6,6 +6,7 @@
 //! 3. Show numbers of the project by [`parts::number`]: unit, range and meaning come from the project file's own reference.
 //! 4. Say in place what is missing and how to get it ([`parts::empty`]), never with a blank.
 
+pub mod browse;
 pub mod consequences;
 pub mod design;
 pub mod diagnose;

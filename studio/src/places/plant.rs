@@ -333,7 +333,8 @@ fn response(view: &View, live: &Live) -> Chart {
 
 /// Steady friction over the rate, of the motor (brought to the hub) and of the pivot.
 fn friction(view: &View, plant: &Parameters) -> Chart {
-    let mut chart = Chart::new("Friction at the hub", "hub rate, mrad/s", "torque, N m");
+    let label = format!("hub rate, {}", view.angular_rate_unit());
+    let mut chart = Chart::new("Friction at the hub", &label, "torque, N m");
     let ratio = plant.gearbox.ratio;
     let parts = [
         ("pivot", &plant.pivot_friction, 1.0, Dash::Solid),
@@ -343,7 +344,7 @@ fn friction(view: &View, plant: &Parameters) -> Chart {
         let Ok(model) = FrictionModel::new(friction) else { continue };
         let point = |j: i32| {
             let rate = f64::from(j) * 1e-3;
-            [1e3 * rate, n * model.steady(n * rate)]
+            [view.angular() * rate, n * model.steady(n * rate)]
         };
         chart = chart.curve(name, view.theme.curves[k], dash, (-200..=200).map(point).collect());
     }

@@ -13,7 +13,7 @@ use crate::chart::{Chart, Dash, Scale};
 use crate::command::Command;
 use crate::live::Live;
 use crate::studio::Studio;
-use crate::theme::{Theme, space};
+use crate::theme::space;
 use crate::view::View;
 
 const METHODS: [(&str, ReductionMethod, &str); 4] = [
@@ -141,7 +141,7 @@ fn side(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, live: &Live, cho
     ui.add_space(space::SMALL);
     theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
-        orders(ui, &theme, queue, (live, chosen));
+        orders(ui, view, queue, (live, chosen));
     });
     ui.add_space(space::SMALL);
     let seen = portrait(ui, live);
@@ -152,7 +152,8 @@ fn side(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, live: &Live, cho
 }
 
 /// Orders to choose from, and what the present one costs.
-fn orders(ui: &mut Ui, theme: &Theme, queue: &mut Vec<Command>, (live, chosen): (&Live, ReductionMethod)) {
+fn orders(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, (live, chosen): (&Live, ReductionMethod)) {
+    let theme = view.theme;
     let before = live.reduced.order_before;
     parts::heading(ui, "Order");
     let ordered = matches!(chosen, ReductionMethod::Balanced | ReductionMethod::Modal);
@@ -175,11 +176,17 @@ fn orders(ui: &mut Ui, theme: &Theme, queue: &mut Vec<Command>, (live, chosen): 
     figure(
         ui,
         "largest error",
-        live.reduced.error.map(|(e, w)| format!("{} at {} rad/s", parts::short(e), parts::short(w))),
+        live.reduced.error.map(|(e, w)| at(view, e, w)),
     );
     live.reduced.warnings.iter().for_each(|w| {
         ui.label(RichText::new(w).small().color(theme.warn));
     });
+}
+
+/// An error with the frequency where it stands.
+fn at(view: &View, error: f64, rate_rad_s: f64) -> String {
+    let unit = view.rate_label().trim_start_matches("frequency, ");
+    format!("{} at {} {unit}", parts::short(error), parts::short(view.rate(rate_rad_s)))
 }
 
 /// The poles of the full plant, slow ones first; a click keeps the states down to there.

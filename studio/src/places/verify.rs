@@ -7,7 +7,7 @@ use egui::{RichText, Ui};
 
 use super::{design::bode, parts, robustness};
 use crate::chart::{Chart, Dash};
-use crate::command::{Command, Evidence};
+use crate::command::{Command, Evidence, Purpose};
 use crate::results::Standing;
 use crate::studio::Studio;
 use crate::theme::{Theme, space};
@@ -56,8 +56,12 @@ fn actions(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, standing: Standin
             queue.push(Command::Verify);
         }
         let export = ui.add_enabled(standing == Standing::Whole, egui::Button::new("Export code"));
-        if export.on_hover_text("Ctrl+E: into the folder out beside the project").clicked() {
+        if export.on_hover_text("Ctrl+E: into the folder that was chosen last, or out beside the project").clicked() {
             queue.push(Command::Export);
+        }
+        let elsewhere = ui.add_enabled(standing == Standing::Whole, egui::Button::new("Export into\u{2026}"));
+        if elsewhere.on_hover_text("Ctrl+Shift+E: into another folder").clicked() {
+            queue.push(Command::Browse { purpose: Purpose::Export });
         }
         match standing {
             Standing::Whole => {}
@@ -99,15 +103,37 @@ fn row(ui: &mut Ui, theme: &Theme, (requirement, verdict): (&Requirement, &Verdi
         Limit::AtLeast(_) => "\u{2265}",
         Limit::AtMost(_) => "\u{2264}",
     };
-    let figure = requirement.figure.unit();
-    let limit = format!("{value} {sign} {} {figure}", parts::short(requirement.limit.value()));
-    let width = ui.available_width();
-    let text = format!("{mark}  {}", requirement.figure.name());
-    let button = egui::Button::selectable(chosen, RichText::new(text).color(colour))
-        .right_text(RichText::new(limit).small().color(theme.text))
+    let (figure, unit) = (requirement.figure.name(), requirement.figure.unit());
+    let limit = format!("{value} {sign} {} {unit}", parts::short(requirement.limit.value()));
+    let (right, tint) = match verdict {
+        Verdict::Holds { .. } => (limit.clone(), theme.text),
+        _ => (format!("{mark}   {limit}"), colour),
+    };
+    let dot = egui::IdSalt::new("verdict");
+    let atoms = (egui::Atom::custom(dot, egui::Vec2::splat(8.0)), named(&figure, theme));
+    let button = egui::Button::selectable(chosen, atoms)
+        .right_text(RichText::new(right.trim_end()).small().color(tint))
         .truncate()
-        .min_size(egui::vec2(width, 24.0));
-    ui.add(button).on_hover_text(requirement.figure.name()).clicked()
+        .min_size(egui::vec2(ui.available_width(), 24.0));
+    let shown = button.atom_ui(ui);
+    if let Some(at) = shown.rect(dot) {
+        ui.painter().circle_filled(at.center(), 4.0, colour);
+    }
+    let said = format!("{mark}: {figure}, {limit}");
+    shown.response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, chosen, said.clone()));
+    shown.response.on_hover_text(figure.as_ref() as &str).clicked()
+}
+
+/// The name of a figure; where it has several parts, the first over the others.
+fn named(figure: &str, theme: &Theme) -> egui::text::LayoutJob {
+    let format = |size, colour| egui::TextFormat::simple(egui::FontId::proportional(size), colour);
+    let mut job = egui::text::LayoutJob::default();
+    let (head, rest) = figure.split_once(", ").unwrap_or((figure, ""));
+    job.append(head, 0.0, format(13.0, theme.text));
+    if !rest.is_empty() {
+        job.append(&format!("\n{rest}"), 0.0, format(11.0, theme.weak));
+    }
+    job
 }
 
 /// What a figure is read from.
