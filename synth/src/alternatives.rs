@@ -109,7 +109,12 @@ pub fn generalised(plant: &DesignPlant, weights: &FeedbackWeights) -> Result<Gen
     let sum = Mat::from_rows(&[&[1.0, 1.0, 0.0], &[0.0, 0.0, 1.0], &[1.0, 1.0, 0.0]]);
     let summed = series(&passed, &StateSpace::gain(sum, Timebase::Continuous)?)?;
     let weighted = series(&summed, &append(&textbook(&weights.error).realise()?, &wires(2)?)?)?;
-    Generalised::new(weighted, 1, 1)
+    let of_error = weighted.order() - inverse.order() - seen.order();
+    Generalised::new(weighted, 1, 1)?.of_blocks(&[
+        ("the control weight", inverse.order()),
+        ("the plant", seen.order()),
+        ("the error weight", of_error),
+    ])
 }
 
 /// The error weight with its poles on the axis moved off it, and strictly proper.

@@ -151,6 +151,18 @@ pub enum Cause {
     /// The demand would enter the error weight's states, of which there are none.
     #[error("the demand would enter the error weight's states, of which there are none")]
     ReferenceWithoutStates,
+    /// A mode of a generalised plant that one side of the problem does not meet.
+    #[error("{} (relative distance {distance:.1e})", from.sentence(*mode, block))]
+    ModeHidden {
+        /// Its eigenvalue.
+        mode: C64,
+        /// Relative distance from being met.
+        distance: f64,
+        /// What does not meet it.
+        from: Hidden,
+        /// The block that it lives in.
+        block: String,
+    },
     /// A matrix equation without a stabilising solution.
     #[error("{what} has no stabilising solution: {reason}")]
     Equation {
@@ -160,11 +172,17 @@ pub enum Cause {
         reason: String,
     },
     /// A control without weight: D12 lacks full column rank.
-    #[error("a control has no weight (D12 lacks full column rank)")]
-    ControlUnweighed,
+    #[error("control {control} has no weight of its own (D12 lacks full column rank)")]
+    ControlUnweighed {
+        /// Its number, from 1: the one with most of the direction that is free.
+        control: usize,
+    },
     /// A measurement without noise: D21 lacks full row rank.
-    #[error("a measurement has no noise (D21 lacks full row rank)")]
-    MeasurementNoiseless,
+    #[error("measurement {measurement} has no noise of its own (D21 lacks full row rank)")]
+    MeasurementNoiseless {
+        /// Its number, from 1: the one with most of the direction that is free of noise.
+        measurement: usize,
+    },
     /// White noise reaches the weighted outputs directly: D11 is not zero.
     #[error("white noise reaches the weighted outputs directly (D11 up to {gain:.3e}): infinite cost")]
     NoiseReachesCost {
@@ -185,6 +203,52 @@ pub enum Cause {
         /// Sample period, s.
         period_s: f64,
     },
+}
+
+/// What does not meet a mode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Hidden {
+    /// No control reaches it, and it is not stable.
+    Control,
+    /// No measurement shows it, and it is not stable.
+    Measurement,
+    /// No weighted output shows it, and it lies on the stability boundary.
+    Cost,
+    /// No disturbance and no noise excites it, and it lies on the stability boundary.
+    Noise,
+}
+
+impl Hidden {
+    fn sentence(self, mode: C64, block: &str) -> String {
+        let at = if mode.im == 0.0 {
+            format!("the mode {:.6} of {block}", mode.re)
+        } else {
+            format!("the mode {:.6} +/- {:.6}j of {block}", mode.re, mode.im.abs())
+        };
+        match self {
+            Hidden::Control => format!("no control reaches {at}, which is not stable"),
+            Hidden::Measurement => format!("no measurement shows {at}, which is not stable"),
+            Hidden::Cost => format!("no weighted output shows {at}, which lies on the stability boundary"),
+            Hidden::Noise => {
+                format!("no disturbance or noise excites {at}, which lies on the stability boundary")
+            }
+        }
+    }
+
+    fn suggestion(self) -> &'static str {
+        match self {
+            Hidden::Control => {
+                "let a control act on it, or leave it out; a block that is there twice is connected once, by name"
+            }
+            Hidden::Measurement => {
+                "measure it, or leave it out; a block that is there twice is connected once, by name"
+            }
+            Hidden::Cost => "weigh an output that shows it, or move a weight's pole off the axis",
+            Hidden::Noise => {
+                "let a disturbance excite it, if only a little, or move a weight's pole off the axis"
+            }
+        }
+    }
 }
 
 impl Cause {
@@ -252,11 +316,12 @@ impl Cause {
             Cause::ReferenceWithoutStates => {
                 "let the demand enter through the error, or use an error weight with a pole"
             }
+            Cause::ModeHidden { from, .. } => from.suggestion(),
             Cause::Equation { .. } => {
                 "give the mode named an input, a sensor, a weight or a noise; a block that is there twice is connected once, by name"
             }
-            Cause::ControlUnweighed => "weigh every control, if only lightly",
-            Cause::MeasurementNoiseless => "give every measurement a noise, if only a small one",
+            Cause::ControlUnweighed { .. } => "weigh every control, if only lightly",
+            Cause::MeasurementNoiseless { .. } => "give every measurement a noise, if only a small one",
             Cause::NoiseReachesCost { .. } => "let the noise pass a filter, or the weighted output one",
             Cause::NoBoundReached { .. } => {
                 "look for a mode on the axis that no control reaches or no measurement shows"

@@ -2,7 +2,7 @@
 
 use counterpoise_lti::linalg::{Svd, svd};
 use counterpoise_lti::scaling::balance;
-use counterpoise_lti::{Mat, StateSpace, Timebase, lft};
+use counterpoise_lti::{Mat, Named, StateSpace, Timebase, connect, lft};
 
 use crate::cause::Cause;
 use crate::finding::{Finding, Part};
@@ -23,6 +23,8 @@ pub struct Generalised {
     pub controls: usize,
     /// Number of measurements y, the last outputs.
     pub measurements: usize,
+    /// Names of the blocks whose states these are, each with its number of states, in order; may be empty.
+    pub origins: Vec<(String, usize)>,
 }
 
 /// A singular value of D12 or D21 below this, relative to the largest, counts as zero.
@@ -41,9 +43,29 @@ pub(crate) struct Blocks {
     pub D22: Mat,
     /// Physical state = scale x scaled state, powers of two.
     pub scale: Vec<f64>,
+    /// As [`Generalised::origins`].
+    pub origins: Vec<(String, usize)>,
 }
 
 impl Blocks {
+    /// The name of the block with most of a direction, of which the moduli are given, an entry a state; without names
+    /// the state with most of it.
+    pub fn block_of(&self, moduli: &[f64]) -> String {
+        let mut shares: Vec<(f64, String)> = Vec::new();
+        let mut from = 0;
+        for (name, count) in &self.origins {
+            let share: f64 = moduli.iter().skip(from).take(*count).map(|x| x * x).sum();
+            shares.push((share, name.clone()));
+            from += count;
+        }
+        let unnamed = moduli.iter().enumerate().skip(from);
+        shares.extend(unnamed.map(|(k, x)| (x * x, format!("state {}", k + 1))));
+        // Of equal shares, a block that is there twice say, the first.
+        let largest = shares.iter().map(|share| share.0).fold(0.0, f64::max);
+        let most = shares.into_iter().find(|share| share.0 >= largest * (1.0 - 1e-6));
+        most.map_or_else(|| "the plant".to_owned(), |share| share.1)
+    }
+
     /// A controller whose states estimate the scaled states, with states that estimate the plant's own: exact.
     pub fn in_plant_states(&self, K: StateSpace) -> StateSpace {
         let T = &self.scale;
@@ -68,7 +90,34 @@ impl Generalised {
         };
         within("control", controls, system.inputs())?;
         within("measurement", measurements, system.outputs())?;
-        Ok(Self { system, controls, measurements })
+        Ok(Self { system, controls, measurements, origins: Vec::new() })
+    }
+
+    /// With the blocks named that the states belong to, each with its number of states, in order: refusals name them.
+    ///
+    /// # Errors
+    /// [`Error::Index`] where the blocks have more states than the plant.
+    pub fn of_blocks(self, blocks: &[(&str, usize)]) -> Result<Self, Error> {
+        let (index, count) = (blocks.iter().map(|block| block.1).sum(), self.system.order());
+        if index > count {
+            return Err(Error::Index { what: "last state of the named blocks", index, count });
+        }
+        Ok(Self { origins: blocks.iter().map(|(name, n)| ((*name).to_owned(), *n)).collect(), ..self })
+    }
+
+    /// The plant of named blocks wired by name ([`counterpoise_lti::connect`]): `inputs` with the controls last,
+    /// `outputs` with the measurements last. Refusals name the blocks.
+    ///
+    /// # Errors
+    /// As [`counterpoise_lti::connect`] and [`Generalised::new`].
+    pub fn by_name(
+        blocks: &[(&str, Named)],
+        (inputs, controls): (&[&str], usize),
+        (outputs, measurements): (&[&str], usize),
+    ) -> Result<Self, Error> {
+        let systems: Vec<Named> = blocks.iter().map(|block| block.1.clone()).collect();
+        let names: Vec<(&str, usize)> = blocks.iter().map(|(name, b)| (*name, b.system.order())).collect();
+        Self::new(connect(&systems, inputs, outputs)?, controls, measurements)?.of_blocks(&names)
     }
 
     /// The closed loop from w to z with the controller u = K y.
@@ -95,6 +144,7 @@ impl Generalised {
             D22: system.D.block(z, w, y, u),
             A: system.A,
             scale,
+            origins: self.origins.clone(),
         }
     }
 
@@ -102,24 +152,31 @@ impl Generalised {
     pub(crate) fn regular(&self) -> Result<Outcome<()>, Error> {
         let blocks = self.blocks();
         let mut findings = Vec::new();
-        for (matrix, needed, cause) in [
-            (&blocks.D12, self.controls, Cause::ControlUnweighed),
-            (&blocks.D21, self.measurements, Cause::MeasurementNoiseless),
-        ] {
-            if rank(matrix)? < needed {
-                findings.push(Finding::refusal(Part::Generalised, cause).at(f64::INFINITY));
-            }
+        let mut refuse = |cause| findings.push(Finding::refusal(Part::Generalised, cause).at(f64::INFINITY));
+        if let Some(column) = lost_column(&blocks.D12)? {
+            refuse(Cause::ControlUnweighed { control: column + 1 });
+        }
+        if let Some(row) = lost_column(&blocks.D21.t())? {
+            refuse(Cause::MeasurementNoiseless { measurement: row + 1 });
         }
         Ok(if findings.is_empty() { Outcome::Solved(()) } else { Outcome::Infeasible(findings) })
     }
 }
 
-fn rank(matrix: &Mat) -> Result<usize, Error> {
-    if matrix.norm_max() == 0.0 {
-        return Ok(0);
+/// Of a matrix without full column rank the column with most of what it sends to zero.
+fn lost_column(matrix: &Mat) -> Result<Option<usize>, Error> {
+    let columns = matrix.ncols();
+    if columns == 0 {
+        return Ok(None);
     }
-    let Svd { s, .. } = svd(matrix)?;
-    Ok(s.iter().filter(|value| **value > FULL_RANK * s[0]).count())
+    // Rows of zeros, so that every right singular vector is there.
+    let tall = matrix.vstack(&Mat::zeros(columns, columns));
+    let Svd { s, V, .. } = svd(&tall)?;
+    if s[columns - 1] > FULL_RANK * s[0] {
+        return Ok(None);
+    }
+    let size = |j: &usize| V[(*j, columns - 1)].abs();
+    Ok((0..columns).max_by(|i, j| size(i).total_cmp(&size(j))))
 }
 
 /// K0 designed for D22 = 0, put around a plant with D22: K0 inv(I + D22 K0).

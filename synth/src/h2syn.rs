@@ -4,9 +4,10 @@ use counterpoise_lti::linalg::care;
 use counterpoise_lti::{C64, Mat, StateSpace, Timebase, h2norm};
 
 use crate::cause::Cause;
-use crate::certificate::{Equation, riccati};
+use crate::certificate::Equation;
 use crate::finding::{Finding, Part};
 use crate::generalised::{Blocks, Generalised, around_direct_path};
+use crate::origin::{Of, solved};
 use crate::{Error, Outcome};
 
 /// An H2 controller with its certificates.
@@ -56,11 +57,11 @@ pub fn h2syn(plant: &Generalised) -> Result<Outcome<H2>, Error> {
     let (SX, SY) = (&P.C1.t() * &P.D12, &P.B1 * &P.D21.t());
     let X = care(&P.A, &P.B2, &(&P.C1.t() * &P.C1), &R, Some(&SX))?;
     let Y = care(&P.A.t(), &P.C2.t(), &(&P.B1 * &P.B1.t()), &V, Some(&SY))?;
-    let X = match riccati("the regulator's equation", Part::Generalised, X) {
+    let X = match solved(&P, Of::Regulator, X)? {
         Outcome::Solved(solution) => solution,
         Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
     };
-    let Y = match riccati("the filter's equation", Part::Generalised, Y) {
+    let Y = match solved(&P, Of::Filter, Y)? {
         Outcome::Solved(solution) => solution,
         Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
     };

@@ -225,6 +225,7 @@ impl Normal {
                 D22: P.D22,
                 A: P.A,
                 scale: P.scale,
+                origins: P.origins,
             },
             U,
             Y,

@@ -56,6 +56,7 @@ pub mod h2syn;
 pub mod hinfsyn;
 pub mod lqg;
 pub mod observer;
+mod origin;
 pub mod outcome;
 pub mod plant;
 pub mod preflight;
@@ -68,7 +69,7 @@ pub mod weight;
 
 pub use adaptation::{Adaptive, Estimation, Recursive, RecursiveSettings, WindowedMean};
 pub use alternatives::{Alternative, Method, alternative};
-pub use cause::Cause;
+pub use cause::{Cause, Hidden};
 pub use certificate::{Cost, Equation};
 pub use design::{Design, design};
 pub use discretise::{Sampled, Sampling, check, discretise, sampled_loop};

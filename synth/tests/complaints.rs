@@ -2,7 +2,7 @@
 //! reason, searches that hang where nothing is feasible.
 #![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
 
-use counterpoise_lti::{Mat, Named, StateSpace, Timebase, connect, poles, series};
+use counterpoise_lti::{Mat, Named, StateSpace, Timebase, poles, series};
 use counterpoise_synth::{Generalised, Outcome, h2syn, hinfsyn};
 
 const CONTINUOUS: Timebase = Timebase::Continuous;
@@ -13,14 +13,22 @@ fn first_order(pole: f64, gain: f64) -> StateSpace {
 }
 
 /// An unstable plant (its pole at +2) whose output is judged by two weights and measured with noise.
-fn by_name() -> StateSpace {
+fn by_name() -> Generalised {
     let plant = Named::new(first_order(2.0, 1.0), &["drive"], &["rate"]).unwrap();
     let drive = Named::sum("drive", &[(1.0, "u"), (1.0, "w")], CONTINUOUS).unwrap();
     let slow = Named::new(first_order(-0.1, 3.0), &["rate"], &["z1"]).unwrap();
     let fast = Named::new(first_order(-40.0, 10.0), &["rate"], &["z2"]).unwrap();
     let effort = Named::sum("z3", &[(1.0, "u")], CONTINUOUS).unwrap();
     let sensor = Named::sum("y", &[(1.0, "rate"), (0.1, "n")], CONTINUOUS).unwrap();
-    connect(&[plant, drive, slow, fast, effort, sensor], &["w", "n", "u"], &["z1", "z2", "z3", "y"]).unwrap()
+    let blocks = [
+        ("plant", plant),
+        ("sum of the drive", drive),
+        ("slow weight", slow),
+        ("fast weight", fast),
+        ("effort", effort),
+        ("sensor", sensor),
+    ];
+    Generalised::by_name(&blocks, (&["w", "n", "u"], 1), (&["z1", "z2", "z3", "y"], 1)).unwrap()
 }
 
 /// The same written as other tools stack it: each row with a plant of its own.
@@ -44,9 +52,8 @@ fn causes<T>(outcome: &Outcome<T>) -> Vec<String> {
 
 #[test]
 fn blocks_connected_by_name_share_their_plant() {
-    let system = by_name();
-    assert_eq!(system.order(), 3, "the plant's state is there once");
-    let plant = Generalised::new(system, 1, 1).unwrap();
+    let plant = by_name();
+    assert_eq!(plant.system.order(), 3, "the plant's state is there once");
     let Outcome::Solved(h2) = h2syn(&plant).unwrap() else { panic!("H2 has a solution") };
     assert!(poles(&plant.close(&h2.controller).unwrap()).unwrap().iter().all(|pole| pole.re < 0.0));
     let Outcome::Solved(hinf) = hinfsyn(&plant, 1e-3).unwrap() else { panic!("H-infinity has a solution") };
@@ -55,12 +62,12 @@ fn blocks_connected_by_name_share_their_plant() {
 
 #[test]
 fn blocks_stacked_with_a_plant_each_are_refused_with_the_mode_that_is_there_thrice() {
-    let plant = Generalised::new(stacked(), 1, 1).unwrap();
+    let copies = [("copy 1", 1), ("slow weight", 1), ("copy 2", 1), ("fast weight", 1), ("copy 3", 1)];
+    let plant = Generalised::new(stacked(), 1, 1).unwrap().of_blocks(&copies).unwrap();
     for found in [causes(&h2syn(&plant).unwrap()), causes(&hinfsyn(&plant, 1e-3).unwrap())] {
         assert!(
-            found
-                .iter()
-                .any(|text| text.contains("the mode 2.000000 is not stable and the input does not reach it")),
+            found.iter().any(|text| text.contains("no control reaches the mode 2.000000 of copy")
+                && text.contains("not stable")),
             "{found:?}"
         );
     }

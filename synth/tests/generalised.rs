@@ -191,13 +191,17 @@ fn broken_conditions_are_named() {
     let (B, C) = (rows(&[&[1.0, 0.0, 1.0]]), rows(&[&[1.0], &[0.0], &[1.0]]));
     let D = |d12: f64, d21: f64, d11: f64| rows(&[&[d11, 0.0, 0.0], &[0.0, 0.0, d12], &[0.0, d21, 0.0]]);
     let cause = |D: &Mat| h2syn(&generalised([&A, &B, &C, D], 1, 1)).unwrap().findings()[0].cause.clone();
-    assert_eq!(cause(&D(0.0, 1.0, 0.0)), Cause::ControlUnweighed);
-    assert_eq!(cause(&D(1.0, 0.0, 0.0)), Cause::MeasurementNoiseless);
+    assert_eq!(cause(&D(0.0, 1.0, 0.0)), Cause::ControlUnweighed { control: 1 });
+    assert_eq!(cause(&D(1.0, 0.0, 0.0)), Cause::MeasurementNoiseless { measurement: 1 });
     assert_eq!(cause(&D(1.0, 1.0, 0.5)), Cause::NoiseReachesCost { gain: 0.5 });
     let unreachable =
         generalised([&rows(&[&[1.0]]), &rows(&[&[1.0, 0.0, 0.0]]), &C, &D(1.0, 1.0, 0.0)], 1, 1);
     let outcome = h2syn(&unreachable).unwrap();
-    assert!(outcome.findings()[0].to_string().contains("input does not reach"), "{:?}", outcome.findings());
+    assert!(
+        outcome.findings()[0].to_string().contains("no control reaches the mode 1.000000 of state 1"),
+        "{:?}",
+        outcome.findings()
+    );
     let at_any_bound = hinfsyn(&unreachable, 1e-3).unwrap();
     assert!(
         at_any_bound.findings()[0].to_string().contains("the mode 1.000000"),

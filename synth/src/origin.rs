@@ -1,0 +1,99 @@
+//! Where in a generalised plant the mode lives that leaves a Riccati equation without a solution.
+
+use counterpoise_lti::linalg::{self, Reason, svd};
+use counterpoise_lti::{C64, Mat};
+
+use crate::cause::{Cause, Hidden};
+use crate::finding::{Finding, Part};
+use crate::generalised::Blocks;
+use crate::{Error, Outcome};
+
+/// Which of the two equations of an output-feedback design.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Of {
+    /// The state feedback's.
+    Regulator,
+    /// The observer's.
+    Filter,
+}
+
+impl Of {
+    fn text(self) -> &'static str {
+        match self {
+            Of::Regulator => "the regulator's equation",
+            Of::Filter => "the filter's equation",
+        }
+    }
+}
+
+/// The solution of one of the two equations, or the finding with the mode that is in the way and the block it lives in.
+pub(crate) fn solved(
+    P: &Blocks,
+    of: Of,
+    outcome: linalg::Outcome<linalg::Riccati>,
+) -> Result<Outcome<linalg::Riccati>, Error> {
+    let reason = match outcome {
+        linalg::Outcome::Solved(solution) => return Ok(Outcome::Solved(solution)),
+        linalg::Outcome::Infeasible(reason) => reason,
+    };
+    let (cause, rate) = match reason {
+        Reason::Uncontrollable { mode, distance } => {
+            let from = if of == Of::Regulator { Hidden::Control } else { Hidden::Measurement };
+            (hidden(P, mode, distance, from)?, Some(mode.norm()))
+        }
+        Reason::Unobservable { mode, distance } => {
+            let from = if of == Of::Regulator { Hidden::Cost } else { Hidden::Noise };
+            (hidden(P, mode, distance, from)?, Some(mode.norm()))
+        }
+        Reason::OnBoundary { eigenvalue, .. } => (unsolved(of, &reason), Some(eigenvalue.norm())),
+        Reason::Inaccurate { hardest, .. } => (unsolved(of, &reason), hardest.map(|(mode, _)| mode.norm())),
+        Reason::NoGraph | Reason::SingularWeight { .. } => (unsolved(of, &reason), None),
+    };
+    let finding = Finding { rate_rad_s: rate, ..Finding::refusal(Part::Generalised, cause) };
+    Ok(Outcome::Infeasible(vec![finding]))
+}
+
+fn unsolved(of: Of, reason: &Reason) -> Cause {
+    Cause::Equation { what: of.text(), reason: reason.to_string() }
+}
+
+fn hidden(P: &Blocks, mode: C64, distance: f64, from: Hidden) -> Result<Cause, Error> {
+    Ok(Cause::ModeHidden { mode, distance, from, block: P.block_of(&direction(P, mode, from)?) })
+}
+
+/// The moduli of the mode's direction, an entry a state: a left eigenvector that the inputs do not reach or a right one
+/// that the outputs do not show.
+fn direction(P: &Blocks, mode: C64, from: Hidden) -> Result<Vec<f64>, Error> {
+    match from {
+        Hidden::Control => missed(&P.A.t(), &P.B2.t(), mode),
+        Hidden::Measurement => missed(&P.A, &P.C2, mode),
+        Hidden::Cost => {
+            let (A, C) = without(&P.A, &P.B2, &P.C1, &P.D12)?;
+            missed(&A, &C, mode)
+        }
+        Hidden::Noise => {
+            let (A, C) = without(&P.A.t(), &P.C2.t(), &P.B1.t(), &P.D21.t())?;
+            missed(&A, &C, mode)
+        }
+    }
+}
+
+/// `A - B D^+ C` and `(I - D D^+) C`: what is left where the input cancels what it can of the output.
+fn without(A: &Mat, B: &Mat, C: &Mat, D: &Mat) -> Result<(Mat, Mat), Error> {
+    let cancelled = linalg::solve(&(&D.t() * D), &(&D.t() * C))?;
+    Ok((A - &(B * &cancelled), C - &(D * &cancelled)))
+}
+
+/// The moduli of the `x` with `[A - mode I; C] x` nearest to zero, scaled to a sum of squares of 1.
+fn missed(A: &Mat, C: &Mat, mode: C64) -> Result<Vec<f64>, Error> {
+    let n = A.nrows();
+    let shifted = A - &Mat::eye(n).scale(mode.re);
+    let turned = Mat::eye(n).scale(mode.im);
+    let nothing = Mat::zeros(C.nrows(), n);
+    // The complex matrix as a real one of twice the size; each complex direction is there twice, either will do.
+    let real =
+        Mat::from_blocks(&[&[&shifted, &turned], &[&-&turned, &shifted], &[C, &nothing], &[&nothing, C]]);
+    let V = svd(&real)?.V;
+    let last = V.ncols() - 1;
+    Ok((0..n).map(|i| V[(i, last)].hypot(V[(n + i, last)])).collect())
+}
