@@ -4,10 +4,11 @@
 //! writes; the window never waits for a disk.
 
 use std::fs::{self, File};
-use std::io::{self, BufRead, BufReader, Write};
+use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
@@ -105,17 +106,45 @@ impl Drop for Journal {
     }
 }
 
-/// Writes what comes, at once; then waits until the disk has it.
+/// How long to wait before a write that failed is tried again.
+const AGAIN: Duration = Duration::from_millis(500);
+
+/// Writes what comes, at once; then waits until the disk has it. What could not be written is tried again until it can.
 fn write_lines(mut file: File, inbox: &Receiver<String>, trouble: &Mutex<Option<String>>) {
-    while let Ok(first) = inbox.recv() {
-        let batch: Vec<String> = std::iter::once(first).chain(inbox.try_iter()).collect();
-        let mut text = batch.join("\n");
-        text.push('\n');
-        let done = file.write_all(text.as_bytes()).and_then(|()| file.sync_data());
+    let mut waiting = String::new();
+    loop {
+        let first = if waiting.is_empty() {
+            inbox.recv().map_err(|_| RecvTimeoutError::Disconnected)
+        } else {
+            inbox.recv_timeout(AGAIN)
+        };
+        let is_end = first == Err(RecvTimeoutError::Disconnected);
+        for line in first.into_iter().chain(inbox.try_iter()) {
+            waiting.push_str(&line);
+            waiting.push('\n');
+        }
+        let done = append(&mut file, &waiting);
+        if done.is_ok() {
+            waiting.clear();
+        }
         if let Ok(mut told) = trouble.lock() {
             *told = done.err().map(|error| error.to_string());
         }
+        if is_end {
+            return;
+        }
     }
+}
+
+/// Appends a text to a file and waits until the disk has it; the file is as it was where that fails.
+fn append(file: &mut File, text: &str) -> io::Result<()> {
+    let end = file.stream_position()?;
+    let done = file.write_all(text.as_bytes()).and_then(|()| file.sync_data());
+    if done.is_err() {
+        file.set_len(end)?;
+        file.seek(SeekFrom::Start(end))?;
+    }
+    done
 }
 
 /// Reads a journal; a last line that is cut off is left out. None where there is no journal or nothing was done.

@@ -113,7 +113,9 @@ impl Studio {
                 self.view.say(format!("wrote {} to {}", names.join(", "), folder.display()));
             }
             Some((_, Ok(None))) => self.view.say("the export was stopped; what is written stays"),
-            Some((_, Err(why))) => self.view.warn(format!("not exported: {why}")),
+            Some((_, Err(why))) => self.view.warn(format!(
+                "not exported: {why}; Ctrl+Shift+E exports into another folder"
+            )),
             None => {}
         }
     }
@@ -180,10 +182,17 @@ impl Studio {
             opened.changed_outside =
                 std::fs::read(&opened.path).is_ok_and(|b| b != opened.session.text().as_bytes());
         }
-        if let Some(why) = opened.journal.as_ref().and_then(Journal::trouble) {
-            self.view.warn(format!(
-                "edits are not kept against a crash: {why}. Save (Ctrl+S) as soon as there is room"
-            ));
+        match opened.journal.as_ref().map(Journal::trouble) {
+            Some(Some(why)) => {
+                opened.troubled = true;
+                self.view.warn(format!(
+                    "edits are not kept against a crash: {why}. Make room, or save (Ctrl+S) as soon as there is some"
+                ));
+            }
+            Some(None) if std::mem::take(&mut opened.troubled) => {
+                self.view.say("edits are kept again against a crash");
+            }
+            _ => {}
         }
     }
 }

@@ -27,6 +27,8 @@ pub struct Opened {
     pub session: Session,
     pub(crate) journal: Option<Journal>,
     pub(crate) modified: Option<SystemTime>,
+    /// Whether the journal could not be written when it was looked at last.
+    pub(crate) troubled: bool,
     /// Whether the file was changed by somebody else since it was read.
     pub changed_outside: bool,
 }

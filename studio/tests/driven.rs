@@ -5,26 +5,11 @@ mod common;
 
 use std::path::{Path, PathBuf};
 
-use common::{Bench, bench, rig, settle, studio};
+use common::{bench, rest, rig, says, studio, text};
 use counterpoise_studio::command::{Command, Evidence, Inquiry, Place, Slot};
 use counterpoise_studio::studio::Studio;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
-
-fn text(bench: &Bench) -> String {
-    bench.state().opened.as_ref().unwrap().session.text().to_owned()
-}
-
-/// A frame, and what follows from it.
-fn rest(bench: &mut Bench) {
-    bench.run_steps(2);
-    settle(bench.state_mut());
-    bench.run_steps(2);
-}
-
-fn says(bench: &Bench, what: &str) -> bool {
-    bench.query_all_by_label_contains(what).next().is_some()
-}
 
 #[test]
 fn a_weight_is_dragged_by_its_handle_and_one_undo_takes_it_back() {
@@ -344,7 +329,7 @@ fn another_out_of_balance_is_tried_a_plot_is_copied_and_a_change_outside_is_noti
     bench.run_steps(2);
     assert!(says(&bench, "\"Loop gain\" is in the clipboard as numbers"));
     let (chart, _) = bench.state().view.chart.clone().unwrap();
-    assert!(chart.csv().starts_with("curve,x,y\nL,") && chart.svg().starts_with("<svg"));
+    assert!(chart.csv().starts_with("curve,\"frequency, Hz\",\"modulus, dB\"\nL,") && chart.svg().starts_with("<svg"));
     std::fs::write(folder.join("project.toml"), before.replace("reference rig", "another rig")).unwrap();
     std::thread::sleep(std::time::Duration::from_millis(1100));
     rest(&mut bench);
@@ -403,8 +388,8 @@ fn a_new_project_is_made_from_an_empty_folder_in_the_window() {
     std::fs::create_dir_all(&folder).unwrap();
     let mut bench = common::around(Studio::new(&folder.join("state"), std::sync::Arc::new(|| {})));
     bench.run_steps(2);
-    bench.state_mut().view.path = folder.join("turret").display().to_string();
-    bench.run_steps(2);
+    bench.state_mut().view.browser.as_mut().unwrap().go(&folder.join("turret"));
+    bench.run_steps(3);
     bench.get_by_label("New project here").click();
     rest(&mut bench);
     assert_eq!(bench.state().opened.as_ref().unwrap().session.project().unwrap().plant.name, "turret");

@@ -119,7 +119,7 @@ fn stacked(ui: &mut egui::Ui, channels: &[Arc<Pyramid>]) {
         let mut chart = Chart::new(&format!("channel {k}"), "time, s", "value").grouped("recording");
         chart = chart.with(Curve {
             name: "measured".to_owned(),
-            points: Points::Many(Arc::clone(pyramid)),
+            points: Points::Many(Arc::clone(pyramid), 1.0),
             colour: DARK.curves[k % 4],
             dash: Dash::Solid,
         });

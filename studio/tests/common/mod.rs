@@ -9,6 +9,7 @@ use counterpoise_studio::command::Command;
 use counterpoise_studio::shell;
 use counterpoise_studio::studio::Studio;
 use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
 
 /// A window with a studio.
 pub type Bench = Harness<'static, Studio>;
@@ -59,4 +60,32 @@ pub fn settle(studio: &mut Studio) {
         std::thread::sleep(Duration::from_millis(2));
         studio.tick();
     }
+}
+
+/// A frame, and what follows from it.
+pub fn rest(bench: &mut Bench) {
+    bench.run_steps(2);
+    settle(bench.state_mut());
+    bench.run_steps(2);
+}
+
+/// Frames until something is so.
+pub fn until(bench: &mut Bench, what: &str, so: impl Fn(&Studio) -> bool) {
+    let end = Instant::now() + Duration::from_secs(60);
+    bench.run_steps(1);
+    while !so(bench.state()) {
+        assert!(Instant::now() < end, "waited for {what} in vain: {:?}", bench.state().view.notice);
+        std::thread::sleep(Duration::from_millis(5));
+        bench.run_steps(1);
+    }
+}
+
+/// The project's text.
+pub fn text(bench: &Bench) -> String {
+    bench.state().opened.as_ref().unwrap().session.text().to_owned()
+}
+
+/// Whether something in the window says this.
+pub fn says(bench: &Bench, what: &str) -> bool {
+    bench.query_all_by_label_contains(what).next().is_some()
 }
