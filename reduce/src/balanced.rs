@@ -2,7 +2,7 @@
 
 use crate::error::During;
 use crate::measure::error_norm;
-use crate::reduction::{bound, choose};
+use crate::reduction::{above_rounding, bound, choose};
 use crate::split::split;
 use crate::{Error, Method, Order, Reduction};
 use counterpoise_lti::linalg;
@@ -49,20 +49,22 @@ impl Balanced {
 
     /// The number of Hankel values above rounding: the largest order that can be asked for.
     pub fn numerical_order(&self) -> usize {
-        let largest = self.values.first().copied().unwrap_or(0.0);
-        let floor = self.system.order() as f64 * f64::EPSILON * largest;
-        self.values.iter().filter(|&&value| value > floor).count()
+        above_rounding(&self.values)
     }
 
     /// The system of order `r` by the given method; r at most [`Balanced::numerical_order`].
     ///
     /// # Errors
-    /// [`Error::Matrix`] where the projection is singular: r is too large.
+    /// [`Error::Rounding`] where r is larger; [`Error::Matrix`] where the projection is singular.
     pub fn reduce(&self, r: usize, method: Method) -> Result<StateSpace, Error> {
+        let largest = self.numerical_order();
+        if r > largest {
+            return Err(Error::Rounding { wanted: r, largest });
+        }
         match method {
             Method::SquareRoot => self.square_root(r),
             Method::BalancingFree => self.balancing_free(r),
-            Method::MatchDc => residualise(&self.square_root(self.numerical_order().max(r))?, r),
+            Method::MatchDc => residualise(&self.square_root(largest)?, r),
         }
     }
 

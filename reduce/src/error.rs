@@ -25,6 +25,16 @@ pub enum Error {
         /// Number of poles that are kept.
         kept: usize,
     },
+    /// More states were asked for than carry anything above rounding.
+    #[error(
+        "order {wanted} is above the {largest} states whose Hankel values stand above rounding: ask for at most {largest}"
+    )]
+    Rounding {
+        /// The order asked for.
+        wanted: usize,
+        /// Number of Hankel values above rounding.
+        largest: usize,
+    },
     /// A number outside what the operation is defined for.
     #[error("{what} = {value} must be {allowed}")]
     Range {

@@ -126,7 +126,7 @@ const PAIR: f64 = 0.1;
 /// How many of the ranked values to keep, and what there is to say about it.
 pub(crate) fn choose(hankel: &[f64], order: Order, untouched: usize) -> Result<(usize, Vec<Warning>), Error> {
     let largest = hankel.first().copied().unwrap_or(0.0);
-    let numerical = hankel.iter().filter(|&&s| s > hankel.len() as f64 * f64::EPSILON * largest).count();
+    let numerical = above_rounding(hankel);
     let asked = match order {
         Order::States(wanted) => {
             wanted.checked_sub(untouched).ok_or(Error::Order { wanted, kept: untouched })?.min(hankel.len())
@@ -157,6 +157,12 @@ pub(crate) fn choose(hankel: &[f64], order: Order, untouched: usize) -> Result<(
         warnings.push(Warning::CutsPair { kept: hankel[kept - 1], dropped: hankel[kept] });
     }
     Ok((kept, warnings))
+}
+
+/// How many of the ranked values, largest first, stand above rounding: n eps times the largest.
+pub(crate) fn above_rounding(values: &[f64]) -> usize {
+    let floor = values.len() as f64 * f64::EPSILON * values.first().copied().unwrap_or(0.0);
+    values.iter().filter(|&&value| value > floor).count()
 }
 
 /// Twice the sum of the values beyond the first `kept` (Glover 1984, Enns 1984).

@@ -6,8 +6,8 @@ use counterpoise_lti::{
     is_stable, parallel, poles, response_at, series,
 };
 use counterpoise_reduce::{
-    Method, Order, Residual, SecondOrder, Warning, balred, guyan, minimal, modal_basis, modal_truncation,
-    reduce_controller, split,
+    Balanced, Error, Method, Order, Residual, SecondOrder, Warning, balred, guyan, minimal, modal_basis,
+    modal_truncation, reduce_controller, split,
 };
 
 fn zpk(zeros: &[C64], poles: &[C64], gain: f64) -> StateSpace {
@@ -134,6 +134,19 @@ fn a_minimal_realisation_has_the_known_order_and_shows_its_gap() {
         (response_at(&cancelled, 0.8).unwrap()[(0, 0)], response_at(&found.system, 0.8).unwrap()[(0, 0)]);
     assert!((a - b).norm() < 1e-14);
     assert_eq!(minimal(&g, 1e-11).unwrap().system.order(), g.order());
+}
+
+#[test]
+fn more_states_than_rounding_leaves_are_refused_with_the_number_there_is() {
+    // 1/(s + 1) twice in parallel: two states, one of them never reached.
+    let lag = zpk(&[], &[re(-1.0)], 1.0);
+    let balanced = Balanced::of(&parallel(&lag, &lag).unwrap()).unwrap();
+    assert_eq!(balanced.numerical_order(), 1);
+    for method in [Method::SquareRoot, Method::BalancingFree, Method::MatchDc] {
+        assert!(dcgain(&balanced.reduce(1, method).unwrap()).is_ok());
+        assert_eq!(balanced.reduce(2, method).unwrap_err(), Error::Rounding { wanted: 2, largest: 1 });
+        assert!(balanced.reduce(99, method).is_err());
+    }
 }
 
 #[test]
