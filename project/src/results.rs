@@ -172,7 +172,10 @@ impl From<&Synthesised> for SynthResult {
             plant_order: made.design.plant.measured().map_or(0, |p| p.order()),
             path_orders: paths.iter().map(|p| (p.name.clone(), p.system.order())).collect(),
             closed_loop_poles: pairs(&made.sampled.closed_loop),
-            cost_difference: made.design.worst_cost_difference(),
+            cost_difference: [made.design.worst_cost_difference(), made.sampled.worst_cost_difference()]
+                .into_iter()
+                .flatten()
+                .max_by(f64::total_cmp),
             warnings: made.warnings.iter().map(ToString::to_string).collect(),
         }
     }

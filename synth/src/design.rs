@@ -104,17 +104,28 @@ impl Design {
     /// # Errors
     /// [`Error::Lti`].
     pub fn joint_controller(&self) -> Result<StateSpace, Error> {
-        let mut joint = StateSpace::gain(Mat::eye(2), Timebase::Continuous)?;
-        let mut modules = 0;
-        for channel in [Channel::Heave, Channel::Pitch] {
-            let Some(part) = self.part(channel) else { continue };
-            joint = append(&joint, &self.as_seen(&part.module)?)?;
-            modules += 1;
+        let parts = [Channel::Heave, Channel::Pitch].into_iter().filter_map(|channel| self.part(channel));
+        let modules: Vec<StateSpace> =
+            parts.map(|part| self.as_seen(&part.module)).collect::<Result<_, Error>>()?;
+        self.assembled(&self.feedback_controller(), &modules)
+    }
+
+    /// Feedback from (demand, rate) and modules from their signals to (control, rate as the sensor would read it), put
+    /// together in the assembly that the specification asks for; all of one timebase.
+    pub(crate) fn assembled(
+        &self,
+        feedback: &StateSpace,
+        modules: &[StateSpace],
+    ) -> Result<StateSpace, Error> {
+        let timebase = feedback.timebase;
+        let mut joint = StateSpace::gain(Mat::eye(2), timebase)?;
+        for module in modules {
+            joint = append(&joint, module)?;
         }
-        let wired = series(&joint, &self.mixer(modules)?)?;
-        let passed = StateSpace::gain(Mat::eye(1), Timebase::Continuous)?;
-        let controllers = append(&self.feedback_controller(), &passed)?;
-        let sum = StateSpace::gain(Mat::row(&[1.0, 1.0]), Timebase::Continuous)?;
+        let wired = series(&joint, &StateSpace::gain(self.mixer(modules.len()), timebase)?)?;
+        let passed = StateSpace::gain(Mat::eye(1), timebase)?;
+        let controllers = append(feedback, &passed)?;
+        let sum = StateSpace::gain(Mat::row(&[1.0, 1.0]), timebase)?;
         Ok(series(&series(&wired, &controllers)?, &sum)?)
     }
 
@@ -131,7 +142,7 @@ impl Design {
     }
 
     /// From (demand, rate, u1, y1, u2, y2, ...) to (demand, rate less what is expected, sum of the u).
-    fn mixer(&self, modules: usize) -> Result<StateSpace, Error> {
+    fn mixer(&self, modules: usize) -> Mat {
         let share = match self.specification.assembly {
             Assembly::SimpleAdd => 0.0,
             Assembly::Grimble => -1.0,
@@ -143,7 +154,7 @@ impl Design {
             D[(2, 2 + 2 * module)] = 1.0;
             D[(1, 3 + 2 * module)] = share;
         }
-        Ok(StateSpace::gain(D, Timebase::Continuous)?)
+        D
     }
 
     /// The largest relative difference between predicted and achieved cost over the three parts; `None` where none of

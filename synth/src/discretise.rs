@@ -8,7 +8,32 @@ use counterpoise_lti::{C64, Discretisation, Mat, StateSpace, c2d, delay_samples,
 
 use crate::cause::Cause;
 use crate::finding::{Finding, Part};
+use crate::sampled_data::{self, Certified, Drafted};
 use crate::{Assembly, Channel, Design, DesignPlant, Error, Outcome, Reference};
+
+/// How a controller for sampled time comes about.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SamplingMethod {
+    /// Each continuous path is converted by itself.
+    Emulation(Discretisation),
+    /// Every part is designed anew on the sampled problem: hold and delay exact, the cost of the time between the samples
+    /// included ([`mod@crate::sampled_data`]). A feedback that stands in place of the three-part one, and the demand's
+    /// prefilter, are converted by the bilinear map: they have no sampled problem.
+    SampledData,
+}
+
+impl SamplingMethod {
+    /// The bilinear map, without prewarping.
+    pub const TUSTIN: Self = Self::Emulation(Discretisation::Tustin { prewarp_rad_s: None });
+
+    /// How a continuous path that has no sampled problem of its own is converted.
+    pub fn conversion(self) -> Discretisation {
+        match self {
+            Self::Emulation(method) => method,
+            Self::SampledData => Discretisation::Tustin { prewarp_rad_s: None },
+        }
+    }
+}
 
 /// What sampling adds to a design.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,7 +41,7 @@ pub struct Sampling {
     /// Sample period, s.
     pub period_s: f64,
     /// How each path becomes discrete.
-    pub method: Discretisation,
+    pub method: SamplingMethod,
     /// The form in which each path runs.
     pub form: Form,
     /// The control is limited to +/- this, V.
@@ -38,7 +63,7 @@ impl Sampling {
     pub fn new(period_s: f64, limit_v: f64) -> Self {
         Self {
             period_s,
-            method: Discretisation::Tustin { prewarp_rad_s: None },
+            method: SamplingMethod::TUSTIN,
             form: Form::LeastSensitive,
             limit_v,
             delay_samples: 0,
@@ -59,25 +84,32 @@ pub struct Sampled {
     pub loop_gain: StateSpace,
     /// Poles of the closed sampled loop.
     pub closed_loop: Vec<C64>,
+    /// The certificates of the parts that were designed in sampled time; empty with [`SamplingMethod::Emulation`].
+    pub certified: Vec<Certified>,
 }
 
 /// The design as a sampled controller.
 ///
-/// Each path is discretised, brought to the form asked for ([`Form`]: by default the one whose coefficients may be rounded) and
+/// Each path is discretised or designed anew ([`SamplingMethod`]), brought to the form asked for ([`Form`]: by default the one whose coefficients may be rounded) and
 /// given an anti-windup gain. What comes out is checked: the loop of the *discrete* controller around the plant with its
 /// sensor under a zero-order hold must be stable.
 ///
 /// # Errors
 /// [`Error`] for a period or limit that is none, or a feedforward with exact knowledge of derivatives that no sensor
-/// reads. A sampled loop that is not stable is [`Outcome::Infeasible`].
+/// reads. A sampled loop that is not stable, or a sampled problem without solution, is [`Outcome::Infeasible`].
 pub fn discretise(design: &Design, sampling: &Sampling) -> Result<Outcome<Sampled>, Error> {
     let mut parts = Parts::new(sampling.period_s, sampling.limit_v);
-    parts.paths = paths(design, sampling)?;
+    let certified;
+    (parts.paths, certified) = match paths(design, sampling)? {
+        Outcome::Solved(found) => found,
+        Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
+    };
     parts.design_out_of_balance_kg_m = sampling.out_of_balance_kg_m;
     parts.out_of_balance_range_kg_m = sampling.out_of_balance_range_kg_m;
     parts.bias_v_per_kg_m = sampling.bias_v_per_kg_m;
     parts.transfer_time_s = sampling.transfer_time_s;
-    check(&design.plant, Controller::new(parts)?, sampling)
+    check(&design.plant, Controller::new(parts)?, sampling)?
+        .try_map(|sampled| Ok(Sampled { certified, ..sampled }))
 }
 
 /// A controller with the sampled loop it makes around a plant, refused where that is not stable.
@@ -99,7 +131,7 @@ pub fn check(
             let rate = (pole.arg() / sampling.period_s).abs();
             Ok(Outcome::Infeasible(vec![Finding::refusal(Part::Feedback, cause).at(rate)]))
         }
-        _ => Ok(Outcome::Solved(Sampled { controller, loop_gain, closed_loop })),
+        _ => Ok(Outcome::Solved(Sampled { controller, loop_gain, closed_loop, certified: Vec::new() })),
     }
 }
 
@@ -129,30 +161,107 @@ fn sampled_plant(plant: &DesignPlant, sampling: &Sampling) -> Result<StateSpace,
     }
 }
 
-fn paths(design: &Design, sampling: &Sampling) -> Result<Vec<Path>, Error> {
-    if design.specification.assembly == Assembly::Grimble
-        && (design.heave.is_some() || design.pitch.is_some())
-    {
-        return Ok(vec![joint_path(design, sampling)?]);
+type Paths = (Vec<Path>, Vec<Certified>);
+
+fn paths(design: &Design, sampling: &Sampling) -> Result<Outcome<Paths>, Error> {
+    let modules = design.heave.is_some() || design.pitch.is_some();
+    let joint = design.specification.assembly == Assembly::Grimble && modules;
+    if sampling.method == SamplingMethod::SampledData && design.substitute.is_none() {
+        return Ok(match drafts(design, sampling)? {
+            Outcome::Solved(drafts) => Outcome::Solved(drafts.paths(design, sampling, joint)?),
+            Outcome::Infeasible(findings) => Outcome::Infeasible(findings),
+        });
     }
-    let mut paths = vec![feedback_path(design, sampling)?];
+    if joint {
+        let converted = c2d(&design.joint_controller()?, sampling.period_s, sampling.method.conversion())?;
+        return Ok(Outcome::Solved((vec![joint_path(design, &converted, sampling)?], Vec::new())));
+    }
+    let feedback = from_what_it_sees(design, &design.feedback_controller());
+    let converted = c2d(&feedback, sampling.period_s, sampling.method.conversion())?;
+    let mut paths = vec![feedback_path(design, &converted, sampling)?];
     for channel in [Channel::Heave, Channel::Pitch] {
         let Some(system) = design.feedforward_controller(channel) else { continue };
         needs_one_input(&system)?;
-        let system = sampled(&system, sampling)?;
-        let (name, input, scaling) = place(channel, sampling);
-        let anti_windup = vec![0.0; system.order()];
-        paths.push(Path { name: name.into(), inputs: vec![input], system, anti_windup, scaling });
+        let converted = c2d(&system, sampling.period_s, sampling.method.conversion())?;
+        paths.push(feedforward_path(channel, &converted, sampling)?);
     }
-    Ok(paths)
+    Ok(Outcome::Solved((paths, Vec::new())))
 }
 
-/// A continuous path as a discrete one in the form in which it runs.
+/// The parts as designed in sampled time.
+struct Drafts {
+    feedback: Drafted,
+    modules: Vec<(Channel, Drafted)>,
+}
+
+fn drafts(design: &Design, sampling: &Sampling) -> Result<Outcome<Drafts>, Error> {
+    let feedback = match sampled_data::feedback(design, sampling)? {
+        Outcome::Solved(drafted) => drafted,
+        Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
+    };
+    let mut modules = Vec::new();
+    for channel in [Channel::Heave, Channel::Pitch] {
+        let Some(continuous) = design.feedforward_controller(channel) else { continue };
+        needs_one_input(&continuous)?;
+        match sampled_data::feedforward(design, channel, &feedback.system, sampling)? {
+            Some(Outcome::Solved(drafted)) => modules.push((channel, drafted)),
+            Some(Outcome::Infeasible(findings)) => return Ok(Outcome::Infeasible(findings)),
+            None => {}
+        }
+    }
+    Ok(Outcome::Solved(Drafts { feedback, modules }))
+}
+
+impl Sampled {
+    /// The largest relative difference between predicted and achieved cost over the parts designed in sampled time; `None`
+    /// where there are none, or none of them has both.
+    pub fn worst_cost_difference(&self) -> Option<f64> {
+        self.certified.iter().filter_map(|part| part.cost.relative_difference()).max_by(f64::total_cmp)
+    }
+}
+
+impl Drafts {
+    fn paths(self, design: &Design, sampling: &Sampling, joint: bool) -> Result<Paths, Error> {
+        let feedback = &self.feedback.system;
+        let paths = if joint {
+            let modules: Vec<StateSpace> =
+                self.modules.iter().map(|(_, module)| module.system.clone()).collect();
+            vec![joint_path(design, &design.assembled(feedback, &modules)?, sampling)?]
+        } else {
+            let mut paths = vec![feedback_path(design, &from_what_it_sees(design, feedback), sampling)?];
+            for (channel, module) in &self.modules {
+                paths.push(feedforward_path(*channel, &module.system.select(&[0], &[0]), sampling)?);
+            }
+            paths
+        };
+        let all = std::iter::once(self.feedback).chain(self.modules.into_iter().map(|(_, module)| module));
+        Ok((paths, all.map(|drafted| drafted.certified).collect()))
+    }
+}
+
+/// The heave feedforward of a design for sampled time, in the form in which it runs; none where it has none.
 ///
 /// # Errors
 /// Those of the discretisation and of the realisation.
-pub(crate) fn sampled(path: &StateSpace, sampling: &Sampling) -> Result<StateSpace, Error> {
-    Ok(realise(&c2d(path, sampling.period_s, sampling.method)?, sampling.form)?)
+pub(crate) fn heave_module(
+    design: &Design,
+    sampling: &Sampling,
+) -> Result<Outcome<Option<(StateSpace, Option<Certified>)>>, Error> {
+    let Some(continuous) = design.feedforward_controller(Channel::Heave) else {
+        return Ok(Outcome::Solved(None));
+    };
+    if sampling.method != SamplingMethod::SampledData {
+        let converted = c2d(&continuous, sampling.period_s, sampling.method.conversion())?;
+        return Ok(Outcome::Solved(Some((realise(&converted, sampling.form)?, None))));
+    }
+    drafts(design, sampling)?.try_map(|drafts| {
+        let found = drafts.modules.into_iter().find(|(channel, _)| *channel == Channel::Heave);
+        found
+            .map(|(_, module)| {
+                Ok((realise(&module.system.select(&[0], &[0]), sampling.form)?, Some(module.certified)))
+            })
+            .transpose()
+    })
 }
 
 fn place(channel: Channel, sampling: &Sampling) -> (&'static str, Signal, Scaling) {
@@ -175,25 +284,39 @@ fn needs_one_input(system: &StateSpace) -> Result<(), Error> {
     })
 }
 
-fn feedback_path(design: &Design, sampling: &Sampling) -> Result<Path, Error> {
-    let controller = design.feedback_controller();
-    let (system, inputs) = match design.specification.reference {
-        Reference::Error => (controller.select(&[0], &[0]), vec![Signal::RateError]),
-        Reference::WeightOnly => (controller, vec![Signal::Demand, Signal::HubRate]),
+/// The feedback from the signals that it sees: the error, or demand and rate.
+fn from_what_it_sees(design: &Design, feedback: &StateSpace) -> StateSpace {
+    match design.specification.reference {
+        Reference::Error => feedback.select(&[0], &[0]),
+        Reference::WeightOnly => feedback.clone(),
+    }
+}
+
+fn feedback_path(design: &Design, feedback: &StateSpace, sampling: &Sampling) -> Result<Path, Error> {
+    let inputs = match design.specification.reference {
+        Reference::Error => vec![Signal::RateError],
+        Reference::WeightOnly => vec![Signal::Demand, Signal::HubRate],
     };
-    let system = sampled(&system, sampling)?;
+    let system = realise(feedback, sampling.form)?;
     let anti_windup = anti_windup(&system, &sampled_plant(&design.plant, sampling)?)?;
     Ok(Path { name: "feedback".into(), inputs, system, anti_windup, scaling: Scaling::Fixed })
 }
 
-fn joint_path(design: &Design, sampling: &Sampling) -> Result<Path, Error> {
+fn feedforward_path(channel: Channel, module: &StateSpace, sampling: &Sampling) -> Result<Path, Error> {
+    let system = realise(module, sampling.form)?;
+    let (name, input, scaling) = place(channel, sampling);
+    let anti_windup = vec![0.0; system.order()];
+    Ok(Path { name: name.into(), inputs: vec![input], system, anti_windup, scaling })
+}
+
+fn joint_path(design: &Design, joint: &StateSpace, sampling: &Sampling) -> Result<Path, Error> {
     let mut inputs = vec![Signal::Demand, Signal::HubRate];
     for channel in [Channel::Heave, Channel::Pitch] {
         let Some(module) = design.feedforward_controller(channel) else { continue };
         needs_one_input(&module)?;
         inputs.push(place(channel, sampling).1);
     }
-    let system = sampled(&design.joint_controller()?, sampling)?;
+    let system = realise(joint, sampling.form)?;
     let anti_windup = anti_windup(&system, &sampled_plant(&design.plant, sampling)?)?;
     Ok(Path { name: "joint".into(), inputs, system, anti_windup, scaling: Scaling::Fixed })
 }

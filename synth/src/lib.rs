@@ -11,7 +11,7 @@
 //! - what is asked: [`weight`] (with [`rational`]; [`table`] fits one to drawn points), [`plant`], [`specification`];
 //! - whether it can be had: [`preflight`](mod@preflight), [`finding`], [`cause`], [`outcome`], [`error`];
 //! - the design: [`feedback`](mod@feedback), [`feedforward`](mod@feedforward), [`design`](mod@design), [`certificate`],
-//!   [`discretise`](mod@discretise);
+//!   [`discretise`](mod@discretise), [`sampled_data`];
 //! - around it: [`schedule`](mod@schedule) over out-of-balance, [`figures`](mod@figures) and [`search`](mod@search) from
 //!   requirements to weights, [`observer`] of friction, [`adaptation`];
 //! - other methods: [`generalised`], [`h2syn`](mod@h2syn), [`hinfsyn`](mod@hinfsyn), [`lqg`], [`alternatives`].
@@ -61,9 +61,11 @@ pub mod outcome;
 pub mod plant;
 pub mod preflight;
 pub mod rational;
+pub mod sampled_data;
 pub mod schedule;
 pub mod search;
 pub mod specification;
+mod stage;
 pub mod table;
 pub mod weight;
 
@@ -72,7 +74,7 @@ pub use alternatives::{Alternative, Method, alternative};
 pub use cause::{Cause, Hidden};
 pub use certificate::{Cost, Equation};
 pub use design::{Design, design};
-pub use discretise::{Sampled, Sampling, check, discretise, sampled_loop};
+pub use discretise::{Sampled, Sampling, SamplingMethod, check, discretise, sampled_loop};
 pub use error::Error;
 pub use feedback::{Feedback, feedback};
 pub use feedforward::{Feedforward, feedforward};
@@ -87,6 +89,7 @@ pub use outcome::Outcome;
 pub use plant::{Channel, DesignPlant};
 pub use preflight::preflight;
 pub use rational::Rational;
+pub use sampled_data::Certified;
 pub use schedule::{
     Conditions, Configuration, Entry, Law, discretise_schedule, error_at, schedule, stabilisation_error,
 };

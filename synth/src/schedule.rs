@@ -8,8 +8,10 @@ use counterpoise_controller::{Controller, Path, Scaling, Signal};
 use counterpoise_lti::response::Response;
 use counterpoise_lti::{Mat, StateSpace, Timebase, append, h2norm, lft, series};
 
-use crate::discretise::sampled;
+use crate::discretise::heave_module;
 use crate::feedforward::with_derivatives;
+use crate::finding::Part;
+use crate::sampled_data::Certified;
 use crate::{
     Channel, Design, DesignPlant, Error, Outcome, Sampled, Sampling, Specification, check, design, discretise,
 };
@@ -348,9 +350,15 @@ pub fn discretise_schedule(
     let at = |index: usize| sorted.get(index).map(|entry| entry.out_of_balance_kg_m);
     let mut paths: Vec<Path> =
         base.controller.parts().paths.iter().filter(|p| p.name != "heave").cloned().collect();
+    let mut certified: Vec<Certified> =
+        base.certified.iter().filter(|found| found.part != Part::Heave).cloned().collect();
     for (index, entry) in sorted.iter().enumerate() {
-        let Some(module) = entry.design.feedforward_controller(Channel::Heave) else { continue };
-        let system = sampled(&module, sampling)?;
+        let (system, proof) = match heave_module(&entry.design, sampling)? {
+            Outcome::Solved(Some(module)) => module,
+            Outcome::Solved(None) => continue,
+            Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
+        };
+        certified.extend(proof);
         let scaling = Scaling::Scheduled {
             below_kg_m: index.checked_sub(1).and_then(at),
             at_kg_m: entry.out_of_balance_kg_m,
@@ -360,5 +368,5 @@ pub fn discretise_schedule(
         paths.push(Path { name, inputs: vec![Signal::PlatformAcceleration], system, anti_windup, scaling });
     }
     let controller: Controller = base.controller.with(|parts| parts.paths = paths)?;
-    check(&nominal.plant, controller, sampling)
+    check(&nominal.plant, controller, sampling)?.try_map(|sampled| Ok(Sampled { certified, ..sampled }))
 }

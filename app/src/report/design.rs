@@ -3,7 +3,7 @@
 use counterpoise_project::lti::{Error, Response, StateSpace};
 use counterpoise_project::models::plant::LinearPlant;
 use counterpoise_project::pipeline::{Designed, Reduced};
-use counterpoise_project::synth::{Channel, Cost, Equation, Feedforward, Specification, Weight};
+use counterpoise_project::synth::{Certified, Channel, Cost, Equation, Feedforward, Specification, Weight};
 
 use super::evidence::PLANT;
 use super::verification::{Context, of_verification};
@@ -140,6 +140,7 @@ fn certificate_section(designed: &Designed) -> Section {
     for (name, channel) in [("heave", Channel::Heave), ("pitch", Channel::Pitch)] {
         design.part(channel).into_iter().for_each(|part| table.rows.extend(feedforward_rows(name, part)));
     }
+    designed.synthesised.sampled.certified.iter().for_each(|part| table.rows.extend(sampled_rows(part)));
     let radius = designed.synthesised.sampled.closed_loop.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
     table.rows.push(row("largest pole of the sampled loop on the design plant", radius, radius < 1.0));
     let verified =
@@ -173,6 +174,14 @@ fn cost_row(name: &str, cost: Cost) -> Option<Vec<Cell>> {
         difference,
         difference < GOOD_COST,
     ))
+}
+
+fn sampled_rows(part: &Certified) -> Vec<Vec<Cell>> {
+    let name = format!("{} in sampled time", part.part);
+    let mut rows = vec![equation_row(&format!("{name}, regulator equation"), &part.regulator)];
+    rows.extend(part.filter.as_ref().map(|filter| equation_row(&format!("{name}, filter equation"), filter)));
+    rows.extend(cost_row(&name, part.cost));
+    rows
 }
 
 fn feedforward_rows(name: &str, part: &Feedforward) -> Vec<Vec<Cell>> {

@@ -52,12 +52,12 @@ pub(crate) fn surrounded(
         parts.drive_curve = drive_curve;
     };
     let controller = sampled.controller.with(change).map_err(counterpoise_synth::Error::from)?;
-    solved(check(plant, controller, sampling)?)
+    Ok(Sampled { certified: sampled.certified, ..solved(check(plant, controller, sampling)?)? })
 }
 
 fn prefilter(asked: &Synthesis, sampling: &Sampling) -> Result<Option<StateSpace>, PipelineError> {
     let Some(weight) = &asked.around.prefilter else { return Ok(None) };
-    Ok(Some(c2d(&weight.realise()?, sampling.period_s, sampling.method)?))
+    Ok(Some(c2d(&weight.realise()?, sampling.period_s, sampling.method.conversion())?))
 }
 
 /// Observers of the friction at motor and pivot: as identified, or the plant's.

@@ -5,7 +5,7 @@ use counterpoise_export::{Options, Precision};
 use counterpoise_lti::Discretisation;
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_synth::{
-    Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, Specification,
+    Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, SamplingMethod, Specification,
 };
 
 use super::around::{self, Around};
@@ -48,7 +48,7 @@ pub struct Synthesis {
     /// Order of the Pade approximation of that delay.
     pub pade_order: usize,
     /// How the controller is sampled.
-    pub discretisation: Discretisation,
+    pub discretisation: SamplingMethod,
     /// The form in which each path runs.
     pub form: Form,
     /// Time in which the step of a changed out-of-balance fades in, s.
@@ -120,6 +120,7 @@ enum Sampled {
     ZeroOrderHold,
     FirstOrderHold,
     Matched,
+    SampledData,
 }
 
 impl Choice for Sampled {
@@ -128,6 +129,7 @@ impl Choice for Sampled {
         ("zero-order-hold", Self::ZeroOrderHold),
         ("first-order-hold", Self::FirstOrderHold),
         ("matched", Self::Matched),
+        ("sampled-data", Self::SampledData),
     ];
 }
 
@@ -171,7 +173,7 @@ pub(crate) fn blank_synthesis() -> Synthesis {
         specification: Specification { feedback, heave: None, pitch: None, assembly, reference },
         delay_samples: 1.0,
         pade_order: 2,
-        discretisation: Discretisation::Tustin { prewarp_rad_s: None },
+        discretisation: SamplingMethod::TUSTIN,
         form: Form::LeastSensitive,
         transfer_time_s: 0.0,
         around: Around::default(),
@@ -260,31 +262,49 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis) {
             v.complain("assembly", allowed, None);
         }
     }
+    if synth.discretisation == SamplingMethod::SampledData {
+        sampled_problem_exists(v, &synth.around);
+    }
 }
 
-fn discretisation(v: &mut dyn Visit, method: &mut Discretisation) {
-    let (mut name, mut prewarp_rad_s) = match *method {
-        Discretisation::Tustin { prewarp_rad_s } => (Sampled::Tustin, prewarp_rad_s),
-        Discretisation::ZeroOrderHold => (Sampled::ZeroOrderHold, None),
-        Discretisation::FirstOrderHold => (Sampled::FirstOrderHold, None),
-        Discretisation::Matched => (Sampled::Matched, None),
+/// Complains where a feedback that is not the three-part one is to be designed in sampled time.
+fn sampled_problem_exists(v: &mut dyn Visit, around: &Around) {
+    let problem = if around.method != counterpoise_synth::Method::ThreePart {
+        "must not be \"sampled-data\" with another `method`: only the three-part design has a sampled problem"
+    } else if around.controller_order.is_some() {
+        "must not be \"sampled-data\" with `controller_order`: a feedback of lower order is converted, not designed anew"
+    } else {
+        return;
     };
-    choose(
-        v,
-        &Field::new("discretisation", "how the controller is sampled").or_text("tustin").shown(),
-        &mut name,
-    );
+    v.complain("discretisation", problem, Some("use \"tustin\"".to_owned()));
+}
+
+const SAMPLED_HOW: &str = "how the controller is sampled: each path converted, or all designed anew on the sampled plant \
+     (`sampled-data`: hold and `output_delay_samples` exact, `delay_samples` not used)";
+
+fn discretisation(v: &mut dyn Visit, method: &mut SamplingMethod) {
+    let (mut name, mut prewarp_rad_s) = match *method {
+        SamplingMethod::SampledData => (Sampled::SampledData, None),
+        SamplingMethod::Emulation(conversion) => match conversion {
+            Discretisation::Tustin { prewarp_rad_s } => (Sampled::Tustin, prewarp_rad_s),
+            Discretisation::ZeroOrderHold => (Sampled::ZeroOrderHold, None),
+            Discretisation::FirstOrderHold => (Sampled::FirstOrderHold, None),
+            Discretisation::Matched => (Sampled::Matched, None),
+        },
+    };
+    choose(v, &Field::new("discretisation", SAMPLED_HOW).or_text("tustin").shown(), &mut name);
     *method = match name {
         Sampled::Tustin => {
             let field = Field::new("prewarp", "where sampled and continuous agree")
                 .unit("rad/s")
                 .limit(Limit::Above(0.0));
             maybe_number(v, &field, &mut prewarp_rad_s);
-            Discretisation::Tustin { prewarp_rad_s }
+            SamplingMethod::Emulation(Discretisation::Tustin { prewarp_rad_s })
         }
-        Sampled::ZeroOrderHold => Discretisation::ZeroOrderHold,
-        Sampled::FirstOrderHold => Discretisation::FirstOrderHold,
-        Sampled::Matched => Discretisation::Matched,
+        Sampled::ZeroOrderHold => SamplingMethod::Emulation(Discretisation::ZeroOrderHold),
+        Sampled::FirstOrderHold => SamplingMethod::Emulation(Discretisation::FirstOrderHold),
+        Sampled::Matched => SamplingMethod::Emulation(Discretisation::Matched),
+        Sampled::SampledData => SamplingMethod::SampledData,
     };
 }
 
