@@ -2,6 +2,10 @@
 
 use counterpoise_models::Parameters;
 use counterpoise_simulate::PlantState;
+use counterpoise_simulate::replay::START_FREEDOMS;
+
+/// By how many of its steps each freedom of a recording's start is moved.
+pub type StartShift = [f64; START_FREEDOMS];
 
 /// What one channel of one recording says about a model.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,6 +97,33 @@ pub trait Bench: Sync {
     /// of a mechanism nearby; none where it cannot be simulated.
     fn misfit(&self, parameters: &Parameters, index: usize, span: Span, near: &Judged)
     -> Option<Vec<Misfit>>;
+    /// As [`Bench::misfit`], the freedoms of the start moved, and the start that this gives; none where the simulator's starts
+    /// have no freedoms.
+    fn misfit_nudged(
+        &self,
+        _parameters: &Parameters,
+        _index: usize,
+        _span: Span,
+        _near: &Judged,
+        _shift: &StartShift,
+    ) -> Option<(Vec<Misfit>, PlantState)> {
+        None
+    }
+    /// Angle over which the hub moves on the platform, rad.
+    fn travel_rad(&self) -> f64 {
+        f64::INFINITY
+    }
+    /// What other noise of the sensors in the loop would have changed, channel by channel, in floors: one of many
+    /// possible outcomes, told by its number. None where the simulator has no noise.
+    fn chance(
+        &self,
+        _parameters: &Parameters,
+        _index: usize,
+        _near: &Judged,
+        _which: u64,
+    ) -> Option<Vec<Vec<f64>>> {
+        None
+    }
     /// As [`Bench::judge`], but from the start of a judgement of a mechanism nearby: quicker.
     fn glance(&self, parameters: &Parameters, index: usize, near: &Judged) -> Option<Judged>;
     /// As [`Bench::judge`], the mechanism's own start sought from that of a judgement nearby: quicker.

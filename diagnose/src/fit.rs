@@ -3,11 +3,14 @@
 use counterpoise_linalg::{Mat, inverse, solve};
 use counterpoise_models::Parameters;
 
-use crate::bench::{Bench, Judged, Pool, Span, map};
+use counterpoise_simulate::replay::START_FREEDOMS;
+
+use crate::bench::{Bench, Judged, Pool, Span, StartShift, map};
+use crate::joint::StartColumns;
 use crate::library::{Effect, Knob, Mapping};
 use crate::tolerance::{
     FIT_ITERATIONS, FIT_STEP, FIT_TOLERANCE, FITTED_SHARE, RESTART_WORTH, RESTARTS, SEARCH_ITERATIONS,
-    STRETCH, STRETCHES_TOGETHER, SYSTEMATIC, TRIAL_ITERATIONS, TRIAL_RESTARTS,
+    STARTS_KEPT, STRETCH, STRETCHES_TOGETHER, SYSTEMATIC, TRIAL_ITERATIONS, TRIAL_RESTARTS,
 };
 
 /// Which recordings a fit may see.
@@ -66,6 +69,13 @@ pub struct Fit {
     pub stances: Vec<(usize, Judged)>,
 }
 
+impl Fit {
+    /// How a recording that was fitted stands to the fit, from the start that was found with it.
+    pub fn stance(&self, recording: usize) -> Option<&Judged> {
+        self.stances.iter().find(|(index, _)| *index == recording).map(|(_, near)| near)
+    }
+}
+
 /// All knobs of a list of effects.
 pub fn knobs(effects: &[&'static Effect]) -> Vec<&'static Knob> {
     effects.iter().flat_map(|effect| effect.knobs.iter()).collect()
@@ -113,8 +123,8 @@ pub struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// Fits from the given knob values, with the recordings' starts as they are there; again with those at what was found,
-    /// sought anew (from nearby they would stay where the wrong values had put them), until that changes nothing any more.
+    /// Fits from the given knob values, together with the recordings' starts; again with the starts sought anew at what was
+    /// found (a start that is far off is not found from nearby), until that changes nothing any more.
     pub fn fit(&self, start: &[f64]) -> Option<Fit> {
         let near = |index: usize| self.stances.get(index);
         let mut best = self.descend(start, self.selection.iterations, self.near(start, &near)?)?;
@@ -126,7 +136,9 @@ impl Problem<'_> {
                 break;
             };
             let settled = next.cost > best.cost * (1.0 - RESTART_WORTH);
-            best = next;
+            if next.cost < best.cost || !runs_alike(&next, &best) {
+                best = next;
+            }
             if settled {
                 break;
             }
@@ -136,38 +148,36 @@ impl Problem<'_> {
 
     fn descend(&self, start: &[f64], iterations: usize, near: Vec<Judged>) -> Option<Fit> {
         let knobs = knobs(&self.effects);
-        let mut x: Vec<f64> = knobs.iter().zip(start).map(|(k, &v)| to_variable(k, v)).collect();
-        let mut residual = self.at(&x, &near)?;
-        let mut cost = mean_square(&residual);
+        let x: Vec<f64> = knobs.iter().zip(start).map(|(k, &v)| to_variable(k, v)).collect();
+        let shifts = vec![StartShift::default(); near.len()];
+        let residual = self.at(&x, &near, &shifts)?;
+        let mut now = Place { cost: mean_square(&residual), x, shifts, residual };
         let mut damping = 1e-2;
-        let mut information = Mat::zeros(x.len(), x.len());
-        let mut scatter = information.clone();
+        let (mut information, mut scatter) = (Mat::zeros(start.len(), start.len()), Mat::zeros(0, 0));
+        let mut columns = Vec::new();
         let mut limit_reached = true;
-        for _ in 0..iterations {
+        for iteration in 0..iterations {
             if self.pool.cancelled() {
                 break;
             }
-            let slopes = self.linearised(&x, &residual, &near);
+            if iteration % STARTS_KEPT == 0 {
+                columns = self.start_columns(&now, &near);
+            }
+            let slopes = self.linearised(&now, &near, &columns);
+            let next = self.improve(&now, &slopes, &mut damping, &near);
             (information, scatter) = (slopes.normal, slopes.scatter);
-            let gradient = slopes.gradient;
-            let slope = Slope { normal: &information, gradient: &gradient };
-            let Some(step) = self.improve(&x, cost, &slope, &mut damping, &near) else {
-                limit_reached = false;
-                break;
-            };
-            let settled = cost - step.cost < FIT_TOLERANCE * cost;
-            (x, residual, cost) = (step.x, step.residual, step.cost);
+            let settled = next.as_ref().is_none_or(|next| now.cost - next.cost < FIT_TOLERANCE * now.cost);
+            now = next.unwrap_or(now);
             if settled {
                 limit_reached = false;
                 break;
             }
         }
-        let values: Vec<f64> = knobs.iter().zip(&x).map(|(k, &v)| from_variable(k, v)).collect();
+        let values: Vec<f64> = knobs.iter().zip(&now.x).map(|(k, &v)| from_variable(k, v)).collect();
         let parameters = applied(self.base, &self.effects, &values);
         let effects = self.effects.clone();
-        let stances =
-            self.selection.recordings.iter().copied().zip(near.iter().map(Judged::stance)).collect();
-        Some(Fit { effects, values, parameters, cost, information, scatter, limit_reached, stances })
+        let stances = self.stances_at(&parameters, &now, &near);
+        Some(Fit { effects, values, parameters, cost: now.cost, information, scatter, limit_reached, stances })
     }
 
     /// How the recordings stand to the mechanism at given knob values, from what is known of a mechanism nearby.
@@ -186,40 +196,108 @@ impl Problem<'_> {
         judged.into_iter().collect()
     }
 
-    /// The weighted residuals that the fit sees, one recording after the other.
-    fn at(&self, x: &[f64], near: &[Judged]) -> Option<Vec<f64>> {
+    /// The weighted residuals that the fit sees, recording by recording.
+    fn at(&self, x: &[f64], near: &[Judged], shifts: &[StartShift]) -> Option<Vec<Vec<f64>>> {
         let values: Vec<f64> =
             knobs(&self.effects).iter().zip(x).map(|(k, &v)| from_variable(k, v)).collect();
         let parameters = applied(self.base, &self.effects, &values);
-        let mut out = Vec::new();
-        for (&index, near) in self.selection.recordings.iter().zip(near) {
-            let misfits = self.bench.misfit(&parameters, index, self.selection.span, near)?;
-            for (c, misfit) in misfits.iter().enumerate() {
-                let weight = near.weight(c);
-                out.extend(misfit.residual.iter().map(|r| weight * r));
-            }
-        }
+        (0..near.len()).map(|k| self.one(&parameters, k, &near[k], &shifts[k])).collect()
+    }
+
+    /// The weighted residuals of one recording of the selection.
+    fn one(
+        &self,
+        parameters: &Parameters,
+        place: usize,
+        near: &Judged,
+        shift: &StartShift,
+    ) -> Option<Vec<f64>> {
+        let (index, span) = (self.selection.recordings[place], self.selection.span);
+        let misfits = if shift.iter().all(|s| *s == 0.0) {
+            self.bench.misfit(parameters, index, span, near)?
+        } else {
+            self.bench.misfit_nudged(parameters, index, span, near, shift)?.0
+        };
+        let weighted = misfits.iter().enumerate().flat_map(|(c, misfit)| {
+            let weight = near.weight(c);
+            misfit.residual.iter().map(move |r| weight * r)
+        });
+        let out: Vec<f64> = weighted.collect();
         out.iter().all(|r| r.is_finite()).then_some(out)
     }
 
-    /// `J'J / N`, `J'r / N` and the scatter of the latter, by one-sided differences.
-    fn linearised(&self, x: &[f64], residual: &[f64], near: &[Judged]) -> Linearised {
-        let knobs = knobs(&self.effects);
-        let columns = map(self.pool, x.len(), |j| {
-            let step = difference_step(knobs[j], x[j]);
-            let mut moved = x.to_vec();
-            moved[j] += step;
-            let there = self.at(&moved, near)?;
-            Some(there.iter().zip(residual).map(|(a, b)| (a - b) / step).collect::<Vec<f64>>())
+    /// What each freedom of each recording's start does to its residuals; nothing where starts have no freedoms.
+    fn start_columns(&self, now: &Place, near: &[Judged]) -> Vec<StartColumns> {
+        let values: Vec<f64> =
+            knobs(&self.effects).iter().zip(&now.x).map(|(k, &v)| from_variable(k, v)).collect();
+        let parameters = applied(self.base, &self.effects, &values);
+        let moved = |place: usize, freedom: usize, by: f64| {
+            let mut shift = now.shifts[place];
+            shift[freedom] += by;
+            let there = self.one(&parameters, place, &near[place], &shift)?;
+            let change: Vec<f64> =
+                there.iter().zip(&now.residual[place]).map(|(a, b)| (a - b) / by).collect();
+            change.iter().any(|c| *c != 0.0).then_some(change)
+        };
+        let count = START_FREEDOMS;
+        let all = map(self.pool, near.len() * count, |k| {
+            let (place, freedom) = (k / count, k % count);
+            moved(place, freedom, 1.0).or_else(|| moved(place, freedom, -1.0))
         });
+        all.chunks(count).map(|c| StartColumns::new(c.to_vec())).collect()
+    }
+
+    /// How the recordings stand to what was found, without the residuals, each from the start that was found with it.
+    fn stances_at(&self, parameters: &Parameters, now: &Place, near: &[Judged]) -> Vec<(usize, Judged)> {
+        let one = |place: usize| {
+            let (index, shift) = (self.selection.recordings[place], &now.shifts[place]);
+            let stance = near[place].stance();
+            let nudged = self.bench.misfit_nudged(parameters, index, Span::Head, &near[place], shift);
+            let stance = match nudged.filter(|_| shift.iter().any(|s| *s != 0.0)) {
+                Some((_, start)) => Judged { start: Some(start), ..stance },
+                None => stance,
+            };
+            (index, stance)
+        };
+        map(self.pool, near.len(), one)
+    }
+
+    /// `J'J / N`, `J'r / N` and the scatter of the latter, by one-sided differences; of every column what the starts could do
+    /// in its place is taken off.
+    fn linearised(&self, now: &Place, near: &[Judged], starts: &[StartColumns]) -> Linearised {
+        let knobs = knobs(&self.effects);
+        let columns: Vec<Vec<Vec<f64>>> = map(self.pool, now.x.len(), |j| {
+            let step = difference_step(knobs[j], now.x[j]);
+            let mut moved = now.x.clone();
+            moved[j] += step;
+            let there = self.at(&moved, near, &now.shifts);
+            let change = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| (a - b) / step).collect();
+            there.map_or_else(
+                || now.residual.iter().map(|r| vec![0.0; r.len()]).collect(),
+                |there| there.iter().zip(&now.residual).map(change).collect(),
+            )
+        });
+        let place = |column: &Vec<Vec<f64>>| -> (Vec<StartShift>, Vec<f64>) {
+            let absorbed: Vec<StartShift> =
+                starts.iter().zip(column).map(|(starts, own)| starts.absorbed(own)).collect();
+            let left = column.iter().enumerate().flat_map(|(r, own)| match starts.get(r) {
+                Some(starts) => starts.left(own, &absorbed[r]),
+                None => own.clone(),
+            });
+            let left = left.collect();
+            (absorbed, left)
+        };
+        let (absorbed, columns): (Vec<Vec<StartShift>>, Vec<Vec<f64>>) = columns.iter().map(place).unzip();
+        let residual: Vec<f64> = now.residual.iter().flatten().copied().collect();
         let count = residual.len().max(1) as f64;
-        let column = |j: usize| columns.get(j).and_then(|c| c.as_deref()).unwrap_or(&[]);
-        let normal = Mat::from_fn(x.len(), x.len(), |i, j| dot(column(i), column(j)) / count);
-        let gradient = (0..x.len()).map(|j| dot(column(j), residual) / count).collect();
+        let size = columns.len();
+        let normal = Mat::from_fn(size, size, |i, j| dot(&columns[i], &columns[j]) / count);
+        let gradient = columns.iter().map(|c| dot(c, &residual) / count).collect();
         let places = self.stretches(near, residual.len());
-        let sums: Vec<Vec<f64>> = (0..x.len()).map(|j| stretch_sums(column(j), residual, &places)).collect();
-        let scatter = Mat::from_fn(x.len(), x.len(), |i, j| long_run(&sums[i], &sums[j]) / (count * count));
-        Linearised { normal, gradient, scatter }
+        let sums: Vec<Vec<f64>> = columns.iter().map(|c| stretch_sums(c, &residual, &places)).collect();
+        let scatter = Mat::from_fn(size, size, |i, j| long_run(&sums[i], &sums[j]) / (count * count));
+        let alone = starts.iter().zip(&now.residual).map(|(s, own)| s.absorbed(own)).collect();
+        Linearised { normal, gradient, scatter, absorbed, alone }
     }
 
     /// The stretch of time that each residual belongs to, all channels of a recording alike.
@@ -239,27 +317,26 @@ impl Problem<'_> {
         places
     }
 
-    /// The first damped step that lowers the cost; none where no step does.
-    fn improve(
-        &self,
-        x: &[f64],
-        cost: f64,
-        slope: &Slope,
-        damping: &mut f64,
-        near: &[Judged],
-    ) -> Option<Step> {
+    /// The first damped step of knobs and starts that lowers the cost; none where no step does.
+    fn improve(&self, now: &Place, slope: &Linearised, damping: &mut f64, near: &[Judged]) -> Option<Place> {
         for _ in 0..7 {
-            let step = damped_step(slope.normal, slope.gradient, *damping)?;
-            let moved: Vec<f64> = x.iter().zip(&step).map(|(a, b)| a - b).collect();
-            let candidate = self.at(&moved, near).map(|r| (mean_square(&r), r));
-            if let Some((lower, residual)) = candidate.filter(|c| c.0 < cost) {
+            let step = damped_step(&slope.normal, &slope.gradient, *damping)?;
+            let x: Vec<f64> = now.x.iter().zip(&step).map(|(a, b)| a - b).collect();
+            let shifts = slope.moved_starts(&now.shifts, &step, 1.0 / (1.0 + *damping));
+            let there = self.at(&x, near, &shifts).map(|r| (mean_square(&r), r));
+            if let Some((cost, residual)) = there.filter(|c| c.0 < now.cost) {
                 *damping = (*damping * 0.1).max(1e-9);
-                return Some(Step { x: moved, residual, cost: lower });
+                return Some(Place { x, shifts, residual, cost });
             }
             *damping *= 10.0;
         }
         None
     }
+}
+
+/// Whether both fits ran every recording in the same way, so that their costs can be compared.
+fn runs_alike(a: &Fit, b: &Fit) -> bool {
+    a.stances.iter().zip(&b.stances).all(|(a, b)| a.1.drive == b.1.drive)
 }
 
 /// Sums of slope x residual, stretch by stretch.
@@ -279,23 +356,38 @@ fn long_run(a: &[f64], b: &[f64]) -> f64 {
     dot(a, b) + (1..=STRETCHES_TOGETHER).map(|lag| weight(lag) * lagged(lag)).sum::<f64>()
 }
 
+/// Where a fit is.
+struct Place {
+    x: Vec<f64>,
+    /// By how much each recording's start was moved.
+    shifts: Vec<StartShift>,
+    residual: Vec<Vec<f64>>,
+    cost: f64,
+}
+
 /// Curvature and gradient of the cost, and the gradient's scatter.
 struct Linearised {
     normal: Mat,
     gradient: Vec<f64>,
     scatter: Mat,
+    /// For each knob, by how much the starts would move to do the same, recording by recording.
+    absorbed: Vec<Vec<StartShift>>,
+    /// By how much the starts would move to take the residual off.
+    alone: Vec<StartShift>,
 }
 
-/// Curvature and gradient of the cost.
-struct Slope<'a> {
-    normal: &'a Mat,
-    gradient: &'a [f64],
-}
-
-struct Step {
-    x: Vec<f64>,
-    residual: Vec<f64>,
-    cost: f64,
+impl Linearised {
+    /// The starts after a step of the knobs: each where it takes off what that step leaves.
+    fn moved_starts(&self, shifts: &[StartShift], step: &[f64], share: f64) -> Vec<StartShift> {
+        let one = |(r, shift): (usize, &StartShift)| {
+            let Some(alone) = self.alone.get(r) else { return *shift };
+            std::array::from_fn(|k| {
+                let taken: f64 = self.absorbed.iter().zip(step).map(|(a, s)| a[r][k] * s).sum();
+                shift[k] - share * (alone[k] - taken)
+            })
+        };
+        shifts.iter().enumerate().map(one).collect()
+    }
 }
 
 fn difference_step(knob: &Knob, x: f64) -> f64 {
@@ -314,8 +406,9 @@ fn damped_step(normal: &Mat, gradient: &[f64], damping: f64) -> Option<Vec<f64>>
     step.is_finite().then(|| step.as_slice().to_vec())
 }
 
-fn mean_square(series: &[f64]) -> f64 {
-    dot(series, series) / series.len().max(1) as f64
+fn mean_square(residuals: &[Vec<f64>]) -> f64 {
+    let count: usize = residuals.iter().map(Vec::len).sum();
+    residuals.iter().map(|r| dot(r, r)).sum::<f64>() / count.max(1) as f64
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -144,7 +144,7 @@ impl Evidence<'_> {
     fn fitted_parameters(&self, accepted: &Candidate, index: usize) -> Vec<FittedParameter> {
         let first: usize = accepted.fit.effects[..index].iter().map(|e| e.knobs.len()).sum();
         let effect = accepted.fit.effects[index];
-        let (samples, inflation) = self.worth(&accepted.fit.parameters);
+        let (samples, inflation) = self.worth(accepted);
         let bounds = intervals(&accepted.fit, samples, inflation);
         let one = |(j, knob): (usize, &crate::library::Knob)| {
             let wrap =
@@ -161,11 +161,15 @@ impl Evidence<'_> {
     }
 
     /// Number of residuals, and how many of them carry the information of one.
-    fn worth(&self, parameters: &Parameters) -> (usize, f64) {
+    fn worth(&self, accepted: &Candidate) -> (usize, f64) {
+        let parameters = &accepted.fit.parameters;
         let mut samples = 0;
         let mut independent = 0.0;
         for index in 0..self.bench.count() {
-            let judged = self.bench.judge(parameters, index);
+            let judged = match accepted.stances.get(index) {
+                Some(near) => self.bench.glance(parameters, index, near),
+                None => self.bench.judge(parameters, index),
+            };
             for misfit in judged.map(|j| j.misfits).unwrap_or_default() {
                 samples += misfit.residual.len();
                 independent += misfit.residual.len() as f64 / correlation_time(&misfit.residual);

@@ -16,10 +16,12 @@
 pub mod answer;
 pub mod bench;
 mod candidate;
+mod chance;
 pub mod diagnosis;
 pub mod error;
 pub mod fit;
 pub mod identify;
+mod joint;
 pub mod judge;
 pub mod library;
 pub mod locate;

@@ -11,7 +11,7 @@ use crate::bench::{Bench, Drive, Judged, Misfit, Pool, Span, map, rms};
 use crate::fit::{from_variable, to_variable};
 use crate::library::{Effect, Knob, Mapping, scan_range};
 use crate::score::{Part, score};
-use crate::tolerance::EXPLAINED;
+use crate::tolerance::{EXPLAINED, PERIOD_SEEN};
 
 /// Orders at which something that repeats with an angle is looked for, per turn.
 const ORDERS: [f64; 25] = [
@@ -111,6 +111,8 @@ enum Combine {
     Towards,
     /// Sine and cosine of a ripple: amplitude and phase.
     Ripple,
+    /// A stiffness slack at zero and one slack at another place, at a stiffness of zero: stiffness and torque there.
+    Centred,
 }
 
 /// One list of residuals a recording, all channels one after the other.
@@ -306,7 +308,11 @@ fn best_orders(scene: &Scene, effect: &'static Effect) -> Vec<Trial> {
     let per_motor_turn = ORDERS.iter().copied();
     let per_hub_turn = ORDERS.iter().map(|order| order / scene.base.gearbox.ratio);
     let [lowest, _] = effect.knobs[1].bounds;
-    let orders = per_motor_turn.chain(per_hub_turn.filter(|order| *order >= lowest && *order < ORDERS[0]));
+    let turned = scene.bench.travel_rad() * scene.base.gearbox.ratio;
+    let is_seen = |order: &f64| *order * turned > PERIOD_SEEN * std::f64::consts::TAU;
+    let orders = per_motor_turn
+        .chain(per_hub_turn.filter(|order| *order >= lowest && *order < ORDERS[0]))
+        .filter(|order| effect.component == "pivot" || is_seen(order));
     let scan: Vec<Trial> = orders.map(|order| ripple(effect, order)).collect();
     let looks = map(scene.pool, scan.len(), |t| look(scene, &here, &scan[t], &one, Span::Head));
     let share = |l: &Option<Look>| l.as_ref().map_or(f64::NEG_INFINITY, |l| l.explained);
@@ -418,6 +424,9 @@ fn start_values(trial: &Trial, coefficients: &[f64]) -> Vec<f64> {
         let (sine, cosine) = (coefficients[0], coefficients[1]);
         x[0] += sine.hypot(cosine).clamp(0.2, 30.0) * trial.directions[0][0];
         x[2] = to_variable(&trial.effect.knobs[2], cosine.atan2(sine));
+    } else if trial.combine == Combine::Centred {
+        x[0] = coefficients[0] + coefficients[1];
+        x[1] = coefficients[1] / if x[0] == 0.0 { 1.0 } else { x[0] };
     } else {
         for (direction, &c) in trial.directions.iter().zip(coefficients) {
             x.iter_mut().zip(direction).for_each(|(x, d)| *x += c * d);
@@ -436,10 +445,20 @@ fn trials(effect: &'static Effect, base: &Parameters) -> Vec<Trial> {
     }
     if !effect.starts.is_empty() {
         let all = effect.starts.iter().map(|start| towards(effect, base, start));
-        return all.filter(|trial| trial.directions[0][0] != 0.0).collect();
+        let mut all: Vec<Trial> = all.filter(|trial| trial.directions[0][0] != 0.0).collect();
+        if is_centred(effect) && origin[0] == 0.0 {
+            let from = vec![0.0; 2];
+            all.push(trial(from, vec![vec![1.0, 0.0], vec![1.0, 1.0]], Combine::Centred));
+        }
+        return all;
     }
     let unit = |j: usize| (0..knobs.len()).map(|i| if i == j { 0.1 } else { 0.0 }).collect();
     vec![trial(origin, (0..knobs.len()).map(unit).collect(), Combine::Free)]
+}
+
+/// Whether the knobs are a stiffness and where it is slack.
+fn is_centred(effect: &Effect) -> bool {
+    effect.knobs.len() == 2 && effect.knobs[1].name == "centre"
 }
 
 /// Whether the knobs are amplitude, order and phase.

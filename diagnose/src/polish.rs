@@ -1,8 +1,11 @@
 //! What is done to the effects that were accepted: fitted to everything, refined, swapped for better ones, dropped where
 //! the others do without them.
 
+use crate::bench::Judged;
+use crate::candidate::whole_parts;
 use crate::fit::{Fit, Selection, applied, knobs};
 use crate::library::{Effect, refinement};
+use crate::score::score;
 use crate::select::{Candidate, Effort, Search, Searcher};
 use crate::tolerance::{AMBIGUOUS, GAIN_NEEDED, RIVALS, SEARCH_ITERATIONS, SWAP_NEEDED};
 
@@ -17,8 +20,7 @@ impl Searcher<'_> {
         let start: Vec<f64> = effects.iter().flat_map(|e| e.values(&candidate.fit.parameters)).collect();
         let selection = Selection { iterations: SEARCH_ITERATIONS, ..Selection::all(self.bench.count()) };
         let fit = self.fit(effects, &start, &selection, &candidate.stances);
-        let judged = fit.and_then(|fit| Some((self.whole_score(&fit.parameters)?, fit)));
-        match judged.map(|(whole, fit)| Candidate { fit, whole, ..candidate.clone() }) {
+        match fit.and_then(|fit| self.with_fit(&candidate, fit)) {
             Some(finer) if finer.behind(&candidate) < 0.0 => finer,
             _ => candidate,
         }
@@ -29,13 +31,18 @@ impl Searcher<'_> {
         let selection = Selection { iterations: SEARCH_ITERATIONS, ..Selection::all(self.bench.count()) };
         let (effects, stances) = (candidate.fit.effects.clone(), &candidate.stances);
         let again = self.fit(effects, &candidate.fit.values, &selection, stances);
-        let judged = again.and_then(|fit| Some((self.whole_score(&fit.parameters)?, fit)));
-        match judged {
-            Some((whole, fit)) if whole.level() <= candidate.whole.level() + 0.01 => {
-                Candidate { fit, whole, ..candidate }
-            }
+        match again.and_then(|fit| self.with_fit(&candidate, fit)) {
+            Some(again) if again.whole.level() <= candidate.whole.level() + 0.01 => again,
             _ => candidate,
         }
+    }
+
+    /// A candidate with another fit of its effects to all recordings, judged from the starts that were found with it.
+    fn with_fit(&self, candidate: &Candidate, fit: Fit) -> Option<Candidate> {
+        let judged = self.standing(&fit.parameters, &|r| fit.stance(r))?;
+        let whole = score(&judged, &whole_parts(judged.len()))?;
+        let stances = judged.iter().map(Judged::stance).collect();
+        Some(Candidate { fit, whole, stances, ..candidate.clone() })
     }
 
     /// Replaces an effect where another explains more beside the rest, and drops one that the others make idle.
@@ -113,7 +120,9 @@ impl Searcher<'_> {
         let mut index = 0;
         while best.fit.effects.len() > 1 && index < best.fit.effects.len() && !self.pool.cancelled() {
             let Some(without) = self.without(best, index) else { break };
-            if best.is_worth_more_than(&without.whole, &search.before) {
+            let needed = best.is_worth_more_than(&without.whole, &search.before)
+                && (index + 1 < best.fit.effects.len() || self.is_beyond_chance(best, &without.whole));
+            if needed {
                 index += 1;
             } else {
                 *best = without;
@@ -135,11 +144,11 @@ impl Searcher<'_> {
         let selection = Selection::searching(recordings);
         let kept = applied(self.base, &effects, &start);
         let fit = self.fit(effects, &start, &selection, &[])?;
-        let (whole, as_it_is) = (self.whole_score(&fit.parameters)?, self.whole_score(&kept)?);
-        if as_it_is.level() < whole.level() {
-            let fit = Fit { values: start, parameters: kept, ..fit };
+        let (again, as_it_is) = (self.with_fit(candidate, fit)?, self.whole_score(&kept)?);
+        if as_it_is.level() < again.whole.level() {
+            let fit = Fit { values: start, parameters: kept, ..again.fit };
             return Some(Candidate { fit, whole: as_it_is, ..candidate.clone() });
         }
-        Some(Candidate { fit, whole, ..candidate.clone() })
+        Some(again)
     }
 }

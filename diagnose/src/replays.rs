@@ -3,11 +3,12 @@
 
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::Parameters;
+use counterpoise_simulate::PlantState;
 use counterpoise_simulate::history::ReadingColumns;
 use counterpoise_simulate::recording::{Channel, Recording};
 use counterpoise_simulate::replay::{Loop, Replay, Replayer, reading_floor};
 
-use crate::bench::{Bench, Drive, Judged, Misfit, Span, rms};
+use crate::bench::{Bench, Drive, Judged, Misfit, Span, StartShift, rms};
 use crate::error::Error;
 use crate::locate::Measured;
 use crate::noise::floor;
@@ -28,7 +29,7 @@ impl Prepared {
     pub fn new(recordings: &[Recording], base: &Parameters) -> Self {
         Self {
             heads: recordings.iter().map(head).collect(),
-            noisy: recordings.iter().map(|r| with_other_noise(r, base)).collect(),
+            noisy: recordings.iter().map(|r| with_other_noise(r, base, 0)).collect(),
             whole: recordings.to_vec(),
         }
     }
@@ -241,6 +242,58 @@ impl Bench for Replays<'_> {
         self.misfits(&replay, index, ready.recording().len(), near.drive)
     }
 
+    fn misfit_nudged(
+        &self,
+        parameters: &Parameters,
+        index: usize,
+        span: Span,
+        near: &Judged,
+        shift: &StartShift,
+    ) -> Option<(Vec<Misfit>, PlantState)> {
+        let ready = match span {
+            Span::Whole => &self.whole[index],
+            Span::Head => &self.heads[index],
+        };
+        let start = near.start.as_ref()?;
+        let control = self.control(near.drive);
+        let replay = self.with(parameters, ready, |r| r.replay_nudged(parameters, control, start, shift))?;
+        let misfits = self.misfits(&replay, index, ready.recording().len(), near.drive)?;
+        Some((misfits, replay.start))
+    }
+
+    fn travel_rad(&self) -> f64 {
+        self.prepared.whole.iter().map(travel).fold(0.0, f64::max)
+    }
+
+    fn chance(
+        &self,
+        parameters: &Parameters,
+        index: usize,
+        near: &Judged,
+        which: u64,
+    ) -> Option<Vec<Vec<f64>>> {
+        let recording = &self.prepared.whole[index];
+        let start = near.start.as_ref()?;
+        let control = self.control(near.drive);
+        let noisy = with_other_noise(recording, self.base, which + 1);
+        let shaken = Replayer::new(self.base, &noisy).ok()?;
+        let shaken = self.with(parameters, &shaken, |r| r.replay_from(parameters, control, start))?;
+        let quiet =
+            self.with(parameters, &self.whole[index], |r| r.replay_from(parameters, control, start))?;
+        let one = |(c, channel): (usize, Channel)| -> Option<Vec<f64>> {
+            let stand_in = channel == Channel::Control && near.drive == Drive::Playback;
+            if stand_in && self.control == Loop::Open {
+                return None;
+            }
+            let (shown, c) = if stand_in { (Channel::HubRate, 1) } else { (channel, c) };
+            quiet.channels.iter().find(|f| f.channel == shown)?;
+            let floor = self.floors[index][c];
+            let pairs = shown.of(&shaken.simulated).iter().zip(shown.of(&quiet.simulated));
+            Some(pairs.map(|(a, b)| (a - b) / floor).collect())
+        };
+        Some(SCORED.into_iter().enumerate().filter_map(one).collect())
+    }
+
     fn glance(&self, parameters: &Parameters, index: usize, near: &Judged) -> Option<Judged> {
         let (ready, start) = (&self.whole[index], near.start.as_ref()?);
         let run =
@@ -263,6 +316,28 @@ impl Bench for Replays<'_> {
     }
 }
 
+/// Angle over which the hub moves on the platform, rad: from the resolver, the motor or the gyroscopes.
+fn travel(recording: &Recording) -> f64 {
+    let span = |series: &mut dyn Iterator<Item = f64>| {
+        let (low, high) = series
+            .filter(|v| v.is_finite())
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        (high - low).max(0.0)
+    };
+    if let Some(position) = &recording.hub_position_rad {
+        return span(&mut position.iter().copied());
+    }
+    let Some(hub) = &recording.hub_rate_rad_s else { return 0.0 };
+    let mut angle = 0.0;
+    let still = vec![0.0; hub.len()];
+    let platform = recording.platform_rate_rad_s.as_ref().unwrap_or(&still);
+    let rates = hub.iter().zip(platform).map(|(h, p)| h - p);
+    span(&mut rates.map(|rate| {
+        angle += if rate.is_finite() { rate * recording.sample_period_s } else { 0.0 };
+        angle
+    }))
+}
+
 fn apart(channel: Channel, a: &ReadingColumns, b: &ReadingColumns) -> f64 {
     let difference: Vec<f64> = channel.of(a).iter().zip(channel.of(b)).map(|(x, y)| x - y).collect();
     rms(&difference)
@@ -275,9 +350,9 @@ fn deviation(series: &[f64]) -> f64 {
 }
 
 /// The recording with other noise: on its demand of the size of the hub gyroscope's, on the platform's channels of the
-/// size of their sensors' (a fixed sequence).
-fn with_other_noise(recording: &Recording, p: &Parameters) -> Recording {
-    let mut state = 0x2545_f491_4f6c_dd1d_u64;
+/// size of their sensors' (a fixed sequence for each number).
+fn with_other_noise(recording: &Recording, p: &Parameters, which: u64) -> Recording {
+    let mut state = 0x2545_f491_4f6c_dd1d_u64 ^ which.wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let mut uniform = || {
         state ^= state << 13;
         state ^= state >> 7;

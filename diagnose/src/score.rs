@@ -94,6 +94,14 @@ impl Score {
             .sum()
     }
 
+    /// As [`Self::gain_over`], of one recording alone.
+    pub fn gain_in(&self, recording: usize, before: &Score) -> f64 {
+        let of = |score: &Score| Score {
+            cells: score.cells.iter().filter(|cell| cell.recording == recording).cloned().collect(),
+        };
+        of(self).gain_over(&of(before))
+    }
+
     /// Nats by which this mechanism is behind another on the same parts, every cell weighed by what it is worth to the other.
     pub fn loss_against(&self, other: &Score) -> f64 {
         let cells = self.cells.iter().zip(&other.cells);

@@ -11,11 +11,15 @@ use counterpoise_models::Parameters;
 use crate::bench::{Bench, Judged, Pool, map};
 pub use crate::candidate::{Candidate, Stage};
 use crate::candidate::{finalists, held_out_parts, ranked, shortlist, telling_recordings, whole_parts};
+use crate::chance::by_chance;
 use crate::fit::{Fit, Problem, Selection};
 use crate::library::Effect;
 use crate::look::{Look, Reach, Scene, first_look, is_close, is_ripple, pairs};
-use crate::score::{Score, judge, judge_near, score};
-use crate::tolerance::{EFFECTS_AT_MOST, GAIN_NEEDED, JOINT_KNOBS, PAIRS, PROMISE_SHARE, RIVALS, SHORTLIST};
+use crate::score::{Score, judge, score};
+use crate::tolerance::{
+    BEYOND_CHANCE, EFFECTS_AT_MOST, FITTED_SHARE, GAIN_NEEDED, JOINT_KNOBS, NO_CHANCE, ONLY_THERE, PAIRS,
+    PROMISE_SHARE, RIVALS, SHORTLIST,
+};
 
 /// The outcome of the search.
 #[derive(Debug, Clone)]
@@ -77,15 +81,24 @@ impl Searcher<'_> {
     /// The best candidate of a stage, validated on recordings of another kind; none where none is worth having.
     fn best(&self, stage: &Stage, smaller: &Score, nothing: &Score) -> Option<Candidate> {
         let worth = |c: &&Candidate| c.is_acceptable() && c.is_worth_more_than(smaller, nothing);
-        let best = stage.candidates.iter().find(worth)?.clone();
-        let validated = self.validated(best)?;
+        let beyond = |c: &&Candidate| self.is_beyond_chance(c, smaller);
+        let best = stage.candidates.iter().filter(worth).take(RIVALS).find(beyond)?.clone();
+        let validated = self.validated(best, smaller)?;
         (!validated.is_harmful() && validated.gain() > GAIN_NEEDED).then_some(validated)
+    }
+
+    /// Whether a candidate gains more than its newest effect would gain on the noise in the loop alone.
+    pub(crate) fn is_beyond_chance(&self, candidate: &Candidate, smaller: &Score) -> bool {
+        let gain = candidate.whole.gain_over(smaller) - GAIN_NEEDED;
+        gain > NO_CHANCE
+            || gain > BEYOND_CHANCE * by_chance(self.bench, self.pool, &candidate.fit, &candidate.stances)
     }
 
     /// Looks at every effect on top of the present model, fits the shortlist and judges it.
     pub(crate) fn stage(&self, present: Option<&Candidate>, effort: Effort) -> Stage {
         let model = present.map_or(self.base, |c| &c.fit.parameters);
-        let Some(judged) = judge(self.bench, self.pool, model) else {
+        let known = present.and_then(|c| self.standing(model, &|r| c.stances.get(r)));
+        let Some(judged) = known.or_else(|| judge(self.bench, self.pool, model)) else {
             return Stage { candidates: Vec::new(), looks: Vec::new() };
         };
         let taken: Vec<&Effect> = present.map_or(Vec::new(), |c| c.fit.effects.clone());
@@ -170,7 +183,7 @@ impl Searcher<'_> {
                 None => self.fit(effects, start, &selection, &[]),
             };
             let fit = fit?;
-            let judged = judge(self.bench, self.pool, &fit.parameters)?;
+            let judged = self.standing(&fit.parameters, &|r| fit.stance(r))?;
             self.weighed(fit, &judged, &selection.recordings, before)
         });
         if again.len() < candidates.len() {
@@ -185,10 +198,30 @@ impl Searcher<'_> {
 
     /// A fit judged on everything, and on what it was not fitted to.
     fn judged(&self, fit: Fit, fitted: &[usize], before: &[Judged]) -> Option<Candidate> {
-        let own = |r: usize| fit.stances.iter().find(|(index, _)| *index == r).map(|(_, near)| near);
-        let near: Vec<Judged> = (0..before.len()).map(|r| own(r).unwrap_or(&before[r]).stance()).collect();
-        let judged = judge_near(self.bench, self.pool, &fit.parameters, &near)?;
+        let one = |r: usize| match fit.stance(r) {
+            Some(own) => self.bench.glance(&fit.parameters, r, own),
+            None => self.bench.judge_near(&fit.parameters, r, &before[r].stance()),
+        };
+        let judged: Vec<Judged> =
+            map(self.pool, before.len(), one).into_iter().collect::<Option<Vec<Judged>>>()?;
+        if judged.len() < before.len() {
+            return None;
+        }
         self.weighed(fit, &judged, fitted, before)
+    }
+
+    /// How every recording stands to a mechanism, from the start that was fitted with it where there is one.
+    pub(crate) fn standing<'n>(
+        &self,
+        parameters: &Parameters,
+        known: &(dyn Fn(usize) -> Option<&'n Judged> + Sync),
+    ) -> Option<Vec<Judged>> {
+        let one = |r: usize| match known(r) {
+            Some(own) => self.bench.glance(parameters, r, own),
+            None => self.bench.judge(parameters, r),
+        };
+        let judged = map(self.pool, self.bench.count(), one);
+        (judged.len() == self.bench.count()).then(|| judged.into_iter().collect::<Option<_>>()).flatten()
     }
 
     /// A fit with how every recording stands to it, as a candidate.
@@ -205,15 +238,25 @@ impl Searcher<'_> {
     }
 
     /// The candidate judged on recordings of another kind than those fitted: each in turn is left out of the fit and
-    /// predicted. One recording alone has no other kind: there the candidate stays as it was judged.
-    fn validated(&self, candidate: Candidate) -> Option<Candidate> {
+    /// predicted. A recording that alone shows the newest effect has no other kind: there its last part is predicted from the
+    /// first; one recording alone stays as it was judged.
+    fn validated(&self, candidate: Candidate, smaller: &Score) -> Option<Candidate> {
         let count = self.bench.count();
         if count < 2 {
             return Some(candidate);
         }
-        let predicted = map(self.pool, count, |left_out| self.predicted(&candidate, left_out));
+        let all = candidate.whole.gain_over(smaller);
+        let alone = |r: usize| candidate.whole.gain_in(r, smaller) > ONLY_THERE * all;
+        let predicted = map(self.pool, count, |r| {
+            if alone(r) { self.continued(&candidate, r) } else { self.predicted(&candidate, r) }
+        });
         let judged: Vec<Judged> = predicted.into_iter().collect::<Option<_>>()?;
-        let parts = whole_parts(count);
+        if judged.len() < count {
+            return None;
+        }
+        let mut parts = whole_parts(count);
+        let own = (0..count).filter(|r| alone(*r));
+        own.for_each(|r| parts[r].from = FITTED_SHARE);
         let before = judge(self.bench, self.pool, self.base)?;
         Some(Candidate {
             held_out: score(&judged, &parts)?,
@@ -226,15 +269,27 @@ impl Searcher<'_> {
     /// A recording as the candidate fitted to the others predicts it.
     fn predicted(&self, candidate: &Candidate, left_out: usize) -> Option<Judged> {
         let recordings = (0..self.bench.count()).filter(|r| *r != left_out).collect();
-        let selection = Selection::trying(recordings);
-        let (effects, stances) = (candidate.fit.effects.clone(), &candidate.stances);
-        let fit = if candidate.fit.values.len() > JOINT_KNOBS {
-            Some(candidate.fit.clone())
-        } else {
-            self.fit(effects, &candidate.fit.values, &selection, stances)
-        };
+        let fit = self.fitted_again(candidate, recordings)?;
         let near = candidate.stances.get(left_out)?;
-        self.bench.judge_near(&fit?.parameters, left_out, near)
+        let sought = self.bench.judge_near(&fit.parameters, left_out, near)?;
+        let given = self.bench.glance(&fit.parameters, left_out, near)?;
+        Some(if level_of(&given) < level_of(&sought) { given } else { sought })
+    }
+
+    /// A recording as the candidate fitted to its first part, and to that of the others, continues it.
+    fn continued(&self, candidate: &Candidate, recording: usize) -> Option<Judged> {
+        let fit = self.fitted_again(candidate, (0..self.bench.count()).collect())?;
+        let near = fit.stance(recording).or_else(|| candidate.stances.get(recording))?;
+        self.bench.glance(&fit.parameters, recording, near)
+    }
+
+    /// The candidate fitted to the first part of some recordings.
+    fn fitted_again(&self, candidate: &Candidate, recordings: Vec<usize>) -> Option<Fit> {
+        if candidate.fit.values.len() > JOINT_KNOBS {
+            return Some(candidate.fit.clone());
+        }
+        let selection = Selection::trying(recordings);
+        self.fit(candidate.fit.effects.clone(), &candidate.fit.values, &selection, &candidate.stances)
     }
 
     /// Fits new effects while those of a model with many parameters stay as they are.
@@ -270,6 +325,11 @@ impl Searcher<'_> {
     pub(crate) fn whole_score(&self, parameters: &Parameters) -> Option<Score> {
         score(&judge(self.bench, self.pool, parameters)?, &whole_parts(self.bench.count()))
     }
+}
+
+/// Mean ln(excess) of a recording's channels.
+fn level_of(judged: &Judged) -> f64 {
+    (0..judged.misfits.len()).map(|c| judged.excess(c).max(f64::MIN_POSITIVE).ln()).sum()
 }
 
 /// How widely a stage looks.

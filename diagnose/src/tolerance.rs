@@ -65,8 +65,20 @@ pub const TRIAL_ITERATIONS: usize = 6;
 /// log-likelihood ratio of two models so close.
 pub const AMBIGUOUS: f64 = 18.0;
 /// Times at the most that a fit seeks the recordings' starts anew at what it found.
-pub const RESTARTS: usize = 2;
+pub const RESTARTS: usize = 1;
 /// The same for a first fit of a candidate.
 pub const TRIAL_RESTARTS: usize = 1;
 /// Share by which a new start must lower the cost for a further one to be sought.
 pub const RESTART_WORTH: f64 = 2e-3;
+/// Iterations of a fit for which what the recordings' starts do is taken as it was.
+pub const STARTS_KEPT: usize = 4;
+/// Outcomes of other noise from which what chance would explain is taken.
+pub const CHANCES: u64 = 8;
+/// Times what chance explains on the average that an effect must gain beyond what is needed anyway.
+pub const BEYOND_CHANCE: f64 = 12.0;
+/// Gain, in nats, above which no noise is thought of as its cause.
+pub const NO_CHANCE: f64 = 4000.0;
+/// Share of what a candidate gains beyond which a recording is the only one that shows its effect.
+pub const ONLY_THERE: f64 = 0.9;
+/// Share of a period that the travel must cover for a torque to count as one that repeats.
+pub const PERIOD_SEEN: f64 = 0.75;

@@ -11,6 +11,7 @@ pub mod start;
 mod windows;
 
 pub use platform::{platform_motion, reading_floor};
+pub use start::UNKNOWNS as START_FREEDOMS;
 
 use crate::Error;
 use crate::history::{ReadingColumns, TimeHistory};
@@ -192,6 +193,25 @@ impl<'a> Replayer<'a> {
         let plant = Plant::lumped(parameters)?;
         let history = self.run(&mut Simulator::new(&plant)?, control, start)?;
         Ok(self.compared(&plant, control, history, start.clone()))
+    }
+
+    /// Replays the recording once from a given start whose freedoms (hub angle, common rate, gear torque, both dry frictions,
+    /// current) are moved by so many of their steps: where they are fitted together with the mechanism.
+    ///
+    /// # Errors
+    /// As [`replay`].
+    pub fn replay_nudged(
+        &self,
+        parameters: &Parameters,
+        control: &Loop,
+        near: &PlantState,
+        steps: &[f64; START_FREEDOMS],
+    ) -> Result<Replay, Error> {
+        let plant = Plant::lumped(parameters)?;
+        let mut simulator = Simulator::new(&plant)?;
+        let start = start::nudged(&mut simulator, self, near, steps);
+        let history = self.run(&mut simulator, control, &start)?;
+        Ok(self.compared(&plant, control, history, start))
     }
 
     /// The fits of a run.

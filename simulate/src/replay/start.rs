@@ -34,7 +34,7 @@ const FAR: f64 = 3e4;
 /// Samples from which the first rates and angles are taken.
 const FIRST: usize = 5;
 /// Number of unknowns.
-const UNKNOWNS: usize = 6;
+pub const UNKNOWNS: usize = 6;
 
 type Unknowns = [f64; UNKNOWNS];
 
@@ -79,6 +79,19 @@ pub(crate) fn refine(
     }
     let (_, found) = fit.descend(fit.unknowns(near))?;
     Ok(fit.state(&found))
+}
+
+/// A start with each of its unknowns moved by a number of its steps.
+pub(crate) fn nudged(
+    simulator: &mut Simulator,
+    replayer: &Replayer,
+    near: &PlantState,
+    steps: &[f64; UNKNOWNS],
+) -> PlantState {
+    let fit = Fit::new(simulator, replayer);
+    let mut moved = fit.unknowns(near);
+    (0..UNKNOWNS).for_each(|k| moved[k] += steps[k] * fit.steps[k]);
+    fit.state(&fit.bounded(moved))
 }
 
 struct Fit<'a, 'b> {

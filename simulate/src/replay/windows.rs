@@ -69,6 +69,35 @@ impl Replayer<'_> {
     }
 }
 
+impl Replayer<'_> {
+    /// Replays the recorded control over the whole recording.
+    ///
+    /// The start is fitted to the first moments. Where some channel then ends up further off than noise explains, a start that is
+    /// fitted to the first half of the recording is tried as well, and taken where with it every channel is explained: a machine that
+    /// nearly stalls remembers a start for longer than the first moments show it. Where it explains nothing, the model lacks
+    /// something, and the start shall not hide that.
+    ///
+    /// # Errors
+    /// As [`super::replay`] in open loop.
+    pub fn replay_open(&self, parameters: &Parameters) -> Result<Replay, Error> {
+        let first = self.replay(parameters, &Loop::Open)?;
+        if explained(&first) || self.samples < SHORTEST {
+            return Ok(first);
+        }
+        let mut windows = Windows::new(self, parameters, (self.samples, &first.start))?;
+        let start = windows.fitted(&first.start, 0, self.samples)?;
+        let longer = self.replay_from(parameters, &Loop::Open, &start)?;
+        Ok(if explained(&longer) { longer } else { first })
+    }
+}
+
+/// Most that a channel of a true model is off, over its floor.
+const EXPLAINED: f64 = 1.5;
+
+fn explained(replay: &Replay) -> bool {
+    replay.channels.iter().all(|fit| fit.rms_error < EXPLAINED * fit.floor)
+}
+
 /// The channels that say what the plant does.
 const FOLLOWED: [Channel; 3] = [Channel::HubRate, Channel::MotorRate, Channel::HubPosition];
 
