@@ -80,6 +80,52 @@ fn every_sampling_gives_nearly_the_same_loop() {
     }
 }
 
+const SAMPLED_DATA: &str = "discretisation = \"sampled-data\"";
+
+/// On the nonlinear plant too, with both feedforwards, the figures are those of the converted controller.
+#[test]
+fn a_design_in_sampled_time_verifies_as_the_converted_one_at_1_khz() {
+    let converted = verified(&project(&text(CHAPTER_6)));
+    let anew = project(&with(CHAPTER_6, &[(TUSTIN, SAMPLED_DATA)]));
+    let (_, own) = made(&anew);
+    assert!(own.sampled.worst_cost_difference().is_some_and(|difference| difference < 1e-6));
+    let found = verified(&anew);
+    let same = [("gain_margin_db", 0.7), ("phase_margin_deg", 1.5), ("linear_step_overshoot_percent", 0.5)];
+    for (key, within) in same {
+        println!("{key}: {} {}", value(&converted, key), value(&found, key));
+        assert!((value(&found, key) - value(&converted, key)).abs() < within, "{key}");
+    }
+}
+
+/// At 40 ms the converted controller loses its margins, at 80 ms the sampled loop; the one designed for the period keeps both.
+#[test]
+fn a_design_in_sampled_time_holds_a_coarse_period() {
+    let at = |period: &str, choice: &str| {
+        project(&with(CHAPTER_6, &[("sample_period = 1.0e-3", period), (TUSTIN, choice)]))
+    };
+    let (slow, slower) = ("sample_period = 4.0e-2", "sample_period = 8.0e-2");
+    let [converted, anew] = [TUSTIN, SAMPLED_DATA].map(|choice| verified(&at(slow, choice)));
+    assert!(value(&converted, "gain_margin_db") < 9.0 && value(&anew, "gain_margin_db") > 13.0);
+    let converted = at(slower, TUSTIN);
+    let modelled = model(&converted).unwrap();
+    let reduced = reduce(&converted, &modelled).unwrap();
+    let refused = synthesise(&converted, &modelled, &reduced).err().map(|error| error.to_string());
+    assert!(refused.as_ref().is_some_and(|said| said.contains("sample faster")), "{refused:?}");
+    let anew = verified(&at(slower, SAMPLED_DATA));
+    assert!(value(&anew, "gain_margin_db") > 8.0 && value(&anew, "phase_margin_deg") > 45.0);
+}
+
+/// What is not the three-part design cannot be designed anew in sampled time, and says so at its key.
+#[test]
+fn sampled_data_with_another_feedback_is_refused_at_its_key() {
+    for other in ["method = \"lqg-ltr\"", "controller_order = 5"] {
+        let written = with(CHAPTER_6, &[(TUSTIN, &format!("{SAMPLED_DATA}\n{other}"))]);
+        let errors = Project::parse(&written, "p.toml").err().unwrap();
+        let said = errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
+        assert!(said.contains("synth.discretisation") && said.contains("use \"tustin\""), "{other}: {said}");
+    }
+}
+
 #[test]
 fn a_prefilter_takes_the_overshoot_and_nothing_else() {
     let filter = "[synth.prefilter]\nform = \"lag\"\ngain = 1.0\ntime = 0.12\n\n[synth.feedback]";
