@@ -1,6 +1,7 @@
 //! True stick in the mechanism, bristles, and what every law of friction must do at rest.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use counterpoise_models::friction::ResetIntegrator;
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{
     Friction, FrictionLaw, OperatingPoint, Parameters, Plant, StribeckCurve, reference,
@@ -264,4 +265,193 @@ fn true_stick_is_the_limit_of_stiff_presliding() {
     let errors = [1e5, 1e6, 1e7].map(distance);
     println!("Dahl's law from true stick: {errors:?}");
     assert!(errors[1] < 0.6 * errors[0] && errors[2] < 0.6 * errors[1] && errors[2] < 3e-2);
+}
+
+/// The heave's sine is above what friction holds for part of one sample only, and below it where samples begin and end: the joint
+/// breaks away at the exact instant all the same, and slides on by the closed form.
+#[test]
+fn a_breakaway_between_the_ends_of_a_step_is_found() {
+    let (level, ratio, frequency, inertia, period) = (80.0, 1.5, 3.0, 1e6, 20e-3);
+    let peak = std::f64::consts::FRAC_PI_2 / frequency;
+    // the peak is at 0.43 of the 26th sample
+    let edge = (frequency * (26.0 * period - peak)).cos().max((frequency * (27.0 * period - peak)).cos());
+    let push = ratio * level * 0.5 * (1.0 + 1.0 / edge);
+    assert!(push * edge < ratio * level && push > ratio * level);
+    let plant = machine(|rig| {
+        *rig = one_mass(inertia, FrictionLaw::Coulomb { coulomb_nm: level }, ratio);
+        rig.interface.sample_period_s = period;
+    });
+    let rates = run(&plant, &[0.0], &pushed(push / 100.0, frequency, 0.8)).truth.hub_rate_rad_s;
+    let leave = (ratio * level / push).asin() / frequency;
+    for (k, found) in rates.iter().enumerate() {
+        let t = k as f64 * period;
+        let swing = push / frequency * ((frequency * leave).cos() - (frequency * t).cos());
+        let expected = if t < leave { 0.0 } else { -(swing - level * (t - leave)) / inertia };
+        assert!((found - expected).abs() < 1e-6 * level / inertia, "{t}: {found:e} {expected:e}");
+    }
+    assert!(rates[39].abs() > 1e-6);
+}
+
+/// A motor that swings on its gear pushes the resting hub for less than a sample: the hub is where ten times as many samples have it.
+#[test]
+fn a_torque_pulse_shorter_than_a_sample_breaks_away() {
+    let hub = |period: f64| {
+        let plant = machine(|rig| {
+            rig.lumped.as_mut().unwrap().out_of_balance_kg_m = 0.0;
+            rig.gearbox.backlash_rad = 0.0;
+            rig.gearbox.damping_nm_s_rad = 0.0;
+            rig.motor_friction = Friction::plain(FrictionLaw::None, 0.0);
+            rig.pivot_friction = Friction::plain(FrictionLaw::Coulomb { coulomb_nm: 117.0 }, 0.0);
+            rig.interface.sample_period_s = period;
+        });
+        let mut start = Simulator::new(&plant).unwrap().rest(0.0, 0.0, 0.0);
+        // 123 N m at the crest of the gear's torque, a hundredth of a second from now
+        start.core[state::MOTOR] = 1.42;
+        let scenario = Scenario { initial: Initial::State(Box::new(start)), ..Scenario::still(0.2) };
+        let history = run(&plant, &[0.0], &scenario);
+        let samples = (0.18 / period).round() as usize;
+        (history.truth.hub_angle_rad[samples], history.truth.mesh_torque_nm.clone())
+    };
+    let (long, torque) = hub(20e-3);
+    let (short, all) = hub(2e-3);
+    let crest = |torque: &[f64]| torque.iter().take(11).fold(0.0_f64, |a, b| a.max(b.abs()));
+    println!("{long:e} {short:e}, crests {} {}", crest(&torque[..2]), crest(&all));
+    assert!(crest(&torque[..2]) < 117.0 && crest(&all) > 117.0, "the pulse is inside a sample");
+    assert!(long.abs() > 1e-9 && (long / short - 1.0).abs() < 1e-3, "{long:e} {short:e}");
+}
+
+/// A mass of 1 kg m^2 drawn by a spring of 2 N m/rad whose end goes on at 0.1 rad/s: the gear is the spring, a heavy motor its end.
+fn drawn(law: FrictionLaw, static_ratio: f64, stribeck_rate_rad_s: f64) -> Plant {
+    machine(|rig| {
+        *rig = one_mass(0.999, law.clone(), static_ratio);
+        rig.pivot_friction.stribeck_rate_rad_s = stribeck_rate_rad_s;
+        let lumped = rig.lumped.as_mut().unwrap();
+        lumped.out_of_balance_kg_m = 0.0;
+        rig.motor.inertia_kg_m2 = 1e9;
+        rig.motor.torque_constant_nm_a = 1e-6;
+        rig.motor.back_emf_v_s_rad = 1e-6;
+        rig.gearbox.ratio = 1.0;
+        rig.gearbox.backlash_rad = 0.0;
+        rig.gearbox.stiffness_nm_rad = 2.0;
+        rig.gearbox.damping_nm_s_rad = 0.0;
+    })
+}
+
+/// Period, least and greatest spring torque, and greatest rate of the settled stick-slip cycle; greatest torque at the crests.
+fn stick_slip(plant: &Plant) -> [f64; 4] {
+    let mut start = Simulator::new(plant).unwrap().rest(0.0, 0.0, 0.0);
+    start.core[state::MOTOR] = 0.1;
+    let scenario = Scenario { initial: Initial::State(Box::new(start)), ..Scenario::still(80.0) };
+    let truth = run(plant, &[0.0], &scenario).truth;
+    let torque: Vec<f64> = truth.wind_up_rad.iter().map(|w| 2.0 * w).collect();
+    let settled = 40_000;
+    // instants at which the spring's torque rises through 1, between samples by the straight line
+    let rises: Vec<f64> = (settled..torque.len() - 1)
+        .filter(|&k| torque[k] < 1.0 && torque[k + 1] >= 1.0)
+        .map(|k| 1e-3 * (k as f64 + (1.0 - torque[k]) / (torque[k + 1] - torque[k])))
+        .collect();
+    let cycles = (rises.len() - 1) as f64;
+    let least = torque[settled..].iter().fold(f64::INFINITY, |a, b| a.min(*b));
+    let most = torque[settled..].iter().fold(0.0_f64, |a, b| a.max(*b));
+    let fastest = truth.hub_rate_rad_s[settled..].iter().fold(0.0_f64, |a, b| a.max(*b));
+    [(rises[rises.len() - 1] - rises[0]) / cycles, least, most, fastest]
+}
+
+/// F_c = 1, F_s = 1.5, w = sqrt(k / J): the rate V (1 - cos w t) + (F_s - F_c) / (J w) sin w t of the slip is zero again after
+/// (2 / w)(pi - atan((F_s - F_c) / (J w V))) = 2.611261936 s, with the torque 2 F_c - F_s; the stick lasts 2 (F_s - F_c) / (k V) = 5 s.
+/// The torque swings about F_c by sqrt((F_s - F_c)^2 + J k V^2), the rate about V by that over J w.
+#[test]
+fn stick_slip_cycles_are_those_of_the_closed_form_and_the_literature() {
+    let swing = (0.25_f64 + 0.02).sqrt();
+    let closed = [7.611_261_936, 1.0 - swing, 1.0 + swing, 0.467_423_461];
+    let off = |law: FrictionLaw| {
+        let found = stick_slip(&drawn(law.clone(), 1.5, 1e-3));
+        let worst = found.iter().zip(&closed).map(|(f, c)| (f / c - 1.0).abs()).fold(0.0, f64::max);
+        println!("{law:?}: {found:?}, {worst:.1e} from the closed form");
+        worst
+    };
+    assert!(off(FrictionLaw::Coulomb { coulomb_nm: 1.0 }) < 1e-5);
+    assert!(off(FrictionLaw::Karnopp { coulomb_nm: 1.0, stick_rate_rad_s: 1e-9 }) < 1e-4);
+    let reset = |deflection_rad: f64| {
+        let damping_nm_s_rad = (1.5 / deflection_rad).sqrt();
+        off(FrictionLaw::ResetIntegrator { coulomb_nm: 1.0, deflection_rad, damping_nm_s_rad })
+    };
+    // the root of the bond's length: the time that the unbroken bond takes to stretch
+    let errors = [1e-3, 1e-4, 1e-5].map(reset);
+    assert!(errors.windows(2).all(|e| (0.28..0.36).contains(&(e[1] / e[0]))), "{errors:?}");
+    assert!(errors[2] < 1.1e-3, "{errors:?}");
+    // Canudas de Wit et al. 1995, table 1
+    let lugre = FrictionLaw::Lugre {
+        coulomb_nm: 1.0,
+        bristle_stiffness_nm_rad: 1e5,
+        bristle_damping_nm_s_rad: 1e5_f64.sqrt(),
+    };
+    let mut plant = drawn(lugre, 1.5, 1e-3).parameters().clone();
+    plant.pivot_friction.viscous_nm_s_rad = 0.4;
+    let [period, least, most, fastest] = stick_slip(&Plant::lumped(&plant).unwrap());
+    println!("LuGre: {period} {least} {most} {fastest}");
+    assert!((period - 6.363).abs() < 1e-3);
+    assert!((least - 0.7412).abs() < 1e-3 && (most - 1.5080).abs() < 1e-3 && (fastest - 0.3698).abs() < 1e-3);
+}
+
+/// The same cycle of the reset integrator by the classical Runge-Kutta method on three states, in steps of ten microseconds.
+fn reset_cycle(bond: &ResetIntegrator) -> [f64; 4] {
+    let slope = |t: f64, [x, v, z]: [f64; 3]| {
+        [v, 2.0 * (0.1 * t - x) - bond.torque(v, 1.0, z), bond.derivative(v, z)]
+    };
+    let moved = |y: [f64; 3], d: [f64; 3], h: f64| std::array::from_fn(|i| y[i] + h * d[i]);
+    let (mut y, h) = ([0.0; 3], 1e-5);
+    let (mut rises, mut least, mut most, mut fastest) = (Vec::new(), f64::INFINITY, 0.0_f64, 0.0_f64);
+    for k in 0..8_000_000_u32 {
+        let t = f64::from(k) * h;
+        let before = 2.0 * (0.1 * t - y[0]);
+        let a = slope(t, y);
+        let b = slope(t + 0.5 * h, moved(y, a, 0.5 * h));
+        let c = slope(t + 0.5 * h, moved(y, b, 0.5 * h));
+        let d = slope(t + h, moved(y, c, h));
+        y = std::array::from_fn(|i| y[i] + h / 6.0 * (a[i] + 2.0 * (b[i] + c[i]) + d[i]));
+        y[2] = bond.project(y[2]);
+        let after = 2.0 * (0.1 * (t + h) - y[0]);
+        if t > 40.0 {
+            (least, most, fastest) = (least.min(after), most.max(after), fastest.max(y[1]));
+            if before < 1.0 && after >= 1.0 {
+                rises.push(t + h * (1.0 - before) / (after - before));
+            }
+        }
+    }
+    [(rises[rises.len() - 1] - rises[0]) / (rises.len() - 1) as f64, least, most, fastest]
+}
+
+#[test]
+fn the_reset_integrators_stick_slip_is_that_of_small_runge_kutta_steps() {
+    let (coulomb_nm, deflection_rad, damping_nm_s_rad) = (1.0, 1e-3, 38.7);
+    let bond = ResetIntegrator { coulomb_nm, static_ratio: 1.5, deflection_rad, damping_nm_s_rad };
+    let expected = reset_cycle(&bond);
+    let law = FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad, damping_nm_s_rad };
+    let found = stick_slip(&drawn(law, 1.5, 1e-3));
+    println!("{found:?} {expected:?}");
+    let off = |(f, e): (&f64, &f64)| (f / e - 1.0).abs();
+    assert!(found.iter().zip(&expected).map(off).fold(0.0, f64::max) < 2e-4, "{found:?} {expected:?}");
+}
+
+/// Half of what friction carries for ten thousand seconds: what sticks, bonds and the reset integrator stay where they are to the last
+/// bits; Dahl's and LuGre's laws, which yield a little on every turn, to a hundred-thousandth of their deflection; Walrath's creeps.
+#[test]
+fn holds_last_ten_thousand_seconds() {
+    for (index, (name, _, ratio)) in laws(1.0, 1.0).into_iter().enumerate() {
+        let plant = split(|level, deflection| laws(level, deflection)[index].1.clone(), ratio, 0.5);
+        let mut rig = plant.parameters().clone();
+        rig.interface.sample_period_s = 0.04;
+        let plant = Plant::lumped(&rig).unwrap();
+        let held = plant.equilibrium(&OperatingPoint::default()).control_v;
+        let angle = run(&plant, &[held + 0.1], &Scenario::still(1e4)).truth.hub_angle_rad;
+        let drift = (angle[angle.len() - 1] - angle[angle.len() / 10]).abs();
+        println!("{name}: {drift:.1e} rad in 9000 s, deflected by {:.1e} rad", angle[angle.len() - 1]);
+        let deflected = angle[angle.len() - 1].abs();
+        match name {
+            "Walrath" => assert!(drift > 1.0, "{drift:e}"),
+            "Dahl" | "Dahl, exponent 2" | "LuGre" => assert!(drift < 1e-5 * deflected, "{name}: {drift:e}"),
+            _ => assert!(drift < 1e-12, "{name}: {drift:e}"),
+        }
+    }
 }

@@ -11,7 +11,9 @@ use counterpoise_diagnose::diagnose;
 use counterpoise_project::recording::Table;
 use counterpoise_project::{Attachments, Document, Project, Setting};
 use counterpoise_simulate::recording::Recording;
+use counterpoise_models::Plant;
 use counterpoise_simulate::replay::{Loop, Replay, Replayer, replay};
+use counterpoise_simulate::{Imperfections, Scenario, Signal, run};
 
 /// As many threads as the machine has.
 struct Threads;
@@ -179,12 +181,38 @@ fn machines_that_hunt_replay_to_their_floor_over_half_a_second() {
     }
 }
 
+/// In open loop a machine that nearly stalls remembers a start for longer than its first moments show it.
 #[test]
-fn cogging_that_nearly_stalls_the_motor_replays_in_open_loop_from_a_start_fitted_over_half_the_recording() {
+fn cogging_that_nearly_stalls_the_motor_replays_in_open_loop() {
     let Some((project, all)) = known("p05") else { return };
-    let steps = all.iter().find(|r| r.name.contains("steps") && !r.name.contains("unseen")).unwrap();
-    let replayer = Replayer::new(&project.plant, steps).unwrap();
-    assert_fits("p05", "steps", &replayer.replay_windows(&project.plant, 10.0).unwrap());
+    counterpoise_tests::in_parallel(all.len(), &|k| {
+        let replayer = Replayer::new(&project.plant, &all[k]).unwrap();
+        assert_fits("p05", &all[k].name, &replayer.replay_open(&project.plant).unwrap());
+    });
+}
+
+/// Why the machine that hunts is judged over half a second: two runs of the machine itself, from the same start, that differ in the
+/// noise of the sensors alone are as far apart as its replay is from its recording.
+#[test]
+fn a_machine_that_hunts_does_not_repeat_itself() {
+    let Some((project, all)) = known("p02") else { return };
+    let steps = all.iter().find(|r| r.name.contains("steps")).unwrap();
+    let mut controller = project.recording_controller.clone().unwrap();
+    controller.integral_v = 0.0;
+    let plant = Plant::lumped(&project.plant).unwrap();
+    let run = |seed: u64| {
+        let values = steps.demand_rad_s.clone().unwrap();
+        let scenario = Scenario {
+            demand_rad_s: Signal::Held { period_s: steps.sample_period_s, values },
+            imperfections: Imperfections::NoiseAndQuantisation { seed },
+            ..Scenario::still(steps.sample_period_s * steps.len() as f64)
+        };
+        run(&plant, &mut controller.clone(), &scenario).unwrap().truth.hub_rate_rad_s
+    };
+    let (one, other) = (run(1), run(2));
+    let apart = one.iter().zip(&other).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / one.len() as f64;
+    println!("two runs differ by {:.1e} rad/s RMS", apart.sqrt());
+    assert!(apart.sqrt() > 20.0 * 2e-4, "{:e}", apart.sqrt());
 }
 
 #[test]

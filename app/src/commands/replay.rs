@@ -76,6 +76,9 @@ pub fn run(options: &ReplayOptions) -> Done {
     for item in &read {
         let plant = &loaded.project.plant;
         let replayed = match options.windows {
+            None if control == Loop::Open => {
+                Replayer::new(plant, &item.recording).and_then(|r| r.replay_open(plant))
+            }
             None => replay(plant, &item.recording, &control),
             Some(window_s) => {
                 Replayer::new(plant, &item.recording).and_then(|r| r.replay_windows(plant, window_s))

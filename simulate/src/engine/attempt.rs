@@ -1,8 +1,9 @@
 //! One step: the linear core's answer, and the iteration on the port values at the nodes.
 
 use super::moments::{MIDDLE, NODES};
+use super::strips::Strips;
 use super::ports::{AngleNearby, Bonds, FrictionState, PlatformSpan, Point, Ports, StepSpan};
-use super::tables::{FIXED_INPUTS, OUTPUTS, PORTS, STAGE_ROWS, STAGES, STATE, StepTable, result_length};
+use super::tables::{FIXED_INPUTS, HOLD_ROWS, OUTPUTS, PORTS, STAGE_ROWS, STAGES, STATE, StepTable, result_length};
 use counterpoise_models::Plant;
 
 /// Largest error of a port, relative to its scale, at which its iteration ends.
@@ -15,6 +16,9 @@ const LEAST_CONTRACTION: f64 = 0.01;
 const ROUNDING: f64 = 1e-10;
 /// Change in the first iteration, relative to the scale, above which a step was not foreseen.
 const PREDICTED: f64 = 1e-3;
+/// Change of a torque over the step before, relative to its scale, below which it is taken to stay as it is: going on as before would
+/// enlarge what the iteration leaves open, and a mechanism at rest would never come to rest.
+const QUIET: f64 = 2e-6;
 /// Iterations after which a step is halved.
 const ITERATIONS: usize = 8;
 
@@ -33,6 +37,8 @@ pub(crate) struct Given<'a> {
     pub friction: &'a FrictionState,
     /// The bonds of bristles at its start.
     pub bonds: &'a Bonds,
+    /// Angles of motor and pivot to which friction has travelled before it, rad.
+    pub travelled: Option<[f64; 2]>,
     /// What the nonlinear parts see at its start.
     pub outputs: [f64; OUTPUTS],
     /// Drive of the amplifier, V, and torque of half the gap, N m.
@@ -55,6 +61,7 @@ pub(crate) struct Attempt {
     outputs: [[f64; OUTPUTS]; 4],
     memory: [FrictionState; STAGES],
     bonds: Bonds,
+    travelled: [f64; 2],
     about: AngleNearby,
     before: Before,
     /// Factor from the change in one iteration to that in the next.
@@ -76,6 +83,7 @@ impl Attempt {
             outputs: [[0.0; OUTPUTS]; 4],
             memory: [FrictionState::default(); STAGES],
             bonds: Bonds::default(),
+            travelled: [0.0; 2],
             about: AngleNearby::new(0.0),
             before: Before::default(),
             contraction: 1.0,
@@ -112,11 +120,12 @@ impl Attempt {
     /// has it.
     fn guess(&mut self, given: &Given) {
         let weights = self.before.weights(given.table.step_s);
+        let quiet = [0, 1].map(|p| self.before.change(p) < QUIET * given.ports.scales[p]);
         for stage in 0..STAGES {
             let at = stage * PORTS;
             for p in 0..2 {
                 let inner: f64 = (0..STAGES).map(|k| weights[stage][k] * self.before.values[k][p]).sum();
-                self.values[at + p] = self.start[p] + inner;
+                self.values[at + p] = if quiet[p] { self.start[p] } else { self.start[p] + inner };
             }
             let heave = given.platform.nodes[stage + 1].heave;
             self.values[at + 2] = given.ports.load(&self.about, self.outputs[0][2], heave);
@@ -174,6 +183,7 @@ impl Attempt {
         let change = largest_change(&found.values, &self.values, &given.ports.scales);
         self.values = found.values;
         self.memory = found.memory;
+        self.travelled = found.travelled;
         change
     }
 
@@ -184,6 +194,7 @@ impl Attempt {
             outputs: &self.outputs,
             platform: given.platform,
             memory: given.friction,
+            travelled: given.travelled,
             about: &self.about,
         }
     }
@@ -208,7 +219,30 @@ impl Attempt {
         worst
     }
 
-    fn middle_outputs(&self) -> [f64; OUTPUTS] {
+    /// The state's share of the torque that holds a joint, at the first and second inner node and in the middle.
+    pub fn held(&self, hold: &Strips, joint: usize) -> [f64; 3] {
+        let mut given = self.inputs.clone();
+        given.extend(self.values);
+        let mut shares = [0.0; HOLD_ROWS];
+        hold.multiply_add(&given, &mut shares);
+        std::array::from_fn(|k| shares[joint * HOLD_ROWS / 2 + k])
+    }
+
+    /// Values of the ports at the first and second inner node and in the middle.
+    pub fn inner_ports(&self) -> [[f64; PORTS]; 3] {
+        let at = |stage: usize, p: usize| self.values[stage * PORTS + p];
+        let middle = |p: usize| {
+            MIDDLE[0] * self.start[p] + (0..STAGES).map(|k| MIDDLE[k + 1] * at(k, p)).sum::<f64>()
+        };
+        [
+            std::array::from_fn(|p| at(0, p)),
+            std::array::from_fn(|p| at(1, p)),
+            std::array::from_fn(middle),
+        ]
+    }
+
+    /// What the nonlinear parts see in the middle.
+    pub fn middle_outputs(&self) -> [f64; OUTPUTS] {
         let mut middle = [0.0; OUTPUTS];
         middle.copy_from_slice(&self.result[STAGE_ROWS..STAGE_ROWS + OUTPUTS]);
         middle
@@ -245,6 +279,11 @@ impl Attempt {
         self.memory[STAGES - 1]
     }
 
+    /// Angles of motor and pivot to which friction has travelled at the end, rad.
+    pub fn travelled(&self) -> [f64; 2] {
+        self.travelled
+    }
+
     /// The bonds at the end.
     pub fn bonds(&self) -> &Bonds {
         &self.bonds
@@ -267,6 +306,12 @@ impl Before {
         }
         self.step_s = step_s;
         self.values = values;
+    }
+
+    /// How far a torque went from its first inner node to the others.
+    fn change(&self, port: usize) -> f64 {
+        let [first, second, end] = self.values.map(|values| values[port]);
+        (second - first).abs().max((end - first).abs())
     }
 
     /// Weights of the values before for the change of the torques to each stage of a step.

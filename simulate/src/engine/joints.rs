@@ -9,9 +9,11 @@
 //! that nothing jumps.
 
 use super::linear::Hold;
+use super::moments::NODES;
 use super::ports::{AngleNearby, FrictionState, PlatformPoint, Point};
 use super::stepper::{Sample, Stepper};
-use super::tables::PORTS;
+use super::strips::Strips;
+use super::tables::{OUTPUTS, PORTS};
 use counterpoise_models::friction::Stick;
 use counterpoise_models::plant::core::input;
 
@@ -45,6 +47,11 @@ impl FrictionState {
 
 /// The torque that holds a joint, for a state, its ports without this joint's friction, and an instant.
 pub(crate) fn holding(hold: &Hold, core: &[f64], ports: &[f64; PORTS], at: &Instant) -> f64 {
+    super::linear::dot(&hold.row, core) + beside(hold, ports, at)
+}
+
+/// The part of it that is not the state's.
+fn beside(hold: &Hold, ports: &[f64; PORTS], at: &Instant) -> f64 {
     let mut inputs = [0.0; input::COUNT];
     inputs[input::DRIVE] = at.drive_v;
     inputs[input::PLATFORM_RATE] = at.platform.rate;
@@ -52,8 +59,12 @@ pub(crate) fn holding(hold: &Hold, core: &[f64], ports: &[f64; PORTS], at: &Inst
     inputs[input::HUB_TORQUE] = ports[1];
     inputs[input::LOAD] = ports[2];
     inputs[input::MESH_TORQUE] = at.offset;
-    super::linear::dot(&hold.row, core) + super::linear::dot(&hold.inputs, &inputs)
-        - hold.platform * at.acceleration
+    super::linear::dot(&hold.inputs, &inputs) - hold.platform * at.acceleration
+}
+
+/// How far a joint at rest is from breaking away: negative beyond it.
+fn holding_margin(stick: &Stick, torque_nm: f64) -> f64 {
+    (stick.positive_nm - torque_nm).min(stick.negative_nm + torque_nm)
 }
 
 /// How far a sliding joint is from the end of its state: negative beyond it.
@@ -69,6 +80,40 @@ impl Stepper {
         rates.map(|rate| sliding_margin(state, rate, band, ROUNDING * self.turns[joint]))
     }
 
+    /// Margins of a joint at rest along the step that was tried, with their fractions of it: at its nodes and in its middle.
+    pub(crate) fn rest_margins(
+        &self,
+        joint: usize,
+        hold: &Strips,
+        instant: impl Fn(f64) -> Instant,
+    ) -> [(f64, f64); 5] {
+        let [core, attempt] = [self.core(), self.attempt.end()];
+        let ends = [(0.0, core, *self.attempt.start_ports()), (1.0, attempt, self.attempt.end_ports())];
+        let [first, last] = ends.map(|(part, core, ports)| {
+            let at = instant(part);
+            let (stick, torque) = self.load(joint, core, &ports, &at);
+            (part, holding_margin(&stick, torque))
+        });
+        let (shares, ports) = (self.attempt.held(hold, joint), self.attempt.inner_ports());
+        let outputs = self.attempt.outputs();
+        let seen = [outputs[1], outputs[2], self.attempt.middle_outputs()];
+        let inner = |k: usize| {
+            let part = [NODES[1], NODES[2], 0.5][k];
+            let at = instant(part);
+            let torque = shares[k] + beside(&self.linear().holds[joint], &ports[k], &at);
+            (part, holding_margin(&self.stick_at(joint, &seen[k], &at), torque))
+        };
+        [first, inner(0), inner(2), inner(1), last]
+    }
+
+    /// What a joint can hold where its nonlinear parts see these outputs.
+    fn stick_at(&self, joint: usize, outputs: &[f64; OUTPUTS], at: &Instant) -> Stick {
+        let about = AngleNearby::new(outputs[2]);
+        let point = Point { time_s: at.time_s, outputs, platform: &at.platform, about: &about };
+        let none = Stick { positive_nm: 0.0, negative_nm: 0.0, rest_rate_rad_s: 0.0 };
+        self.ports.stick(&self.plant, joint, &point).unwrap_or(none)
+    }
+
     /// What a joint can hold, and the torque that it holds at rest, at a state of the core.
     pub(crate) fn load(
         &self,
@@ -79,11 +124,7 @@ impl Stepper {
     ) -> (Stick, f64) {
         let linear = self.linear();
         let seen = linear.see(core);
-        let outputs = *super::linear::outputs(&seen);
-        let about = AngleNearby::new(outputs[2]);
-        let point = Point { time_s: at.time_s, outputs: &outputs, platform: &at.platform, about: &about };
-        let none = Stick { positive_nm: 0.0, negative_nm: 0.0, rest_rate_rad_s: 0.0 };
-        let stick = self.ports.stick(&self.plant, joint, &point).unwrap_or(none);
+        let stick = self.stick_at(joint, super::linear::outputs(&seen), at);
         (stick, holding(&linear.holds[joint], core, ports, at))
     }
 

@@ -74,6 +74,8 @@ pub(crate) struct Linear {
     pub carried: Vec<f64>,
     /// What holds the joints; for any mode, stuck or not.
     pub holds: [Hold; 2],
+    /// Which joints stick.
+    pub stuck: [bool; 2],
     /// Change of z that changes the joints' rates by one, as an impulse on the joint does.
     pub pushes: [Vec<f64>; 2],
     /// Change of z that changes the voltage by one.
@@ -153,6 +155,7 @@ impl Linear {
             outputs,
             carried,
             holds,
+            stuck: mode.stuck,
             pushes,
             lift: unit(n, state::VOLTAGE),
             coarse: Chain { finest: 0.0, nodes: [Vec::new(), Vec::new(), Vec::new()] },

@@ -64,6 +64,8 @@ pub(crate) struct PortSpan {
     pub values: [f64; STAGES * PORTS],
     /// Friction at the stages.
     pub memory: [FrictionState; STAGES],
+    /// Angles of motor and pivot to which friction has travelled, rad.
+    pub travelled: [f64; 2],
 }
 
 /// Where the nonlinear parts are evaluated.
@@ -218,10 +220,13 @@ impl Ports {
 
     /// Port values at the stages of a step, friction advanced from node to node by its own closed form.
     pub fn along(&self, plant: &Plant, span: &StepSpan, bonds: &mut Bonds) -> PortSpan {
-        let mut result =
-            PortSpan { values: [0.0; STAGES * PORTS], memory: [FrictionState::default(); STAGES] };
+        let mut result = PortSpan {
+            values: [0.0; STAGES * PORTS],
+            memory: [FrictionState::default(); STAGES],
+            travelled: [0.0; 2],
+        };
         let mut memory = *span.memory;
-        let mut before = self.motion(plant, &span.point(0));
+        let mut before = self.start(plant, span);
         for stage in 0..STAGES {
             let at = span.point(stage + 1);
             let after = self.motion(plant, &at);
@@ -232,7 +237,19 @@ impl Ports {
             result.memory[stage] = memory;
             before = after;
         }
+        result.travelled = [before.motor_angle, before.pivot_angle];
         result
+    }
+
+    /// The motion at the start of a step, with the angles to which friction has travelled: what is seen of the core there is off by
+    /// its own rounding, which would add up to a creep from step to step.
+    #[inline]
+    fn start(&self, plant: &Plant, span: &StepSpan) -> Motion {
+        let seen = self.motion(plant, &span.point(0));
+        match span.travelled {
+            Some([motor_angle, pivot_angle]) => Motion { motor_angle, pivot_angle, ..seen },
+            None => seen,
+        }
     }
 
     /// Port values in the middle of a step, from the first stage on.
@@ -247,7 +264,7 @@ impl Ports {
         let after = self.motion(plant, middle);
         if self.bristled() {
             // bonds remember their path: it begins at the first node
-            let first = self.motion(plant, &span.point(0));
+            let first = self.start(plant, span);
             self.advance(&first, &before, (span.time_s, span.step_s), &mut stage.clone(), bonds);
         }
         let mut memory = *stage;
@@ -354,6 +371,8 @@ pub(crate) struct StepSpan<'a> {
     pub outputs: &'a [[f64; OUTPUTS]; 4],
     pub platform: &'a PlatformSpan,
     pub memory: &'a FrictionState,
+    /// Angles of motor and pivot to which friction has travelled before the step, rad.
+    pub travelled: Option<[f64; 2]>,
     pub about: &'a AngleNearby,
 }
 

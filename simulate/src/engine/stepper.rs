@@ -2,7 +2,7 @@
 
 use super::attempt::{Attempt, Given};
 use super::filter::Filter;
-use super::joints::{Instant, holding};
+use super::joints::Instant;
 use super::linear::{Linear, Mode, Seen, TIP, VOLTAGE, outputs};
 use super::ports::{AngleNearby, Bonds, FrictionState, PlatformPoint, Point, Ports};
 use super::tables::{DEEPEST, LEVELS, OUTPUTS, PORTS};
@@ -73,7 +73,7 @@ pub(crate) struct Stepper {
     now: Now,
     /// What is seen at the end of the step that was tried.
     ahead: Seen,
-    attempt: Attempt,
+    pub(super) attempt: Attempt,
     level: usize,
     finest: usize,
     contact: usize,
@@ -89,6 +89,8 @@ struct Now {
     seen: Seen,
     friction: FrictionState,
     bonds: Bonds,
+    /// Angles of motor and pivot to which friction has travelled, rad; those of the core at the start.
+    travelled: Option<[f64; 2]>,
     hub_gyro: [f64; 2],
 }
 
@@ -128,6 +130,7 @@ impl Stepper {
             seen: Seen::default(),
             friction: FrictionState::default(),
             bonds: Bonds::default(),
+            travelled: None,
             hub_gyro: [0.0; 2],
         };
         Ok(Self {
@@ -161,6 +164,7 @@ impl Stepper {
             seen: Seen::default(),
             friction: start.friction,
             bonds: start.bonds.clone(),
+            travelled: None,
             hub_gyro: start.hub_gyro,
         };
         self.now.seen = self.linear().see(&self.now.z);
@@ -351,6 +355,7 @@ impl Stepper {
             core: &self.now.z,
             friction: &self.now.friction,
             bonds: &self.now.bonds,
+            travelled: self.now.travelled,
             outputs: *self.outputs(),
             held: [sample.drive_v, mode.offset],
             platform: &platform,
@@ -401,6 +406,7 @@ impl Stepper {
         let linear = &cores[now.core];
         let bus = plant.parameters().amplifier.bus_voltage_v;
         now.seen = self.ahead;
+        now.travelled = Some(self.attempt.travelled());
         let voltage = now.seen[VOLTAGE];
         let wanted = if mode.held != 0.0 { mode.held * bus } else { voltage.clamp(-bus, bus) };
         if wanted != voltage {
@@ -472,25 +478,20 @@ impl Stepper {
                 });
                 let margins = self.joint_margins(joint, &rates);
                 let at = super::moments::NODES;
-                first_crossing(std::array::from_fn::<_, 4, _>(|k| (at[k], margins[k])))
+                let along: [(f64, f64); 4] = std::array::from_fn(|k| (at[k], margins[k]));
+                first_crossing(along).min(first_dip(&along))
             });
         }
         event
     }
 
-    /// Fraction of the step at which a joint at rest breaks away: the torque that holds it is looked at at both ends.
+    /// Fraction of the step at which a joint at rest breaks away.
     fn break_event(&self, joint: usize, sample: &Sample, (start, share): (f64, f64), mode: &Mode) -> f64 {
-        let end = self.instant(sample, start + share, mode);
-        let (stick, torque) = self.load(joint, self.attempt.end(), &self.attempt.end_ports(), &end);
-        if stick.holds(torque) {
+        let Some(hold) = self.linear().table(self.level).and_then(|table| table.hold.as_ref()) else {
             return f64::INFINITY;
-        }
-        let begin = self.instant(sample, start, mode);
-        let hold = &self.linear().holds[joint];
-        let first = holding(hold, &self.now.z, self.attempt.start_ports(), &begin);
-        let limit = if torque > 0.0 { stick.positive_nm } else { stick.negative_nm };
-        let margin = |torque_nm: f64| limit - torque_nm * torque.signum();
-        crossing((0.0, margin(first)), (1.0, margin(torque)))
+        };
+        let margins = self.rest_margins(joint, hold, |part| self.instant(sample, start + part * share, mode));
+        first_crossing(margins).min(first_dip(&margins))
     }
 }
 
@@ -527,6 +528,22 @@ fn fraction(ticks: u32) -> f64 {
 fn first_crossing<const N: usize>(margins: [(f64, f64); N]) -> f64 {
     let below = margins.windows(2).find(|pair| pair[1].1 < 0.0);
     below.map_or(f64::INFINITY, |pair| crossing(pair[0], pair[1]))
+}
+
+/// Where margins along a step first dip below zero between two points at which they do not: by the parabola through a least
+/// one and its neighbours; infinite if none does.
+fn first_dip(margins: &[(f64, f64)]) -> f64 {
+    let dips = margins.windows(3).filter_map(|three| {
+        let [(a, fa), (b, fb), (c, fc)] = [three[0], three[1], three[2]];
+        let (left, right) = ((fb - fa) / (b - a), (fc - fb) / (c - b));
+        let bend = (right - left) / (c - a);
+        let slope = left + bend * (b - a);
+        let at = b - slope / (2.0 * bend);
+        let least = fb - slope * slope / (4.0 * bend);
+        let dips = fb >= 0.0 && left <= 0.0 && right >= 0.0 && bend > 0.0 && least < 0.0;
+        dips.then(|| if at > a { crossing((a, fa), (at, least)) } else { a })
+    });
+    dips.fold(f64::INFINITY, f64::min)
 }
 
 /// Where the straight line between a value that holds and one below zero is zero.

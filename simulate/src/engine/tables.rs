@@ -24,6 +24,8 @@ pub(crate) const LEVELS: usize = 8;
 /// Halvings of a sample period down to the shortest step: with these the instants of sticking and breaking away are
 /// found, to a millionth of the period.
 pub(crate) const DEEPEST: usize = 20;
+/// Rows of what holds the joints inside a step: four a joint, at its first and second inner node and in its middle; padded.
+pub(crate) const HOLD_ROWS: usize = 8;
 /// Fixed inputs of a step behind the state: drive, half gap, platform rate at four nodes, ports at the first node.
 pub(crate) const FIXED_INPUTS: usize = 2 + 4 + PORTS;
 
@@ -45,6 +47,9 @@ pub(crate) struct StepTable {
     pub stages: Strips,
     /// From the ports at the stages to the outputs in the middle and the state at the end.
     pub end: Strips,
+    /// From \[state, fixed inputs, ports at the stages\] to the state's share of the torques that hold joints at rest, inside the
+    /// step; none where no joint rests.
+    pub hold: Option<Strips>,
 }
 
 /// exp(A h), block by block.
@@ -101,7 +106,25 @@ pub(crate) fn step_table(core: &Linear, span: &Span) -> StepTable {
         drive: Strips::new(&end.inputs),
         stages: Strips::new(&stages),
         end: Strips::new(&end_ports),
+        hold: hold(core, span),
     }
+}
+
+/// See [`StepTable::hold`].
+fn hold(core: &Linear, span: &Span) -> Option<Strips> {
+    if core.stuck == [false; 2] {
+        return None;
+    }
+    let rows = Mat::from_rows(&[&core.holds[0].row, &core.holds[1].row]);
+    let mut all = Mat::zeros(HOLD_ROWS, core.order() + FIXED_INPUTS + STAGES * PORTS);
+    for (k, node) in [1, 2, Span::MIDDLE].into_iter().enumerate() {
+        let answers = Answers::new(core, span, node);
+        let found = answers.fixed(&rows).hstack(&answers.ports(&rows));
+        for joint in [0, 1] {
+            all.set_block(joint * HOLD_ROWS / 2 + k, 0, &found.block(joint, 0, 1, found.ncols()));
+        }
+    }
+    Some(Strips::new(&all))
 }
 
 fn flow(core: &Linear, span: &Span) -> Flow {
