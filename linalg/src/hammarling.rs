@@ -1,10 +1,12 @@
 //! Lyapunov equations solved for a factor of the solution, so that it stays positive semidefinite.
 //!
 //! Sources: Hammarling, IMA J. Numer. Anal. 2 (1982); Sorensen and Zhou, J. Appl. Math. 2003, for the form used here:
-//! after each column the right-hand side is updated by one rank-one term, no factor is ever recomputed.
+//! after each block of columns the right-hand side is updated by a term of its rank, no factor is ever recomputed. The
+//! continuous equation stays real, the sampled one goes through complex triangular form.
 
 use crate::dense::qr_r;
 use crate::error::{Error, check_shape, check_square};
+use crate::hammarling_leaf;
 use crate::kernel::vectorised;
 use crate::mat::{C64, CMat, Mat};
 use crate::schur::{Schur, blocks, schur};
@@ -12,8 +14,8 @@ use crate::sylvester::Kind;
 
 /// The lower triangular factor `L`, `P = L L'`, of the solution of `A P + P A' + B B' = 0`; `A` n x n stable, `B` n x m.
 ///
-/// Method: balancing, real Schur form made complex triangular, Hammarling's recursion; the small Hankel values of a
-/// balanced truncation need this factor rather than `P`.
+/// Method: balancing, real Schur form, Hammarling's recursion; the small Hankel values of a balanced truncation need
+/// this factor rather than `P`.
 ///
 /// # Errors
 /// Wrong shapes, entries that are not finite, or [`Error::NotStable`] with the eigenvalue.
@@ -30,8 +32,8 @@ pub fn dlyap_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
     factor(A, B, Kind::Discrete)
 }
 
-/// The factors of both Gramians from one Schur form: `A P + P A' + B B' = 0` and `A' Q + Q A + C' C = 0`, each lower
-/// triangular. Method and errors as for [`lyap_factor`].
+/// Factors of both Gramians from one Schur form, `P = R R'` and `Q = L L'`: `A P + P A' + B B' = 0` and
+/// `A' Q + Q A + C' C = 0`. They are square, not triangular. Method and errors as for [`lyap_factor`].
 ///
 /// # Errors
 /// Wrong shapes, entries that are not finite, or [`Error::NotStable`] with the eigenvalue.
@@ -40,7 +42,7 @@ pub fn lyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
     Ok((form.reached(B)?, form.seen(C)?))
 }
 
-/// The factors of both Gramians from one Schur form: `A P A' - P + B B' = 0` and `A' Q A - Q + C' C = 0`; as
+/// Factors of both Gramians from one Schur form: `A P A' - P + B B' = 0` and `A' Q A - Q + C' C = 0`; as
 /// [`lyap_factors`].
 ///
 /// # Errors
@@ -51,15 +53,14 @@ pub fn dlyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
 }
 
 fn factor(A: &Mat, B: &Mat, kind: Kind) -> Result<Mat, Error> {
-    Prepared::of(A, kind)?.reached(B)
+    let square = Prepared::of(A, kind)?.reached(B)?;
+    Ok(qr_r(&square.t())?.t())
 }
 
-/// A stable matrix, balanced (`A = D Ab D^-1`), in Schur form `Ab = U (Z T Z^H) U'`; `Z` turns complex pairs only.
+/// A stable matrix, balanced (`A = D Ab D^-1`), in Schur form `Ab = U T U'`.
 struct Prepared {
     scale: Vec<f64>,
-    U: Mat,
-    turns: Vec<Turn>,
-    T: CMat,
+    form: Schur,
     kind: Kind,
 }
 
@@ -69,49 +70,52 @@ impl Prepared {
         let balanced = crate::balance::balance(A)?;
         let form = schur(&balanced.A)?;
         check_stable(&form, kind)?;
-        let (T, turns) = complex_form(&form);
-        Ok(Self { scale: balanced.scale, U: form.U, turns, T, kind })
+        Ok(Self { scale: balanced.scale, form, kind })
     }
 
-    /// The factor of the equation with `A` and `B B'`.
+    /// A square factor of the solution of the equation with `A` and `B B'`.
     fn reached(&self, B: &Mat) -> Result<Mat, Error> {
-        check_shape("B", B, (self.U.nrows(), B.ncols()))?;
+        check_shape("B", B, (self.scale.len(), B.ncols()))?;
         let scaled = Mat::from_fn(B.nrows(), B.ncols(), |i, j| B[(i, j)] / self.scale[i]);
-        let reduced = narrow(&(self.U.t() * &scaled))?;
-        let mut R = triangular_factor(&self.T, &self.turned_back(&reduced), self.kind);
-        self.turns.iter().for_each(|turn| turn.rows(&mut R));
-        self.lower(&R, |i| self.scale[i])
+        let inner = inner(&self.form.T, &narrow(&(self.form.U.t() * &scaled))?, self.kind)?;
+        Ok(self.outer(&inner, |i| self.scale[i]))
     }
 
-    /// The factor of the equation with `A'` and `C' C`: its triangular form is `T^H` with rows and columns in reverse.
+    /// A square factor of the solution of the equation with `A'` and `C' C`: its triangular form is `T'` with rows and
+    /// columns in reverse.
     fn seen(&self, C: &Mat) -> Result<Mat, Error> {
-        let n = self.U.nrows();
+        let n = self.scale.len();
         check_shape("C", C, (C.nrows(), n))?;
         let scaled = Mat::from_fn(n, C.nrows(), |i, j| C[(j, i)] * self.scale[i]);
-        let reduced = narrow(&(self.U.t() * &scaled))?;
-        let T = CMat::from_fn(n, n, |i, j| self.T[(n - 1 - j, n - 1 - i)].conj());
-        let R = triangular_factor(&T, &upside_down(&self.turned_back(&reduced)), self.kind);
-        let mut R = upside_down(&R);
-        self.turns.iter().for_each(|turn| turn.rows(&mut R));
-        self.lower(&R, |i| 1.0 / self.scale[i])
+        let reduced = narrow(&(self.form.U.t() * &scaled))?;
+        let T = Mat::from_fn(n, n, |i, j| self.form.T[(n - 1 - j, n - 1 - i)]);
+        let inner = inner(&T, &upside_down(&reduced), self.kind)?;
+        Ok(self.outer(&upside_down(&inner), |i| 1.0 / self.scale[i]))
     }
 
-    /// `Z^H B`
-    fn turned_back(&self, B: &Mat) -> CMat {
-        let mut B = B.to_complex();
-        self.turns.iter().for_each(|turn| turn.back().rows(&mut B));
-        B
-    }
-
-    /// The real lower triangular factor of `S S^H`, `S = diag(scale) U inner`.
-    fn lower(&self, inner: &CMat, scale: impl Fn(usize) -> f64) -> Result<Mat, Error> {
-        let n = self.U.nrows();
-        let parts = inner.map(|e| e.re).hstack(&inner.map(|e| e.im));
-        let mut whole = &self.U * &parts;
-        for j in 0..2 * n {
+    /// `diag(scale) U inner`
+    fn outer(&self, inner: &Mat, scale: impl Fn(usize) -> f64) -> Mat {
+        let mut whole = &self.form.U * inner;
+        for j in 0..whole.ncols() {
             whole.column_mut(j).iter_mut().enumerate().for_each(|(i, e)| *e *= scale(i));
         }
-        Ok(qr_r(&whole.t())?.t())
+        whole
+    }
+}
+
+/// A real square factor of the solution of the equation with a quasi-triangular `T`.
+fn inner(T: &Mat, B: &Mat, kind: Kind) -> Result<Mat, Error> {
+    match kind {
+        Kind::Continuous => Ok(hammarling_leaf::triangular_factor(T, B)),
+        Kind::Discrete => {
+            let (T, turns) = complex_form(T);
+            let mut B = B.to_complex();
+            turns.iter().for_each(|turn| turn.back().rows(&mut B));
+            let mut R = triangular_factor(&T, &B);
+            turns.iter().for_each(|turn| turn.rows(&mut R));
+            let parts = R.map(|e| e.re).hstack(&R.map(|e| e.im));
+            Ok(qr_r(&parts.t())?.t())
+        }
     }
 }
 
@@ -132,7 +136,7 @@ fn narrow(B: &Mat) -> Result<Mat, Error> {
 }
 
 /// The rows in reverse order.
-fn upside_down(M: &CMat) -> CMat {
+fn upside_down(M: &Mat) -> Mat {
     let mut out = M.clone();
     (0..M.ncols()).for_each(|j| out.column_mut(j).reverse());
     out
@@ -170,12 +174,12 @@ impl Turn {
 }
 
 /// The complex triangular form of a real Schur form and the turns that make up the unitary `Z` with `T_real = Z T Z^H`.
-fn complex_form(form: &Schur) -> (CMat, Vec<Turn>) {
-    let mut T = form.T.to_complex();
+fn complex_form(form: &Mat) -> (CMat, Vec<Turn>) {
+    let mut T = form.to_complex();
     let mut turns = Vec::new();
-    for (k, size) in blocks(&form.T) {
+    for (k, size) in blocks(form) {
         if size == 2 {
-            let (a, b, c) = (form.T[(k, k)], form.T[(k, k + 1)], form.T[(k + 1, k)]);
+            let (a, b, c) = (form[(k, k)], form[(k, k + 1)], form[(k + 1, k)]);
             let omega = (b.abs() * c.abs()).sqrt();
             // Eigenvector [b; j omega] of [a b; c a] for a + j omega.
             let norm = b.hypot(omega);
@@ -193,28 +197,22 @@ fn complex_form(form: &Schur) -> (CMat, Vec<Turn>) {
 }
 
 vectorised! {
-    /// The upper triangular `R` with `P = R R^H`, from the last column to the first.
-    fn triangular_factor<'a>(T: &'a CMat, B: &'a CMat, kind: Kind) -> CMat {
+    /// The upper triangular `R` with `P = R R^H` of the sampled equation, from the last column to the first.
+    fn triangular_factor<'a>(T: &'a CMat, B: &'a CMat) -> CMat {
         let n = T.nrows();
         let mut B = B.clone();
         let mut R = CMat::zeros(n, n);
         for k in (0..n).rev() {
-            let lambda = T[(k, k)];
+            let modulus = T[(k, k)].norm();
             let row: Vec<C64> = B.row_vec(k);
             let size = row.iter().map(|e| e.norm_sqr()).sum::<f64>().sqrt();
-            let gain = match kind {
-                Kind::Continuous => (-2.0 * lambda.re).sqrt(),
-                Kind::Discrete => ((1.0 - lambda.norm()) * (1.0 + lambda.norm())).sqrt(),
-            };
+            let gain = ((1.0 - modulus) * (1.0 + modulus)).sqrt();
             R[(k, k)] = C64::new(size / gain, 0.0);
             if size == 0.0 {
                 continue;
             }
             let u: Vec<C64> = row.iter().map(|e| e.conj() / size).collect();
-            match kind {
-                Kind::Continuous => column(T, &mut B, &mut R, k, &u, gain),
-                Kind::Discrete => discrete_column(T, &mut B, &mut R, k, &u, gain),
-            }
+            discrete_column(T, &mut B, &mut R, k, &u, gain);
         }
         R
     }
@@ -228,24 +226,6 @@ fn project(B: &CMat, u: &[C64], k: usize) -> Vec<C64> {
         sum.iter_mut().zip(B.column(j)).for_each(|(s, &b)| *s += b * factor);
     }
     sum
-}
-
-/// `(T1 + conj(l) I) r = -(t rho + gain B1 u)`, then `B1 -= gain r u^H`.
-#[inline(always)]
-fn column(T: &CMat, B: &mut CMat, R: &mut CMat, k: usize, u: &[C64], gain: f64) {
-    let (lambda, rho) = (T[(k, k)], R[(k, k)].re);
-    let forced = project(B, u, k);
-    let mut r: Vec<C64> = (0..k).map(|i| -(T[(i, k)] * rho + forced[i] * gain)).collect();
-    for i in (0..k).rev() {
-        r[i] /= T[(i, i)] + lambda.conj();
-        let factor = r[i];
-        r[..i].iter_mut().zip(T.column(i)).for_each(|(x, &t)| *x -= t * factor);
-    }
-    for (j, &uj) in u.iter().enumerate() {
-        let factor = uj.conj() * gain;
-        B.column_mut(j).iter_mut().zip(&r).for_each(|(b, &x)| *b -= x * factor);
-    }
-    R.column_mut(k)[..k].copy_from_slice(&r);
 }
 
 /// `(I - conj(l) T1) r = conj(l) t rho + gain B1 u`; with `v = T1 r + t rho`, `B1 += (gain v - l B1 u - B1 u) u^H`.

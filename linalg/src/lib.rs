@@ -30,6 +30,7 @@ pub mod expm;
 mod extended;
 pub mod generalised;
 pub mod hammarling;
+mod hammarling_leaf;
 mod kernel;
 pub mod lyapunov;
 mod lyapunov_leaf;

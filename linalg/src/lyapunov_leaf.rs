@@ -66,7 +66,7 @@ fn take_rows_below(T: &Mat, X: &mut Mat, (end, column): (usize, usize)) {
 
 /// The block column of `right`, from its lowest row block upwards.
 #[inline(always)]
-fn climb(T: &Mat, X: &mut Mat, rows: &[Block], right: &Block) {
+pub(crate) fn climb(T: &Mat, X: &mut Mat, rows: &[Block], right: &Block) {
     for left in rows.iter().rev() {
         solve_block(X, left, right);
         for column in right.range() {
@@ -79,15 +79,26 @@ fn climb(T: &Mat, X: &mut Mat, rows: &[Block], right: &Block) {
 }
 
 /// A diagonal block `D (a I + rate [0 1; -1 0]) D^-1` with `D = diag(1, scale)`; a real eigenvalue has no rate.
-struct Block {
-    at: usize,
-    size: usize,
+pub(crate) struct Block {
+    pub(crate) at: usize,
+    pub(crate) size: usize,
     entries: [f64; 4],
     rate: f64,
     scale: f64,
 }
 
 impl Block {
+    /// A real eigenvalue that stands at the first column.
+    pub(crate) fn real(eigenvalue: f64) -> Self {
+        Self { at: 0, size: 1, entries: [eigenvalue, 0.0, 0.0, 0.0], rate: 0.0, scale: 1.0 }
+    }
+
+    /// The complex pair `[a b; c a]`, `b c < 0`.
+    pub(crate) fn pair(at: usize, [a, b, c]: [f64; 3]) -> Self {
+        let rate = (b.abs().sqrt() * c.abs().sqrt()).copysign(b);
+        Self { at, size: 2, entries: [a, b, c, a], rate, scale: c.abs().sqrt() / b.abs().sqrt() }
+    }
+
     fn end(&self) -> usize {
         self.at + self.size
     }
@@ -105,15 +116,15 @@ impl Block {
 /// Largest scale of a coordinate in which a block is a rotation; it bounds the digits lost.
 const ROUND: f64 = 8.0;
 
-fn diagonal(T: &Mat) -> Vec<Block> {
+pub(crate) fn diagonal(T: &Mat) -> Vec<Block> {
     let block = |(k, size): (usize, usize)| {
         if size == 1 {
-            return Block { at: k, size, entries: [T[(k, k)], 0.0, 0.0, 0.0], rate: 0.0, scale: 1.0 };
+            return Block { at: k, ..Block::real(T[(k, k)]) };
         }
-        let (b, c) = (T[(k, k + 1)], T[(k + 1, k)]);
-        let rate = (b.abs().sqrt() * c.abs().sqrt()).copysign(b);
-        let entries = [T[(k, k)], b, c, T[(k + 1, k + 1)]];
-        Block { at: k, size, entries, rate, scale: c.abs().sqrt() / b.abs().sqrt() }
+        // The lower diagonal entry as it stands: equal to the upper one up to rounding.
+        let block = Block::pair(k, [T[(k, k)], T[(k, k + 1)], T[(k + 1, k)]]);
+        let [a, b, c, _] = block.entries;
+        Block { entries: [a, b, c, T[(k + 1, k + 1)]], ..block }
     };
     blocks(T).into_iter().map(block).collect()
 }

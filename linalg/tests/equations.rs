@@ -6,7 +6,7 @@ mod common;
 use common::{Random, difference};
 use counterpoise_linalg::{
     Error, Mat, dlyap, dlyap_factor, dsylvester, expm, expm_integral, gsylvester, lyap, lyap_factor,
-    sylvester, van_loan_accumulated, van_loan_cost, van_loan_noise,
+    lyap_factors, sylvester, van_loan_accumulated, van_loan_cost, van_loan_noise,
 };
 
 #[test]
@@ -101,6 +101,34 @@ fn the_factor_keeps_small_values_that_the_product_loses() {
     let determinant = L[(0, 0)] * L[(1, 1)];
     let exact = 1e-12 * (0.5_f64 * 0.25 - 1.0 / 9.0).sqrt();
     assert!((determinant.abs() / exact - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn factors_of_slender_and_nearly_double_pairs_pass_their_definition() {
+    // [a b; c a]: a rotation, two slender pairs, one whose eigenvalues are equal to 1e-8, and one hardly damped.
+    let pairs = [
+        (-1.0, 2.0, -2.0),
+        (-0.5, 300.0, -0.01),
+        (-2.0, -0.02, 500.0),
+        (-1.0, 1.0, -1e-16),
+        (-1e-6, 40.0, -40.0),
+    ];
+    let n = 2 * pairs.len() + 1;
+    let mut A =
+        Mat::from_fn(n, n, |i, j| if i / 2 < j / 2 { ((2 * i + 3 * j) % 5) as f64 / 5.0 - 0.4 } else { 0.0 });
+    A[(n - 1, n - 1)] = -0.7;
+    for (k, (a, b, c)) in pairs.into_iter().enumerate() {
+        A.set_block(2 * k, 2 * k, &Mat::from_rows(&[&[a, b], &[c, a]]));
+    }
+    for m in [1, 3, 20] {
+        let B = Mat::from_fn(n, m, |i, j| ((i + 3 * j) % 4) as f64 - 1.3);
+        let (R, L) = lyap_factors(&A, &B, &B.t()).unwrap();
+        let (P, Q) = (&R * R.t(), &L * L.t());
+        let reached = (&A * &P + &P * A.t() + &B * B.t()).norm_fro();
+        let seen = (A.t() * &Q + &Q * &A + &B * B.t()).norm_fro();
+        let size = |X: &Mat| 1e-14 * A.norm_fro() * X.norm_fro();
+        assert!(reached < size(&P) && seen < size(&Q), "m = {m}: {reached:e}, {seen:e}");
+    }
 }
 
 #[test]
