@@ -41,7 +41,8 @@ pub enum Learning {
         scale: [f64; 3],
     },
     /// The mean of the control over each window, over that of gravity's share: p_0 anew at the end of every window, the
-    /// step that this makes faded in over the transfer time. The other regressors are not used.
+    /// step that this makes faded in over the transfer time. The other regressors are not used. A setting of the
+    /// out-of-balance begins a new window. Gravity's share counts at least half of gravity.
     Mean {
         /// Samples of a window.
         window_samples: u32,
@@ -54,7 +55,7 @@ pub enum Learning {
     /// The covariance is kept as U D U' (G. J. Bierman, *Factorization Methods for Discrete Sequential Estimation*, 1977),
     /// so that it stays positive in single precision. Two factors between 0 and 1 hold it back: learning fades out where
     /// the mean square of the first regressor falls from 1.1 to 1 times `dead_band_m_s2`^2, and forgetting fades out
-    /// where a variance grows from 9 to 10 times its start.
+    /// where a variance grows from 9 to 10 times its start. What one sample tells counts at most 1e9 times all before.
     Squares {
         /// What a sample keeps of the weight of those before it, 0 < forget < 1.
         forget: f64,

@@ -46,7 +46,7 @@ pub use check::{Checked, check};
 pub use error::Error;
 pub use fixed::{Fixed, FixedError, FixedRunner, fixed_c99, plan};
 pub use provenance::Provenance;
-pub use ranges::Ranges;
+pub use ranges::{Adjustable, Measured, Ranges};
 pub use rounding::{Deviation, single_precision};
 pub use rust_crate::rust_crate;
 pub use source::Source;

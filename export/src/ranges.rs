@@ -3,12 +3,39 @@
 mod settings;
 
 use counterpoise_controller::program::{Program, Slot};
-use counterpoise_controller::{Controller, READINGS, Runner};
+use counterpoise_controller::{Controller, Number, READINGS, Readings, Runner, SampledController};
 
 pub(crate) use settings::settings;
 
 /// Samples of a run in which the out-of-balance is set half way.
 const SETTING_SAMPLES: usize = 4000;
+
+/// A sampled controller whose out-of-balance can be set.
+pub trait Adjustable: SampledController {
+    /// Sets the out-of-balance, kg m.
+    fn adjust(&mut self, out_of_balance_kg_m: f64);
+}
+
+impl<N: Number> Adjustable for Runner<N> {
+    fn adjust(&mut self, out_of_balance_kg_m: f64) {
+        self.set_out_of_balance(out_of_balance_kg_m);
+    }
+}
+
+impl Adjustable for crate::FixedRunner {
+    fn adjust(&mut self, out_of_balance_kg_m: f64) {
+        self.set_out_of_balance(out_of_balance_kg_m);
+    }
+}
+
+/// How far a controller was from the reference.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Measured {
+    /// Largest difference of a control, V.
+    pub largest_v: f64,
+    /// RMS difference in the run where it is largest, V.
+    pub rms_v: f64,
+}
 
 /// Largest magnitude of every state, reading and local of a step, with the runs that it was taken from.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,6 +99,28 @@ impl Ranges {
     /// Largest magnitude of a slot of the step.
     pub fn of(&self, slot: Slot) -> f64 {
         self.largest.get(self.place(slot)).copied().unwrap_or(0.0)
+    }
+
+    /// How far a controller is from the reference, given the readings and settings of the runs that the ranges come from;
+    /// `start` makes it anew for each run.
+    pub fn measure(&self, controller: &Controller, start: &dyn Fn() -> Box<dyn Adjustable>) -> Measured {
+        self.runs.iter().fold(Measured::default(), |most, run| {
+            let (mut both, mut found) = ((controller.runner(), start()), Measured::default());
+            run.play(
+                &mut both,
+                |(reference, other), value| {
+                    reference.set_out_of_balance(value);
+                    other.adjust(value);
+                },
+                |(reference, other), _, readings| {
+                    let off = reference.step_array(readings) - other.step(&Readings::from_array(*readings));
+                    found.largest_v = found.largest_v.max(off.abs());
+                    found.rms_v += off * off / run.readings.len() as f64;
+                },
+            );
+            let rms_v = most.rms_v.max(found.rms_v.sqrt());
+            Measured { largest_v: most.largest_v.max(found.largest_v), rms_v }
+        })
     }
 
     /// The runs.

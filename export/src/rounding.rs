@@ -2,11 +2,13 @@
 
 mod gains;
 mod single;
+mod tangent;
+mod trajectory;
 
 use counterpoise_controller::Controller;
 use counterpoise_controller::program::{OnReset, Operation, Slot};
 
-pub(crate) use gains::Gains;
+use gains::Gains;
 pub use single::single_precision;
 
 use crate::Ranges;
@@ -19,15 +21,19 @@ pub const CONFIDENCE: f64 = 6.0;
 /// 2 exp(-CONFIDENCE^2 / 2): how probable it is that a sample leaves the likely bound.
 pub const CHANCE: f64 = 3.05e-8;
 
-/// What rounding does to the control, predicted to first order around rest, with the limiter inactive.
+/// What rounding does to the control, predicted to first order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Deviation {
-    /// No sample deviates more than this, V, whatever the readings, as long as every number stays within its range.
+    /// Where the step is linear but for its limiter: no sample deviates more than this, V, whatever the readings, as long as
+    /// every number stays within its range and the limiter is inactive. With a friction observer, an estimator or a drive's
+    /// curve the same sum with the derivatives at rest: a measure, not a bound. Never less than [`Deviation::likely_v`].
     pub worst_v: f64,
     /// No sample of the runs that the ranges come from deviates more than this, V, but with a probability of [`CHANCE`] a
     /// sample, when the rounding errors of the operations have mean 0: what rounded coefficients do in these runs, plus
     /// [`CONFIDENCE`] times the root of the sum of the squared bounds of every rounding on the way (Higham and Mary 2019,
-    /// a Hoeffding bound), each bound from the number that was rounded at that time.
+    /// a Hoeffding bound), each bound from the number that was rounded at that time, and carried on by the derivatives of
+    /// every step as it ran: estimators, observers and limits as they were. What is added to a state at rest rounds the same way
+    /// again and again: that part is known, and carried on with its sign.
     pub likely_v: f64,
     /// RMS deviation of the run where it is largest, V, when rounding errors are independent and uniform.
     pub rms_v: f64,
@@ -40,66 +46,44 @@ impl Deviation {
     pub fn none(samples: usize) -> Self {
         Self { worst_v: 0.0, likely_v: 0.0, rms_v: 0.0, samples }
     }
-
-    /// The larger of two, figure by figure.
-    fn or(self, other: Self) -> Self {
-        Self {
-            worst_v: self.worst_v.max(other.worst_v),
-            likely_v: self.likely_v.max(other.likely_v),
-            rms_v: self.rms_v.max(other.rms_v),
-            samples: self.samples.max(other.samples),
-        }
-    }
 }
 
-/// What rounded coefficients did to the control of a run.
+/// The straight line that an operation belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Line {
+    /// A sample.
+    Step,
+    /// A setting of the out-of-balance.
+    Set,
+}
+
+/// What an operation rounds.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Effect {
-    /// Largest deviation, V.
-    pub largest_v: f64,
-    /// Mean square, V^2.
-    pub mean_square_v2: f64,
-}
-
-impl Effect {
-    /// Of the deviations of each sample.
-    pub fn of(deviations_v: &[f64]) -> Self {
-        let squares: f64 = deviations_v.iter().map(|v| v * v).sum();
-        Self {
-            largest_v: deviations_v.iter().fold(0.0, |most, v| most.max(v.abs())),
-            mean_square_v2: squares / deviations_v.len().max(1) as f64,
-        }
-    }
-}
-
-/// The sum over time of the squared bounds of roundings, weighted by what they do to the control, V^2.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Noise {
-    /// At the sample where it is largest.
-    pub largest_v2: f64,
-    /// Mean over the run.
-    pub mean_v2: f64,
+pub(crate) struct Rounded {
+    /// The part that does not average out, with its sign.
+    pub known: f64,
+    /// The square of the bound of the rest.
+    pub square: f64,
 }
 
 /// What an arithmetic must tell for its deviation to be predicted.
 pub(crate) trait Arithmetic {
-    /// Largest error of each operation, then of each reading, whatever the readings.
+    /// Largest error of each operation of a step, then of each reading, whatever the readings.
     fn worst(&self) -> Vec<f64>;
-    /// What a setting left wrong in kept states adds to the error of each operation.
-    fn kept(&self) -> Vec<f64>;
-    /// What rounded coefficients do in a run.
-    fn coefficients(&self, run: &Run) -> Effect;
-    /// The noise of a run.
-    fn noise(&self, run: &Run, gains: &Gains) -> Noise;
+    /// What rounded coefficients and readings do to the control of each sample of a run, V.
+    fn coefficients(&self, run: &Run) -> Vec<f64>;
+    /// What an operation rounds, given what it reads and writes.
+    fn rounded(&self, which: (Line, usize), operation: &Operation, values: (&[f64], f64)) -> Rounded;
 }
 
-/// The deviation of an arithmetic: for every setting of the out-of-balance the impulse responses of the step around rest,
+/// The deviation of an arithmetic. The worst case takes for every setting of the out-of-balance the impulse responses of
+/// the step around rest,
 ///
 /// ```text
 ///     |du[k]| <= sum over operations o and past samples j of |h_o(j)| e_o[k-j]
 /// ```
 ///
-/// and the largest figures of all settings.
+/// and the largest of all settings; the likely one follows every run.
 pub(crate) fn deviation(
     controller: &Controller,
     ranges: &Ranges,
@@ -107,28 +91,49 @@ pub(crate) fn deviation(
     samples: usize,
 ) -> Deviation {
     let all = std::iter::once(None).chain(settings(controller).into_iter().map(Some));
-    let (worst, kept) = (arithmetic.worst(), arithmetic.kept());
-    let of_setting = |set: Option<f64>| {
-        let gains = Gains::of(controller, set, samples);
-        let runs = ranges.runs().iter().filter(|run| run.set_kg_m == set);
-        let kept_v = gains.constant(&kept);
-        let figures = runs.map(|run| {
-            let (seen, noise) = (arithmetic.coefficients(run), arithmetic.noise(run, &gains));
-            let likely_v = seen.largest_v + kept_v + CONFIDENCE * noise.largest_v2.sqrt();
-            (likely_v, (seen.mean_square_v2 + noise.mean_v2 / 3.0).sqrt())
-        });
-        let (likely, rms_v) = figures.fold((0.0, 0.0), |a, b| (f64::max(a.0, b.0), f64::max(a.1, b.1)));
-        let worst_v = SECOND_ORDER * gains.constant(&worst);
-        Deviation { worst_v, likely_v: (SECOND_ORDER * likely).min(worst_v), rms_v, samples }
-    };
-    let found = all.map(of_setting).fold(Deviation::none(samples), Deviation::or);
-    let figures = [found.worst_v, found.likely_v, found.rms_v];
-    if figures.iter().all(|figure| figure.is_finite()) {
-        found
-    } else {
+    let errors = arithmetic.worst();
+    let at_rest = all.map(|set| Gains::of(controller, set, samples).constant(&errors)).fold(0.0, larger);
+    let along = ranges.runs().iter().map(|run| along(controller, run, arithmetic));
+    let (likely, rms_v) = along.fold((0.0, 0.0), |a, b| (larger(a.0, b.0), larger(a.1, b.1)));
+    let (at_rest, likely) = (SECOND_ORDER * at_rest, SECOND_ORDER * likely);
+    if !(at_rest.is_finite() && likely.is_finite() && rms_v.is_finite()) {
         let none = f64::INFINITY;
-        Deviation { worst_v: none, likely_v: none, rms_v: none, samples }
+        return Deviation { worst_v: none, likely_v: none, rms_v: none, samples };
     }
+    Deviation { worst_v: at_rest.max(likely), likely_v: likely, rms_v, samples }
+}
+
+/// Likely and RMS deviation of a run, V.
+fn along(controller: &Controller, run: &Run, arithmetic: &impl Arithmetic) -> (f64, f64) {
+    let track = trajectory::follow(controller, run, arithmetic);
+    let known = arithmetic.coefficients(run).into_iter().zip(track.mean_v).map(|(a, b)| a + b);
+    let (mut likely, mut squares) = (0.0, 0.0);
+    for (known, square) in known.zip(&track.squares_v2) {
+        likely = larger(likely, known.abs() + CONFIDENCE * square.sqrt());
+        squares += known * known + square / 3.0;
+    }
+    (likely, (squares / track.squares_v2.len().max(1) as f64).sqrt())
+}
+
+/// The larger of two; infinite where one is no number, as what grew out of all range is.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
+}
+
+/// What an operation adds to a state, where it does: the state lies on the grid of its numbers already, so that what is
+/// rounded is the summand, the same way whenever the summand is the same.
+pub(crate) fn added(operation: &Operation, read: &[f64]) -> Option<(usize, f64)> {
+    let Operation::Sum { constant, terms, .. } = operation else { return None };
+    let (first, rest) = terms.split_first()?;
+    let Slot::State(state) = first.of else { return None };
+    let each = rest.iter().zip(&read[1..]).map(|(term, value)| term.coefficient * value);
+    (first.coefficient == 1.0 && !rest.is_empty())
+        .then(|| (state, constant.unwrap_or(0.0) + each.sum::<f64>()))
+}
+
+/// What rounding to multiples of `grid` adds to a value.
+pub(crate) fn to_grid(value: f64, grid: f64) -> f64 {
+    (value / grid).round() * grid - value
 }
 
 /// Whether a state is one that a setting of the out-of-balance computes and a reset keeps.

@@ -5,7 +5,9 @@ use counterpoise_models::plant::Plant;
 use counterpoise_simulate::Simulator;
 use counterpoise_verify::{Arrangement, Experiment, History, Procedure, VerifiedController, nonlinear};
 
-use crate::{Deviation, Fixed, FixedError, FixedRunner, Ranges, plan, single_precision};
+use crate::{
+    Adjustable, Deviation, Fixed, FixedError, FixedRunner, Measured, Ranges, plan, single_precision,
+};
 
 /// Margin of the ranges from which formats are chosen: two bits above what the verification's runs reach.
 pub const RANGE_MARGIN: f64 = 4.0;
@@ -28,7 +30,8 @@ pub struct TargetFigures {
     pub numbers: Numbers,
     /// How far the control can be from the reference for the same readings, predicted; exactly 0 for double.
     pub predicted: Deviation,
-    /// How far it was, for the readings of the verification's runs, V.
+    /// How far it was, for the readings of the verification's runs and at every setting of the out-of-balance at which a gain
+    /// has a corner, V: the runs that the prediction holds for.
     pub measured_v: f64,
     /// RMS of that difference in the run where it is largest, V.
     pub measured_rms_v: f64,
@@ -85,16 +88,16 @@ pub fn targets(
     let fixed = plan(controller, &known, allowed_v, samples);
     let exact = Deviation::none(samples);
     let single = single_precision(controller, &known, samples);
-    let double = |c: &Controller| Box::new(c.runner()) as Box<dyn SampledController>;
-    let in_single = |c: &Controller| Box::new(c.runner_in::<f32>()) as Box<dyn SampledController>;
-    let mut figures = vec![
-        bench.figures((Numbers::Double, exact), &|| double(controller), (controller, &reference))?,
-        bench.figures((Numbers::Single, single), &|| in_single(controller), (controller, &reference))?,
-    ];
+    let double = || Box::new(controller.runner()) as Box<dyn Adjustable>;
+    let in_single = || Box::new(controller.runner_in::<f32>()) as Box<dyn Adjustable>;
+    let exactly = (Numbers::Double, exact, Measured::default());
+    let singly = (Numbers::Single, single, known.measure(controller, &in_single));
+    let mut figures =
+        vec![bench.figures(exactly, &double, &reference)?, bench.figures(singly, &in_single, &reference)?];
     if let Ok(fixed) = &fixed {
-        let acting = || Box::new(FixedRunner::new(fixed)) as Box<dyn SampledController>;
-        let predicted = (Numbers::Fixed, fixed.deviation);
-        figures.push(bench.figures(predicted, &acting, (controller, &reference))?);
+        let acting = || Box::new(FixedRunner::new(fixed)) as Box<dyn Adjustable>;
+        let found = (Numbers::Fixed, fixed.deviation, known.measure(controller, &acting));
+        figures.push(bench.figures(found, &acting, &reference)?);
     }
     Ok(Targets { figures, fixed })
 }
@@ -154,9 +157,9 @@ impl Bench<'_> {
 
     fn figures(
         &mut self,
-        (numbers, predicted): (Numbers, Deviation),
-        acting: &dyn Fn() -> Box<dyn SampledController>,
-        (controller, reference): (&Controller, &[f64]),
+        (numbers, predicted, measured): (Numbers, Deviation, Measured),
+        acting: &dyn Fn() -> Box<dyn Adjustable>,
+        reference: &[f64],
     ) -> Result<TargetFigures, counterpoise_verify::Error> {
         let (mut experiments, mut closed_loops) = (Vec::new(), Vec::new());
         for (experiment, in_double) in self.experiments().into_iter().zip(reference) {
@@ -168,27 +171,9 @@ impl Bench<'_> {
             let cost_db = (*in_double > 0.0).then(|| 20.0 * (error_rms_rad_s / in_double).log10());
             experiments.push(ExperimentFigures { experiment, error_rms_rad_s, cost_db });
         }
-        let off = self.runs.iter().map(|run| deviation(controller, acting().as_mut(), run));
-        let larger = |a: (f64, f64), b: (f64, f64)| (a.0.max(b.0), a.1.max(b.1));
-        let (measured_v, measured_rms_v) = off.fold((0.0, 0.0), larger);
+        let Measured { largest_v: measured_v, rms_v: measured_rms_v } = measured;
         Ok(TargetFigures { numbers, predicted, measured_v, measured_rms_v, experiments, closed_loops })
     }
-}
-
-/// Largest and RMS difference from the reference for the same readings, V.
-fn deviation(
-    controller: &Controller,
-    other: &mut dyn SampledController,
-    run: &[[f64; READINGS]],
-) -> (f64, f64) {
-    let mut reference = controller.runner();
-    let (mut largest, mut squares) = (0.0_f64, 0.0);
-    for readings in run {
-        let off = reference.step_array(readings) - other.step(&Readings::from_array(*readings));
-        largest = largest.max(off.abs());
-        squares += off * off;
-    }
-    (largest, (squares / run.len().max(1) as f64).sqrt())
 }
 
 fn error_rms(history: &History) -> f64 {

@@ -17,6 +17,8 @@ use support::{
 };
 
 const SAMPLES: usize = 2000;
+/// Samples of a run of a random controller.
+const FEW: usize = 250;
 
 /// Readings as of a loop at work: a slow and a fast part, well inside the converters.
 fn history(seed: u64, size: f64) -> Vec<[f64; READINGS]> {
@@ -86,48 +88,77 @@ fn the_typical_controller_in_single_precision_keeps_its_prediction() {
     assert!(rms < 3.0 * predicted.rms_v && rms > 0.1 * predicted.rms_v);
 }
 
-#[test]
-fn random_controllers_keep_their_prediction_or_are_refused() {
-    let (mut kept, mut refused, mut tight, mut tighter) = (0, 0, Vec::new(), Vec::new());
-    let mut refused_though_stable = 0;
-    for seed in 0..200 {
+/// What became of a random controller in fixed point and in single precision.
+#[derive(Debug, Default)]
+struct Score {
+    kept: usize,
+    refused: Vec<String>,
+    refused_though_stable: usize,
+    single: Vec<f64>,
+    fixed: Vec<f64>,
+}
+
+impl Score {
+    fn of(seeds: impl Iterator<Item = u64>) -> Self {
+        seeds.fold(Self::default(), |mut score, seed| {
+            score.add(seed);
+            score
+        })
+    }
+
+    fn add(&mut self, seed: u64) {
         let controller = random_controller(seed);
-        let known = ranges(&controller, 0.02, 4.0);
-        match plan(&controller, &known, 5e-3, SAMPLES) {
+        let known = Ranges::from_readings(&controller, &[few(3)], 4.0);
+        match plan(&controller, &known, 5e-3, FEW) {
             Ok(fixed) => {
-                let mut runner = FixedRunner::new(&fixed);
-                let (worst, _, free) =
-                    measure(&controller, &mut |readings| runner.step_array(readings), 0.02);
-                assert!(!free || worst <= fixed.deviation.worst_v, "{seed}: {worst} {:?}", fixed.deviation);
-                kept += usize::from(free);
+                let found = known.measure(&controller, &|| Box::new(FixedRunner::new(&fixed)));
+                let predicted = fixed.deviation;
+                assert!(found.largest_v <= predicted.likely_v, "{seed}: {found:?} {predicted:?}");
+                assert!(predicted.likely_v <= predicted.worst_v);
+                self.kept += 1;
+                self.fixed.push(predicted.likely_v / found.largest_v);
             }
             Err(why) => {
                 if let FixedError::TooCoarse { worst_v, allowed_v, .. } = why {
                     assert!(worst_v > allowed_v);
                 }
-                assert!(!why.to_string().is_empty());
                 let stable = is_stable(&controller);
                 assert!(!(stable && matches!(why, FixedError::Unstable { .. })), "{seed}: {why}");
-                refused += 1;
-                refused_though_stable += usize::from(stable);
+                self.refused.push(format!("{seed}: {why}"));
+                self.refused_though_stable += usize::from(stable);
             }
         }
-        let single = single_precision(&controller, &known, SAMPLES);
-        let mut runner = controller.runner_in::<f32>();
-        let (worst, rms, free) = measure(&controller, &mut |readings| runner.step_array(readings), 0.02);
-        assert!(!free || worst <= single.likely_v, "{seed}: {worst} {single:?}");
-        if free {
-            tight.push(single.rms_v / rms);
-            tighter.push(single.worst_v / single.likely_v);
+        let single = single_precision(&controller, &known, FEW);
+        let found = known.measure(&controller, &|| Box::new(controller.runner_in::<f32>()));
+        assert!(found.largest_v <= single.likely_v, "{seed}: {found:?} {single:?}");
+        if found.largest_v > 0.0 && single.likely_v.is_finite() {
+            self.single.push(single.likely_v / found.largest_v);
         }
     }
-    let (tight, tighter) = (median(tight), median(tighter));
-    println!(
-        "{kept} kept, {refused} refused; single: RMS predicted {tight:.1} times measured, likely {tighter:.1} times below worst"
-    );
-    assert!(tight > 0.5 && tight < 5.0 && tighter > 3.0, "{tight} {tighter}");
-    println!("{refused_though_stable} refused though stable");
-    assert!(kept + refused > 150 && refused_though_stable <= 5, "{kept} {refused} {refused_though_stable}");
+}
+
+/// A short run of small readings.
+fn few(seed: u64) -> Vec<[f64; READINGS]> {
+    history(seed, 0.02)[..FEW].to_vec()
+}
+
+/// Five of each order from 1 to 40, two of them full and in units from 1e-8 to 1e8.
+#[test]
+fn random_controllers_keep_their_prediction_or_are_refused() {
+    let halves: Vec<Score> = std::thread::scope(|scope| {
+        let start = |half: u64| scope.spawn(move || Score::of((0..200).filter(move |seed| seed % 2 == half)));
+        [start(0), start(1)].into_iter().map(|thread| thread.join().unwrap()).collect()
+    });
+    let sum = |count: fn(&Score) -> usize| halves.iter().map(count).sum::<usize>();
+    let all = |of: fn(&Score) -> &Vec<f64>| median(halves.iter().flat_map(|h| of(h).clone()).collect());
+    let (kept, refused) = (sum(|s| s.kept), sum(|s| s.refused.len()));
+    println!("{kept} keep their bound, {refused} refused:");
+    halves.iter().flat_map(|half| &half.refused).for_each(|why| println!("  {why}"));
+    let (single, fixed) = (all(|s| &s.single), all(|s| &s.fixed));
+    println!("likely over measured, median: single {single:.1}, fixed {fixed:.1}");
+    assert_eq!(kept + refused, 200);
+    assert!(kept > 120 && sum(|s| s.refused_though_stable) <= 6, "{halves:?}");
+    assert!(single < 20.0 && fixed < 20.0);
 }
 
 /// Whether the controller by itself, with every out-of-balance at which a gain has a corner, forgets what was.
@@ -178,7 +209,8 @@ fn fixed_c_equals_its_reference_and_never_overflows() {
     }
     let controllers: Vec<Controller> =
         std::iter::once(typical()).chain((0..40).map(random_controller)).collect();
-    let planned = |controller: &Controller| plan(controller, &ranges(controller, 0.02, 4.0), 1.0, 500);
+    let known = |controller: &Controller| Ranges::from_readings(controller, &[few(3), few(4)], 4.0);
+    let planned = |controller: &Controller| plan(controller, &known(controller), 1.0, FEW);
     let plans: Vec<Fixed> = controllers.iter().filter_map(|controller| planned(controller).ok()).collect();
     assert!(plans.len() > 20, "{}", plans.len());
     let trap =

@@ -7,6 +7,10 @@ use crate::{Estimator, Learning, Parts, Signal};
 
 /// The mean square of the first regressor, over that of the dead-band, at which learning is whole.
 const WHOLE: f64 = 1.21;
+/// Share of gravity that the mean over a window counts at least: a hub held beyond 60 degrees is not divided by.
+const LEAST_LIFT: f64 = 0.5;
+/// Most that what a sample tells may count, against all samples before it: beyond, the gain is as good as this one.
+const MOST_TOLD: f64 = 1e9;
 /// A variance over its start at which forgetting begins to fade, and at which it has ended.
 const WOUND: (f64, f64) = (9.0, 10.0);
 
@@ -28,31 +32,37 @@ pub(crate) fn estimate(seen: &Seen<'_>, states: &mut States, writer: &mut Writer
     writer.section("estimate of the out-of-balance from the control");
     match &estimator.learning {
         Learning::Gradient { step, scale } => gradient(seen, estimator, (*step, scale), writer),
-        Learning::Mean { window_samples } => mean(seen, estimator, *window_samples, (states, writer)),
+        Learning::Mean { window_samples } => mean(seen, estimator, *window_samples, writer),
         Learning::Squares { .. } => squares(seen, estimator, (states, writer)),
     }
     follow(seen, estimator, states, writer);
 }
 
-/// g cos(theta) + a_p: cos by its series, good to 2e-5 within 1 rad.
-fn lift(seen: &Seen<'_>, estimator: &Estimator, with_heave: Option<Slot>, writer: &mut Writer) -> Slot {
+/// g (cos(theta) - 1): cos by its series, good to 2e-5 within 1 rad.
+fn fall(seen: &Seen<'_>, estimator: &Estimator, writer: &mut Writer) -> Vec<(f64, Slot)> {
     let g = estimator.gravity_m_s2;
-    let lift = writer.local("lift_m_s2");
-    let mut terms: Vec<(f64, Slot)> = with_heave.map(|heave| (1.0, heave)).into_iter().collect();
-    if g != 0.0 {
-        let angle = (seen.signal)(Signal::HubPosition);
-        let square = writer.product("angle_square", angle, angle);
-        let fourth = writer.product("angle_fourth", square, square);
-        let sixth = writer.product("angle_sixth", square, fourth);
-        terms.extend([(-g / 2.0, square), (g / 24.0, fourth), (-g / 720.0, sixth)]);
+    if g == 0.0 {
+        return Vec::new();
     }
-    writer.sum_into(lift, Some(g), &terms);
+    let angle = (seen.signal)(Signal::HubPosition);
+    let square = writer.product("angle_square", angle, angle);
+    let fourth = writer.product("angle_fourth", square, square);
+    let sixth = writer.product("angle_sixth", square, fourth);
+    vec![(-g / 2.0, square), (g / 24.0, fourth), (-g / 720.0, sixth)]
+}
+
+/// g cos(theta) + a_p.
+fn lift(seen: &Seen<'_>, estimator: &Estimator, writer: &mut Writer) -> Slot {
+    let lift = writer.local("lift_m_s2");
+    let heave = (seen.signal)(Signal::PlatformAcceleration);
+    let terms: Vec<(f64, Slot)> =
+        std::iter::once((1.0, heave)).chain(fall(seen, estimator, writer)).collect();
+    writer.sum_into(lift, Some(estimator.gravity_m_s2), &terms);
     lift
 }
 
 fn regressors(seen: &Seen<'_>, estimator: &Estimator, writer: &mut Writer) -> [Slot; 3] {
-    let heave = (seen.signal)(Signal::PlatformAcceleration);
-    let lift = lift(seen, estimator, Some(heave), writer);
+    let lift = lift(seen, estimator, writer);
     let rate = (seen.signal)(estimator.rate);
     let speed = writer.magnitude("estimator_speed_rad_s", rate);
     let softened = writer.local("softened_speed_rad_s");
@@ -88,12 +98,19 @@ fn gradient(seen: &Seen<'_>, estimator: &Estimator, (step, scale): (f64, &[f64; 
 }
 
 /// The windowed mean: `window_ends` is 1 at the end of a window and 0 else.
-fn mean(seen: &Seen<'_>, estimator: &Estimator, window: u32, (states, writer): (&mut States, &mut Writer)) {
-    let lift = lift(seen, estimator, None, writer);
-    let kept = ["window_sum_v", "window_lift_m_s2", "window_count"];
-    let [sum, gravity, count] = kept.map(|name| states.scalar(name, 0.0, OnReset::Restart));
-    let sum_now = writer.sum("sum_now_v", &[(1.0, sum), (1.0, seen.control)]);
-    let gravity_now = writer.sum("lift_now_m_s2", &[(1.0, gravity), (1.0, lift)]);
+///
+/// What is summed is the control less what the estimate explains, and what gravity's share falls short of the whole: long
+/// sums of nearly equal numbers would round the same way at every sample. The divisor is kept from 0, so that fixed point
+/// can prove its quotient.
+fn mean(seen: &Seen<'_>, estimator: &Estimator, window: u32, writer: &mut Writer) {
+    let (p, Some([sum, fallen, count])) = (seen.layout.estimate[0], seen.layout.window) else { return };
+    let falls = fall(seen, estimator, writer);
+    let lift = writer.local("lift_m_s2");
+    writer.sum_into(lift, Some(estimator.gravity_m_s2), &falls);
+    let explained = writer.product("explained_v", p, lift);
+    let sum_now = writer.sum("sum_now_v", &[(1.0, sum), (1.0, seen.control), (-1.0, explained)]);
+    let falls: Vec<(f64, Slot)> = std::iter::once((1.0, fallen)).chain(falls).collect();
+    let fallen_now = writer.sum("fall_now_m_s2", &falls);
     let count_now = writer.local("count_now");
     writer.sum_into(count_now, Some(1.0), &[(1.0, count)]);
     let past = writer.local("window_past");
@@ -101,11 +118,14 @@ fn mean(seen: &Seen<'_>, estimator: &Estimator, window: u32, (states, writer): (
     let ends = writer.clamp("window_ends", past, (0.0, 1.0));
     let goes_on = writer.local("window_goes_on");
     writer.sum_into(goes_on, Some(1.0), &[(-1.0, ends)]);
-    let found = writer.quotient("mean_v_per_m_s2", sum_now, gravity_now);
-    blend(seen.layout.estimate[0], found, ("estimate", ends, goes_on), writer);
+    let divisor = window_lift(fallen_now, estimator.gravity_m_s2 * f64::from(window), writer);
+    let found = writer.quotient("mean_v_per_m_s2", sum_now, divisor);
+    let taken = writer.product("taken_v_per_m_s2", found, ends);
+    let next = writer.sum("estimate_next", &[(1.0, p), (1.0, taken)]);
+    writer.copy(p, next);
     for (state, now, name) in [
         (sum, sum_now, "sum_next_v"),
-        (gravity, gravity_now, "lift_next_m_s2"),
+        (fallen, fallen_now, "fall_next_m_s2"),
         (count, count_now, "count_next"),
     ] {
         let next = writer.product(name, now, goes_on);
@@ -113,12 +133,12 @@ fn mean(seen: &Seen<'_>, estimator: &Estimator, window: u32, (states, writer): (
     }
 }
 
-/// `into = new` where `ends` is 1, as it was where it is 0.
-fn blend(into: Slot, new: Slot, (name, ends, goes_on): (&str, Slot, Slot), writer: &mut Writer) {
-    let taken = writer.product(format!("{name}_taken"), new, ends);
-    let kept = writer.product(format!("{name}_kept"), into, goes_on);
-    let sum = writer.sum(format!("{name}_new"), &[(1.0, taken), (1.0, kept)]);
-    writer.copy(into, sum);
+/// Gravity's share summed over a whole window, at least [`LEAST_LIFT`] of `whole`.
+fn window_lift(fallen: Slot, whole: f64, writer: &mut Writer) -> Slot {
+    let sum = writer.local("window_lift_m_s2");
+    writer.sum_into(sum, Some(whole), &[(1.0, fallen)]);
+    let least = LEAST_LIFT * whole;
+    writer.clamp("divisor_m_s2", sum, (least.min(whole), least.max(whole)))
 }
 
 /// Recursive least squares with the covariance as U D U'.
@@ -151,7 +171,7 @@ fn squares(seen: &Seen<'_>, estimator: &Estimator, (states, writer): (&mut State
     let start: Vec<f64> = deviation.iter().take(n).map(|deviation| deviation * deviation).collect();
     let factors = Factors::new(&start, states);
     let keep = factors.keep((*forget, gate), &start, writer);
-    let gain = factors.update(&phi, keep, writer);
+    let gain = factors.update(&phi, (keep, *forget), writer);
     for (i, (p, gain)) in p.iter().zip(gain).enumerate() {
         let move_by = writer.product(format!("move_{i}"), gain, left);
         let next = writer.sum(format!("estimate_next_{i}"), &[(1.0, *p), (1.0, move_by)]);
@@ -225,7 +245,7 @@ impl Factors {
     }
 
     /// What a sample keeps: 1 - (1 - forget) x gate x what the largest variances allow.
-    fn keep(&self, (forget, gate): (f64, Option<Slot>), start: &[f64], writer: &mut Writer) -> Option<Slot> {
+    fn keep(&self, (forget, gate): (f64, Option<Slot>), start: &[f64], writer: &mut Writer) -> Slot {
         let mut allowed: Option<Slot> = gate;
         for (i, &start) in start.iter().enumerate() {
             let variance = self.variance(i, writer);
@@ -244,7 +264,7 @@ impl Factors {
             Some(1.0),
             &allowed.map(|slot| (forget - 1.0, slot)).into_iter().collect::<Vec<_>>(),
         );
-        Some(keep)
+        keep
     }
 
     /// P_ii = sum over j >= i of U_ij^2 D_j.
@@ -257,19 +277,17 @@ impl Factors {
         writer.sum(format!("spread_{i}"), &terms)
     }
 
-    /// Bierman's update; the gain.
-    fn update(&self, phi: &[Slot], keep: Option<Slot>, writer: &mut Writer) -> Vec<Slot> {
-        let mut size = keep.unwrap_or_else(|| {
-            let one = writer.local("keep");
-            writer.sum_into(one, Some(1.0), &[]);
-            one
-        });
+    /// Bierman's update; the gain. No size can fall below what a sample keeps: limited there, so that no rounding brings a
+    /// divisor to 0.
+    fn update(&self, phi: &[Slot], (keep, forget): (Slot, f64), writer: &mut Writer) -> Vec<Slot> {
+        let mut size = keep;
         let mut gain: Vec<Slot> = Vec::new();
         for j in 0..self.D.len() {
             let f = self.along(j, phi, writer);
             let v = writer.product(format!("pull_{j}"), self.D[j], f);
             let square = writer.product(format!("pull_square_{j}"), v, f);
-            let next = writer.sum(format!("size_{j}"), &[(1.0, size), (1.0, square)]);
+            let told = writer.sum(format!("told_{j}"), &[(1.0, size), (1.0, square)]);
+            let next = writer.clamp(format!("size_{j}"), told, (forget, MOST_TOLD));
             self.shrink(j, (size, next, keep), writer);
             let p = writer.quotient(format!("lean_{j}"), f, size);
             for i in 0..j {
@@ -298,13 +316,11 @@ impl Factors {
     }
 
     /// D_j falls by what was seen, and grows by what is forgotten.
-    fn shrink(&self, j: usize, (size, next, keep): (Slot, Slot, Option<Slot>), writer: &mut Writer) {
+    fn shrink(&self, j: usize, (size, next, keep): (Slot, Slot, Slot), writer: &mut Writer) {
         let share = writer.quotient(format!("left_{j}"), size, next);
-        let mut now = writer.product(format!("variance_left_{j}"), self.D[j], share);
-        if let Some(keep) = keep {
-            now = writer.quotient(format!("variance_next_{j}"), now, keep);
-        }
-        writer.copy(self.D[j], now);
+        let left = writer.product(format!("variance_left_{j}"), self.D[j], share);
+        let grown = writer.quotient(format!("variance_next_{j}"), left, keep);
+        writer.copy(self.D[j], grown);
     }
 }
 

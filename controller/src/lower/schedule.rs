@@ -14,6 +14,8 @@ pub(crate) struct Layout {
     pub transfer: Option<Slot>,
     /// The estimator's parameters.
     pub estimate: Vec<Slot>,
+    /// Of a mean over windows: sum of the control, of what gravity's share falls short, and samples so far.
+    pub window: Option<[Slot; 3]>,
     /// Gain in force and last output of each path that follows the out-of-balance.
     pub paths: Vec<Option<Followed>>,
 }
@@ -53,7 +55,12 @@ pub(crate) fn layout(parts: &Parts, states: &mut States) -> Layout {
             .map(|i| states.scalar(&format!("estimate_{i}"), initial(i), OnReset::Keep))
             .collect()
     });
-    Layout { out_of_balance, bias, transfer, estimate, paths }
+    let averages = |estimator: &Estimator| matches!(estimator.learning, Learning::Mean { .. });
+    let window = parts.estimator.as_ref().is_some_and(averages).then(|| {
+        ["window_sum_v", "window_fall_m_s2", "window_count"]
+            .map(|name| states.scalar(name, 0.0, OnReset::Restart))
+    });
+    Layout { out_of_balance, bias, transfer, estimate, window, paths }
 }
 
 /// Number of estimated parameters.
@@ -147,6 +154,10 @@ pub(crate) fn program(parts: &Parts, layout: &Layout) -> Program {
     writer.copy(layout.out_of_balance, set);
     if let (Some(&first), Some(estimator)) = (layout.estimate.first(), &parts.estimator) {
         writer.sum_into(first, None, &[(estimator.volts_per_kg_m_s2, set)]);
+    }
+    if let Some(window) = layout.window {
+        writer.section("the estimator begins a new window");
+        window.iter().for_each(|sum| writer.sum_into(*sum, None, &[]));
     }
     writer.section("gains and bias that belong to it");
     follow(&mut writer, parts, layout);

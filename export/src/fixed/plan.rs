@@ -40,7 +40,10 @@ pub enum FixedError {
         name: String,
     },
     /// A sum whose coefficients and ranges do not fit one accumulator.
-    #[error("'{name}': its terms are too far apart in size for one 64-bit sum ({missing_bits} bits missing)")]
+    #[error(
+        "'{name}': its terms are too far apart in size for one 64-bit sum ({missing_bits} bits missing): use single precision, \
+         or another realisation of its path"
+    )]
     NoRoom {
         /// Name of what is computed.
         name: String,
@@ -49,14 +52,18 @@ pub enum FixedError {
     },
     /// A divisor that its range does not keep away from 0.
     #[error(
-        "'{name}' divides by '{divisor}', which is not proven to stay away from 0: use single precision, or an estimator whose \
-         divisor cannot vanish (the gradient's is at least 1)"
+        "'{name}' divides by '{divisor}', which intervals can only prove to lie from {low:.3e} to {high:.3e}: limit it away from \
+         0, or use single precision"
     )]
     Divisor {
         /// Name of what is computed.
         name: String,
         /// Name of the divisor.
         divisor: String,
+        /// Lowest value that is possible.
+        low: f64,
+        /// Highest value that is possible.
+        high: f64,
     },
     /// A controller whose errors grow without bound.
     #[error(
@@ -73,7 +80,8 @@ pub enum FixedError {
     },
     /// A deviation larger than allowed.
     #[error(
-        "the control may deviate by {worst_v:.3e} V over {samples} samples; {allowed_v:.3e} V are allowed"
+        "the control may deviate by {worst_v:.3e} V over {samples} samples; {allowed_v:.3e} V are allowed (half a step of the \
+         output converter, where a project asks): use single precision, or another realisation of the paths"
     )]
     TooCoarse {
         /// Predicted worst deviation, V.
@@ -319,7 +327,7 @@ impl<'a> Writer<'a> {
             self.spans[i] = span;
         }
         self.operations.push(operation);
-        self.errors.push(error);
+        self.errors.push(OperationError { bits, ..error });
     }
 
     fn one(&mut self, operation: &Operation, seen: f64) -> Result<(), FixedError> {
@@ -367,8 +375,8 @@ impl<'a> Writer<'a> {
             worst += (term.coefficient - rounded).abs() * self.size(term.of);
         }
         let spare = spare_bits(start, &factors).min((scale - bits) as u32);
-        factors.iter_mut().for_each(|(factor, _)| *factor >>= spare);
-        start >>= spare;
+        factors.iter_mut().for_each(|(factor, _)| *factor >>= spare.min(63));
+        start >>= spare.min(63);
         let shift = (scale - bits) as u32 - spare;
         let (span, size) = self.accumulated(start, &factors);
         if size >= 1_i128 << ACCUMULATOR_BITS || shift > ACCUMULATOR_BITS {
@@ -428,7 +436,7 @@ impl<'a> Writer<'a> {
     fn quotient(&mut self, into: Slot, (above, below): (Slot, Slot), seen: f64) -> Result<(), FixedError> {
         let nearest = self.span(below).nearest();
         if nearest <= 0 {
-            return Err(FixedError::Divisor { name: self.name(into), divisor: self.name(below) });
+            return Err(self.divisor(into, below));
         }
         let possible = self.size(above) / (nearest as f64 * unit(self.bits(below)));
         let own = self.bits(above) - self.bits(below);
@@ -445,17 +453,23 @@ impl<'a> Writer<'a> {
         self.put(quotient, (into, bits), span, cut(bits, shift));
         Ok(())
     }
+
+    fn divisor(&self, into: Slot, below: Slot) -> FixedError {
+        let (span, unit) = (self.span(below), unit(self.bits(below)));
+        let (low, high) = (span.low as f64 * unit, span.high as f64 * unit);
+        FixedError::Divisor { name: self.name(into), divisor: self.name(below), low, high }
+    }
 }
 
 /// A quotient loses up to one unit before it is narrowed, always towards 0, and half a unit after.
 fn cut(bits: i32, shift: u32) -> OperationError {
     let (before, after) = (unit(bits + shift as i32), if shift > 0 { 0.5 * unit(bits) } else { 0.0 });
     let squares = 0.25 * before * before + after * after;
-    OperationError { worst: before + after, steady: 0.5 * before, squares }
+    OperationError { worst: before + after, steady: 0.5 * before, squares, bits }
 }
 
-/// Trailing zeros that all the integers share.
+/// Trailing zeros that all the integers share: any number of them where all are 0.
 fn spare_bits(start: i64, factors: &[(i64, Slot)]) -> u32 {
     let all = factors.iter().map(|(factor, _)| *factor).chain([start]).filter(|value| *value != 0);
-    all.map(i64::trailing_zeros).min().unwrap_or(0)
+    all.map(i64::trailing_zeros).min().unwrap_or(u32::MAX)
 }

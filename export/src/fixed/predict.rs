@@ -1,13 +1,13 @@
 //! How far fixed point is from the reference: errors of its operations, and a run in its coefficients without rounding.
 
+use counterpoise_controller::READINGS;
 use counterpoise_controller::program::{Operation, Program, Slot};
-use counterpoise_controller::{Controller, READINGS};
 
 use crate::Ranges;
-use crate::fixed::plan::{Writer, unit};
+use crate::fixed::plan::{Writer, to_integer, unit};
 use crate::fixed::{Fixed, FixedOperation, FixedProgram};
 use crate::ranges::Run;
-use crate::rounding::{Arithmetic, Deviation, Effect, Gains, Noise, deviation, is_kept, left_wrong};
+use crate::rounding::{Arithmetic, Deviation, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid};
 
 /// One operation's rounding.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -18,12 +18,14 @@ pub(crate) struct OperationError {
     pub steady: f64,
     /// The square of the bound of the part that does.
     pub squares: f64,
+    /// Fraction bits of what is written.
+    pub bits: i32,
 }
 
 impl OperationError {
     /// Rounding to nearest.
     pub fn nearest(half: f64) -> Self {
-        Self { worst: half, steady: 0.0, squares: half * half }
+        Self { worst: half, squares: half * half, ..Self::default() }
     }
 }
 
@@ -42,7 +44,8 @@ pub(crate) fn predict(
     };
     let kept = left_wrong(controller, ranges, &error);
     let readings = fixed.step.inputs.iter().map(|bits| OperationError::nearest(0.5 * unit(*bits)));
-    let quantised = Quantised { fixed, errors: errors.into_iter().chain(readings).collect(), kept };
+    let errors = errors.into_iter().chain(readings).collect();
+    let quantised = Quantised { fixed, errors, set: set.errors(), kept };
     deviation(controller, ranges, &quantised, samples)
 }
 
@@ -84,6 +87,7 @@ fn inherited(operation: &Operation, set: &Writer<'_>, error: &dyn Fn(&Slot) -> f
 struct Quantised<'a> {
     fixed: &'a Fixed,
     errors: Vec<OperationError>,
+    set: &'a [OperationError],
     kept: Vec<f64>,
 }
 
@@ -93,11 +97,7 @@ impl Arithmetic for Quantised<'_> {
         self.errors.iter().zip(kept).map(|(error, kept)| error.worst + kept).collect()
     }
 
-    fn kept(&self) -> Vec<f64> {
-        self.errors.iter().zip(&self.kept).map(|(error, kept)| error.steady + kept).collect()
-    }
-
-    fn coefficients(&self, run: &Run) -> Effect {
+    fn coefficients(&self, run: &Run) -> Vec<f64> {
         let mut off = Vec::with_capacity(run.readings.len());
         let mut both = (self.fixed.controller.runner(), Unrounded::new(self.fixed));
         run.play(
@@ -110,16 +110,36 @@ impl Arithmetic for Quantised<'_> {
                 off.push(unrounded.step(readings) - runner.step_array(readings))
             },
         );
-        Effect::of(&off)
+        off
     }
 
-    fn noise(&self, _run: &Run, gains: &Gains) -> Noise {
-        let squares: Vec<f64> = self.errors.iter().map(|error| error.squares).collect();
-        gains.steady_noise(&squares)
+    /// What is a whole number of units is not rounded. Quotients are cut towards 0: the half unit that this loses has the sign
+    /// of the quotient.
+    fn rounded(
+        &self,
+        (line, number): (Line, usize),
+        operation: &Operation,
+        (read, value): (&[f64], f64),
+    ) -> Rounded {
+        let error = match line {
+            Line::Step => self.errors[number],
+            Line::Set => self.set[number],
+        };
+        if (value / unit(error.bits)).fract() == 0.0 {
+            return Rounded::default();
+        }
+        let known = match added(operation, read) {
+            Some((state, rest)) if error.squares > 0.0 && self.fixed.states[state] <= error.bits => {
+                to_grid(rest, unit(error.bits))
+            }
+            _ => -value.signum() * error.steady,
+        };
+        Rounded { known, square: error.squares }
     }
 }
 
-/// A fixed-point controller whose coefficients are rounded and nothing else: numbers are real multiples of their units.
+/// A fixed-point controller whose coefficients, start and readings are rounded and nothing else: numbers are real multiples
+/// of their units.
 struct Unrounded<'a> {
     fixed: &'a Fixed,
     states: Vec<f64>,
@@ -128,16 +148,14 @@ struct Unrounded<'a> {
 
 impl<'a> Unrounded<'a> {
     fn new(fixed: &'a Fixed) -> Self {
-        let controller: &Controller = &fixed.controller;
-        let initial = controller.programs().initial();
-        let states = initial.iter().zip(&fixed.states).map(|(value, bits)| value / unit(*bits)).collect();
+        let states = fixed.initial.iter().map(|value| *value as f64).collect();
         let count = fixed.step.locals.len().max(fixed.set_out_of_balance.locals.len());
         Self { fixed, states, locals: vec![0.0; count] }
     }
 
     fn step(&mut self, readings: &[f64; READINGS]) -> f64 {
         let bits = &self.fixed.step.inputs;
-        let inputs: [f64; READINGS] = std::array::from_fn(|i| readings[i] / unit(bits[i]));
+        let inputs: [f64; READINGS] = std::array::from_fn(|i| to_integer(readings[i], bits[i]) as f64);
         self.run(&self.fixed.step, &inputs);
         let program: &Program = &self.fixed.controller.programs().step;
         let control = program.output.map_or(0.0, |slot| self.read(slot, &inputs));
@@ -146,7 +164,7 @@ impl<'a> Unrounded<'a> {
 
     fn set_out_of_balance(&mut self, out_of_balance_kg_m: f64) {
         let program = &self.fixed.set_out_of_balance;
-        self.run(program, &[out_of_balance_kg_m / unit(program.inputs[0])]);
+        self.run(program, &[to_integer(out_of_balance_kg_m, program.inputs[0]) as f64]);
     }
 
     fn run(&mut self, program: &FixedProgram, inputs: &[f64]) {

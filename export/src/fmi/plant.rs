@@ -118,6 +118,7 @@ fn missing(p: &Parameters) -> Option<&'static str> {
         (p.amplifier.current_limit_a.is_finite(), "current limit"),
         (p.amplifier.dynamics == AmplifierDynamics::IdealCurrent, "ideal current source"),
         (spring, "position spring"),
+        (p.lumped.as_ref().is_some_and(|lumped| lumped.hysteresis_nm != 0.0), "hose with hysteresis"),
         (
             !dahl_or_none(&p.motor_friction) || !dahl_or_none(&p.pivot_friction),
             "friction but Dahl's and viscous",

@@ -1,23 +1,17 @@
-//! What an error of an operation does to later controls: impulse responses, summed over blocks of time.
+//! What an error of an operation does to later controls at rest: impulse responses, summed over time.
 
 use counterpoise_controller::number::Dual;
 use counterpoise_controller::program::Compiled;
 use counterpoise_controller::{Controller, Number, READINGS, Runner};
 
-use super::Noise;
-
-/// Blocks into which the longest run is cut.
-const BLOCKS: usize = 48;
+/// A limit that no control reaches.
+const UNLIMITED_V: f64 = 1e30;
 /// Below this, relative to the sensitivity's largest entry so far, a sensitivity of the control is taken for 0.
 const NEGLIGIBLE: f64 = 1e-200;
 
-/// Sums of |h| and h^2 over blocks of past samples, for an error added to what each operation writes, then to each
-/// reading.
+/// Sums of |h| over past samples, for an error added to what each operation writes, then to each reading.
 pub(crate) struct Gains {
-    /// Length of a block in samples.
-    pub block: usize,
     magnitudes: Vec<f64>,
-    squares: Vec<Vec<f64>>,
 }
 
 /// A sparse column: places and values.
@@ -79,14 +73,15 @@ fn start(controller: &Controller, set_kg_m: Option<f64>) -> Vec<f64> {
 impl Gains {
     /// The gains over `samples` samples from the start, at a setting of the out-of-balance.
     pub fn of(controller: &Controller, set_kg_m: Option<f64>, samples: usize) -> Self {
-        let system = ErrorSystem::of(controller, set_kg_m);
-        let block = samples.div_ceil(BLOCKS).max(1);
-        let mut gains = Self { block, magnitudes: vec![0.0; system.F.len()], squares: Vec::new() };
-        gains.add(0, &system.F);
+        // The bias alone may reach the limiter, behind which nothing would be seen.
+        let unlimited = controller.with(|parts| parts.limit_v = UNLIMITED_V);
+        let system = ErrorSystem::of(unlimited.as_ref().unwrap_or(controller), set_kg_m);
+        let mut gains = Self { magnitudes: vec![0.0; system.F.len()] };
+        gains.add(&system.F);
         let mut row = system.C.clone();
-        for k in 1..samples {
+        for _ in 1..samples {
             let response: Vec<f64> = system.E.iter().map(|column| dot(&row, column)).collect();
-            gains.add(k, &response);
+            gains.add(&response);
             row = system.A.iter().map(|column| flushed(dot(&row, column))).collect();
             if row.iter().all(|entry| *entry == 0.0) {
                 break;
@@ -95,15 +90,9 @@ impl Gains {
         gains
     }
 
-    fn add(&mut self, k: usize, response: &[f64]) {
-        if k.is_multiple_of(self.block) {
-            self.squares.push(vec![0.0; response.len()]);
-        }
+    fn add(&mut self, response: &[f64]) {
         for (sum, h) in self.magnitudes.iter_mut().zip(response) {
             *sum += h.abs();
-        }
-        if let Some(block) = self.squares.last_mut() {
-            block.iter_mut().zip(response).for_each(|(sum, h)| *sum += h * h);
         }
     }
 
@@ -112,35 +101,6 @@ impl Gains {
         let each = self.magnitudes.iter().zip(errors).filter(|(_, error)| **error != 0.0);
         each.map(|(gain, error)| gain * error).sum()
     }
-
-    /// Sum of h^2 times squared errors that are the same at all times.
-    pub fn steady_noise(&self, squares: &[f64]) -> Noise {
-        let all = self.squares.iter().map(|block| product(block, squares)).sum();
-        Noise { largest_v2: all, mean_v2: all }
-    }
-
-    /// Sum of h^2 times squared errors of a run, given by blocks of time: in each block the largest of every operation.
-    ///
-    /// A sample of block m lies `j` samples, j in block b, behind a sample of block m - b or of the one before.
-    pub fn noise(&self, blocks: &[Vec<f64>]) -> Noise {
-        let before = |m: usize| m.checked_sub(1).and_then(|i| blocks.get(i));
-        let either = |m: usize| match before(m) {
-            Some(earlier) => blocks[m].iter().zip(earlier).map(|(a, b)| a.max(*b)).collect(),
-            None => blocks[m].clone(),
-        };
-        let errors: Vec<Vec<f64>> = (0..blocks.len()).map(either).collect();
-        let at = |m: usize| -> f64 {
-            let pairs = self.squares.iter().zip(errors[..=m].iter().rev());
-            pairs.map(|(gains, squares)| product(gains, squares)).sum()
-        };
-        let all: Vec<f64> = (0..errors.len()).map(at).collect();
-        let largest_v2 = all.iter().copied().fold(0.0, f64::max);
-        Noise { largest_v2, mean_v2: all.iter().sum::<f64>() / all.len().max(1) as f64 }
-    }
-}
-
-fn product(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 fn dot(row: &[f64], column: &Column) -> f64 {

@@ -1,14 +1,16 @@
 //! Single precision.
 
-use counterpoise_controller::program::{Compiled, Operation, Slot};
+use counterpoise_controller::program::{Operation, Slot, Term};
 use counterpoise_controller::{Controller, Number, READINGS};
 
-use super::{Arithmetic, Deviation, Effect, Gains, Noise, deviation, is_kept, left_wrong};
+use super::{Arithmetic, Deviation, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid};
 use crate::Ranges;
 use crate::ranges::Run;
 
 /// Half a unit in the last place of single precision, relative.
 const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
+/// How many times smaller than a sum a summand must be, to be rounded to the sum's grid.
+const SMALL: f64 = 8.0;
 /// Roundings that a gain or bias has behind it when the out-of-balance has been set.
 const KEPT_ROUNDINGS: f64 = 3.0;
 
@@ -32,21 +34,13 @@ struct Single<'a> {
 impl Arithmetic for Single<'_> {
     fn worst(&self) -> Vec<f64> {
         let operations = self.controller.programs().step.operations();
-        let own = operations.map(|operation| UNIT * (self.rounded(operation) + self.stored(operation)));
-        let mut worst: Vec<f64> = own.zip(self.kept()).map(|(own, kept)| own + kept).collect();
+        let own = operations.map(|operation| UNIT * (self.magnitudes(operation) + self.stored(operation)));
+        let mut worst: Vec<f64> = own.zip(self.left()).map(|(own, left)| own + left).collect();
         worst.extend((0..READINGS).map(|i| UNIT * self.ranges.of(Slot::Input(i))));
         worst
     }
 
-    fn kept(&self) -> Vec<f64> {
-        let error = |slot: &Slot| match is_kept(self.controller, *slot) {
-            true => KEPT_ROUNDINGS * UNIT * self.ranges.of(*slot),
-            false => 0.0,
-        };
-        left_wrong(self.controller, self.ranges, &error)
-    }
-
-    fn coefficients(&self, run: &Run) -> Effect {
+    fn coefficients(&self, run: &Run) -> Vec<f64> {
         let mut off = Vec::with_capacity(run.readings.len());
         let mut both = (self.controller.runner(), self.controller.runner_in::<Stored>());
         run.play(
@@ -59,17 +53,38 @@ impl Arithmetic for Single<'_> {
                 off.push(stored.step_array(readings) - runner.step_array(readings))
             },
         );
-        Effect::of(&off)
+        off
     }
 
-    fn noise(&self, run: &Run, gains: &Gains) -> Noise {
-        gains.noise(&squares(self.controller, run, gains.block))
+    fn rounded(&self, _: (Line, usize), operation: &Operation, (read, value): (&[f64], f64)) -> Rounded {
+        let square = match operation {
+            Operation::Sum { constant, terms, .. } => sum(*constant, terms, read),
+            Operation::Product { .. } if read.iter().any(|one| is_power_of_two(*one)) => 0.0,
+            Operation::Product { .. } | Operation::Quotient { .. } => half_unit(value).powi(2),
+            Operation::Magnitude { .. } | Operation::Clamp { .. } => 0.0,
+        };
+        let known = match added(operation, read) {
+            Some((_, rest)) if square > 0.0 && SMALL * rest.abs() < value.abs() => {
+                to_grid(rest, 2.0 * half_unit(value))
+            }
+            _ => 0.0,
+        };
+        Rounded { known, square }
     }
 }
 
 impl Single<'_> {
+    /// Error of each operation that comes from what a setting left wrong.
+    fn left(&self) -> Vec<f64> {
+        let error = |slot: &Slot| match is_kept(self.controller, *slot) {
+            true => KEPT_ROUNDINGS * UNIT * self.ranges.of(*slot),
+            false => 0.0,
+        };
+        left_wrong(self.controller, self.ranges, &error)
+    }
+
     /// Sum of the magnitudes that an operation rounds.
-    fn rounded(&self, operation: &Operation) -> f64 {
+    fn magnitudes(&self, operation: &Operation) -> f64 {
         let size = |slot: Slot| self.ranges.of(slot);
         match operation {
             Operation::Sum { constant, terms, .. } => {
@@ -103,46 +118,25 @@ impl Single<'_> {
     }
 }
 
-/// For each block of time the largest sum of squared half units in the last place that each operation rounds by.
-fn squares(controller: &Controller, run: &Run, block: usize) -> Vec<Vec<f64>> {
-    let programs = controller.programs();
-    let n = programs.state_count();
-    let step = Compiled::<Rounding>::new(&programs.step, n);
-    let set = Compiled::<Rounding>::new(&programs.set_out_of_balance, n);
-    let mut memory = vec![Rounding::from_f64(0.0); step.memory().max(set.memory())];
-    for (place, value) in memory.iter_mut().zip(programs.initial()) {
-        *place = Rounding::from_f64(value);
+/// Squared bounds of the roundings of products and partial sums. What is whole in single precision is not rounded.
+fn sum(constant: Option<f64>, terms: &[Term], read: &[f64]) -> f64 {
+    let (mut partial, mut squares) = (constant.unwrap_or(0.0), 0.0);
+    for (term, value) in terms.iter().zip(read) {
+        let product = term.coefficient * value;
+        if !is_power_of_two(term.coefficient) && !is_power_of_two(*value) {
+            squares += half_unit(product).powi(2);
+        }
+        let next = partial + product;
+        let exact = partial == 0.0 || product == 0.0 || [partial, product, next].into_iter().all(is_held);
+        squares += if exact { 0.0 } else { half_unit(next).powi(2) };
+        partial = next;
     }
-    let errors = programs.step.operations().count() + READINGS;
-    let mut blocks: Vec<Vec<f64>> = vec![vec![0.0; errors]; run.readings.len().div_ceil(block)];
-    run.play(
-        &mut memory,
-        |memory, value| {
-            set.run_touched(memory, &[Rounding::from_f64(value)], |_, written| written.squares = 0.0);
-        },
-        |memory, k, readings| {
-            let largest = &mut blocks[k / block];
-            step.run_touched(memory, &readings.map(Rounding::from_f64), |number, written| {
-                largest[number] = largest[number].max(written.squares);
-                written.squares = 0.0;
-            });
-        },
-    );
-    blocks
+    squares
 }
 
-/// A number in double that knows by how much single precision would have rounded on the way to it.
-#[derive(Debug, Clone, Copy)]
-struct Rounding {
-    value: f64,
-    squares: f64,
-}
-
-impl Rounding {
-    fn rounded(value: f64, squares: f64) -> Self {
-        let half = half_unit(value);
-        Self { value, squares: squares + half * half }
-    }
+/// Whether single precision holds a number as it is.
+fn is_held(value: f64) -> bool {
+    f64::from(value as f32) == value
 }
 
 /// Half a unit in the last place of the single-precision numbers around a value.
@@ -155,38 +149,6 @@ fn half_unit(value: f64) -> f64 {
 fn is_power_of_two(value: f64) -> bool {
     const FRACTION: u64 = 0x000f_ffff_ffff_ffff;
     value.to_bits() & FRACTION == 0
-}
-
-impl Number for Rounding {
-    fn from_f64(value: f64) -> Self {
-        Self { value, squares: 0.0 }
-    }
-    fn to_f64(&self) -> f64 {
-        self.value
-    }
-    fn plus(&self, other: &Self) -> Self {
-        let (value, squares) = (self.value + other.value, self.squares + other.squares);
-        match self.value == 0.0 || other.value == 0.0 {
-            true => Self { value, squares },
-            false => Self::rounded(value, squares),
-        }
-    }
-    fn times(&self, other: &Self) -> Self {
-        let value = self.value * other.value;
-        match is_power_of_two(self.value) || is_power_of_two(other.value) {
-            true => Self::from_f64(value),
-            false => Self::rounded(value, 0.0),
-        }
-    }
-    fn over(&self, other: &Self) -> Self {
-        Self::rounded(self.value / other.value, 0.0)
-    }
-    fn magnitude(&self) -> Self {
-        Self { value: self.value.abs(), ..*self }
-    }
-    fn clamped(&self, low: &Self, high: &Self) -> Self {
-        Self { value: self.value.max(low.value).min(high.value), ..*self }
-    }
 }
 
 /// A number in double that was stored in single precision: what [`Number::from_f64`] takes is rounded, arithmetic is not.
