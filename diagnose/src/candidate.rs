@@ -25,6 +25,8 @@ pub struct Candidate {
     pub held_out_parts: Vec<Part>,
     /// How the recordings stand to it, without their residuals.
     pub stances: Vec<Judged>,
+    /// The recordings without which an effect of it could not be sized.
+    pub needed: Vec<usize>,
 }
 
 impl Candidate {

@@ -16,7 +16,7 @@ use crate::noise::{as_heard, with_noise_of};
 use crate::qualify::qualify;
 use crate::replays::{Prepared, Replays, measured};
 use crate::select::Searcher;
-use crate::tolerance::BIAS_SEEN_RAD_S;
+use crate::tolerance::{BIAS_SEEN_RAD_S, SAMPLES_AT_MOST};
 
 /// What a diagnosis gives: the answer, and the machine that explains the recordings.
 #[derive(Debug, Clone)]
@@ -138,7 +138,34 @@ fn qualified(base: &Parameters, recordings: &[Recording]) -> Result<(Vec<Recordi
             sound.push(part);
         }
     }
-    if sound.is_empty() { Err(Error::Unusable { what: told.join("; ") }) } else { Ok((sound, told)) }
+    if sound.is_empty() {
+        return Err(Error::Unusable { what: told.join("; ") });
+    }
+    shorten(&mut sound, &mut told);
+    Ok((sound, told))
+}
+
+/// Cuts recordings to what a diagnosis can replay some thousand times: the first part of each, an equal share of the
+/// samples that are left by those that are short enough.
+fn shorten(recordings: &mut [Recording], told: &mut Vec<String>) {
+    let mut order: Vec<usize> = (0..recordings.len()).collect();
+    order.sort_by_key(|&r| recordings[r].len());
+    let mut left = SAMPLES_AT_MOST;
+    for (k, &r) in order.iter().enumerate() {
+        let share = left / (order.len() - k);
+        let recording = &mut recordings[r];
+        if recording.len() > share {
+            let period = recording.sample_period_s;
+            told.push(format!(
+                "{}: the first {:.4} s of {:.4} s are used, for {SAMPLES_AT_MOST} samples in all are what is replayed",
+                recording.name,
+                share as f64 * period,
+                recording.len() as f64 * period
+            ));
+            *recording = recording.part(0..share);
+        }
+        left -= recording.len();
+    }
 }
 
 /// Takes a channel out of a recording that can do without it.

@@ -81,6 +81,8 @@ impl Scale {
             lumped.out_of_balance_kg_m *= s;
             lumped.vertical_offset_kg_m *= s;
             lumped.position_stiffness_nm_rad *= s;
+            lumped.hysteresis_nm *= s;
+            lumped.hysteresis_stiffness_nm_rad *= s;
         }
         p.gearbox.ratio *= c;
         p.gearbox.stiffness_nm_rad *= s;

@@ -20,6 +20,8 @@ pub struct Cell {
     pub floor: f64,
     /// Number of independent samples that the residual is worth.
     pub worth: f64,
+    /// Number of samples.
+    pub samples: f64,
 }
 
 /// The fit of every channel of every recording.
@@ -72,6 +74,7 @@ pub fn score(judged: &[Judged], parts: &[Part]) -> Option<Score> {
                 rms_error: rms(slice) * misfit.floor,
                 floor: misfit.floor,
                 worth: slice.len() as f64 / correlation_time(slice),
+                samples: slice.len() as f64,
             });
         }
     }
@@ -94,6 +97,17 @@ impl Score {
             .sum()
     }
 
+    /// Log-likelihood gained over another mechanism, in nats, were every residual white and of the size of the floor, or of
+    /// what is left where that is more.
+    pub fn energy_over(&self, before: &Score) -> f64 {
+        let size = |cell: &Cell| cell.rms_error / cell.floor;
+        let one = |(after, before): (&Cell, &Cell)| {
+            let (now, was) = (size(after), size(before));
+            0.5 * after.samples * (was * was - now * now) / (now * now).max(1.0)
+        };
+        self.cells.iter().zip(&before.cells).map(one).sum()
+    }
+
     /// As [`Self::gain_over`], of one recording alone.
     pub fn gain_in(&self, recording: usize, before: &Score) -> f64 {
         let of = |score: &Score| Score {
@@ -105,12 +119,13 @@ impl Score {
     /// Nats by which this mechanism is behind another on the same parts, every cell weighed by what it is worth to the other.
     pub fn loss_against(&self, other: &Score) -> f64 {
         let cells = self.cells.iter().zip(&other.cells);
-        cells.map(|(ours, theirs)| theirs.worth * log_excess(ours) - theirs.worth * log_excess(theirs)).sum()
+        cells.map(|(ours, theirs)| theirs.worth * (log_level(ours) - log_level(theirs))).sum()
     }
 
-    /// Mean over the cells of ln(excess), below the floor as well: what tells models apart that are all close to it.
+    /// Mean over the cells of ln(excess), below the floor as well, and of what it was lowered by: what tells models apart that are
+    /// all close to the floor.
     pub fn level(&self) -> f64 {
-        self.cells.iter().map(log_excess).sum::<f64>() / self.cells.len().max(1) as f64
+        self.cells.iter().map(log_level).sum::<f64>() / self.cells.len().max(1) as f64
     }
 
     /// Mean over the cells of ln(excess), the distance from the floor: 0 is perfect.
@@ -127,6 +142,13 @@ impl Score {
 
 fn log_excess(cell: &Cell) -> f64 {
     cell.excess.max(SCORE_FLOOR).ln()
+}
+
+/// [`log_excess`], and half the logarithm of what the floor was raised by because runs do not repeat: a mechanism that
+/// lets everything wander explains nothing by that.
+fn log_level(cell: &Cell) -> f64 {
+    let raised = cell.rms_error / (cell.floor * cell.excess);
+    log_excess(cell) + if raised.is_finite() { 0.5 * raised.max(1.0).ln() } else { 0.0 }
 }
 
 /// Integrated correlation time of a series in samples, 1 for white noise (initial positive sequence, Geyer 1992).

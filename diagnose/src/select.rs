@@ -65,7 +65,8 @@ impl Searcher<'_> {
             }
             let stage = self.stage(present, Effort::Full);
             let smaller = present.map_or(&search.before, |c| &c.whole);
-            let best = self.best(&stage, smaller, &search.before);
+            let needed = present.map_or(&[][..], |c| &c.needed);
+            let best = self.best(&stage, (smaller, needed), &search.before);
             search.stages.push(stage);
             let Some(best) = best else { break };
             search.accepted = Some(self.refined(self.refitted(best)));
@@ -79,17 +80,22 @@ impl Searcher<'_> {
     }
 
     /// The best candidate of a stage, validated on recordings of another kind; none where none is worth having.
-    fn best(&self, stage: &Stage, smaller: &Score, nothing: &Score) -> Option<Candidate> {
+    fn best(
+        &self,
+        stage: &Stage,
+        (smaller, needed): (&Score, &[usize]),
+        nothing: &Score,
+    ) -> Option<Candidate> {
         let worth = |c: &&Candidate| c.is_acceptable() && c.is_worth_more_than(smaller, nothing);
         let beyond = |c: &&Candidate| self.is_beyond_chance(c, smaller);
-        let best = stage.candidates.iter().filter(worth).take(RIVALS).find(beyond)?.clone();
-        let validated = self.validated(best, smaller)?;
+        let best = stage.candidates.iter().filter(worth).take(RIVALS).find(beyond)?;
+        let validated = self.validated(Candidate { needed: needed.to_vec(), ..best.clone() }, smaller)?;
         (!validated.is_harmful() && validated.gain() > GAIN_NEEDED).then_some(validated)
     }
 
     /// Whether a candidate gains more than its newest effect would gain on the noise in the loop alone.
     pub(crate) fn is_beyond_chance(&self, candidate: &Candidate, smaller: &Score) -> bool {
-        let gain = candidate.whole.gain_over(smaller) - GAIN_NEEDED;
+        let gain = candidate.whole.energy_over(smaller) - GAIN_NEEDED;
         gain > NO_CHANCE
             || gain > BEYOND_CHANCE * by_chance(self.bench, self.pool, &candidate.fit, &candidate.stances)
     }
@@ -155,7 +161,10 @@ impl Searcher<'_> {
             start.extend(&look.start);
         }
         let signature = |r: usize| looks.iter().map(|look| look.signature[r]).fold(0.0, f64::max);
-        let recordings = telling_recordings(&(0..self.bench.count()).map(signature).collect::<Vec<f64>>());
+        let mut recordings = telling_recordings(&(0..self.bench.count()).map(signature).collect::<Vec<f64>>());
+        recordings.extend(present.iter().flat_map(|c| &c.needed));
+        recordings.sort_unstable();
+        recordings.dedup();
         let selection = Selection::trying(recordings);
         let fit = match (present, free) {
             (Some(fixed), None) => self.fit_on_top(fixed, effects, &start, &selection)?,
@@ -233,6 +242,7 @@ impl Searcher<'_> {
             held_out_before: score(before, &parts)?,
             held_out_parts: parts,
             stances: judged.iter().map(Judged::stance).collect(),
+            needed: Vec::new(),
             fit,
         })
     }
@@ -246,7 +256,9 @@ impl Searcher<'_> {
             return Some(candidate);
         }
         let all = candidate.whole.gain_over(smaller);
-        let alone = |r: usize| candidate.whole.gain_in(r, smaller) > ONLY_THERE * all;
+        let alone = |r: usize| {
+            candidate.needed.contains(&r) || candidate.whole.gain_in(r, smaller) > ONLY_THERE * all
+        };
         let predicted = map(self.pool, count, |r| {
             if alone(r) { self.continued(&candidate, r) } else { self.predicted(&candidate, r) }
         });
@@ -255,13 +267,14 @@ impl Searcher<'_> {
             return None;
         }
         let mut parts = whole_parts(count);
-        let own = (0..count).filter(|r| alone(*r));
-        own.for_each(|r| parts[r].from = FITTED_SHARE);
+        let own: Vec<usize> = (0..count).filter(|r| alone(*r)).collect();
+        own.iter().for_each(|&r| parts[r].from = FITTED_SHARE);
         let before = judge(self.bench, self.pool, self.base)?;
         Some(Candidate {
             held_out: score(&judged, &parts)?,
             held_out_before: score(&before, &parts)?,
             held_out_parts: parts,
+            needed: own,
             ..candidate
         })
     }

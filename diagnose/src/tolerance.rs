@@ -82,3 +82,5 @@ pub const NO_CHANCE: f64 = 4000.0;
 pub const ONLY_THERE: f64 = 0.9;
 /// Share of a period that the travel must cover for a torque to count as one that repeats.
 pub const PERIOD_SEEN: f64 = 0.75;
+/// Samples of all recordings together that a diagnosis replays: four recordings of 12 s at 1 kHz.
+pub const SAMPLES_AT_MOST: usize = 48_000;

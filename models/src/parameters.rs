@@ -144,6 +144,10 @@ pub struct Lumped {
     pub position_stiffness_nm_rad: f64,
     /// Hub angle relative to the platform at which that spring is slack, rad.
     pub position_stiffness_centre_rad: f64,
+    /// Largest torque of a hose between hub and platform that remembers how it was bent, N m; 0 where there is none.
+    pub hysteresis_nm: f64,
+    /// Stiffness of that hose where it springs back, N m/rad.
+    pub hysteresis_stiffness_nm_rad: f64,
 }
 
 /// A torque that repeats with an angle: amplitude x sin(order x angle + phase).

@@ -79,6 +79,8 @@ fn lumped() -> Lumped {
         vertical_offset_kg_m: 0.0,
         position_stiffness_nm_rad: 0.0,
         position_stiffness_centre_rad: 0.0,
+        hysteresis_nm: 0.0,
+        hysteresis_stiffness_nm_rad: 0.0,
     }
 }
 

@@ -157,6 +157,38 @@ pub(super) static EFFECTS: &[Effect] = &[
         starts: &[&[400.0, 0.02], &[400.0, -0.1], &[400.0, 0.1]],
     },
     Effect {
+        effect: "hysteresis",
+        component: "structure",
+        kind: Kind::MissingPhysics,
+        equation: "dT/dt = k (w - |w| T / (2 T_max) - w |T| / (2 T_max)): a hose between hub and platform that yields",
+        source: "Bouc 1967; Wen 1976",
+        when: "after a reversal, over an angle that does not depend on the rate",
+        experiment: "slow travel with reversals after long and after short ways",
+        knobs: &[
+            knob!(
+                "level",
+                "N m",
+                [0.0, 5e3],
+                20.0,
+                Linear,
+                get | p | lumped(p, |l| l.hysteresis_nm),
+                set | p,
+                v | lumped_set(p, |l| l.hysteresis_nm = v)
+            ),
+            knob!(
+                "stiffness",
+                "N m/rad",
+                [10.0, 1e6],
+                0.4,
+                Log,
+                get | p | lumped(p, |l| l.hysteresis_stiffness_nm_rad),
+                set | p,
+                v | lumped_set(p, |l| l.hysteresis_stiffness_nm_rad = v)
+            ),
+        ],
+        starts: &[&[30.0, 300.0], &[30.0, 1500.0], &[30.0, 8000.0]],
+    },
+    Effect {
         effect: "flexible_mode",
         component: "structure",
         kind: Kind::ParameterChange,

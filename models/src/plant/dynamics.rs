@@ -21,12 +21,12 @@ pub struct Excitation {
 
 impl Plant {
     /// Number of states of the right-hand side: those of the core, then the dry friction state at the motor and at
-    /// the pivot (always both; a law without a state leaves its own at rest).
+    /// the pivot (always both; a law without a state leaves its own at rest), then a hose's torque where there is one.
     pub fn order(&self) -> usize {
-        self.core_order() + 2
+        self.core_order() + 2 + usize::from(self.hose.is_some())
     }
 
-    /// The derivative of the state \[core ([`state`]), motor friction, pivot friction\]: the definition of the plant.
+    /// The derivative of the state \[core ([`state`]), motor friction, pivot friction, hose\]: the definition of the plant.
     ///
     /// Laws with one state are continuous and are taken as they are (a torque in N m for Dahl and Walrath, a deflection in
     /// rad for LuGre and the reset integrator); laws that truly stick slide at any rate but zero, and bristles are taken
@@ -59,6 +59,7 @@ impl Plant {
             self.motor_torque_nm(x[state::CURRENT], motor_angle, motor_rate) + loss.motor_nm - motor_dry;
         u[input::HUB_TORQUE] = self.hub_torque_nm(relative_angle, motor_angle, relative_rate) + loss.hub_nm
             - pivot_dry
+            - if self.hose.is_some() { x[n + 2] } else { 0.0 }
             + gravity * self.body.vertical_offset_kg_m * sin;
         u[input::LOAD] = gravity * cos;
         u[input::MESH_TORQUE] = offset;
@@ -69,6 +70,9 @@ impl Plant {
         }
         dx[n] = motor_state;
         dx[n + 1] = pivot_state;
+        if let Some(hose) = self.hose {
+            dx[n + 2] = hose.slope(x[n + 2], relative_rate);
+        }
     }
 
     /// Whether the teeth touch at a wind-up, and the torque that takes half the gap off the spring, N m.

@@ -8,6 +8,7 @@ mod amplifier;
 pub mod body;
 pub mod core;
 mod dry;
+pub mod hose;
 pub mod dynamics;
 pub mod equilibrium;
 pub mod linear;
@@ -18,6 +19,7 @@ pub use self::body::{Body, BodyMode};
 pub use self::core::{Core, Mesh};
 pub use self::dynamics::Excitation;
 pub use self::equilibrium::{Equilibrium, OperatingPoint};
+pub use self::hose::Hose;
 pub use self::linear::{Angles, FrictionLinearisation, LinearPlant};
 
 use crate::Error;
@@ -33,6 +35,7 @@ pub struct Plant {
     pub(crate) pivot_friction: FrictionModel,
     /// Spring between hub and platform, N m/rad, and the relative angle at which it is slack, rad.
     pub(crate) spring: (f64, f64),
+    pub(crate) hose: Option<Hose>,
 }
 
 impl Plant {
@@ -64,6 +67,7 @@ impl Plant {
             parameters: parameters.clone(),
             body,
             spring,
+            hose: parameters.lumped.as_ref().and_then(Hose::of),
         })
     }
 
@@ -77,6 +81,11 @@ impl Plant {
     #[inline]
     pub fn body(&self) -> &Body {
         &self.body
+    }
+
+    /// The hose between hub and platform that remembers how it was bent; none where there is none.
+    pub fn hose(&self) -> Option<Hose> {
+        self.hose
     }
 
     /// Torque of the position spring on the hub at a hub angle relative to the platform, N m.

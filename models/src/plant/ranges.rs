@@ -23,7 +23,9 @@ pub(super) fn lumped(lumped: &Lumped) -> Result<(), Error> {
     finite("lumped.out_of_balance_kg_m", lumped.out_of_balance_kg_m)?;
     finite("lumped.vertical_offset_kg_m", lumped.vertical_offset_kg_m)?;
     not_negative("lumped.position_stiffness_nm_rad", lumped.position_stiffness_nm_rad)?;
-    finite("lumped.position_stiffness_centre_rad", lumped.position_stiffness_centre_rad)
+    finite("lumped.position_stiffness_centre_rad", lumped.position_stiffness_centre_rad)?;
+    not_negative("lumped.hysteresis_nm", lumped.hysteresis_nm)?;
+    not_negative("lumped.hysteresis_stiffness_nm_rad", lumped.hysteresis_stiffness_nm_rad)
 }
 
 /// Refuses a modal structure without inertia or with a mode that is not an oscillator.

@@ -72,6 +72,18 @@ const POSITION_STIFFNESS_CENTRE: Field =
     Field::new("position_stiffness_centre", "angle of hub on platform at which it is slack")
         .unit("rad")
         .or(0.0);
+const HYSTERESIS: Field = Field::new(
+    "hysteresis",
+    "largest torque of a hose between hub and platform that remembers how it was bent",
+)
+.unit("N m")
+.limit(Limit::AtLeast(0.0))
+.or(0.0);
+const HYSTERESIS_STIFFNESS: Field =
+    Field::new("hysteresis_stiffness", "stiffness of that hose where it springs back")
+        .unit("N m/rad")
+        .limit(Limit::AtLeast(0.0))
+        .or(0.0);
 
 const FITTED: Field = Field::new("masses", "names of the fitted masses").or_empty();
 const ADDED_INERTIA: Field = Field::new("added_hub_inertia", "added at the hub without moment")
@@ -133,6 +145,8 @@ pub(crate) fn blank_lumped() -> Lumped {
         vertical_offset_kg_m: f64::NAN,
         position_stiffness_nm_rad: f64::NAN,
         position_stiffness_centre_rad: f64::NAN,
+        hysteresis_nm: f64::NAN,
+        hysteresis_stiffness_nm_rad: f64::NAN,
     }
 }
 
@@ -248,6 +262,8 @@ pub(crate) fn lumped(v: &mut dyn Visit, lumped: &mut Lumped) {
     v.number(&VERTICAL_OFFSET, &mut lumped.vertical_offset_kg_m);
     v.number(&POSITION_STIFFNESS, &mut lumped.position_stiffness_nm_rad);
     v.number(&POSITION_STIFFNESS_CENTRE, &mut lumped.position_stiffness_centre_rad);
+    v.number(&HYSTERESIS, &mut lumped.hysteresis_nm);
+    v.number(&HYSTERESIS_STIFFNESS, &mut lumped.hysteresis_stiffness_nm_rad);
 }
 
 /// Reads or lists a configuration.

@@ -4,6 +4,7 @@ use super::moments::NODES;
 use super::tables::{OUTPUTS, PORTS, STAGES};
 use crate::Error;
 use counterpoise_models::Plant;
+use counterpoise_models::plant::Hose;
 use counterpoise_models::friction::{Bristle, FrictionModel, Law, Stick, Surroundings};
 
 /// Which output is which (see [`OUTPUTS`]).
@@ -22,6 +23,8 @@ pub struct FrictionState {
     pub motor: f64,
     /// At the hub pivot.
     pub pivot: f64,
+    /// Torque of a hose between hub and platform, N m.
+    pub hose: f64,
 }
 
 /// The platform at one instant.
@@ -135,6 +138,7 @@ pub(crate) struct Ports {
     vertical_offset: f64,
     motor_extras: bool,
     hub_extras: bool,
+    hose: Option<Hose>,
     lossy: bool,
     needs_mesh_torque: bool,
     /// Torques and loads against which an error at a port is small.
@@ -162,6 +166,7 @@ impl Ports {
             hub_extras: plant.spring_torque_nm(0.0) != plant.spring_torque_nm(1.0)
                 || parameters.gearbox.mesh_ripple.amplitude != 0.0
                 || parameters.pivot_friction.has_drag(),
+            hose: plant.hose(),
             lossy,
             needs_mesh_torque: lossy
                 || loaded(&parameters.motor_friction)
@@ -320,6 +325,9 @@ impl Ports {
         };
         let level = self.pivot_level(after, time.0);
         memory.pivot = pivot.advance(&self.pivot, level, memory.pivot, &mut bonds.pivot);
+        if let Some(hose) = &self.hose {
+            memory.hose = pivot.bend(hose, memory.hose);
+        }
     }
 
     #[inline]
@@ -348,6 +356,7 @@ impl Ports {
         let mut motor = -dry(&self.motor, motion.motor_rate, motor_level, memory.motor);
         let mut hub = gravity * self.vertical_offset * sin
             - dry(&self.pivot, motion.pivot_rate, pivot_level, memory.pivot);
+        hub -= memory.hose;
         if self.motor_extras {
             motor += plant.motor_torque_nm(at.outputs[CURRENT], motion.motor_angle, motion.motor_rate);
         }
@@ -418,6 +427,15 @@ impl Path {
             }
         }
         states[0]
+    }
+
+    /// The torque of a hose after the motion.
+    #[inline]
+    fn bend(&self, hose: &Hose, torque: f64) -> f64 {
+        if self.rates[0] * self.rates[1] >= 0.0 {
+            return hose.after(torque, self.travel);
+        }
+        self.parts().iter().fold(torque, |torque, (travel, _)| hose.after(torque, *travel))
     }
 
     /// Travel and time before and after a reversal.

@@ -202,6 +202,7 @@ impl<'a, 'b> Fit<'a, 'b> {
         start.friction = FrictionState {
             motor: at_torque(&parameters.motor_friction, u[MOTOR_DRY]),
             pivot: at_torque(&parameters.pivot_friction, u[PIVOT_DRY]),
+            hose: 0.0,
         };
         start
     }

@@ -12,7 +12,7 @@ use counterpoise_models::reference;
 use counterpoise_tests::sealed::oracle::compared;
 use counterpoise_tests::sealed::row::{recordings, scored};
 use counterpoise_tests::sealed::truth::ALL;
-use counterpoise_tests::sealed::{Row, case, case_of, controller, table};
+use counterpoise_tests::sealed::{Row, case, case_of, controller, nominal_of, table};
 
 fn main() -> std::io::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -21,7 +21,8 @@ fn main() -> std::io::Result<()> {
     let known = std::fs::read_to_string(path).unwrap_or_default();
     let mut rows: Vec<Row> = known.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
     let last = FIRST_EFFECT + ALL as u64;
-    let left: Vec<u64> = seeds.take_while(|seed| *seed < last).filter(|seed| !rows.iter().any(|r| r.seed == *seed)).collect();
+    let left: Vec<u64> =
+        seeds.take_while(|seed| *seed < last).filter(|seed| !rows.iter().any(|r| r.seed == *seed)).collect();
     let file = std::fs::OpenOptions::new().create(true).append(true).open(path)?;
     let file = Mutex::new(file);
     let fresh = Mutex::new(Vec::new());
@@ -61,11 +62,11 @@ const FIRST_EFFECT: u64 = 1_000;
 const EASILY_SEEN: f64 = 0.7;
 
 fn row(seed: u64) -> Result<Row, counterpoise_diagnose::Error> {
-    let nominal = reference::rig();
-    let case = if seed < FIRST_EFFECT {
-        case(seed, &nominal)
-    } else {
-        case_of((seed - FIRST_EFFECT) as usize, EASILY_SEEN, &nominal)
+    let effect = seed.checked_sub(FIRST_EFFECT).map(|effect| effect as usize);
+    let nominal = effect.map_or_else(reference::rig, nominal_of);
+    let case = match effect {
+        Some(effect) => case_of(effect, EASILY_SEEN, &nominal),
+        None => case(seed, &nominal),
     };
     let clock = std::time::Instant::now();
     let found = diagnose(&nominal, &controller(), &recordings(&case), &Serial)?;

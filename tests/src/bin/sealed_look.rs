@@ -6,11 +6,11 @@
 use counterpoise_diagnose::answer::Answer;
 use counterpoise_diagnose::bench::Pool;
 use counterpoise_diagnose::diagnose;
-use counterpoise_models::reference;
+use counterpoise_models::{Parameters, reference};
 use counterpoise_tests::sealed::oracle::compared;
 use counterpoise_tests::sealed::row::{recordings, scored};
 use counterpoise_tests::sealed::truth::ALL;
-use counterpoise_tests::sealed::{Case, case, case_of, controller};
+use counterpoise_tests::sealed::{Case, case, case_of, controller, nominal_of};
 
 struct Threads;
 
@@ -22,31 +22,33 @@ impl Pool for Threads {
 
 fn main() {
     for text in std::env::args().skip(1) {
-        let Some((seed, case)) = asked(&text) else {
+        let Some((seed, nominal, case)) = asked(&text) else {
             println!("{text} is neither a seed nor an effect, as e12:0.7");
             continue;
         };
         let clock = std::time::Instant::now();
-        match diagnose(&reference::rig(), &controller(), &recordings(&case), &Threads) {
-            Ok(found) => print(seed, &case, &found.answer, clock.elapsed().as_secs_f64()),
+        match diagnose(&nominal, &controller(), &recordings(&case), &Threads) {
+            Ok(found) => print(seed, (&nominal, &case), &found.answer, clock.elapsed().as_secs_f64()),
             Err(error) => println!("seed {seed}: {error}"),
         }
     }
 }
 
 /// The machine that an argument asks for.
-fn asked(text: &str) -> Option<(u64, Case)> {
-    let nominal = reference::rig();
+fn asked(text: &str) -> Option<(u64, Parameters, Case)> {
     let Some(effect) = text.strip_prefix('e') else {
-        let seed = text.parse().ok()?;
-        return Some((seed, case(seed, &nominal)));
+        let (seed, nominal) = (text.parse().ok()?, reference::rig());
+        let case = case(seed, &nominal);
+        return Some((seed, nominal, case));
     };
     let (which, size) = effect.split_once(':').unwrap_or((effect, "1"));
     let which: usize = which.parse().ok().filter(|w| *w < ALL)?;
-    Some((1_000 + which as u64, case_of(which, size.parse().ok()?, &nominal)))
+    let nominal = nominal_of(which);
+    let case = case_of(which, size.parse().ok()?, &nominal);
+    Some((1_000 + which as u64, nominal, case))
 }
 
-fn print(seed: u64, case: &Case, answer: &Answer, seconds: f64) {
+fn print(seed: u64, (nominal, case): (&Parameters, &Case), answer: &Answer, seconds: f64) {
     println!("seed {seed}, noise {}, {seconds:.1} s", case.sealed.noise);
     for concealed in &case.sealed.concealed {
         println!("  {concealed:?}");
@@ -76,7 +78,7 @@ fn print(seed: u64, case: &Case, answer: &Answer, seconds: f64) {
     }
     let row = scored(seed, case, answer, seconds);
     println!("  sizes {:.2?}, errors {:.2?}", row.sizes, row.errors);
-    match compared(&reference::rig(), case, answer) {
+    match compared(nominal, case, answer) {
         Ok(split) => println!("  nominal, refitted, found, truth: {split:.4?}"),
         Err(error) => println!("  {error}"),
     }

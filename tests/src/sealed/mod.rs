@@ -14,7 +14,7 @@ pub use row::{Row, scored};
 pub use truth::{Concealed, Family, Sealed};
 
 use counterpoise_controller::ProportionalIntegral;
-use counterpoise_models::Parameters;
+use counterpoise_models::{Parameters, reference};
 use machine::Machine;
 
 /// One machine: what the diagnosis sees, and what it does not.
@@ -46,12 +46,25 @@ pub fn case(seed: u64, nominal: &Parameters) -> Case {
     recorded(seed, nominal, &machine, (sealed, without))
 }
 
-/// The machine with one given effect of a given size, recorded: see [`truth::conceal_one`].
+/// The machine with one given effect of a given size, recorded: see [`truth::conceal_one`]. `nominal` is as [`nominal_of`] has it.
 pub fn case_of(which: usize, size: f64, nominal: &Parameters) -> Case {
     let mut machine = truth::machine(nominal);
     let sealed = truth::conceal_one(which, size, &mut machine);
     recorded(1_000 + which as u64, nominal, &machine, sealed)
 }
+
+/// The project in which one given effect shows: nearly balanced for those at small torques, the rig otherwise.
+pub fn nominal_of(which: usize) -> Parameters {
+    let mut nominal = reference::rig();
+    if truth::SHOW_WHEN_BALANCED.contains(&which) {
+        nominal.lumped.iter_mut().for_each(|l| l.out_of_balance_kg_m = BALANCED_KG_M);
+    }
+    nominal
+}
+
+/// First moment of the nearly balanced machine, and the controller's bias that holds it.
+const BALANCED_KG_M: f64 = 20.0;
+const BALANCED_BIAS_V: f64 = 0.38;
 
 fn recorded(
     seed: u64,
@@ -59,7 +72,10 @@ fn recorded(
     machine: &Machine,
     (sealed, without): (Sealed, Vec<Machine>),
 ) -> Case {
-    let mut recorder = truth::recorder(nominal, GAINS[0], GAINS[1], GAINS[2]);
+    let [kp, ki, bias] = GAINS;
+    let balanced = nominal.lumped.as_ref().is_some_and(|l| l.out_of_balance_kg_m == BALANCED_KG_M);
+    let bias = if balanced { BALANCED_BIAS_V } else { bias };
+    let mut recorder = truth::recorder(nominal, kp, ki, bias);
     recorder.tachometer.noise *= sealed.noise;
     recorder.resolver.noise *= sealed.noise;
     let one = |machine: &Machine, k: usize| {

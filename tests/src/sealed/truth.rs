@@ -174,6 +174,9 @@ const ALL_PHYSICS: usize = 30;
 /// All kinds of faults that can be put in, the seeds' first.
 const ALL_INSTRUMENTS: usize = 14;
 
+/// Kinds of physics that show where the torques are small: backlash, dead zone, gain curve.
+pub const SHOW_WHEN_BALANCED: [usize; 3] = [8, 10, 23];
+
 /// Number of machines of [`conceal_one`].
 pub const ALL: usize = ALL_PHYSICS + ALL_INSTRUMENTS;
 
@@ -366,7 +369,7 @@ fn drive_or_structure(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) ->
             one("structure", "flexible_mode", ("stiffness", m.beam_stiffness))
         }
         27 => {
-            m.current_limit = 9.0 + 3.0 / s;
+            m.current_limit = 9.0 + 1.0 / s;
             one("amplifier", "current_limit", ("current_limit", m.current_limit))
         }
         28 => {
