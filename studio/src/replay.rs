@@ -85,8 +85,14 @@ impl Script {
         let drawn = studio.results.live.as_ref().map(|of| of.revision);
         let now = studio.opened.as_ref().map(|o| o.session.revision());
         let busy = studio.results.designing || (drawn != now && studio.results.no_design.is_none());
-        if busy && now.is_some() { None } else { self.0.next() }
+        let early = self.0.as_slice().first().is_some_and(needs_rest) && !studio.is_idle();
+        if (busy || early) && now.is_some() { None } else { self.0.next() }
     }
+}
+
+/// Whether a command can only be carried out on what has been verified or diagnosed.
+fn needs_rest(command: &Command) -> bool {
+    matches!(command, Command::Sweep | Command::Export | Command::ExportTo { .. } | Command::Accept)
 }
 
 /// A frame, cut into triangles.

@@ -80,7 +80,8 @@ fn menu(ui: &mut Ui, is_open: bool, queue: &mut Vec<Command>) {
         vec![Command::Close],
     ];
     let all = entries();
-    ui.menu_button("File", |ui| {
+    let file = egui::Button::new("File").frame_when_inactive(false);
+    egui::containers::menu::MenuButton::from_button(file).ui(ui, |ui| {
         ui.set_min_width(380.0);
         for (k, group) in groups.iter().enumerate() {
             if k > 0 {
@@ -151,17 +152,15 @@ fn foot(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
         let (text, colour) = state(studio, &theme);
         let (dot, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
         ui.painter().circle_filled(dot.center(), 4.0, colour);
-        ui.label(RichText::new(text).small());
+        let said = ui.label(RichText::new(text).small());
+        if let Some(of) = &studio.results.live {
+            let took = of.value.took.as_secs_f64() * 1e3;
+            said.on_hover_text(format!("the design shown and its responses took {took:.1} ms"));
+        }
         if !studio.is_idle() && ui.small_button("Stop").on_hover_text("Esc").clicked() {
             queue.push(Command::Cancel);
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if let Some(of) = &studio.results.live {
-                let took = of.value.took.as_secs_f64() * 1e3;
-                ui.label(
-                    RichText::new(format!("design and responses {took:.1} ms")).small().color(theme.weak),
-                );
-            }
             if let Some(notice) = studio.view.notice.clone() {
                 let colour = if notice.tone == Tone::Wrong { theme.bad } else { theme.weak };
                 if ui.small_button("x").on_hover_text("close this message").clicked() {

@@ -19,19 +19,20 @@ cd "$WORK/machines"
 "$WINDOW" & pid=$!
 pause; pause
 xdotool search --name Counterpoise windowfocus --sync 2> /dev/null || true
-click 640 246                                  # the field of the path
+click 900 248                                  # the field of the path
+xdotool key End
 xdotool type --delay 30 turret; pause
 picture 1-new
-click 487 272                                  # New project here
+click 902 564                                  # New project here
 pause; pause
-click 148 18                                   # Plant
+click 185 18                                   # Plant
 picture 2-plant
-click 275 18                                   # Design
-xdotool mousemove 630 170 mousedown 1; sleep 0.5
-for k in 1 2 3 4 5 6 7 8; do xdotool mousemove $(( 630 + 2 * k )) $(( 170 - k / 4 )); sleep 0.2; done
+click 311 18                                   # Design
+xdotool mousemove 644 170 mousedown 1; sleep 0.5
+for k in 1 2 3 4 5 6 7 8; do xdotool mousemove $(( 644 + 2 * k )) $(( 170 - k / 4 )); sleep 0.2; done
 sleep 1; xdotool mouseup 1; pause
 picture 3-design
-click 336 18                                   # Verify
+click 373 18                                   # Verify
 pause
 picture 4-verify
 click 112 57                                   # Export code

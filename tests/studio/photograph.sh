@@ -42,6 +42,9 @@ shoot studio-light 1280x800 1 10 "$foot" '"toggle-theme"' '{"go":{"place":"desig
 shoot studio-design-2560 2560x1440 1 12 "700 1434" '{"keep":{"slot":"A"}}' "$drag" '{"go":{"place":"design"}}'
 shoot studio-design-2x 2560x1600 2 12 "700 1590" '{"go":{"place":"design"}}'
 shoot studio-commands 1280x800 1 8 "$foot" '"palette"'
+shoot studio-robustness 1280x800 1 60 "$foot" '{"look":{"evidence":"robustness"}}' '"sweep"'
+shoot studio-verify-light 2560x1440 1 14 "1200 300" '"toggle-theme"' '{"go":{"place":"verify"}}'
+shoot studio-open 1280x800 1 8 "$foot" '{"go":{"place":"plant"}}' '{"browse":{"purpose":"project"}}'
 rig=left-out-friction
 shoot studio-diagnose 1280x800 1 15 "600 500" '{"recordings":{"paths":["RIG"]}}' '{"inquire":{"inquiry":"errors"}}'
 shoot studio-findings 1280x800 1 ${DIAGNOSIS_SECONDS:-240} "$foot" '{"recordings":{"paths":["RIG"]}}' '{"inquire":{"inquiry":"findings"}}' '"diagnose"'

@@ -28,7 +28,7 @@ pub enum EditError {
         /// The part that is no table.
         part: String,
     },
-    /// An item beyond the end of a list of tables.
+    /// An item beyond the end of a list.
     #[error("\"{path}\": there is no item {index} in \"{part}\" with its {length} items")]
     NoSuchItem {
         /// The path.
@@ -81,7 +81,10 @@ pub(crate) fn set(text: &str, path: &str, setting: &Setting) -> Result<String, E
         return Err(EditError::BadPath { path: path.to_owned() });
     };
     let table = walk(document.as_table_mut(), way, path)?;
-    put(table, last.key, value);
+    match last.index {
+        None => put(table, last.key, value),
+        Some(index) => put_item(table, (last.key, index), value, path)?,
+    }
     Ok(document.to_string())
 }
 
@@ -120,6 +123,23 @@ fn put(table: &mut dyn TableLike, key: &str, mut value: Value) {
             table.insert(key, Item::Value(value));
         }
     }
+}
+
+/// Puts a value in the place of an item of a list of values.
+fn put_item(
+    table: &mut dyn TableLike,
+    (key, index): (&str, usize),
+    mut value: Value,
+    path: &str,
+) -> Result<(), EditError> {
+    let list = table.get_mut(key).and_then(Item::as_array_mut);
+    let length = list.as_ref().map_or(0, |items| items.len());
+    let Some(old) = list.and_then(|items| items.get_mut(index)) else {
+        return Err(EditError::NoSuchItem { path: path.to_owned(), part: key.to_owned(), index, length });
+    };
+    *value.decor_mut() = old.decor().clone();
+    *old = value;
+    Ok(())
 }
 
 fn walk<'t>(
@@ -172,4 +192,23 @@ fn item_of<'t>(
         }
         _ => None,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use super::*;
+
+    const TEXT: &str = "[[beam.section]]\nouter = [0.2,  0.1] # m\n[[beam.section]]\nouter = [0.1]\n";
+
+    #[test]
+    fn an_item_of_a_list_is_set_and_the_rest_of_the_file_stays() {
+        let set = |path: &str| set(TEXT, path, &Setting::Number(0.15));
+        let done = set("beam.section[0].outer[1]").unwrap();
+        assert_eq!(done, TEXT.replace("0.2,  0.1]", "0.2,  0.15]"));
+        assert_eq!(set("beam.section[1].outer[0]").unwrap(), TEXT.replace("outer = [0.1]", "outer = [0.15]"));
+        let why = set("beam.section[1].outer[4]").unwrap_err();
+        assert!(matches!(why, EditError::NoSuchItem { index: 4, length: 1, .. }), "{why}");
+        assert!(set("beam.section[1].inner[0]").is_err(), "a list that is not there has no items");
+    }
 }

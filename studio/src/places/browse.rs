@@ -16,7 +16,7 @@ const PLACES: f32 = 190.0;
 /// Width and height of the list, points.
 const LIST: [f32; 2] = [530.0, 300.0];
 /// Whole width of a browser, points.
-pub const WIDTH: f32 = PLACES + LIST[0] + space::LARGE;
+pub const WIDTH: f32 = PLACES + LIST[0] + space::MEDIUM;
 
 /// What a browser is shown with.
 struct About<'a> {
@@ -108,8 +108,12 @@ fn before(ui: &mut Ui, browser: &mut Browser, queue: &mut Vec<Command>, about: &
     }
     egui::ScrollArea::vertical().id_salt("places").max_height(LIST[1]).show(ui, |ui| {
         for (name, path) in &about.places {
-            let button = egui::Button::selectable(false, name).truncate().min_size(egui::vec2(PLACES, 22.0));
-            if ui.add(button).on_hover_text(path.display().to_string()).clicked() {
+            let button = egui::Button::selectable(false, placed(name, path, &about.theme))
+                .wrap_mode(egui::TextWrapMode::Extend)
+                .min_size(egui::vec2(PLACES - space::SMALL, 22.0));
+            let shown = ui.add(button);
+            shown.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, path.display().to_string()));
+            if shown.on_hover_text(path.display().to_string()).clicked() {
                 match projects {
                     true => queue.push(Command::Open { path: path.clone() }),
                     false => browser.go(path),
@@ -117,6 +121,22 @@ fn before(ui: &mut Ui, browser: &mut Browser, queue: &mut Vec<Command>, about: &
             }
         }
     });
+}
+
+/// Letters of a path that fit below its name.
+const LETTERS: usize = 30;
+
+/// A name over the end of its path.
+fn placed(name: &str, path: &Path, theme: &Theme) -> egui::text::LayoutJob {
+    let whole = path.parent().unwrap_or(path).display().to_string();
+    let most: Vec<char> = whole.chars().collect();
+    let end: String = most[most.len().saturating_sub(LETTERS)..].iter().collect();
+    let below = if end.len() < whole.len() { format!("\u{2026}{end}") } else { whole };
+    let format = |size, colour| egui::TextFormat::simple(egui::FontId::proportional(size), colour);
+    let mut job = egui::text::LayoutJob::default();
+    job.append(name, 0.0, format(13.0, theme.text));
+    job.append(&format!("\n{below}"), 0.0, format(10.0, theme.weak));
+    job
 }
 
 /// The path, with its keys: up and down choose, Enter takes, and a button goes to the folder above.
@@ -261,8 +281,8 @@ fn buttons(
 ) -> bool {
     let (ready, free) = (browser.ready(), browser.free());
     let mut stays = true;
-    ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-        ui.set_height(24.0);
+    let row = egui::vec2(ui.available_width(), 26.0);
+    ui.allocate_ui_with_layout(row, egui::Layout::right_to_left(egui::Align::Center), |ui| {
         let words = ready.as_ref().map_or_else(|_| word(browser.purpose), |(words, _)| words.as_str());
         let main = ui.add_enabled(ready.is_ok(), egui::Button::new(words));
         let all = ui.input(|i| i.modifiers.command && i.key_pressed(Key::Enter));

@@ -9,10 +9,11 @@ pub use crate::number::short;
 use crate::theme::{Theme, space};
 use crate::view::View;
 
-/// Cells of a grid that fills a room: `columns` wide where the room is narrow, one more column where it is wide.
+/// Cells of a grid that fills a room: `columns` wide; one more column where the room is wide and that saves a row.
 pub fn grid(room: Rect, count: usize, columns: usize) -> Vec<Rect> {
-    let columns = if room.width() > 1500.0 { columns + 1 } else { columns }.min(count.max(1));
-    grid_of(room, count, columns)
+    let saves = count.div_ceil(columns + 1) < count.div_ceil(columns);
+    let columns = if room.width() > 1500.0 && saves { columns + 1 } else { columns };
+    grid_of(room, count, columns.min(count.max(1)))
 }
 
 fn grid_of(room: Rect, count: usize, columns: usize) -> Vec<Rect> {
@@ -65,7 +66,7 @@ pub fn chart(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, cell: Rect,
 /// A number of the project: dragged or typed, with its unit; meaning and range on hover.
 pub fn number(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, path: &str, value: f64) {
     let theme = view.theme;
-    let name = path.rsplit('.').next().unwrap_or(path).replace('_', " ");
+    let name = worded(path.rsplit('.').next().unwrap_or(path));
     let known = keys::key(path);
     let hint = known.map_or_else(String::new, |k| format!("{}\nallowed: {}\n{path}", k.meaning, k.allowed));
     let label = ui.label(RichText::new(&name).color(theme.weak)).on_hover_text(&hint);
@@ -88,6 +89,15 @@ pub fn number(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, path: &str
     }
     view.dragging |= response.dragged();
     ui.end_row();
+}
+
+/// A key in words; items of a list are counted from 1.
+fn worded(key: &str) -> String {
+    let words = key.replace('_', " ");
+    match words.split_once('[').and_then(|(name, rest)| Some((name, rest.trim_end_matches(']').parse::<usize>().ok()?))) {
+        Some((name, index)) => format!("{name} {}", index + 1),
+        None => words.clone(),
+    }
 }
 
 /// What to do where there is nothing to show yet.

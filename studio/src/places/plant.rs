@@ -10,7 +10,7 @@ use counterpoise_project::models::plant::LinearPlant;
 use counterpoise_project::models::structure::{FeModel, FeOptions, Fitted, Modes, Profile, Support, modes};
 use egui::{Color32, Pos2, Rect, RichText, Stroke, Ui, pos2, vec2};
 
-use super::{design::bode, parts};
+use super::{design::bode, fields, parts, schematic};
 use crate::chart::{Chart, Dash};
 use crate::command::Command;
 use crate::live::Live;
@@ -19,13 +19,16 @@ use crate::theme::{Theme, space};
 use crate::view::View;
 
 /// Sections of the project file that are edited here.
-const SECTIONS: [(&str, &str); 6] = [
+const SECTIONS: [(&str, &str); 9] = [
     ("structure", "plant.lumped"),
+    ("beam", "plant.beam"),
     ("gearbox", "plant.gearbox"),
     ("motor", "plant.motor"),
     ("amplifier", "plant.amplifier"),
     ("motor friction", "plant.friction.motor"),
     ("pivot friction", "plant.friction.pivot"),
+    ("sensors", "plant.sensors"),
+    ("interface", "plant.interface"),
 ];
 
 /// Shows the place.
@@ -65,20 +68,27 @@ fn side(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, text: &str, live
     let theme = view.theme;
     theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
+        let table = text.parse::<toml::Table>().unwrap_or_default();
+        let there: Vec<usize> = (0..SECTIONS.len()).filter(|k| fields::has(&table, SECTIONS[*k].1)).collect();
         ui.horizontal_wrapped(|ui| {
-            for (k, (name, _)) in SECTIONS.iter().enumerate() {
-                if ui.selectable_label(view.section == k, *name).clicked() {
-                    view.section = k;
+            for k in &there {
+                if ui.selectable_label(view.section == *k, SECTIONS[*k].0).clicked() {
+                    view.section = *k;
                 }
             }
         });
         ui.separator();
         let section = SECTIONS[view.section.min(SECTIONS.len() - 1)].1;
-        egui::Grid::new(section).num_columns(3).spacing([8.0, 3.0]).show(ui, |ui| {
-            for (key, value) in numbers_of(text, section) {
-                parts::number(ui, view, queue, &format!("{section}.{key}"), value);
+        for group in fields::groups(&table, section) {
+            if let Some(heading) = &group.heading {
+                parts::heading(ui, heading);
             }
-        });
+            egui::Grid::new(&group.path).num_columns(3).spacing([8.0, 3.0]).show(ui, |ui| {
+                for (key, value) in &group.numbers {
+                    parts::number(ui, view, queue, &format!("{}.{key}", group.path), *value);
+                }
+            });
+        }
     });
     ui.add_space(space::SMALL);
     let Some(live) = live else { return };
@@ -86,19 +96,6 @@ fn side(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, text: &str, live
         ui.set_width(ui.available_width());
         point(ui, view, live);
     });
-}
-
-/// The numbers that a section of the file holds, in its order.
-fn numbers_of(text: &str, section: &str) -> Vec<(String, f64)> {
-    let Ok(table) = text.parse::<toml::Table>() else { return Vec::new() };
-    let mut at = Some(&table);
-    for part in section.split('.') {
-        at = at.and_then(|t| t.get(part)).and_then(toml::Value::as_table);
-    }
-    let number = |value: &toml::Value| value.as_float().or_else(|| value.as_integer().map(|v| v as f64));
-    at.map_or(Vec::new(), |t| {
-        t.iter().filter_map(|(key, value)| Some((key.clone(), number(value)?))).collect()
-    })
 }
 
 /// The operating point and the poles.
@@ -133,9 +130,12 @@ fn mechanism(ui: &mut Ui, view: &mut View, plant: &Parameters, room: Rect) {
     theme.card().show(&mut inside, |ui| {
         ui.set_min_size(room.size() - vec2(18.0, 18.0));
         ui.horizontal(|ui| {
-            ui.label(RichText::new("The mechanism, to scale").strong());
+            let title = if plant.beam.is_some() { "The mechanism, to scale" } else { "The mechanism" };
+            ui.label(RichText::new(title).strong());
             ui.add_space(space::LARGE);
-            for k in 0..=MODES {
+            let modes = if plant.beam.is_some() { MODES } else { 1 };
+            view.mode = view.mode.min(modes);
+            for k in 0..=modes {
                 let name = if k == 0 { "at rest".to_owned() } else { format!("mode {k}") };
                 if ui.selectable_label(view.mode == k, name).clicked() {
                     view.mode = k;
@@ -143,13 +143,14 @@ fn mechanism(ui: &mut Ui, view: &mut View, plant: &Parameters, room: Rect) {
             }
         });
         let canvas = ui.available_rect_before_wrap();
-        match &plant.beam {
-            Some(beam) => drawing(ui, view, beam, canvas),
-            None => parts::empty(
+        match (&plant.beam, &plant.lumped) {
+            (Some(beam), _) => drawing(ui, view, beam, canvas),
+            (None, Some(lumped)) => schematic::draw(ui, view, plant, lumped, canvas),
+            (None, None) => parts::empty(
                 ui,
                 &theme,
-                "Two inertias",
-                "this project gives no beam to draw; its lumped structure is beside",
+                "A structure from matrices",
+                "it has no shape to draw; its poles are beside",
             ),
         }
     });

@@ -113,7 +113,7 @@ fn row(ui: &mut Ui, theme: &Theme, (requirement, verdict): (&Requirement, &Verdi
     let atoms = (egui::Atom::custom(dot, egui::Vec2::splat(8.0)), named(&figure, theme));
     let button = egui::Button::selectable(chosen, atoms)
         .right_text(RichText::new(right.trim_end()).small().color(tint))
-        .truncate()
+        .wrap_mode(egui::TextWrapMode::Extend)
         .min_size(egui::vec2(ui.available_width(), 24.0));
     let shown = button.atom_ui(ui);
     if let Some(at) = shown.rect(dot) {

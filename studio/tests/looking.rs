@@ -1,0 +1,271 @@
+//! What the window shows while work runs and after it: names for a screen reader, streamed runs, campaigns, packed units, copies.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod common;
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::sync::Arc;
+
+use common::{Bench, bench, rest, rig, says, studio, until};
+use counterpoise_studio::command::{Command, Evidence, Inquiry, Place, Purpose};
+use counterpoise_studio::results::Standing;
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::{NodeT, Queryable};
+
+fn edited(folder: &Path, from: &str, to: &str) {
+    let path = folder.join("project.toml");
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert!(text.contains(from), "{from}");
+    std::fs::write(path, text.replacen(from, to, 1)).unwrap();
+}
+
+/// The names of what has the focus while Tab goes round once.
+fn tabbed(bench: &mut Bench) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    let mut first = None;
+    for _ in 0..400 {
+        bench.key_press(Key::Tab);
+        bench.run_steps(1);
+        let root = bench.root();
+        let Some(node) = root.children_recursive().find(|n| n.accesskit_node().is_focused()) else { continue };
+        let node = node.accesskit_node();
+        let id = format!("{:?}", node.id());
+        if first.as_ref() == Some(&id) {
+            break;
+        }
+        first.get_or_insert(id);
+        names.extend(node.label());
+    }
+    names
+}
+
+#[test]
+fn every_control_of_every_place_has_a_name_and_is_reached_by_tab() {
+    let folder = rig("names");
+    let mut bench = bench(&folder);
+    rest(&mut bench);
+    let wanted: [(Place, &[&str]); 5] = [
+        (Place::Plant, &["File", "gearbox", "mode 1", "hub inertia"]),
+        (Place::Reduce, &["balanced", "none"]),
+        (Place::Design, &["error weight: corner and gain", "Heave", "A", "gain"]),
+        (Place::Verify, &["Verify", "Export code", "Rejection", "holds: gain margin"]),
+        (Place::Diagnose, &["Add\u{2026}", "column of the hub rate"]),
+    ];
+    bench.state_mut().run(&Command::Recordings { paths: vec![folder.join("sandy-loam.parquet")] });
+    for (place, names) in wanted {
+        bench.state_mut().run(&Command::Go { place });
+        rest(&mut bench);
+        bench.check_accessibility();
+        let reached = tabbed(&mut bench);
+        for name in names {
+            assert!(reached.iter().any(|n| n.contains(name)), "{place:?}: {name} not among {reached:?}");
+        }
+    }
+    for evidence in Evidence::ALL {
+        bench.state_mut().run(&Command::Look { evidence });
+        rest(&mut bench);
+        bench.check_accessibility();
+    }
+    for inquiry in Inquiry::ALL {
+        bench.state_mut().run(&Command::Inquire { inquiry });
+        rest(&mut bench);
+        bench.check_accessibility();
+    }
+    for purpose in [Purpose::Project, Purpose::SaveAs, Purpose::Recordings, Purpose::Export] {
+        bench.state_mut().run(&Command::Browse { purpose });
+        bench.run_steps(3);
+        bench.check_accessibility();
+    }
+    bench.key_press(Key::Escape);
+    bench.run_steps(2);
+    bench.key_press_modifiers(Modifiers::COMMAND, Key::K);
+    bench.run_steps(2);
+    bench.check_accessibility();
+    bench.key_press(Key::Escape);
+    bench.run_steps(2);
+    assert!(bench.state().view.palette.is_none(), "Esc closes the list of commands");
+    bench.state_mut().run(&Command::Close);
+    bench.run_steps(3);
+    bench.check_accessibility();
+    drop(bench);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn runs_stream_in_while_they_are_computed_and_can_be_stopped() {
+    let folder = rig("stream");
+    edited(&folder, "duration = 10.0              # s of heave", "duration = 400.0              # s of heave");
+    let mut bench = bench(&folder);
+    until(&mut bench, "a design", |s| s.results.live.is_some());
+    bench.state_mut().run(&Command::Go { place: Place::Verify });
+    let running = |s: &counterpoise_studio::studio::Studio| {
+        let revision = s.opened.as_ref().unwrap().session.revision();
+        s.results.verification(revision).and_then(|(found, standing)| {
+            (standing == Standing::Running).then_some(found.evidence.histories.len())
+        })
+    };
+    let mut counts = BTreeSet::new();
+    until(&mut bench, "the first runs", |s| running(s).is_some_and(|n| n > 0));
+    bench.run_steps(1);
+    assert!(says(&bench, "running") || running(bench.state()).is_none());
+    assert!(says(&bench, "plot: "), "the runs that are there are drawn");
+    while let Some(count) = running(bench.state()) {
+        counts.insert(count);
+        std::thread::sleep(std::time::Duration::from_millis(3));
+        bench.run_steps(1);
+    }
+    rest(&mut bench);
+    eprintln!("runs seen so far, one picture after the other: {counts:?}");
+    assert!(counts.len() >= 3, "{counts:?}");
+    assert!(bench.state().results.verified.is_some());
+    bench.key_press(Key::F5);
+    until(&mut bench, "another verification", |s| s.results.verifying);
+    bench.key_press(Key::Escape);
+    rest(&mut bench);
+    assert!(!bench.state().results.verifying && says(&bench, "stopped"));
+    drop(bench);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn a_campaign_fills_its_table_and_a_requirement_leads_to_its_spread() {
+    let folder = rig("campaign");
+    edited(&folder, "samples = 200", "samples = 30");
+    let mut bench = bench(&folder);
+    rest(&mut bench);
+    bench.state_mut().run(&Command::Look { evidence: Evidence::Robustness });
+    bench.run_steps(2);
+    assert!(says(&bench, "Not tried yet"));
+    bench.key_press(Key::F8);
+    let some = |s: &counterpoise_studio::studio::Studio| match &s.results.measured.robust {
+        Some(of) => of.value.as_ref().map_or(0, |robust| robust.done),
+        None => 0,
+    };
+    until(&mut bench, "the first mechanisms", |s| some(s) > 0);
+    assert!(some(bench.state()) < 30, "the table fills while the campaign runs");
+    bench.check_accessibility();
+    rest(&mut bench);
+    assert_eq!(some(bench.state()), 30);
+    assert!(says(&bench, "30 of 30 mechanisms"));
+    bench.get_by_label("phase margin").click();
+    rest(&mut bench);
+    assert_eq!(bench.state().view.evidence, Evidence::Robustness);
+    assert!(says(&bench, "plot: Share of mechanisms below a value"));
+    let of = bench.state().results.measured.robust.as_ref().unwrap().value.as_ref().unwrap();
+    let row = &of.rows[bench.state().view.verdict];
+    assert!(row.requirement.figure.name().contains("phase margin") && row.values.len() == 30);
+    assert!(row.values.is_sorted());
+    let path = "synth.feedback.error.gain".to_owned();
+    bench.state_mut().run(&Command::Set { path, value: 28.0, gesture: None });
+    rest(&mut bench);
+    assert!(says(&bench, "of an older design"), "a campaign of another design is told as such");
+    drop(bench);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn code_and_a_packed_unit_are_exported_from_the_window() {
+    let folder = rig("unit");
+    edited(&folder, "languages = [\"c99\"]", "languages = [\"c99\", \"rust\", \"fmi\"]");
+    let mut state = studio(&folder);
+    state.library = |_, name| Some(format!("library of {name}").into_bytes());
+    let mut bench = common::around(state);
+    rest(&mut bench);
+    bench.state_mut().run(&Command::Go { place: Place::Verify });
+    rest(&mut bench);
+    bench.get_by_label("Export code").click();
+    rest(&mut bench);
+    assert!(says(&bench, "wrote ") && says(&bench, "controller.c"));
+    let units: Vec<_> = std::fs::read_dir(folder.join("out"))
+        .unwrap()
+        .map(|e| e.unwrap().path())
+        .filter(|p| p.extension().is_some_and(|e| e == "fmu"))
+        .collect();
+    let packed = std::fs::read(&units[0]).unwrap();
+    assert!(packed.starts_with(b"PK"));
+    let inside = String::from_utf8_lossy(&packed);
+    assert!(inside.contains("modelDescription.xml") && inside.contains("library of "));
+    drop(bench);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// What the window asked of its system in the last frame.
+fn asked(bench: &Bench) -> Vec<egui::ViewportCommand> {
+    bench.output().viewport_output.values().flat_map(|v| v.commands.clone()).collect()
+}
+
+#[test]
+fn a_plot_is_copied_as_numbers_drawing_and_pixels() {
+    let folder = rig("copies");
+    let mut bench = bench(&folder);
+    rest(&mut bench);
+    bench.hover_at(bench.get_by_label("plot: Sensitivity").rect().center());
+    bench.run_steps(2);
+    let copied = |bench: &mut Bench, command: Command| -> Vec<egui::OutputCommand> {
+        bench.get_by_label("plot: Sensitivity").click_secondary();
+        bench.run_steps(3);
+        let name = match command {
+            Command::CopyCsv => "Copy as CSV",
+            Command::CopySvg => "Copy as SVG",
+            _ => "Copy as PNG",
+        };
+        bench.get_by_label(name).click();
+        let mut said = Vec::new();
+        for _ in 0..4 {
+            bench.run_steps(1);
+            said.extend(bench.output().platform_output.commands.clone());
+            for command in asked(bench) {
+                if let egui::ViewportCommand::Screenshot(callback) = command {
+                    callback.complete(Arc::new(egui::ColorImage::filled([1280, 800], egui::Color32::BLUE)));
+                }
+            }
+        }
+        said
+    };
+    let csv = copied(&mut bench, Command::CopyCsv);
+    assert!(
+        csv.iter().any(|c| matches!(c, egui::OutputCommand::CopyText(t) if t.starts_with("curve,\"frequency, Hz\""))),
+        "{csv:?}"
+    );
+    let svg = copied(&mut bench, Command::CopySvg);
+    assert!(svg.iter().any(|c| matches!(c, egui::OutputCommand::CopyText(t) if t.starts_with("<svg"))));
+    let png = copied(&mut bench, Command::CopyPng);
+    let cell = bench.state().view.chart.as_ref().unwrap().1.size();
+    let image = png.iter().find_map(|c| match c {
+        egui::OutputCommand::CopyImage(image) => Some(image.size),
+        _ => None,
+    });
+    let [width, height] = image.expect("an image is put into the clipboard");
+    assert!((width as f32 - cell.x).abs() < 2.0 && (height as f32 - cell.y).abs() < 2.0, "{width} {height} {cell}");
+    drop(bench);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn units_are_those_that_were_chosen_in_every_place() {
+    let folder = rig("units");
+    let mut bench = bench(&folder);
+    rest(&mut bench);
+    bench.key_press_modifiers(Modifiers::COMMAND, Key::G);
+    bench.key_press_modifiers(Modifiers::COMMAND, Key::H);
+    bench.key_press_modifiers(Modifiers::COMMAND, Key::B);
+    rest(&mut bench);
+    for (place, plot) in [(Place::Plant, "Friction at the hub"), (Place::Design, "Heave"), (Place::Verify, "Tip rate")] {
+        bench.state_mut().run(&Command::Go { place });
+        rest(&mut bench);
+        bench.hover_at(bench.get_by_label(&format!("plot: {plot}")).rect().center());
+        bench.run_steps(2);
+        let (chart, _) = bench.state().view.chart.clone().unwrap();
+        assert_eq!(chart.title, plot);
+        assert!(chart.labels.iter().any(|label| label.ends_with("deg/s")), "{:?}", chart.labels);
+    }
+    bench.state_mut().run(&Command::Go { place: Place::Design });
+    rest(&mut bench);
+    bench.hover_at(bench.get_by_label("plot: Loop gain").rect().center());
+    bench.run_steps(2);
+    let labels = bench.state().view.chart.as_ref().unwrap().0.labels.clone();
+    assert_eq!(labels, ["frequency, rad/s", "modulus"]);
+    drop(bench);
+    std::fs::remove_dir_all(folder).unwrap();
+}
