@@ -7,7 +7,8 @@ mod common;
 use common::{rig, weights};
 use counterpoise_lti::{Mat, StateSpace, append};
 use counterpoise_synth::{
-    DesignPlant, Outcome, Sampling, design, discretise, figures, schedule::stabilisation_error,
+    DesignPlant, Outcome, Sampling, SamplingMethod, design, discretise, figures,
+    schedule::stabilisation_error,
 };
 use criterion::{Criterion, criterion_group, criterion_main};
 
@@ -42,9 +43,9 @@ fn enlarged(order: usize) -> DesignPlant {
 }
 
 /// Feedback, both feedforwards, sampled controller, margins, step, disturbance responses.
-fn redesign(plant: &DesignPlant) -> f64 {
+fn redesign(plant: &DesignPlant, method: SamplingMethod) -> f64 {
     let Outcome::Solved(design) = design(plant, &weights()).unwrap() else { panic!("refused") };
-    let sampling = Sampling::new(1e-3, 10.0);
+    let sampling = Sampling { method, ..Sampling::new(1e-3, 10.0) };
     let Outcome::Solved(sampled) = discretise(&design, &sampling).unwrap() else { panic!("not stable") };
     let found = figures(plant, &sampled, &sampling, (1.26, 12.6)).unwrap();
     let errors = [counterpoise_synth::Channel::Heave, counterpoise_synth::Channel::Pitch]
@@ -55,7 +56,12 @@ fn redesign(plant: &DesignPlant) -> f64 {
 fn benches(criterion: &mut Criterion) {
     for order in [11, 40] {
         let plant = enlarged(order);
-        criterion.bench_function(&format!("redesign at order {order}"), |b| b.iter(|| redesign(&plant)));
+        for (name, method) in
+            [("redesign", SamplingMethod::TUSTIN), ("redesign in sampled time", SamplingMethod::SampledData)]
+        {
+            let name = format!("{name} at order {order}");
+            criterion.bench_function(&name, |b| b.iter(|| redesign(&plant, method)));
+        }
         criterion.bench_function(&format!("design alone at order {order}"), |b| {
             b.iter(|| design(&plant, &weights()).unwrap());
         });

@@ -30,7 +30,7 @@ pub struct Figures {
 /// Over how many seconds a step is watched.
 pub const STEP_S: f64 = 1.5;
 /// Frequencies in the band.
-const BAND_POINTS: usize = 24;
+pub(crate) const BAND_POINTS: usize = 24;
 
 /// The figures of a sampled feedback loop; rejection over the band (low, high), rad/s.
 ///
@@ -53,7 +53,7 @@ pub fn figures(
         overshoot: peak - 1.0,
         step_control_v: control,
         noise_gain: noise_gain(plant, sampled, sampling)?,
-        rejection: rejection(&sampled.loop_gain, band_rad_s)?,
+        rejection: rejection(&sampled.loop_gain, band_rad_s, &[1.0; BAND_POINTS])?,
     })
 }
 
@@ -116,13 +116,22 @@ fn noise_gain(plant: &DesignPlant, sampled: &Sampled, sampling: &Sampling) -> Re
     Ok(h2norm(&counterpoise_lti::feedback(&K, &seen.negate())?)?)
 }
 
-fn rejection(loop_gain: &StateSpace, (low, high): (f64, f64)) -> Result<f64, Error> {
+/// Point k of the band, rad/s.
+pub(crate) fn band_rate((low, high): (f64, f64), k: usize) -> f64 {
+    low * (high / low).powf(k as f64 / (BAND_POINTS - 1) as f64)
+}
+
+/// RMS of |S| over the band, averaged by the given powers.
+pub(crate) fn rejection(
+    loop_gain: &StateSpace,
+    band_rad_s: (f64, f64),
+    powers: &[f64; BAND_POINTS],
+) -> Result<f64, Error> {
     let response = Response::of(loop_gain)?;
-    let rate = |k: usize| low * (high / low).powf(k as f64 / (BAND_POINTS - 1) as f64);
     let mut sum = 0.0;
-    for k in 0..BAND_POINTS {
-        let L = response.at(rate(k))?[(0, 0)];
-        sum += (C64::ONE + L).norm_sqr().recip();
+    for (k, power) in powers.iter().enumerate() {
+        let L = response.at(band_rate(band_rad_s, k))?[(0, 0)];
+        sum += power * (C64::ONE + L).norm_sqr().recip();
     }
-    Ok((sum / BAND_POINTS as f64).sqrt())
+    Ok((sum / powers.iter().sum::<f64>()).sqrt())
 }

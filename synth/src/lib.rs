@@ -93,7 +93,7 @@ pub use sampled_data::Certified;
 pub use schedule::{
     Conditions, Configuration, Entry, Law, discretise_schedule, error_at, schedule, stabilisation_error,
 };
-pub use search::{Ended, Found, Requirements, Trial, search, trade_off};
+pub use search::{Ended, Found, Requirements, Spectrum, Trial, search, trade_off};
 pub use specification::{
     Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, Specification,
 };

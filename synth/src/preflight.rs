@@ -16,6 +16,8 @@ pub const ZERO_GAIN: f64 = 1e-9;
 pub const OUT_OF_REACH: f64 = 1e-12;
 /// A pole counts as lying on the axis where its real part is below this, relative to the largest pole.
 pub const ON_AXIS: f64 = 1e-12;
+/// A response at its zero is at most this share of that beside it.
+pub const VANISHES: f64 = 1e-3;
 /// Phase that the delay may cost at the crossover of the weights before a warning, rad.
 pub const DELAY_PHASE: f64 = 0.5;
 /// Frequencies at which gains are compared: decades from 10^LOWEST to 10^HIGHEST rad/s, so many points each.
@@ -259,13 +261,24 @@ fn limits(plant: &DesignPlant, weights: &FeedbackWeights, gain: &Gain) -> Result
         warn(Cause::DelayLimits { delay_s: plant.delay_s, crossover_rad_s });
     }
     let bare = plant.system.select(&[plant.rate], &[plant.control]);
+    let response = Response::of(&bare)?;
     let right = zeros(&bare)?.into_iter().filter(|zero| zero.re > 0.0 && zero.im >= 0.0);
+    let right = right.filter(|zero| vanishes(&response, *zero));
     if let Some(zero) = right.min_by(|a, b| a.norm().total_cmp(&b.norm()))
         && crossover_rad_s > zero.norm()
     {
         warn(Cause::ZeroLimits { zero, crossover_rad_s });
     }
     Ok(findings)
+}
+
+/// Whether the response vanishes at what was computed as a zero: the eigenvalues of a plant with fast modes round to others
+/// near the origin, where the response is as large as beside them.
+fn vanishes(response: &Response, zero: C64) -> bool {
+    match response.at_points(&[zero, zero * 1.5]) {
+        Ok(values) => values[0].norm_max() < VANISHES * values[1].norm_max(),
+        Err(_) => true,
+    }
 }
 
 fn generator(part: Part, weight: &Weight, inputs: usize, knowledge: Knowledge) -> Vec<Finding> {

@@ -1,8 +1,14 @@
 //! From requirements to weights: the weights are moved until the figures of the *sampled* loop hold, and then as far as
 //! they go towards rejection.
 
-use crate::figures::{Figures, figures};
-use crate::{DesignPlant, Error, Outcome, Reference, Sampling, Specification, Weight, design, discretise};
+use counterpoise_lti::StateSpace;
+use counterpoise_lti::response::Response;
+
+use crate::feedforward::with_derivatives;
+use crate::figures::{BAND_POINTS, Figures, band_rate, figures, rejection};
+use crate::{
+    Channel, DesignPlant, Error, Outcome, Reference, Sampling, Specification, Weight, design, discretise,
+};
 
 /// What the feedback loop must keep. Infinite or zero limits ask for nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,6 +29,19 @@ pub struct Requirements {
     pub noise_gain: f64,
     /// Band over which rejection is wanted, rad/s.
     pub band_rad_s: (f64, f64),
+    /// By what the share that is left is averaged over the band.
+    pub spectrum: Spectrum,
+}
+
+/// By what the share of a disturbance that is left is averaged over the band.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Spectrum {
+    /// Alike everywhere on the logarithmic axis.
+    #[default]
+    Flat,
+    /// By the spectrum of the rate that the expected heave and pitch (the generators of the feedforwards) cause where no
+    /// control acts.
+    Expected,
 }
 
 impl Requirements {
@@ -37,6 +56,31 @@ impl Requirements {
             step_control_v: f64::INFINITY,
             noise_gain: f64::INFINITY,
             band_rad_s: (1.26, 12.6),
+            spectrum: Spectrum::Flat,
+        }
+    }
+
+    /// RMS of |S| over the band, averaged as the requirements say.
+    ///
+    /// # Errors
+    /// [`Error::System`] where the average is by the expected motion and the specification expects none.
+    pub fn share_left(
+        &self,
+        loop_gain: &StateSpace,
+        (plant, specification): (&DesignPlant, &Specification),
+    ) -> Result<f64, Error> {
+        rejection(loop_gain, self.band_rad_s, &self.powers(plant, specification)?)
+    }
+
+    /// The average's weights at the points of the band.
+    fn powers(
+        &self,
+        plant: &DesignPlant,
+        specification: &Specification,
+    ) -> Result<[f64; BAND_POINTS], Error> {
+        match self.spectrum {
+            Spectrum::Flat => Ok([1.0; BAND_POINTS]),
+            Spectrum::Expected => expected(plant, specification, self.band_rad_s),
         }
     }
 
@@ -96,6 +140,30 @@ const PENALTY: f64 = 100.0;
 /// Knobs: error gain, error corners, control corners, loop recovery.
 const KNOBS: usize = 4;
 
+/// Power of the uncontrolled rate under the expected motion, per unit of the logarithm of frequency.
+fn expected(
+    plant: &DesignPlant,
+    specification: &Specification,
+    band_rad_s: (f64, f64),
+) -> Result<[f64; BAND_POINTS], Error> {
+    let mut powers = [0.0; BAND_POINTS];
+    for channel in [Channel::Heave, Channel::Pitch] {
+        let Some(weights) = specification.feedforward(channel) else { continue };
+        let columns = plant.columns(channel);
+        let generator = Response::of(&with_derivatives(&weights.generator.realise()?, columns.len())?)?;
+        let path = Response::of(&plant.system.select(&[plant.rate], columns))?;
+        for (k, power) in powers.iter_mut().enumerate() {
+            let rate = band_rate(band_rad_s, k);
+            *power += rate * (&path.at(rate)? * &generator.at(rate)?)[(0, 0)].norm_sqr();
+        }
+    }
+    if powers.iter().any(|power| *power > 0.0) {
+        return Ok(powers);
+    }
+    let problem = "no motion is expected that causes a rate: it needs a feedforward with its generator";
+    Err(Error::System { what: "search by the expected motion", problem })
+}
+
 /// Searches weights and loop recovery of the feedback so that the requirements hold on the sampled loop.
 ///
 /// A pattern search from the given specification over four factors (error weight's gain, the corners of the error and of
@@ -112,7 +180,8 @@ pub fn search(
     go_on: &mut dyn FnMut(&Trial) -> bool,
 ) -> Result<Outcome<Found>, Error> {
     let feedback_alone = Specification { heave: None, pitch: None, ..start.clone() };
-    let problem = Problem { plant, start: &feedback_alone, requirements, sampling };
+    let powers = requirements.powers(plant, start)?;
+    let problem = Problem { plant, start: &feedback_alone, requirements, sampling, powers };
     let first = match problem.attempt([0.0; KNOBS])? {
         Outcome::Solved(trial) => trial,
         Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
@@ -206,6 +275,7 @@ struct Problem<'a> {
     start: &'a Specification,
     requirements: &'a Requirements,
     sampling: &'a Sampling,
+    powers: [f64; BAND_POINTS],
 }
 
 impl Problem<'_> {
@@ -216,7 +286,9 @@ impl Problem<'_> {
             Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
         };
         discretise(&designed, self.sampling)?.try_map(|sampled| {
-            let figures = figures(self.plant, &sampled, self.sampling, self.requirements.band_rad_s)?;
+            let band = self.requirements.band_rad_s;
+            let of_all = figures(self.plant, &sampled, self.sampling, band)?;
+            let figures = Figures { rejection: rejection(&sampled.loop_gain, band, &self.powers)?, ..of_all };
             let missed = self.requirements.missed(&figures);
             Ok(Trial { specification, figures, missed })
         })

@@ -3,9 +3,12 @@
 
 mod common;
 
+use counterpoise_lti::{Mat, StateSpace, Timebase};
+
 use common::{rig, thesis_weights, weights};
 use counterpoise_synth::{
-    Ended, Found, Outcome, Requirements, Sampling, Specification, Weight, search, trade_off,
+    Channel, Design, Ended, Error, Found, Outcome, Requirements, Sampling, Specification, Spectrum, Weight,
+    design, search, stabilisation_error, trade_off,
 };
 
 fn found(start: &Specification, requirements: &Requirements, most: usize) -> Found {
@@ -66,4 +69,34 @@ fn more_sensitivity_buys_more_rejection() {
         assert!(found.best.missed == 0.0 && found.best.figures.ms <= limit, "{:?}", found.best.figures);
     }
     assert!(curve.windows(2).all(|pair| pair[1].best.figures.rejection < pair[0].best.figures.rejection));
+}
+
+/// The share is that of the rate: by the expected motion it is the RMS rate with feedback over that without, in the band.
+#[test]
+fn rejection_of_the_expected_motion_is_the_share_of_its_rate_that_is_left() {
+    let mut start = weights();
+    let band_rad_s = (0.5, 200.0);
+    let requirements = Requirements { spectrum: Spectrum::Expected, band_rad_s, ..Requirements::thesis() };
+    let both = found(&start, &requirements, 1).best.figures.rejection;
+    let flat =
+        found(&start, &Requirements { band_rad_s, ..Requirements::thesis() }, 1).best.figures.rejection;
+    start.pitch = None;
+    let plant = rig();
+    let design = design(&plant, &start).unwrap().solved().unwrap();
+    let with = stabilisation_error(&plant, &design, Channel::Heave, 0.0).unwrap();
+    let open = Design { substitute: Some(idle()), ..design };
+    let without = stabilisation_error(&plant, &open, Channel::Heave, 0.0).unwrap();
+    let heave = found(&start, &requirements, 1).best.figures.rejection;
+    println!("both {both}, flat {flat}, heave {heave}, {}", with / without);
+    assert!((heave / (with / without) - 1.0).abs() < 0.05, "{heave} {}", with / without);
+    assert!((flat / heave - 1.0).abs() > 0.1);
+    start.heave = None;
+    let sampling = Sampling::new(1e-3, 10.0);
+    let none = search(&plant, &start, (&requirements, &sampling), 1, &mut |_| true);
+    assert!(matches!(none, Err(Error::System { what: "search by the expected motion", .. })), "{none:?}");
+}
+
+/// No feedback at all.
+fn idle() -> StateSpace {
+    StateSpace::gain(Mat::zeros(1, 2), Timebase::Continuous).unwrap()
 }

@@ -8,7 +8,7 @@ use counterpoise_project::pipeline::beside::{Beside, LoopFigures, MethodRow, bes
 use counterpoise_project::pipeline::search::{Judged, Searched, judged, search};
 use counterpoise_project::pipeline::{self, Modelled, Reduced};
 use counterpoise_project::results::SynthResult;
-use counterpoise_project::synth::{Figures, Trial};
+use counterpoise_project::synth::{Ended, Figures, Trial};
 use counterpoise_project::verify::Verdict;
 use serde::Serialize;
 
@@ -17,6 +17,7 @@ use crate::arguments::Results;
 use crate::files::{self, Loaded, Surroundings};
 use crate::output::{self, say};
 use crate::stop;
+use counterpoise::plot::ticks::short;
 
 /// Arguments of `synth`.
 #[derive(Args)]
@@ -97,7 +98,7 @@ pub fn print_beside(beside: &Beside) {
             row.order[0],
             row.order[1]
         );
-        say!("  the closed loop changes by {:.2} % at most", 100.0 * row.loop_change);
+        say!("  the closed loop changes by {} % at most", short(100.0 * row.loop_change));
         for (name, found) in [("before", &row.before), ("after", &row.after)] {
             say!("  {name:8}{}", figures_line(found));
         }
@@ -312,7 +313,12 @@ fn search_result(found: &Searched, verified: Vec<VerifiedPoint>) -> SearchResult
 }
 
 fn print_search(found: &Searched, result: &SearchResult) {
-    say!("{} designs were tried ({})", result.trials, result.settled.to_lowercase());
+    let ended = match found.found.ended {
+        Ended::Settled => "no step improves any more",
+        Ended::OutOfTrials => "as many as [synth.search] allows for one answer",
+        Ended::Stopped => "stopped",
+    };
+    say!("{} designs were tried ({ended})", result.trials);
     result.weights.iter().take(2).for_each(|line| say!("{line}"));
     let recovery = found.found.best.specification.feedback.loop_recovery;
     say!("loop recovery {recovery:.4e} V^2 s");

@@ -98,8 +98,8 @@ fn lowered(row: &LoweredRow) -> Section {
     }
     Section::new("A feedback of lower order")
         .saying(format!(
-            "Reduced by frequency-weighted balancing; the closed loop changes by {:.2} % at most.",
-            100.0 * row.loop_change
+            "Reduced by frequency-weighted balancing; the closed loop changes by {} % at most.",
+            short(100.0 * row.loop_change)
         ))
         .listing(table)
 }
@@ -136,7 +136,7 @@ fn balance(made: &Synthesised, rows: &[BalanceRow]) -> Result<Section, Error> {
     let section = Section::new("Over the out-of-balance")
         .saying("Each state of balance has its own full design; curves that cannot be told apart lie on each other.")
         .showing(figures.into_iter().flatten());
-    Ok(section.listing(changes(rows)))
+    Ok(section.listing(changes(rows)).listing(laws(rows)))
 }
 
 /// A controller taken out of a design; none where the design has none of its kind.
@@ -176,7 +176,6 @@ fn changes(rows: &[BalanceRow]) -> Table {
         Column::Number("old controllers [mrad/s]"),
         Column::Number("gain law [mrad/s]"),
         Column::Number("redesign [mrad/s]"),
-        Column::Text("what follows"),
     ];
     let caption = "Change of each controller from 0.1 to 20 Hz, lowest to highest, and RMS hub rate under the expected heave";
     let mut table = Table::new(caption, &columns);
@@ -193,8 +192,21 @@ fn changes(rows: &[BalanceRow]) -> Table {
             error(row.error_before_rad_s),
             error(row.error_gain_law_rad_s),
             error(row.error_after_rad_s),
-            Cell::text(&row.law),
         ]);
+    }
+    table
+}
+
+/// Which conditions hold in every state of balance, and what follows.
+fn laws(rows: &[BalanceRow]) -> Table {
+    let columns = [
+        Column::Text("state"),
+        Column::Text("heave feedforward"),
+        Column::Text("conditions of the gain law"),
+    ];
+    let mut table = Table::new("What follows for the heave feedforward, and why", &columns);
+    for row in rows {
+        table.rows.push(vec![Cell::text(&row.name), Cell::text(&row.law), Cell::text(&row.conditions)]);
     }
     table
 }

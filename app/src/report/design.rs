@@ -98,7 +98,7 @@ pub fn weight_section(asked: &Specification) -> Section {
         .saying(format!(
             "Feedback: {}. {}.",
             asked.feedback.error.meaning("error"),
-            asked.feedback.control.meaning("control")
+            capital(&asked.feedback.control.meaning("control"))
         ))
         .showing([weight_figure(
             "Feedback",
@@ -111,10 +111,19 @@ pub fn weight_section(asked: &Specification) -> Section {
                 ("control", &weights.control),
                 ("disturbance", &weights.generator),
             ];
-            section = section.showing([weight_figure(name, &three)]);
+            let (error, control) = (weights.error.meaning("hub rate"), weights.control.meaning("control"));
+            section = section
+                .saying(format!("{name}: {error}. {}.", capital(&control)))
+                .showing([weight_figure(name, &three)]);
         }
     }
     section
+}
+
+/// The sentence with a capital in front.
+fn capital(sentence: &str) -> String {
+    let mut letters = sentence.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 fn weight_figure(name: &str, weights: &[(&str, &Weight)]) -> Figure {

@@ -35,6 +35,7 @@ th{font-weight:600;color:var(--soft);border-bottom:1.5px solid var(--frame)}
 td.words:first-child{min-width:2.5em}.pair td.words:first-child{min-width:12em}
 th,td{padding:3.5px 10px 3.5px 0;text-align:left;vertical-align:baseline}td{border-bottom:1px solid var(--grid)}
 .number{text-align:right;white-space:nowrap;padding-left:8px;font-variant-numeric:tabular-nums}
+th.number{white-space:normal}
 .chip{font-weight:600;white-space:nowrap}.chip.good{color:var(--good)}.chip.bad{color:var(--bad)}.chip.none{color:var(--none);white-space:normal}
 .room{display:inline-block;width:54px;height:8px;border-radius:4px;background:var(--grid);margin-right:8px;overflow:hidden}
 .room i{display:block;height:100%}.room.good i{background:var(--good)}.room.bad i{background:var(--bad)}

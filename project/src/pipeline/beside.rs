@@ -106,8 +106,8 @@ pub struct Spillover {
 const BAND_RAD_S: (f64, f64) = (1.26, 12.6);
 /// Corner to which poles of an error weight on the axis go in the variant without integral action, rad/s.
 const CORNER_RAD_S: f64 = 0.5;
-/// Flexible modes of the structure on which spillover is looked for.
-const MODES: usize = 12;
+/// Flexible modes of the structure on which spillover is looked for, at most: more than a beam of 24 elements has.
+const MODES: usize = 60;
 
 /// Everything that stands beside a design.
 ///
@@ -260,7 +260,8 @@ fn motions(design: &Design) -> Result<Vec<MotionRow>, PipelineError> {
     Ok(rows)
 }
 
-/// The sampled loop on the finite elements' plant with many modes; none where the project has no beam.
+/// The sampled loop on the plant with every mode of the finite elements (the first [`MODES`] of larger structures); none where
+/// the project has no beam.
 fn spillover(
     project: &Project,
     (asked, modelled): (&Synthesis, &Modelled),
@@ -270,8 +271,8 @@ fn spillover(
     let mut full = project.clone();
     full.model.structure = structure;
     full.model.modes = MODES.max(project.model.modes);
-    let modes = full.model.modes;
     let flexible = model(&full)?;
+    let modes = flexible.plant.body().modes.len();
     let unreduced = super::reduce(&Project { reduce: Default::default(), ..full }, &flexible)?;
     let plant: DesignPlant = design_plant(asked, modelled, &unreduced)?;
     let order = plant.system.order();

@@ -193,13 +193,13 @@ fn provenance(project: &Project, verified: &VerifiedController) -> Provenance {
 pub fn weights(synth: &Synthesis) -> Vec<String> {
     let s = &synth.specification;
     let mut lines = vec![
-        format!("feedback error: {}", s.feedback.error.meaning("measured error")),
-        format!("feedback control: {}", s.feedback.control.meaning("control")),
+        format!("feedback: {}", s.feedback.error.meaning("measured error")),
+        format!("feedback: {}", s.feedback.control.meaning("control")),
     ];
     for (name, part) in [("heave", &s.heave), ("pitch", &s.pitch)] {
         if let Some(part) = part {
-            lines.push(format!("{name} error: {}", part.error.meaning("hub rate")));
-            lines.push(format!("{name} control: {}", part.control.meaning("control")));
+            lines.push(format!("{name}: {}", part.error.meaning("hub rate")));
+            lines.push(format!("{name}: {}", part.control.meaning("control")));
         }
     }
     lines

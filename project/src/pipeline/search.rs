@@ -1,6 +1,8 @@
 //! From requirements to weights: the search, its trade-off curve, and the project with the weights that were found.
 
-use counterpoise_synth::{Figures, Found, Outcome, Trial, figures, search as searched, trade_off};
+use counterpoise_synth::{
+    Figures, Found, Outcome, Requirements, Trial, figures, search as searched, trade_off,
+};
 
 use counterpoise_verify::VerifiedController;
 
@@ -39,13 +41,16 @@ pub fn search(
     let plant = design_plant(asked, modelled, reduced)?;
     let sampling = sampling(asked, modelled)?;
     let limits = (&wanted.requirements, &sampling);
-    let found = solved(searched(&plant, &asked.specification, limits, wanted.trials, go_on)?)?;
+    let mut found = solved(searched(&plant, &asked.specification, limits, wanted.trials, go_on)?)?;
     let mut curve = Vec::new();
     if !wanted.ms_limits.is_empty() {
         let from = &found.best.specification;
         let by = (&wanted.ms_limits[..], wanted.trials);
         let points = solved(trade_off(&plant, from, limits, by, go_on)?)?;
         curve = wanted.ms_limits.iter().copied().zip(points).collect();
+    }
+    if let Some(better) = better_point(&curve, (&found, &wanted.requirements)) {
+        found.best = better;
     }
     let mut project = project.clone();
     if let Some(synth) = &mut project.synth {
@@ -55,9 +60,23 @@ pub fn search(
     let designed = solved(counterpoise_synth::design(&plant, &found.best.specification)?)?;
     let sampled = solved(counterpoise_synth::discretise(&designed, &sampling)?)?;
     let around_full = solved(counterpoise_synth::check(&full, sampled.controller, &sampling)?)?;
-    let on_full_plant = figures(&full, &around_full, &sampling, wanted.requirements.band_rad_s)?;
+    let of_all = figures(&full, &around_full, &sampling, wanted.requirements.band_rad_s)?;
+    let rejection = wanted.requirements.share_left(&around_full.loop_gain, (&full, &asked.specification))?;
+    let on_full_plant = Figures { rejection, ..of_all };
     let missed_on_full_plant = wanted.requirements.missed(&on_full_plant);
     Ok(Searched { found, curve, on_full_plant, missed_on_full_plant, project })
+}
+
+/// The trial of the curve that keeps the requirements and rejects more than the answer, if there is one: its points were
+/// searched further.
+fn better_point(curve: &[(f64, Found)], (found, wanted): (&Found, &Requirements)) -> Option<Trial> {
+    let rejection = |trial: &Trial| trial.figures.rejection;
+    let points = curve.iter().map(|(_, point)| &point.best);
+    points
+        .filter(|trial| wanted.missed(&trial.figures) == 0.0)
+        .filter(|trial| found.best.missed > 0.0 || rejection(trial) < rejection(&found.best))
+        .min_by(|a, b| rejection(a).total_cmp(&rejection(b)))
+        .cloned()
 }
 
 /// Weights that were found, with the project's own verdicts on them: on the full nonlinear plant.

@@ -2,7 +2,7 @@
 //! and the search for weights.
 
 use counterpoise_models::Friction;
-use counterpoise_synth::{Drives, Method, Requirements, Weight};
+use counterpoise_synth::{Drives, Method, Requirements, Spectrum, Weight};
 
 use super::friction::{blank_identified, identified};
 use super::model::count;
@@ -23,6 +23,8 @@ pub struct Around {
     pub prefilter: Option<Weight>,
     /// What the controller does about the amplifier's measured curve.
     pub amplifier_curve: Undo,
+    /// What the controller does about the known gain and bias of the sensors.
+    pub sensor_errors: Undo,
     /// Nonlinear observer of friction.
     pub observer: Option<ObserverAsked>,
     /// Designs over out-of-balance.
@@ -155,6 +157,10 @@ impl Choice for Method {
     ];
 }
 
+impl Choice for Spectrum {
+    const NAMES: &'static [(&'static str, Self)] = &[("flat", Self::Flat), ("expected", Self::Expected)];
+}
+
 impl Choice for Drives {
     const NAMES: &'static [(&'static str, Self)] =
         &[("measured-rate", Self::MeasuredRate), ("demand", Self::Demand)];
@@ -190,6 +196,7 @@ impl Default for Around {
             controller_order: None,
             prefilter: None,
             amplifier_curve: Undo::Leave,
+            sensor_errors: Undo::Leave,
             observer: None,
             schedule: None,
             adaptation: None,
@@ -208,6 +215,8 @@ pub(crate) fn keys(v: &mut dyn Visit, around: &mut Around) {
     methods(v, &mut around.alternatives);
     let curve = "of `plant.amplifier.map` (in `adapt` the trial's curve): `undo` ends the controller with its inverse";
     choose(v, &Field::new("amplifier_curve", curve).or_text("leave"), &mut around.amplifier_curve);
+    let errors = "gain and bias of `plant.sensors`: `undo` corrects the readings by them, and designs on sensors without";
+    choose(v, &Field::new("sensor_errors", errors).or_text("leave"), &mut around.sensor_errors);
     let mut order = around.controller_order.unwrap_or(0);
     let field = Field::new("controller_order", "states kept of the feedback; 0 keeps all");
     count(v, &field.limit(Limit::Between(0.0, 1000.0)).or(0.0), &mut order);
@@ -381,6 +390,8 @@ fn search(v: &mut dyn Visit, search: &mut SearchAsked) {
     if band[0] >= band[1] {
         v.complain("band", "must rise", None);
     }
+    let spectrum = "by what rejection is averaged: alike over the band, or by the rate that the expected heave and pitch cause";
+    choose(v, &Field::new("spectrum", spectrum).or_text("flat"), &mut asked.spectrum);
     let trials = Field::new("trials", "most designs that are tried for one answer");
     count(v, &trials.limit(Limit::Between(1.0, 100_000.0)).or(300.0), &mut search.trials);
     let limits = Field::new("trade_off", "limits of the sensitivity, one for each point of the trade-off");
