@@ -5,11 +5,11 @@ use std::time::Instant;
 
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
-use counterpoise::report::fra::report;
+use counterpoise::report::fra::{Pace, report};
 use counterpoise::report::html;
 use counterpoise_project::Purpose;
 use counterpoise_project::pipeline;
-use counterpoise_project::pipeline::fra::{Analyser, Around, Map, On, Plan};
+use counterpoise_project::pipeline::fra::{Analyser, Around, Map, Measurement, On, Plan};
 
 use super::{Done, replay, verdict_code};
 use crate::arguments::Results;
@@ -37,6 +37,9 @@ pub struct FraOptions {
     /// Run the instrument on these recordings instead of the simulation (needs --frequencies)
     #[arg(long, value_name = "RECORDING", num_args = 1..)]
     pub recording: Vec<PathBuf>,
+    /// Measure the map again on 1, 2, 4 ... threads up to all, and say how its time falls
+    #[arg(long, conflicts_with = "recording")]
+    pub scaling: bool,
     /// Write a report with pictures to this HTML file
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
@@ -82,42 +85,75 @@ pub fn run(options: &FraOptions) -> Done {
     output::warnings(&loaded, options.results.quiet);
     let plan = plan(options)?;
     let (maps, speed) = if options.recording.is_empty() {
-        simulated(&loaded, &plan, options.results.quiet)?
+        simulated(&loaded, &plan, options)?
     } else {
-        (recorded(&loaded, &plan, options)?, None)
+        (recorded(&loaded, &plan, options)?, Vec::new())
     };
     if let Some(path) = &options.report {
         let command = std::iter::once("counterpoise".to_owned())
             .chain(std::env::args().skip(1))
             .collect::<Vec<_>>()
             .join(" ");
-        files::write(path, html(&report(&maps, &command)).as_bytes())?;
+        files::write(path, html(&report(&maps, &speed, &command)).as_bytes())?;
     }
     if !output::json(&options.results, &maps)? {
         maps.iter().for_each(print);
-        speed.iter().for_each(|line| say!("{line}"));
+        tell_speed(&maps, &speed);
     }
     Ok(verdict_code(true))
 }
 
-/// The map of the simulated mechanism, and how fast it was.
-fn simulated(loaded: &Loaded, plan: &Plan, quiet: bool) -> Result<(Vec<Map>, Option<String>)> {
+/// The map of the simulated mechanism, and how fast it was: on all threads, then, where that was asked for, on fewer.
+fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<Map>, Vec<Pace>)> {
     let modelled = pipeline::model(&loaded.project)?;
     let analyser = Analyser::new(&loaded.project, &modelled, plan, On::Simulation)?;
-    let workers = Workers::new(quiet);
+    let workers = Workers::new(options.results.quiet);
     let start = Instant::now();
     let measured = analyser.measure(plan, &workers);
     let seconds = start.elapsed().as_secs_f64();
     workers.finish();
-    let map = analyser.compare(&measured?, &Workers::new(true))?;
-    let speed = format!(
-        "{} points, {:.0} s of motion simulated in {seconds:.2} s: {:.0} times real time on {} threads",
-        map.points.len(),
-        map.simulated_s,
-        map.simulated_s / seconds,
-        rayon::current_num_threads()
-    );
-    Ok((vec![map], Some(speed)))
+    let measured = measured?;
+    let mut speed = vec![Pace { threads: rayon::current_num_threads(), seconds }];
+    if options.scaling {
+        speed = scaling(&analyser, plan, &measured)?;
+    }
+    Ok((vec![analyser.compare(&measured, &Workers::new(true))?], speed))
+}
+
+/// The time of the same map on 1, 2, 4 ... threads and on all of them; it must be the same map to the last bit.
+fn scaling(analyser: &Analyser, plan: &Plan, expected: &[Measurement]) -> Result<Vec<Pace>> {
+    let all = rayon::current_num_threads();
+    let doubling = std::iter::successors(Some(1), |n| Some(2 * n)).take_while(|n| *n < all);
+    let mut paces = Vec::new();
+    for threads in doubling.chain([all]) {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+        let start = Instant::now();
+        let measured = pool.install(|| analyser.measure(plan, &Workers::new(true)))?;
+        paces.push(Pace { threads, seconds: start.elapsed().as_secs_f64() });
+        if measured != expected {
+            bail!("the map on {threads} threads is not the one on {all}: a defect of this program");
+        }
+    }
+    Ok(paces)
+}
+
+/// How fast a map was, and how its time falls with the threads.
+fn tell_speed(maps: &[Map], speed: &[Pace]) {
+    let points: usize = maps.iter().map(|map| map.points.len()).sum();
+    let simulated_s: f64 = maps.iter().map(|map| map.simulated_s).sum();
+    for pace in speed {
+        let gained = match (speed, pace.speed_up(speed)) {
+            ([_], _) => String::new(),
+            (_, gained) => format!(", {gained:.2} times as fast as on one"),
+        };
+        let times = simulated_s / pace.seconds;
+        let noun = if pace.threads == 1 { "thread" } else { "threads" };
+        say!(
+            "{points} points, {simulated_s:.0} s of motion simulated in {:.2} s: {times:.0} times real time on {} {noun}{gained}",
+            pace.seconds,
+            pace.threads
+        );
+    }
 }
 
 fn recorded(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<Vec<Map>> {

@@ -7,6 +7,7 @@ use counterpoise::report::html;
 use counterpoise::report::model::report;
 use counterpoise_project::Purpose;
 use counterpoise_project::pipeline;
+use counterpoise_project::pipeline::accuracy::accuracy;
 use counterpoise_project::pipeline::portrait::{MeshColumn, Meshes, ModeSet, portrait};
 use counterpoise_project::results::ModelResult;
 
@@ -14,13 +15,14 @@ use super::{Done, verdict_code};
 use crate::arguments::Results;
 use crate::files;
 use crate::output::{self, say};
+use crate::workers::Workers;
 
 /// Arguments of `model`.
 #[derive(Args)]
 pub struct ModelOptions {
     /// Project file, or a folder with a project.toml
     pub project: PathBuf,
-    /// Write a report with mode shapes and friction characteristics to this HTML file
+    /// Write a report with mode shapes, friction characteristics and the simulator's own error to this HTML file
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
     /// Where results go.
@@ -37,7 +39,11 @@ pub fn run(options: &ModelOptions) -> Done {
     let portrait = portrait(&loaded.project, &modelled)?;
     if let Some(path) = &options.report {
         let command = format!("counterpoise model {} --report {}", options.project.display(), path.display());
-        files::write(path, html(&report(&result, &portrait, &command)).as_bytes())?;
+        let workers = Workers::new(options.results.quiet);
+        let accuracy = accuracy(&modelled, &workers);
+        workers.finish();
+        let page = report(&result, &portrait, &accuracy?, &command);
+        files::write(path, html(&page).as_bytes())?;
     }
     if !output::json(&options.results, &result)? {
         print(&result);

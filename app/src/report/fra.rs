@@ -7,8 +7,24 @@ use crate::plot::bode::{BodeCurve, Phase, bode};
 use crate::plot::ticks::short;
 use crate::plot::{Axis, Colour, Dash, Figure, Panel, Series};
 
-/// The report of one or more maps of one machine.
-pub fn report(maps: &[Map], command: &str) -> Report {
+/// How long the measuring of a map took.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pace {
+    /// Threads that it was measured on.
+    pub threads: usize,
+    /// Time, s.
+    pub seconds: f64,
+}
+
+impl Pace {
+    /// How many times as fast as the first of a list, which is on one thread.
+    pub fn speed_up(&self, all: &[Pace]) -> f64 {
+        all.first().map_or(1.0, |first| first.seconds / self.seconds)
+    }
+}
+
+/// The report of one or more maps of one machine, and of how fast they were measured.
+pub fn report(maps: &[Map], speed: &[Pace], command: &str) -> Report {
     let first = maps.first();
     let name = first.map_or("", |map| map.name.as_str());
     Report {
@@ -18,7 +34,7 @@ pub fn report(maps: &[Map], command: &str) -> Report {
         tiles: first.map(tiles).unwrap_or_default(),
         verdicts: first.map(extremes).unwrap_or_else(|| Table::new("", &[])),
         glance: first.map(|map| overview(map, command)).into_iter().collect(),
-        sections: maps.iter().flat_map(|map| sections(map, command)).collect(),
+        sections: maps.iter().flat_map(|map| sections(map, command)).chain(pace(maps, speed)).collect(),
         provenance: vec![
             ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
             ("command".to_owned(), command.to_owned()),
@@ -106,6 +122,28 @@ fn sections(map: &Map, command: &str) -> Vec<Section> {
     }
     let harmonics = Section::new("Harmonics and mean").showing([harmonics(map, command)]);
     vec![beside, harmonics, Section::new("Every point").listing(points_table(map))]
+}
+
+/// How fast the maps were measured; nothing for recordings, which were not simulated.
+fn pace(maps: &[Map], speed: &[Pace]) -> Option<Section> {
+    let simulated_s: f64 = maps.iter().map(|map| map.simulated_s).sum();
+    let columns = [
+        Column::Number("threads"),
+        Column::Number("time [s]"),
+        Column::Number("times real time"),
+        Column::Number("times as fast as on the first row"),
+    ];
+    let mut table = Table::new(&format!("{} s of motion were simulated", short(simulated_s)), &columns);
+    for pace in speed {
+        table.rows.push(vec![
+            Cell::text(pace.threads.to_string()),
+            Cell::number(pace.seconds),
+            Cell::number(simulated_s / pace.seconds),
+            Cell::number(pace.speed_up(speed)),
+        ]);
+    }
+    let alone = "counterpoise fra --scaling measures the map on fewer threads as well; the map is the same to the last bit.";
+    (!speed.is_empty()).then(|| Section::new("How fast it was measured").saying(alone).listing(table))
 }
 
 fn beside_models(map: &Map, (amplitude, points): &(f64, Vec<&Point>), colour: Colour) -> Figure {

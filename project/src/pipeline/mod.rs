@@ -4,6 +4,7 @@
 //! -> [`export`](mod@export). Each step takes what the one before it made; nothing else is shared. A caller who wants
 //! fewer steps calls fewer.
 
+pub mod accuracy;
 pub mod adapt;
 pub mod balance;
 pub mod beside;
@@ -31,7 +32,7 @@ pub use error::PipelineError;
 pub use export::export;
 pub use model::{Modelled, finite_elements, finite_elements_of, model};
 pub use reduce::{Reduced, reduce};
-pub use sweep::{campaign, families};
+pub use sweep::{campaign, families, robust_stability};
 pub use synth::{Synthesised, synthesise};
 pub use verify::{procedure, verify, verify_linear_on, verify_on, verify_watched};
 
