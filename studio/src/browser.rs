@@ -63,8 +63,7 @@ pub struct Browser {
 pub fn list(folder: &Path, purpose: Purpose) -> Listing {
     let listed = std::fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()));
     let items = listed.map(|entries| {
-        let mut items: Vec<Item> =
-            entries.filter_map(|entry| item(entry.ok()?.path(), purpose)).collect();
+        let mut items: Vec<Item> = entries.filter_map(|entry| item(entry.ok()?.path(), purpose)).collect();
         items.sort_by_cached_key(|item| (item.kind, item.name.to_lowercase()));
         items
     });

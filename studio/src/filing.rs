@@ -99,7 +99,8 @@ impl Studio {
         let modified = modified(&path);
         self.jobs.beside = path.parent().map_or(Vec::new(), |f| recordings::files(&[f.to_owned()]));
         self.refused = None;
-        self.opened = Some(Opened { path, session, journal, modified, troubled: false, changed_outside: false });
+        self.opened =
+            Some(Opened { path, session, journal, modified, troubled: false, changed_outside: false });
         (self.asked, self.results) = (None, Results::default());
     }
 

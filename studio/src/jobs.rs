@@ -12,9 +12,9 @@ use counterpoise_project::simulate::replay::Loop;
 use counterpoise_project::verify::{Verification, VerifiedController};
 use counterpoise_project::{Document, Project};
 
-use crate::exporting::{ExportAsk, export};
 use crate::browser::{Listing, list};
 use crate::command::Purpose;
+use crate::exporting::{ExportAsk, export};
 use crate::files::Folder;
 use crate::live::{Ask, Cache, Live, live, reasons};
 use crate::measure::{MeasureAnswer, MeasureAsk, SoFar, measure};

@@ -5,14 +5,14 @@ use std::time::{Duration, Instant};
 
 use counterpoise_project::verify::VerifiedController;
 
-use crate::journal::Journal;
-use crate::live::{Ask, Live};
-use crate::measure::MeasureAnswer;
-use crate::results::Of;
 use crate::browser::Browser;
 use crate::command::Purpose;
 use crate::filing::modified;
+use crate::journal::Journal;
+use crate::live::{Ask, Live};
+use crate::measure::MeasureAnswer;
 use crate::recordings;
+use crate::results::Of;
 use crate::studio::Studio;
 
 /// How long after the last change the nonlinear verification begins.
@@ -113,9 +113,9 @@ impl Studio {
                 self.view.say(format!("wrote {} to {}", names.join(", "), folder.display()));
             }
             Some((_, Ok(None))) => self.view.say("the export was stopped; what is written stays"),
-            Some((_, Err(why))) => self.view.warn(format!(
-                "not exported: {why}; Ctrl+Shift+E exports into another folder"
-            )),
+            Some((_, Err(why))) => {
+                self.view.warn(format!("not exported: {why}; Ctrl+Shift+E exports into another folder"))
+            }
             None => {}
         }
     }

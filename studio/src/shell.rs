@@ -3,11 +3,11 @@
 use egui::{Key, KeyboardShortcut, Modifiers, RichText, Ui};
 
 use crate::command::{Command, Place, Purpose, entries};
-use crate::{palette, places};
 use crate::results::Age;
 use crate::studio::Studio;
 use crate::theme::{Theme, space};
 use crate::view::{AngleUnit, FrequencyUnit, GainUnit, Tone};
+use crate::{palette, places};
 
 /// Shows the studio and carries out what was asked of it in this frame.
 pub fn show(studio: &mut Studio, ui: &mut Ui) {

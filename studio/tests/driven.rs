@@ -329,7 +329,10 @@ fn another_out_of_balance_is_tried_a_plot_is_copied_and_a_change_outside_is_noti
     bench.run_steps(2);
     assert!(says(&bench, "\"Loop gain\" is in the clipboard as numbers"));
     let (chart, _) = bench.state().view.chart.clone().unwrap();
-    assert!(chart.csv().starts_with("curve,\"frequency, Hz\",\"modulus, dB\"\nL,") && chart.svg().starts_with("<svg"));
+    assert!(
+        chart.csv().starts_with("curve,\"frequency, Hz\",\"modulus, dB\"\nL,")
+            && chart.svg().starts_with("<svg")
+    );
     std::fs::write(folder.join("project.toml"), before.replace("reference rig", "another rig")).unwrap();
     std::thread::sleep(std::time::Duration::from_millis(1100));
     rest(&mut bench);

@@ -94,7 +94,10 @@ fn a_project_saved_under_another_name_takes_its_files_along_and_the_old_one_stay
     rest(&mut bench);
     assert!(std::fs::read_to_string(copy.join("project.toml")).unwrap() == original);
     drop(bench);
-    assert!(!studio(&folder).opened.as_ref().unwrap().session.is_changed(), "nothing is left of the edits here");
+    assert!(
+        !studio(&folder).opened.as_ref().unwrap().session.is_changed(),
+        "nothing is left of the edits here"
+    );
     std::fs::remove_dir_all(folder).unwrap();
 }
 
@@ -190,15 +193,19 @@ fn given() -> Option<PathBuf> {
 
 /// Runs one of the tests here in a process of its own, through a command that narrows what it may do.
 fn apart(narrow: &[&str], test: &str, folder: &Path) {
-    let mut words = narrow.iter().map(std::ffi::OsStr::new).chain([std::env::current_exe().unwrap().as_os_str()].map(|s| {
-        Box::leak(s.to_owned().into_boxed_os_str()) as &std::ffi::OsStr
-    }));
+    let mut words = narrow.iter().map(std::ffi::OsStr::new).chain(
+        [std::env::current_exe().unwrap().as_os_str()]
+            .map(|s| Box::leak(s.to_owned().into_boxed_os_str()) as &std::ffi::OsStr),
+    );
     let mut process = std::process::Command::new(words.next().unwrap());
     process.args(words).args(["--exact", test, "--nocapture"]).env(FOLDER, folder);
     let Ok(output) = process.output() else { return eprintln!("skipped: {narrow:?} cannot be run here") };
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}");
-    eprintln!("{}", said.lines().filter(|l| l.starts_with("skipped") || l.starts_with("tried")).collect::<String>());
+    eprintln!(
+        "{}",
+        said.lines().filter(|l| l.starts_with("skipped") || l.starts_with("tried")).collect::<String>()
+    );
 }
 
 #[test]
@@ -219,7 +226,8 @@ fn session_on_a_disk_that_fills_up() {
     let mut bench = bench(&folder);
     rest(&mut bench);
     let path = "synth.feedback.error.gain".to_owned();
-    let set = |k: u32| Command::Set { path: path.clone(), value: 26.0 + 0.01 * f64::from(k), gesture: Some(1) };
+    let set =
+        |k: u32| Command::Set { path: path.clone(), value: 26.0 + 0.01 * f64::from(k), gesture: Some(1) };
     (1..=120).for_each(|k| bench.state_mut().run(&set(k)));
     until(&mut bench, "the message", |s| s.view.notice.as_ref().is_some_and(|n| n.text.contains("not kept")));
     bench.run_steps(2);
@@ -230,7 +238,9 @@ fn session_on_a_disk_that_fills_up() {
     if !room.is_ok_and(|status| status.success()) {
         return eprintln!("skipped: no prlimit here to make room");
     }
-    until(&mut bench, "the journal", |s| s.view.notice.as_ref().is_some_and(|n| n.text.contains("are kept again")));
+    until(&mut bench, "the journal", |s| {
+        s.view.notice.as_ref().is_some_and(|n| n.text.contains("are kept again"))
+    });
     std::mem::forget(bench);
     let again = studio(&folder);
     assert_eq!(again.opened.as_ref().unwrap().session.text(), done, "a crash now takes nothing");

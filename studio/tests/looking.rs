@@ -28,7 +28,9 @@ fn tabbed(bench: &mut Bench) -> BTreeSet<String> {
         bench.key_press(Key::Tab);
         bench.run_steps(1);
         let root = bench.root();
-        let Some(node) = root.children_recursive().find(|n| n.accesskit_node().is_focused()) else { continue };
+        let Some(node) = root.children_recursive().find(|n| n.accesskit_node().is_focused()) else {
+            continue;
+        };
         let node = node.accesskit_node();
         let id = format!("{:?}", node.id());
         if first.as_ref() == Some(&id) {
@@ -95,7 +97,11 @@ fn every_control_of_every_place_has_a_name_and_is_reached_by_tab() {
 #[test]
 fn runs_stream_in_while_they_are_computed_and_can_be_stopped() {
     let folder = rig("stream");
-    edited(&folder, "duration = 10.0              # s of heave", "duration = 400.0              # s of heave");
+    edited(
+        &folder,
+        "duration = 10.0              # s of heave",
+        "duration = 400.0              # s of heave",
+    );
     let mut bench = bench(&folder);
     until(&mut bench, "a design", |s| s.results.live.is_some());
     bench.state_mut().run(&Command::Go { place: Place::Verify });
@@ -225,7 +231,9 @@ fn a_plot_is_copied_as_numbers_drawing_and_pixels() {
     };
     let csv = copied(&mut bench, Command::CopyCsv);
     assert!(
-        csv.iter().any(|c| matches!(c, egui::OutputCommand::CopyText(t) if t.starts_with("curve,\"frequency, Hz\""))),
+        csv.iter().any(
+            |c| matches!(c, egui::OutputCommand::CopyText(t) if t.starts_with("curve,\"frequency, Hz\""))
+        ),
         "{csv:?}"
     );
     let svg = copied(&mut bench, Command::CopySvg);
@@ -237,7 +245,10 @@ fn a_plot_is_copied_as_numbers_drawing_and_pixels() {
         _ => None,
     });
     let [width, height] = image.expect("an image is put into the clipboard");
-    assert!((width as f32 - cell.x).abs() < 2.0 && (height as f32 - cell.y).abs() < 2.0, "{width} {height} {cell}");
+    assert!(
+        (width as f32 - cell.x).abs() < 2.0 && (height as f32 - cell.y).abs() < 2.0,
+        "{width} {height} {cell}"
+    );
     drop(bench);
     std::fs::remove_dir_all(folder).unwrap();
 }
@@ -251,7 +262,9 @@ fn units_are_those_that_were_chosen_in_every_place() {
     bench.key_press_modifiers(Modifiers::COMMAND, Key::H);
     bench.key_press_modifiers(Modifiers::COMMAND, Key::B);
     rest(&mut bench);
-    for (place, plot) in [(Place::Plant, "Friction at the hub"), (Place::Design, "Heave"), (Place::Verify, "Tip rate")] {
+    for (place, plot) in
+        [(Place::Plant, "Friction at the hub"), (Place::Design, "Heave"), (Place::Verify, "Tip rate")]
+    {
         bench.state_mut().run(&Command::Go { place });
         rest(&mut bench);
         bench.hover_at(bench.get_by_label(&format!("plot: {plot}")).rect().center());

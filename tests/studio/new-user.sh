@@ -29,7 +29,7 @@ click 185 18                                   # Plant
 picture 2-plant
 click 311 18                                   # Design
 xdotool mousemove 644 170 mousedown 1; sleep 0.5
-for k in 1 2 3 4 5 6 7 8; do xdotool mousemove $(( 644 + 2 * k )) $(( 170 - k / 4 )); sleep 0.2; done
+for k in 1 2 3 4 5 6 7 8; do xdotool mousemove $(( 644 - k )) $(( 170 + k / 4 )); sleep 0.2; done
 sleep 1; xdotool mouseup 1; pause
 picture 3-design
 click 373 18                                   # Verify

@@ -95,7 +95,11 @@ fn places(studio: &Studio, purpose: Purpose) -> Vec<(String, PathBuf)> {
     all.extend(recent.iter().filter_map(|path| path.parent().map(Path::to_owned)));
     all.extend(std::env::var_os("HOME").map(PathBuf::from));
     let mut once: Vec<PathBuf> = Vec::new();
-    all.into_iter().for_each(|path| if !once.contains(&path) { once.push(path) });
+    all.into_iter().for_each(|path| {
+        if !once.contains(&path) {
+            once.push(path)
+        }
+    });
     once.into_iter().map(|path| (named(&path), path)).collect()
 }
 
@@ -112,7 +116,9 @@ fn before(ui: &mut Ui, browser: &mut Browser, queue: &mut Vec<Command>, about: &
                 .wrap_mode(egui::TextWrapMode::Extend)
                 .min_size(egui::vec2(PLACES - space::SMALL, 22.0));
             let shown = ui.add(button);
-            shown.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, path.display().to_string()));
+            shown.widget_info(|| {
+                egui::WidgetInfo::labeled(egui::Role::Button, true, path.display().to_string())
+            });
             if shown.on_hover_text(path.display().to_string()).clicked() {
                 match projects {
                     true => queue.push(Command::Open { path: path.clone() }),
@@ -217,7 +223,11 @@ fn enter(browser: &mut Browser, about: &About<'_>) -> Option<Command> {
 fn with_present(command: Command, about: &About<'_>) -> Command {
     let Command::Recordings { paths } = command else { return command };
     let mut all = about.present.to_vec();
-    paths.into_iter().for_each(|path| if !all.contains(&path) { all.push(path) });
+    paths.into_iter().for_each(|path| {
+        if !all.contains(&path) {
+            all.push(path)
+        }
+    });
     Command::Recordings { paths: all }
 }
 

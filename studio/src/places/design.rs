@@ -337,6 +337,17 @@ impl Handle<'_> {
     }
 }
 
+/// Where a handle is dragged to: it stays under the pointer where it was taken.
+fn held(ui: &Ui, response: &egui::Response, at: egui::Pos2) -> Option<egui::Pos2> {
+    let id = response.id.with("grip");
+    if response.drag_started() {
+        let origin = ui.input(|i| i.pointer.press_origin()).unwrap_or(at);
+        ui.data_mut(|d| d.insert_temp(id, at - origin));
+    }
+    let grip: egui::Vec2 = ui.data(|d| d.get_temp(id)).unwrap_or_default();
+    response.interact_pointer_pos().map(|pointer| pointer + grip)
+}
+
 /// Pixels that an arrow key moves a handle.
 const NUDGE: f32 = 2.0;
 
@@ -362,7 +373,7 @@ fn handle(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, h: &Handle) {
     if response.drag_started() {
         view.gesture += 1;
     }
-    let moved = if response.dragged() { response.interact_pointer_pos() } else { nudged(ui, &response, at) };
+    let moved = if response.dragged() { held(ui, &response, at) } else { nudged(ui, &response, at) };
     view.dragging |= response.dragged();
     if let Some(to) = moved {
         let (rate, magnitude) = h.value(view, to);

@@ -94,7 +94,10 @@ pub fn number(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, path: &str
 /// A key in words; items of a list are counted from 1.
 fn worded(key: &str) -> String {
     let words = key.replace('_', " ");
-    match words.split_once('[').and_then(|(name, rest)| Some((name, rest.trim_end_matches(']').parse::<usize>().ok()?))) {
+    match words
+        .split_once('[')
+        .and_then(|(name, rest)| Some((name, rest.trim_end_matches(']').parse::<usize>().ok()?)))
+    {
         Some((name, index)) => format!("{name} {}", index + 1),
         None => words.clone(),
     }

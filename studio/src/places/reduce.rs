@@ -173,11 +173,7 @@ fn orders(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, (live, chosen): (&
         );
     };
     figure(ui, "bound on the error", live.reduced.bound.map(parts::short));
-    figure(
-        ui,
-        "largest error",
-        live.reduced.error.map(|(e, w)| at(view, e, w)),
-    );
+    figure(ui, "largest error", live.reduced.error.map(|(e, w)| at(view, e, w)));
     live.reduced.warnings.iter().for_each(|w| {
         ui.label(RichText::new(w).small().color(theme.warn));
     });

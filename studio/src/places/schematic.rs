@@ -11,6 +11,10 @@ use crate::view::View;
 /// Angle through which the softer side swings on the screen, rad.
 const SWING: f64 = 0.35;
 
+/// Radii of pinion and wheel, of the beam's.
+const PINION: f32 = 0.26;
+const WHEEL: f32 = 0.62;
+
 /// Angles of motor, hub and beam at a moment, rad.
 type Angles = [f64; 3];
 
@@ -18,21 +22,27 @@ type Angles = [f64; 3];
 pub fn draw(ui: &Ui, view: &View, plant: &Parameters, lumped: &Lumped, room: Rect) {
     let theme = &view.theme;
     let angles = if view.mode > 0 { swing(ui, plant, lumped) } else { [0.0; 3] };
-    let at = |share: f32| pos2(room.left() + share * room.width(), room.center().y - 22.0);
-    let unit = (room.height() * 0.22).clamp(26.0, 58.0);
-    let [amplifier, motor, gear, hub, beam] = [0.09, 0.27, 0.45, 0.63, 0.85].map(at);
-    for (from, to) in [(amplifier, motor), (motor, gear), (gear, hub)] {
+    let unit = (room.height() * 0.21).clamp(26.0, 58.0);
+    let (pinion, wheel) = (PINION * unit, WHEEL * unit);
+    let low = room.center().y - 14.0;
+    let at = |share: f32, y: f32| pos2(room.left() + share * room.width(), y);
+    let [amplifier, motor, gear] = [0.09, 0.27, 0.45].map(|share| at(share, low - pinion - wheel));
+    let [slow, hub, beam] = [0.45, 0.63, 0.85].map(|share| at(share, low));
+    for (from, to) in [(amplifier, motor), (motor, gear), (slow, hub)] {
         ui.painter().line_segment([from, to], Stroke::new(2.0, theme.line));
     }
     spring(ui, theme, hub + vec2(unit, 0.0), beam - vec2(unit, 0.0));
     let body = Rect::from_center_size(amplifier, vec2(1.5 * unit, 1.1 * unit));
     ui.painter().rect(body, 4.0, theme.field, Stroke::new(1.5, theme.accent), egui::StrokeKind::Middle);
     disc(ui, theme, (motor, 0.55 * unit), angles[0]);
-    wheels(ui, theme, gear, unit);
+    for (centre, radius) in [(gear, pinion), (slow, wheel)] {
+        ui.painter().circle(centre, radius, theme.card, Stroke::new(1.5, theme.accent));
+        ui.painter().circle_filled(centre, 3.0, theme.accent);
+    }
     disc(ui, theme, (hub, 0.9 * unit), angles[1]);
     disc(ui, theme, (beam, unit), angles[2]);
     weight(ui, theme, (beam, unit), (angles[2], lumped.out_of_balance_kg_m));
-    captions(ui, theme, plant, lumped, ([amplifier, motor, gear, hub, beam], unit));
+    captions(ui, theme, plant, lumped, ([amplifier, motor, slow, hub, beam], low + 1.35 * unit));
 }
 
 /// Hub (with the motor behind the gear) and beam against each other.
@@ -54,20 +64,18 @@ fn disc(ui: &Ui, theme: &Theme, (centre, radius): (Pos2, f32), angle: f64) {
     ui.painter().circle_filled(centre, 3.0, theme.accent);
 }
 
-fn wheels(ui: &Ui, theme: &Theme, centre: Pos2, unit: f32) {
-    let stroke = Stroke::new(1.5, theme.accent);
-    let (small, large) = (0.28 * unit, 0.62 * unit);
-    let fill = theme.card;
-    ui.painter().circle(centre, small, fill, stroke);
-    ui.painter().circle(centre + vec2(0.0, small + large), large, fill, stroke);
-}
-
 fn spring(ui: &Ui, theme: &Theme, from: Pos2, to: Pos2) {
     const TURNS: usize = 7;
     let (stroke, along) = (Stroke::new(1.5, theme.text), to - from);
     let mut points = vec![from];
     for k in 0..=2 * TURNS {
-        let side = if k == 0 || k == 2 * TURNS { 0.0 } else if k % 2 == 0 { 8.0 } else { -8.0 };
+        let side = if k == 0 || k == 2 * TURNS {
+            0.0
+        } else if k % 2 == 0 {
+            8.0
+        } else {
+            -8.0
+        };
         let share = 0.15 + 0.7 * k as f32 / (2 * TURNS) as f32;
         points.push(from + share * along + vec2(0.0, side));
     }
@@ -83,16 +91,36 @@ fn weight(ui: &Ui, theme: &Theme, (centre, radius): (Pos2, f32), (angle, moment)
     ui.painter().circle(centre + arm, 9.0, fill, Stroke::new(1.5, theme.curves[1]));
 }
 
-fn captions(ui: &Ui, theme: &Theme, plant: &Parameters, lumped: &Lumped, (at, unit): ([Pos2; 5], f32)) {
+fn captions(ui: &Ui, theme: &Theme, plant: &Parameters, lumped: &Lumped, (at, below): ([Pos2; 5], f32)) {
     let gear = &plant.gearbox;
     let texts: [(&str, [String; 2]); 5] = [
-        ("amplifier", [format!("gain {}", short(plant.amplifier.gain)), format!("to {} V", short(plant.amplifier.bus_voltage_v))]),
-        ("motor", [format!("{} kg m\u{b2}", short(plant.motor.inertia_kg_m2)), format!("{} N m/A", short(plant.motor.torque_constant_nm_a))]),
-        ("gear", [format!("ratio {}", short(gear.ratio)), format!("play {} mrad", short(1e3 * gear.backlash_rad))]),
+        (
+            "amplifier",
+            [
+                format!("gain {}", short(plant.amplifier.gain)),
+                format!("to {} V", short(plant.amplifier.bus_voltage_v)),
+            ],
+        ),
+        (
+            "motor",
+            [
+                format!("{} kg m\u{b2}", short(plant.motor.inertia_kg_m2)),
+                format!("{} N m/A", short(plant.motor.torque_constant_nm_a)),
+            ],
+        ),
+        (
+            "gear",
+            [format!("ratio {}", short(gear.ratio)), format!("play {} mrad", short(1e3 * gear.backlash_rad))],
+        ),
         ("hub", [format!("{} kg m\u{b2}", short(lumped.hub_inertia_kg_m2)), String::new()]),
-        ("beam", [format!("{} kg m\u{b2}", short(lumped.beam_inertia_kg_m2)), format!("out-of-balance {} kg m", short(lumped.out_of_balance_kg_m))]),
+        (
+            "beam",
+            [
+                format!("{} kg m\u{b2}", short(lumped.beam_inertia_kg_m2)),
+                format!("out-of-balance {} kg m", short(lumped.out_of_balance_kg_m)),
+            ],
+        ),
     ];
-    let below = at[0].y + 1.7 * unit;
     for (centre, (name, lines)) in at.iter().zip(&texts) {
         write(ui, pos2(centre.x, below), name, (13.0, theme.text));
         for (k, line) in lines.iter().enumerate() {

@@ -27,7 +27,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
         let title = if results.verifying { "Verifying" } else { "Not verified yet" };
         return parts::empty(ui, &view.theme, title, "F5 runs the design on the full plant");
     };
-    parts::side("verdicts", &view.theme, 430.0).show(ui, |ui| {
+    parts::side("verdicts", &view.theme, 440.0).show(ui, |ui| {
         actions(ui, view, queue, standing);
         ui.add_space(space::SMALL);
         egui::ScrollArea::vertical().show(ui, |ui| table(ui, view, queue, found));
@@ -56,7 +56,10 @@ fn actions(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, standing: Standin
             queue.push(Command::Verify);
         }
         let export = ui.add_enabled(standing == Standing::Whole, egui::Button::new("Export code"));
-        if export.on_hover_text("Ctrl+E: into the folder that was chosen last, or out beside the project").clicked() {
+        if export
+            .on_hover_text("Ctrl+E: into the folder that was chosen last, or out beside the project")
+            .clicked()
+        {
             queue.push(Command::Export);
         }
         let elsewhere = ui.add_enabled(standing == Standing::Whole, egui::Button::new("Export into\u{2026}"));
@@ -105,23 +108,38 @@ fn row(ui: &mut Ui, theme: &Theme, (requirement, verdict): (&Requirement, &Verdi
     };
     let (figure, unit) = (requirement.figure.name(), requirement.figure.unit());
     let limit = format!("{value} {sign} {} {unit}", parts::short(requirement.limit.value()));
-    let (right, tint) = match verdict {
-        Verdict::Holds { .. } => (limit.clone(), theme.text),
-        _ => (format!("{mark}   {limit}"), colour),
-    };
-    let dot = egui::IdSalt::new("verdict");
-    let atoms = (egui::Atom::custom(dot, egui::Vec2::splat(8.0)), named(&figure, theme));
+    let tint = if matches!(verdict, Verdict::Holds { .. }) { theme.text } else { colour };
+    let sign = egui::IdSalt::new("verdict");
+    let atoms = (egui::Atom::custom(sign, egui::Vec2::splat(8.0)), named(&figure, theme));
     let button = egui::Button::selectable(chosen, atoms)
-        .right_text(RichText::new(right.trim_end()).small().color(tint))
+        .right_text(RichText::new(limit.trim_end()).small().color(tint))
         .wrap_mode(egui::TextWrapMode::Extend)
         .min_size(egui::vec2(ui.available_width(), 24.0));
     let shown = button.atom_ui(ui);
-    if let Some(at) = shown.rect(dot) {
-        ui.painter().circle_filled(at.center(), 4.0, colour);
+    if let Some(at) = shown.rect(sign) {
+        marked(ui, at.center(), verdict, colour);
     }
     let said = format!("{mark}: {figure}, {limit}");
     shown.response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, chosen, said.clone()));
     shown.response.on_hover_text(figure.as_ref() as &str).clicked()
+}
+
+/// A verdict as a sign that is told without colour: a dot, a cross, or a ring.
+fn marked(ui: &Ui, at: egui::Pos2, verdict: &Verdict, colour: egui::Color32) {
+    let (painter, stroke) = (ui.painter(), egui::Stroke::new(2.0, colour));
+    match verdict {
+        Verdict::Holds { .. } => {
+            painter.circle_filled(at, 4.0, colour);
+        }
+        Verdict::Fails { .. } => {
+            for side in [egui::vec2(4.0, 4.0), egui::vec2(4.0, -4.0)] {
+                painter.line_segment([at - side, at + side], stroke);
+            }
+        }
+        Verdict::NotApplicable { .. } => {
+            painter.circle_stroke(at, 3.5, stroke);
+        }
+    }
 }
 
 /// The name of a figure; where it has several parts, the first over the others.
@@ -131,6 +149,7 @@ fn named(figure: &str, theme: &Theme) -> egui::text::LayoutJob {
     let (head, rest) = figure.split_once(", ").unwrap_or((figure, ""));
     job.append(head, 0.0, format(13.0, theme.text));
     if !rest.is_empty() {
+        let rest = rest.replace("feedback + feedforward", "with feedforward");
         job.append(&format!("\n{rest}"), 0.0, format(11.0, theme.weak));
     }
     job
