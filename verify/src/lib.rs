@@ -6,7 +6,7 @@
 //! *Invariant*: nothing here knows how a controller was designed; nothing here reads a file, a clock or an unseeded random number.
 //!
 //! Modules in reading order: [`figure`], [`requirement`], [`procedure`], [`signals`], [`history`], [`linear`],
-//! [`nonlinear`], [`measure`], [`verification`], [`spectral`], [`difference`], [`robust`].
+//! [`nonlinear`], [`measure`], [`verification`], [`spectral`], [`difference`], [`robust`], [`structured`].
 //!
 //! ```
 //! use counterpoise_verify::{Figure, Limit, Requirement, Verdict};
@@ -28,6 +28,7 @@ pub mod requirement;
 pub mod robust;
 pub mod signals;
 pub mod spectral;
+pub mod structured;
 pub mod verification;
 
 pub use counterpoise_lti::{C64, Margins};

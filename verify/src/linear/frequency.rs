@@ -216,7 +216,7 @@ fn control_tone(plant: &SampledPlant, K: &CMat, P: &CMat, R: &[C64]) -> C64 {
 }
 
 /// The hold and the control's delay.
-fn hold(plant: &SampledPlant, rate: f64) -> C64 {
+pub(crate) fn hold(plant: &SampledPlant, rate: f64) -> C64 {
     let angle = rate * plant.sample_period_s;
     let j = C64::new(0.0, angle);
     (C64::new(1.0, 0.0) - (-j).exp()) / j * C64::from_polar(1.0, -angle * plant.delays.control as f64)

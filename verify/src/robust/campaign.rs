@@ -130,21 +130,28 @@ impl Campaign {
     /// # Errors
     /// As [`figures_of`].
     pub fn run(&self, index: usize) -> Result<Sample, Error> {
-        let factors = self.factors(index)?;
-        let seed = self.procedure.seed.wrapping_add(index as u64);
-        let values = self.values_at(&factors, seed)?;
-        Ok(Sample { index, factors, values })
+        self.run_with(index, self.factors(index)?)
     }
 
-    /// The figures of the mechanism with the given factors.
+    /// Runs one sample with other factors in the place of its own, and its own sensor noise.
     ///
     /// # Errors
     /// As [`figures_of`].
-    pub fn values_at(&self, factors: &[f64], seed: u64) -> Result<Vec<f64>, Error> {
-        let plant = Plant::lumped(&self.parameters(factors)?)?;
-        let procedure = Procedure { seed, ..self.procedure.clone() };
+    pub fn run_with(&self, index: usize, factors: Vec<f64>) -> Result<Sample, Error> {
         let figures: Vec<Figure> = self.requirements.iter().map(|requirement| requirement.figure).collect();
-        let values = figures_of(&plant, &self.controller, &procedure, &figures)?;
+        let values = self.values_at(&factors, index, &figures)?;
+        Ok(Sample { index, factors, values })
+    }
+
+    /// Some figures of the mechanism with the given factors, with the sensor noise of a sample; NaN where there is no such number.
+    ///
+    /// # Errors
+    /// As [`figures_of`].
+    pub fn values_at(&self, factors: &[f64], index: usize, figures: &[Figure]) -> Result<Vec<f64>, Error> {
+        let plant = Plant::lumped(&self.parameters(factors)?)?;
+        let seed = self.procedure.seed.wrapping_add(index as u64);
+        let procedure = Procedure { seed, ..self.procedure.clone() };
+        let values = figures_of(&plant, &self.controller, &procedure, figures)?;
         Ok(values
             .iter()
             .map(|value| if let Value::Is(number) = value { *number } else { f64::NAN })

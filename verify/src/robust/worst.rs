@@ -12,6 +12,8 @@ pub struct Worst {
     pub value: f64,
     /// The figure of the worst sample, where the search began.
     pub start: f64,
+    /// That sample, whose sensor noise the search keeps.
+    pub sample: usize,
     /// How many mechanisms were tried.
     pub tried: usize,
     /// Whether the search ended because its steps grew small, not because of its limit.
@@ -40,8 +42,7 @@ pub fn worst_case(
     let first =
         judged.min_by(|a, b| limit.room(a.values[requirement]).total_cmp(&limit.room(b.values[requirement])));
     let first = first.ok_or(Error::Length { what: "samples to search from", found: 0, needed: 1 })?;
-    let seed = first.index as u64;
-    let mut search = Search { campaign, requirement, seed, tried: 0 };
+    let mut search = Search { campaign, requirement, sample: first.index, tried: 0 };
     let mut at = search.quantiles(first)?;
     let mut value = search.value(&at)?;
     let mut step = FIRST_STEP;
@@ -56,6 +57,7 @@ pub fn worst_case(
         factors,
         value,
         start: first.values[requirement],
+        sample: first.index,
         tried: search.tried,
         converged: step < LAST_STEP,
     })
@@ -64,7 +66,7 @@ pub fn worst_case(
 struct Search<'a> {
     campaign: &'a Campaign,
     requirement: usize,
-    seed: u64,
+    sample: usize,
     tried: usize,
 }
 
@@ -80,7 +82,8 @@ impl Search<'_> {
 
     fn value(&mut self, quantiles: &[f64]) -> Result<f64, Error> {
         self.tried += 1;
-        Ok(self.campaign.values_at(&self.factors(quantiles), self.seed)?[self.requirement])
+        let figure = self.campaign.requirements()[self.requirement].figure;
+        Ok(self.campaign.values_at(&self.factors(quantiles), self.sample, &[figure])?[0])
     }
 
     /// The first neighbour with less room.

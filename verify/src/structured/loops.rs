@@ -1,0 +1,413 @@
+//! The uncertain parameters pulled out of a sampled loop.
+//!
+//! ```text
+//!          .--> Delta --.                 z = M w,   w = Delta z
+//!        z |            | w
+//!          '---- M <----'
+//! ```
+//!
+//! Real parameters act inside the continuous plant, each as a force or a voltage that its deviation adds; complex ones on the sampled
+//! control and on the sampled reading of the hub's gyroscope. M(jw) is exact for one tone: what a real parameter sends round through
+//! the aliases of that tone, which the hold and the plant weaken, is left out.
+
+use std::collections::HashMap;
+
+use counterpoise_controller::{Controller, READINGS};
+use counterpoise_lti::{C64, CMat, Mat, Response, StateSpace, Timebase};
+use counterpoise_models::parameters::Parameters;
+use counterpoise_models::plant::core::{input, state};
+use counterpoise_models::plant::{Angles, FrictionLinearisation, Mesh, OperatingPoint, Plant};
+
+use super::blocks::{Block, Structure};
+use super::factor::Factor;
+use super::places::Place;
+use crate::Error;
+use crate::linear::closed::resolver_use;
+use crate::linear::frequency::hold;
+use crate::linear::plant::{Resolver, port};
+use crate::linear::{Closed, SampledPlant};
+
+/// Readings that the loop goes through: hub gyroscope, tachometer, resolver.
+const FED_BACK: [usize; 3] = [1, 4, 5];
+/// The hub gyroscope among all readings.
+const HUB_GYRO: usize = 1;
+
+/// A parameter that is off, with the places where it acts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Uncertain {
+    /// Its factor over the deviation.
+    pub factor: Factor,
+    /// Where it acts.
+    pub places: Vec<Place>,
+}
+
+/// A signal that a deviation adds, and what it is proportional to.
+struct Channel {
+    place: (Place, usize),
+    /// What a unit of the signal adds to x'.
+    column: Vec<f64>,
+    /// z as a row over x.
+    row: Vec<f64>,
+    /// z as a row over x': an inertia's acceleration.
+    derivative: Vec<f64>,
+}
+
+/// The plant that channels are added to.
+struct Base {
+    A: Mat,
+    control: Vec<f64>,
+    /// Rows of the readings that are fed back.
+    readings: [Vec<f64>; 3],
+}
+
+/// A loop with its uncertain parts pulled out.
+pub struct UncertainLoop {
+    /// The structure of Delta: the parameters in order, then the errors at the plant's input and output that are not 0.
+    pub structure: Structure,
+    extended: Response,
+    sampled: Response,
+    controller: Response,
+    plant: SampledPlant,
+    errors: [f64; 2],
+    channels: usize,
+}
+
+impl UncertainLoop {
+    /// Pulls the uncertain parameters out of the loop of `nominal` (whose dry friction does not act) and `controller`; `errors` are the
+    /// relative errors of any phase at the plant's input and at the hub gyroscope's reading.
+    ///
+    /// # Errors
+    /// Those of the models, of the sampling and of the connection.
+    pub fn new(
+        (nominal, dry): (&Parameters, [f64; 2]),
+        (controller, at): (&Controller, &OperatingPoint),
+        uncertain: &[Uncertain],
+        errors: [f64; 2],
+    ) -> Result<Self, Error> {
+        let body = Plant::lumped(nominal)?;
+        let linear = body.linearise(&body.equilibrium(at), FrictionLinearisation::Viscous, Angles::Drop)?;
+        let plant = SampledPlant::new(&linear, nominal, resolver_use(controller))?;
+        let moment = controller.parts().design_out_of_balance_kg_m;
+        let closed = Closed::new(&plant, Some(controller), moment)?;
+        let K = closed.controller.ok_or(Error::NoController)?;
+        let slope = linear.system.B[(state::CURRENT, 0)] + linear.system.B[(state::VOLTAGE, 0)];
+        let base = base(&body, slope, resolver_use(controller));
+        let mut structure = Structure::default();
+        let mut channels = Vec::new();
+        for one in uncertain {
+            let own: Vec<Channel> =
+                one.places.iter().flat_map(|place| channels_of(*place, &body, &base, dry)).collect();
+            if !own.is_empty() {
+                structure.blocks.push(Block::Real { repeated: own.len() });
+            }
+            channels.extend(own.into_iter().map(|channel| (channel, one.factor)));
+        }
+        structure.blocks.extend(errors.iter().filter(|error| **error > 0.0).map(|_| Block::Complex));
+        let readings: Vec<usize> = (port::FIRST_READING..plant.sampled.outputs()).collect();
+        Ok(Self {
+            structure,
+            extended: Response::of(&extended(&base, &channels)?)?,
+            sampled: Response::of(&plant.sampled.select(&readings, &[port::CONTROL]))?,
+            controller: Response::of(&K)?,
+            plant,
+            errors,
+            channels: channels.len(),
+        })
+    }
+
+    /// The sample period, s.
+    pub fn sample_period_s(&self) -> f64 {
+        self.plant.sample_period_s
+    }
+
+    /// M at each rate in rad/s.
+    ///
+    /// # Errors
+    /// A response that does not exist because of a pole.
+    pub fn at(&self, rates_rad_s: &[f64]) -> Result<Vec<CMat>, Error> {
+        let G = self.extended.at_all(rates_rad_s)?;
+        let P = self.sampled.at_all(rates_rad_s)?;
+        let K = self.controller.at_all(rates_rad_s)?;
+        Ok((0..rates_rad_s.len()).map(|k| self.closed(rates_rad_s[k], &G[k], &P[k], &K[k])).collect())
+    }
+
+    /// With the computed control u, the tones of the readings y = P (u + w_u) + R w + e w_y, and u = K y.
+    fn closed(&self, rate: f64, G: &CMat, P: &CMat, K: &CMat) -> CMat {
+        let m = self.channels;
+        let zero = C64::new(0.0, 0.0);
+        let KP: C64 = (0..READINGS).map(|i| K[(0, i)] * P[(i, 0)]).sum();
+        let open = C64::new(1.0, 0.0) / (C64::new(1.0, 0.0) - KP);
+        let late = |i: usize| {
+            let samples = self.plant.delays.readings[i] as f64;
+            C64::from_polar(1.0, -rate * self.plant.sample_period_s * samples)
+        };
+        // the tone of reading i for input j of the continuous plant
+        let tone = |i: usize, j: usize| {
+            FED_BACK.iter().position(|fed| *fed == i).map_or(zero, |row| G[(m + row, j)] * late(i))
+        };
+        let held = hold(&self.plant, rate);
+        let kinds: Vec<usize> = (0..2).filter(|k| self.errors[*k] > 0.0).collect();
+        let size = m + kinds.len();
+        let mut M = CMat::zeros(size, size);
+        for j in 0..size {
+            let error = (j >= m).then(|| kinds[j - m]);
+            let computed = open
+                * match error {
+                    None => (0..READINGS).map(|i| K[(0, i)] * tone(i, j)).sum::<C64>(),
+                    Some(0) => KP,
+                    Some(_) => K[(0, HUB_GYRO)],
+                };
+            let applied = computed + if error == Some(0) { C64::new(1.0, 0.0) } else { zero };
+            for i in 0..m {
+                let direct = if error.is_none() { G[(i, j)] } else { zero };
+                M[(i, j)] = direct + G[(i, m)] * held * applied;
+            }
+            for (row, kind) in kinds.iter().enumerate() {
+                let felt =
+                    P[(HUB_GYRO, 0)] * applied + if error.is_none() { tone(HUB_GYRO, j) } else { zero };
+                M[(m + row, j)] = if *kind == 0 { computed } else { felt } * self.errors[*kind];
+            }
+        }
+        M
+    }
+}
+
+/// The core with the gyroscope behind it and, where the controller reads it, the hub's angle.
+fn base(plant: &Plant, slope_per_drive: f64, resolver: Resolver) -> Base {
+    let core = plant.core(Mesh::Touching);
+    let (n, gyro) = (plant.core_order(), &plant.parameters().sensors.hub_gyro);
+    let (first, second, angle) = (n, n + 1, n + 2);
+    let mut A = Mat::zeros(n + 3, n + 3);
+    A.set_block(0, 0, &core.A);
+    let hub = plant.hub_rate_row();
+    if gyro.natural_frequency_rad_s.is_finite() {
+        let (w, z) = (gyro.natural_frequency_rad_s, gyro.damping_ratio);
+        A[(first, second)] = w;
+        (0..n).for_each(|j| A[(second, j)] = w * hub[j]);
+        (A[(second, first)], A[(second, second)]) = (-w, -2.0 * z * w);
+    }
+    if resolver == Resolver::Read {
+        (0..n).for_each(|j| A[(angle, j)] = hub[j]);
+    }
+    let drive = core.B[(state::CURRENT, input::DRIVE)] + core.B[(state::VOLTAGE, input::DRIVE)];
+    let mut control: Vec<f64> = (0..n).map(|i| core.B[(i, input::DRIVE)] * slope_per_drive / drive).collect();
+    control.resize(n + 3, 0.0);
+    let readings = readings(plant, (first, angle));
+    Base { A, control, readings }
+}
+
+fn readings(plant: &Plant, (gyro_state, angle): (usize, usize)) -> [Vec<f64>; 3] {
+    let (sensors, n) = (&plant.parameters().sensors, plant.core_order());
+    let mut gyro = plant.hub_rate_row();
+    gyro.resize(n + 3, 0.0);
+    if sensors.hub_gyro.natural_frequency_rad_s.is_finite() {
+        gyro = one_at(n + 3, gyro_state);
+    }
+    gyro.iter_mut().for_each(|entry| *entry *= sensors.hub_gyro.gain);
+    let mut tachometer = one_at(n + 3, state::MOTOR);
+    let gain = sensors.motor_tachometer.as_ref().map_or(0.0, |sensor| sensor.gain);
+    tachometer.iter_mut().for_each(|entry| *entry *= gain);
+    let mut position = one_at(n + 3, angle);
+    let gain = sensors.hub_resolver.as_ref().map_or(0.0, |sensor| sensor.gain);
+    position.iter_mut().for_each(|entry| *entry *= gain);
+    [gyro, tachometer, position]
+}
+
+fn one_at(n: usize, at: usize) -> Vec<f64> {
+    let mut row = vec![0.0; n];
+    row[at] = 1.0;
+    row
+}
+
+/// What the deviation of a place adds: nothing where the plant has nothing there.
+fn channels_of(place: Place, plant: &Plant, base: &Base, dry: [f64; 2]) -> Vec<Channel> {
+    let size = base.A.nrows();
+    let wide = |row: Vec<f64>, factor: f64| -> Vec<f64> {
+        let mut row: Vec<f64> = row.iter().map(|entry| entry * factor).collect();
+        row.resize(size, 0.0);
+        row
+    };
+    let torque = Torques::of(plant);
+    let (p, motor_rate) = (plant.parameters(), one_at(size, state::MOTOR));
+    let (hub, tip) = (plant.hub_rate_row(), plant.tip_rate_row());
+    let Some(lumped) = p.lumped.as_ref() else { return Vec::new() };
+    let less = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(a, b)| a - b).collect::<Vec<f64>>();
+    let between = less(&torque.hub, &torque.tip);
+    let none = || vec![0.0; size];
+    let force = |column: &[f64], row: Vec<f64>| vec![(wide(column.to_vec(), 1.0), row, none())];
+    let inertial = |column: &[f64], row: Vec<f64>| vec![(wide(column.to_vec(), -1.0), none(), row)];
+    let made = match place {
+        Place::HubInertia => inertial(&torque.hub, wide(hub, lumped.hub_inertia_kg_m2)),
+        Place::BeamInertia => inertial(&torque.tip, wide(tip, lumped.beam_inertia_kg_m2)),
+        Place::MotorInertia => inertial(&torque.motor, wide(motor_rate, p.motor.inertia_kg_m2)),
+        Place::StructureStiffness => {
+            force(&between, wide(less(&tip_angle(plant), &plant.hub_angle_row()), lumped.stiffness_nm_rad))
+        }
+        Place::StructureDamping => force(&between, wide(less(&tip, &hub), lumped.damping_nm_s_rad)),
+        Place::MotorViscous => {
+            force(&torque.motor, wide(motor_rate, dry[0] - p.motor_friction.viscous_nm_s_rad))
+        }
+        Place::PivotViscous => force(&torque.hub, wide(hub, dry[1] - p.pivot_friction.viscous_nm_s_rad)),
+        Place::MotorDry => force(&torque.motor, wide(motor_rate, -dry[0])),
+        Place::PivotDry => force(&torque.hub, wide(hub, -dry[1])),
+        Place::GearStiffness => {
+            force(&torque.mesh, wide(one_at(size, state::WINDUP), p.gearbox.stiffness_nm_rad))
+        }
+        Place::TorqueConstant => {
+            force(&torque.motor, wide(one_at(size, state::CURRENT), p.motor.torque_constant_nm_a))
+        }
+        Place::Resistance => resistance(plant, size),
+        Place::GyroBandwidth => gyroscope(base, plant.core_order()),
+    };
+    let acts = |(column, row, derivative): &(Vec<f64>, Vec<f64>, Vec<f64>)| {
+        column.iter().any(|e| *e != 0.0) && row.iter().chain(derivative).any(|e| *e != 0.0)
+    };
+    let channel = |(k, (column, row, derivative))| Channel { place: (place, k), column, row, derivative };
+    made.into_iter().filter(acts).enumerate().map(channel).collect()
+}
+
+/// Voltage on the armature; nothing with an ideal current source, whose current is what it is told.
+fn resistance(plant: &Plant, size: usize) -> Vec<(Vec<f64>, Vec<f64>, Vec<f64>)> {
+    let motor = &plant.parameters().motor;
+    let ideal = counterpoise_models::parameters::AmplifierDynamics::IdealCurrent;
+    if plant.parameters().amplifier.dynamics == ideal {
+        return Vec::new();
+    }
+    let mut column = one_at(size, state::CURRENT);
+    column.iter_mut().for_each(|entry| *entry /= motor.inductance_h);
+    let mut row = one_at(size, state::CURRENT);
+    row.iter_mut().for_each(|entry| *entry *= -motor.resistance_ohm);
+    vec![(column, row, vec![0.0; size])]
+}
+
+/// x1' = f w x2 and x2' = f w (u - x1 - 2 z x2).
+fn gyroscope(base: &Base, first: usize) -> Vec<(Vec<f64>, Vec<f64>, Vec<f64>)> {
+    let size = base.A.nrows();
+    [first, first + 1].map(|k| (one_at(size, k), base.A.row_vec(k), vec![0.0; size])).into()
+}
+
+/// What a unit of torque adds to x'.
+struct Torques {
+    hub: Vec<f64>,
+    tip: Vec<f64>,
+    motor: Vec<f64>,
+    mesh: Vec<f64>,
+}
+
+impl Torques {
+    fn of(plant: &Plant) -> Self {
+        let core = plant.core(Mesh::Touching);
+        let column = |j: usize| core.B.column(j).to_vec();
+        let mut tip = vec![0.0; plant.core_order()];
+        tip[state::RATE] = 1.0 / plant.body().inertia_kg_m2;
+        for (k, mode) in plant.body().modes.iter().enumerate() {
+            tip[state::MODES + 2 * k + 1] = mode.tip_shape;
+        }
+        let [hub, motor, mesh] = [input::HUB_TORQUE, input::MOTOR_TORQUE, input::MESH_TORQUE].map(column);
+        Self { hub, tip, motor, mesh }
+    }
+}
+
+fn tip_angle(plant: &Plant) -> Vec<f64> {
+    let mut row = vec![0.0; plant.core_order()];
+    row[state::ANGLE] = 1.0;
+    for (k, mode) in plant.body().modes.iter().enumerate() {
+        row[state::MODES + 2 * k] = mode.tip_shape;
+    }
+    row
+}
+
+/// (w, control) -> (z, readings). Parameters at one place multiply; a factor (1 + a d) / (1 + b d) turns w = (f - 1) z into
+/// w = d ((a - b) z - b w).
+fn extended(base: &Base, channels: &[(Channel, Factor)]) -> Result<StateSpace, Error> {
+    let (n, m) = (base.A.nrows(), channels.len());
+    let B = Mat::from_fn(n, m + 1, |i, j| channels.get(j).map_or(base.control[i], |c| c.0.column[i]));
+    let mut C = Mat::zeros(m + base.readings.len(), n);
+    let mut D = Mat::zeros(m + base.readings.len(), m + 1);
+    let mut before: HashMap<(usize, usize), Vec<usize>> = HashMap::new();
+    for (k, (channel, factor)) in channels.iter().enumerate() {
+        let d = Mat::row(&channel.derivative);
+        let (state, direct) = (&d * &base.A, &d * &B);
+        (0..n).for_each(|j| C[(k, j)] = channel.row[j] + state[(0, j)]);
+        (0..=m).for_each(|j| D[(k, j)] = direct[(0, j)]);
+        let same = before.entry((channel.place.0 as usize, channel.place.1)).or_default();
+        same.iter().for_each(|&other| D[(k, other)] += 1.0);
+        same.push(k);
+        let slope = factor.a - factor.b;
+        (0..n).for_each(|j| C[(k, j)] *= slope);
+        (0..=m).for_each(|j| D[(k, j)] *= slope);
+        D[(k, k)] -= factor.b;
+    }
+    for (k, row) in base.readings.iter().enumerate() {
+        (0..n).for_each(|j| C[(m + k, j)] = row[j]);
+    }
+    let kept: Vec<usize> = (0..n).filter(|&s| s != state::ANGLE && observed(base, s)).collect();
+    let all_rows: Vec<usize> = (0..C.nrows()).collect();
+    let all_columns: Vec<usize> = (0..=m).collect();
+    let (A, B) = (base.A.select(&kept, &kept), B.select(&kept, &all_columns));
+    Ok(StateSpace::new(A, B, C.select(&all_rows, &kept), D, Timebase::Continuous)?)
+}
+
+/// Whether a state has dynamics: the places of sensors that are not there stay empty.
+fn observed(base: &Base, s: usize) -> bool {
+    (0..base.A.nrows()).any(|j| base.A[(s, j)] != 0.0 || base.A[(j, s)] != 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::robust::{Distribution, Varied, varied};
+    use crate::structured::places::places;
+
+    /// Hub gyroscope's reading over the control of the mechanism with the given factor, straight from its linearisation.
+    fn direct(parameters: &Parameters, rate: f64) -> C64 {
+        let body = Plant::lumped(parameters).unwrap();
+        let at = body.equilibrium(&OperatingPoint::default());
+        let linear = body.linearise(&at, FrictionLinearisation::Viscous, Angles::Drop).unwrap();
+        let plant = SampledPlant::new(&linear, parameters, Resolver::Unread).unwrap();
+        let G = Response::of(&plant.continuous).unwrap().at(rate).unwrap();
+        G[(port::CURRENT + HUB_GYRO, 0)]
+    }
+
+    /// The same with the deviation closed around the extended plant.
+    fn pulled_out(parameters: &Parameters, (varied, factor): (Varied, Factor), delta: f64, rate: f64) -> C64 {
+        let body = Plant::lumped(parameters).unwrap();
+        let at = body.equilibrium(&OperatingPoint::default());
+        let linear = body.linearise(&at, FrictionLinearisation::Viscous, Angles::Drop).unwrap();
+        let slope = linear.system.B[(state::CURRENT, 0)] + linear.system.B[(state::VOLTAGE, 0)];
+        let base = base(&body, slope, Resolver::Unread);
+        let channels: Vec<(Channel, Factor)> = places(varied)
+            .iter()
+            .flat_map(|place| channels_of(*place, &body, &base, [0.0; 2]))
+            .map(|channel| (channel, factor))
+            .collect();
+        let m = channels.len();
+        let G = Response::of(&extended(&base, &channels).unwrap()).unwrap().at(rate).unwrap();
+        let rows: Vec<usize> = (0..m).collect();
+        let d = C64::new(delta, 0.0);
+        let loop_matrix = &CMat::eye(m) - &G.select(&rows, &rows).scale(d);
+        let z = counterpoise_lti::linalg::csolve(&loop_matrix, &G.select(&rows, &[m])).unwrap();
+        G[(m, m)] + (&G.select(&[m], &rows) * &z)[(0, 0)] * d
+    }
+
+    #[test]
+    fn a_deviation_closed_around_the_plant_is_the_plant_that_deviates() {
+        let rig = counterpoise_models::reference::rig();
+        let factor = Factor::of(Distribution::Uniform { low: 0.6, high: 1.9 });
+        for (varied, key) in varied::ALL {
+            for delta in [0.0, 0.8, -0.9] {
+                let mut parameters = rig.clone();
+                varied.scale(&mut parameters, factor.at(delta)).unwrap();
+                for rate in [1.0, 60.0, 280.0, 900.0] {
+                    let (found, told) =
+                        (pulled_out(&rig, (varied, factor), delta, rate), direct(&parameters, rate));
+                    assert!(
+                        (found - told).norm() < 1e-6 * told.norm(),
+                        "{key} {delta} {rate}: {found} {told}"
+                    );
+                }
+            }
+        }
+    }
+}

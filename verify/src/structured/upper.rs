@@ -1,0 +1,316 @@
+//! The upper bound of the structured singular value, by scalings D and G.
+//!
+//! ```text
+//!     M* D M + j (G M - M* G) < beta^2 D,   D = D* > 0,  G = G*   =>   mu(M) < beta
+//! ```
+//!
+//! D commutes with every perturbation of the structure; G is there for real blocks alone (Fan, Tits and Doyle 1991). For a fixed
+//! pair the inequality is a Cholesky factorisation: the bound is proved whatever the search did. The search for the pair is the
+//! method of centres (Boyd and El Ghaoui 1993): Newton's method finds the analytic centre of the pairs that prove the present bound,
+//! which proves a smaller one.
+
+use counterpoise_lti::{C64, CMat};
+
+use super::Structure;
+use super::blocks::Block;
+use super::hermitian::Factor;
+
+/// An upper bound with what proves it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UpperBound {
+    /// The bound of mu.
+    pub beta: f64,
+    /// The scaling D.
+    pub D: CMat,
+    /// The scaling G.
+    pub G: CMat,
+}
+
+impl UpperBound {
+    /// Whether the scalings prove the bound for a matrix: the definition, evaluated.
+    pub fn proves(&self, M: &CMat) -> bool {
+        Factor::of(&self.D).is_some() && Factor::of(&slack(M, &self.D, &self.G, self.beta.powi(2))).is_some()
+    }
+}
+
+/// The search ends where a step gains less than this, relative.
+const GAIN: f64 = 2e-3;
+/// Most steps of the method of centres.
+const STEPS: usize = 60;
+/// Most steps of Newton's method a centre.
+const NEWTON: usize = 25;
+/// Newton's method ends at this decrement: a rough centre is enough.
+const DECREMENT: f64 = 0.05;
+/// How far the next bound stays behind what the centre proves.
+const BEHIND: f64 = 0.25;
+/// The first bound that is centred, over what the start proves.
+const FIRST: f64 = 1.5;
+/// A bound is near what its centre proves below this ratio: only then does a small gain end the search.
+const NEAR: f64 = 1.006;
+/// Weight of |G|^2, which keeps the centre bounded.
+const REGULAR: f64 = 1e-7;
+/// A bound below this part of the largest singular value counts as none.
+const FLOOR: f64 = 1e-6;
+
+/// gamma D - M* D M - j (G M - M* G).
+fn slack(M: &CMat, D: &CMat, G: &CMat, gamma: f64) -> CMat {
+    let (Mh, j) = (M.h(), C64::new(0.0, 1.0));
+    let scaled = &D.scale(C64::new(gamma, 0.0)) - &(&(&Mh * D) * M);
+    &scaled - &(&(G * M) - &(&Mh * G)).scale(j)
+}
+
+/// An upper bound of mu(M) over a structure, within about a percent of the best that scalings D and G prove.
+///
+/// `near` is the bound of a similar matrix, of a neighbouring frequency, from which the search may start.
+pub fn upper_bound(M: &CMat, structure: &Structure, near: Option<&UpperBound>) -> UpperBound {
+    let scale = balanced(M, structure);
+    let n = M.nrows();
+    let inside = CMat::from_fn(n, n, |i, j| M[(i, j)] * (scale[i] / scale[j]));
+    let mut search = Search::new(&inside, structure, near.map(|bound| unscaled(bound, &scale)));
+    search.run();
+    let back = |X: &CMat| CMat::from_fn(n, n, |i, j| X[(i, j)] * (scale[i] * scale[j]));
+    UpperBound { beta: search.gamma.sqrt(), D: back(&search.D), G: back(&search.G) }
+}
+
+/// Scalings in balanced coordinates, of unit trace.
+fn unscaled(bound: &UpperBound, scale: &[f64]) -> (CMat, CMat) {
+    let n = scale.len();
+    let change = |X: &CMat| CMat::from_fn(n, n, |i, j| X[(i, j)] / (scale[i] * scale[j]));
+    let (D, G) = (change(&bound.D), change(&bound.G));
+    let size = C64::new(0.9 / D.trace().re, 0.0);
+    (D.scale(size), G.scale(size))
+}
+
+/// Osborne's scaling, one number a block: rows and columns of S M inv(S) of equal size.
+fn balanced(M: &CMat, structure: &Structure) -> Vec<f64> {
+    let mut scale = vec![1.0; M.nrows()];
+    for _ in 0..8 {
+        for (_, rows) in structure.placed() {
+            let outside = |k: &usize| !rows.contains(k);
+            let size = |i: usize, j: usize| (M[(i, j)] * (scale[i] / scale[j])).norm_sqr();
+            let others: Vec<usize> = (0..M.nrows()).filter(outside).collect();
+            let out: f64 =
+                rows.clone().flat_map(|i| others.iter().map(move |&j| (i, j))).map(|(i, j)| size(i, j)).sum();
+            let into: f64 =
+                rows.clone().flat_map(|i| others.iter().map(move |&j| (j, i))).map(|(i, j)| size(i, j)).sum();
+            if out > 0.0 && into > 0.0 {
+                let factor = (into / out).powf(0.25);
+                rows.clone().for_each(|k| scale[k] *= factor);
+            }
+        }
+    }
+    scale
+}
+
+/// An entry of a sparse Hermitian matrix.
+type Entry = (usize, usize, C64);
+
+/// A direction of D or of G.
+#[derive(Debug, Clone)]
+struct Direction {
+    /// Whether it belongs to G.
+    of_G: bool,
+    /// Its entries, both triangles.
+    entries: Vec<Entry>,
+}
+
+fn directions(structure: &Structure) -> Vec<Direction> {
+    let mut all = Vec::new();
+    for (block, rows) in structure.placed() {
+        let kinds = if matches!(block, Block::Real { .. }) { &[false, true][..] } else { &[false][..] };
+        for &of_G in kinds {
+            for a in rows.clone() {
+                all.push(Direction { of_G, entries: vec![(a, a, C64::new(1.0, 0.0))] });
+                for b in a + 1..rows.end {
+                    for unit in [C64::new(1.0, 0.0), C64::new(0.0, 1.0)] {
+                        all.push(Direction { of_G, entries: vec![(a, b, unit), (b, a, unit.conj())] });
+                    }
+                }
+            }
+        }
+    }
+    all
+}
+
+/// The search for the scalings of one matrix.
+struct Search<'a> {
+    M: &'a CMat,
+    directions: Vec<Direction>,
+    D: CMat,
+    G: CMat,
+    /// The square of a bound that (D, G) prove.
+    gamma: f64,
+    floor: f64,
+}
+
+impl<'a> Search<'a> {
+    fn new(M: &'a CMat, structure: &Structure, near: Option<(CMat, CMat)>) -> Self {
+        let n = M.nrows();
+        let size = M.norm_fro().powi(2).max(f64::MIN_POSITIVE);
+        let plain = (CMat::eye(n).scale(C64::new(0.5, 0.0)), CMat::zeros(n, n));
+        let mut search = Self {
+            M,
+            directions: directions(structure),
+            D: plain.0,
+            G: plain.1,
+            gamma: 1.01 * size,
+            floor: FLOOR * FLOOR * size,
+        };
+        if let Some((D, G)) = near {
+            let proved = Factor::of(&D).is_some() && Factor::of(&slack(M, &D, &G, 1.01 * size)).is_some();
+            if proved {
+                (search.D, search.G) = (D, G);
+            }
+        }
+        search
+    }
+
+    /// Leaves the best pair that was found, with the least gamma that it proves.
+    fn run(&mut self) {
+        let mut best = (self.least(), self.D.clone(), self.G.clone());
+        self.gamma = self.gamma.min(FIRST * best.0);
+        for _ in 0..STEPS {
+            if self.gamma <= self.floor || !self.centre() {
+                break;
+            }
+            let proved = self.least();
+            let near = self.gamma < NEAR * proved;
+            let gained = proved < (1.0 - GAIN) * best.0;
+            if proved < best.0 {
+                best = (proved, self.D.clone(), self.G.clone());
+            }
+            if near && !gained {
+                break;
+            }
+            self.gamma = proved + BEHIND * (self.gamma - proved);
+        }
+        (self.gamma, self.D, self.G) = best;
+    }
+
+    /// The least gamma that the present pair proves, by bisection, to a part in ten thousand.
+    fn least(&self) -> f64 {
+        let (mut low, mut high) = (self.floor.min(0.5 * self.gamma), self.gamma);
+        while high > 1.0001 * low {
+            let middle = if high > 4.0 * low { (low * high).sqrt() } else { 0.5 * (low + high) };
+            match Factor::of(&slack(self.M, &self.D, &self.G, middle)) {
+                Some(_) => high = middle,
+                None => low = middle,
+            }
+        }
+        high
+    }
+
+    /// Moves to the analytic centre of the pairs that prove the present gamma; false where no step was possible.
+    fn centre(&mut self) -> bool {
+        let mut moved = false;
+        for _ in 0..NEWTON {
+            let Some((step, decrement)) = self.newton() else { return moved };
+            if decrement < DECREMENT {
+                return true;
+            }
+            if !self.advance(&step, decrement) {
+                return moved;
+            }
+            moved = true;
+        }
+        moved
+    }
+
+    /// -log det F - log det D - log det (I - D) + |G|^2 / 2 times its weight; none outside the domain.
+    fn barrier(&self, D: &CMat, G: &CMat) -> Option<f64> {
+        let rest = &CMat::eye(D.nrows()) - D;
+        let parts = [slack(self.M, D, G, self.gamma), D.clone(), rest];
+        let sum: Option<f64> = parts.iter().map(|F| Some(Factor::of(F)?.log_det())).sum();
+        Some(0.5 * REGULAR * G.norm_fro().powi(2) - sum?)
+    }
+
+    fn advance(&mut self, step: &[f64], decrement: f64) -> bool {
+        let Some(here) = self.barrier(&self.D, &self.G) else { return false };
+        let mut length = 1.0;
+        while length > 1e-6 {
+            let (D, G) = self.moved(step, length);
+            if self.barrier(&D, &G).is_some_and(|there| there < here - 0.1 * length * decrement) {
+                (self.D, self.G) = (D, G);
+                return true;
+            }
+            length *= 0.5;
+        }
+        false
+    }
+
+    fn moved(&self, step: &[f64], length: f64) -> (CMat, CMat) {
+        let (mut D, mut G) = (self.D.clone(), self.G.clone());
+        for (direction, amount) in self.directions.iter().zip(step) {
+            let X = if direction.of_G { &mut G } else { &mut D };
+            for &(a, b, value) in &direction.entries {
+                X[(a, b)] += value * (length * amount);
+            }
+        }
+        (D, G)
+    }
+
+    /// Newton's step and its decrement.
+    ///
+    /// F = V* Pi V with V = [I; M] and Pi linear in (D, G): every trace of the gradient and of the Hessian is a sum over the few
+    /// entries of a direction in P = V inv(F) V*.
+    fn newton(&self) -> Option<(Vec<f64>, f64)> {
+        let n = self.M.nrows();
+        let V = CMat::eye(n).vstack(self.M);
+        let inverse = Factor::of(&slack(self.M, &self.D, &self.G, self.gamma))?.inverse();
+        let P = &(&V * &inverse) * &V.h();
+        let PD = Factor::of(&self.D)?.inverse();
+        let PR = Factor::of(&(&CMat::eye(n) - &self.D))?.inverse();
+        let wide: Vec<Vec<Entry>> = self.directions.iter().map(|d| multiplier(d, n, self.gamma)).collect();
+        let count = wide.len();
+        let mut gradient = vec![C64::new(0.0, 0.0); count];
+        let mut H = CMat::zeros(count, count);
+        for (i, one) in self.directions.iter().enumerate() {
+            let mut slope = -trace(&P, &wide[i]);
+            if one.of_G {
+                slope +=
+                    REGULAR * one.entries.iter().map(|e| (e.2.conj() * self.G[(e.0, e.1)]).re).sum::<f64>();
+                H[(i, i)] += REGULAR * one.entries.len() as f64;
+            } else {
+                slope += trace(&PR, &one.entries) - trace(&PD, &one.entries);
+            }
+            gradient[i] = C64::new(slope, 0.0);
+            for (j, other) in self.directions.iter().enumerate().take(i + 1) {
+                let mut curve = product(&P, &wide[i], &wide[j]);
+                if !one.of_G && !other.of_G {
+                    curve += product(&PD, &one.entries, &other.entries)
+                        + product(&PR, &one.entries, &other.entries);
+                }
+                H[(i, j)] += curve;
+            }
+        }
+        let mut step = gradient.clone();
+        Factor::of(&H)?.solve_in_place(&mut step);
+        let decrement = gradient.iter().zip(&step).map(|(g, s)| g.re * s.re).sum();
+        Some((step.iter().map(|s| -s.re).collect(), decrement))
+    }
+}
+
+/// The entries of a direction in Pi = [gamma D, -jG; jG, -D].
+fn multiplier(direction: &Direction, n: usize, gamma: f64) -> Vec<Entry> {
+    let j = C64::new(0.0, 1.0);
+    let places = |&(a, b, value): &Entry| {
+        if direction.of_G {
+            [(a, n + b, -j * value), (n + a, b, j * value)]
+        } else {
+            [(a, b, value * gamma), (n + a, n + b, -value)]
+        }
+    };
+    direction.entries.iter().flat_map(places).collect()
+}
+
+/// trace(P X).
+fn trace(P: &CMat, X: &[Entry]) -> f64 {
+    X.iter().map(|&(r, c, value)| (P[(c, r)] * value).re).sum()
+}
+
+/// trace(P X P Y).
+fn product(P: &CMat, X: &[Entry], Y: &[Entry]) -> f64 {
+    let pair =
+        |&(r, c, v): &Entry| -> f64 { Y.iter().map(|&(s, t, w)| (P[(t, r)] * v * P[(c, s)] * w).re).sum() };
+    X.iter().map(pair).sum()
+}

@@ -1,0 +1,189 @@
+//! The lower bound of the structured singular value by a search over the real parameters.
+//!
+//! With the real parameters held at x q, |q| <= 1, what the complex ones see is
+//!
+//! ```text
+//!     M_c(x q) = M_cc + M_cr x Q inv(I - M_rr x Q) M_rc
+//! ```
+//!
+//! and for one or two complex numbers mu of that is known: the largest spectral radius over their phases. The search raises it, one
+//! parameter at a time, and shrinks x until x mu(M_c(x q)) = 1: a perturbation of size x, whatever the power iteration did.
+
+use counterpoise_lti::linalg::csolve;
+use counterpoise_lti::{C64, CMat};
+
+use super::blocks::Block;
+use super::{Perturbation, Structure};
+
+/// Phases that are tried between two complex numbers, then refined.
+const PHASES: usize = 24;
+/// The angle between the phases is found to this, rad: at the end, and while parameters are compared.
+const NEARNESS: f64 = 1e-7;
+const ROUGHLY: f64 = 1e-2;
+/// Values that a parameter is tried at first, evenly from -1 to 1: a resonance is met only where it falls on the frequency.
+const LEVELS: usize = 17;
+/// Most rounds over all parameters; from the second on each moves by steps that are halved.
+const ROUNDS: usize = 7;
+/// Steps by which x is raised before its crossing is bisected, and by how much.
+const RAISES: (usize, f64) = (60, 1.03);
+
+/// The search begins at these multiples of 1 / `upper`: the larger, the more a parameter moves.
+const BEGINNINGS: [f64; 3] = [1.0, 1.5, 2.3];
+/// Most times that x is shrunk from one beginning.
+const SHRINKS: usize = 3;
+
+/// A perturbation of least size x near 1 / `upper`, from a start of the real parameters, none of which leaves its reach; none without one or two complex blocks, or
+/// where it would be much larger.
+pub fn vertex_bound(
+    M: &CMat,
+    structure: &Structure,
+    (start, reach): (&[f64], &[(f64, f64)]),
+    upper: f64,
+) -> Option<Perturbation> {
+    let search = Search::new(M, structure, reach)?;
+    let found = BEGINNINGS.iter().filter_map(|times| search.from(start, (times / upper, 1.0 / upper)));
+    let (x, q) = found.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (_, phases) = search.radius(&q, (x, NEARNESS))?;
+    let real = (0..q.len()).map(|k| C64::new(search.deviation(&q, k, x) / x, 0.0));
+    Some(Perturbation { beta: 1.0 / x, delta: real.chain(phases).collect() })
+}
+
+struct Search<'a> {
+    M: &'a CMat,
+    real: Vec<usize>,
+    complex: Vec<usize>,
+    /// The block of each real row.
+    owner: Vec<usize>,
+    /// The least and the largest deviation of each parameter.
+    reach: &'a [(f64, f64)],
+}
+
+impl<'a> Search<'a> {
+    fn new(M: &'a CMat, structure: &Structure, reach: &'a [(f64, f64)]) -> Option<Self> {
+        let (mut real, mut complex, mut owner) = (Vec::new(), Vec::new(), Vec::new());
+        for (block, rows) in structure.placed() {
+            if block == Block::Complex {
+                complex.extend(rows);
+            } else {
+                let number = owner.last().map_or(0, |last| last + 1);
+                owner.extend(rows.clone().map(|_| number));
+                real.extend(rows);
+            }
+        }
+        (1..=2).contains(&complex.len()).then_some(Self { M, real, complex, owner, reach })
+    }
+
+    /// The least x that is found from a beginning, and its parameters; x is at least `least`.
+    fn from(&self, start: &[f64], (begin, least): (f64, f64)) -> Option<(f64, Vec<f64>)> {
+        let mut q = start.to_vec();
+        self.ascend(&mut q, begin);
+        let mut best = (self.crossing(&q, least)?, q.clone());
+        for _ in 0..SHRINKS {
+            self.ascend(&mut q, 0.999 * best.0);
+            let x = self.crossing(&q, least)?;
+            if x > 0.999 * best.0 {
+                break;
+            }
+            best = (x, q.clone());
+        }
+        Some(best)
+    }
+
+    fn deviation(&self, q: &[f64], k: usize, x: f64) -> f64 {
+        (x * q[k]).clamp(self.reach[k].0, self.reach[k].1)
+    }
+
+    /// M_c(x q); none where I - M_rr x Q is singular.
+    fn seen(&self, q: &[f64], x: f64) -> Option<CMat> {
+        let (r, c) = (&self.real, &self.complex);
+        if r.is_empty() {
+            return Some(self.M.select(c, c));
+        }
+        let scaled = |rows: &[usize]| {
+            CMat::from_fn(rows.len(), r.len(), |i, j| {
+                self.M[(rows[i], r[j])] * self.deviation(q, self.owner[j], x)
+            })
+        };
+        let inner = csolve(&(&CMat::eye(r.len()) - &scaled(r)), &self.M.select(r, c)).ok()?;
+        Some(&self.M.select(c, c) + &(&scaled(c) * &inner))
+    }
+
+    /// The largest spectral radius over the phases, with the phases that make the eigenvalue real and positive.
+    fn radius(&self, q: &[f64], (x, nearness): (f64, f64)) -> Option<(f64, Vec<C64>)> {
+        let S = self.seen(q, x)?;
+        if S.nrows() == 1 {
+            let value = S[(0, 0)];
+            return Some((value.norm(), vec![(value / value.norm()).conj()]));
+        }
+        let at = |angle: f64| largest(&S, C64::from_polar(1.0, angle));
+        let step = std::f64::consts::TAU / PHASES as f64;
+        let first = (0..PHASES).map(|k| step * k as f64);
+        let mut best = first.max_by(|a, b| at(*a).norm().total_cmp(&at(*b).norm()))?;
+        let mut span = step;
+        while span > nearness {
+            let near =
+                [best - span, best + span].into_iter().find(|angle| at(*angle).norm() > at(best).norm());
+            match near {
+                Some(angle) => best = angle,
+                None => span *= 0.5,
+            }
+        }
+        let value = at(best);
+        let turn = (value / value.norm()).conj();
+        Some((value.norm(), vec![turn, turn * C64::from_polar(1.0, best)]))
+    }
+
+    fn value(&self, q: &[f64], x: f64, nearness: f64) -> f64 {
+        self.radius(q, (x, nearness)).map_or(f64::INFINITY, |(radius, _)| radius)
+    }
+
+    fn ascend(&self, q: &mut [f64], x: f64) {
+        let mut best = self.value(q, x, ROUGHLY);
+        let even = |k: usize| 2.0 * k as f64 / (LEVELS - 1) as f64 - 1.0;
+        let mut step = even(1) + 1.0;
+        for round in 0..ROUNDS {
+            for k in 0..q.len() {
+                let tried: Vec<f64> = match round {
+                    0 => (0..LEVELS).map(even).collect(),
+                    _ => [-step, step].iter().map(|by| (q[k] + by).clamp(-1.0, 1.0)).collect(),
+                };
+                for level in tried {
+                    let old = std::mem::replace(&mut q[k], level);
+                    let value = self.value(q, x, ROUGHLY);
+                    if value > best && value.is_finite() { best = value } else { q[k] = old }
+                }
+            }
+            if round > 0 {
+                step *= 0.5;
+            }
+        }
+    }
+
+    /// The first x from `from` on with x mu = 1.
+    fn crossing(&self, q: &[f64], from: f64) -> Option<f64> {
+        let enough = |x: f64| x * self.value(q, x, NEARNESS) >= 1.0;
+        let (mut low, mut high) = (0.97 * from, from);
+        let mut raises = 0;
+        while !enough(high) {
+            (low, high) = (high, high * RAISES.1);
+            raises += 1;
+            if raises > RAISES.0 {
+                return None;
+            }
+        }
+        while high - low > 1e-9 * high {
+            let middle = 0.5 * (low + high);
+            if enough(middle) { high = middle } else { low = middle }
+        }
+        Some(high)
+    }
+}
+
+/// The eigenvalue of largest modulus of S diag(1, turn).
+fn largest(S: &CMat, turn: C64) -> C64 {
+    let (a, b, c, d) = (S[(0, 0)], S[(0, 1)] * turn, S[(1, 0)], S[(1, 1)] * turn);
+    let (half, product) = (0.5 * (a + d), a * d - b * c);
+    let root = (half * half - product).sqrt();
+    let (plus, minus) = (half + root, half - root);
+    if plus.norm() > minus.norm() { plus } else { minus }
+}
