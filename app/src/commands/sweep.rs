@@ -5,11 +5,12 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use counterpoise::report::{Context as PageContext, html, sweep};
+use counterpoise::report::{Context as PageContext, html, robust, sweep};
 use counterpoise_project::Purpose;
 use counterpoise_project::pipeline::export::project_hash;
 use counterpoise_project::pipeline::{self, Designed};
-use counterpoise_project::verify::robust::{Campaign, Member, Sample, merge, summary};
+use counterpoise_project::verify::robust::{Campaign, Member, Sample, Worst, merge, summary, worst_case};
+use counterpoise_project::verify::structured::RobustStability;
 use rayon::prelude::*;
 
 use super::{Done, verdict_code};
@@ -29,12 +30,15 @@ pub struct SweepOptions {
     /// Run one shard alone, for example 17/400 (the first is 0), and write its file
     #[arg(long, value_name = "K/N", conflicts_with_all = ["merge", "sample"])]
     pub shard: Option<String>,
-    /// Put the shards of the folder together, running nothing
+    /// Put the shards of the folder together, running no sample
     #[arg(long, conflicts_with = "sample")]
     pub merge: bool,
     /// Run one sample again and print its factors and figures
     #[arg(long, value_name = "NUMBER")]
     pub sample: Option<usize>,
+    /// Other factors for that sample, for example friction=2,backlash=0 (as the worst cases are told)
+    #[arg(long, value_name = "KEY=FACTOR,...", requires = "sample", value_delimiter = ',')]
+    pub factors: Vec<String>,
     /// Where results go.
     #[command(flatten)]
     pub results: Results,
@@ -43,6 +47,9 @@ pub struct SweepOptions {
 /// Samples in a shard where nobody says how many shards there are.
 const SHARD: usize = 50;
 
+/// Most mechanisms that the search for a worst case tries, a requirement.
+const TRIED: usize = 60;
+
 /// A campaign with its name: only files of the same name belong together.
 struct Named {
     designed: Designed,
@@ -50,13 +57,15 @@ struct Named {
     name: String,
     families: Vec<Member>,
     title: String,
+    /// The linear worst case, where the whole campaign is reported.
+    stability: Option<RobustStability>,
 }
 
 /// Runs the command.
 pub fn run(options: &SweepOptions) -> Done {
     let named = prepare(options)?;
     if let Some(index) = options.sample {
-        return one_sample(&named, index, &options.results);
+        return one_sample(&named, (index, &options.factors), &options.results);
     }
     if let Some(shard) = &options.shard {
         let (shard, of) = shard_of(shard)?;
@@ -88,12 +97,21 @@ fn prepare(options: &SweepOptions) -> Result<Named> {
     let world = Surroundings::of(&loaded, options.results.quiet);
     let designed = pipeline::design(&loaded.project, &world)?;
     let campaign = pipeline::campaign(&loaded.project, &designed.modelled, &designed.verified, &world)?;
-    let families = match options.shard.is_some() || options.sample.is_some() {
-        true => Vec::new(),
-        false => pipeline::families(&loaded.project, &designed.modelled, &designed.verified, &world)?,
+    let (families, stability) = match options.shard.is_some() || options.sample.is_some() {
+        true => (Vec::new(), None),
+        false => (
+            pipeline::families(&loaded.project, &designed.modelled, &designed.verified, &world)?,
+            pipeline::robust_stability(
+                &loaded.project,
+                &designed.modelled,
+                designed.verified.controller(),
+                &world,
+            )?,
+        ),
     };
     let name = format!("{} {} {}", env!("CARGO_PKG_VERSION"), project_hash(&loaded.project), campaign.len());
-    Ok(Named { designed, campaign, name, families, title: loaded.project.plant.name.clone() })
+    let title = loaded.project.plant.name.clone();
+    Ok(Named { designed, campaign, name, families, title, stability })
 }
 
 fn shard_of(text: &str) -> Result<(usize, usize)> {
@@ -151,7 +169,10 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
     )?;
     shards::write(&options.output.join("samples.parquet"), &named.campaign, &named.name, &samples)?;
     let found = named.designed.verified.verification();
-    let section = sweep::sections(&named.campaign, &samples, &named.families);
+    let worst = searched(named, &samples)?;
+    let mut section = vec![sweep::worst(&named.campaign, &worst, &options.project.display().to_string())];
+    section.extend(named.stability.as_ref().map(robust::section));
+    section.extend(sweep::sections(&named.campaign, &samples, &named.families));
     let subtitle = format!("{} mechanisms", samples.len());
     let context = PageContext {
         title: named.title.clone(),
@@ -162,11 +183,21 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
     let page = html(&sweep::report(found, &named.campaign, &samples, context));
     files::write(&options.output.join("report.html"), page.as_bytes())?;
     let passes = samples.iter().all(|sample| named.campaign.passes(sample));
-    if !output::json(&options.results, &summaries(named, &samples))? {
-        print(named, &samples);
+    if !output::json(&options.results, &summaries(named, &samples, &worst))? {
+        print(named, &summaries(named, &samples, &worst));
+        print_stability(named);
         say!("report  {}", options.output.join("report.html").display());
     }
     Ok(verdict_code(passes))
+}
+
+/// The worst case of each requirement, by a search from its worst sample; none where no sample could be judged.
+fn searched(named: &Named, samples: &[Sample]) -> Result<Vec<Option<Worst>>> {
+    let judged = |k: usize| samples.iter().any(|sample| !sample.values[k].is_nan());
+    let one = |k: usize| {
+        judged(k).then(|| worst_case(&named.campaign, samples, k, TRIED)).transpose().map_err(Into::into)
+    };
+    (0..named.campaign.requirements().len()).into_par_iter().map(one).collect()
 }
 
 /// A requirement over the campaign, for a machine.
@@ -179,9 +210,35 @@ struct Row {
     median: f64,
     q95: f64,
     worst_sample: Option<usize>,
+    worst_case: Option<WorstRow>,
 }
 
-fn summaries(named: &Named, samples: &[Sample]) -> Vec<Row> {
+/// The worst case that was found from the worst sample, and how to run it again.
+#[derive(serde::Serialize)]
+struct WorstRow {
+    value: f64,
+    meets: bool,
+    sample: usize,
+    factors: Vec<(&'static str, f64)>,
+    options: String,
+    tried: usize,
+    converged: bool,
+}
+
+fn worst_row(named: &Named, requirement: usize, worst: &Worst) -> WorstRow {
+    let keys = named.campaign.variations().iter().map(|variation| variation.parameter.key());
+    WorstRow {
+        value: worst.value,
+        meets: named.campaign.requirements()[requirement].limit.room(worst.value) >= 0.0,
+        sample: worst.sample,
+        factors: keys.zip(worst.factors.iter().copied()).collect(),
+        options: sweep::again(&named.campaign, worst),
+        tried: worst.tried,
+        converged: worst.converged,
+    }
+}
+
+fn summaries(named: &Named, samples: &[Sample], worst: &[Option<Worst>]) -> Vec<Row> {
     let row = |(k, requirement): (usize, &counterpoise_project::verify::Requirement)| {
         let found = summary(&named.campaign, samples, k);
         Row {
@@ -192,13 +249,14 @@ fn summaries(named: &Named, samples: &[Sample]) -> Vec<Row> {
             median: found.median,
             q95: found.q95,
             worst_sample: found.worst,
+            worst_case: worst[k].as_ref().map(|worst| worst_row(named, k, worst)),
         }
     };
     named.campaign.requirements().iter().enumerate().map(row).collect()
 }
 
-fn print(named: &Named, samples: &[Sample]) {
-    for row in summaries(named, samples) {
+fn print(named: &Named, rows: &[Row]) {
+    for row in rows {
         let (low, high) = (100.0 * row.interval.0, 100.0 * row.interval.1);
         let worst = row.worst_sample.map_or(String::new(), |k| format!(", worst: --sample {k}"));
         say!(
@@ -209,6 +267,23 @@ fn print(named: &Named, samples: &[Sample]) {
             output::figure(row.median),
             output::figure(row.q95)
         );
+        if let Some(worst) = &row.worst_case {
+            let word = if worst.meets { "still meets it" } else { "fails" };
+            say!("           worst case {} ({word}): {}", output::figure(worst.value), worst.options);
+        }
+    }
+    let all = named.campaign.len();
+    say!(
+        "shares are of {all} mechanisms; worst cases come from a search from the worst sample inside the ranges"
+    );
+}
+
+fn print_stability(named: &Named) {
+    match &named.stability {
+        Some(found) => robust::lines(found).iter().for_each(|line| say!("linear: {line}")),
+        None => say!(
+            "linear: no worst case, for nothing that enters the linear loop varies, or it is unstable as it is"
+        ),
     }
 }
 
@@ -220,11 +295,15 @@ struct One {
     figures: Vec<(String, f64)>,
 }
 
-fn one_sample(named: &Named, index: usize, results: &Results) -> Done {
+fn one_sample(named: &Named, (index, changed): (usize, &[String]), results: &Results) -> Done {
     if index >= named.campaign.len() {
         bail!("the campaign has {} samples: the last is {}", named.campaign.len(), named.campaign.len() - 1);
     }
-    let sample = named.campaign.run(index)?;
+    let mut factors = named.campaign.factors(index)?;
+    for change in changed {
+        changed_factor(&named.campaign, &mut factors, change)?;
+    }
+    let sample = named.campaign.run_with(index, factors)?;
     let keys = named.campaign.variations().iter().map(|variation| variation.parameter.key());
     let figures = named.campaign.requirements().iter().map(|requirement| requirement.figure.key());
     let one = One {
@@ -237,4 +316,21 @@ fn one_sample(named: &Named, index: usize, results: &Results) -> Done {
         one.figures.iter().for_each(|(key, value)| say!("{key} = {value:.6}"));
     }
     Ok(verdict_code(named.campaign.passes(&sample)))
+}
+
+/// Sets the factor of a variation from `key=factor`.
+fn changed_factor(campaign: &Campaign, factors: &mut [f64], change: &str) -> Result<()> {
+    let told = || {
+        format!("--factors {change}: write KEY=FACTOR with a factor of at least 0, for example friction=2")
+    };
+    let (key, factor) = change.split_once('=').with_context(told)?;
+    let factor: f64 = factor.trim().parse().with_context(told)?;
+    if !(factor >= 0.0 && factor.is_finite()) {
+        bail!(told());
+    }
+    let keys: Vec<&str> = campaign.variations().iter().map(|variation| variation.parameter.key()).collect();
+    let at = keys.iter().position(|one| *one == key.trim());
+    let at = at.with_context(|| format!("--factors {change}: what varies here is {}", keys.join(", ")))?;
+    factors[at] = factor;
+    Ok(())
 }

@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 use clap::{Args, ValueEnum};
-use counterpoise::report::{Context, difference, html, of_verification};
+use counterpoise::report::{Context, difference, html, of_verification, robust};
 use counterpoise_project::pipeline::{self, export::project_hash};
 use counterpoise_project::results::VerifyResult;
 use counterpoise_project::verify::difference::{Change, changes};
 use counterpoise_project::verify::signals::iso_road::{Drive, RoadClass, Vehicle, iso_road};
+use counterpoise_project::verify::structured::RobustStability;
 use counterpoise_project::verify::{Procedure, Verification};
 use counterpoise_project::{Project, Purpose, StructureChoice};
 
@@ -61,16 +62,18 @@ const DRIVE_S: (f64, f64, f64) = (30.0, 0.005, 1.0);
 
 /// Runs the command.
 pub fn run(options: &VerifyOptions) -> Done {
-    let (loaded, found) = verified(options, &options.project)?;
+    let (loaded, found, stability) = verified(options, &options.project)?;
     let before = options.against.as_ref().map(|path| verified(options, path)).transpose()?;
-    let changed = before.as_ref().map(|(_, before)| changes(before, &found));
+    let changed = before.as_ref().map(|(_, before, _)| changes(before, &found));
     if let Some(path) = &options.report {
-        files::write(path, page(options, &loaded, &found, changed.as_deref()).as_bytes())?;
+        files::write(
+            path,
+            page(options, (&loaded, &found, stability.as_ref()), changed.as_deref()).as_bytes(),
+        )?;
     }
     match &changed {
         Some(changed) => tell_changes(options, changed)?,
-        None if !output::json(&options.results, &VerifyResult::from(&found))? => print_verdicts(&found),
-        None => {}
+        None => tell(options, &found, stability.as_ref())?,
     }
     if let (Some(path), None) = (&options.report, &options.results.json) {
         say!("report  {}", path.display());
@@ -78,8 +81,28 @@ pub fn run(options: &VerifyOptions) -> Done {
     Ok(verdict_code(found.passes()))
 }
 
-/// A project's controller, verified as the options ask.
-fn verified(options: &VerifyOptions, path: &Path) -> Result<(Loaded, Verification)> {
+/// The verdicts and the linear worst case, for a machine.
+#[derive(serde::Serialize)]
+struct Told {
+    #[serde(flatten)]
+    result: VerifyResult,
+    /// Stable within so many times the ranges of the sweep; absent where nothing varies.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    robust_to_times_the_ranges: Option<f64>,
+}
+
+fn tell(options: &VerifyOptions, found: &Verification, stability: Option<&RobustStability>) -> Result<()> {
+    let robust_to_times_the_ranges = stability.map(|found| found.guaranteed);
+    let told = Told { result: VerifyResult::from(found), robust_to_times_the_ranges };
+    if !output::json(&options.results, &told)? {
+        print_verdicts(found);
+        stability.into_iter().flat_map(robust::lines).for_each(|line| say!("linear: {line}"));
+    }
+    Ok(())
+}
+
+/// A project's controller, verified as the options ask, and the linear worst case of its sweep's ranges.
+fn verified(options: &VerifyOptions, path: &Path) -> Result<(Loaded, Verification, Option<RobustStability>)> {
     let loaded = files::load(path, Purpose::Verify)?;
     output::warnings(&loaded, options.results.quiet);
     let world = Surroundings::of(&loaded, options.results.quiet);
@@ -101,7 +124,9 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<(Loaded, Verificatio
         PlantChoice::Linear => pipeline::verify_linear_on(project, &plant, &made, &procedure)?,
         _ => pipeline::verify_on(project, &plant, &made, &procedure)?.into_parts().1,
     };
-    Ok((loaded, found))
+    let controller = &made.sampled.controller;
+    let stability = pipeline::robust_stability(&loaded.project, &modelled, controller, &world)?;
+    Ok((loaded, found, stability))
 }
 
 fn with_structure(project: &Project, structure: StructureChoice) -> Project {
@@ -135,15 +160,14 @@ fn command(options: &VerifyOptions) -> String {
 
 fn page(
     options: &VerifyOptions,
-    loaded: &Loaded,
-    found: &Verification,
+    (loaded, found, stability): (&Loaded, &Verification, Option<&RobustStability>),
     changed: Option<&[Change]>,
 ) -> String {
     let command = command(options);
     let context = Context {
         title: loaded.project.plant.name.clone(),
         subtitle: "Verification of the controller as it is exported".to_owned(),
-        more: Vec::new(),
+        more: stability.map(robust::section).into_iter().collect(),
         provenance: vec![
             ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
             ("project hash".to_owned(), project_hash(&loaded.project)),

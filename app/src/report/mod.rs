@@ -21,6 +21,7 @@ pub mod identify;
 pub mod model;
 pub mod page;
 pub mod residual;
+pub mod robust;
 pub mod spectra;
 pub mod structure;
 pub mod style;

@@ -1,6 +1,6 @@
 //! The pages of a robustness campaign.
 
-use counterpoise_project::verify::robust::{Campaign, Member, Sample, ranking, summary};
+use counterpoise_project::verify::robust::{Campaign, Member, Sample, Worst, ranking, summary};
 use counterpoise_project::verify::{Limit, Requirement, Value, Verification};
 
 use super::verification::Context;
@@ -44,6 +44,57 @@ pub fn sections(campaign: &Campaign, samples: &[Sample], families: &[Member]) ->
         .listing(member_summary(campaign, families))
         .listing(member_table(campaign, families));
     vec![distributions, sensitivity, members]
+}
+
+/// The options of `counterpoise sweep` that run a worst case again.
+pub fn again(campaign: &Campaign, worst: &Worst) -> String {
+    let both = campaign.variations().iter().zip(&worst.factors);
+    let words: Vec<String> =
+        both.map(|(variation, factor)| format!("{}={factor:.6}", variation.parameter.key())).collect();
+    format!("--sample {} --factors {}", worst.sample, words.join(","))
+}
+
+/// The worst case of each requirement beside its worst sample.
+pub fn worst(campaign: &Campaign, found: &[Option<Worst>], project: &str) -> Section {
+    let columns = [
+        Column::Text("requirement"),
+        Column::Number("worst sample"),
+        Column::Number("worst case"),
+        Column::Text("verdict"),
+        Column::Text("factors"),
+    ];
+    let mut table = Table::new("", &columns);
+    for (k, worst) in found.iter().enumerate() {
+        let Some(worst) = worst else { continue };
+        let limit = campaign.requirements()[k].limit;
+        let verdict = match limit.room(worst.value) {
+            room if room >= 0.0 => Cell::Verdict(Tone::Good, "holds".to_owned()),
+            room => Cell::Verdict(Tone::Bad, format!("fails by {}", short(-room))),
+        };
+        let both = campaign.variations().iter().zip(&worst.factors);
+        let words: Vec<String> = both
+            .map(|(variation, factor)| format!("{} {}", variation.parameter.key(), short(*factor)))
+            .collect();
+        table.rows.push(vec![
+            Cell::text(format!("{} {}", name(campaign, k), bound(limit))),
+            Cell::number(worst.start),
+            Cell::number(worst.value),
+            verdict,
+            Cell::text(words.join(", ")),
+        ]);
+    }
+    let first = found.iter().flatten().next().map(|worst| again(campaign, worst));
+    let section = Section::new("Worst cases")
+        .saying(
+            "From the worst sample of each requirement a compass search goes on inside the stated ranges, with that sample's sensor noise. \
+             What it finds is at least as bad as the sample; something worse may exist.",
+        )
+        .listing(table);
+    match first {
+        Some(options) => section
+            .saying(format!("One is run again by, for example: counterpoise sweep {project} {options}")),
+        None => section,
+    }
 }
 
 fn name(campaign: &Campaign, requirement: usize) -> String {

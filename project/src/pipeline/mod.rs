@@ -30,7 +30,7 @@ use counterpoise_verify::VerifiedController;
 pub use consequence::{Consequence, consequence};
 pub use error::PipelineError;
 pub use export::export;
-pub use model::{Modelled, finite_elements, finite_elements_of, model};
+pub use model::{Modelled, cannot_hold, finite_elements, finite_elements_of, model};
 pub use reduce::{Reduced, reduce};
 pub use sweep::{campaign, families, robust_stability};
 pub use synth::{Synthesised, synthesise};

@@ -1,6 +1,8 @@
 //! The robustness campaign that the project asks for.
 
+use counterpoise_controller::Controller;
 use counterpoise_verify::robust::{Campaign, Member, configurations, one_at_a_time};
+use counterpoise_verify::structured::{RobustStability, Uncertainty};
 use counterpoise_verify::{Figure, VerifiedController};
 
 use super::{Modelled, PipelineError, World, procedure};
@@ -57,4 +59,29 @@ pub fn families(
     let mut members = one_at_a_time(parameters, controller, &procedure, &figures, &asked.families)?;
     members.extend(configurations(parameters, controller, &procedure, &figures)?);
     Ok(members)
+}
+
+/// How far the ranges of the project's variations may be widened together before the linear loop can be unstable; none where the
+/// project varies nothing, has no lumped structure, or its loop is unstable as it is.
+///
+/// # Errors
+/// As [`campaign`], and those of the linear loop.
+pub fn robust_stability(
+    project: &Project,
+    modelled: &Modelled,
+    controller: &Controller,
+    world: &dyn World,
+) -> Result<Option<RobustStability>, PipelineError> {
+    let Some(asked) = project.sweep.as_ref() else { return Ok(None) };
+    if modelled.parameters.lumped.is_none() {
+        return Ok(None);
+    }
+    let uncertainty = Uncertainty {
+        variations: asked.variations.clone(),
+        input_error: asked.input_error,
+        output_error: asked.output_error,
+    };
+    let procedure = procedure(project, world)?;
+    let parameters = &modelled.parameters;
+    Ok(counterpoise_verify::structured::robust_stability(parameters, controller, &procedure, &uncertainty)?)
 }

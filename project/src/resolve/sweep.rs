@@ -18,6 +18,10 @@ pub struct Sweep {
     pub variations: Vec<Variation>,
     /// Parameters that vary one at a time, with their factors.
     pub families: Vec<(Varied, Vec<f64>)>,
+    /// Relative error of any phase at the plant's input, in the linear worst case.
+    pub input_error: f64,
+    /// Relative error of any phase of the hub gyroscope's reading, in the linear worst case.
+    pub output_error: f64,
 }
 
 impl Choice for Varied {
@@ -63,6 +67,20 @@ const LOWEST_LOG: Field = LOW.limit(Limit::Above(0.0));
 const DEVIATION: Field = Field::new("deviation", "standard deviation about 1, cut off at three of them")
     .limit(Limit::AboveTo(0.0, 0.33));
 const FACTORS: Field = Field::new("factors", "one mechanism each").limit(Limit::AtLeast(0.0));
+/// Error of the plant's gain where none is stated.
+const GAIN_ERROR: f64 = 0.1;
+const INPUT_ERROR: Field = Field::new(
+    "input_error",
+    "in the linear worst case: relative error of any phase at the plant's input; 0 for none",
+)
+.limit(Limit::Between(0.0, 1.0))
+.or(GAIN_ERROR);
+const OUTPUT_ERROR: Field = Field::new(
+    "output_error",
+    "in the linear worst case: relative error of any phase of the hub gyroscope's reading; 0 for none",
+)
+.limit(Limit::Between(0.0, 1.0))
+.or(GAIN_ERROR);
 /// Most mechanisms of a campaign.
 const MOST_SAMPLES: f64 = 1e7;
 
@@ -74,6 +92,8 @@ pub(crate) fn blank() -> Sweep {
         layout: Points::LatinHypercube,
         variations: Vec::new(),
         families: Vec::new(),
+        input_error: GAIN_ERROR,
+        output_error: GAIN_ERROR,
     }
 }
 
@@ -84,6 +104,8 @@ pub(crate) fn sweep(v: &mut dyn Visit, sweep: &mut Sweep) {
     super::model::count(v, &samples.or(200.0).shown(), &mut sweep.samples);
     super::verify::seed(v, "of the campaign", &mut sweep.seed);
     choose(v, &POINTS, &mut sweep.layout);
+    v.number(&INPUT_ERROR, &mut sweep.input_error);
+    v.number(&OUTPUT_ERROR, &mut sweep.output_error);
     let blank = Variation {
         parameter: Varied::Inertia,
         distribution: Distribution::Uniform { low: f64::NAN, high: f64::NAN },
