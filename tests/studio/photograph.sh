@@ -29,7 +29,7 @@ shoot() { # NAME SIZE SCALE SECONDS POINTER COMMANDS...
         import -window root docs/$name.png
         kill \$pid || echo '$name: the window has ended by itself' >&2"
 }
-foot="300 794"
+foot="640 794"
 drag=$(for k in 26 27 28 29 30 31; do printf '{"set":{"path":"synth.feedback.error.gain","value":%s,"gesture":1}}\n' $k; done)
 shoot studio-design 1280x800 1 10 "$foot" '{"keep":{"slot":"A"}}' "$drag" '{"go":{"place":"design"}}'
 shoot studio-plant 1280x800 1 9 "$foot" '{"go":{"place":"plant"}}'
