@@ -121,3 +121,44 @@ fn a_campaign_tells_what_a_large_one_would_cost_unless_nothing_was_run() {
     assert!(run().contains("40 samples run in "), "only the shard that was missing");
     assert!(!run().contains("100000"), "nothing was run");
 }
+
+/// What the search from the worst samples finds is at least as bad, and its options run the same mechanism again.
+#[test]
+fn a_worst_case_is_told_and_can_be_run_again() {
+    let folder = folder("sweep_worst");
+    let run = |more: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_counterpoise"));
+        command.arg("sweep").arg(&folder).arg("-o").arg(folder.join("out")).arg("-q").args(more);
+        String::from_utf8(command.output().unwrap().stdout).unwrap()
+    };
+    let rows: serde_json::Value = serde_json::from_str(&run(&["--json"])).unwrap();
+    for (k, row) in rows.as_array().unwrap().iter().enumerate() {
+        let (worst, figure) = (&row["worst_case"], row["figure"].as_str().unwrap());
+        let options: Vec<&str> = worst["options"].as_str().unwrap().split(' ').collect();
+        let again: serde_json::Value = serde_json::from_str(&run(&[&options[..], &["--json"]].concat())).unwrap();
+        let (told, found) = (worst["value"].as_f64().unwrap(), again["figures"][k][1].as_f64().unwrap());
+        assert!((told - found).abs() < 1e-3 * told.abs(), "{figure}: {told} and {found}");
+        let least = row["q05"].as_f64().unwrap();
+        assert!(if k == 0 { told <= least } else { told >= row["q95"].as_f64().unwrap() }, "{figure}");
+    }
+    let text = run(&[]);
+    assert!(text.contains("linear: robust: stable for every mechanism within "), "{text}");
+    assert!(text.contains("linear: not in the linear loop") || text.contains("linear: dry friction counts"), "{text}");
+    let page = fs::read_to_string(folder.join("out/report.html")).unwrap();
+    assert!(page.contains("Linear worst case") && page.contains("Structured singular value"));
+}
+
+#[test]
+fn a_factor_that_does_not_vary_and_a_campaign_in_which_nothing_varies_are_told() {
+    let folder = folder("sweep_nothing");
+    let refused = sweep(&folder, "1", &["--sample", "3", "--factors", "inertai=2"]).output().unwrap();
+    let told = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(told.contains("what varies here is hub_inertia, friction"), "{told}");
+    let text = fs::read_to_string(folder.join("project.toml")).unwrap();
+    let cut = text.split("[[sweep.variation]]").next().unwrap().to_owned();
+    fs::write(folder.join("project.toml"), cut).unwrap();
+    let refused = sweep(&folder, "1", &[]).output().unwrap();
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("[[sweep.variation]]"));
+}

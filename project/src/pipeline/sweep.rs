@@ -26,6 +26,12 @@ pub fn campaign(
         .verify
         .as_ref()
         .ok_or(PipelineError::Missing { section: "verify", needed_by: "the campaign" })?;
+    if asked.variations.is_empty() {
+        return Err(PipelineError::Missing { section: "[sweep.variation]", needed_by: "the campaign" });
+    }
+    if judged.requirements.is_empty() {
+        return Err(PipelineError::Missing { section: "[verify.requirement]", needed_by: "the campaign" });
+    }
     Ok(Campaign::new(
         (modelled.parameters.clone(), verified.controller().clone()),
         procedure(project, world)?,

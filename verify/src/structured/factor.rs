@@ -46,13 +46,11 @@ impl Factor {
         self.centre * (1.0 + self.a * delta) / (1.0 + self.b * delta)
     }
 
-    /// The deviations at which the factor is positive and finite: no parameter is negative, however far its range is widened. A range
-    /// that begins at 0 ends there.
+    /// The deviations at which the factor is positive and finite: no parameter is 0 or less, however far its range is widened.
     pub fn reach(self) -> (f64, f64) {
-        let least = if self.a > 0.0 { -(1.0_f64 / self.a).max(1.0) } else { f64::NEG_INFINITY };
+        let least = if self.a > 0.0 { -1.0 / self.a } else { f64::NEG_INFINITY };
         let most = if self.b < 0.0 { -1.0 / self.b } else { f64::INFINITY };
-        let inside = |edge: f64| if edge.abs() > 1.0 { INSIDE * edge } else { edge };
-        (inside(least), inside(most))
+        (INSIDE * least, INSIDE * most)
     }
 }
 
@@ -62,11 +60,13 @@ mod tests {
 
     #[test]
     fn the_ends_and_the_middle_are_those_of_the_range() {
-        for (low, high) in [(0.8, 1.25), (0.5, 2.0), (0.0, 3.0), (0.9, 1.1)] {
+        for (low, high) in [(0.8, 1.25), (0.5, 2.0), (0.1, 3.0), (0.9, 1.1)] {
             let factor = Factor::of(Distribution::Uniform { low, high });
             let found = [factor.at(-1.0), factor.at(0.0), factor.at(1.0)];
             assert!((found[0] - low).abs() + (found[1] - 1.0).abs() + (found[2] - high).abs() < 1e-14);
         }
+        let from_nothing = Factor::of(Distribution::Uniform { low: 0.0, high: 3.0 });
+        assert!(from_nothing.at(-1.0) > 0.0 && from_nothing.at(-9.0) < 2e-3 && from_nothing.at(9.0).is_finite());
         let outside = Factor::of(Distribution::Uniform { low: 2.0, high: 4.0 });
         assert!((outside.at(-1.0) - 2.0).abs() + (outside.at(0.0) - 3.0).abs() < 1e-14);
     }
