@@ -1,10 +1,10 @@
 //! The controller in C99.
 
 use counterpoise_controller::Controller;
-use counterpoise_controller::program::{OnReset, Operation, Program, Programs, Slot};
+use counterpoise_controller::program::{OnReset, Operation, Program, Programs, Slot, StateGroup};
 use minijinja::{Environment, context};
 
-use crate::print::{Dialect, Printer, literal, state};
+use crate::print::{Dialect, Printer, literal, meaning, state};
 use crate::vectors::{Vector, shipped};
 use crate::{Error, File, Options, Precision, Provenance, READING_FIELDS, Source, check_name, check_range};
 
@@ -81,8 +81,17 @@ fn data(controller: &Controller, provenance: &[String], options: &Options) -> mi
         multiplications => programs.step.multiplications(),
         additions => programs.step.additions(),
         state_count => programs.state_count(),
+        state_bytes => programs.state_count() * if options.precision == Precision::Double { 8 } else { 4 },
+        needed => needed(controller),
         vectors => shipped(controller, options.precision).iter().map(|v| row(v, options.precision)).collect::<Vec<_>>(),
     }
+}
+
+/// Instructions that a step needs where a product, a sum, a load and a store are one each: every product loads its
+/// coefficient, every state is loaded and stored.
+fn needed(controller: &Controller) -> usize {
+    let (step, states) = (&controller.programs().step, controller.programs().state_count());
+    2 * step.multiplications() + step.additions() + 2 * states
 }
 
 /// The line of the header that begins with a word.
@@ -101,12 +110,12 @@ fn unused(step: &Program) -> Vec<&'static str> {
     state.into_iter().chain(input).collect()
 }
 
-fn state_fields(controller: &Controller) -> Vec<String> {
+/// Declarations of the states with their meanings.
+fn state_fields(controller: &Controller) -> Vec<(String, String)> {
     let groups = &controller.programs().states;
-    groups
-        .iter()
-        .map(|group| group.length.map_or(group.name.clone(), |n| format!("{}[{n}]", group.name)))
-        .collect()
+    let name =
+        |group: &StateGroup| group.length.map_or(group.name.clone(), |n| format!("{}[{n}]", group.name));
+    groups.iter().map(|group| (name(group), meaning(group))).collect()
 }
 
 /// Statements that put states to their start: a loop for an array that starts with one value.

@@ -1,6 +1,6 @@
 //! Operations as statements of C and Rust.
 
-use counterpoise_controller::program::{Operation, Program, Programs, Slot, Term};
+use counterpoise_controller::program::{Operation, Program, Programs, Slot, StateGroup, Term};
 
 use crate::Precision;
 
@@ -91,10 +91,20 @@ impl Printer<'_> {
                 vec![self.choose(&format!("{of} < {zero}"), &format!("-{of}"), &of)]
             }
             Operation::Clamp { of, low, high, .. } => {
-                let (of, low, high) = (self.slot(*of), self.literal(*low), self.literal(*high));
-                let inner = self.choose(&format!("{of} > {high}"), &high, &of);
-                vec![self.choose(&format!("{of} < {low}"), &low, &inner)]
+                self.limit(&self.slot(*of), &self.literal(*low), &self.literal(*high))
             }
+        }
+    }
+
+    /// Low where below it, else high where above it, else itself; in pieces between which a line may end.
+    fn limit(&self, of: &str, low: &str, high: &str) -> Vec<String> {
+        match self.dialect {
+            Dialect::C => limit(of, low, high),
+            Dialect::Rust => vec![
+                format!("if {of} < {low} {{ {low} }}"),
+                format!("else if {of} > {high} {{ {high} }}"),
+                format!("else {{ {of} }}"),
+            ],
         }
     }
 
@@ -131,6 +141,37 @@ impl Printer<'_> {
     /// A number as a literal that reads back as exactly this number of the target's precision.
     pub fn literal(&self, value: f64) -> String {
         literal(value, self.precision, self.dialect)
+    }
+}
+
+/// In C: low where below it, else high where above it, else itself; in pieces between which a line may end.
+pub(crate) fn limit(of: &str, low: &str, high: &str) -> Vec<String> {
+    vec![format!("({of} < {low}) ? {low}"), format!(": (({of} > {high}) ? {high}"), format!(": {of})")]
+}
+
+/// What a group of states holds, with its unit, for the reader of target code.
+pub(crate) fn meaning(group: &StateGroup) -> String {
+    let name = group.name.as_str();
+    let of = |ending: &str| name.strip_suffix(ending);
+    match name {
+        "out_of_balance_kg_m" => "out-of-balance in force, kg m".to_owned(),
+        "bias_v" => "control that holds it, V".to_owned(),
+        "transfer_v" => "what is left of the step of the last change, V".to_owned(),
+        "previous_control_v" => "limited control of the sample before, V".to_owned(),
+        "prefilter" => "reference prefilter".to_owned(),
+        "liveliness" => "estimator: mean square of its first regressor, (m/s^2)^2".to_owned(),
+        _ if name.starts_with("estimate_") => "estimator: a parameter".to_owned(),
+        _ if name.starts_with("variance_") => "estimator: a factor of its covariance".to_owned(),
+        _ if name.starts_with("factor_") => "estimator: a factor of its covariance".to_owned(),
+        _ if name.starts_with("lagged_") => "estimator: a signal after its lag".to_owned(),
+        _ if name.starts_with("window_") => "estimator: of the window that runs".to_owned(),
+        _ if name == "estimator_samples" => "estimator: samples so far".to_owned(),
+        _ if group.length.is_some() => format!("path {name}"),
+        _ => of("_gain")
+            .map(|path| format!("gain of path {path} at this out-of-balance"))
+            .or(of("_last_v").map(|path| format!("last output of path {path} before its gain, V")))
+            .or(of("_nm").map(|observer| format!("torque of friction observer {observer}, N m")))
+            .unwrap_or_default(),
     }
 }
 

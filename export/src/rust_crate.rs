@@ -1,10 +1,10 @@
 //! The controller as a Rust crate.
 
 use counterpoise_controller::Controller;
-use counterpoise_controller::program::{OnReset, Operation, Program, Slot};
+use counterpoise_controller::program::{OnReset, Operation, Program, Slot, StateGroup};
 use minijinja::{Environment, context};
 
-use crate::print::{Dialect, Printer, literal, state};
+use crate::print::{Dialect, Printer, literal, meaning, state};
 use crate::vectors::{Vector, shipped};
 use crate::{Error, File, Options, Precision, Provenance, READING_FIELDS, Source, check_name, check_range};
 
@@ -70,10 +70,11 @@ fn reads_input(program: &Program) -> bool {
     program.operations().any(reads)
 }
 
-fn state_fields(controller: &Controller) -> Vec<String> {
+/// Declarations of the states with their meanings.
+fn state_fields(controller: &Controller) -> Vec<(String, String)> {
     let kind = |length: Option<usize>| length.map_or("Real".to_owned(), |n| format!("[Real; {n}]"));
-    let groups = &controller.programs().states;
-    groups.iter().map(|group| format!("{}: {}", group.name, kind(group.length))).collect()
+    let field = |group: &StateGroup| format!("{}: {}", group.name, kind(group.length));
+    controller.programs().states.iter().map(|group| (field(group), meaning(group))).collect()
 }
 
 /// Field initialisers.

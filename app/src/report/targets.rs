@@ -95,7 +95,7 @@ pub fn section(told: &Told<'_>) -> Section {
         Err(why) => section.saying(format!("There is no fixed-point form: {why}.")),
     };
     let section = section.listing(proof_table(told.proofs)).listing(deviations(told.targets));
-    let section = section.listing(form_table(told.forms)).saying(work(told.operations));
+    let section = section.saying(ROUNDING).listing(form_table(told.forms)).saying(work(told.operations));
     let costs = told.costs;
     let section = if costs.counted.is_empty() { section } else { section.listing(cost_table(costs)) };
     match &costs.remark {
@@ -103,6 +103,12 @@ pub fn section(told: &Told<'_>) -> Section {
         None => section,
     }
 }
+
+/// What the predictions of rounding mean.
+const ROUNDING: &str = "Predicted: what every operation rounds is carried on by the derivatives of each step as it ran, estimators, \
+                        observers and limits included; a sample exceeds it with a probability of 3e-8. Worst case: every rounding \
+                        of a run goes the same way, with every number at the end of its range and the limiter inactive; a bound \
+                        where the step is linear, a measure where an estimator or a friction observer bends it.";
 
 fn work(operations: Operations) -> String {
     let Operations { multiplications, additions, states } = operations;
@@ -231,12 +237,13 @@ fn deviations(targets: &Targets) -> Table {
     let columns = [
         Column::Text("numbers"),
         Column::Number("largest, measured [V]"),
-        Column::Number("largest, likely [V]"),
-        Column::Number("largest, worst case [V]"),
+        Column::Number("largest, predicted [V]"),
+        Column::Number("worst case [V]"),
         Column::Number("RMS, measured [V]"),
         Column::Number("RMS, predicted [V]"),
     ];
-    let mut table = Table::new("Control against the reference for the same readings", &columns);
+    let title = "Control against the reference for the same readings, at every setting of the out-of-balance where a gain bends";
+    let mut table = Table::new(title, &columns);
     table.rows = targets.figures.iter().map(deviation_row).collect();
     table
 }

@@ -346,7 +346,7 @@ fn follow(seen: &Seen<'_>, estimator: &Estimator, states: &mut States, writer: &
     schedule::follow(writer, parts, layout);
     if let (Some(transfer), Some(before)) = (transfer, before) {
         let after = schedule::slow_part(writer, layout, "after");
-        let sum = writer.sum("new_transfer_v", &[(1.0, transfer), (1.0, before), (-1.0, after)]);
+        let sum = writer.sum("new_transfer_v", &[(1.0, before), (-1.0, after), (1.0, transfer)]);
         writer.copy(transfer, sum);
     }
 }

@@ -164,7 +164,7 @@ pub(crate) fn program(parts: &Parts, layout: &Layout) -> Program {
     if let (Some(transfer), Some(before)) = (layout.transfer, before) {
         writer.section("the step this makes is taken out, to fade in");
         let after = slow_part(&mut writer, layout, "after");
-        let sum = writer.sum("new_transfer_v", &[(1.0, transfer), (1.0, before), (-1.0, after)]);
+        let sum = writer.sum("new_transfer_v", &[(1.0, before), (-1.0, after), (1.0, transfer)]);
         writer.copy(transfer, sum);
     }
     writer.finish(None)

@@ -5,9 +5,9 @@ use counterpoise_controller::{READING_NAMES, READINGS};
 use minijinja::{Environment, context};
 
 use crate::c99::{assignments, line_with};
-use crate::fixed::plan::to_integer;
-use crate::fixed::{Fixed, FixedOperation, FixedProgram, FixedRunner};
-use crate::print::{Dialect, state, wrap};
+use crate::fixed::plan::{to_integer, unit};
+use crate::fixed::{FULL, Fixed, FixedOperation, FixedProgram, FixedRunner};
+use crate::print::{Dialect, limit, meaning, state, wrap};
 use crate::vectors::{SHIPPED_SAMPLES, vectors};
 use crate::{Error, File, Provenance, READING_FIELDS, Ranges, Source, check_name};
 
@@ -45,21 +45,18 @@ pub fn fixed_c99<'a>(
 
 fn data(fixed: &Fixed, provenance: &[String], name: &str) -> minijinja::Value {
     let programs = fixed.controller.programs();
-    let readings: Vec<(&str, i32, &str)> = READING_FIELDS
+    let readings: Vec<(&str, i32, &str, String)> = READING_FIELDS
         .iter()
         .zip(&fixed.step.inputs)
-        .map(|(field, bits)| (field.0, *bits, field.1))
+        .map(|(field, bits)| (field.0, *bits, field.1, full_scale(*bits)))
         .collect();
     let fields: Vec<String> = programs
         .states
         .iter()
         .map(|group| {
             let array = group.length.map_or(String::new(), |n| format!("[{n}]"));
-            format!(
-                "{}{array}; /* Q {} */",
-                group.name,
-                formats(&fixed.states[group.first..][..group.initial.len()])
-            )
+            let bits = formats(&fixed.states[group.first..][..group.initial.len()]);
+            format!("{}{array}; /* Q {bits}: {} */", group.name, meaning(group))
         })
         .collect();
     let printer = |program, fixed_program, input| Printer { fixed, name, program, fixed_program, input };
@@ -71,6 +68,10 @@ fn data(fixed: &Fixed, provenance: &[String], name: &str) -> minijinja::Value {
         readings,
         fields,
         control_bits => fixed.control_bits(),
+        control_full => full_scale(fixed.control_bits()),
+        set_full => full_scale(fixed.set_out_of_balance.inputs[0]),
+        limit => format!("{:?}", fixed.controller.limit_v()),
+        state_bytes => 4 * programs.state_count(),
         set_bits => fixed.set_out_of_balance.inputs[0],
         rate_hz => (1.0 / fixed.controller.sample_period_s()).round() as u64,
         period => format!("{:?}", fixed.controller.sample_period_s()),
@@ -85,6 +86,11 @@ fn data(fixed: &Fixed, provenance: &[String], name: &str) -> minijinja::Value {
         uses_narrow => uses_narrow(fixed),
         vectors => rows(fixed),
     }
+}
+
+/// The largest magnitude of a format.
+fn full_scale(bits: i32) -> String {
+    format!("{:.4}", FULL as f64 * unit(bits)).trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 fn formats(bits: &[i32]) -> String {
@@ -199,7 +205,7 @@ impl Printer<'_> {
             }
             FixedOperation::Clamp { into, of, low, high } => {
                 let of = self.slot(*of);
-                (*into, vec![format!("(({of} < {low}) ? {low} : (({of} > {high}) ? {high} : {of}))")])
+                (*into, limit(&of, &low.to_string(), &high.to_string()))
             }
         }
     }

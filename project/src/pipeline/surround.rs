@@ -1,8 +1,8 @@
 //! What surrounds the design's paths in the controller: the demand's prefilter, friction observers, the estimator.
 
-use counterpoise_controller::{Estimator, FrictionObserver, Learning, Parts, Signal};
+use counterpoise_controller::{Correction, Estimator, FrictionObserver, Learning, Parts, Signal};
 use counterpoise_lti::{StateSpace, c2d};
-use counterpoise_models::{Friction, MapPoint, Parameters};
+use counterpoise_models::{Friction, MapPoint, Parameters, Sensor, Sensors};
 use counterpoise_synth::{
     DesignPlant, Drive, Identified, Sampled, Sampling, Side, check, friction_observers,
 };
@@ -43,16 +43,60 @@ pub(crate) fn surrounded(
         Undo::Leave => Vec::new(),
         Undo::Undo => drive_curve(&amplifier.map, amplifier.stall_gain_a_v(&modelled.parameters.motor)),
     };
+    let corrections = corrections(asked, &modelled.parameters.sensors);
     let bare = prefilter.is_none() && observers.is_empty() && estimator.is_none() && drive_curve.is_empty();
-    if bare {
+    if bare && corrections.is_empty() {
         return Ok(sampled);
     }
     let change = |parts: &mut Parts| {
         (parts.prefilter, parts.observers, parts.estimator) = (prefilter, observers, estimator);
-        parts.drive_curve = drive_curve;
+        (parts.drive_curve, parts.corrections) = (drive_curve, corrections);
     };
     let controller = sampled.controller.with(change).map_err(counterpoise_synth::Error::from)?;
-    Ok(Sampled { certified: sampled.certified, ..solved(check(plant, controller, sampling)?)? })
+    let plant = sensed(plant, &modelled.parameters.sensors)?;
+    Ok(Sampled { certified: sampled.certified, ..solved(check(&plant, controller, sampling)?)? })
+}
+
+/// What takes the known gain and bias of each sensor out of its reading, where the project asks for it.
+fn corrections(asked: &Synthesis, sensors: &Sensors) -> Vec<Correction> {
+    if asked.around.sensor_errors == Undo::Leave {
+        return Vec::new();
+    }
+    let fitted = [
+        Some(&sensors.hub_gyro),
+        Some(&sensors.platform_gyro),
+        Some(&sensors.platform_accelerometer),
+        sensors.motor_tachometer.as_ref(),
+        sensors.hub_resolver.as_ref(),
+    ];
+    let wrong = |sensor: &Sensor| sensor.gain != 0.0 && (sensor.gain != 1.0 || sensor.bias != 0.0);
+    let each = fitted.into_iter().enumerate().filter_map(|(i, sensor)| {
+        let sensor = sensor.filter(|sensor| wrong(sensor))?;
+        let (gain, offset) = (1.0 / sensor.gain, -sensor.bias / sensor.gain);
+        // The first reading is the demand: no sensor.
+        Some(Correction { reading: i + 1, gain, offset })
+    });
+    each.collect()
+}
+
+/// The design plant with its sensors as they are.
+pub(crate) fn sensed(plant: &DesignPlant, sensors: &Sensors) -> Result<DesignPlant, PipelineError> {
+    Ok(DesignPlant {
+        hub_sensor: Some(sensors.hub_gyro.dynamics()?),
+        heave_sensor: Some(sensors.platform_accelerometer.dynamics()?),
+        pitch_sensor: Some(sensors.platform_gyro.dynamics()?),
+        ..plant.clone()
+    })
+}
+
+/// The sensors as the design takes them: where the controller undoes their errors, without.
+pub(crate) fn designed_on(asked: &Synthesis, sensors: &Sensors) -> Sensors {
+    let mut sensors = sensors.clone();
+    if asked.around.sensor_errors == Undo::Undo {
+        let all = [&mut sensors.hub_gyro, &mut sensors.platform_gyro, &mut sensors.platform_accelerometer];
+        all.into_iter().for_each(|sensor| sensor.gain = 1.0);
+    }
+    sensors
 }
 
 fn prefilter(asked: &Synthesis, sampling: &Sampling) -> Result<Option<StateSpace>, PipelineError> {

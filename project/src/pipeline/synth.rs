@@ -9,7 +9,8 @@ use counterpoise_synth::{
     alternative, design, discretise, discretise_schedule,
 };
 
-use super::surround::surrounded;
+use super::surround::{designed_on, surrounded};
+use super::model::CONVERTER_RANGE_V;
 use super::{Modelled, PipelineError, Reduced, balance};
 use crate::Project;
 use crate::resolve::design::Synthesis;
@@ -117,7 +118,7 @@ pub fn design_plant(
     modelled: &Modelled,
     reduced: &Reduced,
 ) -> Result<DesignPlant, PipelineError> {
-    let sensors = &modelled.parameters.sensors;
+    let sensors = designed_on(asked, &modelled.parameters.sensors);
     Ok(DesignPlant {
         system: reduced.system.clone(),
         control: LinearPlant::CONTROL,
@@ -131,9 +132,6 @@ pub fn design_plant(
         pade_order: asked.pade_order,
     })
 }
-
-/// Volts of the output converter beyond which the control is limited: the converter's own range.
-const CONVERTER_RANGE_V: f64 = 10.0;
 
 pub(crate) fn sampling(asked: &Synthesis, modelled: &Modelled) -> Result<Sampling, PipelineError> {
     let p = &modelled.parameters;

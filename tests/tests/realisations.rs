@@ -1,0 +1,126 @@
+//! Keys of the project file that decide what runs on the target, followed to the exported C: the realisation (it is the same
+//! controller, and its coefficients are as sensitive as was predicted), and the correction of the sensors' errors.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs, non_snake_case)]
+
+#[path = "../../export/tests/support/mod.rs"]
+mod support;
+
+use std::process::Command;
+
+use counterpoise_controller::sensitivity::Form;
+use counterpoise_export::{Options, Ranges, c99, single_precision};
+use counterpoise_project::Project;
+use counterpoise_project::pipeline::export::forms;
+use counterpoise_project::pipeline::{World, model, reduce, synthesise, verify};
+use counterpoise_verify::{Figure, VerifiedController};
+use support::{Random, Request, STRICT, Target, folder, is_there, provenance, run, server, write};
+
+struct Nothing;
+
+impl World for Nothing {
+    fn read(&self, name: &str) -> Result<Vec<u8>, String> {
+        Err(format!("{name} is not needed"))
+    }
+}
+
+const KEY: &str = "discretisation = \"tustin\"";
+
+/// The example of the sixth chapter with lines in the place of lines.
+fn verified(changes: &[(&str, &str)]) -> VerifiedController {
+    let file = format!("{}/../examples/appendix-5/chapter-6.toml", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(file).unwrap();
+    let text = changes.iter().fold(text, |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replacen(from, to, 1)
+    });
+    let project =
+        Project::parse(&text, "project.toml").map_err(|errors| errors[0].to_string()).unwrap().project;
+    let modelled = model(&project).unwrap();
+    let reduced = reduce(&project, &modelled).unwrap();
+    let made = synthesise(&project, &modelled, &reduced).unwrap();
+    verify(&project, &modelled, &made, &Nothing).unwrap()
+}
+
+fn gain_margin_db(verified: &VerifiedController) -> f64 {
+    let figure = Figure::all().into_iter().find(|figure| figure.key() == "gain_margin_db").unwrap();
+    verified.verification().value(figure).unwrap()
+}
+
+/// Small readings, so that the limiter stays out.
+fn readings() -> Vec<[f64; 6]> {
+    let mut random = Random(3);
+    (0..1500).map(|_| random.readings().map(|value| 0.02 * value)).collect()
+}
+
+/// What the C in single precision answers.
+fn answers(verified: &VerifiedController, name: &str) -> Vec<f64> {
+    let folder = folder(&format!("realisation_{name}"));
+    write(&folder, &c99(verified, &provenance(), &Options::single("axis")).unwrap());
+    std::fs::write(folder.join("server.c"), server(&["axis".into()])).unwrap();
+    let sources = ["server.c", "axis.c", "-o", "server"];
+    assert_eq!(run(Command::new("cc").current_dir(&folder).args(STRICT).args(sources)), "");
+    let asked: Vec<(usize, Request)> = readings().into_iter().map(|r| (0, Request::Step(r))).collect();
+    Target::start(&folder.join("server")).ask_all(&asked)
+}
+
+#[test]
+fn the_form_asked_for_is_what_is_exported_and_as_sensitive_as_predicted() {
+    if !is_there("cc") {
+        return println!("skipped: no C compiler");
+    }
+    let mut margins = Vec::new();
+    for (name, expected) in
+        [("modal", Some(Form::Modal)), ("balanced", Some(Form::Balanced)), ("least-sensitive", None)]
+    {
+        let verified = verified(&[(KEY, &format!("{KEY}\nrealisation = \"{name}\""))]);
+        let controller = verified.controller();
+        for each in forms(&verified).unwrap() {
+            let chosen = each.candidates.iter().find(|one| one.form == each.chosen).unwrap();
+            let least = each.candidates.iter().map(|one| one.predicted).fold(f64::INFINITY, f64::min);
+            println!(
+                "{name}, {}: {:?}, {} coefficients, response off by {:.1e} predicted, {:.1e} measured",
+                each.path, each.chosen, chosen.coefficients, chosen.predicted, chosen.measured
+            );
+            match expected {
+                Some(form) => assert_eq!(each.chosen, form, "{name}"),
+                None => assert!(chosen.predicted <= 10.0 * least, "{name}"),
+            }
+            assert!(chosen.measured < 6.0 * chosen.predicted, "{name}");
+        }
+        let (given, mut reference, mut single) =
+            (readings(), controller.runner(), controller.runner_in::<f32>());
+        let known = Ranges::from_readings(controller, std::slice::from_ref(&given), 4.0);
+        let predicted = single_precision(controller, &known, given.len());
+        let mut largest = 0.0_f64;
+        for (readings, answer) in given.iter().zip(answers(&verified, name)) {
+            assert_eq!(single.step_array(readings).to_bits(), answer.to_bits(), "{name}");
+            largest = largest.max((reference.step_array(readings) - answer).abs());
+        }
+        println!("{name}: C in single is off by {largest:.1e} V, {:.1e} V predicted", predicted.likely_v);
+        assert!(largest > 0.0 && largest <= predicted.likely_v);
+        margins.push(gain_margin_db(&verified));
+    }
+    assert!(margins.iter().all(|margin| (margin - margins[0]).abs() < 1e-6), "{margins:?}");
+}
+
+/// A gyroscope that reads 5 % too much and has a bias: left alone it moves the gain margin; corrected, the loop is the one of
+/// an ideal gyroscope, and the C carries the correction.
+#[test]
+fn known_sensor_errors_are_taken_out_of_the_readings() {
+    let sensor = "[plant.sensors.hub_gyro]\n";
+    let wrong = (sensor, &*format!("{sensor}gain = 1.05\nbias = 0.002\n"));
+    let undo = format!("{KEY}\nsensor_errors = \"undo\"");
+    let (ideal, left, undone) = (verified(&[]), verified(&[wrong]), verified(&[wrong, (KEY, &undo)]));
+    let [margin, moved, back] = [&ideal, &left, &undone].map(gain_margin_db);
+    println!("gain margin {margin:.4} dB with an ideal gyroscope, {moved:.4} left, {back:.4} corrected");
+    assert!((back - margin).abs() < 1e-6 && (moved - margin).abs() > 0.02);
+    let corrections = &undone.controller().parts().corrections;
+    assert_eq!(corrections.len(), 1);
+    assert!((corrections[0].gain - 1.0 / 1.05).abs() < 1e-15);
+    assert!(
+        (corrections[0].offset + 0.002 / 1.05).abs() < 1e-15
+            && left.controller().parts().corrections.is_empty()
+    );
+    let code = c99(&undone, &provenance(), &Options::double("axis")).unwrap()[1].text.clone();
+    assert!(code.contains("corrected_hub_rate_rad_s = -0.0019047619047619048"), "{code}");
+}
