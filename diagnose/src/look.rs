@@ -54,6 +54,11 @@ impl Look {
 }
 
 impl Look {
+    /// Whether its values are known from elsewhere.
+    pub fn is_seeded(&self) -> bool {
+        self.information.is_infinite()
+    }
+
     /// The look with its change taken `share` times: all knobs of a plain effect, the first of one with a shape. A ripple
     /// that is taken the other way round stays as it is.
     fn scaled(&self, share: f64, base: &Parameters) -> Self {
@@ -296,6 +301,44 @@ fn scanned(scene: &Scene, effect: &'static Effect) -> Option<Trial> {
     let best = if knob.mapping == Mapping::Whole { best.round() } else { best };
     let trial = towards(effect, scene.base, &[best]);
     (trial.directions[0][0] != 0.0).then_some(trial)
+}
+
+/// Points of a scan of judgements, and of each of its refinements.
+const JUDGED_SCAN: [usize; 3] = [32, 8, 8];
+/// Share of the distance that the best point of a scan must take off for it to be refined.
+const SCAN_WORTH: f64 = 0.15;
+
+/// The gap that fits the liveliest recording's first part best, played back, every gap from the start that is its own: what a
+/// wide gap does is not found from the start of a narrow one. None where no gap is worth a closer look.
+pub fn judged_gap(scene: &Scene) -> Option<Look> {
+    let effect = crate::library::named("gearbox", "backlash").next().filter(|_| !is_close(scene.judged))?;
+    let index = scene.bench.liveliest();
+    let played = |parameters: &Parameters, judged: &Judged| {
+        let near = Judged { drive: Drive::Playback, ..judged.clone() };
+        let misfits = scene.bench.misfit(parameters, index, Span::Head, &near)?;
+        Some(misfits.iter().map(|m| m.relative_rms().max(1.0).ln()).sum::<f64>())
+    };
+    let here = played(scene.base, &scene.judged[index])?;
+    let cost = |value: f64| {
+        let parameters = effect.applied(scene.base, &[value]);
+        let judged = scene.bench.judge(&parameters, index);
+        judged.and_then(|j| played(&parameters, &j)).unwrap_or(f64::INFINITY)
+    };
+    let [mut low, mut high] = scan_range(effect)?;
+    let (mut best, mut least) = (low, here);
+    for count in JUDGED_SCAN {
+        let value = |k: usize| low * (high / low).powf(k as f64 / (count - 1) as f64);
+        let costs = map(scene.pool, count, |k| cost(value(k)));
+        let lowest = (0..costs.len()).min_by(|&a, &b| costs[a].total_cmp(&costs[b]))?;
+        if costs[lowest] > (1.0 - SCAN_WORTH) * here {
+            return None;
+        }
+        if costs[lowest] < least {
+            (best, least) = (value(lowest), costs[lowest]);
+        }
+        (low, high) = (value(lowest.saturating_sub(1)), value((lowest + 1).min(count - 1)));
+    }
+    Some(Look::seeded(effect, vec![best], scene.judged.len()))
 }
 
 /// How many orders of a repeating torque go on from the scan.

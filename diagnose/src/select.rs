@@ -14,7 +14,7 @@ use crate::candidate::{finalists, held_out_parts, ranked, shortlist, telling_rec
 use crate::chance::by_chance;
 use crate::fit::{Fit, Problem, Selection};
 use crate::library::Effect;
-use crate::look::{Look, Reach, Scene, first_look, is_close, is_ripple, pairs};
+use crate::look::{Look, Reach, Scene, first_look, is_close, is_ripple, judged_gap, pairs};
 use crate::score::{Score, judge, score};
 use crate::tolerance::{
     BEYOND_CHANCE, EFFECTS_AT_MOST, FITTED_SHARE, GAIN_NEEDED, JOINT_KNOBS, NO_CHANCE, ONLY_THERE, PAIRS,
@@ -116,7 +116,10 @@ impl Searcher<'_> {
         let seeded = |(effect, start): &(&'static Effect, Vec<f64>)| {
             Look::seeded(effect, start.clone(), self.bench.count())
         };
-        let seeds: Vec<Look> = self.seeds.iter().filter(|_| taken.is_empty()).map(seeded).collect();
+        let mut seeds: Vec<Look> = self.seeds.iter().filter(|_| taken.is_empty()).map(seeded).collect();
+        if taken.is_empty() {
+            seeds.extend(judged_gap(&scene));
+        }
         let count = if effort == Effort::Full { SHORTLIST } else { RIVALS };
         let promising = |look: &&Look| is_worth_fitting(look.explained, &judged);
         let mut trials: Vec<Vec<Look>> =
@@ -166,9 +169,11 @@ impl Searcher<'_> {
         recordings.sort_unstable();
         recordings.dedup();
         let selection = Selection::trying(recordings);
+        // a start that is known from elsewhere may be far from where the recordings stand to the model
+        let near = if looks.iter().any(Look::is_seeded) { &[] } else { before };
         let fit = match (present, free) {
             (Some(fixed), None) => self.fit_on_top(fixed, effects, &start, &selection)?,
-            _ => self.fit(effects, &start, &selection, before)?,
+            _ => self.fit(effects, &start, &selection, near)?,
         };
         self.judged(fit, &selection.recordings, before)
     }
