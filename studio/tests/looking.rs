@@ -154,6 +154,10 @@ fn a_campaign_fills_its_table_and_a_requirement_leads_to_its_spread() {
     rest(&mut bench);
     assert_eq!(some(bench.state()), 30);
     assert!(says(&bench, "30 of 30 mechanisms"));
+    for node in bench.root().children_recursive().filter(|n| n.accesskit_node().raw_bounds().is_some()) {
+        let right = node.rect().right();
+        assert!(right < 1281.0, "{:?} ends at {right}, outside of the window", node.accesskit_node().label());
+    }
     bench.get_by_label("phase margin").click();
     rest(&mut bench);
     assert_eq!(bench.state().view.evidence, Evidence::Robustness);

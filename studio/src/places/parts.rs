@@ -103,6 +103,19 @@ fn worded(key: &str) -> String {
     }
 }
 
+/// The name of a figure; where it has several parts, the first over the others.
+pub fn figure(figure: &str, theme: &Theme) -> egui::text::LayoutJob {
+    let format = |size, colour| egui::TextFormat::simple(egui::FontId::proportional(size), colour);
+    let mut job = egui::text::LayoutJob::default();
+    let (head, rest) = figure.split_once(", ").unwrap_or((figure, ""));
+    job.append(head, 0.0, format(13.0, theme.text));
+    if !rest.is_empty() {
+        let rest = rest.replace("feedback + feedforward", "with feedforward");
+        job.append(&format!("\n{rest}"), 0.0, format(11.0, theme.weak));
+    }
+    job
+}
+
 /// What to do where there is nothing to show yet.
 pub fn empty(ui: &mut Ui, theme: &Theme, title: &str, text: &str) {
     ui.add_space(ui.available_height() * 0.3);

@@ -110,7 +110,7 @@ pub fn campaign(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, (measure
 fn rows(ui: &mut Ui, view: &mut View, robust: &Robust) {
     let theme = view.theme;
     parts::heading(ui, &format!("{} of {} mechanisms", robust.done, robust.of));
-    egui::Grid::new("robustness").num_columns(6).striped(true).spacing([16.0, 3.0]).show(ui, |ui| {
+    egui::Grid::new("robustness").num_columns(6).striped(true).spacing([12.0, 3.0]).show(ui, |ui| {
         for head in ["requirement", "limit", "holds", "median", "5 to 95 %", "moved most by"] {
             ui.label(RichText::new(head).small().color(theme.weak));
         }
@@ -128,7 +128,10 @@ fn rows(ui: &mut Ui, view: &mut View, robust: &Robust) {
 fn line(ui: &mut Ui, theme: &Theme, row: &RobustRow, chosen: bool) -> bool {
     let s = &row.summary;
     let sign = if matches!(row.requirement.limit, Limit::AtLeast(_)) { "\u{2265}" } else { "\u{2264}" };
-    let clicked = ui.selectable_label(chosen, row.requirement.figure.name()).clicked();
+    let name = row.requirement.figure.name();
+    let shown = ui.selectable_label(chosen, parts::figure(&name, theme));
+    shown.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, chosen, name.clone()));
+    let clicked = shown.on_hover_text(&name).clicked();
     let unit = row.requirement.figure.unit();
     ui.label(format!("{sign} {} {unit}", parts::short(row.requirement.limit.value())));
     let colour = if s.share >= 0.999 { theme.good } else { theme.bad };

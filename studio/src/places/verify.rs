@@ -110,7 +110,7 @@ fn row(ui: &mut Ui, theme: &Theme, (requirement, verdict): (&Requirement, &Verdi
     let limit = format!("{value} {sign} {} {unit}", parts::short(requirement.limit.value()));
     let tint = if matches!(verdict, Verdict::Holds { .. }) { theme.text } else { colour };
     let sign = egui::IdSalt::new("verdict");
-    let atoms = (egui::Atom::custom(sign, egui::Vec2::splat(8.0)), named(&figure, theme));
+    let atoms = (egui::Atom::custom(sign, egui::Vec2::splat(8.0)), parts::figure(&figure, theme));
     let button = egui::Button::selectable(chosen, atoms)
         .right_text(RichText::new(limit.trim_end()).small().color(tint))
         .wrap_mode(egui::TextWrapMode::Extend)
@@ -140,19 +140,6 @@ fn marked(ui: &Ui, at: egui::Pos2, verdict: &Verdict, colour: egui::Color32) {
             painter.circle_stroke(at, 3.5, stroke);
         }
     }
-}
-
-/// The name of a figure; where it has several parts, the first over the others.
-fn named(figure: &str, theme: &Theme) -> egui::text::LayoutJob {
-    let format = |size, colour| egui::TextFormat::simple(egui::FontId::proportional(size), colour);
-    let mut job = egui::text::LayoutJob::default();
-    let (head, rest) = figure.split_once(", ").unwrap_or((figure, ""));
-    job.append(head, 0.0, format(13.0, theme.text));
-    if !rest.is_empty() {
-        let rest = rest.replace("feedback + feedforward", "with feedforward");
-        job.append(&format!("\n{rest}"), 0.0, format(11.0, theme.weak));
-    }
-    job
 }
 
 /// What a figure is read from.
