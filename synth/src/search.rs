@@ -135,6 +135,10 @@ pub enum Ended {
 
 /// First and last step of the search, as natural logarithms of factors.
 const STEPS: (f64, f64) = (0.7, 0.04);
+/// An answer must be better by this share to count: below it a search would walk a knob that hardly matters to its end.
+const LEAST_GAIN: f64 = 1e-5;
+/// Largest factor on a knob, as a natural logarithm: three decades.
+const REACH: f64 = 6.9;
 /// Weight of a missed requirement against rejection.
 const PENALTY: f64 = 100.0;
 /// Knobs: error gain, error corners, control corners, loop recovery.
@@ -200,8 +204,9 @@ pub fn search(
                 trials += 1;
                 let next = std::array::from_fn(|i| at[i] + step * direction[i]);
                 walks = false;
-                if let Outcome::Solved(trial) = problem.attempt(next)?
-                    && merit(&trial) < merit(&best)
+                if next.iter().all(|knob| knob.abs() <= REACH)
+                    && let Outcome::Solved(trial) = problem.attempt(next)?
+                    && merit(&trial) < (1.0 - LEAST_GAIN) * merit(&best)
                 {
                     (at, best, improved, walks) = (next, trial, true, true);
                 }

@@ -147,7 +147,7 @@ impl Page {
         self.put("<thead><tr>");
         for column in &table.columns {
             let (class, name) = class_and_name(*column);
-            self.form(format_args!("<th class=\"{class}\">{}</th>", escape(name)));
+            self.form(format_args!("<th class=\"{class}\">{}</th>", escape(&unit_in_one_piece(name))));
         }
         self.put("</tr></thead><tbody>\n");
         for row in &table.rows {
@@ -189,6 +189,14 @@ fn cell_markup(cell: &Cell) -> String {
                 escape(text)
             )
         }
+    }
+}
+
+/// The name with no line break inside its unit, which stands in brackets at its end.
+fn unit_in_one_piece(name: &str) -> String {
+    match name.rsplit_once('[') {
+        Some((words, unit)) => format!("{words}[{}", unit.replace(' ', "\u{A0}")),
+        None => name.to_owned(),
     }
 }
 
