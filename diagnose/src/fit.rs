@@ -1,6 +1,6 @@
 //! Output-error fit: Levenberg and Marquardt's method on the simulator's residuals.
 
-use counterpoise_linalg::{Mat, inverse, solve};
+use counterpoise_linalg::{Mat, inverse};
 use counterpoise_models::Parameters;
 
 use counterpoise_simulate::replay::START_FREEDOMS;
@@ -8,6 +8,7 @@ use counterpoise_simulate::replay::START_FREEDOMS;
 use crate::bench::{Bench, Judged, Pool, Span, StartShift, map};
 use crate::joint::StartColumns;
 use crate::library::{Effect, Knob, Mapping};
+use crate::slopes::{Linearised, damped_step, dot, long_run, stretch_sums};
 use crate::tolerance::{
     FIT_ITERATIONS, FIT_STEP, FIT_TOLERANCE, FITTED_SHARE, RESTART_WORTH, RESTARTS, SEARCH_ITERATIONS,
     STARTS_KEPT, STRETCH, STRETCHES_TOGETHER, SYSTEMATIC, TRIAL_ITERATIONS, TRIAL_RESTARTS,
@@ -177,7 +178,16 @@ impl Problem<'_> {
         let parameters = applied(self.base, &self.effects, &values);
         let effects = self.effects.clone();
         let stances = self.stances_at(&parameters, &now, &near);
-        Some(Fit { effects, values, parameters, cost: now.cost, information, scatter, limit_reached, stances })
+        Some(Fit {
+            effects,
+            values,
+            parameters,
+            cost: now.cost,
+            information,
+            scatter,
+            limit_reached,
+            stances,
+        })
     }
 
     /// How the recordings stand to the mechanism at given knob values, from what is known of a mechanism nearby.
@@ -271,7 +281,8 @@ impl Problem<'_> {
             let mut moved = now.x.clone();
             moved[j] += step;
             let there = self.at(&moved, near, &now.shifts);
-            let change = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| (a - b) / step).collect();
+            let change =
+                |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| (a - b) / step).collect();
             there.map_or_else(
                 || now.residual.iter().map(|r| vec![0.0; r.len()]).collect(),
                 |there| there.iter().zip(&now.residual).map(change).collect(),
@@ -339,23 +350,6 @@ fn runs_alike(a: &Fit, b: &Fit) -> bool {
     a.stances.iter().zip(&b.stances).all(|(a, b)| a.1.drive == b.1.drive)
 }
 
-/// Sums of slope x residual, stretch by stretch.
-fn stretch_sums(slope: &[f64], residual: &[f64], places: &[usize]) -> Vec<f64> {
-    let mut sums = vec![0.0; places.iter().max().map_or(0, |last| last + 1)];
-    for ((j, r), &place) in slope.iter().zip(residual).zip(places) {
-        sums[place] += j * r;
-    }
-    sums
-}
-
-/// Sum of the products of two series over all lags up to [`STRETCHES_TOGETHER`], with Bartlett's weights (Newey and
-/// West 1987): never negative for a series with itself.
-fn long_run(a: &[f64], b: &[f64]) -> f64 {
-    let lagged = |lag: usize| dot(a.get(lag..).unwrap_or(&[]), b) + dot(a, b.get(lag..).unwrap_or(&[]));
-    let weight = |lag: usize| 1.0 - lag as f64 / (STRETCHES_TOGETHER + 1) as f64;
-    dot(a, b) + (1..=STRETCHES_TOGETHER).map(|lag| weight(lag) * lagged(lag)).sum::<f64>()
-}
-
 /// Where a fit is.
 struct Place {
     x: Vec<f64>,
@@ -365,54 +359,15 @@ struct Place {
     cost: f64,
 }
 
-/// Curvature and gradient of the cost, and the gradient's scatter.
-struct Linearised {
-    normal: Mat,
-    gradient: Vec<f64>,
-    scatter: Mat,
-    /// For each knob, by how much the starts would move to do the same, recording by recording.
-    absorbed: Vec<Vec<StartShift>>,
-    /// By how much the starts would move to take the residual off.
-    alone: Vec<StartShift>,
-}
-
-impl Linearised {
-    /// The starts after a step of the knobs: each where it takes off what that step leaves.
-    fn moved_starts(&self, shifts: &[StartShift], step: &[f64], share: f64) -> Vec<StartShift> {
-        let one = |(r, shift): (usize, &StartShift)| {
-            let Some(alone) = self.alone.get(r) else { return *shift };
-            std::array::from_fn(|k| {
-                let taken: f64 = self.absorbed.iter().zip(step).map(|(a, s)| a[r][k] * s).sum();
-                shift[k] - share * (alone[k] - taken)
-            })
-        };
-        shifts.iter().enumerate().map(one).collect()
-    }
-}
-
 fn difference_step(knob: &Knob, x: f64) -> f64 {
     let step = if knob.mapping == Mapping::Whole { 1.0 } else { FIT_STEP };
     let upper = to_variable(knob, knob.bounds[1]);
     if x + step > upper { -step } else { step }
 }
 
-fn damped_step(normal: &Mat, gradient: &[f64], damping: f64) -> Option<Vec<f64>> {
-    let largest = normal.diagonal().into_iter().fold(0.0, f64::max).max(f64::MIN_POSITIVE);
-    let mut damped = normal.clone();
-    for i in 0..gradient.len() {
-        damped[(i, i)] += damping * normal[(i, i)].max(1e-9 * largest);
-    }
-    let step = solve(&damped, &Mat::col(gradient)).ok()?;
-    step.is_finite().then(|| step.as_slice().to_vec())
-}
-
 fn mean_square(residuals: &[Vec<f64>]) -> f64 {
     let count: usize = residuals.iter().map(Vec::len).sum();
     residuals.iter().map(|r| dot(r, r)).sum::<f64>() / count.max(1) as f64
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 /// 95 % intervals of a fit's values: the larger of Fisher's information, inflated by the residual's own size and colour,

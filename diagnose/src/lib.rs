@@ -6,7 +6,8 @@
 //!
 //! The road: the balances say where and when ([`locate`]); the first look ranks every effect of the library by its
 //! linearised signature ([`look`]); the best are fitted in the simulator ([`fit`]) and judged on what they were not
-//! fitted to ([`score`], [`select`]); the judge puts it into words ([`judge`]).
+//! fitted to ([`score`], [`select`]); what the noise in the loop alone would explain is taken off (`chance`); the judge puts it
+//! into words ([`judge`]).
 //!
 //! *Invariant*: nothing here knows a weight, a file, a thread or a clock; processors are handed in as a [`bench::Pool`].
 //!
@@ -28,15 +29,18 @@ pub mod locate;
 pub mod look;
 pub mod mend;
 pub mod noise;
+mod pairs;
 mod polish;
 pub mod qualify;
 pub mod refit;
 pub mod replays;
 pub mod residuals;
 pub mod scaled;
+mod scan;
 pub mod score;
 pub mod select;
 pub mod shape;
+mod slopes;
 pub mod tolerance;
 
 pub use diagnosis::Diagnosis;

@@ -7,17 +7,12 @@
 use counterpoise_linalg::{Mat, solve};
 use counterpoise_models::Parameters;
 
-use crate::bench::{Bench, Drive, Judged, Misfit, Pool, Span, map, rms};
+use crate::bench::{Bench, Judged, Misfit, Pool, Span, map, rms};
 use crate::fit::{from_variable, to_variable};
-use crate::library::{Effect, Knob, Mapping, scan_range};
+use crate::library::{Effect, Knob, Mapping};
+use crate::scan::{best_orders, scanned};
 use crate::score::{Part, score};
-use crate::tolerance::{EXPLAINED, PERIOD_SEEN};
-
-/// Orders at which something that repeats with an angle is looked for, per turn.
-const ORDERS: [f64; 25] = [
-    1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 14.0, 15.0, 16.0, 18.0, 20.0, 21.0, 22.0,
-    24.0, 28.0, 30.0, 36.0, 45.0, 60.0,
-];
+use crate::tolerance::EXPLAINED;
 
 /// How well an effect's signature explains the misfit, and where its fit should start.
 #[derive(Debug, Clone)]
@@ -35,7 +30,7 @@ pub struct Look {
     /// That size: the change of the first knob.
     pub change: f64,
     /// The fitted part of the weighted residual, thinned, for finding effects that act together.
-    trace: Vec<f64>,
+    pub(crate) trace: Vec<f64>,
 }
 
 impl Look {
@@ -61,7 +56,7 @@ impl Look {
 
     /// The look with its change taken `share` times: all knobs of a plain effect, the first of one with a shape. A ripple
     /// that is taken the other way round stays as it is.
-    fn scaled(&self, share: f64, base: &Parameters) -> Self {
+    pub(crate) fn scaled(&self, share: f64, base: &Parameters) -> Self {
         let ripple = is_ripple(self.effect);
         let moves = |j: usize| j == 0 || (self.effect.starts.is_empty() && !ripple);
         let share = if ripple { share.abs() } else { share };
@@ -77,39 +72,16 @@ impl Look {
     }
 }
 
-/// Effects that together explain more than any of them alone.
-#[derive(Debug, Clone)]
-pub struct Pair {
-    /// Places of the two in the list of looks.
-    pub members: [usize; 2],
-    /// Share of the weighted residual that their signatures explain together.
-    pub explained: f64,
-    /// What each member's change counts for beside the other.
-    pub shares: [f64; 2],
-}
-
-impl Pair {
-    /// Both looks, their starts where the two together would start.
-    pub fn looks(&self, looks: &[Look], base: &Parameters) -> [Look; 2] {
-        [0, 1].map(|k| looks[self.members[k]].scaled(self.shares[k], base))
-    }
-}
-
-/// Effects with more parameters than this are not tried in pairs.
-const PAIRED_KNOBS: usize = 4;
-/// Every how many samples one is kept of a trace.
-const TRACE_STRIDE: usize = 7;
-
 /// One effect at one set of directions in its knobs' fit variables.
-struct Trial {
-    effect: &'static Effect,
-    origin: Vec<f64>,
-    directions: Vec<Vec<f64>>,
-    combine: Combine,
+pub(crate) struct Trial {
+    pub effect: &'static Effect,
+    pub origin: Vec<f64>,
+    pub directions: Vec<Vec<f64>>,
+    pub combine: Combine,
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum Combine {
+pub(crate) enum Combine {
     /// Any multiple of each direction.
     Free,
     /// From nothing towards the direction, not beyond twice its length.
@@ -121,44 +93,7 @@ enum Combine {
 }
 
 /// One list of residuals a recording, all channels one after the other.
-type Residuals = Vec<Vec<f64>>;
-
-/// The best pairs of looks at different effects, by linear regression on both of their traces; best first.
-pub fn pairs(judged: &[Judged], looks: &[Look], count: usize) -> Vec<Pair> {
-    let here = weighted(judged);
-    let target: Vec<f64> = thinned(&here, |r, k| here.residuals[r][k]);
-    let total = dot(&target, &target).max(f64::MIN_POSITIVE);
-    let simple = |i: &usize| looks[*i].effect.knobs.len() <= PAIRED_KNOBS;
-    let usable: Vec<usize> =
-        (0..looks.len()).filter(|&i| is_best_of_its_effect(looks, i)).filter(simple).collect();
-    let mut out = Vec::new();
-    for (place, &i) in usable.iter().enumerate() {
-        for &j in &usable[place + 1..] {
-            let (explained, shares) = together(&looks[i].trace, &looks[j].trace, &target);
-            out.push(Pair { members: [i, j], explained: explained / total, shares });
-        }
-    }
-    out.sort_by(|a, b| b.explained.total_cmp(&a.explained));
-    out.truncate(count);
-    out
-}
-
-/// Whether no earlier (hence better) look is at the same effect.
-fn is_best_of_its_effect(looks: &[Look], index: usize) -> bool {
-    !looks[..index].iter().any(|l| std::ptr::eq(l.effect, looks[index].effect))
-}
-
-/// Power of the target that two traces explain together, and their coefficients.
-fn together(a: &[f64], b: &[f64], target: &[f64]) -> (f64, [f64; 2]) {
-    let (aa, bb, ab) = (dot(a, a), dot(b, b), dot(a, b));
-    let (at, bt) = (dot(a, target), dot(b, target));
-    let determinant = aa * bb - ab * ab;
-    if determinant <= 1e-6 * aa * bb {
-        return (0.0, [1.0, 1.0]);
-    }
-    let (x, y) = ((bb * at - ab * bt) / determinant, (aa * bt - ab * at) / determinant);
-    (x * at + y * bt, [x, y])
-}
+pub(crate) type Residuals = Vec<Vec<f64>>;
 
 /// What a look's combination of signatures takes off the weighted residual, thinned.
 fn trace(here: &Weighted, signatures: &[Residuals], coefficients: &[f64]) -> Vec<f64> {
@@ -172,10 +107,13 @@ fn trace(here: &Weighted, signatures: &[Residuals], coefficients: &[f64]) -> Vec
     thinned(here, |r, k| of(&signatures[0], r, k))
 }
 
-fn thinned(here: &Weighted, value: impl Fn(usize, usize) -> f64) -> Vec<f64> {
+pub(crate) fn thinned(here: &Weighted, value: impl Fn(usize, usize) -> f64) -> Vec<f64> {
     let of = |r: usize| (0..here.residuals[r].len()).step_by(TRACE_STRIDE).map(move |k| (r, k));
     (0..here.residuals.len()).flat_map(of).map(|(r, k)| here.weights[r][k] * value(r, k)).collect()
 }
+
+/// Every how many samples one is kept of a trace.
+const TRACE_STRIDE: usize = 7;
 
 /// Looks at every effect of the library but those already taken; best first.
 pub fn first_look(scene: &Scene, effects: &[&'static Effect]) -> Vec<Look> {
@@ -273,104 +211,13 @@ fn distance(judged: &[Judged]) -> Option<f64> {
     score(judged, &parts).map(|score| score.distance())
 }
 
-/// Points of a scan, and of each of its two refinements.
-const SCAN: usize = 64;
-const SCAN_AGAIN: usize = 9;
-
-/// The value of an effect's only parameter that fits the liveliest recording's first part best, played back: there
-/// even a loop that hunts repeats.
-fn scanned(scene: &Scene, effect: &'static Effect) -> Option<Trial> {
-    let range = scan_range(effect)?;
-    let knob = &effect.knobs[0];
-    let index = scene.bench.liveliest();
-    let near = Judged { drive: Drive::Playback, ..scene.judged[index].clone() };
-    let cost = |value: f64| {
-        let misfits = scene.bench.misfit(&effect.applied(scene.base, &[value]), index, Span::Head, &near);
-        let sum = |m: Vec<Misfit>| m.iter().map(|m| m.relative_rms().max(1.0).ln()).sum();
-        misfits.map_or(f64::INFINITY, sum)
-    };
-    let (mut low, mut high) = (range[0], range[1]);
-    let mut best = low;
-    for count in [SCAN, SCAN_AGAIN, SCAN_AGAIN] {
-        let value = |k: usize| low * (high / low).powf(k as f64 / (count - 1) as f64);
-        let costs = map(scene.pool, count, |k| cost(value(k)));
-        let lowest = (0..costs.len()).min_by(|&a, &b| costs[a].total_cmp(&costs[b]))?;
-        best = value(lowest);
-        (low, high) = (value(lowest.saturating_sub(1)), value((lowest + 1).min(count - 1)));
-    }
-    let best = if knob.mapping == Mapping::Whole { best.round() } else { best };
-    let trial = towards(effect, scene.base, &[best]);
-    (trial.directions[0][0] != 0.0).then_some(trial)
-}
-
-/// Points of a scan of judgements, and of each of its refinements.
-const JUDGED_SCAN: [usize; 3] = [32, 8, 8];
-/// Share of the distance that the best point of a scan must take off for it to be refined.
-const SCAN_WORTH: f64 = 0.15;
-
-/// The gap that fits the liveliest recording's first part best, played back, every gap from the start that is its own: what a
-/// wide gap does is not found from the start of a narrow one. None where no gap is worth a closer look.
-pub fn judged_gap(scene: &Scene) -> Option<Look> {
-    let effect = crate::library::named("gearbox", "backlash").next().filter(|_| !is_close(scene.judged))?;
-    let index = scene.bench.liveliest();
-    let played = |parameters: &Parameters, judged: &Judged| {
-        let near = Judged { drive: Drive::Playback, ..judged.clone() };
-        let misfits = scene.bench.misfit(parameters, index, Span::Head, &near)?;
-        Some(misfits.iter().map(|m| m.relative_rms().max(1.0).ln()).sum::<f64>())
-    };
-    let here = played(scene.base, &scene.judged[index])?;
-    let cost = |value: f64| {
-        let parameters = effect.applied(scene.base, &[value]);
-        let judged = scene.bench.judge(&parameters, index);
-        judged.and_then(|j| played(&parameters, &j)).unwrap_or(f64::INFINITY)
-    };
-    let [mut low, mut high] = scan_range(effect)?;
-    let (mut best, mut least) = (low, here);
-    for count in JUDGED_SCAN {
-        let value = |k: usize| low * (high / low).powf(k as f64 / (count - 1) as f64);
-        let costs = map(scene.pool, count, |k| cost(value(k)));
-        let lowest = (0..costs.len()).min_by(|&a, &b| costs[a].total_cmp(&costs[b]))?;
-        if costs[lowest] > (1.0 - SCAN_WORTH) * here {
-            return None;
-        }
-        if costs[lowest] < least {
-            (best, least) = (value(lowest), costs[lowest]);
-        }
-        (low, high) = (value(lowest.saturating_sub(1)), value((lowest + 1).min(count - 1)));
-    }
-    Some(Look::seeded(effect, vec![best], scene.judged.len()))
-}
-
-/// How many orders of a repeating torque go on from the scan.
-const ORDERS_KEPT: usize = 3;
-
-/// The orders of a repeating torque that explain most of the liveliest recording's first part.
-fn best_orders(scene: &Scene, effect: &'static Effect) -> Vec<Trial> {
-    let here = weighted(scene.judged);
-    let one = [scene.bench.liveliest()];
-    let per_motor_turn = ORDERS.iter().copied();
-    let per_hub_turn = ORDERS.iter().map(|order| order / scene.base.gearbox.ratio);
-    let [lowest, _] = effect.knobs[1].bounds;
-    let turned = scene.bench.travel_rad() * scene.base.gearbox.ratio;
-    let is_seen = |order: &f64| *order * turned > PERIOD_SEEN * std::f64::consts::TAU;
-    let orders = per_motor_turn
-        .chain(per_hub_turn.filter(|order| *order >= lowest && *order < ORDERS[0]))
-        .filter(|order| effect.component == "pivot" || is_seen(order));
-    let scan: Vec<Trial> = orders.map(|order| ripple(effect, order)).collect();
-    let looks = map(scene.pool, scan.len(), |t| look(scene, &here, &scan[t], &one, Span::Head));
-    let share = |l: &Option<Look>| l.as_ref().map_or(f64::NEG_INFINITY, |l| l.explained);
-    let mut ranked: Vec<(f64, Trial)> = looks.iter().map(share).zip(scan).collect();
-    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-    ranked.into_iter().take(ORDERS_KEPT).map(|(_, trial)| trial).collect()
-}
-
 /// Residuals, and the weight that makes every channel of every recording count alike.
-struct Weighted {
-    residuals: Residuals,
-    weights: Residuals,
+pub(crate) struct Weighted {
+    pub residuals: Residuals,
+    pub weights: Residuals,
 }
 
-fn weighted(judged: &[Judged]) -> Weighted {
+pub(crate) fn weighted(judged: &[Judged]) -> Weighted {
     let weights = |j: &Judged| -> Vec<f64> {
         let weight = |(c, m): (usize, &Misfit)| {
             let size = m.relative_rms().max(1.0).max(1.0 / j.weight(c));
@@ -386,7 +233,13 @@ fn weighted(judged: &[Judged]) -> Weighted {
 }
 
 /// The look at one trial in some recordings.
-fn look(scene: &Scene, here: &Weighted, trial: &Trial, recordings: &[usize], span: Span) -> Option<Look> {
+pub(crate) fn look(
+    scene: &Scene,
+    here: &Weighted,
+    trial: &Trial,
+    recordings: &[usize],
+    span: Span,
+) -> Option<Look> {
     let signature = |direction: &Vec<f64>| -> Option<Residuals> {
         let parameters = moved(scene.base, trial, direction);
         let mut out = vec![Vec::new(); scene.judged.len()];
@@ -457,7 +310,7 @@ fn regress(here: &Weighted, signatures: &[Residuals], combine: Combine) -> Optio
     explained.is_finite().then_some((coefficients, explained))
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
@@ -510,7 +363,7 @@ pub fn is_ripple(effect: &Effect) -> bool {
 }
 
 /// From the model as it is towards a start; shape knobs (all but the first) jump, the first one goes there.
-fn towards(effect: &'static Effect, base: &Parameters, start: &[f64]) -> Trial {
+pub(crate) fn towards(effect: &'static Effect, base: &Parameters, start: &[f64]) -> Trial {
     let target: Vec<f64> = effect.knobs.iter().zip(start).map(|(k, &v)| to_variable(k, v)).collect();
     let mut origin = target.clone();
     origin[0] = to_variable(&effect.knobs[0], (effect.knobs[0].get)(base));
@@ -519,7 +372,7 @@ fn towards(effect: &'static Effect, base: &Parameters, start: &[f64]) -> Trial {
     Trial { effect, origin, directions: vec![direction], combine: Combine::Towards }
 }
 
-fn ripple(effect: &'static Effect, order: f64) -> Trial {
+pub(crate) fn ripple(effect: &'static Effect, order: f64) -> Trial {
     let knobs = effect.knobs;
     let origin = vec![0.0, to_variable(&knobs[1], order), 0.0];
     let quarter = to_variable(&knobs[2], std::f64::consts::FRAC_PI_2);

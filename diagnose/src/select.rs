@@ -14,7 +14,9 @@ use crate::candidate::{finalists, held_out_parts, ranked, shortlist, telling_rec
 use crate::chance::by_chance;
 use crate::fit::{Fit, Problem, Selection};
 use crate::library::Effect;
-use crate::look::{Look, Reach, Scene, first_look, is_close, is_ripple, judged_gap, pairs};
+use crate::look::{Look, Reach, Scene, first_look, is_close, is_ripple};
+use crate::pairs::pairs;
+use crate::scan::judged_gap;
 use crate::score::{Score, judge, score};
 use crate::tolerance::{
     BEYOND_CHANCE, EFFECTS_AT_MOST, FITTED_SHARE, GAIN_NEEDED, JOINT_KNOBS, NO_CHANCE, ONLY_THERE, PAIRS,
@@ -164,7 +166,8 @@ impl Searcher<'_> {
             start.extend(&look.start);
         }
         let signature = |r: usize| looks.iter().map(|look| look.signature[r]).fold(0.0, f64::max);
-        let mut recordings = telling_recordings(&(0..self.bench.count()).map(signature).collect::<Vec<f64>>());
+        let mut recordings =
+            telling_recordings(&(0..self.bench.count()).map(signature).collect::<Vec<f64>>());
         recordings.extend(present.iter().flat_map(|c| &c.needed));
         recordings.sort_unstable();
         recordings.dedup();

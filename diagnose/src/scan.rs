@@ -1,0 +1,106 @@
+//! Scans: values of an effect tried one after the other, where the response is so far from proportional to it that a look from
+//! the model as it is says nothing.
+
+use counterpoise_models::Parameters;
+
+use crate::bench::{Drive, Judged, Misfit, Span, map};
+use crate::library::{Effect, Mapping, scan_range};
+use crate::look::{Look, Scene, Trial, is_close, look, ripple, towards, weighted};
+use crate::tolerance::PERIOD_SEEN;
+
+/// Orders at which something that repeats with an angle is looked for, per turn.
+const ORDERS: [f64; 25] = [
+    1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 14.0, 15.0, 16.0, 18.0, 20.0, 21.0, 22.0,
+    24.0, 28.0, 30.0, 36.0, 45.0, 60.0,
+];
+
+/// Points of a scan, and of each of its two refinements.
+const SCAN: usize = 64;
+const SCAN_AGAIN: usize = 9;
+
+/// The value of an effect's only parameter that fits the liveliest recording's first part best, played back: there
+/// even a loop that hunts repeats.
+pub(crate) fn scanned(scene: &Scene, effect: &'static Effect) -> Option<Trial> {
+    let range = scan_range(effect)?;
+    let knob = &effect.knobs[0];
+    let index = scene.bench.liveliest();
+    let near = Judged { drive: Drive::Playback, ..scene.judged[index].clone() };
+    let cost = |value: f64| {
+        let misfits = scene.bench.misfit(&effect.applied(scene.base, &[value]), index, Span::Head, &near);
+        let sum = |m: Vec<Misfit>| m.iter().map(|m| m.relative_rms().max(1.0).ln()).sum();
+        misfits.map_or(f64::INFINITY, sum)
+    };
+    let (mut low, mut high) = (range[0], range[1]);
+    let mut best = low;
+    for count in [SCAN, SCAN_AGAIN, SCAN_AGAIN] {
+        let value = |k: usize| low * (high / low).powf(k as f64 / (count - 1) as f64);
+        let costs = map(scene.pool, count, |k| cost(value(k)));
+        let lowest = (0..costs.len()).min_by(|&a, &b| costs[a].total_cmp(&costs[b]))?;
+        best = value(lowest);
+        (low, high) = (value(lowest.saturating_sub(1)), value((lowest + 1).min(count - 1)));
+    }
+    let best = if knob.mapping == Mapping::Whole { best.round() } else { best };
+    let trial = towards(effect, scene.base, &[best]);
+    (trial.directions[0][0] != 0.0).then_some(trial)
+}
+
+/// Points of a scan of judgements, and of each of its refinements.
+const JUDGED_SCAN: [usize; 3] = [32, 8, 8];
+/// Share of the distance that the best point of a scan must take off for it to be refined.
+const SCAN_WORTH: f64 = 0.15;
+
+/// The gap that fits the liveliest recording's first part best, played back, every gap from the start that is its own: what a
+/// wide gap does is not found from the start of a narrow one. None where no gap is worth a closer look.
+pub(crate) fn judged_gap(scene: &Scene) -> Option<Look> {
+    let effect = crate::library::named("gearbox", "backlash").next().filter(|_| !is_close(scene.judged))?;
+    let index = scene.bench.liveliest();
+    let played = |parameters: &Parameters, judged: &Judged| {
+        let near = Judged { drive: Drive::Playback, ..judged.clone() };
+        let misfits = scene.bench.misfit(parameters, index, Span::Head, &near)?;
+        Some(misfits.iter().map(|m| m.relative_rms().max(1.0).ln()).sum::<f64>())
+    };
+    let here = played(scene.base, &scene.judged[index])?;
+    let cost = |value: f64| {
+        let parameters = effect.applied(scene.base, &[value]);
+        let judged = scene.bench.judge(&parameters, index);
+        judged.and_then(|j| played(&parameters, &j)).unwrap_or(f64::INFINITY)
+    };
+    let [mut low, mut high] = scan_range(effect)?;
+    let (mut best, mut least) = (low, here);
+    for count in JUDGED_SCAN {
+        let value = |k: usize| low * (high / low).powf(k as f64 / (count - 1) as f64);
+        let costs = map(scene.pool, count, |k| cost(value(k)));
+        let lowest = (0..costs.len()).min_by(|&a, &b| costs[a].total_cmp(&costs[b]))?;
+        if costs[lowest] > (1.0 - SCAN_WORTH) * here {
+            return None;
+        }
+        if costs[lowest] < least {
+            (best, least) = (value(lowest), costs[lowest]);
+        }
+        (low, high) = (value(lowest.saturating_sub(1)), value((lowest + 1).min(count - 1)));
+    }
+    Some(Look::seeded(effect, vec![best], scene.judged.len()))
+}
+
+/// How many orders of a repeating torque go on from the scan.
+const ORDERS_KEPT: usize = 3;
+
+/// The orders of a repeating torque that explain most of the liveliest recording's first part.
+pub(crate) fn best_orders(scene: &Scene, effect: &'static Effect) -> Vec<Trial> {
+    let here = weighted(scene.judged);
+    let one = [scene.bench.liveliest()];
+    let per_motor_turn = ORDERS.iter().copied();
+    let per_hub_turn = ORDERS.iter().map(|order| order / scene.base.gearbox.ratio);
+    let [lowest, _] = effect.knobs[1].bounds;
+    let turned = scene.bench.travel_rad() * scene.base.gearbox.ratio;
+    let is_seen = |order: &f64| *order * turned > PERIOD_SEEN * std::f64::consts::TAU;
+    let orders = per_motor_turn
+        .chain(per_hub_turn.filter(|order| *order >= lowest && *order < ORDERS[0]))
+        .filter(|order| effect.component == "pivot" || is_seen(order));
+    let scan: Vec<Trial> = orders.map(|order| ripple(effect, order)).collect();
+    let looks = map(scene.pool, scan.len(), |t| look(scene, &here, &scan[t], &one, Span::Head));
+    let share = |l: &Option<Look>| l.as_ref().map_or(f64::NEG_INFINITY, |l| l.explained);
+    let mut ranked: Vec<(f64, Trial)> = looks.iter().map(share).zip(scan).collect();
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    ranked.into_iter().take(ORDERS_KEPT).map(|(_, trial)| trial).collect()
+}
