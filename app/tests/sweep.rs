@@ -135,7 +135,8 @@ fn a_worst_case_is_told_and_can_be_run_again() {
     for (k, row) in rows.as_array().unwrap().iter().enumerate() {
         let (worst, figure) = (&row["worst_case"], row["figure"].as_str().unwrap());
         let options: Vec<&str> = worst["options"].as_str().unwrap().split(' ').collect();
-        let again: serde_json::Value = serde_json::from_str(&run(&[&options[..], &["--json"]].concat())).unwrap();
+        let again: serde_json::Value =
+            serde_json::from_str(&run(&[&options[..], &["--json"]].concat())).unwrap();
         let (told, found) = (worst["value"].as_f64().unwrap(), again["figures"][k][1].as_f64().unwrap());
         assert!((told - found).abs() < 1e-3 * told.abs(), "{figure}: {told} and {found}");
         let least = row["q05"].as_f64().unwrap();
@@ -143,7 +144,10 @@ fn a_worst_case_is_told_and_can_be_run_again() {
     }
     let text = run(&[]);
     assert!(text.contains("linear: robust: stable for every mechanism within "), "{text}");
-    assert!(text.contains("linear: not in the linear loop") || text.contains("linear: dry friction counts"), "{text}");
+    assert!(
+        text.contains("linear: not in the linear loop") || text.contains("linear: dry friction counts"),
+        "{text}"
+    );
     let page = fs::read_to_string(folder.join("out/report.html")).unwrap();
     assert!(page.contains("Linear worst case") && page.contains("Structured singular value"));
 }

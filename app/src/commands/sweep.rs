@@ -180,7 +180,9 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
         more: section,
         provenance: vec![("campaign".to_owned(), named.name.clone())],
     };
-    let page = html(&sweep::report(found, &named.campaign, &samples, context));
+    let mut page = sweep::report(found, &named.campaign, &samples, context);
+    page.headline.detail += &sweep::beyond(&named.campaign, &worst, named.stability.as_ref());
+    let page = html(&page);
     files::write(&options.output.join("report.html"), page.as_bytes())?;
     let passes = samples.iter().all(|sample| named.campaign.passes(sample));
     if !output::json(&options.results, &summaries(named, &samples, &worst))? {

@@ -9,7 +9,12 @@ use crate::plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
 /// What was found, a line each: for a terminal and for the section's text.
 pub fn lines(found: &RobustStability) -> Vec<String> {
-    let word = if found.guaranteed >= 1.0 { "robust" } else { "not shown to be robust" };
+    let unstable = found.found.as_ref().is_some_and(|nearest| nearest.scale < 1.0);
+    let word = match (found.guaranteed >= 1.0, unstable) {
+        (true, _) => "robust",
+        (false, true) => "NOT robust: within the stated ranges the loop can be unstable",
+        (false, false) => "not shown to be robust",
+    };
     let mut lines = vec![format!(
         "{word}: stable for every mechanism within {} times the stated ranges{} (upper bound of mu, largest at {} Hz)",
         short(found.guaranteed),
@@ -76,12 +81,15 @@ fn polar(error: C64) -> String {
 pub fn section(found: &RobustStability) -> Section {
     let mut section = Section::new("Linear worst case");
     for line in lines(found) {
-        section = section.saying(format!("{line}."));
+        let first = line.chars().next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
+        section = section.saying(format!("{first}{}.", line.chars().skip(1).collect::<String>()));
     }
     section = section.saying(
         "The structured singular value mu at a frequency is 1 over the number of times that the ranges must be widened for the loop to \
          oscillate there. Real parameters are real numbers; the errors of gain have any phase. Below the upper curve lies mu, above \
-         the lower one; a lower value of 0 means that none was found.",
+         the lower one, and the lower one is drawn where a perturbation was found. A range is \
+         widened so that no parameter becomes negative: one from half to double reaches 0 and infinity at three times, so that a mu \
+         of 1/3 all along says no more than that.",
     );
     let section = section.showing([bounds(found)]);
     match &found.found {

@@ -8,7 +8,7 @@ main{max-width:1360px;margin:0 auto;padding:20px 28px 40px}
 header h1{margin:0;font-size:25px}header p{margin:0 0 12px}
 h2{font-size:20px;margin:34px 0 8px;border-bottom:1px solid var(--grid);padding-bottom:4px}
 h3{font-size:14px;margin:0 0 6px;font-weight:600}
-p{max-width:85ch}
+p{max-width:85ch;overflow-wrap:anywhere}
 .soft{color:var(--soft);font-size:13px}
 .headline{display:flex;gap:14px;align-items:center;padding:12px 18px;border-radius:8px;border:1px solid var(--grid);border-left-width:8px;background:var(--panel);margin-bottom:14px}
 .headline strong{font-size:19px}.headline .sign{font-size:28px;line-height:1}

@@ -1,6 +1,7 @@
 //! The pages of a robustness campaign.
 
 use counterpoise_project::verify::robust::{Campaign, Member, Sample, Worst, ranking, summary};
+use counterpoise_project::verify::structured::RobustStability;
 use counterpoise_project::verify::{Limit, Requirement, Value, Verification};
 
 use super::verification::Context;
@@ -44,6 +45,23 @@ pub fn sections(campaign: &Campaign, samples: &[Sample], families: &[Member]) ->
         .listing(member_summary(campaign, families))
         .listing(member_table(campaign, families));
     vec![distributions, sensitivity, members]
+}
+
+/// What lies beyond the samples, for the headline: the worst cases, and how far the linear loop is from its limit.
+pub fn beyond(campaign: &Campaign, worst: &[Option<Worst>], stability: Option<&RobustStability>) -> String {
+    let both = campaign.requirements().iter().zip(worst);
+    let fails = both.filter(|(requirement, worst)| {
+        worst.as_ref().is_some_and(|worst| requirement.limit.room(worst.value) < 0.0)
+    });
+    let fails = fails.count();
+    let searched = match fails {
+        0 => " The search for worst cases finds none that fails.".to_owned(),
+        some => format!(" In its worst case {some} of {} requirements fail.", worst.len()),
+    };
+    let stable = stability.map_or(String::new(), |found| {
+        format!(" The linear loop is stable within {} times the stated ranges.", short(found.guaranteed))
+    });
+    searched + &stable
 }
 
 /// The options of `counterpoise sweep` that run a worst case again.

@@ -80,10 +80,15 @@ impl Search<'_> {
         self.campaign.quantiles(sample.index)
     }
 
+    /// The figure there; NaN where there is no mechanism, at the end of a range that begins at 0.
     fn value(&mut self, quantiles: &[f64]) -> Result<f64, Error> {
         self.tried += 1;
         let figure = self.campaign.requirements()[self.requirement].figure;
-        Ok(self.campaign.values_at(&self.factors(quantiles), self.sample, &[figure])?[0])
+        match self.campaign.values_at(&self.factors(quantiles), self.sample, &[figure]) {
+            Ok(values) => Ok(values[0]),
+            Err(Error::Models(_)) => Ok(f64::NAN),
+            Err(error) => Err(error),
+        }
     }
 
     /// The first neighbour with less room.

@@ -66,7 +66,9 @@ mod tests {
             assert!((found[0] - low).abs() + (found[1] - 1.0).abs() + (found[2] - high).abs() < 1e-14);
         }
         let from_nothing = Factor::of(Distribution::Uniform { low: 0.0, high: 3.0 });
-        assert!(from_nothing.at(-1.0) > 0.0 && from_nothing.at(-9.0) < 2e-3 && from_nothing.at(9.0).is_finite());
+        assert!(
+            from_nothing.at(-1.0) > 0.0 && from_nothing.at(-9.0) < 2e-3 && from_nothing.at(9.0).is_finite()
+        );
         let outside = Factor::of(Distribution::Uniform { low: 2.0, high: 4.0 });
         assert!((outside.at(-1.0) - 2.0).abs() + (outside.at(0.0) - 3.0).abs() < 1e-14);
     }
