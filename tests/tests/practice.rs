@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 use counterpoise_diagnose::answer::Verdict;
 use counterpoise_diagnose::bench::Pool;
 use counterpoise_diagnose::diagnose;
+use counterpoise_models::Plant;
 use counterpoise_project::recording::Table;
 use counterpoise_project::{Attachments, Document, Project, Setting};
 use counterpoise_simulate::recording::Recording;
-use counterpoise_models::Plant;
 use counterpoise_simulate::replay::{Loop, Replay, Replayer, replay};
 use counterpoise_simulate::{Imperfections, Scenario, Signal, run};
 
@@ -192,7 +192,7 @@ fn cogging_that_nearly_stalls_the_motor_replays_in_open_loop() {
 }
 
 /// Why the machine that hunts is judged over half a second: two runs of the machine itself, from the same start, that differ in the
-/// noise of the sensors alone are as far apart as its replay is from its recording.
+/// noise of the sensors alone part by more than ten times that noise.
 #[test]
 fn a_machine_that_hunts_does_not_repeat_itself() {
     let Some((project, all)) = known("p02") else { return };
@@ -212,7 +212,7 @@ fn a_machine_that_hunts_does_not_repeat_itself() {
     let (one, other) = (run(1), run(2));
     let apart = one.iter().zip(&other).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / one.len() as f64;
     println!("two runs differ by {:.1e} rad/s RMS", apart.sqrt());
-    assert!(apart.sqrt() > 20.0 * 2e-4, "{:e}", apart.sqrt());
+    assert!(apart.sqrt() > 10.0 * 2e-4, "{:e}", apart.sqrt());
 }
 
 #[test]

@@ -143,7 +143,7 @@ fn tell_speed(maps: &[Map], speed: &[Pace]) {
     let simulated_s: f64 = maps.iter().map(|map| map.simulated_s).sum();
     for pace in speed {
         let gained = match (speed, pace.speed_up(speed)) {
-            ([_], _) => String::new(),
+            _ if pace.threads == 1 || speed.len() == 1 => String::new(),
             (_, gained) => format!(", {gained:.2} times as fast as on one"),
         };
         let times = simulated_s / pace.seconds;

@@ -6,9 +6,9 @@ use clap::Args;
 use counterpoise::report::html;
 use counterpoise::report::model::report;
 use counterpoise_project::Purpose;
-use counterpoise_project::pipeline;
 use counterpoise_project::pipeline::accuracy::accuracy;
 use counterpoise_project::pipeline::portrait::{MeshColumn, Meshes, ModeSet, portrait};
+use counterpoise_project::pipeline::{self, PipelineError};
 use counterpoise_project::results::ModelResult;
 
 use super::{Done, verdict_code};
@@ -46,16 +46,21 @@ pub fn run(options: &ModelOptions) -> Done {
         files::write(path, html(&page).as_bytes())?;
     }
     if !output::json(&options.results, &result)? {
-        print(&result);
+        print(&result, pipeline::cannot_hold(&modelled).as_ref());
         modes(&portrait.modes);
         portrait.meshes.iter().for_each(meshes);
     }
     Ok(verdict_code(true))
 }
 
-fn print(result: &ModelResult) {
+fn print(result: &ModelResult, unheld: Option<&PipelineError>) {
     say!("{}: linear plant of order {}", result.name, result.order);
-    say!("out-of-balance {:.4} kg m, held by {:.4} V", result.out_of_balance_kg_m, result.holding_v);
+    match unheld {
+        None => {
+            say!("out-of-balance {:.4} kg m, held by {:.4} V", result.out_of_balance_kg_m, result.holding_v)
+        }
+        Some(why) => say!("warning: {why}"),
+    }
     say!("states: {}", result.states.join(", "));
     say!("{:>14} {:>14}", "frequency Hz", "damping");
     for [re, im] in result.poles_rad_s.iter().filter(|p| p[1] >= 0.0) {

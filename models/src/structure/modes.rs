@@ -45,12 +45,13 @@ pub struct Modes {
 /// one symmetric eigenproblem of the number of unknowns.
 ///
 /// # Errors
-/// [`Error::NoHubNode`] where a held structure has no node at the pivot, [`Error::NotFree`] where K resists a rigid
+/// [`Error::Parameter`] where an unknown has a negative mass, or fewer have any than there are rigid motions, [`Error::NoHubNode`] where a held structure has no node at the pivot, [`Error::NotFree`] where K resists a rigid
 /// motion that the support leaves free, [`Error::Linalg`] where M is not positive definite.
 pub fn modes(model: &FeModel, support: Support) -> Result<Modes, Error> {
     let n = model.M.nrows();
     let held = held(model, support)?;
     let free: Vec<usize> = (0..n).filter(|i| !held.contains(i)).collect();
+    masses(model, &free, support)?;
     let rigid = rigid_modes(model, support)?;
     let (values, vectors) = pencil(&model.K.select(&free, &free), &model.M.select(&free, &free))?;
     let mut out = Modes {
@@ -117,6 +118,27 @@ fn pencil(K: &Mat, M: &Mat) -> Result<(Vec<f64>, Mat), Error> {
     let order: Vec<usize> = (n - with_mass.len()..n).rev().collect();
     let values = order.iter().map(|&j| 1.0 / inverses[j] - shift).collect();
     Ok((values, vectors.select(&(0..n).collect::<Vec<_>>(), &order)))
+}
+
+/// No unknown has a negative mass, and as many have one as there are rigid motions.
+fn masses(model: &FeModel, free: &[usize], support: Support) -> Result<(), Error> {
+    let mass = |i: &usize| model.M[(*i, *i)];
+    if let Some(row) = free.iter().find(|i| mass(i) < 0.0 || mass(i).is_nan()) {
+        let parameter = format!("entry ({0}, {0}) of the mass matrix", row + 1);
+        return Err(Error::Parameter { parameter, value: mass(row), allowed: "must not be negative" });
+    }
+    let rigid = match support {
+        Support::Free => 2,
+        Support::Pinned => 1,
+        Support::Clamped => 0,
+    };
+    let with_mass = free.iter().filter(|i| mass(i) > 0.0).count();
+    if with_mass < rigid {
+        let parameter = "number of unknowns with mass".to_owned();
+        let allowed = "must be at least that of the motions that nothing holds";
+        return Err(Error::Parameter { parameter, value: with_mass as f64, allowed });
+    }
+    Ok(())
 }
 
 fn held(model: &FeModel, support: Support) -> Result<Vec<usize>, Error> {

@@ -99,3 +99,15 @@ fn a_damping_matrix_takes_the_place_of_ratios() {
         assert_close(mode.damping_ratio, 0.5e-3 * mode.frequency_rad_s, 1e-10);
     }
 }
+
+#[test]
+fn a_structure_of_negative_or_no_mass_is_refused() {
+    for scale in [-1.0, 0.0] {
+        let mut model = model();
+        model.M = model.M.scale(scale);
+        for support in [Support::Free, Support::Pinned] {
+            let refused = modes(&model, support).unwrap_err().to_string();
+            assert!(refused.contains("mass"), "{scale}: {refused}");
+        }
+    }
+}

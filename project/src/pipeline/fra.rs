@@ -18,7 +18,7 @@ use counterpoise_verify::linear::plant::Resolver;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-use super::{Modelled, PipelineError, reduce, synthesise};
+use super::{Modelled, PipelineError, cannot_hold, reduce, synthesise};
 use crate::Project;
 use crate::resolve::model::StructureChoice;
 
@@ -151,6 +151,9 @@ impl Analyser {
     /// # Errors
     /// A loop that is to be closed by a project without a controller, and those of model and design.
     pub fn new(project: &Project, modelled: &Modelled, plan: &Plan, on: On) -> Result<Self, PipelineError> {
+        if let (Around::Plant, On::Simulation, Some(why)) = (plan.around, on, cannot_hold(modelled)) {
+            return Err(why);
+        }
         let mut remarks = Vec::new();
         let plant = match plan.around {
             Around::Disconnected => disconnected(project, modelled, &mut remarks)?,

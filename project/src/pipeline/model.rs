@@ -42,6 +42,19 @@ pub fn model(project: &Project) -> Result<Modelled, PipelineError> {
     Ok(Modelled { parameters, plant, linear })
 }
 
+/// Why the motor alone cannot hold the plant where it stands, if it cannot: the drive that the weight takes is beyond what the control's
+/// limit allows. Friction is left out.
+pub fn cannot_hold(modelled: &Modelled) -> Option<PipelineError> {
+    let p = &modelled.parameters;
+    let limit_v = p.amplifier.drive_v(p.amplifier.input_limit_v.min(CONVERTER_RANGE_V), &p.motor).abs();
+    let needed_v = modelled.linear.equilibrium.drive_v.abs();
+    let moment_kg_m = modelled.plant.body().out_of_balance_kg_m;
+    (needed_v > limit_v).then_some(PipelineError::CannotHold { moment_kg_m, needed_v, limit_v })
+}
+
+/// Volts of the output converter beyond which the control is limited: the converter's own range.
+pub(crate) const CONVERTER_RANGE_V: f64 = 10.0;
+
 /// The two inertias as given, or derived from the beam, or from the imported matrices; what is fitted added.
 fn lumped_parameters(project: &Project) -> Result<Parameters, PipelineError> {
     let choice = &project.model;

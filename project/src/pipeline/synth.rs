@@ -9,8 +9,8 @@ use counterpoise_synth::{
     alternative, design, discretise, discretise_schedule,
 };
 
-use super::surround::{designed_on, surrounded};
 use super::model::CONVERTER_RANGE_V;
+use super::surround::{designed_on, surrounded};
 use super::{Modelled, PipelineError, Reduced, balance};
 use crate::Project;
 use crate::resolve::design::Synthesis;

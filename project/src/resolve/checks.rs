@@ -53,6 +53,7 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     structure(&mut findings, project);
     map(&mut findings, plant);
     coupling(&mut findings, plant);
+    delays(&mut findings, plant);
     agreement(&mut findings, plant);
     units(&mut findings, &project.recording);
     configuration(&mut findings, project);
@@ -232,6 +233,30 @@ fn coupling(findings: &mut Findings<'_>, plant: &Parameters) {
     if value.abs() < 1.0 && value != 0.0 {
         let remark = Remark::new(Problem::OutOfRange, "plant.motor.platform_coupling", "must be -1, 0 or 1");
         findings.add(Severity::Error, remark.found(value.to_string()));
+    }
+}
+
+/// Most samples by which a sensor may be late: each is a state of the sampled plant.
+const MOST_DELAY_SAMPLES: f64 = 1000.0;
+
+/// A sensor's delay is at most so many samples.
+fn delays(findings: &mut Findings<'_>, plant: &Parameters) {
+    let (sensors, period) = (&plant.sensors, plant.interface.sample_period_s);
+    let all = [
+        ("hub_gyro", Some(&sensors.hub_gyro)),
+        ("platform_gyro", Some(&sensors.platform_gyro)),
+        ("platform_accelerometer", Some(&sensors.platform_accelerometer)),
+        ("motor_tachometer", sensors.motor_tachometer.as_ref()),
+        ("hub_resolver", sensors.hub_resolver.as_ref()),
+    ];
+    for (name, sensor) in all {
+        let delay_s = sensor.map_or(0.0, |sensor| sensor.delay_s);
+        if period > 0.0 && delay_s > MOST_DELAY_SAMPLES * period {
+            let most = MOST_DELAY_SAMPLES * period;
+            let allowed = format!("must be at most {MOST_DELAY_SAMPLES} sample periods, {most} s");
+            let remark = Remark::new(Problem::OutOfRange, &format!("plant.sensors.{name}.delay"), allowed);
+            findings.add(Severity::Error, remark.found(delay_s.to_string()));
+        }
     }
 }
 

@@ -202,7 +202,10 @@ fn the_one(known: &[&str], name: &str) -> Result<usize, counterpoise_models::Err
         ("", _) => None,
         (name, _) => known.iter().position(|one| one.eq_ignore_ascii_case(name)),
     };
-    let what = || format!("it holds the matrices {}: name the one that is meant", known.join(", "));
+    let what = || match known {
+        [] => "it holds no matrix".to_owned(),
+        known => format!("it holds the matrices {}: name the one that is meant", known.join(", ")),
+    };
     found.ok_or_else(|| counterpoise_models::Error::Import { line: 0, what: what() })
 }
 

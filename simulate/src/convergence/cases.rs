@@ -47,8 +47,10 @@ pub fn cases(plant: &Plant) -> Result<Vec<Case>, Error> {
     let control_v = DRIVEN * level / per_volt;
     let mut out = Vec::new();
     for (name, law, static_ratio) in laws(level) {
-        let sticks =
-            matches!(law, FrictionLaw::Coulomb { .. } | FrictionLaw::Karnopp { .. } | FrictionLaw::Stribeck { .. });
+        let sticks = matches!(
+            law,
+            FrictionLaw::Coulomb { .. } | FrictionLaw::Karnopp { .. } | FrictionLaw::Stribeck { .. }
+        );
         let plant = with_law(plant, law, static_ratio)?;
         out.push(Case { name, sticks, plant, control_v });
     }
@@ -91,8 +93,7 @@ fn laws(coulomb_nm: f64) -> Vec<(&'static str, FrictionLaw, f64)> {
 fn with_law(plant: &Plant, law: FrictionLaw, static_ratio: f64) -> Result<Plant, Error> {
     let mut parameters = plant.parameters().clone();
     let viscous = |f: &Friction| f.viscous_nm_s_rad;
-    parameters.motor_friction =
-        Friction::plain(FrictionLaw::None, viscous(&parameters.motor_friction));
+    parameters.motor_friction = Friction::plain(FrictionLaw::None, viscous(&parameters.motor_friction));
     parameters.pivot_friction = Friction {
         static_ratio,
         stribeck_rate_rad_s: FALLEN_RAD_S,

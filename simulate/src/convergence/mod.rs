@@ -60,7 +60,9 @@ impl Convergence {
         let least = EXACT.max(CLEAR * self.second_method);
         let clear: Vec<usize> = (0..error.len()).filter(|&k| error[k] > least).collect();
         match (clear.first(), clear.last()) {
-            (Some(&a), Some(&b)) if a < b => (error[a] / error[b]).ln() / (self.step_s[a] / self.step_s[b]).ln(),
+            (Some(&a), Some(&b)) if a < b => {
+                (error[a] / error[b]).ln() / (self.step_s[a] / self.step_s[b]).ln()
+            }
             _ => f64::NAN,
         }
     }

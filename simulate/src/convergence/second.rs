@@ -133,8 +133,7 @@ impl<'a> Second<'a> {
             return 1.0;
         }
         let hub_rate = dot(&self.plant.hub_rate_row(), y);
-        let mesh =
-            self.plant.mesh_torque_nm(y[state::WINDUP], hub_rate, self.rate(0, y), PLATFORM.0).abs();
+        let mesh = self.plant.mesh_torque_nm(y[state::WINDUP], hub_rate, self.rate(0, y), PLATFORM.0).abs();
         let load_nm = mesh / self.joints[joint].turns;
         model.level(&Surroundings { angle_rad: self.angle(joint, y, time_s), load_nm, time_s })
     }
@@ -267,7 +266,8 @@ impl<'a> Second<'a> {
             slope.iter_mut().zip(&self.joints[0].push).for_each(|(s, p)| *s -= p * torque);
         }
         let torque = self.holding(joint, &slope);
-        let holds = self.joints[joint].model.stick(self.level(joint, y, time_s)).is_none_or(|s| s.holds(torque));
+        let holds =
+            self.joints[joint].model.stick(self.level(joint, y, time_s)).is_none_or(|s| s.holds(torque));
         if holds { 0 } else { sign(torque) }
     }
 

@@ -1,9 +1,11 @@
 //! One step: the linear core's answer, and the iteration on the port values at the nodes.
 
 use super::moments::{MIDDLE, NODES};
-use super::strips::Strips;
 use super::ports::{AngleNearby, Bonds, FrictionState, PlatformSpan, Point, Ports, StepSpan};
-use super::tables::{FIXED_INPUTS, HOLD_ROWS, OUTPUTS, PORTS, STAGE_ROWS, STAGES, STATE, StepTable, result_length};
+use super::strips::Strips;
+use super::tables::{
+    FIXED_INPUTS, HOLD_ROWS, OUTPUTS, PORTS, STAGE_ROWS, STAGES, STATE, StepTable, result_length,
+};
 use counterpoise_models::Plant;
 
 /// Largest error of a port, relative to its scale, at which its iteration ends.
@@ -231,14 +233,9 @@ impl Attempt {
     /// Values of the ports at the first and second inner node and in the middle.
     pub fn inner_ports(&self) -> [[f64; PORTS]; 3] {
         let at = |stage: usize, p: usize| self.values[stage * PORTS + p];
-        let middle = |p: usize| {
-            MIDDLE[0] * self.start[p] + (0..STAGES).map(|k| MIDDLE[k + 1] * at(k, p)).sum::<f64>()
-        };
-        [
-            std::array::from_fn(|p| at(0, p)),
-            std::array::from_fn(|p| at(1, p)),
-            std::array::from_fn(middle),
-        ]
+        let middle =
+            |p: usize| MIDDLE[0] * self.start[p] + (0..STAGES).map(|k| MIDDLE[k + 1] * at(k, p)).sum::<f64>();
+        [std::array::from_fn(|p| at(0, p)), std::array::from_fn(|p| at(1, p)), std::array::from_fn(middle)]
     }
 
     /// What the nonlinear parts see in the middle.
