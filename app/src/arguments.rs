@@ -111,8 +111,8 @@ pub struct ExportOptions {
     /// Folder for what is written
     #[arg(short, long, default_value = "out")]
     pub output: PathBuf,
-    /// Write nothing; say whether this generated file is still what the project gives (may be repeated)
-    #[arg(long, value_name = "FILE")]
+    /// Write nothing; say whether these generated files are still what the project gives
+    #[arg(long, value_name = "FILE", num_args = 1..)]
     pub check: Vec<PathBuf>,
     /// Where results go.
     #[command(flatten)]

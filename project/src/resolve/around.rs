@@ -213,14 +213,14 @@ pub(crate) fn keys(v: &mut dyn Visit, around: &mut Around) {
     let method = Field::new("method", "method of the feedback that is built").or_text("three-part");
     choose(v, &method, &mut around.method);
     methods(v, &mut around.alternatives);
-    let curve = "of `plant.amplifier.map` (in `adapt` the trial's curve): `undo` ends the controller with its inverse";
-    choose(v, &Field::new("amplifier_curve", curve).or_text("leave"), &mut around.amplifier_curve);
-    let errors = "gain and bias of `plant.sensors`: `undo` corrects the readings by them, and designs on sensors without";
-    choose(v, &Field::new("sensor_errors", errors).or_text("leave"), &mut around.sensor_errors);
     let mut order = around.controller_order.unwrap_or(0);
     let field = Field::new("controller_order", "states kept of the feedback; 0 keeps all");
     count(v, &field.limit(Limit::Between(0.0, 1000.0)).or(0.0), &mut order);
     around.controller_order = (order > 0).then_some(order);
+    let curve = "of `plant.amplifier.map` (in `adapt` the trial's curve): `undo` ends the controller with its inverse";
+    choose(v, &Field::new("amplifier_curve", curve).or_text("leave"), &mut around.amplifier_curve);
+    let errors = "gain and bias of `plant.sensors`: `undo` corrects the readings by them, and designs on sensors without";
+    choose(v, &Field::new("sensor_errors", errors).or_text("leave"), &mut around.sensor_errors);
 }
 
 /// Reads or lists the tables of `[synth]` that are not the three parts'.
