@@ -204,7 +204,20 @@ fn an_observer_of_every_law_holds_the_hub_better() {
     }
 }
 
-/// Modal and balanced plants from the file: the design is made on fewer states and holds on the beam with twelve modes.
+/// Feedback and feedforwards designed on every mode that the file may keep, converted and in sampled time: the costs are kept,
+/// and rounding is not taken for a right half plane zero.
+#[test]
+fn a_design_on_the_full_beam_needs_no_reduction() {
+    let beam = ("structure = \"lumped\"", "structure = \"beam\"\nmodes = 40");
+    for choice in [TUSTIN, SAMPLED_DATA] {
+        let (_, made) = made(&project(&with(CHAPTER_6, &[beam, (TUSTIN, choice)])));
+        assert!(made.design.plant.system.order() > 80 && made.warnings.is_empty(), "{:?}", made.warnings);
+        let costs = [made.design.worst_cost_difference(), made.sampled.worst_cost_difference()];
+        assert!(costs.into_iter().flatten().all(|difference| difference < 1e-6), "{costs:?}");
+    }
+}
+
+/// Modal and balanced plants from the file: the design is made on fewer states and holds on the beam with every mode of its elements.
 #[test]
 fn designs_on_modal_and_balanced_plants_hold_on_the_full_beam() {
     let beam = ("structure = \"lumped\"", "structure = \"beam\"\nmodes = 6");
@@ -222,6 +235,6 @@ fn designs_on_modal_and_balanced_plants_hold_on_the_full_beam() {
         println!("{method}: {lowered:?} {spill:?}");
         assert_eq!(lowered.order[1], 8);
         assert!(lowered.loop_change < 0.05, "{lowered:?}");
-        assert!(spill.modes == 12 && spill.largest_pole < 1.0, "{method}: {spill:?}");
+        assert!(spill.modes > 40 && spill.largest_pole < 1.0, "{method}: {spill:?}");
     }
 }

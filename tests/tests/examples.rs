@@ -3,8 +3,9 @@
 
 use std::path::{Path, PathBuf};
 
-use counterpoise_project::pipeline::{World, model, reduce, synthesise, verify};
+use counterpoise_project::pipeline::{Synthesised, World, model, reduce, synthesise, verify};
 use counterpoise_project::{Attachments, Document, Project};
+use counterpoise_synth::{Certified, Outcome, Sampling, SamplingMethod, discretise};
 use counterpoise_verify::Verdict;
 
 /// Predicted and achieved H2 norm agree within this.
@@ -51,6 +52,18 @@ fn resolved(path: &Path) -> Project {
     }
 }
 
+/// What is wrong with the costs of the same design made anew in sampled time.
+fn in_sampled_time(made: &Synthesised) -> Option<String> {
+    let sampling = Sampling { method: SamplingMethod::SampledData, ..made.sampling.clone() };
+    match discretise(&made.design, &sampling).unwrap() {
+        Outcome::Infeasible(findings) => Some(format!("{findings:?}")),
+        Outcome::Solved(sampled) => {
+            let agrees = |part: &Certified| part.cost.relative_difference().is_some_and(|d| d < COST);
+            sampled.certified.iter().find(|part| !agrees(part)).map(|part| format!("{part:?}"))
+        }
+    }
+}
+
 #[test]
 fn every_example_costs_what_is_predicted_and_meets_its_requirements() {
     let (mut designs, mut wrong) = (0, Vec::new());
@@ -78,6 +91,9 @@ fn every_example_costs_what_is_predicted_and_meets_its_requirements() {
                 Some(difference) if difference < COST => {}
                 other => wrong.push(format!("{name}: cost differs by {other:?}: {cost:?}")),
             }
+        }
+        if made.design.substitute.is_none() {
+            wrong.extend(in_sampled_time(&made).map(|why| format!("{name}, in sampled time: {why}")));
         }
         if project.verify.is_some() {
             let world = Beside(path.parent().unwrap().to_owned());
