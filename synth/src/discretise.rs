@@ -239,14 +239,14 @@ impl Drafts {
     }
 }
 
+/// A module with its certificates, if it was designed in sampled time; none where the design has no such module.
+type HeaveModule = Option<(StateSpace, Option<Certified>)>;
+
 /// The heave feedforward of a design for sampled time, in the form in which it runs; none where it has none.
 ///
 /// # Errors
 /// Those of the discretisation and of the realisation.
-pub(crate) fn heave_module(
-    design: &Design,
-    sampling: &Sampling,
-) -> Result<Outcome<Option<(StateSpace, Option<Certified>)>>, Error> {
+pub(crate) fn heave_module(design: &Design, sampling: &Sampling) -> Result<Outcome<HeaveModule>, Error> {
     let Some(continuous) = design.feedforward_controller(Channel::Heave) else {
         return Ok(Outcome::Solved(None));
     };

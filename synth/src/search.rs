@@ -204,7 +204,7 @@ pub fn search(
                 trials += 1;
                 let next = std::array::from_fn(|i| at[i] + step * direction[i]);
                 walks = false;
-                if next.iter().all(|knob| knob.abs() <= REACH)
+                if problem.reaches(next)
                     && let Outcome::Solved(trial) = problem.attempt(next)?
                     && merit(&trial) < (1.0 - LEAST_GAIN) * merit(&best)
                 {
@@ -284,6 +284,21 @@ struct Problem<'a> {
 }
 
 impl Problem<'_> {
+    /// Whether no knob is further than [`REACH`], and no corner is moved beyond half the sampling rate, where nothing sees it.
+    fn reaches(&self, knobs: [f64; KNOBS]) -> bool {
+        let highest = std::f64::consts::PI / self.sampling.period_s;
+        let corner = |weight: &Weight| {
+            let rational = weight.rational();
+            rational.zeros.iter().chain(&rational.poles).map(|root| root.norm()).fold(0.0, f64::max)
+        };
+        let [_, error, control, _] = knobs.map(f64::exp);
+        let below = |weight: &Weight, factor: f64| factor <= 1.0 || factor * corner(weight) <= highest;
+        let feedback = &self.start.feedback;
+        knobs.iter().all(|knob| knob.abs() <= REACH)
+            && below(&feedback.error, error)
+            && below(&feedback.control, control)
+    }
+
     fn attempt(&self, knobs: [f64; KNOBS]) -> Result<Outcome<Trial>, Error> {
         let specification = moved(self.start, knobs);
         let designed = match design(self.plant, &specification)? {
