@@ -286,3 +286,34 @@ fn units_are_those_that_were_chosen_in_every_place() {
     drop(bench);
     std::fs::remove_dir_all(folder).unwrap();
 }
+
+#[test]
+fn the_beam_is_edited_where_it_is_drawn_and_one_undo_takes_it_back() {
+    let folder = rig("beam");
+    let mut bench = bench(&folder);
+    rest(&mut bench);
+    bench.state_mut().run(&Command::Go { place: Place::Plant });
+    rest(&mut bench);
+    bench.get_by_label("beam").click();
+    rest(&mut bench);
+    assert!(says(&bench, "section rear tube") && says(&bench, "mass 5"));
+    let before = common::text(&bench);
+    let diameter = |bench: &Bench| {
+        let project = Arc::clone(bench.state().opened.as_ref().unwrap().session.project().unwrap());
+        format!("{:?}", project.plant.beam.as_ref().unwrap().sections[0].shape)
+    };
+    let shape = diameter(&bench);
+    let is_field = |n: &egui_kittest::Node<'_>| n.accesskit_node().role() == egui::Role::SpinButton;
+    let field = bench.query_all_by_label("outer diameter 1").find(is_field).unwrap();
+    field.focus();
+    bench.run_steps(1);
+    bench.key_press(Key::ArrowUp);
+    rest(&mut bench);
+    assert_ne!(common::text(&bench), before, "an arrow key turns the number that has the focus");
+    assert_ne!(diameter(&bench), shape);
+    bench.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    rest(&mut bench);
+    assert_eq!(common::text(&bench), before);
+    drop(bench);
+    std::fs::remove_dir_all(folder).unwrap();
+}
