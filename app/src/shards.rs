@@ -77,7 +77,8 @@ fn word(key: &str) -> String {
 
 /// Reads samples, refusing a file of another campaign.
 pub fn read(path: &Path, campaign: &Campaign, name: &str) -> Result<Vec<Sample>> {
-    let told = || format!("cannot read {}", path.display());
+    let told =
+        || format!("cannot read {}: it may be damaged; remove it and run its shard again", path.display());
     let reader = SerializedFileReader::new(File::open(path).with_context(told)?).with_context(told)?;
     let written = reader.metadata().file_metadata().key_value_metadata();
     let found = written

@@ -117,7 +117,12 @@ fn prepare(options: &SweepOptions) -> Result<Named> {
 fn shard_of(text: &str) -> Result<(usize, usize)> {
     let told = || format!("--shard {text}: write K/N, for example 17/400 (the first is 0)");
     let (k, n) = text.split_once('/').with_context(told)?;
-    Ok((k.parse().with_context(told)?, n.parse().with_context(told)?))
+    let (k, n): (usize, usize) = (k.parse().with_context(told)?, n.parse().with_context(told)?);
+    match n {
+        0 => bail!("--shard {text}: there must be at least 1 shard"),
+        _ if k >= n => bail!("--shard {text}: of {n} shards the first is 0 and the last is {}", n - 1),
+        _ => Ok((k, n)),
+    }
 }
 
 /// Runs a shard unless its file is there and whole.
@@ -164,6 +169,9 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
     for path in shards::found(&options.output)? {
         parts.push(shards::read(&path, &named.campaign, &named.name)?);
     }
+    if let Some(missing) = missing(&parts, named.campaign.len()) {
+        bail!("{missing}: run the shards that hold them, or the same command without --merge and --shard");
+    }
     let samples = merge(&named.campaign, parts).context(
         "the shards do not make one campaign: remove those of other cuts, or run the missing ones",
     )?;
@@ -191,6 +199,15 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
         say!("report  {}", options.output.join("report.html").display());
     }
     Ok(verdict_code(passes))
+}
+
+/// Which samples no shard holds; none where all are there.
+fn missing(parts: &[Vec<Sample>], all: usize) -> Option<String> {
+    let mut there = vec![false; all];
+    parts.iter().flatten().filter(|sample| sample.index < all).for_each(|sample| there[sample.index] = true);
+    let absent: Vec<usize> = (0..all).filter(|k| !there[*k]).collect();
+    let (first, last) = (absent.first()?, absent.last()?);
+    Some(format!("{} of {all} samples are missing, from {first} to {last}", absent.len()))
 }
 
 /// The worst case of each requirement, by a search from its worst sample; none where no sample could be judged.
