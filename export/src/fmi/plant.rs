@@ -26,7 +26,9 @@ pub struct PlantUnit<'a> {
 #[non_exhaustive]
 pub enum PlantUnitError {
     /// Physics that the generated code does not hold.
-    #[error("the generated plant has no {what}")]
+    #[error(
+        "the generated plant has no {what}: leave \"fmi\" out of export.languages, or describe the plant without it"
+    )]
     Physics {
         /// What the plant has.
         what: &'static str,
