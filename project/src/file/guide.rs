@@ -42,7 +42,7 @@ struct Frame {
 }
 
 /// Walks that see every combination of choices within a table and one level into it.
-pub(crate) const TURNS: usize = 180;
+pub(crate) const TURNS: usize = 2880;
 
 impl Guide {
     /// A walk starts.
