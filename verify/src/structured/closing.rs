@@ -53,7 +53,7 @@ fn with_error(error: C64, angle: f64, period_s: f64) -> Result<StateSpace, Error
     let gain = if error.arg() < 0.0 { size } else { -size };
     let below = (0.5 * (turned - angle)).sin();
     let c = (0.5 * (turned + angle)).sin() / below;
-    if size == 0.0 || !(c.abs() < 1.0) {
+    if size == 0.0 || c.is_nan() || c.abs() >= 1.0 {
         return Ok(StateSpace::gain(Mat::row(&[1.0 + error.re]), timebase)?);
     }
     // (1 - c z) / (z - c) = -c + (1 - c^2) / (z - c)

@@ -32,7 +32,7 @@ impl Factor {
         };
         let centre = if low < 1.0 && 1.0 < high { 1.0 } else { 0.5 * (low + high) };
         let (l, h) = (low / centre, high / centre);
-        if !(h > l) {
+        if h <= l {
             return Self { centre, a: 0.0, b: 0.0 };
         }
         let b = (2.0 - h - l) / (h - l);
