@@ -115,7 +115,7 @@ impl Choice for Form {
 
 /// How a controller is sampled, by name.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Sampled {
+enum SamplingName {
     Tustin,
     ZeroOrderHold,
     FirstOrderHold,
@@ -123,7 +123,7 @@ enum Sampled {
     SampledData,
 }
 
-impl Choice for Sampled {
+impl Choice for SamplingName {
     const NAMES: &'static [(&'static str, Self)] = &[
         ("tustin", Self::Tustin),
         ("zero-order-hold", Self::ZeroOrderHold),
@@ -284,27 +284,27 @@ const SAMPLED_HOW: &str = "how the controller is sampled: each path converted, o
 
 fn discretisation(v: &mut dyn Visit, method: &mut SamplingMethod) {
     let (mut name, mut prewarp_rad_s) = match *method {
-        SamplingMethod::SampledData => (Sampled::SampledData, None),
+        SamplingMethod::SampledData => (SamplingName::SampledData, None),
         SamplingMethod::Emulation(conversion) => match conversion {
-            Discretisation::Tustin { prewarp_rad_s } => (Sampled::Tustin, prewarp_rad_s),
-            Discretisation::ZeroOrderHold => (Sampled::ZeroOrderHold, None),
-            Discretisation::FirstOrderHold => (Sampled::FirstOrderHold, None),
-            Discretisation::Matched => (Sampled::Matched, None),
+            Discretisation::Tustin { prewarp_rad_s } => (SamplingName::Tustin, prewarp_rad_s),
+            Discretisation::ZeroOrderHold => (SamplingName::ZeroOrderHold, None),
+            Discretisation::FirstOrderHold => (SamplingName::FirstOrderHold, None),
+            Discretisation::Matched => (SamplingName::Matched, None),
         },
     };
     choose(v, &Field::new("discretisation", SAMPLED_HOW).or_text("tustin").shown(), &mut name);
     *method = match name {
-        Sampled::Tustin => {
+        SamplingName::Tustin => {
             let field = Field::new("prewarp", "where sampled and continuous agree")
                 .unit("rad/s")
                 .limit(Limit::Above(0.0));
             maybe_number(v, &field, &mut prewarp_rad_s);
             SamplingMethod::Emulation(Discretisation::Tustin { prewarp_rad_s })
         }
-        Sampled::ZeroOrderHold => SamplingMethod::Emulation(Discretisation::ZeroOrderHold),
-        Sampled::FirstOrderHold => SamplingMethod::Emulation(Discretisation::FirstOrderHold),
-        Sampled::Matched => SamplingMethod::Emulation(Discretisation::Matched),
-        Sampled::SampledData => SamplingMethod::SampledData,
+        SamplingName::ZeroOrderHold => SamplingMethod::Emulation(Discretisation::ZeroOrderHold),
+        SamplingName::FirstOrderHold => SamplingMethod::Emulation(Discretisation::FirstOrderHold),
+        SamplingName::Matched => SamplingMethod::Emulation(Discretisation::Matched),
+        SamplingName::SampledData => SamplingMethod::SampledData,
     };
 }
 

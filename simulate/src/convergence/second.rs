@@ -347,5 +347,5 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 fn sign(value: f64) -> i32 {
-    if value > 0.0 { 1 } else { i32::from(value < 0.0) * -1 }
+    if value > 0.0 { 1 } else { -i32::from(value < 0.0) }
 }

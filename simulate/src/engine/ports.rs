@@ -4,8 +4,8 @@ use super::moments::NODES;
 use super::tables::{OUTPUTS, PORTS, STAGES};
 use crate::Error;
 use counterpoise_models::Plant;
-use counterpoise_models::plant::Hose;
 use counterpoise_models::friction::{Bristle, FrictionModel, Law, Stick, Surroundings};
+use counterpoise_models::plant::Hose;
 
 /// Which output is which (see [`OUTPUTS`]).
 const MOTOR: usize = 0;
