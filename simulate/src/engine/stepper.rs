@@ -567,8 +567,10 @@ mod tests {
         stepper.finest = finest;
         stepper.restart(&start);
         let platform = PlatformMotion { pitch_rate_rad_s: Signal::sine(0.1, 8.0), ..PlatformMotion::STILL };
+        let mut angle = 0.0;
         for k in 0..4 {
-            let motion = platform.sample(f64::from(k) * 1e-3, 1e-3, 0.0);
+            let motion = platform.sample(f64::from(k) * 1e-3, 1e-3, angle);
+            angle = motion.at(1.0).angle;
             stepper.advance(&Sample { drive_v: volts, start_s: f64::from(k) * 1e-3, motion: &motion });
         }
         stepper.state().core
