@@ -1,7 +1,7 @@
 //! Where in a generalised plant the mode lives that leaves a Riccati equation without a solution.
 
-use counterpoise_lti::linalg::{self, Reason, svd};
-use counterpoise_lti::{C64, Mat};
+use counterpoise_lti::linalg::{self, Reason, csvd};
+use counterpoise_lti::{C64, CMat, Mat};
 
 use crate::cause::{Cause, Hidden};
 use crate::finding::{Finding, Part};
@@ -87,13 +87,7 @@ fn without(A: &Mat, B: &Mat, C: &Mat, D: &Mat) -> Result<(Mat, Mat), Error> {
 /// The moduli of the `x` with `[A - mode I; C] x` nearest to zero, scaled to a sum of squares of 1.
 fn missed(A: &Mat, C: &Mat, mode: C64) -> Result<Vec<f64>, Error> {
     let n = A.nrows();
-    let shifted = A - &Mat::eye(n).scale(mode.re);
-    let turned = Mat::eye(n).scale(mode.im);
-    let nothing = Mat::zeros(C.nrows(), n);
-    // The complex matrix as a real one of twice the size; each complex direction is there twice, either will do.
-    let real =
-        Mat::from_blocks(&[&[&shifted, &turned], &[&-&turned, &shifted], &[C, &nothing], &[&nothing, C]]);
-    let V = svd(&real)?.V;
-    let last = V.ncols() - 1;
-    Ok((0..n).map(|i| V[(i, last)].hypot(V[(n + i, last)])).collect())
+    let shifted = &A.to_complex() - &CMat::eye(n).scale(mode);
+    let V = csvd(&shifted.vstack(&C.to_complex()))?.V;
+    Ok(V.column(n - 1).iter().map(|entry| entry.norm()).collect())
 }
