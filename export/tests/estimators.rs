@@ -7,12 +7,10 @@ mod support;
 use std::process::Command;
 
 use counterpoise_controller::lti::{Mat, StateSpace, Timebase};
-use counterpoise_controller::{
-    Controller, Estimator, Learning, Parts, READINGS, SampledController, Scaling, Signal,
-};
+use counterpoise_controller::{Controller, Estimator, Learning, Parts, READINGS, Scaling, Signal};
 use counterpoise_export::Source::Unverified;
 use counterpoise_export::{Deviation, FixedRunner, Measured, Ranges, fixed_c99, plan, single_precision};
-use support::{Random, Request, Target, folder, is_there, path, provenance, run, server_in, write};
+use support::{Random, Request, assert_answers, folder, is_there, path, provenance, run, server_in, write};
 
 const SAMPLES: usize = 6000;
 const GRAVITY: f64 = 9.80665;
@@ -140,16 +138,5 @@ fn no_reading_brings_a_divisor_to_0() {
             asked.push((which, Request::Step(std::array::from_fn(|_| (random.signed() * size).round()))));
         }
     }
-    let answers = Target::start(&folder.join("server")).ask_all(&asked);
-    let mut runners: Vec<FixedRunner> = plans.iter().map(FixedRunner::new).collect();
-    for ((which, request), answer) in asked.iter().zip(&answers) {
-        match request {
-            Request::Set(value) => runners[*which].set_integer(*value as i64),
-            Request::Step(v) => {
-                assert_eq!(runners[*which].step_integers(&v.map(|x| x as i64)) as f64, *answer)
-            }
-            Request::Reset => runners[*which].reset(),
-        }
-    }
-    assert_eq!(answers.len(), asked.len());
+    assert_answers(&plans, &folder.join("server"), &asked);
 }

@@ -6,13 +6,13 @@ mod support;
 use std::path::PathBuf;
 use std::process::Command;
 
-use counterpoise_controller::{Controller, READINGS, SampledController};
+use counterpoise_controller::{Controller, READINGS};
 use counterpoise_export::Source::Unverified;
 use counterpoise_export::{
     Fixed, FixedError, FixedRunner, Ranges, fixed_c99, plan, single_precision, vectors::LARGEST,
 };
 use support::{
-    Random, Request, STRICT, Target, folder, is_there, provenance, random_controller, run, server_in,
+    Random, Request, STRICT, assert_answers, folder, is_there, provenance, random_controller, run, server_in,
     typical, write,
 };
 
@@ -227,18 +227,7 @@ fn fixed_c_equals_its_reference_and_never_overflows() {
             asked.push((which, Request::Step(std::array::from_fn(|_| (random.signed() * size).round()))));
         }
     }
-    let mut runners: Vec<FixedRunner> = plans.iter().map(FixedRunner::new).collect();
-    let answers = Target::start(&program).ask_all(&asked);
-    for ((which, request), answer) in asked.iter().zip(&answers) {
-        match request {
-            Request::Set(value) => runners[*which].set_integer(*value as i64),
-            Request::Step(v) => {
-                assert_eq!(runners[*which].step_integers(&v.map(|x| x as i64)) as f64, *answer)
-            }
-            Request::Reset => runners[*which].reset(),
-        }
-    }
-    assert_eq!(answers.len(), asked.len());
+    assert_answers(&plans, &program, &asked);
 }
 
 #[test]

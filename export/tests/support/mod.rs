@@ -10,7 +10,7 @@ use counterpoise_controller::{
     Controller, Correction, Estimator, FrictionObserver, Learning, Number, ObserverLaw, Parts, Path,
     READINGS, Readings, SampledController, Scaling, Signal,
 };
-use counterpoise_export::{File, Fixed, Provenance};
+use counterpoise_export::{File, Fixed, FixedRunner, Provenance};
 
 /// A folder for one test, emptied.
 pub fn folder(name: &str) -> PathBuf {
@@ -235,6 +235,22 @@ pub enum Request {
     Set(f64),
     /// One sample.
     Step([f64; READINGS]),
+}
+
+/// Integers to every plan's own runner and to its C in the program at once: each answer is the same.
+pub fn assert_answers(plans: &[Fixed], program: &FilePath, asked: &[(usize, Request)]) {
+    let answers = Target::start(program).ask_all(asked);
+    let mut runners: Vec<FixedRunner> = plans.iter().map(FixedRunner::new).collect();
+    for ((which, request), answer) in asked.iter().zip(&answers) {
+        match request {
+            Request::Set(value) => runners[*which].set_integer(*value as i64),
+            Request::Step(v) => {
+                assert_eq!(runners[*which].step_integers(&v.map(|x| x as i64)) as f64, *answer)
+            }
+            Request::Reset => runners[*which].reset(),
+        }
+    }
+    assert_eq!(answers.len(), asked.len());
 }
 
 impl Target {
