@@ -136,6 +136,26 @@ impl Machine {
         v
     }
 
+    /// Torque of the gear's teeth: none inside the gap.
+    fn mesh(&self, wound: f64, winding: f64) -> f64 {
+        let half = 0.5 * self.backlash;
+        if wound.abs() > half {
+            self.gear_stiffness * (wound - half * wound.signum()) + self.gear_damping * winding
+        } else {
+            0.0
+        }
+    }
+
+    /// Derivative of a hose's torque, of Bouc and Wen with n = 1 and beta = gamma = 1/2.
+    fn hose(&self, torque: f64, sliding: f64) -> f64 {
+        let [yields, stiff] = self.hysteresis;
+        if yields <= 0.0 {
+            return 0.0;
+        }
+        let bent = torque / yields;
+        stiff * (sliding - 0.5 * sliding.abs() * bent - 0.5 * sliding * bent.abs())
+    }
+
     /// Derivatives of the states.
     pub fn slopes(&self, t: f64, x: &[f64; STATES], control: f64, platform: Platform) -> [f64; STATES] {
         let [volts, amps, shaft, spin, hub, hub_rate, beam, beam_rate, motor_dry, pivot_dry, ..] = *x;
@@ -150,12 +170,7 @@ impl Machine {
         let drive = constant * fade * amps.clamp(-self.current_limit, self.current_limit);
         let wound = shaft / self.ratio + platform.angle - hub;
         let winding = spin / self.ratio + platform.rate - hub_rate;
-        let half = 0.5 * self.backlash;
-        let gear = if wound.abs() > half {
-            self.gear_stiffness * (wound - half * wound.signum()) + self.gear_damping * winding
-        } else {
-            0.0
-        };
+        let gear = self.mesh(wound, winding);
         let lost = (1.0 - self.mesh_efficiency) * gear;
         let forward = 0.5 * (1.0 + spin / spin.hypot(0.05) * gear.signum());
         let (to_hub, to_motor) = (gear - forward * lost, gear - (1.0 - forward) * lost);
@@ -181,12 +196,7 @@ impl Machine {
         d[8] = self.motor_friction.slope(motor_dry, spin, Place::default());
         let place = Place { angle: hub - platform.angle, load: gear, time: t };
         d[9] = self.pivot_friction.slope(pivot_dry, sliding, place);
-        let [yields, stiff] = self.hysteresis;
-        if yields > 0.0 {
-            // Bouc and Wen with n = 1, beta = gamma = 1/2
-            let bent = x[16] / yields;
-            d[16] = stiff * (sliding - 0.5 * sliding.abs() * bent - 0.5 * sliding * bent.abs());
-        }
+        d[16] = self.hose(x[16], sliding);
         let lever = platform.heave + self.lever_arm * platform.acceleration;
         let sensed =
             [(&self.hub_gyro, hub_rate), (&self.platform_gyro, platform.rate), (&self.accelerometer, lever)];
