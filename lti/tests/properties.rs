@@ -7,6 +7,7 @@ use counterpoise_lti::{
     sigma, zeros,
 };
 use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 /// A system of random order, inputs and outputs whose states are scaled by up to 10^+-decades.
 fn system(decades: i32, shift: f64) -> impl Strategy<Value = StateSpace> {
@@ -36,7 +37,7 @@ fn square(g: &StateSpace) -> StateSpace {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..ProptestConfig::default() })]
 
     #[test]
     fn responses_agree_with_a_dense_solve_whatever_the_units(g in system(8, 0.5), rate in 0.01_f64..50.0) {

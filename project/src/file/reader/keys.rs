@@ -213,6 +213,7 @@ impl Visit for Reader<'_> {
     fn complain(&mut self, key: &str, allowed: &str, hint: Option<String>) {
         let path = self.path(key);
         let Some(entry) = self.frames.last().and_then(|f| f.entries.iter().find(|e| e.key == key)) else {
+            self.complain_of_default(key, allowed);
             return;
         };
         let item = self

@@ -86,6 +86,16 @@ impl<'a> Reader<'a> {
         frame.missing.push((key.to_owned(), finding));
     }
 
+    /// A complaint of a key that nobody wrote: what stands in its place does not fit what is written around it.
+    /// Said only where nothing else is wrong in its table: a value that could not be read is no ground to judge others.
+    fn complain_of_default(&mut self, key: &str, allowed: &str) {
+        let Some(frame) = self.frames.last() else { return };
+        let told = !frame.missing.is_empty() || self.findings.iter().any(|f| f.path.starts_with(&frame.path));
+        if !told {
+            self.missing(key, format!("{allowed}; it is not written, and its default does not fit"));
+        }
+    }
+
     /// The node of a field, or a finding if it is required and not there.
     fn find(&mut self, field: &Field) -> Option<&'a Node> {
         let entry = self.look(field.key);
