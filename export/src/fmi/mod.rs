@@ -9,12 +9,13 @@
 
 mod absent;
 mod controller;
+mod machine;
 mod pack;
 mod plant;
 
 pub use controller::controller_unit;
 pub use pack::pack;
-pub use plant::{PlantUnit, PlantUnitError, plant_unit};
+pub use plant::{MOST_BRISTLES, MOST_DELAY_SAMPLES, PlantUnit, PlantUnitError, plant_unit};
 
 use absent::ABSENT;
 use minijinja::{Environment, Value, context};

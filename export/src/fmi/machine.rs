@@ -1,0 +1,382 @@
+//! The numbers of a plant as C writes them.
+
+use counterpoise_models::friction::{FrictionModel, Law, StribeckLevel};
+use counterpoise_models::plant::core::state;
+use counterpoise_models::plant::{OperatingPoint, Plant};
+use counterpoise_models::{
+    AmplifierDynamics, Friction, FrictionLaw, IDEAL_LAG_S, Ripple, Sensor, StribeckCurve,
+};
+
+/// Motor rate over which the direction of the power through the mesh changes, rad/s.
+pub(crate) const POWER_REVERSAL_RATE: f64 = 0.05;
+/// Full range of every converter, V to either side.
+const CONVERTER_RANGE_V: f64 = counterpoise_simulate::sensing::CONVERTER_RANGE_V;
+/// The shortest step is a sample period over this.
+const PARTS: u32 = 65_536;
+/// The same where bristles snap: each makes a jump, and there are too many to find all.
+const BRISTLED_PARTS: u32 = 4096;
+
+/// The states before the modes, in order, as the header's enumeration names them.
+pub(crate) const STATES: [&str; 16] = [
+    "VOLTAGE",
+    "CURRENT",
+    "MOTOR",
+    "WIND_UP",
+    "ANGLE",
+    "RATE",
+    "MOTOR_DRY",
+    "PIVOT_DRY",
+    "HOSE",
+    "PLATFORM",
+    "GYRO",
+    "PLATFORM_GYRO",
+    "ACCELEROMETER",
+    "GYRO_HEAVE",
+    "PLATFORM_GYRO_HEAVE",
+    "MODES",
+];
+
+/// States of the core before the modes; they are the first of [`STATES`].
+const CORE: usize = state::MODES;
+/// Two of friction, the hose, the platform's angle.
+const BESIDE: usize = 4;
+/// Five filters of second order.
+const FILTERS: usize = 5;
+
+/// A number in C.
+fn number(value: f64) -> String {
+    if value.is_infinite() {
+        return if value > 0.0 { "HUGE_VAL" } else { "-HUGE_VAL" }.to_owned();
+    }
+    format!("{value:?}")
+}
+
+fn list(values: &[f64]) -> String {
+    values.iter().copied().map(number).collect::<Vec<_>>().join(", ")
+}
+
+/// Name, value and meaning of each constant of the machine.
+pub(crate) fn parameters(plant: &Plant) -> Vec<(&'static str, String, &'static str)> {
+    let (drive, structure) = (drive(plant), structure(plant));
+    drive.into_iter().chain(structure).map(|(name, value, says)| (name, number(value), says)).collect()
+}
+
+type Constants = Vec<(&'static str, f64, &'static str)>;
+
+fn drive(plant: &Plant) -> Constants {
+    let p = plant.parameters();
+    let rest = plant.equilibrium(&OperatingPoint::default());
+    let (voltage, current) = (rest.core_state[state::VOLTAGE], rest.core_state[state::CURRENT]);
+    let holding = p.amplifier.control_v(p.amplifier.holding_drive_v(voltage, current, &p.motor), &p.motor);
+    let delay = p.interface.output_delay_samples as f64 * p.interface.sample_period_s;
+    vec![
+        ("amplifier_gain", p.amplifier.gain, "V/V"),
+        ("current_feedback", p.amplifier.current_feedback_v_a, "V/A"),
+        ("amplifier_time", p.amplifier.time_constant_s, "s"),
+        ("input_limit", p.amplifier.input_limit_v, "V"),
+        ("dead_zone", p.amplifier.dead_zone_v, "V, half"),
+        ("bus_voltage", p.amplifier.bus_voltage_v, "V"),
+        ("current_limit", p.amplifier.current_limit_a, "A"),
+        ("stall_gain", p.amplifier.stall_gain_a_v(&p.motor), "A/V, of a current source"),
+        ("current_lag", IDEAL_LAG_S, "s, of a current source"),
+        ("motor_inertia", p.motor.inertia_kg_m2, "kg m^2"),
+        ("torque_constant", p.motor.torque_constant_nm_a, "N m/A"),
+        ("back_emf", p.motor.back_emf_v_s_rad, "V s/rad"),
+        ("resistance", p.motor.resistance_ohm, "ohm"),
+        ("inductance", p.motor.inductance_h, "H"),
+        ("platform_coupling", p.motor.platform_coupling, "of the rotor: 0, 1 or -1"),
+        ("ratio", p.gearbox.ratio, "motor turns per hub turn"),
+        ("mesh_stiffness", p.gearbox.stiffness_nm_rad, "N m/rad, at the output"),
+        ("mesh_damping", p.gearbox.damping_nm_s_rad, "N m s/rad"),
+        ("backlash", p.gearbox.backlash_rad, "rad, total"),
+        ("mesh_efficiency", p.gearbox.mesh_efficiency, "1: ideal"),
+        ("output_delay", delay, "s, of the control"),
+        ("holding_control", holding, "V, until the first delayed one"),
+        ("motor_angle", rest.motor_angle_rad, "rad, at rest"),
+    ]
+}
+
+fn structure(plant: &Plant) -> Constants {
+    let (p, body) = (plant.parameters(), plant.body());
+    let spring = p.lumped.as_ref().map(|l| (l.position_stiffness_nm_rad, l.position_stiffness_centre_rad));
+    let (spring, centre) = spring.unwrap_or_default();
+    let hose = plant.hose().map(|hose| (hose.level_nm, hose.stiffness_nm_rad)).unwrap_or_default();
+    vec![
+        ("gravity", p.gravity_m_s2, "m/s^2"),
+        ("inertia", body.inertia_kg_m2, "kg m^2, about the pivot"),
+        ("out_of_balance", body.out_of_balance_kg_m, "kg m"),
+        ("vertical_offset", body.vertical_offset_kg_m, "kg m"),
+        ("spring", spring, "N m/rad, hub to platform"),
+        ("spring_centre", centre, "rad"),
+        ("hose_level", hose.0, "N m"),
+        ("hose_stiffness", hose.1, "N m/rad"),
+        ("lever_arm", p.sensors.accelerometer_lever_arm_m, "m, of the accelerometer"),
+    ]
+}
+
+/// Cogging, torque ripple, mesh ripple.
+pub(crate) fn ripples(plant: &Plant) -> [String; 3] {
+    let p = plant.parameters();
+    [p.motor.cogging, p.motor.torque_ripple, p.gearbox.mesh_ripple].map(|ripple| list(&three(&ripple)))
+}
+
+fn three(ripple: &Ripple) -> [f64; 3] {
+    [ripple.amplitude, ripple.order, ripple.phase_rad]
+}
+
+/// Whether the amplifier is a current source.
+pub(crate) fn ideal_current(plant: &Plant) -> &'static str {
+    match plant.parameters().amplifier.dynamics {
+        AmplifierDynamics::IdealCurrent => "true",
+        AmplifierDynamics::Modelled => "false",
+    }
+}
+
+/// The structure's flexible modes.
+pub(crate) fn modes(plant: &Plant) -> Vec<String> {
+    let modes = plant.body().modes.iter();
+    let line = |m: &counterpoise_models::plant::BodyMode| {
+        list(&[m.frequency_rad_s, m.damping_ratio, m.hub_shape, m.tip_shape, m.load_share_kg_m])
+    };
+    modes.map(line).collect()
+}
+
+/// The amplifier's map: volts in, and the volts that a linear amplifier would need.
+pub(crate) fn map(plant: &Plant) -> Vec<(String, String)> {
+    let p = plant.parameters();
+    let gain = p.amplifier.stall_gain_a_v(&p.motor);
+    p.amplifier.map.iter().map(|point| (number(point.input_v), number(point.current_a / gain))).collect()
+}
+
+/// Friction at the motor and at the pivot, as the structure `friction` lists it.
+pub(crate) fn joints(plant: &Plant) -> Vec<String> {
+    laws(plant).iter().map(|(friction, law)| joint(friction, law)).collect()
+}
+
+/// The joints' friction; a law that was checked with the plant.
+fn laws(plant: &Plant) -> [(&Friction, Law); 2] {
+    let p = plant.parameters();
+    [&p.motor_friction, &p.pivot_friction]
+        .map(|f| (f, FrictionModel::new(f).map_or(Law::None, |model| *model.law())))
+}
+
+/// What the laws have in different ways.
+struct Dry {
+    kind: &'static str,
+    level: Option<StribeckLevel>,
+    coulomb_nm: f64,
+    breakaway_ratio: f64,
+    rest_rate: f64,
+    stiffness: f64,
+    exponent: f64,
+    damping: f64,
+    deflection: f64,
+    lag: f64,
+    smoothing: f64,
+    bristles: usize,
+}
+
+impl Dry {
+    fn new(kind: &'static str, level: Option<StribeckLevel>) -> Self {
+        Self {
+            kind,
+            level,
+            coulomb_nm: level.map_or(0.0, |level| level.coulomb_nm()),
+            breakaway_ratio: 1.0,
+            rest_rate: 0.0,
+            stiffness: 0.0,
+            exponent: 1.0,
+            damping: 0.0,
+            deflection: 1.0,
+            lag: 1.0,
+            smoothing: 1.0,
+            bristles: 0,
+        }
+    }
+
+    fn of(law: &Law) -> Self {
+        match law {
+            Law::None => Self::new("NO_FRICTION", None),
+            Law::Sliding(law) => Self {
+                breakaway_ratio: law.breakaway_ratio,
+                rest_rate: law.rest_rate_rad_s,
+                ..Self::new("SLIDING", Some(law.level))
+            },
+            Law::Dahl(law) => Self {
+                stiffness: law.rest_stiffness_nm_rad,
+                exponent: law.exponent,
+                ..Self::new("DAHL", Some(law.level))
+            },
+            Law::Lugre(law) => Self {
+                stiffness: law.stiffness_nm_rad,
+                damping: law.damping_nm_s_rad,
+                ..Self::new("LUGRE", Some(law.level))
+            },
+            Law::ResetIntegrator(law) => Self {
+                coulomb_nm: law.coulomb_nm,
+                stiffness: law.bond_stiffness_nm_rad(),
+                damping: law.damping_nm_s_rad,
+                deflection: law.deflection_rad,
+                ..Self::new("RESET", None)
+            },
+            Law::Walrath(law) => Self {
+                coulomb_nm: law.coulomb_nm,
+                lag: law.time_constant_s,
+                smoothing: law.smoothing_rate_rad_s,
+                ..Self::new("WALRATH", None)
+            },
+            Law::Bristle(law) => Self {
+                deflection: law.bond_rad,
+                bristles: law.bristles,
+                ..Self::new("BRISTLES", Some(law.level))
+            },
+        }
+    }
+}
+
+fn joint(friction: &Friction, law: &Law) -> String {
+    let dry = Dry::of(law);
+    let (shape, exponent, cubic) = curve(friction, dry.level.as_ref());
+    let excess = dry.level.map_or(0.0, |level| level.static_nm() - level.coulomb_nm());
+    let load = if dry.coulomb_nm > 0.0 { friction.load_coefficient / dry.coulomb_nm } else { 0.0 };
+    let first = list(&[dry.coulomb_nm, excess, friction.stribeck_rate_rad_s.recip(), exponent]);
+    let own = [
+        dry.breakaway_ratio,
+        dry.rest_rate,
+        dry.stiffness,
+        dry.exponent,
+        dry.damping,
+        dry.deflection,
+        dry.lag,
+        dry.smoothing,
+    ];
+    let shared = [
+        friction.viscous_nm_s_rad,
+        friction.quadratic_nm_s2_rad2,
+        friction.asymmetry,
+        friction.viscous_asymmetry,
+    ];
+    let wave = list(&three(&friction.position_ripple));
+    let last = list(&[load, friction.warm_up, friction.warm_up_time_s]);
+    format!(
+        "{}, {shape}, {first}, {{ {} }}, {}, {}U, {}, {{ {wave} }}, {last}",
+        dry.kind,
+        list(&cubic),
+        list(&own),
+        dry.bristles,
+        list(&shared)
+    )
+}
+
+/// How the level falls with the rate: the curve's name in C, its exponent and its cubic.
+fn curve(friction: &Friction, level: Option<&StribeckLevel>) -> (&'static str, f64, [f64; 3]) {
+    let none = [0.0; 3];
+    let Some(level) = level else { return ("CONSTANT", 1.0, none) };
+    let curve = match friction.law {
+        FrictionLaw::Stribeck { curve, .. } => curve,
+        _ => StribeckCurve::Gaussian,
+    };
+    match curve {
+        StribeckCurve::Polynomial { coefficients } => ("POLYNOMIAL", 1.0, coefficients),
+        _ if level.static_nm() == level.coulomb_nm() => ("CONSTANT", 1.0, none),
+        StribeckCurve::Tustin => ("TUSTIN", 1.0, none),
+        StribeckCurve::Gaussian => ("GAUSSIAN", 1.0, none),
+        StribeckCurve::Exponential { exponent } => ("EXPONENTIAL", exponent, none),
+        StribeckCurve::Lorentzian => ("LORENTZIAN", 1.0, none),
+    }
+}
+
+/// Most bristles of a joint.
+pub(crate) fn bristles(plant: &Plant) -> usize {
+    let count = |(_, law): &(&Friction, Law)| match law {
+        Law::Bristle(law) => law.bristles,
+        _ => 0,
+    };
+    laws(plant).iter().map(count).max().unwrap_or(0)
+}
+
+/// Parts of a sample period that the shortest step is one of.
+pub(crate) fn shortest_parts(plant: &Plant) -> String {
+    let parts = if bristles(plant) > 0 { BRISTLED_PARTS } else { PARTS };
+    format!("{:?}", f64::from(parts))
+}
+
+/// Hub gyroscope, platform gyroscope, accelerometer, tachometer, resolver; a sensor that is not fitted reads 0.
+fn fitted(plant: &Plant) -> [Sensor; 5] {
+    let s = &plant.parameters().sensors;
+    let absent = Sensor { gain: 0.0, ..Sensor::IDEAL };
+    let optional = |sensor: &Option<Sensor>| sensor.clone().unwrap_or_else(|| absent.clone());
+    [
+        s.hub_gyro.clone(),
+        s.platform_gyro.clone(),
+        s.platform_accelerometer.clone(),
+        optional(&s.motor_tachometer),
+        optional(&s.hub_resolver),
+    ]
+}
+
+/// The sensors, as the structure `sensor` lists them.
+pub(crate) fn sensors(plant: &Plant) -> Vec<String> {
+    let line = |s: &Sensor| {
+        let own = [frequency(s), s.damping_ratio, s.gain, s.bias, s.g_sensitivity];
+        list(&[&own[..], &[s.delay_s, CONVERTER_RANGE_V / s.scale_v_unit]].concat())
+    };
+    fitted(plant).iter().map(line).collect()
+}
+
+/// 0 stands for an ideal sensor.
+fn frequency(sensor: &Sensor) -> f64 {
+    if sensor.natural_frequency_rad_s.is_finite() { sensor.natural_frequency_rad_s } else { 0.0 }
+}
+
+/// How many values a delayed signal keeps.
+pub(crate) fn past(plant: &Plant) -> usize {
+    let interface = &plant.parameters().interface;
+    let late = fitted(plant).map(|sensor| (sensor.delay_s / interface.sample_period_s).ceil() as usize);
+    2 + late.into_iter().fold(interface.output_delay_samples, usize::max)
+}
+
+/// The states at rest with the hub level.
+pub(crate) fn rest(plant: &Plant) -> Vec<String> {
+    let core = plant.equilibrium(&OperatingPoint::default()).core_state;
+    let beside = [0.0; BESIDE + 2 * FILTERS];
+    let all = core[..CORE].iter().chain(&beside).chain(&core[CORE..]);
+    all.copied().map(number).collect()
+}
+
+/// A rate and an angle of the hub, rad/s and rad, against which an error is small.
+const SIZE: (f64, f64) = (0.1, 1e-3);
+/// Voltage, V, current, A, and wind-up, rad, against which an error is small.
+const ELECTRICAL: (f64, f64) = (1.0, 0.1);
+/// See [`ELECTRICAL`].
+const WIND_UP: f64 = 1e-5;
+
+/// Sizes of the states against which an error is small.
+pub(crate) fn sizes(plant: &Plant) -> Vec<String> {
+    let ratio = plant.parameters().gearbox.ratio;
+    let (rate, angle) = SIZE;
+    let mut sizes = vec![ELECTRICAL.0, ELECTRICAL.1, rate * ratio, WIND_UP, angle, rate];
+    sizes.extend(laws(plant).iter().map(|(_, law)| dry_size(law)));
+    sizes.push(plant.hose().map_or(1.0, |hose| hose.level_nm));
+    sizes.push(angle);
+    let [hub, platform, accelerometer, ..] = fitted(plant);
+    for sensor in [&hub, &platform, &accelerometer, &hub, &platform] {
+        sizes.extend([rate, rate * frequency(sensor).max(1.0)]);
+    }
+    for mode in &plant.body().modes {
+        let shape = mode.hub_shape.abs().max(f64::MIN_POSITIVE.sqrt()).max(1e-3 * mode.tip_shape.abs());
+        sizes.extend([angle / shape, rate / shape]);
+    }
+    sizes.into_iter().map(number).collect()
+}
+
+/// The largest state of a law of friction.
+fn dry_size(law: &Law) -> f64 {
+    match law {
+        Law::None | Law::Sliding(_) | Law::Bristle(_) => 1.0,
+        Law::Dahl(law) => law.level.coulomb_nm(),
+        Law::Walrath(law) => law.coulomb_nm,
+        Law::Lugre(law) => law.level.coulomb_nm() / law.stiffness_nm_rad,
+        Law::ResetIntegrator(law) => law.deflection_rad,
+    }
+}

@@ -1,0 +1,352 @@
+//! The plant unit's C beside the simulator: the same equations by two methods, physics by physics, in an open loop that drives the
+//! mechanism hard while its platform heaves and pitches.
+//!
+//! Each method is run twice, as it is and refined: that shows its own error, and the bound on the difference is made of these two.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
+
+mod support;
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use counterpoise_export::fmi::{MOST_DELAY_SAMPLES, PlantUnit, PlantUnitError, plant_unit};
+use counterpoise_models::plant::{Body, BodyMode};
+use counterpoise_models::{
+    AmplifierDynamics, Friction, FrictionLaw, MapPoint, OperatingPoint, Parameters, Plant, Ripple, Sensor,
+    StribeckCurve, reference,
+};
+use counterpoise_simulate::convergence::cases;
+use counterpoise_simulate::{Playback, PlatformMotion, Scenario, Signal, Simulator};
+use support::{STRICT, folder, is_there, provenance, run, write};
+
+/// Samples of a run.
+const SAMPLES: usize = 1500;
+/// How much closer the refined runs are: the simulator's defect, and the C's tolerance by its square.
+const REFINED: f64 = 8.0;
+/// A tenth of the simulator's tolerance: it takes the rate of friction as its mean over a piece of a step, and the level as that at
+/// the piece's end, which a smaller tolerance does not refine while the motion is smooth.
+const FLOOR: f64 = 0.1 * counterpoise_simulate::run::TOLERANCE;
+/// The difference may be so many times the sum of what both methods change by when they are refined.
+const TIMES: f64 = 2.0;
+/// No difference may be larger than this, whatever the methods' own errors.
+const MOST: f64 = 2e-3;
+
+/// A machine, and what drives it.
+struct Machine {
+    name: String,
+    plant: Plant,
+    control_v: f64,
+}
+
+/// What is compared: readings and truths, sample by sample.
+type Columns = Vec<[f64; 8]>;
+
+fn machine(name: &str, change: impl FnOnce(&mut Parameters)) -> Machine {
+    let mut parameters = reference::rig();
+    change(&mut parameters);
+    Machine { name: name.to_owned(), plant: Plant::lumped(&parameters).unwrap(), control_v: 0.8 }
+}
+
+/// A drive through rest and both directions around the control that holds the machine.
+fn controls(machine: &Machine) -> Vec<f64> {
+    let held = machine.plant.equilibrium(&OperatingPoint::default()).control_v;
+    let period_s = machine.plant.parameters().interface.sample_period_s;
+    let at = |k: usize| {
+        let t = k as f64 * period_s;
+        let ramp = (t / 0.2).min(1.0);
+        held + machine.control_v * ramp * ((9.0 * t).sin() + 0.6 * (23.0 * t).sin())
+    };
+    (0..SAMPLES).map(at).collect()
+}
+
+/// Straight lines from sample to sample, with corners at samples: what the unit is given over a step is exact.
+fn platform(period_s: f64) -> PlatformMotion {
+    PlatformMotion {
+        pitch_rate_rad_s: Signal::Triangle { amplitude: 0.05, period_s: 400.0 * period_s },
+        heave_m_s2: Signal::Triangle { amplitude: 0.6, period_s: 240.0 * period_s },
+        ..PlatformMotion::STILL
+    }
+}
+
+fn simulated(machine: &Machine, refined: f64) -> Columns {
+    let parameters = machine.plant.parameters();
+    let period_s = parameters.interface.sample_period_s;
+    let scenario = Scenario { platform: platform(period_s), ..Scenario::still(SAMPLES as f64 * period_s) };
+    let tolerance = counterpoise_simulate::run::TOLERANCE / refined;
+    let mut simulator = Simulator::with_tolerance(&machine.plant, tolerance).unwrap();
+    let controls = controls(machine);
+    let run = simulator.run(&mut Playback::new(&controls), &scenario).unwrap();
+    let (r, t) = (&run.readings, &run.truth);
+    let at = |k: usize| {
+        let readings = [r.hub_rate_rad_s[k], r.platform_rate_rad_s[k], r.platform_accel_m_s2[k]];
+        let relative = [r.motor_rate_rad_s[k], r.hub_position_rad[k]];
+        let truths = [t.hub_rate_rad_s[k], t.tip_rate_rad_s[k], t.current_a[k]];
+        std::array::from_fn(|i| readings.iter().chain(&relative).chain(&truths).copied().nth(i).unwrap())
+    };
+    (0..SAMPLES).map(at).collect()
+}
+
+const DRIVER: &str = r#"#include "rig.h"
+#include <stdio.h>
+
+int main(void)
+{
+    static rig_state s;
+    rig_inputs in;
+    double period;
+    double next[2];
+    int first = 1;
+    if (scanf("%lf", &period) != 1) {
+        return 1;
+    }
+    while (scanf("%lf %lf %lf %lf %lf", &in.control_v, &in.heave_m_s2, &next[0], &in.pitch_rate_rad_s, &next[1]) == 5) {
+        rig_outputs o;
+        if (first) {
+            rig_begin(&s, 0.0, in.heave_m_s2, in.pitch_rate_rad_s);
+            first = 0;
+        }
+        rig_read(&s, &o);
+        printf("%.17g %.17g %.17g %.17g %.17g %.17g %.17g %.17g\n", o.hub_rate_rad_s, o.platform_rate_rad_s,
+            o.platform_accel_m_s2, o.motor_rate_rad_s, o.hub_position_rad, o.true_hub_rate_rad_s,
+            o.true_tip_rate_rad_s, o.current_a);
+        in.heave_slope_m_s3 = (next[0] - in.heave_m_s2) / period;
+        in.pitch_slope_rad_s2 = (next[1] - in.pitch_rate_rad_s) / period;
+        rig_move(&s, &in, period);
+    }
+    return 0;
+}
+"#;
+
+/// The unit's own C, compiled with a driver.
+fn program(machine: &Machine, folder: &Path, refined: f64) -> PathBuf {
+    let files = plant_unit(PlantUnit { plant: &machine.plant, name: "rig" }, &provenance()).unwrap();
+    write(folder, &files);
+    let sources = folder.join("rig/sources");
+    std::fs::write(sources.join("driver.c"), DRIVER).unwrap();
+    let name = format!("driver{refined}");
+    let flags = ["-O2", "-ffp-contract=off", "rig.c", "driver.c", "-lm", "-o", &name];
+    let define = format!("-DREFINED={refined:?}");
+    let said =
+        run(Command::new("cc").current_dir(&sources).args(&STRICT[2..]).arg("-std=c99").arg(define).args(flags));
+    assert_eq!(said, "", "{}", machine.name);
+    sources.join(name)
+}
+
+fn in_c(machine: &Machine, folder: &Path, refined: f64) -> Columns {
+    let period_s = machine.plant.parameters().interface.sample_period_s;
+    let motion = platform(period_s);
+    let mut rows = format!("{period_s:?}\n");
+    for (k, control) in controls(machine).iter().enumerate() {
+        let [now, next] = [k, k + 1].map(|k| k as f64 * period_s);
+        let [heave, heave_next] = [now, next].map(|t| motion.heave_m_s2.at(t));
+        let [rate, rate_next] = [now, next].map(|t| motion.pitch_rate_rad_s.at(t));
+        writeln!(rows, "{control:?} {heave:?} {heave_next:?} {rate:?} {rate_next:?}").unwrap();
+    }
+    let mut started = Command::new(program(machine, folder, refined))
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut stdin = started.stdin.take().unwrap();
+    let feeder = std::thread::spawn(move || stdin.write_all(rows.as_bytes()));
+    let output = started.wait_with_output().unwrap();
+    feeder.join().unwrap().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    let row = |line: &str| {
+        let values: Vec<f64> = line.split(' ').map(|word| word.parse().unwrap()).collect();
+        std::array::from_fn(|k| values[k])
+    };
+    text.lines().map(row).collect()
+}
+
+/// Largest difference of a column, relative to its largest value, and which column it is.
+fn difference(a: &Columns, b: &Columns) -> (f64, usize) {
+    assert_eq!(a.len(), b.len());
+    let of = |column: usize| {
+        let largest = b.iter().fold(f64::MIN_POSITIVE, |most, row| most.max(row[column].abs()));
+        let worst = a.iter().zip(b).fold(0.0, |most: f64, (a, b)| {
+            let off = (a[column] - b[column]).abs();
+            if off <= most { most } else { off }
+        });
+        (if worst == 0.0 { 0.0 } else { worst / largest }, column)
+    };
+    (0..8).map(of).fold((0.0, 0), |most, one| if one.0 <= most.0 { most } else { one })
+}
+
+/// Compares the C with the simulator; tells what is wrong.
+fn compare(machine: &Machine) -> Option<String> {
+    let folder = folder(&format!("plant_{}", machine.name.replace([' ', ',', ':'], "_")));
+    let (ours, finer) = (simulated(machine, 1.0), simulated(machine, REFINED * REFINED));
+    let (c, finer_c) = (in_c(machine, &folder, 1.0), in_c(machine, &folder, REFINED));
+    let (own, own_c) = (difference(&ours, &finer).0, difference(&c, &finer_c).0);
+    let (refined, _) = difference(&finer_c, &finer);
+    let (found, column) = difference(&c, &ours);
+    let allowed = (FLOOR + TIMES * (own + own_c)).min(MOST);
+    println!(
+        "{:38} C from simulator {found:.1e} (column {column}; refined {refined:.1e}), allowed {allowed:.1e}; refining \
+         changes the simulator by {own:.1e}, the C by {own_c:.1e}",
+        machine.name
+    );
+    let wrong = found > allowed || found.is_nan();
+    wrong.then(|| format!("{}: {found:e} above {allowed:e}", machine.name))
+}
+
+fn all_equal(machines: &[Machine]) {
+    if !is_there("cc") {
+        return println!("skipped: no C compiler");
+    }
+    let wrong: Vec<String> = machines.iter().filter_map(compare).collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn every_law_of_friction_and_contact() {
+    let rig = Plant::lumped(&reference::rig()).unwrap();
+    let of = |case: counterpoise_simulate::convergence::Case| Machine {
+        name: format!("pivot: {}", case.name),
+        plant: case.plant,
+        control_v: case.control_v.abs(),
+    };
+    all_equal(&cases(&rig).unwrap().into_iter().map(of).collect::<Vec<_>>());
+}
+
+#[test]
+fn friction_that_sticks_at_motor_and_pivot() {
+    let sticking = |law: FrictionLaw, ratio: f64, viscous: f64| Friction {
+        static_ratio: ratio,
+        stribeck_rate_rad_s: 0.05,
+        ..Friction::plain(law, viscous)
+    };
+    let stribeck = |coulomb_nm| FrictionLaw::Stribeck { coulomb_nm, curve: StribeckCurve::Gaussian };
+    all_equal(&[
+        machine("motor: Coulomb with stiction", |p| {
+            p.motor_friction = sticking(FrictionLaw::Coulomb { coulomb_nm: 0.3 }, 1.2, 0.002);
+        }),
+        machine("both joints stick, rotor coupled", |p| {
+            p.motor.platform_coupling = 1.0;
+            p.motor_friction = sticking(stribeck(0.3), 1.2, 0.002);
+            p.pivot_friction = sticking(stribeck(117.0), 1.3, 60.0);
+        }),
+        machine("Karnopp at both joints", |p| {
+            let karnopp = |coulomb_nm, stick_rate_rad_s| FrictionLaw::Karnopp { coulomb_nm, stick_rate_rad_s };
+            p.motor_friction = sticking(karnopp(0.3, 0.1), 1.2, 0.002);
+            p.pivot_friction = sticking(karnopp(117.0, 1e-3), 1.2, 60.0);
+        }),
+    ]);
+}
+
+#[test]
+fn what_modulates_friction() {
+    all_equal(&[
+        machine("asymmetric friction", |p| {
+            p.pivot_friction.asymmetry = 0.2;
+            p.motor_friction.viscous_asymmetry = -0.3;
+        }),
+        machine("quadratic drag", |p| p.motor_friction.quadratic_nm_s2_rad2 = 2e-3),
+        machine("friction over the angle", |p| {
+            p.pivot_friction.position_ripple = Ripple { amplitude: 0.3, order: 40.0, phase_rad: 0.4 };
+            p.motor_friction.position_ripple = Ripple { amplitude: 0.2, order: 2.0, phase_rad: 0.0 };
+        }),
+        machine("friction with load and warmth", |p| {
+            p.pivot_friction.load_coefficient = 0.02;
+            p.motor_friction.load_coefficient = 0.02;
+            p.pivot_friction.warm_up = 0.3;
+            p.pivot_friction.warm_up_time_s = 0.7;
+        }),
+        machine("Dahl of exponent 1.5 at the motor", |p| {
+            p.motor_friction.law =
+                FrictionLaw::Dahl { coulomb_nm: 0.3, rest_stiffness_nm_rad: 5.0, exponent: 1.5 };
+        }),
+        machine("hose with hysteresis", |p| {
+            let lumped = p.lumped.as_mut().unwrap();
+            (lumped.hysteresis_nm, lumped.hysteresis_stiffness_nm_rad) = (200.0, 2e4);
+        }),
+    ]);
+}
+
+#[test]
+fn motor_amplifier_and_gear() {
+    let ripple = |amplitude, order| Ripple { amplitude, order, phase_rad: 0.7 };
+    all_equal(&[
+        machine("the reference rig", |_| {}),
+        machine("cogging", |p| p.motor.cogging = ripple(0.2, 6.0)),
+        machine("torque ripple", |p| p.motor.torque_ripple = ripple(0.1, 12.0)),
+        machine("mesh ripple", |p| p.gearbox.mesh_ripple = ripple(60.0, 3.0)),
+        machine("mesh efficiency", |p| p.gearbox.mesh_efficiency = 0.8),
+        machine("current limit", |p| p.amplifier.current_limit_a = 9.0),
+        machine("bus limit", |p| p.amplifier.bus_voltage_v = 14.0),
+        machine("dead zone and map", |p| {
+            p.amplifier.dead_zone_v = 0.1;
+            let point = |input_v, current_a| MapPoint { input_v, current_a };
+            p.amplifier.map = vec![point(2.0, 3.0), point(4.0, 14.0), point(8.0, 20.0)];
+        }),
+        machine("ideal current source", |p| p.amplifier.dynamics = AmplifierDynamics::IdealCurrent),
+        machine("rotor coupled to the platform", |p| p.motor.platform_coupling = -1.0),
+        machine("output delay", |p| p.interface.output_delay_samples = 6),
+        machine("nearly balanced with backlash", |p| {
+            p.gearbox.backlash_rad = 6e-3;
+            p.lumped.as_mut().unwrap().out_of_balance_kg_m = 8.0;
+        }),
+    ]);
+}
+
+#[test]
+fn structure_and_sensors() {
+    let faulty = |sensor: &mut Sensor| {
+        (sensor.gain, sensor.bias, sensor.delay_s, sensor.g_sensitivity) = (1.05, 0.01, 2.5e-3, 2e-3);
+    };
+    all_equal(&[
+        machine("position spring, vertical offset", |p| {
+            let lumped = p.lumped.as_mut().unwrap();
+            (lumped.position_stiffness_nm_rad, lumped.position_stiffness_centre_rad) = (900.0, -0.04);
+            lumped.vertical_offset_kg_m = 20.0;
+        }),
+        machine("sensors with faults", |p| {
+            faulty(&mut p.sensors.hub_gyro);
+            faulty(&mut p.sensors.platform_gyro);
+            p.sensors.accelerometer_lever_arm_m = 0.4;
+            faulty(p.sensors.motor_tachometer.as_mut().unwrap());
+        }),
+        machine("ideal sensors", |p| {
+            for sensor in
+                [&mut p.sensors.hub_gyro, &mut p.sensors.platform_gyro, &mut p.sensors.platform_accelerometer]
+            {
+                sensor.natural_frequency_rad_s = f64::INFINITY;
+            }
+        }),
+        machine("sensors of 20 000 rad/s", |p| p.sensors.hub_gyro.natural_frequency_rad_s = 2e4),
+        twelve_modes(),
+    ]);
+}
+
+/// The rig's structure with more modes than the lumped one has.
+fn twelve_modes() -> Machine {
+    let lumped = Plant::lumped(&reference::rig()).unwrap();
+    let first = lumped.body().modes[0];
+    let mode = |k: u32| {
+        let n = f64::from(k);
+        BodyMode {
+            frequency_rad_s: first.frequency_rad_s * n * n,
+            hub_shape: first.hub_shape / n,
+            tip_shape: first.tip_shape * (-1.0_f64).powi(k as i32 + 1),
+            load_share_kg_m: first.load_share_kg_m / n,
+            ..first
+        }
+    };
+    let body = Body { modes: (1..=12).map(mode).collect(), ..lumped.body().clone() };
+    let plant = Plant::with_body(&reference::rig(), body).unwrap();
+    Machine { name: "twelve modes".into(), plant, control_v: 0.8 }
+}
+
+#[test]
+fn what_the_unit_s_memory_cannot_hold_is_refused_with_its_limit() {
+    let mut parameters = reference::rig();
+    parameters.interface.output_delay_samples = 20_000;
+    let plant = Plant::lumped(&parameters).unwrap();
+    let refused = plant_unit(PlantUnit { plant: &plant, name: "rig" }, &provenance());
+    let expected =
+        PlantUnitError::Memory { what: "delay in samples", value: 20_002.0, most: MOST_DELAY_SAMPLES };
+    assert_eq!(refused, Err(expected));
+}
