@@ -18,7 +18,7 @@ use counterpoise_models::{
     StribeckCurve, reference,
 };
 use counterpoise_simulate::convergence::cases;
-use counterpoise_simulate::{Playback, PlatformMotion, Scenario, Signal, Simulator};
+use counterpoise_simulate::{PlatformMotion, Playback, Scenario, Signal, Simulator};
 use support::{STRICT, folder, is_there, provenance, run, write};
 
 /// Samples of a run.
@@ -128,8 +128,12 @@ fn program(machine: &Machine, folder: &Path, refined: f64) -> PathBuf {
     let name = format!("driver{refined}");
     let flags = ["-O2", "-ffp-contract=off", "rig.c", "driver.c", "-lm", "-o", &name];
     let define = format!("-DREFINED={refined:?}");
-    let said =
-        run(Command::new("cc").current_dir(&sources).args(&STRICT[2..]).arg("-std=c99").arg(define).args(flags));
+    let said = run(Command::new("cc")
+        .current_dir(&sources)
+        .args(&STRICT[2..])
+        .arg("-std=c99")
+        .arg(define)
+        .args(flags));
     assert_eq!(said, "", "{}", machine.name);
     sources.join(name)
 }
@@ -230,7 +234,8 @@ fn friction_that_sticks_at_motor_and_pivot() {
             p.pivot_friction = sticking(stribeck(117.0), 1.3, 60.0);
         }),
         machine("Karnopp at both joints", |p| {
-            let karnopp = |coulomb_nm, stick_rate_rad_s| FrictionLaw::Karnopp { coulomb_nm, stick_rate_rad_s };
+            let karnopp =
+                |coulomb_nm, stick_rate_rad_s| FrictionLaw::Karnopp { coulomb_nm, stick_rate_rad_s };
             p.motor_friction = sticking(karnopp(0.3, 0.1), 1.2, 0.002);
             p.pivot_friction = sticking(karnopp(117.0, 1e-3), 1.2, 60.0);
         }),

@@ -108,6 +108,8 @@ pub struct DesignResult {
     pub verify: VerifyResult,
     /// Names of the files of code.
     pub files: Vec<String>,
+    /// Code that the project asks for and cannot have, with the reason.
+    pub left_out: Vec<String>,
 }
 
 /// Fit of one channel.
@@ -224,6 +226,7 @@ impl From<&Designed> for DesignResult {
             synth: (&made.synthesised).into(),
             verify: made.verified.verification().into(),
             files: made.files.iter().map(|f| f.name.clone()).collect(),
+            left_out: made.left_out.iter().map(ToString::to_string).collect(),
         }
     }
 }

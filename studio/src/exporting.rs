@@ -29,15 +29,26 @@ pub struct ExportAsk {
     pub library: Library,
 }
 
-/// Makes the code and writes it; the paths that were written, or none where it was stopped.
+/// What an export wrote, and what it left out.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Written {
+    /// The files.
+    pub paths: Vec<PathBuf>,
+    /// Code that the project asks for and cannot have, with the reason.
+    pub left_out: Vec<String>,
+}
+
+/// Makes the code and writes it; none where it was stopped.
 ///
 /// # Errors
 /// Why it could not be made or written.
-pub fn export(ask: &ExportAsk, token: &Token) -> Result<Option<Vec<PathBuf>>, String> {
+pub fn export(ask: &ExportAsk, token: &Token) -> Result<Option<Written>, String> {
     let live = &ask.design.live;
     let made = pipeline::export(&live.project, &live.modelled, &ask.verified, &ask.design.folder)
         .map_err(|error| error.to_string())?;
-    write(&ask.out, &made, ask.library, &|| !token.is_cancelled())
+    let paths = write(&ask.out, &made.files, ask.library, &|| !token.is_cancelled())?;
+    let left_out = made.left_out.iter().map(ToString::to_string).collect();
+    Ok(paths.map(|paths| Written { paths, left_out }))
 }
 
 /// Writes generated files and packs FMI units; none where `go_on` said no.

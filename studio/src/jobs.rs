@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use counterpoise_project::diagnose::{Diagnosis, diagnose};
 use counterpoise_project::models::Parameters;
+use counterpoise_project::models::parameters::Beam;
 use counterpoise_project::pipeline::effort::{EffortPoint, effort};
 use counterpoise_project::pipeline::{self, World};
 use counterpoise_project::simulate::replay::Loop;
@@ -13,12 +14,15 @@ use counterpoise_project::verify::{Verification, VerifiedController};
 use counterpoise_project::{Document, Project};
 
 use crate::browser::{Listing, list};
+use crate::chart::Chart;
 use crate::command::Purpose;
-use crate::exporting::{ExportAsk, export};
+use crate::errands::{Desk, Done, Errand, Glance, Glanced, glance};
+use crate::exporting::{ExportAsk, Written, export};
 use crate::files::Folder;
 use crate::live::{Ask, Cache, Live, live, reasons};
 use crate::measure::{MeasureAnswer, MeasureAsk, SoFar, measure};
-use crate::recordings::{self, LookAsk, Seen, look};
+use crate::portrait::{Portrait, Swinging};
+use crate::recordings::{self, LookAsk, Looked, Seen, look};
 use crate::results::Of;
 use crate::watch::{Progress, Watch};
 use crate::worker::{Token, Wake, Worker};
@@ -65,13 +69,23 @@ pub struct Jobs {
     /// Measures.
     pub measure: Worker<MeasureAsk, MeasureAnswer>,
     /// Exports.
-    pub export: Worker<ExportAsk, Result<Option<Vec<PathBuf>>, String>>,
+    pub export: Worker<ExportAsk, Result<Option<Written>, String>>,
     /// Diagnoses.
     pub diagnose: Worker<DiagnoseAsk, Result<Diagnosis, Reasons>>,
     /// Lays recordings beside the model.
-    pub look: Worker<LookAsk, Option<Vec<Seen>>>,
+    pub look: Worker<LookAsk, Option<Looked>>,
     /// Lists folders.
     pub list: Worker<(PathBuf, Purpose), Listing>,
+    /// Reads and writes projects.
+    pub file: Worker<Errand, Done>,
+    /// Looks whether somebody else wrote the project file.
+    pub glance: Worker<Glance, Glanced>,
+    /// Draws up what is shown of a plant.
+    pub portrait: Worker<Arc<Live>, Portrait>,
+    /// Finds the modes of a beam.
+    pub swing: Worker<Beam, Swinging>,
+    /// Writes a plot for the clipboard.
+    pub copy: Worker<(Chart, Form), (Form, String, String)>,
     /// Recordings beside the project, to offer.
     pub beside: Vec<PathBuf>,
     /// The recordings to diagnose.
@@ -90,6 +104,24 @@ pub struct Jobs {
     measuring: Progress,
 }
 
+/// As what a plot is copied.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// Numbers.
+    Csv,
+    /// A drawing.
+    Svg,
+}
+
+/// A plot's title, and its text in a form.
+fn written((chart, form): (Chart, Form), _: &Token) -> (Form, String, String) {
+    let text = match form {
+        Form::Csv => chart.csv(),
+        Form::Svg => chart.svg(),
+    };
+    (form, chart.title, text)
+}
+
 /// Factors on the error weight at which error is traded against effort.
 fn factors() -> Vec<f64> {
     (-6..=6).map(|k| 2f64.powf(0.5 * f64::from(k))).collect()
@@ -100,7 +132,8 @@ const LOOK_EVERY: Duration = Duration::from_millis(60);
 
 impl Jobs {
     /// Workers that wait.
-    pub fn new(wake: &Wake) -> Self {
+    pub fn new(wake: &Wake, desk: Desk) -> Self {
+        let disk = Arc::clone(&desk.disk);
         let mut cache = Cache::default();
         let (diagnosing, measuring) = (Progress::default(), Progress::default());
         let (partial, so_far) = (Partial::default(), SoFar::default());
@@ -120,6 +153,11 @@ impl Jobs {
             list: Worker::new(Arc::clone(wake), |(folder, purpose): (PathBuf, Purpose), _: &Token| {
                 list(&folder, purpose)
             }),
+            file: Worker::new(Arc::clone(wake), move |errand, _: &Token| desk.carry_out(errand)),
+            glance: Worker::new(Arc::clone(wake), move |ask, _: &Token| glance(ask, disk.as_ref())),
+            portrait: Worker::new(Arc::clone(wake), |live: Arc<Live>, _: &Token| Portrait::of(&live)),
+            swing: Worker::new(Arc::clone(wake), |beam, _: &Token| Swinging::of(beam)),
+            copy: Worker::new(Arc::clone(wake), written),
             beside: Vec::new(),
             recordings: Vec::new(),
             seen: None,
@@ -154,6 +192,15 @@ impl Jobs {
             || self.look.is_pending()
     }
 
+    /// Whether anything small runs that needs no word: files, portraits, copies.
+    pub fn is_tidying(&self) -> bool {
+        self.file.is_pending()
+            || self.glance.is_pending()
+            || self.portrait.is_pending()
+            || self.swing.is_pending()
+            || self.copy.is_pending()
+    }
+
     /// How far the diagnosis is.
     pub fn progress(&self) -> String {
         self.diagnosing.said()
@@ -166,8 +213,9 @@ impl Jobs {
 
     /// Takes what has come of recordings and diagnoses; says whether there is a new diagnosis.
     pub fn take_diagnosis(&mut self) -> bool {
-        if let Some((revision, Some(value))) = self.look.take() {
-            self.seen = Some(Of { revision, value });
+        if let Some((revision, Some(looked))) = self.look.take() {
+            self.recordings = looked.files;
+            self.seen = Some(Of { revision, value: looked.seen });
         }
         let answer = self.diagnose.take();
         let came = answer.is_some();
@@ -233,7 +281,7 @@ fn diagnoser(wake: &Wake, progress: &Progress) -> Worker<DiagnoseAsk, Result<Dia
 
 fn diagnosis(ask: &DiagnoseAsk, watch: &Watch) -> Result<Diagnosis, Reasons> {
     let (mut all, mut remarks) = (Vec::new(), Vec::new());
-    for path in &ask.paths {
+    for path in &recordings::files(&ask.paths) {
         let (_, records) = recordings::read(&ask.project, path).map_err(|why| vec![why])?;
         for record in &records {
             remarks.extend(record.findings.iter().map(|finding| format!("{}: {finding}", record.name)));

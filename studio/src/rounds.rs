@@ -7,6 +7,7 @@ use counterpoise_project::verify::VerifiedController;
 
 use crate::browser::Browser;
 use crate::command::Purpose;
+use crate::exporting::Written;
 use crate::filing::modified;
 use crate::journal::Journal;
 use crate::live::{Ask, Live};
@@ -23,8 +24,11 @@ const LOOK_EVERY: Duration = Duration::from_secs(1);
 impl Studio {
     /// Takes answers, asks for what is due; once a frame.
     pub fn tick(&mut self) {
+        self.take_filed();
         self.take_answers();
+        self.take_pictures();
         self.ask_design();
+        self.ask_pictures();
         if self.verify_at.is_some_and(|at| Instant::now() >= at) && !self.view.dragging {
             self.verify();
         }
@@ -43,7 +47,12 @@ impl Studio {
 
     /// Whether nothing is asked for or running.
     pub fn is_idle(&self) -> bool {
-        self.verify_at.is_none() && !self.jobs.is_busy()
+        !self.can_stop() && !self.filing.is_busy() && !self.jobs.is_tidying()
+    }
+
+    /// Whether there is something to stop.
+    pub fn can_stop(&self) -> bool {
+        self.verify_at.is_some() || self.jobs.is_busy() || self.filing.opening().is_some()
     }
 
     fn take_answers(&mut self) {
@@ -66,8 +75,45 @@ impl Studio {
         self.take_partial();
         self.take_measured();
         self.take_exported();
+        let asked = !self.jobs.recordings.is_empty();
         if self.jobs.take_diagnosis() {
             self.look();
+        }
+        if asked && self.jobs.recordings.is_empty() && self.jobs.seen.is_some() {
+            self.view.warn("there is no recording in that folder (CSV, Parquet, MATLAB, HDF5)");
+        }
+    }
+
+    fn take_pictures(&mut self) {
+        if let Some((_, portrait)) = self.jobs.portrait.take() {
+            self.results.portrait = Some(Arc::new(portrait));
+        }
+        if let Some((_, swinging)) = self.jobs.swing.take() {
+            self.results.swinging = Some(Arc::new(swinging));
+        }
+        if let Some((_, (form, title, text))) = self.jobs.copy.take() {
+            let kind = if form == Form::Csv { "numbers (CSV)" } else { "a drawing (SVG)" };
+            self.view.say(format!("\"{title}\" is in the clipboard as {kind}"));
+            self.copied = Some(text);
+        }
+    }
+
+    /// Asks for what the place shows beside the design, where that is of another plant.
+    fn ask_pictures(&mut self) {
+        let (place, results) = (self.view.place, &self.results);
+        if let (Place::Plant | Place::Reduce, Some(of)) = (place, &results.live)
+            && !results.portrait.as_ref().is_some_and(|p| p.is_of(&of.value))
+            && !self.jobs.portrait.is_pending()
+        {
+            self.jobs.portrait.ask(of.revision, Arc::clone(&of.value));
+        }
+        let project = self.opened.as_ref().and_then(|o| o.session.project());
+        if let (Place::Plant, true, Some(beam)) =
+            (place, self.view.mode > 0, project.and_then(|p| p.plant.beam.as_ref()))
+            && !results.swinging.as_ref().is_some_and(|s| s.beam == *beam)
+            && !self.jobs.swing.is_pending()
+        {
+            self.jobs.swing.ask(0, beam.clone());
         }
     }
 
@@ -104,13 +150,18 @@ impl Studio {
 
     fn take_exported(&mut self) {
         match self.jobs.export.take() {
-            Some((_, Ok(Some(paths)))) => {
+            Some((_, Ok(Some(Written { paths, left_out })))) => {
                 let folder = paths.first().and_then(|p| p.parent()).unwrap_or(std::path::Path::new("."));
                 let names: Vec<String> = paths
                     .iter()
                     .map(|path| path.strip_prefix(folder).unwrap_or(path).display().to_string())
                     .collect();
-                self.view.say(format!("wrote {} to {}", names.join(", "), folder.display()));
+                let wrote = format!("wrote {} to {}", names.join(", "), folder.display());
+                if left_out.is_empty() {
+                    self.view.say(wrote);
+                } else {
+                    self.view.warn(format!("{wrote}; left out {}", left_out.join("; ")));
+                }
             }
             Some((_, Ok(None))) => self.view.say("the export was stopped; what is written stays"),
             Some((_, Err(why))) => {
@@ -150,7 +201,7 @@ impl Studio {
     /// Lists the folder that is looked through, again every now and then; where no project is open there always is one.
     fn list_folder(&mut self) {
         let here = || Browser::new(Purpose::Project, &std::env::current_dir().unwrap_or_default());
-        if self.opened.is_none() && self.view.browser.is_none() {
+        if self.opened.is_none() && self.view.browser.is_none() && !self.filing.is_busy() {
             self.view.browser = Some(here());
         }
         let Some(browser) = &mut self.view.browser else { return };
@@ -165,34 +216,45 @@ impl Studio {
         }
     }
 
-    /// Looks whether somebody else wrote the file, and whether the journal is written.
+    /// Looks every now and then whether somebody else wrote the file, and whether the journal is written.
     fn look_outside(&mut self) {
+        self.take_glance();
         if self.looked.elapsed() < LOOK_EVERY {
             return;
         }
         self.looked = Instant::now();
-        let Some(opened) = &mut self.opened else { return };
+        self.look_at_journal();
+        if let Some(opened) = self.opened.as_ref().filter(|_| !self.jobs.glance.is_pending()) {
+            let ask = Glance { path: opened.path.clone(), modified: opened.modified };
+            self.jobs.glance.ask(self.saves, ask);
+        }
+    }
+
+    /// Takes what was seen, unless a project was opened or saved since.
+    fn take_glance(&mut self) {
+        let Some((saves, seen)) = self.jobs.glance.take() else { return };
+        let is_late = saves != self.saves || self.filing.is_busy();
+        let Some(opened) = self.opened.as_mut().filter(|o| !is_late && o.path == seen.path) else { return };
         if self.jobs.recordings.is_empty() {
-            let folder = opened.path.parent().map(std::path::Path::to_owned);
-            self.jobs.beside = folder.map_or(Vec::new(), |folder| recordings::files(&[folder]));
+            self.jobs.beside = seen.beside;
         }
-        let now = modified(&opened.path);
-        if now.is_some() && now != opened.modified {
-            opened.modified = now;
-            opened.changed_outside =
-                std::fs::read(&opened.path).is_ok_and(|b| b != opened.session.text().as_bytes());
+        if let Some(content) = seen.content {
+            opened.modified = seen.modified;
+            opened.changed_outside = content != opened.session.saved().as_bytes();
         }
-        match opened.journal.as_ref().map(Journal::trouble) {
-            Some(Some(why)) => {
-                opened.troubled = true;
-                self.view.warn(format!(
-                    "edits are not kept against a crash: {why}. Make room, or save (Ctrl+S) as soon as there is some"
-                ));
-            }
-            Some(None) if std::mem::take(&mut opened.troubled) => {
-                self.view.say("edits are kept again against a crash");
-            }
-            _ => {}
+    }
+
+    fn look_at_journal(&mut self) {
+        let trouble = self.journal.trouble().filter(|_| self.opened.is_some());
+        if trouble == self.troubled {
+            return;
         }
+        match &trouble {
+            Some(why) => self.view.warn(format!(
+                "edits are not kept against a crash: {why}. Make room, or save (Ctrl+S) as soon as there is some"
+            )),
+            None => self.view.say("edits are kept again against a crash"),
+        }
+        self.troubled = trouble;
     }
 }

@@ -8,22 +8,17 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use counterpoise_controller::{Controller, Parts, ProportionalIntegral, Signal as ControlSignal};
 use counterpoise_export::Source::Unverified;
-use counterpoise_export::fmi::{PlantUnit, PlantUnitError, controller_unit, pack, plant_unit};
+use counterpoise_export::fmi::{PlantUnit, controller_unit, pack, plant_unit};
 use counterpoise_export::{File, Options};
-use counterpoise_models::Error as ModelError;
-use counterpoise_models::plant::Plant;
+use counterpoise_lti::{Mat, StateSpace, Timebase};
+use counterpoise_models::plant::{OperatingPoint, Plant};
 use counterpoise_project::pipeline::{model, reduce, synthesise};
-use counterpoise_project::{Attachments, Document, Project, Purpose};
+use counterpoise_project::{Attachments, Document, Project, Purpose, Setting};
 use counterpoise_simulate::signal::Sine;
 use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator, TimeHistory};
 use support::{STRICT, folder, is_there, provenance, run, write};
-
-fn project() -> Project {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/reference-rig/project.toml");
-    let text = std::fs::read_to_string(file).unwrap();
-    Project::parse(&text, "project.toml").map_err(|errors| errors[0].to_string()).unwrap().project
-}
 
 /// Two sines that begin without a slope: the unit goes on in the straight line through its last two inputs, and at the
 /// start there is only one.
@@ -63,34 +58,26 @@ fn compiled(folder: &Path, name: &str, files: &[File]) -> Vec<u8> {
     std::fs::read(folder.join(library)).unwrap()
 }
 
-/// Writes the units of an example's controller and plant, and what the studio's own loop does; false where the example asks
-/// for no controller.
-fn written(path: &Path, folder: &Path) -> bool {
-    let Some(project) = resolved(path) else { return false };
-    let modelled = model(&project).unwrap();
-    let plant = match Plant::lumped(modelled.plant.parameters()) {
-        Ok(plant) => plant,
-        Err(ModelError::NoStructure) => {
-            println!(
-                "passed over {}: the unit's plant has a lumped structure, and this one has none",
-                path.display()
-            );
-            return false;
-        }
-        Err(why) => panic!("{}: {why}", path.display()),
-    };
-    let reduced = reduce(&project, &modelled).unwrap();
-    let controller = synthesise(&project, &modelled, &reduced).unwrap().sampled.controller;
-    let axis = controller_unit(Unverified(&controller), &provenance(), &Options::double("axis")).unwrap();
-    let rig = plant_unit(PlantUnit { plant: &plant, name: "rig" }, &provenance()).unwrap();
-    let mut simulator = Simulator::new(&plant).unwrap();
-    let expected = simulator.run(&mut controller.runner(), &scenario()).unwrap();
+/// Writes the units of a controller and of a plant, and what the studio's own loop of them does.
+fn write_loop(folder: &Path, plant: &Plant, controller: &Controller, scenario: &Scenario) {
+    let axis = controller_unit(Unverified(controller), &provenance(), &Options::double("axis")).unwrap();
+    let rig = plant_unit(PlantUnit { plant, name: "rig" }, &provenance()).unwrap();
+    let expected = Simulator::new(plant).unwrap().run(&mut controller.runner(), scenario).unwrap();
     std::fs::create_dir_all(folder).unwrap();
     std::fs::write(folder.join("expected.csv"), csv(&expected)).unwrap();
     for (name, files) in [("axis", &axis), ("rig", &rig)] {
         let library = compiled(folder, name, files);
         std::fs::write(folder.join(format!("{name}.fmu")), pack(files, name, Some(&library))).unwrap();
     }
+}
+
+/// Writes the loop of an example; false where it asks for no controller.
+fn written(path: &Path, folder: &Path) -> bool {
+    let Some(project) = resolved(path) else { return false };
+    let modelled = model(&project).unwrap();
+    let reduced = reduce(&project, &modelled).unwrap();
+    let controller = synthesise(&project, &modelled, &reduced).unwrap().sampled.controller;
+    write_loop(folder, &modelled.plant, &controller, &scenario());
     true
 }
 
@@ -128,6 +115,16 @@ fn examples() -> Vec<(String, PathBuf)> {
     found
 }
 
+/// Closes the loops in FMPy; each must be the studio's.
+fn in_fmpy(folders: &[PathBuf]) {
+    let python = Command::new("python3").args(["-c", "import fmpy"]).output();
+    if !python.is_ok_and(|output| output.status.success()) {
+        return println!("skipped: FMPy missing (pip install fmpy)");
+    }
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("peers/fmi/check.py");
+    println!("{}", run(Command::new("python3").arg(script).args(folders)));
+}
+
 #[test]
 fn the_loop_that_fmpy_closes_is_the_simulated_one_for_every_example() {
     if !is_there("cc") {
@@ -142,19 +139,75 @@ fn the_loop_that_fmpy_closes_is_the_simulated_one_for_every_example() {
         }
     }
     assert!(folders.len() >= 8, "{folders:?}");
-    let python = Command::new("python3").args(["-c", "import fmpy"]).output();
-    if !python.is_ok_and(|output| output.status.success()) {
-        return println!("skipped: FMPy missing (pip install fmpy)");
-    }
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("peers/fmi/check.py");
-    println!("{}", run(Command::new("python3").arg(script).args(&folders)));
+    in_fmpy(&folders);
+}
+
+/// Keys of the practice machines' project files with what each machine truly has, beside its plain model.
+fn practice() -> Vec<(&'static str, Vec<(&'static str, Setting)>)> {
+    let number = |key, value| (key, Setting::Number(value));
+    let curve = [[0.22, 0.48], [0.51, 0.96], [0.8, 1.86], [1.04, 2.79], [2.0, 6.0]];
+    vec![
+        (
+            "p01",
+            vec![
+                number("plant.friction.pivot.static_ratio", 1.55),
+                number("plant.friction.pivot.stribeck_rate", 0.012),
+            ],
+        ),
+        ("p02", vec![number("plant.gearbox.backlash", 6e-3)]),
+        ("p03", vec![("plant.amplifier.map", Setting::Pairs(curve.to_vec()))]),
+        ("p04", vec![number("plant.lumped.out_of_balance", 186.0)]),
+        (
+            "p05",
+            vec![number("plant.motor.cogging.amplitude", 0.16), number("plant.motor.cogging.order", 6.0)],
+        ),
+        ("p06", vec![("plant.interface.output_delay_samples", Setting::Whole(6))]),
+        (
+            "p07",
+            vec![
+                number("plant.lumped.position_stiffness", 900.0),
+                number("plant.lumped.position_stiffness_centre", -0.04),
+            ],
+        ),
+        ("p08", Vec::new()),
+    ]
+}
+
+/// Proportional and integral control of the hub rate, with the control that holds the machine.
+fn plain_controller(plant: &Plant, gains: &ProportionalIntegral) -> Controller {
+    let period_s = plant.parameters().interface.sample_period_s;
+    let held = plant.equilibrium(&OperatingPoint::default()).control_v;
+    let moment = plant.body().out_of_balance_kg_m;
+    let mut parts = Parts::new(period_s, 10.0);
+    parts.design_out_of_balance_kg_m = moment;
+    parts.out_of_balance_range_kg_m = (moment - 1.0, moment + 1.0);
+    parts.bias_v_per_kg_m = if moment == 0.0 { 0.0 } else { held / moment };
+    let one = |x: f64| Mat::from_rows(&[&[x]]);
+    let (kp, ki) = (gains.kp_v_s_rad, gains.ki_v_rad);
+    let timebase = Timebase::Discrete { period_s };
+    let system = StateSpace::new(one(1.0), one(ki * period_s), one(1.0), one(kp), timebase).unwrap();
+    parts.paths = vec![support::path("feedback", vec![ControlSignal::RateError], system)];
+    Controller::new(parts).unwrap()
 }
 
 #[test]
-fn physics_that_the_generated_plant_lacks_is_named() {
-    let mut parameters = model(&project()).unwrap().plant.parameters().clone();
-    parameters.motor.cogging.amplitude = 0.01;
-    let plant = Plant::lumped(&parameters).unwrap();
-    let refused = plant_unit(PlantUnit { plant: &plant, name: "rig" }, &provenance());
-    assert_eq!(refused, Err(PlantUnitError::Physics { what: "cogging" }));
+fn the_loop_that_fmpy_closes_is_the_simulated_one_for_every_practice_machine() {
+    let recordings = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/recordings/practice");
+    if !is_there("cc") || !recordings.is_dir() {
+        return println!("skipped: no C compiler, or {} is not there", recordings.display());
+    }
+    let all = folder("fmi_practice");
+    let mut folders = Vec::new();
+    for (name, truth) in practice() {
+        let text = std::fs::read_to_string(recordings.join(name).join("project.toml")).unwrap();
+        let document = truth
+            .iter()
+            .fold(Document::parse(&text, name), |file, (key, value)| file.set(key, value).unwrap());
+        let project = Project::resolve(&document, &Attachments::none()).unwrap().project;
+        let plant = Plant::lumped(&project.plant).unwrap();
+        let controller = plain_controller(&plant, &project.recording_controller.unwrap());
+        folders.push(all.join(name));
+        write_loop(&all.join(name), &plant, &controller, &scenario());
+    }
+    in_fmpy(&folders);
 }

@@ -29,7 +29,7 @@ pub fn run(options: &DesignOptions) -> Done {
     if !output::json(&options.results, &DesignResult::from(&made))? {
         print(options, &made);
     }
-    Ok(verdict_code(made.verified.verification().passes()))
+    Ok(verdict_code(made.verified.verification().passes() && made.left_out.is_empty()))
 }
 
 /// The controller in every kind of numbers, in the simulated loop and on a processor.
@@ -58,6 +58,7 @@ fn print(options: &DesignOptions, made: &Designed) {
     for file in &made.files {
         say!("code    {}", options.output.join(&file.name).display());
     }
+    made.left_out.iter().for_each(|code| say!("left out  {code}"));
 }
 
 /// The verdicts, one a line, and their sum.

@@ -29,7 +29,10 @@ pub fn run(options: &ExportOptions) -> Done {
     if !output::json(&options.results, &names)? {
         names.iter().for_each(|name| say!("{name}"));
     }
-    Ok(verdict_code(made.verified.verification().passes()))
+    if !options.results.quiet {
+        made.left_out.iter().for_each(|code| eprintln!("left out  {code}"));
+    }
+    Ok(verdict_code(made.verified.verification().passes() && made.left_out.is_empty()))
 }
 
 /// Writes generated files, and packs FMI units; with a library inside where this machine has a C compiler.

@@ -39,6 +39,10 @@ pub fn design(loaded: &Loaded, made: &Designed, run: &Run) -> anyhow::Result<Str
     let mut more = bench::sections(made_of, &beside(&loaded.project, plant, made_of)?)?;
     more.push(certificates(&result));
     more.push(run.targets.clone());
+    if !made.left_out.is_empty() {
+        let lines = made.left_out.iter().map(ToString::to_string);
+        more.push(lines.fold(Section::new("Code that was left out"), Section::saying));
+    }
     more.push(times_section(&run.times));
     let context = Context {
         title: loaded.project.plant.name.clone(),

@@ -85,9 +85,6 @@ pub enum PipelineError {
     /// There is no fixed-point form.
     #[error("fixed point: {0}")]
     Fixed(#[from] counterpoise_export::FixedError),
-    /// There is no FMI unit of the plant.
-    #[error("FMI unit: {0}")]
-    PlantUnit(#[from] counterpoise_export::fmi::PlantUnitError),
     /// The verification failed.
     #[error("verification: {0}")]
     Verify(#[from] counterpoise_verify::Error),

@@ -14,37 +14,75 @@ use super::{Modelled, PipelineError, World};
 use crate::Project;
 use crate::resolve::design::{Language, Synthesis};
 
+/// The code that was made, and what the project asks for and cannot have.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Exported {
+    /// Files of code.
+    pub files: Vec<File>,
+    /// What was left out.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// Code that the project asks for and that does not exist.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Which code.
+    pub what: String,
+    /// Why there is none.
+    pub why: String,
+}
+
+impl std::fmt::Display for LeftOut {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}: {}", self.what, self.why)
+    }
+}
+
+impl Exported {
+    /// Takes what was made, or notes why there is nothing.
+    fn add<E: std::fmt::Display>(&mut self, what: &str, made: Result<Vec<File>, E>) {
+        match made {
+            Ok(files) => self.files.extend(files),
+            Err(why) => self.left_out.push(LeftOut { what: what.to_owned(), why: why.to_string() }),
+        }
+    }
+}
+
 /// The code in the languages that the project asks for.
 ///
 /// Fixed point takes its formats from the verification's nonlinear runs, and may deviate from the reference by half a step
-/// of the output converter.
+/// of the output converter. What cannot be had (a coefficient that the target's numbers cannot hold, a controller without a
+/// fixed-point form, a plant whose unit does not exist) is left out, with the reason; the rest is there.
 ///
 /// # Errors
-/// A coefficient that the target's numbers cannot hold, a controller without a fixed-point form, a plant with physics
-/// that its unit does not hold.
+/// A file that the verification's experiments need, and those of the simulator.
 pub fn export(
     project: &Project,
     modelled: &Modelled,
     verified: &VerifiedController,
     world: &dyn World,
-) -> Result<Vec<File>, PipelineError> {
+) -> Result<Exported, PipelineError> {
     let origin = provenance(project, verified);
     let options = &project.export.options;
-    let mut files = Vec::new();
+    let mut made = Exported::default();
     for language in &project.export.languages {
-        files.extend(match language {
-            Language::C99 => c99(verified, &origin, options)?,
-            Language::Rust => rust_crate(verified, &origin, options)?,
+        match language {
+            Language::C99 => made.add("C99", c99(verified, &origin, options)),
+            Language::Rust => made.add("Rust", rust_crate(verified, &origin, options)),
             Language::Fixed => {
                 let procedure = super::verify::procedure(project, world)?;
                 let allowed_v = half_step_v(&modelled.plant);
-                let fixed = fixed_form(verified, &modelled.plant, &procedure, allowed_v)??;
-                fixed_c99(verified, &fixed, &origin, &format!("{}_fixed", options.name))?
+                let code = fixed_form(verified, &modelled.plant, &procedure, allowed_v)?
+                    .map(|fixed| fixed_c99(verified, &fixed, &origin, &format!("{}_fixed", options.name)));
+                match code {
+                    Ok(files) => made.add("C99 in fixed point", files),
+                    refused => made.add("C99 in fixed point", refused.map(|_| Vec::new())),
+                }
             }
-            Language::Fmi => units(&modelled.plant, verified, &origin, options)?,
-        });
+            Language::Fmi => units(&mut made, &modelled.plant, verified, &origin, options),
+        }
     }
-    Ok(files)
+    Ok(made)
 }
 
 /// The controller in double, single and fixed point, side by side in the verification's nonlinear runs.
@@ -141,18 +179,18 @@ fn half_step_v(plant: &Plant) -> f64 {
 /// Range of the output converter, V.
 const CONVERTER_SPAN_V: f64 = 20.0;
 
-/// The units of the controller and of the plant with its lumped structure.
+/// The units of the controller and of the plant that it was verified on.
 fn units(
+    made: &mut Exported,
     plant: &Plant,
     verified: &VerifiedController,
     origin: &Provenance,
     options: &Options,
-) -> Result<Vec<File>, PipelineError> {
+) {
     let named = |ending: &str| format!("{}_{ending}", options.name);
-    let mut files = controller_unit(verified, origin, &Options { name: named("unit"), ..options.clone() })?;
-    let lumped = Plant::lumped(plant.parameters())?;
-    files.extend(plant_unit(PlantUnit { plant: &lumped, name: &named("plant") }, origin)?);
-    Ok(files)
+    let controller = Options { name: named("unit"), ..options.clone() };
+    made.add("FMI unit of the controller", controller_unit(verified, origin, &controller));
+    made.add("FMI unit of the plant", plant_unit(PlantUnit { plant, name: &named("plant") }, origin));
 }
 
 /// Hash of the project as it was resolved: the same for two files that mean the same.

@@ -29,7 +29,7 @@ use counterpoise_verify::VerifiedController;
 
 pub use consequence::{Consequence, consequence};
 pub use error::PipelineError;
-pub use export::export;
+pub use export::{Exported, LeftOut, export};
 pub use model::{Modelled, cannot_hold, finite_elements, finite_elements_of, model};
 pub use reduce::{Reduced, reduce};
 pub use sweep::{campaign, families, robust_stability};
@@ -94,6 +94,8 @@ pub struct Designed {
     pub verified: VerifiedController,
     /// Its code.
     pub files: Vec<File>,
+    /// Code that the project asks for and cannot have.
+    pub left_out: Vec<LeftOut>,
 }
 
 /// The whole road.
@@ -106,8 +108,9 @@ pub fn design(project: &Project, world: &dyn World) -> Result<Designed, Pipeline
     let reduced = watched(world, Step::Reduce, || reduce(project, &modelled))?;
     let synthesised = watched(world, Step::Synthesise, || synthesise(project, &modelled, &reduced))?;
     let verified = watched(world, Step::Verify, || verify(project, &modelled, &synthesised, world))?;
-    let files = watched(world, Step::Export, || export(project, &modelled, &verified, world))?;
-    Ok(Designed { modelled, reduced, synthesised, verified, files })
+    let Exported { files, left_out } =
+        watched(world, Step::Export, || export(project, &modelled, &verified, world))?;
+    Ok(Designed { modelled, reduced, synthesised, verified, files, left_out })
 }
 
 /// Runs a step under the eyes of the world.
