@@ -7,6 +7,31 @@ use std::path::{Path, PathBuf};
 use counterpoise_project::pipeline::World;
 use counterpoise_project::{Attachments, Document, STARTER, Setting};
 
+/// The disk under a project: what can make one wait. Tests put a slow one here.
+pub trait Disk: Send + Sync {
+    /// The bytes of a file.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        fs::read(path)
+    }
+
+    /// Waits until the disk has what was written.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    fn sync(&self, file: &fs::File) -> io::Result<()> {
+        file.sync_all()
+    }
+}
+
+/// The disk of this machine.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Native;
+
+impl Disk for Native {}
+
 /// Name of the project file in a project's folder.
 pub const PROJECT_FILE: &str = "project.toml";
 
@@ -19,18 +44,22 @@ pub fn project_file(path: &Path) -> PathBuf {
 ///
 /// # Errors
 /// The file cannot be read, or is not text, in words.
-pub fn read(path: &Path) -> Result<(String, Attachments), String> {
-    let bytes = fs::read(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
+pub fn read(disk: &dyn Disk, path: &Path) -> Result<(String, Attachments), String> {
+    let bytes = disk.read(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
     let name = path.display().to_string();
     let document = Document::from_bytes(&bytes, &name)
         .map_err(|errors| errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))?;
-    Ok((document.text().to_owned(), attachments(&document, path)))
+    Ok((document.text().to_owned(), named(disk, &document, path)))
 }
 
 /// The files that a project names, from beside it; a missing one is told by the project's own errors.
 pub fn attachments(document: &Document, path: &Path) -> Attachments {
+    named(&Native, document, path)
+}
+
+fn named(disk: &dyn Disk, document: &Document, path: &Path) -> Attachments {
     let folder = path.parent().unwrap_or(Path::new("."));
-    let with = |all: Attachments, name: String| match fs::read(folder.join(&name)) {
+    let with = |all: Attachments, name: String| match disk.read(&folder.join(&name)) {
         Ok(bytes) => all.with(&name, bytes),
         Err(_) => all,
     };
@@ -65,6 +94,14 @@ pub fn create(folder: &Path) -> Result<PathBuf, String> {
 /// # Errors
 /// Those of the file system; the old file is then as it was.
 pub fn write(path: &Path, content: &[u8]) -> io::Result<()> {
+    write_on(&Native, path, content)
+}
+
+/// [`write()`] on a disk.
+///
+/// # Errors
+/// Those of the file system; the old file is then as it was.
+pub fn write_on(disk: &dyn Disk, path: &Path, content: &[u8]) -> io::Result<()> {
     if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
         fs::create_dir_all(folder)?;
     }
@@ -73,7 +110,7 @@ pub fn write(path: &Path, content: &[u8]) -> io::Result<()> {
     let partial = PathBuf::from(partial);
     let written = fs::File::create(&partial).and_then(|mut file| {
         file.write_all(content)?;
-        file.sync_all()
+        disk.sync(&file)
     });
     let done = written.and_then(|()| fs::rename(&partial, path));
     if done.is_err() {
@@ -93,7 +130,7 @@ impl World for Folder {
     }
 }
 
-/// Where the studio keeps its own files: journals and the list of recent projects.
+/// Where the studio keeps its own files: journals and the lists of recent projects and folders.
 pub fn state_folder() -> PathBuf {
     let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
     set("XDG_STATE_HOME")
@@ -101,43 +138,4 @@ pub fn state_folder() -> PathBuf {
         .or_else(|| set("LOCALAPPDATA"))
         .unwrap_or_else(std::env::temp_dir)
         .join("counterpoise")
-}
-
-const RECENT: &str = "recent.json";
-const FOLDERS: &str = "folders.json";
-const MOST_RECENT: usize = 8;
-
-/// Projects opened before, the last one first.
-pub fn recent(folder: &Path) -> Vec<PathBuf> {
-    noted(&folder.join(RECENT))
-}
-
-/// Notes that a project was opened; a list that cannot be written is no harm.
-pub fn note_recent(folder: &Path, project: &Path) {
-    note(&folder.join(RECENT), project);
-}
-
-/// Folders that recordings were taken from or code was exported to, the last one first.
-pub fn folders(folder: &Path) -> Vec<PathBuf> {
-    noted(&folder.join(FOLDERS))
-}
-
-/// Notes such a folder.
-pub fn note_folder(folder: &Path, used: &Path) {
-    note(&folder.join(FOLDERS), used);
-}
-
-fn noted(list: &Path) -> Vec<PathBuf> {
-    fs::read(list).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok()).unwrap_or_default()
-}
-
-fn note(list: &Path, path: &Path) {
-    let whole = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    let mut all = noted(list);
-    all.retain(|path| *path != whole);
-    all.insert(0, whole);
-    all.truncate(MOST_RECENT);
-    if let Ok(bytes) = serde_json::to_vec(&all) {
-        let _ = write(list, &bytes);
-    }
 }

@@ -1,23 +1,71 @@
-//! Projects opened, made, saved and left. A journal stands beside every one that is open, so that nothing is lost on the way.
+//! Projects opened, made, saved and left. A worker reads and writes ([`crate::errands`]), one errand at a time; here errands wait
+//! for their turn, and what they have done is taken over. A journal stands beside the project that is open, so that nothing is
+//! lost on the way.
 
-use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+use std::collections::VecDeque;
+use std::path::Path;
 
-use counterpoise_project::pipeline::World;
-use counterpoise_project::{Attachments, Document, PlatformSource};
+use counterpoise_project::{Document, PlatformSource};
 
 use crate::browser::Browser;
 use crate::command::{Command, Purpose};
-use crate::files::{self, Folder, PROJECT_FILE};
-use crate::journal::{self, Head, Journal};
-use crate::recordings;
+use crate::errands::{Done, Errand, Found, Unsaved, name_of};
+use crate::files::PROJECT_FILE;
+use crate::journal::{self, Fate, Head};
+use crate::noted::List;
 use crate::results::Results;
-use crate::session::Session;
 use crate::studio::{Opened, Studio};
 
 /// What to do where nothing can be written.
 const WAY_OUT: &str =
     "Nothing is lost: make room and save again (Ctrl+S), or save under another name (Ctrl+Shift+S)";
+
+/// What concerns files and is not done yet.
+#[derive(Debug, Default)]
+pub struct Filing {
+    /// The command that the worker carries out.
+    under_way: Option<Command>,
+    /// Those that wait, with the text that is to be saved.
+    waiting: VecDeque<(Command, String)>,
+}
+
+fn saves(command: &Command) -> bool {
+    matches!(command, Command::Save | Command::SaveAs { .. })
+}
+
+impl Filing {
+    /// Whether anything is under way or waits.
+    pub fn is_busy(&self) -> bool {
+        self.under_way.is_some() || !self.waiting.is_empty()
+    }
+
+    /// Whether a project is being saved.
+    pub fn is_saving(&self) -> bool {
+        self.under_way.as_ref().is_some_and(saves) || self.waiting.iter().any(|(command, _)| saves(command))
+    }
+
+    /// What is being opened or made.
+    pub fn opening(&self) -> Option<&Path> {
+        match self.under_way.as_ref()? {
+            Command::Open { path } => Some(path),
+            Command::New { folder } => Some(folder),
+            Command::Reload => Some(Path::new("the project again")),
+            _ => None,
+        }
+    }
+
+    /// Puts a command in its place: what saves comes before what leaves the project, else the order is that of asking.
+    fn wait(&mut self, command: Command, text: String) {
+        let saved = self.waiting.iter().take_while(|(other, _)| saves(other)).count();
+        let place = if saves(&command) { saved } else { self.waiting.len() };
+        self.waiting.insert(place, (command, text));
+    }
+
+    /// Takes back what would leave the project.
+    fn stay(&mut self) {
+        self.waiting.retain(|(command, _)| saves(command));
+    }
+}
 
 impl Studio {
     /// Opens a browser where it is likely to be of use.
@@ -41,152 +89,166 @@ impl Studio {
         self.view.browser = Some(Browser::new(purpose, &start));
     }
 
-    pub(crate) fn create(&mut self, folder: &Path) {
-        match files::create(folder) {
-            Ok(path) => {
-                self.open(&path);
-                self.view
-                    .say(format!("{} is a complete machine: change its numbers to your own", path.display()));
-            }
-            Err(why) => self.refuse(why),
-        }
-    }
-
     pub(crate) fn refuse(&mut self, why: String) {
         self.view.warn(why.clone());
         self.refused = Some(why);
     }
 
+    /// Opens a project; edits that were never saved come back. The one that is open stays until the other is read.
+    pub fn open(&mut self, path: &Path) {
+        self.file(&Command::Open { path: path.to_owned() });
+    }
+
+    /// Takes on what concerns files. A text to save is the one of this moment.
+    pub(crate) fn file(&mut self, command: &Command) {
+        let text = self.opened.as_ref().map_or_else(String::new, |o| o.session.text().to_owned());
+        if saves(command)
+            && let Some(leaving) = self.filing.under_way.take_if(|other| !saves(other))
+        {
+            self.jobs.file.cancel();
+            let again = match leaving {
+                Command::New { folder } => Command::Open { path: folder },
+                other => other,
+            };
+            let first = self.filing.waiting.iter().take_while(|(other, _)| saves(other)).count();
+            self.filing.waiting.insert(first, (again, String::new()));
+        }
+        self.filing.wait(command.clone(), text);
+        self.next_errand();
+    }
+
+    /// Gives the worker what is next.
+    fn next_errand(&mut self) {
+        while self.filing.under_way.is_none() {
+            let Some((command, text)) = self.filing.waiting.pop_front() else { return };
+            if command == Command::Close {
+                self.leave();
+            } else if let Some(errand) = self.errand(&command, text) {
+                self.filing.under_way = Some(command);
+                self.jobs.file.ask(0, errand);
+            }
+        }
+    }
+
+    fn errand(&self, command: &Command, text: String) -> Option<Errand> {
+        let open = self.opened.as_ref();
+        Some(match command {
+            Command::Open { path } => Errand::Open { path: path.clone(), unsaved: Unsaved::Recovered },
+            Command::Reload => Errand::Open { path: open?.path.clone(), unsaved: Unsaved::Left },
+            Command::New { folder } => Errand::Make { folder: folder.clone() },
+            Command::Save => Errand::Save { path: open?.path.clone(), text },
+            Command::SaveAs { path } => {
+                let names = beside(open?);
+                Errand::SaveAs { from: open?.path.clone(), to: path.clone(), text, names }
+            }
+            _ => return None,
+        })
+    }
+
+    /// Takes over what an errand has done.
+    pub(crate) fn take_filed(&mut self) {
+        if let Some((_, done)) = self.jobs.file.take() {
+            let command = self.filing.under_way.take();
+            match done {
+                Done::Read(Ok(found)) => self.begin(*found, command == Some(Command::Reload)),
+                Done::Read(Err(why)) => self.refuse(why),
+                Done::Written { path, text, done: Ok(modified) } => {
+                    if let Some(opened) = &mut self.opened {
+                        (opened.modified, opened.changed_outside) = (modified, false);
+                    }
+                    self.saved(&path, &text);
+                }
+                Done::Written { path, done: Err(why), .. } => self.not_saved(&path, &why),
+            }
+        }
+        self.next_errand();
+    }
+
+    fn begin(&mut self, mut found: Found, is_again: bool) {
+        let open =
+            self.opened.as_ref().filter(|o| !is_again && o.path == found.path && o.session.is_changed());
+        if let Some(text) = open.map(|o| o.session.text().to_owned()) {
+            found.already = vec![Command::Replace { text: text.clone() }];
+            let _ = found.session.apply(&Command::Replace { text });
+        }
+        self.leave();
+        self.refused = None;
+        if found.is_new {
+            let file = found.path.display();
+            self.view.say(format!("{file} is a complete machine: change its numbers to your own"));
+        } else if found.edits > 0 {
+            self.view.say(format!(
+                "{} edits that were not saved are back; \"Read the file again\" leaves them",
+                found.edits
+            ));
+        }
+        let head = Head { project: found.path.clone(), text: found.text };
+        self.journal.begin(&journal::path_for(&self.state, &found.path), &head, &found.already);
+        self.noted.note(List::Projects, &found.path);
+        self.jobs.beside = found.beside;
+        let (path, session, modified) = (found.path, found.session, found.modified);
+        self.opened = Some(Opened { path, session, modified, changed_outside: false });
+    }
+
+    /// What follows from a project's having been written: the journal begins anew, with what was edited meanwhile.
+    fn saved(&mut self, path: &Path, text: &str) {
+        let Some(opened) = &mut self.opened else { return };
+        opened.session.mark_saved(text);
+        let mut said = format!("saved {}", path.display());
+        if opened.path != path {
+            self.journal.end(Fate::Removed);
+            opened.session.rename(&name_of(path));
+            opened.path = path.to_owned();
+            said = format!("saved as {}", path.display());
+            self.noted.note(List::Projects, path);
+            (self.view.browser, self.refused) = (None, None);
+        } else if self.view.browser.as_ref().is_some_and(|b| b.purpose == Purpose::SaveAs) {
+            self.view.browser = None;
+        }
+        let head = Head { project: path.to_owned(), text: text.to_owned() };
+        let further = opened.session.text() != text;
+        let already = further.then(|| Command::Replace { text: opened.session.text().to_owned() });
+        self.journal.begin(&journal::path_for(&self.state, path), &head, already.as_slice());
+        self.saves += 1;
+        self.view.say(said);
+    }
+
+    fn not_saved(&mut self, path: &Path, why: &str) {
+        self.filing.stay();
+        if self.opened.as_ref().is_some_and(|o| o.path == path) {
+            self.view.warn(format!("not saved, {why}. {WAY_OUT}"));
+        } else {
+            self.refuse(format!("not saved, {why}; nothing is lost, choose another place"));
+        }
+    }
+
+    /// Stops what is being opened; what is being saved goes on.
+    pub(crate) fn stop_opening(&mut self) {
+        self.filing.stay();
+        if self.filing.under_way.take_if(|command| !saves(command)).is_some() {
+            self.jobs.file.cancel();
+        }
+    }
+
     pub(crate) fn leave(&mut self) {
         self.jobs.forget();
-        self.close();
+        if let Some(opened) = self.opened.take() {
+            self.journal.end(if opened.session.is_changed() { Fate::Kept } else { Fate::Removed });
+        }
         (self.results, self.asked, self.verify_at) = (Results::default(), None, None);
         (self.view.out, self.view.browser) = (None, None);
     }
 
-    /// Opens a project; edits that were never saved come back.
-    pub fn open(&mut self, path: &Path) {
-        let path = files::project_file(path);
-        match files::read(&path) {
-            Ok((text, attachments)) => {
-                self.leave();
-                self.begin(path, &text, attachments);
-            }
-            Err(why) => self.refuse(why),
-        }
-    }
-
-    fn begin(&mut self, path: PathBuf, text: &str, attachments: Attachments) {
-        let name = name_of(&path);
-        let mut session = Session::new(text, &name, attachments);
-        let mut already = Vec::new();
-        if let Some(found) = journal::recover(&journal::path_for(&self.state, &path)) {
-            let mut before = Session::new(&found.head.text, &name, Attachments::none());
-            let good = found.commands.iter().all(|c| before.apply(c).is_ok());
-            if good && before.text() != text {
-                let replace = Command::Replace { text: before.text().to_owned() };
-                if session.apply(&replace).is_ok() {
-                    already.push(replace);
-                    let edits = found.commands.len();
-                    self.view.say(format!(
-                        "{edits} edits that were not saved are back; \"Read the file again\" leaves them"
-                    ));
-                }
-            }
-        }
-        let journal = self.journal(&path, text, &already);
-        files::note_recent(&self.state, &path);
-        let modified = modified(&path);
-        self.jobs.beside = path.parent().map_or(Vec::new(), |f| recordings::files(&[f.to_owned()]));
-        self.refused = None;
-        self.opened =
-            Some(Opened { path, session, journal, modified, troubled: false, changed_outside: false });
-        (self.asked, self.results) = (None, Results::default());
-    }
-
-    /// Begins the journal of a project; says where it cannot be written.
-    fn journal(&mut self, path: &Path, text: &str, already: &[Command]) -> Option<Journal> {
-        let place = journal::path_for(&self.state, path);
-        let head = Head { project: path.to_owned(), text: text.to_owned() };
-        let begun = Journal::begin(&place, &head, already);
-        if let Err(error) = &begun {
-            let place = place.display();
-            self.view.warn(format!("edits are not kept against a crash, {place} cannot be written: {error}"));
-        }
-        begun.ok()
-    }
-
-    /// Leaves the project; its journal goes when everything is saved, and stays when not.
+    /// Waits until everything is saved that was to be, and leaves the project; its journal goes when everything is saved, and stays
+    /// when not.
     pub fn close(&mut self) {
-        if let Some(opened) = self.opened.take()
-            && !opened.session.is_changed()
-            && let Some(journal) = opened.journal
-        {
-            journal.remove();
+        self.stop_opening();
+        while self.filing.is_saving() {
+            std::thread::sleep(std::time::Duration::from_millis(2));
+            self.take_filed();
         }
+        self.leave();
     }
-
-    pub(crate) fn save(&mut self) {
-        let Some(mut opened) = self.opened.take() else { return };
-        let shown = opened.path.display().to_string();
-        match files::write(&opened.path, opened.session.text().as_bytes()) {
-            Ok(()) => {
-                self.view.say(format!("saved {shown}"));
-                self.saved(&mut opened);
-            }
-            Err(error) => {
-                self.view.warn(format!("not saved, {shown} cannot be written: {error}. {WAY_OUT}"));
-            }
-        }
-        self.opened = Some(opened);
-    }
-
-    /// What follows from a project's having been written.
-    fn saved(&mut self, opened: &mut Opened) {
-        opened.session.mark_saved();
-        (opened.modified, opened.changed_outside) = (modified(&opened.path), false);
-        opened.journal = None;
-        opened.journal = self.journal(&opened.path, opened.session.text(), &[]);
-    }
-
-    /// Writes the project to another file, with the files that it names, and goes on there.
-    pub(crate) fn save_as(&mut self, path: &Path) {
-        let path = files::project_file(path);
-        let Some(mut opened) = self.opened.take() else { return };
-        let done = beside(&opened).into_iter().try_for_each(|name| copied(&opened.path, &path, &name));
-        let done = done.and_then(|()| {
-            files::write(&path, opened.session.text().as_bytes())
-                .map_err(|error| format!("{} cannot be written: {error}", path.display()))
-        });
-        match done {
-            Ok(()) => {
-                if let Some(journal) = opened.journal.take() {
-                    journal.remove();
-                }
-                opened.session.rename(&name_of(&path));
-                opened.path = path;
-                self.view.say(format!("saved as {}", opened.path.display()));
-                self.saved(&mut opened);
-                files::note_recent(&self.state, &opened.path);
-                (self.view.browser, self.refused) = (None, None);
-            }
-            Err(why) => self.refuse(format!("not saved, {why}; nothing is lost, choose another place")),
-        }
-        self.opened = Some(opened);
-    }
-
-    pub(crate) fn reload(&mut self) {
-        let Some(opened) = self.opened.take() else { return };
-        let path = opened.path.clone();
-        if let Some(journal) = opened.journal {
-            journal.remove();
-        }
-        self.open(&path);
-    }
-}
-
-fn name_of(path: &Path) -> String {
-    path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned())
 }
 
 /// The files beside the project that it names.
@@ -197,22 +259,4 @@ fn beside(opened: &Opened) -> Vec<String> {
         names.push(source.recording.clone());
     }
     names
-}
-
-/// Copies a file that a project names to where its copy will look for it; one that is there already stays, and nothing is
-/// written outside of the copy's folder.
-fn copied(from: &Path, to: &Path, name: &str) -> Result<(), String> {
-    let place = |file: &Path| file.parent().unwrap_or(Path::new(".")).join(name);
-    let (source, target) = (place(from), place(to));
-    let is_outside = Path::new(name).components().any(|part| part == std::path::Component::ParentDir);
-    if is_outside || target.exists() || !source.is_file() {
-        return Ok(());
-    }
-    let folder = Folder(from.parent().unwrap_or(Path::new(".")).to_owned());
-    files::write(&target, &folder.read(name)?)
-        .map_err(|error| format!("{} cannot be written: {error}", target.display()))
-}
-
-pub(crate) fn modified(path: &Path) -> Option<SystemTime> {
-    std::fs::metadata(path).and_then(|m| m.modified()).ok()
 }

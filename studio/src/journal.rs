@@ -1,7 +1,7 @@
 //! The journal: every edit on disk before the next one is made, so that a crash loses next to nothing.
 //!
 //! A journal is a file of lines: first the project's path and text as it was opened or saved, then one command a line. A thread
-//! writes; the window never waits for a disk.
+//! begins, writes and removes it; the window never waits for a disk.
 
 use std::fs::{self, File};
 use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
@@ -13,6 +13,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use crate::command::Command;
+use crate::files::{Disk, write_on};
 
 /// The first line of a journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -32,13 +33,43 @@ pub struct Recovered {
     pub commands: Vec<Command>,
 }
 
-/// A journal that is being written.
-#[derive(Debug)]
+/// What the journal's thread is told.
+enum Note {
+    Begin(PathBuf, String),
+    Line(String),
+    End(Fate),
+    Flush(Sender<()>),
+    Stop,
+}
+
+/// What becomes of a journal that ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fate {
+    /// Something was not saved: it comes back when the project is opened again.
+    Kept,
+    /// Everything is saved.
+    Removed,
+}
+
+/// The journal of the project that is open; its thread carries out what it is told, one after the other.
 pub struct Journal {
-    path: PathBuf,
-    lines: Option<Sender<String>>,
+    inbox: Sender<Note>,
     trouble: Arc<Mutex<Option<String>>>,
     thread: Option<std::thread::JoinHandle<()>>,
+}
+
+/// Waits on another thread until everything noted so far is on disk.
+#[derive(Clone)]
+pub struct Flush(Sender<Note>);
+
+impl Flush {
+    /// Waits.
+    pub fn wait(&self) {
+        let (done, said) = channel();
+        if self.0.send(Note::Flush(done)).is_ok() {
+            let _ = said.recv();
+        }
+    }
 }
 
 /// The journal's file for a project: one a project, in the studio's own folder.
@@ -51,58 +82,52 @@ pub fn path_for(folder: &Path, project: &Path) -> PathBuf {
 }
 
 impl Journal {
-    /// Begins a journal in the place of an old one, with the edits that are already made.
-    ///
-    /// # Errors
-    /// The folder or the file cannot be written.
-    pub fn begin(path: &Path, head: &Head, already: &[Command]) -> io::Result<Self> {
-        if let Some(folder) = path.parent() {
-            fs::create_dir_all(folder)?;
-        }
-        let partial = path.with_extension("partial");
-        let mut file = File::create(&partial)?;
-        writeln!(file, "{}", serde_json::to_string(head)?)?;
-        for command in already {
-            writeln!(file, "{}", serde_json::to_string(command)?)?;
-        }
-        file.sync_data()?;
-        fs::rename(&partial, path)?;
-        let (lines, inbox) = channel();
+    /// A journal of nothing yet.
+    pub fn new(disk: Arc<dyn Disk>) -> Self {
+        let (inbox, notes) = channel();
         let trouble = Arc::new(Mutex::new(None));
         let told = Arc::clone(&trouble);
-        let thread = std::thread::spawn(move || write_lines(file, &inbox, &told));
-        Ok(Self { path: path.to_owned(), lines: Some(lines), trouble, thread: Some(thread) })
+        let thread = std::thread::spawn(move || Writer::new(disk).run(&notes, &told));
+        Self { inbox, trouble, thread: Some(thread) }
+    }
+
+    /// Begins in the place of what stands at a path, with the edits that are already made.
+    pub fn begin(&self, path: &Path, head: &Head, already: &[Command]) {
+        let lines = already.iter().filter_map(|command| serde_json::to_string(command).ok());
+        let text: String =
+            serde_json::to_string(head).into_iter().chain(lines).map(|line| line + "\n").collect();
+        let _ = self.inbox.send(Note::Begin(path.to_owned(), text));
     }
 
     /// Notes a command.
     pub fn note(&self, command: &Command) {
-        if let (Some(lines), Ok(line)) = (&self.lines, serde_json::to_string(command)) {
-            let _ = lines.send(line);
+        if let Ok(line) = serde_json::to_string(command) {
+            let _ = self.inbox.send(Note::Line(line));
         }
+    }
+
+    /// Ends the journal that was begun.
+    pub fn end(&self, fate: Fate) {
+        let _ = self.inbox.send(Note::End(fate));
+    }
+
+    /// Waits for it on another thread.
+    pub fn flush(&self) -> Flush {
+        Flush(self.inbox.clone())
     }
 
     /// Why the journal could not be written, where it could not.
     pub fn trouble(&self) -> Option<String> {
         self.trouble.lock().ok().and_then(|told| told.clone())
     }
-
-    /// Ends the journal and removes it: everything is saved.
-    pub fn remove(mut self) {
-        self.finish();
-        let _ = fs::remove_file(&self.path);
-    }
-
-    fn finish(&mut self) {
-        self.lines = None;
-        if let Some(thread) = self.thread.take() {
-            let _ = thread.join();
-        }
-    }
 }
 
 impl Drop for Journal {
     fn drop(&mut self) {
-        self.finish();
+        let _ = self.inbox.send(Note::Stop);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
     }
 }
 
@@ -110,36 +135,93 @@ impl Drop for Journal {
 const AGAIN: Duration = Duration::from_millis(500);
 
 /// Writes what comes, at once; then waits until the disk has it. What could not be written is tried again until it can.
-fn write_lines(mut file: File, inbox: &Receiver<String>, trouble: &Mutex<Option<String>>) {
-    let mut waiting = String::new();
-    loop {
-        let first = if waiting.is_empty() {
-            inbox.recv().map_err(|_| RecvTimeoutError::Disconnected)
-        } else {
-            inbox.recv_timeout(AGAIN)
-        };
-        let is_end = first == Err(RecvTimeoutError::Disconnected);
-        for line in first.into_iter().chain(inbox.try_iter()) {
-            waiting.push_str(&line);
-            waiting.push('\n');
+struct Writer {
+    disk: Arc<dyn Disk>,
+    /// Where the journal stands; nowhere before one is begun.
+    path: Option<PathBuf>,
+    /// The file, where it has been begun.
+    file: Option<File>,
+    /// What is not on disk yet; from the head on where there is no file.
+    waiting: String,
+}
+
+impl Writer {
+    fn new(disk: Arc<dyn Disk>) -> Self {
+        Self { disk, path: None, file: None, waiting: String::new() }
+    }
+
+    fn run(&mut self, notes: &Receiver<Note>, trouble: &Mutex<Option<String>>) {
+        loop {
+            let first = if self.waiting.is_empty() {
+                notes.recv().map_err(|_| RecvTimeoutError::Disconnected)
+            } else {
+                notes.recv_timeout(AGAIN)
+            };
+            let (mut done, mut flushed) =
+                (first.as_ref().err() == Some(&RecvTimeoutError::Disconnected), Vec::new());
+            for note in first.into_iter().chain(notes.try_iter()) {
+                match note {
+                    Note::Begin(path, text) => {
+                        (self.path, self.file, self.waiting) = (Some(path), None, text)
+                    }
+                    Note::Line(line) if self.path.is_some() => self.waiting.extend([line.as_str(), "\n"]),
+                    Note::Line(_) => {}
+                    Note::End(fate) => self.end(fate),
+                    Note::Flush(reply) => flushed.push(reply),
+                    Note::Stop => done = true,
+                }
+            }
+            let written = self.write();
+            if let Ok(mut told) = trouble.lock() {
+                *told = written.err();
+            }
+            for reply in flushed {
+                let _ = reply.send(());
+            }
+            if done {
+                return;
+            }
         }
-        let done = append(&mut file, &waiting);
-        if done.is_ok() {
-            waiting.clear();
+    }
+
+    fn end(&mut self, fate: Fate) {
+        let _ = if fate == Fate::Kept { self.write() } else { Ok(()) };
+        if let (Some(path), Fate::Removed) = (&self.path, fate) {
+            let _ = fs::remove_file(path);
         }
-        if let Ok(mut told) = trouble.lock() {
-            *told = done.err().map(|error| error.to_string());
+        (self.path, self.file) = (None, None);
+        self.waiting.clear();
+    }
+
+    /// Begins the file where that is due, and writes what waits.
+    fn write(&mut self) -> Result<(), String> {
+        let Some(path) = &self.path else { return Ok(()) };
+        match &mut self.file {
+            Some(_) if self.waiting.is_empty() => return Ok(()),
+            Some(file) => {
+                append(self.disk.as_ref(), file, &self.waiting).map_err(|error| error.to_string())?
+            }
+            None => {
+                let begun = begin(self.disk.as_ref(), path, &self.waiting);
+                self.file = Some(begun.map_err(|error| format!("{}: {error}", path.display()))?);
+            }
         }
-        if is_end {
-            return;
-        }
+        self.waiting.clear();
+        Ok(())
     }
 }
 
+fn begin(disk: &dyn Disk, path: &Path, text: &str) -> io::Result<File> {
+    write_on(disk, path, text.as_bytes())?;
+    let mut file = fs::OpenOptions::new().write(true).open(path)?;
+    file.seek(SeekFrom::End(0))?;
+    Ok(file)
+}
+
 /// Appends a text to a file and waits until the disk has it; the file is as it was where that fails.
-fn append(file: &mut File, text: &str) -> io::Result<()> {
+fn append(disk: &dyn Disk, file: &mut File, text: &str) -> io::Result<()> {
     let end = file.stream_position()?;
-    let done = file.write_all(text.as_bytes()).and_then(|()| file.sync_data());
+    let done = file.write_all(text.as_bytes()).and_then(|()| disk.sync(file));
     if done.is_err() {
         file.set_len(end)?;
         file.seek(SeekFrom::Start(end))?;
@@ -165,7 +247,8 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("counterpoise-journal-{}", std::process::id()));
         let path = path_for(&folder, Path::new("rig.toml"));
         let head = Head { project: "rig.toml".into(), text: "[plant]\n".to_owned() };
-        let journal = Journal::begin(&path, &head, &[]).unwrap();
+        let journal = Journal::new(Arc::new(crate::files::Native));
+        journal.begin(&path, &head, &[]);
         journal.note(&Command::Undo);
         journal.note(&Command::SetText { path: "plant.name".to_owned(), value: "x".to_owned() });
         drop(journal);
@@ -173,6 +256,13 @@ mod tests {
         let found = recover(&path).unwrap();
         assert_eq!(found.head, head);
         assert_eq!(found.commands.len(), 2);
+        let journal = Journal::new(Arc::new(crate::files::Native));
+        journal.begin(&path, &head, &found.commands);
+        journal.flush().wait();
+        assert_eq!(recover(&path).unwrap(), found);
+        journal.end(Fate::Removed);
+        drop(journal);
+        assert!(!path.exists());
         fs::remove_dir_all(folder).unwrap();
     }
 }

@@ -10,7 +10,8 @@
 //! *Invariant*: no equation of the field stands here, and nothing can be done here that the command line cannot do.
 //!
 //! Modules in reading order: [`command`], [`session`], [`journal`], [`keys`], [`knobs`], [`live`], [`worker`], [`watch`],
-//! [`measure`], [`exporting`], [`pyramid`], [`recordings`], [`browser`], [`jobs`], [`results`], [`view`], [`studio`], [`filing`],
+//! [`measure`], [`portrait`], [`exporting`], [`pyramid`], [`recordings`], [`browser`], [`noted`], [`errands`], [`jobs`],
+//! [`results`], [`view`], [`studio`], [`filing`],
 //! [`rounds`], [`theme`], [`number`], [`thinning`], [`axes`], [`chart`], [`svg`], [`shell`], [`palette`], [`places`], [`files`],
 //! [`replay`], [`window`].
 //!
@@ -28,6 +29,7 @@ pub mod axes;
 pub mod browser;
 pub mod chart;
 pub mod command;
+pub mod errands;
 pub mod exporting;
 pub mod files;
 pub mod filing;
@@ -37,9 +39,11 @@ pub mod keys;
 pub mod knobs;
 pub mod live;
 pub mod measure;
+pub mod noted;
 pub mod number;
 pub mod palette;
 pub mod places;
+pub mod portrait;
 pub mod pyramid;
 pub mod recordings;
 pub mod replay;

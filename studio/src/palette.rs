@@ -3,7 +3,7 @@
 use egui::{Key, RichText, Ui};
 
 use crate::command::{Command, Entry, entries};
-use crate::files;
+use crate::noted::List;
 use crate::studio::Studio;
 use crate::theme::{Theme, space};
 
@@ -25,7 +25,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     if studio.view.palette.is_none() {
         return;
     }
-    let recent = files::recent(&studio.state);
+    let recent = studio.noted.list(List::Projects);
     let Some((typed, chosen)) = &mut studio.view.palette else { return };
     let mut done = None;
     let close = ui.input(|i| i.key_pressed(Key::Escape));

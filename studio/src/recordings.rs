@@ -22,10 +22,19 @@ pub const ENDINGS: [&str; 5] = ["csv", "parquet", "mat", "h5", "hdf5"];
 pub struct LookAsk {
     /// The project.
     pub project: Arc<Project>,
-    /// Files.
+    /// Files and folders.
     pub paths: Vec<PathBuf>,
     /// The mechanism of a diagnosis, where there is one.
     pub improved: Option<Arc<Parameters>>,
+}
+
+/// Recordings beside the model.
+#[derive(Debug, Clone)]
+pub struct Looked {
+    /// The files, those of folders among them.
+    pub files: Vec<PathBuf>,
+    /// What is in them.
+    pub seen: Vec<Seen>,
 }
 
 /// A recording beside the model; one file may hold several.
@@ -111,9 +120,9 @@ pub fn read(project: &Project, path: &Path) -> Result<(Table, Vec<Record>), Stri
 }
 
 /// The recordings beside the model; None where it was stopped.
-pub fn look(ask: &LookAsk, token: &Token) -> Option<Vec<Seen>> {
-    let mut all = Vec::new();
-    for path in &ask.paths {
+pub fn look(ask: &LookAsk, token: &Token) -> Option<Looked> {
+    let (files, mut all) = (files(&ask.paths), Vec::new());
+    for path in &files {
         match read(&ask.project, path) {
             Ok((table, records)) => {
                 for record in &records {
@@ -126,7 +135,7 @@ pub fn look(ask: &LookAsk, token: &Token) -> Option<Vec<Seen>> {
             Err(why) => all.push(unread(path, why)),
         }
     }
-    Some(all)
+    Some(Looked { files, seen: all })
 }
 
 fn stem(path: &Path) -> String {

@@ -82,6 +82,9 @@ impl Script {
 
     /// The next command, where the studio is ready for it.
     pub fn next(&mut self, studio: &Studio) -> Option<Command> {
+        if studio.filing.is_busy() {
+            return None;
+        }
         let drawn = studio.results.live.as_ref().map(|of| of.revision);
         let now = studio.opened.as_ref().map(|o| o.session.revision());
         let busy = studio.results.designing || (drawn != now && studio.results.no_design.is_none());

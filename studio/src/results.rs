@@ -7,6 +7,7 @@ use counterpoise_project::verify::{Verification, VerifiedController};
 
 use crate::live::Live;
 use crate::measure::Measured;
+use crate::portrait::{Portrait, Swinging};
 
 /// A result and the revision of the project that it came from.
 #[derive(Debug, Clone)]
@@ -32,6 +33,10 @@ pub struct Results {
     pub effort: Option<Of<Vec<EffortPoint>>>,
     /// The last map of the analyser, and the last campaign.
     pub measured: Measured,
+    /// What Plant and Reduce show of the last good design's plant.
+    pub portrait: Option<Arc<Portrait>>,
+    /// The modes of the beam that was swung last.
+    pub swinging: Option<Arc<Swinging>>,
     /// Why a revision could not be verified.
     pub no_verification: Option<Of<Vec<String>>>,
     /// Whether a design is being made.

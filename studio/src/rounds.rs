@@ -6,13 +6,12 @@ use std::time::{Duration, Instant};
 use counterpoise_project::verify::VerifiedController;
 
 use crate::browser::Browser;
-use crate::command::Purpose;
+use crate::command::{Place, Purpose};
+use crate::errands::Glance;
 use crate::exporting::Written;
-use crate::filing::modified;
-use crate::journal::Journal;
+use crate::jobs::Form;
 use crate::live::{Ask, Live};
 use crate::measure::MeasureAnswer;
-use crate::recordings;
 use crate::results::Of;
 use crate::studio::Studio;
 

@@ -79,9 +79,14 @@ impl Session {
         self.document = Document::parse(self.document.text(), name);
     }
 
-    /// Notes that the text as it stands has been written.
-    pub fn mark_saved(&mut self) {
-        self.saved = self.document.text().to_owned();
+    /// Notes that a text has been written: the one as it stands, or one that was edited further while it was written.
+    pub fn mark_saved(&mut self, text: &str) {
+        self.saved = text.to_owned();
+    }
+
+    /// The text that was read or saved last.
+    pub fn saved(&self) -> &str {
+        &self.saved
     }
 
     /// Carries out a command that edits; others change nothing.

@@ -22,6 +22,10 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
         .show(ui, |ui| foot(studio, ui, &mut queue));
     let ground = egui::Frame::new().fill(theme.ground).inner_margin(egui::Margin::same(space::MEDIUM as i8));
     egui::CentralPanel::default().frame(ground).show(ui, |ui| {
+        if let (None, Some(path)) = (&studio.opened, studio.filing.opening()) {
+            let path = path.display().to_string();
+            return places::parts::empty(ui, &theme, "Opening", &path);
+        }
         if studio.opened.is_none() {
             places::welcome::show(studio, ui, &mut queue);
             return;
@@ -37,6 +41,9 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
     });
     places::browse::over(studio, ui, &mut queue);
     palette::show(studio, ui, &mut queue);
+    if let Some(text) = studio.copied.take() {
+        ui.ctx().copy_text(text);
+    }
     for command in queue {
         copy(studio, ui, &command);
         resize(ui, &command);
@@ -63,12 +70,24 @@ fn bar(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
             let name = opened.session.project().map_or("project", |p| p.plant.name.as_str());
             ui.label(RichText::new(name).color(theme.weak));
             configurations(ui, opened, queue);
-            if opened.session.is_changed() {
-                ui.label(RichText::new("edited").small().color(theme.warn)).on_hover_text("Ctrl+S saves");
-            }
+            standing(studio, ui, opened);
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| tools(studio, ui, queue));
     });
+}
+
+/// Whether everything is saved, and kept against a crash.
+fn standing(studio: &Studio, ui: &mut Ui, opened: &crate::studio::Opened) {
+    let theme = studio.view.theme;
+    if studio.filing.is_saving() {
+        ui.label(RichText::new("saving\u{2026}").small().color(theme.accent));
+    } else if opened.session.is_changed() {
+        ui.label(RichText::new("edited").small().color(theme.warn)).on_hover_text("Ctrl+S saves");
+    }
+    if let Some(why) = &studio.troubled {
+        ui.label(RichText::new("no journal").small().color(theme.bad))
+            .on_hover_text(format!("edits are not kept against a crash: {why}"));
+    }
 }
 
 /// What concerns files, with its shortcuts.
@@ -157,7 +176,7 @@ fn foot(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
             let took = of.value.took.as_secs_f64() * 1e3;
             said.on_hover_text(format!("the design shown and its responses took {took:.1} ms"));
         }
-        if !studio.is_idle() && ui.small_button("Stop").on_hover_text("Esc").clicked() {
+        if studio.can_stop() && ui.small_button("Stop").on_hover_text("Esc").clicked() {
             queue.push(Command::Cancel);
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -175,6 +194,9 @@ fn foot(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
 
 /// What is running or stale, in words.
 fn state(studio: &Studio, theme: &Theme) -> (String, egui::Color32) {
+    if let Some(path) = studio.filing.opening() {
+        return (format!("opening {}", path.display()), theme.accent);
+    }
     let Some(opened) = &studio.opened else { return ("no project".to_owned(), theme.weak) };
     let revision = opened.session.revision();
     if studio.diagnosis().diagnose.is_busy() {
@@ -253,7 +275,7 @@ fn shortcuts(studio: &Studio, ui: &Ui) -> Vec<Command> {
     let is_listing = studio.view.palette.is_some();
     all.retain(|(_, command)| match command {
         Command::Palette => true,
-        Command::Cancel => !is_listing && !studio.is_idle(),
+        Command::Cancel => !is_listing && studio.can_stop(),
         _ => !is_listing,
     });
     ui.input_mut(|input| all.into_iter().filter(|(s, _)| input.consume_shortcut(s)).map(|(_, c)| c).collect())
@@ -272,29 +294,18 @@ fn dropped(ui: &Ui) -> Vec<Command> {
     }
 }
 
-/// Copies the last plot that was pointed at.
+/// Copies the last plot that was pointed at as pixels; its text comes from a worker.
 fn copy(studio: &mut Studio, ui: &Ui, command: &Command) {
     let Some((chart, rect)) = &studio.view.chart else { return };
-    let kind = match command {
-        Command::CopyCsv => {
-            ui.ctx().copy_text(chart.csv());
-            "numbers (CSV)"
-        }
-        Command::CopySvg => {
-            ui.ctx().copy_text(chart.svg());
-            "a drawing (SVG)"
-        }
-        Command::CopyPng => {
-            let (ctx, rect, scale) = (ui.ctx().clone(), *rect, ui.ctx().pixels_per_point());
-            let callback = egui::ScreenshotCallback::new(move |image| {
-                ctx.copy_image(image.region(&rect, Some(scale)));
-            });
-            ui.ctx().send_viewport_cmd(egui::ViewportCommand::Screenshot(callback));
-            "pixels (PNG)"
-        }
-        _ => return,
-    };
-    let said = format!("\"{}\" is in the clipboard as {kind}", chart.title);
+    if *command != Command::CopyPng {
+        return;
+    }
+    let (ctx, rect, scale) = (ui.ctx().clone(), *rect, ui.ctx().pixels_per_point());
+    let callback = egui::ScreenshotCallback::new(move |image| {
+        ctx.copy_image(image.region(&rect, Some(scale)));
+    });
+    ui.ctx().send_viewport_cmd(egui::ViewportCommand::Screenshot(callback));
+    let said = format!("\"{}\" is in the clipboard as pixels (PNG)", chart.title);
     studio.view.say(said);
 }
 

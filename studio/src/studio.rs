@@ -8,12 +8,15 @@ use std::time::{Instant, SystemTime};
 use counterpoise_project::verify::VerifiedController;
 
 use crate::command::Command;
+use crate::errands::Desk;
 use crate::exporting::{ExportAsk, Library};
-use crate::files::{self, Folder};
-use crate::jobs::{self, EffortAsk, Jobs, VerifyAsk};
+use crate::files::{Disk, Folder, Native};
+use crate::filing::Filing;
+use crate::jobs::{self, EffortAsk, Form, Jobs, VerifyAsk};
 use crate::journal::Journal;
 use crate::measure::MeasureAsk;
-use crate::recordings::{self, LookAsk};
+use crate::noted::{List, Noted};
+use crate::recordings::LookAsk;
 use crate::results::Results;
 use crate::session::Session;
 use crate::view::View;
@@ -25,10 +28,7 @@ pub struct Opened {
     pub path: PathBuf,
     /// What is done to it.
     pub session: Session,
-    pub(crate) journal: Option<Journal>,
     pub(crate) modified: Option<SystemTime>,
-    /// Whether the journal could not be written when it was looked at last.
-    pub(crate) troubled: bool,
     /// Whether the file was changed by somebody else since it was read.
     pub changed_outside: bool,
 }
@@ -44,6 +44,16 @@ pub struct Studio {
     /// What was computed.
     pub results: Results,
     pub(crate) jobs: Jobs,
+    pub(crate) journal: Journal,
+    pub(crate) noted: Noted,
+    /// What concerns files and is not done yet.
+    pub filing: Filing,
+    /// How often a project was saved.
+    pub(crate) saves: u64,
+    /// Why edits are not kept against a crash, where they are not.
+    pub troubled: Option<String>,
+    /// What is due for the clipboard.
+    pub(crate) copied: Option<String>,
     pub(crate) asked: Option<(u64, Option<f64>)>,
     pub(crate) verify_at: Option<Instant>,
     pub(crate) looked: Instant,
@@ -57,12 +67,25 @@ pub struct Studio {
 impl Studio {
     /// A studio that keeps its own files in `state`, and calls `wake` when an answer has come.
     pub fn new(state: &Path, wake: Wake) -> Self {
+        Self::on(state, wake, Arc::new(Native))
+    }
+
+    /// A studio on a disk.
+    pub fn on(state: &Path, wake: Wake, disk: Arc<dyn Disk>) -> Self {
+        let journal = Journal::new(Arc::clone(&disk));
+        let desk = Desk { disk: Arc::clone(&disk), state: state.to_owned(), flush: journal.flush() };
         Self {
             state: state.to_owned(),
             opened: None,
             view: View::default(),
             results: Results::default(),
-            jobs: Jobs::new(&wake),
+            jobs: Jobs::new(&wake, desk),
+            journal,
+            noted: Noted::new(state, disk),
+            filing: Filing::default(),
+            saves: 0,
+            troubled: None,
+            copied: None,
             asked: None,
             verify_at: None,
             looked: Instant::now(),
@@ -84,29 +107,29 @@ impl Studio {
     fn edit(&mut self, command: &Command) {
         let Some(opened) = &mut self.opened else { return };
         match opened.session.apply(command) {
-            Ok(()) => {
-                if let Some(journal) = &opened.journal {
-                    journal.note(command);
-                }
+            // A step back goes to what stands in no journal: the text is noted that it leads to.
+            Ok(()) if matches!(command, Command::Undo | Command::Redo) => {
+                self.journal.note(&Command::Replace { text: opened.session.text().to_owned() });
             }
+            Ok(()) => self.journal.note(command),
             Err(error) => self.view.warn(error.to_string()),
         }
     }
 
     fn act(&mut self, command: &Command) {
         match command {
-            Command::Open { path } => self.open(path),
-            Command::New { folder } => self.create(folder),
-            Command::Close => self.leave(),
+            Command::Open { .. }
+            | Command::New { .. }
+            | Command::Close
+            | Command::Save
+            | Command::SaveAs { .. }
+            | Command::Reload => self.file(command),
             Command::Browse { purpose } => self.browse(*purpose),
-            Command::Save => self.save(),
-            Command::SaveAs { path } => self.save_as(path),
-            Command::Reload => self.reload(),
             Command::Verify => self.verify(),
             Command::Cancel => self.cancel(),
             Command::Export => self.export(),
             Command::ExportTo { folder } => {
-                files::note_folder(&self.state, folder);
+                self.noted.note(List::Folders, folder);
                 (self.view.out, self.view.browser) = (Some(folder.clone()), None);
                 self.export();
             }
@@ -118,7 +141,9 @@ impl Studio {
                     self.view.say(format!("kept as {}", slot.name()));
                 }
             }
-            Command::CopyCsv | Command::CopySvg | Command::CopyPng => {}
+            Command::CopyCsv => self.copy(Form::Csv),
+            Command::CopySvg => self.copy(Form::Svg),
+            Command::CopyPng => {}
             Command::Recordings { paths } => self.record(paths),
             Command::Diagnose => self.diagnose(),
             Command::Accept => self.accept(),
@@ -126,9 +151,17 @@ impl Studio {
         }
     }
 
+    /// Has the plot that was pointed at last written for the clipboard.
+    fn copy(&mut self, form: Form) {
+        if let Some((chart, _)) = &self.view.chart {
+            self.jobs.copy.ask(0, (chart.clone(), form));
+        }
+    }
+
     fn cancel(&mut self) {
         self.verify_at = None;
         self.jobs.cancel();
+        self.stop_opening();
         self.view.say("stopped");
     }
 
@@ -184,14 +217,11 @@ impl Studio {
     fn record(&mut self, paths: &[PathBuf]) {
         self.view.browser = None;
         if let Some(folder) = paths.last().and_then(|path| path.parent()) {
-            files::note_folder(&self.state, folder);
+            self.noted.note(List::Folders, folder);
         }
-        self.jobs.recordings = recordings::files(paths);
+        self.jobs.recordings = paths.to_vec();
         (self.jobs.seen, self.jobs.diagnosed, self.jobs.diagnosed_plant) = (None, None, None);
         self.view.recording = 0;
-        if self.jobs.recordings.is_empty() && !paths.is_empty() {
-            self.view.warn("there is no recording in that folder (CSV, Parquet, MATLAB, HDF5)");
-        }
         self.look();
     }
 

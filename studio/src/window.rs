@@ -125,6 +125,8 @@ struct Window {
     script: Script,
     log: FrameLog,
     themed: Option<crate::theme::Theme>,
+    /// Whether the window closes as soon as everything is saved.
+    closing: bool,
 }
 
 impl Window {
@@ -135,7 +137,23 @@ impl Window {
         let mut studio = Studio::new(&state, wake);
         prepare(&mut studio, options);
         let log = FrameLog::new(options.frame_log.as_deref());
-        Self { studio, script: Script::new(script), log, themed: None }
+        Self { studio, script: Script::new(script), log, themed: None, closing: false }
+    }
+
+    /// Closes when everything is saved that was to be; stays where something could not be saved.
+    fn close_when_saved(&mut self, ctx: &egui::Context) {
+        let is_saving = self.studio.filing.is_saving();
+        if ctx.input(|i| i.viewport().close_requested()) && is_saving && !self.closing {
+            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            self.closing = true;
+            self.studio.view.say("the window closes when the project is saved");
+        }
+        if self.closing && !is_saving {
+            self.closing = false;
+            if !self.studio.opened.as_ref().is_some_and(|o| o.session.is_changed()) {
+                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+            }
+        }
     }
 
     /// The next command of the script, when the last one is done.
@@ -159,6 +177,7 @@ impl eframe::App for Window {
         self.log.frame(&self.studio, begun);
         self.follow_script();
         self.studio.tick();
+        self.close_when_saved(ui.ctx());
         let busy = !self.script.is_done();
         ui.ctx().request_repaint_after(if busy {
             Duration::from_millis(2)

@@ -279,6 +279,7 @@ fn a_broken_file_says_where_and_is_mended_without_leaving_the_window() {
     std::fs::write(folder.join("project.toml"), [0xff, 0xfe, 0x00]).unwrap();
     let mut lost = Studio::new(&folder.join("state"), std::sync::Arc::new(|| {}));
     lost.run(&Command::Open { path: folder.clone() });
+    common::filed(&mut lost);
     assert!(lost.opened.is_none() && lost.refused.is_some());
     drop(lost);
     std::fs::remove_dir_all(folder).unwrap();
@@ -326,7 +327,7 @@ fn another_out_of_balance_is_tried_a_plot_is_copied_and_a_change_outside_is_noti
     bench.hover_at(plot);
     bench.run_steps(2);
     bench.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::C);
-    bench.run_steps(2);
+    rest(&mut bench);
     assert!(says(&bench, "\"Loop gain\" is in the clipboard as numbers"));
     let (chart, _) = bench.state().view.chart.clone().unwrap();
     assert!(
@@ -364,6 +365,7 @@ fn every_example_opens_without_an_error_and_every_place_shows_it() {
     for path in found {
         let mut studio = Studio::new(&state, std::sync::Arc::new(|| {}));
         studio.run(&Command::Open { path: path.clone() });
+        common::filed(&mut studio);
         let shown = path.display();
         assert_eq!(studio.refused, None, "{shown}");
         assert!(studio.opened.as_ref().unwrap().session.errors().is_empty(), "{shown}");

@@ -7,6 +7,8 @@ use std::process::{Command as Process, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+mod common;
+
 use counterpoise_project::{Attachments, Document, Project};
 use counterpoise_studio::command::Command;
 use counterpoise_studio::studio::Studio;
@@ -29,6 +31,7 @@ fn session_that_is_killed() {
     let Some(folder) = std::env::var_os(FOLDER).map(PathBuf::from) else { return };
     let mut studio = Studio::new(&folder.join("state"), Arc::new(|| {}));
     studio.run(&Command::Open { path: folder.clone() });
+    common::filed(&mut studio);
     let first = (found(studio.opened.as_ref().unwrap().session.text()) - 25.0) / 0.001;
     for k in first.round() as u32 + 1.. {
         let path = "synth.feedback.error.gain".to_owned();
@@ -36,6 +39,7 @@ fn session_that_is_killed() {
         if k % SAVES == 0 {
             studio.run(&Command::Save);
         }
+        studio.tick();
         println!("made {k}");
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -89,6 +93,7 @@ fn thirty_kills_lose_at_most_the_last_second() {
         found(&std::fs::read_to_string(folder.join("project.toml")).unwrap());
         let mut again = Studio::new(&folder.join("state"), Arc::new(|| {}));
         again.run(&Command::Open { path: folder.clone() });
+        common::filed(&mut again);
         let there = found(again.opened.as_ref().unwrap().session.text());
         let due = made.iter().rev().find(|(_, when)| at.duration_since(*when) >= LOSS).map_or(0, |(k, _)| *k);
         assert!(there >= gain(due) - 1e-9, "kill {k}: {there} where {} was made a second before", gain(due));

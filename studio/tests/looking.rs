@@ -222,7 +222,8 @@ fn a_plot_is_copied_as_numbers_drawing_and_pixels() {
         };
         bench.get_by_label(name).click();
         let mut said = Vec::new();
-        for _ in 0..4 {
+        for _ in 0..20 {
+            std::thread::sleep(std::time::Duration::from_millis(5));
             bench.run_steps(1);
             said.extend(bench.output().platform_output.commands.clone());
             for command in asked(bench) {

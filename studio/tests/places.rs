@@ -5,10 +5,10 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{rig, settle, studio};
+use common::{filed, rig, settle, studio};
 use counterpoise_project::pipeline;
 use counterpoise_studio::command::{Command, Place, Slot};
-use counterpoise_studio::files::{Folder, read};
+use counterpoise_studio::files::{Folder, Native, read};
 use counterpoise_studio::shell;
 use counterpoise_studio::studio::Studio;
 use egui_kittest::Harness;
@@ -52,7 +52,8 @@ fn a_design_made_in_the_window_exports_the_bytes_of_the_command_line() {
     window.run(&Command::Export);
     settle(&mut window);
     window.run(&Command::Save);
-    let (text, _) = read(&folder.join("project.toml")).unwrap();
+    filed(&mut window);
+    let (text, _) = read(&Native, &folder.join("project.toml")).unwrap();
     let project = counterpoise_project::Project::parse(&text, "project.toml").unwrap().project;
     let made = pipeline::design(&project, &Folder(folder.clone())).unwrap();
     for file in &made.files {
@@ -88,6 +89,7 @@ fn edits_that_were_not_saved_come_back_and_what_cannot_be_opened_says_so() {
     drop(again);
     let mut lost = Studio::new(&folder.join("state"), Arc::new(|| {}));
     lost.run(&Command::Open { path: folder.join("absent.toml") });
+    filed(&mut lost);
     assert!(lost.refused.as_ref().unwrap().contains("absent.toml"));
     std::fs::remove_dir_all(folder).unwrap();
 }

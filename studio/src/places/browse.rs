@@ -8,6 +8,7 @@ use egui::{Key, Modifiers, RichText, Ui};
 use crate::browser::{Browser, Item, Kind};
 use crate::command::{Command, Purpose};
 use crate::files;
+use crate::noted::List;
 use crate::studio::Studio;
 use crate::theme::{Theme, space};
 
@@ -80,7 +81,7 @@ pub fn inside(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
 
 /// Where one was before: projects to open, or folders to go to.
 fn places(studio: &Studio, purpose: Purpose) -> Vec<(String, PathBuf)> {
-    let recent = files::recent(&studio.state);
+    let recent = studio.noted.list(List::Projects);
     let named = |path: &Path| {
         path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned())
     };
@@ -91,7 +92,7 @@ fn places(studio: &Studio, purpose: Purpose) -> Vec<(String, PathBuf)> {
         };
         return recent.iter().map(|path| (name(path), path.clone())).collect();
     }
-    let mut all = files::folders(&studio.state);
+    let mut all = studio.noted.list(List::Folders);
     all.extend(recent.iter().filter_map(|path| path.parent().map(Path::to_owned)));
     all.extend(std::env::var_os("HOME").map(PathBuf::from));
     let mut once: Vec<PathBuf> = Vec::new();

@@ -2,18 +2,17 @@
 
 use std::sync::Arc;
 
-use counterpoise_project::lti::poles;
 use counterpoise_project::models::Parameters;
 use counterpoise_project::models::friction::FrictionModel;
 use counterpoise_project::models::parameters::{Beam, PointMass, SectionShape};
 use counterpoise_project::models::plant::LinearPlant;
-use counterpoise_project::models::structure::{FeModel, FeOptions, Fitted, Modes, Profile, Support, modes};
 use egui::{Color32, Pos2, Rect, RichText, Stroke, Ui, pos2, vec2};
 
 use super::{design::bode, fields, parts, schematic};
 use crate::chart::{Chart, Dash};
 use crate::command::Command;
 use crate::live::Live;
+use crate::portrait::{Portrait, Swinging};
 use crate::studio::Studio;
 use crate::theme::{Theme, space};
 use crate::view::View;
@@ -39,10 +38,12 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     let why = studio.results.why_not(revision).map(<[String]>::to_vec);
     let project = opened.session.project().cloned();
     let design = studio.results.design(revision).map(|(live, _)| Arc::clone(live));
+    let (portrait, swinging) = (studio.results.portrait.clone(), studio.results.swinging.clone());
     let view = &mut studio.view;
     view.dragging = false;
     parts::side("parameters", &view.theme, 312.0).show(ui, |ui| {
-        egui::ScrollArea::vertical().show(ui, |ui| side(ui, view, queue, &text, design.as_deref()));
+        egui::ScrollArea::vertical()
+            .show(ui, |ui| side(ui, view, queue, &text, (design.as_deref(), portrait.as_deref())));
     });
     if let Some(why) = &why {
         parts::reasons(
@@ -55,7 +56,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     let Some(project) = project else { return };
     let room = parts::room(ui);
     let (top, below) = room.split_top_bottom_at_y(room.top() + 0.42 * room.height());
-    mechanism(ui, view, &project.plant, top);
+    mechanism(ui, view, (&project.plant, swinging.as_deref()), top);
     let below = below.with_min_y(below.min.y + space::MEDIUM);
     let mut charts = vec![friction(view, &project.plant)];
     charts.extend(design.as_deref().map(|live| response(view, live)));
@@ -64,7 +65,13 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     }
 }
 
-fn side(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, text: &str, live: Option<&Live>) {
+fn side(
+    ui: &mut Ui,
+    view: &mut View,
+    queue: &mut Vec<Command>,
+    text: &str,
+    (live, portrait): (Option<&Live>, Option<&Portrait>),
+) {
     let theme = view.theme;
     theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
@@ -94,26 +101,23 @@ fn side(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, text: &str, live
     let Some(live) = live else { return };
     theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
-        point(ui, view, live);
+        point(ui, view, live, portrait);
     });
 }
 
 /// The operating point and the poles.
-fn point(ui: &mut Ui, view: &View, live: &Live) {
+fn point(ui: &mut Ui, view: &View, live: &Live, portrait: Option<&Portrait>) {
     let weak = view.theme.weak;
     parts::heading(ui, "Operating point");
     let equilibrium = &live.modelled.linear.equilibrium;
     ui.label(format!("held by {} V", parts::short(equilibrium.control_v)));
     ui.label(format!("out-of-balance {} kg m", parts::short(live.modelled.plant.body().out_of_balance_kg_m)));
     parts::heading(ui, "Poles");
-    let mut all = poles(&live.modelled.linear.system).unwrap_or_default();
-    all.retain(|p| p.im >= 0.0);
-    all.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
     egui::Grid::new("plant poles").num_columns(2).spacing([24.0, 2.0]).show(ui, |ui| {
         ui.label(RichText::new(view.rate_label()).small().color(weak));
         ui.label(RichText::new("damping").small().color(weak));
         ui.end_row();
-        for pole in all {
+        for pole in portrait.iter().flat_map(|p| &p.poles) {
             ui.label(parts::short(view.rate(pole.norm())));
             ui.label(parts::short(-pole.re / pole.norm().max(f64::MIN_POSITIVE)));
             ui.end_row();
@@ -124,7 +128,7 @@ fn point(ui: &mut Ui, view: &View, live: &Live) {
 /// Modes that can be shown.
 const MODES: usize = 3;
 
-fn mechanism(ui: &mut Ui, view: &mut View, plant: &Parameters, room: Rect) {
+fn mechanism(ui: &mut Ui, view: &mut View, (plant, swinging): (&Parameters, Option<&Swinging>), room: Rect) {
     let theme = view.theme;
     let mut inside = ui.new_child(egui::UiBuilder::new().max_rect(room));
     theme.card().show(&mut inside, |ui| {
@@ -144,7 +148,7 @@ fn mechanism(ui: &mut Ui, view: &mut View, plant: &Parameters, room: Rect) {
         });
         let canvas = ui.available_rect_before_wrap();
         match (&plant.beam, &plant.lumped) {
-            (Some(beam), _) => drawing(ui, view, beam, canvas),
+            (Some(beam), _) => drawing(ui, view, (beam, swinging), canvas),
             (None, Some(lumped)) => schematic::draw(ui, view, plant, lumped, canvas),
             (None, None) => parts::empty(
                 ui,
@@ -170,13 +174,13 @@ impl Frame {
     }
 }
 
-fn drawing(ui: &mut Ui, view: &View, beam: &Beam, canvas: Rect) {
+fn drawing(ui: &mut Ui, view: &View, (beam, swinging): (&Beam, Option<&Swinging>), canvas: Rect) {
     let (Some(first), Some(last)) = (beam.sections.first(), beam.sections.last()) else { return };
     let length = (last.to_m - first.from_m).max(1e-3);
     let scale = (0.92 * canvas.width() / length as f32).min(260.0);
     let left = canvas.center().x - 0.5 * scale * length as f32;
     let frame = Frame { left, middle: canvas.center().y - 4.0, scale, from_m: first.from_m };
-    let shape = shape(ui, view, beam);
+    let shape = shape(ui, view, swinging);
     let theme = view.theme;
     for section in &beam.sections {
         outline(ui, &theme, &frame, section.from_m, section.to_m, half_heights(&section.shape), &shape);
@@ -274,10 +278,10 @@ fn text(ui: &Ui, at: Pos2, what: &str, colour: Color32) {
 const SWING: f64 = 0.05;
 
 /// Deflection of the beam in the chosen mode at this moment, m.
-fn shape(ui: &Ui, view: &View, beam: &Beam) -> impl Fn(f64) -> f64 + use<> {
-    let found = (view.mode > 0).then(|| kept_modes(ui, beam)).flatten();
+fn shape(ui: &Ui, view: &View, swinging: Option<&Swinging>) -> impl Fn(f64) -> f64 + use<> {
+    let found = swinging.filter(|_| view.mode > 0).and_then(|s| s.modes.as_ref());
     let (mut nodes, mut size) = (Vec::new(), 0.0);
-    if let Some((x, all)) = found.as_deref()
+    if let Some((x, all)) = found
         && view.mode <= all.frequencies_rad_s.len().saturating_sub(all.rigid)
     {
         let phi = all.flexible_shape(view.mode - 1);
@@ -293,27 +297,6 @@ fn shape(ui: &Ui, view: &View, beam: &Beam) -> impl Fn(f64) -> f64 + use<> {
         let share = if b.0 > a.0 { ((x - a.0) / (b.0 - a.0)).clamp(0.0, 1.0) } else { 0.0 };
         size * (a.1 + share * (b.1 - a.1))
     }
-}
-
-type Kept = Arc<(Vec<f64>, Modes)>;
-
-/// The modes of the beam pinned at its hub, computed once.
-fn kept_modes(ui: &Ui, beam: &Beam) -> Option<Kept> {
-    let id = egui::Id::unique("modes of the beam");
-    let kept: Option<(Beam, Option<Kept>)> = ui.data(|d| d.get_temp(id));
-    if let Some((_, found)) = kept.filter(|(of, _)| of == beam) {
-        return found;
-    }
-    let found = modes_of(beam).map(Arc::new);
-    ui.data_mut(|d| d.insert_temp(id, (beam.clone(), found.clone())));
-    found
-}
-
-fn modes_of(beam: &Beam) -> Option<(Vec<f64>, Modes)> {
-    let options = FeOptions::default();
-    let model = FeModel::beam(beam, &Fitted::default(), &options).ok()?;
-    let nodes = options.mesh.nodes_m(&Profile::new(beam).ok()?, beam.pivot_m).ok()?;
-    Some((nodes, modes(&model, Support::Pinned).ok()?))
 }
 
 fn response(view: &View, live: &Live) -> Chart {

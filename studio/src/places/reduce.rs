@@ -3,15 +3,13 @@
 use std::sync::Arc;
 
 use counterpoise_project::ReductionMethod;
-use counterpoise_project::lti::{C64, CMat, StateSpace, hankel_values, poles, response};
-use counterpoise_project::models::plant::LinearPlant;
-use counterpoise_project::pipeline::{Modelled, Reduced};
 use egui::{RichText, Ui};
 
 use super::{design::bode, parts};
 use crate::chart::{Chart, Dash, Scale};
 use crate::command::Command;
 use crate::live::Live;
+use crate::portrait::Portrait;
 use crate::studio::Studio;
 use crate::theme::space;
 use crate::view::View;
@@ -30,6 +28,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     let why = studio.results.why_not(revision).map(<[String]>::to_vec);
     let design = studio.results.design(revision).map(|(live, _)| Arc::clone(live));
     let asked = opened.session.project().map(|p| p.reduce);
+    let portrait = studio.results.portrait.clone();
     let view = &mut studio.view;
     let (Some(live), Some(asked)) = (design, asked) else {
         return parts::empty(
@@ -40,12 +39,17 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
         );
     };
     parts::side("orders", &view.theme, 312.0).show(ui, |ui| {
-        side(ui, view, queue, &live, asked.method);
+        side(ui, view, queue, (&live, portrait.as_deref()), asked.method);
     });
     if let Some(why) = &why {
         parts::reasons(ui, &view.theme, "This reduction has no design; the last good one stays below", why);
     }
-    let seen = portrait(ui, &live);
+    let Some(seen) = portrait else {
+        return parts::empty(ui, &view.theme, "Looking at the plant", "Hankel values and responses follow");
+    };
+    if !seen.is_of(&live) {
+        ui.multiply_opacity(0.55);
+    }
     let room = parts::room(ui);
     let cells = parts::grid(room, 4, 2);
     let values = hankel(view, &live, &seen);
@@ -72,62 +76,13 @@ fn order(queue: &mut Vec<Command>, method: ReductionMethod, order: usize) {
     queue.push(Command::SetWhole { path: "reduce.order".to_owned(), value: order as i64 });
 }
 
-/// What the place draws of a plant and its reduction; kept from frame to frame.
-struct Portrait {
-    of: (Arc<Modelled>, Arc<Reduced>),
-    poles: Vec<C64>,
-    hankel: Vec<f64>,
-    rates: Vec<f64>,
-    /// Hub rate for the control and for heave: full, then reduced.
-    moduli: [[Vec<f64>; 2]; 2],
-    error: Vec<f64>,
-}
-
-/// The portrait of a design's plant, made anew only where the plant is another.
-fn portrait(ui: &Ui, live: &Live) -> Arc<Portrait> {
-    let id = egui::Id::unique("portrait of a reduction");
-    let kept: Option<Arc<Portrait>> = ui.data(|d| d.get_temp(id));
-    let same =
-        |p: &Arc<Portrait>| Arc::ptr_eq(&p.of.0, &live.modelled) && Arc::ptr_eq(&p.of.1, &live.reduced);
-    kept.filter(same).unwrap_or_else(|| {
-        let made = Arc::new(Portrait::of(live));
-        ui.data_mut(|d| d.insert_temp(id, Arc::clone(&made)));
-        made
-    })
-}
-
-impl Portrait {
-    fn of(live: &Live) -> Self {
-        let (full, small) = (&live.modelled.linear.system, &live.reduced.system);
-        let rates: Vec<f64> = rates().collect();
-        let at = |system: &StateSpace| response::frequency_response(system, &rates).unwrap_or_default();
-        let (full_at, small_at) = (at(full), at(small));
-        let modulus = |all: &[CMat], input: usize| -> Vec<f64> {
-            all.iter().map(|h| h[(LinearPlant::HUB_RATE, input)].norm()).collect()
-        };
-        let entry = (LinearPlant::HUB_RATE, LinearPlant::CONTROL);
-        let error = full_at.iter().zip(&small_at).map(|(a, b)| (a[entry] - b[entry]).norm().max(1e-16));
-        let moduli = [LinearPlant::CONTROL, LinearPlant::HEAVE]
-            .map(|input| [modulus(&full_at, input), modulus(&small_at, input)]);
-        let mut poles = poles(full).unwrap_or_default();
-        poles.retain(|p| p.im >= 0.0);
-        poles.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
-        Self {
-            of: (Arc::clone(&live.modelled), Arc::clone(&live.reduced)),
-            poles,
-            hankel: hankel_values(full).unwrap_or_default(),
-            error: error.collect(),
-            moduli,
-            rates,
-        }
-    }
-
-    fn curve(&self, view: &View, values: &[f64]) -> Vec<[f64; 2]> {
-        self.rates.iter().zip(values).map(|(w, v)| [view.rate(*w), view.level(*v)]).collect()
-    }
-}
-
-fn side(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, live: &Live, chosen: ReductionMethod) {
+fn side(
+    ui: &mut Ui,
+    view: &mut View,
+    queue: &mut Vec<Command>,
+    (live, seen): (&Live, Option<&Portrait>),
+    chosen: ReductionMethod,
+) {
     let theme = view.theme;
     theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
@@ -144,10 +99,10 @@ fn side(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, live: &Live, cho
         orders(ui, view, queue, (live, chosen));
     });
     ui.add_space(space::SMALL);
-    let seen = portrait(ui, live);
+    let Some(seen) = seen else { return };
     theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
-        modes(ui, view, queue, (&seen, chosen));
+        modes(ui, view, queue, (seen, chosen));
     });
 }
 
@@ -194,8 +149,7 @@ fn modes(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, (seen, chosen): (&P
             ui.label(RichText::new(head).small().color(view.theme.weak));
         }
         ui.end_row();
-        let (mut states, whole) = (0, seen.of.1.order_before);
-        let kept = seen.of.1.system.order();
+        let (mut states, [whole, kept]) = (0, seen.states);
         for pole in &seen.poles {
             states += if pole.im > 0.0 { 2 } else { 1 };
             let hint = format!("keep {states} of {whole} states");
@@ -227,17 +181,16 @@ fn hankel(view: &View, live: &Live, seen: &Portrait) -> Chart {
     chart
 }
 
-const POINTS: usize = 300;
-
-fn rates() -> impl Iterator<Item = f64> {
-    (0..POINTS).map(|k| 0.06 * (1e5_f64).powf(k as f64 / (POINTS - 1) as f64))
+/// A curve over the portrait's frequencies as it is shown.
+fn curve(view: &View, seen: &Portrait, values: &[f64]) -> Vec<[f64; 2]> {
+    seen.rates.iter().zip(values).map(|(w, v)| [view.rate(*w), view.level(*v)]).collect()
 }
 
 fn against(view: &View, seen: &Portrait, input: usize, title: &str) -> Chart {
     let [full, small] = &seen.moduli[input];
     bode(view, title, "modulus")
-        .curve("full", view.theme.curves[1], Dash::Dashed, seen.curve(view, full))
-        .curve("reduced", view.theme.curves[0], Dash::Solid, seen.curve(view, small))
+        .curve("full", view.theme.curves[1], Dash::Dashed, curve(view, seen, full))
+        .curve("reduced", view.theme.curves[0], Dash::Solid, curve(view, seen, small))
         .grouped("reduction")
 }
 
@@ -247,6 +200,6 @@ fn error(view: &View, live: &Live, seen: &Portrait) -> Chart {
         chart.levels.push(view.level(bound));
     }
     chart
-        .curve("error", view.theme.curves[3], Dash::Solid, seen.curve(view, &seen.error))
+        .curve("error", view.theme.curves[3], Dash::Solid, curve(view, seen, &seen.error))
         .grouped("reduction")
 }

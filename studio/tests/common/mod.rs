@@ -30,7 +30,19 @@ pub fn rig(name: &str) -> PathBuf {
 pub fn studio(folder: &Path) -> Studio {
     let mut studio = Studio::new(&folder.join("state"), Arc::new(|| {}));
     studio.run(&Command::Open { path: folder.to_owned() });
+    filed(&mut studio);
     studio
+}
+
+/// Waits until everything is read and written that was to be.
+pub fn filed(studio: &mut Studio) {
+    let end = Instant::now() + Duration::from_secs(60);
+    studio.tick();
+    while studio.filing.is_busy() {
+        assert!(Instant::now() < end, "an errand does not end");
+        std::thread::sleep(Duration::from_millis(1));
+        studio.tick();
+    }
 }
 
 /// A window with that studio.
