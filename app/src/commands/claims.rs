@@ -4,13 +4,15 @@ use crate::output::say;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use anyhow::{Result, bail};
 use clap::Args;
 use counterpoise::report::{Context, claims as page, evidence, html};
-use counterpoise_project::claims::{Claim, Finding, claims};
+use counterpoise_project::claims::{Claim, Finding, claims, ids};
+use counterpoise_project::pipeline::export::project_hash;
 use counterpoise_project::{Purpose, pipeline};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{Done, pages, verdict_code};
+use super::{Done, verdict_code};
 use crate::arguments::Results;
 use crate::files::{self, Surroundings};
 use crate::output;
@@ -21,7 +23,10 @@ pub struct ClaimsOptions {
     /// Project file, or a folder with a project.toml
     #[arg(default_value = "examples/reference-rig")]
     pub project: PathBuf,
-    /// Write the table as a page to this HTML file
+    /// Measure these rows alone, for example C6,C24
+    #[arg(long, value_name = "ID,...", value_delimiter = ',')]
+    pub only: Vec<String>,
+    /// Write table and figures as a page to this HTML file
     #[arg(long, value_name = "FILE", default_value = "out/claims.html")]
     pub report: PathBuf,
     /// Where results go.
@@ -33,6 +38,7 @@ pub struct ClaimsOptions {
 #[derive(serde::Serialize)]
 struct Row<'a> {
     id: &'a str,
+    title: &'a str,
     source: &'a str,
     says: &'a str,
     measured: &'a str,
@@ -42,6 +48,7 @@ struct Row<'a> {
 
 /// Runs the command.
 pub fn run(options: &ClaimsOptions) -> Done {
+    let wanted = wanted(&options.only)?;
     let loaded = files::load(&options.project, Purpose::Design)?;
     let world = Surroundings::of(&loaded, true);
     let bar = if options.results.quiet { ProgressBar::hidden() } else { ProgressBar::new(1) };
@@ -51,20 +58,31 @@ pub fn run(options: &ClaimsOptions) -> Done {
         bar.set_length(of as u64);
         bar.set_position(done as u64);
     };
-    let rows = claims(&loaded.project, &world, &progress)?;
+    let rows = claims(&loaded.project, &world, &|id| wanted.contains(&id), &progress)?;
     bar.finish_and_clear();
     let title = format!("The thesis' claims on the {}", loaded.project.plant.name);
     let designed = pipeline::design(&loaded.project, &world)?;
     let command = format!("counterpoise claims {}", options.project.display());
+    let mut more = if options.only.is_empty() {
+        evidence::sections(designed.verified.verification())
+    } else {
+        Vec::new()
+    };
+    let verified = format!("counterpoise verify {}", options.project.display());
+    more.iter_mut()
+        .flat_map(|section| &mut section.figures)
+        .for_each(|figure| figure.command.clone_from(&verified));
     let context = Context {
         title,
-        subtitle: "measured, nothing tuned for a row; the figures are those of the design that the rows put to the test"
-            .to_owned(),
-        more: evidence::sections(designed.verified.verification()),
-        provenance: vec![("command".to_owned(), command.clone())],
+        subtitle: "measured, nothing tuned for a row; after the rows, the evidence of the design that they put to the test".to_owned(),
+        more,
+        provenance: vec![
+            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+            ("project hash".to_owned(), project_hash(&loaded.project)),
+            ("command".to_owned(), command.clone()),
+        ],
     };
-    let mut report = page::report(&rows, context);
-    pages::reproduced_by(&mut report, &command);
+    let report = page::report(&rows, context, &|id| format!("{command} --only {id}"));
     files::write(&options.report, html(&report).as_bytes())?;
     let table: Vec<Row<'_>> = rows.iter().map(row).collect();
     if !output::json(&options.results, &table)? {
@@ -74,6 +92,20 @@ pub fn run(options: &ClaimsOptions) -> Done {
     Ok(verdict_code(rows.iter().all(|claim| claim.finding != Finding::Fails)))
 }
 
+/// The rows that are asked for; all where none is named.
+fn wanted(only: &[String]) -> Result<Vec<&'static str>> {
+    let all: Vec<&'static str> = ids().collect();
+    if only.is_empty() {
+        return Ok(all);
+    }
+    for name in only {
+        if !all.iter().any(|id| id.eq_ignore_ascii_case(name.trim())) {
+            bail!("--only {name}: the rows are C1 to C27 and F1 to F4");
+        }
+    }
+    Ok(all.into_iter().filter(|id| only.iter().any(|name| id.eq_ignore_ascii_case(name.trim()))).collect())
+}
+
 fn row(claim: &Claim) -> Row<'_> {
     let (finding, why) = match &claim.finding {
         Finding::Holds => ("holds", ""),
@@ -81,10 +113,18 @@ fn row(claim: &Claim) -> Row<'_> {
         Finding::Differs { why } => ("differs", why.as_str()),
         Finding::NotMeasured { why } => ("not measured", *why),
     };
-    Row { id: claim.id, source: claim.source, says: claim.says, measured: &claim.measured, finding, why }
+    Row {
+        id: claim.id,
+        title: claim.title,
+        source: claim.source,
+        says: claim.says,
+        measured: &claim.measured,
+        finding,
+        why,
+    }
 }
 
 fn print(row: &Row<'_>) {
-    say!("{:4} {:13} {}", row.id, row.finding, row.says);
+    say!("{:4} {:13} {}: {}", row.id, row.finding, row.title, row.says);
     [row.measured, row.why].iter().filter(|text| !text.is_empty()).for_each(|text| say!("     {text}"));
 }

@@ -4,12 +4,13 @@ use counterpoise_controller::{Controller, SampledController};
 use counterpoise_models::Parameters;
 use counterpoise_models::plant::Plant;
 use counterpoise_simulate::{Initial, PlatformMotion, Scenario, Signal, Simulator};
-use counterpoise_synth::adaptation::{Curve, Scale};
+use counterpoise_synth::adaptation::{self, Scale};
 use counterpoise_synth::{Adaptive, Estimation, Recursive, RecursiveSettings, WindowedMean};
 use counterpoise_verify::Sine;
 use counterpoise_verify::signals::rms;
 
 use super::identified::with_amplifier;
+use super::picture::{Axis, Curve, Panel, Picture};
 use super::{Bench, Claim, Finding};
 use crate::pipeline::PipelineError;
 
@@ -58,7 +59,7 @@ fn scale(bench: &Bench<'_>, parameters: &Parameters, gravity_m_s2: f64) -> Scale
     Scale {
         volts_per_kg_m_s2: volts_per_kg_m(bench.parameters()) / nominal_g,
         gravity_m_s2,
-        curve: Curve { points },
+        curve: adaptation::Curve { points },
     }
 }
 
@@ -145,12 +146,14 @@ pub fn c24(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let curved = with_amplifier(&linear, 1.0);
     let (mut lines, mut holds) = (Vec::new(), true);
     let mut lowest = Vec::new();
+    let mut panels = Vec::new();
     for (name, machine) in [("linear amplifier", &linear), ("measured amplifier", &curved)] {
         let of = |telling| intervals(bench, machine, telling);
         let (nobody, mean, squares, truth) =
             (of(Telling::Nobody)?, of(Telling::Mean)?, of(Telling::Squares)?, of(Telling::Truth)?);
         holds &= mean.iter().all(|rate| *rate < RETURNED * truth[0]);
         lowest.push(mean[2] / truth[0]);
+        panels.push(interval_panel(name, [&nobody, &mean, &squares, &truth]));
         lines.push(format!(
             "{name}: not updated {}, mean over {WINDOW_S} s {}, least squares {}, told the truth {}",
             words(&nobody),
@@ -161,6 +164,7 @@ pub fn c24(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     }
     Ok(Claim {
         id: "C24",
+        title: "adaptation",
         source: "7.6, fig 7-18",
         says: "the mean of the control over a window updates the heave feedforward: after each step of out-of-balance the hub rate returns to the default case; with the nonlinear amplifier too, slightly worse at the lowest imbalance",
         measured: format!(
@@ -170,7 +174,23 @@ pub fn c24(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             lowest[1]
         ),
         finding: if holds { Finding::Holds } else { Finding::Differs { why: why(&lowest) } },
+        pictures: vec![
+            Picture::new("RMS hub rate after each change of the out-of-balance", Axis::even("interval of 20 s", ""), panels)
+                .captioned("The out-of-balance is 1, 0.75, 0.37, 1.48 and 1 times the normal. Above the linear amplifier, below the measured one."),
+        ],
     })
+}
+
+/// The four ways to tell the controller, interval by interval.
+fn interval_panel(name: &str, [nobody, mean, squares, truth]: [&[f64]; 4]) -> Panel {
+    let over = |values: &[f64]| values.iter().enumerate().map(|(k, v)| ((k + 1) as f64, *v)).collect();
+    let curves = vec![
+        Curve::points("not updated", over(nobody)),
+        Curve::points("mean of the control", over(mean)),
+        Curve::points("least squares", over(squares)),
+        Curve::beside("told the truth", over(truth)),
+    ];
+    Panel::of(Axis::even(&format!("RMS hub rate, {name}"), "mrad/s"), curves)
 }
 
 fn why(lowest: &[f64]) -> String {
@@ -193,6 +213,7 @@ pub fn f1(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         .map_err(counterpoise_verify::Error::from)?;
     let moment = nominal_moment(&weightless);
     let (mut lines, mut worst) = (Vec::new(), 0.0_f64);
+    let mut curves = Vec::new();
     for share in [0.37, 0.75, 1.0, 1.48] {
         let mut machine = weightless.clone();
         machine.lumped.iter_mut().for_each(|lumped| lumped.out_of_balance_kg_m *= share);
@@ -201,6 +222,10 @@ pub fn f1(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         let initial = Initial::Rest { hub_angle_rad: 0.0 };
         Simulator::new(&Plant::lumped(&machine)?)?.run(&mut adaptive, &heaving(bench, initial))?;
         let history = adaptive.history_kg_m();
+        let time = |k: usize| INTERVAL_S * (k + 1) as f64 / history.len() as f64;
+        let every = history.len().div_ceil(1000).max(1);
+        let points = (0..history.len()).step_by(every).map(|k| (time(k), history[k])).collect();
+        curves.push(Curve::line(format!("true {:.1} kg m", share * moment), points));
         let last = &history[history.len() / 2..];
         let estimate = last.iter().sum::<f64>() / last.len().max(1) as f64;
         worst = worst.max((estimate / (share * moment) - 1.0).abs());
@@ -208,6 +233,7 @@ pub fn f1(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     }
     Ok(Claim {
         id: "F1",
+        title: "without gravity",
         source: "9.2",
         says: "asks for the out-of-balance where gravity gives no offset, from the correlation of acceleration with control",
         measured: format!(
@@ -219,5 +245,14 @@ pub fn f1(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             worst < 0.15,
             "the control also carries the loop's phase lag and friction at the frequency of the acceleration, which the regression takes for imbalance",
         ),
+        pictures: vec![estimates(curves, moment)],
     })
+}
+
+/// The estimates over time, with the truth of each.
+fn estimates(curves: Vec<Curve>, moment: f64) -> Picture {
+    let panel = Panel::of(Axis::even("estimate", "kg m"), curves);
+    let truths = [0.37, 0.75, 1.0, 1.48].map(|share| share * moment);
+    let panel = truths.into_iter().fold(panel, |panel, truth| panel.level(truth, "the truth"));
+    Picture::new("The out-of-balance estimated without gravity", Axis::time(), vec![panel])
 }

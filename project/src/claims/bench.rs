@@ -11,6 +11,7 @@ use counterpoise_verify::{
     Arrangement, Error, Figure, Model, Procedure, Quantity, Source, StepFigure, Value, nonlinear,
 };
 
+use super::picture::{Axis, Curve, Panel, Picture, hub, hub_from, hub_panel};
 use crate::Project;
 use crate::pipeline::observers::rest_stiffness_nm_rad;
 use crate::pipeline::{Designed, PipelineError, World, design, procedure};
@@ -42,6 +43,30 @@ pub struct Behaviour {
     pub residual_rad_s: f64,
     /// Fraction of the time during which the gear teeth are apart.
     pub gear_open: f64,
+}
+
+/// A mechanism and its controller, to be drawn beside others.
+pub struct Member<'a> {
+    /// Its name in the legend.
+    pub name: String,
+    /// The mechanism.
+    pub parameters: Parameters,
+    /// The controller.
+    pub controller: &'a Controller,
+}
+
+/// How much of a step is drawn, s.
+const DRAWN_S: f64 = 0.8;
+
+/// Overshoot and residual rate over a factor; `says` are levels of the thesis' overshoot with their names.
+pub fn over_factor(what: &str, factors: &[f64], found: &[Behaviour], says: &[(f64, &str)]) -> Picture {
+    let over = |of: &dyn Fn(&Behaviour) -> f64| factors.iter().zip(found).map(|(x, b)| (*x, of(b))).collect();
+    let overshoot = Curve::points("with the observer", over(&|b| b.overshoot_percent));
+    let residual = Curve::points("with the observer", over(&|b| 1e3 * b.residual_rad_s));
+    let first = Panel::of(Axis::even("overshoot", "%"), vec![overshoot]);
+    let first = says.iter().fold(first, |panel, (level, text)| panel.level(*level, *text));
+    let panels = vec![first, Panel::of(Axis::even("RMS hub rate", "mrad/s"), vec![residual])];
+    Picture::new(format!("Overshoot and residual over {what}"), Axis::factor(what), panels)
 }
 
 impl<'a> Bench<'a> {
@@ -126,6 +151,37 @@ impl<'a> Bench<'a> {
             residual_rad_s: found[3],
             gear_open: found[4],
         })
+    }
+
+    /// Members of a family, the step and the platform in motion drawn over each other, and its figures over the factor.
+    ///
+    /// # Errors
+    /// Those of the simulator.
+    pub fn family_pictures(&self, name: &str, members: &[Member<'_>]) -> Result<Vec<Picture>, PipelineError> {
+        let moving = Experiment::Disturbance(Source::Both, Arrangement::Compensated);
+        let (mut steps, mut motions) = (Vec::new(), Vec::new());
+        for member in members {
+            let run = |experiment| self.history(&member.parameters, member.controller, experiment);
+            let step = hub(&run(Experiment::Step)?);
+            steps.push(Curve::line(
+                member.name.clone(),
+                step.into_iter().filter(|at| at.0 <= DRAWN_S).collect(),
+            ));
+            motions.push(Curve::line(member.name.clone(), hub_from(&run(moving)?, self.procedure.settle_s)));
+        }
+        let height = 1e3 * self.procedure.step.rate_rad_s;
+        Ok(vec![
+            Picture::new(
+                format!("Step of the demand, {name}"),
+                Axis::time(),
+                vec![hub_panel(steps).level(height, "demand")],
+            ),
+            Picture::new(
+                format!("Heave and pitch with all feedforwards, {name}"),
+                Axis::time(),
+                vec![hub_panel(motions)],
+            ),
+        ])
     }
 
     /// A time history of a controller on a mechanism.

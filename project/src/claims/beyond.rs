@@ -1,11 +1,12 @@
 //! What the thesis asks for beyond itself: the tip, and inertia apart from out-of-balance.
 
 use counterpoise_models::Parameters;
-use counterpoise_verify::history::Experiment;
+use counterpoise_verify::history::{Experiment, History};
 use counterpoise_verify::robust::Varied;
 use counterpoise_verify::signals::rms;
 use counterpoise_verify::{Arrangement, Source};
 
+use super::picture::{Axis, Curve, Panel, Picture, paired};
 use super::{Bench, Claim, Finding};
 use crate::pipeline::PipelineError;
 
@@ -61,6 +62,7 @@ pub fn f2(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let hub_after = 1e3 * rms(hub);
     Ok(Claim {
         id: "F2",
+        title: "the tip",
         source: "9.2",
         says: "asks for the tip's motion predicted and stabilised, not only the hub's",
         measured: format!(
@@ -71,7 +73,35 @@ pub fn f2(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             as_predicted < 0.5 * as_hub && after < 1.1 * hub_after && after < 0.5 * before,
             "the tip is predicted, but it rings in its first mode, which the hub's rate loop does not damp",
         ),
+        pictures: f2_pictures((&free, &held), &predicted, first),
     })
+}
+
+/// The tip with and without control, and what hub and prediction say of it.
+fn f2_pictures((free, held): (&History, &History), predicted: &[f64], first: usize) -> Vec<Picture> {
+    let time = &held.time_s[first..];
+    let tip = &held.tip_rate_rad_s[first..];
+    let of = |values: &[f64]| paired(time, values.get(first..).unwrap_or(&[]), 1e3);
+    let stabilised = vec![
+        Curve::faint("without control", of(&free.tip_rate_rad_s)),
+        Curve::line("with the whole controller", of(&held.tip_rate_rad_s)),
+    ];
+    let off = |name: &str, values: &[f64]| {
+        Curve::line(name, paired(time, &less(tip, values.get(first..).unwrap_or(&[])), 1e3))
+    };
+    let errors = vec![off("tip less hub", &held.hub_rate_rad_s), off("tip less its prediction", predicted)];
+    vec![
+        Picture::new(
+            "The tip's rate",
+            Axis::time(),
+            vec![Panel::of(Axis::even("tip rate", "mrad/s"), stabilised)],
+        ),
+        Picture::new(
+            "The tip's rate predicted from the hub's",
+            Axis::time(),
+            vec![Panel::of(Axis::even("difference", "mrad/s"), errors)],
+        ),
+    ]
 }
 
 /// F4: inertia and out-of-balance apart.
@@ -100,6 +130,7 @@ pub fn f4(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let rate_by_inertia = spread((0..3).map(|k| residual[1][k].1));
     Ok(Claim {
         id: "F4",
+        title: "inertia and out-of-balance apart",
         source: "9.2",
         says: "asks for inertia and out-of-balance varied independently",
         measured: format!(
@@ -110,7 +141,22 @@ pub fn f4(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             step_by_inertia > step_by_moment && rate_by_moment > rate_by_inertia,
             "the two effects are not apart: the step does not belong to inertia alone, or stabilisation not to out-of-balance alone",
         ),
+        pictures: vec![f4_picture(&residual)],
     })
+}
+
+/// Overshoot and residual over inertia, a curve an out-of-balance.
+fn f4_picture(rows: &[Vec<(f64, f64)>]) -> Picture {
+    let of = |value: &dyn Fn(&(f64, f64)) -> f64| -> Vec<Curve> {
+        let points = |row: &Vec<(f64, f64)>| [0.5, 1.0, 2.0].into_iter().zip(row.iter().map(value)).collect();
+        let named = ["out-of-balance x0.5", "out-of-balance x1", "out-of-balance x1.5"].into_iter().zip(rows);
+        named.map(|(name, row)| Curve::points(name, points(row))).collect()
+    };
+    let panels = vec![
+        Panel::of(Axis::even("overshoot", "%"), of(&|cell| cell.0)),
+        Panel::of(Axis::even("RMS hub rate", "mrad/s"), of(&|cell| cell.1)),
+    ];
+    Picture::new("Inertia and out-of-balance varied apart", Axis::factor("hub inertia"), panels)
 }
 
 fn spread(values: impl Iterator<Item = f64>) -> f64 {

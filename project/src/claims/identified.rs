@@ -1,12 +1,13 @@
 //! Claims on identification by the triangle wave: a machine that the project does not know, recorded and identified.
 
 use counterpoise_controller::ProportionalIntegral;
-use counterpoise_diagnose::identify::{Estimate, identify};
+use counterpoise_diagnose::identify::{Estimate, GainPoint, Identified, identify};
 use counterpoise_models::Parameters;
 use counterpoise_models::parameters::{FrictionLaw, MapPoint};
 use counterpoise_models::plant::Plant;
 use counterpoise_simulate::{Detail, Imperfections, Recording, Scenario, Signal, Simulator};
 
+use super::picture::{Axis, Curve, Panel, Picture, Style};
 use super::{Bench, Claim, Finding};
 use crate::pipeline::PipelineError;
 
@@ -99,6 +100,7 @@ pub fn c19(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let lines: Vec<String> = (0..4).map(line).collect();
     Ok(Claim {
         id: "C19",
+        title: "triangle identified",
         source: "7.3, fig 7-10",
         says: "u against hub rate: offset = out-of-balance, step at zero rate = Coulomb friction, slope of the lobes = viscous, loop width = inertia",
         measured: format!(
@@ -106,8 +108,30 @@ pub fn c19(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             lines.join("; ")
         ),
         finding: Finding::of(close),
+        pictures: vec![lobes(&found)],
     })
 }
+
+/// Control against hub rate, recorded and as the identified mechanism needs it, with what is read from it.
+fn lobes(found: &Identified) -> Picture {
+    let points: &[[f64; 3]] = found.loops.first().map_or(&[], |one| &one.points);
+    let every = points.len().div_ceil(DRAWN).max(1);
+    let of = |column: usize| points.iter().step_by(every).map(|p| (1e3 * p[0], p[column])).collect();
+    let panel = Panel::of(
+        Axis::even("control", "V"),
+        vec![Curve::new("recorded", Style::Faint, of(1)), Curve::line("identified", of(2))],
+    );
+    let read = &found.lobes;
+    let panel = panel.level(read.offset_v, format!("offset {:.2} V", read.offset_v));
+    Picture::new("Control against hub rate: recorded and identified", Axis::even("hub rate", "mrad/s"), vec![panel])
+        .captioned(format!(
+            "Step at zero rate {:.3} V (Coulomb friction), slope of the lobes {:.2} V s/rad (viscous friction and back-EMF), width {:.3} V s²/rad (inertia).",
+            read.step_v, read.slope_v_s_rad, read.width_v_s2_rad
+        ))
+}
+
+/// Most points of a loop that are drawn.
+const DRAWN: usize = 1500;
 
 /// The mechanism with the thesis' amplifier at a share of its out-of-balance.
 pub fn with_amplifier(nominal: &Parameters, share: f64) -> Parameters {
@@ -131,20 +155,51 @@ pub fn c20(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let truth = |v: f64| amplifier.drive_v(v, motor) * amplifier.stall_gain_a_v(motor);
     let errors = points.iter().map(|q| (q.current_a / truth(q.input_v) - 1.0).abs());
     let worst = errors.fold(0.0, f64::max);
-    let line = points
-        .iter()
-        .map(|q| format!("{:.2} V {:.2} A ({:.2})", q.input_v, q.current_a, truth(q.input_v)))
-        .collect::<Vec<_>>();
     Ok(Claim {
         id: "C20",
+        title: "amplifier's curve",
         source: "7.3.1, tables 7-1, 7-2",
         says: "the amplifier's gain curve is recovered without a stall test, in one iteration, from balanced and midpoint runs",
         measured: format!(
-            "{} points from one triangle at each of two out-of-balances, worst {:.1} % from the concealed map: {}",
+            "{} points from one triangle at each of two out-of-balances, {:.2} to {:.2} V, worst {:.1} % from the concealed map of tables 7-1 and 7-2",
             points.len(),
-            100.0 * worst,
-            line.join(", ")
+            points.first().map_or(f64::NAN, |q| q.input_v),
+            points.last().map_or(f64::NAN, |q| q.input_v),
+            100.0 * worst
         ),
         finding: Finding::of(points.len() > 5 && worst < 0.1),
+        pictures: vec![curve(points, &truth)],
     })
+}
+
+/// Recovered points over the concealed map, and how far they are from it.
+fn curve(points: &[GainPoint], truth: &dyn Fn(f64) -> f64) -> Picture {
+    let end = points.last().map_or(1.0, |q| q.input_v);
+    let inputs: Vec<f64> = (0..200).map(|k| end * f64::from(k) / 199.0).collect();
+    let map = inputs.iter().map(|v| (*v, truth(*v))).collect();
+    let linear = points.iter().map(|q| (q.input_v, q.linear_a)).collect();
+    let recovered = points.iter().map(|q| (q.input_v, q.current_a)).collect();
+    let off = |a: f64, v: f64| 100.0 * (a / truth(v) - 1.0);
+    let limits = |side: usize| points.iter().map(|q| (q.input_v, off(q.ci95_a[side], q.input_v))).collect();
+    let errors = points.iter().map(|q| (q.input_v, off(q.current_a, q.input_v))).collect();
+    let panels = vec![
+        Panel::of(
+            Axis::even("stalled current", "A"),
+            vec![
+                Curve::beside("concealed map", map),
+                Curve::points("recovered", recovered),
+                Curve::faint("linear amplifier", linear),
+            ],
+        ),
+        Panel::of(
+            Axis::even("off the map", "%"),
+            vec![
+                Curve::points("recovered", errors),
+                Curve::faint("95 % interval", limits(0)),
+                Curve::faint("95 % interval", limits(1)),
+            ],
+        )
+        .level(0.0, ""),
+    ];
+    Picture::new("The amplifier's gain curve without a stall test", Axis::even("input", "V"), panels)
 }

@@ -3,17 +3,17 @@
 use counterpoise_controller::Controller;
 use counterpoise_lti::StateSpace;
 use counterpoise_models::{Configuration, Parameters};
-use counterpoise_verify::linear::closed::is_feedforward;
-use counterpoise_verify::{Arrangement, Figure, Model, Quantity, Source, StepFigure};
+use counterpoise_verify::{Arrangement, Experiment, Figure, Model, Quantity, Source, StepFigure};
 
-use super::bench::largest_db;
+use super::bench::{Member, largest_db, rates};
+use super::picture::{Axis, Curve, Panel, Picture, gain_db, hub_from, hub_panel};
 use super::{Bench, Claim, Finding};
 use crate::pipeline::PipelineError;
 
 /// Band in which controllers are compared, Hz.
 const BAND_HZ: (f64, f64) = (0.1, 10.0);
 
-fn configured(bench: &Bench<'_>, name: &str) -> Result<Option<Parameters>, PipelineError> {
+pub(super) fn configured(bench: &Bench<'_>, name: &str) -> Result<Option<Parameters>, PipelineError> {
     let found: Option<&Configuration> = bench.parameters().configurations.iter().find(|c| c.name == name);
     Ok(found.map(|configuration| bench.parameters().configured(configuration)).transpose()?)
 }
@@ -22,8 +22,15 @@ fn moment(parameters: &Parameters) -> f64 {
     parameters.lumped.as_ref().map_or(f64::NAN, |lumped| lumped.out_of_balance_kg_m)
 }
 
-fn rms(source: Source, arrangement: Arrangement) -> Figure {
+pub(super) fn rms(source: Source, arrangement: Arrangement) -> Figure {
     Figure::Disturbance(Model::Nonlinear, source, arrangement, Quantity::HubRms)
+}
+
+/// Table 4-1's configurations with another out-of-balance, the balanced one apart.
+const CONFIGURATIONS: [&str; 3] = ["37 percent", "75 percent", "148 percent"];
+
+fn normal_member<'a>(bench: &'a Bench<'_>) -> Member<'a> {
+    Member { name: "normal".to_owned(), parameters: bench.parameters().clone(), controller: &bench.observed }
 }
 
 /// C13: other masses, the same controller.
@@ -37,23 +44,37 @@ pub fn c13(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         rms(Source::Heave, Arrangement::Compensated),
     ];
     let normal = bench.figures(bench.parameters(), &bench.observed, &wanted)?;
+    let plain = bench.figures(bench.parameters(), bench.controller(), &wanted[2..])?[0];
     let (mut words, mut step_same, mut degraded) = (Vec::new(), true, true);
-    for name in ["37 percent", "75 percent", "148 percent"] {
+    let mut members = vec![normal_member(bench)];
+    for name in CONFIGURATIONS {
         let Some(parameters) = configured(bench, name)? else { continue };
+        members.push(Member {
+            name: name.to_owned(),
+            parameters: parameters.clone(),
+            controller: &bench.observed,
+        });
         let found = bench.figures(&parameters, &bench.observed, &wanted)?;
         step_same &= (found[0] - normal[0]).abs() < 3.0;
         degraded &= found[2] > 2.0 * normal[2];
         let (feedback, both) = (found[1] / normal[1], found[2] / normal[2]);
+        let without = bench.figures(&parameters, bench.controller(), &wanted[2..])?[0] / plain;
         words.push(format!(
-            "{name}: overshoot {:.1} %, error x{feedback:.2} by feedback, x{both:.1} compensated",
+            "{name}: overshoot {:.1} %, error x{feedback:.2} by feedback, x{both:.1} compensated (x{without:.1} without friction observer)",
             found[0]
         ));
     }
     Ok(Claim {
         id: "C13",
+        title: "another out-of-balance",
         source: "fig 6-9(j-l)",
         says: "a changed out-of-balance leaves the step alone, scales the error without feedforward, degrades the compensated error 5 times (more) and 4 times (less)",
-        measured: format!("normal: overshoot {:.1} %; {}", normal[0], words.join("; ")),
+        measured: format!(
+            "normal: overshoot {:.1} %, compensated error {:.2} mrad/s; {}",
+            normal[0],
+            1e3 * normal[2],
+            words.join("; ")
+        ),
         finding: match (step_same, degraded) {
             (true, true) => Finding::Holds,
             (false, true) => Finding::Differs {
@@ -64,7 +85,28 @@ pub fn c13(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
                     .to_owned(),
             },
         },
+        pictures: c13_pictures(bench, &members)?,
     })
+}
+
+/// The step, and heave by feedback alone and with both feedforwards, in every configuration.
+fn c13_pictures(bench: &Bench<'_>, members: &[Member<'_>]) -> Result<Vec<Picture>, PipelineError> {
+    let mut panels = Vec::new();
+    for arrangement in [Arrangement::Feedback, Arrangement::Compensated] {
+        let mut curves = Vec::new();
+        for member in members {
+            let experiment = Experiment::Disturbance(Source::Heave, arrangement);
+            let history = bench.history(&member.parameters, member.controller, experiment)?;
+            curves.push(Curve::line(member.name.clone(), hub_from(&history, bench.procedure.settle_s)));
+        }
+        panels.push(hub_panel(curves));
+    }
+    let heave = Picture::new("Heave in each configuration", Axis::time(), panels)
+        .captioned("Above by feedback alone, below with the feedforwards of the normal configuration.");
+    let mut all = bench.family_pictures("each configuration", members)?;
+    all.truncate(1);
+    all.push(heave);
+    Ok(all)
 }
 
 /// C14: a design for each out-of-balance.
@@ -76,6 +118,7 @@ pub fn c14(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let residual = rms(Source::Heave, Arrangement::Compensated);
     let standard = bench.figures(bench.parameters(), bench.controller(), &[residual])?[0];
     let (mut words, mut holds) = (Vec::new(), true);
+    let mut designs = vec![(1.0, bench.controller().clone())];
     for factor in [0.37, 1.48] {
         let mut parameters = bench.parameters().clone();
         parameters.lumped.iter_mut().for_each(|lumped| lumped.out_of_balance_kg_m = factor * nominal);
@@ -92,71 +135,41 @@ pub fn c14(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             "at {factor}x: feedback {:.2} dB, pitch {:.2} dB, heave {:.2} dB (its gain law says {law:.2}), error x{after:.2}",
             changes[0], changes[2], changes[1]
         ));
+        designs.push((factor, controller.clone()));
     }
     Ok(Claim {
         id: "C14",
+        title: "redesign for each",
         source: "fig 6-10",
         says: "redesigning for each out-of-balance changes the heave feedforward's gain alone, and restores the error",
         measured: words.join("; "),
         finding: Finding::of(holds),
+        pictures: vec![controllers(&designs)?],
     })
+}
+
+/// The three paths of each design over frequency.
+fn controllers(designs: &[(f64, Controller)]) -> Result<Picture, PipelineError> {
+    let drawn = rates((0.1, 50.0));
+    let mut panels = Vec::new();
+    for (input, name) in [(1, "feedback"), (3, "heave feedforward"), (2, "pitch feedforward")] {
+        let mut curves = Vec::new();
+        for (factor, controller) in designs {
+            let points = gain_db(&linear(controller)?, (0, input), &drawn)?;
+            curves.push(Curve::line(format!("out-of-balance x{factor}"), points));
+        }
+        panels.push(Panel::of(Axis::even(name, "dB"), curves));
+    }
+    Ok(Picture::new("Redesigned for each out-of-balance", Axis::frequency(), panels)
+        .captioned("Curves that cannot be told apart lie on each other."))
+}
+
+fn linear(c: &Controller) -> Result<StateSpace, PipelineError> {
+    Ok(c.linear(c.parts().design_out_of_balance_kg_m).map_err(counterpoise_verify::Error::from)?)
 }
 
 /// Largest change in dB of the paths from hub gyro, accelerometer and platform gyro.
 fn three_changes(a: &Controller, b: &Controller) -> Result<[f64; 3], PipelineError> {
-    let linear = |c: &Controller| -> Result<StateSpace, PipelineError> {
-        Ok(c.linear(c.parts().design_out_of_balance_kg_m).map_err(counterpoise_verify::Error::from)?)
-    };
     let (x, y) = (linear(a)?, linear(b)?);
     Ok([largest_db(&x, &y, 1, BAND_HZ)?, largest_db(&x, &y, 3, BAND_HZ)?, largest_db(&x, &y, 2, BAND_HZ)?])
-}
-
-/// C22: out of balance with feedforward is as good as balanced.
-///
-/// # Errors
-/// Those of the verification.
-pub fn c22(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let source = if bench.procedure.road.is_some() { Source::Road } else { Source::Both };
-    let residual = [rms(source, Arrangement::Compensated)];
-    let says = "out of balance with both feedforwards is stabilised as well as balanced; on the balanced plant that heave feedforward makes things worse";
-    let Some(balanced) = configured(bench, "balanced")? else {
-        let finding = Finding::NotMeasured { why: "the project has no configuration \"balanced\"" };
-        return Ok(Claim {
-            id: "C22",
-            source: "7.4.2, figs 7-15, 7-16",
-            says,
-            measured: String::new(),
-            finding,
-        });
-    };
-    let pitch_only = without_heave(&bench.observed)?;
-    let out_of_balance = 1e3 * bench.figures(bench.parameters(), &bench.observed, &residual)?[0];
-    let alone = 1e3 * bench.figures(bench.parameters(), &pitch_only, &residual)?[0];
-    let level = 1e3 * bench.figures(&balanced, &pitch_only, &residual)?[0];
-    let wrong = 1e3 * bench.figures(&balanced, &bench.observed, &residual)?[0];
-    let (as_well, worse) = (out_of_balance < 1.3 * level, wrong > 1.1 * level);
-    Ok(Claim {
-        id: "C22",
-        source: "7.4.2, figs 7-15, 7-16",
-        says,
-        measured: format!(
-            "RMS hub rate on the {}: out of balance {out_of_balance:.2} mrad/s with both ({alone:.2} with pitch alone); balanced {level:.2} with pitch alone, {wrong:.2} with both",
-            if source == Source::Road { "road" } else { "sines" }
-        ),
-        finding: match (as_well, worse) {
-            (true, true) => Finding::Holds,
-            (false, true) => {
-                Finding::Differs { why: "the balanced plant is quieter; the rest is as claimed".to_owned() }
-            }
-            _ => Finding::Fails,
-        },
-    })
-}
-
-/// The controller without the path that sees the accelerometer.
-fn without_heave(controller: &Controller) -> Result<Controller, PipelineError> {
-    let heave = counterpoise_controller::Signal::PlatformAcceleration;
-    let kept = controller
-        .with(|parts| parts.paths.retain(|path| !(is_feedforward(path) && path.inputs.contains(&heave))));
-    Ok(kept.map_err(counterpoise_verify::Error::from)?)
 }
