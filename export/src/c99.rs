@@ -31,7 +31,9 @@ pub fn c99<'a>(
     let controller = source.controller();
     check_name(&options.name)?;
     check_range(controller, options.precision)?;
-    let data = data(controller, &provenance.header(source), options);
+    let header = provenance.header(source);
+    let board = provenance.converters.block(&|value| literal(value, options.precision, Dialect::C));
+    let data = context! { board, ..data(controller, &header, options) };
     let environment = Environment::new();
     let templates = [
         (".h", include_str!("../templates/controller.h.jinja")),

@@ -6,7 +6,7 @@
 //!
 //! *Invariant*: no file system, no clock, no compiler: text in memory only.
 //!
-//! Modules in reading order: [`source`], [`provenance`], [`c99`](mod@c99), [`rust_crate`](mod@rust_crate), [`ranges`],
+//! Modules in reading order: [`source`], [`converters`], [`provenance`], [`c99`](mod@c99), [`rust_crate`](mod@rust_crate), [`ranges`],
 //! [`rounding`], [`fixed`], [`targets`](mod@targets), [`board`], [`host`],
 //! [`fmi`], [`vectors`], [`check`](mod@check).
 //!
@@ -27,6 +27,7 @@
 pub mod board;
 pub mod c99;
 pub mod check;
+pub mod converters;
 pub mod error;
 pub mod fixed;
 pub mod fmi;
@@ -43,6 +44,7 @@ mod print;
 
 pub use c99::c99;
 pub use check::{Checked, check};
+pub use converters::Converters;
 pub use error::Error;
 pub use fixed::{Fixed, FixedError, FixedRunner, fixed_c99, plan};
 pub use provenance::Provenance;

@@ -1,9 +1,9 @@
 //! Where generated code comes from: handed in, written into every header.
 
-use crate::Source;
+use crate::{Converters, Source};
 
 /// What the header of generated code says of its origin. All of it is handed in: this crate knows no clock and no file.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Provenance {
     /// Program and version that generated the code.
     pub generator: String,
@@ -15,6 +15,8 @@ pub struct Provenance {
     pub weights: Vec<String>,
     /// The verdicts, one a line.
     pub verdicts: Vec<String>,
+    /// The converters that the readings come from and the control goes to.
+    pub converters: Converters,
 }
 
 impl Provenance {

@@ -136,15 +136,6 @@ impl Ranges {
         }
     }
 
-    /// The same ranges with the largest readings given: a converter's full scale.
-    #[must_use]
-    pub fn with_readings(mut self, largest: [f64; READINGS]) -> Self {
-        for (place, value) in self.largest.iter_mut().skip(self.states).zip(largest) {
-            *place = place.max(value);
-        }
-        self
-    }
-
     /// Name of a slot, for a reader.
     pub(crate) fn name(controller: &Controller, program: &Program, slot: Slot) -> String {
         let named = |names: &[String], i: usize| names.get(i).cloned().unwrap_or_default();

@@ -26,7 +26,8 @@ pub fn fixed_c99<'a>(
     if *source.controller() != fixed.controller {
         return Err(Error::OtherController);
     }
-    let data = data(fixed, &provenance.header(source), name);
+    let board = provenance.converters.fixed_block(fixed);
+    let data = context! { board, ..data(fixed, &provenance.header(source), name) };
     let environment = Environment::new();
     let templates = [
         (".h", include_str!("../../templates/fixed.h.jinja")),

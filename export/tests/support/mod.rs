@@ -385,6 +385,7 @@ pub fn provenance() -> Provenance {
         project_hash: "0123456789abcdef".into(),
         weights: vec!["feedback error 1/(s)".into()],
         verdicts: vec!["gain margin >= 12 dB: holds (13.1 dB)".into()],
+        converters: counterpoise_export::Converters::default(),
     }
 }
 

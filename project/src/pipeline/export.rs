@@ -4,7 +4,7 @@ use counterpoise_controller::realise::coefficients;
 use counterpoise_controller::sensitivity::{Candidate, Form, candidates};
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
 use counterpoise_export::{
-    File, Numbers, Options, Provenance, Targets, c99, fixed_c99, fixed_form, rust_crate, targets,
+    Converters, File, Numbers, Options, Provenance, Targets, c99, fixed_c99, fixed_form, rust_crate, targets,
 };
 use counterpoise_models::plant::Plant;
 use counterpoise_verify::{Limit, Verdict, VerifiedController};
@@ -224,6 +224,7 @@ fn provenance(project: &Project, verified: &VerifiedController) -> Provenance {
         project_hash: project_hash(project),
         weights: project.synth.as_ref().map(weights).unwrap_or_default(),
         verdicts: verdicts.collect(),
+        converters: Converters::of(&project.plant),
     }
 }
 
