@@ -22,12 +22,13 @@ use counterpoise_simulate::{PlatformMotion, Playback, Scenario, Signal, Simulato
 use support::{STRICT, folder, is_there, provenance, run, write};
 
 /// Samples of a run.
-const SAMPLES: usize = 1500;
-/// How much closer the refined runs are: the simulator's defect, and the C's tolerance by its square.
+const SAMPLES: usize = 1000;
+/// How much shorter the C's shortest step is when it is refined; its tolerance is smaller by the square of that.
 const REFINED: f64 = 8.0;
-/// A tenth of the simulator's tolerance: it takes the rate of friction as its mean over a piece of a step, and the level as that at
-/// the piece's end, which a smaller tolerance does not refine while the motion is smooth.
-const FLOOR: f64 = 0.1 * counterpoise_simulate::run::TOLERANCE;
+/// Parts of a sample period that the refined simulator's longest step is one of.
+const PARTS: usize = 4;
+/// Difference relative to the largest value that rounding and printing leave.
+const FLOOR: f64 = 2e-7;
 /// The difference may be so many times the sum of what both methods change by when they are refined.
 const TIMES: f64 = 2.0;
 /// No difference may be larger than this, whatever the methods' own errors.
@@ -70,14 +71,19 @@ fn platform(period_s: f64) -> PlatformMotion {
     }
 }
 
-fn simulated(machine: &Machine, refined: f64) -> Columns {
-    let parameters = machine.plant.parameters();
-    let period_s = parameters.interface.sample_period_s;
-    let scenario = Scenario { platform: platform(period_s), ..Scenario::still(SAMPLES as f64 * period_s) };
-    let tolerance = counterpoise_simulate::run::TOLERANCE / refined;
-    let mut simulator = Simulator::with_tolerance(&machine.plant, tolerance).unwrap();
-    let controls = controls(machine);
-    let run = simulator.run(&mut Playback::new(&controls), &scenario).unwrap();
+/// The simulator's run, its sample period cut into parts with the control held over them, and its tolerance by the cube of that.
+fn simulated(machine: &Machine, parts: usize) -> Columns {
+    let mut parameters = machine.plant.parameters().clone();
+    let held = controls(machine).into_iter().flat_map(|control| std::iter::repeat_n(control, parts));
+    let motion = platform(parameters.interface.sample_period_s);
+    parameters.interface.sample_period_s /= parts as f64;
+    parameters.interface.output_delay_samples *= parts;
+    let plant = Plant::with_body(&parameters, machine.plant.body().clone()).unwrap();
+    let duration_s = (SAMPLES * parts) as f64 * parameters.interface.sample_period_s;
+    let scenario = Scenario { platform: motion, ..Scenario::still(duration_s) };
+    let tolerance = counterpoise_simulate::run::TOLERANCE / parts.pow(3) as f64;
+    let mut simulator = Simulator::with_tolerance(&plant, tolerance).unwrap();
+    let run = simulator.run(&mut Playback::new(&held.collect::<Vec<_>>()), &scenario).unwrap();
     let (r, t) = (&run.readings, &run.truth);
     let at = |k: usize| {
         let readings = [r.hub_rate_rad_s[k], r.platform_rate_rad_s[k], r.platform_accel_m_s2[k]];
@@ -85,7 +91,7 @@ fn simulated(machine: &Machine, refined: f64) -> Columns {
         let truths = [t.hub_rate_rad_s[k], t.tip_rate_rad_s[k], t.current_a[k]];
         std::array::from_fn(|i| readings.iter().chain(&relative).chain(&truths).copied().nth(i).unwrap())
     };
-    (0..SAMPLES).map(at).collect()
+    (0..SAMPLES).map(|k| at(k * parts)).collect()
 }
 
 const DRIVER: &str = r#"#include "rig.h"
@@ -182,7 +188,7 @@ fn difference(a: &Columns, b: &Columns) -> (f64, usize) {
 /// Compares the C with the simulator; tells what is wrong.
 fn compare(machine: &Machine) -> Option<String> {
     let folder = folder(&format!("plant_{}", machine.name.replace([' ', ',', ':'], "_")));
-    let (ours, finer) = (simulated(machine, 1.0), simulated(machine, REFINED * REFINED));
+    let (ours, finer) = (simulated(machine, 1), simulated(machine, PARTS));
     let (c, finer_c) = (in_c(machine, &folder, 1.0), in_c(machine, &folder, REFINED));
     let (own, own_c) = (difference(&ours, &finer).0, difference(&c, &finer_c).0);
     let (refined, _) = difference(&finer_c, &finer);
@@ -300,7 +306,7 @@ fn motor_amplifier_and_gear() {
 #[test]
 fn structure_and_sensors() {
     let faulty = |sensor: &mut Sensor| {
-        (sensor.gain, sensor.bias, sensor.delay_s, sensor.g_sensitivity) = (1.05, 0.01, 2.5e-3, 2e-3);
+        (sensor.gain, sensor.bias, sensor.delay_s, sensor.g_sensitivity) = (1.05, 0.01, 2e-3, 2e-3);
     };
     all_equal(&[
         machine("position spring, vertical offset", |p| {
@@ -314,6 +320,7 @@ fn structure_and_sensors() {
             p.sensors.accelerometer_lever_arm_m = 0.4;
             faulty(p.sensors.motor_tachometer.as_mut().unwrap());
         }),
+        machine("a delay of a part of a sample", |p| p.sensors.platform_gyro.delay_s = 1.4e-3),
         machine("ideal sensors", |p| {
             for sensor in
                 [&mut p.sensors.hub_gyro, &mut p.sensors.platform_gyro, &mut p.sensors.platform_accelerometer]
