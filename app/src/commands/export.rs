@@ -4,7 +4,6 @@ use crate::output::say;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::Context;
 use counterpoise_project::export::{Checked, File, check};
 use counterpoise_project::{Purpose, pipeline};
 use counterpoise_studio::exporting;
@@ -64,22 +63,60 @@ pub fn library(folder: &Path, name: &str) -> Option<Vec<u8>> {
 struct Outcome {
     file: String,
     same: bool,
+    unread: bool,
     says: String,
 }
 
 fn checked(options: &ExportOptions, code: &[File]) -> Done {
-    let mut outcomes = Vec::new();
-    for path in &options.check {
-        let text =
-            std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-        let file = path.display().to_string();
-        let (same, says) = outcome(&text, expected(path, code));
-        outcomes.push(Outcome { file, same, says });
-    }
+    let outcomes: Vec<Outcome> = options.check.iter().map(|path| outcome(path, code)).collect();
     if !output::json(&options.results, &outcomes)? {
         outcomes.iter().for_each(|outcome| say!("{}: {}", outcome.file, outcome.says));
     }
+    let unread = outcomes.iter().filter(|outcome| outcome.unread).count();
+    anyhow::ensure!(unread == 0, "{unread} of {} files could not be read", outcomes.len());
     Ok(verdict_code(outcomes.iter().all(|outcome| outcome.same)))
+}
+
+/// What became of one file; a file that cannot be read does not keep the others from being checked.
+fn outcome(path: &Path, code: &[File]) -> Outcome {
+    let file = path.display().to_string();
+    let bytes = match std::fs::read(path) {
+        Ok(bytes) => bytes,
+        Err(why) => {
+            return Outcome { file, same: false, unread: true, says: format!("cannot be read: {why}") };
+        }
+    };
+    let (same, says) = if path.extension().is_some_and(|ending| ending == "fmu") {
+        unit_outcome(path, &bytes, code)
+    } else {
+        match String::from_utf8(bytes) {
+            Ok(text) => text_outcome(&text, expected(path, code)),
+            Err(_) => (false, "is no text, so no generated file".to_owned()),
+        }
+    };
+    Outcome { file, same, unread: false, says }
+}
+
+/// A packed unit holds its files as they are; the library that was compiled from them is not compared.
+fn unit_outcome(path: &Path, archive: &[u8], code: &[File]) -> (bool, String) {
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let inside = format!("{name}/");
+    let own: Vec<&File> = code.iter().filter(|file| file.name.starts_with(&inside)).collect();
+    if own.is_empty() {
+        return (false, "the project generates no unit of this name".to_owned());
+    }
+    match own.iter().find(|file| !holds(archive, file.text.as_bytes())) {
+        None => (true, "holds the sources that the project gives; its library is not compared".to_owned()),
+        Some(file) => {
+            let path = file.name.strip_prefix(&inside).unwrap_or(&file.name);
+            (false, format!("{path} in it is not what the project gives"))
+        }
+    }
+}
+
+/// Whether bytes stand in an archive.
+fn holds(archive: &[u8], part: &[u8]) -> bool {
+    archive.windows(part.len().max(1)).any(|window| window == part)
 }
 
 /// The file of the project whose path ends like the given one: the longest match of whole components.
@@ -90,7 +127,7 @@ fn expected<'a>(path: &Path, code: &'a [File]) -> Option<&'a File> {
     matches.max_by_key(|file| (path.ends_with(&file.name), file.name.len()))
 }
 
-fn outcome(text: &str, expected: Option<&File>) -> (bool, String) {
+fn text_outcome(text: &str, expected: Option<&File>) -> (bool, String) {
     let Some(expected) = expected else {
         return (false, "the project generates no file of this name".to_owned());
     };
