@@ -189,6 +189,11 @@ pub enum Command {
         /// Where.
         slot: Slot,
     },
+    /// Goes back to a kept design: its weights and its order are those of the project again.
+    Return {
+        /// Which.
+        slot: Slot,
+    },
     /// Forgets a kept design.
     Forget {
         /// Which.
@@ -284,6 +289,9 @@ pub fn entries() -> Vec<Entry> {
         entry("Keep this design as A", "Ctrl+Shift+1", Command::Keep { slot: Slot::A }),
         entry("Keep this design as B", "Ctrl+Shift+2", Command::Keep { slot: Slot::B }),
         entry("Keep this design as C", "Ctrl+Shift+3", Command::Keep { slot: Slot::C }),
+        entry("Go back to design A", "", Command::Return { slot: Slot::A }),
+        entry("Go back to design B", "", Command::Return { slot: Slot::B }),
+        entry("Go back to design C", "", Command::Return { slot: Slot::C }),
         entry("Forget design A", "", Command::Forget { slot: Slot::A }),
         entry("Forget design B", "", Command::Forget { slot: Slot::B }),
         entry("Forget design C", "", Command::Forget { slot: Slot::C }),

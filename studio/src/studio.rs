@@ -6,11 +6,12 @@ use std::sync::Arc;
 use std::time::{Instant, SystemTime};
 
 use counterpoise_project::verify::VerifiedController;
+use counterpoise_project::{Document, Project};
 
-use crate::command::Command;
+use crate::command::{Command, Slot};
 use crate::errands::Desk;
 use crate::exporting::{ExportAsk, Library};
-use crate::files::{Disk, Folder, Native};
+use crate::files::{Disk, Folder, Native, PROJECT_FILE};
 use crate::filing::Filing;
 use crate::jobs::{self, EffortAsk, Form, Jobs, VerifyAsk};
 use crate::journal::Journal;
@@ -141,6 +142,7 @@ impl Studio {
                     self.view.say(format!("kept as {}", slot.name()));
                 }
             }
+            Command::Return { slot } => self.go_back(*slot),
             Command::CopyCsv => self.copy(Form::Csv),
             Command::CopySvg => self.copy(Form::Svg),
             Command::CopyPng => {}
@@ -148,6 +150,25 @@ impl Studio {
             Command::Diagnose => self.diagnose(),
             Command::Accept => self.accept(),
             _ => {}
+        }
+    }
+
+    /// Puts a kept design's weights and order into the project; one step of undo takes them out again.
+    fn go_back(&mut self, slot: Slot) {
+        let name = slot.name();
+        let Some(kept) = self.view.kept.get(name).map(|live| Arc::clone(&live.project)) else {
+            return self.view.warn(format!("nothing is kept as {name} (Ctrl+Shift+1 to 3 keeps a design)"));
+        };
+        let Some(opened) = &self.opened else { return };
+        let Some(now) = opened.session.project() else { return };
+        let back = Project { synth: kept.synth.clone(), reduce: kept.reduce, ..Project::clone(now) };
+        let document = Document::parse(opened.session.text(), PROJECT_FILE);
+        match back.update(&document, now) {
+            Ok(updated) => {
+                self.run(&Command::Replace { text: updated.text().to_owned() });
+                self.view.say(format!("back at the weights of {name} (Ctrl+Z takes it back)"));
+            }
+            Err(error) => self.view.warn(format!("the weights of {name} cannot be taken over: {error}")),
         }
     }
 

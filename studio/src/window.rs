@@ -127,6 +127,8 @@ struct Window {
     themed: Option<crate::theme::Theme>,
     /// Whether the window closes as soon as everything is saved.
     closing: bool,
+    /// What stands in its title.
+    titled: String,
 }
 
 impl Window {
@@ -137,7 +139,22 @@ impl Window {
         let mut studio = Studio::new(&state, wake);
         prepare(&mut studio, options);
         let log = FrameLog::new(options.frame_log.as_deref());
-        Self { studio, script: Script::new(script), log, themed: None, closing: false }
+        Self { studio, script: Script::new(script), log, themed: None, closing: false, titled: String::new() }
+    }
+
+    /// Names the project in the window's title, with a star where it is not saved.
+    fn entitle(&mut self, ctx: &egui::Context) {
+        let title = self.studio.opened.as_ref().map_or_else(
+            || "Counterpoise".to_owned(),
+            |o| {
+                let name = o.session.project().map_or("project", |p| p.plant.name.as_str());
+                format!("{}{name} - Counterpoise", if o.session.is_changed() { "*" } else { "" })
+            },
+        );
+        if title != self.titled {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.titled = title;
+        }
     }
 
     /// Closes when everything is saved that was to be; stays where something could not be saved.
@@ -178,6 +195,7 @@ impl eframe::App for Window {
         self.follow_script();
         self.studio.tick();
         self.close_when_saved(ui.ctx());
+        self.entitle(ui.ctx());
         let busy = !self.script.is_done();
         ui.ctx().request_repaint_after(if busy {
             Duration::from_millis(2)

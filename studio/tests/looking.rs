@@ -318,3 +318,59 @@ fn the_beam_is_edited_where_it_is_drawn_and_one_undo_takes_it_back() {
     drop(bench);
     std::fs::remove_dir_all(folder).unwrap();
 }
+
+#[test]
+fn a_kept_design_is_gone_back_to_and_one_undo_leaves_it_again() {
+    let folder = rig("slots");
+    let mut bench = bench(&folder);
+    rest(&mut bench);
+    let first = common::text(&bench);
+    bench.get_by_label("keep this design as A").click();
+    rest(&mut bench);
+    let set = |path: &str, value: f64| Command::Set { path: path.to_owned(), value, gesture: None };
+    bench.state_mut().run(&set("synth.feedback.error.gain", 40.0));
+    bench.state_mut().run(&set("synth.feedback.control.gain", 2.0));
+    bench.state_mut().run(&set("plant.gearbox.backlash", 0.0015));
+    rest(&mut bench);
+    let second = common::text(&bench);
+    bench.get_by_label("kept design A").click();
+    bench.run_steps(3);
+    bench.get_by_label("Go back to A").click();
+    rest(&mut bench);
+    let weights = |text: &str| text[text.find("[synth]").unwrap()..text.find("[verify").unwrap()].to_owned();
+    assert_eq!(weights(&common::text(&bench)), weights(&first));
+    assert!(common::text(&bench).contains("0.0015"), "the mechanism stays as it is");
+    assert!(bench.state().view.kept.contains_key("A"));
+    bench.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    rest(&mut bench);
+    assert_eq!(common::text(&bench), second);
+    drop(bench);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn the_limit_of_the_chosen_requirement_is_drawn_where_its_figure_is_read_and_in_the_units_of_the_window() {
+    let folder = rig("limits");
+    let mut bench = bench(&folder);
+    rest(&mut bench);
+    bench.state_mut().run(&Command::Go { place: Place::Verify });
+    rest(&mut bench);
+    assert!(says(&bench, "10 mrad/s") && !says(&bench, "0.01 rad/s"), "limits bear the unit of the window");
+    let mut seen = |figure: &str, plot: &str| {
+        bench.query_all_by_label_contains(figure).next().unwrap().click();
+        rest(&mut bench);
+        bench.hover_at(bench.get_by_label(&format!("plot: {plot}")).rect().center());
+        bench.run_steps(2);
+        bench.state().view.chart.clone().unwrap().0
+    };
+    let rejection = seen("DRR heave at 1 Hz", "Rejection of heave");
+    assert_eq!(rejection.levels, [-70.0]);
+    assert!((rejection.marks[0].0 - 1.0).abs() < 1e-9 && rejection.marks[0].1.contains("limit"));
+    assert!(seen("gain margin", "Rejection of heave").marks.is_empty());
+    assert_eq!(seen("peak current", "Motor current").levels, [30.0, -30.0]);
+    assert!(
+        (seen("step overshoot, nonlinear", "Step of the demand: hub rate").levels[0] - 115.0).abs() < 1e-9
+    );
+    drop(bench);
+    std::fs::remove_dir_all(folder).unwrap();
+}

@@ -47,7 +47,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
             egui::ScrollArea::vertical().show(ui, |ui| match inquiry {
                 Inquiry::Map => findings::map(ui, &theme, &found.answer),
                 Inquiry::Tried => findings::tried(ui, &theme, &found.answer),
-                _ => findings::answer(ui, &theme, queue, &found.answer),
+                _ => findings::answer(ui, view, queue, &found.answer),
             });
         }
         (_, None) if jobs.diagnose.is_busy() => parts::empty(ui, &theme, "Diagnosing", &jobs.progress()),

@@ -1,11 +1,13 @@
 //! What a diagnosis says: the findings, the fit, where and when, and what was tried.
 
 use counterpoise_project::diagnose::answer::{Answer, Finding, Verdict};
+use counterpoise_project::recording::Channel;
 use egui::{RichText, Ui};
 
 use super::parts;
 use crate::command::Command;
 use crate::theme::{Theme, space};
+use crate::view::View;
 
 /// The verdict in a sentence.
 pub fn sentence(verdict: Verdict) -> &'static str {
@@ -19,7 +21,8 @@ pub fn sentence(verdict: Verdict) -> &'static str {
 }
 
 /// The findings with their evidence.
-pub fn answer(ui: &mut Ui, theme: &Theme, queue: &mut Vec<Command>, answer: &Answer) {
+pub fn answer(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, answer: &Answer) {
+    let theme = &view.theme;
     card(ui, theme, |ui| {
         ui.label(RichText::new(sentence(answer.verdict)).heading());
         answer.findings.iter().for_each(|f| finding(ui, theme, f));
@@ -27,7 +30,7 @@ pub fn answer(ui: &mut Ui, theme: &Theme, queue: &mut Vec<Command>, answer: &Ans
             queue.push(Command::Accept);
         }
     });
-    card(ui, theme, |ui| fit(ui, theme, answer));
+    card(ui, theme, |ui| fit(ui, view, answer));
     card(ui, theme, |ui| evidence(ui, theme, answer));
 }
 
@@ -64,7 +67,8 @@ fn finding(ui: &mut Ui, theme: &Theme, finding: &Finding) {
     }
 }
 
-fn fit(ui: &mut Ui, theme: &Theme, answer: &Answer) {
+fn fit(ui: &mut Ui, view: &View, answer: &Answer) {
+    let theme = &view.theme;
     parts::heading(ui, "RMS error by channel");
     egui::Grid::new("fit").num_columns(4).striped(true).spacing([28.0, 4.0]).show(ui, |ui| {
         for head in ["channel", "noise floor", "before", "after", "held out, after"] {
@@ -72,11 +76,14 @@ fn fit(ui: &mut Ui, theme: &Theme, answer: &Answer) {
         }
         ui.end_row();
         for (channel, before) in &answer.fit.before {
-            ui.label(channel.replace('_', " "));
-            ui.label(parts::short(before.floor));
-            ui.label(parts::short(before.rms_error));
+            let known = Channel::ALL.into_iter().find(|c| c.name() == *channel);
+            let (unit, factor) = known.map_or((String::new(), 1.0), |c| view.shown_unit(c.unit()));
+            let name = format!("{}, {unit}", channel.replace('_', " "));
+            ui.label(name.trim_end_matches(", "));
+            ui.label(parts::short(factor * before.floor));
+            ui.label(parts::short(factor * before.rms_error));
             for table in [&answer.fit.after, &answer.fit.held_out_after] {
-                ui.label(parts::short(table.get(channel).map_or(f64::NAN, |c| c.rms_error)));
+                ui.label(parts::short(table.get(channel).map_or(f64::NAN, |c| factor * c.rms_error)));
             }
             ui.end_row();
         }

@@ -99,7 +99,7 @@ pub fn campaign(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, (measure
             });
             ui.add_space(space::MEDIUM);
             if let Some(row) = robust.rows.get(view.verdict.min(robust.rows.len().saturating_sub(1))) {
-                let chart = spread(&theme, row);
+                let chart = spread(view, row);
                 let room = parts::room(ui);
                 parts::chart(ui, view, queue, room, &chart);
             }
@@ -116,7 +116,7 @@ fn rows(ui: &mut Ui, view: &mut View, robust: &Robust) {
         }
         ui.end_row();
         for (k, row) in robust.rows.iter().enumerate() {
-            if line(ui, &theme, row, view.verdict == k) {
+            if line(ui, view, row, view.verdict == k) {
                 view.verdict = k;
             }
             ui.end_row();
@@ -125,19 +125,21 @@ fn rows(ui: &mut Ui, view: &mut View, robust: &Robust) {
 }
 
 /// One requirement; says whether it was clicked.
-fn line(ui: &mut Ui, theme: &Theme, row: &RobustRow, chosen: bool) -> bool {
+fn line(ui: &mut Ui, view: &View, row: &RobustRow, chosen: bool) -> bool {
+    let theme = &view.theme;
+    let (unit, factor) = view.shown_unit(row.requirement.figure.unit());
+    let short = |value: f64| parts::short(factor * value);
     let s = &row.summary;
     let sign = if matches!(row.requirement.limit, Limit::AtLeast(_)) { "\u{2265}" } else { "\u{2264}" };
     let name = row.requirement.figure.name();
     let shown = ui.selectable_label(chosen, parts::figure(&name, theme));
     shown.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, chosen, name.clone()));
     let clicked = shown.on_hover_text(&name).clicked();
-    let unit = row.requirement.figure.unit();
-    ui.label(format!("{sign} {} {unit}", parts::short(row.requirement.limit.value())));
+    ui.label(format!("{sign} {} {unit}", short(row.requirement.limit.value())));
     let colour = if s.share >= 0.999 { theme.good } else { theme.bad };
     ui.label(RichText::new(format!("{:.0} %", 100.0 * s.share)).color(colour));
-    ui.label(parts::short(s.median));
-    ui.label(format!("{} to {}", parts::short(s.q05), parts::short(s.q95)));
+    ui.label(short(s.median));
+    ui.label(format!("{} to {}", short(s.q05), short(s.q95)));
     ui.label(
         row.strongest.map_or(String::new(), |(name, by)| format!("{} ({by:+.2})", name.replace('_', " "))),
     );
@@ -145,13 +147,14 @@ fn line(ui: &mut Ui, theme: &Theme, row: &RobustRow, chosen: bool) -> bool {
 }
 
 /// The share of the mechanisms below each value.
-fn spread(theme: &Theme, row: &RobustRow) -> Chart {
+fn spread(view: &View, row: &RobustRow) -> Chart {
+    let (unit, factor) = view.shown_unit(row.requirement.figure.unit());
     let count = row.values.len().max(1) as f64;
     let finite = row.values.iter().enumerate().filter(|(_, v)| v.is_finite());
-    let points: Vec<[f64; 2]> = finite.map(|(k, v)| [*v, 100.0 * (k as f64 + 0.5) / count]).collect();
-    let label = format!("{}, {}", row.requirement.figure.name(), row.requirement.figure.unit());
+    let points: Vec<[f64; 2]> = finite.map(|(k, v)| [factor * v, 100.0 * (k as f64 + 0.5) / count]).collect();
+    let label = format!("{}, {}", row.requirement.figure.name(), unit);
     let mut chart = Chart::new("Share of mechanisms below a value", label.trim_end_matches(", "), "share, %");
     chart.scales = [Scale::Linear; 2];
-    chart.marks.push((row.requirement.limit.value(), "limit".to_owned()));
-    chart.curve("", theme.curves[0], Dash::Solid, points)
+    chart.marks.push((factor * row.requirement.limit.value(), "limit".to_owned()));
+    chart.curve("", view.theme.curves[0], Dash::Solid, points)
 }

@@ -42,7 +42,7 @@ pub fn draw(ui: &Ui, view: &View, plant: &Parameters, lumped: &Lumped, room: Rec
     disc(ui, theme, (hub, 0.9 * unit), angles[1]);
     disc(ui, theme, (beam, unit), angles[2]);
     weight(ui, theme, (beam, unit), (angles[2], lumped.out_of_balance_kg_m));
-    captions(ui, theme, plant, lumped, ([amplifier, motor, slow, hub, beam], low + 1.35 * unit));
+    captions(ui, view, plant, lumped, ([amplifier, motor, slow, hub, beam], low + 1.35 * unit));
 }
 
 /// Hub (with the motor behind the gear) and beam against each other.
@@ -91,7 +91,8 @@ fn weight(ui: &Ui, theme: &Theme, (centre, radius): (Pos2, f32), (angle, moment)
     ui.painter().circle(centre + arm, 9.0, fill, Stroke::new(1.5, theme.curves[1]));
 }
 
-fn captions(ui: &Ui, theme: &Theme, plant: &Parameters, lumped: &Lumped, (at, below): ([Pos2; 5], f32)) {
+fn captions(ui: &Ui, view: &View, plant: &Parameters, lumped: &Lumped, (at, below): ([Pos2; 5], f32)) {
+    let (theme, (angle, turned)) = (&view.theme, view.shown_unit("rad"));
     let gear = &plant.gearbox;
     let texts: [(&str, [String; 2]); 5] = [
         (
@@ -110,7 +111,10 @@ fn captions(ui: &Ui, theme: &Theme, plant: &Parameters, lumped: &Lumped, (at, be
         ),
         (
             "gear",
-            [format!("ratio {}", short(gear.ratio)), format!("play {} mrad", short(1e3 * gear.backlash_rad))],
+            [
+                format!("ratio {}", short(gear.ratio)),
+                format!("play {} {angle}", short(turned * gear.backlash_rad)),
+            ],
         ),
         ("hub", [format!("{} kg m\u{b2}", short(lumped.hub_inertia_kg_m2)), String::new()]),
         (

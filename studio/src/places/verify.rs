@@ -5,12 +5,12 @@ use counterpoise_project::verify::{
 };
 use egui::{RichText, Ui};
 
-use super::{design::bode, parts, robustness};
+use super::{design::bode, limits, limits::Signal, parts, robustness};
 use crate::chart::{Chart, Dash};
 use crate::command::{Command, Evidence, Purpose};
 use crate::results::Standing;
 use crate::studio::Studio;
-use crate::theme::{Theme, space};
+use crate::theme::space;
 use crate::view::View;
 
 /// Shows the place.
@@ -82,11 +82,10 @@ fn actions(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, standing: Standin
 }
 
 fn table(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: &Verification) {
-    let theme = view.theme;
-    theme.card().show(ui, |ui| {
+    view.theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
         for (k, (requirement, verdict)) in found.verdicts.iter().enumerate() {
-            if row(ui, &theme, (requirement, verdict), view.verdict == k) {
+            if row(ui, view, (requirement, verdict), view.verdict == k) {
                 view.verdict = k;
                 let evidence = behind(requirement.figure);
                 queue.push(Command::Look { evidence });
@@ -96,18 +95,20 @@ fn table(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: &Verific
 }
 
 /// One requirement; says whether it was clicked.
-fn row(ui: &mut Ui, theme: &Theme, (requirement, verdict): (&Requirement, &Verdict), chosen: bool) -> bool {
+fn row(ui: &mut Ui, view: &View, (requirement, verdict): (&Requirement, &Verdict), chosen: bool) -> bool {
+    let theme = &view.theme;
+    let (unit, factor) = view.shown_unit(requirement.figure.unit());
     let (mark, colour, value) = match verdict {
-        Verdict::Holds { value, .. } => ("holds", theme.good, parts::short(*value)),
-        Verdict::Fails { value, .. } => ("FAILS", theme.bad, parts::short(*value)),
+        Verdict::Holds { value, .. } => ("holds", theme.good, parts::short(factor * value)),
+        Verdict::Fails { value, .. } => ("FAILS", theme.bad, parts::short(factor * value)),
         Verdict::NotApplicable { .. } => ("open", theme.warn, "-".to_owned()),
     };
     let sign = match requirement.limit {
         Limit::AtLeast(_) => "\u{2265}",
         Limit::AtMost(_) => "\u{2264}",
     };
-    let (figure, unit) = (requirement.figure.name(), requirement.figure.unit());
-    let limit = format!("{value} {sign} {} {unit}", parts::short(requirement.limit.value()));
+    let figure = requirement.figure.name();
+    let limit = format!("{value} {sign} {} {unit}", parts::short(factor * requirement.limit.value()));
     let tint = if matches!(verdict, Verdict::Holds { .. }) { theme.text } else { colour };
     let sign = egui::IdSalt::new("verdict");
     let atoms = (egui::Atom::custom(sign, egui::Vec2::splat(8.0)), parts::figure(&figure, theme));
@@ -150,21 +151,23 @@ fn behind(figure: Figure) -> Evidence {
 }
 
 fn chosen(view: &View, found: &Verification) -> Experiment {
-    let last = found.verdicts.len().saturating_sub(1);
-    let chosen = found.verdicts.get(view.verdict.min(last));
-    chosen.map_or(Experiment::Step, |(requirement, _)| experiment(requirement.figure))
+    limits::chosen(view, found).map_or(Experiment::Step, |requirement| experiment(requirement.figure))
 }
 
 /// The run behind the chosen verdict, four of its signals under one cursor.
 fn histories(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: &Verification) {
     let of = chosen(view, found);
     let rate = view.angular();
-    let charts = [
+    let mut charts = [
         hub_chart(view, found, of),
         time_chart(view, found, of, ("Control", "V", 1.0), |h| &h.control_v),
         time_chart(view, found, of, ("Motor current", "A", 1.0), |h| &h.current_a),
         time_chart(view, found, of, ("Tip rate", view.angular_rate_unit(), rate), |h| &h.tip_rate_rad_s),
     ];
+    let signals = [Signal::Hub, Signal::Control, Signal::Current, Signal::Tip];
+    for (chart, signal) in charts.iter_mut().zip(signals) {
+        limits::over_time(view, found, of, signal, chart);
+    }
     let room = parts::room(ui);
     for (cell, chart) in parts::grid(room, 4, 2).iter().zip(&charts) {
         parts::chart(ui, view, queue, *cell, chart);
@@ -186,11 +189,15 @@ fn rejections(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: &Ve
     if let Some(crossing) = found.evidence.margins.phase_margin() {
         loops.marks.push((view.rate(crossing.rate_rad_s), format!("{:.0}\u{b0}", crossing.deg)));
     }
+    if let Some(gain) = found.evidence.margins.gain_increase() {
+        loops.marks.push((view.rate(gain.rate_rad_s), format!("{:.1} dB", gain.db)));
+    }
     loops.range[1] = Some((view.level(1e-4), view.level(1e4)));
     let mut sensitivity = bode(view, "Sensitivity", "modulus");
     for (k, (one, name)) in curves.sensitivities.iter().zip(["S", "T"]).enumerate() {
         sensitivity = sensitivity.curve(name, c[k], [Dash::Solid, Dash::Dashed][k % 2], of(one));
     }
+    limits::of_sensitivity(view, found, &mut sensitivity);
     sensitivity.range[1] = Some((view.level(1e-3), view.level(4.0)));
     let charts =
         [rejection(view, found, Source::Heave), rejection(view, found, Source::Pitch), loops, sensitivity];
@@ -296,5 +303,6 @@ fn rejection(view: &View, found: &Verification, source: Source) -> Chart {
             .collect();
         chart = chart.curve(name, view.theme.curves[k], dash, points);
     }
+    limits::of_rejection(view, found, source, &mut chart);
     chart
 }
