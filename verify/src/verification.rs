@@ -103,6 +103,29 @@ impl Verification {
             .find(|history| (history.model, history.experiment) == (model, experiment))
     }
 
+    /// Why a figure was not measured.
+    fn not_run(&self, figure: Figure) -> &'static str {
+        let simulated = self.evidence.histories.iter().any(|history| history.model == Model::Nonlinear);
+        match figure {
+            Figure::Disturbance(_, Source::Road, ..) if !self.saw_a_road() => {
+                "this experiment was not run: the verification has no road"
+            }
+            Figure::Step(Model::Nonlinear, _)
+            | Figure::Disturbance(Model::Nonlinear, ..)
+            | Figure::Rest(_)
+                if !simulated =>
+            {
+                "this experiment was not run: the linear plant alone was verified"
+            }
+            _ => "this experiment was not run",
+        }
+    }
+
+    fn saw_a_road(&self) -> bool {
+        let on_road = |figure| matches!(figure, Figure::Disturbance(_, Source::Road, ..));
+        self.figures.iter().any(|measured| on_road(measured.figure))
+    }
+
     fn judge(&mut self, requirements: &[Requirement]) {
         let verdict = |requirement: &Requirement| match self
             .figures
@@ -112,7 +135,7 @@ impl Verification {
         {
             Some(Value::Is(number)) => requirement.judge(*number),
             Some(Value::Absent { why }) => Verdict::NotApplicable { why: why.clone() },
-            None => Verdict::NotApplicable { why: "this experiment was not run".to_owned() },
+            None => Verdict::NotApplicable { why: self.not_run(requirement.figure).to_owned() },
         };
         self.verdicts =
             requirements.iter().map(|requirement| (requirement.clone(), verdict(requirement))).collect();

@@ -5,8 +5,8 @@ mod support;
 
 use counterpoise_controller::Controller;
 use counterpoise_verify::{
-    Arrangement, Experiment, Figure, Limit, LoopFigure, Model, Procedure, Quantity, Requirement, Source,
-    StepFigure, Verdict, verify, verify_linear,
+    Arrangement, Experiment, Figure, Limit, LoopFigure, Model, Procedure, Quantity, Requirement, Road,
+    Source, StepFigure, Verdict, verify, verify_linear,
 };
 use support::{controller, plant};
 
@@ -60,8 +60,70 @@ fn feedforward_helps_and_control_helps_more_than_none() {
 fn what_was_not_run_cannot_be_judged() {
     let requirements = [require("linear_road_feedback_hub_rms_rad_s", Limit::AtMost(1.0))];
     let found = verify_linear(&plant(), &controller(), &Procedure::default(), &requirements).unwrap();
-    assert!(matches!(&found.verdicts[0].1, Verdict::NotApplicable { why } if why.contains("not run")));
+    assert!(matches!(&found.verdicts[0].1, Verdict::NotApplicable { why } if why.contains("no road")));
+    let simulated = [require("rest_drift_rad", Limit::AtMost(1.0))];
+    let found = verify_linear(&plant(), &controller(), &Procedure::default(), &simulated).unwrap();
+    assert!(
+        matches!(&found.verdicts[0].1, Verdict::NotApplicable { why } if why.contains("linear plant alone"))
+    );
     assert!(found.value(Figure::Step(Model::Linear, StepFigure::SteadyStateError)).unwrap() < 0.5);
+}
+
+/// A road of two seconds: heave and pitch of one tone each.
+fn road() -> Road {
+    let sine = |amplitude: f64, hz: f64| {
+        (0..400).map(|k| amplitude * (std::f64::consts::TAU * hz * f64::from(k) * 0.005).sin()).collect()
+    };
+    let (heave_m_s2, pitch_rate_rad_s) = (sine(1.0, 1.5), sine(0.1, 1.0));
+    Road { name: "tones".to_owned(), sample_period_s: 0.005, heave_m_s2, pitch_rate_rad_s }
+}
+
+/// Every figure that a project file can name holds where the limit leaves room, by that room, and fails where it does not, by as much;
+/// one that does not exist on a plant says why.
+#[test]
+fn every_figure_can_be_required_and_is_judged_by_how_much() {
+    let procedure = Procedure { duration_s: 2.0, settle_s: 0.5, road: Some(road()), ..Procedure::default() };
+    let first = verify(&plant(), &controller(), &procedure, &[]).unwrap();
+    let (mut asked, mut expected) = (Vec::new(), Vec::new());
+    for figure in Figure::all() {
+        let value = first.verification().value(figure).filter(|value| value.is_finite());
+        let limit = value.unwrap_or(1.0);
+        let room = 0.1 * limit.abs().max(1e-6);
+        for limit in [
+            Limit::AtMost(limit + room),
+            Limit::AtMost(limit - room),
+            Limit::AtLeast(limit - room),
+            Limit::AtLeast(limit + room),
+        ] {
+            asked.push(Requirement::new(figure, limit).unwrap());
+            expected.push((value, room));
+        }
+    }
+    let found = verify(&plant(), &controller(), &procedure, &asked).unwrap();
+    let verdicts = &found.verification().verdicts;
+    for (k, ((requirement, verdict), (value, room))) in verdicts.iter().zip(&expected).enumerate() {
+        let key = requirement.figure;
+        match (verdict, value) {
+            (Verdict::Holds { margin, .. }, Some(_)) => {
+                assert!(k % 2 == 0 && (margin - room).abs() < 1e-9 * (1.0 + room), "{key}")
+            }
+            (Verdict::Fails { by, .. }, Some(_)) => {
+                assert!(k % 2 == 1 && (by - room).abs() < 1e-9 * (1.0 + room), "{key}")
+            }
+            (Verdict::NotApplicable { why }, None) => {
+                // the linear plant has no teeth that part, and a step that stays below the demand no peak
+                let teeth = key.key().starts_with("linear") && key.key().ends_with("gear_open_fraction");
+                let peak = key.key().ends_with("step_peak_time_s") && why.contains("never exceeds");
+                assert!(teeth || peak, "{key}: {why}");
+            }
+            // a margin without bound
+            (Verdict::Holds { value, .. } | Verdict::Fails { value, .. }, None) => {
+                assert!(value.is_infinite(), "{key}")
+            }
+            other => panic!("{key}: {other:?}"),
+        }
+    }
+    assert_eq!(verdicts.len(), 4 * Figure::all().len());
 }
 
 /// A mechanism without what is not linear.

@@ -26,9 +26,9 @@ pub struct ClaimsOptions {
     /// Measure these rows alone, for example C6,C24
     #[arg(long, value_name = "ID,...", value_delimiter = ',')]
     pub only: Vec<String>,
-    /// Write table and figures as a page to this HTML file
-    #[arg(long, value_name = "FILE", default_value = "out/claims.html")]
-    pub report: PathBuf,
+    /// Write table and figures as a page to this HTML file [default: out/claims.html, or out/claims-ID-....html with --only]
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
     /// Where results go.
     #[command(flatten)]
     pub results: Results,
@@ -83,13 +83,20 @@ pub fn run(options: &ClaimsOptions) -> Done {
         ],
     };
     let report = page::report(&rows, context, &|id| format!("{command} --only {id}"));
-    files::write(&options.report, html(&report).as_bytes())?;
+    let path = options.report.clone().unwrap_or_else(|| page_of(&options.only));
+    files::write(&path, html(&report).as_bytes())?;
     let table: Vec<Row<'_>> = rows.iter().map(row).collect();
     if !output::json(&options.results, &table)? {
         table.iter().for_each(print);
-        say!("report  {}", options.report.display());
+        say!("report  {}", path.display());
     }
     Ok(verdict_code(rows.iter().all(|claim| claim.finding != Finding::Fails)))
+}
+
+/// Where the page goes where nobody says: rows alone do not take the place of the whole table.
+fn page_of(only: &[String]) -> PathBuf {
+    let name: String = only.iter().map(|id| format!("-{}", id.trim().to_uppercase())).collect();
+    PathBuf::from(format!("out/claims{name}.html"))
 }
 
 /// The rows that are asked for; all where none is named.

@@ -13,7 +13,7 @@ use counterpoise_project::verify::robust::{Campaign, Member, Sample, Worst, merg
 use counterpoise_project::verify::structured::RobustStability;
 use rayon::prelude::*;
 
-use super::{Done, verdict_code};
+use super::{Done, pages, verdict_code};
 use crate::arguments::Results;
 use crate::files::{self, Surroundings};
 use crate::pace::Pace;
@@ -178,18 +178,24 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
     shards::write(&options.output.join("samples.parquet"), &named.campaign, &named.name, &samples)?;
     let found = named.designed.verified.verification();
     let worst = searched(named, &samples)?;
-    let mut section = vec![sweep::worst(&named.campaign, &worst, &options.project.display().to_string())];
+    let project = options.project.display().to_string();
+    let mut section = vec![sweep::worst(&named.campaign, &samples, (&worst, &project))];
     section.extend(named.stability.as_ref().map(robust::section));
     section.extend(sweep::sections(&named.campaign, &samples, &named.families));
-    let subtitle = format!("{} mechanisms", samples.len());
+    let subtitle = format!("{} mechanisms that differ from the one that was designed for", samples.len());
+    let command = format!("counterpoise sweep {project} -o {}", options.output.display());
     let context = PageContext {
         title: named.title.clone(),
         subtitle,
         more: section,
-        provenance: vec![("campaign".to_owned(), named.name.clone())],
+        provenance: vec![
+            ("campaign (version, project hash, samples)".to_owned(), named.name.clone()),
+            ("command".to_owned(), command.clone()),
+        ],
     };
     let mut page = sweep::report(found, &named.campaign, &samples, context);
     page.headline.detail += &sweep::beyond(&named.campaign, &worst, named.stability.as_ref());
+    pages::reproduced_by(&mut page, &command);
     let page = html(&page);
     files::write(&options.output.join("report.html"), page.as_bytes())?;
     let passes = samples.iter().all(|sample| named.campaign.passes(sample));

@@ -34,7 +34,12 @@ fn headline(rows: &[Claim]) -> Headline {
     let open = count(|f| matches!(f, Finding::NotMeasured { .. }));
     let text = format!("{holds} of {} claims hold, {differs} differ for a reason, {fails} fail", rows.len());
     let detail = if open == 0 { String::new() } else { format!("{open} are not measured by this command.") };
-    Headline { tone: if fails == 0 { Tone::Good } else { Tone::Bad }, text, detail }
+    let tone = match (fails, holds) {
+        (0, 0) => Tone::Neutral,
+        (0, _) => Tone::Good,
+        _ => Tone::Bad,
+    };
+    Headline { tone, text, detail }
 }
 
 /// Tone, word, and what is said beside the measurement.
@@ -71,11 +76,16 @@ fn row(claim: &Claim) -> Vec<Cell> {
     let (tone, word, _) = outcome(&claim.finding);
     vec![
         Cell::text(claim.id),
-        Cell::text(claim.source),
+        Cell::text(whole(claim.source)),
         Cell::text(claim.says),
         Cell::text(claim.measured.as_str()),
         Cell::Verdict(tone, word.to_owned()),
     ]
+}
+
+/// A reference that is broken only after a comma.
+fn whole(source: &str) -> String {
+    source.replace('-', "\u{2011}").replace(' ', "\u{A0}").replace(",\u{A0}", ", ")
 }
 
 /// A row as a page of its own: what is said, what was measured, why it differs, and its figures.

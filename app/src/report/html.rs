@@ -179,7 +179,7 @@ fn cell_markup(cell: &Cell) -> String {
         Cell::Text(text) => escape(text),
         Cell::Verdict(tone, text) => {
             let (class, sign) = class_and_sign(*tone);
-            format!("<span class=\"chip {class}\">{sign} {}</span>", escape(text))
+            format!("<span class=\"chip {class}\">{sign}\u{A0}{}</span>", escape(text))
         }
         Cell::Room(tone, part, text) => {
             let (class, _) = class_and_sign(*tone);
@@ -212,7 +212,7 @@ fn class_and_sign(tone: Tone) -> (&'static str, &'static str) {
     match tone {
         Tone::Good => ("good", "\u{2713}"),
         Tone::Bad => ("bad", "\u{2717}"),
-        Tone::Neutral => ("none", "\u{2013}"),
+        Tone::Neutral => ("none", "\u{2013}\u{2060}"),
     }
 }
 

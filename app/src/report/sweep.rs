@@ -72,14 +72,15 @@ pub fn again(campaign: &Campaign, worst: &Worst) -> String {
     format!("--sample {} --factors {}", worst.sample, words.join(","))
 }
 
-/// The worst case of each requirement beside its worst sample.
-pub fn worst(campaign: &Campaign, found: &[Option<Worst>], project: &str) -> Section {
+/// The worst case of each requirement beside its worst sample, with the factors that matter most for it.
+pub fn worst(campaign: &Campaign, samples: &[Sample], (found, project): (&[Option<Worst>], &str)) -> Section {
     let columns = [
         Column::Text("requirement"),
         Column::Number("worst sample"),
         Column::Number("worst case"),
         Column::Text("verdict"),
-        Column::Text("factors"),
+        Column::Text("what matters most"),
+        Column::Text("factors of the worst case"),
     ];
     let mut table = Table::new("", &columns);
     for (k, worst) in found.iter().enumerate() {
@@ -98,6 +99,7 @@ pub fn worst(campaign: &Campaign, found: &[Option<Worst>], project: &str) -> Sec
             Cell::number(worst.start),
             Cell::number(worst.value),
             verdict,
+            Cell::text(matters(campaign, samples, k, MOST_NAMED)),
             Cell::text(words.join(", ")),
         ]);
     }
@@ -105,7 +107,8 @@ pub fn worst(campaign: &Campaign, found: &[Option<Worst>], project: &str) -> Sec
     let section = Section::new("Worst cases")
         .saying(
             "From the worst sample of each requirement a compass search goes on inside the stated ranges, with that sample's sensor noise. \
-             What it finds is at least as bad as the sample; something worse may exist.",
+             What it finds is at least as bad as the sample; something worse may exist. What matters most is by rank correlation over the \
+             samples, strongest first: + where a larger factor raises the figure.",
         )
         .listing(table);
     match first {
@@ -179,17 +182,25 @@ fn chance(samples: &[Sample]) -> f64 {
 fn sensitivity(campaign: &Campaign, samples: &[Sample]) -> Table {
     let mut table = Table::new("", &[Column::Text("figure"), Column::Text("strongest first")]);
     for k in 0..campaign.requirements().len() {
-        let ranked = ranking(campaign, samples, k);
-        let clear = ranked.iter().filter(|one| one.correlation.abs() >= chance(samples));
-        let words = clear.map(|one| {
-            let key = campaign.variations()[one.variation].parameter.key();
-            format!("{key} {:+.2}", one.correlation).replace('-', "\u{2212}")
-        });
-        let words = words.collect::<Vec<_>>().join(",  ");
-        let words = if words.is_empty() { "nothing that stands out".to_owned() } else { words };
+        let words = matters(campaign, samples, k, campaign.variations().len());
         table.rows.push(vec![Cell::text(name(campaign, k)), Cell::text(words)]);
     }
     table
+}
+
+/// Factors named beside a worst case.
+const MOST_NAMED: usize = 3;
+
+/// At most so many factors that stand out from chance, with their rank correlation.
+fn matters(campaign: &Campaign, samples: &[Sample], requirement: usize, most: usize) -> String {
+    let ranked = ranking(campaign, samples, requirement);
+    let clear = ranked.iter().filter(|one| one.correlation.abs() >= chance(samples));
+    let words = clear.take(most).map(|one| {
+        let key = campaign.variations()[one.variation].parameter.key();
+        format!("{key} {:+.2}", one.correlation).replace('-', "\u{2212}")
+    });
+    let words = words.collect::<Vec<_>>().join(",  ");
+    if words.is_empty() { "nothing that stands out".to_owned() } else { words }
 }
 
 /// A mechanism a row: how many requirements hold, and what fails.

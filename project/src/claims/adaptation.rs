@@ -190,7 +190,7 @@ fn interval_panel(name: &str, [nobody, mean, squares, truth]: [&[f64]; 4]) -> Pa
         Curve::points("least squares", over(squares)),
         Curve::beside("told the truth", over(truth)),
     ];
-    Panel::of(Axis::even(&format!("RMS hub rate, {name}"), "mrad/s"), curves)
+    Panel::of(Axis::even(&format!("hub, {name}"), "mrad/s"), curves)
 }
 
 fn why(lowest: &[f64]) -> String {

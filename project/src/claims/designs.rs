@@ -84,16 +84,18 @@ fn c9_pictures(
     let drawn = rates((0.1, 100.0));
     let names = ["designed on two inertias", "designed on finite elements"];
     let mut panels = Vec::new();
-    for (input, name) in
-        [(1, "feedback [dB re V s/rad]"), (3, "heave [dB re V s²/m]"), (2, "pitch [dB re V s/rad]")]
-    {
+    for (input, name) in [(1, "feedback"), (3, "heave"), (2, "pitch")] {
         let curves = vec![
             Curve::line(names[0], gain_db(&linear[0], (0, input), &drawn)?),
             Curve::beside(names[1], gain_db(&linear[1], (0, input), &drawn)?),
         ];
-        panels.push(Panel::of(Axis::even(name, ""), curves).at(BAND_HZ.1, "compared to here"));
+        panels.push(Panel::of(Axis::even(name, "dB"), curves).at(BAND_HZ.1, "compared to here"));
     }
-    let controllers = Picture::new("The three controllers by both designs", Axis::frequency(), panels);
+    let controllers = Picture::new(
+        "The three controllers by both designs (V s/rad, V s²/m, V s/rad)",
+        Axis::frequency(),
+        panels,
+    );
     let mut simulator = counterpoise_simulate::Simulator::new(fine)?;
     let mut run = |controller: &Controller, experiment| {
         counterpoise_verify::nonlinear::history(&mut simulator, controller, &bench.procedure, experiment)

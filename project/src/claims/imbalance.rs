@@ -40,12 +40,12 @@ fn normal_member<'a>(bench: &'a Bench<'_>) -> Member<'a> {
 pub fn c13(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let wanted = [
         Figure::Step(Model::Nonlinear, StepFigure::Overshoot),
-        rms(Source::Heave, Arrangement::Feedback),
-        rms(Source::Heave, Arrangement::Compensated),
+        rms(Source::Both, Arrangement::Feedback),
+        rms(Source::Both, Arrangement::Compensated),
     ];
     let normal = bench.figures(bench.parameters(), &bench.observed, &wanted)?;
     let plain = bench.figures(bench.parameters(), bench.controller(), &wanted[2..])?[0];
-    let (mut words, mut step_same, mut degraded) = (Vec::new(), true, true);
+    let (mut words, mut step_same, mut degraded) = (Vec::new(), true, Vec::new());
     let mut members = vec![normal_member(bench)];
     for name in CONFIGURATIONS {
         let Some(parameters) = configured(bench, name)? else { continue };
@@ -56,7 +56,7 @@ pub fn c13(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         });
         let found = bench.figures(&parameters, &bench.observed, &wanted)?;
         step_same &= (found[0] - normal[0]).abs() < 3.0;
-        degraded &= found[2] > 2.0 * normal[2];
+        degraded.push(found[2] / normal[2]);
         let (feedback, both) = (found[1] / normal[1], found[2] / normal[2]);
         let without = bench.figures(&parameters, bench.controller(), &wanted[2..])?[0] / plain;
         words.push(format!(
@@ -75,33 +75,45 @@ pub fn c13(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             1e3 * normal[2],
             words.join("; ")
         ),
-        finding: match (step_same, degraded) {
-            (true, true) => Finding::Holds,
-            (false, true) => Finding::Differs {
-                why: "the masses also change the inertia, and with it the overshoot".to_owned(),
-            },
-            (_, false) => Finding::Differs {
-                why: "friction, not the heave torque, sets the compensated error of some configurations"
-                    .to_owned(),
-            },
-        },
+        finding: c13_finding(bench, (step_same, &degraded), 1e3 * normal[2]),
         pictures: c13_pictures(bench, &members)?,
     })
 }
 
-/// The step, and heave by feedback alone and with both feedforwards, in every configuration.
+/// By how much the thesis' compensated error grows, at the most; a rig's grows as much where it is within twice that.
+const GROWS: f64 = 5.0;
+
+fn c13_finding(bench: &Bench<'_>, (step_same, degraded): (bool, &[f64]), normal_mrad_s: f64) -> Finding {
+    let linear = Figure::Disturbance(Model::Linear, Source::Both, Arrangement::Compensated, Quantity::HubRms);
+    let least = degraded.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = degraded.iter().copied().fold(0.0, f64::max);
+    let why = match (step_same, least > 2.0) {
+        (false, _) => "the masses also change the inertia, and with it the overshoot".to_owned(),
+        (true, false) => {
+            "friction, not the heave torque, sets the compensated error of some configurations".to_owned()
+        }
+        (true, true) if most <= 2.0 * GROWS => return Finding::Holds,
+        (true, true) => format!(
+            "the step stays, the error by feedback scales and the compensated error grows, as claimed, but by more than 5 times: what is left in the normal configuration is smaller here ({normal_mrad_s:.2} mrad/s, {:.2} on the linear plant), so the same change of torque is a larger multiple of it",
+            1e3 * bench.value(linear)
+        ),
+    };
+    Finding::Differs { why }
+}
+
+/// The step, and heave and pitch by feedback alone and with both feedforwards, in every configuration.
 fn c13_pictures(bench: &Bench<'_>, members: &[Member<'_>]) -> Result<Vec<Picture>, PipelineError> {
     let mut panels = Vec::new();
     for arrangement in [Arrangement::Feedback, Arrangement::Compensated] {
         let mut curves = Vec::new();
         for member in members {
-            let experiment = Experiment::Disturbance(Source::Heave, arrangement);
+            let experiment = Experiment::Disturbance(Source::Both, arrangement);
             let history = bench.history(&member.parameters, member.controller, experiment)?;
             curves.push(Curve::line(member.name.clone(), hub_from(&history, bench.procedure.settle_s)));
         }
         panels.push(hub_panel(curves));
     }
-    let heave = Picture::new("Heave in each configuration", Axis::time(), panels)
+    let heave = Picture::new("Heave and pitch in each configuration", Axis::time(), panels)
         .captioned("Above by feedback alone, below with the feedforwards of the normal configuration.");
     let mut all = bench.family_pictures("each configuration", members)?;
     all.truncate(1);

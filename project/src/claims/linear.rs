@@ -168,12 +168,9 @@ fn motions(bench: &Bench<'_>, source: Source, name: &str) -> Picture {
 
 fn c6_pictures(bench: &Bench<'_>) -> Vec<Picture> {
     let within = factors(bench).into_iter().filter(|point| (0.1..=20.0).contains(&point.0)).collect();
-    let factor = Panel::of(
-        Axis::logarithmic("peak without over with feedback", ""),
-        vec![Curve::line("factor by feedback", within)],
-    )
-    .level(PITCH_FACTOR, "13 times, as the thesis says")
-    .at(bench.procedure.pitch.frequency_hz, "frequency of the procedure's pitch");
+    let factor = Panel::of(Axis::logarithmic("factor", ""), vec![Curve::line("factor by feedback", within)])
+        .level(PITCH_FACTOR, "13 times, as the thesis says")
+        .at(bench.procedure.pitch.frequency_hz, "frequency of the procedure's pitch");
     vec![
         motions(bench, Source::Pitch, "pitch"),
         Picture::new(
@@ -214,10 +211,7 @@ fn heave_over_frequency(bench: &Bench<'_>) -> Picture {
         let points = hz.iter().zip(values).map(|(hz, h)| (*hz, 20.0 * h.norm().log10()));
         Some(Curve::line(*name, points.filter(|point| (0.1..=50.0).contains(&point.0)).collect()))
     };
-    let panel = Panel::of(
-        Axis::even("hub rate over heave", "dB of rad/s per m/s²"),
-        ARRANGED.iter().filter_map(curve).collect(),
-    )
-    .at(bench.procedure.heave.frequency_hz, "frequency of the procedure's heave");
-    Picture::new("Rejection of heave over frequency, linear plant", Axis::frequency(), vec![panel])
+    let panel = Panel::of(Axis::even("hub over heave", "dB"), ARRANGED.iter().filter_map(curve).collect())
+        .at(bench.procedure.heave.frequency_hz, "frequency of the procedure's heave");
+    Picture::new("Hub rate (rad/s) over heave (m/s²), linear plant", Axis::frequency(), vec![panel])
 }

@@ -9,15 +9,17 @@
 //! [`loops`] pulls the uncertain parameters out of a closed loop, [`closing`] closes the loop with a perturbation, exactly as it is
 //! sampled, and [`stability`] is the whole road over all frequencies.
 //!
-//! Modules in reading order: [`blocks`], [`hermitian`], [`upper`], [`lower`], [`vertices`], [`factor`], [`places`], [`loops`], [`closing`],
-//! [`stability`].
+//! Modules in reading order: [`blocks`], [`hermitian`], [`upper`], [`lower`], [`vertices`], [`factor`], [`places`], `channels`, [`loops`],
+//! [`closing`], [`stability`], `nearest`.
 
 pub mod blocks;
+mod channels;
 pub mod closing;
 pub mod factor;
 pub mod hermitian;
 pub mod loops;
 pub mod lower;
+mod nearest;
 pub mod places;
 pub mod stability;
 pub mod upper;

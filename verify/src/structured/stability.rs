@@ -7,6 +7,7 @@ use counterpoise_models::parameters::Parameters;
 use super::closing::{GainErrors, outermost_pole};
 use super::factor::Factor;
 use super::loops::{Uncertain, UncertainLoop};
+use super::nearest::nearest;
 use super::places::{Place, dry_as_viscous, places, without_dry};
 use super::{Block, Perturbation, UpperBound, lower_bound, upper_bound, vertex_bound};
 use crate::robust::{Variation, Varied};
@@ -78,12 +79,8 @@ const REFINEMENTS: usize = 6;
 const STEEP: f64 = 0.01;
 /// Frequencies at which the parameters are searched.
 const SEARCHED: usize = 16;
-/// Candidates that are closed exactly.
-const CANDIDATES: usize = 6;
 /// Ranges are widened at most so far.
 const WIDEST: f64 = 1e3;
-/// A limit is found to this, relative.
-const NEARNESS: f64 = 1e-6;
 
 /// Bounds how far the ranges of all parameters together may be widened before the loop can be unstable.
 ///
@@ -106,7 +103,7 @@ pub fn robust_stability(
         return Ok(None);
     }
     let scanned = problem.scan()?;
-    let found = problem.search(&scanned)?;
+    let found = nearest(&problem, &scanned)?;
     let worst = scanned.iter().max_by(|a, b| a.upper.beta.total_cmp(&b.upper.beta));
     let (peak, worst_hz) = worst.map_or((0.0, 0.0), |at| (at.upper.beta, at.hz));
     let bounds = scanned.iter().map(Scanned::bounds).collect();
@@ -121,29 +118,30 @@ pub fn robust_stability(
     }))
 }
 
-struct Problem<'a> {
+/// The loop with what is uncertain about it.
+pub(super) struct Problem<'a> {
     parameters: &'a Parameters,
     controller: &'a Controller,
     procedure: &'a Procedure,
-    pulled: UncertainLoop,
+    pub(super) pulled: UncertainLoop,
     /// Parameters that enter the loop, in the order of its blocks.
-    entering: Vec<(Varied, Factor)>,
+    pub(super) entering: Vec<(Varied, Factor)>,
     left_out: Vec<Varied>,
     /// Viscous friction in the place of dry friction, at motor and pivot.
     dry: [f64; 2],
     dry_at: Option<f64>,
-    errors: [f64; 2],
+    pub(super) errors: [f64; 2],
 }
 
 /// What was found at a frequency.
-struct Scanned {
-    hz: f64,
-    upper: UpperBound,
-    lower: Option<Perturbation>,
+pub(super) struct Scanned {
+    pub(super) hz: f64,
+    pub(super) upper: UpperBound,
+    pub(super) lower: Option<Perturbation>,
 }
 
 impl Scanned {
-    fn bounds(&self) -> Bounds {
+    pub(super) fn bounds(&self) -> Bounds {
         let lower = self.lower.as_ref().map_or(0.0, |found| found.beta);
         Bounds { frequency_hz: self.hz, upper: self.upper.beta, lower }
     }
@@ -220,11 +218,11 @@ impl<'a> Problem<'a> {
     }
 
     /// The outermost pole at a perturbation.
-    fn pole(&self, deltas: &[f64], phases: [C64; 2], scale: f64) -> Result<C64, Error> {
+    pub(super) fn pole(&self, deltas: &[f64], phases: [C64; 2], scale: f64) -> Result<C64, Error> {
         self.pole_at(deltas, (phases, 1.0), scale)
     }
 
-    fn pole_at(
+    pub(super) fn pole_at(
         &self,
         deltas: &[f64],
         (phases, rate_rad_s): ([C64; 2], f64),
@@ -292,115 +290,6 @@ impl<'a> Problem<'a> {
         };
         Ok(hz.iter().zip(&self.pulled.at(&rates)?).map(&mut one).collect())
     }
-
-    /// Closes the loop with the perturbations of the largest lower bounds, and keeps the one that needs least.
-    fn search(&self, scanned: &[Scanned]) -> Result<Option<Destabilising>, Error> {
-        let mut ordered: Vec<&Scanned> = scanned.iter().filter(|at| at.lower.is_some()).collect();
-        ordered.sort_by(|a, b| b.bounds().lower.total_cmp(&a.bounds().lower));
-        let mut best = None;
-        for at in ordered.into_iter().take(CANDIDATES) {
-            let Some(lower) = &at.lower else { continue };
-            best = nearer(best, self.improved(self.candidate(lower, at.hz), 1.0 / lower.beta)?);
-        }
-        if self.errors == [0.0; 2] {
-            let peak = scanned.iter().map(|at| at.upper.beta).fold(0.0, f64::max);
-            best = nearer(best, self.ascended(1.0 / peak)?);
-        }
-        Ok(best)
-    }
-
-    /// Without complex errors: the parameters' ends that bring a pole furthest out, one parameter at a time.
-    fn ascended(&self, scale: f64) -> Result<Option<Destabilising>, Error> {
-        let count = self.entering.len();
-        let mut candidate =
-            Candidate { deltas: vec![0.0; count], phases: [C64::new(0.0, 0.0); 2], rate_rad_s: 1.0 };
-        let mut best = 0.0;
-        for k in (0..count).chain(0..count) {
-            for end in [-1.0, 1.0] {
-                let mut other = candidate.clone();
-                other.deltas[k] = end;
-                let radius = self.pole(&other.deltas, other.phases, scale)?.norm();
-                if radius > best {
-                    (candidate, best) = (other, radius);
-                }
-            }
-        }
-        self.improved(candidate, scale * 1.2)
-    }
-
-    fn candidate(&self, lower: &Perturbation, hz: f64) -> Candidate {
-        let (real, complex) = lower.delta.split_at(self.entering.len());
-        let mut phases = [C64::new(0.0, 0.0); 2];
-        let present = (0..2).filter(|k| self.errors[*k] > 0.0);
-        present.zip(complex).for_each(|(k, phase)| phases[k] = *phase);
-        let rate_rad_s = std::f64::consts::TAU * hz;
-        Candidate { deltas: real.iter().map(|q| q.re).collect(), phases, rate_rad_s }
-    }
-
-    /// The least scale at which the candidate destabilises, each parameter also tried at the ends of its range.
-    fn improved(&self, mut candidate: Candidate, near: f64) -> Result<Option<Destabilising>, Error> {
-        let Some(mut scale) = self.limit(&candidate, near)? else { return Ok(None) };
-        for k in 0..candidate.deltas.len() {
-            for end in [-1.0, 1.0] {
-                let mut other = candidate.clone();
-                other.deltas[k] = end;
-                let closer = self.unstable(&other, (1.0 - 1e-4) * scale)?;
-                if let Some(less) = if closer { self.limit(&other, scale)? } else { None } {
-                    (candidate, scale) = (other, less.min(scale));
-                }
-            }
-        }
-        self.destabilising(&candidate, scale).map(Some)
-    }
-
-    fn unstable(&self, candidate: &Candidate, scale: f64) -> Result<bool, Error> {
-        let pole = self.pole_at(&candidate.deltas, (candidate.phases, candidate.rate_rad_s), scale)?;
-        Ok(pole.norm() >= 1.0)
-    }
-
-    /// The scale at which a pole reaches the unit circle, near the one that the bound names; none where none does.
-    fn limit(&self, candidate: &Candidate, near: f64) -> Result<Option<f64>, Error> {
-        let (mut low, mut high) = (0.0, f64::NAN);
-        for k in 1..=60 {
-            let scale = near * (0.7 + 0.02 * f64::from(k));
-            if self.unstable(candidate, scale)? {
-                high = scale;
-                break;
-            }
-            low = scale;
-        }
-        if high.is_nan() {
-            return Ok(None);
-        }
-        while high - low > NEARNESS * high {
-            let middle = 0.5 * (low + high);
-            if self.unstable(candidate, middle)? { high = middle } else { low = middle }
-        }
-        Ok(Some(high))
-    }
-
-    fn destabilising(&self, candidate: &Candidate, scale: f64) -> Result<Destabilising, Error> {
-        let with = (candidate.phases, candidate.rate_rad_s);
-        let pole = self.pole_at(&candidate.deltas, with, scale)?;
-        let factor =
-            |((varied, factor), delta): (&(Varied, Factor), &f64)| (*varied, factor.at(scale * delta));
-        let factors = self.entering.iter().zip(&candidate.deltas).map(factor).collect();
-        let errors = [0, 1].map(|k| candidate.phases[k] * (scale * self.errors[k]));
-        let period_s = self.pulled.sample_period_s();
-        let frequency_hz = pole.arg().abs() / (std::f64::consts::TAU * period_s);
-        Ok(Destabilising { scale, factors, errors, pole, frequency_hz })
-    }
-}
-
-fn nearer(old: Option<Destabilising>, new: Option<Destabilising>) -> Option<Destabilising> {
-    old.into_iter().chain(new).min_by(|a, b| a.scale.total_cmp(&b.scale))
-}
-
-#[derive(Clone)]
-struct Candidate {
-    deltas: Vec<f64>,
-    phases: [C64; 2],
-    rate_rad_s: f64,
 }
 
 /// Frequencies between neighbours of the highest peaks where the bound is steep.

@@ -1,0 +1,135 @@
+//! The mechanism nearest to the nominal one that was found to be at the limit of stability.
+
+use counterpoise_lti::C64;
+
+use super::Perturbation;
+use super::factor::Factor;
+use super::stability::{Destabilising, Problem, Scanned};
+use crate::Error;
+use crate::robust::Varied;
+
+/// Candidates that are closed exactly.
+const CANDIDATES: usize = 6;
+/// A limit is found to this, relative.
+const NEARNESS: f64 = 1e-6;
+
+/// The least widening of the ranges that was found to destabilise, each perturbation closed with the sampled loop.
+///
+/// # Errors
+/// Those of the closed loop.
+pub(super) fn nearest(problem: &Problem<'_>, scanned: &[Scanned]) -> Result<Option<Destabilising>, Error> {
+    Search(problem).search(scanned)
+}
+
+struct Search<'a, 'b>(&'a Problem<'b>);
+
+impl Search<'_, '_> {
+    /// Closes the loop with the perturbations of the largest lower bounds, and keeps the one that needs least.
+    fn search(&self, scanned: &[Scanned]) -> Result<Option<Destabilising>, Error> {
+        let mut ordered: Vec<&Scanned> = scanned.iter().filter(|at| at.lower.is_some()).collect();
+        ordered.sort_by(|a, b| b.bounds().lower.total_cmp(&a.bounds().lower));
+        let mut best = None;
+        for at in ordered.into_iter().take(CANDIDATES) {
+            let Some(lower) = &at.lower else { continue };
+            best = nearer(best, self.improved(self.candidate(lower, at.hz), 1.0 / lower.beta)?);
+        }
+        if self.0.errors == [0.0; 2] {
+            let peak = scanned.iter().map(|at| at.upper.beta).fold(0.0, f64::max);
+            best = nearer(best, self.ascended(1.0 / peak)?);
+        }
+        Ok(best)
+    }
+
+    /// Without complex errors: the parameters' ends that bring a pole furthest out, one parameter at a time.
+    fn ascended(&self, scale: f64) -> Result<Option<Destabilising>, Error> {
+        let count = self.0.entering.len();
+        let mut candidate =
+            Candidate { deltas: vec![0.0; count], phases: [C64::new(0.0, 0.0); 2], rate_rad_s: 1.0 };
+        let mut best = 0.0;
+        for k in (0..count).chain(0..count) {
+            for end in [-1.0, 1.0] {
+                let mut other = candidate.clone();
+                other.deltas[k] = end;
+                let radius = self.0.pole(&other.deltas, other.phases, scale)?.norm();
+                if radius > best {
+                    (candidate, best) = (other, radius);
+                }
+            }
+        }
+        self.improved(candidate, scale * 1.2)
+    }
+
+    fn candidate(&self, lower: &Perturbation, hz: f64) -> Candidate {
+        let (real, complex) = lower.delta.split_at(self.0.entering.len());
+        let mut phases = [C64::new(0.0, 0.0); 2];
+        let present = (0..2).filter(|k| self.0.errors[*k] > 0.0);
+        present.zip(complex).for_each(|(k, phase)| phases[k] = *phase);
+        let rate_rad_s = std::f64::consts::TAU * hz;
+        Candidate { deltas: real.iter().map(|q| q.re).collect(), phases, rate_rad_s }
+    }
+
+    /// The least scale at which the candidate destabilises, each parameter also tried at the ends of its range.
+    fn improved(&self, mut candidate: Candidate, near: f64) -> Result<Option<Destabilising>, Error> {
+        let Some(mut scale) = self.limit(&candidate, near)? else { return Ok(None) };
+        for k in 0..candidate.deltas.len() {
+            for end in [-1.0, 1.0] {
+                let mut other = candidate.clone();
+                other.deltas[k] = end;
+                let closer = self.unstable(&other, (1.0 - 1e-4) * scale)?;
+                if let Some(less) = if closer { self.limit(&other, scale)? } else { None } {
+                    (candidate, scale) = (other, less.min(scale));
+                }
+            }
+        }
+        self.destabilising(&candidate, scale).map(Some)
+    }
+
+    fn unstable(&self, candidate: &Candidate, scale: f64) -> Result<bool, Error> {
+        let pole = self.0.pole_at(&candidate.deltas, (candidate.phases, candidate.rate_rad_s), scale)?;
+        Ok(pole.norm() >= 1.0)
+    }
+
+    /// The scale at which a pole reaches the unit circle, near the one that the bound names; none where none does.
+    fn limit(&self, candidate: &Candidate, near: f64) -> Result<Option<f64>, Error> {
+        let (mut low, mut high) = (0.0, f64::NAN);
+        for k in 1..=60 {
+            let scale = near * (0.7 + 0.02 * f64::from(k));
+            if self.unstable(candidate, scale)? {
+                high = scale;
+                break;
+            }
+            low = scale;
+        }
+        if high.is_nan() {
+            return Ok(None);
+        }
+        while high - low > NEARNESS * high {
+            let middle = 0.5 * (low + high);
+            if self.unstable(candidate, middle)? { high = middle } else { low = middle }
+        }
+        Ok(Some(high))
+    }
+
+    fn destabilising(&self, candidate: &Candidate, scale: f64) -> Result<Destabilising, Error> {
+        let with = (candidate.phases, candidate.rate_rad_s);
+        let pole = self.0.pole_at(&candidate.deltas, with, scale)?;
+        let factor =
+            |((varied, factor), delta): (&(Varied, Factor), &f64)| (*varied, factor.at(scale * delta));
+        let factors = self.0.entering.iter().zip(&candidate.deltas).map(factor).collect();
+        let errors = [0, 1].map(|k| candidate.phases[k] * (scale * self.0.errors[k]));
+        let period_s = self.0.pulled.sample_period_s();
+        let frequency_hz = pole.arg().abs() / (std::f64::consts::TAU * period_s);
+        Ok(Destabilising { scale, factors, errors, pole, frequency_hz })
+    }
+}
+
+fn nearer(old: Option<Destabilising>, new: Option<Destabilising>) -> Option<Destabilising> {
+    old.into_iter().chain(new).min_by(|a, b| a.scale.total_cmp(&b.scale))
+}
+
+#[derive(Clone)]
+struct Candidate {
+    deltas: Vec<f64>,
+    phases: [C64; 2],
+    rate_rad_s: f64,
+}
