@@ -4,8 +4,8 @@
 mod support;
 
 use counterpoise_verify::robust::{
-    Campaign, Distribution, Points, Variation, Varied, configurations, figures_of, merge, one_at_a_time,
-    ranking, summary, worst_case,
+    Campaign, Distribution, Points, Sense, Variation, Varied, configurations, figures_of, merge,
+    one_at_a_time, ranking, summary, worst_case,
 };
 use counterpoise_verify::{Figure, Limit, Procedure, Requirement, Value, verify};
 use support::{controller, plant, rig};
@@ -94,4 +94,24 @@ fn families_and_configurations_are_measured() {
     let loaded = configurations(&rig(), &controller(), &short(), &figures).unwrap();
     assert_eq!(loaded.len(), rig().configurations.len());
     assert!(loaded.iter().all(|member| matches!(member.values[0], Value::Is(margin) if margin > 0.0)));
+}
+
+/// A feedforward's rejection is spoilt by too much and by too little of what it was designed for.
+#[test]
+fn what_matters_in_either_direction_is_found() {
+    let variations = vec![
+        Variation { parameter: Varied::Inertia, distribution: Distribution::Uniform { low: 0.9, high: 1.1 } },
+        Variation {
+            parameter: Varied::TorqueConstant,
+            distribution: Distribution::Uniform { low: 0.9, high: 1.1 },
+        },
+    ];
+    let drr = require("heave_compensated_drr_db at 1 Hz", Limit::AtMost(-40.0));
+    let campaign =
+        Campaign::new((rig(), controller()), short(), variations, vec![drr], (40, 3, Points::LatinHypercube))
+            .unwrap();
+    let samples: Vec<_> = (0..40).map(|index| campaign.run(index).unwrap()).collect();
+    let order = ranking(&campaign, &samples, 0);
+    assert_eq!((order[0].variation, order[0].sense), (1, Sense::EitherWay), "{order:?}");
+    assert!(order[0].correlation > 0.8, "{order:?}");
 }

@@ -1,6 +1,6 @@
 //! The pages of a robustness campaign.
 
-use counterpoise_project::verify::robust::{Campaign, Member, Sample, Worst, ranking, summary};
+use counterpoise_project::verify::robust::{Campaign, Member, Sample, Sense, Worst, ranking, summary};
 use counterpoise_project::verify::structured::RobustStability;
 use counterpoise_project::verify::{Limit, Requirement, Value, Verification};
 
@@ -36,8 +36,8 @@ pub fn sections(campaign: &Campaign, samples: &[Sample], families: &[Member]) ->
         .showing((0..count).map(|k| distribution(campaign, samples, k)));
     let sensitivity = Section::new("What matters")
         .saying(format!(
-            "Spearman's rank correlation between each factor and each figure: \u{2212}1 or 1 is strict order, 0 is none. Left \
-             out is what chance alone would often give: less than {:.2}, two over the root of the number of mechanisms.",
+            "Spearman's rank correlation between each factor and each figure: \u{2212}1 or 1 is strict order, 0 is none. \
+             \"Either way\" compares the factor's distance from 1, where that says more. Left out is what chance alone would often give: less than {:.2}, two over the root of the number of mechanisms.",
             chance(samples)
         ))
         .listing(sensitivity(campaign, samples));
@@ -108,7 +108,7 @@ pub fn worst(campaign: &Campaign, samples: &[Sample], (found, project): (&[Optio
         .saying(
             "From the worst sample of each requirement a compass search goes on inside the stated ranges, with that sample's sensor noise. \
              What it finds is at least as bad as the sample; something worse may exist. What matters most is by rank correlation over the \
-             samples, strongest first: + where a larger factor raises the figure.",
+             samples, strongest first: + where a larger factor raises the figure; \"either way\" where its distance from 1 does.",
         )
         .listing(table);
     match first {
@@ -197,7 +197,8 @@ fn matters(campaign: &Campaign, samples: &[Sample], requirement: usize, most: us
     let clear = ranked.iter().filter(|one| one.correlation.abs() >= chance(samples));
     let words = clear.take(most).map(|one| {
         let key = campaign.variations()[one.variation].parameter.key();
-        format!("{key} {:+.2}", one.correlation).replace('-', "\u{2212}")
+        let either = if one.sense == Sense::EitherWay { "either way " } else { "" };
+        format!("{key} {either}{:+.2}", one.correlation).replace('-', "\u{2212}")
     });
     let words = words.collect::<Vec<_>>().join(",  ");
     if words.is_empty() { "nothing that stands out".to_owned() } else { words }

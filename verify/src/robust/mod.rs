@@ -16,6 +16,6 @@ pub use family::{Member, configurations, one_at_a_time};
 pub use sampling::{Distribution, Points, latin_hypercube};
 pub use selected::figures_of;
 pub use sobol::sobol;
-pub use statistics::{Ranked, Summary, ranking, summary};
+pub use statistics::{Ranked, Sense, Summary, ranking, summary};
 pub use varied::Varied;
 pub use worst::{Worst, worst_case};

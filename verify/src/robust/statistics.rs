@@ -28,9 +28,23 @@ pub struct Summary {
 pub struct Ranked {
     /// Index of the variation.
     pub variation: usize,
-    /// Spearman's rank correlation between factor and figure, -1 to 1.
+    /// Spearman's rank correlation, -1 to 1, between the figure and what `sense` says.
     pub correlation: f64,
+    /// What of the factor is compared.
+    pub sense: Sense,
 }
+
+/// What of a factor moves a figure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sense {
+    /// The factor: more of it raises the figure, or lowers it.
+    Directed,
+    /// The factor's distance from 1 in either direction, |ln factor|: whatever departs from the design.
+    EitherWay,
+}
+
+/// The distance from 1 is told only where its correlation is larger than the factor's own by this.
+const CLEARLY: f64 = 0.1;
 
 const NORMAL_975: f64 = 1.959_963_984_540_054;
 
@@ -58,13 +72,22 @@ pub fn summary(campaign: &Campaign, samples: &[Sample], requirement: usize) -> S
     }
 }
 
-/// The parameters by the size of their rank correlation with the requirement's figure, strongest first.
+/// The parameters by the size of their rank correlation with the requirement's figure, strongest first. A figure that any departure
+/// from the design spoils (the rejection by a feedforward) has no order in the factor itself: then its distance from 1 is compared.
 pub fn ranking(campaign: &Campaign, samples: &[Sample], requirement: usize) -> Vec<Ranked> {
     let judged: Vec<&Sample> = samples.iter().filter(|s| !s.values[requirement].is_nan()).collect();
     let figure = ranks(&judged.iter().map(|s| s.values[requirement]).collect::<Vec<f64>>());
     let one = |variation: usize| {
-        let factor = ranks(&judged.iter().map(|s| s.factors[variation]).collect::<Vec<f64>>());
-        Ranked { variation, correlation: correlation(&factor, &figure) }
+        let against = |of: fn(f64) -> f64| {
+            let factor = judged.iter().map(|s| of(s.factors[variation])).collect::<Vec<f64>>();
+            correlation(&ranks(&factor), &figure)
+        };
+        let (directed, either) = (against(|factor| factor), against(|factor| factor.ln().abs()));
+        let (correlation, sense) = match either.abs() > directed.abs() + CLEARLY {
+            true => (either, Sense::EitherWay),
+            false => (directed, Sense::Directed),
+        };
+        Ranked { variation, correlation, sense }
     };
     let mut all: Vec<Ranked> = (0..campaign.variations().len()).map(one).collect();
     all.sort_by(|a, b| b.correlation.abs().total_cmp(&a.correlation.abs()));
