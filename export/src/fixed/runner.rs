@@ -45,6 +45,11 @@ impl FixedRunner {
         self.run(Which::Set, &[out_of_balance]);
     }
 
+    /// The states as real numbers, in the order of the controller's.
+    pub fn states(&self) -> Vec<f64> {
+        self.states.iter().zip(&self.fixed.states).map(|(value, bits)| *value as f64 * unit(*bits)).collect()
+    }
+
     fn run(&mut self, which: Which, inputs: &[i64]) {
         let count = self.program(which).operations.len();
         for number in 0..count {

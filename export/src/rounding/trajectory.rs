@@ -2,10 +2,13 @@
 
 use counterpoise_controller::Controller;
 
+use super::colour::{Colours, Search};
 use super::tangent::{Row, Tangent};
 use super::{Arithmetic, Line, Rounded};
 use crate::ranges::Run;
 
+/// Samples of a run in which the roundings that repeat themselves are looked for.
+const SEARCHED: usize = 2000;
 /// Below this a covariance is taken for 0: it would only slow the arithmetic down.
 const NEGLIGIBLE: f64 = 1e-200;
 
@@ -25,7 +28,8 @@ pub(crate) struct Track {
 /// ```
 ///
 /// with A, E, c, f the derivatives of this sample's step by its states and by an error of each of its operations, b the
-/// known part of the roundings and r the bound of the rest.
+/// known part of the roundings and r the bound of the rest. Roundings that repeat themselves are states of their own
+/// ([`super::colour`]).
 pub(crate) fn follow(controller: &Controller, run: &Run, arithmetic: &impl Arithmetic) -> Track {
     let programs = controller.programs();
     let n = programs.state_count();
@@ -34,6 +38,7 @@ pub(crate) fn follow(controller: &Controller, run: &Run, arithmetic: &impl Arith
         set: Tangent::new(&programs.set_out_of_balance, n),
         states: programs.initial(),
         errors: Errors::none(n),
+        colours: repeated(controller, run, arithmetic),
         track: Track::default(),
     };
     run.play(
@@ -44,11 +49,24 @@ pub(crate) fn follow(controller: &Controller, run: &Run, arithmetic: &impl Arith
     walk.track
 }
 
+/// The roundings of the beginning of a run that repeat themselves.
+fn repeated(controller: &Controller, run: &Run, arithmetic: &impl Arithmetic) -> Colours {
+    let programs = controller.programs();
+    let mut step = Tangent::new(&programs.step, programs.state_count());
+    let (mut states, mut search) = (programs.initial(), Search::default());
+    for readings in run.readings.iter().take(SEARCHED) {
+        step.run(&mut states, readings);
+        search.look(&step, &roundings(&step, Line::Step, arithmetic));
+    }
+    search.found()
+}
+
 struct Walk<'a> {
     step: Tangent<'a>,
     set: Tangent<'a>,
     states: Vec<f64>,
     errors: Errors,
+    colours: Colours,
     track: Track,
 }
 
@@ -57,15 +75,18 @@ impl Walk<'_> {
         self.set.run(&mut self.states, &[value]);
         let rounded = roundings(&self.set, Line::Set, arithmetic);
         self.errors.advance(&self.set, &rounded);
+        self.colours.pass(&self.set);
     }
 
     fn step(&mut self, readings: &[f64], arithmetic: &impl Arithmetic) {
         self.step.run(&mut self.states, readings);
-        let rounded = roundings(&self.step, Line::Step, arithmetic);
+        let mut rounded = roundings(&self.step, Line::Step, arithmetic);
+        self.colours.take(&self.step, &mut rounded, self.states.len());
         let (mean, squares) = self.errors.of(self.step.output(), &rounded);
         self.track.mean_v.push(mean);
-        self.track.squares_v2.push(squares);
+        self.track.squares_v2.push((squares + self.colours.squares(self.states.len(), self.step.output())).max(0.0));
         self.errors.advance(&self.step, &rounded);
+        self.colours.advance(&self.step, &mut self.errors.covariance);
     }
 }
 
