@@ -1,10 +1,11 @@
 //! Files and folders looked through in the window: one typed path, and what stands there. The path is all there is: what comes
 //! before its last separator is the folder that is listed, what comes after it narrows the list.
 
+use std::collections::BTreeSet;
 use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 
 use crate::command::{Command, Purpose};
-use crate::files::{self, PROJECT_FILE};
+use crate::files::PROJECT_FILE;
 use crate::recordings;
 
 /// What an item of a list is.
@@ -40,6 +41,8 @@ pub struct Listing {
     pub purpose: Purpose,
     /// Folders first, each kind by name; or why it cannot be listed.
     pub items: Result<Vec<Item>, String>,
+    /// Names of all its files, whatever they are.
+    pub files: BTreeSet<String>,
 }
 
 /// A path that is typed or clicked together.
@@ -62,15 +65,18 @@ pub struct Browser {
 /// Lists a folder: folders, and the files that serve the purpose.
 pub fn list(folder: &Path, purpose: Purpose) -> Listing {
     let listed = std::fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()));
+    let mut files = BTreeSet::new();
     let items = listed.map(|entries| {
-        let mut items: Vec<Item> = entries.filter_map(|entry| item(entry.ok()?.path(), purpose)).collect();
+        let mut items: Vec<Item> = entries.filter_map(|entry| item(entry.ok()?.path())).collect();
+        files.extend(items.iter().filter(|i| i.kind == Kind::File).map(|i| i.name.clone()));
+        items.retain(|item| serves(item, purpose));
         items.sort_by_cached_key(|item| (item.kind, item.name.to_lowercase()));
         items
     });
-    Listing { folder: folder.to_owned(), purpose, items }
+    Listing { folder: folder.to_owned(), purpose, items, files }
 }
 
-fn item(path: PathBuf, purpose: Purpose) -> Option<Item> {
+fn item(path: PathBuf) -> Option<Item> {
     let name = path.file_name()?.to_string_lossy().into_owned();
     let about = std::fs::metadata(&path).ok()?;
     let kind = match about.is_dir() {
@@ -78,13 +84,16 @@ fn item(path: PathBuf, purpose: Purpose) -> Option<Item> {
         true => Kind::Folder,
         false => Kind::File,
     };
-    let serves = kind != Kind::File
+    Some(Item { kind, name, bytes: if kind == Kind::File { about.len() } else { 0 }, path })
+}
+
+fn serves(item: &Item, purpose: Purpose) -> bool {
+    item.kind != Kind::File
         || match purpose {
-            Purpose::Project | Purpose::SaveAs => path.extension().is_some_and(|e| e == "toml"),
-            Purpose::Recordings => recordings::is_recording(&path),
+            Purpose::Project | Purpose::SaveAs => item.path.extension().is_some_and(|e| e == "toml"),
+            Purpose::Recordings => recordings::is_recording(&item.path),
             Purpose::Export => false,
-        };
-    serves.then(|| Item { kind, name, bytes: if kind == Kind::File { about.len() } else { 0 }, path })
+        }
 }
 
 impl Browser {
@@ -158,6 +167,24 @@ impl Browser {
         listing.items.as_ref().err().map(String::as_str)
     }
 
+    /// Whether the folder of the path has been listed.
+    fn is_known(&self) -> bool {
+        self.listing.as_ref().is_some_and(|l| l.folder == self.folder() && l.purpose == self.purpose)
+    }
+
+    /// What stands at the path, by the listing; none where nothing does.
+    fn kind(&self) -> Option<Kind> {
+        let listing = self.listing.as_ref().filter(|_| self.is_known())?;
+        let items = listing.items.as_ref().ok()?;
+        if self.is_inside() {
+            let is_project = listing.files.contains(PROJECT_FILE);
+            return Some(if is_project { Kind::Project } else { Kind::Folder });
+        }
+        let name = self.path().file_name()?.to_string_lossy().into_owned();
+        let listed = items.iter().find(|item| item.name == name).map(|item| item.kind);
+        listed.or_else(|| listing.files.contains(&name).then_some(Kind::File))
+    }
+
     /// Goes one folder up.
     pub fn up(&mut self) {
         let folder = self.folder();
@@ -205,27 +232,34 @@ impl Browser {
     pub fn ready(&self) -> Result<(String, Command), &'static str> {
         let path = self.path();
         let named = !self.typed.trim().is_empty();
+        let kind = self.kind();
         match self.purpose {
-            Purpose::Project if named && files::project_file(&path).is_file() => {
+            Purpose::Recordings => self.add(),
+            _ if named && !self.is_known() => Err("looking at the folder"),
+            Purpose::Project if named && matches!(kind, Some(Kind::Project | Kind::File)) => {
                 Ok(("Open".to_owned(), Command::Open { path }))
             }
             Purpose::Project => Err("choose a project, or type the name of a folder for a new one"),
             Purpose::SaveAs if named => self.save_as(path),
             Purpose::SaveAs => Err("type the name of a folder, or of a file that ends in .toml"),
-            Purpose::Recordings => self.add(),
-            Purpose::Export if path.is_file() => Err("this is a file; the code goes into a folder"),
+            Purpose::Export if kind == Some(Kind::File) => Err("this is a file; the code goes into a folder"),
             Purpose::Export if named => Ok(("Export here".to_owned(), Command::ExportTo { folder: path })),
             Purpose::Export => Err("choose a folder, or type the name of a new one"),
         }
     }
 
     fn save_as(&self, path: PathBuf) -> Result<(String, Command), &'static str> {
-        let file = if path.extension().is_some_and(|e| e == "toml") { path } else { path.join(PROJECT_FILE) };
-        if file.is_dir() {
-            return Err("this is a folder; give a file that ends in .toml");
-        }
-        let word = if file.exists() { "Replace" } else { "Save" };
-        Ok((word.to_owned(), Command::SaveAs { path: file }))
+        let is_file = path.extension().is_some_and(|e| e == "toml") && !self.is_inside();
+        let replaces = match self.kind() {
+            Some(Kind::Project | Kind::Folder) if is_file => {
+                return Err("this is a folder; give a file that ends in .toml");
+            }
+            Some(Kind::File) if !is_file => return Err("this is a file that does not end in .toml"),
+            Some(Kind::Project | Kind::File) => true,
+            Some(Kind::Folder) | None => false,
+        };
+        let file = if is_file { path } else { path.join(PROJECT_FILE) };
+        Ok((if replaces { "Replace" } else { "Save" }.to_owned(), Command::SaveAs { path: file }))
     }
 
     /// The ticked recordings; where none is ticked, the one that is typed, or all of the folder.
@@ -244,9 +278,8 @@ impl Browser {
 
     /// Where a new project would be made: a folder that holds none.
     pub fn free(&self) -> Option<PathBuf> {
-        let path = self.path();
-        let is_free = !path.is_file() && !path.join(PROJECT_FILE).exists();
-        (self.purpose == Purpose::Project && !self.typed.trim().is_empty() && is_free).then_some(path)
+        let is_free = self.is_known() && matches!(self.kind(), None | Some(Kind::Folder));
+        (self.purpose == Purpose::Project && !self.typed.trim().is_empty() && is_free).then(|| self.path())
     }
 }
 
@@ -281,6 +314,13 @@ mod tests {
         browser.typed.push_str("cr");
         assert_eq!(names(&browser), ["crane"]);
         assert_eq!(browser.free(), Some(folder.join("cr")));
+        browser.typed = folder.join("notes.txt").display().to_string();
+        assert_eq!(browser.free(), None, "a file is there");
+        browser.typed = folder.join("turret").display().to_string();
+        assert_eq!((browser.ready().unwrap().0.as_str(), browser.free()), ("Open", None));
+        browser.typed = format!("{}/elsewhere/", folder.display());
+        assert_eq!(browser.ready(), Err("looking at the folder"));
+        browser.typed = format!("{}/", folder.display());
         browser.listing = Some(list(&folder, Purpose::Recordings));
         (browser.purpose, browser.typed) = (Purpose::Recordings, format!("{}/", folder.display()));
         assert_eq!(names(&browser)[3..], ["a.csv", "b.MAT", "c.h5"]);

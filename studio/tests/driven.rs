@@ -394,7 +394,11 @@ fn a_new_project_is_made_from_an_empty_folder_in_the_window() {
     let mut bench = common::around(Studio::new(&folder.join("state"), std::sync::Arc::new(|| {})));
     bench.run_steps(2);
     bench.state_mut().view.browser.as_mut().unwrap().go(&folder.join("turret"));
-    bench.run_steps(3);
+    common::until(&mut bench, "a listing", |s| {
+        let browser = s.view.browser.as_ref().unwrap();
+        browser.listing.as_ref().is_some_and(|l| l.folder == browser.folder())
+    });
+    bench.run_steps(2);
     bench.get_by_label("New project here").click();
     rest(&mut bench);
     assert_eq!(bench.state().opened.as_ref().unwrap().session.project().unwrap().plant.name, "turret");

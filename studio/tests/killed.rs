@@ -86,7 +86,7 @@ fn killed(folder: &Path, after: Duration) -> (Vec<(u32, Instant)>, Instant) {
 #[test]
 fn thirty_kills_lose_at_most_the_last_second() {
     let folder = folder();
-    let (mut edits, mut lost) = (0, 0);
+    let (mut edits, mut lost, mut oldest) = (0, 0, Duration::ZERO);
     for k in 0..KILLS {
         let after = Duration::from_millis(60 + u64::from(k * 7919 % 140));
         let (made, at) = killed(&folder, after);
@@ -98,9 +98,14 @@ fn thirty_kills_lose_at_most_the_last_second() {
         let due = made.iter().rev().find(|(_, when)| at.duration_since(*when) >= LOSS).map_or(0, |(k, _)| *k);
         assert!(there >= gain(due) - 1e-9, "kill {k}: {there} where {} was made a second before", gain(due));
         edits += made.len();
-        lost += made.iter().filter(|(n, _)| gain(*n) > there + 1e-9).count();
+        for (_, when) in made.iter().filter(|(n, _)| gain(*n) > there + 1e-9) {
+            lost += 1;
+            oldest = oldest.max(at.saturating_duration_since(*when));
+        }
     }
-    eprintln!("{KILLS} kills, {edits} edits, {lost} lost with the session");
+    eprintln!(
+        "{KILLS} kills, {edits} edits, {lost} lost with the session, the oldest made {oldest:.0?} before its end"
+    );
     assert!(edits > 100, "the sessions did next to nothing: {edits} edits");
     std::fs::remove_dir_all(folder).unwrap();
 }

@@ -14,7 +14,7 @@ cat > "$work/hand" <<'HAND'
 set -eu
 pause() { sleep "${SLOW:-3}"; }
 click() { xdotool mousemove "$1" "$2"; sleep 0.5; xdotool click 1; pause; }
-picture() { xdotool mousemove 640 794; sleep 1; import -window root "$DOCS/guide-$1.png"; }
+picture() { xdotool mousemove 300 794; sleep 1; import -window root "$DOCS/guide-$1.png"; }
 cd "$WORK/machines"
 "$WINDOW" & pid=$!
 pause; pause

@@ -213,7 +213,7 @@ fn enter(browser: &mut Browser, about: &About<'_>) -> Option<Command> {
         return browser.take(item);
     }
     match (browser.ready(), shown.as_slice()) {
-        (Ok((_, Command::SaveAs { path })), _) if path.exists() => None,
+        (Ok((words, _)), _) if words == "Replace" => None,
         (Ok((_, command)), _) => Some(with_present(command, about)),
         (Err(_), [only]) => browser.take(only),
         (Err(_), _) => None,
