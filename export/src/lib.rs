@@ -7,7 +7,7 @@
 //! *Invariant*: no file system, no clock, no compiler: text in memory only.
 //!
 //! Modules in reading order: [`source`], [`converters`], [`provenance`], [`c99`](mod@c99), [`rust_crate`](mod@rust_crate), [`ranges`],
-//! [`rounding`], [`fixed`], [`targets`](mod@targets), [`board`], [`host`],
+//! [`rounding`], [`forms`], [`fixed`], [`targets`](mod@targets), [`board`], [`host`],
 //! [`fmi`], [`vectors`], [`check`](mod@check).
 //!
 //! ```
@@ -31,6 +31,7 @@ pub mod converters;
 pub mod error;
 pub mod fixed;
 pub mod fmi;
+pub mod forms;
 pub mod host;
 pub mod provenance;
 pub mod ranges;
@@ -47,6 +48,7 @@ pub use check::{Checked, check};
 pub use converters::Converters;
 pub use error::Error;
 pub use fixed::{Fixed, FixedError, FixedRunner, fixed_c99, plan};
+pub use forms::{FormFigures, PathForm, by_form};
 pub use provenance::Provenance;
 pub use ranges::{Adjustable, Measured, Ranges};
 pub use rounding::{Deviation, single_precision};

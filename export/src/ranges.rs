@@ -5,6 +5,7 @@ mod settings;
 use counterpoise_controller::program::{Program, Slot};
 use counterpoise_controller::{Controller, Number, READINGS, Readings, Runner, SampledController};
 
+use crate::rounding::larger;
 pub(crate) use settings::settings;
 
 /// Samples of a run in which the out-of-balance is set half way.
@@ -114,12 +115,14 @@ impl Ranges {
                 },
                 |(reference, other), _, readings| {
                     let off = reference.step_array(readings) - other.step(&Readings::from_array(*readings));
-                    found.largest_v = found.largest_v.max(off.abs());
+                    found.largest_v = if off.abs() <= found.largest_v { found.largest_v } else { off.abs() };
                     found.rms_v += off * off / run.readings.len() as f64;
                 },
             );
-            let rms_v = most.rms_v.max(found.rms_v.sqrt());
-            Measured { largest_v: most.largest_v.max(found.largest_v), rms_v }
+            Measured {
+                largest_v: larger(most.largest_v, found.largest_v),
+                rms_v: larger(most.rms_v, found.rms_v.sqrt()),
+            }
         })
     }
 

@@ -121,7 +121,7 @@ fn along(controller: &Controller, run: &Run, arithmetic: &impl Arithmetic) -> (f
 }
 
 /// The larger of two; infinite where one is no number, as what grew out of all range is.
-fn larger(a: f64, b: f64) -> f64 {
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
 }
 

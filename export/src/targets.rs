@@ -130,7 +130,7 @@ impl Bench<'_> {
     /// The experiments with the whole controller.
     fn experiments(&self) -> Vec<Experiment> {
         let whole = |experiment: &Experiment| match experiment {
-            Experiment::Step | Experiment::Rest => true,
+            Experiment::Step | Experiment::Triangle | Experiment::Rest => true,
             Experiment::Disturbance(_, arrangement) => *arrangement == Arrangement::Compensated,
         };
         nonlinear::experiments(self.procedure).into_iter().filter(whole).collect()

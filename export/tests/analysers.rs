@@ -10,7 +10,9 @@ use std::process::Command;
 
 use counterpoise_controller::READINGS;
 use counterpoise_export::Source::Unverified;
+use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
 use counterpoise_export::{Options, Ranges, c99, fixed_c99, plan};
+use counterpoise_models::{Plant, reference};
 use support::{Random, complete, folder, is_there, provenance, run, typical, write};
 
 /// Rules that generated code deviates from, all advisory.
@@ -77,5 +79,45 @@ fn misra_deviations_are_the_ones_listed() {
         assert_eq!(rules, BTreeSet::from(DEVIATIONS), "{said}");
         let code = std::fs::read_to_string(folder.join("axis.c")).unwrap();
         assert!(code.contains("only the advisory rules 2.5 and 8.7"));
+    }
+}
+
+/// The units of controller and plant, each in a folder; the plant has every law that its C knows.
+fn units(test: &str) -> Vec<(PathBuf, Vec<String>)> {
+    let plant = Plant::lumped(&reference::rig()).unwrap();
+    let asked = PlantUnit { plant: &plant, name: "rig" };
+    let kinds = [
+        ("axis", controller_unit(Unverified(&complete()), &provenance(), &Options::double("axis")).unwrap()),
+        ("rig", plant_unit(asked, &provenance()).unwrap()),
+    ];
+    let place = |(name, files): &(&str, Vec<counterpoise_export::File>)| {
+        let folder = folder(&format!("{test}_{name}_unit"));
+        write(&folder, files);
+        (folder.join(name).join("sources"), vec![format!("{name}.c"), "fmu.c".to_owned()])
+    };
+    kinds.iter().map(place).collect()
+}
+
+#[test]
+fn the_analysers_are_silent_on_fmi_units() {
+    for (folder, sources) in units("analysed") {
+        if is_there("clang") {
+            let flags = ["--analyze", "-Xanalyzer", "-analyzer-output=text", "-std=c99", "-Wall", "-Wextra"];
+            let said = run(Command::new("clang").current_dir(&folder).args(flags).args(&sources));
+            assert_eq!(said, "");
+        } else {
+            println!("clang's analyser skipped: no clang");
+        }
+        if is_there("cppcheck") {
+            let flags = ["--std=c99", "--quiet", "--enable=warning,style,performance,portability"];
+            let said = run(Command::new("cppcheck")
+                .current_dir(&folder)
+                .args(flags)
+                .arg("--error-exitcode=1")
+                .args(&sources));
+            assert_eq!(said, "");
+        } else {
+            println!("cppcheck skipped: it is not there (apt install cppcheck)");
+        }
     }
 }

@@ -11,9 +11,7 @@ use std::process::{Command, Stdio};
 
 use counterpoise_controller::{Controller, READINGS};
 use counterpoise_export::Source::Unverified;
-use counterpoise_export::{
-    Converters, File, Options, Provenance, Ranges, c99, fixed_c99, plan,
-};
+use counterpoise_export::{Converters, File, Options, Provenance, Ranges, c99, fixed_c99, plan};
 use counterpoise_models::reference;
 use support::{Random, STRICT, folder, is_there, provenance, run, typical, write};
 
@@ -79,16 +77,16 @@ fn answered(folder: &Path, files: &[File]) -> Vec<i32> {
     write(folder, files);
     std::fs::write(folder.join("board.c"), BOARD).unwrap();
     let sources = ["axis.c", "axis_interrupt.c", "board.c", "-o", "board"];
-    assert_eq!(run(Command::new("cc").current_dir(folder).args(STRICT).arg("-ffp-contract=off").args(sources)), "");
+    assert_eq!(
+        run(Command::new("cc").current_dir(folder).args(STRICT).arg("-ffp-contract=off").args(sources)),
+        ""
+    );
     let mut rows = String::new();
     for row in counts() {
         writeln!(rows, "{}", row.map(|count| count.to_string()).join(" ")).unwrap();
     }
-    let mut started = Command::new(folder.join("board"))
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let mut started =
+        Command::new(folder.join("board")).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
     let mut stdin = started.stdin.take().unwrap();
     let feeder = std::thread::spawn(move || stdin.write_all(rows.as_bytes()).unwrap());
     let output = started.wait_with_output().unwrap();
@@ -126,7 +124,8 @@ fn the_blocks_in_small_numbers_answer_within_a_count() {
     }
     let controller = typical();
     let per_count = converters().units_per_count();
-    let history = counts().iter().map(|row| std::array::from_fn(|i| per_count[i] * f64::from(row[i]))).collect();
+    let history =
+        counts().iter().map(|row| std::array::from_fn(|i| per_count[i] * f64::from(row[i]))).collect();
     let known = Ranges::from_readings(&controller, &[history], 4.0);
     let fixed = plan(&controller, &known, 2.5e-3, SAMPLES).unwrap();
     let kinds = [

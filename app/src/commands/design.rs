@@ -48,6 +48,7 @@ fn on_target(loaded: &Loaded, made: &Designed, world: &Surroundings) -> anyhow::
         operations,
         costs: &processor::costs(&code),
         forms: &pipeline::export::forms(&made.verified)?,
+        by_form: &pipeline::export::by_form(&made.verified, &compared),
     }))
 }
 

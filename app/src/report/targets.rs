@@ -2,7 +2,7 @@
 
 use counterpoise_project::controller::sensitivity::Form;
 use counterpoise_project::export::board::Cost;
-use counterpoise_project::export::{Numbers, TargetFigures, Targets};
+use counterpoise_project::export::{FormFigures, Numbers, TargetFigures, Targets};
 use counterpoise_project::pipeline::export::PathForms;
 use counterpoise_project::verify::{Experiment, Source};
 
@@ -82,6 +82,8 @@ pub struct Told<'a> {
     pub costs: &'a Costs,
     /// Realisations of the paths.
     pub forms: &'a [PathForms],
+    /// The controller with its paths in every form.
+    pub by_form: &'a [FormFigures],
 }
 
 /// The section of a report that sets the targets side by side.
@@ -95,7 +97,11 @@ pub fn section(told: &Told<'_>) -> Section {
         Err(why) => section.saying(format!("There is no fixed-point form: {why}.")),
     };
     let section = section.listing(proof_table(told.proofs)).listing(deviations(told.targets));
-    let section = section.saying(ROUNDING).listing(form_table(told.forms)).saying(work(told.operations));
+    let section = section
+        .saying(ROUNDING)
+        .listing(form_table(told.forms))
+        .listing(by_form(told.by_form))
+        .saying(work(told.operations));
     let costs = told.costs;
     let section = if costs.counted.is_empty() { section } else { section.listing(cost_table(costs)) };
     match &costs.remark {
@@ -232,6 +238,31 @@ fn form_table(forms: &[PathForms]) -> Table {
     table
 }
 
+/// The controller with every path in each form.
+fn by_form(figures: &[FormFigures]) -> Table {
+    let columns = [
+        Column::Text("every path"),
+        Column::Number("multiplications"),
+        Column::Number("in double, largest [V]"),
+        Column::Number("in single, largest [V]"),
+        Column::Number("in single, RMS [V]"),
+    ];
+    let title = "Control of the C against the reference with the paths in each form, for the same readings";
+    let mut table = Table::new(title, &columns);
+    let volts = |value: f64| match value {
+        0.0 => "0".to_owned(),
+        value if value.is_finite() => format!("{value:.1e}"),
+        _ => "leaves all range".to_owned(),
+    };
+    let row = |each: &FormFigures| {
+        let values = [each.double.largest_v, each.single.largest_v, each.single.rms_v];
+        let first = [each.form.name().to_owned(), each.multiplications.to_string()];
+        first.into_iter().chain(values.map(volts)).map(Cell::text).collect()
+    };
+    table.rows = figures.iter().map(row).collect();
+    table
+}
+
 /// How far the control is from the reference for the same readings.
 fn deviations(targets: &Targets) -> Table {
     let columns = [
@@ -296,6 +327,7 @@ fn numbers(numbers: Numbers) -> &'static str {
 fn experiment(experiment: Experiment) -> &'static str {
     match experiment {
         Experiment::Step => "step of the demand",
+        Experiment::Triangle => "triangle of the demand",
         Experiment::Rest => "rest",
         Experiment::Disturbance(Source::Heave, _) => "heave",
         Experiment::Disturbance(Source::Pitch, _) => "pitch",

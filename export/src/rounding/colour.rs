@@ -92,8 +92,7 @@ impl Colours {
     pub fn squares(&self, states: usize, row: &[(usize, f64)]) -> f64 {
         let of = |colour: &Colour| {
             let own: f64 = row.iter().filter(|e| e.0 == states + colour.number).map(|e| e.1).sum();
-            let beside: f64 =
-                row.iter().filter(|e| e.0 < states).map(|(i, a)| a * colour.cross[*i]).sum();
+            let beside: f64 = row.iter().filter(|e| e.0 < states).map(|(i, a)| a * colour.cross[*i]).sum();
             own * (2.0 * beside + own * colour.square)
         };
         self.all.iter().map(of).sum()

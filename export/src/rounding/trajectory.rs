@@ -7,8 +7,6 @@ use super::tangent::{Row, Tangent};
 use super::{Arithmetic, Line, Rounded};
 use crate::ranges::Run;
 
-/// Samples of a run in which the roundings that repeat themselves are looked for.
-const SEARCHED: usize = 2000;
 /// Below this a covariance is taken for 0: it would only slow the arithmetic down.
 const NEGLIGIBLE: f64 = 1e-200;
 
@@ -49,12 +47,12 @@ pub(crate) fn follow(controller: &Controller, run: &Run, arithmetic: &impl Arith
     walk.track
 }
 
-/// The roundings of the beginning of a run that repeat themselves.
+/// The roundings of a run that repeat themselves.
 fn repeated(controller: &Controller, run: &Run, arithmetic: &impl Arithmetic) -> Colours {
     let programs = controller.programs();
     let mut step = Tangent::new(&programs.step, programs.state_count());
     let (mut states, mut search) = (programs.initial(), Search::default());
-    for readings in run.readings.iter().take(SEARCHED) {
+    for readings in &run.readings {
         step.run(&mut states, readings);
         search.look(&step, &roundings(&step, Line::Step, arithmetic));
     }
@@ -84,7 +82,9 @@ impl Walk<'_> {
         self.colours.take(&self.step, &mut rounded, self.states.len());
         let (mean, squares) = self.errors.of(self.step.output(), &rounded);
         self.track.mean_v.push(mean);
-        self.track.squares_v2.push((squares + self.colours.squares(self.states.len(), self.step.output())).max(0.0));
+        self.track
+            .squares_v2
+            .push((squares + self.colours.squares(self.states.len(), self.step.output())).max(0.0));
         self.errors.advance(&self.step, &rounded);
         self.colours.advance(&self.step, &mut self.errors.covariance);
     }

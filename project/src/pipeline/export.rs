@@ -1,10 +1,13 @@
 //! The verified controller as code, with where it comes from.
 
+use counterpoise_controller::READINGS;
 use counterpoise_controller::realise::coefficients;
 use counterpoise_controller::sensitivity::{Candidate, Form, candidates};
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
+use counterpoise_export::targets::RANGE_MARGIN;
 use counterpoise_export::{
-    Converters, File, Numbers, Options, Provenance, Targets, c99, fixed_c99, fixed_form, rust_crate, targets,
+    Converters, File, FormFigures, Numbers, Options, Provenance, Ranges, Targets, c99, fixed_c99, fixed_form,
+    rust_crate, targets,
 };
 use counterpoise_models::plant::Plant;
 use counterpoise_verify::{Limit, Verdict, VerifiedController};
@@ -169,6 +172,15 @@ pub fn forms(verified: &VerifiedController) -> Result<Vec<PathForms>, PipelineEr
         Ok(PathForms { path: path.name.clone(), candidates, chosen })
     };
     paths.map(of).collect()
+}
+
+/// The controller with its paths in every form, in double and in single precision, for the readings of the verification's runs.
+pub fn by_form(verified: &VerifiedController, compared: &Targets) -> Vec<FormFigures> {
+    let controller = verified.controller();
+    let runs: Vec<_> = compared.figures.iter().take(1).flat_map(|double| &double.closed_loops).collect();
+    let readings: Vec<Vec<[f64; READINGS]>> = runs.into_iter().map(|run| run.readings.clone()).collect();
+    let known = Ranges::from_readings(controller, &readings, RANGE_MARGIN);
+    counterpoise_export::by_form(controller, &known)
 }
 
 /// Half a step of the output converter, V.
