@@ -1,8 +1,10 @@
 //! The journal: every edit on disk before the next one is made, so that a crash loses next to nothing.
 //!
-//! A journal is a file of lines: first the project's path and text as it was opened or saved, then one command a line. A thread
-//! begins, writes and removes it; the window never waits for a disk.
+//! A journal is a file of lines: first the project's path and text as it was opened, then one command a line; where the project is
+//! saved, its text stands in a line again. A thread begins, writes and removes it, and another waits for the disk: neither the
+//! window nor the next edit does.
 
+use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -91,7 +93,8 @@ impl Journal {
         Self { inbox, trouble, thread: Some(thread) }
     }
 
-    /// Begins in the place of what stands at a path, with the edits that are already made.
+    /// Begins in the place of what stands at a path, or goes on from here in the journal that stands there, with the edits that are
+    /// already made.
     pub fn begin(&self, path: &Path, head: &Head, already: &[Command]) {
         let lines = already.iter().filter_map(|command| serde_json::to_string(command).ok());
         let text: String =
@@ -141,13 +144,59 @@ struct Writer {
     path: Option<PathBuf>,
     /// The file, where it has been begun.
     file: Option<File>,
-    /// What is not on disk yet; from the head on where there is no file.
+    /// What is not written yet; from the head on where there is no file.
     waiting: String,
+    syncer: Syncer,
+}
+
+/// Waits for the disk, while more is written.
+struct Syncer {
+    inbox: Option<Sender<(PathBuf, File)>>,
+    trouble: Arc<Mutex<Option<String>>>,
+    thread: Option<std::thread::JoinHandle<()>>,
+}
+
+impl Syncer {
+    fn new(disk: Arc<dyn Disk>) -> Self {
+        let (inbox, files) = channel::<(PathBuf, File)>();
+        let trouble = Arc::new(Mutex::new(None));
+        let told = Arc::clone(&trouble);
+        let thread = std::thread::spawn(move || {
+            while let Ok(first) = files.recv() {
+                let due: BTreeMap<PathBuf, File> = std::iter::once(first).chain(files.try_iter()).collect();
+                let failed = due.values().find_map(|file| disk.sync(file).err());
+                if let Ok(mut told) = told.lock() {
+                    *told = failed.map(|error| error.to_string());
+                }
+            }
+        });
+        Self { inbox: Some(inbox), trouble, thread: Some(thread) }
+    }
+
+    fn sync(&self, path: &Path, file: &File) {
+        if let (Some(inbox), Ok(file)) = (&self.inbox, file.try_clone()) {
+            let _ = inbox.send((path.to_owned(), file));
+        }
+    }
+
+    fn trouble(&self) -> Option<String> {
+        self.trouble.lock().ok().and_then(|told| told.clone())
+    }
+}
+
+impl Drop for Syncer {
+    fn drop(&mut self) {
+        self.inbox = None;
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
 }
 
 impl Writer {
     fn new(disk: Arc<dyn Disk>) -> Self {
-        Self { disk, path: None, file: None, waiting: String::new() }
+        let syncer = Syncer::new(Arc::clone(&disk));
+        Self { disk, path: None, file: None, waiting: String::new(), syncer }
     }
 
     fn run(&mut self, notes: &Receiver<Note>, trouble: &Mutex<Option<String>>) {
@@ -162,7 +211,8 @@ impl Writer {
             for note in first.into_iter().chain(notes.try_iter()) {
                 match note {
                     Note::Begin(path, text) => {
-                        (self.path, self.file, self.waiting) = (Some(path), None, text)
+                        self.file = self.file.take().filter(|_| self.path.as_ref() == Some(&path));
+                        (self.path, self.waiting) = (Some(path), text);
                     }
                     Note::Line(line) if self.path.is_some() => self.waiting.extend([line.as_str(), "\n"]),
                     Note::Line(_) => {}
@@ -173,7 +223,7 @@ impl Writer {
             }
             let written = self.write();
             if let Ok(mut told) = trouble.lock() {
-                *told = written.err();
+                *told = written.err().or_else(|| self.syncer.trouble());
             }
             for reply in flushed {
                 let _ = reply.send(());
@@ -199,7 +249,8 @@ impl Writer {
         match &mut self.file {
             Some(_) if self.waiting.is_empty() => return Ok(()),
             Some(file) => {
-                append(self.disk.as_ref(), file, &self.waiting).map_err(|error| error.to_string())?
+                append(file, &self.waiting).map_err(|error| error.to_string())?;
+                self.syncer.sync(path, file);
             }
             None => {
                 let begun = begin(self.disk.as_ref(), path, &self.waiting);
@@ -218,10 +269,10 @@ fn begin(disk: &dyn Disk, path: &Path, text: &str) -> io::Result<File> {
     Ok(file)
 }
 
-/// Appends a text to a file and waits until the disk has it; the file is as it was where that fails.
-fn append(disk: &dyn Disk, file: &mut File, text: &str) -> io::Result<()> {
+/// Appends a text to a file; it is as it was where that fails.
+fn append(file: &mut File, text: &str) -> io::Result<()> {
     let end = file.stream_position()?;
-    let done = file.write_all(text.as_bytes()).and_then(|()| disk.sync(file));
+    let done = file.write_all(text.as_bytes());
     if done.is_err() {
         file.set_len(end)?;
         file.seek(SeekFrom::Start(end))?;
@@ -232,8 +283,18 @@ fn append(disk: &dyn Disk, file: &mut File, text: &str) -> io::Result<()> {
 /// Reads a journal; a last line that is cut off is left out. None where there is no journal or nothing was done.
 pub fn recover(path: &Path) -> Option<Recovered> {
     let mut lines = BufReader::new(File::open(path).ok()?).lines().map_while(Result::ok);
-    let head = serde_json::from_str(&lines.next()?).ok()?;
-    let commands: Vec<Command> = lines.map_while(|line| serde_json::from_str(&line).ok()).collect();
+    let mut head: Head = serde_json::from_str(&lines.next()?).ok()?;
+    let mut commands: Vec<Command> = Vec::new();
+    for line in lines {
+        if let Ok(command) = serde_json::from_str(&line) {
+            commands.push(command);
+        } else if let Ok(saved) = serde_json::from_str(&line) {
+            head = saved;
+            commands.clear();
+        } else {
+            break;
+        }
+    }
     (!commands.is_empty()).then_some(Recovered { head, commands })
 }
 
@@ -260,6 +321,13 @@ mod tests {
         journal.begin(&path, &head, &found.commands);
         journal.flush().wait();
         assert_eq!(recover(&path).unwrap(), found);
+        let later = Head { text: "[plant]\nname = \"x\"\n".to_owned(), ..head };
+        journal.begin(&path, &later, &[]);
+        journal.flush().wait();
+        assert_eq!(recover(&path), None, "all of it is saved");
+        journal.note(&Command::Redo);
+        journal.flush().wait();
+        assert_eq!(recover(&path).unwrap(), Recovered { head: later, commands: vec![Command::Redo] });
         journal.end(Fate::Removed);
         drop(journal);
         assert!(!path.exists());

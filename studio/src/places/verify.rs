@@ -220,6 +220,8 @@ fn experiment(figure: Figure) -> Experiment {
         Source::Pitch
     } else if key.contains("rest") {
         return Experiment::Rest;
+    } else if key.contains("triangle") {
+        return Experiment::Triangle;
     } else {
         return Experiment::Step;
     };
@@ -229,6 +231,7 @@ fn experiment(figure: Figure) -> Experiment {
 fn name(experiment: Experiment) -> &'static str {
     match experiment {
         Experiment::Step => "Step of the demand",
+        Experiment::Triangle => "Triangle of the demand",
         Experiment::Rest => "At rest",
         Experiment::Disturbance(Source::Heave, _) => "Heave of the platform",
         Experiment::Disturbance(Source::Pitch, _) => "Pitch of the platform",
