@@ -113,6 +113,10 @@ pub trait Bench: Sync {
     fn travel_rad(&self) -> f64 {
         f64::INFINITY
     }
+    /// Turns of the hub on the platform from one sample to the next, RMS, in the liveliest recording.
+    fn turns_per_sample(&self) -> f64 {
+        0.0
+    }
     /// What other noise of the sensors in the loop would have changed, channel by channel, in floors: one of many
     /// possible outcomes, told by its number. None where the simulator has no noise.
     fn chance(

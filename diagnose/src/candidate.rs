@@ -6,8 +6,8 @@ use crate::library::Effect;
 use crate::look::Look;
 use crate::score::{Part, Score};
 use crate::tolerance::{
-    EFFECT_PRICE, EXPLAINED, FINAL_REACH, FINALISTS, FITTED_SHARE, GAIN_NEEDED, HARM, NOTHING_LEFT,
-    PARAMETER_PRICE, SYSTEMATIC_GAIN,
+    EFFECT_PRICE, EXPLAINED, FINAL_REACH, FINALISTS, FITTED_SHARE, HARM, NOTHING_LEFT, PARAMETER_PRICE,
+    SYSTEMATIC_GAIN,
 };
 
 /// A candidate that was fitted and judged.
@@ -27,6 +27,8 @@ pub struct Candidate {
     pub stances: Vec<Judged>,
     /// The recordings without which an effect of it could not be sized.
     pub needed: Vec<usize>,
+    /// Log-likelihood that an effect must gain, in nats.
+    pub least_gain: f64,
 }
 
 impl Candidate {
@@ -52,7 +54,7 @@ impl Candidate {
 
     /// Whether it gains enough, on data that it was not fitted to, harms no channel there and keeps its bounds.
     pub fn is_acceptable(&self) -> bool {
-        self.gain() > GAIN_NEEDED && !self.is_harmful() && self.is_within_bounds()
+        self.gain() > self.least_gain && !self.is_harmful() && self.is_within_bounds()
     }
 
     /// Whether a channel that was not fitted gets clearly worse.
@@ -61,8 +63,15 @@ impl Candidate {
         cells.into_iter().any(|(after, before)| after.excess > HARM * before.excess.max(1.0))
     }
 
+    /// Share of the power of what a smaller model leaves that it explains, mean over recordings and channels.
+    pub fn power_share(&self, smaller: &Score) -> f64 {
+        let cells = self.whole.cells.iter().zip(&smaller.cells);
+        let left: f64 = cells.map(|(after, before)| (after.rms_error / before.rms_error).powi(2)).sum();
+        1.0 - left / self.whole.cells.len().max(1) as f64
+    }
+
     /// Whether every knob stayed off the bounds of physical sense.
-    fn is_within_bounds(&self) -> bool {
+    pub(crate) fn is_within_bounds(&self) -> bool {
         knobs(&self.fit.effects).iter().zip(&self.fit.values).all(|(knob, &value)| {
             let [low, high] = knob.bounds;
             let margin = 1e-3 * (high - low).abs().min(value.abs());
@@ -74,7 +83,7 @@ impl Candidate {
     /// careful simulators of one mechanism differ by, which grows with all that was explained.
     pub fn is_worth_more_than(&self, smaller: &Score, nothing: &Score) -> bool {
         let gain = self.whole.gain_over(smaller);
-        gain > GAIN_NEEDED && gain > SYSTEMATIC_GAIN * self.whole.gain_over(nothing)
+        gain > self.least_gain && gain > SYSTEMATIC_GAIN * self.whole.gain_over(nothing)
     }
 
     /// Whether nothing is left that a further effect could explain.

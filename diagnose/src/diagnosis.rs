@@ -9,14 +9,15 @@ use crate::bench::Pool;
 use crate::error::Error;
 use crate::identify::{Amplifier, identify, improved};
 use crate::judge::Evidence;
-use crate::library::{Effect, free_curve, library, named};
+use crate::library::{Effect, free_curve, library, named, textbook};
 use crate::locate::{isolability, regime_map};
+use crate::look::Sizes;
 use crate::mend::mended;
 use crate::noise::{as_heard, with_noise_of};
 use crate::qualify::qualify;
 use crate::replays::{Prepared, Replays, measured};
 use crate::select::Searcher;
-use crate::tolerance::{BIAS_SEEN_RAD_S, SAMPLES_AT_MOST};
+use crate::tolerance::{BIAS_SEEN_RAD_S, SAMPLES_AT_MOST, TEXTBOOK_SAMPLES_AT_MOST};
 
 /// What a diagnosis gives: the answer, and the machine that explains the recordings.
 #[derive(Debug, Clone)]
@@ -39,10 +40,20 @@ pub fn diagnose(
     recordings: &[Recording],
     pool: &dyn Pool,
 ) -> Result<Diagnosis, Error> {
-    let control = control.into();
+    diagnose_of(Sizes::TYPICAL, base, control.into(), recordings, pool)
+}
+
+/// As [`diagnose`], for a machine of given sizes.
+pub(crate) fn diagnose_of(
+    sizes: Sizes,
+    base: &Parameters,
+    control: Loop,
+    recordings: &[Recording],
+    pool: &dyn Pool,
+) -> Result<Diagnosis, Error> {
     check(recordings, &control)?;
     pool.progress("qualifying", 0, 1);
-    let (recordings, qualification) = qualified(base, recordings)?;
+    let (recordings, qualification) = qualified(sizes, base, recordings)?;
     let recordings = recordings.as_slice();
     let project = base;
     let base = &as_heard(project, recordings);
@@ -54,15 +65,24 @@ pub fn diagnose(
     let map = regime_map(base, &bench.measured());
     let mut seeds = seeds(base, recordings);
     seeds.extend(biases(base, recordings));
-    let searcher = Searcher { bench: &bench, pool, base, effects: library(), seeds };
+    let searcher = Searcher { bench: &bench, pool, base, effects: effects_for(sizes), seeds, sizes };
     let search = searcher.search();
     if pool.cancelled() {
         return Err(Error::Cancelled);
     }
     let search = search.ok_or(Error::NotSimulated)?;
-    let evidence = Evidence { bench: &bench, base, search: &search, map, isolability, qualification };
+    let evidence = Evidence { bench: &bench, base, search: &search, map, isolability, qualification, sizes };
     let improved = with_noise_of(evidence.improved(), project);
     Ok(Diagnosis { answer: evidence.answer(), improved })
+}
+
+/// The effects that a machine of given sizes may have.
+fn effects_for(sizes: Sizes) -> Vec<&'static Effect> {
+    let mut effects = library();
+    if !sizes.typical {
+        effects.extend(textbook());
+    }
+    effects
 }
 
 /// Both gyroscopes' biases, where the kinematics say that one of them has one: a loop that holds a biased rate moves from
@@ -120,7 +140,11 @@ fn check(recordings: &[Recording], control: &Loop) -> Result<(), Error> {
 }
 
 /// The recordings without their holes and without channels that cannot be what they claim, and what was found.
-fn qualified(base: &Parameters, recordings: &[Recording]) -> Result<(Vec<Recording>, Vec<String>), Error> {
+fn qualified(
+    sizes: Sizes,
+    base: &Parameters,
+    recordings: &[Recording],
+) -> Result<(Vec<Recording>, Vec<String>), Error> {
     let ratio = base.gearbox.ratio;
     let (mut sound, mut told) = (Vec::new(), Vec::new());
     for recording in recordings {
@@ -141,23 +165,23 @@ fn qualified(base: &Parameters, recordings: &[Recording]) -> Result<(Vec<Recordi
     if sound.is_empty() {
         return Err(Error::Unusable { what: told.join("; ") });
     }
-    shorten(&mut sound, &mut told);
+    shorten(&mut sound, if sizes.typical { SAMPLES_AT_MOST } else { TEXTBOOK_SAMPLES_AT_MOST }, &mut told);
     Ok((sound, told))
 }
 
 /// Cuts recordings to what a diagnosis can replay some thousand times: the first part of each, an equal share of the
 /// samples that are left by those that are short enough.
-fn shorten(recordings: &mut [Recording], told: &mut Vec<String>) {
+fn shorten(recordings: &mut [Recording], most: usize, told: &mut Vec<String>) {
     let mut order: Vec<usize> = (0..recordings.len()).collect();
     order.sort_by_key(|&r| recordings[r].len());
-    let mut left = SAMPLES_AT_MOST;
+    let mut left = most;
     for (k, &r) in order.iter().enumerate() {
         let share = left / (order.len() - k);
         let recording = &mut recordings[r];
         if recording.len() > share {
             let period = recording.sample_period_s;
             told.push(format!(
-                "{}: the first {:.4} s of {:.4} s are used, for {SAMPLES_AT_MOST} samples in all are what is replayed",
+                "{}: the first {:.4} s of {:.4} s are used, for {most} samples in all are what is replayed",
                 recording.name,
                 share as f64 * period,
                 recording.len() as f64 * period

@@ -9,10 +9,13 @@ use crate::answer::{
 use crate::bench::Bench;
 use crate::fit::intervals;
 use crate::library::Effect;
-use crate::look::{Look, is_ripple};
+use crate::look::{Look, Sizes, is_ripple};
 use crate::score::{Score, correlation_time, score};
 use crate::select::{Candidate, Search};
-use crate::tolerance::{AMBIGUOUS, EXPLAINED, GAIN_NEEDED, RIVALRY, SHARE_TO_NAME};
+use crate::tolerance::{
+    AMBIGUOUS, EXPLAINED, GAIN_NEEDED, RIGHT_OF_THREE, RIGHT_OF_UNKNOWN, RIGHT_WHERE_EXPLAINED,
+    RIGHT_WHERE_INCOMPLETE, RIVALRY, SHARE_TO_NAME, TEXTBOOK_SHARE_TO_NAME,
+};
 use counterpoise_models::Parameters;
 
 /// What the answer is made from.
@@ -29,6 +32,8 @@ pub struct Evidence<'a> {
     pub isolability: Vec<crate::locate::Signature>,
     /// What was wrong with the recordings themselves.
     pub qualification: Vec<String>,
+    /// What is known of the machine's sizes.
+    pub sizes: Sizes,
 }
 
 impl Evidence<'_> {
@@ -72,7 +77,9 @@ impl Evidence<'_> {
     /// The accepted model, where it explains enough of the mismatch to carry a name.
     fn named(&self) -> Option<&Candidate> {
         let accepted = self.search.accepted.as_ref()?;
-        (accepted.explains() || self.share(accepted) > SHARE_TO_NAME).then_some(accepted)
+        let textbook =
+            !self.sizes.typical && accepted.power_share(&self.search.before) > TEXTBOOK_SHARE_TO_NAME;
+        (accepted.explains() || self.share(accepted) > SHARE_TO_NAME || textbook).then_some(accepted)
     }
 
     /// Share of the distance from the floor that a model explains.
@@ -105,8 +112,17 @@ impl Evidence<'_> {
         let best = best.unwrap_or(accepted);
         let others = rivals.iter().filter(|r| r.newest().is_some_and(|e| !same_name(e, chosen)));
         let weight: f64 = others.map(|r| (-RIVALRY * r.behind(best).max(0.0)).exp()).sum();
-        let complete = if accepted.whole.worst() < EXPLAINED { 0.98 } else { 0.9 * self.share(accepted) };
-        complete / (1.0 + weight)
+        self.ceiling(accepted) / (1.0 + weight)
+    }
+
+    /// How often a name is true that has no rival, by how well the model explains the recordings.
+    fn ceiling(&self, accepted: &Candidate) -> f64 {
+        let explained = self.sizes.typical && accepted.whole.worst() < EXPLAINED;
+        match (explained, accepted.fit.effects.len()) {
+            (true, ..3) => RIGHT_WHERE_EXPLAINED,
+            (true, _) => RIGHT_OF_THREE,
+            (false, _) => RIGHT_WHERE_INCOMPLETE,
+        }
     }
 
     fn findings(&self, verdict: Verdict) -> Vec<Finding> {
@@ -180,11 +196,8 @@ impl Evidence<'_> {
 
     fn unknown(&self) -> Finding {
         let strongest = self.map.iter().max_by(|a, b| a.explained.total_cmp(&b.explained));
-        let component = strongest.map_or("unknown", |cell| match cell.component {
-            "twist" => "gearbox",
-            "hub" => "pivot",
-            _ => "structure",
-        });
+        let components = strongest.map_or(Vec::new(), likely_components);
+        let (component, others) = components.split_first().map_or(("unknown", &[][..]), |(c, o)| (*c, o));
         let when = strongest.map_or_else(
             || "not found".to_owned(),
             |c| {
@@ -210,11 +223,11 @@ impl Evidence<'_> {
         Finding {
             effect: "unknown",
             component,
-            probability: 0.9,
+            probability: RIGHT_OF_UNKNOWN,
             when,
             explanation: format!("None of the known effects explains the mismatch.{nearest}"),
             parameters: Vec::new(),
-            alternatives: Vec::new(),
+            alternatives: others.iter().map(|component| Name { effect: "unknown", component }).collect(),
         }
     }
 
@@ -262,7 +275,7 @@ impl Evidence<'_> {
     }
 
     fn next_experiment(&self, verdict: Verdict, findings: &[Finding]) -> Option<Experiment> {
-        let rival = findings.iter().find(|f| !f.alternatives.is_empty());
+        let rival = findings.iter().find(|f| f.effect != "unknown" && !f.alternatives.is_empty());
         match (verdict, rival) {
             (Verdict::Consistent, _) => None,
             (_, Some(finding)) => {
@@ -297,6 +310,19 @@ impl Evidence<'_> {
             out.push("the last fit reached its iteration limit before it settled".to_owned());
         }
         out
+    }
+}
+
+/// Where a mismatch sits that follows one regime variable in one balance, the likeliest first: friction follows the rate, springs and
+/// masses position and acceleration, motor and amplifier torque, control and warmth.
+fn likely_components(cell: &MapCell) -> Vec<&'static str> {
+    match (cell.component, cell.regime) {
+        ("twist", _) => vec!["gearbox"],
+        ("hub", "rate" | "reversal" | "amplitude") => vec!["pivot", "structure"],
+        ("hub", _) => vec!["structure", "pivot"],
+        (_, "rate" | "reversal" | "amplitude") => vec!["pivot", "motor", "structure"],
+        (_, "load" | "control" | "time" | "motor angle") => vec!["motor", "structure", "pivot"],
+        _ => vec!["structure", "motor", "pivot"],
     }
 }
 

@@ -12,7 +12,7 @@ use crate::fit::{from_variable, to_variable};
 use crate::library::{Effect, Knob, Mapping};
 use crate::scan::{best_orders, scanned};
 use crate::score::{Part, score};
-use crate::tolerance::EXPLAINED;
+use crate::tolerance::{EXPLAINED, GAIN_NEEDED, TEXTBOOK_GAIN_NEEDED};
 
 /// How well an effect's signature explains the misfit, and where its fit should start.
 #[derive(Debug, Clone)]
@@ -72,6 +72,25 @@ impl Look {
     }
 }
 
+/// What is known of a machine's sizes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sizes {
+    /// Whether the library's typical sizes are typical of the machine: one like the reference rig.
+    pub typical: bool,
+    /// Turns of the motor, as the model counts them, per turn of the machine's own motor.
+    pub motor_turns: f64,
+}
+
+impl Sizes {
+    /// Those of a machine like the reference rig.
+    pub const TYPICAL: Self = Self { typical: true, motor_turns: 1.0 };
+
+    /// Log-likelihood that an effect must gain on data that it was not fitted to, in nats.
+    pub fn gain_needed(&self) -> f64 {
+        if self.typical { GAIN_NEEDED } else { TEXTBOOK_GAIN_NEEDED }
+    }
+}
+
 /// One effect at one set of directions in its knobs' fit variables.
 pub(crate) struct Trial {
     pub effect: &'static Effect,
@@ -119,7 +138,7 @@ const TRACE_STRIDE: usize = 7;
 pub fn first_look(scene: &Scene, effects: &[&'static Effect]) -> Vec<Look> {
     let (repeating, plain): (Vec<&'static Effect>, Vec<&'static Effect>) =
         effects.iter().partition(|e| is_ripple(e) && e.starts.is_empty());
-    let mut trials: Vec<Trial> = plain.iter().flat_map(|effect| trials(effect, scene.base)).collect();
+    let mut trials: Vec<Trial> = plain.iter().flat_map(|effect| trials(effect, scene)).collect();
     for effect in repeating {
         trials.extend(best_orders(scene, effect));
     }
@@ -153,6 +172,8 @@ pub struct Scene<'a> {
     pub judged: &'a [Judged],
     /// How much is asked of a look.
     pub reach: Reach,
+    /// What is known of the machine's sizes.
+    pub sizes: Sizes,
 }
 
 /// How much is asked of a look.
@@ -250,8 +271,9 @@ pub(crate) fn look(
         out.iter().flatten().all(|d| d.is_finite()).then_some(out)
     };
     let signatures: Vec<Residuals> = trial.directions.iter().map(signature).collect::<Option<_>>()?;
-    let (coefficients, explained) = regress(here, &signatures, trial.combine)?;
-    let start = start_values(trial, &coefficients);
+    let limits = limits(trial, scene.sizes);
+    let (coefficients, explained) = regress(here, &signatures, &limits)?;
+    let start = start_values(trial, &coefficients, limits[0][1]);
     let size = (0..scene.judged.len()).map(|r| rms(&signatures[0][r])).collect();
     let information = signatures[0].iter().flatten().map(|d| d * d).sum();
     let change = first_change(trial);
@@ -285,7 +307,7 @@ fn moved(base: &Parameters, trial: &Trial, direction: &[f64]) -> Parameters {
 }
 
 /// Weighted least squares of the residual on the signatures: coefficients, and the share explained.
-fn regress(here: &Weighted, signatures: &[Residuals], combine: Combine) -> Option<(Vec<f64>, f64)> {
+fn regress(here: &Weighted, signatures: &[Residuals], limits: &[[f64; 2]]) -> Option<(Vec<f64>, f64)> {
     let inner = |a: &Residuals, b: &Residuals| -> f64 {
         let recordings = a.iter().zip(b).zip(&here.weights);
         recordings
@@ -298,8 +320,7 @@ fn regress(here: &Weighted, signatures: &[Residuals], combine: Combine) -> Optio
     let gram = &gram + &Mat::eye(count).scale(ridge);
     let right: Vec<f64> = signatures.iter().map(|s| -inner(s, &here.residuals)).collect();
     let mut coefficients = solve(&gram, &Mat::col(&right)).ok()?.as_slice().to_vec();
-    let limit = if combine == Combine::Towards { [0.0, 2.0] } else { [-30.0, 30.0] };
-    coefficients.iter_mut().for_each(|c| *c = c.clamp(limit[0], limit[1]));
+    coefficients.iter_mut().zip(limits).for_each(|(c, limit)| *c = c.clamp(limit[0], limit[1]));
     let total: f64 = (0..here.residuals.len())
         .filter(|&r| !signatures[0][r].is_empty())
         .map(|r| here.residuals[r].iter().zip(&here.weights[r]).map(|(x, w)| x * x * w * w).sum::<f64>())
@@ -310,15 +331,40 @@ fn regress(here: &Weighted, signatures: &[Residuals], combine: Combine) -> Optio
     explained.is_finite().then_some((coefficients, explained))
 }
 
+/// Multiples of a direction that a look may ask for.
+const MULTIPLES: f64 = 30.0;
+/// The same where the typical sizes are not the machine's: of a plain quantity, and the change of a logarithm.
+const FAR_MULTIPLES: f64 = 3e3;
+const FAR_LOGARITHM: f64 = 3.0;
+/// The same of a torque that repeats.
+const FAR_RIPPLE: f64 = 500.0;
+
+/// How far each direction of a trial may be followed.
+fn limits(trial: &Trial, sizes: Sizes) -> Vec<[f64; 2]> {
+    let both = |limit: f64| [-limit, limit];
+    let far = |direction: &Vec<f64>| {
+        let moved = |k: &usize| direction[*k] != 0.0 && trial.effect.knobs[*k].mapping == Mapping::Log;
+        let of = |k: usize| FAR_LOGARITHM / (direction[k].abs() * trial.effect.knobs[k].size);
+        (0..direction.len()).find(moved).map_or(FAR_MULTIPLES, of)
+    };
+    let one = |direction: &Vec<f64>| match trial.combine {
+        Combine::Towards => [0.0, 2.0],
+        Combine::Free if !sizes.typical => both(far(direction)),
+        Combine::Ripple if !sizes.typical => both(FAR_RIPPLE),
+        _ => both(MULTIPLES),
+    };
+    trial.directions.iter().map(one).collect()
+}
+
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
-fn start_values(trial: &Trial, coefficients: &[f64]) -> Vec<f64> {
+fn start_values(trial: &Trial, coefficients: &[f64], most: f64) -> Vec<f64> {
     let mut x = trial.origin.clone();
     if trial.combine == Combine::Ripple {
         let (sine, cosine) = (coefficients[0], coefficients[1]);
-        x[0] += sine.hypot(cosine).clamp(0.2, 30.0) * trial.directions[0][0];
+        x[0] += sine.hypot(cosine).clamp(0.2, most) * trial.directions[0][0];
         x[2] = to_variable(&trial.effect.knobs[2], cosine.atan2(sine));
     } else if trial.combine == Combine::Centred {
         x[0] = coefficients[0] + coefficients[1];
@@ -331,8 +377,12 @@ fn start_values(trial: &Trial, coefficients: &[f64]) -> Vec<f64> {
     trial.effect.knobs.iter().zip(x).map(|(k, x)| from_variable(k, x)).collect()
 }
 
-fn trials(effect: &'static Effect, base: &Parameters) -> Vec<Trial> {
-    let knobs = effect.knobs;
+/// Times its value to which a quantity that is positive by nature is taken where the machine's sizes are not known: dry friction
+/// that a model has next to none of, for one.
+const FAR_FACTORS: [f64; 2] = [4.0, 16.0];
+
+fn trials(effect: &'static Effect, scene: &Scene) -> Vec<Trial> {
+    let (base, knobs) = (scene.base, effect.knobs);
     let origin: Vec<f64> = knobs.iter().map(|k| to_variable(k, (k.get)(base))).collect();
     let trial = |origin: Vec<f64>, directions, combine| Trial { effect, origin, directions, combine };
     if knobs[0].mapping == Mapping::Whole {
@@ -349,7 +399,14 @@ fn trials(effect: &'static Effect, base: &Parameters) -> Vec<Trial> {
         return all;
     }
     let unit = |j: usize| (0..knobs.len()).map(|i| if i == j { 0.1 } else { 0.0 }).collect();
-    vec![trial(origin, (0..knobs.len()).map(unit).collect(), Combine::Free)]
+    let mut all = vec![trial(origin, (0..knobs.len()).map(unit).collect(), Combine::Free)];
+    if let ([knob], false) = (knobs, scene.sizes.typical)
+        && knob.mapping == Mapping::Log
+    {
+        let far = |factor: &f64| towards(effect, base, &[(knob.get)(base) * factor]);
+        all.extend(FAR_FACTORS.iter().map(far).filter(|trial| trial.directions[0][0] != 0.0));
+    }
+    all
 }
 
 /// Whether the knobs are a stiffness and where it is slack.

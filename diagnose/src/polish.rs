@@ -7,7 +7,7 @@ use crate::fit::{Fit, Selection, applied, knobs};
 use crate::library::{Effect, refinement};
 use crate::score::score;
 use crate::select::{Candidate, Effort, Search, Searcher};
-use crate::tolerance::{AMBIGUOUS, GAIN_NEEDED, RIVALS, SEARCH_ITERATIONS, SWAP_NEEDED};
+use crate::tolerance::{AMBIGUOUS, MERGES, RIVALS, SEARCH_ITERATIONS, SWAP_NEEDED};
 
 impl Searcher<'_> {
     /// The accepted effects with those in a coarse form refined, where that explains more.
@@ -49,6 +49,9 @@ impl Searcher<'_> {
     pub(crate) fn swap_and_prune(&self, search: &mut Search) {
         let Some(mut best) = search.accepted.take() else { return };
         self.prune(&mut best, search);
+        if let Some(simpler) = self.merged(&best, search) {
+            best = simpler;
+        }
         if best.fit.effects.len() > 1 {
             let before = best.fit.effects.clone();
             search.rivals = self.swapped(&mut best, search);
@@ -60,12 +63,29 @@ impl Searcher<'_> {
         }
         if let (1, Some(stage)) = (best.fit.effects.len(), search.stages.iter().find(|s| s.contains(&best))) {
             let singles = stage.singles();
-            if singles.iter().any(|c| c.has_same_effects(&best) && c.gain() < GAIN_NEEDED) {
+            if singles.iter().any(|c| c.has_same_effects(&best) && c.gain() < c.least_gain) {
                 return;
             }
             search.rivals = vec![self.heard_again(singles, &best)];
         }
         search.accepted = Some(best);
+    }
+
+    /// One effect in the place of two of the same component, where it explains as much as both: another out-of-balance in the
+    /// place of an accelerometer's bias and scale together.
+    fn merged(&self, best: &Candidate, search: &Search) -> Option<Candidate> {
+        let effects = &best.fit.effects;
+        let of_one = |i: &usize, j: &usize| effects[*i].component == effects[*j].component;
+        let pairs = (0..effects.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
+        let (i, j) = pairs.filter(|(i, j)| of_one(i, j)).find(|_| !self.pool.cancelled())?;
+        let candidates = if effects.len() == 2 {
+            search.stages.first()?.singles()
+        } else {
+            let rest = self.without(&self.without(best, j)?, i)?;
+            self.stage(Some(&rest), Effort::Rivals).adding_one(effects.len() - 2)
+        };
+        let simpler = candidates.into_iter().filter(Candidate::is_acceptable).take(MERGES);
+        simpler.map(|c| self.refitted(c)).find(|c| c.behind(best) < 0.0)
     }
 
     /// The rivals of a single effect, best first: itself as it is fitted now, and what was level with its first fit or ahead of it

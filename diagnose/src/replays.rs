@@ -12,7 +12,7 @@ use crate::bench::{Bench, Drive, Judged, Misfit, Span, StartShift, rms};
 use crate::error::Error;
 use crate::locate::Measured;
 use crate::noise::floor;
-use crate::tolerance::FITTED_SHARE;
+use crate::tolerance::{FITTED_SHARE, STEPS_PER_SAMPLE};
 
 /// Channels whose misfit is scored; the platform's are what drives the replay.
 const SCORED: [Channel; 4] = [Channel::Control, Channel::HubRate, Channel::MotorRate, Channel::HubPosition];
@@ -55,9 +55,18 @@ impl<'a> Replays<'a> {
     /// A recording that cannot be replayed.
     pub fn new(base: &'a Parameters, control: &Loop, prepared: &'a Prepared) -> Result<Self, Error> {
         let ready = |recordings: &'a [Recording]| {
-            recordings.iter().map(|r| Replayer::new(base, r)).collect::<Result<Vec<_>, _>>()
+            let one = |r: &'a Recording| Ok(Replayer::new(base, r)?.bounded(STEPS_PER_SAMPLE));
+            recordings.iter().map(one).collect::<Result<Vec<_>, counterpoise_simulate::Error>>()
         };
-        let floors = |r: &Recording| SCORED.map(|c| floor(base, c, r.column(c).unwrap_or(&[])));
+        let control_floor = match control {
+            Loop::Closed(controller) => control_floor(base, controller),
+            Loop::Open => 0.0,
+        };
+        // a control that was recorded more quietly than this loop makes it is not this loop's: its noise is no measure
+        let of = |c, own: f64| {
+            if c == Channel::Control && own < QUIET * control_floor { control_floor } else { own }
+        };
+        let floors = |r: &Recording| SCORED.map(|c| of(c, floor(base, c, r.column(c).unwrap_or(&[]))));
         Ok(Self {
             base,
             control: control.clone(),
@@ -65,10 +74,7 @@ impl<'a> Replays<'a> {
             heads: ready(&prepared.heads)?,
             noisy: ready(&prepared.noisy)?,
             floors: prepared.whole.iter().map(floors).collect(),
-            control_floor: match control {
-                Loop::Closed(controller) => control_floor(base, controller),
-                Loop::Open => 0.0,
-            },
+            control_floor,
             prepared,
         })
     }
@@ -169,8 +175,10 @@ impl<'a> Replays<'a> {
             return self.played(parameters, index, quiet);
         }
         let wander = self.wander(parameters, index, &quiet, Drive::ClosedLoop)?;
-        if wander.iter().all(|w| *w < HUNTING) {
-            let misfits = self.misfits(&quiet, index, length, Drive::ClosedLoop)?;
+        let misfits = self.misfits(&quiet, index, length, Drive::ClosedLoop)?;
+        // an angle wanders in any loop of a rate, and says nothing of hunting
+        let hunts = |(m, w): (&Misfit, &f64)| *w > HUNTING && m.channel != Channel::HubPosition.name();
+        if !misfits.iter().zip(&wander).any(hunts) {
             return Some(Judged { misfits, wander, start: Some(quiet.start), drive: Drive::ClosedLoop });
         }
         self.played(parameters, index, playback()?)
@@ -185,6 +193,8 @@ impl<'a> Replays<'a> {
     }
 }
 
+/// Share of the noise that the gyroscope's makes in the control below which recorded control is not of this loop.
+const QUIET: f64 = 0.3;
 /// Two runs that part by more than this many floors are hunting: no replay in closed loop can follow.
 const HUNTING: f64 = 5.0;
 
@@ -263,6 +273,15 @@ impl Bench for Replays<'_> {
 
     fn travel_rad(&self) -> f64 {
         self.prepared.whole.iter().map(travel).fold(0.0, f64::max)
+    }
+
+    fn turns_per_sample(&self) -> f64 {
+        let recording = &self.prepared.whole[self.liveliest()];
+        let Some(hub) = recording.hub_rate_rad_s.as_deref() else { return 0.0 };
+        let platform = recording.platform_rate_rad_s.as_deref();
+        let rates = hub.iter().enumerate().map(|(k, h)| h - platform.map_or(0.0, |p| p[k]));
+        let finite: Vec<f64> = rates.filter(|rate| rate.is_finite()).collect();
+        rms(&finite) * recording.sample_period_s / std::f64::consts::TAU
     }
 
     fn chance(

@@ -12,12 +12,15 @@ use counterpoise_simulate::replay::Loop;
 
 use crate::answer::{Answer, Channels};
 use crate::bench::Pool;
-use crate::diagnosis::{Diagnosis, diagnose as diagnose_as_it_is};
+use crate::diagnosis::{Diagnosis, diagnose as diagnose_as_it_is, diagnose_of};
 use crate::error::Error;
 use crate::library::{Knob, named};
+use crate::look::Sizes;
 
 /// Inertia and gear ratio for which the library's sizes are meant.
 const USUAL: (f64, f64) = (345.0, 200.0);
+/// Torque of the drive at the hub for which they are meant, N m.
+const USUAL_TORQUE: f64 = 600.0;
 /// Regime variables that are torques or the motor's angle: those of the scaled machine are not the machine's own.
 const SCALED_REGIMES: [&str; 2] = ["load", "motor angle"];
 /// Factors within which a machine is taken as it is.
@@ -42,10 +45,13 @@ pub fn diagnose(
     recordings: &[Recording],
     pool: &dyn Pool,
 ) -> Result<Diagnosis, Error> {
-    let Some(scale) = Scale::of(base) else { return diagnose_as_it_is(base, control, recordings, pool) };
+    let Some(scale) = Scale::of(base, recordings) else {
+        return diagnose_as_it_is(base, control, recordings, pool);
+    };
     let scaled = scale.applied(base);
     let recordings: Vec<Recording> = recordings.iter().map(|r| scale.recording(r)).collect();
-    let mut found = diagnose_as_it_is(&scaled, control, &recordings, pool)?;
+    let sizes = Sizes { typical: false, motor_turns: scale.ratio };
+    let mut found = diagnose_of(sizes, &scaled, control.into(), &recordings, pool)?;
     scale.bring_back(&mut found.answer, &scaled);
     found.improved = scale.inverse().applied(&found.improved);
     Ok(found)
@@ -53,12 +59,14 @@ pub fn diagnose(
 
 impl Scale {
     /// The factors that bring a machine to the usual size; none where it has that already, or no lumped structure.
-    pub fn of(base: &Parameters) -> Option<Self> {
+    pub fn of(base: &Parameters, recordings: &[Recording]) -> Option<Self> {
         let lumped = base.lumped.as_ref()?;
-        let torque = USUAL.0 / (lumped.hub_inertia_kg_m2 + lumped.beam_inertia_kg_m2);
+        let by_inertia = USUAL.0 / (lumped.hub_inertia_kg_m2 + lumped.beam_inertia_kg_m2);
         let ratio = USUAL.1 / base.gearbox.ratio;
         let near = |factor: f64, bound: f64| (1.0 / bound..=bound).contains(&factor);
-        let usual = near(torque, AS_IT_IS.0) && near(ratio, AS_IT_IS.1);
+        let usual = near(by_inertia, AS_IT_IS.0) && near(ratio, AS_IT_IS.1);
+        let drive = drive_torque(base, recordings);
+        let torque = if drive > 0.0 { USUAL_TORQUE / drive } else { by_inertia };
         // powers of two: numbers come back to the last bit
         let near_power = |factor: f64| factor.log2().round().exp2();
         let scale = Self { torque: near_power(torque), ratio: near_power(ratio) };
@@ -157,6 +165,15 @@ impl Scale {
     }
 }
 
+/// RMS of the torque that the recorded control asks of the motor at standstill, at the hub, N m.
+fn drive_torque(base: &Parameters, recordings: &[Recording]) -> f64 {
+    let loss = base.motor.resistance_ohm + base.amplifier.gain * base.amplifier.current_feedback_v_a;
+    let gain = base.gearbox.ratio * base.motor.torque_constant_nm_a * base.amplifier.gain / loss;
+    let controls = recordings.iter().filter_map(|r| r.control_v.as_deref()).flatten();
+    let control: Vec<f64> = controls.copied().filter(|v| v.is_finite()).collect();
+    (gain * crate::bench::rms(&control)).abs()
+}
+
 fn knob(component: &str, effect: &str, name: &str) -> Option<&'static Knob> {
     let knobs = named(component, effect).flat_map(|e| e.knobs.iter());
     knobs.into_iter().find(|knob| knob.name == name)
@@ -253,7 +270,7 @@ mod tests {
         let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
         assert!(apart(&rate, &rate_small) < 1e-4 * 0.15, "{}", apart(&rate, &rate_small));
         assert!(apart(&control, &control_small) < 1e-3, "{}", apart(&control, &control_small));
-        let scale = Scale::of(&machine).unwrap();
+        let scale = Scale::of(&machine, &[]).unwrap();
         let usual = scale.applied(&machine);
         assert!((0.7..1.5).contains(&(usual.gearbox.ratio / USUAL.1)));
         assert_eq!(scale.inverse().applied(&usual), machine);
@@ -261,7 +278,7 @@ mod tests {
             without_sizes("follows load: odd in it over -1.000 to 1.000 N m"),
             "follows load: odd in it"
         );
-        assert!(Scale::of(&usual).is_none() && Scale::of(&rig).is_none());
+        assert!(Scale::of(&usual, &[]).is_none() && Scale::of(&rig, &[]).is_none());
         let knob = knob("pivot", "coulomb", "coulomb").unwrap();
         let own = scale.own(&usual, knob, usual.pivot_friction.coulomb_nm());
         assert!((own / machine.pivot_friction.coulomb_nm() - 1.0).abs() < 1e-12);

@@ -6,7 +6,7 @@ use counterpoise_models::Parameters;
 use crate::bench::{Drive, Judged, Misfit, Span, map};
 use crate::library::{Effect, Mapping, scan_range};
 use crate::look::{Look, Scene, Trial, is_close, look, ripple, towards, weighted};
-use crate::tolerance::PERIOD_SEEN;
+use crate::tolerance::{PERIOD_SEEN, PERIODS_SAMPLED};
 
 /// Orders at which something that repeats with an angle is looked for, per turn.
 const ORDERS: [f64; 25] = [
@@ -89,14 +89,18 @@ const ORDERS_KEPT: usize = 3;
 pub(crate) fn best_orders(scene: &Scene, effect: &'static Effect) -> Vec<Trial> {
     let here = weighted(scene.judged);
     let one = [scene.bench.liveliest()];
-    let per_motor_turn = ORDERS.iter().copied();
-    let per_hub_turn = ORDERS.iter().map(|order| order / scene.base.gearbox.ratio);
-    let [lowest, _] = effect.knobs[1].bounds;
-    let turned = scene.bench.travel_rad() * scene.base.gearbox.ratio;
+    let ratio = scene.base.gearbox.ratio;
+    let at_pivot = effect.component == "pivot";
+    let first = if at_pivot { ORDERS[0] } else { ORDERS[0] / scene.sizes.motor_turns };
+    let per_motor_turn = ORDERS.iter().map(|order| order * first);
+    let per_hub_turn = ORDERS.iter().map(|order| order / ratio);
+    let lowest = if effect.component == "motor" { first } else { effect.knobs[1].bounds[0] };
+    let turned = scene.bench.travel_rad() * ratio;
     let is_seen = |order: &f64| *order * turned > PERIOD_SEEN * std::f64::consts::TAU;
+    let is_sampled = |order: &f64| *order * ratio * scene.bench.turns_per_sample() < PERIODS_SAMPLED;
     let orders = per_motor_turn
-        .chain(per_hub_turn.filter(|order| *order >= lowest && *order < ORDERS[0]))
-        .filter(|order| effect.component == "pivot" || is_seen(order));
+        .chain(per_hub_turn.filter(|order| *order >= lowest && *order < first))
+        .filter(|order| at_pivot || (is_seen(order) && is_sampled(order)));
     let scan: Vec<Trial> = orders.map(|order| ripple(effect, order)).collect();
     let looks = map(scene.pool, scan.len(), |t| look(scene, &here, &scan[t], &one, Span::Head));
     let share = |l: &Option<Look>| l.as_ref().map_or(f64::NEG_INFINITY, |l| l.explained);

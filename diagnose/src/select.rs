@@ -14,13 +14,13 @@ use crate::candidate::{finalists, held_out_parts, ranked, shortlist, telling_rec
 use crate::chance::by_chance;
 use crate::fit::{Fit, Problem, Selection};
 use crate::library::Effect;
-use crate::look::{Look, Reach, Scene, first_look, is_close, is_ripple};
+use crate::look::{Look, Reach, Scene, Sizes, first_look, is_close, is_ripple};
 use crate::pairs::pairs;
 use crate::scan::judged_gap;
 use crate::score::{Score, judge, score};
 use crate::tolerance::{
     BEYOND_CHANCE, EFFECTS_AT_MOST, FITTED_SHARE, GAIN_NEEDED, JOINT_KNOBS, NO_CHANCE, ONLY_THERE, PAIRS,
-    PROMISE_SHARE, RIVALS, SHORTLIST,
+    PROMISE_SHARE, RIVALS, SHORTLIST, SWAP_NEEDED,
 };
 
 /// The outcome of the search.
@@ -50,6 +50,8 @@ pub struct Searcher<'a> {
     pub effects: Vec<&'static Effect>,
     /// Effects with values found by other means, to be fitted from there at the first stage.
     pub seeds: Vec<(&'static Effect, Vec<f64>)>,
+    /// What is known of the machine's sizes.
+    pub sizes: Sizes,
 }
 
 impl Searcher<'_> {
@@ -90,9 +92,15 @@ impl Searcher<'_> {
     ) -> Option<Candidate> {
         let worth = |c: &&Candidate| c.is_acceptable() && c.is_worth_more_than(smaller, nothing);
         let beyond = |c: &&Candidate| self.is_beyond_chance(c, smaller);
-        let best = stage.candidates.iter().filter(worth).take(RIVALS).find(beyond)?;
+        let mut worthy: Vec<&Candidate> = stage.candidates.iter().filter(worth).take(RIVALS).collect();
+        if !self.sizes.typical {
+            // what a textbook's model leaves is far above the floor: data that was not fitted decides, one more effect at its price
+            let worth = |c: &Candidate| c.gain() - SWAP_NEEDED * c.fit.effects.len() as f64;
+            worthy.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+        }
+        let best = worthy.into_iter().find(beyond)?;
         let validated = self.validated(Candidate { needed: needed.to_vec(), ..best.clone() }, smaller)?;
-        (!validated.is_harmful() && validated.gain() > GAIN_NEEDED).then_some(validated)
+        (!validated.is_harmful() && validated.gain() > validated.least_gain).then_some(validated)
     }
 
     /// Whether a candidate gains more than its newest effect would gain on the noise in the loop alone.
@@ -113,7 +121,14 @@ impl Searcher<'_> {
         let free: Vec<&'static Effect> =
             self.effects.iter().copied().filter(|e| !taken.iter().any(|t| std::ptr::eq(*t, *e))).collect();
         let reach = if present.is_none() { Reach::Whole } else { Reach::Signature };
-        let scene = Scene { bench: self.bench, pool: self.pool, base: model, judged: &judged, reach };
+        let scene = Scene {
+            bench: self.bench,
+            pool: self.pool,
+            base: model,
+            judged: &judged,
+            reach,
+            sizes: self.sizes,
+        };
         let looks = first_look(&scene, &free);
         let seeded = |(effect, start): &(&'static Effect, Vec<f64>)| {
             Look::seeded(effect, start.clone(), self.bench.count())
@@ -134,6 +149,8 @@ impl Searcher<'_> {
             let promising = found.iter().filter(|pair| is_worth_fitting(pair.explained, &judged));
             let both: Vec<Vec<Look>> = promising.map(|pair| pair.looks(&looks, model).to_vec()).collect();
             candidates.extend(self.candidates(present, &both, &judged));
+            let halves = halves(&candidates, taken.len(), self.bench.count());
+            candidates.extend(self.candidates(present, &halves, &judged));
         }
         let (candidates, others) = finalists(ranked(candidates));
         let finalists = self.finalists(present, candidates, &judged);
@@ -251,6 +268,7 @@ impl Searcher<'_> {
             held_out_parts: parts,
             stances: judged.iter().map(Judged::stance).collect(),
             needed: Vec::new(),
+            least_gain: self.sizes.gain_needed(),
             fit,
         })
     }
@@ -346,6 +364,18 @@ impl Searcher<'_> {
     pub(crate) fn whole_score(&self, parameters: &Parameters) -> Option<Score> {
         score(&judge(self.bench, self.pool, parameters)?, &whole_parts(self.bench.count()))
     }
+}
+
+/// Where the best candidate is a pair of which one effect went to a bound: each of the two alone, from where the pair left it. In an
+/// idle effect's company another has often come to where no fit of it alone gets.
+fn halves(candidates: &[Candidate], present: usize, recordings: usize) -> Vec<Vec<Look>> {
+    let best = candidates.iter().min_by(|a, b| a.whole.level().total_cmp(&b.whole.level()));
+    let idle = |c: &&Candidate| c.fit.effects.len() == present + 2 && !c.is_within_bounds();
+    let Some(pair) = best.filter(idle) else { return Vec::new() };
+    let alone = |effect: &&'static Effect| {
+        vec![Look::seeded(effect, effect.values(&pair.fit.parameters), recordings)]
+    };
+    pair.fit.effects[present..].iter().map(alone).collect()
 }
 
 /// Mean ln(excess) of a recording's channels.

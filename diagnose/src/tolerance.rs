@@ -84,3 +84,25 @@ pub const ONLY_THERE: f64 = 0.9;
 pub const PERIOD_SEEN: f64 = 0.75;
 /// Samples of all recordings together that a diagnosis replays: four recordings of 12 s at 1 kHz.
 pub const SAMPLES_AT_MOST: usize = 48_000;
+/// Periods a sample of a torque that repeats, at the RMS rate, above which no reading follows it: half the sampling rate.
+pub const PERIODS_SAMPLED: f64 = 0.5;
+/// Steps a sample, on the average, beyond which a mechanism is not tried: so stiff is none that is recorded at this rate.
+pub const STEPS_PER_SAMPLE: f64 = 60.0;
+/// Log-likelihood that an effect must gain on data that it was not fitted to, in nats, in a machine whose model is a textbook's: what
+/// that leaves is motion that lasts, of which a recording holds few independent samples.
+pub const TEXTBOOK_GAIN_NEEDED: f64 = 12.0;
+/// Share of the power of what such a model leaves that effects must explain to carry a name.
+pub const TEXTBOOK_SHARE_TO_NAME: f64 = 0.15;
+/// The same of a machine whose model is a textbook's: its effects are many and large, and every fit takes longer.
+pub const TEXTBOOK_SAMPLES_AT_MOST: usize = 12_000;
+/// Single effects that are fitted in the place of two of one component.
+pub const MERGES: usize = 3;
+/// How often a name without a rival was true, (n + 1) / (m + 2) for n of m on the development machines (seeds 1 to 56 and 81 to 140 of the sealed
+/// machines; `sealed --calibrate` counts them anew): one or two effects that explain the recordings, 72 of 72.
+pub const RIGHT_WHERE_EXPLAINED: f64 = 0.98;
+/// The same, three effects that explain them: 1 of 3.
+pub const RIGHT_OF_THREE: f64 = 0.4;
+/// The same, where something is left over: 3 of 6. Of a textbook's model, too, for which there are no sealed machines.
+pub const RIGHT_WHERE_INCOMPLETE: f64 = 0.5;
+/// The same, that something unknown sits in the component that is named first: 4 of 14.
+pub const RIGHT_OF_UNKNOWN: f64 = 0.3;

@@ -6,6 +6,7 @@ use counterpoise_diagnose::answer::{Answer, Verdict};
 use counterpoise_diagnose::bench::{Bench, Drive, Judged, Misfit, Serial, Span};
 use counterpoise_diagnose::judge::Evidence;
 use counterpoise_diagnose::library::library;
+use counterpoise_diagnose::look::Sizes;
 use counterpoise_diagnose::select::Searcher;
 use counterpoise_models::{Parameters, reference};
 
@@ -85,15 +86,23 @@ fn diagnosed(change: impl Fn(&mut Parameters), strange: f64) -> Answer {
     let mut truth = base.clone();
     change(&mut truth);
     let bench = Statics { truth, strange };
-    let search = Searcher { bench: &bench, pool: &Serial, base: &base, effects: library(), seeds: vec![] }
-        .search()
-        .unwrap();
+    let search = Searcher {
+        bench: &bench,
+        pool: &Serial,
+        base: &base,
+        effects: library(),
+        seeds: vec![],
+        sizes: Sizes::TYPICAL,
+    }
+    .search()
+    .unwrap();
     let evidence = Evidence {
         bench: &bench,
         base: &base,
         search: &search,
         map: vec![],
         isolability: vec![],
+        sizes: Sizes::TYPICAL,
         qualification: vec![],
     };
     evidence.answer()

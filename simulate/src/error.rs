@@ -36,6 +36,14 @@ pub enum Error {
         /// Which channel.
         channel: &'static str,
     },
+    /// The run asked for more steps than it was allowed.
+    #[error("the motion asks for more than {steps} steps until {time_s} s")]
+    Effort {
+        /// When.
+        time_s: f64,
+        /// How many were allowed until the end.
+        steps: usize,
+    },
     /// The state grew beyond all bounds.
     #[error("the motion diverged at {time_s} s")]
     Diverged {

@@ -26,6 +26,7 @@ const MOST_ANGLE_RAD: f64 = 1e5;
 pub struct Simulator {
     plant: Plant,
     stepper: Stepper,
+    steps_per_sample: Option<f64>,
 }
 
 /// Runs a plant with its controller through a scenario.
@@ -61,7 +62,17 @@ impl Simulator {
     pub fn with_tolerance(plant: &Plant, tolerance: f64) -> Result<Self, Error> {
         positive("tolerance", tolerance)?;
         let period_s = plant.parameters().interface.sample_period_s;
-        Ok(Self { plant: plant.clone(), stepper: Stepper::new(plant, period_s, tolerance)? })
+        Ok(Self {
+            plant: plant.clone(),
+            stepper: Stepper::new(plant, period_s, tolerance)?,
+            steps_per_sample: None,
+        })
+    }
+
+    /// The simulator with a bound on the steps of a run, taken and tried, on the average over its samples: beyond it a run is
+    /// refused ([`Error::Effort`]). For searches that try mechanisms by the thousand, of which some are unreasonably stiff.
+    pub fn bounded(self, steps_per_sample: f64) -> Self {
+        Self { steps_per_sample: Some(steps_per_sample), ..self }
     }
 
     /// The plant.
@@ -95,6 +106,7 @@ impl Simulator {
     ) -> Result<TimeHistory, Error> {
         positive("duration_s", scenario.duration_s)?;
         let mut lap = Lap::new(&self.plant, scenario, &mut self.stepper)?;
+        let steps = self.steps_per_sample.map_or(usize::MAX, |most| (most * lap.samples as f64) as usize);
         for k in 0..lap.samples {
             if k > 0 && k.is_multiple_of(every.max(1)) && !goes_on(&lap.readings) {
                 break;
@@ -114,6 +126,9 @@ impl Simulator {
             lap.angle = motion.at(1.0).angle;
             if !self.stepper.is_finite() {
                 return Err(Error::Diverged { time_s: lap.time(k) });
+            }
+            if self.stepper.effort.steps + self.stepper.effort.rejected > steps {
+                return Err(Error::Effort { time_s: lap.time(k), steps });
             }
         }
         Ok(TimeHistory {

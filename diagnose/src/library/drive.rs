@@ -88,6 +88,32 @@ pub(super) static FREE_CURVE: Effect = Effect {
     starts: &[],
 };
 
+/// What a textbook's model of a drive may have at another value besides.
+pub(super) static TEXTBOOK: &[Effect] = &[
+    Effect {
+        effect: "damping",
+        component: "gearbox",
+        kind: Kind::ParameterChange,
+        equation: "T_2 = K delta + D delta', another D",
+        source: "Dholiwar 2007, (5-22)",
+        when: "near the resonance of the drive",
+        experiment: "multisine around the drive's resonance",
+        knobs: &[knob!("damping", "N m s/rad", [1e-4, 1e9], 0.5, Log, gearbox.damping_nm_s_rad)],
+        starts: &[],
+    },
+    Effect {
+        effect: "inertia",
+        component: "motor",
+        kind: Kind::ParameterChange,
+        equation: "J_m w_m' = torques at the motor shaft, another J_m",
+        source: "Dholiwar 2007, (5-23)",
+        when: "in proportion to the motor's acceleration",
+        experiment: "multisine to the highest frequency",
+        knobs: &[knob!("motor_inertia", "kg m^2", [1e-9, 1e4], 0.1, Log, motor.inertia_kg_m2)],
+        starts: &[],
+    },
+];
+
 /// Motor, gearbox, amplifier, control.
 pub(super) static EFFECTS: &[Effect] = &[
     Effect {
@@ -131,8 +157,8 @@ pub(super) static EFFECTS: &[Effect] = &[
         experiment: "slow constant rate over several motor turns, both ways",
         knobs: &[
             knob!("amplitude", "N m", [0.0, 10.0], 0.03, Linear, motor.cogging.amplitude),
-            knob!("order", "1/turn", [0.9, 100.0], 0.01, Log, motor.cogging.order),
-            knob!("phase", "rad", [-6.4, 6.4], 0.3, Linear, motor.cogging.phase_rad),
+            knob!("order", "1/turn", [0.004, 100.0], 0.01, Log, motor.cogging.order),
+            knob!("phase", "rad", [-40.0, 40.0], 0.3, Linear, motor.cogging.phase_rad),
         ],
         starts: &[],
     },
@@ -146,8 +172,8 @@ pub(super) static EFFECTS: &[Effect] = &[
         experiment: "slow constant rate over several motor turns at two out-of-balances",
         knobs: &[
             knob!("amplitude", "1", [0.0, 0.9], 0.02, Linear, motor.torque_ripple.amplitude),
-            knob!("order", "1/turn", [0.9, 100.0], 0.01, Log, motor.torque_ripple.order),
-            knob!("phase", "rad", [-6.4, 6.4], 0.3, Linear, motor.torque_ripple.phase_rad),
+            knob!("order", "1/turn", [0.004, 100.0], 0.01, Log, motor.torque_ripple.order),
+            knob!("phase", "rad", [-40.0, 40.0], 0.3, Linear, motor.torque_ripple.phase_rad),
         ],
         starts: &[],
     },
@@ -195,7 +221,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         knobs: &[
             knob!("amplitude", "N m", [0.0, 2e3], 6.0, Linear, gearbox.mesh_ripple.amplitude),
             knob!("order", "1/turn", [0.005, 100.0], 0.01, Log, gearbox.mesh_ripple.order),
-            knob!("phase", "rad", [-6.4, 6.4], 0.3, Linear, gearbox.mesh_ripple.phase_rad),
+            knob!("phase", "rad", [-40.0, 40.0], 0.3, Linear, gearbox.mesh_ripple.phase_rad),
         ],
         starts: &[],
     },

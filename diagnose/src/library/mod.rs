@@ -100,6 +100,11 @@ pub fn library() -> Vec<&'static Effect> {
     structure::EFFECTS.iter().chain(drive::EFFECTS).chain(sensing::EFFECTS).collect()
 }
 
+/// What a textbook's model may have at another value besides, and a reference rig's is known for.
+pub fn textbook() -> Vec<&'static Effect> {
+    drive::TEXTBOOK.iter().collect()
+}
+
 /// The range over which an effect's only parameter is scanned before it is fitted: where the response is so far from
 /// proportional to it that a fit from a distance goes astray.
 pub fn scan_range(effect: &Effect) -> Option<[f64; 2]> {
@@ -124,7 +129,8 @@ pub fn free_curve() -> &'static Effect {
 
 /// The effects that carry a name, in library order.
 pub fn named<'a>(component: &'a str, effect: &'a str) -> impl Iterator<Item = &'static Effect> + 'a {
-    library().into_iter().filter(move |e| e.component == component && e.effect == effect)
+    let all = library().into_iter().chain(textbook());
+    all.filter(move |e| e.component == component && e.effect == effect)
 }
 
 macro_rules! knob {

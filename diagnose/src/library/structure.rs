@@ -95,7 +95,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         knobs: &[knob!(
             "beam_inertia",
             "kg m^2",
-            [1.0, 5000.0],
+            [1e-4, 5000.0],
             0.1,
             Log,
             get | p | lumped(p, |l| l.beam_inertia_kg_m2),
@@ -115,7 +115,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         knobs: &[knob!(
             "hub_inertia",
             "kg m^2",
-            [1.0, 5000.0],
+            [1e-4, 5000.0],
             0.1,
             Log,
             get | p | lumped(p, |l| l.hub_inertia_kg_m2),
@@ -306,7 +306,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         knobs: &[
             knob!("amplitude", "1", [0.0, 0.95], 0.1, Linear, pivot_friction.position_ripple.amplitude),
             knob!("order", "1/turn", [2.0, 400.0], 0.02, Log, pivot_friction.position_ripple.order),
-            knob!("phase", "rad", [-6.4, 6.4], 0.3, Linear, pivot_friction.position_ripple.phase_rad),
+            knob!("phase", "rad", [-40.0, 40.0], 0.3, Linear, pivot_friction.position_ripple.phase_rad),
         ],
         starts: &[],
     },

@@ -153,12 +153,16 @@ impl Ports {
         let lossy = parameters.gearbox.mesh_efficiency != 1.0;
         let loaded = |f: &counterpoise_models::Friction| f.load_coefficient != 0.0;
         let held = plant.body().out_of_balance_kg_m.abs() * parameters.gravity_m_s2.abs();
+        let ratio = parameters.gearbox.ratio;
         let hub_scale = parameters.pivot_friction.coulomb_nm() + 0.1 * held;
-        let motor_scale = parameters.motor_friction.coulomb_nm() + 0.1 * held / parameters.gearbox.ratio;
+        let motor_scale = parameters.motor_friction.coulomb_nm() + 0.1 * held / ratio;
+        // an end of the gear without dry friction or weight of its own is measured by the other end's
+        let own_or = |own: f64, others: f64| if own > 0.0 { own } else { others };
+        let scales = [own_or(motor_scale, hub_scale / ratio), own_or(hub_scale, motor_scale * ratio), 1.0];
         Ok(Self {
             motor,
             pivot,
-            ratio: parameters.gearbox.ratio,
+            ratio,
             coupling: parameters.motor.platform_coupling,
             gravity: parameters.gravity_m_s2,
             vertical_offset: plant.body().vertical_offset_kg_m,
@@ -171,7 +175,7 @@ impl Ports {
             needs_mesh_torque: lossy
                 || loaded(&parameters.motor_friction)
                 || loaded(&parameters.pivot_friction),
-            scales: [motor_scale, hub_scale, 1.0],
+            scales,
         })
     }
 

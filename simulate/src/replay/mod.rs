@@ -84,6 +84,7 @@ pub struct Replayer<'a> {
     sensed: platform::Sensed,
     platform: PlatformMotion,
     samples: usize,
+    steps_per_sample: f64,
 }
 
 impl<'a> Replayer<'a> {
@@ -107,7 +108,17 @@ impl<'a> Replayer<'a> {
         }
         let sensed = platform::Sensed::new(parameters, recording, None);
         let platform = sensed.motion(parameters, period);
-        Ok(Self { recording, sensed, platform, samples })
+        Ok(Self { recording, sensed, platform, samples, steps_per_sample: f64::INFINITY })
+    }
+
+    /// The same with a bound on the steps of a run: see [`Simulator::bounded`].
+    pub fn bounded(self, steps_per_sample: f64) -> Self {
+        Self { steps_per_sample, ..self }
+    }
+
+    /// A simulator of a plant with that bound.
+    fn simulator(&self, plant: &Plant) -> Result<Simulator, Error> {
+        Ok(Simulator::new(plant)?.bounded(self.steps_per_sample))
     }
 
     /// The same recording seen by other sensors of the platform: their readings are deconvolved anew only where a
@@ -115,7 +126,7 @@ impl<'a> Replayer<'a> {
     pub fn with_platform_sensors_of(&self, parameters: &Parameters) -> Self {
         let sensed = platform::Sensed::new(parameters, self.recording, Some(&self.sensed));
         let platform = sensed.motion(parameters, self.recording.sample_period_s);
-        Self { recording: self.recording, sensed, platform, samples: self.samples }
+        Self { sensed, platform, ..*self }
     }
 
     /// The recording.
@@ -149,7 +160,7 @@ impl<'a> Replayer<'a> {
         near: &PlantState,
     ) -> Result<Replay, Error> {
         let plant = Plant::lumped(parameters)?;
-        let mut simulator = Simulator::new(&plant)?;
+        let mut simulator = self.simulator(&plant)?;
         let start = start::refine(&mut simulator, self, near)?;
         self.settled(&plant, simulator, control, start)
     }
@@ -159,7 +170,7 @@ impl<'a> Replayer<'a> {
     /// # Errors
     /// As [`replay`].
     pub fn replay_plant(&self, plant: &Plant, control: &Loop) -> Result<Replay, Error> {
-        let mut simulator = Simulator::new(plant)?;
+        let mut simulator = self.simulator(plant)?;
         let start = start::estimate(&mut simulator, self)?;
         self.settled(plant, simulator, control, start)
     }
@@ -191,7 +202,7 @@ impl<'a> Replayer<'a> {
         start: &PlantState,
     ) -> Result<Replay, Error> {
         let plant = Plant::lumped(parameters)?;
-        let history = self.run(&mut Simulator::new(&plant)?, control, start)?;
+        let history = self.run(&mut self.simulator(&plant)?, control, start)?;
         Ok(self.compared(&plant, control, history, start.clone()))
     }
 
@@ -208,7 +219,7 @@ impl<'a> Replayer<'a> {
         steps: &[f64; START_FREEDOMS],
     ) -> Result<Replay, Error> {
         let plant = Plant::lumped(parameters)?;
-        let mut simulator = Simulator::new(&plant)?;
+        let mut simulator = self.simulator(&plant)?;
         let start = start::nudged(&mut simulator, self, near, steps);
         let history = self.run(&mut simulator, control, &start)?;
         Ok(self.compared(&plant, control, history, start))
