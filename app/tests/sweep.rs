@@ -105,6 +105,25 @@ fn shards_of_another_campaign_are_refused() {
     assert!(String::from_utf8_lossy(&refused.stderr).contains("another campaign"));
 }
 
+/// A shard of another version is refused by its name, even where project, seed and samples are the same.
+#[test]
+fn shards_of_another_version_are_refused() {
+    let mixed = folder("sweep_versions");
+    for shard in ["0/2", "1/2"] {
+        assert!(sweep(&mixed, "1", &["--shard", shard]).status().unwrap().success());
+    }
+    let path = mixed.join("out/shard-000001-of-000002.parquet");
+    let mut bytes = fs::read(&path).unwrap();
+    let version = format!("{} ", env!("CARGO_PKG_VERSION"));
+    let at = bytes.windows(version.len()).position(|part| part == version.as_bytes()).unwrap();
+    bytes[at] = b'9';
+    fs::write(&path, bytes).unwrap();
+    let refused = sweep(&mixed, "1", &["--merge"]).output().unwrap();
+    let told = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(2), "{told}");
+    assert!(told.contains("another campaign") && told.contains("version"), "{told}");
+}
+
 #[test]
 fn a_campaign_tells_what_a_large_one_would_cost_unless_nothing_was_run() {
     let told = folder("sweep_cost");

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::Error;
+use crate::spelling::unknown;
 
 /// Which plant a figure is measured on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -77,6 +78,17 @@ pub enum StepFigure {
     ControlPeak,
 }
 
+/// A figure of the response to a triangle of the demanded hub rate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum TriangleFigure {
+    /// RMS of demand less hub rate.
+    ErrorRms,
+    /// Peak of demand less hub rate: friction shows at the reversals.
+    ErrorPeak,
+    /// Peak of the control.
+    ControlPeak,
+}
+
 /// What is measured while the platform moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Quantity {
@@ -116,6 +128,8 @@ pub enum Figure {
     Loop(LoopFigure),
     /// A step of the demand.
     Step(Model, StepFigure),
+    /// A triangle of the demand.
+    Triangle(Model, TriangleFigure),
     /// The platform in motion.
     Disturbance(Model, Source, Arrangement, Quantity),
     /// Disturbance rejection ratio of the linear loop at one frequency, dB: hub rate over platform motion. In pitch both are
@@ -175,6 +189,12 @@ const STEP: [(StepFigure, Words); 6] = [
     (StepFigure::ControlPeak, ("control_peak_v", "peak control", "V")),
 ];
 
+const TRIANGLE: [(TriangleFigure, Words); 3] = [
+    (TriangleFigure::ErrorRms, ("error_rms_rad_s", "RMS error", "rad/s")),
+    (TriangleFigure::ErrorPeak, ("error_peak_rad_s", "peak error", "rad/s")),
+    (TriangleFigure::ControlPeak, ("control_peak_v", "peak control", "V")),
+];
+
 const QUANTITIES: [(Quantity, Words); 9] = [
     (Quantity::HubRms, ("hub_rms_rad_s", "RMS hub rate", "rad/s")),
     (Quantity::HubPeak, ("hub_peak_rad_s", "peak hub rate", "rad/s")),
@@ -208,6 +228,9 @@ impl Figure {
             Figure::Loop(figure) => words(&LOOP, figure).0.to_owned(),
             Figure::Step(model, figure) => {
                 format!("{}_step_{}", key_of(&MODELS, model).0, words(&STEP, figure).0)
+            }
+            Figure::Triangle(model, figure) => {
+                format!("{}_triangle_{}", key_of(&MODELS, model).0, words(&TRIANGLE, figure).0)
             }
             Figure::Disturbance(model, source, arrangement, quantity) => format!(
                 "{}_{}_{}_{}",
@@ -261,6 +284,7 @@ impl Figure {
         let mut out: Vec<Self> = LOOP.iter().map(|row| Figure::Loop(row.0)).collect();
         for (model, ..) in MODELS {
             out.extend(STEP.iter().map(|row| Figure::Step(model, row.0)));
+            out.extend(TRIANGLE.iter().map(|row| Figure::Triangle(model, row.0)));
         }
         for (model, ..) in MODELS {
             for (source, ..) in SOURCES {
@@ -282,6 +306,9 @@ impl Figure {
             Figure::Loop(figure) => words(&LOOP, figure).1.to_owned(),
             Figure::Step(model, figure) => {
                 format!("step {}, {}", words(&STEP, figure).1, key_of(&MODELS, model).1)
+            }
+            Figure::Triangle(model, figure) => {
+                format!("triangle {}, {}", words(&TRIANGLE, figure).1, key_of(&MODELS, model).1)
             }
             Figure::Disturbance(model, source, arrangement, quantity) => format!(
                 "{}, {}, {}, {}",
@@ -306,6 +333,7 @@ impl Figure {
         match self {
             Figure::Loop(figure) => words(&LOOP, figure).2,
             Figure::Step(_, figure) => words(&STEP, figure).2,
+            Figure::Triangle(_, figure) => words(&TRIANGLE, figure).2,
             Figure::Disturbance(_, _, _, quantity) => words(&QUANTITIES, quantity).2,
             Figure::Rejection { .. } => "dB",
             Figure::Rest(figure) => words(&REST, figure).2,
@@ -317,6 +345,9 @@ impl Figure {
         match self {
             Figure::Loop(_) => "how far the sampled loop, broken at the plant's input, is from instability",
             Figure::Step(..) => "how the hub follows a step of the demanded rate",
+            Figure::Triangle(..) => {
+                "how the hub follows a triangle of the demanded rate; friction shows where it turns"
+            }
             Figure::Disturbance(..) => {
                 "what the platform's motion leaves in the mechanism, and what it costs"
             }
@@ -342,31 +373,6 @@ fn rejections(frequency_hz: f64) -> Vec<Figure> {
         }));
     }
     out
-}
-
-fn unknown(key: &str) -> Error {
-    let mut near: Vec<(usize, String)> =
-        Figure::all().iter().map(|f| (edit_distance(key, &f.key()), f.key())).collect();
-    near.sort();
-    let close = near.first().filter(|(distance, _)| *distance <= 2 + key.len() / 3);
-    let hint = close.map_or(String::new(), |(_, best)| format!(", did you mean '{best}'?"));
-    Error::UnknownFigure { key: key.to_owned(), hint }
-}
-
-/// Levenshtein's distance in characters.
-fn edit_distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(x != *y);
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
 }
 
 #[cfg(test)]

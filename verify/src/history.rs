@@ -7,6 +7,8 @@ use crate::{Arrangement, Model, Source};
 pub enum Experiment {
     /// A step of the demand, with the whole controller.
     Step,
+    /// A triangle of the demand, with the whole controller.
+    Triangle,
     /// The platform moves.
     Disturbance(Source, Arrangement),
     /// Nothing, with the whole controller.

@@ -28,15 +28,18 @@ pub mod requirement;
 pub mod robust;
 pub mod signals;
 pub mod spectral;
+mod spelling;
 pub mod structured;
 pub mod verification;
 
 pub use counterpoise_lti::{C64, Margins};
 pub use error::Error;
-pub use figure::{Arrangement, Figure, LoopFigure, Model, Quantity, RestFigure, Source, StepFigure};
+pub use figure::{
+    Arrangement, Figure, LoopFigure, Model, Quantity, RestFigure, Source, StepFigure, TriangleFigure,
+};
 pub use history::{Experiment, History};
 pub use measure::{Measured, Value};
-pub use procedure::{Procedure, Road, Sine, Step};
+pub use procedure::{Procedure, Road, Sine, Step, Triangle};
 pub use requirement::{Limit, Requirement, Verdict};
 pub use verification::{
     ARRANGEMENTS, Evidence, Verification, VerifiedController, linear_plant, verify, verify_linear,

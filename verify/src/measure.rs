@@ -5,7 +5,7 @@ use counterpoise_lti::{GainChange, Margins};
 use crate::history::{Experiment, History};
 use crate::signals::statistics::centred;
 use crate::signals::{StepFigures, mean, peak, rms, step_figures};
-use crate::{Figure, LoopFigure, Model, Quantity, RestFigure, StepFigure};
+use crate::{Figure, LoopFigure, Model, Quantity, RestFigure, StepFigure, TriangleFigure};
 
 /// What a figure turned out to be.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,6 +67,7 @@ pub fn loop_figures(margins: &Margins, pole_radius: f64) -> Vec<Measured> {
 pub fn history_figures(history: &History, settle_s: f64) -> Vec<Measured> {
     match history.experiment {
         Experiment::Step => step_of(history),
+        Experiment::Triangle => triangle_of(history, settle_s),
         Experiment::Disturbance(..) => disturbance_of(history, settle_s),
         Experiment::Rest => rest_of(history),
     }
@@ -75,7 +76,9 @@ pub fn history_figures(history: &History, settle_s: f64) -> Vec<Measured> {
 /// The same figures of a history that does not exist because the loop diverges: all infinite.
 pub fn diverged(model: Model, experiment: Experiment) -> Vec<Measured> {
     let all = Figure::all().into_iter().filter(|figure| match (figure, experiment) {
-        (Figure::Step(m, _), Experiment::Step) => *m == model,
+        (Figure::Step(m, _), Experiment::Step) | (Figure::Triangle(m, _), Experiment::Triangle) => {
+            *m == model
+        }
         (Figure::Disturbance(m, source, arrangement, _), Experiment::Disturbance(s, a)) => {
             (*m, *source, *arrangement) == (model, s, a)
         }
@@ -130,6 +133,20 @@ fn disturbance_of(history: &History, settle_s: f64) -> Vec<Measured> {
     ];
     let figure = |quantity| Figure::Disturbance(history.model, source, arrangement, quantity);
     all.into_iter().map(|(quantity, value)| Measured { figure: figure(quantity), value }).collect()
+}
+
+fn triangle_of(history: &History, settle_s: f64) -> Vec<Measured> {
+    let first = history.index_at(settle_s).min(history.time_s.len());
+    let both = history.demand_rad_s[first..].iter().zip(&history.hub_rate_rad_s[first..]);
+    let error: Vec<f64> = both.map(|(demand, hub)| demand - hub).collect();
+    let some = |number: f64| Value::of((!error.is_empty()).then_some(number), "the record is empty");
+    let all = [
+        (TriangleFigure::ErrorRms, some(rms(&error))),
+        (TriangleFigure::ErrorPeak, some(peak(&error))),
+        (TriangleFigure::ControlPeak, some(peak(&history.control_v[first..]))),
+    ];
+    let figure = |figure| Figure::Triangle(history.model, figure);
+    all.into_iter().map(|(one, value)| Measured { figure: figure(one), value }).collect()
 }
 
 fn rest_of(history: &History) -> Vec<Measured> {

@@ -31,9 +31,10 @@ impl SampledController for Acting {
     }
 }
 
-/// Every experiment of a procedure: the step and the rest with the whole controller, the disturbances in every arrangement.
+/// Every experiment of a procedure: step, rest and triangle with the whole controller, the disturbances in every arrangement.
 pub fn experiments(procedure: &Procedure) -> Vec<Experiment> {
     let mut all = vec![Experiment::Step, Experiment::Rest];
+    all.extend(procedure.triangle.map(|_| Experiment::Triangle));
     for source in procedure.sources() {
         all.extend(crate::ARRANGEMENTS.map(|arrangement| Experiment::Disturbance(source, arrangement)));
     }
@@ -53,7 +54,7 @@ pub fn history(
 ) -> Result<History, Error> {
     let arrangement = match experiment {
         Experiment::Disturbance(_, arrangement) => arrangement,
-        Experiment::Step | Experiment::Rest => Arrangement::Compensated,
+        Experiment::Step | Experiment::Triangle | Experiment::Rest => Arrangement::Compensated,
     };
     let mut acting = match arranged(controller, arrangement)? {
         Some(controller) => Acting::Runner(Box::new(controller.runner())),
@@ -92,6 +93,10 @@ fn scenario(procedure: &Procedure, experiment: Experiment) -> Scenario {
     let platform = PlatformMotion { initial_angle_rad: angle, ..PlatformMotion::STILL };
     match experiment {
         Experiment::Rest => Scenario { platform, ..still },
+        Experiment::Triangle => {
+            let demand_rad_s = procedure.triangle.map_or(Signal::ZERO, |triangle| triangle.signal());
+            Scenario { demand_rad_s, platform, ..still }
+        }
         Experiment::Step => Scenario {
             duration_s: procedure.settle_s + procedure.step.duration_s,
             demand_rad_s: Signal::step(procedure.settle_s, procedure.step.rate_rad_s),

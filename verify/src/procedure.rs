@@ -1,6 +1,7 @@
 //! What a verification does to the mechanism: the step, the platform's motion, the frequencies that are looked at.
 
 use counterpoise_models::plant::{FrictionLinearisation, OperatingPoint};
+use counterpoise_simulate::Signal;
 
 use crate::Error;
 use crate::signals::{check_finite, check_length};
@@ -14,6 +15,8 @@ pub struct Procedure {
     pub friction: FrictionLinearisation,
     /// The step of the demand.
     pub step: Step,
+    /// A triangle of the demand, where one is run; it lasts as long as the platform heaves.
+    pub triangle: Option<Triangle>,
     /// Heave, m/s^2.
     pub heave: Sine,
     /// Pitch rate, rad/s.
@@ -38,6 +41,16 @@ pub struct Step {
     pub rate_rad_s: f64,
     /// Length of the record after the step, s.
     pub duration_s: f64,
+}
+
+/// A triangle wave of the demanded hub rate that starts at zero and rises: with it, control against rate shows out-of-balance, friction and
+/// inertia.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Triangle {
+    /// Peak rate, rad/s.
+    pub rate_rad_s: f64,
+    /// Period, s.
+    pub period_s: f64,
 }
 
 /// A sine that starts at zero.
@@ -69,6 +82,7 @@ impl Default for Procedure {
             operating_point: OperatingPoint::default(),
             friction: FrictionLinearisation::Viscous,
             step: Step { rate_rad_s: 0.1, duration_s: 3.0 },
+            triangle: None,
             heave: Sine { amplitude: 2.0, frequency_hz: 1.5 },
             pitch: Sine { amplitude: 0.2, frequency_hz: 1.0 },
             road: None,
@@ -77,6 +91,13 @@ impl Default for Procedure {
             rejection_hz: vec![0.3, 1.0, 1.5, 3.0, 5.0],
             seed: 1,
         }
+    }
+}
+
+impl Triangle {
+    /// The demand as a signal.
+    pub fn signal(&self) -> Signal {
+        Signal::Triangle { amplitude: self.rate_rad_s, period_s: self.period_s }
     }
 }
 
@@ -134,6 +155,16 @@ impl Procedure {
                 return Err(Error::Range { what, value, allowed: "positive" });
             }
         }
+        if let Some(period_s) = self.triangle.map(|triangle| triangle.period_s)
+            && !(period_s > 0.0 && period_s.is_finite())
+        {
+            return Err(Error::Range {
+                what: "period of the triangle in s",
+                value: period_s,
+                allowed: "positive",
+            });
+        }
+        check_finite("triangle in rad/s", &[self.triangle.map_or(0.0, |triangle| triangle.rate_rad_s)])?;
         check_finite("amplitudes", &[self.heave.amplitude, self.pitch.amplitude, self.step.rate_rad_s])?;
         if self.step.rate_rad_s == 0.0 {
             return Err(Error::Range { what: "step in rad/s", value: 0.0, allowed: "not 0" });

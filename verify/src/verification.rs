@@ -110,7 +110,11 @@ impl Verification {
             Figure::Disturbance(_, Source::Road, ..) if !self.saw_a_road() => {
                 "this experiment was not run: the verification has no road"
             }
+            Figure::Triangle(..) if !self.saw_a_triangle() => {
+                "this experiment was not run: the verification has no triangle"
+            }
             Figure::Step(Model::Nonlinear, _)
+            | Figure::Triangle(Model::Nonlinear, _)
             | Figure::Disturbance(Model::Nonlinear, ..)
             | Figure::Rest(_)
                 if !simulated =>
@@ -124,6 +128,10 @@ impl Verification {
     fn saw_a_road(&self) -> bool {
         let on_road = |figure| matches!(figure, Figure::Disturbance(_, Source::Road, ..));
         self.figures.iter().any(|measured| on_road(measured.figure))
+    }
+
+    fn saw_a_triangle(&self) -> bool {
+        self.figures.iter().any(|measured| matches!(measured.figure, Figure::Triangle(..)))
     }
 
     fn judge(&mut self, requirements: &[Requirement]) {
@@ -342,16 +350,21 @@ pub(crate) fn linear_history(
             linear::disturbance(sampled, closed, (source, arrangement), duration_s, motion)?
         }
         Experiment::Step | Experiment::Rest => linear::step(sampled, closed, procedure.step)?,
+        Experiment::Triangle => {
+            let Some(triangle) = procedure.triangle else { return Ok(None) };
+            linear::triangle(sampled, closed, triangle, procedure.duration_s)?
+        }
     };
     Ok(Some(history))
 }
 
 /// What is run in an arrangement on the linear plant: nothing to see at rest.
 fn experiments(procedure: &Procedure, arrangement: Arrangement) -> Vec<Experiment> {
-    let step = (arrangement == Arrangement::Compensated).then_some(Experiment::Step);
+    let whole = arrangement == Arrangement::Compensated;
+    let triangle = procedure.triangle.filter(|_| whole).map(|_| Experiment::Triangle);
     let disturbances =
         procedure.sources().into_iter().map(|source| Experiment::Disturbance(source, arrangement));
-    step.into_iter().chain(disturbances).collect()
+    whole.then_some(Experiment::Step).into_iter().chain(triangle).chain(disturbances).collect()
 }
 
 impl Procedure {

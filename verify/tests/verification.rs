@@ -6,7 +6,7 @@ mod support;
 use counterpoise_controller::Controller;
 use counterpoise_verify::{
     Arrangement, Experiment, Figure, Limit, LoopFigure, Model, Procedure, Quantity, Requirement, Road,
-    Source, StepFigure, Verdict, verify, verify_linear,
+    Source, StepFigure, Triangle, Verdict, verify, verify_linear,
 };
 use support::{controller, plant};
 
@@ -69,6 +69,8 @@ fn what_was_not_run_cannot_be_judged() {
     assert!(found.value(Figure::Step(Model::Linear, StepFigure::SteadyStateError)).unwrap() < 0.5);
 }
 
+const TRIANGLE: Triangle = Triangle { rate_rad_s: 0.15, period_s: 2.0 };
+
 /// A road of two seconds: heave and pitch of one tone each.
 fn road() -> Road {
     let sine = |amplitude: f64, hz: f64| {
@@ -82,7 +84,13 @@ fn road() -> Road {
 /// one that does not exist on a plant says why.
 #[test]
 fn every_figure_can_be_required_and_is_judged_by_how_much() {
-    let procedure = Procedure { duration_s: 2.0, settle_s: 0.5, road: Some(road()), ..Procedure::default() };
+    let procedure = Procedure {
+        duration_s: 2.0,
+        settle_s: 0.5,
+        road: Some(road()),
+        triangle: Some(TRIANGLE),
+        ..Procedure::default()
+    };
     let first = verify(&plant(), &controller(), &procedure, &[]).unwrap();
     let (mut asked, mut expected) = (Vec::new(), Vec::new());
     for figure in Figure::all() {
@@ -143,10 +151,12 @@ fn linear_rig() -> counterpoise_models::plant::Plant {
 
 #[test]
 fn the_simulator_without_friction_and_backlash_is_the_linear_loop() {
-    let verified = verify(&linear_rig(), &controller(), &Procedure::default(), &[]).unwrap();
+    let procedure = Procedure { triangle: Some(TRIANGLE), ..Procedure::default() };
+    let verified = verify(&linear_rig(), &controller(), &procedure, &[]).unwrap();
     let found = verified.verification();
     for experiment in [
         Experiment::Step,
+        Experiment::Triangle,
         Experiment::Disturbance(Source::Heave, Arrangement::Feedback),
         Experiment::Disturbance(Source::Pitch, Arrangement::Compensated),
         Experiment::Disturbance(Source::Both, Arrangement::Uncontrolled),
@@ -170,7 +180,7 @@ fn a_whole_verification_measures_everything_twice_alike() {
     assert_eq!(first, second);
     let found = first.verification();
     for figure in Figure::all() {
-        let road = matches!(figure, Figure::Disturbance(_, Source::Road, ..));
+        let road = matches!(figure, Figure::Disturbance(_, Source::Road, ..) | Figure::Triangle(..));
         let present = found.figures.iter().any(|measured| measured.figure == figure);
         assert_eq!(present, !road, "{figure}");
     }

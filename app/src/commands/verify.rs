@@ -10,7 +10,7 @@ use counterpoise_project::results::VerifyResult;
 use counterpoise_project::verify::difference::{Change, changes};
 use counterpoise_project::verify::signals::iso_road::{Drive, RoadClass, Vehicle, iso_road};
 use counterpoise_project::verify::structured::RobustStability;
-use counterpoise_project::verify::{Procedure, Verification};
+use counterpoise_project::verify::{Procedure, Triangle, Verification};
 use counterpoise_project::{Project, Purpose, StructureChoice};
 
 use super::design::print_verdicts;
@@ -33,6 +33,9 @@ pub struct VerifyOptions {
     /// Speed on that road, m/s
     #[arg(long, value_name = "M_S", default_value_t = 8.0, requires = "road")]
     pub speed: f64,
+    /// Also run a triangle of the demanded hub rate: peak in rad/s and period in s, for example 0.1/4
+    #[arg(long, value_name = "RATE/PERIOD")]
+    pub triangle: Option<String>,
     /// Say what changed from this project (or folder) to PROJECT
     #[arg(long, value_name = "BEFORE")]
     pub against: Option<PathBuf>,
@@ -113,6 +116,9 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<(Loaded, Verificatio
     if let Some(class) = &options.road {
         procedure.road = Some(drive(class, options.speed, &procedure)?);
     }
+    if let Some(text) = &options.triangle {
+        procedure.triangle = Some(triangle(text)?);
+    }
     let structure = match options.plant {
         PlantChoice::Lumped => StructureChoice::Lumped,
         PlantChoice::Fe => pipeline::finite_elements_of(project)
@@ -144,6 +150,16 @@ fn drive(class: &str, speed_m_s: f64, procedure: &Procedure) -> Result<counterpo
     iso_road(drive, Vehicle::HEAVY).with_context(|| format!("--speed {speed_m_s}"))
 }
 
+/// A triangle from `RATE/PERIOD`.
+fn triangle(text: &str) -> Result<Triangle> {
+    let told = || format!("--triangle {text}: write RATE/PERIOD in rad/s and s, for example 0.1/4");
+    let (rate, period) = text.split_once('/').with_context(told)?;
+    let number =
+        |word: &str| word.trim().parse::<f64>().ok().filter(|value| *value > 0.0 && value.is_finite());
+    let (rate_rad_s, period_s) = number(rate).zip(number(period)).with_context(told)?;
+    Ok(Triangle { rate_rad_s, period_s })
+}
+
 fn command(options: &VerifyOptions) -> String {
     let mut words = format!("counterpoise verify {}", options.project.display());
     if let Some(value) = options.plant.to_possible_value().filter(|_| options.plant != PlantChoice::Project) {
@@ -151,6 +167,9 @@ fn command(options: &VerifyOptions) -> String {
     }
     if let Some(class) = &options.road {
         words += &format!(" --road {class} --speed {}", options.speed);
+    }
+    if let Some(text) = &options.triangle {
+        words += &format!(" --triangle {text}");
     }
     if let Some(path) = &options.against {
         words += &format!(" --against {}", path.display());

@@ -4,6 +4,7 @@ use counterpoise_project::verify::linear::{Curve, frequency::Rejection};
 use counterpoise_project::verify::{Arrangement, Experiment, History, Model, Source, Value, Verification};
 
 use super::summary::capital;
+use super::triangle;
 use super::{Cell, Column, Section, Table};
 use crate::plot::bode::{BodeCurve, Phase, bode};
 use crate::plot::ticks::short;
@@ -27,15 +28,14 @@ pub const PLANT: &str = "Plant";
 
 /// Sections in the order in which a reader asks.
 pub fn sections(found: &Verification) -> Vec<Section> {
-    let all = [
-        loop_section(found),
-        step_section(found),
+    let first = [loop_section(found), step_section(found)];
+    let rest = [
         disturbance_section(found),
         rejection_section(found),
         controller_section(found),
         plant_section(found),
     ];
-    all.into_iter().collect()
+    first.into_iter().chain(triangle::section(found)).chain(rest).collect()
 }
 
 fn curve_points(frequency_hz: &[f64], curve: &Curve) -> Vec<(f64, f64, f64)> {

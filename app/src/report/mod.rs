@@ -29,6 +29,7 @@ pub mod summary;
 pub mod sweep;
 pub mod targets;
 pub mod trade_off;
+pub mod triangle;
 pub mod verification;
 
 pub use design::of_design;

@@ -1,6 +1,6 @@
 //! The `[verify]` section: what is done to the loop, and the limits that its figures must keep.
 
-use counterpoise_verify::{Figure, Limit as Bound, Procedure, Requirement, Sine, Step};
+use counterpoise_verify::{Figure, Limit as Bound, Procedure, Requirement, Sine, Step, Triangle};
 
 use super::platform::{self, PlatformSource};
 use crate::diagnostic::nearest;
@@ -41,6 +41,16 @@ pub(crate) fn verify(v: &mut dyn Visit, verification: &mut Verification) {
     seed(v, "of the sensor noise", &mut procedure.seed);
     rejection(v, &mut procedure.rejection_hz);
     table(v, &TableField::optional("step", "a step of the demanded hub rate"), &mut procedure.step, step);
+    optional(
+        v,
+        &TableField::optional(
+            "triangle",
+            "a triangle of the demanded hub rate: friction shows where it turns",
+        ),
+        &mut procedure.triangle,
+        TRIANGLE,
+        triangle,
+    );
     table(v, &TableField::optional("heave", "sine of heave"), &mut procedure.heave, |v, s| {
         sine(v, s, usual.heave, "m/s^2")
     });
@@ -92,6 +102,16 @@ fn step(v: &mut dyn Visit, step: &mut Step) {
         &Field::new("duration", "of the record").unit("s").limit(ABOVE_0).or(usual.duration_s).shown(),
         &mut step.duration_s,
     );
+}
+
+/// The triangle where nothing more is written.
+const TRIANGLE: Triangle = Triangle { rate_rad_s: 0.1, period_s: 4.0 };
+
+fn triangle(v: &mut dyn Visit, triangle: &mut Triangle) {
+    let rate = Field::new("rate", "peak of the triangle").unit("rad/s").limit(Limit::Not0);
+    v.number(&rate.or(TRIANGLE.rate_rad_s).shown(), &mut triangle.rate_rad_s);
+    let period = Field::new("period", "of the triangle").unit("s").limit(ABOVE_0);
+    v.number(&period.or(TRIANGLE.period_s).shown(), &mut triangle.period_s);
 }
 
 fn sine(v: &mut dyn Visit, sine: &mut Sine, usual: Sine, unit: &'static str) {

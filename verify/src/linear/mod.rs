@@ -13,4 +13,4 @@ pub mod time;
 pub use closed::{Closed, arranged};
 pub use frequency::{Curve, Curves, PlantResponse, rejection_db};
 pub use plant::SampledPlant;
-pub use time::{disturbance, step};
+pub use time::{disturbance, step, triangle};

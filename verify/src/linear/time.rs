@@ -5,7 +5,7 @@ use counterpoise_lti::{Mat, lsim};
 use super::plant::port;
 use super::{Closed, SampledPlant};
 use crate::history::{Experiment, History, integrated};
-use crate::procedure::Step;
+use crate::procedure::{Step, Triangle};
 use crate::{Arrangement, Error, Model, Source};
 
 /// The response to a step of the demand.
@@ -14,6 +14,20 @@ use crate::{Arrangement, Error, Model, Source};
 /// Those of the simulation.
 pub fn step(plant: &SampledPlant, closed: &Closed, step: Step) -> Result<History, Error> {
     run(plant, closed, Experiment::Step, step.duration_s, |_| (step.rate_rad_s, 0.0, 0.0))
+}
+
+/// The response to a triangle of the demand.
+///
+/// # Errors
+/// Those of the simulation.
+pub fn triangle(
+    plant: &SampledPlant,
+    closed: &Closed,
+    triangle: Triangle,
+    duration_s: f64,
+) -> Result<History, Error> {
+    let demand = triangle.signal();
+    run(plant, closed, Experiment::Triangle, duration_s, |time_s| (demand.at(time_s), 0.0, 0.0))
 }
 
 /// The response to platform motion: `motion` gives heave (m/s^2) and pitch rate (rad/s) at a time.

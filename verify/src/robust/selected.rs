@@ -73,6 +73,7 @@ fn need_of(figure: &Figure) -> Need {
     match *figure {
         Figure::Loop(_) => Need::Margins,
         Figure::Step(model, _) => on(model, Experiment::Step),
+        Figure::Triangle(model, _) => on(model, Experiment::Triangle),
         Figure::Disturbance(model, source, arrangement, _) => {
             on(model, Experiment::Disturbance(source, arrangement))
         }
@@ -127,7 +128,7 @@ impl<'a> Linear<'a> {
             Need::Linear(experiment) | Need::Simulated(experiment) => {
                 let arrangement = match experiment {
                     Experiment::Disturbance(_, arrangement) => arrangement,
-                    Experiment::Step | Experiment::Rest => Arrangement::Compensated,
+                    Experiment::Step | Experiment::Triangle | Experiment::Rest => Arrangement::Compensated,
                 };
                 let history =
                     linear_history(&self.sampled, &self.closed(arrangement)?, procedure, experiment)?;
