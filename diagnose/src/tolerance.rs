@@ -104,5 +104,5 @@ pub const RIGHT_WHERE_EXPLAINED: f64 = 0.98;
 pub const RIGHT_OF_THREE: f64 = 0.4;
 /// The same, where something is left over: 3 of 6. Of a textbook's model, too, for which there are no sealed machines.
 pub const RIGHT_WHERE_INCOMPLETE: f64 = 0.5;
-/// The same, that something unknown sits in the component that is named first: 4 of 14.
-pub const RIGHT_OF_UNKNOWN: f64 = 0.3;
+/// The same, that something unknown sits in the component that is named first: 3 of 16.
+pub const RIGHT_OF_UNKNOWN: f64 = 0.2;

@@ -2,7 +2,8 @@
 //! in it already are passed over.
 //!
 //! `cargo run --release -p counterpoise-tests --bin sealed -- 1..141 target/sealed.jsonl`; seeds from 1000 on are the machines with one
-//! effect each of the whole vocabulary, of a size that is easily seen.
+//! effect each of the whole vocabulary, of a size that is easily seen. `sealed --calibrate FILE` counts anew how often each kind of answer
+//! was true: the probabilities that the diagnosis states.
 
 use std::io::Write;
 use std::sync::Mutex;
@@ -16,6 +17,14 @@ use counterpoise_tests::sealed::{Row, case, case_of, controller, nominal_of, tab
 
 fn main() -> std::io::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let [flag, path] = arguments.as_slice()
+        && flag == "--calibrate"
+    {
+        let known = std::fs::read_to_string(path)?;
+        let rows: Vec<Row> = known.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
+        println!("{}", table::calibration(&rows));
+        return Ok(());
+    }
     let [range, path] = arguments.as_slice() else { return usage("two arguments are needed") };
     let Some(seeds) = parsed(range) else { return usage(range) };
     let known = std::fs::read_to_string(path).unwrap_or_default();

@@ -28,6 +28,30 @@ pub fn page(rows: &[Row]) -> String {
     out
 }
 
+/// How often names were true, kind of answer by kind, and (n + 1) / (m + 2) of it: what `diagnose` states of a name without a rival.
+pub fn calibration(rows: &[Row]) -> String {
+    let mut out =
+        String::from("| answer | names | true | (n + 1) / (m + 2) | mean stated |\n|---|---|---|---|---|\n");
+    let kinds: [(&str, &dyn Fn(&Row) -> bool); 4] = [
+        ("named, one or two effects", &|r| r.verdict == "Named" && r.found.len() < 3),
+        ("named, three effects", &|r| r.verdict == "Named" && r.found.len() > 2),
+        ("incomplete", &|r| r.verdict == "Incomplete"),
+        ("ambiguous", &|r| r.verdict == "Ambiguous"),
+    ];
+    for (name, is) in kinds {
+        let stated: Vec<&(f64, bool)> = rows.iter().filter(|r| is(r)).flat_map(|r| &r.stated).collect();
+        let (right, all) = (stated.iter().filter(|s| s.1).count(), stated.len());
+        let shrunk = (right + 1) as f64 / (all + 2) as f64;
+        let mean = stated.iter().map(|s| s.0).sum::<f64>() / all.max(1) as f64;
+        let _ = writeln!(out, "| {name} | {all} | {right} | {shrunk:.2} | {mean:.2} |");
+    }
+    let unknown: Vec<&Row> = rows.iter().filter(|r| r.verdict == "Unknown").collect();
+    let (right, all) = (unknown.iter().filter(|r| r.component > 0).count(), unknown.len());
+    let shrunk = (right + 1) as f64 / (all + 2) as f64;
+    let _ = writeln!(out, "| unknown, in the component named first | {all} | {right} | {shrunk:.2} | |");
+    out
+}
+
 fn figures(rows: &[Row]) -> Vec<(&'static str, String)> {
     let of = |family: &str| rows.iter().filter(|r| r.family == family).collect::<Vec<_>>();
     let (nothing, outside, pairs) = (of("Nothing"), of("Outside"), of("Pair"));
