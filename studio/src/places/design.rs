@@ -11,7 +11,7 @@ use egui::{Color32, RichText, Ui};
 use super::consequences::{
     control_chart, effort_chart, loop_chart, motion, motion_chart, sensitivity_chart, step_chart,
 };
-use super::parts;
+use super::{kept, parts};
 use crate::chart::{Chart, Dash, Scale, Shown};
 use crate::command::{Command, Slot};
 use crate::knobs::{self, Knob};
@@ -219,36 +219,6 @@ fn peak(live: &Live, source: Source) -> f64 {
     hub.iter().skip(hub.len() / 2).map(|v| v.abs()).fold(0.0, f64::max)
 }
 
-/// Keeps the present design in a free slot; one that is taken opens what can be done with it.
-fn keeper(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, slot: Slot) {
-    let name = slot.name();
-    if !view.kept.contains_key(name) {
-        let free = ui.selectable_label(false, name).on_hover_text("keep this design for comparison");
-        let said = format!("keep this design as {name}");
-        free.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, said.clone()));
-        if free.clicked() {
-            queue.push(Command::Keep { slot });
-        }
-        return;
-    }
-    let button = egui::Button::selectable(true, name);
-    let (shown, _) = egui::containers::menu::MenuButton::from_button(button).ui(ui, |ui| {
-        for (text, command) in [
-            (format!("Go back to {name}"), Command::Return { slot }),
-            (format!("Keep the present design as {name}"), Command::Keep { slot }),
-            (format!("Forget {name}"), Command::Forget { slot }),
-        ] {
-            if ui.button(text).clicked() {
-                queue.push(command);
-                ui.close();
-            }
-        }
-    });
-    let said = format!("kept design {name}");
-    shown.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, said.clone()));
-    shown.on_hover_text("kept; click to go back to it, to keep another, or to forget it");
-}
-
 /// The figures of the design, beside those that were kept.
 fn figures(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, live: &Live) {
     let theme = view.theme;
@@ -258,7 +228,7 @@ fn figures(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, live: &Live) 
             ui.label("");
             ui.label(RichText::new("now").small().color(theme.weak));
             for slot in Slot::ALL {
-                keeper(ui, view, queue, slot);
+                kept::keeper(ui, view, queue, slot);
             }
             ui.end_row();
             for (name, unit, of) in FIGURES {

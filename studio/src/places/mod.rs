@@ -12,6 +12,7 @@ pub mod design;
 pub mod diagnose;
 pub mod fields;
 pub mod findings;
+pub mod kept;
 pub mod limits;
 pub mod parts;
 pub mod plant;
