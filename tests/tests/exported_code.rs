@@ -368,6 +368,10 @@ fn the_code_of_every_example_compiles_in_silence_and_moves_the_plant_alike() {
     if !is_there("cc") {
         return println!("skipped: no C compiler");
     }
+    for program in ["clang", "cppcheck"].into_iter().filter(|program| !is_there(program)) {
+        println!("analysis skipped: no {program} (apt install {program})");
+    }
+    let mut folders = Vec::new();
     let on_target = target::tools_are_there();
     let mut designs = 0;
     for path in examples() {
@@ -390,9 +394,25 @@ fn the_code_of_every_example_compiles_in_silence_and_moves_the_plant_alike() {
             for core in CORES.iter().filter(|_| on_target) {
                 target::compile(core, &folder, &own);
             }
+            folders.push(folder);
         }
     }
     assert!(designs > 0);
+    counterpoise_tests::in_parallel(folders.len(), &|k| analysed(&folders[k]));
+}
+
+/// Clang's analyser and cppcheck over everything that was generated into a folder: not a word, nothing suppressed.
+fn analysed(folder: &Path) {
+    if is_there("clang") {
+        let flags = ["--analyze", "-Xanalyzer", "-analyzer-output=text", "-std=c99", "-Wall", "-Wextra"];
+        let sources = ["axis.c", "axis_self_test.c", "axis_test.c", "axis_interrupt.c"];
+        assert_eq!(run(Command::new("clang").current_dir(folder).args(flags).args(sources)), "");
+    }
+    if is_there("cppcheck") {
+        let flags = ["--std=c99", "--quiet", "--enable=warning,style,performance,portability"];
+        let sources = ["--error-exitcode=1", "axis.c", "axis_self_test.c", "axis_test.c", "axis_interrupt.c"];
+        assert_eq!(run(Command::new("cppcheck").current_dir(folder).args(flags).args(sources)), "");
+    }
 }
 
 /// What one step of the reference rig's controller needs: a product and a sum are an instruction each, a coefficient is

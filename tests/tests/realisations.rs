@@ -8,7 +8,8 @@ mod support;
 use std::process::Command;
 
 use counterpoise_controller::sensitivity::Form;
-use counterpoise_export::{Options, Ranges, c99, single_precision};
+use counterpoise_export::forms::{PathForm, in_form};
+use counterpoise_export::{Options, Ranges, Source, c99, single_precision};
 use counterpoise_project::Project;
 use counterpoise_project::pipeline::export::forms;
 use counterpoise_project::pipeline::{World, model, reduce, synthesise, verify};
@@ -53,9 +54,9 @@ fn readings() -> Vec<[f64; 6]> {
 }
 
 /// What the C in single precision answers.
-fn answers(verified: &VerifiedController, name: &str) -> Vec<f64> {
-    let folder = folder(&format!("realisation_{name}"));
-    write(&folder, &c99(verified, &provenance(), &Options::single("axis")).unwrap());
+fn answers<'a>(controller: impl Into<Source<'a>>, name: &str) -> Vec<f64> {
+    let folder = folder(&format!("realisation_{}", name.replace(' ', "_")));
+    write(&folder, &c99(controller, &provenance(), &Options::single("axis")).unwrap());
     std::fs::write(folder.join("server.c"), server(&["axis".into()])).unwrap();
     let sources = ["server.c", "axis.c", "-o", "server"];
     assert_eq!(run(Command::new("cc").current_dir(&folder).args(STRICT).args(sources)), "");
@@ -101,6 +102,33 @@ fn the_form_asked_for_is_what_is_exported_and_as_sensitive_as_predicted() {
         margins.push(gain_margin_db(&verified));
     }
     assert!(margins.iter().all(|margin| (margin - margins[0]).abs() < 1e-6), "{margins:?}");
+}
+
+/// The C of the same controller with its paths in each form: sections and balanced states are as near as single precision is, the
+/// coefficients of a polynomial are not the controller any more. In double all are the same.
+#[test]
+fn the_c_tells_the_forms_apart() {
+    if !is_there("cc") {
+        return println!("skipped: no C compiler");
+    }
+    let verified = verified(&[]);
+    let controller = verified.controller();
+    let mut off = Vec::new();
+    for form in PathForm::ALL {
+        let other = in_form(controller, form).unwrap();
+        let (mut reference, mut double) = (controller.runner(), other.runner());
+        let (mut single, mut worst) = (other.runner_in::<f32>(), [0.0_f64; 2]);
+        for (readings, answer) in readings().iter().zip(answers(Source::Unverified(&other), form.name())) {
+            assert_eq!(single.step_array(readings).to_bits(), answer.to_bits(), "{form:?}");
+            let right = reference.step_array(readings);
+            let found = [double.step_array(readings), answer].map(|value| (value - right).abs());
+            worst = [worst[0].max(found[0]), worst[1].max(found[1])];
+        }
+        println!("{}: C in double off by {:.1e} V, in single by {:.1e} V", form.name(), worst[0], worst[1]);
+        assert!(worst[0] < 1e-4, "{form:?}: {worst:?}");
+        off.push(worst[1]);
+    }
+    assert!(off[..3].iter().all(|off| *off < 1e-3) && off[3] > 100.0 * off[1], "{off:?}");
 }
 
 /// A gyroscope that reads 5 % too much and has a bias: left alone it moves the gain margin; corrected, the loop is the one of

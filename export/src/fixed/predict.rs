@@ -128,13 +128,13 @@ impl Arithmetic for Quantised<'_> {
         if (value / unit(error.bits)).fract() == 0.0 {
             return Rounded::default();
         }
-        let grid = unit(error.bits);
-        match added(operation, read) {
+        let known = match added(operation, read) {
             Some((state, rest)) if error.squares > 0.0 && self.fixed.states[state] <= error.bits => {
-                Rounded { known: to_grid(rest, grid), square: error.squares, grid: 0.0 }
+                to_grid(rest, unit(error.bits))
             }
-            _ => Rounded { known: -value.signum() * error.steady, square: error.squares, grid },
-        }
+            _ => -value.signum() * error.steady,
+        };
+        Rounded { known, square: error.squares }
     }
 }
 

@@ -69,7 +69,7 @@ impl Arithmetic for Single<'_> {
             }
             _ => 0.0,
         };
-        Rounded { known, square, grid: 0.0 }
+        Rounded { known, square }
     }
 }
 

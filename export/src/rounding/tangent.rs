@@ -103,11 +103,6 @@ impl<'a> Tangent<'a> {
         })
     }
 
-    /// What an operation wrote in the last run.
-    pub fn value(&self, number: usize) -> f64 {
-        self.values[self.values.len() - self.operations.len() + number]
-    }
-
     /// Derivatives of a state after the program.
     pub fn state(&self, i: usize) -> &Row {
         &self.slopes[self.ends[i]]

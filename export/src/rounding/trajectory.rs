@@ -2,7 +2,6 @@
 
 use counterpoise_controller::Controller;
 
-use super::colour::{Colours, Search};
 use super::tangent::{Row, Tangent};
 use super::{Arithmetic, Line, Rounded};
 use crate::ranges::Run;
@@ -26,8 +25,7 @@ pub(crate) struct Track {
 /// ```
 ///
 /// with A, E, c, f the derivatives of this sample's step by its states and by an error of each of its operations, b the
-/// known part of the roundings and r the bound of the rest. Roundings that repeat themselves are states of their own
-/// ([`super::colour`]).
+/// known part of the roundings and r the bound of the rest.
 pub(crate) fn follow(controller: &Controller, run: &Run, arithmetic: &impl Arithmetic) -> Track {
     let programs = controller.programs();
     let n = programs.state_count();
@@ -36,7 +34,6 @@ pub(crate) fn follow(controller: &Controller, run: &Run, arithmetic: &impl Arith
         set: Tangent::new(&programs.set_out_of_balance, n),
         states: programs.initial(),
         errors: Errors::none(n),
-        colours: repeated(controller, run, arithmetic),
         track: Track::default(),
     };
     run.play(
@@ -47,24 +44,11 @@ pub(crate) fn follow(controller: &Controller, run: &Run, arithmetic: &impl Arith
     walk.track
 }
 
-/// The roundings of a run that repeat themselves.
-fn repeated(controller: &Controller, run: &Run, arithmetic: &impl Arithmetic) -> Colours {
-    let programs = controller.programs();
-    let mut step = Tangent::new(&programs.step, programs.state_count());
-    let (mut states, mut search) = (programs.initial(), Search::default());
-    for readings in &run.readings {
-        step.run(&mut states, readings);
-        search.look(&step, &roundings(&step, Line::Step, arithmetic));
-    }
-    search.found()
-}
-
 struct Walk<'a> {
     step: Tangent<'a>,
     set: Tangent<'a>,
     states: Vec<f64>,
     errors: Errors,
-    colours: Colours,
     track: Track,
 }
 
@@ -73,20 +57,15 @@ impl Walk<'_> {
         self.set.run(&mut self.states, &[value]);
         let rounded = roundings(&self.set, Line::Set, arithmetic);
         self.errors.advance(&self.set, &rounded);
-        self.colours.pass(&self.set);
     }
 
     fn step(&mut self, readings: &[f64], arithmetic: &impl Arithmetic) {
         self.step.run(&mut self.states, readings);
-        let mut rounded = roundings(&self.step, Line::Step, arithmetic);
-        self.colours.take(&self.step, &mut rounded, self.states.len());
+        let rounded = roundings(&self.step, Line::Step, arithmetic);
         let (mean, squares) = self.errors.of(self.step.output(), &rounded);
         self.track.mean_v.push(mean);
-        self.track
-            .squares_v2
-            .push((squares + self.colours.squares(self.states.len(), self.step.output())).max(0.0));
+        self.track.squares_v2.push(squares);
         self.errors.advance(&self.step, &rounded);
-        self.colours.advance(&self.step, &mut self.errors.covariance);
     }
 }
 
