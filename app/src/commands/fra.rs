@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::{Result, bail};
+use anyhow::{Context as _, Result, bail};
 use clap::{Args, ValueEnum};
 use counterpoise::report::fra::{Pace, report};
 use counterpoise::report::html;
-use counterpoise_project::Purpose;
 use counterpoise_project::pipeline;
 use counterpoise_project::pipeline::fra::{Analyser, Around, Map, Measurement, On, Plan};
+use counterpoise_project::{Purpose, StructureChoice};
 
 use super::{Done, replay, verdict_code};
 use crate::arguments::Results;
@@ -25,6 +25,9 @@ pub struct FraOptions {
     /// What is excited and measured
     #[arg(long = "loop", value_enum, default_value_t = LoopName::Disturbance)]
     pub around: LoopName,
+    /// The plant that is measured; the controller stays the project's
+    #[arg(long, value_enum, default_value_t = PlantName::Project, conflicts_with = "recording")]
+    pub plant: PlantName,
     /// Amplitudes of the sine: V for `plant`, rad/s otherwise
     #[arg(long, value_name = "A,B,...", value_delimiter = ',')]
     pub amplitudes: Vec<f64>,
@@ -46,6 +49,17 @@ pub struct FraOptions {
     /// Where results go.
     #[command(flatten)]
     pub results: Results,
+}
+
+/// The plants by name; the linear one stands beside every map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PlantName {
+    /// As the project's [model] says
+    Project,
+    /// The two lumped inertias
+    Lumped,
+    /// The finite elements' modes
+    Fe,
 }
 
 /// The loops by name.
@@ -106,7 +120,17 @@ pub fn run(options: &FraOptions) -> Done {
 /// The map of the simulated mechanism, and how fast it was: on all threads, then, where that was asked for, on fewer.
 fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<Map>, Vec<Pace>)> {
     let modelled = pipeline::model(&loaded.project)?;
-    let analyser = Analyser::new(&loaded.project, &modelled, plan, On::Simulation)?;
+    let project = &loaded.project;
+    let analyser = Analyser::new(project, &modelled, plan, On::Simulation)?;
+    let analyser = match options.plant {
+        PlantName::Project => analyser,
+        PlantName::Lumped => analyser.on_structure(project, StructureChoice::Lumped, plan)?,
+        PlantName::Fe => {
+            let structure = pipeline::finite_elements_of(project)
+                .context("--plant fe: the project has neither [plant.beam] nor [plant.import]")?;
+            analyser.on_structure(project, structure, plan)?
+        }
+    };
     let workers = Workers::new(options.results.quiet);
     let start = Instant::now();
     let measured = analyser.measure(plan, &workers);

@@ -244,6 +244,7 @@ fn tell_changes(options: &VerifyOptions, changed: &[Change]) -> Result<()> {
     }
     let others = changed.iter().filter(|change| difference::moved(change)).count();
     let turned = changed.iter().filter(|change| change.turned()).count();
-    say!("{turned} verdicts turned; {others} of {} figures changed (--report shows all)", changed.len());
+    let word = if turned == 1 { "verdict" } else { "verdicts" };
+    say!("{turned} {word} turned; {others} of {} figures changed (--report shows all)", changed.len());
     Ok(())
 }

@@ -32,7 +32,13 @@ fn headline(rows: &[Claim]) -> Headline {
     let differs = count(|f| matches!(f, Finding::Differs { .. }));
     let fails = count(|f| *f == Finding::Fails);
     let open = count(|f| matches!(f, Finding::NotMeasured { .. }));
-    let text = format!("{holds} of {} claims hold, {differs} differ for a reason, {fails} fail", rows.len());
+    let all = rows.len();
+    let text = format!(
+        "{holds} of {all} claims {}, {differs} {} for a reason, {fails} {}",
+        verb(holds, "hold"),
+        verb(differs, "differ"),
+        verb(fails, "fail")
+    );
     let detail = if open == 0 { String::new() } else { format!("{open} are not measured by this command.") };
     let tone = match (fails, holds) {
         (0, 0) => Tone::Neutral,
@@ -40,6 +46,10 @@ fn headline(rows: &[Claim]) -> Headline {
         _ => Tone::Bad,
     };
     Headline { tone, text, detail }
+}
+
+fn verb(count: usize, plural: &str) -> String {
+    if count == 1 { format!("{plural}s") } else { plural.to_owned() }
 }
 
 /// Tone, word, and what is said beside the measurement.

@@ -18,7 +18,7 @@ use counterpoise_verify::linear::plant::Resolver;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-use super::{Modelled, PipelineError, cannot_hold, reduce, synthesise};
+use super::{Modelled, PipelineError, cannot_hold, model, reduce, synthesise};
 use crate::Project;
 use crate::resolve::model::StructureChoice;
 
@@ -172,6 +172,26 @@ impl Analyser {
             name: modelled.parameters.name.clone(),
             remarks,
         })
+    }
+
+    /// The same instrument and controller on another structure of the project's mechanism.
+    ///
+    /// # Errors
+    /// Those of the model.
+    pub fn on_structure(
+        self,
+        project: &Project,
+        structure: StructureChoice,
+        plan: &Plan,
+    ) -> Result<Self, PipelineError> {
+        let mut other = project.clone();
+        other.model.structure = structure;
+        let modelled = model(&other)?;
+        let plant = match plan.around {
+            Around::Disconnected => disconnected(&other, &modelled, &mut Vec::new())?,
+            _ => modelled.plant,
+        };
+        Ok(Self { plant, ..self })
     }
 
     /// Measures every point on the simulated mechanism, in parallel.
