@@ -14,7 +14,7 @@ use counterpoise_export::fmi::{PlantUnit, controller_unit, pack, plant_unit};
 use counterpoise_export::{File, Options};
 use counterpoise_lti::{Mat, StateSpace, Timebase};
 use counterpoise_models::plant::{OperatingPoint, Plant};
-use counterpoise_project::pipeline::{model, reduce, synthesise};
+use counterpoise_project::pipeline::{Modelled, World, export, model, reduce, synthesise, verify};
 use counterpoise_project::{Attachments, Document, Project, Purpose, Setting};
 use counterpoise_simulate::signal::Sine;
 use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator, TimeHistory};
@@ -140,6 +140,39 @@ fn the_loop_that_fmpy_closes_is_the_simulated_one_for_every_example() {
     }
     assert!(folders.len() >= 8, "{folders:?}");
     in_fmpy(&folders);
+}
+
+/// The examples tried here need no file beside their own.
+struct Nothing;
+
+impl World for Nothing {
+    fn read(&self, name: &str) -> Result<Vec<u8>, String> {
+        Err(format!("{name} is not needed"))
+    }
+}
+
+#[test]
+fn a_plant_without_a_unit_leaves_the_rest_of_the_code_there() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/appendix-5/chapter-6.toml");
+    let text = std::fs::read_to_string(file).unwrap();
+    let text = text.replace("languages = [\"c99\"]", "languages = [\"fmi\", \"c99\"]");
+    let project = Project::parse(&text, "project.toml").unwrap().project;
+    let modelled = model(&project).unwrap();
+    let reduced = reduce(&project, &modelled).unwrap();
+    let made = synthesise(&project, &modelled, &reduced).unwrap();
+    let verified = verify(&project, &modelled, &made, &Nothing).unwrap();
+    let whole = export(&project, &modelled, &verified, &Nothing).unwrap();
+    assert!(whole.left_out.is_empty());
+    let mut parameters = modelled.plant.parameters().clone();
+    parameters.interface.output_delay_samples = 20_000;
+    let late = Modelled { plant: Plant::lumped(&parameters).unwrap(), ..modelled };
+    let rest = export(&project, &late, &verified, &Nothing).unwrap();
+    let units = |files: &[File], name: &str| files.iter().filter(|file| file.name.contains(name)).count();
+    assert_eq!((units(&whole.files, "_plant/"), units(&rest.files, "_plant/")), (5, 0));
+    assert_eq!(rest.files.len() + 5, whole.files.len());
+    let said: Vec<String> = rest.left_out.iter().map(ToString::to_string).collect();
+    let expected = "FMI unit of the plant: delay in samples = 20002: the generated plant keeps at most 10000";
+    assert_eq!(said, [expected]);
 }
 
 /// Keys of the practice machines' project files with what each machine truly has, beside its plain model.

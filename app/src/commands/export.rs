@@ -28,9 +28,7 @@ pub fn run(options: &ExportOptions) -> Done {
     if !output::json(&options.results, &names)? {
         names.iter().for_each(|name| say!("{name}"));
     }
-    if !options.results.quiet {
-        made.left_out.iter().for_each(|code| eprintln!("left out  {code}"));
-    }
+    made.left_out.iter().for_each(|code| eprintln!("left out  {code}"));
     Ok(verdict_code(made.verified.verification().passes() && made.left_out.is_empty()))
 }
 

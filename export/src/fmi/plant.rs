@@ -10,7 +10,7 @@ use crate::{Error, File, Provenance, check_name};
 /// Most samples by which a signal of the unit may be late: it keeps them all.
 pub const MOST_DELAY_SAMPLES: f64 = 1e4;
 /// Most bristles of a joint of the unit.
-pub const MOST_BRISTLES: f64 = 1e4;
+pub const MOST_BRISTLES: f64 = 1e5;
 
 /// A plant unit that was asked for.
 #[derive(Debug, Clone, Copy)]
