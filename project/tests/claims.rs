@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_project::Project;
-use counterpoise_project::claims::{Finding, claims};
+use counterpoise_project::claims::{Claim, Finding, claims};
 use counterpoise_project::pipeline::World;
 
 struct Example;
@@ -12,6 +12,26 @@ const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/reference
 impl World for Example {
     fn read(&self, name: &str) -> Result<Vec<u8>, String> {
         std::fs::read(format!("{FOLDER}{name}")).map_err(|error| error.to_string())
+    }
+}
+
+/// Every row shows what decided it: axes with their quantity, curves with names and numbers.
+fn drawn(row: &Claim) {
+    assert!(!row.pictures.is_empty(), "{}: no picture", row.id);
+    for picture in &row.pictures {
+        assert!(!picture.title.is_empty() && !picture.x.quantity.is_empty(), "{}", row.id);
+        for panel in &picture.panels {
+            assert!(
+                !panel.y.quantity.is_empty() && !panel.curves.is_empty(),
+                "{}: {}",
+                row.id,
+                picture.title
+            );
+            for curve in &panel.curves {
+                let sound = curve.points.iter().filter(|point| point.0.is_finite() && point.1.is_finite());
+                assert!(sound.count() > 0 && !curve.name.is_empty(), "{}: {}", row.id, picture.title);
+            }
+        }
     }
 }
 
@@ -31,6 +51,7 @@ fn every_claim_of_the_thesis_is_answered_on_the_reference_rig() {
         if let Finding::Differs { why } = &row.finding {
             assert!(!why.is_empty(), "{}", row.id);
         }
+        drawn(row);
     }
     assert_eq!(rows.iter().map(|row| row.id).collect::<Vec<_>>(), ids);
     for id in ["C5", "C7", "C19", "C20"] {
