@@ -28,11 +28,14 @@ pub fn page(rows: &[Row]) -> String {
     out
 }
 
+/// A kind of answer: its name, and which answers are of it.
+type Kind<'a> = (&'a str, &'a dyn Fn(&Row) -> bool);
+
 /// How often names were true, kind of answer by kind, and (n + 1) / (m + 2) of it: what `diagnose` states of a name without a rival.
 pub fn calibration(rows: &[Row]) -> String {
     let mut out =
         String::from("| answer | names | true | (n + 1) / (m + 2) | mean stated |\n|---|---|---|---|---|\n");
-    let kinds: [(&str, &dyn Fn(&Row) -> bool); 4] = [
+    let kinds: [Kind<'_>; 4] = [
         ("named, one or two effects", &|r| r.verdict == "Named" && r.found.len() < 3),
         ("named, three effects", &|r| r.verdict == "Named" && r.found.len() > 2),
         ("incomplete", &|r| r.verdict == "Incomplete"),
