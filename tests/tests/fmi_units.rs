@@ -62,7 +62,7 @@ fn compiled(folder: &Path, name: &str, files: &[File]) -> Vec<u8> {
 fn write_loop(folder: &Path, plant: &Plant, controller: &Controller, scenario: &Scenario) {
     let axis = controller_unit(Unverified(controller), &provenance(), &Options::double("axis")).unwrap();
     let rig = plant_unit(PlantUnit { plant, name: "rig" }, &provenance()).unwrap();
-    let expected = Simulator::with_tolerance(plant, 2e-5 / 64.0).unwrap().run(&mut controller.runner(), scenario).unwrap();
+    let expected = Simulator::new(plant).unwrap().run(&mut controller.runner(), scenario).unwrap();
     std::fs::create_dir_all(folder).unwrap();
     std::fs::write(folder.join("expected.csv"), csv(&expected)).unwrap();
     for (name, files) in [("axis", &axis), ("rig", &rig)] {
