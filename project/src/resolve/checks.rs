@@ -54,6 +54,7 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     map(&mut findings, plant);
     coupling(&mut findings, plant);
     delays(&mut findings, plant);
+    without_effect(&mut findings, plant);
     agreement(&mut findings, plant);
     units(&mut findings, &project.recording);
     configuration(&mut findings, project);
@@ -257,6 +258,28 @@ fn delays(findings: &mut Findings<'_>, plant: &Parameters) {
             let remark = Remark::new(Problem::OutOfRange, &format!("plant.sensors.{name}.delay"), allowed);
             findings.add(Severity::Error, remark.found(delay_s.to_string()));
         }
+    }
+}
+
+/// Warns of what a sensor is given and the simulator leaves out: the sensors of the drive have no dynamics, and heave moves
+/// the gyroscopes' readings alone.
+fn without_effect(findings: &mut Findings<'_>, plant: &Parameters) {
+    let sensors = &plant.sensors;
+    let drive = [("motor_tachometer", &sensors.motor_tachometer), ("hub_resolver", &sensors.hub_resolver)];
+    let given = drive.iter().filter_map(|(name, sensor)| sensor.as_ref().map(|sensor| (*name, sensor)));
+    let mut warn = |path: String, value: f64, why: &str| {
+        let allowed = format!("has no effect: {why}");
+        let remark = Remark::new(Problem::Conflict, &path, allowed).found(value.to_string());
+        findings.add(Severity::Warning, remark);
+    };
+    for (name, sensor) in given.clone().filter(|(_, sensor)| sensor.natural_frequency_rad_s.is_finite()) {
+        let why = "this sensor is simulated without dynamics (give its lag as `delay`)";
+        warn(format!("plant.sensors.{name}.natural_frequency"), sensor.natural_frequency_rad_s, why);
+    }
+    let accelerometer = ("platform_accelerometer", &sensors.platform_accelerometer);
+    for (name, sensor) in given.chain([accelerometer]).filter(|(_, sensor)| sensor.g_sensitivity != 0.0) {
+        let why = "only the gyroscopes feel heave besides what they measure";
+        warn(format!("plant.sensors.{name}.g_sensitivity"), sensor.g_sensitivity, why);
     }
 }
 
