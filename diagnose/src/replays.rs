@@ -16,6 +16,8 @@ use crate::tolerance::{FITTED_SHARE, STEPS_PER_SAMPLE};
 
 /// Channels whose misfit is scored; the platform's are what drives the replay.
 const SCORED: [Channel; 4] = [Channel::Control, Channel::HubRate, Channel::MotorRate, Channel::HubPosition];
+/// Place of the hub rate among them.
+const HUB_RATE: usize = 1;
 
 /// Recordings of one machine with what is made of them once: their first parts, and copies with noise on the demand.
 pub struct Prepared {
@@ -111,25 +113,37 @@ impl<'a> Replays<'a> {
         }
     }
 
-    /// The misfit of every scored channel; played back, the control has none of its own and the hub rate stands in its
-    /// place, so that mechanisms run in either way have as many channels.
+    /// The channel that is scored where one of [`SCORED`] stands, and its place; none where there is nothing to score. Played back,
+    /// the control has no misfit of its own and the hub rate stands in its place, so that mechanisms run in either way have as many
+    /// channels. A hub that is made to follow its own recorded rate says nothing: what it takes, the control, is the evidence.
+    fn shown(
+        &self,
+        replay: &Replay,
+        index: usize,
+        drive: Drive,
+        (place, channel): (usize, Channel),
+    ) -> Option<(Channel, usize)> {
+        let stand_in = channel == Channel::Control && drive == Drive::Playback;
+        if stand_in && self.control == Loop::Open {
+            return None;
+        }
+        let (shown, place) = if stand_in { (Channel::HubRate, HUB_RATE) } else { (channel, place) };
+        let of_hub = matches!(shown, Channel::HubRate | Channel::HubPosition);
+        let given = of_hub && drive == Drive::ClosedLoop && follows(&self.prepared.whole[index]);
+        (!given && replay.channels.iter().any(|f| f.channel == shown)).then_some((shown, place))
+    }
+
+    /// The misfit of every scored channel.
     fn misfits(&self, replay: &Replay, index: usize, length: usize, drive: Drive) -> Option<Vec<Misfit>> {
         let mut out = Vec::new();
         for (c, channel) in SCORED.into_iter().enumerate() {
-            let stand_in = channel == Channel::Control && drive == Drive::Playback;
-            if stand_in && self.control == Loop::Open {
-                continue;
-            }
-            let (shown, c) = if stand_in { (Channel::HubRate, 1) } else { (channel, c) };
-            if !replay.channels.iter().any(|f| f.channel == shown) {
-                continue;
-            }
+            let Some((shown, c)) = self.shown(replay, index, drive, (c, channel)) else { continue };
             let recorded = &self.prepared.whole[index].column(shown)?[..length];
             let floor = self.floors[index][c];
             let simulated = shown.of(&replay.simulated);
             let difference = |(s, r): (&f64, &f64)| if r.is_finite() { (s - r) / floor } else { 0.0 };
             let residual: Vec<f64> = simulated.iter().zip(recorded).map(difference).collect();
-            let told = if stand_in { self.control_floor } else { floor };
+            let told = if shown == channel { floor } else { self.control_floor };
             out.push(Misfit { channel: channel.name(), residual, floor: told });
         }
         Some(out)
@@ -147,19 +161,13 @@ impl<'a> Replays<'a> {
         let control = self.control(drive);
         let shaken =
             self.with(parameters, &self.noisy[index], |r| r.replay_from(parameters, control, &quiet.start))?;
-        let size = |channel: Channel| {
-            let stand_in = channel == Channel::Control && drive == Drive::Playback;
-            if stand_in && self.control == Loop::Open {
-                return None;
-            }
-            let shown = if stand_in { Channel::HubRate } else { channel };
-            quiet.channels.iter().find(|f| f.channel == shown)?;
-            let place = SCORED.into_iter().position(|c| c == shown)?;
+        let size = |(c, channel): (usize, Channel)| {
+            let (shown, place) = self.shown(quiet, index, drive, (c, channel))?;
             let apart = apart(shown, &quiet.simulated, &shaken.simulated) / self.floors[index][place];
             let own = if shown == Channel::Control { 1.0 } else { 0.0 };
             Some((apart * apart - own).max(0.0).sqrt())
         };
-        Some(SCORED.into_iter().filter_map(size).collect())
+        Some(SCORED.into_iter().enumerate().filter_map(size).collect())
     }
 
     /// A closed-loop run judged; where it does not repeat, the playback in its place.
@@ -191,6 +199,15 @@ impl<'a> Replays<'a> {
         let wander = self.wander(parameters, index, &played, Drive::Playback)?;
         Some(Judged { misfits, wander, start: Some(played.start), drive: Drive::Playback })
     }
+}
+
+/// Whether the demand of a recording is its hub rate: a controller that nobody recorded makes the model follow.
+fn follows(recording: &Recording) -> bool {
+    let (Some(demand), Some(rate)) = (&recording.demand_rad_s, &recording.hub_rate_rad_s) else {
+        return false;
+    };
+    let differs = |(d, r): (&f64, &f64)| r.is_finite() && d != r;
+    rate.iter().any(|r| r.is_finite() && *r != 0.0) && !demand.iter().zip(rate).any(differs)
 }
 
 /// Share of the noise that the gyroscope's makes in the control below which recorded control is not of this loop.
@@ -300,12 +317,7 @@ impl Bench for Replays<'_> {
         let quiet =
             self.with(parameters, &self.whole[index], |r| r.replay_from(parameters, control, start))?;
         let one = |(c, channel): (usize, Channel)| -> Option<Vec<f64>> {
-            let stand_in = channel == Channel::Control && near.drive == Drive::Playback;
-            if stand_in && self.control == Loop::Open {
-                return None;
-            }
-            let (shown, c) = if stand_in { (Channel::HubRate, 1) } else { (channel, c) };
-            quiet.channels.iter().find(|f| f.channel == shown)?;
+            let (shown, c) = self.shown(&quiet, index, near.drive, (c, channel))?;
             let floor = self.floors[index][c];
             let pairs = shown.of(&shaken.simulated).iter().zip(shown.of(&quiet.simulated));
             Some(pairs.map(|(a, b)| (a - b) / floor).collect())
