@@ -11,7 +11,7 @@
 //!
 //! *Invariant*: nothing here knows a weight, a file, a thread or a clock; processors are handed in as a [`bench::Pool`].
 //!
-//! Modules in reading order: [`mod@bench`], [`mend`], [`qualify`], [`noise`], [`library`], [`locate`], [`look`], [`fit`], [`score`], [`select`], [`shape`], [`judge`],
+//! Modules in reading order: [`mod@bench`], [`mend`], [`qualify`], [`noise`], [`library`], [`locate`], [`look`], [`fit`], [`score`], [`select`], [`shape`], [`whereabouts`], [`judge`],
 //! [`answer`], [`scaled`]; apart from them [`mod@refit`], a given structure fitted and judged, and [`identify`], the triangle-wave method.
 
 pub mod answer;
@@ -42,6 +42,7 @@ pub mod select;
 pub mod shape;
 mod slopes;
 pub mod tolerance;
+pub mod whereabouts;
 
 pub use diagnosis::Diagnosis;
 pub use error::Error;

@@ -166,7 +166,7 @@ fn notes(p: &Parameters, states: &[&[Recording]], amplifier: &Amplifier, left: f
     let all = || states.iter().flat_map(|state| state.iter());
     if all().any(|r| r.motor_rate_rad_s.is_none()) {
         out.push(
-            "no motor rate: the gear is taken as stiff, its rate from the hub's and the platform's"
+            "no motor rate: it is the hub's on the platform and the gear's twist, with the project's gear stiffness"
                 .to_owned(),
         );
     }

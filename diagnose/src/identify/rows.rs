@@ -5,8 +5,9 @@
 //!         = mu Q G [(g + a_p) cos theta] + F_c Q [sgn v] + F_v Q [v] + J Q' [w]
 //! ```
 //!
-//! v is the motor's rate at the output, w that of the mean inertia, `known` the torque of what is known: the first
-//! moment above the axis and the spring to the platform.
+//! sgn v is that of the motor's rate, v the mean of motor's and hub's rates on the platform, at the output, weighted by
+//! their parts of the viscous friction in the project (they differ while the gear twists); w is the rate of the mean
+//! inertia, `known` the torque of what is known: the first moment above the axis and the spring to the platform.
 
 use counterpoise_models::Parameters;
 use counterpoise_models::parameters::FrictionLaw;
@@ -60,6 +61,7 @@ struct Channels {
     platform: Vec<f64>,
     heave: Vec<f64>,
     motor: Option<Vec<f64>>,
+    /// Hub angle on the platform as the hub gyroscope would show it.
     position: Vec<f64>,
     whole: Vec<bool>,
 }
@@ -71,17 +73,17 @@ impl Maker<'_> {
     /// No control or no hub rate.
     pub fn rows(&self, recording: &Recording) -> Result<Rows, Error> {
         let period_s = recording.sample_period_s;
-        let channels = channels(recording)?;
         let (chain, kernel) = (Chain::new(self.p, period_s), Kernel::new(self.deviation_s, period_s));
+        let channels = channels(recording, &chain)?;
         let ratio = self.p.gearbox.ratio;
-        let geared = || channels.hub.iter().zip(&channels.platform).map(|(h, p)| ratio * (h - p)).collect();
-        let motor: Vec<f64> = channels.motor.as_ref().map_or_else(geared, |m| chain.as_gyro(m));
-        let rate: Vec<f64> = motor.iter().map(|w| w / ratio).collect();
-        let (direction, turning) = self.directions(&rate, period_s);
+        let twisting = || self.motor_behind_gear(&chain, &channels);
+        let motor: Vec<f64> = channels.motor.as_ref().map_or_else(twisting, |m| chain.as_gyro(m));
+        let driven: Vec<f64> = motor.iter().map(|w| w / ratio).collect();
+        let rate = self.damped_rate(&driven, &channels);
+        let (direction, turning) = self.directions(&driven, period_s);
         let mean = chain.mean_rate(&channels.hub);
         let noise = noise_variance(&channels.hub);
         let [kept, steep] = kernel.noise_gains();
-        let motor_noise = noise_variance(&motor) / ratio.powi(2);
         Ok(Rows {
             torque: self.torque(&chain, &kernel, &channels, &motor),
             regressors: [
@@ -91,13 +93,13 @@ impl Maker<'_> {
                 kernel.slope(&mean),
             ],
             hats: self.hats(&chain, &kernel, &channels.control),
-            sliding: self.sliding(&kernel, &channels, &turning, &self.calm(&rate, period_s)),
+            sliding: self.sliding(&kernel, &channels, &turning, &self.calm(&driven, period_s)),
             smooth_control_v: kernel.smooth(&channels.control),
             smooth_rate_rad_s: kernel.smooth(&channels.hub),
             control_v: channels.control,
             direction,
             turning,
-            noise: [motor_noise * kept, noise * steep],
+            noise: [noise_variance(&rate) * kept, noise * steep],
             period_s,
         })
     }
@@ -105,7 +107,7 @@ impl Maker<'_> {
     fn torque(&self, chain: &Chain, kernel: &Kernel, c: &Channels, motor: &[f64]) -> Vec<f64> {
         let p = self.p;
         let ratio = p.gearbox.ratio;
-        let drive: Vec<f64> = c.control.iter().map(|u| p.amplifier.drive_v(*u, &p.motor)).collect();
+        let drive = self.drive_v(c);
         let (driven, braked) = (chain.current_of_drive(&drive), chain.current_of_rate(motor));
         let gain = ratio * p.motor.torque_constant_nm_a;
         let current = kernel.smooth(&sum(&driven, &braked, gain));
@@ -115,6 +117,28 @@ impl Maker<'_> {
         let known = kernel.smooth(&self.known(chain, c));
         let inertia = ratio * p.motor.inertia_kg_m2;
         (0..current.len()).map(|k| current[k] - inertia * rotor[k] - known[k]).collect()
+    }
+
+    /// The voltage that the amplifier's map makes of the control.
+    fn drive_v(&self, c: &Channels) -> Vec<f64> {
+        c.control.iter().map(|u| self.p.amplifier.drive_v(*u, &self.p.motor)).collect()
+    }
+
+    /// The motor's rate where no sensor shows it: the joint's, and the twist of the gear under the control's torque.
+    fn motor_behind_gear(&self, chain: &Chain, c: &Channels) -> Vec<f64> {
+        let joint: Vec<f64> = c.hub.iter().zip(&c.platform).map(|(h, p)| h - p).collect();
+        let (direction, _) = self.directions(&joint, chain.period_s());
+        chain.motor_rate(&self.drive_v(c), &joint, &direction)
+    }
+
+    /// The rate that viscous friction acts on: the motor's and the hub's, each by its part of it.
+    fn damped_rate(&self, driven: &[f64], c: &Channels) -> Vec<f64> {
+        let p = self.p;
+        let pivot = p.pivot_friction.viscous_nm_s_rad;
+        let all = pivot + p.gearbox.ratio.powi(2) * p.motor_friction.viscous_nm_s_rad;
+        let part = if all > 0.0 { pivot / all } else { 0.5 };
+        let joint = c.hub.iter().zip(&c.platform).map(|(h, p)| h - p);
+        driven.iter().zip(joint).map(|(motor, hub)| motor + part * (hub - motor)).collect()
     }
 
     /// (g + a_p) f(theta_h), as the gyroscope would show it.
@@ -190,22 +214,22 @@ pub fn hat(knots: &[f64], index: usize, at: f64) -> f64 {
 /// Hub angle to the horizon, as the gyroscope would show it.
 fn inertial(c: &Channels, chain: &Chain) -> Vec<f64> {
     let platform = integral(&c.platform, chain.period_s());
-    let ahead = chain.as_gyro(&c.position);
-    ahead.iter().zip(&platform).map(|(a, b)| a + b).collect()
+    c.position.iter().zip(&platform).map(|(a, b)| a + b).collect()
 }
 
 fn sum(a: &[f64], b: &[f64], gain: f64) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| gain * (a + b)).collect()
 }
 
+/// From 0 on, straight between samples.
 fn integral(rate: &[f64], period_s: f64) -> Vec<f64> {
-    let mut angle = 0.0;
+    let (mut angle, mut before) = (0.0, rate.first().copied().unwrap_or(0.0));
     let step = |w: &f64| {
-        let here = angle;
-        angle += w * period_s;
-        Some(here)
+        angle += 0.5 * (before + w) * period_s;
+        before = *w;
+        angle
     };
-    rate.iter().filter_map(step).collect()
+    rate.iter().map(step).collect()
 }
 
 /// Distance over which dry friction builds up after a reversal, at the output, rad: 0 where the law has none.
@@ -230,7 +254,7 @@ fn noise_variance(series: &[f64]) -> f64 {
     squares.sum::<f64>() / 6.0 / series.len().saturating_sub(2).max(1) as f64
 }
 
-fn channels(r: &Recording) -> Result<Channels, Error> {
+fn channels(r: &Recording, chain: &Chain) -> Result<Channels, Error> {
     let missing = |channel| Error::NotIdentifiable { recording: r.name.clone(), channel };
     let control = r.control_v.as_ref().ok_or_else(|| missing("control"))?;
     let hub = r.hub_rate_rad_s.as_ref().ok_or_else(|| missing("hub_rate"))?;
@@ -253,6 +277,7 @@ fn channels(r: &Recording) -> Result<Channels, Error> {
     let motor = r.motor_rate_rad_s.as_ref().map(|c| filled(c));
     let relative: Vec<f64> = hub.iter().zip(&platform).map(|(h, p)| h - p).collect();
     let turned = || integral(&relative, r.sample_period_s);
-    let position = r.hub_position_rad.as_ref().map_or_else(turned, |c| filled(c));
+    // the integral of what the gyroscopes read has their lag already
+    let position = r.hub_position_rad.as_ref().map_or_else(turned, |c| chain.as_gyro(&filled(c)));
     Ok(Channels { control, hub, platform, heave, motor, position, whole })
 }

@@ -172,10 +172,7 @@ impl<'a> Chain<'a> {
 
     /// Current (A) that a drive (V) makes with the motor stalled, as the gyroscope would show it.
     pub fn current_of_drive(&self, drive_v: &[f64]) -> Vec<f64> {
-        let first = drive_v.first().copied().unwrap_or(0.0);
-        let late: Vec<f64> = (0..drive_v.len())
-            .map(|k| if k < self.delay { first } else { drive_v[k - self.delay] })
-            .collect();
+        let late = self.late(drive_v);
         let B = Mat::col(&[self.p.amplifier.gain / self.p.amplifier.time_constant_s, 0.0]);
         let filter = match self.gyro() {
             None => Filter::new(&self.electrical(), &B, 1, self.period_s),
@@ -188,6 +185,53 @@ impl<'a> Chain<'a> {
             }
         };
         filter.map_or_else(|| vec![0.0; late.len()], |filter| filter.run(&late, Between::Held))
+    }
+
+    /// The drive as the amplifier gets it: held back by the controller.
+    fn late(&self, drive_v: &[f64]) -> Vec<f64> {
+        let first = drive_v.first().copied().unwrap_or(0.0);
+        (0..drive_v.len()).map(|k| if k < self.delay { first } else { drive_v[k - self.delay] }).collect()
+    }
+
+    /// Motor rate (rad/s) as the gyroscope would show it, of a motor whose gear twists between it and a joint whose rate
+    /// (rad/s) the gyroscopes have shown, from the drive (V) and the joint's direction (1 or -1):
+    ///
+    /// ```text
+    ///     J_m dw_m/dt = K_t i - F_m sgn - b_m w_m - (K x + D dx/dt) / N,   dx/dt = w_m / N - w_joint
+    /// ```
+    ///
+    /// Backlash is taken as closed. Of a gear without an elasticity: N times the joint's rate.
+    pub fn motor_rate(&self, drive_v: &[f64], joint_rate: &[f64], direction: &[f64]) -> Vec<f64> {
+        let p = self.p;
+        let (ratio, inertia) = (p.gearbox.ratio, p.motor.inertia_kg_m2);
+        let A = self.motor_on_its_gear();
+        let of = |B: [f64; 4]| Filter::new(&A, &Mat::col(&B), 2, self.period_s);
+        let driven = of([p.amplifier.gain / p.amplifier.time_constant_s, 0.0, 0.0, 0.0]);
+        let turned = of([0.0, 0.0, p.gearbox.damping_nm_s_rad / (ratio * inertia), -1.0]);
+        let braked = of([0.0, 0.0, -p.motor_friction.coulomb_nm() / inertia, 0.0]);
+        let (Some(driven), Some(turned), Some(braked)) = (driven, turned, braked) else {
+            return joint_rate.iter().map(|w| ratio * w).collect();
+        };
+        let forced = driven.run(&self.late(drive_v), Between::Held);
+        let dry = braked.run(direction, Between::Held);
+        let forced: Vec<f64> = forced.iter().zip(&dry).map(|(a, b)| a + b).collect();
+        let led = turned.run(joint_rate, Between::Straight);
+        self.as_gyro(&forced).iter().zip(&led).map(|(a, b)| a + b).collect()
+    }
+
+    /// States: amplifier's voltage, current, motor rate, twist of the gear.
+    fn motor_on_its_gear(&self) -> Mat {
+        let (motor, gear) = (&self.p.motor, &self.p.gearbox);
+        let (J, N) = (motor.inertia_kg_m2, gear.ratio);
+        let loss = self.p.motor_friction.viscous_nm_s_rad + gear.damping_nm_s_rad / (N * N);
+        let mut A = Mat::zeros(4, 4);
+        A.set_block(0, 0, &self.electrical());
+        A[(1, 2)] = -motor.back_emf_v_s_rad / motor.inductance_h;
+        A[(2, 1)] = motor.torque_constant_nm_a / J;
+        A[(2, 2)] = -loss / J;
+        A[(2, 3)] = -gear.stiffness_nm_rad / (N * J);
+        A[(3, 2)] = 1.0 / N;
+        A
     }
 
     /// Current (A) that the back-EMF of a motor rate (rad/s) makes.
@@ -254,6 +298,25 @@ mod tests {
         let current = chain.current_of_drive(&[0.5; 50]);
         let expected = 0.5 * rig.amplifier.stall_gain_a_v(&rig.motor);
         assert!(current.iter().all(|i| (i - expected).abs() < 1e-9 * expected), "{current:?}");
+    }
+
+    #[test]
+    fn a_motor_behind_its_gear_turns_with_the_joint_and_lags_where_the_gear_twists() {
+        let rig = reference::rig();
+        let chain = Chain::new(&rig, 1e-3);
+        let even = chain.motor_rate(&[0.0; 2000], &[0.1; 2000], &[1.0; 2000]);
+        assert!((even[1999] - 0.1 * rig.gearbox.ratio).abs() < 1e-9, "{}", even[1999]);
+        // a joint that is held while the drive steps: the motor travels the twist that balances the torque
+        let mut drive = vec![0.0; 2000];
+        drive[100..].fill(0.5);
+        let stepped = chain.motor_rate(&drive, &[0.0; 2000], &[0.0; 2000]);
+        let travelled: f64 = stepped.iter().sum::<f64>() * 1e-3;
+        let torque = 0.5
+            * rig.amplifier.stall_gain_a_v(&rig.motor)
+            * rig.motor.torque_constant_nm_a
+            * rig.gearbox.ratio;
+        let twist = torque / rig.gearbox.stiffness_nm_rad;
+        assert!((travelled / rig.gearbox.ratio / twist - 1.0).abs() < 1e-3, "{travelled} {twist}");
     }
 
     #[test]
