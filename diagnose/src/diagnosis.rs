@@ -4,8 +4,8 @@ use counterpoise_models::Parameters;
 use counterpoise_simulate::recording::Recording;
 use counterpoise_simulate::replay::Loop;
 
-use crate::answer::Answer;
-use crate::bench::Pool;
+use crate::answer::{Answer, MapCell};
+use crate::bench::{Bench, Pool};
 use crate::error::Error;
 use crate::identify::{Amplifier, identify, improved};
 use crate::judge::Evidence;
@@ -18,6 +18,7 @@ use crate::qualify::qualify;
 use crate::replays::{Prepared, Replays, measured};
 use crate::select::Searcher;
 use crate::tolerance::{BIAS_SEEN_RAD_S, SAMPLES_AT_MOST, TEXTBOOK_SAMPLES_AT_MOST};
+use crate::whereabouts::departures;
 
 /// What a diagnosis gives: the answer, and the machine that explains the recordings.
 #[derive(Debug, Clone)]
@@ -73,7 +74,15 @@ pub(crate) fn diagnose_of(
     let search = search.ok_or(Error::NotSimulated)?;
     let evidence = Evidence { bench: &bench, base, search: &search, map, isolability, qualification, sizes };
     let improved = with_noise_of(evidence.improved(), project);
-    Ok(Diagnosis { answer: evidence.answer(), improved })
+    let answer = Answer { map: whereabouts(base, &bench), ..evidence.answer() };
+    Ok(Diagnosis { answer, improved })
+}
+
+/// Balance x regime of how the recordings depart from the replay of the model as it was.
+fn whereabouts(base: &Parameters, bench: &Replays) -> Vec<MapCell> {
+    let judged =
+        (0..bench.count()).filter_map(|index| Some((bench.measured_at(index)?, bench.judge(base, index)?)));
+    departures(base, &judged.collect::<Vec<_>>())
 }
 
 /// The effects that a machine of given sizes may have.

@@ -60,16 +60,20 @@ pub fn isolability(motor_rate: bool, hub_position: bool) -> Vec<Signature> {
 }
 
 /// A balance's residual, and the regime variables along it.
-struct Balance {
-    component: &'static str,
-    residual: Vec<f64>,
+pub(crate) struct Balance {
+    pub(crate) component: &'static str,
+    pub(crate) residual: Vec<f64>,
     regimes: Vec<(&'static str, Vec<f64>)>,
 }
 
 /// Component x regime: the share of each balance's residual that follows each regime variable.
 pub fn regime_map(parameters: &Parameters, recordings: &[Measured]) -> Vec<MapCell> {
+    cells(&recordings.iter().map(|r| balances(parameters, r)).collect::<Vec<_>>())
+}
+
+/// The cells of the balances of several recordings.
+pub(crate) fn cells(balances: &[Vec<Balance>]) -> Vec<MapCell> {
     let mut cells: Vec<MapCell> = Vec::new();
-    let balances: Vec<Vec<Balance>> = recordings.iter().map(|r| balances(parameters, r)).collect();
     for component in ["twist", "drive", "hub"] {
         let here: Vec<&Balance> = balances.iter().flatten().filter(|b| b.component == component).collect();
         let Some(first) = here.first() else { continue };
@@ -228,7 +232,8 @@ impl<'a> Signals<'a> {
     }
 }
 
-fn balances(p: &Parameters, m: &Measured) -> Vec<Balance> {
+/// The balances that a recording allows.
+pub(crate) fn balances(p: &Parameters, m: &Measured) -> Vec<Balance> {
     let signals = Signals::new(p, m);
     let balance = |component, residual: Vec<f64>| Balance {
         component,

@@ -86,6 +86,11 @@ impl<'a> Replays<'a> {
         self.prepared.whole.iter().filter_map(measured).collect()
     }
 
+    /// A recording as the balances take it; none without hub rate or control.
+    pub fn measured_at(&self, index: usize) -> Option<Measured> {
+        self.prepared.whole.get(index).and_then(measured)
+    }
+
     fn same_platform_sensors(&self, parameters: &Parameters) -> bool {
         let (ours, theirs) = (&self.base.sensors, &parameters.sensors);
         ours.platform_gyro == theirs.platform_gyro

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use counterpoise_project::diagnose::bench::map;
 use counterpoise_project::pipeline;
 use counterpoise_project::pipeline::fra::{Analyser, Around, Map, On, Plan};
-use counterpoise_project::verify::robust::{Campaign, Sample, Summary, ranking, summary};
+use counterpoise_project::verify::robust::{Campaign, Sample, Sense, Summary, ranking, summary};
 use counterpoise_project::verify::{Requirement, VerifiedController};
 
 use crate::jobs::{Reasons, VerifyAsk};
@@ -59,8 +59,8 @@ pub struct RobustRow {
     pub requirement: Requirement,
     /// Share, quantiles and the worst.
     pub summary: Summary,
-    /// The parameter that moves the figure most, with its rank correlation.
-    pub strongest: Option<(&'static str, f64)>,
+    /// The parameter that moves the figure most, with its rank correlation and what of the parameter it is with.
+    pub strongest: Option<(&'static str, f64, Sense)>,
     /// The figure of every mechanism, sorted.
     pub values: Vec<f64>,
 }
@@ -130,7 +130,8 @@ fn robust(campaign: &Campaign, samples: &[Sample]) -> Robust {
         RobustRow {
             requirement: requirement.clone(),
             summary: summary(campaign, samples, k),
-            strongest: strongest.map(|r| (campaign.variations()[r.variation].parameter.key(), r.correlation)),
+            strongest: strongest
+                .map(|r| (campaign.variations()[r.variation].parameter.key(), r.correlation, r.sense)),
             values,
         }
     };

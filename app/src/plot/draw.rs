@@ -1,13 +1,14 @@
 //! Draws a figure as SVG.
 
 use super::element::{Anchor, Svg, escape, px, width_of};
+use super::heat;
 use super::theme::{FIGURE_CSS, dash_class, fill_class, stroke_class};
 use super::thin::thin;
 use super::ticks::{Ruler, Tightness};
 use super::{Band, Figure, Mark, Panel, Series};
 
-const WIDTH: f64 = 640.0;
-const FONT: f64 = 12.0;
+pub(super) const WIDTH: f64 = 640.0;
+pub(super) const FONT: f64 = 12.0;
 const RIGHT: f64 = 18.0;
 const GAP: f64 = 14.0;
 const LEGEND_ROW: f64 = 20.0;
@@ -31,6 +32,9 @@ pub fn standalone_svg(figure: &Figure) -> String {
 }
 
 fn drawn(figure: &Figure, prologue: &str) -> String {
+    if let Some(cells) = &figure.heat {
+        return heat::svg(&figure.title, cells, prologue);
+    }
     let legend = Legend::of(figure);
     let top = legend.height() + 8.0;
     let heights: f64 = figure.panels.iter().map(|p| p.height + GAP).sum();

@@ -105,6 +105,26 @@ impl Svg {
         ));
     }
 
+    /// A line of text that rises to the right from its start.
+    pub fn rising(&mut self, class: &str, at: (f64, f64), text: &str) {
+        let (x, y) = (px(at.0), px(at.1));
+        self.put(format_args!(
+            "<text class=\"{class}\" transform=\"translate({x} {y}) rotate(-38)\">{}</text>",
+            escape(text)
+        ));
+    }
+
+    /// A filled rectangle of a strength from 0 to 1.
+    pub fn cell(&mut self, class: &str, corner: (f64, f64), size: (f64, f64), strength: f64) {
+        self.put(format_args!(
+            "<rect class=\"{class}\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill-opacity=\"{strength:.2}\"/>",
+            px(corner.0),
+            px(corner.1),
+            px(size.0),
+            px(size.1)
+        ));
+    }
+
     /// Writing to a string cannot fail.
     fn put(&mut self, markup: std::fmt::Arguments<'_>) {
         let _ = self.text.write_fmt(markup);

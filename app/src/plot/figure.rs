@@ -13,6 +13,28 @@ pub struct Figure {
     pub x: Axis,
     /// From top to bottom.
     pub panels: Vec<Panel>,
+    /// Coloured cells, drawn in place of axes and panels.
+    pub heat: Option<Heat>,
+}
+
+/// Rows x columns of shares, each a coloured cell with its number.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Heat {
+    /// What the colour means, with its unit.
+    pub meaning: String,
+    /// Names of the columns.
+    pub columns: Vec<String>,
+    /// Rows in groups.
+    pub groups: Vec<HeatGroup>,
+}
+
+/// Rows of a [`Heat`] under one heading.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeatGroup {
+    /// The heading.
+    pub heading: String,
+    /// Each row's name with its shares from 0 to 1; none where nothing is known.
+    pub rows: Vec<(String, Vec<Option<f64>>)>,
 }
 
 /// One pair of axes.
@@ -209,7 +231,13 @@ impl Panel {
 impl Figure {
     /// A figure without caption and command.
     pub fn new(title: &str, x: Axis, panels: Vec<Panel>) -> Self {
-        Self { title: title.to_owned(), caption: String::new(), command: String::new(), x, panels }
+        let (title, caption, command) = (title.to_owned(), String::new(), String::new());
+        Self { title, caption, command, x, panels, heat: None }
+    }
+
+    /// A figure of coloured cells.
+    pub fn cells(title: &str, heat: Heat) -> Self {
+        Self { heat: Some(heat), ..Self::new(title, Axis::linear("", ""), Vec::new()) }
     }
 
     /// The same figure with a caption.

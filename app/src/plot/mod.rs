@@ -9,15 +9,16 @@
 //!
 //! *Invariant*: data in, text out; no file, no number that depends on the machine.
 //!
-//! Modules in reading order: [`figure`], [`ticks`], [`thin`], [`theme`], [`element`], [`draw`], [`bode`].
+//! Modules in reading order: [`figure`], [`ticks`], [`thin`], [`theme`], [`element`], [`draw`], [`heat`], [`bode`].
 
 pub mod bode;
 pub mod draw;
 pub mod element;
 pub mod figure;
+pub mod heat;
 pub mod theme;
 pub mod thin;
 pub mod ticks;
 
 pub use draw::{inline_svg, standalone_svg};
-pub use figure::{Axis, Band, Colour, Dash, Figure, Mark, Panel, Scale, Series};
+pub use figure::{Axis, Band, Colour, Dash, Figure, Heat, HeatGroup, Mark, Panel, Scale, Series};

@@ -1,9 +1,10 @@
 //! The report of a diagnosis: the answer first, then how the fit improved, where and when, and what was tried.
 
 use counterpoise_project::diagnose::answer::{Answer, Channels, Finding, Verdict};
+use counterpoise_project::diagnose::whereabouts::{Row, whereabouts};
 
 use crate::plot::ticks::short;
-use crate::plot::{Axis, Colour, Figure, Panel, Series};
+use crate::plot::{Axis, Colour, Figure, Heat, HeatGroup, Panel, Series};
 
 use super::{Cell, Column, Headline, Report, Section, Table, Tile, Tone, residual};
 
@@ -162,36 +163,34 @@ fn where_section(answer: &Answer) -> Section {
             Cell::text(row.sees.join(", ")),
         ]);
     }
-    let mut regimes: Vec<&str> = answer.map.iter().map(|c| c.regime).collect();
-    regimes.dedup();
-    let mut balances_here: Vec<&str> = answer.map.iter().map(|c| c.component).collect();
-    balances_here.dedup();
-    let mut columns = vec![Column::Text("regime variable")];
-    columns.extend(balances_here.iter().map(|name| Column::Text(heading(name))));
-    let mut map = Table::new(
-        "Share of each balance's residual that follows one variable, on data not used to find it",
-        &columns,
-    );
-    let count = regimes.len() / balances_here.len().max(1);
-    for regime in regimes.iter().take(count.max(1)) {
-        let cell = |balance: &&str| {
-            let found = answer.map.iter().find(|c| c.component == *balance && c.regime == *regime);
-            let share = found.map_or(0.0, |c| c.explained);
-            Cell::Room(Tone::Neutral, share, format!("{:.0} %", 100.0 * share))
-        };
-        let mut row = vec![Cell::text(*regime)];
-        row.extend(balances_here.iter().map(cell));
-        map.rows.push(row);
-    }
-    Section::new("Where and when").listing(balances).listing(map)
+    let section = Section::new("Where and when").listing(balances);
+    if answer.map.is_empty() { section } else { section.showing([where_when(answer)]) }
 }
 
-fn heading(balance: &str) -> &'static str {
-    match balance {
-        "drive" => "drive balance",
-        "twist" => "twist balance",
-        _ => "hub balance",
-    }
+/// Component x regime, under the balances that it follows from.
+fn where_when(answer: &Answer) -> Figure {
+    let found = whereabouts(&answer.map, &answer.isolability);
+    let named = |row: Row, what: &str| (format!("{}{what}", words(row.name)), row.shares);
+    let groups = vec![
+        HeatGroup {
+            heading: "Share of each balance's departure from the replay that follows one variable".to_owned(),
+            rows: found.balances.into_iter().map(|row| named(row, " balance")).collect(),
+        },
+        HeatGroup {
+            heading: "Hence: the share that each component can carry at most".to_owned(),
+            rows: found.components.into_iter().map(|row| named(row, "")).collect(),
+        },
+    ];
+    let heat = Heat {
+        meaning: "of the mismatch, judged on data not used to find it".to_owned(),
+        columns: found.regimes.iter().map(|regime| words(regime)).collect(),
+        groups,
+    };
+    let caption = "A mismatch shows in the balances that contain its component and in no other: a component carries at most what the best of \
+                   those shows, less what the others show. What is left of 100 is noise, or follows another variable. Components with \
+                   equal rows are told apart by the fits in the simulator, not here. A dash: no balance of these sensors sees it.";
+    Figure::cells("Where (component) and when (regime) the simulation departs, in per cent", heat)
+        .captioned(caption)
 }
 
 fn tried_section(answer: &Answer) -> Section {

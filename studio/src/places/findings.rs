@@ -1,6 +1,7 @@
 //! What a diagnosis says: the findings, the fit, where and when, and what was tried.
 
 use counterpoise_project::diagnose::answer::{Answer, Finding, Verdict};
+use counterpoise_project::diagnose::whereabouts::{Row, whereabouts};
 use counterpoise_project::recording::Channel;
 use egui::{RichText, Ui};
 
@@ -118,52 +119,78 @@ fn evidence(ui: &mut Ui, theme: &Theme, answer: &Answer) {
     }
 }
 
-/// Where and when: which balance departs, and how much of that follows one variable.
+/// Where and when: which component can carry how much of what follows one variable, and the balances that say so.
 pub fn map(ui: &mut Ui, theme: &Theme, answer: &Answer) {
+    let found = whereabouts(&answer.map, &answer.isolability);
     card(ui, theme, |ui| {
-        parts::heading(
-            ui,
-            "Share of each balance's residual that follows one variable, on data not used to find it",
-        );
-        let mut components: Vec<&str> = Vec::new();
-        let mut regimes: Vec<&str> = Vec::new();
-        for cell in &answer.map {
-            if !components.contains(&cell.component) {
-                components.push(cell.component);
-            }
-            if !regimes.contains(&cell.regime) {
-                regimes.push(cell.regime);
-            }
-        }
-        egui::Grid::new("where and when").spacing([4.0, 4.0]).show(ui, |ui| {
+        legend(ui, theme);
+        egui::Grid::new("where and when").spacing([2.0, 2.0]).show(ui, |ui| {
             ui.label("");
-            components.iter().for_each(|name| {
-                ui.label(RichText::new(format!("{name} balance")).small().color(theme.weak));
+            found.regimes.iter().for_each(|name| {
+                ui.label(RichText::new(*name).small().color(theme.weak));
             });
             ui.end_row();
-            for regime in regimes {
-                ui.label(regime.replace('_', " "));
-                for component in &components {
-                    let found = answer.map.iter().find(|c| c.component == *component && c.regime == regime);
-                    cell(ui, theme, found.map_or((0.0, ""), |c| (c.explained, c.shape.as_str())));
-                }
-                ui.end_row();
-            }
+            rows(ui, theme, ("each balance's departure", &found.balances, " balance"));
+            rows(ui, theme, ("each component's, at most", &found.components, ""));
         });
+        shapes(ui, theme, answer);
     });
     card(ui, theme, |ui| evidence(ui, theme, answer));
 }
 
-/// One cell of the map, the warmer the more is explained.
-fn cell(ui: &mut Ui, theme: &Theme, (explained, shape): (f64, &str)) {
-    let share = explained.clamp(0.0, 1.0);
-    let fill = theme.accent.gamma_multiply(0.75 * share as f32);
-    let frame = egui::Frame::new().fill(fill).stroke(egui::Stroke::new(1.0, theme.line)).inner_margin(4);
-    frame.show(ui, |ui| {
-        ui.set_min_size(egui::vec2(150.0, 18.0));
-        let text = if shape.is_empty() { String::new() } else { format!("  {shape}") };
-        ui.label(RichText::new(format!("{:.0} %{text}", 100.0 * share)).small());
+/// What the colours mean.
+fn legend(ui: &mut Ui, theme: &Theme) {
+    parts::heading(
+        ui,
+        "Share of the mismatch that follows one variable, in per cent, on data not used to find it",
+    );
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 0.0;
+        for k in 0..=10 {
+            let (place, _) = ui.allocate_exact_size(egui::vec2(20.0, 12.0), egui::Sense::hover());
+            ui.painter().rect_filled(place, 0.0, warm(theme, 0.1 * f64::from(k)));
+        }
+        ui.label(RichText::new("  0 to 100 %").small().color(theme.weak));
     });
+    let why = "a mismatch shows in every balance that contains its component and in no other";
+    ui.label(RichText::new(why).small().color(theme.weak));
+    ui.add_space(space::SMALL);
+}
+
+/// The rows of a group under its heading.
+fn rows(ui: &mut Ui, theme: &Theme, (heading, rows, what): (&str, &[Row], &str)) {
+    ui.label(RichText::new(heading).small().color(theme.weak));
+    ui.end_row();
+    for row in rows {
+        ui.label(format!("{}{what}", row.name.replace('_', " ")));
+        row.shares.iter().for_each(|share| cell(ui, theme, *share));
+        ui.end_row();
+    }
+}
+
+/// One cell, the warmer the more is carried; a dash where no balance sees the component.
+fn cell(ui: &mut Ui, theme: &Theme, share: Option<f64>) {
+    let frame = egui::Frame::new()
+        .fill(warm(theme, share.unwrap_or(0.0)))
+        .stroke(egui::Stroke::new(1.0, theme.line))
+        .inner_margin(3);
+    frame.show(ui, |ui| {
+        ui.set_min_size(egui::vec2(62.0, 16.0));
+        let text = share.map_or_else(|| "\u{2013}".to_owned(), |s| format!("{:.0}", 100.0 * s));
+        ui.vertical_centered(|ui| ui.label(RichText::new(text).small()));
+    });
+}
+
+fn warm(theme: &Theme, share: f64) -> egui::Color32 {
+    theme.accent.gamma_multiply(0.75 * share.clamp(0.0, 1.0) as f32)
+}
+
+/// What the mismatch looks like along the variables that carry it.
+fn shapes(ui: &mut Ui, theme: &Theme, answer: &Answer) {
+    for found in answer.map.iter().filter(|cell| !cell.shape.is_empty()) {
+        let text = format!("{} balance over {}: {}", found.component, found.regime, found.shape);
+        ui.label(RichText::new(text).small().color(theme.weak));
+    }
 }
 
 /// Everything that was tried.

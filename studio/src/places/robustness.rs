@@ -1,6 +1,7 @@
 //! The longer measurements of Verify: the analyser's map, and the requirements over many mechanisms.
 
 use counterpoise_project::verify::Limit;
+use counterpoise_project::verify::robust::Sense;
 use egui::{RichText, Ui};
 
 use super::{design::bode, parts};
@@ -140,10 +141,14 @@ fn line(ui: &mut Ui, view: &View, row: &RobustRow, chosen: bool) -> bool {
     ui.label(RichText::new(format!("{:.0} %", 100.0 * s.share)).color(colour));
     ui.label(short(s.median));
     ui.label(format!("{} to {}", short(s.q05), short(s.q95)));
-    ui.label(
-        row.strongest.map_or(String::new(), |(name, by)| format!("{} ({by:+.2})", name.replace('_', " "))),
-    );
+    ui.label(row.strongest.map_or_else(String::new, strongest));
     clicked
+}
+
+/// The parameter that moves a figure most; "either way" where any departure from the design does.
+fn strongest((name, by, sense): (&str, f64, Sense)) -> String {
+    let either = if sense == Sense::EitherWay { "either way " } else { "" };
+    format!("{} ({either}{by:+.2})", name.replace('_', " "))
 }
 
 /// The share of the mechanisms below each value.

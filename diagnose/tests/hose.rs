@@ -1,0 +1,76 @@
+//! A hose between hub and platform that yields, through the simulator: its recordings, from rest, are replayed, and the hose
+//! is found again from another start.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use counterpoise_controller::ProportionalIntegral;
+use counterpoise_diagnose::bench::Serial;
+use counterpoise_diagnose::fit::{Problem, Selection};
+use counterpoise_diagnose::library::named;
+use counterpoise_diagnose::replays::{Prepared, Replays};
+use counterpoise_models::{Parameters, Plant, reference};
+use counterpoise_simulate::replay::{Loop, replay};
+use counterpoise_simulate::{Detail, Imperfections, Recording, Scenario, Signal, Simulator};
+
+const LEVEL_NM: f64 = 60.0;
+const STIFFNESS_NM_RAD: f64 = 1500.0;
+
+fn machine() -> Parameters {
+    let mut p = reference::rig();
+    let lumped = p.lumped.as_mut().unwrap();
+    (lumped.hysteresis_nm, lumped.hysteresis_stiffness_nm_rad) = (LEVEL_NM, STIFFNESS_NM_RAD);
+    p
+}
+
+fn controller() -> ProportionalIntegral {
+    ProportionalIntegral {
+        kp_v_s_rad: 18.0,
+        ki_v_rad: 80.0,
+        bias_v: 2.88,
+        sample_period_s: 1e-3,
+        integral_v: 0.0,
+    }
+}
+
+/// A triangle wave of 0.15 rad/s, from rest; another period for another recording.
+fn recording(seed: u64, period_s: f64) -> Recording {
+    let mut simulator = Simulator::new(&Plant::lumped(&machine()).unwrap()).unwrap();
+    let scenario = Scenario {
+        demand_rad_s: Signal::Triangle { amplitude: 0.15, period_s },
+        imperfections: Imperfections::NoiseAndQuantisation { seed },
+        detail: Detail::Recording,
+        ..Scenario::still(8.0)
+    };
+    let history = simulator.run(&mut controller(), &scenario).unwrap();
+    Recording::from_run("triangle", 1e-3, &history.readings)
+}
+
+#[test]
+fn the_hose_is_replayed_to_the_noise_and_missed_where_it_is_left_out() {
+    let recording = recording(7, 2.0);
+    let control = Loop::from(&controller());
+    let worst = |p: &Parameters| {
+        let found = replay(p, &recording, &control).unwrap();
+        found.channels.iter().map(|c| c.rms_error / c.floor).fold(0.0, f64::max)
+    };
+    let (with, without) = (worst(&machine()), worst(&reference::rig()));
+    println!("worst error over floor: {with:.2} with the hose, {without:.2} without");
+    assert!(with < 1.5 && without > 3.0, "{with} {without}");
+}
+
+#[test]
+fn the_hose_is_found_again() {
+    let recordings = [recording(1, 2.0), recording(2, 0.9)];
+    let base = reference::rig();
+    let prepared = Prepared::new(&recordings, &base);
+    let bench = Replays::new(&base, &Loop::from(&controller()), &prepared).unwrap();
+    let effects: Vec<_> = named("structure", "hysteresis").collect();
+    let selection = Selection::all(recordings.len());
+    let problem =
+        Problem { bench: &bench, pool: &Serial, selection: &selection, base: &base, effects, stances: &[] };
+    let fit = problem.fit(&[30.0, 3000.0]).unwrap();
+    let lumped = fit.parameters.lumped.unwrap();
+    let found = [lumped.hysteresis_nm, lumped.hysteresis_stiffness_nm_rad];
+    println!("level {:.2} N m, stiffness {:.1} N m/rad, cost {:.3}", found[0], found[1], fit.cost);
+    assert!((found[0] / LEVEL_NM - 1.0).abs() < 0.05, "{found:?}");
+    assert!((found[1] / STIFFNESS_NM_RAD - 1.0).abs() < 0.10, "{found:?}");
+}
