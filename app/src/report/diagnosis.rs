@@ -167,9 +167,14 @@ fn where_section(answer: &Answer) -> Section {
     if answer.map.is_empty() { section } else { section.showing([where_when(answer)]) }
 }
 
+/// Share of a mismatch from which a cell says something.
+const STANDS_OUT: f64 = 0.1;
+
 /// Component x regime, under the balances that it follows from.
 fn where_when(answer: &Answer) -> Figure {
     let found = whereabouts(&answer.map, &answer.isolability);
+    let stands_out =
+        found.balances.iter().flat_map(|row| &row.shares).flatten().any(|share| *share > STANDS_OUT);
     let named = |row: Row, what: &str| (format!("{}{what}", words(row.name)), row.shares);
     let groups = vec![
         HeatGroup {
@@ -186,11 +191,14 @@ fn where_when(answer: &Answer) -> Figure {
         columns: found.regimes.iter().map(|regime| words(regime)).collect(),
         groups,
     };
-    let caption = "A mismatch shows in the balances that contain its component and in no other: a component carries at most what the best of \
-                   those shows, less what the others show. What is left of 100 is noise, or follows another variable. Components with \
-                   equal rows are told apart by the fits in the simulator, not here. A dash: no balance of these sensors sees it.";
+    let what = "A mismatch shows in the balances that contain its component and in no other: a component carries at most what the best of \
+                those shows, less what the others show. What is left of 100 is noise, or follows another variable. Components with \
+                equal rows are told apart by the fits in the simulator, not here. A dash: no balance of these sensors sees it.";
+    let none = "No cell stands out: what is left out follows none of these variables by itself, or stays below the balances' noise, and \
+                the fits in the simulator decide. ";
+    let caption = if stands_out { what.to_owned() } else { format!("{none}{what}") };
     Figure::cells("Where (component) and when (regime) the simulation departs, in per cent", heat)
-        .captioned(caption)
+        .captioned(&caption)
 }
 
 fn tried_section(answer: &Answer) -> Section {
