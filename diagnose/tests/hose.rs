@@ -2,7 +2,9 @@
 //! is found again from another start.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_controller::ProportionalIntegral;
+mod common;
+
+use common::controller;
 use counterpoise_diagnose::bench::Serial;
 use counterpoise_diagnose::fit::{Problem, Selection};
 use counterpoise_diagnose::library::named;
@@ -11,6 +13,8 @@ use counterpoise_models::{Parameters, Plant, reference};
 use counterpoise_simulate::replay::{Loop, replay};
 use counterpoise_simulate::{Detail, Imperfections, Recording, Scenario, Signal, Simulator};
 
+/// Control that holds the rig's weight, V.
+const BIAS_V: f64 = 2.88;
 const LEVEL_NM: f64 = 60.0;
 const STIFFNESS_NM_RAD: f64 = 1500.0;
 
@@ -19,16 +23,6 @@ fn machine() -> Parameters {
     let lumped = p.lumped.as_mut().unwrap();
     (lumped.hysteresis_nm, lumped.hysteresis_stiffness_nm_rad) = (LEVEL_NM, STIFFNESS_NM_RAD);
     p
-}
-
-fn controller() -> ProportionalIntegral {
-    ProportionalIntegral {
-        kp_v_s_rad: 18.0,
-        ki_v_rad: 80.0,
-        bias_v: 2.88,
-        sample_period_s: 1e-3,
-        integral_v: 0.0,
-    }
 }
 
 /// A triangle wave of 0.15 rad/s, from rest; another period for another recording.
@@ -40,14 +34,14 @@ fn recording(seed: u64, period_s: f64) -> Recording {
         detail: Detail::Recording,
         ..Scenario::still(8.0)
     };
-    let history = simulator.run(&mut controller(), &scenario).unwrap();
+    let history = simulator.run(&mut controller(BIAS_V), &scenario).unwrap();
     Recording::from_run("triangle", 1e-3, &history.readings)
 }
 
 #[test]
 fn the_hose_is_replayed_to_the_noise_and_missed_where_it_is_left_out() {
     let recording = recording(7, 2.0);
-    let control = Loop::from(&controller());
+    let control = Loop::from(&controller(BIAS_V));
     let worst = |p: &Parameters| {
         let found = replay(p, &recording, &control).unwrap();
         found.channels.iter().map(|c| c.rms_error / c.floor).fold(0.0, f64::max)
@@ -62,7 +56,7 @@ fn the_hose_is_found_again() {
     let recordings = [recording(1, 2.0), recording(2, 0.9)];
     let base = reference::rig();
     let prepared = Prepared::new(&recordings, &base);
-    let bench = Replays::new(&base, &Loop::from(&controller()), &prepared).unwrap();
+    let bench = Replays::new(&base, &Loop::from(&controller(BIAS_V)), &prepared).unwrap();
     let effects: Vec<_> = named("structure", "hysteresis").collect();
     let selection = Selection::all(recordings.len());
     let problem =

@@ -1,7 +1,9 @@
 //! Identification held to simulated truth and to the practice recordings.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_controller::ProportionalIntegral;
+mod common;
+
+use common::controller;
 use counterpoise_diagnose::identify::{Amplifier, Estimate, Identified, identify, improved};
 use counterpoise_models::parameters::MapPoint;
 use counterpoise_models::{Parameters, Plant, reference};
@@ -26,10 +28,6 @@ const CURVE: [(f64, f64); 14] = [
     (1.34, 3.81),
     (2.0, 6.0),
 ];
-
-fn controller(bias_v: f64) -> ProportionalIntegral {
-    ProportionalIntegral { kp_v_s_rad: 18.0, ki_v_rad: 80.0, bias_v, sample_period_s: 1e-3, integral_v: 0.0 }
-}
 
 /// A triangle wave of 0.15 rad/s and 2 s for 10 s, with noise and quantisation.
 fn triangle(simulator: &mut Simulator, bias_v: f64, seed: u64) -> Recording {

@@ -75,6 +75,14 @@ fn journalled(folder: &Path, text: &str) {
     }
 }
 
+/// A copy of the reference rig, open in a window at rest, on a disk that is not held yet.
+fn opened(name: &str) -> (PathBuf, Arc<Held>, Bench) {
+    let (folder, disk) = (rig(name), Arc::new(Held::default()));
+    let mut bench = on(&disk, &folder);
+    rest(&mut bench);
+    (folder, disk, bench)
+}
+
 fn gain(value: f64) -> Command {
     Command::Set { path: "synth.feedback.error.gain".to_owned(), value, gesture: None }
 }
@@ -85,10 +93,7 @@ fn file(folder: &Path) -> String {
 
 #[test]
 fn frames_go_on_while_a_save_takes_its_time_and_what_is_edited_meanwhile_stays_unsaved() {
-    let folder = rig("slow-save");
-    let disk = Arc::new(Held::default());
-    let mut bench = on(&disk, &folder);
-    rest(&mut bench);
+    let (folder, disk, mut bench) = opened("slow-save");
     let before = file(&folder);
     bench.state_mut().run(&gain(27.0));
     rest(&mut bench);
@@ -124,10 +129,7 @@ fn frames_go_on_while_a_save_takes_its_time_and_what_is_edited_meanwhile_stays_u
 
 #[test]
 fn two_saves_are_made_in_order_and_leaving_waits_for_them() {
-    let folder = rig("slow-order");
-    let disk = Arc::new(Held::default());
-    let mut bench = on(&disk, &folder);
-    rest(&mut bench);
+    let (folder, disk, mut bench) = opened("slow-order");
     disk.hold();
     for value in [27.0, 28.0] {
         bench.state_mut().run(&gain(value));
@@ -149,10 +151,7 @@ fn two_saves_are_made_in_order_and_leaving_waits_for_them() {
 
 #[test]
 fn the_end_of_the_studio_waits_for_a_save_under_way() {
-    let folder = rig("slow-end");
-    let disk = Arc::new(Held::default());
-    let mut bench = on(&disk, &folder);
-    rest(&mut bench);
+    let (folder, disk, mut bench) = opened("slow-end");
     disk.hold();
     bench.state_mut().run(&gain(27.0));
     bench.state_mut().run(&Command::Save);
@@ -212,10 +211,7 @@ fn the_project_stays_until_another_is_read_and_what_cannot_be_read_changes_nothi
 
 #[test]
 fn a_step_back_behind_a_save_outlives_a_crash() {
-    let folder = rig("slow-undo");
-    let disk = Arc::new(Held::default());
-    let mut bench = on(&disk, &folder);
-    rest(&mut bench);
+    let (folder, _, mut bench) = opened("slow-undo");
     let before = text(&bench);
     bench.state_mut().run(&gain(27.0));
     bench.state_mut().run(&Command::Save);
