@@ -48,6 +48,8 @@ pub struct Replays<'a> {
     /// RMS of each scored channel's own noise, recording by recording.
     floors: Vec<[f64; SCORED.len()]>,
     control_floor: f64,
+    /// Whether the hub is made to follow its own recorded rate, recording by recording.
+    followed: Vec<bool>,
 }
 
 impl<'a> Replays<'a> {
@@ -77,6 +79,7 @@ impl<'a> Replays<'a> {
             noisy: ready(&prepared.noisy)?,
             floors: prepared.whole.iter().map(floors).collect(),
             control_floor,
+            followed: prepared.whole.iter().map(follows).collect(),
             prepared,
         })
     }
@@ -134,7 +137,7 @@ impl<'a> Replays<'a> {
         }
         let (shown, place) = if stand_in { (Channel::HubRate, HUB_RATE) } else { (channel, place) };
         let of_hub = matches!(shown, Channel::HubRate | Channel::HubPosition);
-        let given = of_hub && drive == Drive::ClosedLoop && follows(&self.prepared.whole[index]);
+        let given = of_hub && drive == Drive::ClosedLoop && self.followed[index];
         (!given && replay.channels.iter().any(|f| f.channel == shown)).then_some((shown, place))
     }
 
