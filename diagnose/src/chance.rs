@@ -52,7 +52,7 @@ fn said(
     let column = |(knob, &value): (&Knob, &f64)| {
         let step = if knob.mapping == Mapping::Whole { 1.0 } else { 10.0 * FIT_STEP };
         let mut moved = parameters.clone();
-        (knob.set)(&mut moved, from_variable(knob, to_variable(knob, value) + step));
+        knob.write(&mut moved, from_variable(knob, to_variable(knob, value) + step));
         let there = bench.misfit(&moved, index, Span::Whole, near)?;
         let change = |(c, (t, h)): (usize, (&crate::bench::Misfit, &crate::bench::Misfit))| {
             let pairs = t.residual.iter().zip(&h.residual);

@@ -86,7 +86,7 @@ pub fn knobs(effects: &[&'static Effect]) -> Vec<&'static Knob> {
 pub fn applied(base: &Parameters, effects: &[&'static Effect], values: &[f64]) -> Parameters {
     let mut changed = base.clone();
     for (knob, &value) in knobs(effects).iter().zip(values) {
-        (knob.set)(&mut changed, value);
+        knob.write(&mut changed, value);
     }
     changed
 }

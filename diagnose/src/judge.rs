@@ -169,7 +169,7 @@ impl Evidence<'_> {
                 name: knob.name,
                 value: accepted.fit.values[first + j] - wrap,
                 unit: knob.unit,
-                before: (knob.get)(self.base),
+                before: knob.read(self.base),
                 ci95: bounds[first + j].map(|b| b - wrap),
             }
         };

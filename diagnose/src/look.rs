@@ -64,7 +64,7 @@ impl Look {
             if !moves(j) {
                 return self.start[j];
             }
-            let from = to_variable(knob, (knob.get)(base));
+            let from = to_variable(knob, knob.read(base));
             from_variable(knob, from + share * (to_variable(knob, self.start[j]) - from))
         };
         let start = self.effect.knobs.iter().enumerate().map(value).collect();
@@ -383,7 +383,7 @@ const FAR_FACTORS: [f64; 2] = [4.0, 16.0];
 
 fn trials(effect: &'static Effect, scene: &Scene) -> Vec<Trial> {
     let (base, knobs) = (scene.base, effect.knobs);
-    let origin: Vec<f64> = knobs.iter().map(|k| to_variable(k, (k.get)(base))).collect();
+    let origin: Vec<f64> = knobs.iter().map(|k| to_variable(k, k.read(base))).collect();
     let trial = |origin: Vec<f64>, directions, combine| Trial { effect, origin, directions, combine };
     if knobs[0].mapping == Mapping::Whole {
         let towards = |d: usize| trial(origin.clone(), vec![vec![d as f64]], Combine::Towards);
@@ -403,7 +403,7 @@ fn trials(effect: &'static Effect, scene: &Scene) -> Vec<Trial> {
     if let ([knob], false) = (knobs, scene.sizes.typical)
         && knob.mapping == Mapping::Log
     {
-        let far = |factor: &f64| towards(effect, base, &[(knob.get)(base) * factor]);
+        let far = |factor: &f64| towards(effect, base, &[knob.read(base) * factor]);
         all.extend(FAR_FACTORS.iter().map(far).filter(|trial| trial.directions[0][0] != 0.0));
     }
     all
@@ -423,7 +423,7 @@ pub fn is_ripple(effect: &Effect) -> bool {
 pub(crate) fn towards(effect: &'static Effect, base: &Parameters, start: &[f64]) -> Trial {
     let target: Vec<f64> = effect.knobs.iter().zip(start).map(|(k, &v)| to_variable(k, v)).collect();
     let mut origin = target.clone();
-    origin[0] = to_variable(&effect.knobs[0], (effect.knobs[0].get)(base));
+    origin[0] = to_variable(&effect.knobs[0], effect.knobs[0].read(base));
     let mut direction = vec![0.0; target.len()];
     direction[0] = target[0] - origin[0];
     Trial { effect, origin, directions: vec![direction], combine: Combine::Towards }

@@ -38,7 +38,7 @@ impl Searcher<'_> {
     }
 
     /// A candidate with another fit of its effects to all recordings, judged from the starts that were found with it.
-    fn with_fit(&self, candidate: &Candidate, fit: Fit) -> Option<Candidate> {
+    pub(crate) fn with_fit(&self, candidate: &Candidate, fit: Fit) -> Option<Candidate> {
         let judged = self.standing(&fit.parameters, &|r| fit.stance(r))?;
         let whole = score(&judged, &whole_parts(judged.len()))?;
         let stances = judged.iter().map(Judged::stance).collect();

@@ -157,9 +157,9 @@ impl Scale {
     /// The value of a knob on the machine itself that has a given one on the scaled machine.
     fn own(self, scaled: &Parameters, knob: &Knob, value: f64) -> f64 {
         let mut probe = scaled.clone();
-        (knob.set)(&mut probe, value);
-        let taken = (knob.get)(&probe);
-        let own = (knob.get)(&self.inverse().applied(&probe));
+        knob.write(&mut probe, value);
+        let taken = knob.read(&probe);
+        let own = knob.read(&self.inverse().applied(&probe));
         let factor = own / taken;
         if factor.is_finite() && factor != 0.0 { value * factor } else { value }
     }

@@ -80,6 +80,7 @@ impl Searcher<'_> {
             }
         }
         self.swap_and_prune(&mut search);
+        search.accepted = search.accepted.map(|best| self.sharpened(best));
         Some(search)
     }
 

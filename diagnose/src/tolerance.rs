@@ -97,6 +97,26 @@ pub const TEXTBOOK_SHARE_TO_NAME: f64 = 0.15;
 pub const TEXTBOOK_SAMPLES_AT_MOST: usize = 12_000;
 /// Single effects that are fitted in the place of two of one component.
 pub const MERGES: usize = 3;
+/// Spacing of the inputs at which a curve's points may lie, V, and the most points that it may have.
+pub const KNOT_SPACING_V: f64 = 0.0125;
+/// See [`KNOT_SPACING_V`].
+pub const KNOTS_AT_MOST: usize = 24;
+/// Two points of a curve are further apart than this, V.
+pub const KNOT_GAP_V: f64 = 0.03;
+/// Iterations of a fit of a curve with other points.
+pub const KNOT_ITERATIONS: usize = 6;
+/// Log-likelihood that a point of a curve must be worth on stretches that it was not fitted to, in nats.
+pub const KNOT_PRICE: f64 = 12.0;
+/// Share that it must be worth of what all points of the fine curve together are worth beyond the present ones.
+pub const KNOT_SHARE: f64 = 0.005;
+/// The same, that a point must gain to be moved.
+pub const KNOT_WANDER: f64 = 1.0;
+/// Samples of a stretch that is fitted while the next one judges.
+pub const KNOT_STRETCH: usize = 1000;
+/// Times that the points are moved to where each is worth most, and the idle ones taken away.
+pub const KNOT_MOVES: usize = 6;
+/// Times that a curve's points are chosen anew.
+pub const KNOT_ROUNDS: usize = 1;
 /// How often a name without a rival was true, (n + 1) / (m + 2) for n of m on the development machines (seeds 1 to 56 and 81 to 140 of the sealed
 /// machines; `sealed --calibrate` counts them anew): one or two effects that explain the recordings, 72 of 72.
 pub const RIGHT_WHERE_EXPLAINED: f64 = 0.98;

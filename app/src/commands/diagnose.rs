@@ -103,7 +103,7 @@ fn print_finding(finding: &Finding) {
     say!("  {} {} (probability {:.0} %)", finding.component, finding.effect, 100.0 * finding.probability);
     say!("    {}", finding.explanation);
     say!("    shows {}", finding.when);
-    for p in finding.parameters.iter().take(14) {
+    for p in &finding.parameters {
         say!(
             "    {} = {:.5}{}  [{:.5}, {:.5}], was {:.5}",
             p.name,

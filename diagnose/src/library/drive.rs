@@ -1,26 +1,9 @@
 //! Drive: motor, gearbox, amplifier, and the control's own timing.
 
+use super::curve::{FREE_INPUTS_V, fraction, static_gain};
 use super::structure::set_coulomb;
 use super::{Effect, Kind, knob};
 use counterpoise_models::{MapPoint, Parameters};
-
-/// Reads point `I` of the map as a fraction of the linear gain.
-fn map_fraction<const I: usize>(p: &Parameters) -> f64 {
-    let v = MAP_NODES_V[I];
-    let current = interpolated(&p.amplifier.map, v).unwrap_or(static_gain(p) * v);
-    current / (static_gain(p) * v)
-}
-
-/// Writes point `I` of the map as a fraction of the linear gain, on a map with all the nodes.
-fn set_map_fraction<const I: usize>(p: &mut Parameters, fraction: f64) {
-    let gain = static_gain(p);
-    if p.amplifier.map.len() != MAP_NODES_V.len() {
-        let old = std::mem::take(&mut p.amplifier.map);
-        let point = |&v: &f64| MapPoint { input_v: v, current_a: interpolated(&old, v).unwrap_or(gain * v) };
-        p.amplifier.map = MAP_NODES_V.iter().map(point).collect();
-    }
-    p.amplifier.map[I].current_a = fraction * gain * MAP_NODES_V[I];
-}
 
 /// Input at which the map's shortfall has fallen to 1/e of that at the first point; 0.8 V where there is none.
 fn map_corner(p: &Parameters) -> f64 {
@@ -39,54 +22,12 @@ fn shape_map(p: &mut Parameters, depth: f64, corner: f64) {
     let gain = static_gain(p);
     let fraction = |v: f64| 1.0 - depth * (-(v / corner).powi(3)).exp();
     let point = |&v: &f64| MapPoint { input_v: v, current_a: fraction(v) * gain * v };
-    p.amplifier.map = MAP_NODES_V.iter().map(point).collect();
+    p.amplifier.map = FREE_INPUTS_V.iter().map(point).collect();
 }
-
-/// Stalled gain of the linear amplifier, A/V.
-fn static_gain(p: &Parameters) -> f64 {
-    p.amplifier.gain / (p.motor.resistance_ohm + p.amplifier.gain * p.amplifier.current_feedback_v_a)
-}
-
-/// The map's current at `v > 0`, piecewise linear through the origin; none where there is no map or beyond it.
-fn interpolated(map: &[MapPoint], v: f64) -> Option<f64> {
-    let mut from = MapPoint { input_v: 0.0, current_a: 0.0 };
-    for &to in map {
-        if v <= to.input_v {
-            let share = (v - from.input_v) / (to.input_v - from.input_v);
-            return Some(from.current_a + share * (to.current_a - from.current_a));
-        }
-        from = to;
-    }
-    None
-}
-
-macro_rules! map_knobs {
-    ($($index:literal $name:literal),+) => {
-        &[$(knob!($name, "1", [0.05, 4.0], 0.1, Linear, get map_fraction::<$index>, set set_map_fraction::<$index>)),+]
-    };
-}
-
-/// Input voltages of the points that describe a free amplifier map, V; above the last one it is linear.
-pub const MAP_NODES_V: [f64; 14] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.95, 1.1, 1.25, 1.4, 1.7, 2.0];
 
 fn current_limit(p: &Parameters) -> f64 {
     if p.amplifier.current_limit_a.is_finite() { p.amplifier.current_limit_a } else { 1e3 }
 }
-
-/// The amplifier's curve with every point free: what a found gain curve is refined to.
-pub(super) static FREE_CURVE: Effect = Effect {
-    effect: "gain_curve",
-    component: "amplifier",
-    kind: Kind::MissingPhysics,
-    equation: "current = odd, piecewise linear map of the input; each point as a fraction of the linear gain",
-    source: "Dholiwar 2007, tables 7-1 and 7-2",
-    when: "at small control voltages, whatever the rate",
-    experiment: "stalled amplifier map, or runs at two out-of-balances",
-    knobs: map_knobs!(0 "gain at 0.1 V", 1 "gain at 0.2 V", 2 "gain at 0.3 V", 3 "gain at 0.4 V",
-            4 "gain at 0.5 V", 5 "gain at 0.6 V", 6 "gain at 0.7 V", 7 "gain at 0.8 V", 8 "gain at 0.95 V",
-            9 "gain at 1.1 V", 10 "gain at 1.25 V", 11 "gain at 1.4 V", 12 "gain at 1.7 V", 13 "gain at 2 V"),
-    starts: &[],
-};
 
 /// What a textbook's model of a drive may have at another value besides.
 pub(super) static TEXTBOOK: &[Effect] = &[
@@ -251,12 +192,12 @@ pub(super) static EFFECTS: &[Effect] = &[
                 [-2.0, 0.95],
                 0.1,
                 Linear,
-                get | p | 1.0 - map_fraction::<0>(p),
+                get | p | 1.0 - fraction(p, FREE_INPUTS_V[0]),
                 set | p,
                 depth | shape_map(p, depth, map_corner(p))
             ),
             knob!("corner", "V", [0.1, 1.9], 0.2, Log,
-                get map_corner, set |p, corner| shape_map(p, 1.0 - map_fraction::<0>(p), corner)),
+                get map_corner, set |p, corner| shape_map(p, 1.0 - fraction(p, FREE_INPUTS_V[0]), corner)),
         ],
         starts: &[&[0.3, 0.4], &[0.3, 0.8], &[0.3, 1.4], &[-0.3, 0.8]],
     },

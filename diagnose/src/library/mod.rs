@@ -4,9 +4,12 @@
 //! values from which a fit starts. Its block in the simulator is the field of the mechanism's parameters that the
 //! knob writes, so an effect that is accepted is an ordinary machine that every other part of the studio takes.
 
+mod curve;
 mod drive;
 mod sensing;
 mod structure;
+
+pub use curve::{curve_inputs, curve_of, free_curve};
 
 use counterpoise_models::Parameters;
 
@@ -34,10 +37,45 @@ pub struct Knob {
     pub size: f64,
     /// Mapping to the variable of the fit.
     pub mapping: Mapping,
-    /// Reads the value.
-    pub get: fn(&Parameters) -> f64,
-    /// Writes the value.
-    pub set: fn(&mut Parameters, f64),
+    /// Where the value stands in the mechanism's parameters.
+    pub access: Access,
+}
+
+/// Where the value of a knob stands in a mechanism's parameters.
+#[derive(Debug, Clone, Copy)]
+pub enum Access {
+    /// One number of its own.
+    Field {
+        /// Reads the value.
+        get: fn(&Parameters) -> f64,
+        /// Writes the value.
+        set: fn(&mut Parameters, f64),
+    },
+    /// A point of the amplifier's curve, as a fraction of the linear gain.
+    Curve {
+        /// Inputs of all points of the curve, V, rising.
+        inputs_v: &'static [f64],
+        /// Which of them.
+        point: usize,
+    },
+}
+
+impl Knob {
+    /// Its value in a mechanism.
+    pub fn read(&self, of: &Parameters) -> f64 {
+        match self.access {
+            Access::Field { get, .. } => get(of),
+            Access::Curve { inputs_v, point } => curve::fraction(of, inputs_v[point]),
+        }
+    }
+
+    /// Sets its value in a mechanism; a curve with other points is first read at the knob's own.
+    pub fn write(&self, of: &mut Parameters, value: f64) {
+        match self.access {
+            Access::Field { set, .. } => set(of, value),
+            Access::Curve { inputs_v, point } => curve::set_fraction(of, (inputs_v, point), value),
+        }
+    }
 }
 
 /// Whether an effect is physics that the model knows with another value, or physics that it lacks.
@@ -84,14 +122,14 @@ impl Effect {
     pub fn applied(&self, base: &Parameters, values: &[f64]) -> Parameters {
         let mut changed = base.clone();
         for (knob, &value) in self.knobs.iter().zip(values) {
-            (knob.set)(&mut changed, value);
+            knob.write(&mut changed, value);
         }
         changed
     }
 
     /// The knobs' present values.
     pub fn values(&self, of: &Parameters) -> Vec<f64> {
-        self.knobs.iter().map(|knob| (knob.get)(of)).collect()
+        self.knobs.iter().map(|knob| knob.read(of)).collect()
     }
 }
 
@@ -117,14 +155,8 @@ pub fn scan_range(effect: &Effect) -> Option<[f64; 2]> {
 
 /// What an effect found in a coarse form is refined to: the same effect with more parameters.
 pub fn refinement(effect: &Effect) -> Option<&'static Effect> {
-    let coarse =
-        effect.effect == drive::FREE_CURVE.effect && effect.knobs.len() < drive::FREE_CURVE.knobs.len();
-    coarse.then_some(&drive::FREE_CURVE)
-}
-
-/// The amplifier's curve with every point free.
-pub fn free_curve() -> &'static Effect {
-    &drive::FREE_CURVE
+    let coarse = effect.component == "amplifier" && effect.effect == "gain_curve" && curve_inputs(effect).is_none();
+    coarse.then(free_curve)
 }
 
 /// The effects that carry a name, in library order.
@@ -141,8 +173,7 @@ macro_rules! knob {
             bounds: [$low, $high],
             size: $size,
             mapping: $crate::library::Mapping::$mapping,
-            get: |p| p.$($field).+,
-            set: |p, value| p.$($field).+ = value,
+            access: $crate::library::Access::Field { get: |p| p.$($field).+, set: |p, value| p.$($field).+ = value },
         }
     };
     ($name:literal, $unit:literal, [$low:expr, $high:expr], $size:expr, $mapping:ident, get $get:expr, set $set:expr) => {
@@ -152,8 +183,7 @@ macro_rules! knob {
             bounds: [$low, $high],
             size: $size,
             mapping: $crate::library::Mapping::$mapping,
-            get: $get,
-            set: $set,
+            access: $crate::library::Access::Field { get: $get, set: $set },
         }
     };
 }
