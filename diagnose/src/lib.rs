@@ -24,6 +24,7 @@ pub mod fit;
 pub mod identify;
 mod joint;
 pub mod judge;
+mod knots;
 pub mod library;
 pub mod locate;
 pub mod look;
