@@ -4,7 +4,7 @@ use counterpoise_models::Parameters;
 use counterpoise_simulate::recording::Recording;
 use counterpoise_simulate::replay::Loop;
 
-use crate::answer::{Answer, MapCell};
+use crate::answer::{Answer, MapCell, Verdict};
 use crate::bench::{Bench, Pool};
 use crate::error::Error;
 use crate::identify::{Amplifier, identify, improved};
@@ -15,6 +15,7 @@ use crate::look::Sizes;
 use crate::mend::mended;
 use crate::noise::{as_heard, with_noise_of};
 use crate::qualify::qualify;
+use crate::recorder::{Fault, examine};
 use crate::replays::{Prepared, Replays, measured};
 use crate::select::Searcher;
 use crate::tolerance::{BIAS_SEEN_RAD_S, SAMPLES_AT_MOST, TEXTBOOK_SAMPLES_AT_MOST};
@@ -27,6 +28,27 @@ pub struct Diagnosis {
     pub answer: Answer,
     /// The mechanism with the named effects; as it was where there is none.
     pub improved: Parameters,
+    /// The recordings as they were diagnosed: without the faults of sensors and recorder that could be mended.
+    pub recordings: Vec<Recording>,
+}
+
+impl Diagnosis {
+    /// With the faults of sensors and recorder told first: they are findings before any physics, and what is explained without them
+    /// is explained by them.
+    fn with_faults(mut self, faults: &[Fault]) -> Self {
+        if faults.is_empty() {
+            return self;
+        }
+        let answer = &mut self.answer;
+        answer.verdict = match answer.verdict {
+            Verdict::Consistent => Verdict::Named,
+            Verdict::Unknown => Verdict::Incomplete,
+            other => other,
+        };
+        answer.findings.splice(0..0, faults.iter().map(Fault::finding));
+        answer.qualification.splice(0..0, faults.iter().map(Fault::in_words));
+        self
+    }
 }
 
 /// Diagnoses a machine from its recordings: in closed loop with the controller that was in the loop, or under the
@@ -41,7 +63,12 @@ pub fn diagnose(
     recordings: &[Recording],
     pool: &dyn Pool,
 ) -> Result<Diagnosis, Error> {
-    diagnose_of(Sizes::TYPICAL, base, control.into(), recordings, pool)
+    let control = control.into();
+    check(recordings, &control)?;
+    pool.progress("examining", 0, 1);
+    let examined = examine(base, &control, recordings);
+    let found = diagnose_of(Sizes::TYPICAL, base, control, &examined.recordings, pool)?;
+    Ok(found.with_faults(&examined.faults))
 }
 
 /// As [`diagnose`], for a machine of given sizes.
@@ -54,8 +81,9 @@ pub(crate) fn diagnose_of(
 ) -> Result<Diagnosis, Error> {
     check(recordings, &control)?;
     pool.progress("qualifying", 0, 1);
-    let (recordings, qualification) = qualified(sizes, base, recordings)?;
-    let recordings = recordings.as_slice();
+    let (sound, qualification) = qualified(sizes, base, recordings)?;
+    let examined = recordings;
+    let recordings = sound.as_slice();
     let project = base;
     let base = &as_heard(project, recordings);
     let prepared = Prepared::new(recordings, base);
@@ -75,7 +103,7 @@ pub(crate) fn diagnose_of(
     let evidence = Evidence { bench: &bench, base, search: &search, map, isolability, qualification, sizes };
     let improved = with_noise_of(evidence.improved(), project);
     let answer = Answer { map: whereabouts(base, &bench), ..evidence.answer() };
-    Ok(Diagnosis { answer, improved })
+    Ok(Diagnosis { answer, improved, recordings: examined.to_vec() })
 }
 
 /// Balance x regime of how the recordings depart from the replay of the model as it was.

@@ -33,6 +33,7 @@ pub mod noise;
 mod pairs;
 mod polish;
 pub mod qualify;
+pub mod recorder;
 pub mod refit;
 pub mod replays;
 pub mod residuals;

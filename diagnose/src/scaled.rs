@@ -49,9 +49,10 @@ pub fn diagnose(
         return diagnose_as_it_is(base, control, recordings, pool);
     };
     let scaled = scale.applied(base);
-    let recordings: Vec<Recording> = recordings.iter().map(|r| scale.recording(r)).collect();
+    let resized: Vec<Recording> = recordings.iter().map(|r| scale.recording(r)).collect();
     let sizes = Sizes { typical: false, motor_turns: scale.ratio };
-    let mut found = diagnose_of(sizes, &scaled, control.into(), &recordings, pool)?;
+    let mut found = diagnose_of(sizes, &scaled, control.into(), &resized, pool)?;
+    found.recordings = recordings.to_vec();
     scale.bring_back(&mut found.answer, &scaled);
     found.improved = scale.inverse().applied(&found.improved);
     Ok(found)

@@ -4,6 +4,7 @@ use crate::output::say;
 use counterpoise::report::difference;
 use counterpoise_project::Purpose;
 use counterpoise_project::diagnose::answer::{Answer, Channels, Finding, FitTable, Verdict};
+use counterpoise_project::diagnose::mend::mended;
 use counterpoise_project::diagnose::{Diagnosis, diagnose};
 use counterpoise_project::pipeline::{Consequence, consequence};
 use counterpoise_project::simulate::recording::Recording;
@@ -11,7 +12,7 @@ use counterpoise_project::simulate::replay::Loop;
 use counterpoise_project::verify::Verification;
 use counterpoise_project::verify::difference::changes;
 
-use super::replay::read;
+use super::replay::read_as_written;
 use super::{Done, pages, verdict_code};
 use crate::arguments::DiagnoseOptions;
 use crate::files::{self, Loaded, Surroundings};
@@ -27,7 +28,7 @@ pub fn run(options: &DiagnoseOptions) -> Done {
         return super::structure::run(&loaded, options);
     }
     let control = loaded.project.recording_controller.as_ref().map_or(Loop::Open, Loop::from);
-    let read = read(&loaded, &options.recordings)?;
+    let read = read_as_written(&loaded, &options.recordings)?;
     let recordings: Vec<Recording> = read.iter().map(|r| r.recording.clone()).collect();
     stop::watch();
     let workers = Workers::new(options.results.quiet);
@@ -41,7 +42,9 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     }
     let consequence = told(&loaded, &found, options.results.quiet)?;
     if let Some(path) = &options.report {
-        let page = pages::diagnosis(&loaded, &recordings, (&found, consequence.as_ref()), &control);
+        let ratio = loaded.project.plant.gearbox.ratio;
+        let whole: Vec<Recording> = found.recordings.iter().flat_map(|r| mended(r, ratio).parts).collect();
+        let page = pages::diagnosis(&loaded, &whole, (&found, consequence.as_ref()), &control);
         files::write(path, page.as_bytes())?;
     }
     if !output::json(&options.results, &found.answer)? {

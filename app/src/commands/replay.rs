@@ -26,8 +26,26 @@ pub struct Read {
     pub remarks: Vec<String>,
 }
 
-/// Reads recordings as the project maps them.
+/// Reads recordings as the project maps them, their holes mended.
 pub fn read(loaded: &Loaded, paths: &[std::path::PathBuf]) -> Result<Vec<Read>> {
+    let mut out = Vec::new();
+    for record in &records(loaded, paths)? {
+        out.extend(Read::of(record, loaded.project.plant.gearbox.ratio)?);
+    }
+    Ok(out)
+}
+
+/// Reads recordings as the project maps them, with their holes and faults as they were written.
+pub fn read_as_written(loaded: &Loaded, paths: &[std::path::PathBuf]) -> Result<Vec<Read>> {
+    let one = |record: &Record| Read {
+        file: record.name.clone(),
+        recording: record.recording(),
+        remarks: record.findings.iter().map(ToString::to_string).collect(),
+    };
+    Ok(records(loaded, paths)?.iter().map(one).collect())
+}
+
+fn records(loaded: &Loaded, paths: &[std::path::PathBuf]) -> Result<Vec<Record>> {
     let clock = loaded.project.recording.sample_period_s;
     let mapping = Mapping {
         sample_period_s: clock.or(Some(loaded.project.plant.interface.sample_period_s)),
@@ -35,10 +53,7 @@ pub fn read(loaded: &Loaded, paths: &[std::path::PathBuf]) -> Result<Vec<Read>> 
     };
     let mut out = Vec::new();
     for (file, bytes) in files::recordings(paths)? {
-        let records = mapping.records(&Table::read(&bytes, &file)?)?;
-        for record in &records {
-            out.extend(Read::of(record, loaded.project.plant.gearbox.ratio)?);
-        }
+        out.extend(mapping.records(&Table::read(&bytes, &file)?)?);
     }
     Ok(out)
 }

@@ -1,0 +1,215 @@
+//! Faults of sensors and recorder, put into the recordings of machines with and without concealed physics: each is named by column
+//! and kind, nothing else is, and what can be mended is what it was before.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::fs;
+use std::path::Path;
+
+use counterpoise_diagnose::recorder::{Column, Examined, examine};
+use counterpoise_project::Project;
+use counterpoise_project::recording::Table;
+use counterpoise_simulate::recording::Recording;
+use counterpoise_simulate::replay::Loop;
+
+const EXPERIMENTS: [&str; 4] = ["multisine", "road", "steps", "triangle"];
+
+struct Machine {
+    project: Project,
+    recordings: Vec<Recording>,
+}
+
+impl Machine {
+    /// A practice machine; none, with a message, where it is not here.
+    fn read(name: &str) -> Option<Self> {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/recordings/practice").join(name);
+        let Ok(text) = fs::read(folder.join("project.toml")) else {
+            println!("skipped: {} is not here", folder.display());
+            return None;
+        };
+        let project = Project::from_bytes(&text, "project.toml").unwrap().project;
+        let read = |experiment: &&str| {
+            let file = format!("{experiment}.parquet");
+            let table = Table::read(&fs::read(folder.join(&file)).unwrap(), experiment).unwrap();
+            project.recording.apply(&table).unwrap().recording()
+        };
+        let recordings = EXPERIMENTS.iter().map(read).collect();
+        Some(Self { project, recordings })
+    }
+
+    fn examined(&self, recordings: &[Recording]) -> Examined {
+        let control = self.project.recording_controller.as_ref().map_or(Loop::Open, Loop::from);
+        examine(&self.project.plant, &control, recordings)
+    }
+
+    fn with(&self, which: &[usize], fault: impl Fn(&mut Recording)) -> Vec<Recording> {
+        let mut out = self.recordings.clone();
+        which.iter().for_each(|r| fault(&mut out[*r]));
+        out
+    }
+}
+
+fn of(r: &mut Recording, column: Column) -> &mut Vec<f64> {
+    let found = match column {
+        Column::Demand => &mut r.demand_rad_s,
+        Column::Control => &mut r.control_v,
+        Column::HubRate => &mut r.hub_rate_rad_s,
+        Column::PlatformRate => &mut r.platform_rate_rad_s,
+        Column::PlatformAccel => &mut r.platform_accel_m_s2,
+        Column::MotorRate => &mut r.motor_rate_rad_s,
+        Column::HubPosition => &mut r.hub_position_rad,
+    };
+    found.as_mut().unwrap()
+}
+
+/// What a recorder may do to a column.
+#[derive(Debug, Clone, Copy)]
+enum Wrong {
+    Times(f64),
+    StuckFrom(usize),
+    ClippedAt(f64),
+    Late(usize),
+    Early(usize),
+    Slow(f64),
+    Steps(f64),
+    Every(usize),
+    Plus(f64),
+}
+
+fn spoil(series: &mut [f64], wrong: Wrong) {
+    let was = series.to_vec();
+    let mean = was.iter().sum::<f64>() / was.len() as f64;
+    let top = was.iter().fold(0.0, |a: f64, v| a.max((v - mean).abs()));
+    let at = |place: f64| {
+        let low = (place.max(0.0) as usize).min(was.len() - 2);
+        let share = place.max(0.0) - low as f64;
+        was[low] * (1.0 - share) + was[low + 1] * share
+    };
+    for (k, value) in series.iter_mut().enumerate() {
+        *value = match wrong {
+            Wrong::Times(gain) => gain * *value,
+            Wrong::StuckFrom(from) => was[k.min(from)],
+            Wrong::ClippedAt(share) => (*value - mean).clamp(-share * top, share * top) + mean,
+            Wrong::Late(samples) => was[k.saturating_sub(samples)],
+            Wrong::Early(samples) => was[(k + samples).min(was.len() - 1)],
+            Wrong::Slow(share) => at(k as f64 * (1.0 - share)),
+            Wrong::Steps(step) => (*value / step).round() * step,
+            Wrong::Every(samples) => was[k / samples * samples],
+            Wrong::Plus(bias) => *value + bias,
+        };
+    }
+}
+
+const ALL: [usize; 4] = [0, 1, 2, 3];
+
+/// The faults, each in all recordings or in some, with the component and effect that must be named.
+fn cases() -> Vec<(Column, Wrong, Vec<usize>, &'static str, &'static str)> {
+    use Column::*;
+    use Wrong::*;
+    let degrees = 180.0 / std::f64::consts::PI;
+    let mut out = Vec::new();
+    let mut case = |column: Column, wrong, effect| {
+        out.push((column, wrong, ALL.to_vec(), column.component(), effect));
+    };
+    for column in [Demand, Control, HubRate, PlatformRate, MotorRate, HubPosition] {
+        case(column, Times(-1.0), "scale");
+        case(column, Times(1e3), "scale");
+    }
+    for column in [Demand, HubRate, PlatformRate, MotorRate, HubPosition] {
+        case(column, Times(degrees), "scale");
+    }
+    for column in [Demand, Control, HubRate, MotorRate, HubPosition] {
+        case(column, Times(1.03), "scale");
+    }
+    case(PlatformAccel, Times(1.0 / 9.80665), "scale");
+    case(PlatformAccel, Times(-1.0), "scale");
+    for column in [Control, HubRate, PlatformRate, PlatformAccel, MotorRate, HubPosition] {
+        case(column, StuckFrom(4000), "stuck");
+    }
+    for column in [HubRate, MotorRate, HubPosition] {
+        case(column, ClippedAt(0.5), "clipped");
+    }
+    for column in [Control, HubRate, MotorRate, HubPosition] {
+        case(column, Late(3), "clock_offset");
+        case(column, Late(20), "clock_offset");
+    }
+    case(MotorRate, Early(20), "clock_offset");
+    case(HubPosition, Early(20), "clock_offset");
+    case(MotorRate, Slow(1e-3), "clock_drift");
+    case(HubPosition, Slow(1e-3), "clock_drift");
+    case(HubPosition, Slow(2e-4), "clock_drift");
+    for column in [HubRate, PlatformRate] {
+        case(column, Steps(5e-3), "quantisation");
+    }
+    case(MotorRate, Steps(0.5), "quantisation");
+    case(HubPosition, Steps(1e-3), "quantisation");
+    for column in [HubRate, PlatformRate, MotorRate, HubPosition] {
+        case(column, Every(10), "sample_rate");
+    }
+    case(MotorRate, Plus(0.5), "bias");
+    out.push((MotorRate, Times(-1.0), vec![2], "motor_tachometer", "scale"));
+    out.push((HubPosition, Times(degrees), vec![1], "hub_resolver", "scale"));
+    out.push((HubRate, StuckFrom(4000), vec![3], "hub_gyro", "stuck"));
+    out
+}
+
+fn told(examined: &Examined) -> Vec<(&'static str, &'static str)> {
+    examined.faults.iter().map(|f| (f.column.component(), f.kind.effect())).collect()
+}
+
+#[test]
+fn machines_with_any_concealed_physics_have_no_fault_of_the_recorder() {
+    for name in ["p01", "p02", "p03", "p04", "p05", "p06", "p07", "p08"] {
+        let Some(machine) = Machine::read(name) else { return };
+        let examined = machine.examined(&machine.recordings);
+        assert!(examined.faults.is_empty(), "{name}: {:?}", examined.told());
+        assert!(examined.recordings == machine.recordings, "{name}");
+    }
+}
+
+#[test]
+fn each_fault_is_named_and_nothing_else_is() {
+    let mut wrong = Vec::new();
+    for name in ["p08", "p04", "p05"] {
+        let Some(machine) = Machine::read(name) else { return };
+        // every case on the machine with nothing concealed, every fourth beside concealed physics
+        let step = if name == "p08" { 1 } else { 4 };
+        for (column, fault, which, component, effect) in cases().into_iter().step_by(step) {
+            let spoilt = machine.with(&which, |r| spoil(of(r, column), fault));
+            let examined = machine.examined(&spoilt);
+            if told(&examined) != [(component, effect)] {
+                wrong.push(format!("{name} {} {fault:?} {which:?}: {:?}", column.name(), examined.told()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+#[test]
+fn exchanged_columns_are_named_and_put_back() {
+    use Column::*;
+    for name in ["p08", "p05"] {
+        let Some(machine) = Machine::read(name) else { return };
+        let pairs = [
+            (HubRate, PlatformRate),
+            (HubRate, Demand),
+            (HubRate, MotorRate),
+            (MotorRate, HubPosition),
+            (Demand, Control),
+            (Control, HubRate),
+            (PlatformRate, PlatformAccel),
+        ];
+        for (one, other) in pairs {
+            let exchanged = machine.with(&ALL, |r| {
+                let first = std::mem::take(of(r, one));
+                let second = std::mem::replace(of(r, other), first);
+                *of(r, one) = second;
+            });
+            let examined = machine.examined(&exchanged);
+            let pair = [(one.component(), "exchanged"), (other.component(), "exchanged")];
+            let told = told(&examined);
+            assert!(told.len() == 1 && pair.contains(&told[0]), "{name} {one:?} {other:?}: {:?}", examined.told());
+            let back = examined.recordings == machine.recordings;
+            assert!(back, "{name} {one:?} {other:?}: {:?}", examined.told());
+        }
+    }
+}
