@@ -140,16 +140,43 @@ pub struct ReplayOptions {
     /// Drive the plant with the recorded control instead of the recording's controller
     #[arg(long)]
     pub open_loop: bool,
-    /// Start anew every so many seconds from a state fitted to the first half of what follows, under the recorded control: for a
-    /// machine that hunts, which no model follows for long
-    #[arg(long, value_name = "SECONDS")]
-    pub windows: Option<f64>,
+    /// Whether the model starts anew every so many seconds, under the recorded control, from a state fitted to the first half of what
+    /// follows: SECONDS; `none`, from start to end; `auto`, over half a second where the machine hunts, so that two runs of the model
+    /// itself part by more than noise, and from start to end elsewhere
+    #[arg(long, value_name = "auto|none|SECONDS", default_value = "auto", value_parser = windows)]
+    pub windows: Windows,
     /// Write a report with pictures to this HTML file
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
     /// Where results go.
     #[command(flatten)]
     pub results: Results,
+}
+
+/// Over what length a recording is followed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Windows {
+    /// As the machine allows.
+    Auto,
+    /// From start to end.
+    None,
+    /// Over windows of a length.
+    Every {
+        /// Length, s.
+        window_s: f64,
+    },
+}
+
+/// `auto`, `none` or a length in seconds.
+fn windows(text: &str) -> Result<Windows, String> {
+    match text {
+        "auto" => Ok(Windows::Auto),
+        "none" => Ok(Windows::None),
+        _ => match text.parse::<f64>() {
+            Ok(window_s) if window_s > 0.0 && window_s.is_finite() => Ok(Windows::Every { window_s }),
+            _ => Err("must be `auto`, `none` or a length in seconds, such as 0.5".to_owned()),
+        },
+    }
 }
 
 /// Arguments of `diagnose`.

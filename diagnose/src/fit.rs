@@ -3,7 +3,7 @@
 use counterpoise_linalg::{Mat, inverse};
 use counterpoise_models::Parameters;
 
-use counterpoise_simulate::replay::START_FREEDOMS;
+use counterpoise_simulate::replay::{START_FREEDOMS, start_has};
 
 use crate::bench::{Bench, Judged, Pool, Span, StartShift, map};
 use crate::joint::StartColumns;
@@ -242,6 +242,9 @@ impl Problem<'_> {
             knobs(&self.effects).iter().zip(&now.x).map(|(k, &v)| from_variable(k, v)).collect();
         let parameters = applied(self.base, &self.effects, &values);
         let moved = |place: usize, freedom: usize, by: f64| {
+            if !start_has(&parameters, freedom) {
+                return None;
+            }
             let mut shift = now.shifts[place];
             shift[freedom] += by;
             let there = self.one(&parameters, place, &near[place], &shift)?;

@@ -6,7 +6,7 @@
 //! and the other way round. Points are added, moved and taken away while that is worth their price.
 
 use counterpoise_linalg::{Mat, solve};
-use counterpoise_simulate::replay::START_FREEDOMS;
+use counterpoise_simulate::replay::{START_FREEDOMS, start_has};
 
 use crate::bench::{Span, StartShift, map};
 use crate::fit::Selection;
@@ -93,6 +93,9 @@ impl Searcher<'_> {
             return None;
         }
         let starts = map(self.pool, START_FREEDOMS, |k| {
+            if !start_has(&parameters, k) {
+                return None;
+            }
             let mut shift = StartShift::default();
             shift[k] = 1.0;
             let there = self.bench.misfit_nudged(&parameters, recording, Span::Whole, near, &shift)?.0;

@@ -3,6 +3,10 @@
 //! Every channel is checked by itself (not finite, stuck, clipped, coarsely quantised), and the three ways to know the
 //! hub's rate on the platform (gyroscopes, tachometer over the ratio, the resolver's derivative) against each other.
 
+use counterpoise_models::Parameters;
+use counterpoise_simulate::recording::Recording;
+use counterpoise_simulate::replay::{Loop, control_fit};
+
 use crate::bench::rms;
 use crate::locate::Measured;
 
@@ -47,6 +51,24 @@ pub fn qualify(name: &str, measured: &Measured, ratio: f64) -> Vec<Remark> {
     }
     remarks
 }
+
+/// What is wrong where the recorded control is not what the project's controller makes of the recorded demand and hub rate; none where
+/// it is, and where one of the three was not recorded.
+pub fn foreign_control(base: &Parameters, recording: &Recording, control: &Loop) -> Option<String> {
+    let Loop::Closed(controller) = control else { return None };
+    let (fit, _) = control_fit(base, recording, controller)?;
+    let ratio = fit.rms_error / fit.floor;
+    (ratio > FOREIGN).then(|| {
+        format!(
+            "it is not what the project's controller makes of the recorded demand and hub rate, but {:.3} V RMS off, {ratio:.0} times what \
+             rounding leaves: another controller was in the loop, or one of the three is not what it read or gave",
+            fit.rms_error
+        )
+    })
+}
+
+/// Times what rounding leaves beyond which a control is not the controller's.
+const FOREIGN: f64 = 5.0;
 
 /// Two sensors that agree with each other and not with the gyroscopes: those are wrong.
 fn all_against_the_gyros(slopes: &[(f64, f64)]) -> Option<(String, bool)> {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use counterpoise_simulate::replay::Replay;
+use counterpoise_simulate::replay::{ChannelFit, Followed, Parting, Way};
 use counterpoise_verify::{Value, Verdict, Verification};
 use serde::Serialize;
 
@@ -130,8 +130,28 @@ pub struct RecordingResult {
     pub file: String,
     /// Channels.
     pub channels: BTreeMap<&'static str, ChannelResult>,
+    /// `free`: over its whole length; `windows`: over short horizons, each from a state of its own.
+    pub followed: &'static str,
+    /// Length of a window, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub window_s: Option<f64>,
+    /// What replay over the whole length left, where the recording was followed over windows.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub free: BTreeMap<&'static str, ChannelResult>,
+    /// How far two runs of the model itself part over the whole length.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parting: Option<PartingResult>,
     /// What was found about the recording itself.
     pub remarks: Vec<String>,
+}
+
+/// How far two runs of one model part that differ in noise and in what is not known of their start.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PartingResult {
+    /// The channel in which they part most.
+    pub channel: &'static str,
+    /// RMS of their difference over the channel's floor.
+    pub floors: f64,
 }
 
 /// Fits of all recordings.
@@ -233,14 +253,48 @@ impl From<&Designed> for DesignResult {
 
 impl RecordingResult {
     /// The fit of a replayed recording.
-    pub fn new(file: &str, replay: &Replay, remarks: Vec<String>) -> Self {
-        let fits = replay.channels.iter();
-        let channel = |fit: &counterpoise_simulate::replay::ChannelFit| {
-            let result = ChannelResult { rms_error: fit.rms_error, floor: fit.floor, vaf: fit.vaf };
-            (fit.channel.name(), result)
+    pub fn new(file: &str, followed: &Followed, remarks: Vec<String>) -> Self {
+        let (way, window_s, free) = match &followed.way {
+            Way::Free => ("free", None, BTreeMap::new()),
+            Way::Windows { window_s, free } => ("windows", Some(*window_s), channels(free)),
         };
-        Self { file: file.to_owned(), channels: fits.map(channel).collect(), remarks }
+        let parting = |p: Parting| PartingResult { channel: p.channel.name(), floors: p.floors };
+        Self {
+            file: file.to_owned(),
+            channels: channels(&followed.replay.channels),
+            followed: way,
+            window_s,
+            free,
+            parting: followed.parting.map(parting),
+            remarks,
+        }
     }
+
+    /// How the recording was followed, in a line.
+    pub fn way(&self) -> String {
+        let Some(window_s) = self.window_s else {
+            return "followed from start to end".to_owned();
+        };
+        let by = format!("followed over windows of {window_s} s, each from a state fitted to its first half");
+        let Some(parting) = &self.parting else { return by };
+        let of_machine = self.free.iter().filter(|(name, _)| !name.starts_with("platform"));
+        let left: Vec<String> = of_machine.map(|(name, c)| format!("{name} {:.2}", c.rms_error / c.floor)).collect();
+        format!(
+            "{by}: the machine hunts, for two runs of the model itself part by {:.1} floors in {}; from start to end the error \
+             over the floor is {}",
+            parting.floors,
+            parting.channel,
+            left.join(", ")
+        )
+    }
+}
+
+fn channels(fits: &[ChannelFit]) -> BTreeMap<&'static str, ChannelResult> {
+    let channel = |fit: &ChannelFit| {
+        let result = ChannelResult { rms_error: fit.rms_error, floor: fit.floor, vaf: fit.vaf };
+        (fit.channel.name(), result)
+    };
+    fits.iter().map(channel).collect()
 }
 
 fn pairs(values: &[counterpoise_lti::C64]) -> Vec<Pair> {

@@ -27,17 +27,17 @@ pub enum Imperfections {
 
 /// White noise of unit variance, five values a sample, by Box and Muller's method on ChaCha8.
 #[derive(Debug, Clone)]
-struct Noise {
+pub(crate) struct Noise {
     source: ChaCha8Rng,
     spare: Option<f64>,
 }
 
 impl Noise {
-    fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Self { source: ChaCha8Rng::seed_from_u64(seed), spare: None }
     }
 
-    fn next(&mut self) -> f64 {
+    pub(crate) fn next(&mut self) -> f64 {
         if let Some(spare) = self.spare.take() {
             return spare;
         }

@@ -4,15 +4,16 @@ use crate::output::say;
 use anyhow::{Context, Result, bail};
 use counterpoise_project::Purpose;
 use counterpoise_project::diagnose::mend::mended;
-use counterpoise_project::diagnose::qualify::qualify;
+use counterpoise_project::diagnose::qualify::{foreign_control, qualify};
 use counterpoise_project::diagnose::replays::measured;
+use counterpoise_project::models::Parameters;
 use counterpoise_project::recording::{Mapping, Record, Table};
 use counterpoise_project::results::{RecordingResult, ReplayResult};
 use counterpoise_project::simulate::recording::Recording;
-use counterpoise_project::simulate::replay::{Loop, Replayer, replay};
+use counterpoise_project::simulate::replay::{Followed, Loop, Replayer, Way};
 
 use super::{Done, verdict_code};
-use crate::arguments::ReplayOptions;
+use crate::arguments::{ReplayOptions, Windows};
 use crate::files::{self, Loaded};
 use crate::output;
 
@@ -78,10 +79,10 @@ impl Read {
 
 /// Runs the command.
 pub fn run(options: &ReplayOptions) -> Done {
-    let open = options.open_loop || options.windows.is_some();
+    let open = options.open_loop || matches!(options.windows, Windows::Every { .. });
     let loaded = files::load(&options.project, if open { Purpose::Model } else { Purpose::Replay })?;
     output::warnings(&loaded, options.results.quiet);
-    let control = match (&loaded.project.recording_controller, open) {
+    let control = match (&loaded.project.recording_controller, options.open_loop) {
         (Some(controller), false) => Loop::Closed(controller.clone()),
         _ => Loop::Open,
     };
@@ -90,19 +91,14 @@ pub fn run(options: &ReplayOptions) -> Done {
     let mut replays = Vec::new();
     for item in &read {
         let plant = &loaded.project.plant;
-        let replayed = match options.windows {
-            None if control == Loop::Open => {
-                Replayer::new(plant, &item.recording).and_then(|r| r.replay_open(plant))
-            }
-            None => replay(plant, &item.recording, &control),
-            Some(window_s) => {
-                Replayer::new(plant, &item.recording).and_then(|r| r.replay_windows(plant, window_s))
-            }
-        };
-        let replayed = replayed.with_context(|| format!("cannot replay {}", item.file))?;
-        let remarks = item.remarks.iter().cloned().chain(faults(&loaded, &item.recording)).collect();
-        result.recordings.push(RecordingResult::new(&item.file, &replayed, remarks));
-        replays.push(replayed);
+        let followed =
+            Replayer::new(plant, &item.recording).and_then(|r| follow(&r, plant, &control, options.windows));
+        let followed = followed.with_context(|| format!("cannot replay {}", item.file))?;
+        let foreign = foreign_control(plant, &item.recording, &control).map(|what| format!("control: {what}"));
+        let remarks = foreign.into_iter().chain(item.remarks.iter().cloned());
+        let remarks = remarks.chain(faults(&loaded, &item.recording)).collect();
+        result.recordings.push(RecordingResult::new(&item.file, &followed, remarks));
+        replays.push(followed.replay);
     }
     if let Some(path) = &options.report {
         let page = super::pages::replay(&loaded, &read, &replays, &result);
@@ -114,6 +110,28 @@ pub fn run(options: &ReplayOptions) -> Done {
     Ok(verdict_code(true))
 }
 
+/// Follows a recording as it was asked for.
+fn follow(
+    replayer: &Replayer,
+    plant: &Parameters,
+    control: &Loop,
+    windows: Windows,
+) -> Result<Followed, counterpoise_project::simulate::Error> {
+    let (replay, way) = match (windows, control) {
+        (Windows::Auto, _) => return replayer.follow(plant, control),
+        (Windows::None, Loop::Open) => (replayer.replay_open(plant)?, Way::Free),
+        (Windows::None, _) => (replayer.replay(plant, control)?, Way::Free),
+        (Windows::Every { window_s }, Loop::Open) => {
+            (replayer.replay_windows(plant, window_s)?, Way::Windows { window_s, free: Vec::new() })
+        }
+        (Windows::Every { window_s }, Loop::Closed(controller)) => {
+            let replay = replayer.replay_horizons(plant, window_s, controller)?;
+            (replay, Way::Windows { window_s, free: Vec::new() })
+        }
+    };
+    Ok(Followed { replay, way, parting: None })
+}
+
 /// What is wrong with a recording itself: told before the fit is.
 fn faults(loaded: &Loaded, recording: &Recording) -> Vec<String> {
     let ratio = loaded.project.plant.gearbox.ratio;
@@ -123,7 +141,7 @@ fn faults(loaded: &Loaded, recording: &Recording) -> Vec<String> {
 
 fn print(result: &ReplayResult) {
     for recording in &result.recordings {
-        say!("{}", recording.file);
+        say!("{}: {}", recording.file, recording.way());
         recording.remarks.iter().for_each(|remark| say!("  {remark}"));
         say!("  {:<16} {:>12} {:>12} {:>8} {:>10}", "channel", "RMS error", "floor", "ratio", "VAF %");
         for (name, c) in &recording.channels {

@@ -5,13 +5,17 @@
 //! recording (open loop). The run is without noise and without quantisation: what is left of a perfect model is the
 //! recording's own noise, whose size is the floor.
 
+mod control;
+mod follow;
 pub mod platform;
 pub(crate) mod smoother;
 pub mod start;
 mod windows;
 
 pub use platform::{platform_motion, reading_floor};
-pub use start::UNKNOWNS as START_FREEDOMS;
+pub use control::control_fit;
+pub use follow::{Followed, Parting, WINDOW_S, Way};
+pub use start::{UNKNOWNS as START_FREEDOMS, start_has};
 
 use crate::Error;
 use crate::history::{ReadingColumns, TimeHistory};

@@ -1,7 +1,7 @@
 //! The state at the start of a recording, fitted to its first moments.
 //!
-//! Six numbers are unknown: hub angle, the rate at which hub and motor turn together, gear torque, dry friction at
-//! motor and pivot, and current. They are fitted by Levenberg and Marquardt's method to hub rate, motor rate and hub
+//! Seven numbers are unknown: hub angle, the rate at which hub and motor turn together, gear torque, dry friction at
+//! motor and pivot, current, and the torque of a hose where there is one. They are fitted by Levenberg and Marquardt's method to hub rate, motor rate and hub
 //! position over the first 0.6 seconds, or the first tenth of a shorter recording, under the recorded control, with the weak
 //! preference that the torques on motor and hub balance. What none of the readings shows (the angle of a balanced mechanism without a
 //! resolver) stays where it was guessed. The structure is taken bent as the gear torque bends it.
@@ -11,7 +11,8 @@ use crate::recording::Channel;
 use crate::run::Simulator;
 use crate::{Error, FrictionState, PlantState};
 use counterpoise_models::plant::core::state;
-use counterpoise_models::{Friction, FrictionLaw, Plant};
+use counterpoise_models::plant::Hose;
+use counterpoise_models::{Friction, FrictionLaw, Parameters, Plant};
 
 /// Length of the first part that is fitted, s.
 const WINDOW_S: f64 = 0.6;
@@ -31,10 +32,12 @@ const IMBALANCE: f64 = 0.5;
 /// and holds what no reading shows. Without it rounding errors in the place of a sensitivity send an angle to 1e10 rad,
 /// where displacements of a micrometre are lost.
 const FAR: f64 = 3e4;
+/// Share of an unknown's own curvature below which it cannot be told from those before it.
+const INDISTINCT: f64 = 1e-12;
 /// Samples from which the first rates and angles are taken.
 const FIRST: usize = 5;
 /// Number of unknowns.
-pub const UNKNOWNS: usize = 6;
+pub const UNKNOWNS: usize = 7;
 
 type Unknowns = [f64; UNKNOWNS];
 
@@ -45,6 +48,13 @@ const MESH: usize = 2;
 const MOTOR_DRY: usize = 3;
 const PIVOT_DRY: usize = 4;
 const CURRENT: usize = 5;
+const HOSE: usize = 6;
+
+/// Whether a mechanism's start has a freedom: hub angle, common rate, gear torque, both dry frictions, current, and in the last place
+/// a hose's torque, which only a mechanism with a hose has.
+pub fn start_has(parameters: &Parameters, freedom: usize) -> bool {
+    freedom != HOSE || parameters.lumped.as_ref().and_then(Hose::of).is_some()
+}
 
 /// The state of the plant at the first sample.
 pub(crate) fn estimate(simulator: &mut Simulator, replayer: &Replayer) -> Result<PlantState, Error> {
@@ -94,6 +104,28 @@ pub(crate) fn nudged(
     fit.state(&fit.bounded(moved))
 }
 
+/// A start moved as far as its readings leave it open: a draw of one standard deviation in each direction that they tell apart.
+pub(crate) fn redrawn(
+    simulator: &mut Simulator,
+    replayer: &Replayer,
+    at: &PlantState,
+) -> Result<PlantState, Error> {
+    let mut fit = Fit::new(simulator, replayer);
+    if fit.channels.is_empty() || replayer.recording().control_v.is_none() {
+        return Ok(at.clone());
+    }
+    let now = fit.bounded(fit.unknowns(at));
+    fit.anchor = now;
+    let residuals = fit.residuals(&now)?;
+    let step = fit.normal_equations(&now, &residuals)?.draw(&DRAWN);
+    let mut moved = now;
+    (0..UNKNOWNS).for_each(|k| moved[k] += step[k] * fit.steps[k]);
+    Ok(fit.state(&fit.bounded(moved)))
+}
+
+/// The signs of a draw.
+const DRAWN: Unknowns = [1.0, -1.0, 1.0, 1.0, -1.0, 1.0, -1.0];
+
 struct Fit<'a, 'b> {
     simulator: &'a mut Simulator,
     replayer: &'a Replayer<'b>,
@@ -134,6 +166,7 @@ impl<'a, 'b> Fit<'a, 'b> {
             0.01 * level(&parameters.motor_friction).max(1e-4),
             0.01 * level(&parameters.pivot_friction).max(1e-2),
             1e-2,
+            0.01 * plant.hose().map_or(0.0, |hose| hose.level_nm).max(1e-2),
         ];
         Self {
             platform_rate: replayer.platform().pitch_rate_rad_s.at(0.0),
@@ -176,7 +209,7 @@ impl<'a, 'b> Fit<'a, 'b> {
         let share = surplus / (ratio * motor + pivot).max(f64::MIN_POSITIVE);
         let share = share.clamp(-1.0, 1.0);
         let mesh = weight + pivot * share;
-        [angle, motor_rate / ratio, mesh, motor * share, pivot * share, current]
+        [angle, motor_rate / ratio, mesh, motor * share, pivot * share, current, 0.0]
     }
 
     /// Torque of weight and spring that the gear must pass, N m.
@@ -202,7 +235,7 @@ impl<'a, 'b> Fit<'a, 'b> {
         start.friction = FrictionState {
             motor: at_torque(&parameters.motor_friction, u[MOTOR_DRY]),
             pivot: at_torque(&parameters.pivot_friction, u[PIVOT_DRY]),
-            hose: 0.0,
+            hose: u[HOSE],
         };
         start
     }
@@ -219,6 +252,7 @@ impl<'a, 'b> Fit<'a, 'b> {
             torque(&parameters.motor_friction, state.friction.motor),
             torque(&parameters.pivot_friction, state.friction.pivot),
             state.core[state::CURRENT],
+            state.friction.hose,
         ]
     }
 
@@ -253,6 +287,7 @@ impl<'a, 'b> Fit<'a, 'b> {
             - u[MESH] / parameters.gearbox.ratio;
         let hub = u[MESH]
             - u[PIVOT_DRY]
+            - u[HOSE]
             - parameters.pivot_friction.viscous_nm_s_rad * u[RATE]
             - self.weight_nm(u[ANGLE]);
         [motor / motor_scale, hub / pivot_scale]
@@ -290,12 +325,14 @@ impl<'a, 'b> Fit<'a, 'b> {
         Ok((cost, now))
     }
 
-    /// Friction within its levels.
+    /// Friction and a hose within their levels.
     fn bounded(&self, mut u: Unknowns) -> Unknowns {
         let parameters = self.plant.parameters();
         let (motor, pivot) = (level(&parameters.motor_friction), level(&parameters.pivot_friction));
         u[MOTOR_DRY] = u[MOTOR_DRY].clamp(-motor, motor);
         u[PIVOT_DRY] = u[PIVOT_DRY].clamp(-pivot, pivot);
+        let hose = self.plant.hose().map_or(0.0, |hose| hose.level_nm);
+        u[HOSE] = u[HOSE].clamp(-hose, hose);
         u
     }
 
@@ -303,7 +340,11 @@ impl<'a, 'b> Fit<'a, 'b> {
     fn normal_equations(&mut self, at: &Unknowns, residuals: &[f64]) -> Result<Normal<UNKNOWNS>, Error> {
         let mut columns = Vec::with_capacity(UNKNOWNS);
         for k in 0..UNKNOWNS {
-            let inwards = matches!(k, MOTOR_DRY | PIVOT_DRY) && at[k] > 0.0;
+            if !start_has(self.plant.parameters(), k) {
+                columns.push(vec![0.0; residuals.len()]);
+                continue;
+            }
+            let inwards = matches!(k, MOTOR_DRY | PIVOT_DRY | HOSE) && at[k] > 0.0;
             let sign = if inwards { -1.0 } else { 1.0 };
             let mut moved = *at;
             moved[k] += sign * self.steps[k];
@@ -328,6 +369,26 @@ impl<const N: usize> Normal<N> {
             right: std::array::from_fn(|i| -dot(&columns[i], residuals)),
             matrix: std::array::from_fn(|i| std::array::from_fn(|j| dot(&columns[i], &columns[j]))),
         }
+    }
+
+    /// x = L^-T z of J'J = L L': with z = +-1 a step to where the cost has risen by one for every unknown; an unknown without effect
+    /// does not move.
+    fn draw(&self, z: &[f64; N]) -> [f64; N] {
+        let mut l = self.matrix;
+        for j in 0..N {
+            let own = l[j][j] - (0..j).map(|k| l[j][k] * l[j][k]).sum::<f64>();
+            l[j][j] = if own > INDISTINCT * self.matrix[j][j] { own.sqrt() } else { 0.0 };
+            for i in j + 1..N {
+                let left = l[i][j] - (0..j).map(|k| l[i][k] * l[j][k]).sum::<f64>();
+                l[i][j] = if l[j][j] > 0.0 { left / l[j][j] } else { 0.0 };
+            }
+        }
+        let mut x = [0.0; N];
+        for i in (0..N).rev() {
+            let known: f64 = (i + 1..N).map(|k| l[k][i] * x[k]).sum();
+            x[i] = if l[i][i] > 0.0 { (z[i] - known) / l[i][i] } else { 0.0 };
+        }
+        x
     }
 
     /// The step with the diagonal raised by its own share `damping`; an unknown without effect does not move.

@@ -94,7 +94,8 @@ impl Replayer<'_> {
 /// Most that a channel of a true model is off, over its floor.
 const EXPLAINED: f64 = 1.5;
 
-fn explained(replay: &Replay) -> bool {
+/// Whether every channel is as close as noise lets a true model be.
+pub(super) fn explained(replay: &Replay) -> bool {
     replay.channels.iter().all(|fit| fit.rms_error < EXPLAINED * fit.floor)
 }
 

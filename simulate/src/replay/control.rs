@@ -1,0 +1,123 @@
+//! The recorded control beside what a controller makes of the recorded measurements.
+//!
+//! Both demand and hub rate are recorded as the controller read them, so its state is known from sample to sample, whatever the
+//! machine did: what is left is the rounding of the converters, or another controller was in the loop.
+
+use super::{ChannelFit, fit};
+use crate::recording::{Channel, Recording};
+use crate::sensing::CONVERTER_RANGE_V;
+use counterpoise_controller::{ProportionalIntegral, Readings, SampledController};
+use counterpoise_models::Parameters;
+
+/// Samples in a row, none of them missing, that are needed to find the integral at their start.
+const SHORTEST: usize = 20;
+
+/// The control that a controller makes of the recorded demand and hub rate, and how well it fits the recorded control. The integral at
+/// the start, and after each missing sample, is the one that fits best.
+///
+/// None where demand, hub rate or control was not recorded, or where the demand is the hub rate itself: such a recording was made
+/// without a controller of its rate.
+pub fn control_fit(
+    parameters: &Parameters,
+    recording: &Recording,
+    controller: &ProportionalIntegral,
+) -> Option<(ChannelFit, Vec<f64>)> {
+    let demand = recording.demand_rad_s.as_deref()?;
+    let rate = recording.hub_rate_rad_s.as_deref()?;
+    let control = recording.control_v.as_deref()?;
+    if demand.iter().zip(rate).all(|(d, r)| d == r || !r.is_finite()) {
+        return None;
+    }
+    let mut made = vec![f64::NAN; control.len()];
+    let mut from = 0;
+    while from < control.len() {
+        let whole = |k: usize| control[k].is_finite() && demand[k].is_finite() && rate[k].is_finite();
+        let to = (from..control.len()).find(|&k| !whole(k)).unwrap_or(control.len());
+        if to >= from + SHORTEST {
+            let columns = [&control[from..to], &demand[from..to], &rate[from..to]];
+            stretch(controller, columns, &mut made[from..to]);
+        }
+        from = to + 1;
+    }
+    let pairs = made.iter().zip(control);
+    let compared: Vec<f64> = pairs.map(|(m, c)| if m.is_finite() { *c } else { f64::NAN }).collect();
+    let fit = fit(Channel::Control, &made, &compared, floor(parameters, controller))?;
+    Some((fit, made))
+}
+
+/// The control over a stretch without missing samples.
+fn stretch(controller: &ProportionalIntegral, [control, demand, rate]: [&[f64]; 3], made: &mut [f64]) {
+    let mut ready = ProportionalIntegral { integral_v: 0.0, ..controller.clone() };
+    for k in 0..made.len() {
+        let readings = Readings { demand_rad_s: demand[k], hub_rate_rad_s: rate[k], ..Readings::default() };
+        made[k] = ready.step(&readings);
+    }
+    let free = |k: &usize| control[*k].abs() < CONVERTER_RANGE_V;
+    let left: Vec<f64> = (0..made.len()).filter(free).map(|k| control[k] - made[k]).collect();
+    let integral = left.iter().sum::<f64>() / left.len().max(1) as f64;
+    made.iter_mut().for_each(|u| *u = (*u + integral).clamp(-CONVERTER_RANGE_V, CONVERTER_RANGE_V));
+}
+
+/// RMS that the rounding of the converters leaves, V.
+fn floor(parameters: &Parameters, controller: &ProportionalIntegral) -> f64 {
+    let step = |bits: u32| 2.0 * CONVERTER_RANGE_V / f64::from(bits).exp2() / 12f64.sqrt();
+    let interface = &parameters.interface;
+    let read = step(interface.input_bits) / parameters.sensors.hub_gyro.scale_v_unit;
+    step(interface.output_bits).hypot(controller.kp_v_s_rad * read)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use counterpoise_models::reference;
+
+    fn controller(kp_v_s_rad: f64) -> ProportionalIntegral {
+        ProportionalIntegral {
+            kp_v_s_rad,
+            ki_v_rad: 80.0,
+            bias_v: 2.88,
+            sample_period_s: 1e-3,
+            integral_v: 0.0,
+        }
+    }
+
+    /// A recording whose control is that of a controller with a gain of 18 V s/rad, rounded, with a hole in the hub rate.
+    fn recording() -> Recording {
+        let demand: Vec<f64> = (0..3000).map(|k| 0.1 * (0.01 * f64::from(k)).sin()).collect();
+        let mut rate: Vec<f64> = (0..3000).map(|k| 0.1 * (0.01 * f64::from(k) - 0.2).sin()).collect();
+        let mut ready = ProportionalIntegral { integral_v: 0.7, ..controller(18.0) };
+        let step = 20.0 / 4096.0;
+        let mut one = |(d, r): (&f64, &f64)| {
+            let readings = Readings { demand_rad_s: *d, hub_rate_rad_s: *r, ..Readings::default() };
+            (ready.step(&readings) / step).round() * step
+        };
+        let control = demand.iter().zip(&rate).map(&mut one).collect();
+        rate[1200] = f64::NAN;
+        Recording {
+            sample_period_s: 1e-3,
+            demand_rad_s: Some(demand),
+            hub_rate_rad_s: Some(rate),
+            control_v: Some(control),
+            ..Recording::default()
+        }
+    }
+
+    #[test]
+    fn the_controller_of_the_loop_leaves_the_rounding_and_another_one_more() {
+        let rig = reference::rig();
+        let ratio = |kp: f64| {
+            let (fit, made) = control_fit(&rig, &recording(), &controller(kp)).unwrap();
+            assert!(made[1200].is_nan() && made[1201].is_finite());
+            fit.rms_error / fit.floor
+        };
+        assert!(ratio(18.0) < 1.05, "{}", ratio(18.0));
+        assert!(ratio(17.0) > 5.0, "{}", ratio(17.0));
+    }
+
+    #[test]
+    fn a_recording_without_a_rate_loop_has_none() {
+        let mut followed = recording();
+        followed.demand_rad_s = followed.hub_rate_rad_s.clone();
+        assert!(control_fit(&reference::rig(), &followed, &controller(18.0)).is_none());
+    }
+}
