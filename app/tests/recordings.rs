@@ -120,3 +120,40 @@ fn a_control_at_its_limit_is_told_and_played_back_at_its_limit() {
     let said = String::from_utf8_lossy(&run.stdout).into_owned();
     assert!(run.status.success() && said.contains("control: clipped at 10"), "{said}");
 }
+
+#[test]
+fn how_a_recording_was_followed_is_told() {
+    let project = project("followed", "");
+    let run = |windows: &[&str]| {
+        let file = data("run.csv");
+        let mut arguments = vec!["replay", project.to_str().unwrap(), file.to_str().unwrap(), "--json"];
+        arguments.extend(windows);
+        counterpoise(&arguments)
+    };
+    let followed = |windows: &[&str]| -> serde_json::Value {
+        let found: serde_json::Value = serde_json::from_slice(&run(windows).stdout).unwrap();
+        found["recordings"][0].clone()
+    };
+    let auto = followed(&[]);
+    assert_eq!((&auto["followed"], &auto["window_s"]), (&"free".into(), &serde_json::Value::Null));
+    assert!(auto["parting"]["floors"].as_f64().unwrap() < 0.5, "{auto}");
+    assert_eq!(followed(&["--windows", "none"])["channels"], auto["channels"]);
+    let windows = followed(&["--windows", "0.1"]);
+    assert_eq!((&windows["followed"], &windows["window_s"]), (&"windows".into(), &0.1.into()));
+    assert!(windows["channels"]["control"]["floor"].is_f64(), "{windows}");
+    let refused = run(&["--windows", "half"]);
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(refused.status.code() == Some(2) && said.contains("`auto`, `none` or a length"), "{said}");
+}
+
+#[test]
+fn a_controller_that_was_not_in_the_loop_is_told() {
+    let project = project("foreign", "");
+    let run = || {
+        let run = counterpoise(&["replay", project.to_str().unwrap(), data("run.csv").to_str().unwrap()]);
+        String::from_utf8_lossy(&run.stdout).into_owned()
+    };
+    assert!(!run().contains("another controller"), "{}", run());
+    fs::write(project.join("project.toml"), PROJECT.replace("kp = 18.0", "kp = 12.0")).unwrap();
+    assert!(run().contains("control: it is not what the project's controller makes"), "{}", run());
+}

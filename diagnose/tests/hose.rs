@@ -10,7 +10,7 @@ use counterpoise_diagnose::fit::{Problem, Selection};
 use counterpoise_diagnose::library::named;
 use counterpoise_diagnose::replays::{Prepared, Replays};
 use counterpoise_models::{Parameters, Plant, reference};
-use counterpoise_simulate::replay::{Loop, replay};
+use counterpoise_simulate::replay::{Loop, Replayer, replay};
 use counterpoise_simulate::{Detail, Imperfections, Recording, Scenario, Signal, Simulator};
 
 /// Control that holds the rig's weight, V.
@@ -27,15 +27,44 @@ fn machine() -> Parameters {
 
 /// A triangle wave of 0.15 rad/s, from rest; another period for another recording.
 fn recording(seed: u64, period_s: f64) -> Recording {
+    run(seed, period_s, 8.0).0
+}
+
+/// The recording of a run, and the hose's torque at its end.
+fn run(seed: u64, period_s: f64, duration_s: f64) -> (Recording, f64) {
     let mut simulator = Simulator::new(&Plant::lumped(&machine()).unwrap()).unwrap();
     let scenario = Scenario {
         demand_rad_s: Signal::Triangle { amplitude: 0.15, period_s },
         imperfections: Imperfections::NoiseAndQuantisation { seed },
         detail: Detail::Recording,
-        ..Scenario::still(8.0)
+        ..Scenario::still(duration_s)
     };
     let history = simulator.run(&mut controller(BIAS_V), &scenario).unwrap();
-    Recording::from_run("triangle", 1e-3, &history.readings)
+    let torque_nm = history.final_state.friction.hose;
+    (Recording::from_run("triangle", 1e-3, &history.readings), torque_nm)
+}
+
+/// Recordings that begin in the middle of the motion, with the hose bent one way and the other.
+#[test]
+fn a_hose_bent_at_the_start_is_found_bent() {
+    let control = Loop::from(&controller(BIAS_V));
+    for middle_s in [2.9, 3.8] {
+        let torque_nm = run(7, 2.0, middle_s).1;
+        let later = recording(7, 2.0).part((1e3 * middle_s).round() as usize..8000);
+        let found = replay(&machine(), &later, &control).unwrap();
+        let worst = found.channels.iter().map(|c| c.rms_error / c.floor).fold(0.0, f64::max);
+        println!("{torque_nm:.1} N m, found {:.1}, worst {worst:.2}", found.start.friction.hose);
+        assert!(torque_nm.abs() > 0.3 * LEVEL_NM, "{torque_nm}");
+        assert!((found.start.friction.hose - torque_nm).abs() < 0.15 * LEVEL_NM, "{torque_nm}");
+        assert!(worst < 1.5, "{worst}");
+        let mut straight = found.start.clone();
+        straight.friction.hose = 0.0;
+        let replayer = Replayer::new(&machine(), &later).unwrap();
+        let missed = replayer.replay_from(&machine(), &control, &straight).unwrap();
+        let missed = missed.channels.iter().map(|c| c.rms_error / c.floor).fold(0.0, f64::max);
+        println!("taken as straight: {missed:.2}");
+        assert!(missed > 1.5 * worst, "{missed}");
+    }
 }
 
 #[test]

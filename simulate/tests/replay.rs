@@ -7,6 +7,7 @@ mod common;
 use common::{controller, recording};
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::{MapPoint, Parameters, Ripple, reference};
+use counterpoise_simulate::replay::{Followed, Replayer, Way};
 use counterpoise_simulate::{Channel, Loop, Replay, replay};
 
 /// RMS error over floor that counts as a fit.
@@ -95,6 +96,54 @@ fn the_hunting_machines_fit_in_open_loop() {
             let Some(replay) = replayed(machine, experiment, &Loop::Open) else { return };
             let rates = [Channel::HubRate, Channel::MotorRate];
             assert_fits(&replay, &rates, &format!("{machine} {experiment}"));
+        }
+    }
+}
+
+fn followed(parameters: &Parameters, machine: &str, experiment: &str) -> Option<Followed> {
+    let recording = recording(&format!("{machine}/{experiment}"))?;
+    let replayer = Replayer::new(parameters, &recording).unwrap();
+    Some(replayer.follow(parameters, &closed(machine)).unwrap())
+}
+
+fn worst(replay: &Replay) -> f64 {
+    replay.channels.iter().map(|fit| fit.rms_error / fit.floor).fold(0.0, f64::max)
+}
+
+const UNSEEN: [&str; 3] = ["unseen/triangle", "unseen/steps", "unseen/road"];
+
+/// By itself the replay takes windows where the machine hunts, and only there; the true machine fits on every channel, the control too.
+#[test]
+fn the_true_machines_are_followed_by_themselves() {
+    for machine in ["p01", "p02", "p03", "p05", "p06", "p08"] {
+        for experiment in UNSEEN {
+            let Some(found) = followed(&truth(machine), machine, experiment) else { return };
+            assert_eq!(found.replay.channels.len(), Channel::ALL.len());
+            assert_fits(&found.replay, &Channel::ALL, &format!("{machine} {experiment}"));
+            let hunts = is_nearly_balanced(machine);
+            assert_eq!(found.way != Way::Free, hunts, "{machine} {experiment} {:?}", found.parting);
+        }
+    }
+}
+
+/// Windows do not flatter: a model that lacks something is followed from start to end, and where the machine hunts it is far off in
+/// windows, too.
+#[test]
+fn a_wrong_model_is_not_made_to_look_good() {
+    for machine in ["p04", "p05", "p06", "p07"] {
+        for experiment in UNSEEN {
+            let Some(found) = followed(&truth("p08"), machine, experiment) else { return };
+            assert_eq!(found.way, Way::Free, "{machine} {experiment} {:?}", found.parting);
+            assert!(worst(&found.replay) > 3.0, "{machine} {experiment}");
+        }
+    }
+    for machine in ["p02", "p03"] {
+        for experiment in UNSEEN {
+            let mut nominal = truth(machine);
+            nominal.gearbox.backlash_rad = truth("p08").gearbox.backlash_rad;
+            nominal.amplifier.map.clear();
+            let Some(found) = followed(&nominal, machine, experiment) else { return };
+            assert!(worst(&found.replay) > 30.0, "{machine} {experiment}: {}", worst(&found.replay));
         }
     }
 }

@@ -181,6 +181,26 @@ fn machines_that_hunt_replay_to_their_floor_over_half_a_second() {
     }
 }
 
+/// Where the points of an amplifier's curve lie is found with it: the improved model follows what it has not seen, with fewer points
+/// than one every 0.1 V.
+#[test]
+fn an_amplifier_s_curve_is_found_as_fine_as_the_recordings_ask() {
+    let Some(folder) = practice("p03") else { return };
+    let project = project(&folder);
+    let controller = project.recording_controller.clone().unwrap();
+    let found = diagnose(&project.plant, &controller, &recordings(&project, &folder), &Threads).unwrap();
+    assert_eq!(found.answer.verdict, Verdict::Named);
+    let finding = &found.answer.findings[0];
+    assert_eq!((finding.component, finding.effect), ("amplifier", "gain_curve"));
+    assert!(finding.parameters.len() <= 20, "{}", finding.parameters.len());
+    let unseen = recordings(&project, &folder.join("unseen"));
+    counterpoise_tests::in_parallel(unseen.len(), &|k| {
+        let replayer = Replayer::new(&found.improved, &unseen[k]).unwrap();
+        let followed = replayer.follow(&found.improved, &Loop::from(&controller)).unwrap();
+        assert_fits("p03", &unseen[k].name, &followed.replay);
+    });
+}
+
 /// In open loop a machine that nearly stalls remembers a start for longer than its first moments show it.
 #[test]
 fn cogging_that_nearly_stalls_the_motor_replays_in_open_loop() {
