@@ -13,7 +13,7 @@ use counterpoise_project::pipeline::beside::{Beside, beside};
 use counterpoise_project::pipeline::export::{project_hash, weights};
 use counterpoise_project::pipeline::search::Searched;
 use counterpoise_project::pipeline::{Consequence, Designed};
-use counterpoise_project::results::{DesignResult, ReplayResult, SynthResult};
+use counterpoise_project::results::{ChannelResult, DesignResult, ReplayResult, SynthResult};
 use counterpoise_project::simulate::recording::{Channel, Recording};
 use counterpoise_project::simulate::replay::{Loop, Replay, replay as replayed};
 
@@ -250,5 +250,41 @@ pub fn replay(loaded: &Loaded, read: &[Read], replays: &[Replay], result: &Repla
         _ => "The model does not fit: the errors are above the floor".to_owned(),
     };
     page.sections.truncate(1);
+    page.sections.push(ways(result));
     html(&page)
+}
+
+/// How each recording was followed.
+fn ways(result: &ReplayResult) -> Section {
+    let columns = [
+        Column::Text("recording"),
+        Column::Text("followed"),
+        Column::Text("largest error over floor"),
+        Column::Text("the same from start to end"),
+        Column::Text("two runs of the model part by"),
+    ];
+    let mut table = Table::new("", &columns);
+    for recording in &result.recordings {
+        let way = recording.window_s.map_or("from start to end".to_owned(), |s| format!("over windows of {s} s"));
+        let parting =
+            recording.parting.map_or(String::new(), |p| format!("{:.1} floors in {}", p.floors, p.channel));
+        let cells = [recording.file.clone(), way, largest(&recording.channels), largest(&recording.free), parting];
+        table.rows.push(cells.into_iter().map(Cell::text).collect());
+    }
+    let mut section = Section::new("How each recording was followed").saying(WAYS).listing(table);
+    for recording in &result.recordings {
+        section.text.extend(recording.remarks.iter().map(|remark| format!("{}: {remark}", recording.file)));
+    }
+    section
+}
+
+const WAYS: &str = "A machine that hunts cannot be followed from start to end, not even by itself: two runs of one model that differ in the noise of a \
+     gyroscope part. There the model starts anew from a state fitted to the first half of each window, under the recorded control, and the \
+     control stands beside the one that the recorded controller makes of the recorded measurements.";
+
+/// The largest error over its floor, with its channel.
+fn largest(channels: &std::collections::BTreeMap<&'static str, ChannelResult>) -> String {
+    let ratios = channels.iter().map(|(name, c)| (c.rms_error / c.floor, name));
+    let largest = ratios.max_by(|a, b| a.0.total_cmp(&b.0));
+    largest.map_or(String::new(), |(ratio, name)| format!("{ratio:.2} in {name}"))
 }
