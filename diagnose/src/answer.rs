@@ -181,23 +181,3 @@ pub struct Answer {
     /// Warnings of the search itself.
     pub warnings: Vec<String>,
 }
-
-impl Answer {
-    /// The answer of a replay without a search: consistent where every channel is within 1.5 times its floor.
-    pub fn of_replay(channels: impl Iterator<Item = (&'static str, ChannelFit)>) -> Self {
-        let before: Channels = channels.collect();
-        let explained = before.values().all(|c| c.rms_error < crate::tolerance::EXPLAINED * c.floor);
-        Self {
-            verdict: if explained { Verdict::Consistent } else { Verdict::Unknown },
-            findings: Vec::new(),
-            fit: FitTable { before, ..FitTable::default() },
-            not_excited: Vec::new(),
-            next_experiment: None,
-            isolability: Vec::new(),
-            map: Vec::new(),
-            hypotheses: Vec::new(),
-            qualification: Vec::new(),
-            warnings: Vec::new(),
-        }
-    }
-}

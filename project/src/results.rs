@@ -273,15 +273,14 @@ impl RecordingResult {
     /// How the recording was followed, in a line.
     pub fn way(&self) -> String {
         let Some(window_s) = self.window_s else {
-            return "followed from start to end".to_owned();
+            return "from start to end".to_owned();
         };
-        let by = format!("followed over windows of {window_s} s, each from a state fitted to its first half");
+        let by = format!("over windows of {window_s} s, each from a state fitted to its first half");
         let Some(parting) = &self.parting else { return by };
         let of_machine = self.free.iter().filter(|(name, _)| !name.starts_with("platform"));
         let left: Vec<String> = of_machine.map(|(name, c)| format!("{name} {:.2}", c.rms_error / c.floor)).collect();
         format!(
-            "{by}: the machine hunts, for two runs of the model itself part by {:.1} floors in {}; from start to end the error \
-             over the floor is {}",
+            "{by}: the machine hunts, two runs of the model itself part by {:.1} floors in {}; from start to end error over floor is {}",
             parting.floors,
             parting.channel,
             left.join(", ")

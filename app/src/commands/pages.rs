@@ -7,13 +7,12 @@ use counterpoise::report::{
     trade_off,
 };
 use counterpoise_project::diagnose::Diagnosis;
-use counterpoise_project::diagnose::answer::{Answer, Verdict};
 use counterpoise_project::pipeline::Synthesised;
 use counterpoise_project::pipeline::beside::{Beside, beside};
 use counterpoise_project::pipeline::export::{project_hash, weights};
 use counterpoise_project::pipeline::search::Searched;
 use counterpoise_project::pipeline::{Consequence, Designed};
-use counterpoise_project::results::{ChannelResult, DesignResult, ReplayResult, SynthResult};
+use counterpoise_project::results::{DesignResult, ReplayResult, SynthResult};
 use counterpoise_project::simulate::recording::{Channel, Recording};
 use counterpoise_project::simulate::replay::{Loop, Replay, replay as replayed};
 
@@ -229,62 +228,8 @@ fn unit(channel: Channel) -> &'static str {
 
 /// The report of a replay: measured and simulated, without a search.
 pub fn replay(loaded: &Loaded, read: &[Read], replays: &[Replay], result: &ReplayResult) -> String {
-    let all = read.iter().zip(replays).flat_map(|(item, replay)| tracks(&item.recording, replay, None));
-    let mut fit = std::collections::BTreeMap::new();
-    for recording in &result.recordings {
-        for (name, channel) in &recording.channels {
-            let entry = fit.entry(*name).or_insert((0.0, 0.0, 0.0));
-            *entry = (entry.0 + channel.rms_error.powi(2), entry.1 + channel.floor.powi(2), entry.2 + 1.0);
-        }
-    }
-    let answer = Answer::of_replay(fit.into_iter().map(|(name, (e, f, n))| {
-        let rms = |sum: f64| (sum / n).sqrt();
-        (name, counterpoise_project::diagnose::answer::ChannelFit { rms_error: rms(e), floor: rms(f) })
-    }));
+    let all = read.iter().zip(replays).map(|(item, replay)| tracks(&item.recording, replay, None));
     let command = format!("counterpoise replay {}", loaded.path.display());
-    let mut page = report(&loaded.project.plant.name, &command, &answer, &all.collect::<Vec<_>>());
-    page.title = format!("Replay of {}", loaded.project.plant.name);
-    page.subtitle = "what the model does under what was recorded".to_owned();
-    page.headline.text = match answer.verdict {
-        Verdict::Consistent => "The model fits to within 1.5 times the floor".to_owned(),
-        _ => "The model does not fit: the errors are above the floor".to_owned(),
-    };
-    page.sections.truncate(1);
-    page.sections.push(ways(result));
-    html(&page)
-}
-
-/// How each recording was followed.
-fn ways(result: &ReplayResult) -> Section {
-    let columns = [
-        Column::Text("recording"),
-        Column::Text("followed"),
-        Column::Text("largest error over floor"),
-        Column::Text("the same from start to end"),
-        Column::Text("two runs of the model part by"),
-    ];
-    let mut table = Table::new("", &columns);
-    for recording in &result.recordings {
-        let way = recording.window_s.map_or("from start to end".to_owned(), |s| format!("over windows of {s} s"));
-        let parting =
-            recording.parting.map_or(String::new(), |p| format!("{:.1} floors in {}", p.floors, p.channel));
-        let cells = [recording.file.clone(), way, largest(&recording.channels), largest(&recording.free), parting];
-        table.rows.push(cells.into_iter().map(Cell::text).collect());
-    }
-    let mut section = Section::new("How each recording was followed").saying(WAYS).listing(table);
-    for recording in &result.recordings {
-        section.text.extend(recording.remarks.iter().map(|remark| format!("{}: {remark}", recording.file)));
-    }
-    section
-}
-
-const WAYS: &str = "A machine that hunts cannot be followed from start to end, not even by itself: two runs of one model that differ in the noise of a \
-     gyroscope part. There the model starts anew from a state fitted to the first half of each window, under the recorded control, and the \
-     control stands beside the one that the recorded controller makes of the recorded measurements.";
-
-/// The largest error over its floor, with its channel.
-fn largest(channels: &std::collections::BTreeMap<&'static str, ChannelResult>) -> String {
-    let ratios = channels.iter().map(|(name, c)| (c.rms_error / c.floor, name));
-    let largest = ratios.max_by(|a, b| a.0.total_cmp(&b.0));
-    largest.map_or(String::new(), |(ratio, name)| format!("{ratio:.2} in {name}"))
+    let title = format!("Replay of {}", loaded.project.plant.name);
+    html(&counterpoise::report::replay::report(&title, &command, result, &all.collect::<Vec<_>>()))
 }

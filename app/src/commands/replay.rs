@@ -141,7 +141,8 @@ fn faults(loaded: &Loaded, recording: &Recording) -> Vec<String> {
 
 fn print(result: &ReplayResult) {
     for recording in &result.recordings {
-        say!("{}: {}", recording.file, recording.way());
+        say!("{}", recording.file);
+        say!("  followed {}", recording.way());
         recording.remarks.iter().for_each(|remark| say!("  {remark}"));
         say!("  {:<16} {:>12} {:>12} {:>8} {:>10}", "channel", "RMS error", "floor", "ratio", "VAF %");
         for (name, c) in &recording.channels {

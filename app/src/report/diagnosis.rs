@@ -254,7 +254,7 @@ fn cannot_tell(answer: &Answer) -> Section {
 }
 
 /// The track whose error was largest against the measurement.
-fn worst_track(tracks: &[Track]) -> Option<&Track> {
+pub(super) fn worst_track(tracks: &[Track]) -> Option<&Track> {
     let error = |t: &Track| {
         let sum: f64 = t.measured.iter().zip(&t.before).map(|(m, b)| (m - b).powi(2)).sum();
         let power: f64 = t.measured.iter().map(|m| m * m).sum();
@@ -265,17 +265,18 @@ fn worst_track(tracks: &[Track]) -> Option<&Track> {
 }
 
 /// Measured and simulated above, the errors below.
-fn comparison(track: &Track, command: &str) -> Figure {
+pub(super) fn comparison(track: &Track, command: &str) -> Figure {
     let points = |series: &[f64]| -> Vec<(f64, f64)> {
         series.iter().enumerate().map(|(k, v)| (k as f64 * track.period_s, *v)).collect()
     };
     let error =
         |series: &[f64]| -> Vec<f64> { series.iter().zip(&track.measured).map(|(s, m)| s - m).collect() };
+    let name = if track.after.is_empty() { "model" } else { "model as it was" };
     let mut signals = vec![
         Series::solid("measured", Colour::Muted, points(&track.measured)),
-        Series::solid("model as it was", Colour::Second, points(&track.before)),
+        Series::solid(name, Colour::Second, points(&track.before)),
     ];
-    let mut errors = vec![Series::solid("model as it was", Colour::Second, points(&error(&track.before)))];
+    let mut errors = vec![Series::solid(name, Colour::Second, points(&error(&track.before)))];
     if !track.after.is_empty() {
         signals.push(Series::solid("improved model", Colour::First, points(&track.after)));
         errors.push(Series::solid("improved model", Colour::First, points(&error(&track.after))));

@@ -20,6 +20,7 @@ pub mod html;
 pub mod identify;
 pub mod model;
 pub mod page;
+pub mod replay;
 pub mod residual;
 pub mod robust;
 pub mod spectra;
