@@ -6,12 +6,16 @@ use counterpoise_simulate::recording::Recording;
 use counterpoise_simulate::replay::Loop;
 
 use super::Column;
-use super::identity::{Identity, controlled, kinematic};
-use super::regress::{late, slope};
+use super::identity::{Identity, STILL_RAD_S, controlled, kinematic};
+use super::regress::{deviation, late, slope};
 
 /// Two clocks that part by more than this are told, s, and by how many times the doubt.
 const OFFSET_S: f64 = 1.5e-3;
 const DOUBTS: f64 = 1.5;
+/// The same for the motor where the platform moves, s.
+const MOVED_S: f64 = 5e-3;
+/// A recording that is off by no more than this from the offset of the others has theirs, s.
+const ALONGSIDE_S: f64 = 3e-3;
 /// Share that the kinematics may leave for their lag to be believed.
 const SHARE: f64 = 0.1;
 /// Corrections of the lag, each by the slope at the last.
@@ -59,26 +63,46 @@ fn expected_lead(base: &Parameters, column: Column) -> f64 {
     lag(&base.sensors.hub_gyro) - column.sensor(base).map_or(0.0, lag)
 }
 
-/// How late the columns of the motor and the resolver are, where that cannot be the gyroscopes' own lag: late against them, or parted
-/// from each other.
-pub(super) fn offsets(base: &Parameters, r: &Recording) -> Vec<(Column, Lateness)> {
+/// How late motor and resolver are, where that cannot be the gyroscopes' own lag: late against them, or parted from each other. The
+/// motor's twisting gear leads or lags a little where the platform moves: there more is needed.
+fn told(base: &Parameters, r: &Recording) -> Vec<(Column, Lateness)> {
     let of = |column| lateness(base, r, column).filter(|(_, doubt)| *doubt < 3.0 * OFFSET_S);
-    let told = |(s, doubt): &Lateness| s.abs() > OFFSET_S && s.abs() > DOUBTS * doubt;
-    match (of(Column::MotorRate), of(Column::HubPosition)) {
+    let moved = r.platform_rate_rad_s.as_deref().is_some_and(|p| deviation(p) > STILL_RAD_S);
+    let sure = |column: Column, (s, doubt): Lateness| {
+        let least = if moved && column == Column::MotorRate { MOVED_S } else { OFFSET_S };
+        s.abs() > least && s.abs() > DOUBTS * doubt
+    };
+    let (motor, resolver) = (of(Column::MotorRate), of(Column::HubPosition));
+    let own = match (motor, resolver) {
         (Some(motor), Some(resolver)) => {
             let apart = (motor.0 - resolver.0, motor.1.max(resolver.1));
-            if !told(&apart) && motor.0 < 0.0 {
-                return Vec::new();
-            }
-            let both = [(Column::MotorRate, motor), (Column::HubPosition, resolver)];
-            both.into_iter().filter(|(_, lateness)| told(lateness)).collect()
+            motor.0 < 0.0 && !sure(Column::MotorRate, apart)
         }
-        (motor, resolver) => {
-            let both = [(Column::MotorRate, motor), (Column::HubPosition, resolver)];
-            let one = both.into_iter().filter_map(|(column, l)| Some((column, l?)));
-            one.filter(|(_, l)| l.0 > 0.0 && told(l)).collect()
-        }
+        // one alone that is early may be the gyroscope's own delay
+        (motor, resolver) => motor.or(resolver).is_none_or(|(s, _)| s < 0.0),
+    };
+    let both = [(Column::MotorRate, motor), (Column::HubPosition, resolver)];
+    let all = both.into_iter().filter_map(|(column, lateness)| Some((column, lateness?)));
+    all.filter(|(column, lateness)| !own && sure(*column, *lateness)).collect()
+}
+
+/// The recordings in which motor or resolver are late, and how late; a recording that says nothing against what the others say is taken
+/// to be as they are.
+pub(super) fn offsets(base: &Parameters, recordings: &[Recording]) -> Vec<(usize, Column, Lateness)> {
+    let seen: Vec<Vec<(Column, Lateness)>> = recordings.iter().map(|r| told(base, r)).collect();
+    let mut out = Vec::new();
+    for column in [Column::MotorRate, Column::HubPosition] {
+        let of = |r: usize| seen[r].iter().find(|(c, _)| *c == column).map(|(_, lateness)| *lateness);
+        let sure: Vec<Lateness> = (0..recordings.len()).filter_map(of).collect();
+        let Some(&best) = sure.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+        let alike = |r: usize| match lateness(base, &recordings[r], column) {
+            Some((late_s, _)) => (late_s - best.0).abs() < ALONGSIDE_S,
+            None => column.of(&recordings[r]).is_some(),
+        };
+        let each = (0..recordings.len()).filter_map(|r| Some((r, of(r).or(alike(r).then_some(best))?)));
+        out.extend(each.map(|(r, lateness)| (r, column, lateness)));
     }
+    out
 }
 
 /// Share by which a column's clock runs slow, from how the clocks part between the halves of each recording.

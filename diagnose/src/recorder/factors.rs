@@ -77,7 +77,8 @@ pub(super) fn mistake(base: &Parameters, control: &Loop, recordings: &[Recording
         let found = Found { mistake: Mistake::Exchange { one, other }, recordings: all, or: Vec::new() };
         let after = table_of(base, control, &cured(recordings, &found));
         let better = |r: &usize| is_better(&table[*r], &after[*r]);
-        let recordings = (0..recordings.len()).filter(better).collect();
+        let everywhere = (0..after.len()).all(|r| better(&r) || (!bad.contains(&r) && holds(&after[r])));
+        let recordings = (0..after.len()).filter(|r| everywhere || better(r)).collect();
         bad.iter().all(better).then_some(Found { recordings, ..found })
     });
     let mut all: Vec<(f64, Found)> = scales.chain(exchanges).map(|found| (whole(&found), found)).collect();
@@ -204,7 +205,8 @@ fn pairs(recording: &Recording) -> Vec<(Column, Column)> {
     let there: Vec<Column> = Column::ALL.into_iter().filter(|c| c.of(recording).is_some()).collect();
     let sensor = |column: &Column| Column::SENSORS.contains(column);
     let after = |(k, one): (usize, &Column)| {
-        let ordered = |other: &Column| if sensor(one) || !sensor(other) { (*one, *other) } else { (*other, *one) };
+        let ordered =
+            |other: &Column| if sensor(one) || !sensor(other) { (*one, *other) } else { (*other, *one) };
         there[k + 1..].iter().map(ordered).collect::<Vec<_>>()
     };
     there.iter().enumerate().flat_map(after).collect()

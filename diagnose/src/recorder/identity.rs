@@ -20,7 +20,7 @@ use super::regress::{Regression, deviation, late, regress, slope, smooth};
 /// Half width of the smoothing window, s.
 const SMOOTHING_S: f64 = 0.025;
 /// A platform that turns less than this, rad/s RMS, stands still.
-const STILL_RAD_S: f64 = 5e-3;
+pub(super) const STILL_RAD_S: f64 = 5e-3;
 /// Relative doubt of every factor from the kinematics, and from the controller.
 const DOUBT: (f64, f64) = (0.01, 3e-3);
 /// Controls nearer to the converter's limit than this are not the controller's, V.

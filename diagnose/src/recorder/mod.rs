@@ -197,18 +197,15 @@ impl Examined {
     }
 
     fn control_offsets(&mut self, base: &Parameters, control: &Loop) {
-        if let Some((column, lateness, recordings)) =
-            clocks::control_offset(base, control, &self.recordings)
+        if let Some((column, lateness, recordings)) = clocks::control_offset(base, control, &self.recordings)
         {
             recordings.into_iter().for_each(|r| self.shift(r, column, lateness));
         }
     }
 
     fn offsets(&mut self, base: &Parameters) {
-        for r in 0..self.recordings.len() {
-            let found = clocks::offsets(base, &self.recordings[r]);
-            found.into_iter().for_each(|(column, lateness)| self.shift(r, column, lateness));
-        }
+        let found = clocks::offsets(base, &self.recordings);
+        found.into_iter().for_each(|(r, column, lateness)| self.shift(r, column, lateness));
     }
 
     /// Puts a column back that is late.
@@ -242,7 +239,8 @@ fn motor_bias(base: &Parameters, recording: &Recording, r: usize) -> Option<(usi
     let (motor, resolver) = (of(Column::MotorRate)?, of(Column::HubPosition)?);
     let apart = motor.constant.0 - resolver.constant.0;
     let doubt = motor.left.max(resolver.left);
-    let told = apart.abs() > BIAS_RAD_S && apart.abs() > doubt && resolver.constant.0.abs() < 0.5 * apart.abs();
+    let told =
+        apart.abs() > BIAS_RAD_S && apart.abs() > doubt && resolver.constant.0.abs() < 0.5 * apart.abs();
     told.then_some((r, apart * base.gearbox.ratio, doubt * base.gearbox.ratio))
 }
 
