@@ -14,7 +14,7 @@ use crate::locate::{isolability, regime_map};
 use crate::look::Sizes;
 use crate::mend::mended;
 use crate::noise::{as_heard, with_noise_of};
-use crate::qualify::{foreign_control, qualify};
+use crate::qualify::qualify;
 use crate::recorder::{Fault, examine};
 use crate::replays::{Prepared, Replays, measured};
 use crate::select::Searcher;
@@ -81,8 +81,7 @@ pub(crate) fn diagnose_of(
 ) -> Result<Diagnosis, Error> {
     check(recordings, &control)?;
     pool.progress("qualifying", 0, 1);
-    let (sound, found) = qualified(sizes, base, recordings)?;
-    let qualification = foreign(base, &sound, &control).into_iter().chain(found).collect();
+    let (sound, qualification) = qualified(sizes, base, recordings)?;
     let examined = recordings;
     let recordings = sound.as_slice();
     let project = base;
@@ -105,12 +104,6 @@ pub(crate) fn diagnose_of(
     let improved = with_noise_of(evidence.improved(), project);
     let answer = Answer { map: whereabouts(base, &bench), ..evidence.answer() };
     Ok(Diagnosis { answer, improved, recordings: examined.to_vec() })
-}
-
-/// What is said before anything else: of recordings whose control is not the project's controller's.
-fn foreign(base: &Parameters, recordings: &[Recording], control: &Loop) -> Vec<String> {
-    let one = |r: &Recording| Some(format!("{}: control: {}", r.name, foreign_control(base, r, control)?));
-    recordings.iter().filter_map(one).collect()
 }
 
 /// Balance x regime of how the recordings depart from the replay of the model as it was.

@@ -53,7 +53,7 @@ pub fn qualify(name: &str, measured: &Measured, ratio: f64) -> Vec<Remark> {
 }
 
 /// What is wrong where the recorded control is not what the project's controller makes of the recorded demand and hub rate; none where
-/// it is, and where one of the three was not recorded.
+/// it is, and where one of the three was not recorded. Of a recording whose columns are the samples that were read, not made from others.
 pub fn foreign_control(base: &Parameters, recording: &Recording, control: &Loop) -> Option<String> {
     let Loop::Closed(controller) = control else { return None };
     let (fit, _) = control_fit(base, recording, controller)?;

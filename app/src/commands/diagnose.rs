@@ -36,7 +36,7 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     workers.finish();
     let mut found = found?;
     let remarks = read.iter().flat_map(|r| r.remarks.iter().map(|remark| format!("{}: {remark}", r.file)));
-    found.answer.qualification.extend(remarks);
+    found.answer.qualification.splice(0..0, remarks);
     if let Some(path) = &options.save {
         files::save_improved(&loaded, &found.improved, path)?;
     }

@@ -9,7 +9,7 @@ use counterpoise_project::diagnose::replays::measured;
 use counterpoise_project::models::Parameters;
 use counterpoise_project::recording::{Mapping, Record, Table};
 use counterpoise_project::results::{RecordingResult, ReplayResult};
-use counterpoise_project::simulate::recording::Recording;
+use counterpoise_project::simulate::recording::{Channel, Recording};
 use counterpoise_project::simulate::replay::{Followed, Loop, Replayer, Way};
 
 use super::{Done, verdict_code};
@@ -25,14 +25,18 @@ pub struct Read {
     pub recording: Recording,
     /// What was found.
     pub remarks: Vec<String>,
+    /// Whether demand, control and hub rate are the samples that were written.
+    pub kept: bool,
 }
 
 /// Reads recordings as the project maps them, their holes mended.
 pub fn read(loaded: &Loaded, paths: &[std::path::PathBuf]) -> Result<Vec<Read>> {
     let mut out = Vec::new();
     for record in &records(loaded, paths)? {
-        out.extend(Read::of(record, loaded.project.plant.gearbox.ratio)?);
+        let kept = loaded.project.recording.keeps_samples(record);
+        out.extend(Read::of(record, kept, loaded.project.plant.gearbox.ratio)?);
     }
+    out.iter_mut().for_each(|item| item.hear(loaded));
     Ok(out)
 }
 
@@ -42,8 +46,11 @@ pub fn read_as_written(loaded: &Loaded, paths: &[std::path::PathBuf]) -> Result<
         file: record.name.clone(),
         recording: record.recording(),
         remarks: record.findings.iter().map(ToString::to_string).collect(),
+        kept: loaded.project.recording.keeps_samples(record),
     };
-    Ok(records(loaded, paths)?.iter().map(one).collect())
+    let mut out: Vec<Read> = records(loaded, paths)?.iter().map(one).collect();
+    out.iter_mut().for_each(|item| item.hear(loaded));
+    Ok(out)
 }
 
 fn records(loaded: &Loaded, paths: &[std::path::PathBuf]) -> Result<Vec<Record>> {
@@ -61,7 +68,7 @@ fn records(loaded: &Loaded, paths: &[std::path::PathBuf]) -> Result<Vec<Record>>
 
 impl Read {
     /// The parts of a record that can be replayed; what was found stands with the first.
-    fn of(record: &Record, ratio: f64) -> Result<Vec<Self>> {
+    fn of(record: &Record, kept: bool, ratio: f64) -> Result<Vec<Self>> {
         let mended = mended(&record.recording(), ratio);
         let done = mended.remarks.into_iter().map(|(channel, what)| format!("{channel}: {what}"));
         let mut remarks: Vec<String> = record.findings.iter().map(ToString::to_string).chain(done).collect();
@@ -72,8 +79,16 @@ impl Read {
             file: recording.name.clone(),
             recording,
             remarks: std::mem::take(&mut remarks),
+            kept,
         };
         Ok(mended.parts.into_iter().map(part).collect())
+    }
+
+    /// Says first where the control is not what the project's controller makes of what it read.
+    fn hear(&mut self, loaded: &Loaded) {
+        let Some(controller) = loaded.project.recording_controller.as_ref().filter(|_| self.kept) else { return };
+        let foreign = foreign_control(&loaded.project.plant, &self.recording, &Loop::from(controller));
+        self.remarks.splice(0..0, foreign.map(|what| format!("control: {what}")));
     }
 }
 
@@ -93,10 +108,12 @@ pub fn run(options: &ReplayOptions) -> Done {
         let plant = &loaded.project.plant;
         let followed =
             Replayer::new(plant, &item.recording).and_then(|r| follow(&r, plant, &control, options.windows));
-        let followed = followed.with_context(|| format!("cannot replay {}", item.file))?;
-        let foreign = foreign_control(plant, &item.recording, &control).map(|what| format!("control: {what}"));
-        let remarks = foreign.into_iter().chain(item.remarks.iter().cloned());
-        let remarks = remarks.chain(faults(&loaded, &item.recording)).collect();
+        let mut followed = followed.with_context(|| format!("cannot replay {}", item.file))?;
+        if followed.way != Way::Free && !item.kept {
+            // made from other columns, the measurements are not those that the controller read
+            followed.replay.channels.retain(|fit| fit.channel != Channel::Control);
+        }
+        let remarks = item.remarks.iter().cloned().chain(faults(&loaded, &item.recording)).collect();
         result.recordings.push(RecordingResult::new(&item.file, &followed, remarks));
         replays.push(followed.replay);
     }

@@ -1,7 +1,7 @@
 //! Which column of a file is which channel of the mechanism, and how its numbers become the channel's.
 
 use super::shaping::{lagging_slopes, on_clock, slopes, unroll};
-use super::timing::{Record, record};
+use super::timing::{Finding, Record, record};
 use super::{RecordingError, Table, Unit};
 
 /// A quantity of the mechanism that a recording can hold.
@@ -136,6 +136,18 @@ impl ChannelSource {
 }
 
 impl Mapping {
+    /// Whether demand, control and hub rate of a record are the samples that were written: not slopes of others, on one clock, not
+    /// interpolated.
+    pub fn keeps_samples(&self, record: &Record) -> bool {
+        let loop_channels = [Channel::Demand, Channel::Control, Channel::HubRate];
+        let made = |(channel, source): &(Channel, ChannelSource)| {
+            let shaped = source.slope_over_s.is_some() || source.slope_lag_s.is_some() || source.clock.is_some();
+            loop_channels.contains(channel) && shaped
+        };
+        let moved = |f: &Finding| matches!(f, Finding::Uneven { .. } | Finding::Resampled { .. });
+        !self.channels.iter().any(made) && !record.findings.iter().any(moved)
+    }
+
     /// The channels of a table, in SI units and uniform in time.
     ///
     /// A channel that the mapping names must be there; the others are taken where a column bears their name.
