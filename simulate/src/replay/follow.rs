@@ -20,6 +20,8 @@ pub const WINDOW_S: f64 = 0.5;
 /// Two runs of one model that part by more than this many floors hunt: a loop that forgets parts by 0.1 in the hub's rate and 0.4 in
 /// the motor's.
 const PARTED: f64 = 0.5;
+/// A recording of no more than so many windows is followed from start to end: what is not known of its start is as much in a window.
+const LONG: f64 = 3.0;
 /// What a model is off by more than so many times what its own runs part by is not the hunting: its free replay says that it is wrong.
 const WRONG: f64 = 10.0;
 /// The channels that tell whether a machine hunts: noise is a part of the control itself, and an angle wanders in any loop of a rate.
@@ -70,7 +72,8 @@ impl Replayer<'_> {
         };
         let free = self.replay(parameters, control)?;
         let parting = self.parting(parameters, control, &free)?;
-        let hunts = parting.filter(|p| p.floors > PARTED && self.recording.control_v.is_some());
+        let long = self.samples as f64 * self.recording.sample_period_s > LONG * WINDOW_S;
+        let hunts = parting.filter(|p| p.floors > PARTED && long && self.recording.control_v.is_some());
         let Some(parting) = hunts.filter(|p| !explained(&free) && excess(&free) < WRONG * p.floors) else {
             return Ok(Followed { replay: free, way: Way::Free, parting });
         };
