@@ -74,12 +74,14 @@ impl Evidence<'_> {
         }
     }
 
-    /// The accepted model, where it explains enough of the mismatch to carry a name.
+    /// The accepted model, where it explains enough of the mismatch to carry a name: all of it, or most of it with sizes that make sense
+    /// (what went to a bound to explain a part stands for something else).
     fn named(&self) -> Option<&Candidate> {
         let accepted = self.search.accepted.as_ref()?;
         let textbook =
             !self.sizes.typical && accepted.power_share(&self.search.before) > TEXTBOOK_SHARE_TO_NAME;
-        (accepted.explains() || self.share(accepted) > SHARE_TO_NAME || textbook).then_some(accepted)
+        let most = accepted.is_within_bounds() && self.share(accepted) > SHARE_TO_NAME;
+        (accepted.explains() || most || textbook).then_some(accepted)
     }
 
     /// Share of the distance from the floor that a model explains.
@@ -241,9 +243,7 @@ impl Evidence<'_> {
                 before,
             };
         };
-        let judged: Option<Vec<_>> =
-            (0..self.bench.count()).map(|r| self.bench.judge(self.base, r)).collect();
-        let held_out_before = judged.and_then(|j| score(&j, &accepted.held_out_parts));
+        let held_out_before = score(&self.search.plain, &accepted.held_out_parts);
         FitTable {
             before,
             after: channels(&accepted.whole),

@@ -7,7 +7,7 @@ use crate::fit::{Fit, Selection, applied, knobs};
 use crate::library::{Effect, refinement};
 use crate::score::score;
 use crate::select::{Candidate, Effort, Search, Searcher};
-use crate::tolerance::{AMBIGUOUS, MERGES, RIVALS, SEARCH_ITERATIONS, SWAP_NEEDED};
+use crate::tolerance::{AMBIGUOUS, RIVALS, SEARCH_ITERATIONS, SWAP_NEEDED};
 
 impl Searcher<'_> {
     /// The accepted effects with those in a coarse form refined, where that explains more.
@@ -54,7 +54,8 @@ impl Searcher<'_> {
         }
         if best.fit.effects.len() > 1 {
             let before = best.fit.effects.clone();
-            search.rivals = self.swapped(&mut best, search);
+            let rivals = self.swapped(&mut best, search);
+            search.rivals = rivals.into_iter().map(|rivals| self.heard_again(rivals, &best)).collect();
             let same = best.fit.effects.iter().zip(&before).all(|(a, b)| std::ptr::eq(*a, *b));
             let dropped = if same { Vec::new() } else { self.prune(&mut best, search) };
             for index in dropped {
@@ -71,37 +72,20 @@ impl Searcher<'_> {
         search.accepted = Some(best);
     }
 
-    /// One effect in the place of two of the same component, where it explains as much as both: another out-of-balance in the
-    /// place of an accelerometer's bias and scale together.
-    fn merged(&self, best: &Candidate, search: &Search) -> Option<Candidate> {
-        let effects = &best.fit.effects;
-        let of_one = |i: &usize, j: &usize| effects[*i].component == effects[*j].component;
-        let pairs = (0..effects.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
-        let (i, j) = pairs.filter(|(i, j)| of_one(i, j)).find(|_| !self.pool.cancelled())?;
-        let candidates = if effects.len() == 2 {
-            search.stages.first()?.singles()
-        } else {
-            let rest = self.without(&self.without(best, j)?, i)?;
-            self.stage(Some(&rest), Effort::Rivals).adding_one(effects.len() - 2)
-        };
-        let simpler = candidates.into_iter().filter(Candidate::is_acceptable).take(MERGES);
-        simpler.map(|c| self.refitted(c)).find(|c| c.behind(best) < 0.0)
-    }
-
-    /// The rivals of a single effect, best first: itself as it is fitted now, and what was level with its first fit or ahead of it
+    /// The rivals of an effect, best first: itself as the model is fitted now, and what was level with its first fit or ahead of it
     /// fitted as thoroughly, so that no effect passes for indistinguishable because the other one's first fit went astray.
-    fn heard_again(&self, singles: Vec<Candidate>, best: &Candidate) -> Vec<Candidate> {
-        let Some(first) = singles.iter().find(|c| c.has_same_effects(best)).cloned() else { return singles };
+    fn heard_again(&self, rivals: Vec<Candidate>, best: &Candidate) -> Vec<Candidate> {
+        let Some(first) = rivals.iter().find(|c| c.has_same_effects(best)).cloned() else { return rivals };
         let again = |rival: Candidate| {
             if rival.has_same_effects(best) {
-                best.clone()
+                Candidate { whole: best.whole.clone(), ..rival }
             } else if rival.behind(&first) < AMBIGUOUS && rival.behind(best) >= AMBIGUOUS {
                 self.refitted(rival)
             } else {
                 rival
             }
         };
-        let mut heard: Vec<Candidate> = singles.into_iter().map(again).collect();
+        let mut heard: Vec<Candidate> = rivals.into_iter().map(again).collect();
         heard.sort_by(|a, b| a.behind(best).total_cmp(&b.behind(best)));
         heard
     }
@@ -130,7 +114,7 @@ impl Searcher<'_> {
         let tried = search.stages.iter().map(|stage| stage.beside(without)).max_by_key(Vec::len);
         match tried.filter(|tried| tried.len() >= RIVALS) {
             Some(tried) => tried,
-            None => self.stage(Some(without), Effort::Rivals).adding_one(without.fit.effects.len()),
+            None => self.stage(without, Effort::Rivals).adding_one(without.fit.effects.len()),
         }
     }
 

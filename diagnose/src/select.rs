@@ -16,8 +16,10 @@ use crate::fit::{Fit, Problem, Selection};
 use crate::library::Effect;
 use crate::look::{Look, Reach, Scene, Sizes, first_look, is_close, is_ripple};
 use crate::pairs::pairs;
+use crate::plain::{Plain, level};
 use crate::scan::judged_gap;
 use crate::score::{Score, judge, score};
+use crate::simpler::spring_for_hose;
 use crate::tolerance::{
     BEYOND_CHANCE, EFFECTS_AT_MOST, FITTED_SHARE, GAIN_NEEDED, JOINT_KNOBS, NO_CHANCE, ONLY_THERE, PAIRS,
     PROMISE_SHARE, RIVALS, SHORTLIST, SWAP_NEEDED,
@@ -28,8 +30,10 @@ use crate::tolerance::{
 pub struct Search {
     /// The accepted effects, fitted to all recordings; none where the model as it is was kept.
     pub accepted: Option<Candidate>,
-    /// Fit of the model as it was.
+    /// Fit of the model as it was, from the starts that suit it best.
     pub before: Score,
+    /// How the recordings stand to it.
+    pub plain: Vec<Judged>,
     /// For each accepted effect, what was judged in its place beside the others, best first.
     pub rivals: Vec<Vec<Candidate>>,
     /// Every stage.
@@ -57,9 +61,11 @@ pub struct Searcher<'a> {
 impl Searcher<'_> {
     /// Searches for up to three effects; none where the model as it is cannot be simulated.
     pub fn search(&self) -> Option<Search> {
-        let before = self.whole_score(self.base)?;
+        let plain = self.plain()?;
+        let before = score(&plain.fitted, &whole_parts(self.bench.count()))?;
+        let (rivals, stages) = (Vec::new(), Vec::new());
         let mut search =
-            Search { accepted: None, before, rivals: Vec::new(), stages: Vec::new(), cancelled: false };
+            Search { accepted: None, before, plain: plain.fitted.clone(), rivals, stages, cancelled: false };
         loop {
             let present = search.accepted.as_ref();
             let found = present.map_or(0, |c| c.fit.effects.len());
@@ -67,10 +73,13 @@ impl Searcher<'_> {
             if found >= EFFECTS_AT_MOST {
                 break;
             }
-            let stage = self.stage(present, Effort::Full);
+            let stage = match present {
+                Some(present) => self.stage(present, Effort::Full),
+                None => self.first_stage(&plain),
+            };
             let smaller = present.map_or(&search.before, |c| &c.whole);
             let needed = present.map_or(&[][..], |c| &c.needed);
-            let best = self.best(&stage, (smaller, needed), &search.before);
+            let best = self.best(&stage, (smaller, needed), &search);
             search.stages.push(stage);
             let Some(best) = best else { break };
             search.accepted = Some(self.refined(self.refitted(best)));
@@ -89,9 +98,9 @@ impl Searcher<'_> {
         &self,
         stage: &Stage,
         (smaller, needed): (&Score, &[usize]),
-        nothing: &Score,
+        search: &Search,
     ) -> Option<Candidate> {
-        let worth = |c: &&Candidate| c.is_acceptable() && c.is_worth_more_than(smaller, nothing);
+        let worth = |c: &&Candidate| c.is_acceptable() && c.is_worth_more_than(smaller, &search.before);
         let beyond = |c: &&Candidate| self.is_beyond_chance(c, smaller);
         let mut worthy: Vec<&Candidate> = stage.candidates.iter().filter(worth).take(RIVALS).collect();
         if !self.sizes.typical {
@@ -100,7 +109,8 @@ impl Searcher<'_> {
             worthy.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
         }
         let best = worthy.into_iter().find(beyond)?;
-        let validated = self.validated(Candidate { needed: needed.to_vec(), ..best.clone() }, smaller)?;
+        let best = Candidate { needed: needed.to_vec(), ..best.clone() };
+        let validated = self.validated(best, smaller, &search.plain)?;
         (!validated.is_harmful() && validated.gain() > validated.least_gain).then_some(validated)
     }
 
@@ -111,51 +121,72 @@ impl Searcher<'_> {
             || gain > BEYOND_CHANCE * by_chance(self.bench, self.pool, &candidate.fit, &candidate.stances)
     }
 
-    /// Looks at every effect on top of the present model, fits the shortlist and judges it.
-    pub(crate) fn stage(&self, present: Option<&Candidate>, effort: Effort) -> Stage {
+    /// The first stage: the looks are taken from the starts that suit the model as it is where it is close to the recordings, from
+    /// those that were sought where it is far, for there they make up for what is missing.
+    fn first_stage(&self, plain: &Plain) -> Stage {
+        let from = if is_close(&plain.fitted) { &plain.fitted } else { &plain.sought };
+        self.looked(None, (from, &plain.fitted), Effort::Full)
+    }
+
+    /// A stage on top of a model.
+    pub(crate) fn stage(&self, present: &Candidate, effort: Effort) -> Stage {
+        let judged = self.standing(&present.fit.parameters, &|r| present.stances.get(r));
+        match judged.or_else(|| judge(self.bench, self.pool, &present.fit.parameters)) {
+            Some(judged) => self.looked(Some(present), (&judged, &judged), effort),
+            None => Stage { candidates: Vec::new(), looks: Vec::new() },
+        }
+    }
+
+    /// Looks at every effect on top of the present model, fits the shortlist and judges it: how the recordings stand to that model
+    /// where the looks are taken, and against what the candidates are judged.
+    fn looked(
+        &self,
+        present: Option<&Candidate>,
+        (from, judged): (&[Judged], &[Judged]),
+        effort: Effort,
+    ) -> Stage {
         let model = present.map_or(self.base, |c| &c.fit.parameters);
-        let known = present.and_then(|c| self.standing(model, &|r| c.stances.get(r)));
-        let Some(judged) = known.or_else(|| judge(self.bench, self.pool, model)) else {
-            return Stage { candidates: Vec::new(), looks: Vec::new() };
-        };
         let taken: Vec<&Effect> = present.map_or(Vec::new(), |c| c.fit.effects.clone());
         let free: Vec<&'static Effect> =
             self.effects.iter().copied().filter(|e| !taken.iter().any(|t| std::ptr::eq(*t, *e))).collect();
         let reach = if present.is_none() { Reach::Whole } else { Reach::Signature };
-        let scene = Scene {
-            bench: self.bench,
-            pool: self.pool,
-            base: model,
-            judged: &judged,
-            reach,
-            sizes: self.sizes,
-        };
+        let (bench, pool, sizes) = (self.bench, self.pool, self.sizes);
+        let scene = Scene { bench, pool, base: model, judged: from, reach, sizes };
         let looks = first_look(&scene, &free);
-        let seeded = |(effect, start): &(&'static Effect, Vec<f64>)| {
-            Look::seeded(effect, start.clone(), self.bench.count())
-        };
-        let mut seeds: Vec<Look> = self.seeds.iter().filter(|_| taken.is_empty()).map(seeded).collect();
+        let mut trials = self.trials(&looks, judged, effort);
         if taken.is_empty() {
-            seeds.extend(judged_gap(&scene));
+            trials.extend(self.seeded(&scene).into_iter().map(|look| vec![look]));
         }
-        let count = if effort == Effort::Full { SHORTLIST } else { RIVALS };
-        let promising = |look: &&Look| is_worth_fitting(look.explained, &judged);
-        let mut trials: Vec<Vec<Look>> =
-            shortlist(&looks, count).into_iter().filter(promising).map(|look| vec![look.clone()]).collect();
-        trials.extend(seeds.into_iter().map(|look| vec![look]));
-        let mut candidates = self.candidates(present, &trials, &judged);
+        let mut candidates = self.candidates(present, &trials, judged);
         let alone = candidates.iter().any(|c| c.explains() && c.is_acceptable());
         if effort == Effort::Full && taken.len() + 2 <= EFFECTS_AT_MOST && !alone {
-            let found = pairs(&judged, &looks, PAIRS);
-            let promising = found.iter().filter(|pair| is_worth_fitting(pair.explained, &judged));
+            let found = pairs(from, &looks, PAIRS);
+            let promising = found.iter().filter(|pair| is_worth_fitting(pair.explained, judged));
             let both: Vec<Vec<Look>> = promising.map(|pair| pair.looks(&looks, model).to_vec()).collect();
-            candidates.extend(self.candidates(present, &both, &judged));
-            let halves = halves(&candidates, taken.len(), self.bench.count());
-            candidates.extend(self.candidates(present, &halves, &judged));
+            candidates.extend(self.candidates(present, &both, judged));
+        }
+        if effort == Effort::Full && !alone {
+            let spring = spring_for_hose(&candidates, taken.len(), self.bench.count());
+            candidates.extend(self.candidates(present, &spring.into_iter().collect::<Vec<_>>(), judged));
         }
         let (candidates, others) = finalists(ranked(candidates));
-        let finalists = self.finalists(present, candidates, &judged);
+        let finalists = self.finalists(present, candidates, judged);
         Stage { candidates: ranked(finalists.into_iter().chain(others).collect()), looks }
+    }
+
+    /// The looks that are fitted.
+    fn trials(&self, looks: &[Look], judged: &[Judged], effort: Effort) -> Vec<Vec<Look>> {
+        let count = if effort == Effort::Full { SHORTLIST } else { RIVALS };
+        let promising = |look: &&Look| is_worth_fitting(look.explained, judged);
+        shortlist(looks, count).into_iter().filter(promising).map(|look| vec![look.clone()]).collect()
+    }
+
+    /// Effects whose values are known from elsewhere.
+    fn seeded(&self, scene: &Scene) -> Vec<Look> {
+        let one = |(effect, start): &(&'static Effect, Vec<f64>)| {
+            Look::seeded(effect, start.clone(), self.bench.count())
+        };
+        self.seeds.iter().map(one).chain(judged_gap(scene)).collect()
     }
 
     /// Fits and judges every trial.
@@ -277,7 +308,12 @@ impl Searcher<'_> {
     /// The candidate judged on recordings of another kind than those fitted: each in turn is left out of the fit and
     /// predicted. A recording that alone shows the newest effect has no other kind: there its last part is predicted from the
     /// first; one recording alone stays as it was judged.
-    fn validated(&self, candidate: Candidate, smaller: &Score) -> Option<Candidate> {
+    pub(crate) fn validated(
+        &self,
+        candidate: Candidate,
+        smaller: &Score,
+        plain: &[Judged],
+    ) -> Option<Candidate> {
         let count = self.bench.count();
         if count < 2 {
             return Some(candidate);
@@ -296,10 +332,9 @@ impl Searcher<'_> {
         let mut parts = whole_parts(count);
         let own: Vec<usize> = (0..count).filter(|r| alone(*r)).collect();
         own.iter().for_each(|&r| parts[r].from = FITTED_SHARE);
-        let before = judge(self.bench, self.pool, self.base)?;
         Some(Candidate {
             held_out: score(&judged, &parts)?,
-            held_out_before: score(&before, &parts)?,
+            held_out_before: score(plain, &parts)?,
             held_out_parts: parts,
             needed: own,
             ..candidate
@@ -313,7 +348,7 @@ impl Searcher<'_> {
         let near = candidate.stances.get(left_out)?;
         let sought = self.bench.judge_near(&fit.parameters, left_out, near)?;
         let given = self.bench.glance(&fit.parameters, left_out, near)?;
-        Some(if level_of(&given) < level_of(&sought) { given } else { sought })
+        Some(if level(&given) < level(&sought) { given } else { sought })
     }
 
     /// A recording as the candidate fitted to its first part, and to that of the others, continues it.
@@ -365,23 +400,6 @@ impl Searcher<'_> {
     pub(crate) fn whole_score(&self, parameters: &Parameters) -> Option<Score> {
         score(&judge(self.bench, self.pool, parameters)?, &whole_parts(self.bench.count()))
     }
-}
-
-/// Where the best candidate is a pair of which one effect went to a bound: each of the two alone, from where the pair left it. In an
-/// idle effect's company another has often come to where no fit of it alone gets.
-fn halves(candidates: &[Candidate], present: usize, recordings: usize) -> Vec<Vec<Look>> {
-    let best = candidates.iter().min_by(|a, b| a.whole.level().total_cmp(&b.whole.level()));
-    let idle = |c: &&Candidate| c.fit.effects.len() == present + 2 && !c.is_within_bounds();
-    let Some(pair) = best.filter(idle) else { return Vec::new() };
-    let alone = |effect: &&'static Effect| {
-        vec![Look::seeded(effect, effect.values(&pair.fit.parameters), recordings)]
-    };
-    pair.fit.effects[present..].iter().map(alone).collect()
-}
-
-/// Mean ln(excess) of a recording's channels.
-fn level_of(judged: &Judged) -> f64 {
-    (0..judged.misfits.len()).map(|c| judged.excess(c).max(f64::MIN_POSITIVE).ln()).sum()
 }
 
 /// How widely a stage looks.

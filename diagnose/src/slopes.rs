@@ -32,6 +32,9 @@ impl Linearised {
 
 /// The step of Levenberg and Marquardt at a damping; none where it is not finite.
 pub(crate) fn damped_step(normal: &Mat, gradient: &[f64], damping: f64) -> Option<Vec<f64>> {
+    if gradient.is_empty() {
+        return Some(Vec::new());
+    }
     let largest = normal.diagonal().into_iter().fold(0.0, f64::max).max(f64::MIN_POSITIVE);
     let mut damped = normal.clone();
     for i in 0..gradient.len() {

@@ -73,7 +73,7 @@ pub const RESTART_WORTH: f64 = 2e-3;
 /// Iterations of a fit for which what the recordings' starts do is taken as it was.
 pub const STARTS_KEPT: usize = 4;
 /// Outcomes of other noise from which what chance would explain is taken.
-pub const CHANCES: u64 = 8;
+pub const CHANCES: u64 = 24;
 /// Times what chance explains on the average that an effect must gain beyond what is needed anyway.
 pub const BEYOND_CHANCE: f64 = 12.0;
 /// Gain, in nats, above which no noise is thought of as its cause.
@@ -96,7 +96,7 @@ pub const TEXTBOOK_SHARE_TO_NAME: f64 = 0.15;
 /// The same of a machine whose model is a textbook's: its effects are many and large, and every fit takes longer.
 pub const TEXTBOOK_SAMPLES_AT_MOST: usize = 12_000;
 /// Single effects that are fitted in the place of two of one component.
-pub const MERGES: usize = 3;
+pub const MERGES: usize = 4;
 /// Spacing of the inputs at which a curve's points may lie, V, and the most points that it may have.
 pub const KNOT_SPACING_V: f64 = 0.0125;
 /// See [`KNOT_SPACING_V`].

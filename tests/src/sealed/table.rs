@@ -78,6 +78,10 @@ fn figures(rows: &[Row]) -> Vec<(&'static str, String)> {
             "false alarms (anything found where nothing is concealed)",
             some(&nothing, &|r| !r.found.is_empty()),
         ),
+        ("their rate is below, one-sided 95 % (Clopper and Pearson)", {
+            let alarms = nothing.iter().filter(|r| !r.found.is_empty()).count();
+            format!("{:.1} %", 100.0 * upper_bound(alarms, nothing.len()))
+        }),
         (
             "detectable single effects and instrument faults named, nothing else",
             share(named(&clear), clear.len()),
@@ -113,6 +117,32 @@ fn figures(rows: &[Row]) -> Vec<(&'static str, String)> {
         ("the same, the truth's own structure refitted", split(rows, 3)),
         ("seconds a machine", format!("{:.0}", mean(&|r| r.seconds, &rows.iter().collect::<Vec<_>>()))),
     ]
+}
+
+/// Chance that is left for as few hits as were seen, or fewer, at the upper bound of their rate.
+const DOUBT: f64 = 0.05;
+
+/// One-sided upper bound of a rate of which `hits` of `all` were seen (Clopper and Pearson 1934): the rate at which so few would
+/// be seen once in twenty times. 1 where nothing was looked at.
+pub fn upper_bound(hits: usize, all: usize) -> f64 {
+    if hits >= all {
+        return 1.0;
+    }
+    let so_few = |rate: f64| {
+        let mut term = (1.0 - rate).powi(all as i32);
+        let mut sum = term;
+        for k in 0..hits {
+            term *= (all - k) as f64 / (k + 1) as f64 * rate / (1.0 - rate);
+            sum += term;
+        }
+        sum
+    };
+    let (mut low, mut high) = (0.0, 1.0 - f64::EPSILON);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if so_few(middle) > DOUBT { low = middle } else { high = middle }
+    }
+    high
 }
 
 /// Mean of one of the four distances over the machines that conceal something the library has.
@@ -152,4 +182,18 @@ fn reliability(rows: &[Row], low: f64, high: f64) -> String {
         here.len(),
         share(right, here.len())
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn upper_bound_of_a_rate() {
+        // none of n: 1 - 0.05^(1 / n); 2 of 49 and 1 of 15 as the beta distribution's quantiles have them
+        assert!((upper_bound(0, 49) - (1.0 - 0.05f64.powf(1.0 / 49.0))).abs() < 1e-9);
+        assert!((upper_bound(2, 49) - 0.122_97).abs() < 1e-4, "{}", upper_bound(2, 49));
+        assert!((upper_bound(1, 15) - 0.279_4).abs() < 1e-4, "{}", upper_bound(1, 15));
+        assert_eq!(upper_bound(0, 0), 1.0);
+    }
 }
