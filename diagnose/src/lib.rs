@@ -46,6 +46,7 @@ pub mod shape;
 mod simpler;
 mod slopes;
 pub mod tolerance;
+mod validate;
 pub mod whereabouts;
 
 pub use diagnosis::Diagnosis;
