@@ -73,7 +73,7 @@ pub const RESTART_WORTH: f64 = 2e-3;
 /// Iterations of a fit for which what the recordings' starts do is taken as it was.
 pub const STARTS_KEPT: usize = 4;
 /// Outcomes of other noise from which what chance would explain is taken.
-pub const CHANCES: u64 = 24;
+pub const CHANCES: u64 = 8;
 /// Times what chance explains on the average that an effect must gain beyond what is needed anyway.
 pub const BEYOND_CHANCE: f64 = 12.0;
 /// Gain, in nats, above which no noise is thought of as its cause.
