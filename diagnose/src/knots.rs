@@ -16,8 +16,7 @@ use crate::score::correlation_time;
 use crate::select::{Candidate, Searcher};
 use crate::slopes::dot;
 use crate::tolerance::{
-    KNOT_GAP_V, KNOT_ITERATIONS, KNOT_MOVES, KNOT_PRICE, KNOT_ROUNDS, KNOT_SHARE, KNOT_SPACING_V,
-    KNOT_STRETCH, KNOT_WANDER, KNOTS_AT_MOST,
+    KNOT_GAP_V, KNOT_ITERATIONS, KNOT_MOVES, KNOT_PRICE, KNOT_ROUNDS, KNOT_SHARE, KNOT_SPACING_V, KNOT_STRETCH, KNOT_WANDER, KNOTS_AT_MOST,
 };
 
 /// Step of a point of the fine curve, as a fraction of the linear gain.
@@ -179,8 +178,7 @@ impl Slopes {
     /// What no choice of points explains of a recording: its colour says how many samples carry the information of one.
     fn rest(&self, residual: &Series, columns: &[Vec<f64>], own: &[Half; 2]) -> Vec<f64> {
         let all: Vec<usize> = (0..self.inputs.len()).collect();
-        let mut both =
-            Half { normal: own[0].normal.clone(), gradient: own[0].gradient.clone(), cost: own[0].cost };
+        let mut both = Half { normal: own[0].normal.clone(), gradient: own[0].gradient.clone(), cost: own[0].cost };
         both.join(&own[1]);
         let mut rest = residual.values.clone();
         for (change, column) in both.solved(&self.hats(&all)).unwrap_or_default().iter().zip(columns) {
