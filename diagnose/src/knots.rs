@@ -8,7 +8,7 @@
 use counterpoise_linalg::{Mat, solve};
 use counterpoise_simulate::replay::{START_FREEDOMS, start_has};
 
-use crate::bench::{Span, StartShift, map};
+use crate::bench::{Judged, Misfit, Span, StartShift, map};
 use crate::fit::Selection;
 use crate::joint::StartColumns;
 use crate::library::{Effect, curve_inputs, curve_of};
@@ -16,7 +16,8 @@ use crate::score::correlation_time;
 use crate::select::{Candidate, Searcher};
 use crate::slopes::dot;
 use crate::tolerance::{
-    KNOT_GAP_V, KNOT_ITERATIONS, KNOT_MOVES, KNOT_PRICE, KNOT_ROUNDS, KNOT_SHARE, KNOT_SPACING_V, KNOT_STRETCH, KNOT_WANDER, KNOTS_AT_MOST,
+    KNOT_GAP_V, KNOT_ITERATIONS, KNOT_MOVES, KNOT_PRICE, KNOT_ROUNDS, KNOT_SHARE, KNOT_SPACING_V,
+    KNOT_STRETCH, KNOT_WANDER, KNOTS_AT_MOST,
 };
 
 /// Step of a point of the fine curve, as a fraction of the linear gain.
@@ -48,7 +49,8 @@ impl Searcher<'_> {
         let mut effects = effects.clone();
         effects[place] = curve_of(&inputs);
         let start: Vec<f64> = effects.iter().flat_map(|e| e.values(&candidate.fit.parameters)).collect();
-        let selection = Selection { iterations: KNOT_ITERATIONS, ..Selection::all(self.bench.count()) };
+        let selection =
+            Selection { iterations: KNOT_ITERATIONS, restarts: 0, ..Selection::all(self.bench.count()) };
         let fit = self.fit(effects, &start, &selection, &candidate.stances)?;
         self.with_fit(candidate, fit).filter(|sharper| sharper.behind(candidate) < 0.0)
     }
@@ -70,42 +72,40 @@ impl Searcher<'_> {
         let near = candidate.stances.get(recording)?;
         let values = fine.values(&candidate.fit.parameters);
         let parameters = fine.applied(&candidate.fit.parameters, &values);
-        let weighted = |misfits: Vec<crate::bench::Misfit>| -> Vec<Vec<f64>> {
-            let one = |(c, m): (usize, &crate::bench::Misfit)| {
-                m.residual.iter().map(|r| near.weight(c) * r).collect()
-            };
-            misfits.iter().enumerate().map(one).collect()
-        };
-        let channels = weighted(self.bench.misfit(&parameters, recording, Span::Whole, near)?);
+        let channels = weighted(self.bench.misfit(&parameters, recording, Span::Whole, near)?, near);
         let length = channels.first().map_or(0, Vec::len);
         let residual: Vec<f64> = channels.into_iter().flatten().collect();
-        let change = |there: Vec<Vec<f64>>, by: f64| -> Vec<f64> {
-            there.into_iter().flatten().zip(&residual).map(|(a, b)| (a - b) / by).collect()
+        let change = |there: Vec<Misfit>, by: f64| -> Vec<f64> {
+            let there = weighted(there, near).into_iter().flatten();
+            there.zip(&residual).map(|(a, b)| (a - b) / by).collect()
         };
         let columns = map(self.pool, values.len(), |k| {
             let mut moved = values.clone();
             moved[k] += STEP;
             let there = fine.applied(&parameters, &moved);
-            Some(change(weighted(self.bench.misfit(&there, recording, Span::Whole, near)?), STEP))
+            Some(change(self.bench.misfit(&there, recording, Span::Whole, near)?, STEP))
         });
         let columns: Vec<Vec<f64>> = columns.into_iter().collect::<Option<_>>()?;
-        if columns.len() < values.len() {
-            return None;
-        }
         let starts = map(self.pool, START_FREEDOMS, |k| {
-            if !start_has(&parameters, k) {
-                return None;
-            }
-            let mut shift = StartShift::default();
-            shift[k] = 1.0;
-            let there = self.bench.misfit_nudged(&parameters, recording, Span::Whole, near, &shift)?.0;
-            Some(change(weighted(there), 1.0)).filter(|c| c.iter().any(|v| *v != 0.0))
+            let shift: StartShift = std::array::from_fn(|j| f64::from(u8::from(j == k)));
+            let there = || self.bench.misfit_nudged(&parameters, recording, Span::Whole, near, &shift);
+            let there = start_has(&parameters, k).then(there).flatten()?.0;
+            Some(change(there, 1.0)).filter(|column| column.iter().any(|v| *v != 0.0))
         });
         let starts = StartColumns::new(starts);
         let left = |series: &Vec<f64>| starts.left(series, &starts.absorbed(series));
-        let columns = columns.iter().map(left).collect();
-        Some((Series { values: left(&residual), length }, columns))
+        let whole = columns.len() == values.len();
+        whole.then(|| (Series { values: left(&residual), length }, columns.iter().map(left).collect()))
     }
+}
+
+/// The residuals of each channel, weighted as a fit weighs them.
+fn weighted(misfits: Vec<Misfit>, near: &Judged) -> Vec<Vec<f64>> {
+    let one = |(c, misfit): (usize, Misfit)| {
+        let weight = near.weight(c);
+        misfit.residual.into_iter().map(|r| weight * r).collect()
+    };
+    misfits.into_iter().enumerate().map(one).collect()
 }
 
 /// Residuals and columns of one recording.
@@ -178,7 +178,8 @@ impl Slopes {
     /// What no choice of points explains of a recording: its colour says how many samples carry the information of one.
     fn rest(&self, residual: &Series, columns: &[Vec<f64>], own: &[Half; 2]) -> Vec<f64> {
         let all: Vec<usize> = (0..self.inputs.len()).collect();
-        let mut both = Half { normal: own[0].normal.clone(), gradient: own[0].gradient.clone(), cost: own[0].cost };
+        let mut both =
+            Half { normal: own[0].normal.clone(), gradient: own[0].gradient.clone(), cost: own[0].cost };
         both.join(&own[1]);
         let mut rest = residual.values.clone();
         for (change, column) in both.solved(&self.hats(&all)).unwrap_or_default().iter().zip(columns) {

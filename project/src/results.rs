@@ -278,7 +278,8 @@ impl RecordingResult {
         let by = format!("over windows of {window_s} s, each from a state fitted to its first half");
         let Some(parting) = &self.parting else { return by };
         let of_machine = self.free.iter().filter(|(name, _)| !name.starts_with("platform"));
-        let left: Vec<String> = of_machine.map(|(name, c)| format!("{name} {:.2}", c.rms_error / c.floor)).collect();
+        let left: Vec<String> =
+            of_machine.map(|(name, c)| format!("{name} {:.2}", c.rms_error / c.floor)).collect();
         format!(
             "{by}: the machine hunts, two runs of the model itself part by {:.1} floors in {}; from start to end error over floor is {}",
             parting.floors,

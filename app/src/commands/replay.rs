@@ -86,7 +86,9 @@ impl Read {
 
     /// Says first where the control is not what the project's controller makes of what it read.
     fn hear(&mut self, loaded: &Loaded) {
-        let Some(controller) = loaded.project.recording_controller.as_ref().filter(|_| self.kept) else { return };
+        let Some(controller) = loaded.project.recording_controller.as_ref().filter(|_| self.kept) else {
+            return;
+        };
         let foreign = foreign_control(&loaded.project.plant, &self.recording, &Loop::from(controller));
         self.remarks.splice(0..0, foreign.map(|what| format!("control: {what}")));
     }

@@ -56,7 +56,10 @@ fn headline(result: &ReplayResult) -> Headline {
         }
         Some((ratio, channel, recording)) => {
             let channel = channel.replace('_', " ");
-            (Tone::Bad, format!("The model does not fit: {channel} of {recording} is off by {ratio:.1} floors"))
+            (
+                Tone::Bad,
+                format!("The model does not fit: {channel} of {recording} is off by {ratio:.1} floors"),
+            )
         }
     };
     let hunting = result.recordings.iter().filter(|r| r.parting.is_some() && r.window_s.is_some()).count();

@@ -155,7 +155,8 @@ pub fn scan_range(effect: &Effect) -> Option<[f64; 2]> {
 
 /// What an effect found in a coarse form is refined to: the same effect with more parameters.
 pub fn refinement(effect: &Effect) -> Option<&'static Effect> {
-    let coarse = effect.component == "amplifier" && effect.effect == "gain_curve" && curve_inputs(effect).is_none();
+    let coarse =
+        effect.component == "amplifier" && effect.effect == "gain_curve" && curve_inputs(effect).is_none();
     coarse.then(free_curve)
 }
 

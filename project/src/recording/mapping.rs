@@ -141,7 +141,8 @@ impl Mapping {
     pub fn keeps_samples(&self, record: &Record) -> bool {
         let loop_channels = [Channel::Demand, Channel::Control, Channel::HubRate];
         let made = |(channel, source): &(Channel, ChannelSource)| {
-            let shaped = source.slope_over_s.is_some() || source.slope_lag_s.is_some() || source.clock.is_some();
+            let shaped =
+                source.slope_over_s.is_some() || source.slope_lag_s.is_some() || source.clock.is_some();
             loop_channels.contains(channel) && shaped
         };
         let moved = |f: &Finding| matches!(f, Finding::Uneven { .. } | Finding::Resampled { .. });

@@ -118,8 +118,9 @@ impl Replayer<'_> {
         let apart = |fit: &ChannelFit, other: &ReadingColumns| {
             rms_of_difference(fit.channel.of(&quiet.simulated), fit.channel.of(other)) / fit.floor
         };
-        let one = |fit: &ChannelFit| {
-            Parting { channel: fit.channel, floors: apart(fit, &moved).max(apart(fit, &noisy)) }
+        let one = |fit: &ChannelFit| Parting {
+            channel: fit.channel,
+            floors: apart(fit, &moved).max(apart(fit, &noisy)),
         };
         let telling = quiet.channels.iter().filter(|fit| TELLING.contains(&fit.channel));
         Ok(telling.map(one).max_by(|a, b| a.floors.total_cmp(&b.floors)))

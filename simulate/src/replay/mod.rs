@@ -7,14 +7,15 @@
 
 mod control;
 mod follow;
+mod normal;
 pub mod platform;
 pub(crate) mod smoother;
 pub mod start;
 mod windows;
 
-pub use platform::{platform_motion, reading_floor};
 pub use control::control_fit;
 pub use follow::{Followed, Parting, WINDOW_S, Way};
+pub use platform::{platform_motion, reading_floor};
 pub use start::{UNKNOWNS as START_FREEDOMS, start_has};
 
 use crate::Error;

@@ -6,12 +6,13 @@
 //! preference that the torques on motor and hub balance. What none of the readings shows (the angle of a balanced mechanism without a
 //! resolver) stays where it was guessed. The structure is taken bent as the gear torque bends it.
 
+use super::normal::{Normal, squares};
 use super::{Replayer, reading_floor};
 use crate::recording::Channel;
 use crate::run::Simulator;
 use crate::{Error, FrictionState, PlantState};
-use counterpoise_models::plant::core::state;
 use counterpoise_models::plant::Hose;
+use counterpoise_models::plant::core::state;
 use counterpoise_models::{Friction, FrictionLaw, Parameters, Plant};
 
 /// Length of the first part that is fitted, s.
@@ -32,8 +33,6 @@ const IMBALANCE: f64 = 0.5;
 /// and holds what no reading shows. Without it rounding errors in the place of a sensitivity send an angle to 1e10 rad,
 /// where displacements of a micrometre are lost.
 const FAR: f64 = 3e4;
-/// Share of an unknown's own curvature below which it cannot be told from those before it.
-const INDISTINCT: f64 = 1e-12;
 /// Samples from which the first rates and angles are taken.
 const FIRST: usize = 5;
 /// Number of unknowns.
@@ -353,71 +352,6 @@ impl<'a, 'b> Fit<'a, 'b> {
         }
         Ok(Normal::of(&columns, residuals))
     }
-}
-
-/// J'J and -J'r.
-pub(super) struct Normal<const N: usize> {
-    matrix: [[f64; N]; N],
-    right: [f64; N],
-}
-
-impl<const N: usize> Normal<N> {
-    /// From the columns of J, as many as there are unknowns, and the residuals.
-    pub(super) fn of(columns: &[Vec<f64>], residuals: &[f64]) -> Self {
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        Self {
-            right: std::array::from_fn(|i| -dot(&columns[i], residuals)),
-            matrix: std::array::from_fn(|i| std::array::from_fn(|j| dot(&columns[i], &columns[j]))),
-        }
-    }
-
-    /// x = L^-T z of J'J = L L': with z = +-1 a step to where the cost has risen by one for every unknown; an unknown without effect
-    /// does not move.
-    fn draw(&self, z: &[f64; N]) -> [f64; N] {
-        let mut l = self.matrix;
-        for j in 0..N {
-            let own = l[j][j] - (0..j).map(|k| l[j][k] * l[j][k]).sum::<f64>();
-            l[j][j] = if own > INDISTINCT * self.matrix[j][j] { own.sqrt() } else { 0.0 };
-            for i in j + 1..N {
-                let left = l[i][j] - (0..j).map(|k| l[i][k] * l[j][k]).sum::<f64>();
-                l[i][j] = if l[j][j] > 0.0 { left / l[j][j] } else { 0.0 };
-            }
-        }
-        let mut x = [0.0; N];
-        for i in (0..N).rev() {
-            let known: f64 = (i + 1..N).map(|k| l[k][i] * x[k]).sum();
-            x[i] = if l[i][i] > 0.0 { (z[i] - known) / l[i][i] } else { 0.0 };
-        }
-        x
-    }
-
-    /// The step with the diagonal raised by its own share `damping`; an unknown without effect does not move.
-    pub(super) fn solve(&self, damping: f64) -> [f64; N] {
-        let mut a = self.matrix;
-        let mut b = self.right;
-        for i in 0..N {
-            a[i][i] = a[i][i] * (1.0 + damping) + f64::MIN_POSITIVE;
-        }
-        // Cholesky's method without roots; the matrix is positive by the line above
-        for j in 0..N {
-            for i in j + 1..N {
-                let factor = a[i][j] / a[j][j];
-                for k in j..N {
-                    a[i][k] -= factor * a[j][k];
-                }
-                b[i] -= factor * b[j];
-            }
-        }
-        for j in (0..N).rev() {
-            let known: f64 = (j + 1..N).map(|k| a[j][k] * b[k]).sum();
-            b[j] = (b[j] - known) / a[j][j];
-        }
-        b.map(|step| if step.is_finite() { step } else { 0.0 })
-    }
-}
-
-pub(super) fn squares(residuals: &[f64]) -> f64 {
-    residuals.iter().map(|r| r * r).sum()
 }
 
 /// The largest dry torque at rest, N m.

@@ -6,7 +6,8 @@
 //! dry friction at motor and pivot, current) that are fitted to its first half by Levenberg and Marquardt's method; a wind-up inside
 //! the gap is one of the states that the fit can find.
 
-use super::start::{Normal, at_torque, level, squares, torque};
+use super::normal::{Normal, squares};
+use super::start::{at_torque, level, torque};
 use super::{Loop, Playback, Replay, Replayer, reading_floor};
 use crate::recording::Channel;
 use crate::run::{Simulator, holding_control};
