@@ -21,6 +21,7 @@ use counterpoise_simulate::replay::Loop;
 pub use column::Column;
 pub use fault::{Fault, Kind};
 
+use crate::noise::white_noise;
 use factors::{Found, Mistake};
 use regress::{late, regress};
 
@@ -31,6 +32,8 @@ pub struct Examined {
     pub recordings: Vec<Recording>,
     /// What was wrong.
     pub faults: Vec<Fault>,
+    /// The columns that each recording had.
+    written: Vec<Vec<Column>>,
 }
 
 /// Mistakes of factors that are mended one after the other.
@@ -39,12 +42,16 @@ const MISTAKES: usize = 3;
 const SURE: f64 = 4e-3;
 /// Difference of the motor's and the resolver's mean rate of the hub from which the motor has a bias, rad/s.
 const BIAS_RAD_S: f64 = 1e-3;
+/// Times its noise by which a platform at rest varies at the most.
+const AT_REST: f64 = 1.5;
 /// Times the converter's noise that a control made by the controller may be off to be put in the place of useless ones.
 const MADE: f64 = 3.0;
 
 /// Examines the recordings of one machine; `control` is the controller that was in the loop where the project knows it.
 pub fn examine(base: &Parameters, control: &Loop, recordings: &[Recording]) -> Examined {
-    let mut out = Examined { recordings: recordings.to_vec(), faults: Vec::new() };
+    let columns = |r: &Recording| Column::ALL.into_iter().filter(|c| c.of(r).is_some()).collect();
+    let written = recordings.iter().map(columns).collect();
+    let mut out = Examined { recordings: recordings.to_vec(), faults: Vec::new(), written };
     out.singles(base, control);
     for _ in 0..MISTAKES {
         let Some(found) = factors::mistake(base, control, &out.recordings) else { break };
@@ -68,7 +75,7 @@ impl Examined {
     /// Notes a fault in a recording, or in one more.
     fn note(&mut self, column: Column, kind: Kind, recordings: &[usize], done: &'static str) {
         let names: Vec<String> = recordings.iter().map(|r| self.recordings[*r].name.clone()).collect();
-        let count = self.recordings.iter().filter(|r| column.of(r).is_some()).count();
+        let count = self.written.iter().filter(|columns| columns.contains(&column)).count();
         let same = |f: &&mut Fault| f.column == column && f.kind.effect() == kind.effect();
         match self.faults.iter_mut().find(same) {
             Some(known) => {
@@ -91,12 +98,34 @@ impl Examined {
         for r in 0..self.recordings.len() {
             for column in Column::ALL {
                 let period_s = self.recordings[r].sample_period_s;
+                self.bridge(r, column, control, base);
                 let Some(series) = column.of(&self.recordings[r]) else { continue };
                 for seen in single::seen(column, series, base, period_s) {
                     let done = self.without(r, column, &seen.useless, &seen.kind, control, base);
                     self.note(column, seen.kind, &[r], done);
                 }
             }
+        }
+    }
+
+    /// Puts in place of missing values what they must have been: the controller's own output, or the rest of a platform at rest.
+    fn bridge(&mut self, r: usize, column: Column, control: &Loop, base: &Parameters) {
+        let recording = &mut self.recordings[r];
+        let Some(series) = column.of_mut(recording) else { return };
+        let missing = series.iter().filter(|v| !v.is_finite()).count();
+        if missing == 0 || missing == series.len() {
+            return;
+        }
+        match column {
+            Column::Control => {
+                remade(recording, control, base);
+            }
+            Column::PlatformRate | Column::PlatformAccel
+                if regress::deviation(series) < AT_REST * white_noise(series) =>
+            {
+                filled(series);
+            }
+            _ => {}
         }
     }
 
@@ -208,13 +237,19 @@ impl Examined {
         found.into_iter().for_each(|(r, column, lateness)| self.shift(r, column, lateness));
     }
 
-    /// Puts a column back that is late.
+    /// Puts a column back that is late; the motor's is known to no better than what its gear twists, and is left out.
     fn shift(&mut self, r: usize, column: Column, (late_s, doubt_s): clocks::Lateness) {
         let samples = whole(late_s / self.recordings[r].sample_period_s);
-        if let Some(series) = column.of_mut(&mut self.recordings[r]) {
-            *series = late(series, -samples);
-        }
-        self.note(column, Kind::ClockOffset { late_s, doubt_s }, &[r], "it is shifted back by that");
+        let series = column.of_mut(&mut self.recordings[r]);
+        let done = if column == Column::MotorRate {
+            *series = None;
+            "it is not compared"
+        } else {
+            *series = series.as_deref().map(|series| late(series, -samples));
+            "it is shifted back by that"
+        };
+        let kind = Kind::ClockOffset { late_s, doubt_s };
+        self.note(column, kind, &[r], done);
     }
 
     /// A motor's rate with a mean that neither gyroscopes nor resolver have.
