@@ -211,7 +211,7 @@ impl<'a> Replayer<'a> {
         Ok(self.compared(&plant, control, history, start.clone()))
     }
 
-    /// Replays the recording once from a given start whose freedoms (hub angle, common rate, gear torque, both dry frictions,
+    /// Replays the recording once from a given start whose freedoms (hub angle, common rate, gear torque, both dry frictions, a hose,
     /// current) are moved by so many of their steps: where they are fitted together with the mechanism.
     ///
     /// # Errors
