@@ -356,3 +356,15 @@ fn a_clock_of_its_own() {
     assert!(found[0].is_nan());
     assert!(found[1..].iter().zip([0.5, 1.5, 2.5]).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
 }
+
+#[test]
+fn rows_written_twice_count_once_and_a_time_that_stands_still_with_other_values_is_refused() {
+    let head = "time [s], hub_rate [rad/s], control [V]\n";
+    let table = read(&format!("{head}0.000,1,4\n0.001,2,5\n0.001,2,5\n0.002,3,6\n0.003,4,7\n"));
+    let record = Mapping::default().apply(&table).unwrap();
+    assert_eq!(record.findings, [Finding::Repeated { rows: 1, first_row: 3 }]);
+    assert_eq!(channel(&record, Channel::HubRate), [1.0, 2.0, 3.0, 4.0]);
+    assert_eq!(record.sample_period_s, 1e-3);
+    let said = refused(&format!("{head}0.000,1,4\n0.001,2,5\n0.001,2.5,5\n0.002,3,6\n"));
+    assert!(said.contains("time does not grow: row 3"), "{said}");
+}

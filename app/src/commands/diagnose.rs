@@ -27,8 +27,13 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     if options.recordings.is_empty() {
         return super::structure::run(&loaded, options);
     }
-    let control = loaded.project.recording_controller.as_ref().map_or(Loop::Open, Loop::from);
+    let mut control = loaded.project.recording_controller.as_ref().map_or(Loop::Open, Loop::from);
     let read = read_as_written(&loaded, &options.recordings)?;
+    let undemanded = read.iter().filter(|r| r.recording.demand_rad_s.is_none()).map(|r| r.file.as_str());
+    let undemanded: Vec<&str> = undemanded.collect();
+    if !undemanded.is_empty() {
+        control = Loop::Open;
+    }
     let recordings: Vec<Recording> = read.iter().map(|r| r.recording.clone()).collect();
     stop::watch();
     let workers = Workers::new(options.results.quiet);
@@ -52,6 +57,14 @@ pub fn run(options: &DiagnoseOptions) -> Done {
         consequence.iter().for_each(print_consequence);
     }
     Ok(verdict_code(true))
+}
+
+/// That the recorded controller could not be run.
+fn without_demand(files: &[&str]) -> String {
+    format!(
+        "demand was not recorded in {}: everything is replayed under the recorded control instead of by the recorded controller",
+        files.join(", ")
+    )
 }
 
 /// What the improved model means for the project's design; none where nothing was found or the project has no design.

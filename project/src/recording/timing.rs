@@ -40,6 +40,13 @@ pub enum Finding {
         /// How many.
         samples: usize,
     },
+    /// Rows were written twice; they count once.
+    Repeated {
+        /// How many.
+        rows: usize,
+        /// The first, from 1.
+        first_row: usize,
+    },
     /// A channel has missing values.
     Missing {
         /// The channel.
@@ -63,6 +70,12 @@ impl std::fmt::Display for Finding {
         match self {
             Self::PeriodAssumed { period_s } => {
                 write!(f, "no time column: the project's sample period of {period_s} s was taken")
+            }
+            Self::Repeated { rows, first_row } => {
+                write!(
+                    f,
+                    "{rows} rows repeat the row before them, the first in row {first_row}: they count once"
+                )
             }
             Self::Uneven { jitter, period_s } => {
                 write!(f, "time steps vary by {:.2} %: interpolated every {period_s:.6} s", 100.0 * jitter)
@@ -175,7 +188,9 @@ fn timed(
     wanted: Option<f64>,
     channels: Vec<(Channel, Vec<f64>)>,
 ) -> Result<Record, RecordingError> {
-    let rows: Vec<usize> = (0..time.len()).filter(|row| time[*row].is_finite()).collect();
+    let repeated: Vec<usize> = (1..time.len()).filter(|row| is_repeated(*row, time, &channels)).collect();
+    let written = |row: &usize| time[*row].is_finite() && repeated.binary_search(row).is_err();
+    let rows: Vec<usize> = (0..time.len()).filter(written).collect();
     let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return Err(too_short(name, 0)) };
     if rows.len() < FEWEST_ROWS {
         return Err(too_short(name, rows.len()));
@@ -186,6 +201,8 @@ fn timed(
     let jitter = deviation(&regular, mean(&regular)) / mean(&regular);
     let gaps = steps.len() != regular.len() || rows.len() != time.len();
     let mut findings = gap_findings(&rows, &steps, median);
+    let again = repeated.first().map(|row| Finding::Repeated { rows: repeated.len(), first_row: row + 1 });
+    findings.extend(again);
     let period = if jitter > EVEN {
         wanted.unwrap_or_else(|| mean(&regular))
     } else if gaps {
@@ -199,6 +216,12 @@ fn timed(
     }
     let channels = if gaps || jitter > EVEN { resampled(time, &rows, period, channels) } else { channels };
     Ok(Record { name: name.to_owned(), sample_period_s: period, start_s: time[*first], channels, findings })
+}
+
+/// Whether a row is the one before it once more, its time included.
+fn is_repeated(row: usize, time: &[f64], channels: &[(Channel, Vec<f64>)]) -> bool {
+    let same = |values: &[f64]| values[row].to_bits() == values[row - 1].to_bits();
+    same(time) && channels.iter().all(|(_, values)| same(values))
 }
 
 fn too_short(name: &str, rows: usize) -> RecordingError {
