@@ -123,15 +123,17 @@ pub struct Experiment {
     pub why: String,
 }
 
-/// How much of the mismatch at one component follows one regime variable.
+/// What an error at one component would explain that is a free function of one regime variable.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MapCell {
-    /// Component, or the balance that stands for it.
+    /// Component.
     pub component: &'static str,
     /// Regime variable.
     pub regime: &'static str,
-    /// Share of the balance's variance that a function of the variable explains, on data not used to find it.
+    /// Share, 0 to 1, of the log-likelihood that a perfect explanation would gain; 0 where it gains no more than chance may.
     pub explained: f64,
+    /// Log-likelihood gained on data not used to find it, in nats.
+    pub gain_nats: f64,
     /// Shape of that function in words; empty where the variable explains little or the shape is not a simple one.
     pub shape: String,
 }

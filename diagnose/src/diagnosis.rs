@@ -5,12 +5,12 @@ use counterpoise_simulate::recording::Recording;
 use counterpoise_simulate::replay::Loop;
 
 use crate::answer::{Answer, MapCell, Verdict};
-use crate::bench::{Bench, Pool};
+use crate::bench::{Bench, Pool, map};
 use crate::error::Error;
 use crate::identify::{Amplifier, identify, improved};
 use crate::judge::Evidence;
 use crate::library::{Effect, free_curve, library, named, textbook};
-use crate::locate::{isolability, regime_map};
+use crate::locate::{Signature, isolability};
 use crate::look::Sizes;
 use crate::mend::mended;
 use crate::noise::{as_heard, with_noise_of};
@@ -91,7 +91,7 @@ pub(crate) fn diagnose_of(
     let has = |column: fn(&Recording) -> bool| recordings.iter().all(column);
     let isolability =
         isolability(has(|r| r.motor_rate_rad_s.is_some()), has(|r| r.hub_position_rad.is_some()));
-    let map = regime_map(base, &bench.measured());
+    let whereabouts = where_and_when(base, &bench, &isolability, pool);
     let mut seeds = seeds(base, recordings);
     seeds.extend(biases(base, recordings));
     let searcher = Searcher { bench: &bench, pool, base, effects: effects_for(sizes), seeds, sizes };
@@ -100,17 +100,29 @@ pub(crate) fn diagnose_of(
         return Err(Error::Cancelled);
     }
     let search = search.ok_or(Error::NotSimulated)?;
-    let evidence = Evidence { bench: &bench, base, search: &search, map, isolability, qualification, sizes };
+    let evidence = Evidence {
+        bench: &bench,
+        base,
+        search: &search,
+        map: whereabouts,
+        isolability,
+        qualification,
+        sizes,
+    };
     let improved = with_noise_of(evidence.improved(), project);
-    let answer = Answer { map: whereabouts(base, &bench), ..evidence.answer() };
-    Ok(Diagnosis { answer, improved, recordings: examined.to_vec() })
+    Ok(Diagnosis { answer: evidence.answer(), improved, recordings: examined.to_vec() })
 }
 
-/// Balance x regime of how the recordings depart from the replay of the model as it was.
-fn whereabouts(base: &Parameters, bench: &Replays) -> Vec<MapCell> {
+/// Component x regime of how the recordings depart from the replay of the model as it was.
+fn where_and_when(
+    base: &Parameters,
+    bench: &Replays,
+    isolability: &[Signature],
+    pool: &dyn Pool,
+) -> Vec<MapCell> {
     let judged =
-        (0..bench.count()).filter_map(|index| Some((bench.measured_at(index)?, bench.judge(base, index)?)));
-    departures(base, &judged.collect::<Vec<_>>())
+        map(pool, bench.count(), |index| Some((bench.measured_at(index)?, bench.judge(base, index)?)));
+    departures(base, &judged.into_iter().flatten().collect::<Vec<_>>(), isolability, pool)
 }
 
 /// The effects that a machine of given sizes may have.

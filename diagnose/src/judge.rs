@@ -16,6 +16,7 @@ use crate::tolerance::{
     AMBIGUOUS, EXPLAINED, GAIN_NEEDED, RIGHT_OF_THREE, RIGHT_OF_UNKNOWN, RIGHT_WHERE_EXPLAINED,
     RIGHT_WHERE_INCOMPLETE, RIVALRY, SHARE_TO_NAME, TEXTBOOK_SHARE_TO_NAME,
 };
+use crate::whereabouts::likeliest;
 use counterpoise_models::Parameters;
 
 /// What the answer is made from.
@@ -197,20 +198,9 @@ impl Evidence<'_> {
     }
 
     fn unknown(&self) -> Finding {
-        let strongest = self.map.iter().max_by(|a, b| a.explained.total_cmp(&b.explained));
-        let components = strongest.map_or(Vec::new(), likely_components);
-        let (component, others) = components.split_first().map_or(("unknown", &[][..]), |(c, o)| (*c, o));
-        let when = strongest.map_or_else(
-            || "not found".to_owned(),
-            |c| {
-                let comma = if c.shape.is_empty() { "" } else { "; " };
-                let share = 100.0 * c.explained;
-                format!(
-                    "follows {} in the {} balance: {share:.0} % of its power{comma}{}",
-                    c.regime, c.component, c.shape
-                )
-            },
-        );
+        let places = likeliest(&self.map);
+        let (component, others) = places.split_first().map_or(("unknown", &[][..]), |(c, o)| (*c, o));
+        let when = self.pattern(component);
         let best = self.search.stages.first().and_then(|s| s.candidates.first());
         let nearest = best.and_then(|c| Some((c.newest()?, self.share(c)))).map_or_else(
             String::new,
@@ -231,6 +221,19 @@ impl Evidence<'_> {
             parameters: Vec::new(),
             alternatives: others.iter().map(|component| Name { effect: "unknown", component }).collect(),
         }
+    }
+
+    /// What the mismatch follows, as an error at a component, and what it looks like.
+    fn pattern(&self, component: &str) -> String {
+        let here = self.map.iter().filter(|cell| cell.component == component);
+        here.max_by(|a, b| a.gain_nats.total_cmp(&b.gain_nats)).map_or_else(
+            || "not found".to_owned(),
+            |cell| {
+                let comma = if cell.shape.is_empty() { "" } else { "; " };
+                let share = 100.0 * cell.explained;
+                format!("follows {}: {share:.0} % of what can be explained{comma}{}", cell.regime, cell.shape)
+            },
+        )
     }
 
     fn fit_table(&self) -> FitTable {
@@ -310,19 +313,6 @@ impl Evidence<'_> {
             out.push("the last fit reached its iteration limit before it settled".to_owned());
         }
         out
-    }
-}
-
-/// Where a mismatch sits that follows one regime variable in one balance, the likeliest first: friction follows the rate, springs and
-/// masses position and acceleration, motor and amplifier torque, control and warmth.
-fn likely_components(cell: &MapCell) -> Vec<&'static str> {
-    match (cell.component, cell.regime) {
-        ("twist", _) => vec!["gearbox"],
-        ("hub", "rate" | "reversal" | "amplitude") => vec!["pivot", "structure"],
-        ("hub", _) => vec!["structure", "pivot"],
-        (_, "rate" | "reversal" | "amplitude") => vec!["pivot", "motor", "structure"],
-        (_, "load" | "control" | "time" | "motor angle") => vec!["motor", "structure", "pivot"],
-        _ => vec!["structure", "motor", "pivot"],
     }
 }
 

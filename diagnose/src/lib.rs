@@ -4,23 +4,25 @@
 //! a verdict, named effects with fitted parameters and their doubt, how the fit improved on data that was not
 //! fitted, and what these recordings cannot tell.
 //!
-//! The road: the balances say where and when ([`locate`]); the first look ranks every effect of the library by its
-//! linearised signature ([`look`]); the best are fitted in the simulator ([`fit`]) and judged on what they were not
+//! The road: errors let in at every component say where and when ([`locate`], [`whereabouts`]); the first look ranks every
+//! effect of the library by its linearised signature ([`look`]); the best are fitted in the simulator ([`fit`]) and judged on what they were not
 //! fitted to ([`score`], [`select`]); what the noise in the loop alone would explain is taken off (`chance`); the judge puts it
 //! into words ([`judge`]).
 //!
 //! *Invariant*: nothing here knows a weight, a file, a thread or a clock; processors are handed in as a [`bench::Pool`].
 //!
-//! Modules in reading order: [`mod@bench`], [`mend`], [`qualify`], [`noise`], [`library`], [`locate`], [`look`], [`fit`], [`score`], [`select`], [`shape`], [`whereabouts`], [`judge`],
+//! Modules in reading order: [`mod@bench`], [`mend`], [`qualify`], [`noise`], [`locate`], [`whereabouts`], [`library`], [`look`], [`fit`], [`score`], [`select`], [`judge`],
 //! [`answer`], [`scaled`]; apart from them [`mod@refit`], a given structure fitted and judged, and [`identify`], the triangle-wave method.
 
 pub mod answer;
 pub mod bench;
 mod candidate;
 mod chance;
+mod departures;
 pub mod diagnosis;
 pub mod error;
 pub mod fit;
+mod functions;
 pub mod identify;
 mod joint;
 pub mod judge;
@@ -33,6 +35,7 @@ pub mod noise;
 mod pairs;
 mod plain;
 mod polish;
+mod ports;
 pub mod qualify;
 pub mod recorder;
 pub mod refit;
@@ -42,12 +45,15 @@ pub mod scaled;
 mod scan;
 pub mod score;
 pub mod select;
-pub mod shape;
+mod shape;
 mod simpler;
 mod slopes;
+mod suspects;
 pub mod tolerance;
+mod trials;
 mod validate;
 pub mod whereabouts;
+mod whiten;
 
 pub use diagnosis::Diagnosis;
 pub use error::Error;

@@ -1,6 +1,8 @@
 //! The simulator as the diagnosis asks it: every recording replayed for any mechanism, in closed loop where the
 //! controller is known, else under the recorded control.
 
+use std::sync::OnceLock;
+
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::Parameters;
 use counterpoise_simulate::PlantState;
@@ -50,6 +52,8 @@ pub struct Replays<'a> {
     control_floor: f64,
     /// Whether the hub is made to follow its own recorded rate, recording by recording.
     followed: Vec<bool>,
+    /// How every recording stands to the mechanism that the replays were made with: it is asked for again and again.
+    standing: Vec<OnceLock<Option<Judged>>>,
 }
 
 impl<'a> Replays<'a> {
@@ -80,13 +84,9 @@ impl<'a> Replays<'a> {
             floors: prepared.whole.iter().map(floors).collect(),
             control_floor,
             followed: prepared.whole.iter().map(follows).collect(),
+            standing: prepared.whole.iter().map(|_| OnceLock::new()).collect(),
             prepared,
         })
-    }
-
-    /// The recordings as the balances take them; those without hub rate or control are left out.
-    pub fn measured(&self) -> Vec<Measured> {
-        self.prepared.whole.iter().filter_map(measured).collect()
     }
 
     /// A recording as the balances take it; none without hub rate or control.
@@ -349,9 +349,12 @@ impl Bench for Replays<'_> {
     }
 
     fn judge(&self, parameters: &Parameters, index: usize) -> Option<Judged> {
-        let ready = &self.whole[index];
-        let run = |control: &Loop| self.with(parameters, ready, |r| r.replay(parameters, control));
-        self.judged(parameters, index, run(&self.control)?, || run(&Loop::Open))
+        let judged = || {
+            let run =
+                |control: &Loop| self.with(parameters, &self.whole[index], |r| r.replay(parameters, control));
+            self.judged(parameters, index, run(&self.control)?, || run(&Loop::Open))
+        };
+        if parameters == self.base { self.standing[index].get_or_init(judged).clone() } else { judged() }
     }
 }
 

@@ -5,8 +5,9 @@ use counterpoise_models::Parameters;
 
 use crate::bench::{Drive, Judged, Misfit, Span, map};
 use crate::library::{Effect, Mapping, scan_range};
-use crate::look::{Look, Scene, Trial, is_close, look, ripple, towards, weighted};
+use crate::look::{Look, Scene, is_close, look, weighted};
 use crate::tolerance::{PERIOD_SEEN, PERIODS_SAMPLED};
+use crate::trials::{Trial, ripple, towards};
 
 /// Orders at which something that repeats with an angle is looked for, per turn.
 const ORDERS: [f64; 25] = [

@@ -1,5 +1,6 @@
 //! What a mismatch looks like that has no name: its shape along one regime variable.
 
+use crate::bench::rms;
 use crate::score::correlation_time;
 
 /// Share of the power that a shape must explain to be spoken of.
@@ -12,31 +13,60 @@ const PERIODS_MOST: f64 = 40.0;
 const FINENESS: f64 = 6.0;
 const REFINEMENTS: usize = 12;
 
-/// The shape of a residual along a variable, in words: the period with its 95 % interval where it repeats, else
-/// proportional, odd or even, with the range that is covered; empty where no simple shape explains enough.
-pub fn shape(residual: &[f64], variable: &[f64], unit: &str) -> String {
-    let (low, high) =
-        variable.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
-    let span = high - low;
-    if residual.len() < 16 || span.is_nan() || span <= 0.0 {
-        return String::new();
+/// Deviation of a function, as a share of its mean, below which it is the same throughout.
+const CONSTANT: f64 = 0.15;
+
+/// What a function looks like along its variable, in words: the same throughout, proportional, odd or even, with the range that is
+/// covered; empty where it is none of these.
+pub(crate) fn shape(function: &[f64], variable: &[f64], unit: &str) -> String {
+    let Some([low, high]) = range(variable) else { return String::new() };
+    let over = format!("over {low:.3} to {high:.3}{unit}");
+    let mean = function.iter().sum::<f64>() / function.len().max(1) as f64;
+    if rms(&centred(function)) < CONSTANT * mean.abs() {
+        return format!("the same throughout, {over}");
     }
-    let range = format!("over {low:.3} to {high:.3}{unit}");
-    let (frequency, share) = repetition(residual, variable, span);
-    let [straight, odd, even] = simple(residual, variable);
-    if share > SHAPE_NEEDED && share > 1.1 * straight.max(odd).max(even) {
-        let independent = (residual.len() as f64 / correlation_time(residual)).max(4.0);
-        let deviation = (3.0 * (1.0 - share) / (share * independent)).sqrt() / (std::f64::consts::PI * span);
-        let period = 1.0 / frequency;
-        return format!(
-            "it repeats every {period:.4} +/- {:.4}{unit} {range}",
-            1.96 * deviation * period * period
-        );
-    }
+    let [straight, odd, even] = simple(function, variable);
     let words = [("in proportion to it", straight + 0.05), ("odd in it", odd), ("even in it", even)];
     let best = words.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
     best.filter(|(_, share)| *share > SHAPE_NEEDED)
-        .map_or_else(String::new, |(word, _)| format!("{word} {range}"))
+        .map_or_else(String::new, |(word, _)| format!("{word}, {over}"))
+}
+
+/// Smallest and largest value of a variable that moves.
+fn range(variable: &[f64]) -> Option<[f64; 2]> {
+    let (low, high) =
+        variable.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    (variable.len() > 15 && high > low).then_some([low, high])
+}
+
+/// A sinusoid along a variable.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Repetition {
+    /// Periods per unit of the variable.
+    pub frequency: f64,
+    /// Half width of the period's 95 % interval.
+    pub doubt: f64,
+    /// Range that is covered.
+    pub range: [f64; 2],
+}
+
+impl Repetition {
+    /// The sinusoid that explains most of a residual; none where the variable stands still.
+    pub fn of(residual: &[f64], variable: &[f64]) -> Option<Self> {
+        let range = range(variable)?;
+        let span = range[1] - range[0];
+        let (frequency, share) = repetition(residual, variable, span);
+        let share = share.clamp(1e-6, 1.0);
+        let independent = (residual.len() as f64 / correlation_time(residual)).max(4.0);
+        let deviation = (3.0 * (1.0 - share) / (share * independent)).sqrt() / (std::f64::consts::PI * span);
+        Some(Self { frequency, doubt: 1.96 * deviation / (frequency * frequency), range })
+    }
+
+    /// In words.
+    pub fn told(&self, unit: &str) -> String {
+        let ([low, high], period) = (self.range, 1.0 / self.frequency);
+        format!("it repeats every {period:.4} +/- {:.4}{unit}, over {low:.3} to {high:.3}{unit}", self.doubt)
+    }
 }
 
 /// The frequency, per unit of the variable, of the sinusoid that explains most, and the share that it explains.
@@ -68,13 +98,14 @@ fn sinusoid(residual: &[f64], variable: &[f64], frequency: f64) -> f64 {
     share(residual, &sines, &cosines)
 }
 
-/// Shares that a straight line, an odd function and an even one explain (of sines and cosines: 1, 3 quarter waves).
+/// Shares that a straight line, an odd function (of first and third power, or of the first and the sign) and an even one explain.
 fn simple(residual: &[f64], variable: &[f64]) -> [f64; 3] {
     let largest = variable.iter().fold(f64::MIN_POSITIVE, |a, v| a.max(v.abs()));
     let of = |f: &dyn Fn(f64) -> f64| variable.iter().map(|v| f(v / largest)).collect::<Vec<f64>>();
     let none = vec![0.0; variable.len()];
     let straight = share(residual, &of(&|v| v), &none);
-    let odd = share(residual, &of(&|v| v), &of(&f64::signum));
+    let odd = [f64::signum as fn(f64) -> f64, |v| v * v * v].map(|f| share(residual, &of(&|v| v), &of(&f)));
+    let odd = odd[0].max(odd[1]);
     let even = share(residual, &of(&f64::abs), &of(&|v| v * v));
     [straight, odd, even]
 }
@@ -115,8 +146,8 @@ mod tests {
     #[test]
     fn a_repetition_is_given_with_its_period() {
         let (residual, variable) = along(|v| (std::f64::consts::TAU * v / 0.31 + 0.4).sin());
-        let words = shape(&residual, &variable, " s");
-        assert!(words.starts_with("it repeats every 0.3") && words.contains(" s over -1.000"), "{words}");
+        let words = Repetition::of(&residual, &variable).map(|found| found.told(" s")).unwrap_or_default();
+        assert!(words.starts_with("it repeats every 0.3") && words.contains(" s, over -1.000"), "{words}");
     }
 
     #[test]
@@ -125,6 +156,8 @@ mod tests {
             ((|v| 2.0 * v) as fn(f64) -> f64, "in proportion"),
             (|v: f64| v.signum() + 0.2 * v, "odd"),
             (|v: f64| v * v, "even"),
+            (|v: f64| v * v * v, "odd"),
+            (|v: f64| 9.0 + v, "the same"),
         ] {
             let (residual, variable) = along(f);
             let words = shape(&residual, &variable, "");

@@ -1,66 +1,159 @@
-//! Component x regime: in which balances the recordings depart from the replay, along which variable, and what that
-//! leaves each component to carry.
+//! Component x regime: where the recordings depart from the replay, and along which variable.
 //!
-//! A balance of the recording less the same balance of its replay: what the balances simplify is in both, and goes.
+//! At every component an error is let in that is a free function of one regime variable ([`crate::suspects`]), as it would
+//! show in all balances at once ([`crate::ports`]); what it gains on stretches of the recordings that it was not fitted to is the
+//! cell. Nothing is named by it: it is told which component, and what the function looks like.
 
 use counterpoise_models::Parameters;
 
 use crate::answer::MapCell;
-use crate::bench::{Drive, Judged};
-use crate::locate::{Balance, Measured, Signature, balances, cells};
+use crate::bench::{Judged, Pool, map};
+use crate::departures::{Departures, Series};
+use crate::functions::{fitted_shape, knots, on_knots, sines, turns, waves};
+use crate::locate::{Measured, Signature};
+use crate::suspects::{COMPONENTS, Law, Quantity, REGIMES, SUSPECTS, Suspect};
+use crate::tolerance::{AMBIGUOUS, GAIN_NEEDED};
 
-/// Balance x regime: the share of each balance's departure from the replay that follows each regime variable, on data not
-/// used to find it. A recording with the replay that was judged on it.
-pub fn departures(parameters: &Parameters, recordings: &[(Measured, Judged)]) -> Vec<MapCell> {
-    let departed: Vec<Vec<Balance>> =
-        recordings.iter().map(|(measured, judged)| departed(parameters, measured, judged)).collect();
-    cells(&departed)
-}
+/// Share of the best gain by which a component may be behind and not be told apart: what the balances leave out is no noise.
+const ALIKE: f64 = 0.1;
+/// Share of what a perfect explanation would gain from which a cell is described in words.
+const DESCRIBED: f64 = 0.1;
 
-fn departed(parameters: &Parameters, measured: &Measured, judged: &Judged) -> Vec<Balance> {
-    let replay = balances(parameters, &replayed(measured, judged));
-    let mut out = balances(parameters, measured);
-    for (balance, simulated) in out.iter_mut().zip(&replay) {
-        balance.residual.iter_mut().zip(&simulated.residual).for_each(|(r, s)| *r -= s);
-        detrend(&mut balance.residual);
+/// Component x regime of recordings, each with the replay that was judged on it, best first within a component.
+pub fn departures(
+    parameters: &Parameters,
+    recordings: &[(Measured, Judged)],
+    isolability: &[Signature],
+    pool: &dyn Pool,
+) -> Vec<MapCell> {
+    let Some(departures) = Departures::new(parameters, recordings) else { return Vec::new() };
+    let seen = |s: &&Suspect| isolability.iter().any(|row| row.available && row.sees.contains(&s.component));
+    let suspects: Vec<&Suspect> = SUSPECTS.iter().filter(seen).collect();
+    let found = map(pool, suspects.len(), |k| {
+        let tried = Tried::of(&departures, suspects[k])?;
+        let gain = departures.gain(&tried.columns).filter(|gain| gain.is_finite())?;
+        Some((gain, cell(&departures, suspects[k], &tried, gain)))
+    });
+    let mut found: Vec<(f64, MapCell)> = found.into_iter().flatten().collect();
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut cells: Vec<MapCell> = Vec::new();
+    for (_, cell) in found {
+        if !cells.iter().any(|c| c.component == cell.component && c.regime == cell.regime) {
+            cells.push(cell);
+        }
     }
-    out
+    cells.sort_by_key(|c| (COMPONENTS.iter().position(|n| *n == c.component), place(c.regime)));
+    cells
 }
 
-/// The readings of the replay: those recorded and their misfits. A control that was played back is the recorded one.
-fn replayed(measured: &Measured, judged: &Judged) -> Measured {
-    let mut out = measured.clone();
-    for misfit in &judged.misfits {
-        let column = match misfit.channel {
-            "control" if judged.drive == Drive::ClosedLoop => Some(&mut out.control),
-            "hub_rate" => Some(&mut out.hub_rate),
-            "motor_rate" => out.motor_rate.as_mut(),
-            "hub_position" => out.hub_position.as_mut(),
-            _ => None,
+fn place(regime: &str) -> Option<usize> {
+    REGIMES.iter().position(|n| *n == regime)
+}
+
+fn cell(departures: &Departures, suspect: &Suspect, tried: &Tried, gain: f64) -> MapCell {
+    let share = gain / departures.possible().max(GAIN_NEEDED);
+    let explained = if gain > GAIN_NEEDED { share.clamp(0.0, 1.0) } else { 0.0 };
+    let shape = if explained > DESCRIBED { tried.shape(departures, suspect) } else { String::new() };
+    MapCell { component: suspect.component, regime: suspect.regime, explained, gain_nats: gain, shape }
+}
+
+/// A suspect as columns of the departures.
+struct Tried {
+    columns: Vec<Vec<f64>>,
+    /// Knots of a free function.
+    knots: Vec<f64>,
+    /// How it repeats, in words.
+    repeats: String,
+}
+
+impl Tried {
+    fn of(departures: &Departures, suspect: &Suspect) -> Option<Self> {
+        let all = |q: Quantity| departures.all(q);
+        let plain = |columns| Self { columns, knots: Vec::new(), repeats: String::new() };
+        match suspect.law {
+            Law::Free(port, variable, carrier) => {
+                let (variables, carriers) = (all(variable), all(carrier));
+                let knots = knots(&variables, variable.is_dense_at_rest())?;
+                let columns = departures.columns(port, &on_knots(&variables, &carriers, &knots));
+                Some(Self { knots, ..plain(columns) })
+            }
+            Law::Fixed(terms) => {
+                Some(plain(terms.iter().map(|(port, q)| departures.column(&[(*port, &all(*q))])).collect()))
+            }
+            Law::OneOf(port, several) => {
+                let columns = several.iter().map(|q| departures.columns(port, &[all(*q)]));
+                let gains = columns.filter_map(|c| Some((departures.gain(&c)?, c)));
+                gains.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, columns)| plain(columns))
+            }
+            Law::Together(terms) => {
+                let series: Vec<Series> = terms.iter().map(|(_, q)| all(*q)).collect();
+                let terms: Vec<_> = terms.iter().zip(&series).map(|((port, _), s)| (*port, s)).collect();
+                Some(plain(vec![departures.column(&terms)]))
+            }
+            Law::Sine(..) | Law::Repeats(..) | Law::Turns(..) => Self::repeating(departures, suspect.law),
+        }
+    }
+
+    /// A suspect that repeats.
+    fn repeating(departures: &Departures, law: Law) -> Option<Self> {
+        let (columns, repeats) = match law {
+            Law::Sine(port, carrier) => {
+                let (frequency, series) = sines(departures, &departures.all(carrier))?;
+                let doubt = departures.period_doubt(frequency);
+                let words = format!("it repeats every {:.4} +/- {doubt:.4} s", 1.0 / frequency);
+                (departures.columns(port, &series), words)
+            }
+            Law::Repeats(port, variable, carrier) => {
+                let along = departures.all(variable);
+                let found = departures.repetition(&along)?;
+                let series = waves(std::f64::consts::TAU * found.frequency, &along, &departures.all(carrier));
+                (departures.columns(port, &series), found.told(variable.unit()))
+            }
+            Law::Turns(port, carrier) => {
+                let (order, columns) = turns(departures, port, &departures.all(carrier))?;
+                (columns, format!("it repeats every 1/{order:.0} turn of the motor"))
+            }
+            _ => return None,
         };
-        let pairs = column.into_iter().flatten().zip(&misfit.residual);
-        pairs.for_each(|(value, residual)| *value += residual * misfit.floor);
+        Some(Self { columns, knots: Vec::new(), repeats })
     }
-    out
+
+    /// What the function looks like, in words.
+    fn shape(&self, departures: &Departures, suspect: &Suspect) -> String {
+        let Law::Free(_, variable, _) = suspect.law else { return self.repeats.clone() };
+        let coefficients = departures.coefficients(&self.columns).unwrap_or_default();
+        let along: Vec<f64> = departures.all(variable).concat();
+        fitted_shape(&self.knots, &coefficients, &along, variable.unit())
+    }
 }
 
-/// Takes off the straight line that fits best: a start that is not known, and what noise integrates to.
-fn detrend(series: &mut [f64]) {
-    let count = series.len() as f64;
-    let middle = 0.5 * (count - 1.0);
-    let mean = series.iter().sum::<f64>() / count.max(1.0);
-    let along = |k: usize| k as f64 - middle;
-    let slope: f64 = series.iter().enumerate().map(|(k, v)| along(k) * v).sum::<f64>()
-        / (0..series.len()).map(|k| along(k).powi(2)).sum::<f64>().max(1.0);
-    series.iter_mut().enumerate().for_each(|(k, v)| *v -= mean + slope * along(k));
+/// The components that may hold what the model lacks, the likeliest first: the one at which an error explains most, and those that
+/// these recordings cannot tell from it. None where no component explains enough.
+pub fn likeliest(map: &[MapCell]) -> Vec<&'static str> {
+    let best = |component: &str| {
+        map.iter().filter(|c| c.component == component).map(|c| c.gain_nats).fold(0.0, f64::max)
+    };
+    let all: Vec<(&'static str, f64)> =
+        COMPONENTS.iter().map(|c| (*c, best(c))).filter(|(_, gain)| *gain > GAIN_NEEDED).collect();
+    let most = all.iter().map(|(_, gain)| *gain).fold(0.0, f64::max);
+    let mut near: Vec<_> =
+        all.into_iter().filter(|(_, gain)| most - gain < (ALIKE * most).max(AMBIGUOUS)).collect();
+    // equal to what the noise decides: the likelier beforehand first
+    near.sort_by(|a, b| (most - b.1 < AMBIGUOUS).cmp(&(most - a.1 < AMBIGUOUS)).then(b.1.total_cmp(&a.1)));
+    let ties = near.iter().filter(|(_, gain)| most - gain < AMBIGUOUS).count();
+    near[..ties].sort_by_key(|(name, _)| COMPONENTS.iter().position(|c| c == name));
+    near.into_iter().map(|(name, _)| name).collect()
 }
 
-/// A row of the picture: a balance or a component, with its share under each regime variable.
+/// A row of the picture: a component, with its share under each regime variable.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// Name of the balance or the component.
+    /// Name of the component.
     pub name: &'static str,
-    /// Shares from 0 to 1 in the order of [`Whereabouts::regimes`]; none where no balance that these sensors allow sees it.
+    /// Whether a balance that these sensors allow sees it.
+    pub seen: bool,
+    /// Shares of the best cell's gain, 0 to 1, in the order of [`Whereabouts::regimes`]; none where the component has no error along
+    /// that variable.
     pub shares: Vec<Option<f64>>,
 }
 
@@ -69,119 +162,144 @@ pub struct Row {
 pub struct Whereabouts {
     /// Regime variables, the columns.
     pub regimes: Vec<&'static str>,
-    /// Balances: the share of each one's residual that follows the variable, as measured.
-    pub balances: Vec<Row>,
-    /// Components: the most that each can carry. It is the largest share of the available balances that see it, times what
-    /// the largest share of those that do not see it leaves. An empty balance excludes nothing: noise may cover it.
+    /// Components: what an error there, along that variable, gains.
     pub components: Vec<Row>,
+    /// Share of what a perfect explanation would gain that the best cell gains; 0 where none gains more than chance may.
+    pub best: f64,
+    /// The components that cannot be told apart by these recordings, the likeliest first: see [`likeliest`].
+    pub likeliest: Vec<&'static str>,
+    /// What it says, in words.
+    pub summary: String,
 }
 
-/// The picture of a map and the balances that it was made with.
+/// The picture of a map and of the balances that it was made with.
 pub fn whereabouts(map: &[MapCell], isolability: &[Signature]) -> Whereabouts {
-    let regimes = distinct(map.iter().map(|cell| cell.regime));
-    let share = |balance: &str, regime: &str| {
-        map.iter()
-            .find(|cell| cell.component == balance && cell.regime == regime)
-            .map(|cell| cell.explained.clamp(0.0, 1.0))
+    let best = map.iter().map(|cell| cell.explained).fold(0.0, f64::max);
+    let share = |component: &str, regime: &str| {
+        let cell = map.iter().find(|cell| cell.component == component && cell.regime == regime)?;
+        Some(if best > 0.0 { cell.explained / best } else { 0.0 })
     };
-    let balance =
-        |name: &'static str| Row { name, shares: regimes.iter().map(|regime| share(name, regime)).collect() };
-    let carried = |name: &'static str, regime: &str| {
-        let (seeing, blind): (Vec<&Signature>, Vec<&Signature>) =
-            isolability.iter().filter(|s| s.available).partition(|s| s.sees.contains(&name));
-        let of = |some: &[&Signature]| -> Vec<f64> {
-            some.iter().filter_map(|s| share(s.balance, regime)).collect()
-        };
-        let elsewhere = of(&blind).into_iter().fold(0.0, f64::max);
-        of(&seeing).into_iter().reduce(f64::max).map(|most| most * (1.0 - elsewhere))
+    let sees = |name: &str| isolability.iter().any(|s| s.available && s.sees.contains(&name));
+    let row = |name: &'static str| Row {
+        name,
+        seen: sees(name),
+        shares: REGIMES.iter().map(|regime| share(name, regime)).collect(),
     };
-    let component = |name: &'static str| {
-        let shares = regimes.iter().map(|regime| carried(name, regime)).collect();
-        Row { name, shares }
-    };
-    let balances = distinct(map.iter().map(|cell| cell.component)).into_iter().map(balance);
-    let names = distinct(isolability.iter().flat_map(|s| s.sees.iter().copied()));
-    let (balances, components) = (balances.collect(), names.into_iter().map(component).collect());
-    Whereabouts { regimes, balances, components }
+    let components = COMPONENTS.iter().map(|name| row(name)).collect();
+    let likeliest = likeliest(map);
+    let summary = summary(map, &likeliest);
+    Whereabouts { regimes: REGIMES.to_vec(), components, best, likeliest, summary }
 }
 
-/// Each name once, in the order of its first appearance.
-fn distinct(names: impl Iterator<Item = &'static str>) -> Vec<&'static str> {
-    let mut out = Vec::new();
-    names.for_each(|name| {
-        if !out.contains(&name) {
-            out.push(name);
+/// What a map says, in words.
+fn summary(map: &[MapCell], likeliest: &[&str]) -> String {
+    let best = map.iter().max_by(|a, b| a.gain_nats.total_cmp(&b.gain_nats));
+    let Some(best) = best.filter(|cell| cell.explained > 0.0) else {
+        return "No cell stands out: an error at any component, along any of these variables, explains no more than chance may. \
+                What is left in the balances is noise."
+            .to_owned();
+    };
+    let words = |name: &str| name.replace('_', " ");
+    let shape = if best.shape.is_empty() { String::new() } else { format!(" ({})", best.shape) };
+    let alike = match likeliest.split_last() {
+        Some((last, some)) if !some.is_empty() => {
+            let some: Vec<String> = some.iter().map(|name| words(name)).collect();
+            format!(
+                "The balances cannot tell {} and {} apart; the fits in the simulator may.",
+                some.join(", "),
+                words(last)
+            )
         }
-    });
-    out
+        _ => "An error at any other component explains clearly less.".to_owned(),
+    };
+    format!(
+        "The best cell, {} along {}{shape}, gains {:.0} nats: {:.0} % of what a perfect explanation would. {alike}",
+        words(best.component),
+        best.regime,
+        best.gain_nats,
+        100.0 * best.explained
+    )
 }
 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::*;
-    use crate::bench::Misfit;
+    use crate::bench::{Drive, Misfit, Serial};
     use crate::locate::isolability;
     use counterpoise_models::reference;
 
-    fn cell(component: &'static str, explained: f64) -> MapCell {
-        MapCell { component, regime: "position", explained, shape: String::new() }
-    }
+    const SAMPLES: usize = 8000;
+    const CONTROL_FLOOR: f64 = 5e-3;
 
-    fn of(found: &Whereabouts, name: &str) -> Option<f64> {
-        found.components.iter().find(|row| row.name == name).unwrap().shares[0]
-    }
-
-    #[test]
-    fn a_component_does_not_carry_what_shows_where_it_is_not_seen() {
-        let map = [cell("twist", 0.0), cell("drive", 0.75), cell("hub", 0.5)];
-        let found = whereabouts(&map, &isolability(true, true));
-        assert_eq!(found.balances.len(), 3);
-        assert_eq!(of(&found, "motor"), Some(0.375), "drive sees it, hub has a half that is not its");
-        assert_eq!(of(&found, "pivot"), Some(0.75), "drive and hub see it");
-        assert_eq!(
-            of(&found, "platform_gyro"),
-            Some(0.0),
-            "the twist balance, which alone sees it, is empty"
-        );
-    }
-
-    #[test]
-    fn a_control_that_repeats_with_the_motors_angle_departs_there() {
+    /// A recording at the reference rig's pace whose control departs from the replay by `torque(k)`, N m at the hub, which the motor
+    /// makes and the hub takes.
+    fn departing(motor: bool, position: bool, torque: impl Fn(usize, f64) -> f64) -> Vec<MapCell> {
         let p = reference::rig();
-        let samples = 8000;
         let t = |k: usize| k as f64 * 1e-3;
-        let hub_rate: Vec<f64> = (0..samples).map(|k| 0.1 * (1.3 * t(k)).sin()).collect();
-        let angle: Vec<f64> = (0..samples).map(|k| 0.1 * (1.0 - (1.3 * t(k)).cos()) / 1.3).collect();
-        let still = vec![0.0; samples];
+        let mut seed = 7u64;
+        let mut noise = |size: f64| {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            size * 3f64.sqrt() * ((seed >> 33) as f64 / (1u64 << 30) as f64 - 1.0)
+        };
+        let rate = |k: usize| 0.1 * (1.3 * t(k)).sin() + 0.05 * (2.9 * t(k)).sin();
+        let angle =
+            |k: usize| 0.1 * (1.0 - (1.3 * t(k)).cos()) / 1.3 + 0.05 * (1.0 - (2.9 * t(k)).cos()) / 2.9;
+        let per_volt = 200.0 * 0.86 * 30.0 / (0.8 + 30.0 * 0.3067);
+        let mut series = |size: f64, f: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            (0..SAMPLES).map(|k| f(k) + noise(size)).collect()
+        };
         let measured = Measured {
             period_s: 1e-3,
-            control: vec![2.9; samples],
-            motor_rate: Some(hub_rate.iter().map(|w| p.gearbox.ratio * w).collect()),
-            hub_position: Some(angle.clone()),
-            hub_rate,
-            platform_rate: still.clone(),
-            platform_accel: still,
+            control: series(CONTROL_FLOOR, &|_| 2.9),
+            hub_rate: series(2e-4, &rate),
+            platform_rate: series(2e-4, &|_| 0.0),
+            platform_accel: series(5e-3, &|k| 1.5 * (9.0 * t(k)).sin()),
+            motor_rate: motor.then(|| series(2e-2, &|k| 200.0 * rate(k))),
+            hub_position: position.then(|| series(2e-5, &angle)),
         };
-        let residual = angle.iter().map(|a| (2.0 * p.gearbox.ratio * a).sin()).collect();
-        let misfits = vec![Misfit { channel: "control", residual, floor: 0.01 }];
-        let judged = Judged { misfits, wander: vec![0.0], start: None, drive: Drive::ClosedLoop };
-        let map = departures(&p, &[(measured, judged)]);
-        let share = |regime: &str| {
-            map.iter().find(|c| c.component == "drive" && c.regime == regime).map_or(0.0, |c| c.explained)
+        let apart = |k: usize| -torque(k, angle(k)) / per_volt / CONTROL_FLOOR;
+        let mut misfits =
+            vec![Misfit { channel: "control", residual: series(1.0, &apart), floor: CONTROL_FLOOR }];
+        let mut quiet = |channel, floor| {
+            misfits.push(Misfit { channel, residual: series(1.0, &|_| 0.0), floor });
         };
-        assert!(share("motor angle") > 0.8, "{map:?}");
-        assert!(share("rate") < 0.3 && share("load") < 0.3, "{map:?}");
-        let found = whereabouts(&map, &isolability(true, true));
-        let column = found.regimes.iter().position(|r| *r == "motor angle").unwrap();
-        let motor = found.components.iter().find(|row| row.name == "motor").unwrap();
-        assert!(motor.shares[column].unwrap() > 0.8, "{:?}", motor.shares);
+        quiet("hub_rate", 2e-4);
+        if motor {
+            quiet("motor_rate", 2e-2);
+        }
+        let judged =
+            Judged { wander: vec![0.0; misfits.len()], misfits, start: None, drive: Drive::ClosedLoop };
+        departures(&p, &[(measured, judged)], &isolability(motor, position), &Serial)
+    }
+
+    fn best(map: &[MapCell]) -> (&'static str, &'static str) {
+        let cell = map.iter().max_by(|a, b| a.gain_nats.total_cmp(&b.gain_nats)).unwrap();
+        (cell.component, cell.regime)
     }
 
     #[test]
-    fn a_component_that_no_balance_sees_has_no_share() {
-        let found = whereabouts(&[cell("drive", 0.9)], &isolability(false, false));
-        assert_eq!(of(&found, "platform_gyro"), None);
-        assert_eq!(of(&found, "pivot"), Some(0.9));
+    fn nothing_left_out_leaves_an_empty_picture_that_says_why() {
+        let map = departing(true, false, |_, _| 0.0);
+        let found = whereabouts(&map, &isolability(true, false));
+        assert!(found.best == 0.0 && found.likeliest.is_empty(), "{map:?}");
+        assert!(found.summary.starts_with("No cell stands out"));
+    }
+
+    #[test]
+    fn a_control_that_repeats_with_the_motors_angle_points_there() {
+        let map = departing(true, false, |_, angle| 20.0 * (3.0 * 200.0 * angle).sin());
+        assert_eq!(best(&map), ("motor", "motor angle"), "{map:?}");
+    }
+
+    #[test]
+    fn a_torque_of_time_alone_shows_its_period_and_what_cannot_be_told_from_it() {
+        let map = departing(false, false, |k, _| 30.0 * (std::f64::consts::TAU * k as f64 / 410.0).sin());
+        let found = whereabouts(&map, &isolability(false, false));
+        assert_eq!(found.likeliest[0], "structure", "{}", found.summary);
+        assert!(found.likeliest.contains(&"amplifier"), "{}", found.summary);
+        assert!(found.summary.contains("it repeats every 0.410"), "{}", found.summary);
+        let blind: Vec<&str> = found.components.iter().filter(|row| !row.seen).map(|row| row.name).collect();
+        assert_eq!(blind, ["platform_gyro", "platform"]);
     }
 }

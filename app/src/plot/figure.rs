@@ -33,7 +33,7 @@ pub struct Heat {
 pub struct HeatGroup {
     /// The heading.
     pub heading: String,
-    /// Each row's name with its shares from 0 to 1; none where nothing is known.
+    /// Each row's name with its shares from 0 to 1, none where nothing is known; a row without shares is grey: nothing sees it.
     pub rows: Vec<(String, Vec<Option<f64>>)>,
 }
 

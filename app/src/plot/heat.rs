@@ -30,7 +30,7 @@ pub fn svg(title: &str, heat: &Heat, prologue: &str) -> String {
     }
     let mut y = place.top;
     for group in &heat.groups {
-        y = draw_group(&mut svg, group, &place, y);
+        y = draw_group(&mut svg, (heat, group), &place, y);
     }
     svg.raw("</svg>\n");
     svg.finish()
@@ -73,17 +73,28 @@ fn scale(svg: &mut Svg, heat: &Heat) {
 }
 
 /// A group from a height on; gives the height below it.
-fn draw_group(svg: &mut Svg, group: &HeatGroup, place: &Place, top: f64) -> f64 {
+fn draw_group(svg: &mut Svg, (heat, group): (&Heat, &HeatGroup), place: &Place, top: f64) -> f64 {
     svg.text("axis", (MARGIN, top + HEADING - 9.0), Anchor::Start, &group.heading);
     let mut y = top + HEADING;
     for (name, shares) in &group.rows {
         svg.text("", (place.left - 8.0, y + 0.5 * ROW + 4.0), Anchor::End, name);
+        if shares.is_empty() {
+            draw_blind(svg, heat, place, y);
+        }
         for (k, share) in shares.iter().enumerate() {
             draw_cell(svg, *share, (place.left + k as f64 * place.width, y), place.width);
         }
         y += ROW;
     }
     y
+}
+
+/// A row that nothing sees.
+fn draw_blind(svg: &mut Svg, heat: &Heat, place: &Place, y: f64) {
+    let width = place.width * heat.columns.len() as f64;
+    svg.cell("blind", (place.left, y + 1.0), (width, ROW - 2.0), 1.0);
+    let middle = (place.left + 0.5 * width, y + 0.5 * ROW + 4.0);
+    svg.text("", middle, Anchor::Middle, "these sensors do not see it");
 }
 
 fn draw_cell(svg: &mut Svg, share: Option<f64>, corner: (f64, f64), width: f64) {
@@ -101,12 +112,14 @@ mod tests {
     #[test]
     fn every_cell_has_its_number_and_what_is_not_known_has_none() {
         let row = ("pivot".to_owned(), vec![Some(0.873), None]);
-        let groups = vec![HeatGroup { heading: "components".to_owned(), rows: vec![row] }];
+        let blind = ("platform gyro".to_owned(), Vec::new());
+        let groups = vec![HeatGroup { heading: "components".to_owned(), rows: vec![row, blind] }];
         let columns = vec!["rate".to_owned(), "a < b".to_owned()];
         let picture = svg("where", &Heat { meaning: "share".to_owned(), columns, groups }, "");
         assert!(picture.contains(">87</text>") && picture.contains(">\u{2013}</text>"));
         assert!(picture.contains("a &lt; b") && picture.contains(">100 %</text>"));
         assert_eq!(picture.matches("fill-opacity=\"0.83\"").count(), 1, "{picture}");
+        assert!(picture.contains("class=\"blind\"") && picture.contains("do not see it"));
         assert!(!picture.contains("NaN"));
     }
 }

@@ -21,6 +21,7 @@ pub const FIGURE_CSS: &str = "\
 .fig .guide{stroke:var(--soft);stroke-width:1.1;stroke-dasharray:2 3;fill:none}
 .fig .band{opacity:.22;stroke:none}
 .fig .heat{fill:var(--c1);stroke:var(--grid);stroke-width:1}
+.fig .blind{fill:var(--grid);stroke:none}
 .fig .on{fill:var(--panel)}
 .fig .dashed{stroke-dasharray:7 4}
 .fig .dotted{stroke-dasharray:1.6 3.4;stroke-linecap:round}

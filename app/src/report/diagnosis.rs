@@ -1,11 +1,11 @@
 //! The report of a diagnosis: the answer first, then how the fit improved, where and when, and what was tried.
 
 use counterpoise_project::diagnose::answer::{Answer, Channels, Finding, Verdict};
-use counterpoise_project::diagnose::whereabouts::{Row, whereabouts};
 
 use crate::plot::ticks::short;
-use crate::plot::{Axis, Colour, Figure, Heat, HeatGroup, Panel, Series};
+use crate::plot::{Axis, Colour, Figure, Panel, Series};
 
+use super::where_when::where_section;
 use super::{Cell, Column, Headline, Report, Section, Table, Tile, Tone, residual};
 
 /// One channel of one recording, measured and simulated.
@@ -68,7 +68,7 @@ fn headline(answer: &Answer) -> Headline {
     Headline { tone, text, detail }
 }
 
-fn words(effect: &str) -> String {
+pub(super) fn words(effect: &str) -> String {
     effect.replace('_', " ")
 }
 
@@ -148,57 +148,6 @@ fn fit_section(answer: &Answer, tracks: &[Track]) -> Section {
     }
     let figures = tracks.iter().filter(|t| t.channel == "control" || t.channel == "hub_rate");
     Section::new("How the fit improved").listing(table).showing(figures.map(|t| comparison(t, "")))
-}
-
-fn where_section(answer: &Answer) -> Section {
-    let mut balances = Table::new(
-        "Balances that these sensors allow, and the components that each can see",
-        &[Column::Text("balance"), Column::Text("available"), Column::Text("sees")],
-    );
-    for row in &answer.isolability {
-        let available = if row.available { "yes" } else { "no" };
-        balances.rows.push(vec![
-            Cell::text(row.balance),
-            Cell::text(available),
-            Cell::text(row.sees.join(", ")),
-        ]);
-    }
-    let section = Section::new("Where and when").listing(balances);
-    if answer.map.is_empty() { section } else { section.showing([where_when(answer)]) }
-}
-
-/// Share of a mismatch from which a cell says something.
-const STANDS_OUT: f64 = 0.1;
-
-/// Component x regime, under the balances that it follows from.
-fn where_when(answer: &Answer) -> Figure {
-    let found = whereabouts(&answer.map, &answer.isolability);
-    let stands_out =
-        found.balances.iter().flat_map(|row| &row.shares).flatten().any(|share| *share > STANDS_OUT);
-    let named = |row: Row, what: &str| (format!("{}{what}", words(row.name)), row.shares);
-    let groups = vec![
-        HeatGroup {
-            heading: "Share of each balance's departure from the replay that follows one variable".to_owned(),
-            rows: found.balances.into_iter().map(|row| named(row, " balance")).collect(),
-        },
-        HeatGroup {
-            heading: "Hence: the share that each component can carry at most".to_owned(),
-            rows: found.components.into_iter().map(|row| named(row, "")).collect(),
-        },
-    ];
-    let heat = Heat {
-        meaning: "of the mismatch, judged on data not used to find it".to_owned(),
-        columns: found.regimes.iter().map(|regime| words(regime)).collect(),
-        groups,
-    };
-    let what = "A mismatch shows in the balances that contain its component and in no other: a component carries at most what the best of \
-                those shows, less what the others show. What is left of 100 is noise, or follows another variable. Components with \
-                equal rows are told apart by the fits in the simulator, not here. A dash: no balance of these sensors sees it.";
-    let none = "No cell stands out: what is left out follows none of these variables by itself, or stays below the balances' noise, and \
-                the fits in the simulator decide. ";
-    let caption = if stands_out { what.to_owned() } else { format!("{none}{what}") };
-    Figure::cells("Where (component) and when (regime) the simulation departs, in per cent", heat)
-        .captioned(&caption)
 }
 
 fn tried_section(answer: &Answer) -> Section {

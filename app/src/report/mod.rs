@@ -32,6 +32,7 @@ pub mod targets;
 pub mod trade_off;
 pub mod triangle;
 pub mod verification;
+mod where_when;
 
 pub use design::of_design;
 pub use html::html;

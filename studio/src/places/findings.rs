@@ -119,56 +119,54 @@ fn evidence(ui: &mut Ui, theme: &Theme, answer: &Answer) {
     }
 }
 
-/// Where and when: which component can carry how much of what follows one variable, and the balances that say so.
+/// Where and when: what an error at each component explains that follows one variable, and the balances that say so.
 pub fn map(ui: &mut Ui, theme: &Theme, answer: &Answer) {
     let found = whereabouts(&answer.map, &answer.isolability);
     card(ui, theme, |ui| {
-        legend(ui, theme);
+        legend(ui, theme, &found.summary);
         egui::Grid::new("where and when").spacing([2.0, 2.0]).show(ui, |ui| {
             ui.label("");
             found.regimes.iter().for_each(|name| {
                 ui.label(RichText::new(*name).small().color(theme.weak));
             });
             ui.end_row();
-            rows(ui, theme, ("each balance's departure", &found.balances, " balance"));
-            rows(ui, theme, ("each component's, at most", &found.components, ""));
+            found.components.iter().for_each(|one| row(ui, theme, one));
         });
         shapes(ui, theme, answer);
     });
     card(ui, theme, |ui| evidence(ui, theme, answer));
 }
 
-/// What the colours mean.
-fn legend(ui: &mut Ui, theme: &Theme) {
-    parts::heading(
-        ui,
-        "Share of the mismatch that follows one variable, in per cent, on data not used to find it",
-    );
+/// What the picture says, and what the colours mean.
+fn legend(ui: &mut Ui, theme: &Theme, summary: &str) {
+    parts::heading(ui, "What an error at each component explains, along one variable");
+    ui.label(summary);
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 0.0;
         for k in 0..=10 {
             let (place, _) = ui.allocate_exact_size(egui::vec2(20.0, 12.0), egui::Sense::hover());
             ui.painter().rect_filled(place, 0.0, warm(theme, 0.1 * f64::from(k)));
         }
-        ui.label(RichText::new("  0 to 100 %").small().color(theme.weak));
+        let scale = "  0 to 100 % of what the best cell gains on data not used to find it";
+        ui.label(RichText::new(scale).small().color(theme.weak));
     });
-    let why = "a mismatch shows in every balance that contains its component and in no other";
-    ui.label(RichText::new(why).small().color(theme.weak));
     ui.add_space(space::SMALL);
 }
 
-/// The rows of a group under its heading.
-fn rows(ui: &mut Ui, theme: &Theme, (heading, rows, what): (&str, &[Row], &str)) {
-    ui.label(RichText::new(heading).small().color(theme.weak));
-    ui.end_row();
-    for row in rows {
-        ui.label(format!("{}{what}", row.name.replace('_', " ")));
-        row.shares.iter().for_each(|share| cell(ui, theme, *share));
-        ui.end_row();
+/// The row of a component; a weak name alone where no balance sees it.
+fn row(ui: &mut Ui, theme: &Theme, one: &Row) {
+    let name = one.name.replace('_', " ");
+    if one.seen {
+        ui.label(name);
+        one.shares.iter().for_each(|share| cell(ui, theme, *share));
+    } else {
+        ui.label(RichText::new(name).color(theme.weak));
+        ui.label(RichText::new("not seen").small().color(theme.weak));
     }
+    ui.end_row();
 }
 
-/// One cell, the warmer the more is carried; a dash where no balance sees the component.
+/// One cell, the warmer the more is carried; a dash where no such error is thought of.
 fn cell(ui: &mut Ui, theme: &Theme, share: Option<f64>) {
     let frame = egui::Frame::new()
         .fill(warm(theme, share.unwrap_or(0.0)))
@@ -188,7 +186,7 @@ fn warm(theme: &Theme, share: f64) -> egui::Color32 {
 /// What the mismatch looks like along the variables that carry it.
 fn shapes(ui: &mut Ui, theme: &Theme, answer: &Answer) {
     for found in answer.map.iter().filter(|cell| !cell.shape.is_empty()) {
-        let text = format!("{} balance over {}: {}", found.component, found.regime, found.shape);
+        let text = format!("{} along {}: {}", found.component.replace('_', " "), found.regime, found.shape);
         ui.label(RichText::new(text).small().color(theme.weak));
     }
 }
