@@ -36,6 +36,8 @@ struct Segment {
 pub(crate) struct Departures<'a> {
     /// The recordings' signals.
     pub signals: Vec<Signals<'a>>,
+    /// The replays' signals, without noise; none where a replay is not in the recording's loop.
+    quiet: Vec<Option<Signals<'a>>>,
     /// The balances that the sensors allow.
     pub balances: Vec<Balance>,
     /// What is left of the drive's balance, N m: thinned, less its straight line, not white.
@@ -53,6 +55,11 @@ impl<'a> Departures<'a> {
         let has = |f: fn(&Measured) -> bool| recordings.iter().all(|(m, _)| f(m));
         let balances = Balance::allowed(has(|m| m.motor_rate.is_some()), has(|m| m.hub_position.is_some()));
         let signals: Vec<Signals> = recordings.iter().map(|(m, _)| Signals::new(p, m, None)).collect();
+        let quiet = recordings.iter().zip(&signals).map(|((m, judged), s)| {
+            let in_loop = judged.drive == Drive::ClosedLoop;
+            in_loop.then(|| Signals::new(p, &replayed(m, judged), Some(s.slow())))
+        });
+        let quiet = quiet.collect();
         let pairs = signals.iter().zip(recordings);
         let apart: Vec<[Vec<Vec<f64>>; 2]> =
             pairs.map(|(s, (m, judged))| departed(p, s, m, judged, &balances)).collect();
@@ -62,6 +69,7 @@ impl<'a> Departures<'a> {
         let mut out = Self {
             torque: of(0, drive).iter().map(|series| detrended(series)).collect(),
             signals,
+            quiet,
             whiteners,
             segments: Vec::new(),
             target: Vec::new(),
@@ -107,9 +115,14 @@ impl<'a> Departures<'a> {
         out
     }
 
-    /// A quantity at every sample of every recording.
+    /// A quantity at every sample of every recording; one that is noise for the most part, as its replay has it: the noise that a
+    /// balance holds would explain itself.
     pub fn all(&self, quantity: Quantity) -> Series {
-        self.signals.iter().map(|s| quantity.of(s)).collect()
+        let of = |(s, quiet): (&Signals, &Option<Signals>)| match quiet {
+            Some(quiet) if quantity.is_mostly_noise() => quantity.of(quiet),
+            _ => quantity.of(s),
+        };
+        self.signals.iter().zip(&self.quiet).map(of).collect()
     }
 
     /// One column for each error at a port.

@@ -228,6 +228,11 @@ impl Quantity {
         matches!(self, Self::Speed | Self::Travel | Self::MotorSpeed | Self::MotorTravel)
     }
 
+    /// Whether it is a derivative of a noisy rate that stands in a balance itself.
+    pub fn is_mostly_noise(self) -> bool {
+        matches!(self, Self::Acceleration | Self::AccelerationBend | Self::HubRateSlope)
+    }
+
     /// Its unit, with a space before it.
     pub fn unit(self) -> &'static str {
         match self {
