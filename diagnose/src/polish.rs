@@ -5,6 +5,7 @@ use crate::bench::Judged;
 use crate::candidate::whole_parts;
 use crate::fit::{Fit, Selection, applied, knobs};
 use crate::library::{Effect, refinement};
+use crate::scan::repeats;
 use crate::score::score;
 use crate::select::{Candidate, Effort, Search, Searcher};
 use crate::tolerance::{AMBIGUOUS, RIVALS, SEARCH_ITERATIONS, SWAP_NEEDED};
@@ -39,6 +40,9 @@ impl Searcher<'_> {
 
     /// A candidate with another fit of its effects to all recordings, judged from the starts that were found with it.
     pub(crate) fn with_fit(&self, candidate: &Candidate, fit: Fit) -> Option<Candidate> {
+        if !repeats(self.bench, &fit) {
+            return None;
+        }
         let judged = self.standing(&fit.parameters, &|r| fit.stance(r))?;
         let whole = score(&judged, &whole_parts(judged.len()))?;
         let stances = judged.iter().map(Judged::stance).collect();

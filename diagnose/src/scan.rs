@@ -3,9 +3,10 @@
 
 use counterpoise_models::Parameters;
 
-use crate::bench::{Drive, Judged, Misfit, Span, map};
+use crate::bench::{Bench, Drive, Judged, Misfit, Span, map};
+use crate::fit::Fit;
 use crate::library::{Effect, Mapping, scan_range};
-use crate::look::{Look, Scene, is_close, look, weighted};
+use crate::look::{Look, Scene, is_close, is_ripple, look, weighted};
 use crate::tolerance::{PERIOD_SEEN, PERIODS_SAMPLED};
 use crate::trials::{Trial, ripple, towards};
 
@@ -96,8 +97,7 @@ pub(crate) fn best_orders(scene: &Scene, effect: &'static Effect) -> Vec<Trial> 
     let per_motor_turn = ORDERS.iter().map(|order| order * first);
     let per_hub_turn = ORDERS.iter().map(|order| order / ratio);
     let lowest = if effect.component == "motor" { first } else { effect.knobs[1].bounds[0] };
-    let turned = scene.bench.travel_rad() * ratio;
-    let is_seen = |order: &f64| *order * turned > PERIOD_SEEN * std::f64::consts::TAU;
+    let is_seen = |order: &f64| is_seen(scene.bench, ratio, *order);
     let is_sampled = |order: &f64| *order * ratio * scene.bench.turns_per_sample() < PERIODS_SAMPLED;
     let orders = per_motor_turn
         .chain(per_hub_turn.filter(|order| *order >= lowest && *order < first))
@@ -108,4 +108,21 @@ pub(crate) fn best_orders(scene: &Scene, effect: &'static Effect) -> Vec<Trial> 
     let mut ranked: Vec<(f64, Trial)> = looks.iter().map(share).zip(scan).collect();
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
     ranked.into_iter().take(ORDERS_KEPT).map(|(_, trial)| trial).collect()
+}
+
+/// Whether what repeats with the motor's angle does so over the travel: of less than most of a period nobody can say that it repeats.
+fn is_seen(bench: &dyn Bench, ratio: f64, order: f64) -> bool {
+    order * bench.travel_rad() * ratio > PERIOD_SEEN * std::f64::consts::TAU
+}
+
+/// Whether every ripple of motor and gearbox in a fit repeats over the travel. A fit may stretch one until it is a piece of a sine,
+/// which is any smooth function of the position and none of the motor's turns.
+pub(crate) fn repeats(bench: &dyn Bench, fit: &Fit) -> bool {
+    let ratio = fit.parameters.gearbox.ratio;
+    let mut first = 0;
+    fit.effects.iter().all(|effect| {
+        let order = fit.values.get(first + 1).copied();
+        first += effect.knobs.len();
+        !is_ripple(effect) || effect.component == "pivot" || order.is_none_or(|o| is_seen(bench, ratio, o))
+    })
 }

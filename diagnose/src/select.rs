@@ -17,7 +17,7 @@ use crate::library::Effect;
 use crate::look::{Look, Reach, Scene, Sizes, first_look, is_close, is_ripple};
 use crate::pairs::pairs;
 use crate::plain::Plain;
-use crate::scan::judged_gap;
+use crate::scan::{judged_gap, repeats};
 use crate::score::{Score, judge, score};
 use crate::simpler::spring_for_hose;
 use crate::tolerance::{
@@ -290,8 +290,11 @@ impl Searcher<'_> {
         (judged.len() == self.bench.count()).then(|| judged.into_iter().collect::<Option<_>>()).flatten()
     }
 
-    /// A fit with how every recording stands to it, as a candidate.
+    /// A fit with how every recording stands to it, as a candidate; none of a ripple that does not repeat.
     fn weighed(&self, fit: Fit, judged: &[Judged], fitted: &[usize], before: &[Judged]) -> Option<Candidate> {
+        if !repeats(self.bench, &fit) {
+            return None;
+        }
         let parts = held_out_parts(self.bench.count(), fitted);
         Some(Candidate {
             whole: score(judged, &whole_parts(self.bench.count()))?,

@@ -124,5 +124,5 @@ pub const RIGHT_WHERE_EXPLAINED: f64 = 0.98;
 pub const RIGHT_OF_THREE: f64 = 0.4;
 /// The same, where something is left over: 3 of 6. Of a textbook's model, too, for which there are no sealed machines.
 pub const RIGHT_WHERE_INCOMPLETE: f64 = 0.5;
-/// The same, that something unknown sits in the component that is named first: 3 of 16.
-pub const RIGHT_OF_UNKNOWN: f64 = 0.2;
+/// The same, that something unknown sits in the component that is named first: 22 of 22, of three kinds that were all in view, so a little less.
+pub const RIGHT_OF_UNKNOWN: f64 = 0.9;

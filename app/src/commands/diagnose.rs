@@ -42,8 +42,7 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     let mut found = found?;
     let remarks = read.iter().flat_map(|r| r.remarks.iter().map(|remark| format!("{}: {remark}", r.file)));
     let unheard = (!undemanded.is_empty()).then(|| without_demand(&undemanded));
-    let heave = recordings.iter().filter(|r| moves_without_heave(r)).map(without_heave);
-    found.answer.qualification.splice(0..0, unheard.into_iter().chain(heave).chain(remarks));
+    found.answer.qualification.splice(0..0, unheard.into_iter().chain(remarks));
     if let Some(path) = &options.save {
         files::save_improved(&loaded, &found.improved, path)?;
     }
@@ -59,27 +58,6 @@ pub fn run(options: &DiagnoseOptions) -> Done {
         consequence.iter().for_each(print_consequence);
     }
     Ok(verdict_code(true))
-}
-
-/// Rate of a platform above which it moves, rad/s RMS.
-const MOVES_RAD_S: f64 = 5e-3;
-
-/// Whether the platform turns in a recording that has no heave.
-fn moves_without_heave(recording: &Recording) -> bool {
-    let turns = |rate: &Vec<f64>| {
-        let there: Vec<f64> = rate.iter().copied().filter(|w| w.is_finite()).collect();
-        (there.iter().map(|w| w * w).sum::<f64>() / there.len().max(1) as f64).sqrt() > MOVES_RAD_S
-    };
-    recording.platform_accel_m_s2.is_none() && recording.platform_rate_rad_s.as_ref().is_some_and(turns)
-}
-
-/// That a moving platform's heave is not known.
-fn without_heave(recording: &Recording) -> String {
-    format!(
-        "{}: the platform moves, but platform_accel was not recorded: heave is taken as none, and what it does may be named as \
-         something else; better leave this recording out",
-        recording.name
-    )
 }
 
 /// That the recorded controller could not be run.
