@@ -105,6 +105,34 @@ pub(crate) const COMPONENTS: [&str; 10] = [
     "platform",
 ];
 
+/// The regime variables along which an effect of the library shows, the plainest first; none for one that has no cell.
+pub(crate) fn regimes_of(component: &str, effect: &str) -> &'static [&'static str] {
+    match (component, effect) {
+        ("pivot" | "motor", "coulomb") => &["reversal", "rate"],
+        ("pivot", "stribeck") => &["rate", "reversal"],
+        ("pivot" | "motor", "viscous" | "quadratic_drag" | "asymmetric_friction") => &["rate"],
+        ("pivot", "presliding_stiffness") | ("structure", "hysteresis") => &["reversal"],
+        ("structure", "vertical_offset" | "position_stiffness")
+        | ("pivot", "position_dependent_friction") => &["position"],
+        ("structure", "out_of_balance")
+        | ("pivot", "load_dependent_friction")
+        | ("gearbox", "stiffness" | "backlash")
+        | ("motor", "torque_constant") => &["load"],
+        ("gearbox", "mesh_efficiency") => &["rate", "load"],
+        ("structure" | "motor", "inertia") => &["acceleration"],
+        ("motor", "cogging" | "torque_ripple") | ("gearbox", "mesh_ripple") => &["motor angle"],
+        ("amplifier", "gain_curve" | "dead_zone" | "current_limit") => &["control"],
+        ("pivot", "warm_up") => &["time"],
+        ("hub_gyro" | "platform_gyro", "scale") => &["rate"],
+        (_, "bias") => &["time"],
+        (_, "g_sensitivity") | ("platform_accelerometer", "scale") => &["acceleration"],
+        (_, "flexible_mode" | "damping" | "bandwidth" | "delay" | "lever_arm" | "channel_skew") => {
+            &["frequency"]
+        }
+        _ => &[],
+    }
+}
+
 /// Time constants of a lag in the drive, ms.
 const LAGS: &[Quantity] = &[Q::Lagged(1), Q::Lagged(2), Q::Lagged(4), Q::Lagged(8), Q::Lagged(16)];
 /// Samples by which the control may be late.
@@ -274,4 +302,20 @@ fn since_reversal(rate: &[f64], period_s: f64) -> Vec<f64> {
         moved
     };
     rate.iter().map(step).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::library::library;
+
+    #[test]
+    fn every_effect_of_the_library_has_its_cell() {
+        for effect in library() {
+            let regimes = regimes_of(effect.component, effect.effect);
+            assert!(!regimes.is_empty(), "{}", effect.label());
+            assert!(regimes.iter().all(|r| REGIMES.contains(r)), "{}", effect.label());
+            assert!(COMPONENTS.contains(&effect.component), "{}", effect.label());
+        }
+    }
 }

@@ -6,12 +6,12 @@
 
 use counterpoise_models::Parameters;
 
-use crate::answer::MapCell;
+use crate::answer::{Finding, MapCell};
 use crate::bench::{Judged, Pool, map};
 use crate::departures::{Departures, Series};
 use crate::functions::{fitted_shape, knots, on_knots, sines, turns, waves};
 use crate::locate::{Measured, Signature};
-use crate::suspects::{COMPONENTS, Law, Quantity, REGIMES, SUSPECTS, Suspect};
+use crate::suspects::{COMPONENTS, Law, Quantity, REGIMES, SUSPECTS, Suspect, regimes_of};
 use crate::tolerance::{AMBIGUOUS, GAIN_NEEDED};
 
 /// Share of the best gain by which a component may be behind and not be told apart: what the balances leave out is no noise.
@@ -155,6 +155,8 @@ pub struct Row {
     /// Shares of the best cell's gain, 0 to 1, in the order of [`Whereabouts::regimes`]; none where the component has no error along
     /// that variable.
     pub shares: Vec<Option<f64>>,
+    /// Places among [`Whereabouts::regimes`] of the cells that effects belong to which the search then named.
+    pub named: Vec<usize>,
 }
 
 /// The picture of where and when.
@@ -172,8 +174,8 @@ pub struct Whereabouts {
     pub summary: String,
 }
 
-/// The picture of a map and of the balances that it was made with.
-pub fn whereabouts(map: &[MapCell], isolability: &[Signature]) -> Whereabouts {
+/// The picture of a map, of the balances that it was made with, and of what the search found after it.
+pub fn whereabouts(map: &[MapCell], isolability: &[Signature], findings: &[Finding]) -> Whereabouts {
     let best = map.iter().map(|cell| cell.explained).fold(0.0, f64::max);
     let share = |component: &str, regime: &str| {
         let cell = map.iter().find(|cell| cell.component == component && cell.regime == regime)?;
@@ -184,11 +186,37 @@ pub fn whereabouts(map: &[MapCell], isolability: &[Signature]) -> Whereabouts {
         name,
         seen: sees(name),
         shares: REGIMES.iter().map(|regime| share(name, regime)).collect(),
+        named: findings.iter().filter(|f| f.component == name).filter_map(|f| named(map, f)).collect(),
     };
     let components = COMPONENTS.iter().map(|name| row(name)).collect();
     let likeliest = likeliest(map);
-    let summary = summary(map, &likeliest);
+    let summary = format!("{}{}", summary(map, &likeliest), agreement(map, findings));
     Whereabouts { regimes: REGIMES.to_vec(), components, best, likeliest, summary }
+}
+
+/// Place of the cell that a named effect belongs to: of those along whose variables it shows, the one that gains most.
+fn named(map: &[MapCell], finding: &Finding) -> Option<usize> {
+    let gain = |regime: &str| {
+        let cell = map.iter().find(|c| c.component == finding.component && c.regime == regime);
+        cell.filter(|c| c.explained > 0.0).map_or(0.0, |c| c.gain_nats)
+    };
+    // the last of equals is taken: the plainest is to win
+    let regimes = regimes_of(finding.component, finding.effect).iter().rev();
+    place(regimes.max_by(|a, b| gain(a).total_cmp(&gain(b)))?)
+}
+
+/// What is to be said where the brightest cell is none that the search named.
+fn agreement(map: &[MapCell], findings: &[Finding]) -> String {
+    let best = map.iter().max_by(|a, b| a.gain_nats.total_cmp(&b.gain_nats)).filter(|c| c.explained > 0.0);
+    let ringed: Vec<(&str, Option<usize>)> =
+        findings.iter().map(|f| (f.component, named(map, f))).filter(|(_, cell)| cell.is_some()).collect();
+    match best {
+        Some(_) if findings.is_empty() => " The search named nothing: what shows here is too little for an effect.".to_owned(),
+        Some(best) if !ringed.is_empty() && !ringed.contains(&(best.component, place(best.regime))) => {
+            " The search then named another cell (ringed): the balances are simpler than the simulator, and its fits decide.".to_owned()
+        }
+        _ => String::new(),
+    }
 }
 
 /// What a map says, in words.
@@ -281,21 +309,39 @@ mod tests {
     #[test]
     fn nothing_left_out_leaves_an_empty_picture_that_says_why() {
         let map = departing(true, false, |_, _| 0.0);
-        let found = whereabouts(&map, &isolability(true, false));
+        let found = whereabouts(&map, &isolability(true, false), &[]);
         assert!(found.best == 0.0 && found.likeliest.is_empty(), "{map:?}");
         assert!(found.summary.starts_with("No cell stands out"));
+    }
+
+    fn found(component: &'static str, effect: &'static str) -> Finding {
+        let (when, explanation) = (String::new(), String::new());
+        let (parameters, alternatives) = (Vec::new(), Vec::new());
+        Finding { effect, component, probability: 1.0, when, explanation, parameters, alternatives }
     }
 
     #[test]
     fn a_control_that_repeats_with_the_motors_angle_points_there() {
         let map = departing(true, false, |_, angle| 20.0 * (3.0 * 200.0 * angle).sin());
         assert_eq!(best(&map), ("motor", "motor angle"), "{map:?}");
+        let sees = isolability(true, false);
+        let ringed = |named: Finding| {
+            let picture = whereabouts(&map, &sees, &[named]);
+            let rows = picture.components.iter();
+            let cells =
+                rows.flat_map(|row| row.named.iter().map(|&k| (row.name, REGIMES[k]))).collect::<Vec<_>>();
+            (cells, picture.summary.contains("named another cell"))
+        };
+        assert_eq!(ringed(found("motor", "cogging")), (vec![("motor", "motor angle")], false));
+        assert_eq!(ringed(found("pivot", "stribeck")), (vec![("pivot", "rate")], true));
+        assert_eq!(ringed(found("motor", "unknown")), (vec![], false));
+        assert!(whereabouts(&map, &sees, &[]).summary.contains("named nothing"));
     }
 
     #[test]
     fn a_torque_of_time_alone_shows_its_period_and_what_cannot_be_told_from_it() {
         let map = departing(false, false, |k, _| 30.0 * (std::f64::consts::TAU * k as f64 / 410.0).sin());
-        let found = whereabouts(&map, &isolability(false, false));
+        let found = whereabouts(&map, &isolability(false, false), &[]);
         assert_eq!(found.likeliest[0], "structure", "{}", found.summary);
         assert!(found.likeliest.contains(&"amplifier"), "{}", found.summary);
         assert!(found.summary.contains("it repeats every 0.410"), "{}", found.summary);

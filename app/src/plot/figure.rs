@@ -22,6 +22,8 @@ pub struct Figure {
 pub struct Heat {
     /// What the colour means, with its unit.
     pub meaning: String,
+    /// What a ring means.
+    pub ring: String,
     /// Names of the columns.
     pub columns: Vec<String>,
     /// Rows in groups.
@@ -33,8 +35,19 @@ pub struct Heat {
 pub struct HeatGroup {
     /// The heading.
     pub heading: String,
-    /// Each row's name with its shares from 0 to 1, none where nothing is known; a row without shares is grey: nothing sees it.
-    pub rows: Vec<(String, Vec<Option<f64>>)>,
+    /// The rows, from top to bottom.
+    pub rows: Vec<HeatRow>,
+}
+
+/// One row of a [`Heat`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeatRow {
+    /// Its name.
+    pub name: String,
+    /// Shares from 0 to 1, none where nothing is known; a row without shares is grey: nothing sees it.
+    pub shares: Vec<Option<f64>>,
+    /// Places of the cells with a ring.
+    pub ringed: Vec<usize>,
 }
 
 /// One pair of axes.

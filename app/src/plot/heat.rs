@@ -45,7 +45,7 @@ struct Place {
 
 impl Place {
     fn of(heat: &Heat) -> Self {
-        let names = heat.groups.iter().flat_map(|g| g.rows.iter().map(|row| width_of(&row.0, FONT)));
+        let names = heat.groups.iter().flat_map(|g| g.rows.iter().map(|row| width_of(&row.name, FONT)));
         let left = names.fold(60.0, f64::max) + MARGIN + 8.0;
         let longest = heat.columns.iter().map(|c| width_of(c, FONT)).fold(0.0, f64::max);
         // the last heading leans beyond its column
@@ -69,21 +69,28 @@ fn scale(svg: &mut Svg, heat: &Heat) {
             svg.text("axis", (x + 0.5 * SCALE_CELL, 34.0), Anchor::Middle, &format!("{} %", 10 * k));
         }
     }
-    svg.text("", (MARGIN + 11.0 * SCALE_CELL + 10.0, 18.0), Anchor::Start, &heat.meaning);
+    let right = MARGIN + 11.0 * SCALE_CELL + 10.0;
+    svg.text("", (right, 18.0), Anchor::Start, &heat.meaning);
+    if heat.groups.iter().flat_map(|g| &g.rows).any(|row| !row.ringed.is_empty()) {
+        draw_ring(svg, (right, 25.0), (SCALE_CELL, 12.0));
+        svg.text("", (right + SCALE_CELL + 6.0, 35.0), Anchor::Start, &heat.ring);
+    }
 }
 
 /// A group from a height on; gives the height below it.
 fn draw_group(svg: &mut Svg, (heat, group): (&Heat, &HeatGroup), place: &Place, top: f64) -> f64 {
     svg.text("axis", (MARGIN, top + HEADING - 9.0), Anchor::Start, &group.heading);
     let mut y = top + HEADING;
-    for (name, shares) in &group.rows {
-        svg.text("", (place.left - 8.0, y + 0.5 * ROW + 4.0), Anchor::End, name);
-        if shares.is_empty() {
+    for row in &group.rows {
+        svg.text("", (place.left - 8.0, y + 0.5 * ROW + 4.0), Anchor::End, &row.name);
+        if row.shares.is_empty() {
             draw_blind(svg, heat, place, y);
         }
-        for (k, share) in shares.iter().enumerate() {
-            draw_cell(svg, *share, (place.left + k as f64 * place.width, y), place.width);
+        let corner = |k: usize| (place.left + k as f64 * place.width, y);
+        for (k, share) in row.shares.iter().enumerate() {
+            draw_cell(svg, *share, corner(k), place.width);
         }
+        row.ringed.iter().for_each(|&k| draw_ring(svg, corner(k), (place.width, ROW)));
         y += ROW;
     }
     y
@@ -105,21 +112,29 @@ fn draw_cell(svg: &mut Svg, share: Option<f64>, corner: (f64, f64), width: f64) 
     svg.text(class, (corner.0 + 0.5 * width, corner.1 + 0.5 * ROW + 4.0), Anchor::Middle, &text);
 }
 
+/// A ring just inside a cell.
+fn draw_ring(svg: &mut Svg, corner: (f64, f64), size: (f64, f64)) {
+    svg.frame("named", (corner.0 + 1.5, corner.1 + 1.5), (size.0 - 3.0, size.1 - 3.0));
+}
+
 #[cfg(test)]
 mod tests {
+    use super::super::HeatRow;
     use super::*;
 
     #[test]
     fn every_cell_has_its_number_and_what_is_not_known_has_none() {
-        let row = ("pivot".to_owned(), vec![Some(0.873), None]);
-        let blind = ("platform gyro".to_owned(), Vec::new());
+        let row = HeatRow { name: "pivot".to_owned(), shares: vec![Some(0.873), None], ringed: vec![1] };
+        let blind = HeatRow { name: "platform gyro".to_owned(), shares: Vec::new(), ringed: Vec::new() };
         let groups = vec![HeatGroup { heading: "components".to_owned(), rows: vec![row, blind] }];
         let columns = vec!["rate".to_owned(), "a < b".to_owned()];
-        let picture = svg("where", &Heat { meaning: "share".to_owned(), columns, groups }, "");
+        let (meaning, ring) = ("share".to_owned(), "found".to_owned());
+        let picture = svg("where", &Heat { meaning, ring, columns, groups }, "");
         assert!(picture.contains(">87</text>") && picture.contains(">\u{2013}</text>"));
         assert!(picture.contains("a &lt; b") && picture.contains(">100 %</text>"));
         assert_eq!(picture.matches("fill-opacity=\"0.83\"").count(), 1, "{picture}");
         assert!(picture.contains("class=\"blind\"") && picture.contains("do not see it"));
-        assert!(!picture.contains("NaN"));
+        assert_eq!(picture.matches("class=\"named\"").count(), 2, "the ring and its legend: {picture}");
+        assert!(picture.contains(">found</text>") && !picture.contains("NaN"));
     }
 }

@@ -21,4 +21,4 @@ pub mod thin;
 pub mod ticks;
 
 pub use draw::{inline_svg, standalone_svg};
-pub use figure::{Axis, Band, Colour, Dash, Figure, Heat, HeatGroup, Mark, Panel, Scale, Series};
+pub use figure::{Axis, Band, Colour, Dash, Figure, Heat, HeatGroup, HeatRow, Mark, Panel, Scale, Series};

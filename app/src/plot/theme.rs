@@ -23,6 +23,7 @@ pub const FIGURE_CSS: &str = "\
 .fig .heat{fill:var(--c1);stroke:var(--grid);stroke-width:1}
 .fig .blind{fill:var(--grid);stroke:none}
 .fig .on{fill:var(--panel)}
+.fig .named{stroke:var(--c2);stroke-width:2.5;fill:none}
 .fig .dashed{stroke-dasharray:7 4}
 .fig .dotted{stroke-dasharray:1.6 3.4;stroke-linecap:round}
 .s1{stroke:var(--c1)}.s2{stroke:var(--c2)}.s3{stroke:var(--c3)}.s4{stroke:var(--c4)}.s5{stroke:var(--c5)}.s6{stroke:var(--c6)}.s7{stroke:var(--c7)}

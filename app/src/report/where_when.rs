@@ -3,7 +3,7 @@
 use counterpoise_project::diagnose::answer::Answer;
 use counterpoise_project::diagnose::whereabouts::{Row, whereabouts};
 
-use crate::plot::{Figure, Heat, HeatGroup};
+use crate::plot::{Figure, Heat, HeatGroup, HeatRow};
 
 use super::diagnosis::words;
 use super::{Cell, Column, Section, Table};
@@ -28,10 +28,11 @@ pub(super) fn where_section(answer: &Answer) -> Section {
 
 /// Component x regime.
 fn where_when(answer: &Answer) -> Figure {
-    let found = whereabouts(&answer.map, &answer.isolability);
-    let rows = found.components.iter().map(|row| (words(row.name), shares(row))).collect();
+    let found = whereabouts(&answer.map, &answer.isolability, &answer.findings);
+    let rows = found.components.iter().map(shown).collect();
     let heat = Heat {
-        meaning: "of what the best cell gains on stretches that it was not fitted to".to_owned(),
+        meaning: "of what the best cell gains".to_owned(),
+        ring: "where the effect belongs that the search then named".to_owned(),
         columns: found.regimes.iter().map(|regime| words(regime)).collect(),
         groups: vec![HeatGroup { heading: "What an error at each component explains".to_owned(), rows }],
     };
@@ -39,12 +40,15 @@ fn where_when(answer: &Answer) -> Figure {
         .captioned(&format!("{} {HOW}", found.summary))
 }
 
-/// A row's shares; of one that no balance sees, none.
-fn shares(row: &Row) -> Vec<Option<f64>> {
-    if row.seen { row.shares.clone() } else { Vec::new() }
+/// A component's row; one that no balance sees has no shares.
+fn shown(row: &Row) -> HeatRow {
+    let shares = if row.seen { row.shares.clone() } else { Vec::new() };
+    HeatRow { name: words(row.name), shares, ringed: row.named.clone() }
 }
 
 /// What a cell is.
-const HOW: &str = "At each component an error is let in that is a free function of one variable, times what errors there scale with: friction \
-                   with the direction of sliding, a motor's loss with its torque. A cell is the log-likelihood that it gains in all \
-                   balances at once, where it was not fitted; nothing is named by it. A dash: no such error is thought of.";
+const HOW: &str = "This is a first look, before the search, and nothing is named by it. At each component an error is let in that is a \
+                   free function of one variable, times what errors there scale with: friction with the direction of sliding, a \
+                   motor's loss with its torque. A cell is the log-likelihood that it gains, in all balances at once, on stretches \
+                   that it was not fitted to. The balances are simpler than the simulator, so that the true cause too may gain a \
+                   small part of what a perfect explanation would. A dash: no such error is thought of.";

@@ -1,7 +1,7 @@
 //! What a diagnosis says: the findings, the fit, where and when, and what was tried.
 
 use counterpoise_project::diagnose::answer::{Answer, Finding, Verdict};
-use counterpoise_project::diagnose::whereabouts::{Row, whereabouts};
+use counterpoise_project::diagnose::whereabouts::{Row, Whereabouts, whereabouts};
 use counterpoise_project::recording::Channel;
 use egui::{RichText, Ui};
 
@@ -121,9 +121,9 @@ fn evidence(ui: &mut Ui, theme: &Theme, answer: &Answer) {
 
 /// Where and when: what an error at each component explains that follows one variable, and the balances that say so.
 pub fn map(ui: &mut Ui, theme: &Theme, answer: &Answer) {
-    let found = whereabouts(&answer.map, &answer.isolability);
+    let found = whereabouts(&answer.map, &answer.isolability, &answer.findings);
     card(ui, theme, |ui| {
-        legend(ui, theme, &found.summary);
+        legend(ui, theme, &found);
         egui::Grid::new("where and when").spacing([2.0, 2.0]).show(ui, |ui| {
             ui.label("");
             found.regimes.iter().for_each(|name| {
@@ -138,9 +138,9 @@ pub fn map(ui: &mut Ui, theme: &Theme, answer: &Answer) {
 }
 
 /// What the picture says, and what the colours mean.
-fn legend(ui: &mut Ui, theme: &Theme, summary: &str) {
+fn legend(ui: &mut Ui, theme: &Theme, found: &Whereabouts) {
     parts::heading(ui, "What an error at each component explains, along one variable");
-    ui.label(summary);
+    ui.label(&found.summary);
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 0.0;
         for k in 0..=10 {
@@ -150,6 +150,10 @@ fn legend(ui: &mut Ui, theme: &Theme, summary: &str) {
         let scale = "  0 to 100 % of what the best cell gains on data not used to find it";
         ui.label(RichText::new(scale).small().color(theme.weak));
     });
+    if found.components.iter().any(|row| !row.named.is_empty()) {
+        let ring = "Ringed: where the effect belongs that the search then named; the picture is a first look, before it";
+        ui.label(RichText::new(ring).small().color(theme.weak));
+    }
     ui.add_space(space::SMALL);
 }
 
@@ -158,7 +162,10 @@ fn row(ui: &mut Ui, theme: &Theme, one: &Row) {
     let name = one.name.replace('_', " ");
     if one.seen {
         ui.label(name);
-        one.shares.iter().for_each(|share| cell(ui, theme, *share));
+        for (k, share) in one.shares.iter().enumerate() {
+            let ring = if one.named.contains(&k) { (2.0, theme.warn) } else { (1.0, theme.line) };
+            cell(ui, theme, *share, ring.into());
+        }
     } else {
         ui.label(RichText::new(name).color(theme.weak));
         ui.label(RichText::new("not seen").small().color(theme.weak));
@@ -167,11 +174,8 @@ fn row(ui: &mut Ui, theme: &Theme, one: &Row) {
 }
 
 /// One cell, the warmer the more is carried; a dash where no such error is thought of.
-fn cell(ui: &mut Ui, theme: &Theme, share: Option<f64>) {
-    let frame = egui::Frame::new()
-        .fill(warm(theme, share.unwrap_or(0.0)))
-        .stroke(egui::Stroke::new(1.0, theme.line))
-        .inner_margin(3);
+fn cell(ui: &mut Ui, theme: &Theme, share: Option<f64>, ring: egui::Stroke) {
+    let frame = egui::Frame::new().fill(warm(theme, share.unwrap_or(0.0))).stroke(ring).inner_margin(3);
     frame.show(ui, |ui| {
         ui.set_min_size(egui::vec2(62.0, 16.0));
         let text = share.map_or_else(|| "\u{2013}".to_owned(), |s| format!("{:.0}", 100.0 * s));
