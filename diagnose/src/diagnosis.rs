@@ -5,8 +5,9 @@ use counterpoise_simulate::recording::Recording;
 use counterpoise_simulate::replay::Loop;
 
 use crate::answer::{Answer, MapCell, Verdict};
-use crate::bench::{Bench, Pool, map, rms};
+use crate::bench::{Bench, Pool, map};
 use crate::error::Error;
+use crate::heave::with_known_heave;
 use crate::identify::{Amplifier, identify, improved};
 use crate::judge::Evidence;
 use crate::library::{Effect, free_curve, library, named, textbook};
@@ -113,30 +114,6 @@ pub(crate) fn diagnose_of(
     };
     let improved = with_noise_of(evidence.improved(), project);
     Ok(Diagnosis { answer: evidence.answer(), improved, recordings: examined.to_vec() })
-}
-
-/// Rate of a platform above which it moves, rad/s RMS.
-const MOVES_RAD_S: f64 = 5e-3;
-
-/// The recordings less those in which the platform moves and nobody recorded how it heaves, and what is said of these: out of balance,
-/// the mechanism feels the heave, and some effect would be found that is as large. Where all are so, all stay.
-fn with_known_heave(recordings: Vec<Recording>) -> (Vec<Recording>, Vec<String>) {
-    let unknown = |r: &Recording| {
-        let rate = r.platform_rate_rad_s.iter().flatten().copied();
-        let rate: Vec<f64> = rate.filter(|w| w.is_finite()).collect();
-        r.platform_accel_m_s2.is_none() && rms(&rate) > MOVES_RAD_S
-    };
-    let done = if recordings.iter().all(unknown) { "it is taken as none" } else { "the recording is left out" };
-    let remark = |r: &Recording| {
-        let what = "the platform moves, but platform_accel was not recorded, so its heave is not known";
-        let then = "what it does might be named as something else";
-        format!("{}: {what}: {done}; {then}", r.name)
-    };
-    let remarks = recordings.iter().filter(|r| unknown(r)).map(remark).collect();
-    if recordings.iter().all(unknown) {
-        return (recordings, remarks);
-    }
-    (recordings.into_iter().filter(|r| !unknown(r)).collect(), remarks)
 }
 
 /// Component x regime of how the recordings depart from the replay of the model as it was.

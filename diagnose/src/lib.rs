@@ -23,6 +23,7 @@ pub mod diagnosis;
 pub mod error;
 pub mod fit;
 mod functions;
+mod heave;
 pub mod identify;
 mod joint;
 pub mod judge;

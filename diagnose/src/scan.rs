@@ -97,7 +97,7 @@ pub(crate) fn best_orders(scene: &Scene, effect: &'static Effect) -> Vec<Trial> 
     let per_motor_turn = ORDERS.iter().map(|order| order * first);
     let per_hub_turn = ORDERS.iter().map(|order| order / ratio);
     let lowest = if effect.component == "motor" { first } else { effect.knobs[1].bounds[0] };
-    let is_seen = |order: &f64| is_seen(scene.bench, ratio, *order);
+    let is_seen = |order: &f64| is_seen(*order, scene.bench.travel_rad() * ratio);
     let is_sampled = |order: &f64| *order * ratio * scene.bench.turns_per_sample() < PERIODS_SAMPLED;
     let orders = per_motor_turn
         .chain(per_hub_turn.filter(|order| *order >= lowest && *order < first))
@@ -110,19 +110,42 @@ pub(crate) fn best_orders(scene: &Scene, effect: &'static Effect) -> Vec<Trial> 
     ranked.into_iter().take(ORDERS_KEPT).map(|(_, trial)| trial).collect()
 }
 
-/// Whether what repeats with the motor's angle does so over the travel: of less than most of a period nobody can say that it repeats.
-fn is_seen(bench: &dyn Bench, ratio: f64, order: f64) -> bool {
-    order * bench.travel_rad() * ratio > PERIOD_SEEN * std::f64::consts::TAU
+/// Whether what repeats with the motor's angle does so over its travel, rad: of less than most of a period nobody can say that it
+/// repeats.
+fn is_seen(order: f64, travel: f64) -> bool {
+    order * travel > PERIOD_SEEN * std::f64::consts::TAU
 }
 
 /// Whether every ripple of motor and gearbox in a fit repeats over the travel. A fit may stretch one until it is a piece of a sine,
 /// which is any smooth function of the position and none of the motor's turns.
 pub(crate) fn repeats(bench: &dyn Bench, fit: &Fit) -> bool {
-    let ratio = fit.parameters.gearbox.ratio;
+    all_repeat(&fit.effects, &fit.values, bench.travel_rad() * fit.parameters.gearbox.ratio)
+}
+
+fn all_repeat(effects: &[&'static Effect], values: &[f64], travel: f64) -> bool {
     let mut first = 0;
-    fit.effects.iter().all(|effect| {
-        let order = fit.values.get(first + 1).copied();
+    effects.iter().all(|effect| {
+        let own = values.get(first..).unwrap_or(&[]);
         first += effect.knobs.len();
-        !is_ripple(effect) || effect.component == "pivot" || order.is_none_or(|o| is_seen(bench, ratio, o))
+        !is_ripple(effect) || effect.component == "pivot" || own.get(1).is_none_or(|o| is_seen(*o, travel))
     })
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::library::named;
+
+    #[test]
+    fn a_piece_of_a_sine_is_no_ripple() {
+        let spring = named("structure", "position_stiffness").find(|e| e.knobs.len() == 2).unwrap();
+        let mesh = named("gearbox", "mesh_ripple").next().unwrap();
+        let of_order = |order: f64| [900.0, 0.01, 15.0, order, 0.3];
+        let travel = 0.15 * 164.0;
+        assert!(all_repeat(&[spring, mesh], &of_order(6.0), travel));
+        assert!(!all_repeat(&[spring, mesh], &of_order(0.1), travel));
+        let friction = named("pivot", "position_dependent_friction").next().unwrap();
+        assert!(is_ripple(friction) && all_repeat(&[friction], &[0.3, 4.0, 0.0], 0.15));
+    }
 }
