@@ -256,9 +256,9 @@ impl Quantity {
         matches!(self, Self::Speed | Self::Travel | Self::MotorSpeed | Self::MotorTravel)
     }
 
-    /// Whether it is so many times a derivative of a noisy reading that most of it is noise, which stands in a balance itself.
+    /// Whether it is a derivative of a noisy rate that stands in a balance itself.
     pub fn is_mostly_noise(self) -> bool {
-        matches!(self, Self::AccelerationBend | Self::HubRateSlope)
+        matches!(self, Self::Acceleration | Self::AccelerationBend | Self::HubRateSlope)
     }
 
     /// Its unit, with a space before it.
