@@ -4,14 +4,14 @@
 //! a verdict, named effects with fitted parameters and their doubt, how the fit improved on data that was not
 //! fitted, and what these recordings cannot tell.
 //!
-//! The road: errors let in at every component say where and when ([`locate`], [`whereabouts`]); the first look ranks every
+//! The road: recordings are examined before any physics ([`recorder`]); errors let in at every component say where and when ([`locate`], [`whereabouts`]); the first look ranks every
 //! effect of the library by its linearised signature ([`look`]); the best are fitted in the simulator ([`fit`]) and judged on what they were not
 //! fitted to ([`score`], [`select`]); what the noise in the loop alone would explain is taken off (`chance`); the judge puts it
 //! into words ([`judge`]).
 //!
 //! *Invariant*: nothing here knows a weight, a file, a thread or a clock; processors are handed in as a [`bench::Pool`].
 //!
-//! Modules in reading order: [`mod@bench`], [`mend`], [`qualify`], [`noise`], [`locate`], [`whereabouts`], [`library`], [`look`], [`fit`], [`score`], [`select`], [`judge`],
+//! Modules in reading order: [`mod@bench`], [`recorder`], [`mend`], [`qualify`], [`noise`], [`locate`], [`whereabouts`], [`library`], [`look`], [`fit`], [`score`], [`select`], [`judge`],
 //! [`answer`], [`scaled`]; apart from them [`mod@refit`], a given structure fitted and judged, and [`identify`], the triangle-wave method.
 
 pub mod answer;
