@@ -229,6 +229,12 @@ fn recordings_are_diagnosed_the_finding_is_accepted_and_design_and_verdicts_foll
     let found = bench.state().diagnosis().diagnosed.as_ref().unwrap().as_ref().unwrap();
     let names: Vec<&str> = found.answer.findings.iter().map(|f| f.effect).collect();
     assert!(names.contains(&"stribeck"), "{names:?}");
+    bench.state_mut().run(&Command::Inquire { inquiry: Inquiry::Map });
+    bench.run_steps(2);
+    assert!(says(&bench, "The best cell, pivot along"), "where and when");
+    assert!(says(&bench, "Ringed: where the effect belongs"), "the cell of what was named is marked");
+    bench.state_mut().run(&Command::Inquire { inquiry: Inquiry::Findings });
+    bench.run_steps(2);
     bench.get_by_label("Accept into the project").click();
     rest(&mut bench);
     let revision = bench.state().opened.as_ref().unwrap().session.revision();

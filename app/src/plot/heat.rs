@@ -12,7 +12,7 @@ const SCALE_CELL: f64 = 22.0;
 /// Strength of the colour of a share of 1.
 const FULL: f64 = 0.95;
 /// Share from which on a number stands on a ground darker (or, on dark ground, lighter) than the page.
-const STRONG: f64 = 0.55;
+const STRONG: f64 = 0.75;
 
 /// The cells as an `<svg>` element. Deterministic.
 pub fn svg(title: &str, heat: &Heat, prologue: &str) -> String {
@@ -69,7 +69,7 @@ fn scale(svg: &mut Svg, heat: &Heat) {
             svg.text("axis", (x + 0.5 * SCALE_CELL, 34.0), Anchor::Middle, &format!("{} %", 10 * k));
         }
     }
-    let right = MARGIN + 11.0 * SCALE_CELL + 10.0;
+    let right = MARGIN + 11.0 * SCALE_CELL + 18.0;
     svg.text("", (right, 18.0), Anchor::Start, &heat.meaning);
     if heat.groups.iter().flat_map(|g| &g.rows).any(|row| !row.ringed.is_empty()) {
         draw_ring(svg, (right, 25.0), (SCALE_CELL, 12.0));

@@ -19,7 +19,7 @@ pub(super) fn where_section(answer: &Answer) -> Section {
         balances.rows.push(vec![
             Cell::text(row.balance),
             Cell::text(available),
-            Cell::text(row.sees.join(", ")),
+            Cell::text(words(&row.sees.join(", "))),
         ]);
     }
     let section = Section::new("Where and when").listing(balances);

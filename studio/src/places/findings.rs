@@ -94,7 +94,7 @@ fn fit(ui: &mut Ui, view: &View, answer: &Answer) {
 fn evidence(ui: &mut Ui, theme: &Theme, answer: &Answer) {
     parts::heading(ui, "Balances that these sensors allow");
     for row in &answer.isolability {
-        let sees = row.sees.join(", ");
+        let sees = row.sees.join(", ").replace('_', " ");
         let colour = if row.available { theme.text } else { theme.weak };
         ui.label(RichText::new(format!("{}: {sees}", row.balance)).color(colour));
     }
