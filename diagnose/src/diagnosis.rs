@@ -18,7 +18,7 @@ use crate::noise::{as_heard, with_noise_of};
 use crate::qualify::qualify;
 use crate::recorder::{Fault, examine};
 use crate::replays::{Prepared, Replays, measured};
-use crate::select::Searcher;
+use crate::search::select::Searcher;
 use crate::tolerance::{BIAS_SEEN_RAD_S, SAMPLES_AT_MOST, TEXTBOOK_SAMPLES_AT_MOST};
 use crate::whereabouts::departures;
 

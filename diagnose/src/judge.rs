@@ -11,7 +11,7 @@ use crate::fit::intervals;
 use crate::library::Effect;
 use crate::look::{Look, Sizes, is_ripple};
 use crate::score::{Score, correlation_time, score};
-use crate::select::{Candidate, Search};
+use crate::search::select::{Candidate, Search};
 use crate::tolerance::{
     AMBIGUOUS, EXPLAINED, GAIN_NEEDED, RIGHT_OF_THREE, RIGHT_OF_UNKNOWN, RIGHT_WHERE_EXPLAINED,
     RIGHT_WHERE_INCOMPLETE, RIVALRY, SHARE_TO_NAME, TEXTBOOK_SHARE_TO_NAME,

@@ -6,37 +6,29 @@
 //!
 //! The road: recordings are examined before any physics ([`recorder`]); errors let in at every component say where and when ([`locate`], [`whereabouts`]); the first look ranks every
 //! effect of the library by its linearised signature ([`look`]); the best are fitted in the simulator ([`fit`]) and judged on what they were not
-//! fitted to ([`score`], [`select`]); what the noise in the loop alone would explain is taken off (`chance`); the judge puts it
+//! fitted to ([`score`], [`search`]); what the noise in the loop alone would explain is taken off (`chance`); the judge puts it
 //! into words ([`judge`]).
 //!
 //! *Invariant*: nothing here knows a weight, a file, a thread or a clock; processors are handed in as a [`bench::Pool`].
 //!
-//! Modules in reading order: [`mod@bench`], [`recorder`], [`mend`], [`qualify`], [`noise`], [`locate`], [`whereabouts`], [`library`], [`look`], [`fit`], [`score`], [`select`], [`judge`],
+//! Modules in reading order: [`mod@bench`], [`recorder`], [`mend`], [`qualify`], [`noise`], [`locate`], [`whereabouts`], [`library`], [`look`], [`fit`], [`score`], [`search`], [`judge`],
 //! [`answer`], [`scaled`]; apart from them [`mod@refit`], a given structure fitted and judged, and [`identify`], the triangle-wave method.
 
 pub mod answer;
 pub mod bench;
-mod candidate;
 mod chance;
-mod departures;
 pub mod diagnosis;
 pub mod error;
 pub mod fit;
-mod functions;
 mod heave;
 pub mod identify;
 mod joint;
 pub mod judge;
-mod knots;
 pub mod library;
 pub mod locate;
 pub mod look;
 pub mod mend;
 pub mod noise;
-mod pairs;
-mod plain;
-mod polish;
-mod ports;
 pub mod qualify;
 pub mod recorder;
 pub mod refit;
@@ -45,16 +37,12 @@ pub mod residuals;
 pub mod scaled;
 mod scan;
 pub mod score;
-pub mod select;
+pub mod search;
 mod shape;
-mod simpler;
 mod slopes;
-mod suspects;
 pub mod tolerance;
 mod trials;
-mod validate;
 pub mod whereabouts;
-mod whiten;
 
 pub use diagnosis::Diagnosis;
 pub use error::Error;

@@ -7,7 +7,7 @@ use counterpoise_diagnose::bench::{Bench, Drive, Judged, Misfit, Serial, Span};
 use counterpoise_diagnose::judge::Evidence;
 use counterpoise_diagnose::library::library;
 use counterpoise_diagnose::look::Sizes;
-use counterpoise_diagnose::select::Searcher;
+use counterpoise_diagnose::search::select::Searcher;
 use counterpoise_models::{Parameters, reference};
 
 const SAMPLES: usize = 1500;

@@ -1,8 +1,8 @@
 //! Faults of sensors and recorder, found before any physics, and mended or left out.
 //!
 //! In come the recordings as they were written; out come recordings for the diagnosis, and what was wrong, column by column. A column
-//! is looked at by itself ([`single`]), then in what all columns must satisfy whatever the mechanism is like ([`identity`]): factors
-//! and exchanged columns ([`factors`]), the accelerometer's unit ([`heave`]), clocks ([`clocks`]). What a gyroscope itself may have
+//! is looked at by itself (`single`), then in what all columns must satisfy whatever the mechanism is like (`identity`): factors
+//! and exchanged columns (`factors`), the accelerometer's unit (`heave`), clocks (`clocks`). What a gyroscope itself may have
 //! (gain, bias, lag, delay) is left to the library of physics: there the loop hears it.
 
 mod clocks;

@@ -4,7 +4,7 @@
 //! the direction of sliding, a motor's loss with its torque, a spring with nothing else. Nothing more is assumed of the function.
 
 use crate::locate::{Signals, derivative, envelope};
-use crate::ports::Port;
+use crate::whereabouts::ports::Port;
 use Port::{Accelerometer, Gear, Hub, HubGyro, Motor, PlatformGyro};
 use Quantity as Q;
 

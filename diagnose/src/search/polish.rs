@@ -2,12 +2,12 @@
 //! the others do without them.
 
 use crate::bench::Judged;
-use crate::candidate::whole_parts;
 use crate::fit::{Fit, Selection, applied, knobs};
 use crate::library::{Effect, refinement};
 use crate::scan::repeats;
 use crate::score::score;
-use crate::select::{Candidate, Effort, Search, Searcher};
+use crate::search::candidate::whole_parts;
+use crate::search::select::{Candidate, Effort, Search, Searcher};
 use crate::tolerance::{AMBIGUOUS, RIVALS, SEARCH_ITERATIONS, SWAP_NEEDED};
 
 impl Searcher<'_> {

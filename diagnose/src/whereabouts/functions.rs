@@ -1,9 +1,9 @@
 //! Free functions of one variable: piecewise linear on knots, sines of time and of the motor's angle.
 
-use crate::departures::{Departures, Series};
-use crate::ports::Port;
 use crate::shape::shape;
-use crate::suspects::Quantity;
+use crate::whereabouts::departures::{Departures, Series};
+use crate::whereabouts::ports::Port;
+use crate::whereabouts::suspects::Quantity;
 
 /// Knots of a free function.
 const KNOTS: usize = 7;

@@ -1,17 +1,23 @@
 //! Component x regime: where the recordings depart from the replay, and along which variable.
 //!
-//! At every component an error is let in that is a free function of one regime variable ([`crate::suspects`]), as it would
-//! show in all balances at once ([`crate::ports`]); what it gains on stretches of the recordings that it was not fitted to is the
+//! At every component an error is let in that is a free function of one regime variable (`suspects`), as it would
+//! show in all balances at once (`ports`); what it gains on stretches of the recordings that it was not fitted to is the
 //! cell. Nothing is named by it: it is told which component, and what the function looks like.
+
+mod departures;
+mod functions;
+mod ports;
+mod suspects;
+mod whiten;
 
 use counterpoise_models::Parameters;
 
+use self::departures::{Departures, Series};
+use self::functions::{fitted_shape, knots, on_knots, sines, turns, waves};
+use self::suspects::{COMPONENTS, Law, Quantity, REGIMES, SUSPECTS, Suspect, regimes_of};
 use crate::answer::{Finding, MapCell};
 use crate::bench::{Judged, Pool, map};
-use crate::departures::{Departures, Series};
-use crate::functions::{fitted_shape, knots, on_knots, sines, turns, waves};
 use crate::locate::{Measured, Signature};
-use crate::suspects::{COMPONENTS, Law, Quantity, REGIMES, SUSPECTS, Suspect, regimes_of};
 use crate::tolerance::{AMBIGUOUS, GAIN_NEEDED};
 
 /// Share of the best gain by which a component may be behind and not be told apart: what the balances leave out is no noise.

@@ -9,11 +9,11 @@ use counterpoise_models::Parameters;
 use crate::bench::{Drive, Judged};
 use crate::locate::{Balance, Measured, Signals, THINNING, thin};
 use crate::look::dot;
-use crate::ports::Port;
 use crate::score::correlation_time;
 use crate::shape::Repetition;
-use crate::suspects::Quantity;
-use crate::whiten::Whitener;
+use crate::whereabouts::ports::Port;
+use crate::whereabouts::suspects::Quantity;
+use crate::whereabouts::whiten::Whitener;
 
 /// Stretches of a recording, every other one of which is left out of a fit.
 const STRETCHES: usize = 20;

@@ -1,11 +1,11 @@
 //! A candidate judged on what it was not fitted to: recordings of another kind, each predicted from the others.
 
 use crate::bench::{Judged, map};
-use crate::candidate::{Candidate, whole_parts};
 use crate::fit::{Fit, Selection};
-use crate::plain::level;
 use crate::score::{Score, score};
-use crate::select::Searcher;
+use crate::search::candidate::{Candidate, whole_parts};
+use crate::search::plain::level;
+use crate::search::select::Searcher;
 use crate::tolerance::{FITTED_SHARE, JOINT_KNOBS, ONLY_THERE};
 
 impl Searcher<'_> {

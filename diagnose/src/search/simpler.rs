@@ -2,11 +2,11 @@
 //! does not yield.
 
 use crate::bench::map;
-use crate::candidate::Candidate;
 use crate::fit::{Selection, applied, knobs};
 use crate::library::{Effect, named};
 use crate::look::{Look, Reach, Scene, first_look};
-use crate::select::{Search, Searcher};
+use crate::search::candidate::Candidate;
+use crate::search::select::{Search, Searcher};
 use crate::tolerance::{MERGES, SEARCH_ITERATIONS};
 
 impl Searcher<'_> {

@@ -9,17 +9,19 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use counterpoise_models::Parameters;
 
 use crate::bench::{Bench, Judged, Pool, map};
-pub use crate::candidate::{Candidate, Stage};
-use crate::candidate::{finalists, held_out_parts, ranked, shortlist, telling_recordings, whole_parts};
 use crate::chance::by_chance;
 use crate::fit::{Fit, Problem, Selection};
 use crate::library::Effect;
 use crate::look::{Look, Reach, Scene, Sizes, first_look, is_close, is_ripple};
-use crate::pairs::pairs;
-use crate::plain::Plain;
 use crate::scan::{judged_gap, repeats};
 use crate::score::{Score, judge, score};
-use crate::simpler::spring_for_hose;
+pub use crate::search::candidate::{Candidate, Stage};
+use crate::search::candidate::{
+    finalists, held_out_parts, ranked, shortlist, telling_recordings, whole_parts,
+};
+use crate::search::pairs::pairs;
+use crate::search::plain::Plain;
+use crate::search::simpler::spring_for_hose;
 use crate::tolerance::{
     BEYOND_CHANCE, EFFECTS_AT_MOST, GAIN_NEEDED, JOINT_KNOBS, NO_CHANCE, PAIRS, PROMISE_SHARE, RIVALS,
     SHORTLIST, SWAP_NEEDED,

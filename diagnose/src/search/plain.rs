@@ -7,7 +7,7 @@
 use crate::bench::Judged;
 use crate::fit::Selection;
 use crate::score::judge;
-use crate::select::Searcher;
+use crate::search::select::Searcher;
 use crate::tolerance::SEARCH_ITERATIONS;
 
 /// How the recordings stand to the model as it is.

@@ -13,7 +13,7 @@ use crate::fit::Selection;
 use crate::joint::StartColumns;
 use crate::library::{Effect, curve_inputs, curve_of};
 use crate::score::correlation_time;
-use crate::select::{Candidate, Searcher};
+use crate::search::select::{Candidate, Searcher};
 use crate::slopes::dot;
 use crate::tolerance::{
     KNOT_GAP_V, KNOT_ITERATIONS, KNOT_MOVES, KNOT_PRICE, KNOT_ROUNDS, KNOT_SHARE, KNOT_SPACING_V,
