@@ -20,6 +20,8 @@ use crate::tolerance::{FITTED_SHARE, STEPS_PER_SAMPLE};
 const SCORED: [Channel; 4] = [Channel::Control, Channel::HubRate, Channel::MotorRate, Channel::HubPosition];
 /// Place of the hub rate among them.
 const HUB_RATE: usize = 1;
+/// The hub angle among the freedoms of a start.
+const HUB_ANGLE: usize = 0;
 
 /// Recordings of one machine with what is made of them once: their first parts, and copies with noise on the demand.
 pub struct Prepared {
@@ -291,7 +293,12 @@ impl Bench for Replays<'_> {
         };
         let start = near.start.as_ref()?;
         let control = self.control(near.drive);
-        let replay = self.with(parameters, ready, |r| r.replay_nudged(parameters, control, start, shift))?;
+        let mut shift = *shift;
+        if near.drive == Drive::ClosedLoop && self.followed[index] {
+            // the hub's recorded angle says nothing as evidence here, so nothing but the recording says where it starts
+            shift[HUB_ANGLE] = 0.0;
+        }
+        let replay = self.with(parameters, ready, |r| r.replay_nudged(parameters, control, start, &shift))?;
         let misfits = self.misfits(&replay, index, ready.recording().len(), near.drive)?;
         Some((misfits, replay.start))
     }
