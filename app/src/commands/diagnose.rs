@@ -41,7 +41,8 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     workers.finish();
     let mut found = found?;
     let remarks = read.iter().flat_map(|r| r.remarks.iter().map(|remark| format!("{}: {remark}", r.file)));
-    let unheard = (!undemanded.is_empty()).then(|| without_demand(&undemanded));
+    let was_known = loaded.project.recording_controller.is_some();
+    let unheard = (was_known && !undemanded.is_empty()).then(|| without_demand(&undemanded));
     found.answer.qualification.splice(0..0, unheard.into_iter().chain(remarks));
     if let Some(path) = &options.save {
         files::save_improved(&loaded, &found.improved, path)?;
