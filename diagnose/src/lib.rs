@@ -38,6 +38,7 @@ pub mod scaled;
 mod scan;
 pub mod score;
 pub mod search;
+mod series;
 mod shape;
 mod slopes;
 pub mod tolerance;

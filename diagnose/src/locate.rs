@@ -15,6 +15,8 @@
 use counterpoise_models::Parameters;
 use serde::Serialize;
 
+use crate::series::{derivative, low_pass, moving_mean};
+
 /// What was measured, as the balances need it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
@@ -269,34 +271,6 @@ fn slow_rate(rate: &[f64]) -> f64 {
 const SMOOTHING: usize = 2;
 /// Every this many samples one is kept of a balance.
 pub(crate) const THINNING: usize = 4;
-
-fn low_pass(series: &[f64], half: usize) -> Vec<f64> {
-    let once = moving_mean(series, half);
-    moving_mean(&once, half)
-}
-
-fn moving_mean(series: &[f64], half: usize) -> Vec<f64> {
-    let mut sums = Vec::with_capacity(series.len() + 1);
-    sums.push(0.0);
-    for &value in series {
-        sums.push(sums[sums.len() - 1] + value);
-    }
-    let mean = |k: usize| {
-        let from = k.saturating_sub(half);
-        let to = (k + half + 1).min(series.len());
-        (sums[to] - sums[from]) / (to - from) as f64
-    };
-    (0..series.len()).map(mean).collect()
-}
-
-pub(crate) fn derivative(series: &[f64], period: f64) -> Vec<f64> {
-    let last = series.len().saturating_sub(1);
-    let at = |k: usize| {
-        let (from, to) = (k.saturating_sub(1), (k + 1).min(last));
-        if to == from { 0.0 } else { (series[to] - series[from]) / ((to - from) as f64 * period) }
-    };
-    (0..series.len()).map(at).collect()
-}
 
 pub(crate) fn integral(series: &[f64], period: f64) -> Vec<f64> {
     let mut sum = 0.0;

@@ -14,6 +14,7 @@ use crate::bench::{Bench, Drive, Judged, Misfit, Span, StartShift, rms};
 use crate::error::Error;
 use crate::locate::Measured;
 use crate::noise::floor;
+use crate::series::deviation;
 use crate::tolerance::{FITTED_SHARE, STEPS_PER_SAMPLE};
 
 /// Channels whose misfit is scored; the platform's are what drives the replay.
@@ -390,12 +391,6 @@ fn travel(recording: &Recording) -> f64 {
 fn apart(channel: Channel, a: &ReadingColumns, b: &ReadingColumns) -> f64 {
     let difference: Vec<f64> = channel.of(a).iter().zip(channel.of(b)).map(|(x, y)| x - y).collect();
     rms(&difference)
-}
-
-fn deviation(series: &[f64]) -> f64 {
-    let finite: Vec<f64> = series.iter().copied().filter(|v| v.is_finite()).collect();
-    let mean = finite.iter().sum::<f64>() / finite.len().max(1) as f64;
-    rms(&finite.iter().map(|v| v - mean).collect::<Vec<f64>>())
 }
 
 /// The recording with other noise: on its demand of the size of the hub gyroscope's, on the platform's channels of the

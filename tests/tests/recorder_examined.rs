@@ -51,16 +51,7 @@ impl Machine {
 }
 
 fn of(r: &mut Recording, column: Column) -> &mut Vec<f64> {
-    let found = match column {
-        Column::Demand => &mut r.demand_rad_s,
-        Column::Control => &mut r.control_v,
-        Column::HubRate => &mut r.hub_rate_rad_s,
-        Column::PlatformRate => &mut r.platform_rate_rad_s,
-        Column::PlatformAccel => &mut r.platform_accel_m_s2,
-        Column::MotorRate => &mut r.motor_rate_rad_s,
-        Column::HubPosition => &mut r.hub_position_rad,
-    };
-    found.as_mut().unwrap()
+    column.of_mut(r).as_mut().unwrap()
 }
 
 /// What a recorder may do to a column.

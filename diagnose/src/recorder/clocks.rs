@@ -7,7 +7,8 @@ use counterpoise_simulate::replay::Loop;
 
 use super::Column;
 use super::identity::{Identity, STILL_RAD_S, controlled, kinematic};
-use super::regress::{deviation, late, slope};
+use super::regress::late;
+use crate::series::{derivative, deviation};
 
 /// Two clocks that part by more than this are told, s, and by how many times the doubt.
 const OFFSET_S: f64 = 1.5e-3;
@@ -53,7 +54,7 @@ fn rate(base: &Parameters, r: &Recording, column: Column) -> Option<Vec<f64>> {
     let series = column.of(r)?;
     Some(match column {
         Column::MotorRate => series.iter().map(|w| w / base.gearbox.ratio).collect(),
-        _ => slope(series, r.sample_period_s),
+        _ => derivative(series, r.sample_period_s),
     })
 }
 

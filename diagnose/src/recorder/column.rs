@@ -1,7 +1,7 @@
 //! The columns of a recording, each with the component that it comes from.
 
 use counterpoise_models::{Parameters, Sensor};
-use counterpoise_simulate::recording::Recording;
+use counterpoise_simulate::recording::{Channel, Recording};
 
 /// A column of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -37,17 +37,22 @@ impl Column {
     pub(super) const SENSORS: [Self; 5] =
         [Self::HubRate, Self::PlatformRate, Self::PlatformAccel, Self::MotorRate, Self::HubPosition];
 
+    /// The channel that a replay compares; none for the demand.
+    fn channel(self) -> Option<Channel> {
+        match self {
+            Self::Demand => None,
+            Self::Control => Some(Channel::Control),
+            Self::HubRate => Some(Channel::HubRate),
+            Self::PlatformRate => Some(Channel::PlatformRate),
+            Self::PlatformAccel => Some(Channel::PlatformAccel),
+            Self::MotorRate => Some(Channel::MotorRate),
+            Self::HubPosition => Some(Channel::HubPosition),
+        }
+    }
+
     /// Name in recordings.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Demand => "demand",
-            Self::Control => "control",
-            Self::HubRate => "hub_rate",
-            Self::PlatformRate => "platform_rate",
-            Self::PlatformAccel => "platform_accel",
-            Self::MotorRate => "motor_rate",
-            Self::HubPosition => "hub_position",
-        }
+        self.channel().map_or("demand", Channel::name)
     }
 
     /// The component that is at fault where the column is wrong.
@@ -65,19 +70,14 @@ impl Column {
 
     /// The values, where they were recorded.
     pub(super) fn of(self, r: &Recording) -> Option<&[f64]> {
-        match self {
-            Self::Demand => r.demand_rad_s.as_deref(),
-            Self::Control => r.control_v.as_deref(),
-            Self::HubRate => r.hub_rate_rad_s.as_deref(),
-            Self::PlatformRate => r.platform_rate_rad_s.as_deref(),
-            Self::PlatformAccel => r.platform_accel_m_s2.as_deref(),
-            Self::MotorRate => r.motor_rate_rad_s.as_deref(),
-            Self::HubPosition => r.hub_position_rad.as_deref(),
+        match self.channel() {
+            None => r.demand_rad_s.as_deref(),
+            Some(channel) => r.column(channel),
         }
     }
 
     /// The same, to be changed.
-    pub(super) fn of_mut(self, r: &mut Recording) -> &mut Option<Vec<f64>> {
+    pub fn of_mut(self, r: &mut Recording) -> &mut Option<Vec<f64>> {
         match self {
             Self::Demand => &mut r.demand_rad_s,
             Self::Control => &mut r.control_v,

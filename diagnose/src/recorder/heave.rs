@@ -3,7 +3,8 @@
 use counterpoise_models::Parameters;
 use counterpoise_simulate::recording::Recording;
 
-use super::regress::{deviation, regress, slope, smooth};
+use super::regress::regress;
+use crate::series::{derivative, deviation, low_pass};
 
 /// Half width of the smoothing window, s.
 const SMOOTHING_S: f64 = 0.025;
@@ -22,15 +23,15 @@ const NEAR: f64 = 1.5;
 pub(super) fn gain(base: &Parameters, r: &Recording) -> Option<(f64, f64)> {
     let moment = base.lumped.as_ref()?.out_of_balance_kg_m;
     let half = (SMOOTHING_S / r.sample_period_s).round().max(1.0) as usize;
-    let ready = |series: &[f64]| smooth(series, half);
+    let ready = |series: &[f64]| low_pass(series, half);
     let hub = ready(r.hub_rate_rad_s.as_deref()?);
     let heave = ready(r.platform_accel_m_s2.as_deref()?);
     let platform = r.platform_rate_rad_s.as_deref().map_or_else(|| vec![0.0; hub.len()], ready);
     let relative: Vec<f64> = hub.iter().zip(&platform).map(|(h, p)| h - p).collect();
     let torque: Vec<f64> =
         ready(r.control_v.as_deref()?).iter().zip(&relative).map(|(u, w)| drive(base, *u, *w)).collect();
-    let acceleration = slope(&hub, r.sample_period_s);
-    let turning = slope(&platform, r.sample_period_s);
+    let acceleration = derivative(&hub, r.sample_period_s);
+    let turning = derivative(&platform, r.sample_period_s);
     let size = 0.1 * deviation(&relative);
     let dry: Vec<f64> = relative.iter().map(|w| (w / size).tanh()).collect();
     let one = vec![1.0; hub.len()];

@@ -15,7 +15,8 @@ use counterpoise_simulate::recording::Recording;
 use counterpoise_simulate::replay::Loop;
 
 use super::Column;
-use super::regress::{Regression, deviation, late, regress, slope, smooth};
+use super::regress::{Regression, late, regress};
+use crate::series::{derivative, deviation, low_pass};
 
 /// Half width of the smoothing window, s.
 const SMOOTHING_S: f64 = 0.025;
@@ -57,7 +58,7 @@ pub(super) struct Identity {
 pub(super) fn identities(base: &Parameters, control: &Loop, r: &Recording) -> Vec<Identity> {
     let ratio = base.gearbox.ratio;
     let motor = r.motor_rate_rad_s.as_ref().map(|w| w.iter().map(|v| v / ratio).collect::<Vec<f64>>());
-    let angle = r.hub_position_rad.as_ref().map(|a| slope(a, r.sample_period_s));
+    let angle = r.hub_position_rad.as_ref().map(|a| derivative(a, r.sample_period_s));
     let kinematic = [
         motor.and_then(|w| kinematic(Column::MotorRate, &w, r)),
         angle.and_then(|w| kinematic(Column::HubPosition, &w, r)),
@@ -74,7 +75,7 @@ pub(super) fn kinematic(of: Column, rate: &[f64], r: &Recording) -> Option<Ident
     let half = (SMOOTHING_S / r.sample_period_s).round().max(1.0) as usize;
     let margin = 4 * half;
     let ready = |series: &[f64]| {
-        let mut out = smooth(series, half);
+        let mut out = low_pass(series, half);
         let last = out.len();
         out[..margin.min(last)].fill(f64::NAN);
         out[last.saturating_sub(margin)..].fill(f64::NAN);
@@ -83,9 +84,9 @@ pub(super) fn kinematic(of: Column, rate: &[f64], r: &Recording) -> Option<Ident
     let hub = ready(r.hub_rate_rad_s.as_deref()?);
     let platform = r.platform_rate_rad_s.as_deref().map(ready).filter(|p| deviation(p) > STILL_RAD_S);
     let y = ready(rate);
-    let first = slope(&hub, r.sample_period_s);
-    let second = slope(&first, r.sample_period_s);
-    let turning = platform.as_ref().map(|p| slope(p, r.sample_period_s));
+    let first = derivative(&hub, r.sample_period_s);
+    let second = derivative(&first, r.sample_period_s);
+    let turning = platform.as_ref().map(|p| derivative(p, r.sample_period_s));
     let one = vec![1.0; y.len()];
     let mut columns: Vec<&[f64]> = vec![&one, &hub, &first];
     columns.extend(platform.iter().chain(&turning).map(Vec::as_slice));

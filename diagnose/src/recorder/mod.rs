@@ -22,6 +22,7 @@ pub use column::Column;
 pub use fault::{Fault, Kind};
 
 use crate::noise::white_noise;
+use crate::series::deviation;
 use factors::{Found, Mistake};
 use regress::{late, regress};
 
@@ -121,7 +122,7 @@ impl Examined {
                 remade(recording, control, base);
             }
             Column::PlatformRate | Column::PlatformAccel
-                if regress::deviation(series) < AT_REST * white_noise(series) =>
+                if deviation(series) < AT_REST * white_noise(series) =>
             {
                 filled(series);
             }

@@ -1,4 +1,4 @@
-//! Least squares over the samples that are there, and the smoothing that goes before it.
+//! Least squares over the samples that are there, and series that are late.
 
 use counterpoise_linalg::{Mat, inverse};
 
@@ -48,33 +48,6 @@ pub(super) fn regress(columns: &[&[f64]], y: &[f64]) -> Option<Regression> {
     Some(Regression { value, doubt, left, share: left / power.sqrt().max(f64::MIN_POSITIVE) })
 }
 
-/// Twice the moving mean over `half` samples to either side; missing where a sample in the window is.
-pub(super) fn smooth(series: &[f64], half: usize) -> Vec<f64> {
-    let once = |series: &[f64]| {
-        let (mut sums, mut holes) = (vec![0.0], vec![0usize]);
-        for value in series {
-            sums.push(sums[sums.len() - 1] + if value.is_finite() { *value } else { 0.0 });
-            holes.push(holes[holes.len() - 1] + usize::from(!value.is_finite()));
-        }
-        let at = |k: usize| {
-            let (from, to) = (k.saturating_sub(half), (k + half + 1).min(series.len()));
-            if holes[to] > holes[from] { f64::NAN } else { (sums[to] - sums[from]) / (to - from) as f64 }
-        };
-        (0..series.len()).map(at).collect::<Vec<f64>>()
-    };
-    once(&once(series))
-}
-
-/// Central differences.
-pub(super) fn slope(series: &[f64], period_s: f64) -> Vec<f64> {
-    let last = series.len().saturating_sub(1);
-    let at = |k: usize| {
-        let (from, to) = (k.saturating_sub(1), (k + 1).min(last));
-        (series[to] - series[from]) / ((to - from).max(1) as f64 * period_s)
-    };
-    (0..series.len()).map(at).collect()
-}
-
 /// A series late by a time that need not be whole samples; missing where it would have to be known from outside.
 pub(super) fn late(series: &[f64], samples: f64) -> Vec<f64> {
     let at = |k: usize| {
@@ -92,12 +65,4 @@ pub(super) fn late(series: &[f64], samples: f64) -> Vec<f64> {
         }
     };
     (0..series.len()).map(at).collect()
-}
-
-/// Deviation about the mean of what is there.
-pub(super) fn deviation(series: &[f64]) -> f64 {
-    let there: Vec<f64> = series.iter().copied().filter(|v| v.is_finite()).collect();
-    let count = there.len().max(1) as f64;
-    let mean = there.iter().sum::<f64>() / count;
-    (there.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / count).sqrt()
 }

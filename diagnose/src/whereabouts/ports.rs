@@ -1,6 +1,7 @@
 //! Ports: what an error at a place of the mechanism does to each balance.
 
-use crate::locate::{Balance, Signals, derivative};
+use crate::locate::{Balance, Signals};
+use crate::series::derivative;
 
 /// A place where something may act that the model lacks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

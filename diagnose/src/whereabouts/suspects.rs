@@ -3,7 +3,8 @@
 //! A suspect is a free function of one variable, at one port, times what that component's errors scale with: friction goes with
 //! the direction of sliding, a motor's loss with its torque, a spring with nothing else. Nothing more is assumed of the function.
 
-use crate::locate::{Signals, derivative, envelope};
+use crate::locate::{Signals, envelope};
+use crate::series::derivative;
 use crate::whereabouts::ports::Port;
 use Port::{Accelerometer, Gear, Hub, HubGyro, Motor, PlatformGyro};
 use Quantity as Q;
