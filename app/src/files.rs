@@ -104,6 +104,11 @@ pub fn write(path: &Path, content: &[u8]) -> Result<()> {
         .with_context(|| format!("cannot write {}", path.display()))
 }
 
+/// Returns a new temporary folder that only this user can enter; it is removed when the value is dropped.
+pub fn scratch_folder() -> std::io::Result<tempfile::TempDir> {
+    tempfile::Builder::new().prefix("counterpoise-").tempdir()
+}
+
 /// What the road is given of the world: the files beside the project, and a clock that watches its steps.
 pub struct Surroundings {
     folder: PathBuf,

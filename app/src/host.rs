@@ -6,26 +6,28 @@ use std::process::{Command, Stdio};
 use counterpoise::report::targets::{Answered, Proof};
 use counterpoise_project::Language;
 use counterpoise_project::export::host::{
-    C_COMPILER, C_FLAGS, RUST_COMPILER, RUST_LIBRARY, RUST_PROGRAM, c_replay, differing, requests,
-    rust_replay,
+    C_COMPILER, C_FLAGS, CODE_FOLDER, RUST_COMPILER, RUST_CRATE, RUST_LIBRARY, RUST_PROGRAM, c_replay,
+    differing, including, requests, rust_replay,
 };
-use counterpoise_project::export::{Fixed, Numbers, TargetFigures, Targets};
+use counterpoise_project::export::{File, Fixed, Numbers, TargetFigures, Targets};
 use counterpoise_project::pipeline::export::TargetCode;
 
 use crate::files;
 
 /// Compiles each code and replays the closed loops through it.
 pub fn proofs(code: &[TargetCode], compared: &Targets) -> Vec<Proof> {
-    let folder = std::env::temp_dir().join(format!("counterpoise-host-{}", std::process::id()));
+    let folder = files::scratch_folder();
     let prove = |each: &TargetCode| {
-        let place = folder.join(format!("{:?}-{:?}", each.language, each.numbers));
-        let answered = answered(each, compared, &place);
+        let answered = match &folder {
+            Ok(folder) => {
+                let place = folder.path().join(format!("{:?}-{:?}", each.language, each.numbers));
+                answered(each, compared, &place)
+            }
+            Err(error) => Answered::NotRun(format!("no temporary folder: {error}")),
+        };
         Proof { rust: each.language == Language::Rust, numbers: each.numbers, answered }
     };
-    let proofs = code.iter().map(prove).collect();
-    // What stays behind in a temporary folder harms nobody.
-    let _ = std::fs::remove_dir_all(&folder);
-    proofs
+    code.iter().map(prove).collect()
 }
 
 fn answered(code: &TargetCode, compared: &Targets, folder: &Path) -> Answered {
@@ -46,26 +48,35 @@ fn answered(code: &TargetCode, compared: &Targets, folder: &Path) -> Answered {
     }
 }
 
-/// `replay` in the folder; nothing where the compiler fails or says a word.
+/// Builds `replay` in the folder; returns `None` if the compiler fails or prints anything.
 fn build(code: &TargetCode, folder: &Path) -> Option<()> {
-    let name = &code.name;
-    let program = match code.language {
-        Language::Rust => rust_replay(name),
-        _ => c_replay(name, code.numbers),
-    };
-    for file in code.files.iter().chain([&program]) {
-        files::write(&folder.join(&file.name), file.text.as_bytes()).ok()?;
+    match code.language {
+        Language::Rust => build_rust(code, folder),
+        _ => build_c(code, folder),
     }
-    if code.language == Language::Rust {
-        let library = format!("{name}/src/lib.rs");
-        silent(
-            Command::new(RUST_COMPILER).args(RUST_LIBRARY).args(["--crate-name", name, &library]),
-            folder,
-        )?;
-        return silent(Command::new(RUST_COMPILER).args(RUST_PROGRAM).arg("replay.rs"), folder);
-    }
-    let source = format!("{name}.c");
-    silent(Command::new(C_COMPILER).args(C_FLAGS).args([&source, "replay.c", "-o", "replay"]), folder)
+}
+
+fn build_rust(code: &TargetCode, folder: &Path) -> Option<()> {
+    let library = code.files.iter().find(|file| file.name.ends_with("src/lib.rs"))?;
+    files::write(&folder.join("generated.rs"), library.text.as_bytes()).ok()?;
+    write(folder, &[rust_replay()])?;
+    let crate_name = ["--crate-name", RUST_CRATE, "generated.rs"];
+    silent(Command::new(RUST_COMPILER).args(RUST_LIBRARY).args(crate_name), folder)?;
+    silent(Command::new(RUST_COMPILER).args(RUST_PROGRAM).arg("replay.rs"), folder)
+}
+
+fn build_c(code: &TargetCode, folder: &Path) -> Option<()> {
+    write(&folder.join(CODE_FOLDER), &code.files)?;
+    write(
+        folder,
+        &[c_replay(&code.name, code.numbers), including("controller.c", &format!("{}.c", code.name))],
+    )?;
+    let files = ["controller.c", "replay.c", "-o", "replay"];
+    silent(Command::new(C_COMPILER).args(C_FLAGS).args(files), folder)
+}
+
+fn write(folder: &Path, code: &[File]) -> Option<()> {
+    code.iter().try_for_each(|file| files::write(&folder.join(&file.name), file.text.as_bytes()).ok())
 }
 
 fn silent(command: &mut Command, folder: &Path) -> Option<()> {

@@ -8,6 +8,7 @@ use counterpoise_project::Language;
 use counterpoise_project::export::board::{
     COMPILE, COMPILER, CORES, Core, Cost, EMULATOR, LINK, SIZER, counter, emulate,
 };
+use counterpoise_project::export::host::{CODE_FOLDER, including};
 use counterpoise_project::export::{File, Numbers};
 use counterpoise_project::pipeline::export::TargetCode;
 
@@ -20,18 +21,24 @@ pub fn costs(code: &[TargetCode]) -> Costs {
         let what = format!("not counted: {} not found on this machine", missing.join(", "));
         return Costs { counted: Vec::new(), remark: Some(what) };
     }
-    let folder = std::env::temp_dir().join(format!("counterpoise-{}", std::process::id()));
+    let folder = match files::scratch_folder() {
+        Ok(folder) => folder,
+        Err(error) => {
+            return Costs {
+                counted: Vec::new(),
+                remark: Some(format!("not counted: no temporary folder: {error}")),
+            };
+        }
+    };
     let (mut counted, mut failed) = (Vec::new(), Vec::new());
     for each in code.iter().filter(|each| each.language == Language::C99) {
         for core in &CORES {
-            match count(core, &folder, each) {
+            match count(core, folder.path(), each) {
                 Some(cost) => counted.push(CoreCost { core: core.name, numbers: each.numbers, cost }),
                 None => failed.push(format!("{} on {}", words(each.numbers), core.name)),
             }
         }
     }
-    // What stays behind in a temporary folder harms nobody.
-    let _ = std::fs::remove_dir_all(&folder);
     let remark = (!failed.is_empty()).then(|| format!("the tools failed for {}", failed.join(", ")));
     Costs { counted, remark }
 }
@@ -48,20 +55,25 @@ fn is_there(tool: &str) -> bool {
     Command::new(tool).arg("--version").output().is_ok_and(|output| output.status.success())
 }
 
+/// Files of fixed names that include the generated ones: no name of a project's stands on a command line.
+const CONTROLLER: &str = "controller.c";
+const SELF_TEST: &str = "self_test.c";
+
 /// The cost on a core; nothing where a tool fails or the self test does.
 fn count(core: &Core, folder: &Path, code: &TargetCode) -> Option<Cost> {
     let folder = folder.join(format!("{}-{:?}", core.machine, code.numbers));
-    write(&folder, &code.files)?;
+    write(&folder.join(CODE_FOLDER), &code.files)?;
     write(&folder, &counter(&code.name, code.numbers))?;
-    let sources = [format!("{}.c", code.name), format!("{}_self_test.c", code.name)];
-    said(Command::new(COMPILER).args(core.flags).args(COMPILE).args(&sources), &folder)?;
-    let objects = sources.map(|source| source.replace(".c", ".o"));
+    let included = [format!("{}.c", code.name), format!("{}_self_test.c", code.name)];
+    write(&folder, &[including(CONTROLLER, &included[0]), including(SELF_TEST, &included[1])])?;
+    said(Command::new(COMPILER).args(core.flags).args(COMPILE).args([CONTROLLER, SELF_TEST]), &folder)?;
+    let objects = [CONTROLLER, SELF_TEST].map(|source| source.replace(".c", ".o"));
     let mut linker = Command::new(COMPILER);
     linker.args(core.flags).args(LINK).args(["startup.c", "count.c"]).args(&objects);
     said(linker.args(["-lm", "-o", "firmware.elf"]), &folder)?;
     let counted = said(Command::new(EMULATOR).args(emulate(core)), &folder)?;
     let sizes = said(Command::new(SIZER).arg(&objects[0]), &folder)?;
-    let usage = std::fs::read_to_string(folder.join(format!("{}.su", code.name))).ok()?;
+    let usage = std::fs::read_to_string(folder.join(CONTROLLER.replace(".c", ".su"))).ok()?;
     Cost::read(&counted, &sizes, &usage)
 }
 

@@ -1,5 +1,6 @@
 //! What counts the cost of a step on a Cortex-M, real or emulated: programs and command lines; nothing is run here.
 
+use crate::host::CODE_FOLDER;
 use crate::{File, Numbers};
 
 /// A processor core, QEMU's board for it, and what the cross compiler must know.
@@ -34,11 +35,28 @@ pub const SIZER: &str = "arm-none-eabi-size";
 /// The emulator.
 pub const EMULATOR: &str = "qemu-system-arm";
 /// Flags with which the generated code is compiled for the target.
-pub const COMPILE: [&str; 7] =
-    ["-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-fstack-usage", "-c"];
+pub const COMPILE: [&str; 9] = [
+    "-std=c99",
+    "-O2",
+    "-ffp-contract=off",
+    "-Wall",
+    "-Wextra",
+    "-fstack-usage",
+    "-iquote",
+    CODE_FOLDER,
+    "-c",
+];
 /// Flags with which a bare-metal program is linked, up to the linker script.
-pub const LINK: [&str; 6] =
-    ["-std=gnu99", "-O2", "-ffp-contract=off", "-nostartfiles", "--specs=rdimon.specs", "-Tmps2.ld"];
+pub const LINK: [&str; 8] = [
+    "-std=gnu99",
+    "-O2",
+    "-ffp-contract=off",
+    "-nostartfiles",
+    "--specs=rdimon.specs",
+    "-Tmps2.ld",
+    "-iquote",
+    CODE_FOLDER,
+];
 
 /// Arguments of [`EMULATOR`] for a core, up to the firmware's path.
 pub fn emulate(core: &Core) -> [&'static str; 13] {

@@ -10,9 +10,24 @@ use crate::{File, Numbers};
 
 /// The C compiler.
 pub const C_COMPILER: &str = "cc";
-/// Its flags, up to the sources: without a warning, and no product contracted with a sum.
-pub const C_FLAGS: [&str; 7] =
-    ["-std=c99", "-O1", "-ffp-contract=off", "-Wall", "-Wextra", "-pedantic", "-Werror"];
+/// Its flags, up to the sources: without a warning, and no product contracted with a sum. Generated files lie in
+/// [`CODE_FOLDER`].
+pub const C_FLAGS: [&str; 9] = [
+    "-std=c99",
+    "-O1",
+    "-ffp-contract=off",
+    "-Wall",
+    "-Wextra",
+    "-pedantic",
+    "-Werror",
+    "-iquote",
+    CODE_FOLDER,
+];
+/// Folder that generated C code is written to before it is compiled. The name of a generated file is a project's own, so
+/// it never stands on a command line: a program of a fixed name includes it ([`including`]).
+pub const CODE_FOLDER: &str = "code";
+/// Name under which the generated Rust crate is compiled, whatever the project calls it.
+pub const RUST_CRATE: &str = "generated";
 /// The Rust compiler.
 pub const RUST_COMPILER: &str = "rustc";
 /// Its flags for the generated crate, up to the source.
@@ -27,9 +42,14 @@ pub fn c_replay(name: &str, numbers: Numbers) -> File {
     File { name: "replay.c".into(), text: text.replace("axis", name).replace("AXIS", &name.to_uppercase()) }
 }
 
-/// The program that replays readings through the Rust crate of a name: `replay.rs`.
-pub fn rust_replay(name: &str) -> File {
-    File { name: "replay.rs".into(), text: include_str!("../target/replay.rs").replace("axis", name) }
+/// The program that replays readings through the Rust crate compiled as [`RUST_CRATE`]: `replay.rs`.
+pub fn rust_replay() -> File {
+    File { name: "replay.rs".into(), text: include_str!("../target/replay.rs").replace("axis", RUST_CRATE) }
+}
+
+/// Returns a C file of a fixed name that is nothing but the generated file `included`.
+pub fn including(name: &str, included: &str) -> File {
+    File { name: name.to_owned(), text: format!("#include \"{included}\"\n") }
 }
 
 /// Samples as bytes for the replaying programs: every record begins with a sample of no numbers. In fixed point the readings

@@ -41,6 +41,7 @@ pub mod source;
 pub mod targets;
 pub mod vectors;
 
+mod comment;
 mod print;
 
 pub use c99::c99;

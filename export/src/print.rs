@@ -3,6 +3,7 @@
 use counterpoise_controller::program::{Operation, Program, Programs, Slot, StateGroup, Term};
 
 use crate::Precision;
+use crate::comment::comment_text;
 
 /// Longest line of generated code.
 const WIDTH: usize = 100;
@@ -39,8 +40,8 @@ impl Printer<'_> {
         for (i, section) in self.program.sections.iter().enumerate() {
             let gap = if i > 0 { "\n" } else { "" };
             let comment = match self.dialect {
-                Dialect::C => format!("{gap}    /* {} */\n", section.says),
-                Dialect::Rust => format!("{gap}        // {}\n", section.says),
+                Dialect::C => format!("{gap}    /* {} */\n", comment_text(&section.says)),
+                Dialect::Rust => format!("{gap}        // {}\n", comment_text(&section.says)),
             };
             text.push_str(&comment);
             section.operations.iter().for_each(|operation| text.push_str(&self.statement(operation)));
@@ -153,7 +154,7 @@ pub(crate) fn limit(of: &str, low: &str, high: &str) -> Vec<String> {
 pub(crate) fn meaning(group: &StateGroup) -> String {
     let name = group.name.as_str();
     let of = |ending: &str| name.strip_suffix(ending);
-    match name {
+    let meaning = match name {
         "out_of_balance_kg_m" => "out-of-balance in force, kg m".to_owned(),
         "bias_v" => "control that holds it, V".to_owned(),
         "transfer_v" => "what is left of the step of the last change, V".to_owned(),
@@ -172,7 +173,8 @@ pub(crate) fn meaning(group: &StateGroup) -> String {
             .or(of("_last_v").map(|path| format!("last output of path {path} before its gain, V")))
             .or(of("_nm").map(|observer| format!("torque of friction observer {observer}, N m")))
             .unwrap_or_default(),
-    }
+    };
+    comment_text(&meaning)
 }
 
 /// A number as a literal: the shortest decimal that reads back as exactly this number.

@@ -1,5 +1,6 @@
 //! Where generated code comes from: handed in, written into every header.
 
+use crate::comment::comment_text;
 use crate::{Converters, Source};
 
 /// What the header of generated code says of its origin. All of it is handed in: this crate knows no clock and no file.
@@ -24,7 +25,7 @@ impl Provenance {
     pub(crate) fn header(&self, source: Source) -> Vec<String> {
         let mut lines = self.lines();
         lines.push(source.line());
-        lines.iter().flat_map(|line| wrapped(line)).collect()
+        lines.iter().flat_map(|line| wrapped(line)).map(|line| comment_text(&line)).collect()
     }
 
     /// The lines that the provenance itself makes.
@@ -36,7 +37,7 @@ impl Provenance {
         ];
         lines.extend(self.weights.iter().map(|weight| format!("weight: {weight}")));
         lines.extend(self.verdicts.iter().map(|verdict| format!("verdict: {verdict}")));
-        lines.iter().map(|line| one_line(line)).collect()
+        lines.iter().map(|line| comment_text(line)).collect()
     }
 }
 
@@ -62,12 +63,6 @@ fn wrapped(line: &str) -> Vec<String> {
     lines
 }
 
-/// The text on one line, unable to end a comment.
-fn one_line(text: &str) -> String {
-    let plain: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    plain.replace("*/", "* /").replace("/*", "/ *").replace('\\', "/").trim_end().to_owned()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -83,9 +78,17 @@ mod tests {
 
     #[test]
     fn a_line_cannot_leave_its_comment() {
-        let provenance = Provenance { project: "a */ int x; /*\n\\".into(), ..Provenance::default() };
+        let hostile = "a */ int x; /*\n\\ *\\ int y; ??/ \u{2028}";
+        let provenance = Provenance {
+            generator: hostile.into(),
+            project: hostile.into(),
+            project_hash: hostile.into(),
+            weights: vec![hostile.into()],
+            verdicts: vec![hostile.into()],
+            ..Provenance::default()
+        };
         let text = provenance.lines().join("\n");
-        assert!(!text.contains("*/") && !text.contains("/*") && !text.contains('\\'));
-        assert_eq!(provenance.lines().len(), 3);
+        assert!(!text.contains(['*', '\\', '?', '\u{2028}']));
+        assert_eq!(text.lines().count(), 5);
     }
 }

@@ -4,6 +4,7 @@ use crate::output::say;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use counterpoise_project::export::host::including;
 use counterpoise_project::export::{Checked, File, check};
 use counterpoise_project::{Purpose, pipeline};
 use counterpoise_studio::exporting;
@@ -43,13 +44,23 @@ pub fn library(folder: &Path, name: &str) -> Option<Vec<u8>> {
     if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
         return None;
     }
-    let binaries = folder.join(name).join("binaries/x86_64-linux");
-    std::fs::create_dir_all(&binaries).ok()?;
-    let (sources, library) = (folder.join(name).join("sources"), binaries.join(format!("{name}.so")));
+    let place = files::scratch_folder().ok()?;
+    compiled_library(&folder.join(name).join("sources"), name, place.path())
+}
+
+/// Compiles a unit's sources in a folder `place`. The sources are included by files of fixed names, so that no name of a
+/// project's stands on the compiler's command line.
+fn compiled_library(sources: &Path, name: &str, place: &Path) -> Option<Vec<u8>> {
+    for file in [including("behaviour.c", &format!("{name}.c")), including("unit.c", "fmu.c")] {
+        files::write(&place.join(&file.name), file.text.as_bytes()).ok()?;
+    }
+    let library = place.join("unit.so");
     let mut compiler = Command::new("cc");
-    compiler.args(["-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-o"]).arg(&library);
-    compiler.arg(sources.join(format!("{name}.c"))).arg(sources.join("fmu.c")).arg("-lm");
-    let compiled = compiler.output().ok()?;
+    compiler
+        .args(["-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-iquote", ".", "-o"])
+        .arg(&library);
+    compiler.args([place.join("behaviour.c"), place.join("unit.c")]).arg("-lm");
+    let compiled = compiler.current_dir(sources).output().ok()?;
     if !compiled.status.success() {
         return None;
     }

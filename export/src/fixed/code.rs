@@ -5,6 +5,7 @@ use counterpoise_controller::{READING_NAMES, READINGS};
 use minijinja::{Environment, context};
 
 use crate::c99::{assignments, line_with};
+use crate::comment::comment_text;
 use crate::fixed::plan::{to_integer, unit};
 use crate::fixed::{FULL, Fixed, FixedOperation, FixedProgram, FixedRunner};
 use crate::print::{Dialect, limit, meaning, state, wrap};
@@ -149,7 +150,7 @@ impl Printer<'_> {
         let mut text = String::new();
         let mut operations = self.fixed_program.operations.iter();
         for section in &self.program.sections {
-            text.push_str(&format!("    /* {} */\n", section.says));
+            text.push_str(&format!("    /* {} */\n", comment_text(&section.says)));
             for _ in &section.operations {
                 text.push_str(
                     &operations.next().map_or(String::new(), |operation| self.statement(operation)),
