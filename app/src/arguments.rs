@@ -53,23 +53,13 @@ pub enum Command {
     Studio(StudioOptions),
 }
 
-/// Arguments of `studio`.
+/// Arguments of `studio`, handed to the studio's own program as they are.
 #[derive(Args, Default)]
+#[command(disable_help_flag = true)]
 pub struct StudioOptions {
-    /// Project file, or a folder with a project.toml
-    pub project: Option<PathBuf>,
-    /// Replay a log of commands, one JSON value a line
-    #[arg(long, value_name = "FILE")]
-    pub script: Option<PathBuf>,
-    /// Write what each redrawn design took, as CSV
-    #[arg(long, value_name = "FILE")]
-    pub frame_log: Option<PathBuf>,
-    /// Size of the window in points, as 1280x800
-    #[arg(long, value_name = "WxH")]
-    pub size: Option<String>,
-    /// Carry out the script without a window, and end with it
-    #[arg(long, requires = "script")]
-    pub no_window: bool,
+    /// Project file or folder, and options (`counterpoise studio --help` lists them)
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "ARGUMENT")]
+    pub arguments: Vec<std::ffi::OsString>,
 }
 
 /// Where a result goes.

@@ -5,14 +5,7 @@
 
 mod arguments;
 mod commands;
-mod files;
-mod host;
 mod output;
-mod pace;
-mod processor;
-mod shards;
-mod stop;
-mod workers;
 
 use std::process::ExitCode;
 

@@ -2,14 +2,12 @@
 
 use std::io::Write;
 use std::path::Path;
-use std::sync::Mutex;
-use std::time::Instant;
 
 use anyhow::{Context, Result};
 use serde::Serialize;
 
 use crate::arguments::Results;
-use crate::files::{self, Loaded};
+use counterpoise_host::projects::{self, Loaded};
 
 /// Writes to standard output. A reader that has gone away, as in `| head`, ends the program and is no error of it.
 pub fn put(text: &str) {
@@ -60,7 +58,7 @@ pub fn json<T: Serialize>(results: &Results, result: &T) -> Result<bool> {
         put(&text);
         return Ok(true);
     }
-    files::write(target, text.as_bytes())?;
+    projects::write(target, text.as_bytes())?;
     Ok(false)
 }
 
@@ -68,53 +66,6 @@ pub fn json<T: Serialize>(results: &Results, result: &T) -> Result<bool> {
 pub fn warnings(loaded: &Loaded, quiet: bool) {
     if !quiet {
         loaded.warnings.iter().for_each(|warning| eprintln!("{warning}"));
-    }
-}
-
-/// What a stage took.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StageTime {
-    /// The stage.
-    pub name: String,
-    /// Its time, ms.
-    pub milliseconds: f64,
-}
-
-/// The stages of a run, told on the error stream as they end.
-pub struct Stages {
-    quiet: bool,
-    state: Mutex<(Instant, Vec<StageTime>)>,
-}
-
-impl Stages {
-    /// Starts the clock.
-    pub fn new(quiet: bool) -> Self {
-        Self { quiet, state: Mutex::new((Instant::now(), Vec::new())) }
-    }
-
-    /// A stage begins.
-    pub fn begins(&self, name: &str) {
-        if let Ok(mut state) = self.state.lock() {
-            state.0 = Instant::now();
-            state.1.push(StageTime { name: name.to_owned(), milliseconds: 0.0 });
-        }
-    }
-
-    /// The stage that began last has ended.
-    pub fn ended(&self) {
-        let Ok(mut state) = self.state.lock() else { return };
-        let milliseconds = 1e3 * state.0.elapsed().as_secs_f64();
-        if let Some(last) = state.1.last_mut() {
-            last.milliseconds = milliseconds;
-            if !self.quiet {
-                eprintln!("{:>12}  {milliseconds:8.1} ms", last.name);
-            }
-        }
-    }
-
-    /// What each stage took.
-    pub fn times(&self) -> Vec<StageTime> {
-        self.state.lock().map(|state| state.1.clone()).unwrap_or_default()
     }
 }
 

@@ -1,9 +1,9 @@
 //! The report of the reference rig's design: complete, self-contained, small. It is left in the target folder for a person to look at.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise::report::{Context, html, of_design};
+use counterpoise_pipeline::{World, design};
 use counterpoise_project::Project;
-use counterpoise_project::pipeline::{World, design};
+use counterpoise_report::{Context, html, of_design};
 
 /// The folder of the example.
 struct Example;

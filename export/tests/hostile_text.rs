@@ -75,7 +75,8 @@ fn hostile_text_changes_comments_only() {
             };
             let differing = code(&file.text).into_iter().zip(code(&plain.text)).filter(|(a, b)| a != b);
             // The instantiation token of a unit is a hash of all its text.
-            let unexpected: Vec<_> = differing.filter(|(a, _)| !a.contains("{") || !a.contains("-")).collect();
+            let unexpected: Vec<_> =
+                differing.filter(|(a, _)| !a.contains("{") || !a.contains("-")).collect();
             assert!(unexpected.is_empty(), "{}: {unexpected:?}", file.name);
             assert_eq!(code(&file.text).len(), code(&plain.text).len(), "{}", file.name);
         }

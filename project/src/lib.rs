@@ -1,12 +1,11 @@
-//! The project file, and the one road from it to exported code.
+//! The project file: as written, and resolved.
 //!
 //! In come the text of a project file and the files that it names; out comes a resolved [`Project`], or every error of
 //! the file at once, each with its place, what is allowed, and a hint.
 //!
-//! *Invariant*: nothing here knows a pixel or a terminal, and no file is opened: texts and bytes are handed in.
+//! *Invariant*: nothing is computed here, and no file is opened: texts and bytes are handed in.
 //!
-//! Modules in reading order: [`diagnostic`], [`file`] (as written), [`resolve`] (as meant), [`recording`], [`pipeline`] (the
-//! road), [`claims`], [`results`].
+//! Modules in reading order: [`diagnostic`], [`file`] (as written), [`resolve`] (as meant), [`recording`].
 //!
 //! ```
 //! use counterpoise_project::Project;
@@ -15,13 +14,10 @@
 //! assert!(errors.iter().any(|error| error.to_string() == mistyped));
 //! ```
 
-pub mod claims;
 pub mod diagnostic;
 pub mod file;
-pub mod pipeline;
 pub mod recording;
 pub mod resolve;
-pub mod results;
 
 pub use diagnostic::{Diagnostic, Severity};
 pub use file::{Attachments, Document, Setting};
@@ -36,13 +32,3 @@ pub use resolve::{Parsed, Project, Purpose};
 /// Text of a complete, commented project file to start a new one from: an out-of-balance cantilever on a moving
 /// platform, whose design holds every requirement that it states.
 pub const STARTER: &str = include_str!("starter.toml");
-
-pub use counterpoise_controller as controller;
-pub use counterpoise_diagnose as diagnose;
-pub use counterpoise_export as export;
-pub use counterpoise_lti as lti;
-pub use counterpoise_models as models;
-pub use counterpoise_reduce as reduce;
-pub use counterpoise_simulate as simulate;
-pub use counterpoise_synth as synth;
-pub use counterpoise_verify as verify;

@@ -5,8 +5,7 @@ use std::collections::BTreeSet;
 use std::path::{MAIN_SEPARATOR, Path, PathBuf};
 
 use crate::command::{Command, Purpose};
-use crate::files::PROJECT_FILE;
-use crate::recordings;
+use counterpoise_host::files::PROJECT_FILE;
 
 /// What an item of a list is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -91,7 +90,7 @@ fn serves(item: &Item, purpose: Purpose) -> bool {
     item.kind != Kind::File
         || match purpose {
             Purpose::Project | Purpose::SaveAs => item.path.extension().is_some_and(|e| e == "toml"),
-            Purpose::Recordings => recordings::is_recording(&item.path),
+            Purpose::Recordings => counterpoise_host::files::is_recording(&item.path),
             Purpose::Export => false,
         }
 }

@@ -8,10 +8,9 @@ use std::time::SystemTime;
 use counterpoise_project::Attachments;
 
 use crate::command::Command;
-use crate::files::{self, Disk};
 use crate::journal::{self, Flush};
-use crate::recordings;
 use crate::session::Session;
+use counterpoise_host::files::{self, Disk};
 
 /// What is to be done.
 #[derive(Debug, Clone)]
@@ -143,7 +142,7 @@ impl Desk {
         {
             (already, edits) = (vec![replace], count);
         }
-        let beside = path.parent().map_or(Vec::new(), |folder| recordings::files(&[folder.to_owned()]));
+        let beside = path.parent().map_or(Vec::new(), |folder| files::recording_files(&[folder.to_owned()]));
         let path = path.to_owned();
         Ok(Box::new(Found { path, text, session, already, edits, modified, beside, is_new: false }))
     }
@@ -209,6 +208,6 @@ pub struct Glanced {
 pub fn glance(of: Glance, disk: &dyn Disk) -> Glanced {
     let now = modified(&of.path);
     let content = (now.is_some() && now != of.modified).then(|| disk.read(&of.path).ok()).flatten();
-    let beside = of.path.parent().map_or(Vec::new(), |folder| recordings::files(&[folder.to_owned()]));
+    let beside = of.path.parent().map_or(Vec::new(), |folder| files::recording_files(&[folder.to_owned()]));
     Glanced { path: of.path, modified: now, content, beside }
 }

@@ -10,11 +10,11 @@ use counterpoise_project::{Document, PlatformSource};
 use crate::browser::Browser;
 use crate::command::{Command, Purpose};
 use crate::errands::{Done, Errand, Found, Unsaved, name_of};
-use crate::files::PROJECT_FILE;
 use crate::journal::{self, Fate, Head};
 use crate::noted::List;
 use crate::results::Results;
 use crate::studio::{Opened, Studio};
+use counterpoise_host::files::PROJECT_FILE;
 
 /// What to do where nothing can be written.
 const WAY_OUT: &str =

@@ -4,28 +4,28 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use counterpoise_project::diagnose::{Diagnosis, diagnose};
-use counterpoise_project::models::Parameters;
-use counterpoise_project::models::parameters::Beam;
-use counterpoise_project::pipeline::effort::{EffortPoint, effort};
-use counterpoise_project::pipeline::{self, World};
-use counterpoise_project::simulate::replay::Loop;
-use counterpoise_project::verify::{Verification, VerifiedController};
+use counterpoise_diagnose::{Diagnosis, diagnose};
+use counterpoise_models::Parameters;
+use counterpoise_models::parameters::Beam;
+use counterpoise_pipeline::studies::trade_off::{EffortPoint, effort};
+use counterpoise_pipeline::{self as pipeline, World};
 use counterpoise_project::{Document, Project};
+use counterpoise_simulate::replay::Loop;
+use counterpoise_verify::{Verification, VerifiedController};
 
 use crate::browser::{Listing, list};
 use crate::chart::Chart;
 use crate::command::Purpose;
 use crate::errands::{Desk, Done, Errand, Glance, Glanced, glance};
 use crate::exporting::{ExportAsk, Written, export};
-use crate::files::Folder;
 use crate::live::{Ask, Cache, Live, live, reasons};
 use crate::measure::{MeasureAnswer, MeasureAsk, SoFar, measure};
 use crate::portrait::{Portrait, Swinging};
 use crate::recordings::{self, LookAsk, Looked, Seen, look};
 use crate::results::Of;
-use crate::watch::{Progress, Watch};
-use crate::worker::{Token, Wake, Worker};
+use counterpoise_host::files::Folder;
+use counterpoise_host::progress::{Progress, Watch};
+use counterpoise_host::worker::{Token, Wake, Worker};
 
 /// What is asked of the verification.
 #[derive(Debug, Clone)]
@@ -281,7 +281,7 @@ fn diagnoser(wake: &Wake, progress: &Progress) -> Worker<DiagnoseAsk, Result<Dia
 
 fn diagnosis(ask: &DiagnoseAsk, watch: &Watch) -> Result<Diagnosis, Reasons> {
     let (mut all, mut remarks) = (Vec::new(), Vec::new());
-    for path in &recordings::files(&ask.paths) {
+    for path in &counterpoise_host::files::recording_files(&ask.paths) {
         let (_, records) = recordings::read(&ask.project, path).map_err(|why| vec![why])?;
         for record in &records {
             remarks.extend(record.findings.iter().map(|finding| format!("{}: {finding}", record.name)));

@@ -15,7 +15,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use crate::command::Command;
-use crate::files::{Disk, write_on};
+use counterpoise_host::files::{Disk, write_on};
 
 /// The first line of a journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -308,7 +308,7 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("counterpoise-journal-{}", std::process::id()));
         let path = path_for(&folder, Path::new("rig.toml"));
         let head = Head { project: "rig.toml".into(), text: "[plant]\n".to_owned() };
-        let journal = Journal::new(Arc::new(crate::files::Native));
+        let journal = Journal::new(Arc::new(counterpoise_host::files::Native));
         journal.begin(&path, &head, &[]);
         journal.note(&Command::Undo);
         journal.note(&Command::SetText { path: "plant.name".to_owned(), value: "x".to_owned() });
@@ -317,7 +317,7 @@ mod tests {
         let found = recover(&path).unwrap();
         assert_eq!(found.head, head);
         assert_eq!(found.commands.len(), 2);
-        let journal = Journal::new(Arc::new(crate::files::Native));
+        let journal = Journal::new(Arc::new(counterpoise_host::files::Native));
         journal.begin(&path, &head, &found.commands);
         journal.flush().wait();
         assert_eq!(recover(&path).unwrap(), found);

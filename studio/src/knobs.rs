@@ -1,6 +1,6 @@
 //! Handles of a weight on its Bode plot: where they stand, and which keys they turn.
 
-use counterpoise_project::synth::Weight;
+use counterpoise_synth::Weight;
 
 /// A handle on a weight.
 #[derive(Debug, Clone, PartialEq)]
@@ -172,7 +172,7 @@ pub fn significant(value: f64) -> f64 {
 mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::*;
-    use counterpoise_project::lti::C64;
+    use counterpoise_lti::C64;
 
     fn all() -> Vec<Weight> {
         let pole = C64::new(-14.0, 14.282_856_857_085_7);

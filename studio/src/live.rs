@@ -3,15 +3,15 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use counterpoise_project::lti::{Margins, margins};
-use counterpoise_project::models::Parameters;
-use counterpoise_project::pipeline::{self, Modelled, PipelineError, Reduced, Synthesised};
-use counterpoise_project::verify::linear::closed::resolver_use;
-use counterpoise_project::verify::linear::frequency::grid_hz;
-use counterpoise_project::verify::linear::plant::Resolver;
-use counterpoise_project::verify::linear::{self, Closed, Curves, PlantResponse, SampledPlant, arranged};
-use counterpoise_project::verify::{ARRANGEMENTS, Arrangement, History, Procedure, Source, Step};
+use counterpoise_lti::{Margins, margins};
+use counterpoise_models::Parameters;
+use counterpoise_pipeline::{self as pipeline, Modelled, PipelineError, Reduced, Synthesised};
 use counterpoise_project::{Modelling, Project, Reduction};
+use counterpoise_verify::linear::closed::resolver_use;
+use counterpoise_verify::linear::frequency::grid_hz;
+use counterpoise_verify::linear::plant::Resolver;
+use counterpoise_verify::linear::{self, Closed, Curves, PlantResponse, SampledPlant, arranged};
+use counterpoise_verify::{ARRANGEMENTS, Arrangement, History, Procedure, Source, Step};
 
 /// Seconds of heave and pitch that are shown while a weight is dragged.
 const SHOWN_S: f64 = 2.0;

@@ -3,16 +3,16 @@
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex};
 
-use counterpoise_project::diagnose::bench::map;
-use counterpoise_project::pipeline;
-use counterpoise_project::pipeline::fra::{Analyser, Around, Map, On, Plan};
-use counterpoise_project::verify::robust::{Campaign, Sample, Sense, Summary, ranking, summary};
-use counterpoise_project::verify::{Requirement, VerifiedController};
+use counterpoise_diagnose::bench::map;
+use counterpoise_pipeline as pipeline;
+use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan};
+use counterpoise_verify::robust::{Campaign, Sample, Sense, Summary, ranking, summary};
+use counterpoise_verify::{Requirement, VerifiedController};
 
 use crate::jobs::{Reasons, VerifyAsk};
 use crate::live::reasons;
 use crate::results::Of;
-use crate::watch::Watch;
+use counterpoise_host::progress::Watch;
 
 /// What was measured.
 #[derive(Debug, Clone, Default)]

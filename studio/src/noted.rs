@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
 
-use crate::files::{Disk, write_on};
+use counterpoise_host::files::{Disk, write_on};
 
 const MOST: usize = 8;
 

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use counterpoise_project::lti::{C64, CMat, StateSpace, hankel_values, poles, response};
-use counterpoise_project::models::parameters::Beam;
-use counterpoise_project::models::plant::LinearPlant;
-use counterpoise_project::models::structure::{FeModel, FeOptions, Fitted, Modes, Profile, Support, modes};
-use counterpoise_project::pipeline::{Modelled, Reduced};
+use counterpoise_lti::{C64, CMat, StateSpace, hankel_values, poles, response};
+use counterpoise_models::parameters::Beam;
+use counterpoise_models::plant::LinearPlant;
+use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Modes, Profile, Support, modes};
+use counterpoise_pipeline::{Modelled, Reduced};
 
 use crate::live::Live;
 

@@ -3,19 +3,18 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use counterpoise_diagnose::qualify::qualify;
+use counterpoise_diagnose::replays::measured;
+use counterpoise_models::Parameters;
 use counterpoise_project::Project;
-use counterpoise_project::diagnose::qualify::qualify;
-use counterpoise_project::diagnose::replays::measured;
-use counterpoise_project::models::Parameters;
 use counterpoise_project::recording::{self, Mapping, Record, Table};
-use counterpoise_project::simulate::recording::{Channel, Recording};
-use counterpoise_project::simulate::replay::{Loop, Replay, replay};
+use counterpoise_simulate::recording::{Channel, Recording};
+use counterpoise_simulate::replay::{Loop, Replay, replay};
+
+use counterpoise_host::files::recording_files;
 
 use crate::pyramid::Pyramid;
-use crate::worker::Token;
-
-/// Endings of files that can be recordings.
-pub const ENDINGS: [&str; 5] = ["csv", "parquet", "mat", "h5", "hdf5"];
+use counterpoise_host::worker::Token;
 
 /// What is asked: the recordings beside a project's model.
 #[derive(Debug, Clone)]
@@ -82,29 +81,6 @@ pub struct Simulated {
     pub rms: f64,
 }
 
-/// The recordings among files and folders; a folder's are sorted by name.
-pub fn files(paths: &[PathBuf]) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for path in paths {
-        if path.is_dir() {
-            let entries = std::fs::read_dir(path).into_iter().flatten();
-            let mut inside: Vec<PathBuf> =
-                entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|p| is_recording(p)).collect();
-            inside.sort();
-            found.extend(inside);
-        } else {
-            found.push(path.clone());
-        }
-    }
-    found
-}
-
-/// Whether a path is a file whose ending says that it can be a recording.
-pub fn is_recording(path: &Path) -> bool {
-    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    path.is_file() && ENDINGS.contains(&ending.as_str())
-}
-
 /// Reads a file as the project maps it; one that has no clock takes the interface's.
 ///
 /// # Errors
@@ -121,7 +97,7 @@ pub fn read(project: &Project, path: &Path) -> Result<(Table, Vec<Record>), Stri
 
 /// The recordings beside the model; None where it was stopped.
 pub fn look(ask: &LookAsk, token: &Token) -> Option<Looked> {
-    let (files, mut all) = (files(&ask.paths), Vec::new());
+    let (files, mut all) = (recording_files(&ask.paths), Vec::new());
     for path in &files {
         match read(&ask.project, path) {
             Ok((table, records)) => {

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use counterpoise_project::pipeline::effort::EffortPoint;
-use counterpoise_project::verify::{Verification, VerifiedController};
+use counterpoise_pipeline::studies::trade_off::EffortPoint;
+use counterpoise_verify::{Verification, VerifiedController};
 
 use crate::live::Live;
 use crate::measure::Measured;

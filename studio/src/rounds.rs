@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use counterpoise_project::verify::VerifiedController;
+use counterpoise_verify::VerifiedController;
 
 use crate::browser::Browser;
 use crate::command::{Place, Purpose};

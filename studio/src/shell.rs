@@ -285,7 +285,8 @@ fn shortcuts(studio: &Studio, ui: &Ui) -> Vec<Command> {
 fn dropped(ui: &Ui) -> Vec<Command> {
     let paths: Vec<_> = ui.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_path_buf()).collect());
     let is_project = |p: &std::path::PathBuf| {
-        crate::files::project_file(p).is_file() && (p.is_dir() || p.extension().is_some_and(|e| e == "toml"))
+        counterpoise_host::files::project_file(p).is_file()
+            && (p.is_dir() || p.extension().is_some_and(|e| e == "toml"))
     };
     match paths.iter().find(|p| is_project(p)) {
         Some(path) => vec![Command::Open { path: path.clone() }],

@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Instant, SystemTime};
 
-use counterpoise_project::verify::VerifiedController;
 use counterpoise_project::{Document, Project};
+use counterpoise_verify::VerifiedController;
 
 use crate::command::{Command, Slot};
 use crate::errands::Desk;
-use crate::exporting::{ExportAsk, Library};
-use crate::files::{Disk, Folder, Native, PROJECT_FILE};
+use counterpoise_host::code_files::Library;
+
+use crate::exporting::ExportAsk;
 use crate::filing::Filing;
 use crate::jobs::{self, EffortAsk, Form, Jobs, VerifyAsk};
 use crate::journal::Journal;
@@ -21,7 +22,8 @@ use crate::recordings::LookAsk;
 use crate::results::Results;
 use crate::session::Session;
 use crate::view::View;
-use crate::worker::Wake;
+use counterpoise_host::files::{Disk, Folder, Native, PROJECT_FILE};
+use counterpoise_host::worker::Wake;
 
 /// An opened project.
 pub struct Opened {

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::command::Command;
-use crate::exporting::Library;
-use crate::files;
 use crate::replay::{FrameLog, Offscreen, Script};
 use crate::shell;
 use crate::studio::Studio;
+use counterpoise_host::code_files::Library;
+use counterpoise_host::files;
 
 /// What the studio is seen on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -6,9 +6,9 @@ mod common;
 use std::sync::Arc;
 
 use common::{filed, rig, settle, studio};
-use counterpoise_project::pipeline;
+use counterpoise_host::files::{Folder, Native, read};
+use counterpoise_pipeline as pipeline;
 use counterpoise_studio::command::{Command, Place, Slot};
-use counterpoise_studio::files::{Folder, Native, read};
 use counterpoise_studio::shell;
 use counterpoise_studio::studio::Studio;
 use egui_kittest::Harness;

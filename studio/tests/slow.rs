@@ -10,8 +10,8 @@ use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
 use common::{Bench, around, filed, rest, rig, says, studio, text, until};
+use counterpoise_host::files::Disk;
 use counterpoise_studio::command::Command;
-use counterpoise_studio::files::Disk;
 use counterpoise_studio::studio::Studio;
 use egui::{Key, Modifiers};
 

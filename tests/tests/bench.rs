@@ -2,10 +2,10 @@
 //! weights that are refused before anything is solved.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use counterpoise_pipeline::studies::adapt::{AdaptRun, adapt};
+use counterpoise_pipeline::studies::comparison::{Beside, beside};
+use counterpoise_pipeline::{PipelineError, Synthesised, model, reduce, synthesise};
 use counterpoise_project::Project;
-use counterpoise_project::pipeline::adapt::{AdaptRun, adapt};
-use counterpoise_project::pipeline::beside::{Beside, beside};
-use counterpoise_project::pipeline::{PipelineError, Synthesised, model, reduce, synthesise};
 
 fn text(example: &str) -> String {
     let path = format!("{}/../examples/{example}/project.toml", env!("CARGO_MANIFEST_DIR"));

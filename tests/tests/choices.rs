@@ -2,9 +2,9 @@
 //! tables, laws of the friction observer, reduced plants.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use counterpoise_pipeline::studies::comparison::{Beside, beside};
+use counterpoise_pipeline::{Modelled, Synthesised, World, model, reduce, synthesise, verify};
 use counterpoise_project::Project;
-use counterpoise_project::pipeline::beside::{Beside, beside};
-use counterpoise_project::pipeline::{Modelled, Synthesised, World, model, reduce, synthesise, verify};
 use counterpoise_verify::{Figure, Verification};
 
 struct Nothing;

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use counterpoise_project::pipeline::{Synthesised, World, model, reduce, synthesise, verify};
+use counterpoise_pipeline::{Synthesised, World, model, reduce, synthesise, verify};
 use counterpoise_project::{Attachments, Document, Project};
 use counterpoise_synth::{Certified, Outcome, Sampling, SamplingMethod, discretise};
 use counterpoise_verify::Verdict;

@@ -14,14 +14,14 @@ use std::process::Command;
 use counterpoise_controller::{Controller, SampledController};
 use counterpoise_export::Source::Unverified;
 use counterpoise_export::board::CORES;
-use counterpoise_export::host::{RUST_COMPILER, differing, requests, rust_replay};
+use counterpoise_export::host::{RUST_COMPILER, RUST_CRATE, differing, requests, rust_replay};
 use counterpoise_export::{
     File, FixedRunner, Numbers, Options, Precision, Ranges, Targets, c99, fixed_c99, plan, rust_crate,
     single_precision,
 };
 use counterpoise_models::plant::Plant;
-use counterpoise_project::pipeline::export::compare;
-use counterpoise_project::pipeline::{World, model, reduce, synthesise, verify};
+use counterpoise_pipeline::export::compare;
+use counterpoise_pipeline::{World, model, reduce, synthesise, verify};
 use counterpoise_project::{Attachments, Diagnostic, Document, Project, Purpose};
 use counterpoise_simulate::{Imperfections, PlatformMotion, Scenario, Signal, Simulator, TimeHistory};
 use support::{
@@ -319,12 +319,13 @@ impl Design {
             &folder,
             &rust_crate(Unverified(&self.controller), &provenance(), &Options::double("axis")).unwrap(),
         );
-        write(&folder, &[rust_replay("axis")]);
+        write(&folder, &[rust_replay()]);
         let rustc =
             |arguments: &[&str]| run(Command::new(RUST_COMPILER).current_dir(&folder).args(arguments));
-        let library =
-            ["--edition=2021", "--crate-type=lib", "--crate-name=axis", "-Dwarnings", "axis/src/lib.rs"];
-        assert_eq!(rustc(&library), "");
+        for name in ["--crate-name=axis", &format!("--crate-name={RUST_CRATE}")] {
+            let library = ["--edition=2021", "--crate-type=lib", name, "-Dwarnings", "axis/src/lib.rs"];
+            assert_eq!(rustc(&library), "");
+        }
         assert_eq!(rustc(&["--edition=2021", "-L.", "-Dwarnings", "-o", "replay", "replay.rs"]), "");
         let tests =
             ["--edition=2021", "--test", "-L.", "--extern", "axis", "-Dwarnings", "axis/tests/vectors.rs"];

@@ -14,7 +14,7 @@ use counterpoise_export::fmi::{PlantUnit, controller_unit, pack, plant_unit};
 use counterpoise_export::{File, Options};
 use counterpoise_lti::{Mat, StateSpace, Timebase};
 use counterpoise_models::plant::{OperatingPoint, Plant};
-use counterpoise_project::pipeline::{Modelled, World, export, model, reduce, synthesise, verify};
+use counterpoise_pipeline::{Modelled, World, export, model, reduce, synthesise, verify};
 use counterpoise_project::{Attachments, Document, Project, Purpose, Setting};
 use counterpoise_simulate::signal::Sine;
 use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator, TimeHistory};

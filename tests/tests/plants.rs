@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use counterpoise_lti::Mat;
 use counterpoise_models::structure::{FeModel, Support, modes};
-use counterpoise_project::pipeline::{
+use counterpoise_pipeline::{
     Synthesised, World, finite_elements, model, procedure, reduce, synthesise, verify_on,
 };
 use counterpoise_project::{Attachments, Document, Project, Setting, StructureChoice};

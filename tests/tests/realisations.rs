@@ -10,9 +10,9 @@ use std::process::Command;
 use counterpoise_controller::sensitivity::Form;
 use counterpoise_export::forms::{PathForm, in_form};
 use counterpoise_export::{Options, Ranges, Source, c99, single_precision};
+use counterpoise_pipeline::export::forms;
+use counterpoise_pipeline::{World, model, reduce, synthesise, verify};
 use counterpoise_project::Project;
-use counterpoise_project::pipeline::export::forms;
-use counterpoise_project::pipeline::{World, model, reduce, synthesise, verify};
 use counterpoise_verify::{Figure, VerifiedController};
 use support::{Random, Request, STRICT, Target, folder, is_there, provenance, run, server, write};
 

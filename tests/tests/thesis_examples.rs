@@ -5,10 +5,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use counterpoise_claims::identified::AMPLIFIER;
 use counterpoise_diagnose::identify::{Amplifier, identify, improved};
+use counterpoise_pipeline::recordings::measured_modes::{StructureVerdict, structure};
 use counterpoise_project::Project;
-use counterpoise_project::claims::identified::AMPLIFIER;
-use counterpoise_project::pipeline::structure::{StructureVerdict, structure};
 use counterpoise_project::recording::Table;
 use counterpoise_simulate::recording::Recording;
 use counterpoise_simulate::replay::{Loop, replay};

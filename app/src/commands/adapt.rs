@@ -1,19 +1,19 @@
 //! `counterpoise adapt`: the adaptation put to the test in the nonlinear closed loop.
 
+use counterpoise_pipeline as pipeline;
+use counterpoise_pipeline::studies::adapt::{AdaptRun, Interval, adapt};
 use counterpoise_project::Purpose;
-use counterpoise_project::pipeline::adapt::{AdaptRun, Interval, adapt};
-use counterpoise_project::pipeline::{self};
 
 use std::path::PathBuf;
 
 use clap::Args;
-use counterpoise::report::adaptation::{report, returned};
-use counterpoise::report::html;
+use counterpoise_report::adaptation::{report, returned};
+use counterpoise_report::html;
 
 use super::{Done, verdict_code};
 use crate::arguments::Results;
-use crate::files;
 use crate::output::{self, say};
+use counterpoise_host::projects;
 
 /// Arguments of `adapt`.
 #[derive(Args)]
@@ -30,7 +30,7 @@ pub struct AdaptOptions {
 
 /// Runs the command.
 pub fn run(options: &AdaptOptions) -> Done {
-    let loaded = files::load(&options.project, Purpose::Verify)?;
+    let loaded = projects::load(&options.project, Purpose::Verify)?;
     output::warnings(&loaded, options.results.quiet);
     let modelled = pipeline::model(&loaded.project)?;
     let reduced = pipeline::reduce(&loaded.project, &modelled)?;
@@ -38,7 +38,7 @@ pub fn run(options: &AdaptOptions) -> Done {
     let runs = adapt(&loaded.project, &modelled, &made)?;
     if let Some(path) = &options.report {
         let command = format!("counterpoise adapt {}", options.project.display());
-        files::write(path, html(&report(&loaded.project.plant.name, &command, &runs)).as_bytes())?;
+        projects::write(path, html(&report(&loaded.project.plant.name, &command, &runs)).as_bytes())?;
     }
     if !output::json(&options.results, &runs)? {
         print(&runs);

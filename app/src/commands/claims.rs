@@ -6,16 +6,18 @@ use std::time::Duration;
 
 use anyhow::{Result, bail};
 use clap::Args;
-use counterpoise::report::{Context, claims as page, evidence, html};
-use counterpoise_project::claims::{Claim, Finding, claims, ids};
-use counterpoise_project::pipeline::export::project_hash;
-use counterpoise_project::{Purpose, pipeline};
+use counterpoise_claims::page;
+use counterpoise_claims::{Claim, Finding, claims, ids};
+use counterpoise_pipeline as pipeline;
+use counterpoise_pipeline::export::project_hash;
+use counterpoise_project::Purpose;
+use counterpoise_report::{Context, evidence, html};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{Done, verdict_code};
 use crate::arguments::Results;
-use crate::files::{self, Surroundings};
 use crate::output;
+use counterpoise_host::projects::{self, Surroundings};
 
 /// Arguments of `claims`.
 #[derive(Args)]
@@ -49,7 +51,7 @@ struct Row<'a> {
 /// Runs the command.
 pub fn run(options: &ClaimsOptions) -> Done {
     let wanted = wanted(&options.only)?;
-    let loaded = files::load(&options.project, Purpose::Design)?;
+    let loaded = projects::load(&options.project, Purpose::Design)?;
     let world = Surroundings::of(&loaded, true);
     let bar = if options.results.quiet { ProgressBar::hidden() } else { ProgressBar::new(1) };
     bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} claims, {elapsed}")?);
@@ -84,7 +86,7 @@ pub fn run(options: &ClaimsOptions) -> Done {
     };
     let report = page::report(&rows, context, &|id| format!("{command} --only {id}"));
     let path = options.report.clone().unwrap_or_else(|| page_of(&options.only));
-    files::write(&path, html(&report).as_bytes())?;
+    projects::write(&path, html(&report).as_bytes())?;
     let table: Vec<Row<'_>> = rows.iter().map(row).collect();
     if !output::json(&options.results, &table)? {
         table.iter().for_each(print);

@@ -1,22 +1,24 @@
 //! `counterpoise design`: the whole road, with its report and its code.
 
 use crate::output::say;
-use counterpoise::report::Section;
-use counterpoise::report::targets::{self, Operations, Told};
+use counterpoise_host::compilers::{processor, proofs};
+use counterpoise_pipeline::export::target_proofs::Operations;
+use counterpoise_pipeline::results::DesignResult;
+use counterpoise_pipeline::{self as pipeline, Designed};
 use counterpoise_project::Purpose;
-use counterpoise_project::pipeline::{self, Designed};
-use counterpoise_project::results::DesignResult;
-use counterpoise_project::verify::{Limit, Verdict, Verification};
+use counterpoise_report::Section;
+use counterpoise_report::targets::{self, Told};
+use counterpoise_verify::{Limit, Verdict, Verification};
 
 use super::pages::Run;
 use super::{Done, export, pages, verdict_code};
 use crate::arguments::DesignOptions;
-use crate::files::{self, Loaded, Surroundings};
-use crate::{host, output, processor};
+use crate::output;
+use counterpoise_host::projects::{self, Loaded, Surroundings};
 
 /// Runs the command.
 pub fn run(options: &DesignOptions) -> Done {
-    let loaded = files::load(&options.project, Purpose::Design)?;
+    let loaded = projects::load(&options.project, Purpose::Design)?;
     output::warnings(&loaded, options.results.quiet);
     let world = Surroundings::of(&loaded, options.results.quiet);
     let made = pipeline::design(&loaded.project, &world)?;
@@ -25,7 +27,7 @@ pub fn run(options: &DesignOptions) -> Done {
     let targets = on_target(&loaded, &made, &world)?;
     let page = pages::design(&loaded, &made, &Run { command, times, targets })?;
     export::write(&options.output, &made.files)?;
-    files::write(&options.output.join("report.html"), page.as_bytes())?;
+    projects::write(&options.output.join("report.html"), page.as_bytes())?;
     if !output::json(&options.results, &DesignResult::from(&made))? {
         print(options, &made);
     }
@@ -44,7 +46,7 @@ fn on_target(loaded: &Loaded, made: &Designed, world: &Surroundings) -> anyhow::
     };
     Ok(targets::section(&Told {
         targets: &compared,
-        proofs: &host::proofs(&code, &compared),
+        proofs: &proofs::proofs(&code, &compared),
         operations,
         costs: &processor::costs(&code),
         forms: &pipeline::export::forms(&made.verified)?,

@@ -1,28 +1,28 @@
 //! `counterpoise diagnose`: locate, name, model, and show that the fit improves.
 
 use crate::output::say;
-use counterpoise::report::difference;
+use counterpoise_diagnose::answer::{Answer, Channels, Finding, FitTable, Verdict};
+use counterpoise_diagnose::mend::mended;
+use counterpoise_diagnose::{Diagnosis, diagnose};
+use counterpoise_pipeline::{Consequence, consequence};
 use counterpoise_project::Purpose;
-use counterpoise_project::diagnose::answer::{Answer, Channels, Finding, FitTable, Verdict};
-use counterpoise_project::diagnose::mend::mended;
-use counterpoise_project::diagnose::{Diagnosis, diagnose};
-use counterpoise_project::pipeline::{Consequence, consequence};
-use counterpoise_project::simulate::recording::Recording;
-use counterpoise_project::simulate::replay::Loop;
-use counterpoise_project::verify::Verification;
-use counterpoise_project::verify::difference::changes;
+use counterpoise_report::difference;
+use counterpoise_simulate::recording::Recording;
+use counterpoise_simulate::replay::Loop;
+use counterpoise_verify::Verification;
+use counterpoise_verify::difference::changes;
 
 use super::replay::read_as_written;
 use super::{Done, pages, verdict_code};
 use crate::arguments::DiagnoseOptions;
-use crate::files::{self, Loaded, Surroundings};
 use crate::output;
-use crate::stop;
-use crate::workers::Workers;
+use counterpoise_host::interrupt;
+use counterpoise_host::projects::{self, Loaded, Surroundings};
+use counterpoise_host::workers::Workers;
 
 /// Runs the command.
 pub fn run(options: &DiagnoseOptions) -> Done {
-    let loaded = files::load(&options.project, Purpose::Diagnose)?;
+    let loaded = projects::load(&options.project, Purpose::Diagnose)?;
     output::warnings(&loaded, options.results.quiet);
     if options.recordings.is_empty() {
         return super::structure::run(&loaded, options);
@@ -35,7 +35,7 @@ pub fn run(options: &DiagnoseOptions) -> Done {
         control = Loop::Open;
     }
     let recordings: Vec<Recording> = read.iter().map(|r| r.recording.clone()).collect();
-    stop::watch();
+    interrupt::watch();
     let workers = Workers::new(options.results.quiet);
     let found = diagnose(&loaded.project.plant, control.clone(), &recordings, &workers);
     workers.finish();
@@ -45,14 +45,14 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     let unheard = (was_known && !undemanded.is_empty()).then(|| without_demand(&undemanded));
     found.answer.qualification.splice(0..0, unheard.into_iter().chain(remarks));
     if let Some(path) = &options.save {
-        files::save_improved(&loaded, &found.improved, path)?;
+        projects::save_improved(&loaded, &found.improved, path)?;
     }
     let consequence = told(&loaded, &found, options.results.quiet)?;
     if let Some(path) = &options.report {
         let ratio = loaded.project.plant.gearbox.ratio;
         let whole: Vec<Recording> = found.recordings.iter().flat_map(|r| mended(r, ratio).parts).collect();
         let page = pages::diagnosis(&loaded, &whole, (&found, consequence.as_ref()), &control);
-        files::write(path, page.as_bytes())?;
+        projects::write(path, page.as_bytes())?;
     }
     if !output::json(&options.results, &found.answer)? {
         print(&found.answer);

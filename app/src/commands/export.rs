@@ -2,22 +2,22 @@
 
 use crate::output::say;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
-use counterpoise_project::export::host::including;
-use counterpoise_project::export::{Checked, File, check};
-use counterpoise_project::{Purpose, pipeline};
-use counterpoise_studio::exporting;
+use counterpoise_export::{Checked, File, check};
+use counterpoise_host::code_files;
+use counterpoise_host::compilers::unit_library;
+use counterpoise_pipeline as pipeline;
+use counterpoise_project::Purpose;
 use serde::Serialize;
 
 use super::{Done, verdict_code};
 use crate::arguments::ExportOptions;
-use crate::files::{self, Surroundings};
 use crate::output;
+use counterpoise_host::projects::{self, Surroundings};
 
 /// Writes the code, or checks files.
 pub fn run(options: &ExportOptions) -> Done {
-    let loaded = files::load(&options.project, Purpose::Export)?;
+    let loaded = projects::load(&options.project, Purpose::Export)?;
     output::warnings(&loaded, options.results.quiet);
     let world = Surroundings::of(&loaded, options.results.quiet);
     let made = pipeline::design(&loaded.project, &world)?;
@@ -35,36 +35,9 @@ pub fn run(options: &ExportOptions) -> Done {
 
 /// Writes generated files, and packs FMI units; with a library inside where this machine has a C compiler.
 pub fn write(folder: &Path, code: &[File]) -> anyhow::Result<Vec<PathBuf>> {
-    let written = exporting::write(folder, code, library, &|| true).map_err(anyhow::Error::msg)?;
+    let written =
+        code_files::write(folder, code, unit_library::library, &|| true).map_err(anyhow::Error::msg)?;
     Ok(written.unwrap_or_default())
-}
-
-/// The unit's library for 64-bit Linux, where it can be made here.
-pub fn library(folder: &Path, name: &str) -> Option<Vec<u8>> {
-    if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
-        return None;
-    }
-    let place = files::scratch_folder().ok()?;
-    compiled_library(&folder.join(name).join("sources"), name, place.path())
-}
-
-/// Compiles a unit's sources in a folder `place`. The sources are included by files of fixed names, so that no name of a
-/// project's stands on the compiler's command line.
-fn compiled_library(sources: &Path, name: &str, place: &Path) -> Option<Vec<u8>> {
-    for file in [including("behaviour.c", &format!("{name}.c")), including("unit.c", "fmu.c")] {
-        files::write(&place.join(&file.name), file.text.as_bytes()).ok()?;
-    }
-    let library = place.join("unit.so");
-    let mut compiler = Command::new("cc");
-    compiler
-        .args(["-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-iquote", ".", "-o"])
-        .arg(&library);
-    compiler.args([place.join("behaviour.c"), place.join("unit.c")]).arg("-lm");
-    let compiled = compiler.current_dir(sources).output().ok()?;
-    if !compiled.status.success() {
-        return None;
-    }
-    std::fs::read(library).ok()
 }
 
 /// What became of a file that was checked.

@@ -5,17 +5,17 @@ use std::time::Instant;
 
 use anyhow::{Context as _, Result, bail};
 use clap::{Args, ValueEnum};
-use counterpoise::report::fra::{Pace, report};
-use counterpoise::report::html;
-use counterpoise_project::pipeline;
-use counterpoise_project::pipeline::fra::{Analyser, Around, Map, Measurement, On, Plan};
+use counterpoise_pipeline as pipeline;
+use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, Measurement, On, Plan};
 use counterpoise_project::{Purpose, StructureChoice};
+use counterpoise_report::fra::{Pace, report};
+use counterpoise_report::html;
 
 use super::{Done, replay, verdict_code};
 use crate::arguments::Results;
-use crate::files::{self, Loaded};
 use crate::output::{self, say};
-use crate::workers::Workers;
+use counterpoise_host::projects::{self, Loaded};
+use counterpoise_host::workers::Workers;
 
 /// Arguments of `fra`.
 #[derive(Args)]
@@ -95,7 +95,7 @@ const MOST_FREQUENCIES: usize = 10_000;
 
 /// Runs the command.
 pub fn run(options: &FraOptions) -> Done {
-    let loaded = files::load(&options.project, Purpose::Model)?;
+    let loaded = projects::load(&options.project, Purpose::Model)?;
     output::warnings(&loaded, options.results.quiet);
     let plan = plan(options)?;
     let (maps, speed) = if options.recording.is_empty() {
@@ -108,7 +108,7 @@ pub fn run(options: &FraOptions) -> Done {
             .chain(std::env::args().skip(1))
             .collect::<Vec<_>>()
             .join(" ");
-        files::write(path, html(&report(&maps, &speed, &command)).as_bytes())?;
+        projects::write(path, html(&report(&maps, &speed, &command)).as_bytes())?;
     }
     if !output::json(&options.results, &maps)? {
         maps.iter().for_each(print);

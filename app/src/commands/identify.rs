@@ -2,21 +2,21 @@
 
 use crate::output::say;
 use anyhow::Result;
-use counterpoise::report::html;
-use counterpoise::report::identify::report;
+use counterpoise_diagnose::identify::{Amplifier, Estimate, Identified, identify, improved};
 use counterpoise_project::Purpose;
-use counterpoise_project::diagnose::identify::{Amplifier, Estimate, Identified, identify, improved};
-use counterpoise_project::simulate::recording::Recording;
+use counterpoise_report::html;
+use counterpoise_report::identify::report;
+use counterpoise_simulate::recording::Recording;
 
 use super::replay::read;
 use super::{Done, verdict_code};
 use crate::arguments::IdentifyOptions;
-use crate::files::{self, Loaded};
 use crate::output;
+use counterpoise_host::projects::{self, Loaded};
 
 /// Runs the command.
 pub fn run(options: &IdentifyOptions) -> Done {
-    let loaded = files::load(&options.project, Purpose::Model)?;
+    let loaded = projects::load(&options.project, Purpose::Model)?;
     output::warnings(&loaded, options.results.quiet);
     let (first, second) = (group(&loaded, &options.recordings)?, group(&loaded, &options.other)?);
     let states: Vec<&[Recording]> =
@@ -24,12 +24,12 @@ pub fn run(options: &IdentifyOptions) -> Done {
     let mut found = identify(&loaded.project.plant, &states)?;
     found.notes.extend(first.remarks.into_iter().chain(second.remarks));
     if let Some(path) = &options.save {
-        files::save_improved(&loaded, &improved(&loaded.project.plant, &found), path)?;
+        projects::save_improved(&loaded, &improved(&loaded.project.plant, &found), path)?;
     }
     if let Some(path) = &options.report {
         let command = format!("counterpoise identify {}", loaded.path.display());
         let page = html(&report(&loaded.project.plant.name, &command, &found));
-        files::write(path, page.as_bytes())?;
+        projects::write(path, page.as_bytes())?;
     }
     if !output::json(&options.results, &found)? {
         print(&found);

@@ -3,19 +3,19 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use counterpoise::report::html;
-use counterpoise::report::model::report;
+use counterpoise_pipeline::plant_views::{MeshColumn, Meshes, ModeSet, portrait};
+use counterpoise_pipeline::results::ModelResult;
+use counterpoise_pipeline::studies::accuracy::accuracy;
+use counterpoise_pipeline::{self as pipeline, PipelineError};
 use counterpoise_project::Purpose;
-use counterpoise_project::pipeline::accuracy::accuracy;
-use counterpoise_project::pipeline::portrait::{MeshColumn, Meshes, ModeSet, portrait};
-use counterpoise_project::pipeline::{self, PipelineError};
-use counterpoise_project::results::ModelResult;
+use counterpoise_report::html;
+use counterpoise_report::model::report;
 
 use super::{Done, verdict_code};
 use crate::arguments::Results;
-use crate::files;
 use crate::output::{self, say};
-use crate::workers::Workers;
+use counterpoise_host::projects;
+use counterpoise_host::workers::Workers;
 
 /// Arguments of `model`.
 #[derive(Args)]
@@ -32,7 +32,7 @@ pub struct ModelOptions {
 
 /// Runs the command.
 pub fn run(options: &ModelOptions) -> Done {
-    let loaded = files::load(&options.project, Purpose::Model)?;
+    let loaded = projects::load(&options.project, Purpose::Model)?;
     output::warnings(&loaded, options.results.quiet);
     let modelled = pipeline::model(&loaded.project)?;
     let result = ModelResult::from(&modelled);
@@ -43,7 +43,7 @@ pub fn run(options: &ModelOptions) -> Done {
         let accuracy = accuracy(&modelled, &workers);
         workers.finish();
         let page = report(&result, &portrait, &accuracy?, &command);
-        files::write(path, html(&page).as_bytes())?;
+        projects::write(path, html(&page).as_bytes())?;
     }
     if !output::json(&options.results, &result)? {
         print(&result, pipeline::cannot_hold(&modelled).as_ref());

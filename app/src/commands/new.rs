@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use counterpoise_studio::files::create;
+use counterpoise_host::files::create;
 
 use super::Done;
 use crate::arguments::NewOptions;

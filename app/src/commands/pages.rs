@@ -1,25 +1,25 @@
 //! From results to reports.
 
-use counterpoise::report::design::{WEIGHTS, weight_section};
-use counterpoise::report::diagnosis::{Track, report};
-use counterpoise::report::{
+use counterpoise_diagnose::Diagnosis;
+use counterpoise_pipeline::Synthesised;
+use counterpoise_pipeline::export::{project_hash, weights};
+use counterpoise_pipeline::results::{DesignResult, ReplayResult, SynthResult};
+use counterpoise_pipeline::studies::comparison::{Beside, beside};
+use counterpoise_pipeline::studies::search::Searched;
+use counterpoise_pipeline::{Consequence, Designed};
+use counterpoise_report::design::{WEIGHTS, weight_section};
+use counterpoise_report::diagnosis::{Track, report};
+use counterpoise_report::{
     Cell, Column, Context, Headline, Report, Section, Table, Tile, Tone, bench, difference, html, of_design,
     trade_off,
 };
-use counterpoise_project::diagnose::Diagnosis;
-use counterpoise_project::pipeline::Synthesised;
-use counterpoise_project::pipeline::beside::{Beside, beside};
-use counterpoise_project::pipeline::export::{project_hash, weights};
-use counterpoise_project::pipeline::search::Searched;
-use counterpoise_project::pipeline::{Consequence, Designed};
-use counterpoise_project::results::{DesignResult, ReplayResult, SynthResult};
-use counterpoise_project::simulate::recording::{Channel, Recording};
-use counterpoise_project::simulate::replay::{Loop, Replay, replay as replayed};
+use counterpoise_simulate::recording::{Channel, Recording};
+use counterpoise_simulate::replay::{Loop, Replay, replay as replayed};
 
 use super::replay::Read;
 use super::synth::VerifiedPoint;
-use crate::files::Loaded;
-use crate::output::StageTime;
+use counterpoise_host::projects::Loaded;
+use counterpoise_host::stages::StageTime;
 
 /// A run of `design`, as its report tells of it.
 pub struct Run {
@@ -231,5 +231,5 @@ pub fn replay(loaded: &Loaded, read: &[Read], replays: &[Replay], result: &Repla
     let all = read.iter().zip(replays).map(|(item, replay)| tracks(&item.recording, replay, None));
     let command = format!("counterpoise replay {}", loaded.path.display());
     let title = format!("Replay of {}", loaded.project.plant.name);
-    html(&counterpoise::report::replay::report(&title, &command, result, &all.collect::<Vec<_>>()))
+    html(&counterpoise_report::replay::report(&title, &command, result, &all.collect::<Vec<_>>()))
 }

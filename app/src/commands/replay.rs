@@ -2,20 +2,20 @@
 
 use crate::output::say;
 use anyhow::{Context, Result, bail};
+use counterpoise_diagnose::mend::mended;
+use counterpoise_diagnose::qualify::{foreign_control, qualify};
+use counterpoise_diagnose::replays::measured;
+use counterpoise_models::Parameters;
+use counterpoise_pipeline::results::{RecordingResult, ReplayResult};
 use counterpoise_project::Purpose;
-use counterpoise_project::diagnose::mend::mended;
-use counterpoise_project::diagnose::qualify::{foreign_control, qualify};
-use counterpoise_project::diagnose::replays::measured;
-use counterpoise_project::models::Parameters;
 use counterpoise_project::recording::{Mapping, Record, Table};
-use counterpoise_project::results::{RecordingResult, ReplayResult};
-use counterpoise_project::simulate::recording::{Channel, Recording};
-use counterpoise_project::simulate::replay::{Followed, Loop, Replayer, Way};
+use counterpoise_simulate::recording::{Channel, Recording};
+use counterpoise_simulate::replay::{Followed, Loop, Replayer, Way};
 
 use super::{Done, verdict_code};
 use crate::arguments::{ReplayOptions, Windows};
-use crate::files::{self, Loaded};
 use crate::output;
+use counterpoise_host::projects::{self, Loaded};
 
 /// A recording read, with what was found on the way.
 pub struct Read {
@@ -60,7 +60,7 @@ fn records(loaded: &Loaded, paths: &[std::path::PathBuf]) -> Result<Vec<Record>>
         ..loaded.project.recording.clone()
     };
     let mut out = Vec::new();
-    for (file, bytes) in files::recordings(paths)? {
+    for (file, bytes) in projects::recordings(paths)? {
         out.extend(mapping.records(&Table::read(&bytes, &file)?)?);
     }
     Ok(out)
@@ -97,7 +97,7 @@ impl Read {
 /// Runs the command.
 pub fn run(options: &ReplayOptions) -> Done {
     let open = options.open_loop || matches!(options.windows, Windows::Every { .. });
-    let loaded = files::load(&options.project, if open { Purpose::Model } else { Purpose::Replay })?;
+    let loaded = projects::load(&options.project, if open { Purpose::Model } else { Purpose::Replay })?;
     output::warnings(&loaded, options.results.quiet);
     let control = match (&loaded.project.recording_controller, options.open_loop) {
         (Some(controller), false) => Loop::Closed(controller.clone()),
@@ -121,7 +121,7 @@ pub fn run(options: &ReplayOptions) -> Done {
     }
     if let Some(path) = &options.report {
         let page = super::pages::replay(&loaded, &read, &replays, &result);
-        files::write(path, page.as_bytes())?;
+        projects::write(path, page.as_bytes())?;
     }
     if !output::json(&options.results, &result)? {
         print(&result);
@@ -135,7 +135,7 @@ fn follow(
     plant: &Parameters,
     control: &Loop,
     windows: Windows,
-) -> Result<Followed, counterpoise_project::simulate::Error> {
+) -> Result<Followed, counterpoise_simulate::Error> {
     let (replay, way) = match (windows, control) {
         (Windows::Auto, _) => return replayer.follow(plant, control),
         (Windows::None, Loop::Open) => (replayer.replay_open(plant)?, Way::Free),

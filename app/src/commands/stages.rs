@@ -1,14 +1,14 @@
 //! Single stages of the road, from the same file.
 
 use crate::output::say;
+use counterpoise_pipeline::results::ReduceResult;
+use counterpoise_pipeline::{self as pipeline, Modelled, Reduced};
 use counterpoise_project::Purpose;
-use counterpoise_project::pipeline::{self, Modelled, Reduced};
-use counterpoise_project::results::ReduceResult;
 
 use super::{Done, verdict_code};
 use crate::arguments::StageOptions;
-use crate::files::{self, Loaded};
 use crate::output;
+use counterpoise_host::projects::{self, Loaded};
 
 /// `counterpoise reduce`.
 pub fn reduce(options: &StageOptions) -> Done {
@@ -34,7 +34,7 @@ fn verdict_ok() -> Done {
 }
 
 fn loaded(options: &StageOptions, purpose: Purpose) -> anyhow::Result<Loaded> {
-    let loaded = files::load(&options.project, purpose)?;
+    let loaded = projects::load(&options.project, purpose)?;
     output::warnings(&loaded, options.results.quiet);
     Ok(loaded)
 }

@@ -1,14 +1,14 @@
 //! `counterpoise diagnose` without recordings: what the structure's model left out, from measured natural frequencies.
 
 use anyhow::bail;
-use counterpoise::report::html;
-use counterpoise::report::structure::report;
-use counterpoise_project::pipeline::structure::{StructureAnswer, StructureVerdict, held, structure};
+use counterpoise_pipeline::recordings::measured_modes::{StructureAnswer, StructureVerdict, held, structure};
+use counterpoise_report::html;
+use counterpoise_report::structure::report;
 
 use super::{Done, verdict_code};
 use crate::arguments::DiagnoseOptions;
-use crate::files::{self, Loaded};
 use crate::output::{self, say};
+use counterpoise_host::projects::{self, Loaded};
 
 /// Runs the command on a project with measured modes.
 pub fn run(loaded: &Loaded, options: &DiagnoseOptions) -> Done {
@@ -22,12 +22,12 @@ pub fn run(loaded: &Loaded, options: &DiagnoseOptions) -> Done {
     let found = structure(&loaded.project, measured)?;
     if let Some(path) = &options.save {
         let document = found.improved.update(&loaded.document, &loaded.project)?;
-        files::write(path, document.text().as_bytes())?;
+        projects::write(path, document.text().as_bytes())?;
     }
     if let Some(path) = &options.report {
         let command = format!("counterpoise diagnose {}", loaded.path.display());
         let page = report(&loaded.project.plant.name, &command, &found.answer);
-        files::write(path, html(&page).as_bytes())?;
+        projects::write(path, html(&page).as_bytes())?;
     }
     if !output::json(&options.results, &found.answer)? {
         say!("{} natural frequencies, structure {}", measured.modes_hz.len(), held(measured.support));

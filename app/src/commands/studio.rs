@@ -1,28 +1,37 @@
-//! `counterpoise studio`: the desktop window.
+//! `counterpoise studio`: starts the desktop window, which is a program of its own.
 
-use std::process::ExitCode;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
 
-use counterpoise_studio::window::{self, Options, Surface};
+use anyhow::{Context, bail};
 
 use super::Done;
 use crate::arguments::StudioOptions;
 
-/// Runs the command.
+/// Name of the studio's program, which is installed beside this one.
+const PROGRAM: &str = "counterpoise-studio";
+
+/// Runs the command: starts the studio with the same arguments and returns its exit code.
 pub fn run(options: &StudioOptions) -> Done {
-    window::run(Options {
-        project: options.project.clone(),
-        script: options.script.clone(),
-        frame_log: options.frame_log.clone(),
-        size: options.size.as_deref().and_then(size),
-        state: None,
-        surface: if options.no_window { Surface::Nothing } else { Surface::Window },
-        library: Some(super::export::library),
-    })?;
-    Ok(ExitCode::SUCCESS)
+    let program = beside_this_program()?;
+    let status = Command::new(&program)
+        .args(&options.arguments)
+        .status()
+        .with_context(|| format!("cannot start {}", program.display()))?;
+    Ok(u8::try_from(status.code().unwrap_or(1)).map_or(ExitCode::FAILURE, ExitCode::from))
 }
 
-/// A size as `1280x800`.
-fn size(written: &str) -> Option<[f32; 2]> {
-    let (width, height) = written.split_once('x')?;
-    Some([width.parse().ok()?, height.parse().ok()?])
+/// Returns the path of the studio's program.
+fn beside_this_program() -> anyhow::Result<PathBuf> {
+    let own = std::env::current_exe().context("cannot find the folder of this program")?;
+    let folder = own.parent().unwrap_or(Path::new("."));
+    let program = folder.join(format!("{PROGRAM}{}", std::env::consts::EXE_SUFFIX));
+    if !program.is_file() {
+        bail!(
+            "the studio's window is a program of its own, {PROGRAM}, and it is not in {}; in the source folder, build it with \
+             `cargo build --release -p {PROGRAM}` and try again",
+            folder.display()
+        );
+    }
+    Ok(program)
 }

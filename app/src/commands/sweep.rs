@@ -5,19 +5,20 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use counterpoise::report::{Context as PageContext, html, robust, sweep};
+use counterpoise_pipeline::export::project_hash;
+use counterpoise_pipeline::{self as pipeline, Designed};
 use counterpoise_project::Purpose;
-use counterpoise_project::pipeline::export::project_hash;
-use counterpoise_project::pipeline::{self, Designed};
-use counterpoise_project::verify::robust::{Campaign, Member, Sample, Worst, merge, summary, worst_case};
-use counterpoise_project::verify::structured::RobustStability;
+use counterpoise_report::{Context as PageContext, html, robust, sweep};
+use counterpoise_verify::robust::{Campaign, Member, Sample, Worst, merge, summary, worst_case};
+use counterpoise_verify::structured::RobustStability;
 use rayon::prelude::*;
 
 use super::{Done, pages, verdict_code};
 use crate::arguments::Results;
-use crate::files::{self, Surroundings};
-use crate::pace::Pace;
-use crate::{output, shards, stop};
+use crate::output;
+use counterpoise_host::campaign_progress::Pace;
+use counterpoise_host::projects::{self, Surroundings};
+use counterpoise_host::{interrupt, shards};
 
 /// Arguments of `sweep`.
 #[derive(Args)]
@@ -92,7 +93,7 @@ fn told(options: &SweepOptions, cost: Option<String>) {
 }
 
 fn prepare(options: &SweepOptions) -> Result<Named> {
-    let loaded = files::load(&options.project, Purpose::Sweep)?;
+    let loaded = projects::load(&options.project, Purpose::Sweep)?;
     output::warnings(&loaded, options.results.quiet);
     let world = Surroundings::of(&loaded, options.results.quiet);
     let designed = pipeline::design(&loaded.project, &world)?;
@@ -149,9 +150,9 @@ fn run_shard(named: &Named, folder: &Path, (shard, of): (usize, usize), pace: &P
 fn run_all(named: &Named, options: &SweepOptions) -> Result<Option<String>> {
     let count = named.campaign.len().div_ceil(SHARD);
     let pace = pace(options, named.campaign.len())?;
-    stop::watch();
+    interrupt::watch();
     for shard in 0..count {
-        if stop::asked() {
+        if interrupt::asked() {
             pace.finish();
             bail!(
                 "stopped after {shard} of {count} shards, which are kept in {}; the same command goes on from there",
@@ -197,7 +198,7 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
     page.headline.detail += &sweep::beyond(&named.campaign, &worst, named.stability.as_ref());
     pages::reproduced_by(&mut page, &command);
     let page = html(&page);
-    files::write(&options.output.join("report.html"), page.as_bytes())?;
+    projects::write(&options.output.join("report.html"), page.as_bytes())?;
     let passes = samples.iter().all(|sample| named.campaign.passes(sample));
     if !output::json(&options.results, &summaries(named, &samples, &worst))? {
         print(named, &summaries(named, &samples, &worst));
@@ -264,7 +265,7 @@ fn worst_row(named: &Named, requirement: usize, worst: &Worst) -> WorstRow {
 }
 
 fn summaries(named: &Named, samples: &[Sample], worst: &[Option<Worst>]) -> Vec<Row> {
-    let row = |(k, requirement): (usize, &counterpoise_project::verify::Requirement)| {
+    let row = |(k, requirement): (usize, &counterpoise_verify::Requirement)| {
         let found = summary(&named.campaign, samples, k);
         Row {
             figure: requirement.figure.key(),

@@ -3,21 +3,21 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use counterpoise_pipeline::results::SynthResult;
+use counterpoise_pipeline::studies::comparison::{Beside, LoopFigures, MethodRow, beside};
+use counterpoise_pipeline::studies::search::{Judged, Searched, judged, search};
+use counterpoise_pipeline::{self as pipeline, Modelled, Reduced};
 use counterpoise_project::Purpose;
-use counterpoise_project::pipeline::beside::{Beside, LoopFigures, MethodRow, beside};
-use counterpoise_project::pipeline::search::{Judged, Searched, judged, search};
-use counterpoise_project::pipeline::{self, Modelled, Reduced};
-use counterpoise_project::results::SynthResult;
-use counterpoise_project::synth::{Ended, Figures, Trial};
-use counterpoise_project::verify::Verdict;
+use counterpoise_synth::{Ended, Figures, Trial};
+use counterpoise_verify::Verdict;
 use serde::Serialize;
 
 use super::{Done, pages, verdict_code};
 use crate::arguments::Results;
-use crate::files::{self, Loaded, Surroundings};
 use crate::output::{self, say};
-use crate::stop;
-use counterpoise::plot::ticks::short;
+use counterpoise_host::interrupt;
+use counterpoise_host::projects::{self, Loaded, Surroundings};
+use counterpoise_plot::ticks::short;
 
 /// Arguments of `synth`.
 #[derive(Args)]
@@ -48,7 +48,7 @@ struct Whole<'a> {
 
 /// Runs the command.
 pub fn run(options: &SynthOptions) -> Done {
-    let loaded = files::load(&options.project, Purpose::Synth)?;
+    let loaded = projects::load(&options.project, Purpose::Synth)?;
     output::warnings(&loaded, options.results.quiet);
     let modelled = pipeline::model(&loaded.project)?;
     let reduced = pipeline::reduce(&loaded.project, &modelled)?;
@@ -59,7 +59,7 @@ pub fn run(options: &SynthOptions) -> Done {
     let beside = beside(&loaded.project, (&modelled, &reduced), &made)?;
     let result = SynthResult::from(&made);
     if let Some(path) = &options.report {
-        files::write(path, pages::synth(&loaded, (&made, &beside), &result)?.as_bytes())?;
+        projects::write(path, pages::synth(&loaded, (&made, &beside), &result)?.as_bytes())?;
     }
     if !output::json(&options.results, &Whole { synth: &result, beside: &beside })? {
         print_weights(&loaded);
@@ -223,11 +223,11 @@ pub struct VerifiedPoint {
 }
 
 fn searched(options: &SynthOptions, loaded: &Loaded, plant: (&Modelled, &Reduced)) -> Done {
-    stop::watch();
-    let mut found = search(&loaded.project, plant, &mut |_: &Trial| !stop::asked())?;
+    interrupt::watch();
+    let mut found = search(&loaded.project, plant, &mut |_: &Trial| !interrupt::asked())?;
     let world = Surroundings::of(loaded, true);
     let judged = match loaded.project.verify {
-        Some(_) => judged(&found, plant, &world, &mut || !stop::asked())?,
+        Some(_) => judged(&found, plant, &world, &mut || !interrupt::asked())?,
         None => Vec::new(),
     };
     let chosen = judged.iter().position(Judged::holds);
@@ -238,12 +238,12 @@ fn searched(options: &SynthOptions, loaded: &Loaded, plant: (&Modelled, &Reduced
     let holds = if judged.is_empty() { full } else { chosen.is_some() };
     if let Some(path) = &options.save {
         let document = found.project.update(&loaded.document, &loaded.project)?;
-        files::write(path, document.text().as_bytes())?;
+        projects::write(path, document.text().as_bytes())?;
     }
     let points: Vec<VerifiedPoint> = judged.iter().map(verified_point).collect();
     let result = search_result(&found, points);
     if let Some(path) = &options.report {
-        files::write(path, pages::search(loaded, &found, &result.verified)?.as_bytes())?;
+        projects::write(path, pages::search(loaded, &found, &result.verified)?.as_bytes())?;
     }
     if !output::json(&options.results, &result)? {
         print_search(&found, &result);
@@ -294,7 +294,7 @@ fn print_verified(points: &[VerifiedPoint], chosen: Option<usize>) {
 
 fn search_result(found: &Searched, verified: Vec<VerifiedPoint>) -> SearchResult {
     let weights = found.project.synth.as_ref().map(pipeline::export::weights).unwrap_or_default();
-    let point = |(limit, found): &(f64, counterpoise_project::synth::Found)| CurvePoint {
+    let point = |(limit, found): &(f64, counterpoise_synth::Found)| CurvePoint {
         max_sensitivity_limit: *limit,
         max_sensitivity: found.best.figures.ms,
         rejection: found.best.figures.rejection,

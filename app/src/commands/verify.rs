@@ -4,20 +4,20 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 use clap::{Args, ValueEnum};
-use counterpoise::report::{Context, difference, html, of_verification, robust};
-use counterpoise_project::pipeline::{self, export::project_hash};
-use counterpoise_project::results::VerifyResult;
-use counterpoise_project::verify::difference::{Change, changes};
-use counterpoise_project::verify::signals::iso_road::{Drive, RoadClass, Vehicle, iso_road};
-use counterpoise_project::verify::structured::RobustStability;
-use counterpoise_project::verify::{Procedure, Triangle, Verification};
+use counterpoise_pipeline::results::VerifyResult;
+use counterpoise_pipeline::{self as pipeline, export::project_hash};
 use counterpoise_project::{Project, Purpose, StructureChoice};
+use counterpoise_report::{Context, difference, html, of_verification, robust};
+use counterpoise_verify::difference::{Change, changes};
+use counterpoise_verify::signals::iso_road::{Drive, RoadClass, Vehicle, iso_road};
+use counterpoise_verify::structured::RobustStability;
+use counterpoise_verify::{Procedure, Triangle, Verification};
 
 use super::design::print_verdicts;
 use super::{Done, pages, verdict_code};
 use crate::arguments::Results;
-use crate::files::{self, Loaded, Surroundings};
 use crate::output::{self, say};
+use counterpoise_host::projects::{self, Loaded, Surroundings};
 
 /// Arguments of `verify`.
 #[derive(Args)]
@@ -69,7 +69,7 @@ pub fn run(options: &VerifyOptions) -> Done {
     let before = options.against.as_ref().map(|path| verified(options, path)).transpose()?;
     let changed = before.as_ref().map(|(_, before, _)| changes(before, &found));
     if let Some(path) = &options.report {
-        files::write(
+        projects::write(
             path,
             page(options, (&loaded, &found, stability.as_ref()), changed.as_deref()).as_bytes(),
         )?;
@@ -106,7 +106,7 @@ fn tell(options: &VerifyOptions, found: &Verification, stability: Option<&Robust
 
 /// A project's controller, verified as the options ask, and the linear worst case of its sweep's ranges.
 fn verified(options: &VerifyOptions, path: &Path) -> Result<(Loaded, Verification, Option<RobustStability>)> {
-    let loaded = files::load(path, Purpose::Verify)?;
+    let loaded = projects::load(path, Purpose::Verify)?;
     output::warnings(&loaded, options.results.quiet);
     let world = Surroundings::of(&loaded, options.results.quiet);
     let project = &loaded.project;
@@ -141,7 +141,7 @@ fn with_structure(project: &Project, structure: StructureChoice) -> Project {
     other
 }
 
-fn drive(class: &str, speed_m_s: f64, procedure: &Procedure) -> Result<counterpoise_project::verify::Road> {
+fn drive(class: &str, speed_m_s: f64, procedure: &Procedure) -> Result<counterpoise_verify::Road> {
     let class = RoadClass::from_letter(class).with_context(|| {
         format!("--road {class}: the classes of ISO 8608 here are A (very good) to E (very poor)")
     })?;

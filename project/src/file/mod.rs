@@ -15,6 +15,7 @@ pub(crate) mod writer;
 pub use attachments::Attachments;
 pub use edit::EditError;
 pub use setting::Setting;
+pub use visit::Choice;
 
 use crate::diagnostic::{Diagnostic, Problem, Severity};
 use source::{Remark, Source};

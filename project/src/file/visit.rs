@@ -34,10 +34,12 @@ pub(crate) trait Visit {
     fn shorthand(&mut self, key: &str, value: &mut String) -> bool;
 }
 
-/// An enumeration that the file spells by names.
-pub(crate) trait Choice: Copy + PartialEq + 'static {
+/// An enumeration whose values a project file spells by names.
+pub trait Choice: Copy + PartialEq + 'static {
+    /// Every value with the name that a project file spells it by.
     const NAMES: &'static [(&'static str, Self)];
 
+    /// Returns the name of the value in a project file.
     fn name(self) -> &'static str {
         Self::NAMES.iter().find(|(_, value)| *value == self).map_or("", |(name, _)| name)
     }

@@ -7,10 +7,10 @@ use egui::{Key, Modifiers, RichText, Ui};
 
 use crate::browser::{Browser, Item, Kind};
 use crate::command::{Command, Purpose};
-use crate::files;
 use crate::noted::List;
 use crate::studio::Studio;
 use crate::theme::{Theme, space};
+use counterpoise_host::files;
 
 /// Width of the window's part that lists where one was before, points.
 const PLACES: f32 = 190.0;

@@ -1,8 +1,8 @@
 //! The consequences of a design as charts: loop, sensitivity, step, control, platform motion, and error against effort.
 
-use counterpoise_project::pipeline::effort::EffortPoint;
-use counterpoise_project::verify::linear::Curve as Response;
-use counterpoise_project::verify::{Arrangement, Experiment, History, Source};
+use counterpoise_pipeline::studies::trade_off::EffortPoint;
+use counterpoise_verify::linear::Curve as Response;
+use counterpoise_verify::{Arrangement, Experiment, History, Source};
 
 use super::design::bode;
 use crate::chart::{Chart, Dash, Scale};
@@ -11,9 +11,8 @@ use crate::results::Of;
 use crate::view::View;
 
 fn magnitudes(view: &View, frequency_hz: &[f64], response: &Response) -> Vec<[f64; 2]> {
-    let point = |(f, h): (&f64, &counterpoise_project::lti::C64)| {
-        [view.rate(f * std::f64::consts::TAU), view.level(h.norm())]
-    };
+    let point =
+        |(f, h): (&f64, &counterpoise_lti::C64)| [view.rate(f * std::f64::consts::TAU), view.level(h.norm())];
     frequency_hz.iter().zip(&response.response).map(point).collect()
 }
 

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
+use counterpoise_pipeline::studies::trade_off::EffortPoint;
 use counterpoise_project::Project;
-use counterpoise_project::pipeline::effort::EffortPoint;
-use counterpoise_project::synth::{FeedforwardWeights, Weight};
-use counterpoise_project::verify::{Arrangement, Source};
+use counterpoise_synth::{FeedforwardWeights, Weight};
+use counterpoise_verify::{Arrangement, Source};
 use egui::{Color32, RichText, Ui};
 
 use super::consequences::{

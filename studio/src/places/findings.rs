@@ -1,7 +1,7 @@
 //! What a diagnosis says: the findings, the fit, where and when, and what was tried.
 
-use counterpoise_project::diagnose::answer::{Answer, Finding, Verdict};
-use counterpoise_project::diagnose::whereabouts::{Row, Whereabouts, whereabouts};
+use counterpoise_diagnose::answer::{Answer, Finding, Verdict};
+use counterpoise_diagnose::whereabouts::{Row, Whereabouts, whereabouts};
 use counterpoise_project::recording::Channel;
 use egui::{RichText, Ui};
 

@@ -1,6 +1,6 @@
 //! The limit of the chosen requirement, drawn where its figure is read from.
 
-use counterpoise_project::verify::{
+use counterpoise_verify::{
     Experiment, Figure, History, Limit, LoopFigure, Quantity, Requirement, Source, StepFigure, Verification,
 };
 

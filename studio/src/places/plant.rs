@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use counterpoise_project::models::Parameters;
-use counterpoise_project::models::friction::FrictionModel;
-use counterpoise_project::models::parameters::{Beam, PointMass, SectionShape};
-use counterpoise_project::models::plant::LinearPlant;
+use counterpoise_models::Parameters;
+use counterpoise_models::friction::FrictionModel;
+use counterpoise_models::parameters::{Beam, PointMass, SectionShape};
+use counterpoise_models::plant::LinearPlant;
 use egui::{Color32, Pos2, Rect, RichText, Stroke, Ui, pos2, vec2};
 
 use super::{design::bode, fields, parts, schematic};

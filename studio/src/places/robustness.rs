@@ -1,7 +1,7 @@
 //! The longer measurements of Verify: the analyser's map, and the requirements over many mechanisms.
 
-use counterpoise_project::verify::Limit;
-use counterpoise_project::verify::robust::Sense;
+use counterpoise_verify::Limit;
+use counterpoise_verify::robust::Sense;
 use egui::{RichText, Ui};
 
 use super::{design::bode, parts};

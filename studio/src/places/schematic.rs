@@ -1,7 +1,7 @@
 //! A mechanism of two inertias as a chain: amplifier, motor, gear, hub, spring, beam with its out-of-balance.
 
-use counterpoise_project::models::Parameters;
-use counterpoise_project::models::parameters::Lumped;
+use counterpoise_models::Parameters;
+use counterpoise_models::parameters::Lumped;
 use egui::{Align2, FontId, Pos2, Rect, Stroke, Ui, pos2, vec2};
 
 use super::parts::short;

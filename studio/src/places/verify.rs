@@ -1,6 +1,6 @@
 //! Verify: verdicts on the full plant, the figure behind each one click away, while the runs stream in; then export.
 
-use counterpoise_project::verify::{
+use counterpoise_verify::{
     Arrangement, Experiment, Figure, History, Limit, Model, Requirement, Source, Verdict, Verification,
 };
 use egui::{RichText, Ui};
@@ -177,8 +177,8 @@ fn histories(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: &Ver
 /// What the loop does over frequency.
 fn rejections(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: &Verification) {
     let curves = &found.evidence.curves;
-    let of = |response: &counterpoise_project::verify::linear::Curve| -> Vec<[f64; 2]> {
-        let at = |(f, h): (&f64, &counterpoise_project::lti::C64)| {
+    let of = |response: &counterpoise_verify::linear::Curve| -> Vec<[f64; 2]> {
+        let at = |(f, h): (&f64, &counterpoise_lti::C64)| {
             [view.rate(f * std::f64::consts::TAU), view.level(h.norm())]
         };
         curves.frequency_hz.iter().zip(&response.response).map(at).collect()

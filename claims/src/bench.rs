@@ -1,0 +1,252 @@
+//! What the rows share: the design of the project's mechanism, variants of it, and the experiments on them.
+
+use counterpoise_controller::{Controller, FrictionObserver, ObserverLaw, Signal};
+use counterpoise_lti::{Response, StateSpace};
+use counterpoise_models::Parameters;
+use counterpoise_models::plant::Plant;
+use counterpoise_simulate::Simulator;
+use counterpoise_verify::history::{Experiment, History};
+use counterpoise_verify::robust::figures_of;
+use counterpoise_verify::{
+    Arrangement, Error, Figure, Model, Procedure, Quantity, Source, StepFigure, Value, nonlinear,
+};
+
+use super::picture::{Axis, Curve, Panel, Picture, hub, hub_from, hub_panel};
+use counterpoise_pipeline::synth::friction_observers::rest_stiffness_nm_rad;
+use counterpoise_pipeline::{Designed, PipelineError, World, design, procedure};
+use counterpoise_project::Project;
+
+/// A design that is put to the test.
+pub struct Bench<'a> {
+    /// The project.
+    pub project: &'a Project,
+    /// Files beside it.
+    pub world: &'a dyn World,
+    /// Its design.
+    pub designed: Designed,
+    /// What is done to the mechanism.
+    pub procedure: Procedure,
+    /// The controller with friction observers, as the thesis uses it on the nonlinear plant.
+    pub observed: Controller,
+}
+
+/// Figures of a step and of the platform in motion on the nonlinear plant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Behaviour {
+    /// Step overshoot, %.
+    pub overshoot_percent: f64,
+    /// Step peak time, s.
+    pub peak_time_s: f64,
+    /// Step steady-state error, %.
+    pub steady_error_percent: f64,
+    /// RMS hub rate under heave and pitch with all feedforwards, rad/s.
+    pub residual_rad_s: f64,
+    /// Fraction of the time during which the gear teeth are apart.
+    pub gear_open: f64,
+}
+
+/// A mechanism and its controller, to be drawn beside others.
+pub struct Member<'a> {
+    /// Its name in the legend.
+    pub name: String,
+    /// The mechanism.
+    pub parameters: Parameters,
+    /// The controller.
+    pub controller: &'a Controller,
+}
+
+/// How much of a step is drawn, s.
+const DRAWN_S: f64 = 0.8;
+
+/// Overshoot and residual rate over a factor; `says` are levels of the thesis' overshoot with their names.
+pub fn over_factor(what: &str, factors: &[f64], found: &[Behaviour], says: &[(f64, &str)]) -> Picture {
+    let over = |of: &dyn Fn(&Behaviour) -> f64| factors.iter().zip(found).map(|(x, b)| (*x, of(b))).collect();
+    let overshoot = Curve::points("with the observer", over(&|b| b.overshoot_percent));
+    let residual = Curve::points("with the observer", over(&|b| 1e3 * b.residual_rad_s));
+    let first = Panel::of(Axis::even("overshoot", "%"), vec![overshoot]);
+    let first = says.iter().fold(first, |panel, (level, text)| panel.level(*level, *text));
+    let panels = vec![first, Panel::of(Axis::even("RMS hub rate", "mrad/s"), vec![residual])];
+    Picture::new(format!("Overshoot and residual over {what}"), Axis::factor(what), panels)
+}
+
+impl<'a> Bench<'a> {
+    /// Designs and verifies the project.
+    ///
+    /// # Errors
+    /// Those of the pipeline.
+    pub fn new(project: &'a Project, world: &'a dyn World) -> Result<Self, PipelineError> {
+        let designed = design(project, world)?;
+        let procedure = procedure(project, world)?;
+        let observed = with_observers(designed.verified.controller(), &designed.modelled.parameters, 1.0)?;
+        Ok(Self { project, world, designed, procedure, observed })
+    }
+
+    /// The mechanism's parameters.
+    pub fn parameters(&self) -> &Parameters {
+        &self.designed.modelled.parameters
+    }
+
+    /// The controller as exported.
+    pub fn controller(&self) -> &Controller {
+        self.designed.verified.controller()
+    }
+
+    /// A figure of the verification, NaN where it was not measured.
+    pub fn value(&self, figure: Figure) -> f64 {
+        self.designed.verified.verification().value(figure).unwrap_or(f64::NAN)
+    }
+
+    /// The design of a project that differs.
+    ///
+    /// # Errors
+    /// Those of the pipeline.
+    pub fn redesign(&self, change: impl FnOnce(&mut Project)) -> Result<Designed, PipelineError> {
+        let mut project = self.project.clone();
+        change(&mut project);
+        design(&project, self.world)
+    }
+
+    /// Figures of a controller on a mechanism.
+    ///
+    /// # Errors
+    /// Those of the verification.
+    pub fn figures(
+        &self,
+        parameters: &Parameters,
+        controller: &Controller,
+        wanted: &[Figure],
+    ) -> Result<Vec<f64>, PipelineError> {
+        let values = figures_of(&Plant::lumped(parameters)?, controller, &self.procedure, wanted)?;
+        Ok(values
+            .iter()
+            .map(|value| if let Value::Is(number) = value { *number } else { f64::NAN })
+            .collect())
+    }
+
+    /// Step and stabilisation of a controller on a mechanism.
+    ///
+    /// # Errors
+    /// Those of the verification.
+    pub fn behaviour(
+        &self,
+        parameters: &Parameters,
+        controller: &Controller,
+    ) -> Result<Behaviour, PipelineError> {
+        let step = |figure| Figure::Step(Model::Nonlinear, figure);
+        let under = |quantity| {
+            Figure::Disturbance(Model::Nonlinear, Source::Both, Arrangement::Compensated, quantity)
+        };
+        let wanted = [
+            step(StepFigure::Overshoot),
+            step(StepFigure::PeakTime),
+            step(StepFigure::SteadyStateError),
+            under(Quantity::HubRms),
+            under(Quantity::GearOpen),
+        ];
+        let found = self.figures(parameters, controller, &wanted)?;
+        Ok(Behaviour {
+            overshoot_percent: found[0],
+            peak_time_s: found[1],
+            steady_error_percent: found[2],
+            residual_rad_s: found[3],
+            gear_open: found[4],
+        })
+    }
+
+    /// Members of a family, the step and the platform in motion drawn over each other, and its figures over the factor.
+    ///
+    /// # Errors
+    /// Those of the simulator.
+    pub fn family_pictures(&self, name: &str, members: &[Member<'_>]) -> Result<Vec<Picture>, PipelineError> {
+        let moving = Experiment::Disturbance(Source::Both, Arrangement::Compensated);
+        let (mut steps, mut motions) = (Vec::new(), Vec::new());
+        for member in members {
+            let run = |experiment| self.history(&member.parameters, member.controller, experiment);
+            let step = hub(&run(Experiment::Step)?);
+            steps.push(Curve::line(
+                member.name.clone(),
+                step.into_iter().filter(|at| at.0 <= DRAWN_S).collect(),
+            ));
+            motions.push(Curve::line(member.name.clone(), hub_from(&run(moving)?, self.procedure.settle_s)));
+        }
+        let height = 1e3 * self.procedure.step.rate_rad_s;
+        Ok(vec![
+            Picture::new(
+                format!("Step of the demand, {name}"),
+                Axis::time(),
+                vec![hub_panel(steps).level(height, "demand")],
+            ),
+            Picture::new(
+                format!("Heave and pitch with all feedforwards, {name}"),
+                Axis::time(),
+                vec![hub_panel(motions)],
+            ),
+        ])
+    }
+
+    /// A time history of a controller on a mechanism.
+    ///
+    /// # Errors
+    /// Those of the simulator.
+    pub fn history(
+        &self,
+        parameters: &Parameters,
+        controller: &Controller,
+        experiment: Experiment,
+    ) -> Result<History, PipelineError> {
+        let mut simulator = Simulator::new(&Plant::lumped(parameters)?)?;
+        Ok(nonlinear::history(&mut simulator, controller, &self.procedure, experiment)?)
+    }
+}
+
+/// The controller with an observer of the dry friction at the pivot and one of that at the motor, each `share` of the mechanism's
+/// level. Both follow the hub's rate relative to the platform; the motor's friction is taken to the output by the gear.
+///
+/// # Errors
+/// Those of the controller.
+pub fn with_observers(
+    controller: &Controller,
+    parameters: &Parameters,
+    share: f64,
+) -> Result<Controller, Error> {
+    let ratio = parameters.gearbox.ratio;
+    let torque_per_volt = parameters.amplifier.stall_gain_a_v(&parameters.motor)
+        * parameters.motor.torque_constant_nm_a
+        * ratio;
+    let observer = |name: &str, friction: &counterpoise_models::Friction, scale: f64| FrictionObserver {
+        name: name.to_owned(),
+        rate: Signal::RelativeRate,
+        law: ObserverLaw::Dahl,
+        level: Vec::new(),
+        coulomb_nm: share * scale * friction.coulomb_nm(),
+        rest_stiffness_nm_rad: scale * scale * rest_stiffness_nm_rad(&friction.law),
+        volts_per_nm: 1.0 / torque_per_volt,
+        viscous_v_s_rad: 0.0,
+    };
+    let pivot = observer("friction_pivot", &parameters.pivot_friction, 1.0);
+    let motor = observer("friction_motor", &parameters.motor_friction, ratio);
+    let present = [pivot, motor].into_iter().filter(|one| one.coulomb_nm > 0.0);
+    Ok(controller.with(|parts| parts.observers = present.collect())?)
+}
+
+/// The largest difference in dB between two systems of one output over a band, over the given input.
+///
+/// # Errors
+/// A response that does not exist.
+pub fn largest_db(
+    a: &StateSpace,
+    b: &StateSpace,
+    input: usize,
+    band_hz: (f64, f64),
+) -> Result<f64, PipelineError> {
+    let rates = rates(band_hz);
+    let (x, y) = (Response::of(a)?.at_all(&rates)?, Response::of(b)?.at_all(&rates)?);
+    let difference = |k: usize| 20.0 * (x[k][(0, input)].norm() / y[k][(0, input)].norm()).log10();
+    Ok((0..rates.len()).map(|k| difference(k).abs()).fold(0.0, f64::max))
+}
+
+/// Two hundred rates in rad/s over a band in Hz.
+pub fn rates((low, high): (f64, f64)) -> Vec<f64> {
+    let ratio: f64 = (high / low).ln() / 199.0;
+    (0..200).map(|k| std::f64::consts::TAU * low * (ratio * f64::from(k)).exp()).collect()
+}

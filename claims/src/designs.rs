@@ -1,0 +1,147 @@
+//! The claim that designs on either model of the structure perform alike.
+
+use counterpoise_controller::Controller;
+use counterpoise_lti::StateSpace;
+use counterpoise_models::plant::Plant;
+use counterpoise_verify::robust::figures_of;
+use counterpoise_verify::{Arrangement, Experiment, Figure, Model, Quantity, Source, StepFigure, Value};
+
+use super::bench::{largest_db, rates};
+use super::picture::{Axis, Curve, Panel, Picture, gain_db, hub, hub_from, hub_panel};
+use super::{Bench, Claim, Finding};
+use counterpoise_pipeline::PipelineError;
+use counterpoise_project::resolve::model::StructureChoice;
+
+/// Control band, Hz.
+const BAND_HZ: (f64, f64) = (0.1, 10.0);
+
+/// C9: designed on either model, run on the finer one, linear and nonlinear.
+///
+/// # Errors
+/// Those of the pipeline.
+pub fn c9(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+    let mut project = bench.project.clone();
+    (project.model.structure, project.model.modes) = (StructureChoice::Beam, 3);
+    project.verify.iter_mut().for_each(|verify| verify.road = None);
+    let other = counterpoise_pipeline::design(&project, bench.world)?;
+    let linear = |c: &Controller| {
+        c.linear(c.parts().design_out_of_balance_kg_m).map_err(counterpoise_verify::Error::from)
+    };
+    let both = [linear(bench.controller())?, linear(other.verified.controller())?];
+    let mut apart = [0.0; 3];
+    for (difference, input) in apart.iter_mut().zip([1, 3, 2]) {
+        *difference = largest_db(&both[0], &both[1], input, BAND_HZ)?;
+    }
+    let fine = &other.modelled.plant;
+    let spillover = counterpoise_verify::verify_linear(fine, bench.controller(), &bench.procedure, &[])?;
+    let radius = spillover.evidence.poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
+    let margin_db = [
+        spillover.evidence.margins.gain_margin_db(),
+        other.verified.verification().evidence.margins.gain_margin_db(),
+    ];
+    let ran = [
+        on_elements(bench, fine, bench.controller())?,
+        on_elements(bench, fine, other.verified.controller())?,
+    ];
+    Ok(Claim {
+        id: "C9",
+        title: "designed on either model",
+        source: "6.4, fig 6-8",
+        says: "controllers from the lumped and the finite-element model are nearly the same and perform alike; no spillover",
+        measured: format!(
+            "feedback / heave / pitch differ by {:.2} / {:.2} / {:.2} dB to {} Hz; on the finite-element plant, designed on lumped against on elements: gain margin {:.1} against {:.1} dB (largest pole {radius:.5}); with friction and backlash overshoot {:.1} against {:.1} %, RMS hub rate {:.2} against {:.2} mrad/s under heave and pitch",
+            apart[0],
+            apart[1],
+            apart[2],
+            BAND_HZ.1,
+            margin_db[0],
+            margin_db[1],
+            ran[0][0],
+            ran[1][0],
+            ran[0][1],
+            ran[1][1]
+        ),
+        finding: c9_finding(&apart, (radius, (margin_db[0] - margin_db[1]).abs()), &ran),
+        pictures: c9_pictures(bench, fine, (&both, other.verified.controller()))?,
+    })
+}
+
+/// Overshoot in % and RMS hub rate in mrad/s under heave and pitch on a nonlinear plant.
+fn on_elements(bench: &Bench<'_>, plant: &Plant, controller: &Controller) -> Result<[f64; 2], PipelineError> {
+    let both =
+        Figure::Disturbance(Model::Nonlinear, Source::Both, Arrangement::Compensated, Quantity::HubRms);
+    let wanted = [Figure::Step(Model::Nonlinear, StepFigure::Overshoot), both];
+    let values = figures_of(plant, controller, &bench.procedure, &wanted)?;
+    let number = |k: usize| if let Value::Is(number) = values[k] { number } else { f64::NAN };
+    Ok([number(0), 1e3 * number(1)])
+}
+
+fn c9_pictures(
+    bench: &Bench<'_>,
+    fine: &Plant,
+    (linear, other): (&[StateSpace; 2], &Controller),
+) -> Result<Vec<Picture>, PipelineError> {
+    let drawn = rates((0.1, 100.0));
+    let names = ["designed on two inertias", "designed on finite elements"];
+    let mut panels = Vec::new();
+    for (input, name) in [(1, "feedback"), (3, "heave"), (2, "pitch")] {
+        let curves = vec![
+            Curve::line(names[0], gain_db(&linear[0], (0, input), &drawn)?),
+            Curve::beside(names[1], gain_db(&linear[1], (0, input), &drawn)?),
+        ];
+        panels.push(Panel::of(Axis::even(name, "dB"), curves).at(BAND_HZ.1, "compared to here"));
+    }
+    let controllers = Picture::new(
+        "The three controllers by both designs (V s/rad, V s²/m, V s/rad)",
+        Axis::frequency(),
+        panels,
+    );
+    let mut simulator = counterpoise_simulate::Simulator::new(fine)?;
+    let mut run = |controller: &Controller, experiment| {
+        counterpoise_verify::nonlinear::history(&mut simulator, controller, &bench.procedure, experiment)
+    };
+    let moving = Experiment::Disturbance(Source::Both, Arrangement::Compensated);
+    let steps = [run(bench.controller(), Experiment::Step)?, run(other, Experiment::Step)?];
+    let motions = [run(bench.controller(), moving)?, run(other, moving)?];
+    let step =
+        hub_panel(vec![Curve::line(names[0], hub(&steps[0])), Curve::beside(names[1], hub(&steps[1]))]);
+    let from = bench.procedure.settle_s;
+    let motion = hub_panel(vec![
+        Curve::line(names[0], hub_from(&motions[0], from)),
+        Curve::beside(names[1], hub_from(&motions[1], from)),
+    ]);
+    Ok(vec![
+        controllers,
+        Picture::new("Step on the nonlinear finite-element plant", Axis::time(), vec![step]),
+        Picture::new("Heave and pitch on the nonlinear finite-element plant", Axis::time(), vec![motion]),
+    ])
+}
+
+/// Largest difference of the two controllers in their band, and of their gain margins on the finite-element plant, dB; of their overshoots,
+/// percentage points; of their residual rates, relative.
+const ALIKE_DB: f64 = 2.0;
+const MARGIN_ALIKE_DB: f64 = 3.0;
+const OVERSHOOT_ALIKE: f64 = 2.0;
+const RESIDUAL_ALIKE: f64 = 0.1;
+
+fn c9_finding(
+    differences_db: &[f64],
+    (radius, margins_apart_db): (f64, f64),
+    ran: &[[f64; 2]; 2],
+) -> Finding {
+    let alike = differences_db.iter().all(|db| *db < ALIKE_DB);
+    let step = (ran[0][0] - ran[1][0]).abs() < OVERSHOOT_ALIKE;
+    let motion = (ran[0][1] / ran[1][1] - 1.0).abs() < RESIDUAL_ALIKE;
+    let why = match (radius < 1.0, alike, step && motion) {
+        (false, ..) => "the lumped design is unstable on the finite-element plant",
+        (true, false, _) => "no spillover, but the controllers differ in the band",
+        (true, true, false) => {
+            "no spillover and nearly the same in the band, but they do not perform alike on the nonlinear plant"
+        }
+        (true, true, true) if margins_apart_db < MARGIN_ALIKE_DB => return Finding::Holds,
+        (true, true, true) => {
+            "no spillover and nearly the same in the band, but the lumped design loses gain margin: its feedback inverts the hub-locked antiresonance, which lies a little elsewhere in the finer model"
+        }
+    };
+    Finding::Differs { why: why.to_owned() }
+}

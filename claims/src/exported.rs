@@ -1,0 +1,99 @@
+//! The claim that what is exported is what was verified.
+
+use counterpoise_export::targets::TargetFigures;
+use counterpoise_export::{Numbers, Record};
+use counterpoise_lti::{Margins, margins};
+use counterpoise_verify::{Arrangement, Experiment, Source};
+
+use super::picture::{Axis, Curve, Panel, Picture};
+use super::{Bench, Claim, Finding};
+use counterpoise_pipeline::PipelineError;
+use counterpoise_pipeline::export::compare;
+
+/// The closed loop is the same where smaller numbers cost no more of its error than this, dB.
+const SAME_DB: f64 = 0.1;
+/// The experiment that is drawn.
+const DRAWN: Experiment = Experiment::Disturbance(Source::Both, Arrangement::Compensated);
+
+/// C25: what is exported is what was verified.
+///
+/// # Errors
+/// Those of the verification.
+pub fn c25(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+    let design = margins(&bench.designed.synthesised.sampled.loop_gain)?;
+    let exported = &bench.designed.verified.verification().evidence.margins;
+    let (before, after) = (design.gain_margin_db(), exported.gain_margin_db());
+    let phase = |margins: &Margins| margins.phase_margin().map_or(f64::NAN, |phase| phase.deg);
+    let (lag_before, lag_after) = (phase(&design), phase(exported));
+    let made = &bench.designed;
+    let ran = compare(bench.project, &made.modelled, &made.verified, bench.world)?;
+    let words: Vec<String> = ran.figures.iter().map(in_words).collect();
+    let same = ran.figures.iter().all(|one| cost_db(one) < SAME_DB) && ran.figures.len() == 3;
+    let files = made.files.len();
+    Ok(Claim {
+        id: "C25",
+        title: "on the target",
+        source: "8.6, A4",
+        says: "controllers go to the z-domain and to C automatically, and give the same closed loop on the target",
+        measured: format!(
+            "{files} files written; margins of the design's sampled loop {before:.2} dB, {lag_before:.2} deg, of the exported coefficients {after:.2} dB, {lag_after:.2} deg; the exported operations in the simulated loop, all experiments: {}",
+            words.join("; ")
+        ),
+        finding: Finding::of(
+            (before - after).abs() < 0.5 && (lag_before - lag_after).abs() < 1.0 && files > 0 && same,
+        ),
+        pictures: pictures(&ran.figures),
+    })
+}
+
+fn name(numbers: Numbers) -> &'static str {
+    match numbers {
+        Numbers::Double => "double",
+        Numbers::Single => "single precision",
+        Numbers::Fixed => "fixed point",
+    }
+}
+
+/// The most that smaller numbers cost in any experiment, dB.
+fn cost_db(one: &TargetFigures) -> f64 {
+    one.experiments.iter().filter_map(|experiment| experiment.cost_db).fold(0.0, f64::max)
+}
+
+fn in_words(one: &TargetFigures) -> String {
+    format!(
+        "{} off by {:.1e} V at most, costs {:.4} dB of hub rate error",
+        name(one.numbers),
+        one.measured_v,
+        cost_db(one)
+    )
+}
+
+/// The control by each kind of numbers in the loop that it closes itself, and how far it is from double.
+fn pictures(figures: &[TargetFigures]) -> Vec<Picture> {
+    let record = |one: &TargetFigures| -> Option<Record> {
+        let at = one.experiments.iter().position(|experiment| experiment.experiment == DRAWN)?;
+        one.closed_loops.get(at).cloned()
+    };
+    let mut all = figures.iter().filter_map(|one| record(one).map(|record| (name(one.numbers), record)));
+    let Some((first, double)) = all.next() else { return Vec::new() };
+    let points = |record: &Record, of: &dyn Fn(usize) -> f64| -> Vec<(f64, f64)> {
+        (0..record.controls_v.len()).map(|k| (k as f64, of(k))).collect()
+    };
+    let mut controls = vec![Curve::line(first, points(&double, &|k| double.controls_v[k]))];
+    let mut apart = Vec::new();
+    for (name, record) in all {
+        let count = record.controls_v.len().min(double.controls_v.len());
+        controls.push(Curve::beside(name, points(&record, &|k| record.controls_v[k])));
+        let off =
+            |k: usize| if k < count { 1e6 * (record.controls_v[k] - double.controls_v[k]) } else { f64::NAN };
+        apart.push(Curve::line(format!("{name} less {first}"), points(&record, &off)));
+    }
+    let panels = vec![
+        Panel::of(Axis::even("control", "V"), controls),
+        Panel::of(Axis::even("difference", "µV"), apart),
+    ];
+    vec![
+        Picture::new("The control in the loop that each form closes", Axis::even("sample", ""), panels)
+            .captioned("Heave and pitch on the nonlinear plant. Friction and converters amplify a difference of one rounding; the plant moves alike."),
+    ]
+}

@@ -1,0 +1,205 @@
+//! Claims on identification by the triangle wave: a machine that the project does not know, recorded and identified.
+
+use counterpoise_controller::ProportionalIntegral;
+use counterpoise_diagnose::identify::{Estimate, GainPoint, Identified, identify};
+use counterpoise_models::Parameters;
+use counterpoise_models::parameters::{FrictionLaw, MapPoint};
+use counterpoise_models::plant::Plant;
+use counterpoise_simulate::{Detail, Imperfections, Recording, Scenario, Signal, Simulator};
+
+use super::picture::{Axis, Curve, Panel, Picture, Style};
+use super::{Bench, Claim, Finding};
+use counterpoise_pipeline::PipelineError;
+
+/// By how much the recorded machine differs from the project: out-of-balance, inertias, Coulomb level and viscous friction at the
+/// pivot.
+const CONCEALED: [f64; 4] = [1.13, 1.15, 1.28, 1.8];
+/// The amplifier of the thesis' tables 7-1 and 7-2: (V, A).
+pub const AMPLIFIER: [(f64, f64); 14] = [
+    (0.12, 0.27),
+    (0.22, 0.48),
+    (0.28, 0.6),
+    (0.34, 0.7),
+    (0.42, 0.83),
+    (0.51, 0.96),
+    (0.57, 1.08),
+    (0.8, 1.86),
+    (1.04, 2.79),
+    (1.13, 3.04),
+    (1.2, 3.3),
+    (1.27, 3.53),
+    (1.34, 3.81),
+    (2.0, 6.0),
+];
+/// Shares of the normal out-of-balance of the balanced and the midpoint run.
+const STATES: [f64; 2] = [0.07, 0.5];
+/// The triangle: rad/s, s, and how long it is recorded, s.
+const TRIANGLE: (f64, f64, f64) = (0.15, 2.0, 10.0);
+
+/// A triangle wave recorded on a machine, with noise and converters, by a PI controller that holds its weight.
+fn recorded(machine: &Parameters, seed: u64) -> Result<Recording, PipelineError> {
+    let plant = Plant::lumped(machine)?;
+    let sample_period_s = machine.interface.sample_period_s;
+    let bias_v = plant.equilibrium(&Default::default()).control_v;
+    let mut controller =
+        ProportionalIntegral { kp_v_s_rad: 18.0, ki_v_rad: 80.0, bias_v, sample_period_s, integral_v: 0.0 };
+    let scenario = Scenario {
+        demand_rad_s: Signal::Triangle { amplitude: TRIANGLE.0, period_s: TRIANGLE.1 },
+        imperfections: Imperfections::NoiseAndQuantisation { seed },
+        detail: Detail::Recording,
+        ..Scenario::still(TRIANGLE.2)
+    };
+    let run = Simulator::new(&plant)?.run(&mut controller, &scenario)?;
+    Ok(Recording::from_run("triangle", sample_period_s, &run.readings))
+}
+
+/// The machine that the project does not know.
+fn concealed(nominal: &Parameters) -> Parameters {
+    let mut machine = nominal.clone();
+    if let Some(lumped) = &mut machine.lumped {
+        lumped.out_of_balance_kg_m *= CONCEALED[0];
+        lumped.hub_inertia_kg_m2 *= CONCEALED[1];
+        lumped.beam_inertia_kg_m2 *= CONCEALED[1];
+    }
+    if let FrictionLaw::Dahl { coulomb_nm, .. } = &mut machine.pivot_friction.law {
+        *coulomb_nm *= CONCEALED[2];
+    }
+    machine.pivot_friction.viscous_nm_s_rad *= CONCEALED[3];
+    machine
+}
+
+/// First moment, inertia, Coulomb and viscous friction of a machine, all at the output.
+fn four(p: &Parameters) -> [f64; 4] {
+    let n = p.gearbox.ratio;
+    let lumped = p.lumped.as_ref();
+    [
+        lumped.map_or(f64::NAN, |l| l.out_of_balance_kg_m),
+        lumped.map_or(f64::NAN, |l| l.hub_inertia_kg_m2 + l.beam_inertia_kg_m2),
+        p.pivot_friction.coulomb_nm() + n * p.motor_friction.coulomb_nm(),
+        p.pivot_friction.viscous_nm_s_rad + n * n * p.motor_friction.viscous_nm_s_rad,
+    ]
+}
+
+/// C19: the picture of control against rate.
+///
+/// # Errors
+/// Those of the simulator and of the identification.
+pub fn c19(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+    let machine = concealed(bench.parameters());
+    let found = identify(bench.parameters(), &[&[recorded(&machine, 1)?]])?;
+    let b = &found.balances[0];
+    let all = [b.out_of_balance_kg_m, b.inertia_kg_m2, found.coulomb_nm, found.viscous_nm_s_rad];
+    let names = ["out-of-balance [kg m]", "inertia [kg m^2]", "Coulomb [N m]", "viscous [N m s/rad]"];
+    let truth = four(&machine);
+    let line = |k: usize| {
+        let e: &Estimate = &all[k];
+        format!("{} {:.1} [{:.1}, {:.1}], true {:.1}", names[k], e.value, e.ci95[0], e.ci95[1], truth[k])
+    };
+    let close = (0..4).all(|k| (all[k].value / truth[k] - 1.0).abs() < if k == 0 { 0.02 } else { 0.1 });
+    let inside = (0..4).filter(|&k| all[k].holds(truth[k])).count();
+    let lines: Vec<String> = (0..4).map(line).collect();
+    Ok(Claim {
+        id: "C19",
+        title: "triangle identified",
+        source: "7.3, fig 7-10",
+        says: "u against hub rate: offset = out-of-balance, step at zero rate = Coulomb friction, slope of the lobes = viscous, loop width = inertia",
+        measured: format!(
+            "a machine that differs from the project in all four, one noisy triangle of 10 s: {}; {inside} of 4 true values inside their 95 % intervals",
+            lines.join("; ")
+        ),
+        finding: Finding::of(close),
+        pictures: vec![lobes(&found)],
+    })
+}
+
+/// Control against hub rate, recorded and as the identified mechanism needs it, with what is read from it.
+fn lobes(found: &Identified) -> Picture {
+    let points: &[[f64; 3]] = found.loops.first().map_or(&[], |one| &one.points);
+    let every = points.len().div_ceil(DRAWN).max(1);
+    let of = |column: usize| points.iter().step_by(every).map(|p| (1e3 * p[0], p[column])).collect();
+    let panel = Panel::of(
+        Axis::even("control", "V"),
+        vec![Curve::new("recorded", Style::Faint, of(1)), Curve::line("identified", of(2))],
+    );
+    let read = &found.lobes;
+    let panel = panel.level(read.offset_v, format!("offset {:.2} V", read.offset_v));
+    Picture::new("Control against hub rate: recorded and identified", Axis::even("hub rate", "mrad/s"), vec![panel])
+        .captioned(format!(
+            "Step at zero rate {:.3} V (Coulomb friction), slope of the lobes {:.2} V s/rad (viscous friction and back-EMF), width {:.3} V s²/rad (inertia).",
+            read.step_v, read.slope_v_s_rad, read.width_v_s2_rad
+        ))
+}
+
+/// Most points of a loop that are drawn.
+const DRAWN: usize = 1500;
+
+/// The mechanism with the thesis' amplifier at a share of its out-of-balance.
+pub fn with_amplifier(nominal: &Parameters, share: f64) -> Parameters {
+    let mut machine = nominal.clone();
+    machine.amplifier.map =
+        AMPLIFIER.iter().map(|&(input_v, current_a)| MapPoint { input_v, current_a }).collect();
+    machine.lumped.iter_mut().for_each(|lumped| lumped.out_of_balance_kg_m *= share);
+    machine
+}
+
+/// C20: the amplifier's gain curve.
+///
+/// # Errors
+/// Those of the simulator and of the identification.
+pub fn c20(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+    let machines = STATES.map(|share| with_amplifier(bench.parameters(), share));
+    let (balanced, midpoint) = (recorded(&machines[0], 1)?, recorded(&machines[1], 2)?);
+    let found = identify(bench.parameters(), &[&[balanced], &[midpoint]])?;
+    let points = found.amplifier.points();
+    let (amplifier, motor) = (&machines[0].amplifier, &machines[0].motor);
+    let truth = |v: f64| amplifier.drive_v(v, motor) * amplifier.stall_gain_a_v(motor);
+    let errors = points.iter().map(|q| (q.current_a / truth(q.input_v) - 1.0).abs());
+    let worst = errors.fold(0.0, f64::max);
+    Ok(Claim {
+        id: "C20",
+        title: "amplifier's curve",
+        source: "7.3.1, tables 7-1, 7-2",
+        says: "the amplifier's gain curve is recovered without a stall test, in one iteration, from balanced and midpoint runs",
+        measured: format!(
+            "{} points from one triangle at each of two out-of-balances, {:.2} to {:.2} V, worst {:.1} % from the concealed map of tables 7-1 and 7-2",
+            points.len(),
+            points.first().map_or(f64::NAN, |q| q.input_v),
+            points.last().map_or(f64::NAN, |q| q.input_v),
+            100.0 * worst
+        ),
+        finding: Finding::of(points.len() > 5 && worst < 0.1),
+        pictures: vec![curve(points, &truth)],
+    })
+}
+
+/// Recovered points over the concealed map, and how far they are from it.
+fn curve(points: &[GainPoint], truth: &dyn Fn(f64) -> f64) -> Picture {
+    let end = points.last().map_or(1.0, |q| q.input_v);
+    let inputs: Vec<f64> = (0..200).map(|k| end * f64::from(k) / 199.0).collect();
+    let map = inputs.iter().map(|v| (*v, truth(*v))).collect();
+    let linear = points.iter().map(|q| (q.input_v, q.linear_a)).collect();
+    let recovered = points.iter().map(|q| (q.input_v, q.current_a)).collect();
+    let off = |a: f64, v: f64| 100.0 * (a / truth(v) - 1.0);
+    let limits = |side: usize| points.iter().map(|q| (q.input_v, off(q.ci95_a[side], q.input_v))).collect();
+    let errors = points.iter().map(|q| (q.input_v, off(q.current_a, q.input_v))).collect();
+    let panels = vec![
+        Panel::of(
+            Axis::even("stalled current", "A"),
+            vec![
+                Curve::beside("concealed map", map),
+                Curve::points("recovered", recovered),
+                Curve::faint("linear amplifier", linear),
+            ],
+        ),
+        Panel::of(
+            Axis::even("off the map", "%"),
+            vec![
+                Curve::points("recovered", errors),
+                Curve::faint("95 % interval", limits(0)),
+                Curve::faint("95 % interval", limits(1)),
+            ],
+        )
+        .level(0.0, ""),
+    ];
+    Picture::new("The amplifier's gain curve without a stall test", Axis::even("input", "V"), panels)
+}

@@ -1,0 +1,268 @@
+//! Claims on the plant's models: the reduction, and two inertias against finite elements.
+
+use counterpoise_lti::{StateSpace, poles};
+use counterpoise_models::Lumped;
+use counterpoise_models::plant::{Angles, Body, LinearPlant, Plant};
+use counterpoise_models::structure::{FeModel, NodeRows, pinned};
+use counterpoise_reduce::{Method, Order, Residual, SecondOrder, balred, guyan, minimal, modal_truncation};
+
+use super::bench::{largest_db, rates};
+use super::picture::{Axis, Curve, Panel, Picture, gain_db, phase_deg};
+use super::{Bench, Claim, Finding};
+use counterpoise_pipeline::{PipelineError, model};
+use counterpoise_project::resolve::model::StructureChoice;
+
+/// The band in which the reduction is judged, Hz.
+const REDUCED_HZ: (f64, f64) = (0.1, 20.0);
+/// What is drawn, Hz.
+const DRAWN_HZ: (f64, f64) = (0.1, 400.0);
+/// Flexible modes of the finite-element plant: with drive and rigid body this makes the thesis' order 21.
+const MODES: usize = 8;
+/// The order that the thesis reduces to, and the flexible modes that are left in it.
+const ORDER: usize = 11;
+const KEPT_MODES: usize = 3;
+/// The inputs in words.
+const INPUTS: [&str; 3] = ["control", "heave", "pitch"];
+/// A state counts as unseen below this share of the system's size.
+const UNSEEN: f64 = 1e-11;
+/// The largest error that keeps the response.
+const KEEPS: f64 = 0.05;
+
+/// The plant by finite elements, the project's other choices kept.
+fn beam_plant(bench: &Bench, modes: usize) -> Result<LinearPlant, PipelineError> {
+    let mut project = bench.project.clone();
+    (project.model.structure, project.model.modes) = (StructureChoice::Beam, modes);
+    Ok(model(&project)?.linear)
+}
+
+/// A plant with another structure, linear.
+fn with_body(bench: &Bench, body: Body) -> Result<StateSpace, PipelineError> {
+    let plant = Plant::with_body(&bench.project.plant, body)?;
+    let choice = &bench.project.model;
+    let at = plant.equilibrium(&choice.operating_point);
+    Ok(plant.linearise(&at, choice.friction, Angles::Drop)?.system)
+}
+
+/// Guyan's condensation onto every fourth node's deflection, the hub and the tip, then the first pinned modes.
+fn condensed(bench: &Bench) -> Result<StateSpace, PipelineError> {
+    let (fe, ratios) = counterpoise_pipeline::finite_elements(bench.project, StructureChoice::Beam)?;
+    let hub = fe.hub.ok_or(counterpoise_models::Error::NoHubNode)?;
+    let n = fe.M.nrows();
+    let mut masters: Vec<usize> = (0..n).step_by(8).collect();
+    masters.extend([hub.deflection, hub.rotation, fe.tip.deflection, fe.tip.rotation]);
+    masters.sort_unstable();
+    masters.dedup();
+    let none = |rows, columns| counterpoise_lti::Mat::zeros(rows, columns);
+    let whole = SecondOrder {
+        M: fe.M.clone(),
+        C: none(n, n),
+        K: fe.K.clone(),
+        F: none(n, 1),
+        P: none(1, n),
+        V: none(1, n),
+    };
+    let small = guyan(&whole, &masters)?.structure;
+    let at = |index: usize| masters.iter().position(|master| *master == index).unwrap_or(0);
+    let rows = |node: NodeRows| NodeRows { deflection: at(node.deflection), rotation: at(node.rotation) };
+    let kept = |all: &[f64]| masters.iter().map(|master| all[*master]).collect();
+    let small = FeModel {
+        M: small.M,
+        K: small.K,
+        C: None,
+        heave: kept(&fe.heave),
+        pitch: kept(&fe.pitch),
+        hub: Some(rows(hub)),
+        tip: rows(fe.tip),
+        tip_arm_m: fe.tip_arm_m,
+    };
+    with_body(bench, pinned(&small, ratios, KEPT_MODES)?.body)
+}
+
+/// The rate between the poles that stay and those that go, rad/s.
+fn cut(system: &StateSpace) -> Result<f64, PipelineError> {
+    let mut sizes: Vec<f64> = poles(system)?.iter().map(|pole| pole.norm()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let (below, above) = (sizes.get(ORDER - 1), sizes.get(ORDER));
+    Ok(below.zip(above).map_or(f64::INFINITY, |(a, b)| (a * b).sqrt()))
+}
+
+/// C3: order 21 to order 11.
+///
+/// # Errors
+/// Those of the reduction.
+pub fn c3(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+    let full = beam_plant(bench, MODES)?.system;
+    let rate = cut(&full)?;
+    let seen = minimal(&full, UNSEEN)?;
+    let all = [
+        ("modal truncation", modal_truncation(&full, rate, Residual::Drop)?.system),
+        ("modal truncation, static gain kept", modal_truncation(&full, rate, Residual::MatchDc)?.system),
+        ("balanced truncation", balred(&full, Order::States(ORDER), Method::MatchDc)?.system),
+        ("Guyan and truncation", condensed(bench)?),
+    ];
+    let mut words = Vec::new();
+    let mut best = f64::INFINITY;
+    for (name, system) in &all {
+        let mut errors = [0.0; 3];
+        for (input, error) in errors.iter_mut().enumerate() {
+            *error = 100.0 * relative_error(&full, system, input)?;
+        }
+        best = best.min(errors.iter().copied().fold(0.0, f64::max));
+        words.push(format!(
+            "{name} (order {}) {:.2} / {:.2} / {:.2}",
+            system.order(),
+            errors[0],
+            errors[1],
+            errors[2]
+        ));
+    }
+    Ok(Claim {
+        id: "C3",
+        title: "order 21 to 11",
+        source: "fig 6-1",
+        says: "an 11th-order reduction of the 21st-order plant keeps the response to input, heave and pitch",
+        measured: format!(
+            "order {}, minimal realisation {}; largest error to {} Hz over the largest response, in % for control / heave / pitch: {}",
+            full.order(),
+            seen.system.order(),
+            REDUCED_HZ.1,
+            words.join("; ")
+        ),
+        finding: Finding::of(best < 100.0 * KEEPS),
+        pictures: reductions(&full, &all)?,
+    })
+}
+
+/// Each input's response by every reduction, beside the whole plant's.
+fn reductions(full: &StateSpace, all: &[(&str, StateSpace)]) -> Result<Vec<Picture>, PipelineError> {
+    let drawn = rates(DRAWN_HZ);
+    let mut pictures = Vec::new();
+    for (input, name) in INPUTS.iter().enumerate() {
+        let mut curves =
+            vec![Curve::faint(format!("whole, order {}", full.order()), gain_db(full, (0, input), &drawn)?)];
+        for (method, system) in all {
+            curves.push(Curve::new(
+                *method,
+                super::picture::Style::Line,
+                gain_db(system, (0, input), &drawn)?,
+            ));
+        }
+        let panel = Panel::of(Axis::even("hub rate", "dB"), curves).at(REDUCED_HZ.1, "judged to here");
+        pictures.push(Picture::new(
+            format!("Reduced to order {ORDER}: hub rate for {name}"),
+            Axis::frequency(),
+            vec![panel],
+        ));
+    }
+    Ok(pictures)
+}
+
+/// Largest |a - b| over the band relative to the largest |a| there.
+fn relative_error(a: &StateSpace, b: &StateSpace, input: usize) -> Result<f64, PipelineError> {
+    let rates = rates(REDUCED_HZ);
+    let of = |system| counterpoise_lti::Response::of(system)?.at_all(&rates);
+    let (x, y) = (of(a)?, of(b)?);
+    let largest = x.iter().map(|m| m[(0, input)].norm()).fold(f64::MIN_POSITIVE, f64::max);
+    let error = (0..rates.len()).map(|k| (x[k][(0, input)] - y[k][(0, input)]).norm()).fold(0.0, f64::max);
+    Ok(error / largest)
+}
+
+/// C4: lumped against finite elements. Half the first mode with the hub locked parts low from high.
+///
+/// # Errors
+/// Those of the models.
+pub fn c4(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+    let beam = beam_plant(bench, MODES)?.system;
+    let lumped = &bench.designed.modelled.linear.system;
+    let locked = |l: &Lumped| (l.stiffness_nm_rad / l.beam_inertia_kg_m2).sqrt() / std::f64::consts::TAU;
+    let first_hz = bench.parameters().lumped.as_ref().map_or(f64::NAN, locked);
+    let (low, high) = ((0.1, 0.5 * first_hz), (first_hz, DRAWN_HZ.1));
+    let (mut below, mut above) = ([0.0; 3], [0.0; 3]);
+    for input in 0..3 {
+        below[input] = largest_db(&beam, lumped, input, low)?;
+        above[input] = largest_db(&beam, lumped, input, high)?;
+    }
+    let text = |values: &[f64; 3]| values.iter().map(|v| format!("{v:.2}")).collect::<Vec<_>>().join(" / ");
+    let agrees = below.iter().all(|db| *db < 1.0) && above.iter().any(|db| *db > 6.0);
+    let (why, others) = heave_explained(bench, &beam, low)?;
+    Ok(Claim {
+        id: "C4",
+        title: "two inertias against elements",
+        source: "fig 6-2",
+        says: "lumped and finite-element responses agree at low frequency, the higher modes are missing",
+        measured: format!(
+            "largest difference in dB for control / heave / pitch: to {:.1} Hz (half the first mode with the hub locked) {}; {:.1} to {:.0} Hz {}",
+            low.1,
+            text(&below),
+            high.0,
+            high.1,
+            text(&above)
+        ),
+        finding: Finding::holds_or(agrees, &why),
+        pictures: compared(&beam, lumped, (low.1, &others))?,
+    })
+}
+
+/// Two inertias with another share of the flexible mode in weight and heave.
+struct Shared {
+    name: &'static str,
+    system: StateSpace,
+}
+
+/// Why heave differs: the load's share of the flexible mode is exchanged in the two-inertia plant and the difference measured again.
+fn heave_explained(
+    bench: &Bench<'_>,
+    beam: &StateSpace,
+    low: (f64, f64),
+) -> Result<(String, [Shared; 2]), PipelineError> {
+    let body = bench.designed.modelled.plant.body();
+    let (fe, ratios) = counterpoise_pipeline::finite_elements(bench.project, StructureChoice::Beam)?;
+    let elements = pinned(&fe, ratios, 1)?.body;
+    let share = |load_share_kg_m: f64| {
+        let mut body = body.clone();
+        body.modes.iter_mut().for_each(|mode| mode.load_share_kg_m = load_share_kg_m);
+        with_body(bench, body)
+    };
+    let moment = body.out_of_balance_kg_m;
+    let outer = body.modes.first().map_or(0.0, |mode| moment * mode.tip_shape);
+    let own = elements.modes.first().map_or(0.0, |mode| mode.load_share_kg_m * mode.hub_shape.signum());
+    let own = own * body.modes.first().map_or(1.0, |mode| mode.hub_shape.signum());
+    let others = [
+        Shared { name: "two inertias, load on the beam's inertia", system: share(outer)? },
+        Shared { name: "two inertias, the elements' load on the mode", system: share(own)? },
+    ];
+    let db = |system: &StateSpace| largest_db(beam, system, LinearPlant::HEAVE, low);
+    let here = db(&bench.designed.modelled.linear.system)?;
+    let (on_beam, as_fe) = (db(&others[0].system)?, db(&others[1].system)?);
+    let why = format!(
+        "control and pitch agree to {:.1} Hz. In heave the two-inertia plant puts the whole out-of-balance torque on the hub (as the thesis' equations do), while heave loads every mass along the beam and bends it: {here:.2} dB apart as it is, {on_beam:.2} dB with the torque on the beam's inertia instead, {as_fe:.2} dB with the share of the flexible mode that the elements give. The load's place is the cause",
+        low.1
+    );
+    Ok((why, others))
+}
+
+/// Gain and phase of both plants for each input, with what else was tried in heave.
+fn compared(
+    beam: &StateSpace,
+    lumped: &StateSpace,
+    (low_hz, others): (f64, &[Shared]),
+) -> Result<Vec<Picture>, PipelineError> {
+    let drawn = rates(DRAWN_HZ);
+    let mut pictures = Vec::new();
+    for (input, name) in INPUTS.iter().enumerate() {
+        let mut gains = vec![Curve::line("finite elements", gain_db(beam, (0, input), &drawn)?)];
+        let mut phases = vec![Curve::line("finite elements", phase_deg(beam, (0, input), &drawn)?)];
+        gains.push(Curve::beside("two inertias", gain_db(lumped, (0, input), &drawn)?));
+        phases.push(Curve::beside("two inertias", phase_deg(lumped, (0, input), &drawn)?));
+        let also = others.iter().filter(|_| input == LinearPlant::HEAVE);
+        for other in also {
+            gains.push(Curve::line(other.name, gain_db(&other.system, (0, input), &drawn)?));
+        }
+        let panels = vec![
+            Panel::of(Axis::even("hub rate", "dB"), gains).at(low_hz, "half the first mode, hub locked"),
+            Panel::of(Axis::even("phase", "deg"), phases).at(low_hz, ""),
+        ];
+        pictures.push(Picture::new(format!("Hub rate for {name}, both plants"), Axis::frequency(), panels));
+    }
+    Ok(pictures)
+}

@@ -1,0 +1,248 @@
+//! Claims on the choice of weights.
+
+use counterpoise_lti::{Mat, StateSpace, feedback, margins, series, step};
+use counterpoise_synth::{Alternative, Method, Outcome, Weight, alternative};
+use counterpoise_verify::{Arrangement, Experiment, Figure, LoopFigure, Model, Source, StepFigure};
+
+use super::bench::rates;
+use super::picture::{Axis, Curve, Panel, Picture, gain_db, hub, hub_panel, paired};
+use super::{Bench, Claim, Finding};
+use counterpoise_pipeline::{Designed, PipelineError};
+
+/// K1 / a1 of the integrating design, and the corner of the error weight without integral action, s: where the integrating design's own
+/// weight levels off.
+const INTEGRAL_GAIN: f64 = 200.0;
+const CORNER_S: f64 = 1.0 / 1.8;
+/// Gains K7 that are tried, over the one that equals the integrating weight at high frequency. The thesis draws "the high gain controller
+/// without integrator" and says that gain reduces what it leaves.
+const GAINS: [f64; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
+/// The high gain: the first whose steady-state error is below this, %.
+const SMALL_ERROR_PERCENT: f64 = 2.0;
+
+/// Steady-state error %, overshoot %, Ms, phase margin deg.
+type Figures = [f64; 4];
+
+/// A design without integral action.
+struct Lagging {
+    gain: f64,
+    figures: Figures,
+    designed: Designed,
+}
+
+/// C26: with and without integral action.
+///
+/// # Errors
+/// Those of the pipeline.
+pub fn c26(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+    let integral = with_error(bench, Weight::Integral { gain: INTEGRAL_GAIN, time_s: 1.0 })?;
+    let own = figures(&integral);
+    let family = lagging(bench);
+    let high = family.iter().find(|one| one.figures[0] < SMALL_ERROR_PERCENT).or(family.last());
+    let rows: Vec<String> =
+        family.iter().map(|one| format!("K7 x{}: {}", one.gain, text(&one.figures))).collect();
+    let no_error = own[0] < 0.1 && family.iter().all(|one| one.figures[0] > 5.0 * own[0]);
+    let calmer = high.is_some_and(|high| own[1] < high.figures[1] && own[2] < high.figures[2]);
+    let low = family.first().map_or(f64::NAN, |one| one.figures[0]);
+    Ok(Claim {
+        id: "C26",
+        title: "with and without integral action",
+        source: "app. 5",
+        says: "weights K1/(a1 s) and K2(a2 s + 1) give no steady-state error and less oscillation than K7/(a7 s + 1) and K8(a8 s + 1)",
+        measured: format!(
+            "with K1/(a1 s): {}; with K7/(a7 s + 1), from the gain of the same weight at high frequency upwards: {}",
+            text(&own),
+            rows.join("; ")
+        ),
+        finding: match (no_error, calmer) {
+            (true, true) => Finding::Holds,
+            (true, false) => Finding::Differs {
+                why: format!(
+                    "the steady state is as claimed. At the gain of the same weight the design without integral action is the calmer one and leaves {low:.1} %; raised until it leaves {SMALL_ERROR_PERCENT} % (or to {} times), it still does not oscillate more",
+                    GAINS[GAINS.len() - 1]
+                ),
+            },
+            _ => Finding::Fails,
+        },
+        pictures: c26_pictures(&integral, (&family, high)),
+    })
+}
+
+fn text(f: &Figures) -> String {
+    format!(
+        "steady-state error {:.2} %, overshoot {:.1} %, Ms {:.2}, phase margin {:.0} deg",
+        f[0], f[1], f[2], f[3]
+    )
+}
+
+/// Designs without integral action over the gain; the family ends where there is no design.
+fn lagging(bench: &Bench<'_>) -> Vec<Lagging> {
+    let one = |gain: f64| {
+        let weight = Weight::Lag { gain: gain * INTEGRAL_GAIN * CORNER_S, time_s: CORNER_S };
+        let designed = with_error(bench, weight).ok()?;
+        let figures = figures(&designed);
+        figures.iter().all(|figure| figure.is_finite()).then_some(Lagging { gain, figures, designed })
+    };
+    GAINS.into_iter().map_while(one).collect()
+}
+
+fn c26_pictures(integral: &Designed, (family, high): (&[Lagging], Option<&Lagging>)) -> Vec<Picture> {
+    let response = |designed: &Designed| {
+        let history = designed.verified.verification().history(Model::Linear, Experiment::Step)?;
+        Some(hub(history))
+    };
+    let mut steps: Vec<Curve> =
+        response(integral).map(|points| Curve::line("with integral action", points)).into_iter().collect();
+    for one in family {
+        let style = |points| {
+            let name = format!("without, K7 x{}", one.gain);
+            if high.is_some_and(|high| high.gain == one.gain) {
+                Curve::line(name, points)
+            } else {
+                Curve::beside(name, points)
+            }
+        };
+        steps.extend(response(&one.designed).map(style));
+    }
+    let steps: Vec<Curve> =
+        steps.into_iter().map(|curve| Curve { points: first_second(curve.points), ..curve }).collect();
+    let over = |k: usize| family.iter().map(|one| (one.figures[0], one.figures[k])).collect();
+    let own = figures(integral);
+    let overshoot =
+        Panel::of(Axis::even("overshoot", "%"), vec![Curve::points("without integral action", over(1))])
+            .level(own[1], "with integral action, no steady-state error");
+    let ms = Panel::of(Axis::even("Ms", ""), vec![Curve::points("without integral action", over(2))])
+        .level(own[2], "");
+    let mut all = vec![
+        Picture::new("Step by both kinds of design, linear plant", Axis::time(), vec![hub_panel(steps)])
+            .captioned(
+                "Drawn through: the design with integral action, and the high gain that leaves as little.",
+            ),
+        Picture::new(
+            "What a small steady-state error costs without integral action",
+            Axis::logarithmic("steady-state error", "%"),
+            vec![overshoot, ms],
+        ),
+    ];
+    all.extend(high.map(|high| disturbed(integral, &high.designed)));
+    all
+}
+
+fn first_second(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    points.into_iter().filter(|point| point.0 <= 1.0).collect()
+}
+
+/// Both designs under heave and pitch, with feedback alone: figures A5-7(b) and A5-8(b).
+fn disturbed(integral: &Designed, high: &Designed) -> Picture {
+    let curve = |designed: &Designed, name: &str, experiment| {
+        let history = designed.verified.verification().history(Model::Linear, experiment)?;
+        Some(Curve::line(name, hub(history)))
+    };
+    let panel = |arrangement| {
+        let experiment = Experiment::Disturbance(Source::Both, arrangement);
+        let curves = [
+            curve(integral, "with integral action", experiment),
+            curve(high, "without, high gain", experiment),
+        ];
+        hub_panel(curves.into_iter().flatten().collect())
+    };
+    let panels = vec![panel(Arrangement::Feedback), panel(Arrangement::Compensated)];
+    Picture::new("Heave and pitch by both kinds of design, linear plant", Axis::time(), panels)
+        .captioned("Above by feedback alone, below with both feedforwards.")
+}
+
+/// The thesis' form of the feedback weights with another error weight.
+fn with_error(bench: &Bench<'_>, error: Weight) -> Result<Designed, PipelineError> {
+    bench.redesign(|project| {
+        project.verify.iter_mut().for_each(|verify| verify.road = None);
+        if let Some(synthesis) = &mut project.synth {
+            synthesis.specification.feedback.error = error;
+            synthesis.specification.feedback.control = Weight::Lead { gain: 1.0, time_s: 0.005 };
+        }
+    })
+}
+
+fn figures(designed: &Designed) -> Figures {
+    let wanted = [
+        Figure::Step(Model::Linear, StepFigure::SteadyStateError),
+        Figure::Step(Model::Linear, StepFigure::Overshoot),
+        Figure::Loop(LoopFigure::MaxSensitivity),
+        Figure::Loop(LoopFigure::PhaseMargin),
+    ];
+    wanted.map(|figure| designed.verified.verification().value(figure).unwrap_or(f64::NAN))
+}
+
+/// C27: three methods on one plant and one pair of weights.
+///
+/// # Errors
+/// Those of the design and the margins.
+pub fn c27(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+    let design = &bench.designed.synthesised.design;
+    let (mut words, mut loops, mut stable) = (Vec::new(), Vec::new(), true);
+    for (method, name) in
+        [(Method::ThreePart, "H2"), (Method::LqgLtr, "LQG/LTR"), (Method::HInfinity, "H-infinity")]
+    {
+        match alternative(&design.plant, &design.specification.feedback, method)? {
+            Outcome::Solved(part) => {
+                let broken = broken(bench, &part)?;
+                let (text, closed) = loop_words(&broken)?;
+                stable &= closed;
+                words.push(format!("{name}: {text}"));
+                loops.push((name, part.controller.select(&[0], &[0]), broken));
+            }
+            Outcome::Infeasible(_) => {
+                stable = false;
+                words.push(format!("{name}: no solution"));
+            }
+        }
+    }
+    Ok(Claim {
+        id: "C27",
+        title: "three methods",
+        source: "app. 2",
+        says: "LQG/LTR, H2 and H-infinity as alternatives on the same plant",
+        measured: words.join("; "),
+        finding: Finding::of(stable),
+        pictures: c27_pictures(&loops)?,
+    })
+}
+
+/// A method's name, controller and loop.
+type Named = (&'static str, StateSpace, StateSpace);
+
+/// The loop of a continuous design on the design plant.
+fn broken(bench: &Bench<'_>, part: &Alternative) -> Result<StateSpace, PipelineError> {
+    let plant = &bench.designed.synthesised.design.plant;
+    let seen = plant.measured()?.select(&[0], &[plant.control]);
+    Ok(series(&part.controller.select(&[0], &[0]), &seen)?)
+}
+
+/// Margins of a loop in words, and whether it is stable when closed.
+fn loop_words(broken: &StateSpace) -> Result<(String, bool), PipelineError> {
+    let found = margins(broken)?;
+    let phase = found.phase_margin().map_or(f64::INFINITY, |phase| phase.deg);
+    let gain = found.gain_margin_db();
+    let text = format!("gain margin {gain:.1} dB, phase margin {phase:.0} deg, Ms {:.2}", found.ms.value);
+    Ok((text, found.closed_loop_stable))
+}
+
+fn c27_pictures(loops: &[Named]) -> Result<Vec<Picture>, PipelineError> {
+    let drawn = rates((0.05, 100.0));
+    let (mut controllers, mut gains, mut steps) = (Vec::new(), Vec::new(), Vec::new());
+    for (name, controller, broken) in loops {
+        controllers.push(Curve::line(*name, gain_db(controller, (0, 0), &drawn)?));
+        gains.push(Curve::line(*name, gain_db(broken, (0, 0), &drawn)?));
+        let unity = StateSpace::gain(Mat::eye(1), broken.timebase)?;
+        let response = step(&feedback(broken, &unity)?, 1.0, 1000)?;
+        let y: Vec<f64> = (0..response.time_s.len()).map(|k| response.y[(k, 0)]).collect();
+        steps.push(Curve::line(*name, paired(&response.time_s, &y, 1.0)));
+    }
+    let panels = vec![
+        Panel::of(Axis::even("controller", "dB re V s/rad"), controllers),
+        Panel::of(Axis::even("loop gain", "dB"), gains).level(0.0, ""),
+    ];
+    let step = Panel::of(Axis::even("measured rate over demand", ""), steps).level(1.0, "");
+    Ok(vec![
+        Picture::new("Three methods, one plant, one pair of weights", Axis::frequency(), panels),
+        Picture::new("Step by the three methods, continuous design plant", Axis::time(), vec![step]),
+    ])
+}

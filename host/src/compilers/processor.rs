@@ -1,0 +1,89 @@
+//! What the generated code costs on a target: cross-compiled and run in an emulator, where this machine has them.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use counterpoise_export::board::{
+    COMPILE, COMPILER, CORES, Core, Cost, EMULATOR, LINK, SIZER, counter, emulate,
+};
+use counterpoise_export::host::{CODE_FOLDER, including};
+use counterpoise_export::{File, Numbers};
+use counterpoise_pipeline::export::TargetCode;
+use counterpoise_pipeline::export::target_proofs::{CoreCost, Costs};
+use counterpoise_project::Language;
+
+use crate::files;
+
+/// Counts on every core; where a tool is missing or fails, says so.
+pub fn costs(code: &[TargetCode]) -> Costs {
+    let missing: Vec<&str> = [COMPILER, SIZER, EMULATOR].into_iter().filter(|tool| !is_there(tool)).collect();
+    if !missing.is_empty() {
+        let what = format!("not counted: {} not found on this machine", missing.join(", "));
+        return Costs { counted: Vec::new(), remark: Some(what) };
+    }
+    let folder = match files::scratch_folder() {
+        Ok(folder) => folder,
+        Err(error) => {
+            return Costs {
+                counted: Vec::new(),
+                remark: Some(format!("not counted: no temporary folder: {error}")),
+            };
+        }
+    };
+    let (mut counted, mut failed) = (Vec::new(), Vec::new());
+    for each in code.iter().filter(|each| each.language == Language::C99) {
+        for core in &CORES {
+            match count(core, folder.path(), each) {
+                Some(cost) => counted.push(CoreCost { core: core.name, numbers: each.numbers, cost }),
+                None => failed.push(format!("{} on {}", words(each.numbers), core.name)),
+            }
+        }
+    }
+    let remark = (!failed.is_empty()).then(|| format!("the tools failed for {}", failed.join(", ")));
+    Costs { counted, remark }
+}
+
+fn words(numbers: Numbers) -> &'static str {
+    match numbers {
+        Numbers::Double => "double",
+        Numbers::Single => "single",
+        Numbers::Fixed => "fixed point",
+    }
+}
+
+fn is_there(tool: &str) -> bool {
+    Command::new(tool).arg("--version").output().is_ok_and(|output| output.status.success())
+}
+
+/// Files of fixed names that include the generated ones: no name of a project's stands on a command line.
+const CONTROLLER: &str = "controller.c";
+const SELF_TEST: &str = "self_test.c";
+
+/// The cost on a core; nothing where a tool fails or the self test does.
+fn count(core: &Core, folder: &Path, code: &TargetCode) -> Option<Cost> {
+    let folder = folder.join(format!("{}-{:?}", core.machine, code.numbers));
+    write(&folder.join(CODE_FOLDER), &code.files)?;
+    write(&folder, &counter(&code.name, code.numbers))?;
+    let included = [format!("{}.c", code.name), format!("{}_self_test.c", code.name)];
+    write(&folder, &[including(CONTROLLER, &included[0]), including(SELF_TEST, &included[1])])?;
+    said(Command::new(COMPILER).args(core.flags).args(COMPILE).args([CONTROLLER, SELF_TEST]), &folder)?;
+    let objects = [CONTROLLER, SELF_TEST].map(|source| source.replace(".c", ".o"));
+    let mut linker = Command::new(COMPILER);
+    linker.args(core.flags).args(LINK).args(["startup.c", "count.c"]).args(&objects);
+    said(linker.args(["-lm", "-o", "firmware.elf"]), &folder)?;
+    let counted = said(Command::new(EMULATOR).args(emulate(core)), &folder)?;
+    let sizes = said(Command::new(SIZER).arg(&objects[0]), &folder)?;
+    let usage = std::fs::read_to_string(folder.join(CONTROLLER.replace(".c", ".su"))).ok()?;
+    Cost::read(&counted, &sizes, &usage)
+}
+
+fn write(folder: &Path, files: &[File]) -> Option<()> {
+    let place = |file: &File| -> PathBuf { folder.join(&file.name) };
+    files.iter().try_for_each(|file| files::write(&place(file), file.text.as_bytes()).ok())
+}
+
+/// Standard output of a command that succeeded in a folder.
+fn said(command: &mut Command, folder: &Path) -> Option<String> {
+    let output = command.current_dir(folder).output().ok()?;
+    output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
+}

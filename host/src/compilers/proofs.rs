@@ -1,0 +1,97 @@
+//! Whether the generated code, compiled on this machine, answers as its model does in every closed loop that was run.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use counterpoise_export::host::{
+    C_COMPILER, C_FLAGS, CODE_FOLDER, RUST_COMPILER, RUST_CRATE, RUST_LIBRARY, RUST_PROGRAM, c_replay,
+    differing, including, requests, rust_replay,
+};
+use counterpoise_export::{File, Fixed, Numbers, TargetFigures, Targets};
+use counterpoise_pipeline::export::TargetCode;
+use counterpoise_pipeline::export::target_proofs::{Answered, Proof};
+use counterpoise_project::Language;
+
+use crate::files;
+
+/// Compiles each code and replays the closed loops through it.
+pub fn proofs(code: &[TargetCode], compared: &Targets) -> Vec<Proof> {
+    let folder = files::scratch_folder();
+    let prove = |each: &TargetCode| {
+        let answered = match &folder {
+            Ok(folder) => {
+                let place = folder.path().join(format!("{:?}-{:?}", each.language, each.numbers));
+                answered(each, compared, &place)
+            }
+            Err(error) => Answered::NotRun(format!("no temporary folder: {error}")),
+        };
+        Proof { rust: each.language == Language::Rust, numbers: each.numbers, answered }
+    };
+    code.iter().map(prove).collect()
+}
+
+fn answered(code: &TargetCode, compared: &Targets, folder: &Path) -> Answered {
+    let compiler = if code.language == Language::Rust { RUST_COMPILER } else { C_COMPILER };
+    if Command::new(compiler).arg("--version").output().is_err() {
+        return Answered::NotRun(format!("{compiler} not found on this machine"));
+    }
+    let figures = compared.figures.iter().find(|figures| figures.numbers == code.numbers);
+    let fixed = if code.numbers == Numbers::Fixed { compared.fixed.as_ref().ok() } else { None };
+    let counts = figures.and_then(|figures| {
+        build(code, folder)?;
+        replayed(figures, fixed, folder)
+    });
+    match counts {
+        Some((samples, 0)) => Answered::Alike { samples },
+        Some((samples, wrong)) => Answered::Otherwise { samples, wrong },
+        None => Answered::NotRun(format!("{compiler} failed")),
+    }
+}
+
+/// Builds `replay` in the folder; returns `None` if the compiler fails or prints anything.
+fn build(code: &TargetCode, folder: &Path) -> Option<()> {
+    match code.language {
+        Language::Rust => build_rust(code, folder),
+        _ => build_c(code, folder),
+    }
+}
+
+fn build_rust(code: &TargetCode, folder: &Path) -> Option<()> {
+    let library = code.files.iter().find(|file| file.name.ends_with("src/lib.rs"))?;
+    files::write(&folder.join("generated.rs"), library.text.as_bytes()).ok()?;
+    write(folder, &[rust_replay()])?;
+    let crate_name = ["--crate-name", RUST_CRATE, "generated.rs"];
+    silent(Command::new(RUST_COMPILER).args(RUST_LIBRARY).args(crate_name), folder)?;
+    silent(Command::new(RUST_COMPILER).args(RUST_PROGRAM).arg("replay.rs"), folder)
+}
+
+fn build_c(code: &TargetCode, folder: &Path) -> Option<()> {
+    write(&folder.join(CODE_FOLDER), &code.files)?;
+    write(
+        folder,
+        &[c_replay(&code.name, code.numbers), including("controller.c", &format!("{}.c", code.name))],
+    )?;
+    let files = ["controller.c", "replay.c", "-o", "replay"];
+    silent(Command::new(C_COMPILER).args(C_FLAGS).args(files), folder)
+}
+
+fn write(folder: &Path, code: &[File]) -> Option<()> {
+    code.iter().try_for_each(|file| files::write(&folder.join(&file.name), file.text.as_bytes()).ok())
+}
+
+fn silent(command: &mut Command, folder: &Path) -> Option<()> {
+    let output = command.current_dir(folder).output().ok()?;
+    (output.status.success() && output.stderr.is_empty()).then_some(())
+}
+
+/// Samples replayed, and those answered otherwise.
+fn replayed(figures: &TargetFigures, fixed: Option<&Fixed>, folder: &Path) -> Option<(usize, usize)> {
+    let bytes = requests(&figures.closed_loops, fixed);
+    files::write(&folder.join("readings"), &bytes).ok()?;
+    let readings = std::fs::File::open(folder.join("readings")).ok()?;
+    let output = Command::new(folder.join("replay")).stdin(Stdio::from(readings)).output().ok()?;
+    if !output.status.success() {
+        return None;
+    }
+    differing(&figures.closed_loops, fixed, &output.stdout)
+}

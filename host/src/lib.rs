@@ -1,0 +1,28 @@
+//! The operating system: the one crate that opens files, starts threads, compilers and clocks, and shows progress.
+//!
+//! In come paths and work; out go projects, recordings and generated code on disk, and what compilers and emulators answered.
+//!
+//! *Invariant*: no mathematics, and no sentence about a result; what is computed and how it is worded is decided elsewhere.
+//!
+//! Modules in reading order: [`files`], [`projects`], [`code_files`], [`shards`], [`interrupt`], [`worker`], [`progress`],
+//! [`workers`], [`campaign_progress`], [`stages`], [`compilers`].
+//!
+//! ```
+//! let folder = counterpoise_host::files::scratch_folder()?;
+//! let path = folder.path().join("a/b.txt");
+//! counterpoise_host::files::write(&path, b"whole or not at all")?;
+//! assert_eq!(std::fs::read(&path)?, b"whole or not at all");
+//! # Ok::<(), std::io::Error>(())
+//! ```
+
+pub mod campaign_progress;
+pub mod code_files;
+pub mod compilers;
+pub mod files;
+pub mod interrupt;
+pub mod progress;
+pub mod projects;
+pub mod shards;
+pub mod stages;
+pub mod worker;
+pub mod workers;

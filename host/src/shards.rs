@@ -1,0 +1,127 @@
+//! The samples of a campaign in Parquet files, one a shard, written whole or not at all.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use anyhow::{Context, Result, bail, ensure};
+use counterpoise_verify::robust::{Campaign, Sample};
+use parquet::basic::Compression;
+use parquet::data_type::{DoubleType, Int64Type};
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::WriterProperties;
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::file::writer::SerializedFileWriter;
+use parquet::record::RowAccessor;
+use parquet::schema::parser::parse_message_type;
+
+use crate::projects::write as write_file;
+
+/// Key under which a file names its campaign.
+const CAMPAIGN: &str = "counterpoise.campaign";
+
+/// The file of a shard, counted from 0.
+pub fn path(folder: &Path, shard: usize, shards: usize) -> PathBuf {
+    folder.join(format!("shard-{shard:06}-of-{shards:06}.parquet"))
+}
+
+/// Writes samples under the campaign's name. The same samples give the same bytes.
+pub fn write(path: &Path, campaign: &Campaign, name: &str, samples: &[Sample]) -> Result<()> {
+    let told = || format!("cannot make {}", path.display());
+    write_file(path, &bytes(campaign, name, samples).with_context(told)?)
+}
+
+fn bytes(campaign: &Campaign, name: &str, samples: &[Sample]) -> Result<Vec<u8>> {
+    let schema = Arc::new(parse_message_type(&schema(campaign))?);
+    let metadata = vec![KeyValue::new(CAMPAIGN.to_owned(), name.to_owned())];
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::UNCOMPRESSED)
+        .set_created_by("counterpoise".to_owned())
+        .set_key_value_metadata(Some(metadata));
+    let mut writer = SerializedFileWriter::new(Vec::new(), schema, Arc::new(properties.build()))?;
+    let mut group = writer.next_row_group()?;
+    let mut at = 0;
+    while let Some(mut column) = group.next_column()? {
+        if at == 0 {
+            let numbers: Vec<i64> = samples.iter().map(|sample| sample.index as i64).collect();
+            column.typed::<Int64Type>().write_batch(&numbers, None, None)?;
+        } else {
+            let values: Vec<f64> = samples.iter().map(|sample| number(sample, at - 1)).collect();
+            column.typed::<DoubleType>().write_batch(&values, None, None)?;
+        }
+        column.close()?;
+        at += 1;
+    }
+    group.close()?;
+    Ok(writer.into_inner()?)
+}
+
+/// Factors first, then figures.
+fn number(sample: &Sample, at: usize) -> f64 {
+    let factors = sample.factors.len();
+    if at < factors { sample.factors[at] } else { sample.values[at - factors] }
+}
+
+fn schema(campaign: &Campaign) -> String {
+    let factors =
+        campaign.variations().iter().map(|variation| format!("factor_{}", variation.parameter.key()));
+    let figures = campaign.requirements().iter().map(|requirement| word(&requirement.figure.key()));
+    let columns = factors.chain(figures).enumerate().map(|(k, name)| format!("required double {name}_{k};"));
+    format!("message campaign {{ required int64 sample; {} }}", columns.collect::<Vec<_>>().join(" "))
+}
+
+/// A key as one word.
+fn word(key: &str) -> String {
+    key.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
+}
+
+/// Reads samples, refusing a file of another campaign.
+pub fn read(path: &Path, campaign: &Campaign, name: &str) -> Result<Vec<Sample>> {
+    let told =
+        || format!("cannot read {}: it may be damaged; remove it and run its shard again", path.display());
+    let reader = SerializedFileReader::new(File::open(path).with_context(told)?).with_context(told)?;
+    let written = reader.metadata().file_metadata().key_value_metadata();
+    let found = written
+        .and_then(|all| all.iter().find(|pair| pair.key == CAMPAIGN))
+        .and_then(|pair| pair.value.clone());
+    match found {
+        Some(found) if found == name => {}
+        found => bail!(
+            "{} belongs to another campaign ({}, not {name}): another project, version, seed or number of samples",
+            path.display(),
+            found.unwrap_or_else(|| "unnamed".to_owned())
+        ),
+    }
+    let factors = campaign.variations().len();
+    let columns = factors + campaign.requirements().len();
+    let found = reader.metadata().file_metadata().schema_descr().num_columns();
+    ensure!(found == columns + 1, "{} has {found} columns where {} are needed", path.display(), columns + 1);
+    let mut samples = Vec::new();
+    for row in reader.get_row_iter(None).with_context(told)? {
+        let row = row.with_context(told)?;
+        let mut numbers =
+            (1..=columns).map(|k| row.get_double(k)).collect::<Result<Vec<f64>, _>>().with_context(told)?;
+        let values = numbers.split_off(factors);
+        samples.push(Sample {
+            index: row.get_long(0).with_context(told)? as usize,
+            factors: numbers,
+            values,
+        });
+    }
+    Ok(samples)
+}
+
+/// The files of shards in a folder, sorted.
+pub fn found(folder: &Path) -> Result<Vec<PathBuf>> {
+    let told = || format!("cannot list {}", folder.display());
+    let mut paths = Vec::new();
+    for entry in std::fs::read_dir(folder).with_context(told)? {
+        let path = entry.with_context(told)?.path();
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        if name.starts_with("shard-") && name.ends_with(".parquet") {
+            paths.push(path);
+        }
+    }
+    paths.sort();
+    Ok(paths)
+}

@@ -1,0 +1,50 @@
+//! Processors, progress and cancel, handed to the crates that know none of them.
+
+use std::sync::Mutex;
+use std::time::Duration;
+
+use counterpoise_diagnose::bench::Pool;
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
+
+use crate::interrupt;
+
+/// All processors of this machine, with a line that says how far the work is.
+pub struct Workers {
+    bar: Mutex<ProgressBar>,
+}
+
+impl Workers {
+    /// Workers that show their progress on a terminal, unless quiet.
+    pub fn new(quiet: bool) -> Self {
+        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
+            bar.set_style(style);
+        }
+        bar.enable_steady_tick(Duration::from_millis(120));
+        Self { bar: Mutex::new(bar) }
+    }
+
+    /// Takes the line away.
+    pub fn finish(&self) {
+        if let Ok(bar) = self.bar.lock() {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl Pool for Workers {
+    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
+        (0..count).into_par_iter().for_each(job);
+    }
+
+    fn cancelled(&self) -> bool {
+        interrupt::asked()
+    }
+
+    fn progress(&self, stage: &str, done: usize, of: usize) {
+        if let Ok(bar) = self.bar.lock() {
+            bar.set_message(format!("{stage} {}/{of}", done + 1));
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! What can stop the road.
+
+use counterpoise_synth::Finding;
+
+/// Every way in which the road can end before its end.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PipelineError {
+    /// A section of the project that a step needs.
+    #[error("the project has no [{section}] section; {needed_by} needs it")]
+    Missing {
+        /// The section.
+        section: &'static str,
+        /// The step.
+        needed_by: &'static str,
+    },
+    /// A key that needs a controller which sees the error alone.
+    #[error("synth.{key} needs reference = \"error\": the controller must see demand less rate alone")]
+    NeedsError {
+        /// The key.
+        key: &'static str,
+    },
+    /// A configuration that the project does not have.
+    #[error("there is no configuration \"{name}\"; the project has: {known}")]
+    Configuration {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// More modes were measured than the model has.
+    #[error("{measured} modes were measured, the finite elements have {modes}: raise model.elements")]
+    FewModes {
+        /// Flexible modes of the model.
+        modes: usize,
+        /// Measured modes.
+        measured: usize,
+    },
+    /// A control range in which the mechanism cannot be held against gravity.
+    #[error(
+        "the out-of-balance of {moment_kg_m:.2} kg m takes {needed_v:.3} V to hold, and the control is limited to {limit_v} V: \
+         raise plant.amplifier.input_limit or its gain, or balance the mechanism"
+    )]
+    CannotHold {
+        /// The out-of-balance, kg m.
+        moment_kg_m: f64,
+        /// The control that holds it, V.
+        needed_v: f64,
+        /// The limit, V.
+        limit_v: f64,
+    },
+    /// A reduction that the chosen structure does not allow.
+    #[error("reduction by {method}: {problem}")]
+    Reduction {
+        /// The method.
+        method: &'static str,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
+    /// Weights that make no solvable problem, every reason.
+    #[error("there is no controller for these weights:\n{}", lines(.0))]
+    NoController(Vec<Finding>),
+    /// A file that the project names.
+    #[error("the file \"{name}\", which [{section}] names: {problem}")]
+    File {
+        /// Its name.
+        name: String,
+        /// The section that names it.
+        section: &'static str,
+        /// What is wrong.
+        problem: String,
+    },
+    /// The mechanism was refused.
+    #[error("plant: {0}")]
+    Models(#[from] counterpoise_models::Error),
+    /// A linear-systems operation failed.
+    #[error("linear system: {0}")]
+    Lti(#[from] counterpoise_lti::Error),
+    /// The reduction failed.
+    #[error("reduction: {0}")]
+    Reduce(#[from] counterpoise_reduce::Error),
+    /// The design failed.
+    #[error("design: {0}")]
+    Synth(#[from] counterpoise_synth::Error),
+    /// There is no fixed-point form.
+    #[error("fixed point: {0}")]
+    Fixed(#[from] counterpoise_export::FixedError),
+    /// The verification failed.
+    #[error("verification: {0}")]
+    Verify(#[from] counterpoise_verify::Error),
+    /// The export failed.
+    #[error("export: {0}")]
+    Export(#[from] counterpoise_export::Error),
+    /// The simulator refused.
+    #[error("simulation: {0}")]
+    Simulate(#[from] counterpoise_simulate::Error),
+    /// The identification refused.
+    #[error("identification: {0}")]
+    Diagnose(#[from] counterpoise_diagnose::Error),
+    /// A channel that a recording lacks.
+    #[error("the recording {recording} has no channel {channel}, which this frequency response needs")]
+    Channel {
+        /// Name of the recording.
+        recording: String,
+        /// The channel.
+        channel: &'static str,
+    },
+    /// A recording cannot be used.
+    #[error("recording: {0}")]
+    Recording(#[from] counterpoise_project::recording::RecordingError),
+}
+
+fn lines(findings: &[Finding]) -> String {
+    findings.iter().map(|f| format!("  - {f}")).collect::<Vec<_>>().join("\n")
+}

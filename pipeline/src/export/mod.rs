@@ -1,0 +1,259 @@
+//! The verified controller as code, with where it comes from.
+
+pub mod target_proofs;
+
+use counterpoise_controller::READINGS;
+use counterpoise_controller::realise::coefficients;
+use counterpoise_controller::sensitivity::{Candidate, Form, candidates};
+use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
+use counterpoise_export::targets::RANGE_MARGIN;
+use counterpoise_export::{
+    Converters, File, FormFigures, Numbers, Options, Provenance, Ranges, Targets, c99, fixed_c99, fixed_form,
+    rust_crate, targets,
+};
+use counterpoise_models::plant::Plant;
+use counterpoise_verify::{Limit, Verdict, VerifiedController};
+use sha2::{Digest, Sha256};
+
+use crate::{Modelled, PipelineError, World};
+use counterpoise_project::Project;
+use counterpoise_project::resolve::design::{Language, Synthesis};
+
+/// The code that was made, and what the project asks for and cannot have.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Exported {
+    /// Files of code.
+    pub files: Vec<File>,
+    /// What was left out.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// Code that the project asks for and that does not exist.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Which code.
+    pub what: String,
+    /// Why there is none.
+    pub why: String,
+}
+
+impl std::fmt::Display for LeftOut {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}: {}", self.what, self.why)
+    }
+}
+
+impl Exported {
+    /// Takes what was made, or notes why there is nothing.
+    fn add<E: std::fmt::Display>(&mut self, what: &str, made: Result<Vec<File>, E>) {
+        match made {
+            Ok(files) => self.files.extend(files),
+            Err(why) => self.left_out.push(LeftOut { what: what.to_owned(), why: why.to_string() }),
+        }
+    }
+}
+
+/// The code in the languages that the project asks for.
+///
+/// Fixed point takes its formats from the verification's nonlinear runs, and may deviate from the reference by half a step
+/// of the output converter. What cannot be had (a coefficient that the target's numbers cannot hold, a controller without a
+/// fixed-point form, a plant whose unit does not exist) is left out, with the reason; the rest is there.
+///
+/// # Errors
+/// A file that the verification's experiments need, and those of the simulator.
+pub fn export(
+    project: &Project,
+    modelled: &Modelled,
+    verified: &VerifiedController,
+    world: &dyn World,
+) -> Result<Exported, PipelineError> {
+    let origin = provenance(project, verified);
+    let options = &project.export.options;
+    let mut made = Exported::default();
+    for language in &project.export.languages {
+        match language {
+            Language::C99 => made.add("C99", c99(verified, &origin, options)),
+            Language::Rust => made.add("Rust", rust_crate(verified, &origin, options)),
+            Language::Fixed => {
+                let procedure = crate::verify::procedure(project, world)?;
+                let allowed_v = half_step_v(&modelled.plant);
+                let code = fixed_form(verified, &modelled.plant, &procedure, allowed_v)?
+                    .map(|fixed| fixed_c99(verified, &fixed, &origin, &format!("{}_fixed", options.name)));
+                match code {
+                    Ok(files) => made.add("C99 in fixed point", files),
+                    refused => made.add("C99 in fixed point", refused.map(|_| Vec::new())),
+                }
+            }
+            Language::Fmi => units(&mut made, &modelled.plant, verified, &origin, options),
+        }
+    }
+    Ok(made)
+}
+
+/// The controller in double, single and fixed point, side by side in the verification's nonlinear runs.
+///
+/// # Errors
+/// Those of the simulator.
+pub fn compare(
+    project: &Project,
+    modelled: &Modelled,
+    verified: &VerifiedController,
+    world: &dyn World,
+) -> Result<Targets, PipelineError> {
+    let procedure = crate::verify::procedure(project, world)?;
+    Ok(targets(verified, &modelled.plant, &procedure, half_step_v(&modelled.plant))?)
+}
+
+/// The code of a controller in some numbers.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TargetCode {
+    /// C99 or Rust.
+    pub language: Language,
+    /// The numbers.
+    pub numbers: Numbers,
+    /// What every name of the code starts with.
+    pub name: String,
+    /// Code and self test.
+    pub files: Vec<File>,
+}
+
+/// The code in every language and every kind of numbers that the controller exists in, whatever the project asks for: to run
+/// it beside its model, and to count its cost.
+///
+/// # Errors
+/// A name that no code can have.
+pub fn every_target(
+    project: &Project,
+    verified: &VerifiedController,
+    compared: &Targets,
+) -> Result<Vec<TargetCode>, PipelineError> {
+    let origin = provenance(project, verified);
+    let name = project.export.options.name.clone();
+    let code = |language, numbers, files| TargetCode { language, numbers, name: name.clone(), files };
+    let mut all = Vec::new();
+    for (numbers, options) in
+        [(Numbers::Double, Options::double(&name)), (Numbers::Single, Options::single(&name))]
+    {
+        // What single precision cannot hold has no form in it.
+        let (Ok(c), Ok(rust)) = (c99(verified, &origin, &options), rust_crate(verified, &origin, &options))
+        else {
+            continue;
+        };
+        all.push(code(Language::C99, numbers, c));
+        all.push(code(Language::Rust, numbers, rust));
+    }
+    if let Ok(fixed) = &compared.fixed {
+        all.push(code(Language::C99, Numbers::Fixed, fixed_c99(verified, fixed, &origin, &name)?));
+    }
+    Ok(all)
+}
+
+/// How sensitive each path's coefficients are: the forms that it could have, and the one that it has.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PathForms {
+    /// Name of the path.
+    pub path: String,
+    /// Modal and balanced.
+    pub candidates: Vec<Candidate>,
+    /// The form of the verified controller.
+    pub chosen: Form,
+}
+
+/// The forms of each path that has states.
+///
+/// # Errors
+/// Those of the realisation.
+pub fn forms(verified: &VerifiedController) -> Result<Vec<PathForms>, PipelineError> {
+    let paths = verified.controller().parts().paths.iter().filter(|path| path.system.order() > 0);
+    let of = |path: &counterpoise_controller::Path| {
+        let candidates = candidates(&path.system).map_err(counterpoise_synth::Error::from)?;
+        let count = coefficients(&path.system);
+        // A form is known by its number of coefficients: few in blocks, all of them in a full matrix.
+        let nearest = candidates.iter().min_by_key(|candidate| candidate.coefficients.abs_diff(count));
+        let chosen = nearest.map_or(Form::Modal, |candidate| candidate.form);
+        Ok(PathForms { path: path.name.clone(), candidates, chosen })
+    };
+    paths.map(of).collect()
+}
+
+/// The controller with its paths in every form, in double and in single precision, for the readings of the verification's runs.
+pub fn by_form(verified: &VerifiedController, compared: &Targets) -> Vec<FormFigures> {
+    let controller = verified.controller();
+    let runs: Vec<_> = compared.figures.iter().take(1).flat_map(|double| &double.closed_loops).collect();
+    let readings: Vec<Vec<[f64; READINGS]>> = runs.into_iter().map(|run| run.readings.clone()).collect();
+    let known = Ranges::from_readings(controller, &readings, RANGE_MARGIN);
+    counterpoise_export::by_form(controller, &known)
+}
+
+/// Half a step of the output converter, V.
+fn half_step_v(plant: &Plant) -> f64 {
+    CONVERTER_SPAN_V / 2.0 / f64::from(plant.parameters().interface.output_bits).exp2()
+}
+
+/// Range of the output converter, V.
+const CONVERTER_SPAN_V: f64 = 20.0;
+
+/// The units of the controller and of the plant that it was verified on.
+fn units(
+    made: &mut Exported,
+    plant: &Plant,
+    verified: &VerifiedController,
+    origin: &Provenance,
+    options: &Options,
+) {
+    let named = |ending: &str| format!("{}_{ending}", options.name);
+    let controller = Options { name: named("unit"), ..options.clone() };
+    made.add("FMI unit of the controller", controller_unit(verified, origin, &controller));
+    made.add("FMI unit of the plant", plant_unit(PlantUnit { plant, name: &named("plant") }, origin));
+}
+
+/// Hash of the project as it was resolved: the same for two files that mean the same.
+pub fn project_hash(project: &Project) -> String {
+    let mut text = project.to_text();
+    if let Some(content) = project.import.as_ref().and_then(|import| import.content.as_ref()) {
+        text += &format!("{content:?}");
+    }
+    let digest = Sha256::digest(text.as_bytes());
+    digest.iter().take(16).map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn provenance(project: &Project, verified: &VerifiedController) -> Provenance {
+    let verification = verified.verification();
+    let verdicts = verification.verdicts.iter().map(|(requirement, verdict)| {
+        let (figure, unit) = (requirement.figure.name(), requirement.figure.unit());
+        let asked = |limit: &Limit| match limit {
+            Limit::AtLeast(value) => format!("at least {value}"),
+            Limit::AtMost(value) => format!("at most {value}"),
+        };
+        let said = |value: f64, limit: &Limit| format!("{figure}: {value:.4} {unit} ({})", asked(limit));
+        match verdict {
+            Verdict::Holds { value, limit, .. } => format!("{}: holds", said(*value, limit)),
+            Verdict::Fails { value, limit, .. } => format!("{}: FAILS", said(*value, limit)),
+            Verdict::NotApplicable { why } => format!("{figure}: not applicable, {why}"),
+        }
+    });
+    Provenance {
+        generator: format!("counterpoise {}", env!("CARGO_PKG_VERSION")),
+        project: project.plant.name.clone(),
+        project_hash: project_hash(project),
+        weights: project.synth.as_ref().map(weights).unwrap_or_default(),
+        verdicts: verdicts.collect(),
+        converters: Converters::of(&project.plant),
+    }
+}
+
+/// What each weight asks for, in words, one a line.
+pub fn weights(synth: &Synthesis) -> Vec<String> {
+    let s = &synth.specification;
+    let mut lines = vec![
+        format!("feedback: {}", s.feedback.error.meaning("measured error")),
+        format!("feedback: {}", s.feedback.control.meaning("control")),
+    ];
+    for (name, part) in [("heave", &s.heave), ("pitch", &s.pitch)] {
+        if let Some(part) = part {
+            lines.push(format!("{name}: {}", part.error.meaning("hub rate")));
+            lines.push(format!("{name}: {}", part.control.meaning("control")));
+        }
+    }
+    lines
+}

@@ -1,0 +1,65 @@
+//! What compilers and emulators answered about the generated code, as data. They are run elsewhere.
+
+use counterpoise_export::Numbers;
+use counterpoise_export::board::Cost;
+
+/// What the code in some numbers costs on a core.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CoreCost {
+    /// Name of the core.
+    pub core: &'static str,
+    /// Numbers of the code.
+    pub numbers: Numbers,
+    /// What was counted.
+    pub cost: Cost,
+}
+
+/// What was counted, and what was not.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Costs {
+    /// Each core with each kind of numbers.
+    pub counted: Vec<CoreCost>,
+    /// Why something is missing.
+    pub remark: Option<String>,
+}
+
+/// Operations of a step, for a reader who has no board.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Operations {
+    /// Multiplications.
+    pub multiplications: usize,
+    /// Additions.
+    pub additions: usize,
+    /// States.
+    pub states: usize,
+}
+
+/// Whether compiled code answers as its model does.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Answered {
+    /// To the last bit, in every sample.
+    Alike {
+        /// Samples compared.
+        samples: usize,
+    },
+    /// Not everywhere.
+    Otherwise {
+        /// Samples compared.
+        samples: usize,
+        /// Those that differ.
+        wrong: usize,
+    },
+    /// It was not run, and why.
+    NotRun(String),
+}
+
+/// Code that was compiled and run on this machine.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Proof {
+    /// Rust, else C.
+    pub rust: bool,
+    /// Its numbers.
+    pub numbers: Numbers,
+    /// What it answered.
+    pub answered: Answered,
+}

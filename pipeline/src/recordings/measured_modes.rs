@@ -1,0 +1,369 @@
+//! What a structure's model left out, from natural frequencies measured on the real one.
+//!
+//! Every hypothesis changes the finite elements of the project's beam by at most two numbers. It is fitted to all modes but
+//! one and judged on that one, mode after mode: the error that counts is that of frequencies which were not fitted.
+
+use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Mesh, Support, Theory, modes};
+use counterpoise_models::{Beam, PointMass};
+use serde::Serialize;
+
+use crate::{PipelineError, finite_elements};
+use counterpoise_project::Project;
+use counterpoise_project::resolve::measured::MeasuredModes;
+use counterpoise_project::resolve::model::StructureChoice;
+
+/// How many times finer the mesh of the hypothesis "too few elements" is.
+const FINER: usize = 4;
+/// Masses that are tried at an end of the beam, as shares of the beam's own, in equal ratios.
+const MASSES: (f64, f64, usize) = (1e-3, 0.5, 40);
+/// A more complicated hypothesis must leave less than this share of a simpler one's error.
+const WORTH: f64 = 0.8;
+/// Hypotheses within this factor of the best one's error cannot be told from it.
+const ALIKE: f64 = 1.15;
+/// RMS error, relative, of modes that were not fitted below which the structure is explained.
+const EXPLAINED: f64 = 0.02;
+/// Fewest modes from which a fitted hypothesis can be judged on what was not fitted.
+const FEWEST_MODES: usize = 3;
+
+/// One thing that the model may lack.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Change {
+    Nothing,
+    Mesh,
+    Shear,
+    EndMass(End),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum End {
+    Near,
+    Tip,
+}
+
+/// A hypothesis: a change, with or without another stiffness of the whole beam.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Hypothesis {
+    change: Change,
+    scaled: Scale,
+}
+
+/// Whether the stiffness of the whole beam is fitted as well.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Scale {
+    AsItIs,
+    Fitted,
+}
+
+/// How the structure and its measured modes stand to each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum StructureVerdict {
+    /// The model has the measured modes.
+    Consistent,
+    /// What it lacks has a name, and with it the model has them.
+    Named,
+    /// What has a name is part of it.
+    Incomplete,
+    /// Several explain the modes alike.
+    Ambiguous,
+    /// Nothing that is known explains them.
+    Unknown,
+}
+
+/// A hypothesis that was tried.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TriedStructure {
+    /// What was tried, in words.
+    pub what: String,
+    /// Fitted numbers with their names.
+    pub parameters: Vec<(String, f64)>,
+    /// RMS relative error of all modes, %.
+    pub rms_percent: f64,
+    /// RMS relative error of modes that were left out of the fit, one after the other, %.
+    pub left_out_percent: f64,
+    /// Frequencies of the fitted model, Hz.
+    pub modes_hz: Vec<f64>,
+}
+
+/// The answer.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StructureAnswer {
+    /// Verdict.
+    pub verdict: StructureVerdict,
+    /// In words: what was left out, how large it is.
+    pub explanation: String,
+    /// Measured frequencies, Hz.
+    pub measured_hz: Vec<f64>,
+    /// Frequencies of the model as it is, Hz.
+    pub model_hz: Vec<f64>,
+    /// What was tried; the first one is the model as it is, the others best first.
+    pub tried: Vec<TriedStructure>,
+    /// Others that explain the modes as well as the one that is named.
+    pub alternatives: Vec<String>,
+}
+
+/// The answer, and the project with what was named.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StructureDiagnosis {
+    /// The answer.
+    pub answer: StructureAnswer,
+    /// The improved project; as it was where nothing was named.
+    pub improved: Project,
+}
+
+/// Diagnoses a structure from its measured modes.
+///
+/// # Errors
+/// A project without a beam or with fewer flexible modes than were measured.
+pub fn structure(project: &Project, measured: &MeasuredModes) -> Result<StructureDiagnosis, PipelineError> {
+    let bench = Bench { project, measured };
+    let mut tried: Vec<(Hypothesis, TriedStructure)> = Vec::new();
+    for hypothesis in hypotheses(measured.modes_hz.len()) {
+        if let Some(one) = bench.tried(hypothesis)? {
+            tried.push((hypothesis, one));
+        }
+    }
+    let as_it_is = tried.remove(0);
+    tried.sort_by(|a, b| a.1.left_out_percent.total_cmp(&b.1.left_out_percent));
+    let chosen = chosen(&as_it_is, &tried);
+    let improved = match chosen {
+        Some((hypothesis, found)) => bench.improved(*hypothesis, found),
+        None => project.clone(),
+    };
+    Ok(StructureDiagnosis { answer: answer(measured, &as_it_is.1, &tried, chosen), improved })
+}
+
+fn hypotheses(modes: usize) -> Vec<Hypothesis> {
+    let changes =
+        [Change::Nothing, Change::Mesh, Change::Shear, Change::EndMass(End::Near), Change::EndMass(End::Tip)];
+    let scales = if modes < FEWEST_MODES { vec![Scale::AsItIs] } else { vec![Scale::AsItIs, Scale::Fitted] };
+    let all =
+        changes.iter().flat_map(|&change| scales.iter().map(move |&scaled| Hypothesis { change, scaled }));
+    all.filter(|h| modes >= FEWEST_MODES || !matches!(h.change, Change::EndMass(_))).collect()
+}
+
+impl Hypothesis {
+    /// Number of fitted parameters.
+    fn parameters(self) -> usize {
+        usize::from(self.scaled == Scale::Fitted) + usize::from(matches!(self.change, Change::EndMass(_)))
+    }
+
+    fn words(self) -> String {
+        let change = match self.change {
+            Change::Nothing => "the model as it is",
+            Change::Mesh => "more elements",
+            Change::Shear => "shear and rotary inertia",
+            Change::EndMass(End::Near) => "a mass at the near end",
+            Change::EndMass(End::Tip) => "a mass at the tip",
+        };
+        match (self.change, self.scaled) {
+            (_, Scale::AsItIs) => change.to_owned(),
+            (Change::Nothing, Scale::Fitted) => "another stiffness of the whole beam".to_owned(),
+            (_, Scale::Fitted) => format!("{change}, and another stiffness of the whole beam"),
+        }
+    }
+}
+
+/// The project and what was measured on the real structure.
+struct Bench<'a> {
+    project: &'a Project,
+    measured: &'a MeasuredModes,
+}
+
+impl Bench<'_> {
+    /// Fits and judges one hypothesis; none where it changes nothing.
+    fn tried(&self, hypothesis: Hypothesis) -> Result<Option<TriedStructure>, PipelineError> {
+        let candidates = self.candidates(hypothesis.change)?;
+        if candidates.is_empty() {
+            return Ok(None);
+        }
+        let count = self.measured.modes_hz.len();
+        let fit = |left_out: Option<usize>| self.fit(&candidates, hypothesis.scaled, left_out);
+        let (mass, scale, modes_hz) = fit(None);
+        let errors = |modes: &[f64]| rms((0..count).map(|k| (modes[k] / self.measured.modes_hz[k]).ln()));
+        let left_out = rms((0..count).map(|k| (fit(Some(k)).2[k] / self.measured.modes_hz[k]).ln()));
+        let mut parameters = Vec::new();
+        if matches!(hypothesis.change, Change::EndMass(_)) {
+            parameters.push(("mass [kg]".to_owned(), mass));
+        }
+        if hypothesis.scaled == Scale::Fitted {
+            parameters.push(("factor on Young's modulus".to_owned(), scale * scale));
+        }
+        Ok(Some(TriedStructure {
+            what: hypothesis.words(),
+            parameters,
+            rms_percent: 100.0 * errors(&modes_hz),
+            left_out_percent: 100.0 * if hypothesis.parameters() == 0 { errors(&modes_hz) } else { left_out },
+            modes_hz,
+        }))
+    }
+
+    /// Added mass and frequencies of every variant of a change.
+    fn candidates(&self, change: Change) -> Result<Vec<(f64, Vec<f64>)>, PipelineError> {
+        let options = &self.project.model.elements;
+        match change {
+            Change::Nothing => Ok(vec![(0.0, self.frequencies(options, None)?)]),
+            Change::Mesh => {
+                let Some(options) = finer(options) else { return Ok(Vec::new()) };
+                Ok(vec![(0.0, self.frequencies(&options, None)?)])
+            }
+            Change::Shear if options.theory == Theory::Timoshenko => Ok(Vec::new()),
+            Change::Shear => {
+                let options = FeOptions { theory: Theory::Timoshenko, ..options.clone() };
+                Ok(vec![(0.0, self.frequencies(&options, None)?)])
+            }
+            Change::EndMass(end) => {
+                let (fe, _) = finite_elements(self.project, StructureChoice::Beam)?;
+                let own = fe.mass_kg();
+                let ratio = (MASSES.1 / MASSES.0).powf(1.0 / (MASSES.2 - 1) as f64);
+                let masses =
+                    (0..MASSES.2).map(|k| own * MASSES.0 * ratio.powi(i32::try_from(k).unwrap_or(0)));
+                masses.map(|m| Ok((m, self.frequencies(options, Some((end, m)))?))).collect()
+            }
+        }
+    }
+
+    /// Frequencies of as many flexible modes as were measured, Hz.
+    fn frequencies(&self, options: &FeOptions, mass: Option<(End, f64)>) -> Result<Vec<f64>, PipelineError> {
+        let fe = match mass {
+            None => {
+                let mut project = self.project.clone();
+                project.model.elements = options.clone();
+                finite_elements(&project, StructureChoice::Beam)?.0
+            }
+            Some((end, mass_kg)) => {
+                let beam = self.project.plant.beam.as_ref().ok_or(counterpoise_models::Error::NoStructure)?;
+                let point = end_mass(beam, end, mass_kg);
+                FeModel::beam(beam, &Fitted { masses: vec![point], ..Fitted::default() }, options)?
+            }
+        };
+        let all = modes(&fe, self.measured.support)?;
+        let wanted = self.measured.modes_hz.len();
+        let known = all.flexible_rad_s();
+        if known.len() < wanted {
+            return Err(PipelineError::FewModes { modes: known.len(), measured: wanted });
+        }
+        Ok(known[..wanted].iter().map(|w| w / std::f64::consts::TAU).collect())
+    }
+
+    /// The variant and the factor on all frequencies that fit best, one mode left out or none.
+    fn fit(
+        &self,
+        candidates: &[(f64, Vec<f64>)],
+        scaled: Scale,
+        left_out: Option<usize>,
+    ) -> (f64, f64, Vec<f64>) {
+        let fitted = |modes: &Vec<f64>| {
+            let seen = (0..modes.len()).filter(|k| Some(*k) != left_out);
+            let logs: Vec<f64> = seen.map(|k| (self.measured.modes_hz[k] / modes[k]).ln()).collect();
+            let mean = logs.iter().sum::<f64>() / logs.len().max(1) as f64;
+            let shift = if scaled == Scale::Fitted { mean } else { 0.0 };
+            (rms(logs.iter().map(|l| l - shift)), shift.exp())
+        };
+        let scored = candidates.iter().map(|(mass, modes)| (fitted(modes), *mass, modes));
+        let best = scored.min_by(|a, b| a.0.0.total_cmp(&b.0.0));
+        best.map_or((0.0, 1.0, Vec::new()), |((_, scale), mass, modes)| {
+            (mass, scale, modes.iter().map(|f| scale * f).collect())
+        })
+    }
+
+    /// The project with a hypothesis as it was fitted.
+    fn improved(&self, hypothesis: Hypothesis, found: &TriedStructure) -> Project {
+        let mut project = self.project.clone();
+        let elements = &mut project.model.elements;
+        match hypothesis.change {
+            Change::Shear => elements.theory = Theory::Timoshenko,
+            Change::Mesh => *elements = finer(elements).unwrap_or_else(|| elements.clone()),
+            Change::Nothing | Change::EndMass(_) => {}
+        }
+        let factor = found.parameters.iter().find(|(name, _)| name.starts_with("factor"));
+        if let (Some(beam), Some((_, factor))) = (&mut project.plant.beam, factor) {
+            beam.youngs_modulus_pa *= factor;
+        }
+        project
+    }
+}
+
+fn finer(options: &FeOptions) -> Option<FeOptions> {
+    let Mesh::Pivoted(count) = options.mesh else { return None };
+    Some(FeOptions { mesh: Mesh::Pivoted(FINER * count), ..options.clone() })
+}
+
+fn end_mass(beam: &Beam, end: End, mass_kg: f64) -> PointMass {
+    let from = beam.sections.first().map_or(0.0, |s| s.from_m);
+    let to = beam.sections.last().map_or(0.0, |s| s.to_m);
+    let position_m = if end == End::Near { from } else { to };
+    PointMass { name: "end".to_owned(), position_m, mass_kg, inertia_kg_m2: 0.0 }
+}
+
+fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(s, n), v| (s + v * v, n + 1.0));
+    if count > 0.0 { (sum / count).sqrt() } else { 0.0 }
+}
+
+type Tried = (Hypothesis, TriedStructure);
+
+/// The simplest hypothesis that no more complicated one beats by far, where it beats the model as it is.
+fn chosen<'a>(as_it_is: &Tried, tried: &'a [Tried]) -> Option<&'a Tried> {
+    if as_it_is.1.left_out_percent < 100.0 * EXPLAINED {
+        return None;
+    }
+    let best = tried.first()?;
+    let near = tried.iter().filter(|(_, t)| WORTH * t.left_out_percent <= best.1.left_out_percent);
+    let simplest = near.min_by_key(|(hypothesis, _)| hypothesis.parameters())?;
+    (simplest.1.left_out_percent < WORTH * as_it_is.1.left_out_percent).then_some(simplest)
+}
+
+fn answer(
+    measured: &MeasuredModes,
+    as_it_is: &TriedStructure,
+    tried: &[Tried],
+    chosen: Option<&Tried>,
+) -> StructureAnswer {
+    let alike = |(h, t): &&Tried| {
+        chosen.is_some_and(|(best, found)| {
+            h.change != best.change && t.left_out_percent < ALIKE * found.left_out_percent
+        })
+    };
+    let alternatives: Vec<String> = tried.iter().filter(alike).map(|(_, t)| t.what.clone()).collect();
+    let verdict = match chosen {
+        None if as_it_is.left_out_percent < 100.0 * EXPLAINED => StructureVerdict::Consistent,
+        None => StructureVerdict::Unknown,
+        Some(_) if !alternatives.is_empty() => StructureVerdict::Ambiguous,
+        Some((_, t)) if t.left_out_percent < 100.0 * EXPLAINED => StructureVerdict::Named,
+        Some(_) => StructureVerdict::Incomplete,
+    };
+    let mut all = vec![as_it_is.clone()];
+    all.extend(tried.iter().map(|(_, t)| t.clone()));
+    StructureAnswer {
+        verdict,
+        explanation: explanation(verdict, as_it_is, chosen),
+        measured_hz: measured.modes_hz.clone(),
+        model_hz: as_it_is.modes_hz.clone(),
+        tried: all,
+        alternatives,
+    }
+}
+
+fn explanation(verdict: StructureVerdict, as_it_is: &TriedStructure, chosen: Option<&Tried>) -> String {
+    let before = as_it_is.left_out_percent;
+    match (verdict, chosen) {
+        (StructureVerdict::Consistent, _) => {
+            format!("the model has the measured modes within {before:.2} % RMS")
+        }
+        (_, Some((_, found))) => format!(
+            "the model left out {}: with it, modes that were not fitted are off by {:.2} % RMS, without it by {before:.2} %",
+            found.what, found.left_out_percent
+        ),
+        _ => format!("the modes are off by {before:.2} % RMS, and nothing that was tried explains that"),
+    }
+}
+
+/// How the structure was held, in words.
+pub fn held(support: Support) -> &'static str {
+    match support {
+        Support::Free => "free",
+        Support::Pinned => "pinned at its hub",
+        Support::Clamped => "clamped at its hub",
+    }
+}

@@ -1,0 +1,44 @@
+//! What an improved model means for the controller: the project's design on it, and a design of its own.
+
+use counterpoise_models::Parameters;
+use counterpoise_verify::Verification;
+
+use crate::{PipelineError, World, model, procedure, reduce, synthesise, verify_on};
+use counterpoise_project::Project;
+
+/// The project's design, verified before and after its model was improved.
+#[derive(Debug, Clone)]
+pub struct Consequence {
+    /// The controller designed on the model as it was, verified on that.
+    pub before: Verification,
+    /// The same controller on the improved model.
+    pub kept: Verification,
+    /// A controller designed anew on the improved model, verified on it; none where it has no design.
+    pub redesigned: Option<Verification>,
+}
+
+/// Verifies a project's design on an improved mechanism; none where the project has no design to verify.
+///
+/// # Errors
+/// Those of the road from the project to the verification.
+pub fn consequence(
+    project: &Project,
+    improved: &Parameters,
+    world: &dyn World,
+) -> Result<Option<Consequence>, PipelineError> {
+    if project.synth.is_none() || project.verify.is_none() {
+        return Ok(None);
+    }
+    let procedure = procedure(project, world)?;
+    let modelled = model(project)?;
+    let made = synthesise(project, &modelled, &reduce(project, &modelled)?)?;
+    let better = Project { plant: improved.clone(), ..project.clone() };
+    let truer = model(&better)?;
+    let anew = reduce(&better, &truer).and_then(|reduced| synthesise(&better, &truer, &reduced));
+    let redesigned = anew.and_then(|made| verify_on(&better, &truer.plant, &made, &procedure));
+    Ok(Some(Consequence {
+        before: verify_on(project, &modelled.plant, &made, &procedure)?.into_parts().1,
+        kept: verify_on(project, &truer.plant, &made, &procedure)?.into_parts().1,
+        redesigned: redesigned.ok().map(|verified| verified.into_parts().1),
+    }))
+}

@@ -1,0 +1,94 @@
+//! The plant that the design takes: the linear plant, or a smaller one with its error.
+
+use counterpoise_lti::StateSpace;
+use counterpoise_reduce::{Method, Order, Residual, balred, minimal, modal_truncation};
+
+use crate::{Modelled, PipelineError};
+use counterpoise_project::Project;
+use counterpoise_project::resolve::design::ReductionMethod;
+
+/// The reduced plant; inputs and outputs are those of the linear plant.
+#[derive(Debug, Clone)]
+pub struct Reduced {
+    /// The method.
+    pub method: ReductionMethod,
+    /// The system.
+    pub system: StateSpace,
+    /// Order of the plant before.
+    pub order_before: usize,
+    /// Values by which states were ranked, largest first; empty where the method ranks none.
+    pub ranked: Vec<f64>,
+    /// A priori bound on the largest error over all frequencies and directions.
+    pub bound: Option<f64>,
+    /// That error as measured, with the frequency at which it is largest, rad/s.
+    pub error: Option<(f64, f64)>,
+    /// What a designer should know.
+    pub warnings: Vec<String>,
+}
+
+/// Relative size of a singular value below which a state counts as neither controllable nor observable.
+const MINIMAL_TOLERANCE: f64 = 1e-10;
+
+/// Reduces the linear plant as the project asks.
+///
+/// # Errors
+/// A method that the chosen structure does not allow, an order that is missing, and those of the reduction.
+pub fn reduce(project: &Project, modelled: &Modelled) -> Result<Reduced, PipelineError> {
+    let system = &modelled.linear.system;
+    let asked = project.reduce;
+    let plain = |system: StateSpace| Reduced {
+        method: asked.method,
+        order_before: modelled.linear.system.order(),
+        system,
+        ranked: Vec::new(),
+        bound: None,
+        error: None,
+        warnings: Vec::new(),
+    };
+    match asked.method {
+        ReductionMethod::None => Ok(plain(system.clone())),
+        ReductionMethod::Minimal => {
+            let small = minimal(system, MINIMAL_TOLERANCE)?;
+            Ok(Reduced { warnings: words(&small.warnings), ..plain(small.system) })
+        }
+        ReductionMethod::Balanced => {
+            let order = asked.order.map_or(Order::Relative { share: 1e-6 }, Order::States);
+            Ok(ranked(balred(system, order, Method::BalancingFree)?, plain))
+        }
+        ReductionMethod::Modal => {
+            let rate = slowest_dropped(system, asked.order)?;
+            Ok(ranked(modal_truncation(system, rate, Residual::Drop)?, plain))
+        }
+        ReductionMethod::Guyan => Err(PipelineError::Reduction {
+            method: "guyan",
+            problem: "it condenses a structure of nodes; the plant here is already in modes: choose [model] modes, or another method".to_owned(),
+        }),
+    }
+}
+
+fn ranked(reduction: counterpoise_reduce::Reduction, plain: impl Fn(StateSpace) -> Reduced) -> Reduced {
+    Reduced {
+        ranked: reduction.hankel,
+        bound: reduction.bound,
+        error: Some((reduction.measured_error.value, reduction.measured_error.rate_rad_s)),
+        warnings: words(&reduction.warnings),
+        ..plain(reduction.system)
+    }
+}
+
+fn words(warnings: &[counterpoise_reduce::Warning]) -> Vec<String> {
+    warnings.iter().map(ToString::to_string).collect()
+}
+
+/// The rate that keeps `order` poles: between the last pole kept and the first dropped.
+fn slowest_dropped(system: &StateSpace, order: Option<usize>) -> Result<f64, PipelineError> {
+    let mut rates: Vec<f64> = counterpoise_lti::poles(system)?.iter().map(|p| p.norm()).collect();
+    rates.sort_by(f64::total_cmp);
+    let Some(order) = order.filter(|&n| n > 0 && n < rates.len()) else {
+        return Err(PipelineError::Reduction {
+            method: "modal",
+            problem: format!("[reduce] order must be between 1 and {}", rates.len().saturating_sub(1)),
+        });
+    };
+    Ok((rates[order - 1] * rates[order]).sqrt())
+}

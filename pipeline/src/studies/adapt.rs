@@ -1,0 +1,410 @@
+//! The adaptation put to the test: runs of the nonlinear closed loop in which the out-of-balance steps while the platform
+//! moves, without and with adaptation, with the plant's amplifier and with a nonlinear one.
+
+use std::f64::consts::TAU;
+
+use counterpoise_controller::{Controller, SampledController};
+use counterpoise_models::MapPoint;
+use counterpoise_models::plant::Plant;
+use counterpoise_simulate::signal::Sine;
+use counterpoise_simulate::{
+    Detail, Imperfections, Initial, PlantState, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
+};
+use counterpoise_synth::adaptation::{Curve, Scale};
+use counterpoise_synth::{Adaptive, Estimation, Recursive, RecursiveSettings, WindowedMean};
+use counterpoise_verify::Procedure;
+use serde::Serialize;
+
+use crate::synth::controller_blocks::{SMALL_KG_M, drive_curve, inertia_v_s2_rad};
+use crate::synth::schedule::unbalanced;
+use crate::synth::torque_per_volt;
+use crate::{Modelled, PipelineError, Synthesised};
+use counterpoise_project::Project;
+use counterpoise_project::resolve::around::{Adaptation, AdaptationMethod, Undo};
+
+/// A run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AdaptRun {
+    /// Its letter, as in the source thesis' figure 7-18.
+    pub letter: char,
+    /// What is done.
+    pub says: &'static str,
+    /// Whether the controller follows the estimate.
+    pub adapts: bool,
+    /// The parts of the run between changes.
+    pub intervals: Vec<Interval>,
+    /// The run over time.
+    #[serde(skip)]
+    pub trace: Trace,
+}
+
+/// A run over time, every so many samples.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Trace {
+    /// Time, s.
+    pub time_s: Vec<f64>,
+    /// True out-of-balance, kg m.
+    pub out_of_balance_kg_m: Vec<f64>,
+    /// Out-of-balance that the controller uses, kg m.
+    pub used_kg_m: Vec<f64>,
+    /// Control, V.
+    pub control_v: Vec<f64>,
+    /// True hub rate, rad/s.
+    pub hub_rate_rad_s: Vec<f64>,
+}
+
+/// A part of a run between changes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Interval {
+    /// Start and end, s.
+    pub from_to_s: [f64; 2],
+    /// Factor on the out-of-balance.
+    pub factor: f64,
+    /// True out-of-balance, kg m.
+    pub out_of_balance_kg_m: f64,
+    /// Out-of-balance that the controller uses at the end, kg m.
+    pub used_kg_m: f64,
+    /// RMS of the hub rate once the estimate has had time, rad/s.
+    pub hub_rms_rad_s: f64,
+    /// The same over that of run (a) in the same time.
+    pub over_default: f64,
+    /// Whether the adaptation was in force throughout.
+    pub adapted: bool,
+}
+
+/// Share of an interval that is left to the estimate before the RMS is taken.
+const SETTLE: f64 = 0.4;
+/// When the single change comes, when a late adaptation starts, when an early one does; as shares of the run.
+const CHANGE: f64 = 0.3;
+const LATE: f64 = 0.7;
+const EARLY: f64 = 0.03;
+/// The out-of-balance is steady at this share of the run; intervals shorter than this are not judged.
+const SHORT: f64 = 0.05;
+/// A trace has every so manieth sample.
+const EVERY: usize = 10;
+
+/// What is done in a run.
+struct Plan {
+    letter: char,
+    says: &'static str,
+    /// Start of each part as a share of the run, and the factor in it.
+    parts: Vec<(f64, f64)>,
+    /// When adaptation starts, as a share of the run.
+    from: Option<f64>,
+    /// Whether the amplifier is the nonlinear one.
+    curved: bool,
+}
+
+/// The mechanism and its controller, as every run needs them.
+struct Stage<'a> {
+    adaptation: &'a Adaptation,
+    controller: &'a Controller,
+    modelled: &'a Modelled,
+    procedure: &'a Procedure,
+    undo: Undo,
+}
+
+/// All runs, (a) first. Those with a nonlinear amplifier come only where the project gives its curve.
+///
+/// # Errors
+/// A project without adaptation, and those of the plant and the simulator.
+pub fn adapt(
+    project: &Project,
+    modelled: &Modelled,
+    made: &Synthesised,
+) -> Result<Vec<AdaptRun>, PipelineError> {
+    let missing = |section| PipelineError::Missing { section, needed_by: "`adapt`" };
+    let asked = project.synth.as_ref().ok_or(missing("synth"))?;
+    let adaptation = asked.around.adaptation.as_ref().ok_or(missing("synth.adaptation"))?;
+    let verification = project.verify.as_ref().ok_or(missing("verify"))?;
+    let controller = &made.sampled.controller;
+    let (procedure, undo) = (&verification.procedure, asked.around.amplifier_curve);
+    let stage = Stage { adaptation, controller, modelled, procedure, undo };
+    let mut runs: Vec<AdaptRun> = Vec::new();
+    for plan in plans(adaptation) {
+        let (mut run, default) = (stage.run(&plan)?, stage.default_for(&plan)?);
+        for (interval, usual) in run.intervals.iter_mut().zip(&default) {
+            interval.over_default = interval.hub_rms_rad_s / usual;
+        }
+        runs.push(run);
+    }
+    Ok(runs)
+}
+
+fn plans(adaptation: &Adaptation) -> Vec<Plan> {
+    let changes = &adaptation.trial.changes;
+    let first = changes.iter().copied().find(|factor| *factor != 1.0).unwrap_or(1.0);
+    let share = |k: usize| k as f64 / changes.len() as f64;
+    let many: Vec<(f64, f64)> = changes.iter().enumerate().map(|(k, factor)| (share(k), *factor)).collect();
+    let one = vec![(0.0, 1.0), (CHANGE, first)];
+    let late = vec![(0.0, 1.0), (CHANGE, first), (LATE, first)];
+    let plan = |letter, says, parts: &[(f64, f64)], from, curved| Plan {
+        letter,
+        says,
+        parts: parts.to_vec(),
+        from,
+        curved,
+    };
+    let mut plans = vec![
+        plan('a', "default out-of-balance, no adaptation", &[(0.0, 1.0)], None, false),
+        plan('b', "one change, no adaptation", &one, None, false),
+        plan('c', "one change, adaptation from 0.7 of the run", &late, Some(LATE), false),
+        plan('d', "one change, adaptation from 0.03 of the run", &one, Some(EARLY), false),
+        plan('e', "several changes, no adaptation", &many, None, false),
+        plan('f', "several changes, adaptation", &many, Some(EARLY), false),
+        plan('g', "one change, adaptation, nonlinear amplifier", &one, Some(EARLY), true),
+        plan('h', "several changes, adaptation, nonlinear amplifier", &many, Some(EARLY), true),
+    ];
+    plans.retain(|plan| !plan.curved || !adaptation.trial.amplifier_curve.is_empty());
+    plans
+}
+
+/// What acts: the controller alone, or with an estimator beside it.
+enum Acting {
+    Alone(Box<counterpoise_controller::Runner>),
+    Beside(Box<Adaptive>),
+}
+
+/// The controller with a note of the out-of-balance that it uses.
+struct Noted {
+    acting: Acting,
+    /// Place of the out-of-balance among the states, and its value where there is no such state.
+    place: (Option<usize>, f64),
+    used_kg_m: Vec<f64>,
+}
+
+impl SampledController for Noted {
+    fn reset(&mut self) {
+        self.acting.reset();
+    }
+
+    fn step(&mut self, readings: &counterpoise_controller::Readings) -> f64 {
+        let control = self.acting.step(readings);
+        self.used_kg_m.push(self.acting.used_kg_m(self.place));
+        control
+    }
+}
+
+impl Trace {
+    fn extend(
+        &mut self,
+        (from_s, out_of_balance_kg_m): (f64, f64),
+        history: &TimeHistory,
+        used_kg_m: &[f64],
+    ) {
+        let (rate, control) = (&history.truth.hub_rate_rad_s, &history.readings.control_request_v);
+        let count = rate.len().min(used_kg_m.len()).min(control.len());
+        for k in (0..count).step_by(EVERY) {
+            self.time_s.push(from_s + k as f64 * history.sample_period_s);
+            self.out_of_balance_kg_m.push(out_of_balance_kg_m);
+            self.used_kg_m.push(used_kg_m[k]);
+            self.control_v.push(control[k]);
+            self.hub_rate_rad_s.push(rate[k]);
+        }
+    }
+}
+
+impl SampledController for Acting {
+    fn reset(&mut self) {
+        match self {
+            Acting::Alone(runner) => runner.reset(),
+            Acting::Beside(adaptive) => adaptive.reset(),
+        }
+    }
+
+    fn step(&mut self, readings: &counterpoise_controller::Readings) -> f64 {
+        match self {
+            Acting::Alone(runner) => runner.step(readings),
+            Acting::Beside(adaptive) => adaptive.step(readings),
+        }
+    }
+}
+
+impl Acting {
+    /// The out-of-balance in force, of which the state has the given place.
+    fn used_kg_m(&self, (place, design): (Option<usize>, f64)) -> f64 {
+        match self {
+            Acting::Alone(runner) => place.and_then(|k| runner.state(k)).unwrap_or(design),
+            Acting::Beside(adaptive) => adaptive.history_kg_m().last().copied().unwrap_or(design),
+        }
+    }
+}
+
+impl Stage<'_> {
+    fn run(&self, plan: &Plan) -> Result<AdaptRun, PipelineError> {
+        let plant = self.plant(plan.curved)?;
+        let (mut state, mut angle) = (None, self.procedure.operating_point.platform_angle_rad);
+        let moment = self.modelled.plant.body().out_of_balance_kg_m;
+        let states = &self.controller.programs().states;
+        let place = states.iter().find(|group| group.name == "out_of_balance_kg_m").map(|group| group.first);
+        let place = (place, moment);
+        let mut noted = Noted { acting: self.acting(plan)?, place, used_kg_m: Vec::new() };
+        let (mut intervals, mut trace) = (Vec::new(), Trace::default());
+        for (k, &(start, factor)) in plan.parts.iter().enumerate() {
+            let end = plan.parts.get(k + 1).map_or(1.0, |part| part.0);
+            let history =
+                self.part(&unbalanced(&plant, factor)?, &mut noted, (start, end), (state, angle))?;
+            let from_s = start * self.adaptation.trial.duration_s;
+            trace.extend((from_s, factor * moment), &history, &std::mem::take(&mut noted.used_kg_m));
+            let late = plan.from.is_some_and(|from| from <= start + SHORT);
+            intervals.push(Interval {
+                from_to_s: [start, end].map(|share| share * self.adaptation.trial.duration_s),
+                factor,
+                out_of_balance_kg_m: factor * moment,
+                used_kg_m: noted.acting.used_kg_m(place),
+                hub_rms_rad_s: settled_rms(&history),
+                over_default: 1.0,
+                adapted: late,
+            });
+            angle = history.truth.platform_angle_rad.last().copied().unwrap_or(angle);
+            state = Some(history.final_state);
+        }
+        let adapts = plan.from.is_some();
+        Ok(AdaptRun { letter: plan.letter, says: plan.says, adapts, intervals, trace })
+    }
+
+    /// The RMS of the default case in the parts of a plan.
+    fn default_for(&self, plan: &Plan) -> Result<Vec<f64>, PipelineError> {
+        let parts = plan.parts.iter().map(|(start, _)| (*start, 1.0)).collect();
+        let default = Plan { letter: 'a', says: "", parts, from: None, curved: false };
+        Ok(self.run(&default)?.intervals.iter().map(|interval| interval.hub_rms_rad_s).collect())
+    }
+
+    fn plant(&self, curved: bool) -> Result<Plant, PipelineError> {
+        if !curved {
+            return Ok(self.modelled.plant.clone());
+        }
+        let mut parameters = self.modelled.plant.parameters().clone();
+        let curve = &self.adaptation.trial.amplifier_curve;
+        parameters.amplifier.map =
+            curve.iter().map(|&[input_v, current_a]| MapPoint { input_v, current_a }).collect();
+        Ok(Plant::with_body(&parameters, self.modelled.plant.body().clone())?)
+    }
+
+    fn part(
+        &self,
+        plant: &Plant,
+        acting: &mut Noted,
+        (start, end): (f64, f64),
+        (state, angle): (Option<PlantState>, f64),
+    ) -> Result<TimeHistory, PipelineError> {
+        let whole = self.adaptation.trial.duration_s;
+        let from_s = start * whole;
+        let rest = Initial::Rest { hub_angle_rad: self.procedure.operating_point.hub_angle_rad };
+        let sine = |sine: &counterpoise_verify::Sine| {
+            let frequency_rad_s = TAU * sine.frequency_hz;
+            Signal::Sines(vec![Sine {
+                amplitude: sine.amplitude,
+                frequency_rad_s,
+                phase_rad: frequency_rad_s * from_s,
+            }])
+        };
+        let platform = PlatformMotion {
+            heave_m_s2: sine(&self.procedure.heave),
+            pitch_rate_rad_s: sine(&self.procedure.pitch),
+            initial_angle_rad: angle,
+        };
+        let scenario = Scenario {
+            platform,
+            imperfections: Imperfections::NoiseAndQuantisation { seed: self.procedure.seed + from_s as u64 },
+            initial: state.map_or(rest, |state| Initial::State(Box::new(state))),
+            detail: Detail::Everything,
+            ..Scenario::still((end - start) * whole)
+        };
+        Ok(Simulator::new(plant)?.run(acting, &scenario)?)
+    }
+
+    /// The exported controller with its own estimator, held until its time. Where the amplifier's curve is left in the loop,
+    /// an estimator beside the controller knows it.
+    fn acting(&self, plan: &Plan) -> Result<Acting, PipelineError> {
+        let held = plan.from.map(|from| (from * self.adaptation.trial.duration_s / self.period_s()) as u32);
+        let beside = plan.curved && self.undo == Undo::Leave && held.is_some();
+        let curve = match (plan.curved, self.undo) {
+            (true, Undo::Undo) => self.drive_curve(),
+            _ => Vec::new(),
+        };
+        let controller = self.controller.with(|parts| {
+            parts.drive_curve = curve;
+            parts.estimator = parts.estimator.take().filter(|_| held.is_some() && !beside);
+            if let (Some(estimator), Some(samples)) = (&mut parts.estimator, held) {
+                estimator.hold_samples = samples;
+            }
+        });
+        let runner = controller.map_err(counterpoise_synth::Error::from)?.runner();
+        match self.estimation(plan.curved)?.filter(|_| beside) {
+            None => Ok(Acting::Alone(Box::new(runner))),
+            Some(estimation) => {
+                let held = held.unwrap_or(0) as usize;
+                Ok(Acting::Beside(Box::new(Adaptive::new(runner, estimation).held(held))))
+            }
+        }
+    }
+
+    /// An estimator beside the controller; none for the gradient.
+    fn estimation(&self, curved: bool) -> Result<Option<Estimation>, PipelineError> {
+        let period_s = self.period_s();
+        Ok(match self.adaptation.method {
+            AdaptationMethod::Gradient => None,
+            AdaptationMethod::WindowedMean => {
+                let window = (self.adaptation.window_s / period_s).round() as usize;
+                Some(Estimation::Mean(WindowedMean::new(self.scale(curved), window)?))
+            }
+            AdaptationMethod::Recursive => {
+                Some(Estimation::Squares(Box::new(Recursive::new(self.settings(curved, period_s))?)))
+            }
+        })
+    }
+
+    fn period_s(&self) -> f64 {
+        self.modelled.parameters.interface.sample_period_s
+    }
+
+    fn drive_curve(&self) -> Vec<[f64; 2]> {
+        let p = &self.modelled.parameters;
+        let point = |&[input_v, current_a]: &[f64; 2]| MapPoint { input_v, current_a };
+        let map: Vec<MapPoint> = self.adaptation.trial.amplifier_curve.iter().map(point).collect();
+        drive_curve(&map, p.amplifier.stall_gain_a_v(&p.motor))
+    }
+
+    fn settings(&self, curved: bool, sample_period_s: f64) -> RecursiveSettings {
+        let start_kg_m = self.modelled.plant.body().out_of_balance_kg_m;
+        RecursiveSettings {
+            scale: self.scale(curved),
+            memory_s: self.adaptation.memory_s,
+            sample_period_s,
+            dead_band_m_s2: self.adaptation.dead_band_m_s2,
+            half_rate_rad_s: self.adaptation.half_rate_rad_s,
+            rate_limit_kg_m_s: self.adaptation.rate_limit_kg_m_s,
+            start_kg_m,
+            start_deviation_kg_m: start_kg_m.abs().max(SMALL_KG_M),
+            filter_s: self.adaptation.filter_s,
+            inertia_v_s2_rad: inertia_v_s2_rad(self.modelled),
+        }
+    }
+
+    /// Volts and gravity, and the amplifier's curve as it was identified, made odd.
+    fn scale(&self, curved: bool) -> Scale {
+        let p = &self.modelled.parameters;
+        let gain = p.amplifier.stall_gain_a_v(&p.motor);
+        let mut points: Vec<(f64, f64)> = Vec::new();
+        if curved {
+            let curve = &self.adaptation.trial.amplifier_curve;
+            let beyond_0 = || curve.iter().filter(|point| point[0] > 0.0);
+            points.extend(beyond_0().rev().map(|[v, i]| (-v, -i / gain)));
+            points.push((0.0, 0.0));
+            points.extend(beyond_0().map(|[v, i]| (*v, i / gain)));
+        }
+        Scale {
+            volts_per_kg_m_s2: 1.0 / torque_per_volt(p),
+            gravity_m_s2: p.gravity_m_s2,
+            curve: Curve { points },
+        }
+    }
+}
+
+/// RMS of the true hub rate in the later part of a run.
+fn settled_rms(history: &TimeHistory) -> f64 {
+    let all = &history.truth.hub_rate_rad_s;
+    let late = &all[(SETTLE * all.len() as f64) as usize..];
+    (late.iter().map(|rate| rate * rate).sum::<f64>() / late.len().max(1) as f64).sqrt()
+}

@@ -1,0 +1,291 @@
+//! Beside the design: other methods with the same figures, what a lower order costs, the tip beside the hub, and the modes
+//! that the design does not know.
+
+use counterpoise_lti::{C64, StateSpace};
+use counterpoise_models::plant::LinearPlant;
+use counterpoise_synth::{
+    Alternative, Channel, Design, DesignPlant, Figures, Method, Outcome, Reference, Sampled, Weight,
+    alternative, check, discretise, error_at, figures,
+};
+use serde::Serialize;
+
+use crate::synth::design_plant;
+use crate::synth::schedule::{BalanceRow, rows};
+use crate::{Modelled, PipelineError, Reduced, Synthesised, finite_elements_of, model};
+use counterpoise_project::Project;
+use counterpoise_project::file::Choice;
+use counterpoise_project::resolve::design::Synthesis;
+
+/// Everything that stands beside a design.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Beside {
+    /// The feedback as built, and further methods.
+    pub methods: Vec<MethodRow>,
+    /// What a lower order of the feedback costs.
+    pub lowered: Option<LoweredRow>,
+    /// Hub and tip under each expected disturbance.
+    pub motions: Vec<MotionRow>,
+    /// States of balance.
+    pub balance: Vec<BalanceRow>,
+    /// The loop on the structure with the modes that the design does not know.
+    pub spillover: Option<Spillover>,
+}
+
+/// The feedback of one method with its figures.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MethodRow {
+    /// Method.
+    pub method: String,
+    /// Whether the error weight integrates.
+    pub integral: bool,
+    /// States of the feedback.
+    pub order: usize,
+    /// Norm that it reached.
+    pub norm: Option<f64>,
+    /// Figures of the sampled loop; none where there is no controller.
+    pub figures: Option<LoopFigures>,
+    /// Why there is none.
+    pub why: Option<String>,
+}
+
+/// Figures of a sampled loop.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LoopFigures {
+    /// Gain margin, dB.
+    pub gain_margin_db: f64,
+    /// Phase margin, degrees.
+    pub phase_margin_deg: f64,
+    /// Largest sensitivity.
+    pub max_sensitivity: f64,
+    /// Crossover, rad/s.
+    pub crossover_rad_s: f64,
+    /// Overshoot of a step, %.
+    pub overshoot_percent: f64,
+    /// RMS of |S| over 0.2 to 2 Hz.
+    pub rejection: f64,
+    /// RMS control for unit noise, V s/rad.
+    pub noise_gain: f64,
+}
+
+/// What a lower order of the feedback costs.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LoweredRow {
+    /// States before and after.
+    pub order: [usize; 2],
+    /// Largest change of the complementary sensitivity.
+    pub loop_change: f64,
+    /// Figures before.
+    pub before: LoopFigures,
+    /// Figures after.
+    pub after: LoopFigures,
+}
+
+/// RMS rates under an expected disturbance, rad/s.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MotionRow {
+    /// Disturbance.
+    pub disturbance: &'static str,
+    /// Hub with feedback alone, and with the feedforward.
+    pub hub_rad_s: [f64; 2],
+    /// Tip with feedback alone, and with the feedforward.
+    pub tip_rad_s: [f64; 2],
+}
+
+/// The loop on the structure with more modes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Spillover {
+    /// Modes of the structure.
+    pub modes: usize,
+    /// Order of that plant.
+    pub order: usize,
+    /// Largest modulus of the loop's poles there.
+    pub largest_pole: f64,
+}
+
+/// Band over which rejection is told, rad/s: 0.2 to 2 Hz.
+const BAND_RAD_S: (f64, f64) = (1.26, 12.6);
+/// Corner to which poles of an error weight on the axis go in the variant without integral action, rad/s.
+const CORNER_RAD_S: f64 = 0.5;
+/// Flexible modes of the structure on which spillover is looked for, at most: more than a beam of 24 elements has.
+const MODES: usize = 60;
+
+/// Everything that stands beside a design.
+///
+/// # Errors
+/// Those of the plant and the design.
+pub fn beside(
+    project: &Project,
+    (modelled, reduced): (&Modelled, &Reduced),
+    made: &Synthesised,
+) -> Result<Beside, PipelineError> {
+    let missing = PipelineError::Missing { section: "synth", needed_by: "the design" };
+    let asked = project.synth.as_ref().ok_or(missing)?;
+    debug_assert_eq!(reduced.system.inputs(), made.design.plant.system.inputs());
+    Ok(Beside {
+        methods: methods(asked, made)?,
+        lowered: lowered(made)?,
+        motions: motions(&made.design)?,
+        balance: rows(&made.balance),
+        spillover: spillover(project, (asked, modelled), made)?,
+    })
+}
+
+fn loop_figures(made: &Synthesised, sampled: &Sampled) -> Result<LoopFigures, PipelineError> {
+    let found: Figures = figures(&made.design.plant, sampled, &made.sampling, BAND_RAD_S)?;
+    Ok(LoopFigures {
+        gain_margin_db: found.gain_margin_db,
+        phase_margin_deg: found.phase_margin_deg,
+        max_sensitivity: found.ms,
+        crossover_rad_s: found.crossover_rad_s,
+        overshoot_percent: 100.0 * found.overshoot,
+        rejection: found.rejection,
+        noise_gain: found.noise_gain,
+    })
+}
+
+/// The figures of the design with another feedback.
+fn with_feedback(
+    made: &Synthesised,
+    controller: &StateSpace,
+) -> Result<Result<LoopFigures, String>, PipelineError> {
+    let mut design =
+        Design { substitute: Some(controller.clone()), heave: None, pitch: None, ..made.design.clone() };
+    design.specification.reference = Reference::Error;
+    Ok(match discretise(&design, &made.sampling)? {
+        Outcome::Solved(sampled) => Ok(loop_figures(made, &sampled)?),
+        Outcome::Infeasible(findings) => Err(words(&findings)),
+    })
+}
+
+fn words(findings: &[counterpoise_synth::Finding]) -> String {
+    findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+}
+
+/// The feedback as built; with alternatives, each of them with the error weight and with that without integral action.
+fn methods(asked: &Synthesis, made: &Synthesised) -> Result<Vec<MethodRow>, PipelineError> {
+    let mut rows = vec![as_built(asked, made)?];
+    if asked.around.alternatives.is_empty() {
+        return Ok(rows);
+    }
+    let mut all = vec![asked.around.method];
+    all.extend(asked.around.alternatives.iter().filter(|method| **method != asked.around.method));
+    let weights = &asked.specification.feedback;
+    let level = without_integral(&weights.error);
+    let integrates = level != weights.error;
+    for (variant, error) in [&weights.error, &level].into_iter().enumerate().take(1 + usize::from(integrates))
+    {
+        let weights = counterpoise_synth::FeedbackWeights { error: error.clone(), ..weights.clone() };
+        for &method in all.iter().skip(usize::from(variant == 0)) {
+            let answer = alternative(&made.design.plant, &weights, method)?;
+            rows.push(method_row(made, (method, integrates && variant == 0), answer)?);
+        }
+    }
+    Ok(rows)
+}
+
+fn as_built(asked: &Synthesis, made: &Synthesised) -> Result<MethodRow, PipelineError> {
+    let norm = match &made.other {
+        Some(other) => other.norm,
+        None => made.design.feedback.cost.achieved.map(f64::sqrt),
+    };
+    Ok(MethodRow {
+        method: format!("{} (built)", asked.around.method.name()),
+        integral: without_integral(&asked.specification.feedback.error) != asked.specification.feedback.error,
+        order: made.design.feedback_controller().order(),
+        norm,
+        figures: Some(loop_figures(made, &made.sampled)?),
+        why: None,
+    })
+}
+
+fn method_row(
+    made: &Synthesised,
+    (method, integral): (Method, bool),
+    answer: Outcome<Alternative>,
+) -> Result<MethodRow, PipelineError> {
+    let blank = MethodRow {
+        method: method.name().to_owned(),
+        integral,
+        order: 0,
+        norm: None,
+        figures: None,
+        why: None,
+    };
+    Ok(match answer {
+        Outcome::Infeasible(findings) => MethodRow { why: Some(words(&findings)), ..blank },
+        Outcome::Solved(found) => {
+            let judged = with_feedback(made, &found.controller)?;
+            let (figures, why) = (judged.as_ref().ok().copied(), judged.err());
+            MethodRow { order: found.controller.order(), norm: found.norm, figures, why, ..blank }
+        }
+    })
+}
+
+/// The weight with its poles on the axis moved to the left, its height above them kept.
+fn without_integral(weight: &Weight) -> Weight {
+    let rational = weight.rational();
+    if rational.poles.iter().all(|pole| pole.re != 0.0) {
+        return weight.clone();
+    }
+    let moved = |pole: &C64| if pole.re == 0.0 { pole - CORNER_RAD_S } else { *pole };
+    let poles = rational.poles.iter().map(moved).collect();
+    Weight::ZeroPoleGain { zeros: rational.zeros, poles, gain: rational.gain }
+}
+
+fn lowered(made: &Synthesised) -> Result<Option<LoweredRow>, PipelineError> {
+    let Some(lowered) = &made.lowered else { return Ok(None) };
+    let after = made.design.feedback_controller();
+    let (Ok(before), Ok(now)) = (with_feedback(made, &lowered.before)?, with_feedback(made, &after)?) else {
+        return Ok(None);
+    };
+    Ok(Some(LoweredRow {
+        order: [lowered.before.order(), after.order()],
+        loop_change: lowered.reduction.closed_loop_error.value,
+        before,
+        after: now,
+    }))
+}
+
+fn motions(design: &Design) -> Result<Vec<MotionRow>, PipelineError> {
+    let mut rows = Vec::new();
+    for (channel, disturbance) in [(Channel::Heave, "heave"), (Channel::Pitch, "pitch")] {
+        if design.part(channel).is_none() {
+            continue;
+        }
+        let at = |gain: f64, output: usize| error_at(&design.plant, design, channel, (gain, output));
+        let pair = |output: usize| Ok::<_, PipelineError>([at(0.0, output)?, at(1.0, output)?]);
+        let (hub_rad_s, tip_rad_s) = (pair(LinearPlant::HUB_RATE)?, pair(LinearPlant::TIP_RATE)?);
+        rows.push(MotionRow { disturbance, hub_rad_s, tip_rad_s });
+    }
+    Ok(rows)
+}
+
+/// The sampled loop on the plant with every mode of the finite elements (the first [`MODES`] of larger structures); none where
+/// the project has no beam.
+fn spillover(
+    project: &Project,
+    (asked, modelled): (&Synthesis, &Modelled),
+    made: &Synthesised,
+) -> Result<Option<Spillover>, PipelineError> {
+    let Some(structure) = finite_elements_of(project) else { return Ok(None) };
+    let mut full = project.clone();
+    full.model.structure = structure;
+    full.model.modes = MODES.max(project.model.modes);
+    let flexible = model(&full)?;
+    let modes = flexible.plant.body().modes.len();
+    let unreduced = crate::reduce(&Project { reduce: Default::default(), ..full }, &flexible)?;
+    let plant: DesignPlant = design_plant(asked, modelled, &unreduced)?;
+    let order = plant.system.order();
+    let largest = |poles: &[C64]| poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
+    let largest_pole = match check(&plant, made.sampled.controller.clone(), &made.sampling)? {
+        Outcome::Solved(sampled) => largest(&sampled.closed_loop),
+        Outcome::Infeasible(findings) => findings
+            .iter()
+            .find_map(|finding| match finding.cause {
+                counterpoise_synth::Cause::SampledUnstable { pole, .. } => Some(pole.norm()),
+                _ => None,
+            })
+            .unwrap_or(f64::INFINITY),
+    };
+    Ok(Some(Spillover { modes, order, largest_pole }))
+}

@@ -1,0 +1,480 @@
+//! The frequency response analyser over a map of amplitudes and frequencies, with what linear theory expects beside it.
+//!
+//! Each point of the map is measured by [`counterpoise_simulate::fra`] on the nonlinear plant (or on a recording), and
+//! compared with two linear models, sampled exactly: dry friction left out, and dry friction as its describing function
+//! at the amplitude that this model itself gives.
+
+use counterpoise_controller::{Controller, ProportionalIntegral, SampledController};
+use counterpoise_diagnose::bench::{Pool, map};
+use counterpoise_lti::{C64, StateSpace, response_at};
+use counterpoise_models::plant::{Angles, FrictionLinearisation, Plant};
+use counterpoise_models::{FrictionLaw, OperatingPoint};
+use counterpoise_simulate::Recording;
+pub use counterpoise_simulate::fra::Measurement;
+use counterpoise_simulate::fra::{self, Response, Settings, Test};
+use counterpoise_verify::linear::SampledPlant;
+use counterpoise_verify::linear::closed::resolver_use;
+use counterpoise_verify::linear::plant::Resolver;
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+use crate::{Modelled, PipelineError, cannot_hold, model, reduce, synthesise};
+use counterpoise_project::Project;
+use counterpoise_project::resolve::model::StructureChoice;
+
+/// What is excited, and what is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Around {
+    /// From the control to the hub gyroscope, a constant control holding the weight.
+    Plant,
+    /// From the demand to the hub gyroscope, with the controller.
+    Closed,
+    /// From the platform gyroscope to the hub gyroscope, with the controller.
+    Disturbance,
+    /// From the platform gyroscope to the hub gyroscope of the balanced mechanism, the motor disconnected.
+    Disconnected,
+}
+
+/// The points of a map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// What is excited.
+    pub around: Around,
+    /// Amplitudes: V for the plant, rad/s otherwise.
+    pub amplitudes: Vec<f64>,
+    /// Frequencies, Hz.
+    pub frequencies_hz: Vec<f64>,
+    /// Heave per pitch acceleration of the platform, m.
+    pub offset_m: f64,
+}
+
+/// One point of the map.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Point {
+    /// Amplitude of the excitation: V for the plant, rad/s otherwise.
+    pub amplitude: f64,
+    /// Frequency, Hz, moved so that whole cycles fill whole samples.
+    pub frequency_hz: f64,
+    /// Real and imaginary part of the response.
+    pub response: [f64; 2],
+    /// Gain, dB.
+    pub gain_db: f64,
+    /// Phase, degrees, from -180 to 180.
+    pub phase_deg: f64,
+    /// Mean of the hub rate, rad/s.
+    pub mean_rad_s: f64,
+    /// Harmonics of the hub rate from the second on, over its fundamental.
+    pub distortion: f64,
+    /// Whole cycles in the window.
+    pub cycles: usize,
+    /// Relative change of the response from the window before; none on a recording.
+    pub last_change: Option<f64>,
+    /// Whether the motion had settled; on a recording, whether it was excited at this frequency at all.
+    pub settled: bool,
+    /// The linear model without dry friction.
+    pub linear: [f64; 2],
+    /// The linear model with dry friction as its describing function; none where there is no dry friction, or where the
+    /// describing function finds no amplitude that repeats itself.
+    pub describing: Option<[f64; 2]>,
+}
+
+/// A measured map.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Map {
+    /// Name of the machine.
+    pub name: String,
+    /// What was excited and measured.
+    pub around: Around,
+    /// Name of the recording, where the instrument ran on one.
+    pub recording: Option<String>,
+    /// Points: amplitude by amplitude, frequency rising.
+    pub points: Vec<Point>,
+    /// How long the mechanism was simulated, s.
+    pub simulated_s: f64,
+    /// What has to be known with the numbers.
+    pub remarks: Vec<String>,
+}
+
+impl Around {
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Plant => "control to hub rate, without controller",
+            Self::Closed => "demand to hub rate, with the controller",
+            Self::Disturbance => "platform rate to hub rate, with the controller",
+            Self::Disconnected => "platform rate to hub rate, balanced, the motor disconnected",
+        }
+    }
+
+    /// Unit of the excitation.
+    pub fn unit(self) -> &'static str {
+        if self == Self::Plant { "V" } else { "rad/s" }
+    }
+
+    fn test(self) -> Test {
+        match self {
+            Self::Plant => Test::Plant,
+            Self::Closed => Test::ClosedLoop,
+            Self::Disturbance | Self::Disconnected => Test::PlatformToHub,
+        }
+    }
+}
+
+/// The controller in the loop.
+#[derive(Debug, Clone)]
+enum Acting {
+    /// None is needed.
+    Absent,
+    /// The designed one, with its linear part.
+    Designed(Box<Controller>, StateSpace),
+    /// The one of the recordings.
+    Recorded(ProportionalIntegral),
+}
+
+/// The instrument, connected to a plant.
+#[derive(Debug, Clone)]
+pub struct Analyser {
+    plant: Plant,
+    acting: Acting,
+    point: OperatingPoint,
+    around: Around,
+    offset_m: f64,
+    name: String,
+    remarks: Vec<String>,
+}
+
+impl Analyser {
+    /// Connects the instrument: with a controller in the loop it is the designed one, or that of the recordings where the
+    /// project asks for no design or where `recorded` says so.
+    ///
+    /// # Errors
+    /// A loop that is to be closed by a project without a controller, and those of model and design.
+    pub fn new(project: &Project, modelled: &Modelled, plan: &Plan, on: On) -> Result<Self, PipelineError> {
+        if let (Around::Plant, On::Simulation, Some(why)) = (plan.around, on, cannot_hold(modelled)) {
+            return Err(why);
+        }
+        let mut remarks = Vec::new();
+        let plant = match plan.around {
+            Around::Disconnected => disconnected(project, modelled, &mut remarks)?,
+            _ => modelled.plant.clone(),
+        };
+        let acting = match plan.around {
+            Around::Plant | Around::Disconnected => Acting::Absent,
+            Around::Closed | Around::Disturbance => acting(project, modelled, on, &mut remarks)?,
+        };
+        Ok(Self {
+            plant,
+            acting,
+            point: project.model.operating_point,
+            around: plan.around,
+            offset_m: plan.offset_m,
+            name: modelled.parameters.name.clone(),
+            remarks,
+        })
+    }
+
+    /// The same instrument and controller on another structure of the project's mechanism.
+    ///
+    /// # Errors
+    /// Those of the model.
+    pub fn on_structure(
+        self,
+        project: &Project,
+        structure: StructureChoice,
+        plan: &Plan,
+    ) -> Result<Self, PipelineError> {
+        let mut other = project.clone();
+        other.model.structure = structure;
+        let modelled = model(&other)?;
+        let plant = match plan.around {
+            Around::Disconnected => disconnected(&other, &modelled, &mut Vec::new())?,
+            _ => modelled.plant,
+        };
+        Ok(Self { plant, ..self })
+    }
+
+    /// Measures every point on the simulated mechanism, in parallel.
+    ///
+    /// # Errors
+    /// The first point that cannot be measured.
+    pub fn measure(&self, plan: &Plan, pool: &dyn Pool) -> Result<Vec<Measurement>, PipelineError> {
+        let count = plan.amplitudes.len() * plan.frequencies_hz.len();
+        let settings = Settings {
+            hub_angle_rad: self.point.hub_angle_rad,
+            offset_m: self.offset_m,
+            ..Settings::default()
+        };
+        let done = std::sync::atomic::AtomicUsize::new(0);
+        let measured = map(pool, count, |index| {
+            let amplitude = plan.amplitudes[index / plan.frequencies_hz.len()];
+            let frequency = TAU * plan.frequencies_hz[index % plan.frequencies_hz.len()];
+            let mut controller = self.runner();
+            let test = self.around.test();
+            let found =
+                fra::measure(&self.plant, controller.as_mut(), test, (frequency, amplitude), &settings);
+            pool.progress("point", done.fetch_add(1, std::sync::atomic::Ordering::Relaxed), count);
+            found
+        });
+        measured.into_iter().map(|point| Ok(point?)).collect()
+    }
+
+    /// The map of what was measured, with the linear models beside it.
+    ///
+    /// # Errors
+    /// Those of the linearisation.
+    pub fn compare(&self, measured: &[Measurement], pool: &dyn Pool) -> Result<Map, PipelineError> {
+        let points = map(pool, measured.len(), |k| {
+            let one = &measured[k];
+            let point = self.point_of(&one.response, one.amplitude)?;
+            Ok(Point { last_change: Some(one.last_change), settled: one.settled, ..point })
+        });
+        Ok(Map {
+            name: self.name.clone(),
+            around: self.around,
+            recording: None,
+            points: points.into_iter().collect::<Result<_, PipelineError>>()?,
+            simulated_s: measured.iter().map(|one| one.simulated_s).sum(),
+            remarks: self.remarks.clone(),
+        })
+    }
+
+    /// The same instrument on the columns of a recording, over the last whole cycles of each frequency.
+    ///
+    /// # Errors
+    /// A channel that was not recorded, a frequency that does not fit into the recording, and those of the linearisation.
+    pub fn recorded(&self, recording: &Recording, frequencies_hz: &[f64]) -> Result<Map, PipelineError> {
+        let (input, missing) = match self.around {
+            Around::Plant => (&recording.control_v, "control"),
+            Around::Closed => (&recording.demand_rad_s, "demand"),
+            Around::Disturbance | Around::Disconnected => (&recording.platform_rate_rad_s, "platform_rate"),
+        };
+        let lacking = |channel| PipelineError::Channel { recording: recording.name.clone(), channel };
+        let input = input.as_ref().ok_or_else(|| lacking(missing))?;
+        let output = recording.hub_rate_rad_s.as_ref().ok_or_else(|| lacking("hub_rate"))?;
+        let mut points = Vec::with_capacity(frequencies_hz.len());
+        for hz in frequencies_hz {
+            let found = fra::response(input, output, recording.sample_period_s, TAU * hz, usize::MAX)?;
+            let point = self.point_of(&found, found.input.harmonics[0].norm())?;
+            points.push(Point { settled: excited(&found, recording.sample_period_s), ..point });
+        }
+        Ok(Map {
+            name: self.name.clone(),
+            around: self.around,
+            recording: Some(recording.name.clone()),
+            points,
+            simulated_s: 0.0,
+            remarks: self.remarks.clone(),
+        })
+    }
+
+    fn point_of(&self, response: &Response, amplitude: f64) -> Result<Point, PipelineError> {
+        let rate = response.frequency_rad_s;
+        let linear = self.expected(FrictionLinearisation::Viscous, rate)?;
+        let describing = self.described(&linear, rate, amplitude)?;
+        Ok(Point {
+            amplitude,
+            frequency_hz: rate / TAU,
+            response: pair(response.value),
+            gain_db: response.gain_db(),
+            phase_deg: response.phase_rad().to_degrees(),
+            mean_rad_s: response.output.mean,
+            distortion: response.distortion(),
+            cycles: response.cycles,
+            last_change: None,
+            settled: true,
+            linear: pair(linear.response),
+            describing: describing.map(|found| pair(found.response)),
+        })
+    }
+
+    fn runner(&self) -> Box<dyn SampledController> {
+        match &self.acting {
+            Acting::Absent => Box::new(Nothing),
+            Acting::Designed(controller, _) => Box::new(controller.runner()),
+            Acting::Recorded(controller) => Box::new(controller.clone()),
+        }
+    }
+
+    /// The describing function at the hub amplitude that it leads to itself, by damped iteration.
+    fn described(
+        &self,
+        linear: &Expected,
+        rate: f64,
+        amplitude: f64,
+    ) -> Result<Option<Expected>, PipelineError> {
+        let p = self.plant.parameters();
+        if [&p.motor_friction.law, &p.pivot_friction.law].iter().all(|law| **law == FrictionLaw::None) {
+            return Ok(None);
+        }
+        let swing = |found: &Expected| (found.relative.norm() * amplitude / rate).max(LEAST_SWING_RAD);
+        let mut hub_amplitude_rad = swing(linear);
+        for _ in 0..MOST_TRIALS {
+            let friction =
+                FrictionLinearisation::DescribingFunction { hub_amplitude_rad, frequency_rad_s: rate };
+            let found = self.expected(friction, rate)?;
+            let next = swing(&found);
+            if (next / hub_amplitude_rad - 1.0).abs() < SELF_CONSISTENT {
+                return Ok(Some(found));
+            }
+            hub_amplitude_rad = (next * hub_amplitude_rad).sqrt();
+        }
+        Ok(None)
+    }
+
+    /// What the sampled linear model gives at one frequency.
+    fn expected(&self, friction: FrictionLinearisation, rate: f64) -> Result<Expected, PipelineError> {
+        let equilibrium = self.plant.equilibrium(&self.point);
+        let linear = self.plant.linearise(&equilibrium, friction, Angles::Keep)?;
+        let resolver = match &self.acting {
+            Acting::Designed(controller, _) => resolver_use(controller),
+            Acting::Absent | Acting::Recorded(_) => Resolver::Unread,
+        };
+        let sampled = SampledPlant::new(&linear, self.plant.parameters(), resolver)?.sampled;
+        let period = self.plant.parameters().interface.sample_period_s;
+        let all = response_at(&sampled, rate)?;
+        let [heave, pitch, control] = [1, 2, 3].map(|input| column(&all, input));
+        let gains = self.gains(rate, period)?;
+        let through =
+            |tones: &[C64]| gains.iter().zip(&tones[FIRST_READING..]).map(|(k, r)| k * r).sum::<C64>();
+        let closed = C64::new(1.0, 0.0) - through(&control);
+        Ok(match self.around {
+            Around::Plant => Expected { response: control[HUB_GYRO], relative: control[HUB] },
+            Around::Closed => {
+                let u = gains[0] / closed;
+                Expected { response: control[HUB_GYRO] * u, relative: control[HUB] * u }
+            }
+            Around::Disturbance | Around::Disconnected => {
+                let share = C64::new(0.0, rate * self.offset_m);
+                let tone: Vec<C64> = pitch.iter().zip(&heave).map(|(p, h)| p + h * share).collect();
+                let u = through(&tone) / closed;
+                let response = (tone[HUB_GYRO] + control[HUB_GYRO] * u) / tone[PLATFORM_GYRO];
+                Expected { response, relative: tone[HUB] + control[HUB] * u - 1.0 }
+            }
+        })
+    }
+
+    /// The controller's gain from each reading.
+    fn gains(&self, rate: f64, period: f64) -> Result<Vec<C64>, PipelineError> {
+        let mut gains = vec![C64::new(0.0, 0.0); counterpoise_controller::READINGS];
+        match &self.acting {
+            Acting::Absent => {}
+            Acting::Designed(_, linear) => {
+                let from_readings = response_at(linear, rate)?;
+                gains.iter_mut().enumerate().for_each(|(i, gain)| *gain = from_readings[(0, i)]);
+            }
+            Acting::Recorded(pi) => {
+                let z = C64::from_polar(1.0, rate * period);
+                gains[0] = pi.kp_v_s_rad + pi.ki_v_rad * pi.sample_period_s / (z - 1.0);
+                gains[1] = -gains[0];
+            }
+        }
+        Ok(gains)
+    }
+}
+
+/// What the controller in the loop is taken from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum On {
+    /// The simulated mechanism: the designed controller.
+    Simulation,
+    /// A recording: the controller that was in its loop.
+    Recording,
+}
+
+/// What a linear model gives.
+struct Expected {
+    /// The response as the instrument reads it.
+    response: C64,
+    /// Hub rate relative to the platform, per unit of excitation.
+    relative: C64,
+}
+
+/// Outputs of the sampled plant: the true hub rate; the readings, of which the first is the demand.
+const HUB: usize = 0;
+const FIRST_READING: usize = 5;
+const HUB_GYRO: usize = FIRST_READING + 1;
+const PLATFORM_GYRO: usize = FIRST_READING + 2;
+/// Swing of the hub below which its friction is not told apart, rad.
+const LEAST_SWING_RAD: f64 = 1e-12;
+/// Relative change of the swing at which the describing function agrees with itself.
+const SELF_CONSISTENT: f64 = 5e-3;
+/// Trials to find that swing.
+const MOST_TRIALS: usize = 30;
+
+/// A line of a recording's input counts as excitation when it stands this many times above what noise leaves of it.
+const ABOVE_NOISE: f64 = 5.0;
+
+/// Whether the input has a line at the frequency: n samples of noise leave an amplitude of about sqrt(2 / n) of their RMS.
+fn excited(found: &Response, period_s: f64) -> bool {
+    let samples = found.cycles as f64 * TAU / (found.frequency_rad_s * period_s);
+    found.input.harmonics[0].norm() > ABOVE_NOISE * found.input.residual_rms * (2.0 / samples).sqrt()
+}
+
+fn column(all: &counterpoise_lti::CMat, input: usize) -> Vec<C64> {
+    (0..all.nrows()).map(|i| all[(i, input)]).collect()
+}
+
+fn pair(value: C64) -> [f64; 2] {
+    [value.re, value.im]
+}
+
+/// A controller that does nothing: the test without one does not ask it.
+struct Nothing;
+
+impl SampledController for Nothing {
+    fn reset(&mut self) {}
+
+    fn step(&mut self, _readings: &counterpoise_controller::Readings) -> f64 {
+        0.0
+    }
+}
+
+fn acting(
+    project: &Project,
+    modelled: &Modelled,
+    on: On,
+    remarks: &mut Vec<String>,
+) -> Result<Acting, PipelineError> {
+    let recorded = project.recording_controller.as_ref();
+    if let Some(pi) = recorded.filter(|_| on == On::Recording || project.synth.is_none()) {
+        remarks.push("the loop is closed by the controller of the recordings".to_owned());
+        return Ok(Acting::Recorded(pi.clone()));
+    }
+    let made = synthesise(project, modelled, &reduce(project, modelled)?)?;
+    let controller = made.sampled.controller;
+    let linear = controller
+        .linear(modelled.plant.body().out_of_balance_kg_m)
+        .map_err(counterpoise_verify::Error::from)?;
+    Ok(Acting::Designed(Box::new(controller), linear))
+}
+
+/// The plant without a motor, balanced: nothing would hold a weight.
+fn disconnected(
+    project: &Project,
+    modelled: &Modelled,
+    remarks: &mut Vec<String>,
+) -> Result<Plant, PipelineError> {
+    let mut parameters = modelled.parameters.clone();
+    if let Some(lumped) = &mut parameters.lumped {
+        (lumped.out_of_balance_kg_m, lumped.vertical_offset_kg_m) = (0.0, 0.0);
+    }
+    let moment = modelled.plant.body().out_of_balance_kg_m;
+    if moment != 0.0 {
+        remarks.push(format!(
+            "the mechanism is taken as balanced: with the motor disconnected nothing holds its {moment:.2} kg m"
+        ));
+    }
+    let open = fra::disconnected(&parameters)?;
+    Ok(match project.model.structure {
+        StructureChoice::Lumped => Plant::lumped(&open)?,
+        StructureChoice::Beam | StructureChoice::Import => {
+            let body = counterpoise_models::plant::Body {
+                out_of_balance_kg_m: 0.0,
+                vertical_offset_kg_m: 0.0,
+                ..modelled.plant.body().clone()
+            };
+            Plant::with_body(&open, body)?
+        }
+    })
+}

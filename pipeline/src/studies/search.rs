@@ -1,0 +1,134 @@
+//! From requirements to weights: the search, its trade-off curve, and the project with the weights that were found.
+
+use counterpoise_synth::{
+    Figures, Found, Outcome, Requirements, Trial, figures, search as searched, trade_off,
+};
+
+use counterpoise_verify::VerifiedController;
+
+use crate::synth::{design_plant, sampling};
+use crate::{Modelled, PipelineError, Reduced, World, synthesise, verify};
+use counterpoise_project::Project;
+use counterpoise_project::resolve::around::SearchAsked;
+
+/// The answer of a search.
+#[derive(Debug, Clone)]
+pub struct Searched {
+    /// What was found.
+    pub found: Found,
+    /// The trade-off between rejection and sensitivity: a limit, and what was found under it.
+    pub curve: Vec<(f64, Found)>,
+    /// The figures of what was found on the plant as it was before reduction.
+    pub on_full_plant: Figures,
+    /// What the best trial misses there, 0 where the requirements hold.
+    pub missed_on_full_plant: f64,
+    /// The project with the weights that were found.
+    pub project: Project,
+}
+
+/// Searches the weights and the loop recovery of the feedback; `go_on` is asked before each trial.
+///
+/// # Errors
+/// A project without requirements, and those of the plant and the design.
+pub fn search(
+    project: &Project,
+    (modelled, reduced): (&Modelled, &Reduced),
+    go_on: &mut dyn FnMut(&Trial) -> bool,
+) -> Result<Searched, PipelineError> {
+    let missing = |section| PipelineError::Missing { section, needed_by: "the search for weights" };
+    let asked = project.synth.as_ref().ok_or(missing("synth"))?;
+    let wanted: &SearchAsked = asked.around.search.as_ref().ok_or(missing("synth.search"))?;
+    let plant = design_plant(asked, modelled, reduced)?;
+    let sampling = sampling(asked, modelled)?;
+    let limits = (&wanted.requirements, &sampling);
+    let mut found = solved(searched(&plant, &asked.specification, limits, wanted.trials, go_on)?)?;
+    let mut curve = Vec::new();
+    if !wanted.ms_limits.is_empty() {
+        let from = &found.best.specification;
+        let by = (&wanted.ms_limits[..], wanted.trials);
+        let points = solved(trade_off(&plant, from, limits, by, go_on)?)?;
+        curve = wanted.ms_limits.iter().copied().zip(points).collect();
+    }
+    if let Some(better) = better_point(&curve, (&found, &wanted.requirements)) {
+        found.best = better;
+    }
+    let mut project = project.clone();
+    if let Some(synth) = &mut project.synth {
+        synth.specification = found.best.specification.clone();
+    }
+    let full = counterpoise_synth::DesignPlant { system: modelled.linear.system.clone(), ..plant.clone() };
+    let designed = solved(counterpoise_synth::design(&plant, &found.best.specification)?)?;
+    let sampled = solved(counterpoise_synth::discretise(&designed, &sampling)?)?;
+    let around_full = solved(counterpoise_synth::check(&full, sampled.controller, &sampling)?)?;
+    let of_all = figures(&full, &around_full, &sampling, wanted.requirements.band_rad_s)?;
+    let rejection = wanted.requirements.share_left(&around_full.loop_gain, (&full, &asked.specification))?;
+    let on_full_plant = Figures { rejection, ..of_all };
+    let missed_on_full_plant = wanted.requirements.missed(&on_full_plant);
+    Ok(Searched { found, curve, on_full_plant, missed_on_full_plant, project })
+}
+
+/// The trial of the curve that keeps the requirements and rejects more than the answer, if there is one: its points were
+/// searched further.
+fn better_point(curve: &[(f64, Found)], (found, wanted): (&Found, &Requirements)) -> Option<Trial> {
+    let rejection = |trial: &Trial| trial.figures.rejection;
+    let points = curve.iter().map(|(_, point)| &point.best);
+    points
+        .filter(|trial| wanted.missed(&trial.figures) == 0.0)
+        .filter(|trial| found.best.missed > 0.0 || rejection(trial) < rejection(&found.best))
+        .min_by(|a, b| rejection(a).total_cmp(&rejection(b)))
+        .cloned()
+}
+
+/// Weights that were found, with the project's own verdicts on them: on the full nonlinear plant.
+#[derive(Debug, Clone)]
+pub struct Judged {
+    /// The limit of Ms under which they were found; none for the answer itself.
+    pub ms_limit: Option<f64>,
+    /// What was found.
+    pub found: Found,
+    /// The verified controller.
+    pub verified: VerifiedController,
+    /// The project with these weights.
+    pub project: Project,
+}
+
+impl Judged {
+    /// Whether the searched requirements and every verdict hold.
+    pub fn holds(&self) -> bool {
+        self.found.best.missed == 0.0 && self.verified.verification().passes()
+    }
+}
+
+/// The answer of a search and the points of its curve, each verified by the project's `[verify]`: the answer first, the
+/// points then in the order of their rejection. `go_on` is asked before each.
+///
+/// # Errors
+/// A project without `[verify]`, and those of the design and the verification.
+pub fn judged(
+    searched: &Searched,
+    (modelled, reduced): (&Modelled, &Reduced),
+    world: &dyn World,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Result<Vec<Judged>, PipelineError> {
+    let mut points: Vec<(Option<f64>, &Found)> =
+        searched.curve.iter().map(|(limit, found)| (Some(*limit), found)).collect();
+    points.sort_by(|a, b| a.1.best.figures.rejection.total_cmp(&b.1.best.figures.rejection));
+    let mut all = Vec::new();
+    for (ms_limit, found) in std::iter::once((None, &searched.found)).chain(points) {
+        if !go_on() {
+            break;
+        }
+        let mut project = searched.project.clone();
+        if let Some(synth) = &mut project.synth {
+            synth.specification = found.best.specification.clone();
+        }
+        let made = synthesise(&project, modelled, reduced)?;
+        let verified = verify(&project, modelled, &made, world)?;
+        all.push(Judged { ms_limit, found: found.clone(), verified, project });
+    }
+    Ok(all)
+}
+
+fn solved<T>(outcome: Outcome<T>) -> Result<T, PipelineError> {
+    crate::synth::solved(outcome)
+}

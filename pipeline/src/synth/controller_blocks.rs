@@ -1,0 +1,190 @@
+//! What surrounds the design's paths in the controller: the demand's prefilter, friction observers, the estimator.
+
+use counterpoise_controller::{Correction, Estimator, FrictionObserver, Learning, Parts, Signal};
+use counterpoise_lti::{StateSpace, c2d};
+use counterpoise_models::{Friction, MapPoint, Parameters, Sensor, Sensors};
+use counterpoise_synth::{
+    DesignPlant, Drive, Identified, Sampled, Sampling, Side, check, friction_observers,
+};
+
+use crate::synth::friction_observers::observed;
+use crate::synth::{solved, torque_per_volt};
+use crate::{Modelled, PipelineError};
+use counterpoise_project::resolve::around::{Adaptation, AdaptationMethod, ObserverAsked, Stands, Undo};
+use counterpoise_project::resolve::design::Synthesis;
+
+/// Standard deviation with which parameters other than the imbalance start, V or V s/rad.
+const LOOSE: f64 = 10.0;
+/// A stretch of a measured curve is at least this share of its reach.
+const SHORTEST: f64 = 0.03;
+/// A curve that rises less than this share of a linear drive's is taken as noise: its inverse would be too steep.
+const LEAST_SLOPE: f64 = 0.2;
+/// Smallest out-of-balance from which the estimator takes the size of its first parameter, kg m.
+pub(crate) const SMALL_KG_M: f64 = 10.0;
+
+/// The sampled controller with what surrounds its paths, checked anew.
+///
+/// # Errors
+/// Those of the controller.
+pub(crate) fn surrounded(
+    sampled: Sampled,
+    (asked, modelled): (&Synthesis, &Modelled),
+    (plant, sampling): (&DesignPlant, &Sampling),
+) -> Result<Sampled, PipelineError> {
+    let prefilter = prefilter(asked, sampling)?;
+    let observers = match &asked.around.observer {
+        Some(observer) => observers(observer, &modelled.parameters)?,
+        None => Vec::new(),
+    };
+    let adaptation = asked.around.adaptation.as_ref();
+    let estimator = adaptation.map(|adaptation| estimator(adaptation, modelled));
+    let amplifier = &modelled.parameters.amplifier;
+    let drive_curve = match asked.around.amplifier_curve {
+        Undo::Leave => Vec::new(),
+        Undo::Undo => drive_curve(&amplifier.map, amplifier.stall_gain_a_v(&modelled.parameters.motor)),
+    };
+    let corrections = corrections(asked, &modelled.parameters.sensors);
+    let bare = prefilter.is_none() && observers.is_empty() && estimator.is_none() && drive_curve.is_empty();
+    if bare && corrections.is_empty() {
+        return Ok(sampled);
+    }
+    let change = |parts: &mut Parts| {
+        (parts.prefilter, parts.observers, parts.estimator) = (prefilter, observers, estimator);
+        (parts.drive_curve, parts.corrections) = (drive_curve, corrections);
+    };
+    let controller = sampled.controller.with(change).map_err(counterpoise_synth::Error::from)?;
+    let plant = sensed(plant, &modelled.parameters.sensors)?;
+    Ok(Sampled { certified: sampled.certified, ..solved(check(&plant, controller, sampling)?)? })
+}
+
+/// What takes the known gain and bias of each sensor out of its reading, where the project asks for it.
+fn corrections(asked: &Synthesis, sensors: &Sensors) -> Vec<Correction> {
+    if asked.around.sensor_errors == Undo::Leave {
+        return Vec::new();
+    }
+    let fitted = [
+        Some(&sensors.hub_gyro),
+        Some(&sensors.platform_gyro),
+        Some(&sensors.platform_accelerometer),
+        sensors.motor_tachometer.as_ref(),
+        sensors.hub_resolver.as_ref(),
+    ];
+    let wrong = |sensor: &Sensor| sensor.gain != 0.0 && (sensor.gain != 1.0 || sensor.bias != 0.0);
+    let each = fitted.into_iter().enumerate().filter_map(|(i, sensor)| {
+        let sensor = sensor.filter(|sensor| wrong(sensor))?;
+        let (gain, offset) = (1.0 / sensor.gain, -sensor.bias / sensor.gain);
+        // The first reading is the demand: no sensor.
+        Some(Correction { reading: i + 1, gain, offset })
+    });
+    each.collect()
+}
+
+/// The design plant with its sensors as they are.
+pub(crate) fn sensed(plant: &DesignPlant, sensors: &Sensors) -> Result<DesignPlant, PipelineError> {
+    Ok(DesignPlant {
+        hub_sensor: Some(sensors.hub_gyro.dynamics()?),
+        heave_sensor: Some(sensors.platform_accelerometer.dynamics()?),
+        pitch_sensor: Some(sensors.platform_gyro.dynamics()?),
+        ..plant.clone()
+    })
+}
+
+/// The sensors as the design takes them: where the controller undoes their errors, without.
+pub(crate) fn designed_on(asked: &Synthesis, sensors: &Sensors) -> Sensors {
+    let mut sensors = sensors.clone();
+    if asked.around.sensor_errors == Undo::Undo {
+        let all = [&mut sensors.hub_gyro, &mut sensors.platform_gyro, &mut sensors.platform_accelerometer];
+        all.into_iter().for_each(|sensor| sensor.gain = 1.0);
+    }
+    sensors
+}
+
+fn prefilter(asked: &Synthesis, sampling: &Sampling) -> Result<Option<StateSpace>, PipelineError> {
+    let Some(weight) = &asked.around.prefilter else { return Ok(None) };
+    Ok(Some(c2d(&weight.realise()?, sampling.period_s, sampling.method.conversion())?))
+}
+
+/// Observers of the friction at motor and pivot: as identified, or the plant's.
+fn observers(asked: &ObserverAsked, p: &Parameters) -> Result<Vec<FrictionObserver>, PipelineError> {
+    let sides = [
+        ("friction_pivot", Side::Load, &asked.pivot, &p.pivot_friction),
+        ("friction_motor", Side::Motor, &asked.motor, &p.motor_friction),
+    ];
+    let follow = |(name, side, given, of_plant): (&str, Side, &Option<Friction>, &Friction)| match given {
+        Some(own) => observed((name, side), own, (Stands::ByItself, asked.sign_rate_rad_s)),
+        None => observed((name, side), of_plant, (asked.stands, asked.sign_rate_rad_s)),
+    };
+    let identified: Vec<Identified> = sides.into_iter().filter_map(follow).collect();
+    let drive = Drive { ratio: p.gearbox.ratio, stall_nm_v: torque_per_volt(p) };
+    Ok(friction_observers(&identified, drive, asked.drives, asked.share)?)
+}
+
+/// The estimator of the out-of-balance.
+fn estimator(adaptation: &Adaptation, modelled: &Modelled) -> Estimator {
+    let p = &modelled.parameters;
+    let volts = 1.0 / torque_per_volt(p);
+    let mean = adaptation.method == AdaptationMethod::WindowedMean;
+    Estimator {
+        learning: learning(adaptation, modelled),
+        gravity_m_s2: p.gravity_m_s2,
+        rate: Signal::RelativeRate,
+        half_rate_rad_s: adaptation.half_rate_rad_s,
+        volts_per_kg_m_s2: volts,
+        rate_limit_kg_m_s: if mean { f64::INFINITY } else { adaptation.rate_limit_kg_m_s },
+        hold_samples: 0,
+    }
+}
+
+fn learning(adaptation: &Adaptation, modelled: &Modelled) -> Learning {
+    let p = &modelled.parameters;
+    let volts = 1.0 / torque_per_volt(p);
+    let moment = modelled.plant.body().out_of_balance_kg_m.abs().max(SMALL_KG_M);
+    let (ratio, period_s) = (p.gearbox.ratio, p.interface.sample_period_s);
+    match adaptation.method {
+        AdaptationMethod::Gradient => {
+            let dry = p.pivot_friction.coulomb_nm() + ratio * p.motor_friction.coulomb_nm();
+            let viscous =
+                p.pivot_friction.viscous_nm_s_rad + ratio * ratio * p.motor_friction.viscous_nm_s_rad;
+            Learning::Gradient {
+                step: adaptation.step,
+                scale: [moment, dry, viscous].map(|size| size * volts),
+            }
+        }
+        AdaptationMethod::WindowedMean => {
+            Learning::Mean { window_samples: (adaptation.window_s / period_s).round() as u32 }
+        }
+        AdaptationMethod::Recursive => Learning::Squares {
+            forget: (-period_s / adaptation.memory_s).exp(),
+            dead_band_m_s2: adaptation.dead_band_m_s2,
+            deviation: [moment * volts, LOOSE, LOOSE, LOOSE],
+            filter_s: adaptation.filter_s,
+            inertia_v_s2_rad: inertia_v_s2_rad(modelled),
+        },
+    }
+}
+
+/// Volts that accelerate the hub with its structure, and the motor on the platform, by 1 rad/s^2 of the hub.
+pub(crate) fn inertia_v_s2_rad(modelled: &Modelled) -> [f64; 2] {
+    let p = &modelled.parameters;
+    let volts = 1.0 / torque_per_volt(p);
+    [modelled.plant.body().inertia_kg_m2 * volts, p.motor.inertia_kg_m2 * p.gearbox.ratio.powi(2) * volts]
+}
+
+/// The inverse of the amplifier's measured curve: (volts of a linear amplifier, control), rising, from its positive
+/// points. A point that would make a stretch steeper or shorter than the measurement can tell is left out.
+pub(crate) fn drive_curve(map: &[MapPoint], gain_a_v: f64) -> Vec<[f64; 2]> {
+    let mut points: Vec<[f64; 2]> =
+        map.iter().map(|point| [point.current_a / gain_a_v, point.input_v]).filter(|p| p[1] > 0.0).collect();
+    points.sort_by(|a, b| a[1].total_cmp(&b[1]));
+    let most = points.iter().map(|point| point[0]).fold(0.0, f64::max);
+    let mut kept: Vec<[f64; 2]> = Vec::new();
+    let mut from = [0.0, 0.0];
+    for point in points {
+        let step = [point[0] - from[0], point[1] - from[1]];
+        if step[0] > SHORTEST * most && step[0] > LEAST_SLOPE * step[1] && step[1] > 0.0 {
+            kept.push(point);
+            from = point;
+        }
+    }
+    kept
+}

@@ -1,0 +1,165 @@
+//! The schedule over out-of-balance: the plant in each state of balance, and what becomes of the three controllers.
+
+use counterpoise_models::plant::{Angles, Body, Plant};
+use counterpoise_synth::schedule::EQUAL;
+use counterpoise_synth::{Conditions, Configuration, Entry, Law, Outcome, schedule};
+use serde::Serialize;
+
+use crate::synth::design_plant;
+use crate::{Modelled, PipelineError, model, reduce};
+use counterpoise_project::Project;
+use counterpoise_project::resolve::around::{LawAsked, ScheduleAsked};
+use counterpoise_project::resolve::design::Synthesis;
+
+/// A state of balance with what becomes of the controllers there.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BalanceRow {
+    /// Its name.
+    pub name: String,
+    /// Out-of-balance, kg m.
+    pub out_of_balance_kg_m: f64,
+    /// Which conditions of the gain law hold, in words.
+    pub conditions: String,
+    /// What follows for the heave feedforward, in words.
+    pub law: String,
+    /// Change of the feedback, lowest and highest over 0.1 to 20 Hz, dB.
+    pub feedback_db: [f64; 2],
+    /// Change of the heave feedforward, dB.
+    pub heave_db: Option<[f64; 2]>,
+    /// Change of the pitch feedforward, dB.
+    pub pitch_db: Option<[f64; 2]>,
+    /// RMS hub rate under the expected heave with the nominal controllers, rad/s.
+    pub error_before_rad_s: Option<f64>,
+    /// With the gain law.
+    pub error_gain_law_rad_s: Option<f64>,
+    /// With the redesign.
+    pub error_after_rad_s: Option<f64>,
+}
+
+/// Every state of balance designed for, the nominal one first.
+///
+/// # Errors
+/// A configuration that does not exist, and those of the plant and the design.
+pub fn balance(
+    project: &Project,
+    asked: &Synthesis,
+    (modelled, wanted): (&Modelled, &ScheduleAsked),
+) -> Result<Vec<Entry>, PipelineError> {
+    let nominal = configured(project, asked, ("nominal", modelled.clone()))?;
+    let mut others = Vec::new();
+    for name in &wanted.configurations {
+        let mut project = project.clone();
+        project.model.configuration = Some(name.clone());
+        let modelled = model(&project)?;
+        others.push(configured(&project, asked, (name, modelled))?);
+    }
+    for &factor in &wanted.factors {
+        let name = format!("{:.0} % out-of-balance", 100.0 * factor);
+        others.push(configured(project, asked, (&name, with_factor(project, modelled, factor)?))?);
+    }
+    match schedule(&nominal, &others, &asked.specification)? {
+        Outcome::Solved(entries) => Ok(entries),
+        Outcome::Infeasible(findings) => Err(PipelineError::NoController(findings)),
+    }
+}
+
+fn configured(
+    project: &Project,
+    asked: &Synthesis,
+    (name, modelled): (&str, Modelled),
+) -> Result<Configuration, PipelineError> {
+    let reduced = reduce(project, &modelled)?;
+    Ok(Configuration {
+        name: name.to_owned(),
+        out_of_balance_kg_m: modelled.plant.body().out_of_balance_kg_m,
+        plant: design_plant(asked, &modelled, &reduced)?,
+    })
+}
+
+/// The mechanism with its out-of-balance times a factor, everything else kept.
+///
+/// # Errors
+/// Those of the plant.
+pub fn with_factor(project: &Project, modelled: &Modelled, factor: f64) -> Result<Modelled, PipelineError> {
+    let plant = unbalanced(&modelled.plant, factor)?;
+    let equilibrium = plant.equilibrium(&project.model.operating_point);
+    let linear = plant.linearise(&equilibrium, project.model.friction, Angles::Drop)?;
+    Ok(Modelled { plant, linear, parameters: modelled.parameters.clone() })
+}
+
+/// The plant with its out-of-balance times a factor.
+pub(crate) fn unbalanced(plant: &Plant, factor: f64) -> Result<Plant, PipelineError> {
+    let mut body: Body = plant.body().clone();
+    body.out_of_balance_kg_m *= factor;
+    body.modes.iter_mut().for_each(|mode| mode.load_share_kg_m *= factor);
+    Ok(Plant::with_body(plant.parameters(), body)?)
+}
+
+/// Whether the exported controller interpolates redesigns.
+pub(crate) fn redesigns(asked: &ScheduleAsked, entries: &[Entry]) -> bool {
+    match asked.law {
+        LawAsked::Gain => false,
+        LawAsked::Redesign => true,
+        LawAsked::Auto => entries.iter().any(|entry| matches!(entry.law, Law::Redesign { .. })),
+    }
+}
+
+/// The designs that the exported controller interpolates: those of the configurations; of the factors where there are
+/// none, because two designs of one out-of-balance and different inertia cannot both hold.
+pub(crate) fn interpolated<'a>(asked: &ScheduleAsked, entries: &'a [Entry]) -> &'a [Entry] {
+    match asked.configurations.len() {
+        0 => entries,
+        count => &entries[..entries.len().min(1 + count)],
+    }
+}
+
+/// The entries as plain rows.
+pub fn rows(entries: &[Entry]) -> Vec<BalanceRow> {
+    entries.iter().map(row).collect()
+}
+
+fn row(entry: &Entry) -> BalanceRow {
+    let both = |(low, high): (f64, f64)| [low, high];
+    BalanceRow {
+        name: entry.name.clone(),
+        out_of_balance_kg_m: entry.out_of_balance_kg_m,
+        conditions: conditions(&entry.conditions),
+        law: law(&entry.law),
+        feedback_db: both(entry.feedback_db),
+        heave_db: entry.heave_db.map(both),
+        pitch_db: entry.pitch_db.map(both),
+        error_before_rad_s: entry.error_before,
+        error_gain_law_rad_s: entry.error_gain_law,
+        error_after_rad_s: entry.error_after,
+    }
+}
+
+fn conditions(found: &Conditions) -> String {
+    if found.hold() && found.feedback_stays() {
+        return "inertia kept, heave torque in proportion: all conditions of the gain law hold".to_owned();
+    }
+    let mut words = Vec::new();
+    let mut say = |what: &str, deviation: f64| {
+        if deviation > EQUAL {
+            words.push(format!("{what} differs by {:.2} %", 100.0 * deviation));
+        }
+    };
+    say("the path from control to rates (inertia, structure)", found.path_deviation);
+    say("the pitch path", found.pitch_deviation);
+    say("the heave path, scaled by the out-of-balance,", found.proportion_deviation);
+    say("the noise that the feedback assumes", found.noise_deviation);
+    words.join("; ")
+}
+
+fn law(law: &Law) -> String {
+    match law {
+        Law::ExactGain { factor } => format!("gain {factor:.4}, exact by theory"),
+        Law::NearlyGain { factor, deviation } => {
+            format!("gain {factor:.4}, within {:.2} % of the redesign", 100.0 * deviation)
+        }
+        Law::Redesign { deviation } if deviation.is_finite() => {
+            format!("redesign: a gain would be {:.1} % off", 100.0 * deviation)
+        }
+        Law::Redesign { .. } => "redesign: there is no gain from a nominal imbalance of 0".to_owned(),
+    }
+}

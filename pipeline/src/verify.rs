@@ -1,0 +1,107 @@
+//! The verdicts on the sampled controller, on the full plant, with the road that the project names.
+
+use counterpoise_models::plant::Plant;
+use counterpoise_verify::{Procedure, Road, Verification, VerifiedController};
+
+use crate::{Modelled, PipelineError, Synthesised, World};
+use counterpoise_project::Project;
+use counterpoise_project::recording::{Table, road};
+use counterpoise_project::resolve::platform::{PlatformSource, RoadSource};
+
+/// Verifies the sampled controller on the plant as it was before reduction.
+///
+/// # Errors
+/// A road that cannot be read, and those of the verification.
+pub fn verify(
+    project: &Project,
+    modelled: &Modelled,
+    synthesised: &Synthesised,
+    world: &dyn World,
+) -> Result<VerifiedController, PipelineError> {
+    verify_on(project, &modelled.plant, synthesised, &procedure(project, world)?)
+}
+
+/// Verifies the sampled controller on a plant and by a procedure that need not be the project's own.
+///
+/// # Errors
+/// Those of the verification.
+pub fn verify_on(
+    project: &Project,
+    plant: &Plant,
+    synthesised: &Synthesised,
+    procedure: &Procedure,
+) -> Result<VerifiedController, PipelineError> {
+    let asked = project.verify.as_ref().ok_or(MISSING)?;
+    let controller = &synthesised.sampled.controller;
+    Ok(counterpoise_verify::verify(plant, controller, procedure, &asked.requirements)?)
+}
+
+/// Somebody who looks on: sees what is found so far and says whether to go on.
+pub type Onlooker<'a> = &'a mut dyn FnMut(&Verification) -> bool;
+
+/// As [`verify`], for somebody who looks on: `watch` sees what is found so far and says whether to go on; none where it said no.
+///
+/// # Errors
+/// As [`verify`].
+pub fn verify_watched(
+    project: &Project,
+    modelled: &Modelled,
+    synthesised: &Synthesised,
+    (world, watch): (&dyn World, Onlooker<'_>),
+) -> Result<Option<VerifiedController>, PipelineError> {
+    let asked = project.verify.as_ref().ok_or(MISSING)?;
+    let controller = &synthesised.sampled.controller;
+    let by = procedure(project, world)?;
+    Ok(counterpoise_verify::verify_watched(&modelled.plant, controller, (&by, &asked.requirements), watch)?)
+}
+
+/// The linear figures alone, on a plant and by a procedure.
+///
+/// # Errors
+/// Those of the verification.
+pub fn verify_linear_on(
+    project: &Project,
+    plant: &Plant,
+    synthesised: &Synthesised,
+    procedure: &Procedure,
+) -> Result<Verification, PipelineError> {
+    let asked = project.verify.as_ref().ok_or(MISSING)?;
+    let controller = &synthesised.sampled.controller;
+    Ok(counterpoise_verify::verify_linear(plant, controller, procedure, &asked.requirements)?)
+}
+
+const MISSING: PipelineError = PipelineError::Missing { section: "verify", needed_by: "the verification" };
+
+/// What the project does to the mechanism, with its road read.
+///
+/// # Errors
+/// A road that cannot be read.
+pub fn procedure(project: &Project, world: &dyn World) -> Result<Procedure, PipelineError> {
+    let asked = project.verify.as_ref().ok_or(MISSING)?;
+    let road = asked.road.as_ref().map(|source| moved(source, world)).transpose()?;
+    Ok(Procedure {
+        operating_point: project.model.operating_point,
+        friction: project.model.friction,
+        road,
+        ..asked.procedure.clone()
+    })
+}
+
+/// The platform's motion, read or made.
+fn moved(source: &PlatformSource, world: &dyn World) -> Result<Road, PipelineError> {
+    match source {
+        PlatformSource::Recording(source) => read_road(source, world),
+        PlatformSource::Made(motion) => Ok(motion.road()?),
+    }
+}
+
+/// The part of a recording that the project asks for.
+fn read_road(source: &RoadSource, world: &dyn World) -> Result<Road, PipelineError> {
+    let file = |problem: String| PipelineError::File {
+        name: source.recording.clone(),
+        section: "verify.road",
+        problem,
+    };
+    let bytes = world.read(&source.recording).map_err(file)?;
+    Ok(road(source, &Table::read(&bytes, &source.recording)?)?)
+}

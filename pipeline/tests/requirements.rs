@@ -1,0 +1,63 @@
+//! Every figure that can be required, required in a project file.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::fmt::Write as _;
+
+use counterpoise_pipeline::{World, design};
+use counterpoise_project::Project;
+use counterpoise_verify::{Figure, Verdict};
+
+struct Example;
+
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/reference-rig/");
+
+impl World for Example {
+    fn read(&self, name: &str) -> Result<Vec<u8>, String> {
+        std::fs::read(format!("{FOLDER}{name}")).map_err(|error| error.to_string())
+    }
+}
+
+/// The example with every figure required twice: at most and at least a number that no figure reaches.
+fn with_every_figure(drop_road: &str) -> Project {
+    let text = std::fs::read_to_string(format!("{FOLDER}project.toml")).unwrap();
+    let (head, rest) = text.split_once("[[verify.requirement]]").unwrap();
+    let tail = rest.split_once("[export]").unwrap().1;
+    let head = if drop_road.is_empty() { head } else { head.split_once(drop_road).unwrap().0 };
+    let mut all = format!("{head}[verify.triangle]\nrate = 0.1\nperiod = 4.0\n\n");
+    for figure in Figure::all() {
+        let key = figure.key();
+        write!(all, "[[verify.requirement]]\nfigure = \"{key}\"\nat_most = 1e6\n\n").unwrap();
+        write!(all, "[[verify.requirement]]\nfigure = \"{key}\"\nat_least = 1e6\n\n").unwrap();
+    }
+    Project::parse(&format!("{all}[export]{tail}"), "project.toml").unwrap().project
+}
+
+#[test]
+fn a_project_file_can_require_every_figure_and_each_gets_its_verdict() {
+    let designed = design(&with_every_figure(""), &Example).unwrap();
+    let verdicts = &designed.verified.verification().verdicts;
+    assert_eq!(verdicts.len(), 2 * Figure::all().len());
+    for pair in verdicts.chunks(2) {
+        let key = pair[0].0.figure.key();
+        match (&pair[0].1, &pair[1].1) {
+            (Verdict::Holds { .. }, Verdict::Fails { by, .. }) => assert!(*by > 0.0, "{key}"),
+            // a margin that has no bound
+            (Verdict::Fails { value, .. }, Verdict::Holds { .. }) => assert!(value.is_infinite(), "{key}"),
+            (Verdict::NotApplicable { why }, Verdict::NotApplicable { .. }) => {
+                assert!(key.starts_with("linear") && key.ends_with("gear_open_fraction"), "{key}: {why}");
+            }
+            other => panic!("{key}: {other:?}"),
+        }
+    }
+}
+
+#[test]
+fn without_a_road_its_figures_say_that_there_is_none() {
+    let designed = design(&with_every_figure("[verify.road]"), &Example).unwrap();
+    let on_road = |key: &str| key.contains("_road_");
+    for (requirement, verdict) in &designed.verified.verification().verdicts {
+        let key = requirement.figure.key();
+        let absent = matches!(verdict, Verdict::NotApplicable { why } if why.contains("no road"));
+        assert_eq!(absent, on_road(&key), "{key}: {verdict:?}");
+    }
+}

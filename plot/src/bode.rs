@@ -1,0 +1,107 @@
+//! Magnitude and phase over frequency.
+
+use crate::{Axis, Colour, Dash, Figure, Mark, Panel, Series};
+
+/// A frequency response for a Bode diagram.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodeCurve {
+    /// Its name in the legend.
+    pub name: String,
+    /// Its colour.
+    pub colour: Colour,
+    /// Its dash.
+    pub dash: Dash,
+    /// (frequency in Hz, real part, imaginary part), frequency rising.
+    pub points: Vec<(f64, f64, f64)>,
+}
+
+/// Whether the phase is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Phase {
+    /// In a panel of its own under the magnitude.
+    Drawn,
+    /// Not.
+    Left,
+}
+
+/// What lies below the largest magnitude by more than this is not worth a tick, dB.
+const DEPTH_DB: f64 = 120.0;
+
+impl BodeCurve {
+    /// A curve from frequencies and values of any pair-like kind.
+    pub fn new(name: &str, colour: Colour, points: Vec<(f64, f64, f64)>) -> Self {
+        Self { name: name.to_owned(), colour, dash: Dash::Solid, points }
+    }
+
+    /// The same curve, dashed.
+    pub fn dashed(self) -> Self {
+        Self { dash: Dash::Dashed, ..self }
+    }
+
+    /// (Hz, dB).
+    pub fn magnitude_db(&self) -> Vec<(f64, f64)> {
+        self.points.iter().map(|(f, re, im)| (*f, 20.0 * re.hypot(*im).log10())).collect()
+    }
+
+    /// (Hz, degrees), without jumps of a whole turn, starting between -270 and 90 degrees.
+    pub fn phase_deg(&self) -> Vec<(f64, f64)> {
+        let mut before: Option<f64> = None;
+        let mut unwrapped = |re: f64, im: f64| {
+            let raw = im.atan2(re).to_degrees();
+            let start = if raw > 90.0 { raw - 360.0 } else { raw };
+            let phase = before.map_or(start, |last| raw + 360.0 * ((last - raw) / 360.0).round());
+            before = Some(phase);
+            phase
+        };
+        self.points.iter().map(|(f, re, im)| (*f, unwrapped(*re, *im))).collect()
+    }
+
+    fn series(&self, points: Vec<(f64, f64)>) -> Series {
+        Series { name: self.name.clone(), points, colour: self.colour, dash: self.dash }
+    }
+}
+
+/// A Bode diagram; `unit` is that of the magnitude's reference, for example `V s/rad`. `marks` go into the magnitude panel.
+pub fn bode(title: &str, unit: &str, curves: &[BodeCurve], phase: Phase, marks: Vec<Mark>) -> Figure {
+    let label = if unit.is_empty() { "dB".to_owned() } else { format!("dB re {unit}") };
+    let magnitudes: Vec<Series> = curves.iter().map(|curve| curve.series(curve.magnitude_db())).collect();
+    let highest = magnitudes
+        .iter()
+        .flat_map(|s| s.points.iter().map(|p| p.1))
+        .filter(|y| y.is_finite())
+        .fold(f64::MIN, f64::max);
+    let lowest = magnitudes
+        .iter()
+        .flat_map(|s| s.points.iter().map(|p| p.1))
+        .filter(|y| y.is_finite())
+        .fold(f64::MAX, f64::min);
+    let axis = Axis::linear("magnitude", &label);
+    let axis = if highest - lowest > DEPTH_DB { axis.over(highest - DEPTH_DB, highest + 6.0) } else { axis };
+    let mut panels = vec![Panel::of(axis, magnitudes).marked(marks)];
+    if phase == Phase::Drawn {
+        let phases = curves.iter().map(|curve| curve.series(curve.phase_deg())).collect();
+        panels.push(Panel::of(Axis::degrees("phase"), phases).high(140.0));
+    }
+    Figure::new(title, Axis::logarithmic("frequency", "Hz"), panels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_integrators_end_at_minus_270_degrees_without_a_jump() {
+        let lag = |f: f64| {
+            // 1 / (1 + jf)^3
+            let angle = -3.0 * f.atan();
+            let size = (1.0 + f * f).powf(-1.5);
+            (f, size * angle.cos(), size * angle.sin())
+        };
+        let points = (0..200).map(|k| lag(10f64.powf(-2.0 + 0.025 * f64::from(k)))).collect();
+        let curve = BodeCurve::new("lag", Colour::First, points);
+        let phase = curve.phase_deg();
+        assert!(phase.windows(2).all(|pair| (pair[1].1 - pair[0].1).abs() < 20.0));
+        assert!((phase[199].1 + 270.0).abs() < 2.0, "{:?}", phase[199]);
+        assert!(curve.magnitude_db()[0].1.abs() < 0.01);
+    }
+}

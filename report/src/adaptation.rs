@@ -1,0 +1,103 @@
+//! The runs of the adaptation: out-of-balance and estimate, control and hub rate over time, and what each interval came to.
+
+use counterpoise_pipeline::studies::adapt::{AdaptRun, Interval, Trace};
+
+use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
+use counterpoise_plot::ticks::short;
+use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
+
+/// How near to the default case the hub rate must come back.
+pub const NEAR: f64 = 1.10;
+
+/// Whether the hub rate came back, where the adaptation was to bring it back.
+pub fn returned(interval: &Interval) -> bool {
+    !interval.adapted || interval.over_default <= NEAR
+}
+
+/// The report.
+pub fn report(machine: &str, command: &str, runs: &[AdaptRun]) -> Report {
+    let judged: Vec<&Interval> =
+        runs.iter().flat_map(|run| &run.intervals).filter(|interval| interval.adapted).collect();
+    let good = judged.iter().filter(|interval| returned(interval)).count();
+    let tone = if good == judged.len() { Tone::Good } else { Tone::Bad };
+    let text = format!("{good} of {} adapted intervals come back to within 10 % of run (a)", judged.len());
+    let detail =
+        "Hub rate RMS in the later part of each interval, over that of run (a) in the same time.".to_owned();
+    let worst = judged.iter().map(|interval| interval.over_default).fold(0.0, f64::max);
+    let off = |i: &&Interval| (i.used_kg_m - i.out_of_balance_kg_m).abs();
+    let off = judged.iter().map(off).fold(0.0, f64::max);
+    Report {
+        title: format!("Adaptation of {machine}"),
+        subtitle: "an out-of-balance that steps while the platform moves, in the nonlinear closed loop"
+            .to_owned(),
+        headline: Headline { tone, text, detail },
+        tiles: vec![
+            Tile::plain("worst adapted interval", short(worst), "of run (a)"),
+            Tile::plain("largest error of the estimate", short(off), "kg m")
+                .noted("at the end of an interval"),
+        ],
+        verdicts: table(runs),
+        glance: Vec::new(),
+        sections: runs.iter().map(|run| section(run, command)).collect(),
+        provenance: vec![
+            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+            ("command".to_owned(), command.to_owned()),
+        ],
+    }
+}
+
+fn table(runs: &[AdaptRun]) -> Table {
+    let columns = [
+        Column::Text("run"),
+        Column::Number("from [s]"),
+        Column::Number("to [s]"),
+        Column::Number("out-of-balance [kg m]"),
+        Column::Number("controller uses [kg m]"),
+        Column::Number("hub rate [mrad/s RMS]"),
+        Column::Number("over (a)"),
+        Column::Text("verdict"),
+    ];
+    let mut table = Table::new("Intervals between changes", &columns);
+    for (run, i) in runs.iter().flat_map(|run| run.intervals.iter().map(move |i| (run, i))) {
+        let verdict = match (i.adapted, returned(i)) {
+            (false, _) => Cell::text(""),
+            (true, true) => Cell::Verdict(Tone::Good, "holds".to_owned()),
+            (true, false) => Cell::Verdict(Tone::Bad, "fails".to_owned()),
+        };
+        table.rows.push(vec![
+            Cell::text(format!("({})", run.letter)),
+            Cell::text(format!("{:.1}", i.from_to_s[0])),
+            Cell::text(format!("{:.1}", i.from_to_s[1])),
+            Cell::text(format!("{:.2}", i.out_of_balance_kg_m)),
+            Cell::text(format!("{:.2}", i.used_kg_m)),
+            Cell::text(format!("{:.3}", 1e3 * i.hub_rms_rad_s)),
+            Cell::text(format!("{:.3}", i.over_default)),
+            verdict,
+        ]);
+    }
+    table
+}
+
+fn section(run: &AdaptRun, command: &str) -> Section {
+    let Trace { time_s, out_of_balance_kg_m, used_kg_m, control_v, hub_rate_rad_s } = &run.trace;
+    let over = |values: &[f64], scale: f64| {
+        time_s.iter().zip(values).map(|(t, value)| (*t, scale * value)).collect::<Vec<_>>()
+    };
+    let balance = vec![
+        Series::solid("true", Colour::Second, over(out_of_balance_kg_m, 1.0)),
+        Series::dashed("controller uses", Colour::First, over(used_kg_m, 1.0)),
+    ];
+    let panels = vec![
+        Panel::of(Axis::linear("out-of-balance", "kg m"), balance).high(120.0),
+        Panel::of(Axis::linear("control", "V"), vec![Series::solid("", Colour::Muted, over(control_v, 1.0))])
+            .high(110.0),
+        Panel::of(
+            Axis::linear("hub rate", "mrad/s"),
+            vec![Series::solid("", Colour::First, over(hub_rate_rad_s, 1e3))],
+        )
+        .high(150.0),
+    ];
+    let figure = Figure::new(&format!("Run ({})", run.letter), Axis::linear("time", "s"), panels);
+    let figure = Figure { command: command.to_owned(), ..figure };
+    Section::new(&format!("({}) {}", run.letter, run.says)).showing([figure])
+}

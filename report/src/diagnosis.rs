@@ -1,0 +1,240 @@
+//! The report of a diagnosis: the answer first, then how the fit improved, where and when, and what was tried.
+
+use counterpoise_diagnose::answer::{Answer, Channels, Finding, Verdict};
+
+use counterpoise_plot::ticks::short;
+use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
+
+use crate::where_when::where_section;
+use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone, residual};
+
+/// One channel of one recording, measured and simulated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Track {
+    /// Name of the recording.
+    pub recording: String,
+    /// Channel name.
+    pub channel: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+    /// Sample period, s.
+    pub period_s: f64,
+    /// As recorded.
+    pub measured: Vec<f64>,
+    /// The model as it was.
+    pub before: Vec<f64>,
+    /// The improved model; empty where there is none.
+    pub after: Vec<f64>,
+}
+
+/// The report.
+pub fn report(machine: &str, command: &str, answer: &Answer, tracks: &[Track]) -> Report {
+    let mut sections = vec![fit_section(answer, tracks)];
+    sections.extend(residual::sections(tracks));
+    sections.extend([where_section(answer), tried_section(answer), cannot_tell(answer)]);
+    Report {
+        title: format!("Diagnosis of {machine}"),
+        subtitle: "where the simulation departs from the recordings, and what explains it".to_owned(),
+        headline: headline(answer),
+        tiles: tiles(answer),
+        verdicts: findings_table(&answer.findings),
+        glance: worst_track(tracks).map(|t| comparison(t, command)).into_iter().collect(),
+        sections,
+        provenance: vec![
+            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+            ("command".to_owned(), command.to_owned()),
+        ],
+    }
+}
+
+fn headline(answer: &Answer) -> Headline {
+    let names: Vec<String> =
+        answer.findings.iter().map(|f| format!("{} {}", f.component, words(f.effect))).collect();
+    let named = names.join(", ");
+    let (tone, text) = match answer.verdict {
+        Verdict::Consistent => (Tone::Good, "The model explains the recordings: nothing found".to_owned()),
+        Verdict::Named => (Tone::Good, format!("Left out: {named}")),
+        Verdict::Ambiguous => {
+            (Tone::Neutral, format!("Left out: {named}, or something these recordings cannot tell from it"))
+        }
+        Verdict::Incomplete => {
+            (Tone::Neutral, format!("Part of what was left out: {named}; something remains"))
+        }
+        Verdict::Unknown => {
+            (Tone::Bad, "Something was left out that is none of the known effects".to_owned())
+        }
+    };
+    let detail = answer.findings.first().map_or_else(String::new, |f| f.explanation.clone());
+    Headline { tone, text, detail }
+}
+
+pub(super) fn words(effect: &str) -> String {
+    effect.replace('_', " ")
+}
+
+fn tiles(answer: &Answer) -> Vec<Tile> {
+    let worst = |channels: &Channels| channels.values().map(|c| c.rms_error / c.floor).fold(0.0, f64::max);
+    let mut out = vec![
+        Tile::plain("error over floor, before", format!("{:.1}", worst(&answer.fit.before)), "")
+            .noted("worst channel, all recordings"),
+        Tile::plain("error over floor, after", format!("{:.2}", worst(&answer.fit.after)), "")
+            .noted("1 is perfect"),
+        Tile::plain("on data not fitted", format!("{:.2}", worst(&answer.fit.held_out_after)), "")
+            .noted("worst channel"),
+    ];
+    if let Some(first) = answer.findings.first() {
+        let probability = Tile::plain("probability", format!("{:.0}", 100.0 * first.probability), "%");
+        out.push(probability.noted("of the first finding"));
+    }
+    out
+}
+
+fn findings_table(findings: &[Finding]) -> Table {
+    let columns = [
+        Column::Text("component"),
+        Column::Text("effect"),
+        Column::Number("probability"),
+        Column::Text("parameters (95 % interval)"),
+        Column::Text("cannot be told from"),
+    ];
+    let mut table = Table::new("Findings, most important first", &columns);
+    for finding in findings {
+        let parameters = finding.parameters.iter().take(6).map(|p| {
+            format!(
+                "{} = {:.4}{} [{:.4}, {:.4}], was {:.4}",
+                p.name,
+                p.value,
+                p.suffix(),
+                p.ci95[0],
+                p.ci95[1],
+                p.before
+            )
+        });
+        let others = finding.alternatives.iter().map(|a| format!("{} {}", a.component, words(a.effect)));
+        table.rows.push(vec![
+            Cell::text(finding.component),
+            Cell::text(words(finding.effect)),
+            Cell::text(format!("{:.0} %", 100.0 * finding.probability)),
+            Cell::text(parameters.collect::<Vec<_>>().join("; ")),
+            Cell::text(others.collect::<Vec<_>>().join(", ")),
+        ]);
+    }
+    table
+}
+
+fn fit_section(answer: &Answer, tracks: &[Track]) -> Section {
+    let columns = [
+        Column::Text("channel"),
+        Column::Number("floor"),
+        Column::Number("before"),
+        Column::Number("after"),
+        Column::Number("held out, before"),
+        Column::Number("held out, after"),
+    ];
+    let mut table =
+        Table::new("RMS error per channel over all recordings, and on what was not fitted", &columns);
+    for (channel, before) in &answer.fit.before {
+        let number = |channels: &Channels| {
+            channels.get(channel).map_or_else(|| Cell::text(""), |c| Cell::number(c.rms_error))
+        };
+        table.rows.push(vec![
+            Cell::text(*channel),
+            Cell::number(before.floor),
+            Cell::number(before.rms_error),
+            number(&answer.fit.after),
+            number(&answer.fit.held_out_before),
+            number(&answer.fit.held_out_after),
+        ]);
+    }
+    let figures = tracks.iter().filter(|t| t.channel == "control" || t.channel == "hub_rate");
+    Section::new("How the fit improved").listing(table).showing(figures.map(|t| comparison(t, "")))
+}
+
+fn tried_section(answer: &Answer) -> Section {
+    let columns = [
+        Column::Number("stage"),
+        Column::Text("component"),
+        Column::Text("effect"),
+        Column::Text("beside"),
+        Column::Number("gain on held-out data [nat]"),
+        Column::Number("mean ln(error / floor)"),
+        Column::Number("worst error / floor"),
+        Column::Text(""),
+    ];
+    let mut table = Table::new("Every hypothesis that was fitted in the simulator", &columns);
+    for h in &answer.hypotheses {
+        let beside: Vec<String> =
+            h.beside.iter().map(|b| format!("{} {}", b.component, words(b.effect))).collect();
+        let verdict =
+            if h.accepted { Cell::Verdict(Tone::Good, "accepted".to_owned()) } else { Cell::text("") };
+        table.rows.push(vec![
+            Cell::text(h.stage.to_string()),
+            Cell::text(h.component),
+            Cell::text(words(h.effect)),
+            Cell::text(beside.join(", ")),
+            Cell::number(h.gain_nats),
+            Cell::text(format!("{:.3}", h.distance)),
+            Cell::text(format!("{:.2}", h.worst)),
+            verdict,
+        ]);
+    }
+    Section::new("What was tried").listing(table)
+}
+
+fn cannot_tell(answer: &Answer) -> Section {
+    let columns =
+        [Column::Text("component"), Column::Text("effect"), Column::Text("smallest that would show")];
+    let mut table =
+        Table::new("Effects of which these recordings cannot say whether they are there", &columns);
+    for n in &answer.not_excited {
+        let size = match n.smallest_detectable {
+            Some(size) => format!("{} {} {}", n.parameter, short(size), n.unit),
+            None => "nothing: it does not move them".to_owned(),
+        };
+        table.rows.push(vec![Cell::text(n.component), Cell::text(words(n.effect)), Cell::text(size)]);
+    }
+    let section = Section::new("What these recordings cannot tell").listing(table);
+    let section = match &answer.next_experiment {
+        Some(next) => section.saying(format!("Next experiment: {}. It {}.", next.what, next.why)),
+        None => section,
+    };
+    let remarks = answer.qualification.iter().chain(&answer.warnings);
+    remarks.fold(section, |section, remark| section.saying(remark.clone()))
+}
+
+/// The track whose error was largest against the measurement.
+pub(super) fn worst_track(tracks: &[Track]) -> Option<&Track> {
+    let error = |t: &Track| {
+        let sum: f64 = t.measured.iter().zip(&t.before).map(|(m, b)| (m - b).powi(2)).sum();
+        let power: f64 = t.measured.iter().map(|m| m * m).sum();
+        sum / power.max(f64::MIN_POSITIVE)
+    };
+    let drawn = tracks.iter().filter(|t| t.channel == "control" || t.channel == "hub_rate");
+    drawn.max_by(|a, b| error(a).total_cmp(&error(b)))
+}
+
+/// Measured and simulated above, the errors below.
+pub(super) fn comparison(track: &Track, command: &str) -> Figure {
+    let points = |series: &[f64]| -> Vec<(f64, f64)> {
+        series.iter().enumerate().map(|(k, v)| (k as f64 * track.period_s, *v)).collect()
+    };
+    let error =
+        |series: &[f64]| -> Vec<f64> { series.iter().zip(&track.measured).map(|(s, m)| s - m).collect() };
+    let name = if track.after.is_empty() { "model" } else { "model as it was" };
+    let mut signals = vec![
+        Series::solid("measured", Colour::Muted, points(&track.measured)),
+        Series::solid(name, Colour::Second, points(&track.before)),
+    ];
+    let mut errors = vec![Series::solid(name, Colour::Second, points(&error(&track.before)))];
+    if !track.after.is_empty() {
+        signals.push(Series::solid("improved model", Colour::First, points(&track.after)));
+        errors.push(Series::solid("improved model", Colour::First, points(&error(&track.after))));
+    }
+    let panels = vec![
+        Panel::of(Axis::linear(track.channel, track.unit), signals).high(190.0),
+        Panel::of(Axis::linear("error", track.unit), errors).high(120.0),
+    ];
+    let title = format!("{}: {}", track.recording, track.channel.replace('_', " "));
+    let figure = Figure::new(&title, Axis::linear("time", "s"), panels);
+    Figure { command: command.to_owned(), ..figure }
+}

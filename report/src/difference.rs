@@ -1,0 +1,133 @@
+//! Two verifications side by side, as a section.
+
+use counterpoise_pipeline::Consequence;
+use counterpoise_verify::Verification;
+use counterpoise_verify::difference::{Change, changes};
+
+use crate::{Cell, Column, Section, Table, Tone};
+
+/// Relative change below which a figure counts as the same.
+const SAME: f64 = 1e-6;
+
+/// Every figure that changed, those whose verdict turned first.
+pub fn section(before: &str, changes: &[Change]) -> Section {
+    let columns = [
+        Column::Text("figure"),
+        Column::Number("before"),
+        Column::Number("after"),
+        Column::Number("change"),
+        Column::Text("requirement"),
+    ];
+    let mut table = Table::new("", &columns);
+    let mut moved: Vec<&Change> = changes.iter().filter(|change| moved(change)).collect();
+    moved.sort_by_key(|change| (!change.turned(), change.holds.is_none()));
+    table.rows = moved.iter().map(|change| row(change)).collect();
+    let same = changes.len() - moved.len();
+    Section::new("Before and after")
+        .saying(format!("Before: {before}. {} figures changed, {same} did not.", moved.len()))
+        .listing(table)
+}
+
+/// The difference in one line: verdicts that turned, and how many figures changed.
+pub fn headline(before: &str, changes: &[Change]) -> String {
+    let way = |found| changes.iter().filter(|change| change.turned() && change.holds == Some(found)).count();
+    let figures = changes.iter().filter(|change| moved(change)).count();
+    let turned = match (way(true), way(false)) {
+        (0, 0) => "no verdict turned".to_owned(),
+        (better, 0) => format!("now holds what did not: {better}"),
+        (0, worse) => format!("no longer holds: {worse}"),
+        (better, worse) => format!("now holds what did not: {better}, no longer holds: {worse}"),
+    };
+    format!("Against {before}: {turned}; {figures} of {} figures changed.", changes.len())
+}
+
+/// What an improved model means for the controller that was designed on the one before.
+pub fn consequence(found: &Consequence) -> Section {
+    let counted = |v: &Verification| {
+        let (hold, fail, _) = v.counts();
+        format!("{hold} requirements hold, {fail} fail")
+    };
+    let anew = match &found.redesigned {
+        Some(redesigned) => format!("Designed anew on the improved model: {}.", counted(redesigned)),
+        None => "Designed anew on the improved model: the weights give no controller.".to_owned(),
+    };
+    let text = format!(
+        "The controller designed on the model as it was: {} there, {} on the improved model. {anew}",
+        counted(&found.before),
+        counted(&found.kept)
+    );
+    let table = section("the model as it was", &changes(&found.before, &found.kept));
+    Section { heading: "What it means for the controller".to_owned(), ..table }.saying(text)
+}
+
+/// Whether a figure changed at all.
+pub fn moved(change: &Change) -> bool {
+    change.turned() || change.relative().is_none_or(|part| part.abs() > SAME) && change.before != change.after
+}
+
+/// The verdict's way, in words.
+pub fn verdict(change: &Change) -> (Tone, &'static str) {
+    match (change.held, change.holds) {
+        (Some(true), Some(false)) => (Tone::Bad, "no longer holds"),
+        (Some(false), Some(true)) => (Tone::Good, "now holds"),
+        (_, Some(true)) => (Tone::Good, "holds"),
+        (_, Some(false)) => (Tone::Bad, "fails"),
+        _ => (Tone::Neutral, ""),
+    }
+}
+
+/// The change as a person reads it: percent, or the difference where a figure is in decibels or degrees.
+pub fn size(change: &Change) -> String {
+    let (Some(before), Some(after)) = (change.before, change.after) else { return "\u{2013}".to_owned() };
+    match change.figure.unit() {
+        unit @ ("dB" | "deg" | "%") if (after - before).abs() < 0.005 => format!("under 0.01 {unit}"),
+        unit @ ("dB" | "deg" | "%") => format!("{:+.2} {unit}", after - before),
+        _ if change.relative().is_some_and(|part| part.abs() < 5e-4) => "under 0.1 %".to_owned(),
+        _ => format!("{:+.1} %", 100.0 * change.relative().unwrap_or(f64::NAN)),
+    }
+}
+
+fn row(change: &Change) -> Vec<Cell> {
+    let number = |value: Option<f64>| value.map_or_else(|| Cell::text("\u{2013}"), Cell::number);
+    let (tone, word) = verdict(change);
+    let unit = change.figure.unit();
+    let name =
+        if unit.is_empty() { change.figure.name() } else { format!("{} [{unit}]", change.figure.name()) };
+    let requirement = if word.is_empty() { Cell::text("") } else { Cell::Verdict(tone, word.to_owned()) };
+    vec![
+        Cell::text(name),
+        number(change.before),
+        number(change.after),
+        Cell::text(size(change).replace('-', "\u{2212}")),
+        requirement,
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use counterpoise_verify::Figure;
+
+    use super::*;
+
+    fn change(before: f64, after: f64, held: bool, holds: bool) -> Change {
+        let figure = Figure::from_key("gain_margin_db").unwrap();
+        Change { figure, before: Some(before), after: Some(after), held: Some(held), holds: Some(holds) }
+    }
+
+    #[test]
+    fn the_headline_counts_verdicts_that_turned_either_way() {
+        let all =
+            [change(14.0, 9.0, true, false), change(8.0, 14.0, false, true), change(8.0, 8.0, true, true)];
+        let told = headline("before.toml", &all);
+        assert!(told.contains("now holds what did not: 1, no longer holds: 1; 2 of 3 figures"), "{told}");
+        assert!(headline("x", &all[2..]).contains("no verdict turned; 0 of 1"), "nothing changed");
+    }
+
+    #[test]
+    fn a_change_too_small_to_print_is_not_printed_as_minus_nothing() {
+        assert_eq!(size(&change(14.0, 13.999, true, true)), "under 0.01 dB");
+        assert_eq!(size(&change(14.0, 13.5, true, true)), "-0.50 dB");
+    }
+}

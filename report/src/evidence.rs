@@ -1,0 +1,299 @@
+//! The evidence of a verification as sections with figures and tables.
+
+use counterpoise_verify::linear::{Curve, frequency::Rejection};
+use counterpoise_verify::{Arrangement, Experiment, History, Model, Source, Value, Verification};
+
+use crate::summary::capital;
+use crate::triangle;
+use crate::{Cell, Column, Section, Table};
+use counterpoise_plot::bode::{BodeCurve, Phase, bode};
+use counterpoise_plot::ticks::short;
+use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Series};
+
+const ARRANGEMENTS: [(Arrangement, &str, Colour); 3] = [
+    (Arrangement::Uncontrolled, "without control", Colour::Muted),
+    (Arrangement::Feedback, "feedback", Colour::Second),
+    (Arrangement::Compensated, "feedback + feedforward", Colour::First),
+];
+
+const SOURCES: [(Source, &str); 4] = [
+    (Source::Heave, "heave"),
+    (Source::Pitch, "pitch"),
+    (Source::Both, "heave and pitch"),
+    (Source::Road, "the road"),
+];
+
+/// Heading of the section with the plant.
+pub const PLANT: &str = "Plant";
+
+/// Sections in the order in which a reader asks.
+pub fn sections(found: &Verification) -> Vec<Section> {
+    let first = [loop_section(found), step_section(found)];
+    let rest = [
+        disturbance_section(found),
+        rejection_section(found),
+        controller_section(found),
+        plant_section(found),
+    ];
+    first.into_iter().chain(triangle::section(found)).chain(rest).collect()
+}
+
+fn curve_points(frequency_hz: &[f64], curve: &Curve) -> Vec<(f64, f64, f64)> {
+    frequency_hz.iter().zip(&curve.response).map(|(f, h)| (*f, h.re, h.im)).collect()
+}
+
+fn bode_curves(found: &Verification, curves: &[Curve]) -> Vec<BodeCurve> {
+    let frequency = &found.evidence.curves.frequency_hz;
+    let coloured = curves.iter().zip(Colour::CYCLE);
+    coloured
+        .map(|(curve, colour)| BodeCurve::new(&curve.name, colour, curve_points(frequency, curve)))
+        .collect()
+}
+
+fn loop_section(found: &Verification) -> Section {
+    let curves = &found.evidence.curves;
+    let broken = bode_curves(found, std::slice::from_ref(&curves.broken));
+    let mut figure = bode("Loop broken at the plant's input", "", &broken, Phase::Drawn, gain_marks(found));
+    if let Some(phase) = figure.panels.get_mut(1) {
+        phase.marks = phase_marks(found);
+    }
+    let sensitivities = bode_curves(found, &curves.sensitivities);
+    let ms = found.evidence.margins.ms;
+    let peak = Mark::Point {
+        x: ms.rate_rad_s / std::f64::consts::TAU,
+        y: 20.0 * ms.value.log10(),
+        text: format!("Ms {} at {} Hz", short(ms.value), short(ms.rate_rad_s / std::f64::consts::TAU)),
+        colour: Colour::Second,
+    };
+    let sensitivity =
+        bode("Sensitivity and complementary sensitivity", "", &sensitivities, Phase::Left, vec![peak]);
+    Section::new("Loop and margins")
+        .saying("The discrete controller as exported, with the plant and its sensors sampled exactly.")
+        .showing([figure, sensitivity])
+        .listing(margin_table(found))
+}
+
+/// The nearest crossings of -180 degrees, as points of the magnitude.
+fn gain_marks(found: &Verification) -> Vec<Mark> {
+    let margins = &found.evidence.margins;
+    let nearest = [margins.gain_increase(), margins.gain_decrease()];
+    let point = |db: f64, rate: f64, text: String| Mark::Point {
+        x: rate / std::f64::consts::TAU,
+        y: -db,
+        text,
+        colour: Colour::Second,
+    };
+    let all =
+        nearest.into_iter().flatten().filter(|gain| gain.rate_rad_s > 0.0 && gain.rate_rad_s.is_finite());
+    let marks = all.map(|gain| {
+        let hz = gain.rate_rad_s / std::f64::consts::TAU;
+        point(gain.db, gain.rate_rad_s, format!("gain margin {} dB at {} Hz", short(gain.db), short(hz)))
+    });
+    marks.chain([Mark::Level { y: 0.0, text: String::new() }]).collect()
+}
+
+/// The crossing of 0 dB with the smallest phase margin, as a point of the phase.
+fn phase_marks(found: &Verification) -> Vec<Mark> {
+    let Some(phase) = found.evidence.margins.phase_margin() else { return Vec::new() };
+    let hz = phase.rate_rad_s / std::f64::consts::TAU;
+    let text = format!("phase margin {} deg at {} Hz", short(phase.deg), short(hz));
+    let at = Mark::Point { x: hz, y: -180.0 + phase.deg, text, colour: Colour::Third };
+    vec![at, Mark::Level { y: -180.0, text: String::new() }]
+}
+
+fn margin_table(found: &Verification) -> Table {
+    let margins = &found.evidence.margins;
+    let hz = |rate: f64| rate / std::f64::consts::TAU;
+    let columns = [
+        Column::Text("crossing"),
+        Column::Number("frequency [Hz]"),
+        Column::Number("margin"),
+        Column::Text("unit"),
+    ];
+    let mut table = Table::new("Every crossing", &columns);
+    let row = |what: &str, rate: f64, margin: f64, unit: &str| {
+        vec![Cell::text(what), Cell::number(hz(rate)), Cell::number(margin), Cell::text(unit)]
+    };
+    table
+        .rows
+        .extend(margins.gain.iter().map(|gain| row("\u{2212}180 degrees", gain.rate_rad_s, gain.db, "dB")));
+    table.rows.extend(margins.phase.iter().map(|phase| row("0 dB", phase.rate_rad_s, phase.deg, "deg")));
+    table.rows.push(row("disk", margins.disk.rate_rad_s, margins.disk.alpha, ""));
+    table
+}
+
+fn step_section(found: &Verification) -> Section {
+    let control =
+        step_column(found, ("Control during the step", "control", "V"), |history| &history.control_v);
+    let tip = step_column(found, ("Tip rate during the step", "tip rate", "rad/s"), |history| {
+        &history.tip_rate_rad_s
+    });
+    Section::new("Step of the demanded hub rate")
+        .showing(step_figure(found, 220.0))
+        .showing(control)
+        .showing(tip)
+}
+
+const MODELS: [(Model, &str, Colour, Dash); 2] = [
+    (Model::Linear, "linear plant", Colour::Muted, Dash::Dashed),
+    (Model::Nonlinear, "nonlinear plant", Colour::First, Dash::Solid),
+];
+
+fn steps(found: &Verification) -> impl Iterator<Item = (&History, &'static str, Colour, Dash)> {
+    MODELS.iter().filter_map(|(model, name, colour, dash)| {
+        found.history(*model, Experiment::Step).map(|history| (history, *name, *colour, *dash))
+    })
+}
+
+fn paired(time_s: &[f64], column: &[f64]) -> Vec<(f64, f64)> {
+    time_s.iter().copied().zip(column.iter().copied()).collect()
+}
+
+/// Hub rate after a step, on both plants.
+pub fn step_figure(found: &Verification, height: f64) -> Option<Figure> {
+    let mut series: Vec<Series> = steps(found)
+        .map(|(history, name, colour, dash)| {
+            let points = paired(&history.time_s, &history.hub_rate_rad_s);
+            Series { name: name.to_owned(), points, colour, dash }
+        })
+        .collect();
+    let first = steps(found).next()?.0;
+    series.push(Series::dotted("demand", Colour::Third, paired(&first.time_s, &first.demand_rad_s)));
+    let panel = Panel::of(Axis::linear("hub rate", "rad/s"), series).high(height);
+    Some(Figure::new("Step of the demand", Axis::linear("time", "s"), vec![panel]))
+}
+
+fn step_column(
+    found: &Verification,
+    (title, label, unit): (&str, &str, &str),
+    column: fn(&History) -> &Vec<f64>,
+) -> Option<Figure> {
+    steps(found).next()?;
+    let series = steps(found).map(|(history, name, colour, dash)| {
+        let points = paired(&history.time_s, column(history));
+        Series { name: name.to_owned(), points, colour, dash }
+    });
+    let panel = Panel::of(Axis::linear(label, unit), series.collect()).high(220.0);
+    Some(Figure::new(title, Axis::linear("time", "s"), vec![panel]))
+}
+
+fn disturbance_section(found: &Verification) -> Section {
+    let mut section = Section::new("Platform in motion").saying(
+        "Without control, only the constant voltage that holds the out-of-balance acts; left to itself the mechanism would fall.",
+    );
+    for (model, ..) in MODELS.iter().rev() {
+        let figures =
+            SOURCES.iter().filter_map(|(source, _)| disturbance_figure(found, *model, *source, 180.0));
+        section = section.showing(figures);
+    }
+    section
+}
+
+/// Hub rate while the platform moves, in the three arrangements; the second panel leaves out the one without control, whose size
+/// would hide the others.
+pub fn disturbance_figure(found: &Verification, model: Model, source: Source, height: f64) -> Option<Figure> {
+    let run = |arrangement| found.history(model, Experiment::Disturbance(source, arrangement));
+    let series: Vec<Series> = ARRANGEMENTS
+        .iter()
+        .filter_map(|(arrangement, name, colour)| {
+            run(*arrangement).map(|h| Series::solid(name, *colour, paired(&h.time_s, &h.hub_rate_rad_s)))
+        })
+        .collect();
+    let controlled: Vec<Series> = series.iter().filter(|s| s.colour != Colour::Muted).cloned().collect();
+    if series.is_empty() {
+        return None;
+    }
+    let name = SOURCES.iter().find(|row| row.0 == source).map_or("", |row| row.1);
+    let plant = MODELS.iter().find(|row| row.0 == model).map_or("", |row| row.1);
+    let panels = vec![
+        Panel::of(Axis::linear("hub rate", "rad/s"), series).high(height),
+        Panel::of(Axis::linear("hub rate", "rad/s"), controlled).high(height),
+    ];
+    let caption = "The lower panel shows the controlled loops alone.";
+    let title = format!("Hub rate under {name}, {plant}");
+    Some(Figure::new(&title, Axis::linear("time", "s"), panels).captioned(caption))
+}
+
+fn rejection_section(found: &Verification) -> Section {
+    let figure = |source: Source, title: &str, unit: &str, marks: Vec<Mark>| {
+        let curves: Vec<BodeCurve> = ARRANGEMENTS
+            .iter()
+            .filter_map(|(arrangement, name, colour)| {
+                rejection_curve(found, source, *arrangement, name, *colour)
+            })
+            .collect();
+        bode(title, unit, &curves, Phase::Left, marks)
+    };
+    let unity = vec![Mark::Level { y: 0.0, text: String::new() }];
+    Section::new("Disturbance rejection ratio")
+        .saying("Hub rate over platform motion, linear plant; low is good. Exact for a tone at each frequency, hold and sampling included.")
+        .showing([
+            figure(Source::Pitch, "DRR: hub rate over pitch rate", "", unity),
+            figure(Source::Heave, "DRR: hub rate over heave", "rad/s per m/s\u{B2}", Vec::new()),
+        ])
+}
+
+fn rejection_curve(
+    found: &Verification,
+    source: Source,
+    arrangement: Arrangement,
+    name: &str,
+    colour: Colour,
+) -> Option<BodeCurve> {
+    let matches = |r: &&Rejection| (r.source, r.arrangement) == (source, arrangement);
+    let rejection = found.evidence.curves.rejection.iter().find(matches)?;
+    let frequency = &found.evidence.curves.frequency_hz;
+    let points = frequency.iter().zip(&rejection.response).map(|(f, h)| (*f, h.re, h.im)).collect();
+    Some(BodeCurve::new(name, colour, points))
+}
+
+fn controller_section(found: &Verification) -> Section {
+    let units = ["V s/rad", "V s\u{B2}/m", "V s/rad"];
+    let curves = &found.evidence.curves;
+    let present = curves
+        .controller
+        .iter()
+        .zip(units)
+        .filter(|(curve, _)| curve.response.iter().any(|h| h.norm() > 0.0));
+    let figures = present.map(|(curve, unit)| {
+        let points = curve_points(&curves.frequency_hz, curve);
+        bode(
+            &capital(&curve.name),
+            unit,
+            &[BodeCurve::new("", Colour::First, points)],
+            Phase::Drawn,
+            Vec::new(),
+        )
+    });
+    Section::new("Controllers")
+        .saying("The discrete transfer functions as exported, from the readings to the control.")
+        .showing(figures)
+}
+
+fn plant_section(found: &Verification) -> Section {
+    let units = ["rad/s per V", "rad/s per m/s\u{B2}", ""];
+    let curves = &found.evidence.curves;
+    let figures = curves.plant.iter().zip(units).map(|(curve, unit)| {
+        let points = curve_points(&curves.frequency_hz, curve);
+        let title = format!("Hub rate for {}", curve.name);
+        bode(&title, unit, &[BodeCurve::new("", Colour::First, points)], Phase::Drawn, Vec::new())
+    });
+    Section::new(PLANT).saying("The linear plant that was verified, without sensors.").showing(figures)
+}
+
+/// Every figure with its key: what a requirement can name.
+pub fn figure_section(found: &Verification) -> Section {
+    let mut table = Table::new(
+        "",
+        &[Column::Text("figure"), Column::Number("value"), Column::Text("unit"), Column::Text("key")],
+    );
+    for measured in &found.figures {
+        let value = match &measured.value {
+            Value::Is(number) => Cell::number(*number),
+            Value::Absent { why } => Cell::text(why.clone()),
+        };
+        let (name, key) = (Cell::text(measured.figure.name()), Cell::text(measured.figure.key()));
+        table.rows.push(vec![name, value, Cell::text(measured.figure.unit()), key]);
+    }
+    Section::new("All figures").listing(table)
+}

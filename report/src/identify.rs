@@ -1,0 +1,226 @@
+//! The report of an identification: the numbers with their intervals, control against rate, the amplifier's curve.
+
+use counterpoise_diagnose::identify::{Amplifier, Estimate, GainPoint, Identified, Loop};
+
+use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
+use counterpoise_plot::ticks::short;
+use counterpoise_plot::{Axis, Band, Colour, Figure, Mark, Panel, Series};
+
+/// Its name in tables; a peak, so that it is not held against the project's level.
+const BREAKAWAY: &str = "highest after a reversal";
+
+/// The report.
+pub fn report(machine: &str, command: &str, found: &Identified) -> Report {
+    let loops: Vec<Figure> = found.loops.iter().map(|l| loop_figure(l, found, command)).collect();
+    let (first, others) = loops.split_at(loops.len().min(1));
+    let mut sections = Vec::new();
+    if !others.is_empty() {
+        sections.push(Section::new("Control against rate").showing(others.to_vec()));
+    }
+    sections.push(amplifier_section(&found.amplifier, command));
+    sections.push(found.notes.iter().fold(Section::new("To be known with the numbers"), |s, n| s.saying(n)));
+    Report {
+        title: format!("Identification of {machine}"),
+        subtitle: "out-of-balance, friction, inertia and amplifier, from recordings in closed loop"
+            .to_owned(),
+        headline: headline(found),
+        tiles: tiles(found),
+        verdicts: estimates(found),
+        glance: first.iter().map(|figure| explained(figure, found)).collect(),
+        sections,
+        provenance: vec![
+            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+            ("command".to_owned(), command.to_owned()),
+        ],
+    }
+}
+
+fn headline(found: &Identified) -> Headline {
+    let moved: Vec<&str> = named(found)
+        .into_iter()
+        .filter(|(name, e, _)| *name != BREAKAWAY && e.before.is_finite() && !e.holds(e.before))
+        .map(|(name, _, _)| name)
+        .collect();
+    let text = if moved.is_empty() {
+        "Every identified value agrees with the project".to_owned()
+    } else {
+        format!("Not as in the project: {}", moved.join(", "))
+    };
+    let detail = format!(
+        "From {:.1} s of sliding; the torque balance leaves {:.2} N m RMS.",
+        found.sliding_s, found.residual_nm
+    );
+    Headline { tone: Tone::Neutral, text, detail }
+}
+
+/// Every estimate with its name and unit.
+fn named(found: &Identified) -> Vec<(&'static str, Estimate, &'static str)> {
+    let mut out = Vec::new();
+    for (state, b) in found.balances.iter().enumerate() {
+        let names = if state == 0 {
+            ["out-of-balance", "inertia"]
+        } else {
+            ["out-of-balance, other state", "inertia, other state"]
+        };
+        out.push((names[0], b.out_of_balance_kg_m, "kg m"));
+        out.push((names[1], b.inertia_kg_m2, "kg m²"));
+    }
+    out.push(("Coulomb friction", found.coulomb_nm, "N m"));
+    out.push(("viscous friction", found.viscous_nm_s_rad, "N m s/rad"));
+    out.extend(found.breakaway_nm.map(|e| (BREAKAWAY, e, "N m")));
+    out
+}
+
+fn tiles(found: &Identified) -> Vec<Tile> {
+    let tile = |(name, e, unit): (&str, Estimate, &str)| {
+        Tile::plain(name, short(e.value), unit).noted(&format!("± {}", short(0.5 * (e.ci95[1] - e.ci95[0]))))
+    };
+    named(found).into_iter().filter(|(name, ..)| !name.contains("other")).take(4).map(tile).collect()
+}
+
+fn estimates(found: &Identified) -> Table {
+    let columns = [
+        Column::Text("value"),
+        Column::Number("identified"),
+        Column::Number("95 % interval"),
+        Column::Number("project"),
+        Column::Text("unit"),
+    ];
+    let mut table = Table::new("Identified, all torques at the hub", &columns);
+    for (name, e, unit) in named(found) {
+        table.rows.push(vec![
+            Cell::text(name),
+            Cell::number(e.value),
+            Cell::text(format!("{:.3} to {:.3}", e.ci95[0], e.ci95[1])),
+            if e.before.is_finite() { Cell::number(e.before) } else { Cell::text("") },
+            Cell::text(unit),
+        ]);
+    }
+    table
+}
+
+/// Control against hub rate, measured and as the identified mechanism needs it.
+fn loop_figure(picture: &Loop, found: &Identified, command: &str) -> Figure {
+    let points = |k: usize| picture.points.iter().map(|p| (p[0], p[k])).collect();
+    let series = vec![
+        Series::solid("recorded", Colour::Second, points(1)),
+        Series::dashed("identified", Colour::First, points(2)),
+    ];
+    let panel = Panel::of(Axis::linear("control", "V"), series).high(300.0);
+    let panel = if picture.balance == 0 {
+        let text = format!("holds the out-of-balance: {:.2} V", found.lobes.offset_v);
+        panel.marked(vec![Mark::Level { y: found.lobes.offset_v, text }])
+    } else {
+        panel
+    };
+    let state = if picture.balance == 0 { "" } else { ", other state" };
+    let title = format!("{}{state}: control against hub rate", picture.recording);
+    let figure = Figure::new(&title, Axis::linear("hub rate", "rad/s"), vec![panel]);
+    Figure { command: command.to_owned(), ..figure }
+}
+
+/// The same figure with how it is read.
+fn explained(figure: &Figure, found: &Identified) -> Figure {
+    let l = &found.lobes;
+    figure.clone().captioned(&format!(
+        "Offset: out-of-balance. Step at rate zero ({:.2} V): twice the Coulomb friction. Slope of the lobes ({:.2} V s/rad): \
+         viscous friction and back-EMF. Width ({:.2} V per rad/s²): inertia. Presliding, about rate zero, was not fitted.",
+        l.step_v, l.slope_v_s_rad, l.width_v_s2_rad
+    ))
+}
+
+fn amplifier_section(amplifier: &Amplifier, command: &str) -> Section {
+    let section = Section::new("Amplifier");
+    let points = amplifier.points();
+    let text = match amplifier {
+        Amplifier::Curve { .. } => "Its gain curve departs from the project's.".to_owned(),
+        Amplifier::AsInProject { .. } => "Its gain curve is the project's.".to_owned(),
+        Amplifier::NotIdentifiable { why } => format!("Not identifiable: {why}."),
+    };
+    let section = section.saying(text);
+    if points.is_empty() {
+        return section;
+    }
+    section.showing([curve_figure(points, command)]).listing(curve_table(points))
+}
+
+fn curve_figure(points: &[GainPoint], command: &str) -> Figure {
+    let of = |y: fn(&GainPoint) -> f64| points.iter().map(|q| (q.input_v, y(q))).collect();
+    let series = vec![
+        Series::dashed("project", Colour::Muted, of(|q| q.linear_a)),
+        Series::solid("identified", Colour::First, of(|q| q.current_a)),
+    ];
+    let band = Band {
+        name: "95 % interval".to_owned(),
+        points: points.iter().map(|q| (q.input_v, q.ci95_a[0], q.ci95_a[1])).collect(),
+        colour: Colour::First,
+    };
+    let ring = |q: &GainPoint| Mark::Point {
+        x: q.input_v,
+        y: q.current_a,
+        text: "recovered points".to_owned(),
+        colour: Colour::First,
+    };
+    let panel = Panel::of(Axis::linear("current, stalled", "A"), series).high(260.0);
+    let panel = Panel { bands: vec![band], ..panel }.marked(points.iter().map(ring).collect());
+    let figure = Figure::new("Gain curve of the amplifier", Axis::linear("input", "V"), vec![panel]);
+    Figure { command: command.to_owned(), ..figure }
+}
+
+fn curve_table(points: &[GainPoint]) -> Table {
+    let columns = [
+        Column::Number("input [V]"),
+        Column::Number("current [A]"),
+        Column::Number("95 % interval [A]"),
+        Column::Number("project [A]"),
+        Column::Number("scatter [A]"),
+    ];
+    let mut table = Table::new("Points of the gain curve, recovered without a stall test", &columns);
+    for q in points {
+        table.rows.push(vec![
+            Cell::number(q.input_v),
+            Cell::number(q.current_a),
+            Cell::text(format!("{:.3} to {:.3}", q.ci95_a[0], q.ci95_a[1])),
+            Cell::number(q.linear_a),
+            Cell::number(q.scatter_a),
+        ]);
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::html;
+    use counterpoise_diagnose::identify::{Balance, Lobes};
+
+    fn found() -> Identified {
+        let estimate = |value| Estimate::new(value, 0.5, 150.0);
+        let turn = |k: i32| f64::from(k) * 0.01;
+        Identified {
+            balances: vec![Balance { out_of_balance_kg_m: estimate(186.0), inertia_kg_m2: estimate(150.2) }],
+            coulomb_nm: estimate(130.0),
+            viscous_nm_s_rad: estimate(140.0),
+            breakaway_nm: None,
+            amplifier: Amplifier::NotIdentifiable { why: "the control stays large".to_owned() },
+            lobes: Lobes { offset_v: 3.5, step_v: 0.5, slope_v_s_rad: 6.0, width_v_s2_rad: 2.0 },
+            loops: vec![Loop {
+                recording: "triangle".to_owned(),
+                balance: 0,
+                points: (0..700).map(|k| [turn(k).sin(), turn(k).cos(), turn(k).cos()]).collect(),
+            }],
+            residual_nm: 0.2,
+            noise_share: 1e-6,
+            sliding_s: 6.0,
+            notes: vec!["a note".to_owned()],
+        }
+    }
+
+    #[test]
+    fn the_page_names_what_moved_and_draws_the_loop() {
+        let page = html(&report("rig", "counterpoise identify rig", &found()));
+        assert!(page.contains("Not as in the project: out-of-balance, Coulomb friction"), "headline");
+        assert!(page.contains("control against hub rate") && page.contains("the control stays large"));
+        assert!(!page.contains("NaN"));
+    }
+}

@@ -1,0 +1,39 @@
+//! Reports: one HTML page that carries everything it needs.
+//!
+//! In comes a [`Report`] (plain data); out goes HTML with the figures inside as SVG, light or dark as the viewer likes, and fit for
+//! printing. The first screen answers whether the design is good: a headline, the main figures, the verdicts. The evidence follows.
+//!
+//! *Invariant*: nothing here measures or judges; nothing here reads a file, a clock or the network. Same report, same bytes.
+//!
+//! Modules in reading order: [`page`], [`html`], [`style`]; then a verification's report:
+//! [`summary`], [`evidence`], [`spectra`], [`verification`], [`difference`]; then a design's: [`design`].
+
+pub mod adaptation;
+pub mod bench;
+pub mod design;
+pub mod diagnosis;
+pub mod difference;
+pub mod evidence;
+pub mod fra;
+pub mod html;
+pub mod identify;
+pub mod model;
+pub mod page;
+pub mod replay;
+pub mod residual;
+pub mod robust;
+pub mod spectra;
+pub mod structure;
+pub mod style;
+pub mod summary;
+pub mod sweep;
+pub mod targets;
+pub mod trade_off;
+pub mod triangle;
+pub mod verification;
+mod where_when;
+
+pub use design::of_design;
+pub use html::html;
+pub use page::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
+pub use verification::{Context, of_verification};

@@ -1,0 +1,322 @@
+//! The report of a plant: its numbers, poles, the modes of its structure, and its friction.
+
+use counterpoise_pipeline::plant_views::{FrictionLoop, FrictionPortrait, Meshes, ModeSet, Portrait};
+use counterpoise_pipeline::results::ModelResult;
+use counterpoise_pipeline::studies::accuracy::Accuracy;
+
+use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
+use counterpoise_plot::ticks::short;
+use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
+
+/// The report.
+pub fn report(result: &ModelResult, portrait: &Portrait, accuracy: &[Accuracy], command: &str) -> Report {
+    let mut sections: Vec<Section> = Vec::new();
+    if !portrait.modes.is_empty() {
+        sections.push(modes_section(&portrait.modes, command));
+    }
+    sections.extend(portrait.meshes.as_ref().map(|meshes| meshes_section(meshes, command)));
+    sections.extend(portrait.frictions.iter().map(|friction| friction_section(friction, command)));
+    if !accuracy.is_empty() {
+        sections.push(accuracy_section(accuracy, command));
+    }
+    let glance = portrait.modes.iter().find(|set| set.support == "pinned").map(|set| shapes(set, command));
+    Report {
+        title: format!("Plant of {}", result.name),
+        subtitle: "operating point, poles, modes of the structure, friction".to_owned(),
+        headline: Headline {
+            tone: Tone::Neutral,
+            text: format!("Linear plant of order {}", result.order),
+            detail: format!(
+                "Out-of-balance {} kg m, held by {} V.",
+                short(result.out_of_balance_kg_m),
+                short(result.holding_v)
+            ),
+        },
+        tiles: tiles(result, portrait),
+        verdicts: poles(result),
+        glance: glance.into_iter().collect(),
+        sections,
+        provenance: vec![
+            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+            ("command".to_owned(), command.to_owned()),
+        ],
+    }
+}
+
+fn tiles(result: &ModelResult, portrait: &Portrait) -> Vec<Tile> {
+    let tile = |label: String, value: f64, unit: &str| Tile {
+        label,
+        value: short(value),
+        unit: unit.to_owned(),
+        note: String::new(),
+        tone: Tone::Neutral,
+    };
+    let mut out = vec![
+        tile("out-of-balance".to_owned(), result.out_of_balance_kg_m, "kg m"),
+        tile("holding control".to_owned(), result.holding_v, "V"),
+    ];
+    for set in portrait.modes.iter().filter(|set| set.support != "free") {
+        out.extend(
+            set.modes
+                .first()
+                .map(|mode| tile(format!("first mode, hub {}", set.support), mode.frequency_hz, "Hz")),
+        );
+    }
+    out
+}
+
+fn poles(result: &ModelResult) -> Table {
+    let columns = [Column::Number("frequency [Hz]"), Column::Number("damping ratio")];
+    let mut table = Table::new("Poles of the linear plant", &columns);
+    let mut upper: Vec<[f64; 2]> = result.poles_rad_s.iter().filter(|p| p[1] >= 0.0).copied().collect();
+    upper.sort_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])));
+    for [re, im] in upper {
+        let size = re.hypot(im);
+        let damping = -re / size.max(f64::MIN_POSITIVE);
+        table.rows.push(vec![Cell::number(size / std::f64::consts::TAU), Cell::number(damping)]);
+    }
+    table
+}
+
+fn modes_section(sets: &[ModeSet], command: &str) -> Section {
+    let columns = [
+        Column::Text("hub"),
+        Column::Number("mode"),
+        Column::Number("frequency [Hz]"),
+        Column::Number("effective mass, heave [kg]"),
+        Column::Number("effective inertia, pitch [kg m\u{B2}]"),
+    ];
+    let mut table = Table::new("Flexible modes by how the hub is held", &columns);
+    for set in sets {
+        for (k, mode) in set.modes.iter().enumerate() {
+            table.rows.push(vec![
+                Cell::text(set.support),
+                Cell::text((k + 1).to_string()),
+                Cell::number(mode.frequency_hz),
+                Cell::number(mode.effective_mass_kg),
+                Cell::number(mode.effective_inertia_kg_m2),
+            ]);
+        }
+    }
+    Section::new("Modes of the structure")
+        .showing(sets.iter().filter(|set| set.support != "pinned").map(|set| shapes(set, command)))
+        .listing(table)
+}
+
+fn shapes(set: &ModeSet, command: &str) -> Figure {
+    let series = set.modes.iter().zip(Colour::CYCLE).map(|(mode, colour)| {
+        let points = mode.shape.iter().map(|p| (p[0], p[1])).collect();
+        Series::solid(&format!("{} Hz", short(mode.frequency_hz)), colour, points)
+    });
+    let panel = Panel::of(Axis::linear("deflection", ""), series.collect()).high(240.0);
+    let title = format!("Mode shapes, hub {}", set.support);
+    let figure = Figure::new(&title, Axis::linear("distance from the pivot", "m"), vec![panel])
+        .captioned("Deflection of each flexible mode, its largest being 1; the tip is to the right.");
+    Figure { command: command.to_owned(), ..figure }
+}
+
+fn meshes_section(meshes: &Meshes, command: &str) -> Section {
+    let mut columns = vec![Column::Text("elements")];
+    columns.extend(MODE_HEADS.iter().take(meshes.reference_hz.len()).map(|head| Column::Number(head)));
+    let mut table = Table::new("Frequencies over the reference's, free at both ends", &columns);
+    let row = |name: String, values: Vec<String>| {
+        let filled = values.into_iter().chain(std::iter::repeat(String::new())).take(columns.len() - 1);
+        std::iter::once(name).chain(filled).map(Cell::text).collect()
+    };
+    let hertz = meshes.reference_hz.iter().map(|hz| short(*hz)).collect();
+    table.rows.push(row(format!("{} tapered [Hz]", meshes.reference), hertz));
+    for mesh in &meshes.columns {
+        let ratios = mesh.ratios.iter().map(|r| format!("{r:.4}")).collect();
+        table.rows.push(row(format!("{} {}", mesh.elements, mesh.kind), ratios));
+    }
+    Section::new("How many elements")
+        .saying(
+            "Uniform elements have the mean diameter of the stretch that they stand for, tapered ones its true cross section by \
+             quadrature: their frequencies are never below the beam's.",
+        )
+        .showing([convergence(meshes, command)])
+        .listing(table)
+}
+
+/// Heads of the table's columns.
+const MODE_HEADS: [&str; 9] =
+    ["mode 1", "mode 2", "mode 3", "mode 4", "mode 5", "mode 6", "mode 7", "mode 8", "mode 9"];
+
+/// Modes whose errors are drawn.
+const DRAWN: usize = 3;
+
+fn convergence(meshes: &Meshes, command: &str) -> Figure {
+    let curve = |kind: &str, mode: usize| -> Vec<(f64, f64)> {
+        let all = meshes.finer.iter().filter(|c| c.kind == kind);
+        all.filter_map(|c| Some((c.elements as f64, 100.0 * (c.ratios.get(mode)? - 1.0).abs()))).collect()
+    };
+    let mut series = Vec::new();
+    for (mode, colour) in (0..DRAWN).zip(Colour::CYCLE) {
+        series.push(Series::solid(&format!("mode {}, tapered", mode + 1), colour, curve("tapered", mode)));
+        series.push(Series::dashed(&format!("mode {}, uniform", mode + 1), colour, curve("uniform", mode)));
+    }
+    let panel = Panel::of(Axis::logarithmic("error of the frequency", "%"), series).high(260.0);
+    let caption = format!(
+        "Against {} elements. The error of tapered elements falls with the fourth power of their number, that of uniform ones with the second.",
+        meshes.reference
+    );
+    let figure =
+        Figure::new("Error against the number of elements", Axis::logarithmic("elements", ""), vec![panel]);
+    Figure { command: command.to_owned(), ..figure.captioned(&caption) }
+}
+
+fn accuracy_section(all: &[Accuracy], command: &str) -> Section {
+    let sticking: Vec<&Accuracy> = all.iter().filter(|a| a.sticks).collect();
+    let others: Vec<&Accuracy> = all.iter().filter(|a| !a.sticks && a.name != CONTACT).collect();
+    let mut figures = vec![errors("Laws that truly stick", &sticking), errors("Laws that yield", &others)];
+    figures.extend(all.iter().find(|a| a.name == CONTACT).map(contact_errors));
+    figures.iter_mut().for_each(|figure| command.clone_into(&mut figure.command));
+    Section::new("How exactly it is simulated")
+        .saying(
+            "This machine with every law of friction in turn at its pivot, and nearly balanced with a gap between its teeth, set in motion \
+             from rest on a platform that pitches and heaves: the largest error of the hub rate relative to its largest value. It is \
+             compared with a second method, the classical Runge-Kutta method in a thousand steps for one of ours, which finds the \
+             instants of its own changes; its own error stands in the table.",
+        )
+        .showing(figures)
+        .listing(accuracy_table(all))
+}
+
+/// Name of the case in which teeth part and meet.
+const CONTACT: &str = "contact";
+
+/// Points of a line of errors: the step in milliseconds; an error of exactly 0 has no logarithm.
+fn line(steps: &[f64], errors: &[f64]) -> Vec<(f64, f64)> {
+    let pairs = steps.iter().zip(errors).map(|(s, e)| (1e3 * s, *e));
+    pairs.filter(|(_, e)| *e > 0.0 && e.is_finite()).collect()
+}
+
+fn errors(title: &str, laws: &[&Accuracy]) -> Figure {
+    let series = laws.iter().enumerate().map(|(k, law)| {
+        let colour = Colour::CYCLE[k % Colour::CYCLE.len()];
+        let points = line(&law.step_s, &law.error);
+        if k < Colour::CYCLE.len() {
+            Series::solid(law.name, colour, points)
+        } else {
+            Series::dashed(law.name, colour, points)
+        }
+    });
+    let panel = Panel::of(Axis::logarithmic("error", ""), series.collect()).high(260.0);
+    Figure::new(title, Axis::logarithmic("sample period", "ms"), vec![panel])
+        .captioned("With the simulator's own steps within a sample of that length.")
+}
+
+fn contact_errors(contact: &Accuracy) -> Figure {
+    let series = vec![
+        Series::solid("instants found", Colour::First, line(&contact.step_s, &contact.error)),
+        Series::dashed("steps as they are", Colour::Second, line(&contact.step_s, &contact.plain)),
+    ];
+    let panel = Panel::of(Axis::logarithmic("error", ""), series).high(260.0);
+    Figure::new("Teeth that part and meet", Axis::logarithmic("sample period", "ms"), vec![panel]).captioned(
+        "Solid: the simulator finds the instants at which teeth part and meet, to a 2048th of a sample. Dashed: it does not.",
+    )
+}
+
+fn accuracy_table(all: &[Accuracy]) -> Table {
+    let columns = [
+        Column::Text("law"),
+        Column::Number("error, longest"),
+        Column::Number("error, shortest"),
+        Column::Number("order, steps as they are"),
+        Column::Number("second method"),
+    ];
+    let mut table = Table::new(&format!("Errors with samples of {}", span(all)), &columns);
+    let small = |value: Option<&f64>| value.map_or("-".to_owned(), |v| format!("{v:.1e}"));
+    for law in all {
+        table.rows.push(vec![
+            Cell::text(law.name),
+            Cell::text(small(law.error.first())),
+            Cell::text(small(law.error.last())),
+            Cell::text(law.order.map_or("exact".to_owned(), |order| format!("{order:.1}"))),
+            Cell::text(small(Some(&law.second_method))),
+        ]);
+    }
+    table
+}
+
+/// The longest and the shortest sample in words.
+fn span(all: &[Accuracy]) -> String {
+    let steps = all.first().map_or(&[][..], |law| &law.step_s[..]);
+    match (steps.first(), steps.last()) {
+        (Some(long), Some(brief)) => format!("{} to {} ms", short(1e3 * long), short(1e3 * brief)),
+        _ => "no length".to_owned(),
+    }
+}
+
+/// Loops in order of swing that have not slid: those below the one whose torque no longer grows.
+const PRESLIDING: usize = 3;
+
+fn friction_section(friction: &FrictionPortrait, command: &str) -> Section {
+    let place = friction.place;
+    let steady = friction.steady.iter().map(|p| (p[0], p[1])).collect();
+    let mut figures = vec![
+        Figure::new(
+            &format!("Friction at the {place} against steady rate"),
+            Axis::linear("rate", "rad/s"),
+            vec![torques(vec![Series::solid("", Colour::First, steady)])],
+        )
+        .captioned("The torque after a long time at a constant rate, viscous part included."),
+    ];
+    let mut section = Section::new(&format!("Friction at the {place}"));
+    let loops: Vec<&FrictionLoop> = friction.loops.iter().filter(|l| !l.points.is_empty()).collect();
+    if !loops.is_empty() {
+        figures.extend(loop_figures(place, &loops));
+        section = section.listing(losses(&loops));
+    }
+    figures.iter_mut().for_each(|figure| command.clone_into(&mut figure.command));
+    section.showing(figures)
+}
+
+fn torques(series: Vec<Series>) -> Panel {
+    Panel::of(Axis::linear("torque", "N m"), series).high(240.0)
+}
+
+fn swing(one: &FrictionLoop) -> String {
+    format!("\u{B1} {} mrad", short(1e3 * one.amplitude_rad))
+}
+
+/// The loops through presliding over the angle, all loops over their own swing, and over their own largest rate.
+fn loop_figures(place: &str, loops: &[&FrictionLoop]) -> [Figure; 3] {
+    let curves = |many: usize, of: &dyn Fn(&FrictionLoop) -> Vec<(f64, f64)>| -> Panel {
+        let named = loops.iter().zip(Colour::CYCLE).take(many);
+        torques(named.map(|(one, colour)| Series::solid(&swing(one), colour, of(one))).collect())
+    };
+    let milli = |one: &FrictionLoop| one.points.iter().map(|p| (1e3 * p[0], p[1])).collect();
+    let relative = |points: &[[f64; 2]]| {
+        let top = points.iter().map(|p| p[0].abs()).fold(f64::MIN_POSITIVE, f64::max);
+        points.iter().map(|p| (p[0] / top, p[1])).collect()
+    };
+    let presliding = curves(PRESLIDING, &milli);
+    let sliding = curves(loops.len(), &|one| relative(&one.points));
+    let rates = curves(loops.len(), &|one| relative(&one.over_rate));
+    [
+        Figure::new(&format!("Presliding at the {place}"), Axis::linear("angle", "mrad"), vec![presliding])
+            .captioned("Torque over the angle in settled loops under a 1 Hz sine, from a spring with little loss to sliding."),
+        Figure::new(&format!("Into sliding at the {place}"), Axis::linear("angle over its swing", ""), vec![sliding])
+            .captioned("Every loop over its own swing: the fuller it is, the more of the work is lost."),
+        Figure::new(&format!("Loops at the {place} against rate"), Axis::linear("rate over its peak", ""), vec![rates])
+            .captioned("The same loops against rate, each over its own largest rate."),
+    ]
+}
+
+fn losses(loops: &[&FrictionLoop]) -> Table {
+    let columns = [
+        Column::Number("swing [mrad]"),
+        Column::Number("largest torque [N m]"),
+        Column::Number("lost in a period [J]"),
+        Column::Number("equivalent viscous damping at 1 Hz [N m s/rad]"),
+    ];
+    let mut table = Table::new("Loops under a 1 Hz sine", &columns);
+    for one in loops {
+        let torque = one.points.iter().map(|p| p[1].abs()).fold(0.0, f64::max);
+        let damping = one.lost_j / (2.0 * (std::f64::consts::PI * one.amplitude_rad).powi(2));
+        let cells = [1e3 * one.amplitude_rad, torque, one.lost_j, damping];
+        table.rows.push(cells.iter().map(|value| Cell::number(*value)).collect());
+    }
+    table
+}

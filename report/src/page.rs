@@ -1,0 +1,163 @@
+//! What a report is made of.
+
+use counterpoise_plot::Figure;
+
+/// A whole report.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// What the report is about, for example the machine's name.
+    pub title: String,
+    /// One line under the title.
+    pub subtitle: String,
+    /// The answer, before anything else.
+    pub headline: Headline,
+    /// The few numbers that a reader wants first.
+    pub tiles: Vec<Tile>,
+    /// Tables of the first screen: the verdicts.
+    pub verdicts: Table,
+    /// Figures of the first screen, beside the verdicts.
+    pub glance: Vec<Figure>,
+    /// The evidence.
+    pub sections: Vec<Section>,
+    /// Where the report comes from, as pairs of name and value: version, project, command.
+    pub provenance: Vec<(String, String)>,
+}
+
+/// The answer in one line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Headline {
+    /// Good, bad, or neither.
+    pub tone: Tone,
+    /// For example "All 12 requirements hold".
+    pub text: String,
+    /// What else has to be said in the same breath; may be empty.
+    pub detail: String,
+}
+
+/// A number with its name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tile {
+    /// What it is.
+    pub label: String,
+    /// Its value, already formatted.
+    pub value: String,
+    /// Its unit; may be empty.
+    pub unit: String,
+    /// A remark under it, for example its limit; may be empty.
+    pub note: String,
+    /// Good, bad, or neither.
+    pub tone: Tone,
+}
+
+/// How something turned out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tone {
+    /// It holds.
+    Good,
+    /// It fails.
+    Bad,
+    /// It could not be judged, or there is nothing to judge.
+    Neutral,
+}
+
+/// A part of the evidence.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Section {
+    /// Its heading.
+    pub heading: String,
+    /// Paragraphs of plain text.
+    pub text: Vec<String>,
+    /// Figures, in order.
+    pub figures: Vec<Figure>,
+    /// Tables, in order.
+    pub tables: Vec<Table>,
+}
+
+/// A table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// What it shows; may be empty.
+    pub caption: String,
+    /// Its columns.
+    pub columns: Vec<Column>,
+    /// Its rows, each as long as `columns`.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+/// A column of a table.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Column {
+    /// Text, to the left.
+    Text(&'static str),
+    /// Numbers, to the right.
+    Number(&'static str),
+}
+
+/// A cell of a table.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Cell {
+    /// Words or an already formatted number.
+    Text(String),
+    /// A verdict in words with its sign and colour.
+    Verdict(Tone, String),
+    /// A bar from 0 to 1 with its text: how much room there is.
+    Room(Tone, f64, String),
+}
+
+impl Tile {
+    /// A number that is neither good nor bad, without a remark.
+    pub fn plain(label: &str, value: String, unit: &str) -> Self {
+        let (label, unit) = (label.to_owned(), unit.to_owned());
+        Self { label, value, unit, note: String::new(), tone: Tone::Neutral }
+    }
+
+    /// The tile with a remark under it.
+    pub fn noted(mut self, note: &str) -> Self {
+        note.clone_into(&mut self.note);
+        self
+    }
+}
+
+impl Cell {
+    /// A cell of text.
+    pub fn text(text: impl Into<String>) -> Self {
+        Cell::Text(text.into())
+    }
+
+    /// A number with four significant digits.
+    pub fn number(value: f64) -> Self {
+        Cell::Text(counterpoise_plot::ticks::short(value))
+    }
+}
+
+impl Section {
+    /// A section without content.
+    pub fn new(heading: &str) -> Self {
+        Self { heading: heading.to_owned(), text: Vec::new(), figures: Vec::new(), tables: Vec::new() }
+    }
+
+    /// The same section with one more paragraph.
+    pub fn saying(mut self, text: impl Into<String>) -> Self {
+        self.text.push(text.into());
+        self
+    }
+
+    /// The same section with more figures.
+    pub fn showing(mut self, figures: impl IntoIterator<Item = Figure>) -> Self {
+        self.figures.extend(figures);
+        self
+    }
+
+    /// The same section with one more table.
+    pub fn listing(mut self, table: Table) -> Self {
+        self.tables.push(table);
+        self
+    }
+}
+
+impl Table {
+    /// A table without rows.
+    pub fn new(caption: &str, columns: &[Column]) -> Self {
+        Self { caption: caption.to_owned(), columns: columns.to_vec(), rows: Vec::new() }
+    }
+}

@@ -1,0 +1,129 @@
+//! The report of a replay: how each recording was followed, how well each channel fits, measured and simulated.
+
+use std::collections::BTreeMap;
+
+use counterpoise_pipeline::results::{ChannelResult, RecordingResult, ReplayResult};
+
+use crate::diagnosis::{Track, comparison, worst_track};
+use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
+
+/// Error over floor up to which a model fits.
+const FITS: f64 = 1.5;
+
+/// The report; `tracks` are those of each recording of the result.
+pub fn report(title: &str, command: &str, result: &ReplayResult, tracks: &[Vec<Track>]) -> Report {
+    let all: Vec<Track> = tracks.iter().flatten().cloned().collect();
+    Report {
+        title: title.to_owned(),
+        subtitle: "what the model does under what was recorded".to_owned(),
+        headline: headline(result),
+        tiles: tiles(result),
+        verdicts: ways(result),
+        glance: worst_track(&all).map(|track| comparison(track, command)).into_iter().collect(),
+        sections: result.recordings.iter().zip(tracks).map(|(r, tracks)| section(r, tracks)).collect(),
+        provenance: vec![
+            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+            ("command".to_owned(), command.to_owned()),
+        ],
+    }
+}
+
+/// The largest error over its floor, and its channel.
+fn largest(channels: &BTreeMap<&'static str, ChannelResult>) -> Option<(f64, &'static str)> {
+    let ratios = channels.iter().map(|(name, c)| (c.rms_error / c.floor, *name));
+    ratios.max_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// The largest of all recordings, with its recording.
+fn worst(result: &ReplayResult) -> Option<(f64, &'static str, &str)> {
+    let each = result.recordings.iter().filter_map(|r| {
+        let (ratio, channel) = largest(&r.channels)?;
+        Some((ratio, channel, name(&r.file)))
+    });
+    each.max_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// A file without its folders.
+fn name(file: &str) -> &str {
+    file.rsplit(['/', '\\']).next().unwrap_or(file)
+}
+
+fn headline(result: &ReplayResult) -> Headline {
+    let (tone, text) = match worst(result) {
+        None => (Tone::Neutral, "Nothing was recorded that the model could be held against".to_owned()),
+        Some((ratio, ..)) if ratio <= FITS => {
+            (Tone::Good, format!("The model fits every channel to within {FITS} times its floor"))
+        }
+        Some((ratio, channel, recording)) => {
+            let channel = channel.replace('_', " ");
+            (
+                Tone::Bad,
+                format!("The model does not fit: {channel} of {recording} is off by {ratio:.1} floors"),
+            )
+        }
+    };
+    let hunting = result.recordings.iter().filter(|r| r.parting.is_some() && r.window_s.is_some()).count();
+    let detail = if hunting > 0 { WAYS.to_owned() } else { String::new() };
+    Headline { tone, text, detail }
+}
+
+const WAYS: &str = "A machine that hunts cannot be followed from start to end, not even by itself: two runs of one model that differ in the noise \
+     of a gyroscope part. There the model starts anew from a state fitted to the first half of each window, under the recorded control, and \
+     the control stands beside the one that the recorded controller makes of the recorded measurements.";
+
+fn tiles(result: &ReplayResult) -> Vec<Tile> {
+    let count = result.recordings.len();
+    let over = result.recordings.iter().filter(|r| r.window_s.is_some()).count();
+    let mut out = Vec::new();
+    if let Some((ratio, channel, recording)) = worst(result) {
+        let tile = Tile::plain("largest error over floor", format!("{ratio:.2}"), "");
+        out.push(tile.noted(&format!("{}, {recording}", channel.replace('_', " "))));
+    }
+    let tile = Tile::plain("recordings", count.to_string(), "");
+    out.push(tile.noted(&format!("{} from start to end, {over} over windows", count - over)));
+    out
+}
+
+fn ways(result: &ReplayResult) -> Table {
+    let columns = [
+        Column::Text("recording"),
+        Column::Text("followed"),
+        Column::Text("largest error over floor"),
+        Column::Text("the same from start to end"),
+        Column::Text("two runs of the model part by"),
+    ];
+    let mut table = Table::new("How each recording was followed", &columns);
+    let told = |channels| largest(channels).map_or(String::new(), |(r, name)| format!("{r:.2} in {name}"));
+    for r in &result.recordings {
+        let way = r.window_s.map_or("from start to end".to_owned(), |s| format!("over windows of {s} s"));
+        let free = if r.window_s.is_some() { &r.free } else { &r.channels };
+        let parting = r.parting.map_or(String::new(), |p| format!("{:.1} floors in {}", p.floors, p.channel));
+        let cells = [name(&r.file).to_owned(), way, told(&r.channels), told(free), parting];
+        table.rows.push(cells.into_iter().map(Cell::text).collect());
+    }
+    table
+}
+
+fn section(recording: &RecordingResult, tracks: &[Track]) -> Section {
+    let columns = [
+        Column::Text("channel"),
+        Column::Number("RMS error"),
+        Column::Number("floor"),
+        Column::Number("error over floor"),
+        Column::Number("VAF, %"),
+    ];
+    let mut table = Table::new(&format!("Followed {}", recording.way()), &columns);
+    for (channel, c) in &recording.channels {
+        table.rows.push(vec![
+            Cell::text(*channel),
+            Cell::number(c.rms_error),
+            Cell::number(c.floor),
+            Cell::text(format!("{:.2}", c.rms_error / c.floor)),
+            Cell::text(format!("{:.4}", c.vaf)),
+        ]);
+    }
+    let figures = tracks.iter().filter(|t| t.channel == "control" || t.channel == "hub_rate");
+    let section = Section::new(name(&recording.file)).listing(table);
+    let section = recording.remarks.iter().fold(section, |section, remark| section.saying(remark.as_str()));
+    section.showing(figures.map(|track| comparison(track, "")))
+}

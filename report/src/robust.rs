@@ -1,0 +1,127 @@
+//! The linear worst case: how far all stated ranges may be widened together, in words and as a section.
+
+use counterpoise_lti::C64;
+use counterpoise_verify::structured::{Destabilising, RobustStability};
+
+use crate::{Cell, Column, Section, Table};
+use counterpoise_plot::ticks::short;
+use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
+
+/// What was found, a line each: for a terminal and for the section's text.
+pub fn lines(found: &RobustStability) -> Vec<String> {
+    let unstable = found.found.as_ref().is_some_and(|nearest| nearest.scale < 1.0);
+    let word = match (found.guaranteed >= 1.0, unstable) {
+        (true, _) => "robust",
+        (false, true) => "NOT robust: within the stated ranges the loop can be unstable",
+        (false, false) => "not shown to be robust",
+    };
+    let mut lines = vec![format!(
+        "{word}: stable for every mechanism within {} times the stated ranges{} (upper bound of mu, largest at {} Hz)",
+        short(found.guaranteed),
+        errors(found),
+        short(found.worst_hz)
+    )];
+    lines.push(
+        found.found.as_ref().map_or(
+            "no mechanism with which the loop is unstable was found by the search".to_owned(),
+            nearest,
+        ),
+    );
+    if let Some(rate) = found.dry_friction_at_rad_s {
+        lines.push(format!(
+            "dry friction counts as the viscous friction that takes as much work at a hub rate of {} rad/s",
+            short(rate)
+        ));
+    }
+    if !found.left_out.is_empty() {
+        let keys: Vec<&str> = found.left_out.iter().map(|varied| varied.key()).collect();
+        lines.push(format!("not in the linear loop: {}", keys.join(", ")));
+    }
+    lines
+}
+
+fn errors(found: &RobustStability) -> String {
+    let names = ["the plant's gain at its input", "the hub gyroscope's reading"];
+    let present = names.iter().zip(found.errors).filter(|(_, error)| *error > 0.0);
+    let words: Vec<String> =
+        present.map(|(name, error)| format!("{} % of {name}", short(100.0 * error))).collect();
+    if words.is_empty() {
+        String::new()
+    } else {
+        format!(", with as many times {} at any phase", words.join(" and "))
+    }
+}
+
+/// The nearest mechanism at the limit of stability.
+fn nearest(found: &Destabilising) -> String {
+    let mut parts: Vec<String> = found
+        .factors
+        .iter()
+        .map(|(varied, factor)| format!("{} x {}", varied.key(), short(*factor)))
+        .collect();
+    for (name, error) in ["plant's input", "hub gyroscope"].iter().zip(found.errors) {
+        if error.norm() > 0.0 {
+            parts.push(format!("{name} off by {}", polar(error)));
+        }
+    }
+    format!(
+        "nearest limit that was found: {} times the ranges, oscillating at {} Hz: {}; the loop closed with it has a pole of modulus {:.6}",
+        short(found.scale),
+        short(found.frequency_hz),
+        parts.join(", "),
+        found.pole.norm()
+    )
+}
+
+fn polar(error: C64) -> String {
+    format!("{} % at {:.0} deg", short(100.0 * error.norm()), error.arg().to_degrees())
+}
+
+/// The section: the lines, the bounds over frequency, the nearest mechanism.
+pub fn section(found: &RobustStability) -> Section {
+    let mut section = Section::new("Linear worst case");
+    for line in lines(found) {
+        let first = line.chars().next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
+        section = section.saying(format!("{first}{}.", line.chars().skip(1).collect::<String>()));
+    }
+    section = section.saying(
+        "The structured singular value mu at a frequency is 1 over the number of times that the ranges must be widened for the loop to \
+         oscillate there. Real parameters are real numbers; the errors of gain have any phase. Below the upper curve lies mu, above \
+         the lower one, and the lower one is drawn where a perturbation was found. A range is \
+         widened so that no parameter becomes negative: one from half to double reaches 0 and infinity at three times, so that a mu \
+         of 1/3 all along says no more than that.",
+    );
+    let section = section.showing([bounds(found)]);
+    match &found.found {
+        Some(nearest) => section.listing(table(nearest)),
+        None => section,
+    }
+}
+
+fn bounds(found: &RobustStability) -> Figure {
+    let points = |value: fn(&counterpoise_verify::structured::Bounds) -> f64| {
+        found.bounds.iter().map(|at| (at.frequency_hz, value(at))).filter(|point| point.1 > 0.0).collect()
+    };
+    let series = vec![
+        Series::solid("upper bound", Colour::First, points(|at| at.upper)),
+        Series::dotted("lower bound", Colour::Second, points(|at| at.lower)),
+    ];
+    let marks = vec![Mark::Level { y: 1.0, text: "unstable within the stated ranges above this".to_owned() }];
+    let panel = Panel::of(Axis::linear("structured singular value", ""), series).marked(marks);
+    Figure::new("Structured singular value", Axis::logarithmic("frequency", "Hz"), vec![panel])
+}
+
+fn table(found: &Destabilising) -> Table {
+    let columns = [Column::Text("parameter"), Column::Number("factor at the limit")];
+    let mut table = Table::new("The nearest mechanism at the limit of stability", &columns);
+    for (varied, factor) in &found.factors {
+        table.rows.push(vec![Cell::text(varied.key()), Cell::number(*factor)]);
+    }
+    for (name, error) in ["error at the plant's input", "error of the hub gyroscope"].iter().zip(found.errors)
+    {
+        if error.norm() > 0.0 {
+            table.rows.push(vec![Cell::text(*name), Cell::text(polar(error))]);
+        }
+    }
+    table
+}

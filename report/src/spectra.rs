@@ -1,0 +1,68 @@
+//! The rejection ratio from time histories, as a section.
+
+use counterpoise_verify::spectral::{CONFIDENCE, Spectral, spectral};
+use counterpoise_verify::{Arrangement, Source, Verification};
+
+use crate::Section;
+use counterpoise_plot::{Axis, Band, Colour, Figure, Panel, Series};
+
+/// Frequencies that are drawn, Hz: a vehicle has little above.
+const BAND_HZ: (f64, f64) = (0.3, 12.0);
+
+/// Hub rate over pitch and over heave on the road, with confidence and coherence; nothing without a road.
+pub fn section(found: &Verification) -> Option<Section> {
+    let all = spectral(found);
+    if all.is_empty() {
+        return None;
+    }
+    let of = |source| all.iter().filter(move |one| one.source == source).collect::<Vec<_>>();
+    let text = format!(
+        "Read from the time histories on the road, nonlinear plant, by averaged spectra; the band is the {:.0} % confidence interval. \
+         Where the coherence is low, the hub moves for another reason: the other motion of the platform, friction, noise.",
+        100.0 * CONFIDENCE
+    );
+    Some(Section::new("Disturbance rejection from the road").saying(text).showing([
+        figure("DRR on the road: |Pxy / Pxx|, pitch rate to hub rate", "dB", &of(Source::Pitch)),
+        figure(
+            "DRR on the road: |Pxy / Pxx|, heave to hub rate",
+            "dB of rad/s per m/s\u{B2}",
+            &of(Source::Heave),
+        ),
+    ]))
+}
+
+fn figure(title: &str, unit: &str, all: &[&Spectral]) -> Figure {
+    let ratio = all.iter().map(|one| line(one, &one.spectra.ratio_db())).collect();
+    let bands = all.iter().filter(|one| one.arrangement != Arrangement::Uncontrolled).map(|one| band(one));
+    let coherence = all.iter().map(|one| line(one, &one.spectra.coherence)).collect();
+    let mut first = Panel::of(Axis::linear("ratio", unit), ratio).high(220.0);
+    first.bands = bands.collect();
+    let second = Panel::of(Axis::linear("coherence", "").over(0.0, 1.0), coherence).high(110.0);
+    Figure::new(title, Axis::logarithmic("frequency", "Hz"), vec![first, second])
+}
+
+fn dress(arrangement: Arrangement) -> (&'static str, Colour) {
+    match arrangement {
+        Arrangement::Uncontrolled => ("without control", Colour::Muted),
+        Arrangement::Feedback => ("feedback", Colour::Second),
+        Arrangement::Compensated => ("feedback + feedforward", Colour::First),
+    }
+}
+
+fn drawn(hz: f64) -> bool {
+    (BAND_HZ.0..=BAND_HZ.1).contains(&hz)
+}
+
+fn line(one: &Spectral, values: &[f64]) -> Series {
+    let (name, colour) = dress(one.arrangement);
+    let pairs = one.spectra.frequency_hz.iter().copied().zip(values.iter().copied());
+    Series::solid(name, colour, pairs.filter(|(hz, value)| drawn(*hz) && value.is_finite()).collect())
+}
+
+fn band(one: &Spectral) -> Band {
+    let (_, colour) = dress(one.arrangement);
+    let edges = one.spectra.frequency_hz.iter().copied().zip(one.spectra.interval_db());
+    let points = edges.map(|(hz, (low, high))| (hz, low, high));
+    let sound = points.filter(|(hz, low, high)| drawn(*hz) && low.is_finite() && high.is_finite());
+    Band { name: String::new(), points: sound.collect(), colour }
+}

@@ -1,0 +1,97 @@
+//! The report of a structure's diagnosis: measured frequencies beside those of every model that was tried.
+
+use counterpoise_pipeline::recordings::measured_modes::{StructureAnswer, StructureVerdict};
+
+use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
+use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
+
+/// Hypotheses whose errors are drawn.
+const DRAWN: usize = 2;
+
+/// The report.
+pub fn report(machine: &str, command: &str, answer: &StructureAnswer) -> Report {
+    Report {
+        title: format!("Structure of {machine}"),
+        subtitle: "natural frequencies, measured and modelled".to_owned(),
+        headline: Headline {
+            tone: if answer.verdict == StructureVerdict::Unknown { Tone::Bad } else { Tone::Neutral },
+            text: answer.explanation.clone(),
+            detail: answer.alternatives.iter().map(|a| format!("Cannot be told from {a}. ")).collect(),
+        },
+        tiles: answer.tried.iter().take(1 + DRAWN).map(tile).collect(),
+        verdicts: frequencies(answer),
+        glance: vec![errors(answer, command)],
+        sections: vec![Section::new("What was tried").saying(EXPLAINED).listing(tried(answer))],
+        provenance: vec![
+            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+            ("command".to_owned(), command.to_owned()),
+        ],
+    }
+}
+
+const EXPLAINED: &str = "Each was fitted to all modes but one and judged on that one, mode after mode; the last column is the RMS of those errors.";
+
+fn tile(tried: &counterpoise_pipeline::recordings::measured_modes::TriedStructure) -> Tile {
+    Tile::plain(&tried.what, format!("{:.2}", tried.left_out_percent), "%")
+        .noted("RMS of modes that were not fitted")
+}
+
+fn errors(answer: &StructureAnswer, command: &str) -> Figure {
+    let points = |modes: &[f64]| {
+        let pairs = modes.iter().zip(&answer.measured_hz).enumerate();
+        pairs.map(|(k, (f, measured))| (k as f64 + 1.0, 100.0 * (f / measured - 1.0))).collect()
+    };
+    let colours = [Colour::Second, Colour::First, Colour::Muted];
+    let series = answer.tried.iter().take(1 + DRAWN).zip(colours);
+    let series = series.map(|(t, colour)| Series::solid(&t.what, colour, points(&t.modes_hz))).collect();
+    let panel = Panel::of(Axis::linear("error of the frequency", "%"), series).high(260.0);
+    let figure = Figure::new("Error by mode", Axis::linear("mode", ""), vec![panel]);
+    Figure { command: command.to_owned(), ..figure }
+}
+
+fn frequencies(answer: &StructureAnswer) -> Table {
+    let columns = [
+        Column::Number("mode"),
+        Column::Number("measured [Hz]"),
+        Column::Number("model [Hz]"),
+        Column::Number("error [%]"),
+        Column::Number("improved [Hz]"),
+        Column::Number("error [%]"),
+    ];
+    let mut table = Table::new("Natural frequencies", &columns);
+    let best = answer.tried.get(1).unwrap_or(&answer.tried[0]);
+    for (k, measured) in answer.measured_hz.iter().enumerate() {
+        let (model, improved) = (answer.model_hz[k], best.modes_hz[k]);
+        let error = |f: f64| Cell::text(format!("{:+.2}", 100.0 * (f / measured - 1.0)));
+        table.rows.push(vec![
+            Cell::text((k + 1).to_string()),
+            Cell::number(*measured),
+            Cell::number(model),
+            error(model),
+            Cell::number(improved),
+            error(improved),
+        ]);
+    }
+    table
+}
+
+fn tried(answer: &StructureAnswer) -> Table {
+    let columns = [
+        Column::Text("hypothesis"),
+        Column::Text("fitted"),
+        Column::Number("RMS error [%]"),
+        Column::Number("not fitted [%]"),
+    ];
+    let mut table = Table::new("Hypotheses, best first below the model as it is", &columns);
+    for t in &answer.tried {
+        let numbers: Vec<String> =
+            t.parameters.iter().map(|(name, value)| format!("{name} {value:.4}")).collect();
+        table.rows.push(vec![
+            Cell::text(&t.what),
+            Cell::text(numbers.join(", ")),
+            Cell::text(format!("{:.2}", t.rms_percent)),
+            Cell::text(format!("{:.2}", t.left_out_percent)),
+        ]);
+    }
+    table
+}

@@ -1,0 +1,178 @@
+//! The first screen of a verification's report.
+
+use counterpoise_verify::{
+    Arrangement, Experiment, Figure, Limit, LoopFigure, Model, Quantity, Requirement, Source, StepFigure,
+    Verdict, Verification,
+};
+
+use crate::evidence::{disturbance_figure, step_figure};
+use crate::{Cell, Column, Headline, Table, Tile, Tone};
+use counterpoise_plot::ticks::short;
+
+/// The answer.
+pub fn headline(found: &Verification) -> Headline {
+    let (holds, fails, open) = found.counts();
+    let all = holds + fails + open;
+    let stable = found.evidence.margins.closed_loop_stable;
+    let first = found.verdicts.iter().find_map(|(requirement, verdict)| failure(requirement, verdict));
+    let detail = match (stable, first) {
+        (false, _) => "The closed loop is unstable.".to_owned(),
+        (true, Some(text)) => text,
+        (true, None) if open > 0 => format!("{open} could not be judged: see the table."),
+        _ => String::new(),
+    };
+    let (tone, text) = match (all, fails) {
+        _ if !stable => (Tone::Bad, "The design does not work".to_owned()),
+        (0, _) => (Tone::Neutral, "Nothing was required".to_owned()),
+        (_, 0) if open == 0 => (Tone::Good, format!("All {all} requirements hold")),
+        (_, 0) => (Tone::Neutral, format!("{holds} of {all} requirements hold")),
+        _ => (
+            Tone::Bad,
+            format!("{fails} of {all} requirements {}", if fails == 1 { "fails" } else { "fail" }),
+        ),
+    };
+    Headline { tone, text, detail }
+}
+
+fn failure(requirement: &Requirement, verdict: &Verdict) -> Option<String> {
+    let Verdict::Fails { value, limit, .. } = verdict else { return None };
+    let unit = requirement.figure.unit();
+    Some(format!(
+        "{}: {} {unit} where {} {unit} is asked.",
+        capital(&requirement.figure.name()),
+        short(*value),
+        words_of(*limit)
+    ))
+}
+
+/// The text with its first letter made large.
+pub fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// `\u{2265} 12`.
+fn sign_of(limit: Limit) -> String {
+    match limit {
+        Limit::AtLeast(value) => format!("\u{2265} {}", short(value)),
+        Limit::AtMost(value) => format!("\u{2264} {}", short(value)),
+    }
+}
+
+/// `at least 12`.
+pub fn words_of(limit: Limit) -> String {
+    match limit {
+        Limit::AtLeast(value) => format!("at least {}", short(value)),
+        Limit::AtMost(value) => format!("at most {}", short(value)),
+    }
+}
+
+/// Every requirement with what was measured.
+pub fn verdict_table(found: &Verification) -> Table {
+    let columns = [
+        Column::Text("requirement"),
+        Column::Number("measured"),
+        Column::Number("limit"),
+        Column::Text("room"),
+        Column::Text("verdict"),
+    ];
+    let mut table = Table::new("Requirements", &columns);
+    table.rows =
+        found.verdicts.iter().map(|(requirement, verdict)| verdict_row(requirement, verdict)).collect();
+    table
+}
+
+fn verdict_row(requirement: &Requirement, verdict: &Verdict) -> Vec<Cell> {
+    let unit = requirement.figure.unit();
+    let name = if unit.is_empty() {
+        requirement.figure.name()
+    } else {
+        format!("{} [{unit}]", requirement.figure.name())
+    };
+    let part = |room: f64| room / requirement.limit.value().abs().max(f64::MIN_POSITIVE);
+    let (measured, room, verdict) = match verdict {
+        Verdict::Holds { value, margin, .. } => (
+            short(*value),
+            Cell::Room(Tone::Good, part(*margin), short(*margin)),
+            Cell::Verdict(Tone::Good, "holds".to_owned()),
+        ),
+        Verdict::Fails { value, by, .. } => (
+            short(*value),
+            Cell::Room(Tone::Bad, part(*by), short(-by)),
+            Cell::Verdict(Tone::Bad, "fails".to_owned()),
+        ),
+        Verdict::NotApplicable { why } => {
+            ("\u{2013}".to_owned(), Cell::text(""), Cell::Verdict(Tone::Neutral, why.clone()))
+        }
+    };
+    vec![Cell::text(name), Cell::text(measured), Cell::text(sign_of(requirement.limit)), room, verdict]
+}
+
+/// The numbers that a reader wants first.
+pub fn tiles(found: &Verification) -> Vec<Tile> {
+    let model = nonlinear_if_run(found);
+    let hub = |source| Figure::Disturbance(model, source, Arrangement::Compensated, Quantity::HubRms);
+    let drr = |source| Figure::Rejection { source, arrangement: Arrangement::Compensated, frequency_hz: 1.0 };
+    let wanted = [
+        ("gain margin", Figure::Loop(LoopFigure::GainMargin)),
+        ("phase margin", Figure::Loop(LoopFigure::PhaseMargin)),
+        ("sensitivity Ms", Figure::Loop(LoopFigure::MaxSensitivity)),
+        ("step overshoot", Figure::Step(model, StepFigure::Overshoot)),
+        ("DRR pitch, 1 Hz", drr(Source::Pitch)),
+        ("DRR heave, 1 Hz", drr(Source::Heave)),
+        ("hub rate on the road", hub(Source::Road)),
+    ];
+    wanted.into_iter().filter_map(|(label, figure)| tile(found, label, figure)).collect()
+}
+
+/// The nonlinear plant where it was simulated, otherwise the linear one.
+pub fn nonlinear_if_run(found: &Verification) -> Model {
+    if found.history(Model::Nonlinear, Experiment::Step).is_some() { Model::Nonlinear } else { Model::Linear }
+}
+
+fn tile(found: &Verification, label: &str, figure: Figure) -> Option<Tile> {
+    let value = found.value(figure)?;
+    let judged = found.verdicts.iter().find(|(requirement, _)| requirement.figure == figure);
+    let tone = judged.map_or(Tone::Neutral, |(_, verdict)| tone_of(verdict));
+    let (scale, unit) = if figure.unit() == "rad/s" { (1e3, "mrad/s") } else { (1.0, figure.unit()) };
+    let limit = judged.map(|(requirement, _)| words_of(scaled(requirement.limit, scale)));
+    let value = scale * value;
+    let kind = match figure {
+        Figure::Disturbance(..) => "RMS, all feedforwards",
+        Figure::Step(Model::Nonlinear, _) => "nonlinear plant",
+        Figure::Rejection { .. } => "hub over platform",
+        _ => "",
+    };
+    let note = limit.unwrap_or_else(|| kind.to_owned());
+    Some(Tile { label: label.to_owned(), value: short(value), unit: unit.to_owned(), note, tone })
+}
+
+fn scaled(limit: Limit, scale: f64) -> Limit {
+    match limit {
+        Limit::AtLeast(value) => Limit::AtLeast(scale * value),
+        Limit::AtMost(value) => Limit::AtMost(scale * value),
+    }
+}
+
+fn tone_of(verdict: &Verdict) -> Tone {
+    match verdict {
+        Verdict::Holds { .. } => Tone::Good,
+        Verdict::Fails { .. } => Tone::Bad,
+        Verdict::NotApplicable { .. } => Tone::Neutral,
+    }
+}
+
+/// The two pictures beside the verdicts: the step, and the liveliest disturbance.
+pub fn glance(found: &Verification) -> Vec<counterpoise_plot::Figure> {
+    let model = nonlinear_if_run(found);
+    let source = if found
+        .value(Figure::Disturbance(model, Source::Road, Arrangement::Feedback, Quantity::HubRms))
+        .is_some()
+    {
+        Source::Road
+    } else {
+        Source::Both
+    };
+    let both = [step_figure(found, 120.0), disturbance_figure(found, model, source, 120.0)];
+    both.into_iter().flatten().collect()
+}

@@ -1,0 +1,274 @@
+//! The pages of a robustness campaign.
+
+use counterpoise_verify::robust::{Campaign, Member, Sample, Sense, Worst, ranking, summary};
+use counterpoise_verify::structured::RobustStability;
+use counterpoise_verify::{Limit, Requirement, Value, Verification};
+
+use crate::verification::Context;
+use crate::{Cell, Column, Headline, Report, Section, Table, Tone, summary as first};
+use counterpoise_plot::ticks::short;
+use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
+
+/// The report: shares of the campaign on the first screen.
+pub fn report(found: &Verification, campaign: &Campaign, samples: &[Sample], context: Context) -> Report {
+    let good = samples.iter().filter(|sample| campaign.passes(sample)).count();
+    let all = samples.len();
+    let tone = if good == all { Tone::Good } else { Tone::Bad };
+    let text = format!("{good} of {all} mechanisms meet every requirement");
+    let detail = format!("The nominal design: {}.", first::headline(found).text.to_lowercase());
+    Report {
+        title: format!("{}: robustness", context.title),
+        subtitle: context.subtitle,
+        headline: Headline { tone, text, detail },
+        tiles: Vec::new(),
+        verdicts: shares(campaign, samples),
+        glance: Vec::new(),
+        sections: context.more,
+        provenance: context.provenance,
+    }
+}
+
+/// Distributions, sensitivities and families.
+pub fn sections(campaign: &Campaign, samples: &[Sample], families: &[Member]) -> Vec<Section> {
+    let count = campaign.requirements().len();
+    let distributions = Section::new("Distributions")
+        .saying("How many mechanisms lie below a value; the dotted line is the limit.")
+        .showing((0..count).map(|k| distribution(campaign, samples, k)));
+    let sensitivity = Section::new("What matters")
+        .saying(format!(
+            "Spearman's rank correlation between each factor and each figure: \u{2212}1 or 1 is strict order, 0 is none. \
+             \"Either way\" compares the factor's distance from 1, where that says more. Left out is what chance alone would often give: less than {:.2}, two over the root of the number of mechanisms.",
+            chance(samples)
+        ))
+        .listing(sensitivity(campaign, samples));
+    let members = Section::new("One at a time, and each configuration")
+        .listing(member_summary(campaign, families))
+        .listing(member_table(campaign, families));
+    vec![distributions, sensitivity, members]
+}
+
+/// What lies beyond the samples, for the headline: the worst cases, and how far the linear loop is from its limit.
+pub fn beyond(campaign: &Campaign, worst: &[Option<Worst>], stability: Option<&RobustStability>) -> String {
+    let both = campaign.requirements().iter().zip(worst);
+    let fails = both.filter(|(requirement, worst)| {
+        worst.as_ref().is_some_and(|worst| requirement.limit.room(worst.value) < 0.0)
+    });
+    let fails = fails.count();
+    let searched = match fails {
+        0 => " The search for worst cases finds none that fails.".to_owned(),
+        some => format!(" In its worst case {some} of {} requirements fail.", worst.len()),
+    };
+    let stable = stability.map_or(String::new(), |found| {
+        format!(" The linear loop is stable within {} times the stated ranges.", short(found.guaranteed))
+    });
+    searched + &stable
+}
+
+/// The options of `counterpoise sweep` that run a worst case again.
+pub fn again(campaign: &Campaign, worst: &Worst) -> String {
+    let both = campaign.variations().iter().zip(&worst.factors);
+    let words: Vec<String> =
+        both.map(|(variation, factor)| format!("{}={factor:.6}", variation.parameter.key())).collect();
+    format!("--sample {} --factors {}", worst.sample, words.join(","))
+}
+
+/// The worst case of each requirement beside its worst sample, with the factors that matter most for it.
+pub fn worst(campaign: &Campaign, samples: &[Sample], (found, project): (&[Option<Worst>], &str)) -> Section {
+    let columns = [
+        Column::Text("requirement"),
+        Column::Number("worst sample"),
+        Column::Number("worst case"),
+        Column::Text("verdict"),
+        Column::Text("what matters most"),
+        Column::Text("factors of the worst case"),
+    ];
+    let mut table = Table::new("", &columns);
+    for (k, worst) in found.iter().enumerate() {
+        let Some(worst) = worst else { continue };
+        let limit = campaign.requirements()[k].limit;
+        let verdict = match limit.room(worst.value) {
+            room if room >= 0.0 => Cell::Verdict(Tone::Good, "holds".to_owned()),
+            room => Cell::Verdict(Tone::Bad, format!("fails by {}", short(-room))),
+        };
+        let both = campaign.variations().iter().zip(&worst.factors);
+        let words: Vec<String> = both
+            .map(|(variation, factor)| format!("{} {}", variation.parameter.key(), short(*factor)))
+            .collect();
+        table.rows.push(vec![
+            Cell::text(format!("{} {}", name(campaign, k), bound(limit))),
+            Cell::number(worst.start),
+            Cell::number(worst.value),
+            verdict,
+            Cell::text(matters(campaign, samples, k, MOST_NAMED)),
+            Cell::text(words.join(", ")),
+        ]);
+    }
+    let first = found.iter().flatten().next().map(|worst| again(campaign, worst));
+    let section = Section::new("Worst cases")
+        .saying(
+            "From the worst sample of each requirement a compass search goes on inside the stated ranges, with that sample's sensor noise. \
+             What it finds is at least as bad as the sample; something worse may exist. What matters most is by rank correlation over the \
+             samples, strongest first: + where a larger factor raises the figure; \"either way\" where its distance from 1 does.",
+        )
+        .listing(table);
+    match first {
+        Some(options) => section
+            .saying(format!("One is run again by, for example: counterpoise sweep {project} {options}")),
+        None => section,
+    }
+}
+
+fn name(campaign: &Campaign, requirement: usize) -> String {
+    let figure = campaign.requirements()[requirement].figure;
+    if figure.unit().is_empty() { figure.name() } else { format!("{} [{}]", figure.name(), figure.unit()) }
+}
+
+fn shares(campaign: &Campaign, samples: &[Sample]) -> Table {
+    let columns = [
+        Column::Text("requirement"),
+        Column::Number("met by"),
+        Column::Number("95 % interval"),
+        Column::Number("5 %"),
+        Column::Number("median"),
+        Column::Number("95 %"),
+        Column::Number("worst sample"),
+    ];
+    let mut table = Table::new("Requirements over the campaign", &columns);
+    for k in 0..campaign.requirements().len() {
+        let found = summary(campaign, samples, k);
+        let tone = if found.share >= 1.0 { Tone::Good } else { Tone::Bad };
+        let sign = bound(campaign.requirements()[k].limit);
+        table.rows.push(vec![
+            Cell::text(format!("{} {sign}", name(campaign, k))),
+            Cell::Verdict(tone, format!("{:.1} %", 100.0 * found.share)),
+            Cell::text(format!("{:.1} to {:.1}", 100.0 * found.interval.0, 100.0 * found.interval.1)),
+            Cell::number(found.q05),
+            Cell::number(found.median),
+            Cell::number(found.q95),
+            Cell::text(found.worst.map_or(String::new(), |index| index.to_string())),
+        ]);
+    }
+    table
+}
+
+/// The share of mechanisms below each value.
+fn distribution(campaign: &Campaign, samples: &[Sample], requirement: usize) -> Figure {
+    let mut values: Vec<f64> =
+        samples.iter().map(|sample| sample.values[requirement]).filter(|v| v.is_finite()).collect();
+    values.sort_by(f64::total_cmp);
+    let all = samples.len().max(1) as f64;
+    let points = values.iter().enumerate().map(|(k, value)| (*value, 100.0 * (k + 1) as f64 / all)).collect();
+    let figure = campaign.requirements()[requirement].figure;
+    let limit = campaign.requirements()[requirement].limit.value();
+    let marks = vec![Mark::Instant { x: limit, text: format!("limit {}", short(limit)) }];
+    let panel = Panel::of(
+        Axis::linear("mechanisms below", "%").over(0.0, 100.0),
+        vec![Series::solid("", Colour::First, points)],
+    );
+    let (low, high) = (values.first().copied().unwrap_or(limit), values.last().copied().unwrap_or(limit));
+    let span = high.max(limit) - low.min(limit);
+    let span = if span > 0.0 { span } else { limit.abs().max(1.0) };
+    let room = 0.03 * span;
+    let axis =
+        Axis::linear(&figure.name(), figure.unit()).over(low.min(limit) - room, high.max(limit) + room);
+    Figure::new(&figure.name(), axis, vec![panel.marked(marks).high(150.0)])
+}
+
+/// The rank correlation that chance alone exceeds in about one case of twenty.
+fn chance(samples: &[Sample]) -> f64 {
+    2.0 / (samples.len().max(1) as f64).sqrt()
+}
+
+fn sensitivity(campaign: &Campaign, samples: &[Sample]) -> Table {
+    let mut table = Table::new("", &[Column::Text("figure"), Column::Text("strongest first")]);
+    for k in 0..campaign.requirements().len() {
+        let words = matters(campaign, samples, k, campaign.variations().len());
+        table.rows.push(vec![Cell::text(name(campaign, k)), Cell::text(words)]);
+    }
+    table
+}
+
+/// Factors named beside a worst case.
+const MOST_NAMED: usize = 3;
+
+/// At most so many factors that stand out from chance, with their rank correlation.
+fn matters(campaign: &Campaign, samples: &[Sample], requirement: usize, most: usize) -> String {
+    let ranked = ranking(campaign, samples, requirement);
+    let clear = ranked.iter().filter(|one| one.correlation.abs() >= chance(samples));
+    let words = clear.take(most).map(|one| {
+        let key = campaign.variations()[one.variation].parameter.key();
+        let either = if one.sense == Sense::EitherWay { "either way " } else { "" };
+        format!("{key} {either}{:+.2}", one.correlation).replace('-', "\u{2212}")
+    });
+    let words = words.collect::<Vec<_>>().join(",  ");
+    if words.is_empty() { "nothing that stands out".to_owned() } else { words }
+}
+
+/// A mechanism a row: how many requirements hold, and what fails.
+fn member_summary(campaign: &Campaign, families: &[Member]) -> Table {
+    let columns = [Column::Text("mechanism"), Column::Text("requirements"), Column::Text("what fails")];
+    let mut table = Table::new("Verdicts", &columns);
+    for member in families {
+        let both = campaign.requirements().iter().zip(&member.values);
+        let judged: Vec<_> =
+            both.map(|(requirement, value)| (requirement, judged(requirement, value))).collect();
+        let all = judged.iter().filter(|(_, (_, room))| !room.is_nan()).count();
+        let failed: Vec<String> = judged
+            .iter()
+            .filter(|(_, (_, room))| *room < 0.0)
+            .map(|(requirement, (value, _))| failure(requirement, *value))
+            .collect();
+        let verdict = match failed.len() {
+            0 => Cell::Verdict(Tone::Good, format!("all {all} hold")),
+            some => Cell::Verdict(Tone::Bad, format!("{some} of {all} fail")),
+        };
+        table.rows.push(vec![Cell::text(member.name.clone()), verdict, Cell::text(failed.join("; "))]);
+    }
+    table
+}
+
+fn failure(requirement: &Requirement, value: f64) -> String {
+    let figure = requirement.figure;
+    let value = format!("{} {}", short(value), figure.unit());
+    format!("{}: {} ({})", figure.name(), value.trim_end(), bound(requirement.limit))
+}
+
+/// A limit with its sign.
+fn bound(limit: Limit) -> String {
+    match limit {
+        Limit::AtLeast(limit) => format!("\u{2265} {}", short(limit)),
+        Limit::AtMost(limit) => format!("\u{2264} {}", short(limit)),
+    }
+}
+
+/// A figure and its room; NaN where it could not be measured.
+fn judged(requirement: &Requirement, value: &Value) -> (f64, f64) {
+    match value {
+        Value::Is(number) => (*number, requirement.limit.room(*number)),
+        Value::Absent { .. } => (f64::NAN, f64::NAN),
+    }
+}
+
+/// Mechanisms down, requirements as text: their number varies, columns are fixed.
+fn member_table(campaign: &Campaign, families: &[Member]) -> Table {
+    let columns =
+        [Column::Text("mechanism"), Column::Text("figure"), Column::Number("value"), Column::Text("verdict")];
+    let mut table = Table::new("Every figure", &columns);
+    for member in families {
+        for (k, (requirement, value)) in campaign.requirements().iter().zip(&member.values).enumerate() {
+            let (number, room) = judged(requirement, value);
+            let (tone, word) = match room {
+                r if r.is_nan() => (Tone::Neutral, "not applicable".to_owned()),
+                r if r >= 0.0 => (Tone::Good, "holds".to_owned()),
+                r => (Tone::Bad, format!("fails by {}", short(-r))),
+            };
+            table.rows.push(vec![
+                Cell::text(member.name.clone()),
+                Cell::text(name(campaign, k)),
+                Cell::number(number),
+                Cell::Verdict(tone, word),
+            ]);
+        }
+    }
+    table
+}

@@ -1,0 +1,276 @@
+//! The controller on its targets: in double, single and fixed point side by side, and what a step costs.
+
+use counterpoise_controller::sensitivity::Form;
+use counterpoise_export::{FormFigures, Numbers, TargetFigures, Targets};
+use counterpoise_pipeline::export::PathForms;
+use counterpoise_pipeline::export::target_proofs::{Answered, CoreCost, Costs, Operations, Proof};
+use counterpoise_verify::{Experiment, Source};
+
+use crate::{Cell, Column, Section, Table};
+
+/// All that the section tells of.
+#[derive(Debug, Clone, Copy)]
+pub struct Told<'a> {
+    /// The closed loop in each kind of numbers.
+    pub targets: &'a Targets,
+    /// The compiled code beside its model.
+    pub proofs: &'a [Proof],
+    /// Operations of a step.
+    pub operations: Operations,
+    /// Instructions and memory.
+    pub costs: &'a Costs,
+    /// Realisations of the paths.
+    pub forms: &'a [PathForms],
+    /// The controller with its paths in every form.
+    pub by_form: &'a [FormFigures],
+}
+
+/// The section of a report that sets the targets side by side.
+pub fn section(told: &Told<'_>) -> Section {
+    let about = "Every code below was generated, compiled and given all readings of its own closed loops on the nonlinear plant. \
+                 Where it answers as its model to the last bit, it moves the plant as its model does, sample by sample. What \
+                 small numbers cost is against double; for heave, pitch and road it is what the rejection ratio loses.";
+    let section = Section::new("On the target").saying(about).listing(loops(told));
+    let section = match &told.targets.fixed {
+        Ok(_) => section,
+        Err(why) => section.saying(format!("There is no fixed-point form: {why}.")),
+    };
+    let section = section.listing(proof_table(told.proofs)).listing(deviations(told.targets));
+    let section = section
+        .saying(ROUNDING)
+        .listing(form_table(told.forms))
+        .listing(by_form(told.by_form))
+        .saying(work(told.operations));
+    let costs = told.costs;
+    let section = if costs.counted.is_empty() { section } else { section.listing(cost_table(costs)) };
+    match &costs.remark {
+        Some(remark) => section.saying(format!("Instructions, flash and stack: {remark}.")),
+        None => section,
+    }
+}
+
+/// What the predictions of rounding mean.
+const ROUNDING: &str = "Predicted: what every operation rounds is carried on by the derivatives of each step as it ran, estimators, \
+                        observers and limits included; a sample exceeds it with a probability of 3e-8. Worst case: every rounding \
+                        of a run goes the same way, with every number at the end of its range and the limiter inactive; a bound \
+                        where the step is linear, a measure where an estimator or a friction observer bends it.";
+
+fn work(operations: Operations) -> String {
+    let Operations { multiplications, additions, states } = operations;
+    let needed = 2 * multiplications + additions + 2 * states;
+    format!(
+        "One step takes {multiplications} multiplications and {additions} additions on {states} states, without a loop; only \
+         limits branch, so the largest count is the worst case within a few instructions. By hand a step in single precision \
+         needs about {needed} instructions: a product and the load of its coefficient, a sum, a load and a store of each state."
+    )
+}
+
+/// The closed loop in each experiment, a column for each code.
+fn loops(told: &Told<'_>) -> Table {
+    let mut columns = vec![Column::Text("experiment")];
+    for (figures, proof) in codes(told) {
+        columns.push(Column::Number(code_unit(proof)));
+        if !proof.rust && figures.numbers != Numbers::Double {
+            columns.push(Column::Number(if figures.numbers == Numbers::Single {
+                "single costs [dB]"
+            } else {
+                "fixed costs [dB]"
+            }));
+        }
+    }
+    let mut table =
+        Table::new("Hub rate error RMS of the closed loop with the exported code, nonlinear plant", &columns);
+    let experiments = told.targets.figures.first().map_or(0, |figures| figures.experiments.len());
+    table.rows = (0..experiments).map(|i| loop_row(told, i)).collect();
+    table
+}
+
+/// Each code with the figures of its numbers.
+fn codes<'a>(told: &Told<'a>) -> Vec<(&'a TargetFigures, &'a Proof)> {
+    let figures = |proof: &Proof| told.targets.figures.iter().find(|f| f.numbers == proof.numbers);
+    told.proofs.iter().filter_map(|proof| Some((figures(proof)?, proof))).collect()
+}
+
+fn code_name(proof: &Proof) -> &'static str {
+    match (proof.rust, proof.numbers) {
+        (false, Numbers::Double) => "C, double",
+        (false, Numbers::Single) => "C, single",
+        (false, Numbers::Fixed) => "C, 32-bit fixed point",
+        (true, Numbers::Single) => "Rust, single",
+        (true, _) => "Rust, double",
+    }
+}
+
+fn code_unit(proof: &Proof) -> &'static str {
+    match (proof.rust, proof.numbers) {
+        (false, Numbers::Double) => "C double [rad/s]",
+        (false, Numbers::Single) => "C single [rad/s]",
+        (false, Numbers::Fixed) => "C fixed [rad/s]",
+        (true, Numbers::Single) => "Rust single [rad/s]",
+        (true, _) => "Rust double [rad/s]",
+    }
+}
+
+fn loop_row(told: &Told<'_>, i: usize) -> Vec<Cell> {
+    let mut cells = Vec::new();
+    for (figures, proof) in codes(told) {
+        let Some(each) = figures.experiments.get(i) else { continue };
+        if cells.is_empty() {
+            cells.push(Cell::text(experiment(each.experiment)));
+        }
+        cells.push(match proof.answered {
+            Answered::Alike { .. } => Cell::text(format!("{:.4e}", each.error_rms_rad_s)),
+            Answered::Otherwise { .. } => Cell::text("differs"),
+            Answered::NotRun(_) => Cell::text("not run"),
+        });
+        if !proof.rust && figures.numbers != Numbers::Double {
+            // Less than 0.0005 dB either way prints as 0, without a sign.
+            let cost = match each.cost_db {
+                None => "\u{2013}".to_owned(),
+                Some(cost) if cost.abs() < 5e-4 => "0.000".to_owned(),
+                Some(cost) => format!("{cost:+.3}"),
+            };
+            cells.push(Cell::text(cost));
+        }
+    }
+    cells
+}
+
+fn proof_table(proofs: &[Proof]) -> Table {
+    let columns = [Column::Text("code"), Column::Text("compiled and run on this machine, beside its model")];
+    let mut table =
+        Table::new("Compiled code beside its model, for all readings of its closed loops", &columns);
+    let said = |answered: &Answered| match answered {
+        Answered::Alike { samples } => format!("{samples} samples equal to the last bit"),
+        Answered::Otherwise { samples, wrong } => format!("{wrong} of {samples} samples DIFFER"),
+        Answered::NotRun(why) => format!("not run: {why}"),
+    };
+    let row = |proof: &Proof| vec![Cell::text(code_name(proof)), Cell::text(said(&proof.answered))];
+    table.rows = proofs.iter().map(row).collect();
+    table
+}
+
+fn form_table(forms: &[PathForms]) -> Table {
+    let columns = [
+        Column::Text("path"),
+        Column::Text("form"),
+        Column::Number("coefficients"),
+        Column::Number("error predicted [1]"),
+        Column::Number("error measured [1]"),
+        Column::Text(""),
+    ];
+    let title = "Realisation: error of each path's frequency response with coefficients in single precision";
+    let mut table = Table::new(title, &columns);
+    for each in forms {
+        for candidate in &each.candidates {
+            let name = if candidate.form == Form::Balanced { "balanced" } else { "modal sections" };
+            table.rows.push(vec![
+                Cell::text(each.path.as_str()),
+                Cell::text(name),
+                Cell::text(candidate.coefficients.to_string()),
+                Cell::text(format!("{:.1e}", candidate.predicted)),
+                Cell::text(format!("{:.1e}", candidate.measured)),
+                Cell::text(if candidate.form == each.chosen { "in use" } else { "" }),
+            ]);
+        }
+    }
+    table
+}
+
+/// The controller with every path in each form.
+fn by_form(figures: &[FormFigures]) -> Table {
+    let columns = [
+        Column::Text("every path"),
+        Column::Number("multiplications"),
+        Column::Number("in double, largest [V]"),
+        Column::Number("in single, largest [V]"),
+        Column::Number("in single, RMS [V]"),
+    ];
+    let title = "Control of the C against the reference with the paths in each form, for the same readings";
+    let mut table = Table::new(title, &columns);
+    let volts = |value: f64| match value {
+        0.0 => "0".to_owned(),
+        value if value.is_finite() => format!("{value:.1e}"),
+        _ => "leaves all range".to_owned(),
+    };
+    let row = |each: &FormFigures| {
+        let values = [each.double.largest_v, each.single.largest_v, each.single.rms_v];
+        let first = [each.form.name().to_owned(), each.multiplications.to_string()];
+        first.into_iter().chain(values.map(volts)).map(Cell::text).collect()
+    };
+    table.rows = figures.iter().map(row).collect();
+    table
+}
+
+/// How far the control is from the reference for the same readings.
+fn deviations(targets: &Targets) -> Table {
+    let columns = [
+        Column::Text("numbers"),
+        Column::Number("largest, measured [V]"),
+        Column::Number("largest, predicted [V]"),
+        Column::Number("worst case [V]"),
+        Column::Number("RMS, measured [V]"),
+        Column::Number("RMS, predicted [V]"),
+    ];
+    let title = "Control against the reference for the same readings, at every setting of the out-of-balance where a gain bends";
+    let mut table = Table::new(title, &columns);
+    table.rows = targets.figures.iter().map(deviation_row).collect();
+    table
+}
+
+fn deviation_row(figures: &TargetFigures) -> Vec<Cell> {
+    let predicted = &figures.predicted;
+    let volts = |value: f64| Cell::text(if value == 0.0 { "0".to_owned() } else { format!("{value:.1e}") });
+    vec![
+        Cell::text(numbers(figures.numbers)),
+        volts(figures.measured_v),
+        volts(predicted.likely_v),
+        volts(predicted.worst_v),
+        volts(figures.measured_rms_v),
+        volts(predicted.rms_v),
+    ]
+}
+
+fn cost_table(costs: &Costs) -> Table {
+    let columns = [
+        Column::Text("core"),
+        Column::Text("numbers"),
+        Column::Number("step, at most [instructions]"),
+        Column::Number("set out-of-balance [instructions]"),
+        Column::Number("flash [bytes]"),
+        Column::Number("state in RAM [bytes]"),
+        Column::Number("stack [bytes]"),
+    ];
+    let title =
+        "Cost on a Cortex-M, counted in QEMU; code compiled with gcc -O2; without the compiler's own library";
+    let mut table = Table::new(title, &columns);
+    table.rows = costs.counted.iter().map(cost_row).collect();
+    table
+}
+
+fn cost_row(each: &CoreCost) -> Vec<Cell> {
+    let c = &each.cost;
+    let counts = [c.step_instructions, c.set_instructions, c.flash_bytes, c.state_bytes, c.stack_bytes];
+    let names = [each.core, numbers(each.numbers)].map(Cell::text);
+    names.into_iter().chain(counts.map(|count| Cell::text(count.to_string()))).collect()
+}
+
+fn numbers(numbers: Numbers) -> &'static str {
+    match numbers {
+        Numbers::Double => "double",
+        Numbers::Single => "single",
+        Numbers::Fixed => "32-bit fixed point",
+    }
+}
+
+fn experiment(experiment: Experiment) -> &'static str {
+    match experiment {
+        Experiment::Step => "step of the demand",
+        Experiment::Triangle => "triangle of the demand",
+        Experiment::Rest => "rest",
+        Experiment::Disturbance(Source::Heave, _) => "heave",
+        Experiment::Disturbance(Source::Pitch, _) => "pitch",
+        Experiment::Disturbance(Source::Both, _) => "heave and pitch",
+        Experiment::Disturbance(Source::Road, _) => "road",
+    }
+}

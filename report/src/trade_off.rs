@@ -1,0 +1,106 @@
+//! The answer of a search for weights: rejection against sensitivity and effort, point by point.
+
+use counterpoise_pipeline::studies::search::Searched;
+use counterpoise_synth::{Figures, Found};
+
+use crate::design::weight_section;
+use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
+use counterpoise_plot::ticks::short;
+use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
+
+/// The report, without provenance; `verified` is the table of verdicts.
+pub fn report(machine: &str, found: &Searched, verified: &Table) -> Report {
+    let best = &found.found.best;
+    let holds = best.missed == 0.0 && found.missed_on_full_plant == 0.0;
+    let (tone, text) = match holds {
+        true => (Tone::Good, "The requirements on the loop hold"),
+        false => (Tone::Bad, "Requirements on the loop are missed"),
+    };
+    let detail = format!("{} designs were tried for the answer.", found.found.trials);
+    let mut trade_off = Section::new("Trade-off")
+        .saying("Each point is a search of its own under a limit of the sensitivity; every other requirement is kept.");
+    if !found.curve.is_empty() {
+        trade_off = trade_off.showing([figure(best, &found.curve)]).listing(points(&found.curve));
+    }
+    Report {
+        title: format!("Weights for {machine}"),
+        subtitle: "from requirements to weights".to_owned(),
+        headline: Headline { tone, text: text.to_owned(), detail },
+        tiles: tiles(&best.figures),
+        verdicts: verified.clone(),
+        glance: Vec::new(),
+        sections: vec![trade_off, weight_section(&best.specification)],
+        provenance: Vec::new(),
+    }
+}
+
+fn tiles(f: &Figures) -> Vec<Tile> {
+    vec![
+        Tile::plain("rejection |S|", short(f.rejection), ""),
+        Tile::plain("largest sensitivity", short(f.ms), ""),
+        Tile::plain("gain margin", short(f.gain_margin_db), "dB"),
+        Tile::plain("noise gain", short(f.noise_gain), "V s/rad"),
+    ]
+}
+
+fn figure(best: &counterpoise_synth::Trial, curve: &[(f64, Found)]) -> Figure {
+    let over = |of: &dyn Fn(&Figures) -> f64| {
+        let mut points: Vec<(f64, f64)> =
+            curve.iter().map(|(_, found)| (found.best.figures.ms, of(&found.best.figures))).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        points
+    };
+    let answer = |y: f64| {
+        let (text, colour) = ("the answer".to_owned(), Colour::Second);
+        vec![Mark::Point { x: best.figures.ms, y, text, colour }]
+    };
+    let panel = |name: &str, unit: &str, of: &dyn Fn(&Figures) -> f64| {
+        let series = vec![Series::solid("", Colour::First, over(of))];
+        Panel::of(Axis::linear(name, unit), series).marked(answer(of(&best.figures)))
+    };
+    let panels = vec![
+        panel("|S| over the band", "", &|f| f.rejection),
+        panel("noise gain", "V s/rad", &|f| f.noise_gain).high(140.0),
+    ];
+    Figure::new(
+        "Rejection and effort against sensitivity",
+        Axis::linear("largest sensitivity Ms", ""),
+        panels,
+    )
+    .captioned("Less |S| is more rejection. Where the curve is flat another requirement than Ms stops it.")
+}
+
+fn points(curve: &[(f64, Found)]) -> Table {
+    let columns = [
+        Column::Number("limit of Ms"),
+        Column::Number("Ms"),
+        Column::Number("|S| over the band"),
+        Column::Number("noise gain [V s/rad]"),
+        Column::Number("gain margin [dB]"),
+        Column::Number("phase margin [deg]"),
+        Column::Number("overshoot [%]"),
+        Column::Text("requirements"),
+    ];
+    let mut table = Table::new("", &columns);
+    for (limit, found) in curve {
+        let f = &found.best.figures;
+        let mut cells: Vec<Cell> = [
+            *limit,
+            f.ms,
+            f.rejection,
+            f.noise_gain,
+            f.gain_margin_db,
+            f.phase_margin_deg,
+            100.0 * f.overshoot,
+        ]
+        .into_iter()
+        .map(Cell::number)
+        .collect();
+        cells.push(match found.best.missed == 0.0 {
+            true => Cell::Verdict(Tone::Good, "hold".to_owned()),
+            false => Cell::Verdict(Tone::Bad, "are missed".to_owned()),
+        });
+        table.rows.push(cells);
+    }
+    table
+}

@@ -1,0 +1,76 @@
+//! A triangle of the demand, as a section.
+
+use counterpoise_verify::{Experiment, History, Model, Verification};
+
+use crate::Section;
+use counterpoise_plot::thin::MOST_POINTS;
+use counterpoise_plot::{Axis, Colour, Dash, Figure, Panel, Series};
+
+const MODELS: [(Model, &str, Colour, Dash); 2] = [
+    (Model::Linear, "linear plant", Colour::Muted, Dash::Dashed),
+    (Model::Nonlinear, "nonlinear plant", Colour::First, Dash::Solid),
+];
+
+/// Hub rate, error and control while the demand is a triangle, and control against rate; nothing where none was run.
+pub fn section(found: &Verification) -> Option<Section> {
+    let runs: Vec<Run<'_>> = MODELS.iter().filter_map(|dress| run(found, dress)).collect();
+    let first = runs.first()?.history;
+    let text = "With a triangle, control against hub rate shows the out-of-balance as an offset, Coulomb friction as a step at zero rate, \
+                viscous friction as the slope of the lobes and inertia as the width of the loop.";
+    let section = Section::new("Triangle of the demanded hub rate").saying(text);
+    Some(section.showing([over_time(&runs, first), loops(&runs)]))
+}
+
+/// A plant's history and how it is drawn.
+struct Run<'a> {
+    history: &'a History,
+    name: &'static str,
+    colour: Colour,
+    dash: Dash,
+}
+
+impl Run<'_> {
+    fn series(&self, points: Vec<(f64, f64)>) -> Series {
+        Series { name: self.name.to_owned(), points, colour: self.colour, dash: self.dash }
+    }
+}
+
+fn run<'a>(
+    found: &'a Verification,
+    (model, name, colour, dash): &(Model, &'static str, Colour, Dash),
+) -> Option<Run<'a>> {
+    let history = found.history(*model, Experiment::Triangle)?;
+    Some(Run { history, name, colour: *colour, dash: *dash })
+}
+
+fn over_time(runs: &[Run<'_>], first: &History) -> Figure {
+    let of = |column: &dyn Fn(&History, usize) -> f64| -> Vec<Series> {
+        let points = |history: &History| {
+            (0..history.time_s.len()).map(|k| (history.time_s[k], column(history, k))).collect()
+        };
+        runs.iter().map(|run| run.series(points(run.history))).collect()
+    };
+    let mut rates = of(&|history, k| history.hub_rate_rad_s[k]);
+    let demand = first.time_s.iter().copied().zip(first.demand_rad_s.iter().copied()).collect();
+    rates.push(Series::dotted("demand", Colour::Third, demand));
+    let errors = of(&|history, k| 1e3 * (history.demand_rad_s[k] - history.hub_rate_rad_s[k]));
+    let panels = vec![
+        Panel::of(Axis::linear("hub rate", "rad/s"), rates).high(150.0),
+        Panel::of(Axis::linear("error", "mrad/s"), errors).high(130.0),
+        Panel::of(Axis::linear("control", "V"), of(&|history, k| history.control_v[k])).high(130.0),
+    ];
+    Figure::new("Triangle of the demand", Axis::linear("time", "s"), panels)
+}
+
+/// Control against rate over the second half; few enough points that none is left out in drawing.
+fn loops(runs: &[Run<'_>]) -> Figure {
+    let one = |run: &Run<'_>| {
+        let history = run.history;
+        let half = history.time_s.len() / 2;
+        let every = (history.time_s.len() - half).div_ceil(MOST_POINTS).max(1);
+        let samples = (half..history.time_s.len()).step_by(every);
+        run.series(samples.map(|k| (1e3 * history.hub_rate_rad_s[k], history.control_v[k])).collect())
+    };
+    let panel = Panel::of(Axis::linear("control", "V"), runs.iter().map(one).collect()).high(300.0);
+    Figure::new("Control against hub rate", Axis::linear("hub rate", "mrad/s"), vec![panel])
+}

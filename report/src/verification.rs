@@ -1,0 +1,36 @@
+//! The report of a verification.
+
+use counterpoise_verify::Verification;
+
+use crate::{Report, Section, evidence, spectra, summary};
+
+/// What a verification does not know about itself.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Context {
+    /// The machine's name.
+    pub title: String,
+    /// One line under it.
+    pub subtitle: String,
+    /// Sections that come after the verification's own: reduction, weights, certificates, times.
+    pub more: Vec<Section>,
+    /// Pairs of name and value: version, project, command.
+    pub provenance: Vec<(String, String)>,
+}
+
+/// The report: the verdicts on the first screen, then the evidence, then what `context` adds.
+pub fn of_verification(found: &Verification, context: Context) -> Report {
+    let mut sections = evidence::sections(found);
+    sections.extend(spectra::section(found));
+    sections.extend(context.more);
+    sections.push(evidence::figure_section(found));
+    Report {
+        title: context.title,
+        subtitle: context.subtitle,
+        headline: summary::headline(found),
+        tiles: summary::tiles(found),
+        verdicts: summary::verdict_table(found),
+        glance: summary::glance(found),
+        sections,
+        provenance: context.provenance,
+    }
+}
