@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand};
+use counterpoise_pipeline::recordings::ReplayLength;
 
 use crate::commands::{
     adapt::AdaptOptions, claims::ClaimsOptions, fra::FraOptions, model::ModelOptions, sweep::SweepOptions,
@@ -134,7 +135,7 @@ pub struct ReplayOptions {
     /// follows: SECONDS; `none`, from start to end; `auto`, over half a second where the machine hunts, so that two runs of the model
     /// itself part by more than noise, and from start to end elsewhere
     #[arg(long, value_name = "auto|none|SECONDS", default_value = "auto", value_parser = windows)]
-    pub windows: Windows,
+    pub windows: ReplayLength,
     /// Write a report with pictures to this HTML file
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
@@ -143,27 +144,13 @@ pub struct ReplayOptions {
     pub results: Results,
 }
 
-/// Over what length a recording is followed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Windows {
-    /// As the machine allows.
-    Auto,
-    /// From start to end.
-    None,
-    /// Over windows of a length.
-    Every {
-        /// Length, s.
-        window_s: f64,
-    },
-}
-
 /// `auto`, `none` or a length in seconds.
-fn windows(text: &str) -> Result<Windows, String> {
+fn windows(text: &str) -> Result<ReplayLength, String> {
     match text {
-        "auto" => Ok(Windows::Auto),
-        "none" => Ok(Windows::None),
+        "auto" => Ok(ReplayLength::Automatic),
+        "none" => Ok(ReplayLength::Whole),
         _ => match text.parse::<f64>() {
-            Ok(window_s) if window_s > 0.0 && window_s.is_finite() => Ok(Windows::Every { window_s }),
+            Ok(window_s) if window_s > 0.0 && window_s.is_finite() => Ok(ReplayLength::Windows { window_s }),
             _ => Err("must be `auto`, `none` or a length in seconds, such as 0.5".to_owned()),
         },
     }

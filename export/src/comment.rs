@@ -6,9 +6,9 @@
 /// Characters beside letters, digits and the space that a comment may hold.
 ///
 /// The list has neither `*` nor `\` nor `?`: without them no text can end a block comment (`*/`), open one (`/*`), continue
-/// a line comment, or form a trigraph (`??/`). It has neither `<` nor `>` nor `&`, so the text is harmless in XML and
-/// Markdown too.
-const PUNCTUATION: &str = " .,:;()[]{}+-=_%^'#!~|/@";
+/// a line comment, or form a trigraph (`??/`). It has none of `<`, `>`, `&`, `{`, `}` and `|`, so the text is harmless in
+/// XML, in templates and in Markdown tables too.
+const PUNCTUATION: &str = " .,:;()[]+-=_%^'#!~/@";
 
 /// What stands in the place of a character that a comment may not hold.
 const SUBSTITUTE: char = '_';

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use counterpoise_models::Parameters;
+use counterpoise_pipeline::recordings::RecordingFile;
 use counterpoise_pipeline::{Step, World};
 use counterpoise_project::{Diagnostic, Document, Parsed, Project, Purpose};
 
@@ -59,7 +60,7 @@ pub fn load(path: &Path, purpose: Purpose) -> Result<Loaded> {
 }
 
 /// The recordings among files and folders, in the order given; a folder's are sorted by name.
-pub fn recordings(paths: &[PathBuf]) -> Result<Vec<(String, Vec<u8>)>> {
+pub fn recordings(paths: &[PathBuf]) -> Result<Vec<RecordingFile>> {
     let mut found = Vec::new();
     for path in paths {
         if path.is_dir() {
@@ -79,7 +80,7 @@ pub fn recordings(paths: &[PathBuf]) -> Result<Vec<(String, Vec<u8>)>> {
     let read = |path: PathBuf| {
         let bytes =
             fs::read(&path).with_context(|| format!("cannot read the recording {}", path.display()))?;
-        Ok((path.display().to_string(), bytes))
+        Ok(RecordingFile { name: path.display().to_string(), bytes })
     };
     found.into_iter().map(read).collect()
 }

@@ -105,6 +105,29 @@ pub enum PipelineError {
         /// The channel.
         channel: &'static str,
     },
+    /// A file of recordings cannot be read as the project maps it.
+    #[error(transparent)]
+    UnreadableRecording(counterpoise_project::recording::RecordingError),
+    /// The gaps of a recording leave no part of it.
+    #[error("nothing of {recording} can be replayed: {why}")]
+    NothingToReplay {
+        /// Name of the recording.
+        recording: String,
+        /// What was found in it.
+        why: String,
+    },
+    /// The model cannot replay a recording.
+    #[error("cannot replay {recording}")]
+    CannotReplay {
+        /// Name of the recording.
+        recording: String,
+        /// Why.
+        #[source]
+        cause: counterpoise_simulate::Error,
+    },
+    /// Recordings cannot be diagnosed.
+    #[error(transparent)]
+    Diagnosis(counterpoise_diagnose::Error),
     /// A recording cannot be used.
     #[error("recording: {0}")]
     Recording(#[from] counterpoise_project::recording::RecordingError),

@@ -6,26 +6,9 @@ use counterpoise_plot::ticks::short;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
 use crate::where_when::where_section;
-use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone, residual};
+use counterpoise_pipeline::recordings::tracks::Track;
 
-/// One channel of one recording, measured and simulated.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Track {
-    /// Name of the recording.
-    pub recording: String,
-    /// Channel name.
-    pub channel: &'static str,
-    /// Unit.
-    pub unit: &'static str,
-    /// Sample period, s.
-    pub period_s: f64,
-    /// As recorded.
-    pub measured: Vec<f64>,
-    /// The model as it was.
-    pub before: Vec<f64>,
-    /// The improved model; empty where there is none.
-    pub after: Vec<f64>,
-}
+use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone, residual};
 
 /// The report.
 pub fn report(machine: &str, command: &str, answer: &Answer, tracks: &[Track]) -> Report {

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use counterpoise_pipeline::results::{ChannelResult, RecordingResult, ReplayResult};
 
-use crate::diagnosis::{Track, comparison, worst_track};
+use counterpoise_pipeline::recordings::tracks::Track;
+
+use crate::diagnosis::{comparison, worst_track};
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
 
 /// Error over floor up to which a model fits.

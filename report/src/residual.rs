@@ -3,8 +3,8 @@
 use counterpoise_diagnose::residuals::{ResidualTest, residual_test};
 use counterpoise_verify::signals::welch::{Spectra, WelchOptions, welch};
 
-use crate::diagnosis::Track;
 use crate::{Cell, Column, Section, Table, Tone};
+use counterpoise_pipeline::recordings::tracks::Track;
 use counterpoise_plot::thin::MOST_POINTS;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 

@@ -4,13 +4,14 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use counterpoise_diagnose::{Diagnosis, diagnose};
+use counterpoise_diagnose::Diagnosis;
+use counterpoise_host::projects;
 use counterpoise_models::Parameters;
 use counterpoise_models::parameters::Beam;
+use counterpoise_pipeline::recordings::diagnose;
 use counterpoise_pipeline::studies::trade_off::{EffortPoint, effort};
 use counterpoise_pipeline::{self as pipeline, World};
 use counterpoise_project::{Document, Project};
-use counterpoise_simulate::replay::Loop;
 use counterpoise_verify::{Verification, VerifiedController};
 
 use crate::browser::{Listing, list};
@@ -21,7 +22,7 @@ use crate::exporting::{ExportAsk, Written, export};
 use crate::live::{Ask, Cache, Live, live, reasons};
 use crate::measure::{MeasureAnswer, MeasureAsk, SoFar, measure};
 use crate::portrait::{Portrait, Swinging};
-use crate::recordings::{self, LookAsk, Looked, Seen, look};
+use crate::recordings::{LookAsk, Looked, Seen, look};
 use crate::results::Of;
 use counterpoise_host::files::Folder;
 use counterpoise_host::progress::{Progress, Watch};
@@ -280,17 +281,7 @@ fn diagnoser(wake: &Wake, progress: &Progress) -> Worker<DiagnoseAsk, Result<Dia
 }
 
 fn diagnosis(ask: &DiagnoseAsk, watch: &Watch) -> Result<Diagnosis, Reasons> {
-    let (mut all, mut remarks) = (Vec::new(), Vec::new());
-    for path in &counterpoise_host::files::recording_files(&ask.paths) {
-        let (_, records) = recordings::read(&ask.project, path).map_err(|why| vec![why])?;
-        for record in &records {
-            remarks.extend(record.findings.iter().map(|finding| format!("{}: {finding}", record.name)));
-            all.push(record.recording());
-        }
-    }
-    let control = ask.project.recording_controller.as_ref().map_or(Loop::Open, Loop::from);
-    let mut found =
-        diagnose(&ask.project.plant, control, &all, watch).map_err(|error| vec![error.to_string()])?;
-    found.answer.qualification.extend(remarks);
-    Ok(found)
+    let files = projects::recordings(&ask.paths).map_err(|error| vec![format!("{error:#}")])?;
+    let found = diagnose(&ask.project, &files, watch).map_err(|error| reasons(&error))?;
+    Ok(found.diagnosis)
 }

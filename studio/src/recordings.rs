@@ -3,18 +3,19 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use counterpoise_diagnose::qualify::qualify;
-use counterpoise_diagnose::replays::measured;
-use counterpoise_models::Parameters;
-use counterpoise_project::Project;
-use counterpoise_project::recording::{self, Mapping, Record, Table};
-use counterpoise_simulate::recording::{Channel, Recording};
-use counterpoise_simulate::replay::{Loop, Replay, replay};
-
 use counterpoise_host::files::recording_files;
+use counterpoise_host::worker::Token;
+use counterpoise_models::Parameters;
+use counterpoise_pipeline::recordings::read::{control_for, missing_demand, read_record, tabulate};
+use counterpoise_pipeline::recordings::replay::replay_one;
+use counterpoise_pipeline::recordings::{Gaps, ReadRecording, RecordingFile, ReplayLength};
+use counterpoise_pipeline::results::RecordingResult;
+use counterpoise_project::Project;
+use counterpoise_project::recording::{Channel as Recorded, Record, Table};
+use counterpoise_simulate::recording::Channel;
+use counterpoise_simulate::replay::Replay;
 
 use crate::pyramid::Pyramid;
-use counterpoise_host::worker::Token;
 
 /// What is asked: the recordings beside a project's model.
 #[derive(Debug, Clone)]
@@ -51,6 +52,8 @@ pub struct Seen {
     pub trouble: Vec<String>,
     /// Channels.
     pub tracks: Vec<Track>,
+    /// How well the project's model fits, as the command line prints it; `None` if it cannot be replayed.
+    pub fit: Option<RecordingResult>,
 }
 
 /// A channel, measured and simulated.
@@ -81,37 +84,29 @@ pub struct Simulated {
     pub rms: f64,
 }
 
-/// Reads a file as the project maps it; one that has no clock takes the interface's.
-///
-/// # Errors
-/// What is wrong with it, in words.
-pub fn read(project: &Project, path: &Path) -> Result<(Table, Vec<Record>), String> {
-    let name = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|error| format!("cannot read {name}: {error}"))?;
-    let table = Table::read(&bytes, &name).map_err(|error| error.to_string())?;
-    let clock = project.recording.sample_period_s.or(Some(project.plant.interface.sample_period_s));
-    let mapping = Mapping { sample_period_s: clock, ..project.recording.clone() };
-    let records = mapping.records(&table).map_err(|error| error.to_string())?;
-    Ok((table, records))
-}
-
-/// The recordings beside the model; None where it was stopped.
+/// Returns the recordings beside the model, or `None` if the job was cancelled.
 pub fn look(ask: &LookAsk, token: &Token) -> Option<Looked> {
     let (files, mut all) = (recording_files(&ask.paths), Vec::new());
     for path in &files {
-        match read(&ask.project, path) {
+        match opened(ask, path) {
             Ok((table, records)) => {
                 for record in &records {
                     if token.is_cancelled() {
                         return None;
                     }
-                    all.push(seen(ask, path, &table, record));
+                    all.extend(seen(ask, path, &table, record));
                 }
             }
             Err(why) => all.push(unread(path, why)),
         }
     }
     Some(Looked { files, seen: all })
+}
+
+fn opened(ask: &LookAsk, path: &Path) -> Result<(Table, Vec<Record>), String> {
+    let name = path.display().to_string();
+    let bytes = std::fs::read(path).map_err(|error| format!("cannot read {name}: {error}"))?;
+    tabulate(&ask.project, &RecordingFile { name, bytes }).map_err(|error| error.to_string())
 }
 
 fn stem(path: &Path) -> String {
@@ -132,56 +127,81 @@ fn unread(path: &Path, why: String) -> Seen {
         remarks: Vec::new(),
         trouble: vec![why],
         tracks: Vec::new(),
+        fit: None,
     }
 }
 
-fn seen(ask: &LookAsk, path: &Path, table: &Table, record: &Record) -> Seen {
-    let recording = record.recording();
-    let control = ask.project.recording_controller.as_ref().map_or(Loop::Open, Loop::from);
+/// Returns the parts of a record that can be replayed, each beside the model, as the command line replays them.
+fn seen(ask: &LookAsk, path: &Path, table: &Table, record: &Record) -> Vec<Seen> {
+    let blank = Seen {
+        path: path.to_owned(),
+        name: stem(Path::new(&record.name)),
+        columns: columns(table),
+        remarks: Vec::new(),
+        trouble: Vec::new(),
+        tracks: Vec::new(),
+        fit: None,
+    };
+    match read_record(&ask.project, record, Gaps::Repaired) {
+        Ok(parts) => {
+            let beside = |part: &ReadRecording| beside_model(ask, record, part, blank.clone());
+            parts.iter().map(beside).collect()
+        }
+        Err(error) => vec![Seen { trouble: vec![error.to_string()], ..blank }],
+    }
+}
+
+fn beside_model(ask: &LookAsk, record: &Record, item: &ReadRecording, blank: Seen) -> Seen {
+    let control = control_for(&ask.project, [&item.recording]);
     let mut trouble = Vec::new();
-    let mut run = |plant: &Parameters| match replay(plant, &recording, &control) {
+    let mut run = |plant: &Parameters| match replay_one(plant, item, &control, ReplayLength::Automatic) {
         Ok(made) => Some(made),
         Err(error) => {
-            trouble.push(format!("it cannot be replayed: {error}"));
+            let cause = std::error::Error::source(&error).map_or(String::new(), |cause| format!(": {cause}"));
+            trouble.push(format!("{error}{cause}"));
             None
         }
     };
     let model = run(&ask.project.plant);
     let improved = ask.improved.as_deref().and_then(run);
-    let ratio = ask.project.plant.gearbox.ratio;
-    let faults = measured(&recording).map(|m| qualify(&recording.name, &m, ratio)).unwrap_or_default();
-    let remarks = record.findings.iter().map(ToString::to_string);
+    let demand = missing_demand(&ask.project, [(item.file.as_str(), &item.recording)]);
+    let found = model.as_ref().map_or(&item.remarks, |made| &made.result.remarks);
+    let replays = [&model, &improved].map(|made| made.as_ref().map(|made| &made.replay));
     Seen {
-        path: path.to_owned(),
-        name: stem(Path::new(&record.name)),
-        columns: columns(table),
-        remarks: remarks.chain(faults.iter().map(|r| format!("{}: {}", r.channel, r.what))).collect(),
+        name: stem(Path::new(&item.file)),
+        remarks: demand.into_iter().chain(found.iter().cloned()).collect(),
         trouble,
-        tracks: tracks(record, &recording, (model.as_ref(), improved.as_ref())),
+        tracks: tracks(record, item, replays),
+        fit: model.map(|made| made.result),
+        ..blank
     }
 }
 
-fn tracks(record: &Record, recording: &Recording, replays: (Option<&Replay>, Option<&Replay>)) -> Vec<Track> {
-    let period = record.sample_period_s;
-    let one = |(channel, values): &(recording::Channel, Vec<f64>)| {
-        let simulated = Channel::ALL.into_iter().find(|c| c.name() == channel.name());
+/// Returns every recorded channel with what the model and the improved model make of it. A channel that no model simulates is
+/// shown as it was written, unless gaps split the record.
+fn tracks(record: &Record, item: &ReadRecording, [model, improved]: [Option<&Replay>; 2]) -> Vec<Track> {
+    let period = item.recording.sample_period_s;
+    let one = |(written, values): &(Recorded, Vec<f64>)| {
+        let channel = Channel::ALL.into_iter().find(|channel| channel.name() == written.name());
+        let repaired = channel.and_then(|channel| item.recording.column(channel));
+        let whole = values.len() == item.recording.len();
+        let measured = repaired.or(whole.then_some(values.as_slice()))?;
         let of = |replay: Option<&Replay>| {
-            let (channel, replay) = (simulated?, replay?);
+            let (channel, replay) = (channel?, replay?);
             replay.channels.iter().find(|fit| fit.channel == channel)?;
-            Some(against(values, channel.of(&replay.simulated), period))
+            Some(against(measured, channel.of(&replay.simulated), period))
         };
-        let fit = replays.0.and_then(|r| r.channels.iter().find(|fit| Some(fit.channel) == simulated));
-        Track {
-            channel: channel.name(),
-            unit: channel.unit(),
-            measured: Arc::new(Pyramid::new(timed(values.iter().copied(), period))),
-            model: of(replays.0),
-            improved: of(replays.1),
+        let fit = model.and_then(|replay| replay.channels.iter().find(|fit| Some(fit.channel) == channel));
+        Some(Track {
+            channel: written.name(),
+            unit: written.unit(),
+            measured: Arc::new(Pyramid::new(timed(measured.iter().copied(), period))),
+            model: of(model),
+            improved: of(improved),
             floor: fit.map(|fit| fit.floor),
-        }
+        })
     };
-    debug_assert!(recording.sample_period_s == period);
-    record.channels.iter().map(one).collect()
+    record.channels.iter().filter_map(one).collect()
 }
 
 fn timed(values: impl Iterator<Item = f64>, period: f64) -> Vec<[f64; 2]> {

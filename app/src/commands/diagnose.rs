@@ -1,18 +1,15 @@
 //! `counterpoise diagnose`: locate, name, model, and show that the fit improves.
 
 use crate::output::say;
+use counterpoise_diagnose::Diagnosis;
 use counterpoise_diagnose::answer::{Answer, Channels, Finding, FitTable, Verdict};
-use counterpoise_diagnose::mend::mended;
-use counterpoise_diagnose::{Diagnosis, diagnose};
+use counterpoise_pipeline::recordings::diagnose;
 use counterpoise_pipeline::{Consequence, consequence};
 use counterpoise_project::Purpose;
 use counterpoise_report::difference;
-use counterpoise_simulate::recording::Recording;
-use counterpoise_simulate::replay::Loop;
 use counterpoise_verify::Verification;
 use counterpoise_verify::difference::changes;
 
-use super::replay::read_as_written;
 use super::{Done, pages, verdict_code};
 use crate::arguments::DiagnoseOptions;
 use crate::output;
@@ -27,31 +24,19 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     if options.recordings.is_empty() {
         return super::structure::run(&loaded, options);
     }
-    let mut control = loaded.project.recording_controller.as_ref().map_or(Loop::Open, Loop::from);
-    let read = read_as_written(&loaded, &options.recordings)?;
-    let undemanded = read.iter().filter(|r| r.recording.demand_rad_s.is_none()).map(|r| r.file.as_str());
-    let undemanded: Vec<&str> = undemanded.collect();
-    if !undemanded.is_empty() {
-        control = Loop::Open;
-    }
-    let recordings: Vec<Recording> = read.iter().map(|r| r.recording.clone()).collect();
+    let files = projects::recordings(&options.recordings)?;
     interrupt::watch();
     let workers = Workers::new(options.results.quiet);
-    let found = diagnose(&loaded.project.plant, control.clone(), &recordings, &workers);
+    let diagnosed = diagnose(&loaded.project, &files, &workers);
     workers.finish();
-    let mut found = found?;
-    let remarks = read.iter().flat_map(|r| r.remarks.iter().map(|remark| format!("{}: {remark}", r.file)));
-    let was_known = loaded.project.recording_controller.is_some();
-    let unheard = (was_known && !undemanded.is_empty()).then(|| without_demand(&undemanded));
-    found.answer.qualification.splice(0..0, unheard.into_iter().chain(remarks));
+    let diagnosed = diagnosed?;
+    let found = &diagnosed.diagnosis;
     if let Some(path) = &options.save {
         projects::save_improved(&loaded, &found.improved, path)?;
     }
-    let consequence = told(&loaded, &found, options.results.quiet)?;
+    let consequence = told(&loaded, found, options.results.quiet)?;
     if let Some(path) = &options.report {
-        let ratio = loaded.project.plant.gearbox.ratio;
-        let whole: Vec<Recording> = found.recordings.iter().flat_map(|r| mended(r, ratio).parts).collect();
-        let page = pages::diagnosis(&loaded, &whole, (&found, consequence.as_ref()), &control);
+        let page = pages::diagnosis(&loaded, &diagnosed, consequence.as_ref());
         projects::write(path, page.as_bytes())?;
     }
     if !output::json(&options.results, &found.answer)? {
@@ -59,14 +44,6 @@ pub fn run(options: &DiagnoseOptions) -> Done {
         consequence.iter().for_each(print_consequence);
     }
     Ok(verdict_code(true))
-}
-
-/// That the recorded controller could not be run.
-fn without_demand(files: &[&str]) -> String {
-    format!(
-        "demand was not recorded in {}: everything is replayed under the recorded control instead of by the recorded controller",
-        files.join(", ")
-    )
 }
 
 /// What the improved model means for the project's design; none where nothing was found or the project has no design.

@@ -11,11 +11,12 @@ use counterpoise_project::{Purpose, StructureChoice};
 use counterpoise_report::fra::{Pace, report};
 use counterpoise_report::html;
 
-use super::{Done, replay, verdict_code};
+use super::{Done, verdict_code};
 use crate::arguments::Results;
 use crate::output::{self, say};
 use counterpoise_host::projects::{self, Loaded};
 use counterpoise_host::workers::Workers;
+use counterpoise_pipeline::recordings::{Gaps, read};
 
 /// Arguments of `fra`.
 #[derive(Args)]
@@ -184,7 +185,7 @@ fn recorded(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<Vec<Ma
     let modelled = pipeline::model(&loaded.project)?;
     let analyser = Analyser::new(&loaded.project, &modelled, plan, On::Recording)?;
     let mut maps = Vec::new();
-    for item in replay::read(loaded, &options.recording)? {
+    for item in read(&loaded.project, &projects::recordings(&options.recording)?, Gaps::Repaired)? {
         let mut map = analyser.recorded(&item.recording, &plan.frequencies_hz)?;
         map.recording = Some(item.file);
         map.remarks.extend(item.remarks);

@@ -1,28 +1,23 @@
 //! `counterpoise identify`: the triangle-wave method.
 
 use crate::output::say;
-use anyhow::Result;
-use counterpoise_diagnose::identify::{Amplifier, Estimate, Identified, identify, improved};
+use counterpoise_diagnose::identify::{Amplifier, Estimate, Identified, improved};
+use counterpoise_pipeline::recordings::identify;
 use counterpoise_project::Purpose;
 use counterpoise_report::html;
 use counterpoise_report::identify::report;
-use counterpoise_simulate::recording::Recording;
 
-use super::replay::read;
 use super::{Done, verdict_code};
 use crate::arguments::IdentifyOptions;
 use crate::output;
-use counterpoise_host::projects::{self, Loaded};
+use counterpoise_host::projects;
 
 /// Runs the command.
 pub fn run(options: &IdentifyOptions) -> Done {
     let loaded = projects::load(&options.project, Purpose::Model)?;
     output::warnings(&loaded, options.results.quiet);
-    let (first, second) = (group(&loaded, &options.recordings)?, group(&loaded, &options.other)?);
-    let states: Vec<&[Recording]> =
-        [&first.recordings[..], &second.recordings[..]].into_iter().filter(|s| !s.is_empty()).collect();
-    let mut found = identify(&loaded.project.plant, &states)?;
-    found.notes.extend(first.remarks.into_iter().chain(second.remarks));
+    let (first, second) = (projects::recordings(&options.recordings)?, projects::recordings(&options.other)?);
+    let found = identify(&loaded.project, &[&first, &second])?;
     if let Some(path) = &options.save {
         projects::save_improved(&loaded, &improved(&loaded.project.plant, &found), path)?;
     }
@@ -35,22 +30,6 @@ pub fn run(options: &IdentifyOptions) -> Done {
         print(&found);
     }
     Ok(verdict_code(true))
-}
-
-/// The recordings of one state of balance, with what was found on reading them.
-struct Group {
-    recordings: Vec<Recording>,
-    remarks: Vec<String>,
-}
-
-fn group(loaded: &Loaded, paths: &[std::path::PathBuf]) -> Result<Group> {
-    let mut group = Group { recordings: Vec::new(), remarks: Vec::new() };
-    for item in read(loaded, paths)? {
-        group.remarks.extend(item.remarks.iter().map(|remark| format!("{}: {remark}", item.file)));
-        let stem = std::path::Path::new(&item.file).file_stem().map(|s| s.to_string_lossy().into_owned());
-        group.recordings.push(Recording { name: stem.unwrap_or(item.file), ..item.recording });
-    }
-    Ok(group)
 }
 
 fn print(found: &Identified) {

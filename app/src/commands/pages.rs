@@ -1,22 +1,20 @@
 //! From results to reports.
 
-use counterpoise_diagnose::Diagnosis;
 use counterpoise_pipeline::Synthesised;
 use counterpoise_pipeline::export::{project_hash, weights};
-use counterpoise_pipeline::results::{DesignResult, ReplayResult, SynthResult};
+use counterpoise_pipeline::recordings::tracks::{Track, before_and_after, tracks};
+use counterpoise_pipeline::recordings::{DiagnosedRecordings, ReadRecording, ReplayedRecordings};
+use counterpoise_pipeline::results::{DesignResult, SynthResult};
 use counterpoise_pipeline::studies::comparison::{Beside, beside};
 use counterpoise_pipeline::studies::search::Searched;
 use counterpoise_pipeline::{Consequence, Designed};
 use counterpoise_report::design::{WEIGHTS, weight_section};
-use counterpoise_report::diagnosis::{Track, report};
+use counterpoise_report::diagnosis::report;
 use counterpoise_report::{
     Cell, Column, Context, Headline, Report, Section, Table, Tile, Tone, bench, difference, html, of_design,
     trade_off,
 };
-use counterpoise_simulate::recording::{Channel, Recording};
-use counterpoise_simulate::replay::{Loop, Replay, replay as replayed};
 
-use super::replay::Read;
 use super::synth::VerifiedPoint;
 use counterpoise_host::projects::Loaded;
 use counterpoise_host::stages::StageTime;
@@ -176,60 +174,21 @@ fn times_section(times: &[StageTime]) -> Section {
 }
 
 /// The report of a diagnosis.
-pub fn diagnosis(
-    loaded: &Loaded,
-    recordings: &[Recording],
-    (found, consequence): (&Diagnosis, Option<&Consequence>),
-    control: &Loop,
-) -> String {
-    let improved = found.improved != loaded.project.plant;
-    let tracks = recordings.iter().flat_map(|recording| {
-        let before = replayed(&loaded.project.plant, recording, control).ok();
-        let after = improved.then(|| replayed(&found.improved, recording, control).ok()).flatten();
-        before.map(|before| tracks(recording, &before, after.as_ref())).unwrap_or_default()
-    });
+pub fn diagnosis(loaded: &Loaded, found: &DiagnosedRecordings, consequence: Option<&Consequence>) -> String {
+    let (project, diagnosis) = (&loaded.project, &found.diagnosis);
+    let recordings = found.repaired(project);
+    let tracks = before_and_after(&recordings, &found.control, &project.plant, &diagnosis.improved);
     let command = format!("counterpoise diagnose {}", loaded.path.display());
-    let mut page = report(&loaded.project.plant.name, &command, &found.answer, &tracks.collect::<Vec<_>>());
+    let mut page = report(&project.plant.name, &command, &diagnosis.answer, &tracks);
     page.sections.splice(1..1, consequence.map(difference::consequence));
     html(&page)
 }
 
-fn tracks(recording: &Recording, before: &Replay, after: Option<&Replay>) -> Vec<Track> {
-    let drawn = [Channel::Control, Channel::HubRate, Channel::MotorRate, Channel::HubPosition];
-    let track = |channel: Channel| {
-        Some(Track {
-            recording: short(&recording.name),
-            channel: channel.name(),
-            unit: unit(channel),
-            period_s: recording.sample_period_s,
-            measured: recording.column(channel)?.to_vec(),
-            before: channel.of(&before.simulated).to_vec(),
-            after: after.map(|replay| channel.of(&replay.simulated).to_vec()).unwrap_or_default(),
-        })
-    };
-    drawn.into_iter().filter_map(track).collect()
-}
-
-/// The name of a recording without its folder and ending, its window kept.
-fn short(name: &str) -> String {
-    let (path, window) = name.split_once(", ").map_or((name, String::new()), |(p, w)| (p, format!(", {w}")));
-    let stem = std::path::Path::new(path).file_stem().map(|s| s.to_string_lossy().into_owned());
-    stem.unwrap_or_else(|| path.to_owned()) + &window
-}
-
-fn unit(channel: Channel) -> &'static str {
-    match channel {
-        Channel::Control => "V",
-        Channel::HubPosition => "rad",
-        Channel::PlatformAccel => "m/s^2",
-        Channel::HubRate | Channel::PlatformRate | Channel::MotorRate => "rad/s",
-    }
-}
-
 /// The report of a replay: measured and simulated, without a search.
-pub fn replay(loaded: &Loaded, read: &[Read], replays: &[Replay], result: &ReplayResult) -> String {
-    let all = read.iter().zip(replays).map(|(item, replay)| tracks(&item.recording, replay, None));
+pub fn replay(loaded: &Loaded, read: &[ReadRecording], replayed: &ReplayedRecordings) -> String {
+    let pairs = read.iter().zip(&replayed.replays);
+    let all: Vec<Vec<Track>> = pairs.map(|(item, replay)| tracks(&item.recording, replay, None)).collect();
     let command = format!("counterpoise replay {}", loaded.path.display());
     let title = format!("Replay of {}", loaded.project.plant.name);
-    html(&counterpoise_report::replay::report(&title, &command, result, &all.collect::<Vec<_>>()))
+    html(&counterpoise_report::replay::report(&title, &command, &replayed.result, &all))
 }

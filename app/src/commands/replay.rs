@@ -1,161 +1,42 @@
 //! `counterpoise replay`: simulate what was recorded, and say how well it fits.
 
-use crate::output::say;
-use anyhow::{Context, Result, bail};
-use counterpoise_diagnose::mend::mended;
-use counterpoise_diagnose::qualify::{foreign_control, qualify};
-use counterpoise_diagnose::replays::measured;
-use counterpoise_models::Parameters;
-use counterpoise_pipeline::results::{RecordingResult, ReplayResult};
+use counterpoise_host::projects;
+use counterpoise_pipeline::recordings::read::{control_for, missing_demand};
+use counterpoise_pipeline::recordings::{Gaps, ReplayLength, read, replay};
+use counterpoise_pipeline::results::ReplayResult;
 use counterpoise_project::Purpose;
-use counterpoise_project::recording::{Mapping, Record, Table};
-use counterpoise_simulate::recording::{Channel, Recording};
-use counterpoise_simulate::replay::{Followed, Loop, Replayer, Way};
+use counterpoise_simulate::replay::Loop;
 
 use super::{Done, verdict_code};
-use crate::arguments::{ReplayOptions, Windows};
-use crate::output;
-use counterpoise_host::projects::{self, Loaded};
-
-/// A recording read, with what was found on the way.
-pub struct Read {
-    /// Name of the file.
-    pub file: String,
-    /// The recording.
-    pub recording: Recording,
-    /// What was found.
-    pub remarks: Vec<String>,
-    /// Whether demand, control and hub rate are the samples that were written.
-    pub kept: bool,
-}
-
-/// Reads recordings as the project maps them, their holes mended.
-pub fn read(loaded: &Loaded, paths: &[std::path::PathBuf]) -> Result<Vec<Read>> {
-    let mut out = Vec::new();
-    for record in &records(loaded, paths)? {
-        let kept = loaded.project.recording.keeps_samples(record);
-        out.extend(Read::of(record, kept, loaded.project.plant.gearbox.ratio)?);
-    }
-    out.iter_mut().for_each(|item| item.hear(loaded));
-    Ok(out)
-}
-
-/// Reads recordings as the project maps them, with their holes and faults as they were written.
-pub fn read_as_written(loaded: &Loaded, paths: &[std::path::PathBuf]) -> Result<Vec<Read>> {
-    let one = |record: &Record| Read {
-        file: record.name.clone(),
-        recording: record.recording(),
-        remarks: record.findings.iter().map(ToString::to_string).collect(),
-        kept: loaded.project.recording.keeps_samples(record),
-    };
-    let mut out: Vec<Read> = records(loaded, paths)?.iter().map(one).collect();
-    out.iter_mut().for_each(|item| item.hear(loaded));
-    Ok(out)
-}
-
-fn records(loaded: &Loaded, paths: &[std::path::PathBuf]) -> Result<Vec<Record>> {
-    let clock = loaded.project.recording.sample_period_s;
-    let mapping = Mapping {
-        sample_period_s: clock.or(Some(loaded.project.plant.interface.sample_period_s)),
-        ..loaded.project.recording.clone()
-    };
-    let mut out = Vec::new();
-    for (file, bytes) in projects::recordings(paths)? {
-        out.extend(mapping.records(&Table::read(&bytes, &file)?)?);
-    }
-    Ok(out)
-}
-
-impl Read {
-    /// The parts of a record that can be replayed; what was found stands with the first.
-    fn of(record: &Record, kept: bool, ratio: f64) -> Result<Vec<Self>> {
-        let mended = mended(&record.recording(), ratio);
-        let done = mended.remarks.into_iter().map(|(channel, what)| format!("{channel}: {what}"));
-        let mut remarks: Vec<String> = record.findings.iter().map(ToString::to_string).chain(done).collect();
-        if mended.parts.is_empty() {
-            bail!("nothing of {} can be replayed: {}", record.name, remarks.join("; "));
-        }
-        let part = |recording: Recording| Self {
-            file: recording.name.clone(),
-            recording,
-            remarks: std::mem::take(&mut remarks),
-            kept,
-        };
-        Ok(mended.parts.into_iter().map(part).collect())
-    }
-
-    /// Says first where the control is not what the project's controller makes of what it read.
-    fn hear(&mut self, loaded: &Loaded) {
-        let Some(controller) = loaded.project.recording_controller.as_ref().filter(|_| self.kept) else {
-            return;
-        };
-        let foreign = foreign_control(&loaded.project.plant, &self.recording, &Loop::from(controller));
-        self.remarks.splice(0..0, foreign.map(|what| format!("control: {what}")));
-    }
-}
+use crate::arguments::ReplayOptions;
+use crate::output::{self, say};
 
 /// Runs the command.
 pub fn run(options: &ReplayOptions) -> Done {
-    let open = options.open_loop || matches!(options.windows, Windows::Every { .. });
+    let open = options.open_loop || matches!(options.windows, ReplayLength::Windows { .. });
     let loaded = projects::load(&options.project, if open { Purpose::Model } else { Purpose::Replay })?;
     output::warnings(&loaded, options.results.quiet);
-    let control = match (&loaded.project.recording_controller, options.open_loop) {
-        (Some(controller), false) => Loop::Closed(controller.clone()),
-        _ => Loop::Open,
-    };
-    let read = read(&loaded, &options.recordings)?;
-    let mut result = ReplayResult { recordings: Vec::new() };
-    let mut replays = Vec::new();
-    for item in &read {
-        let plant = &loaded.project.plant;
-        let followed =
-            Replayer::new(plant, &item.recording).and_then(|r| follow(&r, plant, &control, options.windows));
-        let mut followed = followed.with_context(|| format!("cannot replay {}", item.file))?;
-        if followed.way != Way::Free && !item.kept {
-            // made from other columns, the measurements are not those that the controller read
-            followed.replay.channels.retain(|fit| fit.channel != Channel::Control);
+    let files = projects::recordings(&options.recordings)?;
+    let read = read(&loaded.project, &files, Gaps::Repaired)?;
+    let control = if options.open_loop {
+        Loop::Open
+    } else {
+        if let Some(remark) =
+            missing_demand(&loaded.project, read.iter().map(|item| (item.file.as_str(), &item.recording)))
+        {
+            eprintln!("note: {remark}");
         }
-        let remarks = item.remarks.iter().cloned().chain(faults(&loaded, &item.recording)).collect();
-        result.recordings.push(RecordingResult::new(&item.file, &followed, remarks));
-        replays.push(followed.replay);
-    }
+        control_for(&loaded.project, read.iter().map(|item| &item.recording))
+    };
+    let replayed = replay(&loaded.project, &read, &control, options.windows)?;
     if let Some(path) = &options.report {
-        let page = super::pages::replay(&loaded, &read, &replays, &result);
+        let page = super::pages::replay(&loaded, &read, &replayed);
         projects::write(path, page.as_bytes())?;
     }
-    if !output::json(&options.results, &result)? {
-        print(&result);
+    if !output::json(&options.results, &replayed.result)? {
+        print(&replayed.result);
     }
     Ok(verdict_code(true))
-}
-
-/// Follows a recording as it was asked for.
-fn follow(
-    replayer: &Replayer,
-    plant: &Parameters,
-    control: &Loop,
-    windows: Windows,
-) -> Result<Followed, counterpoise_simulate::Error> {
-    let (replay, way) = match (windows, control) {
-        (Windows::Auto, _) => return replayer.follow(plant, control),
-        (Windows::None, Loop::Open) => (replayer.replay_open(plant)?, Way::Free),
-        (Windows::None, _) => (replayer.replay(plant, control)?, Way::Free),
-        (Windows::Every { window_s }, Loop::Open) => {
-            (replayer.replay_windows(plant, window_s)?, Way::Windows { window_s, free: Vec::new() })
-        }
-        (Windows::Every { window_s }, Loop::Closed(controller)) => {
-            let replay = replayer.replay_horizons(plant, window_s, controller)?;
-            (replay, Way::Windows { window_s, free: Vec::new() })
-        }
-    };
-    Ok(Followed { replay, way, parting: None })
-}
-
-/// What is wrong with a recording itself: told before the fit is.
-fn faults(loaded: &Loaded, recording: &Recording) -> Vec<String> {
-    let ratio = loaded.project.plant.gearbox.ratio;
-    let remarks = measured(recording).map(|m| qualify(&recording.name, &m, ratio)).unwrap_or_default();
-    remarks.into_iter().map(|r| format!("{}: {}", r.channel, r.what)).collect()
 }
 
 fn print(result: &ReplayResult) {

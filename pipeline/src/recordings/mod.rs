@@ -1,7 +1,22 @@
-//! From recordings of a machine to a better model.
+//! From recordings of a machine to a better model: the one way that the command line and the studio both take.
 //!
-//! Modules in reading order: [`redesign`] (what an improved model means for the design), [`measured_modes`] (what a structure's
-//! model lacks, from its measured natural frequencies).
+//! [`read`](mod@read) reads files as the project maps their columns; [`replay`](mod@replay) simulates what was recorded;
+//! [`diagnose`](mod@diagnose) finds what the model lacks; [`identify`](mod@identify) measures by triangle waves. Files are handed
+//! in as names and bytes.
+//!
+//! Modules in reading order: [`read`](mod@read), [`replay`](mod@replay), [`diagnose`](mod@diagnose), [`identify`](mod@identify),
+//! [`tracks`] (measured and simulated channels for a picture), [`redesign`] (what an improved model means for the design),
+//! [`measured_modes`] (what a structure's model lacks, from its measured natural frequencies).
 
+pub mod diagnose;
+pub mod identify;
 pub mod measured_modes;
+pub mod read;
 pub mod redesign;
+pub mod replay;
+pub mod tracks;
+
+pub use diagnose::{DiagnosedRecordings, diagnose};
+pub use identify::identify;
+pub use read::{Gaps, ReadRecording, RecordingFile, read};
+pub use replay::{FollowedRecording, ReplayLength, ReplayedRecordings, replay};

@@ -1,0 +1,78 @@
+//! Channels of recordings as they were measured and as models simulate them, for whoever draws them.
+
+use std::path::Path;
+
+use counterpoise_models::Parameters;
+use counterpoise_simulate::recording::{Channel, Recording};
+use counterpoise_simulate::replay::{Loop, Replay, replay};
+
+/// One channel of one recording, measured and simulated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Track {
+    /// Name of the recording, without folder and ending.
+    pub recording: String,
+    /// Name of the channel.
+    pub channel: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+    /// Sample period, s.
+    pub period_s: f64,
+    /// As recorded.
+    pub measured: Vec<f64>,
+    /// As simulated by the model as it was.
+    pub before: Vec<f64>,
+    /// As simulated by the improved model; empty if there is none.
+    pub after: Vec<f64>,
+}
+
+/// Channels that are compared with the simulation.
+const COMPARED: [Channel; 4] = [Channel::Control, Channel::HubRate, Channel::MotorRate, Channel::HubPosition];
+
+/// Returns the channels of recordings replayed on a mechanism and, if it differs, on an improved one. A recording that the
+/// mechanism cannot replay is left out.
+pub fn before_and_after(
+    recordings: &[Recording],
+    control: &Loop,
+    plant: &Parameters,
+    improved: &Parameters,
+) -> Vec<Track> {
+    let is_improved = improved != plant;
+    let of = |recording: &Recording| {
+        let before = replay(plant, recording, control).ok()?;
+        let after = is_improved.then(|| replay(improved, recording, control).ok()).flatten();
+        Some(tracks(recording, &before, after.as_ref()))
+    };
+    recordings.iter().filter_map(of).flatten().collect()
+}
+
+/// Returns the compared channels of one recording beside its replays.
+pub fn tracks(recording: &Recording, before: &Replay, after: Option<&Replay>) -> Vec<Track> {
+    let track = |channel: Channel| {
+        Some(Track {
+            recording: short_name(&recording.name),
+            channel: channel.name(),
+            unit: unit(channel),
+            period_s: recording.sample_period_s,
+            measured: recording.column(channel)?.to_vec(),
+            before: channel.of(&before.simulated).to_vec(),
+            after: after.map(|replay| channel.of(&replay.simulated).to_vec()).unwrap_or_default(),
+        })
+    };
+    COMPARED.into_iter().filter_map(track).collect()
+}
+
+/// Returns the name of a recording without its folder and ending, with the part of it that is meant.
+fn short_name(name: &str) -> String {
+    let (path, part) = name.split_once(", ").map_or((name, String::new()), |(p, w)| (p, format!(", {w}")));
+    let stem = Path::new(path).file_stem().map(|s| s.to_string_lossy().into_owned());
+    stem.unwrap_or_else(|| path.to_owned()) + &part
+}
+
+fn unit(channel: Channel) -> &'static str {
+    match channel {
+        Channel::Control => "V",
+        Channel::HubPosition => "rad",
+        Channel::PlatformAccel => "m/s^2",
+        Channel::HubRate | Channel::PlatformRate | Channel::MotorRate => "rad/s",
+    }
+}
