@@ -85,7 +85,7 @@ fn a_diagnosis_in_the_studio_is_the_diagnosis_of_the_command_line() {
     settle(&mut window);
     window.run(&Command::Diagnose);
     settle(&mut window);
-    let found = window.jobs.diagnosed.as_ref().unwrap().as_ref().unwrap();
+    let found = window.diagnosis().diagnosed.as_ref().unwrap().as_ref().unwrap();
     assert_eq!(json(&found.answer), json(&expected.diagnosis.answer));
     assert!(found.improved == expected.diagnosis.improved);
     drop(window);
