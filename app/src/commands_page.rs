@@ -32,7 +32,9 @@ fn section(command: &Command) -> String {
     let shown: Vec<&Arg> =
         command.get_arguments().filter(|a| !a.is_hide_set() && a.get_id() != "help").collect();
     let rows: String = shown.into_iter().map(row).collect();
-    format!("## `{name}`\n\n{about}.\n\n    {usage}\n\n| argument | if absent | meaning |\n|---|---|---|\n{rows}")
+    format!(
+        "## `{name}`\n\n{about}.\n\n    {usage}\n\n| argument | if absent | meaning |\n|---|---|---|\n{rows}"
+    )
 }
 
 fn row(argument: &Arg) -> String {
@@ -88,8 +90,7 @@ fn choices(argument: &Arg) -> Option<String> {
 
 /// Returns a row of a Markdown table; bars would end a cell, so they are escaped.
 fn cells(texts: &[&str]) -> String {
-    let escaped: Vec<String> =
-        texts.iter().map(|text| text.replace('|', "\\|").replace('\n', " ")).collect();
+    let escaped: Vec<String> = texts.iter().map(|text| text.replace('|', "\\|").replace('\n', " ")).collect();
     format!("| {} |\n", escaped.join(" | "))
 }
 

@@ -198,8 +198,7 @@ fn the_program_gives_the_keys_of_the_stored_results() {
             let text = serde_json::to_string_pretty(&given).unwrap();
             fs::write(stored(example.name), text + "\n").unwrap();
         }
-        let known: Value =
-            serde_json::from_str(&fs::read_to_string(stored(example.name)).unwrap()).unwrap();
+        let known: Value = serde_json::from_str(&fs::read_to_string(stored(example.name)).unwrap()).unwrap();
         let names = |value: &Value| keys_of(value).into_keys().collect::<Vec<_>>();
         assert_eq!(names(&given), names(&known), "{}", example.name);
     }

@@ -16,8 +16,7 @@ fn every_path_of_the_table_of_places_exists() {
     assert_eq!(rows.len(), SUBJECTS);
     for row in rows {
         let cell = row.trim_matches('|').split('|').nth(1).unwrap();
-        let paths: Vec<&str> =
-            cell.split('`').skip(1).step_by(2).filter(|path| path.contains('/')).collect();
+        let paths: Vec<&str> = cell.split('`').skip(1).step_by(2).filter(|path| path.contains('/')).collect();
         assert!(!paths.is_empty(), "{row}");
         for path in paths {
             assert!(root.join(path).exists(), "{path} in the row {row}");
