@@ -22,33 +22,33 @@ pub struct Arguments {
 /// The commands.
 #[derive(Subcommand)]
 pub enum Command {
-    /// A folder with a complete project file to start from
+    /// Write a folder with a complete project file to start from
     New(NewOptions),
-    /// The main job: model, reduce, synthesise, verify, export, report
+    /// Run the whole pipeline: model, reduce, synthesise, verify, export, report
     Design(DesignOptions),
-    /// The plant: operating point, poles, modes, linear model
+    /// Print the plant: operating point, poles, modes, linear model
     Model(ModelOptions),
-    /// The reduced plant and its error
+    /// Print the reduced plant and its error
     Reduce(StageOptions),
-    /// The controller: weights, feedback, heave and pitch feedforward, certificates
+    /// Design the controller: weights, feedback, heave and pitch feedforward, certificates
     Synth(SynthOptions),
-    /// The adaptation to a changing out-of-balance, in eight runs of the nonlinear closed loop
+    /// Try the adaptation to a changing out-of-balance in eight runs of the nonlinear closed loop
     Adapt(AdaptOptions),
-    /// The verdicts: every figure against its limit, linear and nonlinear
+    /// Compare every required figure with its limit, on the linear and the nonlinear plant
     Verify(VerifyOptions),
-    /// The verified controller as C, Rust, fixed point and FMI units, with self-test vectors
+    /// Write the verified controller as C, Rust, fixed point and FMI units, with self-test vectors
     Export(ExportOptions),
-    /// Frequency responses as an analyser measures them: nonlinear, amplitude by amplitude, or on recordings
+    /// Measure frequency responses as an analyser does: nonlinear, at several amplitudes, or on recordings
     Fra(FraOptions),
-    /// Simulate what was recorded, and say how well it fits
+    /// Simulate what was recorded and compare it with the recording
     Replay(ReplayOptions),
-    /// Locate, name and model what the simulation lacks, and show that the fit improves
+    /// Find what the model lacks, and show that the fit improves on held-out data
     Diagnose(DiagnoseOptions),
-    /// Out-of-balance, friction, inertia and the amplifier's gain curve, from triangle waves in closed loop
+    /// Identify out-of-balance, friction, inertia and the amplifier's gain curve from triangle waves in closed loop
     Identify(IdentifyOptions),
-    /// Robustness: many mechanisms at once, in shards, and each configuration
+    /// Verify the controller on many mechanisms, in shards, and search for the worst case
     Sweep(SweepOptions),
-    /// The thesis' claims, measured claim by claim
+    /// Measure the claims of the thesis, one by one
     Claims(ClaimsOptions),
     /// The desktop studio: weights in the hand, consequences at once (also with no arguments)
     Studio(StudioOptions),
@@ -69,7 +69,7 @@ pub struct Results {
     /// Print the result as JSON (to standard output, or to FILE)
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "-")]
     pub json: Option<PathBuf>,
-    /// Say nothing about progress
+    /// Print no progress
     #[arg(long, short)]
     pub quiet: bool,
 }
@@ -77,7 +77,7 @@ pub struct Results {
 /// Arguments of `new`.
 #[derive(Args)]
 pub struct NewOptions {
-    /// Folder to make, or an empty one; its name becomes the machine's
+    /// Folder to make, or an empty one; its name becomes the name of the machine
     pub folder: PathBuf,
 }
 
@@ -86,7 +86,7 @@ pub struct NewOptions {
 pub struct DesignOptions {
     /// Project file, or a folder with a project.toml
     pub project: PathBuf,
-    /// Folder for what is written
+    /// Folder for report and code
     #[arg(short, long, default_value = "out")]
     pub output: PathBuf,
     /// Where results go.
@@ -99,10 +99,10 @@ pub struct DesignOptions {
 pub struct ExportOptions {
     /// Project file, or a folder with a project.toml
     pub project: PathBuf,
-    /// Folder for what is written
+    /// Folder for report and code
     #[arg(short, long, default_value = "out")]
     pub output: PathBuf,
-    /// Write nothing; say whether these generated files are still what the project gives
+    /// Write nothing; check whether these generated files are still what the project gives
     #[arg(long, value_name = "FILE", num_args = 1..)]
     pub check: Vec<PathBuf>,
     /// Where results go.
@@ -125,15 +125,14 @@ pub struct StageOptions {
 pub struct ReplayOptions {
     /// Project file, or a folder with a project.toml
     pub project: PathBuf,
-    /// Recordings of one machine: CSV, Parquet or MATLAB files, or folders of them
+    /// Recordings of one machine: CSV, Parquet, MATLAB or HDF5 files, or folders of them
     #[arg(required = true)]
     pub recordings: Vec<PathBuf>,
     /// Drive the plant with the recorded control instead of the recording's controller
     #[arg(long)]
     pub open_loop: bool,
-    /// Whether the model starts anew every so many seconds, under the recorded control, from a state fitted to the first half of what
-    /// follows: SECONDS; `none`, from start to end; `auto`, over half a second where the machine hunts, so that two runs of the model
-    /// itself part by more than noise, and from start to end elsewhere
+    /// Length of the windows over which the model follows the recording, under the recorded control and each from a fitted state:
+    /// SECONDS; `none` follows it from start to end; `auto` uses half a second if the machine hunts, otherwise `none`
     #[arg(long, value_name = "auto|none|SECONDS", default_value = "auto", value_parser = windows)]
     pub windows: ReplayLength,
     /// Write a report with pictures to this HTML file
@@ -161,8 +160,8 @@ fn windows(text: &str) -> Result<ReplayLength, String> {
 pub struct DiagnoseOptions {
     /// Project file, or a folder with a project.toml
     pub project: PathBuf,
-    /// Recordings of one machine: CSV, Parquet or MATLAB files, or folders of them; none where the project's section
-    /// `measured` holds the natural frequencies of the structure
+    /// Recordings of one machine: CSV, Parquet, MATLAB or HDF5 files, or folders of them; none if the project has natural
+    /// frequencies in its section `measured`
     pub recordings: Vec<PathBuf>,
     /// Write the improved project file
     #[arg(long, value_name = "FILE")]
@@ -180,10 +179,10 @@ pub struct DiagnoseOptions {
 pub struct IdentifyOptions {
     /// Project file, or a folder with a project.toml
     pub project: PathBuf,
-    /// Recordings of one machine in one state of balance: CSV, Parquet or MATLAB files, or folders of them
+    /// Recordings of one machine in one state of balance: CSV, Parquet, MATLAB or HDF5 files, or folders of them
     #[arg(required = true)]
     pub recordings: Vec<PathBuf>,
-    /// Recordings of the same machine at another out-of-balance: they tell the amplifier's curve from friction
+    /// Recordings of the same machine at another out-of-balance: they separate the amplifier's curve from friction
     #[arg(long, value_name = "RECORDING", num_args = 1..)]
     pub other: Vec<PathBuf>,
     /// Write the project file with the identified values

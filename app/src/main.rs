@@ -5,6 +5,8 @@
 
 mod arguments;
 mod commands;
+#[cfg(test)]
+mod commands_page;
 mod output;
 
 use std::process::ExitCode;

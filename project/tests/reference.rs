@@ -3,14 +3,14 @@
 
 use counterpoise_project::Project;
 
-const WRITTEN: &str = include_str!("../REFERENCE.md");
+const WRITTEN: &str = include_str!("../../docs/reference/project-file.md");
 
 #[test]
 fn the_written_reference_is_the_readers() {
     let start = WRITTEN.find("\n## ").unwrap();
     let (written, read) = (&WRITTEN[start..], Project::reference());
     for (number, (written, read)) in written.lines().zip(read.lines()).enumerate() {
-        assert_eq!(written, read, "line {number} after the introduction of REFERENCE.md");
+        assert_eq!(written, read, "line {number} after the introduction of docs/reference/project-file.md");
     }
     assert_eq!(written.lines().count(), read.lines().count());
 }

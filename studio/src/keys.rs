@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
 /// The page that the project crate writes of its keys, and holds to its reader by a test.
-const PAGE: &str = include_str!("../../project/REFERENCE.md");
+const PAGE: &str = include_str!("../../docs/reference/project-file.md");
 
 /// A key of the project file.
 #[derive(Debug, Clone, PartialEq, Eq)]

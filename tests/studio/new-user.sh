@@ -1,10 +1,10 @@
 #!/bin/sh
 # The guide (docs/guide.md) taken literally, by mouse and keyboard in a real window under Xvfb: from an empty folder to code.
-# Photographs each step into docs/. Needs: xvfb, xdotool, ImageMagick, Mesa. Usage: tests/studio/new-user.sh [WINDOW-PROGRAM]
+# Photographs each step into docs/pictures/. Needs: xvfb, xdotool, ImageMagick, Mesa. Usage: tests/studio/new-user.sh [WINDOW-PROGRAM]
 set -eu
 cd "$(dirname "$0")/../.."
 window=$(realpath "${1:-target/release/examples/window}")
-docs=$(realpath docs)
+docs=$(realpath docs/pictures)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/machines"

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Starts the real window under Xvfb (software GL), drives it by a log of commands, and photographs each place into docs/.
+# Starts the real window under Xvfb (software GL), drives it by a log of commands, and photographs each place into docs/pictures/.
 # Needs: xvfb, xdotool, ImageMagick, Mesa. Usage: tests/studio/photograph.sh [WINDOW-PROGRAM] [NAME...]
 set -eu
 cd "$(dirname "$0")/../.."
@@ -10,7 +10,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 export XDG_STATE_HOME="$work/state" XDG_RUNTIME_DIR="$work" LIBGL_ALWAYS_SOFTWARE=1
 unset WAYLAND_DISPLAY || true
-mkdir -p docs
+mkdir -p docs/pictures
 rig=reference-rig
 shoot() { # NAME SIZE SCALE SECONDS POINTER COMMANDS...
     name=$1 size=$2 scale=$3 seconds=$4 pointer=$5
@@ -26,7 +26,7 @@ shoot() { # NAME SIZE SCALE SECONDS POINTER COMMANDS...
         sleep $seconds
         xdotool mousemove $pointer
         sleep 2
-        import -window root docs/$name.png
+        import -window root docs/pictures/$name.png
         kill \$pid || echo '$name: the window has ended by itself' >&2"
 }
 foot="640 794"

@@ -25,7 +25,7 @@ pub struct ClaimsOptions {
     /// Project file, or a folder with a project.toml
     #[arg(default_value = "examples/reference-rig")]
     pub project: PathBuf,
-    /// Measure these rows alone, for example C6,C24
+    /// Measure only these rows, for example C6,C24
     #[arg(long, value_name = "ID,...", value_delimiter = ',')]
     pub only: Vec<String>,
     /// Write table and figures as a page to this HTML file [default: out/claims.html, or out/claims-ID-....html with --only]

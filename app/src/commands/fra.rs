@@ -41,7 +41,7 @@ pub struct FraOptions {
     /// Run the instrument on these recordings instead of the simulation (needs --frequencies)
     #[arg(long, value_name = "RECORDING", num_args = 1..)]
     pub recording: Vec<PathBuf>,
-    /// Measure the map again on 1, 2, 4 ... threads up to all, and say how its time falls
+    /// Measure the map again on 1, 2, 4, ... threads, and print how the time falls
     #[arg(long, conflicts_with = "recording")]
     pub scaling: bool,
     /// Write a report with pictures to this HTML file

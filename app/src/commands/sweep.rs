@@ -37,7 +37,7 @@ pub struct SweepOptions {
     /// Run one sample again and print its factors and figures
     #[arg(long, value_name = "NUMBER")]
     pub sample: Option<usize>,
-    /// Other factors for that sample, for example friction=2,backlash=0 (as the worst cases are told)
+    /// Other factors for that sample, for example friction=2,backlash=0 (the report prints those of a worst case)
     #[arg(long, value_name = "KEY=FACTOR,...", requires = "sample", value_delimiter = ',')]
     pub factors: Vec<String>,
     /// Where results go.

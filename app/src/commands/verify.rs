@@ -36,7 +36,7 @@ pub struct VerifyOptions {
     /// Also run a triangle of the demanded hub rate: peak in rad/s and period in s, for example 0.1/4
     #[arg(long, value_name = "RATE/PERIOD")]
     pub triangle: Option<String>,
-    /// Say what changed from this project (or folder) to PROJECT
+    /// Print what changed from this project (or folder) to PROJECT
     #[arg(long, value_name = "BEFORE")]
     pub against: Option<PathBuf>,
     /// Write a report with pictures to this HTML file

@@ -1,0 +1,220 @@
+//! The manual's page of JSON results: the keys of stored example results, and that the program still gives these keys.
+//!
+//! `WRITE_MANUAL=1 cargo test --release -p counterpoise --test results_page` runs the commands, stores their shortened results in
+//! `app/tests/data/results`, and writes `docs/reference/results.md` anew.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+
+/// An example of a result: the command that gives it, and the name under which it is stored.
+struct Example {
+    name: &'static str,
+    command: &'static [&'static str],
+}
+
+const fn example(name: &'static str, command: &'static [&'static str]) -> Example {
+    Example { name, command }
+}
+
+/// Paths are relative to the repository; `OUT` is a scratch folder.
+const EXAMPLES: &[Example] = &[
+    example("design", &["design", "examples/reference-rig", "-o", "OUT"]),
+    example("model", &["model", "examples/reference-rig"]),
+    example("reduce", &["reduce", "examples/reference-rig"]),
+    example("synth", &["synth", "examples/reference-rig"]),
+    example("verify", &["verify", "examples/reference-rig"]),
+    example("export", &["export", "examples/reference-rig", "-o", "OUT"]),
+    example("fra", &["fra", "examples/reference-rig", "--amplitudes", "0.2,0.02", "--frequencies", "1:10:3"]),
+    example("replay", &["replay", "examples/left-out-friction", "examples/left-out-friction/steps.parquet"]),
+    example(
+        "diagnose",
+        &["diagnose", "examples/left-out-friction", "examples/left-out-friction/triangle.parquet"],
+    ),
+    example("diagnose-modes", &["diagnose", "examples/measured-modes"]),
+    example(
+        "identify",
+        &[
+            "identify",
+            "examples/amplifier-curve",
+            "examples/amplifier-curve/balanced",
+            "--other",
+            "examples/amplifier-curve/midpoint",
+        ],
+    ),
+    example("adapt", &["adapt", "examples/adaptation"]),
+    example("sweep", &["sweep", "RIG", "-o", "OUT"]),
+    example("claims", &["claims", "--only", "C6", "--report", "OUT/claims.html"]),
+];
+
+const INTRODUCTION: &str = "# JSON results
+
+This page is generated from stored results; a test compares their keys with those of the program. `--json FILE` writes the result of any
+command except `new` and `studio`.
+
+Numbers are in SI units, and a key that has a unit ends in it (`_rad_s`, `_nm`, `_kg_m2`). Angles are in radians, except where a key ends in
+`_deg`; ratios in dB end in `_db`. A complex number is a list of real and imaginary part. A value that does not exist is `null`. `[]` marks the elements of
+a list, and `NAME` a key that is a name from the project or the recording, such as a channel. `floor` is the noise floor of a channel, `vaf` its variance
+accounted for in percent, and `ci95` a 95 % interval. The words of a diagnosis' `verdict` are explained in
+[the theory of the diagnosis](../theory/diagnosis.md).
+
+`counterpoise verify --json` lists every figure that a requirement can ask for, with its unit.
+";
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn stored(name: &str) -> PathBuf {
+    root().join("app/tests/data/results").join(format!("{name}.json"))
+}
+
+/// The reference rig with a campaign of eight mechanisms.
+fn small_campaign() -> String {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("results-page").join("rig");
+    fs::create_dir_all(&folder).unwrap();
+    let rig = root().join("examples/reference-rig");
+    fs::copy(rig.join("sandy-loam.parquet"), folder.join("sandy-loam.parquet")).unwrap();
+    let text = fs::read_to_string(rig.join("project.toml")).unwrap();
+    fs::write(folder.join("project.toml"), text.replace("\nsamples = 200\n", "\nsamples = 8\n")).unwrap();
+    folder.to_str().unwrap().to_owned()
+}
+
+/// Runs the command of an example and returns its result.
+fn run(example: &Example) -> Value {
+    let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("results-page").join(example.name);
+    let _ = fs::remove_dir_all(&out);
+    fs::create_dir_all(&out).unwrap();
+    let result = out.join("result.json");
+    let substituted =
+        |word: &&str| word.replace("OUT", out.to_str().unwrap()).replace("RIG", &small_campaign());
+    let done = Command::new(env!("CARGO_BIN_EXE_counterpoise"))
+        .args(example.command.iter().map(substituted))
+        .arg(format!("--json={}", result.to_str().unwrap()))
+        .arg("--quiet")
+        .current_dir(root())
+        .output()
+        .unwrap();
+    assert!(done.status.code() != Some(2), "{}: {}", example.name, String::from_utf8_lossy(&done.stderr));
+    serde_json::from_str(&fs::read_to_string(result).unwrap()).unwrap()
+}
+
+/// The result with its lists cut to three elements, and without paths of this machine.
+fn shortened(value: Value) -> Value {
+    match value {
+        Value::Array(all) => Value::Array(all.into_iter().take(3).map(shortened).collect()),
+        Value::Object(all) => Value::Object(all.into_iter().map(|(key, v)| (key, shortened(v))).collect()),
+        Value::String(text) if text.contains('/') && Path::new(&text).is_absolute() => {
+            Value::String(Path::new(&text).file_name().unwrap().to_string_lossy().into_owned())
+        }
+        other => other,
+    }
+}
+
+/// Keys that are names: of channels, and of the controller's paths.
+const NAMES: &[&str] = &[
+    "control",
+    "hub_rate",
+    "hub_position",
+    "motor_rate",
+    "motor_position",
+    "motor_current",
+    "platform_rate",
+    "platform_accel",
+    "feedback",
+    "heave",
+    "pitch",
+];
+
+/// Every key of a result with the type and an example of its value.
+fn keys(value: &Value, path: &str, into: &mut BTreeMap<String, (String, String)>) {
+    let (kind, shown) = match value {
+        Value::Null => ("", "null".to_owned()),
+        Value::Bool(b) => ("true or false", b.to_string()),
+        Value::Number(number) => ("number", number.as_f64().map(short).unwrap_or_default()),
+        Value::String(text) => ("text", text.chars().take(60).collect()),
+        Value::Array(_) => ("list", String::new()),
+        Value::Object(_) => ("object", String::new()),
+    };
+    let entry = into.entry(path.to_owned()).or_default();
+    if entry.0.is_empty() {
+        *entry = (kind.to_owned(), shown);
+    }
+    match value {
+        Value::Array(all) => all.iter().for_each(|v| keys(v, &format!("{path}[]"), into)),
+        Value::Object(all) => {
+            for (key, v) in all {
+                let key = if NAMES.contains(&key.as_str()) { "NAME" } else { key };
+                let dot = if path.is_empty() { "" } else { "." };
+                keys(v, &format!("{path}{dot}{key}"), into);
+            }
+        }
+        _ => {}
+    }
+}
+
+fn short(number: f64) -> String {
+    if number.fract() == 0.0 && number.abs() < 1e6 { format!("{number:.0}") } else { format!("{number:.3e}") }
+}
+
+fn keys_of(value: &Value) -> BTreeMap<String, (String, String)> {
+    let mut all = BTreeMap::new();
+    keys(value, "", &mut all);
+    all.remove("");
+    all
+}
+
+fn section(example: &Example) -> String {
+    let value: Value = serde_json::from_str(&fs::read_to_string(stored(example.name)).unwrap()).unwrap();
+    let kind = if value.is_array() { "a list" } else { "an object" };
+    let command = example.command.join(" ").replace("-o OUT", "-o out").replace("OUT", "out");
+    let command = command.replace("RIG", "examples/reference-rig");
+    let rows = keys_of(&value).into_iter().map(|(key, (kind, shown))| {
+        let kind = if kind.is_empty() { "" } else { &kind };
+        format!("| `{key}` | {kind} | {} |\n", shown.replace('|', "\\|"))
+    });
+    format!(
+        "## `{}`\n\n    counterpoise {command} --json\n\nThe result is {kind}.\n\n| key | type | example |\n|---|---|---|\n{}",
+        example.name.replace("-modes", "` without recordings, `[measured]"),
+        rows.collect::<String>()
+    )
+}
+
+fn page() -> String {
+    let sections = EXAMPLES.iter().map(section);
+    std::iter::once(INTRODUCTION.to_owned()).chain(sections).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn the_program_gives_the_keys_of_the_stored_results() {
+    let writes = std::env::var_os("WRITE_MANUAL").is_some();
+    for example in EXAMPLES {
+        let given = shortened(run(example));
+        if writes {
+            let text = serde_json::to_string_pretty(&given).unwrap();
+            fs::write(stored(example.name), text + "\n").unwrap();
+        }
+        let known: Value = serde_json::from_str(&fs::read_to_string(stored(example.name)).unwrap()).unwrap();
+        let names = |value: &Value| keys_of(value).into_keys().collect::<Vec<_>>();
+        assert_eq!(names(&given), names(&known), "{}", example.name);
+    }
+    if writes {
+        fs::write(root().join("docs/reference/results.md"), page()).unwrap();
+    }
+}
+
+#[test]
+fn the_page_of_results_is_current() {
+    if std::env::var_os("WRITE_MANUAL").is_some() {
+        return;
+    }
+    let written = fs::read_to_string(root().join("docs/reference/results.md")).unwrap();
+    for (number, (written, stored)) in written.lines().zip(page().lines()).enumerate() {
+        assert_eq!(written, stored, "line {} of docs/reference/results.md", number + 1);
+    }
+    assert_eq!(written.lines().count(), page().lines().count());
+}
