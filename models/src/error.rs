@@ -1,5 +1,7 @@
 //! What can be wrong with a mechanism.
 
+use std::borrow::Cow;
+
 /// Every way in which a mechanism can be refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -13,14 +15,14 @@ pub enum Error {
         configuration: String,
     },
     /// A parameter outside the range in which the mechanism makes sense.
-    #[error("{parameter} = {value}: {allowed}")]
+    #[error("{parameter} is {value}: it {allowed}")]
     Parameter {
         /// Which parameter, with its path.
         parameter: String,
         /// Its value.
         value: f64,
-        /// What is allowed.
-        allowed: &'static str,
+        /// What is required of it, as a phrase that follows "it": "must be above 0".
+        allowed: Cow<'static, str>,
     },
     /// The structure is described neither as a beam nor as lumped inertias.
     #[error("the structure is missing: give a beam, lumped inertias, or both")]

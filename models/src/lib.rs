@@ -11,6 +11,7 @@ pub mod error;
 pub mod friction;
 pub mod parameters;
 pub mod plant;
+mod range;
 pub mod reference;
 pub mod structure;
 
@@ -19,3 +20,4 @@ pub use parameters::*;
 pub use plant::{
     Angles, Equilibrium, Excitation, FrictionLinearisation, LinearPlant, Mesh, OperatingPoint, Plant,
 };
+pub use range::Range;

@@ -21,8 +21,9 @@ pub struct Bristle {
 
 /// A displacement beyond this many bonds has forgotten where it started: the excess is left out.
 const MEMORY_BONDS: f64 = 64.0;
-/// Mean deflection over the bond's limit while sliding.
-const MEAN_DEFLECTION: f64 = 2.0 / 3.0;
+/// Mean deflection of a bristle over the limit of its bond while sliding, for fractions that are spread evenly over 0 to 1:
+/// the integral of (f + 1) / 2, weighted by the distance 1 - f that the bond lasts.
+pub const MEAN_DEFLECTION: f64 = 2.0 / 3.0;
 
 impl Bristle {
     /// The torque, N m, from the deflections (and counts, unused).

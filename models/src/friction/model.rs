@@ -1,7 +1,8 @@
 //! Friction between two bodies as a whole: a dry law, what modulates it, viscous and quadratic drag.
 
-use super::build;
+use super::build::checked_law;
 use super::law::{Law, Partials};
+use super::ranges;
 use super::sliding::Stick;
 use crate::Error;
 use crate::parameters::{Friction, Ripple};
@@ -52,18 +53,21 @@ impl FrictionModel {
         warm_up_time_s: 1.0,
     };
 
-    /// The model with these parameters.
+    /// Returns the model with these parameters.
     ///
     /// # Errors
-    /// [`Error::Parameter`] names the first parameter outside its range: levels, viscous and quadratic coefficients
-    /// not negative; stiffnesses, deflections, rates, exponents and time constants positive; `static_ratio` positive
-    /// (not below 1 for laws that stick); both asymmetries and the ripple's amplitude below 1; warm-up below 1; a load
-    /// coefficient only with a Coulomb level; a polynomial that stays positive.
+    /// [`Error::Parameter`] names the first parameter outside its range of [`ranges`], as `friction.` and its field; a load
+    /// coefficient needs a Coulomb level, and a polynomial Stribeck curve must stay positive.
     pub fn new(friction: &Friction) -> Result<Self, Error> {
-        build::check(friction)?;
+        Self::named("friction", friction)
+    }
+
+    /// Returns the model with these parameters as [`FrictionModel::new`] does; errors name the parameter with its path.
+    pub(crate) fn named(path: &str, friction: &Friction) -> Result<Self, Error> {
+        ranges::check_shared(path, friction)?;
         let coulomb = friction.coulomb_nm();
         Ok(Self {
-            law: build::law(friction)?,
+            law: checked_law(path, friction)?,
             viscous_nm_s_rad: friction.viscous_nm_s_rad,
             quadratic_nm_s2_rad2: friction.quadratic_nm_s2_rad2,
             asymmetry: friction.asymmetry,

@@ -125,7 +125,11 @@ impl Plant {
         {
             if !(value > 0.0 && value.is_finite()) {
                 let parameter = format!("describing function: {name}");
-                return Err(Error::Parameter { parameter, value, allowed: "positive and finite" });
+                return Err(Error::Parameter {
+                    parameter,
+                    value,
+                    allowed: "must be positive and finite".into(),
+                });
             }
         }
         let motor_amplitude = hub_amplitude_rad * self.parameters.gearbox.ratio;

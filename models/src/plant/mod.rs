@@ -62,8 +62,8 @@ impl Plant {
             .as_ref()
             .map_or((0.0, 0.0), |l| (l.position_stiffness_nm_rad, l.position_stiffness_centre_rad));
         Ok(Self {
-            motor_friction: FrictionModel::new(&parameters.motor_friction)?,
-            pivot_friction: FrictionModel::new(&parameters.pivot_friction)?,
+            motor_friction: FrictionModel::named("motor_friction", &parameters.motor_friction)?,
+            pivot_friction: FrictionModel::named("pivot_friction", &parameters.pivot_friction)?,
             parameters: parameters.clone(),
             body,
             spring,

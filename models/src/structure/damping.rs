@@ -18,7 +18,7 @@ pub fn rayleigh_coefficients(first: (f64, f64), second: (f64, f64)) -> Result<(f
         return Err(Error::Parameter {
             parameter: "rayleigh.second_frequency".to_owned(),
             value: w2,
-            allowed,
+            allowed: allowed.into(),
         });
     }
     let stiffness = 2.0 * (z2 * w2 - z1 * w1) / apart;

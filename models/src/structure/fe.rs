@@ -156,7 +156,7 @@ impl FeModel {
                 return Err(Error::Parameter {
                     parameter,
                     value,
-                    allowed: "must be finite and not negative",
+                    allowed: "must be finite and not negative".into(),
                 });
             }
         }

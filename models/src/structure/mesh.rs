@@ -70,7 +70,7 @@ fn given(nodes: &[f64], [start, end]: [f64; 2]) -> Result<Vec<f64>, Error> {
     let refused = Error::Parameter {
         parameter: "mesh.nodes".to_owned(),
         value: nodes.len() as f64,
-        allowed: "must rise from one end of the beam to the other",
+        allowed: "must rise from one end of the beam to the other".into(),
     };
     if spans { Ok(nodes.to_vec()) } else { Err(refused) }
 }
@@ -83,5 +83,5 @@ fn positive(elements: usize) -> Result<usize, Error> {
         return Ok(elements);
     }
     let (parameter, value) = ("mesh.elements".to_owned(), elements as f64);
-    Err(Error::Parameter { parameter, value, allowed: "must be from 1 to 2000" })
+    Err(Error::Parameter { parameter, value, allowed: "must be from 1 to 2000".into() })
 }

@@ -125,7 +125,7 @@ fn masses(model: &FeModel, free: &[usize], support: Support) -> Result<(), Error
     let mass = |i: &usize| model.M[(*i, *i)];
     if let Some(row) = free.iter().find(|i| mass(i) < 0.0 || mass(i).is_nan()) {
         let parameter = format!("entry ({0}, {0}) of the mass matrix", row + 1);
-        return Err(Error::Parameter { parameter, value: mass(row), allowed: "must not be negative" });
+        return Err(Error::Parameter { parameter, value: mass(row), allowed: "must not be negative".into() });
     }
     let rigid = match support {
         Support::Free => 2,
@@ -136,7 +136,7 @@ fn masses(model: &FeModel, free: &[usize], support: Support) -> Result<(), Error
     if with_mass < rigid {
         let parameter = "number of unknowns with mass".to_owned();
         let allowed = "must be at least that of the motions that nothing holds";
-        return Err(Error::Parameter { parameter, value: with_mass as f64, allowed });
+        return Err(Error::Parameter { parameter, value: with_mass as f64, allowed: allowed.into() });
     }
     Ok(())
 }

@@ -227,5 +227,5 @@ fn check(parameter: &str, value: f64, holds: bool, allowed: &'static str) -> Res
     if holds && value.is_finite() {
         return Ok(());
     }
-    Err(Error::Parameter { parameter: parameter.to_owned(), value, allowed })
+    Err(Error::Parameter { parameter: parameter.to_owned(), value, allowed: allowed.into() })
 }

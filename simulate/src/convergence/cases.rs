@@ -47,10 +47,7 @@ pub fn cases(plant: &Plant) -> Result<Vec<Case>, Error> {
     let control_v = DRIVEN * level / per_volt;
     let mut out = Vec::new();
     for (name, law, static_ratio) in laws(level) {
-        let sticks = matches!(
-            law,
-            FrictionLaw::Coulomb { .. } | FrictionLaw::Karnopp { .. } | FrictionLaw::Stribeck { .. }
-        );
+        let sticks = law.has_true_stick();
         let plant = with_law(plant, law, static_ratio)?;
         out.push(Case { name, sticks, plant, control_v });
     }

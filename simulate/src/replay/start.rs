@@ -13,7 +13,7 @@ use crate::run::Simulator;
 use crate::{Error, FrictionState, PlantState};
 use counterpoise_models::plant::Hose;
 use counterpoise_models::plant::core::state;
-use counterpoise_models::{Friction, FrictionLaw, Parameters, Plant};
+use counterpoise_models::{Parameters, Plant};
 
 /// Length of the first part that is fitted, s.
 const WINDOW_S: f64 = 0.6;
@@ -161,9 +161,9 @@ impl<'a, 'b> Fit<'a, 'b> {
         let steps = [
             1e-5,
             1e-4,
-            0.01 * level(&parameters.pivot_friction).max(1.0),
-            0.01 * level(&parameters.motor_friction).max(1e-4),
-            0.01 * level(&parameters.pivot_friction).max(1e-2),
+            0.01 * parameters.pivot_friction.breakaway_nm().max(1.0),
+            0.01 * parameters.motor_friction.breakaway_nm().max(1e-4),
+            0.01 * parameters.pivot_friction.breakaway_nm().max(1e-2),
             1e-2,
             0.01 * plant.hose().map_or(0.0, |hose| hose.level_nm).max(1e-2),
         ];
@@ -202,7 +202,8 @@ impl<'a, 'b> Fit<'a, 'b> {
         let weight = self.weight_nm(angle);
         let (ratio, constant) = (parameters.gearbox.ratio, parameters.motor.torque_constant_nm_a);
         let current = current.unwrap_or(weight / (ratio * constant));
-        let (motor, pivot) = (level(&parameters.motor_friction), level(&parameters.pivot_friction));
+        let (motor, pivot) =
+            (parameters.motor_friction.breakaway_nm(), parameters.pivot_friction.breakaway_nm());
         // the surplus of the motor is shared by the two frictions in proportion to their levels
         let surplus = ratio * constant * current - weight;
         let share = surplus / (ratio * motor + pivot).max(f64::MIN_POSITIVE);
@@ -232,8 +233,8 @@ impl<'a, 'b> Fit<'a, 'b> {
         start.core[state::CURRENT] = u[CURRENT];
         start.core[state::VOLTAGE] = motor.resistance_ohm * u[CURRENT] + motor.back_emf_v_s_rad * motor_rate;
         start.friction = FrictionState {
-            motor: at_torque(&parameters.motor_friction, u[MOTOR_DRY]),
-            pivot: at_torque(&parameters.pivot_friction, u[PIVOT_DRY]),
+            motor: parameters.motor_friction.state_at_torque(u[MOTOR_DRY]),
+            pivot: parameters.pivot_friction.state_at_torque(u[PIVOT_DRY]),
             hose: u[HOSE],
         };
         start
@@ -248,8 +249,8 @@ impl<'a, 'b> Fit<'a, 'b> {
             state.core[state::ANGLE],
             state.core[state::RATE] - self.platform_rate,
             parameters.gearbox.stiffness_nm_rad * (windup - half_gap),
-            torque(&parameters.motor_friction, state.friction.motor),
-            torque(&parameters.pivot_friction, state.friction.pivot),
+            parameters.motor_friction.torque_at_state_nm(state.friction.motor),
+            parameters.pivot_friction.torque_at_state_nm(state.friction.pivot),
             state.core[state::CURRENT],
             state.friction.hose,
         ]
@@ -278,8 +279,8 @@ impl<'a, 'b> Fit<'a, 'b> {
 
     fn imbalance(&self, u: &Unknowns) -> [f64; 2] {
         let parameters = self.plant.parameters();
-        let motor_scale = IMBALANCE * level(&parameters.motor_friction).max(1e-3);
-        let pivot_scale = IMBALANCE * level(&parameters.pivot_friction).max(1.0);
+        let motor_scale = IMBALANCE * parameters.motor_friction.breakaway_nm().max(1e-3);
+        let pivot_scale = IMBALANCE * parameters.pivot_friction.breakaway_nm().max(1.0);
         let motor = parameters.motor.torque_constant_nm_a * u[CURRENT]
             - u[MOTOR_DRY]
             - parameters.motor_friction.viscous_nm_s_rad * parameters.gearbox.ratio * u[RATE]
@@ -327,7 +328,8 @@ impl<'a, 'b> Fit<'a, 'b> {
     /// Friction and a hose within their levels.
     fn bounded(&self, mut u: Unknowns) -> Unknowns {
         let parameters = self.plant.parameters();
-        let (motor, pivot) = (level(&parameters.motor_friction), level(&parameters.pivot_friction));
+        let (motor, pivot) =
+            (parameters.motor_friction.breakaway_nm(), parameters.pivot_friction.breakaway_nm());
         u[MOTOR_DRY] = u[MOTOR_DRY].clamp(-motor, motor);
         u[PIVOT_DRY] = u[PIVOT_DRY].clamp(-pivot, pivot);
         let hose = self.plant.hose().map_or(0.0, |hose| hose.level_nm);
@@ -351,35 +353,5 @@ impl<'a, 'b> Fit<'a, 'b> {
             columns.push(shifted.iter().zip(residuals).map(|(a, b)| sign * (a - b)).collect::<Vec<f64>>());
         }
         Ok(Normal::of(&columns, residuals))
-    }
-}
-
-/// The largest dry torque at rest, N m.
-pub(super) fn level(friction: &Friction) -> f64 {
-    friction.coulomb_nm() * friction.static_ratio.max(1.0)
-}
-
-/// The state of a friction at rest that gives a torque.
-pub(super) fn at_torque(friction: &Friction, torque_nm: f64) -> f64 {
-    match friction.law {
-        FrictionLaw::Lugre { bristle_stiffness_nm_rad, .. } => torque_nm / bristle_stiffness_nm_rad,
-        FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad, .. } if coulomb_nm > 0.0 => {
-            torque_nm * deflection_rad / (friction.static_ratio * coulomb_nm)
-        }
-        FrictionLaw::Dahl { .. } | FrictionLaw::Walrath { .. } => torque_nm,
-        // what truly sticks carries what it must; bonds start unbent
-        _ => 0.0,
-    }
-}
-
-/// The torque that a state of a friction at rest gives.
-pub(super) fn torque(friction: &Friction, state: f64) -> f64 {
-    match friction.law {
-        FrictionLaw::Lugre { bristle_stiffness_nm_rad, .. } => state * bristle_stiffness_nm_rad,
-        FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad, .. } if deflection_rad > 0.0 => {
-            state * friction.static_ratio * coulomb_nm / deflection_rad
-        }
-        FrictionLaw::Dahl { .. } | FrictionLaw::Walrath { .. } => state,
-        _ => 0.0,
     }
 }

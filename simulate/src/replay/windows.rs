@@ -7,7 +7,6 @@
 //! the gap is one of the states that the fit can find.
 
 use super::normal::{Normal, squares};
-use super::start::{at_torque, level, torque};
 use super::{Loop, Playback, Replay, Replayer, reading_floor};
 use crate::recording::Channel;
 use crate::run::{Simulator, holding_control};
@@ -141,7 +140,8 @@ impl<'a, 'b> Windows<'a, 'b> {
             .into_iter()
             .filter(|(channel, _)| replayer.recording.column(*channel).is_some())
             .filter_map(|(channel, sensor)| Some((channel, reading_floor(sensor?, &parameters.interface))));
-        let (motor, pivot) = (level(&parameters.motor_friction), level(&parameters.pivot_friction));
+        let (motor, pivot) =
+            (parameters.motor_friction.breakaway_nm(), parameters.pivot_friction.breakaway_nm());
         let gearbox = &parameters.gearbox;
         let bent = (pivot / gearbox.stiffness_nm_rad).max(1e-7);
         Ok(Self {
@@ -242,8 +242,8 @@ impl<'a, 'b> Windows<'a, 'b> {
         out.core[state::CURRENT] += by[CURRENT];
         out.hub_gyro[0] += by[HUB];
         let dry = |friction, old: f64, by: f64| {
-            let most = level(friction);
-            at_torque(friction, (torque(friction, old) + by).clamp(-most, most))
+            let most = friction.breakaway_nm();
+            friction.state_at_torque((friction.torque_at_state_nm(old) + by).clamp(-most, most))
         };
         out.friction.motor = dry(&parameters.motor_friction, near.friction.motor, by[MOTOR_DRY]);
         out.friction.pivot = dry(&parameters.pivot_friction, near.friction.pivot, by[PIVOT_DRY]);
