@@ -3,7 +3,7 @@
 use counterpoise_controller::Controller;
 use counterpoise_models::Parameters;
 use counterpoise_models::plant::Plant;
-use counterpoise_simulate::fra::{Settings, Test, measure};
+use counterpoise_simulate::fra::{Settings, Test, TestSine, measure};
 use counterpoise_simulate::{Scenario, Signal, Simulator};
 use counterpoise_verify::C64;
 use counterpoise_verify::signals::rms;
@@ -43,7 +43,7 @@ fn map(
     let plant = &bench.designed.modelled.plant;
     let settings = Settings { least_duration_s: 1.0, ..Settings::default() };
     let one = |share: f64, hz: f64| -> Result<(f64, f64), PipelineError> {
-        let at = (std::f64::consts::TAU * hz, share * amplitude);
+        let at = TestSine { frequency_rad_s: std::f64::consts::TAU * hz, amplitude: share * amplitude };
         let found = measure(plant, &mut controller.runner(), test, at, &settings)?;
         Ok((hz, of(found.response.value)))
     };

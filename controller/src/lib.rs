@@ -44,6 +44,7 @@ pub mod runner;
 pub mod sampled;
 pub mod sensitivity;
 pub mod signal;
+pub mod tolerance;
 
 mod check;
 mod lower;

@@ -223,11 +223,25 @@ impl<N> Flat<N> {
     }
 }
 
+/// coefficient x place of memory.
+#[derive(Debug, Clone)]
+struct FlatTerm<N> {
+    coefficient: N,
+    place: usize,
+}
+
+impl<N: Number> FlatTerm<N> {
+    #[inline]
+    fn value(&self, memory: &[N]) -> N {
+        self.coefficient.times(&memory[self.place])
+    }
+}
+
 /// A program made ready to run in the numbers N.
 #[derive(Debug, Clone)]
 pub struct Compiled<N> {
     operations: Vec<Flat<N>>,
-    terms: Vec<(N, usize)>,
+    terms: Vec<FlatTerm<N>>,
     states: usize,
     memory: usize,
     output: Option<usize>,
@@ -305,21 +319,23 @@ impl<N: Number> Compiled<N> {
 }
 
 #[inline]
-fn sum<N: Number>(constant: Option<&N>, terms: &[(N, usize)], memory: &[N]) -> N {
+fn sum<N: Number>(constant: Option<&N>, terms: &[FlatTerm<N>], memory: &[N]) -> N {
     let (start, rest) = match (constant, terms) {
         (Some(constant), all) => (constant.clone(), all),
-        (None, [(c, of), rest @ ..]) => (c.times(&memory[*of]), rest),
+        (None, [first, rest @ ..]) => (first.value(memory), rest),
         (None, []) => (N::from_f64(0.0), terms),
     };
-    rest.iter().fold(start, |sum, (c, of)| sum.plus(&c.times(&memory[*of])))
+    rest.iter().fold(start, |sum, term| sum.plus(&term.value(memory)))
 }
 
-fn flatten<N: Number>(op: &Operation, place: &dyn Fn(Slot) -> usize, all: &mut Vec<(N, usize)>) -> Flat<N> {
+fn flatten<N: Number>(op: &Operation, place: &dyn Fn(Slot) -> usize, all: &mut Vec<FlatTerm<N>>) -> Flat<N> {
     let into = place(op.into_slot());
     match op {
         Operation::Sum { constant, terms, .. } => {
             let first = all.len();
-            all.extend(terms.iter().map(|term| (N::from_f64(term.coefficient), place(term.of))));
+            let flat =
+                |term: &Term| FlatTerm { coefficient: N::from_f64(term.coefficient), place: place(term.of) };
+            all.extend(terms.iter().map(flat));
             Flat::Sum { into, constant: constant.map(N::from_f64), first, last: all.len() }
         }
         Operation::Product { a, b, .. } => Flat::Product { into, a: place(*a), b: place(*b) },

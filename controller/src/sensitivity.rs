@@ -5,6 +5,7 @@ use counterpoise_lti::{C64, CMat, Mat, StateSpace, Timebase, frequency_response,
 
 use crate::Error;
 use crate::realise::{coefficients, modal};
+use crate::tolerance::{MARGINAL, NEGLIGIBLE, SINGLE_ROUNDING, WORTH};
 
 /// A form in which a path can run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,16 +34,10 @@ pub struct Candidate {
     pub measured: f64,
 }
 
-/// How many times less sensitive the balanced form must be to be worth its products.
-pub const WORTH: f64 = 10.0;
-/// Hankel values below this, relative to the largest, are rounding errors of the path: their states are left out.
-const NEGLIGIBLE: f64 = 1e-12;
-/// Modulus above which a pole stays in modal form: it has no Gramian, or hardly one.
-const MARGINAL: f64 = 1.0 - 1e-9;
-/// Half a unit in the last place of single precision, relative.
-const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
-/// Frequencies at which responses are compared, and how many decades they span up to half the sample rate.
-const POINTS: (usize, f64) = (100, 5.0);
+/// Number of frequencies at which responses are compared.
+const FREQUENCIES: usize = 100;
+/// Decades that these frequencies span, up to half the sample rate.
+const DECADES: f64 = 5.0;
 
 /// A discrete system in the form asked for.
 ///
@@ -120,7 +115,7 @@ fn deviations(system: &StateSpace, rates: &[f64]) -> Result<Vec<f64>, Error> {
         sum += squares(&system.A, |i, j| row(i) * column(j));
         sum += squares(&system.B, |i, _| row(i));
         sum += squares(&system.C, |_, j| column(j));
-        UNIT * (sum / 3.0).sqrt()
+        SINGLE_ROUNDING * (sum / 3.0).sqrt()
     };
     Ok((0..rates.len()).map(at).collect())
 }
@@ -145,9 +140,8 @@ fn in_single(system: &StateSpace) -> StateSpace {
 
 fn rates(timebase: Timebase) -> Vec<f64> {
     let period = if let Timebase::Discrete { period_s } = timebase { period_s } else { 1.0 };
-    let (count, decades) = POINTS;
-    let share = |k: usize| (k as f64 + 0.5) / count as f64 - 1.0;
-    (0..count).map(|k| std::f64::consts::PI / period * 10f64.powf(decades * share(k))).collect()
+    let share = |k: usize| (k as f64 + 0.5) / FREQUENCIES as f64 - 1.0;
+    (0..FREQUENCIES).map(|k| std::f64::consts::PI / period * 10f64.powf(DECADES * share(k))).collect()
 }
 
 fn median(values: &[f64]) -> f64 {

@@ -14,6 +14,7 @@ pub mod plant;
 mod range;
 pub mod reference;
 pub mod structure;
+pub mod tolerance;
 
 pub use error::Error;
 pub use parameters::*;

@@ -1,6 +1,6 @@
 //! What a run leaves: one value a sample in every column.
 
-use crate::engine::stepper::{Effort, PlantState};
+use crate::engine::state::{Effort, PlantState};
 
 /// The columns of a run. Those of [`Truth`](TrueColumns) are empty where only the recording was kept.
 #[derive(Debug, Clone, PartialEq)]

@@ -45,9 +45,10 @@ pub mod run;
 pub mod scenario;
 pub mod sensing;
 pub mod signal;
+pub mod tolerance;
 
 pub use engine::ports::{Bonds, FrictionState};
-pub use engine::stepper::{Effort, PlantState};
+pub use engine::state::{Effort, PlantState};
 pub use error::Error;
 pub use history::{ReadingColumns, TimeHistory, TrueColumns};
 pub use motion::PlatformMotion;

@@ -3,6 +3,7 @@
 use crate::engine::moments::NODES;
 use crate::engine::ports::{PlatformPoint, PlatformSpan};
 use crate::signal::{Signal, Sine};
+use crate::tolerance::{ROTOR_SAMPLES, SLOW_SINE_RAD};
 
 /// How the platform moves. Rates and accelerations are inertial; heave is the pivot's upward acceleration without
 /// gravity.
@@ -95,7 +96,9 @@ impl<'a> Followed<'a> {
     fn new(signal: &'a Signal, period_s: f64) -> Self {
         match signal {
             Signal::Constant(value) => Self::Constant(*value),
-            Signal::Sines(sines) if sines.iter().all(|s| s.frequency_rad_s.abs() * period_s < SLOW) => {
+            Signal::Sines(sines)
+                if sines.iter().all(|s| s.frequency_rad_s.abs() * period_s < SLOW_SINE_RAD) =>
+            {
                 Self::Sines(sines.iter().map(|sine| Rotor::new(*sine, period_s)).collect())
             }
             other => Self::Other(other),
@@ -108,7 +111,7 @@ impl<'a> Followed<'a> {
             Self::Sines(rotors) => {
                 let mut about = [0.0; 5];
                 for rotor in rotors {
-                    if k.is_multiple_of(RENEWED) {
+                    if k.is_multiple_of(ROTOR_SAMPLES) {
                         rotor.set(start_s + 0.5 * period_s);
                     }
                     rotor.add(&mut about);
@@ -120,9 +123,6 @@ impl<'a> Followed<'a> {
         }
     }
 }
-
-/// Samples after which a rotor's sine is computed anew.
-const RENEWED: usize = 64;
 
 /// A sine in the middle of a sample, turned from sample to sample.
 #[derive(Debug, Clone, Copy)]
@@ -205,9 +205,6 @@ impl MotionSample {
 fn quartic(c: &[f64; 5], s: f64) -> f64 {
     c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * c[4])))
 }
-
-/// Angle per sample, rad, below which the series of a sine to the fourth power over half a sample is exact to 1e-11.
-const SLOW: f64 = 0.05;
 
 /// From powers of the distance from the middle of a sample to powers of the fraction of the sample.
 fn from_middle([c0, c1, c2, c3, c4]: [f64; 5]) -> [f64; 5] {

@@ -2,24 +2,17 @@
 
 use crate::Error;
 use crate::engine::ports::{Bonds, FrictionState, PlatformPoint};
-use crate::engine::stepper::{PlantState, Sample, Stepper};
+use crate::engine::present::Sample;
+use crate::engine::state::PlantState;
+use crate::engine::stepper::Stepper;
 use crate::history::{ReadingColumns, TimeHistory, TrueColumns};
 use crate::motion::{MotionSample, Track};
 use crate::scenario::{Detail, Initial, Scenario};
 use crate::sensing::{Converter, Sensing, Truth};
+use crate::tolerance::{DURATION_ROUNDING, MOST_ANGLE_RAD, MOST_SAMPLES, TOLERANCE};
 use counterpoise_controller::{Readings, SampledController};
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{Mesh, OperatingPoint, Plant};
-
-/// Defect of a step that a run allows, relative to the plant's dry friction and a tenth of its weight torque: it
-/// leaves errors of about 1e-5 of the motion over 10 s on the reference rig.
-pub const TOLERANCE: f64 = 2e-5;
-
-/// Most samples that a run may have.
-const MOST_SAMPLES: f64 = 1e8;
-
-/// Largest hub angle at the start, rad.
-const MOST_ANGLE_RAD: f64 = 1e5;
 
 /// A plant ready to run again and again: its stored matrices are kept from run to run.
 #[derive(Debug, Clone)]
@@ -127,7 +120,7 @@ impl Simulator {
             if !self.stepper.is_finite() {
                 return Err(Error::Diverged { time_s: lap.time(k) });
             }
-            if self.stepper.effort.steps + self.stepper.effort.rejected > steps {
+            if self.stepper.effort().tried() > steps {
                 return Err(Error::Effort { time_s: lap.time(k), steps });
             }
         }
@@ -136,7 +129,7 @@ impl Simulator {
             readings: lap.readings,
             truth: lap.truth,
             final_state: self.stepper.state(),
-            effort: self.stepper.effort,
+            effort: self.stepper.effort(),
         })
     }
 
@@ -188,7 +181,7 @@ impl<'a> Lap<'a> {
     fn new(plant: &'a Plant, scenario: &'a Scenario, stepper: &mut Stepper) -> Result<Self, Error> {
         let parameters = plant.parameters();
         let period_s = parameters.interface.sample_period_s;
-        let samples = (scenario.duration_s / period_s - 1e-6).ceil();
+        let samples = (scenario.duration_s / period_s - DURATION_ROUNDING).ceil();
         if samples > MOST_SAMPLES {
             return Err(Error::Range {
                 what: "duration_s",

@@ -1,6 +1,6 @@
 //! What is done to the mechanism in a run.
 
-use crate::engine::stepper::PlantState;
+use crate::engine::state::PlantState;
 use crate::motion::PlatformMotion;
 use crate::sensing::Imperfections;
 use crate::signal::Signal;

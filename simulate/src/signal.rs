@@ -1,5 +1,6 @@
 //! Signals over time: what is demanded, and how the platform moves.
 
+use crate::tolerance::HELD_ROUNDING;
 use std::f64::consts::TAU;
 
 /// A scalar function of time, defined for every time.
@@ -106,7 +107,7 @@ fn triangle(turns: f64) -> f64 {
 
 fn held(values: &[f64], position: f64) -> f64 {
     // a time that is a whole number of samples but for rounding belongs to the later sample
-    let index = (position * (1.0 + f64::EPSILON * TAU) + 1e-9).max(0.0) as usize;
+    let index = (position * (1.0 + f64::EPSILON * TAU) + HELD_ROUNDING).max(0.0) as usize;
     values.get(index).or(values.last()).copied().unwrap_or(0.0)
 }
 

@@ -10,7 +10,7 @@ use counterpoise_pipeline::results::{RecordingResult, ReplayResult};
 use counterpoise_project::Purpose;
 use counterpoise_project::recording::{Mapping, Record, Table};
 use counterpoise_simulate::recording::{Channel, Recording};
-use counterpoise_simulate::replay::{Followed, Loop, Replayer, Way};
+use counterpoise_simulate::replay::{Loop, ReplayMode, Replayer, SelectedReplay};
 
 use super::{Done, verdict_code};
 use crate::arguments::{ReplayOptions, Windows};
@@ -111,7 +111,7 @@ pub fn run(options: &ReplayOptions) -> Done {
         let followed =
             Replayer::new(plant, &item.recording).and_then(|r| follow(&r, plant, &control, options.windows));
         let mut followed = followed.with_context(|| format!("cannot replay {}", item.file))?;
-        if followed.way != Way::Free && !item.kept {
+        if followed.mode != ReplayMode::Free && !item.kept {
             // made from other columns, the measurements are not those that the controller read
             followed.replay.channels.retain(|fit| fit.channel != Channel::Control);
         }
@@ -135,20 +135,20 @@ fn follow(
     plant: &Parameters,
     control: &Loop,
     windows: Windows,
-) -> Result<Followed, counterpoise_simulate::Error> {
-    let (replay, way) = match (windows, control) {
-        (Windows::Auto, _) => return replayer.follow(plant, control),
-        (Windows::None, Loop::Open) => (replayer.replay_open(plant)?, Way::Free),
-        (Windows::None, _) => (replayer.replay(plant, control)?, Way::Free),
+) -> Result<SelectedReplay, counterpoise_simulate::Error> {
+    let (replay, mode) = match (windows, control) {
+        (Windows::Auto, _) => return replayer.replay_free_or_windowed(plant, control),
+        (Windows::None, Loop::Open) => (replayer.replay_open(plant)?, ReplayMode::Free),
+        (Windows::None, _) => (replayer.replay(plant, control)?, ReplayMode::Free),
         (Windows::Every { window_s }, Loop::Open) => {
-            (replayer.replay_windows(plant, window_s)?, Way::Windows { window_s, free: Vec::new() })
+            (replayer.replay_windowed(plant, window_s)?, ReplayMode::Windowed { window_s, free: Vec::new() })
         }
         (Windows::Every { window_s }, Loop::Closed(controller)) => {
-            let replay = replayer.replay_horizons(plant, window_s, controller)?;
-            (replay, Way::Windows { window_s, free: Vec::new() })
+            let replay = replayer.replay_windowed_with_control(plant, window_s, controller)?;
+            (replay, ReplayMode::Windowed { window_s, free: Vec::new() })
         }
     };
-    Ok(Followed { replay, way, parting: None })
+    Ok(SelectedReplay { replay, mode, divergence: None })
 }
 
 /// What is wrong with a recording itself: told before the fit is.

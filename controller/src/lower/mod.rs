@@ -73,6 +73,23 @@ impl States {
     }
 }
 
+/// The limits of a clamped value.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Limits {
+    pub low: f64,
+    pub high: f64,
+}
+
+impl Limits {
+    /// From 0 to 1: a share, or a switch that fades.
+    pub const UNIT: Self = Self { low: 0.0, high: 1.0 };
+
+    /// From `-most` to `most`.
+    pub fn symmetric(most: f64) -> Self {
+        Self { low: -most, high: most }
+    }
+}
+
 /// Writes a program line by line.
 pub(crate) struct Writer {
     program: Program,
@@ -131,10 +148,10 @@ impl Writer {
         into
     }
 
-    /// A new local between low and high.
-    pub fn clamp(&mut self, name: impl Into<String>, of: Slot, (low, high): (f64, f64)) -> Slot {
+    /// A new local kept within limits.
+    pub fn clamp(&mut self, name: impl Into<String>, of: Slot, limits: Limits) -> Slot {
         let into = self.local(name);
-        self.push(Operation::Clamp { into, of, low, high });
+        self.push(Operation::Clamp { into, of, low: limits.low, high: limits.high });
         into
     }
 

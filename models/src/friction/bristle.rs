@@ -1,6 +1,7 @@
 //! The bristle law: bonds that bend with the displacement, snap at a limit and form anew.
 
 use super::stribeck::StribeckLevel;
+use crate::tolerance::MEMORY_BONDS;
 
 /// T = k(w) sum z_i; each deflection z_i follows the displacement and, at +/- bond, snaps to a fraction of it.
 ///
@@ -19,8 +20,6 @@ pub struct Bristle {
     pub bond_rad: f64,
 }
 
-/// A displacement beyond this many bonds has forgotten where it started: the excess is left out.
-const MEMORY_BONDS: f64 = 64.0;
 /// Mean deflection of a bristle over the limit of its bond while sliding, for fractions that are spread evenly over 0 to 1:
 /// the integral of (f + 1) / 2, weighted by the distance 1 - f that the bond lasts.
 pub const MEAN_DEFLECTION: f64 = 2.0 / 3.0;

@@ -10,6 +10,7 @@ use super::sliding::Sliding;
 use super::stribeck::StribeckLevel;
 use super::walrath::Walrath;
 use crate::parameters::{Friction, FrictionLaw, StribeckCurve};
+use crate::tolerance::POLYNOMIAL_CHECKS;
 use crate::{Error, Range};
 
 /// Returns the dry law with its own parameters checked; `path` names the friction in errors.
@@ -99,7 +100,3 @@ fn check_curve(path: &str, friction: &Friction, curve: StribeckCurve) -> Result<
         _ => Ok(()),
     }
 }
-
-/// Rates at which the level of a polynomial curve is checked, evenly from rest to the Stribeck rate, beyond which it is
-/// constant: the least level of the curve is at most 1/400 of the Stribeck rate away from one of them.
-const POLYNOMIAL_CHECKS: i32 = 200;

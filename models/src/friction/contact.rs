@@ -14,6 +14,7 @@
 use super::law::Law;
 use super::model::FrictionModel;
 use super::sliding::Stick;
+use crate::tolerance::{MOST_SWEEPS, SETTLED};
 
 /// A joint with true stick at the beginning of a step.
 #[derive(Debug, Clone, Copy)]
@@ -38,11 +39,6 @@ pub struct Contact<const N: usize> {
     /// Sweeps that were needed; [`MOST_SWEEPS`] where the torques still changed.
     pub sweeps: usize,
 }
-
-/// Sweeps over the joints after which the torques are given as they are.
-pub const MOST_SWEEPS: usize = 500;
-/// Change of a rate over a sweep, relative to the largest rate, that counts as none.
-const SETTLED: f64 = 1e-14;
 
 /// The friction torques of N joints over a step.
 ///

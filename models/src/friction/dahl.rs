@@ -2,6 +2,7 @@
 
 use super::law::Partials;
 use super::stribeck::StribeckLevel;
+use crate::tolerance::YIELDED;
 
 /// dF/dt = sigma w |r|^i sgn r, r = 1 - (F / g(w)) sgn w; the state is the torque F, N m.
 ///
@@ -17,9 +18,6 @@ pub struct Dahl {
     /// Exponent i; 1 is usual, 2 is (5-38).
     pub exponent: f64,
 }
-
-/// Below this distance from the yielded torque, relative to the level, the slope of |r|^i with i < 1 is held.
-const YIELDED: f64 = 1e-9;
 
 impl Dahl {
     /// dF/dt, N m/s.

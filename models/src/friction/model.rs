@@ -6,6 +6,7 @@ use super::ranges;
 use super::sliding::Stick;
 use crate::Error;
 use crate::parameters::{Friction, Ripple};
+use crate::tolerance::LEAST_LEVEL;
 
 /// T = dry(w, states; level) + F_v (1 + a_v sgn w) w + F_q w |w|.
 ///
@@ -35,9 +36,6 @@ pub struct Surroundings {
     /// Time since the cold start, s.
     pub time_s: f64,
 }
-
-/// The least factor on the level: keeps laws that divide by it finite.
-const LEAST_LEVEL: f64 = 1e-6;
 
 impl FrictionModel {
     /// No friction.

@@ -1,6 +1,7 @@
 //! The level of dry friction as a function of the rate.
 
 use crate::parameters::StribeckCurve;
+use crate::tolerance::SPENT;
 
 /// g(w) = F_c + (F_s - F_c) shape(|w| / w_s), N m: F_s at rest, F_c at speed.
 ///
@@ -13,9 +14,6 @@ pub struct StribeckLevel {
     per_rate_s_rad: f64,
     curve: StribeckCurve,
 }
-
-/// Where exp(-x^2) is below 1e-21 and no longer changes a level: libraries are slow where exp underflows.
-const SPENT: f64 = 7.0;
 
 impl StribeckLevel {
     /// The level that starts at `static_ratio` x `coulomb_nm` and has fallen at `rate_rad_s` by its curve.

@@ -3,6 +3,7 @@
 use super::core::{input, state};
 use super::{Core, Mesh, Plant};
 use crate::friction::{FrictionModel, Surroundings};
+use crate::tolerance::POWER_REVERSAL_RATE;
 
 /// What acts on the plant at an instant.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -126,9 +127,6 @@ impl Plant {
             - self.parameters.pivot_friction.drag_nm(relative_rate_rad_s)
     }
 }
-
-/// Motor rate over which the direction of the power through the mesh changes, rad/s.
-const POWER_REVERSAL_RATE: f64 = 0.05;
 
 /// What an imperfect mesh takes from either side.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

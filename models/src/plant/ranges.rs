@@ -1,8 +1,8 @@
 //! The ranges in which a mechanism makes sense, checked once, when a plant is built.
 
 use super::Body;
-use crate::Error;
 use crate::parameters::{Lumped, Parameters, Sensor};
+use crate::{Error, Range};
 
 /// Refuses parameters outside their ranges; the first one found is named with its path.
 pub(super) fn check(parameters: &Parameters) -> Result<(), Error> {
@@ -47,7 +47,7 @@ fn drive(parameters: &Parameters) -> Result<(), Error> {
     positive("gearbox.stiffness_nm_rad", gearbox.stiffness_nm_rad)?;
     not_negative("gearbox.damping_nm_s_rad", gearbox.damping_nm_s_rad)?;
     not_negative("gearbox.backlash_rad", gearbox.backlash_rad)?;
-    within("gearbox.mesh_efficiency", gearbox.mesh_efficiency, 0.0, 1.0, "must be above 0 and at most 1")?;
+    require(Range::AboveTo(0.0, 1.0), "gearbox.mesh_efficiency", gearbox.mesh_efficiency)?;
     positive("motor.inertia_kg_m2", motor.inertia_kg_m2)?;
     positive("motor.torque_constant_nm_a", motor.torque_constant_nm_a)?;
     not_negative("motor.back_emf_v_s_rad", motor.back_emf_v_s_rad)?;
@@ -68,8 +68,13 @@ fn map(parameters: &Parameters) -> Result<(), Error> {
     let mut last = (0.0, 0.0);
     for (k, point) in parameters.amplifier.map.iter().enumerate() {
         let rises = point.input_v > last.0 && point.current_a >= last.1 && point.current_a.is_finite();
-        let allowed = "must be positive and above the point before, and its current must not fall";
-        require(rises, &format!("amplifier.map[{k}].input_v"), point.input_v, allowed)?;
+        if !rises {
+            return Err(Error::Parameter {
+                parameter: format!("amplifier.map[{k}].input_v"),
+                value: point.input_v,
+                allowed: "must be positive and above the point before, and its current must not fall".into(),
+            });
+        }
         last = (point.input_v, point.current_a);
     }
     Ok(())
@@ -106,35 +111,32 @@ fn interface(parameters: &Parameters) -> Result<(), Error> {
     for (path, bits) in
         [("interface.input_bits", interface.input_bits), ("interface.output_bits", interface.output_bits)]
     {
-        within(path, f64::from(bits), 0.0, 32.0, "must be from 1 to 32")?;
+        require(Range::Between(1.0, 32.0), path, f64::from(bits))?;
     }
     Ok(())
 }
 
-fn require(holds: bool, parameter: &str, value: f64, allowed: &'static str) -> Result<(), Error> {
-    if holds {
-        Ok(())
-    } else {
-        Err(Error::Parameter { parameter: parameter.to_owned(), value, allowed: allowed.into() })
-    }
-}
-
 fn positive(parameter: &str, value: f64) -> Result<(), Error> {
-    require(value > 0.0 && value.is_finite(), parameter, value, "must be positive and finite")
-}
-
-fn positive_or_infinite(parameter: &str, value: f64) -> Result<(), Error> {
-    require(value > 0.0, parameter, value, "must be positive")
+    require(Range::POSITIVE, parameter, value)
 }
 
 fn not_negative(parameter: &str, value: f64) -> Result<(), Error> {
-    require(value >= 0.0 && value.is_finite(), parameter, value, "must be zero or positive, and finite")
+    require(Range::NOT_NEGATIVE, parameter, value)
 }
 
 fn finite(parameter: &str, value: f64) -> Result<(), Error> {
-    require(value.is_finite(), parameter, value, "must be finite")
+    require(Range::Any, parameter, value)
 }
 
-fn within(parameter: &str, value: f64, above: f64, at_most: f64, allowed: &'static str) -> Result<(), Error> {
-    require(value > above && value <= at_most, parameter, value, allowed)
+fn require(range: Range, parameter: &str, value: f64) -> Result<(), Error> {
+    range.check("", parameter, value).map(|_| ())
+}
+
+/// A limit that may be absent: infinity stands for none.
+fn positive_or_infinite(parameter: &str, value: f64) -> Result<(), Error> {
+    if value > 0.0 {
+        return Ok(());
+    }
+    let allowed = "must be above 0, or infinite if there is no limit".into();
+    Err(Error::Parameter { parameter: parameter.to_owned(), value, allowed })
 }

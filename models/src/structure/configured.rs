@@ -50,8 +50,7 @@ impl Structure {
                 Some(modal_with_stiffness(&model, &pinned, &self.beam.modal_damping))
             }
             StructuralDamping::Rayleigh { first, second } => {
-                let (a0, a1) = rayleigh_coefficients(first.into(), second.into())?;
-                Some(rayleigh(&model, a0, a1))
+                Some(rayleigh(&model, rayleigh_coefficients(first.into(), second.into())?))
             }
         };
         Ok(model)

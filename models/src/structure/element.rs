@@ -55,22 +55,23 @@ pub fn element(
     profile: &Profile,
     from_m: f64,
     to_m: f64,
-    how: (Theory, Integration),
+    theory: Theory,
+    integration: Integration,
 ) -> Result<Element, Error> {
-    let (theory, integration) = how;
     match integration {
-        Integration::Quadrature => Ok(by_quadrature(profile, (from_m, to_m), theory, |x| profile.after(x))),
+        Integration::Quadrature => Ok(integrate(profile, from_m, to_m, theory, |x| profile.after(x))),
         Integration::UniformAverage => {
             let average = profile.average(from_m, to_m);
-            Ok(by_quadrature(profile, (from_m, to_m), theory, |_| average))
+            Ok(integrate(profile, from_m, to_m, theory, |_| average))
         }
         Integration::PowerLaw => power_law::element(profile, from_m, to_m),
     }
 }
 
-fn by_quadrature(
+fn integrate(
     profile: &Profile,
-    (from_m, to_m): (f64, f64),
+    from_m: f64,
+    to_m: f64,
     theory: Theory,
     cross_section: impl Fn(f64) -> CrossSection,
 ) -> Element {

@@ -5,6 +5,7 @@ use super::mesh::Mesh;
 use super::profile::Profile;
 use crate::Error;
 use crate::parameters::{Beam, PointMass};
+use crate::tolerance::AT_PIVOT;
 use counterpoise_lti::Mat;
 
 /// M q'' + C q' + K q = p, q the deflections (upward, perpendicular to the axis) and rotations (nose-up) of the nodes.
@@ -80,7 +81,7 @@ impl FeModel {
         let mut out = Self::rigid(&nodes, beam.pivot_m);
         let mut shapes = Vec::with_capacity(nodes.len() - 1);
         for (i, ends) in nodes.windows(2).enumerate() {
-            let one = element(&profile, ends[0], ends[1], (options.theory, options.integration))?;
+            let one = element(&profile, ends[0], ends[1], options.theory, options.integration)?;
             out.place(i, &one);
             shapes.push(one.shape);
         }
@@ -175,6 +176,3 @@ impl FeModel {
         Ok(())
     }
 }
-
-/// Distance from the pivot, relative to the beam, at which a node is the hub's.
-const AT_PIVOT: f64 = 1e-9;

@@ -2,6 +2,7 @@
 
 use super::profile::Profile;
 use crate::Error;
+use crate::tolerance::{AT_PIVOT, MOST_ELEMENTS};
 
 /// How a beam is cut into elements.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,14 +36,11 @@ impl Mesh {
     }
 }
 
-/// Distance from a station, relative to the beam, at which the pivot takes that station's place.
-const MEETS: f64 = 1e-9;
-
 fn with_pivot(mut stations: Vec<f64>, pivot_m: f64) -> Vec<f64> {
     let length = stations[stations.len() - 1] - stations[0];
-    let at = stations.partition_point(|&s| s < pivot_m - MEETS * length);
+    let at = stations.partition_point(|&s| s < pivot_m - AT_PIVOT * length);
     match stations.get(at) {
-        Some(s) if (s - pivot_m).abs() <= MEETS * length => stations[at] = pivot_m,
+        Some(s) if (s - pivot_m).abs() <= AT_PIVOT * length => stations[at] = pivot_m,
         _ => stations.insert(at, pivot_m),
     }
     stations
@@ -74,9 +72,6 @@ fn given(nodes: &[f64], [start, end]: [f64; 2]) -> Result<Vec<f64>, Error> {
     };
     if spans { Ok(nodes.to_vec()) } else { Err(refused) }
 }
-
-/// Elements beyond which rounding spoils the first mode.
-const MOST_ELEMENTS: usize = 2000;
 
 fn positive(elements: usize) -> Result<usize, Error> {
     if (1..=MOST_ELEMENTS).contains(&elements) {

@@ -2,6 +2,7 @@
 
 use super::fe::FeModel;
 use crate::Error;
+use crate::tolerance::FREE;
 use counterpoise_lti::Mat;
 use counterpoise_lti::linalg::sym_gen_eigen;
 
@@ -170,9 +171,6 @@ fn rigid_modes(model: &FeModel, support: Support) -> Result<Vec<Vec<f64>>, Error
     }
     Ok(out)
 }
-
-/// Resistance of K to a rigid motion, relative to its norm, that counts as none.
-const FREE: f64 = 1e-6;
 
 fn remove(model: &FeModel, shape: &mut [f64], rigid: &[f64]) {
     let share = model.inner(rigid, shape);

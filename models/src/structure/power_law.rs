@@ -6,6 +6,7 @@
 use super::element::{Element, Matrix4, Shape};
 use super::profile::Profile;
 use crate::Error;
+use crate::tolerance::SAME_SECTION;
 
 /// The element from x = `from_m` to `to_m`, Bernoulli-Euler.
 ///
@@ -36,14 +37,11 @@ pub struct PowerLaw {
     pub exponent: f64,
 }
 
-/// Difference of two cross sections, relative, that counts as none.
-const SAME: f64 = 1e-12;
-
 impl PowerLaw {
     /// The law through the values at the near end, the middle and the far end: (5-19), (5-20). `None` where the
     /// middle is not strictly between the ends, unless all three are the same.
     pub fn through(near: f64, middle: f64, far: f64) -> Option<Self> {
-        let same = |a: f64, b: f64| (a - b).abs() <= SAME * near.abs();
+        let same = |a: f64, b: f64| (a - b).abs() <= SAME_SECTION * near.abs();
         if same(near, far) {
             return same(near, middle).then_some(Self { excess: 0.0, exponent: 1.0 });
         }

@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::parameters::{Beam, Section, SectionShape};
+use crate::tolerance::ADJOINING;
 use std::f64::consts::PI;
 
 /// A beam whose sections have been checked: they adjoin, have a positive extent and a positive cross section.
@@ -25,8 +26,6 @@ pub struct CrossSection {
     pub shear_coefficient: f64,
 }
 
-/// Gap between sections that still counts as adjoining, relative to the beam's length.
-const ADJOINING: f64 = 1e-9;
 /// Shear coefficient where only area and second moment are given: that of a rectangle without Poisson's effect.
 const SHEAR_COEFFICIENT: f64 = 5.0 / 6.0;
 
@@ -40,16 +39,18 @@ impl Profile {
         check(
             "beam.youngs_modulus",
             beam.youngs_modulus_pa,
-            beam.youngs_modulus_pa > 0.0,
-            "must be positive",
+            Required { holds: beam.youngs_modulus_pa > 0.0, words: "must be positive" },
         )?;
-        check("beam.density", beam.density_kg_m3, beam.density_kg_m3 > 0.0, "must be positive")?;
+        check(
+            "beam.density",
+            beam.density_kg_m3,
+            Required { holds: beam.density_kg_m3 > 0.0, words: "must be positive" },
+        )?;
         let ratio = beam.poissons_ratio;
         check(
             "beam.poissons_ratio",
             ratio,
-            ratio > -1.0 && ratio <= 0.5,
-            "must be above -1 and at most 0.5",
+            Required { holds: ratio > -1.0 && ratio <= 0.5, words: "must be above -1 and at most 0.5" },
         )?;
         let out = Self {
             youngs_modulus_pa: beam.youngs_modulus_pa,
@@ -60,7 +61,7 @@ impl Profile {
         };
         out.check_sections()?;
         let inside = out.start_m() <= beam.pivot_m && beam.pivot_m <= out.end_m();
-        check("beam.pivot", beam.pivot_m, inside, "must lie on the beam")?;
+        check("beam.pivot", beam.pivot_m, Required { holds: inside, words: "must lie on the beam" })?;
         Ok(out)
     }
 
@@ -149,22 +150,27 @@ impl Profile {
     }
 
     fn check_sections(&self) -> Result<(), Error> {
-        check("beam.section", 0.0, !self.sections.is_empty(), "at least one is needed")?;
+        check(
+            "beam.section",
+            0.0,
+            Required { holds: !self.sections.is_empty(), words: "at least one is needed" },
+        )?;
         let length = self.end_m() - self.start_m();
         for (i, section) in self.sections.iter().enumerate() {
             let path = |field: &str| format!("beam.section[{i}].{field}");
             check(
                 &path("to"),
                 section.to_m,
-                section.to_m > section.from_m,
-                "must lie beyond the section's start",
+                Required {
+                    holds: section.to_m > section.from_m,
+                    words: "must lie beyond the section's start",
+                },
             )?;
             let gap = if i > 0 { section.from_m - self.sections[i - 1].to_m } else { 0.0 };
             check(
                 &path("from"),
                 section.from_m,
-                gap.abs() <= ADJOINING * length,
-                "must adjoin the section before",
+                Required { holds: gap.abs() <= ADJOINING * length, words: "must adjoin the section before" },
             )?;
             [section.from_m, section.to_m].into_iter().try_for_each(|x| self.check_end(i, x, &path))?;
         }
@@ -173,9 +179,13 @@ impl Profile {
 
     fn check_end(&self, i: usize, x_m: f64, path: &impl Fn(&str) -> String) -> Result<(), Error> {
         let [outer, inner, _, _, height, width] = dimensions(&self.sections[i], x_m);
-        check(&path("inner_diameter"), inner, inner >= 0.0, "must not be negative")?;
-        check(&path("height"), height, height >= 0.0, "must not be negative")?;
-        check(&path("width"), width, width >= 0.0, "must not be negative")?;
+        check(
+            &path("inner_diameter"),
+            inner,
+            Required { holds: inner >= 0.0, words: "must not be negative" },
+        )?;
+        check(&path("height"), height, Required { holds: height >= 0.0, words: "must not be negative" })?;
+        check(&path("width"), width, Required { holds: width >= 0.0, words: "must not be negative" })?;
         let at = self.cross_section(i, x_m);
         let solid = outer >= 0.0 && at.area_m2 > 0.0 && at.second_moment_m4 > 0.0;
         let field = match self.sections[i].shape {
@@ -183,7 +193,11 @@ impl Profile {
             SectionShape::Rectangle { .. } => "height",
             SectionShape::Given { .. } => "area",
         };
-        check(&path(field), at.area_m2, solid || self.is_point(i, x_m), "leaves no cross section")
+        check(
+            &path(field),
+            at.area_m2,
+            Required { holds: solid || self.is_point(i, x_m), words: "leaves no cross section" },
+        )
     }
 
     /// Whether x is an end of the beam that may taper to a point.
@@ -223,9 +237,15 @@ fn cowper(m: f64, poissons_ratio: f64) -> f64 {
     6.0 * (1.0 + nu) * round / ((7.0 + 6.0 * nu) * round + (20.0 + 12.0 * nu) * m * m)
 }
 
-fn check(parameter: &str, value: f64, holds: bool, allowed: &'static str) -> Result<(), Error> {
-    if holds && value.is_finite() {
+/// What is required of a number: whether it holds, and in words.
+struct Required {
+    holds: bool,
+    words: &'static str,
+}
+
+fn check(parameter: &str, value: f64, required: Required) -> Result<(), Error> {
+    if required.holds && value.is_finite() {
         return Ok(());
     }
-    Err(Error::Parameter { parameter: parameter.to_owned(), value, allowed: allowed.into() })
+    Err(Error::Parameter { parameter: parameter.to_owned(), value, allowed: required.words.into() })
 }

@@ -51,7 +51,7 @@ fn breakaway_nm(friction: &FrictionModel) -> f64 {
     let mut states = vec![0.0; friction.states()];
     let mut peak = 0.0_f64;
     for _ in 0..20_000 {
-        friction.advance(1e-6, 0.1, 1.0, &mut states);
+        friction.advance(1e-6, 0.5, 1.0, &mut states);
         peak = peak.max(friction.torque(1e-6, 1.0, &states));
     }
     peak

@@ -12,6 +12,7 @@ mod second;
 pub use cases::{Case, cases};
 
 use crate::run::Simulator;
+use crate::tolerance::{ANY_DEFECT, CLEAR, EVENT_ROUNDING, TOLERANCE};
 use crate::{Detail, Error, Initial, PlatformMotion, Playback, Scenario, Signal};
 use counterpoise_models::Plant;
 
@@ -21,15 +22,8 @@ const STEPS: usize = 16;
 const LONGEST_PERIODS: f64 = 8.0;
 /// Steps of the second method in a longest one.
 const SECOND_STEPS: usize = 1000;
-/// Tolerance with which every step is taken as it is.
-const WHATEVER: f64 = 1e9;
 /// Rate of the platform, rad/s, and heave of the pivot, m/s^2 and rad/s.
 const PLATFORM: (f64, f64, f64) = (-0.05, 0.5, 13.0);
-/// An error counts towards the order where it is this many times the second method's, and above the rounding with which instants
-/// of sticking and breaking away are found.
-const CLEAR: f64 = 10.0;
-/// That rounding, relative to the largest rate.
-const EXACT: f64 = 1e-9;
 
 /// The errors of one plant.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,7 +51,7 @@ impl Convergence {
     }
 
     fn slope(&self, error: &[f64]) -> f64 {
-        let least = EXACT.max(CLEAR * self.second_method);
+        let least = EVENT_ROUNDING.max(CLEAR * self.second_method);
         let clear: Vec<usize> = (0..error.len()).filter(|&k| error[k] > least).collect();
         match (clear.first(), clear.last()) {
             (Some(&a), Some(&b)) if a < b => {
@@ -77,7 +71,7 @@ pub fn study(plant: &Plant, control_v: f64, lengths: usize) -> Result<Convergenc
     let second = |steps: usize| -> Result<Vec<f64>, Error> {
         let (plant, control) = ready(plant, control_v, longest_s)?;
         let start = Simulator::new(&plant)?.rest(0.0, 0.0, PLATFORM.0);
-        second::hub_rates(&plant, control, &start.core, (longest_s, steps))
+        second::hub_rates(&plant, control, &start.core, longest_s, steps)
     };
     let fine = second(SECOND_STEPS)?;
     let coarse = second(SECOND_STEPS / 2)?;
@@ -90,8 +84,8 @@ pub fn study(plant: &Plant, control_v: f64, lengths: usize) -> Result<Convergenc
         step_s.iter().enumerate().map(one).collect()
     };
     Ok(Convergence {
-        error: errors(WHATEVER)?,
-        finding_events: errors(crate::run::TOLERANCE)?,
+        error: errors(ANY_DEFECT)?,
+        finding_events: errors(TOLERANCE)?,
         second_method: distance(&coarse, &fine),
         step_s,
     })

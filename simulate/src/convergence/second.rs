@@ -6,16 +6,11 @@
 
 use super::{PLATFORM, STEPS};
 use crate::Error;
+use crate::tolerance::{MOST_SWITCHES, SECOND_LEVELS, SECOND_RATE_ROUNDING};
 use counterpoise_models::friction::{FrictionModel, Law, Surroundings};
 use counterpoise_models::plant::core::{input, state};
 use counterpoise_models::{Excitation, Friction, FrictionLaw, Mesh, Plant};
 
-/// Halvings of a step in which something switches.
-const DEEPEST: u32 = 20;
-/// Switches after which steps are no longer halved: a motion that switches without end is not followed.
-const MOST_SWITCHES: usize = 2000;
-/// Rate against the direction of sliding, rad/s, that is rounding.
-const ROUNDING: f64 = 1e-13;
 /// Number of things that switch.
 const SWITCHES: usize = 6;
 
@@ -24,7 +19,8 @@ pub(super) fn hub_rates(
     plant: &Plant,
     control_v: f64,
     start: &[f64],
-    (stretch_s, substeps): (f64, usize),
+    stretch_s: f64,
+    substeps: usize,
 ) -> Result<Vec<f64>, Error> {
     let second = Second::new(plant, control_v)?;
     let mut now = second.begin(start);
@@ -240,7 +236,7 @@ impl<'a> Second<'a> {
             }
             Memory::Smooth => [sign(rate), 0],
             Memory::Slides(direction) => {
-                [i32::from(rate * direction < -ROUNDING), i32::from(self.in_band(joint, rate))]
+                [i32::from(rate * direction < -SECOND_RATE_ROUNDING), i32::from(self.in_band(joint, rate))]
             }
             Memory::Rests => [self.broken(joint, now, y, time_s), 0],
             Memory::Bonds(bonds, from) => {
@@ -276,7 +272,7 @@ impl<'a> Second<'a> {
         let next = self.classical(now, time_s, step_s);
         let end = time_s + step_s;
         let switched = self.switches(now, &now.y, time_s) != self.switches(now, &next, end);
-        if switched && depth < DEEPEST && now.switches < MOST_SWITCHES {
+        if switched && depth < SECOND_LEVELS && now.switches < MOST_SWITCHES {
             self.step(now, time_s, 0.5 * step_s, depth + 1);
             self.step(now, time_s + 0.5 * step_s, 0.5 * step_s, depth + 1);
             return;
@@ -302,7 +298,7 @@ impl<'a> Second<'a> {
                 *from = angle;
             }
             Memory::Slides(direction) => {
-                if rate * *direction < -ROUNDING {
+                if rate * *direction < -SECOND_RATE_ROUNDING {
                     self.arrest(now, joint, rate);
                     self.leave(now, joint, time_s);
                 }

@@ -1,28 +1,25 @@
 //! One step: the linear core's answer, and the iteration on the port values at the nodes.
 
+use super::crossing::Margin;
 use super::moments::{MIDDLE, NODES};
 use super::ports::{AngleNearby, Bonds, FrictionState, PlatformSpan, Point, Ports, StepSpan};
 use super::strips::Strips;
 use super::tables::{
     FIXED_INPUTS, HOLD_ROWS, OUTPUTS, PORTS, STAGE_ROWS, STAGES, STATE, StepTable, result_length,
 };
+use crate::tolerance::{
+    ITERATION_SHARE, ITERATION_TOLERANCE, LEAST_CONTRACTION, PORT_ROUNDING, PREDICTED, QUIET, STEP_ITERATIONS,
+};
 use counterpoise_models::Plant;
 
-/// Largest error of a port, relative to its scale, at which its iteration ends.
-const ITERATION_TOLERANCE: f64 = 2e-6;
-/// The same relative to the step's tolerance.
-const ITERATION_SHARE: f64 = 0.05;
-/// Least contraction that is counted on from one iteration to the next.
-const LEAST_CONTRACTION: f64 = 0.01;
-/// Change of a port, relative to its scale, below which its contraction is rounding.
-const ROUNDING: f64 = 1e-10;
-/// Change in the first iteration, relative to the scale, above which a step was not foreseen.
-const PREDICTED: f64 = 1e-3;
-/// Change of a torque over the step before, relative to its scale, below which it is taken to stay as it is: going on as before would
-/// enlarge what the iteration leaves open, and a mechanism at rest would never come to rest.
-const QUIET: f64 = 2e-6;
-/// Iterations after which a step is halved.
-const ITERATIONS: usize = 8;
+/// What stays over a step.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Held {
+    /// Drive of the amplifier, V.
+    pub drive_v: f64,
+    /// Torque of half the gap, N m.
+    pub offset_nm: f64,
+}
 
 /// What a step is given.
 #[derive(Debug, Clone, Copy)]
@@ -43,8 +40,8 @@ pub(crate) struct Given<'a> {
     pub travelled: Option<[f64; 2]>,
     /// What the nonlinear parts see at its start.
     pub outputs: [f64; OUTPUTS],
-    /// Drive of the amplifier, V, and torque of half the gap, N m.
-    pub held: [f64; 2],
+    /// What stays over the step.
+    pub held: Held,
     /// The platform along it.
     pub platform: &'a PlatformSpan,
     /// Its start, s.
@@ -143,7 +140,7 @@ impl Attempt {
     fn fill_inputs(&mut self, given: &Given) {
         let n = self.order;
         self.inputs[..n].copy_from_slice(given.core);
-        self.inputs[n..n + 2].copy_from_slice(&given.held);
+        self.inputs[n..n + 2].copy_from_slice(&[given.held.drive_v, given.held.offset_nm]);
         for (input, point) in self.inputs[n + 2..n + 6].iter_mut().zip(&given.platform.nodes) {
             *input = point.rate;
         }
@@ -154,12 +151,12 @@ impl Attempt {
         let allowed = (ITERATION_SHARE * given.tolerance).min(ITERATION_TOLERANCE);
         let mut last = f64::INFINITY;
         self.predicted = false;
-        for iteration in 1..=ITERATIONS {
+        for iteration in 1..=STEP_ITERATIONS {
             let change = self.iteration(given);
             self.iterations = iteration;
             if iteration == 1 {
                 self.predicted = change < given.tolerance.min(PREDICTED);
-            } else if last > ROUNDING {
+            } else if last > PORT_ROUNDING {
                 self.contraction = (2.0 * change / last).clamp(LEAST_CONTRACTION, 1.0);
             }
             if change * self.contraction < allowed {
@@ -204,11 +201,10 @@ impl Attempt {
     /// How far the ports in the middle of the step are from the cubics through their nodes, relative to their scales.
     pub fn defect(&self, given: &Given) -> f64 {
         let mut bonds = given.bonds.clone();
-
         let middle = self.middle_outputs();
         let time_s = given.time_s + 0.5 * given.table.step_s;
         let point = Point { time_s, outputs: &middle, platform: &given.platform.middle, about: &self.about };
-        let found = given.ports.middle(given.plant, &self.span(given), (&self.memory[0], &mut bonds), &point);
+        let found = given.ports.middle(given.plant, &self.span(given), &self.memory[0], &mut bonds, &point);
         let mut worst: f64 = 0.0;
         for p in 0..PORTS {
             let mut expected = MIDDLE[0] * self.start[p];
@@ -245,10 +241,11 @@ impl Attempt {
         middle
     }
 
-    /// The wind-up along the step: at its nodes and in its middle, with their fractions of the step.
-    pub fn wind_up(&self) -> [(f64, f64); 5] {
-        let at = |node: usize| (NODES[node], self.outputs[node][1]);
-        [at(0), at(1), (0.5, self.result[STAGE_ROWS + 1]), at(2), at(3)]
+    /// Margins of the wind-up along the step, at its nodes and in its middle; `holds` gives the margin of a wind-up.
+    pub fn wind_up_margins(&self, holds: impl Fn(f64) -> f64) -> [Margin; 5] {
+        let at = |node: usize| Margin { part: NODES[node], value: holds(self.outputs[node][1]) };
+        let middle = Margin { part: 0.5, value: holds(self.result[STAGE_ROWS + 1]) };
+        [at(0), at(1), middle, at(2), at(3)]
     }
 
     /// What the nonlinear parts see at the nodes.

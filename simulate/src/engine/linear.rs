@@ -61,11 +61,11 @@ pub(crate) struct Hold {
 /// x' = A x + B u in one mode, in coordinates z in which A is a block and pairs on the diagonal.
 #[derive(Debug, Clone)]
 pub(crate) struct Linear {
-    blocks: Vec<(Mat, Mat)>,
+    blocks: Vec<Block>,
     firsts: Vec<usize>,
     n: usize,
-    /// x = V z and z = W x; the same where there is none.
-    coordinates: Option<(Mat, Mat)>,
+    /// The coordinates z; `None` if they are the physical state itself.
+    coordinates: Option<Coordinates>,
     /// What the nonlinear parts see, from z.
     pub outputs: Mat,
     /// That, the voltage and the rate of the tip, stored for products.
@@ -86,6 +86,20 @@ pub(crate) struct Linear {
     tables: Vec<Option<StepTable>>,
 }
 
+/// A diagonal block of the core, and its rows of the input matrix.
+#[derive(Debug, Clone)]
+struct Block {
+    A: Mat,
+    B: Mat,
+}
+
+/// x = V z and z = W x.
+#[derive(Debug, Clone)]
+struct Coordinates {
+    V: Mat,
+    W: Mat,
+}
+
 /// The moments of all blocks at times that double.
 #[derive(Debug, Clone)]
 struct Chain {
@@ -95,10 +109,12 @@ struct Chain {
 }
 
 impl Chain {
-    fn new(blocks: &[(Mat, Mat)], finest: f64, count: usize) -> Self {
+    fn new(blocks: &[Block], finest: f64, count: usize) -> Self {
         let family = |fraction: f64, count: usize| {
-            let families: Vec<Vec<Moments>> =
-                blocks.iter().map(|(A, B)| Moments::family(A, B, finest * fraction, count)).collect();
+            let families: Vec<Vec<Moments>> = blocks
+                .iter()
+                .map(|block| Moments::family(&block.A, &block.B, finest * fraction, count))
+                .collect();
             (0..count).map(|k| families.iter().map(|family| family[k].clone()).collect()).collect()
         };
         Self { finest, nodes: [family(NODES[1], count), family(NODES[2], count), family(0.5, count + 1)] }
@@ -171,7 +187,7 @@ impl Linear {
     /// Goes over to coordinates in which the core falls apart, where there are any worth while.
     fn take_apart(&mut self, core: Core, others: &Mat) {
         let Some(modal) = modal(&core.A) else {
-            self.blocks = vec![(core.A, core.B)];
+            self.blocks = vec![Block { A: core.A, B: core.B }];
             self.firsts = vec![0];
             return;
         };
@@ -189,10 +205,10 @@ impl Linear {
         for block in modal.blocks {
             let size = block.nrows();
             self.firsts.push(first);
-            self.blocks.push((block, B.block(first, 0, size, B.ncols())));
+            self.blocks.push(Block { A: block, B: B.block(first, 0, size, B.ncols()) });
             first += size;
         }
-        self.coordinates = Some((modal.V, modal.W));
+        self.coordinates = Some(Coordinates { V: modal.V, W: modal.W });
     }
 
     /// Number of states.
@@ -209,14 +225,14 @@ impl Linear {
 
     /// The physical state at z.
     pub fn physical(&self, z: &[f64]) -> Vec<f64> {
-        let V = self.coordinates.as_ref().map(|(V, _)| V);
-        V.map_or_else(|| z.to_vec(), |V| (V * &Mat::col(z)).column(0).to_vec())
+        let coordinates = self.coordinates.as_ref();
+        coordinates.map_or_else(|| z.to_vec(), |to| (&to.V * &Mat::col(z)).column(0).to_vec())
     }
 
     /// The coordinates z of a physical state.
     pub fn coordinates(&self, x: &[f64]) -> Vec<f64> {
-        let W = self.coordinates.as_ref().map(|(_, W)| W);
-        W.map_or_else(|| x.to_vec(), |W| (W * &Mat::col(x)).column(0).to_vec())
+        let coordinates = self.coordinates.as_ref();
+        coordinates.map_or_else(|| x.to_vec(), |to| (&to.W * &Mat::col(x)).column(0).to_vec())
     }
 
     /// Number of blocks.
@@ -231,7 +247,7 @@ impl Linear {
 
     /// Size of the block before the pairs.
     pub fn head(&self) -> usize {
-        self.blocks[0].0.nrows()
+        self.blocks[0].A.nrows()
     }
 
     /// Makes the table of a level, if it is not there yet.

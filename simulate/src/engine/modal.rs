@@ -5,21 +5,11 @@
 //! poles that coincide are worthless (a rigid body's double zero, an amplifier's double pole): everything but the
 //! oscillating pairs stays together in one block.
 
+use crate::tolerance::{
+    FEWEST_MODAL_STATES, LARGEST_HEAD, MODAL_ROUNDING, MODAL_ROUNDING_OF_RATES, OSCILLATES, SKEWEST,
+};
 use counterpoise_lti::linalg::{balance, inverse, schur, solve};
 use counterpoise_lti::{C64, Mat};
-
-/// Cores of fewer states stay as they are: a dense product is as fast.
-const FEWEST: usize = 12;
-/// Most states in the block that stays together.
-const LARGEST_HEAD: usize = 8;
-/// Imaginary part of a pole, relative to its modulus, from which on it is one of an oscillating pair.
-const OSCILLATES: f64 = 0.02;
-/// Largest entry of a coupling that is solved for: beyond, the coordinates are too skew.
-const SKEWEST: f64 = 1e6;
-/// Error of a row of the matrix put together again, relative to its largest entry, that is rounding.
-const ROUNDING: f64 = 1e-8;
-/// The same, absolute, of a row that only says which state is whose rate.
-const ROUNDING_OF_RATES: f64 = 1e-10;
 
 /// x = V z, z = W x, W A V = blocks: one of `head` states, then pairs.
 pub(crate) struct Modal {
@@ -31,7 +21,7 @@ pub(crate) struct Modal {
 /// The coordinates of a matrix; `None` where it is small, or does not fall apart well.
 pub(crate) fn modal(A: &Mat) -> Option<Modal> {
     let n = A.nrows();
-    if n < FEWEST {
+    if n < FEWEST_MODAL_STATES {
         return None;
     }
     let balanced = balance(A).ok()?;
@@ -93,7 +83,7 @@ impl Modal {
             };
             let wrong = largest(&|j| rebuilt[(i, j)] - A[(i, j)]);
             let size = largest(&|j| A[(i, j)]);
-            wrong <= if size > 1.0 { ROUNDING * size } else { ROUNDING_OF_RATES }
+            wrong <= if size > 1.0 { MODAL_ROUNDING * size } else { MODAL_ROUNDING_OF_RATES }
         })
     }
 }

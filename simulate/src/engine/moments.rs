@@ -1,5 +1,6 @@
 //! How a linear core moves over a time, exactly: its exponential, and the answer to polynomial inputs.
 
+use crate::tolerance::{SERIES_NORM, SERIES_TERMS};
 use counterpoise_lti::Mat;
 
 /// Nodes of a step, as fractions of it: the four points of Lobatto's rule. A polynomial through them integrates with
@@ -11,12 +12,6 @@ pub(crate) const MIDDLE: [f64; 4] = [-0.125, 0.625, 0.625, -0.125];
 
 /// Number of polynomial coefficients of an input over a step.
 const TERMS: usize = 4;
-
-/// Largest norm of A t at which the power series starts.
-const SMALL: f64 = 0.1;
-
-/// Terms of the power series: at the norm above, the first one left out is below the rounding error.
-const SERIES_TERMS: usize = 12;
 
 /// Over a time t: `Phi = exp(A t)` and `P_k = int_0^t exp(A (t - s)) B s^k / k! ds`, k = 0..3; row by row, the P_k of a
 /// row one after the other.
@@ -36,7 +31,7 @@ impl Moments {
     pub fn family(A: &Mat, B: &Mat, finest: f64, count: usize) -> Vec<Self> {
         let mut time = finest;
         let mut halvings = 0;
-        while A.norm_one() * time > SMALL && halvings < 80 {
+        while A.norm_one() * time > SERIES_NORM && halvings < 80 {
             time *= 0.5;
             halvings += 1;
         }

@@ -3,6 +3,7 @@
 use super::moments::NODES;
 use super::tables::{OUTPUTS, PORTS, STAGES};
 use crate::Error;
+use crate::tolerance::NEAR_ANGLE_RAD;
 use counterpoise_models::Plant;
 use counterpoise_models::friction::{Bristle, FrictionModel, Law, Stick, Surroundings};
 use counterpoise_models::plant::Hose;
@@ -25,6 +26,18 @@ pub struct FrictionState {
     pub pivot: f64,
     /// Torque of a hose between hub and platform, N m.
     pub hose: f64,
+}
+
+impl FrictionState {
+    /// The state of the motor's (0) or the pivot's (1) friction.
+    pub(crate) fn get(&self, joint: usize) -> f64 {
+        [self.motor, self.pivot][joint]
+    }
+
+    /// Sets the state of the motor's (0) or the pivot's (1) friction.
+    pub(crate) fn set(&mut self, joint: usize, value: f64) {
+        *[&mut self.motor, &mut self.pivot][joint] = value;
+    }
 }
 
 /// The platform at one instant.
@@ -89,9 +102,6 @@ pub(crate) struct AngleNearby {
 }
 
 impl AngleNearby {
-    /// Distance, rad, within which the series below is exact to rounding.
-    const NEAR: f64 = 2e-3;
-
     pub fn new(angle: f64) -> Self {
         let (sin, cos) = angle.sin_cos();
         Self { angle, sin, cos }
@@ -100,14 +110,14 @@ impl AngleNearby {
     /// The same, or about a new angle where that one is far.
     #[inline]
     pub fn moved_to(self, angle: f64) -> Self {
-        if (angle - self.angle).abs() < 0.5 * Self::NEAR { self } else { Self::new(angle) }
+        if (angle - self.angle).abs() < 0.5 * NEAR_ANGLE_RAD { self } else { Self::new(angle) }
     }
 
     /// Sine and cosine by the addition theorem, of the difference by its series.
     #[inline]
     fn sin_cos(&self, angle: f64) -> (f64, f64) {
         let d = angle - self.angle;
-        if d.abs() > Self::NEAR {
+        if d.abs() > NEAR_ANGLE_RAD {
             return angle.sin_cos();
         }
         let square = d * d;
@@ -115,6 +125,15 @@ impl AngleNearby {
             (d * (1.0 - square / 6.0 * (1.0 - square / 20.0)), 1.0 - 0.5 * square * (1.0 - square / 12.0));
         (self.sin * cos + self.cos * sin, self.cos * cos - self.sin * sin)
     }
+}
+
+/// The time over which friction is advanced.
+#[derive(Debug, Clone, Copy)]
+struct Interval {
+    /// Time at which the level of friction is taken, s: the start of the step.
+    level_at_s: f64,
+    /// How long it is, s.
+    length_s: f64,
 }
 
 /// Relative motions at a point.
@@ -239,8 +258,9 @@ impl Ports {
         for stage in 0..STAGES {
             let at = span.point(stage + 1);
             let after = self.motion(plant, &at);
-            let time = (NODES[stage + 1] - NODES[stage]) * span.step_s;
-            self.advance(&before, &after, (span.time_s, time), &mut memory, bonds);
+            let length_s = (NODES[stage + 1] - NODES[stage]) * span.step_s;
+            let interval = Interval { level_at_s: span.time_s, length_s };
+            self.advance(&before, &after, interval, &mut memory, bonds);
             let values = self.values(plant, &at, &after, &memory);
             result.values[stage * PORTS..(stage + 1) * PORTS].copy_from_slice(&values);
             result.memory[stage] = memory;
@@ -266,7 +286,8 @@ impl Ports {
         &self,
         plant: &Plant,
         span: &StepSpan,
-        (stage, bonds): (&FrictionState, &mut Bonds),
+        stage: &FrictionState,
+        bonds: &mut Bonds,
         middle: &Point,
     ) -> [f64; PORTS] {
         let before = self.motion(plant, &span.point(1));
@@ -274,11 +295,12 @@ impl Ports {
         if self.bristled() {
             // bonds remember their path: it begins at the first node
             let first = self.start(plant, span);
-            self.advance(&first, &before, (span.time_s, span.step_s), &mut stage.clone(), bonds);
+            let whole = Interval { level_at_s: span.time_s, length_s: span.step_s };
+            self.advance(&first, &before, whole, &mut stage.clone(), bonds);
         }
         let mut memory = *stage;
-        let time = (span.time_s, (0.5 - NODES[1]) * span.step_s);
-        self.advance(&before, &after, time, &mut memory, bonds);
+        let interval = Interval { level_at_s: span.time_s, length_s: (0.5 - NODES[1]) * span.step_s };
+        self.advance(&before, &after, interval, &mut memory, bonds);
         self.values(plant, middle, &after, &memory)
     }
 
@@ -311,23 +333,23 @@ impl Ports {
         &self,
         before: &Motion,
         after: &Motion,
-        time: (f64, f64),
+        interval: Interval,
         memory: &mut FrictionState,
         bonds: &mut Bonds,
     ) {
         let motor = Path {
             rates: [before.motor_rate, after.motor_rate],
             travel: after.motor_angle - before.motor_angle,
-            time: time.1,
+            time: interval.length_s,
         };
-        let level = self.motor_level(after, time.0);
+        let level = self.motor_level(after, interval.level_at_s);
         memory.motor = motor.advance(&self.motor, level, memory.motor, &mut bonds.motor);
         let pivot = Path {
             rates: [before.pivot_rate, after.pivot_rate],
             travel: after.pivot_angle - before.pivot_angle,
-            time: time.1,
+            time: interval.length_s,
         };
-        let level = self.pivot_level(after, time.0);
+        let level = self.pivot_level(after, interval.level_at_s);
         memory.pivot = pivot.advance(&self.pivot, level, memory.pivot, &mut bonds.pivot);
         if let Some(hose) = &self.hose {
             memory.hose = pivot.bend(hose, memory.hose);

@@ -6,17 +6,17 @@
 //! recording's own noise, whose size is the floor.
 
 mod control;
-mod follow;
 mod normal;
 pub mod platform;
 pub(crate) mod smoother;
 pub mod start;
+mod windowed_replay;
 mod windows;
 
 pub use control::control_fit;
-pub use follow::{Followed, Parting, WINDOW_S, Way};
 pub use platform::{platform_motion, reading_floor};
 pub use start::{UNKNOWNS as START_FREEDOMS, start_has};
+pub use windowed_replay::{Divergence, ReplayMode, SelectedReplay, WINDOW_S};
 
 use crate::Error;
 use crate::history::{ReadingColumns, TimeHistory};
@@ -25,6 +25,7 @@ use crate::run::Simulator;
 use crate::scenario::{Detail, Initial, Scenario};
 use crate::sensing::{CONVERTER_RANGE_V, Imperfections};
 use crate::signal::Signal;
+use crate::tolerance::{INTEGRAL_SAMPLES, SAME_PERIOD};
 use crate::{PlantState, PlatformMotion};
 use counterpoise_controller::{ProportionalIntegral, Readings, SampledController};
 use counterpoise_models::plant::core::state;
@@ -107,7 +108,7 @@ impl<'a> Replayer<'a> {
         }
         check_length("demand", recording.demand_rad_s.as_deref(), samples)?;
         let period = parameters.interface.sample_period_s;
-        if (recording.sample_period_s / period - 1.0).abs() > 1e-6 {
+        if (recording.sample_period_s / period - 1.0).abs() > SAME_PERIOD {
             let allowed = "the sample period of the interface";
             return Err(Error::Range { what: "sample_period_s", value: recording.sample_period_s, allowed });
         }
@@ -304,7 +305,7 @@ impl<'a> Replayer<'a> {
         ready.integral_v = 0.0;
         let mut observer = ready.clone();
         let (mut sum, mut count) = (0.0, 0.0);
-        for k in 0..self.samples.min(START_SAMPLES) {
+        for k in 0..self.samples.min(INTEGRAL_SAMPLES) {
             let readings =
                 Readings { demand_rad_s: demand[k], hub_rate_rad_s: rate[k], ..Readings::default() };
             let left = control[k] - observer.step(&readings);
@@ -318,9 +319,6 @@ impl<'a> Replayer<'a> {
         Ok(ready)
     }
 }
-
-/// Samples from which the controller's integral at the start is taken.
-const START_SAMPLES: usize = 200;
 
 /// Plays a recorded control back; a missing value repeats the one before, and the last one stays.
 #[derive(Debug, Clone)]

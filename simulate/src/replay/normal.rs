@@ -1,7 +1,6 @@
 //! Normal equations of the few unknowns of a start.
 
-/// Share of an unknown's own curvature below which it cannot be told from those before it.
-const INDISTINCT: f64 = 1e-12;
+use crate::tolerance::INDISTINCT;
 
 /// J'J and -J'r.
 pub(super) struct Normal<const N: usize> {

@@ -39,20 +39,23 @@ struct Deconvolved {
     input: Option<Vec<f64>>,
 }
 
+/// The readings of one sensor.
+struct Column<'a> {
+    /// One value a sample; `None` if the sensor was not recorded.
+    values: Option<&'a [f64]>,
+    period_s: f64,
+}
+
 impl Deconvolved {
     /// Deconvolves the readings, unless that was done before for the same dynamics and noise.
-    fn new(
-        sensor: &Sensor,
-        interface: &Interface,
-        readings: (Option<&[f64]>, f64),
-        before: Option<&Self>,
-    ) -> Self {
+    fn new(sensor: &Sensor, interface: &Interface, readings: &Column, before: Option<&Self>) -> Self {
         let noise = reading_floor(sensor, interface);
         let errorless = Sensor { gain: 1.0, bias: 0.0, delay_s: 0.0, g_sensitivity: 0.0, ..sensor.clone() };
         match before.filter(|b| b.dynamics == errorless && b.noise == noise) {
             Some(same) => same.clone(),
             None => {
-                let input = readings.0.map(|values| sensor_input(values, sensor, noise, readings.1));
+                let input =
+                    readings.values.map(|values| sensor_input(values, sensor, noise, readings.period_s));
                 Self { dynamics: errorless, noise, input }
             }
         }
@@ -69,19 +72,14 @@ impl Sensed {
     /// Deconvolves both sensors' readings; what was done before for the same dynamics is kept.
     pub(crate) fn new(parameters: &Parameters, recording: &Recording, before: Option<&Self>) -> Self {
         let (sensors, interface) = (&parameters.sensors, &parameters.interface);
-        let period = recording.sample_period_s;
-        let (rate, heave) =
-            (recording.platform_rate_rad_s.as_deref(), recording.platform_accel_m_s2.as_deref());
+        let period_s = recording.sample_period_s;
+        let rate = Column { values: recording.platform_rate_rad_s.as_deref(), period_s };
+        let heave = Column { values: recording.platform_accel_m_s2.as_deref(), period_s };
         let gyro = before.map(|b| &b.rate);
         let accelerometer = before.map(|b| &b.heave);
         Self {
-            rate: Deconvolved::new(&sensors.platform_gyro, interface, (rate, period), gyro),
-            heave: Deconvolved::new(
-                &sensors.platform_accelerometer,
-                interface,
-                (heave, period),
-                accelerometer,
-            ),
+            rate: Deconvolved::new(&sensors.platform_gyro, interface, &rate, gyro),
+            heave: Deconvolved::new(&sensors.platform_accelerometer, interface, &heave, accelerometer),
         }
     }
 

@@ -1,6 +1,7 @@
 //! A sensor's input from its readings: deconvolution by a Kalman smoother.
 
 use crate::engine::moments::Moments;
+use crate::tolerance::{IDEAL_FREQUENCY, LEAST_NOISE, PRIOR_DEVIATION, ROUGHNESS_DECADES, SETTLED_VARIANCE};
 use counterpoise_lti::Mat;
 use counterpoise_models::Sensor;
 
@@ -9,13 +10,6 @@ const STATES: usize = 5;
 
 type Vector = [f64; STATES];
 type Square = [[f64; STATES]; STATES];
-
-/// Natural frequency, rad/s, with which an ideal sensor is modelled, relative to the sample rate in rad/s.
-const IDEAL_FREQUENCY: f64 = 2.0;
-/// Decades of the input's roughness that are tried, relative to what the noise would make of one sample.
-const DECADES: i32 = 32;
-/// Standard deviation of the state before the first reading, relative to the largest reading and the noise.
-const PRIOR: f64 = 10.0;
 
 /// The input of a sensor, sample by sample: r''' is white noise whose strength is the one under which the readings
 /// are likeliest (among powers of ten), y'' + 2 z w y' + w^2 y = w^2 r, and the readings are y + noise.
@@ -29,9 +23,9 @@ pub(crate) fn sensor_input(readings: &[f64], sensor: &Sensor, noise: f64, period
     if largest == 0.0 {
         return vec![0.0; readings.len()];
     }
-    let model = Model::new(sensor, period_s, noise.max(1e-9 * largest), largest);
+    let model = Model::new(sensor, period_s, noise.max(LEAST_NOISE * largest), largest);
     let unit = (model.noise / period_s.powi(3)).powi(2) * period_s;
-    let strengths = (0..DECADES).map(|k| unit * 10f64.powi(2 - k));
+    let strengths = (0..ROUGHNESS_DECADES).map(|k| unit * 10f64.powi(2 - k));
     let mut best: Option<(f64, f64)> = None;
     for strength in strengths {
         let likelihood = model.filter(readings, strength, None);
@@ -84,7 +78,7 @@ impl Model {
         ]);
         let drive = Mat::col(&[0.0, 0.0, 0.0, 0.0, 1.0]);
         let end = Moments::family(&A, &drive, period_s, 1).remove(0);
-        let scale = PRIOR * (largest + noise);
+        let scale = PRIOR_DEVIATION * (largest + noise);
         Self {
             transition: square(&end),
             added: added_covariance(&A, period_s),
@@ -237,7 +231,7 @@ fn add(x: &Vector, direction: &Vector, factor: f64) -> Vector {
 }
 
 fn nearly_equal(a: &Square, b: &Square) -> bool {
-    (0..STATES).all(|i| (a[i][i] - b[i][i]).abs() <= 1e-10 * b[i][i])
+    (0..STATES).all(|i| (a[i][i] - b[i][i]).abs() <= SETTLED_VARIANCE * b[i][i])
 }
 
 #[cfg(test)]

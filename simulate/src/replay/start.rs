@@ -10,31 +10,15 @@ use super::normal::{Normal, squares};
 use super::{Replayer, reading_floor};
 use crate::recording::Channel;
 use crate::run::Simulator;
+use crate::tolerance::{
+    FAR, FIRST_SAMPLES, IMBALANCE, START_EXPLAINED, START_FLAT, START_ITERATIONS, START_STUCK,
+    START_WINDOW_S, START_WINDOW_SHARE,
+};
 use crate::{Error, FrictionState, PlantState};
 use counterpoise_models::plant::Hose;
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{Parameters, Plant};
 
-/// Length of the first part that is fitted, s.
-const WINDOW_S: f64 = 0.6;
-/// Share of a recording that this part is at the most.
-const WINDOW_SHARE: f64 = 0.1;
-/// Iterations of the fit.
-const ITERATIONS: usize = 12;
-/// Relative fall of the cost at which the fit ends.
-const FLAT: f64 = 1e-3;
-/// Damping beyond which no step lowers the cost.
-const STUCK: f64 = 1e3;
-/// Mean square of the residuals, in floors, below which a start is as good as it gets.
-const EXPLAINED: f64 = 1.1;
-/// Share of the Coulomb level that an imbalance of the torques costs one unit.
-const IMBALANCE: f64 = 0.5;
-/// Distance from the guess, in steps of the differences, that costs one unit: it decides nothing that a reading shows,
-/// and holds what no reading shows. Without it rounding errors in the place of a sensitivity send an angle to 1e10 rad,
-/// where displacements of a micrometre are lost.
-const FAR: f64 = 3e4;
-/// Samples from which the first rates and angles are taken.
-const FIRST: usize = 5;
 /// Number of unknowns.
 pub const UNKNOWNS: usize = 7;
 
@@ -155,9 +139,9 @@ impl<'a, 'b> Fit<'a, 'b> {
             .filter_map(|(channel, sensor)| Some((channel, reading_floor(sensor?, &parameters.interface))))
             .collect();
         let recording = replayer.recording();
-        let samples = (WINDOW_S / recording.sample_period_s)
+        let samples = (START_WINDOW_S / recording.sample_period_s)
             .round()
-            .min(WINDOW_SHARE * recording.len() as f64) as usize;
+            .min(START_WINDOW_SHARE * recording.len() as f64) as usize;
         let steps = [
             1e-5,
             1e-4,
@@ -182,7 +166,7 @@ impl<'a, 'b> Fit<'a, 'b> {
     /// Mean of the first readings of a channel; 0 where there are none.
     fn first(&self, channel: Channel) -> f64 {
         let column = self.replayer.recording().column(channel).unwrap_or(&[]);
-        let values: Vec<f64> = column.iter().take(FIRST).copied().filter(|v| v.is_finite()).collect();
+        let values: Vec<f64> = column.iter().take(FIRST_SAMPLES).copied().filter(|v| v.is_finite()).collect();
         if values.is_empty() { 0.0 } else { values.iter().sum::<f64>() / values.len() as f64 }
     }
 
@@ -258,7 +242,7 @@ impl<'a, 'b> Fit<'a, 'b> {
 
     /// Whether a cost is what noise alone leaves.
     fn explained(&self, cost: f64) -> bool {
-        cost < EXPLAINED * (self.samples * self.channels.len()) as f64
+        cost < START_EXPLAINED * (self.samples * self.channels.len()) as f64
     }
 
     /// Weighted residuals over the window, and those of the balance of torques.
@@ -301,7 +285,7 @@ impl<'a, 'b> Fit<'a, 'b> {
         let mut cost = squares(&residuals);
         let mut damping = 1e-3;
         let mut normal = self.normal_equations(&now, &residuals)?;
-        for _ in 0..ITERATIONS {
+        for _ in 0..START_ITERATIONS {
             let mut next = now;
             let step = normal.solve(damping);
             (0..UNKNOWNS).for_each(|k| next[k] += step[k] * self.steps[k]);
@@ -312,11 +296,11 @@ impl<'a, 'b> Fit<'a, 'b> {
                 let fall = (cost - new_cost) / cost;
                 (now, residuals, cost) = (next, tried, new_cost);
                 damping = (damping * 0.2).max(1e-9);
-                if fall < FLAT {
+                if fall < START_FLAT {
                     break;
                 }
                 normal = self.normal_equations(&now, &residuals)?;
-            } else if damping > STUCK {
+            } else if damping > START_STUCK {
                 break;
             } else {
                 damping *= 10.0;

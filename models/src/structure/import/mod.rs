@@ -17,6 +17,7 @@ pub use op4::{Op4, op4};
 
 use super::fe::{FeModel, Fitted, NodeRows};
 use crate::Error;
+use crate::tolerance::ASYMMETRY_OF_IMPORT;
 use counterpoise_lti::Mat;
 
 /// Matrices of a structure and the unknown that each row belongs to; SI units.
@@ -31,9 +32,6 @@ pub struct Imported {
     /// The unknown of each row.
     pub rows: Vec<Dof>,
 }
-
-/// Asymmetry of an imported matrix that is taken for rounding and removed, relative to its largest entry.
-const SYMMETRY: f64 = 1e-6;
 
 impl Imported {
     /// Plain matrices in the row order of the node map.
@@ -145,7 +143,7 @@ fn check_symmetric(matrix: &Mat, n: usize) -> Result<(), Error> {
         return Err(text::refused(0, format!("a matrix is {rows} x {cols}, the node map has {n} rows")));
     }
     let skew = (matrix - &matrix.t()).norm_max();
-    if skew > SYMMETRY * matrix.norm_max() {
+    if skew > ASYMMETRY_OF_IMPORT * matrix.norm_max() {
         return Err(text::refused(0, format!("a matrix is not symmetric: entries differ by {skew:e}")));
     }
     Ok(())

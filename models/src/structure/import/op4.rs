@@ -75,7 +75,7 @@ fn one<'a>(lines: &mut impl Iterator<Item = (usize, &'a str)>, header: Header) -
             if col > header.cols {
                 return Ok(Op4 { name: header.name, matrix });
             }
-            row = values(at, line, &header, &mut matrix, (row, col))?;
+            row = values(at, line, &header, &mut matrix, row, col)?;
             continue;
         }
         let numbers: Vec<usize> =
@@ -96,7 +96,8 @@ fn values(
     line: &str,
     header: &Header,
     matrix: &mut Mat,
-    (mut row, col): (usize, usize),
+    mut row: usize,
+    col: usize,
 ) -> Result<usize, Error> {
     let line = line.trim_end();
     let many = line.len().div_ceil(header.width);

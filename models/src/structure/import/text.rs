@@ -1,6 +1,7 @@
 //! What the readers share: lines that count from 1, and numbers as FORTRAN writes them.
 
 use crate::Error;
+use crate::tolerance::MOST_ROWS;
 
 /// A refusal at a line; 0 where no line is to blame.
 pub(super) fn refused(line: usize, what: String) -> Error {
@@ -25,9 +26,6 @@ fn with_exponent(text: &str) -> Option<String> {
 pub(super) fn integer<T: std::str::FromStr>(line: usize, text: &str) -> Result<T, Error> {
     text.trim().parse().map_err(|_| refused(line, format!("\"{}\" is not a whole number", text.trim())))
 }
-
-/// Unknowns beyond which a matrix is refused: dense algebra would take hours.
-const MOST_ROWS: usize = 5000;
 
 /// Whether a matrix of this size can be handled.
 pub(super) fn check_size(line: usize, rows: usize, cols: usize) -> Result<(), Error> {
