@@ -198,7 +198,7 @@ fn law(observer: &FrictionObserver) -> Result<(), Error> {
     }
 }
 
-/// The control limit in volts of a linear drive.
+/// Returns the control limit in volts of a linear drive.
 pub fn equivalent_limit_v(parts: &Parts) -> f64 {
     let mut from = [0.0, 0.0];
     for to in &parts.drive_curve {
@@ -211,7 +211,7 @@ pub fn equivalent_limit_v(parts: &Parts) -> f64 {
     from[0] + parts.limit_v - from[1]
 }
 
-/// The entries of a column rise.
+/// Checks that the entries of a column rise.
 fn rising(what: &str, points: &[[f64; 2]], column: usize) -> Result<(), Error> {
     for pair in points.windows(2) {
         let (before, after) = (pair[0][column], pair[1][column]);

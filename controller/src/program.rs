@@ -91,7 +91,7 @@ pub struct Program {
     pub locals: Vec<String>,
     /// The operations by sections.
     pub sections: Vec<Section>,
-    /// What the program gives, where it gives something.
+    /// The output of the program, if it has one.
     pub output: Option<Slot>,
 }
 
@@ -102,7 +102,7 @@ pub struct StateGroup {
     pub name: String,
     /// Index of the first state.
     pub first: usize,
-    /// Number of states; none for a scalar.
+    /// Number of states; `None` for a scalar.
     pub length: Option<usize>,
     /// Value of each at the start.
     pub initial: Vec<f64>,
@@ -131,17 +131,17 @@ pub struct Programs {
 }
 
 impl Programs {
-    /// Number of states.
+    /// Returns the number of states.
     pub fn state_count(&self) -> usize {
         self.states.iter().map(|group| group.initial.len()).sum()
     }
 
-    /// The states at the start.
+    /// Returns the states at the start.
     pub fn initial(&self) -> Vec<f64> {
         self.states.iter().flat_map(|group| group.initial.iter().copied()).collect()
     }
 
-    /// The group and, in an array, the position of a state.
+    /// Returns the group and, in an array, the position of a state.
     pub fn locate(&self, state: usize) -> Option<(&StateGroup, usize)> {
         let group = self.states.iter().find(|g| (g.first..g.first + g.initial.len()).contains(&state))?;
         Some((group, state - group.first))
@@ -149,7 +149,7 @@ impl Programs {
 }
 
 impl Operation {
-    /// The slot that is written.
+    /// Returns the slot that is written.
     pub fn into_slot(&self) -> Slot {
         match self {
             Operation::Sum { into, .. }
@@ -160,7 +160,7 @@ impl Operation {
         }
     }
 
-    /// The slots that are read, in order.
+    /// Returns the slots that are read, in order.
     pub fn reads(&self) -> Vec<Slot> {
         match self {
             Operation::Sum { terms, .. } => terms.iter().map(|term| term.of).collect(),
@@ -177,7 +177,7 @@ impl Program {
         self.sections.iter().flat_map(|section| section.operations.iter())
     }
 
-    /// Number of multiplications by a coefficient that is neither 1 nor -1, products included.
+    /// Returns the number of multiplications by a coefficient that is neither 1 nor -1, products included.
     pub fn multiplications(&self) -> usize {
         self.operations()
             .map(|operation| match operation {
@@ -188,7 +188,7 @@ impl Program {
             .sum()
     }
 
-    /// Number of additions and subtractions.
+    /// Returns the number of additions and subtractions.
     pub fn additions(&self) -> usize {
         self.operations()
             .map(|operation| match operation {
@@ -248,7 +248,7 @@ pub struct Compiled<N> {
 }
 
 impl<N: Number> Compiled<N> {
-    /// The program for a memory of `states` states followed by inputs and locals.
+    /// Returns the program for a memory of `states` states followed by inputs and locals.
     pub fn new(program: &Program, states: usize) -> Self {
         let inputs = program.inputs.len();
         let place = |slot: Slot| match slot {
@@ -267,7 +267,7 @@ impl<N: Number> Compiled<N> {
         self.memory
     }
 
-    /// Runs the program on `memory`, whose first places are the states; gives the output, or nothing where the program
+    /// Runs the program on `memory`, whose first places are the states; returns the output, or `None` if the program
     /// has none or the memory is too small.
     pub fn run(&self, memory: &mut [N], inputs: &[N]) -> Option<N> {
         if memory.len() < self.memory {

@@ -11,7 +11,7 @@ use crate::tolerance::{CLUSTERS, INTEGRATOR, MODAL_CONDITION};
 pub struct Realisation {
     /// The system: A block-diagonal.
     pub system: StateSpace,
-    /// Sizes of the diagonal blocks: 1 for a real pole, 2 for a complex pair `[a b; -b a]`, more where poles are too
+    /// Sizes of the diagonal blocks: 1 for a real pole, 2 for a complex pair `[a b; -b a]`, more if poles are too
     /// close to be told apart (then a triangular block).
     pub blocks: Vec<usize>,
     /// Condition number of the transformation (1-norm).
@@ -20,7 +20,7 @@ pub struct Realisation {
     pub residual: f64,
 }
 
-/// The modal real form of a system
+/// Returns the modal real form of a system:
 ///
 /// ```text
 ///     x = V z,   inv(V) A V = diag(A1, A2, ...),   inv(V) B,   C V,   D
@@ -32,7 +32,7 @@ pub struct Realisation {
 /// transformation's condition number is below [`MODAL_CONDITION`]. Order n costs about 30 n^3 operations.
 ///
 /// # Errors
-/// [`Error::Realisation`] where the Schur form fails.
+/// [`Error::Realisation`] if the Schur form fails.
 pub fn modal(system: &StateSpace) -> Result<Realisation, Error> {
     let balanced = balance(&system.A).map_err(failed)?;
     let T = &balanced.scale;
@@ -60,7 +60,7 @@ fn failed(error: counterpoise_lti::linalg::Error) -> Error {
     Error::Realisation(error.to_string())
 }
 
-/// The modal form with eigenvalues nearer than `closeness` kept in one block.
+/// Returns the modal form with eigenvalues nearer than `closeness` kept in one block.
 fn separate(start: &StateSpace, mut form: Schur, closeness: f64) -> Result<Realisation, Error> {
     let clusters = gather(&mut form, closeness);
     let blocks = merge(&diagonal_blocks(&form.T), &clusters);
@@ -92,7 +92,7 @@ struct DiagonalBlock {
     size: usize,
 }
 
-/// Brings eigenvalues that lie close next to each other; gives a label to each diagonal entry.
+/// Brings eigenvalues that lie close next to each other; returns a label for each diagonal entry.
 fn gather(form: &mut Schur, closeness: f64) -> Vec<usize> {
     let labels = cluster(&form.eigenvalues(), closeness);
     let count = labels.iter().map(|each| each.label + 1).max().unwrap_or(0);
@@ -130,7 +130,7 @@ fn cluster(values: &[C64], closeness: f64) -> Vec<Labelled> {
     labelled
 }
 
-/// The blocks of a quasi-triangular matrix.
+/// Returns the blocks of a quasi-triangular matrix.
 fn diagonal_blocks(T: &Mat) -> Vec<DiagonalBlock> {
     let mut blocks = Vec::new();
     let mut k = 0;
@@ -227,12 +227,12 @@ fn balance_blocks(system: &mut StateSpace, blocks: &[usize]) {
     }
 }
 
-/// The power of two nearest to a positive number, on a logarithmic scale.
+/// Returns the power of two nearest to a positive number, on a logarithmic scale.
 fn power_of_two(value: f64) -> f64 {
     if value > 0.0 && value.is_finite() { value.log2().round().exp2() } else { 1.0 }
 }
 
-/// Number of coefficients of a realisation that are neither 0 nor 1 nor -1: what a step multiplies.
+/// Returns the number of coefficients of a realisation that are neither 0 nor 1 nor -1: what a step multiplies.
 pub fn coefficients(system: &StateSpace) -> usize {
     let matrices = [&system.A, &system.B, &system.C, &system.D];
     let all = matrices.iter().flat_map(|matrix| matrix.as_slice());
@@ -256,7 +256,7 @@ mod tests {
         ga.iter().zip(&gb).map(|(x, y)| (x - y).norm_max() / x.norm_max()).fold(0.0, f64::max)
     }
 
-    /// A companion form with integrator, real pole and two lightly damped pairs: an ill-conditioned realisation.
+    /// Returns a companion form with integrator, real pole and two lightly damped pairs: an ill-conditioned realisation.
     fn companion(poles: &[C64]) -> StateSpace {
         let mut polynomial = vec![C64::new(1.0, 0.0)];
         for pole in poles {

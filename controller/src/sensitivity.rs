@@ -14,7 +14,7 @@ pub enum Form {
     Modal,
     /// Equal and diagonal Gramians: the whole matrix, one product for each pair of states.
     Balanced,
-    /// Whichever rounded coefficients move less; balanced only where it is [`WORTH`] times better, for it multiplies more.
+    /// Whichever rounded coefficients move less; balanced only if it is [`WORTH`] times better, for it multiplies more.
     LeastSensitive,
 }
 
@@ -39,10 +39,10 @@ const FREQUENCIES: usize = 100;
 /// Decades that these frequencies span, up to half the sample rate.
 const DECADES: f64 = 5.0;
 
-/// A discrete system in the form asked for.
+/// Returns a discrete system in the form asked for.
 ///
 /// # Errors
-/// As [`modal`]; [`Error::Lti`] where the Gramians of the stable part fail.
+/// As [`modal`]; [`Error::Lti`] if the Gramians of the stable part fail.
 pub fn realise(system: &StateSpace, form: Form) -> Result<StateSpace, Error> {
     match form {
         Form::Modal => Ok(modal(system)?.system),
@@ -51,7 +51,7 @@ pub fn realise(system: &StateSpace, form: Form) -> Result<StateSpace, Error> {
     }
 }
 
-/// The modal and the balanced form of a discrete system, with their sensitivities.
+/// Returns the modal and the balanced form of a discrete system, with their sensitivities.
 ///
 /// # Errors
 /// As [`realise`].
@@ -59,7 +59,7 @@ pub fn candidates(system: &StateSpace) -> Result<Vec<Candidate>, Error> {
     [Form::Modal, Form::Balanced].into_iter().map(|form| candidate(&realise(system, form)?, form)).collect()
 }
 
-/// The one that [`Form::LeastSensitive`] takes.
+/// Returns the one that [`Form::LeastSensitive`] takes.
 pub fn least(candidates: &[Candidate]) -> Option<&Candidate> {
     let of = |form: Form| candidates.iter().find(|candidate| candidate.form == form);
     match (of(Form::Modal), of(Form::Balanced)) {
@@ -69,10 +69,10 @@ pub fn least(candidates: &[Candidate]) -> Option<&Candidate> {
     }
 }
 
-/// The sensitivity of a system as it is.
+/// Returns the sensitivity of a system as it is.
 ///
 /// # Errors
-/// [`Error::Lti`] where a response cannot be computed.
+/// [`Error::Lti`] if a response cannot be computed.
 pub fn candidate(system: &StateSpace, form: Form) -> Result<Candidate, Error> {
     let rates = rates(system.timebase);
     let response = frequency_response(system, &rates)?;
@@ -120,7 +120,7 @@ fn deviations(system: &StateSpace, rates: &[f64]) -> Result<Vec<f64>, Error> {
     Ok((0..rates.len()).map(at).collect())
 }
 
-/// Sum over the coefficients that rounding can change of their squares times a weight.
+/// Returns the sum over the coefficients that rounding can change of their squares times a weight.
 fn squares(matrix: &Mat, weight: impl Fn(usize, usize) -> f64) -> f64 {
     let exact = |value: f64| value == 0.0 || value.abs() == 1.0;
     let all = (0..matrix.nrows()).flat_map(|i| (0..matrix.ncols()).map(move |j| (i, j)));
@@ -150,7 +150,7 @@ fn median(values: &[f64]) -> f64 {
     sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// The stable part with equal, diagonal Gramians (square-root method), beside marginal poles in modal form.
+/// Returns the stable part with equal, diagonal Gramians (square-root method), beside marginal poles in modal form.
 fn balanced(system: &StateSpace) -> Result<StateSpace, Error> {
     let realised = modal(system)?;
     let (mut marginal, mut stable, mut first) = (Vec::new(), Vec::new(), 0);
@@ -176,7 +176,7 @@ fn radius(A: &Mat, timebase: Timebase) -> Result<f64, Error> {
     Ok(poles(&alone)?.iter().map(|pole: &C64| pole.norm()).fold(0.0, f64::max))
 }
 
-/// The part of a block-diagonal system that some states make, with all of its feedthrough.
+/// Returns the part of a block-diagonal system that some states make, with all of its feedthrough.
 fn states(system: &StateSpace, places: &[usize]) -> StateSpace {
     let n = places.len();
     StateSpace {
@@ -215,7 +215,7 @@ mod tests {
 
     const PERIOD: Timebase = Timebase::Discrete { period_s: 1e-3 };
 
-    /// An integrator, a lag and a lightly damped pair, in coordinates that mix them.
+    /// Returns an integrator, a lag and a lightly damped pair, in coordinates that mix them.
     fn mixed() -> StateSpace {
         let A = Mat::from_rows(&[
             &[1.0, 0.0, 0.0, 0.0],

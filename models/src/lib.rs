@@ -4,7 +4,8 @@
 //!
 //! *Invariant*: nothing here knows how a controller is designed, or marches in time.
 //!
-//! Modules in reading order: [`parameters`], [`friction`], [`plant`], [`structure`], [`mod@reference`] (the machine that examples start from).
+//! Modules in reading order: [`parameters`], [`friction`], [`plant`], [`structure`], [`mod@reference`] (the machine that examples start
+//! from), [`tolerance`] (the numbers that decide).
 #![allow(non_snake_case)]
 
 pub mod error;

@@ -18,7 +18,7 @@ pub(crate) const MEMORY_BONDS: f64 = 64.0;
 pub(crate) const POLYNOMIAL_CHECKS: i32 = 200;
 /// Sweeps over the joints after which contact torques are returned as they are; see [`crate::friction::Contact::sweeps`].
 pub const MOST_SWEEPS: usize = 500;
-/// Change of a rate over a sweep, relative to the largest rate, that counts as none: a few dozen roundings.
+/// Change of a rate over a sweep, relative to the largest rate, that counts as none: about ninety roundings of double precision.
 pub(crate) const SETTLED: f64 = 1e-14;
 /// Steps per period of the motion under which a describing function is found.
 pub(crate) const LOOP_STEPS: usize = 2000;
@@ -42,7 +42,7 @@ pub(crate) const AT_PIVOT: f64 = 1e-9;
 pub(crate) const SAME_SECTION: f64 = 1e-12;
 /// Elements beyond which rounding spoils the first mode.
 pub(crate) const MOST_ELEMENTS: usize = 2000;
-/// Resistance of K to a rigid motion, relative to its norm, that counts as none: matrices from files have six or more digits.
+/// Resistance of K to a rigid motion, relative to its norm, that counts as none: matrices written with six digits pass.
 pub(crate) const FREE: f64 = 1e-6;
 /// Asymmetry of an imported matrix that is taken for rounding and removed, relative to its largest entry.
 pub(crate) const ASYMMETRY_OF_IMPORT: f64 = 1e-6;

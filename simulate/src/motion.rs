@@ -22,7 +22,7 @@ impl PlatformMotion {
     pub const STILL: Self =
         Self { pitch_rate_rad_s: Signal::ZERO, heave_m_s2: Signal::ZERO, initial_angle_rad: 0.0 };
 
-    /// A platform motion simulator that only pitches, with the mechanism's pivot a distance in front of its axis:
+    /// Returns a platform motion simulator that only pitches, with the mechanism's pivot a distance in front of its axis:
     /// heave = offset x pitch acceleration. The pitch angle is a sum of sines (rad).
     pub fn pitch_simulator(angle: &[Sine], offset_m: f64) -> Self {
         let derivative = |order: i32, factor: f64| {
@@ -40,7 +40,7 @@ impl PlatformMotion {
         }
     }
 
-    /// The motion over the sample that starts at `start_s`, with the angle there.
+    /// Returns the motion over the sample that starts at `start_s`, with the angle there.
     #[cfg(test)]
     pub(crate) fn sample(&self, start_s: f64, period_s: f64, angle_rad: f64) -> MotionSample {
         Track::new(self, period_s, start_s).sample(angle_rad)
@@ -70,7 +70,7 @@ impl<'a> Track<'a> {
         }
     }
 
-    /// The motion over the next sample, with the angle at its start.
+    /// Returns the motion over the next sample, with the angle at its start.
     pub fn sample(&mut self, angle_rad: f64) -> MotionSample {
         let (k, period_s) = (self.next, self.period_s);
         let start_s = self.first_s + k as f64 * period_s;
@@ -168,7 +168,7 @@ pub(crate) struct MotionSample {
 }
 
 impl MotionSample {
-    /// The platform at a fraction of the sample.
+    /// Returns the platform at a fraction of the sample.
     #[inline]
     pub fn at(&self, s: f64) -> PlatformPoint {
         let r = &self.rate;
@@ -180,7 +180,7 @@ impl MotionSample {
         }
     }
 
-    /// The platform along a step that starts at a fraction of the sample and takes a share of it.
+    /// Returns the platform along a step that starts at a fraction of the sample and takes a share of it.
     #[inline]
     pub fn span(&self, start: f64, share: f64) -> PlatformSpan {
         PlatformSpan {
@@ -189,12 +189,12 @@ impl MotionSample {
         }
     }
 
-    /// The input of a platform sensor at the nodes of the whole sample.
+    /// Returns the input of a platform sensor at the nodes of the whole sample.
     pub fn nodes(&self, of: impl Fn(&PlatformPoint) -> f64) -> [f64; 4] {
         NODES.map(|node| of(&self.at(node)))
     }
 
-    /// Pitch acceleration at the start of the sample, rad/s^2.
+    /// Returns the pitch acceleration at the start of the sample, rad/s^2.
     pub fn pitch_acceleration_at(&self, s: f64) -> f64 {
         let r = &self.rate;
         (r[1] + s * (2.0 * r[2] + s * (3.0 * r[3] + s * 4.0 * r[4]))) / self.period_s
@@ -217,7 +217,7 @@ fn from_middle([c0, c1, c2, c3, c4]: [f64; 5]) -> [f64; 5] {
     ]
 }
 
-/// The quartic through five points inside (0, 1): never at the ends, where a step may lie.
+/// Returns the quartic through five points inside (0, 1): never at the ends, where a step may lie.
 fn fit_quartic(f: impl Fn(f64) -> f64) -> [f64; 5] {
     const POINTS: [f64; 5] =
         [0.024_471_741_852_423, 0.206_107_373_853_763, 0.5, 0.793_892_626_146_237, 0.975_528_258_147_577];

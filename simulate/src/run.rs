@@ -40,7 +40,7 @@ pub fn run(
 }
 
 impl Simulator {
-    /// A simulator with the usual tolerance.
+    /// Returns a simulator with the usual tolerance.
     ///
     /// # Errors
     /// As [`run`].
@@ -48,7 +48,7 @@ impl Simulator {
         Self::with_tolerance(plant, TOLERANCE)
     }
 
-    /// A simulator with a tolerance of its own in place of [`TOLERANCE`].
+    /// Returns a simulator with a tolerance of its own in place of [`TOLERANCE`].
     ///
     /// # Errors
     /// As [`run`], and a tolerance that is not positive.
@@ -62,18 +62,18 @@ impl Simulator {
         })
     }
 
-    /// The simulator with a bound on the steps of a run, taken and tried, on the average over its samples: beyond it a run is
+    /// Returns the simulator with a bound on the steps of a run, taken and tried, on the average over its samples: beyond it a run is
     /// refused ([`Error::Effort`]). For searches that try mechanisms by the thousand, of which some are unreasonably stiff.
     pub fn bounded(self, steps_per_sample: f64) -> Self {
         Self { steps_per_sample: Some(steps_per_sample), ..self }
     }
 
-    /// The plant.
+    /// Returns the plant.
     pub fn plant(&self) -> &Plant {
         &self.plant
     }
 
-    /// A run from the start; see [`run`].
+    /// Runs a scenario from its start; see [`run`].
     ///
     /// # Errors
     /// As [`run`].
@@ -85,8 +85,8 @@ impl Simulator {
         self.run_while(controller, scenario, usize::MAX, &mut |_| true)
     }
 
-    /// A run that is asked after every so many samples whether it goes on: it ends at the scenario's duration, or where
-    /// `goes_on` says no to the readings so far.
+    /// Runs a scenario until its end, or until `goes_on` returns `false`; it is called with the readings so far after every `every`
+    /// samples.
     ///
     /// # Errors
     /// As [`run`].
@@ -133,7 +133,7 @@ impl Simulator {
         })
     }
 
-    /// The state of rest at a hub angle, on a platform at an angle and a rate: the motor holds weight and spring,
+    /// Returns the state of rest at a hub angle, on a platform at an angle and a rate: the motor holds weight and spring,
     /// and hub and platform turn together.
     pub fn rest(&self, hub_angle_rad: f64, platform_angle_rad: f64, platform_rate_rad_s: f64) -> PlantState {
         rest(&self.plant, hub_angle_rad, platform_angle_rad, platform_rate_rad_s)
@@ -216,7 +216,7 @@ impl<'a> Lap<'a> {
         k as f64 * self.period_s
     }
 
-    /// Reads, controls and logs at sample k; gives the control that acts until the next.
+    /// Reads, controls and logs at sample k; returns the control that acts until the next.
     fn sample(
         &mut self,
         k: usize,
@@ -283,7 +283,7 @@ impl<'a> Lap<'a> {
     }
 }
 
-/// The control under which the amplifier's voltage stays as it is.
+/// Returns the control under which the amplifier's voltage stays as it is.
 pub(crate) fn holding_control(plant: &Plant, core: &[f64]) -> f64 {
     let (amplifier, motor) = (&plant.parameters().amplifier, &plant.parameters().motor);
     let drive_v = amplifier.holding_drive_v(core[state::VOLTAGE], core[state::CURRENT], motor);

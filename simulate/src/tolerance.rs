@@ -139,10 +139,10 @@ pub(crate) const EXPLAINED: f64 = 1.5;
 /// Difference of two runs of one model, in noise floors, from which on the closed loop diverges: a loop that forgets its start
 /// differs by 0.1 in the hub's rate and 0.4 in the motor's.
 pub(crate) const DIVERGED_FLOORS: f64 = 0.5;
-/// A recording of no more than so many windows is replayed from start to end: what is not known of its start is as much in a
+/// A recording of no more than this many windows is replayed from start to end: what is not known of its start is as much in a
 /// window.
 pub(crate) const LONG_WINDOWS: f64 = 3.0;
-/// A residual of more than so many times the difference of two runs of one model is not their divergence: the free replay says that the
+/// A residual of more than this many times the difference of two runs of one model is not their divergence: the free replay says that the
 /// model is wrong.
 pub(crate) const WRONG_MODEL: f64 = 10.0;
 
@@ -163,7 +163,7 @@ pub(crate) const SETTLED_VARIANCE: f64 = 1e-10;
 
 /// Tolerance with which every step is taken as it is, whatever its defect.
 pub(crate) const ANY_DEFECT: f64 = 1e9;
-/// An error counts towards the observed order where it is this many times the second method's.
+/// An error counts towards the observed order if it is this many times the second method's.
 pub(crate) const CLEAR: f64 = 10.0;
 /// Rounding with which instants of sticking and breaking away are found, relative to the largest rate: errors below it do not count
 /// towards the observed order.

@@ -3,7 +3,7 @@
 use crate::lower::{Limits, Writer};
 use crate::program::Slot;
 
-/// From a slot that is 0 or positive: y_0 at x_0 and below, straight between the points, y_n beyond. The x rise.
+/// Writes a curve of a slot that is 0 or positive: y_0 at x_0 and below, straight between the points, y_n beyond. The x rise.
 pub(crate) fn level(writer: &mut Writer, name: &str, of: Slot, points: &[[f64; 2]]) -> Slot {
     let mut terms = Vec::new();
     let mut constant = points.first().map_or(1.0, |point| point[1]);
@@ -18,7 +18,7 @@ pub(crate) fn level(writer: &mut Writer, name: &str, of: Slot, points: &[[f64; 2
     into
 }
 
-/// The odd curve through 0 and the points, whose x rise from beyond 0; constant beyond the last.
+/// Writes the odd curve through 0 and the points, whose x rise from beyond 0; constant beyond the last.
 pub(crate) fn odd(writer: &mut Writer, name: &str, of: Slot, points: &[[f64; 2]]) -> Slot {
     let mut terms = Vec::new();
     let mut from = [0.0, 0.0];

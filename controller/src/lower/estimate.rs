@@ -62,7 +62,7 @@ fn regressors(seen: &Seen<'_>, estimator: &Estimator, writer: &mut Writer) -> [S
     [lift, writer.quotient("direction", rate, softened), rate]
 }
 
-/// The control less what the regressors explain of it.
+/// Writes the control less what the regressors explain of it.
 fn unexplained(control: Slot, p: &[Slot], phi: &[Slot], writer: &mut Writer) -> Slot {
     let mut terms = vec![(1.0, control)];
     for (i, (p, phi)) in p.iter().zip(phi).enumerate() {
@@ -180,7 +180,7 @@ struct Filtered<'a> {
 }
 
 impl Filtered<'_> {
-    /// The control less what the inertias take, and the regressors.
+    /// Writes the control less what the inertias take, and the regressors.
     fn write(&self, phi: &[Slot], states: &mut States, writer: &mut Writer) -> (Slot, Vec<Slot>) {
         let hub = (self.seen.signal)(Signal::HubRate);
         let names = ["lift", "direction", "rate"];
@@ -196,7 +196,7 @@ impl Filtered<'_> {
         (left, lagged.into_iter().map(|(now, _)| now).collect())
     }
 
-    /// The implicit step of a lag: the value now, and its change.
+    /// Writes the implicit step of a lag: the value now, and its change.
     fn lag(&self, name: &str, of: Slot, states: &mut States, writer: &mut Writer) -> (Slot, Slot) {
         let period_s = self.seen.parts.sample_period_s;
         let state = states.scalar(&format!("lagged_{name}"), 0.0, OnReset::Restart);
@@ -216,7 +216,7 @@ struct DeadBand {
     rms_m_s2: f64,
 }
 
-/// 1 where the regressor is lively, 0 inside the dead-band.
+/// Writes a switch that is 1 while the regressor is lively and 0 inside the dead-band.
 fn gate(phi: Slot, band: &DeadBand, states: &mut States, writer: &mut Writer) -> Slot {
     let (forget, dead_band) = (band.forget, band.rms_m_s2);
     let liveliness = states.scalar("liveliness", 0.0, OnReset::Restart);
@@ -253,7 +253,7 @@ impl Factors {
         Self { U, D }
     }
 
-    /// What a sample keeps: 1 - (1 - forget) x gate x what the largest variances allow.
+    /// Writes what a sample keeps: 1 - (1 - forget) x gate x what the largest variances allow.
     fn keep(&self, forget: f64, gate: Option<Slot>, start: &[f64], writer: &mut Writer) -> Slot {
         let mut allowed: Option<Slot> = gate;
         for (i, &start) in start.iter().enumerate() {
@@ -360,7 +360,7 @@ fn follow(seen: &Seen<'_>, estimator: &Estimator, states: &mut States, writer: &
     }
 }
 
-/// 0 for so many samples, then 1.
+/// Writes a switch that is 0 for `hold_samples` samples and 1 after them.
 fn enabled(hold_samples: u32, states: &mut States, writer: &mut Writer) -> Slot {
     let count = states.scalar("estimator_samples", 0.0, OnReset::Restart);
     let now = writer.local("estimator_samples_now");

@@ -50,7 +50,7 @@ pub(crate) fn observe(
 }
 
 impl ObserverLaw {
-    /// The law in words, for the reader of target code.
+    /// Returns the law in words, for the reader of target code.
     pub fn says(&self) -> &'static str {
         match self {
             ObserverLaw::Dahl => "Dahl, implicit step",
@@ -72,13 +72,13 @@ impl Step<'_> {
         states.scalar(&self.named("nm"), 0.0, OnReset::Restart)
     }
 
-    /// The level over F_c; none where it is constant.
+    /// Writes the level over F_c; `None` if it is constant.
     fn level(&self, speed: Slot, writer: &mut Writer) -> Option<Slot> {
         let points = &self.observer.level;
         (!points.is_empty()).then(|| curve::level(writer, &self.named("level"), speed, points))
     }
 
-    /// Dahl's implicit step: a copy of the torque before where a caller needs it, and the state after.
+    /// Writes Dahl's implicit step; returns a copy of the torque before it, and the state after.
     fn dahl(&self, states: &mut States, writer: &mut Writer) -> (Slot, Slot) {
         let force = self.state(states);
         let before = writer.sum(self.named("before_nm"), &[(1.0, force)]);
@@ -170,7 +170,7 @@ impl Step<'_> {
     }
 }
 
-/// Points of r^i from 0 to the farthest distance, closer where the curve bends.
+/// Returns the points of r^i from 0 to the farthest distance, closer where the curve bends.
 fn power(exponent: f64) -> Vec<[f64; 2]> {
     let bend = if exponent < 1.0 { 2.0 } else { 1.0 };
     (0..=POWER_POINTS)

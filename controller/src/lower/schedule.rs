@@ -63,13 +63,13 @@ pub(crate) fn layout(parts: &Parts, states: &mut States) -> Layout {
     Layout { out_of_balance, bias, transfer, estimate, window, paths }
 }
 
-/// The out-of-balance that may be set, kg m.
+/// Returns the out-of-balance that may be set, kg m.
 pub(crate) fn settable(parts: &Parts) -> Limits {
     let (low, high) = parts.out_of_balance_range_kg_m;
     Limits { low, high }
 }
 
-/// Number of estimated parameters.
+/// Returns the number of estimated parameters.
 fn parameters(estimator: &Estimator) -> usize {
     match estimator.learning {
         Learning::Gradient { .. } => 3,
@@ -99,7 +99,7 @@ fn evaluate(program: &Program, out_of_balance: f64) -> f64 {
     compiled.run(&mut memory, &[]).unwrap_or(0.0)
 }
 
-/// The gain of a path at the out-of-balance `of`; none for a fixed path.
+/// Writes the gain of a path at the out-of-balance `of`; `None` for a fixed path.
 fn gain(writer: &mut Writer, name: &str, scaling: Scaling, of: Slot, design: f64) -> Option<Slot> {
     match scaling {
         Scaling::Fixed => None,
@@ -158,7 +158,7 @@ pub(crate) fn follow(writer: &mut Writer, parts: &Parts, layout: &Layout) {
     }
 }
 
-/// The program that sets the out-of-balance.
+/// Returns the program that sets the out-of-balance.
 pub(crate) fn program(parts: &Parts, layout: &Layout) -> Program {
     let mut writer = Writer::new(&["new_out_of_balance_kg_m"]);
     let before = layout.transfer.map(|_| {
@@ -186,7 +186,7 @@ pub(crate) fn program(parts: &Parts, layout: &Layout) -> Program {
     writer.finish(None)
 }
 
-/// The part of the last control that gains and bias make.
+/// Writes the part of the last control that gains and bias make.
 pub(crate) fn slow_part(writer: &mut Writer, layout: &Layout, when: &str) -> Slot {
     let mut parts: Vec<(f64, Slot)> = Vec::new();
     for (i, followed) in layout.paths.iter().enumerate() {

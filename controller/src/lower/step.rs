@@ -129,7 +129,7 @@ fn derive(parts: &Parts, signals: &mut Signals, states: &mut States, writer: &mu
         used(Signal::PreviousControl).then(|| states.scalar(PREVIOUS_CONTROL, 0.0, OnReset::Restart));
 }
 
-/// C x + D u of each path, with its gain where it follows the out-of-balance.
+/// Writes C x + D u of each path, times its gain if it follows the out-of-balance.
 fn outputs(
     parts: &Parts,
     layout: &Layout,
@@ -169,7 +169,7 @@ fn control(
     Control { unlimited: control, limited }
 }
 
-/// The control that has the effect of the limited volts of a linear drive.
+/// Writes the control that has the effect of the limited volts of a linear drive.
 fn drive(parts: &Parts, limited: Slot, writer: &mut Writer) -> Slot {
     if parts.drive_curve.is_empty() {
         return limited;
@@ -182,7 +182,7 @@ fn drive(parts: &Parts, limited: Slot, writer: &mut Writer) -> Slot {
     writer.clamp("driven_limited_v", driven, Limits::symmetric(parts.limit_v))
 }
 
-/// limited - unlimited control, where a path uses it.
+/// Writes limited - unlimited control, if a path uses it.
 fn excess(parts: &Parts, control: &Control, writer: &mut Writer) -> Option<Slot> {
     let used = parts.paths.iter().any(|path| path.anti_windup.iter().any(|gain| *gain != 0.0));
     used.then(|| writer.sum("excess_v", &[(1.0, control.limited), (-1.0, control.unlimited)]))

@@ -67,7 +67,7 @@ fn stribeck_level(friction: &Friction, curve: StribeckCurve) -> StribeckLevel {
     StribeckLevel::new(friction.coulomb_nm(), friction.static_ratio, friction.stribeck_rate_rad_s, curve)
 }
 
-/// Returns Coulomb sliding with a breakaway level of its own.
+/// Returns the Coulomb sliding with a breakaway level of its own.
 fn sticking(path: &str, friction: &Friction, rest_rate_rad_s: f64) -> Result<Sliding, Error> {
     let breakaway_ratio = breakaway_ratio(path, friction)?;
     let level = stribeck_level(&Friction { static_ratio: 1.0, ..friction.clone() }, StribeckCurve::Gaussian);
@@ -78,7 +78,7 @@ fn breakaway_ratio(path: &str, friction: &Friction) -> Result<f64, Error> {
     ranges::STATIC_RATIO_OF_BREAKAWAY.check(path, "static_ratio", friction.static_ratio)
 }
 
-/// Returns sliding by a level that falls with the rate.
+/// Returns the sliding by a level that falls with the rate.
 fn falling(path: &str, friction: &Friction, curve: StribeckCurve) -> Result<Sliding, Error> {
     check_curve(path, friction, curve)?;
     Ok(Sliding { level: stribeck_level(friction, curve), breakaway_ratio: 1.0, rest_rate_rad_s: 0.0 })

@@ -23,7 +23,7 @@ pub struct Loop {
     pub gap: f64,
 }
 
-/// The settled loop under x = A sin(omega t), at nominal level.
+/// Returns the settled loop under x = A sin(omega t), at nominal level.
 ///
 /// The states move exactly over each of 2000 steps of constant mean rate; the periodic solution is sought by Aitken's
 /// extrapolation from period to period. With the complex stiffness k, friction acts
@@ -72,7 +72,7 @@ impl Motion<'_> {
         }
     }
 
-    /// Brings the states onto the closed loop and gives the gap that is left.
+    /// Brings the states onto the closed loop and returns the gap that is left.
     fn settle(&self, states: &mut [f64]) -> f64 {
         let mut gap = 0.0;
         for _ in 0..if states.len() == 1 { MOST_PERIODS / 2 } else { 2 } {
@@ -98,7 +98,7 @@ fn extrapolated(a: f64, b: f64, c: f64) -> f64 {
     if limit.is_finite() { limit } else { c }
 }
 
-/// The complex stiffness of [`sinusoidal_loop`], N m/rad.
+/// Returns the complex stiffness of [`sinusoidal_loop`], N m/rad.
 pub fn describing_function(model: &FrictionModel, amplitude_rad: f64, frequency_rad_s: f64) -> C64 {
     sinusoidal_loop(model, amplitude_rad, frequency_rad_s).stiffness_nm_rad
 }

@@ -77,30 +77,30 @@ impl FrictionModel {
         })
     }
 
-    /// The dry law.
+    /// Returns the dry law.
     #[inline]
     pub fn law(&self) -> &Law {
         &self.law
     }
 
-    /// Viscous coefficient, N m s/rad.
+    /// Returns the viscous coefficient, N m s/rad.
     pub fn viscous_nm_s_rad(&self) -> f64 {
         self.viscous_nm_s_rad
     }
 
-    /// Number of states.
+    /// Returns the number of states.
     #[inline]
     pub fn states(&self) -> usize {
         self.law.states()
     }
 
-    /// Whether the level depends on anything but the rate; if not, [`FrictionModel::level`] is 1.
+    /// Returns whether the level depends on anything but the rate; if not, [`FrictionModel::level`] is 1.
     #[inline]
     pub fn is_modulated(&self) -> bool {
         self.ripple.amplitude != 0.0 || self.load_per_coulomb != 0.0 || self.warm_up != 0.0
     }
 
-    /// The factor on the dry level.
+    /// Returns the factor on the dry level.
     pub fn level(&self, at: &Surroundings) -> f64 {
         if !self.is_modulated() {
             return 1.0;
@@ -116,13 +116,13 @@ impl FrictionModel {
         self.law.derivative(rate_rad_s, self.directed(rate_rad_s, level), states, slopes);
     }
 
-    /// The torque that opposes a positive rate, N m.
+    /// Returns the torque that opposes a positive rate, N m.
     #[inline]
     pub fn torque(&self, rate_rad_s: f64, level: f64, states: &[f64]) -> f64 {
         self.dry_torque(rate_rad_s, level, states) + self.drag(rate_rad_s)
     }
 
-    /// The torque without viscous and quadratic drag, N m.
+    /// Returns the torque without viscous and quadratic drag, N m.
     #[inline]
     pub fn dry_torque(&self, rate_rad_s: f64, level: f64, states: &[f64]) -> f64 {
         self.law.torque(rate_rad_s, self.directed(rate_rad_s, level), states)
@@ -140,17 +140,17 @@ impl FrictionModel {
         self.law.project(states);
     }
 
-    /// The torque after a long time at constant rate and nominal level, N m.
+    /// Returns the torque after a long time at constant rate and nominal level, N m.
     pub fn steady(&self, rate_rad_s: f64) -> f64 {
         self.law.steady(rate_rad_s, self.directed(rate_rad_s, 1.0)) + self.drag(rate_rad_s)
     }
 
-    /// Derivative of the steady torque with the rate at nominal level, N m s/rad, away from rest.
+    /// Returns the derivative of the steady torque with the rate at nominal level, N m s/rad, away from rest.
     pub fn steady_slope(&self, rate_rad_s: f64) -> f64 {
         self.law.steady_slope(rate_rad_s, self.directed(rate_rad_s, 1.0)) + self.drag_slope(rate_rad_s)
     }
 
-    /// Partial derivatives of a law with exactly one state, drag included; `None` for the others.
+    /// Returns the partial derivatives of a law with exactly one state, drag included; `None` for the others.
     #[inline]
     pub fn partials(&self, rate_rad_s: f64, level: f64, states: &[f64]) -> Option<Partials> {
         let mut partials = self.law.partials(rate_rad_s, self.directed(rate_rad_s, level), states)?;
@@ -158,7 +158,7 @@ impl FrictionModel {
         Some(partials)
     }
 
-    /// What a law that truly sticks holds at rest; `None` for laws that do not.
+    /// Returns what a law that truly sticks holds at rest; `None` for laws that do not.
     #[inline]
     pub fn stick(&self, level: f64) -> Option<Stick> {
         let Law::Sliding(law) = &self.law else { return None };
@@ -170,12 +170,12 @@ impl FrictionModel {
         })
     }
 
-    /// Stiffness at rest, N m/rad: what a linearisation in presliding sees; infinite for true stick.
+    /// Returns the stiffness at rest, N m/rad: what a linearisation in presliding sees; infinite for true stick.
     pub fn rest_stiffness_nm_rad(&self) -> f64 {
         self.law.rest_stiffness_nm_rad()
     }
 
-    /// Damping at rest, N m s/rad, the viscous part included.
+    /// Returns the damping at rest, N m s/rad, the viscous part included.
     pub fn rest_damping_nm_s_rad(&self) -> f64 {
         self.law.rest_damping_nm_s_rad() + self.viscous_nm_s_rad
     }
@@ -195,7 +195,7 @@ impl FrictionModel {
         self.viscous_along(rate_rad_s) + 2.0 * self.quadratic_nm_s2_rad2 * rate_rad_s.abs()
     }
 
-    /// The viscous coefficient in the direction of motion; the mean of both at rest.
+    /// Returns the viscous coefficient in the direction of motion; the mean of both at rest.
     #[inline]
     fn viscous_along(&self, rate_rad_s: f64) -> f64 {
         let direction = if rate_rad_s == 0.0 { 0.0 } else { rate_rad_s.signum() };

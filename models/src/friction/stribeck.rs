@@ -16,7 +16,7 @@ pub struct StribeckLevel {
 }
 
 impl StribeckLevel {
-    /// The level that starts at `static_ratio` x `coulomb_nm` and has fallen at `rate_rad_s` by its curve.
+    /// Returns the level that starts at `static_ratio` x `coulomb_nm` and has fallen at `rate_rad_s` by its curve.
     pub fn new(coulomb_nm: f64, static_ratio: f64, rate_rad_s: f64, curve: StribeckCurve) -> Self {
         Self {
             coulomb_nm,
@@ -26,12 +26,12 @@ impl StribeckLevel {
         }
     }
 
-    /// The Coulomb level F_c, N m.
+    /// Returns the Coulomb level F_c, N m.
     pub fn coulomb_nm(&self) -> f64 {
         self.coulomb_nm
     }
 
-    /// The level at rest F_s, N m.
+    /// Returns the level at rest F_s, N m.
     pub fn static_nm(&self) -> f64 {
         self.coulomb_nm + self.excess_nm
     }
@@ -57,7 +57,7 @@ impl StribeckLevel {
         per_x * self.per_rate_s_rad * rate_rad_s.signum()
     }
 
-    /// The same level at rest, whatever the rate.
+    /// Returns the same level at rest, whatever the rate.
     pub fn frozen(&self) -> Self {
         Self { coulomb_nm: self.static_nm(), excess_nm: 0.0, curve: StribeckCurve::Gaussian, ..*self }
     }

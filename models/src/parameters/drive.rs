@@ -57,7 +57,7 @@ pub struct Amplifier {
     pub map: Vec<MapPoint>,
     /// Half width of a dead zone at the input, V.
     pub dead_zone_v: f64,
-    /// Current is clipped to +/- this, A; infinite where there is no limit.
+    /// Current is clipped to +/- this, A; infinite if there is no limit.
     pub current_limit_a: f64,
     /// What lies between its input and the motor's current.
     pub dynamics: AmplifierDynamics,

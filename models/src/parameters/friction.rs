@@ -89,7 +89,7 @@ pub enum FrictionLaw {
         /// Rate at which the smoothed sign has reached tanh 1, rad/s.
         smoothing_rate_rad_s: f64,
     },
-    /// Bristles that bend, snap and bond anew (Haessig and Friedland).
+    /// Bristles that bend, snap and bond again (Haessig and Friedland).
     Bristle {
         /// Mean sliding level, N m.
         coulomb_nm: f64,
@@ -123,7 +123,7 @@ pub enum StribeckCurve {
 }
 
 impl Friction {
-    /// A Dahl or other law with a viscous part and nothing else.
+    /// Returns a Dahl or other law with a viscous part and nothing else.
     pub fn plain(law: FrictionLaw, viscous_nm_s_rad: f64) -> Self {
         Self {
             law,

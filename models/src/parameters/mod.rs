@@ -22,9 +22,9 @@ pub struct Parameters {
     pub name: String,
     /// Acceleration of gravity, m/s^2.
     pub gravity_m_s2: f64,
-    /// Distributed description of the structure, where it is known.
+    /// Distributed description of the structure, if it is known.
     pub beam: Option<Beam>,
-    /// Two-inertia description of the structure, where it is given; otherwise it is derived from the beam.
+    /// Two-inertia description of the structure, if it is given; otherwise it is derived from the beam.
     pub lumped: Option<Lumped>,
     /// Gearbox between motor and hub.
     pub gearbox: Gearbox,
@@ -47,7 +47,7 @@ pub struct Parameters {
 /// A torque that repeats with an angle: amplitude x sin(order x angle + phase).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ripple {
-    /// Amplitude in the unit of what it disturbs (N m, or a fraction where it multiplies).
+    /// Amplitude in the unit of what it disturbs (N m, or a fraction if it multiplies).
     pub amplitude: f64,
     /// Periods per turn of the angle it follows.
     pub order: f64,
@@ -59,7 +59,7 @@ impl Ripple {
     /// No ripple.
     pub const NONE: Self = Self { amplitude: 0.0, order: 1.0, phase_rad: 0.0 };
 
-    /// The ripple at an angle.
+    /// Returns the ripple at an angle.
     pub fn at(&self, angle_rad: f64) -> f64 {
         if self.amplitude == 0.0 {
             0.0
@@ -70,7 +70,7 @@ impl Ripple {
 }
 
 impl Parameters {
-    /// The parameters with a configuration applied: fitted masses add mass x position^2 to the hub inertia and
+    /// Returns the parameters with a configuration applied: fitted masses add mass x position^2 to the hub inertia and
     /// mass x position to the out-of-balance (positions relative to the pivot).
     ///
     /// # Errors

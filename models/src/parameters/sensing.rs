@@ -11,9 +11,9 @@ pub struct Sensors {
     pub platform_accelerometer: Sensor,
     /// Distance of that accelerometer from the pivot, m: it also reads lever arm x pitch acceleration.
     pub accelerometer_lever_arm_m: f64,
-    /// Tachometer on the motor; absent where none is fitted.
+    /// Tachometer on the motor; absent if none is fitted.
     pub motor_tachometer: Option<Sensor>,
-    /// Resolver at the hub, relative to the platform; absent where none is fitted.
+    /// Resolver at the hub, relative to the platform; absent if none is fitted.
     pub hub_resolver: Option<Sensor>,
 }
 

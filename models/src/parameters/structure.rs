@@ -5,7 +5,7 @@
 pub struct Beam {
     /// Young's modulus, Pa.
     pub youngs_modulus_pa: f64,
-    /// Poisson's ratio; enters only where shear is modelled.
+    /// Poisson's ratio; enters only if shear is modelled.
     pub poissons_ratio: f64,
     /// Density, kg/m^3.
     pub density_kg_m3: f64,
@@ -106,13 +106,13 @@ pub struct Lumped {
     pub out_of_balance_kg_m: f64,
     /// First moment of mass above the pivot axis, kg m.
     pub vertical_offset_kg_m: f64,
-    /// Spring between hub and platform (a cable, a hose), N m/rad; 0 where there is none.
+    /// Spring between hub and platform (a cable, a hose), N m/rad; 0 if there is none.
     pub position_stiffness_nm_rad: f64,
     /// Hub angle relative to the platform at which that spring is slack, rad.
     pub position_stiffness_centre_rad: f64,
-    /// Largest torque of a hose between hub and platform that remembers how it was bent, N m; 0 where there is none.
+    /// Largest torque of a hose between hub and platform that remembers how it was bent, N m; 0 if there is none.
     pub hysteresis_nm: f64,
-    /// Stiffness of that hose where it springs back, N m/rad.
+    /// Stiffness of that hose when it springs back, N m/rad.
     pub hysteresis_stiffness_nm_rad: f64,
 }
 

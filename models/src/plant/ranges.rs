@@ -132,7 +132,7 @@ fn require(range: Range, parameter: &str, value: f64) -> Result<(), Error> {
     range.check("", parameter, value).map(|_| ())
 }
 
-/// A limit that may be absent: infinity stands for none.
+/// Checks a limit that may be absent: infinity stands for none.
 fn positive_or_infinite(parameter: &str, value: f64) -> Result<(), Error> {
     if value > 0.0 {
         return Ok(());

@@ -82,11 +82,11 @@ pub fn modal_with_stiffness(model: &FeModel, modes: &Modes, ratios: &[f64]) -> M
     &model.K.scale(stiffness_factor) + &modal(model, modes, &rest)
 }
 
-/// A of x' = A x + [M^-1; 0] p, x = [q'; q]: [-M^-1 C, -M^-1 K; I, 0], 2n x 2n; (5-16) with the sign of M^-1 C that the
+/// Returns A of x' = A x + [M^-1; 0] p, x = [q'; q]: [-M^-1 C, -M^-1 K; I, 0], 2n x 2n; (5-16) with the sign of M^-1 C that the
 /// print lacks.
 ///
 /// # Errors
-/// [`Error::Linalg`] where the shapes differ or M is singular.
+/// [`Error::Linalg`] if the shapes differ or M is singular.
 pub fn state_matrix(M: &Mat, C: &Mat, K: &Mat) -> Result<Mat, Error> {
     let n = M.nrows();
     let upper = -solve(M, &C.hstack(K))?;

@@ -9,7 +9,7 @@ use crate::tolerance::{AT_PIVOT, MOST_ELEMENTS};
 pub enum Mesh {
     /// This many elements of equal length, wherever sections and pivot lie.
     Equal(usize),
-    /// A node at every end of a section; this many elements, or of equal length where there are fewer than sections.
+    /// A node at every end of a section; this many elements, or of equal length if there are fewer than sections.
     Sections(usize),
     /// A node at every end of a section and at the pivot; at least this many elements.
     Pivoted(usize),
@@ -18,7 +18,7 @@ pub enum Mesh {
 }
 
 impl Mesh {
-    /// The nodes, m, rising.
+    /// Returns the nodes, m, rising.
     ///
     /// # Errors
     /// [`Error::Parameter`] for no element, or given nodes that do not rise from end to end of the beam.

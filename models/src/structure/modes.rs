@@ -39,15 +39,15 @@ pub struct Modes {
     pub shapes: Mat,
 }
 
-/// The modes: K phi = w^2 M phi on the unknowns that the support leaves free.
+/// Returns the modes: K phi = w^2 M phi on the unknowns that the support leaves free.
 ///
 /// The rigid modes are the exact rigid motions, and the flexible ones are made orthogonal to them. Unknowns without mass
 /// (rotations of a lumped-mass model) follow the others statically; there are as many modes as unknowns with mass. Cost:
 /// one symmetric eigenproblem of the number of unknowns.
 ///
 /// # Errors
-/// [`Error::Parameter`] where an unknown has a negative mass, or fewer have any than there are rigid motions, [`Error::NoHubNode`] where a held structure has no node at the pivot, [`Error::NotFree`] where K resists a rigid
-/// motion that the support leaves free, [`Error::Linalg`] where M is not positive definite.
+/// [`Error::Parameter`] if an unknown has a negative mass, or fewer have any than there are rigid motions, [`Error::NoHubNode`] if a held structure has no node at the pivot, [`Error::NotFree`] if K resists a rigid
+/// motion that the support leaves free, [`Error::Linalg`] if M is not positive definite.
 pub fn modes(model: &FeModel, support: Support) -> Result<Modes, Error> {
     let n = model.M.nrows();
     let held = held(model, support)?;
@@ -150,7 +150,7 @@ fn held(model: &FeModel, support: Support) -> Result<Vec<usize>, Error> {
     }
 }
 
-/// The rigid modes that the support leaves, of unit modal mass and orthogonal.
+/// Returns the rigid modes that the support leaves, of unit modal mass and orthogonal.
 fn rigid_modes(model: &FeModel, support: Support) -> Result<Vec<Vec<f64>>, Error> {
     let motions: &[(&'static str, &Vec<f64>)] = match support {
         Support::Free => &[("heave", &model.heave), ("pitch", &model.pitch)],

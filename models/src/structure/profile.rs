@@ -26,11 +26,11 @@ pub struct CrossSection {
     pub shear_coefficient: f64,
 }
 
-/// Shear coefficient where only area and second moment are given: that of a rectangle without Poisson's effect.
+/// Shear coefficient if only area and second moment are given: that of a rectangle without Poisson's effect.
 const SHEAR_COEFFICIENT: f64 = 5.0 / 6.0;
 
 impl Profile {
-    /// The profile of a beam.
+    /// Returns the profile of a beam.
     ///
     /// # Errors
     /// [`Error::Parameter`] names what is out of range: modulus, density, a section's extent, gap or cross section,
@@ -65,57 +65,57 @@ impl Profile {
         Ok(out)
     }
 
-    /// Near end of the beam, m.
+    /// Returns the near end of the beam, m.
     pub fn start_m(&self) -> f64 {
         self.sections.first().map_or(0.0, |s| s.from_m)
     }
 
-    /// Far end of the beam, m.
+    /// Returns the far end of the beam, m.
     pub fn end_m(&self) -> f64 {
         self.sections.last().map_or(0.0, |s| s.to_m)
     }
 
-    /// Young's modulus E, Pa.
+    /// Returns Young's modulus E, Pa.
     pub fn youngs_modulus_pa(&self) -> f64 {
         self.youngs_modulus_pa
     }
 
-    /// Shear modulus G = E / (2 (1 + nu)), Pa.
+    /// Returns the shear modulus G = E / (2 (1 + nu)), Pa.
     pub fn shear_modulus_pa(&self) -> f64 {
         self.shear_modulus_pa
     }
 
-    /// Density, kg/m^3.
+    /// Returns the density, kg/m^3.
     pub fn density_kg_m3(&self) -> f64 {
         self.density_kg_m3
     }
 
-    /// Ends of the sections, m, both ends of the beam included.
+    /// Returns the ends of the sections, m, both ends of the beam included.
     pub fn stations_m(&self) -> Vec<f64> {
         let starts = self.sections.iter().map(|s| s.from_m);
         starts.chain([self.end_m()]).collect()
     }
 
-    /// The pieces of [from, to] that lie in one section each.
+    /// Returns the pieces of [from, to] that lie in one section each.
     pub fn pieces_m(&self, from_m: f64, to_m: f64) -> Vec<(f64, f64)> {
         let cut = |s: &Section| (s.from_m.max(from_m), s.to_m.min(to_m));
         let long = |(a, b): &(f64, f64)| b - a > ADJOINING * (to_m - from_m);
         self.sections.iter().map(cut).filter(long).collect()
     }
 
-    /// The cross section at x, of the section that begins there where two meet.
+    /// Returns the cross section at x, of the section that begins there where two meet.
     pub fn after(&self, x_m: f64) -> CrossSection {
         let at = self.sections.iter().rposition(|s| s.from_m <= x_m).unwrap_or(0);
         self.cross_section(at, x_m)
     }
 
-    /// The cross section at x, of the section that ends there where two meet.
+    /// Returns the cross section at x, of the section that ends there where two meet.
     pub fn before(&self, x_m: f64) -> CrossSection {
         let at = self.sections.iter().position(|s| x_m <= s.to_m).unwrap_or(self.sections.len() - 1);
         self.cross_section(at, x_m)
     }
 
-    /// The uniform cross section that the thesis gives an element: of the mean diameters (given areas and second
+    /// Returns the uniform cross section that the thesis gives an element: of the mean diameters (given areas and second
     /// moments are averaged themselves).
     pub fn average(&self, from_m: f64, to_m: f64) -> CrossSection {
         let length = to_m - from_m;
@@ -200,7 +200,7 @@ impl Profile {
         )
     }
 
-    /// Whether x is an end of the beam that may taper to a point.
+    /// Returns whether x is an end of the beam that may taper to a point.
     fn is_point(&self, section: usize, x_m: f64) -> bool {
         let at = self.cross_section(section, x_m);
         let ends = x_m == self.start_m() || x_m == self.end_m();
@@ -208,7 +208,7 @@ impl Profile {
     }
 }
 
-/// Outer and inner diameter, given area and second moment, height and width; 0 where the section has none.
+/// Outer and inner diameter, given area and second moment, height and width; 0 if the section has none.
 fn dimensions(section: &Section, x_m: f64) -> [f64; 6] {
     let t = (x_m - section.from_m) / (section.to_m - section.from_m);
     let linear = |[near, far]: [f64; 2]| near + (far - near) * t;

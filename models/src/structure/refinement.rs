@@ -35,7 +35,7 @@ pub const COLUMNS: [RefinementMesh; 7] = [
 pub struct Refinement {
     /// Kind of the elements.
     pub integration: Integration,
-    /// Number of elements; nodes lie at the ends of the sections where there are as many elements as sections.
+    /// Number of elements; nodes lie at the ends of the sections if there are as many elements as sections.
     pub elements: usize,
     /// Ratio for flexible mode 1, 2, ...: as many as the elements have.
     pub ratios: Vec<f64>,

@@ -40,12 +40,12 @@ pub struct Convergence {
 
 impl Convergence {
     /// Observed order: slope of the logarithm of the error over that of the step, between the longest step and the
-    /// shortest whose error is still ten times that of the second method and above 1e-9; not a number where there are no two of them.
+    /// shortest whose error is still ten times that of the second method and above 1e-9; not a number if there are no two of them.
     pub fn order(&self) -> f64 {
         self.slope(&self.error)
     }
 
-    /// The same for [`Convergence::finding_events`].
+    /// Returns the same for [`Convergence::finding_events`].
     pub fn order_finding_events(&self) -> f64 {
         self.slope(&self.finding_events)
     }
@@ -62,7 +62,7 @@ impl Convergence {
     }
 }
 
-/// The errors of a mechanism under a constant control, V, added to the one that holds it, with so many lengths of steps.
+/// Returns the errors of a mechanism under a constant control, V, added to the one that holds it, with steps of `lengths` lengths, each half the one before.
 ///
 /// # Errors
 /// A mechanism that cannot be simulated.
@@ -109,7 +109,7 @@ fn platform() -> PlatformMotion {
     }
 }
 
-/// The plant with another sample period and no delay, and the control that holds it and a little more.
+/// Returns the plant with another sample period and no delay, and the control that holds it and a little more.
 fn ready(plant: &Plant, control_v: f64, period_s: f64) -> Result<(Plant, f64), Error> {
     let mut parameters = plant.parameters().clone();
     parameters.interface.output_delay_samples = 0;
@@ -119,7 +119,7 @@ fn ready(plant: &Plant, control_v: f64, period_s: f64) -> Result<(Plant, f64), E
     Ok((plant, held + control_v))
 }
 
-/// Hub rates at the ends of the longest steps, `every` samples each.
+/// Returns the hub rates at the ends of the longest steps, `every` samples each.
 fn rates(plant: &Plant, control: f64, every: usize, tolerance: f64) -> Result<Vec<f64>, Error> {
     let simulator = Simulator::new(plant)?;
     let start = simulator.rest(0.0, 0.0, PLATFORM.0);

@@ -167,7 +167,7 @@ impl Attempt {
         false
     }
 
-    /// Evaluates the ports along the step; gives their largest change.
+    /// Evaluates the ports along the step; returns their largest change.
     fn iteration(&mut self, given: &Given) -> f64 {
         let mut rows = [0.0; STAGE_ROWS];
         rows.copy_from_slice(&self.result[..STAGE_ROWS]);
@@ -198,7 +198,7 @@ impl Attempt {
         }
     }
 
-    /// How far the ports in the middle of the step are from the cubics through their nodes, relative to their scales.
+    /// Returns how far the ports in the middle of the step are from the cubics through their nodes, relative to their scales.
     pub fn defect(&self, given: &Given) -> f64 {
         let mut bonds = given.bonds.clone();
         let middle = self.middle_outputs();
@@ -217,7 +217,7 @@ impl Attempt {
         worst
     }
 
-    /// The state's share of the torque that holds a joint, at the first and second inner node and in the middle.
+    /// Returns the state's share of the torque that holds a joint, at the first and second inner node and in the middle.
     pub fn held(&self, hold: &Strips, joint: usize) -> [f64; 3] {
         let mut given = self.inputs.clone();
         given.extend(self.values);
@@ -226,7 +226,7 @@ impl Attempt {
         std::array::from_fn(|k| shares[joint * HOLD_ROWS / 2 + k])
     }
 
-    /// Values of the ports at the first and second inner node and in the middle.
+    /// Returns the values of the ports at the first and second inner node and in the middle.
     pub fn inner_ports(&self) -> [[f64; PORTS]; 3] {
         let at = |stage: usize, p: usize| self.values[stage * PORTS + p];
         let middle =
@@ -234,36 +234,36 @@ impl Attempt {
         [std::array::from_fn(|p| at(0, p)), std::array::from_fn(|p| at(1, p)), std::array::from_fn(middle)]
     }
 
-    /// What the nonlinear parts see in the middle.
+    /// Returns what the nonlinear parts see in the middle.
     pub fn middle_outputs(&self) -> [f64; OUTPUTS] {
         let mut middle = [0.0; OUTPUTS];
         middle.copy_from_slice(&self.result[STAGE_ROWS..STAGE_ROWS + OUTPUTS]);
         middle
     }
 
-    /// Margins of the wind-up along the step, at its nodes and in its middle; `holds` gives the margin of a wind-up.
+    /// Returns the margins of the wind-up along the step, at its nodes and in its middle; `holds` gives the margin of a wind-up.
     pub fn wind_up_margins(&self, holds: impl Fn(f64) -> f64) -> [Margin; 5] {
         let at = |node: usize| Margin { part: NODES[node], value: holds(self.outputs[node][1]) };
         let middle = Margin { part: 0.5, value: holds(self.result[STAGE_ROWS + 1]) };
         [at(0), at(1), middle, at(2), at(3)]
     }
 
-    /// What the nonlinear parts see at the nodes.
+    /// Returns what the nonlinear parts see at the nodes.
     pub fn outputs(&self) -> &[[f64; OUTPUTS]; 4] {
         &self.outputs
     }
 
-    /// Values of the ports at the start.
+    /// Returns the values of the ports at the start.
     pub fn start_ports(&self) -> &[f64; PORTS] {
         &self.start
     }
 
-    /// Values of the ports at the end.
+    /// Returns the values of the ports at the end.
     pub fn end_ports(&self) -> [f64; PORTS] {
         std::array::from_fn(|p| self.values[(STAGES - 1) * PORTS + p])
     }
 
-    /// The core's state at the end.
+    /// Returns the core's state at the end.
     pub fn end(&self) -> &[f64] {
         &self.result[STATE..STATE + self.order]
     }
@@ -273,12 +273,12 @@ impl Attempt {
         self.memory[STAGES - 1]
     }
 
-    /// Angles of motor and pivot to which friction has travelled at the end, rad.
+    /// Returns the angles of motor and pivot to which friction has travelled at the end, rad.
     pub fn travelled(&self) -> [f64; 2] {
         self.travelled
     }
 
-    /// The bonds at the end.
+    /// Returns the bonds at the end.
     pub fn bonds(&self) -> &Bonds {
         &self.bonds
     }
@@ -302,13 +302,13 @@ impl Before {
         self.values = values;
     }
 
-    /// How far a torque went from its first inner node to the others.
+    /// Returns how far a torque went from its first inner node to the others.
     fn change(&self, port: usize) -> f64 {
         let [first, second, end] = self.values.map(|values| values[port]);
         (second - first).abs().max((end - first).abs())
     }
 
-    /// Weights of the values before for the change of the torques to each stage of a step.
+    /// Returns the weights of the values before for the change of the torques to each stage of a step.
     fn weights(&self, step_s: f64) -> [[f64; STAGES]; STAGES] {
         if self.step_s == 0.0 {
             [[0.0; STAGES]; STAGES]
@@ -320,7 +320,7 @@ impl Before {
     }
 }
 
-/// The parabola through the last three nodes of a step, at the stages of the next, less its end.
+/// Returns the parabola through the last three nodes of a step, at the stages of the next, less its end.
 fn extrapolation(ratio: f64) -> [[f64; STAGES]; STAGES] {
     std::array::from_fn(|stage| {
         let at = 1.0 + ratio * NODES[stage + 1];
@@ -332,7 +332,7 @@ fn extrapolation(ratio: f64) -> [[f64; STAGES]; STAGES] {
     })
 }
 
-/// Largest change relative to the scales; NaN counts as large.
+/// Returns the largest change relative to the scales; NaN counts as large.
 #[inline]
 fn largest_change(new: &[f64], old: &[f64], scales: &[f64; PORTS]) -> f64 {
     let mut largest: f64 = 0.0;

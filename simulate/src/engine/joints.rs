@@ -28,7 +28,7 @@ pub(crate) struct Load {
 }
 
 impl Load {
-    /// How far the joint is from breaking away, N m: negative beyond it.
+    /// Returns how far the joint is from breaking away, N m: negative beyond it.
     fn margin(&self) -> f64 {
         (self.stick.positive_nm - self.torque_nm).min(self.stick.negative_nm + self.torque_nm)
     }
@@ -43,12 +43,12 @@ pub(crate) enum Transition {
     Changed,
 }
 
-/// The torque that holds a joint, for a state, its ports without this joint's friction, and an instant.
+/// Returns the torque that holds a joint, for a state, its ports without this joint's friction, and an instant.
 fn holding(hold: &Hold, core: &[f64], ports: &[f64; PORTS], at: &Instant) -> f64 {
     dot(&hold.row, core) + holding_inputs(hold, ports, at)
 }
 
-/// The part of the torque that holds a joint which ports, control and platform make.
+/// Returns the part of the torque that holds a joint which ports, control and platform make.
 fn holding_inputs(hold: &Hold, ports: &[f64; PORTS], at: &Instant) -> f64 {
     let mut inputs = [0.0; input::COUNT];
     inputs[input::DRIVE] = at.drive_v;
@@ -60,7 +60,7 @@ fn holding_inputs(hold: &Hold, ports: &[f64; PORTS], at: &Instant) -> f64 {
     dot(&hold.inputs, &inputs) - hold.platform * at.acceleration
 }
 
-/// How far a sliding joint is from the end of its state: negative beyond it.
+/// Returns how far a sliding joint is from the end of its state: negative beyond it.
 fn sliding_margin(state: f64, rate: f64, band: f64, rounding: f64) -> f64 {
     let along = rate * state.signum() + rounding;
     if state.abs() > 1.0 { along.min(band - rate.abs() + rounding) } else { along - band }
@@ -72,13 +72,13 @@ impl Present {
         RATE_ROUNDING_RAD_S * self.turns[joint]
     }
 
-    /// Margins of a sliding joint at rates along a step; the first is not negative.
+    /// Returns the margins of a sliding joint at rates along a step; the first is not negative.
     pub fn sliding_margins(&self, joint: usize, rates: &[f64; 4]) -> [f64; 4] {
         let (state, band) = (self.friction().get(joint), self.ports.band(joint));
         rates.map(|rate| sliding_margin(state, rate, band, self.rate_rounding(joint)))
     }
 
-    /// Margins of a joint at rest along the step that was tried: at its nodes and in its middle.
+    /// Returns the margins of a joint at rest along the step that was tried: at its nodes and in its middle.
     pub fn rest_margins(
         &self,
         attempt: &Attempt,
@@ -102,7 +102,7 @@ impl Present {
         [start, inner(0), inner(2), inner(1), Margin { part: 1.0, value: last.margin() }]
     }
 
-    /// What a joint can hold where its nonlinear parts see these outputs.
+    /// Returns what a joint can hold where its nonlinear parts see these outputs.
     fn stick_at(&self, joint: usize, outputs: &[f64; OUTPUTS], at: &Instant) -> Stick {
         let about = AngleNearby::new(outputs[2]);
         let point = Point { time_s: at.time_s, outputs, platform: &at.platform, about: &about };
@@ -110,7 +110,7 @@ impl Present {
         self.ports.stick(&self.plant, joint, &point).unwrap_or(none)
     }
 
-    /// The load of a joint at rest, at a state of the core.
+    /// Returns the load of a joint at rest, at a state of the core.
     pub fn load(&self, joint: usize, core: &[f64], ports: &[f64; PORTS], at: &Instant) -> Load {
         let linear = self.linear();
         let seen = linear.see(core);
@@ -166,7 +166,7 @@ impl Present {
         Transition::None
     }
 
-    /// Lets a joint at rest slide where it cannot hold.
+    /// Lets a joint at rest slide if its friction cannot hold the load.
     fn break_away(&mut self, joint: usize, at: &Instant) -> Transition {
         let ports = self.ports_at(at);
         let load = self.load(joint, self.core(), &ports, at);

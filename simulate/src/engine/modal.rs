@@ -18,7 +18,7 @@ pub(crate) struct Modal {
     pub blocks: Vec<Mat>,
 }
 
-/// The coordinates of a matrix; `None` where it is small, or does not fall apart well.
+/// Returns the coordinates of a matrix; `None` if it is small, or does not fall apart well.
 pub(crate) fn modal(A: &Mat) -> Option<Modal> {
     let n = A.nrows();
     if n < FEWEST_MODAL_STATES {
@@ -43,7 +43,7 @@ pub(crate) fn modal(A: &Mat) -> Option<Modal> {
 }
 
 impl Modal {
-    /// The coordinates after a step of Newton's method on W A V = blocks. The form that they come from is right to the
+    /// Returns the coordinates after a step of Newton's method on W A V = blocks. The form that they come from is right to the
     /// rounding of the fastest mode; the rows of slow states, which hold only small numbers, then are as well.
     fn refined(self, A: &Mat) -> Option<Self> {
         let n = A.nrows();
@@ -67,7 +67,7 @@ impl Modal {
         Some(Self { V, W, blocks })
     }
 
-    /// Whether V blocks W is A, row by row in balanced units.
+    /// Returns whether V blocks W is A, row by row in balanced units.
     fn holds(&self, A: &Mat, scale: &[f64]) -> bool {
         let n = A.nrows();
         let mut apart = Mat::zeros(n, n);
@@ -88,7 +88,7 @@ impl Modal {
     }
 }
 
-/// The unit upper triangular S with S^-1 T S of blocks only: block by block, T11 X - X T22 = -T12.
+/// Returns the unit upper triangular S with S^-1 T S of blocks only: block by block, T11 X - X T22 = -T12.
 fn decoupling(T: &Mat, head: usize) -> Option<Mat> {
     let n = T.nrows();
     let mut S = Mat::eye(n);

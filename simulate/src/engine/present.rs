@@ -103,32 +103,32 @@ impl Present {
         self.z.iter().all(|x| x.is_finite())
     }
 
-    /// What is seen: motor state, wind-up, hub angle, hub rate, current; voltage, rate of the tip.
+    /// Returns what is seen: motor state, wind-up, hub angle, hub rate, current; voltage, rate of the tip.
     pub fn seen(&self) -> &Seen {
         &self.seen
     }
 
-    /// Motor state, wind-up, hub angle, hub rate, current.
+    /// Returns the motor state, wind-up, hub angle, hub rate, current.
     pub fn outputs(&self) -> &[f64; OUTPUTS] {
         outputs(&self.seen)
     }
 
-    /// Voltage of the amplifier and rate of the tip.
+    /// Returns the voltage of the amplifier and rate of the tip.
     pub fn voltage_and_tip(&self) -> [f64; 2] {
         [self.seen[VOLTAGE], self.seen[TIP]]
     }
 
-    /// The core of the mode that was entered last.
+    /// Returns the core of the mode that was entered last.
     pub fn linear(&self) -> &Linear {
         &self.cores[self.core]
     }
 
-    /// The state of the core in its coordinates.
+    /// Returns the state of the core in its coordinates.
     pub fn core(&self) -> &[f64] {
         &self.z
     }
 
-    /// The states of dry friction.
+    /// Returns the states of dry friction.
     pub fn friction(&self) -> &FrictionState {
         &self.friction
     }
@@ -147,7 +147,7 @@ impl Present {
         *seen = linear.see(z);
     }
 
-    /// Values of the ports where the plant is.
+    /// Returns the values of the ports where the plant is.
     pub fn ports_at(&self, at: &Instant) -> [f64; PORTS] {
         let about = AngleNearby::new(self.seen[2]);
         let outputs = self.outputs();
@@ -155,7 +155,7 @@ impl Present {
         self.ports.at(&self.plant, &point, &self.friction)
     }
 
-    /// Dry friction torques at the motor and at the pivot where the plant is, N m; 0 for joints at rest.
+    /// Returns the dry friction torques at the motor and at the pivot where the plant is, N m; 0 for joints at rest.
     pub fn dry_torques(&self, at: &Instant) -> [f64; 2] {
         let about = AngleNearby::new(self.seen[2]);
         let outputs = self.outputs();
@@ -163,7 +163,7 @@ impl Present {
         self.ports.dry_torques(&self.plant, &point, &self.friction)
     }
 
-    /// The instant at a fraction of a sample.
+    /// Returns the instant at a fraction of a sample.
     pub fn instant(&self, sample: &Sample, part: f64, mode: &Mode) -> Instant {
         Instant {
             platform: sample.motion.at(part),
@@ -174,7 +174,7 @@ impl Present {
         }
     }
 
-    /// The mode at the state: the voltage is held where it is at the bus limit and pushed against it.
+    /// Returns the mode at the state: the voltage is held while it is at the bus limit and pushed against it.
     pub fn mode(&self, drive_v: f64) -> Mode {
         let (mesh, offset) = self.plant.mesh(self.seen[1]);
         let voltage = self.seen[VOLTAGE];
@@ -184,13 +184,13 @@ impl Present {
         Mode { mesh, offset, held: if pushed { voltage.signum() } else { 0.0 }, stuck }
     }
 
-    /// tau_a V', were the voltage free.
+    /// Returns tau_a V' as it would be with a free voltage, V.
     pub fn voltage_push(&self, seen: &Seen, drive_v: f64) -> f64 {
         let amplifier = &self.plant.parameters().amplifier;
         amplifier.gain * (drive_v - amplifier.current_feedback_v_a * seen[4]) - seen[VOLTAGE]
     }
 
-    /// The limit of the amplifier's voltage, V.
+    /// Returns the limit of the amplifier's voltage, V.
     pub fn bus_voltage_v(&self) -> f64 {
         self.plant.parameters().amplifier.bus_voltage_v
     }
@@ -213,7 +213,7 @@ impl Present {
         self.cores[core].prepare(level);
     }
 
-    /// What a step from here is given.
+    /// Returns the input of a step from here.
     pub fn given<'a>(&'a self, table: &'a StepTable, step: &StepInput<'a>) -> Given<'a> {
         Given {
             plant: &self.plant,

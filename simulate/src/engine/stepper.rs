@@ -88,17 +88,17 @@ impl Stepper {
         Effort { changes: self.present.changes, ..self.effort }
     }
 
-    /// Motor state, wind-up, hub angle, hub rate, current.
+    /// Returns the motor state, wind-up, hub angle, hub rate, current.
     pub fn outputs(&self) -> &[f64; OUTPUTS] {
         self.present.outputs()
     }
 
-    /// Voltage of the amplifier and rate of the tip.
+    /// Returns the voltage of the amplifier and rate of the tip.
     pub fn voltage_and_tip(&self) -> [f64; 2] {
         self.present.voltage_and_tip()
     }
 
-    /// The hub gyroscope: rate, and its derivative.
+    /// Returns the hub gyroscope: rate, and its derivative.
     pub fn hub_gyro(&self) -> &[f64; 2] {
         &self.present.hub_gyro
     }
@@ -266,12 +266,12 @@ fn contact_levels(tolerance: f64) -> usize {
     (wanted.round() as usize).clamp(FEWEST_CONTACT_LEVELS, DEEPEST)
 }
 
-/// Returns the level of the longest step of at most so many ticks.
+/// Returns the level of the longest step that has at most `ticks` ticks.
 fn level_within(ticks: u32) -> usize {
     DEEPEST.saturating_sub(31 - ticks.max(1).leading_zeros() as usize)
 }
 
-/// Returns ticks as a fraction of a sample.
+/// Returns the ticks as a fraction of a sample.
 fn fraction(ticks: u32) -> f64 {
     f64::from(ticks) / f64::from(TICKS)
 }
@@ -283,7 +283,7 @@ mod tests {
     use crate::{PlatformMotion, Signal, Simulator};
     use counterpoise_models::reference;
 
-    /// The state after a few samples with every step of one level.
+    /// Returns the state after a few samples with every step of one level.
     fn moved(finest: usize, volts: f64) -> Vec<f64> {
         let plant = Plant::lumped(&reference::rig()).unwrap();
         let start = Simulator::new(&plant).unwrap().rest(0.01, 0.0, 0.0);

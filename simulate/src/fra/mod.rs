@@ -1,7 +1,7 @@
 //! The frequency response analyser, on the nonlinear simulation and on recordings.
 //!
 //! A sine of one frequency and amplitude is put in, the motion is let settle, and input and output are compared at the
-//! fundamental over whole cycles, as a bench instrument does; mean and harmonics are told as well. [`measure`] does
+//! fundamental over whole cycles, as a bench instrument does; mean and harmonics are returned as well. [`measure`] does
 //! one point: a map of amplitudes and frequencies is as many independent calls. [`analyser::response`] does the same
 //! on the columns of a recording.
 //!
@@ -161,7 +161,7 @@ impl Settling<'_> {
     }
 }
 
-/// The mechanism with its motor disconnected from the amplifier: no current flows. For the platform-to-hub test, on a
+/// Returns the mechanism with its motor disconnected from the amplifier: no current flows. For the platform-to-hub test, on a
 /// balanced mechanism: an unbalanced one falls.
 ///
 /// # Errors

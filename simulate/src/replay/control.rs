@@ -10,10 +10,10 @@ use crate::tolerance::SHORTEST_WINDOW;
 use counterpoise_controller::{ProportionalIntegral, Readings, SampledController};
 use counterpoise_models::Parameters;
 
-/// The control that a controller makes of the recorded demand and hub rate, and how well it fits the recorded control. The integral at
+/// Returns the control that a controller makes of the recorded demand and hub rate, and how well it fits the recorded control. The integral at
 /// the start, and after each missing sample, is the one that fits best.
 ///
-/// None where demand, hub rate or control was not recorded, or where the demand is the hub rate itself: such a recording was made
+/// Returns `None` if demand, hub rate or control was not recorded, or if the demand is the hub rate itself: such a recording was made
 /// without a controller of its rate.
 pub fn control_fit(
     parameters: &Parameters,
@@ -79,7 +79,7 @@ mod tests {
         }
     }
 
-    /// A recording whose control is that of a controller with a gain of 18 V s/rad, rounded, with a hole in the hub rate.
+    /// Returns a recording whose control is that of a controller with a gain of 18 V s/rad, rounded, with a hole in the hub rate.
     fn recording() -> Recording {
         let demand: Vec<f64> = (0..3000).map(|k| 0.1 * (0.01 * f64::from(k)).sin()).collect();
         let mut rate: Vec<f64> = (0..3000).map(|k| 0.1 * (0.01 * f64::from(k) - 0.2).sin()).collect();

@@ -14,10 +14,10 @@ pub fn reading_floor(sensor: &Sensor, interface: &Interface) -> f64 {
     sensor.noise_rms.hypot(step / 12f64.sqrt())
 }
 
-/// The motion of the platform that its sensors have seen, their errors (gain, bias, delay, lever arm, g-sensitivity)
+/// Returns the motion of the platform that its sensors have seen, their errors (gain, bias, delay, lever arm, g-sensitivity)
 /// as the parameters have them taken out; the platform is level at the start, for no sensor says otherwise.
 ///
-/// Rate and heave come from a smoother that deconvolves the sensor and shrinks to a constant where there is nothing
+/// Rate and heave come from a smoother that deconvolves the sensor and shrinks to a constant if there is nothing
 /// but noise. A platform without the sensor is still.
 pub fn platform_motion(parameters: &Parameters, recording: &Recording) -> PlatformMotion {
     Sensed::new(parameters, recording, None).motion(parameters, recording.sample_period_s)
@@ -61,7 +61,7 @@ impl Deconvolved {
         }
     }
 
-    /// The input with gain, bias and delay taken out.
+    /// Returns the input with gain, bias and delay taken out.
     fn corrected(&self, sensor: &Sensor, period_s: f64) -> Option<Vec<f64>> {
         let advanced = advanced(self.input.as_deref()?, sensor.delay_s / period_s);
         Some(advanced.into_iter().map(|value| (value - sensor.bias) / sensor.gain).collect())
@@ -83,7 +83,7 @@ impl Sensed {
         }
     }
 
-    /// The motion of the platform with the sensors' errors taken out.
+    /// Returns the motion of the platform with the sensors' errors taken out.
     pub(crate) fn motion(&self, parameters: &Parameters, period_s: f64) -> PlatformMotion {
         let sensors = &parameters.sensors;
         let rate = self.rate.corrected(&sensors.platform_gyro, period_s);
@@ -92,7 +92,7 @@ impl Sensed {
     }
 }
 
-/// The motion of the platform from the corrected rate and heave: lever arm and g-sensitivity taken out.
+/// Returns the motion of the platform from the corrected rate and heave: lever arm and g-sensitivity taken out.
 fn combined(
     parameters: &Parameters,
     rate: Option<Vec<f64>>,
@@ -119,7 +119,7 @@ fn combined(
     PlatformMotion { pitch_rate_rad_s: signal(corrected), heave_m_s2: signal(heave), initial_angle_rad: 0.0 }
 }
 
-/// The series a number of samples earlier: what a delayed one shows.
+/// Returns the series a number of samples earlier: what a delayed one shows.
 fn advanced(values: &[f64], samples: f64) -> Vec<f64> {
     if samples == 0.0 {
         return values.to_vec();
@@ -128,7 +128,7 @@ fn advanced(values: &[f64], samples: f64) -> Vec<f64> {
     (0..values.len()).map(|k| signal.at(k as f64 + samples)).collect()
 }
 
-/// Central differences over the period.
+/// Returns the central differences over the period.
 fn slopes(values: &[f64], period_s: f64) -> Vec<f64> {
     let last = values.len().saturating_sub(1);
     let at = |k: usize| values[k.min(last)];

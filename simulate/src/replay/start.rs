@@ -1,7 +1,7 @@
 //! The state at the start of a recording, fitted to its first moments.
 //!
 //! Seven numbers are unknown: hub angle, the rate at which hub and motor turn together, gear torque, dry friction at
-//! motor and pivot, current, and the torque of a hose where there is one. They are fitted by Levenberg and Marquardt's method to hub rate, motor rate and hub
+//! motor and pivot, current, and the torque of a hose if there is one. They are fitted by Levenberg and Marquardt's method to hub rate, motor rate and hub
 //! position over the first 0.6 seconds, or the first tenth of a shorter recording, under the recorded control, with the weak
 //! preference that the torques on motor and hub balance. What none of the readings shows (the angle of a balanced mechanism without a
 //! resolver) stays where it was guessed. The structure is taken bent as the gear torque bends it.
@@ -33,13 +33,13 @@ const PIVOT_DRY: usize = 4;
 const CURRENT: usize = 5;
 const HOSE: usize = 6;
 
-/// Whether a mechanism's start has a freedom: hub angle, common rate, gear torque, both dry frictions, current, and in the last place
+/// Returns whether a mechanism's start has a freedom: hub angle, common rate, gear torque, both dry frictions, current, and in the last place
 /// a hose's torque, which only a mechanism with a hose has.
 pub fn start_has(parameters: &Parameters, freedom: usize) -> bool {
     freedom != HOSE || parameters.lumped.as_ref().and_then(Hose::of).is_some()
 }
 
-/// The state of the plant at the first sample.
+/// Returns the state of the plant at the first sample.
 pub(crate) fn estimate(simulator: &mut Simulator, replayer: &Replayer) -> Result<PlantState, Error> {
     let mut fit = Fit::new(simulator, replayer);
     if fit.channels.is_empty() || replayer.recording().control_v.is_none() {
@@ -60,7 +60,7 @@ pub(crate) fn estimate(simulator: &mut Simulator, replayer: &Replayer) -> Result
     Ok(fit.state(&unknowns))
 }
 
-/// The state at the first sample, sought from that of a plant nearby.
+/// Returns the state at the first sample, sought from that of a plant nearby.
 pub(crate) fn refine(
     simulator: &mut Simulator,
     replayer: &Replayer,
@@ -74,7 +74,7 @@ pub(crate) fn refine(
     Ok(fit.state(&found))
 }
 
-/// A start with each of its unknowns moved by a number of its steps.
+/// Returns a start with each of its unknowns moved by a number of its steps.
 pub(crate) fn nudged(
     simulator: &mut Simulator,
     replayer: &Replayer,
@@ -87,7 +87,7 @@ pub(crate) fn nudged(
     fit.state(&fit.bounded(moved))
 }
 
-/// A start moved as far as its readings leave it open: a draw of one standard deviation in each direction that they tell apart.
+/// Returns a start moved as far as its readings leave it open: a draw of one standard deviation in each direction that they tell apart.
 pub(crate) fn redrawn(
     simulator: &mut Simulator,
     replayer: &Replayer,
@@ -163,14 +163,14 @@ impl<'a, 'b> Fit<'a, 'b> {
         }
     }
 
-    /// Mean of the first readings of a channel; 0 where there are none.
+    /// Returns the mean of the first readings of a channel; 0 if there are none.
     fn first(&self, channel: Channel) -> f64 {
         let column = self.replayer.recording().column(channel).unwrap_or(&[]);
         let values: Vec<f64> = column.iter().take(FIRST_SAMPLES).copied().filter(|v| v.is_finite()).collect();
         if values.is_empty() { 0.0 } else { values.iter().sum::<f64>() / values.len() as f64 }
     }
 
-    /// The current that the first recorded control commands.
+    /// Returns the current that the first recorded control commands.
     fn commanded_current(&self) -> Option<f64> {
         let control = *self.replayer.recording().control_v.as_ref()?.first()?;
         let (amplifier, motor) = (&self.plant.parameters().amplifier, &self.plant.parameters().motor);
@@ -196,7 +196,7 @@ impl<'a, 'b> Fit<'a, 'b> {
         [angle, motor_rate / ratio, mesh, motor * share, pivot * share, current, 0.0]
     }
 
-    /// Torque of weight and spring that the gear must pass, N m.
+    /// Returns the torque of weight and spring that the gear must pass, N m.
     fn weight_nm(&self, angle: f64) -> f64 {
         let body = self.plant.body();
         let (sin, cos) = angle.sin_cos();
@@ -205,7 +205,7 @@ impl<'a, 'b> Fit<'a, 'b> {
             - self.plant.spring_torque_nm(angle)
     }
 
-    /// The state of the plant that the unknowns describe.
+    /// Returns the state of the plant that the unknowns describe.
     fn state(&self, u: &Unknowns) -> PlantState {
         let parameters = self.plant.parameters();
         let mut start = self.simulator.rest(u[ANGLE], 0.0, self.platform_rate + u[RATE]);
@@ -224,7 +224,7 @@ impl<'a, 'b> Fit<'a, 'b> {
         start
     }
 
-    /// The unknowns of a state.
+    /// Returns the unknowns of a state.
     fn unknowns(&self, state: &PlantState) -> Unknowns {
         let parameters = self.plant.parameters();
         let windup = state.core[state::WINDUP];
@@ -240,7 +240,7 @@ impl<'a, 'b> Fit<'a, 'b> {
         ]
     }
 
-    /// Whether a cost is what noise alone leaves.
+    /// Returns whether noise alone explains a cost.
     fn explained(&self, cost: f64) -> bool {
         cost < START_EXPLAINED * (self.samples * self.channels.len()) as f64
     }
@@ -321,7 +321,7 @@ impl<'a, 'b> Fit<'a, 'b> {
         u
     }
 
-    /// Forward differences, taken inwards where friction is at its level.
+    /// Returns the normal equations by forward differences, taken inwards when friction is at its level.
     fn normal_equations(&mut self, at: &Unknowns, residuals: &[f64]) -> Result<Normal<UNKNOWNS>, Error> {
         let mut columns = Vec::with_capacity(UNKNOWNS);
         for k in 0..UNKNOWNS {

@@ -130,7 +130,7 @@ impl Replayer<'_> {
     }
 }
 
-/// The largest residual over its noise floor in the channels that show whether a machine hunts.
+/// Returns the largest residual over its noise floor in the channels that show whether a machine hunts.
 fn excess(replay: &Replay) -> f64 {
     let telling = replay.channels.iter().filter(|fit| TELLING.contains(&fit.channel));
     telling.map(|fit| fit.rms_error / fit.floor).fold(0.0, f64::max)

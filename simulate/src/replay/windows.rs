@@ -1,8 +1,7 @@
-//! Replay over short horizons: the model starts anew every so many seconds from a state fitted to the moments that follow.
+//! Replay over short windows: at the start of each window the state of the model is fitted to the samples that follow.
 //!
-//! A machine that hunts, or floats in a wide gap, forgets its start: two runs that differ by the noise of a sensor part after a
-//! while, and over a whole recording no model can follow, however true. Over a short horizon it must. The control is the recorded
-//! one. Each window starts from where the one before ended, moved by seven numbers (hub angle and rate, motor rate, gear wind-up,
+//! A machine that hunts, or floats in a wide gap, forgets its start: two runs that differ only in sensor noise diverge, and no model,
+//! however good, can reproduce a whole recording. Over a short window a good model can. The control is the recorded one. Each window starts from where the one before ended, moved by seven numbers (hub angle and rate, motor rate, gear wind-up,
 //! dry friction at motor and pivot, current) that are fitted to its first half by Levenberg and Marquardt's method; a wind-up inside
 //! the gap is one of the states that the fit can find.
 
@@ -69,7 +68,7 @@ impl Replayer<'_> {
     /// Replays the recorded control over the whole recording.
     ///
     /// The start is fitted to the first moments. Where some channel then ends up further off than noise explains, a start that is
-    /// fitted to the first half of the recording is tried as well, and taken where with it every channel is explained: a machine that
+    /// fitted to the first half of the recording is tried as well, and taken if with it every channel is explained: a machine that
     /// nearly stalls remembers a start for longer than the first moments show it. Where it explains nothing, the model lacks
     /// something, and the start shall not hide that.
     ///
@@ -87,7 +86,7 @@ impl Replayer<'_> {
     }
 }
 
-/// Whether every channel is as close as noise lets a true model be.
+/// Returns whether every channel is as close as noise lets a true model be.
 pub(super) fn is_explained(replay: &Replay) -> bool {
     replay.channels.iter().all(|fit| fit.rms_error < EXPLAINED * fit.floor)
 }
@@ -173,7 +172,7 @@ impl<'a, 'b> Windows<'a, 'b> {
         })
     }
 
-    /// A run of some samples from a state at one of them.
+    /// Runs `count` samples from a state at sample `from`.
     fn run(&mut self, start: &PlantState, from: usize, count: usize) -> Result<crate::TimeHistory, Error> {
         let period = self.replayer.recording.sample_period_s;
         let later = |signal: &Signal| match signal {
@@ -200,7 +199,7 @@ impl<'a, 'b> Windows<'a, 'b> {
         self.simulator.run(&mut Playback::new(&self.control_v[from..]), &scenario)
     }
 
-    /// The start of a window near a state.
+    /// Returns the start of a window, fitted near a state.
     fn fitted(&mut self, near: &PlantState, from: usize, count: usize) -> Result<PlantState, Error> {
         let seen = ((count as f64 * WINDOW_FITTED_SHARE) as usize).max(SHORTEST_WINDOW).min(count);
         if self.channels.is_empty() {
@@ -231,7 +230,7 @@ impl<'a, 'b> Windows<'a, 'b> {
         Ok(self.moved(near, &now))
     }
 
-    /// A state moved by the seven, friction within its levels.
+    /// Returns a state moved by the seven, friction within its levels.
     fn moved(&self, near: &PlantState, by: &Move) -> PlantState {
         let parameters = self.plant.parameters();
         let mut out = near.clone();
@@ -268,7 +267,7 @@ impl<'a, 'b> Windows<'a, 'b> {
         Ok(out)
     }
 
-    /// The normal equations by forward differences; friction is moved inwards.
+    /// Returns the normal equations by forward differences; friction is moved inwards.
     fn normal(
         &mut self,
         near: &PlantState,
@@ -293,7 +292,7 @@ impl<'a, 'b> Windows<'a, 'b> {
     }
 }
 
-/// The angle of the platform at each sample, from its rate: Simpson's rule between samples.
+/// Returns the angle of the platform at each sample, from its rate: Simpson's rule between samples.
 fn angles(replayer: &Replayer) -> Vec<f64> {
     let (period, rate) = (replayer.recording.sample_period_s, &replayer.platform.pitch_rate_rad_s);
     let mut angle = replayer.platform.initial_angle_rad;

@@ -4,7 +4,7 @@ use super::text::{check_size, integer, real, refused};
 use crate::Error;
 use counterpoise_lti::Mat;
 
-/// The matrix in a Matrix Market text: `real` or `integer`, `general`, `symmetric` or `skew-symmetric`; entries that are
+/// Returns the matrix in a Matrix Market text: `real` or `integer`, `general`, `symmetric` or `skew-symmetric`; entries that are
 /// given twice add up.
 ///
 /// # Errors

@@ -25,7 +25,7 @@ use counterpoise_lti::Mat;
 pub struct Imported {
     /// Mass matrix, n x n.
     pub M: Mat,
-    /// Damping matrix, n x n, where there is one.
+    /// Damping matrix, n x n, if there is one.
     pub C: Option<Mat>,
     /// Stiffness matrix, n x n.
     pub K: Mat,
@@ -42,7 +42,7 @@ impl Imported {
     /// DMIG matrices by their names, in the order of the grids and components that K or M mention.
     ///
     /// # Errors
-    /// [`Error::Import`] where a name is missing.
+    /// [`Error::Import`] if a name is missing.
     pub fn from_dmig(
         all: &[Dmig],
         mass: &str,
@@ -62,13 +62,13 @@ impl Imported {
         Ok(Self { M: m.matrix(&rows), C: c.map(|c| c.matrix(&rows)), K: k.matrix(&rows), rows })
     }
 
-    /// The structure with its hub at the map's pivot.
+    /// Returns the structure with its hub at the map's pivot.
     ///
     /// Rows of the deflection component move with heave and pitch, rows of the rotation component with pitch; rows of
     /// other components do not move rigidly (nodes on the axis).
     ///
     /// # Errors
-    /// [`Error::Import`] where shapes and rows differ, a matrix is not symmetric, or the map lacks a grid that it needs.
+    /// [`Error::Import`] if shapes and rows differ, a matrix is not symmetric, or the map lacks a grid that it needs.
     pub fn structure(&self, map: &NodeMap) -> Result<FeModel, Error> {
         let n = self.rows.len();
         for matrix in [Some(&self.M), self.C.as_ref(), Some(&self.K)].into_iter().flatten() {
@@ -97,11 +97,11 @@ impl Imported {
         })
     }
 
-    /// The matrices with what is fitted: each point mass hangs on the nearest grid by a rigid arm, and the hub's inertia turns with
+    /// Returns the matrices with what is fitted: each point mass hangs on the nearest grid by a rigid arm, and the hub's inertia turns with
     /// the pivot's grid.
     ///
     /// # Errors
-    /// [`Error::Import`] where the grid that carries a mass lacks a row that it needs.
+    /// [`Error::Import`] if the grid that carries a mass lacks a row that it needs.
     pub fn fitted(&self, map: &NodeMap, fitted: &Fitted) -> Result<Self, Error> {
         let mut out = self.clone();
         for mass in &fitted.masses {
@@ -122,7 +122,7 @@ impl Imported {
         Ok(out)
     }
 
-    /// The matrix with rotations counted nose-up.
+    /// Returns the matrix with rotations counted nose-up.
     fn nose_up(&self, A: &Mat, map: &NodeMap) -> Mat {
         let sign = |i: usize| if self.rows[i].component == map.rotation { map.rotation_sign } else { 1.0 };
         Mat::from_fn(A.nrows(), A.ncols(), |i, j| sign(i) * A[(i, j)] * sign(j))

@@ -90,7 +90,7 @@ fn one<'a>(lines: &mut impl Iterator<Item = (usize, &'a str)>, header: Header) -
     Err(refused(0, format!("matrix {} does not end", header.name)))
 }
 
-/// Writes a line's values into the column from the row on; gives the row after them.
+/// Writes a line's values into the column from the row on; returns the row after them.
 fn values(
     at: usize,
     line: &str,
