@@ -3,7 +3,7 @@
 use counterpoise_lti::C64;
 use counterpoise_models::plant::Plant;
 use counterpoise_models::{FrictionLaw, Parameters};
-use counterpoise_simulate::fra::{Settings, Test, disconnected, measure};
+use counterpoise_simulate::fra::{Settings, Test, TestSine, disconnected, measure};
 use counterpoise_simulate::{Scenario, Signal, Simulator};
 
 use super::explicit::Sliding;
@@ -90,7 +90,7 @@ fn map(parameters: &Parameters) -> Result<Map, PipelineError> {
     let plant = Plant::lumped(parameters)?;
     let settings = Settings { least_duration_s: 1.0, settled_below: 1e-3, ..Settings::default() };
     let one = |share: f64, hz: f64| -> Result<C64, PipelineError> {
-        let at = (std::f64::consts::TAU * hz, share * PITCH_RAD_S);
+        let at = TestSine { frequency_rad_s: std::f64::consts::TAU * hz, amplitude: share * PITCH_RAD_S };
         Ok(measure(&plant, &mut Idle, Test::PlatformToHub, at, &settings)?.response.value)
     };
     SHARES.iter().map(|&share| FREQUENCIES_HZ.iter().map(|&hz| one(share, hz)).collect()).collect()

@@ -3,7 +3,7 @@
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_diagnose::identify::{Estimate, GainPoint, Identified, identify};
 use counterpoise_models::Parameters;
-use counterpoise_models::parameters::{FrictionLaw, MapPoint};
+use counterpoise_models::parameters::MapPoint;
 use counterpoise_models::plant::Plant;
 use counterpoise_simulate::{Detail, Imperfections, Recording, Scenario, Signal, Simulator};
 
@@ -61,9 +61,7 @@ fn concealed(nominal: &Parameters) -> Parameters {
         lumped.hub_inertia_kg_m2 *= CONCEALED[1];
         lumped.beam_inertia_kg_m2 *= CONCEALED[1];
     }
-    if let FrictionLaw::Dahl { coulomb_nm, .. } = &mut machine.pivot_friction.law {
-        *coulomb_nm *= CONCEALED[2];
-    }
+    machine.pivot_friction.law.scale_coulomb(CONCEALED[2]);
     machine.pivot_friction.viscous_nm_s_rad *= CONCEALED[3];
     machine
 }

@@ -1,9 +1,9 @@
 //! Claims of the thesis' test procedures: triangle, and frequency responses at several amplitudes.
 
 use counterpoise_controller::Controller;
+use counterpoise_models::Parameters;
 use counterpoise_models::plant::Plant;
-use counterpoise_models::{FrictionLaw, Parameters};
-use counterpoise_simulate::fra::{Settings, Test, measure};
+use counterpoise_simulate::fra::{Settings, Test, TestSine, measure};
 use counterpoise_simulate::{Scenario, Signal, Simulator};
 use counterpoise_verify::C64;
 use counterpoise_verify::signals::rms;
@@ -43,7 +43,7 @@ fn map(
     let plant = &bench.designed.modelled.plant;
     let settings = Settings { least_duration_s: 1.0, ..Settings::default() };
     let one = |share: f64, hz: f64| -> Result<(f64, f64), PipelineError> {
-        let at = (std::f64::consts::TAU * hz, share * amplitude);
+        let at = TestSine { frequency_rad_s: std::f64::consts::TAU * hz, amplitude: share * amplitude };
         let found = measure(plant, &mut controller.runner(), test, at, &settings)?;
         Ok((hz, of(found.response.value)))
     };
@@ -253,21 +253,9 @@ fn levels(parameters: &Parameters) -> (f64, f64) {
 fn split(parameters: &Parameters, motor_nm: f64, pivot_nm: f64) -> Parameters {
     let mut out = parameters.clone();
     let ratio = out.gearbox.ratio;
-    set_level(&mut out.motor_friction.law, motor_nm / ratio);
-    set_level(&mut out.pivot_friction.law, pivot_nm);
+    out.motor_friction.law.set_coulomb_at_same_deflection_nm(motor_nm / ratio);
+    out.pivot_friction.law.set_coulomb_at_same_deflection_nm(pivot_nm);
     out
-}
-
-/// A Dahl law at another level, with the same deflection at breakaway; none where the level is 0.
-fn set_level(law: &mut FrictionLaw, level_nm: f64) {
-    if let FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad, .. } = law {
-        if level_nm == 0.0 {
-            *law = FrictionLaw::None;
-        } else {
-            *rest_stiffness_nm_rad *= level_nm / *coulomb_nm;
-            *coulomb_nm = level_nm;
-        }
-    }
 }
 
 /// The control of the recording's controller, or the design's, while the demand is a triangle.

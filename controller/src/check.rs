@@ -4,13 +4,11 @@ use std::collections::HashSet;
 
 use counterpoise_lti::{StateSpace, Timebase};
 
+use crate::tolerance::{LONGEST_WINDOW, SAME_PERIOD};
 use crate::{
     Error, Estimator, FrictionObserver, Learning, ObserverLaw, Parts, Path, Programs, READINGS, Scaling,
     Signal,
 };
-
-/// Relative difference of two sample periods that is taken for rounding.
-const SAME_PERIOD: f64 = 1e-12;
 
 /// Names that target code uses itself.
 const RESERVED: [&str; 62] = [
@@ -55,7 +53,11 @@ fn numbers(parts: &Parts) -> Result<(), Error> {
     finite("lowest out-of-balance (kg m)", low)?;
     finite("highest out-of-balance (kg m)", high)?;
     let inside = low <= design && design <= high;
-    range("design out-of-balance (kg m)", design, inside, "inside the range that may be set")
+    require(
+        "design out-of-balance (kg m)",
+        design,
+        Required { holds: inside, words: "inside the range that may be set" },
+    )
 }
 
 /// Every state, input and local of a program has a name of its own.
@@ -102,7 +104,11 @@ fn corrections(parts: &Parts) -> Result<(), Error> {
     for (i, each) in parts.corrections.iter().enumerate() {
         let twice = parts.corrections[..i].iter().any(|other| other.reading == each.reading);
         let known = each.reading < READINGS && !twice;
-        range("corrected reading", each.reading as f64, known, "a reading's index, corrected once")?;
+        require(
+            "corrected reading",
+            each.reading as f64,
+            Required { holds: known, words: "a reading's index, corrected once" },
+        )?;
         finite("correction's gain", each.gain)?;
         finite("correction's offset", each.offset)?;
     }
@@ -119,11 +125,10 @@ fn path(path: &Path, parts: &Parts) -> Result<(), Error> {
         Scaling::Fixed => Ok(()),
         Scaling::WithOutOfBalance => {
             let design = parts.design_out_of_balance_kg_m;
-            range(
+            require(
                 "design out-of-balance (kg m)",
                 design,
-                design != 0.0,
-                "other than 0 where a path scales with it",
+                Required { holds: design != 0.0, words: "other than 0 where a path scales with it" },
             )
         }
         Scaling::Scheduled { below_kg_m, at_kg_m, above_kg_m } => {
@@ -178,7 +183,11 @@ fn law(observer: &FrictionObserver) -> Result<(), Error> {
         }
         ObserverLaw::Lugre { damping_nm_s_rad } => damped(damping_nm_s_rad).and_then(|()| held()),
         ObserverLaw::ResetIntegrator { static_ratio, damping_nm_s_rad } => {
-            range(&format!("static ratio of '{name}'"), static_ratio, static_ratio >= 1.0, "1 or more")?;
+            require(
+                &format!("static ratio of '{name}'"),
+                static_ratio,
+                Required { holds: static_ratio >= 1.0, words: "1 or more" },
+            )?;
             damped(damping_nm_s_rad).and_then(|()| held())
         }
         ObserverLaw::Sliding { sign_rate_rad_s } => soft(sign_rate_rad_s),
@@ -189,7 +198,7 @@ fn law(observer: &FrictionObserver) -> Result<(), Error> {
     }
 }
 
-/// The control limit in volts of a linear drive.
+/// Returns the control limit in volts of a linear drive.
 pub fn equivalent_limit_v(parts: &Parts) -> f64 {
     let mut from = [0.0, 0.0];
     for to in &parts.drive_curve {
@@ -202,11 +211,15 @@ pub fn equivalent_limit_v(parts: &Parts) -> f64 {
     from[0] + parts.limit_v - from[1]
 }
 
-/// The entries of a column rise.
+/// Checks that the entries of a column rise.
 fn rising(what: &str, points: &[[f64; 2]], column: usize) -> Result<(), Error> {
     for pair in points.windows(2) {
         let (before, after) = (pair[0][column], pair[1][column]);
-        range(what, after, after > before && after.is_finite(), "above the one before")?;
+        require(
+            what,
+            after,
+            Required { holds: after > before && after.is_finite(), words: "above the one before" },
+        )?;
     }
     points.first().map_or(Ok(()), |point| at_least_0(what, point[column]))
 }
@@ -216,7 +229,7 @@ fn rate(signal: Signal) -> Result<(), Error> {
         signal,
         Signal::Demand | Signal::HubRate | Signal::MotorRate | Signal::RelativeRate | Signal::PlatformRate
     );
-    range("signal of a friction model", f64::NAN, is_rate, "a rate")
+    require("signal of a friction model", f64::NAN, Required { holds: is_rate, words: "a rate" })
 }
 
 fn estimator(estimator: &Estimator) -> Result<(), Error> {
@@ -224,31 +237,46 @@ fn estimator(estimator: &Estimator) -> Result<(), Error> {
     positive("half rate (rad/s)", estimator.half_rate_rad_s)?;
     learning(estimator)?;
     let volts = estimator.volts_per_kg_m_s2;
-    range("volts for a kg m at 1 m/s^2", volts, volts.is_finite() && volts != 0.0, "finite and not 0")?;
+    require(
+        "volts for a kg m at 1 m/s^2",
+        volts,
+        Required { holds: volts.is_finite() && volts != 0.0, words: "finite and not 0" },
+    )?;
     let limit = estimator.rate_limit_kg_m_s;
-    range("rate limit (kg m/s)", limit, limit > 0.0, "positive")?;
+    require("rate limit (kg m/s)", limit, Required { holds: limit > 0.0, words: "positive" })?;
     rate(estimator.rate)
 }
 
 fn learning(estimator: &Estimator) -> Result<(), Error> {
     match &estimator.learning {
         Learning::Gradient { step, scale } => {
-            range("adaptation step", *step, *step > 0.0 && *step < 2.0, "in 0 < step < 2")?;
+            require(
+                "adaptation step",
+                *step,
+                Required { holds: *step > 0.0 && *step < 2.0, words: "in 0 < step < 2" },
+            )?;
             scale.iter().try_for_each(|scale| at_least_0("scale of an estimated parameter", *scale))
         }
         Learning::Mean { window_samples } => {
             let samples = f64::from(*window_samples);
-            range(
+            require(
                 "window (samples)",
                 samples,
-                (1.0..=LONGEST_WINDOW).contains(&samples),
-                "from 1 to 1000000",
+                Required { holds: (1.0..=LONGEST_WINDOW).contains(&samples), words: "from 1 to 1000000" },
             )?;
             let gravity = estimator.gravity_m_s2;
-            range("gravity (m/s^2)", gravity, gravity != 0.0, "other than 0 for the mean: it goes by gravity")
+            require(
+                "gravity (m/s^2)",
+                gravity,
+                Required { holds: gravity != 0.0, words: "other than 0 for the mean: it goes by gravity" },
+            )
         }
         Learning::Squares { forget, dead_band_m_s2, deviation, filter_s, inertia_v_s2_rad } => {
-            range("what a sample keeps", *forget, *forget > 0.0 && *forget < 1.0, "in 0 < forget < 1")?;
+            require(
+                "what a sample keeps",
+                *forget,
+                Required { holds: *forget > 0.0 && *forget < 1.0, words: "in 0 < forget < 1" },
+            )?;
             at_least_0("dead-band (m/s^2)", *dead_band_m_s2)?;
             at_least_0("filter of the estimator (s)", *filter_s)?;
             inertia_v_s2_rad.iter().try_for_each(|one| finite("inertia (V s^2/rad)", *one))?;
@@ -256,9 +284,6 @@ fn learning(estimator: &Estimator) -> Result<(), Error> {
         }
     }
 }
-
-/// A window that single precision still counts.
-const LONGEST_WINDOW: f64 = 1e6;
 
 fn count(path: &str, what: &'static str, found: usize, expected: usize) -> Result<(), Error> {
     if found == expected {
@@ -269,17 +294,31 @@ fn count(path: &str, what: &'static str, found: usize, expected: usize) -> Resul
 }
 
 fn positive(what: &str, value: f64) -> Result<(), Error> {
-    range(what, value, value > 0.0 && value.is_finite(), "positive and finite")
+    require(what, value, Required { holds: value > 0.0 && value.is_finite(), words: "positive and finite" })
 }
 
 fn at_least_0(what: &str, value: f64) -> Result<(), Error> {
-    range(what, value, value >= 0.0 && value.is_finite(), "0 or positive, and finite")
+    require(
+        what,
+        value,
+        Required { holds: value >= 0.0 && value.is_finite(), words: "0 or positive, and finite" },
+    )
 }
 
 fn finite(what: &str, value: f64) -> Result<(), Error> {
-    range(what, value, value.is_finite(), "finite")
+    require(what, value, Required { holds: value.is_finite(), words: "finite" })
 }
 
-fn range(what: &str, value: f64, holds: bool, allowed: &'static str) -> Result<(), Error> {
-    if holds { Ok(()) } else { Err(Error::Range { what: what.to_owned(), value, allowed }) }
+/// What is required of a number: whether it holds, and in words that follow "must be".
+struct Required {
+    holds: bool,
+    words: &'static str,
+}
+
+fn require(what: &str, value: f64, required: Required) -> Result<(), Error> {
+    if required.holds {
+        Ok(())
+    } else {
+        Err(Error::Range { what: what.to_owned(), value, allowed: required.words })
+    }
 }

@@ -27,12 +27,12 @@ impl Controller {
         Ok(Self { parts, programs })
     }
 
-    /// What the controller is made of.
+    /// Returns what the controller is made of.
     pub fn parts(&self) -> &Parts {
         &self.parts
     }
 
-    /// The straight lines of arithmetic that every back end carries out.
+    /// Returns the straight lines of arithmetic that every back end carries out.
     pub fn programs(&self) -> &Programs {
         &self.programs
     }
@@ -42,22 +42,22 @@ impl Controller {
         self.parts.sample_period_s
     }
 
-    /// The control is limited to +/- this, V.
+    /// Returns the largest control, V: the control is limited to +/- this.
     pub fn limit_v(&self) -> f64 {
         self.parts.limit_v
     }
 
-    /// The controller at its start, in double: the reference.
+    /// Returns the controller at its start, in double: the reference.
     pub fn runner(&self) -> Runner {
         Runner::new(self)
     }
 
-    /// The controller at its start, in the numbers N.
+    /// Returns the controller at its start, in the numbers N.
     pub fn runner_in<N: Number>(&self) -> Runner<N> {
         Runner::new(self)
     }
 
-    /// The same controller with another reference prefilter, sum of paths and so on.
+    /// Returns the controller with some of its parts changed, checked again.
     ///
     /// # Errors
     /// As [`Controller::new`].
@@ -67,12 +67,12 @@ impl Controller {
         Self::new(parts)
     }
 
-    /// The linear part at a set out-of-balance: from the readings, in the order of [`crate::READING_NAMES`], to the
+    /// Returns the linear part at a set out-of-balance: from the readings, in the order of [`crate::READING_NAMES`], to the
     /// control before the limiter, in volts of a linear drive. The program itself is differentiated at rest, so nothing can be left out. Friction
     /// observers are taken as sliding (their force constant) and the estimator as standing still.
     ///
     /// # Errors
-    /// [`Error::System`] where the program does not give a finite system.
+    /// [`Error::System`] if the program does not give a finite system.
     pub fn linear(&self, out_of_balance_kg_m: f64) -> Result<StateSpace, Error> {
         let sliding = self.with(|parts| {
             parts.estimator = None;
@@ -120,7 +120,7 @@ impl Controller {
         Ok(StateSpace::new(A, B, C, D, timebase)?)
     }
 
-    /// States that carry signals: those of the prefilter and the paths, and the control of the sample before.
+    /// Returns the states that carry signals: those of the prefilter and the paths, and the control of the sample before.
     fn dynamic_states(&self) -> Vec<usize> {
         let carries = |name: &str| {
             name == lower::PREFILTER_STATES

@@ -13,7 +13,7 @@ pub enum Error {
         problem: &'static str,
     },
     /// A number outside its range.
-    #[error("{what} = {value}: must be {allowed}")]
+    #[error("{what} is {value}: it must be {allowed}")]
     Range {
         /// What the number is.
         what: String,
@@ -23,7 +23,7 @@ pub enum Error {
         allowed: &'static str,
     },
     /// A count that does not fit the system it belongs to.
-    #[error("path '{path}': {what}: {found} given, {expected} needed")]
+    #[error("path '{path}' has {found} {what}, but needs {expected}")]
     Count {
         /// Name of the path.
         path: String,
@@ -35,7 +35,9 @@ pub enum Error {
         expected: usize,
     },
     /// A system that is not sampled with the controller's period.
-    #[error("path '{path}' is {found}; the controller's sample period is {period_s} s")]
+    #[error(
+        "path '{path}' is {found}, but the controller's sample period is {period_s} s: both must be the same"
+    )]
     Timebase {
         /// Name of the path.
         path: String,
@@ -45,7 +47,7 @@ pub enum Error {
         period_s: f64,
     },
     /// Points of a schedule that are not in increasing order.
-    #[error("path '{path}': schedule points {below:?} < {at} < {above:?} must increase (kg m)")]
+    #[error("path '{path}': the schedule points {below:?}, {at} and {above:?} (kg m) must increase")]
     Schedule {
         /// Name of the path.
         path: String,

@@ -25,7 +25,7 @@ pub struct Estimator {
     pub volts_per_kg_m_s2: f64,
     /// Largest change of the out-of-balance, kg m/s; infinite for none.
     pub rate_limit_kg_m_s: f64,
-    /// The out-of-balance in force follows the estimate only after so many samples.
+    /// Number of samples before the out-of-balance in force begins to follow the estimate.
     pub hold_samples: u32,
 }
 
@@ -40,14 +40,14 @@ pub enum Learning {
         /// Typical sizes of the three parameters relative to each other's regressors.
         scale: [f64; 3],
     },
-    /// The mean of the control over each window, over that of gravity's share: p_0 anew at the end of every window, the
+    /// The mean of the control over each window, over that of gravity's share: p_0 is set at the end of every window, the
     /// step that this makes faded in over the transfer time. The other regressors are not used. A setting of the
     /// out-of-balance begins a new window. Gravity's share counts at least half of gravity.
     Mean {
         /// Samples of a window.
         window_samples: u32,
     },
-    /// Recursive least squares with forgetting, on the first three regressors, and on the fourth where gravity is 0.
+    /// Recursive least squares with forgetting, on the first three regressors, and on the fourth if gravity is 0.
     ///
     /// Control and regressors first pass the same lag `filter_s`, which leaves their relation as it is and gives the
     /// accelerations of hub and rate; what the inertias take is known, and is taken from the control.

@@ -7,7 +7,7 @@
 //! *Invariant*: nothing here knows how a controller was designed, or what plant it drives; no file, thread or clock.
 //!
 //! Modules in reading order: [`sampled`], [`signal`], [`parts`], [`friction`], [`estimator`], [`controller`], [`program`],
-//! [`number`], [`runner`], [`realise`].
+//! [`number`], [`runner`], [`realise`], [`sensitivity`], [`tolerance`] (the numbers that decide).
 //!
 //! ```
 //! use counterpoise_controller::{Controller, Parts, Path, Scaling, Signal};
@@ -44,6 +44,7 @@ pub mod runner;
 pub mod sampled;
 pub mod sensitivity;
 pub mod signal;
+pub mod tolerance;
 
 mod check;
 mod lower;

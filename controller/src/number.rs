@@ -2,11 +2,11 @@
 
 /// Numbers in which a program can run.
 pub trait Number: Clone + std::fmt::Debug {
-    /// The nearest number.
+    /// Returns the nearest number.
     fn from_f64(value: f64) -> Self;
-    /// Its value in double.
+    /// Returns its value in double.
     fn to_f64(&self) -> f64;
-    /// Sum, rounded.
+    /// Returns the sum, rounded.
     fn plus(&self, other: &Self) -> Self;
     /// Product, rounded.
     fn times(&self, other: &Self) -> Self;
@@ -14,7 +14,7 @@ pub trait Number: Clone + std::fmt::Debug {
     fn over(&self, other: &Self) -> Self;
     /// Magnitude, exact.
     fn magnitude(&self) -> Self;
-    /// `low` where below it, else `high` where above it, else itself.
+    /// Returns `low` if the number is below it, `high` if above it, and itself otherwise.
     fn clamped(&self, low: &Self, high: &Self) -> Self;
 }
 
@@ -101,7 +101,7 @@ impl Number for Dual {
         self.blend(1.0 / other.value, other, -value / other.value, value)
     }
 
-    /// At 0, where |x| has no derivative, 0 is taken.
+    /// Returns |x|; at 0, where it has no derivative, the derivative is taken as 0.
     fn magnitude(&self) -> Self {
         let sign = if self.value == 0.0 { 0.0 } else { self.value.signum() };
         let slope = self.slope.iter().map(|s| sign * s).collect();

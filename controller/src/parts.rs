@@ -18,7 +18,7 @@ pub struct Path {
     pub inputs: Vec<Signal>,
     /// Discrete system with one output, in the realisation in which it is to run (see [`crate::realise::modal`]).
     pub system: StateSpace,
-    /// Gain a state on what the limiter cut off; zeros where the path does not wind up.
+    /// Gain a state on what the limiter cut off; zeros if the path does not wind up.
     pub anti_windup: Vec<f64>,
     /// How the output follows the out-of-balance.
     pub scaling: Scaling,
@@ -34,11 +34,11 @@ pub enum Scaling {
     /// One design of several, each made for an out-of-balance: gain 1 at `at_kg_m`, falling linearly to 0 at its
     /// neighbours, and held beyond the first and the last design.
     Scheduled {
-        /// Neighbour below, kg m; none for the lowest design.
+        /// Neighbour below, kg m; `None` for the lowest design.
         below_kg_m: Option<f64>,
         /// The out-of-balance that this path was designed for, kg m.
         at_kg_m: f64,
-        /// Neighbour above, kg m; none for the highest design.
+        /// Neighbour above, kg m; `None` for the highest design.
         above_kg_m: Option<f64>,
     },
 }
@@ -78,7 +78,7 @@ pub struct Parts {
     /// Estimator of the out-of-balance.
     pub estimator: Option<Estimator>,
     /// The inverse of the drive's measured curve: (volts of a linear drive, control that has their effect), both rising
-    /// from beyond 0; odd, straight between, of slope 1 beyond the last. Empty where the drive is linear.
+    /// from beyond 0; odd, straight between, of slope 1 beyond the last. Empty if the drive is linear.
     ///
     /// Everything before it (paths, limiter, anti-windup, estimator) is in volts of a linear drive.
     pub drive_curve: Vec<[f64; 2]>,

@@ -91,7 +91,7 @@ pub struct Program {
     pub locals: Vec<String>,
     /// The operations by sections.
     pub sections: Vec<Section>,
-    /// What the program gives, where it gives something.
+    /// The output of the program, if it has one.
     pub output: Option<Slot>,
 }
 
@@ -102,7 +102,7 @@ pub struct StateGroup {
     pub name: String,
     /// Index of the first state.
     pub first: usize,
-    /// Number of states; none for a scalar.
+    /// Number of states; `None` for a scalar.
     pub length: Option<usize>,
     /// Value of each at the start.
     pub initial: Vec<f64>,
@@ -131,17 +131,17 @@ pub struct Programs {
 }
 
 impl Programs {
-    /// Number of states.
+    /// Returns the number of states.
     pub fn state_count(&self) -> usize {
         self.states.iter().map(|group| group.initial.len()).sum()
     }
 
-    /// The states at the start.
+    /// Returns the states at the start.
     pub fn initial(&self) -> Vec<f64> {
         self.states.iter().flat_map(|group| group.initial.iter().copied()).collect()
     }
 
-    /// The group and, in an array, the position of a state.
+    /// Returns the group and, in an array, the position of a state.
     pub fn locate(&self, state: usize) -> Option<(&StateGroup, usize)> {
         let group = self.states.iter().find(|g| (g.first..g.first + g.initial.len()).contains(&state))?;
         Some((group, state - group.first))
@@ -149,7 +149,7 @@ impl Programs {
 }
 
 impl Operation {
-    /// The slot that is written.
+    /// Returns the slot that is written.
     pub fn into_slot(&self) -> Slot {
         match self {
             Operation::Sum { into, .. }
@@ -160,7 +160,7 @@ impl Operation {
         }
     }
 
-    /// The slots that are read, in order.
+    /// Returns the slots that are read, in order.
     pub fn reads(&self) -> Vec<Slot> {
         match self {
             Operation::Sum { terms, .. } => terms.iter().map(|term| term.of).collect(),
@@ -177,7 +177,7 @@ impl Program {
         self.sections.iter().flat_map(|section| section.operations.iter())
     }
 
-    /// Number of multiplications by a coefficient that is neither 1 nor -1, products included.
+    /// Returns the number of multiplications by a coefficient that is neither 1 nor -1, products included.
     pub fn multiplications(&self) -> usize {
         self.operations()
             .map(|operation| match operation {
@@ -188,7 +188,7 @@ impl Program {
             .sum()
     }
 
-    /// Number of additions and subtractions.
+    /// Returns the number of additions and subtractions.
     pub fn additions(&self) -> usize {
         self.operations()
             .map(|operation| match operation {
@@ -223,18 +223,32 @@ impl<N> Flat<N> {
     }
 }
 
+/// coefficient x place of memory.
+#[derive(Debug, Clone)]
+struct FlatTerm<N> {
+    coefficient: N,
+    place: usize,
+}
+
+impl<N: Number> FlatTerm<N> {
+    #[inline]
+    fn value(&self, memory: &[N]) -> N {
+        self.coefficient.times(&memory[self.place])
+    }
+}
+
 /// A program made ready to run in the numbers N.
 #[derive(Debug, Clone)]
 pub struct Compiled<N> {
     operations: Vec<Flat<N>>,
-    terms: Vec<(N, usize)>,
+    terms: Vec<FlatTerm<N>>,
     states: usize,
     memory: usize,
     output: Option<usize>,
 }
 
 impl<N: Number> Compiled<N> {
-    /// The program for a memory of `states` states followed by inputs and locals.
+    /// Returns the program for a memory of `states` states followed by inputs and locals.
     pub fn new(program: &Program, states: usize) -> Self {
         let inputs = program.inputs.len();
         let place = |slot: Slot| match slot {
@@ -253,7 +267,7 @@ impl<N: Number> Compiled<N> {
         self.memory
     }
 
-    /// Runs the program on `memory`, whose first places are the states; gives the output, or nothing where the program
+    /// Runs the program on `memory`, whose first places are the states; returns the output, or `None` if the program
     /// has none or the memory is too small.
     pub fn run(&self, memory: &mut [N], inputs: &[N]) -> Option<N> {
         if memory.len() < self.memory {
@@ -305,21 +319,23 @@ impl<N: Number> Compiled<N> {
 }
 
 #[inline]
-fn sum<N: Number>(constant: Option<&N>, terms: &[(N, usize)], memory: &[N]) -> N {
+fn sum<N: Number>(constant: Option<&N>, terms: &[FlatTerm<N>], memory: &[N]) -> N {
     let (start, rest) = match (constant, terms) {
         (Some(constant), all) => (constant.clone(), all),
-        (None, [(c, of), rest @ ..]) => (c.times(&memory[*of]), rest),
+        (None, [first, rest @ ..]) => (first.value(memory), rest),
         (None, []) => (N::from_f64(0.0), terms),
     };
-    rest.iter().fold(start, |sum, (c, of)| sum.plus(&c.times(&memory[*of])))
+    rest.iter().fold(start, |sum, term| sum.plus(&term.value(memory)))
 }
 
-fn flatten<N: Number>(op: &Operation, place: &dyn Fn(Slot) -> usize, all: &mut Vec<(N, usize)>) -> Flat<N> {
+fn flatten<N: Number>(op: &Operation, place: &dyn Fn(Slot) -> usize, all: &mut Vec<FlatTerm<N>>) -> Flat<N> {
     let into = place(op.into_slot());
     match op {
         Operation::Sum { constant, terms, .. } => {
             let first = all.len();
-            all.extend(terms.iter().map(|term| (N::from_f64(term.coefficient), place(term.of))));
+            let flat =
+                |term: &Term| FlatTerm { coefficient: N::from_f64(term.coefficient), place: place(term.of) };
+            all.extend(terms.iter().map(flat));
             Flat::Sum { into, constant: constant.map(N::from_f64), first, last: all.len() }
         }
         Operation::Product { a, b, .. } => Flat::Product { into, a: place(*a), b: place(*b) },

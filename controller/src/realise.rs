@@ -4,21 +4,14 @@ use counterpoise_lti::linalg::{Schur, balance, inverse, schur, sylvester};
 use counterpoise_lti::{C64, Mat, StateSpace};
 
 use crate::Error;
-
-/// Largest condition number of the modal transformation, columns scaled to unit length; beyond it neighbouring modes
-/// stay together in a larger block.
-pub const MODAL_CONDITION: f64 = 1e5;
-/// A real discrete pole that is this near to 1 is an integrator, and becomes exactly 1.
-pub const INTEGRATOR: f64 = 1e-12;
-/// Distances of eigenvalues, relative to their distance from 1, below which modes are kept together, tried in turn.
-const CLUSTERS: [f64; 6] = [0.0, 1e-6, 1e-4, 1e-2, 1e-1, 1.0];
+use crate::tolerance::{CLUSTERS, INTEGRATOR, MODAL_CONDITION};
 
 /// A system in modal form.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Realisation {
     /// The system: A block-diagonal.
     pub system: StateSpace,
-    /// Sizes of the diagonal blocks: 1 for a real pole, 2 for a complex pair `[a b; -b a]`, more where poles are too
+    /// Sizes of the diagonal blocks: 1 for a real pole, 2 for a complex pair `[a b; -b a]`, more if poles are too
     /// close to be told apart (then a triangular block).
     pub blocks: Vec<usize>,
     /// Condition number of the transformation (1-norm).
@@ -27,7 +20,7 @@ pub struct Realisation {
     pub residual: f64,
 }
 
-/// The modal real form of a system
+/// Returns the modal real form of a system:
 ///
 /// ```text
 ///     x = V z,   inv(V) A V = diag(A1, A2, ...),   inv(V) B,   C V,   D
@@ -39,7 +32,7 @@ pub struct Realisation {
 /// transformation's condition number is below [`MODAL_CONDITION`]. Order n costs about 30 n^3 operations.
 ///
 /// # Errors
-/// [`Error::Realisation`] where the Schur form fails.
+/// [`Error::Realisation`] if the Schur form fails.
 pub fn modal(system: &StateSpace) -> Result<Realisation, Error> {
     let balanced = balance(&system.A).map_err(failed)?;
     let T = &balanced.scale;
@@ -67,7 +60,7 @@ fn failed(error: counterpoise_lti::linalg::Error) -> Error {
     Error::Realisation(error.to_string())
 }
 
-/// The modal form with eigenvalues nearer than `closeness` kept in one block.
+/// Returns the modal form with eigenvalues nearer than `closeness` kept in one block.
 fn separate(start: &StateSpace, mut form: Schur, closeness: f64) -> Result<Realisation, Error> {
     let clusters = gather(&mut form, closeness);
     let blocks = merge(&diagonal_blocks(&form.T), &clusters);
@@ -85,12 +78,27 @@ fn separate(start: &StateSpace, mut form: Schur, closeness: f64) -> Result<Reali
     Ok(Realisation { system, blocks, condition, residual })
 }
 
-/// Brings eigenvalues that lie close next to each other; gives a label to each diagonal entry.
+/// An eigenvalue, and the label of the cluster that it belongs to.
+#[derive(Debug, Clone, Copy)]
+struct Labelled {
+    value: C64,
+    label: usize,
+}
+
+/// A block on the diagonal: its first row, and its size.
+#[derive(Debug, Clone, Copy)]
+struct DiagonalBlock {
+    first: usize,
+    size: usize,
+}
+
+/// Brings eigenvalues that lie close next to each other; returns a label for each diagonal entry.
 fn gather(form: &mut Schur, closeness: f64) -> Vec<usize> {
     let labels = cluster(&form.eigenvalues(), closeness);
-    let count = labels.iter().map(|(_, label)| label + 1).max().unwrap_or(0);
+    let count = labels.iter().map(|each| each.label + 1).max().unwrap_or(0);
     for label in (0..count).rev() {
-        let members: Vec<C64> = labels.iter().filter(|(_, l)| *l == label).map(|(value, _)| *value).collect();
+        let members: Vec<C64> =
+            labels.iter().filter(|each| each.label == label).map(|each| each.value).collect();
         let near = |value: C64| nearest(&labels, value) == Some(label);
         if members.len() > 1 && form.reorder(near).is_err() {
             // An exchange was refused: the eigenvalues are so close that their order does not matter.
@@ -100,14 +108,14 @@ fn gather(form: &mut Schur, closeness: f64) -> Vec<usize> {
     form.eigenvalues().iter().map(|value| nearest(&labels, *value).unwrap_or(0)).collect()
 }
 
-fn nearest(labels: &[(C64, usize)], value: C64) -> Option<usize> {
-    let distance = |each: &(C64, usize)| (each.0 - value).norm();
-    labels.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).map(|(_, label)| *label)
+fn nearest(labels: &[Labelled], value: C64) -> Option<usize> {
+    let distance = |each: &Labelled| (each.value - value).norm();
+    labels.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).map(|each| each.label)
 }
 
 /// Labels so that eigenvalues nearer than `closeness` times their distance from 1 (and conjugates) share one.
-fn cluster(values: &[C64], closeness: f64) -> Vec<(C64, usize)> {
-    let mut labelled: Vec<(C64, usize)> = Vec::new();
+fn cluster(values: &[C64], closeness: f64) -> Vec<Labelled> {
+    let mut labelled: Vec<Labelled> = Vec::new();
     for &value in values {
         let upper = |v: C64| C64::new(v.re, v.im.abs());
         let size = (value - 1.0).norm();
@@ -115,31 +123,31 @@ fn cluster(values: &[C64], closeness: f64) -> Vec<(C64, usize)> {
             (upper(other) - upper(value)).norm() <= closeness * size.max((other - 1.0).norm())
                 || (other.im != 0.0 && upper(other) == upper(value))
         };
-        let found = labelled.iter().find(|(other, _)| near(*other)).map(|(_, label)| *label);
-        let next = labelled.iter().map(|(_, label)| label + 1).max().unwrap_or(0);
-        labelled.push((value, found.unwrap_or(next)));
+        let found = labelled.iter().find(|other| near(other.value)).map(|other| other.label);
+        let next = labelled.iter().map(|each| each.label + 1).max().unwrap_or(0);
+        labelled.push(Labelled { value, label: found.unwrap_or(next) });
     }
     labelled
 }
 
-/// First row and size of each block of a quasi-triangular matrix.
-fn diagonal_blocks(T: &Mat) -> Vec<(usize, usize)> {
+/// Returns the blocks of a quasi-triangular matrix.
+fn diagonal_blocks(T: &Mat) -> Vec<DiagonalBlock> {
     let mut blocks = Vec::new();
     let mut k = 0;
     while k < T.nrows() {
         let size = if k + 1 < T.nrows() && T[(k + 1, k)] != 0.0 { 2 } else { 1 };
-        blocks.push((k, size));
+        blocks.push(DiagonalBlock { first: k, size });
         k += size;
     }
     blocks
 }
 
 /// Sizes of the blocks when everything between the first and the last of a cluster is taken together.
-fn merge(blocks: &[(usize, usize)], labels: &[usize]) -> Vec<usize> {
+fn merge(blocks: &[DiagonalBlock], labels: &[usize]) -> Vec<usize> {
     let last = |label: usize| labels.iter().rposition(|l| *l == label).unwrap_or(0);
     let mut merged = Vec::new();
     let (mut size, mut until) = (0, 0);
-    for &(first, rows) in blocks {
+    for &DiagonalBlock { first, size: rows } in blocks {
         until = (first..first + rows).fold(until, |u, row| u.max(last(labels[row])));
         size += rows;
         if first + rows > until {
@@ -219,12 +227,12 @@ fn balance_blocks(system: &mut StateSpace, blocks: &[usize]) {
     }
 }
 
-/// The power of two nearest to a positive number, on a logarithmic scale.
+/// Returns the power of two nearest to a positive number, on a logarithmic scale.
 fn power_of_two(value: f64) -> f64 {
     if value > 0.0 && value.is_finite() { value.log2().round().exp2() } else { 1.0 }
 }
 
-/// Number of coefficients of a realisation that are neither 0 nor 1 nor -1: what a step multiplies.
+/// Returns the number of coefficients of a realisation that are neither 0 nor 1 nor -1: what a step multiplies.
 pub fn coefficients(system: &StateSpace) -> usize {
     let matrices = [&system.A, &system.B, &system.C, &system.D];
     let all = matrices.iter().flat_map(|matrix| matrix.as_slice());
@@ -248,7 +256,7 @@ mod tests {
         ga.iter().zip(&gb).map(|(x, y)| (x - y).norm_max() / x.norm_max()).fold(0.0, f64::max)
     }
 
-    /// A companion form with integrator, real pole and two lightly damped pairs: an ill-conditioned realisation.
+    /// Returns a companion form with integrator, real pole and two lightly damped pairs: an ill-conditioned realisation.
     fn companion(poles: &[C64]) -> StateSpace {
         let mut polynomial = vec![C64::new(1.0, 0.0)];
         for pole in poles {

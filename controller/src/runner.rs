@@ -13,7 +13,7 @@ pub struct Runner<N = f64> {
 }
 
 impl<N: Number> Runner<N> {
-    /// The controller at its start.
+    /// Returns the controller at its start.
     pub fn new(controller: &Controller) -> Self {
         let programs = controller.programs().clone();
         let states = programs.state_count();
@@ -26,7 +26,7 @@ impl<N: Number> Runner<N> {
         Self { programs, step, set, memory }
     }
 
-    /// Takes the readings in the order of [`crate::READING_NAMES`] and gives the limited control in volts.
+    /// Takes the readings in the order of [`crate::READING_NAMES`] and returns the limited control in volts.
     pub fn step_array(&mut self, readings: &[f64; crate::READINGS]) -> f64 {
         let inputs = readings.map(N::from_f64);
         self.step.run(&mut self.memory, &inputs).map_or(0.0, |control| control.to_f64())
@@ -38,17 +38,17 @@ impl<N: Number> Runner<N> {
         self.set.run(&mut self.memory, &[N::from_f64(out_of_balance_kg_m)]);
     }
 
-    /// Everything the last step knew: states, readings, then its locals, in the order of the step's program.
+    /// Returns everything the last step knew: states, readings, then its locals, in the order of the step's program.
     pub fn values(&self) -> Vec<f64> {
         self.memory.iter().map(Number::to_f64).collect()
     }
 
-    /// One state, by its place in [`Programs::states`].
+    /// Returns one state, by its place in [`Programs::states`].
     pub fn state(&self, place: usize) -> Option<f64> {
         self.memory[..self.programs.state_count()].get(place).map(Number::to_f64)
     }
 
-    /// The states, in the order of [`Programs::states`].
+    /// Returns the states, in the order of [`Programs::states`].
     pub fn states(&self) -> Vec<f64> {
         self.memory[..self.programs.state_count()].iter().map(Number::to_f64).collect()
     }

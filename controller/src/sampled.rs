@@ -1,4 +1,4 @@
-//! What a sampled controller reads and gives.
+//! What a sampled controller reads, and the control that it returns.
 
 /// What the controller reads at a sample instant: converter readings divided by their scale, in SI units.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -11,9 +11,9 @@ pub struct Readings {
     pub platform_rate_rad_s: f64,
     /// Platform accelerometer (heave), m/s^2, gravity removed.
     pub platform_accel_m_s2: f64,
-    /// Motor tachometer, rad/s relative to the platform; 0 where none is fitted.
+    /// Motor tachometer, rad/s relative to the platform; 0 if none is fitted.
     pub motor_rate_rad_s: f64,
-    /// Hub angle relative to the platform, rad; 0 where no resolver is fitted.
+    /// Hub angle relative to the platform, rad; 0 if no resolver is fitted.
     pub hub_position_rad: f64,
 }
 
@@ -21,7 +21,7 @@ pub struct Readings {
 pub trait SampledController {
     /// Puts every state back to its start.
     fn reset(&mut self);
-    /// Takes the readings of this instant and gives the control in volts, before the output converter.
+    /// Takes the readings of this instant and returns the control in volts, before the output converter.
     fn step(&mut self, readings: &Readings) -> f64;
 }
 

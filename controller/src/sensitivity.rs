@@ -5,6 +5,7 @@ use counterpoise_lti::{C64, CMat, Mat, StateSpace, Timebase, frequency_response,
 
 use crate::Error;
 use crate::realise::{coefficients, modal};
+use crate::tolerance::{MARGINAL, NEGLIGIBLE, SINGLE_ROUNDING, WORTH};
 
 /// A form in which a path can run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,7 +14,7 @@ pub enum Form {
     Modal,
     /// Equal and diagonal Gramians: the whole matrix, one product for each pair of states.
     Balanced,
-    /// Whichever rounded coefficients move less; balanced only where it is [`WORTH`] times better, for it multiplies more.
+    /// Whichever rounded coefficients move less; balanced only if it is [`WORTH`] times better, for it multiplies more.
     LeastSensitive,
 }
 
@@ -33,21 +34,15 @@ pub struct Candidate {
     pub measured: f64,
 }
 
-/// How many times less sensitive the balanced form must be to be worth its products.
-pub const WORTH: f64 = 10.0;
-/// Hankel values below this, relative to the largest, are rounding errors of the path: their states are left out.
-const NEGLIGIBLE: f64 = 1e-12;
-/// Modulus above which a pole stays in modal form: it has no Gramian, or hardly one.
-const MARGINAL: f64 = 1.0 - 1e-9;
-/// Half a unit in the last place of single precision, relative.
-const UNIT: f64 = 1.0 / (1u64 << 24) as f64;
-/// Frequencies at which responses are compared, and how many decades they span up to half the sample rate.
-const POINTS: (usize, f64) = (100, 5.0);
+/// Number of frequencies at which responses are compared.
+const FREQUENCIES: usize = 100;
+/// Decades that these frequencies span, up to half the sample rate.
+const DECADES: f64 = 5.0;
 
-/// A discrete system in the form asked for.
+/// Returns a discrete system in the form asked for.
 ///
 /// # Errors
-/// As [`modal`]; [`Error::Lti`] where the Gramians of the stable part fail.
+/// As [`modal`]; [`Error::Lti`] if the Gramians of the stable part fail.
 pub fn realise(system: &StateSpace, form: Form) -> Result<StateSpace, Error> {
     match form {
         Form::Modal => Ok(modal(system)?.system),
@@ -56,7 +51,7 @@ pub fn realise(system: &StateSpace, form: Form) -> Result<StateSpace, Error> {
     }
 }
 
-/// The modal and the balanced form of a discrete system, with their sensitivities.
+/// Returns the modal and the balanced form of a discrete system, with their sensitivities.
 ///
 /// # Errors
 /// As [`realise`].
@@ -64,7 +59,7 @@ pub fn candidates(system: &StateSpace) -> Result<Vec<Candidate>, Error> {
     [Form::Modal, Form::Balanced].into_iter().map(|form| candidate(&realise(system, form)?, form)).collect()
 }
 
-/// The one that [`Form::LeastSensitive`] takes.
+/// Returns the one that [`Form::LeastSensitive`] takes.
 pub fn least(candidates: &[Candidate]) -> Option<&Candidate> {
     let of = |form: Form| candidates.iter().find(|candidate| candidate.form == form);
     match (of(Form::Modal), of(Form::Balanced)) {
@@ -74,10 +69,10 @@ pub fn least(candidates: &[Candidate]) -> Option<&Candidate> {
     }
 }
 
-/// The sensitivity of a system as it is.
+/// Returns the sensitivity of a system as it is.
 ///
 /// # Errors
-/// [`Error::Lti`] where a response cannot be computed.
+/// [`Error::Lti`] if a response cannot be computed.
 pub fn candidate(system: &StateSpace, form: Form) -> Result<Candidate, Error> {
     let rates = rates(system.timebase);
     let response = frequency_response(system, &rates)?;
@@ -120,12 +115,12 @@ fn deviations(system: &StateSpace, rates: &[f64]) -> Result<Vec<f64>, Error> {
         sum += squares(&system.A, |i, j| row(i) * column(j));
         sum += squares(&system.B, |i, _| row(i));
         sum += squares(&system.C, |_, j| column(j));
-        UNIT * (sum / 3.0).sqrt()
+        SINGLE_ROUNDING * (sum / 3.0).sqrt()
     };
     Ok((0..rates.len()).map(at).collect())
 }
 
-/// Sum over the coefficients that rounding can change of their squares times a weight.
+/// Returns the sum over the coefficients that rounding can change of their squares times a weight.
 fn squares(matrix: &Mat, weight: impl Fn(usize, usize) -> f64) -> f64 {
     let exact = |value: f64| value == 0.0 || value.abs() == 1.0;
     let all = (0..matrix.nrows()).flat_map(|i| (0..matrix.ncols()).map(move |j| (i, j)));
@@ -145,9 +140,8 @@ fn in_single(system: &StateSpace) -> StateSpace {
 
 fn rates(timebase: Timebase) -> Vec<f64> {
     let period = if let Timebase::Discrete { period_s } = timebase { period_s } else { 1.0 };
-    let (count, decades) = POINTS;
-    let share = |k: usize| (k as f64 + 0.5) / count as f64 - 1.0;
-    (0..count).map(|k| std::f64::consts::PI / period * 10f64.powf(decades * share(k))).collect()
+    let share = |k: usize| (k as f64 + 0.5) / FREQUENCIES as f64 - 1.0;
+    (0..FREQUENCIES).map(|k| std::f64::consts::PI / period * 10f64.powf(DECADES * share(k))).collect()
 }
 
 fn median(values: &[f64]) -> f64 {
@@ -156,7 +150,7 @@ fn median(values: &[f64]) -> f64 {
     sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// The stable part with equal, diagonal Gramians (square-root method), beside marginal poles in modal form.
+/// Returns the stable part with equal, diagonal Gramians (square-root method), beside marginal poles in modal form.
 fn balanced(system: &StateSpace) -> Result<StateSpace, Error> {
     let realised = modal(system)?;
     let (mut marginal, mut stable, mut first) = (Vec::new(), Vec::new(), 0);
@@ -182,7 +176,7 @@ fn radius(A: &Mat, timebase: Timebase) -> Result<f64, Error> {
     Ok(poles(&alone)?.iter().map(|pole: &C64| pole.norm()).fold(0.0, f64::max))
 }
 
-/// The part of a block-diagonal system that some states make, with all of its feedthrough.
+/// Returns the part of a block-diagonal system that some states make, with all of its feedthrough.
 fn states(system: &StateSpace, places: &[usize]) -> StateSpace {
     let n = places.len();
     StateSpace {
@@ -221,7 +215,7 @@ mod tests {
 
     const PERIOD: Timebase = Timebase::Discrete { period_s: 1e-3 };
 
-    /// An integrator, a lag and a lightly damped pair, in coordinates that mix them.
+    /// Returns an integrator, a lag and a lightly damped pair, in coordinates that mix them.
     fn mixed() -> StateSpace {
         let A = Mat::from_rows(&[
             &[1.0, 0.0, 0.0, 0.0],

@@ -39,7 +39,7 @@ pub enum Signal {
 }
 
 impl Signal {
-    /// The reading behind the signal, where it is one; the demand is filtered first.
+    /// Returns the reading behind the signal, if it is one; the demand is filtered first.
     pub fn reading(self) -> Option<usize> {
         match self {
             Signal::Demand => Some(0),
@@ -69,7 +69,7 @@ impl Signal {
 }
 
 impl Readings {
-    /// The readings in the order of [`READING_NAMES`].
+    /// Returns the readings in the order of [`READING_NAMES`].
     pub fn to_array(&self) -> [f64; READINGS] {
         [
             self.demand_rad_s,

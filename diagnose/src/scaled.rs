@@ -5,7 +5,7 @@
 //! Torques at the hub times S and the gear ratio times c leave every motion of the hub, every control and every current as
 //! they are; torques at the motor are then S / c, its rates and angles c times what they were.
 
-use counterpoise_models::parameters::{Friction, FrictionLaw};
+use counterpoise_models::friction::Similarity;
 use counterpoise_models::{Parameters, Ripple};
 use counterpoise_simulate::recording::Recording;
 use counterpoise_simulate::replay::Loop;
@@ -102,8 +102,8 @@ impl Scale {
         p.motor.back_emf_v_s_rad /= c;
         p.motor.cogging = ripple(&p.motor.cogging, s / c, c);
         p.motor.torque_ripple = ripple(&p.motor.torque_ripple, 1.0, c);
-        p.motor_friction = friction(&p.motor_friction, s / c, c);
-        p.pivot_friction = friction(&p.pivot_friction, s, 1.0);
+        p.motor_friction = p.motor_friction.similar(Similarity { torque: s / c, angle: c });
+        p.pivot_friction = p.pivot_friction.similar(Similarity { torque: s, angle: 1.0 });
         if let Some(tachometer) = &mut p.sensors.motor_tachometer {
             tachometer.scale_v_unit /= c;
             tachometer.noise_rms *= c;
@@ -189,47 +189,6 @@ fn without_sizes(words: &str) -> String {
 /// A ripple whose amplitude is a torque times `t`, over an angle times `r`.
 fn ripple(ripple: &Ripple, t: f64, r: f64) -> Ripple {
     Ripple { amplitude: ripple.amplitude * t, order: ripple.order / r, phase_rad: ripple.phase_rad }
-}
-
-/// A friction whose torques are `t` times, and whose rates and angles `r` times what they were.
-fn friction(friction: &Friction, t: f64, r: f64) -> Friction {
-    Friction {
-        law: law(&friction.law, t, r),
-        viscous_nm_s_rad: friction.viscous_nm_s_rad * t / r,
-        stribeck_rate_rad_s: friction.stribeck_rate_rad_s * r,
-        quadratic_nm_s2_rad2: friction.quadratic_nm_s2_rad2 * t / (r * r),
-        position_ripple: ripple(&friction.position_ripple, 1.0, r),
-        ..friction.clone()
-    }
-}
-
-fn law(law: &FrictionLaw, t: f64, r: f64) -> FrictionLaw {
-    let mut law = law.clone();
-    match &mut law {
-        FrictionLaw::None => {}
-        FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad, .. } => {
-            *coulomb_nm *= t;
-            *rest_stiffness_nm_rad *= t / r;
-        }
-        FrictionLaw::Lugre { coulomb_nm, bristle_stiffness_nm_rad, bristle_damping_nm_s_rad } => {
-            *coulomb_nm *= t;
-            *bristle_stiffness_nm_rad *= t / r;
-            *bristle_damping_nm_s_rad *= t / r;
-        }
-        FrictionLaw::Coulomb { coulomb_nm } | FrictionLaw::Stribeck { coulomb_nm, .. } => *coulomb_nm *= t,
-        FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad, damping_nm_s_rad } => {
-            *coulomb_nm *= t;
-            *deflection_rad *= r;
-            *damping_nm_s_rad *= t / r;
-        }
-        FrictionLaw::Karnopp { coulomb_nm, stick_rate_rad_s: rate }
-        | FrictionLaw::Walrath { coulomb_nm, smoothing_rate_rad_s: rate, .. }
-        | FrictionLaw::Bristle { coulomb_nm, bond_rad: rate, .. } => {
-            *coulomb_nm *= t;
-            *rate *= r;
-        }
-    }
-    law
 }
 
 #[cfg(test)]

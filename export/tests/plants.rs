@@ -81,7 +81,7 @@ fn simulated(machine: &Machine, parts: usize) -> Columns {
     let plant = Plant::with_body(&parameters, machine.plant.body().clone()).unwrap();
     let duration_s = (SAMPLES * parts) as f64 * parameters.interface.sample_period_s;
     let scenario = Scenario { platform: motion, ..Scenario::still(duration_s) };
-    let tolerance = counterpoise_simulate::run::TOLERANCE / parts.pow(3) as f64;
+    let tolerance = counterpoise_simulate::tolerance::TOLERANCE / parts.pow(3) as f64;
     let mut simulator = Simulator::with_tolerance(&plant, tolerance).unwrap();
     let run = simulator.run(&mut Playback::new(&held.collect::<Vec<_>>()), &scenario).unwrap();
     let (r, t) = (&run.readings, &run.truth);

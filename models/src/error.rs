@@ -1,11 +1,13 @@
-//! What can be wrong with a mechanism.
+//! Why a mechanism is refused.
+
+use std::borrow::Cow;
 
 /// Every way in which a mechanism can be refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A configuration fits a mass that the beam does not have.
-    #[error("configuration \"{configuration}\" fits mass \"{mass}\", which the beam does not have")]
+    #[error("configuration \"{configuration}\" uses mass \"{mass}\", but the beam has no mass of that name")]
     UnknownMass {
         /// Name of the mass.
         mass: String,
@@ -13,21 +15,21 @@ pub enum Error {
         configuration: String,
     },
     /// A parameter outside the range in which the mechanism makes sense.
-    #[error("{parameter} = {value}: {allowed}")]
+    #[error("{parameter} is {value}: it {allowed}")]
     Parameter {
         /// Which parameter, with its path.
         parameter: String,
         /// Its value.
         value: f64,
-        /// What is allowed.
-        allowed: &'static str,
+        /// What is required of it, as a phrase that follows "it": "must be above 0".
+        allowed: Cow<'static, str>,
     },
     /// The structure is described neither as a beam nor as lumped inertias.
     #[error("the structure is missing: give a beam, lumped inertias, or both")]
     NoStructure,
     /// No power law passes through an element's three cross sections.
     #[error(
-        "no power law fits the cross sections of the element from {from_m} m to {to_m} m: use quadrature"
+        "no power law passes through the cross sections of the element from {from_m} m to {to_m} m, because the middle one is not between the ends: use integration by quadrature"
     )]
     PowerLaw {
         /// Near end, m.
@@ -36,10 +38,12 @@ pub enum Error {
         to_m: f64,
     },
     /// The structure must be held where it has no node.
-    #[error("no node lies at the pivot: choose a mesh with one")]
+    #[error("the structure has no node at the pivot, where it must be held: choose a mesh with a node there")]
     NoHubNode,
     /// A stiffness matrix that resists a motion it should leave free.
-    #[error("the stiffness matrix resists rigid {motion}: K r is {relative:.1e} of K's norm, not zero")]
+    #[error(
+        "the stiffness matrix resists rigid {motion}: the product of K and that motion is {relative:.1e} of the norm of K, but must be 0 within rounding"
+    )]
     NotFree {
         /// Heave or pitch.
         motion: &'static str,

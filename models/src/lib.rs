@@ -4,18 +4,22 @@
 //!
 //! *Invariant*: nothing here knows how a controller is designed, or marches in time.
 //!
-//! Modules in reading order: [`parameters`], [`friction`], [`plant`], [`structure`], [`mod@reference`] (the machine that examples start from).
+//! Modules in reading order: [`parameters`], [`friction`], [`plant`], [`structure`], [`mod@reference`] (the machine that examples start
+//! from), [`tolerance`] (the numbers that decide).
 #![allow(non_snake_case)]
 
 pub mod error;
 pub mod friction;
 pub mod parameters;
 pub mod plant;
+mod range;
 pub mod reference;
 pub mod structure;
+pub mod tolerance;
 
 pub use error::Error;
 pub use parameters::*;
 pub use plant::{
     Angles, Equilibrium, Excitation, FrictionLinearisation, LinearPlant, Mesh, OperatingPoint, Plant,
 };
+pub use range::Range;

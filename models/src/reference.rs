@@ -4,7 +4,7 @@
 
 use crate::parameters::*;
 
-/// The reference rig in its normal configuration.
+/// Returns the reference rig in its normal configuration.
 pub fn rig() -> Parameters {
     Parameters {
         name: "reference rig".to_owned(),

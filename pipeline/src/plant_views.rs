@@ -2,7 +2,9 @@
 
 use counterpoise_models::friction::FrictionModel;
 use counterpoise_models::friction::describing::sinusoidal_loop;
-use counterpoise_models::structure::refinement::{COLUMNS, REFERENCE, Refinement, refinements};
+use counterpoise_models::structure::refinement::{
+    COLUMNS, REFERENCE, Refinement, RefinementMesh, refinements,
+};
 use counterpoise_models::structure::{Direction, FeModel, Integration, Modes, Support, modes};
 use counterpoise_models::{Beam, Friction, FrictionLaw};
 use serde::Serialize;
@@ -134,17 +136,19 @@ pub fn portrait(project: &Project, modelled: &Modelled) -> Result<Portrait, Pipe
 }
 
 fn meshes(beam: &Beam) -> Result<Meshes, PipelineError> {
-    let finer = FINER.iter().flat_map(|&n| KINDS.map(|(integration, _)| (integration, n)));
-    let asked: Vec<(Integration, usize)> = COLUMNS.iter().copied().chain(finer).collect();
-    let (reference, found) = refinements(beam, &asked)?;
+    let finer = FINER
+        .iter()
+        .flat_map(|&elements| KINDS.map(|(integration, _)| RefinementMesh { integration, elements }));
+    let asked: Vec<RefinementMesh> = COLUMNS.iter().copied().chain(finer).collect();
+    let found = refinements(beam, &asked)?;
     let named = |r: Refinement| MeshColumn {
         kind: KINDS.iter().find(|(kind, _)| *kind == r.integration).map_or("", |(_, name)| name),
         elements: r.elements,
         ratios: r.ratios.into_iter().take(TABLED).collect(),
     };
-    let mut columns: Vec<MeshColumn> = found.into_iter().map(named).collect();
+    let mut columns: Vec<MeshColumn> = found.columns.into_iter().map(named).collect();
     let finer = columns.split_off(COLUMNS.len());
-    let reference_hz = reference.iter().take(TABLED).map(|w| w / TAU).collect();
+    let reference_hz = found.reference_rad_s.iter().take(TABLED).map(|w| w / TAU).collect();
     Ok(Meshes { reference: REFERENCE, reference_hz, columns, finer })
 }
 

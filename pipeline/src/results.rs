@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use counterpoise_simulate::replay::{ChannelFit, Followed, Parting, Way};
+use counterpoise_simulate::replay::{ChannelFit, Divergence, ReplayMode, SelectedReplay};
 use counterpoise_verify::{Value, Verdict, Verification};
 use serde::Serialize;
 
@@ -253,19 +253,19 @@ impl From<&Designed> for DesignResult {
 
 impl RecordingResult {
     /// The fit of a replayed recording.
-    pub fn new(file: &str, followed: &Followed, remarks: Vec<String>) -> Self {
-        let (way, window_s, free) = match &followed.way {
-            Way::Free => ("free", None, BTreeMap::new()),
-            Way::Windows { window_s, free } => ("windows", Some(*window_s), channels(free)),
+    pub fn new(file: &str, followed: &SelectedReplay, remarks: Vec<String>) -> Self {
+        let (way, window_s, free) = match &followed.mode {
+            ReplayMode::Free => ("free", None, BTreeMap::new()),
+            ReplayMode::Windowed { window_s, free } => ("windows", Some(*window_s), channels(free)),
         };
-        let parting = |p: Parting| PartingResult { channel: p.channel.name(), floors: p.floors };
+        let parting = |p: Divergence| PartingResult { channel: p.channel.name(), floors: p.floors };
         Self {
             file: file.to_owned(),
             channels: channels(&followed.replay.channels),
             followed: way,
             window_s,
             free,
-            parting: followed.parting.map(parting),
+            parting: followed.divergence.map(parting),
             remarks,
         }
     }

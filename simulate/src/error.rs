@@ -1,4 +1,4 @@
-//! What can be wrong with a simulation.
+//! Why a simulation is refused or ends early.
 
 /// Every way in which a simulation can be refused or end early.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -11,17 +11,17 @@ pub enum Error {
     #[error(transparent)]
     Lti(#[from] counterpoise_lti::Error),
     /// A number outside its range.
-    #[error("{what} = {value}: {allowed}")]
+    #[error("{what} is {value}: it must be {allowed}")]
     Range {
         /// Which number.
         what: &'static str,
         /// Its value.
         value: f64,
-        /// What is allowed.
+        /// What is allowed, as a phrase that follows "must be".
         allowed: &'static str,
     },
     /// A list whose length does not fit.
-    #[error("{what} has {found} entries where {expected} are needed")]
+    #[error("{what} has {found} entries, but {expected} are needed")]
     Length {
         /// Which list.
         what: &'static str,
@@ -31,13 +31,15 @@ pub enum Error {
         expected: usize,
     },
     /// A recording without a channel that is needed.
-    #[error("the recording has no {channel}")]
+    #[error("the recording has no {channel}, which this replay needs")]
     NoChannel {
         /// Which channel.
         channel: &'static str,
     },
     /// The run asked for more steps than it was allowed.
-    #[error("the motion asks for more than {steps} steps until {time_s} s")]
+    #[error(
+        "the simulation stopped at {time_s} s: it needed more than the {steps} steps that are allowed for the run"
+    )]
     Effort {
         /// When.
         time_s: f64,
@@ -45,7 +47,7 @@ pub enum Error {
         steps: usize,
     },
     /// The state grew beyond all bounds.
-    #[error("the motion diverged at {time_s} s")]
+    #[error("the motion diverged at {time_s} s: a state is no longer a finite number")]
     Diverged {
         /// When.
         time_s: f64,

@@ -1,8 +1,8 @@
 //! What a run leaves: one value a sample in every column.
 
-use crate::engine::stepper::{Effort, PlantState};
+use crate::engine::state::{Effort, PlantState};
 
-/// The columns of a run. Those of [`Truth`](TrueColumns) are empty where only the recording was kept.
+/// The columns of a run. Those of [`Truth`](TrueColumns) are empty if only the recording was kept.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeHistory {
     /// Sample period, s; sample k is at k periods.
@@ -32,9 +32,9 @@ pub struct ReadingColumns {
     pub platform_rate_rad_s: Vec<f64>,
     /// Platform accelerometer, m/s^2.
     pub platform_accel_m_s2: Vec<f64>,
-    /// Motor tachometer, rad/s; zeros where none is fitted.
+    /// Motor tachometer, rad/s; zeros if none is fitted.
     pub motor_rate_rad_s: Vec<f64>,
-    /// Hub resolver, rad; zeros where none is fitted.
+    /// Hub resolver, rad; zeros if none is fitted.
     pub hub_position_rad: Vec<f64>,
 }
 
@@ -92,17 +92,17 @@ impl ReadingColumns {
 }
 
 impl TimeHistory {
-    /// Number of samples.
+    /// Returns the number of samples.
     pub fn len(&self) -> usize {
         self.readings.control_v.len()
     }
 
-    /// Whether the run had no sample.
+    /// Returns whether the run had no sample.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The instants of the samples, s.
+    /// Returns the instants of the samples, s.
     pub fn time_s(&self) -> Vec<f64> {
         (0..self.len()).map(|k| k as f64 * self.sample_period_s).collect()
     }

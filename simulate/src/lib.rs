@@ -1,21 +1,21 @@
 //! The nonlinear plant in time, with its sampled controller; its experiments, and its replay of recordings.
 //!
-//! In come a plant, a controller and a scenario; out comes a time history. Or a recording, and out comes how far the
-//! model is from it. Or a frequency, and out comes the response that an analyser would show.
+//! From a plant, a controller and a scenario it makes a time history; from a recording, the residuals of the model; from a
+//! frequency, the response that an analyser would show.
 //!
-//! The integrator is exponential collocation. The plant is a linear core with a few nonlinear inputs; the core moves by
-//! its matrix exponential, exactly, mode by mode where it has many; the nonlinear inputs are cubics through the four nodes of
-//! Lobatto's rule, found by fixed-point iteration, most often in one pass, for they go on as in the step before; dry
-//! friction goes from node to node by its own closed form in the displacement, which no stiffness of presliding can
-//! upset; a joint that truly sticks is a core without its freedom; steps are a sample period halved until the inputs are
-//! as smooth as asked for, and down to the instants where teeth part or meet, joints stick or break away. It wins because
-//! a smooth sample is one step, with one product of a stored matrix, where a Runge-Kutta method needs twenty for stability
-//! alone.
+//! The integrator is exponential collocation. The plant is a linear core with a few nonlinear inputs. The core moves by
+//! its matrix exponential, exactly, mode by mode if it has many modes. The nonlinear inputs are cubics through the four nodes of
+//! Lobatto's rule, found by fixed-point iteration; most often one pass suffices, because the inputs continue from the step
+//! before. Dry friction moves from node to node by its own closed form in the displacement, which is stable for any presliding
+//! stiffness. A joint that truly sticks is a core without that degree of freedom. A step is a sample period, halved until the
+//! inputs are smooth enough, and halved further to find the instants where teeth part or meet and joints stick or break away.
+//! The method is fast because a smooth sample is one step, with one product of a stored matrix, where a Runge-Kutta method
+//! needs about twenty for stability alone.
 //!
 //! *Invariant*: nothing here knows a requirement, a design, a file, a thread or a clock; noise comes from a seed.
 //!
 //! Modules in reading order: [`signal`], [`motion`], [`scenario`], [`mod@run`], [`sensing`], [`history`], [`recording`],
-//! [`mod@replay`], [`fra`], [`convergence`].
+//! [`mod@replay`], [`fra`], [`convergence`], [`tolerance`] (the numbers that decide).
 //!
 //! ```
 //! use counterpoise_controller::ProportionalIntegral;
@@ -45,9 +45,10 @@ pub mod run;
 pub mod scenario;
 pub mod sensing;
 pub mod signal;
+pub mod tolerance;
 
 pub use engine::ports::{Bonds, FrictionState};
-pub use engine::stepper::{Effort, PlantState};
+pub use engine::state::{Effort, PlantState};
 pub use error::Error;
 pub use history::{ReadingColumns, TimeHistory, TrueColumns};
 pub use motion::PlatformMotion;

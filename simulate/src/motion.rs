@@ -3,6 +3,7 @@
 use crate::engine::moments::NODES;
 use crate::engine::ports::{PlatformPoint, PlatformSpan};
 use crate::signal::{Signal, Sine};
+use crate::tolerance::{ROTOR_SAMPLES, SLOW_SINE_RAD};
 
 /// How the platform moves. Rates and accelerations are inertial; heave is the pivot's upward acceleration without
 /// gravity.
@@ -21,7 +22,7 @@ impl PlatformMotion {
     pub const STILL: Self =
         Self { pitch_rate_rad_s: Signal::ZERO, heave_m_s2: Signal::ZERO, initial_angle_rad: 0.0 };
 
-    /// A platform motion simulator that only pitches, with the mechanism's pivot a distance in front of its axis:
+    /// Returns a platform motion simulator that only pitches, with the mechanism's pivot a distance in front of its axis:
     /// heave = offset x pitch acceleration. The pitch angle is a sum of sines (rad).
     pub fn pitch_simulator(angle: &[Sine], offset_m: f64) -> Self {
         let derivative = |order: i32, factor: f64| {
@@ -39,7 +40,7 @@ impl PlatformMotion {
         }
     }
 
-    /// The motion over the sample that starts at `start_s`, with the angle there.
+    /// Returns the motion over the sample that starts at `start_s`, with the angle there.
     #[cfg(test)]
     pub(crate) fn sample(&self, start_s: f64, period_s: f64, angle_rad: f64) -> MotionSample {
         Track::new(self, period_s, start_s).sample(angle_rad)
@@ -69,7 +70,7 @@ impl<'a> Track<'a> {
         }
     }
 
-    /// The motion over the next sample, with the angle at its start.
+    /// Returns the motion over the next sample, with the angle at its start.
     pub fn sample(&mut self, angle_rad: f64) -> MotionSample {
         let (k, period_s) = (self.next, self.period_s);
         let start_s = self.first_s + k as f64 * period_s;
@@ -95,7 +96,9 @@ impl<'a> Followed<'a> {
     fn new(signal: &'a Signal, period_s: f64) -> Self {
         match signal {
             Signal::Constant(value) => Self::Constant(*value),
-            Signal::Sines(sines) if sines.iter().all(|s| s.frequency_rad_s.abs() * period_s < SLOW) => {
+            Signal::Sines(sines)
+                if sines.iter().all(|s| s.frequency_rad_s.abs() * period_s < SLOW_SINE_RAD) =>
+            {
                 Self::Sines(sines.iter().map(|sine| Rotor::new(*sine, period_s)).collect())
             }
             other => Self::Other(other),
@@ -108,7 +111,7 @@ impl<'a> Followed<'a> {
             Self::Sines(rotors) => {
                 let mut about = [0.0; 5];
                 for rotor in rotors {
-                    if k.is_multiple_of(RENEWED) {
+                    if k.is_multiple_of(ROTOR_SAMPLES) {
                         rotor.set(start_s + 0.5 * period_s);
                     }
                     rotor.add(&mut about);
@@ -120,9 +123,6 @@ impl<'a> Followed<'a> {
         }
     }
 }
-
-/// Samples after which a rotor's sine is computed anew.
-const RENEWED: usize = 64;
 
 /// A sine in the middle of a sample, turned from sample to sample.
 #[derive(Debug, Clone, Copy)]
@@ -168,7 +168,7 @@ pub(crate) struct MotionSample {
 }
 
 impl MotionSample {
-    /// The platform at a fraction of the sample.
+    /// Returns the platform at a fraction of the sample.
     #[inline]
     pub fn at(&self, s: f64) -> PlatformPoint {
         let r = &self.rate;
@@ -180,7 +180,7 @@ impl MotionSample {
         }
     }
 
-    /// The platform along a step that starts at a fraction of the sample and takes a share of it.
+    /// Returns the platform along a step that starts at a fraction of the sample and takes a share of it.
     #[inline]
     pub fn span(&self, start: f64, share: f64) -> PlatformSpan {
         PlatformSpan {
@@ -189,12 +189,12 @@ impl MotionSample {
         }
     }
 
-    /// The input of a platform sensor at the nodes of the whole sample.
+    /// Returns the input of a platform sensor at the nodes of the whole sample.
     pub fn nodes(&self, of: impl Fn(&PlatformPoint) -> f64) -> [f64; 4] {
         NODES.map(|node| of(&self.at(node)))
     }
 
-    /// Pitch acceleration at the start of the sample, rad/s^2.
+    /// Returns the pitch acceleration at the start of the sample, rad/s^2.
     pub fn pitch_acceleration_at(&self, s: f64) -> f64 {
         let r = &self.rate;
         (r[1] + s * (2.0 * r[2] + s * (3.0 * r[3] + s * 4.0 * r[4]))) / self.period_s
@@ -205,9 +205,6 @@ impl MotionSample {
 fn quartic(c: &[f64; 5], s: f64) -> f64 {
     c[0] + s * (c[1] + s * (c[2] + s * (c[3] + s * c[4])))
 }
-
-/// Angle per sample, rad, below which the series of a sine to the fourth power over half a sample is exact to 1e-11.
-const SLOW: f64 = 0.05;
 
 /// From powers of the distance from the middle of a sample to powers of the fraction of the sample.
 fn from_middle([c0, c1, c2, c3, c4]: [f64; 5]) -> [f64; 5] {
@@ -220,7 +217,7 @@ fn from_middle([c0, c1, c2, c3, c4]: [f64; 5]) -> [f64; 5] {
     ]
 }
 
-/// The quartic through five points inside (0, 1): never at the ends, where a step may lie.
+/// Returns the quartic through five points inside (0, 1): never at the ends, where a step may lie.
 fn fit_quartic(f: impl Fn(f64) -> f64) -> [f64; 5] {
     const POINTS: [f64; 5] =
         [0.024_471_741_852_423, 0.206_107_373_853_763, 0.5, 0.793_892_626_146_237, 0.975_528_258_147_577];

@@ -2,24 +2,17 @@
 
 use crate::Error;
 use crate::engine::ports::{Bonds, FrictionState, PlatformPoint};
-use crate::engine::stepper::{PlantState, Sample, Stepper};
+use crate::engine::present::Sample;
+use crate::engine::state::PlantState;
+use crate::engine::stepper::Stepper;
 use crate::history::{ReadingColumns, TimeHistory, TrueColumns};
 use crate::motion::{MotionSample, Track};
 use crate::scenario::{Detail, Initial, Scenario};
 use crate::sensing::{Converter, Sensing, Truth};
+use crate::tolerance::{DURATION_ROUNDING, MOST_ANGLE_RAD, MOST_SAMPLES, TOLERANCE};
 use counterpoise_controller::{Readings, SampledController};
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{Mesh, OperatingPoint, Plant};
-
-/// Defect of a step that a run allows, relative to the plant's dry friction and a tenth of its weight torque: it
-/// leaves errors of about 1e-5 of the motion over 10 s on the reference rig.
-pub const TOLERANCE: f64 = 2e-5;
-
-/// Most samples that a run may have.
-const MOST_SAMPLES: f64 = 1e8;
-
-/// Largest hub angle at the start, rad.
-const MOST_ANGLE_RAD: f64 = 1e5;
 
 /// A plant ready to run again and again: its stored matrices are kept from run to run.
 #[derive(Debug, Clone)]
@@ -47,7 +40,7 @@ pub fn run(
 }
 
 impl Simulator {
-    /// A simulator with the usual tolerance.
+    /// Returns a simulator with the usual tolerance.
     ///
     /// # Errors
     /// As [`run`].
@@ -55,7 +48,7 @@ impl Simulator {
         Self::with_tolerance(plant, TOLERANCE)
     }
 
-    /// A simulator with a tolerance of its own in place of [`TOLERANCE`].
+    /// Returns a simulator with a tolerance of its own in place of [`TOLERANCE`].
     ///
     /// # Errors
     /// As [`run`], and a tolerance that is not positive.
@@ -69,18 +62,18 @@ impl Simulator {
         })
     }
 
-    /// The simulator with a bound on the steps of a run, taken and tried, on the average over its samples: beyond it a run is
+    /// Returns the simulator with a bound on the steps of a run, taken and tried, on the average over its samples: beyond it a run is
     /// refused ([`Error::Effort`]). For searches that try mechanisms by the thousand, of which some are unreasonably stiff.
     pub fn bounded(self, steps_per_sample: f64) -> Self {
         Self { steps_per_sample: Some(steps_per_sample), ..self }
     }
 
-    /// The plant.
+    /// Returns the plant.
     pub fn plant(&self) -> &Plant {
         &self.plant
     }
 
-    /// A run from the start; see [`run`].
+    /// Runs a scenario from its start; see [`run`].
     ///
     /// # Errors
     /// As [`run`].
@@ -92,8 +85,8 @@ impl Simulator {
         self.run_while(controller, scenario, usize::MAX, &mut |_| true)
     }
 
-    /// A run that is asked after every so many samples whether it goes on: it ends at the scenario's duration, or where
-    /// `goes_on` says no to the readings so far.
+    /// Runs a scenario until its end, or until `goes_on` returns `false`; it is called with the readings so far after every `every`
+    /// samples.
     ///
     /// # Errors
     /// As [`run`].
@@ -127,7 +120,7 @@ impl Simulator {
             if !self.stepper.is_finite() {
                 return Err(Error::Diverged { time_s: lap.time(k) });
             }
-            if self.stepper.effort.steps + self.stepper.effort.rejected > steps {
+            if self.stepper.effort().tried() > steps {
                 return Err(Error::Effort { time_s: lap.time(k), steps });
             }
         }
@@ -136,11 +129,11 @@ impl Simulator {
             readings: lap.readings,
             truth: lap.truth,
             final_state: self.stepper.state(),
-            effort: self.stepper.effort,
+            effort: self.stepper.effort(),
         })
     }
 
-    /// The state of rest at a hub angle, on a platform at an angle and a rate: the motor holds weight and spring,
+    /// Returns the state of rest at a hub angle, on a platform at an angle and a rate: the motor holds weight and spring,
     /// and hub and platform turn together.
     pub fn rest(&self, hub_angle_rad: f64, platform_angle_rad: f64, platform_rate_rad_s: f64) -> PlantState {
         rest(&self.plant, hub_angle_rad, platform_angle_rad, platform_rate_rad_s)
@@ -188,7 +181,7 @@ impl<'a> Lap<'a> {
     fn new(plant: &'a Plant, scenario: &'a Scenario, stepper: &mut Stepper) -> Result<Self, Error> {
         let parameters = plant.parameters();
         let period_s = parameters.interface.sample_period_s;
-        let samples = (scenario.duration_s / period_s - 1e-6).ceil();
+        let samples = (scenario.duration_s / period_s - DURATION_ROUNDING).ceil();
         if samples > MOST_SAMPLES {
             return Err(Error::Range {
                 what: "duration_s",
@@ -223,7 +216,7 @@ impl<'a> Lap<'a> {
         k as f64 * self.period_s
     }
 
-    /// Reads, controls and logs at sample k; gives the control that acts until the next.
+    /// Reads, controls and logs at sample k; returns the control that acts until the next.
     fn sample(
         &mut self,
         k: usize,
@@ -290,7 +283,7 @@ impl<'a> Lap<'a> {
     }
 }
 
-/// The control under which the amplifier's voltage stays as it is.
+/// Returns the control under which the amplifier's voltage stays as it is.
 pub(crate) fn holding_control(plant: &Plant, core: &[f64]) -> f64 {
     let (amplifier, motor) = (&plant.parameters().amplifier, &plant.parameters().motor);
     let drive_v = amplifier.holding_drive_v(core[state::VOLTAGE], core[state::CURRENT], motor);

@@ -1,6 +1,6 @@
 //! What is done to the mechanism in a run.
 
-use crate::engine::stepper::PlantState;
+use crate::engine::state::PlantState;
 use crate::motion::PlatformMotion;
 use crate::sensing::Imperfections;
 use crate::signal::Signal;
@@ -47,7 +47,7 @@ pub enum Detail {
 }
 
 impl Scenario {
-    /// A run at rest with everything kept, without noise or quantisation: the start for others.
+    /// Returns a run at rest with everything kept, without noise or quantisation: the start for others.
     pub fn still(duration_s: f64) -> Self {
         Self {
             duration_s,

@@ -94,7 +94,7 @@ impl Chain {
         }
     }
 
-    /// The reading for a filtered truth and a filtered heave, with a noise of unit variance.
+    /// Returns the reading for a filtered truth and a filtered heave, with a noise of unit variance.
     fn read(&mut self, truth: f64, heave: f64, noise: f64) -> f64 {
         let sensor = &self.sensor;
         let value = sensor.gain * truth + sensor.bias + sensor.g_sensitivity * heave;
@@ -189,7 +189,7 @@ impl Sensing {
         }
     }
 
-    /// The readings at a sample instant; the demand is left at 0.
+    /// Returns the readings at a sample instant; the demand is left at 0.
     pub fn read(&mut self, truth: &Truth) -> Readings {
         let noise = [0; 5].map(|_| self.noise.as_mut().map_or(0.0, Noise::next));
         let gyro = &mut self.platform_gyro;

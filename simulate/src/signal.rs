@@ -1,5 +1,6 @@
 //! Signals over time: what is demanded, and how the platform moves.
 
+use crate::tolerance::HELD_ROUNDING;
 use std::f64::consts::TAU;
 
 /// A scalar function of time, defined for every time.
@@ -52,17 +53,17 @@ impl Signal {
     /// Nothing at all.
     pub const ZERO: Self = Self::Constant(0.0);
 
-    /// A single sine.
+    /// Returns a single sine.
     pub fn sine(amplitude: f64, frequency_rad_s: f64) -> Self {
         Self::Sines(vec![Sine { amplitude, frequency_rad_s, phase_rad: 0.0 }])
     }
 
-    /// A step of a size at a time.
+    /// Returns a step of a size at a time.
     pub fn step(time_s: f64, size: f64) -> Self {
         Self::Steps(vec![(time_s, size)])
     }
 
-    /// The value at a time.
+    /// Returns the value at a time.
     pub fn at(&self, time_s: f64) -> f64 {
         match self {
             Self::Constant(value) => *value,
@@ -78,7 +79,7 @@ impl Signal {
         }
     }
 
-    /// Whether the signal is 0 at every time.
+    /// Returns whether the signal is 0 at every time.
     pub fn is_zero(&self) -> bool {
         match self {
             Self::Constant(value) => *value == 0.0,
@@ -92,13 +93,13 @@ impl Signal {
 }
 
 impl Sine {
-    /// The value at a time.
+    /// Returns the value at a time.
     pub fn at(&self, time_s: f64) -> f64 {
         self.amplitude * (self.frequency_rad_s * time_s + self.phase_rad).sin()
     }
 }
 
-/// A triangle wave of amplitude and period 1.
+/// Returns a triangle wave of amplitude and period 1.
 fn triangle(turns: f64) -> f64 {
     let part = (turns + 0.25).rem_euclid(1.0);
     1.0 - 4.0 * (part - 0.5).abs()
@@ -106,11 +107,11 @@ fn triangle(turns: f64) -> f64 {
 
 fn held(values: &[f64], position: f64) -> f64 {
     // a time that is a whole number of samples but for rounding belongs to the later sample
-    let index = (position * (1.0 + f64::EPSILON * TAU) + 1e-9).max(0.0) as usize;
+    let index = (position * (1.0 + f64::EPSILON * TAU) + HELD_ROUNDING).max(0.0) as usize;
     values.get(index).or(values.last()).copied().unwrap_or(0.0)
 }
 
-/// The cubic Hermite interpolation with slopes by central differences.
+/// Returns the cubic Hermite interpolation with slopes by central differences.
 fn smooth(values: &[f64], position: f64) -> f64 {
     let Some(last) = values.len().checked_sub(1) else { return 0.0 };
     if position <= 0.0 || last == 0 {

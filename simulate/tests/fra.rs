@@ -6,7 +6,7 @@ use counterpoise_lti::{C64, Mat, StateSpace};
 use counterpoise_models::{
     Angles, FrictionLaw, FrictionLinearisation, LinearPlant, OperatingPoint, Parameters, Plant, reference,
 };
-use counterpoise_simulate::fra::{self, Measurement, Settings, Test};
+use counterpoise_simulate::fra::{self, Measurement, Settings, Test, TestSine};
 
 fn controller() -> ProportionalIntegral {
     ProportionalIntegral {
@@ -27,7 +27,14 @@ fn without_dry_friction() -> Parameters {
 
 fn measured(rig: &Parameters, test: Test, frequency: f64, amplitude: f64) -> Measurement {
     let plant = Plant::lumped(rig).unwrap();
-    fra::measure(&plant, &mut controller(), test, (frequency, amplitude), &Settings::default()).unwrap()
+    fra::measure(
+        &plant,
+        &mut controller(),
+        test,
+        TestSine { frequency_rad_s: frequency, amplitude },
+        &Settings::default(),
+    )
+    .unwrap()
 }
 
 fn response(g: &StateSpace, output: usize, input: usize, frequency: f64) -> C64 {

@@ -7,7 +7,7 @@ mod common;
 use common::{controller, recording};
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::{MapPoint, Parameters, Ripple, reference};
-use counterpoise_simulate::replay::{Followed, Replayer, Way};
+use counterpoise_simulate::replay::{ReplayMode, Replayer, SelectedReplay};
 use counterpoise_simulate::{Channel, Loop, Replay, replay};
 
 /// RMS error over floor that counts as a fit.
@@ -100,10 +100,10 @@ fn the_hunting_machines_fit_in_open_loop() {
     }
 }
 
-fn followed(parameters: &Parameters, machine: &str, experiment: &str) -> Option<Followed> {
+fn selected(parameters: &Parameters, machine: &str, experiment: &str) -> Option<SelectedReplay> {
     let recording = recording(&format!("{machine}/{experiment}"))?;
     let replayer = Replayer::new(parameters, &recording).unwrap();
-    Some(replayer.follow(parameters, &closed(machine)).unwrap())
+    Some(replayer.replay_free_or_windowed(parameters, &closed(machine)).unwrap())
 }
 
 fn worst(replay: &Replay) -> f64 {
@@ -117,11 +117,16 @@ const UNSEEN: [&str; 3] = ["unseen/triangle", "unseen/steps", "unseen/road"];
 fn the_true_machines_are_followed_by_themselves() {
     for machine in ["p01", "p02", "p03", "p05", "p06", "p08"] {
         for experiment in UNSEEN {
-            let Some(found) = followed(&truth(machine), machine, experiment) else { return };
+            let Some(found) = selected(&truth(machine), machine, experiment) else { return };
             assert_eq!(found.replay.channels.len(), Channel::ALL.len());
             assert_fits(&found.replay, &Channel::ALL, &format!("{machine} {experiment}"));
             let hunts = is_nearly_balanced(machine);
-            assert_eq!(found.way != Way::Free, hunts, "{machine} {experiment} {:?}", found.parting);
+            assert_eq!(
+                found.mode != ReplayMode::Free,
+                hunts,
+                "{machine} {experiment} {:?}",
+                found.divergence
+            );
         }
     }
 }
@@ -132,8 +137,8 @@ fn the_true_machines_are_followed_by_themselves() {
 fn a_wrong_model_is_not_made_to_look_good() {
     for machine in ["p04", "p05", "p06", "p07"] {
         for experiment in UNSEEN {
-            let Some(found) = followed(&truth("p08"), machine, experiment) else { return };
-            assert_eq!(found.way, Way::Free, "{machine} {experiment} {:?}", found.parting);
+            let Some(found) = selected(&truth("p08"), machine, experiment) else { return };
+            assert_eq!(found.mode, ReplayMode::Free, "{machine} {experiment} {:?}", found.divergence);
             assert!(worst(&found.replay) > 3.0, "{machine} {experiment}");
         }
     }
@@ -142,7 +147,7 @@ fn a_wrong_model_is_not_made_to_look_good() {
             let mut nominal = truth(machine);
             nominal.gearbox.backlash_rad = truth("p08").gearbox.backlash_rad;
             nominal.amplifier.map.clear();
-            let Some(found) = followed(&nominal, machine, experiment) else { return };
+            let Some(found) = selected(&nominal, machine, experiment) else { return };
             assert!(worst(&found.replay) > 30.0, "{machine} {experiment}: {}", worst(&found.replay));
         }
     }

@@ -6,7 +6,7 @@ use counterpoise_models::plant::{Body, BodyMode};
 use counterpoise_models::{
     Excitation, Friction, FrictionLaw, OperatingPoint, Parameters, Plant, Ripple, reference,
 };
-use counterpoise_simulate::run::TOLERANCE;
+use counterpoise_simulate::tolerance::TOLERANCE;
 use counterpoise_simulate::{
     Imperfections, PlatformMotion, Playback, Scenario, Signal, Simulator, Sine, TimeHistory,
 };

@@ -176,7 +176,7 @@ fn machines_that_hunt_replay_to_their_floor_over_half_a_second() {
         let Some((project, all)) = known(machine) else { return };
         counterpoise_tests::in_parallel(all.len(), &|k| {
             let replayer = Replayer::new(&project.plant, &all[k]).unwrap();
-            assert_fits(machine, &all[k].name, &replayer.replay_windows(&project.plant, 0.5).unwrap());
+            assert_fits(machine, &all[k].name, &replayer.replay_windowed(&project.plant, 0.5).unwrap());
         });
     }
 }
@@ -196,7 +196,7 @@ fn an_amplifier_s_curve_is_found_as_fine_as_the_recordings_ask() {
     let unseen = recordings(&project, &folder.join("unseen"));
     counterpoise_tests::in_parallel(unseen.len(), &|k| {
         let replayer = Replayer::new(&found.improved, &unseen[k]).unwrap();
-        let followed = replayer.follow(&found.improved, &Loop::from(&controller)).unwrap();
+        let followed = replayer.replay_free_or_windowed(&found.improved, &Loop::from(&controller)).unwrap();
         assert_fits("p03", &unseen[k].name, &followed.replay);
     });
 }
@@ -242,7 +242,7 @@ fn short_horizons_do_not_hide_what_a_model_lacks() {
     let lacking = recordings(&project, &folder);
     let worst = |recording: &Recording| {
         let replayer = Replayer::new(&project.plant, recording).unwrap();
-        let replayed = replayer.replay_windows(&project.plant, 0.5).unwrap();
+        let replayed = replayer.replay_windowed(&project.plant, 0.5).unwrap();
         replayed.channels.iter().map(|c| c.rms_error / c.floor).fold(0.0, f64::max)
     };
     assert!(lacking.iter().map(worst).fold(0.0, f64::max) > 10.0);

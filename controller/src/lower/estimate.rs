@@ -1,18 +1,10 @@
 //! The estimator of the out-of-balance in a step.
 
-use crate::lower::schedule::{self, Layout};
-use crate::lower::{States, Writer};
+use crate::lower::schedule::{self, Layout, settable};
+use crate::lower::{Limits, States, Writer};
 use crate::program::{OnReset, Slot};
+use crate::tolerance::{LEAST_LIFT, MOST_TOLD, WHOLE, WOUND_END, WOUND_START};
 use crate::{Estimator, Learning, Parts, Signal};
-
-/// The mean square of the first regressor, over that of the dead-band, at which learning is whole.
-const WHOLE: f64 = 1.21;
-/// Share of gravity that the mean over a window counts at least: a hub held beyond 60 degrees is not divided by.
-const LEAST_LIFT: f64 = 0.5;
-/// Most that what a sample tells may count, against all samples before it: beyond, the gain is as good as this one.
-const MOST_TOLD: f64 = 1e9;
-/// A variance over its start at which forgetting begins to fade, and at which it has ended.
-const WOUND: (f64, f64) = (9.0, 10.0);
 
 /// What an estimator sees in a sample.
 pub(crate) struct Seen<'a> {
@@ -31,9 +23,9 @@ pub(crate) fn estimate(seen: &Seen<'_>, states: &mut States, writer: &mut Writer
     let Some(estimator) = &seen.parts.estimator else { return };
     writer.section("estimate of the out-of-balance from the control");
     match &estimator.learning {
-        Learning::Gradient { step, scale } => gradient(seen, estimator, (*step, scale), writer),
+        Learning::Gradient { step, scale } => gradient(seen, estimator, *step, scale, writer),
         Learning::Mean { window_samples } => mean(seen, estimator, *window_samples, writer),
-        Learning::Squares { .. } => squares(seen, estimator, (states, writer)),
+        Learning::Squares { .. } => squares(seen, estimator, states, writer),
     }
     follow(seen, estimator, states, writer);
 }
@@ -70,7 +62,7 @@ fn regressors(seen: &Seen<'_>, estimator: &Estimator, writer: &mut Writer) -> [S
     [lift, writer.quotient("direction", rate, softened), rate]
 }
 
-/// The control less what the regressors explain of it.
+/// Writes the control less what the regressors explain of it.
 fn unexplained(control: Slot, p: &[Slot], phi: &[Slot], writer: &mut Writer) -> Slot {
     let mut terms = vec![(1.0, control)];
     for (i, (p, phi)) in p.iter().zip(phi).enumerate() {
@@ -80,7 +72,7 @@ fn unexplained(control: Slot, p: &[Slot], phi: &[Slot], writer: &mut Writer) -> 
 }
 
 /// The normalised gradient step.
-fn gradient(seen: &Seen<'_>, estimator: &Estimator, (step, scale): (f64, &[f64; 3]), writer: &mut Writer) {
+fn gradient(seen: &Seen<'_>, estimator: &Estimator, step: f64, scale: &[f64; 3], writer: &mut Writer) {
     let p = &seen.layout.estimate;
     let phi = regressors(seen, estimator, writer);
     let left = unexplained(seen.control, p, &phi, writer);
@@ -115,7 +107,7 @@ fn mean(seen: &Seen<'_>, estimator: &Estimator, window: u32, writer: &mut Writer
     writer.sum_into(count_now, Some(1.0), &[(1.0, count)]);
     let past = writer.local("window_past");
     writer.sum_into(past, Some(1.0 - f64::from(window)), &[(1.0, count_now)]);
-    let ends = writer.clamp("window_ends", past, (0.0, 1.0));
+    let ends = writer.clamp("window_ends", past, Limits::UNIT);
     let goes_on = writer.local("window_goes_on");
     writer.sum_into(goes_on, Some(1.0), &[(-1.0, ends)]);
     let divisor = window_lift(fallen_now, estimator.gravity_m_s2 * f64::from(window), writer);
@@ -138,11 +130,11 @@ fn window_lift(fallen: Slot, whole: f64, writer: &mut Writer) -> Slot {
     let sum = writer.local("window_lift_m_s2");
     writer.sum_into(sum, Some(whole), &[(1.0, fallen)]);
     let least = LEAST_LIFT * whole;
-    writer.clamp("divisor_m_s2", sum, (least.min(whole), least.max(whole)))
+    writer.clamp("divisor_m_s2", sum, Limits { low: least.min(whole), high: least.max(whole) })
 }
 
 /// Recursive least squares with the covariance as U D U'.
-fn squares(seen: &Seen<'_>, estimator: &Estimator, (states, writer): (&mut States, &mut Writer)) {
+fn squares(seen: &Seen<'_>, estimator: &Estimator, states: &mut States, writer: &mut Writer) {
     let Learning::Squares { forget, dead_band_m_s2, deviation, filter_s, inertia_v_s2_rad } =
         &estimator.learning
     else {
@@ -161,7 +153,8 @@ fn squares(seen: &Seen<'_>, estimator: &Estimator, (states, writer): (&mut State
         writer.sum_into(one, Some(1.0), &[]);
         phi.push(one);
     }
-    let gate = (*dead_band_m_s2 > 0.0).then(|| gate(phi[0], (*forget, *dead_band_m_s2), states, writer));
+    let gate = (*dead_band_m_s2 > 0.0)
+        .then(|| gate(phi[0], &DeadBand { forget: *forget, rms_m_s2: *dead_band_m_s2 }, states, writer));
     let mut left = unexplained(control, &p, &phi, writer);
     if let Some(gate) = gate {
         left = writer.product("gated_unexplained_v", gate, left);
@@ -170,8 +163,8 @@ fn squares(seen: &Seen<'_>, estimator: &Estimator, (states, writer): (&mut State
     }
     let start: Vec<f64> = deviation.iter().take(n).map(|deviation| deviation * deviation).collect();
     let factors = Factors::new(&start, states);
-    let keep = factors.keep((*forget, gate), &start, writer);
-    let gain = factors.update(&phi, (keep, *forget), writer);
+    let keep = factors.keep(*forget, gate, &start, writer);
+    let gain = factors.update(&phi, keep, *forget, writer);
     for (i, (p, gain)) in p.iter().zip(gain).enumerate() {
         let move_by = writer.product(format!("move_{i}"), gain, left);
         let next = writer.sum(format!("estimate_next_{i}"), &[(1.0, *p), (1.0, move_by)]);
@@ -187,14 +180,14 @@ struct Filtered<'a> {
 }
 
 impl Filtered<'_> {
-    /// The control less what the inertias take, and the regressors.
+    /// Writes the control less what the inertias take, and the regressors.
     fn write(&self, phi: &[Slot], states: &mut States, writer: &mut Writer) -> (Slot, Vec<Slot>) {
         let hub = (self.seen.signal)(Signal::HubRate);
         let names = ["lift", "direction", "rate"];
         let lagged: Vec<(Slot, Slot)> =
-            names.iter().zip(phi).map(|(name, of)| self.lag((name, *of), states, writer)).collect();
-        let (_, hub_change) = self.lag(("hub_rate", hub), states, writer);
-        let (control, _) = self.lag(("control", self.seen.control), states, writer);
+            names.iter().zip(phi).map(|(name, of)| self.lag(name, *of, states, writer)).collect();
+        let (_, hub_change) = self.lag("hub_rate", hub, states, writer);
+        let (control, _) = self.lag("control", self.seen.control, states, writer);
         let period_s = self.seen.parts.sample_period_s;
         let [of_hub, of_rate] = self.inertia.map(|inertia| -inertia / period_s);
         let rate_change = lagged[2].1;
@@ -203,8 +196,8 @@ impl Filtered<'_> {
         (left, lagged.into_iter().map(|(now, _)| now).collect())
     }
 
-    /// The implicit step of a lag: the value now, and its change.
-    fn lag(&self, (name, of): (&str, Slot), states: &mut States, writer: &mut Writer) -> (Slot, Slot) {
+    /// Writes the implicit step of a lag: the value now, and its change.
+    fn lag(&self, name: &str, of: Slot, states: &mut States, writer: &mut Writer) -> (Slot, Slot) {
         let period_s = self.seen.parts.sample_period_s;
         let state = states.scalar(&format!("lagged_{name}"), 0.0, OnReset::Restart);
         let share = period_s / (self.filter_s + period_s);
@@ -215,8 +208,17 @@ impl Filtered<'_> {
     }
 }
 
-/// 1 where the regressor is lively, 0 inside the dead-band.
-fn gate(phi: Slot, (forget, dead_band): (f64, f64), states: &mut States, writer: &mut Writer) -> Slot {
+/// A dead-band on the mean square of the first regressor.
+struct DeadBand {
+    /// What a sample keeps of the mean square before it.
+    forget: f64,
+    /// RMS of the regressor below which the estimate stands still, m/s^2.
+    rms_m_s2: f64,
+}
+
+/// Writes a switch that is 1 while the regressor is lively and 0 inside the dead-band.
+fn gate(phi: Slot, band: &DeadBand, states: &mut States, writer: &mut Writer) -> Slot {
+    let (forget, dead_band) = (band.forget, band.rms_m_s2);
     let liveliness = states.scalar("liveliness", 0.0, OnReset::Restart);
     let square = writer.product("lift_square", phi, phi);
     let next = writer.sum("liveliness_next", &[(forget, liveliness), (1.0 - forget, square)]);
@@ -224,7 +226,14 @@ fn gate(phi: Slot, (forget, dead_band): (f64, f64), states: &mut States, writer:
     let slope = 1.0 / ((WHOLE - 1.0) * dead_band * dead_band);
     let beyond = writer.local("beyond_dead_band");
     writer.sum_into(beyond, Some(-1.0 / (WHOLE - 1.0)), &[(slope, next)]);
-    writer.clamp("gate", beyond, (0.0, 1.0))
+    writer.clamp("gate", beyond, Limits::UNIT)
+}
+
+/// The size of a regressor in the covariance, before and after one of its components, and what a sample keeps.
+struct Sizes {
+    before: Slot,
+    after: Slot,
+    keep: Slot,
 }
 
 /// U and D of the covariance: U unit upper triangular, column by column.
@@ -244,15 +253,15 @@ impl Factors {
         Self { U, D }
     }
 
-    /// What a sample keeps: 1 - (1 - forget) x gate x what the largest variances allow.
-    fn keep(&self, (forget, gate): (f64, Option<Slot>), start: &[f64], writer: &mut Writer) -> Slot {
+    /// Writes what a sample keeps: 1 - (1 - forget) x gate x what the largest variances allow.
+    fn keep(&self, forget: f64, gate: Option<Slot>, start: &[f64], writer: &mut Writer) -> Slot {
         let mut allowed: Option<Slot> = gate;
         for (i, &start) in start.iter().enumerate() {
             let variance = self.variance(i, writer);
             let room = writer.local(format!("room_{i}"));
-            let span = (WOUND.1 - WOUND.0) * start;
-            writer.sum_into(room, Some(WOUND.1 * start / span), &[(-1.0 / span, variance)]);
-            let room = writer.clamp(format!("may_forget_{i}"), room, (0.0, 1.0));
+            let span = (WOUND_END - WOUND_START) * start;
+            writer.sum_into(room, Some(WOUND_END * start / span), &[(-1.0 / span, variance)]);
+            let room = writer.clamp(format!("may_forget_{i}"), room, Limits::UNIT);
             allowed = Some(match allowed {
                 Some(other) => writer.product(format!("may_forget_to_{i}"), other, room),
                 None => room,
@@ -279,7 +288,7 @@ impl Factors {
 
     /// Bierman's update; the gain. No size can fall below what a sample keeps: limited there, so that no rounding brings a
     /// divisor to 0.
-    fn update(&self, phi: &[Slot], (keep, forget): (Slot, f64), writer: &mut Writer) -> Vec<Slot> {
+    fn update(&self, phi: &[Slot], keep: Slot, forget: f64, writer: &mut Writer) -> Vec<Slot> {
         let mut size = keep;
         let mut gain: Vec<Slot> = Vec::new();
         for j in 0..self.D.len() {
@@ -287,8 +296,8 @@ impl Factors {
             let v = writer.product(format!("pull_{j}"), self.D[j], f);
             let square = writer.product(format!("pull_square_{j}"), v, f);
             let told = writer.sum(format!("told_{j}"), &[(1.0, size), (1.0, square)]);
-            let next = writer.clamp(format!("size_{j}"), told, (forget, MOST_TOLD));
-            self.shrink(j, (size, next, keep), writer);
+            let next = writer.clamp(format!("size_{j}"), told, Limits { low: forget, high: MOST_TOLD });
+            self.shrink(j, &Sizes { before: size, after: next, keep }, writer);
             let p = writer.quotient(format!("lean_{j}"), f, size);
             for i in 0..j {
                 let U = self.U[j][i];
@@ -316,10 +325,10 @@ impl Factors {
     }
 
     /// D_j falls by what was seen, and grows by what is forgotten.
-    fn shrink(&self, j: usize, (size, next, keep): (Slot, Slot, Slot), writer: &mut Writer) {
-        let share = writer.quotient(format!("left_{j}"), size, next);
+    fn shrink(&self, j: usize, sizes: &Sizes, writer: &mut Writer) {
+        let share = writer.quotient(format!("left_{j}"), sizes.before, sizes.after);
         let left = writer.product(format!("variance_left_{j}"), self.D[j], share);
-        let grown = writer.quotient(format!("variance_next_{j}"), left, keep);
+        let grown = writer.quotient(format!("variance_next_{j}"), left, sizes.keep);
         writer.copy(self.D[j], grown);
     }
 }
@@ -334,14 +343,14 @@ fn follow(seen: &Seen<'_>, estimator: &Estimator, states: &mut States, writer: &
     let mut way = writer.sum("way_kg_m", &[(1.0, aim), (-1.0, layout.out_of_balance)]);
     if estimator.rate_limit_kg_m_s.is_finite() {
         let most = estimator.rate_limit_kg_m_s * parts.sample_period_s;
-        way = writer.clamp("moved_kg_m", way, (-most, most));
+        way = writer.clamp("moved_kg_m", way, Limits::symmetric(most));
     }
     if estimator.hold_samples > 0 {
         let enabled = enabled(estimator.hold_samples, states, writer);
         way = writer.product("enabled_move_kg_m", way, enabled);
     }
     let sum = writer.sum("unbounded_kg_m", &[(1.0, layout.out_of_balance), (1.0, way)]);
-    let bounded = writer.clamp("bounded_kg_m", sum, parts.out_of_balance_range_kg_m);
+    let bounded = writer.clamp("bounded_kg_m", sum, settable(parts));
     writer.copy(layout.out_of_balance, bounded);
     schedule::follow(writer, parts, layout);
     if let (Some(transfer), Some(before)) = (transfer, before) {
@@ -351,14 +360,15 @@ fn follow(seen: &Seen<'_>, estimator: &Estimator, states: &mut States, writer: &
     }
 }
 
-/// 0 for so many samples, then 1.
+/// Writes a switch that is 0 for `hold_samples` samples and 1 after them.
 fn enabled(hold_samples: u32, states: &mut States, writer: &mut Writer) -> Slot {
     let count = states.scalar("estimator_samples", 0.0, OnReset::Restart);
     let now = writer.local("estimator_samples_now");
     writer.sum_into(now, Some(1.0), &[(1.0, count)]);
-    let kept = writer.clamp("estimator_samples_kept", now, (0.0, f64::from(hold_samples) + 1.0));
+    let kept =
+        writer.clamp("estimator_samples_kept", now, Limits { low: 0.0, high: f64::from(hold_samples) + 1.0 });
     writer.copy(count, kept);
     let past = writer.local("past_hold");
     writer.sum_into(past, Some(-f64::from(hold_samples)), &[(1.0, kept)]);
-    writer.clamp("estimator_enabled", past, (0.0, 1.0))
+    writer.clamp("estimator_enabled", past, Limits::UNIT)
 }

@@ -34,7 +34,7 @@ pub const OWN_NAMES: [&str; 12] = [
     "relative_rate_rad_s",
 ];
 
-/// The programs of a controller with the given parts.
+/// Returns the programs of a controller with the given parts.
 pub fn programs(parts: &Parts) -> Programs {
     let mut states = States::default();
     let layout = schedule::layout(parts, &mut states);
@@ -51,12 +51,12 @@ pub(crate) struct States {
 }
 
 impl States {
-    /// One state.
+    /// Adds one state.
     pub fn scalar(&mut self, name: &str, initial: f64, on_reset: OnReset) -> Slot {
         self.add(name, None, vec![initial], on_reset)
     }
 
-    /// An array of states that start at 0.
+    /// Adds an array of states that start at 0.
     pub fn array(&mut self, name: &str, length: usize) -> Vec<Slot> {
         let first = self.count;
         if length > 0 {
@@ -73,13 +73,30 @@ impl States {
     }
 }
 
+/// The limits of a clamped value.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Limits {
+    pub low: f64,
+    pub high: f64,
+}
+
+impl Limits {
+    /// From 0 to 1: a share, or a switch that fades.
+    pub const UNIT: Self = Self { low: 0.0, high: 1.0 };
+
+    /// From `-most` to `most`.
+    pub fn symmetric(most: f64) -> Self {
+        Self { low: -most, high: most }
+    }
+}
+
 /// Writes a program line by line.
 pub(crate) struct Writer {
     program: Program,
 }
 
 impl Writer {
-    /// An empty program with named inputs.
+    /// Returns an empty program with named inputs.
     pub fn new(inputs: &[&str]) -> Self {
         let inputs = inputs.iter().map(|name| (*name).to_owned()).collect();
         Self { program: Program { inputs, ..Program::default() } }
@@ -90,7 +107,7 @@ impl Writer {
         self.program.sections.push(Section { says: says.into(), operations: Vec::new() });
     }
 
-    /// A new local.
+    /// Adds a local.
     pub fn local(&mut self, name: impl Into<String>) -> Slot {
         self.program.locals.push(name.into());
         Slot::Local(self.program.locals.len() - 1)
@@ -110,35 +127,35 @@ impl Writer {
         self.push(Operation::Sum { into, constant: constant.filter(|c| *c != 0.0), terms });
     }
 
-    /// A new local that is a sum.
+    /// Adds a local that is a sum.
     pub fn sum(&mut self, name: impl Into<String>, terms: &[(f64, Slot)]) -> Slot {
         let into = self.local(name);
         self.sum_into(into, None, terms);
         into
     }
 
-    /// A new local a b.
+    /// Adds a local a b.
     pub fn product(&mut self, name: impl Into<String>, a: Slot, b: Slot) -> Slot {
         let into = self.local(name);
         self.push(Operation::Product { into, a, b });
         into
     }
 
-    /// A new local above / below.
+    /// Adds a local above / below.
     pub fn quotient(&mut self, name: impl Into<String>, above: Slot, below: Slot) -> Slot {
         let into = self.local(name);
         self.push(Operation::Quotient { into, above, below });
         into
     }
 
-    /// A new local between low and high.
-    pub fn clamp(&mut self, name: impl Into<String>, of: Slot, (low, high): (f64, f64)) -> Slot {
+    /// Adds a local kept within limits.
+    pub fn clamp(&mut self, name: impl Into<String>, of: Slot, limits: Limits) -> Slot {
         let into = self.local(name);
-        self.push(Operation::Clamp { into, of, low, high });
+        self.push(Operation::Clamp { into, of, low: limits.low, high: limits.high });
         into
     }
 
-    /// A new local |of|.
+    /// Adds a local |of|.
     pub fn magnitude(&mut self, name: impl Into<String>, of: Slot) -> Slot {
         let into = self.local(name);
         self.push(Operation::Magnitude { into, of });
@@ -150,7 +167,7 @@ impl Writer {
         self.sum_into(into, None, &[(1.0, from)]);
     }
 
-    /// The program, with what it gives and without locals that nobody reads.
+    /// Returns the program with its output, without the locals that nothing reads.
     pub fn finish(mut self, output: Option<Slot>) -> Program {
         let mut read: HashSet<Slot> = output.into_iter().collect();
         for section in self.program.sections.iter_mut().rev() {
@@ -170,7 +187,7 @@ impl Writer {
     }
 }
 
-/// Names of the step's inputs.
+/// Returns the names of the step's inputs.
 pub(crate) fn reading_names() -> Vec<&'static str> {
     READING_NAMES.to_vec()
 }

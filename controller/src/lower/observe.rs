@@ -1,17 +1,9 @@
 //! The friction observers of a step.
 
-use crate::lower::{States, Writer, curve};
+use crate::lower::{Limits, States, Writer, curve};
 use crate::program::{OnReset, Slot};
+use crate::tolerance::{BREAKS_FROM, FARTHEST, POWER_POINTS, TANH_AT};
 use crate::{FrictionObserver, ObserverLaw};
-
-/// Points of y(r) = r^i; below a distance of 0 from yielding nothing moves.
-const POWER_POINTS: i32 = 14;
-/// Largest distance from yielding: the torque is at the level against the motion.
-const FARTHEST: f64 = 2.0;
-/// Rates over w0 at which the softened sign tanh has its points.
-const TANH_AT: [f64; 9] = [0.25, 0.5, 0.75, 1.0, 1.3, 1.7, 2.2, 3.0, 4.5];
-/// Share of the bond's limit at which the reset integrator's breakaway begins to fall to the sliding level.
-const BREAKS_FROM: f64 = 0.98;
 
 /// What an observer's step is made of.
 struct Step<'a> {
@@ -21,10 +13,18 @@ struct Step<'a> {
     grip: f64,
 }
 
-/// Writes the observer's step; gives its volts.
+/// The torque of a damped bond, N m: before and after its step, and that which acts.
+struct Bond {
+    before: Slot,
+    after: Slot,
+    torque: Slot,
+}
+
+/// Writes the observer's step; returns its volts.
 pub(crate) fn observe(
     observer: &FrictionObserver,
-    (rate, period_s): (Slot, f64),
+    rate: Slot,
+    period_s: f64,
     states: &mut States,
     writer: &mut Writer,
 ) -> Slot {
@@ -35,7 +35,7 @@ pub(crate) fn observe(
         ObserverLaw::DahlPower { exponent } => step.power(*exponent, states, writer),
         ObserverLaw::Lugre { damping_nm_s_rad } => {
             let (before, after) = step.dahl(states, writer);
-            step.damped(*damping_nm_s_rad / step.grip, (before, after, after), writer)
+            step.damped(*damping_nm_s_rad / step.grip, &Bond { before, after, torque: after }, writer)
         }
         ObserverLaw::ResetIntegrator { static_ratio, damping_nm_s_rad } => {
             step.bond(*static_ratio, *damping_nm_s_rad, states, writer)
@@ -50,7 +50,7 @@ pub(crate) fn observe(
 }
 
 impl ObserverLaw {
-    /// The law in words, for the reader of target code.
+    /// Returns the law in words, for the reader of target code.
     pub fn says(&self) -> &'static str {
         match self {
             ObserverLaw::Dahl => "Dahl, implicit step",
@@ -72,13 +72,13 @@ impl Step<'_> {
         states.scalar(&self.named("nm"), 0.0, OnReset::Restart)
     }
 
-    /// The level over F_c; none where it is constant.
+    /// Writes the level over F_c; `None` if it is constant.
     fn level(&self, speed: Slot, writer: &mut Writer) -> Option<Slot> {
         let points = &self.observer.level;
         (!points.is_empty()).then(|| curve::level(writer, &self.named("level"), speed, points))
     }
 
-    /// Dahl's implicit step: a copy of the torque before where a caller needs it, and the state after.
+    /// Writes Dahl's implicit step; returns a copy of the torque before it, and the state after.
     fn dahl(&self, states: &mut States, writer: &mut Writer) -> (Slot, Slot) {
         let force = self.state(states);
         let before = writer.sum(self.named("before_nm"), &[(1.0, force)]);
@@ -96,9 +96,9 @@ impl Step<'_> {
     }
 
     /// torque + damping x (after - before).
-    fn damped(&self, damping: f64, (before, after, torque): (Slot, Slot, Slot), writer: &mut Writer) -> Slot {
-        let change = writer.sum(self.named("change_nm"), &[(1.0, after), (-1.0, before)]);
-        writer.sum(self.named("torque_nm"), &[(1.0, torque), (damping, change)])
+    fn damped(&self, damping: f64, bond: &Bond, writer: &mut Writer) -> Slot {
+        let change = writer.sum(self.named("change_nm"), &[(1.0, bond.after), (-1.0, bond.before)]);
+        writer.sum(self.named("torque_nm"), &[(1.0, bond.torque), (damping, change)])
     }
 
     /// Dahl with an exponent. With the rate split by its sign, each part has its own distance from yielding.
@@ -128,7 +128,7 @@ impl Step<'_> {
             ratio = writer.quotient(self.named("gain"), ratio, level);
         }
         let free = writer.sum(self.named("free"), &[(1.0, drawn), (1.0, ratio)]);
-        let held = writer.clamp(self.named("held"), free, (-1.0, 1.0));
+        let held = writer.clamp(self.named("held"), free, Limits::symmetric(1.0));
         let next = writer.product(self.named("next_nm"), held, level_nm);
         writer.copy(force, next);
         force
@@ -139,17 +139,17 @@ impl Step<'_> {
         let limit = self.observer.coulomb_nm;
         let before = writer.sum(self.named("before_nm"), &[(1.0, bond)]);
         let free = writer.sum(self.named("free_nm"), &[(1.0, bond), (self.grip, self.rate)]);
-        let held = writer.clamp(self.named("held_nm"), free, (-limit, limit));
+        let held = writer.clamp(self.named("held_nm"), free, Limits::symmetric(limit));
         writer.copy(bond, held);
         let size = writer.magnitude(self.named("size_nm"), bond);
         let factor = [[BREAKS_FROM * limit, static_ratio], [limit, 1.0]];
         let factor = curve::level(writer, &self.named("factor"), size, &factor);
         let torque = writer.product(self.named("bond_nm"), bond, factor);
-        self.damped(damping / self.grip, (before, bond, torque), writer)
+        self.damped(damping / self.grip, &Bond { before, after: bond, torque }, writer)
     }
 
     fn sliding(&self, sign_rate: f64, writer: &mut Writer) -> Slot {
-        let soft = writer.clamp(self.named("soft_rad_s"), self.rate, (-sign_rate, sign_rate));
+        let soft = writer.clamp(self.named("soft_rad_s"), self.rate, Limits::symmetric(sign_rate));
         let unit = writer.sum(self.named("unit_nm"), &[(self.observer.coulomb_nm / sign_rate, soft)]);
         let speed = writer.magnitude(self.named("speed_rad_s"), self.rate);
         match self.level(speed, writer) {
@@ -170,7 +170,7 @@ impl Step<'_> {
     }
 }
 
-/// Points of r^i from 0 to the farthest distance, closer where the curve bends.
+/// Returns the points of r^i from 0 to the farthest distance, closer where the curve bends.
 fn power(exponent: f64) -> Vec<[f64; 2]> {
     let bend = if exponent < 1.0 { 2.0 } else { 1.0 };
     (0..=POWER_POINTS)

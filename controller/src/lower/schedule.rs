@@ -1,6 +1,6 @@
 //! Gains, bias and transfer that follow the out-of-balance.
 
-use crate::lower::{States, Writer};
+use crate::lower::{Limits, States, Writer};
 use crate::program::{OnReset, Operation, Program, Slot};
 use crate::{Estimator, Learning, Parts, Scaling};
 
@@ -63,7 +63,13 @@ pub(crate) fn layout(parts: &Parts, states: &mut States) -> Layout {
     Layout { out_of_balance, bias, transfer, estimate, window, paths }
 }
 
-/// Number of estimated parameters.
+/// Returns the out-of-balance that may be set, kg m.
+pub(crate) fn settable(parts: &Parts) -> Limits {
+    let (low, high) = parts.out_of_balance_range_kg_m;
+    Limits { low, high }
+}
+
+/// Returns the number of estimated parameters.
 fn parameters(estimator: &Estimator) -> usize {
     match estimator.learning {
         Learning::Gradient { .. } => 3,
@@ -79,7 +85,7 @@ fn initial_gain(scaling: Scaling, design: f64) -> Option<f64> {
     let of = states.scalar("out_of_balance_kg_m", design, OnReset::Keep);
     let mut writer = Writer::new(&[]);
     writer.section("gain");
-    gain(&mut writer, ("path", scaling), of, design)
+    gain(&mut writer, "path", scaling, of, design)
         .map(|from| writer.copy(into, from))
         .map(|()| evaluate(&writer.finish(Some(into)), design))
 }
@@ -93,8 +99,8 @@ fn evaluate(program: &Program, out_of_balance: f64) -> f64 {
     compiled.run(&mut memory, &[]).unwrap_or(0.0)
 }
 
-/// The gain of a path at the out-of-balance `of`; none for a fixed path.
-fn gain(writer: &mut Writer, (name, scaling): (&str, Scaling), of: Slot, design: f64) -> Option<Slot> {
+/// Writes the gain of a path at the out-of-balance `of`; `None` for a fixed path.
+fn gain(writer: &mut Writer, name: &str, scaling: Scaling, of: Slot, design: f64) -> Option<Slot> {
     match scaling {
         Scaling::Fixed => None,
         Scaling::WithOutOfBalance => {
@@ -102,8 +108,12 @@ fn gain(writer: &mut Writer, (name, scaling): (&str, Scaling), of: Slot, design:
             Some(writer.quotient(format!("{name}_ratio"), of, reference))
         }
         Scaling::Scheduled { below_kg_m, at_kg_m, above_kg_m } => {
-            let rising = below_kg_m.map(|below| edge(writer, (name, "rise"), of, (below, at_kg_m)));
-            let falling = above_kg_m.map(|above| edge(writer, (name, "fall"), of, (above, at_kg_m)));
+            let rising = below_kg_m.map(|below| {
+                edge(writer, &format!("{name}_rise"), of, &Edge { from_kg_m: below, to_kg_m: at_kg_m })
+            });
+            let falling = above_kg_m.map(|above| {
+                edge(writer, &format!("{name}_fall"), of, &Edge { from_kg_m: above, to_kg_m: at_kg_m })
+            });
             Some(match (rising, falling) {
                 (Some(a), Some(b)) => writer.product(format!("{name}_share"), a, b),
                 (Some(one), None) | (None, Some(one)) => one,
@@ -113,13 +123,19 @@ fn gain(writer: &mut Writer, (name, scaling): (&str, Scaling), of: Slot, design:
     }
 }
 
+/// One side of a scheduled path's hat: its gain is 0 at `from_kg_m` and 1 at `to_kg_m`.
+struct Edge {
+    from_kg_m: f64,
+    to_kg_m: f64,
+}
+
 /// (of - from) / (to - from) between 0 and 1.
-fn edge(writer: &mut Writer, (name, which): (&str, &str), of: Slot, (from, to): (f64, f64)) -> Slot {
-    let start = constant(writer, format!("{name}_{which}_from"), from);
-    let span = constant(writer, format!("{name}_{which}_span"), to - from);
-    let way = writer.sum(format!("{name}_{which}_way"), &[(1.0, of), (-1.0, start)]);
-    let part = writer.quotient(format!("{name}_{which}_part"), way, span);
-    writer.clamp(format!("{name}_{which}"), part, (0.0, 1.0))
+fn edge(writer: &mut Writer, name: &str, of: Slot, edge: &Edge) -> Slot {
+    let start = constant(writer, format!("{name}_from"), edge.from_kg_m);
+    let span = constant(writer, format!("{name}_span"), edge.to_kg_m - edge.from_kg_m);
+    let way = writer.sum(format!("{name}_way"), &[(1.0, of), (-1.0, start)]);
+    let part = writer.quotient(format!("{name}_part"), way, span);
+    writer.clamp(name, part, Limits::UNIT)
 }
 
 fn constant(writer: &mut Writer, name: String, value: f64) -> Slot {
@@ -132,7 +148,7 @@ fn constant(writer: &mut Writer, name: String, value: f64) -> Slot {
 pub(crate) fn follow(writer: &mut Writer, parts: &Parts, layout: &Layout) {
     let of = layout.out_of_balance;
     for (path, followed) in parts.paths.iter().zip(&layout.paths) {
-        let new = gain(writer, (&path.name, path.scaling), of, parts.design_out_of_balance_kg_m);
+        let new = gain(writer, &path.name, path.scaling, of, parts.design_out_of_balance_kg_m);
         if let (Some(followed), Some(new)) = (followed, new) {
             writer.copy(followed.gain, new);
         }
@@ -142,7 +158,7 @@ pub(crate) fn follow(writer: &mut Writer, parts: &Parts, layout: &Layout) {
     }
 }
 
-/// The program that sets the out-of-balance.
+/// Returns the program that sets the out-of-balance.
 pub(crate) fn program(parts: &Parts, layout: &Layout) -> Program {
     let mut writer = Writer::new(&["new_out_of_balance_kg_m"]);
     let before = layout.transfer.map(|_| {
@@ -150,7 +166,7 @@ pub(crate) fn program(parts: &Parts, layout: &Layout) -> Program {
         slow_part(&mut writer, layout, "before")
     });
     writer.section("out-of-balance inside its range");
-    let set = writer.clamp("set_kg_m", Slot::Input(0), parts.out_of_balance_range_kg_m);
+    let set = writer.clamp("set_kg_m", Slot::Input(0), settable(parts));
     writer.copy(layout.out_of_balance, set);
     if let (Some(&first), Some(estimator)) = (layout.estimate.first(), &parts.estimator) {
         writer.sum_into(first, None, &[(estimator.volts_per_kg_m_s2, set)]);
@@ -170,7 +186,7 @@ pub(crate) fn program(parts: &Parts, layout: &Layout) -> Program {
     writer.finish(None)
 }
 
-/// The part of the last control that gains and bias make.
+/// Writes the part of the last control that gains and bias make.
 pub(crate) fn slow_part(writer: &mut Writer, layout: &Layout, when: &str) -> Slot {
     let mut parts: Vec<(f64, Slot)> = Vec::new();
     for (i, followed) in layout.paths.iter().enumerate() {

@@ -5,7 +5,9 @@ use counterpoise_lti::StateSpace;
 use crate::check;
 use crate::lower::estimate::{self, Seen};
 use crate::lower::schedule::Layout;
-use crate::lower::{PREFILTER_STATES, PREVIOUS_CONTROL, States, Writer, curve, observe, reading_names};
+use crate::lower::{
+    Limits, PREFILTER_STATES, PREVIOUS_CONTROL, States, Writer, curve, observe, reading_names,
+};
 use crate::program::{OnReset, Program, Slot};
 use crate::{FrictionObserver, Parts, Path, READINGS, Signal};
 
@@ -29,6 +31,24 @@ impl Signals {
     }
 }
 
+/// The states and inputs of a path.
+struct PathSlots<'a> {
+    x: &'a [Slot],
+    u: &'a [Slot],
+}
+
+/// What the limiter cut off, and the gain of each state on it.
+struct AntiWindup<'a> {
+    excess: Slot,
+    gains: &'a [f64],
+}
+
+/// The control before and after the limiter.
+struct Control {
+    unlimited: Slot,
+    limited: Slot,
+}
+
 /// A state update: the new value waits in a local until all have been computed.
 type Pending = Vec<(Slot, Slot)>;
 
@@ -40,18 +60,19 @@ pub(crate) fn program(parts: &Parts, layout: &Layout, states: &mut States) -> Pr
     prefilter(parts, &mut signals, states, &mut writer, &mut pending);
     derive(parts, &mut signals, states, &mut writer);
     let observe = |o: &FrictionObserver| {
-        observe::observe(o, (signals.slot(o.rate), parts.sample_period_s), states, &mut writer)
+        observe::observe(o, signals.slot(o.rate), parts.sample_period_s, states, &mut writer)
     };
     let dry: Vec<Slot> = parts.observers.iter().map(observe).collect();
     let path_states: Vec<Vec<Slot>> =
         parts.paths.iter().map(|path| states.array(&path.name, path.system.order())).collect();
     let outputs = outputs(parts, layout, &signals, &path_states, &mut writer);
-    let (control, limited) = control(parts, layout, (&outputs, &dry), &mut writer);
+    let control = control(parts, layout, &outputs, &dry, &mut writer);
+    let limited = control.limited;
     let driven = drive(parts, limited, &mut writer);
-    let excess = excess(parts, (control, limited), &mut writer);
+    let excess = excess(parts, &control, &mut writer);
     for (path, x) in parts.paths.iter().zip(&path_states) {
         let u: Vec<Slot> = path.inputs.iter().map(|signal| signals.slot(*signal)).collect();
-        advance(path, (x, &u, excess), &mut writer, &mut pending);
+        advance(path, &PathSlots { x, u: &u }, excess, &mut writer, &mut pending);
     }
     writer.section("new states");
     pending.extend(signals.previous_control.map(|slot| (slot, limited)));
@@ -88,7 +109,7 @@ fn prefilter(
     let x = states.array(PREFILTER_STATES, system.order());
     let demand = signals.readings[0];
     let filtered = writer.sum("filtered_demand_rad_s", &row(&system.C, &system.D, 0, &x, &[demand]));
-    new_states(PREFILTER_STATES, system, (&x, &[demand]), None, writer, pending);
+    new_states(PREFILTER_STATES, system, &PathSlots { x: &x, u: &[demand] }, None, writer, pending);
     signals.readings[0] = filtered;
 }
 
@@ -108,7 +129,7 @@ fn derive(parts: &Parts, signals: &mut Signals, states: &mut States, writer: &mu
         used(Signal::PreviousControl).then(|| states.scalar(PREVIOUS_CONTROL, 0.0, OnReset::Restart));
 }
 
-/// C x + D u of each path, with its gain where it follows the out-of-balance.
+/// Writes C x + D u of each path, times its gain if it follows the out-of-balance.
 fn outputs(
     parts: &Parts,
     layout: &Layout,
@@ -135,19 +156,20 @@ fn outputs(
 fn control(
     parts: &Parts,
     layout: &Layout,
-    (outputs, dry): (&[Slot], &[Slot]),
+    outputs: &[Slot],
+    friction: &[Slot],
     writer: &mut Writer,
-) -> (Slot, Slot) {
+) -> Control {
     writer.section("control: paths, friction, bias and transfer, in this order, then the limiter");
-    let all = outputs.iter().chain(dry).copied().chain(layout.bias).chain(layout.transfer);
+    let all = outputs.iter().chain(friction).copied().chain(layout.bias).chain(layout.transfer);
     let terms: Vec<(f64, Slot)> = all.map(|slot| (1.0, slot)).collect();
     let control = writer.sum("control_v", &terms);
     let limit = check::equivalent_limit_v(parts);
-    let limited = writer.clamp("limited_v", control, (-limit, limit));
-    (control, limited)
+    let limited = writer.clamp("limited_v", control, Limits::symmetric(limit));
+    Control { unlimited: control, limited }
 }
 
-/// The control that has the effect of the limited volts of a linear drive.
+/// Writes the control that has the effect of the limited volts of a linear drive.
 fn drive(parts: &Parts, limited: Slot, writer: &mut Writer) -> Slot {
     if parts.drive_curve.is_empty() {
         return limited;
@@ -157,37 +179,32 @@ fn drive(parts: &Parts, limited: Slot, writer: &mut Writer) -> Slot {
         parts.drive_curve.iter().copied().take_while(|point| point[1] < parts.limit_v).collect();
     points.push([check::equivalent_limit_v(parts), parts.limit_v]);
     let driven = curve::odd(writer, "driven_v", limited, &points);
-    writer.clamp("driven_limited_v", driven, (-parts.limit_v, parts.limit_v))
+    writer.clamp("driven_limited_v", driven, Limits::symmetric(parts.limit_v))
 }
 
-/// limited - unlimited control, where a path uses it.
-fn excess(parts: &Parts, (control, limited): (Slot, Slot), writer: &mut Writer) -> Option<Slot> {
+/// Writes limited - unlimited control, if a path uses it.
+fn excess(parts: &Parts, control: &Control, writer: &mut Writer) -> Option<Slot> {
     let used = parts.paths.iter().any(|path| path.anti_windup.iter().any(|gain| *gain != 0.0));
-    used.then(|| writer.sum("excess_v", &[(1.0, limited), (-1.0, control)]))
+    used.then(|| writer.sum("excess_v", &[(1.0, control.limited), (-1.0, control.unlimited)]))
 }
 
-fn advance(
-    path: &Path,
-    (x, u, excess): (&[Slot], &[Slot], Option<Slot>),
-    w: &mut Writer,
-    pending: &mut Pending,
-) {
-    w.section(format!("states of path {}", path.name));
-    let windup = excess.map(|slot| (slot, path.anti_windup.as_slice()));
-    new_states(&path.name, &path.system, (x, u), windup, w, pending);
+fn advance(path: &Path, slots: &PathSlots, excess: Option<Slot>, writer: &mut Writer, pending: &mut Pending) {
+    writer.section(format!("states of path {}", path.name));
+    let windup = excess.map(|excess| AntiWindup { excess, gains: &path.anti_windup });
+    new_states(&path.name, &path.system, slots, windup, writer, pending);
 }
 
 fn new_states(
     name: &str,
     system: &StateSpace,
-    (x, u): (&[Slot], &[Slot]),
-    windup: Option<(Slot, &[f64])>,
+    slots: &PathSlots,
+    windup: Option<AntiWindup>,
     writer: &mut Writer,
     pending: &mut Pending,
 ) {
-    for (i, &state) in x.iter().enumerate() {
-        let mut terms = row(&system.A, &system.B, i, x, u);
-        terms.extend(windup.map(|(excess, gains)| (gains[i], excess)));
+    for (i, &state) in slots.x.iter().enumerate() {
+        let mut terms = row(&system.A, &system.B, i, slots.x, slots.u);
+        terms.extend(windup.as_ref().map(|windup| (windup.gains[i], windup.excess)));
         pending.push((state, writer.sum(format!("{name}_next_{i}"), &terms)));
     }
 }

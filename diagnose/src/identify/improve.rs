@@ -1,7 +1,7 @@
 //! The mechanism with what was identified in place of what the project said.
 
 use counterpoise_models::Parameters;
-use counterpoise_models::parameters::{FrictionLaw, MapPoint};
+use counterpoise_models::parameters::MapPoint;
 
 use super::outcome::{Amplifier, Estimate, Identified};
 use super::tolerance::{DIGITS, LINEAR_FROM_SHARE};
@@ -28,8 +28,8 @@ pub(super) fn moved(p: &Parameters, found: &Identified) -> Parameters {
     if let Some(level) = new_value(found.coulomb_nm) {
         let motor = ratio * p.motor_friction.coulomb_nm();
         let [pivot, motor] = shared(level, motor);
-        set_coulomb(&mut out.pivot_friction.law, pivot);
-        set_coulomb(&mut out.motor_friction.law, motor / ratio);
+        out.pivot_friction.law.set_or_add_coulomb_nm(pivot);
+        out.motor_friction.law.set_or_add_coulomb_nm(motor / ratio);
     }
     if let Some(level) = new_value(found.viscous_nm_s_rad) {
         let [pivot, motor] = shared(level, ratio * ratio * p.motor_friction.viscous_nm_s_rad);
@@ -69,24 +69,6 @@ fn inertia(out: &mut Parameters, moment: Estimate, inertia: Estimate) {
 fn shared(level: f64, motor: f64) -> [f64; 2] {
     let level = level.max(0.0);
     if level >= motor { [level - motor, motor] } else { [0.0, level] }
-}
-
-fn set_coulomb(law: &mut FrictionLaw, level: f64) {
-    match law {
-        FrictionLaw::None => {
-            if level > 0.0 {
-                *law = FrictionLaw::Coulomb { coulomb_nm: level };
-            }
-        }
-        FrictionLaw::Dahl { coulomb_nm, .. }
-        | FrictionLaw::Lugre { coulomb_nm, .. }
-        | FrictionLaw::Coulomb { coulomb_nm }
-        | FrictionLaw::ResetIntegrator { coulomb_nm, .. }
-        | FrictionLaw::Stribeck { coulomb_nm, .. }
-        | FrictionLaw::Karnopp { coulomb_nm, .. }
-        | FrictionLaw::Walrath { coulomb_nm, .. }
-        | FrictionLaw::Bristle { coulomb_nm, .. } => *coulomb_nm = level,
-    }
 }
 
 /// The points that rise in input and current, and the start of the linear range.

@@ -10,7 +10,6 @@
 //! inertia, `known` the torque of what is known: the first moment above the axis and the spring to the platform.
 
 use counterpoise_models::Parameters;
-use counterpoise_models::parameters::FrictionLaw;
 use counterpoise_simulate::recording::Recording;
 
 use super::signal::{Chain, Kernel};
@@ -234,17 +233,10 @@ fn integral(rate: &[f64], period_s: f64) -> Vec<f64> {
 
 /// Distance over which dry friction builds up after a reversal, at the output, rad: 0 where the law has none.
 fn presliding_rad(p: &Parameters) -> f64 {
-    let of = |law: &FrictionLaw| match *law {
-        FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad: stiffness, .. }
-        | FrictionLaw::Lugre { coulomb_nm, bristle_stiffness_nm_rad: stiffness, .. } => {
-            coulomb_nm / stiffness
-        }
-        FrictionLaw::ResetIntegrator { deflection_rad: x, .. } | FrictionLaw::Bristle { bond_rad: x, .. } => {
-            x
-        }
-        _ => 0.0,
-    };
-    let joints = [of(&p.pivot_friction.law), of(&p.motor_friction.law) / p.gearbox.ratio];
+    let joints = [
+        p.pivot_friction.law.presliding_deflection_rad(),
+        p.motor_friction.law.presliding_deflection_rad() / p.gearbox.ratio,
+    ];
     joints.into_iter().filter(|x| x.is_finite()).fold(LEAST_PRESLIDING_RAD, f64::max)
 }
 

@@ -1,7 +1,6 @@
 //! Drive: motor, gearbox, amplifier, and the control's own timing.
 
 use super::curve::{FREE_INPUTS_V, fraction, static_gain};
-use super::structure::set_coulomb;
 use super::{Effect, Kind, knob};
 use counterpoise_models::{MapPoint, Parameters};
 
@@ -73,7 +72,7 @@ pub(super) static EFFECTS: &[Effect] = &[
             Log,
             get | p | p.motor_friction.coulomb_nm(),
             set | p,
-            v | set_coulomb(&mut p.motor_friction.law, v)
+            v | p.motor_friction.law.set_coulomb_nm(v)
         )],
         starts: &[],
     },

@@ -1,7 +1,7 @@
 //! Structure and pivot: imbalance, inertia, springs, friction at the pivot.
 
 use super::{Effect, Kind, knob};
-use counterpoise_models::{FrictionLaw, Lumped, Parameters};
+use counterpoise_models::{Lumped, Parameters};
 
 fn lumped(p: &Parameters, read: fn(&Lumped) -> f64) -> f64 {
     p.lumped.as_ref().map_or(0.0, read)
@@ -10,35 +10,6 @@ fn lumped(p: &Parameters, read: fn(&Lumped) -> f64) -> f64 {
 fn lumped_set(p: &mut Parameters, write: impl FnOnce(&mut Lumped)) {
     if let Some(structure) = p.lumped.as_mut() {
         write(structure);
-    }
-}
-
-/// Writes the Coulomb level of a law.
-pub(super) fn set_coulomb(law: &mut FrictionLaw, value: f64) {
-    match law {
-        FrictionLaw::Dahl { coulomb_nm, .. }
-        | FrictionLaw::Lugre { coulomb_nm, .. }
-        | FrictionLaw::Coulomb { coulomb_nm }
-        | FrictionLaw::ResetIntegrator { coulomb_nm, .. } => *coulomb_nm = value,
-        _ => {}
-    }
-}
-
-/// Reads the stiffness of a law at rest.
-pub(super) fn rest_stiffness(law: &FrictionLaw) -> f64 {
-    match law {
-        FrictionLaw::Dahl { rest_stiffness_nm_rad, .. } => *rest_stiffness_nm_rad,
-        FrictionLaw::Lugre { bristle_stiffness_nm_rad, .. } => *bristle_stiffness_nm_rad,
-        _ => 0.0,
-    }
-}
-
-/// Writes the stiffness of a law at rest.
-pub(super) fn set_rest_stiffness(law: &mut FrictionLaw, value: f64) {
-    match law {
-        FrictionLaw::Dahl { rest_stiffness_nm_rad, .. } => *rest_stiffness_nm_rad = value,
-        FrictionLaw::Lugre { bristle_stiffness_nm_rad, .. } => *bristle_stiffness_nm_rad = value,
-        _ => {}
     }
 }
 
@@ -244,7 +215,7 @@ pub(super) static EFFECTS: &[Effect] = &[
             Log,
             get | p | p.pivot_friction.coulomb_nm(),
             set | p,
-            v | set_coulomb(&mut p.pivot_friction.law, v)
+            v | p.pivot_friction.law.set_coulomb_nm(v)
         )],
         starts: &[],
     },
@@ -324,9 +295,9 @@ pub(super) static EFFECTS: &[Effect] = &[
             [1e3, 1e9],
             0.3,
             Log,
-            get | p | rest_stiffness(&p.pivot_friction.law),
+            get | p | p.pivot_friction.presliding_stiffness_nm_rad().unwrap_or(0.0),
             set | p,
-            v | set_rest_stiffness(&mut p.pivot_friction.law, v)
+            v | p.pivot_friction.set_presliding_stiffness_nm_rad(v)
         )],
         starts: &[],
     },

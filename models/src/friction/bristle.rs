@@ -1,6 +1,7 @@
-//! The bristle law: bonds that bend with the displacement, snap at a limit and form anew.
+//! The bristle law: bonds that bend with the displacement, snap at a limit and form again.
 
 use super::stribeck::StribeckLevel;
+use crate::tolerance::MEMORY_BONDS;
 
 /// T = k(w) sum z_i; each deflection z_i follows the displacement and, at +/- bond, snaps to a fraction of it.
 ///
@@ -19,13 +20,12 @@ pub struct Bristle {
     pub bond_rad: f64,
 }
 
-/// A displacement beyond this many bonds has forgotten where it started: the excess is left out.
-const MEMORY_BONDS: f64 = 64.0;
-/// Mean deflection over the bond's limit while sliding.
-const MEAN_DEFLECTION: f64 = 2.0 / 3.0;
+/// Mean deflection of a bristle over the limit of its bond while sliding, for fractions that are spread evenly over 0 to 1:
+/// the integral of (f + 1) / 2, weighted by the distance 1 - f that the bond lasts.
+pub const MEAN_DEFLECTION: f64 = 2.0 / 3.0;
 
 impl Bristle {
-    /// The torque, N m, from the deflections (and counts, unused).
+    /// Returns the torque, N m, from the deflections (and counts, unused).
     #[inline]
     pub fn torque(&self, rate_rad_s: f64, level: f64, states: &[f64]) -> f64 {
         let bent: f64 = states.iter().take(self.bristles).sum();
@@ -55,7 +55,7 @@ impl Bristle {
         self.displace(0.0, states);
     }
 
-    /// Stiffness k(w) of one bristle, N m/rad.
+    /// Returns the stiffness k(w) of one bristle, N m/rad.
     #[inline]
     pub fn stiffness_nm_rad(&self, rate_rad_s: f64) -> f64 {
         self.level.at(rate_rad_s) / (MEAN_DEFLECTION * self.bristles as f64 * self.bond_rad)
@@ -73,7 +73,7 @@ impl Bristle {
     }
 }
 
-/// A number from 0 up to 1 (excluded) for the n-th bond of a bristle: the finaliser of SplitMix64.
+/// Returns a number from 0 up to 1 (excluded) for the n-th bond of a bristle: the finaliser of SplitMix64.
 fn fraction(index: u64, count: u64) -> f64 {
     let mut x =
         index.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(count.wrapping_mul(0xd1b5_4a32_d192_ed03));

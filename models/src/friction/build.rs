@@ -4,144 +4,99 @@ use super::bristle::Bristle;
 use super::dahl::Dahl;
 use super::law::Law;
 use super::lugre::Lugre;
+use super::ranges;
 use super::reset::ResetIntegrator;
 use super::sliding::Sliding;
 use super::stribeck::StribeckLevel;
 use super::walrath::Walrath;
-use crate::Error;
 use crate::parameters::{Friction, FrictionLaw, StribeckCurve};
+use crate::tolerance::POLYNOMIAL_CHECKS;
+use crate::{Error, Range};
 
-/// The dry law with its own parameters checked.
-pub(super) fn law(friction: &Friction) -> Result<Law, Error> {
-    let coulomb = friction.coulomb_nm();
-    if coulomb == 0.0 {
+/// Returns the dry law with its own parameters checked; `path` names the friction in errors.
+pub(super) fn checked_law(path: &str, friction: &Friction) -> Result<Law, Error> {
+    if friction.coulomb_nm() == 0.0 {
         return Ok(Law::None);
     }
-    let gaussian = stribeck(friction, StribeckCurve::Gaussian);
+    let gaussian = stribeck_level(friction, StribeckCurve::Gaussian);
+    let number = |range: Range, name: &str, value: f64| range.check(path, name, value);
     Ok(match friction.law {
         FrictionLaw::None => Law::None,
-        FrictionLaw::Dahl { rest_stiffness_nm_rad, exponent, .. } => Law::Dahl(Dahl {
+        FrictionLaw::Dahl { rest_stiffness_nm_rad: stiffness, exponent, .. } => Law::Dahl(Dahl {
             level: gaussian,
-            rest_stiffness_nm_rad: positive("dahl.rest_stiffness", rest_stiffness_nm_rad)?,
-            exponent: positive("dahl.exponent", exponent)?,
+            rest_stiffness_nm_rad: number(ranges::REST_STIFFNESS, "rest_stiffness_nm_rad", stiffness)?,
+            exponent: number(ranges::EXPONENT, "exponent", exponent)?,
         }),
-        FrictionLaw::Lugre { bristle_stiffness_nm_rad, bristle_damping_nm_s_rad, .. } => Law::Lugre(Lugre {
+        FrictionLaw::Lugre {
+            bristle_stiffness_nm_rad: stiffness, bristle_damping_nm_s_rad: damping, ..
+        } => Law::Lugre(Lugre {
             level: gaussian,
-            stiffness_nm_rad: positive("lugre.bristle_stiffness", bristle_stiffness_nm_rad)?,
-            damping_nm_s_rad: not_negative("lugre.bristle_damping", bristle_damping_nm_s_rad)?,
+            stiffness_nm_rad: number(ranges::BRISTLE_STIFFNESS, "bristle_stiffness_nm_rad", stiffness)?,
+            damping_nm_s_rad: number(ranges::BRISTLE_DAMPING, "bristle_damping_nm_s_rad", damping)?,
         }),
-        FrictionLaw::Coulomb { .. } => Law::Sliding(sticking(friction, 0.0)?),
-        FrictionLaw::Karnopp { stick_rate_rad_s, .. } => {
-            Law::Sliding(sticking(friction, positive("karnopp.stick_rate", stick_rate_rad_s)?)?)
+        FrictionLaw::Coulomb { .. } => Law::Sliding(sticking(path, friction, 0.0)?),
+        FrictionLaw::Karnopp { stick_rate_rad_s: rate, .. } => {
+            let rate = number(ranges::STICK_RATE, "stick_rate_rad_s", rate)?;
+            Law::Sliding(sticking(path, friction, rate)?)
         }
-        FrictionLaw::Stribeck { curve, .. } => Law::Sliding(falling(friction, curve)?),
-        FrictionLaw::ResetIntegrator { deflection_rad, damping_nm_s_rad, .. } => {
-            Law::ResetIntegrator(reset(friction, deflection_rad, damping_nm_s_rad)?)
+        FrictionLaw::Stribeck { curve, .. } => Law::Sliding(falling(path, friction, curve)?),
+        FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad, damping_nm_s_rad } => {
+            Law::ResetIntegrator(ResetIntegrator {
+                coulomb_nm,
+                static_ratio: breakaway_ratio(path, friction)?,
+                deflection_rad: number(ranges::DEFLECTION, "deflection_rad", deflection_rad)?,
+                damping_nm_s_rad: number(ranges::DAMPING, "damping_nm_s_rad", damping_nm_s_rad)?,
+            })
         }
-        FrictionLaw::Walrath { time_constant_s, smoothing_rate_rad_s, .. } => Law::Walrath(Walrath {
-            coulomb_nm: coulomb,
-            time_constant_s: positive("walrath.time_constant", time_constant_s)?,
-            smoothing_rate_rad_s: positive("walrath.smoothing_rate", smoothing_rate_rad_s)?,
-        }),
+        FrictionLaw::Walrath { coulomb_nm, time_constant_s, smoothing_rate_rad_s: rate } => {
+            Law::Walrath(Walrath {
+                coulomb_nm,
+                time_constant_s: number(ranges::TIME_CONSTANT, "time_constant_s", time_constant_s)?,
+                smoothing_rate_rad_s: number(ranges::SMOOTHING_RATE, "smoothing_rate_rad_s", rate)?,
+            })
+        }
         FrictionLaw::Bristle { bristles, bond_rad, .. } => {
-            positive("bristle.bristles", bristles as f64)?;
-            Law::Bristle(Bristle { level: gaussian, bristles, bond_rad: positive("bristle.bond", bond_rad)? })
+            number(ranges::BRISTLES, "bristles", bristles as f64)?;
+            let bond_rad = number(ranges::BOND, "bond_rad", bond_rad)?;
+            Law::Bristle(Bristle { level: gaussian, bristles, bond_rad })
         }
     })
 }
 
-fn stribeck(friction: &Friction, curve: StribeckCurve) -> StribeckLevel {
+fn stribeck_level(friction: &Friction, curve: StribeckCurve) -> StribeckLevel {
     StribeckLevel::new(friction.coulomb_nm(), friction.static_ratio, friction.stribeck_rate_rad_s, curve)
 }
 
-/// Coulomb sliding with its own breakaway level.
-fn sticking(friction: &Friction, rest_rate_rad_s: f64) -> Result<Sliding, Error> {
-    not_below_one("friction.static_ratio", friction.static_ratio)?;
-    let level = stribeck(&Friction { static_ratio: 1.0, ..friction.clone() }, StribeckCurve::Gaussian);
-    Ok(Sliding { level, breakaway_ratio: friction.static_ratio, rest_rate_rad_s })
+/// Returns the Coulomb sliding with a breakaway level of its own.
+fn sticking(path: &str, friction: &Friction, rest_rate_rad_s: f64) -> Result<Sliding, Error> {
+    let breakaway_ratio = breakaway_ratio(path, friction)?;
+    let level = stribeck_level(&Friction { static_ratio: 1.0, ..friction.clone() }, StribeckCurve::Gaussian);
+    Ok(Sliding { level, breakaway_ratio, rest_rate_rad_s })
 }
 
-fn reset(friction: &Friction, deflection_rad: f64, damping_nm_s_rad: f64) -> Result<ResetIntegrator, Error> {
-    Ok(ResetIntegrator {
-        coulomb_nm: friction.coulomb_nm(),
-        static_ratio: not_below_one("friction.static_ratio", friction.static_ratio)?,
-        deflection_rad: positive("reset.deflection", deflection_rad)?,
-        damping_nm_s_rad: not_negative("reset.damping", damping_nm_s_rad)?,
-    })
+fn breakaway_ratio(path: &str, friction: &Friction) -> Result<f64, Error> {
+    ranges::STATIC_RATIO_OF_BREAKAWAY.check(path, "static_ratio", friction.static_ratio)
 }
 
-/// Sliding by a falling curve.
-fn falling(friction: &Friction, curve: StribeckCurve) -> Result<Sliding, Error> {
-    check_curve(friction, curve)?;
-    Ok(Sliding { level: stribeck(friction, curve), breakaway_ratio: 1.0, rest_rate_rad_s: 0.0 })
+/// Returns the sliding by a level that falls with the rate.
+fn falling(path: &str, friction: &Friction, curve: StribeckCurve) -> Result<Sliding, Error> {
+    check_curve(path, friction, curve)?;
+    Ok(Sliding { level: stribeck_level(friction, curve), breakaway_ratio: 1.0, rest_rate_rad_s: 0.0 })
 }
 
-/// The parameters that every law shares.
-pub(super) fn check(friction: &Friction) -> Result<(), Error> {
-    not_negative("friction.coulomb", friction.coulomb_nm())?;
-    not_negative("friction.viscous", friction.viscous_nm_s_rad)?;
-    not_negative("friction.quadratic", friction.quadratic_nm_s2_rad2)?;
-    positive("friction.static_ratio", friction.static_ratio)?;
-    positive("friction.stribeck_rate", friction.stribeck_rate_rad_s)?;
-    below_one("friction.asymmetry", friction.asymmetry)?;
-    below_one("friction.viscous_asymmetry", friction.viscous_asymmetry)?;
-    below_one("friction.position_ripple.amplitude", friction.position_ripple.amplitude)?;
-    if finite("friction.warm_up", friction.warm_up)? >= 1.0 {
-        return Err(refused("friction.warm_up", friction.warm_up, "must be below 1"));
-    }
-    positive("friction.warm_up_time", friction.warm_up_time_s)?;
-    not_negative("friction.load_coefficient", friction.load_coefficient)?;
-    if friction.load_coefficient > 0.0 && friction.coulomb_nm() == 0.0 {
-        return Err(refused("friction.load_coefficient", friction.load_coefficient, "needs a Coulomb level"));
-    }
-    Ok(())
-}
-
-fn check_curve(friction: &Friction, curve: StribeckCurve) -> Result<(), Error> {
+fn check_curve(path: &str, friction: &Friction, curve: StribeckCurve) -> Result<(), Error> {
     match curve {
-        StribeckCurve::Exponential { exponent } => positive("stribeck.exponent", exponent).map(|_| ()),
+        StribeckCurve::Exponential { exponent } => {
+            ranges::CURVE_EXPONENT.check(path, "curve_exponent", exponent).map(|_| ())
+        }
         StribeckCurve::Polynomial { coefficients } => {
-            coefficients.iter().try_for_each(|&c| finite("stribeck.coefficients", c).map(|_| ()))?;
-            let level = stribeck(friction, curve);
+            let finite = |&c: &f64| Range::Any.check(path, "coefficients", c).map(|_| ());
+            coefficients.iter().try_for_each(finite)?;
+            let level = stribeck_level(friction, curve);
             let rate = |k: i32| friction.stribeck_rate_rad_s * f64::from(k) / f64::from(POLYNOMIAL_CHECKS);
             let least = (0..=POLYNOMIAL_CHECKS).map(|k| level.at(rate(k))).fold(f64::INFINITY, f64::min);
-            positive("stribeck.polynomial's least level", least).map(|_| ())
+            Range::POSITIVE.check(path, "coefficients: least level in N m", least).map(|_| ())
         }
         _ => Ok(()),
     }
-}
-
-/// Rates at which a polynomial's level is looked at.
-const POLYNOMIAL_CHECKS: i32 = 200;
-
-fn refused(parameter: &str, value: f64, allowed: &'static str) -> Error {
-    Error::Parameter { parameter: parameter.to_owned(), value, allowed }
-}
-
-fn finite(parameter: &str, value: f64) -> Result<f64, Error> {
-    if value.is_finite() { Ok(value) } else { Err(refused(parameter, value, "must be finite")) }
-}
-
-fn positive(parameter: &str, value: f64) -> Result<f64, Error> {
-    let finite = finite(parameter, value)?;
-    if finite > 0.0 { Ok(finite) } else { Err(refused(parameter, value, "must be positive")) }
-}
-
-fn not_negative(parameter: &str, value: f64) -> Result<f64, Error> {
-    let finite = finite(parameter, value)?;
-    if finite >= 0.0 { Ok(finite) } else { Err(refused(parameter, value, "must not be negative")) }
-}
-
-fn not_below_one(parameter: &str, value: f64) -> Result<f64, Error> {
-    let finite = finite(parameter, value)?;
-    if finite >= 1.0 {
-        Ok(finite)
-    } else {
-        Err(refused(parameter, value, "must not be below 1 for this law"))
-    }
-}
-
-fn below_one(parameter: &str, value: f64) -> Result<f64, Error> {
-    let finite = finite(parameter, value)?;
-    if finite.abs() < 1.0 { Ok(finite) } else { Err(refused(parameter, value, "must be between -1 and 1")) }
 }

@@ -1,6 +1,6 @@
 //! True stick in a mechanism of several joints: which joints stick during a step, and what their friction holds.
 //!
-//! D. Karnopp's model leaves the torque at rest to the mechanism's momentum equations, which he writes anew for every
+//! D. Karnopp's model leaves the torque at rest to the mechanism's momentum equations, which he derives separately for every
 //! mechanism. Stated as a complementarity they are the same for all (J. Moreau 1988, D. Stewart and J. Trinkle 1996):
 //! with the rates w = w_free - B T at the end of a step, B the joints' mobility over it, each joint has
 //!
@@ -14,6 +14,8 @@
 use super::law::Law;
 use super::model::FrictionModel;
 use super::sliding::Stick;
+use crate::tolerance::{MOST_SWEEPS, SETTLED};
+use nalgebra::SMatrix;
 
 /// A joint with true stick at the beginning of a step.
 #[derive(Debug, Clone, Copy)]
@@ -35,21 +37,16 @@ pub struct Contact<const N: usize> {
     pub torque_nm: [f64; N],
     /// Rates at the end of the step, rad/s; exactly 0 for a joint that sticks.
     pub rate_rad_s: [f64; N],
-    /// Sweeps that were needed; [`MOST_SWEEPS`] where the torques still changed.
+    /// Sweeps that were needed; [`MOST_SWEEPS`] if the torques still changed.
     pub sweeps: usize,
 }
 
-/// Sweeps over the joints after which the torques are given as they are.
-pub const MOST_SWEEPS: usize = 500;
-/// Change of a rate over a sweep, relative to the largest rate, that counts as none.
-const SETTLED: f64 = 1e-14;
-
-/// The friction torques of N joints over a step.
+/// Returns the friction torques of N joints over a step.
 ///
 /// `mobility` is B, (rad/s)/(N m): what a constant torque on joint j takes from the rate of joint i over the step;
 /// symmetric positive definite for a mechanism. Joints whose law does not stick take no part (torque 0). Method: projected
 /// Gauss-Seidel, which converges for every such B; one sweep is exact for a single joint.
-pub fn contact<const N: usize>(joints: &[Joint<'_>; N], mobility: &[[f64; N]; N]) -> Contact<N> {
+pub fn contact<const N: usize>(joints: &[Joint<'_>; N], mobility: &SMatrix<f64, N, N>) -> Contact<N> {
     let bounds: [Option<Stick>; N] = std::array::from_fn(|i| bounds(&joints[i]));
     let mut out = Contact {
         torque_nm: [0.0; N],
@@ -68,18 +65,18 @@ pub fn contact<const N: usize>(joints: &[Joint<'_>; N], mobility: &[[f64; N]; N]
 }
 
 impl<const N: usize> Contact<N> {
-    /// One pass over the joints; gives the largest change of a rate.
-    fn sweep(&mut self, bounds: &[Option<Stick>; N], mobility: &[[f64; N]; N]) -> f64 {
+    /// Makes one pass over the joints; returns the largest change of a rate.
+    fn sweep(&mut self, bounds: &[Option<Stick>; N], mobility: &SMatrix<f64, N, N>) -> f64 {
         let mut moved = 0.0_f64;
         for (i, bound) in bounds.iter().enumerate() {
             let Some(bound) = bound else { continue };
-            let wanted = bound.held(self.torque_nm[i] + self.rate_rad_s[i] / mobility[i][i]);
+            let wanted = bound.held(self.torque_nm[i] + self.rate_rad_s[i] / mobility[(i, i)]);
             let change = wanted - self.torque_nm[i];
             self.torque_nm[i] = wanted;
             for (k, rate) in self.rate_rad_s.iter_mut().enumerate() {
-                *rate -= mobility[k][i] * change;
+                *rate -= mobility[(k, i)] * change;
             }
-            moved = moved.max((mobility[i][i] * change).abs());
+            moved = moved.max((mobility[(i, i)] * change).abs());
         }
         moved
     }
@@ -95,7 +92,7 @@ impl<const N: usize> Contact<N> {
     }
 }
 
-/// The torques that a joint can have over the step: up to breakaway from rest, up to the sliding level in motion.
+/// Returns the torques that a joint can have over the step: up to breakaway from rest, up to the sliding level in motion.
 fn bounds(joint: &Joint<'_>) -> Option<Stick> {
     let Law::Sliding(law) = joint.friction.law() else { return None };
     let stick = joint.friction.stick(joint.level)?;

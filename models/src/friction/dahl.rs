@@ -2,6 +2,7 @@
 
 use super::law::Partials;
 use super::stribeck::StribeckLevel;
+use crate::tolerance::YIELDED;
 
 /// dF/dt = sigma w |r|^i sgn r, r = 1 - (F / g(w)) sgn w; the state is the torque F, N m.
 ///
@@ -18,9 +19,6 @@ pub struct Dahl {
     pub exponent: f64,
 }
 
-/// Below this distance from the yielded torque, relative to the level, the slope of |r|^i with i < 1 is held.
-const YIELDED: f64 = 1e-9;
-
 impl Dahl {
     /// dF/dt, N m/s.
     #[inline]
@@ -29,7 +27,7 @@ impl Dahl {
         self.rest_stiffness_nm_rad * rate_rad_s * self.power(r)
     }
 
-    /// The torque after a time at constant rate: exact.
+    /// Returns the torque after a time at constant rate: exact.
     ///
     /// With s = sigma |w| h / g: r exp(-s) for i = 1, and |r|^(1-i) falls by (1 - i) s otherwise (not below 0).
     #[inline]
@@ -44,13 +42,13 @@ impl Dahl {
         g * sign * (1.0 - yielding(r, s, self.exponent))
     }
 
-    /// The torque after a displacement with the level of rest: the rate-independent form of [`Dahl::advance`].
+    /// Returns the torque after a displacement with the level of rest: the rate-independent form of [`Dahl::advance`].
     pub fn displaced(&self, displacement_rad: f64, level: f64, torque_nm: f64) -> f64 {
         let constant = Self { level: self.level.frozen(), ..*self };
         constant.advance(displacement_rad, 1.0, level, torque_nm)
     }
 
-    /// Partial derivatives of dF/dt and of the torque (the state itself).
+    /// Returns the partial derivatives of dF/dt and of the torque (the state itself).
     #[inline]
     pub fn partials(&self, rate_rad_s: f64, level: f64, torque_nm: f64) -> Partials {
         let r = self.distance(rate_rad_s, level, torque_nm);
@@ -86,7 +84,7 @@ impl Dahl {
     }
 }
 
-/// The solution of dr/ds = -|r|^i sgn r.
+/// Returns the solution of dr/ds = -|r|^i sgn r.
 #[inline]
 fn yielding(r: f64, s: f64, exponent: f64) -> f64 {
     if exponent == 1.0 {

@@ -1,15 +1,9 @@
 //! Friction as a frequency response sees it: the describing function of a sinusoidal motion.
 
 use super::model::FrictionModel;
+use crate::tolerance::{CLOSED, LOOP_STEPS, MOST_PERIODS};
 use counterpoise_lti::C64;
 use std::f64::consts::TAU;
-
-/// Steps per period of the motion.
-const STEPS: usize = 2000;
-/// Periods after which a loop that has not closed is given as it is.
-const MOST_PERIODS: usize = 200;
-/// A loop is closed when a state repeats to this fraction of its largest value.
-const CLOSED: f64 = 1e-13;
 
 /// One period of the torque under a sinusoidal motion.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +23,7 @@ pub struct Loop {
     pub gap: f64,
 }
 
-/// The settled loop under x = A sin(omega t), at nominal level.
+/// Returns the settled loop under x = A sin(omega t), at nominal level.
 ///
 /// The states move exactly over each of 2000 steps of constant mean rate; the periodic solution is sought by Aitken's
 /// extrapolation from period to period. With the complex stiffness k, friction acts
@@ -39,9 +33,9 @@ pub fn sinusoidal_loop(model: &FrictionModel, amplitude_rad: f64, frequency_rad_
     let mut states = vec![0.0; model.states()];
     let gap = motion.settle(&mut states);
     let mut out = Loop {
-        angle_rad: Vec::with_capacity(STEPS),
-        rate_rad_s: Vec::with_capacity(STEPS),
-        torque_nm: Vec::with_capacity(STEPS),
+        angle_rad: Vec::with_capacity(LOOP_STEPS),
+        rate_rad_s: Vec::with_capacity(LOOP_STEPS),
+        torque_nm: Vec::with_capacity(LOOP_STEPS),
         lost_j: 0.0,
         stiffness_nm_rad: C64::new(0.0, 0.0),
         gap,
@@ -63,14 +57,14 @@ struct Motion<'a> {
 
 impl Motion<'_> {
     fn step_s(&self) -> f64 {
-        TAU / self.frequency_rad_s / STEPS as f64
+        TAU / self.frequency_rad_s / LOOP_STEPS as f64
     }
 
     /// Moves the states through one period and shows angle, rate and states after each step.
     fn period(&self, states: &mut [f64], mut show: impl FnMut(f64, f64, &[f64])) {
         let mut sin = 0.0;
-        for k in 1..=STEPS {
-            let (next, cos) = (TAU * (k % STEPS) as f64 / STEPS as f64).sin_cos();
+        for k in 1..=LOOP_STEPS {
+            let (next, cos) = (TAU * (k % LOOP_STEPS) as f64 / LOOP_STEPS as f64).sin_cos();
             let moved = self.amplitude_rad * (next - sin);
             self.model.advance(moved / self.step_s(), self.step_s(), 1.0, states);
             sin = next;
@@ -78,7 +72,7 @@ impl Motion<'_> {
         }
     }
 
-    /// Brings the states onto the closed loop and gives the gap that is left.
+    /// Brings the states onto the closed loop and returns the gap that is left.
     fn settle(&self, states: &mut [f64]) -> f64 {
         let mut gap = 0.0;
         for _ in 0..if states.len() == 1 { MOST_PERIODS / 2 } else { 2 } {
@@ -104,17 +98,17 @@ fn extrapolated(a: f64, b: f64, c: f64) -> f64 {
     if limit.is_finite() { limit } else { c }
 }
 
-/// The complex stiffness of [`sinusoidal_loop`], N m/rad.
+/// Returns the complex stiffness of [`sinusoidal_loop`], N m/rad.
 pub fn describing_function(model: &FrictionModel, amplitude_rad: f64, frequency_rad_s: f64) -> C64 {
     sinusoidal_loop(model, amplitude_rad, frequency_rad_s).stiffness_nm_rad
 }
 
 impl Loop {
     fn analyse(&mut self, amplitude_rad: f64, step_s: f64) {
-        let frequency = TAU / (step_s * STEPS as f64);
+        let frequency = TAU / (step_s * LOOP_STEPS as f64);
         let dot = |a: &[f64]| a.iter().zip(&self.torque_nm).map(|(a, t)| a * t).sum::<f64>();
         self.lost_j = dot(&self.rate_rad_s) * step_s;
-        let per = 2.0 / (STEPS as f64 * amplitude_rad * amplitude_rad);
+        let per = 2.0 / (LOOP_STEPS as f64 * amplitude_rad * amplitude_rad);
         self.stiffness_nm_rad = C64::new(dot(&self.angle_rad), dot(&self.rate_rad_s) / frequency) * per;
     }
 }

@@ -42,7 +42,7 @@ pub struct Partials {
 }
 
 impl Law {
-    /// Number of states.
+    /// Returns the number of states.
     #[inline]
     pub fn states(&self) -> usize {
         match self {
@@ -65,7 +65,7 @@ impl Law {
         }
     }
 
-    /// The torque, N m.
+    /// Returns the torque, N m.
     #[inline]
     pub fn torque(&self, rate_rad_s: f64, level: f64, states: &[f64]) -> f64 {
         match self {
@@ -101,7 +101,7 @@ impl Law {
         }
     }
 
-    /// The torque after a long time at constant rate, N m; 0 at rest.
+    /// Returns the torque after a long time at constant rate, N m; 0 at rest.
     pub fn steady(&self, rate_rad_s: f64, level: f64) -> f64 {
         let sliding = |nm: f64| if rate_rad_s == 0.0 { 0.0 } else { level * nm * rate_rad_s.signum() };
         match self {
@@ -115,7 +115,7 @@ impl Law {
         }
     }
 
-    /// Derivative of the steady torque with the rate, N m s/rad, away from rest.
+    /// Returns the derivative of the steady torque with the rate, N m s/rad, away from rest.
     pub fn steady_slope(&self, rate_rad_s: f64, level: f64) -> f64 {
         let sign = rate_rad_s.signum();
         match self {
@@ -128,7 +128,7 @@ impl Law {
         }
     }
 
-    /// Partial derivatives of a law with exactly one state; `None` for the others.
+    /// Returns the partial derivatives of a law with exactly one state; `None` for the others.
     #[inline]
     pub fn partials(&self, rate_rad_s: f64, level: f64, states: &[f64]) -> Option<Partials> {
         match self {
@@ -140,7 +140,7 @@ impl Law {
         }
     }
 
-    /// Stiffness at rest from zero torque, N m/rad: infinite for a law that truly sticks, 0 for one that creeps.
+    /// Returns the stiffness at rest from zero torque, N m/rad: infinite for a law that truly sticks, 0 for one that creeps.
     pub fn rest_stiffness_nm_rad(&self) -> f64 {
         match self {
             Self::None | Self::Walrath(_) => 0.0,
@@ -152,7 +152,7 @@ impl Law {
         }
     }
 
-    /// Damping at rest from zero torque, N m s/rad.
+    /// Returns the damping at rest from zero torque, N m s/rad.
     pub fn rest_damping_nm_s_rad(&self) -> f64 {
         match self {
             Self::Lugre(law) => law.damping_nm_s_rad,

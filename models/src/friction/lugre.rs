@@ -26,14 +26,14 @@ impl Lugre {
             - self.stiffness_nm_rad * rate_rad_s.abs() * deflection_rad / self.level_at(rate_rad_s, level)
     }
 
-    /// The torque, N m.
+    /// Returns the torque, N m.
     #[inline]
     pub fn torque(&self, rate_rad_s: f64, level: f64, deflection_rad: f64) -> f64 {
         let bending = self.derivative(rate_rad_s, level, deflection_rad);
         self.stiffness_nm_rad * deflection_rad + self.damping_nm_s_rad * bending
     }
 
-    /// The deflection after a time at constant rate: exact.
+    /// Returns the deflection after a time at constant rate: exact.
     #[inline]
     pub fn advance(&self, rate_rad_s: f64, time_s: f64, level: f64, deflection_rad: f64) -> f64 {
         if rate_rad_s == 0.0 {
@@ -44,7 +44,7 @@ impl Lugre {
         steady + (deflection_rad - steady) * (-self.stiffness_nm_rad * rate_rad_s.abs() * time_s / g).exp()
     }
 
-    /// Partial derivatives of dz/dt and of the torque.
+    /// Returns the partial derivatives of dz/dt and of the torque.
     #[inline]
     pub fn partials(&self, rate_rad_s: f64, level: f64, deflection_rad: f64) -> Partials {
         let g = self.level_at(rate_rad_s, level);

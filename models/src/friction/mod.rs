@@ -18,7 +18,7 @@
 //!
 //! *Invariant*: nothing here knows an inertia or marches a mechanism in time.
 //!
-//! Modules in reading order: [`stribeck`], [`sliding`], [`dahl`], [`lugre`], [`reset`], [`walrath`], [`bristle`],
+//! Modules in reading order: [`ranges`], [`properties`], [`stribeck`], [`sliding`], [`dahl`], [`lugre`], [`reset`], [`walrath`], [`bristle`],
 //! [`law`], [`model`], [`mod@contact`], [`describing`].
 //!
 //! ```
@@ -39,6 +39,8 @@ pub mod describing;
 pub mod law;
 pub mod lugre;
 pub mod model;
+pub mod properties;
+pub mod ranges;
 pub mod reset;
 pub mod sliding;
 pub mod stribeck;
@@ -50,6 +52,7 @@ pub use dahl::Dahl;
 pub use law::{Law, Partials};
 pub use lugre::Lugre;
 pub use model::{FrictionModel, Surroundings};
+pub use properties::Similarity;
 pub use reset::ResetIntegrator;
 pub use sliding::{Sliding, Stick};
 pub use stribeck::StribeckLevel;

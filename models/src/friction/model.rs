@@ -1,10 +1,12 @@
 //! Friction between two bodies as a whole: a dry law, what modulates it, viscous and quadratic drag.
 
-use super::build;
+use super::build::checked_law;
 use super::law::{Law, Partials};
+use super::ranges;
 use super::sliding::Stick;
 use crate::Error;
 use crate::parameters::{Friction, Ripple};
+use crate::tolerance::LEAST_LEVEL;
 
 /// T = dry(w, states; level) + F_v (1 + a_v sgn w) w + F_q w |w|.
 ///
@@ -35,9 +37,6 @@ pub struct Surroundings {
     pub time_s: f64,
 }
 
-/// The least factor on the level: keeps laws that divide by it finite.
-const LEAST_LEVEL: f64 = 1e-6;
-
 impl FrictionModel {
     /// No friction.
     pub const NONE: Self = Self {
@@ -52,18 +51,21 @@ impl FrictionModel {
         warm_up_time_s: 1.0,
     };
 
-    /// The model with these parameters.
+    /// Returns the model with these parameters.
     ///
     /// # Errors
-    /// [`Error::Parameter`] names the first parameter outside its range: levels, viscous and quadratic coefficients
-    /// not negative; stiffnesses, deflections, rates, exponents and time constants positive; `static_ratio` positive
-    /// (not below 1 for laws that stick); both asymmetries and the ripple's amplitude below 1; warm-up below 1; a load
-    /// coefficient only with a Coulomb level; a polynomial that stays positive.
+    /// [`Error::Parameter`] names the first parameter outside its range of [`ranges`], as `friction.` and its field; a load
+    /// coefficient needs a Coulomb level, and a polynomial Stribeck curve must stay positive.
     pub fn new(friction: &Friction) -> Result<Self, Error> {
-        build::check(friction)?;
+        Self::named("friction", friction)
+    }
+
+    /// Returns the model with these parameters as [`FrictionModel::new`] does; errors name the parameter with its path.
+    pub(crate) fn named(path: &str, friction: &Friction) -> Result<Self, Error> {
+        ranges::check_shared(path, friction)?;
         let coulomb = friction.coulomb_nm();
         Ok(Self {
-            law: build::law(friction)?,
+            law: checked_law(path, friction)?,
             viscous_nm_s_rad: friction.viscous_nm_s_rad,
             quadratic_nm_s2_rad2: friction.quadratic_nm_s2_rad2,
             asymmetry: friction.asymmetry,
@@ -75,30 +77,30 @@ impl FrictionModel {
         })
     }
 
-    /// The dry law.
+    /// Returns the dry law.
     #[inline]
     pub fn law(&self) -> &Law {
         &self.law
     }
 
-    /// Viscous coefficient, N m s/rad.
+    /// Returns the viscous coefficient, N m s/rad.
     pub fn viscous_nm_s_rad(&self) -> f64 {
         self.viscous_nm_s_rad
     }
 
-    /// Number of states.
+    /// Returns the number of states.
     #[inline]
     pub fn states(&self) -> usize {
         self.law.states()
     }
 
-    /// Whether the level depends on anything but the rate; if not, [`FrictionModel::level`] is 1.
+    /// Returns whether the level depends on anything but the rate; if not, [`FrictionModel::level`] is 1.
     #[inline]
     pub fn is_modulated(&self) -> bool {
         self.ripple.amplitude != 0.0 || self.load_per_coulomb != 0.0 || self.warm_up != 0.0
     }
 
-    /// The factor on the dry level.
+    /// Returns the factor on the dry level.
     pub fn level(&self, at: &Surroundings) -> f64 {
         if !self.is_modulated() {
             return 1.0;
@@ -114,13 +116,13 @@ impl FrictionModel {
         self.law.derivative(rate_rad_s, self.directed(rate_rad_s, level), states, slopes);
     }
 
-    /// The torque that opposes a positive rate, N m.
+    /// Returns the torque that opposes a positive rate, N m.
     #[inline]
     pub fn torque(&self, rate_rad_s: f64, level: f64, states: &[f64]) -> f64 {
         self.dry_torque(rate_rad_s, level, states) + self.drag(rate_rad_s)
     }
 
-    /// The torque without viscous and quadratic drag, N m.
+    /// Returns the torque without viscous and quadratic drag, N m.
     #[inline]
     pub fn dry_torque(&self, rate_rad_s: f64, level: f64, states: &[f64]) -> f64 {
         self.law.torque(rate_rad_s, self.directed(rate_rad_s, level), states)
@@ -138,17 +140,17 @@ impl FrictionModel {
         self.law.project(states);
     }
 
-    /// The torque after a long time at constant rate and nominal level, N m.
+    /// Returns the torque after a long time at constant rate and nominal level, N m.
     pub fn steady(&self, rate_rad_s: f64) -> f64 {
         self.law.steady(rate_rad_s, self.directed(rate_rad_s, 1.0)) + self.drag(rate_rad_s)
     }
 
-    /// Derivative of the steady torque with the rate at nominal level, N m s/rad, away from rest.
+    /// Returns the derivative of the steady torque with the rate at nominal level, N m s/rad, away from rest.
     pub fn steady_slope(&self, rate_rad_s: f64) -> f64 {
         self.law.steady_slope(rate_rad_s, self.directed(rate_rad_s, 1.0)) + self.drag_slope(rate_rad_s)
     }
 
-    /// Partial derivatives of a law with exactly one state, drag included; `None` for the others.
+    /// Returns the partial derivatives of a law with exactly one state, drag included; `None` for the others.
     #[inline]
     pub fn partials(&self, rate_rad_s: f64, level: f64, states: &[f64]) -> Option<Partials> {
         let mut partials = self.law.partials(rate_rad_s, self.directed(rate_rad_s, level), states)?;
@@ -156,7 +158,7 @@ impl FrictionModel {
         Some(partials)
     }
 
-    /// What a law that truly sticks holds at rest; `None` for laws that do not.
+    /// Returns what a law that truly sticks holds at rest; `None` for laws that do not.
     #[inline]
     pub fn stick(&self, level: f64) -> Option<Stick> {
         let Law::Sliding(law) = &self.law else { return None };
@@ -168,12 +170,12 @@ impl FrictionModel {
         })
     }
 
-    /// Stiffness at rest, N m/rad: what a linearisation in presliding sees; infinite for true stick.
+    /// Returns the stiffness at rest, N m/rad: what a linearisation in presliding sees; infinite for true stick.
     pub fn rest_stiffness_nm_rad(&self) -> f64 {
         self.law.rest_stiffness_nm_rad()
     }
 
-    /// Damping at rest, N m s/rad, the viscous part included.
+    /// Returns the damping at rest, N m s/rad, the viscous part included.
     pub fn rest_damping_nm_s_rad(&self) -> f64 {
         self.law.rest_damping_nm_s_rad() + self.viscous_nm_s_rad
     }
@@ -193,7 +195,7 @@ impl FrictionModel {
         self.viscous_along(rate_rad_s) + 2.0 * self.quadratic_nm_s2_rad2 * rate_rad_s.abs()
     }
 
-    /// The viscous coefficient in the direction of motion; the mean of both at rest.
+    /// Returns the viscous coefficient in the direction of motion; the mean of both at rest.
     #[inline]
     fn viscous_along(&self, rate_rad_s: f64) -> f64 {
         let direction = if rate_rad_s == 0.0 { 0.0 } else { rate_rad_s.signum() };

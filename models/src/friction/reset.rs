@@ -26,7 +26,7 @@ impl ResetIntegrator {
         if self.slides(rate_rad_s, deflection_rad) { 0.0 } else { rate_rad_s }
     }
 
-    /// The torque, N m.
+    /// Returns the torque, N m.
     #[inline]
     pub fn torque(&self, rate_rad_s: f64, level: f64, deflection_rad: f64) -> f64 {
         if deflection_rad.abs() >= self.deflection_rad {
@@ -36,19 +36,19 @@ impl ResetIntegrator {
         level * self.bond_stiffness_nm_rad() * deflection_rad + self.damping_nm_s_rad * rate_rad_s
     }
 
-    /// The deflection after a time at constant rate: exact.
+    /// Returns the deflection after a time at constant rate: exact.
     #[inline]
     pub fn advance(&self, rate_rad_s: f64, time_s: f64, deflection_rad: f64) -> f64 {
         self.project(deflection_rad + rate_rad_s * time_s)
     }
 
-    /// The deflection within its limits; an integrator calls it after each step.
+    /// Returns the deflection within its limits; an integrator calls it after each step.
     #[inline]
     pub fn project(&self, deflection_rad: f64) -> f64 {
         deflection_rad.clamp(-self.deflection_rad, self.deflection_rad)
     }
 
-    /// Partial derivatives of dz/dt and of the torque, away from the limits.
+    /// Returns the partial derivatives of dz/dt and of the torque, away from the limits.
     #[inline]
     pub fn partials(&self, rate_rad_s: f64, level: f64, deflection_rad: f64) -> Partials {
         if self.slides(rate_rad_s, deflection_rad) {
@@ -62,7 +62,7 @@ impl ResetIntegrator {
         }
     }
 
-    /// Stiffness (1 + a) k of the unbroken bond, N m/rad.
+    /// Returns the stiffness (1 + a) k of the unbroken bond, N m/rad.
     pub fn bond_stiffness_nm_rad(&self) -> f64 {
         self.static_ratio * self.coulomb_nm / self.deflection_rad
     }

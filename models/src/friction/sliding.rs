@@ -15,9 +15,9 @@ use super::stribeck::StribeckLevel;
 pub struct Sliding {
     /// Sliding level by the rate; breakaway is its value at rest.
     pub level: StribeckLevel,
-    /// Breakaway over the sliding level's value at rest (above 1 where stiction is not part of the curve).
+    /// Breakaway over the sliding level's value at rest (above 1 if stiction is not part of the curve).
     pub breakaway_ratio: f64,
-    /// Half width of the band of rates that counts as rest, rad/s; 0 where only rest itself does.
+    /// Half width of the band of rates that counts as rest, rad/s; 0 if only rest itself does.
     pub rest_rate_rad_s: f64,
 }
 
@@ -28,13 +28,13 @@ impl Sliding {
         if rate_rad_s == 0.0 { 0.0 } else { level * self.level.at(rate_rad_s) * rate_rad_s.signum() }
     }
 
-    /// The derivative of the sliding torque with the rate, N m s/rad.
+    /// Returns the derivative of the sliding torque with the rate, N m s/rad.
     #[inline]
     pub fn slope(&self, rate_rad_s: f64, level: f64) -> f64 {
         level * self.level.slope(rate_rad_s) * rate_rad_s.signum()
     }
 
-    /// The torque that breaks away, N m.
+    /// Returns the torque that breaks away, N m.
     pub fn breakaway_nm(&self) -> f64 {
         self.breakaway_ratio * self.level.static_nm()
     }
@@ -52,13 +52,13 @@ pub struct Stick {
 }
 
 impl Stick {
-    /// The friction torque at rest against the torque that would accelerate the joint: all of it, up to breakaway.
+    /// Returns the friction torque at rest against the torque that would accelerate the joint: all of it, up to breakaway.
     #[inline]
     pub fn held(&self, applied_nm: f64) -> f64 {
         applied_nm.clamp(-self.negative_nm, self.positive_nm)
     }
 
-    /// Whether the joint stays at rest against a torque.
+    /// Returns whether the joint stays at rest against a torque.
     #[inline]
     pub fn holds(&self, applied_nm: f64) -> bool {
         -self.negative_nm <= applied_nm && applied_nm <= self.positive_nm

@@ -1,6 +1,7 @@
 //! The level of dry friction as a function of the rate.
 
 use crate::parameters::StribeckCurve;
+use crate::tolerance::SPENT;
 
 /// g(w) = F_c + (F_s - F_c) shape(|w| / w_s), N m: F_s at rest, F_c at speed.
 ///
@@ -14,11 +15,8 @@ pub struct StribeckLevel {
     curve: StribeckCurve,
 }
 
-/// Where exp(-x^2) is below 1e-21 and no longer changes a level: libraries are slow where exp underflows.
-const SPENT: f64 = 7.0;
-
 impl StribeckLevel {
-    /// The level that starts at `static_ratio` x `coulomb_nm` and has fallen at `rate_rad_s` by its curve.
+    /// Returns the level that starts at `static_ratio` x `coulomb_nm` and has fallen at `rate_rad_s` by its curve.
     pub fn new(coulomb_nm: f64, static_ratio: f64, rate_rad_s: f64, curve: StribeckCurve) -> Self {
         Self {
             coulomb_nm,
@@ -28,12 +26,12 @@ impl StribeckLevel {
         }
     }
 
-    /// The Coulomb level F_c, N m.
+    /// Returns the Coulomb level F_c, N m.
     pub fn coulomb_nm(&self) -> f64 {
         self.coulomb_nm
     }
 
-    /// The level at rest F_s, N m.
+    /// Returns the level at rest F_s, N m.
     pub fn static_nm(&self) -> f64 {
         self.coulomb_nm + self.excess_nm
     }
@@ -59,7 +57,7 @@ impl StribeckLevel {
         per_x * self.per_rate_s_rad * rate_rad_s.signum()
     }
 
-    /// The same level at rest, whatever the rate.
+    /// Returns the same level at rest, whatever the rate.
     pub fn frozen(&self) -> Self {
         Self { coulomb_nm: self.static_nm(), excess_nm: 0.0, curve: StribeckCurve::Gaussian, ..*self }
     }

@@ -31,7 +31,7 @@ impl Walrath {
         (self.steady(rate_rad_s, level) - torque_nm) / self.time_constant_s
     }
 
-    /// The torque after a time at constant rate: exact.
+    /// Returns the torque after a time at constant rate: exact.
     #[inline]
     pub fn advance(&self, rate_rad_s: f64, time_s: f64, level: f64, torque_nm: f64) -> f64 {
         let steady = self.steady(rate_rad_s, level);
@@ -45,7 +45,7 @@ impl Walrath {
         level * self.coulomb_nm * (1.0 - bent * bent) / self.smoothing_rate_rad_s
     }
 
-    /// Partial derivatives of dT/dt and of the torque (the state itself).
+    /// Returns the partial derivatives of dT/dt and of the torque (the state itself).
     #[inline]
     pub fn partials(&self, rate_rad_s: f64, level: f64) -> Partials {
         Partials {

@@ -3,12 +3,12 @@
 use crate::parameters::{Amplifier, AmplifierDynamics, Motor};
 
 impl Amplifier {
-    /// Static gain of the closed amplifier loop, motor stalled: K_v / (R + K_v K_ifb), A/V.
+    /// Returns the static gain of the closed amplifier loop, motor stalled: K_v / (R + K_v K_ifb), A/V.
     pub fn stall_gain_a_v(&self, motor: &Motor) -> f64 {
         self.gain / (motor.resistance_ohm + self.gain * self.current_feedback_v_a)
     }
 
-    /// The drive under which voltage and current stay as they are: V / K_v + K_ifb i, or i over the static gain for an ideal
+    /// Returns the drive under which voltage and current stay as they are: V / K_v + K_ifb i, or i over the static gain for an ideal
     /// current source.
     pub fn holding_drive_v(&self, voltage_v: f64, current_a: f64, motor: &Motor) -> f64 {
         match self.dynamics {
@@ -17,7 +17,7 @@ impl Amplifier {
         }
     }
 
-    /// What the linear amplifier receives for a control: v = map(dead zone(clip(u))).
+    /// Returns what the linear amplifier receives for a control: v = map(dead zone(clip(u))).
     ///
     /// The map is odd and linear between its points, with map(v) = i(v) / (stall gain); beyond the last point it goes
     /// on with the linear amplifier's slope.
@@ -27,7 +27,7 @@ impl Amplifier {
         control_v.signum() * self.mapped(beyond, self.stall_gain_a_v(motor))
     }
 
-    /// The smallest control (in size) whose drive is `drive_v`; beyond the input limit the limit.
+    /// Returns the smallest control (in size) whose drive is `drive_v`; beyond the input limit the limit.
     pub fn control_v(&self, drive_v: f64, motor: &Motor) -> f64 {
         let size = drive_v.abs();
         if size == 0.0 {
@@ -37,7 +37,7 @@ impl Amplifier {
         drive_v.signum() * (beyond + self.dead_zone_v).min(self.input_limit_v)
     }
 
-    /// The map of a positive input.
+    /// Returns the map of a positive input.
     fn mapped(&self, input_v: f64, gain_a_v: f64) -> f64 {
         let mut low = (0.0, 0.0);
         for point in &self.map {
@@ -50,7 +50,7 @@ impl Amplifier {
         low.1 + (input_v - low.0)
     }
 
-    /// The smallest positive input whose map is `drive_v`.
+    /// Returns the smallest positive input whose map is `drive_v`.
     fn unmapped(&self, drive_v: f64, gain_a_v: f64) -> f64 {
         let mut low = (0.0, 0.0);
         for point in &self.map {

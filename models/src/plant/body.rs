@@ -43,7 +43,7 @@ pub struct BodyMode {
 }
 
 impl Body {
-    /// The two-inertia structure, exactly: one rigid rotation and one mode with
+    /// Returns the two-inertia structure, exactly: one rigid rotation and one mode with
     ///
     /// ```text
     ///     m = J_h J_b / (J_h + J_b),  w^2 = K_h / m,  2 zeta w = D_h / m,

@@ -59,12 +59,12 @@ pub struct Core {
 }
 
 impl Plant {
-    /// Number of states of the linear core.
+    /// Returns the number of states of the linear core.
     pub fn core_order(&self) -> usize {
         state::MODES + 2 * self.body.modes.len()
     }
 
-    /// The linear core with the teeth touching or apart
+    /// Returns the linear core with the teeth touching or apart:
     ///
     /// ```text
     ///     tau_a V'  = -V + K_v (v - K_ifb i)                   L i' = V - R i - K_e w_m
@@ -84,17 +84,17 @@ impl Plant {
         core
     }
 
-    /// The row c of the hub rate: w_h = c x.
+    /// Returns the row c of the hub rate: w_h = c x.
     pub fn hub_rate_row(&self) -> Vec<f64> {
         self.body_row(1, |mode| mode.hub_shape)
     }
 
-    /// The row c of the tip rate: w_t = c x.
+    /// Returns the row c of the tip rate: w_t = c x.
     pub fn tip_rate_row(&self) -> Vec<f64> {
         self.body_row(1, |mode| mode.tip_shape)
     }
 
-    /// The row c of the hub angle: theta_h = c x.
+    /// Returns the row c of the hub angle: theta_h = c x.
     pub fn hub_angle_row(&self) -> Vec<f64> {
         self.body_row(0, |mode| mode.hub_shape)
     }

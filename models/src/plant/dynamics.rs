@@ -3,6 +3,7 @@
 use super::core::{input, state};
 use super::{Core, Mesh, Plant};
 use crate::friction::{FrictionModel, Surroundings};
+use crate::tolerance::POWER_REVERSAL_RATE;
 
 /// What acts on the plant at an instant.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -20,8 +21,8 @@ pub struct Excitation {
 }
 
 impl Plant {
-    /// Number of states of the right-hand side: those of the core, then the dry friction state at the motor and at
-    /// the pivot (always both; a law without a state leaves its own at rest), then a hose's torque where there is one.
+    /// Returns the number of states of the right-hand side: those of the core, then the dry friction state at the motor and at
+    /// the pivot (always both; a law without a state leaves its own at rest), then a hose's torque if there is one.
     pub fn order(&self) -> usize {
         self.core_order() + 2 + usize::from(self.hose.is_some())
     }
@@ -75,7 +76,7 @@ impl Plant {
         }
     }
 
-    /// Whether the teeth touch at a wind-up, and the torque that takes half the gap off the spring, N m.
+    /// Returns whether the teeth touch at a wind-up, and the torque that takes half the gap off the spring, N m.
     #[inline]
     pub fn mesh(&self, wind_up_rad: f64) -> (Mesh, f64) {
         let half = 0.5 * self.parameters.gearbox.backlash_rad;
@@ -86,7 +87,7 @@ impl Plant {
         (Mesh::Touching, -sign * half * self.parameters.gearbox.stiffness_nm_rad)
     }
 
-    /// The gear torque T_2 at the output, N m.
+    /// Returns the gear torque T_2 at the output, N m.
     pub fn mesh_torque_nm(
         &self,
         wind_up_rad: f64,
@@ -104,7 +105,7 @@ impl Plant {
         }
     }
 
-    /// Smooth torques on the motor shaft beside those of the core: cogging, torque ripple, current limit, drag, N m.
+    /// Returns the smooth torques on the motor shaft beside those of the core: cogging, torque ripple, current limit, drag, N m.
     pub fn motor_torque_nm(&self, current_a: f64, motor_angle_rad: f64, motor_rate_rad_s: f64) -> f64 {
         let motor = &self.parameters.motor;
         let limit = self.parameters.amplifier.current_limit_a;
@@ -115,7 +116,7 @@ impl Plant {
             - self.parameters.motor_friction.drag_nm(motor_rate_rad_s)
     }
 
-    /// Smooth torques on the hub beside those of the core: spring, mesh ripple, drag, N m.
+    /// Returns the smooth torques on the hub beside those of the core: spring, mesh ripple, drag, N m.
     pub fn hub_torque_nm(
         &self,
         relative_angle_rad: f64,
@@ -127,9 +128,6 @@ impl Plant {
     }
 }
 
-/// Motor rate over which the direction of the power through the mesh changes, rad/s.
-const POWER_REVERSAL_RATE: f64 = 0.05;
-
 /// What an imperfect mesh takes from either side.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct MeshLoss {
@@ -140,7 +138,7 @@ pub struct MeshLoss {
 }
 
 impl Plant {
-    /// The mesh's loss: the driven side receives eta T_2. While the motor drives (T_2 w_m > 0) the hub lacks
+    /// Returns the mesh's loss: the driven side receives eta T_2. While the motor drives (T_2 w_m > 0) the hub lacks
     /// (1 - eta) T_2; while the hub drives the motor lacks (1 - eta) T_2 / N. The share changes over smoothly within
     /// a motor rate of 0.05 rad/s.
     pub fn mesh_loss_nm(&self, mesh_torque_nm: f64, motor_rate_rad_s: f64) -> MeshLoss {
@@ -166,7 +164,7 @@ fn multiply(core: &Core, x: &[f64], u: &[f64], dx: &mut [f64]) {
     }
 }
 
-/// Torque of the dry part and derivative of its state.
+/// Returns the torque of the dry part and derivative of its state.
 fn dry(friction: &FrictionModel, rate: f64, at: &Surroundings, z: f64) -> (f64, f64) {
     let level = friction.level(at);
     if friction.states() > 1 {

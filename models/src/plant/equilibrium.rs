@@ -18,7 +18,7 @@ pub struct OperatingPoint {
 pub struct Equilibrium {
     /// The operating point.
     pub point: OperatingPoint,
-    /// Control that holds it, V: the smallest one in size; the input limit where none suffices.
+    /// Control that holds it, V: the smallest one in size; the input limit if none suffices.
     pub control_v: f64,
     /// Drive of the linear amplifier that holds it, V.
     pub drive_v: f64,
@@ -35,7 +35,7 @@ pub struct Equilibrium {
 }
 
 impl Plant {
-    /// The equilibrium at an operating point, in closed form:
+    /// Returns the equilibrium at an operating point, in closed form:
     ///
     /// ```text
     ///     T_2 = mu g cos theta_h - nu g sin theta_h + K_s (theta_h - theta_p - theta_0) - mesh ripple
@@ -74,7 +74,7 @@ impl Plant {
         }
     }
 
-    /// The torque that the gear must pass for the hub to rest.
+    /// Returns the torque that the gear must pass for the hub to rest.
     fn held_torque_nm(&self, point: &OperatingPoint) -> f64 {
         let (sin, cos) = point.hub_angle_rad.sin_cos();
         let gravity = self.parameters.gravity_m_s2;
@@ -82,7 +82,7 @@ impl Plant {
         gravity * weight - self.spring_torque_nm(point.hub_angle_rad - point.platform_angle_rad)
     }
 
-    /// The angle and the modes of the structure under its weight, held at the hub by `held` less the spring.
+    /// Returns the angle and the modes of the structure under its weight, held at the hub by `held` less the spring.
     fn held_shape(&self, point: &OperatingPoint, held: f64) -> Vec<f64> {
         let (sin, cos) = point.hub_angle_rad.sin_cos();
         let gravity = self.parameters.gravity_m_s2;

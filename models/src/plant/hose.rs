@@ -14,19 +14,19 @@ use crate::parameters::Lumped;
 pub struct Hose {
     /// Largest torque, N m.
     pub level_nm: f64,
-    /// Stiffness where it springs back, N m/rad.
+    /// Stiffness when it springs back, N m/rad.
     pub stiffness_nm_rad: f64,
 }
 
 impl Hose {
-    /// The hose of a structure; none where its torque or its stiffness is 0.
+    /// Returns the hose of a structure; `None` if its torque or its stiffness is 0.
     pub fn of(lumped: &Lumped) -> Option<Self> {
         let hose =
             Self { level_nm: lumped.hysteresis_nm, stiffness_nm_rad: lumped.hysteresis_stiffness_nm_rad };
         (hose.level_nm > 0.0 && hose.stiffness_nm_rad > 0.0).then_some(hose)
     }
 
-    /// The torque after the hub has turned by an angle, N m: exact, whatever the rate was, as long as it kept its sign.
+    /// Returns the torque after the hub has turned by an angle, N m: exact, whatever the rate was, as long as it kept its sign.
     #[inline]
     pub fn after(&self, torque_nm: f64, travel_rad: f64) -> f64 {
         let (sense, mut left) = (travel_rad.signum(), travel_rad.abs());
@@ -43,7 +43,7 @@ impl Hose {
         sense * (self.level_nm - rest)
     }
 
-    /// Derivative of the torque at a rate of the hub on the platform, N m/s.
+    /// Returns the derivative of the torque at a rate of the hub on the platform, N m/s.
     pub fn slope(&self, torque_nm: f64, rate_rad_s: f64) -> f64 {
         let bent = torque_nm / self.level_nm;
         self.stiffness_nm_rad * (rate_rad_s - 0.5 * rate_rad_s.abs() * bent - 0.5 * rate_rad_s * bent.abs())

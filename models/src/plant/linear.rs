@@ -14,7 +14,7 @@ pub enum FrictionLinearisation {
     /// Nothing: the viscous part alone.
     Viscous,
     /// The describing function of the dry law for a sinusoidal hub motion relative to the platform; the motor turns
-    /// by the gear's ratio more. Stiffness enters only where [`Angles::Keep`] is chosen.
+    /// by the gear's ratio more. Stiffness enters only if [`Angles::Keep`] is chosen.
     DescribingFunction {
         /// Amplitude of the hub's relative motion, rad.
         hub_amplitude_rad: f64,
@@ -80,7 +80,7 @@ struct Impedance {
 }
 
 impl Plant {
-    /// The linearisation about an equilibrium, the teeth touching.
+    /// Returns the linearisation about an equilibrium, the teeth touching.
     ///
     /// # Errors
     /// An amplitude or frequency of the describing function that is not positive.
@@ -125,7 +125,11 @@ impl Plant {
         {
             if !(value > 0.0 && value.is_finite()) {
                 let parameter = format!("describing function: {name}");
-                return Err(Error::Parameter { parameter, value, allowed: "positive and finite" });
+                return Err(Error::Parameter {
+                    parameter,
+                    value,
+                    allowed: "must be positive and finite".into(),
+                });
             }
         }
         let motor_amplitude = hub_amplitude_rad * self.parameters.gearbox.ratio;
@@ -135,7 +139,7 @@ impl Plant {
         ))
     }
 
-    /// Adds theta_h - theta_p as the last state and gives its index.
+    /// Adds theta_h - theta_p as the last state and returns its index.
     fn append_relative_angle(&self, core: &mut Core) -> usize {
         let n = core.A.nrows();
         let mut A = Mat::zeros(n + 1, n + 1);
@@ -198,7 +202,7 @@ impl Plant {
         Ok(StateSpace::new(core.A.select(kept, kept), B, C, D, Timebase::Continuous)?)
     }
 
-    /// Names of the core's states and of the relative angle behind them.
+    /// Returns the names of the core's states and of the relative angle behind them.
     fn core_state_names(&self) -> Vec<String> {
         let fixed = [
             "amplifier_voltage_v",
@@ -218,7 +222,7 @@ impl Plant {
     }
 }
 
-/// The describing function of the dry part as a stiffness and a damping: F = k x + c x' for x = A sin(w t).
+/// Returns the describing function of the dry part as a stiffness and a damping: F = k x + c x' for x = A sin(w t).
 fn impedance(friction: &Friction, amplitude: f64, frequency: f64) -> Result<Impedance, Error> {
     let dry = Friction {
         viscous_nm_s_rad: 0.0,

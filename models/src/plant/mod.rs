@@ -39,7 +39,7 @@ pub struct Plant {
 }
 
 impl Plant {
-    /// The plant with the two-inertia structure of its parameters.
+    /// Returns the plant with the two-inertia structure of its parameters.
     ///
     /// # Errors
     /// [`Error::NoStructure`] without lumped inertias, [`Error::Parameter`] for the first parameter out of range.
@@ -49,7 +49,7 @@ impl Plant {
         Self::with_body(parameters, Body::lumped(lumped))
     }
 
-    /// The plant with a structure in modal coordinates, for instance from finite elements; the drive, the friction,
+    /// Returns the plant with a structure in modal coordinates, for instance from finite elements; the drive, the friction,
     /// the sensors and the position spring are those of the parameters.
     ///
     /// # Errors
@@ -62,8 +62,8 @@ impl Plant {
             .as_ref()
             .map_or((0.0, 0.0), |l| (l.position_stiffness_nm_rad, l.position_stiffness_centre_rad));
         Ok(Self {
-            motor_friction: FrictionModel::new(&parameters.motor_friction)?,
-            pivot_friction: FrictionModel::new(&parameters.pivot_friction)?,
+            motor_friction: FrictionModel::named("motor_friction", &parameters.motor_friction)?,
+            pivot_friction: FrictionModel::named("pivot_friction", &parameters.pivot_friction)?,
             parameters: parameters.clone(),
             body,
             spring,
@@ -71,24 +71,24 @@ impl Plant {
         })
     }
 
-    /// The parameters that the plant was built from.
+    /// Returns the parameters that the plant was built from.
     #[inline]
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
     }
 
-    /// The structure in modal coordinates.
+    /// Returns the structure in modal coordinates.
     #[inline]
     pub fn body(&self) -> &Body {
         &self.body
     }
 
-    /// The hose between hub and platform that remembers how it was bent; none where there is none.
+    /// Returns the hose between hub and platform that remembers how it was bent; `None` if there is none.
     pub fn hose(&self) -> Option<Hose> {
         self.hose
     }
 
-    /// Torque of the position spring on the hub at a hub angle relative to the platform, N m.
+    /// Returns the torque of the position spring on the hub at a hub angle relative to the platform, N m.
     pub fn spring_torque_nm(&self, relative_angle_rad: f64) -> f64 {
         -self.spring.0 * (relative_angle_rad - self.spring.1)
     }

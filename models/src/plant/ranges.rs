@@ -1,15 +1,13 @@
 //! The ranges in which a mechanism makes sense, checked once, when a plant is built.
 
 use super::Body;
-use crate::Error;
-use crate::parameters::{Friction, FrictionLaw, Lumped, Parameters, Sensor};
+use crate::parameters::{Lumped, Parameters, Sensor};
+use crate::{Error, Range};
 
 /// Refuses parameters outside their ranges; the first one found is named with its path.
 pub(super) fn check(parameters: &Parameters) -> Result<(), Error> {
     finite("gravity_m_s2", parameters.gravity_m_s2)?;
     drive(parameters)?;
-    friction("motor_friction", &parameters.motor_friction)?;
-    friction("pivot_friction", &parameters.pivot_friction)?;
     sensors(parameters)?;
     interface(parameters)
 }
@@ -49,7 +47,7 @@ fn drive(parameters: &Parameters) -> Result<(), Error> {
     positive("gearbox.stiffness_nm_rad", gearbox.stiffness_nm_rad)?;
     not_negative("gearbox.damping_nm_s_rad", gearbox.damping_nm_s_rad)?;
     not_negative("gearbox.backlash_rad", gearbox.backlash_rad)?;
-    within("gearbox.mesh_efficiency", gearbox.mesh_efficiency, 0.0, 1.0, "above 0, at most 1")?;
+    require(Range::AboveTo(0.0, 1.0), "gearbox.mesh_efficiency", gearbox.mesh_efficiency)?;
     positive("motor.inertia_kg_m2", motor.inertia_kg_m2)?;
     positive("motor.torque_constant_nm_a", motor.torque_constant_nm_a)?;
     not_negative("motor.back_emf_v_s_rad", motor.back_emf_v_s_rad)?;
@@ -70,53 +68,16 @@ fn map(parameters: &Parameters) -> Result<(), Error> {
     let mut last = (0.0, 0.0);
     for (k, point) in parameters.amplifier.map.iter().enumerate() {
         let rises = point.input_v > last.0 && point.current_a >= last.1 && point.current_a.is_finite();
-        let allowed = "positive and above the point before, with a current that does not fall";
-        require(rises, &format!("amplifier.map[{k}].input_v"), point.input_v, allowed)?;
+        if !rises {
+            return Err(Error::Parameter {
+                parameter: format!("amplifier.map[{k}].input_v"),
+                value: point.input_v,
+                allowed: "must be positive and above the point before, and its current must not fall".into(),
+            });
+        }
         last = (point.input_v, point.current_a);
     }
     Ok(())
-}
-
-fn friction(path: &str, friction: &Friction) -> Result<(), Error> {
-    let at = |name: &str| format!("{path}.{name}");
-    not_negative(&at("coulomb_nm"), friction.coulomb_nm())?;
-    not_negative(&at("viscous_nm_s_rad"), friction.viscous_nm_s_rad)?;
-    positive(&at("static_ratio"), friction.static_ratio)?;
-    positive(&at("stribeck_rate_rad_s"), friction.stribeck_rate_rad_s)?;
-    within(&at("asymmetry"), friction.asymmetry.abs() + f64::MIN_POSITIVE, 0.0, 0.999, "below 1 in size")?;
-    within(
-        &at("viscous_asymmetry"),
-        friction.viscous_asymmetry.abs() + f64::MIN_POSITIVE,
-        0.0,
-        0.999,
-        "below 1 in size",
-    )?;
-    not_negative(&at("quadratic_nm_s2_rad2"), friction.quadratic_nm_s2_rad2)?;
-    let ripple = friction.position_ripple.amplitude.abs() + f64::MIN_POSITIVE;
-    within(&at("position_ripple.amplitude"), ripple, 0.0, 0.999, "below 1 in size")?;
-    not_negative(&at("load_coefficient"), friction.load_coefficient)?;
-    within(&at("warm_up"), friction.warm_up + 2.0, 0.0, 2.999, "above -2 and below 1")?;
-    positive(&at("warm_up_time_s"), friction.warm_up_time_s)?;
-    law(path, &friction.law)
-}
-
-fn law(path: &str, law: &FrictionLaw) -> Result<(), Error> {
-    let at = |name: &str| format!("{path}.{name}");
-    match *law {
-        FrictionLaw::Dahl { rest_stiffness_nm_rad, exponent, .. } => {
-            positive(&at("rest_stiffness_nm_rad"), rest_stiffness_nm_rad)?;
-            positive(&at("exponent"), exponent)
-        }
-        FrictionLaw::Lugre { bristle_stiffness_nm_rad, bristle_damping_nm_s_rad, .. } => {
-            positive(&at("bristle_stiffness_nm_rad"), bristle_stiffness_nm_rad)?;
-            not_negative(&at("bristle_damping_nm_s_rad"), bristle_damping_nm_s_rad)
-        }
-        FrictionLaw::ResetIntegrator { deflection_rad, damping_nm_s_rad, .. } => {
-            positive(&at("deflection_rad"), deflection_rad)?;
-            not_negative(&at("damping_nm_s_rad"), damping_nm_s_rad)
-        }
-        _ => Ok(()),
-    }
 }
 
 fn sensors(parameters: &Parameters) -> Result<(), Error> {
@@ -150,31 +111,32 @@ fn interface(parameters: &Parameters) -> Result<(), Error> {
     for (path, bits) in
         [("interface.input_bits", interface.input_bits), ("interface.output_bits", interface.output_bits)]
     {
-        within(path, f64::from(bits), 0.0, 32.0, "1 to 32")?;
+        require(Range::Between(1.0, 32.0), path, f64::from(bits))?;
     }
     Ok(())
 }
 
-fn require(holds: bool, parameter: &str, value: f64, allowed: &'static str) -> Result<(), Error> {
-    if holds { Ok(()) } else { Err(Error::Parameter { parameter: parameter.to_owned(), value, allowed }) }
-}
-
 fn positive(parameter: &str, value: f64) -> Result<(), Error> {
-    require(value > 0.0 && value.is_finite(), parameter, value, "positive and finite")
-}
-
-fn positive_or_infinite(parameter: &str, value: f64) -> Result<(), Error> {
-    require(value > 0.0, parameter, value, "positive")
+    require(Range::POSITIVE, parameter, value)
 }
 
 fn not_negative(parameter: &str, value: f64) -> Result<(), Error> {
-    require(value >= 0.0 && value.is_finite(), parameter, value, "zero or positive, and finite")
+    require(Range::NOT_NEGATIVE, parameter, value)
 }
 
 fn finite(parameter: &str, value: f64) -> Result<(), Error> {
-    require(value.is_finite(), parameter, value, "finite")
+    require(Range::Any, parameter, value)
 }
 
-fn within(parameter: &str, value: f64, above: f64, at_most: f64, allowed: &'static str) -> Result<(), Error> {
-    require(value > above && value <= at_most, parameter, value, allowed)
+fn require(range: Range, parameter: &str, value: f64) -> Result<(), Error> {
+    range.check("", parameter, value).map(|_| ())
+}
+
+/// Checks a limit that may be absent: infinity stands for none.
+fn positive_or_infinite(parameter: &str, value: f64) -> Result<(), Error> {
+    if value > 0.0 {
+        return Ok(());
+    }
+    let allowed = "must be above 0, or infinite if there is no limit".into();
+    Err(Error::Parameter { parameter: parameter.to_owned(), value, allowed })
 }

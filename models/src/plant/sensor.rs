@@ -5,8 +5,8 @@ use crate::parameters::Sensor;
 use counterpoise_lti::{Mat, StateSpace, Timebase};
 
 impl Sensor {
-    /// The sensor's dynamics with its gain: gain w^2 / (s^2 + 2 z w s + w^2), with the states [reading / gain, its
-    /// derivative]; the gain alone where the natural frequency is infinite. Bias, delay and noise are left out.
+    /// Returns the sensor's dynamics with its gain: gain w^2 / (s^2 + 2 z w s + w^2), with the states [reading / gain, its
+    /// derivative]; the gain alone if the natural frequency is infinite. Bias, delay and noise are left out.
     ///
     /// # Errors
     /// A natural frequency, damping or gain that is not a number.

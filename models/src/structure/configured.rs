@@ -17,10 +17,10 @@ pub struct Structure {
 }
 
 impl Structure {
-    /// The structure of a mechanism; `configuration` is `None` where nothing is fitted.
+    /// Returns the structure of a mechanism; `configuration` is `None` if nothing is fitted.
     ///
     /// # Errors
-    /// [`Error::NoStructure`] where the mechanism has no beam, [`Error::UnknownMass`] for a mass that it does not have.
+    /// [`Error::NoStructure`] if the mechanism has no beam, [`Error::UnknownMass`] for a mass that it does not have.
     pub fn new(parameters: &Parameters, configuration: Option<&Configuration>) -> Result<Self, Error> {
         let beam = parameters.beam.clone().ok_or(Error::NoStructure)?;
         let mut fitted = Fitted::default();
@@ -37,7 +37,7 @@ impl Structure {
         Ok(Self { beam, fitted })
     }
 
-    /// Its finite-element model, with a damping matrix where its damping is not modal with the last ratio for all above.
+    /// Returns its finite-element model, with a damping matrix if its damping is not modal with the last ratio for all above.
     ///
     /// # Errors
     /// As for [`FeModel::beam`], [`rayleigh_coefficients`] and [`modes`].
@@ -50,14 +50,13 @@ impl Structure {
                 Some(modal_with_stiffness(&model, &pinned, &self.beam.modal_damping))
             }
             StructuralDamping::Rayleigh { first, second } => {
-                let (a0, a1) = rayleigh_coefficients(first.into(), second.into())?;
-                Some(rayleigh(&model, a0, a1))
+                Some(rayleigh(&model, rayleigh_coefficients(first.into(), second.into())?))
             }
         };
         Ok(model)
     }
 
-    /// Its first `modes` flexible modes, pinned at the hub: what [`crate::Plant::with_body`] takes.
+    /// Returns its first `modes` flexible modes, pinned at the hub: what [`crate::Plant::with_body`] takes.
     ///
     /// # Errors
     /// As for [`FeModel::beam`] and [`pinned`].
@@ -66,10 +65,10 @@ impl Structure {
     }
 }
 
-/// The parameters with two inertias derived from the bare beam where none are given, and as they are otherwise.
+/// Returns the parameters with two inertias derived from the bare beam if none are given, and as they are otherwise.
 ///
 /// # Errors
-/// [`Error::NoStructure`] where there is neither, else as for [`FeModel::beam`] and [`lumped`].
+/// [`Error::NoStructure`] if there is neither, else as for [`FeModel::beam`] and [`lumped`].
 pub fn with_derived_lumped(parameters: &Parameters, options: &FeOptions) -> Result<Parameters, Error> {
     if parameters.lumped.is_some() {
         return Ok(parameters.clone());

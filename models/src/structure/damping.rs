@@ -6,28 +6,54 @@ use crate::Error;
 use counterpoise_lti::Mat;
 use counterpoise_lti::linalg::solve;
 
-/// a_0 and a_1 of C = a_0 M + a_1 K that give two frequencies (rad/s) their damping ratios: (5-11), (5-12).
+/// A frequency and the damping ratio there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DampedFrequency {
+    /// Angular frequency, rad/s.
+    pub frequency_rad_s: f64,
+    /// Damping ratio.
+    pub ratio: f64,
+}
+
+impl From<[f64; 2]> for DampedFrequency {
+    /// From a frequency in rad/s and its damping ratio, as [`crate::parameters::StructuralDamping::Rayleigh`] has them.
+    fn from([frequency_rad_s, ratio]: [f64; 2]) -> Self {
+        Self { frequency_rad_s, ratio }
+    }
+}
+
+/// The coefficients of Rayleigh damping, C = a_0 M + a_1 K.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rayleigh {
+    /// a_0, 1/s.
+    pub mass_factor: f64,
+    /// a_1, s.
+    pub stiffness_factor: f64,
+}
+
+/// Returns the Rayleigh damping that gives two frequencies their damping ratios: (5-11), (5-12).
 ///
 /// # Errors
-/// [`Error::Parameter`] where the frequencies are not positive and different.
-pub fn rayleigh_coefficients(first: (f64, f64), second: (f64, f64)) -> Result<(f64, f64), Error> {
-    let ((w1, z1), (w2, z2)) = (first, second);
+/// [`Error::Parameter`] if the frequencies are not positive and different.
+pub fn rayleigh_coefficients(first: DampedFrequency, second: DampedFrequency) -> Result<Rayleigh, Error> {
+    let (w1, z1) = (first.frequency_rad_s, first.ratio);
+    let (w2, z2) = (second.frequency_rad_s, second.ratio);
     let apart = w2 * w2 - w1 * w1;
     if !(w1 > 0.0 && w2 > 0.0 && apart != 0.0 && apart.is_finite()) {
         let allowed = "must be positive and differ from the first frequency";
         return Err(Error::Parameter {
             parameter: "rayleigh.second_frequency".to_owned(),
             value: w2,
-            allowed,
+            allowed: allowed.into(),
         });
     }
     let stiffness = 2.0 * (z2 * w2 - z1 * w1) / apart;
-    Ok((2.0 * z1 * w1 - stiffness * w1 * w1, stiffness))
+    Ok(Rayleigh { mass_factor: 2.0 * z1 * w1 - stiffness * w1 * w1, stiffness_factor: stiffness })
 }
 
-/// C = a_0 M + a_1 K, n x n: (5-11).
-pub fn rayleigh(model: &FeModel, mass_factor: f64, stiffness_factor: f64) -> Mat {
-    &model.M.scale(mass_factor) + &model.K.scale(stiffness_factor)
+/// Returns C = a_0 M + a_1 K, n x n: (5-11).
+pub fn rayleigh(model: &FeModel, factors: Rayleigh) -> Mat {
+    &model.M.scale(factors.mass_factor) + &model.K.scale(factors.stiffness_factor)
 }
 
 /// C = sum 2 zeta_k w_k (M phi_k) (M phi_k)' over the flexible modes k = 1 .. `ratios.len()`, n x n: (5-13).
@@ -56,11 +82,11 @@ pub fn modal_with_stiffness(model: &FeModel, modes: &Modes, ratios: &[f64]) -> M
     &model.K.scale(stiffness_factor) + &modal(model, modes, &rest)
 }
 
-/// A of x' = A x + [M^-1; 0] p, x = [q'; q]: [-M^-1 C, -M^-1 K; I, 0], 2n x 2n; (5-16) with the sign of M^-1 C that the
+/// Returns A of x' = A x + [M^-1; 0] p, x = [q'; q]: [-M^-1 C, -M^-1 K; I, 0], 2n x 2n; (5-16) with the sign of M^-1 C that the
 /// print lacks.
 ///
 /// # Errors
-/// [`Error::Linalg`] where the shapes differ or M is singular.
+/// [`Error::Linalg`] if the shapes differ or M is singular.
 pub fn state_matrix(M: &Mat, C: &Mat, K: &Mat) -> Result<Mat, Error> {
     let n = M.nrows();
     let upper = -solve(M, &C.hstack(K))?;

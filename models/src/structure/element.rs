@@ -5,6 +5,7 @@
 use super::power_law;
 use super::profile::{CrossSection, Profile};
 use crate::Error;
+use nalgebra::{Matrix4, Vector4};
 
 /// What the element knows of shear and rotary inertia.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -28,21 +29,18 @@ pub enum Integration {
     UniformAverage,
 }
 
-/// A 4 x 4 element matrix.
-pub type Matrix4 = [[f64; 4]; 4];
-
 /// Mass and stiffness of one element.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Element {
     /// Mass matrix; kg, kg m and kg m^2.
-    pub mass: Matrix4,
+    pub mass: Matrix4<f64>,
     /// Stiffness matrix; N/m, N and N m.
-    pub stiffness: Matrix4,
+    pub stiffness: Matrix4<f64>,
     /// The functions that interpolate between the nodes.
     pub shape: Shape,
 }
 
-/// The element from x = `from_m` to `to_m`.
+/// Returns the element from x = `from_m` to `to_m`.
 ///
 /// m_ij = int rho A psi_i psi_j dx (+ rho I theta_i theta_j), k_ij = int E I theta_i' theta_j' dx (+ kappa G A gamma_i
 /// gamma_j): (5-2), (5-3) by Gauss' rule with five points on each section that the element spans, which is exact for
@@ -50,32 +48,33 @@ pub struct Element {
 /// the frequencies of an assembly are never below the beam's.
 ///
 /// # Errors
-/// [`Error::PowerLaw`] where no power law passes through the element's three cross sections.
+/// [`Error::PowerLaw`] if no power law passes through the element's three cross sections.
 pub fn element(
     profile: &Profile,
     from_m: f64,
     to_m: f64,
-    how: (Theory, Integration),
+    theory: Theory,
+    integration: Integration,
 ) -> Result<Element, Error> {
-    let (theory, integration) = how;
     match integration {
-        Integration::Quadrature => Ok(by_quadrature(profile, (from_m, to_m), theory, |x| profile.after(x))),
+        Integration::Quadrature => Ok(integrate(profile, from_m, to_m, theory, |x| profile.after(x))),
         Integration::UniformAverage => {
             let average = profile.average(from_m, to_m);
-            Ok(by_quadrature(profile, (from_m, to_m), theory, |_| average))
+            Ok(integrate(profile, from_m, to_m, theory, |_| average))
         }
         Integration::PowerLaw => power_law::element(profile, from_m, to_m),
     }
 }
 
-fn by_quadrature(
+fn integrate(
     profile: &Profile,
-    (from_m, to_m): (f64, f64),
+    from_m: f64,
+    to_m: f64,
     theory: Theory,
     cross_section: impl Fn(f64) -> CrossSection,
 ) -> Element {
     let shape = Shape::new(profile, from_m, to_m, theory);
-    let mut out = Element { mass: [[0.0; 4]; 4], stiffness: [[0.0; 4]; 4], shape };
+    let mut out = Element { mass: Matrix4::zeros(), stiffness: Matrix4::zeros(), shape };
     for (a, b) in profile.pieces_m(from_m, to_m) {
         for (point, weight) in GAUSS {
             let x = 0.5 * (a + b) + 0.5 * (b - a) * point;
@@ -103,7 +102,7 @@ impl Element {
     }
 }
 
-/// The interpolation of an element: cubic, with linear terms where shear counts (Friedman and Kosmatka, Computers and
+/// The interpolation of an element: cubic, with linear terms if shear counts (Friedman and Kosmatka, Computers and
 /// Structures 47, 1993), phi = 12 E I / (kappa G A L^2) of the mean cross section.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shape {
@@ -116,13 +115,13 @@ pub struct Shape {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Local {
     /// Deflection w.
-    pub deflection: [f64; 4],
+    pub deflection: Vector4<f64>,
     /// Rotation theta, 1/m for the deflections' functions.
-    pub rotation: [f64; 4],
+    pub rotation: Vector4<f64>,
     /// Curvature theta', 1/m^2 and 1/m.
-    pub curvature: [f64; 4],
+    pub curvature: Vector4<f64>,
     /// Shear strain w' - theta.
-    pub shear: [f64; 4],
+    pub shear: Vector4<f64>,
 }
 
 impl Shape {
@@ -143,7 +142,7 @@ impl Shape {
         Self { from_m, length_m: to_m - from_m, shear_share: 0.0 }
     }
 
-    /// The shape functions at x.
+    /// Returns the shape functions at x.
     pub fn at(&self, x_m: f64) -> Local {
         let (l, p) = (self.length_m, self.shear_share);
         let x = (x_m - self.from_m) / l;
@@ -153,31 +152,32 @@ impl Shape {
         let bend = (6.0 - 12.0 * x) * scale / (l * l);
         let lean = 0.5 * p * (x - x * x);
         Local {
-            deflection: [
+            deflection: Vector4::new(
                 1.0 - third * scale,
                 l * (x * (1.0 - x) * (1.0 - x) + lean) * scale,
                 third * scale,
                 l * (x * x * (x - 1.0) - lean) * scale,
-            ],
-            rotation: [
+            ),
+            rotation: Vector4::new(
                 -slope,
                 (1.0 + x * (3.0 * x - 4.0) + p * (1.0 - x)) * scale,
                 slope,
                 (x * (3.0 * x - 2.0) + p * x) * scale,
-            ],
-            curvature: [-bend, (6.0 * x - 4.0 - p) * scale / l, bend, (6.0 * x - 2.0 + p) * scale / l],
-            shear: [-p * scale / l, -0.5 * p * scale, p * scale / l, -0.5 * p * scale],
+            ),
+            curvature: Vector4::new(
+                -bend,
+                (6.0 * x - 4.0 - p) * scale / l,
+                bend,
+                (6.0 * x - 2.0 + p) * scale / l,
+            ),
+            shear: Vector4::new(-p * scale / l, -0.5 * p * scale, p * scale / l, -0.5 * p * scale),
         }
     }
 }
 
-/// Adds factor x a a' to a matrix.
-pub(super) fn add_outer(matrix: &mut Matrix4, factor: f64, a: &[f64; 4]) {
-    for (row, &left) in matrix.iter_mut().zip(a) {
-        for (entry, &right) in row.iter_mut().zip(a) {
-            *entry += factor * (left * right);
-        }
-    }
+/// Adds factor (a a') to a matrix.
+fn add_outer(matrix: &mut Matrix4<f64>, factor: f64, a: &Vector4<f64>) {
+    *matrix += a * a.transpose() * factor;
 }
 
 /// Points and weights of Gauss' rule on [-1, 1].

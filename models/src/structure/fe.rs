@@ -5,7 +5,9 @@ use super::mesh::Mesh;
 use super::profile::Profile;
 use crate::Error;
 use crate::parameters::{Beam, PointMass};
+use crate::tolerance::AT_PIVOT;
 use counterpoise_lti::Mat;
+use nalgebra::Matrix4;
 
 /// M q'' + C q' + K q = p, q the deflections (upward, perpendicular to the axis) and rotations (nose-up) of the nodes.
 ///
@@ -18,13 +20,13 @@ pub struct FeModel {
     pub M: Mat,
     /// Stiffness matrix, n x n, symmetric.
     pub K: Mat,
-    /// Damping matrix, n x n, where one was given.
+    /// Damping matrix, n x n, if one was given.
     pub C: Option<Mat>,
     /// q of the rigid upward translation by 1 m.
     pub heave: Vec<f64>,
     /// q of the rigid nose-up rotation by 1 rad about the pivot.
     pub pitch: Vec<f64>,
-    /// The unknowns at the hub, where a node lies at the pivot.
+    /// The unknowns at the hub, if a node lies at the pivot.
     pub hub: Option<NodeRows>,
     /// The unknowns at the tip.
     pub tip: NodeRows,
@@ -70,7 +72,7 @@ pub struct Fitted {
 }
 
 impl FeModel {
-    /// The model of a beam with what is fitted to it; unknowns 2 i and 2 i + 1 are deflection and rotation of node i.
+    /// Returns the model of a beam with what is fitted to it; unknowns 2 i and 2 i + 1 are deflection and rotation of node i.
     ///
     /// # Errors
     /// [`Error::Parameter`] for a beam, mesh or mass out of range, [`Error::PowerLaw`] as for [`element`].
@@ -80,7 +82,7 @@ impl FeModel {
         let mut out = Self::rigid(&nodes, beam.pivot_m);
         let mut shapes = Vec::with_capacity(nodes.len() - 1);
         for (i, ends) in nodes.windows(2).enumerate() {
-            let one = element(&profile, ends[0], ends[1], (options.theory, options.integration))?;
+            let one = element(&profile, ends[0], ends[1], options.theory, options.integration)?;
             out.place(i, &one);
             shapes.push(one.shape);
         }
@@ -95,17 +97,17 @@ impl FeModel {
         Ok(out)
     }
 
-    /// Total mass, kg.
+    /// Returns the total mass, kg.
     pub fn mass_kg(&self) -> f64 {
         self.inner(&self.heave, &self.heave)
     }
 
-    /// First moment of mass about the pivot, kg m.
+    /// Returns the first moment of mass about the pivot, kg m.
     pub fn first_moment_kg_m(&self) -> f64 {
         self.inner(&self.heave, &self.pitch)
     }
 
-    /// Moment of inertia about the pivot, kg m^2.
+    /// Returns the moment of inertia about the pivot, kg m^2.
     pub fn inertia_kg_m2(&self) -> f64 {
         self.inner(&self.pitch, &self.pitch)
     }
@@ -140,12 +142,8 @@ impl FeModel {
     }
 
     fn place(&mut self, index: usize, element: &Element) {
-        for i in 0..4 {
-            for j in 0..4 {
-                self.M[(2 * index + i, 2 * index + j)] += element.mass[i][j];
-                self.K[(2 * index + i, 2 * index + j)] += element.stiffness[i][j];
-            }
-        }
+        add_block(&mut self.M, 2 * index, &element.mass);
+        add_block(&mut self.K, 2 * index, &element.stiffness);
     }
 
     /// Adds a point mass through the interpolation of the element that carries it.
@@ -156,7 +154,7 @@ impl FeModel {
                 return Err(Error::Parameter {
                     parameter,
                     value,
-                    allowed: "must be finite and not negative",
+                    allowed: "must be finite and not negative".into(),
                 });
             }
         }
@@ -165,16 +163,20 @@ impl FeModel {
         let index = nodes.partition_point(|&x| x <= carrier).clamp(1, last) - 1;
         let local = shapes[index].at(carrier);
         let arm = mass.position_m - carrier;
-        let moved: [f64; 4] = std::array::from_fn(|i| local.deflection[i] + arm * local.rotation[i]);
-        for i in 0..4 {
-            for j in 0..4 {
-                self.M[(2 * index + i, 2 * index + j)] += mass.mass_kg * (moved[i] * moved[j])
-                    + mass.inertia_kg_m2 * (local.rotation[i] * local.rotation[j]);
-            }
-        }
+        let moved = local.deflection + local.rotation * arm;
+        let turned = local.rotation;
+        let added =
+            moved * moved.transpose() * mass.mass_kg + turned * turned.transpose() * mass.inertia_kg_m2;
+        add_block(&mut self.M, 2 * index, &added);
         Ok(())
     }
 }
 
-/// Distance from the pivot, relative to the beam, at which a node is the hub's.
-const AT_PIVOT: f64 = 1e-9;
+/// Adds a block on the diagonal of a matrix.
+fn add_block(matrix: &mut Mat, first: usize, block: &Matrix4<f64>) {
+    for i in 0..4 {
+        for j in 0..4 {
+            matrix[(first + i, first + j)] += block[(i, j)];
+        }
+    }
+}

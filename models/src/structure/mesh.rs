@@ -2,13 +2,14 @@
 
 use super::profile::Profile;
 use crate::Error;
+use crate::tolerance::{AT_PIVOT, MOST_ELEMENTS};
 
 /// How a beam is cut into elements.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Mesh {
     /// This many elements of equal length, wherever sections and pivot lie.
     Equal(usize),
-    /// A node at every end of a section; this many elements, or of equal length where there are fewer than sections.
+    /// A node at every end of a section; this many elements, or of equal length if there are fewer than sections.
     Sections(usize),
     /// A node at every end of a section and at the pivot; at least this many elements.
     Pivoted(usize),
@@ -17,7 +18,7 @@ pub enum Mesh {
 }
 
 impl Mesh {
-    /// The nodes, m, rising.
+    /// Returns the nodes, m, rising.
     ///
     /// # Errors
     /// [`Error::Parameter`] for no element, or given nodes that do not rise from end to end of the beam.
@@ -35,14 +36,11 @@ impl Mesh {
     }
 }
 
-/// Distance from a station, relative to the beam, at which the pivot takes that station's place.
-const MEETS: f64 = 1e-9;
-
 fn with_pivot(mut stations: Vec<f64>, pivot_m: f64) -> Vec<f64> {
     let length = stations[stations.len() - 1] - stations[0];
-    let at = stations.partition_point(|&s| s < pivot_m - MEETS * length);
+    let at = stations.partition_point(|&s| s < pivot_m - AT_PIVOT * length);
     match stations.get(at) {
-        Some(s) if (s - pivot_m).abs() <= MEETS * length => stations[at] = pivot_m,
+        Some(s) if (s - pivot_m).abs() <= AT_PIVOT * length => stations[at] = pivot_m,
         _ => stations.insert(at, pivot_m),
     }
     stations
@@ -70,18 +68,15 @@ fn given(nodes: &[f64], [start, end]: [f64; 2]) -> Result<Vec<f64>, Error> {
     let refused = Error::Parameter {
         parameter: "mesh.nodes".to_owned(),
         value: nodes.len() as f64,
-        allowed: "must rise from one end of the beam to the other",
+        allowed: "must rise from one end of the beam to the other".into(),
     };
     if spans { Ok(nodes.to_vec()) } else { Err(refused) }
 }
-
-/// Elements beyond which rounding spoils the first mode.
-const MOST_ELEMENTS: usize = 2000;
 
 fn positive(elements: usize) -> Result<usize, Error> {
     if (1..=MOST_ELEMENTS).contains(&elements) {
         return Ok(elements);
     }
     let (parameter, value) = ("mesh.elements".to_owned(), elements as f64);
-    Err(Error::Parameter { parameter, value, allowed: "must be from 1 to 2000" })
+    Err(Error::Parameter { parameter, value, allowed: "must be from 1 to 2000".into() })
 }

@@ -2,6 +2,7 @@
 
 use super::fe::FeModel;
 use crate::Error;
+use crate::tolerance::FREE;
 use counterpoise_lti::Mat;
 use counterpoise_lti::linalg::sym_gen_eigen;
 
@@ -38,15 +39,15 @@ pub struct Modes {
     pub shapes: Mat,
 }
 
-/// The modes: K phi = w^2 M phi on the unknowns that the support leaves free.
+/// Returns the modes: K phi = w^2 M phi on the unknowns that the support leaves free.
 ///
 /// The rigid modes are the exact rigid motions, and the flexible ones are made orthogonal to them. Unknowns without mass
 /// (rotations of a lumped-mass model) follow the others statically; there are as many modes as unknowns with mass. Cost:
 /// one symmetric eigenproblem of the number of unknowns.
 ///
 /// # Errors
-/// [`Error::Parameter`] where an unknown has a negative mass, or fewer have any than there are rigid motions, [`Error::NoHubNode`] where a held structure has no node at the pivot, [`Error::NotFree`] where K resists a rigid
-/// motion that the support leaves free, [`Error::Linalg`] where M is not positive definite.
+/// [`Error::Parameter`] if an unknown has a negative mass, or fewer have any than there are rigid motions, [`Error::NoHubNode`] if a held structure has no node at the pivot, [`Error::NotFree`] if K resists a rigid
+/// motion that the support leaves free, [`Error::Linalg`] if M is not positive definite.
 pub fn modes(model: &FeModel, support: Support) -> Result<Modes, Error> {
     let n = model.M.nrows();
     let held = held(model, support)?;
@@ -125,7 +126,7 @@ fn masses(model: &FeModel, free: &[usize], support: Support) -> Result<(), Error
     let mass = |i: &usize| model.M[(*i, *i)];
     if let Some(row) = free.iter().find(|i| mass(i) < 0.0 || mass(i).is_nan()) {
         let parameter = format!("entry ({0}, {0}) of the mass matrix", row + 1);
-        return Err(Error::Parameter { parameter, value: mass(row), allowed: "must not be negative" });
+        return Err(Error::Parameter { parameter, value: mass(row), allowed: "must not be negative".into() });
     }
     let rigid = match support {
         Support::Free => 2,
@@ -136,7 +137,7 @@ fn masses(model: &FeModel, free: &[usize], support: Support) -> Result<(), Error
     if with_mass < rigid {
         let parameter = "number of unknowns with mass".to_owned();
         let allowed = "must be at least that of the motions that nothing holds";
-        return Err(Error::Parameter { parameter, value: with_mass as f64, allowed });
+        return Err(Error::Parameter { parameter, value: with_mass as f64, allowed: allowed.into() });
     }
     Ok(())
 }
@@ -149,7 +150,7 @@ fn held(model: &FeModel, support: Support) -> Result<Vec<usize>, Error> {
     }
 }
 
-/// The rigid modes that the support leaves, of unit modal mass and orthogonal.
+/// Returns the rigid modes that the support leaves, of unit modal mass and orthogonal.
 fn rigid_modes(model: &FeModel, support: Support) -> Result<Vec<Vec<f64>>, Error> {
     let motions: &[(&'static str, &Vec<f64>)] = match support {
         Support::Free => &[("heave", &model.heave), ("pitch", &model.pitch)],
@@ -170,9 +171,6 @@ fn rigid_modes(model: &FeModel, support: Support) -> Result<Vec<Vec<f64>>, Error
     }
     Ok(out)
 }
-
-/// Resistance of K to a rigid motion, relative to its norm, that counts as none.
-const FREE: f64 = 1e-6;
 
 fn remove(model: &FeModel, shape: &mut [f64], rigid: &[f64]) {
     let share = model.inner(rigid, shape);

@@ -3,14 +3,16 @@
 //! A(xi) = A_0 (1 + s xi^b), I(xi) = I_0 (1 + r xi^a) through the near end, the middle and the far end: (5-17) to
 //! (5-20), with the entries that the print has wrong corrected and the rotation's sign that of the uniform element.
 
-use super::element::{Element, Matrix4, Shape};
+use super::element::{Element, Shape};
 use super::profile::Profile;
 use crate::Error;
+use crate::tolerance::SAME_SECTION;
+use nalgebra::Matrix4;
 
-/// The element from x = `from_m` to `to_m`, Bernoulli-Euler.
+/// Returns the element from x = `from_m` to `to_m`, Bernoulli-Euler.
 ///
 /// # Errors
-/// [`Error::PowerLaw`] where the three cross sections are not monotone, so that no power law passes through them.
+/// [`Error::PowerLaw`] if the three cross sections are not monotone, so that no power law passes through them.
 pub fn element(profile: &Profile, from_m: f64, to_m: f64) -> Result<Element, Error> {
     let (near, far) = (profile.after(from_m), profile.before(to_m));
     let middle = profile.after(0.5 * (from_m + to_m));
@@ -36,14 +38,11 @@ pub struct PowerLaw {
     pub exponent: f64,
 }
 
-/// Difference of two cross sections, relative, that counts as none.
-const SAME: f64 = 1e-12;
-
 impl PowerLaw {
-    /// The law through the values at the near end, the middle and the far end: (5-19), (5-20). `None` where the
+    /// Returns the law through the values at the near end, the middle and the far end: (5-19), (5-20). `None` if the
     /// middle is not strictly between the ends, unless all three are the same.
     pub fn through(near: f64, middle: f64, far: f64) -> Option<Self> {
-        let same = |a: f64, b: f64| (a - b).abs() <= SAME * near.abs();
+        let same = |a: f64, b: f64| (a - b).abs() <= SAME_SECTION * near.abs();
         if same(near, far) {
             return same(near, middle).then_some(Self { excess: 0.0, exponent: 1.0 });
         }
@@ -58,8 +57,8 @@ impl PowerLaw {
     }
 }
 
-/// The mass matrix, (5-17) corrected; `line_mass` is rho A_0, kg/m.
-pub fn mass(line_mass: f64, length: f64, law: &PowerLaw) -> Matrix4 {
+/// Returns the mass matrix, (5-17) corrected; `line_mass` is rho A_0, kg/m.
+pub fn mass(line_mass: f64, length: f64, law: &PowerLaw) -> Matrix4<f64> {
     let m = |uniform: f64, terms: &[(f64, f64)]| line_mass * length * (uniform / 420.0 + law.moments(terms));
     let l = length;
     let m11 = m(156.0, &[(1.0, 1.0), (-6.0, 3.0), (4.0, 4.0), (9.0, 5.0), (-12.0, 6.0), (4.0, 7.0)]);
@@ -72,11 +71,11 @@ pub fn mass(line_mass: f64, length: f64, law: &PowerLaw) -> Matrix4 {
     let m33 = m(156.0, &[(9.0, 5.0), (-12.0, 6.0), (4.0, 7.0)]);
     let m43 = -l * m(22.0, &[(3.0, 5.0), (-5.0, 6.0), (2.0, 7.0)]);
     let m44 = l * l * m(4.0, &[(1.0, 5.0), (-2.0, 6.0), (1.0, 7.0)]);
-    [[m11, m21, m31, m41], [m21, m22, m32, m42], [m31, m32, m33, m43], [m41, m42, m43, m44]]
+    Matrix4::new(m11, m21, m31, m41, m21, m22, m32, m42, m31, m32, m33, m43, m41, m42, m43, m44)
 }
 
-/// The stiffness matrix, (5-18) in the sign convention of (5-5); `rigidity` is E I_0, N m^2.
-pub fn stiffness(rigidity: f64, length: f64, law: &PowerLaw) -> Matrix4 {
+/// Returns the stiffness matrix, (5-18) in the sign convention of (5-5); `rigidity` is E I_0, N m^2.
+pub fn stiffness(rigidity: f64, length: f64, law: &PowerLaw) -> Matrix4<f64> {
     let l = length;
     let k =
         |factor: f64, many: f64, terms: &[(f64, f64)]| factor * rigidity * (1.0 + many * law.moments(terms));
@@ -86,5 +85,5 @@ pub fn stiffness(rigidity: f64, length: f64, law: &PowerLaw) -> Matrix4 {
     let k41 = k(6.0 / (l * l), 2.0, &[(1.0, 1.0), (-5.0, 2.0), (6.0, 3.0)]);
     let k42 = k(2.0 / l, 2.0, &[(2.0, 1.0), (-9.0, 2.0), (9.0, 3.0)]);
     let k44 = k(4.0 / l, 1.0, &[(1.0, 1.0), (-6.0, 2.0), (9.0, 3.0)]);
-    [[k11, k21, -k11, k41], [k21, k22, -k21, k42], [-k11, -k21, k11, -k41], [k41, k42, -k41, k44]]
+    Matrix4::new(k11, k21, -k11, k41, k21, k22, -k21, k42, -k11, -k21, k11, -k41, k41, k42, -k41, k44)
 }

@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::parameters::{Beam, Section, SectionShape};
+use crate::tolerance::ADJOINING;
 use std::f64::consts::PI;
 
 /// A beam whose sections have been checked: they adjoin, have a positive extent and a positive cross section.
@@ -25,13 +26,11 @@ pub struct CrossSection {
     pub shear_coefficient: f64,
 }
 
-/// Gap between sections that still counts as adjoining, relative to the beam's length.
-const ADJOINING: f64 = 1e-9;
-/// Shear coefficient where only area and second moment are given: that of a rectangle without Poisson's effect.
+/// Shear coefficient if only area and second moment are given: that of a rectangle without Poisson's effect.
 const SHEAR_COEFFICIENT: f64 = 5.0 / 6.0;
 
 impl Profile {
-    /// The profile of a beam.
+    /// Returns the profile of a beam.
     ///
     /// # Errors
     /// [`Error::Parameter`] names what is out of range: modulus, density, a section's extent, gap or cross section,
@@ -40,16 +39,18 @@ impl Profile {
         check(
             "beam.youngs_modulus",
             beam.youngs_modulus_pa,
-            beam.youngs_modulus_pa > 0.0,
-            "must be positive",
+            Required { holds: beam.youngs_modulus_pa > 0.0, words: "must be positive" },
         )?;
-        check("beam.density", beam.density_kg_m3, beam.density_kg_m3 > 0.0, "must be positive")?;
+        check(
+            "beam.density",
+            beam.density_kg_m3,
+            Required { holds: beam.density_kg_m3 > 0.0, words: "must be positive" },
+        )?;
         let ratio = beam.poissons_ratio;
         check(
             "beam.poissons_ratio",
             ratio,
-            ratio > -1.0 && ratio <= 0.5,
-            "must be above -1 and at most 0.5",
+            Required { holds: ratio > -1.0 && ratio <= 0.5, words: "must be above -1 and at most 0.5" },
         )?;
         let out = Self {
             youngs_modulus_pa: beam.youngs_modulus_pa,
@@ -60,61 +61,61 @@ impl Profile {
         };
         out.check_sections()?;
         let inside = out.start_m() <= beam.pivot_m && beam.pivot_m <= out.end_m();
-        check("beam.pivot", beam.pivot_m, inside, "must lie on the beam")?;
+        check("beam.pivot", beam.pivot_m, Required { holds: inside, words: "must lie on the beam" })?;
         Ok(out)
     }
 
-    /// Near end of the beam, m.
+    /// Returns the near end of the beam, m.
     pub fn start_m(&self) -> f64 {
         self.sections.first().map_or(0.0, |s| s.from_m)
     }
 
-    /// Far end of the beam, m.
+    /// Returns the far end of the beam, m.
     pub fn end_m(&self) -> f64 {
         self.sections.last().map_or(0.0, |s| s.to_m)
     }
 
-    /// Young's modulus E, Pa.
+    /// Returns Young's modulus E, Pa.
     pub fn youngs_modulus_pa(&self) -> f64 {
         self.youngs_modulus_pa
     }
 
-    /// Shear modulus G = E / (2 (1 + nu)), Pa.
+    /// Returns the shear modulus G = E / (2 (1 + nu)), Pa.
     pub fn shear_modulus_pa(&self) -> f64 {
         self.shear_modulus_pa
     }
 
-    /// Density, kg/m^3.
+    /// Returns the density, kg/m^3.
     pub fn density_kg_m3(&self) -> f64 {
         self.density_kg_m3
     }
 
-    /// Ends of the sections, m, both ends of the beam included.
+    /// Returns the ends of the sections, m, both ends of the beam included.
     pub fn stations_m(&self) -> Vec<f64> {
         let starts = self.sections.iter().map(|s| s.from_m);
         starts.chain([self.end_m()]).collect()
     }
 
-    /// The pieces of [from, to] that lie in one section each.
+    /// Returns the pieces of [from, to] that lie in one section each.
     pub fn pieces_m(&self, from_m: f64, to_m: f64) -> Vec<(f64, f64)> {
         let cut = |s: &Section| (s.from_m.max(from_m), s.to_m.min(to_m));
         let long = |(a, b): &(f64, f64)| b - a > ADJOINING * (to_m - from_m);
         self.sections.iter().map(cut).filter(long).collect()
     }
 
-    /// The cross section at x, of the section that begins there where two meet.
+    /// Returns the cross section at x, of the section that begins there where two meet.
     pub fn after(&self, x_m: f64) -> CrossSection {
         let at = self.sections.iter().rposition(|s| s.from_m <= x_m).unwrap_or(0);
         self.cross_section(at, x_m)
     }
 
-    /// The cross section at x, of the section that ends there where two meet.
+    /// Returns the cross section at x, of the section that ends there where two meet.
     pub fn before(&self, x_m: f64) -> CrossSection {
         let at = self.sections.iter().position(|s| x_m <= s.to_m).unwrap_or(self.sections.len() - 1);
         self.cross_section(at, x_m)
     }
 
-    /// The uniform cross section that the thesis gives an element: of the mean diameters (given areas and second
+    /// Returns the uniform cross section that the thesis gives an element: of the mean diameters (given areas and second
     /// moments are averaged themselves).
     pub fn average(&self, from_m: f64, to_m: f64) -> CrossSection {
         let length = to_m - from_m;
@@ -149,22 +150,27 @@ impl Profile {
     }
 
     fn check_sections(&self) -> Result<(), Error> {
-        check("beam.section", 0.0, !self.sections.is_empty(), "at least one is needed")?;
+        check(
+            "beam.section",
+            0.0,
+            Required { holds: !self.sections.is_empty(), words: "at least one is needed" },
+        )?;
         let length = self.end_m() - self.start_m();
         for (i, section) in self.sections.iter().enumerate() {
             let path = |field: &str| format!("beam.section[{i}].{field}");
             check(
                 &path("to"),
                 section.to_m,
-                section.to_m > section.from_m,
-                "must lie beyond the section's start",
+                Required {
+                    holds: section.to_m > section.from_m,
+                    words: "must lie beyond the section's start",
+                },
             )?;
             let gap = if i > 0 { section.from_m - self.sections[i - 1].to_m } else { 0.0 };
             check(
                 &path("from"),
                 section.from_m,
-                gap.abs() <= ADJOINING * length,
-                "must adjoin the section before",
+                Required { holds: gap.abs() <= ADJOINING * length, words: "must adjoin the section before" },
             )?;
             [section.from_m, section.to_m].into_iter().try_for_each(|x| self.check_end(i, x, &path))?;
         }
@@ -173,9 +179,13 @@ impl Profile {
 
     fn check_end(&self, i: usize, x_m: f64, path: &impl Fn(&str) -> String) -> Result<(), Error> {
         let [outer, inner, _, _, height, width] = dimensions(&self.sections[i], x_m);
-        check(&path("inner_diameter"), inner, inner >= 0.0, "must not be negative")?;
-        check(&path("height"), height, height >= 0.0, "must not be negative")?;
-        check(&path("width"), width, width >= 0.0, "must not be negative")?;
+        check(
+            &path("inner_diameter"),
+            inner,
+            Required { holds: inner >= 0.0, words: "must not be negative" },
+        )?;
+        check(&path("height"), height, Required { holds: height >= 0.0, words: "must not be negative" })?;
+        check(&path("width"), width, Required { holds: width >= 0.0, words: "must not be negative" })?;
         let at = self.cross_section(i, x_m);
         let solid = outer >= 0.0 && at.area_m2 > 0.0 && at.second_moment_m4 > 0.0;
         let field = match self.sections[i].shape {
@@ -183,10 +193,14 @@ impl Profile {
             SectionShape::Rectangle { .. } => "height",
             SectionShape::Given { .. } => "area",
         };
-        check(&path(field), at.area_m2, solid || self.is_point(i, x_m), "leaves no cross section")
+        check(
+            &path(field),
+            at.area_m2,
+            Required { holds: solid || self.is_point(i, x_m), words: "leaves no cross section" },
+        )
     }
 
-    /// Whether x is an end of the beam that may taper to a point.
+    /// Returns whether x is an end of the beam that may taper to a point.
     fn is_point(&self, section: usize, x_m: f64) -> bool {
         let at = self.cross_section(section, x_m);
         let ends = x_m == self.start_m() || x_m == self.end_m();
@@ -194,7 +208,7 @@ impl Profile {
     }
 }
 
-/// Outer and inner diameter, given area and second moment, height and width; 0 where the section has none.
+/// Outer and inner diameter, given area and second moment, height and width; 0 if the section has none.
 fn dimensions(section: &Section, x_m: f64) -> [f64; 6] {
     let t = (x_m - section.from_m) / (section.to_m - section.from_m);
     let linear = |[near, far]: [f64; 2]| near + (far - near) * t;
@@ -223,9 +237,15 @@ fn cowper(m: f64, poissons_ratio: f64) -> f64 {
     6.0 * (1.0 + nu) * round / ((7.0 + 6.0 * nu) * round + (20.0 + 12.0 * nu) * m * m)
 }
 
-fn check(parameter: &str, value: f64, holds: bool, allowed: &'static str) -> Result<(), Error> {
-    if holds && value.is_finite() {
+/// What is required of a number: whether it holds, and in words.
+struct Required {
+    holds: bool,
+    words: &'static str,
+}
+
+fn check(parameter: &str, value: f64, required: Required) -> Result<(), Error> {
+    if required.holds && value.is_finite() {
         return Ok(());
     }
-    Err(Error::Parameter { parameter: parameter.to_owned(), value, allowed })
+    Err(Error::Parameter { parameter: parameter.to_owned(), value, allowed: required.words.into() })
 }

@@ -55,7 +55,7 @@ pub struct LockedMode {
     pub tip_deflection_m: f64,
 }
 
-/// The first `count` modes (or all there are) of the structure pinned at its hub.
+/// Returns the first `count` modes (or all there are) of the structure pinned at its hub.
 ///
 /// The damping ratios are those of flexible mode 1, 2, ..., the last holding for all above; a model with a matrix C takes
 /// phi' C phi / (2 w) instead.
@@ -90,7 +90,7 @@ pub fn pinned(model: &FeModel, damping_ratios: &[f64], count: usize) -> Result<P
     })
 }
 
-/// The first `count` modes (or all there are) of the structure with its hub locked.
+/// Returns the first `count` modes (or all there are) of the structure with its hub locked.
 ///
 /// # Errors
 /// As for [`modes`] with the hub clamped.
@@ -112,7 +112,7 @@ pub fn locked(model: &FeModel, count: usize) -> Result<LockedStructure, Error> {
     })
 }
 
-/// The two-inertia structure with the model's inertia J, first moment, first pinned frequency w_p (with its damping
+/// Returns the two-inertia structure with the model's inertia J, first moment, first pinned frequency w_p (with its damping
 /// ratio) and first hub-locked frequency w_c.
 ///
 /// J_h = J (w_c / w_p)^2, J_b = J - J_h, K_h = J_b w_c^2, D_h = 2 zeta w_p J_h J_b / J. Then K_h (1/J_h + 1/J_b) = w_p^2.

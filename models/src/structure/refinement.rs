@@ -10,15 +10,24 @@ use crate::parameters::Beam;
 /// Elements of the model that the others are compared with, as in the thesis.
 pub const REFERENCE: usize = 129;
 
+/// A kind of elements, and how many of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RefinementMesh {
+    /// Kind of the elements.
+    pub integration: Integration,
+    /// Number of elements.
+    pub elements: usize,
+}
+
 /// Uniform elements of the mean diameter, tapered elements by quadrature, and how many of each: the columns of table 6-1.
-pub const COLUMNS: [(Integration, usize); 7] = [
-    (Integration::UniformAverage, 14),
-    (Integration::UniformAverage, 3),
-    (Integration::UniformAverage, 2),
-    (Integration::UniformAverage, 1),
-    (Integration::Quadrature, 3),
-    (Integration::Quadrature, 2),
-    (Integration::Quadrature, 1),
+pub const COLUMNS: [RefinementMesh; 7] = [
+    RefinementMesh { integration: Integration::UniformAverage, elements: 14 },
+    RefinementMesh { integration: Integration::UniformAverage, elements: 3 },
+    RefinementMesh { integration: Integration::UniformAverage, elements: 2 },
+    RefinementMesh { integration: Integration::UniformAverage, elements: 1 },
+    RefinementMesh { integration: Integration::Quadrature, elements: 3 },
+    RefinementMesh { integration: Integration::Quadrature, elements: 2 },
+    RefinementMesh { integration: Integration::Quadrature, elements: 1 },
 ];
 
 /// The free-free flexible frequencies of one mesh over those of the reference model, mode by mode.
@@ -26,28 +35,34 @@ pub const COLUMNS: [(Integration, usize); 7] = [
 pub struct Refinement {
     /// Kind of the elements.
     pub integration: Integration,
-    /// Number of elements; nodes lie at the ends of the sections where there are as many elements as sections.
+    /// Number of elements; nodes lie at the ends of the sections if there are as many elements as sections.
     pub elements: usize,
     /// Ratio for flexible mode 1, 2, ...: as many as the elements have.
     pub ratios: Vec<f64>,
 }
 
-/// Free-free flexible frequencies of the bare beam, rad/s, and its reference model's.
+/// The frequencies of a beam with several meshes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refinements {
+    /// Free-free flexible frequencies of the reference model, rad/s.
+    pub reference_rad_s: Vec<f64>,
+    /// One column for each mesh.
+    pub columns: Vec<Refinement>,
+}
+
+/// Returns the free-free flexible frequencies of the bare beam with several meshes, over those of its reference model.
 ///
 /// # Errors
 /// As for [`FeModel::beam`] and [`modes`].
-pub fn refinements(
-    beam: &Beam,
-    columns: &[(Integration, usize)],
-) -> Result<(Vec<f64>, Vec<Refinement>), Error> {
+pub fn refinements(beam: &Beam, columns: &[RefinementMesh]) -> Result<Refinements, Error> {
     let reference = frequencies(beam, Integration::Quadrature, REFERENCE)?;
-    let column = |&(integration, elements): &(Integration, usize)| {
+    let column = |&RefinementMesh { integration, elements }: &RefinementMesh| {
         let found = frequencies(beam, integration, elements)?;
         let ratios = found.iter().zip(&reference).map(|(w, r)| w / r).collect();
         Ok(Refinement { integration, elements, ratios })
     };
-    let all = columns.iter().map(column).collect::<Result<_, Error>>()?;
-    Ok((reference, all))
+    let columns = columns.iter().map(column).collect::<Result<_, Error>>()?;
+    Ok(Refinements { reference_rad_s: reference, columns })
 }
 
 fn frequencies(beam: &Beam, integration: Integration, elements: usize) -> Result<Vec<f64>, Error> {

@@ -153,7 +153,7 @@ fn viscous_friction_may_differ_between_the_directions() {
 fn parameters_out_of_range_are_refused_by_name() {
     let plain = Friction::plain(stribeck_dahl(), 0.0);
     let cases = [
-        (Friction { viscous_nm_s_rad: -1.0, ..plain.clone() }, "friction.viscous"),
+        (Friction { viscous_nm_s_rad: -1.0, ..plain.clone() }, "friction.viscous_nm_s_rad"),
         (Friction { asymmetry: 1.0, ..plain.clone() }, "friction.asymmetry"),
         (
             Friction { law: FrictionLaw::Coulomb { coulomb_nm: 1.0 }, static_ratio: 0.9, ..plain.clone() },
@@ -164,16 +164,16 @@ fn parameters_out_of_range_are_refused_by_name() {
                 law: FrictionLaw::Dahl { coulomb_nm: 1.0, rest_stiffness_nm_rad: 0.0, exponent: 1.0 },
                 ..plain.clone()
             },
-            "dahl.rest_stiffness",
+            "friction.rest_stiffness_nm_rad",
         ),
         (
             Friction {
                 law: FrictionLaw::Bristle { coulomb_nm: 1.0, bristles: 0, bond_rad: 1.0 },
                 ..plain.clone()
             },
-            "bristle.bristles",
+            "friction.bristles",
         ),
-        (Friction { viscous_nm_s_rad: f64::NAN, ..plain }, "friction.viscous"),
+        (Friction { viscous_nm_s_rad: f64::NAN, ..plain }, "friction.viscous_nm_s_rad"),
     ];
     for (friction, name) in cases {
         match FrictionModel::new(&friction) {

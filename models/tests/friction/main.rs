@@ -6,6 +6,7 @@ mod dahl;
 mod holding;
 mod laws;
 mod lugre;
+mod properties;
 mod stick_slip;
 
 use counterpoise_models::friction::FrictionModel;

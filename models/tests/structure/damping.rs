@@ -23,12 +23,12 @@ fn ratios(C: &Mat, modes: &Modes) -> Vec<f64> {
 fn rayleigh_damping_hits_its_two_modes() {
     let (model, modes) = model();
     let w = modes.flexible_rad_s();
-    let (a0, a1) = rayleigh_coefficients((w[0], 0.01), (w[2], 0.03)).unwrap();
-    let found = ratios(&rayleigh(&model, a0, a1), &modes);
+    let factors = rayleigh_coefficients([w[0], 0.01].into(), [w[2], 0.03].into()).unwrap();
+    let found = ratios(&rayleigh(&model, factors), &modes);
     assert_close(found[0], 0.01, 1e-10);
     assert_close(found[2], 0.03, 1e-10);
-    assert_close(found[1], 0.5 * (a0 / w[1] + a1 * w[1]), 1e-10);
-    assert!(rayleigh_coefficients((5.0, 0.01), (5.0, 0.02)).is_err());
+    assert_close(found[1], 0.5 * (factors.mass_factor / w[1] + factors.stiffness_factor * w[1]), 1e-10);
+    assert!(rayleigh_coefficients([5.0, 0.01].into(), [5.0, 0.02].into()).is_err());
 }
 
 #[test]

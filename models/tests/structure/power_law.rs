@@ -36,7 +36,7 @@ fn closed_forms_equal_quadrature() {
         let length = 0.7 + 0.3 * k as f64;
         let shape = Shape::hermite(0.0, length);
         let (m, s) = (mass(3.0, length, &law), stiffness(5.0, length, &law));
-        let mass_scale = m[0][0];
+        let mass_scale = m[(0, 0)];
         for i in 0..4 {
             for j in 0..4 {
                 let deflections = |xi: f64| {
@@ -47,11 +47,11 @@ fn closed_forms_equal_quadrature() {
                     let local = shape.at(xi * length);
                     local.curvature[i] * local.curvature[j]
                 };
-                assert_close(m[i][j], 3.0 * length * weighted(&law, deflections), 1e-11 * mass_scale);
+                assert_close(m[(i, j)], 3.0 * length * weighted(&law, deflections), 1e-11 * mass_scale);
                 assert_close(
-                    s[i][j],
+                    s[(i, j)],
                     5.0 * length * weighted(&law, curvatures),
-                    1e-10 * s[0][0].max(s[1][1]),
+                    1e-10 * s[(0, 0)].max(s[(1, 1)]),
                 );
             }
         }
@@ -63,12 +63,12 @@ fn rigid_motions_are_free_and_the_mass_is_the_laws() {
     let law = PowerLaw { excess: -0.4, exponent: 1.3 };
     let (m, s) = (mass(3.0, 0.9, &law), stiffness(5.0, 0.9, &law));
     for rigid in [[1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.9, 1.0]] {
-        for row in s {
-            assert_close(row.iter().zip(rigid).map(|(a, b)| a * b).sum(), 0.0, 1e-12 * s[0][0]);
+        for row in s.row_iter() {
+            assert_close(row.iter().zip(rigid).map(|(a, b)| a * b).sum(), 0.0, 1e-12 * s[(0, 0)]);
         }
     }
     let along = |a: [f64; 4], b: [f64; 4]| -> f64 {
-        (0..4).map(|i| (0..4).map(|j| a[i] * m[i][j] * b[j]).sum::<f64>()).sum()
+        (0..4).map(|i| (0..4).map(|j| a[i] * m[(i, j)] * b[j]).sum::<f64>()).sum()
     };
     let (heave, pitch) = ([1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.9, 1.0]);
     let moment = |power: f64| 3.0 * 0.9_f64.powf(power + 1.0) * (1.0 / (power + 1.0) - 0.4 / (power + 2.3));
@@ -87,8 +87,8 @@ fn a_uniform_element_is_the_thesis_uniform_element() {
     let expected_stiffness = [[12.0, 6.0 * l, -12.0, 6.0 * l], [6.0 * l, 4.0 * l * l, -6.0 * l, 2.0 * l * l]];
     for i in 0..2 {
         for j in 0..4 {
-            assert_close(m[i][j], expected_mass[i][j], 1e-12);
-            assert_close(s[i][j], expected_stiffness[i][j], 1e-12);
+            assert_close(m[(i, j)], expected_mass[i][j], 1e-12);
+            assert_close(s[(i, j)], expected_stiffness[i][j], 1e-12);
         }
     }
 }

@@ -2,20 +2,20 @@
 
 use counterpoise_models::reference::rig;
 use counterpoise_models::structure::Integration;
-use counterpoise_models::structure::refinement::{COLUMNS, refinements};
+use counterpoise_models::structure::refinement::{COLUMNS, RefinementMesh, refinements};
 
 /// Free-free frequencies over those of the model of 129 elements.
 fn column(elements: usize, integration: Integration) -> Vec<f64> {
-    let (_, all) = refinements(&rig().beam.unwrap(), &[(integration, elements)]).unwrap();
-    all[0].ratios.clone()
+    let mesh = RefinementMesh { integration, elements };
+    refinements(&rig().beam.unwrap(), &[mesh]).unwrap().columns[0].ratios.clone()
 }
 
 #[test]
 fn the_table_has_the_columns_of_the_thesis() {
-    let (reference, all) = refinements(&rig().beam.unwrap(), &COLUMNS).unwrap();
-    assert!((reference[0] / std::f64::consts::TAU - 37.9218).abs() < 1e-3);
+    let found = refinements(&rig().beam.unwrap(), &COLUMNS).unwrap();
+    assert!((found.reference_rad_s[0] / std::f64::consts::TAU - 37.9218).abs() < 1e-3);
     let heads: Vec<(Integration, usize, usize)> =
-        all.iter().map(|c| (c.integration, c.elements, c.ratios.len())).collect();
+        found.columns.iter().map(|c| (c.integration, c.elements, c.ratios.len())).collect();
     let uniform = [14, 3, 2, 1].map(|n| (Integration::UniformAverage, n, 2 * n));
     let tapered = [3, 2, 1].map(|n| (Integration::Quadrature, n, 2 * n));
     assert_eq!(heads, uniform.into_iter().chain(tapered).collect::<Vec<_>>());

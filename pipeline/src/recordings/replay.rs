@@ -5,7 +5,7 @@ use counterpoise_diagnose::replays::measured;
 use counterpoise_models::Parameters;
 use counterpoise_project::Project;
 use counterpoise_simulate::recording::{Channel, Recording};
-use counterpoise_simulate::replay::{Followed, Loop, Replay, Replayer, Way};
+use counterpoise_simulate::replay::{Loop, Replay, ReplayMode, Replayer, SelectedReplay};
 
 use super::read::ReadRecording;
 use crate::PipelineError;
@@ -75,7 +75,7 @@ pub fn replay_one(
     let followed = Replayer::new(plant, &item.recording).and_then(|r| follow(&r, plant, control, length));
     let cannot = |cause| PipelineError::CannotReplay { recording: item.file.clone(), cause };
     let mut followed = followed.map_err(cannot)?;
-    if followed.way != Way::Free && !item.keeps_samples {
+    if followed.mode != ReplayMode::Free && !item.keeps_samples {
         // Columns made from others are not the measurements that the controller read, so its control cannot be compared.
         followed.replay.channels.retain(|fit| fit.channel != Channel::Control);
     }
@@ -89,20 +89,20 @@ fn follow(
     plant: &Parameters,
     control: &Loop,
     length: ReplayLength,
-) -> Result<Followed, counterpoise_simulate::Error> {
-    let (replay, way) = match (length, control) {
-        (ReplayLength::Automatic, _) => return replayer.follow(plant, control),
-        (ReplayLength::Whole, Loop::Open) => (replayer.replay_open(plant)?, Way::Free),
-        (ReplayLength::Whole, _) => (replayer.replay(plant, control)?, Way::Free),
+) -> Result<SelectedReplay, counterpoise_simulate::Error> {
+    let (replay, mode) = match (length, control) {
+        (ReplayLength::Automatic, _) => return replayer.replay_free_or_windowed(plant, control),
+        (ReplayLength::Whole, Loop::Open) => (replayer.replay_open(plant)?, ReplayMode::Free),
+        (ReplayLength::Whole, _) => (replayer.replay(plant, control)?, ReplayMode::Free),
         (ReplayLength::Windows { window_s }, Loop::Open) => {
-            (replayer.replay_windows(plant, window_s)?, Way::Windows { window_s, free: Vec::new() })
+            (replayer.replay_windowed(plant, window_s)?, ReplayMode::Windowed { window_s, free: Vec::new() })
         }
         (ReplayLength::Windows { window_s }, Loop::Closed(controller)) => {
-            let replay = replayer.replay_horizons(plant, window_s, controller)?;
-            (replay, Way::Windows { window_s, free: Vec::new() })
+            let replay = replayer.replay_windowed_with_control(plant, window_s, controller)?;
+            (replay, ReplayMode::Windowed { window_s, free: Vec::new() })
         }
     };
-    Ok(Followed { replay, way, parting: None })
+    Ok(SelectedReplay { replay, mode, divergence: None })
 }
 
 /// Returns what is wrong with a recording itself, one sentence a channel.

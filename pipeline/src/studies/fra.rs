@@ -11,7 +11,7 @@ use counterpoise_models::plant::{Angles, FrictionLinearisation, Plant};
 use counterpoise_models::{FrictionLaw, OperatingPoint};
 use counterpoise_simulate::Recording;
 pub use counterpoise_simulate::fra::Measurement;
-use counterpoise_simulate::fra::{self, Response, Settings, Test};
+use counterpoise_simulate::fra::{self, Response, Settings, Test, TestSine};
 use counterpoise_verify::linear::SampledPlant;
 use counterpoise_verify::linear::closed::resolver_use;
 use counterpoise_verify::linear::plant::Resolver;
@@ -208,11 +208,11 @@ impl Analyser {
         let done = std::sync::atomic::AtomicUsize::new(0);
         let measured = map(pool, count, |index| {
             let amplitude = plan.amplitudes[index / plan.frequencies_hz.len()];
-            let frequency = TAU * plan.frequencies_hz[index % plan.frequencies_hz.len()];
+            let frequency_rad_s = TAU * plan.frequencies_hz[index % plan.frequencies_hz.len()];
             let mut controller = self.runner();
             let test = self.around.test();
-            let found =
-                fra::measure(&self.plant, controller.as_mut(), test, (frequency, amplitude), &settings);
+            let at = TestSine { frequency_rad_s, amplitude };
+            let found = fra::measure(&self.plant, controller.as_mut(), test, at, &settings);
             pool.progress("point", done.fetch_add(1, std::sync::atomic::Ordering::Relaxed), count);
             found
         });

@@ -2,6 +2,7 @@
 
 use counterpoise_controller::ObserverLaw;
 use counterpoise_models::friction::StribeckLevel;
+use counterpoise_models::friction::bristle::MEAN_DEFLECTION;
 use counterpoise_models::{Friction, FrictionLaw, StribeckCurve};
 use counterpoise_synth::{Identified, Side};
 
@@ -9,8 +10,6 @@ use counterpoise_project::resolve::around::Stands;
 
 /// Stiffness at rest; a law without one breaks away within this angle in the observer, rad.
 const BREAKAWAY_RAD: f64 = 5e-4;
-/// A bristle's bond over the stiffness of all: sliding level / stiffness, the mean deflection of the bristles.
-const MEAN_DEFLECTION: f64 = 2.0 / 3.0;
 /// Rates over the Stribeck rate at which the observer has points of the level's curve.
 const LEVEL_AT: [f64; 14] = [0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0];
 /// A level nearer than this to the one of the point before is left out.
@@ -100,12 +99,6 @@ pub fn rest_stiffness_nm_rad(law: &FrictionLaw) -> f64 {
     match law {
         FrictionLaw::Dahl { rest_stiffness_nm_rad, .. } => *rest_stiffness_nm_rad,
         FrictionLaw::Lugre { bristle_stiffness_nm_rad, .. } => *bristle_stiffness_nm_rad,
-        FrictionLaw::None => 0.0,
-        FrictionLaw::Coulomb { coulomb_nm }
-        | FrictionLaw::ResetIntegrator { coulomb_nm, .. }
-        | FrictionLaw::Stribeck { coulomb_nm, .. }
-        | FrictionLaw::Karnopp { coulomb_nm, .. }
-        | FrictionLaw::Walrath { coulomb_nm, .. }
-        | FrictionLaw::Bristle { coulomb_nm, .. } => coulomb_nm / BREAKAWAY_RAD,
+        other => other.coulomb_nm() / BREAKAWAY_RAD,
     }
 }

@@ -1,5 +1,7 @@
 //! What a key of the file holds: its unit, range, default and meaning.
 
+use counterpoise_models::Range;
+
 /// One key of a table.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Field {
@@ -111,6 +113,17 @@ impl TableField {
 }
 
 impl Limit {
+    /// The limit that stands for a range of the models.
+    pub const fn of(range: Range) -> Self {
+        match range {
+            Range::Any => Self::Any,
+            Range::Above(low) => Self::Above(low),
+            Range::AtLeast(low) => Self::AtLeast(low),
+            Range::Between(low, high) => Self::Between(low, high),
+            Range::AboveTo(low, high) => Self::AboveTo(low, high),
+        }
+    }
+
     pub fn holds(self, value: f64) -> bool {
         match self {
             Self::Any => true,

@@ -1,5 +1,6 @@
 //! Friction sections: the law by its name, then the keys of that law, then what every law may have.
 
+use counterpoise_models::friction::ranges;
 use counterpoise_models::{Friction, FrictionLaw, Ripple, StribeckCurve};
 
 use crate::file::field::{Field, Limit, TableField};
@@ -55,61 +56,73 @@ impl Choice for Curve {
 
 const MODEL: Field = Field::new("model", "law of the dry part");
 const COULOMB: Field =
-    Field::new("coulomb", "sliding level of the dry part").unit("N m").limit(Limit::AtLeast(0.0));
-const REST_STIFFNESS: Field =
-    Field::new("rest_stiffness", "stiffness at rest").unit("N m/rad").limit(Limit::Above(0.0));
-const EXPONENT: Field = Field::new("exponent", "exponent of the Dahl law").limit(Limit::AtLeast(0.0)).or(1.0);
-const BRISTLE_STIFFNESS: Field =
-    Field::new("bristle_stiffness", "stiffness of the bristles").unit("N m/rad").limit(Limit::Above(0.0));
-const BRISTLE_DAMPING: Field =
-    Field::new("bristle_damping", "damping of the bristles").unit("N m s/rad").limit(Limit::AtLeast(0.0));
-const DEFLECTION: Field =
-    Field::new("deflection", "deflection at which the bond breaks").unit("rad").limit(Limit::Above(0.0));
+    Field::new("coulomb", "sliding level of the dry part").unit("N m").limit(Limit::of(ranges::COULOMB));
+const REST_STIFFNESS: Field = Field::new("rest_stiffness", "stiffness at rest")
+    .unit("N m/rad")
+    .limit(Limit::of(ranges::REST_STIFFNESS));
+const EXPONENT: Field =
+    Field::new("exponent", "exponent of the Dahl law").limit(Limit::of(ranges::EXPONENT)).or(1.0);
+const BRISTLE_STIFFNESS: Field = Field::new("bristle_stiffness", "stiffness of the bristles")
+    .unit("N m/rad")
+    .limit(Limit::of(ranges::BRISTLE_STIFFNESS));
+const BRISTLE_DAMPING: Field = Field::new("bristle_damping", "damping of the bristles")
+    .unit("N m s/rad")
+    .limit(Limit::of(ranges::BRISTLE_DAMPING));
+const DEFLECTION: Field = Field::new("deflection", "deflection at which the bond breaks")
+    .unit("rad")
+    .limit(Limit::of(ranges::DEFLECTION));
 const DAMPING: Field =
-    Field::new("damping", "damping of the bond").unit("N m s/rad").limit(Limit::AtLeast(0.0));
+    Field::new("damping", "damping of the bond").unit("N m s/rad").limit(Limit::of(ranges::DAMPING));
 const CURVE: Field = Field::new("curve", "how the level falls with the rate").or_text("gaussian");
-const CURVE_EXPONENT: Field = Field::new("curve_exponent", "exponent of the curve").limit(Limit::Above(0.0));
+const CURVE_EXPONENT: Field =
+    Field::new("curve_exponent", "exponent of the curve").limit(Limit::of(ranges::CURVE_EXPONENT));
 const COEFFICIENTS: Field =
     Field::new("coefficients", "c1, c2, c3 of the polynomial in rate over stribeck_rate");
 const STICK_RATE: Field = Field::new("stick_rate", "half width of the band of rates that counts as rest")
     .unit("rad/s")
-    .limit(Limit::Above(0.0));
+    .limit(Limit::of(ranges::STICK_RATE));
 const TIME_CONSTANT: Field =
-    Field::new("time_constant", "lag of the dry part").unit("s").limit(Limit::Above(0.0));
-const SMOOTHING_RATE: Field =
-    Field::new("smoothing_rate", "rate that smooths the sign").unit("rad/s").limit(Limit::Above(0.0));
-const BRISTLES: Field = Field::new("bristles", "number of bristles").limit(Limit::Between(1.0, 100_000.0));
+    Field::new("time_constant", "lag of the dry part").unit("s").limit(Limit::of(ranges::TIME_CONSTANT));
+const SMOOTHING_RATE: Field = Field::new("smoothing_rate", "rate that smooths the sign")
+    .unit("rad/s")
+    .limit(Limit::of(ranges::SMOOTHING_RATE));
+const BRISTLES: Field = Field::new("bristles", "number of bristles").limit(Limit::of(ranges::BRISTLES));
 const BOND: Field =
-    Field::new("bond", "deflection at which a bond snaps").unit("rad").limit(Limit::Above(0.0));
+    Field::new("bond", "deflection at which a bond snaps").unit("rad").limit(Limit::of(ranges::BOND));
 
 const VISCOUS: Field =
-    Field::new("viscous", "viscous coefficient").unit("N m s/rad").limit(Limit::AtLeast(0.0)).or(0.0);
-const STATIC_RATIO: Field =
-    Field::new("static_ratio", "dry level at rest over sliding level").limit(Limit::AtLeast(1.0)).or(1.0);
+    Field::new("viscous", "viscous coefficient").unit("N m s/rad").limit(Limit::of(ranges::VISCOUS)).or(0.0);
+const STATIC_RATIO: Field = Field::new("static_ratio", "dry level at rest over sliding level")
+    .limit(Limit::of(ranges::STATIC_RATIO_OF_BREAKAWAY))
+    .or(1.0);
 const STRIBECK_RATE: Field = Field::new("stribeck_rate", "rate at which the excess has fallen to 1/e")
     .unit("rad/s")
-    .limit(Limit::Above(0.0))
+    .limit(Limit::of(ranges::STRIBECK_RATE))
     .or(0.01);
 const ASYMMETRY: Field =
     Field::new("asymmetry", "half the difference of the dry level between the directions, as a fraction")
-        .limit(Limit::Between(-1.0, 1.0))
+        .limit(Limit::of(ranges::ASYMMETRY))
         .or(0.0);
 const VISCOUS_ASYMMETRY: Field = Field::new(
     "viscous_asymmetry",
     "half the difference of the viscous coefficient between the directions, as a fraction",
 )
-.limit(Limit::Between(-1.0, 1.0))
+.limit(Limit::of(ranges::ASYMMETRY))
 .or(0.0);
-const QUADRATIC: Field =
-    Field::new("quadratic", "quadratic drag").unit("N m s^2/rad^2").limit(Limit::AtLeast(0.0)).or(0.0);
+const QUADRATIC: Field = Field::new("quadratic", "quadratic drag")
+    .unit("N m s^2/rad^2")
+    .limit(Limit::of(ranges::QUADRATIC))
+    .or(0.0);
 const LOAD: Field = Field::new("load_coefficient", "growth of the dry level per N m of load")
-    .limit(Limit::AtLeast(0.0))
+    .limit(Limit::of(ranges::LOAD_COEFFICIENT))
     .or(0.0);
 const WARM_UP: Field = Field::new("warm_up", "fraction by which the level changes as it warms up")
-    .limit(Limit::Between(-10.0, 1.0))
+    .limit(Limit::of(ranges::WARM_UP))
     .or(0.0);
-const WARM_UP_TIME: Field =
-    Field::new("warm_up_time", "time constant of the warm-up").unit("s").limit(Limit::Above(0.0)).or(1.0);
+const WARM_UP_TIME: Field = Field::new("warm_up_time", "time constant of the warm-up")
+    .unit("s")
+    .limit(Limit::of(ranges::WARM_UP_TIME))
+    .or(1.0);
 const POSITION_RIPPLE: TableField =
     TableField::inline("position_ripple", "variation of the dry level with the angle, as a fraction");
 

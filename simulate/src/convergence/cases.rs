@@ -32,7 +32,7 @@ const BALANCED: f64 = 0.01;
 /// Least gap of the teeth there, rad.
 const GAP_RAD: f64 = 5e-4;
 
-/// The machine with every law in turn at its pivot, at its own level, without friction at the motor; and nearly balanced with a gap
+/// Returns the machine with every law in turn at its pivot, at its own level, without friction at the motor; and nearly balanced with a gap
 /// between its teeth.
 ///
 /// # Errors
@@ -47,10 +47,7 @@ pub fn cases(plant: &Plant) -> Result<Vec<Case>, Error> {
     let control_v = DRIVEN * level / per_volt;
     let mut out = Vec::new();
     for (name, law, static_ratio) in laws(level) {
-        let sticks = matches!(
-            law,
-            FrictionLaw::Coulomb { .. } | FrictionLaw::Karnopp { .. } | FrictionLaw::Stribeck { .. }
-        );
+        let sticks = law.has_true_stick();
         let plant = with_law(plant, law, static_ratio)?;
         out.push(Case { name, sticks, plant, control_v });
     }
@@ -102,7 +99,7 @@ fn with_law(plant: &Plant, law: FrictionLaw, static_ratio: f64) -> Result<Plant,
     Ok(Plant::with_body(&parameters, plant.body().clone())?)
 }
 
-/// The machine nearly balanced, its teeth with a gap.
+/// Returns the machine nearly balanced, its teeth with a gap.
 fn gaping(plant: &Plant, coulomb_nm: f64) -> Result<Plant, Error> {
     let rest_stiffness_nm_rad = coulomb_nm / DEFLECTION_RAD;
     let law = FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad, exponent: 1.0 };

@@ -12,6 +12,7 @@ mod second;
 pub use cases::{Case, cases};
 
 use crate::run::Simulator;
+use crate::tolerance::{ANY_DEFECT, CLEAR, EVENT_ROUNDING, TOLERANCE};
 use crate::{Detail, Error, Initial, PlatformMotion, Playback, Scenario, Signal};
 use counterpoise_models::Plant;
 
@@ -21,15 +22,8 @@ const STEPS: usize = 16;
 const LONGEST_PERIODS: f64 = 8.0;
 /// Steps of the second method in a longest one.
 const SECOND_STEPS: usize = 1000;
-/// Tolerance with which every step is taken as it is.
-const WHATEVER: f64 = 1e9;
 /// Rate of the platform, rad/s, and heave of the pivot, m/s^2 and rad/s.
 const PLATFORM: (f64, f64, f64) = (-0.05, 0.5, 13.0);
-/// An error counts towards the order where it is this many times the second method's, and above the rounding with which instants
-/// of sticking and breaking away are found.
-const CLEAR: f64 = 10.0;
-/// That rounding, relative to the largest rate.
-const EXACT: f64 = 1e-9;
 
 /// The errors of one plant.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,18 +40,18 @@ pub struct Convergence {
 
 impl Convergence {
     /// Observed order: slope of the logarithm of the error over that of the step, between the longest step and the
-    /// shortest whose error is still ten times that of the second method and above 1e-9; not a number where there are no two of them.
+    /// shortest whose error is still ten times that of the second method and above 1e-9; not a number if there are no two of them.
     pub fn order(&self) -> f64 {
         self.slope(&self.error)
     }
 
-    /// The same for [`Convergence::finding_events`].
+    /// Returns the same for [`Convergence::finding_events`].
     pub fn order_finding_events(&self) -> f64 {
         self.slope(&self.finding_events)
     }
 
     fn slope(&self, error: &[f64]) -> f64 {
-        let least = EXACT.max(CLEAR * self.second_method);
+        let least = EVENT_ROUNDING.max(CLEAR * self.second_method);
         let clear: Vec<usize> = (0..error.len()).filter(|&k| error[k] > least).collect();
         match (clear.first(), clear.last()) {
             (Some(&a), Some(&b)) if a < b => {
@@ -68,7 +62,7 @@ impl Convergence {
     }
 }
 
-/// The errors of a mechanism under a constant control, V, added to the one that holds it, with so many lengths of steps.
+/// Returns the errors of a mechanism under a constant control, V, added to the one that holds it, with steps of `lengths` lengths, each half the one before.
 ///
 /// # Errors
 /// A mechanism that cannot be simulated.
@@ -77,7 +71,7 @@ pub fn study(plant: &Plant, control_v: f64, lengths: usize) -> Result<Convergenc
     let second = |steps: usize| -> Result<Vec<f64>, Error> {
         let (plant, control) = ready(plant, control_v, longest_s)?;
         let start = Simulator::new(&plant)?.rest(0.0, 0.0, PLATFORM.0);
-        second::hub_rates(&plant, control, &start.core, (longest_s, steps))
+        second::hub_rates(&plant, control, &start.core, longest_s, steps)
     };
     let fine = second(SECOND_STEPS)?;
     let coarse = second(SECOND_STEPS / 2)?;
@@ -90,8 +84,8 @@ pub fn study(plant: &Plant, control_v: f64, lengths: usize) -> Result<Convergenc
         step_s.iter().enumerate().map(one).collect()
     };
     Ok(Convergence {
-        error: errors(WHATEVER)?,
-        finding_events: errors(crate::run::TOLERANCE)?,
+        error: errors(ANY_DEFECT)?,
+        finding_events: errors(TOLERANCE)?,
         second_method: distance(&coarse, &fine),
         step_s,
     })
@@ -115,7 +109,7 @@ fn platform() -> PlatformMotion {
     }
 }
 
-/// The plant with another sample period and no delay, and the control that holds it and a little more.
+/// Returns the plant with another sample period and no delay, and the control that holds it and a little more.
 fn ready(plant: &Plant, control_v: f64, period_s: f64) -> Result<(Plant, f64), Error> {
     let mut parameters = plant.parameters().clone();
     parameters.interface.output_delay_samples = 0;
@@ -125,7 +119,7 @@ fn ready(plant: &Plant, control_v: f64, period_s: f64) -> Result<(Plant, f64), E
     Ok((plant, held + control_v))
 }
 
-/// Hub rates at the ends of the longest steps, `every` samples each.
+/// Returns the hub rates at the ends of the longest steps, `every` samples each.
 fn rates(plant: &Plant, control: f64, every: usize, tolerance: f64) -> Result<Vec<f64>, Error> {
     let simulator = Simulator::new(plant)?;
     let start = simulator.rest(0.0, 0.0, PLATFORM.0);

@@ -6,25 +6,21 @@
 
 use super::{PLATFORM, STEPS};
 use crate::Error;
+use crate::tolerance::{MOST_SWITCHES, SECOND_LEVELS, SECOND_RATE_ROUNDING};
 use counterpoise_models::friction::{FrictionModel, Law, Surroundings};
 use counterpoise_models::plant::core::{input, state};
 use counterpoise_models::{Excitation, Friction, FrictionLaw, Mesh, Plant};
 
-/// Halvings of a step in which something switches.
-const DEEPEST: u32 = 20;
-/// Switches after which steps are no longer halved: a motion that switches without end is not followed.
-const MOST_SWITCHES: usize = 2000;
-/// Rate against the direction of sliding, rad/s, that is rounding.
-const ROUNDING: f64 = 1e-13;
 /// Number of things that switch.
 const SWITCHES: usize = 6;
 
-/// Hub rates at the end of every one of [`STEPS`] stretches of `stretch_s`, each in so many steps.
+/// Returns the hub rates at the end of every one of [`STEPS`] stretches of `stretch_s` seconds, each taken in `substeps` steps.
 pub(super) fn hub_rates(
     plant: &Plant,
     control_v: f64,
     start: &[f64],
-    (stretch_s, substeps): (f64, usize),
+    stretch_s: f64,
+    substeps: usize,
 ) -> Result<Vec<f64>, Error> {
     let second = Second::new(plant, control_v)?;
     let mut now = second.begin(start);
@@ -116,13 +112,13 @@ impl<'a> Second<'a> {
         Now { y, memory, switches: 0 }
     }
 
-    /// Relative angle of a joint, rad.
+    /// Returns the relative angle of a joint, rad.
     fn angle(&self, joint: usize, y: &[f64], time_s: f64) -> f64 {
         let relative = dot(&self.plant.hub_angle_row(), y) - PLATFORM.0 * time_s;
         if joint == 0 { self.joints[0].turns * (y[state::WINDUP] + relative) } else { relative }
     }
 
-    /// Relative rate of a joint, rad/s.
+    /// Returns the relative rate of a joint, rad/s.
     fn rate(&self, joint: usize, y: &[f64]) -> f64 {
         dot(&self.joints[joint].rate, y) - self.joints[joint].share * PLATFORM.0
     }
@@ -138,7 +134,7 @@ impl<'a> Second<'a> {
         model.level(&Surroundings { angle_rad: self.angle(joint, y, time_s), load_nm, time_s })
     }
 
-    /// The derivative of [core, friction at the motor, friction at the pivot].
+    /// Returns the derivative of [core, friction at the motor, friction at the pivot].
     fn slope(&self, y: &[f64], time_s: f64, memory: &[Memory; 2]) -> Vec<f64> {
         let mut slope = self.free(y, time_s);
         for joint in [0, 1] {
@@ -163,7 +159,7 @@ impl<'a> Second<'a> {
         self.plant.core_order()
     }
 
-    /// The derivative without dry friction.
+    /// Returns the derivative without dry friction.
     fn free(&self, y: &[f64], time_s: f64) -> Vec<f64> {
         let (rate, heave, frequency) = PLATFORM;
         let at = Excitation {
@@ -178,7 +174,7 @@ impl<'a> Second<'a> {
         slope
     }
 
-    /// The torque that keeps a joint at rest: the platform's rate is constant.
+    /// Returns the torque that keeps a joint at rest: the platform's rate is constant.
     fn holding(&self, joint: usize, slope: &[f64]) -> f64 {
         let joint = &self.joints[joint];
         dot(&joint.rate, slope) / dot(&joint.rate, &joint.push)
@@ -206,7 +202,7 @@ impl<'a> Second<'a> {
         }
     }
 
-    /// Whether a sliding joint is in the band of rates in which Karnopp's law has its breakaway level.
+    /// Returns whether a sliding joint is in the band of rates in which Karnopp's law has its breakaway level.
     fn in_band(&self, joint: usize, rate: f64) -> bool {
         match self.joints[joint].model.law() {
             Law::Sliding(law) => law.breakaway_ratio > 1.0 && rate.abs() < law.rest_rate_rad_s,
@@ -214,7 +210,7 @@ impl<'a> Second<'a> {
         }
     }
 
-    /// What switches: while it stays the same the equations are smooth.
+    /// Returns what switches: while it stays the same the equations are smooth.
     fn switches(&self, now: &Now, y: &[f64], time_s: f64) -> [i32; SWITCHES] {
         let mut out = [0; SWITCHES];
         if self.plant.mesh(y[state::WINDUP]).0 == Mesh::Touching {
@@ -240,7 +236,7 @@ impl<'a> Second<'a> {
             }
             Memory::Smooth => [sign(rate), 0],
             Memory::Slides(direction) => {
-                [i32::from(rate * direction < -ROUNDING), i32::from(self.in_band(joint, rate))]
+                [i32::from(rate * direction < -SECOND_RATE_ROUNDING), i32::from(self.in_band(joint, rate))]
             }
             Memory::Rests => [self.broken(joint, now, y, time_s), 0],
             Memory::Bonds(bonds, from) => {
@@ -255,7 +251,7 @@ impl<'a> Second<'a> {
         }
     }
 
-    /// Sign of the torque that a joint at rest cannot hold; 0 where it holds.
+    /// Returns the sign of the torque that a joint at rest cannot hold; 0 if it holds.
     fn broken(&self, joint: usize, now: &Now, y: &[f64], time_s: f64) -> i32 {
         let mut slope = self.free(y, time_s);
         if joint == 1 {
@@ -271,12 +267,12 @@ impl<'a> Second<'a> {
         if holds { 0 } else { sign(torque) }
     }
 
-    /// A step, halved where something switches in it.
+    /// Takes a step, halved if something switches in it.
     fn step(&self, now: &mut Now, time_s: f64, step_s: f64, depth: u32) {
         let next = self.classical(now, time_s, step_s);
         let end = time_s + step_s;
         let switched = self.switches(now, &now.y, time_s) != self.switches(now, &next, end);
-        if switched && depth < DEEPEST && now.switches < MOST_SWITCHES {
+        if switched && depth < SECOND_LEVELS && now.switches < MOST_SWITCHES {
             self.step(now, time_s, 0.5 * step_s, depth + 1);
             self.step(now, time_s + 0.5 * step_s, 0.5 * step_s, depth + 1);
             return;
@@ -302,7 +298,7 @@ impl<'a> Second<'a> {
                 *from = angle;
             }
             Memory::Slides(direction) => {
-                if rate * *direction < -ROUNDING {
+                if rate * *direction < -SECOND_RATE_ROUNDING {
                     self.arrest(now, joint, rate);
                     self.leave(now, joint, time_s);
                 }
@@ -319,7 +315,7 @@ impl<'a> Second<'a> {
         now.memory[joint] = Memory::Rests;
     }
 
-    /// Lets a joint at rest slide where it cannot hold.
+    /// Lets a joint at rest slide if it cannot hold.
     fn leave(&self, now: &mut Now, joint: usize, time_s: f64) {
         match self.broken(joint, now, &now.y, time_s) {
             0 => {}
@@ -327,7 +323,7 @@ impl<'a> Second<'a> {
         }
     }
 
-    /// One step of the classical Runge-Kutta method.
+    /// Returns the state after one step of the classical Runge-Kutta method.
     fn classical(&self, now: &Now, time_s: f64, h: f64) -> Vec<f64> {
         let moved = |slope: &[f64], part: f64| -> Vec<f64> {
             now.y.iter().zip(slope).map(|(y, s)| y + part * h * s).collect()

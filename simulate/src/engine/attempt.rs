@@ -1,28 +1,25 @@
 //! One step: the linear core's answer, and the iteration on the port values at the nodes.
 
+use super::crossing::Margin;
 use super::moments::{MIDDLE, NODES};
 use super::ports::{AngleNearby, Bonds, FrictionState, PlatformSpan, Point, Ports, StepSpan};
 use super::strips::Strips;
 use super::tables::{
     FIXED_INPUTS, HOLD_ROWS, OUTPUTS, PORTS, STAGE_ROWS, STAGES, STATE, StepTable, result_length,
 };
+use crate::tolerance::{
+    ITERATION_SHARE, ITERATION_TOLERANCE, LEAST_CONTRACTION, PORT_ROUNDING, PREDICTED, QUIET, STEP_ITERATIONS,
+};
 use counterpoise_models::Plant;
 
-/// Largest error of a port, relative to its scale, at which its iteration ends.
-const ITERATION_TOLERANCE: f64 = 2e-6;
-/// The same relative to the step's tolerance.
-const ITERATION_SHARE: f64 = 0.05;
-/// Least contraction that is counted on from one iteration to the next.
-const LEAST_CONTRACTION: f64 = 0.01;
-/// Change of a port, relative to its scale, below which its contraction is rounding.
-const ROUNDING: f64 = 1e-10;
-/// Change in the first iteration, relative to the scale, above which a step was not foreseen.
-const PREDICTED: f64 = 1e-3;
-/// Change of a torque over the step before, relative to its scale, below which it is taken to stay as it is: going on as before would
-/// enlarge what the iteration leaves open, and a mechanism at rest would never come to rest.
-const QUIET: f64 = 2e-6;
-/// Iterations after which a step is halved.
-const ITERATIONS: usize = 8;
+/// What stays over a step.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Held {
+    /// Drive of the amplifier, V.
+    pub drive_v: f64,
+    /// Torque of half the gap, N m.
+    pub offset_nm: f64,
+}
 
 /// What a step is given.
 #[derive(Debug, Clone, Copy)]
@@ -43,8 +40,8 @@ pub(crate) struct Given<'a> {
     pub travelled: Option<[f64; 2]>,
     /// What the nonlinear parts see at its start.
     pub outputs: [f64; OUTPUTS],
-    /// Drive of the amplifier, V, and torque of half the gap, N m.
-    pub held: [f64; 2],
+    /// What stays over the step.
+    pub held: Held,
     /// The platform along it.
     pub platform: &'a PlatformSpan,
     /// Its start, s.
@@ -143,7 +140,7 @@ impl Attempt {
     fn fill_inputs(&mut self, given: &Given) {
         let n = self.order;
         self.inputs[..n].copy_from_slice(given.core);
-        self.inputs[n..n + 2].copy_from_slice(&given.held);
+        self.inputs[n..n + 2].copy_from_slice(&[given.held.drive_v, given.held.offset_nm]);
         for (input, point) in self.inputs[n + 2..n + 6].iter_mut().zip(&given.platform.nodes) {
             *input = point.rate;
         }
@@ -154,12 +151,12 @@ impl Attempt {
         let allowed = (ITERATION_SHARE * given.tolerance).min(ITERATION_TOLERANCE);
         let mut last = f64::INFINITY;
         self.predicted = false;
-        for iteration in 1..=ITERATIONS {
+        for iteration in 1..=STEP_ITERATIONS {
             let change = self.iteration(given);
             self.iterations = iteration;
             if iteration == 1 {
                 self.predicted = change < given.tolerance.min(PREDICTED);
-            } else if last > ROUNDING {
+            } else if last > PORT_ROUNDING {
                 self.contraction = (2.0 * change / last).clamp(LEAST_CONTRACTION, 1.0);
             }
             if change * self.contraction < allowed {
@@ -170,7 +167,7 @@ impl Attempt {
         false
     }
 
-    /// Evaluates the ports along the step; gives their largest change.
+    /// Evaluates the ports along the step; returns their largest change.
     fn iteration(&mut self, given: &Given) -> f64 {
         let mut rows = [0.0; STAGE_ROWS];
         rows.copy_from_slice(&self.result[..STAGE_ROWS]);
@@ -201,14 +198,13 @@ impl Attempt {
         }
     }
 
-    /// How far the ports in the middle of the step are from the cubics through their nodes, relative to their scales.
+    /// Returns how far the ports in the middle of the step are from the cubics through their nodes, relative to their scales.
     pub fn defect(&self, given: &Given) -> f64 {
         let mut bonds = given.bonds.clone();
-
         let middle = self.middle_outputs();
         let time_s = given.time_s + 0.5 * given.table.step_s;
         let point = Point { time_s, outputs: &middle, platform: &given.platform.middle, about: &self.about };
-        let found = given.ports.middle(given.plant, &self.span(given), (&self.memory[0], &mut bonds), &point);
+        let found = given.ports.middle(given.plant, &self.span(given), &self.memory[0], &mut bonds, &point);
         let mut worst: f64 = 0.0;
         for p in 0..PORTS {
             let mut expected = MIDDLE[0] * self.start[p];
@@ -221,7 +217,7 @@ impl Attempt {
         worst
     }
 
-    /// The state's share of the torque that holds a joint, at the first and second inner node and in the middle.
+    /// Returns the state's share of the torque that holds a joint, at the first and second inner node and in the middle.
     pub fn held(&self, hold: &Strips, joint: usize) -> [f64; 3] {
         let mut given = self.inputs.clone();
         given.extend(self.values);
@@ -230,7 +226,7 @@ impl Attempt {
         std::array::from_fn(|k| shares[joint * HOLD_ROWS / 2 + k])
     }
 
-    /// Values of the ports at the first and second inner node and in the middle.
+    /// Returns the values of the ports at the first and second inner node and in the middle.
     pub fn inner_ports(&self) -> [[f64; PORTS]; 3] {
         let at = |stage: usize, p: usize| self.values[stage * PORTS + p];
         let middle =
@@ -238,35 +234,36 @@ impl Attempt {
         [std::array::from_fn(|p| at(0, p)), std::array::from_fn(|p| at(1, p)), std::array::from_fn(middle)]
     }
 
-    /// What the nonlinear parts see in the middle.
+    /// Returns what the nonlinear parts see in the middle.
     pub fn middle_outputs(&self) -> [f64; OUTPUTS] {
         let mut middle = [0.0; OUTPUTS];
         middle.copy_from_slice(&self.result[STAGE_ROWS..STAGE_ROWS + OUTPUTS]);
         middle
     }
 
-    /// The wind-up along the step: at its nodes and in its middle, with their fractions of the step.
-    pub fn wind_up(&self) -> [(f64, f64); 5] {
-        let at = |node: usize| (NODES[node], self.outputs[node][1]);
-        [at(0), at(1), (0.5, self.result[STAGE_ROWS + 1]), at(2), at(3)]
+    /// Returns the margins of the wind-up along the step, at its nodes and in its middle; `holds` gives the margin of a wind-up.
+    pub fn wind_up_margins(&self, holds: impl Fn(f64) -> f64) -> [Margin; 5] {
+        let at = |node: usize| Margin { part: NODES[node], value: holds(self.outputs[node][1]) };
+        let middle = Margin { part: 0.5, value: holds(self.result[STAGE_ROWS + 1]) };
+        [at(0), at(1), middle, at(2), at(3)]
     }
 
-    /// What the nonlinear parts see at the nodes.
+    /// Returns what the nonlinear parts see at the nodes.
     pub fn outputs(&self) -> &[[f64; OUTPUTS]; 4] {
         &self.outputs
     }
 
-    /// Values of the ports at the start.
+    /// Returns the values of the ports at the start.
     pub fn start_ports(&self) -> &[f64; PORTS] {
         &self.start
     }
 
-    /// Values of the ports at the end.
+    /// Returns the values of the ports at the end.
     pub fn end_ports(&self) -> [f64; PORTS] {
         std::array::from_fn(|p| self.values[(STAGES - 1) * PORTS + p])
     }
 
-    /// The core's state at the end.
+    /// Returns the core's state at the end.
     pub fn end(&self) -> &[f64] {
         &self.result[STATE..STATE + self.order]
     }
@@ -276,12 +273,12 @@ impl Attempt {
         self.memory[STAGES - 1]
     }
 
-    /// Angles of motor and pivot to which friction has travelled at the end, rad.
+    /// Returns the angles of motor and pivot to which friction has travelled at the end, rad.
     pub fn travelled(&self) -> [f64; 2] {
         self.travelled
     }
 
-    /// The bonds at the end.
+    /// Returns the bonds at the end.
     pub fn bonds(&self) -> &Bonds {
         &self.bonds
     }
@@ -305,13 +302,13 @@ impl Before {
         self.values = values;
     }
 
-    /// How far a torque went from its first inner node to the others.
+    /// Returns how far a torque went from its first inner node to the others.
     fn change(&self, port: usize) -> f64 {
         let [first, second, end] = self.values.map(|values| values[port]);
         (second - first).abs().max((end - first).abs())
     }
 
-    /// Weights of the values before for the change of the torques to each stage of a step.
+    /// Returns the weights of the values before for the change of the torques to each stage of a step.
     fn weights(&self, step_s: f64) -> [[f64; STAGES]; STAGES] {
         if self.step_s == 0.0 {
             [[0.0; STAGES]; STAGES]
@@ -323,7 +320,7 @@ impl Before {
     }
 }
 
-/// The parabola through the last three nodes of a step, at the stages of the next, less its end.
+/// Returns the parabola through the last three nodes of a step, at the stages of the next, less its end.
 fn extrapolation(ratio: f64) -> [[f64; STAGES]; STAGES] {
     std::array::from_fn(|stage| {
         let at = 1.0 + ratio * NODES[stage + 1];
@@ -335,7 +332,7 @@ fn extrapolation(ratio: f64) -> [[f64; STAGES]; STAGES] {
     })
 }
 
-/// Largest change relative to the scales; NaN counts as large.
+/// Returns the largest change relative to the scales; NaN counts as large.
 #[inline]
 fn largest_change(new: &[f64], old: &[f64], scales: &[f64; PORTS]) -> f64 {
     let mut largest: f64 = 0.0;

@@ -4,12 +4,13 @@ use super::moments::{Moments, cardinal_weights};
 use super::tables::DEEPEST;
 use counterpoise_lti::Mat;
 use counterpoise_models::Sensor;
+use nalgebra::{Matrix2, Matrix2x4, Vector2, Vector4};
 
 /// Answers of the sensor over one step.
 #[derive(Debug, Clone, Copy)]
 struct FilterStep {
-    phi: [[f64; 2]; 2],
-    nodes: [[f64; 2]; 4],
+    phi: Matrix2<f64>,
+    nodes: Matrix2x4<f64>,
 }
 
 /// y'' + 2 z w y' + w^2 y = w^2 r, stepped exactly for a cubic r.
@@ -19,7 +20,7 @@ pub(crate) struct Filter {
 }
 
 impl Filter {
-    /// The filter of a sensor over steps of `period_s` halved up to [`DEEPEST`] times.
+    /// Returns the filter of a sensor over steps of `period_s` halved up to [`DEEPEST`] times.
     pub fn new(sensor: &Sensor, period_s: f64) -> Self {
         let (w, z) = (sensor.natural_frequency_rad_s, sensor.damping_ratio);
         if w.is_infinite() {
@@ -44,21 +45,19 @@ impl Filter {
             *state = [input[3], 0.0];
             return;
         };
-        let mut next = [0.0; 2];
-        for i in 0..2 {
-            next[i] = step.phi[i][0] * state[0] + step.phi[i][1] * state[1];
-            for (answer, value) in step.nodes.iter().zip(input) {
-                next[i] += answer[i] * value;
-            }
-        }
-        *state = next;
+        let mut next = step.phi * Vector2::from(*state);
+        // adds the answers node by node
+        next.gemv(1.0, &step.nodes, &Vector4::from(*input), 1.0);
+        *state = next.into();
     }
 }
 
 impl FilterStep {
     fn new(moments: &Moments, step_s: f64) -> Self {
         let weights = cardinal_weights(step_s);
-        let nodes = std::array::from_fn(|node| [0, 1].map(|row| moments.answer(row, 0, &weights[node])));
-        Self { phi: [0, 1].map(|i| [0, 1].map(|j| moments.phi(i, j))), nodes }
+        Self {
+            phi: Matrix2::from_fn(|i, j| moments.phi(i, j)),
+            nodes: Matrix2x4::from_fn(|row, node| moments.answer(row, 0, &weights[node])),
+        }
     }
 }

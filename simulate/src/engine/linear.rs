@@ -18,7 +18,7 @@ pub(crate) const VOLTAGE: usize = OUTPUTS;
 /// Where the tip rate is among what is seen.
 pub(crate) const TIP: usize = OUTPUTS + 1;
 
-/// What the nonlinear parts see of it.
+/// Returns what the nonlinear parts see of it.
 pub(crate) fn outputs(seen: &Seen) -> &[f64; OUTPUTS] {
     seen.first_chunk().unwrap_or(&[0.0; OUTPUTS])
 }
@@ -29,7 +29,7 @@ pub(crate) struct Mode {
     pub mesh: Mesh,
     /// Torque of half the gap, N m.
     pub offset: f64,
-    /// Sign of the bus limit at which the voltage is held; 0 where it is free.
+    /// Sign of the bus limit at which the voltage is held; 0 if it is free.
     pub held: f64,
     /// Whether the motor's and the pivot's friction stick.
     pub stuck: [bool; 2],
@@ -39,7 +39,7 @@ impl Mode {
     /// Number of cores.
     pub const COUNT: usize = 16;
 
-    /// Which core.
+    /// Returns the index of the core of this mode.
     pub fn index(&self) -> usize {
         usize::from(self.mesh == Mesh::Free)
             + 2 * usize::from(self.held != 0.0)
@@ -61,11 +61,11 @@ pub(crate) struct Hold {
 /// x' = A x + B u in one mode, in coordinates z in which A is a block and pairs on the diagonal.
 #[derive(Debug, Clone)]
 pub(crate) struct Linear {
-    blocks: Vec<(Mat, Mat)>,
+    blocks: Vec<Block>,
     firsts: Vec<usize>,
     n: usize,
-    /// x = V z and z = W x; the same where there is none.
-    coordinates: Option<(Mat, Mat)>,
+    /// The coordinates z; `None` if they are the physical state itself.
+    coordinates: Option<Coordinates>,
     /// What the nonlinear parts see, from z.
     pub outputs: Mat,
     /// That, the voltage and the rate of the tip, stored for products.
@@ -86,6 +86,20 @@ pub(crate) struct Linear {
     tables: Vec<Option<StepTable>>,
 }
 
+/// A diagonal block of the core, and its rows of the input matrix.
+#[derive(Debug, Clone)]
+struct Block {
+    A: Mat,
+    B: Mat,
+}
+
+/// x = V z and z = W x.
+#[derive(Debug, Clone)]
+struct Coordinates {
+    V: Mat,
+    W: Mat,
+}
+
 /// The moments of all blocks at times that double.
 #[derive(Debug, Clone)]
 struct Chain {
@@ -95,10 +109,12 @@ struct Chain {
 }
 
 impl Chain {
-    fn new(blocks: &[(Mat, Mat)], finest: f64, count: usize) -> Self {
+    fn new(blocks: &[Block], finest: f64, count: usize) -> Self {
         let family = |fraction: f64, count: usize| {
-            let families: Vec<Vec<Moments>> =
-                blocks.iter().map(|(A, B)| Moments::family(A, B, finest * fraction, count)).collect();
+            let families: Vec<Vec<Moments>> = blocks
+                .iter()
+                .map(|block| Moments::family(&block.A, &block.B, finest * fraction, count))
+                .collect();
             (0..count).map(|k| families.iter().map(|family| family[k].clone()).collect()).collect()
         };
         Self { finest, nodes: [family(NODES[1], count), family(NODES[2], count), family(0.5, count + 1)] }
@@ -123,14 +139,14 @@ impl Span<'_> {
     /// The middle of the step among its nodes.
     pub const MIDDLE: usize = STAGES + 1;
 
-    /// The moments of the blocks at node 1, 2, 3 (the end), or in the middle.
+    /// Returns the moments of the blocks at node 1, 2, 3 (the end), or in the middle.
     pub fn at(&self, node: usize) -> &[Moments] {
         self.nodes[node - 1]
     }
 }
 
 impl Linear {
-    /// The core of a plant in a mode, for steps of a sample period and its halves.
+    /// Returns the core of a plant in a mode, for steps of a sample period and its halves.
     pub fn new(plant: &Plant, mode: &Mode, period_s: f64) -> Self {
         let mut core = plant.core(mode.mesh);
         if mode.held != 0.0 {
@@ -168,10 +184,10 @@ impl Linear {
         linear
     }
 
-    /// Goes over to coordinates in which the core falls apart, where there are any worth while.
+    /// Changes to coordinates in which the core falls apart into blocks, if there are any and they save work.
     fn take_apart(&mut self, core: Core, others: &Mat) {
         let Some(modal) = modal(&core.A) else {
-            self.blocks = vec![(core.A, core.B)];
+            self.blocks = vec![Block { A: core.A, B: core.B }];
             self.firsts = vec![0];
             return;
         };
@@ -189,37 +205,37 @@ impl Linear {
         for block in modal.blocks {
             let size = block.nrows();
             self.firsts.push(first);
-            self.blocks.push((block, B.block(first, 0, size, B.ncols())));
+            self.blocks.push(Block { A: block, B: B.block(first, 0, size, B.ncols()) });
             first += size;
         }
-        self.coordinates = Some((modal.V, modal.W));
+        self.coordinates = Some(Coordinates { V: modal.V, W: modal.W });
     }
 
-    /// Number of states.
+    /// Returns the number of states.
     pub fn order(&self) -> usize {
         self.n
     }
 
-    /// What is seen at z: what the nonlinear parts see, then voltage and rate of the tip.
+    /// Returns what is seen at z: what the nonlinear parts see, then voltage and rate of the tip.
     pub fn see(&self, z: &[f64]) -> Seen {
         let mut seen = [0.0; NARROW];
         self.seen.multiply_add(z, &mut seen);
         seen
     }
 
-    /// The physical state at z.
+    /// Returns the physical state at z.
     pub fn physical(&self, z: &[f64]) -> Vec<f64> {
-        let V = self.coordinates.as_ref().map(|(V, _)| V);
-        V.map_or_else(|| z.to_vec(), |V| (V * &Mat::col(z)).column(0).to_vec())
+        let coordinates = self.coordinates.as_ref();
+        coordinates.map_or_else(|| z.to_vec(), |to| (&to.V * &Mat::col(z)).column(0).to_vec())
     }
 
-    /// The coordinates z of a physical state.
+    /// Returns the coordinates z of a physical state.
     pub fn coordinates(&self, x: &[f64]) -> Vec<f64> {
-        let W = self.coordinates.as_ref().map(|(_, W)| W);
-        W.map_or_else(|| x.to_vec(), |W| (W * &Mat::col(x)).column(0).to_vec())
+        let coordinates = self.coordinates.as_ref();
+        coordinates.map_or_else(|| x.to_vec(), |to| (&to.W * &Mat::col(x)).column(0).to_vec())
     }
 
-    /// Number of blocks.
+    /// Returns the number of blocks.
     pub fn blocks(&self) -> usize {
         self.blocks.len()
     }
@@ -229,9 +245,9 @@ impl Linear {
         self.firsts[block]
     }
 
-    /// Size of the block before the pairs.
+    /// Returns the size of the block before the pairs.
     pub fn head(&self) -> usize {
-        self.blocks[0].0.nrows()
+        self.blocks[0].A.nrows()
     }
 
     /// Makes the table of a level, if it is not there yet.
@@ -252,7 +268,7 @@ impl Linear {
         self.tables[level] = Some(table);
     }
 
-    /// The table of a level that [`Linear::prepare`] has made.
+    /// Returns the table of a level that [`Linear::prepare`] has made.
     pub fn table(&self, level: usize) -> Option<&StepTable> {
         self.tables[level].as_ref()
     }
@@ -323,7 +339,7 @@ fn unit(n: usize, k: usize) -> Vec<f64> {
     (0..n).map(|j| f64::from(u8::from(j == k))).collect()
 }
 
-/// What the nonlinear parts see, from the physical state.
+/// Returns what the nonlinear parts see, from the physical state.
 fn output_rows(plant: &Plant) -> Mat {
     let n = plant.core_order();
     let rows: [Vec<f64>; OUTPUTS] = [

@@ -16,15 +16,20 @@
 //! samples, and most samples of a smooth motion are one step.
 //!
 //! Modules in reading order: [`linear`] (the core in its modes), [`modal`], [`moments`], [`tables`], [`strips`],
-//! [`ports`], [`attempt`] (one step), [`joints`] (true stick), [`stepper`], [`filter`].
+//! [`ports`], [`state`], [`crossing`], [`attempt`] (one step), [`present`] (where the plant is), [`joints`] (true stick),
+//! [`events`], [`filter`], [`stepper`]. Each uses only modules before it in this list.
 
 pub(crate) mod attempt;
+pub(crate) mod crossing;
+pub(crate) mod events;
 pub(crate) mod filter;
 pub(crate) mod joints;
 pub(crate) mod linear;
 pub(crate) mod modal;
 pub(crate) mod moments;
 pub(crate) mod ports;
+pub(crate) mod present;
+pub(crate) mod state;
 pub(crate) mod stepper;
 pub(crate) mod strips;
 pub(crate) mod tables;

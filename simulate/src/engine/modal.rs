@@ -5,21 +5,11 @@
 //! poles that coincide are worthless (a rigid body's double zero, an amplifier's double pole): everything but the
 //! oscillating pairs stays together in one block.
 
+use crate::tolerance::{
+    FEWEST_MODAL_STATES, LARGEST_HEAD, MODAL_ROUNDING, MODAL_ROUNDING_OF_RATES, OSCILLATES, SKEWEST,
+};
 use counterpoise_lti::linalg::{balance, inverse, schur, solve};
 use counterpoise_lti::{C64, Mat};
-
-/// Cores of fewer states stay as they are: a dense product is as fast.
-const FEWEST: usize = 12;
-/// Most states in the block that stays together.
-const LARGEST_HEAD: usize = 8;
-/// Imaginary part of a pole, relative to its modulus, from which on it is one of an oscillating pair.
-const OSCILLATES: f64 = 0.02;
-/// Largest entry of a coupling that is solved for: beyond, the coordinates are too skew.
-const SKEWEST: f64 = 1e6;
-/// Error of a row of the matrix put together again, relative to its largest entry, that is rounding.
-const ROUNDING: f64 = 1e-8;
-/// The same, absolute, of a row that only says which state is whose rate.
-const ROUNDING_OF_RATES: f64 = 1e-10;
 
 /// x = V z, z = W x, W A V = blocks: one of `head` states, then pairs.
 pub(crate) struct Modal {
@@ -28,10 +18,10 @@ pub(crate) struct Modal {
     pub blocks: Vec<Mat>,
 }
 
-/// The coordinates of a matrix; `None` where it is small, or does not fall apart well.
+/// Returns the coordinates of a matrix; `None` if it is small, or does not fall apart well.
 pub(crate) fn modal(A: &Mat) -> Option<Modal> {
     let n = A.nrows();
-    if n < FEWEST {
+    if n < FEWEST_MODAL_STATES {
         return None;
     }
     let balanced = balance(A).ok()?;
@@ -53,7 +43,7 @@ pub(crate) fn modal(A: &Mat) -> Option<Modal> {
 }
 
 impl Modal {
-    /// The coordinates after a step of Newton's method on W A V = blocks. The form that they come from is right to the
+    /// Returns the coordinates after a step of Newton's method on W A V = blocks. The form that they come from is right to the
     /// rounding of the fastest mode; the rows of slow states, which hold only small numbers, then are as well.
     fn refined(self, A: &Mat) -> Option<Self> {
         let n = A.nrows();
@@ -77,7 +67,7 @@ impl Modal {
         Some(Self { V, W, blocks })
     }
 
-    /// Whether V blocks W is A, row by row in balanced units.
+    /// Returns whether V blocks W is A, row by row in balanced units.
     fn holds(&self, A: &Mat, scale: &[f64]) -> bool {
         let n = A.nrows();
         let mut apart = Mat::zeros(n, n);
@@ -93,12 +83,12 @@ impl Modal {
             };
             let wrong = largest(&|j| rebuilt[(i, j)] - A[(i, j)]);
             let size = largest(&|j| A[(i, j)]);
-            wrong <= if size > 1.0 { ROUNDING * size } else { ROUNDING_OF_RATES }
+            wrong <= if size > 1.0 { MODAL_ROUNDING * size } else { MODAL_ROUNDING_OF_RATES }
         })
     }
 }
 
-/// The unit upper triangular S with S^-1 T S of blocks only: block by block, T11 X - X T22 = -T12.
+/// Returns the unit upper triangular S with S^-1 T S of blocks only: block by block, T11 X - X T22 = -T12.
 fn decoupling(T: &Mat, head: usize) -> Option<Mat> {
     let n = T.nrows();
     let mut S = Mat::eye(n);

@@ -1,5 +1,6 @@
 //! How a linear core moves over a time, exactly: its exponential, and the answer to polynomial inputs.
 
+use crate::tolerance::{SERIES_NORM, SERIES_TERMS};
 use counterpoise_lti::Mat;
 
 /// Nodes of a step, as fractions of it: the four points of Lobatto's rule. A polynomial through them integrates with
@@ -12,12 +13,6 @@ pub(crate) const MIDDLE: [f64; 4] = [-0.125, 0.625, 0.625, -0.125];
 /// Number of polynomial coefficients of an input over a step.
 const TERMS: usize = 4;
 
-/// Largest norm of A t at which the power series starts.
-const SMALL: f64 = 0.1;
-
-/// Terms of the power series: at the norm above, the first one left out is below the rounding error.
-const SERIES_TERMS: usize = 12;
-
 /// Over a time t: `Phi = exp(A t)` and `P_k = int_0^t exp(A (t - s)) B s^k / k! ds`, k = 0..3; row by row, the P_k of a
 /// row one after the other.
 #[derive(Debug, Clone)]
@@ -29,14 +24,14 @@ pub(crate) struct Moments {
 }
 
 impl Moments {
-    /// The moments at the times `finest`, 2 `finest`, 4 `finest`, ... (`count` of them).
+    /// Returns the moments at the times `finest`, 2 `finest`, 4 `finest`, ... (`count` of them).
     ///
     /// A power series where |A t| is small, then the doubling formulas
     /// `Phi(2t) = Phi Phi`, `P_k(2t) = Phi P_k + sum_j P_j t^(k-j) / (k-j)!`.
     pub fn family(A: &Mat, B: &Mat, finest: f64, count: usize) -> Vec<Self> {
         let mut time = finest;
         let mut halvings = 0;
-        while A.norm_one() * time > SMALL && halvings < 80 {
+        while A.norm_one() * time > SERIES_NORM && halvings < 80 {
             time *= 0.5;
             halvings += 1;
         }
@@ -101,28 +96,28 @@ impl Moments {
         Self { order: n, inputs: c, phi: product(&self.phi, &self.phi, n, n), forced }
     }
 
-    /// Number of states.
+    /// Returns the number of states.
     pub fn order(&self) -> usize {
         self.order
     }
 
-    /// An entry of Phi.
+    /// Returns an entry of Phi.
     pub fn phi(&self, i: usize, j: usize) -> f64 {
         self.phi[i * self.order + j]
     }
 
-    /// An entry of P_k.
+    /// Returns an entry of P_k.
     #[cfg(test)]
     pub fn p(&self, k: usize, i: usize, j: usize) -> f64 {
         self.forced[(i * TERMS + k) * self.inputs + j]
     }
 
-    /// The answer of row `row` to a constant input.
+    /// Returns the answer of row `row` to a constant input.
     pub fn constant(&self, row: usize, column: usize) -> f64 {
         self.forced[row * TERMS * self.inputs + column]
     }
 
-    /// The answer of row `row` to input column `column` when it is a polynomial over a step, of which these moments
+    /// Returns the answer of row `row` to input column `column` when it is a polynomial over a step, of which these moments
     /// span a part; `weights` as [`cardinal_weights`] gives them.
     pub fn answer(&self, row: usize, column: usize, weights: &[f64; TERMS]) -> f64 {
         let at = row * TERMS * self.inputs + column;
@@ -130,7 +125,7 @@ impl Moments {
     }
 }
 
-/// Weights of the moments P_k of a step of a given length for each node's cardinal polynomial: coefficient k! / step^k.
+/// Returns the weights of the moments P_k of a step of a given length for each node's cardinal polynomial: coefficient k! / step^k.
 pub(crate) fn cardinal_weights(step: f64) -> [[f64; TERMS]; 4] {
     let factors = [1.0, 1.0 / step, 2.0 / step.powi(2), 6.0 / step.powi(3)];
     std::array::from_fn(|node| {
@@ -139,7 +134,7 @@ pub(crate) fn cardinal_weights(step: f64) -> [[f64; TERMS]; 4] {
     })
 }
 
-/// A square matrix of order n times one of `columns` columns, row by row.
+/// Returns a square matrix of order n times one of `columns` columns, row by row.
 fn product(left: &[f64], right: &[f64], n: usize, columns: usize) -> Vec<f64> {
     let mut out = vec![0.0; n * columns];
     for (row, target) in left.chunks_exact(n).zip(out.chunks_exact_mut(columns)) {
@@ -152,7 +147,7 @@ fn product(left: &[f64], right: &[f64], n: usize, columns: usize) -> Vec<f64> {
     out
 }
 
-/// Coefficients, lowest first, of the polynomial that is 1 at node `node` and 0 at the others.
+/// Returns the coefficients, lowest first, of the polynomial that is 1 at node `node` and 0 at the others.
 pub(crate) fn cardinal_coefficients(node: usize) -> [f64; TERMS] {
     let mut polynomial = [1.0, 0.0, 0.0, 0.0];
     let mut degree = 0;

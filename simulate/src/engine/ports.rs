@@ -3,6 +3,7 @@
 use super::moments::NODES;
 use super::tables::{OUTPUTS, PORTS, STAGES};
 use crate::Error;
+use crate::tolerance::NEAR_ANGLE_RAD;
 use counterpoise_models::Plant;
 use counterpoise_models::friction::{Bristle, FrictionModel, Law, Stick, Surroundings};
 use counterpoise_models::plant::Hose;
@@ -27,6 +28,18 @@ pub struct FrictionState {
     pub hose: f64,
 }
 
+impl FrictionState {
+    /// Returns the state of the motor's (0) or the pivot's (1) friction.
+    pub(crate) fn get(&self, joint: usize) -> f64 {
+        [self.motor, self.pivot][joint]
+    }
+
+    /// Sets the state of the motor's (0) or the pivot's (1) friction.
+    pub(crate) fn set(&mut self, joint: usize, value: f64) {
+        *[&mut self.motor, &mut self.pivot][joint] = value;
+    }
+}
+
 /// The platform at one instant.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct PlatformPoint {
@@ -43,7 +56,7 @@ pub(crate) struct PlatformSpan {
 }
 
 /// The bonds of bristle friction at motor and pivot, as [`counterpoise_models::friction::Bristle`] has them; empty
-/// where friction has none, or where all are unbent.
+/// if friction has none, or while all are unbent.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Bonds {
     /// At the motor shaft.
@@ -89,25 +102,22 @@ pub(crate) struct AngleNearby {
 }
 
 impl AngleNearby {
-    /// Distance, rad, within which the series below is exact to rounding.
-    const NEAR: f64 = 2e-3;
-
     pub fn new(angle: f64) -> Self {
         let (sin, cos) = angle.sin_cos();
         Self { angle, sin, cos }
     }
 
-    /// The same, or about a new angle where that one is far.
+    /// Returns these values, or those about a new angle if it is far.
     #[inline]
     pub fn moved_to(self, angle: f64) -> Self {
-        if (angle - self.angle).abs() < 0.5 * Self::NEAR { self } else { Self::new(angle) }
+        if (angle - self.angle).abs() < 0.5 * NEAR_ANGLE_RAD { self } else { Self::new(angle) }
     }
 
-    /// Sine and cosine by the addition theorem, of the difference by its series.
+    /// Returns the sine and cosine by the addition theorem, of the difference by its series.
     #[inline]
     fn sin_cos(&self, angle: f64) -> (f64, f64) {
         let d = angle - self.angle;
-        if d.abs() > Self::NEAR {
+        if d.abs() > NEAR_ANGLE_RAD {
             return angle.sin_cos();
         }
         let square = d * d;
@@ -115,6 +125,15 @@ impl AngleNearby {
             (d * (1.0 - square / 6.0 * (1.0 - square / 20.0)), 1.0 - 0.5 * square * (1.0 - square / 12.0));
         (self.sin * cos + self.cos * sin, self.cos * cos - self.sin * sin)
     }
+}
+
+/// The time over which friction is advanced.
+#[derive(Debug, Clone, Copy)]
+struct Interval {
+    /// Time at which the level of friction is taken, s: the start of the step.
+    level_at_s: f64,
+    /// How long it is, s.
+    length_s: f64,
 }
 
 /// Relative motions at a point.
@@ -179,13 +198,13 @@ impl Ports {
         })
     }
 
-    /// Port values at the start of a step, where friction's state is known.
+    /// Returns the port values at the start of a step, where friction's state is known.
     pub fn at(&self, plant: &Plant, at: &Point, memory: &FrictionState) -> [f64; PORTS] {
         let motion = self.motion(plant, at);
         self.values(plant, at, &motion, memory)
     }
 
-    /// Dry friction torques at the motor and at the pivot.
+    /// Returns the dry friction torques at the motor and at the pivot.
     pub fn dry_torques(&self, plant: &Plant, at: &Point, memory: &FrictionState) -> [f64; 2] {
         let motion = self.motion(plant, at);
         [
@@ -194,7 +213,7 @@ impl Ports {
         ]
     }
 
-    /// What the friction at the motor (0) or at the pivot (1) holds at a point; `None` where its law does not stick.
+    /// Returns what the friction at the motor (0) or at the pivot (1) holds at a point; `None` if its law does not stick.
     pub fn stick(&self, plant: &Plant, joint: usize, at: &Point) -> Option<Stick> {
         let motion = self.motion(plant, at);
         match joint {
@@ -203,7 +222,7 @@ impl Ports {
         }
     }
 
-    /// The band of rates in which a sliding joint has its breakaway level, rad/s; 0 where that is its sliding level.
+    /// Returns the band of rates in which a sliding joint has its breakaway level, rad/s; 0 if that is its sliding level.
     pub fn band(&self, joint: usize) -> f64 {
         match [&self.motor, &self.pivot][joint].law() {
             Law::Sliding(law) if law.breakaway_ratio > 1.0 => law.rest_rate_rad_s,
@@ -211,23 +230,23 @@ impl Ports {
         }
     }
 
-    /// Whether the law at the motor (0) or at the pivot (1) truly sticks.
+    /// Returns whether the law at the motor (0) or at the pivot (1) truly sticks.
     pub fn sticks(&self, joint: usize) -> bool {
         matches!([&self.motor, &self.pivot][joint].law(), Law::Sliding(_))
     }
 
-    /// Whether either law is that of bristles, whose torque jumps with every bond that snaps.
+    /// Returns whether either law is that of bristles, whose torque jumps with every bond that snaps.
     pub fn bristled(&self) -> bool {
         [&self.motor, &self.pivot].iter().any(|model| matches!(model.law(), Law::Bristle(_)))
     }
 
-    /// Rates of the motor and of the pivot relative to the platform.
+    /// Returns the rates of the motor and of the pivot relative to the platform.
     #[inline]
     pub fn rates(&self, outputs: &[f64; OUTPUTS], platform_rate: f64) -> [f64; 2] {
         [outputs[MOTOR] - self.coupling * platform_rate, outputs[HUB_RATE] - platform_rate]
     }
 
-    /// Port values at the stages of a step, friction advanced from node to node by its own closed form.
+    /// Returns the port values at the stages of a step, friction advanced from node to node by its own closed form.
     pub fn along(&self, plant: &Plant, span: &StepSpan, bonds: &mut Bonds) -> PortSpan {
         let mut result = PortSpan {
             values: [0.0; STAGES * PORTS],
@@ -239,8 +258,9 @@ impl Ports {
         for stage in 0..STAGES {
             let at = span.point(stage + 1);
             let after = self.motion(plant, &at);
-            let time = (NODES[stage + 1] - NODES[stage]) * span.step_s;
-            self.advance(&before, &after, (span.time_s, time), &mut memory, bonds);
+            let length_s = (NODES[stage + 1] - NODES[stage]) * span.step_s;
+            let interval = Interval { level_at_s: span.time_s, length_s };
+            self.advance(&before, &after, interval, &mut memory, bonds);
             let values = self.values(plant, &at, &after, &memory);
             result.values[stage * PORTS..(stage + 1) * PORTS].copy_from_slice(&values);
             result.memory[stage] = memory;
@@ -250,7 +270,7 @@ impl Ports {
         result
     }
 
-    /// The motion at the start of a step, with the angles to which friction has travelled: what is seen of the core there is off by
+    /// Returns the motion at the start of a step, with the angles to which friction has travelled: what is seen of the core there is off by
     /// its own rounding, which would add up to a creep from step to step.
     #[inline]
     fn start(&self, plant: &Plant, span: &StepSpan) -> Motion {
@@ -261,12 +281,13 @@ impl Ports {
         }
     }
 
-    /// Port values in the middle of a step, from the first stage on.
+    /// Returns the port values in the middle of a step, from the first stage on.
     pub fn middle(
         &self,
         plant: &Plant,
         span: &StepSpan,
-        (stage, bonds): (&FrictionState, &mut Bonds),
+        stage: &FrictionState,
+        bonds: &mut Bonds,
         middle: &Point,
     ) -> [f64; PORTS] {
         let before = self.motion(plant, &span.point(1));
@@ -274,15 +295,16 @@ impl Ports {
         if self.bristled() {
             // bonds remember their path: it begins at the first node
             let first = self.start(plant, span);
-            self.advance(&first, &before, (span.time_s, span.step_s), &mut stage.clone(), bonds);
+            let whole = Interval { level_at_s: span.time_s, length_s: span.step_s };
+            self.advance(&first, &before, whole, &mut stage.clone(), bonds);
         }
         let mut memory = *stage;
-        let time = (span.time_s, (0.5 - NODES[1]) * span.step_s);
-        self.advance(&before, &after, time, &mut memory, bonds);
+        let interval = Interval { level_at_s: span.time_s, length_s: (0.5 - NODES[1]) * span.step_s };
+        self.advance(&before, &after, interval, &mut memory, bonds);
         self.values(plant, middle, &after, &memory)
     }
 
-    /// The load at a hub angle under a heave.
+    /// Returns the load at a hub angle under a heave.
     #[inline]
     pub fn load(&self, about: &AngleNearby, hub_angle: f64, heave: f64) -> f64 {
         (self.gravity + heave) * about.sin_cos(hub_angle).1
@@ -311,23 +333,23 @@ impl Ports {
         &self,
         before: &Motion,
         after: &Motion,
-        time: (f64, f64),
+        interval: Interval,
         memory: &mut FrictionState,
         bonds: &mut Bonds,
     ) {
         let motor = Path {
             rates: [before.motor_rate, after.motor_rate],
             travel: after.motor_angle - before.motor_angle,
-            time: time.1,
+            time: interval.length_s,
         };
-        let level = self.motor_level(after, time.0);
+        let level = self.motor_level(after, interval.level_at_s);
         memory.motor = motor.advance(&self.motor, level, memory.motor, &mut bonds.motor);
         let pivot = Path {
             rates: [before.pivot_rate, after.pivot_rate],
             travel: after.pivot_angle - before.pivot_angle,
-            time: time.1,
+            time: interval.length_s,
         };
-        let level = self.pivot_level(after, time.0);
+        let level = self.pivot_level(after, interval.level_at_s);
         memory.pivot = pivot.advance(&self.pivot, level, memory.pivot, &mut bonds.pivot);
         if let Some(hose) = &self.hose {
             memory.hose = pivot.bend(hose, memory.hose);
@@ -433,7 +455,7 @@ impl Path {
         states[0]
     }
 
-    /// The torque of a hose after the motion.
+    /// Returns the torque of a hose after the motion.
     #[inline]
     fn bend(&self, hose: &Hose, torque: f64) -> f64 {
         if self.rates[0] * self.rates[1] >= 0.0 {
@@ -442,7 +464,7 @@ impl Path {
         self.parts().iter().fold(torque, |torque, (travel, _)| hose.after(torque, *travel))
     }
 
-    /// Travel and time before and after a reversal.
+    /// Returns the travel and time before and after a reversal.
     fn parts(&self) -> [(f64, f64); 2] {
         let [before, after] = self.rates;
         let part = before / (before - after);
@@ -452,7 +474,7 @@ impl Path {
         [(first, part * self.time), (self.travel - first, (1.0 - part) * self.time)]
     }
 
-    /// Bends and snaps the bonds; gives the sum of their deflections.
+    /// Bends and snaps the bonds; returns the sum of their deflections.
     fn drag(&self, law: &Bristle, bonds: &mut Vec<f64>) -> f64 {
         bonds.resize(2 * law.bristles, 0.0);
         if self.rates[0] * self.rates[1] >= 0.0 {
@@ -464,7 +486,7 @@ impl Path {
     }
 }
 
-/// Torque of the dry part: the viscous and quadratic parts are elsewhere. A law that truly sticks slides in the
+/// Returns the torque of the dry part: the viscous and quadratic parts are elsewhere. A law that truly sticks slides in the
 /// direction that its state tells, and takes no part in the ports at rest.
 #[inline]
 fn dry(model: &FrictionModel, rate: f64, level: f64, state: f64) -> f64 {

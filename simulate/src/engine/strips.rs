@@ -7,7 +7,7 @@ const WIDE: usize = 16;
 /// Rows of a last, narrower strip.
 pub(crate) const NARROW: usize = 8;
 
-/// A matrix stored in strips of 16 rows, and one of 8 at the end where that is enough, column by column within a strip.
+/// A matrix stored in strips of 16 rows, and one of 8 at the end if that is enough, column by column within a strip.
 #[derive(Debug, Clone)]
 pub(crate) struct Strips {
     columns: usize,
@@ -32,7 +32,7 @@ impl Strips {
         Self { columns: M.ncols(), wide: store(0, wide_rows, WIDE), narrow: store(wide_rows, rows, NARROW) }
     }
 
-    /// out = start + M v, where `out` is as long as the padded rows; in the widest registers of the machine, with the
+    /// Computes out = start + M v, where `out` is as long as the padded rows; in the widest registers of the machine, with the
     /// same sums in the same order on every machine.
     #[inline]
     pub fn multiply_add(&self, v: &[f64], out: &mut [f64]) {
@@ -64,7 +64,7 @@ impl pulp::NullaryFnOnce for Product<'_> {
     }
 }
 
-/// Rows padded to whole strips.
+/// Returns the rows padded to whole strips.
 pub(crate) fn padded(rows: usize) -> usize {
     rows.div_ceil(NARROW) * NARROW
 }

@@ -6,6 +6,7 @@ use super::moments::{MIDDLE, NODES, cardinal_weights};
 use super::strips::{Strips, padded};
 use counterpoise_lti::Mat;
 use counterpoise_models::plant::core::input;
+use nalgebra::Matrix2;
 
 /// What the nonlinear parts see at a node: motor state, wind-up, hub angle, hub rate, current.
 pub(crate) const OUTPUTS: usize = 5;
@@ -48,15 +49,15 @@ pub(crate) struct StepTable {
     /// From the ports at the stages to the outputs in the middle and the state at the end.
     pub end: Strips,
     /// From \[state, fixed inputs, ports at the stages\] to the state's share of the torques that hold joints at rest, inside the
-    /// step; none where no joint rests.
+    /// step; `None` if no joint rests.
     pub hold: Option<Strips>,
 }
 
 /// exp(A h), block by block.
 #[derive(Debug, Clone)]
 pub(crate) struct Flow {
-    /// Blocks of one or two states: diagonal, and the factor on the neighbour with its index.
-    pairs: Vec<[f64; 4]>,
+    /// Blocks of two states.
+    pairs: Vec<Matrix2<f64>>,
     from: usize,
     /// A block of any size before them.
     head: Strips,
@@ -71,18 +72,18 @@ impl Flow {
         self.head.multiply_add(&z[..self.from], &mut out[..self.head_rows]);
         let pairs = z[self.from..].chunks_exact(2).zip(out[self.from..].chunks_exact_mut(2));
         for (block, (z, out)) in self.pairs.iter().zip(pairs) {
-            out[0] = block[0] * z[0] + block[1] * z[1];
-            out[1] = block[2] * z[0] + block[3] * z[1];
+            out[0] = block.m11 * z[0] + block.m12 * z[1];
+            out[1] = block.m21 * z[0] + block.m22 * z[1];
         }
     }
 }
 
-/// Length of a vector of the results of a step, padded.
+/// Returns the length of a vector of the results of a step, padded.
 pub(crate) fn result_length(order: usize) -> usize {
     STATE + padded(order)
 }
 
-/// The table of a step.
+/// Returns the table of a step.
 pub(crate) fn step_table(core: &Linear, span: &Span) -> StepTable {
     let n = core.order();
     let end = Answers::new(core, span, STAGES);
@@ -132,8 +133,7 @@ fn flow(core: &Linear, span: &Span) -> Flow {
     let phi = |block: usize, i: usize, j: usize| span.at(STAGES)[block].phi(i, j);
     let first = usize::from(from > 0);
     let head = Mat::from_fn(from, from, |i, j| phi(0, i, j));
-    let pairs =
-        (first..core.blocks()).map(|b| [phi(b, 0, 0), phi(b, 0, 1), phi(b, 1, 0), phi(b, 1, 1)]).collect();
+    let pairs = (first..core.blocks()).map(|b| Matrix2::from_fn(|i, j| phi(b, i, j))).collect();
     Flow { pairs, from, head: Strips::new(&head), head_rows: padded(from) }
 }
 

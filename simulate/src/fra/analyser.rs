@@ -54,7 +54,7 @@ impl Response {
     }
 }
 
-/// The spectrum of samples by least squares on the mean, the fundamental and its harmonics below the Nyquist
+/// Returns the spectrum of samples by least squares on the mean, the fundamental and its harmonics below the Nyquist
 /// frequency. Over whole cycles this is the correlation with sine and cosine that an analyser performs; it needs no
 /// whole number of samples a cycle, and a mean does not leak into it. Samples that are NaN are left out.
 ///
@@ -83,7 +83,7 @@ pub fn spectrum(samples: &[f64], period_s: f64, frequency_rad_s: f64) -> Result<
     Ok(Spectrum { mean: solution[0], harmonics, residual_rms: (left / usable as f64).sqrt() })
 }
 
-/// The response between two sampled signals over the last whole cycles of their common length, at most
+/// Returns the response between two sampled signals over the last whole cycles of their common length, at most
 /// `most_cycles`.
 ///
 /// # Errors

@@ -1,7 +1,7 @@
 //! The frequency response analyser, on the nonlinear simulation and on recordings.
 //!
 //! A sine of one frequency and amplitude is put in, the motion is let settle, and input and output are compared at the
-//! fundamental over whole cycles, as a bench instrument does; mean and harmonics are told as well. [`measure`] does
+//! fundamental over whole cycles, as a bench instrument does; mean and harmonics are returned as well. [`measure`] does
 //! one point: a map of amplitudes and frequencies is as many independent calls. [`analyser::response`] does the same
 //! on the columns of a recording.
 //!
@@ -64,6 +64,15 @@ impl Default for Settings {
     }
 }
 
+/// The sine of one measurement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TestSine {
+    /// Angular frequency, rad/s.
+    pub frequency_rad_s: f64,
+    /// Amplitude: V for the plant, rad/s otherwise.
+    pub amplitude: f64,
+}
+
 /// A point of a frequency response.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement {
@@ -89,9 +98,10 @@ pub fn measure(
     plant: &Plant,
     controller: &mut dyn SampledController,
     test: Test,
-    (frequency_rad_s, amplitude): (f64, f64),
+    at: TestSine,
     settings: &Settings,
 ) -> Result<Measurement, Error> {
+    let TestSine { frequency_rad_s, amplitude } = at;
     if !(amplitude > 0.0 && amplitude.is_finite()) {
         return Err(Error::Range { what: "amplitude", value: amplitude, allowed: "positive and finite" });
     }
@@ -100,7 +110,7 @@ pub fn measure(
     let most = settings.most_windows.max(3);
     let scenario = Scenario {
         duration_s: (most * window.samples) as f64 * period,
-        ..excitation(test, window.frequency_rad_s, amplitude, settings)
+        ..scenario_of(test, window.frequency_rad_s, amplitude, settings)
     };
     let mut simulator = Simulator::new(plant)?;
     let mut settling =
@@ -151,7 +161,7 @@ impl Settling<'_> {
     }
 }
 
-/// The mechanism with its motor disconnected from the amplifier: no current flows. For the platform-to-hub test, on a
+/// Returns the mechanism with its motor disconnected from the amplifier: no current flows. For the platform-to-hub test, on a
 /// balanced mechanism: an unbalanced one falls.
 ///
 /// # Errors
@@ -206,7 +216,7 @@ impl Window {
     }
 }
 
-fn excitation(test: Test, frequency_rad_s: f64, amplitude: f64, settings: &Settings) -> Scenario {
+fn scenario_of(test: Test, frequency_rad_s: f64, amplitude: f64, settings: &Settings) -> Scenario {
     let mut scenario = Scenario {
         imperfections: settings.imperfections,
         initial: Initial::Rest { hub_angle_rad: settings.hub_angle_rad },

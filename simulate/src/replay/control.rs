@@ -6,16 +6,14 @@
 use super::{ChannelFit, fit};
 use crate::recording::{Channel, Recording};
 use crate::sensing::CONVERTER_RANGE_V;
+use crate::tolerance::SHORTEST_WINDOW;
 use counterpoise_controller::{ProportionalIntegral, Readings, SampledController};
 use counterpoise_models::Parameters;
 
-/// Samples in a row, none of them missing, that are needed to find the integral at their start.
-const SHORTEST: usize = 20;
-
-/// The control that a controller makes of the recorded demand and hub rate, and how well it fits the recorded control. The integral at
+/// Returns the control that a controller makes of the recorded demand and hub rate, and how well it fits the recorded control. The integral at
 /// the start, and after each missing sample, is the one that fits best.
 ///
-/// None where demand, hub rate or control was not recorded, or where the demand is the hub rate itself: such a recording was made
+/// Returns `None` if demand, hub rate or control was not recorded, or if the demand is the hub rate itself: such a recording was made
 /// without a controller of its rate.
 pub fn control_fit(
     parameters: &Parameters,
@@ -33,7 +31,7 @@ pub fn control_fit(
     while from < control.len() {
         let whole = |k: usize| control[k].is_finite() && demand[k].is_finite() && rate[k].is_finite();
         let to = (from..control.len()).find(|&k| !whole(k)).unwrap_or(control.len());
-        if to >= from + SHORTEST {
+        if to >= from + SHORTEST_WINDOW {
             let columns = [&control[from..to], &demand[from..to], &rate[from..to]];
             stretch(controller, columns, &mut made[from..to]);
         }
@@ -81,7 +79,7 @@ mod tests {
         }
     }
 
-    /// A recording whose control is that of a controller with a gain of 18 V s/rad, rounded, with a hole in the hub rate.
+    /// Returns a recording whose control is that of a controller with a gain of 18 V s/rad, rounded, with a hole in the hub rate.
     fn recording() -> Recording {
         let demand: Vec<f64> = (0..3000).map(|k| 0.1 * (0.01 * f64::from(k)).sin()).collect();
         let mut rate: Vec<f64> = (0..3000).map(|k| 0.1 * (0.01 * f64::from(k) - 0.2).sin()).collect();

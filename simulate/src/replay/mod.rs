@@ -1,22 +1,22 @@
-//! Replay: what the model does under what was recorded, and how far that is from what the machine did.
+//! Replay of a recording with the model: the residuals of the simulated channels.
 //!
 //! The platform's motion comes from its sensors ([`platform`]), the start of the recording from its first moments
 //! ([`start`]), the control from the recorded controller acting on the simulated hub (closed loop) or from the
-//! recording (open loop). The run is without noise and without quantisation: what is left of a perfect model is the
-//! recording's own noise, whose size is the floor.
+//! recording (open loop). The run is without noise and without quantisation: the residual of a perfect model is the
+//! recording's own noise, whose RMS is the noise floor.
 
 mod control;
-mod follow;
 mod normal;
 pub mod platform;
 pub(crate) mod smoother;
 pub mod start;
+mod windowed_replay;
 mod windows;
 
 pub use control::control_fit;
-pub use follow::{Followed, Parting, WINDOW_S, Way};
 pub use platform::{platform_motion, reading_floor};
 pub use start::{UNKNOWNS as START_FREEDOMS, start_has};
+pub use windowed_replay::{Divergence, ReplayMode, SelectedReplay, WINDOW_S};
 
 use crate::Error;
 use crate::history::{ReadingColumns, TimeHistory};
@@ -25,6 +25,7 @@ use crate::run::Simulator;
 use crate::scenario::{Detail, Initial, Scenario};
 use crate::sensing::{CONVERTER_RANGE_V, Imperfections};
 use crate::signal::Signal;
+use crate::tolerance::{INTEGRAL_SAMPLES, SAME_PERIOD};
 use crate::{PlantState, PlatformMotion};
 use counterpoise_controller::{ProportionalIntegral, Readings, SampledController};
 use counterpoise_models::plant::core::state;
@@ -45,7 +46,7 @@ impl From<&ProportionalIntegral> for Loop {
     }
 }
 
-/// A recording beside its simulation.
+/// A recording compared with its simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Replay {
     /// How well each recorded channel fits.
@@ -61,12 +62,12 @@ pub struct Replay {
 pub struct ChannelFit {
     /// Which one.
     pub channel: Channel,
-    /// RMS of simulated - recorded, in the channel's unit.
+    /// RMS of the residual, simulated - recorded, in the channel's unit.
     pub rms_error: f64,
-    /// What noise and quantisation of the project's sensors leave of a perfect model, in the channel's unit.
+    /// Noise floor: RMS of the residual of a perfect model, from noise and quantisation of the project's sensors, in the channel's unit.
     pub floor: f64,
     /// RMS of the white noise in the recording itself, from its third differences: a check on the floor. An
-    /// overestimate where the channel moves fast.
+    /// overestimate if the channel moves fast.
     pub white_noise: f64,
     /// Variance accounted for, percent: 100 (1 - var(error) / var(recorded)).
     pub vaf: f64,
@@ -107,7 +108,7 @@ impl<'a> Replayer<'a> {
         }
         check_length("demand", recording.demand_rad_s.as_deref(), samples)?;
         let period = parameters.interface.sample_period_s;
-        if (recording.sample_period_s / period - 1.0).abs() > 1e-6 {
+        if (recording.sample_period_s / period - 1.0).abs() > SAME_PERIOD {
             let allowed = "the sample period of the interface";
             return Err(Error::Range { what: "sample_period_s", value: recording.sample_period_s, allowed });
         }
@@ -116,17 +117,17 @@ impl<'a> Replayer<'a> {
         Ok(Self { recording, sensed, platform, samples, steps_per_sample: f64::INFINITY })
     }
 
-    /// The same with a bound on the steps of a run: see [`Simulator::bounded`].
+    /// Returns the same with a bound on the steps of a run: see [`Simulator::bounded`].
     pub fn bounded(self, steps_per_sample: f64) -> Self {
         Self { steps_per_sample, ..self }
     }
 
-    /// A simulator of a plant with that bound.
+    /// Returns a simulator of a plant with that bound.
     fn simulator(&self, plant: &Plant) -> Result<Simulator, Error> {
         Ok(Simulator::new(plant)?.bounded(self.steps_per_sample))
     }
 
-    /// The same recording seen by other sensors of the platform: their readings are deconvolved anew only where a
+    /// Returns the same recording seen by other sensors of the platform: their readings are deconvolved again only if a
     /// sensor's dynamics or noise are others.
     pub fn with_platform_sensors_of(&self, parameters: &Parameters) -> Self {
         let sensed = platform::Sensed::new(parameters, self.recording, Some(&self.sensed));
@@ -134,12 +135,12 @@ impl<'a> Replayer<'a> {
         Self { sensed, platform, ..*self }
     }
 
-    /// The recording.
+    /// Returns the recording.
     pub fn recording(&self) -> &Recording {
         self.recording
     }
 
-    /// The reconstructed motion of the platform.
+    /// Returns the reconstructed motion of the platform.
     pub fn platform(&self) -> &PlatformMotion {
         &self.platform
     }
@@ -153,8 +154,8 @@ impl<'a> Replayer<'a> {
         self.replay_plant(&plant, control)
     }
 
-    /// Replays the recording with a mechanism whose start is sought from that of a mechanism nearby: quicker than
-    /// [`Self::replay`], which seeks it from what is recorded alone.
+    /// Replays the recording with a mechanism whose start is sought from that of a similar mechanism: this is faster than
+    /// [`Self::replay`], which seeks it from the recording alone.
     ///
     /// # Errors
     /// As [`replay`].
@@ -180,7 +181,7 @@ impl<'a> Replayer<'a> {
         self.settled(plant, simulator, control, start)
     }
 
-    /// Runs from a start, and once more where the hub's angle was off over the whole recording.
+    /// Runs from a start, and once more if the hub's angle was off over the whole recording.
     fn settled(
         &self,
         plant: &Plant,
@@ -196,7 +197,7 @@ impl<'a> Replayer<'a> {
         Ok(self.compared(plant, control, history, start))
     }
 
-    /// Replays the recording once from a given start: that of a mechanism nearby, where many are tried.
+    /// Replays the recording once from a given start: that of a similar mechanism, when many are tried.
     ///
     /// # Errors
     /// As [`replay`].
@@ -212,7 +213,7 @@ impl<'a> Replayer<'a> {
     }
 
     /// Replays the recording once from a given start whose freedoms (hub angle, common rate, gear torque, both dry frictions, a hose,
-    /// current) are moved by so many of their steps: where they are fitted together with the mechanism.
+    /// current) are moved by `steps` of their step sizes: for fits of start and mechanism together.
     ///
     /// # Errors
     /// As [`replay`].
@@ -230,13 +231,13 @@ impl<'a> Replayer<'a> {
         Ok(self.compared(&plant, control, history, start))
     }
 
-    /// The fits of a run.
+    /// Returns the fits of a run.
     fn compared(&self, plant: &Plant, control: &Loop, history: TimeHistory, start: PlantState) -> Replay {
         let channels = self.fits(plant.parameters(), control, &history.readings);
         Replay { channels, simulated: history.readings, start }
     }
 
-    /// How well simulated readings fit the recording, channel by channel.
+    /// Returns how well simulated readings fit the recording, channel by channel.
     fn fits(&self, parameters: &Parameters, control: &Loop, simulated: &ReadingColumns) -> Vec<ChannelFit> {
         let floors = Floors { parameters, control };
         let one = |channel: Channel| {
@@ -262,7 +263,7 @@ impl<'a> Replayer<'a> {
         }
     }
 
-    /// Mean difference of the hub position over the whole recording: a rate loop does not know its angle, and the
+    /// Returns the mean difference of the hub position over the whole recording: a rate loop does not know its angle, and the
     /// first moments do not fix it better than the resolver's noise.
     fn position_offset(&self, history: &TimeHistory) -> Option<f64> {
         let recorded = self.recording.hub_position_rad.as_deref()?;
@@ -272,7 +273,7 @@ impl<'a> Replayer<'a> {
         (count > 0.0).then(|| sum / count)
     }
 
-    /// A run of the first samples from a start.
+    /// Returns the scenario of the first samples from a start.
     pub(crate) fn scenario(&self, samples: usize, start: &PlantState) -> Scenario {
         let period = self.recording.sample_period_s;
         let demand = self.recording.demand_rad_s.clone().unwrap_or_default();
@@ -287,14 +288,14 @@ impl<'a> Replayer<'a> {
         }
     }
 
-    /// A controller that plays the recorded control back.
+    /// Returns a controller that plays the recorded control back.
     pub(crate) fn playback(&self) -> Result<Playback<'a>, Error> {
         let control_v = self.recording.control_v.as_deref().ok_or(Error::NoChannel { channel: "control" })?;
         Ok(Playback::new(control_v))
     }
 
-    /// The controller with the integral that it had at the first sample: the mean of what its output leaves
-    /// unexplained, for its inputs were recorded; as it was handed in where control or hub rate were not.
+    /// Returns the controller with the integral that it had at the first sample: the mean of what its output leaves
+    /// unexplained, for its inputs were recorded; as it was handed in if control or hub rate were not.
     fn controller_at_start(&self, controller: &ProportionalIntegral) -> Result<ProportionalIntegral, Error> {
         let demand = self.recording.demand_rad_s.as_deref().ok_or(Error::NoChannel { channel: "demand" })?;
         let mut ready = controller.clone();
@@ -304,7 +305,7 @@ impl<'a> Replayer<'a> {
         ready.integral_v = 0.0;
         let mut observer = ready.clone();
         let (mut sum, mut count) = (0.0, 0.0);
-        for k in 0..self.samples.min(START_SAMPLES) {
+        for k in 0..self.samples.min(INTEGRAL_SAMPLES) {
             let readings =
                 Readings { demand_rad_s: demand[k], hub_rate_rad_s: rate[k], ..Readings::default() };
             let left = control[k] - observer.step(&readings);
@@ -319,9 +320,6 @@ impl<'a> Replayer<'a> {
     }
 }
 
-/// Samples from which the controller's integral at the start is taken.
-const START_SAMPLES: usize = 200;
-
 /// Plays a recorded control back; a missing value repeats the one before, and the last one stays.
 #[derive(Debug, Clone)]
 pub struct Playback<'a> {
@@ -330,7 +328,7 @@ pub struct Playback<'a> {
 }
 
 impl<'a> Playback<'a> {
-    /// The recorded control with missing values filled by those before them.
+    /// Returns the recorded control with missing values filled by those before them.
     pub(crate) fn filled(recording: &Recording) -> Result<Vec<f64>, Error> {
         let control_v = recording.control_v.as_deref().ok_or(Error::NoChannel { channel: "control" })?;
         let mut last = 0.0;
@@ -368,7 +366,7 @@ struct Floors<'a> {
 }
 
 impl Floors<'_> {
-    /// The floor of a channel: noise and quantisation of its sensor; for the control in closed loop the hub gyro's
+    /// Returns the floor of a channel: noise and quantisation of its sensor; for the control in closed loop the hub gyro's
     /// through the proportional gain, and the output converter's step. Played-back control has none and no fit.
     fn of(&self, channel: Channel) -> Option<f64> {
         let (sensors, interface) = (&self.parameters.sensors, &self.parameters.interface);
@@ -397,7 +395,7 @@ fn check_length(what: &'static str, column: Option<&[f64]>, expected: usize) -> 
     }
 }
 
-/// The fit of a channel; none where no sample was recorded.
+/// Returns the fit of a channel; `None` if no sample was recorded.
 fn fit(channel: Channel, simulated: &[f64], recorded: &[f64], floor: f64) -> Option<ChannelFit> {
     let pairs = || simulated.iter().zip(recorded).filter(|(_, r)| r.is_finite());
     let count = pairs().count() as f64;

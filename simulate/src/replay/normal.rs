@@ -1,12 +1,12 @@
 //! Normal equations of the few unknowns of a start.
 
-/// Share of an unknown's own curvature below which it cannot be told from those before it.
-const INDISTINCT: f64 = 1e-12;
+use crate::tolerance::INDISTINCT;
+use nalgebra::{SMatrix, SVector};
 
 /// J'J and -J'r.
 pub(super) struct Normal<const N: usize> {
-    matrix: [[f64; N]; N],
-    right: [f64; N],
+    matrix: SMatrix<f64, N, N>,
+    right: SVector<f64, N>,
 }
 
 impl<const N: usize> Normal<N> {
@@ -14,8 +14,8 @@ impl<const N: usize> Normal<N> {
     pub(super) fn of(columns: &[Vec<f64>], residuals: &[f64]) -> Self {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         Self {
-            right: std::array::from_fn(|i| -dot(&columns[i], residuals)),
-            matrix: std::array::from_fn(|i| std::array::from_fn(|j| dot(&columns[i], &columns[j]))),
+            right: SVector::from_fn(|i, _| -dot(&columns[i], residuals)),
+            matrix: SMatrix::from_fn(|i, j| dot(&columns[i], &columns[j])),
         }
     }
 
@@ -24,47 +24,47 @@ impl<const N: usize> Normal<N> {
     pub(super) fn draw(&self, z: &[f64; N]) -> [f64; N] {
         let mut l = self.matrix;
         for j in 0..N {
-            let own = l[j][j] - (0..j).map(|k| l[j][k] * l[j][k]).sum::<f64>();
-            l[j][j] = if own > INDISTINCT * self.matrix[j][j] { own.sqrt() } else { 0.0 };
+            let own = l[(j, j)] - (0..j).map(|k| l[(j, k)] * l[(j, k)]).sum::<f64>();
+            l[(j, j)] = if own > INDISTINCT * self.matrix[(j, j)] { own.sqrt() } else { 0.0 };
             for i in j + 1..N {
-                let left = l[i][j] - (0..j).map(|k| l[i][k] * l[j][k]).sum::<f64>();
-                l[i][j] = if l[j][j] > 0.0 { left / l[j][j] } else { 0.0 };
+                let left = l[(i, j)] - (0..j).map(|k| l[(i, k)] * l[(j, k)]).sum::<f64>();
+                l[(i, j)] = if l[(j, j)] > 0.0 { left / l[(j, j)] } else { 0.0 };
             }
         }
         let mut x = [0.0; N];
         for i in (0..N).rev() {
-            let known: f64 = (i + 1..N).map(|k| l[k][i] * x[k]).sum();
-            x[i] = if l[i][i] > 0.0 { (z[i] - known) / l[i][i] } else { 0.0 };
+            let known: f64 = (i + 1..N).map(|k| l[(k, i)] * x[k]).sum();
+            x[i] = if l[(i, i)] > 0.0 { (z[i] - known) / l[(i, i)] } else { 0.0 };
         }
         x
     }
 
-    /// The step with the diagonal raised by its own share `damping`; an unknown without effect does not move.
+    /// Returns the step with the diagonal raised by its own share `damping`; an unknown without effect does not move.
     pub(super) fn solve(&self, damping: f64) -> [f64; N] {
         let mut a = self.matrix;
         let mut b = self.right;
         for i in 0..N {
-            a[i][i] = a[i][i] * (1.0 + damping) + f64::MIN_POSITIVE;
+            a[(i, i)] = a[(i, i)] * (1.0 + damping) + f64::MIN_POSITIVE;
         }
         // Cholesky's method without roots; the matrix is positive by the line above
         for j in 0..N {
             for i in j + 1..N {
-                let factor = a[i][j] / a[j][j];
+                let factor = a[(i, j)] / a[(j, j)];
                 for k in j..N {
-                    a[i][k] -= factor * a[j][k];
+                    a[(i, k)] -= factor * a[(j, k)];
                 }
                 b[i] -= factor * b[j];
             }
         }
         for j in (0..N).rev() {
-            let known: f64 = (j + 1..N).map(|k| a[j][k] * b[k]).sum();
-            b[j] = (b[j] - known) / a[j][j];
+            let known: f64 = (j + 1..N).map(|k| a[(j, k)] * b[k]).sum();
+            b[j] = (b[j] - known) / a[(j, j)];
         }
-        b.map(|step| if step.is_finite() { step } else { 0.0 })
+        b.map(|step| if step.is_finite() { step } else { 0.0 }).into()
     }
 }
 
-/// Sum of the squares.
+/// Returns the sum of the squares.
 pub(super) fn squares(residuals: &[f64]) -> f64 {
     residuals.iter().map(|r| r * r).sum()
 }

@@ -14,10 +14,10 @@ pub fn reading_floor(sensor: &Sensor, interface: &Interface) -> f64 {
     sensor.noise_rms.hypot(step / 12f64.sqrt())
 }
 
-/// The motion of the platform that its sensors have seen, their errors (gain, bias, delay, lever arm, g-sensitivity)
+/// Returns the motion of the platform that its sensors have seen, their errors (gain, bias, delay, lever arm, g-sensitivity)
 /// as the parameters have them taken out; the platform is level at the start, for no sensor says otherwise.
 ///
-/// Rate and heave come from a smoother that deconvolves the sensor and shrinks to a constant where there is nothing
+/// Rate and heave come from a smoother that deconvolves the sensor and shrinks to a constant if there is nothing
 /// but noise. A platform without the sensor is still.
 pub fn platform_motion(parameters: &Parameters, recording: &Recording) -> PlatformMotion {
     Sensed::new(parameters, recording, None).motion(parameters, recording.sample_period_s)
@@ -39,26 +39,29 @@ struct Deconvolved {
     input: Option<Vec<f64>>,
 }
 
+/// The readings of one sensor.
+struct Column<'a> {
+    /// One value a sample; `None` if the sensor was not recorded.
+    values: Option<&'a [f64]>,
+    period_s: f64,
+}
+
 impl Deconvolved {
     /// Deconvolves the readings, unless that was done before for the same dynamics and noise.
-    fn new(
-        sensor: &Sensor,
-        interface: &Interface,
-        readings: (Option<&[f64]>, f64),
-        before: Option<&Self>,
-    ) -> Self {
+    fn new(sensor: &Sensor, interface: &Interface, readings: &Column, before: Option<&Self>) -> Self {
         let noise = reading_floor(sensor, interface);
         let errorless = Sensor { gain: 1.0, bias: 0.0, delay_s: 0.0, g_sensitivity: 0.0, ..sensor.clone() };
         match before.filter(|b| b.dynamics == errorless && b.noise == noise) {
             Some(same) => same.clone(),
             None => {
-                let input = readings.0.map(|values| sensor_input(values, sensor, noise, readings.1));
+                let input =
+                    readings.values.map(|values| sensor_input(values, sensor, noise, readings.period_s));
                 Self { dynamics: errorless, noise, input }
             }
         }
     }
 
-    /// The input with gain, bias and delay taken out.
+    /// Returns the input with gain, bias and delay taken out.
     fn corrected(&self, sensor: &Sensor, period_s: f64) -> Option<Vec<f64>> {
         let advanced = advanced(self.input.as_deref()?, sensor.delay_s / period_s);
         Some(advanced.into_iter().map(|value| (value - sensor.bias) / sensor.gain).collect())
@@ -69,23 +72,18 @@ impl Sensed {
     /// Deconvolves both sensors' readings; what was done before for the same dynamics is kept.
     pub(crate) fn new(parameters: &Parameters, recording: &Recording, before: Option<&Self>) -> Self {
         let (sensors, interface) = (&parameters.sensors, &parameters.interface);
-        let period = recording.sample_period_s;
-        let (rate, heave) =
-            (recording.platform_rate_rad_s.as_deref(), recording.platform_accel_m_s2.as_deref());
+        let period_s = recording.sample_period_s;
+        let rate = Column { values: recording.platform_rate_rad_s.as_deref(), period_s };
+        let heave = Column { values: recording.platform_accel_m_s2.as_deref(), period_s };
         let gyro = before.map(|b| &b.rate);
         let accelerometer = before.map(|b| &b.heave);
         Self {
-            rate: Deconvolved::new(&sensors.platform_gyro, interface, (rate, period), gyro),
-            heave: Deconvolved::new(
-                &sensors.platform_accelerometer,
-                interface,
-                (heave, period),
-                accelerometer,
-            ),
+            rate: Deconvolved::new(&sensors.platform_gyro, interface, &rate, gyro),
+            heave: Deconvolved::new(&sensors.platform_accelerometer, interface, &heave, accelerometer),
         }
     }
 
-    /// The motion of the platform with the sensors' errors taken out.
+    /// Returns the motion of the platform with the sensors' errors taken out.
     pub(crate) fn motion(&self, parameters: &Parameters, period_s: f64) -> PlatformMotion {
         let sensors = &parameters.sensors;
         let rate = self.rate.corrected(&sensors.platform_gyro, period_s);
@@ -94,7 +92,7 @@ impl Sensed {
     }
 }
 
-/// The motion of the platform from the corrected rate and heave: lever arm and g-sensitivity taken out.
+/// Returns the motion of the platform from the corrected rate and heave: lever arm and g-sensitivity taken out.
 fn combined(
     parameters: &Parameters,
     rate: Option<Vec<f64>>,
@@ -121,7 +119,7 @@ fn combined(
     PlatformMotion { pitch_rate_rad_s: signal(corrected), heave_m_s2: signal(heave), initial_angle_rad: 0.0 }
 }
 
-/// The series a number of samples earlier: what a delayed one shows.
+/// Returns the series a number of samples earlier: what a delayed one shows.
 fn advanced(values: &[f64], samples: f64) -> Vec<f64> {
     if samples == 0.0 {
         return values.to_vec();
@@ -130,7 +128,7 @@ fn advanced(values: &[f64], samples: f64) -> Vec<f64> {
     (0..values.len()).map(|k| signal.at(k as f64 + samples)).collect()
 }
 
-/// Central differences over the period.
+/// Returns the central differences over the period.
 fn slopes(values: &[f64], period_s: f64) -> Vec<f64> {
     let last = values.len().saturating_sub(1);
     let at = |k: usize| values[k.min(last)];

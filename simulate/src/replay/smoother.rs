@@ -1,23 +1,18 @@
 //! A sensor's input from its readings: deconvolution by a Kalman smoother.
 
 use crate::engine::moments::Moments;
+use crate::tolerance::{IDEAL_FREQUENCY, LEAST_NOISE, PRIOR_DEVIATION, ROUGHNESS_DECADES, SETTLED_VARIANCE};
 use counterpoise_lti::Mat;
 use counterpoise_models::Sensor;
+use nalgebra::{SMatrix, SVector};
 
 /// States of the model: sensor output and its derivative, input and its two derivatives.
 const STATES: usize = 5;
 
-type Vector = [f64; STATES];
-type Square = [[f64; STATES]; STATES];
+type Vector = SVector<f64, STATES>;
+type Square = SMatrix<f64, STATES, STATES>;
 
-/// Natural frequency, rad/s, with which an ideal sensor is modelled, relative to the sample rate in rad/s.
-const IDEAL_FREQUENCY: f64 = 2.0;
-/// Decades of the input's roughness that are tried, relative to what the noise would make of one sample.
-const DECADES: i32 = 32;
-/// Standard deviation of the state before the first reading, relative to the largest reading and the noise.
-const PRIOR: f64 = 10.0;
-
-/// The input of a sensor, sample by sample: r''' is white noise whose strength is the one under which the readings
+/// Returns the input of a sensor, sample by sample: r''' is white noise whose strength is the one under which the readings
 /// are likeliest (among powers of ten), y'' + 2 z w y' + w^2 y = w^2 r, and the readings are y + noise.
 ///
 /// Readings of pure noise give a parabola through them: the strength shrinks to nothing, and a platform at rest
@@ -29,9 +24,9 @@ pub(crate) fn sensor_input(readings: &[f64], sensor: &Sensor, noise: f64, period
     if largest == 0.0 {
         return vec![0.0; readings.len()];
     }
-    let model = Model::new(sensor, period_s, noise.max(1e-9 * largest), largest);
+    let model = Model::new(sensor, period_s, noise.max(LEAST_NOISE * largest), largest);
     let unit = (model.noise / period_s.powi(3)).powi(2) * period_s;
-    let strengths = (0..DECADES).map(|k| unit * 10f64.powi(2 - k));
+    let strengths = (0..ROUGHNESS_DECADES).map(|k| unit * 10f64.powi(2 - k));
     let mut best: Option<(f64, f64)> = None;
     for strength in strengths {
         let likelihood = model.filter(readings, strength, None);
@@ -84,19 +79,19 @@ impl Model {
         ]);
         let drive = Mat::col(&[0.0, 0.0, 0.0, 0.0, 1.0]);
         let end = Moments::family(&A, &drive, period_s, 1).remove(0);
-        let scale = PRIOR * (largest + noise);
+        let scale = PRIOR_DEVIATION * (largest + noise);
         Self {
             transition: square(&end),
             added: added_covariance(&A, period_s),
             noise,
-            prior: [scale, scale * w, scale, scale * w, scale * w * w],
+            prior: Vector::from([scale, scale * w, scale, scale * w, scale * w * w]),
         }
     }
 
-    /// The log-likelihood of the readings, up to a constant.
+    /// Returns the log-likelihood of the readings, up to a constant.
     fn filter(&self, readings: &[f64], strength: f64, mut pass: Option<&mut Pass>) -> f64 {
-        let mut x = [0.0; STATES];
-        let mut P = diagonal(&self.prior.map(|s| s * s));
+        let mut x = Vector::zeros();
+        let mut P = Square::from_diagonal(&self.prior.map(|s| s * s));
         let mut likelihood = 0.0;
         let mut settled = false;
         for &reading in readings {
@@ -106,13 +101,13 @@ impl Model {
                 pass.covariance.push(P);
                 pass.innovation.push(innovation);
             }
-            let variance = P[0][0] + self.noise * self.noise;
-            let gain = if reading.is_finite() { P.map(|row| row[0] / variance) } else { [0.0; STATES] };
+            let variance = P[(0, 0)] + self.noise * self.noise;
+            let gain = if reading.is_finite() { P.column(0) / variance } else { Vector::zeros() };
             if reading.is_finite() {
                 likelihood -= 0.5 * (variance.ln() + innovation * innovation / variance);
-                x = add(&x, &gain, innovation);
+                x += gain * innovation;
             }
-            x = times(&self.transition, &x);
+            x = self.transition * x;
             if !(settled && reading.is_finite()) {
                 let next = self.propagate(&P, &gain, strength);
                 settled = reading.is_finite() && nearly_equal(&next, &P);
@@ -124,18 +119,13 @@ impl Model {
 
     /// F (P - K P_0) F' + Q.
     fn propagate(&self, P: &Square, gain: &Vector, strength: f64) -> Square {
-        let mut kept = *P;
-        for i in 0..STATES {
-            for j in 0..STATES {
-                kept[i][j] -= gain[i] * P[0][j];
-            }
-        }
-        let mut next = product(&product(&self.transition, &kept), &transposed(&self.transition));
+        let kept = P - gain * P.row(0);
+        let mut next = self.transition * kept * self.transition.transpose();
         for i in 0..STATES {
             for j in 0..=i {
-                let mean = 0.5 * (next[i][j] + next[j][i]) + strength * self.added[i][j];
-                next[i][j] = mean;
-                next[j][i] = mean;
+                let mean = 0.5 * (next[(i, j)] + next[(j, i)]) + strength * self.added[(i, j)];
+                next[(i, j)] = mean;
+                next[(j, i)] = mean;
             }
         }
         next
@@ -145,19 +135,17 @@ impl Model {
     fn smooth(&self, pass: &Pass) -> Vec<f64> {
         let n = pass.predicted.len();
         let mut input = vec![0.0; n];
-        let mut later = [0.0; STATES];
+        let back = self.transition.transpose();
+        let mut later = Vector::zeros();
         for k in (0..n).rev() {
             let P = &pass.covariance[k];
-            let mut lambda = times(&transposed(&self.transition), &later);
-            if k + 1 == n {
-                lambda = [0.0; STATES];
-            }
+            let mut lambda = if k + 1 == n { Vector::zeros() } else { back * later };
             if pass.innovation[k].is_finite() {
-                let variance = P[0][0] + self.noise * self.noise;
-                let along: f64 = (0..STATES).map(|i| P[i][0] * lambda[i]).sum();
+                let variance = P[(0, 0)] + self.noise * self.noise;
+                let along: f64 = (0..STATES).map(|i| P[(i, 0)] * lambda[i]).sum();
                 lambda[0] -= (along + pass.innovation[k]) / variance;
             }
-            let correction: f64 = (0..STATES).map(|j| P[2][j] * lambda[j]).sum();
+            let correction: f64 = (0..STATES).map(|j| P[(2, j)] * lambda[j]).sum();
             input[k] = pass.predicted[k][2] - correction;
             later = lambda;
         }
@@ -172,72 +160,22 @@ fn added_covariance(A: &Mat, period_s: f64) -> Square {
     let step = period_s / INTERVALS as f64;
     let one = Moments::family(A, &Mat::col(&[0.0; STATES]), step, 1).remove(0);
     let phi = square(&one);
-    let mut direction = [0.0, 0.0, 0.0, 0.0, 1.0];
-    let mut sum = [[0.0; STATES]; STATES];
+    let mut direction = Vector::from([0.0, 0.0, 0.0, 0.0, 1.0]);
+    let mut sum = Square::zeros();
     for k in 0..=INTERVALS {
         let weight = if k == 0 || k == INTERVALS { 1.0 } else { 2.0 + 2.0 * (k % 2) as f64 };
-        for i in 0..STATES {
-            for j in 0..STATES {
-                sum[i][j] += weight * step / 3.0 * direction[i] * direction[j];
-            }
-        }
-        direction = times(&phi, &direction);
+        sum += direction * (weight * step / 3.0) * direction.transpose();
+        direction = phi * direction;
     }
     sum
 }
 
 fn square(moments: &Moments) -> Square {
-    let mut out = [[0.0; STATES]; STATES];
-    for (i, row) in out.iter_mut().enumerate() {
-        for (j, entry) in row.iter_mut().enumerate() {
-            *entry = moments.phi(i, j);
-        }
-    }
-    out
-}
-
-fn diagonal(entries: &Vector) -> Square {
-    let mut out = [[0.0; STATES]; STATES];
-    (0..STATES).for_each(|i| out[i][i] = entries[i]);
-    out
-}
-
-fn transposed(a: &Square) -> Square {
-    let mut out = [[0.0; STATES]; STATES];
-    for i in 0..STATES {
-        for j in 0..STATES {
-            out[j][i] = a[i][j];
-        }
-    }
-    out
-}
-
-fn product(a: &Square, b: &Square) -> Square {
-    let mut out = [[0.0; STATES]; STATES];
-    for i in 0..STATES {
-        for j in 0..STATES {
-            out[i][j] = (0..STATES).map(|k| a[i][k] * b[k][j]).sum();
-        }
-    }
-    out
-}
-
-fn times(a: &Square, x: &Vector) -> Vector {
-    let mut out = [0.0; STATES];
-    for i in 0..STATES {
-        out[i] = (0..STATES).map(|j| a[i][j] * x[j]).sum();
-    }
-    out
-}
-
-fn add(x: &Vector, direction: &Vector, factor: f64) -> Vector {
-    let mut out = *x;
-    (0..STATES).for_each(|i| out[i] += factor * direction[i]);
-    out
+    Square::from_fn(|i, j| moments.phi(i, j))
 }
 
 fn nearly_equal(a: &Square, b: &Square) -> bool {
-    (0..STATES).all(|i| (a[i][i] - b[i][i]).abs() <= 1e-10 * b[i][i])
+    (0..STATES).all(|i| (a[(i, i)] - b[(i, i)]).abs() <= SETTLED_VARIANCE * b[(i, i)])
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The state at the start of a recording, fitted to its first moments.
 //!
 //! Seven numbers are unknown: hub angle, the rate at which hub and motor turn together, gear torque, dry friction at
-//! motor and pivot, current, and the torque of a hose where there is one. They are fitted by Levenberg and Marquardt's method to hub rate, motor rate and hub
+//! motor and pivot, current, and the torque of a hose if there is one. They are fitted by Levenberg and Marquardt's method to hub rate, motor rate and hub
 //! position over the first 0.6 seconds, or the first tenth of a shorter recording, under the recorded control, with the weak
 //! preference that the torques on motor and hub balance. What none of the readings shows (the angle of a balanced mechanism without a
 //! resolver) stays where it was guessed. The structure is taken bent as the gear torque bends it.
@@ -10,31 +10,15 @@ use super::normal::{Normal, squares};
 use super::{Replayer, reading_floor};
 use crate::recording::Channel;
 use crate::run::Simulator;
+use crate::tolerance::{
+    FAR, FIRST_SAMPLES, IMBALANCE, START_EXPLAINED, START_FLAT, START_ITERATIONS, START_STUCK,
+    START_WINDOW_S, START_WINDOW_SHARE,
+};
 use crate::{Error, FrictionState, PlantState};
 use counterpoise_models::plant::Hose;
 use counterpoise_models::plant::core::state;
-use counterpoise_models::{Friction, FrictionLaw, Parameters, Plant};
+use counterpoise_models::{Parameters, Plant};
 
-/// Length of the first part that is fitted, s.
-const WINDOW_S: f64 = 0.6;
-/// Share of a recording that this part is at the most.
-const WINDOW_SHARE: f64 = 0.1;
-/// Iterations of the fit.
-const ITERATIONS: usize = 12;
-/// Relative fall of the cost at which the fit ends.
-const FLAT: f64 = 1e-3;
-/// Damping beyond which no step lowers the cost.
-const STUCK: f64 = 1e3;
-/// Mean square of the residuals, in floors, below which a start is as good as it gets.
-const EXPLAINED: f64 = 1.1;
-/// Share of the Coulomb level that an imbalance of the torques costs one unit.
-const IMBALANCE: f64 = 0.5;
-/// Distance from the guess, in steps of the differences, that costs one unit: it decides nothing that a reading shows,
-/// and holds what no reading shows. Without it rounding errors in the place of a sensitivity send an angle to 1e10 rad,
-/// where displacements of a micrometre are lost.
-const FAR: f64 = 3e4;
-/// Samples from which the first rates and angles are taken.
-const FIRST: usize = 5;
 /// Number of unknowns.
 pub const UNKNOWNS: usize = 7;
 
@@ -49,13 +33,13 @@ const PIVOT_DRY: usize = 4;
 const CURRENT: usize = 5;
 const HOSE: usize = 6;
 
-/// Whether a mechanism's start has a freedom: hub angle, common rate, gear torque, both dry frictions, current, and in the last place
+/// Returns whether a mechanism's start has a freedom: hub angle, common rate, gear torque, both dry frictions, current, and in the last place
 /// a hose's torque, which only a mechanism with a hose has.
 pub fn start_has(parameters: &Parameters, freedom: usize) -> bool {
     freedom != HOSE || parameters.lumped.as_ref().and_then(Hose::of).is_some()
 }
 
-/// The state of the plant at the first sample.
+/// Returns the state of the plant at the first sample.
 pub(crate) fn estimate(simulator: &mut Simulator, replayer: &Replayer) -> Result<PlantState, Error> {
     let mut fit = Fit::new(simulator, replayer);
     if fit.channels.is_empty() || replayer.recording().control_v.is_none() {
@@ -76,7 +60,7 @@ pub(crate) fn estimate(simulator: &mut Simulator, replayer: &Replayer) -> Result
     Ok(fit.state(&unknowns))
 }
 
-/// The state at the first sample, sought from that of a plant nearby.
+/// Returns the state at the first sample, sought from that of a plant nearby.
 pub(crate) fn refine(
     simulator: &mut Simulator,
     replayer: &Replayer,
@@ -90,7 +74,7 @@ pub(crate) fn refine(
     Ok(fit.state(&found))
 }
 
-/// A start with each of its unknowns moved by a number of its steps.
+/// Returns a start with each of its unknowns moved by a number of its steps.
 pub(crate) fn nudged(
     simulator: &mut Simulator,
     replayer: &Replayer,
@@ -103,7 +87,7 @@ pub(crate) fn nudged(
     fit.state(&fit.bounded(moved))
 }
 
-/// A start moved as far as its readings leave it open: a draw of one standard deviation in each direction that they tell apart.
+/// Returns a start moved as far as its readings leave it open: a draw of one standard deviation in each direction that they tell apart.
 pub(crate) fn redrawn(
     simulator: &mut Simulator,
     replayer: &Replayer,
@@ -155,15 +139,15 @@ impl<'a, 'b> Fit<'a, 'b> {
             .filter_map(|(channel, sensor)| Some((channel, reading_floor(sensor?, &parameters.interface))))
             .collect();
         let recording = replayer.recording();
-        let samples = (WINDOW_S / recording.sample_period_s)
+        let samples = (START_WINDOW_S / recording.sample_period_s)
             .round()
-            .min(WINDOW_SHARE * recording.len() as f64) as usize;
+            .min(START_WINDOW_SHARE * recording.len() as f64) as usize;
         let steps = [
             1e-5,
             1e-4,
-            0.01 * level(&parameters.pivot_friction).max(1.0),
-            0.01 * level(&parameters.motor_friction).max(1e-4),
-            0.01 * level(&parameters.pivot_friction).max(1e-2),
+            0.01 * parameters.pivot_friction.breakaway_nm().max(1.0),
+            0.01 * parameters.motor_friction.breakaway_nm().max(1e-4),
+            0.01 * parameters.pivot_friction.breakaway_nm().max(1e-2),
             1e-2,
             0.01 * plant.hose().map_or(0.0, |hose| hose.level_nm).max(1e-2),
         ];
@@ -179,14 +163,14 @@ impl<'a, 'b> Fit<'a, 'b> {
         }
     }
 
-    /// Mean of the first readings of a channel; 0 where there are none.
+    /// Returns the mean of the first readings of a channel; 0 if there are none.
     fn first(&self, channel: Channel) -> f64 {
         let column = self.replayer.recording().column(channel).unwrap_or(&[]);
-        let values: Vec<f64> = column.iter().take(FIRST).copied().filter(|v| v.is_finite()).collect();
+        let values: Vec<f64> = column.iter().take(FIRST_SAMPLES).copied().filter(|v| v.is_finite()).collect();
         if values.is_empty() { 0.0 } else { values.iter().sum::<f64>() / values.len() as f64 }
     }
 
-    /// The current that the first recorded control commands.
+    /// Returns the current that the first recorded control commands.
     fn commanded_current(&self) -> Option<f64> {
         let control = *self.replayer.recording().control_v.as_ref()?.first()?;
         let (amplifier, motor) = (&self.plant.parameters().amplifier, &self.plant.parameters().motor);
@@ -202,7 +186,8 @@ impl<'a, 'b> Fit<'a, 'b> {
         let weight = self.weight_nm(angle);
         let (ratio, constant) = (parameters.gearbox.ratio, parameters.motor.torque_constant_nm_a);
         let current = current.unwrap_or(weight / (ratio * constant));
-        let (motor, pivot) = (level(&parameters.motor_friction), level(&parameters.pivot_friction));
+        let (motor, pivot) =
+            (parameters.motor_friction.breakaway_nm(), parameters.pivot_friction.breakaway_nm());
         // the surplus of the motor is shared by the two frictions in proportion to their levels
         let surplus = ratio * constant * current - weight;
         let share = surplus / (ratio * motor + pivot).max(f64::MIN_POSITIVE);
@@ -211,7 +196,7 @@ impl<'a, 'b> Fit<'a, 'b> {
         [angle, motor_rate / ratio, mesh, motor * share, pivot * share, current, 0.0]
     }
 
-    /// Torque of weight and spring that the gear must pass, N m.
+    /// Returns the torque of weight and spring that the gear must pass, N m.
     fn weight_nm(&self, angle: f64) -> f64 {
         let body = self.plant.body();
         let (sin, cos) = angle.sin_cos();
@@ -220,7 +205,7 @@ impl<'a, 'b> Fit<'a, 'b> {
             - self.plant.spring_torque_nm(angle)
     }
 
-    /// The state of the plant that the unknowns describe.
+    /// Returns the state of the plant that the unknowns describe.
     fn state(&self, u: &Unknowns) -> PlantState {
         let parameters = self.plant.parameters();
         let mut start = self.simulator.rest(u[ANGLE], 0.0, self.platform_rate + u[RATE]);
@@ -232,14 +217,14 @@ impl<'a, 'b> Fit<'a, 'b> {
         start.core[state::CURRENT] = u[CURRENT];
         start.core[state::VOLTAGE] = motor.resistance_ohm * u[CURRENT] + motor.back_emf_v_s_rad * motor_rate;
         start.friction = FrictionState {
-            motor: at_torque(&parameters.motor_friction, u[MOTOR_DRY]),
-            pivot: at_torque(&parameters.pivot_friction, u[PIVOT_DRY]),
+            motor: parameters.motor_friction.state_at_torque(u[MOTOR_DRY]),
+            pivot: parameters.pivot_friction.state_at_torque(u[PIVOT_DRY]),
             hose: u[HOSE],
         };
         start
     }
 
-    /// The unknowns of a state.
+    /// Returns the unknowns of a state.
     fn unknowns(&self, state: &PlantState) -> Unknowns {
         let parameters = self.plant.parameters();
         let windup = state.core[state::WINDUP];
@@ -248,16 +233,16 @@ impl<'a, 'b> Fit<'a, 'b> {
             state.core[state::ANGLE],
             state.core[state::RATE] - self.platform_rate,
             parameters.gearbox.stiffness_nm_rad * (windup - half_gap),
-            torque(&parameters.motor_friction, state.friction.motor),
-            torque(&parameters.pivot_friction, state.friction.pivot),
+            parameters.motor_friction.torque_at_state_nm(state.friction.motor),
+            parameters.pivot_friction.torque_at_state_nm(state.friction.pivot),
             state.core[state::CURRENT],
             state.friction.hose,
         ]
     }
 
-    /// Whether a cost is what noise alone leaves.
+    /// Returns whether noise alone explains a cost.
     fn explained(&self, cost: f64) -> bool {
-        cost < EXPLAINED * (self.samples * self.channels.len()) as f64
+        cost < START_EXPLAINED * (self.samples * self.channels.len()) as f64
     }
 
     /// Weighted residuals over the window, and those of the balance of torques.
@@ -278,8 +263,8 @@ impl<'a, 'b> Fit<'a, 'b> {
 
     fn imbalance(&self, u: &Unknowns) -> [f64; 2] {
         let parameters = self.plant.parameters();
-        let motor_scale = IMBALANCE * level(&parameters.motor_friction).max(1e-3);
-        let pivot_scale = IMBALANCE * level(&parameters.pivot_friction).max(1.0);
+        let motor_scale = IMBALANCE * parameters.motor_friction.breakaway_nm().max(1e-3);
+        let pivot_scale = IMBALANCE * parameters.pivot_friction.breakaway_nm().max(1.0);
         let motor = parameters.motor.torque_constant_nm_a * u[CURRENT]
             - u[MOTOR_DRY]
             - parameters.motor_friction.viscous_nm_s_rad * parameters.gearbox.ratio * u[RATE]
@@ -300,7 +285,7 @@ impl<'a, 'b> Fit<'a, 'b> {
         let mut cost = squares(&residuals);
         let mut damping = 1e-3;
         let mut normal = self.normal_equations(&now, &residuals)?;
-        for _ in 0..ITERATIONS {
+        for _ in 0..START_ITERATIONS {
             let mut next = now;
             let step = normal.solve(damping);
             (0..UNKNOWNS).for_each(|k| next[k] += step[k] * self.steps[k]);
@@ -311,11 +296,11 @@ impl<'a, 'b> Fit<'a, 'b> {
                 let fall = (cost - new_cost) / cost;
                 (now, residuals, cost) = (next, tried, new_cost);
                 damping = (damping * 0.2).max(1e-9);
-                if fall < FLAT {
+                if fall < START_FLAT {
                     break;
                 }
                 normal = self.normal_equations(&now, &residuals)?;
-            } else if damping > STUCK {
+            } else if damping > START_STUCK {
                 break;
             } else {
                 damping *= 10.0;
@@ -327,7 +312,8 @@ impl<'a, 'b> Fit<'a, 'b> {
     /// Friction and a hose within their levels.
     fn bounded(&self, mut u: Unknowns) -> Unknowns {
         let parameters = self.plant.parameters();
-        let (motor, pivot) = (level(&parameters.motor_friction), level(&parameters.pivot_friction));
+        let (motor, pivot) =
+            (parameters.motor_friction.breakaway_nm(), parameters.pivot_friction.breakaway_nm());
         u[MOTOR_DRY] = u[MOTOR_DRY].clamp(-motor, motor);
         u[PIVOT_DRY] = u[PIVOT_DRY].clamp(-pivot, pivot);
         let hose = self.plant.hose().map_or(0.0, |hose| hose.level_nm);
@@ -335,7 +321,7 @@ impl<'a, 'b> Fit<'a, 'b> {
         u
     }
 
-    /// Forward differences, taken inwards where friction is at its level.
+    /// Returns the normal equations by forward differences, taken inwards when friction is at its level.
     fn normal_equations(&mut self, at: &Unknowns, residuals: &[f64]) -> Result<Normal<UNKNOWNS>, Error> {
         let mut columns = Vec::with_capacity(UNKNOWNS);
         for k in 0..UNKNOWNS {
@@ -351,35 +337,5 @@ impl<'a, 'b> Fit<'a, 'b> {
             columns.push(shifted.iter().zip(residuals).map(|(a, b)| sign * (a - b)).collect::<Vec<f64>>());
         }
         Ok(Normal::of(&columns, residuals))
-    }
-}
-
-/// The largest dry torque at rest, N m.
-pub(super) fn level(friction: &Friction) -> f64 {
-    friction.coulomb_nm() * friction.static_ratio.max(1.0)
-}
-
-/// The state of a friction at rest that gives a torque.
-pub(super) fn at_torque(friction: &Friction, torque_nm: f64) -> f64 {
-    match friction.law {
-        FrictionLaw::Lugre { bristle_stiffness_nm_rad, .. } => torque_nm / bristle_stiffness_nm_rad,
-        FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad, .. } if coulomb_nm > 0.0 => {
-            torque_nm * deflection_rad / (friction.static_ratio * coulomb_nm)
-        }
-        FrictionLaw::Dahl { .. } | FrictionLaw::Walrath { .. } => torque_nm,
-        // what truly sticks carries what it must; bonds start unbent
-        _ => 0.0,
-    }
-}
-
-/// The torque that a state of a friction at rest gives.
-pub(super) fn torque(friction: &Friction, state: f64) -> f64 {
-    match friction.law {
-        FrictionLaw::Lugre { bristle_stiffness_nm_rad, .. } => state * bristle_stiffness_nm_rad,
-        FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad, .. } if deflection_rad > 0.0 => {
-            state * friction.static_ratio * coulomb_nm / deflection_rad
-        }
-        FrictionLaw::Dahl { .. } | FrictionLaw::Walrath { .. } => state,
-        _ => 0.0,
     }
 }

@@ -1,30 +1,24 @@
-//! Replay over short horizons: the model starts anew every so many seconds from a state fitted to the moments that follow.
+//! Replay over short windows: at the start of each window the state of the model is fitted to the samples that follow.
 //!
-//! A machine that hunts, or floats in a wide gap, forgets its start: two runs that differ by the noise of a sensor part after a
-//! while, and over a whole recording no model can follow, however true. Over a short horizon it must. The control is the recorded
-//! one. Each window starts from where the one before ended, moved by seven numbers (hub angle and rate, motor rate, gear wind-up,
+//! A machine that hunts, or floats in a wide gap, forgets its start: two runs that differ only in sensor noise diverge, and no model,
+//! however good, can reproduce a whole recording. Over a short window a good model can. The control is the recorded one. Each window starts from where the one before ended, moved by seven numbers (hub angle and rate, motor rate, gear wind-up,
 //! dry friction at motor and pivot, current) that are fitted to its first half by Levenberg and Marquardt's method; a wind-up inside
 //! the gap is one of the states that the fit can find.
 
 use super::normal::{Normal, squares};
-use super::start::{at_torque, level, torque};
 use super::{Loop, Playback, Replay, Replayer, reading_floor};
 use crate::recording::Channel;
 use crate::run::{Simulator, holding_control};
 use crate::scenario::{Detail, Initial, Scenario};
 use crate::sensing::Imperfections;
 use crate::signal::Signal;
+use crate::tolerance::{
+    EXPLAINED, SHORTEST_WINDOW, WINDOW_FITTED_SHARE, WINDOW_FLAT, WINDOW_ITERATIONS, WINDOW_STUCK,
+};
 use crate::{Error, PlantState, PlatformMotion};
 use counterpoise_models::plant::core::state;
-use counterpoise_models::{Parameters, Plant};
+use counterpoise_models::{Friction, Parameters, Plant};
 
-/// Shortest window, samples.
-const SHORTEST: usize = 20;
-/// Share of a window to which its start is fitted.
-const FITTED: f64 = 0.5;
-/// Iterations of a fit, and the relative fall of the cost at which it ends.
-const ITERATIONS: usize = 15;
-const FLAT: f64 = 1e-4;
 /// Number of unknowns.
 const UNKNOWNS: usize = 7;
 /// Their order.
@@ -44,18 +38,18 @@ impl Replayer<'_> {
     ///
     /// # Errors
     /// As [`super::replay`] in open loop, and [`Error::Range`] for a window of less than 20 samples.
-    pub fn replay_windows(&self, parameters: &Parameters, window_s: f64) -> Result<Replay, Error> {
+    pub fn replay_windowed(&self, parameters: &Parameters, window_s: f64) -> Result<Replay, Error> {
         let length = (window_s / self.recording.sample_period_s).round();
-        if length.is_nan() || length < SHORTEST as f64 {
+        if length.is_nan() || length < SHORTEST_WINDOW as f64 {
             return Err(Error::Range { what: "window_s", value: window_s, allowed: "at least 20 samples" });
         }
         let mut whole = self.replay(parameters, &Loop::Open)?;
-        let mut windows = Windows::new(self, parameters, (length as usize, &whole.start))?;
+        let mut windows = Windows::new(self, parameters, length as usize, &whole.start)?;
         let mut near = whole.start.clone();
         let mut from = 0;
         while from < self.samples {
             let left = self.samples - from;
-            let count = if left < windows.length + SHORTEST { left } else { windows.length };
+            let count = if left < windows.length + SHORTEST_WINDOW { left } else { windows.length };
             let start = windows.fitted(&near, from, count)?;
             let history = windows.run(&start, from, count)?;
             for channel in FOLLOWED {
@@ -74,7 +68,7 @@ impl Replayer<'_> {
     /// Replays the recorded control over the whole recording.
     ///
     /// The start is fitted to the first moments. Where some channel then ends up further off than noise explains, a start that is
-    /// fitted to the first half of the recording is tried as well, and taken where with it every channel is explained: a machine that
+    /// fitted to the first half of the recording is tried as well, and taken if with it every channel is explained: a machine that
     /// nearly stalls remembers a start for longer than the first moments show it. Where it explains nothing, the model lacks
     /// something, and the start shall not hide that.
     ///
@@ -82,26 +76,29 @@ impl Replayer<'_> {
     /// As [`super::replay`] in open loop.
     pub fn replay_open(&self, parameters: &Parameters) -> Result<Replay, Error> {
         let first = self.replay(parameters, &Loop::Open)?;
-        if explained(&first) || self.samples < SHORTEST {
+        if is_explained(&first) || self.samples < SHORTEST_WINDOW {
             return Ok(first);
         }
-        let mut windows = Windows::new(self, parameters, (self.samples, &first.start))?;
+        let mut windows = Windows::new(self, parameters, self.samples, &first.start)?;
         let start = windows.fitted(&first.start, 0, self.samples)?;
         let longer = self.replay_from(parameters, &Loop::Open, &start)?;
-        Ok(if explained(&longer) { longer } else { first })
+        Ok(if is_explained(&longer) { longer } else { first })
     }
 }
 
-/// Most that a channel of a true model is off, over its floor.
-const EXPLAINED: f64 = 1.5;
-
-/// Whether every channel is as close as noise lets a true model be.
-pub(super) fn explained(replay: &Replay) -> bool {
+/// Returns whether every channel is as close as noise lets a true model be.
+pub(super) fn is_explained(replay: &Replay) -> bool {
     replay.channels.iter().all(|fit| fit.rms_error < EXPLAINED * fit.floor)
 }
 
 /// The channels that say what the plant does.
 const FOLLOWED: [Channel; 3] = [Channel::HubRate, Channel::MotorRate, Channel::HubPosition];
+
+/// A move of the start of a window, and what it leaves.
+struct Trial<'a> {
+    now: Move,
+    residuals: &'a [f64],
+}
 
 struct Windows<'a, 'b> {
     replayer: &'a Replayer<'b>,
@@ -123,7 +120,8 @@ impl<'a, 'b> Windows<'a, 'b> {
     fn new(
         replayer: &'a Replayer<'b>,
         parameters: &Parameters,
-        (length, start): (usize, &PlantState),
+        length: usize,
+        start: &PlantState,
     ) -> Result<Self, Error> {
         let mut prompt = parameters.clone();
         let delay = std::mem::take(&mut prompt.interface.output_delay_samples);
@@ -141,7 +139,8 @@ impl<'a, 'b> Windows<'a, 'b> {
             .into_iter()
             .filter(|(channel, _)| replayer.recording.column(*channel).is_some())
             .filter_map(|(channel, sensor)| Some((channel, reading_floor(sensor?, &parameters.interface))));
-        let (motor, pivot) = (level(&parameters.motor_friction), level(&parameters.pivot_friction));
+        let (motor, pivot) =
+            (parameters.motor_friction.breakaway_nm(), parameters.pivot_friction.breakaway_nm());
         let gearbox = &parameters.gearbox;
         let bent = (pivot / gearbox.stiffness_nm_rad).max(1e-7);
         Ok(Self {
@@ -173,7 +172,7 @@ impl<'a, 'b> Windows<'a, 'b> {
         })
     }
 
-    /// A run of some samples from a state at one of them.
+    /// Runs `count` samples from a state at sample `from`.
     fn run(&mut self, start: &PlantState, from: usize, count: usize) -> Result<crate::TimeHistory, Error> {
         let period = self.replayer.recording.sample_period_s;
         let later = |signal: &Signal| match signal {
@@ -200,9 +199,9 @@ impl<'a, 'b> Windows<'a, 'b> {
         self.simulator.run(&mut Playback::new(&self.control_v[from..]), &scenario)
     }
 
-    /// The start of a window near a state.
+    /// Returns the start of a window, fitted near a state.
     fn fitted(&mut self, near: &PlantState, from: usize, count: usize) -> Result<PlantState, Error> {
-        let seen = ((count as f64 * FITTED) as usize).max(SHORTEST).min(count);
+        let seen = ((count as f64 * WINDOW_FITTED_SHARE) as usize).max(SHORTEST_WINDOW).min(count);
         if self.channels.is_empty() {
             return Ok(near.clone());
         }
@@ -210,8 +209,8 @@ impl<'a, 'b> Windows<'a, 'b> {
         let mut residuals = self.residuals(near, &now, from, seen)?;
         let mut cost = squares(&residuals);
         let mut damping = 1e-3;
-        for _ in 0..ITERATIONS {
-            let step = self.normal(near, (&now, &residuals), from, seen)?.solve(damping);
+        for _ in 0..WINDOW_ITERATIONS {
+            let step = self.normal(near, &Trial { now, residuals: &residuals }, from, seen)?.solve(damping);
             let next: Move = std::array::from_fn(|k| now[k] + step[k] * self.steps[k]);
             let tried = self.residuals(near, &next, from, seen)?;
             let new_cost = squares(&tried);
@@ -219,10 +218,10 @@ impl<'a, 'b> Windows<'a, 'b> {
                 let fall = (cost - new_cost) / cost;
                 (now, residuals, cost) = (next, tried, new_cost);
                 damping = (damping * 0.2_f64).max(1e-9);
-                if fall < FLAT {
+                if fall < WINDOW_FLAT {
                     break;
                 }
-            } else if damping > 1e6 {
+            } else if damping > WINDOW_STUCK {
                 break;
             } else {
                 damping *= 10.0;
@@ -231,7 +230,7 @@ impl<'a, 'b> Windows<'a, 'b> {
         Ok(self.moved(near, &now))
     }
 
-    /// A state moved by the seven, friction within its levels.
+    /// Returns a state moved by the seven, friction within its levels.
     fn moved(&self, near: &PlantState, by: &Move) -> PlantState {
         let parameters = self.plant.parameters();
         let mut out = near.clone();
@@ -241,9 +240,9 @@ impl<'a, 'b> Windows<'a, 'b> {
         out.core[state::WINDUP] += by[WINDUP];
         out.core[state::CURRENT] += by[CURRENT];
         out.hub_gyro[0] += by[HUB];
-        let dry = |friction, old: f64, by: f64| {
-            let most = level(friction);
-            at_torque(friction, (torque(friction, old) + by).clamp(-most, most))
+        let dry = |friction: &Friction, old: f64, by: f64| {
+            let most = friction.breakaway_nm();
+            friction.state_at_torque((friction.torque_at_state_nm(old) + by).clamp(-most, most))
         };
         out.friction.motor = dry(&parameters.motor_friction, near.friction.motor, by[MOTOR_DRY]);
         out.friction.pivot = dry(&parameters.pivot_friction, near.friction.pivot, by[PIVOT_DRY]);
@@ -268,32 +267,32 @@ impl<'a, 'b> Windows<'a, 'b> {
         Ok(out)
     }
 
-    /// The normal equations by forward differences; friction is moved inwards.
+    /// Returns the normal equations by forward differences; friction is moved inwards.
     fn normal(
         &mut self,
         near: &PlantState,
-        (at, residuals): (&Move, &[f64]),
+        trial: &Trial,
         from: usize,
         seen: usize,
     ) -> Result<Normal<UNKNOWNS>, Error> {
         let mut columns: Vec<Vec<f64>> = Vec::with_capacity(UNKNOWNS);
         for k in 0..UNKNOWNS {
             let inwards = match k {
-                MOTOR_DRY => near.friction.motor + at[k] > 0.0,
-                PIVOT_DRY => near.friction.pivot + at[k] > 0.0,
+                MOTOR_DRY => near.friction.motor + trial.now[k] > 0.0,
+                PIVOT_DRY => near.friction.pivot + trial.now[k] > 0.0,
                 _ => false,
             };
             let sign = if inwards { -1.0 } else { 1.0 };
-            let mut moved = *at;
+            let mut moved = trial.now;
             moved[k] += sign * self.steps[k];
             let shifted = self.residuals(near, &moved, from, seen)?;
-            columns.push(shifted.iter().zip(residuals).map(|(a, b)| sign * (a - b)).collect());
+            columns.push(shifted.iter().zip(trial.residuals).map(|(a, b)| sign * (a - b)).collect());
         }
-        Ok(Normal::of(&columns, residuals))
+        Ok(Normal::of(&columns, trial.residuals))
     }
 }
 
-/// The angle of the platform at each sample, from its rate: Simpson's rule between samples.
+/// Returns the angle of the platform at each sample, from its rate: Simpson's rule between samples.
 fn angles(replayer: &Replayer) -> Vec<f64> {
     let (period, rate) = (replayer.recording.sample_period_s, &replayer.platform.pitch_rate_rad_s);
     let mut angle = replayer.platform.initial_angle_rad;

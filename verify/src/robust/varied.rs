@@ -1,6 +1,6 @@
 //! The parameters of a mechanism that a robustness test varies, each by a factor on its nominal value.
 
-use counterpoise_models::parameters::{Friction, FrictionLaw, Parameters};
+use counterpoise_models::parameters::Parameters;
 
 use crate::Error;
 
@@ -95,8 +95,8 @@ impl Varied {
                 Varied::MotorFriction.scale(parameters, factor)?;
                 Varied::PivotFriction.scale(parameters, factor)?;
             }
-            Varied::MotorFriction => scale_dry(&mut parameters.motor_friction, factor),
-            Varied::PivotFriction => scale_dry(&mut parameters.pivot_friction, factor),
+            Varied::MotorFriction => parameters.motor_friction.law.scale_coulomb(factor),
+            Varied::PivotFriction => parameters.pivot_friction.law.scale_coulomb(factor),
             _ => self.places(parameters).into_iter().for_each(|place| *place *= factor),
         }
         Ok(())
@@ -131,29 +131,11 @@ impl Varied {
     }
 }
 
-/// The Coulomb level times `factor`; the stiffness at rest stays. A level of 0 is no dry friction.
-fn scale_dry(friction: &mut Friction, factor: f64) {
-    if factor == 0.0 {
-        friction.law = FrictionLaw::None;
-        return;
-    }
-    match &mut friction.law {
-        FrictionLaw::None => {}
-        FrictionLaw::Dahl { coulomb_nm, .. }
-        | FrictionLaw::Lugre { coulomb_nm, .. }
-        | FrictionLaw::Coulomb { coulomb_nm }
-        | FrictionLaw::ResetIntegrator { coulomb_nm, .. }
-        | FrictionLaw::Stribeck { coulomb_nm, .. }
-        | FrictionLaw::Karnopp { coulomb_nm, .. }
-        | FrictionLaw::Walrath { coulomb_nm, .. }
-        | FrictionLaw::Bristle { coulomb_nm, .. } => *coulomb_nm *= factor,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use counterpoise_models::FrictionLaw;
 
     #[test]
     fn every_parameter_can_be_varied_and_a_factor_of_one_changes_nothing() {

@@ -17,12 +17,12 @@ pub struct Dmig {
 }
 
 impl Dmig {
-    /// The unknowns that the entries mention; a symmetric matrix mentions each once at least as row or column.
+    /// Returns the unknowns that the entries mention; a symmetric matrix mentions each once at least as row or column.
     pub fn dofs(&self) -> impl Iterator<Item = Dof> + '_ {
         self.entries.iter().flat_map(|(row, col, _)| [*row, *col])
     }
 
-    /// The square matrix over the given unknowns; entries of others are left out, repeated ones add up.
+    /// Returns the square matrix over the given unknowns; entries of others are left out, repeated ones add up.
     pub fn matrix(&self, rows: &[Dof]) -> Mat {
         let mut out = Mat::zeros(rows.len(), rows.len());
         let index = |dof: &Dof| rows.iter().position(|d| d == dof);
@@ -119,7 +119,7 @@ fn cards(text: &str) -> Vec<Card> {
     out
 }
 
-/// The first field and the data fields of a line: by commas, or by 8 columns, or by 16 where the first ends in `*`.
+/// Returns the first field and the data fields of a line: by commas, or by 8 columns, or by 16 if the first ends in `*`.
 fn split(line: &str) -> (String, Vec<String>) {
     let trimmed = |s: &str| s.trim().to_owned();
     if line.contains(',') {

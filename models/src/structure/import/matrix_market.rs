@@ -4,7 +4,7 @@ use super::text::{check_size, integer, real, refused};
 use crate::Error;
 use counterpoise_lti::Mat;
 
-/// The matrix in a Matrix Market text: `real` or `integer`, `general`, `symmetric` or `skew-symmetric`; entries that are
+/// Returns the matrix in a Matrix Market text: `real` or `integer`, `general`, `symmetric` or `skew-symmetric`; entries that are
 /// given twice add up.
 ///
 /// # Errors
@@ -16,15 +16,33 @@ pub fn matrix_market(text: &str) -> Result<Mat, Error> {
     let mut body = lines.filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('%'));
     let (at, size) = body.next().ok_or_else(|| refused(1, "the size is missing".to_owned()))?;
     let size: Vec<usize> = size.split_whitespace().map(|t| integer(at, t)).collect::<Result<_, _>>()?;
-    match (header.coordinate, size.as_slice()) {
-        (true, &[rows, cols, entries]) => coordinate(body, &header, (rows, cols), entries, at),
-        (false, &[rows, cols]) => array(body, &header, (rows, cols), at),
+    match (header.layout, size.as_slice()) {
+        (Layout::Coordinate, &[rows, columns, entries]) => {
+            coordinate(body, &header, Shape { rows, columns }, entries, at)
+        }
+        (Layout::Array, &[rows, columns]) => array(body, &header, Shape { rows, columns }, at),
         _ => Err(refused(at, "the size has the wrong number of entries".to_owned())),
     }
 }
 
+/// How a text lists the entries.
+#[derive(Debug, Clone, Copy)]
+enum Layout {
+    /// Row, column and value of each.
+    Coordinate,
+    /// All values, column by column.
+    Array,
+}
+
+/// The size of a matrix.
+#[derive(Debug, Clone, Copy)]
+struct Shape {
+    rows: usize,
+    columns: usize,
+}
+
 struct Header {
-    coordinate: bool,
+    layout: Layout,
     /// What the entry across the diagonal is multiplied by: 0 for a general matrix.
     mirror: f64,
 }
@@ -45,13 +63,13 @@ impl Header {
             _ => return Err(unsupported()),
         };
         match *format {
-            "coordinate" => Ok(Self { coordinate: true, mirror }),
-            "array" => Ok(Self { coordinate: false, mirror }),
+            "coordinate" => Ok(Self { layout: Layout::Coordinate, mirror }),
+            "array" => Ok(Self { layout: Layout::Array, mirror }),
             _ => Err(unsupported()),
         }
     }
 
-    fn add(&self, out: &mut Mat, (i, j): (usize, usize), value: f64) {
+    fn add(&self, out: &mut Mat, i: usize, j: usize, value: f64) {
         out[(i, j)] += value;
         if i != j && self.mirror != 0.0 {
             out[(j, i)] += self.mirror * value;
@@ -62,12 +80,13 @@ impl Header {
 fn coordinate<'a>(
     lines: impl Iterator<Item = (usize, &'a str)>,
     header: &Header,
-    (rows, cols): (usize, usize),
+    shape: Shape,
     entries: usize,
     size_line: usize,
 ) -> Result<Mat, Error> {
-    check_shape(header, (rows, cols), size_line)?;
-    let mut out = Mat::zeros(rows, cols);
+    check_shape(header, shape, size_line)?;
+    let Shape { rows, columns } = shape;
+    let mut out = Mat::zeros(rows, columns);
     let mut found = 0;
     for (at, line) in lines {
         let words: Vec<&str> = line.split_whitespace().collect();
@@ -75,10 +94,10 @@ fn coordinate<'a>(
             return Err(refused(at, format!("\"{line}\" is not row, column and value")));
         };
         let (i, j): (usize, usize) = (integer(at, i)?, integer(at, j)?);
-        if i == 0 || j == 0 || i > rows || j > cols {
-            return Err(refused(at, format!("({i}, {j}) is outside {rows} x {cols}")));
+        if i == 0 || j == 0 || i > rows || j > columns {
+            return Err(refused(at, format!("({i}, {j}) is outside {rows} x {columns}")));
         }
-        header.add(&mut out, (i - 1, j - 1), real(at, value)?);
+        header.add(&mut out, i - 1, j - 1, real(at, value)?);
         found += 1;
     }
     if found == entries {
@@ -91,10 +110,11 @@ fn coordinate<'a>(
 fn array<'a>(
     lines: impl Iterator<Item = (usize, &'a str)>,
     header: &Header,
-    (rows, cols): (usize, usize),
+    shape: Shape,
     size_line: usize,
 ) -> Result<Mat, Error> {
-    check_shape(header, (rows, cols), size_line)?;
+    check_shape(header, shape, size_line)?;
+    let Shape { rows, columns } = shape;
     let first = |j: usize| {
         if header.mirror == 0.0 {
             0
@@ -104,11 +124,11 @@ fn array<'a>(
             j + 1
         }
     };
-    let mut places = (0..cols).flat_map(|j| (first(j)..rows).map(move |i| (i, j)));
-    let mut out = Mat::zeros(rows, cols);
+    let mut places = (0..columns).flat_map(|j| (first(j)..rows).map(move |i| (i, j)));
+    let mut out = Mat::zeros(rows, columns);
     for (at, line) in lines {
-        let place = places.next().ok_or_else(|| refused(at, "there are too many entries".to_owned()))?;
-        header.add(&mut out, place, real(at, line)?);
+        let (i, j) = places.next().ok_or_else(|| refused(at, "there are too many entries".to_owned()))?;
+        header.add(&mut out, i, j, real(at, line)?);
     }
     match places.next() {
         None => Ok(out),
@@ -116,10 +136,10 @@ fn array<'a>(
     }
 }
 
-fn check_shape(header: &Header, (rows, cols): (usize, usize), at: usize) -> Result<(), Error> {
-    check_size(at, rows, cols)?;
-    if header.mirror != 0.0 && rows != cols {
-        return Err(refused(at, format!("a symmetric matrix cannot be {rows} x {cols}")));
+fn check_shape(header: &Header, Shape { rows, columns }: Shape, at: usize) -> Result<(), Error> {
+    check_size(at, rows, columns)?;
+    if header.mirror != 0.0 && rows != columns {
+        return Err(refused(at, format!("a symmetric matrix cannot be {rows} x {columns}")));
     }
     Ok(())
 }

@@ -17,6 +17,7 @@ pub use op4::{Op4, op4};
 
 use super::fe::{FeModel, Fitted, NodeRows};
 use crate::Error;
+use crate::tolerance::ASYMMETRY_OF_IMPORT;
 use counterpoise_lti::Mat;
 
 /// Matrices of a structure and the unknown that each row belongs to; SI units.
@@ -24,16 +25,13 @@ use counterpoise_lti::Mat;
 pub struct Imported {
     /// Mass matrix, n x n.
     pub M: Mat,
-    /// Damping matrix, n x n, where there is one.
+    /// Damping matrix, n x n, if there is one.
     pub C: Option<Mat>,
     /// Stiffness matrix, n x n.
     pub K: Mat,
     /// The unknown of each row.
     pub rows: Vec<Dof>,
 }
-
-/// Asymmetry of an imported matrix that is taken for rounding and removed, relative to its largest entry.
-const SYMMETRY: f64 = 1e-6;
 
 impl Imported {
     /// Plain matrices in the row order of the node map.
@@ -44,7 +42,7 @@ impl Imported {
     /// DMIG matrices by their names, in the order of the grids and components that K or M mention.
     ///
     /// # Errors
-    /// [`Error::Import`] where a name is missing.
+    /// [`Error::Import`] if a name is missing.
     pub fn from_dmig(
         all: &[Dmig],
         mass: &str,
@@ -64,13 +62,13 @@ impl Imported {
         Ok(Self { M: m.matrix(&rows), C: c.map(|c| c.matrix(&rows)), K: k.matrix(&rows), rows })
     }
 
-    /// The structure with its hub at the map's pivot.
+    /// Returns the structure with its hub at the map's pivot.
     ///
     /// Rows of the deflection component move with heave and pitch, rows of the rotation component with pitch; rows of
     /// other components do not move rigidly (nodes on the axis).
     ///
     /// # Errors
-    /// [`Error::Import`] where shapes and rows differ, a matrix is not symmetric, or the map lacks a grid that it needs.
+    /// [`Error::Import`] if shapes and rows differ, a matrix is not symmetric, or the map lacks a grid that it needs.
     pub fn structure(&self, map: &NodeMap) -> Result<FeModel, Error> {
         let n = self.rows.len();
         for matrix in [Some(&self.M), self.C.as_ref(), Some(&self.K)].into_iter().flatten() {
@@ -99,11 +97,11 @@ impl Imported {
         })
     }
 
-    /// The matrices with what is fitted: each point mass hangs on the nearest grid by a rigid arm, and the hub's inertia turns with
+    /// Returns the matrices with what is fitted: each point mass hangs on the nearest grid by a rigid arm, and the hub's inertia turns with
     /// the pivot's grid.
     ///
     /// # Errors
-    /// [`Error::Import`] where the grid that carries a mass lacks a row that it needs.
+    /// [`Error::Import`] if the grid that carries a mass lacks a row that it needs.
     pub fn fitted(&self, map: &NodeMap, fitted: &Fitted) -> Result<Self, Error> {
         let mut out = self.clone();
         for mass in &fitted.masses {
@@ -124,7 +122,7 @@ impl Imported {
         Ok(out)
     }
 
-    /// The matrix with rotations counted nose-up.
+    /// Returns the matrix with rotations counted nose-up.
     fn nose_up(&self, A: &Mat, map: &NodeMap) -> Mat {
         let sign = |i: usize| if self.rows[i].component == map.rotation { map.rotation_sign } else { 1.0 };
         Mat::from_fn(A.nrows(), A.ncols(), |i, j| sign(i) * A[(i, j)] * sign(j))
@@ -145,7 +143,7 @@ fn check_symmetric(matrix: &Mat, n: usize) -> Result<(), Error> {
         return Err(text::refused(0, format!("a matrix is {rows} x {cols}, the node map has {n} rows")));
     }
     let skew = (matrix - &matrix.t()).norm_max();
-    if skew > SYMMETRY * matrix.norm_max() {
+    if skew > ASYMMETRY_OF_IMPORT * matrix.norm_max() {
         return Err(text::refused(0, format!("a matrix is not symmetric: entries differ by {skew:e}")));
     }
     Ok(())

@@ -20,7 +20,7 @@ pub struct NodeMap {
     pub deflection: u8,
     /// Component of the rotation about the pivot's axis.
     pub rotation: u8,
-    /// 1 where that rotation is positive nose-up, -1 where nose-down (about y with x forward and z up).
+    /// 1 if that rotation is positive nose-up, -1 if nose-down (about y with x forward and z up).
     pub rotation_sign: f64,
     /// Grid at the pivot.
     pub pivot: u64,
@@ -33,10 +33,10 @@ pub struct NodeMap {
 }
 
 impl NodeMap {
-    /// The map in a text of lines
+    /// Returns the map in a text of lines
     ///
     /// ```text
-    /// axes 3 -5        component of the deflection, of the rotation; minus where that is nose-down
+    /// axes 3 -5        component of the deflection, of the rotation; minus if that is nose-down
     /// pivot 100        grid at the pivot
     /// tip 120          grid at the tip
     /// node 100 0.0     grid and its position along the axis, m
@@ -67,10 +67,10 @@ impl NodeMap {
         found.ok_or_else(|| refused(0, format!("the node map has no position for grid {grid}")))
     }
 
-    /// The grid nearest to a place on the axis.
+    /// Returns the grid nearest to a place on the axis.
     ///
     /// # Errors
-    /// [`Error::Import`] where the map has no grid.
+    /// [`Error::Import`] if the map has no grid.
     pub fn nearest(&self, position_m: f64) -> Result<u64, Error> {
         let distance = |x: f64| (x - position_m).abs();
         let found = self.positions_m.iter().min_by(|a, b| distance(*a.1).total_cmp(&distance(*b.1)));

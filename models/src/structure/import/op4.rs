@@ -75,7 +75,7 @@ fn one<'a>(lines: &mut impl Iterator<Item = (usize, &'a str)>, header: Header) -
             if col > header.cols {
                 return Ok(Op4 { name: header.name, matrix });
             }
-            row = values(at, line, &header, &mut matrix, (row, col))?;
+            row = values(at, line, &header, &mut matrix, row, col)?;
             continue;
         }
         let numbers: Vec<usize> =
@@ -90,13 +90,14 @@ fn one<'a>(lines: &mut impl Iterator<Item = (usize, &'a str)>, header: Header) -
     Err(refused(0, format!("matrix {} does not end", header.name)))
 }
 
-/// Writes a line's values into the column from the row on; gives the row after them.
+/// Writes a line's values into the column from the row on; returns the row after them.
 fn values(
     at: usize,
     line: &str,
     header: &Header,
     matrix: &mut Mat,
-    (mut row, col): (usize, usize),
+    mut row: usize,
+    col: usize,
 ) -> Result<usize, Error> {
     let line = line.trim_end();
     let many = line.len().div_ceil(header.width);

@@ -1,13 +1,14 @@
 //! What the readers share: lines that count from 1, and numbers as FORTRAN writes them.
 
 use crate::Error;
+use crate::tolerance::MOST_ROWS;
 
-/// A refusal at a line; 0 where no line is to blame.
+/// Returns the error for a line; line 0 stands for the text as a whole.
 pub(super) fn refused(line: usize, what: String) -> Error {
     Error::Import { line, what }
 }
 
-/// A number: `1.5e3`, `1.5D+03` or, as Nastran writes it, `1.5+3`.
+/// Parses a number: `1.5e3`, `1.5D+03` or, as Nastran writes it, `1.5+3`.
 pub(super) fn real(line: usize, text: &str) -> Result<f64, Error> {
     let plain = text.trim().replace(['d', 'D'], "e");
     let value = plain.parse().ok().or_else(|| with_exponent(&plain)?.parse().ok());
@@ -15,21 +16,18 @@ pub(super) fn real(line: usize, text: &str) -> Result<f64, Error> {
     finite.ok_or_else(|| refused(line, format!("\"{}\" is not a number", text.trim())))
 }
 
-/// The text with an `e` before a sign in its middle.
+/// Returns the text with an `e` before a sign in its middle.
 fn with_exponent(text: &str) -> Option<String> {
     let at = text.rfind(['+', '-']).filter(|&at| at > 0)?;
     Some(format!("{}e{}", &text[..at], &text[at..]))
 }
 
-/// A whole number.
+/// Parses a whole number.
 pub(super) fn integer<T: std::str::FromStr>(line: usize, text: &str) -> Result<T, Error> {
     text.trim().parse().map_err(|_| refused(line, format!("\"{}\" is not a whole number", text.trim())))
 }
 
-/// Unknowns beyond which a matrix is refused: dense algebra would take hours.
-const MOST_ROWS: usize = 5000;
-
-/// Whether a matrix of this size can be handled.
+/// Checks that a matrix of this size can be handled.
 pub(super) fn check_size(line: usize, rows: usize, cols: usize) -> Result<(), Error> {
     if rows.max(cols) <= MOST_ROWS {
         return Ok(());
@@ -37,7 +35,7 @@ pub(super) fn check_size(line: usize, rows: usize, cols: usize) -> Result<(), Er
     Err(refused(line, format!("{rows} x {cols} is more than {MOST_ROWS} unknowns: condense the model first")))
 }
 
-/// A piece of a line by columns; empty beyond the line's end.
+/// Returns a piece of a line by columns; empty beyond the line's end.
 pub(super) fn columns(line: &str, from: usize, to: usize) -> &str {
     let end = to.min(line.len());
     if from >= end { "" } else { line.get(from..end).unwrap_or("") }

@@ -1,0 +1,52 @@
+//! The numbers that decide in the controller, in one place: what each decides, why it has this size, and what another size costs.
+
+// ---- checks ----
+
+/// Relative difference of two sample periods that is taken for rounding.
+pub(crate) const SAME_PERIOD: f64 = 1e-12;
+/// Most samples of a window of the mean. Single precision counts whole numbers up to 2^24, so that a window is counted exactly.
+pub(crate) const LONGEST_WINDOW: f64 = 1e6;
+
+// ---- realisation of a path ----
+
+/// Largest condition number of the modal transformation, columns scaled to unit length; beyond it neighbouring modes
+/// stay together in a larger block. With 1e5 a path keeps eleven of the sixteen digits of double precision.
+pub const MODAL_CONDITION: f64 = 1e5;
+/// A real discrete pole that is this near to 1 is an integrator, and becomes exactly 1.
+pub const INTEGRATOR: f64 = 1e-12;
+/// Distances of eigenvalues, relative to their distance from 1, below which modes are kept together, tried in turn until the
+/// condition number is below [`MODAL_CONDITION`].
+pub(crate) const CLUSTERS: [f64; 6] = [0.0, 1e-6, 1e-4, 1e-2, 1e-1, 1.0];
+/// How many times less sensitive the balanced form must be to be worth its products.
+pub const WORTH: f64 = 10.0;
+/// Hankel values below this, relative to the largest, are rounding errors of the path: their states are left out.
+pub(crate) const NEGLIGIBLE: f64 = 1e-12;
+/// Modulus above which a pole stays in modal form: it has no Gramian, or hardly one.
+pub(crate) const MARGINAL: f64 = 1.0 - 1e-9;
+/// Half a unit in the last place of single precision, relative.
+pub(crate) const SINGLE_ROUNDING: f64 = 1.0 / (1u64 << 24) as f64;
+
+// ---- friction observers ----
+
+/// Points of the curve y(r) = r^i of a Dahl law with an exponent; below a distance of 0 from yielding nothing moves. More points are
+/// more operations on the target.
+pub(crate) const POWER_POINTS: i32 = 14;
+/// Largest distance from yielding: the torque is at the level against the motion.
+pub(crate) const FARTHEST: f64 = 2.0;
+/// Rates over w0 at which the softened sign tanh has its points.
+pub(crate) const TANH_AT: [f64; 9] = [0.25, 0.5, 0.75, 1.0, 1.3, 1.7, 2.2, 3.0, 4.5];
+/// Share of the bond's limit at which the reset integrator's breakaway begins to fall to the sliding level: a jump there would be one of the control.
+pub(crate) const BREAKS_FROM: f64 = 0.98;
+
+// ---- estimator of the out-of-balance ----
+
+/// The mean square of the first regressor, over that of the dead-band, at which learning is whole: 1.1 squared.
+pub(crate) const WHOLE: f64 = 1.21;
+/// Share of gravity that the mean over a window counts at least: a hub held beyond 60 degrees is not divided by.
+pub(crate) const LEAST_LIFT: f64 = 0.5;
+/// Most that what a sample tells may count, against all samples before it: beyond, the gain is as good as this one.
+pub(crate) const MOST_TOLD: f64 = 1e9;
+/// A variance over its start at which forgetting begins to fade.
+pub(crate) const WOUND_START: f64 = 9.0;
+/// A variance over its start at which forgetting has ended.
+pub(crate) const WOUND_END: f64 = 10.0;

@@ -1,0 +1,100 @@
+//! What a mechanism is made of: plain data in SI units, checked when a plant is built from it.
+//!
+//! Frames and signs: angles are positive nose-up; `out_of_balance` is the first moment of mass about the pivot,
+//! positive nose-heavy; gear quantities are at the output (hub) side, motor quantities at the motor shaft.
+//! Effects that a plain machine does not have (cogging, springs, mesh ripple, sensor faults) are present as fields
+//! whose default value means "absent".
+
+mod drive;
+mod friction;
+mod sensing;
+mod structure;
+
+pub use drive::{Amplifier, AmplifierDynamics, Gearbox, IDEAL_LAG_S, MapPoint, Motor};
+pub use friction::{Friction, FrictionLaw, StribeckCurve};
+pub use sensing::{Interface, Sensor, Sensors};
+pub use structure::{Beam, Configuration, Lumped, PointMass, Section, SectionShape, StructuralDamping};
+
+/// One axis of a cantilever mechanism on a moving platform.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameters {
+    /// Name of the machine.
+    pub name: String,
+    /// Acceleration of gravity, m/s^2.
+    pub gravity_m_s2: f64,
+    /// Distributed description of the structure, if it is known.
+    pub beam: Option<Beam>,
+    /// Two-inertia description of the structure, if it is given; otherwise it is derived from the beam.
+    pub lumped: Option<Lumped>,
+    /// Gearbox between motor and hub.
+    pub gearbox: Gearbox,
+    /// Motor.
+    pub motor: Motor,
+    /// Amplifier that drives the motor.
+    pub amplifier: Amplifier,
+    /// Friction at the motor shaft (speed relative to the platform).
+    pub motor_friction: Friction,
+    /// Friction at the hub pivot (rate relative to the platform).
+    pub pivot_friction: Friction,
+    /// Sensors.
+    pub sensors: Sensors,
+    /// The digital controller's converters and clock.
+    pub interface: Interface,
+    /// Ways to load the mechanism: which masses are fitted, what is added.
+    pub configurations: Vec<Configuration>,
+}
+
+/// A torque that repeats with an angle: amplitude x sin(order x angle + phase).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ripple {
+    /// Amplitude in the unit of what it disturbs (N m, or a fraction if it multiplies).
+    pub amplitude: f64,
+    /// Periods per turn of the angle it follows.
+    pub order: f64,
+    /// Phase at zero angle, rad.
+    pub phase_rad: f64,
+}
+
+impl Ripple {
+    /// No ripple.
+    pub const NONE: Self = Self { amplitude: 0.0, order: 1.0, phase_rad: 0.0 };
+
+    /// Returns the ripple at an angle.
+    pub fn at(&self, angle_rad: f64) -> f64 {
+        if self.amplitude == 0.0 {
+            0.0
+        } else {
+            self.amplitude * (self.order * angle_rad + self.phase_rad).sin()
+        }
+    }
+}
+
+impl Parameters {
+    /// Returns the parameters with a configuration applied: fitted masses add mass x position^2 to the hub inertia and
+    /// mass x position to the out-of-balance (positions relative to the pivot).
+    ///
+    /// # Errors
+    /// The name of a mass that the beam does not have.
+    pub fn configured(&self, configuration: &Configuration) -> Result<Self, crate::Error> {
+        let mut out = self.clone();
+        let Some(lumped) = out.lumped.as_mut() else { return Ok(out) };
+        lumped.hub_inertia_kg_m2 += configuration.added_hub_inertia_kg_m2;
+        for name in &configuration.masses {
+            let (arm, mass) = self.fitted_mass(name, &configuration.name)?;
+            lumped.hub_inertia_kg_m2 += mass * arm * arm;
+            lumped.out_of_balance_kg_m += mass * arm;
+        }
+        Ok(out)
+    }
+
+    fn fitted_mass(&self, name: &str, configuration: &str) -> Result<(f64, f64), crate::Error> {
+        let beam = self.beam.as_ref();
+        let found = beam.and_then(|b| {
+            b.masses.iter().find(|m| m.name == name).map(|m| (m.position_m - b.pivot_m, m.mass_kg))
+        });
+        found.ok_or_else(|| crate::Error::UnknownMass {
+            mass: name.to_owned(),
+            configuration: configuration.to_owned(),
+        })
+    }
+}

@@ -1,0 +1,50 @@
+//! The numbers that decide in the models, in one place: what each decides, why it has this size, and what another size costs.
+
+// ---- friction ----
+
+/// Normalised rate beyond which exp(-x^2) is 0: it is below 1e-21 there and no longer changes a level, and libraries are slow where
+/// exp underflows.
+pub(crate) const SPENT: f64 = 7.0;
+/// Distance from the yielded torque, relative to the level, below which the slope of |r|^i with i < 1 is held: it is infinite
+/// at 0.
+pub(crate) const YIELDED: f64 = 1e-9;
+/// The least factor on the dry level: keeps laws that divide by it finite.
+pub(crate) const LEAST_LEVEL: f64 = 1e-6;
+/// A displacement beyond this many bonds has forgotten where it started: the excess is left out, so that a long travel does not cost
+/// a snap for each of its bonds.
+pub(crate) const MEMORY_BONDS: f64 = 64.0;
+/// Rates at which the level of a polynomial curve is checked, evenly from rest to the Stribeck rate, beyond which it is
+/// constant: the least level of the curve is at most 1/400 of the Stribeck rate away from one of them.
+pub(crate) const POLYNOMIAL_CHECKS: i32 = 200;
+/// Sweeps over the joints after which contact torques are returned as they are; see [`crate::friction::Contact::sweeps`].
+pub const MOST_SWEEPS: usize = 500;
+/// Change of a rate over a sweep, relative to the largest rate, that counts as none: about ninety roundings of double precision.
+pub(crate) const SETTLED: f64 = 1e-14;
+/// Steps per period of the motion under which a describing function is found.
+pub(crate) const LOOP_STEPS: usize = 2000;
+/// Periods after which a friction loop that has not closed is returned as it is.
+pub(crate) const MOST_PERIODS: usize = 200;
+/// A friction loop is closed when a state repeats to this fraction of its largest value.
+pub(crate) const CLOSED: f64 = 1e-13;
+
+// ---- drive ----
+
+/// Motor rate over which the direction of the power through the mesh changes, rad/s: a jump there would be one of the torque at every reversal.
+pub(crate) const POWER_REVERSAL_RATE: f64 = 0.05;
+
+// ---- structure ----
+
+/// Gap between sections that still counts as adjoining, relative to the beam's length: rounding of stations in a file.
+pub(crate) const ADJOINING: f64 = 1e-9;
+/// Distance between the pivot and a station or node, relative to the beam, at which they are the same place.
+pub(crate) const AT_PIVOT: f64 = 1e-9;
+/// Difference of two cross sections, relative, that counts as none.
+pub(crate) const SAME_SECTION: f64 = 1e-12;
+/// Elements beyond which rounding spoils the first mode.
+pub(crate) const MOST_ELEMENTS: usize = 2000;
+/// Resistance of K to a rigid motion, relative to its norm, that counts as none: matrices written with six digits pass.
+pub(crate) const FREE: f64 = 1e-6;
+/// Asymmetry of an imported matrix that is taken for rounding and removed, relative to its largest entry.
+pub(crate) const ASYMMETRY_OF_IMPORT: f64 = 1e-6;
+/// Unknowns beyond which an imported matrix is refused: dense algebra would take hours.
+pub(crate) const MOST_ROWS: usize = 5000;

@@ -1,0 +1,264 @@
+//! Where the plant is within a run, and the linear cores of the modes in which it has been so far.
+
+use super::attempt::{Attempt, Given, Held};
+use super::linear::{Linear, Mode, Seen, TIP, VOLTAGE, outputs};
+use super::ports::{AngleNearby, Bonds, FrictionState, PlatformPoint, PlatformSpan, Point, Ports};
+use super::state::PlantState;
+use super::tables::{OUTPUTS, PORTS, StepTable};
+use crate::Error;
+use crate::motion::MotionSample;
+use counterpoise_models::{Mesh, Plant};
+
+/// The control and the platform over a sample.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sample<'a> {
+    pub drive_v: f64,
+    pub start_s: f64,
+    pub motion: &'a MotionSample,
+}
+
+/// The instant at which a joint is looked at.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Instant {
+    pub platform: PlatformPoint,
+    /// Pitch acceleration of the platform, rad/s^2.
+    pub acceleration: f64,
+    pub time_s: f64,
+    pub drive_v: f64,
+    /// Torque of half the gap, N m.
+    pub offset: f64,
+}
+
+/// Where the plant is, with all that its next step needs to know of it.
+#[derive(Debug, Clone)]
+pub(crate) struct Present {
+    pub plant: Plant,
+    pub ports: Ports,
+    /// Turns of each joint per turn of the hub.
+    pub turns: [f64; 2],
+    /// Changes of joints that truly stick since the start.
+    pub changes: usize,
+    period_s: f64,
+    /// The cores that were needed so far, the one at hand first of them all at the start.
+    cores: Vec<Linear>,
+    index: [Option<usize>; Mode::COUNT],
+    core: usize,
+    z: Vec<f64>,
+    seen: Seen,
+    friction: FrictionState,
+    bonds: Bonds,
+    /// Angles of motor and pivot to which friction has travelled, rad; those of the core at the start.
+    travelled: Option<[f64; 2]>,
+    /// The hub gyroscope: rate, and its derivative.
+    pub hub_gyro: [f64; 2],
+}
+
+impl Present {
+    /// Returns a plant with all states at 0.
+    pub fn new(plant: &Plant, period_s: f64) -> Result<Self, Error> {
+        let mode = Mode { mesh: Mesh::Touching, offset: 0.0, held: 0.0, stuck: [false; 2] };
+        let mut index = [None; Mode::COUNT];
+        index[mode.index()] = Some(0);
+        Ok(Self {
+            plant: plant.clone(),
+            ports: Ports::new(plant)?,
+            turns: [plant.parameters().gearbox.ratio, 1.0],
+            changes: 0,
+            period_s,
+            cores: vec![Linear::new(plant, &mode, period_s)],
+            index,
+            core: 0,
+            z: vec![0.0; plant.core_order()],
+            seen: Seen::default(),
+            friction: FrictionState::default(),
+            bonds: Bonds::default(),
+            travelled: None,
+            hub_gyro: [0.0; 2],
+        })
+    }
+
+    /// Begins a run in a state.
+    pub fn restart(&mut self, start: &PlantState) {
+        self.changes = 0;
+        self.z = self.linear().coordinates(&start.core);
+        self.seen = self.linear().see(&self.z);
+        self.friction = start.friction;
+        self.bonds = start.bonds.clone();
+        self.travelled = None;
+        self.hub_gyro = start.hub_gyro;
+    }
+
+    /// Returns the state of the plant.
+    pub fn state(&self) -> PlantState {
+        PlantState {
+            core: self.linear().physical(&self.z),
+            friction: self.friction,
+            bonds: self.bonds.clone(),
+            hub_gyro: self.hub_gyro,
+        }
+    }
+
+    /// Returns whether the motion is still finite.
+    pub fn is_finite(&self) -> bool {
+        self.z.iter().all(|x| x.is_finite())
+    }
+
+    /// Returns what is seen: motor state, wind-up, hub angle, hub rate, current; voltage, rate of the tip.
+    pub fn seen(&self) -> &Seen {
+        &self.seen
+    }
+
+    /// Returns the motor state, wind-up, hub angle, hub rate, current.
+    pub fn outputs(&self) -> &[f64; OUTPUTS] {
+        outputs(&self.seen)
+    }
+
+    /// Returns the voltage of the amplifier and rate of the tip.
+    pub fn voltage_and_tip(&self) -> [f64; 2] {
+        [self.seen[VOLTAGE], self.seen[TIP]]
+    }
+
+    /// Returns the core of the mode that was entered last.
+    pub fn linear(&self) -> &Linear {
+        &self.cores[self.core]
+    }
+
+    /// Returns the state of the core in its coordinates.
+    pub fn core(&self) -> &[f64] {
+        &self.z
+    }
+
+    /// Returns the states of dry friction.
+    pub fn friction(&self) -> &FrictionState {
+        &self.friction
+    }
+
+    /// Sets the state of a joint's friction.
+    pub fn set_friction(&mut self, joint: usize, value: f64) {
+        self.changes += usize::from(self.friction.get(joint) != value);
+        self.friction.set(joint, value);
+    }
+
+    /// Brings a joint to rest: takes its rate relative to the platform by an impulse.
+    pub fn arrest(&mut self, joint: usize, rate: f64) {
+        let Self { cores, core, z, seen, .. } = self;
+        let linear = &cores[*core];
+        z.iter_mut().zip(&linear.pushes[joint]).for_each(|(z, push)| *z -= rate * push);
+        *seen = linear.see(z);
+    }
+
+    /// Returns the values of the ports where the plant is.
+    pub fn ports_at(&self, at: &Instant) -> [f64; PORTS] {
+        let about = AngleNearby::new(self.seen[2]);
+        let outputs = self.outputs();
+        let point = Point { time_s: at.time_s, outputs, platform: &at.platform, about: &about };
+        self.ports.at(&self.plant, &point, &self.friction)
+    }
+
+    /// Returns the dry friction torques at the motor and at the pivot where the plant is, N m; 0 for joints at rest.
+    pub fn dry_torques(&self, at: &Instant) -> [f64; 2] {
+        let about = AngleNearby::new(self.seen[2]);
+        let outputs = self.outputs();
+        let point = Point { time_s: at.time_s, outputs, platform: &at.platform, about: &about };
+        self.ports.dry_torques(&self.plant, &point, &self.friction)
+    }
+
+    /// Returns the instant at a fraction of a sample.
+    pub fn instant(&self, sample: &Sample, part: f64, mode: &Mode) -> Instant {
+        Instant {
+            platform: sample.motion.at(part),
+            acceleration: sample.motion.pitch_acceleration_at(part),
+            time_s: sample.start_s + part * self.period_s,
+            drive_v: sample.drive_v,
+            offset: mode.offset,
+        }
+    }
+
+    /// Returns the mode at the state: the voltage is held while it is at the bus limit and pushed against it.
+    pub fn mode(&self, drive_v: f64) -> Mode {
+        let (mesh, offset) = self.plant.mesh(self.seen[1]);
+        let voltage = self.seen[VOLTAGE];
+        let at_limit = voltage.abs() >= self.bus_voltage_v();
+        let pushed = at_limit && self.voltage_push(&self.seen, drive_v) * voltage > 0.0;
+        let stuck = [0, 1].map(|j| self.ports.sticks(j) && self.friction.get(j) == 0.0);
+        Mode { mesh, offset, held: if pushed { voltage.signum() } else { 0.0 }, stuck }
+    }
+
+    /// Returns tau_a V' as it would be with a free voltage, V.
+    pub fn voltage_push(&self, seen: &Seen, drive_v: f64) -> f64 {
+        let amplifier = &self.plant.parameters().amplifier;
+        amplifier.gain * (drive_v - amplifier.current_feedback_v_a * seen[4]) - seen[VOLTAGE]
+    }
+
+    /// Returns the limit of the amplifier's voltage, V.
+    pub fn bus_voltage_v(&self) -> f64 {
+        self.plant.parameters().amplifier.bus_voltage_v
+    }
+
+    /// Makes the mode's core the one at hand, with the table of the level.
+    pub fn enter(&mut self, mode: &Mode, level: usize) {
+        let core = match self.index[mode.index()] {
+            Some(core) => core,
+            None => {
+                self.cores.push(Linear::new(&self.plant, mode, self.period_s));
+                self.index[mode.index()] = Some(self.cores.len() - 1);
+                self.cores.len() - 1
+            }
+        };
+        if core != self.core {
+            let physical = self.linear().physical(&self.z);
+            self.core = core;
+            self.z = self.linear().coordinates(&physical);
+        }
+        self.cores[core].prepare(level);
+    }
+
+    /// Returns the input of a step from here.
+    pub fn given<'a>(&'a self, table: &'a StepTable, step: &StepInput<'a>) -> Given<'a> {
+        Given {
+            plant: &self.plant,
+            ports: &self.ports,
+            table,
+            core: &self.z,
+            friction: &self.friction,
+            bonds: &self.bonds,
+            travelled: self.travelled,
+            outputs: *self.outputs(),
+            held: step.held,
+            platform: step.platform,
+            time_s: step.time_s,
+            tolerance: step.tolerance,
+        }
+    }
+
+    /// Takes the step that was tried last, at whose end `ahead` is seen.
+    pub fn take(&mut self, attempt: &Attempt, ahead: &Seen, mode: &Mode) {
+        self.z.copy_from_slice(attempt.end());
+        self.friction = attempt.friction();
+        self.bonds.copy(attempt.bonds());
+        self.seen = *ahead;
+        self.travelled = Some(attempt.travelled());
+        let bus = self.bus_voltage_v();
+        let voltage = self.seen[VOLTAGE];
+        let wanted = if mode.held != 0.0 { mode.held * bus } else { voltage.clamp(-bus, bus) };
+        if wanted != voltage {
+            let Self { cores, core, z, seen, .. } = self;
+            let linear = &cores[*core];
+            z.iter_mut().zip(&linear.lift).for_each(|(z, lift)| *z += lift * (wanted - voltage));
+            *seen = linear.see(z);
+        }
+    }
+}
+
+/// What a step is given besides the present.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct StepInput<'a> {
+    /// What stays over the step.
+    pub held: Held,
+    /// The platform along the step.
+    pub platform: &'a PlatformSpan,
+    /// Start of the step, s.
+    pub time_s: f64,
+    /// Defect that is allowed.
+    pub tolerance: f64,
+}

@@ -1,0 +1,38 @@
+//! The state of a plant between samples, and the work that a run was.
+
+use super::ports::{Bonds, FrictionState};
+
+/// What moves: the states of the plant between samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlantState {
+    /// States of the linear core, as [`counterpoise_models::plant::core::state`] has them.
+    pub core: Vec<f64>,
+    /// States of dry friction.
+    pub friction: FrictionState,
+    /// The bonds of bristle friction.
+    pub bonds: Bonds,
+    /// Hub gyroscope before its gain and bias: rate, rad/s, and its derivative.
+    pub hub_gyro: [f64; 2],
+}
+
+/// How much work a run was, and whether any of it was done below the accuracy asked for.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Steps taken.
+    pub steps: usize,
+    /// Steps tried and shortened.
+    pub rejected: usize,
+    /// Shortest steps that were taken although their error was above the tolerance: at jumps.
+    pub forced: usize,
+    /// Evaluations of the nonlinear parts along a step.
+    pub iterations: usize,
+    /// Changes of joints that truly stick: to rest, to sliding, or from one direction to the other.
+    pub changes: usize,
+}
+
+impl Effort {
+    /// Returns the number of steps that were tried: those taken, and those shortened.
+    pub fn tried(&self) -> usize {
+        self.steps + self.rejected
+    }
+}
