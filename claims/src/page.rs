@@ -115,8 +115,8 @@ fn section(claim: &Claim, command: &str) -> Section {
 /// A picture's data as a figure.
 pub fn figure(picture: &Picture) -> Figure {
     let high = if picture.panels.len() > 2 { 150.0 } else { 190.0 };
-    let panels = picture.panels.iter().map(|drawn| panel(drawn).high(high)).collect();
-    Figure::new(&picture.title, axis(&picture.x), panels).captioned(&picture.caption)
+    let panels = picture.panels.iter().map(|drawn| panel(drawn).with_height(high)).collect();
+    Figure::new(&picture.title, axis(&picture.x), panels).with_caption(&picture.caption)
 }
 
 fn axis(quantity: &Quantity) -> Axis {
@@ -137,11 +137,10 @@ fn panel(drawn: &Drawn) -> Panel {
                 |point: &(f64, f64)| Mark::Point { x: point.0, y: point.1, text: String::new(), colour };
             marks.extend(curve.points.iter().map(ring));
         }
-        let points = curve.points.clone();
-        series.push(Series { name: capital(&curve.name), points, colour, dash });
+        series.push(Series::new(&capital(&curve.name), (colour, dash), curve.points.iter().copied()));
     }
     marks.extend(drawn.marks.iter().map(mark));
-    Panel::of(axis(&drawn.y), series).marked(marks)
+    Panel::new(axis(&drawn.y), series).with_marks(marks)
 }
 
 /// Colours in turn, a pair in one colour.
@@ -193,9 +192,9 @@ mod tests {
         assert!(page.sections[1].text.iter().any(|text| text.contains("of a reason")));
         let drawn = &page.sections[0].figures[0];
         assert_eq!(drawn.command, "counterpoise claims RIG --only C1");
-        assert_eq!(drawn.panels[0].y.text(), "overshoot [%]");
+        assert_eq!(drawn.panels()[0].y.text(), "overshoot [%]");
         let texts: Vec<_> =
-            drawn.panels[0].marks.iter().filter(|m| matches!(m, Mark::Point { .. })).collect();
+            drawn.panels()[0].marks.iter().filter(|m| matches!(m, Mark::Point { .. })).collect();
         assert_eq!(texts.len(), 2, "each of few points is marked");
     }
 }

@@ -1,53 +1,38 @@
 //! What a figure is made of.
 
-/// Panels over one shared x axis.
+use ndarray::{Array2, ArrayView1};
+
+use crate::heat_map::HeatMap;
+
+/// A figure: one title over panels or over a heat map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
-    /// One line that says what is seen.
+    /// One line that says what is shown.
     pub title: String,
     /// What the reader should take from it; may be empty.
     pub caption: String,
-    /// The command that makes this figure again; may be empty.
+    /// The command that produces this figure again; may be empty.
     pub command: String,
+    /// What is drawn.
+    pub content: Content,
+}
+
+/// What a figure draws.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Content {
+    /// Curves in panels over one shared x axis.
+    Panels(Panels),
+    /// Coloured cells.
+    HeatMap(HeatMap),
+}
+
+/// Panels over one shared x axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panels {
     /// The shared x axis.
     pub x: Axis,
     /// From top to bottom.
     pub panels: Vec<Panel>,
-    /// Coloured cells, drawn in place of axes and panels.
-    pub heat: Option<Heat>,
-}
-
-/// Rows x columns of shares, each a coloured cell with its number.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Heat {
-    /// What the colour means, with its unit.
-    pub meaning: String,
-    /// What a ring means.
-    pub ring: String,
-    /// Names of the columns.
-    pub columns: Vec<String>,
-    /// Rows in groups.
-    pub groups: Vec<HeatGroup>,
-}
-
-/// Rows of a [`Heat`] under one heading.
-#[derive(Debug, Clone, PartialEq)]
-pub struct HeatGroup {
-    /// The heading.
-    pub heading: String,
-    /// The rows, from top to bottom.
-    pub rows: Vec<HeatRow>,
-}
-
-/// One row of a [`Heat`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct HeatRow {
-    /// Its name.
-    pub name: String,
-    /// Shares from 0 to 1, none where nothing is known; a row without shares is grey: nothing sees it.
-    pub shares: Vec<Option<f64>>,
-    /// Places of the cells with a ring.
-    pub ringed: Vec<usize>,
 }
 
 /// One pair of axes.
@@ -72,9 +57,9 @@ pub struct Axis {
     pub label: String,
     /// Its unit; empty for a pure number.
     pub unit: String,
-    /// Linear, logarithmic, or angles.
+    /// How values are laid along it.
     pub scale: Scale,
-    /// From and to; from the data where there is none.
+    /// Its ends; `None` takes them from the data.
     pub range: Option<(f64, f64)>,
 }
 
@@ -94,9 +79,9 @@ pub enum Scale {
 pub struct Series {
     /// Its name in the legend; empty for none.
     pub name: String,
-    /// (x, y) in the order in which they are joined; x may go back (a loop) in series short enough not to be thinned
-    /// ([`MOST_POINTS`](crate::thin::MOST_POINTS)).
-    pub points: Vec<(f64, f64)>,
+    /// One row a point, columns x and y, in the order in which the points are joined. In a series that is long enough to be
+    /// thinned ([`MOST_POINTS`](crate::thin::MOST_POINTS)) x must not decrease.
+    pub points: Array2<f64>,
     /// Its colour.
     pub colour: Colour,
     /// Its dash.
@@ -108,8 +93,8 @@ pub struct Series {
 pub struct Band {
     /// Its name in the legend; empty for none.
     pub name: String,
-    /// (x, lower, upper).
-    pub points: Vec<(f64, f64, f64)>,
+    /// One row a point, columns x, lower edge and upper edge.
+    pub points: Array2<f64>,
     /// Its colour.
     pub colour: Colour,
 }
@@ -123,7 +108,7 @@ pub enum Mark {
         x: f64,
         /// Where along y.
         y: f64,
-        /// What it is.
+        /// What it is; empty for no entry in the legend.
         text: String,
         /// Its colour.
         colour: Colour,
@@ -132,19 +117,19 @@ pub enum Mark {
     Level {
         /// Where along y.
         y: f64,
-        /// What it is; empty for none.
+        /// What it is; empty for no entry in the legend.
         text: String,
     },
     /// A thin line down the panel.
     Instant {
         /// Where along x.
         x: f64,
-        /// What it is; empty for none.
+        /// What it is; empty for no entry in the legend.
         text: String,
     },
 }
 
-/// A colour of the theme. Numbered ones are told apart by people with any colour vision.
+/// A colour of the theme. People with any colour vision can tell the numbered ones apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Colour {
     /// Blue: the result.
@@ -159,7 +144,7 @@ pub enum Colour {
     Fifth,
     /// Sky blue.
     Sixth,
-    /// Grey: background, without control.
+    /// Grey: background, a reference that stands back.
     Muted,
 }
 
@@ -181,80 +166,132 @@ impl Colour {
 }
 
 impl Axis {
-    /// A linear axis ranged by its data.
+    /// Returns a linear axis whose range is that of its data.
     pub fn linear(label: &str, unit: &str) -> Self {
         Self { label: label.to_owned(), unit: unit.to_owned(), scale: Scale::Linear, range: None }
     }
 
-    /// A logarithmic axis ranged by its data.
+    /// Returns a logarithmic axis whose range is that of its data.
     pub fn logarithmic(label: &str, unit: &str) -> Self {
         Self { scale: Scale::Logarithmic, ..Self::linear(label, unit) }
     }
 
-    /// An axis of angles in degrees.
+    /// Returns an axis of angles in degrees.
     pub fn degrees(label: &str) -> Self {
         Self { scale: Scale::Degrees, ..Self::linear(label, "deg") }
     }
 
-    /// The same axis over a given range.
+    /// Returns the same axis with fixed ends.
     pub fn over(self, from: f64, to: f64) -> Self {
         Self { range: Some((from, to)), ..self }
     }
 
-    /// `label [unit]`.
+    /// Returns `label [unit]`.
     pub fn text(&self) -> String {
         if self.unit.is_empty() { self.label.clone() } else { format!("{} [{}]", self.label, self.unit) }
     }
 }
 
 impl Series {
-    /// An unbroken curve.
-    pub fn solid(name: &str, colour: Colour, points: Vec<(f64, f64)>) -> Self {
-        Self { name: name.to_owned(), points, colour, dash: Dash::Solid }
+    /// Returns a curve through points (x, y).
+    pub fn new(
+        name: &str,
+        (colour, dash): (Colour, Dash),
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        let points = rows(points.into_iter().map(|(x, y)| [x, y]));
+        Self { name: name.to_owned(), points, colour, dash }
     }
 
-    /// A dashed curve.
-    pub fn dashed(name: &str, colour: Colour, points: Vec<(f64, f64)>) -> Self {
-        Self { dash: Dash::Dashed, ..Self::solid(name, colour, points) }
+    /// Returns an unbroken curve through points (x, y).
+    pub fn solid(name: &str, colour: Colour, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self::new(name, (colour, Dash::Solid), points)
     }
 
-    /// A dotted curve.
-    pub fn dotted(name: &str, colour: Colour, points: Vec<(f64, f64)>) -> Self {
-        Self { dash: Dash::Dotted, ..Self::solid(name, colour, points) }
+    /// Returns a dashed curve through points (x, y).
+    pub fn dashed(name: &str, colour: Colour, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self::new(name, (colour, Dash::Dashed), points)
+    }
+
+    /// Returns a dotted curve through points (x, y).
+    pub fn dotted(name: &str, colour: Colour, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self::new(name, (colour, Dash::Dotted), points)
+    }
+
+    /// Returns an unbroken curve of one signal over another; the longer one is cut to the length of the shorter.
+    pub fn of_signals(name: &str, colour: Colour, x: ArrayView1<f64>, y: ArrayView1<f64>) -> Self {
+        Self::solid(name, colour, x.iter().copied().zip(y.iter().copied()))
     }
 }
 
+impl Band {
+    /// Returns a band from points (x, lower edge, upper edge).
+    pub fn new(name: &str, colour: Colour, points: impl IntoIterator<Item = (f64, f64, f64)>) -> Self {
+        let points = rows(points.into_iter().map(|(x, lower, upper)| [x, lower, upper]));
+        Self { name: name.to_owned(), points, colour }
+    }
+}
+
+/// Rows of equal length as an array.
+fn rows<const N: usize>(points: impl Iterator<Item = [f64; N]>) -> Array2<f64> {
+    Array2::from(points.collect::<Vec<[f64; N]>>())
+}
+
 impl Panel {
-    /// A panel of curves, without bands and marks.
-    pub fn of(y: Axis, series: Vec<Series>) -> Self {
+    /// Returns a panel of curves, without bands and marks.
+    pub fn new(y: Axis, series: Vec<Series>) -> Self {
         Self { y, series, bands: Vec::new(), marks: Vec::new(), height: 200.0 }
     }
 
-    /// The same panel with marks.
-    pub fn marked(self, marks: Vec<Mark>) -> Self {
+    /// Returns the same panel with bands.
+    pub fn with_bands(self, bands: Vec<Band>) -> Self {
+        Self { bands, ..self }
+    }
+
+    /// Returns the same panel with marks.
+    pub fn with_marks(self, marks: Vec<Mark>) -> Self {
         Self { marks, ..self }
     }
 
-    /// The same panel, so many pixels high.
-    pub fn high(self, height: f64) -> Self {
+    /// Returns the same panel with another height in pixels.
+    pub fn with_height(self, height: f64) -> Self {
         Self { height, ..self }
     }
 }
 
 impl Figure {
-    /// A figure without caption and command.
+    /// Returns a figure of panels, without caption and command.
     pub fn new(title: &str, x: Axis, panels: Vec<Panel>) -> Self {
-        let (title, caption, command) = (title.to_owned(), String::new(), String::new());
-        Self { title, caption, command, x, panels, heat: None }
+        Self::with_content(title, Content::Panels(Panels { x, panels }))
     }
 
-    /// A figure of coloured cells.
-    pub fn cells(title: &str, heat: Heat) -> Self {
-        Self { heat: Some(heat), ..Self::new(title, Axis::linear("", ""), Vec::new()) }
+    /// Returns a figure of coloured cells, without caption and command.
+    pub fn heat_map(title: &str, map: HeatMap) -> Self {
+        Self::with_content(title, Content::HeatMap(map))
     }
 
-    /// The same figure with a caption.
-    pub fn captioned(self, caption: &str) -> Self {
+    fn with_content(title: &str, content: Content) -> Self {
+        Self { title: title.to_owned(), caption: String::new(), command: String::new(), content }
+    }
+
+    /// Returns the same figure with a caption.
+    pub fn with_caption(self, caption: &str) -> Self {
         Self { caption: caption.to_owned(), ..self }
+    }
+
+    /// Returns its panels; there are none in a heat map.
+    pub fn panels(&self) -> &[Panel] {
+        match &self.content {
+            Content::Panels(all) => &all.panels,
+            Content::HeatMap(_) => &[],
+        }
+    }
+
+    /// Returns its panels for a change; there are none in a heat map.
+    pub fn panels_mut(&mut self) -> &mut [Panel] {
+        match &mut self.content {
+            Content::Panels(all) => &mut all.panels,
+            Content::HeatMap(_) => &mut [],
+        }
     }
 }

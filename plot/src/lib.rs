@@ -1,24 +1,46 @@
-//! Figures as plain data, drawn as SVG text.
+//! Figures as plain data, drawn as SVG or PNG in one theme.
 //!
-//! In comes a [`Figure`]: panels stacked over one shared x axis, each with curves, bands and marks; out goes an SVG that follows the
-//! theme of the page it stands in (light or dark, by CSS variables) and can be read without colour (dashes, marker shapes).
-//! The legend stands above the panels, never on the data; long series are thinned to what a screen can show.
+//! In comes a [`Figure`]: panels with curves, bands and marks over one shared x axis, or a heat map. Out goes an SVG element that
+//! follows the light or dark theme of the page in which it stands, an SVG document, or a PNG file. Figures can be read without
+//! colour (by dashes and the shapes of marks), the legend stands above the panels and never on the data, and long series are thinned
+//! to what a screen can show.
 //!
-//! A small layer of its own rather than a plotting crate: colours must be CSS classes (a crate that writes colours into the picture
-//! cannot follow the viewer's theme), and text must be placed without a font file, by the viewer's own font.
+//! The figures are drawn on the coordinate system of plotters. SVG is written by a backend of our own, because colours must be
+//! classes of CSS for a page to change its theme; PNG is written by plotters' bitmap backend with text from an embedded font.
 //!
-//! *Invariant*: data in, text out; no file, no number that depends on the machine.
+//! *Invariant*: data in, bytes out; no file, no clock, no number that depends on the machine, and no knowledge of what a figure means.
 //!
-//! Modules in reading order: [`figure`], [`ticks`], [`thin`], [`theme`], [`element`], [`draw`], [`heat`], [`bode`].
+//! Modules in reading order: [`figure`], [`heat_map`], [`number`], [`ticks`], [`ruler`], [`thin`], [`theme`], `ink`, `font`, `clip`,
+//! `draw`, [`svg`], [`bitmap`], [`error`].
+//!
+//! ```
+//! use counterpoise_plot::{Axis, Colour, Figure, Panel, Series, Theme, png, svg};
+//! let curve = Series::solid("hub", Colour::First, [(0.0, 0.0), (1.0, 0.8), (2.0, 1.0)]);
+//! let panel = Panel::new(Axis::linear("rate", "rad/s"), vec![curve]);
+//! let figure = Figure::new("Step response", Axis::linear("time", "s"), vec![panel]);
+//! assert!(svg::inline(&figure).starts_with("<svg class=\"fig\""));
+//! let file = png(&figure, Theme::Light, 1.0)?;
+//! assert_eq!(&file[1..4], b"PNG");
+//! # Ok::<(), counterpoise_plot::PlotError>(())
+//! ```
 
-pub mod bode;
-pub mod draw;
-pub mod element;
+pub mod bitmap;
+mod clip;
+mod draw;
+pub mod error;
 pub mod figure;
-pub mod heat;
+mod font;
+pub mod heat_map;
+mod ink;
+pub mod number;
+pub mod ruler;
+pub mod svg;
 pub mod theme;
 pub mod thin;
 pub mod ticks;
 
-pub use draw::{inline_svg, standalone_svg};
-pub use figure::{Axis, Band, Colour, Dash, Figure, Heat, HeatGroup, HeatRow, Mark, Panel, Scale, Series};
+pub use bitmap::{Bitmap, bitmap, png};
+pub use error::PlotError;
+pub use figure::{Axis, Band, Colour, Content, Dash, Figure, Mark, Panel, Panels, Scale, Series};
+pub use heat_map::{HeatMap, HeatRow};
+pub use theme::Theme;

@@ -1,66 +1,122 @@
-//! Every colour and line of figures and reports, in one place.
+//! Every colour of figures and pages, in one place.
 
-use crate::{Colour, Dash};
+use std::fmt::Write as _;
 
-/// Custom properties for the light theme, for the dark one, and the classes that figures use. The numbered colours are those of
-/// Okabe and Ito (told apart with any colour vision), lightened on dark ground.
-pub const FIGURE_CSS: &str = "\
-:root{--ground:#fff;--panel:#fff;--ink:#1b2733;--soft:#5b6b7a;--grid:#e3e8ee;--frame:#9aa8b5;\
---c1:#0072b2;--c2:#d55e00;--c3:#009e73;--c4:#b0609a;--c5:#c98a00;--c6:#56b4e9;--c7:#8794a1;\
---good:#00754f;--bad:#b8430a;--none:#6b7a89}
-@media (prefers-color-scheme:dark){:root{--ground:#12181f;--panel:#182029;--ink:#e4eaf0;--soft:#9fb0bf;--grid:#2a3540;\
---frame:#5a6b7a;--c1:#5ab8f0;--c2:#ff9350;--c3:#3fd0a0;--c4:#e3a1cd;--c5:#efc04f;--c6:#a8dcff;--c7:#8c9cab;\
---good:#49d3a2;--bad:#ff9a62;--none:#93a3b2}}
-.fig{font-family:system-ui,'Segoe UI','DejaVu Sans',sans-serif;font-size:12px;fill:var(--ink)}
-.fig .axis{fill:var(--soft)}
-.fig .grid{stroke:var(--grid);stroke-width:1;fill:none}
-.fig .minor{stroke:var(--grid);stroke-width:.5;fill:none;opacity:.8}
-.fig .frame{stroke:var(--frame);stroke-width:1;fill:none}
-.fig .line{fill:none;stroke-width:1.7;stroke-linejoin:round}
-.fig .ring{fill:var(--panel);stroke-width:2}
-.fig .guide{stroke:var(--soft);stroke-width:1.1;stroke-dasharray:2 3;fill:none}
-.fig .band{opacity:.22;stroke:none}
-.fig .heat{fill:var(--c1);stroke:var(--grid);stroke-width:1}
-.fig .blind{fill:var(--grid);stroke:none}
-.fig .on{fill:var(--panel)}
-.fig .named{stroke:var(--c2);stroke-width:2.5;fill:none}
-.fig .dashed{stroke-dasharray:7 4}
-.fig .dotted{stroke-dasharray:1.6 3.4;stroke-linecap:round}
-.s1{stroke:var(--c1)}.s2{stroke:var(--c2)}.s3{stroke:var(--c3)}.s4{stroke:var(--c4)}.s5{stroke:var(--c5)}.s6{stroke:var(--c6)}.s7{stroke:var(--c7)}
-.f1{fill:var(--c1)}.f2{fill:var(--c2)}.f3{fill:var(--c3)}.f4{fill:var(--c4)}.f5{fill:var(--c5)}.f6{fill:var(--c6)}.f7{fill:var(--c7)}
-";
+use crate::figure::Colour;
+use crate::ink::Ink;
 
-/// The class that strokes in a colour.
-pub fn stroke_class(colour: Colour) -> &'static str {
-    match colour {
-        Colour::First => "s1",
-        Colour::Second => "s2",
-        Colour::Third => "s3",
-        Colour::Fourth => "s4",
-        Colour::Fifth => "s5",
-        Colour::Sixth => "s6",
-        Colour::Muted => "s7",
+/// Light ink on dark ground, or dark ink on light ground.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Theme {
+    /// Dark ink on white.
+    Light,
+    /// Light ink on dark grey.
+    Dark,
+}
+
+/// What a colour is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// Behind a page.
+    Ground,
+    /// Behind a figure.
+    Panel,
+    /// Text.
+    Ink,
+    /// Text that stands back: numbers of the axes.
+    Soft,
+    /// Grid lines.
+    Grid,
+    /// The frame of a panel.
+    Frame,
+    /// A colour of curves.
+    Curve(Colour),
+    /// Holds.
+    Good,
+    /// Fails.
+    Bad,
+    /// Neither holds nor fails.
+    Neutral,
+}
+
+/// Red, green and blue.
+pub type Rgb = (u8, u8, u8);
+
+/// A role, the name of its custom property in CSS, its colour on light and on dark ground.
+type Row = (Role, &'static str, u32, u32);
+
+/// The numbered colours are those of Okabe and Ito ("Color universal design", 2008), which people with any colour vision can tell
+/// apart, darkened on white and lightened on dark ground until each has a contrast of at least 3 : 1.
+const TABLE: [Row; 16] = [
+    (Role::Ground, "ground", 0xff_ff_ff, 0x12_18_1f),
+    (Role::Panel, "panel", 0xff_ff_ff, 0x18_20_29),
+    (Role::Ink, "ink", 0x1b_27_33, 0xe4_ea_f0),
+    (Role::Soft, "soft", 0x5b_6b_7a, 0x9f_b0_bf),
+    (Role::Grid, "grid", 0xe3_e8_ee, 0x2a_35_40),
+    (Role::Frame, "frame", 0x9a_a8_b5, 0x5a_6b_7a),
+    (Role::Curve(Colour::First), "c1", 0x00_72_b2, 0x5a_b8_f0),
+    (Role::Curve(Colour::Second), "c2", 0xd5_5e_00, 0xff_93_50),
+    (Role::Curve(Colour::Third), "c3", 0x00_9e_73, 0x3f_d0_a0),
+    (Role::Curve(Colour::Fourth), "c4", 0xb0_60_9a, 0xe3_a1_cd),
+    (Role::Curve(Colour::Fifth), "c5", 0xc9_8a_00, 0xef_c0_4f),
+    (Role::Curve(Colour::Sixth), "c6", 0x56_b4_e9, 0xa8_dc_ff),
+    (Role::Curve(Colour::Muted), "c7", 0x87_94_a1, 0x8c_9c_ab),
+    (Role::Good, "good", 0x00_75_4f, 0x49_d3_a2),
+    (Role::Bad, "bad", 0xb8_43_0a, 0xff_9a_62),
+    (Role::Neutral, "none", 0x6b_7a_89, 0x93_a3_b2),
+];
+
+impl Theme {
+    /// Returns the colour of a role.
+    pub fn colour(self, role: Role) -> Rgb {
+        let found = TABLE.iter().find(|row| row.0 == role);
+        let value = found.map_or(0, |row| self.of(row));
+        ((value >> 16) as u8, (value >> 8) as u8, value as u8)
+    }
+
+    /// Returns the colour of a role as `#rrggbb`.
+    pub fn hex(self, role: Role) -> String {
+        let (red, green, blue) = self.colour(role);
+        format!("#{red:02x}{green:02x}{blue:02x}")
+    }
+
+    /// Returns the custom properties of CSS that hold the theme, for the root of a page.
+    pub fn properties(self) -> String {
+        let mut text = String::new();
+        for row in &TABLE {
+            // writing to a string cannot fail
+            let _ = write!(text, "--{}:{};", row.1, self.hex(row.0));
+        }
+        format!(":root{{{text}}}")
+    }
+
+    fn of(self, row: &Row) -> u32 {
+        match self {
+            Theme::Light => row.2,
+            Theme::Dark => row.3,
+        }
     }
 }
 
-/// The class that fills in a colour.
-pub fn fill_class(colour: Colour) -> &'static str {
-    match colour {
-        Colour::First => "f1",
-        Colour::Second => "f2",
-        Colour::Third => "f3",
-        Colour::Fourth => "f4",
-        Colour::Fifth => "f5",
-        Colour::Sixth => "f6",
-        Colour::Muted => "f7",
+impl Role {
+    /// Returns the role's custom property in CSS, such as `var(--ink)`.
+    pub fn variable(self) -> String {
+        let name = TABLE.iter().find(|row| row.0 == self).map_or("ink", |row| row.1);
+        format!("var(--{name})")
     }
 }
 
-/// The class that dashes; empty for an unbroken line.
-pub fn dash_class(dash: Dash) -> &'static str {
-    match dash {
-        Dash::Solid => "",
-        Dash::Dashed => " dashed",
-        Dash::Dotted => " dotted",
+/// Returns the style that a page with inline figures carries: both themes as custom properties, chosen by the reader's setting, and
+/// the classes of everything that figures draw.
+pub fn css() -> String {
+    let (light, dark) = (Theme::Light.properties(), Theme::Dark.properties());
+    let mut text = format!("{light}\n@media (prefers-color-scheme:dark){{{dark}}}\n");
+    let _ = writeln!(text, ".fig{{font-family:{FONTS};font-size:12px}}");
+    for ink in Ink::all() {
+        let _ = writeln!(text, ".fig .{}{{{}}}", ink.class(), ink.declarations());
     }
+    text
 }
+
+/// Fonts of a figure's text, the first that the reader has.
+pub(crate) const FONTS: &str = "system-ui,'Segoe UI','DejaVu Sans',sans-serif";

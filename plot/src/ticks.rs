@@ -1,251 +1,131 @@
 //! Where an axis has its ticks, and what they say.
+//!
+//! One algorithm for every axis of the product: pages, exported pictures and the window. Each function takes the range of the
+//! axis and the number of intervals for which there is room.
 
-use crate::{Axis, Scale};
+use crate::number::{short, superscript, times_power_of_ten, with_minus};
 
-const MOST_TICKS: f64 = 7.0;
+/// Parts of a turn that are round, in degrees.
 const DEGREE_STEPS: [f64; 9] = [1.0, 2.0, 5.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0];
-/// Part of the data's range that is left free above and below.
-const PADDING: f64 = 0.06;
+/// On fewer decades than this, ticks at whole decades alone are too few to read values by.
+const FEW_DECADES: f64 = 1.2;
+/// On more decades than this, ticks between the decades are closer than the eye can part.
+const MANY_DECADES: f64 = 7.0;
+/// Powers of ten that are short enough to be written as numbers: from 0.001 to 10000.
+const SHORT_DECADES: std::ops::RangeInclusive<i32> = -3..=4;
+/// A tick may lie outside the range by this part of its step, so that rounding does not lose the ticks at the ends.
+const SLACK: f64 = 1e-9;
 
-/// An axis with its range settled: maps values to 0 .. 1.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Ruler {
-    from: f64,
-    to: f64,
-    scale: Scale,
-}
-
-/// A tick and its text; minor ticks have none.
+/// A tick and its text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tick {
-    /// Where.
+    /// Where it stands, in the unit of the axis.
     pub value: f64,
     /// What it says.
     pub text: String,
 }
 
-impl Ruler {
-    /// The ruler of an axis whose values are `data`; without data it runs from 0 (or 1) to 1 (or 10).
-    pub fn new(axis: &Axis, data: impl Iterator<Item = f64>, tight: Tightness) -> Self {
-        let logarithmic = axis.scale == Scale::Logarithmic;
-        let usable = data.filter(|v| v.is_finite() && (!logarithmic || *v > 0.0));
-        let (low, high) = usable.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
-        let (from, to) = match axis.range {
-            Some(range) => range,
-            None if low > high => (if logarithmic { 1.0 } else { 0.0 }, if logarithmic { 10.0 } else { 1.0 }),
-            None => padded(low, high, axis.scale, tight),
-        };
-        Self { from, to, scale: axis.scale }
-    }
-
-    /// 0 at the start of the axis, 1 at its end; `None` where the value cannot be drawn.
-    pub fn place(&self, value: f64) -> Option<f64> {
-        if !value.is_finite() {
-            return None;
-        }
-        if self.scale != Scale::Logarithmic {
-            return Some((value - self.from) / (self.to - self.from));
-        }
-        (value > 0.0).then(|| (value / self.from).ln() / (self.to / self.from).ln())
-    }
-
-    /// Ticks with text.
-    pub fn major(&self) -> Vec<Tick> {
-        match self.scale {
-            Scale::Linear => self.every(nice_step((self.to - self.from) / MOST_TICKS)),
-            Scale::Degrees => self.every(self.degree_step()),
-            Scale::Logarithmic => self.decades(),
-        }
-    }
-
-    /// Ticks without text, on a logarithmic axis of not too many decades.
-    pub fn minor(&self) -> Vec<f64> {
-        let decades = (self.to / self.from).log10();
-        if self.scale != Scale::Logarithmic || decades > 7.0 {
-            return Vec::new();
-        }
-        let (first, last) = (self.from.log10().floor() as i32, self.to.log10().ceil() as i32);
-        let all = (first..last).flat_map(|d| (2..10).map(move |k| f64::from(k) * 10f64.powi(d)));
-        all.filter(|v| (self.from..=self.to).contains(v)).collect()
-    }
-
-    fn degree_step(&self) -> f64 {
-        let wanted = (self.to - self.from) / MOST_TICKS;
-        DEGREE_STEPS
-            .into_iter()
-            .find(|&step| step >= wanted)
-            .unwrap_or_else(|| 360.0 * nice_step(wanted / 360.0).max(1.0))
-    }
-
-    fn every(&self, step: f64) -> Vec<Tick> {
-        let slack = 1e-9 * step;
-        let (first, last) =
-            (((self.from - slack) / step).ceil() as i64, ((self.to + slack) / step).floor() as i64);
-        let decimals = (-step.log10().floor()).max(0.0) as usize;
-        (first..=last)
-            .map(|k| k as f64 * step)
-            .map(|value| Tick { value, text: number(value, step, decimals) })
-            .collect()
-    }
-
-    fn decades(&self) -> Vec<Tick> {
-        let (first, last) = (self.from.log10(), self.to.log10());
-        if last - first < 1.2 {
-            return self.parts_of_a_decade();
-        }
-        let stride = ((last - first) / 9.0).ceil().max(1.0) as i32;
-        let whole = ((first - 1e-9).ceil() as i32)..=((last + 1e-9).floor() as i32);
-        let decade = |d: i32| Tick { value: 10f64.powi(d), text: power_of_ten(d) };
-        whole.filter(|d| d.rem_euclid(stride) == 0).map(decade).collect()
-    }
-
-    fn parts_of_a_decade(&self) -> Vec<Tick> {
-        let first = self.from.log10().floor() as i32;
-        let all = (first..first + 3).flat_map(|d| [1.0, 2.0, 5.0].map(|k| (k, d)));
-        let within = all.filter(|(k, d)| (self.from..=self.to).contains(&(k * 10f64.powi(*d))));
-        within.map(|(k, d)| Tick { value: k * 10f64.powi(d), text: short(k * 10f64.powi(d)) }).collect()
-    }
-}
-
-/// Whether the axis ends where the data end, or leaves some room.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Tightness {
-    /// Ends where the data end.
-    Tight,
-    /// Leaves room above and below.
-    Padded,
-}
-
-fn padded(low: f64, high: f64, scale: Scale, tight: Tightness) -> (f64, f64) {
-    let part = if tight == Tightness::Tight { 0.0 } else { PADDING };
-    if scale == Scale::Logarithmic {
-        let ratio = if high > low * 1.001 { high / low } else { 10.0 };
-        let room = ratio.powf(part);
-        return if high > low * 1.001 { (low / room, high * room) } else { (low / 3.0, high * 3.0) };
-    }
-    let span = high - low;
-    let least = 1e-12 + 1e-9 * low.abs().max(high.abs());
-    if span > least {
-        (low - part * span, high + part * span)
-    } else {
-        (low - 0.5 * half(low), high + 0.5 * half(low))
-    }
-}
-
-fn half(value: f64) -> f64 {
-    if value == 0.0 { 1.0 } else { value.abs() }
-}
-
-/// The next of 1, 2, 5 times a power of ten.
-fn nice_step(wanted: f64) -> f64 {
+/// Returns the step of ticks on a linear axis: the smallest of 1, 2 and 5 times a power of ten that makes at most `intervals`.
+pub fn linear_step(from: f64, to: f64, intervals: f64) -> f64 {
+    let wanted = to / intervals - from / intervals;
     let power = 10f64.powf(wanted.log10().floor());
     let mantissa = wanted / power;
-    let nice = if mantissa <= 1.0 {
-        1.0
-    } else if mantissa <= 2.0 {
-        2.0
-    } else if mantissa <= 5.0 {
-        5.0
-    } else {
-        10.0
+    [1.0, 2.0, 5.0].into_iter().find(|nice| mantissa <= nice * (1.0 + SLACK)).unwrap_or(10.0) * power
+}
+
+/// Returns ticks of a linear axis; there are none if the range is empty or infinite, here and in the other functions.
+pub fn linear(from: f64, to: f64, intervals: f64) -> Vec<Tick> {
+    multiples(from, to, linear_step(from, to, intervals))
+}
+
+/// Returns ticks of an axis of angles: at parts of a turn, and at multiples of it on a long axis.
+pub fn degrees(from: f64, to: f64, intervals: f64) -> Vec<Tick> {
+    let wanted = (to - from) / intervals;
+    if wanted < DEGREE_STEPS[0] {
+        return linear(from, to, intervals);
+    }
+    let step = DEGREE_STEPS.into_iter().find(|step| *step >= wanted);
+    multiples(from, to, step.unwrap_or_else(|| 360.0 * linear_step(from / 360.0, to / 360.0, intervals)))
+}
+
+/// Returns ticks of a logarithmic axis: decades, on a short axis 1, 2 and 5 in each, and on one shorter still round numbers.
+pub fn logarithmic(from: f64, to: f64, intervals: f64) -> Vec<Tick> {
+    if !is_positive_range(from, to) {
+        return Vec::new();
+    }
+    let (first, last) = (from.log10(), to.log10());
+    let decades = whole_decades(first, last, intervals);
+    if last - first >= FEW_DECADES && decades.len() >= 2 {
+        return decades;
+    }
+    let parts = parts_of_decades(from, to);
+    if parts.len() >= 2 { parts } else { linear(from, to, intervals) }
+}
+
+/// Returns the places of ticks without text on a logarithmic axis; there are none on an axis of many decades.
+pub fn logarithmic_minor(from: f64, to: f64) -> Vec<f64> {
+    let (first, last) = (from.log10(), to.log10());
+    if !is_positive_range(from, to) || last - first > MANY_DECADES {
+        return Vec::new();
+    }
+    let all = (first.floor() as i32..last.ceil() as i32)
+        .flat_map(|decade| (2..10).map(move |k| f64::from(k) * 10f64.powi(decade)));
+    all.filter(|value| (from..=to).contains(value)).collect()
+}
+
+fn is_positive_range(from: f64, to: f64) -> bool {
+    0.0 < from && from < to && to.is_finite()
+}
+
+fn whole_decades(first: f64, last: f64, intervals: f64) -> Vec<Tick> {
+    let stride = ((last - first) / intervals).ceil().max(1.0) as i32;
+    let whole = ((first - SLACK).ceil() as i32)..=((last + SLACK).floor() as i32);
+    let decades: Vec<i32> = whole.filter(|decade| decade.rem_euclid(stride) == 0).collect();
+    // either all as numbers or all as powers
+    let are_short = decades.iter().all(|decade| SHORT_DECADES.contains(decade));
+    let text = |decade: i32| {
+        if are_short { short(10f64.powi(decade)) } else { format!("10{}", superscript(decade)) }
     };
-    nice * power
+    decades.into_iter().map(|decade| Tick { value: 10f64.powi(decade), text: text(decade) }).collect()
 }
 
-fn number(value: f64, step: f64, decimals: usize) -> String {
-    let value = if value.abs() < 1e-9 * step { 0.0 } else { value };
-    if value != 0.0 && (step < 1e-4 || value.abs() >= 1e6) {
-        format!("{value:.1e}")
-    } else {
-        with_minus(format!("{value:.decimals$}"))
-    }
+fn parts_of_decades(from: f64, to: f64) -> Vec<Tick> {
+    let decades = from.log10().floor() as i32..=to.log10().floor() as i32;
+    let all = decades.flat_map(|decade| [1.0, 2.0, 5.0].map(|part| part * 10f64.powi(decade)));
+    let within = all.filter(|value| (from..=to).contains(value));
+    within.map(|value| Tick { value, text: short(value) }).collect()
 }
 
-/// A hyphen is too short for a minus sign.
-fn with_minus(text: String) -> String {
-    text.replace('-', "\u{2212}")
+fn multiples(from: f64, to: f64, step: f64) -> Vec<Tick> {
+    let is_range = from.is_finite() && to.is_finite() && step > 0.0 && step.is_finite();
+    if !is_range {
+        return Vec::new();
+    }
+    let (first, last) = ((from / step - SLACK).ceil() as i64, (to / step + SLACK).floor() as i64);
+    let largest = from.abs().max(to.abs());
+    // adding 0 takes the sign from a zero
+    let values = (first..=last).map(|k| k as f64 * step + 0.0);
+    values.map(|value| Tick { value, text: multiple(value, step, largest) }).collect()
 }
 
-fn power_of_ten(exponent: i32) -> String {
-    if (-3..=4).contains(&exponent) {
-        short(10f64.powi(exponent))
-    } else {
-        format!("10{}", superscript(exponent))
+/// Writes a multiple of a step with as many digits as tell it from its neighbours, alike on the whole axis.
+fn multiple(value: f64, step: f64, largest: f64) -> String {
+    let (digit, exponent) = (exponent_of(step), exponent_of(largest));
+    if value == 0.0 && !(-4..6).contains(&exponent) {
+        return "0".to_owned();
     }
+    if (-4..6).contains(&exponent) {
+        let decimals = (-digit).clamp(0, 17) as usize;
+        return with_minus(&format!("{value:.decimals$}"));
+    }
+    let decimals = (exponent - digit).clamp(0, 17) as usize;
+    // in two factors: the power alone may be out of range
+    let mantissa = value / 10f64.powi(exponent / 2) / 10f64.powi(exponent - exponent / 2);
+    times_power_of_ten(&format!("{mantissa:.decimals$}"), exponent)
 }
 
-fn superscript(exponent: i32) -> String {
-    let digit = |c: char| match c {
-        '-' => '\u{207B}',
-        '1' => '\u{B9}',
-        '2' => '\u{B2}',
-        '3' => '\u{B3}',
-        other => char::from_u32(0x2070 + other as u32 - '0' as u32).unwrap_or(other),
-    };
-    exponent.to_string().chars().map(digit).collect()
-}
-
-/// A number with at most four significant digits and no trailing noise, for labels and tables.
-pub fn short(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return match value {
-            v if v == f64::INFINITY => "\u{221E}".to_owned(),
-            v if v == f64::NEG_INFINITY => "\u{2212}\u{221E}".to_owned(),
-            v if v.is_nan() => "\u{2013}".to_owned(),
-            _ => "0".to_owned(),
-        };
-    }
-    let magnitude = value.abs().log10().floor();
-    if !(-4.0..6.0).contains(&magnitude) {
-        return scientific(value);
-    }
-    let decimals = (3.0 - magnitude).max(0.0) as usize;
-    let text = format!("{value:.decimals$}");
-    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    with_minus(text.to_owned())
-}
-
-fn scientific(value: f64) -> String {
-    let text = format!("{value:.2e}");
-    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
-    let power = superscript(exponent.parse().unwrap_or(0));
-    with_minus(format!("{mantissa}\u{D7}10{power}"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn texts(axis: &Axis, data: [f64; 2]) -> Vec<String> {
-        Ruler::new(axis, data.into_iter(), Tightness::Tight).major().into_iter().map(|t| t.text).collect()
-    }
-
-    #[test]
-    fn ticks_are_round_and_few() {
-        assert_eq!(texts(&Axis::linear("t", "s"), [0.0, 10.0]), ["0", "2", "4", "6", "8", "10"]);
-        assert_eq!(texts(&Axis::linear("y", ""), [-0.03, 0.05]), ["\u{2212}0.02", "0.00", "0.02", "0.04"]);
-        assert_eq!(texts(&Axis::degrees("phase"), [-270.0, 0.0]).len(), 7);
-        assert_eq!(texts(&Axis::logarithmic("f", "Hz"), [0.01, 100.0]), ["0.01", "0.1", "1", "10", "100"]);
-        assert_eq!(texts(&Axis::logarithmic("f", "Hz"), [2.0, 9.0]), ["2", "5"]);
-    }
-
-    #[test]
-    fn odd_data_give_a_usable_ruler() {
-        for data in [[f64::NAN, f64::NAN], [0.0, 0.0], [3.0, 3.0], [-1e-300, 1e300]] {
-            for axis in [Axis::linear("y", ""), Axis::logarithmic("y", ""), Axis::degrees("y")] {
-                let ruler = Ruler::new(&axis, data.into_iter(), Tightness::Padded);
-                assert!(ruler.major().len() < 40, "{axis:?} {data:?}");
-                assert!(ruler.place(f64::NAN).is_none());
-            }
-        }
-    }
-
-    #[test]
-    fn numbers_are_short() {
-        assert_eq!(short(13.456_78), "13.46");
-        assert_eq!(short(-0.5), "\u{2212}0.5");
-        assert_eq!(short(120_000.0), "120000");
-        assert_eq!(short(1.5e-9), "1.50\u{D7}10\u{207B}\u{2079}");
-        assert_eq!(short(f64::INFINITY), "\u{221E}");
-    }
+/// Returns the power of ten of a number's first digit.
+fn exponent_of(value: f64) -> i32 {
+    // a step such as 9.999e-5, which is 1e-4 but for rounding, counts as what it stands for
+    (value.abs() * (1.0 + SLACK)).log10().floor() as i32
 }

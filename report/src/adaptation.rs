@@ -3,7 +3,7 @@
 use counterpoise_pipeline::studies::adapt::{AdaptRun, Interval, Trace};
 
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
-use counterpoise_plot::ticks::short;
+use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
 /// How near to the default case the hub rate must come back.
@@ -88,14 +88,17 @@ fn section(run: &AdaptRun, command: &str) -> Section {
         Series::dashed("controller uses", Colour::First, over(used_kg_m, 1.0)),
     ];
     let panels = vec![
-        Panel::of(Axis::linear("out-of-balance", "kg m"), balance).high(120.0),
-        Panel::of(Axis::linear("control", "V"), vec![Series::solid("", Colour::Muted, over(control_v, 1.0))])
-            .high(110.0),
-        Panel::of(
+        Panel::new(Axis::linear("out-of-balance", "kg m"), balance).with_height(120.0),
+        Panel::new(
+            Axis::linear("control", "V"),
+            vec![Series::solid("", Colour::Muted, over(control_v, 1.0))],
+        )
+        .with_height(110.0),
+        Panel::new(
             Axis::linear("hub rate", "mrad/s"),
             vec![Series::solid("", Colour::First, over(hub_rate_rad_s, 1e3))],
         )
-        .high(150.0),
+        .with_height(150.0),
     ];
     let figure = Figure::new(&format!("Run ({})", run.letter), Axis::linear("time", "s"), panels);
     let figure = Figure { command: command.to_owned(), ..figure };

@@ -9,9 +9,9 @@ use counterpoise_pipeline::studies::comparison::{
 use counterpoise_pipeline::synth::schedule::BalanceRow;
 use counterpoise_synth::{Channel, Design};
 
+use crate::bode::{BodeCurve, Phase, bode};
 use crate::{Cell, Column, Section, Table};
-use counterpoise_plot::bode::{BodeCurve, Phase, bode};
-use counterpoise_plot::ticks::short;
+use counterpoise_plot::number::short;
 use counterpoise_plot::{Colour, Dash, Figure};
 
 const POINTS: usize = 200;
@@ -155,7 +155,7 @@ fn family(
         let curve = BodeCurve::new(state, Colour::CYCLE[k % Colour::CYCLE.len()], response(&system, input)?);
         curves.push(BodeCurve { dash: [Dash::Solid, Dash::Dashed][k / Colour::CYCLE.len() % 2], ..curve });
     }
-    Ok(Some(bode(&format!("{name} over the out-of-balance"), unit, &curves, Phase::Left, Vec::new())))
+    Ok(Some(bode(&format!("{name} over the out-of-balance"), unit, &curves, Phase::Hidden, Vec::new())))
 }
 
 fn response(system: &StateSpace, input: usize) -> Result<Vec<(f64, f64, f64)>, Error> {

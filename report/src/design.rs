@@ -5,11 +5,11 @@ use counterpoise_models::plant::LinearPlant;
 use counterpoise_pipeline::{Designed, Reduced};
 use counterpoise_synth::{Certified, Channel, Cost, Equation, Feedforward, Specification, Weight};
 
+use crate::bode::{BodeCurve, Phase, bode};
 use crate::evidence::PLANT;
 use crate::verification::{Context, of_verification};
 use crate::{Cell, Column, Report, Section, Table, Tone};
-use counterpoise_plot::bode::{BodeCurve, Phase, bode};
-use counterpoise_plot::ticks::short;
+use counterpoise_plot::number::short;
 use counterpoise_plot::{Colour, Figure};
 
 /// Residuals of an equation are good below this.
@@ -72,7 +72,7 @@ fn reduction_section(designed: &Designed) -> Result<Section, Error> {
             )
             .dashed(),
         ];
-        figures.push(bode(&format!("Hub rate for {name}"), "", &curves, Phase::Drawn, Vec::new()));
+        figures.push(bode(&format!("Hub rate for {name}"), "", &curves, Phase::Shown, Vec::new()));
     }
     let mut section =
         Section::new("Plant and design plant").saying(reduction_words(reduced)).showing(figures);
@@ -136,7 +136,7 @@ fn weight_figure(name: &str, weights: &[(&str, &Weight)]) -> Figure {
     };
     let curves: Vec<BodeCurve> =
         weights.iter().zip(Colour::CYCLE).map(|(weight, colour)| curve(weight, colour)).collect();
-    bode(&format!("{name}: weights"), "", &curves, Phase::Left, Vec::new())
+    bode(&format!("{name}: weights"), "", &curves, Phase::Hidden, Vec::new())
 }
 
 fn certificate_section(designed: &Designed) -> Section {

@@ -2,7 +2,7 @@
 
 use counterpoise_diagnose::answer::{Answer, Channels, Finding, Verdict};
 
-use counterpoise_plot::ticks::short;
+use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
 use crate::where_when::where_section;
@@ -214,8 +214,8 @@ pub(super) fn comparison(track: &Track, command: &str) -> Figure {
         errors.push(Series::solid("improved model", Colour::First, points(&error(&track.after))));
     }
     let panels = vec![
-        Panel::of(Axis::linear(track.channel, track.unit), signals).high(190.0),
-        Panel::of(Axis::linear("error", track.unit), errors).high(120.0),
+        Panel::new(Axis::linear(track.channel, track.unit), signals).with_height(190.0),
+        Panel::new(Axis::linear("error", track.unit), errors).with_height(120.0),
     ];
     let title = format!("{}: {}", track.recording, track.channel.replace('_', " "));
     let figure = Figure::new(&title, Axis::linear("time", "s"), panels);

@@ -3,11 +3,11 @@
 use counterpoise_verify::linear::{Curve, frequency::Rejection};
 use counterpoise_verify::{Arrangement, Experiment, History, Model, Source, Value, Verification};
 
+use crate::bode::{BodeCurve, Phase, bode};
 use crate::summary::capital;
 use crate::triangle;
 use crate::{Cell, Column, Section, Table};
-use counterpoise_plot::bode::{BodeCurve, Phase, bode};
-use counterpoise_plot::ticks::short;
+use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Series};
 
 const ARRANGEMENTS: [(Arrangement, &str, Colour); 3] = [
@@ -53,8 +53,8 @@ fn bode_curves(found: &Verification, curves: &[Curve]) -> Vec<BodeCurve> {
 fn loop_section(found: &Verification) -> Section {
     let curves = &found.evidence.curves;
     let broken = bode_curves(found, std::slice::from_ref(&curves.broken));
-    let mut figure = bode("Loop broken at the plant's input", "", &broken, Phase::Drawn, gain_marks(found));
-    if let Some(phase) = figure.panels.get_mut(1) {
+    let mut figure = bode("Loop broken at the plant's input", "", &broken, Phase::Shown, gain_marks(found));
+    if let Some(phase) = figure.panels_mut().get_mut(1) {
         phase.marks = phase_marks(found);
     }
     let sensitivities = bode_curves(found, &curves.sensitivities);
@@ -66,7 +66,7 @@ fn loop_section(found: &Verification) -> Section {
         colour: Colour::Second,
     };
     let sensitivity =
-        bode("Sensitivity and complementary sensitivity", "", &sensitivities, Phase::Left, vec![peak]);
+        bode("Sensitivity and complementary sensitivity", "", &sensitivities, Phase::Hidden, vec![peak]);
     Section::new("Loop and margins")
         .saying("The discrete controller as exported, with the plant and its sensors sampled exactly.")
         .showing([figure, sensitivity])
@@ -154,12 +154,12 @@ pub fn step_figure(found: &Verification, height: f64) -> Option<Figure> {
     let mut series: Vec<Series> = steps(found)
         .map(|(history, name, colour, dash)| {
             let points = paired(&history.time_s, &history.hub_rate_rad_s);
-            Series { name: name.to_owned(), points, colour, dash }
+            Series::new(name, (colour, dash), points)
         })
         .collect();
     let first = steps(found).next()?.0;
     series.push(Series::dotted("demand", Colour::Third, paired(&first.time_s, &first.demand_rad_s)));
-    let panel = Panel::of(Axis::linear("hub rate", "rad/s"), series).high(height);
+    let panel = Panel::new(Axis::linear("hub rate", "rad/s"), series).with_height(height);
     Some(Figure::new("Step of the demand", Axis::linear("time", "s"), vec![panel]))
 }
 
@@ -171,9 +171,9 @@ fn step_column(
     steps(found).next()?;
     let series = steps(found).map(|(history, name, colour, dash)| {
         let points = paired(&history.time_s, column(history));
-        Series { name: name.to_owned(), points, colour, dash }
+        Series::new(name, (colour, dash), points)
     });
-    let panel = Panel::of(Axis::linear(label, unit), series.collect()).high(220.0);
+    let panel = Panel::new(Axis::linear(label, unit), series.collect()).with_height(220.0);
     Some(Figure::new(title, Axis::linear("time", "s"), vec![panel]))
 }
 
@@ -206,12 +206,12 @@ pub fn disturbance_figure(found: &Verification, model: Model, source: Source, he
     let name = SOURCES.iter().find(|row| row.0 == source).map_or("", |row| row.1);
     let plant = MODELS.iter().find(|row| row.0 == model).map_or("", |row| row.1);
     let panels = vec![
-        Panel::of(Axis::linear("hub rate", "rad/s"), series).high(height),
-        Panel::of(Axis::linear("hub rate", "rad/s"), controlled).high(height),
+        Panel::new(Axis::linear("hub rate", "rad/s"), series).with_height(height),
+        Panel::new(Axis::linear("hub rate", "rad/s"), controlled).with_height(height),
     ];
     let caption = "The lower panel shows the controlled loops alone.";
     let title = format!("Hub rate under {name}, {plant}");
-    Some(Figure::new(&title, Axis::linear("time", "s"), panels).captioned(caption))
+    Some(Figure::new(&title, Axis::linear("time", "s"), panels).with_caption(caption))
 }
 
 fn rejection_section(found: &Verification) -> Section {
@@ -222,7 +222,7 @@ fn rejection_section(found: &Verification) -> Section {
                 rejection_curve(found, source, *arrangement, name, *colour)
             })
             .collect();
-        bode(title, unit, &curves, Phase::Left, marks)
+        bode(title, unit, &curves, Phase::Hidden, marks)
     };
     let unity = vec![Mark::Level { y: 0.0, text: String::new() }];
     Section::new("Disturbance rejection ratio")
@@ -261,7 +261,7 @@ fn controller_section(found: &Verification) -> Section {
             &capital(&curve.name),
             unit,
             &[BodeCurve::new("", Colour::First, points)],
-            Phase::Drawn,
+            Phase::Shown,
             Vec::new(),
         )
     });
@@ -276,7 +276,7 @@ fn plant_section(found: &Verification) -> Section {
     let figures = curves.plant.iter().zip(units).map(|(curve, unit)| {
         let points = curve_points(&curves.frequency_hz, curve);
         let title = format!("Hub rate for {}", curve.name);
-        bode(&title, unit, &[BodeCurve::new("", Colour::First, points)], Phase::Drawn, Vec::new())
+        bode(&title, unit, &[BodeCurve::new("", Colour::First, points)], Phase::Shown, Vec::new())
     });
     Section::new(PLANT).saying("The linear plant that was verified, without sensors.").showing(figures)
 }

@@ -2,9 +2,9 @@
 
 use counterpoise_pipeline::studies::fra::{Map, Point};
 
+use crate::bode::{BodeCurve, Phase, bode};
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
-use counterpoise_plot::bode::{BodeCurve, Phase, bode};
-use counterpoise_plot::ticks::short;
+use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Panel, Series};
 
 /// How long the measuring of a map took.
@@ -101,8 +101,8 @@ fn overview(map: &Map, command: &str) -> Figure {
     if let Some((_, points)) = families.first() {
         curves.push(curve("linear", Colour::Muted, points, |p| Some(p.linear)).dashed());
     }
-    let figure = bode("Measured at every amplitude", reference(map), &curves, Phase::Drawn, Vec::new());
-    let figure = figure.captioned("Dashed: the linear model without dry friction, sampled exactly.");
+    let figure = bode("Measured at every amplitude", reference(map), &curves, Phase::Shown, Vec::new());
+    let figure = figure.with_caption("Dashed: the linear model without dry friction, sampled exactly.");
     Figure { command: command.to_owned(), ..figure }
 }
 
@@ -159,24 +159,24 @@ fn beside_models(map: &Map, (amplitude, points): &(f64, Vec<&Point>), colour: Co
         curve("linear", Colour::Muted, points, |p| Some(p.linear)).dashed(),
     ];
     let kept: Vec<BodeCurve> = curves.into_iter().filter(|c| !c.points.is_empty()).collect();
-    bode(&name, reference(map), &kept, Phase::Drawn, Vec::new())
+    bode(&name, reference(map), &kept, Phase::Shown, Vec::new())
 }
 
 fn harmonics(map: &Map, command: &str) -> Figure {
     let of = |y: fn(&Point) -> f64| -> Vec<Series> {
         let families = families(map);
         let series = families.iter().zip(Colour::CYCLE).map(|((amplitude, points), colour)| {
-            let line = points.iter().map(|p| (p.frequency_hz, y(p))).collect();
+            let line = points.iter().map(|p| (p.frequency_hz, y(p)));
             Series::solid(&label(map, *amplitude), colour, line)
         });
         series.collect()
     };
     let panels = vec![
-        Panel::of(Axis::linear("harmonics", "%"), of(|p| 100.0 * p.distortion)).high(160.0),
-        Panel::of(Axis::linear("mean rate", "rad/s"), of(|p| p.mean_rad_s)).high(120.0),
+        Panel::new(Axis::linear("harmonics", "%"), of(|p| 100.0 * p.distortion)).with_height(160.0),
+        Panel::new(Axis::linear("mean rate", "rad/s"), of(|p| p.mean_rad_s)).with_height(120.0),
     ];
     let figure = Figure::new("Harmonics over the fundamental", Axis::logarithmic("frequency", "Hz"), panels)
-        .captioned("Harmonics two to five of the hub rate, as the root of their squares, and its mean.");
+        .with_caption("Harmonics two to five of the hub rate, as the root of their squares, and its mean.");
     Figure { command: command.to_owned(), ..figure }
 }
 

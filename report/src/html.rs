@@ -4,9 +4,8 @@ use std::fmt::Write as _;
 
 use crate::style::PAGE_CSS;
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
-use counterpoise_plot::element::escape;
-use counterpoise_plot::theme::FIGURE_CSS;
-use counterpoise_plot::{Figure, inline_svg};
+use counterpoise_plot::svg::{self, escape};
+use counterpoise_plot::{Figure, Theme, theme};
 
 /// The report as a page that needs nothing else. Deterministic.
 pub fn html(report: &Report) -> String {
@@ -42,8 +41,10 @@ impl Page {
         self.put("<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n");
         self.put("<meta name=\"color-scheme\" content=\"light dark\">\n");
         self.form(format_args!(
-            "<title>{}</title>\n<style>\n{FIGURE_CSS}{PAGE_CSS}</style></head><body><main>\n",
-            escape(title)
+            "<title>{}</title>\n<style>\n{}{PAGE_CSS}@media print{{{}}}\n</style></head><body><main>\n",
+            escape(title),
+            theme::css(),
+            Theme::Light.properties()
         ));
     }
 
@@ -128,7 +129,7 @@ impl Page {
     }
 
     fn figure(&mut self, figure: &Figure) {
-        self.form(format_args!("<figure><h3>{}</h3>\n{}", escape(&figure.title), inline_svg(figure)));
+        self.form(format_args!("<figure><h3>{}</h3>\n{}", escape(&figure.title), svg::inline(figure)));
         if !figure.caption.is_empty() || !figure.command.is_empty() {
             self.form(format_args!("<figcaption>{}", escape(&figure.caption)));
             if !figure.command.is_empty() {
@@ -226,7 +227,7 @@ mod tests {
         let figure = Figure::new(
             "Step",
             Axis::linear("time", "s"),
-            vec![Panel::of(Axis::linear("rate", "rad/s"), vec![series])],
+            vec![Panel::new(Axis::linear("rate", "rad/s"), vec![series])],
         );
         let mut verdicts = Table::new("Verdicts", &[Column::Text("requirement"), Column::Text("verdict")]);
         verdicts.rows.push(vec![Cell::text("a < b"), Cell::Verdict(Tone::Bad, "fails by 3".to_owned())]);

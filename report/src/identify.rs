@@ -3,7 +3,7 @@
 use counterpoise_diagnose::identify::{Amplifier, Estimate, GainPoint, Identified, Loop};
 
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
-use counterpoise_plot::ticks::short;
+use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Band, Colour, Figure, Mark, Panel, Series};
 
 /// Its name in tables; a peak, so that it is not held against the project's level.
@@ -101,15 +101,15 @@ fn estimates(found: &Identified) -> Table {
 
 /// Control against hub rate, measured and as the identified mechanism needs it.
 fn loop_figure(picture: &Loop, found: &Identified, command: &str) -> Figure {
-    let points = |k: usize| picture.points.iter().map(|p| (p[0], p[k])).collect();
+    let points = |k: usize| picture.points.iter().map(move |p| (p[0], p[k]));
     let series = vec![
         Series::solid("recorded", Colour::Second, points(1)),
         Series::dashed("identified", Colour::First, points(2)),
     ];
-    let panel = Panel::of(Axis::linear("control", "V"), series).high(300.0);
+    let panel = Panel::new(Axis::linear("control", "V"), series).with_height(300.0);
     let panel = if picture.balance == 0 {
         let text = format!("holds the out-of-balance: {:.2} V", found.lobes.offset_v);
-        panel.marked(vec![Mark::Level { y: found.lobes.offset_v, text }])
+        panel.with_marks(vec![Mark::Level { y: found.lobes.offset_v, text }])
     } else {
         panel
     };
@@ -122,7 +122,7 @@ fn loop_figure(picture: &Loop, found: &Identified, command: &str) -> Figure {
 /// The same figure with how it is read.
 fn explained(figure: &Figure, found: &Identified) -> Figure {
     let l = &found.lobes;
-    figure.clone().captioned(&format!(
+    figure.clone().with_caption(&format!(
         "Offset: out-of-balance. Step at rate zero ({:.2} V): twice the Coulomb friction. Slope of the lobes ({:.2} V s/rad): \
          viscous friction and back-EMF. Width ({:.2} V per rad/s²): inertia. Presliding, about rate zero, was not fitted.",
         l.step_v, l.slope_v_s_rad, l.width_v_s2_rad
@@ -145,24 +145,21 @@ fn amplifier_section(amplifier: &Amplifier, command: &str) -> Section {
 }
 
 fn curve_figure(points: &[GainPoint], command: &str) -> Figure {
-    let of = |y: fn(&GainPoint) -> f64| points.iter().map(|q| (q.input_v, y(q))).collect();
+    let of = |y: fn(&GainPoint) -> f64| points.iter().map(move |q| (q.input_v, y(q)));
     let series = vec![
         Series::dashed("project", Colour::Muted, of(|q| q.linear_a)),
         Series::solid("identified", Colour::First, of(|q| q.current_a)),
     ];
-    let band = Band {
-        name: "95 % interval".to_owned(),
-        points: points.iter().map(|q| (q.input_v, q.ci95_a[0], q.ci95_a[1])).collect(),
-        colour: Colour::First,
-    };
+    let edges = points.iter().map(|q| (q.input_v, q.ci95_a[0], q.ci95_a[1]));
+    let band = Band::new("95 % interval", Colour::First, edges);
     let ring = |q: &GainPoint| Mark::Point {
         x: q.input_v,
         y: q.current_a,
         text: "recovered points".to_owned(),
         colour: Colour::First,
     };
-    let panel = Panel::of(Axis::linear("current, stalled", "A"), series).high(260.0);
-    let panel = Panel { bands: vec![band], ..panel }.marked(points.iter().map(ring).collect());
+    let panel = Panel::new(Axis::linear("current, stalled", "A"), series).with_height(260.0);
+    let panel = panel.with_bands(vec![band]).with_marks(points.iter().map(ring).collect());
     let figure = Figure::new("Gain curve of the amplifier", Axis::linear("input", "V"), vec![panel]);
     Figure { command: command.to_owned(), ..figure }
 }

@@ -5,11 +5,12 @@
 //!
 //! *Invariant*: nothing here measures or judges; nothing here reads a file, a clock or the network. Same report, same bytes.
 //!
-//! Modules in reading order: [`page`], [`html`], [`style`]; then a verification's report:
+//! Modules in reading order: [`page`], [`html`], [`style`], [`bode`]; then a verification's report:
 //! [`summary`], [`evidence`], [`spectra`], [`verification`], [`difference`]; then a design's: [`design`].
 
 pub mod adaptation;
 pub mod bench;
+pub mod bode;
 pub mod design;
 pub mod diagnosis;
 pub mod difference;

@@ -5,7 +5,7 @@ use counterpoise_pipeline::results::ModelResult;
 use counterpoise_pipeline::studies::accuracy::Accuracy;
 
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
-use counterpoise_plot::ticks::short;
+use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
 /// The report.
@@ -105,13 +105,13 @@ fn modes_section(sets: &[ModeSet], command: &str) -> Section {
 
 fn shapes(set: &ModeSet, command: &str) -> Figure {
     let series = set.modes.iter().zip(Colour::CYCLE).map(|(mode, colour)| {
-        let points = mode.shape.iter().map(|p| (p[0], p[1])).collect();
+        let points = mode.shape.iter().map(|p| (p[0], p[1]));
         Series::solid(&format!("{} Hz", short(mode.frequency_hz)), colour, points)
     });
-    let panel = Panel::of(Axis::linear("deflection", ""), series.collect()).high(240.0);
+    let panel = Panel::new(Axis::linear("deflection", ""), series.collect()).with_height(240.0);
     let title = format!("Mode shapes, hub {}", set.support);
     let figure = Figure::new(&title, Axis::linear("distance from the pivot", "m"), vec![panel])
-        .captioned("Deflection of each flexible mode, its largest being 1; the tip is to the right.");
+        .with_caption("Deflection of each flexible mode, its largest being 1; the tip is to the right.");
     Figure { command: command.to_owned(), ..figure }
 }
 
@@ -155,14 +155,14 @@ fn convergence(meshes: &Meshes, command: &str) -> Figure {
         series.push(Series::solid(&format!("mode {}, tapered", mode + 1), colour, curve("tapered", mode)));
         series.push(Series::dashed(&format!("mode {}, uniform", mode + 1), colour, curve("uniform", mode)));
     }
-    let panel = Panel::of(Axis::logarithmic("error of the frequency", "%"), series).high(260.0);
+    let panel = Panel::new(Axis::logarithmic("error of the frequency", "%"), series).with_height(260.0);
     let caption = format!(
         "Against {} elements. The error of tapered elements falls with the fourth power of their number, that of uniform ones with the second.",
         meshes.reference
     );
     let figure =
         Figure::new("Error against the number of elements", Axis::logarithmic("elements", ""), vec![panel]);
-    Figure { command: command.to_owned(), ..figure.captioned(&caption) }
+    Figure { command: command.to_owned(), ..figure.with_caption(&caption) }
 }
 
 fn accuracy_section(all: &[Accuracy], command: &str) -> Section {
@@ -201,9 +201,9 @@ fn errors(title: &str, laws: &[&Accuracy]) -> Figure {
             Series::dashed(law.name, colour, points)
         }
     });
-    let panel = Panel::of(Axis::logarithmic("error", ""), series.collect()).high(260.0);
+    let panel = Panel::new(Axis::logarithmic("error", ""), series.collect()).with_height(260.0);
     Figure::new(title, Axis::logarithmic("sample period", "ms"), vec![panel])
-        .captioned("With the simulator's own steps within a sample of that length.")
+        .with_caption("With the simulator's own steps within a sample of that length.")
 }
 
 fn contact_errors(contact: &Accuracy) -> Figure {
@@ -211,8 +211,8 @@ fn contact_errors(contact: &Accuracy) -> Figure {
         Series::solid("instants found", Colour::First, line(&contact.step_s, &contact.error)),
         Series::dashed("steps as they are", Colour::Second, line(&contact.step_s, &contact.plain)),
     ];
-    let panel = Panel::of(Axis::logarithmic("error", ""), series).high(260.0);
-    Figure::new("Teeth that part and meet", Axis::logarithmic("sample period", "ms"), vec![panel]).captioned(
+    let panel = Panel::new(Axis::logarithmic("error", ""), series).with_height(260.0);
+    Figure::new("Teeth that part and meet", Axis::logarithmic("sample period", "ms"), vec![panel]).with_caption(
         "Solid: the simulator finds the instants at which teeth part and meet, to a 2048th of a sample. Dashed: it does not.",
     )
 }
@@ -253,14 +253,14 @@ const PRESLIDING: usize = 3;
 
 fn friction_section(friction: &FrictionPortrait, command: &str) -> Section {
     let place = friction.place;
-    let steady = friction.steady.iter().map(|p| (p[0], p[1])).collect();
+    let steady = friction.steady.iter().map(|p| (p[0], p[1]));
     let mut figures = vec![
         Figure::new(
             &format!("Friction at the {place} against steady rate"),
             Axis::linear("rate", "rad/s"),
             vec![torques(vec![Series::solid("", Colour::First, steady)])],
         )
-        .captioned("The torque after a long time at a constant rate, viscous part included."),
+        .with_caption("The torque after a long time at a constant rate, viscous part included."),
     ];
     let mut section = Section::new(&format!("Friction at the {place}"));
     let loops: Vec<&FrictionLoop> = friction.loops.iter().filter(|l| !l.points.is_empty()).collect();
@@ -273,7 +273,7 @@ fn friction_section(friction: &FrictionPortrait, command: &str) -> Section {
 }
 
 fn torques(series: Vec<Series>) -> Panel {
-    Panel::of(Axis::linear("torque", "N m"), series).high(240.0)
+    Panel::new(Axis::linear("torque", "N m"), series).with_height(240.0)
 }
 
 fn swing(one: &FrictionLoop) -> String {
@@ -296,11 +296,11 @@ fn loop_figures(place: &str, loops: &[&FrictionLoop]) -> [Figure; 3] {
     let rates = curves(loops.len(), &|one| relative(&one.over_rate));
     [
         Figure::new(&format!("Presliding at the {place}"), Axis::linear("angle", "mrad"), vec![presliding])
-            .captioned("Torque over the angle in settled loops under a 1 Hz sine, from a spring with little loss to sliding."),
+            .with_caption("Torque over the angle in settled loops under a 1 Hz sine, from a spring with little loss to sliding."),
         Figure::new(&format!("Into sliding at the {place}"), Axis::linear("angle over its swing", ""), vec![sliding])
-            .captioned("Every loop over its own swing: the fuller it is, the more of the work is lost."),
+            .with_caption("Every loop over its own swing: the fuller it is, the more of the work is lost."),
         Figure::new(&format!("Loops at the {place} against rate"), Axis::linear("rate over its peak", ""), vec![rates])
-            .captioned("The same loops against rate, each over its own largest rate."),
+            .with_caption("The same loops against rate, each over its own largest rate."),
     ]
 }
 

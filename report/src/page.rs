@@ -126,7 +126,7 @@ impl Cell {
 
     /// A number with four significant digits.
     pub fn number(value: f64) -> Self {
-        Cell::Text(counterpoise_plot::ticks::short(value))
+        Cell::Text(counterpoise_plot::number::short(value))
     }
 }
 

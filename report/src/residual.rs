@@ -66,9 +66,9 @@ fn loop_figure(tracks: &[Track], recording: &str) -> Option<Figure> {
     let series = RUNS.iter().filter(|(_, _, of)| !of(rate).is_empty()).map(|(name, colour, of)| {
         let step = of(rate).len().div_ceil(MOST_POINTS).max(1);
         let pairs = of(rate).iter().copied().zip(of(control).iter().copied());
-        Series::solid(name, *colour, pairs.step_by(step).collect())
+        Series::solid(name, *colour, pairs.step_by(step))
     });
-    let panel = Panel::of(Axis::linear("control", control.unit), series.collect()).high(300.0);
+    let panel = Panel::new(Axis::linear("control", control.unit), series.collect()).with_height(300.0);
     let title = format!("{recording}: control against hub rate");
     Some(Figure::new(&title, Axis::linear("hub rate", rate.unit), vec![panel]))
 }
@@ -90,7 +90,7 @@ fn response(tracks: &[Track], recording: &str) -> Option<Figure> {
     }
     let line = |name: &str, colour, values: &[f64], at: &Spectra| {
         let finite = indices.iter().filter(|k| values.get(**k).is_some_and(|v| v.is_finite()));
-        Series::solid(name, colour, finite.map(|&k| (at.frequency_hz[k], values[k])).collect())
+        Series::solid(name, colour, finite.map(|&k| (at.frequency_hz[k], values[k])))
     };
     let (mut gains, mut phases) = (Vec::new(), Vec::new());
     for run in RUNS.iter().filter(|run| !run.2(rate).is_empty()) {
@@ -100,8 +100,8 @@ fn response(tracks: &[Track], recording: &str) -> Option<Figure> {
         phases.push(line(run.0, run.1, &phase, &found));
     }
     let panels = vec![
-        Panel::of(Axis::linear("gain", "dB re rad/s per V"), gains).high(200.0),
-        Panel::of(Axis::linear("phase", "deg").over(-180.0, 180.0), phases).high(120.0),
+        Panel::new(Axis::linear("gain", "dB re rad/s per V"), gains).with_height(200.0),
+        Panel::new(Axis::linear("phase", "deg").over(-180.0, 180.0), phases).with_height(120.0),
     ];
     let title = format!("{recording}: control to hub rate");
     Some(Figure::new(&title, Axis::logarithmic("frequency", "Hz"), panels))
@@ -114,7 +114,7 @@ fn spectrum(track: &Track) -> Option<Figure> {
     let line = |name: &str, colour, series: &[f64]| {
         let found = averaged(series, series, track.period_s)?;
         let pairs = found.frequency_hz.iter().zip(&found.pxx).skip(1);
-        Some(Series::solid(name, colour, pairs.map(|(f, p)| (*f, p.sqrt())).filter(|p| p.1 > 0.0).collect()))
+        Some(Series::solid(name, colour, pairs.map(|(f, p)| (*f, p.sqrt())).filter(|p| p.1 > 0.0)))
     };
     let error = |run: &[f64]| -> Vec<f64> { run.iter().zip(&track.measured).map(|(s, m)| s - m).collect() };
     let mut series = vec![
@@ -126,7 +126,7 @@ fn spectrum(track: &Track) -> Option<Figure> {
     }
     series.retain(|s| !s.points.is_empty());
     let unit = format!("{}/\u{221A}Hz", track.unit);
-    let panel = Panel::of(Axis::logarithmic("density", &unit), series).high(220.0);
+    let panel = Panel::new(Axis::logarithmic("density", &unit), series).with_height(220.0);
     let title = format!("{}: {}", track.recording, track.channel.replace('_', " "));
     Some(Figure::new(&title, Axis::logarithmic("frequency", "Hz"), vec![panel]))
 }
@@ -196,18 +196,14 @@ fn autocorrelation(track: &Track, found: &[(&str, Option<ResidualTest>); 2]) -> 
     let colours = [Colour::Second, Colour::First];
     let line = |((name, test), colour): (&(&str, Option<ResidualTest>), Colour)| {
         let values = test.as_ref()?.autocorrelation.iter().enumerate();
-        Some(Series::solid(
-            name,
-            colour,
-            values.map(|(k, r)| (1e3 * k as f64 * track.period_s, *r)).collect(),
-        ))
+        Some(Series::solid(name, colour, values.map(|(k, r)| (1e3 * k as f64 * track.period_s, *r))))
     };
     let series: Vec<Series> = found.iter().zip(colours).filter_map(line).collect();
     let band = found.iter().find_map(|(_, test)| test.as_ref())?.band;
     let marks = [band, -band].map(|y| Mark::Level { y, text: "95 % band of white noise".to_owned() });
-    let panel = Panel::of(Axis::linear("autocorrelation", "").over(-1.0, 1.0), series)
-        .high(150.0)
-        .marked(marks.to_vec());
+    let panel = Panel::new(Axis::linear("autocorrelation", "").over(-1.0, 1.0), series)
+        .with_height(150.0)
+        .with_marks(marks.to_vec());
     let title = format!("{}: residual of {}", track.recording, track.channel.replace('_', " "));
     Some(Figure::new(&title, Axis::linear("lag", "ms"), vec![panel]))
 }

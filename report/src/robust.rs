@@ -4,7 +4,7 @@ use counterpoise_lti::C64;
 use counterpoise_verify::structured::{Destabilising, RobustStability};
 
 use crate::{Cell, Column, Section, Table};
-use counterpoise_plot::ticks::short;
+use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
 /// What was found, a line each: for a terminal and for the section's text.
@@ -100,14 +100,14 @@ pub fn section(found: &RobustStability) -> Section {
 
 fn bounds(found: &RobustStability) -> Figure {
     let points = |value: fn(&counterpoise_verify::structured::Bounds) -> f64| {
-        found.bounds.iter().map(|at| (at.frequency_hz, value(at))).filter(|point| point.1 > 0.0).collect()
+        found.bounds.iter().map(move |at| (at.frequency_hz, value(at))).filter(|point| point.1 > 0.0)
     };
     let series = vec![
         Series::solid("upper bound", Colour::First, points(|at| at.upper)),
         Series::dotted("lower bound", Colour::Second, points(|at| at.lower)),
     ];
     let marks = vec![Mark::Level { y: 1.0, text: "unstable within the stated ranges above this".to_owned() }];
-    let panel = Panel::of(Axis::linear("structured singular value", ""), series).marked(marks);
+    let panel = Panel::new(Axis::linear("structured singular value", ""), series).with_marks(marks);
     Figure::new("Structured singular value", Axis::logarithmic("frequency", "Hz"), vec![panel])
 }
 

@@ -35,9 +35,8 @@ fn figure(title: &str, unit: &str, all: &[&Spectral]) -> Figure {
     let ratio = all.iter().map(|one| line(one, &one.spectra.ratio_db())).collect();
     let bands = all.iter().filter(|one| one.arrangement != Arrangement::Uncontrolled).map(|one| band(one));
     let coherence = all.iter().map(|one| line(one, &one.spectra.coherence)).collect();
-    let mut first = Panel::of(Axis::linear("ratio", unit), ratio).high(220.0);
-    first.bands = bands.collect();
-    let second = Panel::of(Axis::linear("coherence", "").over(0.0, 1.0), coherence).high(110.0);
+    let first = Panel::new(Axis::linear("ratio", unit), ratio).with_height(220.0).with_bands(bands.collect());
+    let second = Panel::new(Axis::linear("coherence", "").over(0.0, 1.0), coherence).with_height(110.0);
     Figure::new(title, Axis::logarithmic("frequency", "Hz"), vec![first, second])
 }
 
@@ -56,7 +55,7 @@ fn drawn(hz: f64) -> bool {
 fn line(one: &Spectral, values: &[f64]) -> Series {
     let (name, colour) = dress(one.arrangement);
     let pairs = one.spectra.frequency_hz.iter().copied().zip(values.iter().copied());
-    Series::solid(name, colour, pairs.filter(|(hz, value)| drawn(*hz) && value.is_finite()).collect())
+    Series::solid(name, colour, pairs.filter(|(hz, value)| drawn(*hz) && value.is_finite()))
 }
 
 fn band(one: &Spectral) -> Band {
@@ -64,5 +63,5 @@ fn band(one: &Spectral) -> Band {
     let edges = one.spectra.frequency_hz.iter().copied().zip(one.spectra.interval_db());
     let points = edges.map(|(hz, (low, high))| (hz, low, high));
     let sound = points.filter(|(hz, low, high)| drawn(*hz) && low.is_finite() && high.is_finite());
-    Band { name: String::new(), points: sound.collect(), colour }
+    Band::new("", colour, sound)
 }

@@ -37,14 +37,14 @@ fn tile(tried: &counterpoise_pipeline::recordings::measured_modes::TriedStructur
 }
 
 fn errors(answer: &StructureAnswer, command: &str) -> Figure {
-    let points = |modes: &[f64]| {
+    let points = |modes: &[f64]| -> Vec<(f64, f64)> {
         let pairs = modes.iter().zip(&answer.measured_hz).enumerate();
         pairs.map(|(k, (f, measured))| (k as f64 + 1.0, 100.0 * (f / measured - 1.0))).collect()
     };
     let colours = [Colour::Second, Colour::First, Colour::Muted];
     let series = answer.tried.iter().take(1 + DRAWN).zip(colours);
     let series = series.map(|(t, colour)| Series::solid(&t.what, colour, points(&t.modes_hz))).collect();
-    let panel = Panel::of(Axis::linear("error of the frequency", "%"), series).high(260.0);
+    let panel = Panel::new(Axis::linear("error of the frequency", "%"), series).with_height(260.0);
     let figure = Figure::new("Error by mode", Axis::linear("mode", ""), vec![panel]);
     Figure { command: command.to_owned(), ..figure }
 }

@@ -43,6 +43,6 @@ nav{display:flex;flex-wrap:wrap;gap:6px 18px;margin-top:18px;padding:8px 0;borde
 nav a{color:var(--c1);text-decoration:none}nav a:hover{text-decoration:underline}
 footer{margin-top:34px;color:var(--soft);font-size:13px}dl{display:grid;grid-template-columns:max-content 1fr;gap:2px 16px;margin:0}dd{margin:0;overflow-wrap:anywhere}
 @page{size:A4;margin:12mm}
-@media print{:root{--ground:#fff;--panel:#fff;--ink:#1b2733;--soft:#5b6b7a;--grid:#e3e8ee;--frame:#9aa8b5;--c1:#0072b2;--c2:#d55e00;--c3:#009e73;--c4:#b0609a;--c5:#c98a00;--c6:#56b4e9;--c7:#8794a1;--good:#00754f;--bad:#b8430a}
+@media print{
 main{max-width:none;padding:0}nav{display:none}body{font-size:12.5px}table{font-size:11px}h2{margin:22px 0 6px}h3{font-size:12.5px}figcaption{font-size:11px}code{font-size:10.5px}figure{padding:8px 8px 4px}.figures,.pair{gap:10px}.tiles{grid-template-columns:repeat(auto-fit,minmax(98px,1fr));gap:6px}.tile{padding:5px 8px}.tile .value{font-size:17px}figure,tr,.tile,.headline{break-inside:avoid}h2,section>p{break-after:avoid}section>p{break-inside:avoid}.figures{grid-template-columns:1fr 1fr}*{print-color-adjust:exact;-webkit-print-color-adjust:exact}}
 ";

@@ -7,7 +7,7 @@ use counterpoise_verify::{
 
 use crate::evidence::{disturbance_figure, step_figure};
 use crate::{Cell, Column, Headline, Table, Tile, Tone};
-use counterpoise_plot::ticks::short;
+use counterpoise_plot::number::short;
 
 /// The answer.
 pub fn headline(found: &Verification) -> Headline {

@@ -6,7 +6,7 @@ use counterpoise_verify::{Limit, Requirement, Value, Verification};
 
 use crate::verification::Context;
 use crate::{Cell, Column, Headline, Report, Section, Table, Tone, summary as first};
-use counterpoise_plot::ticks::short;
+use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
 /// The report: shares of the campaign on the first screen.
@@ -157,11 +157,11 @@ fn distribution(campaign: &Campaign, samples: &[Sample], requirement: usize) -> 
         samples.iter().map(|sample| sample.values[requirement]).filter(|v| v.is_finite()).collect();
     values.sort_by(f64::total_cmp);
     let all = samples.len().max(1) as f64;
-    let points = values.iter().enumerate().map(|(k, value)| (*value, 100.0 * (k + 1) as f64 / all)).collect();
+    let points = values.iter().enumerate().map(|(k, value)| (*value, 100.0 * (k + 1) as f64 / all));
     let figure = campaign.requirements()[requirement].figure;
     let limit = campaign.requirements()[requirement].limit.value();
     let marks = vec![Mark::Instant { x: limit, text: format!("limit {}", short(limit)) }];
-    let panel = Panel::of(
+    let panel = Panel::new(
         Axis::linear("mechanisms below", "%").over(0.0, 100.0),
         vec![Series::solid("", Colour::First, points)],
     );
@@ -171,7 +171,7 @@ fn distribution(campaign: &Campaign, samples: &[Sample], requirement: usize) -> 
     let room = 0.03 * span;
     let axis =
         Axis::linear(&figure.name(), figure.unit()).over(low.min(limit) - room, high.max(limit) + room);
-    Figure::new(&figure.name(), axis, vec![panel.marked(marks).high(150.0)])
+    Figure::new(&figure.name(), axis, vec![panel.with_marks(marks).with_height(150.0)])
 }
 
 /// The rank correlation that chance alone exceeds in about one case of twenty.

@@ -5,7 +5,7 @@ use counterpoise_synth::{Figures, Found};
 
 use crate::design::weight_section;
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
-use counterpoise_plot::ticks::short;
+use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
 /// The report, without provenance; `verified` is the table of verdicts.
@@ -56,18 +56,18 @@ fn figure(best: &counterpoise_synth::Trial, curve: &[(f64, Found)]) -> Figure {
     };
     let panel = |name: &str, unit: &str, of: &dyn Fn(&Figures) -> f64| {
         let series = vec![Series::solid("", Colour::First, over(of))];
-        Panel::of(Axis::linear(name, unit), series).marked(answer(of(&best.figures)))
+        Panel::new(Axis::linear(name, unit), series).with_marks(answer(of(&best.figures)))
     };
     let panels = vec![
         panel("|S| over the band", "", &|f| f.rejection),
-        panel("noise gain", "V s/rad", &|f| f.noise_gain).high(140.0),
+        panel("noise gain", "V s/rad", &|f| f.noise_gain).with_height(140.0),
     ];
     Figure::new(
         "Rejection and effort against sensitivity",
         Axis::linear("largest sensitivity Ms", ""),
         panels,
     )
-    .captioned("Less |S| is more rejection. Where the curve is flat another requirement than Ms stops it.")
+    .with_caption("Less |S| is more rejection. Where the curve is flat another requirement than Ms stops it.")
 }
 
 fn points(curve: &[(f64, Found)]) -> Table {

@@ -31,7 +31,7 @@ struct Run<'a> {
 
 impl Run<'_> {
     fn series(&self, points: Vec<(f64, f64)>) -> Series {
-        Series { name: self.name.to_owned(), points, colour: self.colour, dash: self.dash }
+        Series::new(self.name, (self.colour, self.dash), points)
     }
 }
 
@@ -45,19 +45,19 @@ fn run<'a>(
 
 fn over_time(runs: &[Run<'_>], first: &History) -> Figure {
     let of = |column: &dyn Fn(&History, usize) -> f64| -> Vec<Series> {
-        let points = |history: &History| {
+        let points = |history: &History| -> Vec<(f64, f64)> {
             (0..history.time_s.len()).map(|k| (history.time_s[k], column(history, k))).collect()
         };
         runs.iter().map(|run| run.series(points(run.history))).collect()
     };
     let mut rates = of(&|history, k| history.hub_rate_rad_s[k]);
-    let demand = first.time_s.iter().copied().zip(first.demand_rad_s.iter().copied()).collect();
+    let demand = first.time_s.iter().copied().zip(first.demand_rad_s.iter().copied());
     rates.push(Series::dotted("demand", Colour::Third, demand));
     let errors = of(&|history, k| 1e3 * (history.demand_rad_s[k] - history.hub_rate_rad_s[k]));
     let panels = vec![
-        Panel::of(Axis::linear("hub rate", "rad/s"), rates).high(150.0),
-        Panel::of(Axis::linear("error", "mrad/s"), errors).high(130.0),
-        Panel::of(Axis::linear("control", "V"), of(&|history, k| history.control_v[k])).high(130.0),
+        Panel::new(Axis::linear("hub rate", "rad/s"), rates).with_height(150.0),
+        Panel::new(Axis::linear("error", "mrad/s"), errors).with_height(130.0),
+        Panel::new(Axis::linear("control", "V"), of(&|history, k| history.control_v[k])).with_height(130.0),
     ];
     Figure::new("Triangle of the demand", Axis::linear("time", "s"), panels)
 }
@@ -71,6 +71,6 @@ fn loops(runs: &[Run<'_>]) -> Figure {
         let samples = (half..history.time_s.len()).step_by(every);
         run.series(samples.map(|k| (1e3 * history.hub_rate_rad_s[k], history.control_v[k])).collect())
     };
-    let panel = Panel::of(Axis::linear("control", "V"), runs.iter().map(one).collect()).high(300.0);
+    let panel = Panel::new(Axis::linear("control", "V"), runs.iter().map(one).collect()).with_height(300.0);
     Figure::new("Control against hub rate", Axis::linear("hub rate", "mrad/s"), vec![panel])
 }

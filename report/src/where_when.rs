@@ -3,7 +3,8 @@
 use counterpoise_diagnose::answer::Answer;
 use counterpoise_diagnose::whereabouts::{Row, whereabouts};
 
-use counterpoise_plot::{Figure, Heat, HeatGroup, HeatRow};
+use counterpoise_plot::{Figure, HeatMap, HeatRow};
+use ndarray::Array2;
 
 use crate::diagnosis::words;
 use crate::{Cell, Column, Section, Table};
@@ -29,21 +30,28 @@ pub(super) fn where_section(answer: &Answer) -> Section {
 /// Component x regime.
 fn where_when(answer: &Answer) -> Figure {
     let found = whereabouts(&answer.map, &answer.isolability, &answer.findings);
-    let rows = found.components.iter().map(shown).collect();
-    let heat = Heat {
-        meaning: "of what the best cell gains".to_owned(),
-        ring: "where the effect belongs that the search then named".to_owned(),
-        columns: found.regimes.iter().map(|regime| words(regime)).collect(),
-        groups: vec![HeatGroup { heading: "What an error at each component explains".to_owned(), rows }],
+    let share = |row: usize, column: usize| {
+        let shares = &found.components[row].shares;
+        shares.get(column).copied().flatten().unwrap_or(f64::NAN)
     };
-    Figure::cells("Where (component) and when (regime) the simulation departs, in per cent", heat)
-        .captioned(&format!("{} {HOW}", found.summary))
+    let named = found.components.iter().enumerate();
+    let map = HeatMap {
+        meaning: "of what the best cell gains".to_owned(),
+        frame_meaning: "where the effect belongs that the search then named".to_owned(),
+        heading: "What an error at each component explains".to_owned(),
+        columns: found.regimes.iter().map(|regime| words(regime)).collect(),
+        rows: found.components.iter().map(row).collect(),
+        shares: Array2::from_shape_fn((found.components.len(), found.regimes.len()), |(r, c)| share(r, c)),
+        framed: named.flat_map(|(r, row)| row.named.iter().map(move |c| (r, *c))).collect(),
+    };
+    Figure::heat_map("Where (component) and when (regime) the simulation departs, in per cent", map)
+        .with_caption(&format!("{} {HOW}", found.summary))
 }
 
-/// A component's row; one that no balance sees has no shares.
-fn shown(row: &Row) -> HeatRow {
-    let shares = if row.seen { row.shares.clone() } else { Vec::new() };
-    HeatRow { name: words(row.name), shares, ringed: row.named.clone() }
+/// A component's row; one that no balance sees has no cells.
+fn row(row: &Row) -> HeatRow {
+    let cover = (!row.seen).then(|| "these sensors do not see it".to_owned());
+    HeatRow { name: words(row.name), cover }
 }
 
 /// What a cell is.

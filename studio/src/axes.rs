@@ -1,5 +1,6 @@
 //! Marks and numbers of axes.
 
+use counterpoise_plot::ticks;
 use egui_plot::{GridInput, GridMark};
 
 use crate::chart::Scale;
@@ -21,11 +22,9 @@ pub fn marks(scale: Scale, input: GridInput, room: f32) -> Vec<GridMark> {
 /// Marks of an even axis, at round numbers.
 fn even(input: GridInput, count: f64) -> Vec<GridMark> {
     let (low, high) = input.bounds;
-    let raw = ((high - low) / count).max(f64::MIN_POSITIVE);
-    let decade = 10f64.powf(raw.log10().floor());
-    let step_size = [1.0, 2.0, 5.0, 10.0].map(|k| k * decade).into_iter().find(|s| *s >= raw).unwrap_or(raw);
-    let marks = (low / step_size).ceil() as i64..=(high / step_size).floor() as i64;
-    marks.map(|k| GridMark { value: k as f64 * step_size, step_size }).collect()
+    let step_size = ticks::linear_step(low, high, count);
+    let mark = |tick: ticks::Tick| GridMark { value: tick.value, step_size };
+    ticks::linear(low, high, count).into_iter().map(mark).collect()
 }
 
 /// A mark's number, with the digits that its step needs.
@@ -34,30 +33,20 @@ pub fn plain(mark: GridMark) -> String {
     format!("{:.digits$}", mark.value + 0.0)
 }
 
-/// Step of a mark without a number.
+/// Step of a mark with a number on an axis that runs by decades, and of one without.
+const NUMBERED: f64 = 1.0;
 const BARE: f64 = 0.1;
-/// Decades that are so few that 2 and 5 have numbers, too; and so many that what is between decades has no mark.
-const FEW: f64 = 1.3;
-const MANY: f64 = 7.0;
+/// Powers of ten beyond this are no numbers.
+const FARTHEST: f64 = 300.0;
 
-/// Marks of an axis that runs by decades.
+/// Marks of an axis that runs by decades; its coordinates are powers of ten.
 fn decades(input: GridInput, count: f64) -> Vec<GridMark> {
     let (low, high) = input.bounds;
-    let each = ((high - low) / count).ceil().max(1.0) as i64;
-    let mut marks = Vec::new();
-    for decade in low.floor() as i64..=high.ceil() as i64 {
-        let step_size = if decade.rem_euclid(each) == 0 { 1.0 } else { BARE };
-        marks.push(GridMark { value: decade as f64, step_size });
-        if high - low <= MANY {
-            let numbered = |k: i32| high - low < FEW && (k == 2 || k == 5);
-            marks.extend((2..10).map(|k| GridMark {
-                value: decade as f64 + f64::from(k).log10(),
-                step_size: if numbered(k) { 1.0 } else { BARE },
-            }));
-        }
-    }
-    marks.retain(|mark| (low..=high).contains(&mark.value));
-    marks
+    let (from, to) = (10f64.powf(low.max(-FARTHEST)), 10f64.powf(high.min(FARTHEST)));
+    let mark = |value: f64, step_size| GridMark { value: value.log10(), step_size };
+    let numbered = ticks::logarithmic(from, to, count).into_iter().map(|tick| mark(tick.value, NUMBERED));
+    let bare = ticks::logarithmic_minor(from, to).into_iter().map(|value| mark(value, BARE));
+    numbered.chain(bare).collect()
 }
 
 /// A mark of decades as its number; nothing where it has none.
@@ -65,8 +54,10 @@ pub fn power(mark: GridMark) -> String {
     if mark.step_size < 0.9 {
         return String::new();
     }
-    match mark.value {
-        -3.01..=4.01 => short(10f64.powf(mark.value)),
-        _ => format!("1e{}", mark.value.round() as i32),
+    let is_decade = (mark.value - mark.value.round()).abs() < 1e-6;
+    if is_decade && !(-3.01..=4.01).contains(&mark.value) {
+        format!("1e{}", mark.value.round() as i32)
+    } else {
+        short(10f64.powf(mark.value))
     }
 }

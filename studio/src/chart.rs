@@ -315,7 +315,7 @@ impl Chart {
 
     /// The chart as a drawing of its own, on white.
     pub fn svg(&self) -> String {
-        crate::svg::drawing(self)
+        crate::picture::drawing(self)
     }
 }
 

@@ -86,7 +86,7 @@ pub struct Jobs {
     /// Finds the modes of a beam.
     pub swing: Worker<Beam, Swinging>,
     /// Writes a plot for the clipboard.
-    pub copy: Worker<(Chart, Form), (Form, String, String)>,
+    pub copy: Worker<(Chart, Form), Copied>,
     /// Recordings beside the project, to offer.
     pub beside: Vec<PathBuf>,
     /// The recordings to diagnose.
@@ -112,15 +112,33 @@ pub enum Form {
     Csv,
     /// A drawing.
     Svg,
+    /// Pixels.
+    Png,
 }
 
-/// A plot's title, and its text in a form.
-fn written((chart, form): (Chart, Form), _: &Token) -> (Form, String, String) {
-    let text = match form {
-        Form::Csv => chart.csv(),
-        Form::Svg => chart.svg(),
+/// A plot for the clipboard.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Copy {
+    /// Numbers or a drawing.
+    Text(String),
+    /// Pixels.
+    Pixels(Arc<egui::ColorImage>),
+}
+
+/// A copied plot: its form, its title, and what goes into the clipboard, or why there is nothing.
+pub type Copied = (Form, String, Result<Copy, String>);
+
+/// Writes a plot in a form.
+fn written((chart, form): (Chart, Form), _: &Token) -> Copied {
+    let copy = match form {
+        Form::Csv => Ok(Copy::Text(chart.csv())),
+        Form::Svg => Ok(Copy::Text(chart.svg())),
+        Form::Png => crate::picture::pixels(&chart).map_err(|error| error.to_string()).map(|picture| {
+            let size = [picture.width, picture.height];
+            Copy::Pixels(Arc::new(egui::ColorImage::from_rgb(size, &picture.rgb)))
+        }),
     };
-    (form, chart.title, text)
+    (form, chart.title, copy)
 }
 
 /// Factors on the error weight at which error is traded against effort.

@@ -12,7 +12,7 @@
 //! Modules in reading order: [`command`], [`session`], [`journal`], [`keys`], [`knobs`], [`live`], [`worker`], [`watch`],
 //! [`measure`], [`portrait`], [`exporting`], [`pyramid`], [`recordings`], [`browser`], [`noted`], [`errands`], [`jobs`],
 //! [`results`], [`view`], [`studio`], [`filing`],
-//! [`rounds`], [`theme`], [`number`], [`thinning`], [`axes`], [`chart`], [`svg`], [`shell`], [`palette`], [`places`], [`files`],
+//! [`rounds`], [`theme`], [`number`], [`thinning`], [`axes`], [`chart`], [`picture`], [`shell`], [`palette`], [`places`], [`files`],
 //! [`replay`], [`window`].
 //!
 //! ```
@@ -41,6 +41,7 @@ pub mod measure;
 pub mod noted;
 pub mod number;
 pub mod palette;
+pub mod picture;
 pub mod places;
 pub mod portrait;
 pub mod pyramid;
@@ -51,7 +52,6 @@ pub mod rounds;
 pub mod session;
 pub mod shell;
 pub mod studio;
-pub mod svg;
 pub mod theme;
 pub mod thinning;
 pub mod view;

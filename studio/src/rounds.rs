@@ -9,7 +9,7 @@ use crate::browser::Browser;
 use crate::command::{Place, Purpose};
 use crate::errands::Glance;
 use crate::exporting::Written;
-use crate::jobs::Form;
+use crate::jobs::{Copied, Form};
 use crate::live::{Ask, Live};
 use crate::measure::MeasureAnswer;
 use crate::results::Of;
@@ -90,10 +90,23 @@ impl Studio {
         if let Some((_, swinging)) = self.jobs.swing.take() {
             self.results.swinging = Some(Arc::new(swinging));
         }
-        if let Some((_, (form, title, text))) = self.jobs.copy.take() {
-            let kind = if form == Form::Csv { "numbers (CSV)" } else { "a drawing (SVG)" };
-            self.view.say(format!("\"{title}\" is in the clipboard as {kind}"));
-            self.copied = Some(text);
+        if let Some((_, copied)) = self.jobs.copy.take() {
+            self.take_copy(copied);
+        }
+    }
+
+    fn take_copy(&mut self, (form, title, copy): Copied) {
+        let kind = match form {
+            Form::Csv => "numbers (CSV)",
+            Form::Svg => "a drawing (SVG)",
+            Form::Png => "pixels (PNG)",
+        };
+        match copy {
+            Ok(copy) => {
+                self.view.say(format!("\"{title}\" is in the clipboard as {kind}"));
+                self.copied = Some(copy);
+            }
+            Err(why) => self.view.warn(format!("\"{title}\" cannot be copied as {kind}: {why}")),
         }
     }
 

@@ -3,6 +3,7 @@
 use egui::{Key, KeyboardShortcut, Modifiers, RichText, Ui};
 
 use crate::command::{Command, Place, Purpose, entries};
+use crate::jobs::Copy;
 use crate::results::Age;
 use crate::studio::Studio;
 use crate::theme::{Theme, space};
@@ -41,11 +42,12 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
     });
     places::browse::over(studio, ui, &mut queue);
     palette::show(studio, ui, &mut queue);
-    if let Some(text) = studio.copied.take() {
-        ui.ctx().copy_text(text);
+    match studio.copied.take() {
+        Some(Copy::Text(text)) => ui.ctx().copy_text(text),
+        Some(Copy::Pixels(image)) => ui.ctx().copy_image(egui::ColorImage::clone(&image)),
+        None => {}
     }
     for command in queue {
-        copy(studio, ui, &command);
         resize(ui, &command);
         studio.run(&command);
     }
@@ -293,21 +295,6 @@ fn dropped(ui: &Ui) -> Vec<Command> {
         None if paths.is_empty() => Vec::new(),
         None => vec![Command::Go { place: Place::Diagnose }, Command::Recordings { paths }],
     }
-}
-
-/// Copies the last plot that was pointed at as pixels; its text comes from a worker.
-fn copy(studio: &mut Studio, ui: &Ui, command: &Command) {
-    let Some((chart, rect)) = &studio.view.chart else { return };
-    if *command != Command::CopyPng {
-        return;
-    }
-    let (ctx, rect, scale) = (ui.ctx().clone(), *rect, ui.ctx().pixels_per_point());
-    let callback = egui::ScreenshotCallback::new(move |image| {
-        ctx.copy_image(image.region(&rect, Some(scale)));
-    });
-    ui.ctx().send_viewport_cmd(egui::ViewportCommand::Screenshot(callback));
-    let said = format!("\"{}\" is in the clipboard as pixels (PNG)", chart.title);
-    studio.view.say(said);
 }
 
 /// Makes everything larger or smaller.

@@ -14,7 +14,7 @@ use counterpoise_host::code_files::Library;
 
 use crate::exporting::ExportAsk;
 use crate::filing::Filing;
-use crate::jobs::{self, EffortAsk, Form, Jobs, VerifyAsk};
+use crate::jobs::{self, Copy, EffortAsk, Form, Jobs, VerifyAsk};
 use crate::journal::Journal;
 use crate::measure::MeasureAsk;
 use crate::noted::{List, Noted};
@@ -56,7 +56,7 @@ pub struct Studio {
     /// Why edits are not kept against a crash, where they are not.
     pub troubled: Option<String>,
     /// What is due for the clipboard.
-    pub(crate) copied: Option<String>,
+    pub(crate) copied: Option<Copy>,
     pub(crate) asked: Option<(u64, Option<f64>)>,
     pub(crate) verify_at: Option<Instant>,
     pub(crate) looked: Instant,
@@ -147,7 +147,7 @@ impl Studio {
             Command::Return { slot } => self.go_back(*slot),
             Command::CopyCsv => self.copy(Form::Csv),
             Command::CopySvg => self.copy(Form::Svg),
-            Command::CopyPng => {}
+            Command::CopyPng => self.copy(Form::Png),
             Command::Recordings { paths } => self.record(paths),
             Command::Diagnose => self.diagnose(),
             Command::Accept => self.accept(),
@@ -176,7 +176,7 @@ impl Studio {
 
     /// Has the plot that was pointed at last written for the clipboard.
     fn copy(&mut self, form: Form) {
-        if let Some((chart, _)) = &self.view.chart {
+        if let Some(chart) = &self.view.chart {
             self.jobs.copy.ask(0, (chart.clone(), form));
         }
     }

@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use ndarray::aview2;
+
 /// What a screen can show of a long curve: in each stretch of pixels the first, lowest, highest and last point.
 pub fn thin(points: &[[f64; 2]], (low, high): (f64, f64), pixels: usize) -> Cow<'_, [[f64; 2]]> {
     let from = points.partition_point(|p| p[0] < low).saturating_sub(1);
@@ -11,16 +13,8 @@ pub fn thin(points: &[[f64; 2]], (low, high): (f64, f64), pixels: usize) -> Cow<
     if seen.len() <= 4 * stretches {
         return Cow::Borrowed(seen);
     }
-    let each = seen.len().div_ceil(stretches);
-    let extremes = |part: &[[f64; 2]]| {
-        let by = |better: fn(f64, f64) -> bool| {
-            (0..part.len()).fold(0, |best, k| if better(part[k][1], part[best][1]) { k } else { best })
-        };
-        let mut kept = [0, by(|a, b| a < b), by(|a, b| a > b), part.len() - 1];
-        kept.sort_unstable();
-        kept.map(|k| part[k])
-    };
-    Cow::Owned(seen.chunks(each).flat_map(extremes).collect())
+    let kept = counterpoise_plot::thin::thin(aview2(seen), stretches);
+    Cow::Owned(kept.into_iter().map(|k| seen[k]).collect())
 }
 
 /// How far a dashed curve may lie beside its points, in pixels.

@@ -103,7 +103,7 @@ pub struct View {
     /// Where code is exported to, where another folder than the usual one was chosen.
     pub out: Option<PathBuf>,
     /// The plot that was under the pointer last.
-    pub chart: Option<(Chart, egui::Rect)>,
+    pub chart: Option<Chart>,
     /// Which mode of the mechanism moves.
     pub mode: usize,
     /// Which requirement's figure is shown.

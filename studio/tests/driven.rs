@@ -335,7 +335,7 @@ fn another_out_of_balance_is_tried_a_plot_is_copied_and_a_change_outside_is_noti
     bench.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::C);
     rest(&mut bench);
     assert!(says(&bench, "\"Loop gain\" is in the clipboard as numbers"));
-    let (chart, _) = bench.state().view.chart.clone().unwrap();
+    let chart = bench.state().view.chart.clone().unwrap();
     assert!(
         chart.csv().starts_with("curve,\"frequency, Hz\",\"modulus, dB\"\nL,")
             && chart.svg().starts_with("<svg")

@@ -200,11 +200,6 @@ fn code_and_a_packed_unit_are_exported_from_the_window() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-/// What the window asked of its system in the last frame.
-fn asked(bench: &Bench) -> Vec<egui::ViewportCommand> {
-    bench.output().viewport_output.values().flat_map(|v| v.commands.clone()).collect()
-}
-
 #[test]
 fn a_plot_is_copied_as_numbers_drawing_and_pixels() {
     let folder = rig("copies");
@@ -222,14 +217,13 @@ fn a_plot_is_copied_as_numbers_drawing_and_pixels() {
         };
         bench.get_by_label(name).click();
         let mut said = Vec::new();
-        for _ in 0..20 {
+        // a worker draws the picture: on a busy machine that takes a while
+        for _ in 0..2000 {
             std::thread::sleep(std::time::Duration::from_millis(5));
             bench.run_steps(1);
             said.extend(bench.output().platform_output.commands.clone());
-            for command in asked(bench) {
-                if let egui::ViewportCommand::Screenshot(callback) = command {
-                    callback.complete(Arc::new(egui::ColorImage::filled([1280, 800], egui::Color32::BLUE)));
-                }
+            if !said.is_empty() {
+                break;
             }
         }
         said
@@ -244,16 +238,14 @@ fn a_plot_is_copied_as_numbers_drawing_and_pixels() {
     let svg = copied(&mut bench, Command::CopySvg);
     assert!(svg.iter().any(|c| matches!(c, egui::OutputCommand::CopyText(t) if t.starts_with("<svg"))));
     let png = copied(&mut bench, Command::CopyPng);
-    let cell = bench.state().view.chart.as_ref().unwrap().1.size();
     let image = png.iter().find_map(|c| match c {
-        egui::OutputCommand::CopyImage(image) => Some(image.size),
+        egui::OutputCommand::CopyImage(image) => Some(image),
         _ => None,
     });
-    let [width, height] = image.expect("an image is put into the clipboard");
-    assert!(
-        (width as f32 - cell.x).abs() < 2.0 && (height as f32 - cell.y).abs() < 2.0,
-        "{width} {height} {cell}"
-    );
+    let image = image.expect("an image is put into the clipboard");
+    let curve = image.pixels.iter().filter(|pixel| pixel.b() > pixel.r().saturating_add(100)).count();
+    assert!(image.size[0] == 1280 && image.size[1] > 400 && curve > 1000, "{:?}, {curve}", image.size);
+    assert_eq!(image.pixels[0], egui::Color32::WHITE);
     drop(bench);
     std::fs::remove_dir_all(folder).unwrap();
 }

@@ -17,7 +17,7 @@ use crate::arguments::Results;
 use crate::output::{self, say};
 use counterpoise_host::interrupt;
 use counterpoise_host::projects::{self, Loaded, Surroundings};
-use counterpoise_plot::ticks::short;
+use counterpoise_plot::number::short;
 
 /// Arguments of `synth`.
 #[derive(Args)]

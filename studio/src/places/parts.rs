@@ -45,7 +45,7 @@ pub fn chart(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, cell: Rect,
     let mut inside = ui.new_child(egui::UiBuilder::new().id_salt(&chart.title).max_rect(cell));
     let shown = chart.show(&mut inside, &theme, cell.size());
     if shown.response.hovered() || view.chart.is_none() {
-        view.chart = Some((chart.clone(), cell));
+        view.chart = Some(chart.clone());
     }
     shown.response.context_menu(|ui| {
         for (name, command) in [

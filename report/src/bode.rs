@@ -1,6 +1,6 @@
-//! Magnitude and phase over frequency.
+//! Bode diagrams: magnitude and phase over frequency.
 
-use crate::{Axis, Colour, Dash, Figure, Mark, Panel, Series};
+use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Series};
 
 /// A frequency response for a Bode diagram.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,7 +11,7 @@ pub struct BodeCurve {
     pub colour: Colour,
     /// Its dash.
     pub dash: Dash,
-    /// (frequency in Hz, real part, imaginary part), frequency rising.
+    /// (frequency in Hz, real part, imaginary part), by increasing frequency.
     pub points: Vec<(f64, f64, f64)>,
 }
 
@@ -19,31 +19,31 @@ pub struct BodeCurve {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Phase {
     /// In a panel of its own under the magnitude.
-    Drawn,
-    /// Not.
-    Left,
+    Shown,
+    /// Not at all.
+    Hidden,
 }
 
-/// What lies below the largest magnitude by more than this is not worth a tick, dB.
+/// What lies below the largest magnitude by more than this is rounding noise for the reader and stretches the axis, dB.
 const DEPTH_DB: f64 = 120.0;
 
 impl BodeCurve {
-    /// A curve from frequencies and values of any pair-like kind.
+    /// Returns an unbroken curve.
     pub fn new(name: &str, colour: Colour, points: Vec<(f64, f64, f64)>) -> Self {
         Self { name: name.to_owned(), colour, dash: Dash::Solid, points }
     }
 
-    /// The same curve, dashed.
+    /// Returns the same curve, dashed.
     pub fn dashed(self) -> Self {
         Self { dash: Dash::Dashed, ..self }
     }
 
-    /// (Hz, dB).
+    /// Returns the magnitude: (Hz, dB).
     pub fn magnitude_db(&self) -> Vec<(f64, f64)> {
         self.points.iter().map(|(f, re, im)| (*f, 20.0 * re.hypot(*im).log10())).collect()
     }
 
-    /// (Hz, degrees), without jumps of a whole turn, starting between -270 and 90 degrees.
+    /// Returns the phase, (Hz, degrees), without jumps of a whole turn; it starts between -270 and 90 degrees.
     pub fn phase_deg(&self) -> Vec<(f64, f64)> {
         let mut before: Option<f64> = None;
         let mut unwrapped = |re: f64, im: f64| {
@@ -57,30 +57,22 @@ impl BodeCurve {
     }
 
     fn series(&self, points: Vec<(f64, f64)>) -> Series {
-        Series { name: self.name.clone(), points, colour: self.colour, dash: self.dash }
+        Series::new(&self.name, (self.colour, self.dash), points)
     }
 }
 
-/// A Bode diagram; `unit` is that of the magnitude's reference, for example `V s/rad`. `marks` go into the magnitude panel.
+/// Returns a Bode diagram. `unit` is that of the magnitude's reference, for example `V s/rad`; `marks` stand in the magnitude panel.
 pub fn bode(title: &str, unit: &str, curves: &[BodeCurve], phase: Phase, marks: Vec<Mark>) -> Figure {
     let label = if unit.is_empty() { "dB".to_owned() } else { format!("dB re {unit}") };
     let magnitudes: Vec<Series> = curves.iter().map(|curve| curve.series(curve.magnitude_db())).collect();
-    let highest = magnitudes
-        .iter()
-        .flat_map(|s| s.points.iter().map(|p| p.1))
-        .filter(|y| y.is_finite())
-        .fold(f64::MIN, f64::max);
-    let lowest = magnitudes
-        .iter()
-        .flat_map(|s| s.points.iter().map(|p| p.1))
-        .filter(|y| y.is_finite())
-        .fold(f64::MAX, f64::min);
+    let levels = || magnitudes.iter().flat_map(|s| s.points.column(1).to_vec()).filter(|y| y.is_finite());
+    let (lowest, highest) = (levels().fold(f64::MAX, f64::min), levels().fold(f64::MIN, f64::max));
     let axis = Axis::linear("magnitude", &label);
     let axis = if highest - lowest > DEPTH_DB { axis.over(highest - DEPTH_DB, highest + 6.0) } else { axis };
-    let mut panels = vec![Panel::of(axis, magnitudes).marked(marks)];
-    if phase == Phase::Drawn {
+    let mut panels = vec![Panel::new(axis, magnitudes).with_marks(marks)];
+    if phase == Phase::Shown {
         let phases = curves.iter().map(|curve| curve.series(curve.phase_deg())).collect();
-        panels.push(Panel::of(Axis::degrees("phase"), phases).high(140.0));
+        panels.push(Panel::new(Axis::degrees("phase"), phases).with_height(140.0));
     }
     Figure::new(title, Axis::logarithmic("frequency", "Hz"), panels)
 }

@@ -1,0 +1,120 @@
+//! Draws a figure on any backend of plotters: title, legend, panels or cells.
+//!
+//! Lengths here are pixels of the figure; a [`Sheet`] turns them into units of the backend.
+
+mod heat;
+mod legend;
+mod panels;
+
+use plotters::coord::Shift;
+use plotters::drawing::{DrawingArea, DrawingAreaErrorKind};
+use plotters::element::{Circle, PathElement, Polygon, Rectangle};
+use plotters_backend::DrawingBackend;
+use plotters_backend::text_anchor::{HPos, Pos, VPos};
+
+use crate::figure::{Content, Figure};
+use crate::ink::Ink;
+
+/// Width of every figure.
+const WIDTH: f64 = 640.0;
+/// Height of a title.
+const TITLE: f64 = 26.0;
+/// Space at the left and the right of titles, legends and scales.
+const MARGIN: f64 = 12.0;
+
+/// Where a figure stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Setting {
+    /// On a page that has a ground of its own and writes the title itself.
+    Page,
+    /// Alone: with a ground and its title.
+    Alone,
+}
+
+/// The result of drawing on a backend.
+type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
+
+/// Returns width and height of a figure.
+pub(crate) fn size(figure: &Figure, setting: Setting) -> (f64, f64) {
+    let content = match &figure.content {
+        Content::Panels(panels) => panels::height(panels),
+        Content::HeatMap(map) => heat::height(map),
+    };
+    (WIDTH, top(setting) + content)
+}
+
+/// Draws a figure on an area that has `unit` of its units in a pixel.
+pub(crate) fn draw<DB: DrawingBackend>(
+    area: &DrawingArea<DB, Shift>,
+    unit: f64,
+    figure: &Figure,
+    setting: Setting,
+) -> Drawn<DB> {
+    let sheet = Sheet { area, unit };
+    if setting == Setting::Alone {
+        let (width, height) = size(figure, setting);
+        sheet.rectangle(Ink::Paper, (0.0, 0.0), (width, height))?;
+        sheet.text(Ink::Title, (MARGIN, 0.6 * TITLE), LEFT, &figure.title)?;
+    }
+    match &figure.content {
+        Content::Panels(panels) => panels::draw(&sheet, panels, top(setting)),
+        Content::HeatMap(map) => heat::draw(&sheet, map, top(setting)),
+    }
+}
+
+fn top(setting: Setting) -> f64 {
+    if setting == Setting::Alone { TITLE } else { 0.0 }
+}
+
+/// Text to the right of its point, at half its height.
+const LEFT: Pos = Pos { h_pos: HPos::Left, v_pos: VPos::Center };
+/// Text about its point.
+const CENTRE: Pos = Pos { h_pos: HPos::Center, v_pos: VPos::Center };
+/// Text to the left of its point, at half its height.
+const RIGHT: Pos = Pos { h_pos: HPos::Right, v_pos: VPos::Center };
+
+/// A place in pixels from the upper left corner.
+type Place = (f64, f64);
+
+/// A drawing area measured in pixels.
+struct Sheet<'a, DB: DrawingBackend> {
+    area: &'a DrawingArea<DB, Shift>,
+    unit: f64,
+}
+
+impl<DB: DrawingBackend> Sheet<'_, DB> {
+    /// A length in units of the backend.
+    fn units(&self, pixels: f64) -> i32 {
+        (pixels * self.unit).round() as i32
+    }
+
+    fn point(&self, at: Place) -> (i32, i32) {
+        (self.units(at.0), self.units(at.1))
+    }
+
+    /// The part of the area from a corner on.
+    fn part(&self, corner: Place, size: Place) -> DrawingArea<DB, Shift> {
+        self.area.clone().shrink(self.point(corner), self.point(size))
+    }
+
+    fn line(&self, ink: Ink, from: Place, to: Place) -> Drawn<DB> {
+        self.area.draw(&PathElement::new(vec![self.point(from), self.point(to)], ink.style()))
+    }
+
+    fn rectangle(&self, ink: Ink, from: Place, to: Place) -> Drawn<DB> {
+        self.area.draw(&Rectangle::new([self.point(from), self.point(to)], ink.style()))
+    }
+
+    fn polygon(&self, ink: Ink, corners: &[Place]) -> Drawn<DB> {
+        let corners: Vec<(i32, i32)> = corners.iter().map(|at| self.point(*at)).collect();
+        self.area.draw(&Polygon::new(corners, ink.style()))
+    }
+
+    fn ring(&self, ink: Ink, centre: Place, radius: f64) -> Drawn<DB> {
+        self.area.draw(&Circle::new(self.point(centre), self.units(radius), ink.style()))
+    }
+
+    fn text(&self, ink: Ink, at: Place, pos: Pos, text: &str) -> Drawn<DB> {
+        self.area.draw_text(text, &ink.text(self.unit, pos), self.point(at))
+    }
+}
