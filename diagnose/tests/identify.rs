@@ -4,7 +4,7 @@
 mod common;
 
 use common::controller;
-use counterpoise_diagnose::identify::{Amplifier, Estimate, Identified, identify, improved};
+use counterpoise_diagnose::identification::{Amplifier, Estimate, Identified, identify, improved};
 use counterpoise_models::parameters::MapPoint;
 use counterpoise_models::{Parameters, Plant, reference};
 use counterpoise_simulate::{Detail, Imperfections, Recording, Scenario, Signal, Simulator};

@@ -1,6 +1,6 @@
 //! The report of a diagnosis: the answer first, then how the fit improved, where and when, and what was tried.
 
-use counterpoise_diagnose::answer::{Answer, Channels, Finding, Verdict};
+use counterpoise_diagnose::findings::answer::{Answer, Channels, Finding, Verdict};
 
 use counterpoise_plot::ticks::short;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};

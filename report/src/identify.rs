@@ -1,6 +1,6 @@
 //! The report of an identification: the numbers with their intervals, control against rate, the amplifier's curve.
 
-use counterpoise_diagnose::identify::{Amplifier, Estimate, GainPoint, Identified, Loop};
+use counterpoise_diagnose::identification::{Amplifier, Estimate, GainPoint, Identified, Loop};
 
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::ticks::short;
@@ -192,7 +192,7 @@ fn curve_table(points: &[GainPoint]) -> Table {
 mod tests {
     use super::*;
     use crate::html;
-    use counterpoise_diagnose::identify::{Balance, Lobes};
+    use counterpoise_diagnose::identification::{Balance, Lobes};
 
     fn found() -> Identified {
         let estimate = |value| Estimate::new(value, 0.5, 150.0);

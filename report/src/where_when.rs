@@ -1,7 +1,7 @@
 //! The section of a diagnosis' report that shows where and when: the balances, and component x regime.
 
-use counterpoise_diagnose::answer::Answer;
-use counterpoise_diagnose::whereabouts::{Row, whereabouts};
+use counterpoise_diagnose::findings::answer::Answer;
+use counterpoise_diagnose::findings::localisation_chart::{ChartRow, whereabouts};
 
 use counterpoise_plot::{Figure, Heat, HeatGroup, HeatRow};
 
@@ -41,7 +41,7 @@ fn where_when(answer: &Answer) -> Figure {
 }
 
 /// A component's row; one that no balance sees has no shares.
-fn shown(row: &Row) -> HeatRow {
+fn shown(row: &ChartRow) -> HeatRow {
     let shares = if row.seen { row.shares.clone() } else { Vec::new() };
     HeatRow { name: words(row.name), shares, ringed: row.named.clone() }
 }

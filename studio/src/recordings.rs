@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use counterpoise_diagnose::qualify::qualify;
-use counterpoise_diagnose::replays::measured;
+use counterpoise_diagnose::recording::measured_signals::measured;
+use counterpoise_diagnose::recording::sanity_checks::check_signals;
 use counterpoise_models::Parameters;
 use counterpoise_project::Project;
 use counterpoise_project::recording::{self, Mapping, Record, Table};
@@ -149,7 +149,7 @@ fn seen(ask: &LookAsk, path: &Path, table: &Table, record: &Record) -> Seen {
     let model = run(&ask.project.plant);
     let improved = ask.improved.as_deref().and_then(run);
     let ratio = ask.project.plant.gearbox.ratio;
-    let faults = measured(&recording).map(|m| qualify(&recording.name, &m, ratio)).unwrap_or_default();
+    let faults = measured(&recording).map(|m| check_signals(&recording.name, &m, ratio)).unwrap_or_default();
     let remarks = record.findings.iter().map(ToString::to_string);
     Seen {
         path: path.to_owned(),

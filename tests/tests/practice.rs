@@ -5,9 +5,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use counterpoise_diagnose::answer::Verdict;
-use counterpoise_diagnose::bench::Pool;
 use counterpoise_diagnose::diagnose;
+use counterpoise_diagnose::findings::answer::Verdict;
+use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::Plant;
 use counterpoise_project::recording::Table;
 use counterpoise_project::{Attachments, Document, Project, Setting};

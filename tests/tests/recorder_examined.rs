@@ -5,7 +5,9 @@
 use std::fs;
 use std::path::Path;
 
-use counterpoise_diagnose::recorder::{Column, Examined, examine};
+use counterpoise_diagnose::recording::instrument_faults::{
+    Column, ExaminedRecordings, find_instrument_faults,
+};
 use counterpoise_project::Project;
 use counterpoise_project::recording::Table;
 use counterpoise_simulate::recording::Recording;
@@ -38,9 +40,9 @@ impl Machine {
         Some(Self { project, recordings })
     }
 
-    fn examined(&self, recordings: &[Recording]) -> Examined {
+    fn examined(&self, recordings: &[Recording]) -> ExaminedRecordings {
         let control = self.project.recording_controller.as_ref().map_or(Loop::Open, Loop::from);
-        examine(&self.project.plant, &control, recordings)
+        find_instrument_faults(&self.project.plant, &control, recordings)
     }
 
     fn with(&self, which: &[usize], fault: impl Fn(&mut Recording)) -> Vec<Recording> {
@@ -145,7 +147,7 @@ fn cases() -> Vec<(Column, Wrong, Vec<usize>, &'static str, &'static str)> {
     out
 }
 
-fn told(examined: &Examined) -> Vec<(&'static str, &'static str)> {
+fn told(examined: &ExaminedRecordings) -> Vec<(&'static str, &'static str)> {
     examined.faults.iter().map(|f| (f.column.component(), f.kind.effect())).collect()
 }
 
@@ -221,7 +223,7 @@ fn sealed_machines_have_no_fault_of_the_recorder() {
     let wrong = std::sync::Mutex::new(Vec::new());
     counterpoise_tests::in_parallel(seeds.len(), &|k| {
         let case = sealed::case(seeds[k], &nominal);
-        let examined = examine(&nominal, &control, &sealed::row::recordings(&case));
+        let examined = find_instrument_faults(&nominal, &control, &sealed::row::recordings(&case));
         if !examined.faults.is_empty() {
             let line = format!("{} {:?}: {:?}", seeds[k], case.sealed.concealed, examined.told());
             wrong.lock().unwrap().push(line);

@@ -5,9 +5,9 @@
 use std::fs;
 use std::path::Path;
 
-use counterpoise_diagnose::mend::mended;
-use counterpoise_diagnose::qualify::qualify;
-use counterpoise_diagnose::replays::measured;
+use counterpoise_diagnose::recording::gap_repair::repair_gaps;
+use counterpoise_diagnose::recording::measured_signals::measured;
+use counterpoise_diagnose::recording::sanity_checks::check_signals;
 use counterpoise_project::Project;
 use counterpoise_project::recording::{Column, Table};
 use counterpoise_simulate::recording::Recording;
@@ -47,11 +47,11 @@ fn with(fault: impl Fn(&mut Table)) -> Option<Told> {
     fault(&mut table);
     let record = project.recording.apply(&table).unwrap();
     let ratio = project.plant.gearbox.ratio;
-    let mended = mended(&record.recording(), ratio);
+    let mended = repair_gaps(&record.recording(), ratio);
     let mut remarks: Vec<String> = record.findings.iter().map(ToString::to_string).collect();
     remarks.extend(mended.remarks.iter().map(|(channel, what)| format!("{channel}: {what}")));
     for part in &mended.parts {
-        let here = qualify(&part.name, &measured(part).unwrap(), ratio);
+        let here = check_signals(&part.name, &measured(part).unwrap(), ratio);
         remarks.extend(here.into_iter().map(|r| format!("{}: {}", r.channel, r.what)));
     }
     Some(Told { remarks, parts: mended.parts, project })

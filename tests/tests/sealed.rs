@@ -3,9 +3,9 @@
 //! `COUNTERPOISE_SEEDS=0..40 cargo test --release -p counterpoise-tests --test sealed -- --nocapture` scores more of them.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_diagnose::answer::Answer;
-use counterpoise_diagnose::bench::Pool;
 use counterpoise_diagnose::diagnose;
+use counterpoise_diagnose::findings::answer::Answer;
+use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::{Parameters, reference};
 use counterpoise_tests::sealed::row::recordings;
 use counterpoise_tests::sealed::{Family, Sealed, case, controller};

@@ -1,8 +1,8 @@
 //! `counterpoise diagnose`: locate, name, model, and show that the fit improves.
 
 use crate::output::say;
-use counterpoise_diagnose::answer::{Answer, Channels, Finding, FitTable, Verdict};
-use counterpoise_diagnose::mend::mended;
+use counterpoise_diagnose::findings::answer::{Answer, Channels, Finding, FitTable, Verdict};
+use counterpoise_diagnose::recording::gap_repair::repair_gaps;
 use counterpoise_diagnose::{Diagnosis, diagnose};
 use counterpoise_pipeline::{Consequence, consequence};
 use counterpoise_project::Purpose;
@@ -50,7 +50,8 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     let consequence = told(&loaded, &found, options.results.quiet)?;
     if let Some(path) = &options.report {
         let ratio = loaded.project.plant.gearbox.ratio;
-        let whole: Vec<Recording> = found.recordings.iter().flat_map(|r| mended(r, ratio).parts).collect();
+        let whole: Vec<Recording> =
+            found.recordings.iter().flat_map(|r| repair_gaps(r, ratio).parts).collect();
         let page = pages::diagnosis(&loaded, &whole, (&found, consequence.as_ref()), &control);
         projects::write(path, page.as_bytes())?;
     }

@@ -2,7 +2,7 @@
 
 use crate::output::say;
 use anyhow::Result;
-use counterpoise_diagnose::identify::{Amplifier, Estimate, Identified, identify, improved};
+use counterpoise_diagnose::identification::{Amplifier, Estimate, Identified, identify, improved};
 use counterpoise_project::Purpose;
 use counterpoise_report::html;
 use counterpoise_report::identify::report;

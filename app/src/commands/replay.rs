@@ -2,9 +2,9 @@
 
 use crate::output::say;
 use anyhow::{Context, Result, bail};
-use counterpoise_diagnose::mend::mended;
-use counterpoise_diagnose::qualify::{foreign_control, qualify};
-use counterpoise_diagnose::replays::measured;
+use counterpoise_diagnose::recording::gap_repair::repair_gaps;
+use counterpoise_diagnose::recording::measured_signals::measured;
+use counterpoise_diagnose::recording::sanity_checks::{check_control, check_signals};
 use counterpoise_models::Parameters;
 use counterpoise_pipeline::results::{RecordingResult, ReplayResult};
 use counterpoise_project::Purpose;
@@ -69,7 +69,7 @@ fn records(loaded: &Loaded, paths: &[std::path::PathBuf]) -> Result<Vec<Record>>
 impl Read {
     /// The parts of a record that can be replayed; what was found stands with the first.
     fn of(record: &Record, kept: bool, ratio: f64) -> Result<Vec<Self>> {
-        let mended = mended(&record.recording(), ratio);
+        let mended = repair_gaps(&record.recording(), ratio);
         let done = mended.remarks.into_iter().map(|(channel, what)| format!("{channel}: {what}"));
         let mut remarks: Vec<String> = record.findings.iter().map(ToString::to_string).chain(done).collect();
         if mended.parts.is_empty() {
@@ -89,7 +89,7 @@ impl Read {
         let Some(controller) = loaded.project.recording_controller.as_ref().filter(|_| self.kept) else {
             return;
         };
-        let foreign = foreign_control(&loaded.project.plant, &self.recording, &Loop::from(controller));
+        let foreign = check_control(&loaded.project.plant, &self.recording, &Loop::from(controller));
         self.remarks.splice(0..0, foreign.map(|what| format!("control: {what}")));
     }
 }
@@ -154,7 +154,7 @@ fn follow(
 /// What is wrong with a recording itself: told before the fit is.
 fn faults(loaded: &Loaded, recording: &Recording) -> Vec<String> {
     let ratio = loaded.project.plant.gearbox.ratio;
-    let remarks = measured(recording).map(|m| qualify(&recording.name, &m, ratio)).unwrap_or_default();
+    let remarks = measured(recording).map(|m| check_signals(&recording.name, &m, ratio)).unwrap_or_default();
     remarks.into_iter().map(|r| format!("{}: {}", r.channel, r.what)).collect()
 }
 

@@ -1,8 +1,8 @@
 //! Drive: motor, gearbox, amplifier, and the control's own timing.
 
-use super::curve::{FREE_INPUTS_V, fraction, static_gain};
+use super::amplifier_map::{FREE_INPUTS_V, fraction, static_gain};
+use super::effect::{Effect, Kind, parameter};
 use super::structure::set_coulomb;
-use super::{Effect, Kind, knob};
 use counterpoise_models::{MapPoint, Parameters};
 
 /// Input at which the map's shortfall has fallen to 1/e of that at the first point; 0.8 V where there is none.
@@ -39,7 +39,7 @@ pub(super) static TEXTBOOK: &[Effect] = &[
         source: "Dholiwar 2007, (5-22)",
         when: "near the resonance of the drive",
         experiment: "multisine around the drive's resonance",
-        knobs: &[knob!("damping", "N m s/rad", [1e-4, 1e9], 0.5, Log, gearbox.damping_nm_s_rad)],
+        parameters: &[parameter!("damping", "N m s/rad", [1e-4, 1e9], 0.5, Log, gearbox.damping_nm_s_rad)],
         starts: &[],
     },
     Effect {
@@ -50,7 +50,7 @@ pub(super) static TEXTBOOK: &[Effect] = &[
         source: "Dholiwar 2007, (5-23)",
         when: "in proportion to the motor's acceleration",
         experiment: "multisine to the highest frequency",
-        knobs: &[knob!("motor_inertia", "kg m^2", [1e-9, 1e4], 0.1, Log, motor.inertia_kg_m2)],
+        parameters: &[parameter!("motor_inertia", "kg m^2", [1e-9, 1e4], 0.1, Log, motor.inertia_kg_m2)],
         starts: &[],
     },
 ];
@@ -65,7 +65,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Dahl 1968",
         when: "at every reversal of the motor",
         experiment: "triangle demand with the platform still, then platform motion with the hub held still",
-        knobs: &[knob!(
+        parameters: &[parameter!(
             "coulomb",
             "N m",
             [1e-4, 1e3],
@@ -85,7 +85,14 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Dholiwar 2007, 5.2.6",
         when: "in proportion to motor speed",
         experiment: "constant rates, both ways, several speeds",
-        knobs: &[knob!("viscous", "N m s/rad", [0.0, 10.0], 0.002, Linear, motor_friction.viscous_nm_s_rad)],
+        parameters: &[parameter!(
+            "viscous",
+            "N m s/rad",
+            [0.0, 10.0],
+            0.002,
+            Linear,
+            motor_friction.viscous_nm_s_rad
+        )],
         starts: &[],
     },
     Effect {
@@ -96,10 +103,10 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Hanselman 2003; Proca et al. 2003",
         when: "repeats with the motor's angle",
         experiment: "slow constant rate over several motor turns, both ways",
-        knobs: &[
-            knob!("amplitude", "N m", [0.0, 10.0], 0.03, Linear, motor.cogging.amplitude),
-            knob!("order", "1/turn", [0.004, 100.0], 0.01, Log, motor.cogging.order),
-            knob!("phase", "rad", [-40.0, 40.0], 0.3, Linear, motor.cogging.phase_rad),
+        parameters: &[
+            parameter!("amplitude", "N m", [0.0, 10.0], 0.03, Linear, motor.cogging.amplitude),
+            parameter!("order", "1/turn", [0.004, 100.0], 0.01, Log, motor.cogging.order),
+            parameter!("phase", "rad", [-40.0, 40.0], 0.3, Linear, motor.cogging.phase_rad),
         ],
         starts: &[],
     },
@@ -111,10 +118,10 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Jahns and Soong 1996",
         when: "repeats with the motor's angle, in proportion to current",
         experiment: "slow constant rate over several motor turns at two out-of-balances",
-        knobs: &[
-            knob!("amplitude", "1", [0.0, 0.9], 0.02, Linear, motor.torque_ripple.amplitude),
-            knob!("order", "1/turn", [0.004, 100.0], 0.01, Log, motor.torque_ripple.order),
-            knob!("phase", "rad", [-40.0, 40.0], 0.3, Linear, motor.torque_ripple.phase_rad),
+        parameters: &[
+            parameter!("amplitude", "1", [0.0, 0.9], 0.02, Linear, motor.torque_ripple.amplitude),
+            parameter!("order", "1/turn", [0.004, 100.0], 0.01, Log, motor.torque_ripple.order),
+            parameter!("phase", "rad", [-40.0, 40.0], 0.3, Linear, motor.torque_ripple.phase_rad),
         ],
         starts: &[],
     },
@@ -126,7 +133,14 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Dholiwar 2007, (5-23)",
         when: "in proportion to motor torque",
         experiment: "hold still at two known out-of-balances",
-        knobs: &[knob!("torque_constant", "N m/A", [1e-3, 100.0], 0.05, Log, motor.torque_constant_nm_a)],
+        parameters: &[parameter!(
+            "torque_constant",
+            "N m/A",
+            [1e-3, 100.0],
+            0.05,
+            Log,
+            motor.torque_constant_nm_a
+        )],
         starts: &[],
     },
     Effect {
@@ -137,7 +151,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Nordin and Gutman 2002",
         when: "when the mesh torque changes sign",
         experiment: "torque reversals with the mechanism balanced",
-        knobs: &[knob!("backlash", "rad", [0.0, 0.1], 1e-3, Linear, gearbox.backlash_rad)],
+        parameters: &[parameter!("backlash", "rad", [0.0, 0.1], 1e-3, Linear, gearbox.backlash_rad)],
         starts: &[&[0.0], &[0.001], &[0.002], &[0.004], &[0.007], &[0.012]],
     },
     Effect {
@@ -148,7 +162,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Dholiwar 2007, (5-22)",
         when: "near the resonance of the drive",
         experiment: "multisine around the drive's resonance",
-        knobs: &[knob!("stiffness", "N m/rad", [1e3, 1e10], 0.1, Log, gearbox.stiffness_nm_rad)],
+        parameters: &[parameter!("stiffness", "N m/rad", [1e3, 1e10], 0.1, Log, gearbox.stiffness_nm_rad)],
         starts: &[],
     },
     Effect {
@@ -159,10 +173,10 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Smith 2003 on gear transmission error",
         when: "repeats with the motor's angle, felt at the hub",
         experiment: "slow constant rate over several motor turns, both ways",
-        knobs: &[
-            knob!("amplitude", "N m", [0.0, 2e3], 6.0, Linear, gearbox.mesh_ripple.amplitude),
-            knob!("order", "1/turn", [0.005, 100.0], 0.01, Log, gearbox.mesh_ripple.order),
-            knob!("phase", "rad", [-40.0, 40.0], 0.3, Linear, gearbox.mesh_ripple.phase_rad),
+        parameters: &[
+            parameter!("amplitude", "N m", [0.0, 2e3], 6.0, Linear, gearbox.mesh_ripple.amplitude),
+            parameter!("order", "1/turn", [0.005, 100.0], 0.01, Log, gearbox.mesh_ripple.order),
+            parameter!("phase", "rad", [-40.0, 40.0], 0.3, Linear, gearbox.mesh_ripple.phase_rad),
         ],
         starts: &[],
     },
@@ -174,7 +188,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Pelchen, Schweiger, Otter 2002",
         when: "in proportion to the mesh torque, changing with the direction of power",
         experiment: "the same triangle at several out-of-balances",
-        knobs: &[knob!("efficiency", "1", [0.3, 1.0], 0.03, Linear, gearbox.mesh_efficiency)],
+        parameters: &[parameter!("efficiency", "1", [0.3, 1.0], 0.03, Linear, gearbox.mesh_efficiency)],
         starts: &[&[0.95], &[0.85]],
     },
     Effect {
@@ -185,8 +199,8 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Dholiwar 2007, tables 7-1 and 7-2",
         when: "at small control voltages, whatever the rate",
         experiment: "stalled amplifier map, or runs at two out-of-balances",
-        knobs: &[
-            knob!(
+        parameters: &[
+            parameter!(
                 "depth",
                 "1",
                 [-2.0, 0.95],
@@ -196,7 +210,7 @@ pub(super) static EFFECTS: &[Effect] = &[
                 set | p,
                 depth | shape_map(p, depth, map_corner(p))
             ),
-            knob!("corner", "V", [0.1, 1.9], 0.2, Log,
+            parameter!("corner", "V", [0.1, 1.9], 0.2, Log,
                 get map_corner, set |p, corner| shape_map(p, 1.0 - fraction(p, FREE_INPUTS_V[0]), corner)),
         ],
         starts: &[&[0.3, 0.4], &[0.3, 0.8], &[0.3, 1.4], &[-0.3, 0.8]],
@@ -209,7 +223,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Tao and Kokotovic 1996",
         when: "at small control voltages",
         experiment: "stalled amplifier map, or runs at two out-of-balances",
-        knobs: &[knob!("dead_zone", "V", [0.0, 2.0], 0.03, Linear, amplifier.dead_zone_v)],
+        parameters: &[parameter!("dead_zone", "V", [0.0, 2.0], 0.03, Linear, amplifier.dead_zone_v)],
         starts: &[&[0.03], &[0.15]],
     },
     Effect {
@@ -220,7 +234,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Dholiwar 2007, 5.2.4",
         when: "at the largest currents",
         experiment: "the largest steps that travel allows",
-        knobs: &[knob!("current_limit", "A", [0.5, 1e3], 0.1, Log,
+        parameters: &[parameter!("current_limit", "A", [0.5, 1e3], 0.1, Log,
             get current_limit, set |p, v| p.amplifier.current_limit_a = v)],
         starts: &[&[30.0], &[20.0], &[13.0], &[9.0]],
     },
@@ -232,7 +246,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Dholiwar 2007, (5-21)",
         when: "at the highest frequencies",
         experiment: "multisine to the highest frequency",
-        knobs: &[knob!("time_constant", "s", [1e-5, 0.5], 0.3, Log, amplifier.time_constant_s)],
+        parameters: &[parameter!("time_constant", "s", [1e-5, 0.5], 0.3, Log, amplifier.time_constant_s)],
         starts: &[&[1.5e-3], &[0.01], &[0.04]],
     },
     Effect {
@@ -243,7 +257,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Astrom and Wittenmark 1997",
         when: "in proportion to frequency",
         experiment: "multisine to the highest frequency",
-        knobs: &[knob!(
+        parameters: &[parameter!(
             "delay",
             "samples",
             [0.0, 30.0],

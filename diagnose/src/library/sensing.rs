@@ -1,11 +1,11 @@
 //! Sensors and the recorder.
 
-use super::{Effect, Kind, knob};
+use super::effect::{Effect, Kind, parameter};
 
 const IEEE_GYRO: &str = "IEEE Std 528; Titterton and Weston 2004";
 
 macro_rules! instrument {
-    ($component:literal, $effect:literal, $equation:literal, $when:literal, $experiment:literal, $starts:expr, $knob:expr) => {
+    ($component:literal, $effect:literal, $equation:literal, $when:literal, $experiment:literal, $starts:expr, $parameter:expr) => {
         Effect {
             effect: $effect,
             component: $component,
@@ -14,7 +14,7 @@ macro_rules! instrument {
             source: IEEE_GYRO,
             when: $when,
             experiment: $experiment,
-            knobs: &[$knob],
+            parameters: &[$parameter],
             starts: $starts,
         }
     };
@@ -29,7 +29,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         "in proportion to hub rate",
         "constant rates against the resolver",
         &[],
-        knob!("gain", "1", [0.2, 5.0], 0.02, Linear, sensors.hub_gyro.gain)
+        parameter!("gain", "1", [0.2, 5.0], 0.02, Linear, sensors.hub_gyro.gain)
     ),
     instrument!(
         "hub_gyro",
@@ -38,7 +38,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         "always, constant",
         "stand still",
         &[],
-        knob!("bias", "rad/s", [-0.5, 0.5], 1e-3, Linear, sensors.hub_gyro.bias)
+        parameter!("bias", "rad/s", [-0.5, 0.5], 1e-3, Linear, sensors.hub_gyro.bias)
     ),
     instrument!(
         "hub_gyro",
@@ -47,7 +47,14 @@ pub(super) static EFFECTS: &[Effect] = &[
         "at the highest frequencies",
         "multisine to the highest frequency",
         &[&[377.0], &[120.0]],
-        knob!("natural_frequency", "rad/s", [20.0, 1e4], 0.2, Log, sensors.hub_gyro.natural_frequency_rad_s)
+        parameter!(
+            "natural_frequency",
+            "rad/s",
+            [20.0, 1e4],
+            0.2,
+            Log,
+            sensors.hub_gyro.natural_frequency_rad_s
+        )
     ),
     instrument!(
         "hub_gyro",
@@ -56,7 +63,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         "in proportion to frequency",
         "multisine to the highest frequency, against the tachometer",
         &[&[0.002], &[0.006]],
-        knob!("delay", "s", [0.0, 0.05], 1e-3, Linear, sensors.hub_gyro.delay_s)
+        parameter!("delay", "s", [0.0, 0.05], 1e-3, Linear, sensors.hub_gyro.delay_s)
     ),
     instrument!(
         "hub_gyro",
@@ -65,7 +72,14 @@ pub(super) static EFFECTS: &[Effect] = &[
         "in proportion to heave",
         "heave with the hub locked",
         &[],
-        knob!("g_sensitivity", "(rad/s)/(m/s^2)", [-0.1, 0.1], 3e-4, Linear, sensors.hub_gyro.g_sensitivity)
+        parameter!(
+            "g_sensitivity",
+            "(rad/s)/(m/s^2)",
+            [-0.1, 0.1],
+            3e-4,
+            Linear,
+            sensors.hub_gyro.g_sensitivity
+        )
     ),
     instrument!(
         "platform_gyro",
@@ -74,7 +88,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         "in proportion to platform rate",
         "platform pitch with the hub held on the platform",
         &[],
-        knob!("gain", "1", [0.2, 5.0], 0.02, Linear, sensors.platform_gyro.gain)
+        parameter!("gain", "1", [0.2, 5.0], 0.02, Linear, sensors.platform_gyro.gain)
     ),
     instrument!(
         "platform_gyro",
@@ -83,7 +97,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         "always, constant",
         "stand still",
         &[],
-        knob!("bias", "rad/s", [-0.5, 0.5], 1e-3, Linear, sensors.platform_gyro.bias)
+        parameter!("bias", "rad/s", [-0.5, 0.5], 1e-3, Linear, sensors.platform_gyro.bias)
     ),
     instrument!(
         "platform_gyro",
@@ -92,7 +106,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         "at the highest frequencies of the platform",
         "platform pitch to the highest frequency",
         &[&[377.0], &[60.0]],
-        knob!(
+        parameter!(
             "natural_frequency",
             "rad/s",
             [10.0, 1e4],
@@ -108,7 +122,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         "in proportion to the platform's frequency",
         "platform pitch to the highest frequency",
         &[&[0.004], &[0.015]],
-        knob!("delay", "s", [0.0, 0.1], 2e-3, Linear, sensors.platform_gyro.delay_s)
+        parameter!("delay", "s", [0.0, 0.1], 2e-3, Linear, sensors.platform_gyro.delay_s)
     ),
     instrument!(
         "platform_gyro",
@@ -117,7 +131,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         "in proportion to heave",
         "pure heave",
         &[],
-        knob!(
+        parameter!(
             "g_sensitivity",
             "(rad/s)/(m/s^2)",
             [-0.1, 0.1],
@@ -133,7 +147,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         "in proportion to heave",
         "heave of known size",
         &[],
-        knob!("gain", "1", [0.2, 5.0], 0.02, Linear, sensors.platform_accelerometer.gain)
+        parameter!("gain", "1", [0.2, 5.0], 0.02, Linear, sensors.platform_accelerometer.gain)
     ),
     instrument!(
         "platform_accelerometer",
@@ -142,7 +156,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         "always, constant",
         "stand still",
         &[],
-        knob!("bias", "m/s^2", [-5.0, 5.0], 0.02, Linear, sensors.platform_accelerometer.bias)
+        parameter!("bias", "m/s^2", [-5.0, 5.0], 0.02, Linear, sensors.platform_accelerometer.bias)
     ),
     instrument!(
         "platform_accelerometer",
@@ -151,7 +165,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         "in proportion to pitch acceleration",
         "pure platform pitch",
         &[],
-        knob!("lever_arm", "m", [-5.0, 5.0], 0.1, Linear, sensors.accelerometer_lever_arm_m)
+        parameter!("lever_arm", "m", [-5.0, 5.0], 0.1, Linear, sensors.accelerometer_lever_arm_m)
     ),
     Effect {
         effect: "channel_skew",
@@ -161,7 +175,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "two clocks, or one channel group sampled after the other",
         when: "in proportion to the platform's frequency",
         experiment: "platform pitch to the highest frequency",
-        knobs: &[knob!(
+        parameters: &[parameter!(
             "skew",
             "s",
             [0.0, 0.1],

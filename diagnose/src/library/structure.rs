@@ -1,6 +1,6 @@
 //! Structure and pivot: imbalance, inertia, springs, friction at the pivot.
 
-use super::{Effect, Kind, knob};
+use super::effect::{Effect, Kind, parameter};
 use counterpoise_models::{FrictionLaw, Lumped, Parameters};
 
 fn lumped(p: &Parameters, read: fn(&Lumped) -> f64) -> f64 {
@@ -52,7 +52,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Dholiwar 2007, (5-22)",
         when: "always: constant torque at rest, and in proportion to heave",
         experiment: "hold still at two elevations, or drive the platform in heave",
-        knobs: &[knob!(
+        parameters: &[parameter!(
             "out_of_balance",
             "kg m",
             [-2000.0, 2000.0],
@@ -72,7 +72,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Dholiwar 2007, (5-22)",
         when: "away from level: torque in proportion to the inertial hub angle",
         experiment: "slow travel over the whole elevation range, with the platform level and tilted",
-        knobs: &[knob!(
+        parameters: &[parameter!(
             "vertical_offset",
             "kg m",
             [-500.0, 500.0],
@@ -92,7 +92,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Dholiwar 2007, (5-24)",
         when: "in proportion to angular acceleration",
         experiment: "multisine or triangle demand with the platform still",
-        knobs: &[knob!(
+        parameters: &[parameter!(
             "beam_inertia",
             "kg m^2",
             [1e-4, 5000.0],
@@ -112,7 +112,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Dholiwar 2007, (5-24)",
         when: "in proportion to angular acceleration",
         experiment: "multisine or triangle demand with the platform still",
-        knobs: &[knob!(
+        parameters: &[parameter!(
             "hub_inertia",
             "kg m^2",
             [1e-4, 5000.0],
@@ -132,8 +132,8 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Hooke; Armstrong-Helouvry, Dupont, Canudas de Wit 1994 on cable drag",
         when: "in proportion to the hub's position on the platform",
         experiment: "slow travel over the whole range; tilt of the platform tells it from gravity",
-        knobs: &[
-            knob!(
+        parameters: &[
+            parameter!(
                 "stiffness",
                 "N m/rad",
                 [-2.0e4, 2.0e4],
@@ -143,7 +143,7 @@ pub(super) static EFFECTS: &[Effect] = &[
                 set | p,
                 v | lumped_set(p, |l| l.position_stiffness_nm_rad = v)
             ),
-            knob!(
+            parameter!(
                 "centre",
                 "rad",
                 [-1.5, 1.5],
@@ -164,8 +164,8 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Bouc 1967; Wen 1976",
         when: "after a reversal, over an angle that does not depend on the rate",
         experiment: "slow travel with reversals after long and after short ways",
-        knobs: &[
-            knob!(
+        parameters: &[
+            parameter!(
                 "level",
                 "N m",
                 [0.0, 5e3],
@@ -175,7 +175,7 @@ pub(super) static EFFECTS: &[Effect] = &[
                 set | p,
                 v | lumped_set(p, |l| l.hysteresis_nm = v)
             ),
-            knob!(
+            parameter!(
                 "stiffness",
                 "N m/rad",
                 [10.0, 1e6],
@@ -196,7 +196,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Dholiwar 2007, (5-24), (5-25)",
         when: "near the structure's first resonance",
         experiment: "multisine around the first resonance",
-        knobs: &[knob!(
+        parameters: &[parameter!(
             "stiffness",
             "N m/rad",
             [1e4, 1e9],
@@ -216,7 +216,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Dholiwar 2007, (5-24), (5-25)",
         when: "near the structure's first resonance",
         experiment: "multisine around the first resonance",
-        knobs: &[knob!(
+        parameters: &[parameter!(
             "damping",
             "N m s/rad",
             [0.1, 1e6],
@@ -236,7 +236,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Dahl 1968",
         when: "at every reversal of the hub's motion on the platform",
         experiment: "triangle demand; platform motion with the hub held still",
-        knobs: &[knob!(
+        parameters: &[parameter!(
             "coulomb",
             "N m",
             [0.1, 1e5],
@@ -256,7 +256,14 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Dholiwar 2007, 5.2.6",
         when: "in proportion to the hub's rate on the platform",
         experiment: "constant rates, both ways, several speeds",
-        knobs: &[knob!("viscous", "N m s/rad", [0.0, 1e5], 100.0, Linear, pivot_friction.viscous_nm_s_rad)],
+        parameters: &[parameter!(
+            "viscous",
+            "N m s/rad",
+            [0.0, 1e5],
+            100.0,
+            Linear,
+            pivot_friction.viscous_nm_s_rad
+        )],
         starts: &[],
     },
     Effect {
@@ -267,9 +274,9 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Stribeck 1902; Bo and Pavelescu 1982; Armstrong-Helouvry 1991",
         when: "near zero rate of the hub on the platform, below about v_s",
         experiment: "constant-rate ladder from well below to well above v_s",
-        knobs: &[
-            knob!("static_ratio", "1", [1.0, 4.0], 0.2, Linear, pivot_friction.static_ratio),
-            knob!("stribeck_rate", "rad/s", [5e-4, 0.5], 0.3, Log, pivot_friction.stribeck_rate_rad_s),
+        parameters: &[
+            parameter!("static_ratio", "1", [1.0, 4.0], 0.2, Linear, pivot_friction.static_ratio),
+            parameter!("stribeck_rate", "rad/s", [5e-4, 0.5], 0.3, Log, pivot_friction.stribeck_rate_rad_s),
         ],
         starts: &[&[1.3, 0.01], &[1.3, 0.003], &[1.3, 0.04]],
     },
@@ -281,7 +288,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Armstrong-Helouvry, Dupont, Canudas de Wit 1994",
         when: "different in the two directions of motion",
         experiment: "triangle demand at two out-of-balances",
-        knobs: &[knob!("asymmetry", "1", [-0.9, 0.9], 0.1, Linear, pivot_friction.asymmetry)],
+        parameters: &[parameter!("asymmetry", "1", [-0.9, 0.9], 0.1, Linear, pivot_friction.asymmetry)],
         starts: &[],
     },
     Effect {
@@ -292,7 +299,14 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Janot, Gautier, Brunot 2019 on the EMPS axis; Armstrong-Helouvry, Dupont, Canudas de Wit 1994",
         when: "different in the two directions of motion, in proportion to the rate",
         experiment: "constant rates, both ways, several speeds",
-        knobs: &[knob!("viscous_asymmetry", "1", [-0.9, 0.9], 0.1, Linear, pivot_friction.viscous_asymmetry)],
+        parameters: &[parameter!(
+            "viscous_asymmetry",
+            "1",
+            [-0.9, 0.9],
+            0.1,
+            Linear,
+            pivot_friction.viscous_asymmetry
+        )],
         starts: &[],
     },
     Effect {
@@ -303,10 +317,10 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Armstrong-Helouvry 1991; Popovic and Goldenberg 1998",
         when: "repeats with the hub's angle on the platform",
         experiment: "slow travel over the whole range, both ways",
-        knobs: &[
-            knob!("amplitude", "1", [0.0, 0.95], 0.1, Linear, pivot_friction.position_ripple.amplitude),
-            knob!("order", "1/turn", [2.0, 400.0], 0.02, Log, pivot_friction.position_ripple.order),
-            knob!("phase", "rad", [-40.0, 40.0], 0.3, Linear, pivot_friction.position_ripple.phase_rad),
+        parameters: &[
+            parameter!("amplitude", "1", [0.0, 0.95], 0.1, Linear, pivot_friction.position_ripple.amplitude),
+            parameter!("order", "1/turn", [2.0, 400.0], 0.02, Log, pivot_friction.position_ripple.order),
+            parameter!("phase", "rad", [-40.0, 40.0], 0.3, Linear, pivot_friction.position_ripple.phase_rad),
         ],
         starts: &[],
     },
@@ -318,7 +332,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Dahl 1968",
         when: "in the first fraction of a milliradian after every reversal",
         experiment: "sine below breakaway at several amplitudes",
-        knobs: &[knob!(
+        parameters: &[parameter!(
             "rest_stiffness",
             "N m/rad",
             [1e3, 1e9],
@@ -338,7 +352,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "turbulent drag; Armstrong-Helouvry 1991",
         when: "at the highest rates of the hub on the platform",
         experiment: "constant-rate ladder up to the highest rate",
-        knobs: &[knob!(
+        parameters: &[parameter!(
             "quadratic",
             "N m s^2/rad^2",
             [-5e4, 5e4],
@@ -356,7 +370,14 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Pelchen, Schweiger, Otter 2002; Hamon et al. 2011",
         when: "where the torque carried varies: heave, or several out-of-balances",
         experiment: "the same triangle at several out-of-balances",
-        knobs: &[knob!("load_coefficient", "1", [-0.2, 1.0], 0.02, Linear, pivot_friction.load_coefficient)],
+        parameters: &[parameter!(
+            "load_coefficient",
+            "1",
+            [-0.2, 1.0],
+            0.02,
+            Linear,
+            pivot_friction.load_coefficient
+        )],
         starts: &[],
     },
     Effect {
@@ -367,9 +388,9 @@ pub(super) static EFFECTS: &[Effect] = &[
         source: "Bittencourt, Wernholt 2012 on friction and temperature",
         when: "drifts over the recording, whatever the motion",
         experiment: "the same triangle after rest and after ten minutes of motion",
-        knobs: &[
-            knob!("warm_up", "1", [-1.0, 0.95], 0.1, Linear, pivot_friction.warm_up),
-            knob!("time_constant", "s", [0.5, 200.0], 0.4, Log, pivot_friction.warm_up_time_s),
+        parameters: &[
+            parameter!("warm_up", "1", [-1.0, 0.95], 0.1, Linear, pivot_friction.warm_up),
+            parameter!("time_constant", "s", [0.5, 200.0], 0.4, Log, pivot_friction.warm_up_time_s),
         ],
         starts: &[&[0.2, 4.0], &[-0.2, 4.0], &[0.2, 15.0]],
     },

@@ -1,7 +1,7 @@
 //! What a diagnosis says: the findings, the fit, where and when, and what was tried.
 
-use counterpoise_diagnose::answer::{Answer, Finding, Verdict};
-use counterpoise_diagnose::whereabouts::{Row, Whereabouts, whereabouts};
+use counterpoise_diagnose::findings::answer::{Answer, Finding, Verdict};
+use counterpoise_diagnose::findings::localisation_chart::{ChartRow, LocalisationChart, whereabouts};
 use counterpoise_project::recording::Channel;
 use egui::{RichText, Ui};
 
@@ -138,7 +138,7 @@ pub fn map(ui: &mut Ui, theme: &Theme, answer: &Answer) {
 }
 
 /// What the picture says, and what the colours mean.
-fn legend(ui: &mut Ui, theme: &Theme, found: &Whereabouts) {
+fn legend(ui: &mut Ui, theme: &Theme, found: &LocalisationChart) {
     parts::heading(ui, "What an error at each component explains, along one variable");
     ui.label(&found.summary);
     ui.horizontal(|ui| {
@@ -158,7 +158,7 @@ fn legend(ui: &mut Ui, theme: &Theme, found: &Whereabouts) {
 }
 
 /// The row of a component; a weak name alone where no balance sees it.
-fn row(ui: &mut Ui, theme: &Theme, one: &Row) {
+fn row(ui: &mut Ui, theme: &Theme, one: &ChartRow) {
     let name = one.name.replace('_', " ");
     if one.seen {
         ui.label(name);

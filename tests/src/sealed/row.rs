@@ -1,6 +1,6 @@
 //! How one answer stands to its sealed truth: a line of the score.
 
-use counterpoise_diagnose::answer::{Answer, ChannelFit, Channels, Finding, Verdict};
+use counterpoise_diagnose::findings::answer::{Answer, ChannelFit, Channels, Finding, Verdict};
 use counterpoise_simulate::recording::Recording;
 use serde::{Deserialize, Serialize};
 
