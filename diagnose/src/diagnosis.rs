@@ -6,16 +6,18 @@ use counterpoise_simulate::replay::Loop;
 
 use crate::error::Error;
 use crate::findings::answer::{Answer, Verdict};
+use crate::findings::instrument_findings::finding_of;
 use crate::findings::similarity::Scale;
 use crate::findings::verdict::Evidence;
 use crate::identification::{Amplifier, identify, improved};
-use crate::library::{Effect, free_curve, library, named, textbook};
+use crate::library::{Component, Effect, EffectName, effects_named, free_curve, library, textbook};
 use crate::localisation::error_map::{MapCell, localise_errors};
-use crate::localisation::torque_balances::{BalanceVisibility, list_balances};
+use crate::localisation::torque_balances::{BalanceVisibility, RedundantSensors, list_balances};
 use crate::recording::gap_repair::repair_gaps;
 use crate::recording::instrument_faults::{InstrumentFault, find_instrument_faults};
 use crate::recording::measured_signals::measured;
 use crate::recording::noise::{with_noise_levels_of, with_recorded_noise};
+use crate::recording::remarks::{Comparison, RecordingRemark};
 use crate::recording::sanity_checks::check_signals;
 use crate::recording::unknown_heave::drop_unknown_heave;
 use crate::selection::searcher::Searcher;
@@ -48,8 +50,8 @@ impl Diagnosis {
             Verdict::Unknown => Verdict::Incomplete,
             other => other,
         };
-        answer.findings.splice(0..0, faults.iter().map(InstrumentFault::finding));
-        answer.qualification.splice(0..0, faults.iter().map(InstrumentFault::in_words));
+        answer.findings.splice(0..0, faults.iter().map(finding_of));
+        answer.qualification.splice(0..0, faults.iter().cloned().map(RecordingRemark::Fault));
         self
     }
 }
@@ -124,8 +126,10 @@ fn diagnose_of(
     let prepared = PreparedRecordings::new(recordings, base);
     let simulator = RecordingReplays::new(base, &control, &prepared)?;
     let has = |column: fn(&Recording) -> bool| recordings.iter().all(column);
-    let isolability =
-        list_balances(has(|r| r.motor_rate_rad_s.is_some()), has(|r| r.hub_position_rad.is_some()));
+    let isolability = list_balances(RedundantSensors {
+        motor_rate: has(|r| r.motor_rate_rad_s.is_some()),
+        hub_position: has(|r| r.hub_position_rad.is_some()),
+    });
     let whereabouts = where_and_when(base, &simulator, &isolability, pool);
     let mut seeds = seeds(base, recordings);
     seeds.extend(biases(base, recordings));
@@ -178,7 +182,10 @@ fn biases(base: &Parameters, recordings: &[Recording]) -> Vec<(&'static Effect, 
     if mean.abs() < BIAS_SEEN_RAD_S {
         return Vec::new();
     }
-    let (hub, platform) = (named("hub_gyro", "bias"), named("platform_gyro", "bias"));
+    let (hub, platform) = (
+        effects_named(Component::HubGyro, EffectName::Bias),
+        effects_named(Component::PlatformGyro, EffectName::Bias),
+    );
     let hub = hub.map(|e| (e, vec![base.sensors.hub_gyro.bias + mean]));
     hub.chain(platform.map(|e| (e, vec![base.sensors.platform_gyro.bias - mean]))).collect()
 }
@@ -229,26 +236,28 @@ fn qualified(
     sizes: Sizes,
     base: &Parameters,
     recordings: &[Recording],
-) -> Result<(Vec<Recording>, Vec<String>), Error> {
+) -> Result<(Vec<Recording>, Vec<RecordingRemark>), Error> {
     let ratio = base.gearbox.ratio;
     let (mut sound, mut told) = (Vec::new(), Vec::new());
     for recording in recordings {
-        let mended = repair_gaps(recording, ratio);
-        told.extend(
-            mended.remarks.iter().map(|(channel, what)| format!("{}: {channel}: {what}", recording.name)),
-        );
-        for mut part in mended.parts {
+        let repaired = repair_gaps(recording, ratio);
+        told.extend(repaired.repairs.into_iter().map(|(channel, repair)| RecordingRemark::Repaired {
+            recording: recording.name.clone(),
+            channel,
+            repair,
+        }));
+        for mut part in repaired.parts {
             let remarks = measured(&part).map(|m| check_signals(&part.name, &m, ratio)).unwrap_or_default();
-            for remark in &remarks {
-                let out = remark.unusable && left_out(&mut part, remark.channel);
-                let end = if out { "; it is not compared" } else { "" };
-                told.push(format!("{}: {}: {}{end}", remark.recording, remark.channel, remark.what));
+            for remark in remarks {
+                let out = remark.anomaly.is_disqualifying() && left_out(&mut part, remark.channel);
+                let comparison = if out { Comparison::NotCompared } else { Comparison::Compared };
+                told.push(RecordingRemark::Checked { remark, comparison });
             }
             sound.push(part);
         }
     }
     if sound.is_empty() {
-        return Err(Error::Unusable { what: told.join("; ") });
+        return Err(Error::Unusable { remarks: told });
     }
     shorten(&mut sound, if sizes.typical { SAMPLES_AT_MOST } else { TEXTBOOK_SAMPLES_AT_MOST }, &mut told);
     Ok((sound, told))
@@ -256,7 +265,7 @@ fn qualified(
 
 /// Cuts recordings to what a diagnosis can replay some thousand times: the first part of each, an equal share of the
 /// samples that are left by those that are short enough.
-fn shorten(recordings: &mut [Recording], most: usize, told: &mut Vec<String>) {
+fn shorten(recordings: &mut [Recording], most: usize, told: &mut Vec<RecordingRemark>) {
     let mut order: Vec<usize> = (0..recordings.len()).collect();
     order.sort_by_key(|&r| recordings[r].len());
     let mut left = most;
@@ -265,12 +274,12 @@ fn shorten(recordings: &mut [Recording], most: usize, told: &mut Vec<String>) {
         let recording = &mut recordings[r];
         if recording.len() > share {
             let period = recording.sample_period_s;
-            told.push(format!(
-                "{}: the first {:.4} s of {:.4} s are used, for {most} samples in all are what is replayed",
-                recording.name,
-                share as f64 * period,
-                recording.len() as f64 * period
-            ));
+            told.push(RecordingRemark::Shortened {
+                recording: recording.name.clone(),
+                used_s: share as f64 * period,
+                length_s: recording.len() as f64 * period,
+                most_samples: most,
+            });
             *recording = recording.part(0..share);
         }
         left -= recording.len();

@@ -4,7 +4,7 @@
 
 use counterpoise_diagnose::findings::answer::{Answer, Verdict};
 use counterpoise_diagnose::findings::verdict::Evidence;
-use counterpoise_diagnose::library::library;
+use counterpoise_diagnose::library::{Component, EffectName, library};
 use counterpoise_diagnose::selection::searcher::Searcher;
 use counterpoise_diagnose::selection::sizes::Sizes;
 use counterpoise_diagnose::simulator_access::{
@@ -139,7 +139,7 @@ fn stribeck_is_named_with_its_parameters() {
     );
     assert_eq!(answer.verdict, Verdict::Named, "{answer:?}");
     let finding = &answer.findings[0];
-    assert_eq!((finding.component, finding.effect), ("pivot", "stribeck"));
+    assert_eq!((finding.component, finding.effect), (Component::Pivot, EffectName::Stribeck));
     assert!((finding.parameters[0].value - 1.55).abs() < 0.03, "{:?}", finding.parameters);
     assert!((finding.parameters[1].value / 0.012 - 1.0).abs() < 0.05, "{:?}", finding.parameters);
 }
@@ -153,7 +153,7 @@ fn two_effects_are_both_named() {
         },
         0.0,
     );
-    let mut names: Vec<_> = answer.findings.iter().map(|f| f.effect).collect();
+    let mut names: Vec<_> = answer.findings.iter().map(|f| f.effect.name()).collect();
     names.sort_unstable();
     assert_eq!(names, ["out_of_balance", "viscous"], "{answer:?}");
 }
@@ -162,5 +162,5 @@ fn two_effects_are_both_named() {
 fn a_torque_that_no_effect_makes_gets_no_name() {
     let answer = diagnosed(|_| (), 0.3);
     assert_eq!(answer.verdict, Verdict::Unknown, "{:?}", answer.findings);
-    assert_eq!(answer.findings[0].effect, "unknown");
+    assert_eq!(answer.findings[0].effect, EffectName::Unknown);
 }

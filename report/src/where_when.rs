@@ -1,7 +1,8 @@
 //! The section of a diagnosis' report that shows where and when: the balances, and component x regime.
 
-use counterpoise_diagnose::findings::answer::Answer;
-use counterpoise_diagnose::findings::localisation_chart::{ChartRow, whereabouts};
+use crate::wording::answer::{AnswerText, component_list};
+use counterpoise_diagnose::findings::localisation_chart::ChartRow;
+use counterpoise_diagnose::localisation::error_hypotheses::Regime;
 
 use counterpoise_plot::{Figure, Heat, HeatGroup, HeatRow};
 
@@ -9,7 +10,7 @@ use crate::diagnosis::words;
 use crate::{Cell, Column, Section, Table};
 
 /// Where and when.
-pub(super) fn where_section(answer: &Answer) -> Section {
+pub(super) fn where_section(answer: &AnswerText) -> Section {
     let mut balances = Table::new(
         "Balances that these sensors allow, and the components that each can see",
         &[Column::Text("balance"), Column::Text("available"), Column::Text("sees")],
@@ -17,9 +18,9 @@ pub(super) fn where_section(answer: &Answer) -> Section {
     for row in &answer.isolability {
         let available = if row.available { "yes" } else { "no" };
         balances.rows.push(vec![
-            Cell::text(row.balance),
+            Cell::text(row.balance.name()),
             Cell::text(available),
-            Cell::text(words(&row.sees.join(", "))),
+            Cell::text(words(&component_list(&row.sees))),
         ]);
     }
     let section = Section::new("Where and when").listing(balances);
@@ -27,23 +28,24 @@ pub(super) fn where_section(answer: &Answer) -> Section {
 }
 
 /// Component x regime.
-fn where_when(answer: &Answer) -> Figure {
-    let found = whereabouts(&answer.map, &answer.isolability, &answer.findings);
-    let rows = found.components.iter().map(shown).collect();
+fn where_when(answer: &AnswerText) -> Figure {
+    let rows = answer.chart.rows.iter().map(shown).collect();
     let heat = Heat {
         meaning: "of what the best cell gains".to_owned(),
         ring: "where the effect belongs that the search then named".to_owned(),
-        columns: found.regimes.iter().map(|regime| words(regime)).collect(),
+        columns: Regime::ALL.iter().map(|regime| words(regime.name())).collect(),
         groups: vec![HeatGroup { heading: "What an error at each component explains".to_owned(), rows }],
     };
     Figure::cells("Where (component) and when (regime) the simulation departs, in per cent", heat)
-        .captioned(&format!("{} {HOW}", found.summary))
+        .captioned(&format!("{} {HOW}", answer.chart_summary))
 }
 
 /// A component's row; one that no balance sees has no shares.
 fn shown(row: &ChartRow) -> HeatRow {
     let shares = if row.seen { row.shares.clone() } else { Vec::new() };
-    HeatRow { name: words(row.name), shares, ringed: row.named.clone() }
+    let ringed =
+        row.found.iter().filter_map(|found| Regime::ALL.iter().position(|one| one == found)).collect();
+    HeatRow { name: words(row.component.name()), shares, ringed }
 }
 
 /// What a cell is.

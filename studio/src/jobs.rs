@@ -4,12 +4,14 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use counterpoise_diagnose::{Diagnosis, diagnose};
+use counterpoise_diagnose::diagnose;
 use counterpoise_models::Parameters;
 use counterpoise_models::parameters::Beam;
 use counterpoise_pipeline::studies::trade_off::{EffortPoint, effort};
 use counterpoise_pipeline::{self as pipeline, World};
 use counterpoise_project::{Document, Project};
+use counterpoise_report::wording::answer::{DescribedDiagnosis, describe_diagnosis};
+use counterpoise_report::wording::recordings::describe_refusal;
 use counterpoise_simulate::replay::Loop;
 use counterpoise_verify::{Verification, VerifiedController};
 
@@ -71,7 +73,7 @@ pub struct Jobs {
     /// Exports.
     pub export: Worker<ExportAsk, Result<Option<Written>, String>>,
     /// Diagnoses.
-    pub diagnose: Worker<DiagnoseAsk, Result<Diagnosis, Reasons>>,
+    pub diagnose: Worker<DiagnoseAsk, Result<DescribedDiagnosis, Reasons>>,
     /// Lays recordings beside the model.
     pub look: Worker<LookAsk, Option<Looked>>,
     /// Lists folders.
@@ -93,7 +95,7 @@ pub struct Jobs {
     /// The recordings beside the model, of a revision of the project.
     pub seen: Option<Of<Vec<Seen>>>,
     /// The last diagnosis, or why there is none.
-    pub diagnosed: Option<Result<Diagnosis, Reasons>>,
+    pub diagnosed: Option<Result<DescribedDiagnosis, Reasons>>,
     /// The mechanism that was diagnosed.
     pub diagnosed_plant: Option<Parameters>,
     /// What a running verification has found so far.
@@ -235,7 +237,7 @@ impl Jobs {
     /// The project's text with the diagnosed mechanism, where there is one.
     pub fn improved(&self, text: &str, project: &Project) -> Option<Result<String, String>> {
         let found = self.diagnosed.as_ref()?.as_ref().ok()?;
-        let improved = Project { plant: found.improved.clone(), ..project.clone() };
+        let improved = Project { plant: found.diagnosis.improved.clone(), ..project.clone() };
         let document = Document::parse(text, "project.toml");
         let updated = improved.update(&document, project);
         Some(updated.map(|d| d.text().to_owned()).map_err(|error| error.to_string()))
@@ -272,14 +274,14 @@ fn measurer(wake: &Wake, progress: &Progress, so_far: &SoFar) -> Worker<MeasureA
     })
 }
 
-fn diagnoser(wake: &Wake, progress: &Progress) -> Worker<DiagnoseAsk, Result<Diagnosis, Reasons>> {
+fn diagnoser(wake: &Wake, progress: &Progress) -> Worker<DiagnoseAsk, Result<DescribedDiagnosis, Reasons>> {
     let (progress, woken) = (progress.clone(), Arc::clone(wake));
     Worker::new(Arc::clone(wake), move |ask: DiagnoseAsk, token: &Token| {
         diagnosis(&ask, &Watch { token, progress: &progress, wake: &woken })
     })
 }
 
-fn diagnosis(ask: &DiagnoseAsk, watch: &Watch) -> Result<Diagnosis, Reasons> {
+fn diagnosis(ask: &DiagnoseAsk, watch: &Watch) -> Result<DescribedDiagnosis, Reasons> {
     let (mut all, mut remarks) = (Vec::new(), Vec::new());
     for path in &counterpoise_host::files::recording_files(&ask.paths) {
         let (_, records) = recordings::read(&ask.project, path).map_err(|why| vec![why])?;
@@ -289,8 +291,8 @@ fn diagnosis(ask: &DiagnoseAsk, watch: &Watch) -> Result<Diagnosis, Reasons> {
         }
     }
     let control = ask.project.recording_controller.as_ref().map_or(Loop::Open, Loop::from);
-    let mut found =
-        diagnose(&ask.project.plant, control, &all, watch).map_err(|error| vec![error.to_string()])?;
+    let found = diagnose(&ask.project.plant, control, &all, watch);
+    let mut found = describe_diagnosis(found.map_err(|error| vec![describe_refusal(&error)])?);
     found.answer.qualification.extend(remarks);
     Ok(found)
 }

@@ -1,5 +1,6 @@
 //! Recordings in the studio: found, read as the project maps them, and laid beside what the model does.
 
+use counterpoise_report::wording::recordings::describe_anomaly;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -155,7 +156,9 @@ fn seen(ask: &LookAsk, path: &Path, table: &Table, record: &Record) -> Seen {
         path: path.to_owned(),
         name: stem(Path::new(&record.name)),
         columns: columns(table),
-        remarks: remarks.chain(faults.iter().map(|r| format!("{}: {}", r.channel, r.what))).collect(),
+        remarks: remarks
+            .chain(faults.iter().map(|r| format!("{}: {}", r.channel, describe_anomaly(&r.anomaly))))
+            .collect(),
         trouble,
         tracks: tracks(record, &recording, (model.as_ref(), improved.as_ref())),
     }

@@ -29,14 +29,14 @@ fn seeds() -> std::ops::Range<u64> {
 fn right(sealed: &Sealed, answer: &Answer) -> bool {
     let named = |c: &counterpoise_tests::sealed::Concealed| {
         answer.findings.iter().any(|f| {
-            (f.component, f.effect) == (c.component, c.effect)
-                || c.also.contains(&(f.component, f.effect))
-                || f.alternatives.iter().any(|a| (a.component, a.effect) == (c.component, c.effect))
+            f.name().names() == (c.component, c.effect)
+                || c.also.contains(&f.name().names())
+                || f.alternatives.iter().any(|a| a.names() == (c.component, c.effect))
         })
     };
     match sealed.family {
         Family::Nothing => answer.findings.is_empty(),
-        Family::Outside => answer.findings.iter().all(|f| f.effect == "unknown"),
+        Family::Outside => answer.findings.iter().all(|f| f.effect.name() == "unknown"),
         _ => answer.findings.len() == sealed.concealed.len() && sealed.concealed.iter().all(named),
     }
 }

@@ -1,12 +1,16 @@
 //! `counterpoise diagnose`: locate, name, model, and show that the fit improves.
 
 use crate::output::say;
-use counterpoise_diagnose::findings::answer::{Answer, Channels, Finding, FitTable, Verdict};
+use counterpoise_diagnose::diagnose;
+use counterpoise_diagnose::findings::answer::{Channels, FitTable, Verdict};
 use counterpoise_diagnose::recording::gap_repair::repair_gaps;
-use counterpoise_diagnose::{Diagnosis, diagnose};
 use counterpoise_pipeline::{Consequence, consequence};
 use counterpoise_project::Purpose;
 use counterpoise_report::difference;
+use counterpoise_report::wording::answer::{
+    AnswerText, DescribedDiagnosis, FindingText, component_list, describe_diagnosis, unit_suffix,
+};
+use counterpoise_report::wording::recordings::describe_refusal;
 use counterpoise_simulate::recording::Recording;
 use counterpoise_simulate::replay::Loop;
 use counterpoise_verify::Verification;
@@ -39,19 +43,19 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     let workers = Workers::new(options.results.quiet);
     let found = diagnose(&loaded.project.plant, control.clone(), &recordings, &workers);
     workers.finish();
-    let mut found = found?;
+    let mut found = describe_diagnosis(found.map_err(|error| anyhow::Error::msg(describe_refusal(&error)))?);
     let remarks = read.iter().flat_map(|r| r.remarks.iter().map(|remark| format!("{}: {remark}", r.file)));
     let was_known = loaded.project.recording_controller.is_some();
     let unheard = (was_known && !undemanded.is_empty()).then(|| without_demand(&undemanded));
     found.answer.qualification.splice(0..0, unheard.into_iter().chain(remarks));
     if let Some(path) = &options.save {
-        projects::save_improved(&loaded, &found.improved, path)?;
+        projects::save_improved(&loaded, &found.diagnosis.improved, path)?;
     }
     let consequence = told(&loaded, &found, options.results.quiet)?;
     if let Some(path) = &options.report {
         let ratio = loaded.project.plant.gearbox.ratio;
         let whole: Vec<Recording> =
-            found.recordings.iter().flat_map(|r| repair_gaps(r, ratio).parts).collect();
+            found.diagnosis.recordings.iter().flat_map(|r| repair_gaps(r, ratio).parts).collect();
         let page = pages::diagnosis(&loaded, &whole, (&found, consequence.as_ref()), &control);
         projects::write(path, page.as_bytes())?;
     }
@@ -71,11 +75,11 @@ fn without_demand(files: &[&str]) -> String {
 }
 
 /// What the improved model means for the project's design; none where nothing was found or the project has no design.
-fn told(loaded: &Loaded, found: &Diagnosis, quiet: bool) -> anyhow::Result<Option<Consequence>> {
-    if found.improved == loaded.project.plant {
+fn told(loaded: &Loaded, found: &DescribedDiagnosis, quiet: bool) -> anyhow::Result<Option<Consequence>> {
+    if found.diagnosis.improved == loaded.project.plant {
         return Ok(None);
     }
-    Ok(consequence(&loaded.project, &found.improved, &Surroundings::of(loaded, quiet))?)
+    Ok(consequence(&loaded.project, &found.diagnosis.improved, &Surroundings::of(loaded, quiet))?)
 }
 
 fn print_consequence(found: &Consequence) {
@@ -93,7 +97,7 @@ fn print_consequence(found: &Consequence) {
     found.redesigned.iter().for_each(|v| line("designed anew", v));
 }
 
-fn print(answer: &Answer) {
+fn print(answer: &AnswerText) {
     if !answer.qualification.is_empty() {
         say!("about the recordings themselves:");
         answer.qualification.iter().for_each(|remark| say!("  {remark}"));
@@ -103,9 +107,9 @@ fn print(answer: &Answer) {
     for row in &answer.isolability {
         say!(
             "  {:<8} {:<4} sees {}",
-            row.balance,
+            row.balance.name(),
             if row.available { "yes" } else { "no" },
-            row.sees.join(", ")
+            component_list(&row.sees)
         );
     }
     say!();
@@ -118,7 +122,7 @@ fn print(answer: &Answer) {
     answer.warnings.iter().for_each(|remark| say!("note: {remark}"));
 }
 
-fn print_finding(finding: &Finding) {
+fn print_finding(finding: &FindingText) {
     say!("  {} {} (probability {:.0} %)", finding.component, finding.effect, 100.0 * finding.probability);
     say!("    {}", finding.explanation);
     say!("    shows {}", finding.when);
@@ -127,7 +131,7 @@ fn print_finding(finding: &Finding) {
             "    {} = {:.5}{}  [{:.5}, {:.5}], was {:.5}",
             p.name,
             p.value,
-            p.suffix(),
+            unit_suffix(p),
             p.ci95[0],
             p.ci95[1],
             p.before

@@ -2,10 +2,13 @@
 
 use crate::output::say;
 use anyhow::Result;
-use counterpoise_diagnose::identification::{Amplifier, Estimate, Identified, identify, improved};
+use counterpoise_diagnose::identification::{Estimate, identify, improved};
 use counterpoise_project::Purpose;
 use counterpoise_report::html;
 use counterpoise_report::identify::report;
+use counterpoise_report::wording::identification::{
+    AmplifierText, IdentificationText, describe_identification,
+};
 use counterpoise_simulate::recording::Recording;
 
 use super::replay::read;
@@ -21,10 +24,11 @@ pub fn run(options: &IdentifyOptions) -> Done {
     let (first, second) = (group(&loaded, &options.recordings)?, group(&loaded, &options.other)?);
     let states: Vec<&[Recording]> =
         [&first.recordings[..], &second.recordings[..]].into_iter().filter(|s| !s.is_empty()).collect();
-    let mut found = identify(&loaded.project.plant, &states)?;
+    let identified = identify(&loaded.project.plant, &states)?;
+    let mut found = describe_identification(&identified);
     found.notes.extend(first.remarks.into_iter().chain(second.remarks));
     if let Some(path) = &options.save {
-        projects::save_improved(&loaded, &improved(&loaded.project.plant, &found), path)?;
+        projects::save_improved(&loaded, &improved(&loaded.project.plant, &identified), path)?;
     }
     if let Some(path) = &options.report {
         let command = format!("counterpoise identify {}", loaded.path.display());
@@ -53,7 +57,7 @@ fn group(loaded: &Loaded, paths: &[std::path::PathBuf]) -> Result<Group> {
     Ok(group)
 }
 
-fn print(found: &Identified) {
+fn print(found: &IdentificationText) {
     say!("{:<28} {:>12}   {:^25} {:>12}  unit", "", "identified", "95 % interval", "project");
     for (state, balance) in found.balances.iter().enumerate() {
         let of = |name: &str| match state {
@@ -86,11 +90,11 @@ fn line(name: &str, e: &Estimate, unit: &str) {
     say!("{name:<28} {:12.3}   [{:10.3}, {:10.3}] {:12.3}  {unit}", e.value, e.ci95[0], e.ci95[1], e.before);
 }
 
-fn amplifier(found: &Amplifier) {
+fn amplifier(found: &AmplifierText) {
     match found {
-        Amplifier::Curve { .. } => say!("amplifier: its gain curve is not the project's"),
-        Amplifier::AsInProject { .. } => say!("amplifier: its gain curve is the project's"),
-        Amplifier::NotIdentifiable { why } => say!("amplifier: not identifiable: {why}"),
+        AmplifierText::Curve { .. } => say!("amplifier: its gain curve is not the project's"),
+        AmplifierText::AsInProject { .. } => say!("amplifier: its gain curve is the project's"),
+        AmplifierText::NotIdentifiable { why } => say!("amplifier: not identifiable: {why}"),
     }
     for q in found.points() {
         say!(

@@ -1,6 +1,5 @@
 //! From results to reports.
 
-use counterpoise_diagnose::Diagnosis;
 use counterpoise_pipeline::Synthesised;
 use counterpoise_pipeline::export::{project_hash, weights};
 use counterpoise_pipeline::results::{DesignResult, ReplayResult, SynthResult};
@@ -9,6 +8,7 @@ use counterpoise_pipeline::studies::search::Searched;
 use counterpoise_pipeline::{Consequence, Designed};
 use counterpoise_report::design::{WEIGHTS, weight_section};
 use counterpoise_report::diagnosis::{Track, report};
+use counterpoise_report::wording::answer::DescribedDiagnosis;
 use counterpoise_report::{
     Cell, Column, Context, Headline, Report, Section, Table, Tile, Tone, bench, difference, html, of_design,
     trade_off,
@@ -179,13 +179,13 @@ fn times_section(times: &[StageTime]) -> Section {
 pub fn diagnosis(
     loaded: &Loaded,
     recordings: &[Recording],
-    (found, consequence): (&Diagnosis, Option<&Consequence>),
+    (found, consequence): (&DescribedDiagnosis, Option<&Consequence>),
     control: &Loop,
 ) -> String {
-    let improved = found.improved != loaded.project.plant;
+    let improved = found.diagnosis.improved != loaded.project.plant;
     let tracks = recordings.iter().flat_map(|recording| {
         let before = replayed(&loaded.project.plant, recording, control).ok();
-        let after = improved.then(|| replayed(&found.improved, recording, control).ok()).flatten();
+        let after = improved.then(|| replayed(&found.diagnosis.improved, recording, control).ok()).flatten();
         before.map(|before| tracks(recording, &before, after.as_ref())).unwrap_or_default()
     });
     let command = format!("counterpoise diagnose {}", loaded.path.display());

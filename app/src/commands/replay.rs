@@ -9,6 +9,9 @@ use counterpoise_models::Parameters;
 use counterpoise_pipeline::results::{RecordingResult, ReplayResult};
 use counterpoise_project::Purpose;
 use counterpoise_project::recording::{Mapping, Record, Table};
+use counterpoise_report::wording::recordings::{
+    describe_anomaly, describe_control_mismatch, describe_repair,
+};
 use counterpoise_simulate::recording::{Channel, Recording};
 use counterpoise_simulate::replay::{Followed, Loop, Replayer, Way};
 
@@ -69,10 +72,13 @@ fn records(loaded: &Loaded, paths: &[std::path::PathBuf]) -> Result<Vec<Record>>
 impl Read {
     /// The parts of a record that can be replayed; what was found stands with the first.
     fn of(record: &Record, kept: bool, ratio: f64) -> Result<Vec<Self>> {
-        let mended = repair_gaps(&record.recording(), ratio);
-        let done = mended.remarks.into_iter().map(|(channel, what)| format!("{channel}: {what}"));
+        let repaired = repair_gaps(&record.recording(), ratio);
+        let done = repaired
+            .repairs
+            .iter()
+            .map(|(channel, repair)| format!("{channel}: {}", describe_repair(repair)));
         let mut remarks: Vec<String> = record.findings.iter().map(ToString::to_string).chain(done).collect();
-        if mended.parts.is_empty() {
+        if repaired.parts.is_empty() {
             bail!("nothing of {} can be replayed: {}", record.name, remarks.join("; "));
         }
         let part = |recording: Recording| Self {
@@ -81,7 +87,7 @@ impl Read {
             remarks: std::mem::take(&mut remarks),
             kept,
         };
-        Ok(mended.parts.into_iter().map(part).collect())
+        Ok(repaired.parts.into_iter().map(part).collect())
     }
 
     /// Says first where the control is not what the project's controller makes of what it read.
@@ -90,7 +96,10 @@ impl Read {
             return;
         };
         let foreign = check_control(&loaded.project.plant, &self.recording, &Loop::from(controller));
-        self.remarks.splice(0..0, foreign.map(|what| format!("control: {what}")));
+        self.remarks.splice(
+            0..0,
+            foreign.map(|mismatch| format!("control: {}", describe_control_mismatch(&mismatch))),
+        );
     }
 }
 
@@ -155,7 +164,7 @@ fn follow(
 fn faults(loaded: &Loaded, recording: &Recording) -> Vec<String> {
     let ratio = loaded.project.plant.gearbox.ratio;
     let remarks = measured(recording).map(|m| check_signals(&recording.name, &m, ratio)).unwrap_or_default();
-    remarks.into_iter().map(|r| format!("{}: {}", r.channel, r.what)).collect()
+    remarks.into_iter().map(|r| format!("{}: {}", r.channel, describe_anomaly(&r.anomaly))).collect()
 }
 
 fn print(result: &ReplayResult) {

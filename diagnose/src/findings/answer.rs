@@ -1,9 +1,15 @@
-//! What the diagnosis says: plain data, in the words that a script and a person both read.
+//! What the diagnosis finds: plain data, without sentences.
 
 use serde::Serialize;
 use std::collections::BTreeMap;
 
+use crate::library::{Component, EffectName};
+use crate::localisation::error_hypotheses::Regime;
 use crate::localisation::error_map::MapCell;
+use crate::localisation::torque_balances::BalanceVisibility;
+use crate::localisation::trend::Trend;
+use crate::recording::instrument_faults::InstrumentFault;
+use crate::recording::remarks::RecordingRemark;
 
 /// How the recordings and the model stand to each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -36,44 +42,85 @@ pub struct FittedParameter {
     pub ci95: [f64; 2],
 }
 
-impl FittedParameter {
-    /// The unit as it is written after a number: a space and the unit, or nothing for a pure number.
-    pub fn suffix(&self) -> String {
-        if self.unit == "1" { String::new() } else { format!(" {}", self.unit) }
-    }
+/// An effect by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Name {
+    /// Effect.
+    pub effect: EffectName,
+    /// Component.
+    pub component: Component,
+}
 
-    /// Name, value and the value in the model as it was, in words.
-    pub fn in_words(&self) -> String {
-        format!("{} {:.4}{} (was {:.4})", self.name, self.value, self.suffix(), self.before)
+impl Name {
+    /// Returns component and effect as results name them.
+    pub fn names(self) -> (&'static str, &'static str) {
+        (self.component.name(), self.effect.name())
     }
 }
 
-/// An effect by its name.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Name {
-    /// Effect.
-    pub effect: &'static str,
-    /// Component.
-    pub component: &'static str,
+/// What a finding rests on.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Basis {
+    /// An effect of the library that was fitted in the simulator.
+    FittedEffect {
+        /// Largest RMS error over its noise floor, with the model as it was.
+        worst_before: f64,
+        /// The same with the fitted model.
+        worst_after: f64,
+    },
+    /// None of the known effects explains the mismatch.
+    NoKnownEffect {
+        /// What the mismatch depends on; `None` if that was not found.
+        pattern: Option<Pattern>,
+        /// The known effect that explains most.
+        nearest: Option<NearestEffect>,
+    },
+    /// A fault of a sensor or of the recorder.
+    InstrumentFault(InstrumentFault),
+}
+
+/// What a mismatch depends on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pattern {
+    /// The variable that it follows.
+    pub regime: Regime,
+    /// Share of what can be explained that an error along that variable explains, 0 to 1.
+    pub explained: f64,
+    /// What the error looks like along it.
+    pub trend: Option<Trend>,
+}
+
+/// The known effect that is nearest to explaining a mismatch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NearestEffect {
+    /// Its name.
+    pub name: Name,
+    /// Share of the distance from the noise floor that it explains, 0 to 1.
+    pub share: f64,
 }
 
 /// One finding.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
     /// Effect.
-    pub effect: &'static str,
+    pub effect: EffectName,
     /// Component.
-    pub component: &'static str,
+    pub component: Component,
     /// Probability that the effect, by this name, is in the machine.
     pub probability: f64,
-    /// Regime in which it shows.
-    pub when: String,
-    /// In words: equation, size, what it explains.
-    pub explanation: String,
+    /// What it rests on.
+    pub basis: Basis,
     /// Fitted parameters.
     pub parameters: Vec<FittedParameter>,
-    /// Effects that explain these recordings as well.
+    /// Effects that explain these recordings equally well.
     pub alternatives: Vec<Name>,
+}
+
+impl Finding {
+    /// Returns the name of the effect that was found.
+    pub fn name(&self) -> Name {
+        Name { effect: self.effect, component: self.component }
+    }
 }
 
 /// Fit of one channel.
@@ -105,9 +152,9 @@ pub struct FitTable {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NotExcited {
     /// Effect.
-    pub effect: &'static str,
+    pub effect: EffectName,
     /// Component.
-    pub component: &'static str,
+    pub component: Component,
     /// Smallest change of its first parameter that these recordings would show; none where no change within reason moves them.
     pub smallest_detectable: Option<f64>,
     /// That parameter.
@@ -117,12 +164,26 @@ pub struct NotExcited {
 }
 
 /// The experiment that would say more.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Experiment {
-    /// What to do.
-    pub what: String,
-    /// What it tells apart or shows.
-    pub why: String,
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NextExperiment {
+    /// The experiment that shows an effect clearly, to tell it from another.
+    Separate {
+        /// The effect that was found.
+        found: Name,
+        /// The effect that explains the recordings equally well.
+        alternative: Name,
+    },
+    /// Slow travel and a multisine at several amplitudes: they separate what depends on position, on rate and on amplitude.
+    TravelAndMultisine,
+}
+
+/// A warning about the search itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SearchWarning {
+    /// The user stopped the search before it was finished.
+    Stopped,
+    /// The last fit reached its iteration limit before it settled.
+    IterationLimit,
 }
 
 /// A hypothesis that was fitted and judged, for the table of evidence.
@@ -131,9 +192,9 @@ pub struct Hypothesis {
     /// Stage of the search at which it was tried, from 1.
     pub stage: usize,
     /// Effect.
-    pub effect: &'static str,
+    pub effect: EffectName,
     /// Component.
-    pub component: &'static str,
+    pub component: Component,
     /// Effects that were fitted together with it.
     pub beside: Vec<Name>,
     /// Log-likelihood gained on data that it was not fitted to, in nats.
@@ -147,7 +208,7 @@ pub struct Hypothesis {
 }
 
 /// The whole answer.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
     /// Verdict.
     pub verdict: Verdict,
@@ -158,15 +219,15 @@ pub struct Answer {
     /// Effects of which these recordings cannot tell.
     pub not_excited: Vec<NotExcited>,
     /// What to do next.
-    pub next_experiment: Option<Experiment>,
+    pub next_experiment: Option<NextExperiment>,
     /// Balances that these sensors allow, and what each can see.
-    pub isolability: Vec<crate::localisation::torque_balances::BalanceVisibility>,
-    /// Component x regime.
+    pub isolability: Vec<BalanceVisibility>,
+    /// The localisation: component by regime.
     pub map: Vec<MapCell>,
     /// Evidence: everything that was tried.
     pub hypotheses: Vec<Hypothesis>,
     /// What was wrong with the recordings themselves.
-    pub qualification: Vec<String>,
+    pub qualification: Vec<RecordingRemark>,
     /// Warnings of the search itself.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<SearchWarning>,
 }

@@ -1,127 +1,120 @@
-//! The chart of the localisation: component x regime, with the cells of the effects that the search found after it.
+//! The chart of the localisation: component by regime, with the cells of the effects that the search found after it.
 
 use crate::findings::answer::Finding;
-use crate::localisation::error_hypotheses::{COMPONENTS, REGIMES, regimes_of};
-use crate::localisation::error_map::{MapCell, likeliest, place};
+use crate::library::Component;
+use crate::localisation::error_hypotheses::{COMPONENTS, Regime, regimes_of};
+use crate::localisation::error_map::{MapCell, likeliest};
 use crate::localisation::torque_balances::BalanceVisibility;
 
-/// A row of the picture: a component, with its share under each regime variable.
+/// A row of the chart: a component, with its share under each regime.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChartRow {
-    /// Name of the component.
-    pub name: &'static str,
+    /// The component.
+    pub component: Component,
     /// Whether a balance that these sensors allow sees it.
     pub seen: bool,
-    /// Shares of the best cell's gain, 0 to 1, in the order of [`LocalisationChart::regimes`]; none where the component has no error along
-    /// that variable.
+    /// Shares of the best cell's gain, 0 to 1, in the order of [`Regime::ALL`]; `None` if no error along that variable is tried at
+    /// the component.
     pub shares: Vec<Option<f64>>,
-    /// Places among [`LocalisationChart::regimes`] of the cells that effects belong to which the search then named.
-    pub named: Vec<usize>,
+    /// The regimes of the cells to which effects belong that the search then found.
+    pub found: Vec<Regime>,
 }
 
-/// The picture of where and when.
+/// Whether the search, which follows the localisation, agrees with its best cell.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SearchAgreement {
+    /// It found the effect of the best cell, or there is nothing to compare.
+    Agrees,
+    /// The chart has a best cell, and the search found nothing.
+    FoundNothing,
+    /// The search found an effect that belongs to another cell.
+    FoundAnother,
+}
+
+/// The chart of the localisation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LocalisationChart {
-    /// Regime variables, the columns.
-    pub regimes: Vec<&'static str>,
-    /// Components: what an error there, along that variable, gains.
-    pub components: Vec<ChartRow>,
-    /// Share of what a perfect explanation would gain that the best cell gains; 0 where none gains more than chance may.
-    pub best: f64,
-    /// The components that cannot be told apart by these recordings, the likeliest first: see [`likeliest`].
-    pub likeliest: Vec<&'static str>,
-    /// What it says, in words.
-    pub summary: String,
+    /// The rows, one for each component.
+    pub rows: Vec<ChartRow>,
+    /// The cell that gains most; `None` if no cell gains more than noise may.
+    pub best: Option<MapCell>,
+    /// The components that these recordings cannot tell apart, the most probable first: see [`likeliest`].
+    pub likeliest: Vec<Component>,
+    /// Whether the search agrees.
+    pub agreement: SearchAgreement,
 }
 
-/// The picture of a map, of the balances that it was made with, and of what the search found after it.
-pub fn whereabouts(
+/// Builds the chart of a map, of the balances that it was made with, and of what the search found after it.
+pub fn build_chart(
     map: &[MapCell],
-    isolability: &[BalanceVisibility],
+    balances: &[BalanceVisibility],
     findings: &[Finding],
 ) -> LocalisationChart {
-    let best = map.iter().map(|cell| cell.explained).fold(0.0, f64::max);
-    let share = |component: &str, regime: &str| {
+    let largest = map.iter().map(|cell| cell.explained).fold(0.0, f64::max);
+    let share = |component: Component, regime: Regime| {
         let cell = map.iter().find(|cell| cell.component == component && cell.regime == regime)?;
-        Some(if best > 0.0 { cell.explained / best } else { 0.0 })
+        Some(if largest > 0.0 { cell.explained / largest } else { 0.0 })
     };
-    let sees = |name: &str| isolability.iter().any(|s| s.available && s.sees.contains(&name));
-    let row = |name: &'static str| ChartRow {
-        name,
-        seen: sees(name),
-        shares: REGIMES.iter().map(|regime| share(name, regime)).collect(),
-        named: findings.iter().filter(|f| f.component == name).filter_map(|f| named(map, f)).collect(),
+    let row = |component: Component| ChartRow {
+        component,
+        seen: balances.iter().any(|row| row.available && row.sees.contains(&component)),
+        shares: Regime::ALL.iter().map(|regime| share(component, *regime)).collect(),
+        found: findings
+            .iter()
+            .filter(|finding| finding.component == component)
+            .filter_map(|finding| regime_of_finding(map, finding))
+            .collect(),
     };
-    let components = COMPONENTS.iter().map(|name| row(name)).collect();
-    let likeliest = likeliest(map);
-    let summary = format!("{}{}", summary(map, &likeliest), agreement(map, findings));
-    LocalisationChart { regimes: REGIMES.to_vec(), components, best, likeliest, summary }
-}
-
-/// FitState of the cell that a named effect belongs to: of those along whose variables it shows, the one that gains most.
-fn named(map: &[MapCell], finding: &Finding) -> Option<usize> {
-    let gain = |regime: &str| {
-        let cell = map.iter().find(|c| c.component == finding.component && c.regime == regime);
-        cell.filter(|c| c.explained > 0.0).map_or(0.0, |c| c.gain_nats)
-    };
-    // the last of equals is taken: the plainest is to win
-    let regimes = regimes_of(finding.component, finding.effect).iter().rev();
-    place(regimes.max_by(|a, b| gain(a).total_cmp(&gain(b)))?)
-}
-
-/// What is to be said where the brightest cell is none that the search named.
-fn agreement(map: &[MapCell], findings: &[Finding]) -> String {
     let best = map.iter().max_by(|a, b| a.gain_nats.total_cmp(&b.gain_nats)).filter(|c| c.explained > 0.0);
-    let ringed: Vec<(&str, Option<usize>)> =
-        findings.iter().map(|f| (f.component, named(map, f))).filter(|(_, cell)| cell.is_some()).collect();
-    match best {
-        Some(_) if findings.is_empty() => " The search named nothing: what shows here is too little for an effect.".to_owned(),
-        Some(best) if !ringed.is_empty() && !ringed.contains(&(best.component, place(best.regime))) => {
-            " The search then named another cell (ringed): the balances are simpler than the simulator, and its fits decide.".to_owned()
-        }
-        _ => String::new(),
+    LocalisationChart {
+        rows: COMPONENTS.iter().map(|component| row(*component)).collect(),
+        best: best.cloned(),
+        likeliest: likeliest(map),
+        agreement: search_agreement(map, best, findings),
     }
 }
 
-/// What a map says, in words.
-fn summary(map: &[MapCell], likeliest: &[&str]) -> String {
-    let best = map.iter().max_by(|a, b| a.gain_nats.total_cmp(&b.gain_nats));
-    let Some(best) = best.filter(|cell| cell.explained > 0.0) else {
-        return "No cell stands out: an error at any component, along any of these variables, explains no more than chance may. \
-                What is left in the balances is noise."
-            .to_owned();
+/// Returns the regime of the cell to which a found effect belongs: of those along whose variables it shows, the one that gains most.
+fn regime_of_finding(map: &[MapCell], finding: &Finding) -> Option<Regime> {
+    let gain = |regime: Regime| {
+        let cell = map.iter().find(|c| c.component == finding.component && c.regime == regime);
+        cell.filter(|c| c.explained > 0.0).map_or(0.0, |c| c.gain_nats)
     };
-    let words = |name: &str| name.replace('_', " ");
-    let shape = if best.shape.is_empty() { String::new() } else { format!(" ({})", best.shape) };
-    let alike = match likeliest.split_last() {
-        Some((last, some)) if !some.is_empty() => {
-            let some: Vec<String> = some.iter().map(|name| words(name)).collect();
-            format!(
-                "The balances cannot tell {} and {} apart; the fits in the simulator may.",
-                some.join(", "),
-                words(last)
-            )
+    // `max_by` takes the last of equals, and the plainest regime, which comes first, is to be preferred
+    let regimes = regimes_of(finding.component, finding.effect).iter().rev().copied();
+    regimes.max_by(|a, b| gain(*a).total_cmp(&gain(*b)))
+}
+
+fn search_agreement(map: &[MapCell], best: Option<&MapCell>, findings: &[Finding]) -> SearchAgreement {
+    let found: Vec<(Component, Regime)> = findings
+        .iter()
+        .filter_map(|finding| Some((finding.component, regime_of_finding(map, finding)?)))
+        .collect();
+    match best {
+        Some(_) if findings.is_empty() => SearchAgreement::FoundNothing,
+        Some(best) if !found.is_empty() && !found.contains(&(best.component, best.regime)) => {
+            SearchAgreement::FoundAnother
         }
-        _ => "An error at any other component explains clearly less.".to_owned(),
-    };
-    format!(
-        "The best cell, {} along {}{shape}, gains {:.0} nats: {:.0} % of what a perfect explanation would. {alike}",
-        words(best.component),
-        best.regime,
-        best.gain_nats,
-        100.0 * best.explained
-    )
+        _ => SearchAgreement::Agrees,
+    }
 }
 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::*;
+    use crate::findings::answer::Basis;
+    use crate::library::EffectName;
     use crate::localisation::error_map::localise_errors;
-    use crate::localisation::torque_balances::list_balances;
+    use crate::localisation::torque_balances::{RedundantSensors, list_balances};
+    use crate::localisation::trend::{Repetition, Trend};
     use crate::recording::measured_signals::MeasuredSignals;
     use crate::simulator_access::{Assessment, ChannelResidual, ControlSource, Serial};
     use counterpoise_models::reference;
+
+    fn balances(motor_rate: bool, hub_position: bool) -> Vec<BalanceVisibility> {
+        list_balances(RedundantSensors { motor_rate, hub_position })
+    }
 
     const SAMPLES: usize = 8000;
     const CONTROL_FLOOR: f64 = 5e-3;
@@ -168,54 +161,70 @@ mod tests {
             start: None,
             source: ControlSource::ClosedLoop,
         };
-        localise_errors(&p, &[(measured, judged)], &list_balances(motor, position), &Serial)
+        localise_errors(&p, &[(measured, judged)], &balances(motor, position), &Serial)
     }
 
-    fn best(map: &[MapCell]) -> (&'static str, &'static str) {
+    fn best(map: &[MapCell]) -> (Component, Regime) {
         let cell = map.iter().max_by(|a, b| a.gain_nats.total_cmp(&b.gain_nats)).unwrap();
         (cell.component, cell.regime)
     }
 
     #[test]
-    fn nothing_left_out_leaves_an_empty_picture_that_says_why() {
+    fn nothing_left_out_leaves_an_empty_chart() {
         let map = departing(true, false, |_, _| 0.0);
-        let found = whereabouts(&map, &list_balances(true, false), &[]);
-        assert!(found.best == 0.0 && found.likeliest.is_empty(), "{map:?}");
-        assert!(found.summary.starts_with("No cell stands out"));
+        let chart = build_chart(&map, &balances(true, false), &[]);
+        assert!(chart.best.is_none() && chart.likeliest.is_empty(), "{map:?}");
+        assert_eq!(chart.agreement, SearchAgreement::Agrees);
     }
 
-    fn found(component: &'static str, effect: &'static str) -> Finding {
-        let (when, explanation) = (String::new(), String::new());
-        let (parameters, alternatives) = (Vec::new(), Vec::new());
-        Finding { effect, component, probability: 1.0, when, explanation, parameters, alternatives }
+    fn found(component: Component, effect: EffectName) -> Finding {
+        Finding {
+            effect,
+            component,
+            probability: 1.0,
+            basis: Basis::NoKnownEffect { pattern: None, nearest: None },
+            parameters: Vec::new(),
+            alternatives: Vec::new(),
+        }
     }
 
     #[test]
     fn a_control_that_repeats_with_the_motors_angle_points_there() {
         let map = departing(true, false, |_, angle| 20.0 * (3.0 * 200.0 * angle).sin());
-        assert_eq!(best(&map), ("motor", "motor angle"), "{map:?}");
-        let sees = list_balances(true, false);
-        let ringed = |named: Finding| {
-            let picture = whereabouts(&map, &sees, &[named]);
-            let rows = picture.components.iter();
-            let cells =
-                rows.flat_map(|row| row.named.iter().map(|&k| (row.name, REGIMES[k]))).collect::<Vec<_>>();
-            (cells, picture.summary.contains("named another cell"))
+        assert_eq!(best(&map), (Component::Motor, Regime::MotorAngle), "{map:?}");
+        let sees = balances(true, false);
+        let ringed = |component, effect| {
+            let chart = build_chart(&map, &sees, &[found(component, effect)]);
+            let cells: Vec<_> =
+                chart.rows.iter().flat_map(|row| row.found.iter().map(|r| (row.component, *r))).collect();
+            (cells, chart.agreement)
         };
-        assert_eq!(ringed(found("motor", "cogging")), (vec![("motor", "motor angle")], false));
-        assert_eq!(ringed(found("pivot", "stribeck")), (vec![("pivot", "rate")], true));
-        assert_eq!(ringed(found("motor", "unknown")), (vec![], false));
-        assert!(whereabouts(&map, &sees, &[]).summary.contains("named nothing"));
+        assert_eq!(
+            ringed(Component::Motor, EffectName::Cogging),
+            (vec![(Component::Motor, Regime::MotorAngle)], SearchAgreement::Agrees)
+        );
+        assert_eq!(
+            ringed(Component::Pivot, EffectName::Stribeck),
+            (vec![(Component::Pivot, Regime::Rate)], SearchAgreement::FoundAnother)
+        );
+        assert_eq!(ringed(Component::Motor, EffectName::Unknown), (vec![], SearchAgreement::Agrees));
+        assert_eq!(build_chart(&map, &sees, &[]).agreement, SearchAgreement::FoundNothing);
     }
 
     #[test]
     fn a_torque_of_time_alone_shows_its_period_and_what_cannot_be_told_from_it() {
         let map = departing(false, false, |k, _| 30.0 * (std::f64::consts::TAU * k as f64 / 410.0).sin());
-        let found = whereabouts(&map, &list_balances(false, false), &[]);
-        assert_eq!(found.likeliest[0], "structure", "{}", found.summary);
-        assert!(found.likeliest.contains(&"amplifier"), "{}", found.summary);
-        assert!(found.summary.contains("it repeats every 0.410"), "{}", found.summary);
-        let blind: Vec<&str> = found.components.iter().filter(|row| !row.seen).map(|row| row.name).collect();
-        assert_eq!(blind, ["platform_gyro", "platform"]);
+        let chart = build_chart(&map, &balances(false, false), &[]);
+        assert_eq!(chart.likeliest[0], Component::Structure);
+        assert!(chart.likeliest.contains(&Component::Amplifier), "{:?}", chart.likeliest);
+        let Some(Trend::Periodic { repetition: Some(Repetition::InTime { period_s, .. }) }) =
+            chart.best.unwrap().trend
+        else {
+            panic!("{map:?}");
+        };
+        assert!((period_s - 0.41).abs() < 5e-4, "{period_s}");
+        let blind: Vec<Component> =
+            chart.rows.iter().filter(|row| !row.seen).map(|row| row.component).collect();
+        assert_eq!(blind, [Component::PlatformGyro, Component::Platform]);
     }
 }

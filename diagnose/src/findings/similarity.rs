@@ -9,8 +9,10 @@ use counterpoise_models::parameters::{Friction, FrictionLaw};
 use counterpoise_models::{Parameters, Ripple};
 use counterpoise_simulate::recording::Recording;
 
-use crate::findings::answer::{Answer, Channels};
-use crate::library::{Parameter, named};
+use crate::findings::answer::{Answer, Basis, Channels};
+use crate::library::{Component, EffectName, Parameter, effects_named};
+use crate::localisation::error_hypotheses::Regime;
+use crate::localisation::trend::Trend;
 use crate::selection::sizes::Sizes;
 
 /// Inertia and gear ratio for which the library's sizes are meant.
@@ -18,7 +20,7 @@ const USUAL: (f64, f64) = (345.0, 200.0);
 /// Torque of the drive at the hub for which they are meant, N m.
 const USUAL_TORQUE: f64 = 600.0;
 /// Regime variables that are torques or the motor's angle: those of the scaled machine are not the machine's own.
-const SCALED_REGIMES: [&str; 2] = ["load", "motor angle"];
+const SCALED_REGIMES: [Regime; 2] = [Regime::Load, Regime::MotorAngle];
 /// Factors within which a machine is taken as it is.
 const AS_IT_IS: (f64, f64) = (20.0, 5.0);
 
@@ -103,23 +105,21 @@ impl Scale {
     pub fn bring_back(self, answer: &mut Answer, scaled: &Parameters) {
         for finding in &mut answer.findings {
             for parameter in &mut finding.parameters {
-                let Some(definition) = find_parameter(finding.component, finding.effect, parameter.name)
-                else {
-                    continue;
-                };
+                let found = find_parameter(finding.component, finding.effect, parameter.name);
+                let Some(definition) = found else { continue };
                 let own = |value: f64| self.own(scaled, definition, value);
-                let scaled_words = parameter.in_words();
                 parameter.value = own(parameter.value);
                 parameter.before = own(parameter.before);
                 parameter.ci95 = parameter.ci95.map(own);
-                finding.explanation = finding.explanation.replace(&scaled_words, &parameter.in_words());
             }
-            if SCALED_REGIMES.iter().any(|regime| finding.when.contains(regime)) {
-                finding.when = without_sizes(&finding.when);
+            if let Basis::NoKnownEffect { pattern: Some(pattern), .. } = &mut finding.basis
+                && SCALED_REGIMES.contains(&pattern.regime)
+            {
+                pattern.trend = pattern.trend.map(Trend::without_numbers);
             }
         }
         for cell in answer.map.iter_mut().filter(|cell| SCALED_REGIMES.contains(&cell.regime)) {
-            cell.shape = without_sizes(&cell.shape);
+            cell.trend = cell.trend.map(Trend::without_numbers);
         }
         for effect in &mut answer.not_excited {
             let Some(definition) = find_parameter(effect.component, effect.effect, effect.parameter) else {
@@ -161,15 +161,9 @@ fn drive_torque(base: &Parameters, recordings: &[Recording]) -> f64 {
     (gain * crate::recording::series::rms(&control)).abs()
 }
 
-fn find_parameter(component: &str, effect: &str, name: &str) -> Option<&'static Parameter> {
-    let definitions = named(component, effect).flat_map(|e| e.parameters.iter());
+fn find_parameter(component: Component, effect: EffectName, name: &str) -> Option<&'static Parameter> {
+    let definitions = effects_named(component, effect).flat_map(|e| e.parameters.iter());
     definitions.into_iter().find(|definition| definition.name == name)
-}
-
-/// A shape in words without the range and the period, which are the scaled machine's.
-fn without_sizes(words: &str) -> String {
-    let cut = [" over ", " every "].iter().filter_map(|word| words.find(word)).min();
-    words[..cut.unwrap_or(words.len())].to_owned()
 }
 
 /// A ripple whose amplitude is a torque times `t`, over an angle times `r`.
@@ -261,12 +255,8 @@ mod tests {
         let usual = scale.applied(&machine);
         assert!((0.7..1.5).contains(&(usual.gearbox.ratio / USUAL.1)));
         assert_eq!(scale.inverse().applied(&usual), machine);
-        assert_eq!(
-            without_sizes("follows load: odd in it over -1.000 to 1.000 N m"),
-            "follows load: odd in it"
-        );
         assert!(Scale::of(&usual, &[]).is_none() && Scale::of(&rig, &[]).is_none());
-        let definition = find_parameter("pivot", "coulomb", "coulomb").unwrap();
+        let definition = find_parameter(Component::Pivot, EffectName::Coulomb, "coulomb").unwrap();
         let own = scale.own(&usual, definition, usual.pivot_friction.coulomb_nm());
         assert!((own / machine.pivot_friction.coulomb_nm() - 1.0).abs() < 1e-12);
     }

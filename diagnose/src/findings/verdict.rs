@@ -1,15 +1,17 @@
-//! From a search to an answer in words: verdict, findings with their doubt, what the recordings cannot tell.
+//! From a search to an answer: verdict, findings with their intervals, what the recordings cannot tell.
 
 use std::collections::BTreeMap;
 
 use crate::findings::answer::{
-    Answer, ChannelFit, Channels, Experiment, Finding, FitTable, FittedParameter, Hypothesis, Name,
-    NotExcited, Verdict,
+    Answer, Basis, ChannelFit, Channels, Finding, FitTable, FittedParameter, Hypothesis, Name, NearestEffect,
+    NextExperiment, NotExcited, Pattern, SearchWarning, Verdict,
 };
 use crate::fitting::output_error::intervals;
 use crate::fitting::score::{Score, score};
-use crate::library::Effect;
+use crate::library::{Component, Effect, EffectName};
 use crate::localisation::error_map::{MapCell, likeliest};
+use crate::localisation::torque_balances::BalanceVisibility;
+use crate::recording::remarks::RecordingRemark;
 use crate::recording::series::correlation_time;
 use crate::selection::candidate::Candidate;
 use crate::selection::outcome::SearchOutcome;
@@ -33,9 +35,9 @@ pub struct Evidence<'a> {
     /// Component x regime.
     pub map: Vec<MapCell>,
     /// Balances that the sensors allow.
-    pub isolability: Vec<crate::localisation::torque_balances::BalanceVisibility>,
+    pub isolability: Vec<BalanceVisibility>,
     /// What was wrong with the recordings themselves.
-    pub qualification: Vec<String>,
+    pub qualification: Vec<RecordingRemark>,
     /// What is known of the machine's sizes.
     pub sizes: Sizes,
 }
@@ -144,20 +146,14 @@ impl Evidence<'_> {
     fn finding(&self, accepted: &Candidate, index: usize) -> Finding {
         let effect = accepted.fit.effects[index];
         let parameters = self.fitted_parameters(accepted, index);
-        let sizes: Vec<String> = parameters.iter().take(4).map(FittedParameter::in_words).collect();
-        let explanation = format!(
-            "{}; {}. Largest RMS error over its floor: {:.1} before, {:.2} after.",
-            effect.equation,
-            sizes.join(", "),
-            self.search.baseline.score.worst(),
-            accepted.whole.worst()
-        );
         Finding {
             effect: effect.effect,
             component: effect.component,
             probability: self.probability(accepted, index),
-            when: effect.when.to_owned(),
-            explanation,
+            basis: Basis::FittedEffect {
+                worst_before: self.search.baseline.score.worst(),
+                worst_after: accepted.whole.worst(),
+            },
             parameters,
             alternatives: self.alternatives(accepted, index),
         }
@@ -202,41 +198,30 @@ impl Evidence<'_> {
 
     fn unknown(&self) -> Finding {
         let places = likeliest(&self.map);
-        let (component, others) = places.split_first().map_or(("unknown", &[][..]), |(c, o)| (*c, o));
-        let when = self.pattern(component);
+        let (component, others) =
+            places.split_first().map_or((Component::Unknown, &[][..]), |(first, others)| (*first, others));
         let best = self.search.stages.first().and_then(|s| s.candidates.first());
-        let nearest = best.and_then(|c| Some((c.newest()?, self.share(c)))).map_or_else(
-            String::new,
-            |(effect, share)| {
-                format!(
-                    " The nearest, {}, explains {:.0} % of the distance.",
-                    effect.label(),
-                    100.0 * share.max(0.0)
-                )
-            },
-        );
+        let nearest = best.and_then(|c| {
+            let effect = c.newest()?;
+            let name = Name { effect: effect.effect, component: effect.component };
+            Some(NearestEffect { name, share: self.share(c) })
+        });
+        let unknown = |component: &Component| Name { effect: EffectName::Unknown, component: *component };
         Finding {
-            effect: "unknown",
+            effect: EffectName::Unknown,
             component,
             probability: RIGHT_OF_UNKNOWN,
-            when,
-            explanation: format!("None of the known effects explains the mismatch.{nearest}"),
+            basis: Basis::NoKnownEffect { pattern: self.pattern(component), nearest },
             parameters: Vec::new(),
-            alternatives: others.iter().map(|component| Name { effect: "unknown", component }).collect(),
+            alternatives: others.iter().map(unknown).collect(),
         }
     }
 
-    /// What the mismatch follows, as an error at a component, and what it looks like.
-    fn pattern(&self, component: &str) -> String {
+    /// What the mismatch depends on, as an error at a component.
+    fn pattern(&self, component: Component) -> Option<Pattern> {
         let here = self.map.iter().filter(|cell| cell.component == component);
-        here.max_by(|a, b| a.gain_nats.total_cmp(&b.gain_nats)).map_or_else(
-            || "not found".to_owned(),
-            |cell| {
-                let comma = if cell.shape.is_empty() { "" } else { "; " };
-                let share = 100.0 * cell.explained;
-                format!("follows {}: {share:.0} % of what can be explained{comma}{}", cell.regime, cell.shape)
-            },
-        )
+        let cell = here.max_by(|a, b| a.gain_nats.total_cmp(&b.gain_nats))?;
+        Some(Pattern { regime: cell.regime, explained: cell.explained, trend: cell.trend })
     }
 
     fn fit_table(&self) -> FitTable {
@@ -280,42 +265,22 @@ impl Evidence<'_> {
             .collect()
     }
 
-    fn next_experiment(&self, verdict: Verdict, findings: &[Finding]) -> Option<Experiment> {
-        let rival = findings.iter().find(|f| f.effect != "unknown" && !f.alternatives.is_empty());
+    fn next_experiment(&self, verdict: Verdict, findings: &[Finding]) -> Option<NextExperiment> {
+        let rival = findings.iter().find(|f| f.effect != EffectName::Unknown && !f.alternatives.is_empty());
         match (verdict, rival) {
             (Verdict::Consistent, _) => None,
             (_, Some(finding)) => {
-                let other = &finding.alternatives[0];
-                let effect = crate::library::named(finding.component, finding.effect).next()?;
-                Some(Experiment {
-                    what: effect.experiment.to_owned(),
-                    why: format!(
-                        "tells {} {} from {} {}",
-                        finding.component, finding.effect, other.component, other.effect
-                    ),
-                })
+                Some(NextExperiment::Separate { found: finding.name(), alternative: finding.alternatives[0] })
             }
-            (Verdict::Unknown | Verdict::Incomplete, None) => Some(Experiment {
-                what: "slow travel over the whole range both ways, then a multisine at three amplitudes"
-                    .to_owned(),
-                why: "separates what depends on position, on rate and on amplitude".to_owned(),
-            }),
+            (Verdict::Unknown | Verdict::Incomplete, None) => Some(NextExperiment::TravelAndMultisine),
             _ => None,
         }
     }
 
-    fn warnings(&self) -> Vec<String> {
-        let mut out = Vec::new();
-        if self.search.cancelled {
-            out.push(
-                "stopped before the search was finished: the answer is what was found so far".to_owned(),
-            );
-        }
+    fn warnings(&self) -> Vec<SearchWarning> {
         let limit = self.search.accepted.as_ref().is_some_and(|c| c.fit.limit_reached);
-        if limit {
-            out.push("the last fit reached its iteration limit before it settled".to_owned());
-        }
-        out
+        let stopped = self.search.cancelled.then_some(SearchWarning::Stopped);
+        stopped.into_iter().chain(limit.then_some(SearchWarning::IterationLimit)).collect()
     }
 }
 

@@ -3,7 +3,7 @@
 use counterpoise_models::Parameters;
 use counterpoise_simulate::recording::Recording;
 
-use super::outcome::{Amplifier, GainPoint};
+use super::outcome::{Amplifier, GainPoint, Unidentifiable};
 use super::problem::Problem;
 use super::regression::Fit;
 use super::tolerance::*;
@@ -19,25 +19,18 @@ pub struct Found {
 
 /// Looks for the curve.
 pub fn curve(p: &Parameters, states: &[&[Recording]], plain: &Problem, linear: &Fit) -> Result<Found, Error> {
-    let unseen =
-        |why: &str| Ok(Found { amplifier: Amplifier::NotIdentifiable { why: why.to_owned() }, curved: None });
+    let unseen = |reason| Ok(Found { amplifier: Amplifier::NotIdentifiable { reason }, curved: None });
     let knots = knots(p, plain);
     if knots.len() < LEAST_POINTS + 2 {
-        return unseen(
-            "the control stays where the amplifier is taken as linear; recordings near balance take it through small values",
-        );
+        return unseen(Unidentifiable::ControlStaysLarge);
     }
     let problem = Problem::new(p, states, &knots)?;
     let Some(fit) = problem.fit() else {
-        return unseen(
-            "the curve cannot be told from friction here; recordings at another out-of-balance can",
-        );
+        return unseen(Unidentifiable::ConfusedWithFriction);
     };
     let points = points(p, &problem, &fit, &knots);
     if points.len() < LEAST_POINTS {
-        return unseen(
-            "the curve cannot be told from friction to 15 % here; recordings at another out-of-balance can",
-        );
+        return unseen(Unidentifiable::TooUncertain);
     }
     let departs = points.iter().any(|q| {
         let apart = (q.current_a - q.linear_a).abs();

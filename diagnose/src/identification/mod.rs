@@ -26,7 +26,7 @@ mod gain;
 mod problem;
 
 pub use improve::improved;
-pub use outcome::{Amplifier, Balance, Estimate, GainPoint, Identified, Lobes, Loop};
+pub use outcome::{Amplifier, Balance, Estimate, GainPoint, Identified, Lobes, Loop, Note, Unidentifiable};
 
 use counterpoise_models::Parameters;
 use counterpoise_models::parameters::Friction;
@@ -151,36 +151,23 @@ fn loops(p: &Parameters, problem: &Problem, value: &[f64]) -> Vec<Loop> {
     problem.parts.iter().enumerate().map(one).collect()
 }
 
-fn notes(p: &Parameters, states: &[&[Recording]], amplifier: &Amplifier, left: f64) -> Vec<String> {
-    let mut out = vec![
-        "friction is the sum of pivot and motor, at the hub: one state of the rig does not tell them apart"
-            .to_owned(),
-        "the intervals take gear ratio, motor constants and sensor lags as exact".to_owned(),
-    ];
+fn notes(p: &Parameters, states: &[&[Recording]], amplifier: &Amplifier, left: f64) -> Vec<Note> {
+    let mut out = vec![Note::FrictionIsASum, Note::KnownTakenAsExact];
     if left.abs() > RESIDUAL_DOUBT {
-        out.push(format!(
-            "the torque balance leaves {:.0} % of the Coulomb friction: something else acts, `diagnose` looks for it",
-            100.0 * left.abs()
-        ));
+        out.push(Note::SomethingElseActs { share: left.abs() });
     }
     let all = || states.iter().flat_map(|state| state.iter());
     if all().any(|r| r.motor_rate_rad_s.is_none()) {
-        out.push(
-            "no motor rate: it is the hub's on the platform and the gear's twist, with the project's gear stiffness"
-                .to_owned(),
-        );
+        out.push(Note::NoMotorRate);
     }
     if all().any(|r| r.hub_position_rad.is_none()) {
-        out.push("no hub position: the angle is the integral of the rates from level".to_owned());
+        out.push(Note::NoHubPosition);
     }
     if p.lumped.is_none() {
-        out.push("no lumped structure in the project: the beam is taken as rigid".to_owned());
+        out.push(Note::RigidBeam);
     }
     if matches!(amplifier, Amplifier::Curve { .. }) && states.len() == 1 {
-        out.push(
-            "the gain curve comes from one state of balance: recordings at a second one would tell it from friction for sure"
-                .to_owned(),
-        );
+        out.push(Note::CurveFromOneState);
     }
     out
 }

@@ -61,9 +61,41 @@ pub struct GainPoint {
     pub scatter_a: f64,
 }
 
+/// Why the amplifier's gain curve cannot be identified.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unidentifiable {
+    /// The control stays in the range in which the amplifier is taken as linear.
+    ControlStaysLarge,
+    /// The curve and friction cannot be told apart.
+    ConfusedWithFriction,
+    /// The curve and friction can be told apart, but not accurately enough.
+    TooUncertain,
+}
+
+/// What has to be known together with the identified values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Note {
+    /// Friction is the sum of pivot and motor.
+    FrictionIsASum,
+    /// The intervals take gear ratio, motor constants and sensor lags as exact.
+    KnownTakenAsExact,
+    /// The torque balance leaves more than noise.
+    SomethingElseActs {
+        /// What it leaves, as a share of the Coulomb friction.
+        share: f64,
+    },
+    /// The motor's rate was not recorded.
+    NoMotorRate,
+    /// The hub's position was not recorded.
+    NoHubPosition,
+    /// The project has no lumped structure.
+    RigidBeam,
+    /// The gain curve comes from one state of balance.
+    CurveFromOneState,
+}
+
 /// What the recordings say of the amplifier.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(tag = "outcome", rename_all = "snake_case")]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Amplifier {
     /// Its gain curve departs from the project's; the mechanism was identified together with it.
     Curve {
@@ -77,13 +109,13 @@ pub enum Amplifier {
     },
     /// These recordings do not show it.
     NotIdentifiable {
-        /// Why not, and what would.
-        why: String,
+        /// Why not.
+        reason: Unidentifiable,
     },
 }
 
 /// Everything that was identified. All torques are at the output (hub) side.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Identified {
     /// One for each state of balance, in the order given.
     pub balances: Vec<Balance>,
@@ -107,7 +139,7 @@ pub struct Identified {
     /// Time that entered, s.
     pub sliding_s: f64,
     /// What has to be known with the numbers.
-    pub notes: Vec<String>,
+    pub notes: Vec<Note>,
 }
 
 impl Estimate {

@@ -4,6 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use super::amplifier_map::FREE_INPUTS_V;
 use super::effect::{Access, Effect, Kind, Mapping, Parameter};
+use super::names::{Component, EffectName};
 
 /// Every curve that was asked for: an effect lives as long as the program, so each set of inputs is made once.
 static CURVES: Mutex<Vec<&'static Effect>> = Mutex::new(Vec::new());
@@ -43,13 +44,10 @@ fn made(inputs_v: &[f64]) -> Effect {
         access: Access::Curve { inputs_v, point },
     };
     Effect {
-        effect: "gain_curve",
-        component: "amplifier",
+        // current = odd, piecewise linear map of the input (Dholiwar 2007, tables 7-1 and 7-2)
+        effect: EffectName::GainCurve,
+        component: Component::Amplifier,
         kind: Kind::MissingPhysics,
-        equation: "current = odd, piecewise linear map of the input; each point as a fraction of the linear gain",
-        source: "Dholiwar 2007, tables 7-1 and 7-2",
-        when: "at small control voltages, whatever the rate",
-        experiment: "stalled amplifier map, or runs at two out-of-balances",
         parameters: Box::leak(inputs_v.iter().enumerate().map(parameter).collect()),
         starts: &[],
     }

@@ -3,6 +3,7 @@
 use counterpoise_models::Parameters;
 
 use super::amplifier_map;
+use super::names::{Component, EffectName};
 
 /// How a parameter's value is mapped to the variable of the fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,19 +85,11 @@ pub enum Kind {
 #[derive(Debug, Clone, Copy)]
 pub struct Effect {
     /// Name in the answer.
-    pub effect: &'static str,
-    /// Where it sits.
-    pub component: &'static str,
+    pub effect: EffectName,
+    /// The component in which it acts.
+    pub component: Component,
     /// Parameter change, missing physics or instrument.
     pub kind: Kind,
-    /// Its equation in words and symbols.
-    pub equation: &'static str,
-    /// Where the equation comes from.
-    pub source: &'static str,
-    /// The regime in which it shows.
-    pub when: &'static str,
-    /// An experiment that shows it clearly.
-    pub experiment: &'static str,
     /// Parameters.
     pub parameters: &'static [Parameter],
     /// Values of the parameters to start from; an empty list starts at the model's own values.
@@ -104,11 +97,6 @@ pub struct Effect {
 }
 
 impl Effect {
-    /// `component: effect`, as written in answers and messages.
-    pub fn label(&self) -> String {
-        format!("{}: {}", self.component, self.effect)
-    }
-
     /// The mechanism with the parameters at the given values.
     pub fn applied(&self, base: &Parameters, values: &[f64]) -> Parameters {
         let mut changed = base.clone();

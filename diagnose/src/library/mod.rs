@@ -8,11 +8,14 @@ mod amplifier_map;
 mod curve;
 mod drive;
 mod effect;
+mod names;
 mod sensing;
 mod structure;
 
 pub use curve::{curve_inputs, curve_of, free_curve};
 pub use effect::{Access, Effect, Kind, Mapping, Parameter};
+pub(crate) use names::named;
+pub use names::{Component, EffectName};
 
 /// The library, component by component.
 pub fn library() -> Vec<&'static Effect> {
@@ -28,21 +31,22 @@ pub fn textbook() -> Vec<&'static Effect> {
 /// proportional to it that a fit from a distance goes astray.
 pub fn scan_range(effect: &Effect) -> Option<[f64; 2]> {
     match (effect.component, effect.effect) {
-        ("gearbox", "backlash") => Some([1e-4, 0.03]),
-        ("control", "delay") => Some([1.0, 16.0]),
+        (Component::Gearbox, EffectName::Backlash) => Some([1e-4, 0.03]),
+        (Component::Control, EffectName::Delay) => Some([1.0, 16.0]),
         _ => None,
     }
 }
 
 /// What an effect found in a coarse form is refined to: the same effect with more parameters.
 pub fn refinement(effect: &Effect) -> Option<&'static Effect> {
-    let coarse =
-        effect.component == "amplifier" && effect.effect == "gain_curve" && curve_inputs(effect).is_none();
+    let coarse = effect.component == Component::Amplifier
+        && effect.effect == EffectName::GainCurve
+        && curve_inputs(effect).is_none();
     coarse.then(free_curve)
 }
 
 /// The effects that carry a name, in library order.
-pub fn named<'a>(component: &'a str, effect: &'a str) -> impl Iterator<Item = &'static Effect> + 'a {
+pub fn effects_named(component: Component, effect: EffectName) -> impl Iterator<Item = &'static Effect> {
     let all = library().into_iter().chain(textbook());
     all.filter(move |e| e.component == component && e.effect == effect)
 }

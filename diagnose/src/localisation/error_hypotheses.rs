@@ -3,6 +3,7 @@
 //! A suspect is a free function of one variable, at one port, times what that component's errors scale with: friction goes with
 //! the direction of sliding, a motor's loss with its torque, a spring with nothing else. Nothing more is assumed of the function.
 
+use crate::library::{Component, EffectName, named};
 use crate::localisation::ports::Port;
 use crate::localisation::torque_balances::{Signals, envelope};
 use crate::recording::series::derivative;
@@ -69,66 +70,80 @@ pub(crate) enum Law {
 /// A component, a regime variable, and what may be there.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ErrorHypothesis {
-    pub component: &'static str,
-    pub regime: &'static str,
+    pub component: Component,
+    pub regime: Regime,
     pub law: Law,
 }
 
-const fn at(component: &'static str, regime: &'static str, law: Law) -> ErrorHypothesis {
+const fn at(component: Component, regime: Regime, law: Law) -> ErrorHypothesis {
     ErrorHypothesis { component, regime, law }
 }
 
-/// Regime variables, in the order in which they are told.
-pub(crate) const REGIMES: [&str; 10] = [
-    "rate",
-    "reversal",
-    "position",
-    "motor angle",
-    "load",
-    "control",
-    "time",
-    "acceleration",
-    "amplitude",
-    "frequency",
-];
+named! {
+    /// A regime: the variable along which an error is sought, in the order of the charts.
+    Regime {
+        /// Rate of the hub on the platform, or of the motor.
+        Rate = "rate",
+        /// Distance since the last reversal.
+        Reversal = "reversal",
+        /// Angle of the hub on the platform.
+        Position = "position",
+        /// Angle of the motor.
+        MotorAngle = "motor angle",
+        /// Torque carried.
+        Load = "load",
+        /// Control voltage.
+        Control = "control",
+        /// Time.
+        Time = "time",
+        /// Acceleration.
+        Acceleration = "acceleration",
+        /// Amplitude of the motion.
+        Amplitude = "amplitude",
+        /// Frequency.
+        Frequency = "frequency",
+    }
+}
 
-/// Components, the one that is likelier beforehand first: where two explain alike, the first is told first.
-pub(crate) const COMPONENTS: [&str; 10] = [
-    "structure",
-    "pivot",
-    "gearbox",
-    "motor",
-    "amplifier",
-    "control",
-    "hub_gyro",
-    "platform_gyro",
-    "platform_accelerometer",
-    "platform",
+/// The components in which an error is sought, the one with the higher prior probability first: if two explain equally much, the
+/// first is reported first.
+pub(crate) const COMPONENTS: [Component; 10] = [
+    Component::Structure,
+    Component::Pivot,
+    Component::Gearbox,
+    Component::Motor,
+    Component::Amplifier,
+    Component::Control,
+    Component::HubGyro,
+    Component::PlatformGyro,
+    Component::PlatformAccelerometer,
+    Component::Platform,
 ];
 
 /// The regime variables along which an effect of the library shows, the plainest first; none for one that has no cell.
-pub(crate) fn regimes_of(component: &str, effect: &str) -> &'static [&'static str] {
+pub(crate) fn regimes_of(component: Component, effect: EffectName) -> &'static [Regime] {
+    use {Component as C, EffectName as E, Regime as R};
     match (component, effect) {
-        ("pivot" | "motor", "coulomb") => &["reversal", "rate"],
-        ("pivot", "stribeck") => &["rate", "reversal"],
-        ("pivot" | "motor", "viscous" | "quadratic_drag" | "asymmetric_friction") => &["rate"],
-        ("pivot", "presliding_stiffness") | ("structure", "hysteresis") => &["reversal"],
-        ("structure", "vertical_offset" | "position_stiffness")
-        | ("pivot", "position_dependent_friction") => &["position"],
-        ("structure", "out_of_balance")
-        | ("pivot", "load_dependent_friction")
-        | ("gearbox", "stiffness" | "backlash")
-        | ("motor", "torque_constant") => &["load"],
-        ("gearbox", "mesh_efficiency") => &["rate", "load"],
-        ("structure" | "motor", "inertia") => &["acceleration"],
-        ("motor", "cogging" | "torque_ripple") | ("gearbox", "mesh_ripple") => &["motor angle"],
-        ("amplifier", "gain_curve" | "dead_zone" | "current_limit") => &["control"],
-        ("pivot", "warm_up") => &["time"],
-        ("hub_gyro" | "platform_gyro", "scale") => &["rate"],
-        (_, "bias") => &["time"],
-        (_, "g_sensitivity") | ("platform_accelerometer", "scale") => &["acceleration"],
-        (_, "flexible_mode" | "damping" | "bandwidth" | "delay" | "lever_arm" | "channel_skew") => {
-            &["frequency"]
+        (C::Pivot | C::Motor, E::Coulomb) => &[R::Reversal, R::Rate],
+        (C::Pivot, E::Stribeck) => &[R::Rate, R::Reversal],
+        (C::Pivot | C::Motor, E::Viscous | E::QuadraticDrag | E::AsymmetricFriction) => &[R::Rate],
+        (C::Pivot, E::PreslidingStiffness) | (C::Structure, E::Hysteresis) => &[R::Reversal],
+        (C::Structure, E::VerticalOffset | E::PositionStiffness)
+        | (C::Pivot, E::PositionDependentFriction) => &[R::Position],
+        (C::Structure, E::OutOfBalance)
+        | (C::Pivot, E::LoadDependentFriction)
+        | (C::Gearbox, E::Stiffness | E::Backlash)
+        | (C::Motor, E::TorqueConstant) => &[R::Load],
+        (C::Gearbox, E::MeshEfficiency) => &[R::Rate, R::Load],
+        (C::Structure | C::Motor, E::Inertia) => &[R::Acceleration],
+        (C::Motor, E::Cogging | E::TorqueRipple) | (C::Gearbox, E::MeshRipple) => &[R::MotorAngle],
+        (C::Amplifier, E::GainCurve | E::DeadZone | E::CurrentLimit) => &[R::Control],
+        (C::Pivot, E::WarmUp) => &[R::Time],
+        (C::HubGyro | C::PlatformGyro, E::Scale) => &[R::Rate],
+        (_, E::Bias) => &[R::Time],
+        (_, E::GSensitivity) | (C::PlatformAccelerometer, E::Scale) => &[R::Acceleration],
+        (_, E::FlexibleMode | E::Damping | E::Bandwidth | E::Delay | E::LeverArm | E::ChannelSkew) => {
+            &[R::Frequency]
         }
         _ => &[],
     }
@@ -142,53 +157,61 @@ const DELAYS: &[Quantity] =
 
 /// Every suspect.
 pub(crate) const ERROR_HYPOTHESES: &[ErrorHypothesis] = &[
-    at("structure", "position", Law::Free(Hub, Q::Position, Q::One)),
-    at("structure", "position", Law::Repeats(Hub, Q::Position, Q::One)),
-    at("structure", "time", Law::Free(Hub, Q::Time, Q::One)),
-    at("structure", "time", Law::Sine(Hub, Q::One)),
-    at("structure", "load", Law::Fixed(&[(Hub, Q::Weight)])),
-    at("structure", "acceleration", Law::Fixed(&[(Hub, Q::Acceleration)])),
-    at("structure", "frequency", Law::Fixed(&[(Hub, Q::Acceleration), (Hub, Q::AccelerationBend)])),
-    at("pivot", "rate", Law::Free(Hub, Q::Speed, Q::Sliding)),
-    at("pivot", "rate", Law::Fixed(&[(Hub, Q::Rate), (Hub, Q::Forward), (Hub, Q::Backward)])),
-    at("pivot", "reversal", Law::Free(Hub, Q::Travel, Q::Sliding)),
-    at("pivot", "position", Law::Free(Hub, Q::Position, Q::Sliding)),
-    at("pivot", "position", Law::Repeats(Hub, Q::Position, Q::Sliding)),
-    at("pivot", "load", Law::Free(Hub, Q::Mesh, Q::Sliding)),
-    at("pivot", "time", Law::Free(Hub, Q::Time, Q::Sliding)),
-    at("pivot", "acceleration", Law::Free(Hub, Q::Acceleration, Q::Sliding)),
-    at("pivot", "amplitude", Law::Free(Hub, Q::Amplitude, Q::Sliding)),
-    at("gearbox", "load", Law::Free(Gear, Q::Mesh, Q::One)),
-    at("gearbox", "motor angle", Law::Turns(Hub, Q::One)),
-    at("gearbox", "motor angle", Law::Turns(Gear, Q::One)),
-    at("gearbox", "rate", Law::Fixed(&[(Hub, Q::Driving), (Motor, Q::Driven)])),
-    at("gearbox", "time", Law::Free(Gear, Q::Time, Q::Mesh)),
-    at("motor", "rate", Law::Free(Motor, Q::MotorSpeed, Q::Turning)),
-    at("motor", "reversal", Law::Free(Motor, Q::MotorTravel, Q::Turning)),
-    at("motor", "motor angle", Law::Turns(Motor, Q::One)),
-    at("motor", "motor angle", Law::Turns(Motor, Q::Drive)),
-    at("motor", "load", Law::Fixed(&[(Motor, Q::Drive)])),
-    at("motor", "time", Law::Free(Motor, Q::Time, Q::Drive)),
-    at("motor", "time", Law::Sine(Motor, Q::Drive)),
-    at("amplifier", "control", Law::Free(Motor, Q::Control, Q::One)),
-    at("amplifier", "time", Law::Free(Motor, Q::Time, Q::One)),
-    at("amplifier", "time", Law::Sine(Motor, Q::One)),
-    at("amplifier", "frequency", Law::OneOf(Motor, LAGS)),
-    at("control", "frequency", Law::OneOf(Motor, DELAYS)),
-    at("hub_gyro", "rate", Law::Fixed(&[(HubGyro, Q::HubRate)])),
-    at("hub_gyro", "time", Law::Free(HubGyro, Q::Time, Q::One)),
-    at("hub_gyro", "acceleration", Law::Fixed(&[(HubGyro, Q::Heave)])),
-    at("hub_gyro", "frequency", Law::Fixed(&[(HubGyro, Q::HubRateSlope)])),
-    at("platform_gyro", "rate", Law::Fixed(&[(PlatformGyro, Q::PlatformRate)])),
-    at("platform_gyro", "time", Law::Free(PlatformGyro, Q::Time, Q::One)),
-    at("platform_gyro", "acceleration", Law::Fixed(&[(PlatformGyro, Q::Heave)])),
-    at("platform_gyro", "frequency", Law::Fixed(&[(PlatformGyro, Q::PlatformRateSlope)])),
-    at("platform_accelerometer", "acceleration", Law::Fixed(&[(Accelerometer, Q::Heave)])),
-    at("platform_accelerometer", "time", Law::Free(Accelerometer, Q::Time, Q::One)),
-    at("platform_accelerometer", "frequency", Law::Fixed(&[(Accelerometer, Q::PlatformRateSlope)])),
+    at(Component::Structure, Regime::Position, Law::Free(Hub, Q::Position, Q::One)),
+    at(Component::Structure, Regime::Position, Law::Repeats(Hub, Q::Position, Q::One)),
+    at(Component::Structure, Regime::Time, Law::Free(Hub, Q::Time, Q::One)),
+    at(Component::Structure, Regime::Time, Law::Sine(Hub, Q::One)),
+    at(Component::Structure, Regime::Load, Law::Fixed(&[(Hub, Q::Weight)])),
+    at(Component::Structure, Regime::Acceleration, Law::Fixed(&[(Hub, Q::Acceleration)])),
     at(
-        "platform",
-        "frequency",
+        Component::Structure,
+        Regime::Frequency,
+        Law::Fixed(&[(Hub, Q::Acceleration), (Hub, Q::AccelerationBend)]),
+    ),
+    at(Component::Pivot, Regime::Rate, Law::Free(Hub, Q::Speed, Q::Sliding)),
+    at(Component::Pivot, Regime::Rate, Law::Fixed(&[(Hub, Q::Rate), (Hub, Q::Forward), (Hub, Q::Backward)])),
+    at(Component::Pivot, Regime::Reversal, Law::Free(Hub, Q::Travel, Q::Sliding)),
+    at(Component::Pivot, Regime::Position, Law::Free(Hub, Q::Position, Q::Sliding)),
+    at(Component::Pivot, Regime::Position, Law::Repeats(Hub, Q::Position, Q::Sliding)),
+    at(Component::Pivot, Regime::Load, Law::Free(Hub, Q::Mesh, Q::Sliding)),
+    at(Component::Pivot, Regime::Time, Law::Free(Hub, Q::Time, Q::Sliding)),
+    at(Component::Pivot, Regime::Acceleration, Law::Free(Hub, Q::Acceleration, Q::Sliding)),
+    at(Component::Pivot, Regime::Amplitude, Law::Free(Hub, Q::Amplitude, Q::Sliding)),
+    at(Component::Gearbox, Regime::Load, Law::Free(Gear, Q::Mesh, Q::One)),
+    at(Component::Gearbox, Regime::MotorAngle, Law::Turns(Hub, Q::One)),
+    at(Component::Gearbox, Regime::MotorAngle, Law::Turns(Gear, Q::One)),
+    at(Component::Gearbox, Regime::Rate, Law::Fixed(&[(Hub, Q::Driving), (Motor, Q::Driven)])),
+    at(Component::Gearbox, Regime::Time, Law::Free(Gear, Q::Time, Q::Mesh)),
+    at(Component::Motor, Regime::Rate, Law::Free(Motor, Q::MotorSpeed, Q::Turning)),
+    at(Component::Motor, Regime::Reversal, Law::Free(Motor, Q::MotorTravel, Q::Turning)),
+    at(Component::Motor, Regime::MotorAngle, Law::Turns(Motor, Q::One)),
+    at(Component::Motor, Regime::MotorAngle, Law::Turns(Motor, Q::Drive)),
+    at(Component::Motor, Regime::Load, Law::Fixed(&[(Motor, Q::Drive)])),
+    at(Component::Motor, Regime::Time, Law::Free(Motor, Q::Time, Q::Drive)),
+    at(Component::Motor, Regime::Time, Law::Sine(Motor, Q::Drive)),
+    at(Component::Amplifier, Regime::Control, Law::Free(Motor, Q::Control, Q::One)),
+    at(Component::Amplifier, Regime::Time, Law::Free(Motor, Q::Time, Q::One)),
+    at(Component::Amplifier, Regime::Time, Law::Sine(Motor, Q::One)),
+    at(Component::Amplifier, Regime::Frequency, Law::OneOf(Motor, LAGS)),
+    at(Component::Control, Regime::Frequency, Law::OneOf(Motor, DELAYS)),
+    at(Component::HubGyro, Regime::Rate, Law::Fixed(&[(HubGyro, Q::HubRate)])),
+    at(Component::HubGyro, Regime::Time, Law::Free(HubGyro, Q::Time, Q::One)),
+    at(Component::HubGyro, Regime::Acceleration, Law::Fixed(&[(HubGyro, Q::Heave)])),
+    at(Component::HubGyro, Regime::Frequency, Law::Fixed(&[(HubGyro, Q::HubRateSlope)])),
+    at(Component::PlatformGyro, Regime::Rate, Law::Fixed(&[(PlatformGyro, Q::PlatformRate)])),
+    at(Component::PlatformGyro, Regime::Time, Law::Free(PlatformGyro, Q::Time, Q::One)),
+    at(Component::PlatformGyro, Regime::Acceleration, Law::Fixed(&[(PlatformGyro, Q::Heave)])),
+    at(Component::PlatformGyro, Regime::Frequency, Law::Fixed(&[(PlatformGyro, Q::PlatformRateSlope)])),
+    at(Component::PlatformAccelerometer, Regime::Acceleration, Law::Fixed(&[(Accelerometer, Q::Heave)])),
+    at(Component::PlatformAccelerometer, Regime::Time, Law::Free(Accelerometer, Q::Time, Q::One)),
+    at(
+        Component::PlatformAccelerometer,
+        Regime::Frequency,
+        Law::Fixed(&[(Accelerometer, Q::PlatformRateSlope)]),
+    ),
+    at(
+        Component::Platform,
+        Regime::Frequency,
         Law::Together(&[(PlatformGyro, Q::PlatformRateSlope), (Accelerometer, Q::HeaveSlope)]),
     ),
 ];
@@ -262,15 +285,15 @@ impl Quantity {
         matches!(self, Self::Acceleration | Self::AccelerationBend | Self::HubRateSlope)
     }
 
-    /// Its unit, with a space before it.
+    /// Its unit; empty if it has none.
     pub fn unit(self) -> &'static str {
         match self {
-            Self::Rate | Self::Speed | Self::Amplitude | Self::MotorSpeed => " rad/s",
-            Self::Position | Self::Travel | Self::MotorTravel => " rad",
-            Self::Mesh => " N m",
-            Self::Control => " V",
-            Self::Time => " s",
-            Self::Acceleration => " rad/s^2",
+            Self::Rate | Self::Speed | Self::Amplitude | Self::MotorSpeed => "rad/s",
+            Self::Position | Self::Travel | Self::MotorTravel => "rad",
+            Self::Mesh => "N m",
+            Self::Control => "V",
+            Self::Time => "s",
+            Self::Acceleration => "rad/s^2",
             _ => "",
         }
     }
@@ -314,9 +337,9 @@ mod tests {
     fn every_effect_of_the_library_has_its_cell() {
         for effect in library() {
             let regimes = regimes_of(effect.component, effect.effect);
-            assert!(!regimes.is_empty(), "{}", effect.label());
-            assert!(regimes.iter().all(|r| REGIMES.contains(r)), "{}", effect.label());
-            assert!(COMPONENTS.contains(&effect.component), "{}", effect.label());
+            assert!(!regimes.is_empty(), "{effect:?}");
+            assert!(regimes.iter().all(|r| Regime::ALL.contains(r)), "{effect:?}");
+            assert!(COMPONENTS.contains(&effect.component), "{effect:?}");
         }
     }
 }

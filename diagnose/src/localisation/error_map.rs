@@ -5,14 +5,15 @@
 //! cell. Nothing is named by it: it is told which component, and what the function looks like.
 
 use counterpoise_models::Parameters;
-use serde::Serialize;
 
+use crate::library::Component;
 use crate::localisation::error_hypotheses::{
-    COMPONENTS, ERROR_HYPOTHESES, ErrorHypothesis, Law, Quantity, REGIMES,
+    COMPONENTS, ERROR_HYPOTHESES, ErrorHypothesis, Law, Quantity, Regime,
 };
-use crate::localisation::free_functions::{fitted_shape, knots, on_knots, sines, turns, waves};
+use crate::localisation::free_functions::{classify_knot_function, knots, on_knots, sines, turns, waves};
 use crate::localisation::residual_regression::{ResidualRegression, Series};
 use crate::localisation::torque_balances::BalanceVisibility;
+use crate::localisation::trend::{Repetition, Trend};
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::simulator_access::{Assessment, Pool, map};
 use crate::tolerance::{AMBIGUOUS, GAIN_NEEDED};
@@ -23,18 +24,18 @@ const ALIKE: f64 = 0.1;
 const DESCRIBED: f64 = 0.1;
 
 /// What an error at one component would explain that is a free function of one regime variable.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct MapCell {
     /// Component.
-    pub component: &'static str,
+    pub component: Component,
     /// Regime variable.
-    pub regime: &'static str,
+    pub regime: Regime,
     /// Share, 0 to 1, of the log-likelihood that a perfect explanation would gain; 0 where it gains no more than chance may.
     pub explained: f64,
     /// Log-likelihood gained on data not used to find it, in nats.
     pub gain_nats: f64,
-    /// Shape of that function in words; empty where the variable explains little or the shape is not a simple one.
-    pub shape: String,
+    /// What that function looks like; `None` if the variable explains little or the function has no simple form.
+    pub trend: Option<Trend>,
 }
 
 /// Component x regime of recordings, each with the replay that was judged on it, best first within a component.
@@ -61,13 +62,8 @@ pub fn localise_errors(
             cells.push(cell);
         }
     }
-    cells.sort_by_key(|c| (COMPONENTS.iter().position(|n| *n == c.component), place(c.regime)));
+    cells.sort_by_key(|c| (COMPONENTS.iter().position(|n| *n == c.component), c.regime));
     cells
-}
-
-/// FitState of a regime among [`REGIMES`].
-pub(crate) fn place(regime: &str) -> Option<usize> {
-    REGIMES.iter().position(|n| *n == regime)
 }
 
 fn cell(
@@ -78,8 +74,8 @@ fn cell(
 ) -> MapCell {
     let share = gain / departures.possible().max(GAIN_NEEDED);
     let explained = if gain > GAIN_NEEDED { share.clamp(0.0, 1.0) } else { 0.0 };
-    let shape = if explained > DESCRIBED { tried.shape(departures, suspect) } else { String::new() };
-    MapCell { component: suspect.component, regime: suspect.regime, explained, gain_nats: gain, shape }
+    let trend = if explained > DESCRIBED { tried.trend(departures, suspect) } else { None };
+    MapCell { component: suspect.component, regime: suspect.regime, explained, gain_nats: gain, trend }
 }
 
 /// A suspect as columns of the departures.
@@ -87,14 +83,14 @@ struct FittedHypothesis {
     columns: Vec<Vec<f64>>,
     /// Knots of a free function.
     knots: Vec<f64>,
-    /// How it repeats, in words.
-    repeats: String,
+    /// How it repeats.
+    repeats: Option<Trend>,
 }
 
 impl FittedHypothesis {
     fn of(departures: &ResidualRegression, suspect: &ErrorHypothesis) -> Option<Self> {
         let all = |q: Quantity| departures.all(q);
-        let plain = |columns| Self { columns, knots: Vec::new(), repeats: String::new() };
+        let plain = |columns| Self { columns, knots: Vec::new(), repeats: None };
         match suspect.law {
             Law::Free(port, variable, carrier) => {
                 let (variables, carriers) = (all(variable), all(carrier));
@@ -125,41 +121,41 @@ impl FittedHypothesis {
             Law::Sine(port, carrier) => {
                 let (frequency, series) = sines(departures, &departures.all(carrier))?;
                 let doubt = departures.period_doubt(frequency);
-                let words = format!("it repeats every {:.4} +/- {doubt:.4} s", 1.0 / frequency);
-                (departures.columns(port, &series), words)
+                let repetition = Repetition::InTime { period_s: 1.0 / frequency, half_width_s: doubt };
+                (departures.columns(port, &series), Trend::Periodic { repetition: Some(repetition) })
             }
             Law::Repeats(port, variable, carrier) => {
                 let along = departures.all(variable);
                 let found = departures.repetition(&along)?;
                 let series = waves(std::f64::consts::TAU * found.frequency, &along, &departures.all(carrier));
-                (departures.columns(port, &series), found.told(variable.unit()))
+                (departures.columns(port, &series), found.trend(variable.unit()))
             }
             Law::Turns(port, carrier) => {
                 let (order, columns) = turns(departures, port, &departures.all(carrier))?;
-                (columns, format!("it repeats every 1/{order:.0} turn of the motor"))
+                (columns, Trend::Periodic { repetition: Some(Repetition::WithMotorTurn { order }) })
             }
             _ => return None,
         };
-        Some(Self { columns, knots: Vec::new(), repeats })
+        Some(Self { columns, knots: Vec::new(), repeats: Some(repeats) })
     }
 
-    /// What the function looks like, in words.
-    fn shape(&self, departures: &ResidualRegression, suspect: &ErrorHypothesis) -> String {
-        let Law::Free(_, variable, _) = suspect.law else { return self.repeats.clone() };
+    /// What the function looks like.
+    fn trend(&self, departures: &ResidualRegression, suspect: &ErrorHypothesis) -> Option<Trend> {
+        let Law::Free(_, variable, _) = suspect.law else { return self.repeats };
         let coefficients = departures.coefficients(&self.columns).unwrap_or_default();
         let along: Vec<f64> = departures.all(variable).concat();
-        fitted_shape(&self.knots, &coefficients, &along, variable.unit())
+        classify_knot_function(&self.knots, &coefficients, &along, variable.unit())
     }
 }
 
 /// The components that may hold what the model lacks, the likeliest first: the one at which an error explains most, and those that
 /// these recordings cannot tell from it. None where no component explains enough.
-pub fn likeliest(map: &[MapCell]) -> Vec<&'static str> {
-    let best = |component: &str| {
+pub fn likeliest(map: &[MapCell]) -> Vec<Component> {
+    let best = |component: Component| {
         map.iter().filter(|c| c.component == component).map(|c| c.gain_nats).fold(0.0, f64::max)
     };
-    let all: Vec<(&'static str, f64)> =
-        COMPONENTS.iter().map(|c| (*c, best(c))).filter(|(_, gain)| *gain > GAIN_NEEDED).collect();
+    let all: Vec<(Component, f64)> =
+        COMPONENTS.iter().map(|c| (*c, best(*c))).filter(|(_, gain)| *gain > GAIN_NEEDED).collect();
     let most = all.iter().map(|(_, gain)| *gain).fold(0.0, f64::max);
     let mut near: Vec<_> =
         all.into_iter().filter(|(_, gain)| most - gain < (ALIKE * most).max(AMBIGUOUS)).collect();

@@ -3,7 +3,7 @@
 use crate::localisation::error_hypotheses::Quantity;
 use crate::localisation::ports::Port;
 use crate::localisation::residual_regression::{ResidualRegression, Series};
-use crate::localisation::trend::shape;
+use crate::localisation::trend::{Trend, classify_function};
 
 /// Knots of a free function.
 const KNOTS: usize = 7;
@@ -46,17 +46,22 @@ pub(crate) fn on_knots(variable: &Series, carrier: &Series, knots: &[f64]) -> Ve
     out
 }
 
-/// What a function on knots looks like along its variable, in words.
-pub(crate) fn fitted_shape(knots: &[f64], coefficients: &[f64], along: &[f64], unit: &str) -> String {
+/// What a function on knots looks like along its variable; returns `None` if it has no simple form.
+pub(crate) fn classify_knot_function(
+    knots: &[f64],
+    coefficients: &[f64],
+    along: &[f64],
+    unit: &'static str,
+) -> Option<Trend> {
     if coefficients.len() != knots.len() {
-        return String::new();
+        return None;
     }
     let some: Vec<f64> = along.iter().step_by((along.len() / DESCRIBED).max(1)).copied().collect();
     let value = |v: &f64| {
         let (lower, share) = between(knots, *v);
         (1.0 - share) * coefficients[lower] + share * coefficients[lower + 1]
     };
-    shape(&some.iter().map(value).collect::<Vec<_>>(), &some, unit)
+    classify_function(&some.iter().map(value).collect::<Vec<_>>(), &some, unit)
 }
 
 /// Highest frequency of a torque that is looked for in time, Hz.
@@ -130,6 +135,7 @@ pub(crate) fn turns(
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use crate::localisation::trend::{Extent, Form};
 
     #[test]
     fn a_function_on_knots_is_the_straight_line_between_them() {
@@ -140,8 +146,9 @@ mod tests {
             let line: f64 = columns.iter().zip(&knots).map(|(c, knot)| (2.0 - 3.0 * knot) * c[0][k]).sum();
             assert!((line - (2.0 - 3.0 * variable[0][k])).abs() < 1e-9);
         }
-        let words = fitted_shape(&knots, &knots, &variable[0], " rad");
-        assert!(words.starts_with("in proportion to it, over 0.000 to 9.900 rad"), "{words}");
+        let trend = classify_knot_function(&knots, &knots, &variable[0], "rad");
+        let extent = Some(Extent { low: 0.0, high: variable[0][99], unit: "rad" });
+        assert_eq!(trend, Some(Trend::Simple { form: Form::Proportional, extent }));
         assert!(super::knots(&vec![vec![1.0; 5]], false).is_none());
     }
 }

@@ -4,11 +4,11 @@
 //! may act; `error_hypotheses`, what may act there; `free_functions`, functions of one variable; `trend`, what such a function looks
 //! like; `whitening` and `residual_regression`, what each hypothesis explains; [`error_map`], component by regime.
 
-pub(crate) mod error_hypotheses;
+pub mod error_hypotheses;
 pub mod error_map;
 mod free_functions;
 mod ports;
 mod residual_regression;
 pub mod torque_balances;
-mod trend;
+pub mod trend;
 mod whitening;

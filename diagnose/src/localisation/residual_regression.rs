@@ -8,7 +8,7 @@ use counterpoise_models::Parameters;
 
 use crate::localisation::error_hypotheses::Quantity;
 use crate::localisation::ports::Port;
-use crate::localisation::torque_balances::{Balance, Signals, THINNING, thin};
+use crate::localisation::torque_balances::{Balance, RedundantSensors, Signals, THINNING, thin};
 use crate::localisation::trend::PeriodicTrend;
 use crate::localisation::whitening::Whitener;
 use crate::recording::measured_signals::MeasuredSignals;
@@ -54,7 +54,10 @@ impl<'a> ResidualRegression<'a> {
     /// The departures of recordings, each with the replay that was judged on it; none where a balance is not finite.
     pub fn new(p: &'a Parameters, recordings: &[(MeasuredSignals, Assessment)]) -> Option<Self> {
         let has = |f: fn(&MeasuredSignals) -> bool| recordings.iter().all(|(m, _)| f(m));
-        let balances = Balance::allowed(has(|m| m.motor_rate.is_some()), has(|m| m.hub_position.is_some()));
+        let balances = Balance::allowed(RedundantSensors {
+            motor_rate: has(|m| m.motor_rate.is_some()),
+            hub_position: has(|m| m.hub_position.is_some()),
+        });
         let signals: Vec<Signals> = recordings.iter().map(|(m, _)| Signals::new(p, m, None)).collect();
         let quiet = recordings.iter().zip(&signals).map(|((m, judged), s)| {
             let in_loop = judged.source == ControlSource::ClosedLoop;

@@ -15,80 +15,75 @@
 use counterpoise_models::Parameters;
 use serde::Serialize;
 
+use crate::library::{Component, named};
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::{derivative, low_pass, moving_mean};
 
-/// A balance, what it needs and what it sees.
+/// What a balance can show.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct BalanceVisibility {
-    /// Name of the balance.
-    pub balance: &'static str,
+    /// The balance.
+    pub balance: Balance,
     /// Whether these sensors allow it.
     pub available: bool,
-    /// Components whose mismatch shows in it.
-    pub sees: Vec<&'static str>,
+    /// Components whose errors show in it.
+    pub sees: Vec<Component>,
 }
 
-/// A balance that the measured signals are put into.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Balance {
-    Twist,
-    Angle,
-    Drive,
-    Hub,
+named! {
+    /// A balance of motion or torque that measured signals are put into.
+    Balance {
+        /// The motor's current against the amplifier; it needs a current sensor, which no recording has.
+        Current = "current",
+        /// Gear kinematics and elasticity.
+        Twist = "twist",
+        /// The gyroscopes against the resolver.
+        Angle = "angle",
+        /// Everything that makes torque, on either side of the gear.
+        Drive = "drive",
+        /// What acts on the hub side of the gear.
+        Hub = "hub",
+    }
 }
 
 impl Balance {
-    const ALL: [Self; 4] = [Self::Twist, Self::Angle, Self::Drive, Self::Hub];
-
-    /// Name as [`isolability`] has it.
-    fn name(self) -> &'static str {
-        match self {
-            Self::Twist => "twist",
-            Self::Angle => "angle",
-            Self::Drive => "drive",
-            Self::Hub => "hub",
-        }
-    }
-
-    /// Those that a set of sensors allows.
-    pub(crate) fn allowed(motor_rate: bool, hub_position: bool) -> Vec<Self> {
-        let table = list_balances(motor_rate, hub_position);
-        let is_allowed = |b: &Self| table.iter().any(|row| row.available && row.balance == b.name());
-        Self::ALL.into_iter().filter(is_allowed).collect()
+    /// Returns the balances that a set of sensors allows.
+    pub(crate) fn allowed(sensors: RedundantSensors) -> Vec<Self> {
+        list_balances(sensors).into_iter().filter(|row| row.available).map(|row| row.balance).collect()
     }
 }
 
-/// The balances that a set of sensors allows.
-pub fn list_balances(motor_rate: bool, hub_position: bool) -> Vec<BalanceVisibility> {
-    let row = |balance, available, sees: &[&'static str]| BalanceVisibility {
-        balance,
-        available,
-        sees: sees.to_vec(),
-    };
+/// Which of the sensors are there that a machine can do without.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RedundantSensors {
+    /// Whether the motor's rate was recorded.
+    pub motor_rate: bool,
+    /// Whether the hub's angle was recorded.
+    pub hub_position: bool,
+}
+
+/// Lists every balance, whether a set of sensors allows it, and the components whose errors show in it.
+pub fn list_balances(sensors: RedundantSensors) -> Vec<BalanceVisibility> {
+    use Component as C;
+    let RedundantSensors { motor_rate, hub_position } = sensors;
+    let row = |balance, available, sees: &[C]| BalanceVisibility { balance, available, sees: sees.to_vec() };
+    let torque = [
+        C::Amplifier,
+        C::Motor,
+        C::Gearbox,
+        C::Pivot,
+        C::Structure,
+        C::Control,
+        C::HubGyro,
+        C::PlatformAccelerometer,
+    ];
+    let hub_side = [C::Gearbox, C::Pivot, C::Structure, C::HubGyro, C::PlatformAccelerometer];
     vec![
-        row("current", false, &["amplifier"]),
-        row("twist", motor_rate, &["gearbox", "hub_gyro", "platform_gyro", "platform"]),
-        row("angle", hub_position, &["hub_gyro", "platform_gyro", "platform"]),
-        row(
-            "drive",
-            true,
-            &[
-                "amplifier",
-                "motor",
-                "gearbox",
-                "pivot",
-                "structure",
-                "control",
-                "hub_gyro",
-                "platform_accelerometer",
-            ],
-        ),
-        row(
-            "hub",
-            motor_rate && hub_position,
-            &["gearbox", "pivot", "structure", "hub_gyro", "platform_accelerometer"],
-        ),
+        row(Balance::Current, false, &[C::Amplifier]),
+        row(Balance::Twist, motor_rate, &[C::Gearbox, C::HubGyro, C::PlatformGyro, C::Platform]),
+        row(Balance::Angle, hub_position, &[C::HubGyro, C::PlatformGyro, C::Platform]),
+        row(Balance::Drive, true, &torque),
+        row(Balance::Hub, motor_rate && hub_position, &hub_side),
     ]
 }
 
@@ -215,6 +210,8 @@ impl<'a> Signals<'a> {
             Balance::Angle => less(&self.relative, &derivative(&self.angle, self.period_s)),
             Balance::Drive => less(&self.load, &self.mesh),
             Balance::Hub => self.hub_side(),
+            // no recording has the motor's current, so this balance is never allowed
+            Balance::Current => vec![f64::NAN; self.hub.len()],
         }
     }
 
@@ -288,9 +285,11 @@ mod tests {
 
     #[test]
     fn sensors_decide_which_balances_there_are() {
-        assert_eq!(Balance::allowed(false, false), [Balance::Drive]);
-        assert_eq!(Balance::allowed(false, true), [Balance::Angle, Balance::Drive]);
-        assert_eq!(Balance::allowed(true, true), Balance::ALL);
+        let allowed =
+            |motor_rate, hub_position| Balance::allowed(RedundantSensors { motor_rate, hub_position });
+        assert_eq!(allowed(false, false), [Balance::Drive]);
+        assert_eq!(allowed(false, true), [Balance::Angle, Balance::Drive]);
+        assert_eq!(allowed(true, true), Balance::ALL[1..]);
     }
 
     #[test]

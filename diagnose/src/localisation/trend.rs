@@ -14,21 +14,100 @@ const REFINEMENTS: usize = 12;
 
 /// Deviation of a function, as a share of its mean, below which it is the same throughout.
 const CONSTANT: f64 = 0.15;
+/// Share by which an odd function must explain more than a straight line to be preferred: every straight line is odd as well.
+const PROPORTIONAL_PREFERENCE: f64 = 0.05;
 
-/// What a function looks like along its variable, in words: the same throughout, proportional, odd or even, with the range that is
-/// covered; empty where it is none of these.
-pub(crate) fn shape(function: &[f64], variable: &[f64], unit: &str) -> String {
-    let Some([low, high]) = range(variable) else { return String::new() };
-    let over = format!("over {low:.3} to {high:.3}{unit}");
+/// A range of a variable.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extent {
+    /// Smallest value.
+    pub low: f64,
+    /// Largest value.
+    pub high: f64,
+    /// Unit; empty if there is none.
+    pub unit: &'static str,
+}
+
+/// A simple form of a function of one variable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// The same throughout.
+    Constant,
+    /// In proportion to the variable.
+    Proportional,
+    /// Odd in the variable.
+    Odd,
+    /// Even in the variable.
+    Even,
+}
+
+/// How something repeats.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Repetition {
+    /// Along a variable.
+    Along {
+        /// Period, in the unit of the extent.
+        period: f64,
+        /// Half width of its 95 % interval.
+        half_width: f64,
+        /// The range that the recordings cover.
+        extent: Extent,
+    },
+    /// In time.
+    InTime {
+        /// Period, s.
+        period_s: f64,
+        /// Half width of its 95 % interval, s.
+        half_width_s: f64,
+    },
+    /// With the motor's angle.
+    WithMotorTurn {
+        /// Periods in a turn.
+        order: f64,
+    },
+}
+
+/// What a function of a regime variable looks like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Trend {
+    /// It has a simple form.
+    Simple {
+        /// The form.
+        form: Form,
+        /// The range that the recordings cover; `None` if its numbers are not those of the machine itself.
+        extent: Option<Extent>,
+    },
+    /// It repeats.
+    Periodic {
+        /// How; `None` if its numbers are not those of the machine itself.
+        repetition: Option<Repetition>,
+    },
+}
+
+impl Trend {
+    /// Removes the numbers: those of a dynamically similar machine are not the machine's own.
+    pub fn without_numbers(self) -> Self {
+        match self {
+            Self::Simple { form, .. } => Self::Simple { form, extent: None },
+            Self::Periodic { .. } => Self::Periodic { repetition: None },
+        }
+    }
+}
+
+/// Classifies a function along its variable as constant, proportional, odd or even; returns `None` if it is none of these, or if the
+/// variable does not move.
+pub(crate) fn classify_function(function: &[f64], variable: &[f64], unit: &'static str) -> Option<Trend> {
+    let [low, high] = range(variable)?;
+    let simple_trend = |form| Trend::Simple { form, extent: Some(Extent { low, high, unit }) };
     let mean = function.iter().sum::<f64>() / function.len().max(1) as f64;
     if rms(&centred(function)) < CONSTANT * mean.abs() {
-        return format!("the same throughout, {over}");
+        return Some(simple_trend(Form::Constant));
     }
     let [straight, odd, even] = simple(function, variable);
-    let words = [("in proportion to it", straight + 0.05), ("odd in it", odd), ("even in it", even)];
-    let best = words.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
-    best.filter(|(_, share)| *share > SHAPE_NEEDED)
-        .map_or_else(String::new, |(word, _)| format!("{word}, {over}"))
+    let forms =
+        [(Form::Proportional, straight + PROPORTIONAL_PREFERENCE), (Form::Odd, odd), (Form::Even, even)];
+    let best = forms.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    best.filter(|(_, share)| *share > SHAPE_NEEDED).map(|(form, _)| simple_trend(form))
 }
 
 /// Smallest and largest value of a variable that moves.
@@ -61,10 +140,12 @@ impl PeriodicTrend {
         Some(Self { frequency, doubt: 1.96 * deviation / (frequency * frequency), range })
     }
 
-    /// In words.
-    pub fn told(&self, unit: &str) -> String {
-        let ([low, high], period) = (self.range, 1.0 / self.frequency);
-        format!("it repeats every {period:.4} +/- {:.4}{unit}, over {low:.3} to {high:.3}{unit}", self.doubt)
+    /// As the trend of a function.
+    pub fn trend(&self, unit: &'static str) -> Trend {
+        let [low, high] = self.range;
+        let extent = Extent { low, high, unit };
+        let repetition = Repetition::Along { period: 1.0 / self.frequency, half_width: self.doubt, extent };
+        Trend::Periodic { repetition: Some(repetition) }
     }
 }
 
@@ -129,6 +210,7 @@ fn centred(series: &[f64]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::panic)]
     use super::*;
 
     fn along(f: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
@@ -141,22 +223,26 @@ mod tests {
     #[test]
     fn a_repetition_is_given_with_its_period() {
         let (residual, variable) = along(|v| (std::f64::consts::TAU * v / 0.31 + 0.4).sin());
-        let words = PeriodicTrend::of(&residual, &variable).map(|found| found.told(" s")).unwrap_or_default();
-        assert!(words.starts_with("it repeats every 0.3") && words.contains(" s, over -1.000"), "{words}");
+        let trend = PeriodicTrend::of(&residual, &variable).map(|found| found.trend("s"));
+        let Some(Trend::Periodic { repetition: Some(Repetition::Along { period, extent, .. }) }) = trend
+        else {
+            panic!("{trend:?}");
+        };
+        assert!((period - 0.31).abs() < 0.05 && extent.low == -1.0 && extent.unit == "s", "{trend:?}");
     }
 
     #[test]
     fn proportional_odd_and_even_are_told_apart() {
-        for (f, word) in [
-            ((|v| 2.0 * v) as fn(f64) -> f64, "in proportion"),
-            (|v: f64| v.signum() + 0.2 * v, "odd"),
-            (|v: f64| v * v, "even"),
-            (|v: f64| v * v * v, "odd"),
-            (|v: f64| 9.0 + v, "the same"),
+        for (f, expected) in [
+            ((|v| 2.0 * v) as fn(f64) -> f64, Form::Proportional),
+            (|v: f64| v.signum() + 0.2 * v, Form::Odd),
+            (|v: f64| v * v, Form::Even),
+            (|v: f64| v * v * v, Form::Odd),
+            (|v: f64| 9.0 + v, Form::Constant),
         ] {
             let (residual, variable) = along(f);
-            let words = shape(&residual, &variable, "");
-            assert!(words.starts_with(word), "{words}");
+            let trend = classify_function(&residual, &variable, "");
+            assert!(matches!(trend, Some(Trend::Simple { form, .. }) if form == expected), "{trend:?}");
         }
     }
 }

@@ -17,23 +17,55 @@ const STUCK: usize = 40;
 /// Share of its usual size that the motion has at the least while a sensor is stuck.
 const MOVING: f64 = 0.3;
 
+/// What was done to a channel, or to all of a recording, to repair it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Repair {
+    /// Readings that stand still while the mechanism moves are not compared.
+    StuckReadings {
+        /// The reading, in the channel's unit.
+        value: f64,
+        /// Number of samples.
+        samples: usize,
+        /// The first of them.
+        first: usize,
+    },
+    /// The channel has not one sample, and is taken as not recorded.
+    NoSamples,
+    /// Missing samples were interpolated.
+    Filled {
+        /// Number of samples.
+        samples: usize,
+    },
+    /// The recording was split at gaps in what drives the replay.
+    Split {
+        /// Number of gaps.
+        gaps: usize,
+        /// Their length in all, s.
+        missing_s: f64,
+        /// Time of the first, s.
+        first_s: f64,
+        /// Number of parts that are long enough to be replayed.
+        parts: usize,
+    },
+}
+
 /// A recording without its holes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RepairedRecording {
     /// The parts that can be replayed: the recording itself where it is whole, none where nothing is left.
     pub parts: Vec<Recording>,
     /// What was found and done, each with its channel.
-    pub remarks: Vec<(&'static str, String)>,
+    pub repairs: Vec<(&'static str, Repair)>,
 }
 
 /// Mends a recording; `ratio` is the gear's, motor turns per hub turn.
 pub fn repair_gaps(recording: &Recording, ratio: f64) -> RepairedRecording {
     let mut whole = recording.clone();
-    let mut remarks = Vec::new();
+    let mut repairs = Vec::new();
     let moving = motions(recording, ratio);
     for ((channel, column), other) in compared(&mut whole).into_iter().zip(moving) {
         if let (Some(series), Some(other)) = (column.as_mut(), other) {
-            remarks.extend(unstuck(series, &other).map(|what| (channel, what)));
+            repairs.extend(remove_stuck_readings(series, &other).map(|repair| (channel, repair)));
         }
     }
     let length = whole.len();
@@ -42,14 +74,14 @@ pub fn repair_gaps(recording: &Recording, ratio: f64) -> RepairedRecording {
         let Some(series) = column.as_mut() else { continue };
         if series.iter().all(|v| !v.is_finite()) {
             *column = None;
-            remarks.push((channel, "not one sample: taken as not recorded".to_owned()));
+            repairs.push((channel, Repair::NoSamples));
             continue;
         }
-        remarks.extend(filled(series, &mut broken).map(|what| (channel, what)));
+        repairs.extend(fill_short_gaps(series, &mut broken).map(|repair| (channel, repair)));
     }
-    let (parts, remark) = parted(&whole, &broken);
-    remarks.extend(remark.map(|what| ("time", what)));
-    RepairedRecording { parts, remarks }
+    let (parts, repair) = split_at_gaps(&whole, &broken);
+    repairs.extend(repair.map(|repair| ("time", repair)));
+    RepairedRecording { parts, repairs }
 }
 
 type Columns<'a, const N: usize> = [(&'static str, &'a mut Option<Vec<f64>>); N];
@@ -83,7 +115,7 @@ fn motions(r: &Recording, ratio: f64) -> [Option<Vec<f64>>; 3] {
 }
 
 /// Takes out the readings of a sensor that stood still while the mechanism moved.
-fn unstuck(series: &mut [f64], motion: &[f64]) -> Option<String> {
+fn remove_stuck_readings(series: &mut [f64], motion: &[f64]) -> Option<Repair> {
     let usual = rms(&motion.iter().copied().filter(|v| v.is_finite()).collect::<Vec<f64>>());
     let mut taken = Vec::new();
     let mut from = 0;
@@ -102,13 +134,11 @@ fn unstuck(series: &mut [f64], motion: &[f64]) -> Option<String> {
     for (from, run, _) in taken {
         series[from..from + run].fill(f64::NAN);
     }
-    Some(format!(
-        "stuck or clipped at {value:.6} while the mechanism moved: {samples} samples from sample {first} on are not compared"
-    ))
+    Some(Repair::StuckReadings { value, samples, first })
 }
 
 /// Fills short holes of a series, and marks the samples of long ones.
-fn filled(series: &mut [f64], broken: &mut [bool]) -> Option<String> {
+fn fill_short_gaps(series: &mut [f64], broken: &mut [bool]) -> Option<Repair> {
     let mut short = 0;
     let mut from = 0;
     while from < series.len() {
@@ -129,11 +159,11 @@ fn filled(series: &mut [f64], broken: &mut [bool]) -> Option<String> {
         }
         from += run;
     }
-    (short > 0).then(|| format!("{short} missing samples filled in on straight lines"))
+    (short > 0).then_some(Repair::Filled { samples: short })
 }
 
 /// The stretches between long holes.
-fn parted(whole: &Recording, broken: &[bool]) -> (Vec<Recording>, Option<String>) {
+fn split_at_gaps(whole: &Recording, broken: &[bool]) -> (Vec<Recording>, Option<Repair>) {
     if !broken.contains(&true) {
         return (vec![whole.clone()], None);
     }
@@ -149,18 +179,10 @@ fn parted(whole: &Recording, broken: &[bool]) -> (Vec<Recording>, Option<String>
     let holes = broken.chunk_by(|a, b| a == b).filter(|run| run[0]).count();
     let missing = broken.iter().filter(|b| **b).count() as f64 * whole.sample_period_s;
     let first = broken.iter().position(|b| *b).unwrap_or(0) as f64 * whole.sample_period_s;
-    let many = if holes == 1 { "a gap".to_owned() } else { format!("{holes} gaps") };
-    let what = format!(
-        "{many} of {missing:.3} s in all in what drives the replay, the first after {first:.3} s: {} replayed",
-        match stretches.len() {
-            0 => "nothing that is left is long enough to be".to_owned(),
-            1 => "the longest stretch is".to_owned(),
-            n => format!("{n} stretches are, each by itself,"),
-        }
-    );
+    let repair = Repair::Split { gaps: holes, missing_s: missing, first_s: first, parts: stretches.len() };
     let count = stretches.len();
     let parts = stretches.iter().enumerate().map(|(k, stretch)| part(whole, *stretch, (k, count))).collect();
-    (parts, Some(what))
+    (parts, Some(repair))
 }
 
 fn part(whole: &Recording, (from, to): (usize, usize), (k, count): (usize, usize)) -> Recording {
@@ -191,9 +213,9 @@ mod tests {
 
     #[test]
     fn a_whole_recording_stays_as_it_is() {
-        let mended = repair_gaps(&recording(), 200.0);
-        assert_eq!(mended.parts, vec![recording()]);
-        assert!(mended.remarks.is_empty());
+        let repaired = repair_gaps(&recording(), 200.0);
+        assert_eq!(repaired.parts, vec![recording()]);
+        assert!(repaired.repairs.is_empty());
     }
 
     #[test]
@@ -203,12 +225,12 @@ mod tests {
         {
             column.as_mut().unwrap()[2000..2500].fill(f64::NAN);
         }
-        let mended = repair_gaps(&r, 200.0);
-        let lengths: Vec<usize> = mended.parts.iter().map(Recording::len).collect();
+        let repaired = repair_gaps(&r, 200.0);
+        let lengths: Vec<usize> = repaired.parts.iter().map(Recording::len).collect();
         assert_eq!(lengths, [2000, 3500]);
-        assert_eq!(mended.parts[1].name, "triangle (part 2)");
-        assert_eq!(mended.remarks[0].0, "time");
-        assert!(mended.remarks[0].1.starts_with("a gap of 0.500 s"), "{:?}", mended.remarks);
+        assert_eq!(repaired.parts[1].name, "triangle (part 2)");
+        let gap = Repair::Split { gaps: 1, missing_s: 0.5, first_s: 2.0, parts: 2 };
+        assert_eq!(repaired.repairs[0], ("time", gap));
     }
 
     #[test]
@@ -216,12 +238,12 @@ mod tests {
         let mut r = recording();
         r.control_v.as_mut().unwrap()[100..104].fill(f64::NAN);
         r.motor_rate_rad_s.as_mut().unwrap()[3000..3300].fill(7.5);
-        let mended = repair_gaps(&r, 200.0);
-        let part = &mended.parts[0];
+        let repaired = repair_gaps(&r, 200.0);
+        let part = &repaired.parts[0];
         let straight = part.control_v.as_ref().unwrap()[102] - recording().control_v.unwrap()[102];
         assert!(straight.abs() < 1e-4);
         assert!(part.motor_rate_rad_s.as_ref().unwrap()[3150].is_nan());
-        let told: Vec<&str> = mended.remarks.iter().map(|(channel, _)| *channel).collect();
+        let told: Vec<&str> = repaired.repairs.iter().map(|(channel, _)| *channel).collect();
         assert_eq!(told, ["motor_rate", "control"]);
     }
 
@@ -231,6 +253,6 @@ mod tests {
         for (column, value) in [(&mut r.hub_rate_rad_s, 0.0), (&mut r.motor_rate_rad_s, 0.0)] {
             column.as_mut().unwrap()[3000..3300].fill(value);
         }
-        assert!(repair_gaps(&r, 200.0).remarks.is_empty());
+        assert!(repair_gaps(&r, 200.0).repairs.is_empty());
     }
 }

@@ -7,6 +7,7 @@ pub mod gap_repair;
 pub mod instrument_faults;
 pub mod measured_signals;
 pub mod noise;
+pub mod remarks;
 pub mod sanity_checks;
 pub(crate) mod series;
 pub(crate) mod unknown_heave;

@@ -10,6 +10,110 @@ use counterpoise_simulate::replay::{Loop, control_fit};
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::rms;
 
+/// What a sensor's disagreement with the others most likely means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Meaning {
+    /// Its sign is swapped.
+    SignSwapped,
+    /// It is in degrees.
+    InDegrees,
+    /// One is in degrees and the other in radians.
+    MixedDegreesAndRadians,
+    /// It is in thousandths.
+    InThousandths,
+    /// A scale or the gear ratio is wrong.
+    WrongScaleOrRatio,
+}
+
+/// Whether readings stay at an extreme of the channel or between.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Standstill {
+    /// At an extreme.
+    Clipped,
+    /// Between the extremes.
+    Stuck,
+}
+
+/// What is unusual about a channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Anomaly {
+    /// Samples are missing or not numbers.
+    Missing {
+        /// How many.
+        missing: usize,
+        /// Of how many.
+        samples: usize,
+    },
+    /// It has one value throughout.
+    StuckThroughout {
+        /// The value, in the channel's unit.
+        value: f64,
+    },
+    /// Flat tops at an extreme.
+    FlatTops {
+        /// The extreme, in the channel's unit.
+        limit: f64,
+        /// Number of samples in them.
+        samples: usize,
+    },
+    /// One long run of equal readings.
+    LongRun {
+        /// Whether at an extreme.
+        standstill: Standstill,
+        /// The value, in the channel's unit.
+        value: f64,
+        /// Number of samples.
+        samples: usize,
+        /// The first of them.
+        first: usize,
+    },
+    /// Few steps of the quantiser over the range.
+    Coarse {
+        /// Steps over the range.
+        steps: f64,
+    },
+    /// The gyroscopes disagree with motor and resolver, which agree with each other.
+    GyroscopesDisagree {
+        /// What the gyroscopes give over what the others give.
+        ratio: f64,
+        /// What it most likely means.
+        meaning: Meaning,
+    },
+    /// The channel disagrees with the gyroscopes.
+    Disagrees {
+        /// What it gives over what the gyroscopes give.
+        ratio: f64,
+        /// What it most likely means.
+        meaning: Meaning,
+    },
+    /// Its clock has an offset.
+    ClockOffset {
+        /// How much later than the gyroscopes it is, s.
+        late_s: f64,
+    },
+    /// Its clock runs fast or slow.
+    ClockDrift {
+        /// How much later than the gyroscopes it is at the start, s.
+        start_s: f64,
+        /// The same at the end, s.
+        end_s: f64,
+        /// Share by which the clock runs slow.
+        slow: f64,
+    },
+}
+
+impl Anomaly {
+    /// Whether the channel cannot be used as it is.
+    pub fn is_disqualifying(&self) -> bool {
+        match self {
+            Self::Missing { missing, samples } => missing == samples,
+            Self::StuckThroughout { .. } => true,
+            Self::Disagrees { meaning, .. } => *meaning != Meaning::WrongScaleOrRatio,
+            _ => false,
+        }
+    }
+}
+
 /// Something that is wrong, or worth knowing, about a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Remark {
@@ -17,65 +121,67 @@ pub struct Remark {
     pub recording: String,
     /// Channel.
     pub channel: &'static str,
-    /// What was seen, with its figure.
-    pub what: String,
-    /// Whether the channel cannot be used.
-    pub unusable: bool,
+    /// What was seen.
+    pub anomaly: Anomaly,
 }
 
-/// Checks one recording.
+/// Checks the channels of one recording by themselves and against each other; `ratio` is the gear's, motor turns per hub turn.
 pub fn check_signals(name: &str, measured: &MeasuredSignals, ratio: f64) -> Vec<Remark> {
     let mut remarks = Vec::new();
-    let mut say = |channel, what: String, unusable| {
-        remarks.push(Remark { recording: name.to_owned(), channel, what, unusable });
+    let mut note = |channel, anomaly| {
+        remarks.push(Remark { recording: name.to_owned(), channel, anomaly });
     };
     for (channel, series) in channels(measured) {
-        if let Some((what, unusable)) = alone(series) {
-            say(channel, what, unusable);
+        if let Some(anomaly) = check_alone(series) {
+            note(channel, anomaly);
         }
     }
     let pairs = redundant(measured, ratio);
     let slopes: Vec<(f64, f64)> = pairs.iter().map(|(_, gyros, other)| regression(gyros, other)).collect();
-    if let Some((what, unusable)) = all_against_the_gyros(&slopes) {
-        say("hub_rate", what, unusable);
+    if let Some(anomaly) = all_against_the_gyros(&slopes) {
+        note("hub_rate", anomaly);
         return remarks;
     }
     for ((channel, gyros, other), (slope, coherence)) in pairs.iter().zip(slopes) {
-        if let Some((what, unusable)) = meaning(slope, coherence) {
-            say(channel, format!("{slope:.3} times what the gyroscopes say: {what}"), unusable);
-        } else if let Some(what) =
+        if let Some(meaning) = meaning(slope, coherence) {
+            note(channel, Anomaly::Disagrees { ratio: slope, meaning });
+        } else if let Some(anomaly) =
             drifting(gyros, other, measured.period_s).or_else(|| shifted(gyros, other, measured.period_s))
         {
-            say(channel, what, false);
+            note(channel, anomaly);
         }
     }
     remarks
 }
 
-/// What is wrong where the recorded control is not what the project's controller makes of the recorded demand and hub rate; none where
-/// it is, and where one of the three was not recorded. Of a recording whose columns are the samples that were read, not made from others.
-pub fn check_control(base: &Parameters, recording: &Recording, control: &Loop) -> Option<String> {
+/// The recorded control is not what the project's controller makes of the recorded demand and hub rate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ControlMismatch {
+    /// RMS of the difference, V.
+    pub rms_v: f64,
+    /// The same as a multiple of what rounding leaves.
+    pub ratio: f64,
+}
+
+/// Compares the recorded control with what the project's controller makes of the recorded demand and hub rate. Returns `None` if they
+/// agree, if one of the three was not recorded, or if no controller is known. The columns must be the samples that were read, not
+/// made from others.
+pub fn check_control(base: &Parameters, recording: &Recording, control: &Loop) -> Option<ControlMismatch> {
     let Loop::Closed(controller) = control else { return None };
     let (fit, _) = control_fit(base, recording, controller)?;
     let ratio = fit.rms_error / fit.floor;
-    (ratio > FOREIGN).then(|| {
-        format!(
-            "it is not what the project's controller makes of the recorded demand and hub rate, but {:.3} V RMS off, {ratio:.0} times what \
-             rounding leaves: another controller was in the loop, or one of the three is not what it read or gave",
-            fit.rms_error
-        )
-    })
+    (ratio > FOREIGN).then_some(ControlMismatch { rms_v: fit.rms_error, ratio })
 }
 
 /// Times what rounding leaves beyond which a control is not the controller's.
 const FOREIGN: f64 = 5.0;
 
 /// Two sensors that agree with each other and not with the gyroscopes: those are wrong.
-fn all_against_the_gyros(slopes: &[(f64, f64)]) -> Option<(String, bool)> {
+fn all_against_the_gyros(slopes: &[(f64, f64)]) -> Option<Anomaly> {
     let &[(a, coherence_a), (b, coherence_b)] = slopes else { return None };
     let agree = (a / b - 1.0).abs() < AGREE;
-    let (what, _) = meaning(1.0 / a, coherence_a.min(coherence_b)).filter(|_| agree)?;
-    Some((format!("the gyroscopes give {:.3} times what motor and resolver say: {what}", 1.0 / a), false))
+    let meaning = meaning(1.0 / a, coherence_a.min(coherence_b)).filter(|_| agree)?;
+    Some(Anomaly::GyroscopesDisagree { ratio: 1.0 / a, meaning })
 }
 
 /// Two slopes within this share of each other agree.
@@ -90,31 +196,20 @@ const OFFSET_SOUGHT_S: f64 = 0.1;
 const OFFSET_EXPLAINS: f64 = 0.1;
 
 /// Whether a channel comes later or earlier than the gyroscopes: the offset with the smallest difference.
-fn shifted(reference: &[f64], rate: &[f64], period_s: f64) -> Option<String> {
+fn shifted(reference: &[f64], rate: &[f64], period_s: f64) -> Option<Anomaly> {
     let (offset_s, believed) = offset(reference, rate, period_s)?;
-    let word = if offset_s > 0.0 { "later" } else { "earlier" };
-    (believed && offset_s.abs() > OFFSET_TOLD_S).then(|| {
-        format!("{:.0} ms {word} than the gyroscopes: its clock has an offset", 1e3 * offset_s.abs())
-    })
+    (believed && offset_s.abs() > OFFSET_TOLD_S).then_some(Anomaly::ClockOffset { late_s: offset_s })
 }
 
 /// Whether a channel's clock runs fast or slow: other offsets at the start and at the end.
-fn drifting(reference: &[f64], rate: &[f64], period_s: f64) -> Option<String> {
+fn drifting(reference: &[f64], rate: &[f64], period_s: f64) -> Option<Anomaly> {
     let third = reference.len() / 3;
     let at = |from: usize| offset(&reference[from..from + third], &rate[from..from + third], period_s);
     let ((start_s, first), (end_s, last)) = (at(0)?, at(reference.len() - third)?);
     let apart_s = end_s - start_s;
     let part = apart_s / (2.0 * third as f64 * period_s);
     let told = (first || last) && apart_s.abs() > OFFSET_TOLD_S;
-    let word = if apart_s > 0.0 { "slow" } else { "fast" };
-    told.then(|| {
-        format!(
-            "{:.0} ms off the gyroscopes at the start, {:.0} ms at the end: its clock runs {:.2} % {word}",
-            1e3 * start_s,
-            1e3 * end_s,
-            100.0 * part.abs()
-        )
-    })
+    told.then_some(Anomaly::ClockDrift { start_s, end_s, slow: part })
 }
 
 /// The offset, s, with the smallest difference, and whether it explains so much that it is believed.
@@ -144,28 +239,26 @@ fn channels(m: &MeasuredSignals) -> Vec<(&'static str, &[f64])> {
 }
 
 /// What a channel says about itself.
-fn alone(series: &[f64]) -> Option<(String, bool)> {
+fn check_alone(series: &[f64]) -> Option<Anomaly> {
     let bad = series.iter().filter(|v| !v.is_finite()).count();
     if bad > 0 {
-        let all = bad == series.len();
-        return Some((format!("{bad} of {} samples are missing or not numbers", series.len()), all));
+        return Some(Anomaly::Missing { missing: bad, samples: series.len() });
     }
     let (run, at) = longest_run(series);
     let (low, high) = extent(series);
     if run == series.len() && series.len() > 1 {
-        return (low != 0.0).then(|| (format!("stuck at {low} throughout"), true));
+        return (low != 0.0).then_some(Anomaly::StuckThroughout { value: low });
     }
     let quantum = step(series);
-    if let Some(what) = clipped(series, low, high, quantum) {
-        return Some((what, false));
+    if let Some(anomaly) = clipped(series, low, high, quantum) {
+        return Some(anomaly);
     }
     if run > series.len() / 10 && high - low > 20.0 * quantum {
         let value = series[at];
-        let word = if value == low || value == high { "clipped" } else { "stuck" };
-        return Some((format!("{word} at {value} for {run} samples from sample {at}"), false));
+        let standstill = if value == low || value == high { Standstill::Clipped } else { Standstill::Stuck };
+        return Some(Anomaly::LongRun { standstill, value, samples: run, first: at });
     }
-    (quantum > 0.05 * (high - low))
-        .then(|| (format!("only {:.0} steps over its range", (high - low) / quantum), false))
+    (quantum > 0.05 * (high - low)).then(|| Anomaly::Coarse { steps: (high - low) / quantum })
 }
 
 /// Samples that stay at one extreme for this long make a flat top.
@@ -176,7 +269,7 @@ const CLIPPED_SHARE: f64 = 0.01;
 const FINE_STEPS: f64 = 200.0;
 
 /// Flat tops at an extreme, several times over: a limit, not a coincidence.
-fn clipped(series: &[f64], low: f64, high: f64, quantum: f64) -> Option<String> {
+fn clipped(series: &[f64], low: f64, high: f64, quantum: f64) -> Option<Anomaly> {
     if high - low < FINE_STEPS * quantum {
         return None;
     }
@@ -185,8 +278,7 @@ fn clipped(series: &[f64], low: f64, high: f64, quantum: f64) -> Option<String> 
         tops.map(<[f64]>::len).sum::<usize>()
     };
     let (limit, samples) = [(low, flat(low)), (high, flat(high))].into_iter().max_by_key(|(_, n)| *n)?;
-    (samples as f64 > CLIPPED_SHARE * series.len() as f64)
-        .then(|| format!("clipped at {limit}: {samples} samples lie there in flat tops"))
+    (samples as f64 > CLIPPED_SHARE * series.len() as f64).then_some(Anomaly::FlatTops { limit, samples })
 }
 
 fn longest_run(series: &[f64]) -> (usize, usize) {
@@ -265,24 +357,24 @@ fn regression(x: &[f64], y: &[f64]) -> (f64, f64) {
 }
 
 /// What a slope that is not 1 most likely means, and whether the channel cannot be used as it is.
-fn meaning(slope: f64, coherence: f64) -> Option<(String, bool)> {
+fn meaning(slope: f64, coherence: f64) -> Option<Meaning> {
     if coherence.is_nan() || coherence < 0.5 || (slope - 1.0).abs() < 0.2 {
         return None;
     }
     let degrees = 180.0 / std::f64::consts::PI;
     let near = |value: f64| (slope / value - 1.0).abs() < 0.1;
     let guess = if near(-1.0) {
-        "its sign is swapped"
+        Meaning::SignSwapped
     } else if near(degrees) || near(-degrees) {
-        "it is in degrees"
+        Meaning::InDegrees
     } else if near(1.0 / degrees) {
-        "one is in degrees where the other is in radians"
+        Meaning::MixedDegreesAndRadians
     } else if near(1e3) || near(-1e3) {
-        "it is in thousandths"
+        Meaning::InThousandths
     } else {
-        return Some(("a scale or the gear ratio is wrong".to_owned(), false));
+        Meaning::WrongScaleOrRatio
     };
-    Some((guess.to_owned(), true))
+    Some(guess)
 }
 
 #[cfg(test)]
@@ -310,6 +402,11 @@ mod tests {
         }
     }
 
+    /// The first anomaly of a machine.
+    fn anomaly(machine: &MeasuredSignals) -> Anomaly {
+        check_signals("r", machine, 200.0)[0].anomaly
+    }
+
     #[test]
     fn a_sound_recording_raises_no_remark() {
         assert_eq!(check_signals("sound", &machine(), 200.0), vec![]);
@@ -319,24 +416,24 @@ mod tests {
     fn swapped_sign_degrees_and_gaps_are_named() {
         let mut swapped = machine();
         swapped.motor_rate = swapped.motor_rate.map(|w| w.iter().map(|v| -v).collect());
-        assert!(check_signals("r", &swapped, 200.0)[0].what.contains("sign is swapped"));
+        assert!(matches!(anomaly(&swapped), Anomaly::Disagrees { meaning: Meaning::SignSwapped, .. }));
         let mut degrees = machine();
         degrees.hub_position = degrees.hub_position.map(|a| a.iter().map(|v| v.to_degrees()).collect());
-        assert!(check_signals("r", &degrees, 200.0)[0].what.contains("in degrees"));
+        assert!(matches!(anomaly(&degrees), Anomaly::Disagrees { meaning: Meaning::InDegrees, .. }));
         let mut gap = machine();
         gap.hub_rate[17] = f64::NAN;
         let remark = &check_signals("r", &gap, 200.0)[0];
-        assert!(remark.what.starts_with("1 of 5000") && remark.channel == "hub_rate", "{remark:?}");
+        assert_eq!(
+            (remark.channel, remark.anomaly),
+            ("hub_rate", Anomaly::Missing { missing: 1, samples: 5000 })
+        );
     }
 
     #[test]
     fn a_clock_offset_is_told_with_its_size() {
         let mut late = machine();
         late.motor_rate = late.motor_rate.map(|w| (0..w.len()).map(|k| w[k.saturating_sub(30)]).collect());
-        assert_eq!(
-            check_signals("r", &late, 200.0)[0].what,
-            "30 ms later than the gyroscopes: its clock has an offset"
-        );
+        assert!(matches!(anomaly(&late), Anomaly::ClockOffset { late_s } if (late_s - 0.03).abs() < 1e-9));
     }
 
     #[test]
@@ -344,7 +441,9 @@ mod tests {
         let mut slow = machine();
         slow.motor_rate = slow.motor_rate.map(|w| (0..w.len()).map(|k| w[k - k / 100]).collect());
         let remark = &check_signals("r", &slow, 200.0)[0];
-        assert!(remark.channel == "motor_rate" && remark.what.contains("its clock runs 1.0"), "{remark:?}");
+        let is_slow =
+            matches!(remark.anomaly, Anomaly::ClockDrift { slow, .. } if (slow - 0.01).abs() < 5e-4);
+        assert!(remark.channel == "motor_rate" && is_slow, "{remark:?}");
         let mut holes = machine();
         if let Some(motor) = holes.motor_rate.as_mut() {
             motor[1000..2500].fill(f64::NAN);
@@ -358,13 +457,15 @@ mod tests {
         swapped.hub_rate.iter_mut().for_each(|w| *w = -*w);
         let remarks = check_signals("r", &swapped, 200.0);
         assert_eq!((remarks.len(), remarks[0].channel), (1, "hub_rate"));
-        assert!(remarks[0].what.contains("sign is swapped"), "{remarks:?}");
+        let swapped =
+            matches!(remarks[0].anomaly, Anomaly::GyroscopesDisagree { meaning: Meaning::SignSwapped, .. });
+        assert!(swapped, "{remarks:?}");
     }
 
     #[test]
     fn clipping_is_seen() {
         let mut clipped = machine();
         clipped.control.iter_mut().for_each(|u| *u = u.clamp(-0.5, 0.5));
-        assert!(check_signals("r", &clipped, 200.0)[0].what.starts_with("clipped at"));
+        assert!(matches!(anomaly(&clipped), Anomaly::FlatTops { .. }));
     }
 }

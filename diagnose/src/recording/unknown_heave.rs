@@ -2,6 +2,7 @@
 
 use counterpoise_simulate::recording::Recording;
 
+use crate::recording::remarks::{HeaveTreatment, RecordingRemark};
 use crate::recording::series::rms;
 
 /// Rate of a platform above which it moves, rad/s RMS.
@@ -9,16 +10,10 @@ const MOVES_RAD_S: f64 = 5e-3;
 
 /// The recordings less those in which the platform moves and nobody recorded how it heaves, and what is said of these: out of balance,
 /// the mechanism feels the heave, and some effect would be found that is as large. Where all are so, all stay.
-pub(crate) fn drop_unknown_heave(recordings: Vec<Recording>) -> (Vec<Recording>, Vec<String>) {
+pub(crate) fn drop_unknown_heave(recordings: Vec<Recording>) -> (Vec<Recording>, Vec<RecordingRemark>) {
     let all = recordings.iter().all(is_unknown);
-    let done = if all { "it is taken as none" } else { "the recording is left out" };
-    let remark = |r: &Recording| {
-        format!(
-            "{}: the platform moves, but platform_accel was not recorded: {done}, for what an unknown heave does might be named as \
-             something else; record the acceleration",
-            r.name
-        )
-    };
+    let treatment = if all { HeaveTreatment::TakenAsNone } else { HeaveTreatment::LeftOut };
+    let remark = |r: &Recording| RecordingRemark::UnknownHeave { recording: r.name.clone(), treatment };
     let remarks = recordings.iter().filter(|r| is_unknown(r)).map(remark).collect();
     let kept = recordings.into_iter().filter(|r| all || !is_unknown(r)).collect();
     (kept, remarks)
@@ -55,9 +50,13 @@ mod tests {
         let names: Vec<&str> = kept.iter().map(|r| r.name.as_str()).collect();
         assert_eq!(names, ["steps", "track"]);
         assert_eq!(remarks.len(), 1);
-        assert!(remarks[0].starts_with("road: the platform moves") && remarks[0].contains("left out"));
+        let treatment = HeaveTreatment::LeftOut;
+        assert_eq!(remarks[0], RecordingRemark::UnknownHeave { recording: "road".to_owned(), treatment });
         let (kept, remarks) = drop_unknown_heave(vec![road]);
         assert_eq!(kept.len(), 1);
-        assert!(remarks[0].contains("taken as none"));
+        assert!(matches!(
+            remarks[0],
+            RecordingRemark::UnknownHeave { treatment: HeaveTreatment::TakenAsNone, .. }
+        ));
     }
 }

@@ -2,7 +2,7 @@
 //! does not yield.
 
 use crate::fitting::output_error::{FitSelection, applied, parameters_of};
-use crate::library::{Effect, named};
+use crate::library::{Component, Effect, EffectName, effects_named};
 use crate::selection::candidate::Candidate;
 use crate::selection::outcome::SearchOutcome;
 use crate::selection::screening::screen_effects;
@@ -89,13 +89,15 @@ pub(crate) fn spring_in_place_of_hose(
 ) -> Option<Vec<EffectSignature>> {
     let best = candidates.iter().min_by(|a, b| a.whole.level().total_cmp(&b.whole.level()))?;
     let added = best.fit.effects.get(present..)?;
-    let is_hose = |e: &Effect| e.component == "structure" && e.effect == "hysteresis";
-    let is_spring = |e: &Effect| e.component == "structure" && e.effect == "position_stiffness";
+    let is_hose = |e: &Effect| e.component == Component::Structure && e.effect == EffectName::Hysteresis;
+    let is_spring =
+        |e: &Effect| e.component == Component::Structure && e.effect == EffectName::PositionStiffness;
     let lumped = best.fit.parameters.lumped.as_ref().filter(|_| added.iter().any(|e| is_hose(e)))?;
     let own = lumped.position_stiffness_nm_rad;
     let both = own + lumped.hysteresis_stiffness_nm_rad;
     let centre = own * lumped.position_stiffness_centre_rad / if both == 0.0 { 1.0 } else { both };
-    let spring = named("structure", "position_stiffness").find(|e| e.parameters.len() == 2)?;
+    let spring = effects_named(Component::Structure, EffectName::PositionStiffness)
+        .find(|e| e.parameters.len() == 2)?;
     let others = added.iter().filter(|e| !is_hose(e) && !is_spring(e));
     let kept = others.map(|e| EffectSignature::seeded(e, e.values(&best.fit.parameters), recordings));
     Some(

@@ -4,7 +4,7 @@
 use counterpoise_models::Parameters;
 
 use crate::fitting::output_error::Fit;
-use crate::library::{Effect, Mapping, scan_range};
+use crate::library::{Component, Effect, EffectName, Mapping, effects_named, scan_range};
 use crate::selection::perturbations::{Perturbation, ripple, towards};
 use crate::selection::signature::{EffectSignature, ScreeningContext, is_close, measure_signature, weighted};
 use crate::simulator_access::{Assessment, ChannelResidual, ControlSource, SimulatorAccess, Span, map};
@@ -55,7 +55,8 @@ const SCAN_WORTH: f64 = 0.15;
 /// The gap that fits the most_active_recording recording's first part best, played back, every gap from the start that is its own: what a
 /// wide gap does is not found from the start of a narrow one. None where no gap is worth a closer look.
 pub(crate) fn scan_backlash(scene: &ScreeningContext) -> Option<EffectSignature> {
-    let effect = crate::library::named("gearbox", "backlash").next().filter(|_| !is_close(scene.judged))?;
+    let effect =
+        effects_named(Component::Gearbox, EffectName::Backlash).next().filter(|_| !is_close(scene.judged))?;
     let index = scene.simulator.most_active_recording();
     let played = |parameters: &Parameters, judged: &Assessment| {
         let near = Assessment { source: ControlSource::Playback, ..judged.clone() };
@@ -93,11 +94,11 @@ pub(crate) fn scan_ripple_orders(scene: &ScreeningContext, effect: &'static Effe
     let here = weighted(scene.judged);
     let one = [scene.simulator.most_active_recording()];
     let ratio = scene.base.gearbox.ratio;
-    let at_pivot = effect.component == "pivot";
+    let at_pivot = effect.component == Component::Pivot;
     let first = if at_pivot { ORDERS[0] } else { ORDERS[0] / scene.sizes.motor_turns };
     let per_motor_turn = ORDERS.iter().map(|order| order * first);
     let per_hub_turn = ORDERS.iter().map(|order| order / ratio);
-    let lowest = if effect.component == "motor" { first } else { effect.parameters[1].bounds[0] };
+    let lowest = if effect.component == Component::Motor { first } else { effect.parameters[1].bounds[0] };
     let is_seen = |order: &f64| is_seen(*order, scene.simulator.travel_rad() * ratio);
     let is_sampled = |order: &f64| *order * ratio * scene.simulator.turns_per_sample() < PERIODS_SAMPLED;
     let orders = per_motor_turn
@@ -129,7 +130,9 @@ fn all_repeat(effects: &[&'static Effect], values: &[f64], travel: f64) -> bool 
     effects.iter().all(|effect| {
         let own = values.get(first..).unwrap_or(&[]);
         first += effect.parameters.len();
-        !effect.is_ripple() || effect.component == "pivot" || own.get(1).is_none_or(|o| is_seen(*o, travel))
+        !effect.is_ripple()
+            || effect.component == Component::Pivot
+            || own.get(1).is_none_or(|o| is_seen(*o, travel))
     })
 }
 
@@ -137,17 +140,18 @@ fn all_repeat(effects: &[&'static Effect], values: &[f64], travel: f64) -> bool 
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::library::named;
 
     #[test]
     fn a_piece_of_a_sine_is_no_ripple() {
-        let spring = named("structure", "position_stiffness").find(|e| e.parameters.len() == 2).unwrap();
-        let mesh = named("gearbox", "mesh_ripple").next().unwrap();
+        let spring = effects_named(Component::Structure, EffectName::PositionStiffness)
+            .find(|e| e.parameters.len() == 2)
+            .unwrap();
+        let mesh = effects_named(Component::Gearbox, EffectName::MeshRipple).next().unwrap();
         let of_order = |order: f64| [900.0, 0.01, 15.0, order, 0.3];
         let travel = 0.15 * 164.0;
         assert!(all_repeat(&[spring, mesh], &of_order(6.0), travel));
         assert!(!all_repeat(&[spring, mesh], &of_order(0.1), travel));
-        let friction = named("pivot", "position_dependent_friction").next().unwrap();
+        let friction = effects_named(Component::Pivot, EffectName::PositionDependentFriction).next().unwrap();
         assert!(friction.is_ripple() && all_repeat(&[friction], &[0.3, 4.0, 0.0], 0.15));
     }
 }

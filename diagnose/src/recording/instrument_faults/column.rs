@@ -55,19 +55,6 @@ impl Column {
         self.channel().map_or("demand", Channel::name)
     }
 
-    /// The component that is at fault where the column is wrong.
-    pub fn component(self) -> &'static str {
-        match self {
-            Self::Demand => "demand",
-            Self::Control => "control",
-            Self::HubRate => "hub_gyro",
-            Self::PlatformRate => "platform_gyro",
-            Self::PlatformAccel => "platform_accelerometer",
-            Self::MotorRate => "motor_tachometer",
-            Self::HubPosition => "hub_resolver",
-        }
-    }
-
     /// The values, where they were recorded.
     pub(super) fn of(self, r: &Recording) -> Option<&[f64]> {
         match self.channel() {

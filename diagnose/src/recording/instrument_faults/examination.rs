@@ -11,7 +11,7 @@ use counterpoise_simulate::replay::Loop;
 
 use crate::recording::instrument_faults::column::Column;
 use crate::recording::instrument_faults::factors::{Found, Mistake};
-use crate::recording::instrument_faults::fault::{self, InstrumentFault, Kind};
+use crate::recording::instrument_faults::fault::{self, FaultKind, InstrumentFault, Treatment};
 use crate::recording::instrument_faults::regression::{late, regress};
 use crate::recording::instrument_faults::{accelerometer_unit, clocks, factors, identities, single_column};
 use crate::recording::noise::white_noise;
@@ -63,16 +63,13 @@ pub fn find_instrument_faults(
 }
 
 impl ExaminedRecordings {
-    /// What was wrong, in words.
-    pub fn told(&self) -> Vec<String> {
-        self.faults.iter().map(InstrumentFault::in_words).collect()
-    }
-
     /// Notes a fault in a recording, or in one more.
-    fn note(&mut self, column: Column, kind: Kind, recordings: &[usize], done: &'static str) {
+    fn note(&mut self, column: Column, kind: FaultKind, recordings: &[usize], treatment: Treatment) {
         let names: Vec<String> = recordings.iter().map(|r| self.recordings[*r].name.clone()).collect();
         let count = self.written.iter().filter(|columns| columns.contains(&column)).count();
-        let same = |f: &&mut InstrumentFault| f.column == column && f.kind.effect() == kind.effect();
+        let same = |f: &&mut InstrumentFault| {
+            f.column == column && std::mem::discriminant(&f.kind) == std::mem::discriminant(&kind)
+        };
         match self.faults.iter_mut().find(same) {
             Some(known) => {
                 let more: Vec<String> = names.into_iter().filter(|n| !known.recordings.contains(n)).collect();
@@ -84,7 +81,7 @@ impl ExaminedRecordings {
                 kind,
                 everywhere: names.len() >= count,
                 recordings: names,
-                done,
+                treatment,
                 or: Vec::new(),
             }),
         }
@@ -131,43 +128,43 @@ impl ExaminedRecordings {
         r: usize,
         column: Column,
         useless: &[usize],
-        kind: &Kind,
+        kind: &FaultKind,
         control: &Loop,
         base: &Parameters,
-    ) -> &'static str {
+    ) -> Treatment {
         let recording = &mut self.recordings[r];
-        let clip_of_drive = matches!(kind, Kind::Clipped { .. })
+        let clip_of_drive = matches!(kind, FaultKind::Clipped { .. })
             && matches!(column, Column::PlatformRate | Column::PlatformAccel);
         if useless.is_empty() || clip_of_drive {
-            return "it is used as it is";
+            return Treatment::UsedAsItIs;
         }
-        let Some(series) = column.of_mut(recording).as_mut() else { return "it is used as it is" };
+        let Some(series) = column.of_mut(recording).as_mut() else { return Treatment::UsedAsItIs };
         useless.iter().for_each(|k| series[*k] = f64::NAN);
         if column == Column::Control && remade(recording, control, base) {
-            return "the control is made anew from demand and hub_rate by the recorded controller there";
+            return Treatment::ControlRecomputed;
         }
         match (kind, column) {
-            (Kind::Held { .. }, Column::PlatformRate | Column::PlatformAccel) => {
+            (FaultKind::Held { .. }, Column::PlatformRate | Column::PlatformAccel) => {
                 if let Some(series) = column.of_mut(recording).as_mut() {
                     filled(series);
                 }
-                "straight lines are drawn between its readings"
+                Treatment::Interpolated
             }
             (_, Column::PlatformRate | Column::PlatformAccel | Column::Control) => {
-                "the recording is used without these stretches"
+                Treatment::StretchesLeftOut
             }
-            _ => "these samples are not compared",
+            _ => Treatment::SamplesNotCompared,
         }
     }
 
     fn mistake(&mut self, found: &Found) {
         let cured = factors::cured(&self.recordings, found);
         let (column, kind) = match found.mistake {
-            Mistake::Scale { column, gain, doubt } => (column, Kind::Scale { gain, doubt }),
-            Mistake::Exchange { one, other } => (one, Kind::Exchanged { with: other }),
+            Mistake::Scale { column, gain, doubt } => (column, FaultKind::Scale { gain, doubt }),
+            Mistake::Exchange { one, other } => (one, FaultKind::Exchanged { with: other }),
         };
         let unsure = match kind {
-            Kind::Scale { gain, doubt } => !fault::is_known(gain) && doubt > SURE,
+            FaultKind::Scale { gain, doubt } => !fault::is_known(gain) && doubt > SURE,
             _ => false,
         };
         let spare = matches!(column, Column::MotorRate | Column::HubPosition);
@@ -175,10 +172,10 @@ impl ExaminedRecordings {
         let done = match (&kind, unsure && spare) {
             (_, true) => {
                 found.recordings.iter().for_each(|r| *column.of_mut(&mut self.recordings[*r]) = None);
-                "it is not compared"
+                Treatment::NotCompared
             }
-            (Kind::Exchanged { .. }, _) => "they are taken as the other one",
-            _ => "it is divided by that",
+            (FaultKind::Exchanged { .. }, _) => Treatment::ExchangedBack,
+            _ => Treatment::DividedByGain,
         };
         self.note(column, kind, &found.recordings, done);
         if let Some(fault) = self.faults.last_mut() {
@@ -193,7 +190,7 @@ impl ExaminedRecordings {
             if let Some(series) = column.of_mut(&mut self.recordings[r]) {
                 series.iter_mut().for_each(|v| *v /= gain);
             }
-            self.note(column, Kind::Scale { gain, doubt }, &[r], "it is divided by that");
+            self.note(column, FaultKind::Scale { gain, doubt }, &[r], Treatment::DividedByGain);
         }
     }
 
@@ -202,7 +199,7 @@ impl ExaminedRecordings {
             let Some((slow, doubt)) = clocks::drift(base, &self.recordings, column) else { continue };
             self.recordings.iter_mut().for_each(|r| *column.of_mut(r) = None);
             let all: Vec<usize> = (0..self.recordings.len()).collect();
-            self.note(column, Kind::ClockDrift { slow, doubt }, &all, "it is not compared");
+            self.note(column, FaultKind::ClockDrift { slow, doubt }, &all, Treatment::NotCompared);
         }
     }
 
@@ -211,11 +208,12 @@ impl ExaminedRecordings {
         for r in 0..self.recordings.len() {
             for column in Column::ALL {
                 let sound = self.faults.iter().all(|f| f.column != column);
-                let known = |f: &InstrumentFault| f.column == column && matches!(f.kind, Kind::Coarse { .. });
+                let known =
+                    |f: &InstrumentFault| f.column == column && matches!(f.kind, FaultKind::Coarse { .. });
                 let Some(series) = column.of(&self.recordings[r]) else { continue };
                 let kind = single_column::coarse(column, series, base);
                 if let Some(kind) = kind.filter(|_| sound || self.faults.iter().any(known)) {
-                    self.note(column, kind, &[r], "it is used as it is");
+                    self.note(column, kind, &[r], Treatment::UsedAsItIs);
                 }
             }
         }
@@ -239,12 +237,12 @@ impl ExaminedRecordings {
         let series = column.of_mut(&mut self.recordings[r]);
         let done = if column == Column::MotorRate {
             *series = None;
-            "it is not compared"
+            Treatment::NotCompared
         } else {
             *series = series.as_deref().map(|series| late(series, -samples));
-            "it is shifted back by that"
+            Treatment::ShiftedBack
         };
-        let kind = Kind::ClockOffset { late_s, doubt_s };
+        let kind = FaultKind::ClockOffset { late_s, doubt_s };
         self.note(column, kind, &[r], done);
     }
 
@@ -258,7 +256,7 @@ impl ExaminedRecordings {
         }
         for (r, bias, doubt) in biased {
             self.recordings[r].motor_rate_rad_s = None;
-            self.note(Column::MotorRate, Kind::Bias { bias, doubt }, &[r], "it is not compared");
+            self.note(Column::MotorRate, FaultKind::Bias { bias, doubt }, &[r], Treatment::NotCompared);
         }
     }
 }

@@ -16,4 +16,4 @@ mod single_column;
 
 pub use column::Column;
 pub use examination::{ExaminedRecordings, find_instrument_faults};
-pub use fault::{InstrumentFault, Kind};
+pub use fault::{FaultKind, InstrumentFault, Treatment, UnitMistake};
