@@ -1,7 +1,7 @@
 //! Claims on identification by the triangle wave: a machine that the project does not know, recorded and identified.
 
 use counterpoise_controller::ProportionalIntegral;
-use counterpoise_diagnose::identify::{Estimate, GainPoint, Identified, identify};
+use counterpoise_diagnose::identification::{Estimate, GainPoint, Identified, identify};
 use counterpoise_models::Parameters;
 use counterpoise_models::parameters::MapPoint;
 use counterpoise_models::plant::Plant;

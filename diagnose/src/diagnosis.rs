@@ -4,23 +4,27 @@ use counterpoise_models::Parameters;
 use counterpoise_simulate::recording::Recording;
 use counterpoise_simulate::replay::Loop;
 
-use crate::answer::{Answer, MapCell, Verdict};
-use crate::bench::{Bench, Pool, map};
 use crate::error::Error;
-use crate::heave::with_known_heave;
-use crate::identify::{Amplifier, identify, improved};
-use crate::judge::Evidence;
-use crate::library::{Effect, free_curve, library, named, textbook};
-use crate::locate::{Signature, isolability};
-use crate::look::Sizes;
-use crate::mend::mended;
-use crate::noise::{as_heard, with_noise_of};
-use crate::qualify::qualify;
-use crate::recorder::{Fault, examine};
-use crate::replays::{Prepared, Replays, measured};
-use crate::search::select::Searcher;
+use crate::findings::answer::{Answer, Verdict};
+use crate::findings::instrument_findings::finding_of;
+use crate::findings::similarity::Scale;
+use crate::findings::verdict::Evidence;
+use crate::identification::{Amplifier, identify, improved};
+use crate::library::{Component, Effect, EffectName, effects_named, free_curve, library, textbook};
+use crate::localisation::error_map::{MapCell, localise_errors};
+use crate::localisation::torque_balances::{BalanceVisibility, RedundantSensors, list_balances};
+use crate::recording::gap_repair::repair_gaps;
+use crate::recording::instrument_faults::{InstrumentFault, find_instrument_faults};
+use crate::recording::measured_signals::measured;
+use crate::recording::noise::{with_noise_levels_of, with_recorded_noise};
+use crate::recording::remarks::{Comparison, RecordingRemark};
+use crate::recording::sanity_checks::check_signals;
+use crate::recording::unknown_heave::drop_unknown_heave;
+use crate::selection::searcher::Searcher;
+use crate::selection::sizes::Sizes;
+use crate::simulator_access::objective::{PreparedRecordings, RecordingReplays};
+use crate::simulator_access::{Pool, SimulatorAccess, map};
 use crate::tolerance::{BIAS_SEEN_RAD_S, SAMPLES_AT_MOST, TEXTBOOK_SAMPLES_AT_MOST};
-use crate::whereabouts::departures;
 
 /// What a diagnosis gives: the answer, and the machine that explains the recordings.
 #[derive(Debug, Clone)]
@@ -36,7 +40,7 @@ pub struct Diagnosis {
 impl Diagnosis {
     /// With the faults of sensors and recorder told first: they are findings before any physics, and what is explained without them
     /// is explained by them.
-    fn with_faults(mut self, faults: &[Fault]) -> Self {
+    fn with_faults(mut self, faults: &[InstrumentFault]) -> Self {
         if faults.is_empty() {
             return self;
         }
@@ -46,18 +50,18 @@ impl Diagnosis {
             Verdict::Unknown => Verdict::Incomplete,
             other => other,
         };
-        answer.findings.splice(0..0, faults.iter().map(Fault::finding));
-        answer.qualification.splice(0..0, faults.iter().map(Fault::in_words));
+        answer.findings.splice(0..0, faults.iter().map(finding_of));
+        answer.qualification.splice(0..0, faults.iter().cloned().map(RecordingRemark::Fault));
         self
     }
 }
 
-/// Diagnoses a machine from its recordings: in closed loop with the controller that was in the loop, or under the
-/// recorded control where it is not known ([`Loop::Open`]).
+/// Diagnoses a machine of any size from its recordings: in closed loop with the controller that was in the loop, or under the
+/// recorded control if the controller is not known ([`Loop::Open`]).
 ///
 /// # Errors
 /// No recording, a channel that is missing, a recording that does not fit the project's clock, a mechanism that cannot
-/// be simulated; [`Error::Cancelled`] where the pool was asked to stop.
+/// be simulated; [`Error::Cancelled`] if the pool was asked to stop.
 pub fn diagnose(
     base: &Parameters,
     control: impl Into<Loop>,
@@ -65,17 +69,47 @@ pub fn diagnose(
     pool: &dyn Pool,
 ) -> Result<Diagnosis, Error> {
     let control = control.into();
+    match Scale::of(base, recordings) {
+        Some(scale) => diagnose_scaled(scale, base, control, recordings, pool),
+        None => diagnose_as_built(base, control, recordings, pool),
+    }
+}
+
+/// Diagnoses a machine whose sizes are those of the library.
+fn diagnose_as_built(
+    base: &Parameters,
+    control: Loop,
+    recordings: &[Recording],
+    pool: &dyn Pool,
+) -> Result<Diagnosis, Error> {
     check(recordings, &control)?;
     pool.progress("examining", 0, 1);
-    let examined = examine(base, &control, recordings);
-    let (heard, remarks) = with_known_heave(examined.recordings);
+    let examined = find_instrument_faults(base, &control, recordings);
+    let (heard, remarks) = drop_unknown_heave(examined.recordings);
     let mut found = diagnose_of(Sizes::TYPICAL, base, control, &heard, pool)?.with_faults(&examined.faults);
     found.answer.qualification.splice(0..0, remarks);
     Ok(found)
 }
 
+/// Diagnoses a dynamically similar machine of the library's sizes, and brings the answer back to the machine itself.
+fn diagnose_scaled(
+    scale: Scale,
+    base: &Parameters,
+    control: Loop,
+    recordings: &[Recording],
+    pool: &dyn Pool,
+) -> Result<Diagnosis, Error> {
+    let scaled = scale.applied(base);
+    let resized: Vec<Recording> = recordings.iter().map(|r| scale.recording(r)).collect();
+    let mut found = diagnose_of(scale.sizes(), &scaled, control, &resized, pool)?;
+    found.recordings = recordings.to_vec();
+    scale.bring_back(&mut found.answer, &scaled);
+    found.improved = scale.inverse().applied(&found.improved);
+    Ok(found)
+}
+
 /// As [`diagnose`], for a machine of given sizes.
-pub(crate) fn diagnose_of(
+fn diagnose_of(
     sizes: Sizes,
     base: &Parameters,
     control: Loop,
@@ -88,23 +122,25 @@ pub(crate) fn diagnose_of(
     let examined = recordings;
     let recordings = sound.as_slice();
     let project = base;
-    let base = &as_heard(project, recordings);
-    let prepared = Prepared::new(recordings, base);
-    let bench = Replays::new(base, &control, &prepared)?;
+    let base = &with_recorded_noise(project, recordings);
+    let prepared = PreparedRecordings::new(recordings, base);
+    let simulator = RecordingReplays::new(base, &control, &prepared)?;
     let has = |column: fn(&Recording) -> bool| recordings.iter().all(column);
-    let isolability =
-        isolability(has(|r| r.motor_rate_rad_s.is_some()), has(|r| r.hub_position_rad.is_some()));
-    let whereabouts = where_and_when(base, &bench, &isolability, pool);
+    let isolability = list_balances(RedundantSensors {
+        motor_rate: has(|r| r.motor_rate_rad_s.is_some()),
+        hub_position: has(|r| r.hub_position_rad.is_some()),
+    });
+    let whereabouts = where_and_when(base, &simulator, &isolability, pool);
     let mut seeds = seeds(base, recordings);
     seeds.extend(biases(base, recordings));
-    let searcher = Searcher { bench: &bench, pool, base, effects: effects_for(sizes), seeds, sizes };
+    let searcher = Searcher { simulator: &simulator, pool, base, effects: effects_for(sizes), seeds, sizes };
     let search = searcher.search();
     if pool.cancelled() {
         return Err(Error::Cancelled);
     }
     let search = search.ok_or(Error::NotSimulated)?;
     let evidence = Evidence {
-        bench: &bench,
+        simulator: &simulator,
         base,
         search: &search,
         map: whereabouts,
@@ -112,20 +148,21 @@ pub(crate) fn diagnose_of(
         qualification,
         sizes,
     };
-    let improved = with_noise_of(evidence.improved(), project);
+    let improved = with_noise_levels_of(evidence.improved(), project);
     Ok(Diagnosis { answer: evidence.answer(), improved, recordings: examined.to_vec() })
 }
 
 /// Component x regime of how the recordings depart from the replay of the model as it was.
 fn where_and_when(
     base: &Parameters,
-    bench: &Replays,
-    isolability: &[Signature],
+    simulator: &RecordingReplays,
+    isolability: &[BalanceVisibility],
     pool: &dyn Pool,
 ) -> Vec<MapCell> {
-    let judged =
-        map(pool, bench.count(), |index| Some((bench.measured_at(index)?, bench.judge(base, index)?)));
-    departures(base, &judged.into_iter().flatten().collect::<Vec<_>>(), isolability, pool)
+    let judged = map(pool, simulator.count(), |index| {
+        Some((simulator.measured_at(index)?, simulator.assess(base, index)?))
+    });
+    localise_errors(base, &judged.into_iter().flatten().collect::<Vec<_>>(), isolability, pool)
 }
 
 /// The effects that a machine of given sizes may have.
@@ -145,7 +182,10 @@ fn biases(base: &Parameters, recordings: &[Recording]) -> Vec<(&'static Effect, 
     if mean.abs() < BIAS_SEEN_RAD_S {
         return Vec::new();
     }
-    let (hub, platform) = (named("hub_gyro", "bias"), named("platform_gyro", "bias"));
+    let (hub, platform) = (
+        effects_named(Component::HubGyro, EffectName::Bias),
+        effects_named(Component::PlatformGyro, EffectName::Bias),
+    );
     let hub = hub.map(|e| (e, vec![base.sensors.hub_gyro.bias + mean]));
     hub.chain(platform.map(|e| (e, vec![base.sensors.platform_gyro.bias - mean]))).collect()
 }
@@ -196,26 +236,28 @@ fn qualified(
     sizes: Sizes,
     base: &Parameters,
     recordings: &[Recording],
-) -> Result<(Vec<Recording>, Vec<String>), Error> {
+) -> Result<(Vec<Recording>, Vec<RecordingRemark>), Error> {
     let ratio = base.gearbox.ratio;
     let (mut sound, mut told) = (Vec::new(), Vec::new());
     for recording in recordings {
-        let mended = mended(recording, ratio);
-        told.extend(
-            mended.remarks.iter().map(|(channel, what)| format!("{}: {channel}: {what}", recording.name)),
-        );
-        for mut part in mended.parts {
-            let remarks = measured(&part).map(|m| qualify(&part.name, &m, ratio)).unwrap_or_default();
-            for remark in &remarks {
-                let out = remark.unusable && left_out(&mut part, remark.channel);
-                let end = if out { "; it is not compared" } else { "" };
-                told.push(format!("{}: {}: {}{end}", remark.recording, remark.channel, remark.what));
+        let repaired = repair_gaps(recording, ratio);
+        told.extend(repaired.repairs.into_iter().map(|(channel, repair)| RecordingRemark::Repaired {
+            recording: recording.name.clone(),
+            channel,
+            repair,
+        }));
+        for mut part in repaired.parts {
+            let remarks = measured(&part).map(|m| check_signals(&part.name, &m, ratio)).unwrap_or_default();
+            for remark in remarks {
+                let out = remark.anomaly.is_disqualifying() && left_out(&mut part, remark.channel);
+                let comparison = if out { Comparison::NotCompared } else { Comparison::Compared };
+                told.push(RecordingRemark::Checked { remark, comparison });
             }
             sound.push(part);
         }
     }
     if sound.is_empty() {
-        return Err(Error::Unusable { what: told.join("; ") });
+        return Err(Error::Unusable { remarks: told });
     }
     shorten(&mut sound, if sizes.typical { SAMPLES_AT_MOST } else { TEXTBOOK_SAMPLES_AT_MOST }, &mut told);
     Ok((sound, told))
@@ -223,7 +265,7 @@ fn qualified(
 
 /// Cuts recordings to what a diagnosis can replay some thousand times: the first part of each, an equal share of the
 /// samples that are left by those that are short enough.
-fn shorten(recordings: &mut [Recording], most: usize, told: &mut Vec<String>) {
+fn shorten(recordings: &mut [Recording], most: usize, told: &mut Vec<RecordingRemark>) {
     let mut order: Vec<usize> = (0..recordings.len()).collect();
     order.sort_by_key(|&r| recordings[r].len());
     let mut left = most;
@@ -232,12 +274,12 @@ fn shorten(recordings: &mut [Recording], most: usize, told: &mut Vec<String>) {
         let recording = &mut recordings[r];
         if recording.len() > share {
             let period = recording.sample_period_s;
-            told.push(format!(
-                "{}: the first {:.4} s of {:.4} s are used, for {most} samples in all are what is replayed",
-                recording.name,
-                share as f64 * period,
-                recording.len() as f64 * period
-            ));
+            told.push(RecordingRemark::Shortened {
+                recording: recording.name.clone(),
+                used_s: share as f64 * period,
+                length_s: recording.len() as f64 * period,
+                most_samples: most,
+            });
             *recording = recording.part(0..share);
         }
         left -= recording.len();

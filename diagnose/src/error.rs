@@ -1,5 +1,7 @@
 //! What can be wrong with a request to this crate.
 
+use crate::recording::remarks::RecordingRemark;
+
 /// Every way in which a diagnosis can be refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -48,10 +50,10 @@ pub enum Error {
     #[error("the mechanism as the project file has it cannot be simulated on these recordings")]
     NotSimulated,
     /// Nothing of the recordings can be replayed.
-    #[error("nothing of these recordings can be replayed: {what}")]
+    #[error("nothing of these recordings can be replayed")]
     Unusable {
         /// What was found wrong with them.
-        what: String,
+        remarks: Vec<RecordingRemark>,
     },
     /// The user asked to stop.
     #[error("cancelled: nothing was found or written")]

@@ -4,7 +4,7 @@
 pub const FIT_ITERATIONS: usize = 25;
 /// A fit has settled when an iteration lowers the cost by less than this share.
 pub const FIT_TOLERANCE: f64 = 1e-4;
-/// Step of the numerical derivative, in units of a knob's typical size.
+/// Step of the numerical derivative, in units of a parameter's typical size.
 pub const FIT_STEP: f64 = 1e-3;
 /// Residuals smaller than this share of the floor count as this.
 pub const SCORE_FLOOR: f64 = 0.3;
@@ -37,7 +37,7 @@ pub const PARAMETER_PRICE: f64 = 10.0;
 pub const SEARCH_ITERATIONS: usize = 10;
 /// A model with more parameters than this stays as it is while further effects are compared, and is fitted together
 /// with the chosen one.
-pub const JOINT_KNOBS: usize = 6;
+pub const JOINT_PARAMETERS: usize = 6;
 /// Effects that are fitted in the place of one that was found.
 pub const RIVALS: usize = 5;
 /// Distance from the floor below which nothing is left that a further effect could explain.

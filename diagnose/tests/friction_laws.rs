@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_controller::ProportionalIntegral;
-use counterpoise_diagnose::library::named;
+use counterpoise_diagnose::library::{Component, EffectName, effects_named};
 use counterpoise_models::{Friction, FrictionLaw, Parameters, Plant, StribeckCurve, reference};
 use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
 
@@ -66,13 +66,13 @@ fn control_v(machine: &Parameters) -> Vec<f64> {
 
 #[test]
 fn another_coulomb_level_is_an_effect_on_machines_of_every_law() {
-    for component in ["pivot", "motor"] {
-        let effect = named(component, "coulomb").next().unwrap();
+    for component in [Component::Pivot, Component::Motor] {
+        let effect = effects_named(component, EffectName::Coulomb).next().unwrap();
         for (name, law) in every_law() {
             let model = machine(&law);
             let level = effect.values(&model)[0];
             let changed = effect.applied(&model, &[GROWTH * level]);
-            assert_eq!(effect.values(&changed), [GROWTH * level], "{component}, {name}");
+            assert_eq!(effect.values(&changed), [GROWTH * level], "{component:?}, {name}");
             let (before, after) = (control_v(&model), control_v(&changed));
             let apart = before.iter().zip(&after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(apart > 0.02, "{component}, {name}: the control changes by {apart} V");
@@ -82,7 +82,7 @@ fn another_coulomb_level_is_an_effect_on_machines_of_every_law() {
 
 #[test]
 fn another_presliding_stiffness_is_an_effect_on_machines_with_presliding() {
-    let effect = named("pivot", "presliding_stiffness").next().unwrap();
+    let effect = effects_named(Component::Pivot, EffectName::PreslidingStiffness).next().unwrap();
     for (name, law) in every_law() {
         let model = machine(&law);
         let stiffness = effect.values(&model)[0];

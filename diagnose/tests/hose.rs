@@ -5,10 +5,10 @@
 mod common;
 
 use common::controller;
-use counterpoise_diagnose::bench::Serial;
-use counterpoise_diagnose::fit::{Problem, Selection};
-use counterpoise_diagnose::library::named;
-use counterpoise_diagnose::replays::{Prepared, Replays};
+use counterpoise_diagnose::fitting::output_error::{FitSelection, Problem};
+use counterpoise_diagnose::library::{Component, EffectName, effects_named};
+use counterpoise_diagnose::simulator_access::Serial;
+use counterpoise_diagnose::simulator_access::objective::{PreparedRecordings, RecordingReplays};
 use counterpoise_models::{Parameters, Plant, reference};
 use counterpoise_simulate::replay::{Loop, Replayer, replay};
 use counterpoise_simulate::{Detail, Imperfections, Recording, Scenario, Signal, Simulator};
@@ -84,12 +84,18 @@ fn the_hose_is_replayed_to_the_noise_and_missed_where_it_is_left_out() {
 fn the_hose_is_found_again() {
     let recordings = [recording(1, 2.0), recording(2, 0.9)];
     let base = reference::rig();
-    let prepared = Prepared::new(&recordings, &base);
-    let bench = Replays::new(&base, &Loop::from(&controller(BIAS_V)), &prepared).unwrap();
-    let effects: Vec<_> = named("structure", "hysteresis").collect();
-    let selection = Selection::all(recordings.len());
-    let problem =
-        Problem { bench: &bench, pool: &Serial, selection: &selection, base: &base, effects, stances: &[] };
+    let prepared = PreparedRecordings::new(&recordings, &base);
+    let simulator = RecordingReplays::new(&base, &Loop::from(&controller(BIAS_V)), &prepared).unwrap();
+    let effects: Vec<_> = effects_named(Component::Structure, EffectName::Hysteresis).collect();
+    let selection = FitSelection::all(recordings.len());
+    let problem = Problem {
+        simulator: &simulator,
+        pool: &Serial,
+        selection: &selection,
+        base: &base,
+        effects,
+        assessments: &[],
+    };
     let fit = problem.fit(&[30.0, 3000.0]).unwrap();
     let lumped = fit.parameters.lumped.unwrap();
     let found = [lumped.hysteresis_nm, lumped.hysteresis_stiffness_nm_rad];

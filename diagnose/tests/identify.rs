@@ -4,7 +4,7 @@
 mod common;
 
 use common::controller;
-use counterpoise_diagnose::identify::{Amplifier, Estimate, Identified, identify, improved};
+use counterpoise_diagnose::identification::{Amplifier, Estimate, Identified, Note, identify, improved};
 use counterpoise_models::parameters::MapPoint;
 use counterpoise_models::{Parameters, Plant, reference};
 use counterpoise_simulate::{Detail, Imperfections, Recording, Scenario, Signal, Simulator};
@@ -139,7 +139,7 @@ fn hub_rate_and_control_alone_are_enough() {
     for (estimate, value) in four(&found).iter().zip([171.0, 397.555, 163.0, 190.0]) {
         assert!((estimate.value / value - 1.0).abs() < 0.05, "{estimate:?}, truth {value}");
     }
-    assert!(found.notes.iter().any(|note| note.contains("no motor rate")));
+    assert!(found.notes.contains(&Note::NoMotorRate));
 }
 
 #[test]

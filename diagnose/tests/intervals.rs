@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_controller::ProportionalIntegral;
-use counterpoise_diagnose::identify::identify;
+use counterpoise_diagnose::identification::identify;
 use counterpoise_models::parameters::FrictionLaw;
 use counterpoise_models::{Parameters, Plant, reference};
 use counterpoise_simulate::{Detail, Imperfections, Recording, Scenario, Signal, Simulator};

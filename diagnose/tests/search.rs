@@ -2,12 +2,14 @@
 //! nothing depends on the simulator.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_diagnose::answer::{Answer, Verdict};
-use counterpoise_diagnose::bench::{Bench, Drive, Judged, Misfit, Serial, Span};
-use counterpoise_diagnose::judge::Evidence;
-use counterpoise_diagnose::library::library;
-use counterpoise_diagnose::look::Sizes;
-use counterpoise_diagnose::search::select::Searcher;
+use counterpoise_diagnose::findings::answer::{Answer, Verdict};
+use counterpoise_diagnose::findings::verdict::Evidence;
+use counterpoise_diagnose::library::{Component, EffectName, library};
+use counterpoise_diagnose::selection::searcher::Searcher;
+use counterpoise_diagnose::selection::sizes::Sizes;
+use counterpoise_diagnose::simulator_access::{
+    Assessment, ChannelResidual, ControlSource, Serial, SimulatorAccess, Span,
+};
 use counterpoise_models::{Parameters, reference};
 
 const SAMPLES: usize = 1500;
@@ -50,16 +52,22 @@ fn noise(index: usize, k: usize) -> f64 {
     3.46 * uniform(seed)
 }
 
-impl Bench for Statics {
+impl SimulatorAccess for Statics {
     fn count(&self) -> usize {
         4
     }
 
-    fn liveliest(&self) -> usize {
+    fn most_active_recording(&self) -> usize {
         0
     }
 
-    fn misfit(&self, parameters: &Parameters, index: usize, span: Span, _: &Judged) -> Option<Vec<Misfit>> {
+    fn residuals(
+        &self,
+        parameters: &Parameters,
+        index: usize,
+        span: Span,
+        _: &Assessment,
+    ) -> Option<Vec<ChannelResidual>> {
         let strange = |k: usize| self.strange * (23.0 * motion(index, k).0).sin();
         let samples = if span == Span::Whole { SAMPLES } else { SAMPLES * 6 / 10 };
         let at = |k: usize| {
@@ -67,17 +75,22 @@ impl Bench for Statics {
             difference / FLOOR + noise(index, k)
         };
         let residual = (0..samples).map(at).collect();
-        Some(vec![Misfit { channel: "control", residual, floor: FLOOR }])
+        Some(vec![ChannelResidual { channel: "control", residual, floor: FLOOR }])
     }
 
-    fn glance(&self, parameters: &Parameters, index: usize, _: &Judged) -> Option<Judged> {
-        self.judge(parameters, index)
+    fn assess_from(&self, parameters: &Parameters, index: usize, _: &Assessment) -> Option<Assessment> {
+        self.assess(parameters, index)
     }
 
-    fn judge(&self, parameters: &Parameters, index: usize) -> Option<Judged> {
-        let nothing = Judged { misfits: vec![], wander: vec![0.0], start: None, drive: Drive::ClosedLoop };
-        let misfits = self.misfit(parameters, index, Span::Whole, &nothing)?;
-        Some(Judged { misfits, ..nothing })
+    fn assess(&self, parameters: &Parameters, index: usize) -> Option<Assessment> {
+        let nothing = Assessment {
+            channels: vec![],
+            divergence: vec![0.0],
+            start: None,
+            source: ControlSource::ClosedLoop,
+        };
+        let channels = self.residuals(parameters, index, Span::Whole, &nothing)?;
+        Some(Assessment { channels, ..nothing })
     }
 }
 
@@ -85,9 +98,9 @@ fn diagnosed(change: impl Fn(&mut Parameters), strange: f64) -> Answer {
     let base = reference::rig();
     let mut truth = base.clone();
     change(&mut truth);
-    let bench = Statics { truth, strange };
+    let simulator = Statics { truth, strange };
     let search = Searcher {
-        bench: &bench,
+        simulator: &simulator,
         pool: &Serial,
         base: &base,
         effects: library(),
@@ -97,7 +110,7 @@ fn diagnosed(change: impl Fn(&mut Parameters), strange: f64) -> Answer {
     .search()
     .unwrap();
     let evidence = Evidence {
-        bench: &bench,
+        simulator: &simulator,
         base: &base,
         search: &search,
         map: vec![],
@@ -126,7 +139,7 @@ fn stribeck_is_named_with_its_parameters() {
     );
     assert_eq!(answer.verdict, Verdict::Named, "{answer:?}");
     let finding = &answer.findings[0];
-    assert_eq!((finding.component, finding.effect), ("pivot", "stribeck"));
+    assert_eq!((finding.component, finding.effect), (Component::Pivot, EffectName::Stribeck));
     assert!((finding.parameters[0].value - 1.55).abs() < 0.03, "{:?}", finding.parameters);
     assert!((finding.parameters[1].value / 0.012 - 1.0).abs() < 0.05, "{:?}", finding.parameters);
 }
@@ -140,7 +153,7 @@ fn two_effects_are_both_named() {
         },
         0.0,
     );
-    let mut names: Vec<_> = answer.findings.iter().map(|f| f.effect).collect();
+    let mut names: Vec<_> = answer.findings.iter().map(|f| f.effect.name()).collect();
     names.sort_unstable();
     assert_eq!(names, ["out_of_balance", "viscous"], "{answer:?}");
 }
@@ -149,5 +162,5 @@ fn two_effects_are_both_named() {
 fn a_torque_that_no_effect_makes_gets_no_name() {
     let answer = diagnosed(|_| (), 0.3);
     assert_eq!(answer.verdict, Verdict::Unknown, "{:?}", answer.findings);
-    assert_eq!(answer.findings[0].effect, "unknown");
+    assert_eq!(answer.findings[0].effect, EffectName::Unknown);
 }

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
-use counterpoise_diagnose::bench::Pool;
+use counterpoise_diagnose::simulator_access::Pool;
 
 use crate::worker::{Token, Wake};
 

@@ -3,7 +3,7 @@
 use std::sync::Mutex;
 use std::time::Duration;
 
-use counterpoise_diagnose::bench::Pool;
+use counterpoise_diagnose::simulator_access::Pool;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 

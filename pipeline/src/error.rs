@@ -2,6 +2,8 @@
 
 use counterpoise_synth::Finding;
 
+use crate::recordings::ColumnRemark;
+
 /// Every way in which the road can end before its end.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -109,12 +111,12 @@ pub enum PipelineError {
     #[error(transparent)]
     UnreadableRecording(counterpoise_project::recording::RecordingError),
     /// The gaps of a recording leave no part of it.
-    #[error("nothing of {recording} can be replayed: {why}")]
+    #[error("nothing of {recording} can be replayed")]
     NothingToReplay {
         /// Name of the recording.
         recording: String,
         /// What was found in it.
-        why: String,
+        remarks: Vec<ColumnRemark>,
     },
     /// The model cannot replay a recording.
     #[error("cannot replay {recording}")]

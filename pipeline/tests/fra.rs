@@ -1,7 +1,7 @@
 //! The analyser's map against two linear models, and the same instrument on a run of itself.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_diagnose::bench::Serial;
+use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_pipeline::model;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, On, Plan, Point};
 use counterpoise_project::Project;

@@ -1,6 +1,7 @@
 //! The report of a diagnosis: the answer first, then how the fit improved, where and when, and what was tried.
 
-use counterpoise_diagnose::answer::{Answer, Channels, Finding, Verdict};
+use crate::wording::answer::{AnswerText, FindingText, unit_suffix};
+use counterpoise_diagnose::findings::answer::{Channels, Verdict};
 
 use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
@@ -11,7 +12,7 @@ use counterpoise_pipeline::recordings::tracks::Track;
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone, residual};
 
 /// The report.
-pub fn report(machine: &str, command: &str, answer: &Answer, tracks: &[Track]) -> Report {
+pub fn report(machine: &str, command: &str, answer: &AnswerText, tracks: &[Track]) -> Report {
     let mut sections = vec![fit_section(answer, tracks)];
     sections.extend(residual::sections(tracks));
     sections.extend([where_section(answer), tried_section(answer), cannot_tell(answer)]);
@@ -30,9 +31,9 @@ pub fn report(machine: &str, command: &str, answer: &Answer, tracks: &[Track]) -
     }
 }
 
-fn headline(answer: &Answer) -> Headline {
+fn headline(answer: &AnswerText) -> Headline {
     let names: Vec<String> =
-        answer.findings.iter().map(|f| format!("{} {}", f.component, words(f.effect))).collect();
+        answer.findings.iter().map(|f| format!("{} {}", f.component, words(f.effect.name()))).collect();
     let named = names.join(", ");
     let (tone, text) = match answer.verdict {
         Verdict::Consistent => (Tone::Good, "The model explains the recordings: nothing found".to_owned()),
@@ -55,7 +56,7 @@ pub(super) fn words(effect: &str) -> String {
     effect.replace('_', " ")
 }
 
-fn tiles(answer: &Answer) -> Vec<Tile> {
+fn tiles(answer: &AnswerText) -> Vec<Tile> {
     let worst = |channels: &Channels| channels.values().map(|c| c.rms_error / c.floor).fold(0.0, f64::max);
     let mut out = vec![
         Tile::plain("error over floor, before", format!("{:.1}", worst(&answer.fit.before)), "")
@@ -72,7 +73,7 @@ fn tiles(answer: &Answer) -> Vec<Tile> {
     out
 }
 
-fn findings_table(findings: &[Finding]) -> Table {
+fn findings_table(findings: &[FindingText]) -> Table {
     let columns = [
         Column::Text("component"),
         Column::Text("effect"),
@@ -87,16 +88,17 @@ fn findings_table(findings: &[Finding]) -> Table {
                 "{} = {:.4}{} [{:.4}, {:.4}], was {:.4}",
                 p.name,
                 p.value,
-                p.suffix(),
+                unit_suffix(p),
                 p.ci95[0],
                 p.ci95[1],
                 p.before
             )
         });
-        let others = finding.alternatives.iter().map(|a| format!("{} {}", a.component, words(a.effect)));
+        let others =
+            finding.alternatives.iter().map(|a| format!("{} {}", a.component, words(a.effect.name())));
         table.rows.push(vec![
-            Cell::text(finding.component),
-            Cell::text(words(finding.effect)),
+            Cell::text(finding.component.name()),
+            Cell::text(words(finding.effect.name())),
             Cell::text(format!("{:.0} %", 100.0 * finding.probability)),
             Cell::text(parameters.collect::<Vec<_>>().join("; ")),
             Cell::text(others.collect::<Vec<_>>().join(", ")),
@@ -105,7 +107,7 @@ fn findings_table(findings: &[Finding]) -> Table {
     table
 }
 
-fn fit_section(answer: &Answer, tracks: &[Track]) -> Section {
+fn fit_section(answer: &AnswerText, tracks: &[Track]) -> Section {
     let columns = [
         Column::Text("channel"),
         Column::Number("floor"),
@@ -133,7 +135,7 @@ fn fit_section(answer: &Answer, tracks: &[Track]) -> Section {
     Section::new("How the fit improved").listing(table).showing(figures.map(|t| comparison(t, "")))
 }
 
-fn tried_section(answer: &Answer) -> Section {
+fn tried_section(answer: &AnswerText) -> Section {
     let columns = [
         Column::Number("stage"),
         Column::Text("component"),
@@ -147,13 +149,13 @@ fn tried_section(answer: &Answer) -> Section {
     let mut table = Table::new("Every hypothesis that was fitted in the simulator", &columns);
     for h in &answer.hypotheses {
         let beside: Vec<String> =
-            h.beside.iter().map(|b| format!("{} {}", b.component, words(b.effect))).collect();
+            h.beside.iter().map(|b| format!("{} {}", b.component, words(b.effect.name()))).collect();
         let verdict =
             if h.accepted { Cell::Verdict(Tone::Good, "accepted".to_owned()) } else { Cell::text("") };
         table.rows.push(vec![
             Cell::text(h.stage.to_string()),
-            Cell::text(h.component),
-            Cell::text(words(h.effect)),
+            Cell::text(h.component.name()),
+            Cell::text(words(h.effect.name())),
             Cell::text(beside.join(", ")),
             Cell::number(h.gain_nats),
             Cell::text(format!("{:.3}", h.distance)),
@@ -164,7 +166,7 @@ fn tried_section(answer: &Answer) -> Section {
     Section::new("What was tried").listing(table)
 }
 
-fn cannot_tell(answer: &Answer) -> Section {
+fn cannot_tell(answer: &AnswerText) -> Section {
     let columns =
         [Column::Text("component"), Column::Text("effect"), Column::Text("smallest that would show")];
     let mut table =
@@ -174,7 +176,11 @@ fn cannot_tell(answer: &Answer) -> Section {
             Some(size) => format!("{} {} {}", n.parameter, short(size), n.unit),
             None => "nothing: it does not move them".to_owned(),
         };
-        table.rows.push(vec![Cell::text(n.component), Cell::text(words(n.effect)), Cell::text(size)]);
+        table.rows.push(vec![
+            Cell::text(n.component.name()),
+            Cell::text(words(n.effect.name())),
+            Cell::text(size),
+        ]);
     }
     let section = Section::new("What these recordings cannot tell").listing(table);
     let section = match &answer.next_experiment {

@@ -1,6 +1,7 @@
 //! The report of an identification: the numbers with their intervals, control against rate, the amplifier's curve.
 
-use counterpoise_diagnose::identify::{Amplifier, Estimate, GainPoint, Identified, Loop};
+use crate::wording::identification::{AmplifierText, IdentificationText};
+use counterpoise_diagnose::identification::{Estimate, GainPoint, Loop};
 
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::number::short;
@@ -10,7 +11,7 @@ use counterpoise_plot::{Axis, Band, Colour, Figure, Mark, Panel, Series};
 const BREAKAWAY: &str = "highest after a reversal";
 
 /// The report.
-pub fn report(machine: &str, command: &str, found: &Identified) -> Report {
+pub fn report(machine: &str, command: &str, found: &IdentificationText) -> Report {
     let loops: Vec<Figure> = found.loops.iter().map(|l| loop_figure(l, found, command)).collect();
     let (first, others) = loops.split_at(loops.len().min(1));
     let mut sections = Vec::new();
@@ -35,7 +36,7 @@ pub fn report(machine: &str, command: &str, found: &Identified) -> Report {
     }
 }
 
-fn headline(found: &Identified) -> Headline {
+fn headline(found: &IdentificationText) -> Headline {
     let moved: Vec<&str> = named(found)
         .into_iter()
         .filter(|(name, e, _)| *name != BREAKAWAY && e.before.is_finite() && !e.holds(e.before))
@@ -54,7 +55,7 @@ fn headline(found: &Identified) -> Headline {
 }
 
 /// Every estimate with its name and unit.
-fn named(found: &Identified) -> Vec<(&'static str, Estimate, &'static str)> {
+fn named(found: &IdentificationText) -> Vec<(&'static str, Estimate, &'static str)> {
     let mut out = Vec::new();
     for (state, b) in found.balances.iter().enumerate() {
         let names = if state == 0 {
@@ -71,14 +72,14 @@ fn named(found: &Identified) -> Vec<(&'static str, Estimate, &'static str)> {
     out
 }
 
-fn tiles(found: &Identified) -> Vec<Tile> {
+fn tiles(found: &IdentificationText) -> Vec<Tile> {
     let tile = |(name, e, unit): (&str, Estimate, &str)| {
         Tile::plain(name, short(e.value), unit).noted(&format!("± {}", short(0.5 * (e.ci95[1] - e.ci95[0]))))
     };
     named(found).into_iter().filter(|(name, ..)| !name.contains("other")).take(4).map(tile).collect()
 }
 
-fn estimates(found: &Identified) -> Table {
+fn estimates(found: &IdentificationText) -> Table {
     let columns = [
         Column::Text("value"),
         Column::Number("identified"),
@@ -100,7 +101,7 @@ fn estimates(found: &Identified) -> Table {
 }
 
 /// Control against hub rate, measured and as the identified mechanism needs it.
-fn loop_figure(picture: &Loop, found: &Identified, command: &str) -> Figure {
+fn loop_figure(picture: &Loop, found: &IdentificationText, command: &str) -> Figure {
     let points = |k: usize| picture.points.iter().map(move |p| (p[0], p[k]));
     let series = vec![
         Series::solid("recorded", Colour::Second, points(1)),
@@ -120,7 +121,7 @@ fn loop_figure(picture: &Loop, found: &Identified, command: &str) -> Figure {
 }
 
 /// The same figure with how it is read.
-fn explained(figure: &Figure, found: &Identified) -> Figure {
+fn explained(figure: &Figure, found: &IdentificationText) -> Figure {
     let l = &found.lobes;
     figure.clone().with_caption(&format!(
         "Offset: out-of-balance. Step at rate zero ({:.2} V): twice the Coulomb friction. Slope of the lobes ({:.2} V s/rad): \
@@ -129,13 +130,13 @@ fn explained(figure: &Figure, found: &Identified) -> Figure {
     ))
 }
 
-fn amplifier_section(amplifier: &Amplifier, command: &str) -> Section {
+fn amplifier_section(amplifier: &AmplifierText, command: &str) -> Section {
     let section = Section::new("Amplifier");
     let points = amplifier.points();
     let text = match amplifier {
-        Amplifier::Curve { .. } => "Its gain curve departs from the project's.".to_owned(),
-        Amplifier::AsInProject { .. } => "Its gain curve is the project's.".to_owned(),
-        Amplifier::NotIdentifiable { why } => format!("Not identifiable: {why}."),
+        AmplifierText::Curve { .. } => "Its gain curve departs from the project's.".to_owned(),
+        AmplifierText::AsInProject { .. } => "Its gain curve is the project's.".to_owned(),
+        AmplifierText::NotIdentifiable { why } => format!("Not identifiable: {why}."),
     };
     let section = section.saying(text);
     if points.is_empty() {
@@ -189,17 +190,17 @@ fn curve_table(points: &[GainPoint]) -> Table {
 mod tests {
     use super::*;
     use crate::html;
-    use counterpoise_diagnose::identify::{Balance, Lobes};
+    use counterpoise_diagnose::identification::{Balance, Lobes};
 
-    fn found() -> Identified {
+    fn found() -> IdentificationText {
         let estimate = |value| Estimate::new(value, 0.5, 150.0);
         let turn = |k: i32| f64::from(k) * 0.01;
-        Identified {
+        IdentificationText {
             balances: vec![Balance { out_of_balance_kg_m: estimate(186.0), inertia_kg_m2: estimate(150.2) }],
             coulomb_nm: estimate(130.0),
             viscous_nm_s_rad: estimate(140.0),
             breakaway_nm: None,
-            amplifier: Amplifier::NotIdentifiable { why: "the control stays large".to_owned() },
+            amplifier: AmplifierText::NotIdentifiable { why: "the control stays large" },
             lobes: Lobes { offset_v: 3.5, step_v: 0.5, slope_v_s_rad: 6.0, width_v_s2_rad: 2.0 },
             loops: vec![Loop {
                 recording: "triangle".to_owned(),

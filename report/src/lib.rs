@@ -6,7 +6,8 @@
 //! *Invariant*: nothing here measures or judges; nothing here reads a file, a clock or the network. Same report, same bytes.
 //!
 //! Modules in reading order: [`page`], [`html`], [`style`], [`bode`]; then a verification's report:
-//! [`summary`], [`evidence`], [`spectra`], [`verification`], [`difference`]; then a design's: [`design`].
+//! [`summary`], [`evidence`], [`spectra`], [`verification`], [`difference`]; then a design's: [`design`]; and the sentences
+//! of a diagnosis: [`wording`].
 
 pub mod adaptation;
 pub mod bench;
@@ -33,6 +34,7 @@ pub mod trade_off;
 pub mod triangle;
 pub mod verification;
 mod where_when;
+pub mod wording;
 
 pub use design::of_design;
 pub use html::html;

@@ -1,6 +1,6 @@
 //! What a diagnosis left over, in pictures: loops of control against rate, spectra of the errors, responses, correlations.
 
-use counterpoise_diagnose::residuals::{ResidualTest, residual_test};
+use counterpoise_diagnose::fitting::residual_tests::{ResidualTest, residual_test};
 use counterpoise_verify::signals::welch::{Spectra, WelchOptions, welch};
 
 use crate::{Cell, Column, Section, Table, Tone};

@@ -1,7 +1,8 @@
 //! The section of a diagnosis' report that shows where and when: the balances, and component x regime.
 
-use counterpoise_diagnose::answer::Answer;
-use counterpoise_diagnose::whereabouts::{Row, whereabouts};
+use crate::wording::answer::{AnswerText, component_list};
+use counterpoise_diagnose::findings::localisation_chart::ChartRow;
+use counterpoise_diagnose::localisation::error_hypotheses::Regime;
 
 use counterpoise_plot::{Figure, HeatMap, HeatRow};
 use ndarray::Array2;
@@ -10,7 +11,7 @@ use crate::diagnosis::words;
 use crate::{Cell, Column, Section, Table};
 
 /// Where and when.
-pub(super) fn where_section(answer: &Answer) -> Section {
+pub(super) fn where_section(answer: &AnswerText) -> Section {
     let mut balances = Table::new(
         "Balances that these sensors allow, and the components that each can see",
         &[Column::Text("balance"), Column::Text("available"), Column::Text("sees")],
@@ -18,9 +19,9 @@ pub(super) fn where_section(answer: &Answer) -> Section {
     for row in &answer.isolability {
         let available = if row.available { "yes" } else { "no" };
         balances.rows.push(vec![
-            Cell::text(row.balance),
+            Cell::text(row.balance.name()),
             Cell::text(available),
-            Cell::text(words(&row.sees.join(", "))),
+            Cell::text(words(&component_list(&row.sees))),
         ]);
     }
     let section = Section::new("Where and when").listing(balances);
@@ -28,30 +29,31 @@ pub(super) fn where_section(answer: &Answer) -> Section {
 }
 
 /// Component x regime.
-fn where_when(answer: &Answer) -> Figure {
-    let found = whereabouts(&answer.map, &answer.isolability, &answer.findings);
+fn where_when(answer: &AnswerText) -> Figure {
+    let rows = &answer.chart.rows;
     let share = |row: usize, column: usize| {
-        let shares = &found.components[row].shares;
+        let shares = if rows[row].seen { rows[row].shares.as_slice() } else { &[] };
         shares.get(column).copied().flatten().unwrap_or(f64::NAN)
     };
-    let named = found.components.iter().enumerate();
+    let place = |found: &Regime| Regime::ALL.iter().position(|one| one == found);
+    let framed = rows.iter().enumerate();
     let map = HeatMap {
         meaning: "of what the best cell gains".to_owned(),
         frame_meaning: "where the effect belongs that the search then named".to_owned(),
         heading: "What an error at each component explains".to_owned(),
-        columns: found.regimes.iter().map(|regime| words(regime)).collect(),
-        rows: found.components.iter().map(row).collect(),
-        shares: Array2::from_shape_fn((found.components.len(), found.regimes.len()), |(r, c)| share(r, c)),
-        framed: named.flat_map(|(r, row)| row.named.iter().map(move |c| (r, *c))).collect(),
+        columns: Regime::ALL.iter().map(|regime| words(regime.name())).collect(),
+        rows: rows.iter().map(row).collect(),
+        shares: Array2::from_shape_fn((rows.len(), Regime::ALL.len()), |(r, c)| share(r, c)),
+        framed: framed.flat_map(|(r, row)| row.found.iter().filter_map(place).map(move |c| (r, c))).collect(),
     };
     Figure::heat_map("Where (component) and when (regime) the simulation departs, in per cent", map)
-        .with_caption(&format!("{} {HOW}", found.summary))
+        .with_caption(&format!("{} {HOW}", answer.chart_summary))
 }
 
 /// A component's row; one that no balance sees has no cells.
-fn row(row: &Row) -> HeatRow {
+fn row(row: &ChartRow) -> HeatRow {
     let cover = (!row.seen).then(|| "these sensors do not see it".to_owned());
-    HeatRow { name: words(row.name), cover }
+    HeatRow { name: words(row.component.name()), cover }
 }
 
 /// What a cell is.

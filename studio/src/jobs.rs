@@ -4,7 +4,6 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use counterpoise_diagnose::Diagnosis;
 use counterpoise_host::projects;
 use counterpoise_models::Parameters;
 use counterpoise_models::parameters::Beam;
@@ -12,6 +11,8 @@ use counterpoise_pipeline::recordings::diagnose;
 use counterpoise_pipeline::studies::trade_off::{EffortPoint, effort};
 use counterpoise_pipeline::{self as pipeline, World};
 use counterpoise_project::{Document, Project};
+use counterpoise_report::wording::answer::{DescribedDiagnosis, describe_diagnosed_recordings};
+use counterpoise_report::wording::recordings::describe_recordings_error;
 use counterpoise_verify::{Verification, VerifiedController};
 
 use crate::browser::{Listing, list};
@@ -72,7 +73,7 @@ pub struct Jobs {
     /// Exports.
     pub export: Worker<ExportAsk, Result<Option<Written>, String>>,
     /// Diagnoses.
-    pub diagnose: Worker<DiagnoseAsk, Result<Diagnosis, Reasons>>,
+    pub diagnose: Worker<DiagnoseAsk, Result<DescribedDiagnosis, Reasons>>,
     /// Lays recordings beside the model.
     pub look: Worker<LookAsk, Option<Looked>>,
     /// Lists folders.
@@ -94,7 +95,7 @@ pub struct Jobs {
     /// The recordings beside the model, of a revision of the project.
     pub seen: Option<Of<Vec<Seen>>>,
     /// The last diagnosis, or why there is none.
-    pub diagnosed: Option<Result<Diagnosis, Reasons>>,
+    pub diagnosed: Option<Result<DescribedDiagnosis, Reasons>>,
     /// The mechanism that was diagnosed.
     pub diagnosed_plant: Option<Parameters>,
     /// What a running verification has found so far.
@@ -254,7 +255,7 @@ impl Jobs {
     /// The project's text with the diagnosed mechanism, where there is one.
     pub fn improved(&self, text: &str, project: &Project) -> Option<Result<String, String>> {
         let found = self.diagnosed.as_ref()?.as_ref().ok()?;
-        let improved = Project { plant: found.improved.clone(), ..project.clone() };
+        let improved = Project { plant: found.diagnosis.improved.clone(), ..project.clone() };
         let document = Document::parse(text, "project.toml");
         let updated = improved.update(&document, project);
         Some(updated.map(|d| d.text().to_owned()).map_err(|error| error.to_string()))
@@ -291,15 +292,16 @@ fn measurer(wake: &Wake, progress: &Progress, so_far: &SoFar) -> Worker<MeasureA
     })
 }
 
-fn diagnoser(wake: &Wake, progress: &Progress) -> Worker<DiagnoseAsk, Result<Diagnosis, Reasons>> {
+fn diagnoser(wake: &Wake, progress: &Progress) -> Worker<DiagnoseAsk, Result<DescribedDiagnosis, Reasons>> {
     let (progress, woken) = (progress.clone(), Arc::clone(wake));
     Worker::new(Arc::clone(wake), move |ask: DiagnoseAsk, token: &Token| {
         diagnosis(&ask, &Watch { token, progress: &progress, wake: &woken })
     })
 }
 
-fn diagnosis(ask: &DiagnoseAsk, watch: &Watch) -> Result<Diagnosis, Reasons> {
+fn diagnosis(ask: &DiagnoseAsk, watch: &Watch) -> Result<DescribedDiagnosis, Reasons> {
     let files = projects::recordings(&ask.paths).map_err(|error| vec![format!("{error:#}")])?;
-    let found = diagnose(&ask.project, &files, watch).map_err(|error| reasons(&error))?;
-    Ok(found.diagnosis)
+    let found =
+        diagnose(&ask.project, &files, watch).map_err(|error| vec![describe_recordings_error(&error)])?;
+    Ok(describe_diagnosed_recordings(&found))
 }

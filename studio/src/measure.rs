@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex};
 
-use counterpoise_diagnose::bench::map;
+use counterpoise_diagnose::simulator_access::map;
 use counterpoise_pipeline as pipeline;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan};
 use counterpoise_verify::robust::{Campaign, Sample, Sense, Summary, ranking, summary};

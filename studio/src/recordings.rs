@@ -6,12 +6,15 @@ use std::sync::Arc;
 use counterpoise_host::files::recording_files;
 use counterpoise_host::worker::Token;
 use counterpoise_models::Parameters;
-use counterpoise_pipeline::recordings::read::{control_for, missing_demand, read_record, tabulate};
+use counterpoise_pipeline::recordings::read::{control_for, read_record, tabulate, without_demand};
 use counterpoise_pipeline::recordings::replay::replay_one;
 use counterpoise_pipeline::recordings::{Gaps, ReadRecording, RecordingFile, ReplayLength};
 use counterpoise_pipeline::results::RecordingResult;
 use counterpoise_project::Project;
 use counterpoise_project::recording::{Channel as Recorded, Record, Table};
+use counterpoise_report::wording::recordings::{
+    describe_column_remark, describe_missing_demand, describe_recordings_error, describe_replay,
+};
 use counterpoise_simulate::recording::Channel;
 use counterpoise_simulate::replay::Replay;
 
@@ -147,7 +150,7 @@ fn seen(ask: &LookAsk, path: &Path, table: &Table, record: &Record) -> Vec<Seen>
             let beside = |part: &ReadRecording| beside_model(ask, record, part, blank.clone());
             parts.iter().map(beside).collect()
         }
-        Err(error) => vec![Seen { trouble: vec![error.to_string()], ..blank }],
+        Err(error) => vec![Seen { trouble: vec![describe_recordings_error(&error)], ..blank }],
     }
 }
 
@@ -157,22 +160,22 @@ fn beside_model(ask: &LookAsk, record: &Record, item: &ReadRecording, blank: See
     let mut run = |plant: &Parameters| match replay_one(plant, item, &control, ReplayLength::Automatic) {
         Ok(made) => Some(made),
         Err(error) => {
-            let cause = std::error::Error::source(&error).map_or(String::new(), |cause| format!(": {cause}"));
-            trouble.push(format!("{error}{cause}"));
+            trouble.push(describe_recordings_error(&error));
             None
         }
     };
     let model = run(&ask.project.plant);
     let improved = ask.improved.as_deref().and_then(run);
-    let demand = missing_demand(&ask.project, [(item.file.as_str(), &item.recording)]);
-    let found = model.as_ref().map_or(&item.remarks, |made| &made.result.remarks);
-    let replays = [&model, &improved].map(|made| made.as_ref().map(|made| &made.replay));
+    let demand =
+        describe_missing_demand(&without_demand(&ask.project, [(item.file.as_str(), &item.recording)]));
+    let found = model.as_ref().map_or(&item.remarks, |made| &made.remarks);
+    let replays = [&model, &improved].map(|made| made.as_ref().map(|made| &made.followed.replay));
     Seen {
         name: stem(Path::new(&item.file)),
-        remarks: demand.into_iter().chain(found.iter().cloned()).collect(),
+        remarks: demand.into_iter().chain(found.iter().map(describe_column_remark)).collect(),
         trouble,
         tracks: tracks(record, item, replays),
-        fit: model.map(|made| made.result),
+        fit: model.as_ref().map(describe_replay),
         ..blank
     }
 }

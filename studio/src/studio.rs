@@ -255,7 +255,7 @@ impl Studio {
         let diagnosed = self.jobs.diagnosed.as_ref().and_then(|found| found.as_ref().ok());
         let improved = diagnosed
             .filter(|_| self.jobs.diagnosed_plant.as_ref() == Some(&project.plant))
-            .map(|found| Arc::new(found.improved.clone()));
+            .map(|found| Arc::new(found.diagnosis.improved.clone()));
         let (project, paths) = (Arc::clone(project), self.jobs.recordings.clone());
         self.jobs.look.ask(opened.session.revision(), LookAsk { project, paths, improved });
     }

@@ -227,7 +227,7 @@ fn recordings_are_diagnosed_the_finding_is_accepted_and_design_and_verdicts_foll
     bench.key_press(Key::F6);
     rest(&mut bench);
     let found = bench.state().diagnosis().diagnosed.as_ref().unwrap().as_ref().unwrap();
-    let names: Vec<&str> = found.answer.findings.iter().map(|f| f.effect).collect();
+    let names: Vec<&str> = found.answer.findings.iter().map(|f| f.effect.name()).collect();
     assert!(names.contains(&"stribeck"), "{names:?}");
     bench.state_mut().run(&Command::Inquire { inquiry: Inquiry::Map });
     bench.run_steps(2);

@@ -266,7 +266,7 @@ fn units_are_those_that_were_chosen_in_every_place() {
         rest(&mut bench);
         bench.hover_at(bench.get_by_label(&format!("plot: {plot}")).rect().center());
         bench.run_steps(2);
-        let (chart, _) = bench.state().view.chart.clone().unwrap();
+        let chart = bench.state().view.chart.clone().unwrap();
         assert_eq!(chart.title, plot);
         assert!(chart.labels.iter().any(|label| label.ends_with("deg/s")), "{:?}", chart.labels);
     }
@@ -274,7 +274,7 @@ fn units_are_those_that_were_chosen_in_every_place() {
     rest(&mut bench);
     bench.hover_at(bench.get_by_label("plot: Loop gain").rect().center());
     bench.run_steps(2);
-    let labels = bench.state().view.chart.as_ref().unwrap().0.labels.clone();
+    let labels = bench.state().view.chart.as_ref().unwrap().labels.clone();
     assert_eq!(labels, ["frequency, rad/s", "modulus"]);
     drop(bench);
     std::fs::remove_dir_all(folder).unwrap();
@@ -353,7 +353,7 @@ fn the_limit_of_the_chosen_requirement_is_drawn_where_its_figure_is_read_and_in_
         rest(&mut bench);
         bench.hover_at(bench.get_by_label(&format!("plot: {plot}")).rect().center());
         bench.run_steps(2);
-        bench.state().view.chart.clone().unwrap().0
+        bench.state().view.chart.clone().unwrap()
     };
     let rejection = seen("DRR heave at 1 Hz", "Rejection of heave");
     assert_eq!(rejection.levels, [-70.0]);

@@ -12,6 +12,8 @@ use counterpoise_host::{files, projects};
 use counterpoise_pipeline::recordings::read::control_for;
 use counterpoise_pipeline::recordings::{Gaps, ReplayLength, diagnose, read, replay};
 use counterpoise_project::Purpose;
+use counterpoise_report::wording::answer::describe_diagnosed_recordings;
+use counterpoise_report::wording::recordings::describe_replay;
 use counterpoise_simulate::recording::Recording;
 use counterpoise_studio::command::Command;
 use counterpoise_studio::recordings::{LookAsk, look};
@@ -38,11 +40,12 @@ fn a_replay_in_the_studio_is_the_replay_of_the_command_line() {
             let paths = vec![folder.join(inside)];
             let read = read(&project, &projects::recordings(&paths).unwrap(), Gaps::Repaired).unwrap();
             let control = control_for(&project, read.iter().map(|item| &item.recording));
-            let expected = replay(&project, &read, &control, ReplayLength::Automatic).unwrap().result;
+            let expected = replay(&project, &read, &control, ReplayLength::Automatic).unwrap();
+            let expected: Vec<_> = expected.iter().map(describe_replay).collect();
             let ask = LookAsk { project: Arc::new(project.clone()), paths, improved: None };
             let seen = look(&ask, &Token::default()).unwrap().seen;
             let found: Vec<_> = seen.iter().map(|one| one.fit.clone().unwrap()).collect();
-            assert_eq!(json(&found), json(&expected.recordings), "{name}/{inside}");
+            assert_eq!(json(&found), json(&expected), "{name}/{inside}");
             assert!(!found.is_empty());
         }
     }
@@ -86,8 +89,8 @@ fn a_diagnosis_in_the_studio_is_the_diagnosis_of_the_command_line() {
     window.run(&Command::Diagnose);
     settle(&mut window);
     let found = window.diagnosis().diagnosed.as_ref().unwrap().as_ref().unwrap();
-    assert_eq!(json(&found.answer), json(&expected.diagnosis.answer));
-    assert!(found.improved == expected.diagnosis.improved);
+    assert_eq!(json(&found.answer), json(&describe_diagnosed_recordings(&expected).answer));
+    assert!(found.diagnosis.improved == expected.diagnosis.improved);
     drop(window);
     std::fs::remove_dir_all(folder).unwrap();
 }

@@ -5,9 +5,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use counterpoise_diagnose::answer::Verdict;
-use counterpoise_diagnose::bench::Pool;
 use counterpoise_diagnose::diagnose;
+use counterpoise_diagnose::findings::answer::Verdict;
+use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::Plant;
 use counterpoise_project::recording::Table;
 use counterpoise_project::{Attachments, Document, Project, Setting};
@@ -82,7 +82,7 @@ fn left_out_friction_is_named_sized_and_its_improved_model_fits_what_it_has_not_
     assert_eq!(found.answer.verdict, Verdict::Named);
     assert_eq!(found.answer.findings.len(), 1);
     let finding = &found.answer.findings[0];
-    assert_eq!((finding.component, finding.effect), ("pivot", "stribeck"));
+    assert_eq!(finding.name().names(), ("pivot", "stribeck"));
     let value = |name: &str| finding.parameters.iter().find(|p| p.name == name).unwrap().value;
     assert!((value("static_ratio") / 1.55 - 1.0).abs() < 0.02);
     assert!((value("stribeck_rate") / 0.012 - 1.0).abs() < 0.05);
@@ -191,7 +191,7 @@ fn an_amplifier_s_curve_is_found_as_fine_as_the_recordings_ask() {
     let found = diagnose(&project.plant, &controller, &recordings(&project, &folder), &Threads).unwrap();
     assert_eq!(found.answer.verdict, Verdict::Named);
     let finding = &found.answer.findings[0];
-    assert_eq!((finding.component, finding.effect), ("amplifier", "gain_curve"));
+    assert_eq!(finding.name().names(), ("amplifier", "gain_curve"));
     assert!(finding.parameters.len() <= 20, "{}", finding.parameters.len());
     let unseen = recordings(&project, &folder.join("unseen"));
     counterpoise_tests::in_parallel(unseen.len(), &|k| {

@@ -5,7 +5,10 @@
 use std::fs;
 use std::path::Path;
 
-use counterpoise_diagnose::recorder::{Column, Examined, examine};
+use counterpoise_diagnose::findings::instrument_findings::{component_of, effect_of};
+use counterpoise_diagnose::recording::instrument_faults::{
+    Column, ExaminedRecordings, find_instrument_faults,
+};
 use counterpoise_project::Project;
 use counterpoise_project::recording::Table;
 use counterpoise_simulate::recording::Recording;
@@ -38,9 +41,9 @@ impl Machine {
         Some(Self { project, recordings })
     }
 
-    fn examined(&self, recordings: &[Recording]) -> Examined {
+    fn examined(&self, recordings: &[Recording]) -> ExaminedRecordings {
         let control = self.project.recording_controller.as_ref().map_or(Loop::Open, Loop::from);
-        examine(&self.project.plant, &control, recordings)
+        find_instrument_faults(&self.project.plant, &control, recordings)
     }
 
     fn with(&self, which: &[usize], fault: impl Fn(&mut Recording)) -> Vec<Recording> {
@@ -101,7 +104,7 @@ fn cases() -> Vec<(Column, Wrong, Vec<usize>, &'static str, &'static str)> {
     let degrees = 180.0 / std::f64::consts::PI;
     let mut out = Vec::new();
     let mut case = |column: Column, wrong, effect| {
-        out.push((column, wrong, ALL.to_vec(), column.component(), effect));
+        out.push((column, wrong, ALL.to_vec(), component_of(column).name(), effect));
     };
     for column in [Demand, Control, HubRate, PlatformRate, MotorRate, HubPosition] {
         case(column, Times(-1.0), "scale");
@@ -145,8 +148,8 @@ fn cases() -> Vec<(Column, Wrong, Vec<usize>, &'static str, &'static str)> {
     out
 }
 
-fn told(examined: &Examined) -> Vec<(&'static str, &'static str)> {
-    examined.faults.iter().map(|f| (f.column.component(), f.kind.effect())).collect()
+fn told(examined: &ExaminedRecordings) -> Vec<(&'static str, &'static str)> {
+    examined.faults.iter().map(|f| (component_of(f.column).name(), effect_of(&f.kind).name())).collect()
 }
 
 #[test]
@@ -154,7 +157,7 @@ fn machines_with_any_concealed_physics_have_no_fault_of_the_recorder() {
     for name in ["p01", "p02", "p03", "p04", "p05", "p06", "p07", "p08"] {
         let Some(machine) = Machine::read(name) else { return };
         let examined = machine.examined(&machine.recordings);
-        assert!(examined.faults.is_empty(), "{name}: {:?}", examined.told());
+        assert!(examined.faults.is_empty(), "{name}: {:?}", examined.faults);
         assert!(examined.recordings == machine.recordings, "{name}");
     }
 }
@@ -170,7 +173,7 @@ fn each_fault_is_named_and_nothing_else_is() {
             let spoilt = machine.with(&which, |r| spoil(of(r, column), fault));
             let examined = machine.examined(&spoilt);
             if told(&examined) != [(component, effect)] {
-                wrong.push(format!("{name} {} {fault:?} {which:?}: {:?}", column.name(), examined.told()));
+                wrong.push(format!("{name} {} {fault:?} {which:?}: {:?}", column.name(), examined.faults));
             }
         }
     }
@@ -198,15 +201,15 @@ fn exchanged_columns_are_named_and_put_back() {
                 *of(r, one) = second;
             });
             let examined = machine.examined(&exchanged);
-            let pair = [(one.component(), "exchanged"), (other.component(), "exchanged")];
+            let pair = [(component_of(one).name(), "exchanged"), (component_of(other).name(), "exchanged")];
             let told = told(&examined);
             assert!(
                 told.len() == 1 && pair.contains(&told[0]),
                 "{name} {one:?} {other:?}: {:?}",
-                examined.told()
+                examined.faults
             );
             let back = examined.recordings == machine.recordings;
-            assert!(back, "{name} {one:?} {other:?}: {:?}", examined.told());
+            assert!(back, "{name} {one:?} {other:?}: {:?}", examined.faults);
         }
     }
 }
@@ -221,9 +224,9 @@ fn sealed_machines_have_no_fault_of_the_recorder() {
     let wrong = std::sync::Mutex::new(Vec::new());
     counterpoise_tests::in_parallel(seeds.len(), &|k| {
         let case = sealed::case(seeds[k], &nominal);
-        let examined = examine(&nominal, &control, &sealed::row::recordings(&case));
+        let examined = find_instrument_faults(&nominal, &control, &sealed::row::recordings(&case));
         if !examined.faults.is_empty() {
-            let line = format!("{} {:?}: {:?}", seeds[k], case.sealed.concealed, examined.told());
+            let line = format!("{} {:?}: {:?}", seeds[k], case.sealed.concealed, examined.faults);
             wrong.lock().unwrap().push(line);
         }
     });

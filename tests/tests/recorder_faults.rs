@@ -5,11 +5,12 @@
 use std::fs;
 use std::path::Path;
 
-use counterpoise_diagnose::mend::mended;
-use counterpoise_diagnose::qualify::qualify;
-use counterpoise_diagnose::replays::measured;
+use counterpoise_diagnose::recording::gap_repair::repair_gaps;
+use counterpoise_diagnose::recording::measured_signals::measured;
+use counterpoise_diagnose::recording::sanity_checks::check_signals;
 use counterpoise_project::Project;
 use counterpoise_project::recording::{Column, Table};
+use counterpoise_report::wording::recordings::{describe_anomaly, describe_repair};
 use counterpoise_simulate::recording::Recording;
 use counterpoise_simulate::replay::{Loop, replay};
 
@@ -47,14 +48,16 @@ fn with(fault: impl Fn(&mut Table)) -> Option<Told> {
     fault(&mut table);
     let record = project.recording.apply(&table).unwrap();
     let ratio = project.plant.gearbox.ratio;
-    let mended = mended(&record.recording(), ratio);
+    let repaired = repair_gaps(&record.recording(), ratio);
     let mut remarks: Vec<String> = record.findings.iter().map(ToString::to_string).collect();
-    remarks.extend(mended.remarks.iter().map(|(channel, what)| format!("{channel}: {what}")));
-    for part in &mended.parts {
-        let here = qualify(&part.name, &measured(part).unwrap(), ratio);
-        remarks.extend(here.into_iter().map(|r| format!("{}: {}", r.channel, r.what)));
+    remarks.extend(
+        repaired.repairs.iter().map(|(channel, repair)| format!("{channel}: {}", describe_repair(repair))),
+    );
+    for part in &repaired.parts {
+        let here = check_signals(&part.name, &measured(part).unwrap(), ratio);
+        remarks.extend(here.into_iter().map(|r| format!("{}: {}", r.channel, describe_anomaly(&r.anomaly))));
     }
-    Some(Told { remarks, parts: mended.parts, project })
+    Some(Told { remarks, parts: repaired.parts, project })
 }
 
 fn column<'a>(table: &'a mut Table, name: &str) -> &'a mut Column {

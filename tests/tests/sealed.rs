@@ -3,9 +3,9 @@
 //! `COUNTERPOISE_SEEDS=0..40 cargo test --release -p counterpoise-tests --test sealed -- --nocapture` scores more of them.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_diagnose::answer::Answer;
-use counterpoise_diagnose::bench::Pool;
 use counterpoise_diagnose::diagnose;
+use counterpoise_diagnose::findings::answer::Answer;
+use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::{Parameters, reference};
 use counterpoise_tests::sealed::row::recordings;
 use counterpoise_tests::sealed::{Family, Sealed, case, controller};
@@ -29,14 +29,14 @@ fn seeds() -> std::ops::Range<u64> {
 fn right(sealed: &Sealed, answer: &Answer) -> bool {
     let named = |c: &counterpoise_tests::sealed::Concealed| {
         answer.findings.iter().any(|f| {
-            (f.component, f.effect) == (c.component, c.effect)
-                || c.also.contains(&(f.component, f.effect))
-                || f.alternatives.iter().any(|a| (a.component, a.effect) == (c.component, c.effect))
+            f.name().names() == (c.component, c.effect)
+                || c.also.contains(&f.name().names())
+                || f.alternatives.iter().any(|a| a.names() == (c.component, c.effect))
         })
     };
     match sealed.family {
         Family::Nothing => answer.findings.is_empty(),
-        Family::Outside => answer.findings.iter().all(|f| f.effect == "unknown"),
+        Family::Outside => answer.findings.iter().all(|f| f.effect.name() == "unknown"),
         _ => answer.findings.len() == sealed.concealed.len() && sealed.concealed.iter().all(named),
     }
 }

@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use counterpoise_claims::identified::AMPLIFIER;
-use counterpoise_diagnose::identify::{Amplifier, identify, improved};
+use counterpoise_diagnose::identification::{Amplifier, identify, improved};
 use counterpoise_pipeline::recordings::measured_modes::{StructureVerdict, structure};
 use counterpoise_project::Project;
 use counterpoise_project::recording::Table;

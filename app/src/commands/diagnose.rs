@@ -2,11 +2,15 @@
 
 use crate::output::say;
 use counterpoise_diagnose::Diagnosis;
-use counterpoise_diagnose::answer::{Answer, Channels, Finding, FitTable, Verdict};
+use counterpoise_diagnose::findings::answer::{Channels, FitTable, Verdict};
 use counterpoise_pipeline::recordings::diagnose;
 use counterpoise_pipeline::{Consequence, consequence};
 use counterpoise_project::Purpose;
 use counterpoise_report::difference;
+use counterpoise_report::wording::answer::{
+    AnswerText, FindingText, component_list, describe_diagnosed_recordings, unit_suffix,
+};
+use counterpoise_report::wording::recordings::describe_recordings_error;
 use counterpoise_verify::Verification;
 use counterpoise_verify::difference::changes;
 
@@ -29,18 +33,19 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     let workers = Workers::new(options.results.quiet);
     let diagnosed = diagnose(&loaded.project, &files, &workers);
     workers.finish();
-    let diagnosed = diagnosed?;
+    let diagnosed = diagnosed.map_err(|error| anyhow::Error::msg(describe_recordings_error(&error)))?;
+    let answer = describe_diagnosed_recordings(&diagnosed).answer;
     let found = &diagnosed.diagnosis;
     if let Some(path) = &options.save {
         projects::save_improved(&loaded, &found.improved, path)?;
     }
     let consequence = told(&loaded, found, options.results.quiet)?;
     if let Some(path) = &options.report {
-        let page = pages::diagnosis(&loaded, &diagnosed, consequence.as_ref());
+        let page = pages::diagnosis(&loaded, (&diagnosed, &answer), consequence.as_ref());
         projects::write(path, page.as_bytes())?;
     }
-    if !output::json(&options.results, &found.answer)? {
-        print(&found.answer);
+    if !output::json(&options.results, &answer)? {
+        print(&answer);
         consequence.iter().for_each(print_consequence);
     }
     Ok(verdict_code(true))
@@ -69,7 +74,7 @@ fn print_consequence(found: &Consequence) {
     found.redesigned.iter().for_each(|v| line("designed anew", v));
 }
 
-fn print(answer: &Answer) {
+fn print(answer: &AnswerText) {
     if !answer.qualification.is_empty() {
         say!("about the recordings themselves:");
         answer.qualification.iter().for_each(|remark| say!("  {remark}"));
@@ -79,9 +84,9 @@ fn print(answer: &Answer) {
     for row in &answer.isolability {
         say!(
             "  {:<8} {:<4} sees {}",
-            row.balance,
+            row.balance.name(),
             if row.available { "yes" } else { "no" },
-            row.sees.join(", ")
+            component_list(&row.sees)
         );
     }
     say!();
@@ -94,7 +99,7 @@ fn print(answer: &Answer) {
     answer.warnings.iter().for_each(|remark| say!("note: {remark}"));
 }
 
-fn print_finding(finding: &Finding) {
+fn print_finding(finding: &FindingText) {
     say!("  {} {} (probability {:.0} %)", finding.component, finding.effect, 100.0 * finding.probability);
     say!("    {}", finding.explanation);
     say!("    shows {}", finding.when);
@@ -103,7 +108,7 @@ fn print_finding(finding: &Finding) {
             "    {} = {:.5}{}  [{:.5}, {:.5}], was {:.5}",
             p.name,
             p.value,
-            p.suffix(),
+            unit_suffix(p),
             p.ci95[0],
             p.ci95[1],
             p.before

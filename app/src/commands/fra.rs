@@ -10,6 +10,7 @@ use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, Measurement, On
 use counterpoise_project::{Purpose, StructureChoice};
 use counterpoise_report::fra::{Pace, report};
 use counterpoise_report::html;
+use counterpoise_report::wording::recordings::describe_column_remark;
 
 use super::{Done, verdict_code};
 use crate::arguments::Results;
@@ -188,7 +189,7 @@ fn recorded(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<Vec<Ma
     for item in read(&loaded.project, &projects::recordings(&options.recording)?, Gaps::Repaired)? {
         let mut map = analyser.recorded(&item.recording, &plan.frequencies_hz)?;
         map.recording = Some(item.file);
-        map.remarks.extend(item.remarks);
+        map.remarks.extend(item.remarks.iter().map(describe_column_remark));
         maps.push(map);
     }
     Ok(maps)

@@ -1,11 +1,15 @@
 //! `counterpoise identify`: the triangle-wave method.
 
 use crate::output::say;
-use counterpoise_diagnose::identify::{Amplifier, Estimate, Identified, improved};
+use counterpoise_diagnose::identification::{Estimate, improved};
 use counterpoise_pipeline::recordings::identify;
 use counterpoise_project::Purpose;
 use counterpoise_report::html;
 use counterpoise_report::identify::report;
+use counterpoise_report::wording::identification::{
+    AmplifierText, IdentificationText, describe_identified_recordings,
+};
+use counterpoise_report::wording::recordings::describe_recordings_error;
 
 use super::{Done, verdict_code};
 use crate::arguments::IdentifyOptions;
@@ -17,9 +21,11 @@ pub fn run(options: &IdentifyOptions) -> Done {
     let loaded = projects::load(&options.project, Purpose::Model)?;
     output::warnings(&loaded, options.results.quiet);
     let (first, second) = (projects::recordings(&options.recordings)?, projects::recordings(&options.other)?);
-    let found = identify(&loaded.project, &[&first, &second])?;
+    let identified = identify(&loaded.project, &[&first, &second])
+        .map_err(|error| anyhow::Error::msg(describe_recordings_error(&error)))?;
+    let found = describe_identified_recordings(&identified);
     if let Some(path) = &options.save {
-        projects::save_improved(&loaded, &improved(&loaded.project.plant, &found), path)?;
+        projects::save_improved(&loaded, &improved(&loaded.project.plant, &identified.identified), path)?;
     }
     if let Some(path) = &options.report {
         let command = format!("counterpoise identify {}", loaded.path.display());
@@ -32,7 +38,7 @@ pub fn run(options: &IdentifyOptions) -> Done {
     Ok(verdict_code(true))
 }
 
-fn print(found: &Identified) {
+fn print(found: &IdentificationText) {
     say!("{:<28} {:>12}   {:^25} {:>12}  unit", "", "identified", "95 % interval", "project");
     for (state, balance) in found.balances.iter().enumerate() {
         let of = |name: &str| match state {
@@ -65,11 +71,11 @@ fn line(name: &str, e: &Estimate, unit: &str) {
     say!("{name:<28} {:12.3}   [{:10.3}, {:10.3}] {:12.3}  {unit}", e.value, e.ci95[0], e.ci95[1], e.before);
 }
 
-fn amplifier(found: &Amplifier) {
+fn amplifier(found: &AmplifierText) {
     match found {
-        Amplifier::Curve { .. } => say!("amplifier: its gain curve is not the project's"),
-        Amplifier::AsInProject { .. } => say!("amplifier: its gain curve is the project's"),
-        Amplifier::NotIdentifiable { why } => say!("amplifier: not identifiable: {why}"),
+        AmplifierText::Curve { .. } => say!("amplifier: its gain curve is not the project's"),
+        AmplifierText::AsInProject { .. } => say!("amplifier: its gain curve is the project's"),
+        AmplifierText::NotIdentifiable { why } => say!("amplifier: not identifiable: {why}"),
     }
     for q in found.points() {
         say!(

@@ -3,13 +3,14 @@
 use counterpoise_pipeline::Synthesised;
 use counterpoise_pipeline::export::{project_hash, weights};
 use counterpoise_pipeline::recordings::tracks::{Track, before_and_after, tracks};
-use counterpoise_pipeline::recordings::{DiagnosedRecordings, ReadRecording, ReplayedRecordings};
-use counterpoise_pipeline::results::{DesignResult, SynthResult};
+use counterpoise_pipeline::recordings::{DiagnosedRecordings, ReadRecording, ReplayedRecording};
+use counterpoise_pipeline::results::{DesignResult, ReplayResult, SynthResult};
 use counterpoise_pipeline::studies::comparison::{Beside, beside};
 use counterpoise_pipeline::studies::search::Searched;
 use counterpoise_pipeline::{Consequence, Designed};
 use counterpoise_report::design::{WEIGHTS, weight_section};
 use counterpoise_report::diagnosis::report;
+use counterpoise_report::wording::answer::AnswerText;
 use counterpoise_report::{
     Cell, Column, Context, Headline, Report, Section, Table, Tile, Tone, bench, difference, html, of_design,
     trade_off,
@@ -174,21 +175,31 @@ fn times_section(times: &[StageTime]) -> Section {
 }
 
 /// The report of a diagnosis.
-pub fn diagnosis(loaded: &Loaded, found: &DiagnosedRecordings, consequence: Option<&Consequence>) -> String {
+pub fn diagnosis(
+    loaded: &Loaded,
+    (found, answer): (&DiagnosedRecordings, &AnswerText),
+    consequence: Option<&Consequence>,
+) -> String {
     let (project, diagnosis) = (&loaded.project, &found.diagnosis);
     let recordings = found.repaired(project);
     let tracks = before_and_after(&recordings, &found.control, &project.plant, &diagnosis.improved);
     let command = format!("counterpoise diagnose {}", loaded.path.display());
-    let mut page = report(&project.plant.name, &command, &diagnosis.answer, &tracks);
+    let mut page = report(&project.plant.name, &command, answer, &tracks);
     page.sections.splice(1..1, consequence.map(difference::consequence));
     html(&page)
 }
 
 /// The report of a replay: measured and simulated, without a search.
-pub fn replay(loaded: &Loaded, read: &[ReadRecording], replayed: &ReplayedRecordings) -> String {
-    let pairs = read.iter().zip(&replayed.replays);
-    let all: Vec<Vec<Track>> = pairs.map(|(item, replay)| tracks(&item.recording, replay, None)).collect();
+pub fn replay(
+    loaded: &Loaded,
+    read: &[ReadRecording],
+    replayed: &[ReplayedRecording],
+    result: &ReplayResult,
+) -> String {
+    let pairs = read.iter().zip(replayed);
+    let all: Vec<Vec<Track>> =
+        pairs.map(|(item, replay)| tracks(&item.recording, &replay.followed.replay, None)).collect();
     let command = format!("counterpoise replay {}", loaded.path.display());
     let title = format!("Replay of {}", loaded.project.plant.name);
-    html(&counterpoise_report::replay::report(&title, &command, &replayed.result, &all))
+    html(&counterpoise_report::replay::report(&title, &command, result, &all))
 }

@@ -1,7 +1,8 @@
 //! Drive: motor, gearbox, amplifier, and the control's own timing.
 
-use super::curve::{FREE_INPUTS_V, fraction, static_gain};
-use super::{Effect, Kind, knob};
+use super::amplifier_map::{FREE_INPUTS_V, fraction, static_gain};
+use super::effect::{Effect, Kind, parameter};
+use super::names::{Component, EffectName};
 use counterpoise_models::{MapPoint, Parameters};
 
 /// Input at which the map's shortfall has fallen to 1/e of that at the first point; 0.8 V where there is none.
@@ -31,25 +32,19 @@ fn current_limit(p: &Parameters) -> f64 {
 /// What a textbook's model of a drive may have at another value besides.
 pub(super) static TEXTBOOK: &[Effect] = &[
     Effect {
-        effect: "damping",
-        component: "gearbox",
+        // T_2 = K delta + D delta', another D (Dholiwar 2007, (5-22))
+        effect: EffectName::Damping,
+        component: Component::Gearbox,
         kind: Kind::ParameterChange,
-        equation: "T_2 = K delta + D delta', another D",
-        source: "Dholiwar 2007, (5-22)",
-        when: "near the resonance of the drive",
-        experiment: "multisine around the drive's resonance",
-        knobs: &[knob!("damping", "N m s/rad", [1e-4, 1e9], 0.5, Log, gearbox.damping_nm_s_rad)],
+        parameters: &[parameter!("damping", "N m s/rad", [1e-4, 1e9], 0.5, Log, gearbox.damping_nm_s_rad)],
         starts: &[],
     },
     Effect {
-        effect: "inertia",
-        component: "motor",
+        // J_m w_m' = torques at the motor shaft, another J_m (Dholiwar 2007, (5-23))
+        effect: EffectName::Inertia,
+        component: Component::Motor,
         kind: Kind::ParameterChange,
-        equation: "J_m w_m' = torques at the motor shaft, another J_m",
-        source: "Dholiwar 2007, (5-23)",
-        when: "in proportion to the motor's acceleration",
-        experiment: "multisine to the highest frequency",
-        knobs: &[knob!("motor_inertia", "kg m^2", [1e-9, 1e4], 0.1, Log, motor.inertia_kg_m2)],
+        parameters: &[parameter!("motor_inertia", "kg m^2", [1e-9, 1e4], 0.1, Log, motor.inertia_kg_m2)],
         starts: &[],
     },
 ];
@@ -57,14 +52,11 @@ pub(super) static TEXTBOOK: &[Effect] = &[
 /// Motor, gearbox, amplifier, control.
 pub(super) static EFFECTS: &[Effect] = &[
     Effect {
-        effect: "coulomb",
-        component: "motor",
+        // F_c sgn(w_m) at the motor shaft, another level (Dahl 1968)
+        effect: EffectName::Coulomb,
+        component: Component::Motor,
         kind: Kind::ParameterChange,
-        equation: "F_c sgn(w_m) at the motor shaft, another level",
-        source: "Dahl 1968",
-        when: "at every reversal of the motor",
-        experiment: "triangle demand with the platform still, then platform motion with the hub held still",
-        knobs: &[knob!(
+        parameters: &[parameter!(
             "coulomb",
             "N m",
             [1e-4, 1e3],
@@ -77,115 +69,102 @@ pub(super) static EFFECTS: &[Effect] = &[
         starts: &[],
     },
     Effect {
-        effect: "viscous",
-        component: "motor",
+        // F_v w_m at the motor shaft, another coefficient (Dholiwar 2007, 5.2.6)
+        effect: EffectName::Viscous,
+        component: Component::Motor,
         kind: Kind::ParameterChange,
-        equation: "F_v w_m at the motor shaft, another coefficient",
-        source: "Dholiwar 2007, 5.2.6",
-        when: "in proportion to motor speed",
-        experiment: "constant rates, both ways, several speeds",
-        knobs: &[knob!("viscous", "N m s/rad", [0.0, 10.0], 0.002, Linear, motor_friction.viscous_nm_s_rad)],
+        parameters: &[parameter!(
+            "viscous",
+            "N m s/rad",
+            [0.0, 10.0],
+            0.002,
+            Linear,
+            motor_friction.viscous_nm_s_rad
+        )],
         starts: &[],
     },
     Effect {
-        effect: "cogging",
-        component: "motor",
+        // torque A sin(n theta_m + phase) on the motor shaft, with or without current (Hanselman 2003; Proca et al. 2003)
+        effect: EffectName::Cogging,
+        component: Component::Motor,
         kind: Kind::MissingPhysics,
-        equation: "torque A sin(n theta_m + phase) on the motor shaft, with or without current",
-        source: "Hanselman 2003; Proca et al. 2003",
-        when: "repeats with the motor's angle",
-        experiment: "slow constant rate over several motor turns, both ways",
-        knobs: &[
-            knob!("amplitude", "N m", [0.0, 10.0], 0.03, Linear, motor.cogging.amplitude),
-            knob!("order", "1/turn", [0.004, 100.0], 0.01, Log, motor.cogging.order),
-            knob!("phase", "rad", [-40.0, 40.0], 0.3, Linear, motor.cogging.phase_rad),
+        parameters: &[
+            parameter!("amplitude", "N m", [0.0, 10.0], 0.03, Linear, motor.cogging.amplitude),
+            parameter!("order", "1/turn", [0.004, 100.0], 0.01, Log, motor.cogging.order),
+            parameter!("phase", "rad", [-40.0, 40.0], 0.3, Linear, motor.cogging.phase_rad),
         ],
         starts: &[],
     },
     Effect {
-        effect: "torque_ripple",
-        component: "motor",
+        // torque constant K_t (1 + A sin(n theta_m + phase)) (Jahns and Soong 1996)
+        effect: EffectName::TorqueRipple,
+        component: Component::Motor,
         kind: Kind::MissingPhysics,
-        equation: "torque constant K_t (1 + A sin(n theta_m + phase))",
-        source: "Jahns and Soong 1996",
-        when: "repeats with the motor's angle, in proportion to current",
-        experiment: "slow constant rate over several motor turns at two out-of-balances",
-        knobs: &[
-            knob!("amplitude", "1", [0.0, 0.9], 0.02, Linear, motor.torque_ripple.amplitude),
-            knob!("order", "1/turn", [0.004, 100.0], 0.01, Log, motor.torque_ripple.order),
-            knob!("phase", "rad", [-40.0, 40.0], 0.3, Linear, motor.torque_ripple.phase_rad),
+        parameters: &[
+            parameter!("amplitude", "1", [0.0, 0.9], 0.02, Linear, motor.torque_ripple.amplitude),
+            parameter!("order", "1/turn", [0.004, 100.0], 0.01, Log, motor.torque_ripple.order),
+            parameter!("phase", "rad", [-40.0, 40.0], 0.3, Linear, motor.torque_ripple.phase_rad),
         ],
         starts: &[],
     },
     Effect {
-        effect: "torque_constant",
-        component: "motor",
+        // T_m = K_t i, another K_t (Dholiwar 2007, (5-23))
+        effect: EffectName::TorqueConstant,
+        component: Component::Motor,
         kind: Kind::ParameterChange,
-        equation: "T_m = K_t i, another K_t",
-        source: "Dholiwar 2007, (5-23)",
-        when: "in proportion to motor torque",
-        experiment: "hold still at two known out-of-balances",
-        knobs: &[knob!("torque_constant", "N m/A", [1e-3, 100.0], 0.05, Log, motor.torque_constant_nm_a)],
+        parameters: &[parameter!(
+            "torque_constant",
+            "N m/A",
+            [1e-3, 100.0],
+            0.05,
+            Log,
+            motor.torque_constant_nm_a
+        )],
         starts: &[],
     },
     Effect {
-        effect: "backlash",
-        component: "gearbox",
+        // T_2 = K deadzone(delta, b / 2), another gap b (Nordin and Gutman 2002)
+        effect: EffectName::Backlash,
+        component: Component::Gearbox,
         kind: Kind::ParameterChange,
-        equation: "T_2 = K deadzone(delta, b / 2), another gap b",
-        source: "Nordin and Gutman 2002",
-        when: "when the mesh torque changes sign",
-        experiment: "torque reversals with the mechanism balanced",
-        knobs: &[knob!("backlash", "rad", [0.0, 0.1], 1e-3, Linear, gearbox.backlash_rad)],
+        parameters: &[parameter!("backlash", "rad", [0.0, 0.1], 1e-3, Linear, gearbox.backlash_rad)],
         starts: &[&[0.0], &[0.001], &[0.002], &[0.004], &[0.007], &[0.012]],
     },
     Effect {
-        effect: "stiffness",
-        component: "gearbox",
+        // T_2 = K deadzone(delta, b / 2), another K (Dholiwar 2007, (5-22))
+        effect: EffectName::Stiffness,
+        component: Component::Gearbox,
         kind: Kind::ParameterChange,
-        equation: "T_2 = K deadzone(delta, b / 2), another K",
-        source: "Dholiwar 2007, (5-22)",
-        when: "near the resonance of the drive",
-        experiment: "multisine around the drive's resonance",
-        knobs: &[knob!("stiffness", "N m/rad", [1e3, 1e10], 0.1, Log, gearbox.stiffness_nm_rad)],
+        parameters: &[parameter!("stiffness", "N m/rad", [1e3, 1e10], 0.1, Log, gearbox.stiffness_nm_rad)],
         starts: &[],
     },
     Effect {
-        effect: "mesh_ripple",
-        component: "gearbox",
+        // torque A sin(n theta_m + phase) on the hub (Smith 2003 on gear transmission error)
+        effect: EffectName::MeshRipple,
+        component: Component::Gearbox,
         kind: Kind::MissingPhysics,
-        equation: "torque A sin(n theta_m + phase) on the hub",
-        source: "Smith 2003 on gear transmission error",
-        when: "repeats with the motor's angle, felt at the hub",
-        experiment: "slow constant rate over several motor turns, both ways",
-        knobs: &[
-            knob!("amplitude", "N m", [0.0, 2e3], 6.0, Linear, gearbox.mesh_ripple.amplitude),
-            knob!("order", "1/turn", [0.005, 100.0], 0.01, Log, gearbox.mesh_ripple.order),
-            knob!("phase", "rad", [-40.0, 40.0], 0.3, Linear, gearbox.mesh_ripple.phase_rad),
+        parameters: &[
+            parameter!("amplitude", "N m", [0.0, 2e3], 6.0, Linear, gearbox.mesh_ripple.amplitude),
+            parameter!("order", "1/turn", [0.005, 100.0], 0.01, Log, gearbox.mesh_ripple.order),
+            parameter!("phase", "rad", [-40.0, 40.0], 0.3, Linear, gearbox.mesh_ripple.phase_rad),
         ],
         starts: &[],
     },
     Effect {
-        effect: "mesh_efficiency",
-        component: "gearbox",
+        // a fraction of the mesh torque is lost on the driven side (Pelchen, Schweiger, Otter 2002)
+        effect: EffectName::MeshEfficiency,
+        component: Component::Gearbox,
         kind: Kind::MissingPhysics,
-        equation: "a fraction of the mesh torque is lost on the driven side",
-        source: "Pelchen, Schweiger, Otter 2002",
-        when: "in proportion to the mesh torque, changing with the direction of power",
-        experiment: "the same triangle at several out-of-balances",
-        knobs: &[knob!("efficiency", "1", [0.3, 1.0], 0.03, Linear, gearbox.mesh_efficiency)],
+        parameters: &[parameter!("efficiency", "1", [0.3, 1.0], 0.03, Linear, gearbox.mesh_efficiency)],
         starts: &[&[0.95], &[0.85]],
     },
     Effect {
-        effect: "gain_curve",
-        component: "amplifier",
+        // gain of the amplifier x (1 - depth exp(-(|v| / corner)^3)): another gain at small inputs (Dholiwar 2007, tables 7-1 and 7-2)
+        effect: EffectName::GainCurve,
+        component: Component::Amplifier,
         kind: Kind::MissingPhysics,
-        equation: "gain of the amplifier x (1 - depth exp(-(|v| / corner)^3)): another gain at small inputs",
-        source: "Dholiwar 2007, tables 7-1 and 7-2",
-        when: "at small control voltages, whatever the rate",
-        experiment: "stalled amplifier map, or runs at two out-of-balances",
-        knobs: &[
-            knob!(
+        parameters: &[
+            parameter!(
                 "depth",
                 "1",
                 [-2.0, 0.95],
@@ -195,54 +174,42 @@ pub(super) static EFFECTS: &[Effect] = &[
                 set | p,
                 depth | shape_map(p, depth, map_corner(p))
             ),
-            knob!("corner", "V", [0.1, 1.9], 0.2, Log,
+            parameter!("corner", "V", [0.1, 1.9], 0.2, Log,
                 get map_corner, set |p, corner| shape_map(p, 1.0 - fraction(p, FREE_INPUTS_V[0]), corner)),
         ],
         starts: &[&[0.3, 0.4], &[0.3, 0.8], &[0.3, 1.4], &[-0.3, 0.8]],
     },
     Effect {
-        effect: "dead_zone",
-        component: "amplifier",
+        // no output for |v| below c, v - c sgn(v) beyond (Tao and Kokotovic 1996)
+        effect: EffectName::DeadZone,
+        component: Component::Amplifier,
         kind: Kind::MissingPhysics,
-        equation: "no output for |v| below c, v - c sgn(v) beyond",
-        source: "Tao and Kokotovic 1996",
-        when: "at small control voltages",
-        experiment: "stalled amplifier map, or runs at two out-of-balances",
-        knobs: &[knob!("dead_zone", "V", [0.0, 2.0], 0.03, Linear, amplifier.dead_zone_v)],
+        parameters: &[parameter!("dead_zone", "V", [0.0, 2.0], 0.03, Linear, amplifier.dead_zone_v)],
         starts: &[&[0.03], &[0.15]],
     },
     Effect {
-        effect: "current_limit",
-        component: "amplifier",
+        // |i| does not exceed a limit (Dholiwar 2007, 5.2.4)
+        effect: EffectName::CurrentLimit,
+        component: Component::Amplifier,
         kind: Kind::MissingPhysics,
-        equation: "|i| does not exceed a limit",
-        source: "Dholiwar 2007, 5.2.4",
-        when: "at the largest currents",
-        experiment: "the largest steps that travel allows",
-        knobs: &[knob!("current_limit", "A", [0.5, 1e3], 0.1, Log,
+        parameters: &[parameter!("current_limit", "A", [0.5, 1e3], 0.1, Log,
             get current_limit, set |p, v| p.amplifier.current_limit_a = v)],
         starts: &[&[30.0], &[20.0], &[13.0], &[9.0]],
     },
     Effect {
-        effect: "bandwidth",
-        component: "amplifier",
+        // tau_a dV/dt = -V + ..., another tau_a (Dholiwar 2007, (5-21))
+        effect: EffectName::Bandwidth,
+        component: Component::Amplifier,
         kind: Kind::ParameterChange,
-        equation: "tau_a dV/dt = -V + ..., another tau_a",
-        source: "Dholiwar 2007, (5-21)",
-        when: "at the highest frequencies",
-        experiment: "multisine to the highest frequency",
-        knobs: &[knob!("time_constant", "s", [1e-5, 0.5], 0.3, Log, amplifier.time_constant_s)],
+        parameters: &[parameter!("time_constant", "s", [1e-5, 0.5], 0.3, Log, amplifier.time_constant_s)],
         starts: &[&[1.5e-3], &[0.01], &[0.04]],
     },
     Effect {
-        effect: "delay",
-        component: "control",
+        // the control reaches the amplifier d samples late (Astrom and Wittenmark 1997)
+        effect: EffectName::Delay,
+        component: Component::Control,
         kind: Kind::MissingPhysics,
-        equation: "the control reaches the amplifier d samples late",
-        source: "Astrom and Wittenmark 1997",
-        when: "in proportion to frequency",
-        experiment: "multisine to the highest frequency",
-        knobs: &[knob!(
+        parameters: &[parameter!(
             "delay",
             "samples",
             [0.0, 30.0],

@@ -1,98 +1,91 @@
 //! Sensors and the recorder.
 
-use super::{Effect, Kind, knob};
-
-const IEEE_GYRO: &str = "IEEE Std 528; Titterton and Weston 2004";
+use super::effect::{Effect, Kind, parameter};
+use super::names::{Component, EffectName};
 
 macro_rules! instrument {
-    ($component:literal, $effect:literal, $equation:literal, $when:literal, $experiment:literal, $starts:expr, $knob:expr) => {
+    ($component:ident, $effect:ident, $starts:expr, $parameter:expr) => {
         Effect {
-            effect: $effect,
-            component: $component,
+            effect: EffectName::$effect,
+            component: Component::$component,
             kind: Kind::Instrument,
-            equation: $equation,
-            source: IEEE_GYRO,
-            when: $when,
-            experiment: $experiment,
-            knobs: &[$knob],
+            parameters: &[$parameter],
             starts: $starts,
         }
     };
 }
 
-/// Gyroscopes and the accelerometer.
+/// Gyroscopes and the accelerometer (IEEE Std 528; Titterton and Weston 2004).
 pub(super) static EFFECTS: &[Effect] = &[
+    // reading = gain x rate
     instrument!(
-        "hub_gyro",
-        "scale",
-        "reading = gain x rate",
-        "in proportion to hub rate",
-        "constant rates against the resolver",
+        HubGyro,
+        Scale,
         &[],
-        knob!("gain", "1", [0.2, 5.0], 0.02, Linear, sensors.hub_gyro.gain)
+        parameter!("gain", "1", [0.2, 5.0], 0.02, Linear, sensors.hub_gyro.gain)
     ),
+    // reading = rate + bias
     instrument!(
-        "hub_gyro",
-        "bias",
-        "reading = rate + bias",
-        "always, constant",
-        "stand still",
+        HubGyro,
+        Bias,
         &[],
-        knob!("bias", "rad/s", [-0.5, 0.5], 1e-3, Linear, sensors.hub_gyro.bias)
+        parameter!("bias", "rad/s", [-0.5, 0.5], 1e-3, Linear, sensors.hub_gyro.bias)
     ),
+    // second-order lag of another natural frequency
     instrument!(
-        "hub_gyro",
-        "bandwidth",
-        "second-order lag of another natural frequency",
-        "at the highest frequencies",
-        "multisine to the highest frequency",
+        HubGyro,
+        Bandwidth,
         &[&[377.0], &[120.0]],
-        knob!("natural_frequency", "rad/s", [20.0, 1e4], 0.2, Log, sensors.hub_gyro.natural_frequency_rad_s)
+        parameter!(
+            "natural_frequency",
+            "rad/s",
+            [20.0, 1e4],
+            0.2,
+            Log,
+            sensors.hub_gyro.natural_frequency_rad_s
+        )
     ),
+    // reading late by a time
     instrument!(
-        "hub_gyro",
-        "delay",
-        "reading late by a time",
-        "in proportion to frequency",
-        "multisine to the highest frequency, against the tachometer",
+        HubGyro,
+        Delay,
         &[&[0.002], &[0.006]],
-        knob!("delay", "s", [0.0, 0.05], 1e-3, Linear, sensors.hub_gyro.delay_s)
+        parameter!("delay", "s", [0.0, 0.05], 1e-3, Linear, sensors.hub_gyro.delay_s)
     ),
+    // reading = rate + c a_p
     instrument!(
-        "hub_gyro",
-        "g_sensitivity",
-        "reading = rate + c a_p",
-        "in proportion to heave",
-        "heave with the hub locked",
+        HubGyro,
+        GSensitivity,
         &[],
-        knob!("g_sensitivity", "(rad/s)/(m/s^2)", [-0.1, 0.1], 3e-4, Linear, sensors.hub_gyro.g_sensitivity)
+        parameter!(
+            "g_sensitivity",
+            "(rad/s)/(m/s^2)",
+            [-0.1, 0.1],
+            3e-4,
+            Linear,
+            sensors.hub_gyro.g_sensitivity
+        )
     ),
+    // reading = gain x rate
     instrument!(
-        "platform_gyro",
-        "scale",
-        "reading = gain x rate",
-        "in proportion to platform rate",
-        "platform pitch with the hub held on the platform",
+        PlatformGyro,
+        Scale,
         &[],
-        knob!("gain", "1", [0.2, 5.0], 0.02, Linear, sensors.platform_gyro.gain)
+        parameter!("gain", "1", [0.2, 5.0], 0.02, Linear, sensors.platform_gyro.gain)
     ),
+    // reading = rate + bias
     instrument!(
-        "platform_gyro",
-        "bias",
-        "reading = rate + bias",
-        "always, constant",
-        "stand still",
+        PlatformGyro,
+        Bias,
         &[],
-        knob!("bias", "rad/s", [-0.5, 0.5], 1e-3, Linear, sensors.platform_gyro.bias)
+        parameter!("bias", "rad/s", [-0.5, 0.5], 1e-3, Linear, sensors.platform_gyro.bias)
     ),
+    // second-order lag of another natural frequency
     instrument!(
-        "platform_gyro",
-        "bandwidth",
-        "second-order lag of another natural frequency",
-        "at the highest frequencies of the platform",
-        "platform pitch to the highest frequency",
+        PlatformGyro,
+        Bandwidth,
         &[&[377.0], &[60.0]],
-        knob!(
+        parameter!(
             "natural_frequency",
             "rad/s",
             [10.0, 1e4],
@@ -101,23 +94,19 @@ pub(super) static EFFECTS: &[Effect] = &[
             sensors.platform_gyro.natural_frequency_rad_s
         )
     ),
+    // reading late by a time
     instrument!(
-        "platform_gyro",
-        "delay",
-        "reading late by a time",
-        "in proportion to the platform's frequency",
-        "platform pitch to the highest frequency",
+        PlatformGyro,
+        Delay,
         &[&[0.004], &[0.015]],
-        knob!("delay", "s", [0.0, 0.1], 2e-3, Linear, sensors.platform_gyro.delay_s)
+        parameter!("delay", "s", [0.0, 0.1], 2e-3, Linear, sensors.platform_gyro.delay_s)
     ),
+    // reading = rate + c a_p
     instrument!(
-        "platform_gyro",
-        "g_sensitivity",
-        "reading = rate + c a_p",
-        "in proportion to heave",
-        "pure heave",
+        PlatformGyro,
+        GSensitivity,
         &[],
-        knob!(
+        parameter!(
             "g_sensitivity",
             "(rad/s)/(m/s^2)",
             [-0.1, 0.1],
@@ -126,42 +115,33 @@ pub(super) static EFFECTS: &[Effect] = &[
             sensors.platform_gyro.g_sensitivity
         )
     ),
+    // reading = gain x heave
     instrument!(
-        "platform_accelerometer",
-        "scale",
-        "reading = gain x heave",
-        "in proportion to heave",
-        "heave of known size",
+        PlatformAccelerometer,
+        Scale,
         &[],
-        knob!("gain", "1", [0.2, 5.0], 0.02, Linear, sensors.platform_accelerometer.gain)
+        parameter!("gain", "1", [0.2, 5.0], 0.02, Linear, sensors.platform_accelerometer.gain)
     ),
+    // reading = heave + bias
     instrument!(
-        "platform_accelerometer",
-        "bias",
-        "reading = heave + bias",
-        "always, constant",
-        "stand still",
+        PlatformAccelerometer,
+        Bias,
         &[],
-        knob!("bias", "m/s^2", [-5.0, 5.0], 0.02, Linear, sensors.platform_accelerometer.bias)
+        parameter!("bias", "m/s^2", [-5.0, 5.0], 0.02, Linear, sensors.platform_accelerometer.bias)
     ),
+    // reading = heave + arm x pitch acceleration
     instrument!(
-        "platform_accelerometer",
-        "lever_arm",
-        "reading = heave + arm x pitch acceleration",
-        "in proportion to pitch acceleration",
-        "pure platform pitch",
+        PlatformAccelerometer,
+        LeverArm,
         &[],
-        knob!("lever_arm", "m", [-5.0, 5.0], 0.1, Linear, sensors.accelerometer_lever_arm_m)
+        parameter!("lever_arm", "m", [-5.0, 5.0], 0.1, Linear, sensors.accelerometer_lever_arm_m)
     ),
     Effect {
-        effect: "channel_skew",
-        component: "platform",
+        // the platform's channels are recorded late by a time (two clocks, or one channel group sampled after the other)
+        effect: EffectName::ChannelSkew,
+        component: Component::Platform,
         kind: Kind::Instrument,
-        equation: "the platform's channels are recorded late by a time",
-        source: "two clocks, or one channel group sampled after the other",
-        when: "in proportion to the platform's frequency",
-        experiment: "platform pitch to the highest frequency",
-        knobs: &[knob!(
+        parameters: &[parameter!(
             "skew",
             "s",
             [0.0, 0.1],

@@ -18,5 +18,5 @@ pub mod tracks;
 
 pub use diagnose::{DiagnosedRecordings, diagnose};
 pub use identify::identify;
-pub use read::{Gaps, ReadRecording, RecordingFile, read};
-pub use replay::{FollowedRecording, ReplayLength, ReplayedRecordings, replay};
+pub use read::{ColumnRemark, Gaps, ReadRecording, RecordingFile, read};
+pub use replay::{ReplayLength, ReplayedRecording, replay};

@@ -1,9 +1,9 @@
 //! Recordings read as a project maps their columns.
 
-use counterpoise_diagnose::mend::mended;
-use counterpoise_diagnose::qualify::foreign_control;
+use counterpoise_diagnose::recording::gap_repair::{Repair, repair_gaps};
+use counterpoise_diagnose::recording::sanity_checks::{Anomaly, ControlMismatch, check_control};
 use counterpoise_project::Project;
-use counterpoise_project::recording::{Mapping, Record, RecordingError, Table};
+use counterpoise_project::recording::{Finding, Mapping, Record, RecordingError, Table};
 use counterpoise_simulate::recording::Recording;
 use counterpoise_simulate::replay::Loop;
 
@@ -25,10 +25,33 @@ pub struct ReadRecording {
     pub file: String,
     /// The recording.
     pub recording: Recording,
-    /// What was found about its columns, one sentence each.
-    pub remarks: Vec<String>,
+    /// What was found about its columns.
+    pub remarks: Vec<ColumnRemark>,
     /// Whether demand, control and hub rate are the samples that were written, not made from other columns or resampled.
     pub keeps_samples: bool,
+}
+
+/// Something found about the columns of a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ColumnRemark {
+    /// Found when the file was read.
+    File(Finding),
+    /// Repaired.
+    Repair {
+        /// The channel.
+        channel: &'static str,
+        /// What was done.
+        repair: Repair,
+    },
+    /// The recorded control is not what the project's recording controller makes of the recorded measurements.
+    Controller(ControlMismatch),
+    /// A channel looks wrong whatever the mechanism is.
+    Anomaly {
+        /// The channel.
+        channel: &'static str,
+        /// What is wrong.
+        anomaly: Anomaly,
+    },
 }
 
 /// What happens to gaps and stuck sensors.
@@ -82,20 +105,18 @@ pub fn read_record(
     gaps: Gaps,
 ) -> Result<Vec<ReadRecording>, PipelineError> {
     let keeps_samples = project.recording.keeps_samples(record);
-    let mut remarks: Vec<String> = record.findings.iter().map(ToString::to_string).collect();
+    let mut remarks: Vec<ColumnRemark> = record.findings.iter().cloned().map(ColumnRemark::File).collect();
     let parts = match gaps {
         Gaps::AsWritten => vec![(record.name.clone(), record.recording())],
         Gaps::Repaired => {
-            let repaired = mended(&record.recording(), project.plant.gearbox.ratio);
-            remarks.extend(repaired.remarks.into_iter().map(|(channel, what)| format!("{channel}: {what}")));
+            let repaired = repair_gaps(&record.recording(), project.plant.gearbox.ratio);
+            let done = |(channel, repair): (&'static str, Repair)| ColumnRemark::Repair { channel, repair };
+            remarks.extend(repaired.repairs.into_iter().map(done));
             repaired.parts.into_iter().map(|part| (part.name.clone(), part)).collect()
         }
     };
     if parts.is_empty() {
-        return Err(PipelineError::NothingToReplay {
-            recording: record.name.clone(),
-            why: remarks.join("; "),
-        });
+        return Err(PipelineError::NothingToReplay { recording: record.name.clone(), remarks });
     }
     let one = |(file, recording): (String, Recording)| {
         let foreign = foreign_controller(project, &recording, keeps_samples);
@@ -106,10 +127,9 @@ pub fn read_record(
 }
 
 /// Returns a remark if the recorded control is not what the project's recording controller makes of the recorded measurements.
-fn foreign_controller(project: &Project, recording: &Recording, keeps_samples: bool) -> Option<String> {
+fn foreign_controller(project: &Project, recording: &Recording, keeps_samples: bool) -> Option<ColumnRemark> {
     let controller = project.recording_controller.as_ref().filter(|_| keeps_samples)?;
-    let foreign = foreign_control(&project.plant, recording, &Loop::from(controller))?;
-    Some(format!("control: {foreign}"))
+    check_control(&project.plant, recording, &Loop::from(controller)).map(ColumnRemark::Controller)
 }
 
 /// Returns how recordings of a project are replayed: in closed loop with the recording controller if the project has one and every
@@ -124,21 +144,15 @@ pub fn control_for<'a>(project: &Project, recordings: impl IntoIterator<Item = &
     }
 }
 
-/// Returns a sentence if the recording controller cannot be run because recordings lack the demand.
-pub fn missing_demand<'a>(
+/// Returns the names of the recordings that lack the demand, so that the project's recording controller cannot be run; none if the
+/// project has no recording controller.
+pub fn without_demand<'a>(
     project: &Project,
     recordings: impl IntoIterator<Item = (&'a str, &'a Recording)>,
-) -> Option<String> {
-    project.recording_controller.as_ref()?;
-    let lacking: Vec<&str> = recordings
-        .into_iter()
-        .filter(|(_, recording)| recording.demand_rad_s.is_none())
-        .map(|(name, _)| name)
-        .collect();
-    (!lacking.is_empty()).then(|| {
-        format!(
-            "demand was not recorded in {}: everything is replayed under the recorded control instead of by the recorded controller",
-            lacking.join(", ")
-        )
-    })
+) -> Vec<String> {
+    if project.recording_controller.is_none() {
+        return Vec::new();
+    }
+    let lacking = recordings.into_iter().filter(|(_, recording)| recording.demand_rad_s.is_none());
+    lacking.map(|(name, _)| name.to_owned()).collect()
 }

@@ -1,15 +1,14 @@
 //! Recordings replayed on the project's model.
 
-use counterpoise_diagnose::qualify::qualify;
-use counterpoise_diagnose::replays::measured;
+use counterpoise_diagnose::recording::measured_signals::measured;
+use counterpoise_diagnose::recording::sanity_checks::{Remark, check_signals};
 use counterpoise_models::Parameters;
 use counterpoise_project::Project;
 use counterpoise_simulate::recording::{Channel, Recording};
-use counterpoise_simulate::replay::{Loop, Replay, ReplayMode, Replayer, SelectedReplay};
+use counterpoise_simulate::replay::{Loop, ReplayMode, Replayer, SelectedReplay};
 
-use super::read::ReadRecording;
+use super::read::{ColumnRemark, ReadRecording};
 use crate::PipelineError;
-use crate::results::{RecordingResult, ReplayResult};
 
 /// Over what length a recording is replayed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,23 +26,16 @@ pub enum ReplayLength {
 
 /// One recording replayed.
 #[derive(Debug, Clone)]
-pub struct FollowedRecording {
-    /// Measured and simulated.
-    pub replay: Replay,
-    /// The fit as plain data.
-    pub result: RecordingResult,
+pub struct ReplayedRecording {
+    /// Name of the recording.
+    pub file: String,
+    /// Measured and simulated, with the length over which it was replayed.
+    pub followed: SelectedReplay,
+    /// What was found about the recording itself.
+    pub remarks: Vec<ColumnRemark>,
 }
 
-/// All recordings replayed.
-#[derive(Debug, Clone)]
-pub struct ReplayedRecordings {
-    /// Each recording's replay, in the order of the recordings.
-    pub replays: Vec<Replay>,
-    /// The fits as plain data.
-    pub result: ReplayResult,
-}
-
-/// Replays recordings on the project's mechanism.
+/// Replays recordings on the project's mechanism, in their order.
 ///
 /// # Errors
 /// As [`replay_one`].
@@ -52,14 +44,8 @@ pub fn replay(
     read: &[ReadRecording],
     control: &Loop,
     length: ReplayLength,
-) -> Result<ReplayedRecordings, PipelineError> {
-    let mut all = ReplayedRecordings { replays: Vec::new(), result: ReplayResult { recordings: Vec::new() } };
-    for item in read {
-        let followed = replay_one(&project.plant, item, control, length)?;
-        all.replays.push(followed.replay);
-        all.result.recordings.push(followed.result);
-    }
-    Ok(all)
+) -> Result<Vec<ReplayedRecording>, PipelineError> {
+    read.iter().map(|item| replay_one(&project.plant, item, control, length)).collect()
 }
 
 /// Replays one recording on a mechanism.
@@ -71,7 +57,7 @@ pub fn replay_one(
     item: &ReadRecording,
     control: &Loop,
     length: ReplayLength,
-) -> Result<FollowedRecording, PipelineError> {
+) -> Result<ReplayedRecording, PipelineError> {
     let followed = Replayer::new(plant, &item.recording).and_then(|r| follow(&r, plant, control, length));
     let cannot = |cause| PipelineError::CannotReplay { recording: item.file.clone(), cause };
     let mut followed = followed.map_err(cannot)?;
@@ -79,9 +65,8 @@ pub fn replay_one(
         // Columns made from others are not the measurements that the controller read, so its control cannot be compared.
         followed.replay.channels.retain(|fit| fit.channel != Channel::Control);
     }
-    let remarks = item.remarks.iter().cloned().chain(sanity_remarks(plant, &item.recording)).collect();
-    let result = RecordingResult::new(&item.file, &followed, remarks);
-    Ok(FollowedRecording { replay: followed.replay, result })
+    let remarks = item.remarks.iter().cloned().chain(anomalies(plant, &item.recording)).collect();
+    Ok(ReplayedRecording { file: item.file.clone(), followed, remarks })
 }
 
 fn follow(
@@ -105,9 +90,10 @@ fn follow(
     Ok(SelectedReplay { replay, mode, divergence: None })
 }
 
-/// Returns what is wrong with a recording itself, one sentence a channel.
-fn sanity_remarks(plant: &Parameters, recording: &Recording) -> Vec<String> {
+/// Returns what is wrong with a recording itself.
+fn anomalies(plant: &Parameters, recording: &Recording) -> Vec<ColumnRemark> {
     let ratio = plant.gearbox.ratio;
-    let remarks = measured(recording).map(|m| qualify(&recording.name, &m, ratio)).unwrap_or_default();
-    remarks.into_iter().map(|remark| format!("{}: {}", remark.channel, remark.what)).collect()
+    let found = measured(recording).map(|m| check_signals(&recording.name, &m, ratio)).unwrap_or_default();
+    let remark = |found: Remark| ColumnRemark::Anomaly { channel: found.channel, anomaly: found.anomaly };
+    found.into_iter().map(remark).collect()
 }

@@ -1,6 +1,6 @@
 //! How exactly the simulator moves this plant: its error over the step, for every law of friction and for contact.
 
-use counterpoise_diagnose::bench::{Pool, map};
+use counterpoise_diagnose::simulator_access::{Pool, map};
 use counterpoise_simulate::convergence::{Case, cases, study};
 use serde::Serialize;
 

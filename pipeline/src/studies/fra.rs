@@ -5,7 +5,7 @@
 //! at the amplitude that this model itself gives.
 
 use counterpoise_controller::{Controller, ProportionalIntegral, SampledController};
-use counterpoise_diagnose::bench::{Pool, map};
+use counterpoise_diagnose::simulator_access::{Pool, map};
 use counterpoise_lti::{C64, StateSpace, response_at};
 use counterpoise_models::plant::{Angles, FrictionLinearisation, Plant};
 use counterpoise_models::{FrictionLaw, OperatingPoint};

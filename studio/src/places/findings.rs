@@ -1,8 +1,10 @@
 //! What a diagnosis says: the findings, the fit, where and when, and what was tried.
 
-use counterpoise_diagnose::answer::{Answer, Finding, Verdict};
-use counterpoise_diagnose::whereabouts::{Row, Whereabouts, whereabouts};
+use counterpoise_diagnose::findings::answer::Verdict;
+use counterpoise_diagnose::findings::localisation_chart::ChartRow;
+use counterpoise_diagnose::localisation::error_hypotheses::Regime;
 use counterpoise_project::recording::Channel;
+use counterpoise_report::wording::answer::{AnswerText, FindingText, component_list, unit_suffix};
 use egui::{RichText, Ui};
 
 use super::parts;
@@ -22,7 +24,7 @@ pub fn sentence(verdict: Verdict) -> &'static str {
 }
 
 /// The findings with their evidence.
-pub fn answer(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, answer: &Answer) {
+pub fn answer(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, answer: &AnswerText) {
     let theme = &view.theme;
     card(ui, theme, |ui| {
         ui.label(RichText::new(sentence(answer.verdict)).heading());
@@ -43,7 +45,7 @@ fn card(ui: &mut Ui, theme: &Theme, content: impl FnOnce(&mut Ui)) {
     ui.add_space(space::MEDIUM);
 }
 
-fn finding(ui: &mut Ui, theme: &Theme, finding: &Finding) {
+fn finding(ui: &mut Ui, theme: &Theme, finding: &FindingText) {
     let name = format!("{} {}", finding.component, finding.effect).replace('_', " ");
     parts::heading(ui, &format!("{name}   {:.0} %", 100.0 * finding.probability));
     ui.label(format!("{} It shows {}.", finding.explanation, finding.when));
@@ -53,7 +55,7 @@ fn finding(ui: &mut Ui, theme: &Theme, finding: &Finding) {
             "{} = {}{}   [{}, {}]   was {}",
             p.name,
             parts::short(p.value),
-            p.suffix(),
+            unit_suffix(p),
             parts::short(low),
             parts::short(high),
             parts::short(p.before)
@@ -68,7 +70,7 @@ fn finding(ui: &mut Ui, theme: &Theme, finding: &Finding) {
     }
 }
 
-fn fit(ui: &mut Ui, view: &View, answer: &Answer) {
+fn fit(ui: &mut Ui, view: &View, answer: &AnswerText) {
     let theme = &view.theme;
     parts::heading(ui, "RMS error by channel");
     egui::Grid::new("fit").num_columns(4).striped(true).spacing([28.0, 4.0]).show(ui, |ui| {
@@ -91,10 +93,10 @@ fn fit(ui: &mut Ui, view: &View, answer: &Answer) {
     });
 }
 
-fn evidence(ui: &mut Ui, theme: &Theme, answer: &Answer) {
+fn evidence(ui: &mut Ui, theme: &Theme, answer: &AnswerText) {
     parts::heading(ui, "Balances that these sensors allow");
     for row in &answer.isolability {
-        let sees = row.sees.join(", ").replace('_', " ");
+        let sees = component_list(&row.sees).replace('_', " ");
         let colour = if row.available { theme.text } else { theme.weak };
         ui.label(RichText::new(format!("{}: {sees}", row.balance)).color(colour));
     }
@@ -120,17 +122,16 @@ fn evidence(ui: &mut Ui, theme: &Theme, answer: &Answer) {
 }
 
 /// Where and when: what an error at each component explains that follows one variable, and the balances that say so.
-pub fn map(ui: &mut Ui, theme: &Theme, answer: &Answer) {
-    let found = whereabouts(&answer.map, &answer.isolability, &answer.findings);
+pub fn map(ui: &mut Ui, theme: &Theme, answer: &AnswerText) {
     card(ui, theme, |ui| {
-        legend(ui, theme, &found);
+        legend(ui, theme, answer);
         egui::Grid::new("where and when").spacing([2.0, 2.0]).show(ui, |ui| {
             ui.label("");
-            found.regimes.iter().for_each(|name| {
-                ui.label(RichText::new(*name).small().color(theme.weak));
+            Regime::ALL.iter().for_each(|regime| {
+                ui.label(RichText::new(regime.name()).small().color(theme.weak));
             });
             ui.end_row();
-            found.components.iter().for_each(|one| row(ui, theme, one));
+            answer.chart.rows.iter().for_each(|one| row(ui, theme, one));
         });
         shapes(ui, theme, answer);
     });
@@ -138,9 +139,9 @@ pub fn map(ui: &mut Ui, theme: &Theme, answer: &Answer) {
 }
 
 /// What the picture says, and what the colours mean.
-fn legend(ui: &mut Ui, theme: &Theme, found: &Whereabouts) {
+fn legend(ui: &mut Ui, theme: &Theme, answer: &AnswerText) {
     parts::heading(ui, "What an error at each component explains, along one variable");
-    ui.label(&found.summary);
+    ui.label(&answer.chart_summary);
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 0.0;
         for k in 0..=10 {
@@ -150,7 +151,7 @@ fn legend(ui: &mut Ui, theme: &Theme, found: &Whereabouts) {
         let scale = "  0 to 100 % of what the best cell gains on data not used to find it";
         ui.label(RichText::new(scale).small().color(theme.weak));
     });
-    if found.components.iter().any(|row| !row.named.is_empty()) {
+    if answer.chart.rows.iter().any(|row| !row.found.is_empty()) {
         let ring = "Ringed: where the effect belongs that the search then named; the picture is a first look, before it";
         ui.label(RichText::new(ring).small().color(theme.weak));
     }
@@ -158,12 +159,12 @@ fn legend(ui: &mut Ui, theme: &Theme, found: &Whereabouts) {
 }
 
 /// The row of a component; a weak name alone where no balance sees it.
-fn row(ui: &mut Ui, theme: &Theme, one: &Row) {
-    let name = one.name.replace('_', " ");
+fn row(ui: &mut Ui, theme: &Theme, one: &ChartRow) {
+    let name = one.component.name().replace('_', " ");
     if one.seen {
         ui.label(name);
-        for (k, share) in one.shares.iter().enumerate() {
-            let ring = if one.named.contains(&k) { (2.0, theme.warn) } else { (1.0, theme.line) };
+        for (regime, share) in Regime::ALL.iter().zip(&one.shares) {
+            let ring = if one.found.contains(regime) { (2.0, theme.warn) } else { (1.0, theme.line) };
             cell(ui, theme, *share, ring.into());
         }
     } else {
@@ -188,15 +189,16 @@ fn warm(theme: &Theme, share: f64) -> egui::Color32 {
 }
 
 /// What the mismatch looks like along the variables that carry it.
-fn shapes(ui: &mut Ui, theme: &Theme, answer: &Answer) {
+fn shapes(ui: &mut Ui, theme: &Theme, answer: &AnswerText) {
     for found in answer.map.iter().filter(|cell| !cell.shape.is_empty()) {
-        let text = format!("{} along {}: {}", found.component.replace('_', " "), found.regime, found.shape);
+        let text =
+            format!("{} along {}: {}", found.component.name().replace('_', " "), found.regime, found.shape);
         ui.label(RichText::new(text).small().color(theme.weak));
     }
 }
 
 /// Everything that was tried.
-pub fn tried(ui: &mut Ui, theme: &Theme, answer: &Answer) {
+pub fn tried(ui: &mut Ui, theme: &Theme, answer: &AnswerText) {
     card(ui, theme, |ui| {
         parts::heading(ui, "Hypotheses, fitted to part of the data and judged on the rest");
         egui::Grid::new("tried").num_columns(5).striped(true).spacing([22.0, 3.0]).show(ui, |ui| {

@@ -10,7 +10,7 @@
 use std::io::Write;
 use std::sync::Mutex;
 
-use counterpoise_diagnose::{bench::Serial, diagnose};
+use counterpoise_diagnose::{diagnose, simulator_access::Serial};
 use counterpoise_models::reference;
 use counterpoise_tests::sealed::oracle::compared;
 use counterpoise_tests::sealed::row::{recordings, scored};

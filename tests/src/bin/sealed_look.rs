@@ -3,9 +3,9 @@
 //! `cargo run --release -p counterpoise-tests --bin sealed_look -- 13`; `e12:0.7` is the machine with the effect numbered 12 alone, of
 //! size 0.7.
 
-use counterpoise_diagnose::answer::Answer;
-use counterpoise_diagnose::bench::Pool;
 use counterpoise_diagnose::diagnose;
+use counterpoise_diagnose::findings::answer::Answer;
+use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::{Parameters, reference};
 use counterpoise_tests::sealed::oracle::compared;
 use counterpoise_tests::sealed::row::{recordings, scored};

@@ -1,9 +1,9 @@
 //! What the diagnosis is measured against: the truth's own structure refitted, and the model as it was with its
 //! parameters refitted.
 
-use counterpoise_diagnose::answer::Answer;
-use counterpoise_diagnose::bench::Serial;
-use counterpoise_diagnose::library::{Effect, named};
+use counterpoise_diagnose::findings::answer::Answer;
+use counterpoise_diagnose::library::{Component, Effect, EffectName, effects_named};
+use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_diagnose::{Error, Structure, refit};
 use counterpoise_models::Parameters;
 
@@ -34,11 +34,12 @@ pub fn compared(base: &Parameters, case: &Case, answer: &Answer) -> Result<[Opti
     Ok([left[0], left[1], left[2], left[3].filter(|_| known)])
 }
 
-/// The first entry of the library with a name that has a knob of the given name, or else the first with the name.
-fn entry(name: (&str, &str), knob: Option<&str>) -> Option<&'static Effect> {
-    let has = |e: &&'static Effect| e.knobs.iter().any(|k| Some(k.name) == knob);
-    let first = named(name.0, name.1).next();
-    named(name.0, name.1).find(has).or(first)
+/// The first entry of the library with a name that has a parameter of the given name, or else the first with the name.
+fn entry(name: (&str, &str), parameter: Option<&str>) -> Option<&'static Effect> {
+    let has = |e: &&'static Effect| e.parameters.iter().any(|k| Some(k.name) == parameter);
+    let (component, effect) = (Component::from_name(name.0)?, EffectName::from_name(name.1)?);
+    let first = effects_named(component, effect).next();
+    effects_named(component, effect).find(has).or(first)
 }
 
 fn ordinary(base: &Parameters) -> Structure {
@@ -50,19 +51,19 @@ fn ordinary(base: &Parameters) -> Structure {
 fn found(answer: &Answer) -> Structure {
     let mut structure = Structure::default();
     for finding in &answer.findings {
-        let knob = finding.parameters.first().map(|p| p.name);
-        let Some(effect) = knob.and_then(|_| entry((finding.component, finding.effect), knob)) else {
+        let parameter = finding.parameters.first().map(|p| p.name);
+        let Some(effect) = parameter.and_then(|_| entry(finding.name().names(), parameter)) else {
             continue;
         };
         let values: Vec<f64> = finding.parameters.iter().map(|p| p.value).collect();
         let coarse = effect.starts.first().map_or_else(Vec::new, |s| s.to_vec());
-        structure.start.extend(if values.len() == effect.knobs.len() { values } else { coarse });
+        structure.start.extend(if values.len() == effect.parameters.len() { values } else { coarse });
         structure.effects.push(effect);
     }
     structure
 }
 
-/// The concealed effects at their true values; knobs that the truth does not speak of start where the library does.
+/// The concealed effects at their true values; parameters that the truth does not speak of start where the library does.
 fn truth(base: &Parameters, case: &Case) -> Structure {
     let mut structure = Structure::default();
     for c in &case.sealed.concealed {
@@ -71,7 +72,7 @@ fn truth(base: &Parameters, case: &Case) -> Structure {
         };
         let usual = effect.starts.first().map_or_else(|| effect.values(base), |s| s.to_vec());
         let known = |name: &str| c.parameters.iter().find(|(n, _)| *n == name).map(|p| p.1);
-        structure.start.extend(effect.knobs.iter().zip(usual).map(|(k, v)| known(k.name).unwrap_or(v)));
+        structure.start.extend(effect.parameters.iter().zip(usual).map(|(k, v)| known(k.name).unwrap_or(v)));
         structure.effects.push(effect);
     }
     structure

@@ -1,6 +1,7 @@
 //! How one answer stands to its sealed truth: a line of the score.
 
-use counterpoise_diagnose::answer::{Answer, ChannelFit, Channels, Finding, Verdict};
+use counterpoise_diagnose::findings::answer::{Answer, ChannelFit, Channels, Finding, Verdict};
+use counterpoise_diagnose::library::EffectName;
 use counterpoise_simulate::recording::Recording;
 use serde::{Deserialize, Serialize};
 
@@ -116,10 +117,15 @@ pub fn scored(seed: u64, case: &Case, answer: &Answer, seconds: f64) -> Row {
         visibility: sizes.iter().copied().fold(0.0, f64::max),
         noise: sealed.noise,
         verdict: format!("{:?}", answer.verdict),
-        found: answer.findings.iter().map(|f| names(f.component, f.effect)).collect(),
-        stated: answer.findings.iter().filter(|f| f.effect != "unknown").map(|f| stated(sealed, f)).collect(),
-        component: count(&|c| any(&|f| f.component == c.component)),
-        top: count(&|c| known && any(&|f| is(c, f.component, f.effect))),
+        found: answer.findings.iter().map(|f| names(f.component.name(), f.effect.name())).collect(),
+        stated: answer
+            .findings
+            .iter()
+            .filter(|f| f.effect != EffectName::Unknown)
+            .map(|f| stated(sealed, f))
+            .collect(),
+        component: count(&|c| any(&|f| f.component.name() == c.component)),
+        top: count(&|c| known && any(&|f| is(c, f.name().names()))),
         in_set: count(&|c| known && any(&|f| offers(c, f))),
         offered: answer.findings.iter().map(|f| 1 + f.alternatives.len()).sum(),
         covered: errors.iter().filter(|e| e.abs() <= 1.96).count(),
@@ -136,23 +142,23 @@ pub fn scored(seed: u64, case: &Case, answer: &Answer, seconds: f64) -> Row {
 }
 
 /// Whether a name is the concealed effect's, or one that such recordings cannot tell from it.
-fn is(c: &Concealed, component: &str, effect: &str) -> bool {
-    (c.component, c.effect) == (component, effect) || c.also.contains(&(component, effect))
+fn is(c: &Concealed, name: (&'static str, &'static str)) -> bool {
+    (c.component, c.effect) == name || c.also.contains(&name)
 }
 
 fn offers(c: &Concealed, f: &Finding) -> bool {
-    is(c, f.component, f.effect) || f.alternatives.iter().any(|a| is(c, a.component, a.effect))
+    is(c, f.name().names()) || f.alternatives.iter().any(|a| is(c, a.names()))
 }
 
 fn stated(sealed: &Sealed, f: &Finding) -> (f64, bool) {
-    (f.probability, sealed.concealed.iter().any(|c| is(c, f.component, f.effect)))
+    (f.probability, sealed.concealed.iter().any(|c| is(c, f.name().names())))
 }
 
 /// Errors of the parameters of the findings with the right name, in their standard deviations.
 fn errors(sealed: &Sealed, answer: &Answer) -> Vec<f64> {
     let mut errors = Vec::new();
     for c in &sealed.concealed {
-        let finding = answer.findings.iter().find(|f| (f.component, f.effect) == (c.component, c.effect));
+        let finding = answer.findings.iter().find(|f| f.name().names() == (c.component, c.effect));
         for p in finding.map_or(&[][..], |f| &f.parameters) {
             let truth = c.parameters.iter().find(|(name, _)| *name == p.name);
             if let Some(&(_, value)) = truth {

@@ -1,0 +1,233 @@
+//! What the diagnosis finds: plain data, without sentences.
+
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+use crate::library::{Component, EffectName};
+use crate::localisation::error_hypotheses::Regime;
+use crate::localisation::error_map::MapCell;
+use crate::localisation::torque_balances::BalanceVisibility;
+use crate::localisation::trend::Trend;
+use crate::recording::instrument_faults::InstrumentFault;
+use crate::recording::remarks::RecordingRemark;
+
+/// How the recordings and the model stand to each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// The model explains the recordings: nothing found.
+    Consistent,
+    /// What was left out has a name, and with it the recordings are explained.
+    Named,
+    /// What has a name is part of it; something is left over.
+    Incomplete,
+    /// One of several effects that these recordings cannot tell apart.
+    Ambiguous,
+    /// None of the known effects.
+    Unknown,
+}
+
+/// A fitted parameter of an effect.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FittedParameter {
+    /// Name.
+    pub name: &'static str,
+    /// Value.
+    pub value: f64,
+    /// Unit.
+    pub unit: &'static str,
+    /// Value in the model as it was.
+    pub before: f64,
+    /// 95 % interval.
+    pub ci95: [f64; 2],
+}
+
+/// An effect by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Name {
+    /// Effect.
+    pub effect: EffectName,
+    /// Component.
+    pub component: Component,
+}
+
+impl Name {
+    /// Returns component and effect as results name them.
+    pub fn names(self) -> (&'static str, &'static str) {
+        (self.component.name(), self.effect.name())
+    }
+}
+
+/// What a finding rests on.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Basis {
+    /// An effect of the library that was fitted in the simulator.
+    FittedEffect {
+        /// Largest RMS error over its noise floor, with the model as it was.
+        worst_before: f64,
+        /// The same with the fitted model.
+        worst_after: f64,
+    },
+    /// None of the known effects explains the mismatch.
+    NoKnownEffect {
+        /// What the mismatch depends on; `None` if that was not found.
+        pattern: Option<Pattern>,
+        /// The known effect that explains most.
+        nearest: Option<NearestEffect>,
+    },
+    /// A fault of a sensor or of the recorder.
+    InstrumentFault(InstrumentFault),
+}
+
+/// What a mismatch depends on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pattern {
+    /// The variable that it follows.
+    pub regime: Regime,
+    /// Share of what can be explained that an error along that variable explains, 0 to 1.
+    pub explained: f64,
+    /// What the error looks like along it.
+    pub trend: Option<Trend>,
+}
+
+/// The known effect that is nearest to explaining a mismatch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NearestEffect {
+    /// Its name.
+    pub name: Name,
+    /// Share of the distance from the noise floor that it explains, 0 to 1.
+    pub share: f64,
+}
+
+/// One finding.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    /// Effect.
+    pub effect: EffectName,
+    /// Component.
+    pub component: Component,
+    /// Probability that the effect, by this name, is in the machine.
+    pub probability: f64,
+    /// What it rests on.
+    pub basis: Basis,
+    /// Fitted parameters.
+    pub parameters: Vec<FittedParameter>,
+    /// Effects that explain these recordings equally well.
+    pub alternatives: Vec<Name>,
+}
+
+impl Finding {
+    /// Returns the name of the effect that was found.
+    pub fn name(&self) -> Name {
+        Name { effect: self.effect, component: self.component }
+    }
+}
+
+/// Fit of one channel.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ChannelFit {
+    /// RMS error.
+    pub rms_error: f64,
+    /// RMS that a perfect model would leave.
+    pub floor: f64,
+}
+
+/// Fit of every channel, over all recordings.
+pub type Channels = BTreeMap<&'static str, ChannelFit>;
+
+/// How the fit improved.
+#[derive(Debug, Clone, PartialEq, Serialize, Default)]
+pub struct FitTable {
+    /// All data, the model as it was.
+    pub before: Channels,
+    /// All data, the improved model.
+    pub after: Channels,
+    /// Data that was not fitted, the model as it was.
+    pub held_out_before: Channels,
+    /// Data that was not fitted, the model fitted to the rest.
+    pub held_out_after: Channels,
+}
+
+/// An effect of which these recordings cannot say whether it is there.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NotExcited {
+    /// Effect.
+    pub effect: EffectName,
+    /// Component.
+    pub component: Component,
+    /// Smallest change of its first parameter that these recordings would show; none where no change within reason moves them.
+    pub smallest_detectable: Option<f64>,
+    /// That parameter.
+    pub parameter: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+}
+
+/// The experiment that would say more.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NextExperiment {
+    /// The experiment that shows an effect clearly, to tell it from another.
+    Separate {
+        /// The effect that was found.
+        found: Name,
+        /// The effect that explains the recordings equally well.
+        alternative: Name,
+    },
+    /// Slow travel and a multisine at several amplitudes: they separate what depends on position, on rate and on amplitude.
+    TravelAndMultisine,
+}
+
+/// A warning about the search itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SearchWarning {
+    /// The user stopped the search before it was finished.
+    Stopped,
+    /// The last fit reached its iteration limit before it settled.
+    IterationLimit,
+}
+
+/// A hypothesis that was fitted and judged, for the table of evidence.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Hypothesis {
+    /// Stage of the search at which it was tried, from 1.
+    pub stage: usize,
+    /// Effect.
+    pub effect: EffectName,
+    /// Component.
+    pub component: Component,
+    /// Effects that were fitted together with it.
+    pub beside: Vec<Name>,
+    /// Log-likelihood gained on data that it was not fitted to, in nats.
+    pub gain_nats: f64,
+    /// Mean ln(RMS / floor) left over all channels: 0 is perfect.
+    pub distance: f64,
+    /// Largest RMS / floor left.
+    pub worst: f64,
+    /// Whether it was accepted.
+    pub accepted: bool,
+}
+
+/// The whole answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answer {
+    /// Verdict.
+    pub verdict: Verdict,
+    /// Findings, most important first; none where the verdict is consistent.
+    pub findings: Vec<Finding>,
+    /// How the fit improved.
+    pub fit: FitTable,
+    /// Effects of which these recordings cannot tell.
+    pub not_excited: Vec<NotExcited>,
+    /// What to do next.
+    pub next_experiment: Option<NextExperiment>,
+    /// Balances that these sensors allow, and what each can see.
+    pub isolability: Vec<BalanceVisibility>,
+    /// The localisation: component by regime.
+    pub map: Vec<MapCell>,
+    /// Evidence: everything that was tried.
+    pub hypotheses: Vec<Hypothesis>,
+    /// What was wrong with the recordings themselves.
+    pub qualification: Vec<RecordingRemark>,
+    /// Warnings of the search itself.
+    pub warnings: Vec<SearchWarning>,
+}

@@ -1,0 +1,222 @@
+//! Machines of another size: the diagnosis works on a machine that moves alike with torques and a gear ratio like the
+//! reference rig's, and its answer is brought back.
+//!
+//! The library's bounds and typical sizes are those of a mechanism of some hundred kg m^2 behind a gear of some hundred turns.
+//! Torques at the hub times S and the gear ratio times c leave every motion of the hub, every control and every current as
+//! they are; torques at the motor are then S / c, its rates and angles c times what they were.
+
+use counterpoise_models::friction::Similarity;
+use counterpoise_models::{Parameters, Ripple};
+use counterpoise_simulate::recording::Recording;
+
+use crate::findings::answer::{Answer, Basis, Channels};
+use crate::library::{Component, EffectName, Parameter, effects_named};
+use crate::localisation::error_hypotheses::Regime;
+use crate::localisation::trend::Trend;
+use crate::selection::sizes::Sizes;
+
+/// Inertia and gear ratio for which the library's sizes are meant.
+const USUAL: (f64, f64) = (345.0, 200.0);
+/// Torque of the drive at the hub for which they are meant, N m.
+const USUAL_TORQUE: f64 = 600.0;
+/// Regime variables that are torques or the motor's angle: those of the scaled machine are not the machine's own.
+const SCALED_REGIMES: [Regime; 2] = [Regime::Load, Regime::MotorAngle];
+/// Factors within which a machine is taken as it is.
+const AS_IT_IS: (f64, f64) = (20.0, 5.0);
+
+/// Factors on the torques at the hub and on the gear ratio.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scale {
+    /// On torques at the hub.
+    pub torque: f64,
+    /// On the gear ratio.
+    pub ratio: f64,
+}
+
+impl Scale {
+    /// The factors that bring a machine to the usual size; none where it has that already, or no lumped structure.
+    pub fn of(base: &Parameters, recordings: &[Recording]) -> Option<Self> {
+        let lumped = base.lumped.as_ref()?;
+        let by_inertia = USUAL.0 / (lumped.hub_inertia_kg_m2 + lumped.beam_inertia_kg_m2);
+        let ratio = USUAL.1 / base.gearbox.ratio;
+        let near = |factor: f64, bound: f64| (1.0 / bound..=bound).contains(&factor);
+        let usual = near(by_inertia, AS_IT_IS.0) && near(ratio, AS_IT_IS.1);
+        let drive = drive_torque(base, recordings);
+        let torque = if drive > 0.0 { USUAL_TORQUE / drive } else { by_inertia };
+        // powers of two: numbers come back to the last bit
+        let near_power = |factor: f64| factor.log2().round().exp2();
+        let scale = Self { torque: near_power(torque), ratio: near_power(ratio) };
+        (!usual && torque.is_finite() && torque > 0.0).then_some(scale)
+    }
+
+    /// The factors that undo these.
+    pub fn inverse(self) -> Self {
+        Self { torque: 1.0 / self.torque, ratio: 1.0 / self.ratio }
+    }
+
+    /// What is known of the sizes of the scaled machine.
+    pub fn sizes(self) -> Sizes {
+        Sizes { typical: false, motor_turns: self.ratio }
+    }
+
+    /// The machine with other torques and another gear that moves alike.
+    pub fn applied(self, base: &Parameters) -> Parameters {
+        let (s, c) = (self.torque, self.ratio);
+        let mut p = base.clone();
+        if let Some(lumped) = &mut p.lumped {
+            lumped.hub_inertia_kg_m2 *= s;
+            lumped.beam_inertia_kg_m2 *= s;
+            lumped.stiffness_nm_rad *= s;
+            lumped.damping_nm_s_rad *= s;
+            lumped.out_of_balance_kg_m *= s;
+            lumped.vertical_offset_kg_m *= s;
+            lumped.position_stiffness_nm_rad *= s;
+            lumped.hysteresis_nm *= s;
+            lumped.hysteresis_stiffness_nm_rad *= s;
+        }
+        p.gearbox.ratio *= c;
+        p.gearbox.stiffness_nm_rad *= s;
+        p.gearbox.damping_nm_s_rad *= s;
+        p.gearbox.mesh_ripple = ripple(&p.gearbox.mesh_ripple, s, c);
+        p.motor.inertia_kg_m2 *= s / (c * c);
+        p.motor.torque_constant_nm_a *= s / c;
+        p.motor.back_emf_v_s_rad /= c;
+        p.motor.cogging = ripple(&p.motor.cogging, s / c, c);
+        p.motor.torque_ripple = ripple(&p.motor.torque_ripple, 1.0, c);
+        p.motor_friction = p.motor_friction.similar(Similarity { torque: s / c, angle: c });
+        p.pivot_friction = p.pivot_friction.similar(Similarity { torque: s, angle: 1.0 });
+        if let Some(tachometer) = &mut p.sensors.motor_tachometer {
+            tachometer.scale_v_unit /= c;
+            tachometer.noise_rms *= c;
+            tachometer.bias *= c;
+            tachometer.g_sensitivity *= c;
+        }
+        p
+    }
+
+    /// A recording as the scaled machine would have made it.
+    pub fn recording(self, recording: &Recording) -> Recording {
+        let mut out = recording.clone();
+        out.motor_rate_rad_s.iter_mut().flatten().for_each(|rate| *rate *= self.ratio);
+        out
+    }
+
+    /// Numbers of the answer as they are for the machine itself.
+    pub fn bring_back(self, answer: &mut Answer, scaled: &Parameters) {
+        for finding in &mut answer.findings {
+            for parameter in &mut finding.parameters {
+                let found = find_parameter(finding.component, finding.effect, parameter.name);
+                let Some(definition) = found else { continue };
+                let own = |value: f64| self.own(scaled, definition, value);
+                parameter.value = own(parameter.value);
+                parameter.before = own(parameter.before);
+                parameter.ci95 = parameter.ci95.map(own);
+            }
+            if let Basis::NoKnownEffect { pattern: Some(pattern), .. } = &mut finding.basis
+                && SCALED_REGIMES.contains(&pattern.regime)
+            {
+                pattern.trend = pattern.trend.map(Trend::without_numbers);
+            }
+        }
+        for cell in answer.map.iter_mut().filter(|cell| SCALED_REGIMES.contains(&cell.regime)) {
+            cell.trend = cell.trend.map(Trend::without_numbers);
+        }
+        for effect in &mut answer.not_excited {
+            let Some(definition) = find_parameter(effect.component, effect.effect, effect.parameter) else {
+                continue;
+            };
+            effect.smallest_detectable =
+                effect.smallest_detectable.map(|size| self.own(scaled, definition, size));
+        }
+        let fit = &mut answer.fit;
+        for table in [&mut fit.before, &mut fit.after, &mut fit.held_out_before, &mut fit.held_out_after] {
+            self.bring_channels_back(table);
+        }
+    }
+
+    fn bring_channels_back(self, table: &mut Channels) {
+        if let Some(motor) = table.get_mut("motor_rate") {
+            motor.rms_error /= self.ratio;
+            motor.floor /= self.ratio;
+        }
+    }
+
+    /// The value of a definition on the machine itself that has a given one on the scaled machine.
+    fn own(self, scaled: &Parameters, definition: &Parameter, value: f64) -> f64 {
+        let mut probe = scaled.clone();
+        definition.write(&mut probe, value);
+        let taken = definition.read(&probe);
+        let own = definition.read(&self.inverse().applied(&probe));
+        let factor = own / taken;
+        if factor.is_finite() && factor != 0.0 { value * factor } else { value }
+    }
+}
+
+/// RMS of the torque that the recorded control asks of the motor at standstill, at the hub, N m.
+fn drive_torque(base: &Parameters, recordings: &[Recording]) -> f64 {
+    let loss = base.motor.resistance_ohm + base.amplifier.gain * base.amplifier.current_feedback_v_a;
+    let gain = base.gearbox.ratio * base.motor.torque_constant_nm_a * base.amplifier.gain / loss;
+    let controls = recordings.iter().filter_map(|r| r.control_v.as_deref()).flatten();
+    let control: Vec<f64> = controls.copied().filter(|v| v.is_finite()).collect();
+    (gain * crate::recording::series::rms(&control)).abs()
+}
+
+fn find_parameter(component: Component, effect: EffectName, name: &str) -> Option<&'static Parameter> {
+    let definitions = effects_named(component, effect).flat_map(|e| e.parameters.iter());
+    definitions.into_iter().find(|definition| definition.name == name)
+}
+
+/// A ripple whose amplitude is a torque times `t`, over an angle times `r`.
+fn ripple(ripple: &Ripple, t: f64, r: f64) -> Ripple {
+    Ripple { amplitude: ripple.amplitude * t, order: ripple.order / r, phase_rad: ripple.phase_rad }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::panic)]
+    use super::*;
+    use counterpoise_controller::ProportionalIntegral;
+    use counterpoise_models::Plant;
+    use counterpoise_models::reference::rig;
+    use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
+
+    fn rates(machine: &Parameters) -> (Vec<f64>, Vec<f64>) {
+        let plant = Plant::lumped(machine).unwrap();
+        let bias_v = plant.equilibrium(&Default::default()).control_v;
+        let sample_period_s = machine.interface.sample_period_s;
+        let mut controller = ProportionalIntegral {
+            kp_v_s_rad: 18.0,
+            ki_v_rad: 80.0,
+            bias_v,
+            sample_period_s,
+            integral_v: 0.0,
+        };
+        let scenario = Scenario {
+            demand_rad_s: Signal::Triangle { amplitude: 0.15, period_s: 1.0 },
+            imperfections: Imperfections::None,
+            detail: Detail::Recording,
+            ..Scenario::still(1.0)
+        };
+        let run = Simulator::new(&plant).unwrap().run(&mut controller, &scenario).unwrap();
+        (run.readings.hub_rate_rad_s, run.readings.control_v)
+    }
+
+    #[test]
+    fn a_scaled_machine_moves_alike_and_comes_back() {
+        let rig = rig();
+        let small = Scale { torque: 1e-4, ratio: 0.01 };
+        let machine = small.applied(&rig);
+        let ((rate, control), (rate_small, control_small)) = (rates(&rig), rates(&machine));
+        let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+        assert!(apart(&rate, &rate_small) < 1e-4 * 0.15, "{}", apart(&rate, &rate_small));
+        assert!(apart(&control, &control_small) < 1e-3, "{}", apart(&control, &control_small));
+        let scale = Scale::of(&machine, &[]).unwrap();
+        let usual = scale.applied(&machine);
+        assert!((0.7..1.5).contains(&(usual.gearbox.ratio / USUAL.1)));
+        assert_eq!(scale.inverse().applied(&usual), machine);
+        assert!(Scale::of(&usual, &[]).is_none() && Scale::of(&rig, &[]).is_none());
+        let definition = find_parameter(Component::Pivot, EffectName::Coulomb, "coulomb").unwrap();
+        let own = scale.own(&usual, definition, usual.pivot_friction.coulomb_nm());
+        assert!((own / machine.pivot_friction.coulomb_nm() - 1.0).abs() < 1e-12);
+    }
+}

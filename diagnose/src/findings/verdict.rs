@@ -1,0 +1,335 @@
+//! From a search to an answer: verdict, findings with their intervals, what the recordings cannot tell.
+
+use std::collections::BTreeMap;
+
+use crate::findings::answer::{
+    Answer, Basis, ChannelFit, Channels, Finding, FitTable, FittedParameter, Hypothesis, Name, NearestEffect,
+    NextExperiment, NotExcited, Pattern, SearchWarning, Verdict,
+};
+use crate::fitting::output_error::intervals;
+use crate::fitting::score::{Score, score};
+use crate::library::{Component, Effect, EffectName};
+use crate::localisation::error_map::{MapCell, likeliest};
+use crate::localisation::torque_balances::BalanceVisibility;
+use crate::recording::remarks::RecordingRemark;
+use crate::recording::series::correlation_time;
+use crate::selection::candidate::Candidate;
+use crate::selection::outcome::SearchOutcome;
+use crate::selection::signature::EffectSignature;
+use crate::selection::sizes::Sizes;
+use crate::simulator_access::SimulatorAccess;
+use crate::tolerance::{
+    AMBIGUOUS, EXPLAINED, GAIN_NEEDED, RIGHT_OF_THREE, RIGHT_OF_UNKNOWN, RIGHT_WHERE_EXPLAINED,
+    RIGHT_WHERE_INCOMPLETE, RIVALRY, SHARE_TO_NAME, TEXTBOOK_SHARE_TO_NAME,
+};
+use counterpoise_models::Parameters;
+
+/// What the answer is made from.
+pub struct Evidence<'a> {
+    /// Simulator and recordings.
+    pub simulator: &'a dyn SimulatorAccess,
+    /// The mechanism as the project file has it.
+    pub base: &'a Parameters,
+    /// The search.
+    pub search: &'a SearchOutcome,
+    /// Component x regime.
+    pub map: Vec<MapCell>,
+    /// Balances that the sensors allow.
+    pub isolability: Vec<BalanceVisibility>,
+    /// What was wrong with the recordings themselves.
+    pub qualification: Vec<RecordingRemark>,
+    /// What is known of the machine's sizes.
+    pub sizes: Sizes,
+}
+
+impl Evidence<'_> {
+    /// The answer.
+    pub fn answer(self) -> Answer {
+        let verdict = self.verdict();
+        let findings = self.findings(verdict);
+        let warnings = self.warnings();
+        Answer {
+            verdict,
+            next_experiment: self.next_experiment(verdict, &findings),
+            findings,
+            fit: self.fit_table(),
+            not_excited: not_excited(self.search.stages.first().map_or(&[], |s| &s.signatures)),
+            hypotheses: self.hypotheses(),
+            isolability: self.isolability,
+            map: self.map,
+            qualification: self.qualification,
+            warnings,
+        }
+    }
+
+    /// The mechanism that the answer stands for: with the named effects, or as it was.
+    pub fn improved(&self) -> Parameters {
+        self.named().map_or_else(|| self.base.clone(), |c| c.fit.parameters.clone())
+    }
+
+    fn verdict(&self) -> Verdict {
+        let Some(accepted) = self.named() else {
+            let explained = self.search.baseline.score.worst() < EXPLAINED;
+            return if explained { Verdict::Consistent } else { Verdict::Unknown };
+        };
+        let ambiguous = (0..accepted.fit.effects.len()).any(|i| !self.alternatives(accepted, i).is_empty());
+        match (accepted.whole.worst() < EXPLAINED, ambiguous) {
+            (true, false) => Verdict::Named,
+            (true, true) => Verdict::Ambiguous,
+            (false, _) => Verdict::Incomplete,
+        }
+    }
+
+    /// The accepted model, where it explains enough of the mismatch to carry a name: all of it, or most of it with sizes that make sense
+    /// (what went to a bound to explain a part stands for something else).
+    fn named(&self) -> Option<&Candidate> {
+        let accepted = self.search.accepted.as_ref()?;
+        let textbook =
+            !self.sizes.typical && accepted.power_share(&self.search.baseline.score) > TEXTBOOK_SHARE_TO_NAME;
+        let most = accepted.is_within_bounds() && self.share(accepted) > SHARE_TO_NAME;
+        (accepted.explains() || most || textbook).then_some(accepted)
+    }
+
+    /// Share of the distance from the floor that a model explains.
+    fn share(&self, model: &Candidate) -> f64 {
+        let before = self.search.baseline.score.distance().max(1e-3);
+        1.0 - model.whole.distance() / before
+    }
+
+    /// What explains the recordings as well as the effect at `index` does.
+    fn alternatives(&self, accepted: &Candidate, index: usize) -> Vec<Name> {
+        let Some(rivals) = self.search.rivals.get(index) else { return Vec::new() };
+        let chosen = accepted.fit.effects[index];
+        let best = rivals.iter().find(|r| r.newest().is_some_and(|e| same_name(e, chosen)));
+        let best = best.unwrap_or(accepted);
+        let mut names: Vec<Name> = Vec::new();
+        for rival in rivals.iter().filter(|r| r.behind(best) < AMBIGUOUS) {
+            let Some(effect) = rival.newest().filter(|e| !same_name(e, chosen)) else { continue };
+            let name = Name { effect: effect.effect, component: effect.component };
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
+    }
+
+    fn probability(&self, accepted: &Candidate, index: usize) -> f64 {
+        let rivals = self.search.rivals.get(index).map_or(&[][..], Vec::as_slice);
+        let chosen = accepted.fit.effects[index];
+        let best = rivals.iter().find(|r| r.newest().is_some_and(|e| same_name(e, chosen)));
+        let best = best.unwrap_or(accepted);
+        let others = rivals.iter().filter(|r| r.newest().is_some_and(|e| !same_name(e, chosen)));
+        let weight: f64 = others.map(|r| (-RIVALRY * r.behind(best).max(0.0)).exp()).sum();
+        self.ceiling(accepted) / (1.0 + weight)
+    }
+
+    /// How often a name is true that has no rival, by how well the model explains the recordings.
+    fn ceiling(&self, accepted: &Candidate) -> f64 {
+        let explained = self.sizes.typical && accepted.whole.worst() < EXPLAINED;
+        match (explained, accepted.fit.effects.len()) {
+            (true, ..3) => RIGHT_WHERE_EXPLAINED,
+            (true, _) => RIGHT_OF_THREE,
+            (false, _) => RIGHT_WHERE_INCOMPLETE,
+        }
+    }
+
+    fn findings(&self, verdict: Verdict) -> Vec<Finding> {
+        match (self.named(), verdict) {
+            (Some(accepted), _) => {
+                (0..accepted.fit.effects.len()).map(|i| self.finding(accepted, i)).collect()
+            }
+            (None, Verdict::Unknown) => vec![self.unknown()],
+            _ => Vec::new(),
+        }
+    }
+
+    fn finding(&self, accepted: &Candidate, index: usize) -> Finding {
+        let effect = accepted.fit.effects[index];
+        let parameters = self.fitted_parameters(accepted, index);
+        Finding {
+            effect: effect.effect,
+            component: effect.component,
+            probability: self.probability(accepted, index),
+            basis: Basis::FittedEffect {
+                worst_before: self.search.baseline.score.worst(),
+                worst_after: accepted.whole.worst(),
+            },
+            parameters,
+            alternatives: self.alternatives(accepted, index),
+        }
+    }
+
+    fn fitted_parameters(&self, accepted: &Candidate, index: usize) -> Vec<FittedParameter> {
+        let first: usize = accepted.fit.effects[..index].iter().map(|e| e.parameters.len()).sum();
+        let effect = accepted.fit.effects[index];
+        let (samples, inflation) = self.worth(accepted);
+        let bounds = intervals(&accepted.fit, samples, inflation);
+        let one = |(j, definition): (usize, &crate::library::Parameter)| {
+            let wrap =
+                if effect.is_ripple() && j == 2 { whole_turns(accepted.fit.values[first + j]) } else { 0.0 };
+            FittedParameter {
+                name: definition.name,
+                value: accepted.fit.values[first + j] - wrap,
+                unit: definition.unit,
+                before: definition.read(self.base),
+                ci95: bounds[first + j].map(|b| b - wrap),
+            }
+        };
+        effect.parameters.iter().enumerate().map(one).collect()
+    }
+
+    /// Number of residuals, and how many of them carry the information of one.
+    fn worth(&self, accepted: &Candidate) -> (usize, f64) {
+        let parameters = &accepted.fit.parameters;
+        let mut samples = 0;
+        let mut independent = 0.0;
+        for index in 0..self.simulator.count() {
+            let judged = match accepted.assessments.get(index) {
+                Some(near) => self.simulator.assess_from(parameters, index, near),
+                None => self.simulator.assess(parameters, index),
+            };
+            for misfit in judged.map(|j| j.channels).unwrap_or_default() {
+                samples += misfit.residual.len();
+                independent += misfit.residual.len() as f64 / correlation_time(&misfit.residual);
+            }
+        }
+        (samples, samples as f64 / independent.max(1.0))
+    }
+
+    fn unknown(&self) -> Finding {
+        let places = likeliest(&self.map);
+        let (component, others) =
+            places.split_first().map_or((Component::Unknown, &[][..]), |(first, others)| (*first, others));
+        let best = self.search.stages.first().and_then(|s| s.candidates.first());
+        let nearest = best.and_then(|c| {
+            let effect = c.newest()?;
+            let name = Name { effect: effect.effect, component: effect.component };
+            Some(NearestEffect { name, share: self.share(c) })
+        });
+        let unknown = |component: &Component| Name { effect: EffectName::Unknown, component: *component };
+        Finding {
+            effect: EffectName::Unknown,
+            component,
+            probability: RIGHT_OF_UNKNOWN,
+            basis: Basis::NoKnownEffect { pattern: self.pattern(component), nearest },
+            parameters: Vec::new(),
+            alternatives: others.iter().map(unknown).collect(),
+        }
+    }
+
+    /// What the mismatch depends on, as an error at a component.
+    fn pattern(&self, component: Component) -> Option<Pattern> {
+        let here = self.map.iter().filter(|cell| cell.component == component);
+        let cell = here.max_by(|a, b| a.gain_nats.total_cmp(&b.gain_nats))?;
+        Some(Pattern { regime: cell.regime, explained: cell.explained, trend: cell.trend })
+    }
+
+    fn fit_table(&self) -> FitTable {
+        let before = channels(&self.search.baseline.score);
+        let Some(accepted) = self.named() else {
+            return FitTable {
+                after: before.clone(),
+                held_out_before: before.clone(),
+                held_out_after: before.clone(),
+                before,
+            };
+        };
+        let held_out_before = score(&self.search.baseline.fitted, &accepted.held_out_parts);
+        FitTable {
+            before,
+            after: channels(&accepted.whole),
+            held_out_before: held_out_before.as_ref().map(channels).unwrap_or_default(),
+            held_out_after: channels(&accepted.held_out),
+        }
+    }
+
+    fn hypotheses(&self) -> Vec<Hypothesis> {
+        let accepted = self.search.accepted.as_ref();
+        let named = |e: &Effect| accepted.is_some_and(|a| a.fit.effects.iter().any(|f| same_name(f, e)));
+        let stages = self.search.stages.iter().enumerate();
+        stages
+            .flat_map(|(stage, s)| s.candidates.iter().map(move |c| (stage + 1, c)))
+            .filter_map(|(stage, c)| {
+                let effect = c.newest()?;
+                Some(Hypothesis {
+                    stage,
+                    effect: effect.effect,
+                    component: effect.component,
+                    beside: beside(c),
+                    gain_nats: c.held_out.gain_over(&c.held_out_before),
+                    distance: c.whole.distance(),
+                    worst: c.whole.worst(),
+                    accepted: c.fit.effects.iter().all(|e| named(e)),
+                })
+            })
+            .collect()
+    }
+
+    fn next_experiment(&self, verdict: Verdict, findings: &[Finding]) -> Option<NextExperiment> {
+        let rival = findings.iter().find(|f| f.effect != EffectName::Unknown && !f.alternatives.is_empty());
+        match (verdict, rival) {
+            (Verdict::Consistent, _) => None,
+            (_, Some(finding)) => {
+                Some(NextExperiment::Separate { found: finding.name(), alternative: finding.alternatives[0] })
+            }
+            (Verdict::Unknown | Verdict::Incomplete, None) => Some(NextExperiment::TravelAndMultisine),
+            _ => None,
+        }
+    }
+
+    fn warnings(&self) -> Vec<SearchWarning> {
+        let limit = self.search.accepted.as_ref().is_some_and(|c| c.fit.limit_reached);
+        let stopped = self.search.cancelled.then_some(SearchWarning::Stopped);
+        stopped.into_iter().chain(limit.then_some(SearchWarning::IterationLimit)).collect()
+    }
+}
+
+/// The effects of a candidate but its newest.
+fn beside(candidate: &Candidate) -> Vec<Name> {
+    let effects = &candidate.fit.effects;
+    let name = |e: &&'static Effect| Name { effect: e.effect, component: e.component };
+    effects[..effects.len().saturating_sub(1)].iter().map(name).collect()
+}
+
+fn same_name(a: &Effect, b: &Effect) -> bool {
+    a.effect == b.effect && a.component == b.component
+}
+
+fn whole_turns(phase: f64) -> f64 {
+    std::f64::consts::TAU * (phase / std::f64::consts::TAU).round()
+}
+
+/// RMS over the recordings, channel by channel.
+fn channels(score: &Score) -> Channels {
+    let mut sums: BTreeMap<&'static str, (f64, f64, f64)> = BTreeMap::new();
+    for cell in &score.cells {
+        let sum = sums.entry(cell.channel).or_default();
+        *sum = (sum.0 + cell.rms_error.powi(2), sum.1 + cell.floor.powi(2), sum.2 + 1.0);
+    }
+    let fit = |(e, f, n): (f64, f64, f64)| ChannelFit { rms_error: (e / n).sqrt(), floor: (f / n).sqrt() };
+    sums.into_iter().map(|(channel, sum)| (channel, fit(sum))).collect()
+}
+
+/// Sizes beyond this many times the one that is looked for are not told: the effect does not move these recordings.
+const LARGEST_TOLD: f64 = 100.0;
+
+/// Effects whose smallest detectable size is larger than a size that would matter.
+fn not_excited(signatures: &[EffectSignature]) -> Vec<NotExcited> {
+    let mut out: Vec<NotExcited> = Vec::new();
+    for look in signatures {
+        let definition = &look.effect.parameters[0];
+        let smallest = look.change * (2.0 * GAIN_NEEDED / look.information.max(1e-12)).sqrt();
+        let known =
+            out.iter().any(|n| n.effect == look.effect.effect && n.component == look.effect.component);
+        if !known && smallest > 2.0 * look.change {
+            out.push(NotExcited {
+                effect: look.effect.effect,
+                component: look.effect.component,
+                smallest_detectable: (smallest < LARGEST_TOLD * look.change).then_some(smallest),
+                parameter: definition.name,
+                unit: definition.unit,
+            });
+        }
+    }
+    out
+}

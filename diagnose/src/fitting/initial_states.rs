@@ -1,0 +1,74 @@
+//! The recordings' starts, fitted together with the parameters: a start is a nuisance of its own recording, and what it could do
+//! in the place of a parameter is taken off that parameter's column (the Schur complement of the starts in the normal equations).
+
+use counterpoise_linalg::{Mat, solve};
+use counterpoise_simulate::replay::START_FREEDOMS;
+
+use crate::recording::series::dot;
+use crate::simulator_access::StartShift;
+
+/// Share of a freedom's own curvature that is added to it: what the readings hardly tell apart moves little.
+const RIDGE: f64 = 1e-3;
+/// Curvature, in floors squared per step squared, of the preference for the start as it was: some hundred steps cost one unit.
+const PREFERENCE: f64 = 1e-5;
+
+/// What the freedoms of one recording's start do to its residuals.
+pub(crate) struct StartColumns {
+    columns: Vec<Option<Vec<f64>>>,
+    normal: Mat,
+}
+
+impl StartColumns {
+    /// From one column a freedom; none for a freedom that changes nothing.
+    pub fn new(columns: Vec<Option<Vec<f64>>>) -> Self {
+        let entry = |i: usize, j: usize| match (&columns[i], &columns[j]) {
+            (Some(a), Some(b)) => dot(a, b),
+            _ => 0.0,
+        };
+        let mut normal = Mat::from_fn(columns.len(), columns.len(), entry);
+        for i in 0..columns.len() {
+            normal[(i, i)] = normal[(i, i)] * (1.0 + RIDGE) + PREFERENCE;
+        }
+        Self { columns, normal }
+    }
+
+    /// By how much the start would move to make a series, in least squares.
+    pub fn absorbed(&self, series: &[f64]) -> StartShift {
+        let right: Vec<f64> =
+            self.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| dot(c, series))).collect();
+        let found = solve(&self.normal, &Mat::col(&right)).ok().filter(Mat::is_finite);
+        let shift = |k: usize| found.as_ref().map_or(0.0, |f| f.as_slice().get(k).copied().unwrap_or(0.0));
+        let mut out = [0.0; START_FREEDOMS];
+        out.iter_mut().enumerate().for_each(|(k, o)| *o = shift(k));
+        out
+    }
+
+    /// What is left of a series when a move of the start is taken off.
+    pub fn left(&self, series: &[f64], shift: &StartShift) -> Vec<f64> {
+        let mut out = series.to_vec();
+        for (column, s) in self.columns.iter().zip(shift) {
+            for (o, c) in out.iter_mut().zip(column.as_deref().unwrap_or(&[])) {
+                *o -= s * c;
+            }
+        }
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_start_can_do_is_taken_off() {
+        let one: Vec<f64> = (0..200).map(|k| 3.0 * (-0.05 * f64::from(k)).exp()).collect();
+        let other: Vec<f64> = (0..200).map(|k| (0.03 * f64::from(k)).sin()).collect();
+        let columns = vec![Some(one.clone()), None, Some(other.clone()), None, None, None];
+        let starts = StartColumns::new(columns);
+        let series: Vec<f64> = one.iter().zip(&other).map(|(a, b)| 2.0 * a - b).collect();
+        let shift = starts.absorbed(&series);
+        assert!((shift[0] - 2.0).abs() < 0.01 && (shift[2] + 1.0).abs() < 0.01, "{shift:?}");
+        let left = starts.left(&series, &shift);
+        assert!(dot(&left, &left) < 1e-4 * dot(&series, &series));
+    }
+}

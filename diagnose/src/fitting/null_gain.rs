@@ -1,0 +1,83 @@
+//! What chance would explain: how much an effect gains, in the mean, on the noise of the sensors in the loop alone.
+//!
+//! The noise of the gyroscope in the loop moves the mechanism, and a rate that is a little off adds up to an angle that
+//! wanders: slow motion that no replay repeats, and that an effect with a slow signature fits. The likelihood of white
+//! residuals takes that for evidence. So other noise is played, and what the effect takes off it is what chance gives.
+
+use counterpoise_linalg::{Mat, solve};
+use counterpoise_models::Parameters;
+
+use crate::fitting::output_error::{Fit, from_variable, to_variable};
+use crate::library::{Mapping, Parameter};
+use crate::recording::series::dot;
+use crate::simulator_access::{Assessment, Pool, SimulatorAccess, Span, map};
+use crate::tolerance::{CHANCES, FIT_STEP};
+
+/// What one recording says: inner products of the columns, and of the columns with each outcome of noise.
+struct NoiseProjection {
+    gram: Mat,
+    right: Vec<Vec<f64>>,
+}
+
+/// Log-likelihood, in nats, that the newest effect of a fit would gain in the mean on other noise; 0 where the simulator has
+/// none.
+pub(crate) fn mean_null_gain(
+    simulator: &dyn SimulatorAccess,
+    pool: &dyn Pool,
+    fit: &Fit,
+    assessments: &[Assessment],
+) -> f64 {
+    let Some(newest) = fit.effects.last() else { return 0.0 };
+    let free = newest.parameters;
+    let values = &fit.values[fit.values.len() - free.len()..];
+    let said = map(pool, assessments.len(), |r| {
+        said(simulator, &fit.parameters, (free, values), r, &assessments[r])
+    });
+    let said: Vec<NoiseProjection> = said.into_iter().flatten().collect();
+    let Some(first) = said.first() else { return 0.0 };
+    let mut gram = said.iter().skip(1).fold(first.gram.clone(), |sum, s| &sum + &s.gram);
+    let ridge = 1e-9 * gram.trace().max(f64::MIN_POSITIVE);
+    (0..free.len()).for_each(|j| gram[(j, j)] += ridge);
+    let outcomes = said.iter().map(|s| s.right.len()).min().unwrap_or(0);
+    let one = |k: usize| {
+        let right: Vec<f64> = (0..free.len()).map(|j| said.iter().map(|s| s.right[k][j]).sum()).collect();
+        let found = solve(&gram, &Mat::col(&right)).ok()?;
+        Some(0.5 * dot(found.as_slice(), &right))
+    };
+    let each: Vec<f64> = (0..outcomes).filter_map(one).filter(|e: &f64| e.is_finite()).collect();
+    each.iter().sum::<f64>() / each.len().max(1) as f64
+}
+
+fn said(
+    simulator: &dyn SimulatorAccess,
+    parameters: &Parameters,
+    (free, values): (&[Parameter], &[f64]),
+    index: usize,
+    near: &Assessment,
+) -> Option<NoiseProjection> {
+    let here = simulator.residuals(parameters, index, Span::Whole, near)?;
+    let weights: Vec<f64> = here.iter().map(|m| 1.0 / m.relative_rms().max(1.0)).collect();
+    let column = |(parameter, &value): (&Parameter, &f64)| {
+        let step = if parameter.mapping == Mapping::Whole { 1.0 } else { 10.0 * FIT_STEP };
+        let mut moved = parameters.clone();
+        parameter.write(&mut moved, from_variable(parameter, to_variable(parameter, value) + step));
+        let there = simulator.residuals(&moved, index, Span::Whole, near)?;
+        let change = |(c, (t, h)): (
+            usize,
+            (&crate::simulator_access::ChannelResidual, &crate::simulator_access::ChannelResidual),
+        )| {
+            let pairs = t.residual.iter().zip(&h.residual);
+            pairs.map(|(a, b)| weights[c] * (a - b) / step).collect::<Vec<f64>>()
+        };
+        Some(there.iter().zip(&here).enumerate().flat_map(change).collect::<Vec<f64>>())
+    };
+    let columns: Vec<Vec<f64>> = free.iter().zip(values).map(column).collect::<Option<_>>()?;
+    let gram = Mat::from_fn(columns.len(), columns.len(), |i, j| dot(&columns[i], &columns[j]));
+    let outcome = |which: u64| {
+        let moved = simulator.noise_response(parameters, index, near, which)?;
+        let weighted = moved.iter().zip(&weights).flat_map(|(channel, w)| channel.iter().map(move |d| w * d));
+        let series: Vec<f64> = weighted.collect();
+        Some(columns.iter().map(|c| dot(c, &series)).collect())
+    };
+    Some(NoiseProjection { gram, right: (0..CHANCES).map_while(outcome).collect() })
+}

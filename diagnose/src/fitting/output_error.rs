@@ -1,0 +1,416 @@
+//! Output-error fit: Levenberg and Marquardt's method on the simulator's residuals.
+
+use counterpoise_linalg::{Mat, inverse};
+use counterpoise_models::Parameters;
+
+use counterpoise_simulate::replay::{START_FREEDOMS, start_has};
+
+use crate::fitting::initial_states::StartColumns;
+use crate::fitting::normal_equations::{LinearisedCost, damped_step, long_run, stretch_sums};
+use crate::library::{Effect, Mapping, Parameter};
+use crate::recording::series::dot;
+use crate::simulator_access::{Assessment, Pool, SimulatorAccess, Span, StartShift, map};
+use crate::tolerance::{
+    FIT_ITERATIONS, FIT_STEP, FIT_TOLERANCE, FITTED_SHARE, RESTART_WORTH, RESTARTS, SEARCH_ITERATIONS,
+    STARTS_KEPT, STRETCH, STRETCHES_TOGETHER, SYSTEMATIC, TRIAL_ITERATIONS, TRIAL_RESTARTS,
+};
+
+/// Which recordings a fit may see.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FitSelection {
+    /// Recordings.
+    pub recordings: Vec<usize>,
+    /// How much of each.
+    pub span: Span,
+    /// Iterations at the most.
+    pub iterations: usize,
+    /// Times at the most that the recordings' starts are sought anew at what was found.
+    pub restarts: usize,
+}
+
+impl FitSelection {
+    /// Every recording, whole, to the end.
+    pub fn all(count: usize) -> Self {
+        Self { span: Span::Whole, ..Self::heads((0..count).collect()) }
+    }
+
+    /// The first part of some recordings, to the end.
+    pub fn heads(recordings: Vec<usize>) -> Self {
+        Self { recordings, span: Span::Head, iterations: FIT_ITERATIONS, restarts: RESTARTS }
+    }
+
+    /// The first part of some recordings, for a comparison of candidates.
+    pub fn searching(recordings: Vec<usize>) -> Self {
+        Self { iterations: SEARCH_ITERATIONS, ..Self::heads(recordings) }
+    }
+
+    /// The first part of some recordings, for a first impression.
+    pub fn trying(recordings: Vec<usize>) -> Self {
+        Self { iterations: TRIAL_ITERATIONS, restarts: TRIAL_RESTARTS, ..Self::heads(recordings) }
+    }
+}
+
+/// A fitted set of effects.
+#[derive(Debug, Clone)]
+pub struct Fit {
+    /// The effects, in the order in which they were found.
+    pub effects: Vec<&'static Effect>,
+    /// Their parameters' values, effect after effect.
+    pub values: Vec<f64>,
+    /// The mechanism with the effects.
+    pub parameters: Parameters,
+    /// Mean square of the residual over what the fit saw.
+    pub cost: f64,
+    /// Curvature of the cost in the fit's own variables, for intervals.
+    pub information: Mat,
+    /// Scatter of the cost's gradient, stretch of time by stretch: what the noise, coloured as it is, does to it.
+    pub scatter: Mat,
+    /// Whether the iteration limit was reached before the cost settled.
+    pub limit_reached: bool,
+    /// The recordings that it saw, and how each stands to it, without the residuals.
+    pub assessments: Vec<(usize, Assessment)>,
+}
+
+impl Fit {
+    /// How a recording that was fitted stands to the fit, from the start that was found with it.
+    pub fn assessment(&self, recording: usize) -> Option<&Assessment> {
+        self.assessments.iter().find(|(index, _)| *index == recording).map(|(_, near)| near)
+    }
+}
+
+/// All parameters of a list of effects.
+pub fn parameters_of(effects: &[&'static Effect]) -> Vec<&'static Parameter> {
+    effects.iter().flat_map(|effect| effect.parameters.iter()).collect()
+}
+
+/// The mechanism with several effects' parameters set.
+pub fn applied(base: &Parameters, effects: &[&'static Effect], values: &[f64]) -> Parameters {
+    let mut changed = base.clone();
+    for (parameter, &value) in parameters_of(effects).iter().zip(values) {
+        parameter.write(&mut changed, value);
+    }
+    changed
+}
+
+pub(crate) fn to_variable(parameter: &Parameter, value: f64) -> f64 {
+    match parameter.mapping {
+        Mapping::Log => value.max(f64::MIN_POSITIVE).ln() / parameter.size,
+        Mapping::Linear | Mapping::Whole => value / parameter.size,
+    }
+}
+
+pub(crate) fn from_variable(parameter: &Parameter, variable: f64) -> f64 {
+    let value = match parameter.mapping {
+        Mapping::Log => (variable * parameter.size).exp(),
+        Mapping::Linear => variable * parameter.size,
+        Mapping::Whole => (variable * parameter.size).round(),
+    };
+    value.clamp(parameter.bounds[0], parameter.bounds[1])
+}
+
+/// The problem that a fit solves: fixed but for the parameters.
+pub struct Problem<'a> {
+    /// Simulator and recordings.
+    pub simulator: &'a dyn SimulatorAccess,
+    /// Processors.
+    pub pool: &'a dyn Pool,
+    /// What the fit may see.
+    pub selection: &'a FitSelection,
+    /// The mechanism without the effects.
+    pub base: &'a Parameters,
+    /// The effects to fit.
+    pub effects: Vec<&'static Effect>,
+    /// How every recording stands to a mechanism nearby; empty where none was judged.
+    pub assessments: &'a [Assessment],
+}
+
+impl Problem<'_> {
+    /// Fits from the given parameter values, together with the recordings' starts; again with the starts sought anew at what was
+    /// found (a start that is far off is not found from nearby), until that changes nothing any more.
+    pub fn fit(&self, start: &[f64]) -> Option<Fit> {
+        let near = |index: usize| self.assessments.get(index);
+        let mut best = self.descend(start, self.selection.iterations, self.near(start, &near)?)?;
+        for _ in 0..self.selection.restarts {
+            let Some(next) = self
+                .near(&best.values, &|_| None)
+                .and_then(|near| self.descend(&best.values, self.selection.iterations.div_ceil(2), near))
+            else {
+                break;
+            };
+            let settled = next.cost > best.cost * (1.0 - RESTART_WORTH);
+            if next.cost < best.cost || !runs_alike(&next, &best) {
+                best = next;
+            }
+            if settled {
+                break;
+            }
+        }
+        Some(best)
+    }
+
+    fn descend(&self, start: &[f64], iterations: usize, near: Vec<Assessment>) -> Option<Fit> {
+        let free = parameters_of(&self.effects);
+        let x: Vec<f64> = free.iter().zip(start).map(|(k, &v)| to_variable(k, v)).collect();
+        let shifts = vec![StartShift::default(); near.len()];
+        let residual = self.at(&x, &near, &shifts)?;
+        let mut now = FitState { cost: mean_square(&residual), x, shifts, residual };
+        let mut damping = 1e-2;
+        let (mut information, mut scatter) = (Mat::zeros(start.len(), start.len()), Mat::zeros(0, 0));
+        let mut columns = Vec::new();
+        let mut limit_reached = true;
+        for iteration in 0..iterations {
+            if self.pool.cancelled() {
+                break;
+            }
+            if iteration % STARTS_KEPT == 0 {
+                columns = self.start_columns(&now, &near);
+            }
+            let slopes = self.linearised(&now, &near, &columns);
+            let next = self.improve(&now, &slopes, &mut damping, &near);
+            (information, scatter) = (slopes.normal, slopes.scatter);
+            let settled = next.as_ref().is_none_or(|next| now.cost - next.cost < FIT_TOLERANCE * now.cost);
+            now = next.unwrap_or(now);
+            if settled {
+                limit_reached = false;
+                break;
+            }
+        }
+        let values: Vec<f64> = free.iter().zip(&now.x).map(|(k, &v)| from_variable(k, v)).collect();
+        let parameters = applied(self.base, &self.effects, &values);
+        let effects = self.effects.clone();
+        let assessments = self.assessments_at(&parameters, &now, &near);
+        Some(Fit {
+            effects,
+            values,
+            parameters,
+            cost: now.cost,
+            information,
+            scatter,
+            limit_reached,
+            assessments,
+        })
+    }
+
+    /// How the recordings stand to the mechanism at given parameter values, from what is known of a mechanism nearby.
+    fn near<'n>(
+        &self,
+        values: &[f64],
+        known: &(dyn Fn(usize) -> Option<&'n Assessment> + Sync),
+    ) -> Option<Vec<Assessment>> {
+        let parameters = applied(self.base, &self.effects, values);
+        let recordings = &self.selection.recordings;
+        let one = |index: usize| match known(index) {
+            Some(near) => self.simulator.assess_near(&parameters, index, near),
+            None => self.simulator.assess(&parameters, index),
+        };
+        let judged = map(self.pool, recordings.len(), |k| one(recordings[k]));
+        judged.into_iter().collect()
+    }
+
+    /// The weighted residuals that the fit sees, recording by recording.
+    fn at(&self, x: &[f64], near: &[Assessment], shifts: &[StartShift]) -> Option<Vec<Vec<f64>>> {
+        let values: Vec<f64> =
+            parameters_of(&self.effects).iter().zip(x).map(|(k, &v)| from_variable(k, v)).collect();
+        let parameters = applied(self.base, &self.effects, &values);
+        (0..near.len()).map(|k| self.one(&parameters, k, &near[k], &shifts[k])).collect()
+    }
+
+    /// The weighted residuals of one recording of the selection.
+    fn one(
+        &self,
+        parameters: &Parameters,
+        place: usize,
+        near: &Assessment,
+        shift: &StartShift,
+    ) -> Option<Vec<f64>> {
+        let (index, span) = (self.selection.recordings[place], self.selection.span);
+        let channels = if shift.iter().all(|s| *s == 0.0) {
+            self.simulator.residuals(parameters, index, span, near)?
+        } else {
+            self.simulator.residuals_from_shifted_start(parameters, index, span, near, shift)?.0
+        };
+        let weighted = channels.iter().enumerate().flat_map(|(c, misfit)| {
+            let weight = near.weight(c);
+            misfit.residual.iter().map(move |r| weight * r)
+        });
+        let out: Vec<f64> = weighted.collect();
+        out.iter().all(|r| r.is_finite()).then_some(out)
+    }
+
+    /// What each freedom of each recording's start does to its residuals; nothing where starts have no freedoms.
+    fn start_columns(&self, now: &FitState, near: &[Assessment]) -> Vec<StartColumns> {
+        let values: Vec<f64> =
+            parameters_of(&self.effects).iter().zip(&now.x).map(|(k, &v)| from_variable(k, v)).collect();
+        let parameters = applied(self.base, &self.effects, &values);
+        let moved = |place: usize, freedom: usize, by: f64| {
+            if !start_has(&parameters, freedom) {
+                return None;
+            }
+            let mut shift = now.shifts[place];
+            shift[freedom] += by;
+            let there = self.one(&parameters, place, &near[place], &shift)?;
+            let change: Vec<f64> =
+                there.iter().zip(&now.residual[place]).map(|(a, b)| (a - b) / by).collect();
+            change.iter().any(|c| *c != 0.0).then_some(change)
+        };
+        let count = START_FREEDOMS;
+        let all = map(self.pool, near.len() * count, |k| {
+            let (place, freedom) = (k / count, k % count);
+            moved(place, freedom, 1.0).or_else(|| moved(place, freedom, -1.0))
+        });
+        all.chunks(count).map(|c| StartColumns::new(c.to_vec())).collect()
+    }
+
+    /// How the recordings stand to what was found, without the residuals, each from the start that was found with it.
+    fn assessments_at(
+        &self,
+        parameters: &Parameters,
+        now: &FitState,
+        near: &[Assessment],
+    ) -> Vec<(usize, Assessment)> {
+        let one = |place: usize| {
+            let (index, shift) = (self.selection.recordings[place], &now.shifts[place]);
+            let stance = near[place].without_residuals();
+            let nudged = self.simulator.residuals_from_shifted_start(
+                parameters,
+                index,
+                Span::Head,
+                &near[place],
+                shift,
+            );
+            let stance = match nudged.filter(|_| shift.iter().any(|s| *s != 0.0)) {
+                Some((_, start)) => Assessment { start: Some(start), ..stance },
+                None => stance,
+            };
+            (index, stance)
+        };
+        map(self.pool, near.len(), one)
+    }
+
+    /// `J'J / N`, `J'r / N` and the scatter of the latter, by one-sided differences; of every column what the starts could do
+    /// in its place is taken off.
+    fn linearised(&self, now: &FitState, near: &[Assessment], starts: &[StartColumns]) -> LinearisedCost {
+        let free = parameters_of(&self.effects);
+        let columns: Vec<Vec<Vec<f64>>> = map(self.pool, now.x.len(), |j| {
+            let step = difference_step(free[j], now.x[j]);
+            let mut moved = now.x.clone();
+            moved[j] += step;
+            let there = self.at(&moved, near, &now.shifts);
+            let change =
+                |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| (a - b) / step).collect();
+            there.map_or_else(
+                || now.residual.iter().map(|r| vec![0.0; r.len()]).collect(),
+                |there| there.iter().zip(&now.residual).map(change).collect(),
+            )
+        });
+        let place = |column: &Vec<Vec<f64>>| -> (Vec<StartShift>, Vec<f64>) {
+            let absorbed: Vec<StartShift> =
+                starts.iter().zip(column).map(|(starts, own)| starts.absorbed(own)).collect();
+            let left = column.iter().enumerate().flat_map(|(r, own)| match starts.get(r) {
+                Some(starts) => starts.left(own, &absorbed[r]),
+                None => own.clone(),
+            });
+            let left = left.collect();
+            (absorbed, left)
+        };
+        let (absorbed, columns): (Vec<Vec<StartShift>>, Vec<Vec<f64>>) = columns.iter().map(place).unzip();
+        let residual: Vec<f64> = now.residual.iter().flatten().copied().collect();
+        let count = residual.len().max(1) as f64;
+        let size = columns.len();
+        let normal = Mat::from_fn(size, size, |i, j| dot(&columns[i], &columns[j]) / count);
+        let gradient = columns.iter().map(|c| dot(c, &residual) / count).collect();
+        let places = self.stretches(near, residual.len());
+        let sums: Vec<Vec<f64>> = columns.iter().map(|c| stretch_sums(c, &residual, &places)).collect();
+        let scatter = Mat::from_fn(size, size, |i, j| long_run(&sums[i], &sums[j]) / (count * count));
+        let alone = starts.iter().zip(&now.residual).map(|(s, own)| s.absorbed(own)).collect();
+        LinearisedCost { normal, gradient, scatter, absorbed, alone }
+    }
+
+    /// The stretch of time that each residual belongs to, all channels of a recording alike.
+    fn stretches(&self, near: &[Assessment], count: usize) -> Vec<usize> {
+        let mut places = Vec::with_capacity(count);
+        let mut first = 0;
+        for judged in near {
+            let whole = judged.channels.first().map_or(0, |m| m.residual.len());
+            let share = if self.selection.span == Span::Whole { 1.0 } else { FITTED_SHARE };
+            let samples = (whole as f64 * share) as usize;
+            for _ in &judged.channels {
+                places.extend((0..samples).map(|k| first + k / STRETCH));
+            }
+            first += samples / STRETCH + 1 + STRETCHES_TOGETHER;
+        }
+        places.resize(count, first);
+        places
+    }
+
+    /// The first damped step of parameters and starts that lowers the cost; none where no step does.
+    fn improve(
+        &self,
+        now: &FitState,
+        slope: &LinearisedCost,
+        damping: &mut f64,
+        near: &[Assessment],
+    ) -> Option<FitState> {
+        for _ in 0..7 {
+            let step = damped_step(&slope.normal, &slope.gradient, *damping)?;
+            let x: Vec<f64> = now.x.iter().zip(&step).map(|(a, b)| a - b).collect();
+            let shifts = slope.moved_starts(&now.shifts, &step, 1.0 / (1.0 + *damping));
+            let there = self.at(&x, near, &shifts).map(|r| (mean_square(&r), r));
+            if let Some((cost, residual)) = there.filter(|c| c.0 < now.cost) {
+                *damping = (*damping * 0.1).max(1e-9);
+                return Some(FitState { x, shifts, residual, cost });
+            }
+            *damping *= 10.0;
+        }
+        None
+    }
+}
+
+/// Whether both fits ran every recording in the same way, so that their costs can be compared.
+fn runs_alike(a: &Fit, b: &Fit) -> bool {
+    a.assessments.iter().zip(&b.assessments).all(|(a, b)| a.1.source == b.1.source)
+}
+
+/// Where a fit is.
+struct FitState {
+    x: Vec<f64>,
+    /// By how much each recording's start was moved.
+    shifts: Vec<StartShift>,
+    residual: Vec<Vec<f64>>,
+    cost: f64,
+}
+
+fn difference_step(parameter: &Parameter, x: f64) -> f64 {
+    let step = if parameter.mapping == Mapping::Whole { 1.0 } else { FIT_STEP };
+    let upper = to_variable(parameter, parameter.bounds[1]);
+    if x + step > upper { -step } else { step }
+}
+
+fn mean_square(residuals: &[Vec<f64>]) -> f64 {
+    let count: usize = residuals.iter().map(Vec::len).sum();
+    residuals.iter().map(|r| dot(r, r)).sum::<f64>() / count.max(1) as f64
+}
+
+/// 95 % intervals of a fit's values: the larger of Fisher's information, inflated by the residual's own size and colour,
+/// and the sandwich `H^-1 S H^-1` of the gradient's scatter (White 1982), which holds where the residual's colour meets
+/// that of the slopes; to it comes what two simulators of the same mechanism differ by.
+///
+/// `samples` is the number of residuals that the fit saw, `inflation` how many of them carry the information of one.
+pub fn intervals(fit: &Fit, samples: usize, inflation: f64) -> Vec<[f64; 2]> {
+    let covariance = inverse(&fit.information).ok();
+    let sandwich = covariance.as_ref().map(|c| &(c * &fit.scatter) * c);
+    let scale = fit.cost.max(1.0) * inflation / samples.max(1) as f64;
+    let bound = |(j, (parameter, &value)): (usize, (&&'static Parameter, &f64))| {
+        let fisher = covariance.as_ref().map_or(f64::INFINITY, |c| c[(j, j)].max(0.0) * scale);
+        let coloured = sandwich.as_ref().map_or(0.0, |s| s[(j, j)].max(0.0));
+        let systematic = match parameter.mapping {
+            Mapping::Log => SYSTEMATIC / parameter.size,
+            Mapping::Linear | Mapping::Whole => SYSTEMATIC * value.abs() / parameter.size,
+        };
+        let deviation = fisher.max(coloured).sqrt().hypot(systematic);
+        let x = to_variable(parameter, value);
+        let [low, high] = [x - 1.96 * deviation, x + 1.96 * deviation];
+        [from_variable(parameter, low), from_variable(parameter, high)]
+    };
+    parameters_of(&fit.effects).iter().zip(&fit.values).enumerate().map(bound).collect()
+}

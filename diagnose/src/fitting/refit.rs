@@ -1,0 +1,64 @@
+//! A given structure, fitted to the first part of every recording and judged on the rest: what the outcome of a search is
+//! to be measured against.
+
+use counterpoise_models::Parameters;
+use counterpoise_simulate::recording::Recording;
+use counterpoise_simulate::replay::Loop;
+
+use crate::error::Error;
+use crate::fitting::output_error::{FitSelection, Problem};
+use crate::fitting::score::{RecordingPart, assess, score};
+use crate::library::Effect;
+use crate::recording::noise::with_recorded_noise;
+use crate::simulator_access::objective::{PreparedRecordings, RecordingReplays};
+use crate::simulator_access::{Pool, SimulatorAccess};
+use crate::tolerance::FITTED_SHARE;
+
+/// Effects that are fitted together, and the values of their parameters from which to start.
+#[derive(Debug, Clone, Default)]
+pub struct Structure {
+    /// Effects; none for the model as it is.
+    pub effects: Vec<&'static Effect>,
+    /// Values, effect after effect.
+    pub start: Vec<f64>,
+}
+
+/// For each structure, the mean ln(RMS / floor) that it leaves on the last part of every recording, fitted to the first;
+/// none where it cannot be simulated. 0 is perfect.
+///
+/// # Errors
+/// A recording that cannot be replayed.
+pub fn refit(
+    base: &Parameters,
+    control: impl Into<Loop>,
+    recordings: &[Recording],
+    structures: &[Structure],
+    pool: &dyn Pool,
+) -> Result<Vec<Option<f64>>, Error> {
+    let base = &with_recorded_noise(base, recordings);
+    let prepared = PreparedRecordings::new(recordings, base);
+    let simulator = RecordingReplays::new(base, &control.into(), &prepared)?;
+    Ok(structures.iter().map(|structure| left(&simulator, pool, base, structure)).collect())
+}
+
+fn left(
+    simulator: &dyn SimulatorAccess,
+    pool: &dyn Pool,
+    base: &Parameters,
+    structure: &Structure,
+) -> Option<f64> {
+    let recordings: Vec<usize> = (0..simulator.count()).collect();
+    let parts: Vec<RecordingPart> = recordings
+        .iter()
+        .map(|&recording| RecordingPart { recording, from: FITTED_SHARE, to: 1.0 })
+        .collect();
+    let selection = FitSelection::heads(recordings);
+    let parameters = if structure.effects.is_empty() {
+        base.clone()
+    } else {
+        let effects = structure.effects.clone();
+        let problem = Problem { simulator, pool, selection: &selection, base, effects, assessments: &[] };
+        problem.fit(&structure.start)?.parameters
+    };
+    Some(score(&assess(simulator, pool, &parameters)?, &parts)?.distance())
+}

@@ -1,0 +1,126 @@
+//! Whether anything is left in a residual: its correlation with itself and with what drives the machine.
+//!
+//! Of a model that explains a recording only noise is left: white, and independent of every signal. The bands are Bartlett's
+//! (1946): for series with memory of their own the correlation of two independent ones scatters by
+//! `(1/N) sum over lags of r_x r_y`, not by `1/N`.
+
+use crate::recording::series::rms;
+
+/// Lags that are looked at.
+const LAGS: usize = 60;
+/// Half width of a 95 % band in standard deviations.
+const BAND_95: f64 = 1.96;
+
+/// The correlations of one residual.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResidualTest {
+    /// Autocorrelation at lags of 0, 1, ... samples.
+    pub autocorrelation: Vec<f64>,
+    /// Half width of its 95 % band if the residual were white.
+    pub band: f64,
+    /// Share of the lags outside that band; 0.05 of a white residual.
+    pub outside: f64,
+    /// The correlation with each signal, where it is largest against its band.
+    pub cross: Vec<CrossCorrelation>,
+}
+
+/// The correlation of a residual with a signal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CrossCorrelation {
+    /// The signal.
+    pub with: &'static str,
+    /// Its largest value over the lags, with its sign.
+    pub largest: f64,
+    /// Lag of the residual behind the signal there, samples.
+    pub lag: isize,
+    /// Half width of the 95 % band if they were independent.
+    pub band: f64,
+}
+
+impl CrossCorrelation {
+    /// The largest correlation in units of its band: above 1 something of the signal is left.
+    pub fn size(&self) -> f64 {
+        self.largest.abs() / self.band
+    }
+}
+
+/// Tests a residual against itself and against signals of its length; none where it is shorter than the lags allow, is
+/// constant, or not finite.
+pub fn residual_test(residual: &[f64], signals: &[(&'static str, &[f64])]) -> Option<ResidualTest> {
+    let residual = standard(residual).filter(|r| r.len() > 4 * LAGS)?;
+    let own = correlations(&residual, &residual);
+    let band = BAND_95 / (residual.len() as f64).sqrt();
+    let outside = own[1..].iter().filter(|r| r.abs() > band).count() as f64 / LAGS as f64;
+    let cross = signals.iter().filter_map(|&(with, signal)| cross(&residual, &own, with, signal)).collect();
+    Some(ResidualTest { autocorrelation: own, band, outside, cross })
+}
+
+fn cross(residual: &[f64], own: &[f64], with: &'static str, signal: &[f64]) -> Option<CrossCorrelation> {
+    let signal = standard(signal).filter(|s| s.len() == residual.len())?;
+    let theirs = correlations(&signal, &signal);
+    let memory = 1.0 + 2.0 * own[1..].iter().zip(&theirs[1..]).map(|(a, b)| a * b).sum::<f64>();
+    let band = BAND_95 * (memory.max(1.0) / residual.len() as f64).sqrt();
+    let (behind, ahead) = (correlations(&signal, residual), correlations(residual, &signal));
+    let lags = behind.iter().enumerate().map(|(k, r)| (k.cast_signed(), *r));
+    let lags = lags.chain(ahead.iter().enumerate().map(|(k, r)| (-k.cast_signed(), *r)));
+    let (lag, largest) = lags.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+    Some(CrossCorrelation { with, largest, lag, band })
+}
+
+/// The series less its mean over its deviation; none where it has none.
+fn standard(series: &[f64]) -> Option<Vec<f64>> {
+    let mean = series.iter().sum::<f64>() / series.len().max(1) as f64;
+    let centred: Vec<f64> = series.iter().map(|v| v - mean).collect();
+    let deviation = rms(&centred);
+    (deviation.is_finite() && deviation > 0.0).then(|| centred.iter().map(|v| v / deviation).collect())
+}
+
+/// Correlation of `x[k]` with `y[k + lag]`, lags from 0.
+fn correlations(x: &[f64], y: &[f64]) -> Vec<f64> {
+    let at = |lag: usize| x.iter().zip(&y[lag..]).map(|(a, b)| a * b).sum::<f64>() / x.len() as f64;
+    (0..=LAGS).map(at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn noise(count: usize, mut seed: u64) -> Vec<f64> {
+        let mut next = || {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (seed >> 33) as f64 / (1u64 << 30) as f64 - 1.0
+        };
+        (0..count).map(|_| next()).collect()
+    }
+
+    #[test]
+    fn white_noise_passes_and_what_follows_a_signal_does_not() {
+        let (white, signal) = (noise(4000, 1), noise(4000, 2));
+        let found = residual_test(&white, &[("signal", &signal)]).unwrap();
+        assert!(found.outside < 0.15, "{}", found.outside);
+        assert!(found.cross[0].size() < 2.0, "{:?}", found.cross);
+        let follows: Vec<f64> = (0..4000).map(|k| white[k] + 0.3 * signal[k.saturating_sub(7)]).collect();
+        let found = residual_test(&follows, &[("signal", &signal)]).unwrap();
+        assert!(found.cross[0].size() > 5.0 && found.cross[0].lag == 7, "{:?}", found.cross);
+    }
+
+    #[test]
+    fn slow_independent_series_are_not_taken_for_dependent() {
+        let slow = |seed| {
+            let mut state = 0.0;
+            let step = |v: f64| {
+                state = 0.9 * state + v;
+                state
+            };
+            noise(8000, seed).into_iter().map(step).collect::<Vec<f64>>()
+        };
+        let found = residual_test(&slow(3), &[("signal", &slow(4))]).unwrap();
+        assert!(found.outside > 0.15 && found.cross[0].size() < 2.0, "{:?}", found.cross);
+    }
+
+    #[test]
+    fn nothing_is_said_of_a_constant() {
+        assert!(residual_test(&[1.0; 1000], &[]).is_none());
+    }
+}

@@ -1,0 +1,157 @@
+//! How well a mechanism explains the recordings, as a number that can be compared.
+
+use counterpoise_models::Parameters;
+
+use crate::recording::series::{correlation_time, rms};
+use crate::simulator_access::{Assessment, Pool, SimulatorAccess, map};
+use crate::tolerance::SCORE_FLOOR;
+
+/// The fit of one channel over one part of one recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScoreCell {
+    /// Recording.
+    pub recording: usize,
+    /// Channel name.
+    pub channel: &'static str,
+    /// RMS error in units of the floor, what does not repeat between two runs of the same machine discounted.
+    pub excess: f64,
+    /// RMS error in the channel's unit.
+    pub rms_error: f64,
+    /// Floor in the channel's unit.
+    pub floor: f64,
+    /// Number of independent samples that the residual is worth.
+    pub worth: f64,
+    /// Number of samples.
+    pub samples: f64,
+}
+
+/// The fit of every channel of every recording.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Score {
+    /// Cells, recording by recording.
+    pub cells: Vec<ScoreCell>,
+}
+
+/// A part of a recording: from one share of its length to another.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RecordingPart {
+    /// Recording.
+    pub recording: usize,
+    /// Share of the length at which the part begins.
+    pub from: f64,
+    /// Share of the length at which it ends.
+    pub to: f64,
+}
+
+/// Judges every recording, whole; none where the mechanism cannot be simulated.
+pub fn assess(
+    simulator: &dyn SimulatorAccess,
+    pool: &dyn Pool,
+    parameters: &Parameters,
+) -> Option<Vec<Assessment>> {
+    let judged = map(pool, simulator.count(), |index| simulator.assess(parameters, index));
+    (judged.len() == simulator.count()).then(|| judged.into_iter().collect::<Option<Vec<_>>>()).flatten()
+}
+
+/// As [`judge`], from the starts of judgements of a mechanism nearby.
+pub fn assess_near(
+    simulator: &dyn SimulatorAccess,
+    pool: &dyn Pool,
+    parameters: &Parameters,
+    near: &[Assessment],
+) -> Option<Vec<Assessment>> {
+    let judged = map(pool, near.len(), |index| simulator.assess_near(parameters, index, &near[index]));
+    (judged.len() == near.len()).then(|| judged.into_iter().collect::<Option<Vec<_>>>()).flatten()
+}
+
+/// The score over parts of judged recordings; none where a residual is not finite.
+pub fn score(judged: &[Assessment], parts: &[RecordingPart]) -> Option<Score> {
+    let mut cells = Vec::new();
+    for part in parts {
+        let here = &judged[part.recording];
+        for (c, misfit) in here.channels.iter().enumerate() {
+            let length = misfit.residual.len() as f64;
+            let slice = &misfit.residual[(length * part.from) as usize..(length * part.to) as usize];
+            cells.push(ScoreCell {
+                recording: part.recording,
+                channel: misfit.channel,
+                excess: rms(slice) * here.weight(c),
+                rms_error: rms(slice) * misfit.floor,
+                floor: misfit.floor,
+                worth: slice.len() as f64 / correlation_time(slice),
+                samples: slice.len() as f64,
+            });
+        }
+    }
+    cells.iter().all(|cell| cell.excess.is_finite()).then_some(Score { cells })
+}
+
+impl Score {
+    /// Log-likelihood gained over another mechanism on the same parts, in nats.
+    ///
+    /// Each cell adds `worth x ln(before / after)`, the log-likelihood ratio of Gaussian residuals of unknown
+    /// size; the worth is that of the better of the two, whose residual is closer to white.
+    pub fn gain_over(&self, before: &Score) -> f64 {
+        let cells = self.cells.iter().zip(&before.cells);
+        cells
+            .map(|(after, before)| {
+                let ratio = log_excess(before) - log_excess(after);
+                let worth = if ratio > 0.0 { after.worth } else { before.worth };
+                worth * ratio
+            })
+            .sum()
+    }
+
+    /// Log-likelihood gained over another mechanism, in nats, were every residual white and of the size of the floor, or of
+    /// what is left where that is more.
+    pub fn energy_over(&self, before: &Score) -> f64 {
+        let size = |cell: &ScoreCell| cell.rms_error / cell.floor;
+        let one = |(after, before): (&ScoreCell, &ScoreCell)| {
+            let (now, was) = (size(after), size(before));
+            0.5 * after.samples * (was * was - now * now) / (now * now).max(1.0)
+        };
+        self.cells.iter().zip(&before.cells).map(one).sum()
+    }
+
+    /// As [`Self::gain_over`], of one recording alone.
+    pub fn gain_in(&self, recording: usize, before: &Score) -> f64 {
+        let of = |score: &Score| Score {
+            cells: score.cells.iter().filter(|cell| cell.recording == recording).cloned().collect(),
+        };
+        of(self).gain_over(&of(before))
+    }
+
+    /// Nats by which this mechanism is behind another on the same parts, every cell weighed by what it is worth to the other.
+    pub fn loss_against(&self, other: &Score) -> f64 {
+        let cells = self.cells.iter().zip(&other.cells);
+        cells.map(|(ours, theirs)| theirs.worth * (log_level(ours) - log_level(theirs))).sum()
+    }
+
+    /// Mean over the cells of ln(excess), below the floor as well, and of what it was lowered by: what tells models apart that are
+    /// all close to the floor.
+    pub fn level(&self) -> f64 {
+        self.cells.iter().map(log_level).sum::<f64>() / self.cells.len().max(1) as f64
+    }
+
+    /// Mean over the cells of ln(excess), the distance from the floor: 0 is perfect.
+    pub fn distance(&self) -> f64 {
+        let sum: f64 = self.cells.iter().map(|cell| cell.excess.max(1.0).ln()).sum();
+        sum / self.cells.len().max(1) as f64
+    }
+
+    /// The largest excess of a cell.
+    pub fn worst(&self) -> f64 {
+        self.cells.iter().map(|cell| cell.excess).fold(0.0, f64::max)
+    }
+}
+
+fn log_excess(cell: &ScoreCell) -> f64 {
+    cell.excess.max(SCORE_FLOOR).ln()
+}
+
+/// [`log_excess`], and half the logarithm of what the floor was raised by because runs do not repeat: a mechanism that
+/// lets everything divergence explains nothing by that.
+fn log_level(cell: &ScoreCell) -> f64 {
+    let raised = cell.rms_error / (cell.floor * cell.excess);
+    log_excess(cell) + if raised.is_finite() { 0.5 * raised.max(1.0).ln() } else { 0.0 }
+}

@@ -1,0 +1,96 @@
+//! The amplifier's gain curve: a piecewise linear change of its map among the unknowns.
+
+use counterpoise_models::Parameters;
+use counterpoise_simulate::recording::Recording;
+
+use super::outcome::{Amplifier, GainPoint, Unidentifiable};
+use super::problem::Problem;
+use super::regression::Fit;
+use super::tolerance::*;
+use crate::Error;
+
+/// The amplifier, and the problem with its curve where the curve departs from the project's.
+pub struct Found {
+    /// What the recordings say of it.
+    pub amplifier: Amplifier,
+    /// The problem and its solution with the curve.
+    pub curved: Option<(Problem, Fit)>,
+}
+
+/// Looks for the curve.
+pub fn curve(p: &Parameters, states: &[&[Recording]], plain: &Problem, linear: &Fit) -> Result<Found, Error> {
+    let unseen = |reason| Ok(Found { amplifier: Amplifier::NotIdentifiable { reason }, curved: None });
+    let knots = knots(p, plain);
+    if knots.len() < LEAST_POINTS + 2 {
+        return unseen(Unidentifiable::ControlStaysLarge);
+    }
+    let problem = Problem::new(p, states, &knots)?;
+    let Some(fit) = problem.fit() else {
+        return unseen(Unidentifiable::ConfusedWithFriction);
+    };
+    let points = points(p, &problem, &fit, &knots);
+    if points.len() < LEAST_POINTS {
+        return unseen(Unidentifiable::TooUncertain);
+    }
+    let departs = points.iter().any(|q| {
+        let apart = (q.current_a - q.linear_a).abs();
+        apart > CURVE_DEPARTURE * q.linear_a && apart > q.current_a - q.ci95_a[0]
+    });
+    if departs && fit.residual_rms.powi(2) < CURVE_WORTH * linear.residual_rms.powi(2) {
+        return Ok(Found { amplifier: Amplifier::Curve { points }, curved: Some((problem, fit)) });
+    }
+    Ok(Found { amplifier: Amplifier::AsInProject { points }, curved: None })
+}
+
+/// The knots that the control was near for long enough, with 0 and the start of the linear range.
+fn knots(p: &Parameters, plain: &Problem) -> Vec<f64> {
+    let top = LINEAR_FROM_SHARE * p.amplifier.input_limit_v;
+    let spacing = top / KNOTS as f64;
+    let time = |knot: f64| -> f64 {
+        let near = |part: &super::problem::RecordingPart| {
+            let rows = part.rows.control_v.iter().zip(&part.rows.sliding);
+            let count = rows.filter(|(u, s)| **s && (u.abs() - knot).abs() < 0.5 * spacing).count();
+            count as f64 * part.rows.period_s
+        };
+        plain.parts.iter().map(near).sum()
+    };
+    let inner = (1..KNOTS).map(|k| top * k as f64 / KNOTS as f64).filter(|v| time(*v) >= LEAST_AT_KNOT_S);
+    let mut out = vec![0.0];
+    out.extend(inner);
+    out.push(top);
+    out
+}
+
+/// The points that are known well enough to be told.
+fn points(p: &Parameters, problem: &Problem, fit: &Fit, knots: &[f64]) -> Vec<GainPoint> {
+    let gain = p.amplifier.stall_gain_a_v(&p.motor);
+    let point = |k: usize| {
+        let (input_v, unknown) = (knots[k + 1], problem.layout.knot(k));
+        let linear_a = gain * p.amplifier.drive_v(input_v, &p.motor);
+        let current_a = linear_a + gain * fit.value[unknown];
+        let half = gain * fit.half_width[unknown];
+        let ci95_a = [current_a - half, current_a + half];
+        let width = 0.5 * (knots[k + 2] - knots[k]);
+        let scatter_a = scatter(p, problem, &fit.value, [input_v - width, input_v + width]);
+        GainPoint { input_v, current_a, ci95_a, linear_a, scatter_a }
+    };
+    let sure = |q: &GainPoint| q.current_a - q.ci95_a[0] < CURVE_DOUBT * q.linear_a.abs();
+    (0..knots.len() - 2).map(point).filter(sure).collect()
+}
+
+/// RMS of the balance's residual, as current, where the control's size is in a range.
+fn scatter(p: &Parameters, problem: &Problem, value: &[f64], range_v: [f64; 2]) -> f64 {
+    let (mut power, mut count) = (0.0, 0.0_f64);
+    for (index, part) in problem.parts.iter().enumerate() {
+        let residual = problem.residual(index, value);
+        let rows = &part.rows;
+        for k in (0..residual.len()).filter(|k| rows.sliding[*k]) {
+            let size = rows.smooth_control_v[k].abs();
+            if range_v[0] <= size && size < range_v[1] {
+                power += residual[k] * residual[k];
+                count += 1.0;
+            }
+        }
+    }
+    (power / count.max(1.0)).sqrt() / (p.gearbox.ratio * p.motor.torque_constant_nm_a)
+}

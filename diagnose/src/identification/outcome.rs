@@ -1,0 +1,165 @@
+//! What was identified: plain data.
+
+use serde::Serialize;
+
+/// A value with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Estimate {
+    /// The value.
+    pub value: f64,
+    /// 95 % interval: Newey and West's, Student's quantile.
+    pub ci95: [f64; 2],
+    /// Value in the project, NaN (null in JSON) where it has none.
+    pub before: f64,
+}
+
+/// The mechanism in one state of balance.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Balance {
+    /// First moment of mass about the pivot, kg m, positive nose-heavy.
+    pub out_of_balance_kg_m: Estimate,
+    /// Moment of inertia about the pivot without the rotor's, kg m^2.
+    pub inertia_kg_m2: Estimate,
+}
+
+/// The picture of control against rate, of one recording.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Loop {
+    /// Name of the recording.
+    pub recording: String,
+    /// Index of its state of balance.
+    pub balance: usize,
+    /// (hub rate rad/s, control V, control that the identified mechanism needs V), in time, all after the low-pass.
+    pub points: Vec<[f64; 3]>,
+}
+
+/// The loop's lobes in volts, as one reads them from the picture; linear amplifier.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Lobes {
+    /// Control that holds the out-of-balance of the first state, level, V.
+    pub offset_v: f64,
+    /// Step of the control where the rate changes sign: twice the Coulomb friction, V.
+    pub step_v: f64,
+    /// Slope of the lobes: viscous friction and back-EMF, V s/rad.
+    pub slope_v_s_rad: f64,
+    /// Width of the loop per acceleration: inertia of structure and rotor, twice, V s^2/rad.
+    pub width_v_s2_rad: f64,
+}
+
+/// A point of the amplifier's gain curve.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct GainPoint {
+    /// Input, V.
+    pub input_v: f64,
+    /// Stalled current, A.
+    pub current_a: f64,
+    /// Its 95 % interval, A.
+    pub ci95_a: [f64; 2],
+    /// What the linear amplifier would give, A.
+    pub linear_a: f64,
+    /// RMS of the single readings near the input about the curve, A.
+    pub scatter_a: f64,
+}
+
+/// Why the amplifier's gain curve cannot be identified.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unidentifiable {
+    /// The control stays in the range in which the amplifier is taken as linear.
+    ControlStaysLarge,
+    /// The curve and friction cannot be told apart.
+    ConfusedWithFriction,
+    /// The curve and friction can be told apart, but not accurately enough.
+    TooUncertain,
+}
+
+/// What has to be known together with the identified values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Note {
+    /// Friction is the sum of pivot and motor.
+    FrictionIsASum,
+    /// The intervals take gear ratio, motor constants and sensor lags as exact.
+    KnownTakenAsExact,
+    /// The torque balance leaves more than noise.
+    SomethingElseActs {
+        /// What it leaves, as a share of the Coulomb friction.
+        share: f64,
+    },
+    /// The motor's rate was not recorded.
+    NoMotorRate,
+    /// The hub's position was not recorded.
+    NoHubPosition,
+    /// The project has no lumped structure.
+    RigidBeam,
+    /// The gain curve comes from one state of balance.
+    CurveFromOneState,
+}
+
+/// What the recordings say of the amplifier.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Amplifier {
+    /// Its gain curve departs from the project's; the mechanism was identified together with it.
+    Curve {
+        /// The curve, by rising input.
+        points: Vec<GainPoint>,
+    },
+    /// Its gain curve was seen, and is the project's.
+    AsInProject {
+        /// The curve, by rising input.
+        points: Vec<GainPoint>,
+    },
+    /// These recordings do not show it.
+    NotIdentifiable {
+        /// Why not.
+        reason: Unidentifiable,
+    },
+}
+
+/// Everything that was identified. All torques are at the output (hub) side.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Identified {
+    /// One for each state of balance, in the order given.
+    pub balances: Vec<Balance>,
+    /// Coulomb friction, pivot + N x motor, N m.
+    pub coulomb_nm: Estimate,
+    /// Viscous friction, pivot + N^2 x motor, N m s/rad.
+    pub viscous_nm_s_rad: Estimate,
+    /// Highest friction torque after a reversal, mean over the reversals, N m; none where there are too few. Backlash and
+    /// bending that a reversal sets off are in it.
+    pub breakaway_nm: Option<Estimate>,
+    /// Amplifier.
+    pub amplifier: Amplifier,
+    /// The lobes in volts.
+    pub lobes: Lobes,
+    /// Control against rate, recording by recording.
+    pub loops: Vec<Loop>,
+    /// RMS torque that the balance leaves, N m.
+    pub residual_nm: f64,
+    /// Largest share of a regressor's power that is sensor noise; it was taken off.
+    pub noise_share: f64,
+    /// Time that entered, s.
+    pub sliding_s: f64,
+    /// What has to be known with the numbers.
+    pub notes: Vec<Note>,
+}
+
+impl Estimate {
+    /// A value with the half width of its interval.
+    pub fn new(value: f64, half_width: f64, before: f64) -> Self {
+        Self { value, ci95: [value - half_width, value + half_width], before }
+    }
+
+    /// Whether the interval holds a value.
+    pub fn holds(&self, value: f64) -> bool {
+        self.ci95[0] <= value && value <= self.ci95[1]
+    }
+}
+
+impl Amplifier {
+    /// The points of the curve; none where it is not identifiable.
+    pub fn points(&self) -> &[GainPoint] {
+        match self {
+            Self::Curve { points } | Self::AsInProject { points } => points,
+            Self::NotIdentifiable { .. } => &[],
+        }
+    }
+}

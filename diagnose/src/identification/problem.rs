@@ -1,0 +1,134 @@
+//! The unknowns and the rows of all recordings, put together.
+
+use counterpoise_models::Parameters;
+use counterpoise_simulate::recording::Recording;
+
+use super::regression::{Block, Fit, fit};
+use super::rows::{Maker, Rows};
+use super::tolerance::{LOW_PASS_S, MEMORY_S};
+use crate::Error;
+
+/// Where each unknown stands: moments of all states, inertias of all states, Coulomb, viscous, knots.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Layout {
+    states: usize,
+    knots: usize,
+}
+
+impl Layout {
+    /// First moment of a state.
+    pub fn moment(self, state: usize) -> usize {
+        state
+    }
+
+    /// Inertia of a state.
+    pub fn inertia(self, state: usize) -> usize {
+        self.states + state
+    }
+
+    /// Coulomb friction.
+    pub fn coulomb(self) -> usize {
+        2 * self.states
+    }
+
+    /// Viscous friction.
+    pub fn viscous(self) -> usize {
+        2 * self.states + 1
+    }
+
+    /// Change of the amplifier's map at a knot.
+    pub fn knot(self, index: usize) -> usize {
+        2 * self.states + 2 + index
+    }
+
+    fn count(self) -> usize {
+        2 * self.states + 2 + self.knots
+    }
+}
+
+/// One recording's rows.
+pub struct RecordingPart {
+    /// Name of the recording.
+    pub name: String,
+    /// Its state of balance.
+    pub state: usize,
+    /// Its rows.
+    pub rows: Rows,
+}
+
+/// All rows.
+pub struct Problem {
+    /// Where the unknowns stand.
+    pub layout: Layout,
+    /// The recordings.
+    pub parts: Vec<RecordingPart>,
+    /// Knots of the amplifier's map with both ends, V; empty where its change is no unknown.
+    pub knots_v: Vec<f64>,
+}
+
+impl Problem {
+    /// The problem with the usual low-pass; `knots_v` holds the ends as well, or nothing.
+    pub fn new(p: &Parameters, states: &[&[Recording]], knots_v: &[f64]) -> Result<Self, Error> {
+        Self::through(p, states, knots_v, LOW_PASS_S)
+    }
+
+    /// The problem through a low-pass of a standard deviation, s.
+    pub fn through(
+        p: &Parameters,
+        states: &[&[Recording]],
+        knots_v: &[f64],
+        deviation_s: f64,
+    ) -> Result<Self, Error> {
+        let maker = Maker { p, deviation_s, knots_v };
+        let mut parts = Vec::new();
+        for (state, recordings) in states.iter().enumerate() {
+            for recording in *recordings {
+                let rows = maker.rows(recording)?;
+                parts.push(RecordingPart { name: recording.name.clone(), state, rows });
+            }
+        }
+        let layout = Layout { states: states.len(), knots: knots_v.len().saturating_sub(2) };
+        Ok(Self { layout, parts, knots_v: knots_v.to_vec() })
+    }
+
+    /// Time that the joint slides, s.
+    pub fn sliding_s(&self) -> f64 {
+        let of = |part: &RecordingPart| {
+            part.rows.sliding.iter().filter(|s| **s).count() as f64 * part.rows.period_s
+        };
+        self.parts.iter().map(of).sum()
+    }
+
+    /// Least squares; none where the unknowns cannot be told apart.
+    pub fn fit(&self) -> Option<Fit> {
+        let blocks: Vec<Block> = self.parts.iter().map(|part| self.block(part)).collect();
+        fit(&blocks)
+    }
+
+    /// What a recording's balance leaves at every row, N m, sliding or not.
+    pub fn residual(&self, part: usize, value: &[f64]) -> Vec<f64> {
+        let block = self.block(&self.parts[part]);
+        let sum = |k: usize| -> f64 {
+            block.columns.iter().zip(value).map(|(c, b)| c.map_or(0.0, |c| b * c[k])).sum()
+        };
+        (0..block.target.len()).map(|k| block.target[k] - sum(k)).collect()
+    }
+
+    fn block<'a>(&self, part: &'a RecordingPart) -> Block<'a> {
+        let (layout, rows) = (self.layout, &part.rows);
+        let mut columns: Vec<Option<&[f64]>> = vec![None; layout.count()];
+        let mut noise = vec![0.0; layout.count()];
+        let [load, sign, rate, acceleration] = &rows.regressors;
+        columns[layout.moment(part.state)] = Some(load);
+        columns[layout.coulomb()] = Some(sign);
+        columns[layout.viscous()] = Some(rate);
+        columns[layout.inertia(part.state)] = Some(acceleration);
+        (noise[layout.viscous()], noise[layout.inertia(part.state)]) = (rows.noise[0], rows.noise[1]);
+        // the columns carry a minus: torque (old map) = mechanism - sum of change x hat
+        for (k, column) in rows.hats.iter().enumerate() {
+            columns[layout.knot(k)] = Some(column);
+        }
+        let memory = ((MEMORY_S / rows.period_s) as usize).max(1);
+        Block { columns, target: &rows.torque, counts: &rows.sliding, noise, memory }
+    }
+}

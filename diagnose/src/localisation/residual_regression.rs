@@ -1,0 +1,389 @@
+//! How recordings depart from their replay: balances of the one less the same balances of the other, made white.
+//!
+//! What the balances simplify is in both, and goes. What an error at a port would do to the balances is a column; how much of
+//! the departure columns explain is judged on stretches that they were not fitted to.
+
+use counterpoise_linalg::{Mat, solve};
+use counterpoise_models::Parameters;
+
+use crate::localisation::error_hypotheses::Quantity;
+use crate::localisation::ports::Port;
+use crate::localisation::torque_balances::{Balance, RedundantSensors, Signals, THINNING, thin};
+use crate::localisation::trend::PeriodicTrend;
+use crate::localisation::whitening::Whitener;
+use crate::recording::measured_signals::MeasuredSignals;
+use crate::recording::series::correlation_time;
+use crate::recording::series::dot;
+use crate::simulator_access::{Assessment, ControlSource};
+
+/// Stretches of a recording, every other one of which is left out of a fit.
+const STRETCHES: usize = 20;
+/// Columns are made unlike by this share of their size.
+const RIDGE: f64 = 1e-6;
+/// Variance below which a balance counts as explained, in units of its noise.
+const WHITE: f64 = 1.0;
+
+/// One value a sample, recording by recording.
+pub(crate) type Series = Vec<Vec<f64>>;
+
+/// A run of rows: one balance, one half of the stretches.
+struct Segment {
+    balance: usize,
+    half: usize,
+    rows: std::ops::Range<usize>,
+}
+
+/// The departures of recordings from their replay.
+pub(crate) struct ResidualRegression<'a> {
+    /// The recordings' signals.
+    pub signals: Vec<Signals<'a>>,
+    /// The replays' signals, without noise; none where a replay is not in the recording's loop.
+    quiet: Vec<Option<Signals<'a>>>,
+    /// The balances that the sensors allow.
+    pub balances: Vec<Balance>,
+    /// What is left of the drive's balance, N m: thinned, less its straight line, not white.
+    torque: Series,
+    whiteners: Vec<Whitener>,
+    segments: Vec<Segment>,
+    target: Vec<f64>,
+    nuisances: Vec<Vec<f64>>,
+    before: Vec<f64>,
+}
+
+impl<'a> ResidualRegression<'a> {
+    /// The departures of recordings, each with the replay that was judged on it; none where a balance is not finite.
+    pub fn new(p: &'a Parameters, recordings: &[(MeasuredSignals, Assessment)]) -> Option<Self> {
+        let has = |f: fn(&MeasuredSignals) -> bool| recordings.iter().all(|(m, _)| f(m));
+        let balances = Balance::allowed(RedundantSensors {
+            motor_rate: has(|m| m.motor_rate.is_some()),
+            hub_position: has(|m| m.hub_position.is_some()),
+        });
+        let signals: Vec<Signals> = recordings.iter().map(|(m, _)| Signals::new(p, m, None)).collect();
+        let quiet = recordings.iter().zip(&signals).map(|((m, judged), s)| {
+            let in_loop = judged.source == ControlSource::ClosedLoop;
+            in_loop.then(|| Signals::new(p, &replayed(m, judged), Some(s.slow())))
+        });
+        let quiet = quiet.collect();
+        let pairs = signals.iter().zip(recordings);
+        let apart: Vec<[Vec<Vec<f64>>; 2]> =
+            pairs.map(|(s, (m, judged))| departed(p, s, m, judged, &balances)).collect();
+        let of = |which: usize, b: usize| apart.iter().map(|a| a[which][b].clone()).collect::<Series>();
+        let drive = balances.iter().position(|b| *b == Balance::Drive)?;
+        let whiteners = (0..balances.len()).map(|b| Whitener::of(&of(1, b))).collect();
+        let mut out = Self {
+            torque: of(0, drive).iter().map(|series| detrended(series)).collect(),
+            signals,
+            quiet,
+            whiteners,
+            segments: Vec::new(),
+            target: Vec::new(),
+            nuisances: Vec::new(),
+            before: Vec::new(),
+            balances,
+        };
+        let all: Vec<Series> = (0..out.balances.len()).map(|b| of(0, b)).collect();
+        out.segments = out.segments_of(&all);
+        out.target = out.rows(&all);
+        out.nuisances = out.starts();
+        out.before = out.held_out(&[])?;
+        Some(out)
+    }
+
+    fn segments_of(&self, all: &[Series]) -> Vec<Segment> {
+        let (mut out, mut next) = (Vec::new(), 0);
+        for (balance, series) in all.iter().enumerate() {
+            let whitener = &self.whiteners[balance];
+            let lengths: Vec<usize> = series.iter().map(|s| whitener.applied(s).len()).collect();
+            for half in 0..2 {
+                let count: usize =
+                    lengths.iter().map(|&n| (0..n).filter(|&k| half_of(k, n) == half).count()).sum();
+                out.push(Segment { balance, half, rows: next..next + count });
+                next += count;
+            }
+        }
+        out
+    }
+
+    /// Balances of all recordings made white, in the order of the segments.
+    fn rows(&self, all: &[Series]) -> Vec<f64> {
+        let mut out = Vec::new();
+        for (series, whitener) in all.iter().zip(&self.whiteners) {
+            let white: Series = series.iter().map(|s| whitener.applied(s)).collect();
+            for half in 0..2 {
+                for one in &white {
+                    let kept = one.iter().enumerate().filter(|(k, _)| half_of(*k, one.len()) == half);
+                    out.extend(kept.map(|(_, v)| *v));
+                }
+            }
+        }
+        out
+    }
+
+    /// A quantity at every sample of every recording; one that is noise for the most part, as its replay has it: the noise that a
+    /// balance holds would explain itself.
+    pub fn all(&self, quantity: Quantity) -> Series {
+        let of = |(s, quiet): (&Signals, &Option<Signals>)| match quiet {
+            Some(quiet) if quantity.is_mostly_noise() => quantity.of(quiet),
+            _ => quantity.of(s),
+        };
+        self.signals.iter().zip(&self.quiet).map(of).collect()
+    }
+
+    /// One column for each error at a port.
+    pub fn columns(&self, port: Port, errors: &[Series]) -> Vec<Vec<f64>> {
+        errors.iter().map(|error| self.column(&[(port, error)])).collect()
+    }
+
+    /// How the drive's balance repeats along a variable.
+    pub fn repetition(&self, variable: &Series) -> Option<PeriodicTrend> {
+        let along: Vec<f64> = variable.iter().flat_map(|v| thin(v)).collect();
+        PeriodicTrend::of(&self.torque.concat(), &along)
+    }
+
+    /// What errors at ports do to the balances, in the order of the target.
+    pub fn column(&self, terms: &[(Port, &Series)]) -> Vec<f64> {
+        let shown = |balance: Balance| -> Series {
+            let of = |r: usize| {
+                let mut sum = vec![0.0; self.signals[r].hub.len()];
+                for (port, error) in terms {
+                    let part = port.shown(balance, &error[r], &self.signals[r]);
+                    sum.iter_mut().zip(part).for_each(|(s, p)| *s += p);
+                }
+                thin(&sum)
+            };
+            (0..self.signals.len()).map(of).collect()
+        };
+        self.rows(&self.balances.iter().map(|b| shown(*b)).collect::<Vec<_>>())
+    }
+
+    /// The hub's balance starts anywhere and drifts with what noise integrates to: a straight line a recording.
+    fn starts(&self) -> Vec<Vec<f64>> {
+        let Some(hub) = self.balances.iter().position(|b| *b == Balance::Hub) else { return Vec::new() };
+        let line = |r: usize, power: i32| {
+            let of = |b: usize, k: usize| -> Vec<f64> {
+                let count = self.torque[k].len();
+                let here = if b == hub && k == r { 1.0 } else { 0.0 };
+                (0..count).map(|i| here * (2.0 * i as f64 / count as f64 - 1.0).powi(power)).collect()
+            };
+            let series = |b: usize| (0..self.signals.len()).map(|k| of(b, k)).collect::<Series>();
+            self.rows(&(0..self.balances.len()).map(series).collect::<Vec<_>>())
+        };
+        (0..self.signals.len()).flat_map(|r| [line(r, 0), line(r, 1)]).collect()
+    }
+
+    /// Power of the drive's balance at a frequency, its phase free in every recording, (N m)^2 times samples.
+    pub fn power_at(&self, frequency_hz: f64) -> f64 {
+        let of = |(torque, signals): (&Vec<f64>, &Signals)| {
+            let turn = std::f64::consts::TAU * frequency_hz * THINNING as f64 * signals.period_s;
+            let (step_sine, step_cosine) = turn.sin_cos();
+            let (mut sine, mut cosine, mut sums) = (0.0, 1.0, [0.0; 2]);
+            for y in torque {
+                sums = [sums[0] + y * cosine, sums[1] + y * sine];
+                (sine, cosine) =
+                    (sine * step_cosine + cosine * step_sine, cosine * step_cosine - sine * step_sine);
+            }
+            (sums[0] * sums[0] + sums[1] * sums[1]) / torque.len().max(1) as f64
+        };
+        self.torque.iter().zip(&self.signals).map(of).sum()
+    }
+
+    /// Half width of the 95 % interval of the period of a sine at a frequency, s.
+    pub fn period_doubt(&self, frequency_hz: f64) -> f64 {
+        let total: f64 = self.torque.iter().map(|t| dot(t, t)).sum();
+        let share = (2.0 * self.power_at(frequency_hz) / total.max(f64::MIN_POSITIVE)).clamp(1e-6, 0.999);
+        let independent: f64 = self.torque.iter().map(|t| t.len() as f64 / correlation_time(t)).sum();
+        let longest = self.signals.iter().map(|s| s.hub.len() as f64 * s.period_s).fold(0.0, f64::max);
+        let deviation =
+            (3.0 * (1.0 - share) / (share * independent.max(4.0))).sqrt() / (std::f64::consts::PI * longest);
+        1.96 * deviation / (frequency_hz * frequency_hz)
+    }
+
+    /// Log-likelihood that columns gain on stretches that they were not fitted to, in nats; none where they cannot be fitted.
+    pub fn gain(&self, columns: &[Vec<f64>]) -> Option<f64> {
+        let after = self.held_out(columns)?;
+        Some((0..after.len()).map(|b| self.nats(b, after[b])).sum())
+    }
+
+    /// What a perfect explanation would gain, in nats.
+    pub fn possible(&self) -> f64 {
+        (0..self.before.len()).map(|b| self.nats(b, WHITE).max(0.0)).sum()
+    }
+
+    /// Nats gained where a balance's variance becomes another.
+    fn nats(&self, balance: usize, after: f64) -> f64 {
+        0.5 * self.count(balance) as f64 * (self.before[balance].max(WHITE) / after.max(WHITE)).ln()
+    }
+
+    fn count(&self, balance: usize) -> usize {
+        self.segments.iter().filter(|s| s.balance == balance).map(|s| s.rows.len()).sum()
+    }
+
+    /// Variance of each balance that is left on the half that was not fitted, each balance weighed by what is left of it.
+    fn held_out(&self, columns: &[Vec<f64>]) -> Option<Vec<f64>> {
+        let all: Vec<&[f64]> = self.nuisances.iter().chain(columns).map(Vec::as_slice).collect();
+        let parts: Vec<Normal> = self.segments.iter().map(|s| self.normal(s, &all)).collect();
+        let mut left = vec![WHITE; self.balances.len()];
+        for _ in 0..REWEIGHTED {
+            let mut sums = vec![0.0; left.len()];
+            for half in 0..2 {
+                let fitted = self.fitted(&parts, half, &left)?;
+                for (s, part) in self.segments.iter().zip(&parts).filter(|(s, _)| s.half != half) {
+                    sums[s.balance] += part.left(&fitted);
+                }
+            }
+            left = (0..left.len()).map(|b| sums[b] / self.count(b).max(1) as f64).collect();
+        }
+        left.iter().all(|v| v.is_finite()).then_some(left)
+    }
+
+    fn normal(&self, segment: &Segment, all: &[&[f64]]) -> Normal {
+        let target = &self.target[segment.rows.clone()];
+        let columns: Vec<&[f64]> = all.iter().map(|c| &c[segment.rows.clone()]).collect();
+        let mut gram = Mat::zeros(all.len(), all.len());
+        for i in 0..columns.len() {
+            for j in 0..=i {
+                gram[(i, j)] = dot(columns[i], columns[j]);
+                gram[(j, i)] = gram[(i, j)];
+            }
+        }
+        let right = columns.iter().map(|c| dot(c, target)).collect();
+        Normal { gram, right, power: dot(target, target) }
+    }
+
+    /// Coefficients fitted to one half of the stretches, balances weighed by the variance that is left of them.
+    fn fitted(&self, parts: &[Normal], half: usize, left: &[f64]) -> Option<Vec<f64>> {
+        let count = parts.first()?.right.len();
+        let (mut gram, mut right) = (Mat::zeros(count, count), vec![0.0; count]);
+        for (segment, part) in self.segments.iter().zip(parts).filter(|(s, _)| s.half == half) {
+            let weight = 1.0 / left[segment.balance].max(WHITE);
+            gram = &gram + &part.gram.scale(weight);
+            right.iter_mut().zip(&part.right).for_each(|(r, x)| *r += weight * x);
+        }
+        solved(&gram, &right)
+    }
+
+    /// Coefficients of columns that fit the departures best, those of the starts left out; none where they cannot be fitted.
+    pub fn coefficients(&self, columns: &[Vec<f64>]) -> Option<Vec<f64>> {
+        let all: Vec<&[f64]> = self.nuisances.iter().chain(columns).map(Vec::as_slice).collect();
+        let whole = Segment { balance: 0, half: 0, rows: 0..self.target.len() };
+        let normal = self.normal(&whole, &all);
+        solved(&normal.gram, &normal.right).map(|x| x[self.nuisances.len()..].to_vec())
+    }
+}
+
+/// Fits with weights from what is left of each balance: the first takes all balances at their noise.
+const REWEIGHTED: usize = 2;
+
+/// A series less the straight line that fits it best.
+fn detrended(series: &[f64]) -> Vec<f64> {
+    let count = series.len() as f64;
+    let along = |k: usize| k as f64 - 0.5 * (count - 1.0);
+    let mean = series.iter().sum::<f64>() / count.max(1.0);
+    let square = (0..series.len()).map(|k| along(k).powi(2)).sum::<f64>().max(1.0);
+    let slope = series.iter().enumerate().map(|(k, v)| along(k) * v).sum::<f64>() / square;
+    series.iter().enumerate().map(|(k, v)| v - mean - slope * along(k)).collect()
+}
+
+/// Which half of the stretches a row is in.
+fn half_of(row: usize, rows: usize) -> usize {
+    (row / (rows / STRETCHES).max(1)) % 2
+}
+
+/// Normal equations of one segment.
+struct Normal {
+    gram: Mat,
+    right: Vec<f64>,
+    power: f64,
+}
+
+impl Normal {
+    /// Sum of squares that coefficients leave.
+    fn left(&self, x: &[f64]) -> f64 {
+        let column = Mat::col(x);
+        let square = if x.is_empty() { 0.0 } else { (&column.t() * &(&self.gram * &column))[(0, 0)] };
+        (self.power - 2.0 * dot(x, &self.right) + square).max(0.0)
+    }
+}
+
+/// Least squares from normal equations, columns at a common size, with a small ridge.
+fn solved(gram: &Mat, right: &[f64]) -> Option<Vec<f64>> {
+    let count = right.len();
+    if count == 0 {
+        return Some(Vec::new());
+    }
+    let size = |i: usize| if gram[(i, i)] > 0.0 { gram[(i, i)].sqrt() } else { 1.0 };
+    let ridge = |i, j| if i == j { RIDGE } else { 0.0 };
+    let scaled = Mat::from_fn(count, count, |i, j| gram[(i, j)] / (size(i) * size(j)) + ridge(i, j));
+    let right: Vec<f64> = right.iter().enumerate().map(|(i, r)| r / size(i)).collect();
+    let x = solve(&scaled, &Mat::col(&right)).ok()?;
+    Some(x.as_slice().iter().enumerate().map(|(i, x)| x / size(i)).collect())
+}
+
+/// The balances of a recording less those of its replay, and what the noise alone would make of them.
+fn departed(
+    p: &Parameters,
+    recorded: &Signals,
+    measured: &MeasuredSignals,
+    judged: &Assessment,
+    balances: &[Balance],
+) -> [Vec<Vec<f64>>; 2] {
+    let replay = replayed(measured, judged);
+    let slow = Some(recorded.slow());
+    let simulated = Signals::new(p, &replay, slow);
+    let noisy = Signals::new(p, &noisy(p, &replay, judged), slow);
+    let apart = |other: &Signals, balance: Balance| {
+        let pairs = thin(&other.residual(balance)).into_iter().zip(thin(&simulated.residual(balance)));
+        pairs.map(|(a, b)| a - b).collect()
+    };
+    let of = |other: &Signals| balances.iter().map(|b| apart(other, *b)).collect();
+    [of(recorded), of(&noisy)]
+}
+
+/// The readings of the replay: those recorded and their channels. A control that was played back is the recorded one.
+fn replayed(measured: &MeasuredSignals, judged: &Assessment) -> MeasuredSignals {
+    let mut out = measured.clone();
+    for misfit in &judged.channels {
+        let column = match misfit.channel {
+            "control" if judged.source == ControlSource::ClosedLoop => Some(&mut out.control),
+            "hub_rate" => Some(&mut out.hub_rate),
+            "motor_rate" => out.motor_rate.as_mut(),
+            "hub_position" => out.hub_position.as_mut(),
+            _ => None,
+        };
+        let pairs = column.into_iter().flatten().zip(&misfit.residual);
+        pairs.for_each(|(value, residual)| *value += residual * misfit.floor);
+    }
+    out
+}
+
+/// Readings with noise of the size of each channel's floor and of the platform's sensors (a fixed sequence).
+fn noisy(p: &Parameters, replay: &MeasuredSignals, judged: &Assessment) -> MeasuredSignals {
+    let floor =
+        |channel: &str| judged.channels.iter().find(|m| m.channel == channel).map_or(0.0, |m| m.floor);
+    let mut out = replay.clone();
+    let columns = [
+        (Some(&mut out.control), floor("control")),
+        (Some(&mut out.hub_rate), floor("hub_rate")),
+        (out.motor_rate.as_mut(), floor("motor_rate")),
+        (out.hub_position.as_mut(), floor("hub_position")),
+        (Some(&mut out.platform_rate), p.sensors.platform_gyro.noise_rms),
+        (Some(&mut out.platform_accel), p.sensors.platform_accelerometer.noise_rms),
+    ];
+    let mut normal = normals();
+    for (column, size) in columns {
+        column.into_iter().flatten().for_each(|value| *value += size * normal());
+    }
+    out
+}
+
+/// Normal numbers, always the same.
+fn normals() -> impl FnMut() -> f64 {
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut uniform = move || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    move || (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+}

@@ -1,0 +1,301 @@
+//! Where: balances of motion and torque formed from the measured signals alone.
+//!
+//! All signals pass the same low-pass Q, so that a derivative brings no bias:
+//!
+//! ```text
+//!     twist   Q[w_h - w_p - w_m / N] + d/dt (T_2 / K)            gear kinematics and elasticity
+//!     angle   Q[w_h - w_p - d/dt (theta_h - theta_p)]            gyroscopes against the resolver
+//!     drive   Q[J w_h' + N J_m w_m' - N K_t i + N F_m + F_p + T_oob]   everything that makes torque, either side
+//!     hub     Q[J w_h' + F_p + T_oob - K deadzone(delta)]        what acts on the hub side of the gear
+//! ```
+//!
+//! A mismatch shows in the balances that contain its component, and in no other; which balances there are depends on
+//! the sensors.
+
+use counterpoise_models::Parameters;
+use serde::Serialize;
+
+use crate::library::{Component, named};
+use crate::recording::measured_signals::MeasuredSignals;
+use crate::recording::series::{derivative, low_pass, moving_mean};
+
+/// What a balance can show.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct BalanceVisibility {
+    /// The balance.
+    pub balance: Balance,
+    /// Whether these sensors allow it.
+    pub available: bool,
+    /// Components whose errors show in it.
+    pub sees: Vec<Component>,
+}
+
+named! {
+    /// A balance of motion or torque that measured signals are put into.
+    Balance {
+        /// The motor's current against the amplifier; it needs a current sensor, which no recording has.
+        Current = "current",
+        /// Gear kinematics and elasticity.
+        Twist = "twist",
+        /// The gyroscopes against the resolver.
+        Angle = "angle",
+        /// Everything that makes torque, on either side of the gear.
+        Drive = "drive",
+        /// What acts on the hub side of the gear.
+        Hub = "hub",
+    }
+}
+
+impl Balance {
+    /// Returns the balances that a set of sensors allows.
+    pub(crate) fn allowed(sensors: RedundantSensors) -> Vec<Self> {
+        list_balances(sensors).into_iter().filter(|row| row.available).map(|row| row.balance).collect()
+    }
+}
+
+/// Which of the sensors are there that a machine can do without.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RedundantSensors {
+    /// Whether the motor's rate was recorded.
+    pub motor_rate: bool,
+    /// Whether the hub's angle was recorded.
+    pub hub_position: bool,
+}
+
+/// Lists every balance, whether a set of sensors allows it, and the components whose errors show in it.
+pub fn list_balances(sensors: RedundantSensors) -> Vec<BalanceVisibility> {
+    use Component as C;
+    let RedundantSensors { motor_rate, hub_position } = sensors;
+    let row = |balance, available, sees: &[C]| BalanceVisibility { balance, available, sees: sees.to_vec() };
+    let torque = [
+        C::Amplifier,
+        C::Motor,
+        C::Gearbox,
+        C::Pivot,
+        C::Structure,
+        C::Control,
+        C::HubGyro,
+        C::PlatformAccelerometer,
+    ];
+    let hub_side = [C::Gearbox, C::Pivot, C::Structure, C::HubGyro, C::PlatformAccelerometer];
+    vec![
+        row(Balance::Current, false, &[C::Amplifier]),
+        row(Balance::Twist, motor_rate, &[C::Gearbox, C::HubGyro, C::PlatformGyro, C::Platform]),
+        row(Balance::Angle, hub_position, &[C::HubGyro, C::PlatformGyro, C::Platform]),
+        row(Balance::Drive, true, &torque),
+        row(Balance::Hub, motor_rate && hub_position, &hub_side),
+    ]
+}
+
+/// The measured signals after the low-pass, and what follows from them.
+pub(crate) struct Signals<'a> {
+    pub p: &'a Parameters,
+    pub period_s: f64,
+    pub control: Vec<f64>,
+    pub hub: Vec<f64>,
+    pub platform: Vec<f64>,
+    pub heave: Vec<f64>,
+    pub motor: Vec<f64>,
+    /// Whether the motor's rate was measured; otherwise it is the hub's through a rigid gear.
+    pub motor_measured: bool,
+    pub relative: Vec<f64>,
+    pub angle: Vec<f64>,
+    pub acceleration: Vec<f64>,
+    /// Direction of sliding at the pivot and of turning at the motor, -1 to 1.
+    pub sliding: Vec<f64>,
+    pub turning: Vec<f64>,
+    /// Torque that the motor's current makes, at the hub, N m.
+    pub drive: Vec<f64>,
+    /// Torque that the load side needs, N m.
+    pub load: Vec<f64>,
+    /// Torque that the motor gives to the gear, at its output, N m.
+    pub mesh: Vec<f64>,
+}
+
+/// Rates at which the two frictions count as sliding, rad/s: pivot, motor.
+pub(crate) type Slow = [f64; 2];
+
+impl<'a> Signals<'a> {
+    /// The signals of a recording; `slow` where the rates of another reading of it decide what slides.
+    pub fn new(p: &'a Parameters, m: &MeasuredSignals, slow: Option<Slow>) -> Self {
+        let smooth = |series: &[f64]| low_pass(series, SMOOTHING);
+        let (hub, platform) = (smooth(&m.hub_rate), smooth(&m.platform_rate));
+        let relative: Vec<f64> = hub.iter().zip(&platform).map(|(h, p)| h - p).collect();
+        let geared = || relative.iter().map(|w| w * p.gearbox.ratio).collect();
+        let motor = m.motor_rate.as_ref().map_or_else(geared, |w| smooth(w));
+        let angle = m.hub_position.as_ref().map_or_else(|| integral(&relative, m.period_s), |a| smooth(a));
+        let [pivot, shaft] = slow.unwrap_or_else(|| [slow_rate(&relative), slow_rate(&motor)]);
+        let mut signals = Self {
+            p,
+            period_s: m.period_s,
+            control: smooth(&m.control),
+            heave: smooth(&m.platform_accel),
+            acceleration: derivative(&hub, m.period_s),
+            sliding: relative.iter().map(|w| (w / pivot).tanh()).collect(),
+            turning: motor.iter().map(|w| (w / shaft).tanh()).collect(),
+            motor_measured: m.motor_rate.is_some(),
+            hub,
+            platform,
+            motor,
+            relative,
+            angle,
+            drive: Vec::new(),
+            load: Vec::new(),
+            mesh: Vec::new(),
+        };
+        signals.load = signals.load_torque();
+        signals.drive = signals.drive_torque();
+        signals.mesh = signals.motor_torque();
+        signals
+    }
+
+    /// What counts as slow here.
+    pub fn slow(&self) -> Slow {
+        [slow_rate(&self.relative), slow_rate(&self.motor)]
+    }
+
+    /// (g + a) cos(theta_h - theta_p), m/s^2.
+    pub fn weight(&self) -> Vec<f64> {
+        let heavy = self.heave.iter().zip(&self.angle);
+        heavy.map(|(a, angle)| (self.p.gravity_m_s2 + a) * angle.cos()).collect()
+    }
+
+    /// First moment of mass about the pivot, kg m.
+    pub fn moment(&self) -> f64 {
+        self.p.lumped.as_ref().map_or(0.0, |l| l.out_of_balance_kg_m)
+    }
+
+    /// Inertia about the pivot, kg m^2.
+    pub fn inertia(&self) -> f64 {
+        self.p.lumped.as_ref().map_or(0.0, |l| l.hub_inertia_kg_m2 + l.beam_inertia_kg_m2)
+    }
+
+    /// Resistance of the closed amplifier loop, V/A.
+    pub fn loss(&self) -> f64 {
+        self.p.motor.resistance_ohm + self.p.amplifier.gain * self.p.amplifier.current_feedback_v_a
+    }
+
+    /// J w_h' + F_p + T_oob.
+    fn load_torque(&self) -> Vec<f64> {
+        let friction = &self.p.pivot_friction;
+        let (inertia, moment, weight) = (self.inertia(), self.moment(), self.weight());
+        let (dry, viscous) = (friction.coulomb_nm(), friction.viscous_nm_s_rad);
+        let rates = |k: usize| inertia * self.acceleration[k] + viscous * self.relative[k];
+        (0..self.hub.len()).map(|k| rates(k) + dry * self.sliding[k] + moment * weight[k]).collect()
+    }
+
+    /// N K_t i.
+    fn drive_torque(&self) -> Vec<f64> {
+        let (p, loss) = (self.p, self.loss());
+        let current = |(u, w): (&f64, &f64)| (p.amplifier.gain * u - p.motor.back_emf_v_s_rad * w) / loss;
+        let torque = |pair| p.gearbox.ratio * p.motor.torque_constant_nm_a * current(pair);
+        self.control.iter().zip(&self.motor).map(torque).collect()
+    }
+
+    /// N (K_t i - F_m - J_m w_m').
+    fn motor_torque(&self) -> Vec<f64> {
+        let p = self.p;
+        let (dry, viscous) = (p.motor_friction.coulomb_nm(), p.motor_friction.viscous_nm_s_rad);
+        let acceleration = derivative(&self.motor, self.period_s);
+        let lost = |k: usize| {
+            dry * self.turning[k] + viscous * self.motor[k] + p.motor.inertia_kg_m2 * acceleration[k]
+        };
+        (0..self.hub.len()).map(|k| self.drive[k] - p.gearbox.ratio * lost(k)).collect()
+    }
+
+    /// What is left of a balance.
+    pub fn residual(&self, balance: Balance) -> Vec<f64> {
+        match balance {
+            Balance::Twist => self.twist(),
+            Balance::Angle => less(&self.relative, &derivative(&self.angle, self.period_s)),
+            Balance::Drive => less(&self.load, &self.mesh),
+            Balance::Hub => self.hub_side(),
+            // no recording has the motor's current, so this balance is never allowed
+            Balance::Current => vec![f64::NAN; self.hub.len()],
+        }
+    }
+
+    fn twist(&self) -> Vec<f64> {
+        let windup = derivative(&self.mesh, self.period_s);
+        let gear = &self.p.gearbox;
+        let at = |k: usize| self.relative[k] - self.motor[k] / gear.ratio + windup[k] / gear.stiffness_nm_rad;
+        (0..self.hub.len()).map(at).collect()
+    }
+
+    /// The gear's wind-up from both encoders, its start from the load, against the load torque.
+    fn hub_side(&self) -> Vec<f64> {
+        let gear = &self.p.gearbox;
+        let turned = integral(&self.motor, self.period_s);
+        let gap = 0.5 * gear.backlash_rad;
+        let first = self.load.first().copied().unwrap_or(0.0);
+        let start =
+            first / gear.stiffness_nm_rad + gap * first.signum() + self.angle.first().copied().unwrap_or(0.0);
+        let at = |k: usize| {
+            let delta: f64 = start + turned[k] / gear.ratio - self.angle[k];
+            self.load[k] - gear.stiffness_nm_rad * (delta.abs() - gap).max(0.0) * delta.signum()
+        };
+        (0..self.hub.len()).map(at).collect()
+    }
+}
+
+fn less(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
+}
+
+/// Share of its RMS rate below which something counts as nearly at rest.
+const NEARLY_AT_REST: f64 = 0.02;
+
+fn slow_rate(rate: &[f64]) -> f64 {
+    NEARLY_AT_REST * crate::recording::series::rms(rate).max(1e-9)
+}
+
+/// Half width of the smoothing window, samples; two passes.
+const SMOOTHING: usize = 2;
+/// Every this many samples one is kept of a balance.
+pub(crate) const THINNING: usize = 4;
+
+pub(crate) fn integral(series: &[f64], period: f64) -> Vec<f64> {
+    let mut sum = 0.0;
+    let step = |w: &f64| {
+        sum += w * period;
+        sum
+    };
+    series.iter().map(step).collect()
+}
+
+/// RMS over a half second.
+pub(crate) fn envelope(series: &[f64], period: f64) -> Vec<f64> {
+    let half = (0.25 / period).round() as usize;
+    let squares: Vec<f64> = series.iter().map(|w| w * w).collect();
+    moving_mean(&squares, half).iter().map(|s| s.sqrt()).collect()
+}
+
+/// What is kept of a balance: its ends are off, where the low-pass sees half of what it needs.
+pub(crate) fn thin(series: &[f64]) -> Vec<f64> {
+    let margin = MARGIN.min(series.len() / 4);
+    series[margin..series.len() - margin].iter().step_by(THINNING).copied().collect()
+}
+
+/// Samples that are left off at either end.
+const MARGIN: usize = 40;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sensors_decide_which_balances_there_are() {
+        let allowed =
+            |motor_rate, hub_position| Balance::allowed(RedundantSensors { motor_rate, hub_position });
+        assert_eq!(allowed(false, false), [Balance::Drive]);
+        assert_eq!(allowed(false, true), [Balance::Angle, Balance::Drive]);
+        assert_eq!(allowed(true, true), Balance::ALL[1..]);
+    }
+
+    #[test]
+    fn the_low_pass_keeps_a_straight_line_and_its_slope() {
+        let line: Vec<f64> = (0..400).map(|k| 3.0 * f64::from(k)).collect();
+        let slopes = thin(&derivative(&low_pass(&line, SMOOTHING), 0.5));
+        assert!(slopes.iter().all(|s| (s - 6.0).abs() < 1e-9));
+    }
+}

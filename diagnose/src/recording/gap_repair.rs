@@ -1,0 +1,258 @@
+//! Recordings without their holes: what can be replayed of each, and what was done to it.
+//!
+//! A replay needs what drives it without a break: demand, control and the platform's motion. A few missing samples are
+//! filled in; a longer hole parts the recording, and each part is a recording of its own with its own start. What is only
+//! compared (hub rate, motor rate, hub position) is left out where its sensor stood still while the mechanism moved.
+
+use counterpoise_simulate::recording::Recording;
+
+use crate::recording::series::rms;
+
+/// Missing samples in a row that are filled in on a straight line.
+const FILLED: usize = 10;
+/// Shortest part that is kept, s.
+const SHORTEST_S: f64 = 1.0;
+/// Equal readings in a row from which a sensor may be stuck.
+const STUCK: usize = 40;
+/// Share of its usual size that the motion has at the least while a sensor is stuck.
+const MOVING: f64 = 0.3;
+
+/// What was done to a channel, or to all of a recording, to repair it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Repair {
+    /// Readings that stand still while the mechanism moves are not compared.
+    StuckReadings {
+        /// The reading, in the channel's unit.
+        value: f64,
+        /// Number of samples.
+        samples: usize,
+        /// The first of them.
+        first: usize,
+    },
+    /// The channel has not one sample, and is taken as not recorded.
+    NoSamples,
+    /// Missing samples were interpolated.
+    Filled {
+        /// Number of samples.
+        samples: usize,
+    },
+    /// The recording was split at gaps in what drives the replay.
+    Split {
+        /// Number of gaps.
+        gaps: usize,
+        /// Their length in all, s.
+        missing_s: f64,
+        /// Time of the first, s.
+        first_s: f64,
+        /// Number of parts that are long enough to be replayed.
+        parts: usize,
+    },
+}
+
+/// A recording without its holes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RepairedRecording {
+    /// The parts that can be replayed: the recording itself where it is whole, none where nothing is left.
+    pub parts: Vec<Recording>,
+    /// What was found and done, each with its channel.
+    pub repairs: Vec<(&'static str, Repair)>,
+}
+
+/// Mends a recording; `ratio` is the gear's, motor turns per hub turn.
+pub fn repair_gaps(recording: &Recording, ratio: f64) -> RepairedRecording {
+    let mut whole = recording.clone();
+    let mut repairs = Vec::new();
+    let moving = motions(recording, ratio);
+    for ((channel, column), other) in compared(&mut whole).into_iter().zip(moving) {
+        if let (Some(series), Some(other)) = (column.as_mut(), other) {
+            repairs.extend(remove_stuck_readings(series, &other).map(|repair| (channel, repair)));
+        }
+    }
+    let length = whole.len();
+    let mut broken = vec![false; length];
+    for (channel, column) in driving(&mut whole) {
+        let Some(series) = column.as_mut() else { continue };
+        if series.iter().all(|v| !v.is_finite()) {
+            *column = None;
+            repairs.push((channel, Repair::NoSamples));
+            continue;
+        }
+        repairs.extend(fill_short_gaps(series, &mut broken).map(|repair| (channel, repair)));
+    }
+    let (parts, repair) = split_at_gaps(&whole, &broken);
+    repairs.extend(repair.map(|repair| ("time", repair)));
+    RepairedRecording { parts, repairs }
+}
+
+type Columns<'a, const N: usize> = [(&'static str, &'a mut Option<Vec<f64>>); N];
+
+fn compared(r: &mut Recording) -> Columns<'_, 3> {
+    [
+        ("hub_rate", &mut r.hub_rate_rad_s),
+        ("motor_rate", &mut r.motor_rate_rad_s),
+        ("hub_position", &mut r.hub_position_rad),
+    ]
+}
+
+fn driving(r: &mut Recording) -> Columns<'_, 4> {
+    [
+        ("demand", &mut r.demand_rad_s),
+        ("control", &mut r.control_v),
+        ("platform_rate", &mut r.platform_rate_rad_s),
+        ("platform_accel", &mut r.platform_accel_m_s2),
+    ]
+}
+
+/// For hub rate, motor rate and hub position: the hub's rate on the platform as another sensor has it.
+fn motions(r: &Recording, ratio: f64) -> [Option<Vec<f64>>; 3] {
+    let geared = r.motor_rate_rad_s.as_ref().map(|w| w.iter().map(|v| v / ratio).collect::<Vec<f64>>());
+    let gyros = r.hub_rate_rad_s.as_ref().map(|hub| {
+        let still = vec![0.0; hub.len()];
+        let platform = r.platform_rate_rad_s.as_ref().unwrap_or(&still);
+        hub.iter().zip(platform).map(|(h, p)| h - p).collect::<Vec<f64>>()
+    });
+    [geared, gyros.clone(), gyros]
+}
+
+/// Takes out the readings of a sensor that stood still while the mechanism moved.
+fn remove_stuck_readings(series: &mut [f64], motion: &[f64]) -> Option<Repair> {
+    let usual = rms(&motion.iter().copied().filter(|v| v.is_finite()).collect::<Vec<f64>>());
+    let mut taken = Vec::new();
+    let mut from = 0;
+    while from < series.len() {
+        let value = series[from];
+        let run = series[from..].iter().take_while(|v| **v == value).count().max(1);
+        let here = motion.get(from..from + run).unwrap_or(&[]);
+        let during = rms(&here.iter().copied().filter(|v| v.is_finite()).collect::<Vec<f64>>());
+        if run >= STUCK && during > MOVING * usual && usual > 0.0 {
+            taken.push((from, run, value));
+        }
+        from += run;
+    }
+    let samples: usize = taken.iter().map(|(_, run, _)| run).sum();
+    let &(first, _, value) = taken.first()?;
+    for (from, run, _) in taken {
+        series[from..from + run].fill(f64::NAN);
+    }
+    Some(Repair::StuckReadings { value, samples, first })
+}
+
+/// Fills short holes of a series, and marks the samples of long ones.
+fn fill_short_gaps(series: &mut [f64], broken: &mut [bool]) -> Option<Repair> {
+    let mut short = 0;
+    let mut from = 0;
+    while from < series.len() {
+        if series[from].is_finite() {
+            from += 1;
+            continue;
+        }
+        let run = series[from..].iter().take_while(|v| !v.is_finite()).count();
+        let before = from.checked_sub(1).map(|k| series[k]);
+        let after = series.get(from + run).copied();
+        match (before, after) {
+            (Some(a), Some(b)) if run <= FILLED => {
+                let step = (b - a) / (run + 1) as f64;
+                (0..run).for_each(|k| series[from + k] = a + step * (k + 1) as f64);
+                short += run;
+            }
+            _ => broken[from..from + run].fill(true),
+        }
+        from += run;
+    }
+    (short > 0).then_some(Repair::Filled { samples: short })
+}
+
+/// The stretches between long holes.
+fn split_at_gaps(whole: &Recording, broken: &[bool]) -> (Vec<Recording>, Option<Repair>) {
+    if !broken.contains(&true) {
+        return (vec![whole.clone()], None);
+    }
+    let shortest = (SHORTEST_S / whole.sample_period_s).round() as usize;
+    let mut stretches: Vec<(usize, usize)> = Vec::new();
+    let mut from = 0;
+    for stretch in broken.chunk_by(|a, b| a == b) {
+        if !stretch[0] && stretch.len() >= shortest {
+            stretches.push((from, from + stretch.len()));
+        }
+        from += stretch.len();
+    }
+    let holes = broken.chunk_by(|a, b| a == b).filter(|run| run[0]).count();
+    let missing = broken.iter().filter(|b| **b).count() as f64 * whole.sample_period_s;
+    let first = broken.iter().position(|b| *b).unwrap_or(0) as f64 * whole.sample_period_s;
+    let repair = Repair::Split { gaps: holes, missing_s: missing, first_s: first, parts: stretches.len() };
+    let count = stretches.len();
+    let parts = stretches.iter().enumerate().map(|(k, stretch)| part(whole, *stretch, (k, count))).collect();
+    (parts, Some(repair))
+}
+
+fn part(whole: &Recording, (from, to): (usize, usize), (k, count): (usize, usize)) -> Recording {
+    let mut part = whole.part(from..to);
+    if count > 1 {
+        part.name = format!("{} (part {})", whole.name, k + 1);
+    }
+    part
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use super::*;
+
+    fn recording() -> Recording {
+        let rate: Vec<f64> = (0..6000).map(|k| 0.1 * (f64::from(k) * 0.004).sin()).collect();
+        Recording {
+            name: "triangle".to_owned(),
+            sample_period_s: 1e-3,
+            demand_rad_s: Some(rate.clone()),
+            control_v: Some(rate.iter().map(|w| 10.0 * w).collect()),
+            motor_rate_rad_s: Some(rate.iter().map(|w| 200.0 * w).collect()),
+            hub_rate_rad_s: Some(rate),
+            ..Recording::default()
+        }
+    }
+
+    #[test]
+    fn a_whole_recording_stays_as_it_is() {
+        let repaired = repair_gaps(&recording(), 200.0);
+        assert_eq!(repaired.parts, vec![recording()]);
+        assert!(repaired.repairs.is_empty());
+    }
+
+    #[test]
+    fn a_gap_parts_the_recording_and_is_told() {
+        let mut r = recording();
+        for column in [&mut r.demand_rad_s, &mut r.control_v, &mut r.hub_rate_rad_s, &mut r.motor_rate_rad_s]
+        {
+            column.as_mut().unwrap()[2000..2500].fill(f64::NAN);
+        }
+        let repaired = repair_gaps(&r, 200.0);
+        let lengths: Vec<usize> = repaired.parts.iter().map(Recording::len).collect();
+        assert_eq!(lengths, [2000, 3500]);
+        assert_eq!(repaired.parts[1].name, "triangle (part 2)");
+        let gap = Repair::Split { gaps: 1, missing_s: 0.5, first_s: 2.0, parts: 2 };
+        assert_eq!(repaired.repairs[0], ("time", gap));
+    }
+
+    #[test]
+    fn short_holes_are_filled_and_stuck_readings_left_out() {
+        let mut r = recording();
+        r.control_v.as_mut().unwrap()[100..104].fill(f64::NAN);
+        r.motor_rate_rad_s.as_mut().unwrap()[3000..3300].fill(7.5);
+        let repaired = repair_gaps(&r, 200.0);
+        let part = &repaired.parts[0];
+        let straight = part.control_v.as_ref().unwrap()[102] - recording().control_v.unwrap()[102];
+        assert!(straight.abs() < 1e-4);
+        assert!(part.motor_rate_rad_s.as_ref().unwrap()[3150].is_nan());
+        let told: Vec<&str> = repaired.repairs.iter().map(|(channel, _)| *channel).collect();
+        assert_eq!(told, ["motor_rate", "control"]);
+    }
+
+    #[test]
+    fn a_sensor_that_rests_with_the_mechanism_is_not_stuck() {
+        let mut r = recording();
+        for (column, value) in [(&mut r.hub_rate_rad_s, 0.0), (&mut r.motor_rate_rad_s, 0.0)] {
+            column.as_mut().unwrap()[3000..3300].fill(value);
+        }
+        assert!(repair_gaps(&r, 200.0).repairs.is_empty());
+    }
+}

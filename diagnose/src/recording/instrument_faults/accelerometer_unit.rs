@@ -1,0 +1,52 @@
+//! The accelerometer's factor from the torque balance: a column in g, or with its sign swapped, moves the weight by as much less.
+
+use counterpoise_models::Parameters;
+use counterpoise_simulate::recording::Recording;
+
+use super::regression::regress;
+use crate::recording::series::{derivative, deviation, low_pass};
+
+/// Half width of the smoothing window, s.
+const SMOOTHING_S: f64 = 0.025;
+/// Relative doubt above which the balance says nothing.
+const TELLING: f64 = 0.5;
+/// Factors of units, and of a sign.
+const FACTORS: [f64; 5] = [1.0, 9.80665, 1.0 / 9.80665, 1e3, 1e-3];
+/// The balance finds them within this factor: the out-of-balance may be another than the project's.
+const NEAR: f64 = 1.5;
+
+/// Gain of the accelerometer's column where that is a unit's or a sign's, with its relative doubt:
+///
+/// ```text
+///     N K_t i = b0 + b1 hub_rate' + b2 rel + b3 sign(rel) + mu / gain x platform_accel
+/// ```
+pub(super) fn gain(base: &Parameters, r: &Recording) -> Option<(f64, f64)> {
+    let moment = base.lumped.as_ref()?.out_of_balance_kg_m;
+    let half = (SMOOTHING_S / r.sample_period_s).round().max(1.0) as usize;
+    let ready = |series: &[f64]| low_pass(series, half);
+    let hub = ready(r.hub_rate_rad_s.as_deref()?);
+    let heave = ready(r.platform_accel_m_s2.as_deref()?);
+    let platform = r.platform_rate_rad_s.as_deref().map_or_else(|| vec![0.0; hub.len()], ready);
+    let relative: Vec<f64> = hub.iter().zip(&platform).map(|(h, p)| h - p).collect();
+    let torque: Vec<f64> =
+        ready(r.control_v.as_deref()?).iter().zip(&relative).map(|(u, w)| drive(base, *u, *w)).collect();
+    let acceleration = derivative(&hub, r.sample_period_s);
+    let turning = derivative(&platform, r.sample_period_s);
+    let size = 0.1 * deviation(&relative);
+    let dry: Vec<f64> = relative.iter().map(|w| (w / size).tanh()).collect();
+    let one = vec![1.0; hub.len()];
+    let mut columns: Vec<&[f64]> = vec![&heave, &one, &acceleration, &relative, &dry];
+    columns.extend((deviation(&turning) > 0.0).then_some(turning.as_slice()));
+    let found = regress(&columns, &torque)?;
+    let (value, doubt) = (moment / found.value[0], (found.doubt[0] / found.value[0]).abs());
+    let near = |known: &f64| (1.0 / NEAR..NEAR).contains(&(value.abs() / known));
+    let known = FACTORS.into_iter().find(near)?.copysign(value);
+    (known != 1.0 && doubt < TELLING).then_some((known, doubt))
+}
+
+/// Torque of the motor at the hub under a control that stands, N m.
+fn drive(p: &Parameters, control_v: f64, relative_rad_s: f64) -> f64 {
+    let loss = p.motor.resistance_ohm + p.amplifier.gain * p.amplifier.current_feedback_v_a;
+    let back = p.motor.back_emf_v_s_rad * p.gearbox.ratio * relative_rad_s;
+    p.gearbox.ratio * p.motor.torque_constant_nm_a * (p.amplifier.gain * control_v - back) / loss
+}

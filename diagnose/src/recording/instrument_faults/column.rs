@@ -1,0 +1,109 @@
+//! The columns of a recording, each with the component that it comes from.
+
+use counterpoise_models::{Parameters, Sensor};
+use counterpoise_simulate::recording::{Channel, Recording};
+
+/// A column of a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Column {
+    /// Demanded hub rate.
+    Demand,
+    /// Control.
+    Control,
+    /// Hub gyroscope.
+    HubRate,
+    /// Platform gyroscope.
+    PlatformRate,
+    /// Platform accelerometer.
+    PlatformAccel,
+    /// Motor tachometer.
+    MotorRate,
+    /// Hub resolver.
+    HubPosition,
+}
+
+impl Column {
+    /// All columns.
+    pub const ALL: [Self; 7] = [
+        Self::Demand,
+        Self::Control,
+        Self::HubRate,
+        Self::PlatformRate,
+        Self::PlatformAccel,
+        Self::MotorRate,
+        Self::HubPosition,
+    ];
+    /// Those that a sensor writes.
+    pub(super) const SENSORS: [Self; 5] =
+        [Self::HubRate, Self::PlatformRate, Self::PlatformAccel, Self::MotorRate, Self::HubPosition];
+
+    /// The channel that a replay compares; none for the demand.
+    fn channel(self) -> Option<Channel> {
+        match self {
+            Self::Demand => None,
+            Self::Control => Some(Channel::Control),
+            Self::HubRate => Some(Channel::HubRate),
+            Self::PlatformRate => Some(Channel::PlatformRate),
+            Self::PlatformAccel => Some(Channel::PlatformAccel),
+            Self::MotorRate => Some(Channel::MotorRate),
+            Self::HubPosition => Some(Channel::HubPosition),
+        }
+    }
+
+    /// Name in recordings.
+    pub fn name(self) -> &'static str {
+        self.channel().map_or("demand", Channel::name)
+    }
+
+    /// The values, where they were recorded.
+    pub(super) fn of(self, r: &Recording) -> Option<&[f64]> {
+        match self.channel() {
+            None => r.demand_rad_s.as_deref(),
+            Some(channel) => r.column(channel),
+        }
+    }
+
+    /// The same, to be changed.
+    pub fn of_mut(self, r: &mut Recording) -> &mut Option<Vec<f64>> {
+        match self {
+            Self::Demand => &mut r.demand_rad_s,
+            Self::Control => &mut r.control_v,
+            Self::HubRate => &mut r.hub_rate_rad_s,
+            Self::PlatformRate => &mut r.platform_rate_rad_s,
+            Self::PlatformAccel => &mut r.platform_accel_m_s2,
+            Self::MotorRate => &mut r.motor_rate_rad_s,
+            Self::HubPosition => &mut r.hub_position_rad,
+        }
+    }
+
+    /// Step of the converter that the column went through, in its own unit; none where there is none.
+    pub(super) fn converter_step(self, p: &Parameters) -> Option<f64> {
+        let input = 20.0 / f64::from(p.interface.input_bits).exp2();
+        match self {
+            Self::Demand => None,
+            Self::Control => Some(20.0 / f64::from(p.interface.output_bits).exp2()),
+            _ => Some(input / self.sensor(p)?.scale_v_unit),
+        }
+    }
+
+    /// Largest reading that the converter gives, in the column's unit.
+    pub(super) fn converter_limit(self, p: &Parameters) -> Option<f64> {
+        match self {
+            Self::Demand => None,
+            Self::Control => Some(10.0),
+            _ => Some(10.0 / self.sensor(p)?.scale_v_unit),
+        }
+    }
+
+    /// The sensor that writes the column, as the project has it.
+    pub(super) fn sensor(self, p: &Parameters) -> Option<&Sensor> {
+        match self {
+            Self::Demand | Self::Control => None,
+            Self::HubRate => Some(&p.sensors.hub_gyro),
+            Self::PlatformRate => Some(&p.sensors.platform_gyro),
+            Self::PlatformAccel => Some(&p.sensors.platform_accelerometer),
+            Self::MotorRate => p.sensors.motor_tachometer.as_ref(),
+            Self::HubPosition => p.sensors.hub_resolver.as_ref(),
+        }
+    }
+}

@@ -1,0 +1,317 @@
+//! Faults of sensors and recorder, found before any physics, and mended or left out.
+//!
+//! In come the recordings as they were written; out come recordings for the diagnosis, and what was wrong, column by column. A column
+//! is looked at by itself (`single_column`), then in what all columns must satisfy whatever the mechanism is like (`identities`): factors
+//! and exchanged columns (`factors`), the accelerometer's unit (`accelerometer_unit`), clocks (`clocks`). What a gyroscope itself may have
+//! (gain, bias, lag, delay) is left to the library of physics: there the loop hears it.
+
+use counterpoise_models::Parameters;
+use counterpoise_simulate::recording::Recording;
+use counterpoise_simulate::replay::Loop;
+
+use crate::recording::instrument_faults::column::Column;
+use crate::recording::instrument_faults::factors::{Found, Mistake};
+use crate::recording::instrument_faults::fault::{self, FaultKind, InstrumentFault, Treatment};
+use crate::recording::instrument_faults::regression::{late, regress};
+use crate::recording::instrument_faults::{accelerometer_unit, clocks, factors, identities, single_column};
+use crate::recording::noise::white_noise;
+use crate::recording::series::deviation;
+
+/// Recordings with what was wrong mended, and the faults.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExaminedRecordings {
+    /// The recordings, mended: columns that cannot be mended are missing, useless readings are NaN.
+    pub recordings: Vec<Recording>,
+    /// What was wrong.
+    pub faults: Vec<InstrumentFault>,
+    /// The columns that each recording had.
+    written: Vec<Vec<Column>>,
+}
+
+/// Mistakes of factors that are mended one after the other.
+const MISTAKES: usize = 3;
+/// A factor that is no unit's is mended where it is known as well as this; a motor or a resolver is left out else.
+const SURE: f64 = 4e-3;
+/// Difference of the motor's and the resolver's mean rate of the hub from which the motor has a bias, rad/s.
+const BIAS_RAD_S: f64 = 1e-3;
+/// Times its noise by which a platform at rest varies at the most.
+const AT_REST: f64 = 1.5;
+/// Times the converter's noise that a control made by the controller may be off to be put in the place of useless ones.
+const MADE: f64 = 3.0;
+
+/// Examines the recordings of one machine; `control` is the controller that was in the loop where the project knows it.
+pub fn find_instrument_faults(
+    base: &Parameters,
+    control: &Loop,
+    recordings: &[Recording],
+) -> ExaminedRecordings {
+    let columns = |r: &Recording| Column::ALL.into_iter().filter(|c| c.of(r).is_some()).collect();
+    let written = recordings.iter().map(columns).collect();
+    let mut out = ExaminedRecordings { recordings: recordings.to_vec(), faults: Vec::new(), written };
+    out.singles(base, control);
+    for _ in 0..MISTAKES {
+        let Some(found) = factors::mistake(base, control, &out.recordings) else { break };
+        out.mistake(&found);
+    }
+    out.heave(base);
+    out.coarse(base);
+    out.control_offsets(base, control);
+    out.drifts(base);
+    out.offsets(base);
+    out.biases(base);
+    out
+}
+
+impl ExaminedRecordings {
+    /// Notes a fault in a recording, or in one more.
+    fn note(&mut self, column: Column, kind: FaultKind, recordings: &[usize], treatment: Treatment) {
+        let names: Vec<String> = recordings.iter().map(|r| self.recordings[*r].name.clone()).collect();
+        let count = self.written.iter().filter(|columns| columns.contains(&column)).count();
+        let same = |f: &&mut InstrumentFault| {
+            f.column == column && std::mem::discriminant(&f.kind) == std::mem::discriminant(&kind)
+        };
+        match self.faults.iter_mut().find(same) {
+            Some(known) => {
+                let more: Vec<String> = names.into_iter().filter(|n| !known.recordings.contains(n)).collect();
+                known.recordings.extend(more);
+                known.everywhere = known.recordings.len() >= count;
+            }
+            None => self.faults.push(InstrumentFault {
+                column,
+                kind,
+                everywhere: names.len() >= count,
+                recordings: names,
+                treatment,
+                or: Vec::new(),
+            }),
+        }
+    }
+
+    fn singles(&mut self, base: &Parameters, control: &Loop) {
+        for r in 0..self.recordings.len() {
+            for column in Column::ALL {
+                let period_s = self.recordings[r].sample_period_s;
+                self.bridge(r, column, control, base);
+                let Some(series) = column.of(&self.recordings[r]) else { continue };
+                for seen in single_column::seen(column, series, base, period_s) {
+                    let done = self.without(r, column, &seen.useless, &seen.kind, control, base);
+                    self.note(column, seen.kind, &[r], done);
+                }
+            }
+        }
+    }
+
+    /// Puts in place of missing values what they must have been: the controller's own output, or the rest of a platform at rest.
+    fn bridge(&mut self, r: usize, column: Column, control: &Loop, base: &Parameters) {
+        let recording = &mut self.recordings[r];
+        let Some(series) = column.of_mut(recording) else { return };
+        let missing = series.iter().filter(|v| !v.is_finite()).count();
+        if missing == 0 || missing == series.len() {
+            return;
+        }
+        match column {
+            Column::Control => {
+                remade(recording, control, base);
+            }
+            Column::PlatformRate | Column::PlatformAccel
+                if deviation(series) < AT_REST * white_noise(series) =>
+            {
+                filled(series);
+            }
+            _ => {}
+        }
+    }
+
+    /// Takes useless readings out of a column, or puts what they must have been in their place; tells what was done.
+    fn without(
+        &mut self,
+        r: usize,
+        column: Column,
+        useless: &[usize],
+        kind: &FaultKind,
+        control: &Loop,
+        base: &Parameters,
+    ) -> Treatment {
+        let recording = &mut self.recordings[r];
+        let clip_of_drive = matches!(kind, FaultKind::Clipped { .. })
+            && matches!(column, Column::PlatformRate | Column::PlatformAccel);
+        if useless.is_empty() || clip_of_drive {
+            return Treatment::UsedAsItIs;
+        }
+        let Some(series) = column.of_mut(recording).as_mut() else { return Treatment::UsedAsItIs };
+        useless.iter().for_each(|k| series[*k] = f64::NAN);
+        if column == Column::Control && remade(recording, control, base) {
+            return Treatment::ControlRecomputed;
+        }
+        match (kind, column) {
+            (FaultKind::Held { .. }, Column::PlatformRate | Column::PlatformAccel) => {
+                if let Some(series) = column.of_mut(recording).as_mut() {
+                    filled(series);
+                }
+                Treatment::Interpolated
+            }
+            (_, Column::PlatformRate | Column::PlatformAccel | Column::Control) => {
+                Treatment::StretchesLeftOut
+            }
+            _ => Treatment::SamplesNotCompared,
+        }
+    }
+
+    fn mistake(&mut self, found: &Found) {
+        let cured = factors::cured(&self.recordings, found);
+        let (column, kind) = match found.mistake {
+            Mistake::Scale { column, gain, doubt } => (column, FaultKind::Scale { gain, doubt }),
+            Mistake::Exchange { one, other } => (one, FaultKind::Exchanged { with: other }),
+        };
+        let unsure = match kind {
+            FaultKind::Scale { gain, doubt } => !fault::is_known(gain) && doubt > SURE,
+            _ => false,
+        };
+        let spare = matches!(column, Column::MotorRate | Column::HubPosition);
+        self.recordings = cured;
+        let done = match (&kind, unsure && spare) {
+            (_, true) => {
+                found.recordings.iter().for_each(|r| *column.of_mut(&mut self.recordings[*r]) = None);
+                Treatment::NotCompared
+            }
+            (FaultKind::Exchanged { .. }, _) => Treatment::ExchangedBack,
+            _ => Treatment::DividedByGain,
+        };
+        self.note(column, kind, &found.recordings, done);
+        if let Some(fault) = self.faults.last_mut() {
+            fault.or.extend(found.or.iter().filter(|c| **c != column));
+        }
+    }
+
+    fn heave(&mut self, base: &Parameters) {
+        for r in 0..self.recordings.len() {
+            let Some((gain, doubt)) = accelerometer_unit::gain(base, &self.recordings[r]) else { continue };
+            let column = Column::PlatformAccel;
+            if let Some(series) = column.of_mut(&mut self.recordings[r]) {
+                series.iter_mut().for_each(|v| *v /= gain);
+            }
+            self.note(column, FaultKind::Scale { gain, doubt }, &[r], Treatment::DividedByGain);
+        }
+    }
+
+    fn drifts(&mut self, base: &Parameters) {
+        for column in [Column::MotorRate, Column::HubPosition] {
+            let Some((slow, doubt)) = clocks::drift(base, &self.recordings, column) else { continue };
+            self.recordings.iter_mut().for_each(|r| *column.of_mut(r) = None);
+            let all: Vec<usize> = (0..self.recordings.len()).collect();
+            self.note(column, FaultKind::ClockDrift { slow, doubt }, &all, Treatment::NotCompared);
+        }
+    }
+
+    /// Converters coarser than the project's, of columns that are sound otherwise.
+    fn coarse(&mut self, base: &Parameters) {
+        for r in 0..self.recordings.len() {
+            for column in Column::ALL {
+                let sound = self.faults.iter().all(|f| f.column != column);
+                let known =
+                    |f: &InstrumentFault| f.column == column && matches!(f.kind, FaultKind::Coarse { .. });
+                let Some(series) = column.of(&self.recordings[r]) else { continue };
+                let kind = single_column::coarse(column, series, base);
+                if let Some(kind) = kind.filter(|_| sound || self.faults.iter().any(known)) {
+                    self.note(column, kind, &[r], Treatment::UsedAsItIs);
+                }
+            }
+        }
+    }
+
+    fn control_offsets(&mut self, base: &Parameters, control: &Loop) {
+        if let Some((column, lateness, recordings)) = clocks::control_offset(base, control, &self.recordings)
+        {
+            recordings.into_iter().for_each(|r| self.shift(r, column, lateness));
+        }
+    }
+
+    fn offsets(&mut self, base: &Parameters) {
+        let found = clocks::offsets(base, &self.recordings);
+        found.into_iter().for_each(|(r, column, lateness)| self.shift(r, column, lateness));
+    }
+
+    /// Puts a column back that is late; the motor's is known to no better than what its gear twists, and is left out.
+    fn shift(&mut self, r: usize, column: Column, (late_s, doubt_s): clocks::Lateness) {
+        let samples = whole(late_s / self.recordings[r].sample_period_s);
+        let series = column.of_mut(&mut self.recordings[r]);
+        let done = if column == Column::MotorRate {
+            *series = None;
+            Treatment::NotCompared
+        } else {
+            *series = series.as_deref().map(|series| late(series, -samples));
+            Treatment::ShiftedBack
+        };
+        let kind = FaultKind::ClockOffset { late_s, doubt_s };
+        self.note(column, kind, &[r], done);
+    }
+
+    /// A motor's rate with a mean that neither gyroscopes nor resolver have.
+    fn biases(&mut self, base: &Parameters) {
+        let biased: Vec<(usize, f64, f64)> =
+            (0..self.recordings.len()).filter_map(|r| motor_bias(base, &self.recordings[r], r)).collect();
+        let count = self.recordings.iter().filter(|r| r.motor_rate_rad_s.is_some()).count();
+        if biased.is_empty() || biased.len() < count {
+            return;
+        }
+        for (r, bias, doubt) in biased {
+            self.recordings[r].motor_rate_rad_s = None;
+            self.note(Column::MotorRate, FaultKind::Bias { bias, doubt }, &[r], Treatment::NotCompared);
+        }
+    }
+}
+
+/// What the motor's mean rate has beyond the resolver's, where the resolver has nothing beyond the gyroscopes.
+fn motor_bias(base: &Parameters, recording: &Recording, r: usize) -> Option<(usize, f64, f64)> {
+    let found = identities::identities(base, &Loop::Open, recording);
+    let of = |column| found.iter().find(|i| i.of == column);
+    let (motor, resolver) = (of(Column::MotorRate)?, of(Column::HubPosition)?);
+    let apart = motor.constant.0 - resolver.constant.0;
+    let doubt = motor.left.max(resolver.left);
+    let told =
+        apart.abs() > BIAS_RAD_S && apart.abs() > doubt && resolver.constant.0.abs() < 0.5 * apart.abs();
+    told.then_some((r, apart * base.gearbox.ratio, doubt * base.gearbox.ratio))
+}
+
+/// A whole number of samples where it is nearly one.
+fn whole(samples: f64) -> f64 {
+    const NEARLY: f64 = 0.3;
+    if (samples - samples.round()).abs() < NEARLY { samples.round() } else { samples }
+}
+
+/// Straight lines over what is missing, the nearest reading at the ends.
+fn filled(series: &mut [f64]) {
+    let known: Vec<usize> = (0..series.len()).filter(|k| series[*k].is_finite()).collect();
+    let (Some(&first), Some(&last)) = (known.first(), known.last()) else { return };
+    let (start, end) = (series[first], series[last]);
+    series[..first].fill(start);
+    series[last..].fill(end);
+    for two in known.windows(2) {
+        let (from, to) = (two[0], two[1]);
+        let step = (series[to] - series[from]) / (to - from) as f64;
+        let start = series[from];
+        (from + 1..to).for_each(|k| series[k] = start + step * (k - from) as f64);
+    }
+}
+
+/// Puts the controller's own output in the place of controls that are missing, where it is what the others are.
+fn remade(recording: &mut Recording, control: &Loop, base: &Parameters) -> bool {
+    let Loop::Closed(controller) = control else { return false };
+    let (Some(demand), Some(hub), Some(u)) =
+        (&recording.demand_rad_s, &recording.hub_rate_rad_s, &recording.control_v)
+    else {
+        return false;
+    };
+    let error: Vec<f64> = demand.iter().zip(hub).map(|(d, h)| d - h).collect();
+    let made = identities::acted(controller, &error, recording.sample_period_s);
+    let one = vec![1.0; u.len()];
+    let rest: Vec<f64> = u.iter().zip(&made).map(|(u, m)| u - m).collect();
+    let Some(fit) = regress(&[&one], &rest) else { return false };
+    let noise = Column::Control.converter_step(base).unwrap_or(0.0) / 12f64.sqrt();
+    if fit.left > MADE * noise || made.iter().any(|v| !v.is_finite()) {
+        return false;
+    }
+    let whole = u.iter().zip(&made).map(|(u, m)| if u.is_finite() { *u } else { m + fit.value[0] });
+    recording.control_v = Some(whole.collect());
+    true
+}

@@ -1,0 +1,213 @@
+//! Which one column is written with another factor, or which two stand in each other's place: the fewest that make every
+//! identity of every recording hold.
+
+use counterpoise_models::Parameters;
+use counterpoise_simulate::recording::Recording;
+use counterpoise_simulate::replay::Loop;
+
+use super::column::Column;
+use super::fault::{is_known, meant};
+use super::identities::{Identity, Ratio, identities};
+
+/// Gains of a gyroscope that are its own fault and in the library of physics.
+const LIBRARY: (f64, f64) = (0.5, 2.0);
+/// A broken identity counts as no more than this.
+const BROKEN_AT_MOST: f64 = 3.0;
+/// What an exchange must leave of what was broken, and of each identity.
+const EXCHANGED: (f64, f64) = (0.5, 0.7);
+/// Explanations that leave as much broken as this, relative and absolute, cannot be told apart.
+const ALIKE: (f64, f64) = (1.1, 0.01);
+/// Times the converter's noise that the controller's identity may leave where it holds.
+const EXACT: f64 = 3.0;
+/// A factor with more doubt than this says nothing.
+const TELLING: f64 = 0.3;
+
+/// What is wrong with which recordings.
+#[derive(Debug, Clone)]
+pub(super) enum Mistake {
+    /// Written = gain x true, relative doubt.
+    Scale { column: Column, gain: f64, doubt: f64 },
+    /// In each other's place.
+    Exchange { one: Column, other: Column },
+}
+
+/// A mistake with the recordings that have it, and the columns that could have made it instead.
+#[derive(Debug, Clone)]
+pub(super) struct Found {
+    pub mistake: Mistake,
+    pub recordings: Vec<usize>,
+    pub or: Vec<Column>,
+}
+
+/// Who has a factor: a column as it was written, or the hub's gyroscope itself, which the controller hears.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum FactorOrigin {
+    Written(Column),
+    HubGyro,
+}
+
+/// The identities of every recording.
+type Table = Vec<Vec<Identity>>;
+
+/// The identities of every recording.
+fn table_of(base: &Parameters, control: &Loop, recordings: &[Recording]) -> Table {
+    recordings.iter().map(|r| identities(base, control, r)).collect()
+}
+
+/// The one mistake that explains what is wrong; none where nothing is, where it may be a gyroscope's own gain, or where no single
+/// mistake explains it.
+pub(super) fn mistake(base: &Parameters, control: &Loop, recordings: &[Recording]) -> Option<Found> {
+    let table = table_of(base, control, recordings);
+    let bad: Vec<usize> = (0..table.len()).filter(|r| !holds(&table[*r])).collect();
+    if bad.is_empty() || own_gain(&table) {
+        return None;
+    }
+    let whole = |found: &Found| {
+        let cured: Vec<Recording> = cured(recordings, found);
+        found.recordings.iter().map(|r| broken(&identities(base, control, &cured[*r]))).sum::<f64>()
+    };
+    let heard = |found: &Found| {
+        let after = cured(recordings, found);
+        let exact = |r: &usize| identities(base, control, &after[*r]).iter().all(|i| is_exact(i, base));
+        !needs_exactness(found) || found.recordings.iter().all(exact)
+    };
+    let scales = Column::ALL.into_iter().filter_map(|column| scaled(&table, column, &bad)).filter(heard);
+    let exchanges = pairs(&recordings[bad[0]]).into_iter().filter_map(|(one, other)| {
+        let all = (0..recordings.len()).collect();
+        let found = Found { mistake: Mistake::Exchange { one, other }, recordings: all, or: Vec::new() };
+        let after = table_of(base, control, &cured(recordings, &found));
+        let better = |r: &usize| is_better(&table[*r], &after[*r]);
+        let everywhere = (0..after.len()).all(|r| better(&r) || (!bad.contains(&r) && holds(&after[r])));
+        let recordings = (0..after.len()).filter(|r| everywhere || better(r)).collect();
+        bad.iter().all(better).then_some(Found { recordings, ..found })
+    });
+    let mut all: Vec<(f64, Found)> = scales.chain(exchanges).map(|found| (whole(&found), found)).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (least, best) = all.first()?.clone();
+    let alike = all[1..].iter().filter(|(left, _)| *left < ALIKE.0 * least + ALIKE.1);
+    let or = alike.filter_map(|(_, found)| match found.mistake {
+        Mistake::Scale { column, .. } => Some(column),
+        Mistake::Exchange { .. } => None,
+    });
+    Some(Found { or: or.collect(), ..best })
+}
+
+/// Whether an exchange makes a recording's identities hold that did not, or lets them be told at all.
+fn is_better(before: &[Identity], after: &[Identity]) -> bool {
+    let holding = after.iter().all(|i| i.broken < EXCHANGED.1);
+    let mended = !holds(before) && broken(after) < EXCHANGED.0 * broken(before);
+    holding && (after.len() > before.len() || (after.len() == before.len() && mended))
+}
+
+/// The recordings without the mistake.
+pub(super) fn cured(recordings: &[Recording], found: &Found) -> Vec<Recording> {
+    let mut out = recordings.to_vec();
+    for &r in &found.recordings {
+        match found.mistake {
+            Mistake::Scale { column, gain, .. } => {
+                if let Some(series) = column.of_mut(&mut out[r]) {
+                    series.iter_mut().for_each(|v| *v /= gain);
+                }
+            }
+            Mistake::Exchange { one, other } => {
+                let first = column_of(&mut out[r], one);
+                let second = std::mem::replace(other.of_mut(&mut out[r]), first);
+                *one.of_mut(&mut out[r]) = second;
+            }
+        }
+    }
+    out
+}
+
+fn column_of(r: &mut Recording, column: Column) -> Option<Vec<f64>> {
+    column.of_mut(r).take()
+}
+
+fn broken(identities: &[Identity]) -> f64 {
+    identities.iter().map(|i| i.broken.min(BROKEN_AT_MOST)).sum()
+}
+
+fn ratios(identities: &[Identity]) -> impl Iterator<Item = &Ratio> {
+    identities.iter().flat_map(|i| &i.ratios)
+}
+
+/// Whether every factor is one as far as it can be told, and the identities that are exact give most of what they should.
+fn holds(identities: &[Identity]) -> bool {
+    let exact = |i: &Identity| i.of == Column::MotorRate || i.broken < EXCHANGED.1;
+    identities.iter().all(exact) && ratios(identities).all(|ratio| agrees(ratio, 1.0))
+}
+
+fn agrees(ratio: &Ratio, expected: f64) -> bool {
+    (ratio.value / expected - 1.0).abs() <= ratio.doubt
+}
+
+/// A factor near one of what the controller hears and says must leave nothing but the converter's noise: a column that is late looks like
+/// one, too.
+fn needs_exactness(found: &Found) -> bool {
+    let heard = [Column::Demand, Column::Control, Column::HubRate];
+    matches!(found.mistake, Mistake::Scale { column, gain, .. } if heard.contains(&column) && !is_known(gain))
+}
+
+fn is_exact(identity: &Identity, base: &Parameters) -> bool {
+    let noise = Column::Control.converter_step(base).unwrap_or(0.0) / 12f64.sqrt();
+    identity.of != Column::Control || identity.left < EXACT * noise
+}
+
+/// How a origin's gain shows in a ratio: 1 above, -1 below, 0 not at all.
+fn share(ratio: &Ratio, origin: FactorOrigin) -> i32 {
+    let is = |column: Column| match origin {
+        FactorOrigin::Written(c) => c == column,
+        FactorOrigin::HubGyro => column == Column::HubRate && ratio.above != Column::Control,
+    };
+    i32::from(is(ratio.above)) - i32::from(is(ratio.below))
+}
+
+/// The gain that a origin must have in a recording, with its doubt: from the surest ratio.
+fn gain(identities: &[Identity], origin: FactorOrigin) -> Option<(f64, f64)> {
+    let telling = ratios(identities).filter(|r| share(r, origin) != 0 && r.doubt < TELLING);
+    let surest = telling.min_by(|a, b| a.doubt.total_cmp(&b.doubt))?;
+    Some((surest.value.powi(share(surest, origin)), surest.doubt))
+}
+
+fn explains(identities: &[Identity], origin: FactorOrigin, gain: f64) -> bool {
+    ratios(identities).all(|ratio| agrees(ratio, gain.powi(share(ratio, origin))))
+}
+
+/// Whether a gain of one of the gyroscopes themselves, within what the library knows, explains everything.
+fn own_gain(table: &[Vec<Identity>]) -> bool {
+    let origins = [FactorOrigin::HubGyro, FactorOrigin::Written(Column::PlatformRate)];
+    origins.into_iter().any(|origin| {
+        let surest = table.iter().filter_map(|ids| gain(ids, origin)).min_by(|a, b| a.1.total_cmp(&b.1));
+        surest.is_some_and(|(gain, _)| {
+            (LIBRARY.0..LIBRARY.1).contains(&gain) && table.iter().all(|ids| explains(ids, origin, gain))
+        })
+    })
+}
+
+/// A factor of one column that explains every recording in which something is wrong.
+fn scaled(table: &[Vec<Identity>], column: Column, bad: &[usize]) -> Option<Found> {
+    let origin = FactorOrigin::Written(column);
+    let mut gains = Vec::new();
+    for &r in bad {
+        let (found, doubt) = gain(&table[r], origin)?;
+        let found = meant(found, doubt);
+        gains.push((found, doubt));
+        explains(&table[r], origin, found).then_some(())?;
+    }
+    let (gain, doubt) = gains.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let good = |r: &usize| !bad.contains(r);
+    let sound = (0..table.len()).filter(good).any(|r| !explains(&table[r], origin, gain));
+    let recordings = if sound { bad.to_vec() } else { (0..table.len()).collect() };
+    Some(Found { mistake: Mistake::Scale { column, gain, doubt }, recordings, or: Vec::new() })
+}
+
+fn pairs(recording: &Recording) -> Vec<(Column, Column)> {
+    let there: Vec<Column> = Column::ALL.into_iter().filter(|c| c.of(recording).is_some()).collect();
+    let sensor = |column: &Column| Column::SENSORS.contains(column);
+    let after = |(k, one): (usize, &Column)| {
+        let ordered =
+            |other: &Column| if sensor(one) || !sensor(other) { (*one, *other) } else { (*other, *one) };
+        there[k + 1..].iter().map(ordered).collect::<Vec<_>>()
+    };
+    there.iter().enumerate().flat_map(after).collect()
+}

@@ -1,0 +1,172 @@
+//! What the columns of one recording must satisfy, whatever the mechanism's physics.
+//!
+//! ```text
+//!     motor_rate / N     = hub_rate - platform_rate + lag x (their slopes) + J / K x hub_rate''
+//!     d hub_position/dt  = hub_rate - platform_rate + lag x (their slopes)
+//!     control            = kp (demand - hub_rate) + ki integral (demand - hub_rate) + constant
+//! ```
+//!
+//! The first two are the kinematics (the gear's wind-up is the second slope; the lag is the gyroscopes'), smoothed alike; the third
+//! is the controller as the project has it. A factor on a column is the ratio of two coefficients that should be one.
+
+use counterpoise_controller::ProportionalIntegral;
+use counterpoise_models::Parameters;
+use counterpoise_simulate::recording::Recording;
+use counterpoise_simulate::replay::Loop;
+
+use super::column::Column;
+use super::regression::{Regression, late, regress};
+use crate::recording::series::{derivative, deviation, low_pass};
+
+/// Half width of the smoothing window, s.
+const SMOOTHING_S: f64 = 0.025;
+/// A platform that turns less than this, rad/s RMS, stands still.
+pub(super) const STILL_RAD_S: f64 = 5e-3;
+/// Relative doubt of every factor from the kinematics, and from the controller.
+const DOUBT: (f64, f64) = (0.01, 3e-3);
+/// Controls nearer to the converter's limit than this are not the controller's, V.
+const NEAR_LIMIT_V: f64 = 0.02;
+
+/// Factor of one column over the factor of another.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ratio {
+    pub above: Column,
+    pub below: Column,
+    pub value: f64,
+    /// Relative.
+    pub doubt: f64,
+}
+
+/// What one identity says.
+#[derive(Debug, Clone)]
+pub(super) struct Identity {
+    pub of: Column,
+    pub ratios: Vec<Ratio>,
+    /// How far the column runs before the gyroscopes, s, and the doubt of it.
+    pub lead_s: (f64, f64),
+    /// What has to be added to the gyroscopes, and the doubt of it.
+    pub constant: (f64, f64),
+    /// Share that is left.
+    pub share: f64,
+    /// RMS that is left, in the unit of the left side.
+    pub left: f64,
+    /// Share of the left side that the right side with all factors at one does not give.
+    pub broken: f64,
+}
+
+/// All identities that a recording allows.
+pub(super) fn identities(base: &Parameters, control: &Loop, r: &Recording) -> Vec<Identity> {
+    let ratio = base.gearbox.ratio;
+    let motor = r.motor_rate_rad_s.as_ref().map(|w| w.iter().map(|v| v / ratio).collect::<Vec<f64>>());
+    let angle = r.hub_position_rad.as_ref().map(|a| derivative(a, r.sample_period_s));
+    let kinematic = [
+        motor.and_then(|w| kinematic(Column::MotorRate, &w, r)),
+        angle.and_then(|w| kinematic(Column::HubPosition, &w, r)),
+    ];
+    let loops = match control {
+        Loop::Closed(controller) => controlled(controller, r, (0, Column::Control)),
+        Loop::Open => None,
+    };
+    kinematic.into_iter().flatten().chain(loops).collect()
+}
+
+/// The kinematics of one sensor's rate of the hub on the platform.
+pub(super) fn kinematic(of: Column, rate: &[f64], r: &Recording) -> Option<Identity> {
+    let half = (SMOOTHING_S / r.sample_period_s).round().max(1.0) as usize;
+    let margin = 4 * half;
+    let ready = |series: &[f64]| {
+        let mut out = low_pass(series, half);
+        let last = out.len();
+        out[..margin.min(last)].fill(f64::NAN);
+        out[last.saturating_sub(margin)..].fill(f64::NAN);
+        out
+    };
+    let hub = ready(r.hub_rate_rad_s.as_deref()?);
+    let platform = r.platform_rate_rad_s.as_deref().map(ready).filter(|p| deviation(p) > STILL_RAD_S);
+    let y = ready(rate);
+    let first = derivative(&hub, r.sample_period_s);
+    let second = derivative(&first, r.sample_period_s);
+    let turning = platform.as_ref().map(|p| derivative(p, r.sample_period_s));
+    let one = vec![1.0; y.len()];
+    let mut columns: Vec<&[f64]> = vec![&one, &hub, &first];
+    columns.extend(platform.iter().chain(&turning).map(Vec::as_slice));
+    if of == Column::MotorRate {
+        columns.push(&second);
+    }
+    let found = regress(&columns, &y)?;
+    let mut ratios = vec![relative(of, Column::HubRate, (found.value[1], found.doubt[1]), DOUBT.0)];
+    if platform.is_some() {
+        ratios.push(relative(of, Column::PlatformRate, (-found.value[3], found.doubt[3]), DOUBT.0));
+    }
+    let still = vec![0.0; y.len()];
+    let platform = platform.as_deref().unwrap_or(&still);
+    let expected = |k: usize| y[k] - hub[k] + platform[k];
+    let broken = deviation(&(0..y.len()).map(expected).collect::<Vec<f64>>());
+    // the lag shows in what moves more: the hub, or the platform beneath it
+    let (rate, lag) = if deviation(platform) > deviation(&hub) { (3, 4) } else { (1, 2) };
+    let size = found.value[rate].abs().max(f64::MIN_POSITIVE);
+    Some(Identity {
+        of,
+        ratios,
+        lead_s: (found.value[lag] / found.value[rate], found.doubt[lag] / size),
+        constant: (found.value[0], found.doubt[0]),
+        broken: broken / deviation(&y).max(f64::MIN_POSITIVE),
+        share: found.share,
+        left: found.left,
+    })
+}
+
+fn relative(above: Column, below: Column, (value, doubt): (f64, f64), least: f64) -> Ratio {
+    Ratio { above, below, value, doubt: least + doubt / value.abs().max(f64::MIN_POSITIVE) }
+}
+
+/// The controller's identity, one column taken as so many samples late.
+pub(super) fn controlled(
+    controller: &ProportionalIntegral,
+    r: &Recording,
+    (samples, moved): (i32, Column),
+) -> Option<Identity> {
+    let shift = |column: Column| {
+        let series = column.of(r)?;
+        let shifted = column == moved && samples != 0;
+        Some(if shifted { late(series, -f64::from(samples)) } else { series.to_vec() })
+    };
+    let (demand, hub) = (shift(Column::Demand)?, shift(Column::HubRate)?);
+    let mut control = shift(Column::Control)?;
+    control.iter_mut().filter(|u| (u.abs() - 10.0).abs() < NEAR_LIMIT_V).for_each(|u| *u = f64::NAN);
+    let driven = |series: &[f64]| acted(controller, series, r.sample_period_s);
+    let (wanted, had) = (driven(&demand), driven(&hub));
+    let one = vec![1.0; control.len()];
+    let moves = deviation(&demand) > 0.0;
+    let mut columns: Vec<&[f64]> = vec![&one, &had];
+    columns.extend(moves.then_some(wanted.as_slice()));
+    let found: Regression = regress(&columns, &control)?;
+    let mut ratios =
+        vec![relative(Column::Control, Column::HubRate, (-found.value[1], found.doubt[1]), DOUBT.1)];
+    if moves {
+        ratios.push(relative(Column::Control, Column::Demand, (found.value[2], found.doubt[2]), DOUBT.1));
+    }
+    let expected = |k: usize| control[k] - wanted[k] + had[k];
+    let broken = deviation(&(0..control.len()).map(expected).collect::<Vec<f64>>());
+    Some(Identity {
+        of: Column::Control,
+        ratios,
+        lead_s: (0.0, 0.0),
+        constant: (found.value[0], found.doubt[0]),
+        broken: broken / deviation(&control).max(f64::MIN_POSITIVE),
+        share: found.share,
+        left: found.left,
+    })
+}
+
+/// kp x + ki (sum of x before); what is missing counts as the last value known in the sum, and stays missing itself.
+pub(super) fn acted(controller: &ProportionalIntegral, series: &[f64], period_s: f64) -> Vec<f64> {
+    let (mut sum, mut last) = (0.0, 0.0);
+    let step = |x: &f64| {
+        let out = controller.kp_v_s_rad * x + sum;
+        last = if x.is_finite() { *x } else { last };
+        sum += controller.ki_v_rad * period_s * last;
+        out
+    };
+    series.iter().map(step).collect()
+}

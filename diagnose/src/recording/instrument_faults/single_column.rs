@@ -1,0 +1,184 @@
+//! What a column shows by itself: a converter coarser than the project's, a lower rate, standstill, a limit.
+
+use counterpoise_models::Parameters;
+
+use super::column::Column;
+use super::fault::FaultKind;
+
+/// Equal readings in a row from which a reading with noise on it is stuck.
+const STUCK: usize = 40;
+/// Share of equal neighbours below which a column has noise on it that moves its readings.
+const LIVELY: f64 = 0.5;
+/// Share of the runs of equal readings that must be of one length for a lower rate.
+const EVEN_RUNS: f64 = 0.95;
+/// Fewest runs for that.
+const FEWEST_RUNS: usize = 50;
+/// Times the project's step from which a converter is coarser.
+const COARSER: f64 = 3.5;
+/// Readings that stay at an extreme for this long make a flat top.
+const FLAT_TOP: usize = 5;
+/// A column is clipped where flat tops hold this share of it.
+const CLIPPED_SHARE: f64 = 0.01;
+/// Fewest steps over the range for which a flat top means something.
+const FINE_STEPS: f64 = 200.0;
+/// Share of the converter's range from which a limit is the converter's own, which the simulator has.
+const OWN_LIMIT: f64 = 0.98;
+
+/// A run of equal readings.
+#[derive(Debug, Clone, Copy)]
+struct Run {
+    from: usize,
+    length: usize,
+    value: f64,
+}
+
+/// What is wrong with a column, and the samples that are no readings.
+pub(super) struct Seen {
+    pub kind: FaultKind,
+    pub useless: Vec<usize>,
+}
+
+/// Everything that a column shows by itself.
+pub(super) fn seen(column: Column, series: &[f64], base: &Parameters, period_s: f64) -> Vec<Seen> {
+    let runs = runs(series);
+    let sensor = Column::SENSORS.contains(&column);
+    if let Some(held) = held(&runs).filter(|_| sensor) {
+        return vec![held];
+    }
+    let own = column.converter_limit(base).map_or(f64::INFINITY, |limit| OWN_LIMIT * limit);
+    let flat = clipped(series, &runs, own).filter(|_| column != Column::Demand);
+    let still = match &flat {
+        None if column != Column::Demand => stuck(&runs, own, period_s),
+        _ => None,
+    };
+    flat.into_iter().chain(still).collect()
+}
+
+fn runs(series: &[f64]) -> Vec<Run> {
+    let mut out = Vec::new();
+    let mut from = 0;
+    for chunk in series.chunk_by(|a, b| a == b) {
+        out.push(Run { from, length: chunk.len(), value: chunk[0] });
+        from += chunk.len();
+    }
+    out
+}
+
+/// Readings that change only every so many samples: the first of each run is one, the others are not.
+fn held(runs: &[Run]) -> Option<Seen> {
+    let inner = runs.get(1..runs.len().saturating_sub(1)).filter(|inner| inner.len() >= FEWEST_RUNS)?;
+    let mut lengths: Vec<usize> = inner.iter().map(|run| run.length).collect();
+    lengths.sort_unstable();
+    let samples = lengths[lengths.len() / 4];
+    let even = lengths.iter().filter(|length| length.is_multiple_of(samples)).count() as f64;
+    if samples < 2 || even < EVEN_RUNS * lengths.len() as f64 {
+        return None;
+    }
+    let first = inner[0].from % samples;
+    let end = runs.last().map_or(0, |run| run.from + run.length);
+    let useless = (0..end).filter(|k| k % samples != first).collect();
+    Some(Seen { kind: FaultKind::Held { samples }, useless })
+}
+
+/// Long standstills of readings that otherwise never stand still.
+fn stuck(runs: &[Run], own_limit: f64, period_s: f64) -> Option<Seen> {
+    let short = || runs.iter().filter(|run| run.length < STUCK);
+    let pairs: usize = short().map(|run| run.length).sum();
+    let equal: usize = short().map(|run| run.length - 1).sum();
+    let lively = pairs > STUCK && (equal as f64) < LIVELY * pairs as f64;
+    let long: Vec<&Run> =
+        runs.iter().filter(|run| run.length >= STUCK && run.value.abs() < own_limit).collect();
+    let first = long.first().filter(|_| lively)?;
+    let samples: usize = long.iter().map(|run| run.length).sum();
+    let kind = FaultKind::Stuck {
+        from_s: first.from as f64 * period_s,
+        for_s: samples as f64 * period_s,
+        value: first.value,
+    };
+    Some(Seen { kind, useless: long.iter().flat_map(|run| run.from..run.from + run.length).collect() })
+}
+
+/// Flat tops at an extreme, several times over: a limit that is not the converter's.
+fn clipped(series: &[f64], runs: &[Run], own_limit: f64) -> Option<Seen> {
+    let there = || series.iter().copied().filter(|v| v.is_finite());
+    let (low, high) = there().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+    if high - low < FINE_STEPS * step(series) {
+        return None;
+    }
+    let tops = |limit: f64| -> Vec<&Run> {
+        runs.iter().filter(|run| run.value == limit && run.length >= FLAT_TOP).collect()
+    };
+    let samples = |limit: f64| tops(limit).iter().map(|run| run.length).sum::<usize>();
+    let limits: Vec<f64> = [low, high]
+        .into_iter()
+        .filter(|l| {
+            l.abs() < own_limit
+                && tops(*l).len() > 1
+                && samples(*l) as f64 > CLIPPED_SHARE * series.len() as f64
+        })
+        .collect();
+    let limit = limits.iter().copied().max_by_key(|l| samples(*l))?;
+    let count: usize = limits.iter().map(|l| samples(*l)).sum();
+    let useless = (0..series.len()).filter(|k| limits.contains(&series[*k])).collect();
+    Some(Seen { kind: FaultKind::Clipped { limit, share: count as f64 / series.len() as f64 }, useless })
+}
+
+/// A sensor's converter that is coarser than the project's; none for a column that no sensor writes.
+pub(super) fn coarse(column: Column, series: &[f64], base: &Parameters) -> Option<FaultKind> {
+    let expected = column.converter_step(base).filter(|_| Column::SENSORS.contains(&column))?;
+    let step = step(series);
+    (step.is_finite() && step > COARSER * expected).then_some(FaultKind::Coarse { step, expected })
+}
+
+/// Smallest difference between two different neighbouring readings; infinite where there are none.
+fn step(series: &[f64]) -> f64 {
+    let largest = series.iter().filter(|v| v.is_finite()).fold(0.0, |a: f64, v| a.max(v.abs()));
+    let differences = series.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 1e-9 * largest);
+    differences.fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use counterpoise_models::reference;
+
+    /// A rate with noise on it through the reference rig's converter.
+    fn reading(count: usize) -> Vec<f64> {
+        let mut state = 5u64;
+        let step = 20.0 / 65536.0 / 10.0;
+        let one = |k: usize| {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            let noise = (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5;
+            ((0.1 * (k as f64 * 0.004).sin() + 6e-4 * noise) / step).round() * step
+        };
+        (0..count).map(one).collect()
+    }
+
+    fn told(series: &[f64]) -> Vec<FaultKind> {
+        let rig = reference::rig();
+        seen(Column::HubRate, series, &rig, 1e-3).iter().map(|s| s.kind.clone()).collect()
+    }
+
+    #[test]
+    fn a_sound_reading_and_one_at_rest_have_nothing_wrong() {
+        assert!(told(&reading(5000)).is_empty());
+        assert!(told(&[0.0; 5000]).is_empty());
+    }
+
+    #[test]
+    fn standstill_limit_lower_rate_and_coarser_steps_are_told_apart() {
+        let mut stuck = reading(5000);
+        let value = stuck[4000];
+        stuck[4000..].fill(value);
+        assert!(matches!(told(&stuck)[..], [FaultKind::Stuck { .. }]));
+        let clipped: Vec<f64> = reading(5000).iter().map(|v| v.clamp(-0.06, 0.06)).collect();
+        assert!(matches!(told(&clipped)[..], [FaultKind::Clipped { .. }]));
+        let sound = reading(5000);
+        let held: Vec<f64> = (0..5000).map(|k| sound[k / 10 * 10]).collect();
+        assert!(matches!(told(&held)[..], [FaultKind::Held { .. }]));
+        let coarse: Vec<f64> = sound.iter().map(|v| (v / 4e-4).round() * 4e-4).collect();
+        let rig = reference::rig();
+        assert!(super::coarse(Column::HubRate, &coarse, &rig).is_some());
+        assert!(super::coarse(Column::HubRate, &sound, &rig).is_none());
+    }
+}

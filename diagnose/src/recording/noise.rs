@@ -1,0 +1,113 @@
+//! How much of each channel is noise: taken from the recordings, for a project file may say more or less than is there.
+
+use counterpoise_models::{Interface, Parameters, Sensor};
+use counterpoise_simulate::recording::{Channel, Recording};
+use counterpoise_simulate::replay::reading_floor;
+
+/// RMS of the white noise of a series from its third differences, by their median: steps and slow motion do not
+/// disturb it. 0 for a series that stands still or is too short.
+pub fn white_noise(series: &[f64]) -> f64 {
+    let third = series.windows(4).map(|w| (w[3] - 3.0 * (w[2] - w[1]) - w[0]).abs());
+    let mut sizes: Vec<f64> = third.filter(|d| d.is_finite()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let median = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
+    median / (0.6745 * 20f64.sqrt())
+}
+
+/// The floor of a channel of one recording: the noise that it shows, and no less than its converter's step leaves.
+pub fn floor(base: &Parameters, channel: Channel, series: &[f64]) -> f64 {
+    let output = 20.0 / f64::from(base.interface.output_bits).exp2() / 12f64.sqrt();
+    let step = sensor(base, channel).map_or(output, |s| silent(s, &base.interface));
+    white_noise(series).max(step).max(f64::MIN_POSITIVE)
+}
+
+/// The mechanism with its sensors as noisy as the recordings show them (the median over the recordings); a sensor whose
+/// channel stands still or was not recorded stays as the project has it.
+pub fn with_recorded_noise(base: &Parameters, recordings: &[Recording]) -> Parameters {
+    let mut heard = base.clone();
+    for channel in Channel::ALL {
+        let mut levels: Vec<f64> = recordings
+            .iter()
+            .filter_map(|r| r.column(channel))
+            .map(white_noise)
+            .filter(|n| *n > 0.0)
+            .collect();
+        levels.sort_by(f64::total_cmp);
+        let Some(&level) = levels.get(levels.len() / 2) else { continue };
+        if let Some(sensor) = sensor_mut(&mut heard, channel) {
+            let step = silent(sensor, &base.interface);
+            sensor.noise_rms = (level * level - step * step).max(0.0).sqrt();
+        }
+    }
+    heard
+}
+
+/// The mechanism with the noise of its sensors as another has it.
+pub fn with_noise_levels_of(mut mechanism: Parameters, other: &Parameters) -> Parameters {
+    for channel in Channel::ALL {
+        if let (Some(ours), Some(theirs)) = (sensor_mut(&mut mechanism, channel), sensor(other, channel)) {
+            ours.noise_rms = theirs.noise_rms;
+        }
+    }
+    mechanism
+}
+
+/// What the converter's step alone leaves of a sensor.
+fn silent(sensor: &Sensor, interface: &Interface) -> f64 {
+    reading_floor(&Sensor { noise_rms: 0.0, ..sensor.clone() }, interface)
+}
+
+fn sensor(p: &Parameters, channel: Channel) -> Option<&Sensor> {
+    let s = &p.sensors;
+    match channel {
+        Channel::Control => None,
+        Channel::HubRate => Some(&s.hub_gyro),
+        Channel::PlatformRate => Some(&s.platform_gyro),
+        Channel::PlatformAccel => Some(&s.platform_accelerometer),
+        Channel::MotorRate => s.motor_tachometer.as_ref(),
+        Channel::HubPosition => s.hub_resolver.as_ref(),
+    }
+}
+
+fn sensor_mut(p: &mut Parameters, channel: Channel) -> Option<&mut Sensor> {
+    let s = &mut p.sensors;
+    match channel {
+        Channel::Control => None,
+        Channel::HubRate => Some(&mut s.hub_gyro),
+        Channel::PlatformRate => Some(&mut s.platform_gyro),
+        Channel::PlatformAccel => Some(&mut s.platform_accelerometer),
+        Channel::MotorRate => s.motor_tachometer.as_mut(),
+        Channel::HubPosition => s.hub_resolver.as_mut(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use super::*;
+    use counterpoise_models::reference;
+
+    #[test]
+    fn noise_is_heard_through_steps_and_slow_motion() {
+        let mut state = 9u64;
+        let mut noise = || {
+            let mut sum = -6.0;
+            for _ in 0..12 {
+                state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                sum += (state >> 11) as f64 / (1u64 << 53) as f64;
+            }
+            sum
+        };
+        let rate: Vec<f64> = (0..5000)
+            .map(|k| 0.1 * (k as f64 * 0.004).sin() + f64::from(k / 1000) + 2e-3 * noise())
+            .collect();
+        assert!((white_noise(&rate) / 2e-3 - 1.0).abs() < 0.05, "{}", white_noise(&rate));
+        let recording =
+            Recording { hub_rate_rad_s: Some(rate), sample_period_s: 1e-3, ..Recording::default() };
+        let base = reference::rig();
+        let heard = with_recorded_noise(&base, &[recording]);
+        assert!((heard.sensors.hub_gyro.noise_rms / 2e-3 - 1.0).abs() < 0.05);
+        assert_eq!(heard.sensors.platform_gyro, base.sensors.platform_gyro);
+        assert_eq!(with_noise_levels_of(heard, &base), base);
+    }
+}

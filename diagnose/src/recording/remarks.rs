@@ -1,0 +1,64 @@
+//! What is to be reported about the recordings themselves.
+
+use crate::recording::gap_repair::Repair;
+use crate::recording::instrument_faults::InstrumentFault;
+use crate::recording::sanity_checks::Remark;
+
+/// What was done with a recording whose platform moves and whose heave was not recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HeaveTreatment {
+    /// The heave is taken as none.
+    TakenAsNone,
+    /// The recording is left out.
+    LeftOut,
+}
+
+/// Whether a channel on which something was remarked is still compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Comparison {
+    /// It is compared.
+    Compared,
+    /// It is not compared.
+    NotCompared,
+}
+
+/// Something to be reported about the recordings.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RecordingRemark {
+    /// The platform moves, and its heave was not recorded.
+    UnknownHeave {
+        /// Name of the recording.
+        recording: String,
+        /// What was done with it.
+        treatment: HeaveTreatment,
+    },
+    /// A fault of a sensor or of the recorder.
+    Fault(InstrumentFault),
+    /// A channel was repaired.
+    Repaired {
+        /// Name of the recording.
+        recording: String,
+        /// Channel; `time` for the recording as a whole.
+        channel: &'static str,
+        /// What was done.
+        repair: Repair,
+    },
+    /// A check found something unusual.
+    Checked {
+        /// What it found.
+        remark: Remark,
+        /// Whether the channel is still compared.
+        comparison: Comparison,
+    },
+    /// Only the first part of a recording is used.
+    Shortened {
+        /// Name of the recording.
+        recording: String,
+        /// Length that is used, s.
+        used_s: f64,
+        /// Length of the recording, s.
+        length_s: f64,
+        /// Number of samples of all recordings together that are replayed.
+        most_samples: usize,
+    },
+}

@@ -1,0 +1,471 @@
+//! Before any physics: are the recordings what they claim to be?
+//!
+//! Every channel is checked by itself (not finite, stuck, clipped, coarsely quantised), and the three ways to know the
+//! hub's rate on the platform (gyroscopes, tachometer over the ratio, the resolver's derivative) against each other.
+
+use counterpoise_models::Parameters;
+use counterpoise_simulate::recording::Recording;
+use counterpoise_simulate::replay::{Loop, control_fit};
+
+use crate::recording::measured_signals::MeasuredSignals;
+use crate::recording::series::rms;
+
+/// What a sensor's disagreement with the others most likely means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Meaning {
+    /// Its sign is swapped.
+    SignSwapped,
+    /// It is in degrees.
+    InDegrees,
+    /// One is in degrees and the other in radians.
+    MixedDegreesAndRadians,
+    /// It is in thousandths.
+    InThousandths,
+    /// A scale or the gear ratio is wrong.
+    WrongScaleOrRatio,
+}
+
+/// Whether readings stay at an extreme of the channel or between.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Standstill {
+    /// At an extreme.
+    Clipped,
+    /// Between the extremes.
+    Stuck,
+}
+
+/// What is unusual about a channel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Anomaly {
+    /// Samples are missing or not numbers.
+    Missing {
+        /// How many.
+        missing: usize,
+        /// Of how many.
+        samples: usize,
+    },
+    /// It has one value throughout.
+    StuckThroughout {
+        /// The value, in the channel's unit.
+        value: f64,
+    },
+    /// Flat tops at an extreme.
+    FlatTops {
+        /// The extreme, in the channel's unit.
+        limit: f64,
+        /// Number of samples in them.
+        samples: usize,
+    },
+    /// One long run of equal readings.
+    LongRun {
+        /// Whether at an extreme.
+        standstill: Standstill,
+        /// The value, in the channel's unit.
+        value: f64,
+        /// Number of samples.
+        samples: usize,
+        /// The first of them.
+        first: usize,
+    },
+    /// Few steps of the quantiser over the range.
+    Coarse {
+        /// Steps over the range.
+        steps: f64,
+    },
+    /// The gyroscopes disagree with motor and resolver, which agree with each other.
+    GyroscopesDisagree {
+        /// What the gyroscopes give over what the others give.
+        ratio: f64,
+        /// What it most likely means.
+        meaning: Meaning,
+    },
+    /// The channel disagrees with the gyroscopes.
+    Disagrees {
+        /// What it gives over what the gyroscopes give.
+        ratio: f64,
+        /// What it most likely means.
+        meaning: Meaning,
+    },
+    /// Its clock has an offset.
+    ClockOffset {
+        /// How much later than the gyroscopes it is, s.
+        late_s: f64,
+    },
+    /// Its clock runs fast or slow.
+    ClockDrift {
+        /// How much later than the gyroscopes it is at the start, s.
+        start_s: f64,
+        /// The same at the end, s.
+        end_s: f64,
+        /// Share by which the clock runs slow.
+        slow: f64,
+    },
+}
+
+impl Anomaly {
+    /// Whether the channel cannot be used as it is.
+    pub fn is_disqualifying(&self) -> bool {
+        match self {
+            Self::Missing { missing, samples } => missing == samples,
+            Self::StuckThroughout { .. } => true,
+            Self::Disagrees { meaning, .. } => *meaning != Meaning::WrongScaleOrRatio,
+            _ => false,
+        }
+    }
+}
+
+/// Something that is wrong, or worth knowing, about a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Remark {
+    /// Name of the recording.
+    pub recording: String,
+    /// Channel.
+    pub channel: &'static str,
+    /// What was seen.
+    pub anomaly: Anomaly,
+}
+
+/// Checks the channels of one recording by themselves and against each other; `ratio` is the gear's, motor turns per hub turn.
+pub fn check_signals(name: &str, measured: &MeasuredSignals, ratio: f64) -> Vec<Remark> {
+    let mut remarks = Vec::new();
+    let mut note = |channel, anomaly| {
+        remarks.push(Remark { recording: name.to_owned(), channel, anomaly });
+    };
+    for (channel, series) in channels(measured) {
+        if let Some(anomaly) = check_alone(series) {
+            note(channel, anomaly);
+        }
+    }
+    let pairs = redundant(measured, ratio);
+    let slopes: Vec<(f64, f64)> = pairs.iter().map(|(_, gyros, other)| regression(gyros, other)).collect();
+    if let Some(anomaly) = all_against_the_gyros(&slopes) {
+        note("hub_rate", anomaly);
+        return remarks;
+    }
+    for ((channel, gyros, other), (slope, coherence)) in pairs.iter().zip(slopes) {
+        if let Some(meaning) = meaning(slope, coherence) {
+            note(channel, Anomaly::Disagrees { ratio: slope, meaning });
+        } else if let Some(anomaly) =
+            drifting(gyros, other, measured.period_s).or_else(|| shifted(gyros, other, measured.period_s))
+        {
+            note(channel, anomaly);
+        }
+    }
+    remarks
+}
+
+/// The recorded control is not what the project's controller makes of the recorded demand and hub rate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ControlMismatch {
+    /// RMS of the difference, V.
+    pub rms_v: f64,
+    /// The same as a multiple of what rounding leaves.
+    pub ratio: f64,
+}
+
+/// Compares the recorded control with what the project's controller makes of the recorded demand and hub rate. Returns `None` if they
+/// agree, if one of the three was not recorded, or if no controller is known. The columns must be the samples that were read, not
+/// made from others.
+pub fn check_control(base: &Parameters, recording: &Recording, control: &Loop) -> Option<ControlMismatch> {
+    let Loop::Closed(controller) = control else { return None };
+    let (fit, _) = control_fit(base, recording, controller)?;
+    let ratio = fit.rms_error / fit.floor;
+    (ratio > FOREIGN).then_some(ControlMismatch { rms_v: fit.rms_error, ratio })
+}
+
+/// Times what rounding leaves beyond which a control is not the controller's.
+const FOREIGN: f64 = 5.0;
+
+/// Two sensors that agree with each other and not with the gyroscopes: those are wrong.
+fn all_against_the_gyros(slopes: &[(f64, f64)]) -> Option<Anomaly> {
+    let &[(a, coherence_a), (b, coherence_b)] = slopes else { return None };
+    let agree = (a / b - 1.0).abs() < AGREE;
+    let meaning = meaning(1.0 / a, coherence_a.min(coherence_b)).filter(|_| agree)?;
+    Some(Anomaly::GyroscopesDisagree { ratio: 1.0 / a, meaning })
+}
+
+/// Two slopes within this share of each other agree.
+const AGREE: f64 = 0.1;
+
+/// Two clocks whose readings part by more than this are told, s: sensors and gear account for a few milliseconds.
+const OFFSET_TOLD_S: f64 = 8e-3;
+/// Clock offsets up to this are sought, s.
+const OFFSET_SOUGHT_S: f64 = 0.1;
+/// Share of the difference between two channels that an offset may leave to be believed: a wide gap between the teeth
+/// makes the motor lead, too, but leaves a quarter and more.
+const OFFSET_EXPLAINS: f64 = 0.1;
+
+/// Whether a channel comes later or earlier than the gyroscopes: the offset with the smallest difference.
+fn shifted(reference: &[f64], rate: &[f64], period_s: f64) -> Option<Anomaly> {
+    let (offset_s, believed) = offset(reference, rate, period_s)?;
+    (believed && offset_s.abs() > OFFSET_TOLD_S).then_some(Anomaly::ClockOffset { late_s: offset_s })
+}
+
+/// Whether a channel's clock runs fast or slow: other offsets at the start and at the end.
+fn drifting(reference: &[f64], rate: &[f64], period_s: f64) -> Option<Anomaly> {
+    let third = reference.len() / 3;
+    let at = |from: usize| offset(&reference[from..from + third], &rate[from..from + third], period_s);
+    let ((start_s, first), (end_s, last)) = (at(0)?, at(reference.len() - third)?);
+    let apart_s = end_s - start_s;
+    let part = apart_s / (2.0 * third as f64 * period_s);
+    let told = (first || last) && apart_s.abs() > OFFSET_TOLD_S;
+    told.then_some(Anomaly::ClockDrift { start_s, end_s, slow: part })
+}
+
+/// The offset, s, with the smallest difference, and whether it explains so much that it is believed.
+fn offset(reference: &[f64], rate: &[f64], period_s: f64) -> Option<(f64, bool)> {
+    let most = (OFFSET_SOUGHT_S / period_s).round() as usize;
+    let inside = most..reference.len().checked_sub(most).filter(|end| *end > 2 * most)?;
+    let apart = |lag: isize| {
+        let difference = |k: usize| rate[k.saturating_add_signed(lag)] - reference[k];
+        rms(&inside.clone().map(difference).filter(|d| d.is_finite()).collect::<Vec<f64>>()).powi(2)
+    };
+    let most = isize::try_from(most).ok()?;
+    let (lag, least) = (-most..=most).map(|lag| (lag, apart(lag))).min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let inside = lag.abs() < most;
+    Some((lag as f64 * period_s, inside && least < OFFSET_EXPLAINS * apart(0)))
+}
+
+fn channels(m: &MeasuredSignals) -> Vec<(&'static str, &[f64])> {
+    let mut out: Vec<(&'static str, &[f64])> = vec![
+        ("control", &m.control),
+        ("hub_rate", &m.hub_rate),
+        ("platform_rate", &m.platform_rate),
+        ("platform_accel", &m.platform_accel),
+    ];
+    out.extend(m.motor_rate.as_deref().map(|series| ("motor_rate", series)));
+    out.extend(m.hub_position.as_deref().map(|series| ("hub_position", series)));
+    out
+}
+
+/// What a channel says about itself.
+fn check_alone(series: &[f64]) -> Option<Anomaly> {
+    let bad = series.iter().filter(|v| !v.is_finite()).count();
+    if bad > 0 {
+        return Some(Anomaly::Missing { missing: bad, samples: series.len() });
+    }
+    let (run, at) = longest_run(series);
+    let (low, high) = extent(series);
+    if run == series.len() && series.len() > 1 {
+        return (low != 0.0).then_some(Anomaly::StuckThroughout { value: low });
+    }
+    let quantum = step(series);
+    if let Some(anomaly) = clipped(series, low, high, quantum) {
+        return Some(anomaly);
+    }
+    if run > series.len() / 10 && high - low > 20.0 * quantum {
+        let value = series[at];
+        let standstill = if value == low || value == high { Standstill::Clipped } else { Standstill::Stuck };
+        return Some(Anomaly::LongRun { standstill, value, samples: run, first: at });
+    }
+    (quantum > 0.05 * (high - low)).then(|| Anomaly::Coarse { steps: (high - low) / quantum })
+}
+
+/// Samples that stay at one extreme for this long make a flat top.
+const FLAT_TOP: usize = 5;
+/// A channel is clipped where flat tops at one extreme hold this share of it.
+const CLIPPED_SHARE: f64 = 0.01;
+/// Fewest steps of the quantiser over the range for which a flat top means something.
+const FINE_STEPS: f64 = 200.0;
+
+/// Flat tops at an extreme, several times over: a limit, not a coincidence.
+fn clipped(series: &[f64], low: f64, high: f64, quantum: f64) -> Option<Anomaly> {
+    if high - low < FINE_STEPS * quantum {
+        return None;
+    }
+    let flat = |limit: f64| {
+        let tops = series.chunk_by(|a, b| a == b).filter(|top| top[0] == limit && top.len() >= FLAT_TOP);
+        tops.map(<[f64]>::len).sum::<usize>()
+    };
+    let (limit, samples) = [(low, flat(low)), (high, flat(high))].into_iter().max_by_key(|(_, n)| *n)?;
+    (samples as f64 > CLIPPED_SHARE * series.len() as f64).then_some(Anomaly::FlatTops { limit, samples })
+}
+
+fn longest_run(series: &[f64]) -> (usize, usize) {
+    let (mut best, mut best_at, mut run, mut start) = (0, 0, 0, 0);
+    for k in 0..series.len() {
+        if k == 0 || series[k] != series[k - 1] {
+            (run, start) = (0, k);
+        }
+        run += 1;
+        if run > best {
+            (best, best_at) = (run, start);
+        }
+    }
+    (best, best_at)
+}
+
+fn extent(series: &[f64]) -> (f64, f64) {
+    series.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)))
+}
+
+/// Smallest difference between two different neighbouring values: the quantiser's step.
+fn step(series: &[f64]) -> f64 {
+    let (low, high) = extent(series);
+    let negligible = 1e-9 * (high - low);
+    let differences = series.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > negligible);
+    differences.fold(f64::INFINITY, f64::min).min(high - low)
+}
+
+/// Each redundant channel's rate of the hub on the platform beside the gyroscopes', smoothed alike.
+fn redundant(m: &MeasuredSignals, ratio: f64) -> Vec<(&'static str, Vec<f64>, Vec<f64>)> {
+    let relative: Vec<f64> = m.hub_rate.iter().zip(&m.platform_rate).map(|(h, p)| h - p).collect();
+    let half = (0.02 / m.period_s).round() as usize;
+    let smooth = |series: &[f64]| centred(&moving(series, half));
+    let reference = smooth(&relative);
+    let mut out = Vec::new();
+    if let Some(motor) = &m.motor_rate {
+        let geared: Vec<f64> = motor.iter().map(|w| w / ratio).collect();
+        out.push(("motor_rate", reference.clone(), smooth(&geared)));
+    }
+    if let Some(position) = &m.hub_position {
+        let rate: Vec<f64> =
+            (0..position.len()).map(|k| slope_at(position, k, half.max(1)) / m.period_s).collect();
+        out.push(("hub_position", reference, centred(&rate)));
+    }
+    out
+}
+
+fn slope_at(series: &[f64], k: usize, half: usize) -> f64 {
+    let (from, to) = (k.saturating_sub(half), (k + half).min(series.len() - 1));
+    (series[to] - series[from]) / (to - from).max(1) as f64
+}
+
+/// Moving mean; missing where a sample in the window is missing.
+fn moving(series: &[f64], half: usize) -> Vec<f64> {
+    let at = |k: usize| {
+        let window = &series[k.saturating_sub(half)..(k + half + 1).min(series.len())];
+        window.iter().sum::<f64>() / window.len() as f64
+    };
+    (0..series.len()).map(at).collect()
+}
+
+/// The series about the mean of what is there.
+fn centred(series: &[f64]) -> Vec<f64> {
+    let there: Vec<f64> = series.iter().copied().filter(|v| v.is_finite()).collect();
+    let mean = there.iter().sum::<f64>() / there.len().max(1) as f64;
+    series.iter().map(|v| v - mean).collect()
+}
+
+/// Slope of y over x and their coherence, where both are there.
+fn regression(x: &[f64], y: &[f64]) -> (f64, f64) {
+    let both = || x.iter().zip(y).filter(|(a, b)| a.is_finite() && b.is_finite());
+    let inner: f64 = both().map(|(a, b)| a * b).sum();
+    let power: f64 = both().map(|(a, _)| a * a).sum();
+    let other: f64 = both().map(|(_, b)| b * b).sum();
+    if power == 0.0 || other == 0.0 { (1.0, 0.0) } else { (inner / power, inner * inner / (power * other)) }
+}
+
+/// What a slope that is not 1 most likely means, and whether the channel cannot be used as it is.
+fn meaning(slope: f64, coherence: f64) -> Option<Meaning> {
+    if coherence.is_nan() || coherence < 0.5 || (slope - 1.0).abs() < 0.2 {
+        return None;
+    }
+    let degrees = 180.0 / std::f64::consts::PI;
+    let near = |value: f64| (slope / value - 1.0).abs() < 0.1;
+    let guess = if near(-1.0) {
+        Meaning::SignSwapped
+    } else if near(degrees) || near(-degrees) {
+        Meaning::InDegrees
+    } else if near(1.0 / degrees) {
+        Meaning::MixedDegreesAndRadians
+    } else if near(1e3) || near(-1e3) {
+        Meaning::InThousandths
+    } else {
+        Meaning::WrongScaleOrRatio
+    };
+    Some(guess)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn machine() -> MeasuredSignals {
+        let rate: Vec<f64> = (0..5000).map(|k| 0.1 * (k as f64 * 0.004).sin()).collect();
+        let mut angle = 0.0;
+        let position = rate
+            .iter()
+            .map(|w| {
+                angle += w * 1e-3;
+                angle
+            })
+            .collect();
+        MeasuredSignals {
+            period_s: 1e-3,
+            control: rate.iter().map(|w| 10.0 * w).collect(),
+            platform_rate: vec![0.0; 5000],
+            platform_accel: vec![0.0; 5000],
+            motor_rate: Some(rate.iter().map(|w| 200.0 * w).collect()),
+            hub_position: Some(position),
+            hub_rate: rate,
+        }
+    }
+
+    /// The first anomaly of a machine.
+    fn anomaly(machine: &MeasuredSignals) -> Anomaly {
+        check_signals("r", machine, 200.0)[0].anomaly
+    }
+
+    #[test]
+    fn a_sound_recording_raises_no_remark() {
+        assert_eq!(check_signals("sound", &machine(), 200.0), vec![]);
+    }
+
+    #[test]
+    fn swapped_sign_degrees_and_gaps_are_named() {
+        let mut swapped = machine();
+        swapped.motor_rate = swapped.motor_rate.map(|w| w.iter().map(|v| -v).collect());
+        assert!(matches!(anomaly(&swapped), Anomaly::Disagrees { meaning: Meaning::SignSwapped, .. }));
+        let mut degrees = machine();
+        degrees.hub_position = degrees.hub_position.map(|a| a.iter().map(|v| v.to_degrees()).collect());
+        assert!(matches!(anomaly(&degrees), Anomaly::Disagrees { meaning: Meaning::InDegrees, .. }));
+        let mut gap = machine();
+        gap.hub_rate[17] = f64::NAN;
+        let remark = &check_signals("r", &gap, 200.0)[0];
+        assert_eq!(
+            (remark.channel, remark.anomaly),
+            ("hub_rate", Anomaly::Missing { missing: 1, samples: 5000 })
+        );
+    }
+
+    #[test]
+    fn a_clock_offset_is_told_with_its_size() {
+        let mut late = machine();
+        late.motor_rate = late.motor_rate.map(|w| (0..w.len()).map(|k| w[k.saturating_sub(30)]).collect());
+        assert!(matches!(anomaly(&late), Anomaly::ClockOffset { late_s } if (late_s - 0.03).abs() < 1e-9));
+    }
+
+    #[test]
+    fn a_clock_that_drifts_is_told_and_no_slope_is_made_of_missing_samples() {
+        let mut slow = machine();
+        slow.motor_rate = slow.motor_rate.map(|w| (0..w.len()).map(|k| w[k - k / 100]).collect());
+        let remark = &check_signals("r", &slow, 200.0)[0];
+        let is_slow =
+            matches!(remark.anomaly, Anomaly::ClockDrift { slow, .. } if (slow - 0.01).abs() < 5e-4);
+        assert!(remark.channel == "motor_rate" && is_slow, "{remark:?}");
+        let mut holes = machine();
+        if let Some(motor) = holes.motor_rate.as_mut() {
+            motor[1000..2500].fill(f64::NAN);
+        }
+        assert_eq!(check_signals("r", &holes, 200.0).len(), 1);
+    }
+
+    #[test]
+    fn when_motor_and_resolver_agree_the_gyroscope_is_wrong() {
+        let mut swapped = machine();
+        swapped.hub_rate.iter_mut().for_each(|w| *w = -*w);
+        let remarks = check_signals("r", &swapped, 200.0);
+        assert_eq!((remarks.len(), remarks[0].channel), (1, "hub_rate"));
+        let swapped =
+            matches!(remarks[0].anomaly, Anomaly::GyroscopesDisagree { meaning: Meaning::SignSwapped, .. });
+        assert!(swapped, "{remarks:?}");
+    }
+
+    #[test]
+    fn clipping_is_seen() {
+        let mut clipped = machine();
+        clipped.control.iter_mut().for_each(|u| *u = u.clamp(-0.5, 0.5));
+        assert!(matches!(anomaly(&clipped), Anomaly::FlatTops { .. }));
+    }
+}

@@ -1,0 +1,62 @@
+//! Recordings of a moving platform whose heave nobody recorded.
+
+use counterpoise_simulate::recording::Recording;
+
+use crate::recording::remarks::{HeaveTreatment, RecordingRemark};
+use crate::recording::series::rms;
+
+/// Rate of a platform above which it moves, rad/s RMS.
+const MOVES_RAD_S: f64 = 5e-3;
+
+/// The recordings less those in which the platform moves and nobody recorded how it heaves, and what is said of these: out of balance,
+/// the mechanism feels the heave, and some effect would be found that is as large. Where all are so, all stay.
+pub(crate) fn drop_unknown_heave(recordings: Vec<Recording>) -> (Vec<Recording>, Vec<RecordingRemark>) {
+    let all = recordings.iter().all(is_unknown);
+    let treatment = if all { HeaveTreatment::TakenAsNone } else { HeaveTreatment::LeftOut };
+    let remark = |r: &Recording| RecordingRemark::UnknownHeave { recording: r.name.clone(), treatment };
+    let remarks = recordings.iter().filter(|r| is_unknown(r)).map(remark).collect();
+    let kept = recordings.into_iter().filter(|r| all || !is_unknown(r)).collect();
+    (kept, remarks)
+}
+
+fn is_unknown(recording: &Recording) -> bool {
+    let rate = recording.platform_rate_rad_s.iter().flatten().copied();
+    let rate: Vec<f64> = rate.filter(|w| w.is_finite()).collect();
+    recording.platform_accel_m_s2.is_none() && rms(&rate) > MOVES_RAD_S
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn recording(name: &str, rate: f64, heave: Option<f64>) -> Recording {
+        Recording {
+            name: name.to_owned(),
+            sample_period_s: 1e-3,
+            platform_rate_rad_s: Some(vec![rate, -rate, rate, f64::NAN]),
+            platform_accel_m_s2: heave.map(|a| vec![a; 4]),
+            ..Recording::default()
+        }
+    }
+
+    #[test]
+    fn only_a_moving_platform_without_acceleration_is_left_out() {
+        let road = recording("road", 0.1, None);
+        let (kept, remarks) = drop_unknown_heave(vec![
+            recording("steps", 1e-4, None),
+            road.clone(),
+            recording("track", 0.1, Some(0.3)),
+        ]);
+        let names: Vec<&str> = kept.iter().map(|r| r.name.as_str()).collect();
+        assert_eq!(names, ["steps", "track"]);
+        assert_eq!(remarks.len(), 1);
+        let treatment = HeaveTreatment::LeftOut;
+        assert_eq!(remarks[0], RecordingRemark::UnknownHeave { recording: "road".to_owned(), treatment });
+        let (kept, remarks) = drop_unknown_heave(vec![road]);
+        assert_eq!(kept.len(), 1);
+        assert!(matches!(
+            remarks[0],
+            RecordingRemark::UnknownHeave { treatment: HeaveTreatment::TakenAsNone, .. }
+        ));
+    }
+}

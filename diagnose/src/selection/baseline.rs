@@ -1,0 +1,44 @@
+//! The model as it is, as fairly judged as a candidate: the recordings' starts fitted to all that was recorded.
+//!
+//! A start found from the first moments says little of what shows only later: without a resolver the hub's angle is known
+//! from its weight alone, and a level hub's weight hardly depends on it. A candidate's starts are fitted together with its
+//! parameters; were those of the model as it is not, every effect that does next to nothing would gain what the starts give.
+
+use crate::fitting::output_error::FitSelection;
+use crate::fitting::score::{Score, assess, score};
+use crate::selection::candidate::whole_parts;
+use crate::selection::searcher::Searcher;
+use crate::simulator_access::Assessment;
+use crate::tolerance::SEARCH_ITERATIONS;
+
+/// How the recordings stand to the model as it is.
+#[derive(Debug, Clone)]
+pub struct Baseline {
+    /// From the starts that their first moments tell.
+    pub sought: Vec<Assessment>,
+    /// From the starts that explain most of each recording.
+    pub fitted: Vec<Assessment>,
+    /// Fit of every recording, whole, from these.
+    pub score: Score,
+}
+
+impl Searcher<'_> {
+    /// The model as it is; none where it cannot be simulated.
+    pub(crate) fn fit_baseline(&self) -> Option<Baseline> {
+        let sought = assess(self.simulator, self.pool, self.base)?;
+        let selection =
+            FitSelection { iterations: SEARCH_ITERATIONS, ..FitSelection::all(self.simulator.count()) };
+        let fit = self.fit(Vec::new(), &[], &selection, &sought);
+        let again = fit.and_then(|fit| self.assess_model(self.base, &|r| fit.assessment(r)));
+        let better =
+            |(was, now): (&Assessment, Assessment)| if level(&now) < level(was) { now } else { was.clone() };
+        let fitted = again.map_or_else(|| sought.clone(), |a| sought.iter().zip(a).map(better).collect());
+        let score = score(&fitted, &whole_parts(self.simulator.count()))?;
+        Some(Baseline { sought, fitted, score })
+    }
+}
+
+/// Sum of ln(excess) over a recording's channels.
+pub(crate) fn level(judged: &Assessment) -> f64 {
+    (0..judged.channels.len()).map(|c| judged.excess(c).max(f64::MIN_POSITIVE).ln()).sum()
+}

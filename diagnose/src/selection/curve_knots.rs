@@ -1,0 +1,409 @@
+//! Where the points of a table lie: chosen by what the recordings show, and by what they did not see.
+//!
+//! A curve that was found with its points at the usual inputs bends where those lie, and the machine's elsewhere. What each point of
+//! a fine curve does to the residuals is taken from the simulator once; from then on every choice of points is a linear fit.
+//! The recordings are cut into stretches of a second; each choice is fitted to every second stretch and judged on the others,
+//! and the other way round. Points are added, moved and taken away while that is worth their price.
+
+use counterpoise_linalg::{Mat, solve};
+use counterpoise_simulate::replay::{START_FREEDOMS, start_has};
+
+use crate::fitting::StartColumns;
+use crate::fitting::output_error::FitSelection;
+use crate::library::{Effect, curve_inputs, curve_of};
+use crate::recording::series::correlation_time;
+use crate::recording::series::dot;
+use crate::selection::candidate::Candidate;
+use crate::selection::searcher::Searcher;
+use crate::simulator_access::{Assessment, ChannelResidual, Span, StartShift, map};
+use crate::tolerance::{
+    KNOT_GAP_V, KNOT_ITERATIONS, KNOT_MOVES, KNOT_PRICE, KNOT_ROUNDS, KNOT_SHARE, KNOT_SPACING_V,
+    KNOT_STRETCH, KNOT_WANDER, KNOTS_AT_MOST,
+};
+
+/// Step of a point of the fine curve, as a fraction of the linear gain.
+const STEP: f64 = 1e-3;
+
+impl Searcher<'_> {
+    /// A candidate with the points of its curve where the recordings ask for them; as it is where it has no curve.
+    pub(crate) fn place_curve_knots(&self, mut candidate: Candidate) -> Candidate {
+        for _ in 0..KNOT_ROUNDS {
+            match self.move_curve_knots(&candidate) {
+                Some(sharper) => candidate = sharper,
+                None => break,
+            }
+        }
+        candidate
+    }
+
+    /// The candidate with other points, where those explain more.
+    fn move_curve_knots(&self, candidate: &Candidate) -> Option<Candidate> {
+        let effects = &candidate.fit.effects;
+        let place = effects.iter().position(|e| curve_inputs(e).is_some())?;
+        let present = curve_inputs(effects[place])?;
+        let fine = fine_inputs(present);
+        let knots = self.slopes(candidate, &fine)?.chosen(present);
+        let inputs: Vec<f64> = knots.iter().map(|&k| fine[k]).collect();
+        if inputs == present || self.pool.cancelled() {
+            return None;
+        }
+        let mut effects = effects.clone();
+        effects[place] = curve_of(&inputs);
+        let start: Vec<f64> = effects.iter().flat_map(|e| e.values(&candidate.fit.parameters)).collect();
+        let selection = FitSelection {
+            iterations: KNOT_ITERATIONS,
+            restarts: 0,
+            ..FitSelection::all(self.simulator.count())
+        };
+        let fit = self.fit(effects, &start, &selection, &candidate.assessments)?;
+        self.replace_fit(candidate, fit).filter(|sharper| sharper.behind(candidate) < 0.0)
+    }
+
+    /// What each point of a fine curve does to all recordings.
+    fn slopes(&self, candidate: &Candidate, fine: &[f64]) -> Option<Slopes> {
+        let mut slopes = Slopes::new(fine, curve_of(fine).values(&candidate.fit.parameters));
+        for recording in 0..self.simulator.count() {
+            let (residual, columns) = self.columns(candidate, recording, curve_of(fine))?;
+            slopes.add(&residual, &columns);
+        }
+        slopes.samples_of_one /= slopes.samples.max(1.0);
+        Some(slopes)
+    }
+
+    /// The residuals of a recording, channel by channel, and what each point of the fine curve does to them; what the start could do
+    /// in their place is taken off.
+    fn columns(&self, candidate: &Candidate, recording: usize, fine: &'static Effect) -> Option<Columns> {
+        let near = candidate.assessments.get(recording)?;
+        let values = fine.values(&candidate.fit.parameters);
+        let parameters = fine.applied(&candidate.fit.parameters, &values);
+        let channels = weighted(self.simulator.residuals(&parameters, recording, Span::Whole, near)?, near);
+        let length = channels.first().map_or(0, Vec::len);
+        let residual: Vec<f64> = channels.into_iter().flatten().collect();
+        let change = |there: Vec<ChannelResidual>, by: f64| -> Vec<f64> {
+            let there = weighted(there, near).into_iter().flatten();
+            there.zip(&residual).map(|(a, b)| (a - b) / by).collect()
+        };
+        let columns = map(self.pool, values.len(), |k| {
+            let mut moved = values.clone();
+            moved[k] += STEP;
+            let there = fine.applied(&parameters, &moved);
+            Some(change(self.simulator.residuals(&there, recording, Span::Whole, near)?, STEP))
+        });
+        let columns: Vec<Vec<f64>> = columns.into_iter().collect::<Option<_>>()?;
+        let starts = map(self.pool, START_FREEDOMS, |k| {
+            let shift: StartShift = std::array::from_fn(|j| f64::from(u8::from(j == k)));
+            let there = || {
+                self.simulator.residuals_from_shifted_start(&parameters, recording, Span::Whole, near, &shift)
+            };
+            let there = start_has(&parameters, k).then(there).flatten()?.0;
+            Some(change(there, 1.0)).filter(|column| column.iter().any(|v| *v != 0.0))
+        });
+        let starts = StartColumns::new(starts);
+        let left = |series: &Vec<f64>| starts.left(series, &starts.absorbed(series));
+        let whole = columns.len() == values.len();
+        whole.then(|| (Series { values: left(&residual), length }, columns.iter().map(left).collect()))
+    }
+}
+
+/// The residuals of each channel, weighted as a fit weighs them.
+fn weighted(channels: Vec<ChannelResidual>, near: &Assessment) -> Vec<Vec<f64>> {
+    let one = |(c, misfit): (usize, ChannelResidual)| {
+        let weight = near.weight(c);
+        misfit.residual.into_iter().map(|r| weight * r).collect()
+    };
+    channels.into_iter().enumerate().map(one).collect()
+}
+
+/// Residuals and columns of one recording.
+type Columns = (Series, Vec<Vec<f64>>);
+
+/// Channels of a recording, one after the other.
+struct Series {
+    values: Vec<f64>,
+    /// Samples of a channel.
+    length: usize,
+}
+
+/// The inputs of a fine curve that has all points of another.
+fn fine_inputs(present: &[f64]) -> Vec<f64> {
+    let last = present.last().copied().unwrap_or(0.0);
+    let count = (last / KNOT_SPACING_V - 1e-6).floor() as usize;
+    // a number that reads well in the answer
+    let grid = |k: usize| (1e6 * k as f64 * KNOT_SPACING_V).round() / 1e6;
+    let mut inputs: Vec<f64> = (1..=count).map(grid).collect();
+    let close = |a: f64, b: f64| (a - b).abs() < 0.1 * KNOT_SPACING_V;
+    inputs.retain(|v| !present.iter().any(|p| close(*p, *v)));
+    inputs.extend(present);
+    inputs.sort_by(f64::total_cmp);
+    inputs
+}
+
+/// Curvature, gradient and cost of the fine curve's points, for each half of the stretches.
+struct Slopes {
+    inputs: Vec<f64>,
+    /// The present curve, as fractions of the linear gain.
+    fractions: Vec<f64>,
+    halves: [Half; 2],
+    samples: f64,
+    /// Samples that carry the information of one.
+    samples_of_one: f64,
+}
+
+struct Half {
+    normal: Mat,
+    gradient: Vec<f64>,
+    cost: f64,
+}
+
+impl Slopes {
+    fn new(inputs: &[f64], fractions: Vec<f64>) -> Self {
+        let count = inputs.len();
+        let half = || Half { normal: Mat::zeros(count, count), gradient: vec![0.0; count], cost: 0.0 };
+        let halves = [half(), half()];
+        Self { inputs: inputs.to_vec(), fractions, halves, samples: 0.0, samples_of_one: 0.0 }
+    }
+
+    /// Adds a recording.
+    fn add(&mut self, residual: &Series, columns: &[Vec<f64>]) {
+        let mut own = Slopes::new(&self.inputs, self.fractions.clone()).halves;
+        let mut from = 0;
+        while from < residual.values.len() {
+            let inside = from % residual.length;
+            let to = from + (KNOT_STRETCH - inside % KNOT_STRETCH).min(residual.length - inside);
+            own[inside / KNOT_STRETCH % 2].add(&residual.values[from..to], columns, from);
+            from = to;
+        }
+        let rest = self.rest(residual, columns, &own);
+        for channel in rest.chunks(residual.length.max(1)) {
+            self.samples_of_one += channel.len() as f64 * correlation_time(channel);
+            self.samples += channel.len() as f64;
+        }
+        self.halves.iter_mut().zip(&own).for_each(|(half, own)| half.join(own));
+    }
+
+    /// What no choice of points explains of a recording: its colour says how many samples carry the information of one.
+    fn rest(&self, residual: &Series, columns: &[Vec<f64>], own: &[Half; 2]) -> Vec<f64> {
+        let all: Vec<usize> = (0..self.inputs.len()).collect();
+        let mut both =
+            Half { normal: own[0].normal.clone(), gradient: own[0].gradient.clone(), cost: own[0].cost };
+        both.join(&own[1]);
+        let mut rest = residual.values.clone();
+        for (change, column) in both.solved(&self.hats(&all)).unwrap_or_default().iter().zip(columns) {
+            rest.iter_mut().zip(column).for_each(|(r, c)| *r += change * c);
+        }
+        rest
+    }
+
+    /// The points that are worth their price, as places among the inputs: started from those present; the last one stays.
+    fn chosen(&self, present: &[f64]) -> Vec<usize> {
+        let mut knots: Vec<usize> =
+            (0..self.inputs.len()).filter(|&k| present.contains(&self.inputs[k])).collect();
+        let mut cost = self.judged(&knots);
+        let all: Vec<usize> = (0..self.inputs.len()).collect();
+        let price = KNOT_PRICE.max(KNOT_SHARE * self.gain(cost, self.judged(&all)));
+        while knots.len() < KNOTS_AT_MOST {
+            let Some((better, least)) = self.best_with_one_more(&knots) else { break };
+            if self.gain(cost, least) < price {
+                break;
+            }
+            (knots, cost) = (better, least);
+        }
+        for _ in 0..KNOT_MOVES {
+            let before = knots.clone();
+            self.moved(&mut knots, &mut cost);
+            self.pruned(&mut knots, &mut cost, price);
+            if knots == before {
+                break;
+            }
+        }
+        knots
+    }
+
+    /// The best choice with one more point.
+    fn best_with_one_more(&self, knots: &[usize]) -> Option<(Vec<usize>, f64)> {
+        let apart = |k: usize, other: usize| (self.inputs[k] - self.inputs[other]).abs() > KNOT_GAP_V;
+        let free = (0..self.inputs.len()).filter(|&k| knots.iter().all(|&other| apart(k, other)));
+        let more = free.map(|k| {
+            let mut more = knots.to_vec();
+            more.push(k);
+            more.sort_unstable();
+            let cost = self.judged(&more);
+            (more, cost)
+        });
+        more.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Moves each point to where it is worth most.
+    fn moved(&self, knots: &mut Vec<usize>, cost: &mut f64) {
+        for k in 0..knots.len().saturating_sub(1) {
+            let mut without = knots.clone();
+            without.remove(k);
+            match self.best_with_one_more(&without) {
+                Some((better, least)) if self.gain(*cost, least) > KNOT_WANDER => {
+                    (*knots, *cost) = (better, least);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Takes points away, the idlest first, that are not worth their price.
+    fn pruned(&self, knots: &mut Vec<usize>, cost: &mut f64, price: f64) {
+        while knots.len() > 2 {
+            let fewer = (0..knots.len() - 1).map(|k| {
+                let mut fewer = knots.clone();
+                fewer.remove(k);
+                let cost = self.judged(&fewer);
+                (fewer, cost)
+            });
+            match fewer.min_by(|a, b| a.1.total_cmp(&b.1)) {
+                Some((fewer, least)) if self.gain(least, *cost) < price => {
+                    (*knots, *cost) = (fewer, least);
+                }
+                _ => return,
+            }
+        }
+    }
+
+    /// Log-likelihood, in nats, that a lower cost is worth.
+    fn gain(&self, before: f64, after: f64) -> f64 {
+        0.5 * self.samples / self.samples_of_one.max(1.0) * (before / after).ln()
+    }
+
+    /// What each half leaves of the other when a choice of points is fitted to it.
+    fn judged(&self, knots: &[usize]) -> f64 {
+        let hats = self.hats(knots);
+        let one = |(fitted, other): (&Half, &Half)| {
+            fitted.solved(&hats).map_or(f64::INFINITY, |change| other.left(&change))
+        };
+        let [first, second] = &self.halves;
+        one((first, second)) + one((second, first))
+    }
+
+    /// How the fine curve's points follow those of a choice, between which the current is a straight line.
+    fn hats(&self, knots: &[usize]) -> Hats {
+        let mut rows = Vec::with_capacity(self.inputs.len());
+        let mut next = 0;
+        for (k, &v) in self.inputs.iter().enumerate() {
+            while next + 1 < knots.len() && knots[next] < k {
+                next += 1;
+            }
+            let to = self.inputs[knots[next]];
+            let from = if next > 0 { self.inputs[knots[next - 1]] } else { 0.0 };
+            let share = (v - from) / (to - from);
+            rows.push([(next.saturating_sub(1), (1.0 - share) * from / v), (next, share * to / v)]);
+        }
+        let straight = |(row, own): (&[(usize, f64); 2], &f64)| {
+            row.iter().map(|&(s, a)| a * self.fractions[knots[s]]).sum::<f64>() - own
+        };
+        let bend = rows.iter().zip(&self.fractions).map(straight).collect();
+        Hats { rows, bend, count: knots.len() }
+    }
+}
+
+/// Fractions of the fine curve = rows x those of a choice of points.
+struct Hats {
+    /// The two points of the choice that each point of the fine curve lies between, with their shares.
+    rows: Vec<[(usize, f64); 2]>,
+    /// By how much the present curve changes when it is drawn through the chosen points.
+    bend: Vec<f64>,
+    count: usize,
+}
+
+impl Half {
+    /// Adds a stretch of a recording.
+    fn add(&mut self, residual: &[f64], columns: &[Vec<f64>], from: usize) {
+        self.cost += dot(residual, residual);
+        let of = |k: usize| &columns[k][from..from + residual.len()];
+        for i in 0..columns.len() {
+            self.gradient[i] += dot(of(i), residual);
+            for j in 0..=i {
+                let both = dot(of(i), of(j));
+                self.normal[(i, j)] += both;
+                if i != j {
+                    self.normal[(j, i)] += both;
+                }
+            }
+        }
+    }
+
+    /// Adds what another recording says.
+    fn join(&mut self, other: &Self) {
+        self.normal = &self.normal + &other.normal;
+        self.gradient.iter_mut().zip(&other.gradient).for_each(|(a, b)| *a += b);
+        self.cost += other.cost;
+    }
+
+    /// The change of the fine curve's fractions that fits best with the points of a choice.
+    fn solved(&self, hats: &Hats) -> Option<Vec<f64>> {
+        let mut normal = Mat::from_fn(hats.count, hats.count, |i, j| if i == j { LOOSE } else { 0.0 });
+        let mut right = Mat::zeros(hats.count, 1);
+        for (k, row) in hats.rows.iter().enumerate() {
+            let pull: f64 = self.gradient[k] + dot(self.normal.column(k), &hats.bend);
+            for &(s, a) in row {
+                right[(s, 0)] -= a * pull;
+            }
+            for (l, other) in hats.rows.iter().enumerate() {
+                let both = self.normal[(k, l)];
+                for (&(s, a), &(t, b)) in row.iter().flat_map(|x| other.iter().map(move |y| (x, y))) {
+                    normal[(s, t)] += a * b * both;
+                }
+            }
+        }
+        let found = solve(&normal, &right).ok().filter(Mat::is_finite)?;
+        let change = |(row, bend): (&[(usize, f64); 2], &f64)| {
+            row.iter().map(|&(s, a)| a * found[(s, 0)]).sum::<f64>() + bend
+        };
+        Some(hats.rows.iter().zip(&hats.bend).map(change).collect())
+    }
+
+    /// The cost after a change of the fine curve's fractions.
+    fn left(&self, change: &[f64]) -> f64 {
+        let curved: f64 = (0..change.len()).map(|k| change[k] * dot(self.normal.column(k), change)).sum();
+        self.cost + 2.0 * dot(&self.gradient, change) + curved
+    }
+}
+
+/// Curvature, in floors squared, of the preference for a fraction as it is: 0.3 costs one unit. It holds what no recording shows.
+const LOOSE: f64 = 11.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A recording in which every point of the fine curve has its own samples, and the machine's curve bends at 0.3 V.
+    fn slopes(bent: f64) -> Slopes {
+        let present = [0.2, 0.4, 0.6, 1.0];
+        let inputs = fine_inputs(&present);
+        let mut slopes = Slopes::new(&inputs, vec![1.0; inputs.len()]);
+        let length = 8 * KNOT_STRETCH;
+        let column = |k: usize| -> Vec<f64> {
+            (0..length).map(|t| if t % inputs.len() == k { 40.0 } else { 0.0 }).collect()
+        };
+        let columns: Vec<Vec<f64>> = (0..inputs.len()).map(column).collect();
+        let lacking = |v: f64| bent * (v.min(0.3) / 0.3).min(1.0) * ((1.0 - v) / 0.7).min(1.0) / v;
+        let mut seed = 1_u64;
+        let mut noise = || {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            3.46 * ((seed >> 33) as f64 / (1u64 << 31) as f64 - 0.5)
+        };
+        let values = (0..length).map(|t| noise() - 40.0 * lacking(inputs[t % inputs.len()])).collect();
+        slopes.add(&Series { values, length }, &columns);
+        slopes.samples_of_one /= slopes.samples;
+        slopes
+    }
+
+    fn inputs(slopes: &Slopes) -> Vec<f64> {
+        slopes.chosen(&[0.2, 0.4, 0.6, 1.0]).into_iter().map(|k| slopes.inputs[k]).collect()
+    }
+
+    #[test]
+    fn a_point_is_put_where_the_machine_s_curve_bends_and_idle_ones_are_taken_away() {
+        assert_eq!(inputs(&slopes(0.1)), [0.3, 1.0]);
+    }
+
+    #[test]
+    fn a_straight_curve_keeps_no_points_but_the_fewest() {
+        assert_eq!(inputs(&slopes(0.0)).len(), 2);
+    }
+}

@@ -1,0 +1,108 @@
+//! Simpler models in the place of what a stepwise search comes to: one effect for two of one component, a spring for a hose that
+//! does not yield.
+
+use crate::fitting::output_error::{FitSelection, applied, parameters_of};
+use crate::library::{Component, Effect, EffectName, effects_named};
+use crate::selection::candidate::Candidate;
+use crate::selection::outcome::SearchOutcome;
+use crate::selection::screening::screen_effects;
+use crate::selection::searcher::Searcher;
+use crate::selection::signature::{EffectSignature, ScreeningContext, ScreeningDepth};
+use crate::simulator_access::map;
+use crate::tolerance::{MERGES, SEARCH_ITERATIONS};
+
+impl Searcher<'_> {
+    /// One effect in the place of two of the same component, where it explains as much: another out-of-balance in the place of an
+    /// accelerometer's bias and scale together. The others stay where they are while it is looked for, for without the two no fit
+    /// of them comes to anything.
+    pub(crate) fn merge_effects(&self, best: &Candidate, search: &SearchOutcome) -> Option<Candidate> {
+        let effects = &best.fit.effects;
+        let of_one = |i: &usize, j: &usize| effects[*i].component == effects[*j].component;
+        let pairs = (0..effects.len()).flat_map(|j| (0..j).map(move |i| [i, j]));
+        let mut pairs = pairs.filter(|[i, j]| of_one(i, j) && !self.pool.cancelled());
+        pairs.find_map(|pair| self.merge_pair(best, pair, search))
+    }
+
+    fn merge_pair(&self, best: &Candidate, pair: [usize; 2], search: &SearchOutcome) -> Option<Candidate> {
+        let (rest, values) = beside(best, pair);
+        let model = applied(self.base, &rest, &values);
+        let judged = self.assess_model(&model, &|r| best.assessments.get(r))?;
+        let (simulator, pool, sizes) = (self.simulator, self.pool, self.sizes);
+        let scene = ScreeningContext {
+            simulator,
+            pool,
+            base: &model,
+            judged: &judged,
+            reach: ScreeningDepth::Full,
+            sizes,
+        };
+        let taken = |e: &Effect| best.fit.effects.iter().any(|t| std::ptr::eq(*t, e));
+        let free: Vec<&'static Effect> = self.effects.iter().copied().filter(|e| !taken(e)).collect();
+        let mut signatures: Vec<EffectSignature> = Vec::new();
+        for look in screen_effects(&scene, &free) {
+            if signatures.len() < MERGES && !signatures.iter().any(|l| std::ptr::eq(l.effect, look.effect)) {
+                signatures.push(look);
+            }
+        }
+        let simpler = map(self.pool, signatures.len(), |k| {
+            self.fit_with_one_more(best, (&rest, &values), &signatures[k])
+        });
+        let simpler = simpler.into_iter().flatten().filter(|c| c.is_within_bounds() && c.behind(best) < 0.0);
+        let simplest = simpler.min_by(|a, b| a.behind(best).total_cmp(&b.behind(best)))?;
+        self.validate_candidate(simplest, &search.baseline.score, &search.baseline.fitted)
+            .filter(Candidate::is_acceptable)
+    }
+
+    /// Some effects at their values and a look's beside them, fitted together to everything.
+    fn fit_with_one_more(
+        &self,
+        best: &Candidate,
+        (rest, values): (&[&'static Effect], &[f64]),
+        look: &EffectSignature,
+    ) -> Option<Candidate> {
+        let effects = rest.iter().copied().chain([look.effect]).collect();
+        let start: Vec<f64> = values.iter().chain(&look.start).copied().collect();
+        let selection =
+            FitSelection { iterations: SEARCH_ITERATIONS, ..FitSelection::all(self.simulator.count()) };
+        let fit = self.fit(effects, &start, &selection, &best.assessments)?;
+        self.replace_fit(best, fit)
+    }
+}
+
+/// The effects of a candidate but two, and their values.
+fn beside(best: &Candidate, pair: [usize; 2]) -> (Vec<&'static Effect>, Vec<f64>) {
+    let (mut rest, mut values) = (Vec::new(), Vec::new());
+    for (i, effect) in best.fit.effects.iter().enumerate().filter(|(i, _)| !pair.contains(i)) {
+        let first = parameters_of(&best.fit.effects[..i]).len();
+        rest.push(*effect);
+        values.extend(&best.fit.values[first..first + effect.parameters.len()]);
+    }
+    (rest, values)
+}
+
+/// Where the best candidate adds a hose: a spring in its place, as stiff as the hose and a spring beside it together, with the
+/// other effect that it adds. A hose that does not yield is a spring, and a fit of the spring from the model as it is may not find it.
+pub(crate) fn spring_in_place_of_hose(
+    candidates: &[Candidate],
+    present: usize,
+    recordings: usize,
+) -> Option<Vec<EffectSignature>> {
+    let best = candidates.iter().min_by(|a, b| a.whole.level().total_cmp(&b.whole.level()))?;
+    let added = best.fit.effects.get(present..)?;
+    let is_hose = |e: &Effect| e.component == Component::Structure && e.effect == EffectName::Hysteresis;
+    let is_spring =
+        |e: &Effect| e.component == Component::Structure && e.effect == EffectName::PositionStiffness;
+    let lumped = best.fit.parameters.lumped.as_ref().filter(|_| added.iter().any(|e| is_hose(e)))?;
+    let own = lumped.position_stiffness_nm_rad;
+    let both = own + lumped.hysteresis_stiffness_nm_rad;
+    let centre = own * lumped.position_stiffness_centre_rad / if both == 0.0 { 1.0 } else { both };
+    let spring = effects_named(Component::Structure, EffectName::PositionStiffness)
+        .find(|e| e.parameters.len() == 2)?;
+    let others = added.iter().filter(|e| !is_hose(e) && !is_spring(e));
+    let kept = others.map(|e| EffectSignature::seeded(e, e.values(&best.fit.parameters), recordings));
+    Some(
+        std::iter::once(EffectSignature::seeded(spring, vec![both, centre], recordings))
+            .chain(kept)
+            .collect(),
+    )
+}

@@ -1,0 +1,27 @@
+//! The outcome of a search.
+
+use crate::selection::baseline::Baseline;
+use crate::selection::candidate::Candidate;
+use crate::selection::stage::Stage;
+
+/// The outcome of the search.
+#[derive(Debug, Clone)]
+pub struct SearchOutcome {
+    /// The accepted effects, fitted to all recordings; none where the model as it is was kept.
+    pub accepted: Option<Candidate>,
+    /// How the recordings stand to the model as it was.
+    pub baseline: Baseline,
+    /// For each accepted effect, what was judged in its place beside the others, best first.
+    pub rivals: Vec<Vec<Candidate>>,
+    /// Every stage.
+    pub stages: Vec<Stage>,
+    /// Whether the user stopped the search.
+    pub cancelled: bool,
+}
+
+impl SearchOutcome {
+    /// A search that has found nothing yet.
+    pub(crate) fn of(baseline: Baseline) -> Self {
+        Self { accepted: None, baseline, rivals: Vec::new(), stages: Vec::new(), cancelled: false }
+    }
+}

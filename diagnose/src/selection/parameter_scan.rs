@@ -1,0 +1,157 @@
+//! Scans: values of an effect tried one after the other, where the response is so far from proportional to it that a look from
+//! the model as it is says nothing.
+
+use counterpoise_models::Parameters;
+
+use crate::fitting::output_error::Fit;
+use crate::library::{Component, Effect, EffectName, Mapping, effects_named, scan_range};
+use crate::selection::perturbations::{Perturbation, ripple, towards};
+use crate::selection::signature::{EffectSignature, ScreeningContext, is_close, measure_signature, weighted};
+use crate::simulator_access::{Assessment, ChannelResidual, ControlSource, SimulatorAccess, Span, map};
+use crate::tolerance::{PERIOD_SEEN, PERIODS_SAMPLED};
+
+/// Orders at which something that repeats with an angle is looked for, per turn.
+const ORDERS: [f64; 25] = [
+    1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 14.0, 15.0, 16.0, 18.0, 20.0, 21.0, 22.0,
+    24.0, 28.0, 30.0, 36.0, 45.0, 60.0,
+];
+
+/// Points of a scan, and of each of its two refinements.
+const SCAN: usize = 64;
+const SCAN_AGAIN: usize = 9;
+
+/// The value of an effect's only parameter that fits the most_active_recording recording's first part best, played back: there
+/// even a loop that hunts repeats.
+pub(crate) fn scan_parameter(scene: &ScreeningContext, effect: &'static Effect) -> Option<Perturbation> {
+    let range = scan_range(effect)?;
+    let parameter = &effect.parameters[0];
+    let index = scene.simulator.most_active_recording();
+    let near = Assessment { source: ControlSource::Playback, ..scene.judged[index].clone() };
+    let cost = |value: f64| {
+        let channels =
+            scene.simulator.residuals(&effect.applied(scene.base, &[value]), index, Span::Head, &near);
+        let sum = |m: Vec<ChannelResidual>| m.iter().map(|m| m.relative_rms().max(1.0).ln()).sum();
+        channels.map_or(f64::INFINITY, sum)
+    };
+    let (mut low, mut high) = (range[0], range[1]);
+    let mut best = low;
+    for count in [SCAN, SCAN_AGAIN, SCAN_AGAIN] {
+        let value = |k: usize| low * (high / low).powf(k as f64 / (count - 1) as f64);
+        let costs = map(scene.pool, count, |k| cost(value(k)));
+        let lowest = (0..costs.len()).min_by(|&a, &b| costs[a].total_cmp(&costs[b]))?;
+        best = value(lowest);
+        (low, high) = (value(lowest.saturating_sub(1)), value((lowest + 1).min(count - 1)));
+    }
+    let best = if parameter.mapping == Mapping::Whole { best.round() } else { best };
+    let perturbation = towards(effect, scene.base, &[best]);
+    (perturbation.directions[0][0] != 0.0).then_some(perturbation)
+}
+
+/// Points of a scan of judgements, and of each of its refinements.
+const JUDGED_SCAN: [usize; 3] = [32, 8, 8];
+/// Share of the distance that the best point of a scan must take off for it to be refined.
+const SCAN_WORTH: f64 = 0.15;
+
+/// The gap that fits the most_active_recording recording's first part best, played back, every gap from the start that is its own: what a
+/// wide gap does is not found from the start of a narrow one. None where no gap is worth a closer look.
+pub(crate) fn scan_backlash(scene: &ScreeningContext) -> Option<EffectSignature> {
+    let effect =
+        effects_named(Component::Gearbox, EffectName::Backlash).next().filter(|_| !is_close(scene.judged))?;
+    let index = scene.simulator.most_active_recording();
+    let played = |parameters: &Parameters, judged: &Assessment| {
+        let near = Assessment { source: ControlSource::Playback, ..judged.clone() };
+        let channels = scene.simulator.residuals(parameters, index, Span::Head, &near)?;
+        Some(channels.iter().map(|m| m.relative_rms().max(1.0).ln()).sum::<f64>())
+    };
+    let here = played(scene.base, &scene.judged[index])?;
+    let cost = |value: f64| {
+        let parameters = effect.applied(scene.base, &[value]);
+        let judged = scene.simulator.assess(&parameters, index);
+        judged.and_then(|j| played(&parameters, &j)).unwrap_or(f64::INFINITY)
+    };
+    let [mut low, mut high] = scan_range(effect)?;
+    let (mut best, mut least) = (low, here);
+    for count in JUDGED_SCAN {
+        let value = |k: usize| low * (high / low).powf(k as f64 / (count - 1) as f64);
+        let costs = map(scene.pool, count, |k| cost(value(k)));
+        let lowest = (0..costs.len()).min_by(|&a, &b| costs[a].total_cmp(&costs[b]))?;
+        if costs[lowest] > (1.0 - SCAN_WORTH) * here {
+            return None;
+        }
+        if costs[lowest] < least {
+            (best, least) = (value(lowest), costs[lowest]);
+        }
+        (low, high) = (value(lowest.saturating_sub(1)), value((lowest + 1).min(count - 1)));
+    }
+    Some(EffectSignature::seeded(effect, vec![best], scene.judged.len()))
+}
+
+/// How many orders of a repeating torque go on from the scan.
+const ORDERS_KEPT: usize = 3;
+
+/// The orders of a repeating torque that explain most of the most_active_recording recording's first part.
+pub(crate) fn scan_ripple_orders(scene: &ScreeningContext, effect: &'static Effect) -> Vec<Perturbation> {
+    let here = weighted(scene.judged);
+    let one = [scene.simulator.most_active_recording()];
+    let ratio = scene.base.gearbox.ratio;
+    let at_pivot = effect.component == Component::Pivot;
+    let first = if at_pivot { ORDERS[0] } else { ORDERS[0] / scene.sizes.motor_turns };
+    let per_motor_turn = ORDERS.iter().map(|order| order * first);
+    let per_hub_turn = ORDERS.iter().map(|order| order / ratio);
+    let lowest = if effect.component == Component::Motor { first } else { effect.parameters[1].bounds[0] };
+    let is_seen = |order: &f64| is_seen(*order, scene.simulator.travel_rad() * ratio);
+    let is_sampled = |order: &f64| *order * ratio * scene.simulator.turns_per_sample() < PERIODS_SAMPLED;
+    let orders = per_motor_turn
+        .chain(per_hub_turn.filter(|order| *order >= lowest && *order < first))
+        .filter(|order| at_pivot || (is_seen(order) && is_sampled(order)));
+    let scan: Vec<Perturbation> = orders.map(|order| ripple(effect, order)).collect();
+    let signatures =
+        map(scene.pool, scan.len(), |t| measure_signature(scene, &here, &scan[t], &one, Span::Head));
+    let share = |l: &Option<EffectSignature>| l.as_ref().map_or(f64::NEG_INFINITY, |l| l.explained);
+    let mut ranked: Vec<(f64, Perturbation)> = signatures.iter().map(share).zip(scan).collect();
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    ranked.into_iter().take(ORDERS_KEPT).map(|(_, perturbation)| perturbation).collect()
+}
+
+/// Whether what repeats with the motor's angle does so over its travel, rad: of less than most of a period nobody can say that it
+/// repeats.
+fn is_seen(order: f64, travel: f64) -> bool {
+    order * travel > PERIOD_SEEN * std::f64::consts::TAU
+}
+
+/// Whether every ripple of motor and gearbox in a fit repeats over the travel. A fit may stretch one until it is a piece of a sine,
+/// which is any smooth function of the position and none of the motor's turns.
+pub(crate) fn repeats(simulator: &dyn SimulatorAccess, fit: &Fit) -> bool {
+    all_repeat(&fit.effects, &fit.values, simulator.travel_rad() * fit.parameters.gearbox.ratio)
+}
+
+fn all_repeat(effects: &[&'static Effect], values: &[f64], travel: f64) -> bool {
+    let mut first = 0;
+    effects.iter().all(|effect| {
+        let own = values.get(first..).unwrap_or(&[]);
+        first += effect.parameters.len();
+        !effect.is_ripple()
+            || effect.component == Component::Pivot
+            || own.get(1).is_none_or(|o| is_seen(*o, travel))
+    })
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_piece_of_a_sine_is_no_ripple() {
+        let spring = effects_named(Component::Structure, EffectName::PositionStiffness)
+            .find(|e| e.parameters.len() == 2)
+            .unwrap();
+        let mesh = effects_named(Component::Gearbox, EffectName::MeshRipple).next().unwrap();
+        let of_order = |order: f64| [900.0, 0.01, 15.0, order, 0.3];
+        let travel = 0.15 * 164.0;
+        assert!(all_repeat(&[spring, mesh], &of_order(6.0), travel));
+        assert!(!all_repeat(&[spring, mesh], &of_order(0.1), travel));
+        let friction = effects_named(Component::Pivot, EffectName::PositionDependentFriction).next().unwrap();
+        assert!(friction.is_ripple() && all_repeat(&[friction], &[0.3, 4.0, 0.0], 0.15));
+    }
+}

@@ -1,0 +1,152 @@
+//! What is done to the effects that were accepted: fitted to everything, refined, swapped for better ones, dropped where
+//! the others do without them.
+
+use crate::fitting::output_error::{Fit, FitSelection, applied, parameters_of};
+use crate::library::{Effect, refinement};
+use crate::selection::candidate::Candidate;
+use crate::selection::outcome::SearchOutcome;
+use crate::selection::searcher::Searcher;
+use crate::selection::stage::StageBreadth;
+use crate::tolerance::{AMBIGUOUS, RIVALS, SEARCH_ITERATIONS, SWAP_NEEDED};
+
+impl Searcher<'_> {
+    /// The accepted effects with those in a coarse form refined, where that explains more.
+    pub(crate) fn refine_effects(&self, candidate: Candidate) -> Candidate {
+        let finer = |effect: &&'static Effect| refinement(effect).unwrap_or(effect);
+        let effects: Vec<&'static Effect> = candidate.fit.effects.iter().map(finer).collect();
+        if effects.iter().zip(&candidate.fit.effects).all(|(a, b)| std::ptr::eq(*a, *b)) {
+            return candidate;
+        }
+        let start: Vec<f64> = effects.iter().flat_map(|e| e.values(&candidate.fit.parameters)).collect();
+        let selection =
+            FitSelection { iterations: SEARCH_ITERATIONS, ..FitSelection::all(self.simulator.count()) };
+        let fit = self.fit(effects, &start, &selection, &candidate.assessments);
+        match fit.and_then(|fit| self.replace_fit(&candidate, fit)) {
+            Some(finer) if finer.behind(&candidate) < 0.0 => finer,
+            _ => candidate,
+        }
+    }
+
+    /// The accepted effects fitted once more, to everything.
+    pub(crate) fn refit_candidate(&self, candidate: Candidate) -> Candidate {
+        let selection =
+            FitSelection { iterations: SEARCH_ITERATIONS, ..FitSelection::all(self.simulator.count()) };
+        let (effects, assessments) = (candidate.fit.effects.clone(), &candidate.assessments);
+        let again = self.fit(effects, &candidate.fit.values, &selection, assessments);
+        match again.and_then(|fit| self.replace_fit(&candidate, fit)) {
+            Some(again) if again.whole.level() <= candidate.whole.level() + 0.01 => again,
+            _ => candidate,
+        }
+    }
+
+    /// Replaces an effect where another explains more beside the rest, and drops one that the others make idle.
+    pub(crate) fn swap_and_prune(&self, search: &mut SearchOutcome) {
+        let Some(mut best) = search.accepted.take() else { return };
+        self.prune_effects(&mut best, search);
+        if let Some(simpler) = self.merge_effects(&best, search) {
+            best = simpler;
+        }
+        if best.fit.effects.len() > 1 {
+            let before = best.fit.effects.clone();
+            let rivals = self.swap_effects(&mut best, search);
+            search.rivals = rivals.into_iter().map(|rivals| self.refit_rivals(rivals, &best)).collect();
+            let same = best.fit.effects.iter().zip(&before).all(|(a, b)| std::ptr::eq(*a, *b));
+            let dropped = if same { Vec::new() } else { self.prune_effects(&mut best, search) };
+            for index in dropped {
+                search.rivals.remove(index);
+            }
+        }
+        if let (1, Some(stage)) = (best.fit.effects.len(), search.stages.iter().find(|s| s.contains(&best))) {
+            let singles = stage.singles();
+            if singles.iter().any(|c| c.has_same_effects(&best) && c.gain() < c.least_gain) {
+                return;
+            }
+            search.rivals = vec![self.refit_rivals(singles, &best)];
+        }
+        search.accepted = Some(best);
+    }
+
+    /// The rivals of an effect, best first: itself as the model is fitted now, and what was level with its first fit or ahead of it
+    /// fitted as thoroughly, so that no effect passes for indistinguishable because the other one's first fit went astray.
+    fn refit_rivals(&self, rivals: Vec<Candidate>, best: &Candidate) -> Vec<Candidate> {
+        let Some(first) = rivals.iter().find(|c| c.has_same_effects(best)).cloned() else { return rivals };
+        let again = |rival: Candidate| {
+            if rival.has_same_effects(best) {
+                Candidate { whole: best.whole.clone(), ..rival }
+            } else if rival.behind(&first) < AMBIGUOUS && rival.behind(best) >= AMBIGUOUS {
+                self.refit_candidate(rival)
+            } else {
+                rival
+            }
+        };
+        let mut heard: Vec<Candidate> = rivals.into_iter().map(again).collect();
+        heard.sort_by(|a, b| a.behind(best).total_cmp(&b.behind(best)));
+        heard
+    }
+
+    /// Replaces effects where another explains more beside the rest; gives what was judged in the place of each.
+    fn swap_effects(&self, best: &mut Candidate, search: &SearchOutcome) -> Vec<Vec<Candidate>> {
+        let mut all = Vec::new();
+        for index in 0..best.fit.effects.len() {
+            let Some(without) = self.remove_effect(best, index).filter(|_| !self.pool.cancelled()) else {
+                all.push(Vec::new());
+                continue;
+            };
+            let rivals = self.find_rivals(search, &without);
+            let better = rivals.iter().find(|c| c.is_acceptable() && c.behind(best) < -SWAP_NEEDED);
+            if let Some(better) = better {
+                *best = self.refit_candidate(better.clone());
+                best.move_last_to(index);
+            }
+            all.push(rivals);
+        }
+        all
+    }
+
+    /// What else could stand beside the effects of a model: from the stage that tried it, or looked for now.
+    fn find_rivals(&self, search: &SearchOutcome, without: &Candidate) -> Vec<Candidate> {
+        let tried = search.stages.iter().map(|stage| stage.beside(without)).max_by_key(Vec::len);
+        match tried.filter(|tried| tried.len() >= RIVALS) {
+            Some(tried) => tried,
+            None => self.run_stage(without, StageBreadth::Rivals).adding_one(without.fit.effects.len()),
+        }
+    }
+
+    /// Drops effects without which the rest explains the recordings as well; gives their places, one after the other.
+    fn prune_effects(&self, best: &mut Candidate, search: &SearchOutcome) -> Vec<usize> {
+        let mut dropped = Vec::new();
+        let mut index = 0;
+        while best.fit.effects.len() > 1 && index < best.fit.effects.len() && !self.pool.cancelled() {
+            let Some(without) = self.remove_effect(best, index) else { break };
+            let needed = best.is_worth_more_than(&without.whole, &search.baseline.score)
+                && (index + 1 < best.fit.effects.len() || self.exceeds_null_gain(best, &without.whole));
+            if needed {
+                index += 1;
+            } else {
+                *best = without;
+                dropped.push(index);
+            }
+        }
+        dropped
+    }
+
+    /// A candidate without one of its effects: the others fitted anew, or as they are where that is no better, as it is where
+    /// the effect was idle.
+    fn remove_effect(&self, candidate: &Candidate, index: usize) -> Option<Candidate> {
+        let mut effects = candidate.fit.effects.clone();
+        let first = parameters_of(&effects[..index]).len();
+        let mut start = candidate.fit.values.clone();
+        start.drain(first..first + effects[index].parameters.len());
+        effects.remove(index);
+        let recordings = (0..self.simulator.count()).collect();
+        let selection = FitSelection::searching(recordings);
+        let kept = applied(self.base, &effects, &start);
+        let fit = self.fit(effects, &start, &selection, &[])?;
+        let (again, as_it_is) = (self.replace_fit(candidate, fit)?, self.score_model(&kept)?);
+        if as_it_is.level() < again.whole.level() {
+            let fit = Fit { values: start, parameters: kept, ..again.fit };
+            return Some(Candidate { fit, whole: as_it_is, ..candidate.clone() });
+        }
+        Some(again)
+    }
+}

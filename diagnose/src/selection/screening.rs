@@ -1,0 +1,94 @@
+//! The first look: which effects, by their linearised signature in every channel, could explain the misfit.
+//!
+//! Each effect is tried at a small size in the simulator; the change that it makes to the residuals is its
+//! signature. The share of the residual that a combination of an effect's signatures explains ranks the effects,
+//! and the coefficients of the combination are where its fit starts.
+
+use crate::fitting::output_error::from_variable;
+use crate::fitting::score::{RecordingPart, score};
+use crate::library::Effect;
+use crate::selection::parameter_scan::{scan_parameter, scan_ripple_orders};
+use crate::selection::perturbations::{Combination, Perturbation, moved, perturbations_of};
+use crate::selection::signature::{
+    EffectSignature, ScreeningContext, ScreeningDepth, is_close, measure_signature, weighted,
+};
+use crate::simulator_access::{Assessment, Span, map};
+
+/// Looks at every effect of the library but those already taken; best first.
+pub fn screen_effects(scene: &ScreeningContext, effects: &[&'static Effect]) -> Vec<EffectSignature> {
+    let (repeating, plain): (Vec<&'static Effect>, Vec<&'static Effect>) =
+        effects.iter().partition(|e| e.is_ripple() && e.starts.is_empty());
+    let mut perturbations: Vec<Perturbation> =
+        plain.iter().flat_map(|effect| perturbations_of(effect, scene.base, scene.sizes)).collect();
+    for effect in repeating {
+        perturbations.extend(scan_ripple_orders(scene, effect));
+    }
+    perturbations.extend(effects.iter().filter_map(|effect| scan_parameter(scene, effect)));
+    let here = weighted(scene.judged);
+    let all: Vec<usize> = (0..scene.judged.len()).collect();
+    let span = if scene.reach == ScreeningDepth::Full { Span::Whole } else { Span::Head };
+    let found = map(scene.pool, perturbations.len(), |t| {
+        measure_signature(scene, &here, &perturbations[t], &all, span).map(|look| (t, look))
+    });
+    let mut found: Vec<(usize, EffectSignature)> = found.into_iter().flatten().collect();
+    found.sort_by(|a, b| b.1.explained.total_cmp(&a.1.explained));
+    let mut signatures = visited(scene, &perturbations, found);
+    signatures.sort_by(|a, b| b.explained.total_cmp(&a.explained));
+    signatures
+}
+
+/// The signatures, those at the best starts of effects that are not small taken all the way, where the model is far from the
+/// recordings.
+fn visited(
+    scene: &ScreeningContext,
+    perturbations: &[Perturbation],
+    found: Vec<(usize, EffectSignature)>,
+) -> Vec<EffectSignature> {
+    let thorough = scene.reach == ScreeningDepth::Full && !is_close(scene.judged);
+    let of_effect = |k: usize| {
+        let same = |(t, l): &&(usize, EffectSignature)| {
+            std::ptr::eq(l.effect, found[k].1.effect) && perturbations[*t].combine == Combination::Towards
+        };
+        found[..k].iter().filter(same).count()
+    };
+    let goes = |k: usize| {
+        thorough && perturbations[found[k].0].combine == Combination::Towards && of_effect(k) < STARTS_VISITED
+    };
+    map(scene.pool, found.len(), |k| {
+        let (t, look) = &found[k];
+        if goes(k) { gone_there(scene, &perturbations[*t], look.clone()) } else { look.clone() }
+    })
+}
+
+/// Starts of an effect that are taken all the way.
+const STARTS_VISITED: usize = 3;
+
+/// A look at an effect that is not small: what going all the way to its start does to the fit counts, too, for a
+/// signature that is not proportional to the size of its effect says little.
+fn gone_there(
+    scene: &ScreeningContext,
+    perturbation: &Perturbation,
+    mut seen: EffectSignature,
+) -> EffectSignature {
+    let parameters = moved(scene.base, perturbation, &perturbation.directions[0]);
+    let judged: Option<Vec<Assessment>> = (0..scene.judged.len())
+        .map(|r| scene.simulator.assess_from(&parameters, r, &scene.judged[r]))
+        .collect();
+    let (Some(there), Some(here)) = (judged.and_then(|j| distance(&j)), distance(scene.judged)) else {
+        return seen;
+    };
+    let gained = 1.0 - there / here.max(f64::MIN_POSITIVE);
+    if gained > seen.explained {
+        let x = perturbation.origin.iter().zip(&perturbation.directions[0]).map(|(a, b)| a + b);
+        seen.start = perturbation.effect.parameters.iter().zip(x).map(|(k, x)| from_variable(k, x)).collect();
+        seen.explained = gained;
+    }
+    seen
+}
+
+/// Distance of judged recordings from the floor.
+fn distance(judged: &[Assessment]) -> Option<f64> {
+    let part = |r| RecordingPart { recording: r, from: 0.0, to: 1.0 };
+    let parts: Vec<RecordingPart> = (0..judged.len()).map(part).collect();
+    score(judged, &parts).map(|score| score.distance())
+}

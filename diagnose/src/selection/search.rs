@@ -1,0 +1,66 @@
+//! Which effects, together, explain the recordings: stepwise, with swaps, judged on what was not fitted.
+//!
+//! At every stage the best signatures are fitted to the recordings in which they show most; the best of those to the first part
+//! of every recording. The winner must gain on the rest, and must not harm a recording of another kind than those that it
+//! was fitted to: each recording in turn is left out of the fit and predicted.
+
+use crate::fitting::score::Score;
+use crate::selection::candidate::Candidate;
+use crate::selection::outcome::SearchOutcome;
+use crate::selection::searcher::Searcher;
+use crate::selection::stage::{Stage, StageBreadth};
+use crate::tolerance::{EFFECTS_AT_MOST, RIVALS, SWAP_NEEDED};
+
+impl Searcher<'_> {
+    /// Searches for up to three effects; none where the model as it is cannot be simulated.
+    pub fn search(&self) -> Option<SearchOutcome> {
+        let mut search = SearchOutcome::of(self.fit_baseline()?);
+        loop {
+            let present = search.accepted.as_ref();
+            let found = present.map_or(0, |c| c.fit.effects.len());
+            self.pool.progress("naming", found, EFFECTS_AT_MOST);
+            if found >= EFFECTS_AT_MOST {
+                break;
+            }
+            let stage = match present {
+                Some(present) => self.run_stage(present, StageBreadth::Full),
+                None => self.run_first_stage(&search.baseline),
+            };
+            let smaller = present.map_or(&search.baseline.score, |c| &c.whole);
+            let needed = present.map_or(&[][..], |c| &c.needed);
+            let best = self.choose_candidate(&stage, (smaller, needed), &search);
+            search.stages.push(stage);
+            let Some(best) = best else { break };
+            search.accepted = Some(self.refine_effects(self.refit_candidate(best)));
+            if self.pool.cancelled() {
+                search.cancelled = true;
+                break;
+            }
+        }
+        self.swap_and_prune(&mut search);
+        search.accepted = search.accepted.map(|best| self.place_curve_knots(best));
+        Some(search)
+    }
+
+    /// The best candidate of a stage, validated on recordings of another kind; none where none is worth having.
+    fn choose_candidate(
+        &self,
+        stage: &Stage,
+        (smaller, needed): (&Score, &[usize]),
+        search: &SearchOutcome,
+    ) -> Option<Candidate> {
+        let worth =
+            |c: &&Candidate| c.is_acceptable() && c.is_worth_more_than(smaller, &search.baseline.score);
+        let beyond = |c: &&Candidate| self.exceeds_null_gain(c, smaller);
+        let mut worthy: Vec<&Candidate> = stage.candidates.iter().filter(worth).take(RIVALS).collect();
+        if !self.sizes.typical {
+            // what a textbook's model leaves is far above the floor: data that was not fitted decides, one more effect at its price
+            let worth = |c: &Candidate| c.gain() - SWAP_NEEDED * c.fit.effects.len() as f64;
+            worthy.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+        }
+        let best = worthy.into_iter().find(beyond)?;
+        let best = Candidate { needed: needed.to_vec(), ..best.clone() };
+        let validated = self.validate_candidate(best, smaller, &search.baseline.fitted)?;
+        (!validated.is_harmful() && validated.gain() > validated.least_gain).then_some(validated)
+    }
+}

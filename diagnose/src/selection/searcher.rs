@@ -1,0 +1,148 @@
+//! What the search works on, and what every step of it needs: a fit of effects, and how every recording stands to it.
+
+use counterpoise_models::Parameters;
+
+use crate::fitting::output_error::{Fit, FitSelection, Problem};
+use crate::fitting::score::{Score, assess, score};
+use crate::library::Effect;
+use crate::selection::candidate::{Candidate, held_out_parts, whole_parts};
+use crate::selection::parameter_scan::repeats;
+use crate::selection::sizes::Sizes;
+use crate::simulator_access::{Assessment, Pool, SimulatorAccess, map};
+
+/// What the search works on.
+pub struct Searcher<'a> {
+    /// Simulator and recordings.
+    pub simulator: &'a dyn SimulatorAccess,
+    /// Processors, progress and cancel.
+    pub pool: &'a dyn Pool,
+    /// The mechanism as the project file has it.
+    pub base: &'a Parameters,
+    /// The effects that may be named.
+    pub effects: Vec<&'static Effect>,
+    /// Effects with values found by other means, to be fitted from there at the first stage.
+    pub seeds: Vec<(&'static Effect, Vec<f64>)>,
+    /// What is known of the machine's sizes.
+    pub sizes: Sizes,
+}
+
+impl Searcher<'_> {
+    /// A fit judged on everything, and on what it was not fitted to.
+    pub(crate) fn assess_fit(&self, fit: Fit, fitted: &[usize], before: &[Assessment]) -> Option<Candidate> {
+        let one = |r: usize| match fit.assessment(r) {
+            Some(own) => self.simulator.assess_from(&fit.parameters, r, own),
+            None => self.simulator.assess_near(&fit.parameters, r, &before[r].without_residuals()),
+        };
+        let judged: Vec<Assessment> =
+            map(self.pool, before.len(), one).into_iter().collect::<Option<Vec<Assessment>>>()?;
+        if judged.len() < before.len() {
+            return None;
+        }
+        self.build_candidate(fit, &judged, fitted, before)
+    }
+
+    /// How every recording stands to a mechanism, from the start that was fitted with it where there is one.
+    pub(crate) fn assess_model<'n>(
+        &self,
+        parameters: &Parameters,
+        known: &(dyn Fn(usize) -> Option<&'n Assessment> + Sync),
+    ) -> Option<Vec<Assessment>> {
+        let one = |r: usize| match known(r) {
+            Some(own) => self.simulator.assess_from(parameters, r, own),
+            None => self.simulator.assess(parameters, r),
+        };
+        let judged = map(self.pool, self.simulator.count(), one);
+        (judged.len() == self.simulator.count()).then(|| judged.into_iter().collect::<Option<_>>()).flatten()
+    }
+
+    /// A fit with how every recording stands to it, as a candidate; none of a ripple that does not repeat.
+    pub(crate) fn build_candidate(
+        &self,
+        fit: Fit,
+        judged: &[Assessment],
+        fitted: &[usize],
+        before: &[Assessment],
+    ) -> Option<Candidate> {
+        if !repeats(self.simulator, &fit) {
+            return None;
+        }
+        let parts = held_out_parts(self.simulator.count(), fitted);
+        Some(Candidate {
+            whole: score(judged, &whole_parts(self.simulator.count()))?,
+            held_out: score(judged, &parts)?,
+            held_out_before: score(before, &parts)?,
+            held_out_parts: parts,
+            assessments: judged.iter().map(Assessment::without_residuals).collect(),
+            needed: Vec::new(),
+            least_gain: self.sizes.gain_needed(),
+            fit,
+        })
+    }
+
+    /// Fits new effects while those of a model with many parameters stay as they are.
+    pub(crate) fn fit_on_top(
+        &self,
+        fixed: &Candidate,
+        effects: Vec<&'static Effect>,
+        start: &[f64],
+        selection: &FitSelection,
+    ) -> Option<Fit> {
+        let base = &fixed.fit.parameters;
+        let assessments = &fixed.assessments;
+        let problem =
+            Problem { simulator: self.simulator, pool: self.pool, selection, base, effects, assessments };
+        let mut fit = problem.fit(start)?;
+        fit.effects.splice(0..0, fixed.fit.effects.iter().copied());
+        fit.values.splice(0..0, fixed.fit.values.iter().copied());
+        Some(fit)
+    }
+
+    pub(crate) fn fit(
+        &self,
+        effects: Vec<&'static Effect>,
+        start: &[f64],
+        selection: &FitSelection,
+        assessments: &[Assessment],
+    ) -> Option<Fit> {
+        let (simulator, pool, base) = (self.simulator, self.pool, self.base);
+        let problem = Problem { simulator, pool, selection, base, effects, assessments };
+        let fit = problem.fit(start)?;
+        Some(round_ripple_orders(&problem, fit))
+    }
+
+    /// A candidate with another fit of its effects to all recordings, judged from the starts that were found with it.
+    pub(crate) fn replace_fit(&self, candidate: &Candidate, fit: Fit) -> Option<Candidate> {
+        if !repeats(self.simulator, &fit) {
+            return None;
+        }
+        let judged = self.assess_model(&fit.parameters, &|r| fit.assessment(r))?;
+        let whole = score(&judged, &whole_parts(judged.len()))?;
+        let assessments = judged.iter().map(Assessment::without_residuals).collect();
+        Some(Candidate { fit, whole, assessments, ..candidate.clone() })
+    }
+
+    pub(crate) fn score_model(&self, parameters: &Parameters) -> Option<Score> {
+        score(&assess(self.simulator, self.pool, parameters)?, &whole_parts(self.simulator.count()))
+    }
+}
+
+/// A ripple's order that came out close to a whole number is that whole number: gears and poles are counted.
+fn round_ripple_orders(problem: &Problem, fit: Fit) -> Fit {
+    let mut start = fit.values.clone();
+    let mut first = 0;
+    let mut moved = false;
+    for effect in &fit.effects {
+        if effect.is_ripple() && (start[first + 1] / start[first + 1].round() - 1.0).abs() < 0.004 {
+            start[first + 1] = start[first + 1].round();
+            moved = true;
+        }
+        first += effect.parameters.len();
+    }
+    if !moved {
+        return fit;
+    }
+    match problem.fit(&start) {
+        Some(again) if again.cost < fit.cost * 1.01 => again,
+        _ => fit,
+    }
+}

@@ -1,0 +1,220 @@
+//! The signature of an effect: what it changes in the residuals at a small size, linearised.
+//!
+//! The share of the residual that a combination of an effect's signatures explains ranks the effects, and the coefficients of the
+//! combination are where its fit starts.
+
+use counterpoise_linalg::{Mat, solve};
+use counterpoise_models::Parameters;
+
+use crate::fitting::output_error::{from_variable, to_variable};
+use crate::library::{Effect, Parameter};
+use crate::recording::series::{dot, rms};
+use crate::selection::perturbations::{Perturbation, first_change, limits, moved, start_values};
+use crate::selection::sizes::Sizes;
+use crate::simulator_access::{Assessment, ChannelResidual, Pool, SimulatorAccess, Span};
+use crate::tolerance::EXPLAINED;
+
+/// How well an effect's signature explains the misfit, and where its fit should start.
+#[derive(Debug, Clone)]
+pub struct EffectSignature {
+    /// The effect.
+    pub effect: &'static Effect,
+    /// Parameter values from which to fit.
+    pub start: Vec<f64>,
+    /// Share of the weighted residual that the signature explains, 0 to 1.
+    pub explained: f64,
+    /// Size of the signature per recording, for a typical size of the effect, in units of the floor (RMS).
+    pub signature: Vec<f64>,
+    /// Sum of squares of the signature at a typical size, in units of the floor: what decides detectability.
+    pub information: f64,
+    /// That size: the change of the first parameter.
+    pub change: f64,
+    /// The fitted part of the weighted residual, thinned, for finding effects that act together.
+    pub(crate) trace: Vec<f64>,
+}
+
+impl EffectSignature {
+    /// A look at an effect whose values are known from elsewhere: it is fitted whatever its signature.
+    pub fn seeded(effect: &'static Effect, start: Vec<f64>, recordings: usize) -> Self {
+        Self {
+            effect,
+            start,
+            explained: 0.0,
+            signature: vec![1.0; recordings],
+            information: f64::INFINITY,
+            change: 0.0,
+            trace: Vec::new(),
+        }
+    }
+}
+
+impl EffectSignature {
+    /// Whether its values are known from elsewhere.
+    pub fn is_seeded(&self) -> bool {
+        self.information.is_infinite()
+    }
+
+    /// The look with its change taken `share` times: all parameters of a plain effect, the first of one with a shape. A ripple
+    /// that is taken the other way round stays as it is.
+    pub(crate) fn scaled(&self, share: f64, base: &Parameters) -> Self {
+        let ripple = self.effect.is_ripple();
+        let moves = |j: usize| j == 0 || (self.effect.starts.is_empty() && !ripple);
+        let share = if ripple { share.abs() } else { share };
+        let value = |(j, parameter): (usize, &Parameter)| {
+            if !moves(j) {
+                return self.start[j];
+            }
+            let from = to_variable(parameter, parameter.read(base));
+            from_variable(parameter, from + share * (to_variable(parameter, self.start[j]) - from))
+        };
+        let start = self.effect.parameters.iter().enumerate().map(value).collect();
+        Self { start, ..self.clone() }
+    }
+}
+
+/// What a look is taken at.
+pub struct ScreeningContext<'a> {
+    /// Simulator and recordings.
+    pub simulator: &'a dyn SimulatorAccess,
+    /// Processors.
+    pub pool: &'a dyn Pool,
+    /// The mechanism.
+    pub base: &'a Parameters,
+    /// How every recording stands to it.
+    pub judged: &'a [Assessment],
+    /// How much is asked of a look.
+    pub reach: ScreeningDepth,
+    /// What is known of the machine's sizes.
+    pub sizes: Sizes,
+}
+
+/// How much is asked of a look.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ScreeningDepth {
+    /// The signature over the first part of the recordings.
+    FirstPart,
+    /// The signature over all of them and, where the model is far from them, what the whole change does.
+    Full,
+}
+
+/// Whether every channel is so close to its floor that changes of the mechanism act on it in proportion.
+pub fn is_close(judged: &[Assessment]) -> bool {
+    judged.iter().all(|j| (0..j.channels.len()).all(|c| j.excess(c) < EXPLAINED))
+}
+
+/// One list of residuals a recording, all channels one after the other.
+pub(crate) type Residuals = Vec<Vec<f64>>;
+
+/// What a look's combination of signatures takes off the weighted residual, thinned.
+fn trace(here: &Weighted, signatures: &[Residuals], coefficients: &[f64]) -> Vec<f64> {
+    let of = |s: &Residuals, r: usize, k: usize| s[r].get(k).copied().unwrap_or(0.0);
+    let taken = |r: usize, k: usize| signatures.iter().zip(coefficients).map(|(s, c)| -c * of(s, r, k)).sum();
+    let series = thinned(here, taken);
+    let size = dot(&series, &series).sqrt();
+    if size > 0.0 {
+        return series;
+    }
+    thinned(here, |r, k| of(&signatures[0], r, k))
+}
+
+pub(crate) fn thinned(here: &Weighted, value: impl Fn(usize, usize) -> f64) -> Vec<f64> {
+    let of = |r: usize| (0..here.residuals[r].len()).step_by(TRACE_STRIDE).map(move |k| (r, k));
+    (0..here.residuals.len()).flat_map(of).map(|(r, k)| here.weights[r][k] * value(r, k)).collect()
+}
+
+/// Every how many samples one is kept of a trace.
+const TRACE_STRIDE: usize = 7;
+
+/// Residuals, and the weight that makes every channel of every recording count alike.
+pub(crate) struct Weighted {
+    pub residuals: Residuals,
+    pub weights: Residuals,
+}
+
+pub(crate) fn weighted(judged: &[Assessment]) -> Weighted {
+    let weights = |j: &Assessment| -> Vec<f64> {
+        let weight = |(c, m): (usize, &ChannelResidual)| {
+            let size = m.relative_rms().max(1.0).max(1.0 / j.weight(c));
+            vec![1.0 / size; m.residual.len()]
+        };
+        j.channels.iter().enumerate().flat_map(weight).collect()
+    };
+    let residuals = |j: &Assessment| j.channels.iter().flat_map(|m| m.residual.iter().copied()).collect();
+    Weighted {
+        residuals: judged.iter().map(residuals).collect(),
+        weights: judged.iter().map(weights).collect(),
+    }
+}
+
+/// The look at one perturbation in some recordings.
+pub(crate) fn measure_signature(
+    scene: &ScreeningContext,
+    here: &Weighted,
+    perturbation: &Perturbation,
+    recordings: &[usize],
+    span: Span,
+) -> Option<EffectSignature> {
+    let signature = |direction: &Vec<f64>| -> Option<Residuals> {
+        let parameters = moved(scene.base, perturbation, direction);
+        let mut out = vec![Vec::new(); scene.judged.len()];
+        for &r in recordings {
+            let there = scene.simulator.residuals(&parameters, r, span, &scene.judged[r])?;
+            out[r] = changes(&there, &scene.judged[r].channels);
+        }
+        out.iter().flatten().all(|d| d.is_finite()).then_some(out)
+    };
+    let signatures: Vec<Residuals> = perturbation.directions.iter().map(signature).collect::<Option<_>>()?;
+    let limits = limits(perturbation, scene.sizes);
+    let (coefficients, explained) = regress(here, &signatures, &limits)?;
+    let start = start_values(perturbation, &coefficients, limits[0][1]);
+    let size = (0..scene.judged.len()).map(|r| rms(&signatures[0][r])).collect();
+    let information = signatures[0].iter().flatten().map(|d| d * d).sum();
+    let change = first_change(perturbation);
+    let trace = trace(here, &signatures, &coefficients);
+    Some(EffectSignature {
+        effect: perturbation.effect,
+        start,
+        explained,
+        signature: size,
+        information,
+        change,
+        trace,
+    })
+}
+
+/// What a change of the mechanism does to the residuals; where only the first part was run, the rest stays 0.
+fn changes(there: &[ChannelResidual], here: &[ChannelResidual]) -> Vec<f64> {
+    let channel = |(t, h): (&ChannelResidual, &ChannelResidual)| {
+        let mut out = vec![0.0; h.residual.len()];
+        for ((o, a), b) in out.iter_mut().zip(&t.residual).zip(&h.residual) {
+            *o = a - b;
+        }
+        out
+    };
+    there.iter().zip(here).flat_map(channel).collect()
+}
+
+/// Weighted least squares of the residual on the signatures: coefficients, and the share explained.
+fn regress(here: &Weighted, signatures: &[Residuals], limits: &[[f64; 2]]) -> Option<(Vec<f64>, f64)> {
+    let inner = |a: &Residuals, b: &Residuals| -> f64 {
+        let recordings = a.iter().zip(b).zip(&here.weights);
+        recordings
+            .map(|((a, b), w)| a.iter().zip(b).zip(w).map(|((x, y), w)| x * y * w * w).sum::<f64>())
+            .sum()
+    };
+    let count = signatures.len();
+    let gram = Mat::from_fn(count, count, |i, j| inner(&signatures[i], &signatures[j]));
+    let ridge = 1e-9 * gram.trace().max(f64::MIN_POSITIVE);
+    let gram = &gram + &Mat::eye(count).scale(ridge);
+    let right: Vec<f64> = signatures.iter().map(|s| -inner(s, &here.residuals)).collect();
+    let mut coefficients = solve(&gram, &Mat::col(&right)).ok()?.as_slice().to_vec();
+    coefficients.iter_mut().zip(limits).for_each(|(c, limit)| *c = c.clamp(limit[0], limit[1]));
+    let total: f64 = (0..here.residuals.len())
+        .filter(|&r| !signatures[0][r].is_empty())
+        .map(|r| here.residuals[r].iter().zip(&here.weights[r]).map(|(x, w)| x * x * w * w).sum::<f64>())
+        .sum();
+    let c = Mat::col(&coefficients);
+    let left = total - 2.0 * dot(&coefficients, &right) + (&c.t() * &(&gram * &c))[(0, 0)];
+    let explained = 1.0 - left / total.max(f64::MIN_POSITIVE);
+    explained.is_finite().then_some((coefficients, explained))
+}

@@ -1,0 +1,22 @@
+//! What is known of the sizes of a machine, and what an effect must gain there.
+
+use crate::tolerance::{GAIN_NEEDED, TEXTBOOK_GAIN_NEEDED};
+
+/// What is known of a machine's sizes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sizes {
+    /// Whether the library's typical sizes are typical of the machine: one like the reference rig.
+    pub typical: bool,
+    /// Turns of the motor, as the model counts them, per turn of the machine's own motor.
+    pub motor_turns: f64,
+}
+
+impl Sizes {
+    /// Those of a machine like the reference rig.
+    pub const TYPICAL: Self = Self { typical: true, motor_turns: 1.0 };
+
+    /// Log-likelihood that an effect must gain on data that it was not fitted to, in nats.
+    pub fn gain_needed(&self) -> f64 {
+        if self.typical { GAIN_NEEDED } else { TEXTBOOK_GAIN_NEEDED }
+    }
+}

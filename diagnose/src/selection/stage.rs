@@ -1,0 +1,265 @@
+//! One stage of the search: every effect screened on top of a model, the best fitted, the best of those fitted again.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::fitting::output_error::FitSelection;
+use crate::fitting::score::assess;
+use crate::library::Effect;
+use crate::selection::baseline::Baseline;
+use crate::selection::candidate::{Candidate, ranked};
+use crate::selection::merging::spring_in_place_of_hose;
+use crate::selection::pairs::pairs;
+use crate::selection::parameter_scan::scan_backlash;
+use crate::selection::screening::screen_effects;
+use crate::selection::searcher::Searcher;
+use crate::selection::signature::{EffectSignature, ScreeningContext, ScreeningDepth, is_close};
+use crate::simulator_access::{Assessment, map};
+use crate::tolerance::{
+    EFFECTS_AT_MOST, FINAL_REACH, FINALISTS, GAIN_NEEDED, JOINT_PARAMETERS, PAIRS, PROMISE_SHARE, RIVALS,
+    SHORTLIST,
+};
+
+/// One stage: the candidates that were judged, best first, and what the first look said.
+#[derive(Debug, Clone)]
+pub struct Stage {
+    /// Candidates, best first.
+    pub candidates: Vec<Candidate>,
+    /// First look, best first.
+    pub signatures: Vec<EffectSignature>,
+}
+
+impl Stage {
+    /// Whether a candidate of this stage added the effect that is all of a model.
+    pub(crate) fn contains(&self, model: &Candidate) -> bool {
+        let effect = model.newest();
+        let same = |c: &Candidate| c.newest().zip(effect).is_some_and(|(a, b)| std::ptr::eq(a, b));
+        self.candidates.iter().any(|c| c.fit.effects.len() == 1 && same(c))
+    }
+
+    /// The candidates of one effect alone.
+    pub(crate) fn singles(&self) -> Vec<Candidate> {
+        self.adding_one(0)
+    }
+
+    /// The candidates that have all effects of a smaller model and one more.
+    pub(crate) fn beside(&self, smaller: &Candidate) -> Vec<Candidate> {
+        let has = |c: &Candidate, e: &Effect| c.fit.effects.iter().any(|f| std::ptr::eq(*f, e));
+        let all = |c: &&Candidate| {
+            c.fit.effects.len() == smaller.fit.effects.len() + 1
+                && smaller.fit.effects.iter().all(|e| has(c, e))
+        };
+        self.candidates.iter().filter(all).cloned().collect()
+    }
+
+    /// The candidates that add one effect to a number of present ones.
+    pub(crate) fn adding_one(&self, present: usize) -> Vec<Candidate> {
+        self.candidates.iter().filter(|c| c.fit.effects.len() == present + 1).cloned().collect()
+    }
+}
+
+/// How widely a stage searches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum StageBreadth {
+    /// For the next effect.
+    Full,
+    /// For what could stand in the place of an effect that was found.
+    Rivals,
+}
+
+/// Whether a share of the residual's power could gain what an effect must, were all residuals independent; where the
+/// model is far from the recordings, a signature says too little to leave an effect out.
+fn is_worth_fitting(explained: f64, judged: &[Assessment]) -> bool {
+    let samples: usize = judged.iter().flat_map(|j| &j.channels).map(|m| m.residual.len()).sum();
+    !is_close(judged) || 0.5 * samples as f64 * explained > PROMISE_SHARE * GAIN_NEEDED
+}
+
+impl Searcher<'_> {
+    /// The first stage: the signatures are taken from the starts that suit the model as it is where it is close to the recordings, from
+    /// those that were sought where it is far, for there they make up for what is missing.
+    pub(crate) fn run_first_stage(&self, plain: &Baseline) -> Stage {
+        let from = if is_close(&plain.fitted) { &plain.fitted } else { &plain.sought };
+        self.screen_and_fit(None, (from, &plain.fitted), StageBreadth::Full)
+    }
+
+    /// A stage on top of a model.
+    pub(crate) fn run_stage(&self, present: &Candidate, breadth: StageBreadth) -> Stage {
+        let judged = self.assess_model(&present.fit.parameters, &|r| present.assessments.get(r));
+        match judged.or_else(|| assess(self.simulator, self.pool, &present.fit.parameters)) {
+            Some(judged) => self.screen_and_fit(Some(present), (&judged, &judged), breadth),
+            None => Stage { candidates: Vec::new(), signatures: Vec::new() },
+        }
+    }
+
+    /// Looks at every effect on top of the present model, fits the shortlist and judges it: how the recordings stand to that model
+    /// where the signatures are taken, and against what the candidates are judged.
+    fn screen_and_fit(
+        &self,
+        present: Option<&Candidate>,
+        (from, judged): (&[Assessment], &[Assessment]),
+        breadth: StageBreadth,
+    ) -> Stage {
+        let model = present.map_or(self.base, |c| &c.fit.parameters);
+        let taken: Vec<&Effect> = present.map_or(Vec::new(), |c| c.fit.effects.clone());
+        let free: Vec<&'static Effect> =
+            self.effects.iter().copied().filter(|e| !taken.iter().any(|t| std::ptr::eq(*t, *e))).collect();
+        let reach = if present.is_none() { ScreeningDepth::Full } else { ScreeningDepth::FirstPart };
+        let (simulator, pool, sizes) = (self.simulator, self.pool, self.sizes);
+        let scene = ScreeningContext { simulator, pool, base: model, judged: from, reach, sizes };
+        let signatures = screen_effects(&scene, &free);
+        let mut proposals = self.shortlist_signatures(&signatures, judged, breadth);
+        if taken.is_empty() {
+            proposals.extend(self.seed_signatures(&scene).into_iter().map(|look| vec![look]));
+        }
+        let mut candidates = self.fit_candidates(present, &proposals, judged);
+        let alone = candidates.iter().any(|c| c.explains() && c.is_acceptable());
+        if breadth == StageBreadth::Full && taken.len() + 2 <= EFFECTS_AT_MOST && !alone {
+            let found = pairs(from, &signatures, PAIRS);
+            let promising = found.iter().filter(|pair| is_worth_fitting(pair.explained, judged));
+            let both: Vec<Vec<EffectSignature>> =
+                promising.map(|pair| pair.signatures(&signatures, model).to_vec()).collect();
+            candidates.extend(self.fit_candidates(present, &both, judged));
+        }
+        if breadth == StageBreadth::Full && !alone {
+            let spring = spring_in_place_of_hose(&candidates, taken.len(), self.simulator.count());
+            candidates.extend(self.fit_candidates(present, &spring.into_iter().collect::<Vec<_>>(), judged));
+        }
+        let (candidates, others) = finalists(ranked(candidates));
+        let finalists = self.refit_finalists(present, candidates, judged);
+        Stage { candidates: ranked(finalists.into_iter().chain(others).collect()), signatures }
+    }
+
+    /// The signatures that are fitted.
+    fn shortlist_signatures(
+        &self,
+        signatures: &[EffectSignature],
+        judged: &[Assessment],
+        breadth: StageBreadth,
+    ) -> Vec<Vec<EffectSignature>> {
+        let count = if breadth == StageBreadth::Full { SHORTLIST } else { RIVALS };
+        let promising = |look: &&EffectSignature| is_worth_fitting(look.explained, judged);
+        shortlist(signatures, count).into_iter().filter(promising).map(|look| vec![look.clone()]).collect()
+    }
+
+    /// Effects whose values are known from elsewhere.
+    fn seed_signatures(&self, scene: &ScreeningContext) -> Vec<EffectSignature> {
+        let one = |(effect, start): &(&'static Effect, Vec<f64>)| {
+            EffectSignature::seeded(effect, start.clone(), self.simulator.count())
+        };
+        self.seeds.iter().map(one).chain(scan_backlash(scene)).collect()
+    }
+
+    /// Fits and judges every trial.
+    fn fit_candidates(
+        &self,
+        present: Option<&Candidate>,
+        proposals: &[Vec<EffectSignature>],
+        judged: &[Assessment],
+    ) -> Vec<Candidate> {
+        let done = AtomicUsize::new(0);
+        let fitted = map(self.pool, proposals.len(), |t| {
+            let candidate = self.fit_candidate(present, &proposals[t], judged);
+            self.pool.progress("fitting", done.fetch_add(1, Ordering::Relaxed), proposals.len());
+            candidate
+        });
+        fitted.into_iter().flatten().collect()
+    }
+
+    /// Fits the present effects and one or two more to the recordings in which they show most.
+    fn fit_candidate(
+        &self,
+        present: Option<&Candidate>,
+        signatures: &[EffectSignature],
+        before: &[Assessment],
+    ) -> Option<Candidate> {
+        let free = present.filter(|c| c.fit.values.len() <= JOINT_PARAMETERS);
+        let mut effects = free.map_or(Vec::new(), |c| c.fit.effects.clone());
+        let mut start = free.map_or(Vec::new(), |c| c.fit.values.clone());
+        for look in signatures {
+            effects.push(look.effect);
+            start.extend(&look.start);
+        }
+        let signature = |r: usize| signatures.iter().map(|look| look.signature[r]).fold(0.0, f64::max);
+        let mut recordings =
+            most_sensitive_recordings(&(0..self.simulator.count()).map(signature).collect::<Vec<f64>>());
+        recordings.extend(present.iter().flat_map(|c| &c.needed));
+        recordings.sort_unstable();
+        recordings.dedup();
+        let selection = FitSelection::trying(recordings);
+        // a start that is known from elsewhere may be far from where the recordings stand to the model
+        let near = if signatures.iter().any(EffectSignature::is_seeded) { &[] } else { before };
+        let fit = match (present, free) {
+            (Some(fixed), None) => self.fit_on_top(fixed, effects, &start, &selection)?,
+            _ => self.fit(effects, &start, &selection, near)?,
+        };
+        self.assess_fit(fit, &selection.recordings, before)
+    }
+
+    /// The best candidates fitted to the first part of every recording.
+    fn refit_finalists(
+        &self,
+        present: Option<&Candidate>,
+        candidates: Vec<Candidate>,
+        before: &[Assessment],
+    ) -> Vec<Candidate> {
+        let recordings: Vec<usize> = (0..self.simulator.count()).collect();
+        let selection = FitSelection::searching(recordings);
+        let again = map(self.pool, candidates.len(), |c| {
+            let candidate = &candidates[c];
+            let fixed = present.filter(|p| p.fit.values.len() > JOINT_PARAMETERS);
+            let effects = candidate.fit.effects[fixed.map_or(0, |f| f.fit.effects.len())..].to_vec();
+            let start = &candidate.fit.values[fixed.map_or(0, |f| f.fit.values.len())..];
+            let fit = match fixed {
+                Some(fixed) => self.fit_on_top(fixed, effects, start, &selection),
+                None => self.fit(effects, start, &selection, &[]),
+            };
+            let fit = fit?;
+            let judged = self.assess_model(&fit.parameters, &|r| fit.assessment(r))?;
+            self.build_candidate(fit, &judged, &selection.recordings, before)
+        });
+        if again.len() < candidates.len() {
+            return candidates;
+        }
+        let better = |(now, was): (Option<Candidate>, Candidate)| match now {
+            Some(now) if now.whole.level() < was.whole.level() => now,
+            _ => was,
+        };
+        again.into_iter().zip(candidates).map(better).collect()
+    }
+}
+
+/// Candidates in their order, and the rest: those that are worth a fit to every recording, and the others.
+pub(crate) fn finalists(mut candidates: Vec<Candidate>) -> (Vec<Candidate>, Vec<Candidate>) {
+    let Some(best) = candidates.first() else { return (candidates, Vec::new()) };
+    let limit = best.whole.level() + FINAL_REACH[usize::from(!best.explains())];
+    let near = candidates.iter().take(FINALISTS).take_while(|c| c.whole.level() < limit).count();
+    let others = candidates.split_off(near.max(1));
+    (candidates, others)
+}
+
+/// The best signatures: so many effects, the best two of them from two starts.
+pub(crate) fn shortlist(signatures: &[EffectSignature], count: usize) -> Vec<&EffectSignature> {
+    let mut picked: Vec<&EffectSignature> = Vec::new();
+    let mut effects = 0;
+    for look in signatures {
+        let same = picked.iter().filter(|p| std::ptr::eq(p.effect, look.effect)).count();
+        if same == 0 {
+            effects += 1;
+        }
+        if effects > count {
+            break;
+        }
+        if same == 0 || (same == 1 && effects <= 2) {
+            picked.push(look);
+        }
+    }
+    picked
+}
+
+/// The half of the recordings in which an effect shows most.
+pub(crate) fn most_sensitive_recordings(signature: &[f64]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..signature.len()).collect();
+    order.sort_by(|&a, &b| signature[b].total_cmp(&signature[a]));
+    order.truncate(signature.len().div_ceil(2));
+    order.sort_unstable();
+    order
+}

@@ -1,0 +1,422 @@
+//! The simulator as the diagnosis asks it: every recording replayed for any mechanism, in closed loop where the
+//! controller is known, else under the recorded control.
+
+use std::sync::OnceLock;
+
+use counterpoise_controller::ProportionalIntegral;
+use counterpoise_models::Parameters;
+use counterpoise_simulate::PlantState;
+use counterpoise_simulate::history::ReadingColumns;
+use counterpoise_simulate::recording::{Channel, Recording};
+use counterpoise_simulate::replay::{Loop, Replay, Replayer, reading_floor};
+
+use crate::error::Error;
+use crate::recording::measured_signals::{MeasuredSignals, measured};
+use crate::recording::noise::floor;
+use crate::recording::series::deviation;
+use crate::recording::series::rms;
+use crate::simulator_access::access::{
+    Assessment, ChannelResidual, ControlSource, SimulatorAccess, Span, StartShift,
+};
+use crate::tolerance::{FITTED_SHARE, STEPS_PER_SAMPLE};
+
+/// Channels whose misfit is scored; the platform's are what drives the replay.
+const SCORED: [Channel; 4] = [Channel::Control, Channel::HubRate, Channel::MotorRate, Channel::HubPosition];
+/// FitState of the hub rate among them.
+const HUB_RATE: usize = 1;
+/// The hub angle among the freedoms of a start.
+const HUB_ANGLE: usize = 0;
+
+/// Recordings of one machine with what is made of them once: their first parts, and copies with noise on the demand.
+pub struct PreparedRecordings {
+    whole: Vec<Recording>,
+    heads: Vec<Recording>,
+    noisy: Vec<Recording>,
+}
+
+impl PreparedRecordings {
+    /// Prepares recordings of a mechanism.
+    pub fn new(recordings: &[Recording], base: &Parameters) -> Self {
+        Self {
+            heads: recordings.iter().map(head).collect(),
+            noisy: recordings.iter().map(|r| with_other_noise(r, base, 0)).collect(),
+            whole: recordings.to_vec(),
+        }
+    }
+}
+
+/// Recordings of one machine, ready to be replayed.
+pub struct RecordingReplays<'a> {
+    base: &'a Parameters,
+    control: Loop,
+    prepared: &'a PreparedRecordings,
+    whole: Vec<Replayer<'a>>,
+    heads: Vec<Replayer<'a>>,
+    noisy: Vec<Replayer<'a>>,
+    /// RMS of each scored channel's own noise, recording by recording.
+    floors: Vec<[f64; SCORED.len()]>,
+    control_floor: f64,
+    /// Whether the hub is made to follow its own recorded rate, recording by recording.
+    followed: Vec<bool>,
+    /// How every recording stands to the mechanism that the replays were made with: it is asked for again and again.
+    standing: Vec<OnceLock<Option<Assessment>>>,
+}
+
+impl<'a> RecordingReplays<'a> {
+    /// Makes the recordings ready: the platform's motion is reconstructed, the noise of each channel is looked at.
+    ///
+    /// # Errors
+    /// A recording that cannot be replayed.
+    pub fn new(
+        base: &'a Parameters,
+        control: &Loop,
+        prepared: &'a PreparedRecordings,
+    ) -> Result<Self, Error> {
+        let ready = |recordings: &'a [Recording]| {
+            let one = |r: &'a Recording| Ok(Replayer::new(base, r)?.bounded(STEPS_PER_SAMPLE));
+            recordings.iter().map(one).collect::<Result<Vec<_>, counterpoise_simulate::Error>>()
+        };
+        let control_floor = match control {
+            Loop::Closed(controller) => control_floor(base, controller),
+            Loop::Open => 0.0,
+        };
+        // a control that was recorded more quietly than this loop makes it is not this loop's: its noise is no measure
+        let of = |c, own: f64| {
+            if c == Channel::Control && own < QUIET * control_floor { control_floor } else { own }
+        };
+        let floors = |r: &Recording| SCORED.map(|c| of(c, floor(base, c, r.column(c).unwrap_or(&[]))));
+        Ok(Self {
+            base,
+            control: control.clone(),
+            whole: ready(&prepared.whole)?,
+            heads: ready(&prepared.heads)?,
+            noisy: ready(&prepared.noisy)?,
+            floors: prepared.whole.iter().map(floors).collect(),
+            control_floor,
+            followed: prepared.whole.iter().map(follows).collect(),
+            standing: prepared.whole.iter().map(|_| OnceLock::new()).collect(),
+            prepared,
+        })
+    }
+
+    /// A recording as the balances take it; none without hub rate or control.
+    pub fn measured_at(&self, index: usize) -> Option<MeasuredSignals> {
+        self.prepared.whole.get(index).and_then(measured)
+    }
+
+    fn same_platform_sensors(&self, parameters: &Parameters) -> bool {
+        let (ours, theirs) = (&self.base.sensors, &parameters.sensors);
+        ours.platform_gyro == theirs.platform_gyro
+            && ours.platform_accelerometer == theirs.platform_accelerometer
+            && ours.accelerometer_lever_arm_m == theirs.accelerometer_lever_arm_m
+    }
+
+    /// Runs what a recording made ready needs, made ready anew where the platform's sensors are others.
+    fn with<T>(
+        &self,
+        parameters: &Parameters,
+        ready: &Replayer<'a>,
+        run: impl Fn(&Replayer) -> Result<T, counterpoise_simulate::Error>,
+    ) -> Option<T> {
+        if self.same_platform_sensors(parameters) {
+            return run(ready).ok();
+        }
+        run(&ready.with_platform_sensors_of(parameters)).ok()
+    }
+
+    fn control(&self, source: ControlSource) -> &Loop {
+        match source {
+            ControlSource::ClosedLoop => &self.control,
+            ControlSource::Playback => &Loop::Open,
+        }
+    }
+
+    /// The channel that is scored where one of [`SCORED`] stands, and its place; none where there is nothing to score. Played back,
+    /// the control has no misfit of its own and the hub rate stands in its place, so that mechanisms run in either way have as many
+    /// channels. A hub that is made to follow its own recorded rate says nothing: what it takes, the control, is the evidence.
+    fn shown(
+        &self,
+        replay: &Replay,
+        index: usize,
+        source: ControlSource,
+        (place, channel): (usize, Channel),
+    ) -> Option<(Channel, usize)> {
+        let stand_in = channel == Channel::Control && source == ControlSource::Playback;
+        if stand_in && self.control == Loop::Open {
+            return None;
+        }
+        let (shown, place) = if stand_in { (Channel::HubRate, HUB_RATE) } else { (channel, place) };
+        let of_hub = matches!(shown, Channel::HubRate | Channel::HubPosition);
+        let given = of_hub && source == ControlSource::ClosedLoop && self.followed[index];
+        (!given && replay.channels.iter().any(|f| f.channel == shown)).then_some((shown, place))
+    }
+
+    /// The misfit of every scored channel.
+    fn channels(
+        &self,
+        replay: &Replay,
+        index: usize,
+        length: usize,
+        source: ControlSource,
+    ) -> Option<Vec<ChannelResidual>> {
+        let mut out = Vec::new();
+        for (c, channel) in SCORED.into_iter().enumerate() {
+            let Some((shown, c)) = self.shown(replay, index, source, (c, channel)) else { continue };
+            let recorded = &self.prepared.whole[index].column(shown)?[..length];
+            let floor = self.floors[index][c];
+            let simulated = shown.of(&replay.simulated);
+            let difference = |(s, r): (&f64, &f64)| if r.is_finite() { (s - r) / floor } else { 0.0 };
+            let residual: Vec<f64> = simulated.iter().zip(recorded).map(difference).collect();
+            let told = if shown == channel { floor } else { self.control_floor };
+            out.push(ChannelResidual { channel: channel.name(), residual, floor: told });
+        }
+        Some(out)
+    }
+
+    /// How far a run parts from one with other noise: the demand with noise like the hub gyroscope's is the loop with
+    /// another noise of it, and the platform's readings with more noise are another reconstruction of its motion.
+    fn divergence(
+        &self,
+        parameters: &Parameters,
+        index: usize,
+        quiet: &Replay,
+        source: ControlSource,
+    ) -> Option<Vec<f64>> {
+        let control = self.control(source);
+        let shaken =
+            self.with(parameters, &self.noisy[index], |r| r.replay_from(parameters, control, &quiet.start))?;
+        let size = |(c, channel): (usize, Channel)| {
+            let (shown, place) = self.shown(quiet, index, source, (c, channel))?;
+            let apart = apart(shown, &quiet.simulated, &shaken.simulated) / self.floors[index][place];
+            let own = if shown == Channel::Control { 1.0 } else { 0.0 };
+            Some((apart * apart - own).max(0.0).sqrt())
+        };
+        Some(SCORED.into_iter().enumerate().filter_map(size).collect())
+    }
+
+    /// A closed-loop run judged; where it does not repeat, the playback in its place.
+    fn judged(
+        &self,
+        parameters: &Parameters,
+        index: usize,
+        quiet: Replay,
+        playback: impl Fn() -> Option<Replay>,
+    ) -> Option<Assessment> {
+        let length = self.prepared.whole[index].len();
+        if self.control == Loop::Open {
+            return self.played(parameters, index, quiet);
+        }
+        let divergence = self.divergence(parameters, index, &quiet, ControlSource::ClosedLoop)?;
+        let channels = self.channels(&quiet, index, length, ControlSource::ClosedLoop)?;
+        // an angle wanders in any loop of a rate, and says nothing of hunting
+        let hunts =
+            |(m, w): (&ChannelResidual, &f64)| *w > HUNTING && m.channel != Channel::HubPosition.name();
+        if !channels.iter().zip(&divergence).any(hunts) {
+            return Some(Assessment {
+                channels,
+                divergence,
+                start: Some(quiet.start),
+                source: ControlSource::ClosedLoop,
+            });
+        }
+        self.played(parameters, index, playback()?)
+    }
+
+    /// A run under the recorded control, judged.
+    fn played(&self, parameters: &Parameters, index: usize, played: Replay) -> Option<Assessment> {
+        let length = self.prepared.whole[index].len();
+        let channels = self.channels(&played, index, length, ControlSource::Playback)?;
+        let divergence = self.divergence(parameters, index, &played, ControlSource::Playback)?;
+        Some(Assessment { channels, divergence, start: Some(played.start), source: ControlSource::Playback })
+    }
+}
+
+/// Whether the demand of a recording is its hub rate: a controller that nobody recorded makes the model follow.
+fn follows(recording: &Recording) -> bool {
+    let (Some(demand), Some(rate)) = (&recording.demand_rad_s, &recording.hub_rate_rad_s) else {
+        return false;
+    };
+    let differs = |(d, r): (&f64, &f64)| r.is_finite() && d != r;
+    rate.iter().any(|r| r.is_finite() && *r != 0.0) && !demand.iter().zip(rate).any(differs)
+}
+
+/// Share of the noise that the gyroscope's makes in the control below which recorded control is not of this loop.
+const QUIET: f64 = 0.3;
+/// Two runs that part by more than this many floors are hunting: no replay in closed loop can follow.
+const HUNTING: f64 = 5.0;
+
+/// RMS of the control that the hub gyroscope's noise and the converters leave.
+fn control_floor(base: &Parameters, controller: &ProportionalIntegral) -> f64 {
+    let step = 20.0 / f64::from(base.interface.output_bits).exp2();
+    (controller.kp_v_s_rad * reading_floor(&base.sensors.hub_gyro, &base.interface))
+        .hypot(step / 12f64.sqrt())
+}
+
+/// The first part of a recording.
+fn head(recording: &Recording) -> Recording {
+    recording.part(0..(recording.len() as f64 * FITTED_SHARE) as usize)
+}
+
+impl SimulatorAccess for RecordingReplays<'_> {
+    fn count(&self) -> usize {
+        self.whole.len()
+    }
+
+    fn most_active_recording(&self) -> usize {
+        let motion = |r: &Recording| r.hub_rate_rad_s.as_deref().map_or(0.0, deviation);
+        let sizes: Vec<f64> = self.prepared.whole.iter().map(motion).collect();
+        (0..sizes.len()).max_by(|&a, &b| sizes[a].total_cmp(&sizes[b])).unwrap_or(0)
+    }
+
+    fn residuals(
+        &self,
+        parameters: &Parameters,
+        index: usize,
+        span: Span,
+        near: &Assessment,
+    ) -> Option<Vec<ChannelResidual>> {
+        let ready = match span {
+            Span::Whole => &self.whole[index],
+            Span::Head => &self.heads[index],
+        };
+        let start = near.start.as_ref()?;
+        let control = self.control(near.source);
+        let replay = self.with(parameters, ready, |r| r.replay_from(parameters, control, start))?;
+        self.channels(&replay, index, ready.recording().len(), near.source)
+    }
+
+    fn residuals_from_shifted_start(
+        &self,
+        parameters: &Parameters,
+        index: usize,
+        span: Span,
+        near: &Assessment,
+        shift: &StartShift,
+    ) -> Option<(Vec<ChannelResidual>, PlantState)> {
+        let ready = match span {
+            Span::Whole => &self.whole[index],
+            Span::Head => &self.heads[index],
+        };
+        let start = near.start.as_ref()?;
+        let control = self.control(near.source);
+        let mut shift = *shift;
+        if near.source == ControlSource::ClosedLoop && self.followed[index] {
+            // the hub's recorded angle says nothing as evidence here, so nothing but the recording says where it starts
+            shift[HUB_ANGLE] = 0.0;
+        }
+        let replay = self.with(parameters, ready, |r| r.replay_nudged(parameters, control, start, &shift))?;
+        let channels = self.channels(&replay, index, ready.recording().len(), near.source)?;
+        Some((channels, replay.start))
+    }
+
+    fn travel_rad(&self) -> f64 {
+        self.prepared.whole.iter().map(travel).fold(0.0, f64::max)
+    }
+
+    fn turns_per_sample(&self) -> f64 {
+        let recording = &self.prepared.whole[self.most_active_recording()];
+        let Some(hub) = recording.hub_rate_rad_s.as_deref() else { return 0.0 };
+        let platform = recording.platform_rate_rad_s.as_deref();
+        let rates = hub.iter().enumerate().map(|(k, h)| h - platform.map_or(0.0, |p| p[k]));
+        let finite: Vec<f64> = rates.filter(|rate| rate.is_finite()).collect();
+        rms(&finite) * recording.sample_period_s / std::f64::consts::TAU
+    }
+
+    fn noise_response(
+        &self,
+        parameters: &Parameters,
+        index: usize,
+        near: &Assessment,
+        which: u64,
+    ) -> Option<Vec<Vec<f64>>> {
+        let recording = &self.prepared.whole[index];
+        let start = near.start.as_ref()?;
+        let control = self.control(near.source);
+        let noisy = with_other_noise(recording, self.base, which + 1);
+        let shaken = Replayer::new(self.base, &noisy).ok()?;
+        let shaken = self.with(parameters, &shaken, |r| r.replay_from(parameters, control, start))?;
+        let quiet =
+            self.with(parameters, &self.whole[index], |r| r.replay_from(parameters, control, start))?;
+        let one = |(c, channel): (usize, Channel)| -> Option<Vec<f64>> {
+            let (shown, c) = self.shown(&quiet, index, near.source, (c, channel))?;
+            let floor = self.floors[index][c];
+            let pairs = shown.of(&shaken.simulated).iter().zip(shown.of(&quiet.simulated));
+            Some(pairs.map(|(a, b)| (a - b) / floor).collect())
+        };
+        Some(SCORED.into_iter().enumerate().filter_map(one).collect())
+    }
+
+    fn assess_from(&self, parameters: &Parameters, index: usize, near: &Assessment) -> Option<Assessment> {
+        let (ready, start) = (&self.whole[index], near.start.as_ref()?);
+        let run =
+            |control: &Loop| self.with(parameters, ready, |r| r.replay_from(parameters, control, start));
+        self.judged(parameters, index, run(&self.control)?, || run(&Loop::Open))
+    }
+
+    fn assess_near(&self, parameters: &Parameters, index: usize, near: &Assessment) -> Option<Assessment> {
+        let Some(start) = near.start.as_ref() else { return self.assess(parameters, index) };
+        let ready = &self.whole[index];
+        let run =
+            |control: &Loop| self.with(parameters, ready, |r| r.replay_near(parameters, control, start));
+        self.judged(parameters, index, run(&self.control)?, || run(&Loop::Open))
+    }
+
+    fn assess(&self, parameters: &Parameters, index: usize) -> Option<Assessment> {
+        let judged = || {
+            let run =
+                |control: &Loop| self.with(parameters, &self.whole[index], |r| r.replay(parameters, control));
+            self.judged(parameters, index, run(&self.control)?, || run(&Loop::Open))
+        };
+        if parameters == self.base { self.standing[index].get_or_init(judged).clone() } else { judged() }
+    }
+}
+
+/// Angle over which the hub moves on the platform, rad: from the resolver, the motor or the gyroscopes.
+fn travel(recording: &Recording) -> f64 {
+    let span = |series: &mut dyn Iterator<Item = f64>| {
+        let (low, high) = series
+            .filter(|v| v.is_finite())
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        (high - low).max(0.0)
+    };
+    if let Some(position) = &recording.hub_position_rad {
+        return span(&mut position.iter().copied());
+    }
+    let Some(hub) = &recording.hub_rate_rad_s else { return 0.0 };
+    let mut angle = 0.0;
+    let still = vec![0.0; hub.len()];
+    let platform = recording.platform_rate_rad_s.as_ref().unwrap_or(&still);
+    let rates = hub.iter().zip(platform).map(|(h, p)| h - p);
+    span(&mut rates.map(|rate| {
+        angle += if rate.is_finite() { rate * recording.sample_period_s } else { 0.0 };
+        angle
+    }))
+}
+
+fn apart(channel: Channel, a: &ReadingColumns, b: &ReadingColumns) -> f64 {
+    let difference: Vec<f64> = channel.of(a).iter().zip(channel.of(b)).map(|(x, y)| x - y).collect();
+    rms(&difference)
+}
+
+/// The recording with other noise: on its demand of the size of the hub gyroscope's, on the platform's channels of the
+/// size of their sensors' (a fixed sequence for each number).
+fn with_other_noise(recording: &Recording, p: &Parameters, which: u64) -> Recording {
+    let mut state = 0x2545_f491_4f6c_dd1d_u64 ^ which.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let mut uniform = || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let mut normal = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+    let mut noisy = recording.clone();
+    let columns = [
+        (&mut noisy.demand_rad_s, p.sensors.hub_gyro.noise_rms.max(1e-9)),
+        (&mut noisy.platform_rate_rad_s, p.sensors.platform_gyro.noise_rms),
+        (&mut noisy.platform_accel_m_s2, p.sensors.platform_accelerometer.noise_rms),
+    ];
+    for (column, size) in columns {
+        column.iter_mut().flatten().for_each(|value| *value += size * normal());
+    }
+    noisy
+}

@@ -1,0 +1,37 @@
+//! Many independent jobs at once, on processors that the caller hands in.
+
+/// Runs independent jobs, in any order, on as many processors as the caller has.
+pub trait Pool: Sync {
+    /// Calls `job(0) .. job(count - 1)`, each once.
+    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync));
+    /// Whether the user asked to stop.
+    fn cancelled(&self) -> bool {
+        false
+    }
+    /// Says how far the work is.
+    fn progress(&self, _stage: &str, _done: usize, _of: usize) {}
+}
+
+/// One job after the other, on the calling thread.
+pub struct Serial;
+
+impl Pool for Serial {
+    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
+        (0..count).for_each(job);
+    }
+}
+
+/// `count` results of independent jobs, in order; fewer where the user asked to stop.
+pub fn map<T: Send>(pool: &dyn Pool, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let slots: Vec<std::sync::Mutex<Option<T>>> = (0..count).map(|_| std::sync::Mutex::new(None)).collect();
+    pool.run(count, &|index| {
+        if pool.cancelled() {
+            return;
+        }
+        let result = job(index);
+        if let Ok(mut slot) = slots[index].lock() {
+            *slot = Some(result);
+        }
+    });
+    slots.into_iter().filter_map(|slot| slot.into_inner().ok().flatten()).collect()
+}

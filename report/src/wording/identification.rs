@@ -1,0 +1,144 @@
+//! What was identified, with its notes in sentences.
+
+use counterpoise_diagnose::identification::{
+    Amplifier, Balance, Estimate, GainPoint, Identified, Lobes, Loop, Note, Unidentifiable,
+};
+use counterpoise_pipeline::recordings::identify::IdentifiedRecordings;
+use serde::Serialize;
+
+use super::recordings::describe_column_remark;
+
+/// Everything that was identified, with its notes in sentences.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct IdentificationText {
+    /// One for each state of balance, in the order given.
+    pub balances: Vec<Balance>,
+    /// Coulomb friction, pivot + N x motor, N m.
+    pub coulomb_nm: Estimate,
+    /// Viscous friction, pivot + N^2 x motor, N m s/rad.
+    pub viscous_nm_s_rad: Estimate,
+    /// Highest friction torque after a reversal, mean over the reversals, N m; `None` if there are too few.
+    pub breakaway_nm: Option<Estimate>,
+    /// Amplifier.
+    pub amplifier: AmplifierText,
+    /// The lobes in volts.
+    pub lobes: Lobes,
+    /// Control against rate, recording by recording.
+    pub loops: Vec<Loop>,
+    /// RMS torque that the balance leaves, N m.
+    pub residual_nm: f64,
+    /// Largest share of a regressor's power that is sensor noise; it was taken off.
+    pub noise_share: f64,
+    /// Time that entered, s.
+    pub sliding_s: f64,
+    /// What has to be known together with the numbers.
+    pub notes: Vec<String>,
+}
+
+/// What the recordings say of the amplifier.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "outcome", rename_all = "snake_case")]
+pub enum AmplifierText {
+    /// Its gain curve departs from the project's; the mechanism was identified together with it.
+    Curve {
+        /// The curve, by rising input.
+        points: Vec<GainPoint>,
+    },
+    /// Its gain curve was seen, and is the project's.
+    AsInProject {
+        /// The curve, by rising input.
+        points: Vec<GainPoint>,
+    },
+    /// These recordings do not show it.
+    NotIdentifiable {
+        /// Why not, and what would.
+        why: &'static str,
+    },
+}
+
+impl AmplifierText {
+    /// Returns the points of the curve; none if it is not identifiable.
+    pub fn points(&self) -> &[GainPoint] {
+        match self {
+            Self::Curve { points } | Self::AsInProject { points } => points,
+            Self::NotIdentifiable { .. } => &[],
+        }
+    }
+}
+
+/// Describes what was identified from files: what was found on reading them comes last among the notes.
+pub fn describe_identified_recordings(found: &IdentifiedRecordings) -> IdentificationText {
+    let mut described = describe_identification(&found.identified);
+    for (file, remarks) in &found.remarks {
+        described
+            .notes
+            .extend(remarks.iter().map(|remark| format!("{file}: {}", describe_column_remark(remark))));
+    }
+    described
+}
+
+/// Describes what was identified.
+pub fn describe_identification(found: &Identified) -> IdentificationText {
+    IdentificationText {
+        balances: found.balances.clone(),
+        coulomb_nm: found.coulomb_nm,
+        viscous_nm_s_rad: found.viscous_nm_s_rad,
+        breakaway_nm: found.breakaway_nm,
+        amplifier: describe_amplifier(&found.amplifier),
+        lobes: found.lobes,
+        loops: found.loops.clone(),
+        residual_nm: found.residual_nm,
+        noise_share: found.noise_share,
+        sliding_s: found.sliding_s,
+        notes: found.notes.iter().map(|note| describe_note(*note)).collect(),
+    }
+}
+
+fn describe_amplifier(amplifier: &Amplifier) -> AmplifierText {
+    match amplifier {
+        Amplifier::Curve { points } => AmplifierText::Curve { points: points.clone() },
+        Amplifier::AsInProject { points } => AmplifierText::AsInProject { points: points.clone() },
+        Amplifier::NotIdentifiable { reason } => {
+            let why = match reason {
+                Unidentifiable::ControlStaysLarge => {
+                    "the control stays where the amplifier is taken as linear; recordings near balance take it through small values"
+                }
+                Unidentifiable::ConfusedWithFriction => {
+                    "the curve cannot be told from friction here; recordings at another out-of-balance can"
+                }
+                Unidentifiable::TooUncertain => {
+                    "the curve cannot be told from friction to 15 % here; recordings at another out-of-balance can"
+                }
+            };
+            AmplifierText::NotIdentifiable { why }
+        }
+    }
+}
+
+fn describe_note(note: Note) -> String {
+    match note {
+        Note::FrictionIsASum => {
+            "friction is the sum of pivot and motor, at the hub: one state of the rig does not tell them apart"
+                .to_owned()
+        }
+        Note::KnownTakenAsExact => {
+            "the intervals take gear ratio, motor constants and sensor lags as exact".to_owned()
+        }
+        Note::SomethingElseActs { share } => format!(
+            "the torque balance leaves {:.0} % of the Coulomb friction: something else acts, `diagnose` looks for it",
+            100.0 * share
+        ),
+        Note::NoMotorRate => {
+            "no motor rate: it is the hub's on the platform and the gear's twist, with the project's gear stiffness"
+                .to_owned()
+        }
+        Note::NoHubPosition => {
+            "no hub position: the angle is the integral of the rates from level".to_owned()
+        }
+        Note::RigidBeam => "no lumped structure in the project: the beam is taken as rigid".to_owned(),
+        Note::CurveFromOneState => {
+            "the gain curve comes from one state of balance: recordings at a second one would tell it from friction for sure"
+                .to_owned()
+        }
+    }
+}

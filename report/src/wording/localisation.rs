@@ -1,0 +1,114 @@
+//! Where and when the simulation departs from the recordings, in sentences.
+
+use counterpoise_diagnose::findings::answer::Pattern;
+use counterpoise_diagnose::findings::localisation_chart::{LocalisationChart, SearchAgreement};
+use counterpoise_diagnose::localisation::error_map::MapCell;
+use counterpoise_diagnose::localisation::trend::{Extent, Form, Repetition, Trend};
+
+/// Describes what a function of a regime variable looks like.
+pub fn describe_trend(trend: Trend) -> String {
+    match trend {
+        Trend::Simple { form, extent } => {
+            let form = match form {
+                Form::Constant => "the same throughout",
+                Form::Proportional => "in proportion to it",
+                Form::Odd => "odd in it",
+                Form::Even => "even in it",
+            };
+            match extent {
+                Some(extent) => format!("{form}, {}", describe_extent(extent)),
+                None => format!("{form},"),
+            }
+        }
+        Trend::Periodic { repetition: None } => "it repeats".to_owned(),
+        Trend::Periodic { repetition: Some(repetition) } => describe_repetition(repetition),
+    }
+}
+
+fn describe_repetition(repetition: Repetition) -> String {
+    match repetition {
+        Repetition::Along { period, half_width, extent } => {
+            let unit = after_number(extent.unit);
+            format!("it repeats every {period:.4} +/- {half_width:.4}{unit}, {}", describe_extent(extent))
+        }
+        Repetition::InTime { period_s, half_width_s } => {
+            format!("it repeats every {period_s:.4} +/- {half_width_s:.4} s")
+        }
+        Repetition::WithMotorTurn { order } => format!("it repeats every 1/{order:.0} turn of the motor"),
+    }
+}
+
+fn describe_extent(extent: Extent) -> String {
+    format!("over {:.3} to {:.3}{}", extent.low, extent.high, after_number(extent.unit))
+}
+
+/// A unit as it is written after a number.
+fn after_number(unit: &str) -> String {
+    if unit.is_empty() { String::new() } else { format!(" {unit}") }
+}
+
+/// Describes what a mismatch depends on.
+pub(super) fn describe_pattern(pattern: Option<&Pattern>) -> String {
+    let Some(pattern) = pattern else { return "not found".to_owned() };
+    let share = 100.0 * pattern.explained;
+    let trend = pattern.trend.map_or_else(String::new, |trend| format!("; {}", describe_trend(trend)));
+    format!("follows {}: {share:.0} % of what can be explained{trend}", pattern.regime)
+}
+
+/// Describes a chart in a few sentences.
+pub fn describe_chart(chart: &LocalisationChart) -> String {
+    let agreement = match chart.agreement {
+        SearchAgreement::Agrees => "",
+        SearchAgreement::FoundNothing => {
+            " The search named nothing: what shows here is too little for an effect."
+        }
+        SearchAgreement::FoundAnother => {
+            " The search then named another cell (ringed): the balances are simpler than the simulator, and its fits decide."
+        }
+    };
+    format!("{}{agreement}", describe_best_cell(chart))
+}
+
+fn describe_best_cell(chart: &LocalisationChart) -> String {
+    let Some(best) = &chart.best else {
+        return "No cell stands out: an error at any component, along any of these variables, explains no more than chance may. \
+                What is left in the balances is noise."
+            .to_owned();
+    };
+    let words = |name: &str| name.replace('_', " ");
+    let alike = match chart.likeliest.split_last() {
+        Some((last, some)) if !some.is_empty() => {
+            let some: Vec<String> = some.iter().map(|component| words(component.name())).collect();
+            format!(
+                "The balances cannot tell {} and {} apart; the fits in the simulator may.",
+                some.join(", "),
+                words(last.name())
+            )
+        }
+        _ => "An error at any other component explains clearly less.".to_owned(),
+    };
+    let MapCell { component, regime, explained, gain_nats, trend } = best;
+    let trend = trend.map_or_else(String::new, |trend| format!(" ({})", describe_trend(trend)));
+    format!(
+        "The best cell, {} along {regime}{trend}, gains {gain_nats:.0} nats: {:.0} % of what a perfect explanation would. {alike}",
+        words(component.name()),
+        100.0 * explained
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn trends_are_described_with_their_extent() {
+        let extent = Extent { low: -1.0, high: 1.0, unit: "N m" };
+        let odd = Trend::Simple { form: Form::Odd, extent: Some(extent) };
+        assert_eq!(describe_trend(odd), "odd in it, over -1.000 to 1.000 N m");
+        let along = Repetition::Along { period: 0.31, half_width: 0.001, extent };
+        let periodic = Trend::Periodic { repetition: Some(along) };
+        let text = "it repeats every 0.3100 +/- 0.0010 N m, over -1.000 to 1.000 N m";
+        assert_eq!(describe_trend(periodic), text);
+        assert_eq!(describe_trend(periodic.without_numbers()), "it repeats");
+    }
+}
