@@ -64,6 +64,12 @@ fn control_v(machine: &Parameters) -> Vec<f64> {
     Simulator::new(&plant).unwrap().run(&mut controller, &scenario).unwrap().readings.control_v
 }
 
+/// The torque that a volt of control makes at a joint at rest, N m/V.
+fn torque_per_volt_nm(machine: &Parameters, component: Component) -> f64 {
+    let motor = machine.motor.torque_constant_nm_a * machine.amplifier.stall_gain_a_v(&machine.motor);
+    if component == Component::Motor { motor } else { machine.gearbox.ratio * motor }
+}
+
 #[test]
 fn another_coulomb_level_is_an_effect_on_machines_of_every_law() {
     for component in [Component::Pivot, Component::Motor] {
@@ -75,7 +81,11 @@ fn another_coulomb_level_is_an_effect_on_machines_of_every_law() {
             assert_eq!(effect.values(&changed), [GROWTH * level], "{component:?}, {name}");
             let (before, after) = (control_v(&model), control_v(&changed));
             let apart = before.iter().zip(&after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            assert!(apart > 0.02, "{component}, {name}: the control changes by {apart} V");
+            let expected = (GROWTH - 1.0) * level / torque_per_volt_nm(&model, component);
+            assert!(
+                apart > 0.5 * expected,
+                "{component:?}, {name}: {apart} V in place of about {expected} V"
+            );
         }
     }
 }
