@@ -12,6 +12,7 @@ use crate::findings::verdict::Evidence;
 use crate::identification::{Amplifier, identify, improved};
 use crate::library::{Component, Effect, EffectName, effects_named, free_curve, library, textbook};
 use crate::localisation::error_map::{MapCell, localise_errors};
+use crate::localisation::residual_regression::ReplayedRecording;
 use crate::localisation::torque_balances::{BalanceVisibility, RedundantSensors, list_balances};
 use crate::recording::gap_repair::repair_gaps;
 use crate::recording::instrument_faults::{InstrumentFault, find_instrument_faults};
@@ -159,10 +160,11 @@ fn where_and_when(
     isolability: &[BalanceVisibility],
     pool: &dyn Pool,
 ) -> Vec<MapCell> {
-    let judged = map(pool, simulator.count(), |index| {
-        Some((simulator.measured_at(index)?, simulator.assess(base, index)?))
+    let replayed = map(pool, simulator.count(), |index| {
+        let (measured, assessment) = (simulator.measured_at(index)?, simulator.assess(base, index)?);
+        Some(ReplayedRecording { measured, assessment })
     });
-    localise_errors(base, &judged.into_iter().flatten().collect::<Vec<_>>(), isolability, pool)
+    localise_errors(base, &replayed.into_iter().flatten().collect::<Vec<_>>(), isolability, pool)
 }
 
 /// The effects that a machine of given sizes may have.

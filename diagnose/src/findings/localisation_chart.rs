@@ -106,6 +106,7 @@ mod tests {
     use crate::findings::answer::Basis;
     use crate::library::EffectName;
     use crate::localisation::error_map::localise_errors;
+    use crate::localisation::residual_regression::ReplayedRecording;
     use crate::localisation::torque_balances::{RedundantSensors, list_balances};
     use crate::localisation::trend::{Repetition, Trend};
     use crate::recording::measured_signals::MeasuredSignals;
@@ -161,7 +162,12 @@ mod tests {
             start: None,
             source: ControlSource::ClosedLoop,
         };
-        localise_errors(&p, &[(measured, judged)], &balances(motor, position), &Serial)
+        localise_errors(
+            &p,
+            &[ReplayedRecording { measured, assessment: judged }],
+            &balances(motor, position),
+            &Serial,
+        )
     }
 
     fn best(map: &[MapCell]) -> (Component, Regime) {

@@ -30,8 +30,9 @@ pub(crate) fn mean_null_gain(
     let Some(newest) = fit.effects.last() else { return 0.0 };
     let free = newest.parameters;
     let values = &fit.values[fit.values.len() - free.len()..];
+    let newest_parameters = FittedParameters { definitions: free, values };
     let said = map(pool, assessments.len(), |r| {
-        said(simulator, &fit.parameters, (free, values), r, &assessments[r])
+        project_noise(simulator, &fit.parameters, &newest_parameters, r, &assessments[r])
     });
     let said: Vec<NoiseProjection> = said.into_iter().flatten().collect();
     let Some(first) = said.first() else { return 0.0 };
@@ -48,10 +49,17 @@ pub(crate) fn mean_null_gain(
     each.iter().sum::<f64>() / each.len().max(1) as f64
 }
 
-fn said(
+/// Parameters of an effect with their fitted values.
+struct FittedParameters<'a> {
+    definitions: &'a [Parameter],
+    values: &'a [f64],
+}
+
+/// The inner products of what a step of each parameter does to a recording.
+fn project_noise(
     simulator: &dyn SimulatorAccess,
     parameters: &Parameters,
-    (free, values): (&[Parameter], &[f64]),
+    fitted: &FittedParameters,
     index: usize,
     near: &Assessment,
 ) -> Option<NoiseProjection> {
@@ -71,7 +79,8 @@ fn said(
         };
         Some(there.iter().zip(&here).enumerate().flat_map(change).collect::<Vec<f64>>())
     };
-    let columns: Vec<Vec<f64>> = free.iter().zip(values).map(column).collect::<Option<_>>()?;
+    let columns: Vec<Vec<f64>> =
+        fitted.definitions.iter().zip(fitted.values).map(column).collect::<Option<_>>()?;
     let gram = Mat::from_fn(columns.len(), columns.len(), |i, j| dot(&columns[i], &columns[j]));
     let outcome = |which: u64| {
         let moved = simulator.noise_response(parameters, index, near, which)?;

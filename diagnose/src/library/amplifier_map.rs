@@ -11,8 +11,18 @@ pub(super) fn fraction(p: &Parameters, input_v: f64) -> f64 {
     interpolated(&p.amplifier.map, input_v).unwrap_or(linear) / linear
 }
 
+/// A point of a curve.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CurvePoint<'a> {
+    /// Inputs of all points of the curve, V, rising.
+    pub inputs_v: &'a [f64],
+    /// Which of them.
+    pub point: usize,
+}
+
 /// Sets a point of a curve as a fraction of the linear gain, on a map with all the curve's inputs.
-pub(super) fn set_fraction(p: &mut Parameters, (inputs_v, point): (&[f64], usize), fraction: f64) {
+pub(super) fn set_fraction(p: &mut Parameters, at: CurvePoint, fraction: f64) {
+    let CurvePoint { inputs_v, point } = at;
     let gain = static_gain(p);
     let map = &mut p.amplifier.map;
     let same = map.len() == inputs_v.len() && map.iter().zip(inputs_v).all(|(m, v)| m.input_v == *v);

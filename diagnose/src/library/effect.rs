@@ -65,7 +65,9 @@ impl Parameter {
     pub fn write(&self, of: &mut Parameters, value: f64) {
         match self.access {
             Access::Field { set, .. } => set(of, value),
-            Access::Curve { inputs_v, point } => amplifier_map::set_fraction(of, (inputs_v, point), value),
+            Access::Curve { inputs_v, point } => {
+                amplifier_map::set_fraction(of, amplifier_map::CurvePoint { inputs_v, point }, value);
+            }
         }
     }
 }

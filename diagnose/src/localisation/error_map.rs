@@ -10,12 +10,13 @@ use crate::library::Component;
 use crate::localisation::error_hypotheses::{
     COMPONENTS, ERROR_HYPOTHESES, ErrorHypothesis, Law, Quantity, Regime,
 };
-use crate::localisation::free_functions::{classify_knot_function, knots, on_knots, sines, turns, waves};
-use crate::localisation::residual_regression::{ResidualRegression, Series};
+use crate::localisation::free_functions::{
+    KnotSpacing, classify_knot_function, on_knots, place_knots, sines, turns, waves,
+};
+use crate::localisation::residual_regression::{ErrorTerm, ReplayedRecording, ResidualRegression, Series};
 use crate::localisation::torque_balances::BalanceVisibility;
 use crate::localisation::trend::{Repetition, Trend};
-use crate::recording::measured_signals::MeasuredSignals;
-use crate::simulator_access::{Assessment, Pool, map};
+use crate::simulator_access::{Pool, map};
 use crate::tolerance::{AMBIGUOUS, GAIN_NEEDED};
 
 /// Share of the best gain by which a component may be behind and not be told apart: what the balances leave out is no noise.
@@ -41,7 +42,7 @@ pub struct MapCell {
 /// Component x regime of recordings, each with the replay that was judged on it, best first within a component.
 pub fn localise_errors(
     parameters: &Parameters,
-    recordings: &[(MeasuredSignals, Assessment)],
+    recordings: &[ReplayedRecording],
     isolability: &[BalanceVisibility],
     pool: &dyn Pool,
 ) -> Vec<MapCell> {
@@ -94,13 +95,18 @@ impl FittedHypothesis {
         match suspect.law {
             Law::Free(port, variable, carrier) => {
                 let (variables, carriers) = (all(variable), all(carrier));
-                let knots = knots(&variables, variable.is_dense_at_rest())?;
+                let spacing =
+                    if variable.is_dense_at_rest() { KnotSpacing::DenseAtRest } else { KnotSpacing::Even };
+                let knots = place_knots(&variables, spacing)?;
                 let columns = departures.columns(port, &on_knots(&variables, &carriers, &knots));
                 Some(Self { knots, ..plain(columns) })
             }
-            Law::Fixed(terms) => {
-                Some(plain(terms.iter().map(|(port, q)| departures.column(&[(*port, &all(*q))])).collect()))
-            }
+            Law::Fixed(terms) => Some(plain(
+                terms
+                    .iter()
+                    .map(|(port, q)| departures.column(&[ErrorTerm { port: *port, error: &all(*q) }]))
+                    .collect(),
+            )),
             Law::OneOf(port, several) => {
                 let columns = several.iter().map(|q| departures.columns(port, &[all(*q)]));
                 let gains = columns.filter_map(|c| Some((departures.gain(&c)?, c)));
@@ -108,7 +114,9 @@ impl FittedHypothesis {
             }
             Law::Together(terms) => {
                 let series: Vec<Series> = terms.iter().map(|(_, q)| all(*q)).collect();
-                let terms: Vec<_> = terms.iter().zip(&series).map(|((port, _), s)| (*port, s)).collect();
+                let terms =
+                    terms.iter().zip(&series).map(|((port, _), error)| ErrorTerm { port: *port, error });
+                let terms: Vec<ErrorTerm> = terms.collect();
                 Some(plain(vec![departures.column(&terms)]))
             }
             Law::Sine(..) | Law::Repeats(..) | Law::Turns(..) => Self::repeating(departures, suspect.law),

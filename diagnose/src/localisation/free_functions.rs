@@ -10,15 +10,24 @@ const KNOTS: usize = 7;
 /// Samples of its variable along which a function is described.
 const DESCRIBED: usize = 2000;
 
-/// Knots of a free function of a variable: as many samples between any two; towards its small values more, where it is dense at rest.
-/// None where the variable stands still.
-pub(crate) fn knots(variable: &Series, dense_at_rest: bool) -> Option<Vec<f64>> {
+/// How the knots of a free function lie along its variable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum KnotSpacing {
+    /// As many samples between any two.
+    Even,
+    /// Closer together towards small values, where friction changes most.
+    DenseAtRest,
+}
+
+/// Places the knots of a free function of a variable; returns `None` if the variable does not move.
+pub(crate) fn place_knots(variable: &Series, spacing: KnotSpacing) -> Option<Vec<f64>> {
     let mut sorted: Vec<f64> = variable.iter().flatten().copied().collect();
     sorted.sort_by(f64::total_cmp);
     let last = sorted.len().checked_sub(1)?;
     let at = |k: usize| {
         let share = k as f64 / (KNOTS - 1) as f64;
-        sorted[((if dense_at_rest { share * share } else { share }) * last as f64) as usize]
+        let share = if spacing == KnotSpacing::DenseAtRest { share * share } else { share };
+        sorted[(share * last as f64) as usize]
     };
     let mut knots: Vec<f64> = (0..KNOTS).map(at).collect();
     let least = 1e-6 * (sorted[last] - sorted[0]);
@@ -140,7 +149,7 @@ mod tests {
     #[test]
     fn a_function_on_knots_is_the_straight_line_between_them() {
         let variable = vec![(0..100).map(|k| f64::from(k) * 0.1).collect::<Vec<f64>>()];
-        let knots = knots(&variable, false).unwrap();
+        let knots = place_knots(&variable, KnotSpacing::Even).unwrap();
         let columns = on_knots(&variable, &vec![vec![1.0; 100]], &knots);
         for k in 0..100 {
             let line: f64 = columns.iter().zip(&knots).map(|(c, knot)| (2.0 - 3.0 * knot) * c[0][k]).sum();
@@ -149,6 +158,6 @@ mod tests {
         let trend = classify_knot_function(&knots, &knots, &variable[0], "rad");
         let extent = Some(Extent { low: 0.0, high: variable[0][99], unit: "rad" });
         assert_eq!(trend, Some(Trend::Simple { form: Form::Proportional, extent }));
-        assert!(super::knots(&vec![vec![1.0; 5]], false).is_none());
+        assert!(place_knots(&vec![vec![1.0; 5]], KnotSpacing::Even).is_none());
     }
 }

@@ -26,6 +26,24 @@ const WHITE: f64 = 1.0;
 /// One value a sample, recording by recording.
 pub(crate) type Series = Vec<Vec<f64>>;
 
+/// A recording with the replay that was assessed on it.
+#[derive(Debug, Clone)]
+pub struct ReplayedRecording {
+    /// Its signals.
+    pub measured: MeasuredSignals,
+    /// How it stands to the model.
+    pub assessment: Assessment,
+}
+
+/// An error at a port, one value a sample.
+#[derive(Clone, Copy)]
+pub(crate) struct ErrorTerm<'a> {
+    /// Where it acts.
+    pub port: Port,
+    /// The error.
+    pub error: &'a Series,
+}
+
 /// A run of rows: one balance, one half of the stretches.
 struct Segment {
     balance: usize,
@@ -52,21 +70,20 @@ pub(crate) struct ResidualRegression<'a> {
 
 impl<'a> ResidualRegression<'a> {
     /// The departures of recordings, each with the replay that was judged on it; none where a balance is not finite.
-    pub fn new(p: &'a Parameters, recordings: &[(MeasuredSignals, Assessment)]) -> Option<Self> {
-        let has = |f: fn(&MeasuredSignals) -> bool| recordings.iter().all(|(m, _)| f(m));
+    pub fn new(p: &'a Parameters, recordings: &[ReplayedRecording]) -> Option<Self> {
+        let has = |f: fn(&MeasuredSignals) -> bool| recordings.iter().all(|r| f(&r.measured));
         let balances = Balance::allowed(RedundantSensors {
             motor_rate: has(|m| m.motor_rate.is_some()),
             hub_position: has(|m| m.hub_position.is_some()),
         });
-        let signals: Vec<Signals> = recordings.iter().map(|(m, _)| Signals::new(p, m, None)).collect();
-        let quiet = recordings.iter().zip(&signals).map(|((m, judged), s)| {
-            let in_loop = judged.source == ControlSource::ClosedLoop;
-            in_loop.then(|| Signals::new(p, &replayed(m, judged), Some(s.slow())))
+        let signals: Vec<Signals> = recordings.iter().map(|r| Signals::new(p, &r.measured, None)).collect();
+        let quiet = recordings.iter().zip(&signals).map(|(r, s)| {
+            let in_loop = r.assessment.source == ControlSource::ClosedLoop;
+            in_loop.then(|| Signals::new(p, &replayed(r), Some(s.slow())))
         });
         let quiet = quiet.collect();
         let pairs = signals.iter().zip(recordings);
-        let apart: Vec<[Vec<Vec<f64>>; 2]> =
-            pairs.map(|(s, (m, judged))| departed(p, s, m, judged, &balances)).collect();
+        let apart: Vec<[Vec<Vec<f64>>; 2]> = pairs.map(|(s, r)| departed(p, s, r, &balances)).collect();
         let of = |which: usize, b: usize| apart.iter().map(|a| a[which][b].clone()).collect::<Series>();
         let drive = balances.iter().position(|b| *b == Balance::Drive)?;
         let whiteners = (0..balances.len()).map(|b| Whitener::of(&of(1, b))).collect();
@@ -131,7 +148,7 @@ impl<'a> ResidualRegression<'a> {
 
     /// One column for each error at a port.
     pub fn columns(&self, port: Port, errors: &[Series]) -> Vec<Vec<f64>> {
-        errors.iter().map(|error| self.column(&[(port, error)])).collect()
+        errors.iter().map(|error| self.column(&[ErrorTerm { port, error }])).collect()
     }
 
     /// How the drive's balance repeats along a variable.
@@ -141,12 +158,12 @@ impl<'a> ResidualRegression<'a> {
     }
 
     /// What errors at ports do to the balances, in the order of the target.
-    pub fn column(&self, terms: &[(Port, &Series)]) -> Vec<f64> {
+    pub fn column(&self, terms: &[ErrorTerm]) -> Vec<f64> {
         let shown = |balance: Balance| -> Series {
             let of = |r: usize| {
                 let mut sum = vec![0.0; self.signals[r].hub.len()];
-                for (port, error) in terms {
-                    let part = port.shown(balance, &error[r], &self.signals[r]);
+                for term in terms {
+                    let part = term.port.shown(balance, &term.error[r], &self.signals[r]);
                     sum.iter_mut().zip(part).for_each(|(s, p)| *s += p);
                 }
                 thin(&sum)
@@ -323,14 +340,13 @@ fn solved(gram: &Mat, right: &[f64]) -> Option<Vec<f64>> {
 fn departed(
     p: &Parameters,
     recorded: &Signals,
-    measured: &MeasuredSignals,
-    judged: &Assessment,
+    recording: &ReplayedRecording,
     balances: &[Balance],
 ) -> [Vec<Vec<f64>>; 2] {
-    let replay = replayed(measured, judged);
+    let replay = replayed(recording);
     let slow = Some(recorded.slow());
     let simulated = Signals::new(p, &replay, slow);
-    let noisy = Signals::new(p, &noisy(p, &replay, judged), slow);
+    let noisy = Signals::new(p, &noisy(p, &replay, &recording.assessment), slow);
     let apart = |other: &Signals, balance: Balance| {
         let pairs = thin(&other.residual(balance)).into_iter().zip(thin(&simulated.residual(balance)));
         pairs.map(|(a, b)| a - b).collect()
@@ -340,7 +356,8 @@ fn departed(
 }
 
 /// The readings of the replay: those recorded and their channels. A control that was played back is the recorded one.
-fn replayed(measured: &MeasuredSignals, judged: &Assessment) -> MeasuredSignals {
+fn replayed(recording: &ReplayedRecording) -> MeasuredSignals {
+    let ReplayedRecording { measured, assessment: judged } = recording;
     let mut out = measured.clone();
     for misfit in &judged.channels {
         let column = match misfit.channel {

@@ -4,6 +4,8 @@
 //! filled in; a longer hole parts the recording, and each part is a recording of its own with its own start. What is only
 //! compared (hub rate, motor rate, hub position) is left out where its sensor stood still while the mechanism moved.
 
+use std::ops::Range;
+
 use counterpoise_simulate::recording::Recording;
 
 use crate::recording::series::rms;
@@ -168,11 +170,11 @@ fn split_at_gaps(whole: &Recording, broken: &[bool]) -> (Vec<Recording>, Option<
         return (vec![whole.clone()], None);
     }
     let shortest = (SHORTEST_S / whole.sample_period_s).round() as usize;
-    let mut stretches: Vec<(usize, usize)> = Vec::new();
+    let mut stretches: Vec<Range<usize>> = Vec::new();
     let mut from = 0;
     for stretch in broken.chunk_by(|a, b| a == b) {
         if !stretch[0] && stretch.len() >= shortest {
-            stretches.push((from, from + stretch.len()));
+            stretches.push(from..from + stretch.len());
         }
         from += stretch.len();
     }
@@ -181,16 +183,13 @@ fn split_at_gaps(whole: &Recording, broken: &[bool]) -> (Vec<Recording>, Option<
     let first = broken.iter().position(|b| *b).unwrap_or(0) as f64 * whole.sample_period_s;
     let repair = Repair::Split { gaps: holes, missing_s: missing, first_s: first, parts: stretches.len() };
     let count = stretches.len();
-    let parts = stretches.iter().enumerate().map(|(k, stretch)| part(whole, *stretch, (k, count))).collect();
+    let part = |(k, stretch): (usize, Range<usize>)| {
+        let part = whole.part(stretch);
+        let name = if count > 1 { format!("{} (part {})", whole.name, k + 1) } else { part.name.clone() };
+        Recording { name, ..part }
+    };
+    let parts = stretches.into_iter().enumerate().map(part).collect();
     (parts, Some(repair))
-}
-
-fn part(whole: &Recording, (from, to): (usize, usize), (k, count): (usize, usize)) -> Recording {
-    let mut part = whole.part(from..to);
-    if count > 1 {
-        part.name = format!("{} (part {})", whole.name, k + 1);
-    }
-    part
 }
 
 #[cfg(test)]

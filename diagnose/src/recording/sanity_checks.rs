@@ -137,12 +137,12 @@ pub fn check_signals(name: &str, measured: &MeasuredSignals, ratio: f64) -> Vec<
         }
     }
     let pairs = redundant(measured, ratio);
-    let slopes: Vec<(f64, f64)> = pairs.iter().map(|(_, gyros, other)| regression(gyros, other)).collect();
+    let slopes: Vec<Slope> = pairs.iter().map(|(_, gyros, other)| regression(gyros, other)).collect();
     if let Some(anomaly) = all_against_the_gyros(&slopes) {
         note("hub_rate", anomaly);
         return remarks;
     }
-    for ((channel, gyros, other), (slope, coherence)) in pairs.iter().zip(slopes) {
+    for ((channel, gyros, other), Slope { slope, coherence }) in pairs.iter().zip(slopes) {
         if let Some(meaning) = meaning(slope, coherence) {
             note(channel, Anomaly::Disagrees { ratio: slope, meaning });
         } else if let Some(anomaly) =
@@ -177,8 +177,11 @@ pub fn check_control(base: &Parameters, recording: &Recording, control: &Loop) -
 const FOREIGN: f64 = 5.0;
 
 /// Two sensors that agree with each other and not with the gyroscopes: those are wrong.
-fn all_against_the_gyros(slopes: &[(f64, f64)]) -> Option<Anomaly> {
-    let &[(a, coherence_a), (b, coherence_b)] = slopes else { return None };
+fn all_against_the_gyros(slopes: &[Slope]) -> Option<Anomaly> {
+    let [Slope { slope: a, coherence: coherence_a }, Slope { slope: b, coherence: coherence_b }] = *slopes
+    else {
+        return None;
+    };
     let agree = (a / b - 1.0).abs() < AGREE;
     let meaning = meaning(1.0 / a, coherence_a.min(coherence_b)).filter(|_| agree)?;
     Some(Anomaly::GyroscopesDisagree { ratio: 1.0 / a, meaning })
@@ -347,13 +350,23 @@ fn centred(series: &[f64]) -> Vec<f64> {
     series.iter().map(|v| v - mean).collect()
 }
 
-/// Slope of y over x and their coherence, where both are there.
-fn regression(x: &[f64], y: &[f64]) -> (f64, f64) {
+/// Slope of one series over another, with their coherence.
+struct Slope {
+    slope: f64,
+    coherence: f64,
+}
+
+/// The slope of y over x where both are numbers.
+fn regression(x: &[f64], y: &[f64]) -> Slope {
     let both = || x.iter().zip(y).filter(|(a, b)| a.is_finite() && b.is_finite());
     let inner: f64 = both().map(|(a, b)| a * b).sum();
     let power: f64 = both().map(|(a, _)| a * a).sum();
     let other: f64 = both().map(|(_, b)| b * b).sum();
-    if power == 0.0 || other == 0.0 { (1.0, 0.0) } else { (inner / power, inner * inner / (power * other)) }
+    if power == 0.0 || other == 0.0 {
+        Slope { slope: 1.0, coherence: 0.0 }
+    } else {
+        Slope { slope: inner / power, coherence: inner * inner / (power * other) }
+    }
 }
 
 /// What a slope that is not 1 most likely means, and whether the channel cannot be used as it is.

@@ -24,8 +24,8 @@ impl Searcher<'_> {
     }
 
     fn merge_pair(&self, best: &Candidate, pair: [usize; 2], search: &SearchOutcome) -> Option<Candidate> {
-        let (rest, values) = beside(best, pair);
-        let model = applied(self.base, &rest, &values);
+        let kept = effects_except(best, pair);
+        let model = applied(self.base, &kept.effects, &kept.values);
         let judged = self.assess_model(&model, &|r| best.assessments.get(r))?;
         let (simulator, pool, sizes) = (self.simulator, self.pool, self.sizes);
         let scene = ScreeningContext {
@@ -44,9 +44,8 @@ impl Searcher<'_> {
                 signatures.push(look);
             }
         }
-        let simpler = map(self.pool, signatures.len(), |k| {
-            self.fit_with_one_more(best, (&rest, &values), &signatures[k])
-        });
+        let simpler =
+            map(self.pool, signatures.len(), |k| self.fit_with_one_more(best, &kept, &signatures[k]));
         let simpler = simpler.into_iter().flatten().filter(|c| c.is_within_bounds() && c.behind(best) < 0.0);
         let simplest = simpler.min_by(|a, b| a.behind(best).total_cmp(&b.behind(best)))?;
         self.validate_candidate(simplest, &search.baseline.score, &search.baseline.fitted)
@@ -57,11 +56,11 @@ impl Searcher<'_> {
     fn fit_with_one_more(
         &self,
         best: &Candidate,
-        (rest, values): (&[&'static Effect], &[f64]),
+        kept: &KeptEffects,
         look: &EffectSignature,
     ) -> Option<Candidate> {
-        let effects = rest.iter().copied().chain([look.effect]).collect();
-        let start: Vec<f64> = values.iter().chain(&look.start).copied().collect();
+        let effects = kept.effects.iter().copied().chain([look.effect]).collect();
+        let start: Vec<f64> = kept.values.iter().chain(&look.start).copied().collect();
         let selection =
             FitSelection { iterations: SEARCH_ITERATIONS, ..FitSelection::all(self.simulator.count()) };
         let fit = self.fit(effects, &start, &selection, &best.assessments)?;
@@ -69,15 +68,21 @@ impl Searcher<'_> {
     }
 }
 
-/// The effects of a candidate but two, and their values.
-fn beside(best: &Candidate, pair: [usize; 2]) -> (Vec<&'static Effect>, Vec<f64>) {
-    let (mut rest, mut values) = (Vec::new(), Vec::new());
+/// Effects of a candidate that are kept, with their values.
+struct KeptEffects {
+    effects: Vec<&'static Effect>,
+    values: Vec<f64>,
+}
+
+/// The effects of a candidate but two.
+fn effects_except(best: &Candidate, pair: [usize; 2]) -> KeptEffects {
+    let mut kept = KeptEffects { effects: Vec::new(), values: Vec::new() };
     for (i, effect) in best.fit.effects.iter().enumerate().filter(|(i, _)| !pair.contains(i)) {
         let first = parameters_of(&best.fit.effects[..i]).len();
-        rest.push(*effect);
-        values.extend(&best.fit.values[first..first + effect.parameters.len()]);
+        kept.effects.push(*effect);
+        kept.values.extend(&best.fit.values[first..first + effect.parameters.len()]);
     }
-    (rest, values)
+    kept
 }
 
 /// Where the best candidate adds a hose: a spring in its place, as stiff as the hose and a spring beside it together, with the

@@ -28,7 +28,7 @@ impl Searcher<'_> {
             };
             let smaller = present.map_or(&search.baseline.score, |c| &c.whole);
             let needed = present.map_or(&[][..], |c| &c.needed);
-            let best = self.choose_candidate(&stage, (smaller, needed), &search);
+            let best = self.choose_candidate(&stage, smaller, needed, &search);
             search.stages.push(stage);
             let Some(best) = best else { break };
             search.accepted = Some(self.refine_effects(self.refit_candidate(best)));
@@ -46,7 +46,8 @@ impl Searcher<'_> {
     fn choose_candidate(
         &self,
         stage: &Stage,
-        (smaller, needed): (&Score, &[usize]),
+        smaller: &Score,
+        needed: &[usize],
         search: &SearchOutcome,
     ) -> Option<Candidate> {
         let worth =

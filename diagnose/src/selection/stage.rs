@@ -66,6 +66,15 @@ pub(crate) enum StageBreadth {
     Rivals,
 }
 
+/// How every recording stands to the present model.
+#[derive(Clone, Copy)]
+struct Standing<'a> {
+    /// From the starts from which effects are screened.
+    screened_from: &'a [Assessment],
+    /// From the starts against which candidates are judged.
+    judged_against: &'a [Assessment],
+}
+
 /// Whether a share of the residual's power could gain what an effect must, were all residuals independent; where the
 /// model is far from the recordings, a signature says too little to leave an effect out.
 fn is_worth_fitting(explained: f64, judged: &[Assessment]) -> bool {
@@ -78,26 +87,26 @@ impl Searcher<'_> {
     /// those that were sought where it is far, for there they make up for what is missing.
     pub(crate) fn run_first_stage(&self, plain: &Baseline) -> Stage {
         let from = if is_close(&plain.fitted) { &plain.fitted } else { &plain.sought };
-        self.screen_and_fit(None, (from, &plain.fitted), StageBreadth::Full)
+        let against = Standing { screened_from: from, judged_against: &plain.fitted };
+        self.screen_and_fit(None, against, StageBreadth::Full)
     }
 
     /// A stage on top of a model.
     pub(crate) fn run_stage(&self, present: &Candidate, breadth: StageBreadth) -> Stage {
         let judged = self.assess_model(&present.fit.parameters, &|r| present.assessments.get(r));
         match judged.or_else(|| assess(self.simulator, self.pool, &present.fit.parameters)) {
-            Some(judged) => self.screen_and_fit(Some(present), (&judged, &judged), breadth),
+            Some(judged) => {
+                let against = Standing { screened_from: &judged, judged_against: &judged };
+                self.screen_and_fit(Some(present), against, breadth)
+            }
             None => Stage { candidates: Vec::new(), signatures: Vec::new() },
         }
     }
 
     /// Looks at every effect on top of the present model, fits the shortlist and judges it: how the recordings stand to that model
     /// where the signatures are taken, and against what the candidates are judged.
-    fn screen_and_fit(
-        &self,
-        present: Option<&Candidate>,
-        (from, judged): (&[Assessment], &[Assessment]),
-        breadth: StageBreadth,
-    ) -> Stage {
+    fn screen_and_fit(&self, present: Option<&Candidate>, against: Standing, breadth: StageBreadth) -> Stage {
+        let Standing { screened_from: from, judged_against: judged } = against;
         let model = present.map_or(self.base, |c| &c.fit.parameters);
         let taken: Vec<&Effect> = present.map_or(Vec::new(), |c| c.fit.effects.clone());
         let free: Vec<&'static Effect> =

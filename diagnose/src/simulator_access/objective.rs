@@ -139,8 +139,9 @@ impl<'a> RecordingReplays<'a> {
         replay: &Replay,
         index: usize,
         source: ControlSource,
-        (place, channel): (usize, Channel),
+        place: usize,
     ) -> Option<(Channel, usize)> {
+        let channel = SCORED[place];
         let stand_in = channel == Channel::Control && source == ControlSource::Playback;
         if stand_in && self.control == Loop::Open {
             return None;
@@ -160,8 +161,8 @@ impl<'a> RecordingReplays<'a> {
         source: ControlSource,
     ) -> Option<Vec<ChannelResidual>> {
         let mut out = Vec::new();
-        for (c, channel) in SCORED.into_iter().enumerate() {
-            let Some((shown, c)) = self.shown(replay, index, source, (c, channel)) else { continue };
+        for (place, channel) in SCORED.into_iter().enumerate() {
+            let Some((shown, c)) = self.shown(replay, index, source, place) else { continue };
             let recorded = &self.prepared.whole[index].column(shown)?[..length];
             let floor = self.floors[index][c];
             let simulated = shown.of(&replay.simulated);
@@ -185,13 +186,13 @@ impl<'a> RecordingReplays<'a> {
         let control = self.control(source);
         let shaken =
             self.with(parameters, &self.noisy[index], |r| r.replay_from(parameters, control, &quiet.start))?;
-        let size = |(c, channel): (usize, Channel)| {
-            let (shown, place) = self.shown(quiet, index, source, (c, channel))?;
+        let size = |place: usize| {
+            let (shown, place) = self.shown(quiet, index, source, place)?;
             let apart = apart(shown, &quiet.simulated, &shaken.simulated) / self.floors[index][place];
             let own = if shown == Channel::Control { 1.0 } else { 0.0 };
             Some((apart * apart - own).max(0.0).sqrt())
         };
-        Some(SCORED.into_iter().enumerate().filter_map(size).collect())
+        Some((0..SCORED.len()).filter_map(size).collect())
     }
 
     /// A closed-loop run judged; where it does not repeat, the playback in its place.
@@ -337,13 +338,13 @@ impl SimulatorAccess for RecordingReplays<'_> {
         let shaken = self.with(parameters, &shaken, |r| r.replay_from(parameters, control, start))?;
         let quiet =
             self.with(parameters, &self.whole[index], |r| r.replay_from(parameters, control, start))?;
-        let one = |(c, channel): (usize, Channel)| -> Option<Vec<f64>> {
-            let (shown, c) = self.shown(&quiet, index, near.source, (c, channel))?;
+        let one = |place: usize| -> Option<Vec<f64>> {
+            let (shown, c) = self.shown(&quiet, index, near.source, place)?;
             let floor = self.floors[index][c];
             let pairs = shown.of(&shaken.simulated).iter().zip(shown.of(&quiet.simulated));
             Some(pairs.map(|(a, b)| (a - b) / floor).collect())
         };
-        Some(SCORED.into_iter().enumerate().filter_map(one).collect())
+        Some((0..SCORED.len()).filter_map(one).collect())
     }
 
     fn assess_from(&self, parameters: &Parameters, index: usize, near: &Assessment) -> Option<Assessment> {

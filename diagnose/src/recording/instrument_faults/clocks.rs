@@ -6,7 +6,7 @@ use counterpoise_simulate::recording::Recording;
 use counterpoise_simulate::replay::Loop;
 
 use super::column::Column;
-use super::identities::{Identity, STILL_RAD_S, controlled, kinematic};
+use super::identities::{ColumnShift, Identity, STILL_RAD_S, controlled, kinematic};
 use super::regression::late;
 use crate::recording::series::{derivative, deviation};
 
@@ -30,8 +30,14 @@ const SOUGHT: i32 = 60;
 /// Share of what is left that the right shift may leave, and times the converter's noise above which anything is left.
 const SHIFTED: (f64, f64) = (0.3, 3.0);
 
-/// How late a column is, s, with the doubt of it.
-pub(super) type Lateness = (f64, f64);
+/// How late a column is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lateness {
+    /// Late by this, s.
+    pub late_s: f64,
+    /// Doubt of it, s.
+    pub doubt_s: f64,
+}
 
 /// How late motor or resolver are against the gyroscopes, less the gyroscopes' own lag.
 pub(super) fn lateness(base: &Parameters, r: &Recording, column: Column) -> Option<Lateness> {
@@ -42,7 +48,7 @@ pub(super) fn lateness(base: &Parameters, r: &Recording, column: Column) -> Opti
         let left = expected_lead(base, column) - found.lead_s.0;
         if left.abs() < 0.5 * r.sample_period_s || !left.is_finite() {
             let believed = found.share < SHARE;
-            return believed.then_some((shift + left, found.lead_s.1));
+            return believed.then_some(Lateness { late_s: shift + left, doubt_s: found.lead_s.1 });
         }
         shift += left;
     }
@@ -67,20 +73,23 @@ fn expected_lead(base: &Parameters, column: Column) -> f64 {
 /// How late motor and resolver are, where that cannot be the gyroscopes' own lag: late against them, or parted from each other. The
 /// motor's twisting gear leads or lags a little where the platform moves: there more is needed.
 fn told(base: &Parameters, r: &Recording) -> Vec<(Column, Lateness)> {
-    let of = |column| lateness(base, r, column).filter(|(_, doubt)| *doubt < 3.0 * OFFSET_S);
+    let of = |column| lateness(base, r, column).filter(|lateness| lateness.doubt_s < 3.0 * OFFSET_S);
     let moved = r.platform_rate_rad_s.as_deref().is_some_and(|p| deviation(p) > STILL_RAD_S);
-    let sure = |column: Column, (s, doubt): Lateness| {
+    let sure = |column: Column, Lateness { late_s, doubt_s }: Lateness| {
         let least = if moved && column == Column::MotorRate { MOVED_S } else { OFFSET_S };
-        s.abs() > least && s.abs() > DOUBTS * doubt
+        late_s.abs() > least && late_s.abs() > DOUBTS * doubt_s
     };
     let (motor, resolver) = (of(Column::MotorRate), of(Column::HubPosition));
     let own = match (motor, resolver) {
         (Some(motor), Some(resolver)) => {
-            let apart = (motor.0 - resolver.0, motor.1.max(resolver.1));
-            motor.0 < 0.0 && !sure(Column::MotorRate, apart)
+            let apart = Lateness {
+                late_s: motor.late_s - resolver.late_s,
+                doubt_s: motor.doubt_s.max(resolver.doubt_s),
+            };
+            motor.late_s < 0.0 && !sure(Column::MotorRate, apart)
         }
         // one alone that is early may be the gyroscope's own delay
-        (motor, resolver) => motor.or(resolver).is_none_or(|(s, _)| s < 0.0),
+        (motor, resolver) => motor.or(resolver).is_none_or(|lateness| lateness.late_s < 0.0),
     };
     let both = [(Column::MotorRate, motor), (Column::HubPosition, resolver)];
     let all = both.into_iter().filter_map(|(column, lateness)| Some((column, lateness?)));
@@ -95,9 +104,9 @@ pub(super) fn offsets(base: &Parameters, recordings: &[Recording]) -> Vec<(usize
     for column in [Column::MotorRate, Column::HubPosition] {
         let of = |r: usize| seen[r].iter().find(|(c, _)| *c == column).map(|(_, lateness)| *lateness);
         let sure: Vec<Lateness> = (0..recordings.len()).filter_map(of).collect();
-        let Some(&best) = sure.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+        let Some(&best) = sure.iter().min_by(|a, b| a.doubt_s.total_cmp(&b.doubt_s)) else { continue };
         let alike = |r: usize| match lateness(base, &recordings[r], column) {
-            Some((late_s, _)) => (late_s - best.0).abs() < ALONGSIDE_S,
+            Some(lateness) => (lateness.late_s - best.late_s).abs() < ALONGSIDE_S,
             None => column.of(&recordings[r]).is_some(),
         };
         let each = (0..recordings.len()).filter_map(|r| Some((r, of(r).or(alike(r).then_some(best))?)));
@@ -113,7 +122,7 @@ pub(super) fn drift(base: &Parameters, recordings: &[Recording], column: Column)
         let first = lateness(base, &r.part(0..half), column)?;
         let second = lateness(base, &r.part(half..2 * half), column)?;
         let time = half as f64 * r.sample_period_s;
-        Some((second.0 - first.0, time, first.1.max(second.1)))
+        Some((second.late_s - first.late_s, time, first.doubt_s.max(second.doubt_s)))
     };
     let all: Vec<(f64, f64, f64)> = recordings.iter().filter_map(parted).collect();
     let count = all.len().max(1) as f64;
@@ -137,7 +146,7 @@ pub(super) fn control_offset(
     let bad: Vec<(usize, f64)> = recordings
         .iter()
         .enumerate()
-        .filter_map(|(r, recording)| Some((r, controlled(controller, recording, (0, Column::Control))?.left)))
+        .filter_map(|(r, recording)| Some((r, controlled(controller, recording, ColumnShift::NONE)?.left)))
         .filter(|(_, left)| *left > SHIFTED.1 * noise)
         .collect();
     let period_s = recordings.get(bad.first()?.0)?.sample_period_s;
@@ -152,7 +161,7 @@ pub(super) fn control_offset(
     let tried = all.filter_map(|(c, samples)| Some((share(c, samples)?, c, samples)));
     let (after, column, samples) = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let inside = samples.abs() < SOUGHT && samples != 0;
-    let lateness = (f64::from(samples) * period_s, 0.5 * period_s);
+    let lateness = Lateness { late_s: f64::from(samples) * period_s, doubt_s: 0.5 * period_s };
     let recordings = bad.iter().map(|(r, _)| *r).collect();
     (inside && after < SHIFTED.0 * bad.len() as f64).then_some((column, lateness, recordings))
 }
@@ -164,6 +173,6 @@ fn identity(
     samples: i32,
     column: Column,
 ) -> Option<Identity> {
-    let found = controlled(controller, r, (samples, column))?;
+    let found = controlled(controller, r, ColumnShift { column, samples })?;
     found.ratios.iter().all(|ratio| (ratio.value - 1.0).abs() <= ratio.doubt).then_some(found)
 }

@@ -232,7 +232,8 @@ impl ExaminedRecordings {
     }
 
     /// Puts a column back that is late; the motor's is known to no better than what its gear twists, and is left out.
-    fn shift(&mut self, r: usize, column: Column, (late_s, doubt_s): clocks::Lateness) {
+    fn shift(&mut self, r: usize, column: Column, lateness: clocks::Lateness) {
+        let clocks::Lateness { late_s, doubt_s } = lateness;
         let samples = whole(late_s / self.recordings[r].sample_period_s);
         let series = column.of_mut(&mut self.recordings[r]);
         let done = if column == Column::MotorRate {
