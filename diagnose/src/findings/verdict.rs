@@ -20,7 +20,7 @@ use crate::selection::sizes::Sizes;
 use crate::simulator_access::SimulatorAccess;
 use crate::tolerance::{
     AMBIGUOUS, EXPLAINED, GAIN_NEEDED, RIGHT_OF_THREE, RIGHT_OF_UNKNOWN, RIGHT_WHERE_EXPLAINED,
-    RIGHT_WHERE_INCOMPLETE, RIVALRY, SHARE_TO_NAME, TEXTBOOK_SHARE_TO_NAME,
+    RIGHT_WHERE_INCOMPLETE, RIVAL_DECAY, SHARE_TO_NAME, TEXTBOOK_SHARE_TO_NAME,
 };
 use counterpoise_models::Parameters;
 
@@ -119,7 +119,7 @@ impl Evidence<'_> {
         let best = rivals.iter().find(|r| r.newest().is_some_and(|e| same_name(e, chosen)));
         let best = best.unwrap_or(accepted);
         let others = rivals.iter().filter(|r| r.newest().is_some_and(|e| !same_name(e, chosen)));
-        let weight: f64 = others.map(|r| (-RIVALRY * r.behind(best).max(0.0)).exp()).sum();
+        let weight: f64 = others.map(|r| (-RIVAL_DECAY * r.behind(best).max(0.0)).exp()).sum();
         self.ceiling(accepted) / (1.0 + weight)
     }
 

@@ -11,7 +11,7 @@ use crate::fitting::output_error::{Fit, from_variable, to_variable};
 use crate::library::{Mapping, Parameter};
 use crate::recording::series::dot;
 use crate::simulator_access::{Assessment, Pool, SimulatorAccess, Span, map};
-use crate::tolerance::{CHANCES, FIT_STEP};
+use crate::tolerance::{FIT_STEP, NULL_REALISATIONS};
 
 /// What one recording says: inner products of the columns, and of the columns with each outcome of noise.
 struct NoiseProjection {
@@ -88,5 +88,5 @@ fn project_noise(
         let series: Vec<f64> = weighted.collect();
         Some(columns.iter().map(|c| dot(c, &series)).collect())
     };
-    Some(NoiseProjection { gram, right: (0..CHANCES).map_while(outcome).collect() })
+    Some(NoiseProjection { gram, right: (0..NULL_REALISATIONS).map_while(outcome).collect() })
 }

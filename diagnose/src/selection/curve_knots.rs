@@ -17,8 +17,8 @@ use crate::selection::candidate::Candidate;
 use crate::selection::searcher::Searcher;
 use crate::simulator_access::{Assessment, ChannelResidual, Span, StartShift, map};
 use crate::tolerance::{
-    KNOT_GAP_V, KNOT_ITERATIONS, KNOT_MOVES, KNOT_PRICE, KNOT_ROUNDS, KNOT_SHARE, KNOT_SPACING_V,
-    KNOT_STRETCH, KNOT_WANDER, KNOTS_AT_MOST,
+    KNOT_GAP_V, KNOT_ITERATIONS, KNOT_MOVE_GAIN, KNOT_MOVES, KNOT_PRICE, KNOT_ROUNDS, KNOT_SHARE,
+    KNOT_SPACING_V, KNOT_STRETCH, KNOTS_AT_MOST,
 };
 
 /// Step of a point of the fine curve, as a fraction of the linear gain.
@@ -239,7 +239,7 @@ impl Slopes {
             let mut without = knots.clone();
             without.remove(k);
             match self.best_with_one_more(&without) {
-                Some((better, least)) if self.gain(*cost, least) > KNOT_WANDER => {
+                Some((better, least)) if self.gain(*cost, least) > KNOT_MOVE_GAIN => {
                     (*knots, *cost) = (better, least);
                 }
                 _ => {}

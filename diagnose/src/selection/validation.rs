@@ -7,7 +7,9 @@ use crate::selection::baseline::level;
 use crate::selection::candidate::{Candidate, whole_parts};
 use crate::selection::searcher::Searcher;
 use crate::simulator_access::{Assessment, map};
-use crate::tolerance::{BEYOND_CHANCE, FITTED_SHARE, GAIN_NEEDED, JOINT_PARAMETERS, NO_CHANCE, ONLY_THERE};
+use crate::tolerance::{
+    FITTED_SHARE, GAIN_BEYOND_NULL, GAIN_NEEDED, JOINT_PARAMETERS, NULL_GAIN_MULTIPLE, SOLE_EVIDENCE_SHARE,
+};
 
 impl Searcher<'_> {
     /// The candidate judged on recordings of another kind than those fitted: each in turn is left out of the fit and
@@ -25,7 +27,7 @@ impl Searcher<'_> {
         }
         let all = candidate.whole.gain_over(smaller);
         let alone = |r: usize| {
-            candidate.needed.contains(&r) || candidate.whole.gain_in(r, smaller) > ONLY_THERE * all
+            candidate.needed.contains(&r) || candidate.whole.gain_in(r, smaller) > SOLE_EVIDENCE_SHARE * all
         };
         let predicted = map(self.pool, count, |r| {
             if alone(r) {
@@ -53,9 +55,9 @@ impl Searcher<'_> {
     /// Whether a candidate gains more than its newest effect would gain on the noise in the loop alone.
     pub(crate) fn exceeds_null_gain(&self, candidate: &Candidate, smaller: &Score) -> bool {
         let gain = candidate.whole.energy_over(smaller) - GAIN_NEEDED;
-        gain > NO_CHANCE
+        gain > GAIN_BEYOND_NULL
             || gain
-                > BEYOND_CHANCE
+                > NULL_GAIN_MULTIPLE
                     * mean_null_gain(self.simulator, self.pool, &candidate.fit, &candidate.assessments)
     }
 
