@@ -1,4 +1,4 @@
-//! The whole road of a diagnosis.
+//! The whole diagnosis: from recordings to an answer, in one function.
 
 use counterpoise_models::Parameters;
 use counterpoise_simulate::recording::Recording;
@@ -27,20 +27,20 @@ use crate::simulator_access::objective::{PreparedRecordings, RecordingReplays};
 use crate::simulator_access::{Pool, SimulatorAccess, map};
 use crate::tolerance::{BIAS_SEEN_RAD_S, SAMPLES_AT_MOST, TEXTBOOK_SAMPLES_AT_MOST};
 
-/// What a diagnosis gives: the answer, and the machine that explains the recordings.
+/// A diagnosis: the answer, and the machine that explains the recordings.
 #[derive(Debug, Clone)]
 pub struct Diagnosis {
     /// The answer.
     pub answer: Answer,
-    /// The mechanism with the named effects; as it was where there is none.
+    /// The mechanism with the effects that were found; as it was if there are none.
     pub improved: Parameters,
-    /// The recordings as they were diagnosed: without the faults of sensors and recorder that could be mended.
+    /// The recordings as they were diagnosed: without the faults of sensors and recorder that could be repaired.
     pub recordings: Vec<Recording>,
 }
 
 impl Diagnosis {
-    /// With the faults of sensors and recorder told first: they are findings before any physics, and what is explained without them
-    /// is explained by them.
+    /// Adds the faults of sensors and recorder in front of the other findings: they were found before any physics, and what is
+    /// explained after their repair is explained by them.
     fn with_faults(mut self, faults: &[InstrumentFault]) -> Self {
         if faults.is_empty() {
             return self;
@@ -109,7 +109,7 @@ fn diagnose_scaled(
     Ok(found)
 }
 
-/// As [`diagnose`], for a machine of given sizes.
+/// Diagnoses a machine of given sizes from recordings without instrument faults.
 fn diagnose_of(
     sizes: Sizes,
     base: &Parameters,
@@ -153,7 +153,7 @@ fn diagnose_of(
     Ok(Diagnosis { answer: evidence.answer(), improved, recordings: examined.to_vec() })
 }
 
-/// Component x regime of how the recordings depart from the replay of the model as it was.
+/// Locates where the recordings depart from the replay of the model as it was: component by regime.
 fn where_and_when(
     base: &Parameters,
     simulator: &RecordingReplays,
@@ -167,7 +167,7 @@ fn where_and_when(
     localise_errors(base, &replayed.into_iter().flatten().collect::<Vec<_>>(), isolability, pool)
 }
 
-/// The effects that a machine of given sizes may have.
+/// Returns the effects that a machine of given sizes may have.
 fn effects_for(sizes: Sizes) -> Vec<&'static Effect> {
     let mut effects = library();
     if !sizes.typical {
@@ -176,8 +176,8 @@ fn effects_for(sizes: Sizes) -> Vec<&'static Effect> {
     effects
 }
 
-/// Both gyroscopes' biases, where the kinematics say that one of them has one: a loop that holds a biased rate moves from
-/// the first sample on, and the signature of a small bias says nothing of that.
+/// Returns the biases of both gyroscopes as starting points if the kinematics show that one of them has a bias: a loop that holds a
+/// biased rate moves from the first sample on, and the signature of a small bias does not show that.
 fn biases(base: &Parameters, recordings: &[Recording]) -> Vec<(&'static Effect, Vec<f64>)> {
     let each: Vec<f64> = recordings.iter().filter_map(|r| rate_error(r, base.gearbox.ratio)).collect();
     let mean = each.iter().sum::<f64>() / each.len().max(1) as f64;
@@ -192,7 +192,7 @@ fn biases(base: &Parameters, recordings: &[Recording]) -> Vec<(&'static Effect, 
     hub.chain(platform.map(|e| (e, vec![base.sensors.platform_gyro.bias - mean]))).collect()
 }
 
-/// Mean of what the gyroscopes say of the hub's rate on the platform less what motor or resolver say.
+/// Returns the mean of the gyroscopes' rate of the hub on the platform, less that of motor or resolver, rad/s.
 fn rate_error(recording: &Recording, ratio: f64) -> Option<f64> {
     let mean = |series: &[f64]| series.iter().sum::<f64>() / series.len().max(1) as f64;
     let hub = mean(recording.hub_rate_rad_s.as_deref()?);
@@ -207,7 +207,7 @@ fn rate_error(recording: &Recording, ratio: f64) -> Option<f64> {
     Some(hub - platform - known).filter(|error| error.is_finite())
 }
 
-/// What the triangle-wave method finds of the amplifier's curve, as a start: from a distance no fit would get there.
+/// Returns the amplifier's curve that the triangle-wave method finds, as a starting point: no fit converges to it from a distance.
 fn seeds(base: &Parameters, recordings: &[Recording]) -> Vec<(&'static Effect, Vec<f64>)> {
     let Ok(found) = identify(base, &[recordings]) else { return Vec::new() };
     match found.amplifier {
@@ -233,7 +233,7 @@ fn check(recordings: &[Recording], control: &Loop) -> Result<(), Error> {
     Ok(())
 }
 
-/// The recordings without their holes and without channels that cannot be what they claim, and what was found.
+/// Returns the recordings without gaps and without channels that cannot be what they claim, and what was remarked.
 fn qualified(
     sizes: Sizes,
     base: &Parameters,
@@ -265,8 +265,8 @@ fn qualified(
     Ok((sound, told))
 }
 
-/// Cuts recordings to what a diagnosis can replay some thousand times: the first part of each, an equal share of the
-/// samples that are left by those that are short enough.
+/// Shortens recordings to what a diagnosis can replay some thousand times: the first part of each, with an equal share of the
+/// samples that the short ones leave.
 fn shorten(recordings: &mut [Recording], most: usize, told: &mut Vec<RecordingRemark>) {
     let mut order: Vec<usize> = (0..recordings.len()).collect();
     order.sort_by_key(|&r| recordings[r].len());
@@ -288,7 +288,7 @@ fn shorten(recordings: &mut [Recording], most: usize, told: &mut Vec<RecordingRe
     }
 }
 
-/// Takes a channel out of a recording that can do without it.
+/// Removes a channel from a recording that can do without it; returns whether it was removed.
 fn left_out(recording: &mut Recording, channel: &str) -> bool {
     match channel {
         "motor_rate" => recording.motor_rate_rad_s.take().is_some(),

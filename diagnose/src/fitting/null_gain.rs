@@ -1,8 +1,9 @@
-//! What chance would explain: how much an effect gains, in the mean, on the noise of the sensors in the loop alone.
+//! The gain under the null hypothesis: what an effect gains, on average, on the noise of the sensors in the loop alone.
 //!
-//! The noise of the gyroscope in the loop moves the mechanism, and a rate that is a little off adds up to an angle that
-//! wanders: slow motion that no replay repeats, and that an effect with a slow signature fits. The likelihood of white
-//! residuals takes that for evidence. So other noise is played, and what the effect takes off it is what chance gives.
+//! The noise of the gyroscope in the loop moves the mechanism, and a slightly wrong rate integrates to an angle that drifts: slow
+//! motion that no replay repeats, and that an effect with a slow signature fits. The likelihood of white residuals takes that for
+//! evidence. Therefore other realisations of the noise are simulated, and what the effect explains of them is the gain under the
+//! null hypothesis.
 
 use counterpoise_linalg::{Mat, solve};
 use counterpoise_models::Parameters;
@@ -13,14 +14,14 @@ use crate::recording::series::dot;
 use crate::simulator_access::{Assessment, Pool, SimulatorAccess, Span, map};
 use crate::tolerance::{FIT_STEP, NULL_REALISATIONS};
 
-/// What one recording says: inner products of the columns, and of the columns with each outcome of noise.
+/// The inner products of one recording: of the columns with each other, and with each realisation of the noise.
 struct NoiseProjection {
     gram: Mat,
     right: Vec<Vec<f64>>,
 }
 
-/// Log-likelihood, in nats, that the newest effect of a fit would gain in the mean on other noise; 0 where the simulator has
-/// none.
+/// Returns the mean log-likelihood, in nats, that the newest effect of a fit would gain on other realisations of the noise; 0 if
+/// the simulator has no noise.
 pub(crate) fn mean_null_gain(
     simulator: &dyn SimulatorAccess,
     pool: &dyn Pool,

@@ -1,8 +1,8 @@
-//! Component x regime: where the recordings depart from the replay, and along which variable.
+//! The localisation: component by regime, what an error there would explain of how the recordings depart from the replay.
 //!
-//! At every component an error is let in that is a free function of one regime variable (`error_hypotheses`), as it would
-//! show in all balances at once (`ports`); what it gains on stretches of the recordings that it was not fitted to is the
-//! cell. Nothing is named by it: it is told which component, and what the function looks like.
+//! At every component an error is tried that is a free function of one regime variable (`error_hypotheses`), as it would show in
+//! all balances at once (`ports`). What it gains on held-out stretches of the recordings is the value of the cell. No effect is
+//! named by it: it states the component, and what the function looks like.
 
 use counterpoise_models::Parameters;
 
@@ -19,9 +19,9 @@ use crate::localisation::trend::{Repetition, Trend};
 use crate::simulator_access::{Pool, map};
 use crate::tolerance::{AMBIGUOUS, GAIN_NEEDED};
 
-/// Share of the best gain by which a component may be behind and not be told apart: what the balances leave out is no noise.
+/// Share of the best gain by which a component may be behind and still be equivalent: what the balances leave out is not noise.
 const ALIKE: f64 = 0.1;
-/// Share of what a perfect explanation would gain from which a cell is described in words.
+/// Share of the gain of a perfect explanation above which a cell's function is classified.
 const DESCRIBED: f64 = 0.1;
 
 /// What an error at one component would explain that is a free function of one regime variable.
@@ -31,15 +31,15 @@ pub struct MapCell {
     pub component: Component,
     /// Regime variable.
     pub regime: Regime,
-    /// Share, 0 to 1, of the log-likelihood that a perfect explanation would gain; 0 where it gains no more than chance may.
+    /// Share, 0 to 1, of the log-likelihood that a perfect explanation would gain; 0 if it gains no more than noise may.
     pub explained: f64,
-    /// Log-likelihood gained on data not used to find it, in nats.
+    /// Log-likelihood gained on held-out data, in nats.
     pub gain_nats: f64,
     /// What that function looks like; `None` if the variable explains little or the function has no simple form.
     pub trend: Option<Trend>,
 }
 
-/// Component x regime of recordings, each with the replay that was judged on it, best first within a component.
+/// Tries every error hypothesis on recordings with their replays; returns the cells component by component.
 pub fn localise_errors(
     parameters: &Parameters,
     recordings: &[ReplayedRecording],
@@ -79,7 +79,7 @@ fn cell(
     MapCell { component: suspect.component, regime: suspect.regime, explained, gain_nats: gain, trend }
 }
 
-/// A suspect as columns of the departures.
+/// An error hypothesis as columns of the regression.
 struct FittedHypothesis {
     columns: Vec<Vec<f64>>,
     /// Knots of a free function.
@@ -123,7 +123,7 @@ impl FittedHypothesis {
         }
     }
 
-    /// A suspect that repeats.
+    /// Fits a hypothesis that repeats.
     fn repeating(departures: &ResidualRegression, law: Law) -> Option<Self> {
         let (columns, repeats) = match law {
             Law::Sine(port, carrier) => {
@@ -147,7 +147,7 @@ impl FittedHypothesis {
         Some(Self { columns, knots: Vec::new(), repeats: Some(repeats) })
     }
 
-    /// What the function looks like.
+    /// Returns what the function looks like.
     fn trend(&self, departures: &ResidualRegression, suspect: &ErrorHypothesis) -> Option<Trend> {
         let Law::Free(_, variable, _) = suspect.law else { return self.repeats };
         let coefficients = departures.coefficients(&self.columns).unwrap_or_default();
@@ -156,8 +156,8 @@ impl FittedHypothesis {
     }
 }
 
-/// The components that may hold what the model lacks, the likeliest first: the one at which an error explains most, and those that
-/// these recordings cannot tell from it. None where no component explains enough.
+/// Returns the components that may contain what the model lacks, the most probable first: the one at which an error explains most,
+/// and those that these recordings cannot tell from it. Returns none if no component explains enough.
 pub fn likeliest(map: &[MapCell]) -> Vec<Component> {
     let best = |component: Component| {
         map.iter().filter(|c| c.component == component).map(|c| c.gain_nats).fold(0.0, f64::max)
@@ -167,7 +167,7 @@ pub fn likeliest(map: &[MapCell]) -> Vec<Component> {
     let most = all.iter().map(|(_, gain)| *gain).fold(0.0, f64::max);
     let mut near: Vec<_> =
         all.into_iter().filter(|(_, gain)| most - gain < (ALIKE * most).max(AMBIGUOUS)).collect();
-    // equal to what the noise decides: the likelier beforehand first
+    // Ties within the noise are broken by prior probability.
     near.sort_by(|a, b| (most - b.1 < AMBIGUOUS).cmp(&(most - a.1 < AMBIGUOUS)).then(b.1.total_cmp(&a.1)));
     let ties = near.iter().filter(|(_, gain)| most - gain < AMBIGUOUS).count();
     near[..ties].sort_by_key(|(name, _)| COMPONENTS.iter().position(|c| c == name));

@@ -1,5 +1,5 @@
-//! Simpler models in the place of what a stepwise search comes to: one effect for two of one component, a spring for a hose that
-//! does not yield.
+//! Simpler models in place of what a stepwise search finds: one effect for two of one component, a spring for a hose that does not
+//! yield.
 
 use crate::fitting::output_error::{FitSelection, applied, parameters_of};
 use crate::library::{Component, Effect, EffectName, effects_named};
@@ -12,9 +12,9 @@ use crate::simulator_access::map;
 use crate::tolerance::{MERGES, SEARCH_ITERATIONS};
 
 impl Searcher<'_> {
-    /// One effect in the place of two of the same component, where it explains as much: another out-of-balance in the place of an
-    /// accelerometer's bias and scale together. The others stay where they are while it is looked for, for without the two no fit
-    /// of them comes to anything.
+    /// Returns a candidate with one effect in place of two of the same component, if it explains as much: another out-of-balance in
+    /// place of an accelerometer's bias and scale together. The other effects keep their values during the screening, because
+    /// without the two no fit of them converges.
     pub(crate) fn merge_effects(&self, best: &Candidate, search: &SearchOutcome) -> Option<Candidate> {
         let effects = &best.fit.effects;
         let of_one = |i: &usize, j: &usize| effects[*i].component == effects[*j].component;
@@ -52,7 +52,7 @@ impl Searcher<'_> {
             .filter(Candidate::is_acceptable)
     }
 
-    /// Some effects at their values and a look's beside them, fitted together to everything.
+    /// Fits the kept effects and one more to all recordings, from their present values.
     fn fit_with_one_more(
         &self,
         best: &Candidate,
@@ -74,7 +74,7 @@ struct KeptEffects {
     values: Vec<f64>,
 }
 
-/// The effects of a candidate but two.
+/// Returns the effects of a candidate but two.
 fn effects_except(best: &Candidate, pair: [usize; 2]) -> KeptEffects {
     let mut kept = KeptEffects { effects: Vec::new(), values: Vec::new() };
     for (i, effect) in best.fit.effects.iter().enumerate().filter(|(i, _)| !pair.contains(i)) {
@@ -85,8 +85,9 @@ fn effects_except(best: &Candidate, pair: [usize; 2]) -> KeptEffects {
     kept
 }
 
-/// Where the best candidate adds a hose: a spring in its place, as stiff as the hose and a spring beside it together, with the
-/// other effect that it adds. A hose that does not yield is a spring, and a fit of the spring from the model as it is may not find it.
+/// If the best candidate adds a hose, returns a spring in its place, as stiff as the hose and a spring beside it together, with the
+/// other effect that it adds. A hose that does not yield is a spring, and a fit of the spring from the model as it is may not find
+/// it.
 pub(crate) fn spring_in_place_of_hose(
     candidates: &[Candidate],
     present: usize,

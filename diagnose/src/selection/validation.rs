@@ -1,4 +1,4 @@
-//! A candidate judged on what it was not fitted to: recordings of another kind, each predicted from the others.
+//! Validation: recordings of another kind, each predicted from the others.
 
 use crate::fitting::null_gain::mean_null_gain;
 use crate::fitting::output_error::{Fit, FitSelection};
@@ -12,9 +12,9 @@ use crate::tolerance::{
 };
 
 impl Searcher<'_> {
-    /// The candidate judged on recordings of another kind than those fitted: each in turn is left out of the fit and
-    /// predicted. A recording that alone shows the newest effect has no other kind: there its last part is predicted from the
-    /// first; one recording alone stays as it was judged.
+    /// Validates a candidate on recordings of another kind than those fitted: each in turn is left out of the fit and predicted. If
+    /// a recording alone shows the newest effect, its last part is predicted from its first. A single recording keeps its
+    /// assessment.
     pub(crate) fn validate_candidate(
         &self,
         candidate: Candidate,
@@ -52,7 +52,7 @@ impl Searcher<'_> {
         })
     }
 
-    /// Whether a candidate gains more than its newest effect would gain on the noise in the loop alone.
+    /// Returns whether a candidate gains more than its newest effect would gain on the noise in the loop alone.
     pub(crate) fn exceeds_null_gain(&self, candidate: &Candidate, smaller: &Score) -> bool {
         let gain = candidate.whole.energy_over(smaller) - GAIN_NEEDED;
         gain > GAIN_BEYOND_NULL
@@ -61,7 +61,7 @@ impl Searcher<'_> {
                     * mean_null_gain(self.simulator, self.pool, &candidate.fit, &candidate.assessments)
     }
 
-    /// A recording as the candidate fitted to the others predicts it.
+    /// Predicts a recording by the candidate fitted to the others.
     fn predict_recording(&self, candidate: &Candidate, left_out: usize) -> Option<Assessment> {
         let recordings = (0..self.simulator.count()).filter(|r| *r != left_out).collect();
         let fit = self.refit_to(candidate, recordings)?;
@@ -71,14 +71,14 @@ impl Searcher<'_> {
         Some(if level(&given) < level(&sought) { given } else { sought })
     }
 
-    /// A recording as the candidate fitted to its first part, and to that of the others, continues it.
+    /// Predicts the rest of a recording by the candidate fitted to its first part and to that of the others.
     fn continue_recording(&self, candidate: &Candidate, recording: usize) -> Option<Assessment> {
         let fit = self.refit_to(candidate, (0..self.simulator.count()).collect())?;
         let near = fit.assessment(recording).or_else(|| candidate.assessments.get(recording))?;
         self.simulator.assess_from(&fit.parameters, recording, near)
     }
 
-    /// The candidate fitted to the first part of some recordings.
+    /// Fits the candidate to the first part of some recordings.
     fn refit_to(&self, candidate: &Candidate, recordings: Vec<usize>) -> Option<Fit> {
         if candidate.fit.values.len() > JOINT_PARAMETERS {
             return Some(candidate.fit.clone());

@@ -1,4 +1,4 @@
-//! Columns on another clock: late by a time, or slow.
+//! Columns on another clock: late by a constant time, or by a growing one.
 
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::{Parameters, Sensor};
@@ -10,24 +10,25 @@ use super::identities::{ColumnShift, Identity, STILL_RAD_S, controlled, kinemati
 use super::regression::late;
 use crate::recording::series::{derivative, deviation};
 
-/// Two clocks that part by more than this are told, s, and by how many times the doubt.
+/// Smallest clock offset that is reported, s, and as a multiple of its uncertainty.
 const OFFSET_S: f64 = 1.5e-3;
 const DOUBTS: f64 = 1.5;
-/// The same for the motor where the platform moves, s.
+/// The same for the motor if the platform moves, s.
 const MOVED_S: f64 = 5e-3;
-/// A recording that is off by no more than this from the offset of the others has theirs, s.
+/// Largest difference between a recording's offset and that of the others for which it is taken to have theirs, s.
 const ALONGSIDE_S: f64 = 3e-3;
-/// Share that the kinematics may leave for their lag to be believed.
+/// Share of the rate that the kinematics may leave for their lag to be believed.
 const SHARE: f64 = 0.1;
 /// Corrections of the lag, each by the slope at the last.
 const CORRECTIONS: usize = 5;
-/// Parting of the clocks over half a recording from which they drift, s: seen in several recordings alike, or in one.
+/// Difference of the clocks over half a recording from which they drift, s: if several recordings agree, or in a single one.
 const PARTED_S: (f64, f64) = (6e-4, 2e-3);
-/// Share of the mean drift by which a recording's may differ from it.
+/// Share of the mean drift by which a recording's drift may differ from it.
 const ALIKE: f64 = 0.5;
-/// Whole samples up to which the controller's columns are sought on another clock.
+/// Largest shift in samples at which the controller's columns are tried.
 const SOUGHT: i32 = 60;
-/// Share of what is left that the right shift may leave, and times the converter's noise above which anything is left.
+/// Share of the residual that the right shift may leave, and multiple of the converter's noise above which there is a residual at
+/// all.
 const SHIFTED: (f64, f64) = (0.3, 3.0);
 
 /// How late a column is.
@@ -39,7 +40,7 @@ pub(super) struct Lateness {
     pub doubt_s: f64,
 }
 
-/// How late motor or resolver are against the gyroscopes, less the gyroscopes' own lag.
+/// Returns how late motor or resolver are against the gyroscopes, less the gyroscopes' own lag.
 pub(super) fn lateness(base: &Parameters, r: &Recording, column: Column) -> Option<Lateness> {
     let rate = rate(base, r, column)?;
     let mut shift = 0.0;
@@ -55,7 +56,7 @@ pub(super) fn lateness(base: &Parameters, r: &Recording, column: Column) -> Opti
     None
 }
 
-/// A sensor's rate of the hub on the platform.
+/// Returns a sensor's rate of the hub on the platform.
 fn rate(base: &Parameters, r: &Recording, column: Column) -> Option<Vec<f64>> {
     let series = column.of(r)?;
     Some(match column {
@@ -64,14 +65,14 @@ fn rate(base: &Parameters, r: &Recording, column: Column) -> Option<Vec<f64>> {
     })
 }
 
-/// Time by which a column runs before the gyroscopes in a sound recording.
+/// Returns the time by which a column leads the gyroscopes in a sound recording, s.
 fn expected_lead(base: &Parameters, column: Column) -> f64 {
     let lag = |s: &Sensor| 2.0 * s.damping_ratio / s.natural_frequency_rad_s + s.delay_s;
     lag(&base.sensors.hub_gyro) - column.sensor(base).map_or(0.0, lag)
 }
 
-/// How late motor and resolver are, where that cannot be the gyroscopes' own lag: late against them, or parted from each other. The
-/// motor's twisting gear leads or lags a little where the platform moves: there more is needed.
+/// Returns how late motor and resolver are if that cannot be the gyroscopes' own lag: late against them, or different from each
+/// other. The motor's gear twists, so that it leads or lags a little if the platform moves; then a larger offset is required.
 fn told(base: &Parameters, r: &Recording) -> Vec<(Column, Lateness)> {
     let of = |column| lateness(base, r, column).filter(|lateness| lateness.doubt_s < 3.0 * OFFSET_S);
     let moved = r.platform_rate_rad_s.as_deref().is_some_and(|p| deviation(p) > STILL_RAD_S);
@@ -96,8 +97,8 @@ fn told(base: &Parameters, r: &Recording) -> Vec<(Column, Lateness)> {
     all.filter(|(column, lateness)| !own && sure(*column, *lateness)).collect()
 }
 
-/// The recordings in which motor or resolver are late, and how late; a recording that says nothing against what the others say is taken
-/// to be as they are.
+/// Returns the recordings in which motor or resolver are late, and how late. A recording that does not contradict the others is
+/// taken to have their offset.
 pub(super) fn offsets(base: &Parameters, recordings: &[Recording]) -> Vec<(usize, Column, Lateness)> {
     let seen: Vec<Vec<(Column, Lateness)>> = recordings.iter().map(|r| told(base, r)).collect();
     let mut out = Vec::new();
@@ -115,7 +116,7 @@ pub(super) fn offsets(base: &Parameters, recordings: &[Recording]) -> Vec<(usize
     out
 }
 
-/// Share by which a column's clock runs slow, from how the clocks part between the halves of each recording.
+/// Returns the share by which a column's clock runs slow, from how the offsets of the two halves of each recording differ.
 pub(super) fn drift(base: &Parameters, recordings: &[Recording], column: Column) -> Option<(f64, f64)> {
     let parted = |r: &Recording| {
         let half = r.len() / 2;
@@ -134,8 +135,8 @@ pub(super) fn drift(base: &Parameters, recordings: &[Recording], column: Column)
     (!all.is_empty() && alike && apart > least).then_some((slow, spread))
 }
 
-/// Which of the controller's columns is how late, s, and in which recordings: the whole samples that make the controller's identity
-/// hold in all in which it does not.
+/// Returns which of the controller's columns is late, how late, and in which recordings: the whole number of samples for which the
+/// controller's identity holds in every recording in which it did not.
 pub(super) fn control_offset(
     base: &Parameters,
     control: &Loop,
@@ -166,7 +167,7 @@ pub(super) fn control_offset(
     (inside && after < SHIFTED.0 * bad.len() as f64).then_some((column, lateness, recordings))
 }
 
-/// The controller's identity where every factor is one.
+/// Returns the controller's identity if every factor in it is one.
 fn identity(
     controller: &ProportionalIntegral,
     r: &Recording,
