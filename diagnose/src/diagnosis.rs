@@ -6,17 +6,19 @@ use counterpoise_simulate::replay::Loop;
 
 use crate::error::Error;
 use crate::findings::answer::{Answer, Verdict};
-use crate::findings::instrument_findings::finding_of;
+use crate::findings::instrument_findings::make_finding;
 use crate::findings::similarity::Scale;
 use crate::findings::verdict::Evidence;
 use crate::identification::{Amplifier, identify, improved};
-use crate::library::{Component, Effect, EffectName, effects_named, free_curve, library, textbook};
+use crate::library::{
+    Component, Effect, EffectName, find_effects, list_effects, list_textbook_effects, make_free_gain_curve,
+};
 use crate::localisation::error_map::{MapCell, localise_errors};
 use crate::localisation::residual_regression::ReplayedRecording;
 use crate::localisation::torque_balances::{BalanceVisibility, RedundantSensors, list_balances};
 use crate::recording::gap_repair::repair_gaps;
 use crate::recording::instrument_faults::{InstrumentFault, find_instrument_faults};
-use crate::recording::measured_signals::measured;
+use crate::recording::measured_signals::read_signals;
 use crate::recording::noise::{with_noise_levels_of, with_recorded_noise};
 use crate::recording::remarks::{Comparison, RecordingRemark};
 use crate::recording::sanity_checks::check_signals;
@@ -51,7 +53,7 @@ impl Diagnosis {
             Verdict::Unknown => Verdict::Incomplete,
             other => other,
         };
-        answer.findings.splice(0..0, faults.iter().map(finding_of));
+        answer.findings.splice(0..0, faults.iter().map(make_finding));
         answer.qualification.splice(0..0, faults.iter().cloned().map(RecordingRemark::Fault));
         self
     }
@@ -169,9 +171,9 @@ fn where_and_when(
 
 /// Returns the effects that a machine of given sizes may have.
 fn effects_for(sizes: Sizes) -> Vec<&'static Effect> {
-    let mut effects = library();
+    let mut effects = list_effects();
     if !sizes.typical {
-        effects.extend(textbook());
+        effects.extend(list_textbook_effects());
     }
     effects
 }
@@ -185,8 +187,8 @@ fn biases(base: &Parameters, recordings: &[Recording]) -> Vec<(&'static Effect, 
         return Vec::new();
     }
     let (hub, platform) = (
-        effects_named(Component::HubGyro, EffectName::Bias),
-        effects_named(Component::PlatformGyro, EffectName::Bias),
+        find_effects(Component::HubGyro, EffectName::Bias),
+        find_effects(Component::PlatformGyro, EffectName::Bias),
     );
     let hub = hub.map(|e| (e, vec![base.sensors.hub_gyro.bias + mean]));
     hub.chain(platform.map(|e| (e, vec![base.sensors.platform_gyro.bias - mean]))).collect()
@@ -211,7 +213,9 @@ fn rate_error(recording: &Recording, ratio: f64) -> Option<f64> {
 fn seeds(base: &Parameters, recordings: &[Recording]) -> Vec<(&'static Effect, Vec<f64>)> {
     let Ok(found) = identify(base, &[recordings]) else { return Vec::new() };
     match found.amplifier {
-        Amplifier::Curve { .. } => vec![(free_curve(), free_curve().values(&improved(base, &found)))],
+        Amplifier::Curve { .. } => {
+            vec![(make_free_gain_curve(), make_free_gain_curve().values(&improved(base, &found)))]
+        }
         _ => Vec::new(),
     }
 }
@@ -249,7 +253,8 @@ fn qualified(
             repair,
         }));
         for mut part in repaired.parts {
-            let remarks = measured(&part).map(|m| check_signals(&part.name, &m, ratio)).unwrap_or_default();
+            let remarks =
+                read_signals(&part).map(|m| check_signals(&part.name, &m, ratio)).unwrap_or_default();
             for remark in remarks {
                 let out = remark.anomaly.is_disqualifying() && left_out(&mut part, remark.channel);
                 let comparison = if out { Comparison::NotCompared } else { Comparison::Compared };

@@ -3,7 +3,7 @@
 use crate::findings::answer::Finding;
 use crate::library::Component;
 use crate::localisation::error_hypotheses::{COMPONENTS, Regime, regimes_of};
-use crate::localisation::error_map::{MapCell, likeliest};
+use crate::localisation::error_map::{MapCell, rank_components};
 use crate::localisation::torque_balances::BalanceVisibility;
 
 /// A row of the chart: a component, with its share under each regime.
@@ -38,7 +38,7 @@ pub struct LocalisationChart {
     pub rows: Vec<ChartRow>,
     /// The cell that gains most; `None` if no cell gains more than noise may.
     pub best: Option<MapCell>,
-    /// The components that these recordings cannot tell apart, the most probable first: see [`likeliest`].
+    /// The components that these recordings cannot tell apart, the most probable first: see [`rank_components`].
     pub likeliest: Vec<Component>,
     /// Whether the search agrees.
     pub agreement: SearchAgreement,
@@ -69,7 +69,7 @@ pub fn build_chart(
     LocalisationChart {
         rows: COMPONENTS.iter().map(|component| row(*component)).collect(),
         best: best.cloned(),
-        likeliest: likeliest(map),
+        likeliest: rank_components(map),
         agreement: search_agreement(map, best, findings),
     }
 }

@@ -10,7 +10,7 @@ use counterpoise_models::{Parameters, Ripple};
 use counterpoise_simulate::recording::Recording;
 
 use crate::findings::answer::{Answer, Basis, Channels};
-use crate::library::{Component, EffectName, Parameter, effects_named};
+use crate::library::{Component, EffectName, Parameter, find_effects};
 use crate::localisation::error_hypotheses::Regime;
 use crate::localisation::trend::Trend;
 use crate::selection::sizes::Sizes;
@@ -162,7 +162,7 @@ fn drive_torque(base: &Parameters, recordings: &[Recording]) -> f64 {
 }
 
 fn find_parameter(component: Component, effect: EffectName, name: &str) -> Option<&'static Parameter> {
-    let definitions = effects_named(component, effect).flat_map(|e| e.parameters.iter());
+    let definitions = find_effects(component, effect).flat_map(|e| e.parameters.iter());
     definitions.into_iter().find(|definition| definition.name == name)
 }
 

@@ -6,10 +6,10 @@ use crate::findings::answer::{
     Answer, Basis, ChannelFit, Channels, Finding, FitTable, FittedParameter, Hypothesis, Name, NearestEffect,
     NextExperiment, NotExcited, Pattern, SearchWarning, Verdict,
 };
-use crate::fitting::output_error::intervals;
+use crate::fitting::output_error::confidence_intervals;
 use crate::fitting::score::{Score, score};
 use crate::library::{Component, Effect, EffectName};
-use crate::localisation::error_map::{MapCell, likeliest};
+use crate::localisation::error_map::{MapCell, rank_components};
 use crate::localisation::torque_balances::BalanceVisibility;
 use crate::recording::remarks::RecordingRemark;
 use crate::recording::series::correlation_time;
@@ -163,7 +163,7 @@ impl Evidence<'_> {
         let first: usize = accepted.fit.effects[..index].iter().map(|e| e.parameters.len()).sum();
         let effect = accepted.fit.effects[index];
         let (samples, inflation) = self.worth(accepted);
-        let bounds = intervals(&accepted.fit, samples, inflation);
+        let bounds = confidence_intervals(&accepted.fit, samples, inflation);
         let one = |(j, definition): (usize, &crate::library::Parameter)| {
             let wrap =
                 if effect.is_ripple() && j == 2 { whole_turns(accepted.fit.values[first + j]) } else { 0.0 };
@@ -197,7 +197,7 @@ impl Evidence<'_> {
     }
 
     fn unknown(&self) -> Finding {
-        let places = likeliest(&self.map);
+        let places = rank_components(&self.map);
         let (component, others) =
             places.split_first().map_or((Component::Unknown, &[][..]), |(first, others)| (*first, others));
         let best = self.search.stages.first().and_then(|s| s.candidates.first());

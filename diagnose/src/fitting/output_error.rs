@@ -398,7 +398,7 @@ fn mean_square(residuals: &[Vec<f64>]) -> f64 {
 /// that of the slopes; to it comes what two simulators of the same mechanism differ by.
 ///
 /// `samples` is the number of residuals that the fit saw, `inflation` how many of them carry the information of one.
-pub fn intervals(fit: &Fit, samples: usize, inflation: f64) -> Vec<[f64; 2]> {
+pub fn confidence_intervals(fit: &Fit, samples: usize, inflation: f64) -> Vec<[f64; 2]> {
     let covariance = inverse(&fit.information).ok();
     let sandwich = covariance.as_ref().map(|c| &(c * &fit.scatter) * c);
     let scale = fit.cost.max(1.0) * inflation / samples.max(1) as f64;

@@ -46,7 +46,7 @@ impl CrossCorrelation {
 
 /// Tests a residual against itself and against signals of its length; returns `None` if it is too short for the lags, constant, or
 /// not finite.
-pub fn residual_test(residual: &[f64], signals: &[(&'static str, &[f64])]) -> Option<ResidualTest> {
+pub fn test_residual(residual: &[f64], signals: &[(&'static str, &[f64])]) -> Option<ResidualTest> {
     let residual = standard(residual).filter(|r| r.len() > 4 * LAGS)?;
     let own = correlations(&residual, &residual);
     let band = BAND_95 / (residual.len() as f64).sqrt();
@@ -97,11 +97,11 @@ mod tests {
     #[test]
     fn white_noise_passes_and_what_follows_a_signal_does_not() {
         let (white, signal) = (noise(4000, 1), noise(4000, 2));
-        let found = residual_test(&white, &[("signal", &signal)]).unwrap();
+        let found = test_residual(&white, &[("signal", &signal)]).unwrap();
         assert!(found.outside < 0.15, "{}", found.outside);
         assert!(found.cross[0].size() < 2.0, "{:?}", found.cross);
         let follows: Vec<f64> = (0..4000).map(|k| white[k] + 0.3 * signal[k.saturating_sub(7)]).collect();
-        let found = residual_test(&follows, &[("signal", &signal)]).unwrap();
+        let found = test_residual(&follows, &[("signal", &signal)]).unwrap();
         assert!(found.cross[0].size() > 5.0 && found.cross[0].lag == 7, "{:?}", found.cross);
     }
 
@@ -115,12 +115,12 @@ mod tests {
             };
             noise(8000, seed).into_iter().map(step).collect::<Vec<f64>>()
         };
-        let found = residual_test(&slow(3), &[("signal", &slow(4))]).unwrap();
+        let found = test_residual(&slow(3), &[("signal", &slow(4))]).unwrap();
         assert!(found.outside > 0.15 && found.cross[0].size() < 2.0, "{:?}", found.cross);
     }
 
     #[test]
     fn nothing_is_said_of_a_constant() {
-        assert!(residual_test(&[1.0; 1000], &[]).is_none());
+        assert!(test_residual(&[1.0; 1000], &[]).is_none());
     }
 }

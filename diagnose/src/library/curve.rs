@@ -10,9 +10,9 @@ use super::names::{Component, EffectName};
 static CURVES: Mutex<Vec<&'static Effect>> = Mutex::new(Vec::new());
 
 /// Returns the amplifier's curve with a free knot at each of some inputs, V, rising and positive.
-pub fn curve_of(inputs_v: &[f64]) -> &'static Effect {
+pub fn make_gain_curve(inputs_v: &[f64]) -> &'static Effect {
     let mut known = CURVES.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(same) = known.iter().copied().find(|e| curve_inputs(e) == Some(inputs_v)) {
+    if let Some(same) = known.iter().copied().find(|e| gain_curve_inputs(e) == Some(inputs_v)) {
         return same;
     }
     let made: &'static Effect = Box::leak(Box::new(made(inputs_v)));
@@ -21,12 +21,12 @@ pub fn curve_of(inputs_v: &[f64]) -> &'static Effect {
 }
 
 /// Returns the curve with a free knot at each of the usual inputs.
-pub fn free_curve() -> &'static Effect {
-    curve_of(&FREE_INPUTS_V)
+pub fn make_free_gain_curve() -> &'static Effect {
+    make_gain_curve(&FREE_INPUTS_V)
 }
 
 /// Returns the inputs of a curve's knots, V; `None` for another effect, and for a curve of another form.
-pub fn curve_inputs(effect: &Effect) -> Option<&'static [f64]> {
+pub fn gain_curve_inputs(effect: &Effect) -> Option<&'static [f64]> {
     match effect.parameters.first()?.access {
         Access::Curve { inputs_v, .. } => Some(inputs_v),
         Access::Field { .. } => None,

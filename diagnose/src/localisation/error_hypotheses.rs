@@ -332,11 +332,11 @@ fn since_reversal(rate: &[f64], period_s: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::library::library;
+    use crate::library::list_effects;
 
     #[test]
     fn every_effect_of_the_library_has_its_cell() {
-        for effect in library() {
+        for effect in list_effects() {
             let regimes = regimes_of(effect.component, effect.effect);
             assert!(!regimes.is_empty(), "{effect:?}");
             assert!(regimes.iter().all(|r| Regime::ALL.contains(r)), "{effect:?}");

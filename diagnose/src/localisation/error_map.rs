@@ -46,14 +46,14 @@ pub fn localise_errors(
     isolability: &[BalanceVisibility],
     pool: &dyn Pool,
 ) -> Vec<MapCell> {
-    let Some(departures) = ResidualRegression::new(parameters, recordings) else { return Vec::new() };
+    let Some(regression) = ResidualRegression::new(parameters, recordings) else { return Vec::new() };
     let seen =
         |s: &&ErrorHypothesis| isolability.iter().any(|row| row.available && row.sees.contains(&s.component));
-    let suspects: Vec<&ErrorHypothesis> = ERROR_HYPOTHESES.iter().filter(seen).collect();
-    let found = map(pool, suspects.len(), |k| {
-        let tried = FittedHypothesis::of(&departures, suspects[k])?;
-        let gain = departures.gain(&tried.columns).filter(|gain| gain.is_finite())?;
-        Some((gain, cell(&departures, suspects[k], &tried, gain)))
+    let hypotheses: Vec<&ErrorHypothesis> = ERROR_HYPOTHESES.iter().filter(seen).collect();
+    let found = map(pool, hypotheses.len(), |k| {
+        let tried = FittedHypothesis::of(&regression, hypotheses[k])?;
+        let gain = regression.gain(&tried.columns).filter(|gain| gain.is_finite())?;
+        Some((gain, cell(&regression, hypotheses[k], &tried, gain)))
     });
     let mut found: Vec<(f64, MapCell)> = found.into_iter().flatten().collect();
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -68,15 +68,15 @@ pub fn localise_errors(
 }
 
 fn cell(
-    departures: &ResidualRegression,
-    suspect: &ErrorHypothesis,
+    regression: &ResidualRegression,
+    hypothesis: &ErrorHypothesis,
     tried: &FittedHypothesis,
     gain: f64,
 ) -> MapCell {
-    let share = gain / departures.possible().max(GAIN_NEEDED);
+    let share = gain / regression.possible().max(GAIN_NEEDED);
     let explained = if gain > GAIN_NEEDED { share.clamp(0.0, 1.0) } else { 0.0 };
-    let trend = if explained > DESCRIBED { tried.trend(departures, suspect) } else { None };
-    MapCell { component: suspect.component, regime: suspect.regime, explained, gain_nats: gain, trend }
+    let trend = if explained > DESCRIBED { tried.trend(regression, hypothesis) } else { None };
+    MapCell { component: hypothesis.component, regime: hypothesis.regime, explained, gain_nats: gain, trend }
 }
 
 /// An error hypothesis as columns of the regression.
@@ -89,27 +89,27 @@ struct FittedHypothesis {
 }
 
 impl FittedHypothesis {
-    fn of(departures: &ResidualRegression, suspect: &ErrorHypothesis) -> Option<Self> {
-        let all = |q: Quantity| departures.all(q);
+    fn of(regression: &ResidualRegression, hypothesis: &ErrorHypothesis) -> Option<Self> {
+        let all = |q: Quantity| regression.all(q);
         let plain = |columns| Self { columns, knots: Vec::new(), repeats: None };
-        match suspect.law {
+        match hypothesis.law {
             Law::Free(port, variable, carrier) => {
                 let (variables, carriers) = (all(variable), all(carrier));
                 let spacing =
                     if variable.is_dense_at_rest() { KnotSpacing::DenseAtRest } else { KnotSpacing::Even };
                 let knots = place_knots(&variables, spacing)?;
-                let columns = departures.columns(port, &on_knots(&variables, &carriers, &knots));
+                let columns = regression.columns(port, &on_knots(&variables, &carriers, &knots));
                 Some(Self { knots, ..plain(columns) })
             }
             Law::Fixed(terms) => Some(plain(
                 terms
                     .iter()
-                    .map(|(port, q)| departures.column(&[ErrorTerm { port: *port, error: &all(*q) }]))
+                    .map(|(port, q)| regression.column(&[ErrorTerm { port: *port, error: &all(*q) }]))
                     .collect(),
             )),
             Law::OneOf(port, several) => {
-                let columns = several.iter().map(|q| departures.columns(port, &[all(*q)]));
-                let gains = columns.filter_map(|c| Some((departures.gain(&c)?, c)));
+                let columns = several.iter().map(|q| regression.columns(port, &[all(*q)]));
+                let gains = columns.filter_map(|c| Some((regression.gain(&c)?, c)));
                 gains.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, columns)| plain(columns))
             }
             Law::Together(terms) => {
@@ -117,29 +117,29 @@ impl FittedHypothesis {
                 let terms =
                     terms.iter().zip(&series).map(|((port, _), error)| ErrorTerm { port: *port, error });
                 let terms: Vec<ErrorTerm> = terms.collect();
-                Some(plain(vec![departures.column(&terms)]))
+                Some(plain(vec![regression.column(&terms)]))
             }
-            Law::Sine(..) | Law::Repeats(..) | Law::Turns(..) => Self::repeating(departures, suspect.law),
+            Law::Sine(..) | Law::Repeats(..) | Law::Turns(..) => Self::repeating(regression, hypothesis.law),
         }
     }
 
     /// Fits a hypothesis that repeats.
-    fn repeating(departures: &ResidualRegression, law: Law) -> Option<Self> {
+    fn repeating(regression: &ResidualRegression, law: Law) -> Option<Self> {
         let (columns, repeats) = match law {
             Law::Sine(port, carrier) => {
-                let (frequency, series) = sines(departures, &departures.all(carrier))?;
-                let doubt = departures.period_doubt(frequency);
+                let (frequency, series) = sines(regression, &regression.all(carrier))?;
+                let doubt = regression.period_doubt(frequency);
                 let repetition = Repetition::InTime { period_s: 1.0 / frequency, half_width_s: doubt };
-                (departures.columns(port, &series), Trend::Periodic { repetition: Some(repetition) })
+                (regression.columns(port, &series), Trend::Periodic { repetition: Some(repetition) })
             }
             Law::Repeats(port, variable, carrier) => {
-                let along = departures.all(variable);
-                let found = departures.repetition(&along)?;
-                let series = waves(std::f64::consts::TAU * found.frequency, &along, &departures.all(carrier));
-                (departures.columns(port, &series), found.trend(variable.unit()))
+                let along = regression.all(variable);
+                let found = regression.repetition(&along)?;
+                let series = waves(std::f64::consts::TAU * found.frequency, &along, &regression.all(carrier));
+                (regression.columns(port, &series), found.trend(variable.unit()))
             }
             Law::Turns(port, carrier) => {
-                let (order, columns) = turns(departures, port, &departures.all(carrier))?;
+                let (order, columns) = turns(regression, port, &regression.all(carrier))?;
                 (columns, Trend::Periodic { repetition: Some(Repetition::WithMotorTurn { order }) })
             }
             _ => return None,
@@ -148,17 +148,17 @@ impl FittedHypothesis {
     }
 
     /// Returns what the function looks like.
-    fn trend(&self, departures: &ResidualRegression, suspect: &ErrorHypothesis) -> Option<Trend> {
-        let Law::Free(_, variable, _) = suspect.law else { return self.repeats };
-        let coefficients = departures.coefficients(&self.columns).unwrap_or_default();
-        let along: Vec<f64> = departures.all(variable).concat();
+    fn trend(&self, regression: &ResidualRegression, hypothesis: &ErrorHypothesis) -> Option<Trend> {
+        let Law::Free(_, variable, _) = hypothesis.law else { return self.repeats };
+        let coefficients = regression.coefficients(&self.columns).unwrap_or_default();
+        let along: Vec<f64> = regression.all(variable).concat();
         classify_knot_function(&self.knots, &coefficients, &along, variable.unit())
     }
 }
 
 /// Returns the components that may contain what the model lacks, the most probable first: the one at which an error explains most,
 /// and those that these recordings cannot tell from it. Returns none if no component explains enough.
-pub fn likeliest(map: &[MapCell]) -> Vec<Component> {
+pub fn rank_components(map: &[MapCell]) -> Vec<Component> {
     let best = |component: Component| {
         map.iter().filter(|c| c.component == component).map(|c| c.gain_nats).fold(0.0, f64::max)
     };

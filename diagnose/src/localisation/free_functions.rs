@@ -83,8 +83,8 @@ const REFINEMENTS: usize = 10;
 
 /// Returns the frequency that explains most of the drive's balance, Hz, its phase free in every recording, and its sines and
 /// cosines there.
-pub(crate) fn sines(departures: &ResidualRegression, carrier: &Series) -> Option<(f64, Vec<Series>)> {
-    let times = departures.all(Quantity::Time);
+pub(crate) fn sines(regression: &ResidualRegression, carrier: &Series) -> Option<(f64, Vec<Series>)> {
+    let times = regression.all(Quantity::Time);
     let longest = times.iter().filter_map(|t| t.last().copied()).fold(0.0, f64::max);
     if longest <= 0.0 {
         return None;
@@ -93,7 +93,7 @@ pub(crate) fn sines(departures: &ResidualRegression, carrier: &Series) -> Option
     let count = ((HIGHEST_HZ * longest - PERIODS) * FINENESS).max(0.0) as usize;
     let mut best = (PERIODS / longest, 0.0);
     let consider = |frequency: f64, best: &mut (f64, f64)| {
-        let power = departures.power_at(frequency);
+        let power = regression.power_at(frequency);
         if power > best.1 {
             *best = (frequency, power);
         }
@@ -128,14 +128,14 @@ const ORDERS: [f64; 14] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 9.0, 10.0, 12.0, 1
 
 /// Returns the order at which a sine of the motor's angle at a port gains most, and its two columns.
 pub(crate) fn turns(
-    departures: &ResidualRegression,
+    regression: &ResidualRegression,
     port: Port,
     carrier: &Series,
 ) -> Option<(f64, Vec<Vec<f64>>)> {
-    let angle = departures.all(Quantity::MotorAngle);
+    let angle = regression.all(Quantity::MotorAngle);
     let at = |order: &f64| {
-        let columns = departures.columns(port, &waves(*order, &angle, carrier));
-        Some((departures.gain(&columns)?, *order, columns))
+        let columns = regression.columns(port, &waves(*order, &angle, carrier));
+        Some((regression.gain(&columns)?, *order, columns))
     };
     let best = ORDERS.iter().filter_map(at).max_by(|a, b| a.0.total_cmp(&b.0));
     best.map(|(_, order, columns)| (order, columns))

@@ -22,7 +22,7 @@ pub struct MeasuredSignals {
 }
 
 /// Returns the signals of a recording; `None` if it has no control or no hub rate.
-pub fn measured(recording: &Recording) -> Option<MeasuredSignals> {
+pub fn read_signals(recording: &Recording) -> Option<MeasuredSignals> {
     let still = || vec![0.0; recording.len()];
     Some(MeasuredSignals {
         period_s: recording.sample_period_s,

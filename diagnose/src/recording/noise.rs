@@ -6,7 +6,7 @@ use counterpoise_simulate::replay::reading_floor;
 
 /// Returns the RMS of the white noise of a series from the median of its third differences, which steps and slow motion do not
 /// disturb; 0 for a series that stands still or is too short.
-pub fn white_noise(series: &[f64]) -> f64 {
+pub fn measure_white_noise(series: &[f64]) -> f64 {
     let third = series.windows(4).map(|w| (w[3] - 3.0 * (w[2] - w[1]) - w[0]).abs());
     let mut sizes: Vec<f64> = third.filter(|d| d.is_finite()).collect();
     sizes.sort_by(f64::total_cmp);
@@ -15,10 +15,10 @@ pub fn white_noise(series: &[f64]) -> f64 {
 }
 
 /// Returns the noise floor of a channel of one recording: the noise that it shows, and no less than its converter's step leaves.
-pub fn floor(base: &Parameters, channel: Channel, series: &[f64]) -> f64 {
+pub fn measure_noise_floor(base: &Parameters, channel: Channel, series: &[f64]) -> f64 {
     let output = 20.0 / f64::from(base.interface.output_bits).exp2() / 12f64.sqrt();
     let step = sensor(base, channel).map_or(output, |s| silent(s, &base.interface));
-    white_noise(series).max(step).max(f64::MIN_POSITIVE)
+    measure_white_noise(series).max(step).max(f64::MIN_POSITIVE)
 }
 
 /// Returns the mechanism with the sensor noise that the recordings show (the median over the recordings). A sensor whose channel
@@ -29,7 +29,7 @@ pub fn with_recorded_noise(base: &Parameters, recordings: &[Recording]) -> Param
         let mut levels: Vec<f64> = recordings
             .iter()
             .filter_map(|r| r.column(channel))
-            .map(white_noise)
+            .map(measure_white_noise)
             .filter(|n| *n > 0.0)
             .collect();
         levels.sort_by(f64::total_cmp);
@@ -101,7 +101,7 @@ mod tests {
         let rate: Vec<f64> = (0..5000)
             .map(|k| 0.1 * (k as f64 * 0.004).sin() + f64::from(k / 1000) + 2e-3 * noise())
             .collect();
-        assert!((white_noise(&rate) / 2e-3 - 1.0).abs() < 0.05, "{}", white_noise(&rate));
+        assert!((measure_white_noise(&rate) / 2e-3 - 1.0).abs() < 0.05, "{}", measure_white_noise(&rate));
         let recording =
             Recording { hub_rate_rad_s: Some(rate), sample_period_s: 1e-3, ..Recording::default() };
         let base = reference::rig();

@@ -10,7 +10,7 @@ use counterpoise_simulate::replay::{START_FREEDOMS, start_has};
 
 use crate::fitting::StartColumns;
 use crate::fitting::output_error::FitSelection;
-use crate::library::{Effect, curve_inputs, curve_of};
+use crate::library::{Effect, gain_curve_inputs, make_gain_curve};
 use crate::recording::series::correlation_time;
 use crate::recording::series::dot;
 use crate::selection::candidate::Candidate;
@@ -39,8 +39,8 @@ impl Searcher<'_> {
     /// Returns the candidate with other knots if those explain more.
     fn move_curve_knots(&self, candidate: &Candidate) -> Option<Candidate> {
         let effects = &candidate.fit.effects;
-        let place = effects.iter().position(|e| curve_inputs(e).is_some())?;
-        let present = curve_inputs(effects[place])?;
+        let place = effects.iter().position(|e| gain_curve_inputs(e).is_some())?;
+        let present = gain_curve_inputs(effects[place])?;
         let fine = fine_inputs(present);
         let knots = self.slopes(candidate, &fine)?.chosen(present);
         let inputs: Vec<f64> = knots.iter().map(|&k| fine[k]).collect();
@@ -48,7 +48,7 @@ impl Searcher<'_> {
             return None;
         }
         let mut effects = effects.clone();
-        effects[place] = curve_of(&inputs);
+        effects[place] = make_gain_curve(&inputs);
         let start: Vec<f64> = effects.iter().flat_map(|e| e.values(&candidate.fit.parameters)).collect();
         let selection = FitSelection {
             iterations: KNOT_ITERATIONS,
@@ -61,9 +61,9 @@ impl Searcher<'_> {
 
     /// Returns what each knot of a fine curve does to all recordings.
     fn slopes(&self, candidate: &Candidate, fine: &[f64]) -> Option<Slopes> {
-        let mut slopes = Slopes::new(fine, curve_of(fine).values(&candidate.fit.parameters));
+        let mut slopes = Slopes::new(fine, make_gain_curve(fine).values(&candidate.fit.parameters));
         for recording in 0..self.simulator.count() {
-            let (residual, columns) = self.columns(candidate, recording, curve_of(fine))?;
+            let (residual, columns) = self.columns(candidate, recording, make_gain_curve(fine))?;
             slopes.add(&residual, &columns);
         }
         slopes.samples_of_one /= slopes.samples.max(1.0);

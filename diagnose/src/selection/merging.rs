@@ -2,7 +2,7 @@
 //! yield.
 
 use crate::fitting::output_error::{FitSelection, applied, parameters_of};
-use crate::library::{Component, Effect, EffectName, effects_named};
+use crate::library::{Component, Effect, EffectName, find_effects};
 use crate::selection::candidate::Candidate;
 use crate::selection::outcome::SearchOutcome;
 use crate::selection::screening::screen_effects;
@@ -102,7 +102,7 @@ pub(crate) fn spring_in_place_of_hose(
     let own = lumped.position_stiffness_nm_rad;
     let both = own + lumped.hysteresis_stiffness_nm_rad;
     let centre = own * lumped.position_stiffness_centre_rad / if both == 0.0 { 1.0 } else { both };
-    let spring = effects_named(Component::Structure, EffectName::PositionStiffness)
+    let spring = find_effects(Component::Structure, EffectName::PositionStiffness)
         .find(|e| e.parameters.len() == 2)?;
     let others = added.iter().filter(|e| !is_hose(e) && !is_spring(e));
     let kept = others.map(|e| EffectSignature::seeded(e, e.values(&best.fit.parameters), recordings));

@@ -28,7 +28,7 @@ impl Pair {
 const PAIRED_PARAMETERS: usize = 4;
 
 /// Returns the best pairs of different effects, by linear regression on both of their traces; best first.
-pub fn pairs(judged: &[Assessment], signatures: &[EffectSignature], count: usize) -> Vec<Pair> {
+pub fn rank_pairs(judged: &[Assessment], signatures: &[EffectSignature], count: usize) -> Vec<Pair> {
     let here = weighted(judged);
     let target: Vec<f64> = thinned(&here, |r, k| here.residuals[r][k]);
     let total = dot(&target, &target).max(f64::MIN_POSITIVE);

@@ -4,7 +4,7 @@
 use counterpoise_models::Parameters;
 
 use crate::fitting::output_error::Fit;
-use crate::library::{Component, Effect, EffectName, Mapping, effects_named, scan_range};
+use crate::library::{Component, Effect, EffectName, Mapping, find_effects, find_scan_range};
 use crate::selection::perturbations::{Perturbation, ripple, towards};
 use crate::selection::signature::{EffectSignature, ScreeningContext, is_close, measure_signature, weighted};
 use crate::simulator_access::{Assessment, ChannelResidual, ControlSource, SimulatorAccess, Span, map};
@@ -23,7 +23,7 @@ const SCAN_AGAIN: usize = 9;
 /// Scans the value of an effect's only parameter on the first part of the most active recording, played back, because a playback
 /// repeats even if the loop hunts; returns the perturbation towards the best value.
 pub(crate) fn scan_parameter(scene: &ScreeningContext, effect: &'static Effect) -> Option<Perturbation> {
-    let range = scan_range(effect)?;
+    let range = find_scan_range(effect)?;
     let parameter = &effect.parameters[0];
     let index = scene.simulator.most_active_recording();
     let near = Assessment { source: ControlSource::Playback, ..scene.judged[index].clone() };
@@ -56,7 +56,7 @@ const SCAN_WORTH: f64 = 0.15;
 /// the response to a wide gap is not found from the initial state of a narrow one. Returns `None` if no value is worth refining.
 pub(crate) fn scan_backlash(scene: &ScreeningContext) -> Option<EffectSignature> {
     let effect =
-        effects_named(Component::Gearbox, EffectName::Backlash).next().filter(|_| !is_close(scene.judged))?;
+        find_effects(Component::Gearbox, EffectName::Backlash).next().filter(|_| !is_close(scene.judged))?;
     let index = scene.simulator.most_active_recording();
     let played = |parameters: &Parameters, judged: &Assessment| {
         let near = Assessment { source: ControlSource::Playback, ..judged.clone() };
@@ -69,7 +69,7 @@ pub(crate) fn scan_backlash(scene: &ScreeningContext) -> Option<EffectSignature>
         let judged = scene.simulator.assess(&parameters, index);
         judged.and_then(|j| played(&parameters, &j)).unwrap_or(f64::INFINITY)
     };
-    let [mut low, mut high] = scan_range(effect)?;
+    let [mut low, mut high] = find_scan_range(effect)?;
     let (mut best, mut least) = (low, here);
     for count in JUDGED_SCAN {
         let value = |k: usize| low * (high / low).powf(k as f64 / (count - 1) as f64);
@@ -143,15 +143,15 @@ mod tests {
 
     #[test]
     fn a_piece_of_a_sine_is_no_ripple() {
-        let spring = effects_named(Component::Structure, EffectName::PositionStiffness)
+        let spring = find_effects(Component::Structure, EffectName::PositionStiffness)
             .find(|e| e.parameters.len() == 2)
             .unwrap();
-        let mesh = effects_named(Component::Gearbox, EffectName::MeshRipple).next().unwrap();
+        let mesh = find_effects(Component::Gearbox, EffectName::MeshRipple).next().unwrap();
         let of_order = |order: f64| [900.0, 0.01, 15.0, order, 0.3];
         let travel = 0.15 * 164.0;
         assert!(all_repeat(&[spring, mesh], &of_order(6.0), travel));
         assert!(!all_repeat(&[spring, mesh], &of_order(0.1), travel));
-        let friction = effects_named(Component::Pivot, EffectName::PositionDependentFriction).next().unwrap();
+        let friction = find_effects(Component::Pivot, EffectName::PositionDependentFriction).next().unwrap();
         assert!(friction.is_ripple() && all_repeat(&[friction], &[0.3, 4.0, 0.0], 0.15));
     }
 }

@@ -2,7 +2,7 @@
 //! explain as much without them.
 
 use crate::fitting::output_error::{Fit, FitSelection, applied, parameters_of};
-use crate::library::{Effect, refinement};
+use crate::library::{Effect, find_refinement};
 use crate::selection::candidate::Candidate;
 use crate::selection::outcome::SearchOutcome;
 use crate::selection::searcher::Searcher;
@@ -12,7 +12,7 @@ use crate::tolerance::{AMBIGUOUS, RIVALS, SEARCH_ITERATIONS, SWAP_NEEDED};
 impl Searcher<'_> {
     /// Returns the accepted effects with those in a coarse form refined, if that explains more.
     pub(crate) fn refine_effects(&self, candidate: Candidate) -> Candidate {
-        let finer = |effect: &&'static Effect| refinement(effect).unwrap_or(effect);
+        let finer = |effect: &&'static Effect| find_refinement(effect).unwrap_or(effect);
         let effects: Vec<&'static Effect> = candidate.fit.effects.iter().map(finer).collect();
         if effects.iter().zip(&candidate.fit.effects).all(|(a, b)| std::ptr::eq(*a, *b)) {
             return candidate;

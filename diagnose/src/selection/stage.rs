@@ -8,7 +8,7 @@ use crate::library::Effect;
 use crate::selection::baseline::Baseline;
 use crate::selection::candidate::{Candidate, ranked};
 use crate::selection::merging::spring_in_place_of_hose;
-use crate::selection::pairs::pairs;
+use crate::selection::pairs::rank_pairs;
 use crate::selection::parameter_scan::scan_backlash;
 use crate::selection::screening::screen_effects;
 use crate::selection::searcher::Searcher;
@@ -121,7 +121,7 @@ impl Searcher<'_> {
         let mut candidates = self.fit_candidates(present, &proposals, judged);
         let alone = candidates.iter().any(|c| c.explains() && c.is_acceptable());
         if breadth == StageBreadth::Full && taken.len() + 2 <= EFFECTS_AT_MOST && !alone {
-            let found = pairs(from, &signatures, PAIRS);
+            let found = rank_pairs(from, &signatures, PAIRS);
             let promising = found.iter().filter(|pair| is_worth_fitting(pair.explained, judged));
             let both: Vec<Vec<EffectSignature>> =
                 promising.map(|pair| pair.signatures(&signatures, model).to_vec()).collect();

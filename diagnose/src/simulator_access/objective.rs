@@ -11,8 +11,8 @@ use counterpoise_simulate::recording::{Channel, Recording};
 use counterpoise_simulate::replay::{Loop, Replay, Replayer, reading_floor};
 
 use crate::error::Error;
-use crate::recording::measured_signals::{MeasuredSignals, measured};
-use crate::recording::noise::floor;
+use crate::recording::measured_signals::{MeasuredSignals, read_signals};
+use crate::recording::noise::measure_noise_floor;
 use crate::recording::series::deviation;
 use crate::recording::series::rms;
 use crate::simulator_access::access::{
@@ -84,7 +84,8 @@ impl<'a> RecordingReplays<'a> {
         let of = |c, own: f64| {
             if c == Channel::Control && own < QUIET * control_floor { control_floor } else { own }
         };
-        let floors = |r: &Recording| SCORED.map(|c| of(c, floor(base, c, r.column(c).unwrap_or(&[]))));
+        let floors =
+            |r: &Recording| SCORED.map(|c| of(c, measure_noise_floor(base, c, r.column(c).unwrap_or(&[]))));
         Ok(Self {
             base,
             control: control.clone(),
@@ -101,7 +102,7 @@ impl<'a> RecordingReplays<'a> {
 
     /// Returns the signals of a recording; `None` if it has no hub rate or no control.
     pub fn measured_at(&self, index: usize) -> Option<MeasuredSignals> {
-        self.prepared.whole.get(index).and_then(measured)
+        self.prepared.whole.get(index).and_then(read_signals)
     }
 
     fn same_platform_sensors(&self, parameters: &Parameters) -> bool {

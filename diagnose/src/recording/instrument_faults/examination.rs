@@ -14,7 +14,7 @@ use crate::recording::instrument_faults::factors::{Found, Mistake};
 use crate::recording::instrument_faults::fault::{self, FaultKind, InstrumentFault, Treatment};
 use crate::recording::instrument_faults::regression::{late, regress};
 use crate::recording::instrument_faults::{accelerometer_unit, clocks, factors, identities, single_column};
-use crate::recording::noise::white_noise;
+use crate::recording::noise::measure_white_noise;
 use crate::recording::series::deviation;
 
 /// Recordings without the faults that could be repaired, and the faults.
@@ -115,7 +115,7 @@ impl ExaminedRecordings {
                 remade(recording, control, base);
             }
             Column::PlatformRate | Column::PlatformAccel
-                if deviation(series) < AT_REST * white_noise(series) =>
+                if deviation(series) < AT_REST * measure_white_noise(series) =>
             {
                 filled(series);
             }
