@@ -1,4 +1,4 @@
-//! The whole road of a diagnosis.
+//! The whole diagnosis: from recordings to an answer, in one function.
 
 use counterpoise_models::Parameters;
 use counterpoise_simulate::recording::Recording;
@@ -6,16 +6,19 @@ use counterpoise_simulate::replay::Loop;
 
 use crate::error::Error;
 use crate::findings::answer::{Answer, Verdict};
-use crate::findings::instrument_findings::finding_of;
+use crate::findings::instrument_findings::make_finding;
 use crate::findings::similarity::Scale;
 use crate::findings::verdict::Evidence;
 use crate::identification::{Amplifier, identify, improved};
-use crate::library::{Component, Effect, EffectName, effects_named, free_curve, library, textbook};
+use crate::library::{
+    Component, Effect, EffectName, find_effects, list_effects, list_textbook_effects, make_free_gain_curve,
+};
 use crate::localisation::error_map::{MapCell, localise_errors};
+use crate::localisation::residual_regression::ReplayedRecording;
 use crate::localisation::torque_balances::{BalanceVisibility, RedundantSensors, list_balances};
 use crate::recording::gap_repair::repair_gaps;
 use crate::recording::instrument_faults::{InstrumentFault, find_instrument_faults};
-use crate::recording::measured_signals::measured;
+use crate::recording::measured_signals::read_signals;
 use crate::recording::noise::{with_noise_levels_of, with_recorded_noise};
 use crate::recording::remarks::{Comparison, RecordingRemark};
 use crate::recording::sanity_checks::check_signals;
@@ -26,20 +29,20 @@ use crate::simulator_access::objective::{PreparedRecordings, RecordingReplays};
 use crate::simulator_access::{Pool, SimulatorAccess, map};
 use crate::tolerance::{BIAS_SEEN_RAD_S, SAMPLES_AT_MOST, TEXTBOOK_SAMPLES_AT_MOST};
 
-/// What a diagnosis gives: the answer, and the machine that explains the recordings.
+/// A diagnosis: the answer, and the machine that explains the recordings.
 #[derive(Debug, Clone)]
 pub struct Diagnosis {
     /// The answer.
     pub answer: Answer,
-    /// The mechanism with the named effects; as it was where there is none.
+    /// The mechanism with the effects that were found; as it was if there are none.
     pub improved: Parameters,
-    /// The recordings as they were diagnosed: without the faults of sensors and recorder that could be mended.
+    /// The recordings as they were diagnosed: without the faults of sensors and recorder that could be repaired.
     pub recordings: Vec<Recording>,
 }
 
 impl Diagnosis {
-    /// With the faults of sensors and recorder told first: they are findings before any physics, and what is explained without them
-    /// is explained by them.
+    /// Adds the faults of sensors and recorder in front of the other findings: they were found before any physics, and what is
+    /// explained after their repair is explained by them.
     fn with_faults(mut self, faults: &[InstrumentFault]) -> Self {
         if faults.is_empty() {
             return self;
@@ -50,7 +53,7 @@ impl Diagnosis {
             Verdict::Unknown => Verdict::Incomplete,
             other => other,
         };
-        answer.findings.splice(0..0, faults.iter().map(finding_of));
+        answer.findings.splice(0..0, faults.iter().map(make_finding));
         answer.qualification.splice(0..0, faults.iter().cloned().map(RecordingRemark::Fault));
         self
     }
@@ -108,7 +111,7 @@ fn diagnose_scaled(
     Ok(found)
 }
 
-/// As [`diagnose`], for a machine of given sizes.
+/// Diagnoses a machine of given sizes from recordings without instrument faults.
 fn diagnose_of(
     sizes: Sizes,
     base: &Parameters,
@@ -152,30 +155,31 @@ fn diagnose_of(
     Ok(Diagnosis { answer: evidence.answer(), improved, recordings: examined.to_vec() })
 }
 
-/// Component x regime of how the recordings depart from the replay of the model as it was.
+/// Locates where the recordings depart from the replay of the model as it was: component by regime.
 fn where_and_when(
     base: &Parameters,
     simulator: &RecordingReplays,
     isolability: &[BalanceVisibility],
     pool: &dyn Pool,
 ) -> Vec<MapCell> {
-    let judged = map(pool, simulator.count(), |index| {
-        Some((simulator.measured_at(index)?, simulator.assess(base, index)?))
+    let replayed = map(pool, simulator.count(), |index| {
+        let (measured, assessment) = (simulator.measured_at(index)?, simulator.assess(base, index)?);
+        Some(ReplayedRecording { measured, assessment })
     });
-    localise_errors(base, &judged.into_iter().flatten().collect::<Vec<_>>(), isolability, pool)
+    localise_errors(base, &replayed.into_iter().flatten().collect::<Vec<_>>(), isolability, pool)
 }
 
-/// The effects that a machine of given sizes may have.
+/// Returns the effects that a machine of given sizes may have.
 fn effects_for(sizes: Sizes) -> Vec<&'static Effect> {
-    let mut effects = library();
+    let mut effects = list_effects();
     if !sizes.typical {
-        effects.extend(textbook());
+        effects.extend(list_textbook_effects());
     }
     effects
 }
 
-/// Both gyroscopes' biases, where the kinematics say that one of them has one: a loop that holds a biased rate moves from
-/// the first sample on, and the signature of a small bias says nothing of that.
+/// Returns the biases of both gyroscopes as starting points if the kinematics show that one of them has a bias: a loop that holds a
+/// biased rate moves from the first sample on, and the signature of a small bias does not show that.
 fn biases(base: &Parameters, recordings: &[Recording]) -> Vec<(&'static Effect, Vec<f64>)> {
     let each: Vec<f64> = recordings.iter().filter_map(|r| rate_error(r, base.gearbox.ratio)).collect();
     let mean = each.iter().sum::<f64>() / each.len().max(1) as f64;
@@ -183,14 +187,14 @@ fn biases(base: &Parameters, recordings: &[Recording]) -> Vec<(&'static Effect, 
         return Vec::new();
     }
     let (hub, platform) = (
-        effects_named(Component::HubGyro, EffectName::Bias),
-        effects_named(Component::PlatformGyro, EffectName::Bias),
+        find_effects(Component::HubGyro, EffectName::Bias),
+        find_effects(Component::PlatformGyro, EffectName::Bias),
     );
     let hub = hub.map(|e| (e, vec![base.sensors.hub_gyro.bias + mean]));
     hub.chain(platform.map(|e| (e, vec![base.sensors.platform_gyro.bias - mean]))).collect()
 }
 
-/// Mean of what the gyroscopes say of the hub's rate on the platform less what motor or resolver say.
+/// Returns the mean of the gyroscopes' rate of the hub on the platform, less that of motor or resolver, rad/s.
 fn rate_error(recording: &Recording, ratio: f64) -> Option<f64> {
     let mean = |series: &[f64]| series.iter().sum::<f64>() / series.len().max(1) as f64;
     let hub = mean(recording.hub_rate_rad_s.as_deref()?);
@@ -205,11 +209,13 @@ fn rate_error(recording: &Recording, ratio: f64) -> Option<f64> {
     Some(hub - platform - known).filter(|error| error.is_finite())
 }
 
-/// What the triangle-wave method finds of the amplifier's curve, as a start: from a distance no fit would get there.
+/// Returns the amplifier's curve that the triangle-wave method finds, as a starting point: no fit converges to it from a distance.
 fn seeds(base: &Parameters, recordings: &[Recording]) -> Vec<(&'static Effect, Vec<f64>)> {
     let Ok(found) = identify(base, &[recordings]) else { return Vec::new() };
     match found.amplifier {
-        Amplifier::Curve { .. } => vec![(free_curve(), free_curve().values(&improved(base, &found)))],
+        Amplifier::Curve { .. } => {
+            vec![(make_free_gain_curve(), make_free_gain_curve().values(&improved(base, &found)))]
+        }
         _ => Vec::new(),
     }
 }
@@ -231,7 +237,7 @@ fn check(recordings: &[Recording], control: &Loop) -> Result<(), Error> {
     Ok(())
 }
 
-/// The recordings without their holes and without channels that cannot be what they claim, and what was found.
+/// Returns the recordings without gaps and without channels that cannot be what they claim, and what was remarked.
 fn qualified(
     sizes: Sizes,
     base: &Parameters,
@@ -247,7 +253,8 @@ fn qualified(
             repair,
         }));
         for mut part in repaired.parts {
-            let remarks = measured(&part).map(|m| check_signals(&part.name, &m, ratio)).unwrap_or_default();
+            let remarks =
+                read_signals(&part).map(|m| check_signals(&part.name, &m, ratio)).unwrap_or_default();
             for remark in remarks {
                 let out = remark.anomaly.is_disqualifying() && left_out(&mut part, remark.channel);
                 let comparison = if out { Comparison::NotCompared } else { Comparison::Compared };
@@ -263,8 +270,8 @@ fn qualified(
     Ok((sound, told))
 }
 
-/// Cuts recordings to what a diagnosis can replay some thousand times: the first part of each, an equal share of the
-/// samples that are left by those that are short enough.
+/// Shortens recordings to what a diagnosis can replay some thousand times: the first part of each, with an equal share of the
+/// samples that the short ones leave.
 fn shorten(recordings: &mut [Recording], most: usize, told: &mut Vec<RecordingRemark>) {
     let mut order: Vec<usize> = (0..recordings.len()).collect();
     order.sort_by_key(|&r| recordings[r].len());
@@ -286,7 +293,7 @@ fn shorten(recordings: &mut [Recording], most: usize, told: &mut Vec<RecordingRe
     }
 }
 
-/// Takes a channel out of a recording that can do without it.
+/// Removes a channel from a recording that can do without it; returns whether it was removed.
 fn left_out(recording: &mut Recording, channel: &str) -> bool {
     match channel {
         "motor_rate" => recording.motor_rate_rad_s.take().is_some(),

@@ -16,6 +16,18 @@
 //! 8. [`findings`]: verdict and findings.
 //! 9. [`diagnosis`]: all of it in one function.
 //!
+//! ```
+//! use counterpoise_diagnose::library::{Component, list_effects};
+//! use counterpoise_diagnose::simulator_access::Serial;
+//! use counterpoise_diagnose::{Error, diagnose};
+//! use counterpoise_models::reference;
+//! use counterpoise_simulate::replay::Loop;
+//!
+//! assert!(list_effects().iter().any(|effect| effect.component == Component::Gearbox));
+//! let refused = diagnose(&reference::rig(), Loop::Open, &[], &Serial);
+//! assert_eq!(refused.err(), Some(Error::NoRecording));
+//! ```
+//!
 //! *Invariant*: nothing here knows a weight, a file, a thread or a clock; processors are handed in as a
 //! [`Pool`](simulator_access::Pool).
 

@@ -6,7 +6,7 @@ mod common;
 
 use common::controller;
 use counterpoise_diagnose::fitting::output_error::{FitSelection, Problem};
-use counterpoise_diagnose::library::{Component, EffectName, effects_named};
+use counterpoise_diagnose::library::{Component, EffectName, find_effects};
 use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_diagnose::simulator_access::objective::{PreparedRecordings, RecordingReplays};
 use counterpoise_models::{Parameters, Plant, reference};
@@ -86,7 +86,7 @@ fn the_hose_is_found_again() {
     let base = reference::rig();
     let prepared = PreparedRecordings::new(&recordings, &base);
     let simulator = RecordingReplays::new(&base, &Loop::from(&controller(BIAS_V)), &prepared).unwrap();
-    let effects: Vec<_> = effects_named(Component::Structure, EffectName::Hysteresis).collect();
+    let effects: Vec<_> = find_effects(Component::Structure, EffectName::Hysteresis).collect();
     let selection = FitSelection::all(recordings.len());
     let problem = Problem {
         simulator: &simulator,

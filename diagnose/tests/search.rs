@@ -4,7 +4,7 @@
 
 use counterpoise_diagnose::findings::answer::{Answer, Verdict};
 use counterpoise_diagnose::findings::verdict::Evidence;
-use counterpoise_diagnose::library::{Component, EffectName, library};
+use counterpoise_diagnose::library::{Component, EffectName, list_effects};
 use counterpoise_diagnose::selection::searcher::Searcher;
 use counterpoise_diagnose::selection::sizes::Sizes;
 use counterpoise_diagnose::simulator_access::{
@@ -103,7 +103,7 @@ fn diagnosed(change: impl Fn(&mut Parameters), strange: f64) -> Answer {
         simulator: &simulator,
         pool: &Serial,
         base: &base,
-        effects: library(),
+        effects: list_effects(),
         seeds: vec![],
         sizes: Sizes::TYPICAL,
     }

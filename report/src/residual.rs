@@ -1,6 +1,6 @@
 //! What a diagnosis left over, in pictures: loops of control against rate, spectra of the errors, responses, correlations.
 
-use counterpoise_diagnose::fitting::residual_tests::{ResidualTest, residual_test};
+use counterpoise_diagnose::fitting::residual_tests::{ResidualTest, test_residual};
 use counterpoise_verify::signals::welch::{Spectra, WelchOptions, welch};
 
 use crate::{Cell, Column, Section, Table, Tone};
@@ -167,7 +167,7 @@ fn test(tracks: &[Track], track: &Track, run: &[f64]) -> Option<ResidualTest> {
     let drivers = ["control", "hub_rate"]
         .map(|name| self::track(tracks, &track.recording, name).map(|t| (name, &t.measured[..])));
     let drivers: Vec<(&'static str, &[f64])> = drivers.into_iter().flatten().collect();
-    residual_test(&residual, &drivers)
+    test_residual(&residual, &drivers)
 }
 
 fn row(track: &Track, model: &str, test: &ResidualTest) -> Vec<Cell> {

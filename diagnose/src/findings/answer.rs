@@ -11,17 +11,17 @@ use crate::localisation::trend::Trend;
 use crate::recording::instrument_faults::InstrumentFault;
 use crate::recording::remarks::RecordingRemark;
 
-/// How the recordings and the model stand to each other.
+/// The verdict of a diagnosis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// The model explains the recordings: nothing found.
     Consistent,
-    /// What was left out has a name, and with it the recordings are explained.
+    /// An effect was identified, and with it the recordings are explained.
     Named,
-    /// What has a name is part of it; something is left over.
+    /// An effect was identified, but it explains only part.
     Incomplete,
-    /// One of several effects that these recordings cannot tell apart.
+    /// One of several equivalent effects, which these recordings cannot tell apart.
     Ambiguous,
     /// None of the known effects.
     Unknown,
@@ -128,7 +128,7 @@ impl Finding {
 pub struct ChannelFit {
     /// RMS error.
     pub rms_error: f64,
-    /// RMS that a perfect model would leave.
+    /// Noise floor: the RMS of the residual of a perfect model.
     pub floor: f64,
 }
 
@@ -142,20 +142,20 @@ pub struct FitTable {
     pub before: Channels,
     /// All data, the improved model.
     pub after: Channels,
-    /// Data that was not fitted, the model as it was.
+    /// Held-out data, the model as it was.
     pub held_out_before: Channels,
-    /// Data that was not fitted, the model fitted to the rest.
+    /// Held-out data, the model fitted to the rest.
     pub held_out_after: Channels,
 }
 
-/// An effect of which these recordings cannot say whether it is there.
+/// An effect of which these recordings cannot show whether it is present.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NotExcited {
     /// Effect.
     pub effect: EffectName,
     /// Component.
     pub component: Component,
-    /// Smallest change of its first parameter that these recordings would show; none where no change within reason moves them.
+    /// Smallest change of its first parameter that these recordings would show; `None` if no reasonable change affects them.
     pub smallest_detectable: Option<f64>,
     /// That parameter.
     pub parameter: &'static str,
@@ -166,7 +166,7 @@ pub struct NotExcited {
 /// The experiment that would say more.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NextExperiment {
-    /// The experiment that shows an effect clearly, to tell it from another.
+    /// The experiment that shows the found effect clearly, so that it can be told from another.
     Separate {
         /// The effect that was found.
         found: Name,
@@ -186,7 +186,7 @@ pub enum SearchWarning {
     IterationLimit,
 }
 
-/// A hypothesis that was fitted and judged, for the table of evidence.
+/// A hypothesis that was fitted and assessed, for the table of evidence.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Hypothesis {
     /// Stage of the search at which it was tried, from 1.
@@ -197,7 +197,7 @@ pub struct Hypothesis {
     pub component: Component,
     /// Effects that were fitted together with it.
     pub beside: Vec<Name>,
-    /// Log-likelihood gained on data that it was not fitted to, in nats.
+    /// Log-likelihood gained on held-out data, in nats.
     pub gain_nats: f64,
     /// Mean ln(RMS / floor) left over all channels: 0 is perfect.
     pub distance: f64,
@@ -212,11 +212,11 @@ pub struct Hypothesis {
 pub struct Answer {
     /// Verdict.
     pub verdict: Verdict,
-    /// Findings, most important first; none where the verdict is consistent.
+    /// Findings, most important first; empty if the verdict is consistent.
     pub findings: Vec<Finding>,
     /// How the fit improved.
     pub fit: FitTable,
-    /// Effects of which these recordings cannot tell.
+    /// Effects that these recordings do not excite enough to show.
     pub not_excited: Vec<NotExcited>,
     /// What to do next.
     pub next_experiment: Option<NextExperiment>,

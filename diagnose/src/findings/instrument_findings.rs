@@ -34,7 +34,7 @@ pub fn effect_of(kind: &FaultKind) -> EffectName {
 }
 
 /// Returns a fault as a finding of a diagnosis.
-pub fn finding_of(fault: &InstrumentFault) -> Finding {
+pub fn make_finding(fault: &InstrumentFault) -> Finding {
     let effect = effect_of(&fault.kind);
     let other = |column: &Column| Name { effect, component: component_of(*column) };
     let exchanged = match fault.kind {

@@ -3,7 +3,7 @@
 use crate::findings::answer::Finding;
 use crate::library::Component;
 use crate::localisation::error_hypotheses::{COMPONENTS, Regime, regimes_of};
-use crate::localisation::error_map::{MapCell, likeliest};
+use crate::localisation::error_map::{MapCell, rank_components};
 use crate::localisation::torque_balances::BalanceVisibility;
 
 /// A row of the chart: a component, with its share under each regime.
@@ -38,7 +38,7 @@ pub struct LocalisationChart {
     pub rows: Vec<ChartRow>,
     /// The cell that gains most; `None` if no cell gains more than noise may.
     pub best: Option<MapCell>,
-    /// The components that these recordings cannot tell apart, the most probable first: see [`likeliest`].
+    /// The components that these recordings cannot tell apart, the most probable first: see [`rank_components`].
     pub likeliest: Vec<Component>,
     /// Whether the search agrees.
     pub agreement: SearchAgreement,
@@ -69,7 +69,7 @@ pub fn build_chart(
     LocalisationChart {
         rows: COMPONENTS.iter().map(|component| row(*component)).collect(),
         best: best.cloned(),
-        likeliest: likeliest(map),
+        likeliest: rank_components(map),
         agreement: search_agreement(map, best, findings),
     }
 }
@@ -106,6 +106,7 @@ mod tests {
     use crate::findings::answer::Basis;
     use crate::library::EffectName;
     use crate::localisation::error_map::localise_errors;
+    use crate::localisation::residual_regression::ReplayedRecording;
     use crate::localisation::torque_balances::{RedundantSensors, list_balances};
     use crate::localisation::trend::{Repetition, Trend};
     use crate::recording::measured_signals::MeasuredSignals;
@@ -161,7 +162,12 @@ mod tests {
             start: None,
             source: ControlSource::ClosedLoop,
         };
-        localise_errors(&p, &[(measured, judged)], &balances(motor, position), &Serial)
+        localise_errors(
+            &p,
+            &[ReplayedRecording { measured, assessment: judged }],
+            &balances(motor, position),
+            &Serial,
+        )
     }
 
     fn best(map: &[MapCell]) -> (Component, Regime) {

@@ -1,5 +1,5 @@
-//! Machines of another size: the diagnosis works on a machine that moves alike with torques and a gear ratio like the
-//! reference rig's, and its answer is brought back.
+//! Machines of another size: the diagnosis works on a dynamically similar machine with torques and a gear ratio like the reference
+//! rig's, and its answer is converted back.
 //!
 //! The library's bounds and typical sizes are those of a mechanism of some hundred kg m^2 behind a gear of some hundred turns.
 //! Torques at the hub times S and the gear ratio times c leave every motion of the hub, every control and every current as
@@ -10,18 +10,18 @@ use counterpoise_models::{Parameters, Ripple};
 use counterpoise_simulate::recording::Recording;
 
 use crate::findings::answer::{Answer, Basis, Channels};
-use crate::library::{Component, EffectName, Parameter, effects_named};
+use crate::library::{Component, EffectName, Parameter, find_effects};
 use crate::localisation::error_hypotheses::Regime;
 use crate::localisation::trend::Trend;
 use crate::selection::sizes::Sizes;
 
-/// Inertia and gear ratio for which the library's sizes are meant.
+/// Inertia, kg m^2, and gear ratio of the machines for which the library's sizes are meant.
 const USUAL: (f64, f64) = (345.0, 200.0);
-/// Torque of the drive at the hub for which they are meant, N m.
+/// Torque of the drive at the hub of those machines, N m.
 const USUAL_TORQUE: f64 = 600.0;
-/// Regime variables that are torques or the motor's angle: those of the scaled machine are not the machine's own.
+/// Regime variables that are torques or the motor's angle: their values on the scaled machine are not the machine's own.
 const SCALED_REGIMES: [Regime; 2] = [Regime::Load, Regime::MotorAngle];
-/// Factors within which a machine is taken as it is.
+/// Factors of inertia and gear ratio within which a machine is taken as it is.
 const AS_IT_IS: (f64, f64) = (20.0, 5.0);
 
 /// Factors on the torques at the hub and on the gear ratio.
@@ -34,7 +34,7 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// The factors that bring a machine to the usual size; none where it has that already, or no lumped structure.
+    /// Returns the factors that bring a machine to the usual size; `None` if it has that size already, or no lumped structure.
     pub fn of(base: &Parameters, recordings: &[Recording]) -> Option<Self> {
         let lumped = base.lumped.as_ref()?;
         let by_inertia = USUAL.0 / (lumped.hub_inertia_kg_m2 + lumped.beam_inertia_kg_m2);
@@ -43,23 +43,23 @@ impl Scale {
         let usual = near(by_inertia, AS_IT_IS.0) && near(ratio, AS_IT_IS.1);
         let drive = drive_torque(base, recordings);
         let torque = if drive > 0.0 { USUAL_TORQUE / drive } else { by_inertia };
-        // powers of two: numbers come back to the last bit
+        // powers of two, so that numbers are converted back to the last bit
         let near_power = |factor: f64| factor.log2().round().exp2();
         let scale = Self { torque: near_power(torque), ratio: near_power(ratio) };
         (!usual && torque.is_finite() && torque > 0.0).then_some(scale)
     }
 
-    /// The factors that undo these.
+    /// Returns the factors that undo these.
     pub fn inverse(self) -> Self {
         Self { torque: 1.0 / self.torque, ratio: 1.0 / self.ratio }
     }
 
-    /// What is known of the sizes of the scaled machine.
+    /// Returns what is known of the sizes of the scaled machine.
     pub fn sizes(self) -> Sizes {
         Sizes { typical: false, motor_turns: self.ratio }
     }
 
-    /// The machine with other torques and another gear that moves alike.
+    /// Returns the dynamically similar machine with other torques and another gear.
     pub fn applied(self, base: &Parameters) -> Parameters {
         let (s, c) = (self.torque, self.ratio);
         let mut p = base.clone();
@@ -94,14 +94,14 @@ impl Scale {
         p
     }
 
-    /// A recording as the scaled machine would have made it.
+    /// Returns a recording as the scaled machine would have made it.
     pub fn recording(self, recording: &Recording) -> Recording {
         let mut out = recording.clone();
         out.motor_rate_rad_s.iter_mut().flatten().for_each(|rate| *rate *= self.ratio);
         out
     }
 
-    /// Numbers of the answer as they are for the machine itself.
+    /// Converts the numbers of an answer back to the machine itself.
     pub fn bring_back(self, answer: &mut Answer, scaled: &Parameters) {
         for finding in &mut answer.findings {
             for parameter in &mut finding.parameters {
@@ -141,7 +141,7 @@ impl Scale {
         }
     }
 
-    /// The value of a definition on the machine itself that has a given one on the scaled machine.
+    /// Converts the value of a parameter on the scaled machine back to the machine itself.
     fn own(self, scaled: &Parameters, definition: &Parameter, value: f64) -> f64 {
         let mut probe = scaled.clone();
         definition.write(&mut probe, value);
@@ -152,7 +152,7 @@ impl Scale {
     }
 }
 
-/// RMS of the torque that the recorded control asks of the motor at standstill, at the hub, N m.
+/// Returns the RMS of the motor's torque at the hub under the recorded control at standstill, N m.
 fn drive_torque(base: &Parameters, recordings: &[Recording]) -> f64 {
     let loss = base.motor.resistance_ohm + base.amplifier.gain * base.amplifier.current_feedback_v_a;
     let gain = base.gearbox.ratio * base.motor.torque_constant_nm_a * base.amplifier.gain / loss;
@@ -162,11 +162,11 @@ fn drive_torque(base: &Parameters, recordings: &[Recording]) -> f64 {
 }
 
 fn find_parameter(component: Component, effect: EffectName, name: &str) -> Option<&'static Parameter> {
-    let definitions = effects_named(component, effect).flat_map(|e| e.parameters.iter());
+    let definitions = find_effects(component, effect).flat_map(|e| e.parameters.iter());
     definitions.into_iter().find(|definition| definition.name == name)
 }
 
-/// A ripple whose amplitude is a torque times `t`, over an angle times `r`.
+/// Returns a ripple whose amplitude is a torque times `t`, over an angle times `r`.
 fn ripple(ripple: &Ripple, t: f64, r: f64) -> Ripple {
     Ripple { amplitude: ripple.amplitude * t, order: ripple.order / r, phase_rad: ripple.phase_rad }
 }

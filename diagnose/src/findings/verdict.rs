@@ -6,10 +6,10 @@ use crate::findings::answer::{
     Answer, Basis, ChannelFit, Channels, Finding, FitTable, FittedParameter, Hypothesis, Name, NearestEffect,
     NextExperiment, NotExcited, Pattern, SearchWarning, Verdict,
 };
-use crate::fitting::output_error::intervals;
+use crate::fitting::output_error::confidence_intervals;
 use crate::fitting::score::{Score, score};
 use crate::library::{Component, Effect, EffectName};
-use crate::localisation::error_map::{MapCell, likeliest};
+use crate::localisation::error_map::{MapCell, rank_components};
 use crate::localisation::torque_balances::BalanceVisibility;
 use crate::recording::remarks::RecordingRemark;
 use crate::recording::series::correlation_time;
@@ -20,11 +20,11 @@ use crate::selection::sizes::Sizes;
 use crate::simulator_access::SimulatorAccess;
 use crate::tolerance::{
     AMBIGUOUS, EXPLAINED, GAIN_NEEDED, RIGHT_OF_THREE, RIGHT_OF_UNKNOWN, RIGHT_WHERE_EXPLAINED,
-    RIGHT_WHERE_INCOMPLETE, RIVALRY, SHARE_TO_NAME, TEXTBOOK_SHARE_TO_NAME,
+    RIGHT_WHERE_INCOMPLETE, RIVAL_DECAY, SHARE_TO_NAME, TEXTBOOK_SHARE_TO_NAME,
 };
 use counterpoise_models::Parameters;
 
-/// What the answer is made from.
+/// What the answer is derived from.
 pub struct Evidence<'a> {
     /// Simulator and recordings.
     pub simulator: &'a dyn SimulatorAccess,
@@ -43,7 +43,7 @@ pub struct Evidence<'a> {
 }
 
 impl Evidence<'_> {
-    /// The answer.
+    /// Derives the answer.
     pub fn answer(self) -> Answer {
         let verdict = self.verdict();
         let findings = self.findings(verdict);
@@ -62,7 +62,7 @@ impl Evidence<'_> {
         }
     }
 
-    /// The mechanism that the answer stands for: with the named effects, or as it was.
+    /// Returns the mechanism with the found effects, or as it was.
     pub fn improved(&self) -> Parameters {
         self.named().map_or_else(|| self.base.clone(), |c| c.fit.parameters.clone())
     }
@@ -80,8 +80,8 @@ impl Evidence<'_> {
         }
     }
 
-    /// The accepted model, where it explains enough of the mismatch to carry a name: all of it, or most of it with sizes that make sense
-    /// (what went to a bound to explain a part stands for something else).
+    /// Returns the accepted model if it explains enough of the mismatch to be named: all of it, or most of it within its bounds. A
+    /// parameter that went to a bound to explain a part stands for something else.
     fn named(&self) -> Option<&Candidate> {
         let accepted = self.search.accepted.as_ref()?;
         let textbook =
@@ -90,13 +90,13 @@ impl Evidence<'_> {
         (accepted.explains() || most || textbook).then_some(accepted)
     }
 
-    /// Share of the distance from the floor that a model explains.
+    /// Returns the share of the distance from the noise floor that a model explains.
     fn share(&self, model: &Candidate) -> f64 {
         let before = self.search.baseline.score.distance().max(1e-3);
         1.0 - model.whole.distance() / before
     }
 
-    /// What explains the recordings as well as the effect at `index` does.
+    /// Returns the effects that explain the recordings as well as the effect at `index` does.
     fn alternatives(&self, accepted: &Candidate, index: usize) -> Vec<Name> {
         let Some(rivals) = self.search.rivals.get(index) else { return Vec::new() };
         let chosen = accepted.fit.effects[index];
@@ -119,11 +119,11 @@ impl Evidence<'_> {
         let best = rivals.iter().find(|r| r.newest().is_some_and(|e| same_name(e, chosen)));
         let best = best.unwrap_or(accepted);
         let others = rivals.iter().filter(|r| r.newest().is_some_and(|e| !same_name(e, chosen)));
-        let weight: f64 = others.map(|r| (-RIVALRY * r.behind(best).max(0.0)).exp()).sum();
+        let weight: f64 = others.map(|r| (-RIVAL_DECAY * r.behind(best).max(0.0)).exp()).sum();
         self.ceiling(accepted) / (1.0 + weight)
     }
 
-    /// How often a name is true that has no rival, by how well the model explains the recordings.
+    /// Returns the probability that a name without a rival is true, by how well the model explains the recordings.
     fn ceiling(&self, accepted: &Candidate) -> f64 {
         let explained = self.sizes.typical && accepted.whole.worst() < EXPLAINED;
         match (explained, accepted.fit.effects.len()) {
@@ -163,7 +163,7 @@ impl Evidence<'_> {
         let first: usize = accepted.fit.effects[..index].iter().map(|e| e.parameters.len()).sum();
         let effect = accepted.fit.effects[index];
         let (samples, inflation) = self.worth(accepted);
-        let bounds = intervals(&accepted.fit, samples, inflation);
+        let bounds = confidence_intervals(&accepted.fit, samples, inflation);
         let one = |(j, definition): (usize, &crate::library::Parameter)| {
             let wrap =
                 if effect.is_ripple() && j == 2 { whole_turns(accepted.fit.values[first + j]) } else { 0.0 };
@@ -178,7 +178,7 @@ impl Evidence<'_> {
         effect.parameters.iter().enumerate().map(one).collect()
     }
 
-    /// Number of residuals, and how many of them carry the information of one.
+    /// Returns the number of residuals, and how many of them carry the information of one.
     fn worth(&self, accepted: &Candidate) -> (usize, f64) {
         let parameters = &accepted.fit.parameters;
         let mut samples = 0;
@@ -197,7 +197,7 @@ impl Evidence<'_> {
     }
 
     fn unknown(&self) -> Finding {
-        let places = likeliest(&self.map);
+        let places = rank_components(&self.map);
         let (component, others) =
             places.split_first().map_or((Component::Unknown, &[][..]), |(first, others)| (*first, others));
         let best = self.search.stages.first().and_then(|s| s.candidates.first());
@@ -217,7 +217,7 @@ impl Evidence<'_> {
         }
     }
 
-    /// What the mismatch depends on, as an error at a component.
+    /// Returns what the mismatch depends on, as an error at a component.
     fn pattern(&self, component: Component) -> Option<Pattern> {
         let here = self.map.iter().filter(|cell| cell.component == component);
         let cell = here.max_by(|a, b| a.gain_nats.total_cmp(&b.gain_nats))?;
@@ -284,7 +284,7 @@ impl Evidence<'_> {
     }
 }
 
-/// The effects of a candidate but its newest.
+/// Returns the effects of a candidate but its newest.
 fn beside(candidate: &Candidate) -> Vec<Name> {
     let effects = &candidate.fit.effects;
     let name = |e: &&'static Effect| Name { effect: e.effect, component: e.component };
@@ -299,7 +299,7 @@ fn whole_turns(phase: f64) -> f64 {
     std::f64::consts::TAU * (phase / std::f64::consts::TAU).round()
 }
 
-/// RMS over the recordings, channel by channel.
+/// Returns the RMS over the recordings, channel by channel.
 fn channels(score: &Score) -> Channels {
     let mut sums: BTreeMap<&'static str, (f64, f64, f64)> = BTreeMap::new();
     for cell in &score.cells {
@@ -310,10 +310,10 @@ fn channels(score: &Score) -> Channels {
     sums.into_iter().map(|(channel, sum)| (channel, fit(sum))).collect()
 }
 
-/// Sizes beyond this many times the one that is looked for are not told: the effect does not move these recordings.
+/// Multiple of the typical size beyond which no size is reported: the effect does not move these recordings.
 const LARGEST_TOLD: f64 = 100.0;
 
-/// Effects whose smallest detectable size is larger than a size that would matter.
+/// Returns the effects whose smallest detectable size is larger than a size that would matter.
 fn not_excited(signatures: &[EffectSignature]) -> Vec<NotExcited> {
     let mut out: Vec<NotExcited> = Vec::new();
     for look in signatures {

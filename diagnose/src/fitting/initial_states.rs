@@ -1,5 +1,6 @@
-//! The recordings' starts, fitted together with the parameters: a start is a nuisance of its own recording, and what it could do
-//! in the place of a parameter is taken off that parameter's column (the Schur complement of the starts in the normal equations).
+//! The recordings' initial states, fitted together with the parameters: an initial state is a nuisance parameter of its own
+//! recording, and what it could do in place of a parameter is removed from that parameter's column (the Schur complement of the
+//! initial states in the normal equations).
 
 use counterpoise_linalg::{Mat, solve};
 use counterpoise_simulate::replay::START_FREEDOMS;
@@ -7,19 +8,20 @@ use counterpoise_simulate::replay::START_FREEDOMS;
 use crate::recording::series::dot;
 use crate::simulator_access::StartShift;
 
-/// Share of a freedom's own curvature that is added to it: what the readings hardly tell apart moves little.
+/// Share of a degree of freedom's own curvature that is added to it, so that what the readings hardly distinguish moves little.
 const RIDGE: f64 = 1e-3;
-/// Curvature, in floors squared per step squared, of the preference for the start as it was: some hundred steps cost one unit.
+/// Curvature, in noise floors squared per step squared, of the preference for the initial state as it was: some hundred steps cost
+/// one unit.
 const PREFERENCE: f64 = 1e-5;
 
-/// What the freedoms of one recording's start do to its residuals.
+/// What the degrees of freedom of one recording's initial state do to its residuals.
 pub(crate) struct StartColumns {
     columns: Vec<Option<Vec<f64>>>,
     normal: Mat,
 }
 
 impl StartColumns {
-    /// From one column a freedom; none for a freedom that changes nothing.
+    /// Takes one column for each degree of freedom; `None` for one that changes nothing.
     pub fn new(columns: Vec<Option<Vec<f64>>>) -> Self {
         let entry = |i: usize, j: usize| match (&columns[i], &columns[j]) {
             (Some(a), Some(b)) => dot(a, b),
@@ -32,7 +34,7 @@ impl StartColumns {
         Self { columns, normal }
     }
 
-    /// By how much the start would move to make a series, in least squares.
+    /// Returns the shift of the initial state that reproduces a series best, in least squares.
     pub fn absorbed(&self, series: &[f64]) -> StartShift {
         let right: Vec<f64> =
             self.columns.iter().map(|c| c.as_ref().map_or(0.0, |c| dot(c, series))).collect();
@@ -43,7 +45,7 @@ impl StartColumns {
         out
     }
 
-    /// What is left of a series when a move of the start is taken off.
+    /// Returns what is left of a series after a shift of the initial state is removed.
     pub fn left(&self, series: &[f64], shift: &StartShift) -> Vec<f64> {
         let mut out = series.to_vec();
         for (column, s) in self.columns.iter().zip(shift) {

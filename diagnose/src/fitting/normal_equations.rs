@@ -1,4 +1,4 @@
-//! The slopes of a fit: curvature, gradient and its scatter, and the damped step that they give.
+//! The normal equations of a fit: curvature, gradient and its scatter, and the damped step.
 
 use counterpoise_linalg::{Mat, solve};
 
@@ -11,14 +11,14 @@ pub(crate) struct LinearisedCost {
     pub normal: Mat,
     pub gradient: Vec<f64>,
     pub scatter: Mat,
-    /// For each parameter, by how much the starts would move to do the same, recording by recording.
+    /// For each parameter, the shift of the initial states that would do the same, recording by recording.
     pub absorbed: Vec<Vec<StartShift>>,
-    /// By how much the starts would move to take the residual off.
+    /// The shift of the initial states that would remove the residual.
     pub alone: Vec<StartShift>,
 }
 
 impl LinearisedCost {
-    /// The starts after a step of the parameters: each where it takes off what that step leaves.
+    /// Returns the initial states after a step of the parameters: each removes what that step leaves.
     pub fn moved_starts(&self, shifts: &[StartShift], step: &[f64], share: f64) -> Vec<StartShift> {
         let one = |(r, shift): (usize, &StartShift)| {
             let Some(alone) = self.alone.get(r) else { return *shift };
@@ -31,7 +31,7 @@ impl LinearisedCost {
     }
 }
 
-/// The step of Levenberg and Marquardt at a damping; none where it is not finite.
+/// Returns the step of Levenberg and Marquardt at a damping; `None` if it is not finite.
 pub(crate) fn damped_step(normal: &Mat, gradient: &[f64], damping: f64) -> Option<Vec<f64>> {
     if gradient.is_empty() {
         return Some(Vec::new());
@@ -45,7 +45,7 @@ pub(crate) fn damped_step(normal: &Mat, gradient: &[f64], damping: f64) -> Optio
     step.is_finite().then(|| step.as_slice().to_vec())
 }
 
-/// Sums of slope x residual, stretch by stretch.
+/// Returns the sums of slope times residual, stretch by stretch.
 pub(crate) fn stretch_sums(slope: &[f64], residual: &[f64], places: &[usize]) -> Vec<f64> {
     let mut sums = vec![0.0; places.iter().max().map_or(0, |last| last + 1)];
     for ((j, r), &place) in slope.iter().zip(residual).zip(places) {
@@ -54,7 +54,7 @@ pub(crate) fn stretch_sums(slope: &[f64], residual: &[f64], places: &[usize]) ->
     sums
 }
 
-/// Sum of the products of two series over all lags up to [`STRETCHES_TOGETHER`], with Bartlett's weights (Newey and
+/// Returns the sum of the products of two series over all lags up to [`STRETCHES_TOGETHER`], with Bartlett's weights (Newey and
 /// West 1987): never negative for a series with itself.
 pub(crate) fn long_run(a: &[f64], b: &[f64]) -> f64 {
     let lagged = |lag: usize| dot(a.get(lag..).unwrap_or(&[]), b) + dot(a, b.get(lag..).unwrap_or(&[]));

@@ -1,8 +1,9 @@
-//! What chance would explain: how much an effect gains, in the mean, on the noise of the sensors in the loop alone.
+//! The gain under the null hypothesis: what an effect gains, on average, on the noise of the sensors in the loop alone.
 //!
-//! The noise of the gyroscope in the loop moves the mechanism, and a rate that is a little off adds up to an angle that
-//! wanders: slow motion that no replay repeats, and that an effect with a slow signature fits. The likelihood of white
-//! residuals takes that for evidence. So other noise is played, and what the effect takes off it is what chance gives.
+//! The noise of the gyroscope in the loop moves the mechanism, and a slightly wrong rate integrates to an angle that drifts: slow
+//! motion that no replay repeats, and that an effect with a slow signature fits. The likelihood of white residuals takes that for
+//! evidence. Therefore other realisations of the noise are simulated, and what the effect explains of them is the gain under the
+//! null hypothesis.
 
 use counterpoise_linalg::{Mat, solve};
 use counterpoise_models::Parameters;
@@ -11,16 +12,16 @@ use crate::fitting::output_error::{Fit, from_variable, to_variable};
 use crate::library::{Mapping, Parameter};
 use crate::recording::series::dot;
 use crate::simulator_access::{Assessment, Pool, SimulatorAccess, Span, map};
-use crate::tolerance::{CHANCES, FIT_STEP};
+use crate::tolerance::{FIT_STEP, NULL_REALISATIONS};
 
-/// What one recording says: inner products of the columns, and of the columns with each outcome of noise.
+/// The inner products of one recording: of the columns with each other, and with each realisation of the noise.
 struct NoiseProjection {
     gram: Mat,
     right: Vec<Vec<f64>>,
 }
 
-/// Log-likelihood, in nats, that the newest effect of a fit would gain in the mean on other noise; 0 where the simulator has
-/// none.
+/// Returns the mean log-likelihood, in nats, that the newest effect of a fit would gain on other realisations of the noise; 0 if
+/// the simulator has no noise.
 pub(crate) fn mean_null_gain(
     simulator: &dyn SimulatorAccess,
     pool: &dyn Pool,
@@ -30,8 +31,9 @@ pub(crate) fn mean_null_gain(
     let Some(newest) = fit.effects.last() else { return 0.0 };
     let free = newest.parameters;
     let values = &fit.values[fit.values.len() - free.len()..];
+    let newest_parameters = FittedParameters { definitions: free, values };
     let said = map(pool, assessments.len(), |r| {
-        said(simulator, &fit.parameters, (free, values), r, &assessments[r])
+        project_noise(simulator, &fit.parameters, &newest_parameters, r, &assessments[r])
     });
     let said: Vec<NoiseProjection> = said.into_iter().flatten().collect();
     let Some(first) = said.first() else { return 0.0 };
@@ -48,10 +50,17 @@ pub(crate) fn mean_null_gain(
     each.iter().sum::<f64>() / each.len().max(1) as f64
 }
 
-fn said(
+/// Parameters of an effect with their fitted values.
+struct FittedParameters<'a> {
+    definitions: &'a [Parameter],
+    values: &'a [f64],
+}
+
+/// The inner products of what a step of each parameter does to a recording.
+fn project_noise(
     simulator: &dyn SimulatorAccess,
     parameters: &Parameters,
-    (free, values): (&[Parameter], &[f64]),
+    fitted: &FittedParameters,
     index: usize,
     near: &Assessment,
 ) -> Option<NoiseProjection> {
@@ -71,7 +80,8 @@ fn said(
         };
         Some(there.iter().zip(&here).enumerate().flat_map(change).collect::<Vec<f64>>())
     };
-    let columns: Vec<Vec<f64>> = free.iter().zip(values).map(column).collect::<Option<_>>()?;
+    let columns: Vec<Vec<f64>> =
+        fitted.definitions.iter().zip(fitted.values).map(column).collect::<Option<_>>()?;
     let gram = Mat::from_fn(columns.len(), columns.len(), |i, j| dot(&columns[i], &columns[j]));
     let outcome = |which: u64| {
         let moved = simulator.noise_response(parameters, index, near, which)?;
@@ -79,5 +89,5 @@ fn said(
         let series: Vec<f64> = weighted.collect();
         Some(columns.iter().map(|c| dot(c, &series)).collect())
     };
-    Some(NoiseProjection { gram, right: (0..CHANCES).map_while(outcome).collect() })
+    Some(NoiseProjection { gram, right: (0..NULL_REALISATIONS).map_while(outcome).collect() })
 }

@@ -22,29 +22,29 @@ pub struct FitSelection {
     pub recordings: Vec<usize>,
     /// How much of each.
     pub span: Span,
-    /// Iterations at the most.
+    /// Largest number of iterations.
     pub iterations: usize,
-    /// Times at the most that the recordings' starts are sought anew at what was found.
+    /// Largest number of times that the recordings' initial states are estimated anew.
     pub restarts: usize,
 }
 
 impl FitSelection {
-    /// Every recording, whole, to the end.
+    /// Selects every recording, whole, for a fit until it settles.
     pub fn all(count: usize) -> Self {
         Self { span: Span::Whole, ..Self::heads((0..count).collect()) }
     }
 
-    /// The first part of some recordings, to the end.
+    /// Selects the first part of some recordings, for a fit until it settles.
     pub fn heads(recordings: Vec<usize>) -> Self {
         Self { recordings, span: Span::Head, iterations: FIT_ITERATIONS, restarts: RESTARTS }
     }
 
-    /// The first part of some recordings, for a comparison of candidates.
+    /// Selects the first part of some recordings, for a comparison of candidates.
     pub fn searching(recordings: Vec<usize>) -> Self {
         Self { iterations: SEARCH_ITERATIONS, ..Self::heads(recordings) }
     }
 
-    /// The first part of some recordings, for a first impression.
+    /// Selects the first part of some recordings, for a first ranking.
     pub fn trying(recordings: Vec<usize>) -> Self {
         Self { iterations: TRIAL_ITERATIONS, restarts: TRIAL_RESTARTS, ..Self::heads(recordings) }
     }
@@ -55,7 +55,7 @@ impl FitSelection {
 pub struct Fit {
     /// The effects, in the order in which they were found.
     pub effects: Vec<&'static Effect>,
-    /// Their parameters' values, effect after effect.
+    /// The values of their parameters, effect after effect.
     pub values: Vec<f64>,
     /// The mechanism with the effects.
     pub parameters: Parameters,
@@ -67,23 +67,23 @@ pub struct Fit {
     pub scatter: Mat,
     /// Whether the iteration limit was reached before the cost settled.
     pub limit_reached: bool,
-    /// The recordings that it saw, and how each stands to it, without the residuals.
+    /// The recordings that were fitted, each with its assessment without residuals.
     pub assessments: Vec<(usize, Assessment)>,
 }
 
 impl Fit {
-    /// How a recording that was fitted stands to the fit, from the start that was found with it.
+    /// Returns the assessment of a recording that was fitted, from the initial state that was found with it.
     pub fn assessment(&self, recording: usize) -> Option<&Assessment> {
         self.assessments.iter().find(|(index, _)| *index == recording).map(|(_, near)| near)
     }
 }
 
-/// All parameters of a list of effects.
+/// Returns all parameters of a list of effects.
 pub fn parameters_of(effects: &[&'static Effect]) -> Vec<&'static Parameter> {
     effects.iter().flat_map(|effect| effect.parameters.iter()).collect()
 }
 
-/// The mechanism with several effects' parameters set.
+/// Returns the mechanism with the parameters of several effects set.
 pub fn applied(base: &Parameters, effects: &[&'static Effect], values: &[f64]) -> Parameters {
     let mut changed = base.clone();
     for (parameter, &value) in parameters_of(effects).iter().zip(values) {
@@ -108,25 +108,26 @@ pub(crate) fn from_variable(parameter: &Parameter, variable: f64) -> f64 {
     value.clamp(parameter.bounds[0], parameter.bounds[1])
 }
 
-/// The problem that a fit solves: fixed but for the parameters.
+/// The problem that a fit solves: everything but the values of the parameters.
 pub struct Problem<'a> {
     /// Simulator and recordings.
     pub simulator: &'a dyn SimulatorAccess,
     /// Processors.
     pub pool: &'a dyn Pool,
-    /// What the fit may see.
+    /// Which recordings the fit may use.
     pub selection: &'a FitSelection,
     /// The mechanism without the effects.
     pub base: &'a Parameters,
     /// The effects to fit.
     pub effects: Vec<&'static Effect>,
-    /// How every recording stands to a mechanism nearby; empty where none was judged.
+    /// The assessments of the recordings for a similar mechanism; empty if there are none.
     pub assessments: &'a [Assessment],
 }
 
 impl Problem<'_> {
-    /// Fits from the given parameter values, together with the recordings' starts; again with the starts sought anew at what was
-    /// found (a start that is far off is not found from nearby), until that changes nothing any more.
+    /// Fits from the given parameter values, together with the recordings' initial states. The fit is repeated with the initial
+    /// states estimated anew at what was found, because one that is far off is not found from nearby; it ends when that changes
+    /// nothing.
     pub fn fit(&self, start: &[f64]) -> Option<Fit> {
         let near = |index: usize| self.assessments.get(index);
         let mut best = self.descend(start, self.selection.iterations, self.near(start, &near)?)?;
@@ -191,7 +192,7 @@ impl Problem<'_> {
         })
     }
 
-    /// How the recordings stand to the mechanism at given parameter values, from what is known of a mechanism nearby.
+    /// Assesses the recordings for the mechanism at given parameter values, from what is known of a similar mechanism.
     fn near<'n>(
         &self,
         values: &[f64],
@@ -207,7 +208,7 @@ impl Problem<'_> {
         judged.into_iter().collect()
     }
 
-    /// The weighted residuals that the fit sees, recording by recording.
+    /// Returns the weighted residuals of the fit, recording by recording.
     fn at(&self, x: &[f64], near: &[Assessment], shifts: &[StartShift]) -> Option<Vec<Vec<f64>>> {
         let values: Vec<f64> =
             parameters_of(&self.effects).iter().zip(x).map(|(k, &v)| from_variable(k, v)).collect();
@@ -215,7 +216,7 @@ impl Problem<'_> {
         (0..near.len()).map(|k| self.one(&parameters, k, &near[k], &shifts[k])).collect()
     }
 
-    /// The weighted residuals of one recording of the selection.
+    /// Returns the weighted residuals of one recording of the selection.
     fn one(
         &self,
         parameters: &Parameters,
@@ -237,7 +238,7 @@ impl Problem<'_> {
         out.iter().all(|r| r.is_finite()).then_some(out)
     }
 
-    /// What each freedom of each recording's start does to its residuals; nothing where starts have no freedoms.
+    /// Returns what each degree of freedom of each recording's initial state does to its residuals.
     fn start_columns(&self, now: &FitState, near: &[Assessment]) -> Vec<StartColumns> {
         let values: Vec<f64> =
             parameters_of(&self.effects).iter().zip(&now.x).map(|(k, &v)| from_variable(k, v)).collect();
@@ -261,7 +262,8 @@ impl Problem<'_> {
         all.chunks(count).map(|c| StartColumns::new(c.to_vec())).collect()
     }
 
-    /// How the recordings stand to what was found, without the residuals, each from the start that was found with it.
+    /// Returns the assessments of the recordings for what was found, without residuals, each with the initial state that was found
+    /// with it.
     fn assessments_at(
         &self,
         parameters: &Parameters,
@@ -287,8 +289,8 @@ impl Problem<'_> {
         map(self.pool, near.len(), one)
     }
 
-    /// `J'J / N`, `J'r / N` and the scatter of the latter, by one-sided differences; of every column what the starts could do
-    /// in its place is taken off.
+    /// Returns `J'J / N`, `J'r / N` and the scatter of the latter, by one-sided differences; what the initial states could do in
+    /// place of a parameter is removed from its column.
     fn linearised(&self, now: &FitState, near: &[Assessment], starts: &[StartColumns]) -> LinearisedCost {
         let free = parameters_of(&self.effects);
         let columns: Vec<Vec<Vec<f64>>> = map(self.pool, now.x.len(), |j| {
@@ -326,7 +328,7 @@ impl Problem<'_> {
         LinearisedCost { normal, gradient, scatter, absorbed, alone }
     }
 
-    /// The stretch of time that each residual belongs to, all channels of a recording alike.
+    /// Returns the stretch of time to which each residual belongs; all channels of a recording share it.
     fn stretches(&self, near: &[Assessment], count: usize) -> Vec<usize> {
         let mut places = Vec::with_capacity(count);
         let mut first = 0;
@@ -343,7 +345,7 @@ impl Problem<'_> {
         places
     }
 
-    /// The first damped step of parameters and starts that lowers the cost; none where no step does.
+    /// Returns the first damped step of parameters and initial states that lowers the cost; `None` if no step does.
     fn improve(
         &self,
         now: &FitState,
@@ -366,15 +368,15 @@ impl Problem<'_> {
     }
 }
 
-/// Whether both fits ran every recording in the same way, so that their costs can be compared.
+/// Returns whether both fits ran every recording in the same way, so that their costs can be compared.
 fn runs_alike(a: &Fit, b: &Fit) -> bool {
     a.assessments.iter().zip(&b.assessments).all(|(a, b)| a.1.source == b.1.source)
 }
 
-/// Where a fit is.
+/// The present point of a fit.
 struct FitState {
     x: Vec<f64>,
-    /// By how much each recording's start was moved.
+    /// The shift of each recording's initial state.
     shifts: Vec<StartShift>,
     residual: Vec<Vec<f64>>,
     cost: f64,
@@ -396,7 +398,7 @@ fn mean_square(residuals: &[Vec<f64>]) -> f64 {
 /// that of the slopes; to it comes what two simulators of the same mechanism differ by.
 ///
 /// `samples` is the number of residuals that the fit saw, `inflation` how many of them carry the information of one.
-pub fn intervals(fit: &Fit, samples: usize, inflation: f64) -> Vec<[f64; 2]> {
+pub fn confidence_intervals(fit: &Fit, samples: usize, inflation: f64) -> Vec<[f64; 2]> {
     let covariance = inverse(&fit.information).ok();
     let sandwich = covariance.as_ref().map(|c| &(c * &fit.scatter) * c);
     let scale = fit.cost.max(1.0) * inflation / samples.max(1) as f64;

@@ -1,5 +1,5 @@
-//! A given structure, fitted to the first part of every recording and judged on the rest: what the outcome of a search is
-//! to be measured against.
+//! A given structure, fitted to the first part of every recording and assessed on the rest: the outcome of a search is measured
+//! against it.
 
 use counterpoise_models::Parameters;
 use counterpoise_simulate::recording::Recording;
@@ -14,17 +14,17 @@ use crate::simulator_access::objective::{PreparedRecordings, RecordingReplays};
 use crate::simulator_access::{Pool, SimulatorAccess};
 use crate::tolerance::FITTED_SHARE;
 
-/// Effects that are fitted together, and the values of their parameters from which to start.
+/// Effects that are fitted together, and the values of their parameters from which the fit starts.
 #[derive(Debug, Clone, Default)]
 pub struct Structure {
-    /// Effects; none for the model as it is.
+    /// Effects; empty for the model as it is.
     pub effects: Vec<&'static Effect>,
     /// Values, effect after effect.
     pub start: Vec<f64>,
 }
 
-/// For each structure, the mean ln(RMS / floor) that it leaves on the last part of every recording, fitted to the first;
-/// none where it cannot be simulated. 0 is perfect.
+/// Returns, for each structure, the mean ln(RMS / noise floor) on the last part of every recording after a fit to the first, 0
+/// being perfect; `None` if the structure cannot be simulated.
 ///
 /// # Errors
 /// A recording that cannot be replayed.

@@ -1,12 +1,12 @@
-//! Whether anything is left in a residual: its correlation with itself and with what drives the machine.
+//! Tests of a residual: its correlation with itself and with the signals that drive the machine.
 //!
-//! Of a model that explains a recording only noise is left: white, and independent of every signal. The bands are Bartlett's
-//! (1946): for series with memory of their own the correlation of two independent ones scatters by
-//! `(1/N) sum over lags of r_x r_y`, not by `1/N`.
+//! A model that explains a recording leaves only noise, which is white and independent of every signal. The bands are Bartlett's
+//! (1946): for series that are themselves correlated in time, the correlation of two independent ones scatters by `(1/N) sum over
+//! lags of r_x r_y`, not by `1/N`.
 
 use crate::recording::series::rms;
 
-/// Lags that are looked at.
+/// Number of lags.
 const LAGS: usize = 60;
 /// Half width of a 95 % band in standard deviations.
 const BAND_95: f64 = 1.96;
@@ -38,15 +38,15 @@ pub struct CrossCorrelation {
 }
 
 impl CrossCorrelation {
-    /// The largest correlation in units of its band: above 1 something of the signal is left.
+    /// Returns the largest correlation in units of its band: above 1 the residual depends on the signal.
     pub fn size(&self) -> f64 {
         self.largest.abs() / self.band
     }
 }
 
-/// Tests a residual against itself and against signals of its length; none where it is shorter than the lags allow, is
-/// constant, or not finite.
-pub fn residual_test(residual: &[f64], signals: &[(&'static str, &[f64])]) -> Option<ResidualTest> {
+/// Tests a residual against itself and against signals of its length; returns `None` if it is too short for the lags, constant, or
+/// not finite.
+pub fn test_residual(residual: &[f64], signals: &[(&'static str, &[f64])]) -> Option<ResidualTest> {
     let residual = standard(residual).filter(|r| r.len() > 4 * LAGS)?;
     let own = correlations(&residual, &residual);
     let band = BAND_95 / (residual.len() as f64).sqrt();
@@ -67,7 +67,7 @@ fn cross(residual: &[f64], own: &[f64], with: &'static str, signal: &[f64]) -> O
     Some(CrossCorrelation { with, largest, lag, band })
 }
 
-/// The series less its mean over its deviation; none where it has none.
+/// Returns the series less its mean, over its deviation; `None` if it has no deviation.
 fn standard(series: &[f64]) -> Option<Vec<f64>> {
     let mean = series.iter().sum::<f64>() / series.len().max(1) as f64;
     let centred: Vec<f64> = series.iter().map(|v| v - mean).collect();
@@ -75,7 +75,7 @@ fn standard(series: &[f64]) -> Option<Vec<f64>> {
     (deviation.is_finite() && deviation > 0.0).then(|| centred.iter().map(|v| v / deviation).collect())
 }
 
-/// Correlation of `x[k]` with `y[k + lag]`, lags from 0.
+/// Returns the correlation of `x[k]` with `y[k + lag]`, lags from 0.
 fn correlations(x: &[f64], y: &[f64]) -> Vec<f64> {
     let at = |lag: usize| x.iter().zip(&y[lag..]).map(|(a, b)| a * b).sum::<f64>() / x.len() as f64;
     (0..=LAGS).map(at).collect()
@@ -97,11 +97,11 @@ mod tests {
     #[test]
     fn white_noise_passes_and_what_follows_a_signal_does_not() {
         let (white, signal) = (noise(4000, 1), noise(4000, 2));
-        let found = residual_test(&white, &[("signal", &signal)]).unwrap();
+        let found = test_residual(&white, &[("signal", &signal)]).unwrap();
         assert!(found.outside < 0.15, "{}", found.outside);
         assert!(found.cross[0].size() < 2.0, "{:?}", found.cross);
         let follows: Vec<f64> = (0..4000).map(|k| white[k] + 0.3 * signal[k.saturating_sub(7)]).collect();
-        let found = residual_test(&follows, &[("signal", &signal)]).unwrap();
+        let found = test_residual(&follows, &[("signal", &signal)]).unwrap();
         assert!(found.cross[0].size() > 5.0 && found.cross[0].lag == 7, "{:?}", found.cross);
     }
 
@@ -115,12 +115,12 @@ mod tests {
             };
             noise(8000, seed).into_iter().map(step).collect::<Vec<f64>>()
         };
-        let found = residual_test(&slow(3), &[("signal", &slow(4))]).unwrap();
+        let found = test_residual(&slow(3), &[("signal", &slow(4))]).unwrap();
         assert!(found.outside > 0.15 && found.cross[0].size() < 2.0, "{:?}", found.cross);
     }
 
     #[test]
     fn nothing_is_said_of_a_constant() {
-        assert!(residual_test(&[1.0; 1000], &[]).is_none());
+        assert!(test_residual(&[1.0; 1000], &[]).is_none());
     }
 }

@@ -1,4 +1,4 @@
-//! How well a mechanism explains the recordings, as a number that can be compared.
+//! How well a mechanism explains the recordings, as numbers that can be compared.
 
 use counterpoise_models::Parameters;
 
@@ -13,13 +13,13 @@ pub struct ScoreCell {
     pub recording: usize,
     /// Channel name.
     pub channel: &'static str,
-    /// RMS error in units of the floor, what does not repeat between two runs of the same machine discounted.
+    /// RMS error in noise floors, reduced by what does not repeat between two runs of the same machine.
     pub excess: f64,
     /// RMS error in the channel's unit.
     pub rms_error: f64,
     /// Floor in the channel's unit.
     pub floor: f64,
-    /// Number of independent samples that the residual is worth.
+    /// Number of independent samples that the residual contains.
     pub worth: f64,
     /// Number of samples.
     pub samples: f64,
@@ -43,7 +43,7 @@ pub struct RecordingPart {
     pub to: f64,
 }
 
-/// Judges every recording, whole; none where the mechanism cannot be simulated.
+/// Assesses every recording, whole; returns `None` if the mechanism cannot be simulated.
 pub fn assess(
     simulator: &dyn SimulatorAccess,
     pool: &dyn Pool,
@@ -53,7 +53,7 @@ pub fn assess(
     (judged.len() == simulator.count()).then(|| judged.into_iter().collect::<Option<Vec<_>>>()).flatten()
 }
 
-/// As [`judge`], from the starts of judgements of a mechanism nearby.
+/// Assesses every recording like [`assess`], from the initial states of the assessments of a similar mechanism.
 pub fn assess_near(
     simulator: &dyn SimulatorAccess,
     pool: &dyn Pool,
@@ -64,7 +64,7 @@ pub fn assess_near(
     (judged.len() == near.len()).then(|| judged.into_iter().collect::<Option<Vec<_>>>()).flatten()
 }
 
-/// The score over parts of judged recordings; none where a residual is not finite.
+/// Returns the score over parts of assessed recordings; `None` if a residual is not finite.
 pub fn score(judged: &[Assessment], parts: &[RecordingPart]) -> Option<Score> {
     let mut cells = Vec::new();
     for part in parts {
@@ -87,10 +87,10 @@ pub fn score(judged: &[Assessment], parts: &[RecordingPart]) -> Option<Score> {
 }
 
 impl Score {
-    /// Log-likelihood gained over another mechanism on the same parts, in nats.
+    /// Returns the log-likelihood gained over another mechanism on the same parts, in nats.
     ///
-    /// Each cell adds `worth x ln(before / after)`, the log-likelihood ratio of Gaussian residuals of unknown
-    /// size; the worth is that of the better of the two, whose residual is closer to white.
+    /// Each cell adds `worth x ln(before / after)`, the log-likelihood ratio of Gaussian residuals of unknown size; the worth is
+    /// that of the better of the two, whose residual is closer to white.
     pub fn gain_over(&self, before: &Score) -> f64 {
         let cells = self.cells.iter().zip(&before.cells);
         cells
@@ -102,8 +102,8 @@ impl Score {
             .sum()
     }
 
-    /// Log-likelihood gained over another mechanism, in nats, were every residual white and of the size of the floor, or of
-    /// what is left where that is more.
+    /// Returns the log-likelihood gained over another mechanism, in nats, if every residual were white and of the size of the noise
+    /// floor, or of the residual if that is larger.
     pub fn energy_over(&self, before: &Score) -> f64 {
         let size = |cell: &ScoreCell| cell.rms_error / cell.floor;
         let one = |(after, before): (&ScoreCell, &ScoreCell)| {
@@ -113,7 +113,7 @@ impl Score {
         self.cells.iter().zip(&before.cells).map(one).sum()
     }
 
-    /// As [`Self::gain_over`], of one recording alone.
+    /// Returns [`Self::gain_over`] for one recording alone.
     pub fn gain_in(&self, recording: usize, before: &Score) -> f64 {
         let of = |score: &Score| Score {
             cells: score.cells.iter().filter(|cell| cell.recording == recording).cloned().collect(),
@@ -121,25 +121,26 @@ impl Score {
         of(self).gain_over(&of(before))
     }
 
-    /// Nats by which this mechanism is behind another on the same parts, every cell weighed by what it is worth to the other.
+    /// Returns the log-likelihood by which this mechanism is behind another on the same parts, in nats, every cell weighted by its
+    /// worth to the other.
     pub fn loss_against(&self, other: &Score) -> f64 {
         let cells = self.cells.iter().zip(&other.cells);
         cells.map(|(ours, theirs)| theirs.worth * (log_level(ours) - log_level(theirs))).sum()
     }
 
-    /// Mean over the cells of ln(excess), below the floor as well, and of what it was lowered by: what tells models apart that are
-    /// all close to the floor.
+    /// Returns the mean over the cells of ln(excess), also below the floor, and of the reduction for runs that do not repeat. It
+    /// distinguishes models that are all close to the floor.
     pub fn level(&self) -> f64 {
         self.cells.iter().map(log_level).sum::<f64>() / self.cells.len().max(1) as f64
     }
 
-    /// Mean over the cells of ln(excess), the distance from the floor: 0 is perfect.
+    /// Returns the mean over the cells of ln(excess), the distance from the noise floor: 0 is perfect.
     pub fn distance(&self) -> f64 {
         let sum: f64 = self.cells.iter().map(|cell| cell.excess.max(1.0).ln()).sum();
         sum / self.cells.len().max(1) as f64
     }
 
-    /// The largest excess of a cell.
+    /// Returns the largest excess of a cell.
     pub fn worst(&self) -> f64 {
         self.cells.iter().map(|cell| cell.excess).fold(0.0, f64::max)
     }
@@ -149,8 +150,8 @@ fn log_excess(cell: &ScoreCell) -> f64 {
     cell.excess.max(SCORE_FLOOR).ln()
 }
 
-/// [`log_excess`], and half the logarithm of what the floor was raised by because runs do not repeat: a mechanism that
-/// lets everything divergence explains nothing by that.
+/// Returns [`log_excess`] plus half the logarithm of what the floor was raised by because runs do not repeat: a mechanism whose
+/// runs all diverge explains nothing by that.
 fn log_level(cell: &ScoreCell) -> f64 {
     let raised = cell.rms_error / (cell.floor * cell.excess);
     log_excess(cell) + if raised.is_finite() { 0.5 * raised.max(1.0).ln() } else { 0.0 }

@@ -10,9 +10,9 @@ use super::rows::Rows;
 use super::tolerance::{BREAKAWAY_DEVIATION_S, LEAST_REVERSALS};
 use crate::Error;
 
-/// The Coulomb level and what friction after a reversal exceeds it by, through a shorter low-pass: its highest value
-/// from the reversal to the end of presliding, less the highest in as long a stretch of sliding that follows (so that
-/// noise cancels), mean over all reversals; `before` is the project's. None where there are too few.
+/// Returns the Coulomb level plus the mean excess of friction after a reversal, through a shorter low-pass; `None` if there are too
+/// few reversals. The excess is the highest friction from the reversal to the end of presliding, less the highest in as long a
+/// stretch of sliding that follows, so that noise cancels. `before` is the project's value.
 pub fn breakaway(
     p: &Parameters,
     states: &[&[Recording]],
@@ -37,13 +37,13 @@ pub fn breakaway(
     Ok(Some(Estimate::new(fit.value[problem.layout.coulomb()] + mean, half, before)))
 }
 
-/// What each reversal's peak is above the peak of the sliding that follows; the start of a recording is no reversal.
+/// Returns each reversal's peak above the peak of the sliding that follows; the start of a recording is no reversal.
 fn excesses(rows: &Rows, left: &[f64]) -> Vec<f64> {
     let reversed = |k: &usize| rows.direction[*k] != rows.direction[*k - 1];
     (1..left.len()).filter(reversed).filter_map(|start| excess(rows, left, start)).collect()
 }
 
-/// None where the motion turns again before as long a stretch of sliding is over.
+/// Returns the excess of one reversal; `None` if the motion reverses again before as long a stretch of sliding is over.
 fn excess(rows: &Rows, left: &[f64], start: usize) -> Option<f64> {
     let direction = rows.direction[start];
     let until = |from: usize, stops: &dyn Fn(usize) -> bool| (from..left.len()).find(|k| stops(*k));

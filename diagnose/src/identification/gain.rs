@@ -17,7 +17,7 @@ pub struct Found {
     pub curved: Option<(Problem, Fit)>,
 }
 
-/// Looks for the curve.
+/// Identifies the curve.
 pub fn curve(p: &Parameters, states: &[&[Recording]], plain: &Problem, linear: &Fit) -> Result<Found, Error> {
     let unseen = |reason| Ok(Found { amplifier: Amplifier::NotIdentifiable { reason }, curved: None });
     let knots = knots(p, plain);
@@ -42,7 +42,7 @@ pub fn curve(p: &Parameters, states: &[&[Recording]], plain: &Problem, linear: &
     Ok(Found { amplifier: Amplifier::AsInProject { points }, curved: None })
 }
 
-/// The knots that the control was near for long enough, with 0 and the start of the linear range.
+/// Returns the knots that the control was near for long enough, with 0 and the start of the linear range.
 fn knots(p: &Parameters, plain: &Problem) -> Vec<f64> {
     let top = LINEAR_FROM_SHARE * p.amplifier.input_limit_v;
     let spacing = top / KNOTS as f64;
@@ -61,7 +61,7 @@ fn knots(p: &Parameters, plain: &Problem) -> Vec<f64> {
     out
 }
 
-/// The points that are known well enough to be told.
+/// Returns the points that are known well enough to be reported.
 fn points(p: &Parameters, problem: &Problem, fit: &Fit, knots: &[f64]) -> Vec<GainPoint> {
     let gain = p.amplifier.stall_gain_a_v(&p.motor);
     let point = |k: usize| {
@@ -78,7 +78,7 @@ fn points(p: &Parameters, problem: &Problem, fit: &Fit, knots: &[f64]) -> Vec<Ga
     (0..knots.len() - 2).map(point).filter(sure).collect()
 }
 
-/// RMS of the balance's residual, as current, where the control's size is in a range.
+/// Returns the RMS of the balance's residual, as current, over a range of the control's size.
 fn scatter(p: &Parameters, problem: &Problem, value: &[f64], range_v: [f64; 2]) -> f64 {
     let (mut power, mut count) = (0.0, 0.0_f64);
     for (index, part) in problem.parts.iter().enumerate() {

@@ -123,8 +123,8 @@ pub struct Identified {
     pub coulomb_nm: Estimate,
     /// Viscous friction, pivot + N^2 x motor, N m s/rad.
     pub viscous_nm_s_rad: Estimate,
-    /// Highest friction torque after a reversal, mean over the reversals, N m; none where there are too few. Backlash and
-    /// bending that a reversal sets off are in it.
+    /// Highest friction torque after a reversal, mean over the reversals, N m; `None` if there are too few. It contains backlash
+    /// and bending that a reversal excites.
     pub breakaway_nm: Option<Estimate>,
     /// Amplifier.
     pub amplifier: Amplifier,
@@ -148,14 +148,14 @@ impl Estimate {
         Self { value, ci95: [value - half_width, value + half_width], before }
     }
 
-    /// Whether the interval holds a value.
+    /// Returns whether the interval holds a value.
     pub fn holds(&self, value: f64) -> bool {
         self.ci95[0] <= value && value <= self.ci95[1]
     }
 }
 
 impl Amplifier {
-    /// The points of the curve; none where it is not identifiable.
+    /// Returns the points of the curve; none if it is not identifiable.
     pub fn points(&self) -> &[GainPoint] {
         match self {
             Self::Curve { points } | Self::AsInProject { points } => points,

@@ -91,7 +91,7 @@ impl Problem {
         Ok(Self { layout, parts, knots_v: knots_v.to_vec() })
     }
 
-    /// Time that the joint slides, s.
+    /// Returns the time that the joint slides, s.
     pub fn sliding_s(&self) -> f64 {
         let of = |part: &RecordingPart| {
             part.rows.sliding.iter().filter(|s| **s).count() as f64 * part.rows.period_s
@@ -99,13 +99,13 @@ impl Problem {
         self.parts.iter().map(of).sum()
     }
 
-    /// Least squares; none where the unknowns cannot be told apart.
+    /// Solves the least squares; returns `None` if the unknowns cannot be told apart.
     pub fn fit(&self) -> Option<Fit> {
         let blocks: Vec<Block> = self.parts.iter().map(|part| self.block(part)).collect();
         fit(&blocks)
     }
 
-    /// What a recording's balance leaves at every row, N m, sliding or not.
+    /// Returns the residual of a recording's balance at every row, N m, sliding or not.
     pub fn residual(&self, part: usize, value: &[f64]) -> Vec<f64> {
         let block = self.block(&self.parts[part]);
         let sum = |k: usize| -> f64 {

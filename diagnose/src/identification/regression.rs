@@ -1,4 +1,4 @@
-//! Least squares with regressors that have noise and residuals that hang together.
+//! Least squares with noisy regressors and correlated residuals.
 
 use counterpoise_linalg::{Mat, inverse, sym_eigenvalues};
 
@@ -14,7 +14,7 @@ pub struct Block<'a> {
     pub counts: &'a [bool],
     /// Variance of the noise in each column.
     pub noise: Vec<f64>,
-    /// Samples over which residuals hang together.
+    /// Samples over which residuals are correlated.
     pub memory: usize,
 }
 
@@ -38,9 +38,9 @@ pub struct Fit {
 ///     S = 1/L sum_t s_t s_t',  s_t = sum of x r over the L rows from t on
 /// ```
 ///
-/// D is the diagonal of noise variances; S is Newey and West's estimate with Bartlett's weights over L rows in time,
-/// written as sums over windows (Econometrica 55, 1987). The quantile grows with 1 / (number of independent windows).
-/// None where the columns cannot be told apart.
+/// D is the diagonal of noise variances; S is Newey and West's estimate with Bartlett's weights over L rows in time, written as
+/// sums over windows (Econometrica 55, 1987). The quantile grows with 1 / (number of independent windows). Returns `None` if the
+/// columns cannot be told apart.
 pub fn fit(blocks: &[Block]) -> Option<Fit> {
     let n = blocks.first()?.columns.len();
     let mut normal = Mat::zeros(n, n);
@@ -70,7 +70,7 @@ pub fn fit(blocks: &[Block]) -> Option<Fit> {
     })
 }
 
-/// The residual at every row; 0 where the row does not count.
+/// Returns the residual at every row; 0 at rows that do not count.
 fn residual(block: &Block, value: &[f64]) -> Vec<f64> {
     let at = |k: usize| {
         let explained: f64 = block.columns.iter().zip(value).map(|(c, b)| c.map_or(0.0, |c| b * c[k])).sum();
@@ -117,7 +117,7 @@ fn add_spread(block: &Block, residual: &[f64], spread: &mut Mat) {
     }
 }
 
-/// The inverse by way of a unit diagonal; none where it is singular to the tolerance.
+/// Returns the inverse by way of a unit diagonal; `None` if it is singular to the tolerance.
 fn scaled_inverse(normal: &Mat) -> Option<Mat> {
     let n = normal.nrows();
     let scale: Vec<f64> = (0..n).map(|i| normal[(i, i)].sqrt()).collect();
@@ -137,7 +137,7 @@ fn scaled_inverse(normal: &Mat) -> Option<Mat> {
     Some(out)
 }
 
-/// The 97.5 % quantile of Student's t by its expansion about the normal one (Abramowitz and Stegun 26.7.5).
+/// Returns the 97.5 % quantile of Student's t by its expansion about the normal one (Abramowitz and Stegun 26.7.5).
 pub fn student_95(freedom: f64) -> f64 {
     let z = NORMAL_95;
     let (z3, z5) = (z.powi(3), z.powi(5));

@@ -84,7 +84,7 @@ enum Between {
 }
 
 impl Filter {
-    /// The filter whose output is a state; none where A is singular or not finite.
+    /// Returns the filter whose output is a state; `None` if A is singular or not finite.
     fn new(A: &Mat, B: &Mat, output: usize, period_s: f64) -> Option<Self> {
         let n = A.nrows();
         // with the input as one more state, its slope is the input
@@ -151,7 +151,7 @@ impl<'a> Chain<'a> {
         lagged.map_or_else(|| series.to_vec(), |filter| filter.run(series, Between::Straight))
     }
 
-    /// State matrix and input of the gyroscope, the reading first; none where it is ideal.
+    /// Returns state matrix and input of the gyroscope, the reading first; `None` if it is ideal.
     fn gyro(&self) -> Option<(Mat, Mat)> {
         let Sensor { natural_frequency_rad_s: w, damping_ratio: z, .. } = self.p.sensors.hub_gyro;
         let A = || Mat::from_rows(&[&[0.0, 1.0], &[-w * w, -2.0 * z * w]]);

@@ -14,7 +14,7 @@ pub const LEAST_PRESLIDING_RAD: f64 = 2e-4;
 pub const CRAWL_SHARE: f64 = 0.1;
 /// Control beyond this share of the amplifier's input limit is left out.
 pub const LIMIT_SHARE: f64 = 0.98;
-/// Time over which residuals are taken to hang together, s.
+/// Time over which residuals are taken as correlated, s.
 pub const MEMORY_S: f64 = 0.5;
 /// Sliding time below which nothing is identified, s.
 pub const LEAST_SLIDING_S: f64 = 1.0;
@@ -28,7 +28,7 @@ pub const LINEAR_FROM_SHARE: f64 = 0.2;
 pub const KNOTS: usize = 20;
 /// Time that the control must have been near a knot, s.
 pub const LEAST_AT_KNOT_S: f64 = 0.1;
-/// Half width of a 95 % interval, relative to the current, beyond which a point of the curve is not told.
+/// Half width of a 95 % interval, relative to the current, beyond which a point of the curve is not reported.
 pub const CURVE_DOUBT: f64 = 0.15;
 /// Points below which there is no curve.
 pub const LEAST_POINTS: usize = 4;
@@ -36,7 +36,7 @@ pub const LEAST_POINTS: usize = 4;
 pub const CURVE_WORTH: f64 = 0.5;
 /// Departure of a current from the linear one that counts, relative to it.
 pub const CURVE_DEPARTURE: f64 = 0.03;
-/// Reversals below which no breakaway is told.
+/// Number of reversals below which no breakaway is reported.
 pub const LEAST_REVERSALS: usize = 3;
 /// Rounds: how far the beam swings and how long presliding lasts follow from what is identified.
 pub const ROUNDS: usize = 3;

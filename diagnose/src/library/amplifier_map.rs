@@ -2,17 +2,27 @@
 
 use counterpoise_models::{MapPoint, Parameters};
 
-/// Inputs at which a curve is described before the recordings have asked for others, V; above the last one it is linear.
+/// Inputs at which a curve is described before the recordings determine better ones, V; above the last one it is linear.
 pub const FREE_INPUTS_V: [f64; 14] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.95, 1.1, 1.25, 1.4, 1.7, 2.0];
 
-/// The curve at an input as a fraction of the linear gain.
+/// Returns the curve at an input as a fraction of the linear gain.
 pub(super) fn fraction(p: &Parameters, input_v: f64) -> f64 {
     let linear = static_gain(p) * input_v;
     interpolated(&p.amplifier.map, input_v).unwrap_or(linear) / linear
 }
 
+/// A point of a curve.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CurvePoint<'a> {
+    /// Inputs of all points of the curve, V, rising.
+    pub inputs_v: &'a [f64],
+    /// Which of them.
+    pub point: usize,
+}
+
 /// Sets a point of a curve as a fraction of the linear gain, on a map with all the curve's inputs.
-pub(super) fn set_fraction(p: &mut Parameters, (inputs_v, point): (&[f64], usize), fraction: f64) {
+pub(super) fn set_fraction(p: &mut Parameters, at: CurvePoint, fraction: f64) {
+    let CurvePoint { inputs_v, point } = at;
     let gain = static_gain(p);
     let map = &mut p.amplifier.map;
     let same = map.len() == inputs_v.len() && map.iter().zip(inputs_v).all(|(m, v)| m.input_v == *v);
@@ -24,12 +34,12 @@ pub(super) fn set_fraction(p: &mut Parameters, (inputs_v, point): (&[f64], usize
     map[point].current_a = fraction * gain * inputs_v[point];
 }
 
-/// Stalled gain of the linear amplifier, A/V.
+/// Returns the stalled gain of the linear amplifier, A/V.
 pub(super) fn static_gain(p: &Parameters) -> f64 {
     p.amplifier.gain / (p.motor.resistance_ohm + p.amplifier.gain * p.amplifier.current_feedback_v_a)
 }
 
-/// The map's current at `v > 0`, piecewise linear through the origin; none where there is no map or beyond it.
+/// Returns the map's current at `v > 0`, piecewise linear through the origin; `None` if there is no map or if `v` is beyond it.
 fn interpolated(map: &[MapPoint], v: f64) -> Option<f64> {
     let mut from = MapPoint { input_v: 0.0, current_a: 0.0 };
     for &to in map {

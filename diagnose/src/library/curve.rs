@@ -1,4 +1,4 @@
-//! The amplifier's curve with its points free: where they lie is chosen by the recordings.
+//! The amplifier's curve with free knots, whose places the recordings determine.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -6,13 +6,13 @@ use super::amplifier_map::FREE_INPUTS_V;
 use super::effect::{Access, Effect, Kind, Mapping, Parameter};
 use super::names::{Component, EffectName};
 
-/// Every curve that was asked for: an effect lives as long as the program, so each set of inputs is made once.
+/// Every curve that was requested: an effect lives as long as the program, so each set of inputs is made once.
 static CURVES: Mutex<Vec<&'static Effect>> = Mutex::new(Vec::new());
 
-/// The amplifier's curve with a free point at each of some inputs, V, rising and positive.
-pub fn curve_of(inputs_v: &[f64]) -> &'static Effect {
+/// Returns the amplifier's curve with a free knot at each of some inputs, V, rising and positive.
+pub fn make_gain_curve(inputs_v: &[f64]) -> &'static Effect {
     let mut known = CURVES.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(same) = known.iter().copied().find(|e| curve_inputs(e) == Some(inputs_v)) {
+    if let Some(same) = known.iter().copied().find(|e| gain_curve_inputs(e) == Some(inputs_v)) {
         return same;
     }
     let made: &'static Effect = Box::leak(Box::new(made(inputs_v)));
@@ -20,13 +20,13 @@ pub fn curve_of(inputs_v: &[f64]) -> &'static Effect {
     made
 }
 
-/// The curve with a free point at each of the usual inputs.
-pub fn free_curve() -> &'static Effect {
-    curve_of(&FREE_INPUTS_V)
+/// Returns the curve with a free knot at each of the usual inputs.
+pub fn make_free_gain_curve() -> &'static Effect {
+    make_gain_curve(&FREE_INPUTS_V)
 }
 
-/// The inputs of a curve's points, V; none for another effect, and for a curve of another form.
-pub fn curve_inputs(effect: &Effect) -> Option<&'static [f64]> {
+/// Returns the inputs of a curve's knots, V; `None` for another effect, and for a curve of another form.
+pub fn gain_curve_inputs(effect: &Effect) -> Option<&'static [f64]> {
     match effect.parameters.first()?.access {
         Access::Curve { inputs_v, .. } => Some(inputs_v),
         Access::Field { .. } => None,

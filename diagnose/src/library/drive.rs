@@ -5,7 +5,8 @@ use super::effect::{Effect, Kind, parameter};
 use super::names::{Component, EffectName};
 use counterpoise_models::{MapPoint, Parameters};
 
-/// Input at which the map's shortfall has fallen to 1/e of that at the first point; 0.8 V where there is none.
+/// Returns the input at which the map's shortfall has fallen to 1/e of that at the first point; [`USUAL_CORNER_V`] if there is no
+/// shortfall.
 fn map_corner(p: &Parameters) -> f64 {
     let gain = static_gain(p);
     let short = |point: &MapPoint| (1.0 - point.current_a / (gain * point.input_v)).abs();
@@ -14,10 +15,10 @@ fn map_corner(p: &Parameters) -> f64 {
     below.map_or(USUAL_CORNER_V, |point| point.input_v)
 }
 
-/// Corner of a gain curve where nothing is known of it, V.
+/// Corner of a gain curve of which nothing is known, V.
 const USUAL_CORNER_V: f64 = 0.8;
 
-/// Writes the map 1 - depth exp(-(v / corner)^3) at all nodes.
+/// Writes the map 1 - depth exp(-(v / corner)^3) at all knots.
 fn shape_map(p: &mut Parameters, depth: f64, corner: f64) {
     let gain = static_gain(p);
     let fraction = |v: f64| 1.0 - depth * (-(v / corner).powi(3)).exp();
@@ -29,7 +30,7 @@ fn current_limit(p: &Parameters) -> f64 {
     if p.amplifier.current_limit_a.is_finite() { p.amplifier.current_limit_a } else { 1e3 }
 }
 
-/// What a textbook's model of a drive may have at another value besides.
+/// Parameters of a drive whose textbook values may be wrong as well.
 pub(super) static TEXTBOOK: &[Effect] = &[
     Effect {
         // T_2 = K delta + D delta', another D (Dholiwar 2007, (5-22))

@@ -25,15 +25,15 @@ pub struct Parameter {
     pub unit: &'static str,
     /// Smallest and largest value that make physical sense.
     pub bounds: [f64; 2],
-    /// Typical size of a change; the unit of the fit and of the first look.
+    /// Typical size of a change; the unit of the fit and of the screening.
     pub size: f64,
     /// Mapping to the variable of the fit.
     pub mapping: Mapping,
-    /// Where the value stands in the mechanism's parameters.
+    /// Where the value is found in the mechanism's parameters.
     pub access: Access,
 }
 
-/// Where the value of a parameter stands in a mechanism's parameters.
+/// Where a parameter is found in the parameters of a mechanism.
 #[derive(Debug, Clone, Copy)]
 pub enum Access {
     /// One number of its own.
@@ -53,7 +53,7 @@ pub enum Access {
 }
 
 impl Parameter {
-    /// Its value in a mechanism.
+    /// Returns its value in a mechanism.
     pub fn read(&self, of: &Parameters) -> f64 {
         match self.access {
             Access::Field { get, .. } => get(of),
@@ -61,11 +61,13 @@ impl Parameter {
         }
     }
 
-    /// Sets its value in a mechanism; a curve with other points is first read at the parameter's own.
+    /// Sets its value in a mechanism; a curve with other knots is first read at the parameter's own.
     pub fn write(&self, of: &mut Parameters, value: f64) {
         match self.access {
             Access::Field { set, .. } => set(of, value),
-            Access::Curve { inputs_v, point } => amplifier_map::set_fraction(of, (inputs_v, point), value),
+            Access::Curve { inputs_v, point } => {
+                amplifier_map::set_fraction(of, amplifier_map::CurvePoint { inputs_v, point }, value);
+            }
         }
     }
 }
@@ -92,12 +94,12 @@ pub struct Effect {
     pub kind: Kind,
     /// Parameters.
     pub parameters: &'static [Parameter],
-    /// Values of the parameters to start from; an empty list starts at the model's own values.
+    /// Values of the parameters from which a fit starts; an empty list starts at the model's own values.
     pub starts: &'static [&'static [f64]],
 }
 
 impl Effect {
-    /// The mechanism with the parameters at the given values.
+    /// Returns the mechanism with the parameters at the given values.
     pub fn applied(&self, base: &Parameters, values: &[f64]) -> Parameters {
         let mut changed = base.clone();
         for (parameter, &value) in self.parameters.iter().zip(values) {
@@ -106,12 +108,12 @@ impl Effect {
         changed
     }
 
-    /// Whether the parameters are amplitude, order and phase of something that repeats with an angle.
+    /// Returns whether the parameters are amplitude, order and phase of something that repeats with an angle.
     pub fn is_ripple(&self) -> bool {
         self.parameters.len() == 3 && self.parameters[1].name == "order"
     }
 
-    /// The parameters' present values.
+    /// Returns the parameters' values in a mechanism.
     pub fn values(&self, of: &Parameters) -> Vec<f64> {
         self.parameters.iter().map(|parameter| parameter.read(of)).collect()
     }

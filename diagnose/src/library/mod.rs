@@ -1,8 +1,8 @@
 //! The library of physics: every effect that a machine may have and its model may lack.
 //!
-//! An [`Effect`] is data: where it sits, its equation and source, its parameters ([`Parameter`]s) with bounds, and the
-//! values from which a fit starts. Its block in the simulator is the field of the mechanism's parameters that the
-//! parameter writes, so an effect that is accepted is an ordinary machine that every other part of the studio takes.
+//! An [`Effect`] is data: where it acts, its parameters with bounds, and the values from which a fit starts. Its block in the
+//! simulator is the field of the mechanism's parameters that the parameter writes, so that an accepted effect is an ordinary
+//! machine for every other part of the program.
 
 mod amplifier_map;
 mod curve;
@@ -12,24 +12,24 @@ mod names;
 mod sensing;
 mod structure;
 
-pub use curve::{curve_inputs, curve_of, free_curve};
+pub use curve::{gain_curve_inputs, make_free_gain_curve, make_gain_curve};
 pub use effect::{Access, Effect, Kind, Mapping, Parameter};
 pub(crate) use names::named;
 pub use names::{Component, EffectName};
 
-/// The library, component by component.
-pub fn library() -> Vec<&'static Effect> {
+/// Returns the library, component by component.
+pub fn list_effects() -> Vec<&'static Effect> {
     structure::EFFECTS.iter().chain(drive::EFFECTS).chain(sensing::EFFECTS).collect()
 }
 
-/// What a textbook's model may have at another value besides, and a reference rig's is known for.
-pub fn textbook() -> Vec<&'static Effect> {
+/// Returns the effects that only a machine with textbook values is tried with: what they change is known of a reference rig.
+pub fn list_textbook_effects() -> Vec<&'static Effect> {
     drive::TEXTBOOK.iter().collect()
 }
 
-/// The range over which an effect's only parameter is scan_parameter before it is fitted: where the response is so far from
-/// proportional to it that a fit from a distance goes astray.
-pub fn scan_range(effect: &Effect) -> Option<[f64; 2]> {
+/// Returns the range over which an effect's only parameter is scanned before it is fitted; `None` if it need not be. The response
+/// to these is so far from proportional that a fit from a distance does not converge.
+pub fn find_scan_range(effect: &Effect) -> Option<[f64; 2]> {
     match (effect.component, effect.effect) {
         (Component::Gearbox, EffectName::Backlash) => Some([1e-4, 0.03]),
         (Component::Control, EffectName::Delay) => Some([1.0, 16.0]),
@@ -37,16 +37,17 @@ pub fn scan_range(effect: &Effect) -> Option<[f64; 2]> {
     }
 }
 
-/// What an effect found in a coarse form is refined to: the same effect with more parameters.
-pub fn refinement(effect: &Effect) -> Option<&'static Effect> {
+/// Returns the finer form of an effect that is found in a coarse form, the same effect with more parameters; `None` if there is
+/// none.
+pub fn find_refinement(effect: &Effect) -> Option<&'static Effect> {
     let coarse = effect.component == Component::Amplifier
         && effect.effect == EffectName::GainCurve
-        && curve_inputs(effect).is_none();
-    coarse.then(free_curve)
+        && gain_curve_inputs(effect).is_none();
+    coarse.then(make_free_gain_curve)
 }
 
-/// The effects that carry a name, in library order.
-pub fn effects_named(component: Component, effect: EffectName) -> impl Iterator<Item = &'static Effect> {
-    let all = library().into_iter().chain(textbook());
+/// Returns the effects that have a name, in library order.
+pub fn find_effects(component: Component, effect: EffectName) -> impl Iterator<Item = &'static Effect> {
+    let all = list_effects().into_iter().chain(list_textbook_effects());
     all.filter(move |e| e.component == component && e.effect == effect)
 }

@@ -1,7 +1,7 @@
-//! Suspects: at which component, along which regime variable, something may act that no model of the library has.
+//! Error hypotheses: at which component, and along which regime variable, something may act that the model lacks.
 //!
-//! A suspect is a free function of one variable, at one port, times what that component's errors scale with: friction goes with
-//! the direction of sliding, a motor's loss with its torque, a spring with nothing else. Nothing more is assumed of the function.
+//! A hypothesis is a free function of one variable, at one port, times what that component's errors scale with: friction with the
+//! direction of sliding, a motor's loss with its torque, a spring with nothing else. Nothing more is assumed of the function.
 
 use crate::library::{Component, EffectName, named};
 use crate::localisation::ports::Port;
@@ -10,7 +10,7 @@ use crate::recording::series::derivative;
 use Port::{Accelerometer, Gear, Hub, HubGyro, Motor, PlatformGyro};
 use Quantity as Q;
 
-/// What a signal of the recordings tells at every sample.
+/// A quantity that the signals give at every sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Quantity {
     One,
@@ -36,7 +36,7 @@ pub(crate) enum Quantity {
     Driving,
     Driven,
     Control,
-    /// What the drive's torque lacks that comes so many samples late, or follows with a lag of so many ms.
+    /// The change of the drive's torque if it came this many samples late, or followed with a lag of this many milliseconds.
     Late(u8),
     Lagged(u8),
     Weight,
@@ -48,7 +48,7 @@ pub(crate) enum Quantity {
     PlatformRateSlope,
 }
 
-/// What a suspect may do.
+/// The form of an error.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Law {
     /// A free function of the first times the second.
@@ -67,7 +67,7 @@ pub(crate) enum Law {
     Together(&'static [(Port, Quantity)]),
 }
 
-/// A component, a regime variable, and what may be there.
+/// An error hypothesis: a component, a regime variable, and the form of the error.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ErrorHypothesis {
     pub component: Component,
@@ -120,7 +120,8 @@ pub(crate) const COMPONENTS: [Component; 10] = [
     Component::Platform,
 ];
 
-/// The regime variables along which an effect of the library shows, the plainest first; none for one that has no cell.
+/// Returns the regime variables along which an effect of the library shows, the plainest first; empty for an effect that has no
+/// cell.
 pub(crate) fn regimes_of(component: Component, effect: EffectName) -> &'static [Regime] {
     use {Component as C, EffectName as E, Regime as R};
     match (component, effect) {
@@ -155,7 +156,7 @@ const LAGS: &[Quantity] = &[Q::Lagged(1), Q::Lagged(2), Q::Lagged(4), Q::Lagged(
 const DELAYS: &[Quantity] =
     &[Q::Late(1), Q::Late(2), Q::Late(3), Q::Late(4), Q::Late(6), Q::Late(8), Q::Late(11), Q::Late(15)];
 
-/// Every suspect.
+/// Every error hypothesis.
 pub(crate) const ERROR_HYPOTHESES: &[ErrorHypothesis] = &[
     at(Component::Structure, Regime::Position, Law::Free(Hub, Q::Position, Q::One)),
     at(Component::Structure, Regime::Position, Law::Repeats(Hub, Q::Position, Q::One)),
@@ -217,7 +218,7 @@ pub(crate) const ERROR_HYPOTHESES: &[ErrorHypothesis] = &[
 ];
 
 impl Quantity {
-    /// Its value at every sample of a recording.
+    /// Returns its value at every sample of a recording.
     pub fn of(self, s: &Signals) -> Vec<f64> {
         match self {
             Self::One => vec![1.0; s.hub.len()],
@@ -246,7 +247,7 @@ impl Quantity {
         }
     }
 
-    /// A derivative.
+    /// Returns a derivative.
     fn bent(self, s: &Signals) -> Vec<f64> {
         let slope = |series: &[f64]| derivative(series, s.period_s);
         match self {
@@ -257,7 +258,7 @@ impl Quantity {
         }
     }
 
-    /// What follows from the rates of hub and motor.
+    /// Returns what follows from the rates of hub and motor.
     fn of_motion(self, s: &Signals) -> Vec<f64> {
         let size = |series: &[f64]| series.iter().map(|v| v.abs()).collect();
         match self {
@@ -275,17 +276,17 @@ impl Quantity {
         }
     }
 
-    /// Whether the function of it changes most where it is small.
+    /// Returns whether a function of it changes most at small values.
     pub fn is_dense_at_rest(self) -> bool {
         matches!(self, Self::Speed | Self::Travel | Self::MotorSpeed | Self::MotorTravel)
     }
 
-    /// Whether it is a derivative of a noisy rate that stands in a balance itself.
+    /// Returns whether it is the derivative of a noisy rate that occurs in a balance itself.
     pub fn is_mostly_noise(self) -> bool {
         matches!(self, Self::Acceleration | Self::AccelerationBend | Self::HubRateSlope)
     }
 
-    /// Its unit; empty if it has none.
+    /// Returns its unit; empty if it has none.
     pub fn unit(self) -> &'static str {
         match self {
             Self::Rate | Self::Speed | Self::Amplitude | Self::MotorSpeed => "rad/s",
@@ -299,12 +300,12 @@ impl Quantity {
     }
 }
 
-/// A series that comes late, less the series itself.
+/// Returns a delayed series less the series itself.
 fn late(series: &[f64], samples: usize) -> Vec<f64> {
     (0..series.len()).map(|k| series[k.saturating_sub(samples)] - series[k]).collect()
 }
 
-/// A series behind a lag of a time constant in samples, less the series itself.
+/// Returns a series behind a lag, whose time constant is given in samples, less the series itself.
 fn lagged(series: &[f64], samples: f64) -> Vec<f64> {
     let mut state = series.first().copied().unwrap_or(0.0);
     let step = |v: &f64| {
@@ -314,7 +315,7 @@ fn lagged(series: &[f64], samples: f64) -> Vec<f64> {
     series.iter().map(step).collect()
 }
 
-/// Angle moved since the direction was last reversed, rad.
+/// Returns the angle moved since the direction was last reversed, rad.
 fn since_reversal(rate: &[f64], period_s: f64) -> Vec<f64> {
     let slow = 0.02 * crate::recording::series::rms(rate);
     let (mut direction, mut moved) = (0.0, 0.0);
@@ -331,11 +332,11 @@ fn since_reversal(rate: &[f64], period_s: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::library::library;
+    use crate::library::list_effects;
 
     #[test]
     fn every_effect_of_the_library_has_its_cell() {
-        for effect in library() {
+        for effect in list_effects() {
             let regimes = regimes_of(effect.component, effect.effect);
             assert!(!regimes.is_empty(), "{effect:?}");
             assert!(regimes.iter().all(|r| Regime::ALL.contains(r)), "{effect:?}");

@@ -1,8 +1,8 @@
-//! Component x regime: where the recordings depart from the replay, and along which variable.
+//! The localisation: component by regime, what an error there would explain of how the recordings depart from the replay.
 //!
-//! At every component an error is let in that is a free function of one regime variable (`error_hypotheses`), as it would
-//! show in all balances at once (`ports`); what it gains on stretches of the recordings that it was not fitted to is the
-//! cell. Nothing is named by it: it is told which component, and what the function looks like.
+//! At every component an error is tried that is a free function of one regime variable (`error_hypotheses`), as it would show in
+//! all balances at once (`ports`). What it gains on held-out stretches of the recordings is the value of the cell. No effect is
+//! named by it: it states the component, and what the function looks like.
 
 use counterpoise_models::Parameters;
 
@@ -10,17 +10,18 @@ use crate::library::Component;
 use crate::localisation::error_hypotheses::{
     COMPONENTS, ERROR_HYPOTHESES, ErrorHypothesis, Law, Quantity, Regime,
 };
-use crate::localisation::free_functions::{classify_knot_function, knots, on_knots, sines, turns, waves};
-use crate::localisation::residual_regression::{ResidualRegression, Series};
+use crate::localisation::free_functions::{
+    KnotSpacing, classify_knot_function, on_knots, place_knots, sines, turns, waves,
+};
+use crate::localisation::residual_regression::{ErrorTerm, ReplayedRecording, ResidualRegression, Series};
 use crate::localisation::torque_balances::BalanceVisibility;
 use crate::localisation::trend::{Repetition, Trend};
-use crate::recording::measured_signals::MeasuredSignals;
-use crate::simulator_access::{Assessment, Pool, map};
+use crate::simulator_access::{Pool, map};
 use crate::tolerance::{AMBIGUOUS, GAIN_NEEDED};
 
-/// Share of the best gain by which a component may be behind and not be told apart: what the balances leave out is no noise.
+/// Share of the best gain by which a component may be behind and still be equivalent: what the balances leave out is not noise.
 const ALIKE: f64 = 0.1;
-/// Share of what a perfect explanation would gain from which a cell is described in words.
+/// Share of the gain of a perfect explanation above which a cell's function is classified.
 const DESCRIBED: f64 = 0.1;
 
 /// What an error at one component would explain that is a free function of one regime variable.
@@ -30,29 +31,29 @@ pub struct MapCell {
     pub component: Component,
     /// Regime variable.
     pub regime: Regime,
-    /// Share, 0 to 1, of the log-likelihood that a perfect explanation would gain; 0 where it gains no more than chance may.
+    /// Share, 0 to 1, of the log-likelihood that a perfect explanation would gain; 0 if it gains no more than noise may.
     pub explained: f64,
-    /// Log-likelihood gained on data not used to find it, in nats.
+    /// Log-likelihood gained on held-out data, in nats.
     pub gain_nats: f64,
     /// What that function looks like; `None` if the variable explains little or the function has no simple form.
     pub trend: Option<Trend>,
 }
 
-/// Component x regime of recordings, each with the replay that was judged on it, best first within a component.
+/// Tries every error hypothesis on recordings with their replays; returns the cells component by component.
 pub fn localise_errors(
     parameters: &Parameters,
-    recordings: &[(MeasuredSignals, Assessment)],
+    recordings: &[ReplayedRecording],
     isolability: &[BalanceVisibility],
     pool: &dyn Pool,
 ) -> Vec<MapCell> {
-    let Some(departures) = ResidualRegression::new(parameters, recordings) else { return Vec::new() };
+    let Some(regression) = ResidualRegression::new(parameters, recordings) else { return Vec::new() };
     let seen =
         |s: &&ErrorHypothesis| isolability.iter().any(|row| row.available && row.sees.contains(&s.component));
-    let suspects: Vec<&ErrorHypothesis> = ERROR_HYPOTHESES.iter().filter(seen).collect();
-    let found = map(pool, suspects.len(), |k| {
-        let tried = FittedHypothesis::of(&departures, suspects[k])?;
-        let gain = departures.gain(&tried.columns).filter(|gain| gain.is_finite())?;
-        Some((gain, cell(&departures, suspects[k], &tried, gain)))
+    let hypotheses: Vec<&ErrorHypothesis> = ERROR_HYPOTHESES.iter().filter(seen).collect();
+    let found = map(pool, hypotheses.len(), |k| {
+        let tried = FittedHypothesis::of(&regression, hypotheses[k])?;
+        let gain = regression.gain(&tried.columns).filter(|gain| gain.is_finite())?;
+        Some((gain, cell(&regression, hypotheses[k], &tried, gain)))
     });
     let mut found: Vec<(f64, MapCell)> = found.into_iter().flatten().collect();
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -67,18 +68,18 @@ pub fn localise_errors(
 }
 
 fn cell(
-    departures: &ResidualRegression,
-    suspect: &ErrorHypothesis,
+    regression: &ResidualRegression,
+    hypothesis: &ErrorHypothesis,
     tried: &FittedHypothesis,
     gain: f64,
 ) -> MapCell {
-    let share = gain / departures.possible().max(GAIN_NEEDED);
+    let share = gain / regression.possible().max(GAIN_NEEDED);
     let explained = if gain > GAIN_NEEDED { share.clamp(0.0, 1.0) } else { 0.0 };
-    let trend = if explained > DESCRIBED { tried.trend(departures, suspect) } else { None };
-    MapCell { component: suspect.component, regime: suspect.regime, explained, gain_nats: gain, trend }
+    let trend = if explained > DESCRIBED { tried.trend(regression, hypothesis) } else { None };
+    MapCell { component: hypothesis.component, regime: hypothesis.regime, explained, gain_nats: gain, trend }
 }
 
-/// A suspect as columns of the departures.
+/// An error hypothesis as columns of the regression.
 struct FittedHypothesis {
     columns: Vec<Vec<f64>>,
     /// Knots of a free function.
@@ -88,50 +89,57 @@ struct FittedHypothesis {
 }
 
 impl FittedHypothesis {
-    fn of(departures: &ResidualRegression, suspect: &ErrorHypothesis) -> Option<Self> {
-        let all = |q: Quantity| departures.all(q);
+    fn of(regression: &ResidualRegression, hypothesis: &ErrorHypothesis) -> Option<Self> {
+        let all = |q: Quantity| regression.all(q);
         let plain = |columns| Self { columns, knots: Vec::new(), repeats: None };
-        match suspect.law {
+        match hypothesis.law {
             Law::Free(port, variable, carrier) => {
                 let (variables, carriers) = (all(variable), all(carrier));
-                let knots = knots(&variables, variable.is_dense_at_rest())?;
-                let columns = departures.columns(port, &on_knots(&variables, &carriers, &knots));
+                let spacing =
+                    if variable.is_dense_at_rest() { KnotSpacing::DenseAtRest } else { KnotSpacing::Even };
+                let knots = place_knots(&variables, spacing)?;
+                let columns = regression.columns(port, &on_knots(&variables, &carriers, &knots));
                 Some(Self { knots, ..plain(columns) })
             }
-            Law::Fixed(terms) => {
-                Some(plain(terms.iter().map(|(port, q)| departures.column(&[(*port, &all(*q))])).collect()))
-            }
+            Law::Fixed(terms) => Some(plain(
+                terms
+                    .iter()
+                    .map(|(port, q)| regression.column(&[ErrorTerm { port: *port, error: &all(*q) }]))
+                    .collect(),
+            )),
             Law::OneOf(port, several) => {
-                let columns = several.iter().map(|q| departures.columns(port, &[all(*q)]));
-                let gains = columns.filter_map(|c| Some((departures.gain(&c)?, c)));
+                let columns = several.iter().map(|q| regression.columns(port, &[all(*q)]));
+                let gains = columns.filter_map(|c| Some((regression.gain(&c)?, c)));
                 gains.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, columns)| plain(columns))
             }
             Law::Together(terms) => {
                 let series: Vec<Series> = terms.iter().map(|(_, q)| all(*q)).collect();
-                let terms: Vec<_> = terms.iter().zip(&series).map(|((port, _), s)| (*port, s)).collect();
-                Some(plain(vec![departures.column(&terms)]))
+                let terms =
+                    terms.iter().zip(&series).map(|((port, _), error)| ErrorTerm { port: *port, error });
+                let terms: Vec<ErrorTerm> = terms.collect();
+                Some(plain(vec![regression.column(&terms)]))
             }
-            Law::Sine(..) | Law::Repeats(..) | Law::Turns(..) => Self::repeating(departures, suspect.law),
+            Law::Sine(..) | Law::Repeats(..) | Law::Turns(..) => Self::repeating(regression, hypothesis.law),
         }
     }
 
-    /// A suspect that repeats.
-    fn repeating(departures: &ResidualRegression, law: Law) -> Option<Self> {
+    /// Fits a hypothesis that repeats.
+    fn repeating(regression: &ResidualRegression, law: Law) -> Option<Self> {
         let (columns, repeats) = match law {
             Law::Sine(port, carrier) => {
-                let (frequency, series) = sines(departures, &departures.all(carrier))?;
-                let doubt = departures.period_doubt(frequency);
+                let (frequency, series) = sines(regression, &regression.all(carrier))?;
+                let doubt = regression.period_doubt(frequency);
                 let repetition = Repetition::InTime { period_s: 1.0 / frequency, half_width_s: doubt };
-                (departures.columns(port, &series), Trend::Periodic { repetition: Some(repetition) })
+                (regression.columns(port, &series), Trend::Periodic { repetition: Some(repetition) })
             }
             Law::Repeats(port, variable, carrier) => {
-                let along = departures.all(variable);
-                let found = departures.repetition(&along)?;
-                let series = waves(std::f64::consts::TAU * found.frequency, &along, &departures.all(carrier));
-                (departures.columns(port, &series), found.trend(variable.unit()))
+                let along = regression.all(variable);
+                let found = regression.repetition(&along)?;
+                let series = waves(std::f64::consts::TAU * found.frequency, &along, &regression.all(carrier));
+                (regression.columns(port, &series), found.trend(variable.unit()))
             }
             Law::Turns(port, carrier) => {
-                let (order, columns) = turns(departures, port, &departures.all(carrier))?;
+                let (order, columns) = turns(regression, port, &regression.all(carrier))?;
                 (columns, Trend::Periodic { repetition: Some(Repetition::WithMotorTurn { order }) })
             }
             _ => return None,
@@ -139,18 +147,18 @@ impl FittedHypothesis {
         Some(Self { columns, knots: Vec::new(), repeats: Some(repeats) })
     }
 
-    /// What the function looks like.
-    fn trend(&self, departures: &ResidualRegression, suspect: &ErrorHypothesis) -> Option<Trend> {
-        let Law::Free(_, variable, _) = suspect.law else { return self.repeats };
-        let coefficients = departures.coefficients(&self.columns).unwrap_or_default();
-        let along: Vec<f64> = departures.all(variable).concat();
+    /// Returns what the function looks like.
+    fn trend(&self, regression: &ResidualRegression, hypothesis: &ErrorHypothesis) -> Option<Trend> {
+        let Law::Free(_, variable, _) = hypothesis.law else { return self.repeats };
+        let coefficients = regression.coefficients(&self.columns).unwrap_or_default();
+        let along: Vec<f64> = regression.all(variable).concat();
         classify_knot_function(&self.knots, &coefficients, &along, variable.unit())
     }
 }
 
-/// The components that may hold what the model lacks, the likeliest first: the one at which an error explains most, and those that
-/// these recordings cannot tell from it. None where no component explains enough.
-pub fn likeliest(map: &[MapCell]) -> Vec<Component> {
+/// Returns the components that may contain what the model lacks, the most probable first: the one at which an error explains most,
+/// and those that these recordings cannot tell from it. Returns none if no component explains enough.
+pub fn rank_components(map: &[MapCell]) -> Vec<Component> {
     let best = |component: Component| {
         map.iter().filter(|c| c.component == component).map(|c| c.gain_nats).fold(0.0, f64::max)
     };
@@ -159,7 +167,7 @@ pub fn likeliest(map: &[MapCell]) -> Vec<Component> {
     let most = all.iter().map(|(_, gain)| *gain).fold(0.0, f64::max);
     let mut near: Vec<_> =
         all.into_iter().filter(|(_, gain)| most - gain < (ALIKE * most).max(AMBIGUOUS)).collect();
-    // equal to what the noise decides: the likelier beforehand first
+    // Ties within the noise are broken by prior probability.
     near.sort_by(|a, b| (most - b.1 < AMBIGUOUS).cmp(&(most - a.1 < AMBIGUOUS)).then(b.1.total_cmp(&a.1)));
     let ties = near.iter().filter(|(_, gain)| most - gain < AMBIGUOUS).count();
     near[..ties].sort_by_key(|(name, _)| COMPONENTS.iter().position(|c| c == name));

@@ -7,18 +7,27 @@ use crate::localisation::trend::{Trend, classify_function};
 
 /// Knots of a free function.
 const KNOTS: usize = 7;
-/// Samples of its variable along which a function is described.
+/// Number of samples along which a function is classified.
 const DESCRIBED: usize = 2000;
 
-/// Knots of a free function of a variable: as many samples between any two; towards its small values more, where it is dense at rest.
-/// None where the variable stands still.
-pub(crate) fn knots(variable: &Series, dense_at_rest: bool) -> Option<Vec<f64>> {
+/// How the knots of a free function lie along its variable.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum KnotSpacing {
+    /// As many samples between any two.
+    Even,
+    /// Closer together towards small values, where friction changes most.
+    DenseAtRest,
+}
+
+/// Places the knots of a free function of a variable; returns `None` if the variable does not move.
+pub(crate) fn place_knots(variable: &Series, spacing: KnotSpacing) -> Option<Vec<f64>> {
     let mut sorted: Vec<f64> = variable.iter().flatten().copied().collect();
     sorted.sort_by(f64::total_cmp);
     let last = sorted.len().checked_sub(1)?;
     let at = |k: usize| {
         let share = k as f64 / (KNOTS - 1) as f64;
-        sorted[((if dense_at_rest { share * share } else { share }) * last as f64) as usize]
+        let share = if spacing == KnotSpacing::DenseAtRest { share * share } else { share };
+        sorted[(share * last as f64) as usize]
     };
     let mut knots: Vec<f64> = (0..KNOTS).map(at).collect();
     let least = 1e-6 * (sorted[last] - sorted[0]);
@@ -26,14 +35,14 @@ pub(crate) fn knots(variable: &Series, dense_at_rest: bool) -> Option<Vec<f64>> 
     (knots.len() > 1 && knots.iter().all(|k| k.is_finite())).then_some(knots)
 }
 
-/// Weights of the knots to either side of a value: the lower knot's place, and the share of the upper.
+/// Returns the index of the knot below a value, and the weight of the knot above it.
 fn between(knots: &[f64], value: f64) -> (usize, f64) {
     let value = value.clamp(knots[0], knots[knots.len() - 1]);
     let lower = knots.partition_point(|k| *k <= value).clamp(1, knots.len() - 1) - 1;
     (lower, (value - knots[lower]) / (knots[lower + 1] - knots[lower]))
 }
 
-/// One series a knot: the function that is 1 there and falls to 0 at the next, times the carrier.
+/// Returns one series for each knot: the function that is 1 there and falls to 0 at the next, times the carrier.
 pub(crate) fn on_knots(variable: &Series, carrier: &Series, knots: &[f64]) -> Vec<Series> {
     let mut out = vec![carrier.iter().map(|c| vec![0.0; c.len()]).collect::<Series>(); knots.len()];
     for (r, (values, carried)) in variable.iter().zip(carrier).enumerate() {
@@ -46,7 +55,7 @@ pub(crate) fn on_knots(variable: &Series, carrier: &Series, knots: &[f64]) -> Ve
     out
 }
 
-/// What a function on knots looks like along its variable; returns `None` if it has no simple form.
+/// Classifies a function on knots along its variable; returns `None` if it has no simple form.
 pub(crate) fn classify_knot_function(
     knots: &[f64],
     coefficients: &[f64],
@@ -64,17 +73,18 @@ pub(crate) fn classify_knot_function(
     classify_function(&some.iter().map(value).collect::<Vec<_>>(), &some, unit)
 }
 
-/// Highest frequency of a torque that is looked for in time, Hz.
+/// Highest frequency at which a periodic torque is sought in time, Hz.
 const HIGHEST_HZ: f64 = 12.0;
-/// Periods in the longest recording that count as a repetition.
+/// Smallest number of periods in the longest recording that counts as a repetition.
 const PERIODS: f64 = 2.0;
 /// Frequencies tried per reciprocal of the longest recording, and refinements of the best.
 const FINENESS: f64 = 4.0;
 const REFINEMENTS: usize = 10;
 
-/// The frequency in Hz that explains most of the drive's balance, its phase free in every recording, and its sines and cosines there.
-pub(crate) fn sines(departures: &ResidualRegression, carrier: &Series) -> Option<(f64, Vec<Series>)> {
-    let times = departures.all(Quantity::Time);
+/// Returns the frequency that explains most of the drive's balance, Hz, its phase free in every recording, and its sines and
+/// cosines there.
+pub(crate) fn sines(regression: &ResidualRegression, carrier: &Series) -> Option<(f64, Vec<Series>)> {
+    let times = regression.all(Quantity::Time);
     let longest = times.iter().filter_map(|t| t.last().copied()).fold(0.0, f64::max);
     if longest <= 0.0 {
         return None;
@@ -83,7 +93,7 @@ pub(crate) fn sines(departures: &ResidualRegression, carrier: &Series) -> Option
     let count = ((HIGHEST_HZ * longest - PERIODS) * FINENESS).max(0.0) as usize;
     let mut best = (PERIODS / longest, 0.0);
     let consider = |frequency: f64, best: &mut (f64, f64)| {
-        let power = departures.power_at(frequency);
+        let power = regression.power_at(frequency);
         if power > best.1 {
             *best = (frequency, power);
         }
@@ -103,7 +113,7 @@ pub(crate) fn sines(departures: &ResidualRegression, carrier: &Series) -> Option
     Some((best.0, (0..times.len()).flat_map(|r| waves(turn, &times, &alone(r))).collect()))
 }
 
-/// Sine and cosine of a variable times a turn, each times the carrier.
+/// Returns sine and cosine of a variable times a turn, each times the carrier.
 pub(crate) fn waves(turn: f64, variable: &Series, carrier: &Series) -> [Series; 2] {
     [f64::sin as fn(f64) -> f64, f64::cos].map(|of| {
         let one = |(values, carried): (&Vec<f64>, &Vec<f64>)| {
@@ -113,19 +123,19 @@ pub(crate) fn waves(turn: f64, variable: &Series, carrier: &Series) -> [Series; 
     })
 }
 
-/// Periods a turn of the motor at which something that repeats with its angle is looked for.
+/// Numbers of periods in a turn of the motor at which a torque is sought that repeats with its angle.
 const ORDERS: [f64; 14] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 9.0, 10.0, 12.0, 16.0, 18.0, 24.0, 36.0];
 
-/// The order at which a sine of the motor's angle at a port gains most, and its two columns.
+/// Returns the order at which a sine of the motor's angle at a port gains most, and its two columns.
 pub(crate) fn turns(
-    departures: &ResidualRegression,
+    regression: &ResidualRegression,
     port: Port,
     carrier: &Series,
 ) -> Option<(f64, Vec<Vec<f64>>)> {
-    let angle = departures.all(Quantity::MotorAngle);
+    let angle = regression.all(Quantity::MotorAngle);
     let at = |order: &f64| {
-        let columns = departures.columns(port, &waves(*order, &angle, carrier));
-        Some((departures.gain(&columns)?, *order, columns))
+        let columns = regression.columns(port, &waves(*order, &angle, carrier));
+        Some((regression.gain(&columns)?, *order, columns))
     };
     let best = ORDERS.iter().filter_map(at).max_by(|a, b| a.0.total_cmp(&b.0));
     best.map(|(_, order, columns)| (order, columns))
@@ -140,7 +150,7 @@ mod tests {
     #[test]
     fn a_function_on_knots_is_the_straight_line_between_them() {
         let variable = vec![(0..100).map(|k| f64::from(k) * 0.1).collect::<Vec<f64>>()];
-        let knots = knots(&variable, false).unwrap();
+        let knots = place_knots(&variable, KnotSpacing::Even).unwrap();
         let columns = on_knots(&variable, &vec![vec![1.0; 100]], &knots);
         for k in 0..100 {
             let line: f64 = columns.iter().zip(&knots).map(|(c, knot)| (2.0 - 3.0 * knot) * c[0][k]).sum();
@@ -149,6 +159,6 @@ mod tests {
         let trend = classify_knot_function(&knots, &knots, &variable[0], "rad");
         let extent = Some(Extent { low: 0.0, high: variable[0][99], unit: "rad" });
         assert_eq!(trend, Some(Trend::Simple { form: Form::Proportional, extent }));
-        assert!(super::knots(&vec![vec![1.0; 5]], false).is_none());
+        assert!(place_knots(&vec![vec![1.0; 5]], KnotSpacing::Even).is_none());
     }
 }

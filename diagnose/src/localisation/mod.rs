@@ -8,7 +8,7 @@ pub mod error_hypotheses;
 pub mod error_map;
 mod free_functions;
 mod ports;
-mod residual_regression;
+pub mod residual_regression;
 pub mod torque_balances;
 pub mod trend;
 mod whitening;

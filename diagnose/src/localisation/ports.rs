@@ -3,7 +3,7 @@
 use crate::localisation::torque_balances::{Balance, Signals};
 use crate::recording::series::derivative;
 
-/// A place where something may act that the model lacks.
+/// A place at which something may act that the model lacks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Port {
     /// A torque on the hub, N m.
@@ -21,7 +21,7 @@ pub(crate) enum Port {
 }
 
 impl Port {
-    /// What an error here adds to a balance of these signals.
+    /// Returns what an error here adds to a balance of these signals.
     pub fn shown(self, balance: Balance, error: &[f64], at: &Signals) -> Vec<f64> {
         let stiffness = at.p.gearbox.stiffness_nm_rad;
         let slope = || derivative(error, at.period_s);
@@ -37,7 +37,7 @@ impl Port {
         }
     }
 
-    /// What an error of a gyroscope adds.
+    /// Returns what an error of a gyroscope adds.
     fn misread(self, balance: Balance, error: &[f64], at: &Signals) -> Vec<f64> {
         let own = if self == Self::HubGyro { 1.0 } else { -1.0 };
         if matches!(balance, Balance::Twist | Balance::Angle) {
@@ -56,12 +56,12 @@ impl Port {
     }
 }
 
-/// Square of the gear's ratio: what a torque in proportion to the motor's rate is worth at the hub.
+/// Returns the square of the gear's ratio, which refers a torque in proportion to the motor's rate to the hub.
 fn through_gear(at: &Signals) -> f64 {
     at.p.gearbox.ratio.powi(2)
 }
 
-/// What the motor's rate costs in torque, at the shaft: friction and back-EMF, N m s/rad.
+/// Returns the torque at the shaft for the motor's rate, by friction and back-EMF, N m s/rad.
 fn motor_viscous(at: &Signals) -> f64 {
     let motor = &at.p.motor;
     at.p.motor_friction.viscous_nm_s_rad + motor.torque_constant_nm_a * motor.back_emf_v_s_rad / at.loss()

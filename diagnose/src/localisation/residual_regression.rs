@@ -1,7 +1,8 @@
-//! How recordings depart from their replay: balances of the one less the same balances of the other, made white.
+//! The regression of how recordings depart from their replay: the balances of the one less the same balances of the other,
+//! whitened.
 //!
-//! What the balances simplify is in both, and goes. What an error at a port would do to the balances is a column; how much of
-//! the departure columns explain is judged on stretches that they were not fitted to.
+//! What the balances simplify is in both, so that it cancels. What an error at a port would do to the balances is a column of the
+//! regression; how much of the departure the columns explain is measured on held-out stretches.
 
 use counterpoise_linalg::{Mat, solve};
 use counterpoise_models::Parameters;
@@ -16,15 +17,33 @@ use crate::recording::series::correlation_time;
 use crate::recording::series::dot;
 use crate::simulator_access::{Assessment, ControlSource};
 
-/// Stretches of a recording, every other one of which is left out of a fit.
+/// Number of stretches of a recording, every other one of which is held out.
 const STRETCHES: usize = 20;
-/// Columns are made unlike by this share of their size.
+/// Ridge that keeps nearly equal columns solvable, as a share of their size.
 const RIDGE: f64 = 1e-6;
 /// Variance below which a balance counts as explained, in units of its noise.
 const WHITE: f64 = 1.0;
 
 /// One value a sample, recording by recording.
 pub(crate) type Series = Vec<Vec<f64>>;
+
+/// A recording with the replay that was assessed on it.
+#[derive(Debug, Clone)]
+pub struct ReplayedRecording {
+    /// Its signals.
+    pub measured: MeasuredSignals,
+    /// The assessment of its replay.
+    pub assessment: Assessment,
+}
+
+/// An error at a port, one value a sample.
+#[derive(Clone, Copy)]
+pub(crate) struct ErrorTerm<'a> {
+    /// Where it acts.
+    pub port: Port,
+    /// The error.
+    pub error: &'a Series,
+}
 
 /// A run of rows: one balance, one half of the stretches.
 struct Segment {
@@ -33,15 +52,15 @@ struct Segment {
     rows: std::ops::Range<usize>,
 }
 
-/// The departures of recordings from their replay.
+/// How recordings depart from their replay.
 pub(crate) struct ResidualRegression<'a> {
     /// The recordings' signals.
     pub signals: Vec<Signals<'a>>,
-    /// The replays' signals, without noise; none where a replay is not in the recording's loop.
+    /// The replays' signals, without noise; `None` if a replay was a playback.
     quiet: Vec<Option<Signals<'a>>>,
     /// The balances that the sensors allow.
     pub balances: Vec<Balance>,
-    /// What is left of the drive's balance, N m: thinned, less its straight line, not white.
+    /// Residual of the drive's balance, N m: thinned, less its straight line, not whitened.
     torque: Series,
     whiteners: Vec<Whitener>,
     segments: Vec<Segment>,
@@ -51,22 +70,21 @@ pub(crate) struct ResidualRegression<'a> {
 }
 
 impl<'a> ResidualRegression<'a> {
-    /// The departures of recordings, each with the replay that was judged on it; none where a balance is not finite.
-    pub fn new(p: &'a Parameters, recordings: &[(MeasuredSignals, Assessment)]) -> Option<Self> {
-        let has = |f: fn(&MeasuredSignals) -> bool| recordings.iter().all(|(m, _)| f(m));
+    /// Prepares the regression; returns `None` if a balance is not finite.
+    pub fn new(p: &'a Parameters, recordings: &[ReplayedRecording]) -> Option<Self> {
+        let has = |f: fn(&MeasuredSignals) -> bool| recordings.iter().all(|r| f(&r.measured));
         let balances = Balance::allowed(RedundantSensors {
             motor_rate: has(|m| m.motor_rate.is_some()),
             hub_position: has(|m| m.hub_position.is_some()),
         });
-        let signals: Vec<Signals> = recordings.iter().map(|(m, _)| Signals::new(p, m, None)).collect();
-        let quiet = recordings.iter().zip(&signals).map(|((m, judged), s)| {
-            let in_loop = judged.source == ControlSource::ClosedLoop;
-            in_loop.then(|| Signals::new(p, &replayed(m, judged), Some(s.slow())))
+        let signals: Vec<Signals> = recordings.iter().map(|r| Signals::new(p, &r.measured, None)).collect();
+        let quiet = recordings.iter().zip(&signals).map(|(r, s)| {
+            let in_loop = r.assessment.source == ControlSource::ClosedLoop;
+            in_loop.then(|| Signals::new(p, &replayed(r), Some(s.slow())))
         });
         let quiet = quiet.collect();
         let pairs = signals.iter().zip(recordings);
-        let apart: Vec<[Vec<Vec<f64>>; 2]> =
-            pairs.map(|(s, (m, judged))| departed(p, s, m, judged, &balances)).collect();
+        let apart: Vec<[Vec<Vec<f64>>; 2]> = pairs.map(|(s, r)| departed(p, s, r, &balances)).collect();
         let of = |which: usize, b: usize| apart.iter().map(|a| a[which][b].clone()).collect::<Series>();
         let drive = balances.iter().position(|b| *b == Balance::Drive)?;
         let whiteners = (0..balances.len()).map(|b| Whitener::of(&of(1, b))).collect();
@@ -104,7 +122,7 @@ impl<'a> ResidualRegression<'a> {
         out
     }
 
-    /// Balances of all recordings made white, in the order of the segments.
+    /// Returns the whitened balances of all recordings, in the order of the segments.
     fn rows(&self, all: &[Series]) -> Vec<f64> {
         let mut out = Vec::new();
         for (series, whitener) in all.iter().zip(&self.whiteners) {
@@ -119,8 +137,8 @@ impl<'a> ResidualRegression<'a> {
         out
     }
 
-    /// A quantity at every sample of every recording; one that is noise for the most part, as its replay has it: the noise that a
-    /// balance holds would explain itself.
+    /// Returns a quantity at every sample of every recording. One that is mostly noise is taken from the replay, because the noise
+    /// that a balance contains would explain itself.
     pub fn all(&self, quantity: Quantity) -> Series {
         let of = |(s, quiet): (&Signals, &Option<Signals>)| match quiet {
             Some(quiet) if quantity.is_mostly_noise() => quantity.of(quiet),
@@ -129,24 +147,24 @@ impl<'a> ResidualRegression<'a> {
         self.signals.iter().zip(&self.quiet).map(of).collect()
     }
 
-    /// One column for each error at a port.
+    /// Returns one column for each error at a port.
     pub fn columns(&self, port: Port, errors: &[Series]) -> Vec<Vec<f64>> {
-        errors.iter().map(|error| self.column(&[(port, error)])).collect()
+        errors.iter().map(|error| self.column(&[ErrorTerm { port, error }])).collect()
     }
 
-    /// How the drive's balance repeats along a variable.
+    /// Finds how the drive's balance repeats along a variable.
     pub fn repetition(&self, variable: &Series) -> Option<PeriodicTrend> {
         let along: Vec<f64> = variable.iter().flat_map(|v| thin(v)).collect();
         PeriodicTrend::of(&self.torque.concat(), &along)
     }
 
-    /// What errors at ports do to the balances, in the order of the target.
-    pub fn column(&self, terms: &[(Port, &Series)]) -> Vec<f64> {
+    /// Returns what errors at ports do to the balances together, in the order of the target.
+    pub fn column(&self, terms: &[ErrorTerm]) -> Vec<f64> {
         let shown = |balance: Balance| -> Series {
             let of = |r: usize| {
                 let mut sum = vec![0.0; self.signals[r].hub.len()];
-                for (port, error) in terms {
-                    let part = port.shown(balance, &error[r], &self.signals[r]);
+                for term in terms {
+                    let part = term.port.shown(balance, &term.error[r], &self.signals[r]);
                     sum.iter_mut().zip(part).for_each(|(s, p)| *s += p);
                 }
                 thin(&sum)
@@ -156,7 +174,8 @@ impl<'a> ResidualRegression<'a> {
         self.rows(&self.balances.iter().map(|b| shown(*b)).collect::<Vec<_>>())
     }
 
-    /// The hub's balance starts anywhere and drifts with what noise integrates to: a straight line a recording.
+    /// Returns the columns of the hub's balance that no error makes: its constant is unknown and it drifts with integrated noise, a
+    /// straight line for each recording.
     fn starts(&self) -> Vec<Vec<f64>> {
         let Some(hub) = self.balances.iter().position(|b| *b == Balance::Hub) else { return Vec::new() };
         let line = |r: usize, power: i32| {
@@ -171,7 +190,7 @@ impl<'a> ResidualRegression<'a> {
         (0..self.signals.len()).flat_map(|r| [line(r, 0), line(r, 1)]).collect()
     }
 
-    /// Power of the drive's balance at a frequency, its phase free in every recording, (N m)^2 times samples.
+    /// Returns the power of the drive's balance at a frequency, its phase free in every recording, (N m)^2 times samples.
     pub fn power_at(&self, frequency_hz: f64) -> f64 {
         let of = |(torque, signals): (&Vec<f64>, &Signals)| {
             let turn = std::f64::consts::TAU * frequency_hz * THINNING as f64 * signals.period_s;
@@ -187,7 +206,7 @@ impl<'a> ResidualRegression<'a> {
         self.torque.iter().zip(&self.signals).map(of).sum()
     }
 
-    /// Half width of the 95 % interval of the period of a sine at a frequency, s.
+    /// Returns the half width of the 95 % interval of the period of a sine at a frequency, s.
     pub fn period_doubt(&self, frequency_hz: f64) -> f64 {
         let total: f64 = self.torque.iter().map(|t| dot(t, t)).sum();
         let share = (2.0 * self.power_at(frequency_hz) / total.max(f64::MIN_POSITIVE)).clamp(1e-6, 0.999);
@@ -198,18 +217,18 @@ impl<'a> ResidualRegression<'a> {
         1.96 * deviation / (frequency_hz * frequency_hz)
     }
 
-    /// Log-likelihood that columns gain on stretches that they were not fitted to, in nats; none where they cannot be fitted.
+    /// Returns the log-likelihood that columns gain on held-out stretches, in nats; `None` if they cannot be fitted.
     pub fn gain(&self, columns: &[Vec<f64>]) -> Option<f64> {
         let after = self.held_out(columns)?;
         Some((0..after.len()).map(|b| self.nats(b, after[b])).sum())
     }
 
-    /// What a perfect explanation would gain, in nats.
+    /// Returns the log-likelihood that a perfect explanation would gain, in nats.
     pub fn possible(&self) -> f64 {
         (0..self.before.len()).map(|b| self.nats(b, WHITE).max(0.0)).sum()
     }
 
-    /// Nats gained where a balance's variance becomes another.
+    /// Returns the log-likelihood gained if a balance's variance becomes another, in nats.
     fn nats(&self, balance: usize, after: f64) -> f64 {
         0.5 * self.count(balance) as f64 * (self.before[balance].max(WHITE) / after.max(WHITE)).ln()
     }
@@ -218,7 +237,7 @@ impl<'a> ResidualRegression<'a> {
         self.segments.iter().filter(|s| s.balance == balance).map(|s| s.rows.len()).sum()
     }
 
-    /// Variance of each balance that is left on the half that was not fitted, each balance weighed by what is left of it.
+    /// Returns the variance of each balance on the half that was not fitted, the balances weighted by it.
     fn held_out(&self, columns: &[Vec<f64>]) -> Option<Vec<f64>> {
         let all: Vec<&[f64]> = self.nuisances.iter().chain(columns).map(Vec::as_slice).collect();
         let parts: Vec<Normal> = self.segments.iter().map(|s| self.normal(s, &all)).collect();
@@ -250,7 +269,7 @@ impl<'a> ResidualRegression<'a> {
         Normal { gram, right, power: dot(target, target) }
     }
 
-    /// Coefficients fitted to one half of the stretches, balances weighed by the variance that is left of them.
+    /// Returns the coefficients fitted to one half of the stretches, the balances weighted by their residual variance.
     fn fitted(&self, parts: &[Normal], half: usize, left: &[f64]) -> Option<Vec<f64>> {
         let count = parts.first()?.right.len();
         let (mut gram, mut right) = (Mat::zeros(count, count), vec![0.0; count]);
@@ -262,7 +281,7 @@ impl<'a> ResidualRegression<'a> {
         solved(&gram, &right)
     }
 
-    /// Coefficients of columns that fit the departures best, those of the starts left out; none where they cannot be fitted.
+    /// Returns the coefficients of columns that fit best, without those of the straight lines; `None` if they cannot be fitted.
     pub fn coefficients(&self, columns: &[Vec<f64>]) -> Option<Vec<f64>> {
         let all: Vec<&[f64]> = self.nuisances.iter().chain(columns).map(Vec::as_slice).collect();
         let whole = Segment { balance: 0, half: 0, rows: 0..self.target.len() };
@@ -271,10 +290,10 @@ impl<'a> ResidualRegression<'a> {
     }
 }
 
-/// Fits with weights from what is left of each balance: the first takes all balances at their noise.
+/// Number of fits, each with weights from the residual variances of the last; the first takes all balances at their noise.
 const REWEIGHTED: usize = 2;
 
-/// A series less the straight line that fits it best.
+/// Returns a series less its best straight line.
 fn detrended(series: &[f64]) -> Vec<f64> {
     let count = series.len() as f64;
     let along = |k: usize| k as f64 - 0.5 * (count - 1.0);
@@ -284,7 +303,7 @@ fn detrended(series: &[f64]) -> Vec<f64> {
     series.iter().enumerate().map(|(k, v)| v - mean - slope * along(k)).collect()
 }
 
-/// Which half of the stretches a row is in.
+/// Returns the half of the stretches in which a row lies.
 fn half_of(row: usize, rows: usize) -> usize {
     (row / (rows / STRETCHES).max(1)) % 2
 }
@@ -297,7 +316,7 @@ struct Normal {
 }
 
 impl Normal {
-    /// Sum of squares that coefficients leave.
+    /// Returns the sum of squares that coefficients leave.
     fn left(&self, x: &[f64]) -> f64 {
         let column = Mat::col(x);
         let square = if x.is_empty() { 0.0 } else { (&column.t() * &(&self.gram * &column))[(0, 0)] };
@@ -305,7 +324,7 @@ impl Normal {
     }
 }
 
-/// Least squares from normal equations, columns at a common size, with a small ridge.
+/// Solves normal equations with columns at a common size and a small ridge.
 fn solved(gram: &Mat, right: &[f64]) -> Option<Vec<f64>> {
     let count = right.len();
     if count == 0 {
@@ -319,18 +338,17 @@ fn solved(gram: &Mat, right: &[f64]) -> Option<Vec<f64>> {
     Some(x.as_slice().iter().enumerate().map(|(i, x)| x / size(i)).collect())
 }
 
-/// The balances of a recording less those of its replay, and what the noise alone would make of them.
+/// Returns the balances of a recording less those of its replay, and what noise alone would make of them.
 fn departed(
     p: &Parameters,
     recorded: &Signals,
-    measured: &MeasuredSignals,
-    judged: &Assessment,
+    recording: &ReplayedRecording,
     balances: &[Balance],
 ) -> [Vec<Vec<f64>>; 2] {
-    let replay = replayed(measured, judged);
+    let replay = replayed(recording);
     let slow = Some(recorded.slow());
     let simulated = Signals::new(p, &replay, slow);
-    let noisy = Signals::new(p, &noisy(p, &replay, judged), slow);
+    let noisy = Signals::new(p, &noisy(p, &replay, &recording.assessment), slow);
     let apart = |other: &Signals, balance: Balance| {
         let pairs = thin(&other.residual(balance)).into_iter().zip(thin(&simulated.residual(balance)));
         pairs.map(|(a, b)| a - b).collect()
@@ -339,8 +357,9 @@ fn departed(
     [of(recorded), of(&noisy)]
 }
 
-/// The readings of the replay: those recorded and their channels. A control that was played back is the recorded one.
-fn replayed(measured: &MeasuredSignals, judged: &Assessment) -> MeasuredSignals {
+/// Returns the readings of the replay: the recorded ones plus the residuals. A control that was played back is the recorded one.
+fn replayed(recording: &ReplayedRecording) -> MeasuredSignals {
+    let ReplayedRecording { measured, assessment: judged } = recording;
     let mut out = measured.clone();
     for misfit in &judged.channels {
         let column = match misfit.channel {
@@ -356,7 +375,7 @@ fn replayed(measured: &MeasuredSignals, judged: &Assessment) -> MeasuredSignals 
     out
 }
 
-/// Readings with noise of the size of each channel's floor and of the platform's sensors (a fixed sequence).
+/// Returns readings with noise of the size of each channel's floor and of the platform's sensors (a fixed sequence).
 fn noisy(p: &Parameters, replay: &MeasuredSignals, judged: &Assessment) -> MeasuredSignals {
     let floor =
         |channel: &str| judged.channels.iter().find(|m| m.channel == channel).map_or(0.0, |m| m.floor);
@@ -376,7 +395,7 @@ fn noisy(p: &Parameters, replay: &MeasuredSignals, judged: &Assessment) -> Measu
     out
 }
 
-/// Normal numbers, always the same.
+/// Returns a generator of normal numbers, always the same.
 fn normals() -> impl FnMut() -> f64 {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     let mut uniform = move || {

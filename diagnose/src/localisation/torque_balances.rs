@@ -1,4 +1,4 @@
-//! Where: balances of motion and torque formed from the measured signals alone.
+//! Balances of motion and torque, formed from the measured signals alone.
 //!
 //! All signals pass the same low-pass Q, so that a derivative brings no bias:
 //!
@@ -9,8 +9,7 @@
 //!     hub     Q[J w_h' + F_p + T_oob - K deadzone(delta)]        what acts on the hub side of the gear
 //! ```
 //!
-//! A mismatch shows in the balances that contain its component, and in no other; which balances there are depends on
-//! the sensors.
+//! An error shows in the balances that contain its component, and in no other; which balances there are depends on the sensors.
 
 use counterpoise_models::Parameters;
 use serde::Serialize;
@@ -53,7 +52,7 @@ impl Balance {
     }
 }
 
-/// Which of the sensors are there that a machine can do without.
+/// Which of the sensors are present that a machine can do without.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RedundantSensors {
     /// Whether the motor's rate was recorded.
@@ -116,7 +115,8 @@ pub(crate) struct Signals<'a> {
 pub(crate) type Slow = [f64; 2];
 
 impl<'a> Signals<'a> {
-    /// The signals of a recording; `slow` where the rates of another reading of it decide what slides.
+    /// Computes the signals of a recording; `slow` gives the rates below which the frictions count as at rest, if another reading
+    /// of the recording determines them.
     pub fn new(p: &'a Parameters, m: &MeasuredSignals, slow: Option<Slow>) -> Self {
         let smooth = |series: &[f64]| low_pass(series, SMOOTHING);
         let (hub, platform) = (smooth(&m.hub_rate), smooth(&m.platform_rate));
@@ -149,7 +149,7 @@ impl<'a> Signals<'a> {
         signals
     }
 
-    /// What counts as slow here.
+    /// Returns the rates below which the frictions count as at rest, rad/s.
     pub fn slow(&self) -> Slow {
         [slow_rate(&self.relative), slow_rate(&self.motor)]
     }
@@ -160,17 +160,17 @@ impl<'a> Signals<'a> {
         heavy.map(|(a, angle)| (self.p.gravity_m_s2 + a) * angle.cos()).collect()
     }
 
-    /// First moment of mass about the pivot, kg m.
+    /// Returns the first moment of mass about the pivot, kg m.
     pub fn moment(&self) -> f64 {
         self.p.lumped.as_ref().map_or(0.0, |l| l.out_of_balance_kg_m)
     }
 
-    /// Inertia about the pivot, kg m^2.
+    /// Returns the inertia about the pivot, kg m^2.
     pub fn inertia(&self) -> f64 {
         self.p.lumped.as_ref().map_or(0.0, |l| l.hub_inertia_kg_m2 + l.beam_inertia_kg_m2)
     }
 
-    /// Resistance of the closed amplifier loop, V/A.
+    /// Returns the resistance of the closed amplifier loop, V/A.
     pub fn loss(&self) -> f64 {
         self.p.motor.resistance_ohm + self.p.amplifier.gain * self.p.amplifier.current_feedback_v_a
     }
@@ -203,7 +203,7 @@ impl<'a> Signals<'a> {
         (0..self.hub.len()).map(|k| self.drive[k] - p.gearbox.ratio * lost(k)).collect()
     }
 
-    /// What is left of a balance.
+    /// Returns the residual of a balance.
     pub fn residual(&self, balance: Balance) -> Vec<f64> {
         match balance {
             Balance::Twist => self.twist(),
@@ -222,7 +222,7 @@ impl<'a> Signals<'a> {
         (0..self.hub.len()).map(at).collect()
     }
 
-    /// The gear's wind-up from both encoders, its start from the load, against the load torque.
+    /// Returns the torque of the gear's wind-up, measured by both encoders and started from the load, against the load torque.
     fn hub_side(&self) -> Vec<f64> {
         let gear = &self.p.gearbox;
         let turned = integral(&self.motor, self.period_s);
@@ -242,7 +242,7 @@ fn less(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
-/// Share of its RMS rate below which something counts as nearly at rest.
+/// Share of the RMS rate below which something is nearly at rest.
 const NEARLY_AT_REST: f64 = 0.02;
 
 fn slow_rate(rate: &[f64]) -> f64 {
@@ -251,7 +251,7 @@ fn slow_rate(rate: &[f64]) -> f64 {
 
 /// Half width of the smoothing window, samples; two passes.
 const SMOOTHING: usize = 2;
-/// Every this many samples one is kept of a balance.
+/// Interval in samples at which a balance is kept.
 pub(crate) const THINNING: usize = 4;
 
 pub(crate) fn integral(series: &[f64], period: f64) -> Vec<f64> {
@@ -263,20 +263,20 @@ pub(crate) fn integral(series: &[f64], period: f64) -> Vec<f64> {
     series.iter().map(step).collect()
 }
 
-/// RMS over a half second.
+/// Returns the RMS over half a second.
 pub(crate) fn envelope(series: &[f64], period: f64) -> Vec<f64> {
     let half = (0.25 / period).round() as usize;
     let squares: Vec<f64> = series.iter().map(|w| w * w).collect();
     moving_mean(&squares, half).iter().map(|s| s.sqrt()).collect()
 }
 
-/// What is kept of a balance: its ends are off, where the low-pass sees half of what it needs.
+/// Returns what is kept of a balance: without its ends, at which the low-pass sees half of what it needs.
 pub(crate) fn thin(series: &[f64]) -> Vec<f64> {
     let margin = MARGIN.min(series.len() / 4);
     series[margin..series.len() - margin].iter().step_by(THINNING).copied().collect()
 }
 
-/// Samples that are left off at either end.
+/// Number of samples that are left off at either end.
 const MARGIN: usize = 40;
 
 #[cfg(test)]

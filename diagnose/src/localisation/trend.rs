@@ -1,12 +1,12 @@
-//! What a mismatch looks like that has no name: its shape along one regime variable.
+//! What an unnamed error looks like: its shape along one regime variable.
 
 use crate::recording::series::{correlation_time, dot, rms};
 
-/// Share of the power that a shape must explain to be spoken of.
+/// Share of the power that a shape must explain to be reported.
 const SHAPE_NEEDED: f64 = 0.3;
-/// Periods that must be covered for a repetition to be one.
+/// Smallest number of periods that counts as a repetition.
 const PERIODS_NEEDED: f64 = 1.5;
-/// Periods over the covered range at the most.
+/// Largest number of periods over the covered range.
 const PERIODS_MOST: f64 = 40.0;
 /// Frequencies tried per period over the range, and refinements of the best.
 const FINENESS: f64 = 6.0;
@@ -67,7 +67,7 @@ pub enum Repetition {
     },
 }
 
-/// What a function of a regime variable looks like.
+/// The trend of a function along its regime variable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Trend {
     /// It has a simple form.
@@ -110,7 +110,7 @@ pub(crate) fn classify_function(function: &[f64], variable: &[f64], unit: &'stat
     best.filter(|(_, share)| *share > SHAPE_NEEDED).map(|(form, _)| simple_trend(form))
 }
 
-/// Smallest and largest value of a variable that moves.
+/// Returns the smallest and largest value of a variable; `None` if it does not move or has too few samples.
 fn range(variable: &[f64]) -> Option<[f64; 2]> {
     let (low, high) =
         variable.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
@@ -129,7 +129,7 @@ pub(crate) struct PeriodicTrend {
 }
 
 impl PeriodicTrend {
-    /// The sinusoid that explains most of a residual; none where the variable stands still.
+    /// Finds the sinusoid that explains most of a residual; returns `None` if the variable does not move.
     pub fn of(residual: &[f64], variable: &[f64]) -> Option<Self> {
         let range = range(variable)?;
         let span = range[1] - range[0];
@@ -140,7 +140,7 @@ impl PeriodicTrend {
         Some(Self { frequency, doubt: 1.96 * deviation / (frequency * frequency), range })
     }
 
-    /// As the trend of a function.
+    /// Returns it as the trend of a function.
     pub fn trend(&self, unit: &'static str) -> Trend {
         let [low, high] = self.range;
         let extent = Extent { low, high, unit };
@@ -149,7 +149,7 @@ impl PeriodicTrend {
     }
 }
 
-/// The frequency, per unit of the variable, of the sinusoid that explains most, and the share that it explains.
+/// Returns the frequency, per unit of the variable, of the sinusoid that explains most, and the share that it explains.
 fn repetition(residual: &[f64], variable: &[f64], span: f64) -> (f64, f64) {
     let count = (FINENESS * (PERIODS_MOST - PERIODS_NEEDED)) as usize;
     let grid = (0..=count).map(|k| (PERIODS_NEEDED + k as f64 / FINENESS) / span);
@@ -171,14 +171,15 @@ fn repetition(residual: &[f64], variable: &[f64], span: f64) -> (f64, f64) {
     best
 }
 
-/// Share of the residual's variance that `a sin + b cos` of a frequency explains.
+/// Returns the share of the residual's variance that `a sin + b cos` of a frequency explains.
 fn sinusoid(residual: &[f64], variable: &[f64], frequency: f64) -> f64 {
     let turn = std::f64::consts::TAU * frequency;
     let (sines, cosines): (Vec<f64>, Vec<f64>) = variable.iter().map(|v| (turn * v).sin_cos()).unzip();
     share(residual, &sines, &cosines)
 }
 
-/// Shares that a straight line, an odd function (of first and third power, or of the first and the sign) and an even one explain.
+/// Returns the shares that a straight line, an odd function (of first and third power, or of the first and the sign) and an even
+/// one explain.
 fn simple(residual: &[f64], variable: &[f64]) -> [f64; 3] {
     let largest = variable.iter().fold(f64::MIN_POSITIVE, |a, v| a.max(v.abs()));
     let of = |f: &dyn Fn(f64) -> f64| variable.iter().map(|v| f(v / largest)).collect::<Vec<f64>>();
@@ -190,7 +191,7 @@ fn simple(residual: &[f64], variable: &[f64]) -> [f64; 3] {
     [straight, odd, even]
 }
 
-/// Share of the variance that two regressors and a constant explain.
+/// Returns the share of the variance that two regressors and a constant explain.
 fn share(residual: &[f64], a: &[f64], b: &[f64]) -> f64 {
     let [r, a, b] = [residual, a, b].map(centred);
     let (aa, bb, ab) = (dot(&a, &a), dot(&b, &b), dot(&a, &b));

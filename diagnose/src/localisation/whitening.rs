@@ -1,19 +1,19 @@
-//! Whitening: a series of known colour made white, so that its samples count alike.
+//! Whitening: a series of known spectrum made white, so that its samples count equally.
 //!
-//! The colour is that of an autoregression, from the autocovariance of examples (Levinson 1947, Durbin 1960).
+//! The spectrum is that of an autoregression, from the autocovariance of examples (Levinson 1947, Durbin 1960).
 
 /// Order of the autoregression.
 pub(crate) const ORDER: usize = 16;
-/// Share of its variance that is added to a series as white noise: the recursion stays stable.
+/// Share of its variance that is added to a series as white noise, so that the recursion stays stable.
 const REGULARITY: f64 = 1e-6;
 
-/// What makes a series white, of unit variance.
+/// A filter that makes a series white, of unit variance.
 pub(crate) struct Whitener {
     taps: [f64; ORDER + 1],
 }
 
 impl Whitener {
-    /// The whitener of series like the examples.
+    /// Fits the filter to examples.
     pub fn of(examples: &[Vec<f64>]) -> Self {
         let mut covariance = [0.0; ORDER + 1];
         for (lag, sum) in covariance.iter_mut().enumerate() {
@@ -28,14 +28,14 @@ impl Whitener {
         Self { taps: taps.map(|tap| tap / size) }
     }
 
-    /// The series made white, less its first [`ORDER`] samples.
+    /// Returns the whitened series, without its first [`ORDER`] samples.
     pub fn applied(&self, series: &[f64]) -> Vec<f64> {
         let at = |window: &[f64]| window.iter().rev().zip(&self.taps).map(|(x, tap)| x * tap).sum();
         series.windows(ORDER + 1).map(at).collect()
     }
 }
 
-/// Coefficients of the prediction error, and its variance, for an autocovariance.
+/// Returns the coefficients of the prediction error, and its variance, for an autocovariance.
 fn levinson(covariance: &[f64; ORDER + 1]) -> ([f64; ORDER + 1], f64) {
     let mut taps = [0.0; ORDER + 1];
     taps[0] = 1.0;

@@ -1,20 +1,22 @@
-//! Recordings without their holes: what can be replayed of each, and what was done to it.
+//! Gap repair: what can be replayed of a recording with missing samples, and what was done to it.
 //!
-//! A replay needs what drives it without a break: demand, control and the platform's motion. A few missing samples are
-//! filled in; a longer hole parts the recording, and each part is a recording of its own with its own start. What is only
-//! compared (hub rate, motor rate, hub position) is left out where its sensor stood still while the mechanism moved.
+//! A replay needs the signals that drive it without a break: demand, control and the platform's motion. A few missing samples are
+//! interpolated; a longer gap splits the recording, and each part is a recording of its own with its own initial state. Readings
+//! that are only compared (hub rate, motor rate, hub position) are left out while their sensor stood still and the mechanism moved.
+
+use std::ops::Range;
 
 use counterpoise_simulate::recording::Recording;
 
 use crate::recording::series::rms;
 
-/// Missing samples in a row that are filled in on a straight line.
+/// Longest gap in samples that is interpolated.
 const FILLED: usize = 10;
 /// Shortest part that is kept, s.
 const SHORTEST_S: f64 = 1.0;
-/// Equal readings in a row from which a sensor may be stuck.
+/// Number of equal readings from which a sensor may be stuck.
 const STUCK: usize = 40;
-/// Share of its usual size that the motion has at the least while a sensor is stuck.
+/// Smallest share of the usual motion during which a sensor counts as stuck.
 const MOVING: f64 = 0.3;
 
 /// What was done to a channel, or to all of a recording, to repair it.
@@ -49,16 +51,16 @@ pub enum Repair {
     },
 }
 
-/// A recording without its holes.
+/// A recording without gaps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RepairedRecording {
-    /// The parts that can be replayed: the recording itself where it is whole, none where nothing is left.
+    /// The parts that can be replayed: the recording itself if it is whole, none if nothing is left.
     pub parts: Vec<Recording>,
-    /// What was found and done, each with its channel.
+    /// What was done, each with its channel.
     pub repairs: Vec<(&'static str, Repair)>,
 }
 
-/// Mends a recording; `ratio` is the gear's, motor turns per hub turn.
+/// Repairs a recording; `ratio` is the gear's, motor turns per hub turn.
 pub fn repair_gaps(recording: &Recording, ratio: f64) -> RepairedRecording {
     let mut whole = recording.clone();
     let mut repairs = Vec::new();
@@ -103,7 +105,7 @@ fn driving(r: &mut Recording) -> Columns<'_, 4> {
     ]
 }
 
-/// For hub rate, motor rate and hub position: the hub's rate on the platform as another sensor has it.
+/// Returns, for hub rate, motor rate and hub position, the hub's rate on the platform as another sensor measures it.
 fn motions(r: &Recording, ratio: f64) -> [Option<Vec<f64>>; 3] {
     let geared = r.motor_rate_rad_s.as_ref().map(|w| w.iter().map(|v| v / ratio).collect::<Vec<f64>>());
     let gyros = r.hub_rate_rad_s.as_ref().map(|hub| {
@@ -114,7 +116,7 @@ fn motions(r: &Recording, ratio: f64) -> [Option<Vec<f64>>; 3] {
     [geared, gyros.clone(), gyros]
 }
 
-/// Takes out the readings of a sensor that stood still while the mechanism moved.
+/// Removes the readings of a sensor that stood still while the mechanism moved.
 fn remove_stuck_readings(series: &mut [f64], motion: &[f64]) -> Option<Repair> {
     let usual = rms(&motion.iter().copied().filter(|v| v.is_finite()).collect::<Vec<f64>>());
     let mut taken = Vec::new();
@@ -137,7 +139,7 @@ fn remove_stuck_readings(series: &mut [f64], motion: &[f64]) -> Option<Repair> {
     Some(Repair::StuckReadings { value, samples, first })
 }
 
-/// Fills short holes of a series, and marks the samples of long ones.
+/// Interpolates short gaps of a series, and marks the samples of long ones.
 fn fill_short_gaps(series: &mut [f64], broken: &mut [bool]) -> Option<Repair> {
     let mut short = 0;
     let mut from = 0;
@@ -162,17 +164,17 @@ fn fill_short_gaps(series: &mut [f64], broken: &mut [bool]) -> Option<Repair> {
     (short > 0).then_some(Repair::Filled { samples: short })
 }
 
-/// The stretches between long holes.
+/// Splits a recording at long gaps.
 fn split_at_gaps(whole: &Recording, broken: &[bool]) -> (Vec<Recording>, Option<Repair>) {
     if !broken.contains(&true) {
         return (vec![whole.clone()], None);
     }
     let shortest = (SHORTEST_S / whole.sample_period_s).round() as usize;
-    let mut stretches: Vec<(usize, usize)> = Vec::new();
+    let mut stretches: Vec<Range<usize>> = Vec::new();
     let mut from = 0;
     for stretch in broken.chunk_by(|a, b| a == b) {
         if !stretch[0] && stretch.len() >= shortest {
-            stretches.push((from, from + stretch.len()));
+            stretches.push(from..from + stretch.len());
         }
         from += stretch.len();
     }
@@ -181,16 +183,13 @@ fn split_at_gaps(whole: &Recording, broken: &[bool]) -> (Vec<Recording>, Option<
     let first = broken.iter().position(|b| *b).unwrap_or(0) as f64 * whole.sample_period_s;
     let repair = Repair::Split { gaps: holes, missing_s: missing, first_s: first, parts: stretches.len() };
     let count = stretches.len();
-    let parts = stretches.iter().enumerate().map(|(k, stretch)| part(whole, *stretch, (k, count))).collect();
+    let part = |(k, stretch): (usize, Range<usize>)| {
+        let part = whole.part(stretch);
+        let name = if count > 1 { format!("{} (part {})", whole.name, k + 1) } else { part.name.clone() };
+        Recording { name, ..part }
+    };
+    let parts = stretches.into_iter().enumerate().map(part).collect();
     (parts, Some(repair))
-}
-
-fn part(whole: &Recording, (from, to): (usize, usize), (k, count): (usize, usize)) -> Recording {
-    let mut part = whole.part(from..to);
-    if count > 1 {
-        part.name = format!("{} (part {})", whole.name, k + 1);
-    }
-    part
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use counterpoise_simulate::recording::Recording;
 
-/// What was measured, as the balances need it.
+/// The measured signals of one recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredSignals {
     /// Sample period, s.
@@ -21,8 +21,8 @@ pub struct MeasuredSignals {
     pub hub_position: Option<Vec<f64>>,
 }
 
-/// One recording as the balances take it.
-pub fn measured(recording: &Recording) -> Option<MeasuredSignals> {
+/// Returns the signals of a recording; `None` if it has no control or no hub rate.
+pub fn read_signals(recording: &Recording) -> Option<MeasuredSignals> {
     let still = || vec![0.0; recording.len()];
     Some(MeasuredSignals {
         period_s: recording.sample_period_s,

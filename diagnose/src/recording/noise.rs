@@ -1,12 +1,12 @@
-//! How much of each channel is noise: taken from the recordings, for a project file may say more or less than is there.
+//! The noise of each channel, measured from the recordings: a project file may state more or less than there is.
 
 use counterpoise_models::{Interface, Parameters, Sensor};
 use counterpoise_simulate::recording::{Channel, Recording};
 use counterpoise_simulate::replay::reading_floor;
 
-/// RMS of the white noise of a series from its third differences, by their median: steps and slow motion do not
-/// disturb it. 0 for a series that stands still or is too short.
-pub fn white_noise(series: &[f64]) -> f64 {
+/// Returns the RMS of the white noise of a series from the median of its third differences, which steps and slow motion do not
+/// disturb; 0 for a series that stands still or is too short.
+pub fn measure_white_noise(series: &[f64]) -> f64 {
     let third = series.windows(4).map(|w| (w[3] - 3.0 * (w[2] - w[1]) - w[0]).abs());
     let mut sizes: Vec<f64> = third.filter(|d| d.is_finite()).collect();
     sizes.sort_by(f64::total_cmp);
@@ -14,22 +14,22 @@ pub fn white_noise(series: &[f64]) -> f64 {
     median / (0.6745 * 20f64.sqrt())
 }
 
-/// The floor of a channel of one recording: the noise that it shows, and no less than its converter's step leaves.
-pub fn floor(base: &Parameters, channel: Channel, series: &[f64]) -> f64 {
+/// Returns the noise floor of a channel of one recording: the noise that it shows, and no less than its converter's step leaves.
+pub fn measure_noise_floor(base: &Parameters, channel: Channel, series: &[f64]) -> f64 {
     let output = 20.0 / f64::from(base.interface.output_bits).exp2() / 12f64.sqrt();
     let step = sensor(base, channel).map_or(output, |s| silent(s, &base.interface));
-    white_noise(series).max(step).max(f64::MIN_POSITIVE)
+    measure_white_noise(series).max(step).max(f64::MIN_POSITIVE)
 }
 
-/// The mechanism with its sensors as noisy as the recordings show them (the median over the recordings); a sensor whose
-/// channel stands still or was not recorded stays as the project has it.
+/// Returns the mechanism with the sensor noise that the recordings show (the median over the recordings). A sensor whose channel
+/// stands still or was not recorded keeps the project's noise.
 pub fn with_recorded_noise(base: &Parameters, recordings: &[Recording]) -> Parameters {
     let mut heard = base.clone();
     for channel in Channel::ALL {
         let mut levels: Vec<f64> = recordings
             .iter()
             .filter_map(|r| r.column(channel))
-            .map(white_noise)
+            .map(measure_white_noise)
             .filter(|n| *n > 0.0)
             .collect();
         levels.sort_by(f64::total_cmp);
@@ -42,7 +42,7 @@ pub fn with_recorded_noise(base: &Parameters, recordings: &[Recording]) -> Param
     heard
 }
 
-/// The mechanism with the noise of its sensors as another has it.
+/// Returns the mechanism with the sensor noise of another.
 pub fn with_noise_levels_of(mut mechanism: Parameters, other: &Parameters) -> Parameters {
     for channel in Channel::ALL {
         if let (Some(ours), Some(theirs)) = (sensor_mut(&mut mechanism, channel), sensor(other, channel)) {
@@ -52,7 +52,7 @@ pub fn with_noise_levels_of(mut mechanism: Parameters, other: &Parameters) -> Pa
     mechanism
 }
 
-/// What the converter's step alone leaves of a sensor.
+/// Returns the noise floor that the converter's step alone leaves of a sensor.
 fn silent(sensor: &Sensor, interface: &Interface) -> f64 {
     reading_floor(&Sensor { noise_rms: 0.0, ..sensor.clone() }, interface)
 }
@@ -101,7 +101,7 @@ mod tests {
         let rate: Vec<f64> = (0..5000)
             .map(|k| 0.1 * (k as f64 * 0.004).sin() + f64::from(k / 1000) + 2e-3 * noise())
             .collect();
-        assert!((white_noise(&rate) / 2e-3 - 1.0).abs() < 0.05, "{}", white_noise(&rate));
+        assert!((measure_white_noise(&rate) / 2e-3 - 1.0).abs() < 0.05, "{}", measure_white_noise(&rate));
         let recording =
             Recording { hub_rate_rad_s: Some(rate), sample_period_s: 1e-3, ..Recording::default() };
         let base = reference::rig();

@@ -1,4 +1,4 @@
-//! Before any physics: are the recordings what they claim to be?
+//! Sanity checks before any physics: whether the recordings are what they claim to be.
 //!
 //! Every channel is checked by itself (not finite, stuck, clipped, coarsely quantised), and the three ways to know the
 //! hub's rate on the platform (gyroscopes, tachometer over the ratio, the resolver's derivative) against each other.
@@ -137,12 +137,12 @@ pub fn check_signals(name: &str, measured: &MeasuredSignals, ratio: f64) -> Vec<
         }
     }
     let pairs = redundant(measured, ratio);
-    let slopes: Vec<(f64, f64)> = pairs.iter().map(|(_, gyros, other)| regression(gyros, other)).collect();
+    let slopes: Vec<Slope> = pairs.iter().map(|(_, gyros, other)| regression(gyros, other)).collect();
     if let Some(anomaly) = all_against_the_gyros(&slopes) {
         note("hub_rate", anomaly);
         return remarks;
     }
-    for ((channel, gyros, other), (slope, coherence)) in pairs.iter().zip(slopes) {
+    for ((channel, gyros, other), Slope { slope, coherence }) in pairs.iter().zip(slopes) {
         if let Some(meaning) = meaning(slope, coherence) {
             note(channel, Anomaly::Disagrees { ratio: slope, meaning });
         } else if let Some(anomaly) =
@@ -173,12 +173,15 @@ pub fn check_control(base: &Parameters, recording: &Recording, control: &Loop) -
     (ratio > FOREIGN).then_some(ControlMismatch { rms_v: fit.rms_error, ratio })
 }
 
-/// Times what rounding leaves beyond which a control is not the controller's.
+/// Multiple of what rounding leaves beyond which a control is not the controller's.
 const FOREIGN: f64 = 5.0;
 
-/// Two sensors that agree with each other and not with the gyroscopes: those are wrong.
-fn all_against_the_gyros(slopes: &[(f64, f64)]) -> Option<Anomaly> {
-    let &[(a, coherence_a), (b, coherence_b)] = slopes else { return None };
+/// Detects that the gyroscopes are wrong: two other sensors agree with each other and not with them.
+fn all_against_the_gyros(slopes: &[Slope]) -> Option<Anomaly> {
+    let [Slope { slope: a, coherence: coherence_a }, Slope { slope: b, coherence: coherence_b }] = *slopes
+    else {
+        return None;
+    };
     let agree = (a / b - 1.0).abs() < AGREE;
     let meaning = meaning(1.0 / a, coherence_a.min(coherence_b)).filter(|_| agree)?;
     Some(Anomaly::GyroscopesDisagree { ratio: 1.0 / a, meaning })
@@ -187,21 +190,21 @@ fn all_against_the_gyros(slopes: &[(f64, f64)]) -> Option<Anomaly> {
 /// Two slopes within this share of each other agree.
 const AGREE: f64 = 0.1;
 
-/// Two clocks whose readings part by more than this are told, s: sensors and gear account for a few milliseconds.
+/// Clock offset from which it is reported, s: sensors and gear account for a few milliseconds.
 const OFFSET_TOLD_S: f64 = 8e-3;
-/// Clock offsets up to this are sought, s.
+/// Largest clock offset that is tried, s.
 const OFFSET_SOUGHT_S: f64 = 0.1;
-/// Share of the difference between two channels that an offset may leave to be believed: a wide gap between the teeth
-/// makes the motor lead, too, but leaves a quarter and more.
+/// Largest share of the difference between two channels that an offset may leave to be believed: a wide backlash makes the motor
+/// lead as well, but leaves a quarter or more.
 const OFFSET_EXPLAINS: f64 = 0.1;
 
-/// Whether a channel comes later or earlier than the gyroscopes: the offset with the smallest difference.
+/// Detects a clock offset: the shift with the smallest difference to the gyroscopes.
 fn shifted(reference: &[f64], rate: &[f64], period_s: f64) -> Option<Anomaly> {
     let (offset_s, believed) = offset(reference, rate, period_s)?;
     (believed && offset_s.abs() > OFFSET_TOLD_S).then_some(Anomaly::ClockOffset { late_s: offset_s })
 }
 
-/// Whether a channel's clock runs fast or slow: other offsets at the start and at the end.
+/// Detects a clock that runs fast or slow: the offsets at the start and at the end differ.
 fn drifting(reference: &[f64], rate: &[f64], period_s: f64) -> Option<Anomaly> {
     let third = reference.len() / 3;
     let at = |from: usize| offset(&reference[from..from + third], &rate[from..from + third], period_s);
@@ -212,7 +215,7 @@ fn drifting(reference: &[f64], rate: &[f64], period_s: f64) -> Option<Anomaly> {
     told.then_some(Anomaly::ClockDrift { start_s, end_s, slow: part })
 }
 
-/// The offset, s, with the smallest difference, and whether it explains so much that it is believed.
+/// Returns the offset, s, with the smallest difference, and whether it explains enough to be believed.
 fn offset(reference: &[f64], rate: &[f64], period_s: f64) -> Option<(f64, bool)> {
     let most = (OFFSET_SOUGHT_S / period_s).round() as usize;
     let inside = most..reference.len().checked_sub(most).filter(|end| *end > 2 * most)?;
@@ -238,7 +241,7 @@ fn channels(m: &MeasuredSignals) -> Vec<(&'static str, &[f64])> {
     out
 }
 
-/// What a channel says about itself.
+/// Checks a channel by itself.
 fn check_alone(series: &[f64]) -> Option<Anomaly> {
     let bad = series.iter().filter(|v| !v.is_finite()).count();
     if bad > 0 {
@@ -268,7 +271,7 @@ const CLIPPED_SHARE: f64 = 0.01;
 /// Fewest steps of the quantiser over the range for which a flat top means something.
 const FINE_STEPS: f64 = 200.0;
 
-/// Flat tops at an extreme, several times over: a limit, not a coincidence.
+/// Detects repeated flat tops at an extreme: a limit, not a coincidence.
 fn clipped(series: &[f64], low: f64, high: f64, quantum: f64) -> Option<Anomaly> {
     if high - low < FINE_STEPS * quantum {
         return None;
@@ -299,7 +302,7 @@ fn extent(series: &[f64]) -> (f64, f64) {
     series.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)))
 }
 
-/// Smallest difference between two different neighbouring values: the quantiser's step.
+/// Returns the quantiser's step: the smallest difference between two different neighbouring values.
 fn step(series: &[f64]) -> f64 {
     let (low, high) = extent(series);
     let negligible = 1e-9 * (high - low);
@@ -307,7 +310,7 @@ fn step(series: &[f64]) -> f64 {
     differences.fold(f64::INFINITY, f64::min).min(high - low)
 }
 
-/// Each redundant channel's rate of the hub on the platform beside the gyroscopes', smoothed alike.
+/// Returns each redundant channel's rate of the hub on the platform beside that of the gyroscopes, smoothed alike.
 fn redundant(m: &MeasuredSignals, ratio: f64) -> Vec<(&'static str, Vec<f64>, Vec<f64>)> {
     let relative: Vec<f64> = m.hub_rate.iter().zip(&m.platform_rate).map(|(h, p)| h - p).collect();
     let half = (0.02 / m.period_s).round() as usize;
@@ -331,7 +334,7 @@ fn slope_at(series: &[f64], k: usize, half: usize) -> f64 {
     (series[to] - series[from]) / (to - from).max(1) as f64
 }
 
-/// Moving mean; missing where a sample in the window is missing.
+/// Returns the moving mean; not a number if a sample in the window is missing.
 fn moving(series: &[f64], half: usize) -> Vec<f64> {
     let at = |k: usize| {
         let window = &series[k.saturating_sub(half)..(k + half + 1).min(series.len())];
@@ -340,23 +343,33 @@ fn moving(series: &[f64], half: usize) -> Vec<f64> {
     (0..series.len()).map(at).collect()
 }
 
-/// The series about the mean of what is there.
+/// Returns the series about the mean of the samples that are numbers.
 fn centred(series: &[f64]) -> Vec<f64> {
     let there: Vec<f64> = series.iter().copied().filter(|v| v.is_finite()).collect();
     let mean = there.iter().sum::<f64>() / there.len().max(1) as f64;
     series.iter().map(|v| v - mean).collect()
 }
 
-/// Slope of y over x and their coherence, where both are there.
-fn regression(x: &[f64], y: &[f64]) -> (f64, f64) {
+/// Slope of one series over another, with their coherence.
+struct Slope {
+    slope: f64,
+    coherence: f64,
+}
+
+/// The slope of y over x where both are numbers.
+fn regression(x: &[f64], y: &[f64]) -> Slope {
     let both = || x.iter().zip(y).filter(|(a, b)| a.is_finite() && b.is_finite());
     let inner: f64 = both().map(|(a, b)| a * b).sum();
     let power: f64 = both().map(|(a, _)| a * a).sum();
     let other: f64 = both().map(|(_, b)| b * b).sum();
-    if power == 0.0 || other == 0.0 { (1.0, 0.0) } else { (inner / power, inner * inner / (power * other)) }
+    if power == 0.0 || other == 0.0 {
+        Slope { slope: 1.0, coherence: 0.0 }
+    } else {
+        Slope { slope: inner / power, coherence: inner * inner / (power * other) }
+    }
 }
 
-/// What a slope that is not 1 most likely means, and whether the channel cannot be used as it is.
+/// Returns what a slope that is not 1 most likely means; `None` if it is near 1 or the coherence is low.
 fn meaning(slope: f64, coherence: f64) -> Option<Meaning> {
     if coherence.is_nan() || coherence < 0.5 || (slope - 1.0).abs() < 0.2 {
         return None;

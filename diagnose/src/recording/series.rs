@@ -1,6 +1,6 @@
-//! What is done to series of samples everywhere: means that move, slopes, deviations.
+//! Operations on series of samples: moving means, slopes, deviations, products.
 
-/// Root of the mean square; 0 for nothing.
+/// Returns the root of the mean square; 0 for an empty series.
 pub(crate) fn rms(series: &[f64]) -> f64 {
     if series.is_empty() {
         0.0
@@ -9,12 +9,12 @@ pub(crate) fn rms(series: &[f64]) -> f64 {
     }
 }
 
-/// Sum of the products of two series.
+/// Returns the sum of the products of two series.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
-/// Mean over `half` samples to either side; missing where a sample in the window is.
+/// Returns the mean over `half` samples to either side; not a number if one in the window is missing.
 pub(crate) fn moving_mean(series: &[f64], half: usize) -> Vec<f64> {
     let (mut sums, mut holes) = (vec![0.0], vec![0usize]);
     for value in series {
@@ -28,12 +28,12 @@ pub(crate) fn moving_mean(series: &[f64], half: usize) -> Vec<f64> {
     (0..series.len()).map(at).collect()
 }
 
-/// Twice the moving mean.
+/// Returns the moving mean of the moving mean.
 pub(crate) fn low_pass(series: &[f64], half: usize) -> Vec<f64> {
     moving_mean(&moving_mean(series, half), half)
 }
 
-/// Central differences; one-sided at the ends.
+/// Returns central differences, one-sided at the ends.
 pub(crate) fn derivative(series: &[f64], period_s: f64) -> Vec<f64> {
     let last = series.len().saturating_sub(1);
     let at = |k: usize| {
@@ -43,14 +43,14 @@ pub(crate) fn derivative(series: &[f64], period_s: f64) -> Vec<f64> {
     (0..series.len()).map(at).collect()
 }
 
-/// Deviation about the mean of what is there.
+/// Returns the standard deviation of the samples that are numbers.
 pub(crate) fn deviation(series: &[f64]) -> f64 {
     let there: Vec<f64> = series.iter().copied().filter(|v| v.is_finite()).collect();
     let mean = there.iter().sum::<f64>() / there.len().max(1) as f64;
     rms(&there.iter().map(|v| v - mean).collect::<Vec<f64>>())
 }
 
-/// Integrated correlation time of a series in samples, 1 for white noise (initial positive sequence, Geyer 1992).
+/// Returns the integrated correlation time of a series in samples, 1 for white noise (initial positive sequence, Geyer 1992).
 pub(crate) fn correlation_time(series: &[f64]) -> f64 {
     let power = series.iter().map(|r| r * r).sum::<f64>();
     if power == 0.0 {

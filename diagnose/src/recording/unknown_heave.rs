@@ -1,15 +1,16 @@
-//! Recordings of a moving platform whose heave nobody recorded.
+//! Recordings of a moving platform without its acceleration.
 
 use counterpoise_simulate::recording::Recording;
 
 use crate::recording::remarks::{HeaveTreatment, RecordingRemark};
 use crate::recording::series::rms;
 
-/// Rate of a platform above which it moves, rad/s RMS.
+/// Rate above which a platform moves, rad/s RMS.
 const MOVES_RAD_S: f64 = 5e-3;
 
-/// The recordings less those in which the platform moves and nobody recorded how it heaves, and what is said of these: out of balance,
-/// the mechanism feels the heave, and some effect would be found that is as large. Where all are so, all stay.
+/// Leaves out the recordings in which the platform moves and its heave was not recorded: an out-of-balance mechanism responds to
+/// the heave, and an effect of that size would be found. If that holds for all recordings, all are kept. Returns the recordings and
+/// the remarks on them.
 pub(crate) fn drop_unknown_heave(recordings: Vec<Recording>) -> (Vec<Recording>, Vec<RecordingRemark>) {
     let all = recordings.iter().all(is_unknown);
     let treatment = if all { HeaveTreatment::TakenAsNone } else { HeaveTreatment::LeftOut };

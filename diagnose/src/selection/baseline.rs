@@ -1,8 +1,8 @@
-//! The model as it is, as fairly judged as a candidate: the recordings' starts fitted to all that was recorded.
+//! The baseline: the model as it is, with the recordings' initial states fitted to all that was recorded.
 //!
-//! A start found from the first moments says little of what shows only later: without a resolver the hub's angle is known
-//! from its weight alone, and a level hub's weight hardly depends on it. A candidate's starts are fitted together with its
-//! parameters; were those of the model as it is not, every effect that does next to nothing would gain what the starts give.
+//! An initial state estimated from the first moments does not reflect what shows only later: without a resolver the hub's angle is
+//! known from its weight alone, and a level hub's weight hardly depends on it. The initial states of a candidate are fitted
+//! together with its parameters; if those of the model as it is were not, every effect would gain what the initial states give.
 
 use crate::fitting::output_error::FitSelection;
 use crate::fitting::score::{Score, assess, score};
@@ -11,19 +11,19 @@ use crate::selection::searcher::Searcher;
 use crate::simulator_access::Assessment;
 use crate::tolerance::SEARCH_ITERATIONS;
 
-/// How the recordings stand to the model as it is.
+/// The assessments of the recordings for the model as it is.
 #[derive(Debug, Clone)]
 pub struct Baseline {
-    /// From the starts that their first moments tell.
+    /// From the initial states that their first moments show.
     pub sought: Vec<Assessment>,
-    /// From the starts that explain most of each recording.
+    /// From the initial states that explain most of each recording.
     pub fitted: Vec<Assessment>,
     /// Fit of every recording, whole, from these.
     pub score: Score,
 }
 
 impl Searcher<'_> {
-    /// The model as it is; none where it cannot be simulated.
+    /// Assesses the model as it is; returns `None` if it cannot be simulated.
     pub(crate) fn fit_baseline(&self) -> Option<Baseline> {
         let sought = assess(self.simulator, self.pool, self.base)?;
         let selection =
@@ -38,7 +38,7 @@ impl Searcher<'_> {
     }
 }
 
-/// Sum of ln(excess) over a recording's channels.
+/// Returns the sum of ln(excess) over a recording's channels.
 pub(crate) fn level(judged: &Assessment) -> f64 {
     (0..judged.channels.len()).map(|c| judged.excess(c).max(f64::MIN_POSITIVE).ln()).sum()
 }

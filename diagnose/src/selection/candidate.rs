@@ -1,4 +1,4 @@
-//! A model that was fitted and judged, and the weighing of several of them.
+//! A candidate model, fitted and assessed, and the ranking of several.
 
 use crate::fitting::output_error::{Fit, parameters_of};
 use crate::fitting::score::{RecordingPart, Score};
@@ -8,7 +8,7 @@ use crate::tolerance::{
     EFFECT_PRICE, EXPLAINED, FITTED_SHARE, HARM, NOTHING_LEFT, PARAMETER_PRICE, SYSTEMATIC_GAIN,
 };
 
-/// A candidate that was fitted and judged.
+/// A candidate that was fitted and assessed.
 #[derive(Debug, Clone)]
 pub struct Candidate {
     /// All effects of the model, fitted together; the new one is the last.
@@ -21,54 +21,55 @@ pub struct Candidate {
     pub held_out_before: Score,
     /// What the candidate was not fitted to.
     pub held_out_parts: Vec<RecordingPart>,
-    /// How the recordings stand to it, without their residuals.
+    /// The assessments of the recordings, without residuals.
     pub assessments: Vec<Assessment>,
-    /// The recordings without which an effect of it could not be sized.
+    /// The recordings without which the size of one of its effects could not be determined.
     pub needed: Vec<usize>,
     /// Log-likelihood that an effect must gain, in nats.
     pub least_gain: f64,
 }
 
 impl Candidate {
-    /// The effect that the candidate adds.
+    /// Returns the effect that the candidate adds.
     pub fn newest(&self) -> Option<&'static Effect> {
         self.fit.effects.last().copied()
     }
 
-    /// Log-likelihood gained on data that it was not fitted to, in nats.
+    /// Returns the log-likelihood gained on held-out data, in nats.
     pub fn gain(&self) -> f64 {
         self.held_out.gain_over(&self.held_out_before)
     }
 
-    /// Nats by which the candidate is behind another on all data, each effect and each parameter at its price.
+    /// Returns the log-likelihood by which the candidate is behind another on all data, in nats, with each effect and each
+    /// parameter at its price.
     pub fn behind(&self, other: &Self) -> f64 {
         self.whole.loss_against(&other.whole) + self.price() - other.price()
     }
 
-    /// What its effects and parameters must be worth, in nats.
+    /// Returns what its effects and parameters must be worth, in nats.
     fn price(&self) -> f64 {
         EFFECT_PRICE * self.fit.effects.len() as f64 + PARAMETER_PRICE * self.fit.values.len() as f64
     }
 
-    /// Whether it gains enough, on data that it was not fitted to, harms no channel there and keeps its bounds.
+    /// Returns whether it gains enough on held-out data, makes no channel worse there and keeps within its bounds.
     pub fn is_acceptable(&self) -> bool {
         self.gain() > self.least_gain && !self.is_harmful() && self.is_within_bounds()
     }
 
-    /// Whether a channel that was not fitted gets clearly worse.
+    /// Returns whether a held-out channel gets clearly worse.
     pub fn is_harmful(&self) -> bool {
         let cells = self.held_out.cells.iter().zip(&self.held_out_before.cells);
         cells.into_iter().any(|(after, before)| after.excess > HARM * before.excess.max(1.0))
     }
 
-    /// Share of the power of what a smaller model leaves that it explains, mean over recordings and channels.
+    /// Returns the share of the power of a smaller model's residual that it explains, mean over recordings and channels.
     pub fn power_share(&self, smaller: &Score) -> f64 {
         let cells = self.whole.cells.iter().zip(&smaller.cells);
         let left: f64 = cells.map(|(after, before)| (after.rms_error / before.rms_error).powi(2)).sum();
         1.0 - left / self.whole.cells.len().max(1) as f64
     }
 
-    /// Whether every parameter stayed off the bounds of physical sense.
+    /// Returns whether every parameter stayed off the bounds of physical sense.
     pub(crate) fn is_within_bounds(&self) -> bool {
         parameters_of(&self.fit.effects).iter().zip(&self.fit.values).all(|(parameter, &value)| {
             let [low, high] = parameter.bounds;
@@ -77,14 +78,14 @@ impl Candidate {
         })
     }
 
-    /// Whether its last effect is worth having beside those of a smaller model: more than chance, and more than what two
-    /// careful simulators of one mechanism differ by, which grows with all that was explained.
+    /// Returns whether its last effect is worth having beside those of a smaller model: it must gain more than noise, and more than
+    /// two careful simulators of one mechanism differ by, which grows with all that was explained.
     pub fn is_worth_more_than(&self, smaller: &Score, nothing: &Score) -> bool {
         let gain = self.whole.gain_over(smaller);
         gain > self.least_gain && gain > SYSTEMATIC_GAIN * self.whole.gain_over(nothing)
     }
 
-    /// Whether nothing is left that a further effect could explain.
+    /// Returns whether nothing is left that a further effect could explain.
     pub fn explains(&self) -> bool {
         self.whole.worst() < EXPLAINED && self.whole.distance() < NOTHING_LEFT
     }
@@ -99,7 +100,7 @@ impl Candidate {
         all(self) == all(other)
     }
 
-    /// Puts the newest effect at `index` of the list.
+    /// Moves the newest effect to `index` of the list.
     pub(crate) fn move_last_to(&mut self, index: usize) {
         let Some(newest) = self.fit.effects.pop() else { return };
         let first = parameters_of(&self.fit.effects[..index]).len();
@@ -109,8 +110,8 @@ impl Candidate {
     }
 }
 
-/// Candidates best first, each set of effects once: by the likelihood of all data, every channel weighed by what it is
-/// worth to the one that is nearest to the floor.
+/// Ranks candidates, best first, with each set of effects once: by the likelihood of all data, every channel weighted by its worth
+/// to the one that is nearest to the floor.
 pub(crate) fn ranked(mut candidates: Vec<Candidate>) -> Vec<Candidate> {
     candidates.sort_by(|a, b| a.whole.level().total_cmp(&b.whole.level()));
     if let Some(nearest) = candidates.first().cloned() {
@@ -125,7 +126,7 @@ pub(crate) fn ranked(mut candidates: Vec<Candidate>) -> Vec<Candidate> {
     kept
 }
 
-/// The end of every fitted recording, and the others whole.
+/// Returns the end of every fitted recording, and the others whole.
 pub(crate) fn held_out_parts(count: usize, fitted: &[usize]) -> Vec<RecordingPart> {
     let part = |r| RecordingPart {
         recording: r,
@@ -135,7 +136,7 @@ pub(crate) fn held_out_parts(count: usize, fitted: &[usize]) -> Vec<RecordingPar
     (0..count).map(part).collect()
 }
 
-/// All recordings, whole.
+/// Returns all recordings, whole.
 pub(crate) fn whole_parts(count: usize) -> Vec<RecordingPart> {
     (0..count).map(|recording| RecordingPart { recording, from: 0.0, to: 1.0 }).collect()
 }

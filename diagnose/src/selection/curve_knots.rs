@@ -1,31 +1,31 @@
-//! Where the points of a table lie: chosen by what the recordings show, and by what they did not see.
+//! Where the knots of the amplifier's curve lie, chosen by held-out stretches.
 //!
-//! A curve that was found with its points at the usual inputs bends where those lie, and the machine's elsewhere. What each point of
-//! a fine curve does to the residuals is taken from the simulator once; from then on every choice of points is a linear fit.
-//! The recordings are cut into stretches of a second; each choice is fitted to every second stretch and judged on the others,
-//! and the other way round. Points are added, moved and taken away while that is worth their price.
+//! A curve that was found with its knots at the usual inputs bends there, and the machine's elsewhere. What each knot of a fine
+//! curve does to the residuals is computed by the simulator once; from then on every choice of knots is a linear fit. The
+//! recordings are cut into stretches of a second; each choice is fitted to every second stretch and assessed on the others, and
+//! vice versa. Knots are added, moved and removed while that is worth their price.
 
 use counterpoise_linalg::{Mat, solve};
 use counterpoise_simulate::replay::{START_FREEDOMS, start_has};
 
 use crate::fitting::StartColumns;
 use crate::fitting::output_error::FitSelection;
-use crate::library::{Effect, curve_inputs, curve_of};
+use crate::library::{Effect, gain_curve_inputs, make_gain_curve};
 use crate::recording::series::correlation_time;
 use crate::recording::series::dot;
 use crate::selection::candidate::Candidate;
 use crate::selection::searcher::Searcher;
 use crate::simulator_access::{Assessment, ChannelResidual, Span, StartShift, map};
 use crate::tolerance::{
-    KNOT_GAP_V, KNOT_ITERATIONS, KNOT_MOVES, KNOT_PRICE, KNOT_ROUNDS, KNOT_SHARE, KNOT_SPACING_V,
-    KNOT_STRETCH, KNOT_WANDER, KNOTS_AT_MOST,
+    KNOT_GAP_V, KNOT_ITERATIONS, KNOT_MOVE_GAIN, KNOT_MOVES, KNOT_PRICE, KNOT_ROUNDS, KNOT_SHARE,
+    KNOT_SPACING_V, KNOT_STRETCH, KNOTS_AT_MOST,
 };
 
 /// Step of a point of the fine curve, as a fraction of the linear gain.
 const STEP: f64 = 1e-3;
 
 impl Searcher<'_> {
-    /// A candidate with the points of its curve where the recordings ask for them; as it is where it has no curve.
+    /// Returns a candidate with the knots of its curve where the recordings require them; unchanged if it has no curve.
     pub(crate) fn place_curve_knots(&self, mut candidate: Candidate) -> Candidate {
         for _ in 0..KNOT_ROUNDS {
             match self.move_curve_knots(&candidate) {
@@ -36,11 +36,11 @@ impl Searcher<'_> {
         candidate
     }
 
-    /// The candidate with other points, where those explain more.
+    /// Returns the candidate with other knots if those explain more.
     fn move_curve_knots(&self, candidate: &Candidate) -> Option<Candidate> {
         let effects = &candidate.fit.effects;
-        let place = effects.iter().position(|e| curve_inputs(e).is_some())?;
-        let present = curve_inputs(effects[place])?;
+        let place = effects.iter().position(|e| gain_curve_inputs(e).is_some())?;
+        let present = gain_curve_inputs(effects[place])?;
         let fine = fine_inputs(present);
         let knots = self.slopes(candidate, &fine)?.chosen(present);
         let inputs: Vec<f64> = knots.iter().map(|&k| fine[k]).collect();
@@ -48,7 +48,7 @@ impl Searcher<'_> {
             return None;
         }
         let mut effects = effects.clone();
-        effects[place] = curve_of(&inputs);
+        effects[place] = make_gain_curve(&inputs);
         let start: Vec<f64> = effects.iter().flat_map(|e| e.values(&candidate.fit.parameters)).collect();
         let selection = FitSelection {
             iterations: KNOT_ITERATIONS,
@@ -59,19 +59,19 @@ impl Searcher<'_> {
         self.replace_fit(candidate, fit).filter(|sharper| sharper.behind(candidate) < 0.0)
     }
 
-    /// What each point of a fine curve does to all recordings.
+    /// Returns what each knot of a fine curve does to all recordings.
     fn slopes(&self, candidate: &Candidate, fine: &[f64]) -> Option<Slopes> {
-        let mut slopes = Slopes::new(fine, curve_of(fine).values(&candidate.fit.parameters));
+        let mut slopes = Slopes::new(fine, make_gain_curve(fine).values(&candidate.fit.parameters));
         for recording in 0..self.simulator.count() {
-            let (residual, columns) = self.columns(candidate, recording, curve_of(fine))?;
+            let (residual, columns) = self.columns(candidate, recording, make_gain_curve(fine))?;
             slopes.add(&residual, &columns);
         }
         slopes.samples_of_one /= slopes.samples.max(1.0);
         Some(slopes)
     }
 
-    /// The residuals of a recording, channel by channel, and what each point of the fine curve does to them; what the start could do
-    /// in their place is taken off.
+    /// Returns the residuals of a recording, channel by channel, and what each knot of the fine curve does to them, without what
+    /// the initial state could do instead.
     fn columns(&self, candidate: &Candidate, recording: usize, fine: &'static Effect) -> Option<Columns> {
         let near = candidate.assessments.get(recording)?;
         let values = fine.values(&candidate.fit.parameters);
@@ -105,7 +105,7 @@ impl Searcher<'_> {
     }
 }
 
-/// The residuals of each channel, weighted as a fit weighs them.
+/// Returns the residuals of each channel with the weights of a fit.
 fn weighted(channels: Vec<ChannelResidual>, near: &Assessment) -> Vec<Vec<f64>> {
     let one = |(c, misfit): (usize, ChannelResidual)| {
         let weight = near.weight(c);
@@ -124,11 +124,11 @@ struct Series {
     length: usize,
 }
 
-/// The inputs of a fine curve that has all points of another.
+/// Returns the inputs of a fine curve that has all knots of another.
 fn fine_inputs(present: &[f64]) -> Vec<f64> {
     let last = present.last().copied().unwrap_or(0.0);
     let count = (last / KNOT_SPACING_V - 1e-6).floor() as usize;
-    // a number that reads well in the answer
+    // rounded so that the result reads well
     let grid = |k: usize| (1e6 * k as f64 * KNOT_SPACING_V).round() / 1e6;
     let mut inputs: Vec<f64> = (1..=count).map(grid).collect();
     let close = |a: f64, b: f64| (a - b).abs() < 0.1 * KNOT_SPACING_V;
@@ -181,7 +181,8 @@ impl Slopes {
         self.halves.iter_mut().zip(&own).for_each(|(half, own)| half.join(own));
     }
 
-    /// What no choice of points explains of a recording: its colour says how many samples carry the information of one.
+    /// Returns what no choice of knots explains of a recording: its correlation time gives the number of samples that carry the
+    /// information of one.
     fn rest(&self, residual: &Series, columns: &[Vec<f64>], own: &[Half; 2]) -> Vec<f64> {
         let all: Vec<usize> = (0..self.inputs.len()).collect();
         let mut both =
@@ -194,7 +195,8 @@ impl Slopes {
         rest
     }
 
-    /// The points that are worth their price, as places among the inputs: started from those present; the last one stays.
+    /// Returns the knots that are worth their price, as indices of the inputs; the search starts from the present ones, and the
+    /// last knot stays.
     fn chosen(&self, present: &[f64]) -> Vec<usize> {
         let mut knots: Vec<usize> =
             (0..self.inputs.len()).filter(|&k| present.contains(&self.inputs[k])).collect();
@@ -219,7 +221,7 @@ impl Slopes {
         knots
     }
 
-    /// The best choice with one more point.
+    /// Returns the best choice with one more knot.
     fn best_with_one_more(&self, knots: &[usize]) -> Option<(Vec<usize>, f64)> {
         let apart = |k: usize, other: usize| (self.inputs[k] - self.inputs[other]).abs() > KNOT_GAP_V;
         let free = (0..self.inputs.len()).filter(|&k| knots.iter().all(|&other| apart(k, other)));
@@ -233,13 +235,13 @@ impl Slopes {
         more.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// Moves each point to where it is worth most.
+    /// Moves each knot to where it is worth most.
     fn moved(&self, knots: &mut Vec<usize>, cost: &mut f64) {
         for k in 0..knots.len().saturating_sub(1) {
             let mut without = knots.clone();
             without.remove(k);
             match self.best_with_one_more(&without) {
-                Some((better, least)) if self.gain(*cost, least) > KNOT_WANDER => {
+                Some((better, least)) if self.gain(*cost, least) > KNOT_MOVE_GAIN => {
                     (*knots, *cost) = (better, least);
                 }
                 _ => {}
@@ -247,7 +249,7 @@ impl Slopes {
         }
     }
 
-    /// Takes points away, the idlest first, that are not worth their price.
+    /// Removes knots that are not worth their price, the idlest first.
     fn pruned(&self, knots: &mut Vec<usize>, cost: &mut f64, price: f64) {
         while knots.len() > 2 {
             let fewer = (0..knots.len() - 1).map(|k| {
@@ -265,12 +267,12 @@ impl Slopes {
         }
     }
 
-    /// Log-likelihood, in nats, that a lower cost is worth.
+    /// Returns the log-likelihood that a lower cost is worth, in nats.
     fn gain(&self, before: f64, after: f64) -> f64 {
         0.5 * self.samples / self.samples_of_one.max(1.0) * (before / after).ln()
     }
 
-    /// What each half leaves of the other when a choice of points is fitted to it.
+    /// Returns the cost of each half when a choice of knots is fitted to the other.
     fn judged(&self, knots: &[usize]) -> f64 {
         let hats = self.hats(knots);
         let one = |(fitted, other): (&Half, &Half)| {
@@ -280,7 +282,7 @@ impl Slopes {
         one((first, second)) + one((second, first))
     }
 
-    /// How the fine curve's points follow those of a choice, between which the current is a straight line.
+    /// Returns how the fine curve's knots follow those of a choice, between which the current is a straight line.
     fn hats(&self, knots: &[usize]) -> Hats {
         let mut rows = Vec::with_capacity(self.inputs.len());
         let mut next = 0;
@@ -327,14 +329,14 @@ impl Half {
         }
     }
 
-    /// Adds what another recording says.
+    /// Adds another recording.
     fn join(&mut self, other: &Self) {
         self.normal = &self.normal + &other.normal;
         self.gradient.iter_mut().zip(&other.gradient).for_each(|(a, b)| *a += b);
         self.cost += other.cost;
     }
 
-    /// The change of the fine curve's fractions that fits best with the points of a choice.
+    /// Returns the change of the fine curve's fractions that fits best with the knots of a choice.
     fn solved(&self, hats: &Hats) -> Option<Vec<f64>> {
         let mut normal = Mat::from_fn(hats.count, hats.count, |i, j| if i == j { LOOSE } else { 0.0 });
         let mut right = Mat::zeros(hats.count, 1);
@@ -357,7 +359,7 @@ impl Half {
         Some(hats.rows.iter().zip(&hats.bend).map(change).collect())
     }
 
-    /// The cost after a change of the fine curve's fractions.
+    /// Returns the cost after a change of the fine curve's fractions.
     fn left(&self, change: &[f64]) -> f64 {
         let curved: f64 = (0..change.len()).map(|k| change[k] * dot(self.normal.column(k), change)).sum();
         self.cost + 2.0 * dot(&self.gradient, change) + curved

@@ -1,8 +1,8 @@
-//! Simpler models in the place of what a stepwise search comes to: one effect for two of one component, a spring for a hose that
-//! does not yield.
+//! Simpler models in place of what a stepwise search finds: one effect for two of one component, a spring for a hose that does not
+//! yield.
 
 use crate::fitting::output_error::{FitSelection, applied, parameters_of};
-use crate::library::{Component, Effect, EffectName, effects_named};
+use crate::library::{Component, Effect, EffectName, find_effects};
 use crate::selection::candidate::Candidate;
 use crate::selection::outcome::SearchOutcome;
 use crate::selection::screening::screen_effects;
@@ -12,9 +12,9 @@ use crate::simulator_access::map;
 use crate::tolerance::{MERGES, SEARCH_ITERATIONS};
 
 impl Searcher<'_> {
-    /// One effect in the place of two of the same component, where it explains as much: another out-of-balance in the place of an
-    /// accelerometer's bias and scale together. The others stay where they are while it is looked for, for without the two no fit
-    /// of them comes to anything.
+    /// Returns a candidate with one effect in place of two of the same component, if it explains as much: another out-of-balance in
+    /// place of an accelerometer's bias and scale together. The other effects keep their values during the screening, because
+    /// without the two no fit of them converges.
     pub(crate) fn merge_effects(&self, best: &Candidate, search: &SearchOutcome) -> Option<Candidate> {
         let effects = &best.fit.effects;
         let of_one = |i: &usize, j: &usize| effects[*i].component == effects[*j].component;
@@ -24,8 +24,8 @@ impl Searcher<'_> {
     }
 
     fn merge_pair(&self, best: &Candidate, pair: [usize; 2], search: &SearchOutcome) -> Option<Candidate> {
-        let (rest, values) = beside(best, pair);
-        let model = applied(self.base, &rest, &values);
+        let kept = effects_except(best, pair);
+        let model = applied(self.base, &kept.effects, &kept.values);
         let judged = self.assess_model(&model, &|r| best.assessments.get(r))?;
         let (simulator, pool, sizes) = (self.simulator, self.pool, self.sizes);
         let scene = ScreeningContext {
@@ -44,24 +44,23 @@ impl Searcher<'_> {
                 signatures.push(look);
             }
         }
-        let simpler = map(self.pool, signatures.len(), |k| {
-            self.fit_with_one_more(best, (&rest, &values), &signatures[k])
-        });
+        let simpler =
+            map(self.pool, signatures.len(), |k| self.fit_with_one_more(best, &kept, &signatures[k]));
         let simpler = simpler.into_iter().flatten().filter(|c| c.is_within_bounds() && c.behind(best) < 0.0);
         let simplest = simpler.min_by(|a, b| a.behind(best).total_cmp(&b.behind(best)))?;
         self.validate_candidate(simplest, &search.baseline.score, &search.baseline.fitted)
             .filter(Candidate::is_acceptable)
     }
 
-    /// Some effects at their values and a look's beside them, fitted together to everything.
+    /// Fits the kept effects and one more to all recordings, from their present values.
     fn fit_with_one_more(
         &self,
         best: &Candidate,
-        (rest, values): (&[&'static Effect], &[f64]),
+        kept: &KeptEffects,
         look: &EffectSignature,
     ) -> Option<Candidate> {
-        let effects = rest.iter().copied().chain([look.effect]).collect();
-        let start: Vec<f64> = values.iter().chain(&look.start).copied().collect();
+        let effects = kept.effects.iter().copied().chain([look.effect]).collect();
+        let start: Vec<f64> = kept.values.iter().chain(&look.start).copied().collect();
         let selection =
             FitSelection { iterations: SEARCH_ITERATIONS, ..FitSelection::all(self.simulator.count()) };
         let fit = self.fit(effects, &start, &selection, &best.assessments)?;
@@ -69,19 +68,26 @@ impl Searcher<'_> {
     }
 }
 
-/// The effects of a candidate but two, and their values.
-fn beside(best: &Candidate, pair: [usize; 2]) -> (Vec<&'static Effect>, Vec<f64>) {
-    let (mut rest, mut values) = (Vec::new(), Vec::new());
-    for (i, effect) in best.fit.effects.iter().enumerate().filter(|(i, _)| !pair.contains(i)) {
-        let first = parameters_of(&best.fit.effects[..i]).len();
-        rest.push(*effect);
-        values.extend(&best.fit.values[first..first + effect.parameters.len()]);
-    }
-    (rest, values)
+/// Effects of a candidate that are kept, with their values.
+struct KeptEffects {
+    effects: Vec<&'static Effect>,
+    values: Vec<f64>,
 }
 
-/// Where the best candidate adds a hose: a spring in its place, as stiff as the hose and a spring beside it together, with the
-/// other effect that it adds. A hose that does not yield is a spring, and a fit of the spring from the model as it is may not find it.
+/// Returns the effects of a candidate but two.
+fn effects_except(best: &Candidate, pair: [usize; 2]) -> KeptEffects {
+    let mut kept = KeptEffects { effects: Vec::new(), values: Vec::new() };
+    for (i, effect) in best.fit.effects.iter().enumerate().filter(|(i, _)| !pair.contains(i)) {
+        let first = parameters_of(&best.fit.effects[..i]).len();
+        kept.effects.push(*effect);
+        kept.values.extend(&best.fit.values[first..first + effect.parameters.len()]);
+    }
+    kept
+}
+
+/// If the best candidate adds a hose, returns a spring in its place, as stiff as the hose and a spring beside it together, with the
+/// other effect that it adds. A hose that does not yield is a spring, and a fit of the spring from the model as it is may not find
+/// it.
 pub(crate) fn spring_in_place_of_hose(
     candidates: &[Candidate],
     present: usize,
@@ -96,7 +102,7 @@ pub(crate) fn spring_in_place_of_hose(
     let own = lumped.position_stiffness_nm_rad;
     let both = own + lumped.hysteresis_stiffness_nm_rad;
     let centre = own * lumped.position_stiffness_centre_rad / if both == 0.0 { 1.0 } else { both };
-    let spring = effects_named(Component::Structure, EffectName::PositionStiffness)
+    let spring = find_effects(Component::Structure, EffectName::PositionStiffness)
         .find(|e| e.parameters.len() == 2)?;
     let others = added.iter().filter(|e| !is_hose(e) && !is_spring(e));
     let kept = others.map(|e| EffectSignature::seeded(e, e.values(&best.fit.parameters), recordings));

@@ -7,11 +7,11 @@ use crate::selection::stage::Stage;
 /// The outcome of the search.
 #[derive(Debug, Clone)]
 pub struct SearchOutcome {
-    /// The accepted effects, fitted to all recordings; none where the model as it is was kept.
+    /// The accepted effects, fitted to all recordings; `None` if the model as it is was kept.
     pub accepted: Option<Candidate>,
-    /// How the recordings stand to the model as it was.
+    /// The model as it was.
     pub baseline: Baseline,
-    /// For each accepted effect, what was judged in its place beside the others, best first.
+    /// For each accepted effect, the candidates in its place beside the others, best first.
     pub rivals: Vec<Vec<Candidate>>,
     /// Every stage.
     pub stages: Vec<Stage>,

@@ -1,4 +1,4 @@
-//! Effects that act together: the pairs of signatures whose signatures explain most of the misfit in each other's company.
+//! Effects that act together: the pairs whose signatures together explain most of the residual.
 
 use counterpoise_models::Parameters;
 
@@ -9,7 +9,7 @@ use crate::simulator_access::Assessment;
 /// Effects that together explain more than any of them alone.
 #[derive(Debug, Clone)]
 pub struct Pair {
-    /// Places of the two in the list of signatures.
+    /// Indices of the two in the list of signatures.
     pub members: [usize; 2],
     /// Share of the weighted residual that their signatures explain together.
     pub explained: f64,
@@ -18,7 +18,7 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// Both signatures, their starts where the two together would start.
+    /// Returns both signatures, with the starts of a fit of the two together.
     pub fn signatures(&self, signatures: &[EffectSignature], base: &Parameters) -> [EffectSignature; 2] {
         [0, 1].map(|k| signatures[self.members[k]].scaled(self.shares[k], base))
     }
@@ -27,8 +27,8 @@ impl Pair {
 /// Effects with more parameters than this are not tried in pairs.
 const PAIRED_PARAMETERS: usize = 4;
 
-/// The best pairs of signatures at different effects, by linear regression on both of their traces; best first.
-pub fn pairs(judged: &[Assessment], signatures: &[EffectSignature], count: usize) -> Vec<Pair> {
+/// Returns the best pairs of different effects, by linear regression on both of their traces; best first.
+pub fn rank_pairs(judged: &[Assessment], signatures: &[EffectSignature], count: usize) -> Vec<Pair> {
     let here = weighted(judged);
     let target: Vec<f64> = thinned(&here, |r, k| here.residuals[r][k]);
     let total = dot(&target, &target).max(f64::MIN_POSITIVE);
@@ -47,12 +47,12 @@ pub fn pairs(judged: &[Assessment], signatures: &[EffectSignature], count: usize
     out
 }
 
-/// Whether no earlier (hence better) signature is at the same effect.
+/// Returns whether no earlier, hence better, signature is of the same effect.
 fn is_best_of_its_effect(signatures: &[EffectSignature], index: usize) -> bool {
     !signatures[..index].iter().any(|l| std::ptr::eq(l.effect, signatures[index].effect))
 }
 
-/// Power of the target that two traces explain together, and their coefficients.
+/// Returns the power of the target that two traces explain together, and their coefficients.
 fn together(a: &[f64], b: &[f64], target: &[f64]) -> (f64, [f64; 2]) {
     let (aa, bb, ab) = (dot(a, a), dot(b, b), dot(a, b));
     let (at, bt) = (dot(a, target), dot(b, target));

@@ -1,16 +1,16 @@
-//! Scans: values of an effect tried one after the other, where the response is so far from proportional to it that a look from
-//! the model as it is says nothing.
+//! Parameter scans: values of an effect tried one after the other, if its response is so far from proportional that a signature at
+//! the model as it is does not describe it.
 
 use counterpoise_models::Parameters;
 
 use crate::fitting::output_error::Fit;
-use crate::library::{Component, Effect, EffectName, Mapping, effects_named, scan_range};
+use crate::library::{Component, Effect, EffectName, Mapping, find_effects, find_scan_range};
 use crate::selection::perturbations::{Perturbation, ripple, towards};
 use crate::selection::signature::{EffectSignature, ScreeningContext, is_close, measure_signature, weighted};
 use crate::simulator_access::{Assessment, ChannelResidual, ControlSource, SimulatorAccess, Span, map};
 use crate::tolerance::{PERIOD_SEEN, PERIODS_SAMPLED};
 
-/// Orders at which something that repeats with an angle is looked for, per turn.
+/// Orders at which a torque is sought that repeats with an angle, per turn.
 const ORDERS: [f64; 25] = [
     1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 14.0, 15.0, 16.0, 18.0, 20.0, 21.0, 22.0,
     24.0, 28.0, 30.0, 36.0, 45.0, 60.0,
@@ -20,10 +20,10 @@ const ORDERS: [f64; 25] = [
 const SCAN: usize = 64;
 const SCAN_AGAIN: usize = 9;
 
-/// The value of an effect's only parameter that fits the most_active_recording recording's first part best, played back: there
-/// even a loop that hunts repeats.
+/// Scans the value of an effect's only parameter on the first part of the most active recording, played back, because a playback
+/// repeats even if the loop hunts; returns the perturbation towards the best value.
 pub(crate) fn scan_parameter(scene: &ScreeningContext, effect: &'static Effect) -> Option<Perturbation> {
-    let range = scan_range(effect)?;
+    let range = find_scan_range(effect)?;
     let parameter = &effect.parameters[0];
     let index = scene.simulator.most_active_recording();
     let near = Assessment { source: ControlSource::Playback, ..scene.judged[index].clone() };
@@ -47,16 +47,16 @@ pub(crate) fn scan_parameter(scene: &ScreeningContext, effect: &'static Effect) 
     (perturbation.directions[0][0] != 0.0).then_some(perturbation)
 }
 
-/// Points of a scan of judgements, and of each of its refinements.
+/// Number of points of a scan with assessments, and of each of its refinements.
 const JUDGED_SCAN: [usize; 3] = [32, 8, 8];
-/// Share of the distance that the best point of a scan must take off for it to be refined.
+/// Share of the distance that the best point of a scan must remove for the scan to be refined.
 const SCAN_WORTH: f64 = 0.15;
 
-/// The gap that fits the most_active_recording recording's first part best, played back, every gap from the start that is its own: what a
-/// wide gap does is not found from the start of a narrow one. None where no gap is worth a closer look.
+/// Scans the backlash on the first part of the most active recording, played back, each value from its own initial state, because
+/// the response to a wide gap is not found from the initial state of a narrow one. Returns `None` if no value is worth refining.
 pub(crate) fn scan_backlash(scene: &ScreeningContext) -> Option<EffectSignature> {
     let effect =
-        effects_named(Component::Gearbox, EffectName::Backlash).next().filter(|_| !is_close(scene.judged))?;
+        find_effects(Component::Gearbox, EffectName::Backlash).next().filter(|_| !is_close(scene.judged))?;
     let index = scene.simulator.most_active_recording();
     let played = |parameters: &Parameters, judged: &Assessment| {
         let near = Assessment { source: ControlSource::Playback, ..judged.clone() };
@@ -69,7 +69,7 @@ pub(crate) fn scan_backlash(scene: &ScreeningContext) -> Option<EffectSignature>
         let judged = scene.simulator.assess(&parameters, index);
         judged.and_then(|j| played(&parameters, &j)).unwrap_or(f64::INFINITY)
     };
-    let [mut low, mut high] = scan_range(effect)?;
+    let [mut low, mut high] = find_scan_range(effect)?;
     let (mut best, mut least) = (low, here);
     for count in JUDGED_SCAN {
         let value = |k: usize| low * (high / low).powf(k as f64 / (count - 1) as f64);
@@ -86,10 +86,10 @@ pub(crate) fn scan_backlash(scene: &ScreeningContext) -> Option<EffectSignature>
     Some(EffectSignature::seeded(effect, vec![best], scene.judged.len()))
 }
 
-/// How many orders of a repeating torque go on from the scan.
+/// Number of orders of a repeating torque that go on from the scan.
 const ORDERS_KEPT: usize = 3;
 
-/// The orders of a repeating torque that explain most of the most_active_recording recording's first part.
+/// Returns the orders of a repeating torque that explain most of the first part of the most active recording.
 pub(crate) fn scan_ripple_orders(scene: &ScreeningContext, effect: &'static Effect) -> Vec<Perturbation> {
     let here = weighted(scene.judged);
     let one = [scene.simulator.most_active_recording()];
@@ -113,14 +113,14 @@ pub(crate) fn scan_ripple_orders(scene: &ScreeningContext, effect: &'static Effe
     ranked.into_iter().take(ORDERS_KEPT).map(|(_, perturbation)| perturbation).collect()
 }
 
-/// Whether what repeats with the motor's angle does so over its travel, rad: of less than most of a period nobody can say that it
-/// repeats.
+/// Returns whether a torque that repeats with the motor's angle does so over its travel, rad: over less than most of a period, a
+/// repetition cannot be recognised.
 fn is_seen(order: f64, travel: f64) -> bool {
     order * travel > PERIOD_SEEN * std::f64::consts::TAU
 }
 
-/// Whether every ripple of motor and gearbox in a fit repeats over the travel. A fit may stretch one until it is a piece of a sine,
-/// which is any smooth function of the position and none of the motor's turns.
+/// Returns whether every ripple of motor and gearbox in a fit repeats over the travel. A fit may stretch one until it is a piece of
+/// a sine, which is any smooth function of the position.
 pub(crate) fn repeats(simulator: &dyn SimulatorAccess, fit: &Fit) -> bool {
     all_repeat(&fit.effects, &fit.values, simulator.travel_rad() * fit.parameters.gearbox.ratio)
 }
@@ -143,15 +143,15 @@ mod tests {
 
     #[test]
     fn a_piece_of_a_sine_is_no_ripple() {
-        let spring = effects_named(Component::Structure, EffectName::PositionStiffness)
+        let spring = find_effects(Component::Structure, EffectName::PositionStiffness)
             .find(|e| e.parameters.len() == 2)
             .unwrap();
-        let mesh = effects_named(Component::Gearbox, EffectName::MeshRipple).next().unwrap();
+        let mesh = find_effects(Component::Gearbox, EffectName::MeshRipple).next().unwrap();
         let of_order = |order: f64| [900.0, 0.01, 15.0, order, 0.3];
         let travel = 0.15 * 164.0;
         assert!(all_repeat(&[spring, mesh], &of_order(6.0), travel));
         assert!(!all_repeat(&[spring, mesh], &of_order(0.1), travel));
-        let friction = effects_named(Component::Pivot, EffectName::PositionDependentFriction).next().unwrap();
+        let friction = find_effects(Component::Pivot, EffectName::PositionDependentFriction).next().unwrap();
         assert!(friction.is_ripple() && all_repeat(&[friction], &[0.3, 4.0, 0.0], 0.15));
     }
 }

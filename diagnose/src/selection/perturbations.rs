@@ -1,4 +1,5 @@
-//! Trials: the directions in an effect's parameters along which a look is taken, and where a fit starts from what it finds.
+//! Perturbations: the directions in an effect's parameters along which its signature is computed, and where a fit starts from what
+//! that shows.
 
 use counterpoise_models::Parameters;
 
@@ -6,7 +7,7 @@ use crate::fitting::output_error::{from_variable, to_variable};
 use crate::library::{Effect, Mapping};
 use crate::selection::sizes::Sizes;
 
-/// One effect at one set of directions in its parameters' fit variables.
+/// One effect with a set of directions in its parameters' fit variables.
 pub(crate) struct Perturbation {
     pub effect: &'static Effect,
     pub origin: Vec<f64>,
@@ -26,15 +27,15 @@ pub(crate) enum Combination {
     Centred,
 }
 
-/// Multiples of a direction that a look may ask for.
+/// Largest multiple of a direction that a signature may ask for.
 const MULTIPLES: f64 = 30.0;
-/// The same where the typical sizes are not the machine's: of a plain quantity, and the change of a logarithm.
+/// The same if the typical sizes are not the machine's: of a plain quantity, and the change of a logarithm.
 const FAR_MULTIPLES: f64 = 3e3;
 const FAR_LOGARITHM: f64 = 3.0;
-/// The same of a torque that repeats.
+/// The same for a torque that repeats.
 const FAR_RIPPLE: f64 = 500.0;
 
-/// How far each direction of a perturbation may be followed.
+/// Returns how far each direction of a perturbation may be followed.
 pub(crate) fn limits(perturbation: &Perturbation, sizes: Sizes) -> Vec<[f64; 2]> {
     let both = |limit: f64| [-limit, limit];
     let far = |direction: &Vec<f64>| {
@@ -52,7 +53,7 @@ pub(crate) fn limits(perturbation: &Perturbation, sizes: Sizes) -> Vec<[f64; 2]>
     perturbation.directions.iter().map(one).collect()
 }
 
-/// By how much the first direction changes the first parameter.
+/// Returns by how much the first direction changes the first parameter.
 pub(crate) fn first_change(perturbation: &Perturbation) -> f64 {
     let parameter = &perturbation.effect.parameters[0];
     let there = from_variable(parameter, perturbation.origin[0] + perturbation.directions[0][0]);
@@ -83,11 +84,11 @@ pub(crate) fn start_values(perturbation: &Perturbation, coefficients: &[f64], mo
     perturbation.effect.parameters.iter().zip(x).map(|(k, x)| from_variable(k, x)).collect()
 }
 
-/// Times its value to which a quantity that is positive by nature is taken where the machine's sizes are not known: dry friction
-/// that a model has next to none of, for one.
+/// Factors on the value of a quantity that is positive by nature at which it is tried if the machine's sizes are unknown: dry
+/// friction that a model nearly lacks, for example.
 const FAR_FACTORS: [f64; 2] = [4.0, 16.0];
 
-/// Every perturbation along which an effect is screened.
+/// Returns every perturbation along which an effect is screened.
 pub(crate) fn perturbations_of(
     effect: &'static Effect,
     base: &Parameters,
@@ -122,12 +123,13 @@ pub(crate) fn perturbations_of(
     all
 }
 
-/// Whether the parameters are a stiffness and where it is slack.
+/// Returns whether the parameters are a stiffness and the position at which it is slack.
 fn is_centred(effect: &Effect) -> bool {
     effect.parameters.len() == 2 && effect.parameters[1].name == "centre"
 }
 
-/// From the model as it is towards a start; shape parameters (all but the first) jump, the first one goes there.
+/// Returns the perturbation from the model as it is towards a start: the shape parameters (all but the first) take the start's
+/// values, the first one moves towards it.
 pub(crate) fn towards(effect: &'static Effect, base: &Parameters, start: &[f64]) -> Perturbation {
     let target: Vec<f64> = effect.parameters.iter().zip(start).map(|(k, &v)| to_variable(k, v)).collect();
     let mut origin = target.clone();

@@ -1,8 +1,8 @@
-//! What is done to the effects that were accepted: fitted to everything, refined, swapped for better ones, dropped where
-//! the others do without them.
+//! What is done to accepted effects: they are fitted to everything, refined, exchanged for better ones, and dropped if the others
+//! explain as much without them.
 
 use crate::fitting::output_error::{Fit, FitSelection, applied, parameters_of};
-use crate::library::{Effect, refinement};
+use crate::library::{Effect, find_refinement};
 use crate::selection::candidate::Candidate;
 use crate::selection::outcome::SearchOutcome;
 use crate::selection::searcher::Searcher;
@@ -10,9 +10,9 @@ use crate::selection::stage::StageBreadth;
 use crate::tolerance::{AMBIGUOUS, RIVALS, SEARCH_ITERATIONS, SWAP_NEEDED};
 
 impl Searcher<'_> {
-    /// The accepted effects with those in a coarse form refined, where that explains more.
+    /// Returns the accepted effects with those in a coarse form refined, if that explains more.
     pub(crate) fn refine_effects(&self, candidate: Candidate) -> Candidate {
-        let finer = |effect: &&'static Effect| refinement(effect).unwrap_or(effect);
+        let finer = |effect: &&'static Effect| find_refinement(effect).unwrap_or(effect);
         let effects: Vec<&'static Effect> = candidate.fit.effects.iter().map(finer).collect();
         if effects.iter().zip(&candidate.fit.effects).all(|(a, b)| std::ptr::eq(*a, *b)) {
             return candidate;
@@ -27,7 +27,7 @@ impl Searcher<'_> {
         }
     }
 
-    /// The accepted effects fitted once more, to everything.
+    /// Fits the accepted effects once more, to all recordings.
     pub(crate) fn refit_candidate(&self, candidate: Candidate) -> Candidate {
         let selection =
             FitSelection { iterations: SEARCH_ITERATIONS, ..FitSelection::all(self.simulator.count()) };
@@ -39,7 +39,7 @@ impl Searcher<'_> {
         }
     }
 
-    /// Replaces an effect where another explains more beside the rest, and drops one that the others make idle.
+    /// Replaces an effect if another explains more beside the rest, and drops one that the others make idle.
     pub(crate) fn swap_and_prune(&self, search: &mut SearchOutcome) {
         let Some(mut best) = search.accepted.take() else { return };
         self.prune_effects(&mut best, search);
@@ -66,8 +66,9 @@ impl Searcher<'_> {
         search.accepted = Some(best);
     }
 
-    /// The rivals of an effect, best first: itself as the model is fitted now, and what was level with its first fit or ahead of it
-    /// fitted as thoroughly, so that no effect passes for indistinguishable because the other one's first fit went astray.
+    /// Returns the rivals of an effect, best first: the effect itself as the model is fitted now, and those that were level with
+    /// its first fit or ahead of it, fitted as thoroughly. Otherwise an effect could pass for equivalent because the other's first
+    /// fit did not converge.
     fn refit_rivals(&self, rivals: Vec<Candidate>, best: &Candidate) -> Vec<Candidate> {
         let Some(first) = rivals.iter().find(|c| c.has_same_effects(best)).cloned() else { return rivals };
         let again = |rival: Candidate| {
@@ -84,7 +85,7 @@ impl Searcher<'_> {
         heard
     }
 
-    /// Replaces effects where another explains more beside the rest; gives what was judged in the place of each.
+    /// Replaces effects if another explains more beside the rest; returns the candidates in the place of each.
     fn swap_effects(&self, best: &mut Candidate, search: &SearchOutcome) -> Vec<Vec<Candidate>> {
         let mut all = Vec::new();
         for index in 0..best.fit.effects.len() {
@@ -103,7 +104,7 @@ impl Searcher<'_> {
         all
     }
 
-    /// What else could stand beside the effects of a model: from the stage that tried it, or looked for now.
+    /// Returns what else could be in the place of an effect: from the stage that tried it, or from a new screening.
     fn find_rivals(&self, search: &SearchOutcome, without: &Candidate) -> Vec<Candidate> {
         let tried = search.stages.iter().map(|stage| stage.beside(without)).max_by_key(Vec::len);
         match tried.filter(|tried| tried.len() >= RIVALS) {
@@ -112,7 +113,7 @@ impl Searcher<'_> {
         }
     }
 
-    /// Drops effects without which the rest explains the recordings as well; gives their places, one after the other.
+    /// Drops effects without which the rest explains the recordings equally well; returns their indices, one after the other.
     fn prune_effects(&self, best: &mut Candidate, search: &SearchOutcome) -> Vec<usize> {
         let mut dropped = Vec::new();
         let mut index = 0;
@@ -130,8 +131,7 @@ impl Searcher<'_> {
         dropped
     }
 
-    /// A candidate without one of its effects: the others fitted anew, or as they are where that is no better, as it is where
-    /// the effect was idle.
+    /// Returns a candidate without one of its effects: the others fitted anew, or with their values if that is better.
     fn remove_effect(&self, candidate: &Candidate, index: usize) -> Option<Candidate> {
         let mut effects = candidate.fit.effects.clone();
         let first = parameters_of(&effects[..index]).len();

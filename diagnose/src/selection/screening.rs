@@ -1,4 +1,4 @@
-//! The first look: which effects, by their linearised signature in every channel, could explain the misfit.
+//! Screening: which effects, by their linearised signature in every channel, could explain the residual.
 //!
 //! Each effect is tried at a small size in the simulator; the change that it makes to the residuals is its
 //! signature. The share of the residual that a combination of an effect's signatures explains ranks the effects,
@@ -14,7 +14,7 @@ use crate::selection::signature::{
 };
 use crate::simulator_access::{Assessment, Span, map};
 
-/// Looks at every effect of the library but those already taken; best first.
+/// Screens every effect of the library but those already in the model; returns signatures, best first.
 pub fn screen_effects(scene: &ScreeningContext, effects: &[&'static Effect]) -> Vec<EffectSignature> {
     let (repeating, plain): (Vec<&'static Effect>, Vec<&'static Effect>) =
         effects.iter().partition(|e| e.is_ripple() && e.starts.is_empty());
@@ -37,8 +37,8 @@ pub fn screen_effects(scene: &ScreeningContext, effects: &[&'static Effect]) -> 
     signatures
 }
 
-/// The signatures, those at the best starts of effects that are not small taken all the way, where the model is far from the
-/// recordings.
+/// Returns the signatures; if the model is far from the recordings, the best starts of effects that are not small are evaluated at
+/// full size.
 fn visited(
     scene: &ScreeningContext,
     perturbations: &[Perturbation],
@@ -60,11 +60,11 @@ fn visited(
     })
 }
 
-/// Starts of an effect that are taken all the way.
+/// Number of starts of an effect that are evaluated at full size.
 const STARTS_VISITED: usize = 3;
 
-/// A look at an effect that is not small: what going all the way to its start does to the fit counts, too, for a
-/// signature that is not proportional to the size of its effect says little.
+/// Evaluates an effect at the full size of its start: what that does to the fit counts as well, because a signature that is not
+/// proportional to the size of its effect is not reliable.
 fn gone_there(
     scene: &ScreeningContext,
     perturbation: &Perturbation,
@@ -86,7 +86,7 @@ fn gone_there(
     seen
 }
 
-/// Distance of judged recordings from the floor.
+/// Returns the distance of assessed recordings from the noise floor.
 fn distance(judged: &[Assessment]) -> Option<f64> {
     let part = |r| RecordingPart { recording: r, from: 0.0, to: 1.0 };
     let parts: Vec<RecordingPart> = (0..judged.len()).map(part).collect();

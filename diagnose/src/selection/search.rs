@@ -1,8 +1,8 @@
-//! Which effects, together, explain the recordings: stepwise, with swaps, judged on what was not fitted.
+//! The search: which effects, together, explain the recordings; stepwise, with swaps, assessed on held-out data.
 //!
-//! At every stage the best signatures are fitted to the recordings in which they show most; the best of those to the first part
-//! of every recording. The winner must gain on the rest, and must not harm a recording of another kind than those that it
-//! was fitted to: each recording in turn is left out of the fit and predicted.
+//! At every stage the effects with the best signatures are fitted to the recordings in which they show most, and the best of those
+//! to the first part of every recording. The winner must gain on the rest, and must not make a recording of another kind worse than
+//! those that it was fitted to: each recording in turn is left out of the fit and predicted.
 
 use crate::fitting::score::Score;
 use crate::selection::candidate::Candidate;
@@ -12,7 +12,7 @@ use crate::selection::stage::{Stage, StageBreadth};
 use crate::tolerance::{EFFECTS_AT_MOST, RIVALS, SWAP_NEEDED};
 
 impl Searcher<'_> {
-    /// Searches for up to three effects; none where the model as it is cannot be simulated.
+    /// Searches for up to three effects; returns `None` if the model as it is cannot be simulated.
     pub fn search(&self) -> Option<SearchOutcome> {
         let mut search = SearchOutcome::of(self.fit_baseline()?);
         loop {
@@ -28,7 +28,7 @@ impl Searcher<'_> {
             };
             let smaller = present.map_or(&search.baseline.score, |c| &c.whole);
             let needed = present.map_or(&[][..], |c| &c.needed);
-            let best = self.choose_candidate(&stage, (smaller, needed), &search);
+            let best = self.choose_candidate(&stage, smaller, needed, &search);
             search.stages.push(stage);
             let Some(best) = best else { break };
             search.accepted = Some(self.refine_effects(self.refit_candidate(best)));
@@ -42,11 +42,12 @@ impl Searcher<'_> {
         Some(search)
     }
 
-    /// The best candidate of a stage, validated on recordings of another kind; none where none is worth having.
+    /// Returns the best candidate of a stage, validated on recordings of another kind; `None` if none is worth having.
     fn choose_candidate(
         &self,
         stage: &Stage,
-        (smaller, needed): (&Score, &[usize]),
+        smaller: &Score,
+        needed: &[usize],
         search: &SearchOutcome,
     ) -> Option<Candidate> {
         let worth =
@@ -54,7 +55,8 @@ impl Searcher<'_> {
         let beyond = |c: &&Candidate| self.exceeds_null_gain(c, smaller);
         let mut worthy: Vec<&Candidate> = stage.candidates.iter().filter(worth).take(RIVALS).collect();
         if !self.sizes.typical {
-            // what a textbook's model leaves is far above the floor: data that was not fitted decides, one more effect at its price
+            // what a model with textbook values leaves is far above the floor: held-out data decides, with one more effect at its
+            // price
             let worth = |c: &Candidate| c.gain() - SWAP_NEEDED * c.fit.effects.len() as f64;
             worthy.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
         }

@@ -1,4 +1,4 @@
-//! What the search works on, and what every step of it needs: a fit of effects, and how every recording stands to it.
+//! What the search works on, with what every step of it needs: fits of effects, and assessments of the recordings.
 
 use counterpoise_models::Parameters;
 
@@ -12,13 +12,13 @@ use crate::simulator_access::{Assessment, Pool, SimulatorAccess, map};
 
 /// What the search works on.
 pub struct Searcher<'a> {
-    /// Simulator and recordings.
+    /// The simulator, with the recordings.
     pub simulator: &'a dyn SimulatorAccess,
-    /// Processors, progress and cancel.
+    /// Processors, progress and cancellation.
     pub pool: &'a dyn Pool,
     /// The mechanism as the project file has it.
     pub base: &'a Parameters,
-    /// The effects that may be named.
+    /// The effects that may be found.
     pub effects: Vec<&'static Effect>,
     /// Effects with values found by other means, to be fitted from there at the first stage.
     pub seeds: Vec<(&'static Effect, Vec<f64>)>,
@@ -27,7 +27,7 @@ pub struct Searcher<'a> {
 }
 
 impl Searcher<'_> {
-    /// A fit judged on everything, and on what it was not fitted to.
+    /// Assesses a fit on all recordings, and on what it was not fitted to.
     pub(crate) fn assess_fit(&self, fit: Fit, fitted: &[usize], before: &[Assessment]) -> Option<Candidate> {
         let one = |r: usize| match fit.assessment(r) {
             Some(own) => self.simulator.assess_from(&fit.parameters, r, own),
@@ -41,7 +41,7 @@ impl Searcher<'_> {
         self.build_candidate(fit, &judged, fitted, before)
     }
 
-    /// How every recording stands to a mechanism, from the start that was fitted with it where there is one.
+    /// Assesses every recording for a mechanism, from the initial state that was fitted with it if there is one.
     pub(crate) fn assess_model<'n>(
         &self,
         parameters: &Parameters,
@@ -55,7 +55,7 @@ impl Searcher<'_> {
         (judged.len() == self.simulator.count()).then(|| judged.into_iter().collect::<Option<_>>()).flatten()
     }
 
-    /// A fit with how every recording stands to it, as a candidate; none of a ripple that does not repeat.
+    /// Builds a candidate from a fit and its assessments; returns `None` for a ripple that does not repeat.
     pub(crate) fn build_candidate(
         &self,
         fit: Fit,
@@ -79,7 +79,7 @@ impl Searcher<'_> {
         })
     }
 
-    /// Fits new effects while those of a model with many parameters stay as they are.
+    /// Fits new effects while those of a model with many parameters are held.
     pub(crate) fn fit_on_top(
         &self,
         fixed: &Candidate,
@@ -110,7 +110,8 @@ impl Searcher<'_> {
         Some(round_ripple_orders(&problem, fit))
     }
 
-    /// A candidate with another fit of its effects to all recordings, judged from the starts that were found with it.
+    /// Returns a candidate with another fit of its effects to all recordings, assessed from the initial states that were found with
+    /// it.
     pub(crate) fn replace_fit(&self, candidate: &Candidate, fit: Fit) -> Option<Candidate> {
         if !repeats(self.simulator, &fit) {
             return None;
@@ -126,7 +127,7 @@ impl Searcher<'_> {
     }
 }
 
-/// A ripple's order that came out close to a whole number is that whole number: gears and poles are counted.
+/// Rounds a ripple's order that is close to a whole number, because teeth and poles are counted, and fits again.
 fn round_ripple_orders(problem: &Problem, fit: Fit) -> Fit {
     let mut start = fit.values.clone();
     let mut first = 0;

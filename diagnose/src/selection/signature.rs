@@ -14,7 +14,7 @@ use crate::selection::sizes::Sizes;
 use crate::simulator_access::{Assessment, ChannelResidual, Pool, SimulatorAccess, Span};
 use crate::tolerance::EXPLAINED;
 
-/// How well an effect's signature explains the misfit, and where its fit should start.
+/// The signature of an effect: what it explains of the residual, and where its fit should start.
 #[derive(Debug, Clone)]
 pub struct EffectSignature {
     /// The effect.
@@ -34,7 +34,7 @@ pub struct EffectSignature {
 }
 
 impl EffectSignature {
-    /// A look at an effect whose values are known from elsewhere: it is fitted whatever its signature.
+    /// Returns a signature for an effect whose values are known from elsewhere: it is fitted whatever it explains.
     pub fn seeded(effect: &'static Effect, start: Vec<f64>, recordings: usize) -> Self {
         Self {
             effect,
@@ -49,13 +49,13 @@ impl EffectSignature {
 }
 
 impl EffectSignature {
-    /// Whether its values are known from elsewhere.
+    /// Returns whether its values are known from elsewhere.
     pub fn is_seeded(&self) -> bool {
         self.information.is_infinite()
     }
 
-    /// The look with its change taken `share` times: all parameters of a plain effect, the first of one with a shape. A ripple
-    /// that is taken the other way round stays as it is.
+    /// Returns the signature with its change scaled by `share`: all parameters of a plain effect, only the first of one with a
+    /// shape. A ripple keeps its phase if the share is negative.
     pub(crate) fn scaled(&self, share: f64, base: &Parameters) -> Self {
         let ripple = self.effect.is_ripple();
         let moves = |j: usize| j == 0 || (self.effect.starts.is_empty() && !ripple);
@@ -72,7 +72,7 @@ impl EffectSignature {
     }
 }
 
-/// What a look is taken at.
+/// What signatures are computed for.
 pub struct ScreeningContext<'a> {
     /// Simulator and recordings.
     pub simulator: &'a dyn SimulatorAccess,
@@ -80,24 +80,24 @@ pub struct ScreeningContext<'a> {
     pub pool: &'a dyn Pool,
     /// The mechanism.
     pub base: &'a Parameters,
-    /// How every recording stands to it.
+    /// The assessment of every recording.
     pub judged: &'a [Assessment],
-    /// How much is asked of a look.
+    /// How much is computed for a signature.
     pub reach: ScreeningDepth,
     /// What is known of the machine's sizes.
     pub sizes: Sizes,
 }
 
-/// How much is asked of a look.
+/// How much is computed for a signature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ScreeningDepth {
     /// The signature over the first part of the recordings.
     FirstPart,
-    /// The signature over all of them and, where the model is far from them, what the whole change does.
+    /// The signature over all recordings and, if the model is far from them, what the whole change does.
     Full,
 }
 
-/// Whether every channel is so close to its floor that changes of the mechanism act on it in proportion.
+/// Returns whether every channel is so close to its floor that changes of the mechanism act on it in proportion.
 pub fn is_close(judged: &[Assessment]) -> bool {
     judged.iter().all(|j| (0..j.channels.len()).all(|c| j.excess(c) < EXPLAINED))
 }
@@ -105,7 +105,7 @@ pub fn is_close(judged: &[Assessment]) -> bool {
 /// One list of residuals a recording, all channels one after the other.
 pub(crate) type Residuals = Vec<Vec<f64>>;
 
-/// What a look's combination of signatures takes off the weighted residual, thinned.
+/// Returns what a combination of signatures explains of the weighted residual, thinned.
 fn trace(here: &Weighted, signatures: &[Residuals], coefficients: &[f64]) -> Vec<f64> {
     let of = |s: &Residuals, r: usize, k: usize| s[r].get(k).copied().unwrap_or(0.0);
     let taken = |r: usize, k: usize| signatures.iter().zip(coefficients).map(|(s, c)| -c * of(s, r, k)).sum();
@@ -122,10 +122,10 @@ pub(crate) fn thinned(here: &Weighted, value: impl Fn(usize, usize) -> f64) -> V
     (0..here.residuals.len()).flat_map(of).map(|(r, k)| here.weights[r][k] * value(r, k)).collect()
 }
 
-/// Every how many samples one is kept of a trace.
+/// Interval in samples at which a trace is kept.
 const TRACE_STRIDE: usize = 7;
 
-/// Residuals, and the weight that makes every channel of every recording count alike.
+/// Residuals with the weights that make every channel of every recording count equally.
 pub(crate) struct Weighted {
     pub residuals: Residuals,
     pub weights: Residuals,
@@ -146,7 +146,7 @@ pub(crate) fn weighted(judged: &[Assessment]) -> Weighted {
     }
 }
 
-/// The look at one perturbation in some recordings.
+/// Computes the signature of one perturbation in some recordings; returns `None` if the mechanism cannot be simulated.
 pub(crate) fn measure_signature(
     scene: &ScreeningContext,
     here: &Weighted,
@@ -182,7 +182,7 @@ pub(crate) fn measure_signature(
     })
 }
 
-/// What a change of the mechanism does to the residuals; where only the first part was run, the rest stays 0.
+/// Returns what a change of the mechanism does to the residuals; 0 beyond the part that was run.
 fn changes(there: &[ChannelResidual], here: &[ChannelResidual]) -> Vec<f64> {
     let channel = |(t, h): (&ChannelResidual, &ChannelResidual)| {
         let mut out = vec![0.0; h.residual.len()];
@@ -194,7 +194,7 @@ fn changes(there: &[ChannelResidual], here: &[ChannelResidual]) -> Vec<f64> {
     there.iter().zip(here).flat_map(channel).collect()
 }
 
-/// Weighted least squares of the residual on the signatures: coefficients, and the share explained.
+/// Returns the coefficients of the weighted least squares of the residual on the signatures, and the share explained.
 fn regress(here: &Weighted, signatures: &[Residuals], limits: &[[f64; 2]]) -> Option<(Vec<f64>, f64)> {
     let inner = |a: &Residuals, b: &Residuals| -> f64 {
         let recordings = a.iter().zip(b).zip(&here.weights);

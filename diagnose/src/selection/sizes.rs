@@ -12,10 +12,10 @@ pub struct Sizes {
 }
 
 impl Sizes {
-    /// Those of a machine like the reference rig.
+    /// The sizes of a machine like the reference rig.
     pub const TYPICAL: Self = Self { typical: true, motor_turns: 1.0 };
 
-    /// Log-likelihood that an effect must gain on data that it was not fitted to, in nats.
+    /// Returns the log-likelihood that an effect must gain on held-out data, in nats.
     pub fn gain_needed(&self) -> f64 {
         if self.typical { GAIN_NEEDED } else { TEXTBOOK_GAIN_NEEDED }
     }

@@ -8,7 +8,7 @@ use crate::library::Effect;
 use crate::selection::baseline::Baseline;
 use crate::selection::candidate::{Candidate, ranked};
 use crate::selection::merging::spring_in_place_of_hose;
-use crate::selection::pairs::pairs;
+use crate::selection::pairs::rank_pairs;
 use crate::selection::parameter_scan::scan_backlash;
 use crate::selection::screening::screen_effects;
 use crate::selection::searcher::Searcher;
@@ -19,29 +19,29 @@ use crate::tolerance::{
     SHORTLIST,
 };
 
-/// One stage: the candidates that were judged, best first, and what the first look said.
+/// One stage: the candidates, best first, and the screening.
 #[derive(Debug, Clone)]
 pub struct Stage {
     /// Candidates, best first.
     pub candidates: Vec<Candidate>,
-    /// First look, best first.
+    /// The screening, best first.
     pub signatures: Vec<EffectSignature>,
 }
 
 impl Stage {
-    /// Whether a candidate of this stage added the effect that is all of a model.
+    /// Returns whether a candidate of this stage consists of the only effect of a model.
     pub(crate) fn contains(&self, model: &Candidate) -> bool {
         let effect = model.newest();
         let same = |c: &Candidate| c.newest().zip(effect).is_some_and(|(a, b)| std::ptr::eq(a, b));
         self.candidates.iter().any(|c| c.fit.effects.len() == 1 && same(c))
     }
 
-    /// The candidates of one effect alone.
+    /// Returns the candidates of one effect alone.
     pub(crate) fn singles(&self) -> Vec<Candidate> {
         self.adding_one(0)
     }
 
-    /// The candidates that have all effects of a smaller model and one more.
+    /// Returns the candidates that have all effects of a smaller model and one more.
     pub(crate) fn beside(&self, smaller: &Candidate) -> Vec<Candidate> {
         let has = |c: &Candidate, e: &Effect| c.fit.effects.iter().any(|f| std::ptr::eq(*f, e));
         let all = |c: &&Candidate| {
@@ -51,7 +51,7 @@ impl Stage {
         self.candidates.iter().filter(all).cloned().collect()
     }
 
-    /// The candidates that add one effect to a number of present ones.
+    /// Returns the candidates that add one effect to a number of present ones.
     pub(crate) fn adding_one(&self, present: usize) -> Vec<Candidate> {
         self.candidates.iter().filter(|c| c.fit.effects.len() == present + 1).cloned().collect()
     }
@@ -66,38 +66,46 @@ pub(crate) enum StageBreadth {
     Rivals,
 }
 
-/// Whether a share of the residual's power could gain what an effect must, were all residuals independent; where the
-/// model is far from the recordings, a signature says too little to leave an effect out.
+/// The assessments of every recording for the present model.
+#[derive(Clone, Copy)]
+struct Standing<'a> {
+    /// From the initial states at which effects are screened.
+    screened_from: &'a [Assessment],
+    /// From the initial states against which candidates are compared.
+    judged_against: &'a [Assessment],
+}
+
+/// Returns whether a share of the residual's power could gain what an effect must if all residuals were independent. If the model
+/// is far from the recordings, a signature is not reliable enough to leave an effect out.
 fn is_worth_fitting(explained: f64, judged: &[Assessment]) -> bool {
     let samples: usize = judged.iter().flat_map(|j| &j.channels).map(|m| m.residual.len()).sum();
     !is_close(judged) || 0.5 * samples as f64 * explained > PROMISE_SHARE * GAIN_NEEDED
 }
 
 impl Searcher<'_> {
-    /// The first stage: the signatures are taken from the starts that suit the model as it is where it is close to the recordings, from
-    /// those that were sought where it is far, for there they make up for what is missing.
+    /// Runs the first stage. If the model as it is is close to the recordings, effects are screened at the initial states that suit
+    /// it; if it is far, at those estimated from the first moments, because fitted ones compensate for what is missing.
     pub(crate) fn run_first_stage(&self, plain: &Baseline) -> Stage {
         let from = if is_close(&plain.fitted) { &plain.fitted } else { &plain.sought };
-        self.screen_and_fit(None, (from, &plain.fitted), StageBreadth::Full)
+        let against = Standing { screened_from: from, judged_against: &plain.fitted };
+        self.screen_and_fit(None, against, StageBreadth::Full)
     }
 
-    /// A stage on top of a model.
+    /// Runs a stage on top of a model.
     pub(crate) fn run_stage(&self, present: &Candidate, breadth: StageBreadth) -> Stage {
         let judged = self.assess_model(&present.fit.parameters, &|r| present.assessments.get(r));
         match judged.or_else(|| assess(self.simulator, self.pool, &present.fit.parameters)) {
-            Some(judged) => self.screen_and_fit(Some(present), (&judged, &judged), breadth),
+            Some(judged) => {
+                let against = Standing { screened_from: &judged, judged_against: &judged };
+                self.screen_and_fit(Some(present), against, breadth)
+            }
             None => Stage { candidates: Vec::new(), signatures: Vec::new() },
         }
     }
 
-    /// Looks at every effect on top of the present model, fits the shortlist and judges it: how the recordings stand to that model
-    /// where the signatures are taken, and against what the candidates are judged.
-    fn screen_and_fit(
-        &self,
-        present: Option<&Candidate>,
-        (from, judged): (&[Assessment], &[Assessment]),
-        breadth: StageBreadth,
-    ) -> Stage {
+    /// Screens every effect on top of the present model, fits the shortlist and compares the candidates.
+    fn screen_and_fit(&self, present: Option<&Candidate>, against: Standing, breadth: StageBreadth) -> Stage {
+        let Standing { screened_from: from, judged_against: judged } = against;
         let model = present.map_or(self.base, |c| &c.fit.parameters);
         let taken: Vec<&Effect> = present.map_or(Vec::new(), |c| c.fit.effects.clone());
         let free: Vec<&'static Effect> =
@@ -113,7 +121,7 @@ impl Searcher<'_> {
         let mut candidates = self.fit_candidates(present, &proposals, judged);
         let alone = candidates.iter().any(|c| c.explains() && c.is_acceptable());
         if breadth == StageBreadth::Full && taken.len() + 2 <= EFFECTS_AT_MOST && !alone {
-            let found = pairs(from, &signatures, PAIRS);
+            let found = rank_pairs(from, &signatures, PAIRS);
             let promising = found.iter().filter(|pair| is_worth_fitting(pair.explained, judged));
             let both: Vec<Vec<EffectSignature>> =
                 promising.map(|pair| pair.signatures(&signatures, model).to_vec()).collect();
@@ -128,7 +136,7 @@ impl Searcher<'_> {
         Stage { candidates: ranked(finalists.into_iter().chain(others).collect()), signatures }
     }
 
-    /// The signatures that are fitted.
+    /// Returns the effects that are fitted.
     fn shortlist_signatures(
         &self,
         signatures: &[EffectSignature],
@@ -140,7 +148,7 @@ impl Searcher<'_> {
         shortlist(signatures, count).into_iter().filter(promising).map(|look| vec![look.clone()]).collect()
     }
 
-    /// Effects whose values are known from elsewhere.
+    /// Returns the effects whose values are known from elsewhere.
     fn seed_signatures(&self, scene: &ScreeningContext) -> Vec<EffectSignature> {
         let one = |(effect, start): &(&'static Effect, Vec<f64>)| {
             EffectSignature::seeded(effect, start.clone(), self.simulator.count())
@@ -148,7 +156,7 @@ impl Searcher<'_> {
         self.seeds.iter().map(one).chain(scan_backlash(scene)).collect()
     }
 
-    /// Fits and judges every trial.
+    /// Fits and assesses every proposal.
     fn fit_candidates(
         &self,
         present: Option<&Candidate>,
@@ -185,7 +193,7 @@ impl Searcher<'_> {
         recordings.sort_unstable();
         recordings.dedup();
         let selection = FitSelection::trying(recordings);
-        // a start that is known from elsewhere may be far from where the recordings stand to the model
+        // a start that is known from elsewhere may be far from the present model
         let near = if signatures.iter().any(EffectSignature::is_seeded) { &[] } else { before };
         let fit = match (present, free) {
             (Some(fixed), None) => self.fit_on_top(fixed, effects, &start, &selection)?,
@@ -194,7 +202,7 @@ impl Searcher<'_> {
         self.assess_fit(fit, &selection.recordings, before)
     }
 
-    /// The best candidates fitted to the first part of every recording.
+    /// Fits the best candidates to the first part of every recording.
     fn refit_finalists(
         &self,
         present: Option<&Candidate>,
@@ -227,7 +235,7 @@ impl Searcher<'_> {
     }
 }
 
-/// Candidates in their order, and the rest: those that are worth a fit to every recording, and the others.
+/// Splits ranked candidates into those that are worth a fit to every recording, and the others.
 pub(crate) fn finalists(mut candidates: Vec<Candidate>) -> (Vec<Candidate>, Vec<Candidate>) {
     let Some(best) = candidates.first() else { return (candidates, Vec::new()) };
     let limit = best.whole.level() + FINAL_REACH[usize::from(!best.explains())];
@@ -236,7 +244,7 @@ pub(crate) fn finalists(mut candidates: Vec<Candidate>) -> (Vec<Candidate>, Vec<
     (candidates, others)
 }
 
-/// The best signatures: so many effects, the best two of them from two starts.
+/// Returns the best signatures: of so many effects, the best two of them from two starts.
 pub(crate) fn shortlist(signatures: &[EffectSignature], count: usize) -> Vec<&EffectSignature> {
     let mut picked: Vec<&EffectSignature> = Vec::new();
     let mut effects = 0;
@@ -255,7 +263,7 @@ pub(crate) fn shortlist(signatures: &[EffectSignature], count: usize) -> Vec<&Ef
     picked
 }
 
-/// The half of the recordings in which an effect shows most.
+/// Returns the half of the recordings in which an effect shows most.
 pub(crate) fn most_sensitive_recordings(signature: &[f64]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..signature.len()).collect();
     order.sort_by(|&a, &b| signature[b].total_cmp(&signature[a]));

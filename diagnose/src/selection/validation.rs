@@ -1,4 +1,4 @@
-//! A candidate judged on what it was not fitted to: recordings of another kind, each predicted from the others.
+//! Validation: recordings of another kind, each predicted from the others.
 
 use crate::fitting::null_gain::mean_null_gain;
 use crate::fitting::output_error::{Fit, FitSelection};
@@ -7,12 +7,14 @@ use crate::selection::baseline::level;
 use crate::selection::candidate::{Candidate, whole_parts};
 use crate::selection::searcher::Searcher;
 use crate::simulator_access::{Assessment, map};
-use crate::tolerance::{BEYOND_CHANCE, FITTED_SHARE, GAIN_NEEDED, JOINT_PARAMETERS, NO_CHANCE, ONLY_THERE};
+use crate::tolerance::{
+    FITTED_SHARE, GAIN_BEYOND_NULL, GAIN_NEEDED, JOINT_PARAMETERS, NULL_GAIN_MULTIPLE, SOLE_EVIDENCE_SHARE,
+};
 
 impl Searcher<'_> {
-    /// The candidate judged on recordings of another kind than those fitted: each in turn is left out of the fit and
-    /// predicted. A recording that alone shows the newest effect has no other kind: there its last part is predicted from the
-    /// first; one recording alone stays as it was judged.
+    /// Validates a candidate on recordings of another kind than those fitted: each in turn is left out of the fit and predicted. If
+    /// a recording alone shows the newest effect, its last part is predicted from its first. A single recording keeps its
+    /// assessment.
     pub(crate) fn validate_candidate(
         &self,
         candidate: Candidate,
@@ -25,7 +27,7 @@ impl Searcher<'_> {
         }
         let all = candidate.whole.gain_over(smaller);
         let alone = |r: usize| {
-            candidate.needed.contains(&r) || candidate.whole.gain_in(r, smaller) > ONLY_THERE * all
+            candidate.needed.contains(&r) || candidate.whole.gain_in(r, smaller) > SOLE_EVIDENCE_SHARE * all
         };
         let predicted = map(self.pool, count, |r| {
             if alone(r) {
@@ -50,16 +52,16 @@ impl Searcher<'_> {
         })
     }
 
-    /// Whether a candidate gains more than its newest effect would gain on the noise in the loop alone.
+    /// Returns whether a candidate gains more than its newest effect would gain on the noise in the loop alone.
     pub(crate) fn exceeds_null_gain(&self, candidate: &Candidate, smaller: &Score) -> bool {
         let gain = candidate.whole.energy_over(smaller) - GAIN_NEEDED;
-        gain > NO_CHANCE
+        gain > GAIN_BEYOND_NULL
             || gain
-                > BEYOND_CHANCE
+                > NULL_GAIN_MULTIPLE
                     * mean_null_gain(self.simulator, self.pool, &candidate.fit, &candidate.assessments)
     }
 
-    /// A recording as the candidate fitted to the others predicts it.
+    /// Predicts a recording by the candidate fitted to the others.
     fn predict_recording(&self, candidate: &Candidate, left_out: usize) -> Option<Assessment> {
         let recordings = (0..self.simulator.count()).filter(|r| *r != left_out).collect();
         let fit = self.refit_to(candidate, recordings)?;
@@ -69,14 +71,14 @@ impl Searcher<'_> {
         Some(if level(&given) < level(&sought) { given } else { sought })
     }
 
-    /// A recording as the candidate fitted to its first part, and to that of the others, continues it.
+    /// Predicts the rest of a recording by the candidate fitted to its first part and to that of the others.
     fn continue_recording(&self, candidate: &Candidate, recording: usize) -> Option<Assessment> {
         let fit = self.refit_to(candidate, (0..self.simulator.count()).collect())?;
         let near = fit.assessment(recording).or_else(|| candidate.assessments.get(recording))?;
         self.simulator.assess_from(&fit.parameters, recording, near)
     }
 
-    /// The candidate fitted to the first part of some recordings.
+    /// Fits the candidate to the first part of some recordings.
     fn refit_to(&self, candidate: &Candidate, recordings: Vec<usize>) -> Option<Fit> {
         if candidate.fit.values.len() > JOINT_PARAMETERS {
             return Some(candidate.fit.clone());

@@ -1,5 +1,5 @@
-//! The simulator as the diagnosis asks it: every recording replayed for any mechanism, in closed loop where the
-//! controller is known, else under the recorded control.
+//! The simulator that answers the questions: every recording is replayed for any mechanism, in closed loop if the controller is
+//! known, else under the recorded control.
 
 use std::sync::OnceLock;
 
@@ -11,8 +11,8 @@ use counterpoise_simulate::recording::{Channel, Recording};
 use counterpoise_simulate::replay::{Loop, Replay, Replayer, reading_floor};
 
 use crate::error::Error;
-use crate::recording::measured_signals::{MeasuredSignals, measured};
-use crate::recording::noise::floor;
+use crate::recording::measured_signals::{MeasuredSignals, read_signals};
+use crate::recording::noise::measure_noise_floor;
 use crate::recording::series::deviation;
 use crate::recording::series::rms;
 use crate::simulator_access::access::{
@@ -20,14 +20,14 @@ use crate::simulator_access::access::{
 };
 use crate::tolerance::{FITTED_SHARE, STEPS_PER_SAMPLE};
 
-/// Channels whose misfit is scored; the platform's are what drives the replay.
+/// Channels whose residual is scored; the platform's channels drive the replay.
 const SCORED: [Channel; 4] = [Channel::Control, Channel::HubRate, Channel::MotorRate, Channel::HubPosition];
-/// FitState of the hub rate among them.
+/// Index of the hub rate among them.
 const HUB_RATE: usize = 1;
 /// The hub angle among the freedoms of a start.
 const HUB_ANGLE: usize = 0;
 
-/// Recordings of one machine with what is made of them once: their first parts, and copies with noise on the demand.
+/// Recordings of one machine with what is computed from them once: their first parts, and copies with noise on the demand.
 pub struct PreparedRecordings {
     whole: Vec<Recording>,
     heads: Vec<Recording>,
@@ -45,7 +45,7 @@ impl PreparedRecordings {
     }
 }
 
-/// Recordings of one machine, ready to be replayed.
+/// Recordings of one machine that are ready to be replayed.
 pub struct RecordingReplays<'a> {
     base: &'a Parameters,
     control: Loop,
@@ -58,12 +58,12 @@ pub struct RecordingReplays<'a> {
     control_floor: f64,
     /// Whether the hub is made to follow its own recorded rate, recording by recording.
     followed: Vec<bool>,
-    /// How every recording stands to the mechanism that the replays were made with: it is asked for again and again.
+    /// The assessment of every recording for the mechanism that the replays were made with, which is asked for repeatedly.
     standing: Vec<OnceLock<Option<Assessment>>>,
 }
 
 impl<'a> RecordingReplays<'a> {
-    /// Makes the recordings ready: the platform's motion is reconstructed, the noise of each channel is looked at.
+    /// Prepares the replays: reconstructs the platform's motion and measures the noise of each channel.
     ///
     /// # Errors
     /// A recording that cannot be replayed.
@@ -80,11 +80,12 @@ impl<'a> RecordingReplays<'a> {
             Loop::Closed(controller) => control_floor(base, controller),
             Loop::Open => 0.0,
         };
-        // a control that was recorded more quietly than this loop makes it is not this loop's: its noise is no measure
+        // a control that was recorded with less noise than this loop makes is not this loop's, so that its noise is no measure
         let of = |c, own: f64| {
             if c == Channel::Control && own < QUIET * control_floor { control_floor } else { own }
         };
-        let floors = |r: &Recording| SCORED.map(|c| of(c, floor(base, c, r.column(c).unwrap_or(&[]))));
+        let floors =
+            |r: &Recording| SCORED.map(|c| of(c, measure_noise_floor(base, c, r.column(c).unwrap_or(&[]))));
         Ok(Self {
             base,
             control: control.clone(),
@@ -99,9 +100,9 @@ impl<'a> RecordingReplays<'a> {
         })
     }
 
-    /// A recording as the balances take it; none without hub rate or control.
+    /// Returns the signals of a recording; `None` if it has no hub rate or no control.
     pub fn measured_at(&self, index: usize) -> Option<MeasuredSignals> {
-        self.prepared.whole.get(index).and_then(measured)
+        self.prepared.whole.get(index).and_then(read_signals)
     }
 
     fn same_platform_sensors(&self, parameters: &Parameters) -> bool {
@@ -111,7 +112,7 @@ impl<'a> RecordingReplays<'a> {
             && ours.accelerometer_lever_arm_m == theirs.accelerometer_lever_arm_m
     }
 
-    /// Runs what a recording made ready needs, made ready anew where the platform's sensors are others.
+    /// Runs a prepared replay; prepares it again if the mechanism has other platform sensors.
     fn with<T>(
         &self,
         parameters: &Parameters,
@@ -131,16 +132,17 @@ impl<'a> RecordingReplays<'a> {
         }
     }
 
-    /// The channel that is scored where one of [`SCORED`] stands, and its place; none where there is nothing to score. Played back,
-    /// the control has no misfit of its own and the hub rate stands in its place, so that mechanisms run in either way have as many
-    /// channels. A hub that is made to follow its own recorded rate says nothing: what it takes, the control, is the evidence.
+    /// Returns the channel that is scored in a place of [`SCORED`], and its index there; `None` if nothing is scored. In a playback
+    /// the control has no residual of its own; the hub rate takes its place, so that both ways of running a mechanism have the same
+    /// number of channels. A hub that is made to follow its own recorded rate is no evidence: the control that it takes is.
     fn shown(
         &self,
         replay: &Replay,
         index: usize,
         source: ControlSource,
-        (place, channel): (usize, Channel),
+        place: usize,
     ) -> Option<(Channel, usize)> {
+        let channel = SCORED[place];
         let stand_in = channel == Channel::Control && source == ControlSource::Playback;
         if stand_in && self.control == Loop::Open {
             return None;
@@ -151,7 +153,7 @@ impl<'a> RecordingReplays<'a> {
         (!given && replay.channels.iter().any(|f| f.channel == shown)).then_some((shown, place))
     }
 
-    /// The misfit of every scored channel.
+    /// Returns the residual of every scored channel.
     fn channels(
         &self,
         replay: &Replay,
@@ -160,8 +162,8 @@ impl<'a> RecordingReplays<'a> {
         source: ControlSource,
     ) -> Option<Vec<ChannelResidual>> {
         let mut out = Vec::new();
-        for (c, channel) in SCORED.into_iter().enumerate() {
-            let Some((shown, c)) = self.shown(replay, index, source, (c, channel)) else { continue };
+        for (place, channel) in SCORED.into_iter().enumerate() {
+            let Some((shown, c)) = self.shown(replay, index, source, place) else { continue };
             let recorded = &self.prepared.whole[index].column(shown)?[..length];
             let floor = self.floors[index][c];
             let simulated = shown.of(&replay.simulated);
@@ -173,8 +175,9 @@ impl<'a> RecordingReplays<'a> {
         Some(out)
     }
 
-    /// How far a run parts from one with other noise: the demand with noise like the hub gyroscope's is the loop with
-    /// another noise of it, and the platform's readings with more noise are another reconstruction of its motion.
+    /// Returns how far a run diverges from one with other noise, channel by channel: noise like the hub gyroscope's on the demand
+    /// is another realisation of the loop's noise, and more noise on the platform's readings is another reconstruction of its
+    /// motion.
     fn divergence(
         &self,
         parameters: &Parameters,
@@ -185,16 +188,16 @@ impl<'a> RecordingReplays<'a> {
         let control = self.control(source);
         let shaken =
             self.with(parameters, &self.noisy[index], |r| r.replay_from(parameters, control, &quiet.start))?;
-        let size = |(c, channel): (usize, Channel)| {
-            let (shown, place) = self.shown(quiet, index, source, (c, channel))?;
+        let size = |place: usize| {
+            let (shown, place) = self.shown(quiet, index, source, place)?;
             let apart = apart(shown, &quiet.simulated, &shaken.simulated) / self.floors[index][place];
             let own = if shown == Channel::Control { 1.0 } else { 0.0 };
             Some((apart * apart - own).max(0.0).sqrt())
         };
-        Some(SCORED.into_iter().enumerate().filter_map(size).collect())
+        Some((0..SCORED.len()).filter_map(size).collect())
     }
 
-    /// A closed-loop run judged; where it does not repeat, the playback in its place.
+    /// Assesses a closed-loop run; if it does not repeat, assesses the playback in its place.
     fn judged(
         &self,
         parameters: &Parameters,
@@ -208,7 +211,7 @@ impl<'a> RecordingReplays<'a> {
         }
         let divergence = self.divergence(parameters, index, &quiet, ControlSource::ClosedLoop)?;
         let channels = self.channels(&quiet, index, length, ControlSource::ClosedLoop)?;
-        // an angle wanders in any loop of a rate, and says nothing of hunting
+        // in any loop that controls a rate the angle drifts, which is no sign of hunting
         let hunts =
             |(m, w): (&ChannelResidual, &f64)| *w > HUNTING && m.channel != Channel::HubPosition.name();
         if !channels.iter().zip(&divergence).any(hunts) {
@@ -222,7 +225,7 @@ impl<'a> RecordingReplays<'a> {
         self.played(parameters, index, playback()?)
     }
 
-    /// A run under the recorded control, judged.
+    /// Assesses a run under the recorded control.
     fn played(&self, parameters: &Parameters, index: usize, played: Replay) -> Option<Assessment> {
         let length = self.prepared.whole[index].len();
         let channels = self.channels(&played, index, length, ControlSource::Playback)?;
@@ -231,7 +234,7 @@ impl<'a> RecordingReplays<'a> {
     }
 }
 
-/// Whether the demand of a recording is its hub rate: a controller that nobody recorded makes the model follow.
+/// Returns whether the demand of a recording equals its hub rate: then a controller that was not recorded makes the model follow.
 fn follows(recording: &Recording) -> bool {
     let (Some(demand), Some(rate)) = (&recording.demand_rad_s, &recording.hub_rate_rad_s) else {
         return false;
@@ -240,19 +243,19 @@ fn follows(recording: &Recording) -> bool {
     rate.iter().any(|r| r.is_finite() && *r != 0.0) && !demand.iter().zip(rate).any(differs)
 }
 
-/// Share of the noise that the gyroscope's makes in the control below which recorded control is not of this loop.
+/// Share of the gyroscope's noise in the control below which a recorded control is not of this loop.
 const QUIET: f64 = 0.3;
-/// Two runs that part by more than this many floors are hunting: no replay in closed loop can follow.
+/// Divergence of two runs, in noise floors, above which the loop hunts: no replay in closed loop can follow.
 const HUNTING: f64 = 5.0;
 
-/// RMS of the control that the hub gyroscope's noise and the converters leave.
+/// Returns the RMS of the control that the hub gyroscope's noise and the converters leave, V.
 fn control_floor(base: &Parameters, controller: &ProportionalIntegral) -> f64 {
     let step = 20.0 / f64::from(base.interface.output_bits).exp2();
     (controller.kp_v_s_rad * reading_floor(&base.sensors.hub_gyro, &base.interface))
         .hypot(step / 12f64.sqrt())
 }
 
-/// The first part of a recording.
+/// Returns the first part of a recording, which candidates are fitted to.
 fn head(recording: &Recording) -> Recording {
     recording.part(0..(recording.len() as f64 * FITTED_SHARE) as usize)
 }
@@ -301,7 +304,7 @@ impl SimulatorAccess for RecordingReplays<'_> {
         let control = self.control(near.source);
         let mut shift = *shift;
         if near.source == ControlSource::ClosedLoop && self.followed[index] {
-            // the hub's recorded angle says nothing as evidence here, so nothing but the recording says where it starts
+            // here the hub's recorded angle is no evidence, so only the recording determines the initial angle
             shift[HUB_ANGLE] = 0.0;
         }
         let replay = self.with(parameters, ready, |r| r.replay_nudged(parameters, control, start, &shift))?;
@@ -337,13 +340,13 @@ impl SimulatorAccess for RecordingReplays<'_> {
         let shaken = self.with(parameters, &shaken, |r| r.replay_from(parameters, control, start))?;
         let quiet =
             self.with(parameters, &self.whole[index], |r| r.replay_from(parameters, control, start))?;
-        let one = |(c, channel): (usize, Channel)| -> Option<Vec<f64>> {
-            let (shown, c) = self.shown(&quiet, index, near.source, (c, channel))?;
+        let one = |place: usize| -> Option<Vec<f64>> {
+            let (shown, c) = self.shown(&quiet, index, near.source, place)?;
             let floor = self.floors[index][c];
             let pairs = shown.of(&shaken.simulated).iter().zip(shown.of(&quiet.simulated));
             Some(pairs.map(|(a, b)| (a - b) / floor).collect())
         };
-        Some(SCORED.into_iter().enumerate().filter_map(one).collect())
+        Some((0..SCORED.len()).filter_map(one).collect())
     }
 
     fn assess_from(&self, parameters: &Parameters, index: usize, near: &Assessment) -> Option<Assessment> {
@@ -371,7 +374,7 @@ impl SimulatorAccess for RecordingReplays<'_> {
     }
 }
 
-/// Angle over which the hub moves on the platform, rad: from the resolver, the motor or the gyroscopes.
+/// Returns the angle over which the hub moves on the platform, rad: from the resolver, else from the gyroscopes.
 fn travel(recording: &Recording) -> f64 {
     let span = |series: &mut dyn Iterator<Item = f64>| {
         let (low, high) = series
@@ -398,8 +401,8 @@ fn apart(channel: Channel, a: &ReadingColumns, b: &ReadingColumns) -> f64 {
     rms(&difference)
 }
 
-/// The recording with other noise: on its demand of the size of the hub gyroscope's, on the platform's channels of the
-/// size of their sensors' (a fixed sequence for each number).
+/// Returns the recording with other noise: on its demand of the size of the hub gyroscope's, on the platform's channels of the size
+/// of their sensors' (a fixed sequence for each number).
 fn with_other_noise(recording: &Recording, p: &Parameters, which: u64) -> Recording {
     let mut state = 0x2545_f491_4f6c_dd1d_u64 ^ which.wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let mut uniform = || {

@@ -1,6 +1,6 @@
 //! Recordings replayed on the project's model.
 
-use counterpoise_diagnose::recording::measured_signals::measured;
+use counterpoise_diagnose::recording::measured_signals::read_signals;
 use counterpoise_diagnose::recording::sanity_checks::{Remark, check_signals};
 use counterpoise_models::Parameters;
 use counterpoise_project::Project;
@@ -93,7 +93,8 @@ fn follow(
 /// Returns what is wrong with a recording itself.
 fn anomalies(plant: &Parameters, recording: &Recording) -> Vec<ColumnRemark> {
     let ratio = plant.gearbox.ratio;
-    let found = measured(recording).map(|m| check_signals(&recording.name, &m, ratio)).unwrap_or_default();
+    let found =
+        read_signals(recording).map(|m| check_signals(&recording.name, &m, ratio)).unwrap_or_default();
     let remark = |found: Remark| ColumnRemark::Anomaly { channel: found.channel, anomaly: found.anomaly };
     found.into_iter().map(remark).collect()
 }

@@ -441,11 +441,12 @@ const EFFECTS: &[EffectText] = &[
 #[cfg(test)]
 mod tests {
     use super::*;
-    use counterpoise_diagnose::library::{free_curve, library, textbook};
+    use counterpoise_diagnose::library::{list_effects, list_textbook_effects, make_free_gain_curve};
 
     #[test]
     fn every_entry_of_the_library_has_its_text() {
-        for entry in library().into_iter().chain(textbook()).chain([free_curve()]) {
+        for entry in list_effects().into_iter().chain(list_textbook_effects()).chain([make_free_gain_curve()])
+        {
             let parameter = entry.parameters[0].name;
             let text = describe_effect(entry.component, entry.effect, parameter);
             assert!(text.is_some(), "{} {} {parameter}", entry.component, entry.effect);

@@ -2,7 +2,7 @@
 //! parameters refitted.
 
 use counterpoise_diagnose::findings::answer::Answer;
-use counterpoise_diagnose::library::{Component, Effect, EffectName, effects_named};
+use counterpoise_diagnose::library::{Component, Effect, EffectName, find_effects};
 use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_diagnose::{Error, Structure, refit};
 use counterpoise_models::Parameters;
@@ -38,8 +38,8 @@ pub fn compared(base: &Parameters, case: &Case, answer: &Answer) -> Result<[Opti
 fn entry(name: (&str, &str), parameter: Option<&str>) -> Option<&'static Effect> {
     let has = |e: &&'static Effect| e.parameters.iter().any(|k| Some(k.name) == parameter);
     let (component, effect) = (Component::from_name(name.0)?, EffectName::from_name(name.1)?);
-    let first = effects_named(component, effect).next();
-    effects_named(component, effect).find(has).or(first)
+    let first = find_effects(component, effect).next();
+    find_effects(component, effect).find(has).or(first)
 }
 
 fn ordinary(base: &Parameters) -> Structure {

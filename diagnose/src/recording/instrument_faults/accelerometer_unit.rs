@@ -1,4 +1,4 @@
-//! The accelerometer's factor from the torque balance: a column in g, or with its sign swapped, moves the weight by as much less.
+//! The accelerometer's gain from the torque balance: a column in g or with a swapped sign scales the weight accordingly.
 
 use counterpoise_models::Parameters;
 use counterpoise_simulate::recording::Recording;
@@ -8,14 +8,14 @@ use crate::recording::series::{derivative, deviation, low_pass};
 
 /// Half width of the smoothing window, s.
 const SMOOTHING_S: f64 = 0.025;
-/// Relative doubt above which the balance says nothing.
+/// Relative uncertainty above which the balance is not used.
 const TELLING: f64 = 0.5;
 /// Factors of units, and of a sign.
 const FACTORS: [f64; 5] = [1.0, 9.80665, 1.0 / 9.80665, 1e3, 1e-3];
-/// The balance finds them within this factor: the out-of-balance may be another than the project's.
+/// Factor within which the balance finds them: the out-of-balance may differ from the project's.
 const NEAR: f64 = 1.5;
 
-/// Gain of the accelerometer's column where that is a unit's or a sign's, with its relative doubt:
+/// Returns the gain of the accelerometer's column if it is that of a unit or a sign, with its relative uncertainty:
 ///
 /// ```text
 ///     N K_t i = b0 + b1 hub_rate' + b2 rel + b3 sign(rel) + mu / gain x platform_accel
@@ -44,7 +44,7 @@ pub(super) fn gain(base: &Parameters, r: &Recording) -> Option<(f64, f64)> {
     (known != 1.0 && doubt < TELLING).then_some((known, doubt))
 }
 
-/// Torque of the motor at the hub under a control that stands, N m.
+/// Returns the motor's torque at the hub under a constant control, N m.
 fn drive(p: &Parameters, control_v: f64, relative_rad_s: f64) -> f64 {
     let loss = p.motor.resistance_ohm + p.amplifier.gain * p.amplifier.current_feedback_v_a;
     let back = p.motor.back_emf_v_s_rad * p.gearbox.ratio * relative_rad_s;

@@ -1,4 +1,4 @@
-//! Columns on another clock: late by a time, or slow.
+//! Columns on another clock: late by a constant time, or by a growing one.
 
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::{Parameters, Sensor};
@@ -6,34 +6,41 @@ use counterpoise_simulate::recording::Recording;
 use counterpoise_simulate::replay::Loop;
 
 use super::column::Column;
-use super::identities::{Identity, STILL_RAD_S, controlled, kinematic};
+use super::identities::{ColumnShift, Identity, STILL_RAD_S, controlled, kinematic};
 use super::regression::late;
 use crate::recording::series::{derivative, deviation};
 
-/// Two clocks that part by more than this are told, s, and by how many times the doubt.
+/// Smallest clock offset that is reported, s, and as a multiple of its uncertainty.
 const OFFSET_S: f64 = 1.5e-3;
 const DOUBTS: f64 = 1.5;
-/// The same for the motor where the platform moves, s.
+/// The same for the motor if the platform moves, s.
 const MOVED_S: f64 = 5e-3;
-/// A recording that is off by no more than this from the offset of the others has theirs, s.
+/// Largest difference between a recording's offset and that of the others for which it is taken to have theirs, s.
 const ALONGSIDE_S: f64 = 3e-3;
-/// Share that the kinematics may leave for their lag to be believed.
+/// Share of the rate that the kinematics may leave for their lag to be believed.
 const SHARE: f64 = 0.1;
 /// Corrections of the lag, each by the slope at the last.
 const CORRECTIONS: usize = 5;
-/// Parting of the clocks over half a recording from which they drift, s: seen in several recordings alike, or in one.
+/// Difference of the clocks over half a recording from which they drift, s: if several recordings agree, or in a single one.
 const PARTED_S: (f64, f64) = (6e-4, 2e-3);
-/// Share of the mean drift by which a recording's may differ from it.
+/// Share of the mean drift by which a recording's drift may differ from it.
 const ALIKE: f64 = 0.5;
-/// Whole samples up to which the controller's columns are sought on another clock.
+/// Largest shift in samples at which the controller's columns are tried.
 const SOUGHT: i32 = 60;
-/// Share of what is left that the right shift may leave, and times the converter's noise above which anything is left.
+/// Share of the residual that the right shift may leave, and multiple of the converter's noise above which there is a residual at
+/// all.
 const SHIFTED: (f64, f64) = (0.3, 3.0);
 
-/// How late a column is, s, with the doubt of it.
-pub(super) type Lateness = (f64, f64);
+/// How late a column is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lateness {
+    /// Late by this, s.
+    pub late_s: f64,
+    /// Doubt of it, s.
+    pub doubt_s: f64,
+}
 
-/// How late motor or resolver are against the gyroscopes, less the gyroscopes' own lag.
+/// Returns how late motor or resolver are against the gyroscopes, less the gyroscopes' own lag.
 pub(super) fn lateness(base: &Parameters, r: &Recording, column: Column) -> Option<Lateness> {
     let rate = rate(base, r, column)?;
     let mut shift = 0.0;
@@ -42,14 +49,14 @@ pub(super) fn lateness(base: &Parameters, r: &Recording, column: Column) -> Opti
         let left = expected_lead(base, column) - found.lead_s.0;
         if left.abs() < 0.5 * r.sample_period_s || !left.is_finite() {
             let believed = found.share < SHARE;
-            return believed.then_some((shift + left, found.lead_s.1));
+            return believed.then_some(Lateness { late_s: shift + left, doubt_s: found.lead_s.1 });
         }
         shift += left;
     }
     None
 }
 
-/// A sensor's rate of the hub on the platform.
+/// Returns a sensor's rate of the hub on the platform.
 fn rate(base: &Parameters, r: &Recording, column: Column) -> Option<Vec<f64>> {
     let series = column.of(r)?;
     Some(match column {
@@ -58,46 +65,49 @@ fn rate(base: &Parameters, r: &Recording, column: Column) -> Option<Vec<f64>> {
     })
 }
 
-/// Time by which a column runs before the gyroscopes in a sound recording.
+/// Returns the time by which a column leads the gyroscopes in a sound recording, s.
 fn expected_lead(base: &Parameters, column: Column) -> f64 {
     let lag = |s: &Sensor| 2.0 * s.damping_ratio / s.natural_frequency_rad_s + s.delay_s;
     lag(&base.sensors.hub_gyro) - column.sensor(base).map_or(0.0, lag)
 }
 
-/// How late motor and resolver are, where that cannot be the gyroscopes' own lag: late against them, or parted from each other. The
-/// motor's twisting gear leads or lags a little where the platform moves: there more is needed.
+/// Returns how late motor and resolver are if that cannot be the gyroscopes' own lag: late against them, or different from each
+/// other. The motor's gear twists, so that it leads or lags a little if the platform moves; then a larger offset is required.
 fn told(base: &Parameters, r: &Recording) -> Vec<(Column, Lateness)> {
-    let of = |column| lateness(base, r, column).filter(|(_, doubt)| *doubt < 3.0 * OFFSET_S);
+    let of = |column| lateness(base, r, column).filter(|lateness| lateness.doubt_s < 3.0 * OFFSET_S);
     let moved = r.platform_rate_rad_s.as_deref().is_some_and(|p| deviation(p) > STILL_RAD_S);
-    let sure = |column: Column, (s, doubt): Lateness| {
+    let sure = |column: Column, Lateness { late_s, doubt_s }: Lateness| {
         let least = if moved && column == Column::MotorRate { MOVED_S } else { OFFSET_S };
-        s.abs() > least && s.abs() > DOUBTS * doubt
+        late_s.abs() > least && late_s.abs() > DOUBTS * doubt_s
     };
     let (motor, resolver) = (of(Column::MotorRate), of(Column::HubPosition));
     let own = match (motor, resolver) {
         (Some(motor), Some(resolver)) => {
-            let apart = (motor.0 - resolver.0, motor.1.max(resolver.1));
-            motor.0 < 0.0 && !sure(Column::MotorRate, apart)
+            let apart = Lateness {
+                late_s: motor.late_s - resolver.late_s,
+                doubt_s: motor.doubt_s.max(resolver.doubt_s),
+            };
+            motor.late_s < 0.0 && !sure(Column::MotorRate, apart)
         }
         // one alone that is early may be the gyroscope's own delay
-        (motor, resolver) => motor.or(resolver).is_none_or(|(s, _)| s < 0.0),
+        (motor, resolver) => motor.or(resolver).is_none_or(|lateness| lateness.late_s < 0.0),
     };
     let both = [(Column::MotorRate, motor), (Column::HubPosition, resolver)];
     let all = both.into_iter().filter_map(|(column, lateness)| Some((column, lateness?)));
     all.filter(|(column, lateness)| !own && sure(*column, *lateness)).collect()
 }
 
-/// The recordings in which motor or resolver are late, and how late; a recording that says nothing against what the others say is taken
-/// to be as they are.
+/// Returns the recordings in which motor or resolver are late, and how late. A recording that does not contradict the others is
+/// taken to have their offset.
 pub(super) fn offsets(base: &Parameters, recordings: &[Recording]) -> Vec<(usize, Column, Lateness)> {
     let seen: Vec<Vec<(Column, Lateness)>> = recordings.iter().map(|r| told(base, r)).collect();
     let mut out = Vec::new();
     for column in [Column::MotorRate, Column::HubPosition] {
         let of = |r: usize| seen[r].iter().find(|(c, _)| *c == column).map(|(_, lateness)| *lateness);
         let sure: Vec<Lateness> = (0..recordings.len()).filter_map(of).collect();
-        let Some(&best) = sure.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+        let Some(&best) = sure.iter().min_by(|a, b| a.doubt_s.total_cmp(&b.doubt_s)) else { continue };
         let alike = |r: usize| match lateness(base, &recordings[r], column) {
-            Some((late_s, _)) => (late_s - best.0).abs() < ALONGSIDE_S,
+            Some(lateness) => (lateness.late_s - best.late_s).abs() < ALONGSIDE_S,
             None => column.of(&recordings[r]).is_some(),
         };
         let each = (0..recordings.len()).filter_map(|r| Some((r, of(r).or(alike(r).then_some(best))?)));
@@ -106,14 +116,14 @@ pub(super) fn offsets(base: &Parameters, recordings: &[Recording]) -> Vec<(usize
     out
 }
 
-/// Share by which a column's clock runs slow, from how the clocks part between the halves of each recording.
+/// Returns the share by which a column's clock runs slow, from how the offsets of the two halves of each recording differ.
 pub(super) fn drift(base: &Parameters, recordings: &[Recording], column: Column) -> Option<(f64, f64)> {
     let parted = |r: &Recording| {
         let half = r.len() / 2;
         let first = lateness(base, &r.part(0..half), column)?;
         let second = lateness(base, &r.part(half..2 * half), column)?;
         let time = half as f64 * r.sample_period_s;
-        Some((second.0 - first.0, time, first.1.max(second.1)))
+        Some((second.late_s - first.late_s, time, first.doubt_s.max(second.doubt_s)))
     };
     let all: Vec<(f64, f64, f64)> = recordings.iter().filter_map(parted).collect();
     let count = all.len().max(1) as f64;
@@ -125,8 +135,8 @@ pub(super) fn drift(base: &Parameters, recordings: &[Recording], column: Column)
     (!all.is_empty() && alike && apart > least).then_some((slow, spread))
 }
 
-/// Which of the controller's columns is how late, s, and in which recordings: the whole samples that make the controller's identity
-/// hold in all in which it does not.
+/// Returns which of the controller's columns is late, how late, and in which recordings: the whole number of samples for which the
+/// controller's identity holds in every recording in which it did not.
 pub(super) fn control_offset(
     base: &Parameters,
     control: &Loop,
@@ -137,7 +147,7 @@ pub(super) fn control_offset(
     let bad: Vec<(usize, f64)> = recordings
         .iter()
         .enumerate()
-        .filter_map(|(r, recording)| Some((r, controlled(controller, recording, (0, Column::Control))?.left)))
+        .filter_map(|(r, recording)| Some((r, controlled(controller, recording, ColumnShift::NONE)?.left)))
         .filter(|(_, left)| *left > SHIFTED.1 * noise)
         .collect();
     let period_s = recordings.get(bad.first()?.0)?.sample_period_s;
@@ -152,18 +162,18 @@ pub(super) fn control_offset(
     let tried = all.filter_map(|(c, samples)| Some((share(c, samples)?, c, samples)));
     let (after, column, samples) = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let inside = samples.abs() < SOUGHT && samples != 0;
-    let lateness = (f64::from(samples) * period_s, 0.5 * period_s);
+    let lateness = Lateness { late_s: f64::from(samples) * period_s, doubt_s: 0.5 * period_s };
     let recordings = bad.iter().map(|(r, _)| *r).collect();
     (inside && after < SHIFTED.0 * bad.len() as f64).then_some((column, lateness, recordings))
 }
 
-/// The controller's identity where every factor is one.
+/// Returns the controller's identity if every factor in it is one.
 fn identity(
     controller: &ProportionalIntegral,
     r: &Recording,
     samples: i32,
     column: Column,
 ) -> Option<Identity> {
-    let found = controlled(controller, r, (samples, column))?;
+    let found = controlled(controller, r, ColumnShift { column, samples })?;
     found.ratios.iter().all(|ratio| (ratio.value - 1.0).abs() <= ratio.doubt).then_some(found)
 }

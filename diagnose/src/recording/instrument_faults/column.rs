@@ -1,4 +1,4 @@
-//! The columns of a recording, each with the component that it comes from.
+//! The columns of a recording.
 
 use counterpoise_models::{Parameters, Sensor};
 use counterpoise_simulate::recording::{Channel, Recording};
@@ -33,11 +33,11 @@ impl Column {
         Self::MotorRate,
         Self::HubPosition,
     ];
-    /// Those that a sensor writes.
+    /// The columns that a sensor writes.
     pub(super) const SENSORS: [Self; 5] =
         [Self::HubRate, Self::PlatformRate, Self::PlatformAccel, Self::MotorRate, Self::HubPosition];
 
-    /// The channel that a replay compares; none for the demand.
+    /// Returns the channel that a replay compares; `None` for the demand.
     fn channel(self) -> Option<Channel> {
         match self {
             Self::Demand => None,
@@ -50,12 +50,12 @@ impl Column {
         }
     }
 
-    /// Name in recordings.
+    /// Returns the name in recordings.
     pub fn name(self) -> &'static str {
         self.channel().map_or("demand", Channel::name)
     }
 
-    /// The values, where they were recorded.
+    /// Returns the values, if they were recorded.
     pub(super) fn of(self, r: &Recording) -> Option<&[f64]> {
         match self.channel() {
             None => r.demand_rad_s.as_deref(),
@@ -63,7 +63,7 @@ impl Column {
         }
     }
 
-    /// The same, to be changed.
+    /// Returns the values for modification.
     pub fn of_mut(self, r: &mut Recording) -> &mut Option<Vec<f64>> {
         match self {
             Self::Demand => &mut r.demand_rad_s,
@@ -76,7 +76,7 @@ impl Column {
         }
     }
 
-    /// Step of the converter that the column went through, in its own unit; none where there is none.
+    /// Returns the step of the converter that the column went through, in its own unit; `None` if there is none.
     pub(super) fn converter_step(self, p: &Parameters) -> Option<f64> {
         let input = 20.0 / f64::from(p.interface.input_bits).exp2();
         match self {
@@ -86,7 +86,7 @@ impl Column {
         }
     }
 
-    /// Largest reading that the converter gives, in the column's unit.
+    /// Returns the largest reading that the converter gives, in the column's unit; `None` if there is no converter.
     pub(super) fn converter_limit(self, p: &Parameters) -> Option<f64> {
         match self {
             Self::Demand => None,
@@ -95,7 +95,7 @@ impl Column {
         }
     }
 
-    /// The sensor that writes the column, as the project has it.
+    /// Returns the sensor that writes the column, as the project describes it.
     pub(super) fn sensor(self, p: &Parameters) -> Option<&Sensor> {
         match self {
             Self::Demand | Self::Control => None,

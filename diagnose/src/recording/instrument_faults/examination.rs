@@ -1,9 +1,9 @@
-//! Faults of sensors and recorder, found before any physics, and mended or left out.
+//! The examination of recordings for faults of sensors and recorder, before any physics.
 //!
-//! In come the recordings as they were written; out come recordings for the diagnosis, and what was wrong, column by column. A column
-//! is looked at by itself (`single_column`), then in what all columns must satisfy whatever the mechanism is like (`identities`): factors
-//! and exchanged columns (`factors`), the accelerometer's unit (`accelerometer_unit`), clocks (`clocks`). What a gyroscope itself may have
-//! (gain, bias, lag, delay) is left to the library of physics: there the loop hears it.
+//! A column is examined by itself (`single_column`), then against what all columns must satisfy whatever the mechanism is like
+//! (`identities`): factors and exchanged columns (`factors`), the accelerometer's unit (`accelerometer_unit`), clocks (`clocks`).
+//! Faults that a gyroscope itself may have (gain, bias, lag, delay) are left to the library of physics, because this sensor is
+//! inside the control loop.
 
 use counterpoise_models::Parameters;
 use counterpoise_simulate::recording::Recording;
@@ -14,13 +14,13 @@ use crate::recording::instrument_faults::factors::{Found, Mistake};
 use crate::recording::instrument_faults::fault::{self, FaultKind, InstrumentFault, Treatment};
 use crate::recording::instrument_faults::regression::{late, regress};
 use crate::recording::instrument_faults::{accelerometer_unit, clocks, factors, identities, single_column};
-use crate::recording::noise::white_noise;
+use crate::recording::noise::measure_white_noise;
 use crate::recording::series::deviation;
 
-/// Recordings with what was wrong mended, and the faults.
+/// Recordings without the faults that could be repaired, and the faults.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExaminedRecordings {
-    /// The recordings, mended: columns that cannot be mended are missing, useless readings are NaN.
+    /// The recordings: columns that cannot be repaired are missing, useless readings are not numbers.
     pub recordings: Vec<Recording>,
     /// What was wrong.
     pub faults: Vec<InstrumentFault>,
@@ -28,18 +28,19 @@ pub struct ExaminedRecordings {
     written: Vec<Vec<Column>>,
 }
 
-/// Mistakes of factors that are mended one after the other.
+/// Largest number of wrong factors that are corrected one after the other.
 const MISTAKES: usize = 3;
-/// A factor that is no unit's is mended where it is known as well as this; a motor or a resolver is left out else.
+/// Relative uncertainty up to which a factor that is not a unit's is corrected; beyond it a motor's or a resolver's column is left
+/// out.
 const SURE: f64 = 4e-3;
 /// Difference of the motor's and the resolver's mean rate of the hub from which the motor has a bias, rad/s.
 const BIAS_RAD_S: f64 = 1e-3;
-/// Times its noise by which a platform at rest varies at the most.
+/// Largest variation of a platform at rest, as a multiple of its noise.
 const AT_REST: f64 = 1.5;
-/// Times the converter's noise that a control made by the controller may be off to be put in the place of useless ones.
+/// Largest error of a recomputed control that may replace useless readings, as a multiple of the converter's noise.
 const MADE: f64 = 3.0;
 
-/// Examines the recordings of one machine; `control` is the controller that was in the loop where the project knows it.
+/// Examines the recordings of one machine; `control` is the controller that was in the loop, if the project knows it.
 pub fn find_instrument_faults(
     base: &Parameters,
     control: &Loop,
@@ -63,7 +64,7 @@ pub fn find_instrument_faults(
 }
 
 impl ExaminedRecordings {
-    /// Notes a fault in a recording, or in one more.
+    /// Notes a fault in recordings; adds them to a fault of this kind that is known already.
     fn note(&mut self, column: Column, kind: FaultKind, recordings: &[usize], treatment: Treatment) {
         let names: Vec<String> = recordings.iter().map(|r| self.recordings[*r].name.clone()).collect();
         let count = self.written.iter().filter(|columns| columns.contains(&column)).count();
@@ -101,7 +102,7 @@ impl ExaminedRecordings {
         }
     }
 
-    /// Puts in place of missing values what they must have been: the controller's own output, or the rest of a platform at rest.
+    /// Replaces missing values by what they must have been: the controller's own output, or the rest of a platform at rest.
     fn bridge(&mut self, r: usize, column: Column, control: &Loop, base: &Parameters) {
         let recording = &mut self.recordings[r];
         let Some(series) = column.of_mut(recording) else { return };
@@ -114,7 +115,7 @@ impl ExaminedRecordings {
                 remade(recording, control, base);
             }
             Column::PlatformRate | Column::PlatformAccel
-                if deviation(series) < AT_REST * white_noise(series) =>
+                if deviation(series) < AT_REST * measure_white_noise(series) =>
             {
                 filled(series);
             }
@@ -122,7 +123,7 @@ impl ExaminedRecordings {
         }
     }
 
-    /// Takes useless readings out of a column, or puts what they must have been in their place; tells what was done.
+    /// Removes useless readings from a column, or replaces them by what they must have been; returns what was done.
     fn without(
         &mut self,
         r: usize,
@@ -203,7 +204,7 @@ impl ExaminedRecordings {
         }
     }
 
-    /// Converters coarser than the project's, of columns that are sound otherwise.
+    /// Notes converters coarser than the project's, of columns that are sound otherwise.
     fn coarse(&mut self, base: &Parameters) {
         for r in 0..self.recordings.len() {
             for column in Column::ALL {
@@ -231,8 +232,9 @@ impl ExaminedRecordings {
         found.into_iter().for_each(|(r, column, lateness)| self.shift(r, column, lateness));
     }
 
-    /// Puts a column back that is late; the motor's is known to no better than what its gear twists, and is left out.
-    fn shift(&mut self, r: usize, column: Column, (late_s, doubt_s): clocks::Lateness) {
+    /// Shifts a late column back. The motor's is left out, because its offset is known no better than the twist of its gear.
+    fn shift(&mut self, r: usize, column: Column, lateness: clocks::Lateness) {
+        let clocks::Lateness { late_s, doubt_s } = lateness;
         let samples = whole(late_s / self.recordings[r].sample_period_s);
         let series = column.of_mut(&mut self.recordings[r]);
         let done = if column == Column::MotorRate {
@@ -246,7 +248,7 @@ impl ExaminedRecordings {
         self.note(column, kind, &[r], done);
     }
 
-    /// A motor's rate with a mean that neither gyroscopes nor resolver have.
+    /// Leaves out a motor's rate with a mean that neither gyroscopes nor resolver have.
     fn biases(&mut self, base: &Parameters) {
         let biased: Vec<(usize, f64, f64)> =
             (0..self.recordings.len()).filter_map(|r| motor_bias(base, &self.recordings[r], r)).collect();
@@ -261,7 +263,7 @@ impl ExaminedRecordings {
     }
 }
 
-/// What the motor's mean rate has beyond the resolver's, where the resolver has nothing beyond the gyroscopes.
+/// Returns the motor's mean rate beyond the resolver's, if the resolver has none beyond the gyroscopes.
 fn motor_bias(base: &Parameters, recording: &Recording, r: usize) -> Option<(usize, f64, f64)> {
     let found = identities::identities(base, &Loop::Open, recording);
     let of = |column| found.iter().find(|i| i.of == column);
@@ -273,13 +275,13 @@ fn motor_bias(base: &Parameters, recording: &Recording, r: usize) -> Option<(usi
     told.then_some((r, apart * base.gearbox.ratio, doubt * base.gearbox.ratio))
 }
 
-/// A whole number of samples where it is nearly one.
+/// Returns a whole number of samples if the number is nearly whole.
 fn whole(samples: f64) -> f64 {
     const NEARLY: f64 = 0.3;
     if (samples - samples.round()).abs() < NEARLY { samples.round() } else { samples }
 }
 
-/// Straight lines over what is missing, the nearest reading at the ends.
+/// Interpolates what is missing by straight lines, with the nearest reading at the ends.
 fn filled(series: &mut [f64]) {
     let known: Vec<usize> = (0..series.len()).filter(|k| series[*k].is_finite()).collect();
     let (Some(&first), Some(&last)) = (known.first(), known.last()) else { return };
@@ -294,7 +296,7 @@ fn filled(series: &mut [f64]) {
     }
 }
 
-/// Puts the controller's own output in the place of controls that are missing, where it is what the others are.
+/// Replaces missing controls by the controller's own output if it agrees with the others; returns whether it did.
 fn remade(recording: &mut Recording, control: &Loop, base: &Parameters) -> bool {
     let Loop::Closed(controller) = control else { return false };
     let (Some(demand), Some(hub), Some(u)) =

@@ -1,5 +1,5 @@
-//! Which one column is written with another factor, or which two stand in each other's place: the fewest that make every
-//! identity of every recording hold.
+//! Which column is written with a wrong factor, or which two are exchanged: the smallest mistake after which every identity of
+//! every recording holds.
 
 use counterpoise_models::Parameters;
 use counterpoise_simulate::recording::Recording;
@@ -9,20 +9,20 @@ use super::column::Column;
 use super::fault::{is_known, meant};
 use super::identities::{Identity, Ratio, identities};
 
-/// Gains of a gyroscope that are its own fault and in the library of physics.
+/// Gains that a gyroscope itself may have; these are in the library of physics.
 const LIBRARY: (f64, f64) = (0.5, 2.0);
 /// A broken identity counts as no more than this.
 const BROKEN_AT_MOST: f64 = 3.0;
 /// What an exchange must leave of what was broken, and of each identity.
 const EXCHANGED: (f64, f64) = (0.5, 0.7);
-/// Explanations that leave as much broken as this, relative and absolute, cannot be told apart.
+/// Relative and absolute difference up to which two explanations are taken as equivalent.
 const ALIKE: (f64, f64) = (1.1, 0.01);
-/// Times the converter's noise that the controller's identity may leave where it holds.
+/// Largest residual of the controller's identity, as a multiple of the converter's noise, for it to hold.
 const EXACT: f64 = 3.0;
-/// A factor with more doubt than this says nothing.
+/// Relative uncertainty above which a factor is not used.
 const TELLING: f64 = 0.3;
 
-/// What is wrong with which recordings.
+/// A mistake in writing the columns.
 #[derive(Debug, Clone)]
 pub(super) enum Mistake {
     /// Written = gain x true, relative doubt.
@@ -39,7 +39,7 @@ pub(super) struct Found {
     pub or: Vec<Column>,
 }
 
-/// Who has a factor: a column as it was written, or the hub's gyroscope itself, which the controller hears.
+/// Where a factor comes from: a column as it was written, or the hub's gyroscope itself, which the controller reads.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum FactorOrigin {
     Written(Column),
@@ -54,8 +54,8 @@ fn table_of(base: &Parameters, control: &Loop, recordings: &[Recording]) -> Tabl
     recordings.iter().map(|r| identities(base, control, r)).collect()
 }
 
-/// The one mistake that explains what is wrong; none where nothing is, where it may be a gyroscope's own gain, or where no single
-/// mistake explains it.
+/// Returns the mistake that explains what is wrong; `None` if nothing is wrong, if it may be a gyroscope's own gain, or if no
+/// single mistake explains it.
 pub(super) fn mistake(base: &Parameters, control: &Loop, recordings: &[Recording]) -> Option<Found> {
     let table = table_of(base, control, recordings);
     let bad: Vec<usize> = (0..table.len()).filter(|r| !holds(&table[*r])).collect();
@@ -92,14 +92,14 @@ pub(super) fn mistake(base: &Parameters, control: &Loop, recordings: &[Recording
     Some(Found { or: or.collect(), ..best })
 }
 
-/// Whether an exchange makes a recording's identities hold that did not, or lets them be told at all.
+/// Returns whether an exchange makes the identities of a recording hold that did not, or makes them computable at all.
 fn is_better(before: &[Identity], after: &[Identity]) -> bool {
     let holding = after.iter().all(|i| i.broken < EXCHANGED.1);
     let mended = !holds(before) && broken(after) < EXCHANGED.0 * broken(before);
     holding && (after.len() > before.len() || (after.len() == before.len() && mended))
 }
 
-/// The recordings without the mistake.
+/// Returns the recordings without the mistake.
 pub(super) fn cured(recordings: &[Recording], found: &Found) -> Vec<Recording> {
     let mut out = recordings.to_vec();
     for &r in &found.recordings {
@@ -131,7 +131,7 @@ fn ratios(identities: &[Identity]) -> impl Iterator<Item = &Ratio> {
     identities.iter().flat_map(|i| &i.ratios)
 }
 
-/// Whether every factor is one as far as it can be told, and the identities that are exact give most of what they should.
+/// Returns whether every factor is one within its uncertainty, and the exact identities explain most of what they should.
 fn holds(identities: &[Identity]) -> bool {
     let exact = |i: &Identity| i.of == Column::MotorRate || i.broken < EXCHANGED.1;
     identities.iter().all(exact) && ratios(identities).all(|ratio| agrees(ratio, 1.0))
@@ -141,8 +141,8 @@ fn agrees(ratio: &Ratio, expected: f64) -> bool {
     (ratio.value / expected - 1.0).abs() <= ratio.doubt
 }
 
-/// A factor near one of what the controller hears and says must leave nothing but the converter's noise: a column that is late looks like
-/// one, too.
+/// Returns whether the controller's identity must hold to the converter's noise for a mistake to be believed: a factor near one on
+/// what the controller reads or writes looks like a late column.
 fn needs_exactness(found: &Found) -> bool {
     let heard = [Column::Demand, Column::Control, Column::HubRate];
     matches!(found.mistake, Mistake::Scale { column, gain, .. } if heard.contains(&column) && !is_known(gain))
@@ -173,7 +173,7 @@ fn explains(identities: &[Identity], origin: FactorOrigin, gain: f64) -> bool {
     ratios(identities).all(|ratio| agrees(ratio, gain.powi(share(ratio, origin))))
 }
 
-/// Whether a gain of one of the gyroscopes themselves, within what the library knows, explains everything.
+/// Returns whether a gain of one of the gyroscopes themselves, within what the library covers, explains everything.
 fn own_gain(table: &[Vec<Identity>]) -> bool {
     let origins = [FactorOrigin::HubGyro, FactorOrigin::Written(Column::PlatformRate)];
     origins.into_iter().any(|origin| {
@@ -184,7 +184,7 @@ fn own_gain(table: &[Vec<Identity>]) -> bool {
     })
 }
 
-/// A factor of one column that explains every recording in which something is wrong.
+/// Returns the factor of one column that explains every recording in which something is wrong.
 fn scaled(table: &[Vec<Identity>], column: Column, bad: &[usize]) -> Option<Found> {
     let origin = FactorOrigin::Written(column);
     let mut gains = Vec::new();

@@ -64,7 +64,7 @@ pub(super) fn identities(base: &Parameters, control: &Loop, r: &Recording) -> Ve
         angle.and_then(|w| kinematic(Column::HubPosition, &w, r)),
     ];
     let loops = match control {
-        Loop::Closed(controller) => controlled(controller, r, (0, Column::Control)),
+        Loop::Closed(controller) => controlled(controller, r, ColumnShift::NONE),
         Loop::Open => None,
     };
     kinematic.into_iter().flatten().chain(loops).collect()
@@ -94,9 +94,19 @@ pub(super) fn kinematic(of: Column, rate: &[f64], r: &Recording) -> Option<Ident
         columns.push(&second);
     }
     let found = regress(&columns, &y)?;
-    let mut ratios = vec![relative(of, Column::HubRate, (found.value[1], found.doubt[1]), DOUBT.0)];
+    let mut ratios = vec![relative(
+        of,
+        Column::HubRate,
+        &Coefficient { value: found.value[1], doubt: found.doubt[1] },
+        DOUBT.0,
+    )];
     if platform.is_some() {
-        ratios.push(relative(of, Column::PlatformRate, (-found.value[3], found.doubt[3]), DOUBT.0));
+        ratios.push(relative(
+            of,
+            Column::PlatformRate,
+            &Coefficient { value: -found.value[3], doubt: found.doubt[3] },
+            DOUBT.0,
+        ));
     }
     let still = vec![0.0; y.len()];
     let platform = platform.as_deref().unwrap_or(&still);
@@ -116,20 +126,42 @@ pub(super) fn kinematic(of: Column, rate: &[f64], r: &Recording) -> Option<Ident
     })
 }
 
-fn relative(above: Column, below: Column, (value, doubt): (f64, f64), least: f64) -> Ratio {
-    Ratio { above, below, value, doubt: least + doubt / value.abs().max(f64::MIN_POSITIVE) }
+/// A coefficient of a regression.
+struct Coefficient {
+    value: f64,
+    doubt: f64,
 }
 
-/// The controller's identity, one column taken as so many samples late.
+/// The factor of one column over that of another, from the coefficient that should be one.
+fn relative(above: Column, below: Column, coefficient: &Coefficient, least_doubt: f64) -> Ratio {
+    let Coefficient { value, doubt } = *coefficient;
+    Ratio { above, below, value, doubt: least_doubt + doubt / value.abs().max(f64::MIN_POSITIVE) }
+}
+
+/// A column that is taken as late.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ColumnShift {
+    /// The column.
+    pub column: Column,
+    /// By how many samples it is late.
+    pub samples: i32,
+}
+
+impl ColumnShift {
+    /// No column is taken as late.
+    pub const NONE: Self = Self { column: Column::Control, samples: 0 };
+}
+
+/// The controller's identity with one column taken as late.
 pub(super) fn controlled(
     controller: &ProportionalIntegral,
     r: &Recording,
-    (samples, moved): (i32, Column),
+    moved: ColumnShift,
 ) -> Option<Identity> {
     let shift = |column: Column| {
         let series = column.of(r)?;
-        let shifted = column == moved && samples != 0;
-        Some(if shifted { late(series, -f64::from(samples)) } else { series.to_vec() })
+        let shifted = column == moved.column && moved.samples != 0;
+        Some(if shifted { late(series, -f64::from(moved.samples)) } else { series.to_vec() })
     };
     let (demand, hub) = (shift(Column::Demand)?, shift(Column::HubRate)?);
     let mut control = shift(Column::Control)?;
@@ -141,10 +173,19 @@ pub(super) fn controlled(
     let mut columns: Vec<&[f64]> = vec![&one, &had];
     columns.extend(moves.then_some(wanted.as_slice()));
     let found: Regression = regress(&columns, &control)?;
-    let mut ratios =
-        vec![relative(Column::Control, Column::HubRate, (-found.value[1], found.doubt[1]), DOUBT.1)];
+    let mut ratios = vec![relative(
+        Column::Control,
+        Column::HubRate,
+        &Coefficient { value: -found.value[1], doubt: found.doubt[1] },
+        DOUBT.1,
+    )];
     if moves {
-        ratios.push(relative(Column::Control, Column::Demand, (found.value[2], found.doubt[2]), DOUBT.1));
+        ratios.push(relative(
+            Column::Control,
+            Column::Demand,
+            &Coefficient { value: found.value[2], doubt: found.doubt[2] },
+            DOUBT.1,
+        ));
     }
     let expected = |k: usize| control[k] - wanted[k] + had[k];
     let broken = deviation(&(0..control.len()).map(expected).collect::<Vec<f64>>());

@@ -1,4 +1,4 @@
-//! Least squares over the samples that are there, and series that are late.
+//! Least squares over the samples that are numbers, and delayed series.
 
 use counterpoise_linalg::{Mat, inverse};
 
@@ -14,7 +14,8 @@ pub(super) struct Regression {
     pub share: f64,
 }
 
-/// min |y - X b|^2 over the rows in which all is finite; none where the columns cannot be told apart or rows are few.
+/// Minimises |y - X b|^2 over the rows in which everything is a number; returns `None` if the columns are nearly dependent or the
+/// rows too few.
 pub(super) fn regress(columns: &[&[f64]], y: &[f64]) -> Option<Regression> {
     let there = |k: &usize| y[*k].is_finite() && columns.iter().all(|c| c[*k].is_finite());
     let rows: Vec<usize> = (0..y.len()).filter(there).collect();
@@ -48,7 +49,7 @@ pub(super) fn regress(columns: &[&[f64]], y: &[f64]) -> Option<Regression> {
     Some(Regression { value, doubt, left, share: left / power.sqrt().max(f64::MIN_POSITIVE) })
 }
 
-/// A series late by a time that need not be whole samples; missing where it would have to be known from outside.
+/// Returns a series delayed by a time that need not be whole samples; not a number where it would need samples from outside.
 pub(super) fn late(series: &[f64], samples: f64) -> Vec<f64> {
     let at = |k: usize| {
         let place = k as f64 - samples;

@@ -1,13 +1,13 @@
-//! What a column shows by itself: a converter coarser than the project's, a lower rate, standstill, a limit.
+//! Faults that one column shows by itself: a coarse converter, a lower sampling rate, standstill, a limit.
 
 use counterpoise_models::Parameters;
 
 use super::column::Column;
 use super::fault::FaultKind;
 
-/// Equal readings in a row from which a reading with noise on it is stuck.
+/// Number of equal readings from which a reading with noise on it is stuck.
 const STUCK: usize = 40;
-/// Share of equal neighbours below which a column has noise on it that moves its readings.
+/// Share of equal neighbours below which a column has enough noise to change its readings.
 const LIVELY: f64 = 0.5;
 /// Share of the runs of equal readings that must be of one length for a lower rate.
 const EVEN_RUNS: f64 = 0.95;
@@ -32,13 +32,13 @@ struct Run {
     value: f64,
 }
 
-/// What is wrong with a column, and the samples that are no readings.
+/// A fault of a column, with the samples that are no readings.
 pub(super) struct Seen {
     pub kind: FaultKind,
     pub useless: Vec<usize>,
 }
 
-/// Everything that a column shows by itself.
+/// Detects the faults that a column shows by itself.
 pub(super) fn seen(column: Column, series: &[f64], base: &Parameters, period_s: f64) -> Vec<Seen> {
     let runs = runs(series);
     let sensor = Column::SENSORS.contains(&column);
@@ -64,7 +64,7 @@ fn runs(series: &[f64]) -> Vec<Run> {
     out
 }
 
-/// Readings that change only every so many samples: the first of each run is one, the others are not.
+/// Detects readings that change only every so many samples: the first of each run is a reading, the others are not.
 fn held(runs: &[Run]) -> Option<Seen> {
     let inner = runs.get(1..runs.len().saturating_sub(1)).filter(|inner| inner.len() >= FEWEST_RUNS)?;
     let mut lengths: Vec<usize> = inner.iter().map(|run| run.length).collect();
@@ -80,7 +80,7 @@ fn held(runs: &[Run]) -> Option<Seen> {
     Some(Seen { kind: FaultKind::Held { samples }, useless })
 }
 
-/// Long standstills of readings that otherwise never stand still.
+/// Detects long standstills of readings that otherwise never stand still.
 fn stuck(runs: &[Run], own_limit: f64, period_s: f64) -> Option<Seen> {
     let short = || runs.iter().filter(|run| run.length < STUCK);
     let pairs: usize = short().map(|run| run.length).sum();
@@ -98,7 +98,7 @@ fn stuck(runs: &[Run], own_limit: f64, period_s: f64) -> Option<Seen> {
     Some(Seen { kind, useless: long.iter().flat_map(|run| run.from..run.from + run.length).collect() })
 }
 
-/// Flat tops at an extreme, several times over: a limit that is not the converter's.
+/// Detects repeated flat tops at an extreme: a limit that is not the converter's.
 fn clipped(series: &[f64], runs: &[Run], own_limit: f64) -> Option<Seen> {
     let there = || series.iter().copied().filter(|v| v.is_finite());
     let (low, high) = there().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
@@ -123,14 +123,14 @@ fn clipped(series: &[f64], runs: &[Run], own_limit: f64) -> Option<Seen> {
     Some(Seen { kind: FaultKind::Clipped { limit, share: count as f64 / series.len() as f64 }, useless })
 }
 
-/// A sensor's converter that is coarser than the project's; none for a column that no sensor writes.
+/// Detects a sensor's converter that is coarser than the project's; returns `None` for a column that no sensor writes.
 pub(super) fn coarse(column: Column, series: &[f64], base: &Parameters) -> Option<FaultKind> {
     let expected = column.converter_step(base).filter(|_| Column::SENSORS.contains(&column))?;
     let step = step(series);
     (step.is_finite() && step > COARSER * expected).then_some(FaultKind::Coarse { step, expected })
 }
 
-/// Smallest difference between two different neighbouring readings; infinite where there are none.
+/// Returns the smallest difference between two different neighbouring readings; infinite if there are none.
 fn step(series: &[f64]) -> f64 {
     let largest = series.iter().filter(|v| v.is_finite()).fold(0.0, |a: f64, v| a.max(v.abs()));
     let differences = series.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 1e-9 * largest);
