@@ -10,6 +10,7 @@ use plotters_backend::{
     BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
 };
 
+use crate::dashes::dashed;
 use crate::draw::{Setting, draw, size};
 use crate::error::PlotError;
 use crate::figure::{Dash, Figure};
@@ -168,7 +169,7 @@ impl<'a> DrawingBackend for Brush<'a> {
     }
 
     fn draw_pixel(&mut self, at: BackendCoord, colour: BackendColor) -> Result<(), Failure<'a>> {
-        let role = Ink::of(colour).appearance().fill.unwrap_or(Role::Ink);
+        let role = Ink::from_colour(colour).appearance().fill.unwrap_or(Role::Ink);
         self.inner.draw_pixel(at, self.colour(role, colour.alpha))
     }
 
@@ -188,7 +189,7 @@ impl<'a> DrawingBackend for Brush<'a> {
         style: &S,
         _fill: bool,
     ) -> Result<(), Failure<'a>> {
-        let look = Ink::of(style.color()).appearance();
+        let look = Ink::from_colour(style.color()).appearance();
         if let Some(role) = look.fill {
             let colour = self.colour(role, look.opacity * style.color().alpha);
             self.inner.draw_rect(from, to, &colour, true)?;
@@ -208,7 +209,7 @@ impl<'a> DrawingBackend for Brush<'a> {
         path: I,
         style: &S,
     ) -> Result<(), Failure<'a>> {
-        let ink = Ink::of(style.color());
+        let ink = Ink::from_colour(style.color());
         let look = ink.appearance();
         let Some(stroke) = self.stroke(&look) else { return Ok(()) };
         let is_round = matches!(ink, Ink::Curve(_, Dash::Solid | Dash::Dotted));
@@ -228,7 +229,7 @@ impl<'a> DrawingBackend for Brush<'a> {
         style: &S,
         _fill: bool,
     ) -> Result<(), Failure<'a>> {
-        let look = Ink::of(style.color()).appearance();
+        let look = Ink::from_colour(style.color()).appearance();
         let half = if look.stroke.is_some() { 0.5 * look.width * self.unit } else { 0.0 };
         let rings = [(look.stroke, f64::from(radius) + half), (look.fill, f64::from(radius) - half)];
         for (role, radius) in rings {
@@ -244,7 +245,7 @@ impl<'a> DrawingBackend for Brush<'a> {
         corners: I,
         style: &S,
     ) -> Result<(), Failure<'a>> {
-        let look = Ink::of(style.color()).appearance();
+        let look = Ink::from_colour(style.color()).appearance();
         match look.fill {
             Some(role) => self.inner.fill_polygon(corners, &self.colour(role, look.opacity)),
             None => Ok(()),
@@ -257,7 +258,7 @@ impl<'a> DrawingBackend for Brush<'a> {
         style: &T,
         at: BackendCoord,
     ) -> Result<(), Failure<'a>> {
-        let ink = Ink::of(style.color());
+        let ink = Ink::from_colour(style.color());
         let look = ink.appearance();
         let colour = self.colour(look.fill.unwrap_or(Role::Ink), look.opacity);
         let angle = font::rise_deg(ink, style.transform()).to_radians();
@@ -289,58 +290,5 @@ impl<'a> DrawingBackend for Brush<'a> {
         style: &T,
     ) -> Result<(u32, u32), Failure<'a>> {
         Ok(font::box_of(text, style.size(), style.transform()))
-    }
-}
-
-/// Returns the dashes of a line through points; the whole line if there are no lengths.
-fn dashed(points: &[BackendCoord], lengths: &[f64]) -> Vec<Vec<BackendCoord>> {
-    if lengths.is_empty() || lengths.iter().sum::<f64>() < 1.0 {
-        return vec![points.to_vec()];
-    }
-    let mut dashes = Vec::new();
-    let mut dash: Vec<BackendCoord> = points.first().copied().into_iter().collect();
-    let (mut turn, mut left) = (0, lengths[0]);
-    for pair in points.windows(2) {
-        let (dx, dy) = (f64::from(pair[1].0 - pair[0].0), f64::from(pair[1].1 - pair[0].1));
-        let length = dx.hypot(dy);
-        let mut gone = 0.0;
-        while length - gone > left {
-            gone += left;
-            let part = gone / length;
-            let at = (
-                (f64::from(pair[0].0) + part * dx).round() as i32,
-                (f64::from(pair[0].1) + part * dy).round() as i32,
-            );
-            dash.push(at);
-            if turn % 2 == 0 {
-                dash.dedup();
-                dashes.push(std::mem::take(&mut dash));
-            } else {
-                dash = vec![at];
-            }
-            turn += 1;
-            left = lengths[turn % lengths.len()].max(0.1);
-        }
-        left -= length - gone;
-        dash.push(pair[1]);
-    }
-    if turn % 2 == 0 && dash.len() > 1 {
-        dashes.push(dash);
-    }
-    dashes
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn dashes_run_on_over_corners() {
-        let dashes = dashed(&[(0, 0), (10, 0), (10, 10)], &[4.0, 2.0]);
-        assert_eq!(
-            dashes,
-            [vec![(0, 0), (4, 0)], vec![(6, 0), (10, 0)], vec![(10, 2), (10, 6)], vec![(10, 8), (10, 10)]]
-        );
-        assert_eq!(dashed(&[(0, 0), (3, 0)], &[]), [vec![(0, 0), (3, 0)]]);
     }
 }

@@ -104,7 +104,7 @@ impl Ink {
     }
 
     /// Returns the ink that a colour of a drawing stands for.
-    pub fn of(colour: BackendColor) -> Ink {
+    pub fn from_colour(colour: BackendColor) -> Ink {
         Ink::all().nth(usize::from(colour.rgb.0)).unwrap_or(Ink::Text)
     }
 
@@ -245,7 +245,7 @@ fn lengths(dash: Dash) -> &'static [f64] {
     match dash {
         Dash::Solid => &[],
         Dash::Dashed => &[7.0, 4.0],
-        // round caps lengthen each dot by the width of the line
-        Dash::Dotted => &[0.1, 4.4],
+        // round caps lengthen each dot, and shorten each gap, by the width of the line
+        Dash::Dotted => &[1.6, 3.4],
     }
 }

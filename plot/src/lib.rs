@@ -11,7 +11,7 @@
 //! *Invariant*: data in, bytes out; no file, no clock, no number that depends on the machine, and no knowledge of what a figure means.
 //!
 //! Modules in reading order: [`figure`], [`heat_map`], [`number`], [`ticks`], [`ruler`], [`thin`], [`theme`], `ink`, `font`, `clip`,
-//! `draw`, [`svg`], [`bitmap`], [`error`].
+//! `draw`, [`svg`], `dashes`, [`bitmap`], [`error`].
 //!
 //! ```
 //! use counterpoise_plot::{Axis, Colour, Figure, Panel, Series, Theme, png, svg};
@@ -26,6 +26,7 @@
 
 pub mod bitmap;
 mod clip;
+mod dashes;
 mod draw;
 pub mod error;
 pub mod figure;

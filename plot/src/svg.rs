@@ -166,7 +166,7 @@ impl DrawingBackend for Svg {
             (tenths(from.0), tenths(from.1), tenths(to.0 - from.0), tenths(to.1 - from.1));
         self.element(
             "rect",
-            Ink::of(style.color()),
+            Ink::from_colour(style.color()),
             format_args!("x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"{opacity}"),
         );
         Ok(())
@@ -182,7 +182,7 @@ impl DrawingBackend for Svg {
             let letter = if k == 0 { 'M' } else { 'L' };
             let _ = write!(steps, "{letter}{} {}", tenths(x), tenths(y));
         }
-        self.extend_path(Ink::of(style.color()), &steps);
+        self.extend_path(Ink::from_colour(style.color()), &steps);
         Ok(())
     }
 
@@ -194,7 +194,11 @@ impl DrawingBackend for Svg {
         _fill: bool,
     ) -> Drawn {
         let (x, y, radius) = (tenths(centre.0), tenths(centre.1), tenths(radius as i32));
-        self.element("circle", Ink::of(style.color()), format_args!("cx=\"{x}\" cy=\"{y}\" r=\"{radius}\""));
+        self.element(
+            "circle",
+            Ink::from_colour(style.color()),
+            format_args!("cx=\"{x}\" cy=\"{y}\" r=\"{radius}\""),
+        );
         Ok(())
     }
 
@@ -205,13 +209,17 @@ impl DrawingBackend for Svg {
     ) -> Drawn {
         let corners: Vec<String> =
             corners.into_iter().map(|(x, y)| format!("{},{}", tenths(x), tenths(y))).collect();
-        self.element("polygon", Ink::of(style.color()), format_args!("points=\"{}\"", corners.join(" ")));
+        self.element(
+            "polygon",
+            Ink::from_colour(style.color()),
+            format_args!("points=\"{}\"", corners.join(" ")),
+        );
         Ok(())
     }
 
     fn draw_text<T: BackendTextStyle>(&mut self, text: &str, style: &T, at: BackendCoord) -> Drawn {
         self.end_path();
-        let ink = Ink::of(style.color());
+        let ink = Ink::from_colour(style.color());
         let rise = font::rise_deg(ink, style.transform());
         let down = font::below_anchor(ink, style.anchor().v_pos);
         let (x, y) = (f64::from(at.0) / UNIT, f64::from(at.1) / UNIT);

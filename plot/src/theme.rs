@@ -70,7 +70,7 @@ impl Theme {
     /// Returns the colour of a role.
     pub fn colour(self, role: Role) -> Rgb {
         let found = TABLE.iter().find(|row| row.0 == role);
-        let value = found.map_or(0, |row| self.of(row));
+        let value = found.map_or(0, |row| self.value(row));
         ((value >> 16) as u8, (value >> 8) as u8, value as u8)
     }
 
@@ -90,7 +90,7 @@ impl Theme {
         format!(":root{{{text}}}")
     }
 
-    fn of(self, row: &Row) -> u32 {
+    fn value(self, row: &Row) -> u32 {
         match self {
             Theme::Light => row.2,
             Theme::Dark => row.3,

@@ -7,7 +7,7 @@ pub const MOST_POINTS: usize = 1600;
 
 /// Returns the indices of the points to draw: of each of `stretches` stretches the first, the lowest, the highest and the last,
 /// so that every peak stays. Each row of `points` is (x, y). A stretch that holds a point without a finite y keeps it, so that gaps
-/// stay gaps. Up to four points for each stretch, all are kept.
+/// stay gaps. With at most four points for each stretch, all are kept.
 pub fn thin(points: ArrayView2<f64>, stretches: usize) -> Vec<usize> {
     let (count, stretches) = (points.nrows(), stretches.max(1));
     if count <= 4 * stretches {

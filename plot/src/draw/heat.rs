@@ -40,7 +40,7 @@ impl Layout {
         let mut widths = map.columns.iter().map(|column| font::width(column, FONT_PX));
         let longest = widths.clone().fold(0.0, f64::max);
         // a heading may lean beyond the last cell
-        let room = WIDTH - left - MARGIN - RISE.1 * widths.next_back().unwrap_or(0.0);
+        let room = WIDTH - left - 1.5 * MARGIN - RISE.1 * widths.next_back().unwrap_or(0.0);
         let count = map.columns.len().max(1) as f64;
         // it starts in the middle of its cell, so half a cell of its room is in the table
         let cell_width = (room / (count - 0.5)).min((WIDTH - left - MARGIN) / count);

@@ -2,7 +2,7 @@
 
 use plotters_backend::DrawingBackend;
 
-use super::{Drawn, LEFT, Place, Sheet, WIDTH};
+use super::{Drawn, LEFT, MARGIN, Place, Sheet, WIDTH};
 use crate::figure::{Band, Mark, Panel, Series};
 use crate::font;
 use crate::ink::{FONT_PX, Ink};
@@ -43,7 +43,7 @@ impl<'a> Legend<'a> {
         let (mut x, mut row, mut placed) = (0.0, 0usize, Vec::new());
         for entry in found {
             let width = SAMPLE + SPACES.0 + font::width(entry.name(), FONT_PX) + SPACES.1;
-            if x > 0.0 && LEFT_EDGE + x + width - SPACES.1 > WIDTH {
+            if x > 0.0 && LEFT_EDGE + x + width - SPACES.1 > WIDTH - MARGIN {
                 (x, row) = (0.0, row + 1);
             }
             placed.push(((LEFT_EDGE + x, 10.0 + row as f64 * ROW), entry));
