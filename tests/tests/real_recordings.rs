@@ -53,7 +53,10 @@ fn errors(machine: &str, file: &str, window_s: [f64; 2], channel: &str) -> Optio
 fn friction_of_the_emps_axis_differs_between_the_directions() {
     // fitted to `estimation`; `pulses` is the published test
     let Some((before, after)) = errors("emps", "pulses.parquet", [0.0, 24.8], "control") else { return };
-    assert!(after < 0.9 * before && after < 0.0894, "{before} {after}: the best published is 8.94 %");
+    assert!(
+        after < 0.9 * before && after < 0.0894,
+        "{before} {after}: both with the emulated controller, so not to be compared with published figures"
+    );
 }
 
 #[test]
