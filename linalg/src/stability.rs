@@ -35,3 +35,14 @@ impl Boundary {
 pub fn boundary_eigenvalue(A: &Mat, boundary: Boundary) -> Result<Option<C64>, Error> {
     Ok(Spectrum::of(A)?.on_boundary(|l| boundary.excess(l)))
 }
+
+/// Whether every eigenvalue of `A` is farther from the boundary of stability than rounding the entries of `A` may move it, to
+/// first order.
+///
+/// # Errors
+/// As for [`boundary_eigenvalue`].
+pub fn is_clear_of_boundary(A: &Mat, boundary: Boundary) -> Result<bool, Error> {
+    let spectrum = Spectrum::of(A)?;
+    let modes = spectrum.modes();
+    Ok(modes.into_iter().all(|l| boundary.excess(l).abs() > spectrum.movement(l)))
+}

@@ -46,8 +46,9 @@ pub const PRECISE_FLOOR: f64 = 8.3e-25;
 /// Doublings allowed in 32 digits: closed-loop poles 1e-15 from the boundary take about 56.
 pub const PRECISE_DOUBLINGS: usize = 70;
 
-/// Squarings of the closed loop allowed when a Lyapunov equation is solved in 32 digits; as for the doublings.
-pub const PRECISE_SQUARINGS: usize = 70;
+/// Squarings of the closed loop allowed when a Lyapunov equation is solved in 32 digits: enough for a pole 1e-30 from the
+/// boundary, the nearest that 32 digits tell from one on it.
+pub const PRECISE_SQUARINGS: usize = 110;
 
 /// Newton steps allowed in 32 digits: near a double pole on the boundary each step only halves the error.
 pub const PRECISE_NEWTON_STEPS: usize = 60;

@@ -7,8 +7,9 @@ use crate::tolerance::{EPS, PRECISE_STATES, RICCATI_ERROR, TRUSTED_SEPARATION};
 use super::certify::{Certified, certify_precise};
 use super::newton::Equation;
 use super::precise::{self, PreciseEquation, relative_step};
+use super::reason::{self, Nearness};
 use super::scaling::{Problem, Scaled, rescale};
-use super::{Outcome, Reason, Riccati, reason};
+use super::{Outcome, Reason, Riccati};
 
 /// Below this separation, relative to the data, a solution is examined twice: rounding may have moved a mode that
 /// cannot be moved.
@@ -84,7 +85,7 @@ fn solve_precisely(
 /// The solution, unless it is so sensitive that a mode may be within reach, or in sight, by rounding alone.
 fn accept(found: Certified, problem: &Problem, kind: Kind, limit: f64) -> Outcome<Certified> {
     let lost = if found.solution.certificate.condition * EPS > limit {
-        reason::lost_mode(problem, kind)
+        reason::lost_mode(problem, kind, Nearness::Rounding)
     } else {
         None
     };

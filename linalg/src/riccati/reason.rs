@@ -121,17 +121,31 @@ const EXACT_STATES: usize = 64;
 /// Of the modes that the input reaches least, by their eigenvectors, this many are judged by singular values.
 const CANDIDATES: usize = 3;
 
+/// Which modes count as on the stability boundary.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Nearness {
+    /// Those that rounding the entries of `A` may move there: to judge a problem that has been solved.
+    Rounding,
+    /// Those within [`BOUNDARY`] of it, relative to the norm of `A`: to explain why a problem could not be solved.
+    Broad,
+}
+
 /// Returns the mode in the way: one that is not safely stable and that the input does not reach, or one on the boundary
 /// that the cost does not see.
-pub(super) fn lost_mode(problem: &Problem, kind: Kind) -> Option<Reason> {
+pub(super) fn lost_mode(problem: &Problem, kind: Kind, nearness: Nearness) -> Option<Reason> {
     let n = problem.A.nrows() as f64;
-    let near = BOUNDARY * boundary_scale(problem.A.norm_fro(), kind);
-    let (mode, reach) = least_reached(&problem.A, &problem.G, |m| excess(m, kind) > -near)?;
-    if reach < n * LOST {
+    let broad = BOUNDARY * boundary_scale(problem.A.norm_fro(), kind);
+    let near = |spectrum: &Spectrum, m: C64| match nearness {
+        Nearness::Broad => broad,
+        Nearness::Rounding => spectrum.movement(m),
+    };
+    let reached = least_reached(&problem.A, &problem.G, |s, m| excess(m, kind) > -near(s, m));
+    if let Some((mode, reach)) = reached.filter(|(_, reach)| *reach < n * LOST) {
         return Some(Reason::Uncontrollable { mode, distance: reach });
     }
-    let (mode, sight) = least_reached(&problem.A.t(), &problem.Q, |m| excess(m, kind).abs() < near)?;
-    (sight < n * LOST).then_some(Reason::Unobservable { mode, distance: sight })
+    let seen = least_reached(&problem.A.t(), &problem.Q, |s, m| excess(m, kind).abs() < near(s, m));
+    let (mode, sight) = seen.filter(|(_, sight)| *sight < n * LOST)?;
+    Some(Reason::Unobservable { mode, distance: sight })
 }
 
 /// Returns a mode that is not stable and that the input does not reach for certain: not normwise, and not entry by entry.
@@ -146,13 +160,13 @@ pub(super) fn certainly_lost(problem: &Problem, kind: Kind) -> Option<Reason> {
 
 /// Of the modes that are not stable the one that the input reaches least, and its relative distance from reach.
 pub(super) fn hardest_mode(problem: &Problem, kind: Kind) -> Option<(C64, f64)> {
-    least_reached(&problem.A, &problem.G, |m| excess(m, kind) >= 0.0)
+    least_reached(&problem.A, &problem.G, |_, m| excess(m, kind) >= 0.0)
 }
 
 /// The mode among the suspects that `M` reaches least, and its relative distance from reach.
-fn least_reached(A: &Mat, M: &Mat, is_suspect: impl Fn(C64) -> bool) -> Option<(C64, f64)> {
+fn least_reached(A: &Mat, M: &Mat, is_suspect: impl Fn(&Spectrum, C64) -> bool) -> Option<(C64, f64)> {
     let spectrum = Spectrum::of(A).ok()?;
-    let suspects = spectrum.modes().into_iter().filter(|&m| is_suspect(m));
+    let suspects = spectrum.modes().into_iter().filter(|&m| is_suspect(&spectrum, m));
     let mut reaches: Vec<(C64, f64)> =
         suspects.map(|m| spectrum.reach(M, m)).map(|reach| (reach.mode, reach.normwise)).collect();
     reaches.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -196,7 +210,7 @@ fn distance(A: &Mat, M: &Mat, mode: C64) -> f64 {
 
 /// Why a problem that was not solved has no solution.
 pub(super) fn diagnose(problem: &Problem, kind: Kind) -> Option<Reason> {
-    if let Some(reason) = lost_mode(problem, kind) {
+    if let Some(reason) = lost_mode(problem, kind, Nearness::Broad) {
         return Some(reason);
     }
     if kind == Kind::Discrete {

@@ -268,6 +268,127 @@ def dl_singular(r):
     return dict(A=T @ A0 @ inverse, Q=np.eye(n), exists=False)
 
 
+# --- systems with one input and one output ---------------------------------------------------------------------------------
+
+def cascade(poles, zeros, gain):
+    """Sections in series, x_i' = p_i x_i + y_(i-1); what is not there is exactly zero. Real poles and zeros."""
+    n = len(poles)
+    A, B, C, D = np.zeros((n, n)), np.zeros((n, 1)), np.zeros((1, n)), np.array([[1.0]])
+    for i, p in enumerate(poles):
+        A[i], B[i], A[i, i] = C[0], D[0], p
+        if i < len(zeros):
+            C[0, i] = p - zeros[i]  # (s - z)/(s - p) = 1 + (p - z)/(s - p)
+        else:
+            C, D = np.eye(n)[[i]], np.zeros((1, 1))
+    return dict(A=A, B=B, C=gain * C, D=gain * D)
+
+
+def modal(r, k, damping, rigid=0):
+    """A sum of modes with collocated signs or any; rigid-body modes first."""
+    n = 2 * k
+    w = np.sort(10.0 ** r.uniform(0, 4, k))
+    w[:rigid] = 0
+    A, B, C = np.zeros((n, n)), np.zeros((n, 1)), np.zeros((1, n))
+    for i in range(k):
+        A[2 * i:2 * i + 2, 2 * i:2 * i + 2] = [[0, 1], [-w[i] ** 2, -2 * damping * w[i]]]
+        B[2 * i + 1, 0] = 1.0
+        C[0, 2 * i] = 10.0 ** r.uniform(-1, 1) * (1 if r.random() < 0.7 else -1)
+    return dict(A=A, B=B, C=C, D=np.zeros((1, 1)))
+
+
+def s_spread(r):
+    """Real roots over twelve decades."""
+    n = int(r.integers(2, 7))
+    m = int(r.integers(1, n + 1))
+    return cascade(-10.0 ** r.integers(-6, 7, n), -10.0 ** r.integers(-6, 7, m) * r.choice([1, -1, 2], m), tens(r, -3, 3))
+
+
+def s_multiple(r):
+    n, k = int(r.integers(2, 5)), int(r.integers(1, 3))
+    poles = np.r_[np.full(n, -tens(r, -2, 1)), -tens(r, 1, 3)]
+    return cascade(poles, -tens(r, 0, 4) * np.arange(1, k + 1), 1.0)
+
+
+def s_flexible(r):
+    return modal(r, int(r.integers(1, 5)), tens(r, -6, -2))
+
+
+def s_rigid(r):
+    return modal(r, int(r.integers(2, 5)), tens(r, -4, -2), rigid=1)
+
+
+def s_dense(r):
+    n = size(r, 6)
+    return dict(A=stable(r, n), B=r.standard_normal((n, 1)), C=r.standard_normal((1, n)), D=np.zeros((1, 1)))
+
+
+def s_graded(r):
+    p, d = s_dense(r), None
+    n = len(p['A'])
+    d = 2.0 ** r.integers(-20, 21, n)
+    return dict(p, A=p['A'] * d[:, None] / d, B=p['B'] * d[:, None], C=p['C'] / d)
+
+
+def loop(make):
+    """A loop whose gain is far from one at its roots, either way."""
+    def made(r):
+        p = make(r)
+        factor = tens(r, -8, 8)
+        return dict(p, C=p['C'] * factor, D=p['D'] * factor)
+    return made
+
+
+def m_integrators(r):
+    n = int(r.integers(1, 4))
+    return cascade(np.r_[np.zeros(int(r.integers(1, 3))), -10.0 ** r.integers(-2, 3, n - 1)], [], tens(r, -9, 9))
+
+
+def m_delayed(r):
+    """An integrator with whole samples of delay, sampled fast."""
+    d = int(r.integers(1, 4))
+    n = d + 1
+    A, B, C = np.diag(np.ones(d), -1), np.zeros((n, 1)), np.zeros((1, n))
+    A[0, 0], B[0, 0], C[0, -1] = 1.0, r.choice([0.01, 0.1, 0.2, 0.3]), 1.0
+    return dict(A=A, B=B, C=C, D=np.zeros((1, 1)), period=10.0 ** -int(r.integers(0, 5)))
+
+
+def e_reduced(r):
+    """The error of a truncation: two systems that nearly cancel."""
+    p = s_dense(r)
+    n = len(p['A'])
+    k = max(1, n // 2)
+    small = tens(r, -8, -3)
+    A = np.block([[p['A'], np.zeros((n, n))], [np.zeros((n, n)), p['A'] * (1 + small)]])
+    return dict(A=A, B=np.r_[p['B'], p['B']], C=np.c_[p['C'], -p['C'] * (1 + small)], D=p['D'])
+
+
+# --- descriptor systems ------------------------------------------------------------------------------------------------------
+
+def g_index(r):
+    """A chain of constraints of index one to three, rotated, and a proper part."""
+    n, index = int(r.integers(1, 4)), int(r.integers(1, 4))
+    N = np.diag(np.ones(index - 1), 1) if index > 1 else np.zeros((1, 1))
+    E = np.block([[np.eye(n), np.zeros((n, index))], [np.zeros((index, n)), N]])
+    A = np.block([[stable(r, n), np.zeros((n, index))], [np.zeros((index, n)), np.eye(index)]])
+    B, C = r.standard_normal((n + index, 1)), r.standard_normal((1, n + index))
+    return dict(E=E, A=A, B=B, C=C, D=np.zeros((1, 1)))
+
+
+def g_rotated(r):
+    p = g_index(r)
+    n = len(p['E'])
+    U, V = (np.linalg.qr(r.standard_normal((n, n)))[0] for _ in 'UV')
+    return dict(p, E=U @ p['E'] @ V, A=U @ p['A'] @ V, B=U @ p['B'], C=p['C'] @ V, rotated=True, plain=[p[k].tolist() for k in 'EABCD'])
+
+
+def g_scaled(r):
+    p = g_index(r)
+    n = len(p['E'])
+    d, e = 10.0 ** r.uniform(-5, 5, n), 10.0 ** r.uniform(-5, 5, n)
+    scaled = lambda M: M * d[:, None] * e
+    return dict(p, E=scaled(p['E']), A=scaled(p['A']), B=p['B'] * d[:, None], C=p['C'] * e)
+
+
 FAMILIES = {
     'care': dict(benign=benign, graded=graded, powers=powers, near_boundary=near_boundary, defective=defective, rigid=rigid,
                  small_weight=small_weight, unstable=unstable, lost=lost, carex_25=carex_25, carex_26=carex_26, carex_4x=carex_4x),
@@ -275,4 +396,9 @@ FAMILIES = {
                  rigid=d_rigid, small_weight=small_weight),
     'lyap': dict(benign=l_benign, graded=l_graded, modes=l_modes, singular=l_singular, damped=l_damped),
     'dlyap': dict(benign=l_discrete(l_benign), modes=l_discrete(l_modes), singular=dl_singular, damped=l_discrete(l_damped)),
+    'zeros': dict(spread=s_spread, multiple=s_multiple, flexible=s_flexible, rigid=s_rigid, dense=s_dense, graded=s_graded),
+    'margins': dict(spread=loop(s_spread), integrators=m_integrators, delayed=m_delayed, flexible=loop(s_flexible), rigid=loop(s_rigid), dense=loop(s_dense)),
+    'linfnorm': dict(spread=s_spread, flexible=s_flexible, dense=s_dense, graded=s_graded, error=e_reduced),
+    'h2norm': dict(dense=s_dense, flexible=s_flexible, graded=s_graded),
+    'descriptor': dict(index=g_index, rotated=g_rotated, scaled=g_scaled),
 }

@@ -204,7 +204,7 @@ def reference(kind, problem):
         E = plain(lyapunov(A.transpose(), change, gamma) if kind == 'lyap' else stein(A.transpose(), change))
         d = np.sqrt(np.maximum(np.abs(np.diag(plain(X))), 1e-300))
         return dict(exists=True, X=plain(X), condition=float(np.max(np.abs(E) / np.outer(d, d))))
-    raise ValueError(kind)
+    return SYSTEMS[kind](problem)
 
 
 def condition_discrete(A, B, Q, R, X):
@@ -219,12 +219,194 @@ def condition_discrete(A, B, Q, R, X):
     return 1.0 if E is None else float(np.max(np.abs(plain(E)) / np.outer(d, d)))
 
 
+# --- systems with one input and one output, by exact polynomials -------------------------------------------------------------
+
+SHARE = 2.0 ** -90
+
+
+def exact(M, random=None):
+    """The doubles as fractions, each changed by a share of at most 2^-90 if random numbers are given."""
+    change = lambda: flint.fmpq(1) if random is None else 1 + flint.fmpq(int(random.integers(-1000, 1001)), 1000) / 2 ** 90
+    return [[flint.fmpq(*float(e).as_integer_ratio()) * change() for e in row] for row in np.atleast_2d(np.array(M, float))]
+
+
+def with_condition(reference_of, error_of, as_answer):
+    """A reference with the condition found by changing every entry of the data by a tiny share."""
+    def made(problem):
+        found = reference_of(problem)
+        others = [reference_of(dict(problem, random=np.random.default_rng(seed))) for seed in range(3)]
+        change = max(error_of(as_answer(other), found) for other in others)
+        return dict(found, condition=10 * change / SHARE if np.isfinite(change) else 1e16)
+    return made
+
+
+def polynomials(problem):
+    """Numerator and denominator of the transfer function as exact polynomials, coefficients from the lowest."""
+    A, B, C, D = (exact(problem[k], problem.get('random')) for k in 'ABCD')
+    n = len(A)
+    denominator = flint.fmpq_mat(A).charpoly()
+    closed = flint.fmpq_mat([[A[i][j] - B[i][0] * C[0][j] for j in range(n)] for i in range(n)]).charpoly()
+    return closed + (D[0][0] - 1) * denominator, denominator
+
+
+def roots(polynomial):
+    """All roots with multiplicity, as complex doubles of exact balls."""
+    found = []
+    for root, times in polynomial.complex_roots():
+        found += [root.mid()] * times
+    return found
+
+
+def positive(polynomial):
+    """The positive real roots of odd multiplicity and others alike."""
+    found = []
+    for root, _ in polynomial.complex_roots():
+        if root.imag.contains(0) and root.real > 0:
+            found.append(root.real.mid())
+    return sorted(found, key=float)
+
+
+def on_axis(problem):
+    """|N|^2, |D|^2 and Im(N conj(D))/w on the axis (or on the unit circle by z = (1+s)/(1-s)), polynomials in w^2."""
+    N, D = polynomials(problem)
+    if 'period' in problem:
+        degree = len(problem['A'])
+        up, down = flint.fmpq_poly([1, 1]), flint.fmpq_poly([1, -1])
+        turn = lambda P: sum((P[k] * up ** k * down ** (degree - k) for k in range(degree + 1)), flint.fmpq_poly([0]))
+        N, D = turn(N), turn(D)
+    split = lambda P: (flint.fmpq_poly([P[k] * (-1) ** (k // 2) for k in range(0, P.degree() + 1, 2)] or [0]),
+                       flint.fmpq_poly([P[k] * (-1) ** (k // 2) for k in range(1, P.degree() + 1, 2)] or [0]))
+    (Ne, No), (De, Do), x = split(N), split(D), flint.fmpq_poly([0, 1])
+    return Ne * Ne + x * No * No, De * De + x * Do * Do, No * De - Ne * Do, Ne * De + x * No * Do
+
+
+def rate(x, problem):
+    w = x.sqrt().mid()
+    return (2 * w.atan() / flint.arb(problem['period'])).mid() if 'period' in problem else w
+
+
+def zeros_reference(problem):
+    N, D = polynomials(problem)
+    return dict(exists=True, values=roots(N) if N.degree() > 0 else [])
+
+
+def distance(z, y):
+    """|z - y| / |z| of long complex numbers."""
+    size = float(abs(z).mid())
+    return float(abs(z - y).mid()) / max(size, 1e-12)
+
+
+def zeros_error(answer, reference):
+    if 'values' not in answer:
+        return float('inf')
+    ours, worst = [flint.acb(*v) if isinstance(v, list) else v for v in answer['values']], 0.0
+    if len(ours) != len(reference['values']):
+        return 1e3
+    for z in sorted(reference['values'], key=lambda z: float(abs(z).mid())):
+        k = min(range(len(ours)), key=lambda k: float(abs(ours[k] - z).mid()))
+        worst = max(worst, distance(z, ours.pop(k)))
+    return worst
+
+
+def margins_reference(problem):
+    NN, DD, odd, even = on_axis(problem)
+    if NN.degree() < 0 or NN == 0:
+        return dict(exists=True, phase=[], gain=[])
+    phase = sorted((rate(x, problem) for x in positive(NN - DD)), key=float) if NN != DD else None
+    gain = [rate(x, problem) for x in positive(odd) if even(flint.fmpq(*float(x).as_integer_ratio())) < 0] if odd.degree() > 0 else []
+    return dict(exists=True, phase=phase, gain=sorted(gain, key=float))
+
+
+def margins_error(answer, reference):
+    if 'phase' not in answer:
+        return float('inf')
+    if reference['phase'] is None:
+        return 0.0
+    worst = 0.0
+    for ours, exact_rates in (([p[1] for p in answer['phase']], reference['phase']),
+                              ([g[1] for g in answer['gain']], reference['gain'])):
+        for w in exact_rates:
+            near = min((float((abs(flint.arb(o) - w) / w).mid()) for o in ours if o is not None), default=1e3)
+            worst = max(worst, near)
+    extra = len(answer['phase']) - len(reference['phase'])
+    return worst if extra <= 0 else max(worst, 1e2)
+
+
+def linfnorm_reference(problem):
+    NN, DD, _, _ = on_axis(problem)
+    if NN == 0:
+        return dict(exists=True, value=flint.arb(0))
+    candidates = [value(NN, flint.arb(0)) / value(DD, flint.arb(0))]
+    candidates += [value(NN, x) / value(DD, x) for x in positive(NN.derivative() * DD - NN * DD.derivative())]
+    if NN.degree() == DD.degree():
+        candidates.append(flint.arb(NN[NN.degree()] / DD[DD.degree()]))
+    best = max(candidates, key=lambda v: float(v.mid()) if v.is_finite() else -1.0)
+    return dict(exists=True, value=best.sqrt().mid())
+
+
+def value(polynomial, x):
+    total = flint.arb(0)
+    for k in range(polynomial.degree(), -1, -1):
+        total = total * x + flint.arb(polynomial[k])
+    return total.mid()
+
+
+def h2norm_reference(problem):
+    A, B, C = data(problem, 'A', 'B', 'C')
+    P = lyapunov(A.transpose(), mid(B * B.transpose()), max(1e-6, float(np.sqrt(largest(A)))))
+    if P is None:
+        return dict(exists=False)
+    return dict(exists=True, value=float((C * P * C.transpose())[0, 0].sqrt().mid()), condition=1e5)
+
+
+def value_error(answer, reference):
+    found = answer.get('value')
+    if found is None:
+        return float('inf')
+    exact_value = flint.arb(reference['value'])
+    return float(abs(flint.arb(found) / exact_value - 1).mid()) if float(exact_value) else abs(found)
+
+
+def descriptor_reference(problem):
+    """The transfer function at three points, from the data before they were rotated."""
+    keys = problem.get('plain') or [problem[k] for k in 'EABCD']
+    values = []
+    for s in ((0.3, 0.0), (0.0, 1.0), (2.0, 3.0)):
+        s = flint.acb(*s)
+        E, A, B, C, D = (flint.acb_mat([[flint.acb(float(e)) for e in row] for row in M]) for M in keys)
+        values.append(complex((C * (E * s - A).solve(B) + D)[0, 0]))
+    return dict(exists=True, values=values, condition=1e6 if problem.get('rotated') else 1e4)
+
+
+def descriptor_error(answer, reference):
+    if 'A' not in answer:
+        return float('inf')
+    A, B, C, D = (np.atleast_2d(np.array(answer[k], float)) for k in 'ABCD')
+    n, worst = answer['A'] and len(answer['A']) or 0, 0.0
+    for s, exact_value in zip((0.3, 1j, 2 + 3j), reference['values']):
+        total = D[0, 0] + sum(np.array(M)[0, 0] * s ** (k + 1) for k, M in enumerate(answer['derivatives']))
+        if n:
+            total = total + (C.reshape(1, n) @ np.linalg.solve(s * np.eye(n) - A, B.reshape(n, 1)))[0, 0]
+        worst = max(worst, abs(total - exact_value) / abs(exact_value))
+    return worst
+
+
+SYSTEM_ERRORS = dict(zeros=zeros_error, margins=margins_error, linfnorm=value_error, h2norm=value_error, descriptor=descriptor_error)
+as_margins = lambda r: dict(phase=[(0, w, 0) for w in r['phase'] or []], gain=[(0, w) for w in r['gain']])
+SYSTEMS = dict(zeros=with_condition(zeros_reference, zeros_error, lambda r: r),
+               margins=with_condition(margins_reference, margins_error, as_margins),
+               linfnorm=with_condition(linfnorm_reference, value_error, lambda r: r),
+               h2norm=h2norm_reference, descriptor=descriptor_reference)
+
+
 # --- errors --------------------------------------------------------------------------------------------------------------
 
 def error(kind, answer, reference, problem):
     """The largest relative error of an answer (a dictionary of ours, or a peer's matrix)."""
     if not reference['exists'] or answer is None:
         return float('inf')
+    if kind in SYSTEMS:
+        return SYSTEM_ERRORS[kind](answer, reference)
     X = answer.get('X') if isinstance(answer, dict) else answer
     if X is None:
         return float('inf')
@@ -239,6 +421,8 @@ def error(kind, answer, reference, problem):
 
 def peers(kind, problem):
     kind = problem['kind']
+    if kind in SYSTEMS:
+        return
     get = lambda key: np.atleast_2d(np.array(problem[key], float))
     A = get('A')
     n = len(A)
