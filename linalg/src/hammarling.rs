@@ -73,7 +73,8 @@ impl Prepared {
         let form = schur(&balanced.A)?;
         check_stable(&form, kind)?;
         let spectrum = Spectrum::from_form(balanced.A, form, balanced.scale);
-        if let Some(eigenvalue) = spectrum.on_boundary(|l| excess(l, kind)) {
+        let found = spectrum.on_boundary(|l| excess(l, kind)).pop();
+        if let Some(eigenvalue) = found {
             return Err(Error::NotStable { what: "A", eigenvalue });
         }
         let (form, scale) = spectrum.into_form();

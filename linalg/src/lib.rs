@@ -60,5 +60,5 @@ pub use lyapunov::{dlyap, dlyap_separation, lyap, lyap_separation};
 pub use mat::{C64, CMat, Mat};
 pub use riccati::{Certificate, Method, Outcome, Reason, Riccati, care, care_g, dare};
 pub use schur::{Schur, Subspace, eigenvalues, schur};
-pub use stability::{Boundary, boundary_eigenvalue, is_clear_of_boundary};
+pub use stability::{Boundary, boundary_eigenvalues, is_clear_of_boundary};
 pub use sylvester::{dsylvester, eigenvalue_separation, sylvester};

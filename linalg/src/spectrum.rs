@@ -66,14 +66,15 @@ impl Spectrum {
         Reach { mode, normwise, entrywise }
     }
 
-    /// Returns an eigenvalue that lies on the boundary of stability within what rounding the entries of `A` may move it by.
+    /// The eigenvalues (one of each conjugate pair) that lie on the boundary of stability within what rounding the entries of `A`
+    /// may move them by.
     ///
     /// `excess` is the signed distance of an eigenvalue from the boundary. A change of each entry by a share e moves a
     /// simple eigenvalue by at most `e |y|'|A||x| / |y'x|` with its eigenvectors `x` and `y`, whatever the units of the
     /// states; only eigenvalues near the boundary are examined.
-    pub(crate) fn on_boundary(&self, excess: impl Fn(C64) -> f64) -> Option<C64> {
+    pub(crate) fn on_boundary(&self, excess: impl Fn(C64) -> f64) -> Vec<C64> {
         let near = |l: &C64| excess(*l).abs() <= BOUNDARY_SUSPECT * self.size.max(l.norm());
-        self.modes().into_iter().filter(near).find(|&l| excess(l).abs() <= self.movement(l))
+        self.modes().into_iter().filter(near).filter(|&l| excess(l).abs() <= self.movement(l)).collect()
     }
 
     /// By how much rounding the entries of `A` may move an eigenvalue.
@@ -236,7 +237,7 @@ mod tests {
 
     #[test]
     fn the_boundary_is_judged_mode_by_mode() {
-        let found = |A: &Mat| Spectrum::of(A).unwrap().on_boundary(|l| l.re);
+        let found = |A: &Mat| Spectrum::of(A).unwrap().on_boundary(|l| l.re).pop();
         // An integrator in coordinates that hide it.
         assert!(found(&Mat::from_rows(&[&[2.0, 2.0], &[-3.0, -3.0]])).is_some());
         // Slow, and certain to be stable in spite of a fast neighbour.

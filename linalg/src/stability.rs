@@ -23,16 +23,17 @@ impl Boundary {
     }
 }
 
-/// Returns an eigenvalue of `A` that lies on the boundary of stability as far as the entries of `A`, each rounded to a
-/// double, can tell; `None` if there is none.
+/// The eigenvalues of `A`, one of each conjugate pair, that lie on the boundary of stability as far as the entries of `A`, each
+/// rounded to a double, can tell.
 ///
 /// The rule does not depend on the units of the states: an eigenvalue counts as on the boundary if its distance is below
 /// the first-order effect of rounding each entry of `A`, from its left and right eigenvectors. A slow mode beside a fast one
-/// is thus told from an integrator, and an integrator in coordinates that hide it is found.
+/// is thus told from an integrator, and an integrator in coordinates that hide it is found. Both halves of a double
+/// integrator that rounding has split are among the answer, because each is as sensitive as the split.
 ///
 /// # Errors
 /// Returns an error if `A` is not square or not finite, or if the eigenvalue iteration fails.
-pub fn boundary_eigenvalue(A: &Mat, boundary: Boundary) -> Result<Option<C64>, Error> {
+pub fn boundary_eigenvalues(A: &Mat, boundary: Boundary) -> Result<Vec<C64>, Error> {
     Ok(Spectrum::of(A)?.on_boundary(|l| boundary.excess(l)))
 }
 
@@ -40,7 +41,7 @@ pub fn boundary_eigenvalue(A: &Mat, boundary: Boundary) -> Result<Option<C64>, E
 /// first order.
 ///
 /// # Errors
-/// As for [`boundary_eigenvalue`].
+/// As for [`boundary_eigenvalues`].
 pub fn is_clear_of_boundary(A: &Mat, boundary: Boundary) -> Result<bool, Error> {
     let spectrum = Spectrum::of(A)?;
     let modes = spectrum.modes();

@@ -5,7 +5,7 @@ mod common;
 
 use common::{Random, solved, solved_discrete, solved_g};
 use counterpoise_linalg::{
-    Boundary, Error, Mat, Outcome, Reason, Riccati, boundary_eigenvalue, care, dare, dlyap, inverse, lyap,
+    Boundary, Error, Mat, Outcome, Reason, Riccati, boundary_eigenvalues, care, dare, dlyap, inverse, lyap,
     lyap_factor, lyap_separation,
 };
 
@@ -115,7 +115,8 @@ fn the_certificate_can_be_recomputed_in_the_callers_units() {
             assert!(certificate.forward_error[(i, j)] < 1e-14 * size, "({i}, {j})");
         }
     }
-    assert!(!certificate.is_sensitive());
+    // Entry by entry the solution is right; normwise it depends on digits that the data do not have.
+    assert!(certificate.is_sensitive() && certificate.condition > 1e17);
 }
 
 #[test]
@@ -123,7 +124,7 @@ fn an_integrator_in_hiding_makes_the_lyapunov_equation_singular() {
     let A = Mat::from_rows(&[&[2.0, 2.0], &[-3.0, -3.0]]);
     assert!(matches!(lyap(&A, &Mat::eye(2)), Err(Error::CommonEigenvalue { .. })));
     assert!(matches!(lyap_factor(&A, &Mat::eye(2)), Err(Error::NotStable { .. })));
-    assert!(boundary_eigenvalue(&A, Boundary::ImaginaryAxis).unwrap().is_some());
+    assert!(boundary_eigenvalues(&A, Boundary::ImaginaryAxis).unwrap().len() == 1);
     let A = Mat::from_rows(&[&[0.0, 1.0], &[-1.0, -1.0]]);
     assert!(matches!(dlyap(&A, &Mat::eye(2)), Err(Error::CommonEigenvalue { .. })));
 }

@@ -71,7 +71,7 @@ fn call_all(seed: u64) -> Option<&'static str> {
         ("eigenvalues", Box::new(|| drop(eigenvalues(&A)))),
         ("schur", Box::new(|| drop(schur(&A).map(|form| form.condition(1))))),
         ("balance", Box::new(|| drop(balance(&A)))),
-        ("boundary_eigenvalue", Box::new(|| drop(boundary_eigenvalue(&A, Boundary::UnitCircle)))),
+        ("boundary_eigenvalues", Box::new(|| drop(boundary_eigenvalues(&A, Boundary::UnitCircle)))),
         ("is_clear_of_boundary", Box::new(|| drop(is_clear_of_boundary(&A, Boundary::ImaginaryAxis)))),
         ("expm", Box::new(|| drop(expm(&A)))),
         ("expm_integral", Box::new(|| drop(expm_integral(&A, &B, 0.1)))),

@@ -65,7 +65,7 @@ pub use margins::{DiskMargin, GainChange, GainMargin, Margins, PhaseMargin, marg
 pub use named::{Named, connect};
 pub use norms::{NormBounds, Peak, h2norm, hinfnorm, linfnorm, linfnorm_bounds};
 pub use response::{Response, dcgain, frequency_response, response_at, sigma};
-pub use roots::{is_stable, is_stable_pole, poles, zeros};
+pub use roots::{is_stable, is_stable_pole, poles, poles_on_boundary, zeros};
 pub use sampled::{Noise, SampledProblem, sampled_problem};
 pub use system::{StateSpace, Timebase};
 pub use time::{TimeResponse, impulse, lsim, step};

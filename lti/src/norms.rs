@@ -5,9 +5,9 @@ use crate::error::During;
 use crate::gramians::ctrb_factor;
 use crate::level::{Level, search_everywhere, with_middles};
 use crate::response::Response;
-use crate::roots::{is_stable, poles};
+use crate::roots::{is_stable, poles, poles_on_boundary};
 use crate::scaling::balance;
-use crate::{Error, Mat, StateSpace, Timebase};
+use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
 
 /// Steps of the Hamiltonian iteration; it converges quadratically, four to six are usual.
@@ -125,15 +125,22 @@ pub fn linfnorm_bounds(g: &StateSpace, tolerance: f64) -> Result<NormBounds, Err
     Ok(NormBounds { lower, upper: f64::INFINITY })
 }
 
+/// The frequency of a pole on the boundary of stability, if there is one.
 fn pole_on_the_border(g: &StateSpace) -> Result<Option<f64>, Error> {
     let poles = poles(g)?;
     let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
-    Ok(match g.timebase {
-        Timebase::Continuous => poles.iter().find(|p| p.re.abs() <= ON_AXIS * largest).map(|p| p.im.abs()),
-        Timebase::Discrete { period_s } => {
-            poles.iter().find(|p| (p.norm() - 1.0).abs() <= ON_AXIS).map(|p| p.arg().abs() / period_s)
-        }
-    })
+    let on_border = |p: &&C64| match g.timebase {
+        Timebase::Continuous => p.re.abs() <= ON_AXIS * largest,
+        Timebase::Discrete { .. } => (p.norm() - 1.0).abs() <= ON_AXIS,
+    };
+    let pole = match poles.iter().find(on_border) {
+        Some(pole) => Some(*pole),
+        None => poles_on_boundary(g)?.pop(),
+    };
+    Ok(pole.map(|p| match g.timebase {
+        Timebase::Continuous => p.im.abs(),
+        Timebase::Discrete { period_s } => p.arg().abs() / period_s,
+    }))
 }
 
 fn continuous(g: &StateSpace, tolerance: f64) -> Result<Peak, Error> {

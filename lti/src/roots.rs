@@ -5,7 +5,7 @@ use crate::entrywise::entrywise_zeros;
 use crate::error::During;
 use crate::scaling::balance;
 use crate::{C64, Error, Mat, StateSpace, Timebase};
-use counterpoise_linalg as linalg;
+use counterpoise_linalg::{self as linalg, Boundary};
 
 /// Two computed roots are one if they differ by less than this, relatively: a triple root splits by about as much.
 const SAME_ROOT: f64 = 1e-5;
@@ -29,12 +29,48 @@ pub fn poles(g: &StateSpace) -> Result<Vec<C64>, Error> {
     Ok(poles)
 }
 
-/// Whether every pole lies inside the region of stability: left half plane, or unit disk. Poles on its border do not.
+/// Whether every pole lies inside the region of stability: left half plane, or unit disk. Poles on its border do not, and
+/// neither do those that only rounding may have moved inside ([`poles_on_boundary`]).
 ///
 /// # Errors
 /// As [`poles`].
 pub fn is_stable(g: &StateSpace) -> Result<bool, Error> {
-    Ok(poles(g)?.iter().all(|&pole| is_stable_pole(pole, g.timebase)))
+    let poles = poles(g)?;
+    let inside = poles.iter().all(|&pole| is_stable_pole(pole, g.timebase));
+    Ok(inside && examined(g, &poles)?.is_empty())
+}
+
+/// The poles, one of each conjugate pair, that lie on the boundary of stability as far as the entries of A can tell: the one
+/// rule for stability, norms, Gramians and reduction ([`linalg::boundary_eigenvalues`]).
+///
+/// # Errors
+/// As [`poles`].
+pub fn poles_on_boundary(g: &StateSpace) -> Result<Vec<C64>, Error> {
+    examined(g, &poles(g)?)
+}
+
+/// Poles this near to the boundary, relative to the norm of A, are examined.
+const SUSPECT: f64 = 1e-7;
+
+/// The poles on the boundary of a system whose poles are known; a pole that is exactly there needs no examination.
+fn examined(g: &StateSpace, poles: &[C64]) -> Result<Vec<C64>, Error> {
+    let boundary = boundary(g.timebase);
+    let size = poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
+    let distance = |pole: &C64| boundary.excess(*pole).abs();
+    let certain = poles.iter().copied().filter(|pole| pole.im >= 0.0 && distance(pole) == 0.0);
+    let mut found: Vec<C64> = certain.collect();
+    if poles.iter().any(|pole| distance(pole) > 0.0 && distance(pole) <= SUSPECT * size.max(1.0)) {
+        found.extend(linalg::boundary_eigenvalues(&balance(g).0.A, boundary).during("poles")?);
+    }
+    Ok(found)
+}
+
+/// The boundary of the region of stability.
+fn boundary(timebase: Timebase) -> Boundary {
+    match timebase {
+        Timebase::Continuous => Boundary::ImaginaryAxis,
+        Timebase::Discrete { .. } => Boundary::UnitCircle,
+    }
 }
 
 /// Whether a pole lies strictly inside the region of stability.
