@@ -93,7 +93,9 @@ fn is_doubtful(operator: &Operator, A: &Mat, Q: &Mat, X: &Mat) -> bool {
     let size = if operator.kind == Kind::Continuous { A.norm_fro() } else { 1.0 };
     let grown = X.norm_fro() * size > Q.norm_fro() / DOUBTFUL_SEPARATION;
     let gap = |(first, second)| operator.kind.gap(first, second);
-    grown || nearest_pair(&operator.form.eigenvalues(), operator.kind).map(gap) <= Some(DOUBTFUL_SEPARATION * size)
+    grown
+        || nearest_pair(&operator.form.eigenvalues(), operator.kind).map(gap)
+            <= Some(DOUBTFUL_SEPARATION * size)
 }
 
 /// The two eigenvalues, or the one twice, that come nearest to making the equation singular.

@@ -178,9 +178,8 @@ impl Precise {
         let n = self.high.nrows();
         let (mut factors, mut X) = (self.clone(), B.clone());
         for k in 0..n {
-            let row = (k..n).max_by(|&a, &b| {
-                factors.high[(a, k)].abs().total_cmp(&factors.high[(b, k)].abs())
-            })?;
+            let row =
+                (k..n).max_by(|&a, &b| factors.high[(a, k)].abs().total_cmp(&factors.high[(b, k)].abs()))?;
             factors.exchange(k, row);
             X.exchange(k, row);
             let pivot = factors.at(k, k);

@@ -58,7 +58,8 @@ impl Spectrum {
             let terms = || v.iter().zip(M.column(j));
             let product = terms().map(|(e, &m)| e * m).sum::<C64>().norm();
             let size: f64 = terms().map(|(e, &m)| e.norm() * m.abs()).sum();
-            let noise: f64 = self.scale.iter().zip(M.column(j)).map(|(d, &m)| VECTOR_NOISE / d * m.abs()).sum();
+            let noise: f64 =
+                self.scale.iter().zip(M.column(j)).map(|(d, &m)| VECTOR_NOISE / d * m.abs()).sum();
             sum += product * product;
             entrywise = if product > noise { entrywise.max((product - noise) / size) } else { entrywise };
         }

@@ -15,7 +15,12 @@ fn agrees(X: &Mat, exact: &Mat, tolerance: f64, what: &str) {
         for j in 0..exact.nrows() {
             let size = (exact[(i, i)] * exact[(j, j)]).abs().sqrt();
             let error = (X[(i, j)] - exact[(i, j)]).abs() / size;
-            assert!(error <= tolerance, "{what}: entry ({i}, {j}) is {:e}, not {:e}", X[(i, j)], exact[(i, j)]);
+            assert!(
+                error <= tolerance,
+                "{what}: entry ({i}, {j}) is {:e}, not {:e}",
+                X[(i, j)],
+                exact[(i, j)]
+            );
         }
     }
 }
@@ -142,7 +147,15 @@ fn a_slow_mode_beside_a_fast_one_keeps_its_digits() {
 fn a_nearly_defective_equation_is_refined() {
     // exp(A t) of a Jordan block in closed form; 1e-4 from the axis the solution grows to 1e19.
     let a = 1e-4;
-    let A = Mat::from_fn(3, 3, |i, j| if i == j { -a } else if j == i + 1 { 1.0 } else { 0.0 });
+    let A = Mat::from_fn(3, 3, |i, j| {
+        if i == j {
+            -a
+        } else if j == i + 1 {
+            1.0
+        } else {
+            0.0
+        }
+    });
     let mut Q = Mat::zeros(3, 3);
     Q[(2, 2)] = 1.0;
     let X = lyap(&A, &Q).unwrap();
@@ -179,7 +192,9 @@ fn a_mode_out_of_reach_is_refused_quickly_by_name() {
     let mut B = random.matrix(n, 2);
     (B[(n - 1, 0)], B[(n - 1, 1)]) = (0.0, 0.0);
     match care(&A, &B, &Mat::eye(n), &Mat::eye(2), None).unwrap() {
-        Outcome::Infeasible(Reason::Uncontrollable { mode, .. }) => assert!((mode.re - 0.5).abs() < 1e-9, "{mode}"),
+        Outcome::Infeasible(Reason::Uncontrollable { mode, .. }) => {
+            assert!((mode.re - 0.5).abs() < 1e-9, "{mode}")
+        }
         other => panic!("{other:?}"),
     }
     let why: Box<dyn std::error::Error> = Box::new(Reason::NoGraph);

@@ -103,7 +103,9 @@ pub(crate) fn search_everywhere(
 fn summits(values: &[f64], limit: f64) -> Vec<usize> {
     let last = values.len().saturating_sub(1);
     let is_summit = |&k: &usize| {
-        values[k] >= limit && values[k] >= values[k.saturating_sub(1)] && values[k] >= values[(k + 1).min(last)]
+        values[k] >= limit
+            && values[k] >= values[k.saturating_sub(1)]
+            && values[k] >= values[(k + 1).min(last)]
     };
     let mut places: Vec<usize> = (0..values.len()).filter(is_summit).collect();
     places.sort_by(|&a, &b| values[b].total_cmp(&values[a]));

@@ -106,9 +106,10 @@ fn is_same(ours: &[C64], theirs: &[C64]) -> bool {
     ours.len() == theirs.len()
         && ours.iter().all(|root| {
             let distance = |other: &C64| (other - root).norm();
-            let nearest =
-                (0..rest.len()).min_by(|&a, &b| distance(&rest[a]).total_cmp(&distance(&rest[b])));
-            nearest.is_some_and(|k| distance(&rest.swap_remove(k)) <= SAME_ROOT * root.norm().max(f64::MIN_POSITIVE))
+            let nearest = (0..rest.len()).min_by(|&a, &b| distance(&rest[a]).total_cmp(&distance(&rest[b])));
+            nearest.is_some_and(|k| {
+                distance(&rest.swap_remove(k)) <= SAME_ROOT * root.norm().max(f64::MIN_POSITIVE)
+            })
         })
 }
 

@@ -59,7 +59,13 @@ fn a_zero_among_poles_of_other_sizes_is_the_only_one() {
 #[test]
 fn an_integrator_in_hiding_has_no_finite_norm() {
     let A = Mat::from_rows(&[&[2.0, 2.0], &[-3.0, -3.0]]);
-    let g = StateSpace::new(A, Mat::col(&[1.0, 0.0]), Mat::row(&[1.0, 0.0]), Mat::zeros(1, 1), Timebase::Continuous);
+    let g = StateSpace::new(
+        A,
+        Mat::col(&[1.0, 0.0]),
+        Mat::row(&[1.0, 0.0]),
+        Mat::zeros(1, 1),
+        Timebase::Continuous,
+    );
     let g = g.unwrap();
     assert_eq!(h2norm(&g).unwrap(), f64::INFINITY);
     assert_eq!(hinfnorm(&g, 1e-8).unwrap().value, f64::INFINITY);
@@ -72,7 +78,9 @@ fn the_error_of_a_nearly_exact_copy_is_found_between_two_bounds() {
     let (zeta, rate, e) = (1e-4, 30.0, 2f64.powi(-20));
     let pole = C64::new(-zeta, (1.0_f64 - zeta * zeta).sqrt()) * rate;
     let poles = vec![pole, pole.conj()];
-    let g = Zpk { zeros: vec![], poles, gain: rate * rate, timebase: Timebase::Continuous }.to_state_space().unwrap();
+    let g = Zpk { zeros: vec![], poles, gain: rate * rate, timebase: Timebase::Continuous }
+        .to_state_space()
+        .unwrap();
     let lag = series(&zpk(&[], &[-1e4], 1e4), &g).unwrap();
     let error = parallel(&lag, &lag.negate().scale_io(&[1.0 + e], &[1.0]).unwrap()).unwrap();
     let exact = e * linfnorm(&lag, 1e-12).unwrap().value;
@@ -96,7 +104,8 @@ fn a_rotated_descriptor_of_index_three_keeps_its_derivatives() {
     (E[(0, 1)], E[(1, 2)], E[(3, 3)]) = (1.0, 1.0, 1.0);
     let A = Mat::diag(&[1.0, 1.0, 1.0, -5.0]);
     let (B, C) = (Mat::col(&[0.0, 0.0, 1.0, 2.0]), Mat::row(&[1.0, 0.0, 0.0, 3.0]));
-    let system = StateSpace::new(&U * &A * &V, &U * &B, &C * &V, Mat::zeros(1, 1), Timebase::Continuous).unwrap();
+    let system =
+        StateSpace::new(&U * &A * &V, &U * &B, &C * &V, Mat::zeros(1, 1), Timebase::Continuous).unwrap();
     let found = Descriptor::new(&U * &E * &V, system).unwrap().reduce_index().unwrap();
     assert_eq!(found.system.order(), 1);
     assert!((found.system.A[(0, 0)] + 5.0).abs() < 1e-12);
@@ -109,7 +118,8 @@ fn a_rotated_descriptor_of_index_three_keeps_its_derivatives() {
 fn systems_without_inputs_or_states_are_answered() {
     for (n, m, p) in [(0, 0, 0), (0, 1, 1), (2, 0, 1), (2, 1, 0), (2, 0, 0)] {
         let A = Mat::diag(&vec![-1.0; n]);
-        let g = StateSpace::new(A, Mat::zeros(n, m), Mat::zeros(p, n), Mat::zeros(p, m), Timebase::Continuous);
+        let g =
+            StateSpace::new(A, Mat::zeros(n, m), Mat::zeros(p, n), Mat::zeros(p, m), Timebase::Continuous);
         let g = g.unwrap();
         assert_eq!(h2norm(&g).unwrap(), 0.0);
         assert_eq!(linfnorm(&g, 1e-8).unwrap().value, 0.0);

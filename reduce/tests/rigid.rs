@@ -45,6 +45,7 @@ fn the_flexible_modes_of_a_free_mechanism_stay_above_rounding() {
     let bound = found.bound.unwrap();
     assert!(found.measured_error.value <= 1.0001 * bound, "{} {bound}", found.measured_error.value);
     let first = split(&g).unwrap().first;
-    let error = hinfnorm(&parallel(&first, &split(&found.system).unwrap().first.negate()).unwrap(), 1e-6).unwrap();
+    let error =
+        hinfnorm(&parallel(&first, &split(&found.system).unwrap().first.negate()).unwrap(), 1e-6).unwrap();
     assert!(error.value <= 1.01 * bound, "{} {bound}", error.value);
 }

@@ -23,7 +23,8 @@ pub(super) fn settle(operator: Operator, A: &Mat, Q: &Mat, X: Mat) -> Result<Mat
     let refined = refine(&operator, A, Q, X);
     let Operator { form, .. } = operator;
     let spectrum = Spectrum::from_form(A.clone(), form, vec![1.0; A.nrows()]);
-    let moved = spectrum.movement(first) * weight(second, kind) + spectrum.movement(second) * weight(first, kind);
+    let moved =
+        spectrum.movement(first) * weight(second, kind) + spectrum.movement(second) * weight(first, kind);
     if separation <= moved {
         return Err(meeting);
     }

@@ -1,8 +1,8 @@
 //! The certificate of a Riccati solution, computed from what is returned.
 
 use crate::mat::{C64, Mat};
-use crate::schur::eigenvalues;
 use crate::precise::Precise;
+use crate::schur::eigenvalues;
 use crate::sylvester::Kind;
 use crate::tolerance::{EPS, RICCATI_RESIDUAL, ROUNDING};
 

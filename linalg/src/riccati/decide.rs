@@ -45,9 +45,12 @@ pub(super) fn decide(
     refusal: Reason,
 ) -> Outcome<Certified> {
     let kind = Equation::kind(equation);
-    let separated = |c: &Certified| c.solution.certificate.separation > TRUSTED_SEPARATION * size(problem, kind);
+    let separated =
+        |c: &Certified| c.solution.certificate.separation > TRUSTED_SEPARATION * size(problem, kind);
     let found = match found {
-        Some(found) if is_accurate(&found) && separated(&found) => return accept(found, problem, kind, DETERMINED),
+        Some(found) if is_accurate(&found) && separated(&found) => {
+            return accept(found, problem, kind, DETERMINED);
+        }
         other => other,
     };
     if found.is_none()

@@ -62,7 +62,9 @@ fn solve_in_units(equation: &Discrete) -> Outcome<Certified> {
         let Some(problem) = shifted(data, shift) else { continue };
         for method in [Method::Doubling, Method::Schur] {
             match attempt(equation, &problem, shift, method) {
-                Ok(found) if is_beyond_doubt(&found, &problem, Kind::Discrete) => return Outcome::Solved(found),
+                Ok(found) if is_beyond_doubt(&found, &problem, Kind::Discrete) => {
+                    return Outcome::Solved(found);
+                }
                 Ok(found) => return decide(equation, &problem, Some(found), refusal),
                 Err(reason) => refusal = reason,
             }

@@ -73,7 +73,8 @@ fn stabilising(equation: &impl PreciseEquation) -> Option<Precise> {
 fn approximations(equation: &impl PreciseEquation, shift: f64) -> Option<Solution> {
     let data = equation.folded(shift)?;
     let n = data[0].high.nrows();
-    let (units, d) = common_units(Problem { A: data[0].rounded(), G: data[1].rounded(), Q: data[2].rounded() });
+    let (units, d) =
+        common_units(Problem { A: data[0].rounded(), G: data[1].rounded(), Q: data[2].rounded() });
     let (d, back) = (&d, d.iter().map(|d| 1.0 / d).collect::<Vec<_>>());
     let [A, G, Q] = [data[0].rescale(&back, d), data[1].rescale(&back, &back), data[2].rescale(d, d)];
     let offset = Precise::identity(n, shift);
@@ -101,8 +102,13 @@ fn common_units(mut problem: Problem) -> (Problem, Vec<f64>) {
 fn parameters(problem: &Problem) -> Vec<f64> {
     let Problem { A, G, Q } = problem;
     let size = A.norm_fro().max((G.norm_fro() * Q.norm_fro()).sqrt()).max(f64::MIN_POSITIVE);
-    let middle = eigenvalues(&super::subspace::hamiltonian(problem)).map_or(size, |values| middle(&values, size));
-    [1.0, 1.7, 0.3].iter().map(|factor| power_of_two(factor * middle)).chain([power_of_two(0.3 * size)]).collect()
+    let middle =
+        eigenvalues(&super::subspace::hamiltonian(problem)).map_or(size, |values| middle(&values, size));
+    [1.0, 1.7, 0.3]
+        .iter()
+        .map(|factor| power_of_two(factor * middle))
+        .chain([power_of_two(0.3 * size)])
+        .collect()
 }
 
 /// The discrete equation with the same solution, by the Cayley transform with parameter `gamma`.

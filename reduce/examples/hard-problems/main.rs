@@ -34,11 +34,17 @@ fn solve(problem: &Value) -> Answer {
         "care" | "dare" | "care_g" => riccati(problem),
         "lyap" => whole(linalg::lyap(&matrix(problem, "A")?, &matrix(problem, "Q")?)),
         "dlyap" => whole(linalg::dlyap(&matrix(problem, "A")?, &matrix(problem, "Q")?)),
-        "sylvester" => whole(linalg::sylvester(&matrix(problem, "A")?, &matrix(problem, "B")?, &matrix(problem, "C")?)),
+        "sylvester" => {
+            whole(linalg::sylvester(&matrix(problem, "A")?, &matrix(problem, "B")?, &matrix(problem, "C")?))
+        }
         "zeros" => values(counterpoise_lti::zeros(&system(problem)?)),
         "poles" => values(counterpoise_lti::poles(&system(problem)?)),
-        "linfnorm" => peak(counterpoise_lti::linfnorm(&system(problem)?, number(problem, "tolerance", 1e-10))),
-        "hinfnorm" => peak(counterpoise_lti::hinfnorm(&system(problem)?, number(problem, "tolerance", 1e-10))),
+        "linfnorm" => {
+            peak(counterpoise_lti::linfnorm(&system(problem)?, number(problem, "tolerance", 1e-10)))
+        }
+        "hinfnorm" => {
+            peak(counterpoise_lti::hinfnorm(&system(problem)?, number(problem, "tolerance", 1e-10)))
+        }
         "h2norm" => Ok(json!({ "value": text(counterpoise_lti::h2norm(&system(problem)?))? })),
         "margins" => margins(problem),
         "descriptor" => descriptor(problem),
@@ -135,7 +141,9 @@ fn descriptor(problem: &Value) -> Answer {
     let descriptor = text(Descriptor::new(matrix(problem, "E")?, system(problem)?))?;
     let found = text(descriptor.reduce_index())?;
     let mut answer = Map::new();
-    for (key, M) in [("A", &found.system.A), ("B", &found.system.B), ("C", &found.system.C), ("D", &found.system.D)] {
+    for (key, M) in
+        [("A", &found.system.A), ("B", &found.system.B), ("C", &found.system.C), ("D", &found.system.D)]
+    {
         answer.insert(key.into(), rows(M));
     }
     answer.insert("derivatives".into(), json!(found.derivatives.iter().map(rows).collect::<Vec<_>>()));
