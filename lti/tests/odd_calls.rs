@@ -64,7 +64,7 @@ fn call_all(seed: u64) -> Option<&'static str> {
         ("series", Box::new(|| drop(series(&g, &h)))),
         ("parallel", Box::new(|| drop(parallel(&g, &h)))),
         ("feedback", Box::new(|| drop(feedback(&g, &h)))),
-        ("append", Box::new(|| drop(append(&[&g, &h])))),
+        ("append", Box::new(|| drop(append(&g, &h)))),
         ("lft", Box::new(|| drop(lft(&g, &h)))),
         ("inverse", Box::new(|| drop(inverse(&g)))),
         ("c2d", Box::new(|| drop(c2d(&g, 0.1, Discretisation::ZeroOrderHold)))),
