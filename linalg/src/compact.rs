@@ -47,7 +47,7 @@ vectorised! {
     /// Forward and back substitution of every column of `X`.
     fn substitute<'a>(factors: &'a Mat, exchanged: &'a [usize], X: &'a mut Mat) -> () {
         let n = factors.nrows();
-        if n == 0 {
+        if n == 0 || X.ncols() == 0 {
             return;
         }
         for column in X.as_mut_slice().chunks_exact_mut(n) {

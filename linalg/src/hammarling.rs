@@ -10,6 +10,8 @@ use crate::hammarling_leaf;
 use crate::kernel::vectorised;
 use crate::mat::{C64, CMat, Mat};
 use crate::schur::{Schur, blocks, schur};
+use crate::spectrum::Spectrum;
+use crate::stability::Boundary;
 use crate::sylvester::Kind;
 
 /// The lower triangular factor `L`, `P = L L'`, of the solution of `A P + P A' + B B' = 0`; `A` n x n stable, `B` n x m.
@@ -70,7 +72,13 @@ impl Prepared {
         let balanced = crate::balance::balance(A)?;
         let form = schur(&balanced.A)?;
         check_stable(&form, kind)?;
-        Ok(Self { scale: balanced.scale, form, kind })
+        let spectrum = Spectrum::from_form(balanced.A, form, balanced.scale);
+        let found = spectrum.on_boundary(|l| excess(l, kind)).pop();
+        if let Some(eigenvalue) = found {
+            return Err(Error::NotStable { what: "A", eigenvalue });
+        }
+        let (form, scale) = spectrum.into_form();
+        Ok(Self { scale, form, kind })
     }
 
     /// A square factor of the solution of the equation with `A` and `B B'`.
@@ -120,13 +128,17 @@ fn inner(T: &Mat, B: &Mat, kind: Kind) -> Result<Mat, Error> {
 }
 
 fn check_stable(form: &Schur, kind: Kind) -> Result<(), Error> {
-    let unstable = |l: &C64| match kind {
-        Kind::Continuous => l.re >= 0.0,
-        Kind::Discrete => l.norm() >= 1.0,
-    };
-    match form.eigenvalues().into_iter().find(unstable) {
+    match form.eigenvalues().into_iter().find(|&l| excess(l, kind) >= 0.0) {
         Some(eigenvalue) => Err(Error::NotStable { what: "A", eigenvalue }),
         None => Ok(()),
+    }
+}
+
+/// How far an eigenvalue lies beyond the boundary of stability.
+fn excess(eigenvalue: C64, kind: Kind) -> f64 {
+    match kind {
+        Kind::Continuous => Boundary::ImaginaryAxis.excess(eigenvalue),
+        Kind::Discrete => Boundary::UnitCircle.excess(eigenvalue),
     }
 }
 

@@ -17,6 +17,16 @@ pub(crate) enum Kind {
     Discrete,
 }
 
+impl Kind {
+    /// What is left between two eigenvalues: zero if they make the equation singular.
+    pub(crate) fn gap(self, first: C64, second: C64) -> f64 {
+        match self {
+            Self::Continuous => (first + second).norm(),
+            Self::Discrete => (first * second - 1.0).norm(),
+        }
+    }
+}
+
 /// Solves `A X + X B = C`; `A` m x m, `B` n x n, `C` and `X` m x n.
 ///
 /// A unique solution exists if and only if no eigenvalue of `A` is the negative of one of `B`.

@@ -30,3 +30,63 @@ pub const RICCATI_RESIDUAL: f64 = 1e-9;
 /// A residual is rounding where it is below this times the norms of the data and of the solution: then the solution is
 /// the best that doubles can hold.
 pub const ROUNDING: f64 = 16.0 * EPS;
+
+/// A Newton step in 32 digits is the last one if it is below this, relative to each pair of states: the step after it would
+/// be below the last digit of a double, as convergence is quadratic.
+pub const PRECISE_CONVERGED: f64 = 1e-18;
+
+/// An approximation in 32 digits is near enough for Newton's method to follow, and a solution good enough to be returned, if
+/// its last step is below this, relative to each pair of states.
+pub const PRECISE_SETTLED: f64 = 1e-13;
+
+/// Entries of a solution below this share of the largest count as zero when steps are measured: 2^-80, which leaves room
+/// for the twelve decades that the squares of states in the same problem may differ by after scaling.
+pub const PRECISE_FLOOR: f64 = 8.3e-25;
+
+/// Doublings allowed in 32 digits: closed-loop poles 1e-15 from the boundary take about 56.
+pub const PRECISE_DOUBLINGS: usize = 70;
+
+/// Squarings of the closed loop allowed when a Lyapunov equation is solved in 32 digits: enough for a pole 1e-30 from the
+/// boundary, the nearest that 32 digits tell from one on it.
+pub const PRECISE_SQUARINGS: usize = 110;
+
+/// Newton steps allowed in 32 digits: near a double pole on the boundary each step only halves the error.
+pub const PRECISE_NEWTON_STEPS: usize = 60;
+
+/// A power of the closed loop below this contributes less than 1e-32 to the sum that solves a Lyapunov equation.
+pub const PRECISE_POWER: f64 = 1e-16;
+
+/// Problems with more states than this are not solved in 32 digits, which would take longer than a second.
+pub const PRECISE_STATES: usize = 64;
+
+/// The largest error, relative to each pair of states, that a solution in doubles may be estimated to have; beyond, it is
+/// solved again in 32 digits. A benign problem leaves 1e-15.
+pub const RICCATI_ERROR: f64 = 1e-11;
+
+/// The Lyapunov operator of the closed loop, computed in doubles, is trusted if its separation exceeds this times its
+/// norm: it is then known to four digits.
+pub const TRUSTED_SEPARATION: f64 = 1e-12;
+
+/// A solution is marked as sensitive if its condition number times the rounding of the data (or the residual) exceeds this.
+pub const SENSITIVE: f64 = 1e-3;
+
+/// Eigenvalues nearer to the boundary of stability than this share of the norm are examined with their eigenvectors. The square
+/// root of the rounding error is what a double eigenvalue splits by; the factor leaves room for its condition.
+pub const BOUNDARY_SUSPECT: f64 = 1e-7;
+
+/// The error of a computed eigenvalue, as a multiple of the dimension times the effect of rounding each entry of the matrix
+/// (the constant of the QR iteration's backward error, LAPACK Users' Guide, section 4.8).
+pub const EIGENVALUE_ERROR: f64 = 4.0;
+
+/// Entries of a computed eigenvector of a balanced matrix are known to this share of its largest entry.
+pub const VECTOR_NOISE: f64 = 1e-14;
+
+/// A Lyapunov equation is examined further if two eigenvalues meet within this share of the norm of the matrix, or if the
+/// solution exceeds the data by the reciprocal: half of the digits may then be lost.
+pub const DOUBTFUL_SEPARATION: f64 = 1e-8;
+
+/// Corrections allowed for the solution of a doubtful Lyapunov equation; each gains two digits or more where it is worth while.
+pub const LYAPUNOV_REFINEMENTS: usize = 20;
+
+/// A refined solution is accepted if its last correction was below this share of it.
+pub const REFINED: f64 = 1e-12;

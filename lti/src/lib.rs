@@ -25,14 +25,17 @@
 //! ```
 #![allow(non_snake_case)]
 
+mod asymptotes;
 pub mod components;
 pub mod connect;
 pub mod delay;
 pub mod descriptor;
 pub mod discretise;
+mod entrywise;
 pub mod error;
 pub mod gramians;
 mod hessenberg_sweep;
+mod level;
 pub mod margins;
 pub mod named;
 pub mod norms;
@@ -60,9 +63,9 @@ pub use gramians::{
 };
 pub use margins::{DiskMargin, GainChange, GainMargin, Margins, PhaseMargin, margins};
 pub use named::{Named, connect};
-pub use norms::{Peak, h2norm, hinfnorm, linfnorm};
+pub use norms::{NormBounds, Peak, h2norm, hinfnorm, linfnorm, linfnorm_bounds};
 pub use response::{Response, dcgain, frequency_response, response_at, sigma};
-pub use roots::{is_stable, is_stable_pole, poles, zeros};
+pub use roots::{is_stable, is_stable_pole, poles, poles_on_boundary, zeros};
 pub use sampled::{Noise, SampledProblem, sampled_problem};
 pub use system::{StateSpace, Timebase};
 pub use time::{TimeResponse, impulse, lsim, step};

@@ -3,21 +3,18 @@
 use crate::discretise::d2c_tustin;
 use crate::error::During;
 use crate::gramians::ctrb_factor;
+use crate::level::{Level, search_everywhere, with_middles};
 use crate::response::Response;
-use crate::roots::{is_stable, poles};
+use crate::roots::{is_stable, poles, poles_on_boundary};
 use crate::scaling::balance;
-use crate::{Error, Mat, StateSpace, Timebase};
+use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
 
 /// Steps of the Hamiltonian iteration; it converges quadratically, four to six are usual.
 const HAMILTONIAN_STEPS: usize = 40;
 
-/// Eigenvalues this near to the imaginary axis, relative to their size, are looked at as frequencies. A false one
-/// costs one evaluation.
-const NEAR_AXIS: f64 = 1e-6;
-
-/// As [`NEAR_AXIS`], relative to the norm of the Hamiltonian.
-const NEAR_AXIS_NORM: f64 = 1e-12;
+/// An upper bound is looked for up to this, relative to the lower one.
+const LARGEST_EXCESS: f64 = 10.0;
 
 /// Poles this near to the border of stability, relative to the largest, are on it.
 const ON_AXIS: f64 = 1e-14;
@@ -72,7 +69,9 @@ pub fn hinfnorm(g: &StateSpace, tolerance: f64) -> Result<Peak, Error> {
 ///
 /// Bruinsma and Steinbuch's iteration (Systems & Control Letters 14 (1990) 287): the frequencies at which a singular
 /// value takes a trial value are the imaginary eigenvalues of a Hamiltonian matrix; the response between them raises
-/// the trial. Every value returned was evaluated on the system itself. Sampled systems by the bilinear map.
+/// the trial. Before the iteration ends, the response is searched at the frequency of every eigenvalue and uphill from
+/// there, because rounding may have moved eigenvalues off the axis. Every value returned was evaluated on the system itself,
+/// so that it is a lower bound; [`linfnorm_bounds`] gives an upper one, too. Sampled systems by the bilinear map.
 ///
 /// # Errors
 /// [`Error::Range`] for a tolerance outside (0, 1), [`Error::NotConverged`], [`Error::Matrix`].
@@ -90,15 +89,58 @@ pub fn linfnorm(g: &StateSpace, tolerance: f64) -> Result<Peak, Error> {
     Ok(Peak { rate_rad_s: 2.0 / period_s * (0.5 * period_s * peak.rate_rad_s).atan(), ..peak })
 }
 
+/// The L-infinity norm between two bounds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NormBounds {
+    /// The largest value found, and where: the norm is at least this.
+    pub lower: Peak,
+    /// A value that the response does not reach: the norm is at most this.
+    pub upper: f64,
+}
+
+/// The L-infinity norm with a bound from above: the smallest level among `lower (1 + tolerance 10^k)` at which the Hamiltonian
+/// matrix has no eigenvalue on the imaginary axis, rounding of its entries included to first order. The upper bound is
+/// infinite if there is no such level up to ten times the lower bound.
+///
+/// # Errors
+/// As [`linfnorm`].
+pub fn linfnorm_bounds(g: &StateSpace, tolerance: f64) -> Result<NormBounds, Error> {
+    let lower = linfnorm(g, tolerance)?;
+    if lower.value.is_infinite() || g.order() == 0 {
+        return Ok(NormBounds { lower, upper: lower.value });
+    }
+    let continuous = match g.timebase {
+        Timebase::Continuous => g.clone(),
+        Timebase::Discrete { .. } => d2c_tustin(g, None)?,
+    };
+    let scaled = balance(&continuous).0;
+    let mut excess = tolerance;
+    while excess <= LARGEST_EXCESS {
+        let upper = (1.0 + excess) * lower.value.max(f64::MIN_POSITIVE);
+        if Level::of(&scaled, upper).is_ok_and(|level| level.is_clear()) {
+            return Ok(NormBounds { lower, upper });
+        }
+        excess *= 10.0;
+    }
+    Ok(NormBounds { lower, upper: f64::INFINITY })
+}
+
+/// The frequency of a pole on the boundary of stability, if there is one.
 fn pole_on_the_border(g: &StateSpace) -> Result<Option<f64>, Error> {
     let poles = poles(g)?;
     let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
-    Ok(match g.timebase {
-        Timebase::Continuous => poles.iter().find(|p| p.re.abs() <= ON_AXIS * largest).map(|p| p.im.abs()),
-        Timebase::Discrete { period_s } => {
-            poles.iter().find(|p| (p.norm() - 1.0).abs() <= ON_AXIS).map(|p| p.arg().abs() / period_s)
-        }
-    })
+    let on_border = |p: &&C64| match g.timebase {
+        Timebase::Continuous => p.re.abs() <= ON_AXIS * largest,
+        Timebase::Discrete { .. } => (p.norm() - 1.0).abs() <= ON_AXIS,
+    };
+    let pole = match poles.iter().find(on_border) {
+        Some(pole) => Some(*pole),
+        None => poles_on_boundary(g)?.pop(),
+    };
+    Ok(pole.map(|p| match g.timebase {
+        Timebase::Continuous => p.im.abs(),
+        Timebase::Discrete { period_s } => p.arg().abs() / period_s,
+    }))
 }
 
 fn continuous(g: &StateSpace, tolerance: f64) -> Result<Peak, Error> {
@@ -113,13 +155,11 @@ fn continuous(g: &StateSpace, tolerance: f64) -> Result<Peak, Error> {
         if best.value == 0.0 || g.order() == 0 {
             return Ok(best);
         }
-        let candidates = level_frequencies(g, best.value * (1.0 + tolerance))?;
-        let between = candidates.windows(2).map(|w| 0.5 * (w[0] + w[1]));
-        let rates: Vec<f64> = candidates.iter().copied().chain(between).collect();
+        let level = Level::of(g, best.value * (1.0 + tolerance))?;
         let before = best.value;
-        raise(&mut best, &response, &rates)?;
+        raise(&mut best, &response, &with_middles(&level.frequencies()))?;
         change = best.value / before - 1.0;
-        if change <= tolerance {
+        if change <= tolerance && !search_everywhere(&mut best, &response, &level, tolerance)? {
             return Ok(best);
         }
     }
@@ -128,8 +168,7 @@ fn continuous(g: &StateSpace, tolerance: f64) -> Result<Peak, Error> {
 
 /// Raises the peak to the largest value at the given frequencies.
 fn raise(best: &mut Peak, response: &Response, rates: &[f64]) -> Result<(), Error> {
-    for (H, &rate_rad_s) in response.at_all(rates)?.iter().zip(rates) {
-        let value = linalg::csingular_values(H).during("L-infinity norm")?.first().copied().unwrap_or(0.0);
+    for (value, &rate_rad_s) in gains(response, rates)?.into_iter().zip(rates) {
         if value > best.value {
             *best = Peak { value, rate_rad_s };
         }
@@ -137,28 +176,13 @@ fn raise(best: &mut Peak, response: &Response, rates: &[f64]) -> Result<(), Erro
     Ok(())
 }
 
-/// Frequencies at which a singular value may equal `level`, ascending, from the Hamiltonian's eigenvalues.
-fn level_frequencies(g: &StateSpace, level: f64) -> Result<Vec<f64>, Error> {
-    let H = hamiltonian(g, level)?;
-    let near = NEAR_AXIS_NORM * H.norm_fro();
-    let eigenvalues = linalg::eigenvalues(&H).during("L-infinity norm")?;
-    let on_axis = |s: &&crate::C64| s.im >= 0.0 && s.re.abs() <= NEAR_AXIS * s.norm() + near;
-    let mut rates: Vec<f64> = eigenvalues.iter().filter(on_axis).map(|s| s.im).collect();
-    rates.sort_by(f64::total_cmp);
-    Ok(rates)
-}
-
-/// [F, B inv(R) B'; -C' inv(S) C, -F'] with R = 1 - D'D, S = 1 - DD', F = A + B inv(R) D' C, for the system divided by
-/// the level.
-fn hamiltonian(g: &StateSpace, level: f64) -> Result<Mat, Error> {
-    let root = level.sqrt();
-    let (B, C, D) = (g.B.scale(1.0 / root), g.C.scale(1.0 / root), g.D.scale(1.0 / level));
-    let R = &Mat::eye(D.ncols()) - &(&D.t() * &D);
-    let S = &Mat::eye(D.nrows()) - &(&D * &D.t());
-    let RB = linalg::solve(&R, &B.t()).during("L-infinity norm")?;
-    let SC = linalg::solve(&S, &C).during("L-infinity norm")?;
-    let F = &g.A + &(&RB.t() * &(&D.t() * &C));
-    Ok(Mat::from_blocks(&[&[&F, &(&B * &RB)], &[&-(&C.t() * &SC), &-F.t()]]))
+/// The largest singular value of the response at each frequency.
+pub(crate) fn gains(response: &Response, rates: &[f64]) -> Result<Vec<f64>, Error> {
+    let largest = |H: &crate::CMat| {
+        let values = linalg::csingular_values(H).during("L-infinity norm")?;
+        Ok(values.first().copied().unwrap_or(0.0))
+    };
+    response.at_all(rates)?.iter().map(largest).collect()
 }
 
 fn largest_singular_value(D: &Mat) -> Result<f64, Error> {

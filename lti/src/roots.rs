@@ -1,10 +1,14 @@
 //! Poles and zeros.
 
 use crate::components::components;
+use crate::entrywise::entrywise_zeros;
 use crate::error::During;
 use crate::scaling::balance;
 use crate::{C64, Error, Mat, StateSpace, Timebase};
-use counterpoise_linalg as linalg;
+use counterpoise_linalg::{self as linalg, Boundary};
+
+/// Two computed roots are one if they differ by less than this, relatively: a triple root splits by about as much.
+const SAME_ROOT: f64 = 1e-5;
 
 /// Rank decisions on the way to the zeros are taken relative to the norm of the scaled system matrix times this.
 pub const ZERO_RANK: f64 = 1e-13;
@@ -25,12 +29,48 @@ pub fn poles(g: &StateSpace) -> Result<Vec<C64>, Error> {
     Ok(poles)
 }
 
-/// Whether every pole lies inside the region of stability: left half plane, or unit disk. Poles on its border do not.
+/// Whether every pole lies inside the region of stability: left half plane, or unit disk. Poles on its border do not, and
+/// neither do those that only rounding may have moved inside ([`poles_on_boundary`]).
 ///
 /// # Errors
 /// As [`poles`].
 pub fn is_stable(g: &StateSpace) -> Result<bool, Error> {
-    Ok(poles(g)?.iter().all(|&pole| is_stable_pole(pole, g.timebase)))
+    let poles = poles(g)?;
+    let inside = poles.iter().all(|&pole| is_stable_pole(pole, g.timebase));
+    Ok(inside && examined(g, &poles)?.is_empty())
+}
+
+/// The poles, one of each conjugate pair, that lie on the boundary of stability as far as the entries of A can tell: the one
+/// rule for stability, norms, Gramians and reduction ([`linalg::boundary_eigenvalues`]).
+///
+/// # Errors
+/// As [`poles`].
+pub fn poles_on_boundary(g: &StateSpace) -> Result<Vec<C64>, Error> {
+    examined(g, &poles(g)?)
+}
+
+/// Poles this near to the boundary, relative to the norm of A, are examined.
+const SUSPECT: f64 = 1e-7;
+
+/// The poles on the boundary of a system whose poles are known; a pole that is exactly there needs no examination.
+fn examined(g: &StateSpace, poles: &[C64]) -> Result<Vec<C64>, Error> {
+    let boundary = boundary(g.timebase);
+    let size = poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
+    let distance = |pole: &C64| boundary.excess(*pole).abs();
+    let certain = poles.iter().copied().filter(|pole| pole.im >= 0.0 && distance(pole) == 0.0);
+    let mut found: Vec<C64> = certain.collect();
+    if poles.iter().any(|pole| distance(pole) > 0.0 && distance(pole) <= SUSPECT * size.max(1.0)) {
+        found.extend(linalg::boundary_eigenvalues(&balance(g).0.A, boundary).during("poles")?);
+    }
+    Ok(found)
+}
+
+/// The boundary of the region of stability.
+fn boundary(timebase: Timebase) -> Boundary {
+    match timebase {
+        Timebase::Continuous => Boundary::ImaginaryAxis,
+        Timebase::Discrete { .. } => Boundary::UnitCircle,
+    }
 }
 
 /// Whether a pole lies strictly inside the region of stability.
@@ -43,15 +83,38 @@ pub fn is_stable_pole(pole: C64, timebase: Timebase) -> bool {
 
 /// The finite invariant zeros: the s at which \[A - s I, B; C, D\] loses rank, sorted by real, then imaginary part.
 ///
-/// Scaling by powers of two, then Emami-Naeini and Van Dooren's reduction (Automatica 18 (1982) 415) by orthogonal
-/// transformations to a system with an invertible direct path, then the generalised eigenvalues of its pencil. No
-/// descriptor system is formed, no direct path inverted, infinite zeros do not appear. Input and output decoupling
-/// zeros are among the answer. O(n^3).
+/// Scaling by powers of two, then Emami-Naeini and Van Dooren's reduction (Automatica 18 (1982) 415) to a system with an
+/// invertible direct path, then the generalised eigenvalues of its pencil. The reduction is made twice: by orthogonal
+/// transformations, whose ranks are decided by one absolute tolerance, and by eliminations whose ranks are decided entry by
+/// entry (`entrywise_zeros`). The first is the answer if both agree, because it is the more accurate one for systems of one scale;
+/// otherwise the second is. Infinite zeros do not appear. Input and output decoupling zeros are among the answer. O(n^3).
 ///
 /// # Errors
 /// [`Error::Matrix`] where a decomposition fails.
 pub fn zeros(g: &StateSpace) -> Result<Vec<C64>, Error> {
     let scaled = unit_gains(&balance(g).0);
+    let entrywise = entrywise_zeros(&scaled)?;
+    Ok(match orthogonal_zeros(scaled) {
+        Ok(zeros) if is_same(&zeros, &entrywise) => zeros,
+        _ => entrywise,
+    })
+}
+
+/// Whether two lists hold the same roots, up to what multiple ones split by.
+fn is_same(ours: &[C64], theirs: &[C64]) -> bool {
+    let mut rest = theirs.to_vec();
+    ours.len() == theirs.len()
+        && ours.iter().all(|root| {
+            let distance = |other: &C64| (other - root).norm();
+            let nearest = (0..rest.len()).min_by(|&a, &b| distance(&rest[a]).total_cmp(&distance(&rest[b])));
+            nearest.is_some_and(|k| {
+                distance(&rest.swap_remove(k)) <= SAME_ROOT * root.norm().max(f64::MIN_POSITIVE)
+            })
+        })
+}
+
+/// The zeros by orthogonal transformations.
+fn orthogonal_zeros(scaled: StateSpace) -> Result<Vec<C64>, Error> {
     let tolerance = ZERO_RANK * system_matrix(&scaled).norm_fro();
     let rows = compress(scaled, tolerance)?;
     let square = compress(rows.dual(), tolerance)?.dual();

@@ -1,11 +1,12 @@
 //! A loop's response on a grid that is as fine as the loop asks for, with crossings and extremes refined on it.
 
+use crate::asymptotes::Asymptotes;
 use crate::response::Response;
 use crate::roots::{poles, zeros};
 use crate::{C64, Error, StateSpace, Timebase};
 
 /// Grid points a decade, before refinement.
-const PER_DECADE: usize = 30;
+pub(crate) const PER_DECADE: usize = 30;
 
 /// Decades that the grid goes beyond the slowest and the fastest root.
 const BEYOND: f64 = 1e3;
@@ -39,6 +40,8 @@ pub(crate) struct Point {
 /// The response of a loop with one input and one output, resolved.
 pub(crate) struct Scan {
     response: Response,
+    /// Zeros, poles and gain, and the frequencies beyond which the response is computed from them.
+    asymptotes: Option<Asymptotes>,
     pub points: Vec<Point>,
 }
 
@@ -46,9 +49,35 @@ impl Scan {
     /// Resolves the loop's response.
     pub fn of(g: &StateSpace) -> Result<Self, Error> {
         let response = Response::of(g)?;
-        let mut scan = Self { response, points: Vec::new() };
+        let mut scan = Self { response, asymptotes: None, points: Vec::new() };
         let rates = starting_grid(g)?;
         scan.points = scan.evaluate(&rates);
+        scan.refine();
+        scan.extend(g)?;
+        Ok(scan)
+    }
+
+    /// Adds points beyond both ends until the gain leaves one for good, and up to half the sampling rate.
+    fn extend(&mut self, g: &StateSpace) -> Result<(), Error> {
+        let (Some(first), Some(last)) = (self.points.first().copied(), self.points.last().copied()) else {
+            return Ok(());
+        };
+        let asymptotes = Asymptotes::of(g, (first.rate, last.rate))?;
+        let rates = asymptotes.beyond(first, last, g.timebase);
+        if rates.is_empty() {
+            return Ok(());
+        }
+        self.asymptotes = Some(asymptotes);
+        let more = self.evaluate(&rates);
+        self.points.extend(more);
+        self.points.sort_by(|a, b| a.rate.total_cmp(&b.rate));
+        self.refine();
+        Ok(())
+    }
+
+    /// Adds points until neighbours agree.
+    fn refine(&mut self) {
+        let scan = self;
         for _ in 0..ROUNDS {
             let finer: Vec<f64> =
                 scan.points.windows(2).filter(|w| unresolved(w[0], w[1])).map(middle).collect();
@@ -59,13 +88,16 @@ impl Scan {
             scan.points.extend(more);
             scan.points.sort_by(|a, b| a.rate.total_cmp(&b.rate));
         }
-        Ok(scan)
     }
 
     /// The response at the given frequencies, without those that are poles.
     fn evaluate(&self, rates: &[f64]) -> Vec<Point> {
         let values = self.response.scalar_at_all(rates);
-        let points = rates.iter().zip(values).map(|(&rate, value)| Point { rate, value });
+        let exact = |rate: f64, value: C64| match &self.asymptotes {
+            Some(asymptotes) if asymptotes.is_beyond(rate) => asymptotes.at(rate),
+            _ => value,
+        };
+        let points = rates.iter().zip(values).map(|(&rate, value)| Point { rate, value: exact(rate, value) });
         points.filter(|point| point.value.re.is_finite() && point.value.im.is_finite()).collect()
     }
 

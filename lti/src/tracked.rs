@@ -30,6 +30,21 @@ impl Tracked {
         self.value.column(j).iter().all(|&entry| entry == 0.0)
     }
 
+    /// The transpose.
+    pub fn t(&self) -> Self {
+        Self { value: self.value.t(), size: self.size.t() }
+    }
+
+    /// The rows of `self` above those of `below`.
+    pub fn vstack(&self, below: &Self) -> Self {
+        Self { value: self.value.vstack(&below.value), size: self.size.vstack(&below.size) }
+    }
+
+    /// self + left right, entries that cancel set to zero.
+    pub fn plus_product(&self, left: &Mat, right: &Self) -> Self {
+        self.t().minus_product(&right.t(), &-&left.t()).t()
+    }
+
     /// self - left right, entries that cancel set to zero.
     pub fn minus_product(&self, left: &Self, right: &Mat) -> Self {
         let value = &self.value - &(&left.value * right);

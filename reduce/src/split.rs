@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::error::During;
 use counterpoise_lti::components::components;
-use counterpoise_lti::linalg::{self, Schur};
+use counterpoise_lti::linalg::{self, Boundary, Schur};
 use counterpoise_lti::scaling::balance;
 use counterpoise_lti::{C64, Mat, StateSpace, Timebase, parallel};
 
@@ -35,17 +35,53 @@ impl Split {
     }
 }
 
+/// Poles this near to the boundary, relative to the norm of A, are examined one by one: both halves of a double pole there
+/// that rounding has split lie within it.
+const SUSPECT: f64 = 1e-7;
+
+/// A pole belongs to a cluster on the boundary within this many times the distance of its farthest member.
+const CLUSTER: f64 = 2.0;
+
 /// Stable part (with the direct path) and the rest: integrators, poles on the border, unstable poles.
+///
+/// A pole is on the border if rounding the entries of A may have moved it from there, so that a rigid body in physical
+/// coordinates, whose double pole at zero splits, is kept whole.
 ///
 /// # Errors
 /// As [`split_by`].
 pub fn split(g: &StateSpace) -> Result<Split, Error> {
-    let near = BORDER_NORM * balance(g).0.A.norm_max();
-    let timebase = g.timebase;
-    split_by(g, |pole| match timebase {
-        Timebase::Continuous => pole.re < -(BORDER * pole.norm() + near),
-        Timebase::Discrete { .. } => pole.norm() < 1.0 - BORDER,
-    })
+    let (scaled, _) = balance(g);
+    let form = block_schur(&scaled.A)?;
+    let (boundary, timebase) = (boundary(g.timebase), g.timebase);
+    let near = BORDER_NORM * scaled.A.norm_max();
+    let radius = cluster_radius(&scaled.A, &form, boundary)?;
+    let is_stable = |pole: C64| {
+        let border = match timebase {
+            Timebase::Continuous => BORDER * pole.norm() + near,
+            Timebase::Discrete { .. } => BORDER,
+        };
+        boundary.excess(pole) < -border && boundary.excess(pole) < -radius
+    };
+    split_form(scaled, form, is_stable)
+}
+
+/// The boundary of stability in a timebase.
+fn boundary(timebase: Timebase) -> Boundary {
+    match timebase {
+        Timebase::Continuous => Boundary::ImaginaryAxis,
+        Timebase::Discrete { .. } => Boundary::UnitCircle,
+    }
+}
+
+/// How far poles that belong on the boundary may lie beside it.
+fn cluster_radius(A: &Mat, form: &Schur, boundary: Boundary) -> Result<f64, Error> {
+    let close = SUSPECT * A.norm_fro().max(1.0);
+    let is_suspect = |pole: C64| boundary.excess(pole) != 0.0 && boundary.excess(pole).abs() < close;
+    if !form.eigenvalues().into_iter().any(is_suspect) {
+        return Ok(0.0);
+    }
+    let found = linalg::boundary_eigenvalues(A, boundary).during("splitting")?;
+    Ok(CLUSTER * found.into_iter().map(|pole| boundary.excess(pole).abs()).fold(0.0, f64::max))
 }
 
 /// The part with the poles that `wanted` picks (asked about one of each conjugate pair), and the part with the others.
@@ -54,10 +90,15 @@ pub fn split(g: &StateSpace) -> Result<Split, Error> {
 /// and decoupled by a Sylvester equation.
 ///
 /// # Errors
-/// [`Error::Matrix`] where two poles, one in each part, are too close to part.
+/// [`Error::Matrix`] if two poles, one in each part, are too close to part.
 pub fn split_by(g: &StateSpace, wanted: impl Fn(C64) -> bool) -> Result<Split, Error> {
     let (g, _) = balance(g);
-    let mut form = block_schur(&g.A)?;
+    let form = block_schur(&g.A)?;
+    split_form(g, form, wanted)
+}
+
+/// Splits a scaled system whose Schur form is known.
+fn split_form(g: StateSpace, mut form: Schur, wanted: impl Fn(C64) -> bool) -> Result<Split, Error> {
     let k = form.reorder(&wanted).during("splitting")?;
     snap(&mut form.T, &lone_poles(&g.A));
     let (n, m, p) = (g.order(), g.inputs(), g.outputs());

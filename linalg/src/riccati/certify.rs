@@ -1,50 +1,111 @@
 //! The certificate of a Riccati solution, computed from what is returned.
 
 use crate::mat::{C64, Mat};
+use crate::precise::Precise;
 use crate::schur::eigenvalues;
 use crate::sylvester::Kind;
-use crate::tolerance::{RICCATI_RESIDUAL, ROUNDING};
+use crate::tolerance::{EPS, RICCATI_RESIDUAL, ROUNDING};
 
 use super::newton::{Equation, Refined};
-use super::reason::{excess, hardest_mode};
+use super::precise::{self, PreciseEquation};
+use super::reason::excess;
 use super::scaling::Problem;
-use super::{Certificate, Method, Reason};
+use super::{Certificate, Method, Reason, Riccati};
 
-/// The closed loop and the certificate of a refined solution, or why it is refused.
+/// A solution in scaled units with its residual.
+pub(super) struct Certified {
+    pub(super) solution: Riccati,
+    /// The residual of the solution as it is returned.
+    pub(super) residual: Mat,
+}
+
+/// A refined solution with its closed loop and certificate, or why it is refused.
 pub(super) fn certify(
     equation: &impl Equation,
     problem: &Problem,
-    refined: &Refined,
+    refined: Refined,
     method: Method,
-) -> Result<(Vec<C64>, Certificate), Reason> {
+) -> Result<Certified, Reason> {
     let kind = equation.kind();
-    let (separation, condition) = sensitivity(problem, refined);
-    let closed_loop = spectrum(equation, refined, condition);
-    let worst = closed_loop.iter().map(|&l| excess(l, kind)).fold(f64::NEG_INFINITY, f64::max);
-    let stability = if kind == Kind::Continuous { worst } else { worst + 1.0 };
-    let inaccurate =
-        |residual| Reason::Inaccurate { residual, stability, hardest: hardest_mode(problem, kind) };
+    let (separation, condition) = sensitivity(problem, &refined);
+    let closed_loop = spectrum(equation, &refined, condition);
+    let worst = worst_excess(&closed_loop, kind);
+    let inaccurate = |residual| inaccurate(residual, worst, kind);
     let (residual, size) =
         equation.residual(&refined.X.clone().into()).ok_or_else(|| inaccurate(f64::INFINITY))?;
-    let residual = residual.norm_fro();
-    let relative_residual = if size > 0.0 { residual / size } else { 0.0 };
-    let backward_error = residual / data_size(problem, &refined.X);
+    let remaining = residual.norm_fro();
+    let relative_residual = if size > 0.0 { remaining / size } else { 0.0 };
+    let backward_error = remaining / data_size(problem, &refined.X);
     let sound = relative_residual <= RICCATI_RESIDUAL || backward_error <= ROUNDING;
     if !sound || (worst >= 0.0 && !closed_loop.is_empty()) {
         return Err(inaccurate(relative_residual));
     }
-    let symmetry = asymmetry(&refined.X);
-    let newton_steps = refined.steps;
+    let forward_error = refined.derivative.solve(&residual).map(f64::abs);
     let certificate = Certificate {
         relative_residual,
         backward_error,
-        symmetry,
+        symmetry: asymmetry(&refined.X),
         separation,
         condition,
+        forward_error,
+        residual_norm: remaining,
+        term_norm: size,
         method,
-        newton_steps,
+        newton_steps: refined.steps,
     };
-    Ok((closed_loop, certificate))
+    let solution = Riccati { X: refined.X, F: refined.gain, closed_loop, certificate };
+    Ok(Certified { solution, residual })
+}
+
+/// A solution in 32 digits, rounded, with its certificate.
+pub(super) fn certify_precise(
+    equation: &(impl Equation + PreciseEquation),
+    problem: &Problem,
+    found: precise::Solution,
+) -> Option<Certified> {
+    let kind = Equation::kind(equation);
+    let X = found.X.rounded().symmetric_part();
+    let residual = equation.linearise(&Precise::from(&X))?.residual.high;
+    let (_, size) = equation.residual(&X.clone().into())?;
+    let remaining = residual.norm_fro();
+    let rounding = found.X.minus(&Precise::from(&X)).high;
+    let (h0, h2) = found.inverse_norms;
+    let certificate = Certificate {
+        relative_residual: if size > 0.0 { remaining / size } else { 0.0 },
+        backward_error: remaining / data_size(problem, &X),
+        symmetry: asymmetry(&X),
+        separation: 1.0 / h0,
+        condition: condition(problem, (h0, h2), &X),
+        forward_error: rounding.map(f64::abs) + found.last_step.map(f64::abs),
+        residual_norm: remaining,
+        term_norm: size,
+        method: Method::Precise,
+        newton_steps: found.steps,
+    };
+    let mut closed_loop = eigenvalues(&found.closed.rounded()).ok()?;
+    closed_loop.iter_mut().for_each(|l| *l = inside(*l, kind));
+    let solution = Riccati { X, F: found.gain.rounded(), closed_loop, certificate };
+    Some(Certified { solution, residual })
+}
+
+/// An eigenvalue of a closed loop whose powers tend to zero: what rounding put on or beyond the boundary is mirrored.
+fn inside(l: C64, kind: Kind) -> C64 {
+    match kind {
+        Kind::Continuous if l.re >= 0.0 => C64::new(-l.re.max(f64::MIN_POSITIVE), l.im),
+        Kind::Discrete if l.norm() >= 1.0 => l / (l.norm_sqr() * (1.0 + EPS)),
+        _ => l,
+    }
+}
+
+/// The largest excess of the eigenvalues beyond the stability boundary.
+fn worst_excess(closed_loop: &[C64], kind: Kind) -> f64 {
+    closed_loop.iter().map(|&l| excess(l, kind)).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// The refusal of an approximation, without the mode behind it.
+fn inaccurate(residual: f64, worst: f64, kind: Kind) -> Reason {
+    let stability = if kind == Kind::Continuous { worst } else { worst + 1.0 };
+    Reason::Inaccurate { residual, stability, hardest: None }
 }
 
 /// `norm(X - X') / norm(X)`
@@ -59,12 +120,12 @@ fn data_size(problem: &Problem, X: &Mat) -> f64 {
     size.max(f64::MIN_POSITIVE)
 }
 
-/// Where the solution is this sensitive, the spectrum of the first approximation is not that of the last.
-const SENSITIVE: f64 = 1e6;
+/// If the solution is this sensitive, the spectrum of the first approximation is not that of the last.
+const SPECTRUM_MOVES: f64 = 1e6;
 
 /// The eigenvalues of the closed loop, sorted.
 fn spectrum(equation: &impl Equation, refined: &Refined, condition: f64) -> Vec<C64> {
-    if condition > SENSITIVE
+    if condition > SPECTRUM_MOVES
         && let Ok(sorted) = eigenvalues(&equation.closed_loop(&refined.gain))
     {
         return sorted;
@@ -82,7 +143,12 @@ fn sensitivity(problem: &Problem, refined: &Refined) -> (f64, f64) {
     let X = U.t() * &refined.X * U;
     let h0 = refined.derivative.solve_inner(&Mat::eye(n)).norm_fro();
     let h2 = refined.derivative.solve_inner(&(&X * &X)).norm_fro();
+    (1.0 / h0, condition(problem, (h0, h2), &X))
+}
+
+/// The condition number from the norms of the inverse operator applied to `I` and to `X^2`.
+fn condition(problem: &Problem, (h0, h2): (f64, f64), X: &Mat) -> f64 {
     let data =
         h0 * problem.Q.norm_fro() + 2.0 * (h0 * h2).sqrt() * problem.A.norm_fro() + h2 * problem.G.norm_fro();
-    (1.0 / h0, data / X.norm_fro().max(f64::MIN_POSITIVE))
+    data / X.norm_fro().max(f64::MIN_POSITIVE)
 }

@@ -5,10 +5,13 @@ use crate::error::{Error, check_shape, check_square, check_symmetric};
 use crate::mat::Mat;
 use crate::sylvester::Kind;
 
+use super::certify::{Certified, certify};
+use super::decide::{decide, in_callers_units, is_beyond_doubt};
 use super::equation::{Continuous, Data, Quadratic};
 use super::newton::{Equation, refine};
-use super::scaling::{Problem, Scaled, rescale, scale};
-use super::{Certificate, Method, Outcome, Reason, Riccati, certify, doubling, reason, subspace};
+use super::precise::PreciseEquation;
+use super::scaling::{Problem, rescale, scale};
+use super::{Method, Outcome, Reason, Riccati, doubling, subspace};
 
 /// Solves `A'X + XA - (XB + S) R^-1 (B'X + S') + Q = 0` for the stabilising `X`: `A - B F` is stable with
 /// `F = R^-1 (B'X + S')`. `A` n x n, `B` n x m, `Q` n x n symmetric, `R` m x m symmetric and not singular (of either
@@ -37,8 +40,12 @@ pub fn care(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Result<Outco
         R: R.clone(),
         S: S.map(|S| rescale(S, d, &ones)),
     });
-    let outcome = solve_scaled(&equation, &scaled);
-    Ok(outcome.map(|inner| Riccati { F: rescale(&inner.F, &ones, &back), ..inner }))
+    let terms = |found: &Riccati| {
+        let last = found.X.clone() * B * &found.F;
+        2.0 * (A.t() * &found.X).norm_fro() + last.norm_fro() + Q.norm_fro()
+    };
+    let gain = |F: &Mat| rescale(F, &ones, &back);
+    Ok(solve_scaled(&equation, &scaled.problem).map(|found| in_callers_units(found, &scaled, gain, terms)))
 }
 
 /// Solves `A'X + XA - XGX + Q = 0` for the stabilising `X`: `A - G X` is stable. `G` and `Q` symmetric, of any sign, as
@@ -56,11 +63,14 @@ pub fn care_g(A: &Mat, G: &Mat, Q: &Mat) -> Result<Outcome<Riccati>, Error> {
     check_symmetric("G", G)?;
     check_symmetric("Q", Q)?;
     let scaled = scale(Problem { A: A.clone(), G: G.clone(), Q: Q.clone() });
-    let Problem { A, G, Q } = scaled.problem.clone();
-    let equation = Quadratic { A, G, Q };
+    let inner = scaled.problem.clone();
+    let equation = Quadratic { A: inner.A, G: inner.G, Q: inner.Q };
     let (d, back) = (&scaled.scale, scaled.inverse());
-    let outcome = solve_scaled(&equation, &scaled);
-    Ok(outcome.map(|inner| Riccati { F: rescale(&inner.F, d, &back), ..inner }))
+    let terms = |found: &Riccati| {
+        2.0 * (A.t() * &found.X).norm_fro() + (&found.X * &found.F).norm_fro() + Q.norm_fro()
+    };
+    let gain = |F: &Mat| rescale(F, d, &back);
+    Ok(solve_scaled(&equation, &scaled.problem).map(|found| in_callers_units(found, &scaled, gain, terms)))
 }
 
 /// The checks that both time bases share.
@@ -87,10 +97,9 @@ pub(super) fn fold(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Optio
 /// Above this size the products of the doubling beat the rotations of the Schur form of twice the size.
 const LARGE: usize = 4;
 
-/// First approximation, refinement, certificate; the second method where the first does not lead to one. The solution is
-/// in the caller's units, the gain still in the scaled ones.
-fn solve_scaled(equation: &impl Equation, scaled: &Scaled) -> Outcome<Riccati> {
-    let problem = &scaled.problem;
+/// First approximation, refinement, certificate; the second method if the first does not lead to one, and 32 digits if doubles
+/// do not settle the problem. Everything is in scaled units.
+fn solve_scaled(equation: &(impl Equation + PreciseEquation), problem: &Problem) -> Outcome<Certified> {
     let order = if problem.A.nrows() > LARGE {
         [Method::Doubling, Method::Schur]
     } else {
@@ -99,35 +108,19 @@ fn solve_scaled(equation: &impl Equation, scaled: &Scaled) -> Outcome<Riccati> {
     let mut refusal = Reason::NoGraph;
     for method in order {
         match attempt(equation, problem, method) {
-            Ok(inner) => {
-                return match doubtful(problem, &inner.certificate) {
-                    Some(reason) => Outcome::Infeasible(reason),
-                    None => Outcome::Solved(Riccati { X: scaled.restore(&inner.X), ..inner }),
-                };
-            }
+            Ok(found) if is_beyond_doubt(&found, problem, Kind::Continuous) => return Outcome::Solved(found),
+            Ok(found) => return decide(equation, problem, Some(found), refusal),
             Err(reason) => refusal = reason,
         }
     }
-    Outcome::Infeasible(reason::diagnose(problem).unwrap_or(refusal))
+    decide(equation, problem, None, refusal)
 }
 
-fn attempt(equation: &impl Equation, problem: &Problem, method: Method) -> Result<Riccati, Reason> {
+fn attempt(equation: &impl Equation, problem: &Problem, method: Method) -> Result<Certified, Reason> {
     let first = match method {
         Method::Schur => subspace::by_schur(problem),
-        Method::Doubling => doubling::by_doubling(problem),
+        Method::Doubling | Method::Precise => doubling::by_doubling(problem),
     };
     let refined = first.and_then(|Z| refine(equation, Z)).ok_or(Reason::NoGraph)?;
-    let (closed_loop, certificate) = certify::certify(equation, problem, &refined, method)?;
-    Ok(Riccati { X: refined.X, F: refined.gain, closed_loop, certificate })
-}
-
-/// Below this separation, relative to the data, a solution is looked at twice: rounding may have moved a mode that
-/// cannot be moved.
-const DOUBTFUL: f64 = 1e-7;
-
-fn doubtful(problem: &Problem, certificate: &Certificate) -> Option<Reason> {
-    if certificate.separation > DOUBTFUL * problem.A.norm_fro() {
-        return None;
-    }
-    reason::lost_mode(problem, Kind::Continuous)
+    certify(equation, problem, refined, method)
 }

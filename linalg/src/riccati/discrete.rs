@@ -3,12 +3,15 @@
 use crate::error::Error;
 use crate::mat::Mat;
 use crate::sylvester::Kind;
+use crate::tolerance::EPS;
 
+use super::certify::{Certified, certify};
 use super::continuous::{check_input, fold};
+use super::decide::{decide, in_callers_units, is_beyond_doubt};
 use super::equation::{Data, Discrete};
 use super::newton::refine;
 use super::scaling::{Problem, rescale, scale};
-use super::{Certificate, Method, Outcome, Reason, Riccati, certify, doubling, reason, subspace};
+use super::{Method, Outcome, Reason, Riccati, doubling, reason, subspace};
 
 /// Solves `A'XA - X - (A'XB + S)(R + B'XB)^-1 (B'XA + S') + Q = 0` for the stabilising `X`: every eigenvalue of
 /// `A - B F` is inside the unit circle, `F = (R + B'XB)^-1 (B'XA + S')`. Shapes as for [`super::care`]; `R` may be
@@ -23,8 +26,8 @@ use super::{Certificate, Method, Outcome, Reason, Riccati, certify, doubling, re
 /// As for [`super::care`]. A problem without a solution is [`Outcome::Infeasible`] with the mode in the way.
 pub fn dare(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Result<Outcome<Riccati>, Error> {
     check_input(A, B, Q, R, S)?;
-    let G = (B * B.t()).scale(1.0 / R.norm_fro().max(f64::MIN_POSITIVE.sqrt()));
-    let units = scale(Problem { A: A.clone(), G, Q: Q.clone() });
+    let weight = input_weight(B, Q, R);
+    let units = scale(Problem { A: A.clone(), G: (B * B.t()).scale(1.0 / weight), Q: Q.clone() });
     let (d, back, ones) = (&units.scale, units.inverse(), vec![1.0; R.nrows()]);
     let data = Data {
         A: rescale(A, &back, d),
@@ -33,38 +36,55 @@ pub fn dare(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Result<Outco
         R: R.clone(),
         S: S.map(|S| rescale(S, d, &ones)),
     };
-    let outcome = solve_in_units(Discrete(data));
-    Ok(outcome.map(|inner| Riccati {
-        X: units.restore(&inner.X),
-        F: rescale(&inner.F, &ones, &back),
-        ..inner
-    }))
+    let terms = |found: &Riccati| {
+        let XA = &found.X * A;
+        let last = XA.t() * B * &found.F;
+        (A.t() * &XA).norm_fro() + found.X.norm_fro() + last.norm_fro() + Q.norm_fro()
+    };
+    let gain = |F: &Mat| rescale(F, &ones, &back);
+    Ok(solve_in_units(&Discrete(data)).map(|found| in_callers_units(found, &units, gain, terms)))
 }
 
-/// The equation in units that suit it, with one shift after the other.
-fn solve_in_units(equation: Discrete) -> Outcome<Riccati> {
+/// The size of `R`, or where that vanishes beside what the cost makes of the input after one step, of `B'QB`.
+fn input_weight(B: &Mat, Q: &Mat, R: &Mat) -> f64 {
+    let own = R.norm_fro();
+    let later = (B.t() * Q * B).norm_fro();
+    let weight = if own > EPS * later { own } else { later };
+    if weight > 0.0 { weight } else { 1.0 }
+}
+
+/// The equation in units that suit it, with one shift after the other, and in 32 digits if doubles do not settle it.
+fn solve_in_units(equation: &Discrete) -> Outcome<Certified> {
     let data = &equation.0;
     let mut refusal = Reason::SingularWeight { rcond: crate::decomposition::rcond_one(&data.R) };
+    let mut first = None;
     for shift in shifts(data) {
         let Some(problem) = shifted(data, shift) else { continue };
         for method in [Method::Doubling, Method::Schur] {
-            match attempt(&equation, &problem, shift, method) {
-                Ok(solution) => return accept(&problem, solution),
+            match attempt(equation, &problem, shift, method) {
+                Ok(found) if is_beyond_doubt(&found, &problem, Kind::Discrete) => {
+                    return Outcome::Solved(found);
+                }
+                Ok(found) => return decide(equation, &problem, Some(found), refusal),
                 Err(reason) => refusal = reason,
             }
         }
-        if let Some(reason) = reason::lost_mode(&problem, Kind::Discrete) {
-            return Outcome::Infeasible(reason);
+        if first.is_none() && reason::certainly_lost(&problem, Kind::Discrete).is_some() {
+            return decide(equation, &problem, None, refusal);
         }
+        first.get_or_insert(problem);
     }
-    Outcome::Infeasible(refusal)
+    match first {
+        Some(problem) => decide(equation, &problem, None, refusal),
+        None => Outcome::Infeasible(refusal),
+    }
 }
 
 /// Reciprocal condition of `R` below which the equation is shifted first.
 const REGULAR: f64 = 1e-6;
 
 /// The shifts `s` to try: none where `R` is regular, and sizes that make `R + s B'B` so.
-fn shifts(Data { B, Q, R, .. }: &Data) -> Vec<f64> {
+pub(super) fn shifts(Data { B, Q, R, .. }: &Data) -> Vec<f64> {
     let square = B.norm_fro().powi(2).max(f64::MIN_POSITIVE);
     let size = (Q.norm_fro() + R.norm_fro() / square).max(f64::MIN_POSITIVE);
     let regular = crate::decomposition::rcond_one(R) > REGULAR;
@@ -87,23 +107,13 @@ fn shifted(Data { A, B, Q, R, S }: &Data, shift: f64) -> Option<Problem> {
     fold(A, B, &Q, &R, Some(&cross))
 }
 
-fn attempt(equation: &Discrete, problem: &Problem, shift: f64, method: Method) -> Result<Riccati, Reason> {
+fn attempt(equation: &Discrete, problem: &Problem, shift: f64, method: Method) -> Result<Certified, Reason> {
     let scaled = scale(problem.clone());
     let first = match method {
-        Method::Doubling => doubling::run(scaled.problem.clone()),
         Method::Schur => subspace::by_discrete_schur(&scaled.problem),
+        Method::Doubling | Method::Precise => doubling::run(scaled.problem.clone()),
     };
     let offset = Mat::eye(problem.A.nrows()).scale(shift);
     let refined = first.and_then(|Z| refine(equation, scaled.restore(&Z) + offset)).ok_or(Reason::NoGraph)?;
-    let (closed_loop, certificate) = certify::certify(equation, problem, &refined, method)?;
-    Ok(Riccati { X: refined.X, F: refined.gain, closed_loop, certificate })
-}
-
-/// Below this separation a solution is looked at twice: rounding may have moved a mode that cannot be moved.
-const DOUBTFUL: f64 = 1e-7;
-
-fn accept(problem: &Problem, solution: Riccati) -> Outcome<Riccati> {
-    let Certificate { separation, .. } = solution.certificate;
-    let lost = if separation < DOUBTFUL { reason::lost_mode(problem, Kind::Discrete) } else { None };
-    lost.map_or(Outcome::Solved(solution), Outcome::Infeasible)
+    certify(equation, problem, refined, method)
 }

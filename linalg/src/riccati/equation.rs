@@ -7,9 +7,11 @@
 use crate::dense::solve;
 use crate::extended::{Extended, exact_product};
 use crate::mat::Mat;
+use crate::precise::Precise;
 use crate::sylvester::Kind;
 
 use super::newton::Equation;
+use super::precise::{Linearised, PreciseEquation};
 
 /// Plant and weights in scaled coordinates; `S` may be all zero.
 pub(super) struct Data {
@@ -30,6 +32,38 @@ impl Data {
             sum = sum.add(&cross).add(&cross.t());
         }
         sum
+    }
+
+    /// `Q + K'RK - SK - K'S'` in 32 digits.
+    fn precise_weights(&self, K: &Precise) -> Precise {
+        let mut sum = Precise::from(&self.Q).plus(&K.t().times(&Precise::from(&self.R).times(K)));
+        if let Some(S) = &self.S {
+            let cross = Precise::from(S).times(K);
+            sum = sum.minus(&cross).minus(&cross.t());
+        }
+        sum
+    }
+
+    /// `M + S'` in 32 digits.
+    fn with_cross(&self, M: Precise) -> Precise {
+        match &self.S {
+            None => M,
+            Some(S) => M.plus(&Precise::from(&S.t())),
+        }
+    }
+
+    /// `A - B K` in 32 digits.
+    fn precise_closed(&self, K: &Precise) -> Precise {
+        Precise::from(&self.A).minus(&Precise::from(&self.B).times(K))
+    }
+
+    /// `A - B R^-1 S'`, `B R^-1 B'`, `Q - S R^-1 S'` in 32 digits; `None` for a singular `R`.
+    fn fold_precisely(&self, Q: &Precise, R: &Precise, S: Option<&Precise>) -> Option<[Precise; 3]> {
+        let (A, B) = (Precise::from(&self.A), Precise::from(&self.B));
+        let G = B.times(&R.solve(&B.t())?).symmetric_part();
+        let Some(S) = S else { return Some([A, G, Q.clone()]) };
+        let K = R.solve(&S.t())?;
+        Some([A.minus(&B.times(&K)), G, Q.minus(&S.times(&K)).symmetric_part()])
     }
 
     /// `A - B K`
@@ -78,6 +112,32 @@ impl Equation for Continuous {
     }
 }
 
+impl PreciseEquation for Continuous {
+    fn linearise(&self, X: &Precise) -> Option<Linearised> {
+        let data = &self.0;
+        let right = data.with_cross(Precise::from(&data.B.t()).times(X));
+        let gain = Precise::from(&data.R).solve(&right)?;
+        let closed = data.precise_closed(&gain);
+        let half = X.times(&closed);
+        let residual = half.plus(&half.t()).plus(&data.precise_weights(&gain)).symmetric_part();
+        Some(Linearised { residual, closed, gain })
+    }
+
+    fn folded(&self, _: f64) -> Option<[Precise; 3]> {
+        let data = &self.0;
+        let cross = data.S.as_ref().map(Precise::from);
+        data.fold_precisely(&Precise::from(&data.Q), &Precise::from(&data.R), cross.as_ref())
+    }
+
+    fn shifts(&self) -> Vec<f64> {
+        vec![0.0]
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Continuous
+    }
+}
+
 /// `A'X + XA - XGX + Q = 0`, `G` of any sign.
 pub(super) struct Quadratic {
     pub(super) A: Mat,
@@ -100,6 +160,29 @@ impl Equation for Quadratic {
 
     fn closed_loop(&self, K: &Mat) -> Mat {
         &self.A - K
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Continuous
+    }
+}
+
+impl PreciseEquation for Quadratic {
+    fn linearise(&self, X: &Precise) -> Option<Linearised> {
+        let gain = Precise::from(&self.G).times(X);
+        let closed = Precise::from(&self.A).minus(&gain);
+        let half = X.times(&closed);
+        let square = X.times(&gain);
+        let residual = half.plus(&half.t()).plus(&square).plus(&Precise::from(&self.Q)).symmetric_part();
+        Some(Linearised { residual, closed, gain })
+    }
+
+    fn folded(&self, _: f64) -> Option<[Precise; 3]> {
+        Some([&self.A, &self.G, &self.Q].map(Precise::from))
+    }
+
+    fn shifts(&self) -> Vec<f64> {
+        vec![0.0]
     }
 
     fn kind(&self) -> Kind {
@@ -135,6 +218,42 @@ impl Equation for Discrete {
 
     fn closed_loop(&self, K: &Mat) -> Mat {
         self.0.closed(K)
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Discrete
+    }
+}
+
+impl PreciseEquation for Discrete {
+    fn linearise(&self, X: &Precise) -> Option<Linearised> {
+        let data = &self.0;
+        let BX = Precise::from(&data.B.t()).times(X);
+        let weight = BX.times(&Precise::from(&data.B)).plus(&Precise::from(&data.R));
+        let gain = weight.solve(&data.with_cross(BX.times(&Precise::from(&data.A))))?;
+        let closed = data.precise_closed(&gain);
+        let moved = closed.t().times(&X.times(&closed));
+        let residual = moved.minus(X).plus(&data.precise_weights(&gain)).symmetric_part();
+        Some(Linearised { residual, closed, gain })
+    }
+
+    fn folded(&self, shift: f64) -> Option<[Precise; 3]> {
+        let data = &self.0;
+        let (A, B) = (Precise::from(&data.A), Precise::from(&data.B));
+        let (mut Q, mut R) = (Precise::from(&data.Q), Precise::from(&data.R));
+        if shift == 0.0 {
+            let cross = data.S.as_ref().map(Precise::from);
+            return data.fold_precisely(&Q, &R, cross.as_ref());
+        }
+        let scaled = Precise::identity(data.A.nrows(), shift);
+        Q = Q.plus(&A.t().times(&scaled.times(&A))).minus(&scaled).symmetric_part();
+        R = R.plus(&B.t().times(&scaled.times(&B))).symmetric_part();
+        let cross = data.with_cross(B.t().times(&scaled.times(&A))).t();
+        data.fold_precisely(&Q, &R, Some(&cross))
+    }
+
+    fn shifts(&self) -> Vec<f64> {
+        super::discrete::shifts(&self.0)
     }
 
     fn kind(&self) -> Kind {

@@ -6,10 +6,12 @@
 
 mod certify;
 mod continuous;
+mod decide;
 mod discrete;
 mod doubling;
 mod equation;
 mod newton;
+mod precise;
 mod reason;
 mod scaling;
 mod subspace;
@@ -17,6 +19,7 @@ mod subspace;
 use std::fmt;
 
 use crate::mat::{C64, Mat};
+use crate::tolerance::{EPS, SENSITIVE};
 
 pub use continuous::{care, care_g};
 pub use discrete::dare;
@@ -74,8 +77,11 @@ pub struct Riccati {
     pub certificate: Certificate,
 }
 
-/// The evidence that a Riccati solution is one. All figures refer to the problem scaled by powers of two, where norms
-/// mean something.
+/// The evidence that a Riccati solution is one.
+///
+/// `residual_norm`, `term_norm` and `forward_error` are in the caller's units and can be recomputed from the data and from `X`.
+/// The other figures refer to the problem scaled by powers of two, in which norms over states of different kinds mean
+/// something.
 #[derive(Clone, Debug)]
 pub struct Certificate {
     /// `norm(residual)` over the sum of the norms of the equation's terms, Frobenius, with `X` as it is returned.
@@ -91,10 +97,25 @@ pub struct Certificate {
     /// Condition number of the solution (Kenney and Hewer, SIAM J. Control Optim. 28, 1990): relative change of `X`
     /// over relative change of the data, an upper estimate.
     pub condition: f64,
+    /// An estimate of the modulus of the error of each entry of `X`, n x n, in the caller's units, for the data taken as exact:
+    /// the Newton step that is left. What rounding the data would change is bounded by `condition`.
+    pub forward_error: Mat,
+    /// Frobenius norm of the residual of `X` as it is returned, in the caller's units.
+    pub residual_norm: f64,
+    /// Sum of the Frobenius norms of the equation's terms, in the caller's units.
+    pub term_norm: f64,
     /// Which method gave the first approximation.
     pub method: Method,
     /// How many Newton steps refined it.
     pub newton_steps: usize,
+}
+
+impl Certificate {
+    /// Whether rounding the data, or the residual, may change the third digit of the solution or an earlier one: the
+    /// condition number times the larger of the two exceeds [`SENSITIVE`].
+    pub fn is_sensitive(&self) -> bool {
+        self.condition * self.relative_residual.max(EPS) > SENSITIVE
+    }
 }
 
 /// The method behind a Riccati solution.
@@ -104,6 +125,8 @@ pub enum Method {
     Schur,
     /// Structure-preserving doubling (Chu, Fan and Lin 2005).
     Doubling,
+    /// Structured doubling and Newton's method in 32 digits, used when doubles do not settle the problem.
+    Precise,
 }
 
 impl fmt::Display for Method {
@@ -111,6 +134,7 @@ impl fmt::Display for Method {
         f.write_str(match self {
             Self::Schur => "ordered Schur form",
             Self::Doubling => "structured doubling",
+            Self::Precise => "structured doubling in 32 digits",
         })
     }
 }

@@ -51,7 +51,8 @@ pub(super) fn refine(equation: &impl Equation, X: Mat) -> Option<Refined> {
     let mut slow = false;
     while steps < NEWTON_STEPS {
         let (residual, _) = equation.residual(&X)?;
-        let step = if slow { careful_step(equation, &X, &residual)? } else { derivative.solve(&residual) };
+        let careful = if slow { careful_step(equation, &X, &residual) } else { None };
+        let step = careful.unwrap_or_else(|| derivative.solve(&residual));
         let step = step.symmetric_part();
         let relative = step.norm_fro() / X.high.norm_fro().max(f64::MIN_POSITIVE);
         let stuck = relative > 0.5 * size && size < STALE;

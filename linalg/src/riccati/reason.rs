@@ -5,7 +5,9 @@ use std::fmt;
 use crate::decomposition::csingular_values;
 use crate::mat::{C64, CMat, Mat};
 use crate::schur::eigenvalues;
+use crate::spectrum::Spectrum;
 use crate::sylvester::Kind;
+use crate::tolerance::EPS;
 
 use super::scaling::Problem;
 use super::subspace::hamiltonian;
@@ -52,6 +54,8 @@ pub enum Reason {
         hardest: Option<(C64, f64)>,
     },
 }
+
+impl std::error::Error for Reason {}
 
 impl fmt::Display for Reason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -110,32 +114,67 @@ const LOST: f64 = 1e-13;
 /// rounding error, since a double eigenvalue on the boundary splits by that much.
 const BOUNDARY: f64 = 1e-8;
 
-/// Modes that could be in the way: those of `A` that are not safely stable. Returns the first one that the input does
-/// not reach, or that lies on the boundary unseen.
-pub(super) fn lost_mode(problem: &Problem, kind: Kind) -> Option<Reason> {
-    let modes = eigenvalues(&problem.A).ok()?;
-    let size = problem.A.norm_fro();
-    let suspects =
-        modes.iter().filter(|m| m.im >= 0.0 && excess(**m, kind) > -BOUNDARY * boundary_scale(size, kind));
-    suspects.filter_map(|&mode| lost(problem, mode, kind)).next()
+/// Problems with more states than this are judged by left eigenvectors alone: singular values for each mode would take
+/// longer than the solution.
+const EXACT_STATES: usize = 64;
+
+/// Of the modes that the input reaches least, by their eigenvectors, this many are judged by singular values.
+const CANDIDATES: usize = 3;
+
+/// Which modes count as on the stability boundary.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Nearness {
+    /// Those that rounding the entries of `A` may move there: to judge a problem that has been solved.
+    Rounding,
+    /// Those within [`BOUNDARY`] of it, relative to the norm of `A`: to explain why a problem could not be solved.
+    Broad,
+}
+
+/// Returns the mode in the way: one that is not safely stable and that the input does not reach, or one on the boundary
+/// that the cost does not see.
+pub(super) fn lost_mode(problem: &Problem, kind: Kind, nearness: Nearness) -> Option<Reason> {
+    let n = problem.A.nrows() as f64;
+    let broad = BOUNDARY * boundary_scale(problem.A.norm_fro(), kind);
+    let near = |spectrum: &Spectrum, m: C64| match nearness {
+        Nearness::Broad => broad,
+        Nearness::Rounding => spectrum.movement(m),
+    };
+    let reached = least_reached(&problem.A, &problem.G, |s, m| excess(m, kind) > -near(s, m));
+    if let Some((mode, reach)) = reached.filter(|(_, reach)| *reach < n * LOST) {
+        return Some(Reason::Uncontrollable { mode, distance: reach });
+    }
+    let seen = least_reached(&problem.A.t(), &problem.Q, |s, m| excess(m, kind).abs() < near(s, m));
+    let (mode, sight) = seen.filter(|(_, sight)| *sight < n * LOST)?;
+    Some(Reason::Unobservable { mode, distance: sight })
+}
+
+/// Returns a mode that is not stable and that the input does not reach for certain: not normwise, and not entry by entry.
+pub(super) fn certainly_lost(problem: &Problem, kind: Kind) -> Option<Reason> {
+    let n = problem.A.nrows() as f64;
+    let spectrum = Spectrum::of(&problem.A).ok()?;
+    let modes = spectrum.modes().into_iter().filter(|&m| excess(m, kind) >= 0.0);
+    let mut reaches = modes.map(|m| spectrum.reach(&problem.G, m));
+    let lost = reaches.find(|reach| reach.normwise.max(reach.entrywise) < n * LOST)?;
+    Some(Reason::Uncontrollable { mode: lost.mode, distance: lost.normwise })
 }
 
 /// Of the modes that are not stable the one that the input reaches least, and its relative distance from reach.
 pub(super) fn hardest_mode(problem: &Problem, kind: Kind) -> Option<(C64, f64)> {
-    let modes = eigenvalues(&problem.A).ok()?;
-    let unstable = modes.into_iter().filter(|m| m.im >= 0.0 && excess(*m, kind) >= 0.0);
-    unstable.map(|m| (m, distance(&problem.A, &problem.G, m))).min_by(|a, b| a.1.total_cmp(&b.1))
+    least_reached(&problem.A, &problem.G, |_, m| excess(m, kind) >= 0.0)
 }
 
-fn lost(problem: &Problem, mode: C64, kind: Kind) -> Option<Reason> {
-    let n = problem.A.nrows() as f64;
-    let reach = distance(&problem.A, &problem.G, mode);
-    if reach < n * LOST {
-        return Some(Reason::Uncontrollable { mode, distance: reach });
+/// The mode among the suspects that `M` reaches least, and its relative distance from reach.
+fn least_reached(A: &Mat, M: &Mat, is_suspect: impl Fn(&Spectrum, C64) -> bool) -> Option<(C64, f64)> {
+    let spectrum = Spectrum::of(A).ok()?;
+    let suspects = spectrum.modes().into_iter().filter(|&m| is_suspect(&spectrum, m));
+    let mut reaches: Vec<(C64, f64)> =
+        suspects.map(|m| spectrum.reach(M, m)).map(|reach| (reach.mode, reach.normwise)).collect();
+    reaches.sort_by(|a, b| a.1.total_cmp(&b.1));
+    if A.nrows() <= EXACT_STATES {
+        reaches.truncate(CANDIDATES);
+        reaches.iter_mut().for_each(|(mode, reach)| *reach = distance(A, M, *mode));
     }
-    let sight = distance(&problem.A.t(), &problem.Q, mode);
-    let near = excess(mode, kind).abs() < BOUNDARY * boundary_scale(problem.A.norm_fro(), kind);
-    (near && sight < n * LOST).then_some(Reason::Unobservable { mode, distance: sight })
+    reaches.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// How far beyond the stability boundary an eigenvalue lies.
@@ -169,14 +208,41 @@ fn distance(A: &Mat, M: &Mat, mode: C64) -> f64 {
     }
 }
 
-/// Why a continuous problem that was not solved has no solution.
-pub(super) fn diagnose(problem: &Problem) -> Option<Reason> {
-    if let Some(reason) = lost_mode(problem, Kind::Continuous) {
+/// Why a problem that was not solved has no solution.
+pub(super) fn diagnose(problem: &Problem, kind: Kind) -> Option<Reason> {
+    if let Some(reason) = lost_mode(problem, kind, Nearness::Broad) {
         return Some(reason);
+    }
+    if kind == Kind::Discrete {
+        return None;
     }
     let H = hamiltonian(problem);
     let size = H.norm_fro();
     let nearest = eigenvalues(&H).ok()?.into_iter().min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()))?;
     let distance = nearest.re.abs() / size;
     (distance < BOUNDARY).then_some(Reason::OnBoundary { eigenvalue: nearest, distance })
+}
+
+/// An eigenvalue without a neighbour is on the axis for certain if its real part is below this share of its modulus ...
+const ALONE: f64 = 1e-10;
+
+/// ... and no other eigenvalue is nearer than this share of its modulus.
+const NEIGHBOUR: f64 = 1e-4;
+
+/// Returns an eigenvalue of the Hamiltonian matrix that lies on the imaginary axis for certain.
+///
+/// The spectrum is symmetric to the axis. An eigenvalue beside the axis has its mirror image near, so that one without any
+/// neighbour is its own mirror image.
+pub(super) fn certainly_on_boundary(problem: &Problem) -> Option<Reason> {
+    let H = hamiltonian(problem);
+    let (values, size) = (eigenvalues(&H).ok()?, H.norm_fro());
+    let rounding = 1e3 * EPS * size;
+    let suspects = values.iter().enumerate().filter(|(_, l)| l.im > 0.0 && l.re.abs() < ALONE * l.norm());
+    let alone = |(k, l): &(usize, &C64)| {
+        let others = values.iter().enumerate().filter(|(j, _)| j != k);
+        let nearest = others.map(|(_, other)| (other - **l).norm()).fold(f64::INFINITY, f64::min);
+        nearest > NEIGHBOUR * l.norm() && nearest > rounding / NEIGHBOUR
+    };
+    let (_, &eigenvalue) = suspects.into_iter().find(alone)?;
+    Some(Reason::OnBoundary { eigenvalue, distance: eigenvalue.re.abs() / size })
 }

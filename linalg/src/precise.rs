@@ -1,0 +1,300 @@
+//! Matrices of numbers with 32 digits, each the unevaluated sum of two doubles, correct entry by entry.
+//!
+//! [`crate::extended`] is faster, but its error is small beside the norms only. The hard problems whose entries spread over
+//! many decades are solved with these matrices from the first step to the last.
+//! Sources: Dekker, Numer. Math. 18 (1971); Hida, Li and Bailey, Algorithms for quad-double precision floating point
+//! arithmetic, ARITH-15 (2001).
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use crate::extended::Extended;
+use crate::kernel::vectorised;
+use crate::mat::Mat;
+
+/// A number of about 32 decimal digits: `high + low`, `low` at most half a unit in the last place of `high`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Long {
+    pub(crate) high: f64,
+    pub(crate) low: f64,
+}
+
+impl Long {
+    #[inline(always)]
+    fn normalised(high: f64, low: f64) -> Self {
+        let sum = high + low;
+        Self { high: sum, low: low - (sum - high) }
+    }
+
+    /// Returns `self + a b`.
+    #[inline(always)]
+    fn plus_product(self, a: Self, b: Self) -> Self {
+        let product = a.high * b.high;
+        let lost = a.high.mul_add(b.high, -product) + (a.high * b.low + a.low * b.high);
+        let sum = self.high + product;
+        let back = sum - self.high;
+        let error = (self.high - (sum - back)) + (product - back);
+        Self::normalised(sum, error + (self.low + lost))
+    }
+}
+
+impl From<f64> for Long {
+    fn from(high: f64) -> Self {
+        Self { high, low: 0.0 }
+    }
+}
+
+impl Neg for Long {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self { high: -self.high, low: -self.low }
+    }
+}
+
+impl Add for Long {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.plus_product(other, Self::from(1.0))
+    }
+}
+
+impl Sub for Long {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self + -other
+    }
+}
+
+impl Mul for Long {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self::default().plus_product(self, other)
+    }
+}
+
+impl Div for Long {
+    type Output = Self;
+    /// Three steps of long division in doubles.
+    fn div(self, other: Self) -> Self {
+        let first = Self::from(self.high / other.high);
+        let rest = self - first * other;
+        let second = Self::from(rest.high / other.high);
+        let third = Self::from((rest - second * other).high / other.high);
+        first + second + third
+    }
+}
+
+/// A matrix of [`Long`] numbers.
+#[derive(Clone, Debug)]
+pub(crate) struct Precise {
+    pub(crate) high: Mat,
+    pub(crate) low: Mat,
+}
+
+impl From<&Mat> for Precise {
+    fn from(high: &Mat) -> Self {
+        Self { high: high.clone(), low: Mat::zeros(high.nrows(), high.ncols()) }
+    }
+}
+
+impl From<&Extended> for Precise {
+    fn from(sum: &Extended) -> Self {
+        let low = sum.low.clone().unwrap_or_else(|| Mat::zeros(sum.high.nrows(), sum.high.ncols()));
+        Self { high: sum.high.clone(), low }
+    }
+}
+
+impl Precise {
+    /// The identity times a number.
+    pub(crate) fn identity(n: usize, factor: f64) -> Self {
+        Self::from(&Mat::eye(n).scale(factor))
+    }
+
+    /// The entry (i, j).
+    pub(crate) fn at(&self, i: usize, j: usize) -> Long {
+        Long { high: self.high[(i, j)], low: self.low[(i, j)] }
+    }
+
+    /// The nearest matrix of doubles.
+    pub(crate) fn rounded(&self) -> Mat {
+        &self.high + &self.low
+    }
+
+    pub(crate) fn t(&self) -> Self {
+        Self { high: self.high.t(), low: self.low.t() }
+    }
+
+    /// Every entry times a power of two.
+    pub(crate) fn scale(&self, power: f64) -> Self {
+        Self { high: self.high.scale(power), low: self.low.scale(power) }
+    }
+
+    /// Entry (i, j) times `left[i] right[j]`, powers of two.
+    pub(crate) fn rescale(&self, left: &[f64], right: &[f64]) -> Self {
+        let scaled = |M: &Mat| Mat::from_fn(M.nrows(), M.ncols(), |i, j| left[i] * M[(i, j)] * right[j]);
+        Self { high: scaled(&self.high), low: scaled(&self.low) }
+    }
+
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        let mut sum = self.clone();
+        add_into(&mut sum.high, &mut sum.low, &other.high, &other.low, 1.0);
+        sum
+    }
+
+    pub(crate) fn minus(&self, other: &Self) -> Self {
+        let mut sum = self.clone();
+        add_into(&mut sum.high, &mut sum.low, &other.high, &other.low, -1.0);
+        sum
+    }
+
+    /// `(M + M') / 2`
+    pub(crate) fn symmetric_part(&self) -> Self {
+        self.plus(&self.t()).scale(0.5)
+    }
+
+    /// `[self other]`
+    pub(crate) fn hstack(&self, other: &Self) -> Self {
+        Self { high: self.high.hstack(&other.high), low: self.low.hstack(&other.low) }
+    }
+
+    /// The columns `from..from + count`.
+    pub(crate) fn columns(&self, from: usize, count: usize) -> Self {
+        let rows = self.high.nrows();
+        Self { high: self.high.block(0, from, rows, count), low: self.low.block(0, from, rows, count) }
+    }
+
+    /// The product, every entry to about 2^-100 of the sum of the moduli of its terms.
+    pub(crate) fn times(&self, other: &Self) -> Self {
+        let (rows, cols) = (self.high.nrows(), other.high.ncols());
+        let mut product = Self { high: Mat::zeros(rows, cols), low: Mat::zeros(rows, cols) };
+        multiply(&self.high, &self.low, &other.high, &other.low, &mut product.high, &mut product.low);
+        product
+    }
+
+    /// The solution `X` of `self X = B` by LU with partial pivoting; `None` if a pivot is zero.
+    pub(crate) fn solve(&self, B: &Self) -> Option<Self> {
+        let n = self.high.nrows();
+        let (mut factors, mut X) = (self.clone(), B.clone());
+        for k in 0..n {
+            let row =
+                (k..n).max_by(|&a, &b| factors.high[(a, k)].abs().total_cmp(&factors.high[(b, k)].abs()))?;
+            factors.exchange(k, row);
+            X.exchange(k, row);
+            let pivot = factors.at(k, k);
+            if pivot.high == 0.0 || !pivot.high.is_finite() {
+                return None;
+            }
+            let multipliers: Vec<Long> = (k + 1..n).map(|i| factors.at(i, k) / pivot).collect();
+            let multipliers = Column::of(&multipliers);
+            eliminate(&mut factors.high, &mut factors.low, &multipliers, k, k + 1..n, k + 1);
+            eliminate(&mut X.high, &mut X.low, &multipliers, k, k + 1..n, 0);
+        }
+        for k in (0..n).rev() {
+            X.divide_row(k, factors.at(k, k));
+            let column: Vec<Long> = (0..k).map(|i| factors.at(i, k)).collect();
+            eliminate(&mut X.high, &mut X.low, &Column::of(&column), k, 0..k, 0);
+        }
+        X.high.is_finite().then_some(X)
+    }
+
+    fn exchange(&mut self, a: usize, b: usize) {
+        if a == b {
+            return;
+        }
+        for M in [&mut self.high, &mut self.low] {
+            (0..M.ncols()).for_each(|j| M.column_mut(j).swap(a, b));
+        }
+    }
+
+    fn divide_row(&mut self, k: usize, pivot: Long) {
+        for j in 0..self.high.ncols() {
+            let quotient = self.at(k, j) / pivot;
+            (self.high[(k, j)], self.low[(k, j)]) = (quotient.high, quotient.low);
+        }
+    }
+}
+
+/// A column of long numbers, the two parts apart.
+struct Column {
+    high: Vec<f64>,
+    low: Vec<f64>,
+}
+
+impl Column {
+    fn of(entries: &[Long]) -> Self {
+        Self { high: entries.iter().map(|e| e.high).collect(), low: entries.iter().map(|e| e.low).collect() }
+    }
+}
+
+/// `x += factor v`, entry by entry.
+#[inline(always)]
+fn add_multiple(x: (&mut [f64], &mut [f64]), v: (&[f64], &[f64]), factor: Long) {
+    let entries = x.0.iter_mut().zip(x.1).zip(v.0.iter().zip(v.1));
+    for ((high, low), (&a, &b)) in entries {
+        let sum = Long { high: *high, low: *low }.plus_product(Long { high: a, low: b }, factor);
+        (*high, *low) = (sum.high, sum.low);
+    }
+}
+
+vectorised! {
+    fn add_into<'a>(high: &'a mut Mat, low: &'a mut Mat, other: &'a Mat, rest: &'a Mat, sign: f64) -> () {
+        add_multiple((high.as_mut_slice(), low.as_mut_slice()), (other.as_slice(), rest.as_slice()), Long { high: sign, low: 0.0 });
+    }
+}
+
+vectorised! {
+    fn multiply<'a>(A: &'a Mat, a: &'a Mat, B: &'a Mat, b: &'a Mat, high: &'a mut Mat, low: &'a mut Mat) -> () {
+        for j in 0..B.ncols() {
+            let out = (high.column_mut(j), low.column_mut(j));
+            for k in 0..A.ncols() {
+                let factor = Long { high: B[(k, j)], low: b[(k, j)] };
+                if factor.high != 0.0 {
+                    add_multiple((&mut *out.0, &mut *out.1), (A.column(k), a.column(k)), factor);
+                }
+            }
+        }
+    }
+}
+
+vectorised! {
+    /// Takes `multipliers` times row `k` out of the rows `rows` of every column from `first` on.
+    fn eliminate<'a>(high: &'a mut Mat, low: &'a mut Mat, multipliers: &'a Column, k: usize, rows: std::ops::Range<usize>, first: usize) -> () {
+        for j in first..high.ncols() {
+            let factor = Long { high: -high[(k, j)], low: -low[(k, j)] };
+            if factor.high != 0.0 {
+                let target = (&mut high.column_mut(j)[rows.clone()], &mut low.column_mut(j)[rows.clone()]);
+                add_multiple(target, (&multipliers.high, &multipliers.low), factor);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn a_hilbert_system_keeps_its_digits() {
+        // The condition number of the Hilbert matrix of size 12 is 1.7e16: doubles keep nothing.
+        let n = 12;
+        let entry = |i: usize, j: usize| Long::from(1.0) / Long::from((i + j + 1) as f64);
+        let H = Precise {
+            high: Mat::from_fn(n, n, |i, j| entry(i, j).high),
+            low: Mat::from_fn(n, n, |i, j| entry(i, j).low),
+        };
+        let exact = Precise::from(&Mat::from_fn(n, 3, |i, j| (i * i + 7 * j) as f64 - 20.0));
+        let found = H.solve(&H.times(&exact)).unwrap();
+        assert!(found.minus(&exact).rounded().norm_max() < 1e-11, "{:?}", found.minus(&exact).high);
+        assert!(Precise::from(&Mat::zeros(2, 2)).solve(&Precise::identity(2, 1.0)).is_none());
+    }
+
+    #[test]
+    fn a_quotient_has_32_digits() {
+        let third = Long::from(1.0) / Long::from(3.0);
+        let rest = Long::from(1.0) - third * Long::from(3.0);
+        assert!(rest.high.abs() < 1e-31, "{rest:?}");
+    }
+}

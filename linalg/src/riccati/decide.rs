@@ -1,0 +1,129 @@
+//! The last word on a problem: accepted as solved in doubles, solved again in 32 digits, or refused with the reason.
+
+use crate::mat::Mat;
+use crate::sylvester::Kind;
+use crate::tolerance::{EPS, PRECISE_STATES, RICCATI_ERROR, TRUSTED_SEPARATION};
+
+use super::certify::{Certified, certify_precise};
+use super::newton::Equation;
+use super::precise::{self, PreciseEquation, relative_step};
+use super::reason::{self, Nearness};
+use super::scaling::{Problem, Scaled, rescale};
+use super::{Outcome, Reason, Riccati};
+
+/// Below this separation, relative to the data, a solution is examined twice: rounding may have moved a mode that
+/// cannot be moved.
+const DOUBTFUL: f64 = 1e-7;
+
+/// A solution whose condition number times the rounding of the data is below this is determined by the data.
+const DETERMINED: f64 = 1e-2;
+
+/// A solution in 32 digits is refused for a lost mode only if its condition number times the rounding of the data exceeds
+/// this: the rounding alone may then have put the mode within reach.
+const UNDETERMINED: f64 = 1.0;
+
+/// Whether a solution in doubles is accepted without further questions.
+pub(super) fn is_beyond_doubt(found: &Certified, problem: &Problem, kind: Kind) -> bool {
+    found.solution.certificate.separation > DOUBTFUL * size(problem, kind) && is_accurate(found)
+}
+
+/// Whether the error that is left is small beside each pair of states.
+fn is_accurate(found: &Certified) -> bool {
+    relative_step(&found.solution.certificate.forward_error, &found.solution.X) <= RICCATI_ERROR
+}
+
+/// The size to which a separation is compared.
+fn size(problem: &Problem, kind: Kind) -> f64 {
+    if kind == Kind::Continuous { problem.A.norm_fro() } else { 1.0 }
+}
+
+/// Decides a problem for which doubles gave a doubtful solution (`found`) or none (`refusal`).
+pub(super) fn decide(
+    equation: &(impl Equation + PreciseEquation),
+    problem: &Problem,
+    found: Option<Certified>,
+    refusal: Reason,
+) -> Outcome<Certified> {
+    let kind = Equation::kind(equation);
+    let separated =
+        |c: &Certified| c.solution.certificate.separation > TRUSTED_SEPARATION * size(problem, kind);
+    let found = match found {
+        Some(found) if is_accurate(&found) && separated(&found) => {
+            return accept(found, problem, kind, DETERMINED);
+        }
+        other => other,
+    };
+    if found.is_none()
+        && let Some(reason) = certain_refusal(problem, kind)
+    {
+        return Outcome::Infeasible(reason);
+    }
+    let start = found.as_ref().map(|found| &found.solution.X);
+    if let Some(better) = solve_precisely(equation, problem, start) {
+        return accept(better, problem, kind, UNDETERMINED);
+    }
+    match found {
+        Some(found) => accept(found, problem, kind, 0.0),
+        None => Outcome::Infeasible(explained(refusal, problem, kind)),
+    }
+}
+
+/// A reason that holds without doubt and is found quickly.
+fn certain_refusal(problem: &Problem, kind: Kind) -> Option<Reason> {
+    let on_boundary = || if kind == Kind::Continuous { reason::certainly_on_boundary(problem) } else { None };
+    reason::certainly_lost(problem, kind).or_else(on_boundary)
+}
+
+fn solve_precisely(
+    equation: &(impl Equation + PreciseEquation),
+    problem: &Problem,
+    start: Option<&Mat>,
+) -> Option<Certified> {
+    if problem.A.nrows() > PRECISE_STATES {
+        return None;
+    }
+    certify_precise(equation, problem, precise::solve(equation, start)?)
+}
+
+/// The solution, unless it is so sensitive that a mode may be within reach, or in sight, by rounding alone.
+fn accept(found: Certified, problem: &Problem, kind: Kind, limit: f64) -> Outcome<Certified> {
+    let lost = if found.solution.certificate.condition * EPS > limit {
+        reason::lost_mode(problem, kind, Nearness::Rounding)
+    } else {
+        None
+    };
+    lost.map_or(Outcome::Solved(found), Outcome::Infeasible)
+}
+
+/// The mode behind a refusal, if one can be named.
+fn explained(refusal: Reason, problem: &Problem, kind: Kind) -> Reason {
+    if let Some(reason) = reason::diagnose(problem, kind) {
+        return reason;
+    }
+    match refusal {
+        Reason::Inaccurate { residual, stability, .. } => {
+            Reason::Inaccurate { residual, stability, hardest: reason::hardest_mode(problem, kind) }
+        }
+        other => other,
+    }
+}
+
+/// The solution in the caller's units; `terms` gives the sum of the norms of the equation's terms there.
+pub(super) fn in_callers_units(
+    found: Certified,
+    units: &Scaled,
+    gain: impl FnOnce(&Mat) -> Mat,
+    terms: impl FnOnce(&Riccati) -> f64,
+) -> Riccati {
+    let Certified { mut solution, residual } = found;
+    let (d, certificate) = (&units.scale, &mut solution.certificate);
+    solution.X = units.restore(&solution.X);
+    solution.F = gain(&solution.F);
+    certificate.forward_error = units.restore(&certificate.forward_error);
+    certificate.residual_norm = {
+        let back: Vec<f64> = d.iter().map(|d| 1.0 / d).collect();
+        rescale(&residual, &back, &back).norm_fro()
+    };
+    solution.certificate.term_norm = terms(&solution);
+    solution
+}

@@ -1,0 +1,252 @@
+//! Eigenvectors of single eigenvalues from the Schur form, O(n^2) each: how the input reaches a mode, and how well an
+//! eigenvalue is determined by the entries of its matrix.
+
+use crate::balance::balance;
+use crate::error::Error;
+use crate::mat::{C64, Mat};
+use crate::schur::{Schur, schur};
+use crate::tolerance::{BOUNDARY_SUSPECT, EIGENVALUE_ERROR, EPS, VECTOR_NOISE};
+
+/// A matrix `A = D B D^-1`, its balanced form `B` and the Schur form of that.
+pub(crate) struct Spectrum {
+    balanced: Mat,
+    form: Schur,
+    scale: Vec<f64>,
+    size: f64,
+}
+
+/// How the input acts on one mode, from the left eigenvector `v` of the mode.
+pub(crate) struct Reach {
+    pub(crate) mode: C64,
+    /// `norm(v'M)` relative to `norm(v)` and the norm of `M`: an upper bound of the distance from losing the mode.
+    pub(crate) normwise: f64,
+    /// `|v'M|` beyond rounding, relative to `|v|'|M|`, the largest over the columns of `M`: does not depend on units.
+    pub(crate) entrywise: f64,
+}
+
+impl Spectrum {
+    /// The spectrum of `A`.
+    pub(crate) fn of(A: &Mat) -> Result<Self, Error> {
+        let balanced = balance(A)?;
+        let form = schur(&balanced.A)?;
+        Ok(Self::from_form(balanced.A, form, balanced.scale))
+    }
+
+    /// The spectrum of a balanced matrix whose Schur form is known.
+    pub(crate) fn from_form(balanced: Mat, form: Schur, scale: Vec<f64>) -> Self {
+        let size = balanced.norm_fro().max(f64::MIN_POSITIVE);
+        Self { balanced, form, scale, size }
+    }
+
+    /// The Schur form and the scale of each state.
+    pub(crate) fn into_form(self) -> (Schur, Vec<f64>) {
+        (self.form, self.scale)
+    }
+
+    /// The eigenvalues with an imaginary part that is not negative.
+    pub(crate) fn modes(&self) -> Vec<C64> {
+        self.form.eigenvalues().into_iter().filter(|l| l.im >= 0.0).collect()
+    }
+
+    /// How `M`, n x m, reaches a mode.
+    pub(crate) fn reach(&self, M: &Mat, mode: C64) -> Reach {
+        let inner = self.left_vector(mode);
+        let v: Vec<C64> = inner.iter().zip(&self.scale).map(|(e, d)| e / d).collect();
+        let length = v.iter().map(|e| e.norm_sqr()).sum::<f64>().sqrt();
+        let (mut sum, mut entrywise) = (0.0, 0.0_f64);
+        for j in 0..M.ncols() {
+            let terms = || v.iter().zip(M.column(j));
+            let product = terms().map(|(e, &m)| e * m).sum::<C64>().norm();
+            let size: f64 = terms().map(|(e, &m)| e.norm() * m.abs()).sum();
+            let noise: f64 =
+                self.scale.iter().zip(M.column(j)).map(|(d, &m)| VECTOR_NOISE / d * m.abs()).sum();
+            sum += product * product;
+            entrywise = if product > noise { entrywise.max((product - noise) / size) } else { entrywise };
+        }
+        let normwise = sum.sqrt() / (length * M.norm_fro()).max(f64::MIN_POSITIVE);
+        Reach { mode, normwise, entrywise }
+    }
+
+    /// The eigenvalues (one of each conjugate pair) that lie on the boundary of stability within what rounding the entries of `A`
+    /// may move them by.
+    ///
+    /// `excess` is the signed distance of an eigenvalue from the boundary. A change of each entry by a share e moves a
+    /// simple eigenvalue by at most `e |y|'|A||x| / |y'x|` with its eigenvectors `x` and `y`, whatever the units of the
+    /// states; only eigenvalues near the boundary are examined.
+    pub(crate) fn on_boundary(&self, excess: impl Fn(C64) -> f64) -> Vec<C64> {
+        let near = |l: &C64| excess(*l).abs() <= BOUNDARY_SUSPECT * self.size.max(l.norm());
+        self.modes().into_iter().filter(near).filter(|&l| excess(l).abs() <= self.movement(l)).collect()
+    }
+
+    /// By how much rounding the entries of `A` may move an eigenvalue.
+    pub(crate) fn movement(&self, mode: C64) -> f64 {
+        let n = self.balanced.nrows();
+        let (y, x) = (self.left_vector(mode), self.right_vector(mode));
+        let overlap = y.iter().zip(&x).map(|(a, b)| a * b).sum::<C64>().norm();
+        let mut total = 0.0;
+        for j in 0..n {
+            let column: f64 = self.balanced.column(j).iter().zip(&y).map(|(a, y)| a.abs() * y.norm()).sum();
+            total += column * x[j].norm();
+        }
+        EIGENVALUE_ERROR * n as f64 * EPS * total / overlap.max(f64::MIN_POSITIVE)
+    }
+
+    /// `v` with `v'B = mode v'` for the balanced matrix, its largest entry about 1.
+    fn left_vector(&self, mode: C64) -> Vec<C64> {
+        let n = self.form.T.nrows();
+        let triangle = Triangle::of(&self.form.T, mode, EPS * self.size);
+        let y = triangle.solve_left(vec![C64::new(1.0, 0.0); n]);
+        self.outward(&triangle.solve_left(triangle.combined(&y)))
+    }
+
+    /// `v` with `B v = mode v` for the balanced matrix, its largest entry about 1.
+    fn right_vector(&self, mode: C64) -> Vec<C64> {
+        let n = self.form.T.nrows();
+        let triangle = Triangle::of(&self.form.T, mode, EPS * self.size);
+        let x = triangle.solve_right(vec![C64::new(1.0, 0.0); n]);
+        self.outward(&triangle.solve_right(x))
+    }
+
+    /// `U y`
+    fn outward(&self, y: &[C64]) -> Vec<C64> {
+        let U = &self.form.U;
+        (0..y.len()).map(|i| y.iter().enumerate().map(|(k, e)| e * U[(i, k)]).sum()).collect()
+    }
+}
+
+/// `T - mode I` times the column operations that make it upper triangular.
+struct Triangle {
+    /// Column by column, the upper entries.
+    columns: Vec<Vec<C64>>,
+    /// For each column k but the first: whether it changed places with column k-1, then the factor of it that was added to
+    /// that column.
+    steps: Vec<(bool, C64)>,
+}
+
+impl Triangle {
+    fn of(T: &Mat, mode: C64, smallest: f64) -> Self {
+        let n = T.nrows();
+        let column = |j: usize| -> Vec<C64> {
+            let entry = |i: usize| C64::new(T[(i, j)], 0.0) - if i == j { mode } else { C64::default() };
+            (0..n.min(j + 2)).map(entry).collect()
+        };
+        let mut columns: Vec<Vec<C64>> = (0..n).map(column).collect();
+        let mut steps = vec![(false, C64::default()); n];
+        for k in (1..n).rev() {
+            let (left, right) = columns.split_at_mut(k);
+            let (left, right) = (&mut left[k - 1], &mut right[0]);
+            let below = left.pop().unwrap_or_default();
+            let swap = below.norm() > right[k].norm();
+            if swap {
+                left.push(below);
+                std::mem::swap(left, right);
+                let last = left.pop().unwrap_or_default();
+                steps[k] = (true, -last / right[k]);
+            } else if below != C64::default() {
+                steps[k] = (false, -below / right[k]);
+            }
+            let factor = steps[k].1;
+            left.iter_mut().zip(&*right).for_each(|(l, &r)| *l += factor * r);
+        }
+        for (k, column) in columns.iter_mut().enumerate() {
+            if column[k].norm() < smallest {
+                column[k] = C64::new(smallest, 0.0);
+            }
+        }
+        Self { columns, steps }
+    }
+
+    /// `y` with `y' (T - mode I) = b'` for the right-hand side `b` after [`Triangle::combined`], its largest entry 1.
+    fn solve_left(&self, b: Vec<C64>) -> Vec<C64> {
+        let mut y: Vec<C64> = Vec::with_capacity(b.len());
+        for (column, right) in self.columns.iter().zip(b) {
+            let known: C64 = y.iter().zip(column).map(|(a, b)| a * b).sum();
+            y.push((right - known) / column[y.len()]);
+        }
+        normalise(&mut y);
+        y
+    }
+
+    /// `x` with `(T - mode I) x = b`, its largest entry 1.
+    fn solve_right(&self, mut b: Vec<C64>) -> Vec<C64> {
+        for k in (0..b.len()).rev() {
+            let x = b[k] / self.columns[k][k];
+            b[k] = x;
+            b[..k].iter_mut().zip(&self.columns[k]).for_each(|(b, &entry)| *b -= entry * x);
+        }
+        for k in 1..b.len() {
+            let (swap, factor) = self.steps[k];
+            let added = factor * b[k - 1];
+            b[k] += added;
+            if swap {
+                b.swap(k - 1, k);
+            }
+        }
+        normalise(&mut b);
+        b
+    }
+
+    /// The column operations applied to a row.
+    fn combined(&self, b: &[C64]) -> Vec<C64> {
+        let mut b = b.to_vec();
+        for k in (1..b.len()).rev() {
+            let (swap, factor) = self.steps[k];
+            if swap {
+                b.swap(k - 1, k);
+            }
+            let last = b[k];
+            b[k - 1] += factor * last;
+        }
+        b
+    }
+}
+
+fn normalise(v: &mut [C64]) {
+    let largest = v.iter().map(|e| e.norm()).fold(f64::MIN_POSITIVE, f64::max);
+    v.iter_mut().for_each(|e| *e /= largest);
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn eigenvectors_satisfy_their_definition() {
+        let entry = |i: usize, j: usize| ((7 * i + 3 * j) % 11) as f64 - 5.0;
+        let A = Mat::from_fn(9, 9, |i, j| entry(i, j) + if i == j { i as f64 } else { 0.0 });
+        let spectrum = Spectrum::of(&A).unwrap();
+        for mode in spectrum.modes() {
+            let (v, x) = (spectrum.left_vector(mode), spectrum.right_vector(mode));
+            for j in 0..9 {
+                let left: C64 = v.iter().zip(spectrum.balanced.column(j)).map(|(e, &a)| e * a).sum();
+                let right: C64 = x.iter().enumerate().map(|(k, e)| e * spectrum.balanced[(j, k)]).sum();
+                assert!((left - mode * v[j]).norm() < 1e-12, "left {mode} {j}");
+                assert!((right - mode * x[j]).norm() < 1e-12, "right {mode} {j}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_mode_out_of_reach_is_found_in_any_units() {
+        let A = Mat::from_rows(&[&[2.0, 0.0, 0.0], &[1e9, -1.0, 3e-7], &[4e8, 5.0, -2.0]]);
+        let spectrum = Spectrum::of(&A).unwrap();
+        let reach = spectrum.reach(&Mat::col(&[0.0, 1.0, 1e6]), C64::new(2.0, 0.0));
+        assert!(reach.entrywise < 1e-15, "{}", reach.entrywise);
+        assert!(spectrum.reach(&Mat::col(&[1e-3, 1.0, 1e6]), C64::new(2.0, 0.0)).entrywise > 0.99);
+    }
+
+    #[test]
+    fn the_boundary_is_judged_mode_by_mode() {
+        let found = |A: &Mat| Spectrum::of(A).unwrap().on_boundary(|l| l.re).pop();
+        // An integrator in coordinates that hide it.
+        assert!(found(&Mat::from_rows(&[&[2.0, 2.0], &[-3.0, -3.0]])).is_some());
+        // Slow, and certain to be stable in spite of a fast neighbour.
+        assert!(found(&Mat::from_rows(&[&[-1e12, 3.0], &[0.0, -1e-6]])).is_none());
+        // A double integrator that rounding splits.
+        let T = Mat::from_rows(&[&[1.0, 2.0, 0.3], &[0.7, -1.0, 0.2], &[0.1, 0.4, 1.1]]);
+        let N = Mat::from_rows(&[&[0.0, 1.0, 0.0], &[0.0, 0.0, 0.0], &[0.0, 0.0, -2.0]]);
+        let A = &T * &N * crate::dense::inverse(&T).unwrap();
+        assert!(found(&A).is_some(), "{:?}", crate::schur::eigenvalues(&A));
+    }
+}

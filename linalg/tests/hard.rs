@@ -1,0 +1,202 @@
+//! Problems at which the solvers once gave wrong answers or false refusals, each with its exact solution.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
+
+mod common;
+
+use common::{Random, solved, solved_discrete, solved_g};
+use counterpoise_linalg::{
+    Boundary, Error, Mat, Outcome, Reason, Riccati, boundary_eigenvalues, care, dare, dlyap, inverse, lyap,
+    lyap_factor, lyap_separation,
+};
+
+/// Every entry against the exact one, relative to the states' own sizes.
+fn agrees(X: &Mat, exact: &Mat, tolerance: f64, what: &str) {
+    for i in 0..exact.nrows() {
+        for j in 0..exact.nrows() {
+            let size = (exact[(i, i)] * exact[(j, j)]).abs().sqrt();
+            let error = (X[(i, j)] - exact[(i, j)]).abs() / size;
+            assert!(
+                error <= tolerance,
+                "{what}: entry ({i}, {j}) is {:e}, not {:e}",
+                X[(i, j)],
+                exact[(i, j)]
+            );
+        }
+    }
+}
+
+#[test]
+fn a_delay_line_behind_a_slow_lag_converges_state_by_state() {
+    for e in [1e-4, 1e-7, 1e-10, 1e-12] {
+        let (a, b, r) = (1.0 - e, e, 0.25);
+        let mut A = Mat::from_fn(4, 4, |i, j| if i == j + 1 { 1.0 } else { 0.0 });
+        A[(0, 0)] = a;
+        let B = Mat::col(&[b, 0.0, 0.0, 0.0]);
+        let found = solved_discrete(&A, &B, &Mat::diag(&[0.0, 0.0, 0.0, 1.0]), &Mat::eye(1).scale(r));
+        // x b^2 - x (r (a^2 - 1) + b^2) - r = 0 for x11; the delay line holds ones.
+        let term = r * (a + 1.0) * (a - 1.0) + b * b;
+        let x = 0.5 * (term + (term * term + 4.0 * b * b * r).sqrt()) / (b * b);
+        agrees(&found.X, &Mat::diag(&[x, 1.0, 1.0, 1.0]), 1e-13, &format!("lag {e:e}"));
+        assert!(found.certificate.forward_error[(0, 0)] <= 1e-13 * x);
+    }
+}
+
+#[test]
+fn no_weight_on_the_input_is_solved_by_a_shift() {
+    let A = Mat::from_rows(&[&[-1.0, 1.0], &[0.0, 2.0]]);
+    let found = solved_discrete(&A, &Mat::col(&[0.0, 1.0]), &Mat::eye(2), &Mat::zeros(1, 1));
+    // The first state obeys x+ = -x + u with u free: x11 - 1 is the golden ratio.
+    let golden = 0.5 * (1.0 + 5f64.sqrt());
+    assert!((found.X[(0, 0)] - 1.0 - golden).abs() < 1e-15 * 10.0, "{:?}", found.X);
+    assert!(found.closed_loop.iter().all(|pole| pole.norm() < 1.0));
+}
+
+#[test]
+fn a_slow_stable_mode_is_not_taken_for_an_integrator() {
+    for e in [1e-6, 1e-9, 1e-13, 1e-30] {
+        let A = Mat::diag(&[1.0, -e]);
+        let found = solved(&A, &Mat::col(&[1.0, 1.0]), &Mat::diag(&[1.0, 0.0]), &Mat::eye(1));
+        assert!((found.X[(0, 0)] - (1.0 + 2f64.sqrt())).abs() < 1e-15 * 10.0, "{e:e}: {:?}", found.X);
+        assert!(found.closed_loop.iter().all(|pole| pole.re < 0.0), "{e:e}");
+    }
+}
+
+#[test]
+fn two_equal_fast_unstable_modes_in_series() {
+    let A = Mat::from_rows(&[&[1000.0, 0.0], &[1.0, 1000.0]]);
+    let B = Mat::col(&[0.01, 0.0]);
+    let found = solved(&A, &B, &Mat::diag(&[0.0, 1e-5]), &Mat::eye(1).scale(100.0));
+    // Nearly minimum energy: X = 4 a r/b^2 [1 2a... ] in closed form for q = 0, changed by q in the 17th digit.
+    let (a, g) = (1000.0, 1e-6);
+    let exact = Mat::from_rows(&[&[4.0 * a / g, 4.0 * a * a / g], &[4.0 * a * a / g, 8.0 * a * a * a / g]]);
+    agrees(&found.X, &exact, 1e-14, "series");
+}
+
+#[test]
+fn cheap_control_has_a_reason_or_a_solution() {
+    // x11 = sqrt(q1 + 2 sqrt(q r)) ... in the limit of a small weight: 1 and its root.
+    let A = Mat::from_rows(&[&[0.0, 1.0], &[0.0, 0.0]]);
+    for r in [1e-8, 1e-12, 1e-16, 1e-20] {
+        let found = solved(&A, &Mat::col(&[0.0, 1.0]), &Mat::diag(&[1.0, 0.0]), &Mat::eye(1).scale(r));
+        let root = r.sqrt().sqrt();
+        let exact = Mat::from_rows(&[
+            &[2f64.sqrt() * root, root * root],
+            &[root * root, 2f64.sqrt() * root * root * root],
+        ]);
+        agrees(&found.X, &exact, 1e-14, &format!("weight {r:e}"));
+    }
+}
+
+#[test]
+fn a_reflected_diagonal_over_twelve_decades() {
+    let V = Mat::from_fn(3, 3, |i, j| if i == j { 1.0 / 3.0 } else { -2.0 / 3.0 });
+    let reflected = |d: [f64; 3]| (&V * &Mat::diag(&d) * &V).symmetric_part();
+    for e in [3e7, 1e9, 1e12] {
+        let A = reflected([e, 2.0 * e, 3.0 * e]);
+        let found = solved_g(&A, &Mat::eye(3).scale(1.0 / e), &reflected([1.0 / e, 1.0, e]));
+        let exact = |a: f64, q: f64| e * (a + (a * a + q / e).sqrt());
+        let X = reflected([exact(e, 1.0 / e), exact(2.0 * e, 1.0), exact(3.0 * e, e)]);
+        agrees(&found.X, &X, 1e-14, &format!("{e:e}"));
+    }
+}
+
+#[test]
+fn the_certificate_can_be_recomputed_in_the_callers_units() {
+    let mut random = Random::new(5);
+    let unit: Vec<f64> = (0..5).map(|k| 10f64.powi(3 * k - 6)).collect();
+    let A = random.matrix(5, 5);
+    let A = Mat::from_fn(5, 5, |i, j| A[(i, j)] * unit[i] / unit[j]);
+    let B = Mat::from_fn(5, 1, |i, _| unit[i]);
+    let Riccati { X, F, certificate, .. } = solved(&A, &B, &Mat::diag(&[1.0; 5]), &Mat::eye(1));
+    let terms = 2.0 * (A.t() * &X).norm_fro() + (&X * &B * &F).norm_fro() + 5f64.sqrt();
+    assert!((certificate.term_norm / terms - 1.0).abs() < 1e-12);
+    // Rounding X alone leaves this, since A'X and XB are small against their terms.
+    let XB = X.map(f64::abs) * B.map(f64::abs);
+    let rounding = f64::EPSILON * (A.t().map(f64::abs) * X.map(f64::abs) + &XB * XB.t()).norm_fro();
+    assert!(certificate.residual_norm < 4.0 * rounding, "{:e} of {rounding:e}", certificate.residual_norm);
+    for i in 0..5 {
+        for j in 0..5 {
+            let size = (X[(i, i)] * X[(j, j)]).sqrt();
+            assert!(certificate.forward_error[(i, j)] < 1e-14 * size, "({i}, {j})");
+        }
+    }
+    // Entry by entry the solution is right; normwise it depends on digits that the data do not have.
+    assert!(certificate.is_sensitive() && certificate.condition > 1e17);
+}
+
+#[test]
+fn an_integrator_in_hiding_makes_the_lyapunov_equation_singular() {
+    let A = Mat::from_rows(&[&[2.0, 2.0], &[-3.0, -3.0]]);
+    assert!(matches!(lyap(&A, &Mat::eye(2)), Err(Error::CommonEigenvalue { .. })));
+    assert!(matches!(lyap_factor(&A, &Mat::eye(2)), Err(Error::NotStable { .. })));
+    assert!(boundary_eigenvalues(&A, Boundary::ImaginaryAxis).unwrap().len() == 1);
+    let A = Mat::from_rows(&[&[0.0, 1.0], &[-1.0, -1.0]]);
+    assert!(matches!(dlyap(&A, &Mat::eye(2)), Err(Error::CommonEigenvalue { .. })));
+}
+
+#[test]
+fn a_slow_mode_beside_a_fast_one_keeps_its_digits() {
+    let A = Mat::from_rows(&[&[-1e12, 1.0], &[0.0, -1e-6]]);
+    let X = lyap(&A, &Mat::eye(2)).unwrap();
+    assert!((X[(1, 1)] / 5e5 - 1.0).abs() < 1e-14, "{:?}", X);
+    // The separation is that of the slow mode.
+    assert!((lyap_separation(&Mat::diag(&[-1e6, -1e-3])).unwrap() / 2e-3 - 1.0).abs() < 1e-10);
+}
+
+#[test]
+fn a_nearly_defective_equation_is_refined() {
+    // exp(A t) of a Jordan block in closed form; 1e-4 from the axis the solution grows to 1e19.
+    let a = 1e-4;
+    let A = Mat::from_fn(3, 3, |i, j| {
+        if i == j {
+            -a
+        } else if j == i + 1 {
+            1.0
+        } else {
+            0.0
+        }
+    });
+    let mut Q = Mat::zeros(3, 3);
+    Q[(2, 2)] = 1.0;
+    let X = lyap(&A, &Q).unwrap();
+    // x33 = 1/(2a), x23 = x33/(2a), x22 = 2 x23/(2a), x13 = x23/(2a), x12 = (x22 + x13)/(2a), x11 = 2 x12/(2a).
+    let h = 0.5 / a;
+    let exact = [h, h * h, 2.0 * h.powi(3), h.powi(3), 3.0 * h.powi(4), 6.0 * h.powi(5)];
+    let found = [X[(2, 2)], X[(1, 2)], X[(1, 1)], X[(0, 2)], X[(0, 1)], X[(0, 0)]];
+    for (x, e) in found.iter().zip(exact) {
+        assert!((x / e - 1.0).abs() < 1e-12, "{x:e} {e:e}");
+    }
+}
+
+#[test]
+fn empty_problems_have_empty_solutions() {
+    let none = Mat::zeros(0, 0);
+    for m in 0..3 {
+        let (B, R) = (Mat::zeros(0, m), Mat::eye(m));
+        assert_eq!(care(&none, &B, &none, &R, None).unwrap().solved().unwrap().F.shape(), (m, 0));
+        assert_eq!(dare(&none, &B, &none, &R, None).unwrap().solved().unwrap().F.shape(), (m, 0));
+    }
+    let A = Mat::diag(&[-1.0, -2.0]);
+    let found = care(&A, &Mat::zeros(2, 0), &Mat::eye(2), &none, None).unwrap().solved().unwrap();
+    assert!((found.X[(0, 0)] - 0.5).abs() < 1e-15);
+    assert_eq!(inverse(&none).unwrap().shape(), (0, 0));
+}
+
+#[test]
+fn a_mode_out_of_reach_is_refused_quickly_by_name() {
+    let n = 40;
+    let mut random = Random::new(3);
+    let mut A = random.matrix(n, n);
+    (0..n - 1).for_each(|j| A[(n - 1, j)] = 0.0);
+    A[(n - 1, n - 1)] = 0.5;
+    let mut B = random.matrix(n, 2);
+    (B[(n - 1, 0)], B[(n - 1, 1)]) = (0.0, 0.0);
+    match care(&A, &B, &Mat::eye(n), &Mat::eye(2), None).unwrap() {
+        Outcome::Infeasible(Reason::Uncontrollable { mode, .. }) => {
+            assert!((mode.re - 0.5).abs() < 1e-9, "{mode}")
+        }
+        other => panic!("{other:?}"),
+    }
+    let why: Box<dyn std::error::Error> = Box::new(Reason::NoGraph);
+    assert!(!why.to_string().is_empty());
+}

@@ -1,0 +1,152 @@
+//! Odd calls never panic: sizes of zero, shapes that do not fit, entries that are not finite, huge and tiny numbers.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
+
+mod common;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use common::Random;
+use counterpoise_linalg::*;
+
+/// A matrix of odd shape with odd entries.
+fn odd(random: &mut Random, usual: (usize, usize)) -> Mat {
+    let mut size = |n: usize| match (random.uniform() * 12.0) as usize {
+        0 => 0,
+        1 => 1,
+        2 => n + 1,
+        _ => n,
+    };
+    let (rows, cols) = (size(usual.0), size(usual.1));
+    let kind = (random.uniform() * 10.0) as usize;
+    Mat::from_fn(rows, cols, |i, j| {
+        let plain = random.normal();
+        match kind {
+            0 => 0.0,
+            1 if i == j => f64::NAN,
+            2 if i + 1 == j => f64::INFINITY,
+            3 => plain * 1e300,
+            4 => plain * 1e-300,
+            5 => plain.round(),
+            6 => plain * 10f64.powf(12.0 * random.uniform() - 6.0),
+            _ => plain,
+        }
+    })
+}
+
+fn square(random: &mut Random, n: usize) -> Mat {
+    odd(random, (n, n))
+}
+
+/// A square matrix that is symmetric more often than not.
+fn symmetric(random: &mut Random, n: usize) -> Mat {
+    let M = square(random, n);
+    if M.is_square() && random.uniform() < 0.9 { &M + &M.t() } else { M }
+}
+
+/// A routine by name, and a call of it.
+type Call<'a> = (&'static str, Box<dyn Fn() + 'a>);
+
+/// What the routines are called with.
+struct Data {
+    A: Mat,
+    B: Mat,
+    C: Mat,
+    Q: Mat,
+    R: Mat,
+    S: Mat,
+}
+
+impl Data {
+    fn of(seed: u64) -> Self {
+        let mut random = Random::new(seed);
+        let n = (random.uniform() * 5.0) as usize;
+        let m = (random.uniform() * 3.0) as usize;
+        Self {
+            A: square(&mut random, n),
+            B: odd(&mut random, (n, m)),
+            C: square(&mut random, n),
+            Q: symmetric(&mut random, n),
+            R: symmetric(&mut random, m),
+            S: odd(&mut random, (n, m)),
+        }
+    }
+
+    /// The matrix equations and spectra.
+    fn equations(&self) -> Vec<Call<'_>> {
+        let Self { A, B, C, Q, R, S } = self;
+        vec![
+            ("care", Box::new(|| drop(care(A, B, Q, R, None)))),
+            ("care with a cross term", Box::new(|| drop(care(A, B, Q, R, Some(S))))),
+            ("dare", Box::new(|| drop(dare(A, B, Q, R, None)))),
+            ("dare with a cross term", Box::new(|| drop(dare(A, B, Q, R, Some(S))))),
+            ("care_g", Box::new(|| drop(care_g(A, C, Q)))),
+            ("lyap", Box::new(|| drop(lyap(A, Q)))),
+            ("dlyap", Box::new(|| drop(dlyap(A, C)))),
+            ("lyap_separation", Box::new(|| drop(lyap_separation(A)))),
+            ("dlyap_separation", Box::new(|| drop(dlyap_separation(A)))),
+            ("lyap_factor", Box::new(|| drop(lyap_factor(A, B)))),
+            ("dlyap_factor", Box::new(|| drop(dlyap_factor(A, B)))),
+            ("lyap_factors", Box::new(|| drop(lyap_factors(A, B, C)))),
+            ("dlyap_factors", Box::new(|| drop(dlyap_factors(A, B, C)))),
+            ("sylvester", Box::new(|| drop(sylvester(A, C, Q)))),
+            ("dsylvester", Box::new(|| drop(dsylvester(A, R, B)))),
+            ("gsylvester", Box::new(|| drop(gsylvester(A, C, Q, A, C)))),
+            ("eigenvalues", Box::new(|| drop(eigenvalues(A)))),
+            ("schur", Box::new(|| drop(schur(A).map(|form| form.condition(1))))),
+            ("balance", Box::new(|| drop(balance(A)))),
+            ("boundary_eigenvalues", Box::new(|| drop(boundary_eigenvalues(A, Boundary::UnitCircle)))),
+            ("is_clear_of_boundary", Box::new(|| drop(is_clear_of_boundary(A, Boundary::ImaginaryAxis)))),
+        ]
+    }
+
+    /// The exponentials, linear systems and decompositions.
+    fn decompositions(&self) -> Vec<Call<'_>> {
+        let Self { A, B, C, Q, .. } = self;
+        vec![
+            ("expm", Box::new(|| drop(expm(A)))),
+            ("expm_integral", Box::new(|| drop(expm_integral(A, B, 0.1)))),
+            ("van_loan_cost", Box::new(|| drop(van_loan_cost(A, Q, 0.1)))),
+            ("van_loan_noise", Box::new(|| drop(van_loan_noise(A, Q, 0.1)))),
+            ("van_loan_accumulated", Box::new(|| drop(van_loan_accumulated(A, Q, 0.1)))),
+            ("solve", Box::new(|| drop(solve(A, B)))),
+            ("csolve", Box::new(|| drop(csolve(&A.to_complex(), &B.to_complex())))),
+            ("inverse", Box::new(|| drop(inverse(A)))),
+            ("cholesky", Box::new(|| drop(cholesky(Q)))),
+            ("qr", Box::new(|| drop(qr(B)))),
+            ("qr_r", Box::new(|| drop(qr_r(B)))),
+            ("qr_full_q", Box::new(|| drop(qr_full_q(B)))),
+            ("lstsq", Box::new(|| drop(lstsq(B, A)))),
+            ("pinv", Box::new(|| drop(pinv(B)))),
+            ("cdet", Box::new(|| drop(cdet(&A.to_complex())))),
+            ("svd", Box::new(|| drop(svd(B)))),
+            ("singular_values", Box::new(|| drop(singular_values(B)))),
+            ("csingular_values", Box::new(|| drop(csingular_values(&B.to_complex())))),
+            ("csvd", Box::new(|| drop(csvd(&B.to_complex())))),
+            ("sym_eigen", Box::new(|| drop(sym_eigen(Q)))),
+            ("sym_eigenvalues", Box::new(|| drop(sym_eigenvalues(Q)))),
+            ("sym_gen_eigen", Box::new(|| drop(sym_gen_eigen(Q, C)))),
+            ("hessenberg", Box::new(|| drop(hessenberg(A)))),
+            ("gen_eigenvalues", Box::new(|| drop(gen_eigenvalues(A, C)))),
+            ("rank", Box::new(|| drop(rank(B, 1e-12)))),
+            ("cond", Box::new(|| drop(cond(B)))),
+            ("rcond_one", Box::new(|| drop(solve(A, A).map(|_| rcond_one(A))))),
+        ]
+    }
+}
+
+/// Calls every routine; the name of the one that panics.
+fn call_all(seed: u64) -> Option<&'static str> {
+    let data = Data::of(seed);
+    let panics = |call: &dyn Fn()| catch_unwind(AssertUnwindSafe(call)).is_err();
+    let mut calls = data.equations().into_iter().chain(data.decompositions());
+    calls.find(|(_, call)| panics(call)).map(|(name, _)| name)
+}
+
+#[test]
+fn no_odd_call_panics() {
+    std::panic::set_hook(Box::new(|_| ()));
+    let found: Vec<(u64, &str)> =
+        (0..2000).filter_map(|seed| call_all(seed).map(|name| (seed, name))).collect();
+    let _ = std::panic::take_hook();
+    assert!(found.is_empty(), "{} panics: {:?}", found.len(), &found[..found.len().min(20)]);
+}

@@ -1,0 +1,94 @@
+//! A loop's response far from all its roots, where a state-space evaluation loses what cancels: from zeros, poles and gain.
+
+use crate::scan::{PER_DECADE, Point};
+use crate::zpk::Zpk;
+use crate::{C64, Error, StateSpace, Timebase};
+
+/// The grid ends this factor beyond the frequency at which the asymptote crosses one.
+const MARGIN: f64 = 30.0;
+
+/// Zeros, poles and gain of a loop with one input and one output.
+pub(crate) struct Asymptotes {
+    roots: Zpk,
+    low: f64,
+    high: f64,
+}
+
+impl Asymptotes {
+    /// The asymptotes of a loop whose response is known between two frequencies in rad/s.
+    ///
+    /// # Errors
+    /// Returns [`Error::Matrix`] if zeros or poles cannot be computed.
+    pub(crate) fn of(g: &StateSpace, (low, high): (f64, f64)) -> Result<Self, Error> {
+        Ok(Self { roots: Zpk::of(g)?, low, high })
+    }
+
+    /// Whether the response at a frequency is computed here: below the grid, and above it in continuous time. Near half the
+    /// sampling rate nothing cancels.
+    pub(crate) fn is_beyond(&self, rate: f64) -> bool {
+        rate < self.low || rate > self.high && self.roots.timebase == Timebase::Continuous
+    }
+
+    /// The response at a frequency in rad/s.
+    pub(crate) fn at(&self, rate: f64) -> C64 {
+        match self.roots.timebase {
+            Timebase::Continuous => self.roots.at(C64::new(0.0, rate)),
+            Timebase::Discrete { period_s } => {
+                // exp(j w T) - 1 without cancellation, and the roots as distances from one.
+                let half = 0.5 * rate * period_s;
+                let step = C64::new(0.0, 2.0 * half.sin()) * C64::from_polar(1.0, half);
+                let from_one = |roots: &[C64]| roots.iter().map(|root| root - 1.0).collect();
+                let (zeros, poles) = (from_one(&self.roots.zeros), from_one(&self.roots.poles));
+                Zpk { zeros, poles, ..self.roots.clone() }.at(step)
+            }
+        }
+    }
+
+    /// Frequencies beyond the first and the last point at which the gain may still cross one.
+    pub(crate) fn beyond(&self, first: Point, last: Point, timebase: Timebase) -> Vec<f64> {
+        let mut rates = Vec::new();
+        if let Some(crossing) = crossing(first, self.slope_at_zero()).filter(|&rate| rate < first.rate) {
+            rates.extend(between(crossing / MARGIN, first.rate));
+        }
+        match timebase {
+            Timebase::Continuous => {
+                let slope = self.roots.zeros.len() as f64 - self.roots.poles.len() as f64;
+                if let Some(crossing) = crossing(last, slope).filter(|&rate| rate > last.rate) {
+                    rates.extend(between(last.rate, crossing * MARGIN));
+                }
+            }
+            Timebase::Discrete { period_s } => {
+                rates.extend(between(last.rate, std::f64::consts::PI / period_s));
+            }
+        }
+        rates
+    }
+
+    /// The power of the frequency that the gain follows below the grid.
+    fn slope_at_zero(&self) -> f64 {
+        let count = |roots: &[C64]| roots.iter().filter(|root| self.is_at_origin(**root)).count() as f64;
+        count(&self.roots.zeros) - count(&self.roots.poles)
+    }
+
+    fn is_at_origin(&self, root: C64) -> bool {
+        match self.roots.timebase {
+            Timebase::Continuous => root.norm() < self.low,
+            Timebase::Discrete { period_s } => (root - 1.0).norm() < period_s * self.low,
+        }
+    }
+}
+
+/// Where a gain that follows a power of the frequency from a point on is one; `None` if it never is.
+fn crossing(point: Point, slope: f64) -> Option<f64> {
+    let gain = point.value.norm();
+    if slope == 0.0 || gain == 0.0 {
+        return None;
+    }
+    Some(point.rate * gain.powf(-1.0 / slope)).filter(|rate| rate.is_normal())
+}
+
+/// A logarithmic grid between two frequencies, without its ends.
+fn between(low: f64, high: f64) -> Vec<f64> {
+    let count = ((high / low).log10() * PER_DECADE as f64).ceil().clamp(1.0, 20_000.0) as usize;
+    (1..count).map(|k| low * (high / low).powf(k as f64 / count as f64)).collect()
+}

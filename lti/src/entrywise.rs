@@ -1,0 +1,97 @@
+//! The zeros of a system by eliminations whose ranks are decided entry by entry.
+//!
+//! A coupling counts as zero only if it cancelled to rounding error of the numbers it was summed from, so that time constants and
+//! gains many decades apart do not blur the ranks, as they blur singular values.
+
+use crate::components::components;
+use crate::error::During;
+use crate::roots::sort;
+use crate::scaling::balance;
+use crate::tracked::{Tracked, eliminate, solve_pivots};
+use crate::{C64, Error, Mat, StateSpace};
+use counterpoise_linalg as linalg;
+
+/// The matrices of a system that remember what their entries were summed from.
+struct TrackedSystem {
+    A: Tracked,
+    B: Tracked,
+    C: Tracked,
+    D: Tracked,
+}
+
+/// The finite invariant zeros, sorted by real, then imaginary part.
+///
+/// # Errors
+/// Returns [`Error::Matrix`] if a decomposition fails.
+pub(crate) fn entrywise_zeros(g: &StateSpace) -> Result<Vec<C64>, Error> {
+    let whole = [&g.A, &g.B, &g.C, &g.D].map(|M| Tracked::of(M.clone()));
+    let [A, B, C, D] = whole;
+    let rows = TrackedSystem { A, B, C, D }.compress()?;
+    let square = rows.dual().compress()?.dual();
+    square.eigenvalues(g)
+}
+
+impl TrackedSystem {
+    /// The system with inputs and outputs exchanged.
+    fn dual(&self) -> Self {
+        Self { A: self.A.t(), B: self.C.t(), C: self.B.t(), D: self.D.t() }
+    }
+
+    /// The system without the states and outputs that hide the zeros: its direct path has full row rank.
+    fn compress(mut self) -> Result<Self, Error> {
+        loop {
+            let mut hidden: Vec<usize> = (0..self.C.value.nrows()).collect();
+            let mut inputs: Vec<usize> = (0..self.B.value.ncols()).collect();
+            eliminate(&mut self.D, &mut [&mut self.C], &mut hidden, &mut inputs);
+            if hidden.is_empty() {
+                return Ok(self);
+            }
+            let direct: Vec<usize> = (0..self.C.value.nrows()).filter(|i| !hidden.contains(i)).collect();
+            let mut states: Vec<usize> = (0..self.A.value.nrows()).collect();
+            let pivots = eliminate(&mut self.C, &mut [], &mut hidden, &mut states);
+            self = self.without(&direct, &pivots)?;
+            if pivots.is_empty() {
+                return Ok(self);
+            }
+        }
+    }
+
+    /// The outputs `direct` and the states that the pivots (output, state) do not determine, x_p = -X x. The equations of
+    /// the states that are gone become outputs.
+    fn without(self, direct: &[usize], pivots: &[(usize, usize)]) -> Result<Self, Error> {
+        let gone: Vec<usize> = pivots.iter().map(|pivot| pivot.1).collect();
+        let kept: Vec<usize> = (0..self.A.value.nrows()).filter(|j| !gone.contains(j)).collect();
+        let inputs: Vec<usize> = (0..self.B.value.ncols()).collect();
+        let outputs: Vec<usize> = (0..self.C.value.nrows()).collect();
+        let X = solve_pivots(&self.C.value, pivots, &self.C.value.select(&outputs, &kept)).during("zeros")?;
+        let rows =
+            |M: &Tracked, rows: &[usize]| M.select(rows, &kept).minus_product(&M.select(rows, &gone), &X);
+        let (A, lost) = (rows(&self.A, &kept), rows(&self.A, &gone));
+        let (B, driven) = (self.B.select(&kept, &inputs), self.B.select(&gone, &inputs));
+        // x_p + X x vanishes, and so does its derivative.
+        let (seen, reached) = (lost.plus_product(&X, &A), driven.plus_product(&X, &B));
+        let C = rows(&self.C, direct).vstack(&seen);
+        let D = self.D.select(direct, &inputs).vstack(&reached);
+        Ok(Self { A, B, C, D })
+    }
+
+    /// The eigenvalues of `A - B D^-1 C` for an invertible `D`, group by group of states.
+    fn eigenvalues(mut self, g: &StateSpace) -> Result<Vec<C64>, Error> {
+        let mut outputs: Vec<usize> = (0..self.C.value.nrows()).collect();
+        let mut inputs: Vec<usize> = (0..self.B.value.ncols()).collect();
+        let pivots = eliminate(&mut self.D, &mut [&mut self.C], &mut outputs, &mut inputs);
+        let K = solve_pivots(&self.D.value, &pivots, &self.C.value).during("zeros")?;
+        let driving: Vec<usize> = pivots.iter().map(|pivot| pivot.1).collect();
+        let states: Vec<usize> = (0..self.A.value.nrows()).collect();
+        let A = self.A.minus_product(&self.B.select(&states, &driving), &K).value;
+        let n = A.nrows();
+        let alone = StateSpace::new(A, Mat::zeros(n, 0), Mat::zeros(0, n), Mat::zeros(0, 0), g.timebase)?;
+        let A = balance(&alone).0.A;
+        let mut zeros = Vec::with_capacity(n);
+        for group in components(&A) {
+            zeros.extend(linalg::eigenvalues(&A.select(&group, &group)).during("zeros")?);
+        }
+        sort(&mut zeros);
+        Ok(zeros)
+    }
+}

@@ -1,0 +1,141 @@
+//! The frequencies at which a singular value of a response takes a given level, and the search for peaks between them.
+
+use crate::error::During;
+use crate::norms::{Peak, gains};
+use crate::response::Response;
+use crate::{C64, Error, Mat, StateSpace};
+use counterpoise_linalg::{self as linalg, Boundary};
+
+/// Eigenvalues this near to the imaginary axis, relative to their size, are taken as frequencies. A false one costs one
+/// evaluation.
+const NEAR_AXIS: f64 = 1e-6;
+
+/// As [`NEAR_AXIS`], relative to the norm of the Hamiltonian.
+const NEAR_AXIS_NORM: f64 = 1e-12;
+
+/// Frequencies closer than this, relative, are one.
+const SAME_RATE: f64 = 1e-9;
+
+/// So many of the highest summits of the response are climbed.
+const SUMMITS: usize = 4;
+
+/// A summit of the sampled response below this share of the peak is not climbed.
+const LOW_SUMMIT: f64 = 0.1;
+
+/// Rounds of a climb: each shrinks the interval at least fourfold, so that the peak is flat to rounding at the end.
+const ROUNDS: usize = 15;
+
+/// The Hamiltonian matrix of a level and its eigenvalues.
+pub(crate) struct Level {
+    matrix: Mat,
+    eigenvalues: Vec<C64>,
+}
+
+impl Level {
+    /// The eigenvalues that belong to a level of a continuous system.
+    ///
+    /// # Errors
+    /// Returns [`Error::Matrix`] if the level is a singular value of the direct path or the eigenvalue iteration fails.
+    pub(crate) fn of(g: &StateSpace, level: f64) -> Result<Self, Error> {
+        let matrix = hamiltonian(g, level)?;
+        let eigenvalues = linalg::eigenvalues(&matrix).during("L-infinity norm")?;
+        Ok(Self { matrix, eigenvalues })
+    }
+
+    /// Frequencies at which a singular value may equal the level, ascending.
+    pub(crate) fn frequencies(&self) -> Vec<f64> {
+        let near = NEAR_AXIS_NORM * self.matrix.norm_fro();
+        let on_axis = |s: &&C64| s.im >= 0.0 && s.re.abs() <= NEAR_AXIS * s.norm() + near;
+        let mut rates: Vec<f64> = self.eigenvalues.iter().filter(on_axis).map(|s| s.im).collect();
+        rates.sort_by(f64::total_cmp);
+        rates
+    }
+
+    /// Whether no eigenvalue lies on the imaginary axis, whatever rounding the entries of the matrix did.
+    pub(crate) fn is_clear(&self) -> bool {
+        linalg::is_clear_of_boundary(&self.matrix, Boundary::ImaginaryAxis).unwrap_or(false)
+    }
+
+    /// The frequencies of all eigenvalues, ascending.
+    fn all_frequencies(&self) -> Vec<f64> {
+        let mut rates: Vec<f64> = self.eigenvalues.iter().flat_map(|s| [s.im.abs(), s.norm()]).collect();
+        rates.retain(|rate| rate.is_finite());
+        rates.sort_by(f64::total_cmp);
+        rates.dedup_by(|b, a| *b - *a <= SAME_RATE * *b);
+        rates
+    }
+}
+
+/// The frequencies and the middles between them.
+pub(crate) fn with_middles(rates: &[f64]) -> Vec<f64> {
+    let between = rates.windows(2).map(|w| 0.5 * (w[0] + w[1]));
+    rates.iter().copied().chain(between).collect()
+}
+
+/// Looks for a higher peak at the frequency of every eigenvalue, between them, and uphill from the best of them; returns
+/// whether the peak rose by more than the tolerance.
+///
+/// Rounding moves eigenvalues off the axis by more than any tolerance if the system is a difference of two that nearly
+/// cancel; their frequencies still tell where the response comes near the level.
+pub(crate) fn search_everywhere(
+    best: &mut Peak,
+    response: &Response,
+    level: &Level,
+    tolerance: f64,
+) -> Result<bool, Error> {
+    let mut rates = with_middles(&level.all_frequencies());
+    rates.sort_by(f64::total_cmp);
+    let values = gains(response, &rates)?;
+    let mut found = *best;
+    for k in summits(&values, LOW_SUMMIT * best.value) {
+        let (low, high) = (rates[k.saturating_sub(1)], rates[(k + 1).min(rates.len() - 1)]);
+        let top = climb(response, (low, high), Peak { value: values[k], rate_rad_s: rates[k] })?;
+        found = if top.value > found.value { top } else { found };
+    }
+    let risen = found.value > best.value * (1.0 + tolerance);
+    if risen {
+        *best = found;
+    }
+    Ok(risen)
+}
+
+/// Where a list of values has its highest local maxima above a limit.
+fn summits(values: &[f64], limit: f64) -> Vec<usize> {
+    let last = values.len().saturating_sub(1);
+    let is_summit = |&k: &usize| {
+        values[k] >= limit
+            && values[k] >= values[k.saturating_sub(1)]
+            && values[k] >= values[(k + 1).min(last)]
+    };
+    let mut places: Vec<usize> = (0..values.len()).filter(is_summit).collect();
+    places.sort_by(|&a, &b| values[b].total_cmp(&values[a]));
+    places.truncate(SUMMITS);
+    places
+}
+
+/// The top of the hill between two frequencies, from a point on it.
+fn climb(response: &Response, (mut low, mut high): (f64, f64), mut top: Peak) -> Result<Peak, Error> {
+    for _ in 0..ROUNDS {
+        let rates: Vec<f64> = (1..8).map(|k| low + (high - low) * f64::from(k) / 8.0).collect();
+        for (value, &rate_rad_s) in gains(response, &rates)?.into_iter().zip(&rates) {
+            top = if value > top.value { Peak { value, rate_rad_s } } else { top };
+        }
+        let below = rates.iter().copied().filter(|&rate| rate < top.rate_rad_s);
+        let above = rates.iter().copied().filter(|&rate| rate > top.rate_rad_s);
+        (low, high) = (below.fold(low, f64::max), above.fold(high, f64::min));
+    }
+    Ok(top)
+}
+
+/// [F, B inv(R) B'; -C' inv(S) C, -F'] with R = 1 - D'D, S = 1 - DD', F = A + B inv(R) D' C, for the system divided by
+/// the level.
+fn hamiltonian(g: &StateSpace, level: f64) -> Result<Mat, Error> {
+    let root = level.sqrt();
+    let (B, C, D) = (g.B.scale(1.0 / root), g.C.scale(1.0 / root), g.D.scale(1.0 / level));
+    let R = &Mat::eye(D.ncols()) - &(&D.t() * &D);
+    let S = &Mat::eye(D.nrows()) - &(&D * &D.t());
+    let RB = linalg::solve(&R, &B.t()).during("L-infinity norm")?;
+    let SC = linalg::solve(&S, &C).during("L-infinity norm")?;
+    let F = &g.A + &(&RB.t() * &(&D.t() * &C));
+    Ok(Mat::from_blocks(&[&[&F, &(&B * &RB)], &[&-(&C.t() * &SC), &-F.t()]]))
+}

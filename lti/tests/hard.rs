@@ -1,0 +1,130 @@
+//! Systems for which margins, zeros and norms were once wrong, each with its closed form.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
+
+use counterpoise_lti::{
+    C64, Descriptor, Mat, StateSpace, Timebase, Zpk, h2norm, hinfnorm, linfnorm, linfnorm_bounds, margins,
+    parallel, series, zeros,
+};
+
+fn zpk(zeros: &[f64], poles: &[f64], gain: f64) -> StateSpace {
+    let real = |roots: &[f64]| roots.iter().map(|&r| C64::new(r, 0.0)).collect();
+    let zpk = Zpk { zeros: real(zeros), poles: real(poles), gain, timebase: Timebase::Continuous };
+    zpk.to_state_space().unwrap()
+}
+
+#[test]
+fn gains_far_from_one_cross_far_from_the_roots() {
+    for gain in [1e-9, 1e-3, 1e3, 1e7, 1e12] {
+        // |L| = 1 at w^2 = (sqrt(1 + 4 k^2) - 1)/2.
+        let found = margins(&zpk(&[], &[0.0, -1.0], gain)).unwrap();
+        let square = 2.0 * gain * gain / (1.0 + (1.0 + 4.0 * gain * gain).sqrt());
+        let crossing = found.phase_margin().unwrap();
+        assert!((crossing.rate_rad_s / square.sqrt() - 1.0).abs() < 1e-12, "{gain:e}: {crossing:?}");
+        assert!(found.delay_s.is_finite(), "{gain:e}");
+    }
+    let found = margins(&zpk(&[], &[-1.0], 1e4)).unwrap();
+    assert!((found.phase_margin().unwrap().rate_rad_s / (1e8_f64 - 1.0).sqrt() - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_fast_sampled_integrator_with_a_delay_has_its_crossing() {
+    // k/(z (z - 1)): |L| = 1 at 2 sin(w T/2) = k, phase -pi/2 - 3 w T/2.
+    let (k, period_s) = (0.2_f64, 1e-4);
+    let A = Mat::from_rows(&[&[1.0, 0.0], &[1.0, 0.0]]);
+    let g = StateSpace::new(
+        A,
+        Mat::col(&[k, 0.0]),
+        Mat::row(&[0.0, 1.0]),
+        Mat::zeros(1, 1),
+        Timebase::Discrete { period_s },
+    );
+    let found = margins(&g.unwrap()).unwrap();
+    let angle = 2.0 * (0.5 * k).asin();
+    let crossing = found.phase_margin().unwrap();
+    assert!((crossing.rate_rad_s * period_s / angle - 1.0).abs() < 1e-12, "{crossing:?}");
+    let phase = std::f64::consts::FRAC_PI_2 - 1.5 * angle;
+    assert!((crossing.deg.to_radians() / phase - 1.0).abs() < 1e-12);
+    assert!((found.delay_s / (phase / crossing.rate_rad_s) - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_zero_among_poles_of_other_sizes_is_the_only_one() {
+    let found = zeros(&zpk(&[-200.0], &[-100.0, -0.1, -0.1, -0.1], 1.0)).unwrap();
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!((found[0].re / -200.0 - 1.0).abs() < 1e-12 && found[0].im == 0.0, "{found:?}");
+    let found = zeros(&zpk(&[-1e-5, -3e6], &[-1e-6, -1e-2, -1e3, -1e6, -1e6], 1.0)).unwrap();
+    assert_eq!(found.len(), 2, "{found:?}");
+}
+
+#[test]
+fn an_integrator_in_hiding_has_no_finite_norm() {
+    let A = Mat::from_rows(&[&[2.0, 2.0], &[-3.0, -3.0]]);
+    let g = StateSpace::new(
+        A,
+        Mat::col(&[1.0, 0.0]),
+        Mat::row(&[1.0, 0.0]),
+        Mat::zeros(1, 1),
+        Timebase::Continuous,
+    );
+    let g = g.unwrap();
+    assert_eq!(h2norm(&g).unwrap(), f64::INFINITY);
+    assert_eq!(hinfnorm(&g, 1e-8).unwrap().value, f64::INFINITY);
+    assert_eq!(linfnorm(&g, 1e-8).unwrap().value, f64::INFINITY);
+}
+
+#[test]
+fn the_error_of_a_nearly_exact_copy_is_found_between_two_bounds() {
+    // g - (1 + e) g with a lightly damped g: the norm is e times that of g.
+    let (zeta, rate, e) = (1e-4, 30.0, 2f64.powi(-20));
+    let pole = C64::new(-zeta, (1.0_f64 - zeta * zeta).sqrt()) * rate;
+    let poles = vec![pole, pole.conj()];
+    let g = Zpk { zeros: vec![], poles, gain: rate * rate, timebase: Timebase::Continuous }
+        .to_state_space()
+        .unwrap();
+    let lag = series(&zpk(&[], &[-1e4], 1e4), &g).unwrap();
+    let error = parallel(&lag, &lag.negate().scale_io(&[1.0 + e], &[1.0]).unwrap()).unwrap();
+    let exact = e * linfnorm(&lag, 1e-12).unwrap().value;
+    let found = linfnorm_bounds(&error, 1e-9).unwrap();
+    assert!((found.lower.value / exact - 1.0).abs() < 1e-8, "{found:?} {exact:e}");
+    assert!(found.upper >= found.lower.value);
+    let bounds = linfnorm_bounds(&lag, 1e-9).unwrap();
+    assert!(bounds.upper >= bounds.lower.value && bounds.upper < 1.001 * bounds.lower.value, "{bounds:?}");
+}
+
+#[test]
+fn a_rotated_descriptor_of_index_three_keeps_its_derivatives() {
+    // x1 = x2', x2 = x3', x3 = -u: x1 = -u''; rotated by two reflections, plus a lag.
+    let n = 4;
+    let reflection = |v: [f64; 4]| {
+        let size: f64 = v.iter().map(|e| e * e).sum();
+        Mat::from_fn(n, n, |i, j| f64::from(u8::from(i == j)) - 2.0 * v[i] * v[j] / size)
+    };
+    let (U, V) = (reflection([1.0, 2.0, -1.0, 3.0]), reflection([2.0, -1.0, 1.0, 1.0]));
+    let mut E = Mat::zeros(n, n);
+    (E[(0, 1)], E[(1, 2)], E[(3, 3)]) = (1.0, 1.0, 1.0);
+    let A = Mat::diag(&[1.0, 1.0, 1.0, -5.0]);
+    let (B, C) = (Mat::col(&[0.0, 0.0, 1.0, 2.0]), Mat::row(&[1.0, 0.0, 0.0, 3.0]));
+    let system =
+        StateSpace::new(&U * &A * &V, &U * &B, &C * &V, Mat::zeros(1, 1), Timebase::Continuous).unwrap();
+    let found = Descriptor::new(&U * &E * &V, system).unwrap().reduce_index().unwrap();
+    assert_eq!(found.system.order(), 1);
+    assert!((found.system.A[(0, 0)] + 5.0).abs() < 1e-12);
+    let gains: Vec<f64> = found.derivatives.iter().map(|M| M[(0, 0)]).collect();
+    assert_eq!(gains.len(), 2, "{gains:?}");
+    assert!(gains[0].abs() < 1e-12 && (gains[1] + 1.0).abs() < 1e-12, "{gains:?}");
+}
+
+#[test]
+fn systems_without_inputs_or_states_are_answered() {
+    for (n, m, p) in [(0, 0, 0), (0, 1, 1), (2, 0, 1), (2, 1, 0), (2, 0, 0)] {
+        let A = Mat::diag(&vec![-1.0; n]);
+        let g =
+            StateSpace::new(A, Mat::zeros(n, m), Mat::zeros(p, n), Mat::zeros(p, m), Timebase::Continuous);
+        let g = g.unwrap();
+        assert_eq!(h2norm(&g).unwrap(), 0.0);
+        assert_eq!(linfnorm(&g, 1e-8).unwrap().value, 0.0);
+        assert!(zeros(&g).is_ok());
+        let descriptor = Descriptor::new(Mat::zeros(n, n), g).unwrap();
+        assert_eq!(descriptor.reduce_index().unwrap().system.order(), 0);
+    }
+}

@@ -1,0 +1,51 @@
+//! Free mechanisms in physical coordinates: the rigid body is split off whole and the flexible modes keep their values.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
+
+use counterpoise_lti::{Mat, StateSpace, Timebase, frequency_response, hinfnorm, linalg, parallel};
+use counterpoise_reduce::{Method, Order, balred, split};
+
+/// A free chain of masses, damped in proportion to its stiffness, turned into coordinates in which nothing is zero.
+fn chain(masses: &[f64], stiffness: f64, damping: f64) -> StateSpace {
+    let n = masses.len();
+    let K = Mat::from_fn(n, n, |i, j| match i.abs_diff(j) {
+        0 if i == 0 || i + 1 == n => stiffness,
+        0 => 2.0 * stiffness,
+        1 => -stiffness,
+        _ => 0.0,
+    });
+    let by_mass = Mat::from_fn(n, n, |i, j| -K[(i, j)] / masses[i]);
+    let A = Mat::from_blocks(&[&[&Mat::zeros(n, n), &Mat::eye(n)], &[&by_mass, &by_mass.scale(damping)]]);
+    let (mut B, mut C) = (Mat::zeros(2 * n, 1), Mat::zeros(1, 2 * n));
+    (B[(n, 0)], C[(0, n - 1)]) = (1.0 / masses[0], 1.0);
+    let T = Mat::from_fn(2 * n, 2 * n, |i, j| if i == j { 2.0 } else { ((3 * i + 5 * j) % 7) as f64 / 7.0 });
+    let back = linalg::inverse(&T).unwrap();
+    StateSpace::new(&T * &A * &back, &T * &B, &C * &back, Mat::zeros(1, 1), Timebase::Continuous).unwrap()
+}
+
+#[test]
+fn a_rigid_body_is_split_off_whole() {
+    for stiffness in [1e2, 1e4, 1e6] {
+        let g = chain(&[1.0, 2.0, 0.5, 1.5], stiffness, 1e-4);
+        let parts = split(&g).unwrap();
+        assert_eq!((parts.first.order(), parts.second.order()), (6, 2), "{stiffness:e}");
+        let rates = [0.3, 3.0, 30.0];
+        let sum = frequency_response(&parts.sum().unwrap(), &rates).unwrap();
+        for (ours, exact) in sum.iter().zip(frequency_response(&g, &rates).unwrap()) {
+            let error = (ours[(0, 0)] - exact[(0, 0)]).norm() / exact[(0, 0)].norm();
+            assert!(error < 1e-6, "{stiffness:e}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn the_flexible_modes_of_a_free_mechanism_stay_above_rounding() {
+    let g = chain(&[1.0, 2.0, 0.5, 1.5], 1e4, 1e-4);
+    let found = balred(&g, Order::States(6), Method::SquareRoot).unwrap();
+    assert_eq!((found.untouched, found.kept), (2, 4), "{:?}", found.hankel);
+    let bound = found.bound.unwrap();
+    assert!(found.measured_error.value <= 1.0001 * bound, "{} {bound}", found.measured_error.value);
+    let first = split(&g).unwrap().first;
+    let error =
+        hinfnorm(&parallel(&first, &split(&found.system).unwrap().first.negate()).unwrap(), 1e-6).unwrap();
+    assert!(error.value <= 1.01 * bound, "{} {bound}", error.value);
+}
