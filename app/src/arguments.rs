@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand};
+use counterpoise_host::files::RECORDING_ENDINGS;
 use counterpoise_pipeline::recordings::ReplayLength;
 
 use crate::commands::{
@@ -214,7 +215,7 @@ pub fn with_json_file_joined(arguments: impl Iterator<Item = String>) -> Vec<Str
 fn names_a_result(argument: &str) -> bool {
     let path = Path::new(argument);
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let is_input = path.is_dir() || ["toml", "csv", "parquet", "mat"].contains(&ending.as_str());
+    let is_input = path.is_dir() || ending == "toml" || RECORDING_ENDINGS.contains(&ending.as_str());
     argument == "-" || (!argument.starts_with('-') && !is_input)
 }
 
@@ -233,6 +234,10 @@ mod tests {
         assert_eq!(joined("c replay --json p.toml r.csv"), "c replay --json p.toml r.csv");
         assert_eq!(joined("c replay --json a.json p.toml r.csv"), "c replay --json=a.json p.toml r.csv");
         assert_eq!(joined("c design --json . -o x"), "c design --json . -o x");
+        for recording in ["run.h5", "run.HDF5", "run.mat", "run.parquet"] {
+            let line = format!("c replay p.toml --json {recording}");
+            assert_eq!(joined(&line), line, "a recording is never written over");
+        }
     }
 
     #[test]

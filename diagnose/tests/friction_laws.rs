@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_controller::ProportionalIntegral;
-use counterpoise_diagnose::library::{Component, EffectName, effects_named};
+use counterpoise_diagnose::library::{Component, EffectName, find_effects};
 use counterpoise_models::{Friction, FrictionLaw, Parameters, Plant, StribeckCurve, reference};
 use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
 
@@ -73,7 +73,7 @@ fn torque_per_volt_nm(machine: &Parameters, component: Component) -> f64 {
 #[test]
 fn another_coulomb_level_is_an_effect_on_machines_of_every_law() {
     for component in [Component::Pivot, Component::Motor] {
-        let effect = effects_named(component, EffectName::Coulomb).next().unwrap();
+        let effect = find_effects(component, EffectName::Coulomb).next().unwrap();
         for (name, law) in every_law() {
             let model = machine(&law);
             let level = effect.values(&model)[0];
@@ -92,7 +92,7 @@ fn another_coulomb_level_is_an_effect_on_machines_of_every_law() {
 
 #[test]
 fn another_presliding_stiffness_is_an_effect_on_machines_with_presliding() {
-    let effect = effects_named(Component::Pivot, EffectName::PreslidingStiffness).next().unwrap();
+    let effect = find_effects(Component::Pivot, EffectName::PreslidingStiffness).next().unwrap();
     for (name, law) in every_law() {
         let model = machine(&law);
         let stiffness = effect.values(&model)[0];
