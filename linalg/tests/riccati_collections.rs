@@ -7,13 +7,10 @@ use common::difference;
 use counterpoise_linalg::{Mat, Riccati, care, care_g, cond, dare, eigenvalues, solve};
 use serde_json::Value;
 
-/// The examples of a file of the collection, where the checkout has it.
+/// Returns the examples of a file of the collection, which lies beside the checkout.
 fn collection(name: &str) -> Vec<(String, Value)> {
     let path = format!("{}/../../shared/benchmarks/riccati/{name}", env!("CARGO_MANIFEST_DIR"));
-    let Ok(text) = std::fs::read_to_string(&path) else {
-        println!("skipped: {path} is not there");
-        return Vec::new();
-    };
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
     let all: Value = serde_json::from_str(&text).unwrap();
     all.as_object().unwrap().iter().map(|(key, value)| (key.clone(), value.clone())).collect()
 }

@@ -19,13 +19,8 @@ fn good() -> Project {
     Project::parse(GOOD, "rig.toml").unwrap().project
 }
 
-fn shared(path: &str) -> Option<Vec<u8>> {
-    let full = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared").join(path);
-    let bytes = std::fs::read(&full).ok();
-    if bytes.is_none() {
-        println!("skipped: {} is not here", full.display());
-    }
-    bytes
+fn stored(path: &str) -> Vec<u8> {
+    std::fs::read(PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..").join(path)).unwrap()
 }
 
 /// What writing and reading makes of a project.
@@ -44,9 +39,9 @@ fn the_reference_file_is_the_reference_rig() {
 
 #[test]
 fn the_given_files_are_read_as_they_stand() {
-    let practice = (1..=8).map(|n| format!("recordings/practice/p{n:02}/project.toml"));
-    for path in practice.chain(["rig/reference.toml".to_owned()]) {
-        let Some(bytes) = shared(&path) else { return };
+    let practice = (1..=8).map(|n| format!("tests/data/practice/p{n:02}/project.toml"));
+    for path in practice.chain(["tests/data/reference-rig.toml".to_owned()]) {
+        let bytes = stored(&path);
         let parsed = Project::from_bytes(&bytes, &path).unwrap();
         let out_of_balance = parsed.project.plant.lumped.unwrap().out_of_balance_kg_m;
         let lightened = path.contains("p02") || path.contains("p03");
@@ -290,7 +285,7 @@ fn a_road_is_cut_filtered_scaled_and_centred() {
 
 #[test]
 fn a_given_road_is_read() {
-    let Some(bytes) = shared("recordings/platform/sandy_loam_05.parquet") else { return };
+    let bytes = stored("examples/reference-rig/sandy-loam.parquet");
     let table = Table::read(&bytes, "sandy_loam_05").unwrap();
     let Some(PlatformSource::Recording(source)) = good().verify.unwrap().road else { panic!("a recording") };
     let made = road(&source, &table).unwrap();

@@ -53,10 +53,9 @@ fn worst(project: &Project, folder: &Path) -> f64 {
 }
 
 fn practice(machine: &str) -> Option<PathBuf> {
-    let folder = root().join("../shared/recordings/practice").join(machine);
+    let folder = root().join("tests/data/practice").join(machine);
     if !folder.is_dir() {
-        println!("skipped: {} is not there", folder.display());
-        return None;
+        panic!("{} is not there", folder.display());
     }
     Some(folder)
 }

@@ -23,13 +23,12 @@ struct Machine {
 }
 
 impl Machine {
-    /// A practice machine; none, with a message, where it is not here.
+    /// A practice machine.
     fn read(name: &str) -> Option<Self> {
         let folder =
-            Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/recordings/practice").join(name);
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("data/practice").join(name);
         let Ok(text) = fs::read(folder.join("project.toml")) else {
-            println!("skipped: {} is not here", folder.display());
-            return None;
+            panic!("{} is not here", folder.display());
         };
         let project = Project::from_bytes(&text, "project.toml").unwrap().project;
         let read = |experiment: &&str| {

@@ -6,19 +6,18 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::RowAccessor;
 use std::path::PathBuf;
 
-/// A file beside the workspace; none, with a message, where it is absent.
+/// A file beside the workspace.
 pub fn shared(path: &str) -> Option<PathBuf> {
-    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared").join(path);
+    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../tests/data").join(path);
     if file.exists() {
         return Some(file);
     }
-    println!("skipped: {} is absent", file.display());
-    None
+    panic!("{} is absent", file.display());
 }
 
 /// A practice recording.
 pub fn recording(path: &str) -> Option<Recording> {
-    let file = std::fs::File::open(shared(&format!("recordings/practice/{path}.parquet"))?).unwrap();
+    let file = std::fs::File::open(shared(&format!("practice/{path}.parquet"))?).unwrap();
     let reader = SerializedFileReader::new(file).unwrap();
     let schema = reader.metadata().file_metadata().schema_descr_ptr();
     let mut columns = vec![Vec::new(); schema.num_columns()];
