@@ -2,7 +2,7 @@
 
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::{Parameters, Sensor};
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::Loop;
 
 use super::column::Column;
@@ -68,7 +68,7 @@ fn expected_lead(base: &Parameters, column: Column) -> f64 {
 /// motor's twisting gear leads or lags a little where the platform moves: there more is needed.
 fn told(base: &Parameters, r: &Recording) -> Vec<(Column, Lateness)> {
     let of = |column| lateness(base, r, column).filter(|(_, doubt)| *doubt < 3.0 * OFFSET_S);
-    let moved = r.platform_rate_rad_s.as_deref().is_some_and(|p| deviation(p) > STILL_RAD_S);
+    let moved = r.samples(Channel::PlatformRate).is_some_and(|p| deviation(p) > STILL_RAD_S);
     let sure = |column: Column, (s, doubt): Lateness| {
         let least = if moved && column == Column::MotorRate { MOVED_S } else { OFFSET_S };
         s.abs() > least && s.abs() > DOUBTS * doubt
