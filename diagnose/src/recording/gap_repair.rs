@@ -223,7 +223,8 @@ mod tests {
         r.samples_mut(Channel::MotorRate).unwrap()[3000..3300].fill(7.5);
         let repaired = repair_gaps(&r, 200.0);
         let part = &repaired.parts[0];
-        let straight = part.samples(Channel::Control).unwrap()[102] - recording().samples(Channel::Control).unwrap()[102];
+        let straight = part.samples(Channel::Control).unwrap()[102]
+            - recording().samples(Channel::Control).unwrap()[102];
         assert!(straight.abs() < 1e-4);
         assert!(part.samples(Channel::MotorRate).unwrap()[3150].is_nan());
         let told: Vec<&str> = repaired.repairs.iter().map(|(channel, _)| *channel).collect();
