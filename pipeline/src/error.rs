@@ -2,7 +2,7 @@
 
 use counterpoise_synth::Finding;
 
-use crate::recordings::ColumnRemark;
+use crate::recordings::{ColumnRemark, UnusedColumn};
 
 /// Every way in which the road can end before its end.
 #[derive(Debug, thiserror::Error)]
@@ -109,7 +109,7 @@ pub enum PipelineError {
     },
     /// A file of recordings cannot be read as the project maps it.
     #[error(transparent)]
-    UnreadableRecording(counterpoise_project::recording::RecordingError),
+    UnreadableRecording(counterpoise_recordings::Error),
     /// The gaps of a recording leave no part of it.
     #[error("nothing of {recording} can be replayed")]
     NothingToReplay {
@@ -125,14 +125,21 @@ pub enum PipelineError {
         recording: String,
         /// Why.
         #[source]
-        cause: counterpoise_simulate::Error,
+        cause: Box<counterpoise_simulate::Error>,
+        /// The columns of its file that were not used, of which one may be what it lacks.
+        unused: Vec<UnusedColumn>,
     },
     /// Recordings cannot be diagnosed.
-    #[error(transparent)]
-    Diagnosis(counterpoise_diagnose::Error),
+    #[error("{cause}")]
+    Diagnosis {
+        /// Why.
+        cause: counterpoise_diagnose::Error,
+        /// The columns of their files that were not used, of which one may be what they lack.
+        unused: Vec<UnusedColumn>,
+    },
     /// A recording cannot be used.
     #[error("recording: {0}")]
-    Recording(#[from] counterpoise_project::recording::RecordingError),
+    Recording(#[from] counterpoise_recordings::Error),
 }
 
 fn lines(findings: &[Finding]) -> String {

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use counterpoise_diagnose::identification::Identified;
 use counterpoise_project::Project;
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::Recording;
 
-use super::read::{ColumnRemark, Gaps, RecordingFile, read};
+use super::read::{ColumnRemark, Gaps, RecordingFile, read, unused_columns};
 use crate::PipelineError;
 
 /// What was identified, with what was found on reading each recording.
@@ -26,18 +26,21 @@ pub fn identify(
     project: &Project,
     states: &[&[RecordingFile]],
 ) -> Result<IdentifiedRecordings, PipelineError> {
-    let (mut recordings, mut remarks) = (Vec::new(), Vec::new());
+    let (mut recordings, mut remarks, mut unused) = (Vec::new(), Vec::new(), Vec::new());
     for files in states.iter().filter(|files| !files.is_empty()) {
         let mut of_state = Vec::new();
         for item in read(project, files, Gaps::Repaired)? {
+            unused.extend(unused_columns([&item]));
             let stem = Path::new(&item.file).file_stem().map(|s| s.to_string_lossy().into_owned());
-            of_state.push(Recording { name: stem.unwrap_or_else(|| item.file.clone()), ..item.recording });
+            let mut recording = item.recording;
+            recording.name = stem.unwrap_or_else(|| item.file.clone());
+            of_state.push(recording);
             remarks.push((item.file, item.remarks));
         }
         recordings.push(of_state);
     }
     let states: Vec<&[Recording]> = recordings.iter().map(Vec::as_slice).collect();
     let identified = counterpoise_diagnose::identification::identify(&project.plant, &states)
-        .map_err(PipelineError::Diagnosis)?;
+        .map_err(|cause| PipelineError::Diagnosis { cause, unused })?;
     Ok(IdentifiedRecordings { identified, remarks })
 }
