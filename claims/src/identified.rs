@@ -5,7 +5,8 @@ use counterpoise_diagnose::identification::{Estimate, GainPoint, Identified, ide
 use counterpoise_models::Parameters;
 use counterpoise_models::parameters::MapPoint;
 use counterpoise_models::plant::Plant;
-use counterpoise_simulate::{Detail, Imperfections, Recording, Scenario, Signal, Simulator};
+use counterpoise_recordings::Recording;
+use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
 
 use super::picture::{Axis, Curve, Panel, Picture, Style};
 use super::{Bench, Claim, Finding};
@@ -50,7 +51,7 @@ fn recorded(machine: &Parameters, seed: u64) -> Result<Recording, PipelineError>
         ..Scenario::still(TRIANGLE.2)
     };
     let run = Simulator::new(&plant)?.run(&mut controller, &scenario)?;
-    Ok(Recording::from_run("triangle", sample_period_s, &run.readings))
+    Ok(run.readings.recording("triangle", sample_period_s))
 }
 
 /// The machine that the project does not know.

@@ -1,7 +1,7 @@
 //! The whole diagnosis: from recordings to an answer, in one function.
 
 use counterpoise_models::Parameters;
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::Loop;
 
 use crate::error::Error;
@@ -130,8 +130,8 @@ fn diagnose_of(
     let simulator = RecordingReplays::new(base, &control, &prepared)?;
     let has = |column: fn(&Recording) -> bool| recordings.iter().all(column);
     let isolability = list_balances(RedundantSensors {
-        motor_rate: has(|r| r.motor_rate_rad_s.is_some()),
-        hub_position: has(|r| r.hub_position_rad.is_some()),
+        motor_rate: has(|r| r.has(Channel::MotorRate)),
+        hub_position: has(|r| r.has(Channel::HubPosition)),
     });
     let whereabouts = where_and_when(base, &simulator, &isolability, pool);
     let mut seeds = seeds(base, recordings);
@@ -197,9 +197,9 @@ fn biases(base: &Parameters, recordings: &[Recording]) -> Vec<(&'static Effect, 
 /// Returns the mean of the gyroscopes' rate of the hub on the platform, less that of motor or resolver, rad/s.
 fn rate_error(recording: &Recording, ratio: f64) -> Option<f64> {
     let mean = |series: &[f64]| series.iter().sum::<f64>() / series.len().max(1) as f64;
-    let hub = mean(recording.hub_rate_rad_s.as_deref()?);
-    let platform = recording.platform_rate_rad_s.as_deref().map_or(0.0, mean);
-    let known = match (&recording.motor_rate_rad_s, recording.hub_position_rad.as_deref()) {
+    let hub = mean(recording.samples(Channel::HubRate)?);
+    let platform = recording.samples(Channel::PlatformRate).map_or(0.0, mean);
+    let known = match (recording.samples(Channel::MotorRate), recording.samples(Channel::HubPosition)) {
         (Some(motor), _) => mean(motor) / ratio,
         (None, Some([first, .., last])) => {
             (last - first) / ((recording.len() - 1) as f64 * recording.sample_period_s)
@@ -226,9 +226,9 @@ fn check(recordings: &[Recording], control: &Loop) -> Result<(), Error> {
     }
     for r in recordings {
         let needed = [
-            ("demand", r.demand_rad_s.is_some() || *control == Loop::Open),
-            ("control", r.control_v.is_some()),
-            ("hub_rate", r.hub_rate_rad_s.is_some()),
+            ("demand", r.has(Channel::Demand) || *control == Loop::Open),
+            ("control", r.has(Channel::Control)),
+            ("hub_rate", r.has(Channel::HubRate)),
         ];
         if let Some((channel, _)) = needed.into_iter().find(|(_, present)| !present) {
             return Err(Error::NoChannel { recording: r.name.clone(), channel });
@@ -296,8 +296,8 @@ fn shorten(recordings: &mut [Recording], most: usize, told: &mut Vec<RecordingRe
 /// Removes a channel from a recording that can do without it; returns whether it was removed.
 fn left_out(recording: &mut Recording, channel: &str) -> bool {
     match channel {
-        "motor_rate" => recording.motor_rate_rad_s.take().is_some(),
-        "hub_position" => recording.hub_position_rad.take().is_some(),
+        "motor_rate" => recording.remove(Channel::MotorRate).is_some(),
+        "hub_position" => recording.remove(Channel::HubPosition).is_some(),
         _ => false,
     }
 }

@@ -10,8 +10,9 @@ use counterpoise_diagnose::library::{Component, EffectName, find_effects};
 use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_diagnose::simulator_access::objective::{PreparedRecordings, RecordingReplays};
 use counterpoise_models::{Parameters, Plant, reference};
+use counterpoise_recordings::Recording;
 use counterpoise_simulate::replay::{Loop, Replayer, replay};
-use counterpoise_simulate::{Detail, Imperfections, Recording, Scenario, Signal, Simulator};
+use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
 
 /// Control that holds the rig's weight, V.
 const BIAS_V: f64 = 2.88;
@@ -41,7 +42,7 @@ fn run(seed: u64, period_s: f64, duration_s: f64) -> (Recording, f64) {
     };
     let history = simulator.run(&mut controller(BIAS_V), &scenario).unwrap();
     let torque_nm = history.final_state.friction.hose;
-    (Recording::from_run("triangle", 1e-3, &history.readings), torque_nm)
+    (history.readings.recording("triangle", 1e-3), torque_nm)
 }
 
 /// Recordings that begin in the middle of the motion, with the hose bent one way and the other.

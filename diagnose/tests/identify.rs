@@ -7,9 +7,8 @@ use common::controller;
 use counterpoise_diagnose::identification::{Amplifier, Estimate, Identified, Note, identify, improved};
 use counterpoise_models::parameters::MapPoint;
 use counterpoise_models::{Parameters, Plant, reference};
-use counterpoise_simulate::{Detail, Imperfections, Recording, Scenario, Signal, Simulator};
-use parquet::file::reader::{FileReader, SerializedFileReader};
-use parquet::record::RowAccessor;
+use counterpoise_recordings::{Channel, Mapping, Recording, Table};
+use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
 
 /// The points of the practice machine's amplifier: (V, A).
 const CURVE: [(f64, f64); 14] = [
@@ -38,7 +37,7 @@ fn triangle(simulator: &mut Simulator, bias_v: f64, seed: u64) -> Recording {
         ..Scenario::still(10.0)
     };
     let history = simulator.run(&mut controller(bias_v), &scenario).unwrap();
-    Recording::from_run("triangle", 1e-3, &history.readings)
+    history.readings.recording("triangle", 1e-3)
 }
 
 fn simulator(p: &Parameters) -> Simulator {
@@ -134,7 +133,9 @@ fn a_linear_amplifier_is_left_as_it_is() {
 #[test]
 fn hub_rate_and_control_alone_are_enough() {
     let whole = triangle(&mut simulator(&other_machine()), 2.88, 4);
-    let bare = Recording { motor_rate_rad_s: None, hub_position_rad: None, ..whole };
+    let mut bare = whole;
+    bare.remove(Channel::MotorRate);
+    bare.remove(Channel::HubPosition);
     let found = identify(&reference::rig(), &[&[bare]]).unwrap();
     for (estimate, value) in four(&found).iter().zip([171.0, 397.555, 163.0, 190.0]) {
         assert!((estimate.value / value - 1.0).abs() < 0.05, "{estimate:?}, truth {value}");
@@ -154,12 +155,9 @@ fn the_improved_mechanism_is_found_again_as_it_is() {
 
 #[test]
 fn a_mechanism_at_rest_is_refused_with_what_would_help() {
-    let still = Recording {
-        sample_period_s: 1e-3,
-        control_v: Some(vec![2.88; 3000]),
-        hub_rate_rad_s: Some(vec![0.0; 3000]),
-        ..Recording::default()
-    };
+    let still = Recording::new("", 1e-3)
+        .with(Channel::Control, vec![2.88; 3000])
+        .with(Channel::HubRate, vec![0.0; 3000]);
     let error = identify(&reference::rig(), &[&[still]]).unwrap_err();
     assert!(error.to_string().contains("triangle"), "{error}");
 }
@@ -167,34 +165,11 @@ fn a_mechanism_at_rest_is_refused_with_what_would_help() {
 fn practice(machine: &str, experiment: &str) -> Option<Recording> {
     let base = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/recordings/practice");
     let path = format!("{base}/{machine}/{experiment}.parquet");
-    let Ok(file) = std::fs::File::open(&path) else {
+    let Ok(bytes) = std::fs::read(&path) else {
         println!("skipped: {path} is absent");
         return None;
     };
-    let reader = SerializedFileReader::new(file).unwrap();
-    let schema = reader.metadata().file_metadata().schema_descr_ptr();
-    let mut columns = vec![Vec::new(); schema.num_columns()];
-    for row in reader.get_row_iter(None).unwrap() {
-        let row = row.unwrap();
-        for (k, column) in columns.iter_mut().enumerate() {
-            column.push(row.get_double(k).or_else(|_| row.get_float(k).map(f64::from)).unwrap());
-        }
-    }
-    let find = |name: &str| {
-        let index = (0..schema.num_columns()).find(|&k| schema.column(k).name().starts_with(name))?;
-        Some(columns[index].clone())
-    };
-    Some(Recording {
-        name: experiment.to_owned(),
-        sample_period_s: 1e-3,
-        demand_rad_s: find("demand"),
-        control_v: find("control"),
-        hub_rate_rad_s: find("hub_rate"),
-        platform_rate_rad_s: find("platform_rate"),
-        platform_accel_m_s2: find("platform_accel"),
-        motor_rate_rad_s: find("motor_rate"),
-        hub_position_rad: find("hub_position"),
-    })
+    Some(Mapping::default().apply(&Table::read(&bytes, experiment).unwrap()).unwrap())
 }
 
 fn practices(machine: &str) -> Option<Vec<Recording>> {

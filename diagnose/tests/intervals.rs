@@ -6,7 +6,8 @@ use counterpoise_controller::ProportionalIntegral;
 use counterpoise_diagnose::identification::identify;
 use counterpoise_models::parameters::FrictionLaw;
 use counterpoise_models::{Parameters, Plant, reference};
-use counterpoise_simulate::{Detail, Imperfections, Recording, Scenario, Signal, Simulator};
+use counterpoise_recordings::{Channel, Recording};
+use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
 
 /// Noise of the sensors over the reference's.
 const LEVELS: [f64; 4] = [0.03, 0.3, 1.0, 3.0];
@@ -64,7 +65,7 @@ fn triangle(p: &Parameters, seed: u64) -> Recording {
         ..Scenario::still(10.0)
     };
     let history = simulator.run(&mut controller, &scenario).unwrap();
-    Recording::from_run("triangle", sample_period_s, &history.readings)
+    history.readings.recording("triangle", sample_period_s)
 }
 
 /// For each unknown, whether its interval holds the truth.
@@ -81,7 +82,9 @@ fn counted(level: f64) -> [[usize; 4]; 2] {
     for seed in 0..MACHINES {
         let p = machine(seed, level);
         let whole = triangle(&p, seed);
-        let bare = Recording { motor_rate_rad_s: None, hub_position_rad: None, ..whole.clone() };
+        let mut bare = whole.clone();
+        bare.remove(Channel::MotorRate);
+        bare.remove(Channel::HubPosition);
         for (sums, recording) in inside.iter_mut().zip([whole, bare]) {
             let one = held(&recording, truth(&p));
             (0..4).for_each(|k| sums[k] += one[k]);

@@ -109,7 +109,7 @@ pub enum PipelineError {
     },
     /// A file of recordings cannot be read as the project maps it.
     #[error(transparent)]
-    UnreadableRecording(counterpoise_project::recording::RecordingError),
+    UnreadableRecording(counterpoise_recordings::Error),
     /// The gaps of a recording leave no part of it.
     #[error("nothing of {recording} can be replayed")]
     NothingToReplay {
@@ -132,7 +132,7 @@ pub enum PipelineError {
     Diagnosis(counterpoise_diagnose::Error),
     /// A recording cannot be used.
     #[error("recording: {0}")]
-    Recording(#[from] counterpoise_project::recording::RecordingError),
+    Recording(#[from] counterpoise_recordings::Error),
 }
 
 fn lines(findings: &[Finding]) -> String {

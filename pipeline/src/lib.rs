@@ -7,7 +7,7 @@
 //!
 //! *Invariant*: no file, thread, clock or terminal; files are read and stages are watched through [`World`].
 //!
-//! Modules in reading order: [`error`], [`model`](mod@model), [`reduce`](mod@reduce), [`synth`], [`verify`](mod@verify),
+//! Modules in reading order: [`error`], [`model`](mod@model), [`reduce`](mod@reduce), [`synth`], [`road`], [`verify`](mod@verify),
 //! [`export`](mod@export), [`plant_views`], [`recordings`], [`studies`], [`results`].
 //!
 //! ```
@@ -28,6 +28,7 @@ pub mod plant_views;
 pub mod recordings;
 pub mod reduce;
 pub mod results;
+pub mod road;
 pub mod studies;
 pub mod synth;
 pub mod verify;

@@ -1,11 +1,12 @@
 //! The verdicts on the sampled controller, on the full plant, with the road that the project names.
 
 use counterpoise_models::plant::Plant;
+use counterpoise_recordings::Table;
 use counterpoise_verify::{Procedure, Road, Verification, VerifiedController};
 
+use crate::road::road;
 use crate::{Modelled, PipelineError, Synthesised, World};
 use counterpoise_project::Project;
-use counterpoise_project::recording::{Table, road};
 use counterpoise_project::resolve::platform::{PlatformSource, RoadSource};
 
 /// Verifies the sampled controller on the plant as it was before reduction.

@@ -5,7 +5,7 @@ use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_pipeline::model;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, On, Plan, Point};
 use counterpoise_project::Project;
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::{Channel, Recording};
 
 fn rig() -> Project {
     Project::parse(include_str!("../../project/tests/data/rig.toml"), "rig.toml").unwrap().project
@@ -51,17 +51,13 @@ fn a_recording_without_a_line_is_told_and_a_missing_channel_refused() {
         Plan { around: Around::Plant, amplitudes: Vec::new(), frequencies_hz: Vec::new(), offset_m: 0.0 };
     let analyser = Analyser::new(&project, &modelled, &plan, On::Recording).unwrap();
     let tone = |k: u32, hz: f64| (std::f64::consts::TAU * hz * f64::from(k) * 1e-3).sin();
-    let mut recording = Recording {
-        name: "tone".to_owned(),
-        sample_period_s: 1e-3,
-        control_v: Some((0..5000).map(|k| tone(k, 5.0)).collect()),
-        hub_rate_rad_s: Some((0..5000).map(|k| 0.02 * tone(k, 5.0)).collect()),
-        ..Recording::default()
-    };
+    let tones = |gain: f64| (0..5000).map(|k| gain * tone(k, 5.0)).collect::<Vec<f64>>();
+    let mut recording =
+        Recording::new("tone", 1e-3).with(Channel::Control, tones(1.0)).with(Channel::HubRate, tones(0.02));
     let points = analyser.recorded(&recording, &[5.0, 8.0]).unwrap().points;
     assert!(points[0].settled && (points[0].gain_db - 20.0 * 0.02_f64.log10()).abs() < 1e-6);
     assert!(!points[1].settled);
-    recording.control_v = None;
+    recording.remove(Channel::Control);
     let refused = analyser.recorded(&recording, &[5.0]).unwrap_err().to_string();
     assert!(refused.contains("tone") && refused.contains("control"), "{refused}");
 }

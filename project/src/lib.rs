@@ -5,7 +5,7 @@
 //!
 //! *Invariant*: nothing is computed here, and no file is opened: texts and bytes are handed in.
 //!
-//! Modules in reading order: [`diagnostic`], [`file`] (as written), [`resolve`] (as meant), [`recording`].
+//! Modules in reading order: [`diagnostic`], [`file`] (as written), [`resolve`] (as meant).
 //!
 //! ```
 //! use counterpoise_project::Project;
@@ -16,7 +16,6 @@
 
 pub mod diagnostic;
 pub mod file;
-pub mod recording;
 pub mod resolve;
 
 pub use diagnostic::{Diagnostic, Severity};

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use counterpoise_models::{
     FrictionLaw, Lumped, MapPoint, Parameters, Ripple, Sensor, StribeckCurve, reference,
 };
-use counterpoise_project::recording::{Channel, ChannelSource, Table, road};
-use counterpoise_project::{Document, PlatformSource, Project, RoadSource, Setting, StructureChoice};
+use counterpoise_project::{Document, PlatformSource, Project, Setting, StructureChoice};
+use counterpoise_recordings::{Channel, ChannelSource};
 use counterpoise_synth::Weight;
 use counterpoise_verify::{Figure, Limit, LoopFigure, Requirement};
 use proptest::prelude::*;
@@ -252,51 +252,6 @@ fn a_mapping_of_channels_is_written_and_read() {
     );
     let project = Project { recording: mapping.clone(), ..good() };
     assert_eq!(again(&project).recording, mapping);
-}
-
-#[test]
-fn a_road_is_cut_filtered_scaled_and_centred() {
-    let rows: String = (0..2001)
-        .map(|k| {
-            let t = f64::from(k) * 0.01;
-            let (slow, fast) = ((std::f64::consts::TAU * t).sin(), (std::f64::consts::TAU * 30.0 * t).sin());
-            format!("{t},{},{}\n", 9.8 + slow + fast, 0.5 * slow)
-        })
-        .collect();
-    let table =
-        Table::read(format!("time [s],az [m/s^2],wy [rad/s]\n{rows}").as_bytes(), "road.csv").unwrap();
-    let source = RoadSource {
-        recording: "road.csv".to_owned(),
-        heave: "az".to_owned(),
-        pitch: "wy".to_owned(),
-        heave_scale: 0.5,
-        pitch_scale: -1.0,
-        low_pass_hz: Some(5.0),
-        start_s: 2.0,
-        duration_s: 10.0,
-        fade_s: 1.0,
-    };
-    let made = road(&source, &table).unwrap();
-    assert_eq!((made.sample_period_s, made.heave_m_s2.len(), made.heave_m_s2[0]), (0.01, 1001, 0.0));
-    let at = |k: usize| (made.heave_m_s2[k], made.pitch_rate_rad_s[k]);
-    let quarter = at(525);
-    assert!((quarter.0 - 0.5).abs() < 2e-3 && (quarter.1 + 0.5).abs() < 2e-3, "{quarter:?}");
-    let late = RoadSource { start_s: 15.0, ..source.clone() };
-    let told = road(&late, &table).unwrap_err().to_string();
-    assert_eq!(told, "road.csv: not usable as a road: 10 s from 15 s are asked for, but it is 20.00 s long");
-    let sharp = RoadSource { low_pass_hz: Some(80.0), ..source };
-    assert!(road(&sharp, &table).is_err());
-}
-
-#[test]
-fn a_given_road_is_read() {
-    let Some(bytes) = shared("recordings/platform/sandy_loam_05.parquet") else { return };
-    let table = Table::read(&bytes, "sandy_loam_05").unwrap();
-    let Some(PlatformSource::Recording(source)) = good().verify.unwrap().road else { panic!("a recording") };
-    let made = road(&source, &table).unwrap();
-    assert!((made.sample_period_s - 0.01).abs() < 1e-3, "{}", made.sample_period_s);
-    let peak = made.heave_m_s2.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-    assert!(peak > 0.05 && peak < 5.0, "{peak} m/s^2");
 }
 
 /// The project files that users are shown.

@@ -1,6 +1,7 @@
 //! What a run leaves: one value a sample in every column.
 
 use crate::engine::state::{Effort, PlantState};
+use counterpoise_recordings::{Channel, Recording};
 
 /// The columns of a run. Those of [`Truth`](TrueColumns) are empty if only the recording was kept.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,7 +90,46 @@ impl ReadingColumns {
             hub_position_rad: column(),
         }
     }
+
+    /// Returns the column of a channel; it is empty for the motor's angle and current, which no simulated instrument reads.
+    pub fn channel(&self, channel: Channel) -> &[f64] {
+        match channel {
+            Channel::Demand => &self.demand_rad_s,
+            Channel::Control => &self.control_v,
+            Channel::HubRate => &self.hub_rate_rad_s,
+            Channel::PlatformRate => &self.platform_rate_rad_s,
+            Channel::PlatformAccel => &self.platform_accel_m_s2,
+            Channel::MotorRate => &self.motor_rate_rad_s,
+            Channel::HubPosition => &self.hub_position_rad,
+            Channel::MotorPosition | Channel::MotorCurrent => &[],
+        }
+    }
+
+    /// Returns the column of a channel, to be changed; it is empty for the motor's angle and current.
+    pub(crate) fn channel_mut(&mut self, channel: Channel) -> &mut [f64] {
+        match channel {
+            Channel::Demand => &mut self.demand_rad_s,
+            Channel::Control => &mut self.control_v,
+            Channel::HubRate => &mut self.hub_rate_rad_s,
+            Channel::PlatformRate => &mut self.platform_rate_rad_s,
+            Channel::PlatformAccel => &mut self.platform_accel_m_s2,
+            Channel::MotorRate => &mut self.motor_rate_rad_s,
+            Channel::HubPosition => &mut self.hub_position_rad,
+            Channel::MotorPosition | Channel::MotorCurrent => &mut [],
+        }
+    }
+
+    /// Returns the recording that a machine like the simulated one would have left of the run.
+    pub fn recording(&self, name: &str, sample_period_s: f64) -> Recording {
+        let recorded = Channel::ALL.into_iter().filter(|c| !UNREAD.contains(c));
+        recorded.fold(Recording::new(name, sample_period_s), |recording, channel| {
+            recording.with(channel, self.channel(channel).to_vec())
+        })
+    }
 }
+
+/// Channels that no simulated instrument reads.
+const UNREAD: [Channel; 2] = [Channel::MotorPosition, Channel::MotorCurrent];
 
 impl TimeHistory {
     /// Returns the number of samples.

@@ -2,7 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_models::{Friction, FrictionLaw, Lumped, Parameters, Plant, Sensor, reference};
-use counterpoise_simulate::{Loop, Playback, Recording, Scenario, Simulator, replay};
+use counterpoise_recordings::{Channel, Recording};
+use counterpoise_simulate::{Loop, Playback, Scenario, Simulator, replay};
 
 const MASS: f64 = 95.109;
 const COULOMB: f64 = 20.394;
@@ -104,21 +105,11 @@ fn a_recording_without_an_angle_replays_from_a_start_nearby() {
     let control = volts(6000);
     let recorded = euler(&control);
     for law in LAWS {
-        let mut recording = Recording {
-            name: "carriage".to_owned(),
-            sample_period_s: 1e-3,
-            demand_rad_s: None,
-            control_v: Some(control.clone()),
-            hub_rate_rad_s: Some(recorded.clone()),
-            platform_rate_rad_s: None,
-            platform_accel_m_s2: None,
-            motor_rate_rad_s: None,
-            hub_position_rad: None,
-        };
         // several starts: the fault came and went with the rounding
         for cut in [0, 37, 411] {
-            recording.control_v = Some(control[cut..].to_vec());
-            recording.hub_rate_rad_s = Some(recorded[cut..].to_vec());
+            let recording = Recording::new("carriage", 1e-3)
+                .with(Channel::Control, control[cut..].to_vec())
+                .with(Channel::HubRate, recorded[cut..].to_vec());
             let replayed = replay(&carriage(law.clone()), &recording, &Loop::Open).unwrap();
             let angle = replayed.start.core[counterpoise_models::plant::core::state::ANGLE];
             assert!(angle.abs() < 1e-3, "{law:?} from {cut}: {angle:e} rad");

@@ -6,16 +6,15 @@ use std::sync::Arc;
 use counterpoise_host::files::recording_files;
 use counterpoise_host::worker::Token;
 use counterpoise_models::Parameters;
-use counterpoise_pipeline::recordings::read::{control_for, read_record, tabulate, without_demand};
+use counterpoise_pipeline::recordings::read::{control_for, read_recording, tabulate, without_demand};
 use counterpoise_pipeline::recordings::replay::replay_one;
 use counterpoise_pipeline::recordings::{Gaps, ReadRecording, RecordingFile, ReplayLength};
 use counterpoise_pipeline::results::RecordingResult;
 use counterpoise_project::Project;
-use counterpoise_project::recording::{Channel as Recorded, Record, Table};
+use counterpoise_recordings::{Channel, Recording, Table};
 use counterpoise_report::wording::recordings::{
     describe_column_remark, describe_missing_demand, describe_recordings_error, describe_replay,
 };
-use counterpoise_simulate::recording::Channel;
 use counterpoise_simulate::replay::Replay;
 
 use crate::pyramid::Pyramid;
@@ -92,12 +91,12 @@ pub fn look(ask: &LookAsk, token: &Token) -> Option<Looked> {
     let (files, mut all) = (recording_files(&ask.paths), Vec::new());
     for path in &files {
         match opened(ask, path) {
-            Ok((table, records)) => {
-                for record in &records {
+            Ok((table, recordings)) => {
+                for recording in recordings {
                     if token.is_cancelled() {
                         return None;
                     }
-                    all.extend(seen(ask, path, &table, record));
+                    all.extend(seen(ask, path, &table, recording));
                 }
             }
             Err(why) => all.push(unread(path, why)),
@@ -106,7 +105,7 @@ pub fn look(ask: &LookAsk, token: &Token) -> Option<Looked> {
     Some(Looked { files, seen: all })
 }
 
-fn opened(ask: &LookAsk, path: &Path) -> Result<(Table, Vec<Record>), String> {
+fn opened(ask: &LookAsk, path: &Path) -> Result<(Table, Vec<Recording>), String> {
     let name = path.display().to_string();
     let bytes = std::fs::read(path).map_err(|error| format!("cannot read {name}: {error}"))?;
     tabulate(&ask.project, &RecordingFile { name, bytes }).map_err(|error| error.to_string())
@@ -134,27 +133,27 @@ fn unread(path: &Path, why: String) -> Seen {
     }
 }
 
-/// Returns the parts of a record that can be replayed, each beside the model, as the command line replays them.
-fn seen(ask: &LookAsk, path: &Path, table: &Table, record: &Record) -> Vec<Seen> {
+/// Returns the parts of a recording that can be replayed, each beside the model, as the command line replays them.
+fn seen(ask: &LookAsk, path: &Path, table: &Table, recording: Recording) -> Vec<Seen> {
     let blank = Seen {
         path: path.to_owned(),
-        name: stem(Path::new(&record.name)),
+        name: stem(Path::new(&recording.name)),
         columns: columns(table),
         remarks: Vec::new(),
         trouble: Vec::new(),
         tracks: Vec::new(),
         fit: None,
     };
-    match read_record(&ask.project, record, Gaps::Repaired) {
+    match read_recording(&ask.project, recording, Gaps::Repaired) {
         Ok(parts) => {
-            let beside = |part: &ReadRecording| beside_model(ask, record, part, blank.clone());
+            let beside = |part: &ReadRecording| beside_model(ask, part, blank.clone());
             parts.iter().map(beside).collect()
         }
         Err(error) => vec![Seen { trouble: vec![describe_recordings_error(&error)], ..blank }],
     }
 }
 
-fn beside_model(ask: &LookAsk, record: &Record, item: &ReadRecording, blank: Seen) -> Seen {
+fn beside_model(ask: &LookAsk, item: &ReadRecording, blank: Seen) -> Seen {
     let control = control_for(&ask.project, [&item.recording]);
     let mut trouble = Vec::new();
     let mut run = |plant: &Parameters| match replay_one(plant, item, &control, ReplayLength::Automatic) {
@@ -174,37 +173,32 @@ fn beside_model(ask: &LookAsk, record: &Record, item: &ReadRecording, blank: See
         name: stem(Path::new(&item.file)),
         remarks: demand.into_iter().chain(found.iter().map(describe_column_remark)).collect(),
         trouble,
-        tracks: tracks(record, item, replays),
+        tracks: tracks(&item.recording, replays),
         fit: model.as_ref().map(describe_replay),
         ..blank
     }
 }
 
-/// Returns every recorded channel with what the model and the improved model make of it. A channel that no model simulates is
-/// shown as it was written, unless gaps split the record.
-fn tracks(record: &Record, item: &ReadRecording, [model, improved]: [Option<&Replay>; 2]) -> Vec<Track> {
-    let period = item.recording.sample_period_s;
-    let one = |(written, values): &(Recorded, Vec<f64>)| {
-        let channel = Channel::ALL.into_iter().find(|channel| channel.name() == written.name());
-        let repaired = channel.and_then(|channel| item.recording.column(channel));
-        let whole = values.len() == item.recording.len();
-        let measured = repaired.or(whole.then_some(values.as_slice()))?;
+/// Returns every recorded channel with what the model and the improved model make of it.
+fn tracks(recording: &Recording, [model, improved]: [Option<&Replay>; 2]) -> Vec<Track> {
+    let period = recording.sample_period_s;
+    let one = |(channel, measured): (Channel, &[f64])| {
+        let floor_of =
+            |replay: &Replay| replay.channels.iter().find(|fit| fit.channel == channel).map(|f| f.floor);
         let of = |replay: Option<&Replay>| {
-            let (channel, replay) = (channel?, replay?);
-            replay.channels.iter().find(|fit| fit.channel == channel)?;
-            Some(against(measured, channel.of(&replay.simulated), period))
+            floor_of(replay?)?;
+            Some(against(measured, replay?.simulated.channel(channel), period))
         };
-        let fit = model.and_then(|replay| replay.channels.iter().find(|fit| Some(fit.channel) == channel));
-        Some(Track {
-            channel: written.name(),
-            unit: written.unit(),
+        Track {
+            channel: channel.name(),
+            unit: channel.unit(),
             measured: Arc::new(Pyramid::new(timed(measured.iter().copied(), period))),
             model: of(model),
             improved: of(improved),
-            floor: fit.map(|fit| fit.floor),
-        })
+            floor: model.and_then(floor_of),
+        }
     };
-    record.channels.iter().filter_map(one).collect()
+    recording.channels().map(one).collect()
 }
 
 fn timed(values: impl Iterator<Item = f64>, period: f64) -> Vec<[f64; 2]> {

@@ -12,9 +12,9 @@ use counterpoise_host::{files, projects};
 use counterpoise_pipeline::recordings::read::control_for;
 use counterpoise_pipeline::recordings::{Gaps, ReplayLength, diagnose, read, replay};
 use counterpoise_project::Purpose;
+use counterpoise_recordings::{Channel, Recording};
 use counterpoise_report::wording::answer::describe_diagnosed_recordings;
 use counterpoise_report::wording::recordings::describe_replay;
-use counterpoise_simulate::recording::Recording;
 use counterpoise_studio::command::Command;
 use counterpoise_studio::recordings::{LookAsk, look};
 use serde::Serialize;
@@ -54,14 +54,11 @@ fn a_replay_in_the_studio_is_the_replay_of_the_command_line() {
 /// The first seconds of a recording as CSV: enough for an answer, and quick.
 fn excerpt(recording: &Recording, samples: usize) -> String {
     let part = recording.part(0..samples);
-    let columns = [
-        ("demand [rad/s]", part.demand_rad_s),
-        ("control [V]", part.control_v),
-        ("hub_rate [rad/s]", part.hub_rate_rad_s),
-        ("motor_rate [rad/s]", part.motor_rate_rad_s),
-    ];
-    let columns: Vec<_> = columns.into_iter().filter_map(|(name, values)| Some((name, values?))).collect();
-    let names: Vec<&str> = columns.iter().map(|column| column.0).collect();
+    let channels = [Channel::Demand, Channel::Control, Channel::HubRate, Channel::MotorRate];
+    let columns: Vec<_> =
+        channels.into_iter().filter_map(|channel| Some((channel, part.samples(channel)?))).collect();
+    let names: Vec<String> =
+        columns.iter().map(|(channel, _)| format!("{} [{}]", channel.name(), channel.unit())).collect();
     let mut text = format!("time [s],{}\n", names.join(","));
     for k in 0..samples {
         let values: Vec<String> = columns.iter().map(|column| format!("{:?}", column.1[k])).collect();

@@ -54,6 +54,7 @@ fn nothing_below_host_touches_the_operating_system() {
     for room in [
         "linalg",
         "lti",
+        "recordings",
         "controller",
         "models",
         "reduce",

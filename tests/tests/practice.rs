@@ -9,9 +9,8 @@ use counterpoise_diagnose::diagnose;
 use counterpoise_diagnose::findings::answer::Verdict;
 use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::Plant;
-use counterpoise_project::recording::Table;
 use counterpoise_project::{Attachments, Document, Project, Setting};
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::{Channel, Recording, Table};
 use counterpoise_simulate::replay::{Loop, Replay, Replayer, replay};
 use counterpoise_simulate::{Imperfections, Scenario, Signal, run};
 
@@ -38,7 +37,7 @@ fn recordings(project: &Project, folder: &Path) -> Vec<Recording> {
     paths.sort();
     let read = |path: &PathBuf| {
         let table = Table::read(&fs::read(path).unwrap(), &path.display().to_string()).unwrap();
-        project.recording.apply(&table).unwrap().recording()
+        project.recording.apply(&table).unwrap()
     };
     paths.iter().map(read).collect()
 }
@@ -221,7 +220,7 @@ fn a_machine_that_hunts_does_not_repeat_itself() {
     controller.integral_v = 0.0;
     let plant = Plant::lumped(&project.plant).unwrap();
     let run = |seed: u64| {
-        let values = steps.demand_rad_s.clone().unwrap();
+        let values = steps.samples(Channel::Demand).unwrap().to_vec();
         let scenario = Scenario {
             demand_rad_s: Signal::Held { period_s: steps.sample_period_s, values },
             imperfections: Imperfections::NoiseAndQuantisation { seed },

@@ -1,20 +1,27 @@
 //! Recordings of real machines: what the diagnosis added explains data that it was not fitted to.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use std::f64::consts::{PI, TAU};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use counterpoise_project::Project;
-use counterpoise_project::recording::{Mapping, Record, Table};
+use counterpoise_pipeline::road::road;
+use counterpoise_project::{PlatformSource, Project};
+use counterpoise_recordings::{Channel, ChannelSource, Mapping, Remark, Table};
 use counterpoise_simulate::replay::{Loop, replay};
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// A recording of a real machine; none, with a message, where it is not here.
+/// Returns the table of a recording of a real machine; `None`, with a message, if it is not here.
 fn recording(file: &str) -> Option<Table> {
-    let path = root().join("../shared/recordings/real").join(file);
+    table(&format!("real/{file}"))
+}
+
+/// Returns the table of a recording; `None`, with a message, if it is not here.
+fn table(file: &str) -> Option<Table> {
+    let path = root().join("../shared/recordings").join(file);
     let Ok(bytes) = fs::read(&path) else {
         println!("skipped: {} is not here", path.display());
         return None;
@@ -30,12 +37,11 @@ fn project(machine: &str, file: &str) -> Project {
 /// RMS error over the channel's RMS, of one window of a recording replayed by a project.
 fn relative_error(project: &Project, table: &Table, window_s: [f64; 2], channel: &str) -> f64 {
     let mapping = Mapping { windows_s: vec![window_s], ..project.recording.clone() };
-    let record: Record = mapping.records(table).unwrap().remove(0);
-    let recording = record.recording();
+    let recording = mapping.recordings(table).unwrap().remove(0);
     let control = project.recording_controller.as_ref().map_or(Loop::Open, Loop::from);
     let replayed = replay(&project.plant, &recording, &control).unwrap();
     let fit = replayed.channels.iter().find(|c| c.channel.name() == channel).unwrap();
-    let series = recording.column(fit.channel).unwrap();
+    let series = recording.samples(fit.channel).unwrap();
     let power = series.iter().map(|v| v * v).sum::<f64>() / series.len() as f64;
     fit.rms_error / power.sqrt()
 }
@@ -75,4 +81,48 @@ fn the_brushless_motor_cogs() {
         let Some((before, after)) = errors("cogging", file, [1.2, 9.7], "control") else { return };
         assert!(after < 0.4 * before, "{file}: {before} {after}");
     }
+}
+
+#[test]
+fn practice_recordings_are_read_as_they_stand() {
+    for file in ["triangle", "steps", "road", "multisine"] {
+        let Some(table) = table(&format!("practice/p08/{file}.parquet")) else { return };
+        let recording = Mapping::default().apply(&table).unwrap();
+        let channels = recording.channels().count();
+        assert_eq!((recording.sample_period_s, channels, recording.remarks.len()), (1e-3, 7, 0));
+        assert!(recording.channels().all(|(_, samples)| samples.len() == 10_000));
+    }
+}
+
+#[test]
+fn a_recorded_platform_serves_as_a_road() {
+    let Some(table) = table("platform/sandy_loam_05.parquet") else { return };
+    let file = root().join("project/tests/data/rig.toml");
+    let project = Project::from_bytes(&fs::read(file).unwrap(), "rig.toml").unwrap().project;
+    let Some(PlatformSource::Recording(source)) = project.verify.unwrap().road else { panic!("a recording") };
+    let made = road(&source, &table).unwrap();
+    assert!((made.sample_period_s - 0.01).abs() < 1e-3, "{}", made.sample_period_s);
+    let peak = made.heave_m_s2.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    assert!(peak > 0.05 && peak < 5.0, "{peak} m/s^2");
+}
+
+#[test]
+fn recordings_of_other_machines_are_mapped() {
+    let Some(table) = recording("cogging/nocomp_0.parquet") else { return };
+    let position = ChannelSource {
+        scale: TAU / 8192.0,
+        unit: Some("rad".to_owned()),
+        ..ChannelSource::named("position")
+    };
+    let current = ChannelSource::named("current");
+    let channels = vec![(Channel::MotorPosition, position), (Channel::MotorCurrent, current)];
+    let uneven = Mapping { channels, ..Mapping::default() }.apply(&table).unwrap();
+    assert!(uneven.remarks.iter().any(|r| matches!(r, Remark::Uneven { .. })), "{:?}", uneven.remarks);
+    assert!((1.0 / uneven.sample_period_s - 430.0).abs() < 30.0, "{} Hz", 1.0 / uneven.sample_period_s);
+    let Some(table) = recording("flexible-link/lqr.parquet") else { return };
+    let channels = vec![(Channel::HubPosition, ChannelSource::named("th1"))];
+    let even = Mapping { channels, ..Mapping::default() }.apply(&table).unwrap();
+    let radians = even.samples(Channel::HubPosition).unwrap()[100];
+    let degrees = table.column("th1").unwrap().values[100];
+    assert_eq!((even.sample_period_s, radians), (2e-3, degrees * (PI / 180.0)));
 }

@@ -10,8 +10,7 @@ use counterpoise_diagnose::recording::instrument_faults::{
     Column, ExaminedRecordings, find_instrument_faults,
 };
 use counterpoise_project::Project;
-use counterpoise_project::recording::Table;
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::{Recording, Table};
 use counterpoise_simulate::replay::Loop;
 use counterpoise_tests::sealed;
 
@@ -35,7 +34,7 @@ impl Machine {
         let read = |experiment: &&str| {
             let file = format!("{experiment}.parquet");
             let table = Table::read(&fs::read(folder.join(&file)).unwrap(), experiment).unwrap();
-            project.recording.apply(&table).unwrap().recording()
+            project.recording.apply(&table).unwrap()
         };
         let recordings = EXPERIMENTS.iter().map(read).collect();
         Some(Self { project, recordings })
@@ -53,8 +52,8 @@ impl Machine {
     }
 }
 
-fn of(r: &mut Recording, column: Column) -> &mut Vec<f64> {
-    column.of_mut(r).as_mut().unwrap()
+fn of(r: &mut Recording, column: Column) -> &mut [f64] {
+    column.of_mut(r).unwrap()
 }
 
 /// What a recorder may do to a column.
@@ -196,9 +195,9 @@ fn exchanged_columns_are_named_and_put_back() {
         ];
         for (one, other) in pairs {
             let exchanged = machine.with(&ALL, |r| {
-                let first = std::mem::take(of(r, one));
-                let second = std::mem::replace(of(r, other), first);
-                *of(r, one) = second;
+                let [first, second] = [one, other].map(|column| r.remove(column.channel()).unwrap());
+                r.set(other.channel(), first);
+                r.set(one.channel(), second);
             });
             let examined = machine.examined(&exchanged);
             let pair = [(component_of(one).name(), "exchanged"), (component_of(other).name(), "exchanged")];

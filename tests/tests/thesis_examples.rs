@@ -9,8 +9,7 @@ use counterpoise_claims::identified::AMPLIFIER;
 use counterpoise_diagnose::identification::{Amplifier, identify, improved};
 use counterpoise_pipeline::recordings::measured_modes::{StructureVerdict, structure};
 use counterpoise_project::Project;
-use counterpoise_project::recording::Table;
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::{Recording, Table};
 use counterpoise_simulate::replay::{Loop, replay};
 
 fn folder(example: &str) -> PathBuf {
@@ -67,7 +66,7 @@ fn current_a(volt: f64) -> f64 {
 
 fn recording(project: &Project, state: &str) -> Recording {
     let bytes = fs::read(folder("amplifier-curve").join(state).join("triangle.parquet")).unwrap();
-    project.recording.apply(&Table::read(&bytes, state).unwrap()).unwrap().recording()
+    project.recording.apply(&Table::read(&bytes, state).unwrap()).unwrap()
 }
 
 #[test]

@@ -7,7 +7,7 @@
 
 use counterpoise_models::friction::Similarity;
 use counterpoise_models::{Parameters, Ripple};
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::{Channel, Recording};
 
 use crate::findings::answer::{Answer, Basis, Channels};
 use crate::library::{Component, EffectName, Parameter, find_effects};
@@ -97,7 +97,10 @@ impl Scale {
     /// Returns a recording as the scaled machine would have made it.
     pub fn recording(self, recording: &Recording) -> Recording {
         let mut out = recording.clone();
-        out.motor_rate_rad_s.iter_mut().flatten().for_each(|rate| *rate *= self.ratio);
+        out.samples_mut(Channel::MotorRate)
+            .unwrap_or_default()
+            .iter_mut()
+            .for_each(|rate| *rate *= self.ratio);
         out
     }
 
@@ -156,7 +159,7 @@ impl Scale {
 fn drive_torque(base: &Parameters, recordings: &[Recording]) -> f64 {
     let loss = base.motor.resistance_ohm + base.amplifier.gain * base.amplifier.current_feedback_v_a;
     let gain = base.gearbox.ratio * base.motor.torque_constant_nm_a * base.amplifier.gain / loss;
-    let controls = recordings.iter().filter_map(|r| r.control_v.as_deref()).flatten();
+    let controls = recordings.iter().filter_map(|r| r.samples(Channel::Control)).flatten();
     let control: Vec<f64> = controls.copied().filter(|v| v.is_finite()).collect();
     (gain * crate::recording::series::rms(&control)).abs()
 }

@@ -2,7 +2,7 @@
 //! against it.
 
 use counterpoise_models::Parameters;
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::Recording;
 use counterpoise_simulate::replay::Loop;
 
 use crate::error::Error;

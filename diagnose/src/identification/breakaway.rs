@@ -1,7 +1,7 @@
 //! The highest friction after a reversal.
 
 use counterpoise_models::Parameters;
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::Recording;
 
 use super::outcome::Estimate;
 use super::problem::Problem;

@@ -1,7 +1,7 @@
 //! The amplifier's gain curve: a piecewise linear change of its map among the unknowns.
 
 use counterpoise_models::Parameters;
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::Recording;
 
 use super::outcome::{Amplifier, GainPoint, Unidentifiable};
 use super::problem::Problem;

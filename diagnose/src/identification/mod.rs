@@ -30,7 +30,7 @@ pub use outcome::{Amplifier, Balance, Estimate, GainPoint, Identified, Lobes, Lo
 
 use counterpoise_models::Parameters;
 use counterpoise_models::parameters::Friction;
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::{Channel, Recording};
 
 use crate::Error;
 use problem::{Layout, Problem};
@@ -157,10 +157,10 @@ fn notes(p: &Parameters, states: &[&[Recording]], amplifier: &Amplifier, left: f
         out.push(Note::SomethingElseActs { share: left.abs() });
     }
     let all = || states.iter().flat_map(|state| state.iter());
-    if all().any(|r| r.motor_rate_rad_s.is_none()) {
+    if all().any(|r| !r.has(Channel::MotorRate)) {
         out.push(Note::NoMotorRate);
     }
-    if all().any(|r| r.hub_position_rad.is_none()) {
+    if all().any(|r| !r.has(Channel::HubPosition)) {
         out.push(Note::NoHubPosition);
     }
     if p.lumped.is_none() {

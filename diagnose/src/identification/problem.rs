@@ -1,7 +1,7 @@
 //! The unknowns and the rows of all recordings, put together.
 
 use counterpoise_models::Parameters;
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::Recording;
 
 use super::regression::{Block, Fit, fit};
 use super::rows::{Maker, Rows};

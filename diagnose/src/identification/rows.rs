@@ -10,7 +10,7 @@
 //! inertia, `known` the torque of what is known: the first moment above the axis and the spring to the platform.
 
 use counterpoise_models::Parameters;
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::{Channel, Recording};
 
 use super::signal::{Chain, Kernel};
 use super::tolerance::*;
@@ -248,8 +248,8 @@ fn noise_variance(series: &[f64]) -> f64 {
 
 fn channels(r: &Recording, chain: &Chain) -> Result<Channels, Error> {
     let missing = |channel| Error::NotIdentifiable { recording: r.name.clone(), channel };
-    let control = r.control_v.as_ref().ok_or_else(|| missing("control"))?;
-    let hub = r.hub_rate_rad_s.as_ref().ok_or_else(|| missing("hub_rate"))?;
+    let control = r.samples(Channel::Control).ok_or_else(|| missing("control"))?;
+    let hub = r.samples(Channel::HubRate).ok_or_else(|| missing("hub_rate"))?;
     let n = control.len().min(hub.len());
     let mut whole = vec![true; n];
     let mut filled = |column: &[f64]| {
@@ -264,12 +264,12 @@ fn channels(r: &Recording, chain: &Chain) -> Result<Channels, Error> {
         (0..n).map(at).collect::<Vec<f64>>()
     };
     let (control, hub) = (filled(control), filled(hub));
-    let platform = r.platform_rate_rad_s.as_ref().map_or_else(|| vec![0.0; n], |c| filled(c));
-    let heave = r.platform_accel_m_s2.as_ref().map_or_else(|| vec![0.0; n], |c| filled(c));
-    let motor = r.motor_rate_rad_s.as_ref().map(|c| filled(c));
+    let platform = r.samples(Channel::PlatformRate).map_or_else(|| vec![0.0; n], &mut filled);
+    let heave = r.samples(Channel::PlatformAccel).map_or_else(|| vec![0.0; n], &mut filled);
+    let motor = r.samples(Channel::MotorRate).map(&mut filled);
     let relative: Vec<f64> = hub.iter().zip(&platform).map(|(h, p)| h - p).collect();
     let turned = || integral(&relative, r.sample_period_s);
     // the integral of what the gyroscopes read has their lag already
-    let position = r.hub_position_rad.as_ref().map_or_else(turned, |c| chain.as_gyro(&filled(c)));
+    let position = r.samples(Channel::HubPosition).map_or_else(turned, |c| chain.as_gyro(&filled(c)));
     Ok(Channels { control, hub, platform, heave, motor, position, whole })
 }

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::{Channel, Recording};
 
 use crate::recording::series::rms;
 
@@ -65,52 +65,39 @@ pub fn repair_gaps(recording: &Recording, ratio: f64) -> RepairedRecording {
     let mut whole = recording.clone();
     let mut repairs = Vec::new();
     let moving = motions(recording, ratio);
-    for ((channel, column), other) in compared(&mut whole).into_iter().zip(moving) {
-        if let (Some(series), Some(other)) = (column.as_mut(), other) {
-            repairs.extend(remove_stuck_readings(series, &other).map(|repair| (channel, repair)));
+    for (channel, other) in COMPARED.into_iter().zip(moving) {
+        if let (Some(series), Some(other)) = (whole.samples_mut(channel), other) {
+            repairs.extend(remove_stuck_readings(series, &other).map(|repair| (channel.name(), repair)));
         }
     }
     let length = whole.len();
     let mut broken = vec![false; length];
-    for (channel, column) in driving(&mut whole) {
-        let Some(series) = column.as_mut() else { continue };
+    for channel in DRIVING {
+        let Some(series) = whole.samples_mut(channel) else { continue };
         if series.iter().all(|v| !v.is_finite()) {
-            *column = None;
-            repairs.push((channel, Repair::NoSamples));
+            whole.remove(channel);
+            repairs.push((channel.name(), Repair::NoSamples));
             continue;
         }
-        repairs.extend(fill_short_gaps(series, &mut broken).map(|repair| (channel, repair)));
+        repairs.extend(fill_short_gaps(series, &mut broken).map(|repair| (channel.name(), repair)));
     }
     let (parts, repair) = split_at_gaps(&whole, &broken);
     repairs.extend(repair.map(|repair| ("time", repair)));
     RepairedRecording { parts, repairs }
 }
 
-type Columns<'a, const N: usize> = [(&'static str, &'a mut Option<Vec<f64>>); N];
-
-fn compared(r: &mut Recording) -> Columns<'_, 3> {
-    [
-        ("hub_rate", &mut r.hub_rate_rad_s),
-        ("motor_rate", &mut r.motor_rate_rad_s),
-        ("hub_position", &mut r.hub_position_rad),
-    ]
-}
-
-fn driving(r: &mut Recording) -> Columns<'_, 4> {
-    [
-        ("demand", &mut r.demand_rad_s),
-        ("control", &mut r.control_v),
-        ("platform_rate", &mut r.platform_rate_rad_s),
-        ("platform_accel", &mut r.platform_accel_m_s2),
-    ]
-}
+/// The channels that a replay only compares.
+const COMPARED: [Channel; 3] = [Channel::HubRate, Channel::MotorRate, Channel::HubPosition];
+/// The channels that drive a replay.
+const DRIVING: [Channel; 4] =
+    [Channel::Demand, Channel::Control, Channel::PlatformRate, Channel::PlatformAccel];
 
 /// Returns, for hub rate, motor rate and hub position, the hub's rate on the platform as another sensor measures it.
 fn motions(r: &Recording, ratio: f64) -> [Option<Vec<f64>>; 3] {
-    let geared = r.motor_rate_rad_s.as_ref().map(|w| w.iter().map(|v| v / ratio).collect::<Vec<f64>>());
-    let gyros = r.hub_rate_rad_s.as_ref().map(|hub| {
+    let geared = r.samples(Channel::MotorRate).map(|w| w.iter().map(|v| v / ratio).collect::<Vec<f64>>());
+    let gyros = r.samples(Channel::HubRate).map(|hub| {
         let still = vec![0.0; hub.len()];
-        let platform = r.platform_rate_rad_s.as_ref().unwrap_or(&still);
+        let platform = r.samples(Channel::PlatformRate).unwrap_or(&still);
         hub.iter().zip(platform).map(|(h, p)| h - p).collect::<Vec<f64>>()
     });
     [geared, gyros.clone(), gyros]
@@ -185,8 +172,7 @@ fn split_at_gaps(whole: &Recording, broken: &[bool]) -> (Vec<Recording>, Option<
     let count = stretches.len();
     let part = |(k, stretch): (usize, Range<usize>)| {
         let part = whole.part(stretch);
-        let name = if count > 1 { format!("{} (part {})", whole.name, k + 1) } else { part.name.clone() };
-        Recording { name, ..part }
+        if count > 1 { part.named(format!("{} (part {})", whole.name, k + 1)) } else { part }
     };
     let parts = stretches.into_iter().enumerate().map(part).collect();
     (parts, Some(repair))
@@ -199,15 +185,12 @@ mod tests {
 
     fn recording() -> Recording {
         let rate: Vec<f64> = (0..6000).map(|k| 0.1 * (f64::from(k) * 0.004).sin()).collect();
-        Recording {
-            name: "triangle".to_owned(),
-            sample_period_s: 1e-3,
-            demand_rad_s: Some(rate.clone()),
-            control_v: Some(rate.iter().map(|w| 10.0 * w).collect()),
-            motor_rate_rad_s: Some(rate.iter().map(|w| 200.0 * w).collect()),
-            hub_rate_rad_s: Some(rate),
-            ..Recording::default()
-        }
+        let times = |factor: f64| rate.iter().map(|w| factor * w).collect::<Vec<f64>>();
+        Recording::new("triangle", 1e-3)
+            .with(Channel::Demand, rate.clone())
+            .with(Channel::Control, times(10.0))
+            .with(Channel::MotorRate, times(200.0))
+            .with(Channel::HubRate, rate)
     }
 
     #[test]
@@ -220,9 +203,8 @@ mod tests {
     #[test]
     fn a_gap_parts_the_recording_and_is_told() {
         let mut r = recording();
-        for column in [&mut r.demand_rad_s, &mut r.control_v, &mut r.hub_rate_rad_s, &mut r.motor_rate_rad_s]
-        {
-            column.as_mut().unwrap()[2000..2500].fill(f64::NAN);
+        for channel in [Channel::Demand, Channel::Control, Channel::HubRate, Channel::MotorRate] {
+            r.samples_mut(channel).unwrap()[2000..2500].fill(f64::NAN);
         }
         let repaired = repair_gaps(&r, 200.0);
         let lengths: Vec<usize> = repaired.parts.iter().map(Recording::len).collect();
@@ -235,13 +217,14 @@ mod tests {
     #[test]
     fn short_holes_are_filled_and_stuck_readings_left_out() {
         let mut r = recording();
-        r.control_v.as_mut().unwrap()[100..104].fill(f64::NAN);
-        r.motor_rate_rad_s.as_mut().unwrap()[3000..3300].fill(7.5);
+        r.samples_mut(Channel::Control).unwrap()[100..104].fill(f64::NAN);
+        r.samples_mut(Channel::MotorRate).unwrap()[3000..3300].fill(7.5);
         let repaired = repair_gaps(&r, 200.0);
         let part = &repaired.parts[0];
-        let straight = part.control_v.as_ref().unwrap()[102] - recording().control_v.unwrap()[102];
+        let straight = part.samples(Channel::Control).unwrap()[102]
+            - recording().samples(Channel::Control).unwrap()[102];
         assert!(straight.abs() < 1e-4);
-        assert!(part.motor_rate_rad_s.as_ref().unwrap()[3150].is_nan());
+        assert!(part.samples(Channel::MotorRate).unwrap()[3150].is_nan());
         let told: Vec<&str> = repaired.repairs.iter().map(|(channel, _)| *channel).collect();
         assert_eq!(told, ["motor_rate", "control"]);
     }
@@ -249,8 +232,8 @@ mod tests {
     #[test]
     fn a_sensor_that_rests_with_the_mechanism_is_not_stuck() {
         let mut r = recording();
-        for (column, value) in [(&mut r.hub_rate_rad_s, 0.0), (&mut r.motor_rate_rad_s, 0.0)] {
-            column.as_mut().unwrap()[3000..3300].fill(value);
+        for channel in [Channel::HubRate, Channel::MotorRate] {
+            r.samples_mut(channel).unwrap()[3000..3300].fill(0.0);
         }
         assert!(repair_gaps(&r, 200.0).repairs.is_empty());
     }

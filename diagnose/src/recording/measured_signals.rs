@@ -1,6 +1,6 @@
 //! The signals of one recording as the localisation and the sanity checks take them.
 
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::{Channel, Recording};
 
 /// The measured signals of one recording.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,14 +23,15 @@ pub struct MeasuredSignals {
 
 /// Returns the signals of a recording; `None` if it has no control or no hub rate.
 pub fn read_signals(recording: &Recording) -> Option<MeasuredSignals> {
+    let recorded = |channel| recording.samples(channel).map(<[f64]>::to_vec);
     let still = || vec![0.0; recording.len()];
     Some(MeasuredSignals {
         period_s: recording.sample_period_s,
-        control: recording.control_v.clone()?,
-        hub_rate: recording.hub_rate_rad_s.clone()?,
-        platform_rate: recording.platform_rate_rad_s.clone().unwrap_or_else(still),
-        platform_accel: recording.platform_accel_m_s2.clone().unwrap_or_else(still),
-        motor_rate: recording.motor_rate_rad_s.clone(),
-        hub_position: recording.hub_position_rad.clone(),
+        control: recorded(Channel::Control)?,
+        hub_rate: recorded(Channel::HubRate)?,
+        platform_rate: recorded(Channel::PlatformRate).unwrap_or_else(still),
+        platform_accel: recorded(Channel::PlatformAccel).unwrap_or_else(still),
+        motor_rate: recorded(Channel::MotorRate),
+        hub_position: recorded(Channel::HubPosition),
     })
 }

@@ -1,8 +1,8 @@
 //! The noise of each channel, measured from the recordings: a project file may state more or less than there is.
 
 use counterpoise_models::{Interface, Parameters, Sensor};
-use counterpoise_simulate::recording::{Channel, Recording};
-use counterpoise_simulate::replay::reading_floor;
+use counterpoise_recordings::{Channel, Recording};
+use counterpoise_simulate::replay::{COMPARED, reading_floor};
 
 /// Returns the RMS of the white noise of a series from the median of its third differences, which steps and slow motion do not
 /// disturb; 0 for a series that stands still or is too short.
@@ -25,10 +25,10 @@ pub fn measure_noise_floor(base: &Parameters, channel: Channel, series: &[f64]) 
 /// stands still or was not recorded keeps the project's noise.
 pub fn with_recorded_noise(base: &Parameters, recordings: &[Recording]) -> Parameters {
     let mut heard = base.clone();
-    for channel in Channel::ALL {
+    for channel in COMPARED {
         let mut levels: Vec<f64> = recordings
             .iter()
-            .filter_map(|r| r.column(channel))
+            .filter_map(|r| r.samples(channel))
             .map(measure_white_noise)
             .filter(|n| *n > 0.0)
             .collect();
@@ -60,7 +60,7 @@ fn silent(sensor: &Sensor, interface: &Interface) -> f64 {
 fn sensor(p: &Parameters, channel: Channel) -> Option<&Sensor> {
     let s = &p.sensors;
     match channel {
-        Channel::Control => None,
+        Channel::Demand | Channel::Control | Channel::MotorPosition | Channel::MotorCurrent => None,
         Channel::HubRate => Some(&s.hub_gyro),
         Channel::PlatformRate => Some(&s.platform_gyro),
         Channel::PlatformAccel => Some(&s.platform_accelerometer),
@@ -72,7 +72,7 @@ fn sensor(p: &Parameters, channel: Channel) -> Option<&Sensor> {
 fn sensor_mut(p: &mut Parameters, channel: Channel) -> Option<&mut Sensor> {
     let s = &mut p.sensors;
     match channel {
-        Channel::Control => None,
+        Channel::Demand | Channel::Control | Channel::MotorPosition | Channel::MotorCurrent => None,
         Channel::HubRate => Some(&mut s.hub_gyro),
         Channel::PlatformRate => Some(&mut s.platform_gyro),
         Channel::PlatformAccel => Some(&mut s.platform_accelerometer),
@@ -102,8 +102,7 @@ mod tests {
             .map(|k| 0.1 * (k as f64 * 0.004).sin() + f64::from(k / 1000) + 2e-3 * noise())
             .collect();
         assert!((measure_white_noise(&rate) / 2e-3 - 1.0).abs() < 0.05, "{}", measure_white_noise(&rate));
-        let recording =
-            Recording { hub_rate_rad_s: Some(rate), sample_period_s: 1e-3, ..Recording::default() };
+        let recording = Recording::new("", 1e-3).with(Channel::HubRate, rate);
         let base = reference::rig();
         let heard = with_recorded_noise(&base, &[recording]);
         assert!((heard.sensors.hub_gyro.noise_rms / 2e-3 - 1.0).abs() < 0.05);

@@ -4,7 +4,7 @@
 //! hub's rate on the platform (gyroscopes, tachometer over the ratio, the resolver's derivative) against each other.
 
 use counterpoise_models::Parameters;
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::Recording;
 use counterpoise_simulate::replay::{Loop, control_fit};
 
 use crate::recording::measured_signals::MeasuredSignals;

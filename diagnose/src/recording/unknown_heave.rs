@@ -1,6 +1,6 @@
 //! Recordings of a moving platform without its acceleration.
 
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::{Channel, Recording};
 
 use crate::recording::remarks::{HeaveTreatment, RecordingRemark};
 use crate::recording::series::rms;
@@ -21,9 +21,9 @@ pub(crate) fn drop_unknown_heave(recordings: Vec<Recording>) -> (Vec<Recording>,
 }
 
 fn is_unknown(recording: &Recording) -> bool {
-    let rate = recording.platform_rate_rad_s.iter().flatten().copied();
+    let rate = recording.samples(Channel::PlatformRate).unwrap_or_default().iter().copied();
     let rate: Vec<f64> = rate.filter(|w| w.is_finite()).collect();
-    recording.platform_accel_m_s2.is_none() && rms(&rate) > MOVES_RAD_S
+    !recording.has(Channel::PlatformAccel) && rms(&rate) > MOVES_RAD_S
 }
 
 #[cfg(test)]
@@ -31,12 +31,11 @@ mod tests {
     use super::*;
 
     fn recording(name: &str, rate: f64, heave: Option<f64>) -> Recording {
-        Recording {
-            name: name.to_owned(),
-            sample_period_s: 1e-3,
-            platform_rate_rad_s: Some(vec![rate, -rate, rate, f64::NAN]),
-            platform_accel_m_s2: heave.map(|a| vec![a; 4]),
-            ..Recording::default()
+        let rate = vec![rate, -rate, rate, f64::NAN];
+        let recording = Recording::new(name, 1e-3).with(Channel::PlatformRate, rate);
+        match heave {
+            Some(heave) => recording.with(Channel::PlatformAccel, vec![heave; 4]),
+            None => recording,
         }
     }
 

@@ -5,9 +5,9 @@ use std::sync::OnceLock;
 
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::Parameters;
+use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::PlantState;
 use counterpoise_simulate::history::ReadingColumns;
-use counterpoise_simulate::recording::{Channel, Recording};
 use counterpoise_simulate::replay::{Loop, Replay, Replayer, reading_floor};
 
 use crate::error::Error;
@@ -85,7 +85,7 @@ impl<'a> RecordingReplays<'a> {
             if c == Channel::Control && own < QUIET * control_floor { control_floor } else { own }
         };
         let floors =
-            |r: &Recording| SCORED.map(|c| of(c, measure_noise_floor(base, c, r.column(c).unwrap_or(&[]))));
+            |r: &Recording| SCORED.map(|c| of(c, measure_noise_floor(base, c, r.samples(c).unwrap_or(&[]))));
         Ok(Self {
             base,
             control: control.clone(),
@@ -164,9 +164,9 @@ impl<'a> RecordingReplays<'a> {
         let mut out = Vec::new();
         for (place, channel) in SCORED.into_iter().enumerate() {
             let Some((shown, c)) = self.shown(replay, index, source, place) else { continue };
-            let recorded = &self.prepared.whole[index].column(shown)?[..length];
+            let recorded = &self.prepared.whole[index].samples(shown)?[..length];
             let floor = self.floors[index][c];
-            let simulated = shown.of(&replay.simulated);
+            let simulated = replay.simulated.channel(shown);
             let difference = |(s, r): (&f64, &f64)| if r.is_finite() { (s - r) / floor } else { 0.0 };
             let residual: Vec<f64> = simulated.iter().zip(recorded).map(difference).collect();
             let told = if shown == channel { floor } else { self.control_floor };
@@ -236,7 +236,8 @@ impl<'a> RecordingReplays<'a> {
 
 /// Returns whether the demand of a recording equals its hub rate: then a controller that was not recorded makes the model follow.
 fn follows(recording: &Recording) -> bool {
-    let (Some(demand), Some(rate)) = (&recording.demand_rad_s, &recording.hub_rate_rad_s) else {
+    let channels = [Channel::Demand, Channel::HubRate];
+    let [Some(demand), Some(rate)] = channels.map(|channel| recording.samples(channel)) else {
         return false;
     };
     let differs = |(d, r): (&f64, &f64)| r.is_finite() && d != r;
@@ -266,7 +267,7 @@ impl SimulatorAccess for RecordingReplays<'_> {
     }
 
     fn most_active_recording(&self) -> usize {
-        let motion = |r: &Recording| r.hub_rate_rad_s.as_deref().map_or(0.0, deviation);
+        let motion = |r: &Recording| r.samples(Channel::HubRate).map_or(0.0, deviation);
         let sizes: Vec<f64> = self.prepared.whole.iter().map(motion).collect();
         (0..sizes.len()).max_by(|&a, &b| sizes[a].total_cmp(&sizes[b])).unwrap_or(0)
     }
@@ -318,8 +319,8 @@ impl SimulatorAccess for RecordingReplays<'_> {
 
     fn turns_per_sample(&self) -> f64 {
         let recording = &self.prepared.whole[self.most_active_recording()];
-        let Some(hub) = recording.hub_rate_rad_s.as_deref() else { return 0.0 };
-        let platform = recording.platform_rate_rad_s.as_deref();
+        let Some(hub) = recording.samples(Channel::HubRate) else { return 0.0 };
+        let platform = recording.samples(Channel::PlatformRate);
         let rates = hub.iter().enumerate().map(|(k, h)| h - platform.map_or(0.0, |p| p[k]));
         let finite: Vec<f64> = rates.filter(|rate| rate.is_finite()).collect();
         rms(&finite) * recording.sample_period_s / std::f64::consts::TAU
@@ -343,7 +344,7 @@ impl SimulatorAccess for RecordingReplays<'_> {
         let one = |place: usize| -> Option<Vec<f64>> {
             let (shown, c) = self.shown(&quiet, index, near.source, place)?;
             let floor = self.floors[index][c];
-            let pairs = shown.of(&shaken.simulated).iter().zip(shown.of(&quiet.simulated));
+            let pairs = shaken.simulated.channel(shown).iter().zip(quiet.simulated.channel(shown));
             Some(pairs.map(|(a, b)| (a - b) / floor).collect())
         };
         Some((0..SCORED.len()).filter_map(one).collect())
@@ -382,13 +383,13 @@ fn travel(recording: &Recording) -> f64 {
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
         (high - low).max(0.0)
     };
-    if let Some(position) = &recording.hub_position_rad {
+    if let Some(position) = recording.samples(Channel::HubPosition) {
         return span(&mut position.iter().copied());
     }
-    let Some(hub) = &recording.hub_rate_rad_s else { return 0.0 };
+    let Some(hub) = recording.samples(Channel::HubRate) else { return 0.0 };
     let mut angle = 0.0;
     let still = vec![0.0; hub.len()];
-    let platform = recording.platform_rate_rad_s.as_ref().unwrap_or(&still);
+    let platform = recording.samples(Channel::PlatformRate).unwrap_or(&still);
     let rates = hub.iter().zip(platform).map(|(h, p)| h - p);
     span(&mut rates.map(|rate| {
         angle += if rate.is_finite() { rate * recording.sample_period_s } else { 0.0 };
@@ -397,7 +398,8 @@ fn travel(recording: &Recording) -> f64 {
 }
 
 fn apart(channel: Channel, a: &ReadingColumns, b: &ReadingColumns) -> f64 {
-    let difference: Vec<f64> = channel.of(a).iter().zip(channel.of(b)).map(|(x, y)| x - y).collect();
+    let difference: Vec<f64> =
+        a.channel(channel).iter().zip(b.channel(channel)).map(|(x, y)| x - y).collect();
     rms(&difference)
 }
 
@@ -414,12 +416,13 @@ fn with_other_noise(recording: &Recording, p: &Parameters, which: u64) -> Record
     let mut normal = || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
     let mut noisy = recording.clone();
     let columns = [
-        (&mut noisy.demand_rad_s, p.sensors.hub_gyro.noise_rms.max(1e-9)),
-        (&mut noisy.platform_rate_rad_s, p.sensors.platform_gyro.noise_rms),
-        (&mut noisy.platform_accel_m_s2, p.sensors.platform_accelerometer.noise_rms),
+        (Channel::Demand, p.sensors.hub_gyro.noise_rms.max(1e-9)),
+        (Channel::PlatformRate, p.sensors.platform_gyro.noise_rms),
+        (Channel::PlatformAccel, p.sensors.platform_accelerometer.noise_rms),
     ];
-    for (column, size) in columns {
-        column.iter_mut().flatten().for_each(|value| *value += size * normal());
+    for (channel, size) in columns {
+        let samples = noisy.samples_mut(channel).unwrap_or_default();
+        samples.iter_mut().for_each(|value| *value += size * normal());
     }
     noisy
 }

@@ -4,7 +4,7 @@ use counterpoise_diagnose::Diagnosis;
 use counterpoise_diagnose::recording::gap_repair::repair_gaps;
 use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_project::Project;
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::Recording;
 use counterpoise_simulate::replay::Loop;
 
 use super::read::{ColumnRemark, Gaps, RecordingFile, control_for, read, without_demand};

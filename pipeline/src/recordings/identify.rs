@@ -4,7 +4,7 @@ use std::path::Path;
 
 use counterpoise_diagnose::identification::Identified;
 use counterpoise_project::Project;
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::Recording;
 
 use super::read::{ColumnRemark, Gaps, RecordingFile, read};
 use crate::PipelineError;
@@ -31,7 +31,7 @@ pub fn identify(
         let mut of_state = Vec::new();
         for item in read(project, files, Gaps::Repaired)? {
             let stem = Path::new(&item.file).file_stem().map(|s| s.to_string_lossy().into_owned());
-            of_state.push(Recording { name: stem.unwrap_or_else(|| item.file.clone()), ..item.recording });
+            of_state.push(item.recording.named(stem.unwrap_or_else(|| item.file.clone())));
             remarks.push((item.file, item.remarks));
         }
         recordings.push(of_state);

@@ -3,8 +3,7 @@
 use counterpoise_diagnose::recording::gap_repair::{Repair, repair_gaps};
 use counterpoise_diagnose::recording::sanity_checks::{Anomaly, ControlMismatch, check_control};
 use counterpoise_project::Project;
-use counterpoise_project::recording::{Finding, Mapping, Record, RecordingError, Table};
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::{Channel, Error, Mapping, Recording, Remark, Table};
 use counterpoise_simulate::replay::Loop;
 
 use crate::PipelineError;
@@ -35,7 +34,7 @@ pub struct ReadRecording {
 #[derive(Debug, Clone, PartialEq)]
 pub enum ColumnRemark {
     /// Found when the file was read.
-    File(Finding),
+    File(Remark),
     /// Repaired.
     Repair {
         /// The channel.
@@ -75,48 +74,49 @@ pub fn read(
 ) -> Result<Vec<ReadRecording>, PipelineError> {
     let mut all = Vec::new();
     for file in files {
-        let (_, records) = tabulate(project, file).map_err(PipelineError::UnreadableRecording)?;
-        for record in &records {
-            all.extend(read_record(project, record, gaps)?);
+        let (_, recordings) = tabulate(project, file).map_err(PipelineError::UnreadableRecording)?;
+        for recording in recordings {
+            all.extend(read_recording(project, recording, gaps)?);
         }
     }
     Ok(all)
 }
 
-/// Returns the table of a file and its records as the project maps them.
+/// Returns the table of a file and its recordings as the project maps them.
 ///
 /// # Errors
 /// The file cannot be decoded, or its columns do not fit the mapping.
-pub fn tabulate(project: &Project, file: &RecordingFile) -> Result<(Table, Vec<Record>), RecordingError> {
+pub fn tabulate(project: &Project, file: &RecordingFile) -> Result<(Table, Vec<Recording>), Error> {
     let clock = project.recording.sample_period_s.or(Some(project.plant.interface.sample_period_s));
     let mapping = Mapping { sample_period_s: clock, ..project.recording.clone() };
     let table = Table::read(&file.bytes, &file.name)?;
-    let records = mapping.records(&table)?;
-    Ok((table, records))
+    let recordings = mapping.recordings(&table)?;
+    Ok((table, recordings))
 }
 
-/// Returns the recordings of one record: several if gaps split it. Remarks about the whole record stand with the first.
+/// Returns the parts of one recording: several if gaps split it. Remarks about the whole recording stand with the first.
 ///
 /// # Errors
-/// [`PipelineError::NothingToReplay`] if the gaps leave no part of the record.
-pub fn read_record(
+/// [`PipelineError::NothingToReplay`] if the gaps leave no part of the recording.
+pub fn read_recording(
     project: &Project,
-    record: &Record,
+    whole: Recording,
     gaps: Gaps,
 ) -> Result<Vec<ReadRecording>, PipelineError> {
-    let keeps_samples = project.recording.keeps_samples(record);
-    let mut remarks: Vec<ColumnRemark> = record.findings.iter().cloned().map(ColumnRemark::File).collect();
+    let keeps_samples = project.recording.keeps_samples(&whole);
+    let name = whole.name.clone();
+    let mut remarks: Vec<ColumnRemark> = whole.remarks.iter().cloned().map(ColumnRemark::File).collect();
     let parts = match gaps {
-        Gaps::AsWritten => vec![(record.name.clone(), record.recording())],
+        Gaps::AsWritten => vec![(name.clone(), whole)],
         Gaps::Repaired => {
-            let repaired = repair_gaps(&record.recording(), project.plant.gearbox.ratio);
+            let repaired = repair_gaps(&whole, project.plant.gearbox.ratio);
             let done = |(channel, repair): (&'static str, Repair)| ColumnRemark::Repair { channel, repair };
             remarks.extend(repaired.repairs.into_iter().map(done));
             repaired.parts.into_iter().map(|part| (part.name.clone(), part)).collect()
         }
     };
     if parts.is_empty() {
-        return Err(PipelineError::NothingToReplay { recording: record.name.clone(), remarks });
+        return Err(PipelineError::NothingToReplay { recording: name, remarks });
     }
     let one = |(file, recording): (String, Recording)| {
         let foreign = foreign_controller(project, &recording, keeps_samples);
@@ -137,7 +137,7 @@ fn foreign_controller(project: &Project, recording: &Recording, keeps_samples: b
 pub fn control_for<'a>(project: &Project, recordings: impl IntoIterator<Item = &'a Recording>) -> Loop {
     let mut recordings = recordings.into_iter();
     match &project.recording_controller {
-        Some(controller) if recordings.all(|recording| recording.demand_rad_s.is_some()) => {
+        Some(controller) if recordings.all(|recording| recording.has(Channel::Demand)) => {
             Loop::from(controller)
         }
         _ => Loop::Open,
@@ -153,6 +153,6 @@ pub fn without_demand<'a>(
     if project.recording_controller.is_none() {
         return Vec::new();
     }
-    let lacking = recordings.into_iter().filter(|(_, recording)| recording.demand_rad_s.is_none());
+    let lacking = recordings.into_iter().filter(|(_, recording)| !recording.has(Channel::Demand));
     lacking.map(|(name, _)| name.to_owned()).collect()
 }

@@ -4,7 +4,7 @@ use counterpoise_diagnose::recording::measured_signals::read_signals;
 use counterpoise_diagnose::recording::sanity_checks::{Remark, check_signals};
 use counterpoise_models::Parameters;
 use counterpoise_project::Project;
-use counterpoise_simulate::recording::{Channel, Recording};
+use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::{Loop, ReplayMode, Replayer, SelectedReplay};
 
 use super::read::{ColumnRemark, ReadRecording};

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use counterpoise_models::Parameters;
-use counterpoise_simulate::recording::{Channel, Recording};
+use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::{Loop, Replay, replay};
 
 /// One channel of one recording, measured and simulated.
@@ -51,11 +51,11 @@ pub fn tracks(recording: &Recording, before: &Replay, after: Option<&Replay>) ->
         Some(Track {
             recording: short_name(&recording.name),
             channel: channel.name(),
-            unit: unit(channel),
+            unit: channel.unit(),
             period_s: recording.sample_period_s,
-            measured: recording.column(channel)?.to_vec(),
-            before: channel.of(&before.simulated).to_vec(),
-            after: after.map(|replay| channel.of(&replay.simulated).to_vec()).unwrap_or_default(),
+            measured: recording.samples(channel)?.to_vec(),
+            before: before.simulated.channel(channel).to_vec(),
+            after: after.map(|replay| replay.simulated.channel(channel).to_vec()).unwrap_or_default(),
         })
     };
     COMPARED.into_iter().filter_map(track).collect()
@@ -66,13 +66,4 @@ fn short_name(name: &str) -> String {
     let (path, part) = name.split_once(", ").map_or((name, String::new()), |(p, w)| (p, format!(", {w}")));
     let stem = Path::new(path).file_stem().map(|s| s.to_string_lossy().into_owned());
     stem.unwrap_or_else(|| path.to_owned()) + &part
-}
-
-fn unit(channel: Channel) -> &'static str {
-    match channel {
-        Channel::Control => "V",
-        Channel::HubPosition => "rad",
-        Channel::PlatformAccel => "m/s^2",
-        Channel::HubRate | Channel::PlatformRate | Channel::MotorRate => "rad/s",
-    }
 }

@@ -9,7 +9,7 @@ use counterpoise_diagnose::simulator_access::{Pool, map};
 use counterpoise_lti::{C64, StateSpace, response_at};
 use counterpoise_models::plant::{Angles, FrictionLinearisation, Plant};
 use counterpoise_models::{FrictionLaw, OperatingPoint};
-use counterpoise_simulate::Recording;
+use counterpoise_recordings::{Channel, Recording};
 pub use counterpoise_simulate::fra::Measurement;
 use counterpoise_simulate::fra::{self, Response, Settings, Test, TestSine};
 use counterpoise_verify::linear::SampledPlant;
@@ -244,14 +244,17 @@ impl Analyser {
     /// # Errors
     /// A channel that was not recorded, a frequency that does not fit into the recording, and those of the linearisation.
     pub fn recorded(&self, recording: &Recording, frequencies_hz: &[f64]) -> Result<Map, PipelineError> {
-        let (input, missing) = match self.around {
-            Around::Plant => (&recording.control_v, "control"),
-            Around::Closed => (&recording.demand_rad_s, "demand"),
-            Around::Disturbance | Around::Disconnected => (&recording.platform_rate_rad_s, "platform_rate"),
+        let input = match self.around {
+            Around::Plant => Channel::Control,
+            Around::Closed => Channel::Demand,
+            Around::Disturbance | Around::Disconnected => Channel::PlatformRate,
         };
-        let lacking = |channel| PipelineError::Channel { recording: recording.name.clone(), channel };
-        let input = input.as_ref().ok_or_else(|| lacking(missing))?;
-        let output = recording.hub_rate_rad_s.as_ref().ok_or_else(|| lacking("hub_rate"))?;
+        let recorded = |channel: Channel| {
+            let (name, channel_name) = (recording.name.clone(), channel.name());
+            let lacking = PipelineError::Channel { recording: name, channel: channel_name };
+            recording.samples(channel).ok_or(lacking)
+        };
+        let (input, output) = (recorded(input)?, recorded(Channel::HubRate)?);
         let mut points = Vec::with_capacity(frequencies_hz.len());
         for hz in frequencies_hz {
             let found = fra::response(input, output, recording.sample_period_s, TAU * hz, usize::MAX)?;

@@ -1,6 +1,7 @@
 //! What no single key can say: names that must differ or exist, sections that must adjoin, descriptions that must agree.
 
 use counterpoise_models::{Beam, Parameters, SectionShape};
+use counterpoise_recordings::{Mapping, Unit};
 
 use super::Project;
 use super::import::ImportedStructure;
@@ -9,7 +10,6 @@ use crate::diagnostic::{Diagnostic, Problem, Severity, did_you_mean};
 use crate::file::Document;
 use crate::file::source::Remark;
 use crate::file::visit::Choice;
-use crate::recording::{Mapping, Unit};
 
 /// Two ends of sections closer than this fraction of the beam's length adjoin.
 const ADJOINING: f64 = 1e-9;

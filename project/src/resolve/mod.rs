@@ -19,6 +19,7 @@ mod weight;
 
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::Parameters;
+use counterpoise_recordings::Mapping;
 
 use crate::diagnostic::{Diagnostic, Problem, Severity};
 use crate::file::field::{Field, Limit, TableField};
@@ -28,7 +29,6 @@ use crate::file::reader::Reader;
 use crate::file::source::Remark;
 use crate::file::visit::{Visit, optional, table};
 use crate::file::{Attachments, Document, EditError, writer};
-use crate::recording::Mapping;
 use design::{Export, Reduction, Synthesis};
 use model::Modelling;
 use sweep::Sweep;

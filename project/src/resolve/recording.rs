@@ -1,8 +1,9 @@
 //! The `[recording]` section: how the columns of recordings become channels.
 
+use counterpoise_recordings::{Channel, ChannelSource, Mapping};
+
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{Visit, maybe_number, table};
-use crate::recording::{Channel, ChannelSource, Mapping};
 
 /// Reads or lists the mapping.
 pub(crate) fn recording(v: &mut dyn Visit, mapping: &mut Mapping) {

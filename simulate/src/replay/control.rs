@@ -4,11 +4,11 @@
 //! machine did: what is left is the rounding of the converters, or another controller was in the loop.
 
 use super::{ChannelFit, fit};
-use crate::recording::{Channel, Recording};
 use crate::sensing::CONVERTER_RANGE_V;
 use crate::tolerance::SHORTEST_WINDOW;
 use counterpoise_controller::{ProportionalIntegral, Readings, SampledController};
 use counterpoise_models::Parameters;
+use counterpoise_recordings::{Channel, Recording};
 
 /// Returns the control that a controller makes of the recorded demand and hub rate, and how well it fits the recorded control. The integral at
 /// the start, and after each missing sample, is the one that fits best.
@@ -20,9 +20,9 @@ pub fn control_fit(
     recording: &Recording,
     controller: &ProportionalIntegral,
 ) -> Option<(ChannelFit, Vec<f64>)> {
-    let demand = recording.demand_rad_s.as_deref()?;
-    let rate = recording.hub_rate_rad_s.as_deref()?;
-    let control = recording.control_v.as_deref()?;
+    let demand = recording.samples(Channel::Demand)?;
+    let rate = recording.samples(Channel::HubRate)?;
+    let control = recording.samples(Channel::Control)?;
     if demand.iter().zip(rate).all(|(d, r)| d == r || !r.is_finite()) {
         return None;
     }
@@ -89,15 +89,12 @@ mod tests {
             let readings = Readings { demand_rad_s: *d, hub_rate_rad_s: *r, ..Readings::default() };
             (ready.step(&readings) / step).round() * step
         };
-        let control = demand.iter().zip(&rate).map(&mut one).collect();
+        let control: Vec<f64> = demand.iter().zip(&rate).map(&mut one).collect();
         rate[1200] = f64::NAN;
-        Recording {
-            sample_period_s: 1e-3,
-            demand_rad_s: Some(demand),
-            hub_rate_rad_s: Some(rate),
-            control_v: Some(control),
-            ..Recording::default()
-        }
+        Recording::new("", 1e-3)
+            .with(Channel::Demand, demand)
+            .with(Channel::HubRate, rate)
+            .with(Channel::Control, control)
     }
 
     #[test]
@@ -114,8 +111,9 @@ mod tests {
 
     #[test]
     fn a_recording_without_a_rate_loop_has_none() {
-        let mut followed = recording();
-        followed.demand_rad_s = followed.hub_rate_rad_s.clone();
+        let recorded = recording();
+        let rate = recorded.samples(Channel::HubRate).unwrap().to_vec();
+        let followed = recorded.with(Channel::Demand, rate);
         assert!(control_fit(&reference::rig(), &followed, &controller(18.0)).is_none());
     }
 }

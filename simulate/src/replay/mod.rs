@@ -20,7 +20,6 @@ pub use windowed_replay::{Divergence, ReplayMode, SelectedReplay, WINDOW_S};
 
 use crate::Error;
 use crate::history::{ReadingColumns, TimeHistory};
-use crate::recording::{Channel, Recording};
 use crate::run::Simulator;
 use crate::scenario::{Detail, Initial, Scenario};
 use crate::sensing::{CONVERTER_RANGE_V, Imperfections};
@@ -30,6 +29,17 @@ use crate::{PlantState, PlatformMotion};
 use counterpoise_controller::{ProportionalIntegral, Readings, SampledController};
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{Parameters, Plant};
+use counterpoise_recordings::{Channel, Recording};
+
+/// The channels that a replay compares, in the order of its results.
+pub const COMPARED: [Channel; 6] = [
+    Channel::Control,
+    Channel::HubRate,
+    Channel::PlatformRate,
+    Channel::PlatformAccel,
+    Channel::MotorRate,
+    Channel::HubPosition,
+];
 
 /// How the control of a replay comes about.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,10 +113,9 @@ impl<'a> Replayer<'a> {
         if samples == 0 {
             return Err(Error::NoChannel { channel: "samples" });
         }
-        for channel in Channel::ALL {
-            check_length(channel.name(), recording.column(channel), samples)?;
+        for channel in COMPARED.into_iter().chain([Channel::Demand]) {
+            check_length(channel.name(), recording.samples(channel), samples)?;
         }
-        check_length("demand", recording.demand_rad_s.as_deref(), samples)?;
         let period = parameters.interface.sample_period_s;
         if (recording.sample_period_s / period - 1.0).abs() > SAME_PERIOD {
             let allowed = "the sample period of the interface";
@@ -242,9 +251,9 @@ impl<'a> Replayer<'a> {
         let floors = Floors { parameters, control };
         let one = |channel: Channel| {
             let floor = floors.of(channel)?;
-            fit(channel, channel.of(simulated), self.recording.column(channel)?, floor)
+            fit(channel, simulated.channel(channel), self.recording.samples(channel)?, floor)
         };
-        Channel::ALL.into_iter().filter_map(one).collect()
+        COMPARED.into_iter().filter_map(one).collect()
     }
 
     fn run(
@@ -266,7 +275,7 @@ impl<'a> Replayer<'a> {
     /// Returns the mean difference of the hub position over the whole recording: a rate loop does not know its angle, and the
     /// first moments do not fix it better than the resolver's noise.
     fn position_offset(&self, history: &TimeHistory) -> Option<f64> {
-        let recorded = self.recording.hub_position_rad.as_deref()?;
+        let recorded = self.recording.samples(Channel::HubPosition)?;
         let differences = history.readings.hub_position_rad.iter().zip(recorded).map(|(s, r)| s - r);
         let (sum, count) =
             differences.filter(|d| d.is_finite()).fold((0.0, 0.0), |(s, c), d| (s + d, c + 1.0));
@@ -276,7 +285,7 @@ impl<'a> Replayer<'a> {
     /// Returns the scenario of the first samples from a start.
     pub(crate) fn scenario(&self, samples: usize, start: &PlantState) -> Scenario {
         let period = self.recording.sample_period_s;
-        let demand = self.recording.demand_rad_s.clone().unwrap_or_default();
+        let demand = self.recording.samples(Channel::Demand).unwrap_or_default().to_vec();
         Scenario {
             duration_s: samples as f64 * period,
             demand_rad_s: Signal::Held { period_s: period, values: demand },
@@ -290,16 +299,18 @@ impl<'a> Replayer<'a> {
 
     /// Returns a controller that plays the recorded control back.
     pub(crate) fn playback(&self) -> Result<Playback<'a>, Error> {
-        let control_v = self.recording.control_v.as_deref().ok_or(Error::NoChannel { channel: "control" })?;
+        let control_v =
+            self.recording.samples(Channel::Control).ok_or(Error::NoChannel { channel: "control" })?;
         Ok(Playback::new(control_v))
     }
 
     /// Returns the controller with the integral that it had at the first sample: the mean of what its output leaves
     /// unexplained, for its inputs were recorded; as it was handed in if control or hub rate were not.
     fn controller_at_start(&self, controller: &ProportionalIntegral) -> Result<ProportionalIntegral, Error> {
-        let demand = self.recording.demand_rad_s.as_deref().ok_or(Error::NoChannel { channel: "demand" })?;
+        let demand = self.recording.samples(Channel::Demand).ok_or(Error::NoChannel { channel: "demand" })?;
         let mut ready = controller.clone();
-        let (Some(control), Some(rate)) = (&self.recording.control_v, &self.recording.hub_rate_rad_s) else {
+        let recorded = |channel| self.recording.samples(channel);
+        let (Some(control), Some(rate)) = (recorded(Channel::Control), recorded(Channel::HubRate)) else {
             return Ok(ready);
         };
         ready.integral_v = 0.0;
@@ -330,7 +341,7 @@ pub struct Playback<'a> {
 impl<'a> Playback<'a> {
     /// Returns the recorded control with missing values filled by those before them.
     pub(crate) fn filled(recording: &Recording) -> Result<Vec<f64>, Error> {
-        let control_v = recording.control_v.as_deref().ok_or(Error::NoChannel { channel: "control" })?;
+        let control_v = recording.samples(Channel::Control).ok_or(Error::NoChannel { channel: "control" })?;
         let mut last = 0.0;
         let held = control_v.iter().map(|v| {
             if v.is_finite() {
@@ -382,6 +393,7 @@ impl Floors<'_> {
                 let step = 2.0 * CONVERTER_RANGE_V / f64::from(interface.output_bits).exp2();
                 Some((controller.kp_v_s_rad * floor(&sensors.hub_gyro)).hypot(step / 12f64.sqrt()))
             }
+            Channel::Demand | Channel::MotorPosition | Channel::MotorCurrent => None,
         }
     }
 }

@@ -2,10 +2,10 @@
 
 use super::smoother::sensor_input;
 use crate::motion::PlatformMotion;
-use crate::recording::Recording;
 use crate::sensing::CONVERTER_RANGE_V;
 use crate::signal::Signal;
 use counterpoise_models::{Interface, Parameters, Sensor};
+use counterpoise_recordings::{Channel, Recording};
 
 /// RMS of what noise and quantisation add to a reading, in the measured unit: the root of the sum of the squares of
 /// the noise and of the converter's step over the root of 12.
@@ -73,8 +73,8 @@ impl Sensed {
     pub(crate) fn new(parameters: &Parameters, recording: &Recording, before: Option<&Self>) -> Self {
         let (sensors, interface) = (&parameters.sensors, &parameters.interface);
         let period_s = recording.sample_period_s;
-        let rate = Column { values: recording.platform_rate_rad_s.as_deref(), period_s };
-        let heave = Column { values: recording.platform_accel_m_s2.as_deref(), period_s };
+        let rate = Column { values: recording.samples(Channel::PlatformRate), period_s };
+        let heave = Column { values: recording.samples(Channel::PlatformAccel), period_s };
         let gyro = before.map(|b| &b.rate);
         let accelerometer = before.map(|b| &b.heave);
         Self {

@@ -8,7 +8,6 @@
 
 use super::normal::{Normal, squares};
 use super::{Replayer, reading_floor};
-use crate::recording::Channel;
 use crate::run::Simulator;
 use crate::tolerance::{
     FAR, FIRST_SAMPLES, IMBALANCE, START_EXPLAINED, START_FLAT, START_ITERATIONS, START_STUCK,
@@ -18,6 +17,7 @@ use crate::{Error, FrictionState, PlantState};
 use counterpoise_models::plant::Hose;
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{Parameters, Plant};
+use counterpoise_recordings::Channel;
 
 /// Number of unknowns.
 pub const UNKNOWNS: usize = 7;
@@ -42,7 +42,7 @@ pub fn start_has(parameters: &Parameters, freedom: usize) -> bool {
 /// Returns the state of the plant at the first sample.
 pub(crate) fn estimate(simulator: &mut Simulator, replayer: &Replayer) -> Result<PlantState, Error> {
     let mut fit = Fit::new(simulator, replayer);
-    if fit.channels.is_empty() || replayer.recording().control_v.is_none() {
+    if fit.channels.is_empty() || !replayer.recording().has(Channel::Control) {
         return Ok(fit.state(&fit.guess(None)));
     }
     let mut best: Option<(f64, Unknowns)> = None;
@@ -67,7 +67,7 @@ pub(crate) fn refine(
     near: &PlantState,
 ) -> Result<PlantState, Error> {
     let mut fit = Fit::new(simulator, replayer);
-    if fit.channels.is_empty() || replayer.recording().control_v.is_none() {
+    if fit.channels.is_empty() || !replayer.recording().has(Channel::Control) {
         return Ok(fit.state(&fit.guess(None)));
     }
     let (_, found) = fit.descend(fit.unknowns(near))?;
@@ -94,7 +94,7 @@ pub(crate) fn redrawn(
     at: &PlantState,
 ) -> Result<PlantState, Error> {
     let mut fit = Fit::new(simulator, replayer);
-    if fit.channels.is_empty() || replayer.recording().control_v.is_none() {
+    if fit.channels.is_empty() || !replayer.recording().has(Channel::Control) {
         return Ok(at.clone());
     }
     let now = fit.bounded(fit.unknowns(at));
@@ -135,7 +135,7 @@ impl<'a, 'b> Fit<'a, 'b> {
         ];
         let channels = candidates
             .into_iter()
-            .filter(|(channel, _)| replayer.recording().column(*channel).is_some())
+            .filter(|(channel, _)| replayer.recording().has(*channel))
             .filter_map(|(channel, sensor)| Some((channel, reading_floor(sensor?, &parameters.interface))))
             .collect();
         let recording = replayer.recording();
@@ -165,14 +165,14 @@ impl<'a, 'b> Fit<'a, 'b> {
 
     /// Returns the mean of the first readings of a channel; 0 if there are none.
     fn first(&self, channel: Channel) -> f64 {
-        let column = self.replayer.recording().column(channel).unwrap_or(&[]);
+        let column = self.replayer.recording().samples(channel).unwrap_or(&[]);
         let values: Vec<f64> = column.iter().take(FIRST_SAMPLES).copied().filter(|v| v.is_finite()).collect();
         if values.is_empty() { 0.0 } else { values.iter().sum::<f64>() / values.len() as f64 }
     }
 
     /// Returns the current that the first recorded control commands.
     fn commanded_current(&self) -> Option<f64> {
-        let control = *self.replayer.recording().control_v.as_ref()?.first()?;
+        let control = *self.replayer.recording().samples(Channel::Control)?.first()?;
         let (amplifier, motor) = (&self.plant.parameters().amplifier, &self.plant.parameters().motor);
         let current = amplifier.drive_v(control, motor) * amplifier.stall_gain_a_v(motor);
         current.is_finite().then_some(current)
@@ -252,8 +252,8 @@ impl<'a, 'b> Fit<'a, 'b> {
         let history = self.simulator.run(&mut self.replayer.playback()?, &scenario)?;
         let mut residuals = Vec::with_capacity(self.samples * self.channels.len() + 2);
         for &(channel, floor) in &self.channels {
-            let recorded = self.replayer.recording().column(channel).unwrap_or(&[]);
-            let pairs = channel.of(&history.readings).iter().zip(recorded);
+            let recorded = self.replayer.recording().samples(channel).unwrap_or(&[]);
+            let pairs = history.readings.channel(channel).iter().zip(recorded);
             residuals.extend(pairs.map(|(s, r)| if r.is_finite() { (s - r) / floor } else { 0.0 }));
         }
         residuals.extend(self.imbalance(u));

@@ -10,11 +10,11 @@ use super::windows::is_explained;
 use super::{ChannelFit, Loop, Replay, Replayer};
 use crate::Error;
 use crate::history::ReadingColumns;
-use crate::recording::{Channel, Recording};
 use crate::sensing::Noise;
 use crate::tolerance::{DIVERGED_FLOORS, LONG_WINDOWS, WRONG_MODEL};
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::{Parameters, Plant};
+use counterpoise_recordings::{Channel, Recording};
 
 /// Length of a window, s.
 pub const WINDOW_S: f64 = 0.5;
@@ -73,7 +73,7 @@ impl Replayer<'_> {
         let free = self.replay(parameters, control)?;
         let divergence = self.divergence(parameters, control, &free)?;
         let long = self.samples as f64 * self.recording.sample_period_s > LONG_WINDOWS * WINDOW_S;
-        let can_window = long && self.recording.control_v.is_some();
+        let can_window = long && self.recording.has(Channel::Control);
         let hunts = divergence.filter(|d| d.floors > DIVERGED_FLOORS && can_window);
         let Some(divergence) =
             hunts.filter(|d| !is_explained(&free) && excess(&free) < WRONG_MODEL * d.floors)
@@ -99,7 +99,7 @@ impl Replayer<'_> {
         let mut replay = self.replay_windowed(parameters, window_s)?;
         if let Some((fit, made)) = control_fit(parameters, self.recording, controller) {
             replay.channels.push(fit);
-            Channel::Control.of_mut(&mut replay.simulated).copy_from_slice(&made);
+            replay.simulated.channel_mut(Channel::Control).copy_from_slice(&made);
         }
         Ok(replay)
     }
@@ -119,7 +119,7 @@ impl Replayer<'_> {
         let noisy = Replayer { recording: &recording, ..self.clone() };
         let noisy = noisy.run(&mut simulator, control, &quiet.start)?.readings;
         let apart = |fit: &ChannelFit, other: &ReadingColumns| {
-            rms_of_difference(fit.channel.of(&quiet.simulated), fit.channel.of(other)) / fit.floor
+            rms_of_difference(quiet.simulated.channel(fit.channel), other.channel(fit.channel)) / fit.floor
         };
         let one = |fit: &ChannelFit| Divergence {
             channel: fit.channel,
@@ -140,7 +140,11 @@ fn excess(replay: &Replay) -> f64 {
 fn with_noise(recording: &Recording, size: f64) -> Recording {
     let mut noise = Noise::new(0);
     let mut noisy = recording.clone();
-    noisy.demand_rad_s.iter_mut().flatten().for_each(|value| *value += size * noise.next());
+    noisy
+        .samples_mut(Channel::Demand)
+        .unwrap_or_default()
+        .iter_mut()
+        .for_each(|value| *value += size * noise.next());
     noisy
 }
 

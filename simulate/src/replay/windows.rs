@@ -7,7 +7,6 @@
 
 use super::normal::{Normal, squares};
 use super::{Loop, Playback, Replay, Replayer, reading_floor};
-use crate::recording::Channel;
 use crate::run::{Simulator, holding_control};
 use crate::scenario::{Detail, Initial, Scenario};
 use crate::sensing::Imperfections;
@@ -18,6 +17,7 @@ use crate::tolerance::{
 use crate::{Error, PlantState, PlatformMotion};
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{Friction, Parameters, Plant};
+use counterpoise_recordings::Channel;
 
 /// Number of unknowns.
 const UNKNOWNS: usize = 7;
@@ -53,8 +53,8 @@ impl Replayer<'_> {
             let start = windows.fitted(&near, from, count)?;
             let history = windows.run(&start, from, count)?;
             for channel in FOLLOWED {
-                let found = channel.of(&history.readings);
-                channel.of_mut(&mut whole.simulated)[from..from + count].copy_from_slice(found);
+                let found = history.readings.channel(channel);
+                whole.simulated.channel_mut(channel)[from..from + count].copy_from_slice(found);
             }
             near = history.final_state;
             from += count;
@@ -137,7 +137,7 @@ impl<'a, 'b> Windows<'a, 'b> {
         ];
         let channels = candidates
             .into_iter()
-            .filter(|(channel, _)| replayer.recording.column(*channel).is_some())
+            .filter(|(channel, _)| replayer.recording.has(*channel))
             .filter_map(|(channel, sensor)| Some((channel, reading_floor(sensor?, &parameters.interface))));
         let (motor, pivot) =
             (parameters.motor_friction.breakaway_nm(), parameters.pivot_friction.breakaway_nm());
@@ -259,8 +259,8 @@ impl<'a, 'b> Windows<'a, 'b> {
         let history = self.run(&self.moved(near, by), from, seen)?;
         let mut out = Vec::with_capacity(seen * self.channels.len() + UNKNOWNS);
         for &(channel, floor) in &self.channels {
-            let recorded = self.replayer.recording.column(channel).unwrap_or(&[]);
-            let pairs = channel.of(&history.readings).iter().zip(&recorded[from..]);
+            let recorded = self.replayer.recording.samples(channel).unwrap_or(&[]);
+            let pairs = history.readings.channel(channel).iter().zip(&recorded[from..]);
             out.extend(pairs.map(|(s, r)| if r.is_finite() { (s - r) / floor } else { 0.0 }));
         }
         out.extend(by.iter().zip(&self.spread).map(|(b, s)| b / s));

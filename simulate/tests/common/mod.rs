@@ -1,9 +1,7 @@
 //! Recordings beside the workspace, read for tests.
 
 use counterpoise_controller::ProportionalIntegral;
-use counterpoise_simulate::Recording;
-use parquet::file::reader::{FileReader, SerializedFileReader};
-use parquet::record::RowAccessor;
+use counterpoise_recordings::{Mapping, Recording, Table};
 use std::path::PathBuf;
 
 /// A file beside the workspace; none, with a message, where it is absent.
@@ -18,31 +16,8 @@ pub fn shared(path: &str) -> Option<PathBuf> {
 
 /// A practice recording.
 pub fn recording(path: &str) -> Option<Recording> {
-    let file = std::fs::File::open(shared(&format!("recordings/practice/{path}.parquet"))?).unwrap();
-    let reader = SerializedFileReader::new(file).unwrap();
-    let schema = reader.metadata().file_metadata().schema_descr_ptr();
-    let mut columns = vec![Vec::new(); schema.num_columns()];
-    for row in reader.get_row_iter(None).unwrap() {
-        let row = row.unwrap();
-        for (k, column) in columns.iter_mut().enumerate() {
-            column.push(row.get_double(k).or_else(|_| row.get_float(k).map(f64::from)).unwrap());
-        }
-    }
-    let find = |name: &str| {
-        let index = (0..schema.num_columns()).find(|&k| schema.column(k).name().starts_with(name))?;
-        Some(columns[index].clone())
-    };
-    Some(Recording {
-        name: path.to_owned(),
-        sample_period_s: 1e-3,
-        demand_rad_s: find("demand"),
-        control_v: find("control"),
-        hub_rate_rad_s: find("hub_rate"),
-        platform_rate_rad_s: find("platform_rate"),
-        platform_accel_m_s2: find("platform_accel"),
-        motor_rate_rad_s: find("motor_rate"),
-        hub_position_rad: find("hub_position"),
-    })
+    let bytes = std::fs::read(shared(&format!("recordings/practice/{path}.parquet"))?).unwrap();
+    Some(Mapping::default().apply(&Table::read(&bytes, path).unwrap()).unwrap())
 }
 
 /// The controller that was in the loop when the practice recordings were made.

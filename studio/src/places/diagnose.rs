@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use counterpoise_project::recording::Channel;
+use counterpoise_recordings::Channel;
 use egui::{RichText, Ui};
 
 use super::{findings, parts};

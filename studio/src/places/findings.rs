@@ -3,7 +3,7 @@
 use counterpoise_diagnose::findings::answer::Verdict;
 use counterpoise_diagnose::findings::localisation_chart::ChartRow;
 use counterpoise_diagnose::localisation::error_hypotheses::Regime;
-use counterpoise_project::recording::Channel;
+use counterpoise_recordings::Channel;
 use counterpoise_report::wording::answer::{AnswerText, FindingText, component_list, unit_suffix};
 use egui::{RichText, Ui};
 

@@ -2,7 +2,7 @@
 
 use counterpoise_diagnose::findings::answer::{Answer, ChannelFit, Channels, Finding, Verdict};
 use counterpoise_diagnose::library::EffectName;
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::{Channel, Recording};
 use serde::{Deserialize, Serialize};
 
 use super::{Case, Concealed, Family, KINDS, PERIOD, Sealed, Written};
@@ -87,16 +87,20 @@ fn tried(answer: &Answer) -> Vec<Tried> {
 
 /// What the diagnosis is handed of a machine.
 pub fn recordings(case: &Case) -> Vec<Recording> {
-    let one = |(index, written): (usize, &Written)| Recording {
-        name: format!("{:?}", KINDS[index]),
-        sample_period_s: PERIOD,
-        demand_rad_s: Some(written.demand.clone()),
-        control_v: Some(written.control.clone()),
-        hub_rate_rad_s: Some(written.hub_rate.clone()),
-        platform_rate_rad_s: Some(written.platform_rate.clone()),
-        platform_accel_m_s2: Some(written.platform_accel.clone()),
-        motor_rate_rad_s: case.sealed.motor_rate.then(|| written.motor_rate.clone()),
-        hub_position_rad: case.sealed.hub_position.then(|| written.hub_position.clone()),
+    let one = |(index, written): (usize, &Written)| {
+        let mut recording = Recording::new(format!("{:?}", KINDS[index]), PERIOD)
+            .with(Channel::Demand, written.demand.clone())
+            .with(Channel::Control, written.control.clone())
+            .with(Channel::HubRate, written.hub_rate.clone())
+            .with(Channel::PlatformRate, written.platform_rate.clone())
+            .with(Channel::PlatformAccel, written.platform_accel.clone());
+        if case.sealed.motor_rate {
+            recording.set(Channel::MotorRate, written.motor_rate.clone());
+        }
+        if case.sealed.hub_position {
+            recording.set(Channel::HubPosition, written.hub_position.clone());
+        }
+        recording
     };
     case.recordings.iter().enumerate().map(one).collect()
 }

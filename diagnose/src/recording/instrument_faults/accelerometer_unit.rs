@@ -1,7 +1,7 @@
 //! The accelerometer's gain from the torque balance: a column in g or with a swapped sign scales the weight accordingly.
 
 use counterpoise_models::Parameters;
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::{Channel, Recording};
 
 use super::regression::regress;
 use crate::recording::series::{derivative, deviation, low_pass};
@@ -24,12 +24,12 @@ pub(super) fn gain(base: &Parameters, r: &Recording) -> Option<(f64, f64)> {
     let moment = base.lumped.as_ref()?.out_of_balance_kg_m;
     let half = (SMOOTHING_S / r.sample_period_s).round().max(1.0) as usize;
     let ready = |series: &[f64]| low_pass(series, half);
-    let hub = ready(r.hub_rate_rad_s.as_deref()?);
-    let heave = ready(r.platform_accel_m_s2.as_deref()?);
-    let platform = r.platform_rate_rad_s.as_deref().map_or_else(|| vec![0.0; hub.len()], ready);
+    let hub = ready(r.samples(Channel::HubRate)?);
+    let heave = ready(r.samples(Channel::PlatformAccel)?);
+    let platform = r.samples(Channel::PlatformRate).map_or_else(|| vec![0.0; hub.len()], ready);
     let relative: Vec<f64> = hub.iter().zip(&platform).map(|(h, p)| h - p).collect();
     let torque: Vec<f64> =
-        ready(r.control_v.as_deref()?).iter().zip(&relative).map(|(u, w)| drive(base, *u, *w)).collect();
+        ready(r.samples(Channel::Control)?).iter().zip(&relative).map(|(u, w)| drive(base, *u, *w)).collect();
     let acceleration = derivative(&hub, r.sample_period_s);
     let turning = derivative(&platform, r.sample_period_s);
     let size = 0.1 * deviation(&relative);

@@ -2,7 +2,7 @@
 
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::{Parameters, Sensor};
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::Loop;
 
 use super::column::Column;
@@ -75,7 +75,7 @@ fn expected_lead(base: &Parameters, column: Column) -> f64 {
 /// other. The motor's gear twists, so that it leads or lags a little if the platform moves; then a larger offset is required.
 fn told(base: &Parameters, r: &Recording) -> Vec<(Column, Lateness)> {
     let of = |column| lateness(base, r, column).filter(|lateness| lateness.doubt_s < 3.0 * OFFSET_S);
-    let moved = r.platform_rate_rad_s.as_deref().is_some_and(|p| deviation(p) > STILL_RAD_S);
+    let moved = r.samples(Channel::PlatformRate).is_some_and(|p| deviation(p) > STILL_RAD_S);
     let sure = |column: Column, Lateness { late_s, doubt_s }: Lateness| {
         let least = if moved && column == Column::MotorRate { MOVED_S } else { OFFSET_S };
         late_s.abs() > least && late_s.abs() > DOUBTS * doubt_s

@@ -1,7 +1,7 @@
 //! The columns of a recording.
 
 use counterpoise_models::{Parameters, Sensor};
-use counterpoise_simulate::recording::{Channel, Recording};
+use counterpoise_recordings::{Channel, Recording};
 
 /// A column of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -37,43 +37,32 @@ impl Column {
     pub(super) const SENSORS: [Self; 5] =
         [Self::HubRate, Self::PlatformRate, Self::PlatformAccel, Self::MotorRate, Self::HubPosition];
 
-    /// Returns the channel that a replay compares; `None` for the demand.
-    fn channel(self) -> Option<Channel> {
+    /// Returns the channel that the column holds.
+    pub fn channel(self) -> Channel {
         match self {
-            Self::Demand => None,
-            Self::Control => Some(Channel::Control),
-            Self::HubRate => Some(Channel::HubRate),
-            Self::PlatformRate => Some(Channel::PlatformRate),
-            Self::PlatformAccel => Some(Channel::PlatformAccel),
-            Self::MotorRate => Some(Channel::MotorRate),
-            Self::HubPosition => Some(Channel::HubPosition),
+            Self::Demand => Channel::Demand,
+            Self::Control => Channel::Control,
+            Self::HubRate => Channel::HubRate,
+            Self::PlatformRate => Channel::PlatformRate,
+            Self::PlatformAccel => Channel::PlatformAccel,
+            Self::MotorRate => Channel::MotorRate,
+            Self::HubPosition => Channel::HubPosition,
         }
     }
 
     /// Returns the name in recordings.
     pub fn name(self) -> &'static str {
-        self.channel().map_or("demand", Channel::name)
+        self.channel().name()
     }
 
     /// Returns the values, if they were recorded.
     pub(super) fn of(self, r: &Recording) -> Option<&[f64]> {
-        match self.channel() {
-            None => r.demand_rad_s.as_deref(),
-            Some(channel) => r.column(channel),
-        }
+        r.samples(self.channel())
     }
 
-    /// Returns the values for modification.
-    pub fn of_mut(self, r: &mut Recording) -> &mut Option<Vec<f64>> {
-        match self {
-            Self::Demand => &mut r.demand_rad_s,
-            Self::Control => &mut r.control_v,
-            Self::HubRate => &mut r.hub_rate_rad_s,
-            Self::PlatformRate => &mut r.platform_rate_rad_s,
-            Self::PlatformAccel => &mut r.platform_accel_m_s2,
-            Self::MotorRate => &mut r.motor_rate_rad_s,
-            Self::HubPosition => &mut r.hub_position_rad,
-        }
+    /// Returns the values, to be changed; `None` if they were not recorded.
+    pub fn of_mut(self, r: &mut Recording) -> Option<&mut [f64]> {
+        r.samples_mut(self.channel())
     }
 
     /// Returns the step of the converter that the column went through, in its own unit; `None` if there is none.

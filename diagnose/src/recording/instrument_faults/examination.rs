@@ -6,7 +6,7 @@
 //! inside the control loop.
 
 use counterpoise_models::Parameters;
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::Loop;
 
 use crate::recording::instrument_faults::column::Column;
@@ -139,14 +139,14 @@ impl ExaminedRecordings {
         if useless.is_empty() || clip_of_drive {
             return Treatment::UsedAsItIs;
         }
-        let Some(series) = column.of_mut(recording).as_mut() else { return Treatment::UsedAsItIs };
+        let Some(series) = column.of_mut(recording) else { return Treatment::UsedAsItIs };
         useless.iter().for_each(|k| series[*k] = f64::NAN);
         if column == Column::Control && remade(recording, control, base) {
             return Treatment::ControlRecomputed;
         }
         match (kind, column) {
             (FaultKind::Held { .. }, Column::PlatformRate | Column::PlatformAccel) => {
-                if let Some(series) = column.of_mut(recording).as_mut() {
+                if let Some(series) = column.of_mut(recording) {
                     filled(series);
                 }
                 Treatment::Interpolated
@@ -172,7 +172,9 @@ impl ExaminedRecordings {
         self.recordings = cured;
         let done = match (&kind, unsure && spare) {
             (_, true) => {
-                found.recordings.iter().for_each(|r| *column.of_mut(&mut self.recordings[*r]) = None);
+                for r in &found.recordings {
+                    self.recordings[*r].remove(column.channel());
+                }
                 Treatment::NotCompared
             }
             (FaultKind::Exchanged { .. }, _) => Treatment::ExchangedBack,
@@ -198,7 +200,9 @@ impl ExaminedRecordings {
     fn drifts(&mut self, base: &Parameters) {
         for column in [Column::MotorRate, Column::HubPosition] {
             let Some((slow, doubt)) = clocks::drift(base, &self.recordings, column) else { continue };
-            self.recordings.iter_mut().for_each(|r| *column.of_mut(r) = None);
+            for recording in &mut self.recordings {
+                recording.remove(column.channel());
+            }
             let all: Vec<usize> = (0..self.recordings.len()).collect();
             self.note(column, FaultKind::ClockDrift { slow, doubt }, &all, Treatment::NotCompared);
         }
@@ -236,12 +240,13 @@ impl ExaminedRecordings {
     fn shift(&mut self, r: usize, column: Column, lateness: clocks::Lateness) {
         let clocks::Lateness { late_s, doubt_s } = lateness;
         let samples = whole(late_s / self.recordings[r].sample_period_s);
-        let series = column.of_mut(&mut self.recordings[r]);
+        let recording = &mut self.recordings[r];
+        let series = recording.remove(column.channel());
         let done = if column == Column::MotorRate {
-            *series = None;
             Treatment::NotCompared
         } else {
-            *series = series.as_deref().map(|series| late(series, -samples));
+            let shifted = series.and_then(|series| Some(late(series.as_slice()?, -samples)));
+            shifted.and_then(|shifted| recording.set(column.channel(), shifted));
             Treatment::ShiftedBack
         };
         let kind = FaultKind::ClockOffset { late_s, doubt_s };
@@ -252,12 +257,12 @@ impl ExaminedRecordings {
     fn biases(&mut self, base: &Parameters) {
         let biased: Vec<(usize, f64, f64)> =
             (0..self.recordings.len()).filter_map(|r| motor_bias(base, &self.recordings[r], r)).collect();
-        let count = self.recordings.iter().filter(|r| r.motor_rate_rad_s.is_some()).count();
+        let count = self.recordings.iter().filter(|r| r.has(Channel::MotorRate)).count();
         if biased.is_empty() || biased.len() < count {
             return;
         }
         for (r, bias, doubt) in biased {
-            self.recordings[r].motor_rate_rad_s = None;
+            self.recordings[r].remove(Channel::MotorRate);
             self.note(Column::MotorRate, FaultKind::Bias { bias, doubt }, &[r], Treatment::NotCompared);
         }
     }
@@ -299,9 +304,8 @@ fn filled(series: &mut [f64]) {
 /// Replaces missing controls by the controller's own output if it agrees with the others; returns whether it did.
 fn remade(recording: &mut Recording, control: &Loop, base: &Parameters) -> bool {
     let Loop::Closed(controller) = control else { return false };
-    let (Some(demand), Some(hub), Some(u)) =
-        (&recording.demand_rad_s, &recording.hub_rate_rad_s, &recording.control_v)
-    else {
+    let channels = [Channel::Demand, Channel::HubRate, Channel::Control];
+    let [Some(demand), Some(hub), Some(u)] = channels.map(|channel| recording.samples(channel)) else {
         return false;
     };
     let error: Vec<f64> = demand.iter().zip(hub).map(|(d, h)| d - h).collect();
@@ -314,6 +318,7 @@ fn remade(recording: &mut Recording, control: &Loop, base: &Parameters) -> bool 
         return false;
     }
     let whole = u.iter().zip(&made).map(|(u, m)| if u.is_finite() { *u } else { m + fit.value[0] });
-    recording.control_v = Some(whole.collect());
+    let whole: Vec<f64> = whole.collect();
+    recording.set(Channel::Control, whole);
     true
 }

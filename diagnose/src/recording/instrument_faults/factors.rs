@@ -2,7 +2,7 @@
 //! every recording holds.
 
 use counterpoise_models::Parameters;
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::Recording;
 use counterpoise_simulate::replay::Loop;
 
 use super::column::Column;
@@ -110,17 +110,13 @@ pub(super) fn cured(recordings: &[Recording], found: &Found) -> Vec<Recording> {
                 }
             }
             Mistake::Exchange { one, other } => {
-                let first = column_of(&mut out[r], one);
-                let second = std::mem::replace(other.of_mut(&mut out[r]), first);
-                *one.of_mut(&mut out[r]) = second;
+                let [first, second] = [one, other].map(|column| out[r].remove(column.channel()));
+                first.and_then(|series| out[r].set(other.channel(), series));
+                second.and_then(|series| out[r].set(one.channel(), series));
             }
         }
     }
     out
-}
-
-fn column_of(r: &mut Recording, column: Column) -> Option<Vec<f64>> {
-    column.of_mut(r).take()
 }
 
 fn broken(identities: &[Identity]) -> f64 {

@@ -11,7 +11,7 @@
 
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::Parameters;
-use counterpoise_simulate::recording::Recording;
+use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::Loop;
 
 use super::column::Column;
@@ -57,8 +57,8 @@ pub(super) struct Identity {
 /// All identities that a recording allows.
 pub(super) fn identities(base: &Parameters, control: &Loop, r: &Recording) -> Vec<Identity> {
     let ratio = base.gearbox.ratio;
-    let motor = r.motor_rate_rad_s.as_ref().map(|w| w.iter().map(|v| v / ratio).collect::<Vec<f64>>());
-    let angle = r.hub_position_rad.as_ref().map(|a| derivative(a, r.sample_period_s));
+    let motor = r.samples(Channel::MotorRate).map(|w| w.iter().map(|v| v / ratio).collect::<Vec<f64>>());
+    let angle = r.samples(Channel::HubPosition).map(|a| derivative(a, r.sample_period_s));
     let kinematic = [
         motor.and_then(|w| kinematic(Column::MotorRate, &w, r)),
         angle.and_then(|w| kinematic(Column::HubPosition, &w, r)),
@@ -81,8 +81,8 @@ pub(super) fn kinematic(of: Column, rate: &[f64], r: &Recording) -> Option<Ident
         out[last.saturating_sub(margin)..].fill(f64::NAN);
         out
     };
-    let hub = ready(r.hub_rate_rad_s.as_deref()?);
-    let platform = r.platform_rate_rad_s.as_deref().map(ready).filter(|p| deviation(p) > STILL_RAD_S);
+    let hub = ready(r.samples(Channel::HubRate)?);
+    let platform = r.samples(Channel::PlatformRate).map(ready).filter(|p| deviation(p) > STILL_RAD_S);
     let y = ready(rate);
     let first = derivative(&hub, r.sample_period_s);
     let second = derivative(&first, r.sample_period_s);

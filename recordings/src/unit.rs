@@ -54,7 +54,8 @@ impl Unit {
     /// The unit of a bare number.
     pub const ONE: Self = Self { factor: 1.0, dimension: [0; 6] };
 
-    /// Reads a unit such as `rad/s`, `m/s^2`, `m/s²`, `N m s/rad`, `mV`, `deg/s`, `g`; none if it is not known.
+    /// Reads a unit such as `rad/s`, `m/s^2`, `m/s²`, `N m s/rad`, `mV`, `deg/s`, `g`; `None` if it is not known.
+    ///
     /// Every factor after a `/` divides until a further `/` or a space, dot or star multiplies in the numerator's sense:
     /// `N m s/rad` is (N m s)/rad.
     pub fn parse(written: &str) -> Option<Self> {
@@ -70,12 +71,12 @@ impl Unit {
         Some(unit)
     }
 
-    /// A value in this unit, in SI.
+    /// Returns a value in this unit, in SI.
     pub fn to_si(&self, value: f64) -> f64 {
         value * self.factor
     }
 
-    /// Whether the other unit measures the same quantity.
+    /// Returns whether the other unit measures the same quantity.
     pub fn is_like(&self, other: &Self) -> bool {
         self.dimension == other.dimension
     }

@@ -5,7 +5,7 @@
 
 use std::io::Read;
 
-use super::{Column, RecordingError};
+use crate::{Column, Error};
 
 const HEADER: usize = 128;
 /// Structures may lie in structures this deep.
@@ -39,9 +39,8 @@ pub(super) struct Array {
 }
 
 /// The columns of a MATLAB file of version 5.
-pub(super) fn read(bytes: &[u8], file: &str) -> Result<Vec<Column>, RecordingError> {
-    let broken =
-        |why: &str| RecordingError::Unreadable { file: file.to_owned(), kind: "MATLAB", why: why.to_owned() };
+pub(super) fn read(bytes: &[u8], file: &str) -> Result<Vec<Column>, Error> {
+    let broken = |why: &str| Error::Unreadable { file: file.to_owned(), kind: "MATLAB", why: why.to_owned() };
     let big = match bytes.get(126..128) {
         Some(b"IM") => false,
         Some(b"MI") => true,
@@ -187,12 +186,9 @@ pub(super) fn columns(arrays: Vec<Array>) -> Vec<Column> {
 fn split(array: Array) -> Vec<Column> {
     let Array { name, rows, values } = array;
     if rows <= 1 || rows >= values.len() {
-        return vec![Column { name, unit: None, values }];
+        return vec![Column::plain(name, values)];
     }
-    let column = |(index, part): (usize, &[f64])| Column {
-        name: format!("{name}_{}", index + 1),
-        unit: None,
-        values: part.to_vec(),
-    };
+    let column =
+        |(index, part): (usize, &[f64])| Column::plain(format!("{name}_{}", index + 1), part.to_vec());
     values.chunks(rows).enumerate().map(column).collect()
 }

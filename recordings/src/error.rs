@@ -1,9 +1,9 @@
 //! What can be wrong with a recording.
 
-/// Every way in which a recording can be refused.
+/// The ways in which a recording can be refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum RecordingError {
+pub enum Error {
     /// The file cannot be read as what it seems to be.
     #[error("{file}: not a readable {kind} file: {why}")]
     Unreadable {

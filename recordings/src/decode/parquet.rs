@@ -6,11 +6,11 @@ use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 
-use super::{Column, RecordingError};
+use crate::{Column, Error};
 
 /// The numeric columns of a Parquet file. The library panics over some damaged pages; that too is told as an error.
-pub(super) fn read(bytes: &[u8], file: &str) -> Result<Vec<Column>, RecordingError> {
-    let unreadable = |why: String| RecordingError::Unreadable { file: file.to_owned(), kind: "Parquet", why };
+pub(super) fn read(bytes: &[u8], file: &str) -> Result<Vec<Column>, Error> {
+    let unreadable = |why: String| Error::Unreadable { file: file.to_owned(), kind: "Parquet", why };
     match std::panic::catch_unwind(|| columns(bytes)) {
         Ok(outcome) => outcome.map_err(|e| unreadable(e.to_string())),
         Err(_) => Err(unreadable("a page is damaged".to_owned())),

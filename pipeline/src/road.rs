@@ -1,0 +1,60 @@
+//! The recorded motion of a platform, prepared to drive the platform of a verification.
+
+use counterpoise_recordings::clock::uniform;
+use counterpoise_recordings::{Error, Table};
+use counterpoise_verify::Road;
+use counterpoise_verify::signals::filter::{LowPass, from_rest, low_pass};
+
+use counterpoise_project::resolve::platform::RoadSource;
+
+/// Returns heave and pitch rate from a recording: the stretch that is asked for, low-passed, scaled, without their means (which
+/// takes gravity away), and faded in and out.
+///
+/// # Errors
+/// A column is missing or of another quantity, the clock cannot be read, samples are missing, the stretch is not in the
+/// recording, or the low-pass frequency is not below half the sample rate.
+pub fn road(source: &RoadSource, table: &Table) -> Result<Road, Error> {
+    let (time, _) = table.in_si("time")?;
+    let heave = table.quantity(&source.heave, "heave", "m/s^2")?;
+    let pitch = table.quantity(&source.pitch, "pitch rate", "rad/s")?;
+    let clocked = uniform(&table.name, time.view(), None, vec![heave, pitch])?;
+    let shape = |signal: usize, scale: f64| {
+        shaped(source, table, clocked.period_s, &clocked.signals[signal].to_vec(), scale)
+    };
+    Ok(Road {
+        name: table.name.clone(),
+        sample_period_s: clocked.period_s,
+        heave_m_s2: shape(0, source.heave_scale)?,
+        pitch_rate_rad_s: shape(1, source.pitch_scale)?,
+    })
+}
+
+fn shaped(
+    source: &RoadSource,
+    table: &Table,
+    period: f64,
+    column: &[f64],
+    scale: f64,
+) -> Result<Vec<f64>, Error> {
+    let refuse = |why: String| Error::Road { file: table.name.clone(), why };
+    if let Some(row) = column.iter().position(|v| !v.is_finite()) {
+        return Err(refuse(format!("a sample is missing in row {}", row + 1)));
+    }
+    let filtered = match source.low_pass_hz {
+        Some(half_amplitude_hz) => {
+            low_pass(column, period, LowPass { half_amplitude_hz }).map_err(|e| refuse(e.to_string()))?
+        }
+        None => column.to_vec(),
+    };
+    let from = (source.start_s / period).round() as usize;
+    let count = (source.duration_s / period).round() as usize + 1;
+    let length = (column.len() - 1) as f64 * period;
+    let stretch = filtered.get(from..from.saturating_add(count)).ok_or_else(|| {
+        refuse(format!(
+            "{} s from {} s are asked for, but it is {length:.2} s long",
+            source.duration_s, source.start_s
+        ))
+    })?;
+    let scaled: Vec<f64> = stretch.iter().map(|v| scale * v).collect();
+    Ok(from_rest(&scaled, period, source.fade_s))
+}

@@ -1,0 +1,71 @@
+//! The quantities of the mechanism that a recording can hold.
+
+/// A quantity of the mechanism that a recording can hold.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Channel {
+    /// Demanded hub rate, rad/s.
+    Demand,
+    /// Control after the output converter, V.
+    Control,
+    /// Hub gyroscope, rad/s.
+    HubRate,
+    /// Platform gyroscope, rad/s.
+    PlatformRate,
+    /// Platform accelerometer, m/s^2.
+    PlatformAccel,
+    /// Motor tachometer, rad/s.
+    MotorRate,
+    /// Hub angle relative to the platform, rad.
+    HubPosition,
+    /// Motor angle relative to the platform, rad.
+    MotorPosition,
+    /// Motor current, A.
+    MotorCurrent,
+}
+
+impl Channel {
+    /// All channels.
+    pub const ALL: [Self; 9] = [
+        Self::Demand,
+        Self::Control,
+        Self::HubRate,
+        Self::PlatformRate,
+        Self::PlatformAccel,
+        Self::MotorRate,
+        Self::HubPosition,
+        Self::MotorPosition,
+        Self::MotorCurrent,
+    ];
+
+    /// Returns the channel's name in files and results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Demand => "demand",
+            Self::Control => "control",
+            Self::HubRate => "hub_rate",
+            Self::PlatformRate => "platform_rate",
+            Self::PlatformAccel => "platform_accel",
+            Self::MotorRate => "motor_rate",
+            Self::HubPosition => "hub_position",
+            Self::MotorPosition => "motor_position",
+            Self::MotorCurrent => "motor_current",
+        }
+    }
+
+    /// Returns the channel's unit.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Demand | Self::HubRate | Self::PlatformRate | Self::MotorRate => "rad/s",
+            Self::Control => "V",
+            Self::PlatformAccel => "m/s^2",
+            Self::HubPosition | Self::MotorPosition => "rad",
+            Self::MotorCurrent => "A",
+        }
+    }
+
+    /// Returns whether the value holds from one sample to the next, as that of an output converter does, rather than being
+    /// the reading of a continuous quantity at one instant.
+    pub fn is_held(self) -> bool {
+        matches!(self, Self::Control | Self::Demand)
+    }
+}

@@ -1,0 +1,193 @@
+//! The clock of a file: its sample period, what is wrong with it, and signals on a uniform clock.
+
+use ndarray::{Array1, ArrayView1};
+
+use crate::{Error, Remark};
+
+/// A step of at least this many periods is a gap.
+const GAP: f64 = 3.0;
+/// Steps that scatter by less than this fraction of the period are even.
+const EVEN: f64 = 1e-3;
+/// A gap of more than this many times the recording's own length is not a gap but a broken clock.
+const LONGEST_GAP: f64 = 10.0;
+/// A recording has at least this many rows: a sample period and its scatter need two steps.
+const FEWEST_ROWS: usize = 3;
+/// A period that is this near to the project's, or to a whole number of microseconds, as a fraction of itself, is meant to be it: the times
+/// of a file are rounded when they are written.
+const MEANT: f64 = 1e-6;
+
+/// Signals on one uniform clock.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Uniform {
+    /// Sample period, s.
+    pub period_s: f64,
+    /// Time of the first sample, s.
+    pub start_s: f64,
+    /// The signals, of one length; NaN inside gaps.
+    pub signals: Vec<Array1<f64>>,
+    /// What was found about the clock.
+    pub remarks: Vec<Remark>,
+}
+
+/// The rows of a file that count, and the steps between them.
+struct Steps {
+    /// Rows with a time, without those that repeat the row before them.
+    rows: Vec<usize>,
+    /// Steps between those rows, s.
+    steps_s: Vec<f64>,
+    /// Median step, s.
+    median_s: f64,
+    /// Rows that repeat the row before them.
+    repeated: Vec<usize>,
+}
+
+/// Returns signals on a uniform clock, from the time of each of their samples.
+///
+/// Even time is kept; uneven time is evened out by linear interpolation; gaps become NaN; rows without a time and rows that repeat
+/// the row before them are dropped. A period that is within rounding of `wanted_s` is set to it.
+///
+/// # Errors
+/// Time does not grow, it leaps by many times the recording's length, or too few rows have a time.
+pub fn uniform(
+    file: &str,
+    time_s: ArrayView1<'_, f64>,
+    wanted_s: Option<f64>,
+    signals: Vec<Array1<f64>>,
+) -> Result<Uniform, Error> {
+    let found = Steps::of(file, time_s, &signals)?;
+    let Steps { rows, steps_s, median_s, .. } = &found;
+    let regular: Vec<f64> = steps_s.iter().copied().filter(|s| *s < GAP * median_s).collect();
+    let jitter = deviation(&regular, mean(&regular)) / mean(&regular);
+    let has_gaps = steps_s.len() != regular.len() || rows.len() != time_s.len();
+    let (first, last) = (rows[0], rows[rows.len() - 1]);
+    let period_s = if jitter > EVEN {
+        wanted_s.unwrap_or_else(|| mean(&regular))
+    } else if has_gaps {
+        mean(&regular)
+    } else {
+        (time_s[last] - time_s[first]) / (rows.len() - 1) as f64
+    };
+    let period_s = rounded(period_s, wanted_s, *median_s);
+    let mut remarks = found.remarks();
+    if jitter > EVEN {
+        remarks.push(Remark::Uneven { jitter, period_s });
+    }
+    let is_uneven = has_gaps || jitter > EVEN;
+    let signals = if is_uneven { interpolated(time_s, rows, period_s, signals) } else { signals };
+    Ok(Uniform { period_s, start_s: time_s[first], signals, remarks })
+}
+
+impl Steps {
+    fn of(file: &str, time_s: ArrayView1<'_, f64>, signals: &[Array1<f64>]) -> Result<Self, Error> {
+        let repeated: Vec<usize> =
+            (1..time_s.len()).filter(|row| is_repeated(*row, time_s, signals)).collect();
+        let counts = |row: &usize| time_s[*row].is_finite() && repeated.binary_search(row).is_err();
+        let rows: Vec<usize> = (0..time_s.len()).filter(counts).collect();
+        if rows.len() < FEWEST_ROWS {
+            return Err(Error::TooShort { file: file.to_owned(), rows: rows.len() });
+        }
+        let steps_s = steps(file, time_s, &rows)?;
+        let median_s = median(&steps_s);
+        Ok(Self { rows, steps_s, median_s, repeated })
+    }
+
+    /// Returns where samples are missing, and how many rows are repeated.
+    fn remarks(&self) -> Vec<Remark> {
+        let gap = |(at, step): (usize, &f64)| {
+            let samples = (step / self.median_s).round() as usize - 1;
+            (*step >= GAP * self.median_s).then(|| Remark::Gap { row: self.rows[at] + 1, samples })
+        };
+        let rows = self.repeated.len();
+        let repeated = self.repeated.first().map(|row| Remark::Repeated { rows, first_row: row + 1 });
+        self.steps_s.iter().enumerate().filter_map(gap).chain(repeated).collect()
+    }
+}
+
+/// Returns whether a row equals the one before it, its time included.
+fn is_repeated(row: usize, time_s: ArrayView1<'_, f64>, signals: &[Array1<f64>]) -> bool {
+    let same = |values: ArrayView1<'_, f64>| values[row].to_bits() == values[row - 1].to_bits();
+    same(time_s) && signals.iter().all(|values| same(values.view()))
+}
+
+fn steps(file: &str, time_s: ArrayView1<'_, f64>, rows: &[usize]) -> Result<Vec<f64>, Error> {
+    let stands = |row: usize, time_s, before_s| Error::TimeStandsStill {
+        file: file.to_owned(),
+        row: row + 1,
+        time_s,
+        before_s,
+    };
+    let step = |two: &[usize]| {
+        let (before, now) = (time_s[two[0]], time_s[two[1]]);
+        if now > before { Ok(now - before) } else { Err(stands(two[1], now, before)) }
+    };
+    let steps: Vec<f64> = rows.windows(2).map(step).collect::<Result<_, _>>()?;
+    let longest = LONGEST_GAP * rows.len() as f64 * median(&steps);
+    match steps.iter().position(|s| *s > longest) {
+        None => Ok(steps),
+        Some(at) => {
+            let (before_s, time_s) = (time_s[rows[at]], time_s[rows[at + 1]]);
+            Err(Error::TimeLeaps { file: file.to_owned(), row: rows[at + 1] + 1, time_s, before_s })
+        }
+    }
+}
+
+/// Returns the period of the project, or a period of a whole number of microseconds, if the file's is near enough to mean it.
+fn rounded(period_s: f64, wanted_s: Option<f64>, median_s: f64) -> f64 {
+    let micro = (median_s * 1e6).round() * 1e-6;
+    let is_near = |p: f64| p > 0.0 && (period_s - p).abs() <= MEANT * p;
+    wanted_s.filter(|w| is_near(*w)).unwrap_or(if is_near(micro) { micro } else { period_s })
+}
+
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+fn deviation(values: &[f64], centre: f64) -> f64 {
+    (values.iter().map(|v| (v - centre) * (v - centre)).sum::<f64>() / values.len() as f64).sqrt()
+}
+
+/// Returns signals by linear interpolation on a uniform clock, NaN inside gaps.
+fn interpolated(
+    time_s: ArrayView1<'_, f64>,
+    rows: &[usize],
+    period_s: f64,
+    signals: Vec<Array1<f64>>,
+) -> Vec<Array1<f64>> {
+    let instants = instants(time_s, rows, period_s);
+    let at = |values: &Array1<f64>, (row, fraction): (usize, Option<f64>)| match fraction {
+        Some(0.0) => values[rows[row]],
+        Some(f) => values[rows[row]] * (1.0 - f) + values[rows[row + 1]] * f,
+        None => f64::NAN,
+    };
+    let one = |values: &Array1<f64>| instants.iter().map(|place| at(values, *place)).collect();
+    signals.iter().map(one).collect()
+}
+
+/// Returns for each uniform instant the row at or before it, and the fraction of the way to the next row; no fraction inside a
+/// gap.
+fn instants(time_s: ArrayView1<'_, f64>, rows: &[usize], period_s: f64) -> Vec<(usize, Option<f64>)> {
+    let (first, last) = (time_s[rows[0]], time_s[rows[rows.len() - 1]]);
+    let count = ((last - first) / period_s + EVEN).floor() as usize + 1;
+    let mut row = 0;
+    let place = |index: usize| {
+        let t = first + index as f64 * period_s;
+        while row + 1 < rows.len() && time_s[rows[row + 1]] <= t {
+            row += 1;
+        }
+        if row + 1 == rows.len() {
+            return (row, Some(0.0));
+        }
+        let step = time_s[rows[row + 1]] - time_s[rows[row]];
+        let fraction = (t - time_s[rows[row]]) / step;
+        let inside = if step < GAP * period_s { Some(fraction) } else { None };
+        let is_on_a_sample = fraction * step < EVEN * period_s;
+        (row, if is_on_a_sample { Some(0.0) } else { inside })
+    };
+    (0..count).map(place).collect()
+}

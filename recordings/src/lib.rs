@@ -1,0 +1,39 @@
+//! Recordings of a machine: bytes of a file to named channels in SI units on one uniform clock.
+//!
+//! In come the bytes of a CSV, Parquet, MATLAB (version 5 or 7.3) or HDF5 file and a [`Mapping`] of its columns; out comes a
+//! [`Recording`], or an [`Error`] that says what is wrong with the file and where. What the user should know although the
+//! recording can be used is returned as [`Remark`]s.
+//!
+//! *Invariant*: nothing here knows a model of the machine, a path or a file system: bytes are handed in.
+//!
+//! Modules in reading order: [`unit`] and [`channel`] (what is measured), [`table`] (columns as written, from the decoders in
+//! `decode`), [`mapping`] (which column is which channel, with `shaping`), [`clock`] (uniform time), [`recording`].
+//!
+//! ```
+//! use counterpoise_recordings::{Channel, Mapping, Table};
+//! let text = "time [ms],hub_rate [deg/s]\n0,0\n1,180\n2,90\n";
+//! let table = Table::read(text.as_bytes(), "run.csv")?;
+//! let recording = Mapping::default().apply(&table)?;
+//! assert_eq!(recording.sample_period_s, 1e-3);
+//! assert_eq!(recording.samples(Channel::HubRate).map(|rate| rate[1]), Some(std::f64::consts::PI));
+//! # Ok::<(), counterpoise_recordings::Error>(())
+//! ```
+
+pub mod channel;
+pub mod clock;
+mod decode;
+pub mod error;
+pub mod mapping;
+pub mod recording;
+pub mod remark;
+mod shaping;
+pub mod table;
+pub mod unit;
+
+pub use channel::Channel;
+pub use error::Error;
+pub use mapping::{ChannelSource, Mapping};
+pub use recording::Recording;
+pub use remark::Remark;
+pub use table::{Column, Table};
+pub use unit::Unit;

@@ -1,0 +1,255 @@
+//! Which column of a file is which channel of the mechanism, and how its numbers become the channel's.
+
+use ndarray::Array1;
+
+use crate::clock::{Uniform, uniform};
+use crate::shaping::{Resampling, lagging_slopes, on_clock, resampled, slopes, unroll};
+use crate::{Channel, Error, Recording, Remark, Table, Unit};
+
+/// A file's period may differ from the project's by this fraction: what its times were rounded to when they were written.
+const SAME_PERIOD: f64 = 1e-3;
+
+/// The column that holds a channel, and how its numbers become the channel's: value in SI = unit x (scale x (column + plus) +
+/// offset), of which the channel may be the slope over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChannelSource {
+    /// Name of the column.
+    pub column: String,
+    /// Unit of the column in place of the one in its header.
+    pub unit: Option<String>,
+    /// Factor; a negative one turns the sign.
+    pub scale: f64,
+    /// Added after the factor, in the column's unit.
+    pub offset: f64,
+    /// Another column that is added before the factor (a deflection to an angle).
+    pub plus: Option<String>,
+    /// Factor on that other column.
+    pub plus_scale: f64,
+    /// A counter that starts again after this many is unrolled; `None` if the column is not such a counter.
+    pub wraps_at: Option<f64>,
+    /// The channel is the column's slope, by the difference over this time, s; `None` if it is the column itself.
+    pub slope_over_s: Option<f64>,
+    /// The channel is the slope with which something follows the column with this lag, s; `None` if it is not.
+    pub slope_lag_s: Option<f64>,
+    /// The column with the times of this one; `None` if it is on the file's clock.
+    pub clock: Option<String>,
+}
+
+/// How the columns of recordings become channels.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Mapping {
+    /// Sample period of recordings without a time column, and the one on which all others are put, s.
+    pub sample_period_s: Option<f64>,
+    /// The parts of each recording that are used, s from its first sample; all of it if there are none.
+    pub windows_s: Vec<[f64; 2]>,
+    /// The time column; `None` for a column of the name `time`, `t` or `Time`.
+    pub time: Option<ChannelSource>,
+    /// Channels whose column has another name than the channel.
+    pub channels: Vec<(Channel, ChannelSource)>,
+}
+
+impl ChannelSource {
+    /// Returns a column taken as it is.
+    pub fn named(column: &str) -> Self {
+        Self {
+            column: column.to_owned(),
+            unit: None,
+            scale: 1.0,
+            offset: 0.0,
+            plus: None,
+            plus_scale: 1.0,
+            wraps_at: None,
+            slope_over_s: None,
+            slope_lag_s: None,
+            clock: None,
+        }
+    }
+
+    /// Returns the unit that the column must be like, for a channel of a unit: the channel's own, or what has it as its slope.
+    pub fn unit_of_column(&self, channel: &'static str) -> &'static str {
+        let is_slope = self.slope_over_s.or(self.slope_lag_s).is_some();
+        match channel {
+            "rad/s" if is_slope => "rad",
+            "m/s^2" if is_slope => "m/s",
+            _ => channel,
+        }
+    }
+}
+
+impl Mapping {
+    /// Returns whether demand, control and hub rate of a recording are the samples that were written: not slopes of others, on one
+    /// clock, not interpolated.
+    pub fn keeps_samples(&self, recording: &Recording) -> bool {
+        let loop_channels = [Channel::Demand, Channel::Control, Channel::HubRate];
+        let is_made = |(channel, source): &(Channel, ChannelSource)| {
+            let is_shaped =
+                source.slope_over_s.is_some() || source.slope_lag_s.is_some() || source.clock.is_some();
+            loop_channels.contains(channel) && is_shaped
+        };
+        let is_moved = |r: &Remark| matches!(r, Remark::Uneven { .. } | Remark::Resampled { .. });
+        !self.channels.iter().any(is_made) && !recording.remarks.iter().any(is_moved)
+    }
+
+    /// Returns the channels of a table, in SI units and uniform in time.
+    ///
+    /// A channel that the mapping names must be there; the others are taken if a column has their name.
+    /// Uneven time is evened out by linear interpolation; gaps become NaN; a file at another rate than
+    /// [`Mapping::sample_period_s`] is put on that; all of this is said in [`Recording::remarks`]. Windows are ignored.
+    ///
+    /// # Errors
+    /// A named column is missing, a unit is unknown or of another quantity, or the clock cannot be read.
+    pub fn apply(&self, table: &Table) -> Result<Recording, Error> {
+        let time_s = self.time(table)?;
+        let (mut channels, mut signals) = (Vec::new(), Vec::new());
+        for channel in Channel::ALL {
+            if let Some(values) = self.channel(table, channel, time_s.as_ref())? {
+                channels.push(channel);
+                signals.push(values);
+            }
+        }
+        let Uniform { period_s, start_s, signals, mut remarks } = self.clocked(table, time_s, signals)?;
+        let missing = channels.iter().zip(&signals).filter_map(|(channel, values)| missing(*channel, values));
+        remarks.extend(missing);
+        let mut recording = Recording::new(table.name.clone(), period_s);
+        (recording.start_s, recording.remarks) = (start_s, remarks);
+        for (channel, values) in channels.into_iter().zip(signals) {
+            recording.set(channel, self.differentiated(channel, values, period_s));
+        }
+        self.resample(&mut recording);
+        Ok(recording)
+    }
+
+    /// Returns the windows of a table, each a recording of its own; the whole of it if the mapping has no windows.
+    ///
+    /// # Errors
+    /// As [`Mapping::apply`], and [`Error::Window`] if the recording does not cover a window.
+    pub fn recordings(&self, table: &Table) -> Result<Vec<Recording>, Error> {
+        let whole = self.apply(table)?;
+        if self.windows_s.is_empty() {
+            return Ok(vec![whole]);
+        }
+        self.windows_s.iter().map(|window| whole.window(*window)).collect()
+    }
+
+    /// Returns the signals on a uniform clock: the file's, or the given sample period if the file has no time.
+    fn clocked(
+        &self,
+        table: &Table,
+        time_s: Option<Array1<f64>>,
+        signals: Vec<Array1<f64>>,
+    ) -> Result<Uniform, Error> {
+        match (time_s, self.sample_period_s) {
+            (Some(time_s), wanted_s) => uniform(&table.name, time_s.view(), wanted_s, signals),
+            (None, Some(period_s)) => {
+                let remarks = vec![Remark::PeriodAssumed { period_s }];
+                Ok(Uniform { period_s, start_s: 0.0, signals, remarks })
+            }
+            (None, None) => Err(Error::NoTime { file: table.name.clone() }),
+        }
+    }
+
+    /// Returns the slope of a column if the mapping asks for it, else the column.
+    fn differentiated(&self, channel: Channel, mut values: Array1<f64>, period_s: f64) -> Array1<f64> {
+        for (_, source) in self.channels.iter().filter(|(c, _)| *c == channel) {
+            if let (Some(over_s), Some(samples)) = (source.slope_over_s, values.as_slice()) {
+                values = slopes(samples, period_s, over_s);
+            }
+            if let (Some(lag_s), Some(samples)) = (source.slope_lag_s, values.as_slice()) {
+                values = lagging_slopes(samples, period_s, lag_s);
+            }
+        }
+        values
+    }
+
+    /// Puts every channel on the given sample period if the file has another.
+    fn resample(&self, recording: &mut Recording) {
+        let file_s = recording.sample_period_s;
+        let is_other = |wanted_s: &f64| (file_s - wanted_s).abs() > SAME_PERIOD * wanted_s;
+        let Some(project_s) = self.sample_period_s.filter(is_other) else { return };
+        for channel in Channel::ALL {
+            let kind = if channel.is_held() { Resampling::Held } else { Resampling::Read };
+            let values = recording.samples(channel).map(|v| resampled(kind, v, file_s, project_s));
+            values.and_then(|values| recording.set(channel, values));
+        }
+        recording.sample_period_s = project_s;
+        recording.remarks.push(Remark::Resampled { file_s, project_s });
+    }
+
+    /// Returns a channel in SI units; `None` if the mapping does not name it and no column has its name.
+    fn channel(
+        &self,
+        table: &Table,
+        channel: Channel,
+        time_s: Option<&Array1<f64>>,
+    ) -> Result<Option<Array1<f64>>, Error> {
+        let (name, unit) = (channel.name(), channel.unit());
+        let mapped = self.channels.iter().find(|(c, _)| *c == channel).map(|(_, source)| source);
+        match mapped {
+            Some(source) => {
+                let values = converted(table, source, name, unit)?;
+                on_file_clock(table, source, values, time_s).map(Some)
+            }
+            None if table.find(name).is_some() => {
+                converted(table, &ChannelSource::named(name), name, unit).map(Some)
+            }
+            None => Ok(None),
+        }
+    }
+
+    /// Returns the time of every row, s; `None` if the file has no time.
+    fn time(&self, table: &Table) -> Result<Option<Array1<f64>>, Error> {
+        let column = ["time", "t", "Time"].into_iter().find(|name| table.find(name).is_some());
+        match (&self.time, column) {
+            (Some(source), _) => converted(table, source, "time", "s").map(Some),
+            (None, Some(name)) => converted(table, &ChannelSource::named(name), "time", "s").map(Some),
+            (None, None) => Ok(None),
+        }
+    }
+}
+
+/// Returns how many values of a channel are missing, and where the first one is; `None` if none is.
+fn missing(channel: Channel, values: &Array1<f64>) -> Option<Remark> {
+    let first = values.iter().position(|v| !v.is_finite())?;
+    let samples = values.iter().filter(|v| !v.is_finite()).count();
+    Some(Remark::Missing { channel, samples, first_row: first + 1 })
+}
+
+/// Returns a column in a channel's unit. A column without a unit, or in counts, is taken to be in the channel's.
+fn converted(
+    table: &Table,
+    source: &ChannelSource,
+    channel: &'static str,
+    wanted: &'static str,
+) -> Result<Array1<f64>, Error> {
+    let column = table.column(&source.column)?;
+    let wanted = source.unit_of_column(wanted);
+    let target = Unit::parse(wanted).unwrap_or(Unit::ONE);
+    let written = source.unit.as_ref().or(column.unit.as_ref());
+    let unit = written.map_or(Ok(target), |w| table.unit(&source.column, w))?;
+    if !unit.is_like(&target) && unit.dimension != Unit::ONE.dimension {
+        let unit = written.cloned().unwrap_or_default();
+        let (file, column) = (table.name.clone(), source.column.clone());
+        return Err(Error::WrongUnit { file, column, unit, channel, wanted });
+    }
+    let mut values = column.values.clone();
+    if let Some(other) = &source.plus {
+        values.iter_mut().zip(&table.column(other)?.values).for_each(|(v, o)| *v += source.plus_scale * o);
+    }
+    if let Some(turn) = source.wraps_at {
+        values = unroll(values, turn);
+    }
+    values.mapv_inplace(|v| unit.to_si(source.scale * v + source.offset));
+    Ok(values)
+}
+
+/// Returns values on the file's clock, if their times stand in a column of their own.
+fn on_file_clock(
+    table: &Table,
+    source: &ChannelSource,
+    values: Array1<f64>,
+    time_s: Option<&Array1<f64>>,
+) -> Result<Array1<f64>, Error> {
+    let (Some(clock), Some(time_s)) = (&source.clock, time_s) else { return Ok(values) };
+    let own_s = converted(table, &ChannelSource::named(clock), "time", "s")?;
+    Ok(on_clock(values.view(), own_s.view(), time_s.view()))
+}

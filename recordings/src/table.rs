@@ -1,0 +1,153 @@
+//! A table: the columns of a file as written.
+
+use ndarray::Array1;
+
+use crate::{Error, Unit, decode};
+
+/// A table of numbers: named columns of one length.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// Name of the file.
+    pub name: String,
+    /// Columns in the file's order.
+    pub columns: Vec<Column>,
+}
+
+/// A column of a table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// Name without its unit.
+    pub name: String,
+    /// Unit as written; `None` if the file gives none.
+    pub unit: Option<String>,
+    /// Values as written; NaN where a value is missing.
+    pub values: Array1<f64>,
+}
+
+impl Table {
+    /// Reads the bytes of a recording. The format is recognised by the first bytes: Parquet, MATLAB version 5 or 7.3, HDF5, else CSV
+    /// with one header row `name [unit]`.
+    ///
+    /// # Errors
+    /// Returns what is wrong with the file, with row, column and value where they are known.
+    pub fn read(bytes: &[u8], name: &str) -> Result<Self, Error> {
+        let table = Self { name: name.to_owned(), columns: decode::columns(bytes, name)? };
+        table.check()?;
+        Ok(table)
+    }
+
+    /// Returns the values of a column in SI units, and its unit.
+    ///
+    /// # Errors
+    /// There is no such column, or its unit is not known.
+    pub fn in_si(&self, column: &str) -> Result<(Array1<f64>, Unit), Error> {
+        let found = self.column(column)?;
+        let unit = match &found.unit {
+            Some(written) => self.unit(column, written)?,
+            None => Unit::ONE,
+        };
+        Ok((found.values.mapv(|v| unit.to_si(v)), unit))
+    }
+
+    /// Returns the values of a column in SI units, if it has no unit or one of the wanted quantity. `channel` names that quantity in
+    /// errors.
+    ///
+    /// # Errors
+    /// There is no such column, its unit is not known, or its unit is of another quantity.
+    pub fn quantity(
+        &self,
+        column: &str,
+        channel: &'static str,
+        wanted: &'static str,
+    ) -> Result<Array1<f64>, Error> {
+        let (values, unit) = self.in_si(column)?;
+        let written = self.column(column)?.unit.clone();
+        if written.is_none() || Unit::parse(wanted).is_some_and(|u| u.is_like(&unit)) {
+            return Ok(values);
+        }
+        let (file, column) = (self.name.clone(), column.to_owned());
+        Err(Error::WrongUnit { file, column, unit: written.unwrap_or_default(), channel, wanted })
+    }
+
+    /// Returns a column by its name.
+    ///
+    /// # Errors
+    /// There is no such column; the error lists the columns that there are and names the nearest.
+    pub fn column(&self, name: &str) -> Result<&Column, Error> {
+        self.find(name).ok_or_else(|| {
+            let names = self.columns.iter().map(|c| c.name.as_str());
+            let hint = nearest(name, names.clone()).map(str::to_owned);
+            let known = names.collect::<Vec<_>>().join(", ");
+            Error::NoColumn { file: self.name.clone(), column: name.to_owned(), known, hint }
+        })
+    }
+
+    /// Returns a column by its name; `None` if there is none of that name.
+    pub fn find(&self, name: &str) -> Option<&Column> {
+        self.columns.iter().find(|c| c.name == name)
+    }
+
+    /// Returns the unit of a column from what is written.
+    pub(crate) fn unit(&self, column: &str, written: &str) -> Result<Unit, Error> {
+        let unknown = || Error::UnknownUnit {
+            file: self.name.clone(),
+            column: column.to_owned(),
+            unit: written.to_owned(),
+        };
+        Unit::parse(written).ok_or_else(unknown)
+    }
+
+    /// Refuses a table without rows, with columns of different length, or with two columns of one name.
+    fn check(&self) -> Result<(), Error> {
+        let file = || self.name.clone();
+        let rows = self.columns.first().map_or(0, |c| c.values.len());
+        if rows == 0 {
+            return Err(Error::Empty { file: file() });
+        }
+        for (index, column) in self.columns.iter().enumerate() {
+            let (name, length) = (column.name.clone(), column.values.len());
+            if self.columns[..index].iter().any(|c| c.name == name) {
+                return Err(Error::SameName { file: file(), column: name });
+            }
+            if length != rows {
+                return Err(Error::Length { file: file(), column: name, length, rows });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Column {
+    /// Returns a column from a heading `name [unit]` or `name (unit)`.
+    pub(crate) fn headed(heading: &str, values: impl Into<Array1<f64>>) -> Self {
+        let heading = heading.trim().trim_matches('"').trim();
+        let split = |open, close| {
+            let (name, rest) = heading.split_once(open)?;
+            let unit = rest.trim_end().strip_suffix(close)?;
+            Some((name.trim().to_owned(), Some(unit.trim().to_owned())))
+        };
+        let (name, unit) =
+            split('[', ']').or_else(|| split('(', ')')).unwrap_or_else(|| (heading.to_owned(), None));
+        Self { name, unit, values: values.into() }
+    }
+
+    /// Returns a column without a unit.
+    pub(crate) fn plain(name: impl Into<String>, values: impl Into<Array1<f64>>) -> Self {
+        Self { name: name.into(), unit: None, values: values.into() }
+    }
+}
+
+/// Returns the name in `known` that is nearest to `written`; `None` if none is near enough to be meant.
+///
+/// A name is near enough if at most a third of its letters differ (a letter in another case counts as none), or if one of the
+/// two names begins with the other.
+fn nearest<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let distance = |name: &str| strsim::damerau_levenshtein(&written.to_lowercase(), name);
+    let extends = |name: &str| {
+        name.len() >= 3 && written.len() >= 3 && (written.starts_with(name) || name.starts_with(written))
+    };
+    let length = written.chars().count();
+    let is_close = |distance: usize| distance <= (length / 3).max(1) && 2 * distance <= length;
+    let near = |name: &&str| is_close(distance(name)) || extends(name);
+    known.into_iter().filter(near).min_by_key(|name| distance(name))
+}
