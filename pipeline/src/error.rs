@@ -2,7 +2,7 @@
 
 use counterpoise_synth::Finding;
 
-use crate::recordings::ColumnRemark;
+use crate::recordings::{ColumnRemark, UnusedColumn};
 
 /// Every way in which the road can end before its end.
 #[derive(Debug, thiserror::Error)]
@@ -126,10 +126,17 @@ pub enum PipelineError {
         /// Why.
         #[source]
         cause: counterpoise_simulate::Error,
+        /// The columns of its file that were not used, of which one may be what it lacks.
+        unused: Vec<UnusedColumn>,
     },
     /// Recordings cannot be diagnosed.
-    #[error(transparent)]
-    Diagnosis(counterpoise_diagnose::Error),
+    #[error("{cause}")]
+    Diagnosis {
+        /// Why.
+        cause: counterpoise_diagnose::Error,
+        /// The columns of their files that were not used, of which one may be what they lack.
+        unused: Vec<UnusedColumn>,
+    },
     /// A recording cannot be used.
     #[error("recording: {0}")]
     Recording(#[from] counterpoise_recordings::Error),

@@ -16,6 +16,9 @@ const FEWEST_ROWS: usize = 3;
 /// of a file are rounded when they are written.
 const MEANT: f64 = 1e-6;
 
+/// Signals on a uniform clock may take so many bytes in all.
+const LARGEST: u64 = 4 << 30;
+
 /// Signals on one uniform clock.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uniform {
@@ -73,6 +76,9 @@ pub fn uniform(
         remarks.push(Remark::Uneven { jitter, period_s });
     }
     let is_uneven = has_gaps || jitter > EVEN;
+    if is_uneven {
+        check_length(file, time_s[last] - time_s[first], period_s, signals.len())?;
+    }
     let signals = if is_uneven { interpolated(time_s, rows, period_s, signals) } else { signals };
     Ok(Uniform { period_s, start_s: time_s[first], signals, remarks })
 }
@@ -101,6 +107,20 @@ impl Steps {
         let repeated = self.repeated.first().map(|row| Remark::Repeated { rows, first_row: row + 1 });
         self.steps_s.iter().enumerate().filter_map(gap).chain(repeated).collect()
     }
+}
+
+/// Refuses a sample period on which signals of a duration would take too much memory; this is checked before any of it is
+/// allocated.
+///
+/// # Errors
+/// [`Error::TooLong`], with the estimate.
+pub(crate) fn check_length(file: &str, duration_s: f64, period_s: f64, signals: usize) -> Result<(), Error> {
+    let samples = (duration_s / period_s).ceil();
+    let bytes = (samples * signals as f64 * size_of::<f64>() as f64) as u64;
+    if bytes <= LARGEST {
+        return Ok(());
+    }
+    Err(Error::TooLong { file: file.to_owned(), period_s, samples, bytes, limit: LARGEST })
 }
 
 /// Returns whether a row equals the one before it, its time included.

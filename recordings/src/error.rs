@@ -14,6 +14,53 @@ pub enum Error {
         /// What the reader says.
         why: String,
     },
+    /// The first bytes are neither text nor those of a format that is read.
+    #[error(
+        "{file}: this is neither text nor a file of a known format; recordings are CSV, Parquet, MATLAB (version 5 or 7.3) \
+         or HDF5 files, not packed in an archive"
+    )]
+    UnknownFormat {
+        /// The file.
+        file: String,
+    },
+    /// Reading the file would take more memory than its size makes plausible.
+    #[error(
+        "{file}: reading it would take {} MiB, more than the {} MiB that are allowed for a file of this size; \
+         read a shorter part, or check the shape of \"{column}\"",
+        bytes >> 20,
+        limit >> 20
+    )]
+    TooLarge {
+        /// The file.
+        file: String,
+        /// The column at which the limit was exceeded.
+        column: String,
+        /// Estimated memory, bytes.
+        bytes: u64,
+        /// Allowed memory, bytes.
+        limit: u64,
+    },
+    /// The checksum of a column does not match its values.
+    #[error("{file}: column \"{column}\" is damaged ({why}): copy the file again from where it was recorded")]
+    Checksum {
+        /// The file.
+        file: String,
+        /// The column.
+        column: String,
+        /// What the reader says.
+        why: String,
+    },
+    /// A CSV file whose first row holds numbers.
+    #[error(
+        "{file}: the first row ({first}) holds numbers, but must name the columns: put a row such as \
+         \"time [s],hub_rate [rad/s]\" before it"
+    )]
+    NoHeader {
+        /// The file.
+        file: String,
+        /// The first row.
+        first: String,
+    },
     /// A cell that is not a number.
     #[error("{file}:{line}: column \"{column}\": \"{value}\" is not a number")]
     Cell {
@@ -43,6 +90,14 @@ pub enum Error {
     Empty {
         /// The file.
         file: String,
+    },
+    /// No column could be read.
+    #[error("{file}: there is no column of numbers: {first}")]
+    NothingRead {
+        /// The file.
+        file: String,
+        /// Why the first column was not read.
+        first: String,
     },
     /// Two columns of one name.
     #[error("{file}: two columns are named \"{column}\"")]
@@ -106,6 +161,22 @@ pub enum Error {
         /// The file.
         file: String,
     },
+    /// The time column has no unit, and its steps are far from the project's sample period.
+    #[error(
+        "{file}: the time column has no unit, and in seconds its steps of {file_s} s are far from the sample period of {project_s} s{}: \
+         write the unit in the column's heading, such as \"time [ms]\", or give it where the project file maps time",
+        meant.map_or(String::new(), |unit| format!("; are they {unit}?"))
+    )]
+    TimeUnit {
+        /// The file.
+        file: String,
+        /// Median step of the time column, taken as seconds.
+        file_s: f64,
+        /// Sample period of the project, s.
+        project_s: f64,
+        /// The unit in which the steps would match the sample period.
+        meant: Option<&'static str>,
+    },
     /// Time does not grow.
     #[error("{file}: time does not grow: row {row} is at {time_s} s after {before_s} s")]
     TimeStandsStill {
@@ -151,6 +222,25 @@ pub enum Error {
         file: String,
         /// Why.
         why: String,
+    },
+    /// On the sample period, the recording would take too much memory.
+    #[error(
+        "{file}: every {period_s} s it would have {samples} samples, which take {} MiB, but at most {} MiB are allowed: \
+         check the unit of its time column, or give a longer sample period",
+        bytes >> 20,
+        limit >> 20
+    )]
+    TooLong {
+        /// The file.
+        file: String,
+        /// Sample period, s.
+        period_s: f64,
+        /// Number of samples.
+        samples: f64,
+        /// Estimated memory, bytes.
+        bytes: u64,
+        /// Allowed memory, bytes.
+        limit: u64,
     },
     /// Too few rows to tell a sample period.
     #[error("{file}: {rows} rows with a time are too few for a recording")]

@@ -7,7 +7,7 @@
 //! *Invariant*: nothing here knows a model of the machine, a path or a file system: bytes are handed in.
 //!
 //! Modules in reading order: [`unit`] and [`channel`] (what is measured), [`table`] (columns as written, from the decoders in
-//! `decode`), [`mapping`] (which column is which channel, with `shaping`), [`clock`] (uniform time), [`recording`].
+//! `decode`), [`mapping`] (which column is which channel, with `shaping` and `checks`), [`clock`] (uniform time), [`recording`].
 //!
 //! ```
 //! use counterpoise_recordings::{Channel, Mapping, Table};
@@ -20,6 +20,7 @@
 //! ```
 
 pub mod channel;
+mod checks;
 pub mod clock;
 mod decode;
 pub mod error;
@@ -34,6 +35,6 @@ pub use channel::Channel;
 pub use error::Error;
 pub use mapping::{ChannelSource, Mapping};
 pub use recording::Recording;
-pub use remark::Remark;
+pub use remark::{Remark, Unread};
 pub use table::{Column, Table};
 pub use unit::Unit;

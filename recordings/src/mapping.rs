@@ -2,7 +2,8 @@
 
 use ndarray::Array1;
 
-use crate::clock::{Uniform, uniform};
+use crate::checks::{check_time_unit, missing, nearly_named, outliers, without_infinities};
+use crate::clock::{Uniform, check_length, uniform};
 use crate::shaping::{Resampling, lagging_slopes, on_clock, resampled, slopes, unroll};
 use crate::{Channel, Error, Recording, Remark, Table, Unit};
 
@@ -100,14 +101,21 @@ impl Mapping {
     /// A named column is missing, a unit is unknown or of another quantity, or the clock cannot be read.
     pub fn apply(&self, table: &Table) -> Result<Recording, Error> {
         let time_s = self.time(table)?;
-        let (mut channels, mut signals) = (Vec::new(), Vec::new());
+        let (mut channels, mut signals, mut odd) = (Vec::new(), Vec::new(), Vec::new());
         for channel in Channel::ALL {
-            if let Some(values) = self.channel(table, channel, time_s.as_ref())? {
+            if let Some(mut values) = self.channel(table, channel, time_s.as_ref())? {
+                odd.extend(without_infinities(channel, &mut values));
+                odd.extend(outliers(channel, values.view()));
                 channels.push(channel);
                 signals.push(values);
             }
         }
-        let Uniform { period_s, start_s, signals, mut remarks } = self.clocked(table, time_s, signals)?;
+        let mut remarks = table.remarks.clone();
+        remarks.extend(nearly_named(table, self, &channels, time_s.is_some()));
+        remarks.extend(odd);
+        let Uniform { period_s, start_s, signals, remarks: of_clock } =
+            self.clocked(table, time_s, signals)?;
+        remarks.extend(of_clock);
         let missing = channels.iter().zip(&signals).filter_map(|(channel, values)| missing(*channel, values));
         remarks.extend(missing);
         let mut recording = Recording::new(table.name.clone(), period_s);
@@ -115,7 +123,7 @@ impl Mapping {
         for (channel, values) in channels.into_iter().zip(signals) {
             recording.set(channel, self.differentiated(channel, values, period_s));
         }
-        self.resample(&mut recording);
+        self.resample(&mut recording)?;
         Ok(recording)
     }
 
@@ -162,10 +170,12 @@ impl Mapping {
     }
 
     /// Puts every channel on the given sample period if the file has another.
-    fn resample(&self, recording: &mut Recording) {
+    fn resample(&self, recording: &mut Recording) -> Result<(), Error> {
         let file_s = recording.sample_period_s;
         let is_other = |wanted_s: &f64| (file_s - wanted_s).abs() > SAME_PERIOD * wanted_s;
-        let Some(project_s) = self.sample_period_s.filter(is_other) else { return };
+        let Some(project_s) = self.sample_period_s.filter(is_other) else { return Ok(()) };
+        let duration_s = recording.len() as f64 * file_s;
+        check_length(&recording.name, duration_s, project_s, recording.channels().count())?;
         for channel in Channel::ALL {
             let kind = if channel.is_held() { Resampling::Held } else { Resampling::Read };
             let values = recording.samples(channel).map(|v| resampled(kind, v, file_s, project_s));
@@ -173,6 +183,7 @@ impl Mapping {
         }
         recording.sample_period_s = project_s;
         recording.remarks.push(Remark::Resampled { file_s, project_s });
+        Ok(())
     }
 
     /// Returns a channel in SI units; `None` if the mapping does not name it and no column has its name.
@@ -199,19 +210,15 @@ impl Mapping {
     /// Returns the time of every row, s; `None` if the file has no time.
     fn time(&self, table: &Table) -> Result<Option<Array1<f64>>, Error> {
         let column = ["time", "t", "Time"].into_iter().find(|name| table.find(name).is_some());
-        match (&self.time, column) {
-            (Some(source), _) => converted(table, source, "time", "s").map(Some),
-            (None, Some(name)) => converted(table, &ChannelSource::named(name), "time", "s").map(Some),
-            (None, None) => Ok(None),
+        let by_name = column.map(ChannelSource::named);
+        let Some(source) = self.time.as_ref().or(by_name.as_ref()) else { return Ok(None) };
+        let time_s = converted(table, source, "time", "s")?;
+        let has_unit = source.unit.is_some() || table.column(&source.column)?.unit.is_some();
+        if let Some(project_s) = self.sample_period_s.filter(|_| !has_unit && source.scale == 1.0) {
+            check_time_unit(&table.name, &time_s, project_s)?;
         }
+        Ok(Some(time_s))
     }
-}
-
-/// Returns how many values of a channel are missing, and where the first one is; `None` if none is.
-fn missing(channel: Channel, values: &Array1<f64>) -> Option<Remark> {
-    let first = values.iter().position(|v| !v.is_finite())?;
-    let samples = values.iter().filter(|v| !v.is_finite()).count();
-    Some(Remark::Missing { channel, samples, first_row: first + 1 })
 }
 
 /// Returns a column in a channel's unit. A column without a unit, or in counts, is taken to be in the channel's.

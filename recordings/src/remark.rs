@@ -4,6 +4,34 @@ use std::fmt;
 
 use crate::Channel;
 
+/// Why a column of a file was not read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Unread {
+    /// It holds something else than real numbers.
+    Type {
+        /// What it holds, in the plural.
+        holds: String,
+    },
+    /// It has another length than the columns that were read.
+    Length {
+        /// Its length.
+        length: usize,
+        /// Length of the columns that were read.
+        rows: usize,
+    },
+    /// It has more than two dimensions, or its dimensions do not match its values.
+    Shape {
+        /// Its dimensions.
+        shape: Vec<u64>,
+    },
+    /// Its values cannot be decoded.
+    Undecodable {
+        /// What the reader says.
+        why: String,
+    },
+}
+
 /// Something that the user of a recording should know.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -43,6 +71,40 @@ pub enum Remark {
         /// Row of the first, from 1.
         first_row: usize,
     },
+    /// A column of the file was not read.
+    Unread {
+        /// The column.
+        column: String,
+        /// Why.
+        why: Unread,
+    },
+    /// A column that is not used has nearly the name of a channel, or of time, that was not found.
+    NearlyNamed {
+        /// The column.
+        column: String,
+        /// The name of the channel, or `time`.
+        meant: &'static str,
+    },
+    /// A channel has infinite values; they count as missing.
+    Infinite {
+        /// The channel.
+        channel: Channel,
+        /// Number of infinite values.
+        samples: usize,
+        /// Row of the first, from 1.
+        first_row: usize,
+    },
+    /// Single readings of a channel are far from both neighbours, which agree with each other.
+    Outliers {
+        /// The channel.
+        channel: Channel,
+        /// Number of such readings.
+        samples: usize,
+        /// The first of them, from 1.
+        first_row: usize,
+        /// Its value, in the channel's unit.
+        value: f64,
+    },
     /// The file's sample period differs from the project's, so the channels were put on the project's.
     Resampled {
         /// Sample period of the file, s.
@@ -69,12 +131,45 @@ impl fmt::Display for Remark {
             Self::Missing { channel, samples, first_row } => {
                 write!(f, "{}: {samples} values are missing, the first in row {first_row}", channel.name())
             }
+            Self::Unread { column, why } => write!(f, "column \"{column}\" was not read: {why}"),
+            Self::NearlyNamed { column, meant } => write!(
+                f,
+                "column \"{column}\" is not used: if it is {meant}, name it so, or map {meant} to it in the project file"
+            ),
+            Self::Infinite { channel, samples, first_row } => write!(
+                f,
+                "{}: {samples} values are infinite, the first in row {first_row}: they count as missing",
+                channel.name()
+            ),
+            Self::Outliers { channel, samples, first_row, value } => write!(
+                f,
+                "{}: {samples} readings are far from both neighbours, the first in row {first_row} ({value} {}): \
+                 check the recorder",
+                channel.name(),
+                channel.unit()
+            ),
             Self::Resampled { file_s, project_s } if file_s < project_s => {
                 write!(f, "sampled every {file_s} s: averaged to the project's {project_s} s")
             }
             Self::Resampled { file_s, project_s } => {
                 write!(f, "sampled every {file_s} s: interpolated to the project's {project_s} s")
             }
+        }
+    }
+}
+
+impl fmt::Display for Unread {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Type { holds } => write!(f, "it holds {holds}, not real numbers"),
+            Self::Length { length, rows } => {
+                write!(f, "it has {length} values, the columns that were read {rows}")
+            }
+            Self::Shape { shape } => {
+                let sizes: Vec<String> = shape.iter().map(u64::to_string).collect();
+                write!(f, "its shape is {}, but a column or a matrix of columns is needed", sizes.join(" x "))
+            }
+            Self::Undecodable { why } => write!(f, "it cannot be decoded: {why}"),
         }
     }
 }

@@ -2,7 +2,8 @@
 
 use ndarray::Array1;
 
-use crate::{Error, Unit, decode};
+use crate::decode::{self, Decoded};
+use crate::{Error, Remark, Unit};
 
 /// A table of numbers: named columns of one length.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,6 +12,8 @@ pub struct Table {
     pub name: String,
     /// Columns in the file's order.
     pub columns: Vec<Column>,
+    /// What was left out of the file.
+    pub remarks: Vec<Remark>,
 }
 
 /// A column of a table.
@@ -31,7 +34,8 @@ impl Table {
     /// # Errors
     /// Returns what is wrong with the file, with row, column and value where they are known.
     pub fn read(bytes: &[u8], name: &str) -> Result<Self, Error> {
-        let table = Self { name: name.to_owned(), columns: decode::columns(bytes, name)? };
+        let Decoded { columns, remarks } = decode::decoded(bytes, name)?;
+        let table = Self { name: name.to_owned(), columns, remarks };
         table.check()?;
         Ok(table)
     }
@@ -97,12 +101,20 @@ impl Table {
         Unit::parse(written).ok_or_else(unknown)
     }
 
+    /// Returns the error of a table without rows, which says what was left out.
+    fn empty(&self) -> Error {
+        match self.remarks.first() {
+            None => Error::Empty { file: self.name.clone() },
+            Some(first) => Error::NothingRead { file: self.name.clone(), first: first.to_string() },
+        }
+    }
+
     /// Refuses a table without rows, with columns of different length, or with two columns of one name.
     fn check(&self) -> Result<(), Error> {
         let file = || self.name.clone();
         let rows = self.columns.first().map_or(0, |c| c.values.len());
         if rows == 0 {
-            return Err(Error::Empty { file: file() });
+            return Err(self.empty());
         }
         for (index, column) in self.columns.iter().enumerate() {
             let (name, length) = (column.name.clone(), column.values.len());
@@ -141,7 +153,7 @@ impl Column {
 ///
 /// A name is near enough if at most a third of its letters differ (a letter in another case counts as none), or if one of the
 /// two names begins with the other.
-fn nearest<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let distance = |name: &str| strsim::damerau_levenshtein(&written.to_lowercase(), name);
     let extends = |name: &str| {
         name.len() >= 3 && written.len() >= 3 && (written.starts_with(name) || name.starts_with(written))

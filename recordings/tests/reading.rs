@@ -223,9 +223,12 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..ProptestConfig::default() })]
 
     #[test]
-    fn a_damaged_file_never_panics(which in 0_usize..5, place in 0.0..1.0_f64, byte in any::<u8>(), cut in any::<bool>()) {
-        let file = ["plain_v5.mat", "structure_v7.mat", "mixed.parquet", "mixed_snappy.parquet", "run.csv"][which];
-        let mut bytes = if which < 4 { data(file) } else { b"time [s],control [V]\n0,1\n0.1,2\n0.2,nan\n0.4,inf\n".to_vec() };
+    fn a_damaged_file_never_panics(which in 0_usize..9, place in 0.0..1.0_f64, byte in any::<u8>(), cut in any::<bool>()) {
+        let file = [
+            "plain_v5.mat", "structure_v7.mat", "mixed.parquet", "mixed_snappy.parquet", "v73.mat", "hostile/types.h5",
+            "hostile/types.mat", "hostile/types.parquet", "run.csv",
+        ][which];
+        let mut bytes = if which < 8 { data(file) } else { b"time [s],control [V]\n0,1\n0.1,2\n0.2,nan\n0.4,inf\n".to_vec() };
         let at = ((bytes.len() - 1) as f64 * place) as usize;
         if cut { bytes.truncate(at) } else { bytes[at] = byte }
         let _ = Table::read(&bytes, file).map(|table| Mapping::default().apply(&table));

@@ -7,7 +7,7 @@ use counterpoise_project::Project;
 use counterpoise_recordings::Recording;
 use counterpoise_simulate::replay::Loop;
 
-use super::read::{ColumnRemark, Gaps, RecordingFile, control_for, read, without_demand};
+use super::read::{ColumnRemark, Gaps, RecordingFile, control_for, read, unused_columns, without_demand};
 use crate::PipelineError;
 
 /// A diagnosis with the way in which the recordings were replayed.
@@ -37,7 +37,7 @@ pub fn diagnose(
     let control = control_for(project, read.iter().map(|item| &item.recording));
     let recordings: Vec<Recording> = read.iter().map(|item| item.recording.clone()).collect();
     let diagnosis = counterpoise_diagnose::diagnose(&project.plant, control.clone(), &recordings, pool)
-        .map_err(PipelineError::Diagnosis)?;
+        .map_err(|cause| PipelineError::Diagnosis { cause, unused: unused_columns(&read) })?;
     let without_demand =
         without_demand(project, read.iter().map(|item| (item.file.as_str(), &item.recording)));
     let remarks = read.into_iter().map(|item| (item.file, item.remarks)).collect();

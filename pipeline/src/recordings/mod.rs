@@ -18,5 +18,5 @@ pub mod tracks;
 
 pub use diagnose::{DiagnosedRecordings, diagnose};
 pub use identify::identify;
-pub use read::{ColumnRemark, Gaps, ReadRecording, RecordingFile, read};
+pub use read::{ColumnRemark, Gaps, ReadRecording, RecordingFile, UnusedColumn, read};
 pub use replay::{ReplayLength, ReplayedRecording, replay};

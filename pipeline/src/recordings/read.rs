@@ -53,6 +53,27 @@ pub enum ColumnRemark {
     },
 }
 
+/// A column of a file that was not used.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UnusedColumn {
+    /// Name of the recording.
+    pub recording: String,
+    /// Why the column was not used.
+    pub remark: Remark,
+}
+
+/// Returns the columns of the files of recordings that were not read, or that have nearly the name of a channel that is missing.
+pub(super) fn unused_columns<'a>(read: impl IntoIterator<Item = &'a ReadRecording>) -> Vec<UnusedColumn> {
+    let unused = |item: &'a ReadRecording| {
+        let of_column = |remark: &Remark| {
+            let is_unused = matches!(remark, Remark::Unread { .. } | Remark::NearlyNamed { .. });
+            is_unused.then(|| UnusedColumn { recording: item.file.clone(), remark: remark.clone() })
+        };
+        item.recording.remarks.iter().filter_map(of_column).collect::<Vec<_>>()
+    };
+    read.into_iter().flat_map(unused).collect()
+}
+
 /// What happens to gaps and stuck sensors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Gaps {

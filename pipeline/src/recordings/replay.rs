@@ -7,7 +7,7 @@ use counterpoise_project::Project;
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::{Loop, ReplayMode, Replayer, SelectedReplay};
 
-use super::read::{ColumnRemark, ReadRecording};
+use super::read::{ColumnRemark, ReadRecording, unused_columns};
 use crate::PipelineError;
 
 /// Over what length a recording is replayed.
@@ -59,7 +59,10 @@ pub fn replay_one(
     length: ReplayLength,
 ) -> Result<ReplayedRecording, PipelineError> {
     let followed = Replayer::new(plant, &item.recording).and_then(|r| follow(&r, plant, control, length));
-    let cannot = |cause| PipelineError::CannotReplay { recording: item.file.clone(), cause };
+    let cannot = |cause| {
+        let unused = unused_columns([item]);
+        PipelineError::CannotReplay { recording: item.file.clone(), cause, unused }
+    };
     let mut followed = followed.map_err(cannot)?;
     if followed.mode != ReplayMode::Free && !item.keeps_samples {
         // Columns made from others are not the measurements that the controller read, so its control cannot be compared.

@@ -40,7 +40,24 @@ impl Attachments {
             .trim(csv::Trim::All)
             .flexible(true)
             .from_reader(bytes);
-        reader.records().map(|record| pair(name, &record.map_err(|e| format!("\"{name}\": {e}"))?)).collect()
+        let unreadable = |e: csv::Error| format!("\"{name}\": {e}");
+        let headings = reader.headers().map_err(unreadable)?.clone();
+        if !headings.is_empty() && headings.iter().all(|heading| heading.parse::<f64>().is_ok()) {
+            let first = headings.iter().collect::<Vec<_>>().join(",");
+            return Err(format!(
+                "the first row of \"{name}\" ({first}) holds numbers, but must name the columns: put a row of names before it"
+            ));
+        }
+        let pairs: Vec<[f64; 2]> = reader
+            .records()
+            .map(|record| pair(name, &record.map_err(unreadable)?))
+            .collect::<Result<_, _>>()?;
+        if pairs.is_empty() {
+            return Err(format!(
+                "the file \"{name}\" has no row of numbers: it needs two columns of numbers under its header"
+            ));
+        }
+        Ok(pairs)
     }
 }
 

@@ -13,6 +13,11 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<Vec<Column>, Error> {
     builder.comment(Some(b'#')).trim(csv::Trim::All).flexible(true).delimiter(delimiter);
     let mut reader = builder.from_reader(bytes);
     let headings: Vec<String> = reader.headers().map_err(unreadable)?.iter().map(str::to_owned).collect();
+    if !headings.is_empty()
+        && headings.iter().all(|heading| number(heading, delimiter).is_some_and(f64::is_finite))
+    {
+        return Err(Error::NoHeader { file: file.to_owned(), first: headings.join(",") });
+    }
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); headings.len()];
     for record in reader.records() {
         row(&record.map_err(unreadable)?, delimiter, &headings, &mut columns, file)?;

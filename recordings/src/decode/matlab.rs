@@ -1,194 +1,192 @@
 //! MATLAB files of version 5 (also those of -v6 and -v7): real numeric arrays, and those inside structures, as columns.
 //!
 //! Format: MathWorks, *MAT-File Format*, chapter 1. A vector becomes a column of its name, an N x k matrix the columns
-//! `name_1` to `name_k`, a field of a structure `structure.field`. Only the longest common length is kept as a table.
+//! `name_1` to `name_k`, a field of a structure `structure.field`.
 
 use std::io::Read;
 
-use crate::{Column, Error};
+use ndarray::{Array2, ShapeBuilder};
 
+use super::Decoded;
+use super::arrays::{Array, Found};
+use super::budget::Budget;
+use super::elements::{COMPRESSED, Element, Elements};
+use crate::Error;
+use crate::remark::Unread;
+
+/// Bytes before the first element.
 const HEADER: usize = 128;
+/// Bytes of an element's type and length.
+const TAG: u64 = 8;
 /// Structures may lie in structures this deep.
 const DEEPEST: usize = 8;
-/// A compressed array may unfold to this many bytes.
-const LARGEST: u64 = 1 << 31;
 
+/// Type of an element that holds an array.
 const MATRIX: u32 = 14;
-const COMPRESSED: u32 = 15;
+/// Array class of a structure.
 const STRUCTURE: u8 = 2;
+/// Array class of text.
+const TEXT: u8 = 4;
 /// Array classes of full numeric arrays: double (6) to uint64 (15).
 const NUMERIC: std::ops::RangeInclusive<u8> = 6..=15;
+/// Flag of an array with an imaginary part.
+const COMPLEX: u8 = 0x08;
 
-/// A cursor over the elements of a file; every read may find the end.
-struct Elements<'a> {
-    bytes: &'a [u8],
+/// Reads the arrays of one file.
+struct Reader<'a> {
+    file: &'a str,
     big: bool,
+    budget: Budget<'a>,
+    found: Found,
 }
 
-/// One element: its type and its data.
-struct Element<'a> {
-    kind: u32,
-    data: &'a [u8],
+/// Where an array lies: its name is empty for one at the top, which has a name of its own.
+struct Place<'a> {
+    field: Option<&'a str>,
+    depth: usize,
 }
 
-/// An array: name, rows, columns, values.
-pub(super) struct Array {
-    pub(super) name: String,
-    pub(super) rows: usize,
-    pub(super) values: Vec<f64>,
-}
-
-/// The columns of a MATLAB file of version 5.
-pub(super) fn read(bytes: &[u8], file: &str) -> Result<Vec<Column>, Error> {
-    let broken = |why: &str| Error::Unreadable { file: file.to_owned(), kind: "MATLAB", why: why.to_owned() };
+/// Returns the columns of a MATLAB file of version 5.
+pub(super) fn read(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
     let big = match bytes.get(126..128) {
         Some(b"IM") => false,
         Some(b"MI") => true,
-        _ => return Err(broken("the header has no byte order mark")),
+        _ => return Err(broken(file, "the header has no byte order mark")),
     };
-    let mut arrays = Vec::new();
+    let mut reader = Reader { file, big, budget: Budget::new(file, bytes.len()), found: Found::default() };
     let mut elements = Elements { bytes: bytes.get(HEADER..).unwrap_or_default(), big };
     while let Some(element) = elements.next() {
-        variable(&element, big, &mut arrays).ok_or_else(|| broken("a variable is cut off or damaged"))?;
+        reader.variable(&element)?;
     }
     if !elements.bytes.is_empty() {
-        return Err(broken("the file is cut off"));
+        return Err(broken(file, "the file is cut off"));
     }
-    Ok(columns(arrays))
+    Ok(reader.found.columns())
 }
 
-fn variable(element: &Element<'_>, big: bool, arrays: &mut Vec<Array>) -> Option<()> {
-    match element.kind {
-        COMPRESSED => {
-            let mut data = Vec::new();
-            flate2::read::ZlibDecoder::new(element.data).take(LARGEST).read_to_end(&mut data).ok()?;
-            let inner = Elements { bytes: &data, big }.next()?;
-            if inner.kind == MATRIX { matrix(inner.data, big, None, 0, arrays) } else { Some(()) }
-        }
-        MATRIX => matrix(element.data, big, None, 0, arrays),
-        _ => Some(()),
-    }
+fn broken(file: &str, why: &str) -> Error {
+    Error::Unreadable { file: file.to_owned(), kind: "MATLAB", why: why.to_owned() }
 }
 
-/// Reads an array; its own name is empty inside a structure, where the field's name stands for it.
-fn matrix(data: &[u8], big: bool, field: Option<&str>, depth: usize, arrays: &mut Vec<Array>) -> Option<()> {
-    if data.is_empty() || depth > DEEPEST {
-        return Some(());
-    }
-    let mut parts = Elements { bytes: data, big };
-    let class = class_of(parts.next()?.data, big)?;
-    let dimensions = parts.next()?.numbers(big);
-    let own = String::from_utf8_lossy(parts.next()?.data).into_owned();
-    let name = field.map_or(own, str::to_owned);
-    if class == STRUCTURE {
-        return structure(&mut parts, &name, &dimensions, depth, arrays);
-    }
-    if NUMERIC.contains(&class) {
-        let values = parts.next()?.numbers(big);
-        let rows = dimensions.first().map_or(0, |r| *r as usize);
-        arrays.push(Array { name, rows, values });
-    }
-    Some(())
-}
-
-/// The class is the lowest byte of the flags.
-fn class_of(flags: &[u8], big: bool) -> Option<u8> {
-    flags.get(if big { 3 } else { 0 }).copied()
-}
-
-fn structure(
-    parts: &mut Elements<'_>,
-    name: &str,
-    dimensions: &[f64],
-    depth: usize,
-    arrays: &mut Vec<Array>,
-) -> Option<()> {
-    let big = parts.big;
-    let length = parts.next()?.numbers(big).first().map_or(0, |l| *l as usize);
-    let names = parts.next()?.data;
-    if length == 0 || dimensions.iter().product::<f64>() != 1.0 {
-        return Some(());
-    }
-    for name_bytes in names.chunks(length) {
-        let end = name_bytes.iter().position(|b| *b == 0).unwrap_or(name_bytes.len());
-        let field = format!("{name}.{}", String::from_utf8_lossy(&name_bytes[..end]));
-        let element = parts.next()?;
-        matrix(element.data, big, Some(&field), depth + 1, arrays)?;
-    }
-    Some(())
-}
-
-impl<'a> Elements<'a> {
-    fn next(&mut self) -> Option<Element<'a>> {
-        let tag = self.word(0)?;
-        if tag >> 16 != 0 {
-            let (length, kind) = ((tag >> 16) as usize, tag & 0xffff);
-            let data = self.bytes.get(4..4 + length)?;
-            self.bytes = self.bytes.get(8..)?;
-            return (length <= 4).then_some(Element { kind, data });
-        }
-        let length = self.word(4)? as usize;
-        let data = self.bytes.get(8..)?.get(..length)?;
-        let padded = if tag == COMPRESSED { length } else { length.next_multiple_of(8) };
-        self.bytes = self.bytes.get(8 + padded..).unwrap_or_default();
-        Some(Element { kind: tag, data })
+impl Reader<'_> {
+    fn cut_off(&self) -> Error {
+        broken(self.file, "a variable is cut off or damaged")
     }
 
-    fn word(&self, at: usize) -> Option<u32> {
-        let bytes: [u8; 4] = self.bytes.get(at..at + 4)?.try_into().ok()?;
-        Some(if self.big { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
-    }
-}
-
-impl Element<'_> {
-    /// The data as numbers, by the element's type (MAT-File Format, table 1-1).
-    fn numbers(&self, big: bool) -> Vec<f64> {
-        match self.kind {
-            1 => self.data.iter().map(|b| f64::from(*b as i8)).collect(),
-            2 => self.data.iter().map(|b| f64::from(*b)).collect(),
-            3 => self.each(big, |b| f64::from(i16::from_le_bytes(b))),
-            4 => self.each(big, |b| f64::from(u16::from_le_bytes(b))),
-            5 => self.each(big, |b| f64::from(i32::from_le_bytes(b))),
-            6 => self.each(big, |b| f64::from(u32::from_le_bytes(b))),
-            7 => self.each(big, |b| f64::from(f32::from_le_bytes(b))),
-            9 => self.each(big, f64::from_le_bytes),
-            12 => self.each(big, |b| i64::from_le_bytes(b) as f64),
-            13 => self.each(big, |b| u64::from_le_bytes(b) as f64),
-            _ => Vec::new(),
-        }
-    }
-
-    fn each<const N: usize>(&self, big: bool, convert: impl Fn([u8; N]) -> f64) -> Vec<f64> {
-        let ordered = |chunk: &[u8]| {
-            let mut bytes: [u8; N] = chunk.try_into().unwrap_or([0; N]);
-            if big {
-                bytes.reverse();
+    fn variable(&mut self, element: &Element<'_>) -> Result<(), Error> {
+        let top = Place { field: None, depth: 0 };
+        match element.kind {
+            COMPRESSED => {
+                let data = self.unpacked(element.data)?;
+                let inner = Elements { bytes: &data, big: self.big }.next().ok_or_else(|| self.cut_off())?;
+                if inner.kind == MATRIX { self.matrix(inner.data, &top) } else { Ok(()) }
             }
-            bytes
+            MATRIX => self.matrix(element.data, &top),
+            _ => Ok(()),
+        }
+    }
+
+    /// Returns a compressed element, whose length is known from its first bytes before the rest is unpacked.
+    fn unpacked(&mut self, packed: &[u8]) -> Result<Vec<u8>, Error> {
+        let mut tag = [0; TAG as usize];
+        let mut decoder = flate2::read::ZlibDecoder::new(packed);
+        decoder.read_exact(&mut tag).map_err(|_| self.cut_off())?;
+        let [_, _, _, _, length @ ..] = tag;
+        let length = if self.big { u32::from_be_bytes(length) } else { u32::from_le_bytes(length) };
+        self.budget.take("a compressed variable", u64::from(length) / 8)?;
+        let mut data = tag.to_vec();
+        // one byte more, so that the decoder meets the end of the stream and compares its checksum
+        let read = decoder.take(u64::from(length) + 1).read_to_end(&mut data);
+        read.map_err(|e| broken(self.file, &format!("a compressed variable is damaged: {e}")))?;
+        Ok(data)
+    }
+
+    /// Reads an array; inside a structure it has the field's name.
+    fn matrix(&mut self, data: &[u8], place: &Place<'_>) -> Result<(), Error> {
+        if data.is_empty() {
+            return Ok(());
+        }
+        let mut parts = Elements { bytes: data, big: self.big };
+        let mut part = || parts.next();
+        let (Some(flags), Some(dimensions), Some(name)) = (part(), part(), part()) else {
+            return Err(self.cut_off());
         };
-        self.data.chunks_exact(N).map(|chunk| convert(ordered(chunk))).collect()
+        let [class, flags] = self.class_and_flags(flags.data)?;
+        let dimensions: Vec<u64> = dimensions.numbers(self.big).iter().map(|d| *d as u64).collect();
+        let own = String::from_utf8_lossy(name.data).into_owned();
+        let name = place.field.map_or(own, str::to_owned);
+        let count: u64 = dimensions.iter().fold(1, |product, d| product.saturating_mul(*d));
+        match class {
+            STRUCTURE if count == 1 && place.depth < DEEPEST => {
+                self.structure(&mut parts, &name, place.depth)
+            }
+            _ if NUMERIC.contains(&class) && flags & COMPLEX == 0 => {
+                let values = parts.next().ok_or_else(|| self.cut_off())?;
+                self.numbers(name, &dimensions, &values)
+            }
+            TEXT if dimensions.first().is_none_or(|rows| *rows <= 1) => Ok(()),
+            _ => {
+                self.found.holds(&name, holds(class));
+                Ok(())
+            }
+        }
+    }
+
+    /// Returns the class of an array, which is the lowest byte of its flags, and the flags themselves, in the byte above.
+    fn class_and_flags(&self, flags: &[u8]) -> Result<[u8; 2], Error> {
+        let at = if self.big { [3, 2] } else { [0, 1] };
+        match at.map(|k| flags.get(k).copied()) {
+            [Some(class), Some(flags)] => Ok([class, flags]),
+            _ => Err(self.cut_off()),
+        }
+    }
+
+    /// Reads the numbers of an array, which are stored column by column.
+    fn numbers(&mut self, name: String, dimensions: &[u64], values: &Element<'_>) -> Result<(), Error> {
+        self.budget.take(&name, values.count())?;
+        let sizes: Vec<usize> = dimensions.iter().map(|d| *d as usize).filter(|d| *d != 1).collect();
+        let shape = match sizes[..] {
+            [] => (1, 1),
+            [rows] => (rows, 1),
+            [rows, columns] => (rows, columns),
+            _ => {
+                self.found.unread(&name, Unread::Shape { shape: dimensions.to_vec() });
+                return Ok(());
+            }
+        };
+        match Array2::from_shape_vec(shape.f(), values.numbers(self.big)) {
+            Ok(values) => self.found.arrays.push(Array { name, values }),
+            Err(_) => return Err(self.cut_off()),
+        }
+        Ok(())
+    }
+
+    fn structure(&mut self, parts: &mut Elements<'_>, name: &str, depth: usize) -> Result<(), Error> {
+        let (Some(length), Some(names)) = (parts.next(), parts.next()) else { return Err(self.cut_off()) };
+        let length = length.numbers(self.big).first().map_or(0, |l| *l as usize);
+        if length == 0 {
+            return Ok(());
+        }
+        for name_bytes in names.data.chunks(length) {
+            let end = name_bytes.iter().position(|b| *b == 0).unwrap_or(name_bytes.len());
+            let field = format!("{name}.{}", String::from_utf8_lossy(&name_bytes[..end]));
+            let element = parts.next().ok_or_else(|| self.cut_off())?;
+            self.matrix(element.data, &Place { field: Some(&field), depth: depth + 1 })?;
+        }
+        Ok(())
     }
 }
 
-/// The arrays as columns of the most frequent length among them (the longer one where two are as frequent).
-pub(super) fn columns(arrays: Vec<Array>) -> Vec<Column> {
-    let all: Vec<Column> = arrays.into_iter().flat_map(split).collect();
-    let frequency = |length: usize| all.iter().filter(|c| c.values.len() == length).count();
-    let length = all
-        .iter()
-        .map(|c| c.values.len())
-        .filter(|l| *l > 1)
-        .max_by_key(|l| (frequency(*l), *l))
-        .unwrap_or(0);
-    all.into_iter().filter(|c| c.values.len() == length && length > 0).collect()
-}
-
-fn split(array: Array) -> Vec<Column> {
-    let Array { name, rows, values } = array;
-    if rows <= 1 || rows >= values.len() {
-        return vec![Column::plain(name, values)];
+/// Returns what an array holds that is not read, in the plural (*MAT-File Format*, table 1-3).
+fn holds(class: u8) -> &'static str {
+    match class {
+        1 => "cells",
+        STRUCTURE => "structures",
+        3 => "objects",
+        TEXT => "texts",
+        5 => "a sparse matrix",
+        6..=15 => "complex numbers",
+        16 => "functions",
+        _ => "objects such as a table or a time series",
     }
-    let column =
-        |(index, part): (usize, &[f64])| Column::plain(format!("{name}_{}", index + 1), part.to_vec());
-    values.chunks(rows).enumerate().map(column).collect()
 }

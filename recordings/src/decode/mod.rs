@@ -1,11 +1,15 @@
-//! Decoders: the bytes of a file to columns of numbers.
+//! Decoders: the bytes of a file to columns of numbers, and what was left out.
 
+mod arrays;
+mod budget;
 mod csv;
+mod elements;
 mod hdf5;
 mod matlab;
 mod parquet;
+mod physical;
 
-use crate::{Column, Error};
+use crate::{Column, Error, Remark};
 
 /// First bytes of a Parquet file.
 const PARQUET: &[u8] = b"PAR1";
@@ -15,17 +19,30 @@ const MATLAB: &[u8] = b"MATLAB 5.0";
 const MATLAB_7_3: &[u8] = b"MATLAB 7.3";
 /// First bytes of an HDF5 file.
 const HDF5: &[u8] = b"\x89HDF";
+/// So many first bytes are searched for a zero, which no text has.
+const TEXT: usize = 1024;
+
+/// The columns of a file, and what was left out.
+#[derive(Debug, Default)]
+pub(crate) struct Decoded {
+    pub(crate) columns: Vec<Column>,
+    pub(crate) remarks: Vec<Remark>,
+}
 
 /// Returns the columns of a file, whose format is recognised by its first bytes: Parquet, MATLAB version 5 or 7.3, HDF5, else
 /// CSV.
-pub(crate) fn columns(bytes: &[u8], file: &str) -> Result<Vec<Column>, Error> {
+pub(crate) fn decoded(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
     if bytes.starts_with(PARQUET) {
         parquet::read(bytes, file)
     } else if bytes.starts_with(MATLAB) {
         matlab::read(bytes, file)
-    } else if bytes.starts_with(MATLAB_7_3) || bytes.starts_with(HDF5) {
-        hdf5::read(bytes, file)
+    } else if bytes.starts_with(MATLAB_7_3) {
+        hdf5::read(bytes, file, hdf5::Order::Matlab)
+    } else if bytes.starts_with(HDF5) {
+        hdf5::read(bytes, file, hdf5::Order::AsWritten)
+    } else if bytes[..bytes.len().min(TEXT)].contains(&0) {
+        Err(Error::UnknownFormat { file: file.to_owned() })
     } else {
-        csv::read(bytes, file)
+        csv::read(bytes, file).map(|columns| Decoded { columns, remarks: Vec::new() })
     }
 }

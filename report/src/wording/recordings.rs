@@ -8,7 +8,7 @@ use counterpoise_diagnose::recording::instrument_faults::{
 use counterpoise_diagnose::recording::remarks::{Comparison, HeaveTreatment, RecordingRemark};
 use counterpoise_diagnose::recording::sanity_checks::{Anomaly, ControlMismatch, Meaning, Standstill};
 use counterpoise_pipeline::PipelineError;
-use counterpoise_pipeline::recordings::{ColumnRemark, ReplayedRecording};
+use counterpoise_pipeline::recordings::{ColumnRemark, ReplayedRecording, UnusedColumn};
 use counterpoise_pipeline::results::RecordingResult;
 
 /// Describes something found about the columns of a recording: its channel, and what is wrong or was done.
@@ -40,14 +40,23 @@ pub fn describe_replay(replayed: &ReplayedRecording) -> RecordingResult {
 /// Describes why recordings were refused, with what was found in them.
 pub fn describe_recordings_error(error: &PipelineError) -> String {
     match error {
-        PipelineError::Diagnosis(refused) => describe_refusal(refused),
+        PipelineError::Diagnosis { cause, unused } => {
+            describe_refusal(cause) + &describe_unused_columns(unused)
+        }
         PipelineError::NothingToReplay { remarks, .. } => {
             let remarks: Vec<String> = remarks.iter().map(describe_column_remark).collect();
             format!("{error}: {}", remarks.join("; "))
         }
-        PipelineError::CannotReplay { cause, .. } => format!("{error}: {cause}"),
+        PipelineError::CannotReplay { cause, unused, .. } => {
+            format!("{error}: {cause}{}", describe_unused_columns(unused))
+        }
         _ => error.to_string(),
     }
+}
+
+/// Describes columns that were not used, to follow the description of what is missing; empty if there are none.
+fn describe_unused_columns(unused: &[UnusedColumn]) -> String {
+    unused.iter().map(|column| format!("; {}: {}", column.recording, column.remark)).collect()
 }
 
 /// Describes something to be reported about the recordings.

@@ -1,0 +1,81 @@
+//! Elements of a MATLAB file of version 5: a type, a length, and data (MathWorks, *MAT-File Format*, chapter 1).
+
+/// Type of an element that holds a compressed element.
+pub(super) const COMPRESSED: u32 = 15;
+
+/// A cursor over the elements of a file; every read may find the end.
+pub(super) struct Elements<'a> {
+    pub(super) bytes: &'a [u8],
+    pub(super) big: bool,
+}
+
+/// One element: its type and its data.
+pub(super) struct Element<'a> {
+    pub(super) kind: u32,
+    pub(super) data: &'a [u8],
+}
+
+impl<'a> Elements<'a> {
+    /// Returns the next element; `None` at the end, or if it is cut off.
+    pub(super) fn next(&mut self) -> Option<Element<'a>> {
+        let tag = self.word(0)?;
+        if tag >> 16 != 0 {
+            let (length, kind) = ((tag >> 16) as usize, tag & 0xffff);
+            let data = self.bytes.get(4..4 + length)?;
+            self.bytes = self.bytes.get(8..)?;
+            return (length <= 4).then_some(Element { kind, data });
+        }
+        let length = self.word(4)? as usize;
+        let data = self.bytes.get(8..)?.get(..length)?;
+        let padded = if tag == COMPRESSED { length } else { length.next_multiple_of(8) };
+        self.bytes = self.bytes.get(8 + padded..).unwrap_or_default();
+        Some(Element { kind: tag, data })
+    }
+
+    /// Returns the 32-bit word at a place.
+    fn word(&self, at: usize) -> Option<u32> {
+        let bytes: [u8; 4] = self.bytes.get(at..at + 4)?.try_into().ok()?;
+        Some(if self.big { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
+    }
+}
+
+impl Element<'_> {
+    /// Returns the number of values.
+    pub(super) fn count(&self) -> u64 {
+        let size = match self.kind {
+            1 | 2 => 1,
+            3 | 4 => 2,
+            5..=7 => 4,
+            _ => 8,
+        };
+        self.data.len() as u64 / size
+    }
+
+    /// Returns the data as numbers, by the element's type (MAT-File Format, table 1-1).
+    pub(super) fn numbers(&self, big: bool) -> Vec<f64> {
+        match self.kind {
+            1 => self.data.iter().map(|b| f64::from(*b as i8)).collect(),
+            2 => self.data.iter().map(|b| f64::from(*b)).collect(),
+            3 => self.each(big, |b| f64::from(i16::from_le_bytes(b))),
+            4 => self.each(big, |b| f64::from(u16::from_le_bytes(b))),
+            5 => self.each(big, |b| f64::from(i32::from_le_bytes(b))),
+            6 => self.each(big, |b| f64::from(u32::from_le_bytes(b))),
+            7 => self.each(big, |b| f64::from(f32::from_le_bytes(b))),
+            9 => self.each(big, f64::from_le_bytes),
+            12 => self.each(big, |b| i64::from_le_bytes(b) as f64),
+            13 => self.each(big, |b| u64::from_le_bytes(b) as f64),
+            _ => Vec::new(),
+        }
+    }
+
+    fn each<const N: usize>(&self, big: bool, convert: impl Fn([u8; N]) -> f64) -> Vec<f64> {
+        let ordered = |chunk: &[u8]| {
+            let mut bytes: [u8; N] = chunk.try_into().unwrap_or([0; N]);
+            if big {
+                bytes.reverse();
+            }
+            bytes
+        };
+        self.data.chunks_exact(N).map(|chunk| convert(ordered(chunk))).collect()
+    }
+}
