@@ -34,6 +34,12 @@ impl Recording {
         Self { name: name.into(), sample_period_s, ..Self::default() }
     }
 
+    /// Returns the recording under another name.
+    #[must_use]
+    pub fn named(self, name: impl Into<String>) -> Self {
+        Self { name: name.into(), ..self }
+    }
+
     /// Returns the recording with the samples of a channel, which replace those that it had.
     #[must_use]
     pub fn with(mut self, channel: Channel, samples: impl Into<Array1<f64>>) -> Self {

@@ -171,11 +171,8 @@ fn split_at_gaps(whole: &Recording, broken: &[bool]) -> (Vec<Recording>, Option<
     let repair = Repair::Split { gaps: holes, missing_s: missing, first_s: first, parts: stretches.len() };
     let count = stretches.len();
     let part = |(k, stretch): (usize, Range<usize>)| {
-        let mut part = whole.part(stretch);
-        if count > 1 {
-            part.name = format!("{} (part {})", whole.name, k + 1);
-        }
-        part
+        let part = whole.part(stretch);
+        if count > 1 { part.named(format!("{} (part {})", whole.name, k + 1)) } else { part }
     };
     let parts = stretches.into_iter().enumerate().map(part).collect();
     (parts, Some(repair))

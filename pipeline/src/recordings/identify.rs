@@ -32,9 +32,7 @@ pub fn identify(
         for item in read(project, files, Gaps::Repaired)? {
             unused.extend(unused_columns([&item]));
             let stem = Path::new(&item.file).file_stem().map(|s| s.to_string_lossy().into_owned());
-            let mut recording = item.recording;
-            recording.name = stem.unwrap_or_else(|| item.file.clone());
-            of_state.push(recording);
+            of_state.push(item.recording.named(stem.unwrap_or_else(|| item.file.clone())));
             remarks.push((item.file, item.remarks));
         }
         recordings.push(of_state);
