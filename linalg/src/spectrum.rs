@@ -2,6 +2,7 @@
 //! eigenvalue is determined by the entries of its matrix.
 
 use crate::balance::balance;
+use crate::dense::dot;
 use crate::error::Error;
 use crate::mat::{C64, Mat};
 use crate::schur::{Schur, schur};
@@ -34,7 +35,8 @@ impl Spectrum {
 
     /// The spectrum of a balanced matrix whose Schur form is known.
     pub(crate) fn from_form(balanced: Mat, form: Schur, scale: Vec<f64>) -> Self {
-        let size = balanced.norm_fro().max(f64::MIN_POSITIVE);
+        let norm = balanced.norm_fro();
+        let size = if norm > 0.0 { norm } else { 1.0 };
         Self { balanced, form, scale, size }
     }
 
@@ -53,15 +55,22 @@ impl Spectrum {
         let inner = self.left_vector(mode);
         let v: Vec<C64> = inner.iter().zip(&self.scale).map(|(e, d)| e / d).collect();
         let length = v.iter().map(|e| e.norm_sqr()).sum::<f64>().sqrt();
+        let each = VECTOR_NOISE * v.len() as f64;
+        let (re, im): (Vec<f64>, Vec<f64>) = v.iter().map(|e| (e.re, e.im)).unzip();
+        let moduli: Vec<f64> = v.iter().map(|e| e.norm()).collect();
+        let unknown: Vec<f64> = self.scale.iter().map(|d| each / d).collect();
+        let absolute = |weights: &[f64], column: &[f64]| -> f64 {
+            weights.iter().zip(column).map(|(w, m)| w * m.abs()).sum()
+        };
         let (mut sum, mut entrywise) = (0.0, 0.0_f64);
         for j in 0..M.ncols() {
-            let terms = || v.iter().zip(M.column(j));
-            let product = terms().map(|(e, &m)| e * m).sum::<C64>().norm();
-            let size: f64 = terms().map(|(e, &m)| e.norm() * m.abs()).sum();
-            let noise: f64 =
-                self.scale.iter().zip(M.column(j)).map(|(d, &m)| VECTOR_NOISE / d * m.abs()).sum();
+            let column = M.column(j);
+            let product = dot(&re, column).hypot(dot(&im, column));
+            let noise = absolute(&unknown, column);
             sum += product * product;
-            entrywise = if product > noise { entrywise.max((product - noise) / size) } else { entrywise };
+            if product > noise {
+                entrywise = entrywise.max((product - noise) / absolute(&moduli, column));
+            }
         }
         let normwise = sum.sqrt() / (length * M.norm_fro()).max(f64::MIN_POSITIVE);
         Reach { mode, normwise, entrywise }
@@ -109,8 +118,11 @@ impl Spectrum {
 
     /// `U y`
     fn outward(&self, y: &[C64]) -> Vec<C64> {
-        let U = &self.form.U;
-        (0..y.len()).map(|i| y.iter().enumerate().map(|(k, e)| e * U[(i, k)]).sum()).collect()
+        let mut out = vec![C64::default(); y.len()];
+        for (k, factor) in y.iter().enumerate() {
+            out.iter_mut().zip(self.form.U.column(k)).for_each(|(o, &u)| *o += factor * u);
+        }
+        out
     }
 }
 
@@ -159,9 +171,15 @@ impl Triangle {
     /// `y` with `y' (T - mode I) = b'` for the right-hand side `b` after [`Triangle::combined`], its largest entry 1.
     fn solve_left(&self, b: Vec<C64>) -> Vec<C64> {
         let mut y: Vec<C64> = Vec::with_capacity(b.len());
+        let mut scale = 1.0;
         for (column, right) in self.columns.iter().zip(b) {
             let known: C64 = y.iter().zip(column).map(|(a, b)| a * b).sum();
-            y.push((right - known) / column[y.len()]);
+            let entry = (right * scale - known) / column[y.len()];
+            y.push(entry);
+            if entry.norm() > GROWN {
+                y.iter_mut().for_each(|e| *e /= GROWN);
+                scale /= GROWN;
+            }
         }
         normalise(&mut y);
         y
@@ -170,8 +188,11 @@ impl Triangle {
     /// `x` with `(T - mode I) x = b`, its largest entry 1.
     fn solve_right(&self, mut b: Vec<C64>) -> Vec<C64> {
         for k in (0..b.len()).rev() {
-            let x = b[k] / self.columns[k][k];
-            b[k] = x;
+            b[k] /= self.columns[k][k];
+            if b[k].norm() > GROWN {
+                b.iter_mut().for_each(|e| *e /= GROWN);
+            }
+            let x = b[k];
             b[..k].iter_mut().zip(&self.columns[k]).for_each(|(b, &entry)| *b -= entry * x);
         }
         for k in 1..b.len() {
@@ -201,6 +222,9 @@ impl Triangle {
     }
 }
 
+/// Entries beyond this are scaled down on the way, since those of a nilpotent matrix grow without bound.
+const GROWN: f64 = 1e100;
+
 fn normalise(v: &mut [C64]) {
     let largest = v.iter().map(|e| e.norm()).fold(f64::MIN_POSITIVE, f64::max);
     v.iter_mut().for_each(|e| *e /= largest);
@@ -224,6 +248,19 @@ mod tests {
                 assert!((left - mode * v[j]).norm() < 1e-12, "left {mode} {j}");
                 assert!((right - mode * x[j]).norm() < 1e-12, "right {mode} {j}");
             }
+        }
+    }
+
+    #[test]
+    fn a_chain_of_integrators_has_finite_vectors() {
+        for n in [1, 2, 30] {
+            let A = Mat::from_fn(n, n, |i, j| if j == i + 1 { 1.0 } else { 0.0 });
+            let spectrum = Spectrum::of(&A).unwrap();
+            let mut last = Mat::zeros(n, 1);
+            last[(n - 1, 0)] = 1.0;
+            let reach = spectrum.reach(&last, C64::default());
+            assert!((reach.normwise - 1.0).abs() < 1e-12, "{n}: {}", reach.normwise);
+            assert!(spectrum.movement(C64::default()) >= 0.0 && spectrum.on_boundary(|l| l.re).len() <= n);
         }
     }
 

@@ -78,8 +78,9 @@ pub const BOUNDARY_SUSPECT: f64 = 1e-7;
 /// (the constant of the QR iteration's backward error, LAPACK Users' Guide, section 4.8).
 pub const EIGENVALUE_ERROR: f64 = 4.0;
 
-/// Entries of a computed eigenvector of a balanced matrix are known to this share of its largest entry.
-pub const VECTOR_NOISE: f64 = 1e-14;
+/// Entries of a computed eigenvector of a balanced matrix are known to this share of its largest entry, times the dimension:
+/// the error of the QR iteration over a gap of a few hundredths of the norm.
+pub const VECTOR_NOISE: f64 = 100.0 * EPS;
 
 /// A Lyapunov equation is examined further if two eigenvalues meet within this share of the norm of the matrix, or if the
 /// solution exceeds the data by the reciprocal: half of the digits may then be lost.

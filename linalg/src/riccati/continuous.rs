@@ -7,11 +7,12 @@ use crate::sylvester::Kind;
 
 use super::certify::{Certified, certify};
 use super::decide::{decide, in_callers_units, is_beyond_doubt};
+use super::doubling::{PARAMETERS, by_doubling};
 use super::equation::{Continuous, Data, Quadratic};
 use super::newton::{Equation, refine};
 use super::precise::PreciseEquation;
 use super::scaling::{Problem, rescale, scale};
-use super::{Method, Outcome, Reason, Riccati, doubling, subspace};
+use super::{Method, Outcome, Reason, Riccati, reason, subspace};
 
 /// Solves `A'X + XA - (XB + S) R^-1 (B'X + S') + Q = 0` for the stabilising `X`: `A - B F` is stable with
 /// `F = R^-1 (B'X + S')`. `A` n x n, `B` n x m, `Q` n x n symmetric, `R` m x m symmetric and not singular (of either
@@ -97,30 +98,48 @@ pub(super) fn fold(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Optio
 /// Above this size the products of the doubling beat the rotations of the Schur form of twice the size.
 const LARGE: usize = 4;
 
-/// First approximation, refinement, certificate; the second method if the first does not lead to one, and 32 digits if doubles
-/// do not settle the problem. Everything is in scaled units.
+/// A way to a first approximation.
+#[derive(Clone, Copy)]
+enum Start {
+    Schur,
+    Doubling(&'static [f64]),
+}
+
+/// First approximation, refinement, certificate; the next way if one does not lead there, and 32 digits if doubles do not
+/// settle the problem. Everything is in scaled units.
 fn solve_scaled(equation: &(impl Equation + PreciseEquation), problem: &Problem) -> Outcome<Certified> {
-    let order = if problem.A.nrows() > LARGE {
-        [Method::Doubling, Method::Schur]
+    let (usual, others) = PARAMETERS.split_at(1);
+    let ways: &[Start] = if problem.A.nrows() > LARGE {
+        &[Start::Doubling(usual), Start::Doubling(others), Start::Schur]
     } else {
-        [Method::Schur, Method::Doubling]
+        &[Start::Schur, Start::Doubling(&PARAMETERS)]
     };
     let mut refusal = Reason::NoGraph;
-    for method in order {
-        match attempt(equation, problem, method) {
+    for (tried, way) in ways.iter().enumerate() {
+        match attempt(equation, problem, *way) {
             Ok(found) if is_beyond_doubt(&found, problem, Kind::Continuous) => return Outcome::Solved(found),
             Ok(found) => return decide(equation, problem, Some(found), refusal),
+            Err(reason @ Reason::Uncontrollable { .. }) => return Outcome::Infeasible(reason),
             Err(reason) => refusal = reason,
+        }
+        if tried == 0
+            && let Some(reason) = reason::certainly_lost(problem, Kind::Continuous)
+        {
+            return Outcome::Infeasible(reason);
         }
     }
     decide(equation, problem, None, refusal)
 }
 
-fn attempt(equation: &impl Equation, problem: &Problem, method: Method) -> Result<Certified, Reason> {
-    let first = match method {
-        Method::Schur => subspace::by_schur(problem),
-        Method::Doubling | Method::Precise => doubling::by_doubling(problem),
+fn attempt(equation: &impl Equation, problem: &Problem, way: Start) -> Result<Certified, Reason> {
+    let (first, method) = match way {
+        Start::Schur => (subspace::by_schur(problem), Method::Schur),
+        Start::Doubling(parameters) => (by_doubling(problem, parameters), Method::Doubling),
     };
-    let refined = first.and_then(|Z| refine(equation, Z)).ok_or(Reason::NoGraph)?;
+    let first = first.ok_or(Reason::NoGraph)?;
+    if let Some(reason) = reason::lost_behind(&first, problem, Kind::Continuous) {
+        return Err(reason);
+    }
+    let refined = refine(equation, first).ok_or(Reason::NoGraph)?;
     certify(equation, problem, refined, method)
 }

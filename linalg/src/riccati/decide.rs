@@ -54,7 +54,8 @@ pub(super) fn decide(
         other => other,
     };
     if found.is_none()
-        && let Some(reason) = certain_refusal(problem, kind)
+        && kind == Kind::Continuous
+        && let Some(reason) = reason::certainly_on_boundary(problem)
     {
         return Outcome::Infeasible(reason);
     }
@@ -66,12 +67,6 @@ pub(super) fn decide(
         Some(found) => accept(found, problem, kind, 0.0),
         None => Outcome::Infeasible(explained(refusal, problem, kind)),
     }
-}
-
-/// A reason that holds without doubt and is found quickly.
-fn certain_refusal(problem: &Problem, kind: Kind) -> Option<Reason> {
-    let on_boundary = || if kind == Kind::Continuous { reason::certainly_on_boundary(problem) } else { None };
-    reason::certainly_lost(problem, kind).or_else(on_boundary)
 }
 
 fn solve_precisely(

@@ -66,11 +66,14 @@ fn solve_in_units(equation: &Discrete) -> Outcome<Certified> {
                     return Outcome::Solved(found);
                 }
                 Ok(found) => return decide(equation, &problem, Some(found), refusal),
+                Err(reason @ Reason::Uncontrollable { .. }) => return Outcome::Infeasible(reason),
                 Err(reason) => refusal = reason,
             }
         }
-        if first.is_none() && reason::certainly_lost(&problem, Kind::Discrete).is_some() {
-            return decide(equation, &problem, None, refusal);
+        if first.is_none()
+            && let Some(reason) = reason::certainly_lost(&problem, Kind::Discrete)
+        {
+            return Outcome::Infeasible(reason);
         }
         first.get_or_insert(problem);
     }
@@ -111,9 +114,13 @@ fn attempt(equation: &Discrete, problem: &Problem, shift: f64, method: Method) -
     let scaled = scale(problem.clone());
     let first = match method {
         Method::Schur => subspace::by_discrete_schur(&scaled.problem),
-        Method::Doubling | Method::Precise => doubling::run(scaled.problem.clone()),
+        Method::Doubling | Method::Precise => doubling::run(scaled.problem.clone()).settled(),
     };
+    let first = first.ok_or(Reason::NoGraph)?;
+    if let Some(reason) = reason::lost_behind(&first, &scaled.problem, Kind::Discrete) {
+        return Err(reason);
+    }
     let offset = Mat::eye(problem.A.nrows()).scale(shift);
-    let refined = first.and_then(|Z| refine(equation, scaled.restore(&Z) + offset)).ok_or(Reason::NoGraph)?;
+    let refined = refine(equation, scaled.restore(&first) + offset).ok_or(Reason::NoGraph)?;
     certify(equation, problem, refined, method)
 }

@@ -6,16 +6,50 @@
 use crate::dense::solve;
 use crate::error::Error;
 use crate::mat::Mat;
+use crate::sylvester::Kind;
 use crate::tolerance::DOUBLING_STEPS;
 
+use super::reason::certainly_lost;
 use super::scaling::Problem;
 
-/// A first approximation of the stabilising solution of the continuous equation; `None` where the iteration breaks down
-/// or does not settle.
-pub(super) fn by_doubling(problem: &Problem) -> Option<Mat> {
+/// Parameters of the Cayley transform, relative to the size of the data: the usual one, and others for a breakdown.
+pub(super) const PARAMETERS: [f64; 3] = [0.3, 1.7, 0.05];
+
+/// A first approximation of the stabilising solution of the continuous equation with the first of the parameters that leads
+/// to one; `None` if the iteration breaks down with each or does not settle.
+pub(super) fn by_doubling(problem: &Problem, parameters: &[f64]) -> Option<Mat> {
     let Problem { A, G, Q } = problem;
     let base = A.norm_fro().max((G.norm_fro() * Q.norm_fro()).sqrt()) / (A.nrows() as f64).sqrt();
-    [0.3, 1.7, 0.05].iter().find_map(|factor| run(cayley(A, G, Q, factor * base).ok()?))
+    for factor in parameters {
+        let hopeless = || certainly_lost(problem, Kind::Continuous).is_some();
+        match cayley(A, G, Q, factor * base).map(|form| iterate(form, hopeless)) {
+            Ok(Outcome::Settled(X)) => return Some(X),
+            // Another parameter settles no equation that this one does not; it may only avoid a singular step.
+            Ok(Outcome::Unsettled) => return None,
+            Ok(Outcome::Broken) | Err(_) => {}
+        }
+    }
+    None
+}
+
+/// What became of a doubling iteration.
+pub(super) enum Outcome {
+    /// It stands still: an approximation of the solution.
+    Settled(Mat),
+    /// It goes on for ever, as it does if a mode that is not stable is out of reach.
+    Unsettled,
+    /// A step was singular or not finite.
+    Broken,
+}
+
+impl Outcome {
+    /// The approximation, if there is one.
+    pub(super) fn settled(self) -> Option<Mat> {
+        match self {
+            Self::Settled(X) => Some(X),
+            Self::Unsettled | Self::Broken => None,
+        }
+    }
 }
 
 /// The Cayley transform with parameter `gamma`: the discrete equation with the same solution.
@@ -38,26 +72,53 @@ fn cayley(A: &Mat, G: &Mat, Q: &Mat, gamma: f64) -> Result<Problem, Error> {
 /// Convergence is quadratic: below this change the next one would be rounding, and Newton steps follow anyhow.
 const SETTLED: f64 = 1e-7;
 
+/// After this many doublings a solution that still grows is either that of a pole near the boundary or of a mode out of reach.
+const EARLY: usize = 10;
+
+/// After this many doublings a solution that still grows belongs to a pole within 2^-30 of the boundary; doubles are
+/// not the place to find it.
+const LATE: usize = 30;
+
+/// A solution grows if a doubling changes it by more than this.
+const GROWING: f64 = 0.3;
+
 /// Doubles `X = A'X (I + G X)^-1 A + Q` until `Q`, which tends to `X`, stands still.
-pub(super) fn run(mut form: Problem) -> Option<Mat> {
-    let n = form.A.nrows();
-    for _ in 0..DOUBLING_STEPS {
-        let middle = Mat::eye(n) + &form.G * &form.Q;
-        // Both parts of the next form, (I + G Q)^-1 [A, G].
-        let solved = solve(&middle, &form.A.hstack(&form.G)).ok()?;
-        let transposed = form.A.t();
-        let step = (&transposed * (&form.Q * &solved.block(0, 0, n, n))).symmetric_part();
-        form.Q += &step;
-        let change = step.norm_fro() / form.Q.norm_fro().max(f64::MIN_POSITIVE);
-        if !change.is_finite() {
-            return None;
-        }
+pub(super) fn run(form: Problem) -> Outcome {
+    iterate(form, || false)
+}
+
+/// The same; `is_hopeless` is asked once if the solution still grows after [`EARLY`] doublings.
+fn iterate(mut form: Problem, is_hopeless: impl Fn() -> bool) -> Outcome {
+    for count in 1..=DOUBLING_STEPS {
+        let Some(change) = double(&mut form) else { return Outcome::Broken };
         if change < SETTLED {
-            return Some(form.Q);
+            return Outcome::Settled(form.Q);
         }
+        let grows = change > GROWING;
+        if grows && (count > LATE || count == EARLY && is_hopeless()) {
+            return Outcome::Unsettled;
+        }
+    }
+    Outcome::Unsettled
+}
+
+/// One doubling; returns the relative change of `Q`, or `None` if it is singular or not finite.
+fn double(form: &mut Problem) -> Option<f64> {
+    let n = form.A.nrows();
+    let middle = Mat::eye(n) + &form.G * &form.Q;
+    // Both parts of the next form, (I + G Q)^-1 [A, G].
+    let solved = solve(&middle, &form.A.hstack(&form.G)).ok()?;
+    let transposed = form.A.t();
+    let step = (&transposed * (&form.Q * &solved.block(0, 0, n, n))).symmetric_part();
+    form.Q += &step;
+    let change = step.norm_fro() / form.Q.norm_fro().max(f64::MIN_POSITIVE);
+    if !change.is_finite() {
+        return None;
+    }
+    if change >= SETTLED {
         let moved = &form.A * &solved;
         form.G += &(&moved.block(0, n, n, n) * &transposed).symmetric_part();
         form.A = moved.block(0, 0, n, n);
     }
-    None
+    Some(change)
 }

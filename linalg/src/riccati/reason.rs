@@ -158,6 +158,19 @@ pub(super) fn certainly_lost(problem: &Problem, kind: Kind) -> Option<Reason> {
     Some(Reason::Uncontrollable { mode: lost.mode, distance: lost.normwise })
 }
 
+/// An approximation whose feedback exceeds the plant by this may be that of a mode that rounding alone put within reach.
+const HUGE: f64 = 1e9;
+
+/// Returns the mode out of reach for certain behind an approximation that is suspiciously large, before it is refined in vain.
+pub(super) fn lost_behind(first: &Mat, problem: &Problem, kind: Kind) -> Option<Reason> {
+    let feedback = first.norm_fro() * problem.G.norm_fro();
+    if feedback > HUGE * boundary_scale(problem.A.norm_fro(), kind) {
+        certainly_lost(problem, kind)
+    } else {
+        None
+    }
+}
+
 /// Of the modes that are not stable the one that the input reaches least, and its relative distance from reach.
 pub(super) fn hardest_mode(problem: &Problem, kind: Kind) -> Option<(C64, f64)> {
     least_reached(&problem.A, &problem.G, |_, m| excess(m, kind) >= 0.0)

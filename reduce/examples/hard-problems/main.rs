@@ -3,7 +3,6 @@
 #![allow(non_snake_case, clippy::print_stdout)]
 
 use std::io::BufRead;
-use std::time::Instant;
 
 use counterpoise_lti::linalg::{self, Mat, Outcome, Riccati};
 use counterpoise_lti::{C64, Descriptor, StateSpace, Timebase};
@@ -16,9 +15,9 @@ fn main() {
     std::panic::set_hook(Box::new(|_| ()));
     for line in std::io::stdin().lock().lines().map_while(Result::ok) {
         let Ok(problem) = serde_json::from_str::<Value>(&line) else { continue };
-        let start = Instant::now();
+        let start = processor_seconds();
         let answer = std::panic::catch_unwind(|| solve(&problem));
-        let seconds = start.elapsed().as_secs_f64();
+        let seconds = processor_seconds() - start;
         let mut answer = match answer {
             Ok(Ok(value)) => value,
             Ok(Err(why)) => json!({ "failed": why }),
@@ -27,6 +26,12 @@ fn main() {
         answer["seconds"] = json!(seconds);
         println!("{answer}");
     }
+}
+
+/// The processor's time of this thread in seconds, which a busy machine does not change; zero if the system does not tell.
+fn processor_seconds() -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    text.split(' ').next().and_then(|word| word.parse::<f64>().ok()).map_or(0.0, |ns| 1e-9 * ns)
 }
 
 fn solve(problem: &Value) -> Answer {
