@@ -48,7 +48,9 @@ def judge(kind, problem, answer, reference, peers):
     theirs = {name: hard_references.error(kind, got, reference, problem) for name, got in peers.items() if got is not None}
     best = min((e for e in theirs.values() if np.isfinite(e)), default=np.inf)
     condition = reference.get('condition') or answer.get('condition') or 1.0
-    if answer.get('panicked'):
+    if reference['exists'] is None and not answer.get('panicked'):
+        verdict = 'no reference'
+    elif answer.get('panicked'):
         verdict = 'PANIC'
     elif 'refused' in answer or 'failed' in answer:
         verdict = 'ok' if not reference['exists'] else 'REFUSED' if best < 1e-6 else 'refused'
@@ -73,13 +75,13 @@ def run(kind, first, count):
 
 def table(records):
     """Counts and largest errors by family."""
-    lines = ['| kind | family | problems | wrong | refused though a peer solves it | refused | accepted without a solution | panics | largest error | largest of the best peer |',
-             '|---|---|---|---|---|---|---|---|---|---|']
+    lines = ['| kind | family | problems | without reference | wrong | refused though a peer solves it | refused | accepted without a solution | panics | largest error | largest of the best peer |',
+             '|---|---|---|---|---|---|---|---|---|---|---|']
     for key in sorted({(r['kind'], r['family']) for r in records}):
         mine = [r for r in records if (r['kind'], r['family']) == key]
         count = lambda verdict: sum(r['verdict'] == verdict for r in mine)
         largest = lambda name: max((r[name] for r in mine if np.isfinite(r[name])), default=float('nan'))
-        cells = [*key, len(mine), count('WRONG'), count('REFUSED'), count('refused'), count('ACCEPTED'), count('PANIC')]
+        cells = [*key, len(mine), count('no reference'), count('WRONG'), count('REFUSED'), count('refused'), count('ACCEPTED'), count('PANIC')]
         lines.append('| ' + ' | '.join(map(str, cells)) + f" | {largest('error'):.1e} | {largest('best'):.1e} |")
     return '\n'.join(lines)
 
@@ -93,7 +95,7 @@ def main():
     for kind in a.kinds.split(','):
         for record in run(kind, a.first, a.count):
             records.append(record)
-            if a.show and record['verdict'] not in ('ok',):
+            if a.show and record['verdict'] not in ('ok', 'no reference'):
                 print({k: v for k, v in record.items()}, flush=True)
     text = table(records)
     print(text)
