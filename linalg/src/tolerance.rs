@@ -91,3 +91,7 @@ pub const LYAPUNOV_REFINEMENTS: usize = 20;
 
 /// A refined solution is accepted if its last correction was below this share of it.
 pub const REFINED: f64 = 1e-12;
+
+/// The error of a product in twice the working precision, relative to the norms of its factors: 2^-95 (Ozaki and others 2012,
+/// with three slices).
+pub const EXTENDED_ERROR: f64 = 2.5e-29;

@@ -7,6 +7,9 @@ use crate::{C64, Error, StateSpace, Timebase};
 /// The grid ends this factor beyond the frequency at which the asymptote crosses one.
 const MARGIN: f64 = 30.0;
 
+/// A crossing this near to an end of the grid, as a ratio, may be missed by the grid itself.
+const AT_END: f64 = 0.99;
+
 /// Zeros, poles and gain of a loop with one input and one output.
 pub(crate) struct Asymptotes {
     roots: Zpk,
@@ -47,13 +50,15 @@ impl Asymptotes {
     /// Frequencies beyond the first and the last point at which the gain may still cross one.
     pub(crate) fn beyond(&self, first: Point, last: Point, timebase: Timebase) -> Vec<f64> {
         let mut rates = Vec::new();
-        if let Some(crossing) = crossing(first, self.slope_at_zero()).filter(|&rate| rate < first.rate) {
+        if let Some(crossing) =
+            crossing(first, self.slope_at_zero()).filter(|&rate| rate < first.rate / AT_END)
+        {
             rates.extend(between(crossing / MARGIN, first.rate));
         }
         match timebase {
             Timebase::Continuous => {
                 let slope = self.roots.zeros.len() as f64 - self.roots.poles.len() as f64;
-                if let Some(crossing) = crossing(last, slope).filter(|&rate| rate > last.rate) {
+                if let Some(crossing) = crossing(last, slope).filter(|&rate| rate > AT_END * last.rate) {
                     rates.extend(between(last.rate, crossing * MARGIN));
                 }
             }

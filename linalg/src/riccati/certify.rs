@@ -17,6 +17,8 @@ pub(super) struct Certified {
     pub(super) solution: Riccati,
     /// The residual of the solution as it is returned.
     pub(super) residual: Mat,
+    /// The norm of the closed loop's Lyapunov operator, to which its separation is compared.
+    pub(super) operator_norm: f64,
 }
 
 /// A refined solution with its closed loop and certificate, or why it is refused.
@@ -40,7 +42,9 @@ pub(super) fn certify(
     if !sound || (worst >= 0.0 && !closed_loop.is_empty()) {
         return Err(inaccurate(relative_residual));
     }
-    let forward_error = refined.derivative.solve(&residual).map(f64::abs);
+    let unknown = equation.residual_error(&refined.gain, &refined.X) / separation;
+    let forward_error = refined.derivative.solve(&residual).map(|e| e.abs() + unknown);
+    let operator_norm = operator_norm(refined.derivative.form.T.norm_fro(), kind);
     let certificate = Certificate {
         relative_residual,
         backward_error,
@@ -54,7 +58,7 @@ pub(super) fn certify(
         newton_steps: refined.steps,
     };
     let solution = Riccati { X: refined.X, F: refined.gain, closed_loop, certificate };
-    Ok(Certified { solution, residual })
+    Ok(Certified { solution, residual, operator_norm })
 }
 
 /// A solution in 32 digits, rounded, with its certificate.
@@ -85,7 +89,16 @@ pub(super) fn certify_precise(
     let mut closed_loop = eigenvalues(&found.closed.rounded()).ok()?;
     closed_loop.iter_mut().for_each(|l| *l = inside(*l, kind));
     let solution = Riccati { X, F: found.gain.rounded(), closed_loop, certificate };
-    Some(Certified { solution, residual })
+    let operator_norm = operator_norm(found.closed.high.norm_fro(), kind);
+    Some(Certified { solution, residual, operator_norm })
+}
+
+/// A bound of the norm of the Lyapunov operator of a closed loop of the given norm.
+fn operator_norm(closed: f64, kind: Kind) -> f64 {
+    match kind {
+        Kind::Continuous => 2.0 * closed,
+        Kind::Discrete => 1.0 + closed * closed,
+    }
 }
 
 /// An eigenvalue of a closed loop whose powers tend to zero: what rounding put on or beyond the boundary is mirrored.

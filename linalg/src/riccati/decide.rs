@@ -24,7 +24,8 @@ const UNDETERMINED: f64 = 1.0;
 
 /// Whether a solution in doubles is accepted without further questions.
 pub(super) fn is_beyond_doubt(found: &Certified, problem: &Problem, kind: Kind) -> bool {
-    found.solution.certificate.separation > DOUBTFUL * size(problem, kind) && is_accurate(found)
+    let size = size(problem, kind).max(found.operator_norm);
+    found.solution.certificate.separation > DOUBTFUL * size && is_accurate(found)
 }
 
 /// Whether the error that is left is small beside each pair of states.
@@ -110,7 +111,7 @@ pub(super) fn in_callers_units(
     gain: impl FnOnce(&Mat) -> Mat,
     terms: impl FnOnce(&Riccati) -> f64,
 ) -> Riccati {
-    let Certified { mut solution, residual } = found;
+    let Certified { mut solution, residual, .. } = found;
     let (d, certificate) = (&units.scale, &mut solution.certificate);
     solution.X = units.restore(&solution.X);
     solution.F = gain(&solution.F);

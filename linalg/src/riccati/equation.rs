@@ -9,6 +9,7 @@ use crate::extended::{Extended, exact_product};
 use crate::mat::Mat;
 use crate::precise::Precise;
 use crate::sylvester::Kind;
+use crate::tolerance::{EPS, EXTENDED_ERROR};
 
 use super::newton::Equation;
 use super::precise::{Linearised, PreciseEquation};
@@ -107,6 +108,10 @@ impl Equation for Continuous {
         self.0.closed(K)
     }
 
+    fn residual_error(&self, K: &Mat, _: &Mat) -> f64 {
+        (EPS * K.norm_fro()).powi(2) * self.0.R.norm_fro()
+    }
+
     fn kind(&self) -> Kind {
         Kind::Continuous
     }
@@ -160,6 +165,10 @@ impl Equation for Quadratic {
 
     fn closed_loop(&self, K: &Mat) -> Mat {
         &self.A - K
+    }
+
+    fn residual_error(&self, _: &Mat, _: &Mat) -> f64 {
+        0.0
     }
 
     fn kind(&self) -> Kind {
@@ -218,6 +227,12 @@ impl Equation for Discrete {
 
     fn closed_loop(&self, K: &Mat) -> Mat {
         self.0.closed(K)
+    }
+
+    fn residual_error(&self, K: &Mat, X: &Mat) -> f64 {
+        let weight = self.0.B.t() * X * &self.0.B + &self.0.R;
+        let products = EXTENDED_ERROR * self.0.closed(K).norm_fro().powi(2) * X.norm_fro();
+        products + (EPS * K.norm_fro()).powi(2) * weight.norm_fro()
     }
 
     fn kind(&self) -> Kind {

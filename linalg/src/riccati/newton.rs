@@ -19,6 +19,9 @@ pub(super) trait Equation {
     fn gain(&self, X: &Extended) -> Option<Mat>;
     /// `A - B K` (`A - K` where no input is known).
     fn closed_loop(&self, K: &Mat) -> Mat;
+    /// By how much the computed residual at `X` may be off: rounding of the gain `K`, which counts in second order, and of
+    /// products whose terms cancel.
+    fn residual_error(&self, K: &Mat, X: &Mat) -> f64;
     /// Which Lyapunov operator the derivative is.
     fn kind(&self) -> Kind;
 }

@@ -187,11 +187,11 @@ def reference(kind, problem):
         else:
             G, = data(problem, 'G')
         X = care_reference(A, G, Q)
-        return dict(exists=False) if X is None else dict(exists=True, X=plain(X), condition=condition_continuous(A, G, Q, X))
+        return dict(exists=None) if X is None else dict(exists=True, X=plain(X), condition=condition_continuous(A, G, Q, X))
     if kind == 'dare':
         A, B, Q, R = data(problem, 'A', 'B', 'Q', 'R')
         X = dare_reference(A, B, Q, R)
-        return dict(exists=False) if X is None else dict(exists=True, X=plain(X), condition=condition_discrete(A, B, Q, R, X))
+        return dict(exists=None) if X is None else dict(exists=True, X=plain(X), condition=condition_discrete(A, B, Q, R, X))
     if kind in ('lyap', 'dlyap'):
         A, Q = data(problem, 'A', 'Q')
         gamma = max(1e-6, float(np.sqrt(largest(A))))
