@@ -56,7 +56,7 @@ fn stations(beam: &Beam) -> Vec<f64> {
     beam.sections.first().map(|section| section.from_m).into_iter().chain(ends).collect()
 }
 
-/// One smooth cone over the same length with the same bore, from the first diameter to the last; none where the beam is not of tubes.
+/// One smooth cone over the same length with the same bore, from the first diameter to the last; `None` if the beam is not of tubes.
 fn cone(beam: &Beam) -> Option<Beam> {
     let (first, last) = (beam.sections.first()?, beam.sections.last()?);
     let (

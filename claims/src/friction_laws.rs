@@ -68,7 +68,7 @@ fn free(bench: &Bench<'_>) -> Result<Parameters, PipelineError> {
     Ok(disconnected(&parameters)?)
 }
 
-/// What the pivot's law shares with the others; none where it is not Dahl's.
+/// What the pivot's law shares with the others; `None` if it is not Dahl's.
 fn shared(parameters: &Parameters) -> Option<Shared> {
     let inertia_kg_m2 = parameters.lumped.as_ref().map(|l| l.hub_inertia_kg_m2 + l.beam_inertia_kg_m2)?;
     match parameters.pivot_friction.law {

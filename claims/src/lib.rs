@@ -9,7 +9,7 @@
 //! Each row comes with the curves that decided it, as data ([`picture`]); whoever shows them draws them.
 //!
 //! Modules in reading order: [`picture`], [`bench`], [`beam`], [`structure`], [`designs`], [`linear`], [`nonlinear`], [`imbalance`], [`rejection`],
-//! [`friction_laws`] (with [`explicit`]), [`tests_of`], [`identified`], [`adaptation`], [`exported`], [`weights`], [`beyond`].
+//! [`friction_laws`] (with [`explicit`]), [`tests_of`], [`identified`], [`adaptation`], [`exported`], [`weights`], [`beyond`], [`page`].
 
 pub mod adaptation;
 pub mod beam;

@@ -7,7 +7,7 @@
 //! *Invariant*: nothing here knows how a controller was designed, or what plant it drives; no file, thread or clock.
 //!
 //! Modules in reading order: [`sampled`], [`signal`], [`parts`], [`friction`], [`estimator`], [`controller`], [`program`],
-//! [`number`], [`runner`], [`realise`], [`sensitivity`], [`tolerance`] (the numbers that decide).
+//! [`number`], [`runner`], [`realise`], [`sensitivity`], [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```
 //! use counterpoise_controller::{Controller, Parts, Path, Scaling, Signal};

@@ -16,6 +16,8 @@
 //! 8. [`findings`]: verdict and findings.
 //! 9. [`diagnosis`]: all of it in one function.
 //!
+//! Beside them stand [`error`] and [`tolerance`] (the numbers that decide, each with its reason).
+//!
 //! ```
 //! use counterpoise_diagnose::library::{Component, list_effects};
 //! use counterpoise_diagnose::simulator_access::Serial;

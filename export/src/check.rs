@@ -20,9 +20,9 @@ pub enum Checked {
     Differs {
         /// Number of the first line that differs, from 1.
         line: usize,
-        /// That line in the file; none where the file ends before it.
+        /// That line in the file; `None` if the file ends before it.
         found: Option<String>,
-        /// That line as it would be generated; none where it would end before it.
+        /// That line as it would be generated; `None` if it would end before it.
         expected: Option<String>,
     },
 }

@@ -8,7 +8,7 @@
 //!
 //! Modules in reading order: [`source`], [`converters`], [`provenance`], [`c99`](mod@c99), [`rust_crate`](mod@rust_crate), [`ranges`],
 //! [`rounding`], [`forms`], [`fixed`], [`targets`](mod@targets), [`board`], [`host`],
-//! [`fmi`], [`vectors`], [`check`](mod@check).
+//! [`fmi`], [`vectors`], [`check`](mod@check), [`error`].
 //!
 //! ```
 //! use counterpoise_controller::{Controller, Parts};

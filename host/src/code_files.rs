@@ -8,10 +8,10 @@ use counterpoise_export::fmi::pack;
 
 use crate::files;
 
-/// Makes the library of an FMI unit from its sources below a folder, by the unit's name; none where this machine cannot.
+/// Makes the library of an FMI unit from its sources below a folder, by the unit's name; `None` if this machine cannot.
 pub type Library = fn(&Path, &str) -> Option<Vec<u8>>;
 
-/// Writes generated files and packs FMI units; none where `go_on` said no.
+/// Writes generated files and packs FMI units; `None` if `go_on` said no.
 ///
 /// # Errors
 /// The file that cannot be written, and why.

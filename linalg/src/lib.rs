@@ -6,7 +6,7 @@
 //!
 //! Modules in reading order: [`mat`] (the matrix itself), [`dense`] and [`decomposition`] (checked wrappers of faer),
 //! [`balance`], [`schur`] (ordered real Schur form), [`sylvester`], [`generalised`], [`lyapunov`], [`hammarling`] (factored
-//! Lyapunov solutions), [`expm`], [`riccati`] (with certificates and named refusals), [`tolerance`].
+//! Lyapunov solutions), [`expm`], [`riccati`] (with certificates and named refusals), [`tolerance`], [`stability`].
 //!
 //! ```
 //! use counterpoise_linalg::{Mat, care};

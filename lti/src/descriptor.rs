@@ -35,7 +35,7 @@ pub struct Reduced {
     pub system: StateSpace,
     /// What the input's derivatives contribute, each p x m; empty where the system is proper.
     pub derivatives: Vec<Mat>,
-    /// How many rounds of constraints were eliminated: none where E is invertible, one for an index of one.
+    /// Number of rounds of constraints that were eliminated: zero if E is invertible, one for an index of one.
     pub rounds: usize,
 }
 

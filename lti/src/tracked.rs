@@ -102,7 +102,7 @@ pub(crate) fn eliminate(
     pivots
 }
 
-/// The place in the lists of the largest entry, none where all are zero.
+/// The place in the lists of the largest entry, `None` if all are zero.
 fn largest(M: &Mat, rows: &[usize], cols: &[usize]) -> Option<(usize, usize)> {
     let (mut best, mut found) = (0.0, None);
     for (j, &col) in cols.iter().enumerate() {

@@ -5,7 +5,7 @@
 //! *Invariant*: nothing here knows how a controller is designed, or marches in time.
 //!
 //! Modules in reading order: [`parameters`], [`friction`], [`plant`], [`structure`], [`mod@reference`] (the machine that examples start
-//! from), [`tolerance`] (the numbers that decide).
+//! from), [`tolerance`] (the numbers that decide), [`error`].
 #![allow(non_snake_case)]
 
 pub mod error;

@@ -63,7 +63,7 @@ pub struct SynthResult {
 pub struct FigureResult {
     /// Key, as in a project file.
     pub figure: String,
-    /// Value; none where it could not be measured.
+    /// Value; `None` if it could not be measured.
     pub value: Option<f64>,
     /// Unit.
     pub unit: &'static str,

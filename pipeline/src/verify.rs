@@ -40,7 +40,7 @@ pub fn verify_on(
 /// Somebody who looks on: sees what is found so far and says whether to go on.
 pub type Onlooker<'a> = &'a mut dyn FnMut(&Verification) -> bool;
 
-/// As [`verify`], for somebody who looks on: `watch` sees what is found so far and says whether to go on; none where it said no.
+/// Verifies as [`verify`] does and calls `watch` with what is found so far; returns `None` if `watch` asked to stop.
 ///
 /// # Errors
 /// As [`verify`].

@@ -7,7 +7,7 @@
 //! *Invariant*: nothing here knows a model of the machine, a path or a file system: bytes are handed in.
 //!
 //! Modules in reading order: [`unit`] and [`channel`] (what is measured), [`table`] (columns as written, from the decoders in
-//! `decode`), [`mapping`] (which column is which channel, with `shaping` and `checks`), [`clock`] (uniform time), [`recording`].
+//! `decode`), [`mapping`] (which column is which channel, with `shaping` and `checks`), [`clock`] (uniform time), [`recording`], [`error`], [`remark`].
 //!
 //! ```
 //! use counterpoise_recordings::{Channel, Mapping, Table};

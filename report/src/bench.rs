@@ -139,7 +139,7 @@ fn balance(made: &Synthesised, rows: &[BalanceRow]) -> Result<Section, Error> {
     Ok(section.listing(changes(rows)).listing(laws(rows)))
 }
 
-/// A controller taken out of a design; none where the design has none of its kind.
+/// A controller taken out of a design; `None` if the design has none of its kind.
 type Taken<'a> = dyn Fn(&Design) -> Option<StateSpace> + 'a;
 
 /// The response of a controller, from one of its inputs, in every state of balance.

@@ -5,9 +5,10 @@
 //!
 //! *Invariant*: nothing here measures or judges; nothing here reads a file, a clock or the network. Same report, same bytes.
 //!
-//! Modules in reading order: [`page`], [`html`], [`style`], [`bode`]; then a verification's report:
-//! [`summary`], [`evidence`], [`spectra`], [`verification`], [`difference`]; then a design's: [`design`]; and the sentences
-//! of a diagnosis: [`wording`].
+//! Modules in reading order: [`page`], [`html`](mod@html), [`style`], [`bode`]; a verification's report: [`summary`], [`evidence`], [`spectra`],
+//! [`verification`], [`difference`], [`triangle`]; a design's: [`design`], [`bench`], [`targets`], [`trade_off`]; the other commands'
+//! reports: [`model`], [`fra`], [`adaptation`], [`sweep`], [`robust`], [`identify`], [`replay`], [`diagnosis`], [`residual`], [`structure`]; and the
+//! sentences of a diagnosis: [`wording`].
 
 pub mod adaptation;
 pub mod bench;

@@ -21,7 +21,7 @@ p{max-width:85ch;overflow-wrap:anywhere}
 .tile .label{font-size:12.5px;color:var(--soft)}.tile .value{font-size:22px;font-weight:600}.tile small{font-size:13px;font-weight:400}
 .tile .soft{font-size:12px}
 .pair{display:grid;grid-template-columns:minmax(0,1.05fr) minmax(0,1fr);gap:18px}
-@media (max-width:1050px){.pair{grid-template-columns:minmax(0,1fr)}}
+@media (max-width:1200px){.pair{grid-template-columns:minmax(0,1fr)}}
 .figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(560px,100%),1fr));gap:18px;align-items:start}
 figure{margin:0 0 4px;padding:12px 12px 8px;border:1px solid var(--grid);border-radius:8px;background:var(--panel);max-width:860px}
 figure svg{width:100%;height:auto;display:block}

@@ -15,7 +15,7 @@
 //! *Invariant*: nothing here knows a requirement, a design, a file, a thread or a clock; noise comes from a seed.
 //!
 //! Modules in reading order: [`signal`], [`motion`], [`scenario`], [`mod@run`], [`sensing`], [`history`], [`recording`],
-//! [`mod@replay`], [`fra`], [`convergence`], [`tolerance`] (the numbers that decide).
+//! [`mod@replay`], [`fra`], [`convergence`], [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```
 //! use counterpoise_controller::ProportionalIntegral;

@@ -171,7 +171,7 @@ impl Browser {
         self.listing.as_ref().is_some_and(|l| l.folder == self.folder() && l.purpose == self.purpose)
     }
 
-    /// What stands at the path, by the listing; none where nothing does.
+    /// What stands at the path, by the listing; `None` if nothing does.
     fn kind(&self) -> Option<Kind> {
         let listing = self.listing.as_ref().filter(|_| self.is_known())?;
         let items = listing.items.as_ref().ok()?;

@@ -32,7 +32,7 @@ pub struct Written {
     pub left_out: Vec<String>,
 }
 
-/// Makes the code and writes it; none where it was stopped.
+/// Makes the code and writes it; `None` if it was stopped.
 ///
 /// # Errors
 /// Why it could not be made or written.

@@ -280,7 +280,7 @@ fn append(file: &mut File, text: &str) -> io::Result<()> {
     done
 }
 
-/// Reads a journal; a last line that is cut off is left out. None where there is no journal or nothing was done.
+/// Reads a journal; a last line that is cut off is left out. `None` if there is no journal or nothing was done.
 pub fn recover(path: &Path) -> Option<Recovered> {
     let mut lines = BufReader::new(File::open(path).ok()?).lines().map_while(Result::ok);
     let mut head: Head = serde_json::from_str(&lines.next()?).ok()?;

@@ -21,7 +21,7 @@ pub struct Portrait {
     pub states: [usize; 2],
     /// Poles of the full plant, slow ones first; one of each pair.
     pub poles: Vec<C64>,
-    /// Hankel values of the full plant; none where it is not stable.
+    /// Hankel values of the full plant; `None` if it is not stable.
     pub hankel: Vec<f64>,
     /// Frequencies, rad/s.
     pub rates: Vec<f64>,
@@ -74,7 +74,7 @@ fn rates() -> impl Iterator<Item = f64> {
 pub struct Swinging {
     /// The beam.
     pub beam: Beam,
-    /// Nodes along it in m, with its modes; none where it has none.
+    /// Nodes along it in m, with its modes; `None` if it has none.
     pub modes: Option<(Vec<f64>, Modes)>,
 }
 

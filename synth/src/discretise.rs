@@ -239,10 +239,10 @@ impl Drafts {
     }
 }
 
-/// A module with its certificates, if it was designed in sampled time; none where the design has no such module.
+/// A module with its certificates, if it was designed in sampled time; `None` if the design has no such module.
 type HeaveModule = Option<(StateSpace, Option<Certified>)>;
 
-/// The heave feedforward of a design for sampled time, in the form in which it runs; none where it has none.
+/// The heave feedforward of a design for sampled time, in the form in which it runs; `None` if it has none.
 ///
 /// # Errors
 /// Those of the discretisation and of the realisation.

@@ -98,7 +98,7 @@ pub struct Entry {
     pub design: Design,
     /// Change of the feedback against nominal, lowest and highest over the band, dB.
     pub feedback_db: (f64, f64),
-    /// Change of the heave feedforward; none where there is none.
+    /// Change of the heave feedforward; `None` if there is none.
     pub heave_db: Option<(f64, f64)>,
     /// Change of the pitch feedforward.
     pub pitch_db: Option<(f64, f64)>,

@@ -54,7 +54,7 @@ pub(crate) struct Estimate {
     pub gain: Mat,
     /// Variance of reading - expected.
     pub innovation: f64,
-    /// Covariance of what is not known, after the reading; none where it has no bound.
+    /// Covariance of what is not known, after the reading; `None` if it has no bound.
     pub unknown: Option<Mat>,
 }
 

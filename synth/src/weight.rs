@@ -240,7 +240,7 @@ impl Weight {
         (most > 0.0).then(|| (0..MEANING_POINTS).map(rate).collect())
     }
 
-    /// The rate at which the modulus leaves that of low frequency by 3 dB; none where every root is at the origin.
+    /// The rate at which the modulus leaves that of low frequency by 3 dB; `None` if every root is at the origin.
     fn corner(&self, rational: &Rational) -> Option<f64> {
         let (rates, order) = (Self::rates(rational)?, rational.order_at_zero());
         let level = |rate: f64| self.magnitude(rate) / rate.powi(order);

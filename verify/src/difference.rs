@@ -7,9 +7,9 @@ use crate::{Figure, Verdict, Verification};
 pub struct Change {
     /// Which figure.
     pub figure: Figure,
-    /// Its value before; none where it was not measured.
+    /// Its value before; `None` if it was not measured.
     pub before: Option<f64>,
-    /// Its value after; none where it was not measured.
+    /// Its value after; `None` if it was not measured.
     pub after: Option<f64>,
     /// Whether its requirements held before; none without one that could be judged.
     pub held: Option<bool>,
@@ -18,7 +18,7 @@ pub struct Change {
 }
 
 impl Change {
-    /// (after - before) / |before|: 0 where both are the same, infinite from 0 or without a bound, none where one is missing.
+    /// (after - before) / |before|: 0 where both are the same, infinite from 0 or without a bound, `None` if one is missing.
     pub fn relative(&self) -> Option<f64> {
         let (before, after) = (self.before?, self.after?);
         Some(if before == after { 0.0 } else { (after - before) / before.abs() })

@@ -173,7 +173,7 @@ pub fn verify(
 }
 
 /// As [`verify`], for somebody who looks on: `watch` is shown what is found so far, first the linear part and then after each run
-/// on the nonlinear plant, and says whether to go on. None where it said no.
+/// on the nonlinear plant, and says whether to go on. `None` if it said no.
 ///
 /// # Errors
 /// As [`verify`].

@@ -51,7 +51,7 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     Ok(verdict_code(true))
 }
 
-/// What the improved model means for the project's design; none where nothing was found or the project has no design.
+/// What the improved model means for the project's design; `None` if nothing was found or the project has no design.
 fn told(loaded: &Loaded, found: &Diagnosis, quiet: bool) -> anyhow::Result<Option<Consequence>> {
     if found.improved == loaded.project.plant {
         return Ok(None);

@@ -208,7 +208,7 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
     Ok(verdict_code(passes))
 }
 
-/// Which samples no shard holds; none where all are there.
+/// Which samples no shard holds; `None` if all are there.
 fn missing(parts: &[Vec<Sample>], all: usize) -> Option<String> {
     let mut there = vec![false; all];
     parts.iter().flatten().filter(|sample| sample.index < all).for_each(|sample| there[sample.index] = true);
@@ -217,7 +217,7 @@ fn missing(parts: &[Vec<Sample>], all: usize) -> Option<String> {
     Some(format!("{} of {all} samples are missing, from {first} to {last}", absent.len()))
 }
 
-/// The worst case of each requirement, by a search from its worst sample; none where no sample could be judged.
+/// The worst case of each requirement, by a search from its worst sample; `None` if no sample could be judged.
 fn searched(named: &Named, samples: &[Sample]) -> Result<Vec<Option<Worst>>> {
     let judged = |k: usize| samples.iter().any(|sample| !sample.values[k].is_nan());
     let one = |k: usize| {

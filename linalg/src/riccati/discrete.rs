@@ -86,7 +86,7 @@ fn solve_in_units(equation: &Discrete) -> Outcome<Certified> {
 /// Reciprocal condition of `R` below which the equation is shifted first.
 const REGULAR: f64 = 1e-6;
 
-/// The shifts `s` to try: none where `R` is regular, and sizes that make `R + s B'B` so.
+/// The shifts `s` to try: `None` if `R` is regular, and sizes that make `R + s B'B` so.
 pub(super) fn shifts(Data { B, Q, R, .. }: &Data) -> Vec<f64> {
     let square = B.norm_fro().powi(2).max(f64::MIN_POSITIVE);
     let size = (Q.norm_fro() + R.norm_fro() / square).max(f64::MIN_POSITIVE);

@@ -171,7 +171,7 @@ struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    /// Fits and judges one hypothesis; none where it changes nothing.
+    /// Fits and judges one hypothesis; `None` if it changes nothing.
     fn tried(&self, hypothesis: Hypothesis) -> Result<Option<TriedStructure>, PipelineError> {
         let candidates = self.candidates(hypothesis.change)?;
         if candidates.is_empty() {

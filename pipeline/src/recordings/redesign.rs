@@ -13,11 +13,11 @@ pub struct Consequence {
     pub before: Verification,
     /// The same controller on the improved model.
     pub kept: Verification,
-    /// A controller designed anew on the improved model, verified on it; none where it has no design.
+    /// A controller designed anew on the improved model, verified on it; `None` if it has no design.
     pub redesigned: Option<Verification>,
 }
 
-/// Verifies a project's design on an improved mechanism; none where the project has no design to verify.
+/// Verifies a project's design on an improved mechanism; `None` if the project has no design to verify.
 ///
 /// # Errors
 /// Those of the road from the project to the verification.

@@ -22,7 +22,7 @@ pub struct Accuracy {
     pub error: Vec<f64>,
     /// The same with steps of that length only, no instant of a change found.
     pub plain: Vec<f64>,
-    /// Order of `plain`; none where it is exact.
+    /// Order of `plain`; `None` if it is exact.
     pub order: Option<f64>,
     /// Estimated error of the second method, with which both are compared.
     pub second_method: f64,

@@ -42,7 +42,7 @@ pub struct MethodRow {
     pub order: usize,
     /// Norm that it reached.
     pub norm: Option<f64>,
-    /// Figures of the sampled loop; none where there is no controller.
+    /// Figures of the sampled loop; `None` if there is no controller.
     pub figures: Option<LoopFigures>,
     /// Why there is none.
     pub why: Option<String>,
@@ -260,7 +260,7 @@ fn motions(design: &Design) -> Result<Vec<MotionRow>, PipelineError> {
     Ok(rows)
 }
 
-/// The sampled loop on the plant with every mode of the finite elements (the first [`MODES`] of larger structures); none where
+/// The sampled loop on the plant with every mode of the finite elements (the first [`MODES`] of larger structures); `None` if
 /// the project has no beam.
 fn spillover(
     project: &Project,

@@ -74,7 +74,7 @@ pub struct Point {
     pub settled: bool,
     /// The linear model without dry friction.
     pub linear: [f64; 2],
-    /// The linear model with dry friction as its describing function; none where there is no dry friction, or where the
+    /// The linear model with dry friction as its describing function; `None` if there is no dry friction, or if the
     /// describing function finds no amplitude that repeats itself.
     pub describing: Option<[f64; 2]>,
 }

@@ -67,7 +67,7 @@ pub fn families(
     Ok(members)
 }
 
-/// How far the ranges of the project's variations may be widened together before the linear loop can be unstable; none where the
+/// How far the ranges of the project's variations may be widened together before the linear loop can be unstable; `None` if the
 /// project varies nothing, has no lumped structure, or its loop is unstable as it is.
 ///
 /// # Errors

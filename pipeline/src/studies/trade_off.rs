@@ -17,7 +17,7 @@ pub struct EffortPoint {
 }
 
 /// The feedback for each factor on its error weight: |S| over the band of the project's search (its usual one where the project
-/// asks for none) against the control that noise costs. A factor without a stable sampled loop is left out; none where `go_on`
+/// asks for none) against the control that noise costs. A factor without a stable sampled loop is left out; `None` if `go_on`
 /// said no before the end.
 ///
 /// # Errors

@@ -79,7 +79,7 @@ fn by_itself(friction: &Friction, sign_rate_rad_s: f64) -> (ObserverLaw, f64, Op
     }
 }
 
-/// Points of g(w) / F_c; none where it is constant.
+/// Points of g(w) / F_c; `None` if it is constant.
 fn level(friction: &Friction, curve: StribeckCurve) -> Vec<[f64; 2]> {
     let (coulomb_nm, rate) = (friction.coulomb_nm(), friction.stribeck_rate_rad_s);
     let level = StribeckLevel::new(coulomb_nm, friction.static_ratio, rate, curve);

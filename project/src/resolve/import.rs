@@ -209,7 +209,7 @@ fn the_one(known: &[&str], name: &str) -> Result<usize, counterpoise_models::Err
     found.ok_or_else(|| counterpoise_models::Error::Import { line: 0, what: what() })
 }
 
-/// A file parsed; none where there is nothing to read, or what is wrong has been said.
+/// A file parsed; `None` if there is nothing to read, or what is wrong has been said.
 fn read<T>(
     v: &mut dyn Visit,
     key: &str,

@@ -23,7 +23,7 @@ const ORDINARY: [(&str, &str); 8] = [
 ];
 
 /// Mean ln(RMS / floor) on the last part of every recording, fitted to the first: the model as it was, its parameters
-/// refitted, what was found, and the truth (none where the library does not have it).
+/// refitted, what was found, and the truth (`None` if the library does not have it).
 ///
 /// # Errors
 /// As the diagnosis itself.

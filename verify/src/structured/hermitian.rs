@@ -9,7 +9,7 @@ pub struct Factor {
 }
 
 impl Factor {
-    /// The factor of a Hermitian matrix, of which the lower triangle is read; none where it is not positive definite. n^3 / 3
+    /// The factor of a Hermitian matrix, of which the lower triangle is read; `None` if it is not positive definite. n^3 / 3
     /// multiplications.
     pub fn of(F: &CMat) -> Option<Self> {
         let n = F.nrows();

@@ -21,7 +21,7 @@ const STARTS: usize = 6;
 /// An iteration has converged where M Delta a = beta a holds to this.
 const RESIDUAL: f64 = 1e-6;
 
-/// The largest bound that the iteration finds from a few fixed starts; none where it converges from none of them, or the bound is 0.
+/// The largest bound that the iteration finds from a few fixed starts; `None` if it converges from none of them, or the bound is 0.
 pub fn lower_bound(M: &CMat, structure: &Structure) -> Option<Perturbation> {
     let found = (0..STARTS).filter_map(|start| Iteration::new(M, structure, start).run());
     found.max_by(|a, b| a.beta.total_cmp(&b.beta))

@@ -89,7 +89,7 @@ impl Search<'_, '_> {
         Ok(pole.norm() >= 1.0)
     }
 
-    /// The scale at which a pole reaches the unit circle, near the one that the bound names; none where none does.
+    /// The scale at which a pole reaches the unit circle, near the one that the bound names; `None` if none does.
     fn limit(&self, candidate: &Candidate, near: f64) -> Result<Option<f64>, Error> {
         let (mut low, mut high) = (0.0, f64::NAN);
         for k in 1..=60 {

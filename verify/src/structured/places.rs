@@ -35,7 +35,7 @@ pub enum Place {
     GyroBandwidth,
 }
 
-/// The places of a parameter; none where it does not enter the loop.
+/// The places of a parameter; `None` if it does not enter the loop.
 pub fn places(varied: Varied) -> &'static [Place] {
     match varied {
         Varied::HubInertia => &[Place::HubInertia],

@@ -86,7 +86,7 @@ const WIDEST: f64 = 1e3;
 ///
 /// At each frequency the structured singular value of the loop's uncertain parts is bounded from above by scalings D and G and from
 /// below by the power iteration; the most dangerous perturbations are then closed with the sampled loop, and scaled until a pole
-/// stands on the unit circle. None where the nominal loop is unstable, or nothing that enters the loop is uncertain.
+/// stands on the unit circle. `None` if the nominal loop is unstable, or nothing that enters the loop is uncertain.
 ///
 /// # Errors
 /// Parameters that make no mechanism, and those of the linear loop.

@@ -93,7 +93,7 @@ impl<'a> Search<'a> {
         (x * q[k]).clamp(self.reach[k].0, self.reach[k].1)
     }
 
-    /// M_c(x q); none where I - M_rr x Q is singular.
+    /// M_c(x q); `None` if I - M_rr x Q is singular.
     fn seen(&self, q: &[f64], x: f64) -> Option<CMat> {
         let (r, c) = (&self.real, &self.complex);
         if r.is_empty() {
