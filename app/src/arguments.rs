@@ -1,14 +1,18 @@
 //! The command line's grammar.
 
-use std::path::{Path, PathBuf};
+use std::ffi::{OsStr, OsString};
+use std::path::Path;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Parser, Subcommand};
 use counterpoise_host::files::RECORDING_ENDINGS;
-use counterpoise_pipeline::recordings::ReplayLength;
 
 use crate::commands::{
-    adapt::AdaptOptions, claims::ClaimsOptions, fra::FraOptions, model::ModelOptions, sweep::SweepOptions,
-    synth::SynthOptions, verify::VerifyOptions,
+    adapt::AdaptOptions, check::CheckOptions, claims::ClaimsOptions, fra::FraOptions, model::ModelOptions,
+    sweep::SweepOptions, synth::SynthOptions, verify::VerifyOptions,
+};
+use crate::options::{
+    DesignOptions, DiagnoseOptions, ExportOptions, IdentifyOptions, NewOptions, ReplayOptions, StageOptions,
+    StudioOptions,
 };
 
 /// From a project file to a verified controller, and back from recordings to a better model.
@@ -23,8 +27,10 @@ pub struct Arguments {
 /// The commands.
 #[derive(Subcommand)]
 pub enum Command {
-    /// Write a folder with a complete project file to start from
+    /// Write a folder with a project file to start from
     New(NewOptions),
+    /// Say what a project file is understood to say and what it leaves open; migrate older files
+    Check(CheckOptions),
     /// Run the whole pipeline: model, reduce, synthesise, verify, export, report
     Design(DesignOptions),
     /// Print the plant: operating point, poles, modes, linear model
@@ -55,156 +61,15 @@ pub enum Command {
     Studio(StudioOptions),
 }
 
-/// Arguments of `studio`, handed to the studio's own program as they are.
-#[derive(Args, Default)]
-#[command(disable_help_flag = true)]
-pub struct StudioOptions {
-    /// Project file or folder, and options (`counterpoise studio --help` lists them)
-    #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "ARGUMENT")]
-    pub arguments: Vec<std::ffi::OsString>,
-}
-
-/// Where a result goes.
-#[derive(Args, Clone)]
-pub struct Results {
-    /// Print the result as JSON (to standard output, or to FILE)
-    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "-")]
-    pub json: Option<PathBuf>,
-    /// Print no progress
-    #[arg(long, short)]
-    pub quiet: bool,
-}
-
-/// Arguments of `new`.
-#[derive(Args)]
-pub struct NewOptions {
-    /// Folder to make, or an empty one; its name becomes the name of the machine
-    pub folder: PathBuf,
-}
-
-/// Arguments of `design`.
-#[derive(Args)]
-pub struct DesignOptions {
-    /// Project file, or a folder with a project.toml
-    pub project: PathBuf,
-    /// Folder for report and code
-    #[arg(short, long, default_value = "out")]
-    pub output: PathBuf,
-    /// Where results go.
-    #[command(flatten)]
-    pub results: Results,
-}
-
-/// Arguments of `export`.
-#[derive(Args)]
-pub struct ExportOptions {
-    /// Project file, or a folder with a project.toml
-    pub project: PathBuf,
-    /// Folder for report and code
-    #[arg(short, long, default_value = "out")]
-    pub output: PathBuf,
-    /// Write nothing; check whether these generated files are still what the project gives
-    #[arg(long, value_name = "FILE", num_args = 1..)]
-    pub check: Vec<PathBuf>,
-    /// Where results go.
-    #[command(flatten)]
-    pub results: Results,
-}
-
-/// Arguments of a single stage.
-#[derive(Args)]
-pub struct StageOptions {
-    /// Project file, or a folder with a project.toml
-    pub project: PathBuf,
-    /// Where results go.
-    #[command(flatten)]
-    pub results: Results,
-}
-
-/// Arguments of `replay`.
-#[derive(Args)]
-pub struct ReplayOptions {
-    /// Project file, or a folder with a project.toml
-    pub project: PathBuf,
-    /// Recordings of one machine: CSV, Parquet, MATLAB or HDF5 files, or folders of them
-    #[arg(required = true)]
-    pub recordings: Vec<PathBuf>,
-    /// Drive the plant with the recorded control instead of the recording's controller
-    #[arg(long)]
-    pub open_loop: bool,
-    /// Length of the windows over which the model follows the recording, under the recorded control and each from a fitted state:
-    /// SECONDS; `none` follows it from start to end; `auto` uses half a second if the machine hunts, otherwise `none`
-    #[arg(long, value_name = "auto|none|SECONDS", default_value = "auto", value_parser = windows)]
-    pub windows: ReplayLength,
-    /// Write a report with pictures to this HTML file
-    #[arg(long, value_name = "FILE")]
-    pub report: Option<PathBuf>,
-    /// Where results go.
-    #[command(flatten)]
-    pub results: Results,
-}
-
-/// `auto`, `none` or a length in seconds.
-fn windows(text: &str) -> Result<ReplayLength, String> {
-    match text {
-        "auto" => Ok(ReplayLength::Automatic),
-        "none" => Ok(ReplayLength::Whole),
-        _ => match text.parse::<f64>() {
-            Ok(window_s) if window_s > 0.0 && window_s.is_finite() => Ok(ReplayLength::Windows { window_s }),
-            _ => Err("must be `auto`, `none` or a length in seconds, such as 0.5".to_owned()),
-        },
-    }
-}
-
-/// Arguments of `diagnose`.
-#[derive(Args)]
-pub struct DiagnoseOptions {
-    /// Project file, or a folder with a project.toml
-    pub project: PathBuf,
-    /// Recordings of one machine: CSV, Parquet, MATLAB or HDF5 files, or folders of them; none if the project has natural
-    /// frequencies in its section `measured`
-    pub recordings: Vec<PathBuf>,
-    /// Write the improved project file
-    #[arg(long, value_name = "FILE")]
-    pub save: Option<PathBuf>,
-    /// Write a report with pictures to this HTML file
-    #[arg(long, value_name = "FILE")]
-    pub report: Option<PathBuf>,
-    /// Where results go.
-    #[command(flatten)]
-    pub results: Results,
-}
-
-/// Arguments of `identify`.
-#[derive(Args)]
-pub struct IdentifyOptions {
-    /// Project file, or a folder with a project.toml
-    pub project: PathBuf,
-    /// Recordings of one machine in one state of balance: CSV, Parquet, MATLAB or HDF5 files, or folders of them
-    #[arg(required = true)]
-    pub recordings: Vec<PathBuf>,
-    /// Recordings of the same machine at another out-of-balance: they separate the amplifier's curve from friction
-    #[arg(long, value_name = "RECORDING", num_args = 1..)]
-    pub other: Vec<PathBuf>,
-    /// Write the project file with the identified values
-    #[arg(long, value_name = "FILE")]
-    pub save: Option<PathBuf>,
-    /// Write a report with pictures to this HTML file
-    #[arg(long, value_name = "FILE")]
-    pub report: Option<PathBuf>,
-    /// Where results go.
-    #[command(flatten)]
-    pub results: Results,
-}
-
 /// `--json FILE` written as `--json=FILE`, unless what follows is a project, a recording or another option: the file
 /// is optional, and must not swallow the argument after it.
-pub fn with_json_file_joined(arguments: impl Iterator<Item = String>) -> Vec<String> {
-    let mut out: Vec<String> = Vec::new();
+pub fn with_json_file_joined(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut out: Vec<OsString> = Vec::new();
     for argument in arguments {
         match out.last_mut() {
             Some(last) if last == "--json" && names_a_result(&argument) => {
-                *last = format!("--json={argument}")
+                last.push("=");
+                last.push(argument);
             }
             _ => out.push(argument),
         }
@@ -212,11 +77,11 @@ pub fn with_json_file_joined(arguments: impl Iterator<Item = String>) -> Vec<Str
     out
 }
 
-fn names_a_result(argument: &str) -> bool {
+fn names_a_result(argument: &OsStr) -> bool {
     let path = Path::new(argument);
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     let is_input = path.is_dir() || ending == "toml" || RECORDING_ENDINGS.contains(&ending.as_str());
-    argument == "-" || (!argument.starts_with('-') && !is_input)
+    argument == "-" || (!argument.as_encoded_bytes().starts_with(b"-") && !is_input)
 }
 
 #[cfg(test)]
@@ -224,7 +89,8 @@ mod tests {
     use super::*;
 
     fn joined(line: &str) -> String {
-        with_json_file_joined(line.split(' ').map(str::to_owned)).join(" ")
+        let joined = with_json_file_joined(line.split(' ').map(OsString::from));
+        joined.iter().map(|each| each.to_string_lossy()).collect::<Vec<_>>().join(" ")
     }
 
     #[test]

@@ -13,7 +13,15 @@ const INTRODUCTION: &str = "# Commands
 This page is generated from the grammar of the command line; a test keeps it current. The how-to pages explain each command.
 
 `PROJECT` is a project file, or a folder with a `project.toml`. `--json FILE` and `--json=FILE` mean the same; without a file the result goes to
-standard output. The exit code is 0 if all verdicts hold, 1 if at least one fails, and 2 for bad input.
+standard output. An option that is not UTF-8 is refused; a path may be any that the system knows.
+
+| exit code | meaning |
+|---|---|
+| 0 | the work is done, and all verdicts hold |
+| 1 | the work is done, and at least one verdict fails: a requirement, code that the project asks for and that cannot be made, or compiled code that answers otherwise than its model |
+| 2 | bad input: nothing was done, or it ended before its end; the standard error stream says why |
+| 3 | the result could not be written to the standard output (a full disk, or a reader that has gone away) |
+| 130 | interrupted by Ctrl-C; what was finished is kept |
 ";
 
 /// Returns the page: one section for each command, in the order of `--help`.

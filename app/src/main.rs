@@ -1,24 +1,29 @@
 //! Counterpoise: a control-design studio for stabilised, out-of-balance servo mechanisms.
 //!
 //! `main` reads the arguments and hands them to one command; what a command may cost is its exit code:
-//! 0 all verdicts hold, 1 some fail, 2 bad input.
+//! 0 all verdicts hold, 1 some fail, 2 bad input, 3 a result could not be written to the standard output, 130 interrupted.
 
 mod arguments;
 mod commands;
 #[cfg(test)]
 mod commands_page;
+mod exit;
+mod options;
 mod output;
 
 use std::process::ExitCode;
 
-use arguments::{Arguments, Command, StudioOptions};
+use arguments::{Arguments, Command};
 use clap::Parser;
+use counterpoise_host::interrupt::{INTERRUPTED, Interrupted};
+use options::StudioOptions;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse_from(arguments::with_json_file_joined(std::env::args()));
+    let arguments = Arguments::parse_from(arguments::with_json_file_joined(std::env::args_os()));
     let window = Command::Studio(StudioOptions::default());
     let done = match arguments.command.as_ref().unwrap_or(&window) {
         Command::New(options) => commands::new::run(options),
+        Command::Check(options) => commands::check::run(options),
         Command::Design(options) => commands::design::run(options),
         Command::Model(options) => commands::model::run(options),
         Command::Reduce(options) => commands::stages::reduce(options),
@@ -35,7 +40,7 @@ fn main() -> ExitCode {
         Command::Studio(options) => commands::studio::run(options),
     };
     done.unwrap_or_else(|error| {
-        eprintln!("{}", output::explained(&error));
-        ExitCode::from(2)
+        output::tell(&output::explained(&error));
+        ExitCode::from(if error.is::<Interrupted>() { INTERRUPTED } else { 2 })
     })
 }

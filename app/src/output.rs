@@ -6,14 +6,27 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use serde::Serialize;
 
-use crate::arguments::Results;
+use crate::options::Results;
+use counterpoise_host::files::state_folder;
+use counterpoise_host::journals::has_unsaved_edits;
 use counterpoise_host::projects::{self, Loaded};
+use counterpoise_host::stages::Progress;
+use counterpoise_host::terminal::harmless;
+pub use counterpoise_host::terminal::tell;
+use counterpoise_project::diagnostic::listed;
 
-/// Writes to standard output. A reader that has gone away, as in `| head`, ends the program and is no error of it.
+/// Exit code of a program whose standard output was lost: a full disk, or a reader that has gone away.
+const LOST: i32 = 3;
+
+/// Writes to standard output, harmless on a terminal. Where this fails the result is lost, so the program ends with [`LOST`]; a reader
+/// that has gone away, as in `| head`, knows why and is told nothing.
 pub fn put(text: &str) {
     let mut out = std::io::stdout().lock();
-    if out.write_all(text.as_bytes()).and_then(|()| out.flush()).is_err() {
-        std::process::exit(0);
+    if let Err(error) = out.write_all(harmless(text).as_bytes()).and_then(|()| out.flush()) {
+        if error.kind() != std::io::ErrorKind::BrokenPipe {
+            tell(&format!("error: the result could not be written to the standard output: {error}"));
+        }
+        std::process::exit(LOST);
     }
 }
 
@@ -52,8 +65,7 @@ pub fn figure(value: f64) -> String {
 /// Prints a result as JSON where that was asked for; says whether it went to standard output.
 pub fn json<T: Serialize>(results: &Results, result: &T) -> Result<bool> {
     let Some(target) = &results.json else { return Ok(false) };
-    let mut text = serde_json::to_string_pretty(result).context("cannot write the result as JSON")?;
-    text.push('\n');
+    let text = json_text(result)?;
     if target == Path::new("-") {
         put(&text);
         return Ok(true);
@@ -62,16 +74,90 @@ pub fn json<T: Serialize>(results: &Results, result: &T) -> Result<bool> {
     Ok(false)
 }
 
+/// Returns a result as JSON: a key a line, a list of numbers in one line, so that a matrix can be read.
+pub fn json_text<T: Serialize>(result: &T) -> Result<String> {
+    let mut bytes = Vec::new();
+    let mut serializer =
+        serde_json::Serializer::with_formatter(&mut bytes, KeyALine { depth: 0, empty: true });
+    result.serialize(&mut serializer).context("cannot write the result as JSON")?;
+    bytes.push(b'\n');
+    String::from_utf8(bytes).context("cannot write the result as JSON")
+}
+
+/// Indents the keys of objects and leaves lists in one line.
+struct KeyALine {
+    depth: usize,
+    empty: bool,
+}
+
+impl KeyALine {
+    fn new_line<W: ?Sized + Write>(&self, writer: &mut W) -> std::io::Result<()> {
+        writer.write_all(b"\n")?;
+        (0..self.depth).try_for_each(|_| writer.write_all(b"  "))
+    }
+}
+
+impl serde_json::ser::Formatter for KeyALine {
+    fn begin_object<W: ?Sized + Write>(&mut self, writer: &mut W) -> std::io::Result<()> {
+        (self.depth, self.empty) = (self.depth + 1, true);
+        writer.write_all(b"{")
+    }
+
+    fn end_object<W: ?Sized + Write>(&mut self, writer: &mut W) -> std::io::Result<()> {
+        self.depth -= 1;
+        if !self.empty {
+            self.new_line(writer)?;
+        }
+        self.empty = false;
+        writer.write_all(b"}")
+    }
+
+    fn begin_object_key<W: ?Sized + Write>(&mut self, writer: &mut W, first: bool) -> std::io::Result<()> {
+        if !first {
+            writer.write_all(b",")?;
+        }
+        self.empty = false;
+        self.new_line(writer)
+    }
+
+    fn begin_object_value<W: ?Sized + Write>(&mut self, writer: &mut W) -> std::io::Result<()> {
+        writer.write_all(b": ")
+    }
+
+    fn begin_array_value<W: ?Sized + Write>(&mut self, writer: &mut W, first: bool) -> std::io::Result<()> {
+        if first { Ok(()) } else { writer.write_all(b", ") }
+    }
+}
+
 /// Prints what is suspicious in a project file.
-pub fn warnings(loaded: &Loaded, quiet: bool) {
-    if !quiet {
-        loaded.warnings.iter().for_each(|warning| eprintln!("{warning}"));
+pub fn warnings(loaded: &Loaded, progress: Progress) {
+    if progress == Progress::Shown {
+        if has_unsaved_edits(&state_folder(), &loaded.path) {
+            let path = loaded.path.display();
+            eprintln!(
+                "note: the studio holds edits of {path} that are not in the file; open it there to save or discard them"
+            );
+        }
+        let lines = listed(&loaded.warnings, ToString::to_string);
+        lines.iter().for_each(|warning| tell(warning));
     }
 }
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
+
+    #[test]
+    fn json_has_a_key_a_line_and_a_list_in_one() {
+        let value = serde_json::json!({"A": [[1.0, 2.5], [0.0, -1.0]], "b": {}, "c": [{"d": null}]});
+        let text = json_text(&value).unwrap();
+        assert_eq!(
+            text,
+            "{\n  \"A\": [[1.0, 2.5], [0.0, -1.0]],\n  \"b\": {},\n  \"c\": [{\n    \"d\": null\n  }]\n}\n"
+        );
+        assert_eq!(serde_json::from_str::<serde_json::Value>(&text).unwrap(), value);
+    }
 
     #[test]
     fn printed_figures_keep_their_digits_at_every_size() {

@@ -155,5 +155,5 @@ fn a_controller_that_was_not_in_the_loop_is_told() {
     };
     assert!(!run().contains("another controller"), "{}", run());
     fs::write(project.join("project.toml"), PROJECT.replace("kp = 18.0", "kp = 12.0")).unwrap();
-    assert!(run().contains("control: it is not what the project's controller makes"), "{}", run());
+    assert!(run().contains("control: it is not what the project's recording controller makes"), "{}", run());
 }

@@ -1,9 +1,12 @@
 //! The report of the reference rig's design: complete, self-contained, small. It is left in the target folder for a person to look at.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use counterpoise_pipeline::export::target_proofs::Costs;
+use counterpoise_pipeline::results::DesignResult;
 use counterpoise_pipeline::{World, design};
 use counterpoise_project::Project;
-use counterpoise_report::{Context, html, of_design};
+use counterpoise_report::design::DesignRun;
+use counterpoise_report::{Origin, html, of_design};
 
 /// The folder of the example.
 struct Example;
@@ -21,9 +24,14 @@ fn the_report_of_the_reference_rig_holds_every_part_and_stays_small() {
     let text = std::fs::read_to_string(format!("{FOLDER}project.toml")).unwrap();
     let project = Project::parse(&text, "project.toml").unwrap().project;
     let designed = design(&project, &Example).unwrap();
-    let context =
-        Context { title: "Reference rig".into(), subtitle: "verification".into(), ..Context::default() };
-    let page = html(&of_design(&designed, context).unwrap());
+    let run = DesignRun {
+        origin: &Origin::default(),
+        times: &[],
+        proofs: &[],
+        costs: &Costs::default(),
+        assumptions: &[],
+    };
+    let page = html(&of_design(&designed, &DesignResult::from(&designed), &run));
     std::fs::write(concat!(env!("CARGO_TARGET_TMPDIR"), "/report.html"), &page).unwrap();
     for part in [
         "Requirements",

@@ -24,6 +24,7 @@ const fn example(name: &'static str, command: &'static [&'static str]) -> Exampl
 /// Paths are relative to the repository; `OUT` is a scratch folder.
 const EXAMPLES: &[Example] = &[
     example("design", &["design", "examples/reference-rig", "-o", "OUT"]),
+    example("check", &["check", "examples/reference-rig"]),
     example("model", &["model", "examples/reference-rig"]),
     example("reduce", &["reduce", "examples/reference-rig"]),
     example("synth", &["synth", "examples/reference-rig"]),

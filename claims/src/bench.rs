@@ -1,6 +1,6 @@
 //! What the rows share: the design of the project's mechanism, variants of it, and the experiments on them.
 
-use counterpoise_controller::{Controller, FrictionObserver, ObserverLaw, Signal};
+use counterpoise_controller::Controller;
 use counterpoise_lti::{Response, StateSpace};
 use counterpoise_models::Parameters;
 use counterpoise_models::plant::Plant;
@@ -8,12 +8,13 @@ use counterpoise_simulate::Simulator;
 use counterpoise_verify::history::{Experiment, History};
 use counterpoise_verify::robust::figures_of;
 use counterpoise_verify::{
-    Arrangement, Error, Figure, Model, Procedure, Quantity, Source, StepFigure, Value, nonlinear,
+    Arrangement, Figure, Model, Procedure, Quantity, Source, StepFigure, Value, nonlinear,
 };
 
-use super::picture::{Axis, Curve, Panel, Picture, hub, hub_from, hub_panel};
-use counterpoise_pipeline::synth::friction_observers::rest_stiffness_nm_rad;
-use counterpoise_pipeline::{Designed, PipelineError, World, design, procedure};
+use super::drawing::{Curve, drawing, factor, hub, hub_from, hub_panel, panel, time};
+use super::friction_identification::{IdentifiedFriction, identify_friction, observing};
+use counterpoise_pipeline::{PipelineError, Stages, World, procedure, run_stages, synthesise};
+use counterpoise_plot::{Axis, Figure as Drawing};
 use counterpoise_project::Project;
 
 /// A design that is put to the test.
@@ -23,10 +24,14 @@ pub struct Bench<'a> {
     /// Files beside it.
     pub world: &'a dyn World,
     /// Its design.
-    pub designed: Designed,
+    pub designed: Stages,
     /// What is done to the mechanism.
     pub procedure: Procedure,
-    /// The controller with friction observers, as the thesis uses it on the nonlinear plant.
+    /// The friction as it was identified from a recording.
+    pub friction: IdentifiedFriction,
+    /// The project whose controller observes the identified friction, as the thesis uses it on the nonlinear plant.
+    pub observing_project: Project,
+    /// The controller that the design of this project exports.
     pub observed: Controller,
 }
 
@@ -59,14 +64,21 @@ pub struct Member<'a> {
 const DRAWN_S: f64 = 0.8;
 
 /// Overshoot and residual rate over a factor; `says` are levels of the thesis' overshoot with their names.
-pub fn over_factor(what: &str, factors: &[f64], found: &[Behaviour], says: &[(f64, &str)]) -> Picture {
+pub fn over_factor(
+    what: &str,
+    factors: &[f64],
+    found: &[Behaviour],
+    (says, others): (&[(f64, &str)], [Vec<Curve>; 2]),
+) -> Drawing {
     let over = |of: &dyn Fn(&Behaviour) -> f64| factors.iter().zip(found).map(|(x, b)| (*x, of(b))).collect();
     let overshoot = Curve::points("with the observer", over(&|b| b.overshoot_percent));
     let residual = Curve::points("with the observer", over(&|b| 1e3 * b.residual_rad_s));
-    let first = Panel::of(Axis::even("overshoot", "%"), vec![overshoot]);
-    let first = says.iter().fold(first, |panel, (level, text)| panel.level(*level, *text));
-    let panels = vec![first, Panel::of(Axis::even("RMS hub rate", "mrad/s"), vec![residual])];
-    Picture::new(format!("Overshoot and residual over {what}"), Axis::factor(what), panels)
+    let [others_over, others_left] = others;
+    let with = |own: Curve, others: Vec<Curve>| std::iter::once(own).chain(others).collect();
+    let first = panel(Axis::linear("overshoot", "%"), with(overshoot, others_over));
+    let first = says.iter().fold(first, |panel, (level, text)| panel.with_level(*level, *text));
+    let panels = vec![first, panel(Axis::linear("RMS hub rate", "mrad/s"), with(residual, others_left))];
+    drawing(format!("Overshoot and residual over {what}"), factor(what), panels)
 }
 
 impl<'a> Bench<'a> {
@@ -75,10 +87,12 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// Those of the pipeline.
     pub fn new(project: &'a Project, world: &'a dyn World) -> Result<Self, PipelineError> {
-        let designed = design(project, world)?;
+        let designed = run_stages(project, world)?;
         let procedure = procedure(project, world)?;
-        let observed = with_observers(designed.verified.controller(), &designed.modelled.parameters, 1.0)?;
-        Ok(Self { project, world, designed, procedure, observed })
+        let friction = identify_friction(&designed.modelled.parameters)?;
+        let observing_project = observing(project, &friction);
+        let observed = run_stages(&observing_project, world)?.verified.controller().clone();
+        Ok(Self { project, world, designed, procedure, friction, observing_project, observed })
     }
 
     /// The mechanism's parameters.
@@ -91,6 +105,16 @@ impl<'a> Bench<'a> {
         self.designed.verified.controller()
     }
 
+    /// The controller that a design would export if its observer were identified on another mechanism.
+    ///
+    /// # Errors
+    /// Those of the identification and of the design.
+    pub fn observing_on(&self, mechanism: &Parameters) -> Result<Controller, PipelineError> {
+        let project = observing(self.project, &identify_friction(mechanism)?);
+        let made = &self.designed;
+        Ok(synthesise(&project, &made.modelled, &made.reduced)?.sampled.controller)
+    }
+
     /// A figure of the verification, NaN where it was not measured.
     pub fn value(&self, figure: Figure) -> f64 {
         self.designed.verified.verification().value(figure).unwrap_or(f64::NAN)
@@ -100,10 +124,10 @@ impl<'a> Bench<'a> {
     ///
     /// # Errors
     /// Those of the pipeline.
-    pub fn redesign(&self, change: impl FnOnce(&mut Project)) -> Result<Designed, PipelineError> {
+    pub fn redesign(&self, change: impl FnOnce(&mut Project)) -> Result<Stages, PipelineError> {
         let mut project = self.project.clone();
         change(&mut project);
-        design(&project, self.world)
+        run_stages(&project, self.world)
     }
 
     /// Figures of a controller on a mechanism.
@@ -157,7 +181,7 @@ impl<'a> Bench<'a> {
     ///
     /// # Errors
     /// Those of the simulator.
-    pub fn family_pictures(&self, name: &str, members: &[Member<'_>]) -> Result<Vec<Picture>, PipelineError> {
+    pub fn family_drawings(&self, name: &str, members: &[Member<'_>]) -> Result<Vec<Drawing>, PipelineError> {
         let moving = Experiment::Disturbance(Source::Both, Arrangement::Compensated);
         let (mut steps, mut motions) = (Vec::new(), Vec::new());
         for member in members {
@@ -171,14 +195,14 @@ impl<'a> Bench<'a> {
         }
         let height = 1e3 * self.procedure.step.rate_rad_s;
         Ok(vec![
-            Picture::new(
+            drawing(
                 format!("Step of the demand, {name}"),
-                Axis::time(),
-                vec![hub_panel(steps).level(height, "demand")],
+                time(),
+                vec![hub_panel(steps).with_level(height, "demand")],
             ),
-            Picture::new(
+            drawing(
                 format!("Heave and pitch with all feedforwards, {name}"),
-                Axis::time(),
+                time(),
                 vec![hub_panel(motions)],
             ),
         ])
@@ -197,36 +221,6 @@ impl<'a> Bench<'a> {
         let mut simulator = Simulator::new(&Plant::lumped(parameters)?)?;
         Ok(nonlinear::history(&mut simulator, controller, &self.procedure, experiment)?)
     }
-}
-
-/// The controller with an observer of the dry friction at the pivot and one of that at the motor, each `share` of the mechanism's
-/// level. Both follow the hub's rate relative to the platform; the motor's friction is taken to the output by the gear.
-///
-/// # Errors
-/// Those of the controller.
-pub fn with_observers(
-    controller: &Controller,
-    parameters: &Parameters,
-    share: f64,
-) -> Result<Controller, Error> {
-    let ratio = parameters.gearbox.ratio;
-    let torque_per_volt = parameters.amplifier.stall_gain_a_v(&parameters.motor)
-        * parameters.motor.torque_constant_nm_a
-        * ratio;
-    let observer = |name: &str, friction: &counterpoise_models::Friction, scale: f64| FrictionObserver {
-        name: name.to_owned(),
-        rate: Signal::RelativeRate,
-        law: ObserverLaw::Dahl,
-        level: Vec::new(),
-        coulomb_nm: share * scale * friction.coulomb_nm(),
-        rest_stiffness_nm_rad: scale * scale * rest_stiffness_nm_rad(&friction.law),
-        volts_per_nm: 1.0 / torque_per_volt,
-        viscous_v_s_rad: 0.0,
-    };
-    let pivot = observer("friction_pivot", &parameters.pivot_friction, 1.0);
-    let motor = observer("friction_motor", &parameters.motor_friction, ratio);
-    let present = [pivot, motor].into_iter().filter(|one| one.coulomb_nm > 0.0);
-    Ok(controller.with(|parts| parts.observers = present.collect())?)
 }
 
 /// The largest difference in dB between two systems of one output over a band, over the given input.

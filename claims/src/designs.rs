@@ -7,23 +7,24 @@ use counterpoise_verify::robust::figures_of;
 use counterpoise_verify::{Arrangement, Experiment, Figure, Model, Quantity, Source, StepFigure, Value};
 
 use super::bench::{largest_db, rates};
-use super::picture::{Axis, Curve, Panel, Picture, gain_db, hub, hub_from, hub_panel};
-use super::{Bench, Claim, Finding};
+use super::drawing::{Curve, drawing, frequency, gain_db, hub, hub_from, hub_panel, panel, time};
+use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
+use counterpoise_plot::{Axis, Figure as Drawing};
 use counterpoise_project::resolve::model::StructureChoice;
 
 /// Control band, Hz.
 const BAND_HZ: (f64, f64) = (0.1, 10.0);
 
-/// C9: designed on either model, run on the finer one, linear and nonlinear.
+/// Row C9: designed on either model, run on the finer one, linear and nonlinear.
 ///
 /// # Errors
 /// Those of the pipeline.
-pub fn c9(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+pub fn designs_on_two_models(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let mut project = bench.project.clone();
     (project.model.structure, project.model.modes) = (StructureChoice::Beam, 3);
     project.verify.iter_mut().for_each(|verify| verify.road = None);
-    let other = counterpoise_pipeline::design(&project, bench.world)?;
+    let other = counterpoise_pipeline::run_stages(&project, bench.world)?;
     let linear = |c: &Controller| {
         c.linear(c.parts().design_out_of_balance_kg_m).map_err(counterpoise_verify::Error::from)
     };
@@ -61,8 +62,9 @@ pub fn c9(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             ran[0][1],
             ran[1][1]
         ),
-        finding: c9_finding(&apart, (radius, (margin_db[0] - margin_db[1]).abs()), &ran),
-        pictures: c9_pictures(bench, fine, (&both, other.verified.controller()))?,
+        criteria: designs_criteria(&apart, (radius, (margin_db[0] - margin_db[1]).abs()), &ran),
+        why: String::new(),
+        drawings: designs_on_two_models_figures(bench, fine, (&both, other.verified.controller()))?,
     })
 }
 
@@ -76,26 +78,23 @@ fn on_elements(bench: &Bench<'_>, plant: &Plant, controller: &Controller) -> Res
     Ok([number(0), 1e3 * number(1)])
 }
 
-fn c9_pictures(
+fn designs_on_two_models_figures(
     bench: &Bench<'_>,
     fine: &Plant,
     (linear, other): (&[StateSpace; 2], &Controller),
-) -> Result<Vec<Picture>, PipelineError> {
+) -> Result<Vec<Drawing>, PipelineError> {
     let drawn = rates((0.1, 100.0));
     let names = ["designed on two inertias", "designed on finite elements"];
     let mut panels = Vec::new();
     for (input, name) in [(1, "feedback"), (3, "heave"), (2, "pitch")] {
         let curves = vec![
             Curve::line(names[0], gain_db(&linear[0], (0, input), &drawn)?),
-            Curve::beside(names[1], gain_db(&linear[1], (0, input), &drawn)?),
+            Curve::reference(names[1], gain_db(&linear[1], (0, input), &drawn)?),
         ];
-        panels.push(Panel::of(Axis::even(name, "dB"), curves).at(BAND_HZ.1, "compared to here"));
+        panels.push(panel(Axis::linear(name, "dB"), curves).with_instant(BAND_HZ.1, "compared to here"));
     }
-    let controllers = Picture::new(
-        "The three controllers by both designs (V s/rad, V s²/m, V s/rad)",
-        Axis::frequency(),
-        panels,
-    );
+    let controllers =
+        drawing("The three controllers by both designs (V s/rad, V s²/m, V s/rad)", frequency(), panels);
     let mut simulator = counterpoise_simulate::Simulator::new(fine)?;
     let mut run = |controller: &Controller, experiment| {
         counterpoise_verify::nonlinear::history(&mut simulator, controller, &bench.procedure, experiment)
@@ -104,44 +103,61 @@ fn c9_pictures(
     let steps = [run(bench.controller(), Experiment::Step)?, run(other, Experiment::Step)?];
     let motions = [run(bench.controller(), moving)?, run(other, moving)?];
     let step =
-        hub_panel(vec![Curve::line(names[0], hub(&steps[0])), Curve::beside(names[1], hub(&steps[1]))]);
+        hub_panel(vec![Curve::line(names[0], hub(&steps[0])), Curve::reference(names[1], hub(&steps[1]))]);
     let from = bench.procedure.settle_s;
     let motion = hub_panel(vec![
         Curve::line(names[0], hub_from(&motions[0], from)),
-        Curve::beside(names[1], hub_from(&motions[1], from)),
+        Curve::reference(names[1], hub_from(&motions[1], from)),
     ]);
     Ok(vec![
         controllers,
-        Picture::new("Step on the nonlinear finite-element plant", Axis::time(), vec![step]),
-        Picture::new("Heave and pitch on the nonlinear finite-element plant", Axis::time(), vec![motion]),
+        drawing("Step on the nonlinear finite-element plant", time(), vec![step]),
+        drawing("Heave and pitch on the nonlinear finite-element plant", time(), vec![motion]),
     ])
 }
 
-/// Largest difference of the two controllers in their band, and of their gain margins on the finite-element plant, dB; of their overshoots,
-/// percentage points; of their residual rates, relative.
+/// Ranges within which two designs perform alike: controllers and gain margins in dB, overshoots in percentage points, residual rates
+/// relative.
 const ALIKE_DB: f64 = 2.0;
 const MARGIN_ALIKE_DB: f64 = 3.0;
 const OVERSHOOT_ALIKE: f64 = 2.0;
 const RESIDUAL_ALIKE: f64 = 0.1;
 
-fn c9_finding(
-    differences_db: &[f64],
+fn designs_criteria(
+    apart_db: &[f64],
     (radius, margins_apart_db): (f64, f64),
     ran: &[[f64; 2]; 2],
-) -> Finding {
-    let alike = differences_db.iter().all(|db| *db < ALIKE_DB);
-    let step = (ran[0][0] - ran[1][0]).abs() < OVERSHOOT_ALIKE;
-    let motion = (ran[0][1] / ran[1][1] - 1.0).abs() < RESIDUAL_ALIKE;
-    let why = match (radius < 1.0, alike, step && motion) {
-        (false, ..) => "the lumped design is unstable on the finite-element plant",
-        (true, false, _) => "no spillover, but the controllers differ in the band",
-        (true, true, false) => {
-            "no spillover and nearly the same in the band, but they do not perform alike on the nonlinear plant"
-        }
-        (true, true, true) if margins_apart_db < MARGIN_ALIKE_DB => return Finding::Holds,
-        (true, true, true) => {
-            "no spillover and nearly the same in the band, but the lumped design loses gain margin: its feedback inverts the hub-locked antiresonance, which lies a little elsewhere in the finer model"
-        }
-    };
-    Finding::Differs { why: why.to_owned() }
+) -> Vec<Criterion> {
+    vec![
+        Criterion::at_most(
+            ("largest difference of the three controllers to 10 Hz, dB", "nearly the same"),
+            apart_db.iter().copied().fold(0.0, f64::max),
+            ALIKE_DB,
+            "2 dB is what two careful readings of the figure differ by",
+        ),
+        Criterion::at_most(
+            ("largest pole of the lumped design on the elements", "no spillover"),
+            radius,
+            1.0,
+            "stable",
+        ),
+        Criterion::at_most(
+            ("gain margins apart on the elements, dB", "perform alike"),
+            margins_apart_db,
+            MARGIN_ALIKE_DB,
+            "a quarter of the margin itself",
+        ),
+        Criterion::at_most(
+            ("overshoots apart, percentage points", "perform alike"),
+            (ran[0][0] - ran[1][0]).abs(),
+            OVERSHOOT_ALIKE,
+            "2 points can be seen in a figure",
+        ),
+        Criterion::at_most(
+            ("RMS hub rates apart, relative", "perform alike"),
+            (ran[0][1] / ran[1][1] - 1.0).abs(),
+            RESIDUAL_ALIKE,
+            "a tenth is a decibel",
+        ),
+    ]
 }

@@ -2,13 +2,15 @@
 
 use counterpoise_controller::Controller;
 use counterpoise_lti::StateSpace;
+use counterpoise_models::plant::OperatingPoint;
 use counterpoise_models::{Configuration, Parameters};
 use counterpoise_verify::{Arrangement, Experiment, Figure, Model, Quantity, Source, StepFigure};
 
 use super::bench::{Member, largest_db, rates};
-use super::picture::{Axis, Curve, Panel, Picture, gain_db, hub_from, hub_panel};
-use super::{Bench, Claim, Finding};
-use counterpoise_pipeline::PipelineError;
+use super::drawing::{Curve, drawing, frequency, gain_db, hub_from, hub_panel, panel, time};
+use super::{Bench, Claim, Criterion};
+use counterpoise_pipeline::{PipelineError, run_stages};
+use counterpoise_plot::{Axis, Figure as Drawing};
 
 /// Band in which controllers are compared, Hz.
 const BAND_HZ: (f64, f64) = (0.1, 10.0);
@@ -33,11 +35,11 @@ fn normal_member<'a>(bench: &'a Bench<'_>) -> Member<'a> {
     Member { name: "normal".to_owned(), parameters: bench.parameters().clone(), controller: &bench.observed }
 }
 
-/// C13: other masses, the same controller.
+/// Row C13: other masses, the same controller.
 ///
 /// # Errors
 /// Those of the verification.
-pub fn c13(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+pub fn other_imbalance(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let wanted = [
         Figure::Step(Model::Nonlinear, StepFigure::Overshoot),
         rms(Source::Both, Arrangement::Feedback),
@@ -45,7 +47,9 @@ pub fn c13(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     ];
     let normal = bench.figures(bench.parameters(), &bench.observed, &wanted)?;
     let plain = bench.figures(bench.parameters(), bench.controller(), &wanted[2..])?[0];
-    let (mut words, mut step_same, mut degraded) = (Vec::new(), true, Vec::new());
+    let heave =
+        bench.figures(bench.parameters(), &bench.observed, &[rms(Source::Heave, Arrangement::Feedback)])?[0];
+    let (mut words, mut criteria) = (Vec::new(), Vec::new());
     let mut members = vec![normal_member(bench)];
     for name in CONFIGURATIONS {
         let Some(parameters) = configured(bench, name)? else { continue };
@@ -55,8 +59,15 @@ pub fn c13(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             controller: &bench.observed,
         });
         let found = bench.figures(&parameters, &bench.observed, &wanted)?;
-        step_same &= (found[0] - normal[0]).abs() < 3.0;
-        degraded.push(found[2] / normal[2]);
+        let share = moment(&parameters) / moment(bench.parameters());
+        let expected = predicted_growth(share, heave, normal[2]);
+        let thesis = GROWS[usize::from(share < 1.0)];
+        criteria.extend(imbalance_criteria(
+            name,
+            thesis,
+            expected,
+            [found[0] - normal[0], found[2] / normal[2]],
+        ));
         let (feedback, both) = (found[1] / normal[1], found[2] / normal[2]);
         let without = bench.figures(&parameters, bench.controller(), &wanted[2..])?[0] / plain;
         words.push(format!(
@@ -75,34 +86,59 @@ pub fn c13(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             1e3 * normal[2],
             words.join("; ")
         ),
-        finding: c13_finding(bench, (step_same, &degraded), 1e3 * normal[2]),
-        pictures: c13_pictures(bench, &members)?,
+        criteria,
+        why: format!(
+            "what the feedforward of the normal configuration leaves is the changed part of the heave torque, which the feedback alone would leave at {:.2} mrad/s; beside it, what is left in the normal configuration is small here ({:.2} mrad/s), so that the same change of torque is a larger multiple of it",
+            1e3 * heave,
+            1e3 * normal[2]
+        ),
+        drawings: other_imbalance_figures(bench, &members)?,
     })
 }
 
-/// By how much the thesis' compensated error grows, at the most; a rig's grows as much where it is within twice that.
-const GROWS: f64 = 5.0;
-
-fn c13_finding(bench: &Bench<'_>, (step_same, degraded): (bool, &[f64]), normal_mrad_s: f64) -> Finding {
-    let linear = Figure::Disturbance(Model::Linear, Source::Both, Arrangement::Compensated, Quantity::HubRms);
-    let least = degraded.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = degraded.iter().copied().fold(0.0, f64::max);
-    let why = match (step_same, least > 2.0) {
-        (false, _) => "the masses also change the inertia, and with it the overshoot".to_owned(),
-        (true, false) => {
-            "friction, not the heave torque, sets the compensated error of some configurations".to_owned()
-        }
-        (true, true) if most <= 2.0 * GROWS => return Finding::Holds,
-        (true, true) => format!(
-            "the step stays, the error by feedback scales and the compensated error grows, as claimed, but by more than 5 times: what is left in the normal configuration is smaller here ({normal_mrad_s:.2} mrad/s, {:.2} on the linear plant), so the same change of torque is a larger multiple of it",
-            1e3 * bench.value(linear)
+/// Returns what is asked of a configuration: the change of the overshoot, in percentage points, and the growth of the compensated error.
+fn imbalance_criteria(
+    name: &str,
+    thesis: f64,
+    expected: f64,
+    [overshoot, growth]: [f64; 2],
+) -> [Criterion; 2] {
+    [
+        Criterion::at_most(
+            (&format!("{name}: change of the overshoot, percentage points"), "leaves the step alone"),
+            overshoot.abs(),
+            3.0,
+            "the masses also change the inertia by up to a tenth",
         ),
-    };
-    Finding::Differs { why }
+        Criterion::within(
+            (&format!("{name}: compensated error over the normal"), &format!("{thesis}")),
+            growth,
+            (0.5 * thesis, 2.0 * thesis),
+            "a factor of two: the ratio has the rig's own normal error below it",
+        )
+        .explained_by(0.7 * expected, 1.3 * expected),
+    ]
+}
+
+/// By how much the thesis' compensated error grows at more and at less out-of-balance.
+const GROWS: [f64; 2] = [5.0, 4.0];
+
+/// The compensated error of a configuration, as predicted: the heave feedforward of the normal out-of-balance leaves the part of the heave
+/// torque that has changed to the feedback, which adds to what is left in the normal configuration.
+fn predicted_growth(share: f64, heave_by_feedback: f64, normal: f64) -> f64 {
+    (1.0 + ((share - 1.0) * heave_by_feedback / normal).powi(2)).sqrt()
+}
+
+/// Row C14: all conditions together, and the out-of-balance alone.
+struct Redesigned {
+    words: String,
+    factor: f64,
+    controller: Controller,
+    criteria: Vec<Criterion>,
 }
 
 /// The step, and heave and pitch by feedback alone and with both feedforwards, in every configuration.
-fn c13_pictures(bench: &Bench<'_>, members: &[Member<'_>]) -> Result<Vec<Picture>, PipelineError> {
+fn other_imbalance_figures(bench: &Bench<'_>, members: &[Member<'_>]) -> Result<Vec<Drawing>, PipelineError> {
     let mut panels = Vec::new();
     for arrangement in [Arrangement::Feedback, Arrangement::Compensated] {
         let mut curves = Vec::new();
@@ -113,55 +149,104 @@ fn c13_pictures(bench: &Bench<'_>, members: &[Member<'_>]) -> Result<Vec<Picture
         }
         panels.push(hub_panel(curves));
     }
-    let heave = Picture::new("Heave and pitch in each configuration", Axis::time(), panels)
-        .captioned("Above by feedback alone, below with the feedforwards of the normal configuration.");
-    let mut all = bench.family_pictures("each configuration", members)?;
+    let heave = drawing("Heave and pitch in each configuration", time(), panels)
+        .with_caption("Above by feedback alone, below with the feedforwards of the normal configuration.");
+    let mut all = bench.family_drawings("each configuration", members)?;
     all.truncate(1);
     all.push(heave);
     Ok(all)
 }
 
-/// C14: a design for each out-of-balance.
+/// Row C14: a design for each out-of-balance.
 ///
 /// # Errors
 /// Those of the pipeline.
-pub fn c14(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let nominal = moment(bench.parameters());
-    let residual = rms(Source::Heave, Arrangement::Compensated);
-    let standard = bench.figures(bench.parameters(), bench.controller(), &[residual])?[0];
-    let (mut words, mut holds) = (Vec::new(), true);
-    let mut designs = vec![(1.0, bench.controller().clone())];
+pub fn redesigned_for_imbalance(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+    let mut all = Vec::new();
     for factor in [0.37, 1.48] {
         let mut parameters = bench.parameters().clone();
-        parameters.lumped.iter_mut().for_each(|lumped| lumped.out_of_balance_kg_m = factor * nominal);
-        let other = bench.redesign(|project| {
-            project.plant = parameters.clone();
-            project.model.configuration = None;
-        })?;
-        let controller = other.verified.controller();
-        let changes = three_changes(bench.controller(), controller)?;
-        let after = bench.figures(&parameters, controller, &[residual])?[0] / standard;
-        let law = 20.0 * factor.log10().abs();
-        holds &= changes[0] < 0.5 && changes[2] < 0.5 && (changes[1] - law).abs() < 0.5 && after < 1.5;
-        words.push(format!(
-            "at {factor}x: feedback {:.2} dB, pitch {:.2} dB, heave {:.2} dB (its gain law says {law:.2}), error x{after:.2}",
-            changes[0], changes[2], changes[1]
-        ));
-        designs.push((factor, controller.clone()));
+        parameters.lumped.iter_mut().for_each(|lumped| lumped.out_of_balance_kg_m *= factor);
+        all.push(redesigned(
+            bench,
+            (&format!("out-of-balance x{factor} alone"), &parameters),
+            Source::Heave,
+        )?);
     }
+    for name in CONFIGURATIONS {
+        let Some(parameters) = configured(bench, name)? else { continue };
+        all.push(redesigned(bench, (name, &parameters), Source::Both)?);
+    }
+    let words: Vec<&str> = all.iter().map(|one| one.words.as_str()).collect();
+    let mut designs = vec![(1.0, bench.observed.clone())];
+    designs.extend(all.iter().map(|one| (one.factor, one.controller.clone())));
     Ok(Claim {
         id: "C14",
         title: "redesign for each",
         source: "fig 6-10",
         says: "redesigning for each out-of-balance changes the heave feedforward's gain alone, and restores the error",
         measured: words.join("; "),
-        finding: Finding::of(holds),
-        pictures: vec![controllers(&designs)?],
+        drawings: vec![controllers(&designs)?],
+        criteria: all.into_iter().flat_map(|one| one.criteria).collect(),
+        why: "the masses of a configuration also change the inertia, which feedback and pitch feedforward follow in proportion; with the out-of-balance changed alone they stay".to_owned(),
     })
 }
 
+/// A design for another mechanism, beside the normal one.
+fn redesigned(
+    bench: &Bench<'_>,
+    (name, parameters): (&str, &Parameters),
+    source: Source,
+) -> Result<Redesigned, PipelineError> {
+    let mut project = bench.observing_project.clone();
+    project.plant = parameters.clone();
+    project.model.configuration = None;
+    project.verify.iter_mut().for_each(|verify| verify.road = None);
+    let other = run_stages(&project, bench.world)?;
+    let controller = other.verified.controller();
+    let changes = three_changes(&bench.observed, controller)?;
+    let residual = [rms(source, Arrangement::Compensated)];
+    let standard = bench.figures(bench.parameters(), &bench.observed, &residual)?[0];
+    let after = bench.figures(parameters, controller, &residual)?[0] / standard;
+    let factor = moment(parameters) / moment(bench.parameters());
+    let inertia =
+        |p: &Parameters| p.lumped.as_ref().map_or(f64::NAN, |l| l.hub_inertia_kg_m2 + l.beam_inertia_kg_m2);
+    let law = 20.0 * factor.log10().abs();
+    let by_inertia = 20.0 * (inertia(parameters) / inertia(bench.parameters())).log10().abs();
+    let stays = |what: &str, db: f64| {
+        Criterion::at_most(
+            (&format!("{name}: change of the {what}, dB"), "unchanged"),
+            db,
+            0.5,
+            "half a decibel cannot be seen in the figure",
+        )
+        .explained_by(0.5, 2.0 * by_inertia + 0.5)
+    };
+    let criteria = vec![
+        stays("feedback", changes[0]),
+        stays("pitch feedforward", changes[2]),
+        Criterion::within(
+            (&format!("{name}: change of the heave feedforward, dB"), &format!("{law:.2} by the gain law")),
+            changes[1],
+            (law - 0.5, law + 0.5),
+            "half a decibel cannot be seen in the figure",
+        )
+        .explained_by(law - 2.0 * by_inertia - 0.5, law + 2.0 * by_inertia + 0.5),
+        Criterion::at_most(
+            (&format!("{name}: error after the redesign over the normal"), "restored"),
+            after,
+            1.5,
+            "less than half more is left",
+        ),
+    ];
+    let words = format!(
+        "{name}: feedback {:.2} dB, pitch {:.2} dB, heave {:.2} dB (its gain law says {law:.2}), error x{after:.2}",
+        changes[0], changes[2], changes[1]
+    );
+    Ok(Redesigned { words, factor, controller: controller.clone(), criteria })
+}
+
 /// The three paths of each design over frequency.
-fn controllers(designs: &[(f64, Controller)]) -> Result<Picture, PipelineError> {
+fn controllers(designs: &[(f64, Controller)]) -> Result<Drawing, PipelineError> {
     let drawn = rates((0.1, 50.0));
     let mut panels = Vec::new();
     for (input, name) in [(1, "feedback"), (3, "heave feedforward"), (2, "pitch feedforward")] {
@@ -170,10 +255,10 @@ fn controllers(designs: &[(f64, Controller)]) -> Result<Picture, PipelineError> 
             let points = gain_db(&linear(controller)?, (0, input), &drawn)?;
             curves.push(Curve::line(format!("out-of-balance x{factor}"), points));
         }
-        panels.push(Panel::of(Axis::even(name, "dB"), curves));
+        panels.push(panel(Axis::linear(name, "dB"), curves));
     }
-    Ok(Picture::new("Redesigned for each out-of-balance", Axis::frequency(), panels)
-        .captioned("Curves that cannot be told apart lie on each other."))
+    Ok(drawing("Redesigned for each out-of-balance", frequency(), panels)
+        .with_caption("Curves that cannot be told apart lie on each other."))
 }
 
 fn linear(c: &Controller) -> Result<StateSpace, PipelineError> {
@@ -184,4 +269,67 @@ fn linear(c: &Controller) -> Result<StateSpace, PipelineError> {
 fn three_changes(a: &Controller, b: &Controller) -> Result<[f64; 3], PipelineError> {
     let (x, y) = (linear(a)?, linear(b)?);
     Ok([largest_db(&x, &y, 1, BAND_HZ)?, largest_db(&x, &y, 3, BAND_HZ)?, largest_db(&x, &y, 2, BAND_HZ)?])
+}
+
+/// Angles of the hub at which the holding control is compared with its law, degrees.
+const ELEVATIONS_DEG: [f64; 5] = [0.0, 15.0, 30.0, 45.0, 60.0];
+
+/// Row C31: the weight over elevation.
+///
+/// # Errors
+/// A plant that does not exist.
+pub fn gravity_over_elevation(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+    let plant = &bench.designed.modelled.plant;
+    let at = |deg: f64| {
+        let point = OperatingPoint { hub_angle_rad: deg.to_radians(), ..bench.procedure.operating_point };
+        plant.equilibrium(&point).drive_v
+    };
+    let level = at(0.0);
+    let parameters = plant.parameters();
+    let above = parameters
+        .lumped
+        .as_ref()
+        .map_or(0.0, |lumped| lumped.vertical_offset_kg_m / lumped.out_of_balance_kg_m);
+    let law = |deg: f64| deg.to_radians().cos() - above * deg.to_radians().sin();
+    let off = |deg: &f64| (at(*deg) / level - law(*deg)).abs();
+    let worst = ELEVATIONS_DEG.iter().map(off).fold(0.0, f64::max);
+    let words: Vec<String> =
+        ELEVATIONS_DEG.iter().map(|deg| format!("{deg} deg {:.3} V", at(*deg))).collect();
+    let curves = vec![
+        Curve::points("plant", ELEVATIONS_DEG.iter().map(|deg| (*deg, at(*deg))).collect()),
+        Curve::reference(
+            "cosine law",
+            (0..=60).map(|deg| (f64::from(deg), level * law(f64::from(deg)))).collect(),
+        ),
+    ];
+    Ok(Claim {
+        id: "C31",
+        title: "gravity over elevation",
+        source: "5.2, 9.2",
+        says: "the torque of gravity on the out-of-balance follows the cosine of the elevation, so that the holding control can be scheduled over it",
+        measured: format!(
+            "drive that holds the weight: {}; off from the law by {worst:.1e} of its value at level",
+            words.join(", ")
+        ),
+        criteria: vec![
+            Criterion::at_most(
+                ("largest departure from the cosine law, relative", "cosine"),
+                worst,
+                1e-3,
+                "a plane mechanism with its centre of mass on the beam has no other term",
+            ),
+            Criterion::at_most(
+                ("holding drive at 60 deg over that at level", "0.5"),
+                at(60.0) / level,
+                0.55,
+                "the cosine of 60 degrees, with a tenth for the height of the centre of mass",
+            ),
+        ],
+        why: String::new(),
+        drawings: vec![drawing(
+            "Drive that holds the weight",
+            Axis::linear("elevation", "deg"),
+            vec![panel(Axis::linear("drive", "V"), curves)],
+        )],
+    })
 }

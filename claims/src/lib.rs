@@ -1,45 +1,51 @@
 //! The claims of the thesis that this studio grew from, each measured on the project's mechanism.
 //!
 //! In comes a project (the reference rig); out comes one [`Claim`] a row: what the thesis says, what was measured, and whether it
-//! holds. Nothing is tuned for a row: every threshold stands beside its claim. A row that honestly differs stays, with its reason.
+//! holds. Nothing is tuned for a row: every [`Criterion`] states the number of the thesis, the range that agrees with it and why it is that
+//! wide. A row that differs stays, with its reason, and the reason predicts a range in which the measured value must lie.
 //!
 //! The source is D. K. Dholiwar, *Control of out-of-balance servo mechanism subjected to external disturbances*, PhD thesis,
 //! Loughborough University, 2007.
 //!
-//! Each row comes with the curves that decided it, as data ([`picture`]); whoever shows them draws them.
+//! Each row comes with the figures that show what decided it ([`drawing`] makes them from curves).
 //!
-//! Modules in reading order: [`picture`], [`bench`], [`beam`], [`structure`], [`designs`], [`linear`], [`nonlinear`], [`imbalance`], [`rejection`],
-//! [`friction_laws`] (with [`explicit`]), [`tests_of`], [`identified`], [`adaptation`], [`exported`], [`weights`], [`beyond`], [`page`].
+//! Modules in reading order: [`criterion`], [`drawing`], [`friction_identification`], [`bench`], [`beam`], [`structure`], [`designs`], [`linear`], [`nonlinear`], [`imbalance`], [`rejection`],
+//! [`friction_laws`] (with [`explicit_solver`]), [`test_procedures`], [`identified`], [`adaptation`], [`exported`], [`weights`], [`loop_charts`], [`compensation_schemes`], [`extensions`], [`page`].
 
 pub mod adaptation;
 pub mod beam;
 pub mod bench;
-pub mod beyond;
+pub mod compensation_schemes;
+pub mod criterion;
 pub mod designs;
-pub mod explicit;
+pub mod drawing;
+pub mod explicit_solver;
 pub mod exported;
+pub mod extensions;
+pub mod friction_identification;
 pub mod friction_laws;
 pub mod identified;
 pub mod imbalance;
 pub mod linear;
+pub mod loop_charts;
 pub mod nonlinear;
 pub mod page;
-pub mod picture;
 pub mod rejection;
 pub mod structure;
-pub mod tests_of;
+pub mod test_procedures;
 pub mod weights;
 
 pub use bench::Bench;
-pub use picture::Picture;
+pub use criterion::{Agreement, Criterion};
 
 use counterpoise_pipeline::{PipelineError, World};
+use counterpoise_plot::Figure as Drawing;
 use counterpoise_project::Project;
 
 /// A row of the table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Claim {
-    /// C1 to C27, and F1 to F4 for what the thesis asks for beyond itself.
+    /// C1 to C32, and F1 to F4 for what the thesis asks for beyond itself.
     pub id: &'static str,
     /// What the row is about, in a few words.
     pub title: &'static str,
@@ -49,10 +55,12 @@ pub struct Claim {
     pub says: &'static str,
     /// What was measured here.
     pub measured: String,
-    /// How the two compare.
-    pub finding: Finding,
-    /// The curves that decided it.
-    pub pictures: Vec<Picture>,
+    /// What must hold for the row to hold; empty if it was not measured.
+    pub criteria: Vec<Criterion>,
+    /// Why a value outside its accepted range is as its explanation predicts; empty if every value is inside.
+    pub why: String,
+    /// Figures of what decided it.
+    pub drawings: Vec<Drawing>,
 }
 
 /// How a claim turned out.
@@ -70,57 +78,74 @@ pub enum Finding {
     /// There is no measurement.
     NotMeasured {
         /// Why.
-        why: &'static str,
+        why: String,
     },
 }
 
-impl Finding {
-    /// Holds, or differs for the given reason.
-    pub fn holds_or(holds: bool, why: &str) -> Self {
-        if holds { Finding::Holds } else { Finding::Differs { why: why.to_owned() } }
+impl Claim {
+    /// Returns a row that this project does not allow to be measured.
+    pub fn not_measured([id, title, source, says]: [&'static str; 4], why: &'static str) -> Self {
+        let (measured, why, drawings) = (String::new(), why.to_owned(), Vec::new());
+        Self { id, title, source, says, measured, criteria: Vec::new(), why, drawings }
     }
 
-    /// Holds or fails.
-    pub fn of(holds: bool) -> Self {
-        if holds { Finding::Holds } else { Finding::Fails }
+    /// Returns how the row turned out. It holds if every criterion agrees with the thesis; it differs if every other one is as the
+    /// stated explanation predicts, and fails otherwise.
+    pub fn finding(&self) -> Finding {
+        let agreements: Vec<Agreement> = self.criteria.iter().map(Criterion::agreement).collect();
+        if agreements.is_empty() {
+            return Finding::NotMeasured { why: self.why.clone() };
+        }
+        if agreements.contains(&Agreement::Disagrees) {
+            return Finding::Fails;
+        }
+        if agreements.contains(&Agreement::Explained) {
+            return Finding::Differs { why: self.why.clone() };
+        }
+        Finding::Holds
     }
 }
 
 /// A row and what measures it.
 type Row = fn(&Bench<'_>) -> Result<Claim, PipelineError>;
 
-const ROWS: [(&str, Row); 31] = [
-    ("C1", beam::c1),
-    ("C2", beam::c2),
-    ("C3", structure::c3),
-    ("C4", structure::c4),
-    ("C5", linear::c5),
-    ("C6", linear::c6),
-    ("C7", linear::c7),
-    ("C8", nonlinear::c8),
-    ("C9", designs::c9),
-    ("C10", nonlinear::c10),
-    ("C11", nonlinear::c11),
-    ("C12", nonlinear::c12),
-    ("C13", imbalance::c13),
-    ("C14", imbalance::c14),
-    ("C15", friction_laws::c15),
-    ("C16", friction_laws::c16),
-    ("C17", tests_of::c17),
-    ("C18", tests_of::c18),
-    ("C19", identified::c19),
-    ("C20", identified::c20),
-    ("C21", tests_of::c21),
-    ("C22", rejection::c22),
-    ("C23", rejection::c23),
-    ("C24", adaptation::c24),
-    ("C25", exported::c25),
-    ("C26", weights::c26),
-    ("C27", weights::c27),
-    ("F1", adaptation::f1),
-    ("F2", beyond::f2),
-    ("F3", friction_laws::f3),
-    ("F4", beyond::f4),
+const ROWS: [(&str, Row); 36] = [
+    ("C1", beam::uniform_elements),
+    ("C2", beam::tapered_elements),
+    ("C3", structure::reduced_order),
+    ("C4", structure::lumped_against_elements),
+    ("C5", linear::margins_and_step),
+    ("C6", linear::pitch_rejection),
+    ("C7", linear::heave_rejection),
+    ("C8", nonlinear::friction_observer),
+    ("C9", designs::designs_on_two_models),
+    ("C10", nonlinear::other_inertia),
+    ("C11", nonlinear::other_friction),
+    ("C12", nonlinear::other_backlash),
+    ("C13", imbalance::other_imbalance),
+    ("C14", imbalance::redesigned_for_imbalance),
+    ("C15", friction_laws::friction_laws_over_amplitude),
+    ("C16", friction_laws::cost_of_friction_laws),
+    ("C17", test_procedures::place_of_friction),
+    ("C18", test_procedures::plant_over_amplitude),
+    ("C19", identified::triangle_identification),
+    ("C20", identified::amplifier_curve),
+    ("C21", test_procedures::closed_loop_over_amplitude),
+    ("C22", rejection::balanced_against_compensated),
+    ("C23", rejection::small_amplitude_rejection),
+    ("C24", adaptation::adapted_feedforward),
+    ("C25", exported::exported_controller),
+    ("C26", weights::integral_action),
+    ("C27", weights::three_methods),
+    ("C28", loop_charts::nyquist_and_nichols),
+    ("C29", loop_charts::open_loop_analyser),
+    ("C30", structure::condensed_beam),
+    ("C31", imbalance::gravity_over_elevation),
+    ("C32", compensation_schemes::schemes_of_the_appendix),
+    ("F1", adaptation::imbalance_without_gravity),
+    ("F2", extensions::tip_motion),
+    ("F3", friction_laws::fitted_friction_laws),
+    ("F4", extensions::inertia_and_imbalance_apart),
 ];
 
 /// The names of all rows, in order.

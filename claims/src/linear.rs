@@ -5,9 +5,10 @@ use counterpoise_verify::{
     Arrangement, C64, Experiment, Figure, LoopFigure, Model, Quantity, Source, StepFigure, Verification,
 };
 
-use super::picture::{Axis, Curve, Panel, Picture, hub, hub_panel, paired};
-use super::{Bench, Claim, Finding};
+use super::drawing::{Curve, drawing, frequency, hub, hub_panel, paired, panel, time};
+use super::{Bench, Claim, Criterion};
 use counterpoise_pipeline::PipelineError;
+use counterpoise_plot::{Axis, Figure as Drawing};
 
 /// By how much the thesis' feedback reduces the peak under pitch.
 const PITCH_FACTOR: f64 = 13.0;
@@ -16,16 +17,15 @@ fn found<'a>(bench: &'a Bench<'_>) -> &'a Verification {
     bench.designed.verified.verification()
 }
 
-/// C5: margins and step.
+/// Row C5: margins and step.
 ///
 /// # Errors
 /// None beyond the bench's.
-pub fn c5(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+pub fn margins_and_step(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let step = |figure| bench.value(Figure::Step(Model::Linear, figure));
     let gain = bench.value(Figure::Loop(LoopFigure::GainMargin));
     let phase = bench.value(Figure::Loop(LoopFigure::PhaseMargin));
     let (overshoot, error) = (step(StepFigure::Overshoot), step(StepFigure::SteadyStateError));
-    let holds = gain >= 12.0 && phase >= 60.0 && overshoot <= 13.0 && error < 0.1;
     Ok(Claim {
         id: "C5",
         title: "margins and step",
@@ -34,37 +34,57 @@ pub fn c5(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         measured: format!(
             "gain margin {gain:.1} dB, phase margin {phase:.1} deg, overshoot {overshoot:.1} %, steady-state error {error:.3} %"
         ),
-        finding: Finding::of(holds),
-        pictures: c5_pictures(bench),
+        criteria: vec![
+            Criterion::at_least(("gain margin, dB", "12"), gain, 12.0, "the thesis' figure is a requirement"),
+            Criterion::at_least(
+                ("phase margin, deg", "60"),
+                phase,
+                60.0,
+                "the thesis' figure is a requirement",
+            ),
+            Criterion::at_most(
+                ("step overshoot, %", "13"),
+                overshoot,
+                13.0,
+                "the thesis' figure is a requirement",
+            ),
+            Criterion::at_most(
+                ("steady-state error, %", "none"),
+                error,
+                0.1,
+                "what is left of the transient after the run",
+            ),
+        ],
+        why: String::new(),
+        drawings: margins_and_step_figures(bench),
     })
 }
 
-fn c5_pictures(bench: &Bench<'_>) -> Vec<Picture> {
+fn margins_and_step_figures(bench: &Bench<'_>) -> Vec<Drawing> {
     let curves = &found(bench).evidence.curves;
-    let gain = Panel::of(
-        Axis::even("loop gain", "dB"),
+    let gain = panel(
+        Axis::linear("loop gain", "dB"),
         vec![Curve::line("loop, exported controller", decibels(&curves.frequency_hz, &curves.broken))],
     );
-    let phase = Panel::of(
-        Axis::even("phase", "deg"),
+    let phase = panel(
+        Axis::degrees("phase"),
         vec![Curve::line("loop, exported controller", degrees(&curves.frequency_hz, &curves.broken))],
     );
     let crossings = &found(bench).evidence.margins;
     let hz = |rate: f64| rate / std::f64::consts::TAU;
-    let gain = crossings.gain_increase().into_iter().fold(gain.level(0.0, ""), |panel, margin| {
-        panel.at(hz(margin.rate_rad_s), format!("gain margin {:.1} dB", margin.db))
+    let gain = crossings.gain_increase().into_iter().fold(gain.with_level(0.0, ""), |panel, margin| {
+        panel.with_instant(hz(margin.rate_rad_s), format!("gain margin {:.1} dB", margin.db))
     });
-    let phase = crossings.phase_margin().into_iter().fold(phase.level(-180.0, ""), |panel, margin| {
-        panel.at(hz(margin.rate_rad_s), format!("phase margin {:.0} deg", margin.deg))
+    let phase = crossings.phase_margin().into_iter().fold(phase.with_level(-180.0, ""), |panel, margin| {
+        panel.with_instant(hz(margin.rate_rad_s), format!("phase margin {:.0} deg", margin.deg))
     });
-    let mut all =
-        vec![Picture::new("Loop broken at the plant's input", Axis::frequency(), vec![gain, phase])];
+    let mut all = vec![drawing("Loop broken at the plant's input", frequency(), vec![gain, phase])];
     if let Some(step) = found(bench).history(Model::Linear, Experiment::Step) {
         let demand = paired(&step.time_s, &step.demand_rad_s, 1e3);
         let height = 1e3 * bench.procedure.step.rate_rad_s;
-        let panel = hub_panel(vec![Curve::line("hub rate", hub(step)), Curve::beside("demand", demand)])
-            .level(1.13 * height, "overshoot of the thesis, 13 %");
-        all.push(Picture::new("Step of the demand, linear plant", Axis::time(), vec![panel]));
+        let panel = hub_panel(vec![Curve::line("hub rate", hub(step)), Curve::reference("demand", demand)])
+            .with_level(1.13 * height, "overshoot of the thesis, 13 %");
+        all.push(drawing("Step of the demand, linear plant", time(), vec![panel]));
     }
     all
 }
@@ -88,11 +108,11 @@ fn peak(bench: &Bench<'_>, source: Source, arrangement: Arrangement) -> f64 {
     bench.value(Figure::Disturbance(Model::Linear, source, arrangement, Quantity::HubPeak))
 }
 
-/// C6: pitch.
+/// Row C6: pitch.
 ///
 /// # Errors
 /// None beyond the bench's.
-pub fn c6(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+pub fn pitch_rejection(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let of = |arrangement| peak(bench, Source::Pitch, arrangement);
     let (none, feedback, both) =
         (of(Arrangement::Uncontrolled), of(Arrangement::Feedback), of(Arrangement::Compensated));
@@ -106,13 +126,43 @@ pub fn c6(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         measured: format!(
             "{by_feedback:.1} times by feedback at {hz} Hz, a further {by_both:.0} times by feedforward"
         ),
-        finding: Finding::holds_or(by_feedback >= 10.0 && by_both >= 2.0, &c6_why(bench, by_both)),
-        pictures: c6_pictures(bench),
+        criteria: pitch_criteria(bench, by_feedback, by_both),
+        why: pitch_rejection_why(bench, by_both),
+        drawings: pitch_rejection_figures(bench),
     })
 }
 
+fn pitch_criteria(bench: &Bench<'_>, by_feedback: f64, by_both: f64) -> Vec<Criterion> {
+    let hz = bench.procedure.pitch.frequency_hz;
+    let all = factors(bench);
+    let near = |a: &&(f64, f64), b: &&(f64, f64)| (a.0 - hz).abs().total_cmp(&(b.0 - hz).abs());
+    let predicted = all.iter().min_by(near).map_or(f64::NAN, |point| point.1);
+    let equal_hz = all.iter().find(|point| point.1 < PITCH_FACTOR).map_or(f64::NAN, |point| point.0);
+    vec![
+        Criterion::within(
+            ("peak without control over peak by feedback", "13"),
+            by_feedback,
+            (0.75 * PITCH_FACTOR, 1.33 * PITCH_FACTOR),
+            "read from a figure; a quarter covers its resolution",
+        )
+        .explained_by(0.9 * predicted, 1.1 * predicted),
+        Criterion::within(
+            ("frequency at which the loop reduces pitch 13 times, Hz", "not printed"),
+            equal_hz,
+            (0.1, 2.0),
+            "if the frequency is the reason, it must be one of a vehicle's pitch",
+        ),
+        Criterion::at_least(
+            ("peak by feedback over peak with feedforward", "removes most of the rest"),
+            by_both,
+            5.0,
+            "most means at least 80 %",
+        ),
+    ]
+}
+
 /// What else the factor of 13 might mean, each measured.
-fn c6_why(bench: &Bench<'_>, by_feedforward: f64) -> String {
+fn pitch_rejection_why(bench: &Bench<'_>, by_feedforward: f64) -> String {
     let feedback = peak(bench, Source::Pitch, Arrangement::Feedback);
     let platform = bench.procedure.pitch.amplitude.abs() / feedback;
     let road = if bench.procedure.road.is_some() {
@@ -153,7 +203,7 @@ const ARRANGED: [(Arrangement, &str); 2] =
     [(Arrangement::Feedback, "feedback"), (Arrangement::Compensated, "feedback + feedforward")];
 
 /// Time histories of a disturbance on the linear plant, with and without control.
-fn motions(bench: &Bench<'_>, source: Source, name: &str) -> Picture {
+fn motions(bench: &Bench<'_>, source: Source, name: &str) -> Drawing {
     let run = |arrangement| found(bench).history(Model::Linear, Experiment::Disturbance(source, arrangement));
     let controlled: Vec<Curve> = ARRANGED
         .iter()
@@ -162,30 +212,26 @@ fn motions(bench: &Bench<'_>, source: Source, name: &str) -> Picture {
     let free = run(Arrangement::Uncontrolled).map(|history| Curve::faint("without control", hub(history)));
     let whole = free.into_iter().chain(controlled.clone()).collect();
     let panels = vec![hub_panel(whole), hub_panel(controlled)];
-    Picture::new(format!("Hub rate under {name}, linear plant"), Axis::time(), panels)
-        .captioned("The lower panel leaves out the mechanism without control.")
+    drawing(format!("Hub rate under {name}, linear plant"), time(), panels)
+        .with_caption("The lower panel leaves out the mechanism without control.")
 }
 
-fn c6_pictures(bench: &Bench<'_>) -> Vec<Picture> {
+fn pitch_rejection_figures(bench: &Bench<'_>) -> Vec<Drawing> {
     let within = factors(bench).into_iter().filter(|point| (0.1..=20.0).contains(&point.0)).collect();
-    let factor = Panel::of(Axis::logarithmic("factor", ""), vec![Curve::line("factor by feedback", within)])
-        .level(PITCH_FACTOR, "13 times, as the thesis says")
-        .at(bench.procedure.pitch.frequency_hz, "frequency of the procedure's pitch");
+    let factor = panel(Axis::logarithmic("factor", ""), vec![Curve::line("factor by feedback", within)])
+        .with_level(PITCH_FACTOR, "13 times, as the thesis says")
+        .with_instant(bench.procedure.pitch.frequency_hz, "frequency of the procedure's pitch");
     vec![
         motions(bench, Source::Pitch, "pitch"),
-        Picture::new(
-            "By how much feedback reduces the hub rate under pitch",
-            Axis::frequency(),
-            vec![factor],
-        ),
+        drawing("By how much feedback reduces the hub rate under pitch", frequency(), vec![factor]),
     ]
 }
 
-/// C7: heave.
+/// Row C7: heave.
 ///
 /// # Errors
 /// None beyond the bench's.
-pub fn c7(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+pub fn heave_rejection(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let rms = |arrangement| {
         bench.value(Figure::Disturbance(Model::Linear, Source::Heave, arrangement, Quantity::HubRms))
     };
@@ -199,19 +245,25 @@ pub fn c7(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             "RMS hub rate {ratio:.0} times smaller with it, at {} Hz",
             bench.procedure.heave.frequency_hz
         ),
-        finding: Finding::of(ratio >= 10.0),
-        pictures: vec![motions(bench, Source::Heave, "heave"), heave_over_frequency(bench)],
+        criteria: vec![Criterion::at_least(
+            ("RMS hub rate by feedback over that with the feedforward", "almost removed"),
+            ratio,
+            10.0,
+            "almost means that at most a tenth is left",
+        )],
+        why: String::new(),
+        drawings: vec![motions(bench, Source::Heave, "heave"), heave_over_frequency(bench)],
     })
 }
 
-fn heave_over_frequency(bench: &Bench<'_>) -> Picture {
+fn heave_over_frequency(bench: &Bench<'_>) -> Drawing {
     let hz = &found(bench).evidence.curves.frequency_hz;
     let curve = |(arrangement, name): &(Arrangement, &str)| {
         let values = rejection(bench, Source::Heave, *arrangement)?;
         let points = hz.iter().zip(values).map(|(hz, h)| (*hz, 20.0 * h.norm().log10()));
         Some(Curve::line(*name, points.filter(|point| (0.1..=50.0).contains(&point.0)).collect()))
     };
-    let panel = Panel::of(Axis::even("hub over heave", "dB"), ARRANGED.iter().filter_map(curve).collect())
-        .at(bench.procedure.heave.frequency_hz, "frequency of the procedure's heave");
-    Picture::new("Hub rate (rad/s) over heave (m/s²), linear plant", Axis::frequency(), vec![panel])
+    let panel = panel(Axis::linear("hub over heave", "dB"), ARRANGED.iter().filter_map(curve).collect())
+        .with_instant(bench.procedure.heave.frequency_hz, "frequency of the procedure's heave");
+    drawing("Hub rate (rad/s) over heave (m/s²), linear plant", frequency(), vec![panel])
 }

@@ -1,10 +1,9 @@
 //! The page of the thesis' claims: verdicts on the first screen, the table, then each row with the curves that decided it.
 
-use crate::picture::{Axis as Quantity, Curve, Mark as Marked, Panel as Drawn, Spacing, Style};
-use crate::{Claim, Finding, Picture};
+use crate::{Agreement, Claim, Criterion, Finding};
 
-use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Series};
-use counterpoise_report::summary::capital;
+use counterpoise_plot::Figure;
+use counterpoise_plot::number::short;
 use counterpoise_report::verification::Context;
 use counterpoise_report::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
 
@@ -25,7 +24,7 @@ pub fn report(rows: &[Claim], context: Context, again: &dyn Fn(&str) -> String) 
 }
 
 fn headline(rows: &[Claim]) -> Headline {
-    let count = |which: fn(&Finding) -> bool| rows.iter().filter(|row| which(&row.finding)).count();
+    let count = |which: fn(&Finding) -> bool| rows.iter().filter(|row| which(&row.finding())).count();
     let holds = count(|f| *f == Finding::Holds);
     let differs = count(|f| matches!(f, Finding::Differs { .. }));
     let fails = count(|f| *f == Finding::Fails);
@@ -61,7 +60,7 @@ fn outcome(finding: &Finding) -> (Tone, &'static str, String) {
 }
 
 fn tile(claim: &Claim) -> Tile {
-    let (tone, word, _) = outcome(&claim.finding);
+    let (tone, word, _) = outcome(&claim.finding());
     let note = claim.title.to_owned();
     Tile { label: claim.id.to_owned(), value: word.to_owned(), unit: String::new(), note, tone }
 }
@@ -81,7 +80,7 @@ pub fn table(rows: &[Claim]) -> Table {
 }
 
 fn row(claim: &Claim) -> Vec<Cell> {
-    let (tone, word, _) = outcome(&claim.finding);
+    let (tone, word, _) = outcome(&claim.finding());
     vec![
         Cell::text(claim.id),
         Cell::text(whole(claim.source)),
@@ -98,7 +97,7 @@ fn whole(source: &str) -> String {
 
 /// A row as a page of its own: what is said, what was measured, why it differs, and its figures.
 fn section(claim: &Claim, command: &str) -> Section {
-    let (_, word, why) = outcome(&claim.finding);
+    let (_, word, why) = outcome(&claim.finding());
     let mut section = Section::new(&format!("{} {}: {word}", claim.id, claim.title))
         .saying(format!("The thesis, {}: {}.", claim.source, claim.says));
     if !claim.measured.is_empty() {
@@ -107,88 +106,79 @@ fn section(claim: &Claim, command: &str) -> Section {
     if !why.is_empty() {
         section = section.saying(why);
     }
-    section.showing(
-        claim.pictures.iter().map(|picture| Figure { command: command.to_owned(), ..figure(picture) }),
-    )
+    if !claim.criteria.is_empty() {
+        section = section.listing(criteria(&claim.criteria));
+    }
+    section
+        .showing(claim.drawings.iter().map(|figure| Figure { command: command.to_owned(), ..figure.clone() }))
 }
 
-/// A picture's data as a figure.
-pub fn figure(picture: &Picture) -> Figure {
-    let high = if picture.panels.len() > 2 { 150.0 } else { 190.0 };
-    let panels = picture.panels.iter().map(|drawn| panel(drawn).with_height(high)).collect();
-    Figure::new(&picture.title, axis(&picture.x), panels).with_caption(&picture.caption)
+/// Every criterion with what the thesis says, the range that agrees with it, and what was measured.
+fn criteria(all: &[Criterion]) -> Table {
+    let columns = [
+        Column::Text("quantity"),
+        Column::Text("thesis"),
+        Column::Number("measured"),
+        Column::Text("agrees"),
+        Column::Text("why this range"),
+        Column::Text("verdict"),
+    ];
+    let mut table = Table::new("What must hold", &columns);
+    table.rows = all.iter().map(criterion).collect();
+    table
 }
 
-fn axis(quantity: &Quantity) -> Axis {
-    let name = quantity.quantity.as_str();
-    match (quantity.unit, quantity.spacing) {
-        ("deg", Spacing::Even) => Axis::degrees(name),
-        (unit, Spacing::Even) => Axis::linear(name, unit),
-        (unit, Spacing::Logarithmic) => Axis::logarithmic(name, unit),
-    }
-}
-
-fn panel(drawn: &Drawn) -> Panel {
-    let (mut series, mut marks, mut at) = (Vec::new(), Vec::new(), 0);
-    for curve in &drawn.curves {
-        let (colour, dash) = dress(curve, &mut at);
-        if curve.style == Style::Points {
-            let ring =
-                |point: &(f64, f64)| Mark::Point { x: point.0, y: point.1, text: String::new(), colour };
-            marks.extend(curve.points.iter().map(ring));
-        }
-        series.push(Series::new(&capital(&curve.name), (colour, dash), curve.points.iter().copied()));
-    }
-    marks.extend(drawn.marks.iter().map(mark));
-    Panel::new(axis(&drawn.y), series).with_marks(marks)
-}
-
-/// Colours in turn, a pair in one colour.
-fn dress(curve: &Curve, at: &mut usize) -> (Colour, Dash) {
-    if curve.style == Style::Faint {
-        return (Colour::Muted, Dash::Solid);
-    }
-    let of = |turn: usize| Colour::CYCLE[turn % Colour::CYCLE.len()];
-    if curve.style == Style::Pair {
-        return (of(at.saturating_sub(1)), Dash::Dashed);
-    }
-    *at += 1;
-    (of(*at - 1), if curve.style == Style::Beside { Dash::Dashed } else { Dash::Solid })
-}
-
-fn mark(mark: &Marked) -> Mark {
-    match mark {
-        Marked::Level(y, text) => Mark::Level { y: *y, text: text.clone() },
-        Marked::At(x, text) => Mark::Instant { x: *x, text: text.clone() },
-    }
+fn criterion(one: &Criterion) -> Vec<Cell> {
+    let explained = one
+        .explained
+        .map_or(String::new(), |(low, high)| format!("; explained from {} to {}", short(low), short(high)));
+    let (tone, word) = match one.agreement() {
+        Agreement::Agrees => (Tone::Good, "agrees"),
+        Agreement::Explained => (Tone::Neutral, "explained"),
+        Agreement::Disagrees => (Tone::Bad, "disagrees"),
+    };
+    vec![
+        Cell::text(one.what.as_str()),
+        Cell::text(one.thesis.as_str()),
+        Cell::number(one.measured),
+        Cell::text(one.range() + &explained),
+        Cell::text(one.reason.as_str()),
+        Cell::Verdict(tone, word.to_owned()),
+    ]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::drawing::{Curve, drawing, factor, panel};
+    use counterpoise_plot::{Axis, Mark};
 
-    fn claim(finding: Finding) -> Claim {
+    fn claim(criterion: Criterion, why: &str) -> Claim {
         let points = vec![(0.5, 1.0), (1.0, 2.0)];
-        let panel = Drawn::of(Quantity::even("overshoot", "%"), vec![Curve::points("measured", points)]);
-        let picture =
-            Picture::new("Overshoot", Quantity::factor("inertia"), vec![panel.level(13.0, "thesis")]);
+        let panel = panel(Axis::linear("overshoot", "%"), vec![Curve::points("measured", points)]);
+        let figure = drawing("Overshoot", factor("inertia"), vec![panel.with_level(13.0, "thesis")]);
         Claim {
             id: "C1",
             title: "elements",
             source: "table 6-1",
             says: "something",
             measured: "1 to 2 %".to_owned(),
-            finding,
-            pictures: vec![picture],
+            criteria: vec![criterion],
+            why: why.to_owned(),
+            drawings: vec![figure],
         }
     }
 
     #[test]
     fn every_row_is_on_the_first_screen_in_the_table_and_on_a_page_with_its_figure_and_command() {
-        let rows = [claim(Finding::Holds), claim(Finding::Differs { why: "of a reason".to_owned() })];
+        let of =
+            |measured| Criterion::at_most(("overshoot", "13 %"), measured, 13.0, "the thesis' own figure");
+        let rows = [claim(of(10.0), ""), claim(of(14.0).explained_by(13.0, 15.0), "of a reason")];
         let page = report(&rows, Context::default(), &|id| format!("counterpoise claims RIG --only {id}"));
         assert_eq!((page.tiles.len(), page.verdicts.rows.len(), page.sections.len()), (2, 2, 2));
         assert_eq!(page.tiles[1].value, "differs");
+        assert_eq!(claim(of(20.0), "of a reason").finding(), Finding::Fails);
+        assert_eq!(page.sections[0].tables[0].rows.len(), 1);
         assert!(page.sections[1].text.iter().any(|text| text.contains("of a reason")));
         let drawn = &page.sections[0].figures[0];
         assert_eq!(drawn.command, "counterpoise claims RIG --only C1");

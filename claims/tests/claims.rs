@@ -3,6 +3,7 @@
 
 use counterpoise_claims::{Claim, Finding, claims};
 use counterpoise_pipeline::World;
+use counterpoise_plot::Content;
 use counterpoise_project::Project;
 
 struct Example;
@@ -17,19 +18,16 @@ impl World for Example {
 
 /// Every row shows what decided it: axes with their quantity, curves with names and numbers.
 fn drawn(row: &Claim) {
-    assert!(!row.pictures.is_empty(), "{}: no picture", row.id);
-    for picture in &row.pictures {
-        assert!(!picture.title.is_empty() && !picture.x.quantity.is_empty(), "{}", row.id);
-        for panel in &picture.panels {
-            assert!(
-                !panel.y.quantity.is_empty() && !panel.curves.is_empty(),
-                "{}: {}",
-                row.id,
-                picture.title
-            );
-            for curve in &panel.curves {
-                let sound = curve.points.iter().filter(|point| point.0.is_finite() && point.1.is_finite());
-                assert!(sound.count() > 0 && !curve.name.is_empty(), "{}: {}", row.id, picture.title);
+    assert!(!row.drawings.is_empty(), "{}: no figure", row.id);
+    for figure in &row.drawings {
+        let Content::Panels(all) = &figure.content else { panic!("{}: no panels", row.id) };
+        assert!(!figure.title.is_empty() && !all.x.label.is_empty(), "{}", row.id);
+        for panel in &all.panels {
+            assert!(!panel.y.label.is_empty() && !panel.series.is_empty(), "{}: {}", row.id, figure.title);
+            for curve in &panel.series {
+                let sound =
+                    curve.points.rows().into_iter().filter(|point| point.iter().all(|v| v.is_finite()));
+                assert!(sound.count() > 0 && !curve.name.is_empty(), "{}: {}", row.id, figure.title);
             }
         }
     }
@@ -41,21 +39,26 @@ fn every_claim_of_the_thesis_is_answered_on_the_reference_rig() {
     let project = Project::parse(&text, "project.toml").unwrap().project;
     let rows = claims(&project, &Example, &|_| true, &|_, _| {}).unwrap();
     for row in &rows {
-        println!("{:4} {:?}\n     {}\n     {}", row.id, row.finding, row.says, row.measured);
+        println!("{:4} {:?}\n     {}\n     {}", row.id, row.finding(), row.says, row.measured);
         assert!(!row.measured.contains("NaN"), "{}: {}", row.id, row.measured);
     }
-    let thesis = (1..=27).map(|k| format!("C{k}"));
+    let thesis = (1..=32).map(|k| format!("C{k}"));
     let ids: Vec<String> = thesis.chain((1..=4).map(|k| format!("F{k}"))).collect();
     for row in &rows {
-        assert!(!matches!(row.finding, Finding::NotMeasured { .. }), "{}", row.id);
-        if let Finding::Differs { why } = &row.finding {
+        assert!(!matches!(row.finding(), Finding::NotMeasured { .. }), "{}", row.id);
+        if let Finding::Differs { why } = row.finding() {
             assert!(!why.is_empty(), "{}", row.id);
+        }
+        for one in &row.criteria {
+            assert!(!one.reason.is_empty() && !one.thesis.is_empty(), "{}: {}", row.id, one.what);
+            let (low, high) = one.accepted;
+            assert!(low.is_finite() || high.is_finite(), "{}: {} cannot fail", row.id, one.what);
         }
         drawn(row);
     }
     assert_eq!(rows.iter().map(|row| row.id).collect::<Vec<_>>(), ids);
     for id in ["C5", "C7", "C19", "C20"] {
         let row = rows.iter().find(|row| row.id == id).unwrap();
-        assert_eq!(row.finding, Finding::Holds, "{id}: {}", row.measured);
+        assert_eq!(row.finding(), Finding::Holds, "{id}: {}", row.measured);
     }
 }

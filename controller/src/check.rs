@@ -4,21 +4,16 @@ use std::collections::HashSet;
 
 use counterpoise_lti::{StateSpace, Timebase};
 
+use crate::required::{Required, at_least_0, count, finite, positive, require};
 use crate::tolerance::{LONGEST_WINDOW, SAME_PERIOD};
+use crate::words;
 use crate::{
     Error, Estimator, FrictionObserver, Learning, ObserverLaw, Parts, Path, Programs, READINGS, Scaling,
     Signal,
 };
 
-/// Names that target code uses itself.
-const RESERVED: [&str; 62] = [
-    "auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else", "enum",
-    "extern", "float", "for", "goto", "if", "inline", "int", "long", "register", "restrict", "return",
-    "short", "signed", "sizeof", "static", "struct", "switch", "typedef", "union", "unsigned", "void",
-    "volatile", "while", "as", "crate", "dyn", "false", "fn", "impl", "in", "let", "loop", "match", "mod",
-    "move", "mut", "pub", "ref", "self", "super", "trait", "true", "type", "unsafe", "use", "where", "async",
-    "await", "real", "states", "readings",
-];
+/// Names that target code uses itself, beside the words of its languages.
+const RESERVED: [&str; 9] = ["real", "states", "readings", "guard", "core", "taken", "total", "c", "in_"];
 
 /// All checks.
 pub fn parts(parts: &Parts) -> Result<(), Error> {
@@ -48,6 +43,7 @@ fn numbers(parts: &Parts) -> Result<(), Error> {
     let design = parts.design_out_of_balance_kg_m;
     positive("sample period (s)", parts.sample_period_s)?;
     positive("control limit (V)", parts.limit_v)?;
+    parts.reading_limits.iter().try_for_each(|limit| positive("limit of a reading", *limit))?;
     finite("bias (V/(kg m))", parts.bias_v_per_kg_m)?;
     at_least_0("transfer time (s)", parts.transfer_time_s)?;
     finite("lowest out-of-balance (kg m)", low)?;
@@ -95,7 +91,9 @@ fn name_problem(name: &str) -> Option<&'static str> {
         Some(first) if !first.is_ascii_lowercase() => Some("must start with a lower-case letter"),
         _ if !name.chars().all(lower) => Some("may hold only a to z, 0 to 9 and _"),
         _ if name.len() > 24 => Some("is longer than 24 characters"),
-        _ if RESERVED.contains(&name) || taken => Some("is a word of the target code"),
+        _ if RESERVED.contains(&name) || words::is_word(name) || taken => {
+            Some("is a word of the target code")
+        }
         _ => None,
     }
 }
@@ -282,43 +280,5 @@ fn learning(estimator: &Estimator) -> Result<(), Error> {
             inertia_v_s2_rad.iter().try_for_each(|one| finite("inertia (V s^2/rad)", *one))?;
             deviation.iter().try_for_each(|one| positive("deviation of an estimated parameter", *one))
         }
-    }
-}
-
-fn count(path: &str, what: &'static str, found: usize, expected: usize) -> Result<(), Error> {
-    if found == expected {
-        Ok(())
-    } else {
-        Err(Error::Count { path: path.to_owned(), what, found, expected })
-    }
-}
-
-fn positive(what: &str, value: f64) -> Result<(), Error> {
-    require(what, value, Required { holds: value > 0.0 && value.is_finite(), words: "positive and finite" })
-}
-
-fn at_least_0(what: &str, value: f64) -> Result<(), Error> {
-    require(
-        what,
-        value,
-        Required { holds: value >= 0.0 && value.is_finite(), words: "0 or positive, and finite" },
-    )
-}
-
-fn finite(what: &str, value: f64) -> Result<(), Error> {
-    require(what, value, Required { holds: value.is_finite(), words: "finite" })
-}
-
-/// What is required of a number: whether it holds, and in words that follow "must be".
-struct Required {
-    holds: bool,
-    words: &'static str,
-}
-
-fn require(what: &str, value: f64, required: Required) -> Result<(), Error> {
-    if required.holds {
-        Ok(())
-    } else {
-        Err(Error::Range { what: what.to_owned(), value, allowed: required.words })
     }
 }

@@ -4,7 +4,11 @@ use counterpoise_lti::{Mat, StateSpace, Timebase};
 
 use crate::number::Dual;
 use crate::program::Compiled;
-use crate::{Error, Number, Parts, Programs, READINGS, Runner, check, lower};
+use crate::signal::{DEMAND, HUB_RATE};
+use crate::tolerance::LEARNT_AT_REST_S;
+use crate::{
+    Correction, Error, Estimator, Learning, Number, Parts, Programs, READINGS, Runner, check, lower,
+};
 
 /// A discrete controller whose arithmetic is fixed to the last bit. It cannot be changed: what was verified is what is
 /// exported.
@@ -80,15 +84,61 @@ impl Controller {
             parts.bias_v_per_kg_m = 0.0;
             parts.drive_curve.clear();
         })?;
-        sliding.differentiate(out_of_balance_kg_m)
+        let mut gains = Runner::<f64>::new(&sliding);
+        gains.set_out_of_balance(out_of_balance_kg_m);
+        let mut about = gains.states();
+        let dynamic = sliding.dynamic_states();
+        dynamic.iter().for_each(|&state| about[state] = 0.0);
+        sliding.differentiate(&about, &dynamic)
     }
 
-    fn differentiate(&self, out_of_balance_kg_m: f64) -> Result<StateSpace, Error> {
+    /// Returns the controller that remains when feedback works alone: it reads the demand and the hub gyroscope, and 0 for every
+    /// other sensor. What is verified of it holds for the exported code after its handover to feedback alone.
+    ///
+    /// # Errors
+    /// As [`Controller::new`].
+    pub fn feedback_alone(&self) -> Result<Self, Error> {
+        self.with(|parts| {
+            parts.corrections.retain(|each| each.reading == DEMAND || each.reading == HUB_RATE);
+            let others = (0..READINGS).filter(|reading| *reading != DEMAND && *reading != HUB_RATE);
+            let original = &self.parts.corrections;
+            parts.corrections.extend(others.map(|reading| {
+                let offset =
+                    original.iter().find(|each| each.reading == reading).map_or(0.0, |each| each.offset);
+                Correction { reading, gain: 0.0, offset }
+            }));
+        })
+    }
+
+    /// Returns the linear part as [`Controller::linear`] does, with the estimator of the out-of-balance learning: gains and bias
+    /// follow its estimate. The program is differentiated about the state that it reaches at rest, the sizes of what a sample
+    /// tells held there. A mean over windows stands still between the ends of its windows, and is left so.
+    ///
+    /// # Errors
+    /// As [`Controller::linear`].
+    pub fn linear_learning(&self, out_of_balance_kg_m: f64) -> Result<StateSpace, Error> {
+        let learns = |estimator: &Estimator| !matches!(estimator.learning, Learning::Mean { .. });
+        if !self.parts.estimator.as_ref().is_some_and(learns) {
+            return self.linear(out_of_balance_kg_m);
+        }
+        let sliding = self.with(|parts| {
+            parts.observers.iter_mut().for_each(|observer| observer.volts_per_nm = 0.0);
+            parts.drive_curve.clear();
+            parts.transfer_time_s = 0.0;
+        })?;
+        let mut runner = sliding.runner();
+        runner.set_out_of_balance(out_of_balance_kg_m);
+        let samples = (LEARNT_AT_REST_S / self.parts.sample_period_s).ceil() as usize;
+        (0..samples).for_each(|_| {
+            runner.step_array(&[0.0; READINGS]);
+        });
+        sliding.differentiate(&runner.states(), &sliding.learning_states())
+    }
+
+    /// Returns the derivative of a step about a state, by the states in `dynamic` and by the readings.
+    fn differentiate(&self, about: &[f64], dynamic: &[usize]) -> Result<StateSpace, Error> {
         let programs = &self.programs;
         let states = programs.state_count();
-        let mut gains = Runner::<f64>::new(self);
-        gains.set_out_of_balance(out_of_balance_kg_m);
-        let dynamic = self.dynamic_states();
         let variables = dynamic.len() + READINGS;
         let variable = |value: f64, i: usize| {
             let mut slope = vec![0.0; variables];
@@ -97,11 +147,11 @@ impl Controller {
         };
         let step = Compiled::<Dual>::new(&programs.step, states);
         let mut memory = vec![Dual::from_f64(0.0); step.memory()];
-        for (place, value) in memory.iter_mut().zip(gains.states()) {
-            *place = Dual::from_f64(value);
+        for (place, value) in memory.iter_mut().zip(about) {
+            *place = Dual::from_f64(*value);
         }
         for (i, &state) in dynamic.iter().enumerate() {
-            memory[state] = variable(0.0, i);
+            memory[state] = variable(about[state], i);
         }
         let readings: Vec<Dual> = (0..READINGS).map(|j| variable(0.0, dynamic.len() + j)).collect();
         let output = step.run(&mut memory, &readings).unwrap_or(Dual::from_f64(0.0));
@@ -128,6 +178,14 @@ impl Controller {
                 || self.parts.paths.iter().any(|path| path.name == name)
         };
         let groups = self.programs.states.iter().filter(|group| carries(&group.name));
+        groups.flat_map(|group| group.first..group.first + group.initial.len()).collect()
+    }
+
+    /// Returns the states that carry signals or what is learnt; those that only weigh what a sample tells are left out.
+    fn learning_states(&self) -> Vec<usize> {
+        let weighs =
+            |name: &str| name == "liveliness" || name.starts_with("variance_") || name.starts_with("factor_");
+        let groups = self.programs.states.iter().filter(|group| !weighs(&group.name));
         groups.flat_map(|group| group.first..group.first + group.initial.len()).collect()
     }
 }

@@ -6,8 +6,8 @@
 //!
 //! *Invariant*: nothing here knows how a controller was designed, or what plant it drives; no file, thread or clock.
 //!
-//! Modules in reading order: [`sampled`], [`signal`], [`parts`], [`friction`], [`estimator`], [`controller`], [`program`],
-//! [`number`], [`runner`], [`realise`], [`sensitivity`], [`tolerance`] (the numbers that decide), [`error`].
+//! Modules in reading order: [`sampled`], [`signal`], [`parts`], [`friction`], [`estimator`], [`controller`], [`program`], `compiled`,
+//! [`number`], [`guard`], [`runner`], [`realise`], [`sensitivity`], [`tolerance`] (the numbers that decide), [`words`], [`error`].
 //!
 //! ```
 //! use counterpoise_controller::{Controller, Parts, Path, Scaling, Signal};
@@ -36,6 +36,7 @@ pub mod controller;
 pub mod error;
 pub mod estimator;
 pub mod friction;
+pub mod guard;
 pub mod number;
 pub mod parts;
 pub mod program;
@@ -45,16 +46,18 @@ pub mod sampled;
 pub mod sensitivity;
 pub mod signal;
 pub mod tolerance;
+pub mod words;
 
 mod check;
+mod compiled;
 mod lower;
-
-pub use counterpoise_lti as lti;
+mod required;
 
 pub use controller::Controller;
 pub use error::Error;
 pub use estimator::{Estimator, Learning};
 pub use friction::{FrictionObserver, ObserverLaw};
+pub use guard::{GuardSettings, Sensors, Status};
 pub use number::Number;
 pub use parts::{Correction, Parts, Path, Scaling};
 pub use program::Programs;

@@ -1,7 +1,12 @@
 //! The arithmetic that a program runs in.
 
+use crate::tolerance::{FLUSHED_DOUBLE, FLUSHED_SINGLE};
+
 /// Numbers in which a program can run.
 pub trait Number: Clone + std::fmt::Debug {
+    /// Magnitude below which a kept number becomes 0: far below anything that matters, and far enough above the smallest
+    /// normal number that a product with a coefficient is still a normal one. 0 for numbers that are never flushed.
+    const FLUSHED_BELOW: f64;
     /// Returns the nearest number.
     fn from_f64(value: f64) -> Self;
     /// Returns its value in double.
@@ -14,13 +19,23 @@ pub trait Number: Clone + std::fmt::Debug {
     fn over(&self, other: &Self) -> Self;
     /// Magnitude, exact.
     fn magnitude(&self) -> Self;
-    /// Returns `low` if the number is below it, `high` if above it, and itself otherwise.
+    /// Returns the number if it lies between the limits, `high` if it is above, and `low` otherwise: also if it is not a
+    /// number.
     fn clamped(&self, low: &Self, high: &Self) -> Self;
+    /// Returns the number, or a 0 of its sign if its magnitude is below [`Number::FLUSHED_BELOW`].
+    fn flushed(&self) -> Self {
+        if self.magnitude().to_f64() < Self::FLUSHED_BELOW {
+            self.times(&Self::from_f64(0.0))
+        } else {
+            self.clone()
+        }
+    }
 }
 
 macro_rules! machine_number {
-    ($t:ty) => {
+    ($t:ty, $tiny:expr) => {
         impl Number for $t {
+            const FLUSHED_BELOW: f64 = $tiny;
             #[inline]
             fn from_f64(value: f64) -> Self {
                 value as $t
@@ -47,19 +62,13 @@ macro_rules! machine_number {
             }
             #[inline]
             fn clamped(&self, low: &Self, high: &Self) -> Self {
-                if self < low {
-                    *low
-                } else if self > high {
-                    *high
-                } else {
-                    *self
-                }
+                if self >= low { if self <= high { *self } else { *high } } else { *low }
             }
         }
     };
 }
-machine_number!(f32);
-machine_number!(f64);
+machine_number!(f32, FLUSHED_SINGLE);
+machine_number!(f64, FLUSHED_DOUBLE);
 
 /// A value with its derivatives: forward differentiation of a program.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,6 +89,8 @@ impl Dual {
 }
 
 impl Number for Dual {
+    const FLUSHED_BELOW: f64 = 0.0;
+
     fn from_f64(value: f64) -> Self {
         Self { value, slope: Vec::new() }
     }
@@ -109,12 +120,10 @@ impl Number for Dual {
     }
 
     fn clamped(&self, low: &Self, high: &Self) -> Self {
-        if self.value < low.value {
-            low.clone()
-        } else if self.value > high.value {
-            high.clone()
+        if self.value >= low.value {
+            if self.value <= high.value { self.clone() } else { high.clone() }
         } else {
-            self.clone()
+            low.clone()
         }
     }
 }

@@ -2,7 +2,8 @@
 
 use counterpoise_lti::StateSpace;
 
-use crate::{Estimator, FrictionObserver, Signal};
+use crate::tolerance::READING_LIMITS;
+use crate::{Estimator, FrictionObserver, READINGS, Signal};
 
 /// A discrete transfer path from signals to volts
 ///
@@ -84,6 +85,9 @@ pub struct Parts {
     pub drive_curve: Vec<[f64; 2]>,
     /// The control is limited to +/- this, V.
     pub limit_v: f64,
+    /// Largest magnitude of each reading, in the order of [`crate::READING_NAMES`]; one beyond it is replaced by the last good
+    /// one.
+    pub reading_limits: [f64; READINGS],
 }
 
 impl Parts {
@@ -102,6 +106,7 @@ impl Parts {
             estimator: None,
             drive_curve: Vec::new(),
             limit_v,
+            reading_limits: READING_LIMITS,
         }
     }
 }

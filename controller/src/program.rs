@@ -1,6 +1,6 @@
 //! A step of the controller as a straight line of operations: the one meaning that all back ends share.
 
-use crate::Number;
+pub use crate::compiled::Compiled;
 
 /// Where a number lives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -108,6 +108,17 @@ pub struct StateGroup {
     pub initial: Vec<f64>,
     /// Whether a reset puts the states back to the start, or leaves them as set.
     pub on_reset: OnReset,
+    /// Within what the states are kept after each step; `None` if the program itself keeps them bounded.
+    pub limits: Option<StateLimits>,
+}
+
+/// From the lowest to the highest value of a state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StateLimits {
+    /// Lowest.
+    pub low: f64,
+    /// Highest.
+    pub high: f64,
 }
 
 /// What a reset does to a state.
@@ -198,153 +209,5 @@ impl Program {
                 _ => 0,
             })
             .sum()
-    }
-}
-
-/// One operation with all slots resolved to places of one memory: states, then inputs, then locals.
-#[derive(Debug, Clone)]
-enum Flat<N> {
-    Sum { into: usize, constant: Option<N>, first: usize, last: usize },
-    Product { into: usize, a: usize, b: usize },
-    Quotient { into: usize, above: usize, below: usize },
-    Magnitude { into: usize, of: usize },
-    Clamp { into: usize, of: usize, low: N, high: N },
-}
-
-impl<N> Flat<N> {
-    fn target_place(&self) -> usize {
-        match self {
-            Flat::Sum { into, .. }
-            | Flat::Product { into, .. }
-            | Flat::Quotient { into, .. }
-            | Flat::Magnitude { into, .. }
-            | Flat::Clamp { into, .. } => *into,
-        }
-    }
-}
-
-/// coefficient x place of memory.
-#[derive(Debug, Clone)]
-struct FlatTerm<N> {
-    coefficient: N,
-    place: usize,
-}
-
-impl<N: Number> FlatTerm<N> {
-    #[inline]
-    fn value(&self, memory: &[N]) -> N {
-        self.coefficient.times(&memory[self.place])
-    }
-}
-
-/// A program made ready to run in the numbers N.
-#[derive(Debug, Clone)]
-pub struct Compiled<N> {
-    operations: Vec<Flat<N>>,
-    terms: Vec<FlatTerm<N>>,
-    states: usize,
-    memory: usize,
-    output: Option<usize>,
-}
-
-impl<N: Number> Compiled<N> {
-    /// Returns the program for a memory of `states` states followed by inputs and locals.
-    pub fn new(program: &Program, states: usize) -> Self {
-        let inputs = program.inputs.len();
-        let place = |slot: Slot| match slot {
-            Slot::State(i) => i,
-            Slot::Input(i) => states + i,
-            Slot::Local(i) => states + inputs + i,
-        };
-        let mut terms = Vec::new();
-        let operations = program.operations().map(|op| flatten(op, &place, &mut terms)).collect();
-        let memory = states + inputs + program.locals.len();
-        Self { operations, terms, states, memory, output: program.output.map(place) }
-    }
-
-    /// Places of memory that the program needs.
-    pub fn memory(&self) -> usize {
-        self.memory
-    }
-
-    /// Runs the program on `memory`, whose first places are the states; returns the output, or `None` if the program
-    /// has none or the memory is too small.
-    pub fn run(&self, memory: &mut [N], inputs: &[N]) -> Option<N> {
-        if memory.len() < self.memory {
-            return None;
-        }
-        self.take(memory, inputs);
-        for operation in &self.operations {
-            self.execute(operation, memory);
-        }
-        self.output.map(|place| memory[place].clone())
-    }
-
-    /// As [`Compiled::run`], but after each operation `touch` gets its number and what it wrote, to look at or to change.
-    pub fn run_touched(
-        &self,
-        memory: &mut [N],
-        inputs: &[N],
-        mut touch: impl FnMut(usize, &mut N),
-    ) -> Option<N> {
-        if memory.len() < self.memory {
-            return None;
-        }
-        self.take(memory, inputs);
-        for (number, operation) in self.operations.iter().enumerate() {
-            self.execute(operation, memory);
-            touch(number, &mut memory[operation.target_place()]);
-        }
-        self.output.map(|place| memory[place].clone())
-    }
-
-    fn take(&self, memory: &mut [N], inputs: &[N]) {
-        for (place, input) in memory[self.states..].iter_mut().zip(inputs) {
-            *place = input.clone();
-        }
-    }
-
-    #[inline]
-    fn execute(&self, operation: &Flat<N>, memory: &mut [N]) {
-        match operation {
-            Flat::Sum { into, constant, first, last } => {
-                memory[*into] = sum(constant.as_ref(), &self.terms[*first..*last], memory);
-            }
-            Flat::Product { into, a, b } => memory[*into] = memory[*a].times(&memory[*b]),
-            Flat::Quotient { into, above, below } => memory[*into] = memory[*above].over(&memory[*below]),
-            Flat::Magnitude { into, of } => memory[*into] = memory[*of].magnitude(),
-            Flat::Clamp { into, of, low, high } => memory[*into] = memory[*of].clamped(low, high),
-        }
-    }
-}
-
-#[inline]
-fn sum<N: Number>(constant: Option<&N>, terms: &[FlatTerm<N>], memory: &[N]) -> N {
-    let (start, rest) = match (constant, terms) {
-        (Some(constant), all) => (constant.clone(), all),
-        (None, [first, rest @ ..]) => (first.value(memory), rest),
-        (None, []) => (N::from_f64(0.0), terms),
-    };
-    rest.iter().fold(start, |sum, term| sum.plus(&term.value(memory)))
-}
-
-fn flatten<N: Number>(op: &Operation, place: &dyn Fn(Slot) -> usize, all: &mut Vec<FlatTerm<N>>) -> Flat<N> {
-    let into = place(op.into_slot());
-    match op {
-        Operation::Sum { constant, terms, .. } => {
-            let first = all.len();
-            let flat =
-                |term: &Term| FlatTerm { coefficient: N::from_f64(term.coefficient), place: place(term.of) };
-            all.extend(terms.iter().map(flat));
-            Flat::Sum { into, constant: constant.map(N::from_f64), first, last: all.len() }
-        }
-        Operation::Product { a, b, .. } => Flat::Product { into, a: place(*a), b: place(*b) },
-        Operation::Quotient { above, below, .. } => {
-            Flat::Quotient { into, above: place(*above), below: place(*below) }
-        }
-        Operation::Magnitude { of, .. } => Flat::Magnitude { into, of: place(*of) },
-        Operation::Clamp { of, low, high, .. } => {
-            Flat::Clamp { into, of: place(*of), low: N::from_f64(*low), high: N::from_f64(*high) }
-        }
     }
 }

@@ -1,7 +1,8 @@
 //! Runs a controller.
 
+use crate::guard::{Guard, Kept, Plausible, kept_states, plausible, tend};
 use crate::program::{Compiled, OnReset};
-use crate::{Controller, Number, Programs, Readings, SampledController};
+use crate::{Controller, Number, Programs, Readings, SampledController, Sensors, Status};
 
 /// A controller that runs, in the numbers N: `f64` is the reference, `f32` what a small target computes.
 #[derive(Debug, Clone)]
@@ -10,6 +11,8 @@ pub struct Runner<N = f64> {
     step: Compiled<N>,
     set: Compiled<N>,
     memory: Vec<N>,
+    guard: Guard<N>,
+    kept: Vec<Kept<N>>,
 }
 
 impl<N: Number> Runner<N> {
@@ -23,19 +26,62 @@ impl<N: Number> Runner<N> {
         for (place, value) in memory.iter_mut().zip(programs.initial()) {
             *place = N::from_f64(value);
         }
-        Self { programs, step, set, memory }
+        let kept = kept_states(&programs.states);
+        Self { programs, step, set, memory, guard: Guard::new(controller.parts()), kept }
     }
 
     /// Takes the readings in the order of [`crate::READING_NAMES`] and returns the limited control in volts.
+    ///
+    /// A reading that is not a number or beyond its limit is replaced by the last good one; see [`Runner::status`].
     pub fn step_array(&mut self, readings: &[f64; crate::READINGS]) -> f64 {
-        let inputs = readings.map(N::from_f64);
-        self.step.run(&mut self.memory, &inputs).map_or(0.0, |control| control.to_f64())
+        let inputs = self.guard.take(&readings.map(N::from_f64));
+        let control = self.step.run(&mut self.memory, &inputs).unwrap_or(N::from_f64(0.0));
+        let states = self.programs.state_count();
+        let found = tend(&mut self.memory[..states], &self.kept);
+        if found == Plausible::No {
+            self.restart();
+        }
+        self.guard.give(control, found).to_f64()
     }
 
     /// Sets the out-of-balance, kg m, kept inside the controller's range: gains and bias follow, and the step this
-    /// makes in the control fades in with the controller's transfer time.
+    /// makes in the control fades in with the controller's transfer time. What is not a finite number is refused and
+    /// flagged, and changes nothing.
     pub fn set_out_of_balance(&mut self, out_of_balance_kg_m: f64) {
-        self.set.run(&mut self.memory, &[N::from_f64(out_of_balance_kg_m)]);
+        let value = N::from_f64(out_of_balance_kg_m);
+        if self.guard.admits(&value) {
+            self.set.run(&mut self.memory, &[value]);
+        }
+    }
+
+    /// Hands the control over to feedback alone, or back to all sensors. Readings other than the demand and the hub gyroscope
+    /// fade out, or in, over a tenth of a second.
+    pub fn use_sensors(&mut self, sensors: Sensors) {
+        self.guard.use_sensors(sensors);
+    }
+
+    /// Returns the flags of the last sample, and how many readings were replaced since the last reset.
+    pub fn status(&self) -> Status {
+        self.guard.status()
+    }
+
+    /// Puts the states back to their start. The out-of-balance stays as set, unless what belongs to it is not plausible.
+    fn restart(&mut self) {
+        self.put_to_start(OnReset::Restart);
+        let kept = self.programs.states.iter().filter(|group| group.on_reset == OnReset::Keep);
+        let places = kept.flat_map(|group| group.first..group.first + group.initial.len());
+        let total = places.fold(N::from_f64(0.0), |sum, place| sum.plus(&self.memory[place].magnitude()));
+        if plausible(&total) == Plausible::No {
+            self.put_to_start(OnReset::Keep);
+        }
+    }
+
+    fn put_to_start(&mut self, which: OnReset) {
+        for group in self.programs.states.iter().filter(|group| group.on_reset == which) {
+            for (place, value) in self.memory[group.first..].iter_mut().zip(&group.initial) {
+                *place = N::from_f64(*value);
+            }
+        }
     }
 
     /// Returns everything the last step knew: states, readings, then its locals, in the order of the step's program.
@@ -48,6 +94,15 @@ impl<N: Number> Runner<N> {
         self.memory[..self.programs.state_count()].get(place).map(Number::to_f64)
     }
 
+    /// Returns the controller with given states, in the order of [`Programs::states`]; states beyond those given stay as they are.
+    pub fn with_states(mut self, states: &[f64]) -> Self {
+        let count = self.programs.state_count();
+        for (place, value) in self.memory[..count].iter_mut().zip(states) {
+            *place = N::from_f64(*value);
+        }
+        self
+    }
+
     /// Returns the states, in the order of [`Programs::states`].
     pub fn states(&self) -> Vec<f64> {
         self.memory[..self.programs.state_count()].iter().map(Number::to_f64).collect()
@@ -55,13 +110,10 @@ impl<N: Number> Runner<N> {
 }
 
 impl<N: Number> SampledController for Runner<N> {
-    /// Puts the states back to their start; the out-of-balance stays as set.
+    /// Puts the states back to their start and forgets all faults; the out-of-balance stays as set.
     fn reset(&mut self) {
-        for group in self.programs.states.iter().filter(|group| group.on_reset == OnReset::Restart) {
-            for (place, value) in self.memory[group.first..].iter_mut().zip(&group.initial) {
-                *place = N::from_f64(*value);
-            }
-        }
+        self.restart();
+        self.guard.reset();
     }
 
     fn step(&mut self, readings: &Readings) -> f64 {

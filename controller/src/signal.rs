@@ -15,6 +15,13 @@ pub const READING_NAMES: [&str; READINGS] = [
     "hub_position_rad",
 ];
 
+/// Index of the demand among the readings.
+pub const DEMAND: usize = 0;
+/// Index of the hub gyroscope among the readings.
+pub const HUB_RATE: usize = 1;
+/// Index of the hub's angle among the readings.
+pub const HUB_POSITION: usize = 5;
+
 /// A signal that a path of the controller uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Signal {

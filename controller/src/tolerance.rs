@@ -50,3 +50,38 @@ pub(crate) const MOST_TOLD: f64 = 1e9;
 pub(crate) const WOUND_START: f64 = 9.0;
 /// A variance over its start at which forgetting has ended.
 pub(crate) const WOUND_END: f64 = 10.0;
+
+/// Time at rest after which a learning estimator is linearised, s: its lags have settled, and its weights have reached the bound
+/// beyond which they forget no more.
+pub const LEARNT_AT_REST_S: f64 = 5.0;
+/// Times the largest plausible size at which an estimated parameter is held: the largest out-of-balance that may be set, or
+/// the largest control. An estimate within the range is never touched, and a wrong one cannot run away.
+pub(crate) const ESTIMATE_SPAN: f64 = 100.0;
+/// Slowest half rate by which the bound of the viscous parameter is computed, rad/s.
+pub(crate) const SLOWEST_RAD_S: f64 = 1e-6;
+/// Largest hub angle that a controller with an estimator takes for good, rad: beyond half a turn the estimator's series for the
+/// cosine means nothing.
+pub(crate) const FARTHEST_ANGLE_RAD: f64 = 3.2;
+/// Smallest and largest factor D of the covariance, over its start. Far outside what learning reaches; a smaller one would
+/// never learn again.
+pub(crate) const LEAST_VARIANCE: f64 = 1e-12;
+/// See [`LEAST_VARIANCE`].
+pub(crate) const MOST_VARIANCE: f64 = 1e3;
+
+// ---- guard ----
+
+/// Largest sum of the magnitudes of all states; beyond it they cannot be right and go back to their start. Products of three
+/// numbers below it are still finite in single precision.
+pub const MOST_STATES: f64 = 1e12;
+/// Magnitude below which a number becomes 0 in single precision: 2^-70. The smallest normal number is 2^-126, so that a
+/// product with any coefficient above 2^-56 stays normal.
+pub const FLUSHED_SINGLE: f64 = 1.0 / (1_u128 << 70) as f64;
+/// The same in double precision, whose smallest normal number is 2^-1022: 2^-960.
+pub const FLUSHED_DOUBLE: f64 = f64::from_bits((1023 - 960) << 52);
+/// Time after which a reading that stays exactly the same is flagged, s. A sensor's noise changes its last bit much sooner.
+pub(crate) const UNCHANGED_S: f64 = 1.0;
+/// Time over which the share of the other sensors fades when feedback works alone, s: the control makes no step.
+pub(crate) const HANDOVER_S: f64 = 0.1;
+/// Largest magnitude of the readings where a design says nothing, in the order of [`crate::READING_NAMES`]: rad/s, rad/s, rad/s,
+/// m/s^2, rad/s, rad. No sensor of a stabilised mechanism gives more, and powers of them stay finite in single precision.
+pub(crate) const READING_LIMITS: [f64; 6] = [1e3, 1e3, 1e3, 1e4, 1e5, 1e3];

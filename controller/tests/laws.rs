@@ -1,10 +1,10 @@
 //! Friction observers of every law against the law's own solution; the drive's curve; the three ways of learning.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_controller::lti::{Mat, StateSpace, Timebase};
 use counterpoise_controller::{
     Controller, Estimator, FrictionObserver, Learning, ObserverLaw, Parts, Path, Scaling, Signal,
 };
+use counterpoise_lti::{Mat, StateSpace, Timebase};
 
 const COULOMB: f64 = 117.0;
 const STIFFNESS: f64 = 2.4e5;

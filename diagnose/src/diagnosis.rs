@@ -21,7 +21,7 @@ use crate::recording::instrument_faults::{InstrumentFault, find_instrument_fault
 use crate::recording::measured_signals::read_signals;
 use crate::recording::noise::{with_noise_levels_of, with_recorded_noise};
 use crate::recording::remarks::{Comparison, RecordingRemark};
-use crate::recording::sanity_checks::check_signals;
+use crate::recording::sanity_checks::{check_control, check_signals};
 use crate::recording::unknown_heave::drop_unknown_heave;
 use crate::selection::searcher::Searcher;
 use crate::selection::sizes::Sizes;
@@ -38,6 +38,30 @@ pub struct Diagnosis {
     pub improved: Parameters,
     /// The recordings as they were diagnosed: without the faults of sensors and recorder that could be repaired.
     pub recordings: Vec<Recording>,
+    /// The loop in which they were replayed.
+    pub control: Loop,
+}
+
+/// What happens if a recorded control is not what the loop's controller makes of the recorded readings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Contradiction {
+    /// All recordings are replayed under their recorded control: another controller was in the loop.
+    PlayBack,
+    /// The recordings are replayed in closed loop all the same: their columns are not the samples that the controller read.
+    Ignore,
+}
+
+/// What is diagnosed.
+#[derive(Debug, Clone)]
+pub struct Request<'a> {
+    /// The mechanism as the project has it.
+    pub base: &'a Parameters,
+    /// The controller that was in the loop, or [`Loop::Open`] if it is not known.
+    pub control: Loop,
+    /// What happens if the recordings contradict that controller.
+    pub contradiction: Contradiction,
+    /// The recordings of one machine.
+    pub recordings: &'a [Recording],
 }
 
 impl Diagnosis {
@@ -71,27 +95,46 @@ pub fn diagnose(
     recordings: &[Recording],
     pool: &dyn Pool,
 ) -> Result<Diagnosis, Error> {
-    let control = control.into();
-    match Scale::of(base, recordings) {
-        Some(scale) => diagnose_scaled(scale, base, control, recordings, pool),
-        None => diagnose_as_built(base, control, recordings, pool),
+    run(&Request { base, control: control.into(), contradiction: Contradiction::Ignore, recordings }, pool)
+}
+
+/// Carries out a request: [`diagnose`] with a choice of what happens if the recordings were made under another controller.
+///
+/// # Errors
+/// As [`diagnose`].
+pub fn run(request: &Request, pool: &dyn Pool) -> Result<Diagnosis, Error> {
+    match Scale::of(request.base, request.recordings) {
+        Some(scale) => {
+            diagnose_scaled(scale, request.base, request.control.clone(), request.recordings, pool)
+        }
+        None => diagnose_as_built(request, pool),
     }
 }
 
 /// Diagnoses a machine whose sizes are those of the library.
-fn diagnose_as_built(
-    base: &Parameters,
-    control: Loop,
-    recordings: &[Recording],
-    pool: &dyn Pool,
-) -> Result<Diagnosis, Error> {
-    check(recordings, &control)?;
+fn diagnose_as_built(request: &Request, pool: &dyn Pool) -> Result<Diagnosis, Error> {
+    let Request { base, control, contradiction, recordings } = request;
+    check(recordings, control)?;
     pool.progress("examining", 0, 1);
-    let examined = find_instrument_faults(base, &control, recordings);
+    let examined = find_instrument_faults(base, control, recordings);
+    let foreign = match contradiction {
+        Contradiction::PlayBack => foreign_controls(base, control, &examined.recordings),
+        Contradiction::Ignore => Vec::new(),
+    };
+    let control = if foreign.is_empty() { control.clone() } else { Loop::Open };
     let (heard, remarks) = drop_unknown_heave(examined.recordings);
     let mut found = diagnose_of(Sizes::TYPICAL, base, control, &heard, pool)?.with_faults(&examined.faults);
-    found.answer.qualification.splice(0..0, remarks);
+    found.answer.qualification.splice(0..0, foreign.into_iter().chain(remarks));
     Ok(found)
+}
+
+/// Returns a remark on each recording whose control is not what the loop's controller makes of its readings.
+fn foreign_controls(base: &Parameters, control: &Loop, recordings: &[Recording]) -> Vec<RecordingRemark> {
+    let remark = |recording: &Recording| {
+        let mismatch = check_control(base, recording, control)?;
+        Some(RecordingRemark::OtherController { recording: recording.name.clone(), mismatch })
+    };
+    recordings.iter().filter_map(remark).collect()
 }
 
 /// Diagnoses a dynamically similar machine of the library's sizes, and brings the answer back to the machine itself.
@@ -152,7 +195,7 @@ fn diagnose_of(
         sizes,
     };
     let improved = with_noise_levels_of(evidence.improved(), project);
-    Ok(Diagnosis { answer: evidence.answer(), improved, recordings: examined.to_vec() })
+    Ok(Diagnosis { answer: evidence.answer(), improved, recordings: examined.to_vec(), control })
 }
 
 /// Locates where the recordings depart from the replay of the model as it was: component by regime.

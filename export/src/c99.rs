@@ -4,6 +4,7 @@ use counterpoise_controller::Controller;
 use counterpoise_controller::program::{OnReset, Operation, Program, Programs, Slot, StateGroup};
 use minijinja::{Environment, context};
 
+use crate::guard::{flags, guard, guard_bytes, guard_instructions, marked};
 use crate::print::{Dialect, Printer, literal, meaning, state};
 use crate::vectors::{Vector, shipped};
 use crate::{Error, File, Options, Precision, Provenance, READING_FIELDS, Source, check_name, check_range};
@@ -12,7 +13,7 @@ use crate::{Error, File, Options, Precision, Provenance, READING_FIELDS, Source,
 ///
 /// | file | what it is |
 /// |---|---|
-/// | `NAME.h` | types, provenance, units, four functions |
+/// | `NAME.h` | types, provenance, units, seven functions |
 /// | `NAME.c` | the functions: no heap, no recursion, no global state, no library |
 /// | `NAME_self_test.c` | vectors and a function that counts where the target answers otherwise; no library |
 /// | `NAME_test.c` | a program that runs the self test and prints its outcome |
@@ -35,6 +36,7 @@ pub fn c99<'a>(
     let board = provenance.converters.block(&|value| literal(value, options.precision, Dialect::C));
     let data = context! { board, ..data(controller, &header, options) };
     let environment = Environment::new();
+    let data = with_guard(&environment, data)?;
     let templates = [
         (".h", include_str!("../templates/controller.h.jinja")),
         (".c", include_str!("../templates/controller.c.jinja")),
@@ -47,7 +49,20 @@ pub fn c99<'a>(
         let text = environment.render_str(template, &data)?;
         Ok(File { name: format!("{}{ending}", options.name), text: text.trim_end().to_owned() + "\n" })
     };
-    templates.into_iter().map(fill).collect()
+    Ok(marked(templates.into_iter().map(fill).collect::<Result<_, Error>>()?))
+}
+
+/// Adds the texts that the files of floating and fixed point share.
+pub(crate) fn with_guard(
+    environment: &Environment<'_>,
+    data: minijinja::Value,
+) -> Result<minijinja::Value, Error> {
+    let text =
+        |template: &str| environment.render_str(template, &data).map(|text| text.trim_end().to_owned());
+    let guard_header = text(include_str!("../templates/guard_header.h.jinja"))? + "\n";
+    let same_set = text(include_str!("../templates/same_set.c.jinja"))? + "\n";
+    let guard_calls = text(include_str!("../templates/guard_calls.c.jinja"))?;
+    Ok(context! { guard_header, same_set, guard_calls, ..data })
 }
 
 fn data(controller: &Controller, provenance: &[String], options: &Options) -> minijinja::Value {
@@ -61,6 +76,7 @@ fn data(controller: &Controller, provenance: &[String], options: &Options) -> mi
         real: &real,
         input_prefix,
     };
+    let number_bytes = if options.precision == Precision::Double { 8 } else { 4 };
     let (step, set) = (printer(&programs.step, "in->"), printer(&programs.set_out_of_balance, ""));
     context! {
         name,
@@ -83,17 +99,19 @@ fn data(controller: &Controller, provenance: &[String], options: &Options) -> mi
         multiplications => programs.step.multiplications(),
         additions => programs.step.additions(),
         state_count => programs.state_count(),
-        state_bytes => programs.state_count() * if options.precision == Precision::Double { 8 } else { 4 },
+        state_bytes => programs.state_count() * number_bytes + guard_bytes(number_bytes),
+        flags => flags(controller),
+        guard => guard(controller, options.precision, Dialect::C),
         needed => needed(controller),
         vectors => shipped(controller, options.precision).iter().map(|v| row(v, options.precision)).collect::<Vec<_>>(),
     }
 }
 
 /// Instructions that a step needs where a product, a sum, a load and a store are one each: every product loads its
-/// coefficient, every state is loaded and stored.
+/// coefficient, every state is loaded and stored. The guard comes on top.
 fn needed(controller: &Controller) -> usize {
     let (step, states) = (&controller.programs().step, controller.programs().state_count());
-    2 * step.multiplications() + step.additions() + 2 * states
+    2 * step.multiplications() + step.additions() + 2 * states + guard_instructions(states)
 }
 
 /// The line of the header that begins with a word.

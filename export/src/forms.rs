@@ -1,8 +1,8 @@
 //! The same controller with its paths in other forms: what each form costs, and what small numbers do to it.
 
-use counterpoise_controller::lti::{Mat, StateSpace, poles};
 use counterpoise_controller::sensitivity::{Form, realise};
 use counterpoise_controller::{Controller, Path};
+use counterpoise_lti::{Mat, StateSpace, poles};
 
 use crate::{Adjustable, Measured, Ranges};
 
@@ -129,10 +129,10 @@ fn companion(system: &StateSpace) -> Option<StateSpace> {
 
 /// 1, a_1, ..., a_n from the poles; products of complex numbers whose conjugates are among them.
 fn polynomial(system: &StateSpace) -> Option<Vec<f64>> {
-    let mut coefficients = vec![counterpoise_controller::lti::C64::new(1.0, 0.0)];
+    let mut coefficients = vec![counterpoise_lti::C64::new(1.0, 0.0)];
     for pole in poles(system).ok()? {
         let mut next = coefficients.clone();
-        next.push(counterpoise_controller::lti::C64::new(0.0, 0.0));
+        next.push(counterpoise_lti::C64::new(0.0, 0.0));
         for (k, value) in coefficients.iter().enumerate() {
             next[k + 1] -= pole * value;
         }
@@ -145,7 +145,7 @@ fn polynomial(system: &StateSpace) -> Option<Vec<f64>> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use counterpoise_controller::lti::{Timebase, frequency_response};
+    use counterpoise_lti::{Timebase, frequency_response};
 
     #[test]
     fn the_companion_form_is_the_same_system() {

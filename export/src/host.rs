@@ -47,7 +47,8 @@ pub fn rust_replay() -> File {
     File { name: "replay.rs".into(), text: include_str!("../target/replay.rs").replace("axis", RUST_CRATE) }
 }
 
-/// Returns a C file of a fixed name that is nothing but the generated file `included`.
+/// Returns a C file of a fixed name that is nothing but the generated file `included`, given with its folder: a project may call its
+/// code by the fixed name itself, and a file must not include itself.
 pub fn including(name: &str, included: &str) -> File {
     File { name: name.to_owned(), text: format!("#include \"{included}\"\n") }
 }

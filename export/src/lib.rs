@@ -42,6 +42,7 @@ pub mod targets;
 pub mod vectors;
 
 mod comment;
+mod guard;
 mod print;
 
 pub use c99::c99;
@@ -59,6 +60,7 @@ pub use targets::{Numbers, Record, TargetFigures, Targets, fixed_form, targets};
 
 use counterpoise_controller::Controller;
 use counterpoise_controller::program::Operation;
+use counterpoise_controller::words::is_word;
 
 /// A file of generated code.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -118,6 +120,9 @@ pub(crate) fn check_name(name: &str) -> Result<(), Error> {
             Some("may hold only a to z, 0 to 9 and _")
         }
         _ if name.len() > 24 => Some("is longer than 24 characters"),
+        _ if is_word(name) => {
+            Some("is a keyword of C, C++ or Rust, or a name that their tools have taken: give another")
+        }
         _ => None,
     };
     problem.map_or(Ok(()), |problem| Err(Error::Name { name: name.to_owned(), problem }))

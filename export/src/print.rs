@@ -97,14 +97,14 @@ impl Printer<'_> {
         }
     }
 
-    /// Low where below it, else high where above it, else itself; in pieces between which a line may end.
+    /// Itself between the limits, high where above, else low; in pieces between which a line may end.
     fn limit(&self, of: &str, low: &str, high: &str) -> Vec<String> {
         match self.dialect {
             Dialect::C => limit(of, low, high),
             Dialect::Rust => vec![
-                format!("if {of} < {low} {{ {low} }}"),
-                format!("else if {of} > {high} {{ {high} }}"),
-                format!("else {{ {of} }}"),
+                format!("if {of} >= {low} {{"),
+                format!("if {of} <= {high} {{ {of} }} else {{ {high} }} }}"),
+                format!("else {{ {low} }}"),
             ],
         }
     }
@@ -145,9 +145,10 @@ impl Printer<'_> {
     }
 }
 
-/// In C: low where below it, else high where above it, else itself; in pieces between which a line may end.
+/// In C: itself between the limits, high where above, else low, which is also what becomes of a number that is none; in pieces
+/// between which a line may end.
 pub(crate) fn limit(of: &str, low: &str, high: &str) -> Vec<String> {
-    vec![format!("({of} < {low}) ? {low}"), format!(": (({of} > {high}) ? {high}"), format!(": {of})")]
+    vec![format!("({of} >= {low}) ? (({of} <= {high})"), format!("? {of} : {high})"), format!(": {low}")]
 }
 
 /// What a group of states holds, with its unit, for the reader of target code.

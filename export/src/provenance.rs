@@ -16,6 +16,10 @@ pub struct Provenance {
     pub weights: Vec<String>,
     /// The verdicts, one a line.
     pub verdicts: Vec<String>,
+    /// What the first two readings hold, if they are not the demanded and the measured rate of the hub.
+    pub loop_signals: Option<String>,
+    /// What is certified of the loop when feedback works alone, one a line.
+    pub feedback_alone: Vec<String>,
     /// The converters that the readings come from and the control goes to.
     pub converters: Converters,
 }
@@ -35,8 +39,10 @@ impl Provenance {
             format!("project: {}", self.project),
             format!("project-hash: {}", self.project_hash),
         ];
+        lines.extend(self.loop_signals.iter().map(|signals| format!("loop: {signals}")));
         lines.extend(self.weights.iter().map(|weight| format!("weight: {weight}")));
         lines.extend(self.verdicts.iter().map(|verdict| format!("verdict: {verdict}")));
+        lines.extend(self.feedback_alone.iter().map(|line| format!("feedback-alone: {line}")));
         lines.iter().map(|line| comment_text(line)).collect()
     }
 }

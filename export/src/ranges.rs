@@ -5,7 +5,6 @@ mod settings;
 use counterpoise_controller::program::{Program, Slot};
 use counterpoise_controller::{Controller, Number, READINGS, Readings, Runner, SampledController};
 
-use crate::rounding::larger;
 pub(crate) use settings::settings;
 
 /// Samples of a run in which the out-of-balance is set half way.
@@ -18,12 +17,6 @@ pub trait Adjustable: SampledController {
 }
 
 impl<N: Number> Adjustable for Runner<N> {
-    fn adjust(&mut self, out_of_balance_kg_m: f64) {
-        self.set_out_of_balance(out_of_balance_kg_m);
-    }
-}
-
-impl Adjustable for crate::FixedRunner {
     fn adjust(&mut self, out_of_balance_kg_m: f64) {
         self.set_out_of_balance(out_of_balance_kg_m);
     }
@@ -180,4 +173,9 @@ fn watch(largest: &mut [f64], controller: &Controller, run: &Run) {
             grow(&runner.values());
         },
     );
+}
+
+/// The larger of two; infinite where one is no number, as what grew out of all range is.
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
 }

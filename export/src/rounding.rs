@@ -12,7 +12,7 @@ use gains::Gains;
 pub use single::single_precision;
 
 use crate::Ranges;
-use crate::ranges::{Run, settings};
+use crate::ranges::{Run, larger, settings};
 
 /// Allowance for products of errors, which a first-order bound leaves out.
 const SECOND_ORDER: f64 = 1.01;
@@ -115,11 +115,6 @@ fn along(controller: &Controller, run: &Run, arithmetic: &impl Arithmetic) -> (f
         squares += known * known + square / 3.0;
     }
     (likely, (squares / track.squares_v2.len().max(1) as f64).sqrt())
-}
-
-/// The larger of two; infinite where one is no number, as what grew out of all range is.
-pub(crate) fn larger(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
 }
 
 /// What an operation adds to a state, where it does: the state lies on the grid of its numbers already, so that what is

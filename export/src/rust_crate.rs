@@ -4,6 +4,7 @@ use counterpoise_controller::Controller;
 use counterpoise_controller::program::{OnReset, Operation, Program, Slot, StateGroup};
 use minijinja::{Environment, context};
 
+use crate::guard::{flags, guard, marked};
 use crate::print::{Dialect, Printer, literal, meaning, state};
 use crate::vectors::{Vector, shipped};
 use crate::{Error, File, Options, Precision, Provenance, READING_FIELDS, Source, check_name, check_range};
@@ -33,7 +34,7 @@ pub fn rust_crate<'a>(
         let text = environment.render_str(template, &data)?.trim_end().to_owned() + "\n";
         Ok(File { name: format!("{}/{name}", options.name), text })
     };
-    templates.into_iter().map(fill).collect()
+    Ok(marked(templates.into_iter().map(fill).collect::<Result<_, Error>>()?))
 }
 
 fn data(controller: &Controller, provenance: &[String], options: &Options) -> minijinja::Value {
@@ -55,7 +56,10 @@ fn data(controller: &Controller, provenance: &[String], options: &Options) -> mi
         readings => READING_FIELDS,
         states => state_fields(controller),
         start => start(controller, precision),
-        restart => restart(controller, precision),
+        restart => initial(controller, precision, OnReset::Restart),
+        keep => initial(controller, precision, OnReset::Keep),
+        flags => flags(controller),
+        guard => guard(controller, precision, Dialect::Rust),
         step => step.body(),
         set => set.body(),
         reads_input => reads_input(&programs.step),
@@ -90,10 +94,10 @@ fn start(controller: &Controller, precision: Precision) -> Vec<String> {
         .collect()
 }
 
-/// Assignments of a reset.
-fn restart(controller: &Controller, precision: Precision) -> Vec<String> {
+/// Assignments that put states to their start.
+fn initial(controller: &Controller, precision: Precision, which: OnReset) -> Vec<String> {
     let programs = controller.programs();
-    let groups = programs.states.iter().filter(|group| group.on_reset == OnReset::Restart);
+    let groups = programs.states.iter().filter(|group| group.on_reset == which);
     groups
         .map(|group| match group.length {
             Some(n) => format!("self.{} = [0.0; {n}];", group.name),

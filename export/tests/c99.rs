@@ -164,3 +164,37 @@ fn names_that_are_no_identifiers_are_refused() {
         assert!(c99(Unverified(&typical()), &provenance(), &Options::double(name)).is_err(), "{name}");
     }
 }
+
+/// A name that is a keyword of a target language, or that its tools have taken.
+#[test]
+fn words_of_the_target_languages_are_refused() {
+    for name in ["double", "match", "class", "core", "std", "test", "linux", "async"] {
+        assert!(c99(Unverified(&typical()), &provenance(), &Options::double(name)).is_err(), "{name}");
+    }
+}
+
+#[test]
+fn files_of_different_exports_do_not_compile_together() {
+    if !is_there("cc") {
+        return println!("skipped: no C compiler");
+    }
+    let folder = folder("mixed_set");
+    let files = |project: &str| {
+        let provenance = counterpoise_export::Provenance { project: project.into(), ..provenance() };
+        c99(Unverified(&typical()), &provenance, &Options::double("axis")).unwrap()
+    };
+    write(&folder, &files("yesterday"));
+    let compile = |source: &str| {
+        let mut compiler = Command::new("cc");
+        compiler.current_dir(&folder).args(["-std=c99", "-c", source]).output().unwrap()
+    };
+    for source in ["axis.c", "axis_self_test.c", "axis_interrupt.c", "axis_test.c"] {
+        assert!(compile(source).status.success(), "{source}");
+    }
+    write(&folder, &files("today")[..1]);
+    for source in ["axis.c", "axis_self_test.c", "axis_interrupt.c", "axis_test.c"] {
+        let said = compile(source);
+        assert!(!said.status.success(), "{source}");
+        assert!(String::from_utf8_lossy(&said.stderr).contains("come from different exports"), "{source}");
+    }
+}

@@ -166,7 +166,7 @@ fn is_stable(controller: &Controller) -> bool {
     let (low, high) = controller.parts().out_of_balance_range_kg_m;
     let settings = [low, 90.0, controller.parts().design_out_of_balance_kg_m, high];
     settings.into_iter().all(|set| {
-        let poles = counterpoise_controller::lti::poles(&controller.linear(set).unwrap()).unwrap();
+        let poles = counterpoise_lti::poles(&controller.linear(set).unwrap()).unwrap();
         poles.iter().all(|pole| pole.norm() < 1.0 + 1e-9)
     })
 }

@@ -14,8 +14,8 @@ use std::process::{Command, Stdio};
 use counterpoise_export::fmi::{MOST_DELAY_SAMPLES, PlantUnit, PlantUnitError, plant_unit};
 use counterpoise_models::plant::{Body, BodyMode};
 use counterpoise_models::{
-    AmplifierDynamics, Friction, FrictionLaw, MapPoint, OperatingPoint, Parameters, Plant, Ripple, Sensor,
-    StribeckCurve, reference,
+    AmplifierDynamics, Axis, Friction, FrictionLaw, MapPoint, Measured, OperatingPoint, Parameters, Plant,
+    Ripple, Sensor, StribeckCurve, reference,
 };
 use counterpoise_simulate::convergence::cases;
 use counterpoise_simulate::{PlatformMotion, Playback, Scenario, Signal, Simulator};
@@ -78,7 +78,7 @@ fn simulated(machine: &Machine, parts: usize) -> Columns {
     let motion = platform(parameters.interface.sample_period_s);
     parameters.interface.sample_period_s /= parts as f64;
     parameters.interface.output_delay_samples *= parts;
-    let plant = Plant::with_body(&parameters, machine.plant.body().clone()).unwrap();
+    let plant = Plant::with_whole_body(&parameters, machine.plant.body().clone()).unwrap();
     let duration_s = (SAMPLES * parts) as f64 * parameters.interface.sample_period_s;
     let scenario = Scenario { platform: motion, ..Scenario::still(duration_s) };
     let tolerance = counterpoise_simulate::tolerance::TOLERANCE / parts.pow(3) as f64;
@@ -300,6 +300,46 @@ fn motor_amplifier_and_gear() {
             p.gearbox.backlash_rad = 6e-3;
             p.lumped.as_mut().unwrap().out_of_balance_kg_m = 8.0;
         }),
+    ]);
+}
+
+#[test]
+fn kinds_of_machine() {
+    let rigid = |p: &mut Parameters| {
+        (p.gearbox.stiffness_nm_rad, p.gearbox.backlash_rad) = (f64::INFINITY, 0.0);
+    };
+    all_equal(&[
+        machine("rigid gear, rotor coupled", |p| {
+            rigid(p);
+            p.motor.platform_coupling = 1.0;
+        }),
+        machine("rigid gear and one inertia, torque command, position at the hub", |p| {
+            rigid(p);
+            p.lumped.as_mut().unwrap().stiffness_nm_rad = f64::INFINITY;
+            (p.amplifier.dynamics, p.amplifier.gain) = (AmplifierDynamics::TorqueCommand, 3.0);
+            p.sensors.measured = Measured::HubPosition;
+        }),
+        machine("current loop, tachometer on the motor", |p| {
+            p.amplifier.dynamics = AmplifierDynamics::CurrentLoop { bandwidth_rad_s: 900.0, delay_s: 0.0 };
+            p.amplifier.gain = 3.0;
+            p.sensors.measured = Measured::MotorRate;
+        }),
+        machine("armature without inductance", |p| p.motor.inductance_h = 0.0),
+        machine("amplifier without lag, bus limit", |p| {
+            (p.amplifier.time_constant_s, p.amplifier.current_feedback_v_a) = (0.0, 0.0);
+            (p.amplifier.gain, p.amplifier.bus_voltage_v) = (2.0, 12.0);
+        }),
+        machine("neither lag nor inductance", |p| {
+            (p.amplifier.time_constant_s, p.motor.inductance_h) = (0.0, 0.0);
+            p.amplifier.bus_voltage_v = f64::INFINITY;
+        }),
+        machine("harmonic drive, encoder on the motor", |p| {
+            p.gearbox.backlash_rad = 0.0;
+            p.gearbox.kinematic_error = Ripple { amplitude: 5e-5, order: 2.0, phase_rad: 0.2 };
+            (p.gearbox.hysteresis_nm, p.gearbox.hysteresis_stiffness_nm_rad) = (60.0, 4e5);
+            p.sensors.measured = Measured::MotorPosition;
+        }),
+        machine("linear axis", |p| p.axis = Axis::Linear),
     ]);
 }
 

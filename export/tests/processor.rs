@@ -56,13 +56,15 @@ fn a_step_costs_what_its_multiplications_need() {
                 // One instruction each for product, sum and the load of its coefficient, one to store and one to load a
                 // state; the rest is call, limits and addresses.
                 let states = controller.programs().state_count();
-                let needed = (2 * multiplications + additions + 2 * states) as u64;
+                // The guard takes about 45 instructions a reading and 15 a state.
+                let guard = READINGS * 45 + states * 15;
+                let needed = (2 * multiplications + additions + 2 * states + guard) as u64;
                 let found = cost.step_instructions;
                 assert!(found < 2000, "{cost:?}");
                 assert!(found < needed + needed / 2 && found > needed / 2, "{cost:?} {needed}");
             }
             assert!(cost.flash_bytes < 16 * 1024 && cost.stack_bytes < 1024, "{cost:?}");
-            assert!(cost.state_bytes <= 8 * controller.programs().state_count() as u64);
+            assert!(cost.state_bytes <= 8 * controller.programs().state_count() as u64 + 96);
             assert!(cost.set_instructions < cost.step_instructions, "{cost:?}");
         }
     }

@@ -11,7 +11,8 @@ use crate::files;
 /// Makes the library of an FMI unit from its sources below a folder, by the unit's name; `None` if this machine cannot.
 pub type Library = fn(&Path, &str) -> Option<Vec<u8>>;
 
-/// Writes generated files and packs FMI units; `None` if `go_on` said no.
+/// Writes generated files and packed FMI units as a set: no old file is replaced before all new ones are on the disk. Returns `None`
+/// if `go_on` said no; then nothing was written.
 ///
 /// # Errors
 /// The file that cannot be written, and why.
@@ -21,27 +22,30 @@ pub fn write(
     library: Library,
     go_on: &dyn Fn() -> bool,
 ) -> Result<Option<Vec<PathBuf>>, String> {
-    let mut written = Vec::new();
-    let mut put = |path: PathBuf, bytes: &[u8]| {
-        files::write(&path, bytes)
-            .map_err(|error| format!("{} cannot be written: {error}", path.display()))?;
-        written.push(path);
-        Ok::<bool, String>(go_on())
-    };
-    for file in code {
-        if !put(folder.join(&file.name), file.text.as_bytes())? {
+    // The library of a unit is compiled from a copy of its sources, so that the set is complete before any old file is replaced.
+    let scratch = files::scratch_folder().map_err(|error| format!("no temporary folder: {error}"))?;
+    let mut packed: Vec<(PathBuf, Vec<u8>)> = Vec::new();
+    for name in units(code) {
+        if !go_on() {
             return Ok(None);
         }
-    }
-    for name in units(code) {
         let inside = format!("{name}/");
         let own: Vec<File> = code.iter().filter(|file| file.name.starts_with(&inside)).cloned().collect();
-        let packed = pack(&own, &name, library(folder, &name).as_deref());
-        if !put(folder.join(format!("{name}.fmu")), &packed)? {
-            return Ok(None);
+        for file in &own {
+            files::write(&scratch.path().join(&file.name), file.text.as_bytes())
+                .map_err(|error| format!("{} cannot be written: {error}", file.name))?;
         }
+        let unit = pack(&own, &name, library(scratch.path(), &name).as_deref());
+        packed.push((folder.join(format!("{name}.fmu")), unit));
     }
-    Ok(Some(written))
+    if !go_on() {
+        return Ok(None);
+    }
+    let texts = code.iter().map(|file| (folder.join(&file.name), file.text.as_bytes()));
+    let set: Vec<(PathBuf, &[u8])> =
+        texts.chain(packed.iter().map(|(path, bytes)| (path.clone(), bytes.as_slice()))).collect();
+    files::write_set(&set)?;
+    Ok(Some(set.into_iter().map(|(path, _)| path).collect()))
 }
 
 /// Folders that hold an FMI unit.

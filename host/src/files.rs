@@ -1,20 +1,29 @@
 //! Files: projects read and written so that nothing half-written is left, and what stands beside them.
 
+use std::collections::BTreeSet;
 use std::fs;
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use counterpoise_pipeline::World;
-use counterpoise_project::{Attachments, Document, STARTER, Setting};
+use counterpoise_project::{Attachments, Document, Setting};
 
 /// The disk under a project: what can make one wait. Tests put a slow one here.
 pub trait Disk: Send + Sync {
-    /// The bytes of a file.
+    /// The bytes of a file. Devices, pipes and very large files are refused: a project file or a part of one is neither.
     ///
     /// # Errors
     /// Those of the file system.
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        fs::read(path)
+        read_file(path)
+    }
+
+    /// The bytes of a file that a project names: see [`read_reference`].
+    ///
+    /// # Errors
+    /// Those of the file system.
+    fn read_reference(&self, path: &Path) -> io::Result<Vec<u8>> {
+        read_reference(path)
     }
 
     /// Waits until the disk has what was written.
@@ -52,25 +61,88 @@ pub fn read(disk: &dyn Disk, path: &Path) -> Result<(String, Attachments), Strin
     Ok((document.text().to_owned(), named(disk, &document, path)))
 }
 
+/// Largest file that is read whole, bytes; a larger recording is read in parts.
+pub const LARGEST_FILE: u64 = 4 << 30;
+
+/// Reads a file that the user named. Only a regular file is read, so that neither a pipe nor a device can hold the program up, and
+/// none larger than [`LARGEST_FILE`].
+///
+/// # Errors
+/// Those of the file system, and what is wrong with the file otherwise.
+pub fn read_file(path: &Path) -> io::Result<Vec<u8>> {
+    let (file, size) = open_file(path)?;
+    if size > LARGEST_FILE {
+        let (size, most) = (size as f64 / 1e9, LARGEST_FILE as f64 / 1e9);
+        return Err(io::Error::other(format!("it has {size:.1} GB; at most {most:.1} GB are read at once")));
+    }
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(size as usize).map_err(io::Error::other)?;
+    // A file that grows meanwhile is read as far as it was.
+    file.take(size).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// Opens a regular file for reading; returns it with its size in bytes.
+///
+/// # Errors
+/// Those of the file system, and that it is no regular file.
+pub fn open_file(path: &Path) -> io::Result<(fs::File, u64)> {
+    regular(&fs::metadata(path)?)?;
+    let file = fs::File::open(path)?;
+    let found = file.metadata()?;
+    regular(&found)?;
+    Ok((file, found.len()))
+}
+
+/// Reads a file that a project names. As [`read_file`], and no symbolic link is followed: a project that was received from somebody
+/// else reaches no file through one.
+///
+/// # Errors
+/// As [`read_file`].
+pub fn read_reference(path: &Path) -> io::Result<Vec<u8>> {
+    if fs::symlink_metadata(path)?.file_type().is_symlink() {
+        let why = "it is a symbolic link, and links that a project names are not followed: name the file itself, or copy it";
+        return Err(io::Error::other(why));
+    }
+    read_file(path)
+}
+
+fn regular(found: &fs::Metadata) -> io::Result<()> {
+    match found.is_file() {
+        true => Ok(()),
+        false if found.is_dir() => Err(io::Error::other("it is a folder, not a file")),
+        false => Err(io::Error::other("it is no regular file but a pipe, a socket or a device")),
+    }
+}
+
 /// The files that a project names, from beside it; a missing one is told by the project's own errors.
 pub fn attachments(document: &Document, path: &Path) -> Attachments {
     named(&Native, document, path)
 }
 
+/// Reads what a document names; a part that was read can name further files.
 fn named(disk: &dyn Disk, document: &Document, path: &Path) -> Attachments {
     let folder = path.parent().unwrap_or(Path::new("."));
-    let with = |all: Attachments, name: String| match disk.read(&folder.join(&name)) {
-        Ok(bytes) => all.with(&name, bytes),
-        Err(_) => all,
-    };
-    document.attachments().into_iter().fold(Attachments::none(), with)
+    let (mut all, mut tried) = (Attachments::none(), BTreeSet::new());
+    loop {
+        let names = document.with_parts(&all).attachments();
+        let new: Vec<String> = names.into_iter().filter(|name| tried.insert(name.clone())).collect();
+        if new.is_empty() {
+            return all;
+        }
+        for name in new {
+            if let Ok(bytes) = disk.read_reference(&folder.join(&name)) {
+                all = all.with(&name, bytes);
+            }
+        }
+    }
 }
 
-/// Makes a folder with a complete project file to start from; gives the file. The folder's name becomes the machine's.
+/// Makes a folder with a project file to start from and returns the file. The folder's name becomes the machine's.
 ///
 /// # Errors
 /// A folder that holds a project already, or cannot be made, in words.
-pub fn create(folder: &Path) -> Result<PathBuf, String> {
+pub fn create(folder: &Path, document: &Document) -> Result<PathBuf, String> {
     let path = folder.join(PROJECT_FILE);
     if path.exists() {
         return Err(format!("{} is there already; give another folder, or remove it", path.display()));
@@ -82,7 +154,6 @@ pub fn create(folder: &Path) -> Result<PathBuf, String> {
     fs::create_dir_all(folder).map_err(cannot)?;
     let whole = folder.canonicalize().map_err(cannot)?;
     let name = whole.file_name().and_then(|name| name.to_str()).unwrap_or("machine");
-    let document = Document::parse(STARTER, PROJECT_FILE);
     let named = document.set("plant.name", &Setting::Text(name.to_owned())).map_err(|e| e.to_string())?;
     let path = whole.join(PROJECT_FILE);
     write(&path, named.text().as_bytes()).map_err(cannot)?;
@@ -131,18 +202,48 @@ pub fn write_on(disk: &dyn Disk, path: &Path, content: &[u8]) -> io::Result<()> 
     if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
         fs::create_dir_all(folder)?;
     }
-    let mut partial = path.as_os_str().to_owned();
-    partial.push(".partial");
-    let partial = PathBuf::from(partial);
-    let written = fs::File::create(&partial).and_then(|mut file| {
-        file.write_all(content)?;
-        disk.sync(&file)
-    });
-    let done = written.and_then(|()| fs::rename(&partial, path));
-    if done.is_err() {
-        let _ = fs::remove_file(&partial);
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut partial = new_partial(folder, path)?;
+    partial.write_all(content)?;
+    disk.sync(partial.as_file())?;
+    partial.persist(path).map_err(|error| error.error)?;
+    Ok(())
+}
+
+/// Returns a new file beside `path`, of a random name that nothing else has; it is removed when the value is dropped.
+fn new_partial(folder: &Path, path: &Path) -> io::Result<tempfile::NamedTempFile> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let prefix: String = format!(".{name}.").chars().take(100).collect();
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&prefix).suffix(".partial");
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder)
+}
+
+/// Writes several files as a set: all of them beside their places first, then each in its place. Whatever fails before that leaves
+/// every old file as it was.
+///
+/// # Errors
+/// The file that cannot be written, and why.
+pub fn write_set(files: &[(PathBuf, &[u8])]) -> Result<(), String> {
+    let cannot = |path: &Path, error: io::Error| format!("{} cannot be written: {error}", path.display());
+    let mut partials = Vec::new();
+    for (path, content) in files {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let write = || {
+            fs::create_dir_all(folder)?;
+            let mut partial = new_partial(folder, path)?;
+            partial.write_all(content)?;
+            partial.as_file().sync_all()?;
+            Ok(partial)
+        };
+        partials.push(write().map_err(|error| cannot(path, error))?);
     }
-    done
+    for ((path, _), partial) in files.iter().zip(partials) {
+        partial.persist(path).map_err(|error| cannot(path, error.error))?;
+    }
+    Ok(())
 }
 
 /// Returns a new temporary folder that only this user can enter; it is removed when the value is dropped.
@@ -150,17 +251,21 @@ pub fn write_on(disk: &dyn Disk, path: &Path, content: &[u8]) -> io::Result<()> 
 /// # Errors
 /// Those of the file system.
 pub fn scratch_folder() -> io::Result<tempfile::TempDir> {
-    tempfile::Builder::new().prefix("counterpoise-").tempdir()
+    let mut builder = tempfile::Builder::new();
+    builder.prefix("counterpoise-");
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o700));
+    builder.tempdir()
 }
 
-/// What the road is given of the world: the files beside the project.
+/// What the pipeline needs from outside: the files beside the project.
 #[derive(Debug, Clone)]
 pub struct Folder(pub PathBuf);
 
 impl World for Folder {
     fn read(&self, name: &str) -> Result<Vec<u8>, String> {
         let path = self.0.join(name);
-        fs::read(&path).map_err(|error| format!("cannot read {}: {error}", path.display()))
+        read_reference(&path).map_err(|error| format!("cannot read {}: {error}", path.display()))
     }
 }
 

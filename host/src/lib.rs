@@ -4,7 +4,8 @@
 //!
 //! *Invariant*: no mathematics, and no sentence about a result; what is computed and how it is worded is decided elsewhere.
 //!
-//! Modules in reading order: [`files`], [`projects`], [`code_files`], [`shards`], [`interrupt`], [`worker`], [`progress`],
+//! Modules in reading order: [`terminal`], [`files`], [`journals`], [`large_recordings`], [`projects`], [`code_files`], [`shards`],
+//! [`interrupt`], [`worker`], [`progress`],
 //! [`workers`], [`campaign_progress`], [`stages`], [`compilers`].
 //!
 //! ```
@@ -20,9 +21,12 @@ pub mod code_files;
 pub mod compilers;
 pub mod files;
 pub mod interrupt;
+pub mod journals;
+pub mod large_recordings;
 pub mod progress;
 pub mod projects;
 pub mod shards;
 pub mod stages;
+pub mod terminal;
 pub mod worker;
 pub mod workers;

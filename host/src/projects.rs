@@ -6,11 +6,13 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use counterpoise_models::Parameters;
 use counterpoise_pipeline::recordings::RecordingFile;
-use counterpoise_pipeline::{Step, World};
-use counterpoise_project::{Diagnostic, Document, Parsed, Project, Purpose};
+use counterpoise_pipeline::{FirstDesign, Step, World, with_chosen_weights};
+use counterpoise_project::diagnostic::listed;
+use counterpoise_project::{Assumption, Attachments, Diagnostic, Document, Parsed, Project, Purpose};
 
-use crate::files::{self, PROJECT_FILE, RECORDING_ENDINGS, is_recording};
-use crate::stages::{StageTime, Stages};
+use crate::files::{self, Disk, Native, PROJECT_FILE, RECORDING_ENDINGS, is_recording};
+use crate::stages::{Progress, Stages};
+use counterpoise_pipeline::StageTime;
 
 /// A project as found on disk.
 pub struct Loaded {
@@ -18,24 +20,38 @@ pub struct Loaded {
     pub path: PathBuf,
     /// As written.
     pub document: Document,
-    /// As resolved.
+    /// As resolved, with weights chosen if the file states none and the purpose needs them.
     pub project: Project,
+    /// As the file states it, which differs from `project` if weights were chosen.
+    pub stated: Project,
+    /// Why the chosen weights are what they are; `None` if the file states them or none are needed.
+    pub first_design: Option<FirstDesign>,
     /// What is suspicious in it.
     pub warnings: Vec<Diagnostic>,
+    /// Defaults that stand in for what the file does not have.
+    pub assumptions: Vec<Assumption>,
 }
 
-/// Every error of a project file, each with the line it stands on.
+impl Loaded {
+    /// Returns the folder beside whose files the project stands.
+    pub fn folder(&self) -> files::Folder {
+        files::Folder(self.path.parent().unwrap_or(Path::new(".")).to_owned())
+    }
+}
+
+/// Every error of a project file, the most important first.
 #[derive(Debug, thiserror::Error)]
-#[error("{}", rendered(.errors, .text))]
+#[error("{}", rendered(.errors, .document))]
 pub struct BadProject {
     /// The errors.
     pub errors: Vec<Diagnostic>,
-    /// Text of the file.
-    pub text: String,
+    /// The file as written, with its parts.
+    pub document: Document,
 }
 
-fn rendered(errors: &[Diagnostic], text: &str) -> String {
-    let mut out: Vec<String> = errors.iter().map(|e| e.excerpt(text)).collect();
+/// Returns the first errors with the lines that they speak of, and how many there are.
+fn rendered(errors: &[Diagnostic], document: &Document) -> String {
+    let mut out = listed(errors, |error| document.excerpt(error));
     let count = errors.len();
     out.push(format!(
         "{count} error{} in the project file; nothing was done",
@@ -47,16 +63,32 @@ fn rendered(errors: &[Diagnostic], text: &str) -> String {
 /// Reads a project file, or the project.toml of a folder, with the files that it names.
 pub fn load(path: &Path, purpose: Purpose) -> Result<Loaded> {
     let path = if path.is_dir() { path.join(PROJECT_FILE) } else { path.to_owned() };
-    let bytes =
-        fs::read(&path).with_context(|| format!("cannot read the project file {}", path.display()))?;
-    let name = path.display().to_string();
-    let bad = |errors, text: &str| BadProject { errors, text: text.to_owned() };
-    let lossy = String::from_utf8_lossy(&bytes);
-    let document = Document::from_bytes(&bytes, &name).map_err(|errors| bad(errors, &lossy))?;
-    let attachments = files::attachments(&document, &path);
+    let (document, attachments) = written(&path)?;
     let resolved = Project::resolve_for(&document, &attachments, purpose);
-    let Parsed { project, warnings } = resolved.map_err(|errors| bad(errors, document.text()))?;
-    Ok(Loaded { path, document, project, warnings })
+    let bad = |errors| BadProject { errors, document: document.clone() };
+    let Parsed { project, warnings, assumptions } = resolved.map_err(bad)?;
+    let chosen = if purpose.needs_weights() { with_chosen_weights(&project)? } else { None };
+    let stated = project.clone();
+    let (project, first_design) = match chosen {
+        Some(chosen) => (chosen.project, Some(chosen.first)),
+        None => (project, None),
+    };
+    Ok(Loaded { path, document, project, stated, first_design, warnings, assumptions })
+}
+
+/// Reads a project file as written, with its parts in their places, and the files that it names.
+///
+/// # Errors
+/// A file that cannot be read or is not text.
+pub fn written(path: &Path) -> Result<(Document, Attachments)> {
+    let bytes =
+        Native.read(path).with_context(|| format!("cannot read the project file {}", path.display()))?;
+    let name = path.display().to_string();
+    let lossy = || Document::parse(&String::from_utf8_lossy(&bytes), &name);
+    let document =
+        Document::from_bytes(&bytes, &name).map_err(|errors| BadProject { errors, document: lossy() })?;
+    let attachments = files::attachments(&document, path);
+    Ok((document.with_parts(&attachments), attachments))
 }
 
 /// The recordings among files and folders, in the order given; a folder's are sorted by name.
@@ -78,8 +110,8 @@ pub fn recordings(paths: &[PathBuf]) -> Result<Vec<RecordingFile>> {
         }
     }
     let read = |path: PathBuf| {
-        let bytes =
-            fs::read(&path).with_context(|| format!("cannot read the recording {}", path.display()))?;
+        let bytes = files::read_file(&path)
+            .with_context(|| format!("cannot read the recording {}", path.display()))?;
         Ok(RecordingFile { name: path.display().to_string(), bytes })
     };
     found.into_iter().map(read).collect()
@@ -105,7 +137,7 @@ pub fn write(path: &Path, content: &[u8]) -> Result<()> {
     files::write(path, content).with_context(|| format!("cannot write {}", path.display()))
 }
 
-/// What the road is given of the world: the files beside the project, and a clock that watches its steps.
+/// What the pipeline needs from outside: the files beside the project, and a clock that measures its stages.
 pub struct Surroundings {
     folder: PathBuf,
     stages: Stages,
@@ -113,9 +145,9 @@ pub struct Surroundings {
 
 impl Surroundings {
     /// The surroundings of a project.
-    pub fn of(loaded: &Loaded, quiet: bool) -> Self {
+    pub fn of(loaded: &Loaded, progress: Progress) -> Self {
         let folder = loaded.path.parent().unwrap_or(Path::new(".")).to_owned();
-        Self { folder, stages: Stages::new(quiet) }
+        Self { folder, stages: Stages::new(progress) }
     }
 
     /// What each step took; printed, too, unless quiet.
@@ -127,7 +159,7 @@ impl Surroundings {
 impl World for Surroundings {
     fn read(&self, name: &str) -> std::result::Result<Vec<u8>, String> {
         let path = self.folder.join(name);
-        fs::read(&path).map_err(|error| format!("cannot read {}: {error}", path.display()))
+        files::read_reference(&path).map_err(|error| format!("cannot read {}: {error}", path.display()))
     }
 
     fn begins(&self, step: Step) {

@@ -1,10 +1,10 @@
 //! The samples of a campaign in Parquet files, one a shard, written whole or not at all.
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
+use bytes::Bytes;
 use counterpoise_verify::robust::{Campaign, Sample};
 use parquet::basic::Compression;
 use parquet::data_type::{DoubleType, Int64Type};
@@ -14,11 +14,16 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::record::RowAccessor;
 use parquet::schema::parser::parse_message_type;
+use sha2::{Digest, Sha256};
 
+use crate::files;
 use crate::projects::write as write_file;
 
 /// Key under which a file names its campaign.
 const CAMPAIGN: &str = "counterpoise.campaign";
+
+/// Key under which a file keeps the SHA-256 of what it holds.
+const CHECKSUM: &str = "counterpoise.sha256";
 
 /// The file of a shard, counted from 0.
 pub fn path(folder: &Path, shard: usize, shards: usize) -> PathBuf {
@@ -33,7 +38,10 @@ pub fn write(path: &Path, campaign: &Campaign, name: &str, samples: &[Sample]) -
 
 fn bytes(campaign: &Campaign, name: &str, samples: &[Sample]) -> Result<Vec<u8>> {
     let schema = Arc::new(parse_message_type(&schema(campaign))?);
-    let metadata = vec![KeyValue::new(CAMPAIGN.to_owned(), name.to_owned())];
+    let metadata = vec![
+        KeyValue::new(CAMPAIGN.to_owned(), name.to_owned()),
+        KeyValue::new(CHECKSUM.to_owned(), checksum(name, samples)),
+    ];
     let properties = WriterProperties::builder()
         .set_compression(Compression::UNCOMPRESSED)
         .set_created_by("counterpoise".to_owned())
@@ -56,6 +64,18 @@ fn bytes(campaign: &Campaign, name: &str, samples: &[Sample]) -> Result<Vec<u8>>
     Ok(writer.into_inner()?)
 }
 
+/// SHA-256 of the campaign's name and of every number, as bits.
+fn checksum(name: &str, samples: &[Sample]) -> String {
+    let mut digest = Sha256::new_with_prefix(name.as_bytes());
+    for sample in samples {
+        digest.update((sample.index as u64).to_le_bytes());
+        for value in sample.factors.iter().chain(&sample.values) {
+            digest.update(value.to_bits().to_le_bytes());
+        }
+    }
+    digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
 /// Factors first, then figures.
 fn number(sample: &Sample, at: usize) -> f64 {
     let factors = sample.factors.len();
@@ -75,16 +95,30 @@ fn word(key: &str) -> String {
     key.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
 }
 
-/// Reads samples, refusing a file of another campaign.
+/// Reads samples, refusing a file of another campaign and one of which any bit was changed.
 pub fn read(path: &Path, campaign: &Campaign, name: &str) -> Result<Vec<Sample>> {
+    let damaged =
+        || format!("cannot read {}: it may be damaged; remove it and run its shard again", path.display());
+    let bytes = files::read_file(path).with_context(damaged)?;
+    // The decoder is made for sound files: on a damaged one it must not end the program.
+    let quiet = || decoded(path, &bytes, campaign, name);
+    let samples =
+        std::panic::catch_unwind(std::panic::AssertUnwindSafe(quiet)).map_err(|_| anyhow!(damaged()))??;
+    // The same samples give the same bytes, so a file that is not what its samples give was changed.
+    ensure!(self::bytes(campaign, name, &samples).with_context(damaged)? == bytes, damaged());
+    Ok(samples)
+}
+
+fn decoded(path: &Path, bytes: &[u8], campaign: &Campaign, name: &str) -> Result<Vec<Sample>> {
     let told =
         || format!("cannot read {}: it may be damaged; remove it and run its shard again", path.display());
-    let reader = SerializedFileReader::new(File::open(path).with_context(told)?).with_context(told)?;
+    let reader = SerializedFileReader::new(Bytes::copy_from_slice(bytes)).with_context(told)?;
     let written = reader.metadata().file_metadata().key_value_metadata();
-    let found = written
-        .and_then(|all| all.iter().find(|pair| pair.key == CAMPAIGN))
-        .and_then(|pair| pair.value.clone());
-    match found {
+    let under = |key: &str| {
+        written.and_then(|all| all.iter().find(|pair| pair.key == key)).and_then(|pair| pair.value.clone())
+    };
+    let promised = under(CHECKSUM);
+    match under(CAMPAIGN) {
         Some(found) if found == name => {}
         found => bail!(
             "{} belongs to another campaign ({}, not {name}): another project, version, seed or number of samples",
@@ -108,6 +142,7 @@ pub fn read(path: &Path, campaign: &Campaign, name: &str) -> Result<Vec<Sample>>
             values,
         });
     }
+    ensure!(promised.is_some_and(|promised| promised == checksum(name, &samples)), told());
     Ok(samples)
 }
 

@@ -3,25 +3,27 @@
 use std::sync::Mutex;
 use std::time::Instant;
 
-/// What a stage took.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StageTime {
-    /// The stage.
-    pub name: String,
-    /// Its time, ms.
-    pub milliseconds: f64,
+use counterpoise_pipeline::StageTime;
+
+/// Whether progress is printed on the error stream.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Progress {
+    /// It is printed.
+    Shown,
+    /// Nothing is printed.
+    Quiet,
 }
 
-/// The stages of a run, told on the error stream as they end.
+/// The stages of a run, printed on the error stream as they end.
 pub struct Stages {
-    quiet: bool,
+    progress: Progress,
     state: Mutex<(Instant, Vec<StageTime>)>,
 }
 
 impl Stages {
     /// Starts the clock.
-    pub fn new(quiet: bool) -> Self {
-        Self { quiet, state: Mutex::new((Instant::now(), Vec::new())) }
+    pub fn new(progress: Progress) -> Self {
+        Self { progress, state: Mutex::new((Instant::now(), Vec::new())) }
     }
 
     /// A stage begins.
@@ -38,8 +40,8 @@ impl Stages {
         let milliseconds = 1e3 * state.0.elapsed().as_secs_f64();
         if let Some(last) = state.1.last_mut() {
             last.milliseconds = milliseconds;
-            if !self.quiet {
-                eprintln!("{:>12}  {milliseconds:8.1} ms", last.name);
+            if self.progress == Progress::Shown {
+                crate::terminal::tell(&format!("{:>12}  {milliseconds:8.1} ms", last.name));
             }
         }
     }

@@ -8,6 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
 use crate::interrupt;
+use crate::stages::Progress;
 
 /// All processors of this machine, with a line that says how far the work is.
 pub struct Workers {
@@ -15,9 +16,12 @@ pub struct Workers {
 }
 
 impl Workers {
-    /// Workers that show their progress on a terminal, unless quiet.
-    pub fn new(quiet: bool) -> Self {
-        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
+    /// Returns workers that show their progress on a terminal, or do not.
+    pub fn new(progress: Progress) -> Self {
+        let bar = match progress {
+            Progress::Quiet => ProgressBar::hidden(),
+            Progress::Shown => ProgressBar::new_spinner(),
+        };
         if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
             bar.set_style(style);
         }

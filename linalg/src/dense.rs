@@ -27,6 +27,24 @@ pub(crate) fn copy<T: Scalar>(A: MatRef<'_, T>) -> Dense<T> {
     Dense::from_fn(A.nrows(), A.ncols(), |i, j| A[(i, j)])
 }
 
+/// Returns `A'B` without writing the transpose down; `A` n x k, `B` n x m, both tall.
+///
+/// # Errors
+/// Returns [`Error::Shape`] if the numbers of rows differ.
+pub fn transpose_times(A: &Mat, B: &Mat) -> Result<Mat, Error> {
+    let (n, m) = B.shape();
+    if A.nrows() != n {
+        let (rows, cols) = A.shape();
+        return Err(Error::Shape { what: "A", rows, cols, needed_rows: n, needed_cols: cols });
+    }
+    let mut out = Mat::zeros(A.ncols(), m);
+    if n > 0 && m > 0 && A.ncols() > 0 {
+        let (left, seq) = (view(A).transpose(), faer::Par::Seq);
+        faer::linalg::matmul::matmul(view_mut(&mut out), faer::Accum::Replace, left, view(B), 1.0, seq);
+    }
+    Ok(out)
+}
+
 /// Solves `A X = B` by LU with partial pivoting; `A` n x n, `B` n x m.
 ///
 /// # Errors

@@ -96,6 +96,20 @@ pub enum Error {
         /// Its limit.
         limit: usize,
     },
+    /// A large computation does not fit into memory.
+    #[error("{what} with {rows} rows do not fit into memory: reduce the model before it is imported")]
+    TooLarge {
+        /// What does not fit.
+        what: &'static str,
+        /// Rows of the matrix.
+        rows: usize,
+    },
+    /// The caller asked to stop.
+    #[error("the computation was cancelled ({what})")]
+    Cancelled {
+        /// What was being computed.
+        what: &'static str,
+    },
     /// Two eigenvalues are too close to change places without spoiling the matrix.
     #[error(
         "the eigenvalues {first} and {second} are too close to be reordered (backward error {error:.1e})"

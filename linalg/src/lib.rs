@@ -6,7 +6,9 @@
 //!
 //! Modules in reading order: [`mat`] (the matrix itself), [`dense`] and [`decomposition`] (checked wrappers of faer),
 //! [`balance`], [`schur`] (ordered real Schur form), [`sylvester`], [`generalised`], [`lyapunov`], [`hammarling`] (factored
-//! Lyapunov solutions), [`expm`], [`riccati`] (with certificates and named refusals), [`tolerance`], [`stability`].
+//! Lyapunov solutions), [`expm`], [`riccati`] (with certificates and named refusals), [`generalised_lyapunov`] (equations with a matrix `E`),
+//! [`pencil_roots`](mod@pencil_roots), [`sparse`] (large structures), [`tolerance`],
+//! [`stability`].
 //!
 //! ```
 //! use counterpoise_linalg::{Mat, care};
@@ -29,18 +31,21 @@ mod error;
 pub mod expm;
 mod extended;
 pub mod generalised;
+pub mod generalised_lyapunov;
 pub mod hammarling;
 mod hammarling_leaf;
 mod kernel;
 pub mod lyapunov;
 mod lyapunov_leaf;
 pub mod mat;
+pub mod pencil_roots;
 mod precise;
 pub mod riccati;
 mod scalar;
 pub mod schur;
 mod small;
 mod smith;
+pub mod sparse;
 mod spectrum;
 pub mod stability;
 pub mod sylvester;
@@ -51,14 +56,19 @@ pub use decomposition::{
     CSvd, Svd, cond, csingular_values, csvd, gen_eigenvalues, hessenberg, rank, rank_tolerance, rcond_one,
     singular_values, svd, sym_eigen, sym_eigenvalues, sym_gen_eigen,
 };
-pub use dense::{Qr, cdet, cholesky, csolve, dot, inverse, lstsq, pinv, qr, qr_full_q, qr_r, solve};
+pub use dense::{
+    Qr, cdet, cholesky, csolve, dot, inverse, lstsq, pinv, qr, qr_full_q, qr_r, solve, transpose_times,
+};
 pub use error::Error;
 pub use expm::{expm, expm_integral, van_loan_accumulated, van_loan_cost, van_loan_noise};
 pub use generalised::gsylvester;
+pub use generalised_lyapunov::{Weights, gcare, gdare, gdlyap, glyap};
 pub use hammarling::{dlyap_factor, dlyap_factors, lyap_factor, lyap_factors};
 pub use lyapunov::{dlyap, dlyap_separation, lyap, lyap_separation};
 pub use mat::{C64, CMat, Mat};
+pub use pencil_roots::pencil_roots;
 pub use riccati::{Certificate, Method, Outcome, Reason, Riccati, care, care_g, dare};
 pub use schur::{Schur, Subspace, eigenvalues, schur};
+pub use sparse::{Sparse, SparseCholesky};
 pub use stability::{Boundary, boundary_eigenvalues, is_clear_of_boundary};
 pub use sylvester::{dsylvester, eigenvalue_separation, sylvester};

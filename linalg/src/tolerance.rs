@@ -95,3 +95,32 @@ pub const REFINED: f64 = 1e-12;
 /// The error of a product in twice the working precision, relative to the norms of its factors: 2^-95 (Ozaki and others 2012,
 /// with three slices).
 pub const EXTENDED_ERROR: f64 = 2.5e-29;
+
+/// Shapes in a block of the Lanczos iteration: modes that are repeated up to four times are found as often, and a solution with
+/// four right-hand sides takes little longer than one.
+pub const LANCZOS_BLOCK: usize = 4;
+
+/// Blocks of the Lanczos iteration beyond two for each mode. Twelve modes of a structure take about ten blocks; modes far closer
+/// together than to the rest take longer.
+pub const LANCZOS_BLOCKS: usize = 40;
+
+/// A shape that keeps less than this share of its length, once it is made orthogonal to others, depends on them: a hundred roundings.
+pub const LANCZOS_DEPENDENT: f64 = 2e-14;
+
+/// An eigenvalue of a pencil counts as found if its last correction is below this share of it: the next one is below the last
+/// digit of a double, as convergence is cubic.
+pub const PENCIL_CONVERGED: f64 = 1e-17;
+
+/// Sweeps of the simultaneous iteration for the eigenvalues of a pencil: simple ones take four to ten, multiple ones one for each
+/// three bits.
+pub const PENCIL_SWEEPS: usize = 60;
+
+/// An eigenvalue of a real pencil is real if its imaginary part is below this share of it: a few roundings of a double.
+pub const PENCIL_REAL: f64 = 1e-15;
+
+/// Approximations of eigenvalues of a pencil are moved apart if they are nearer than this, relatively: as near as a double eigenvalue is
+/// split by rounding.
+pub const PENCIL_TOGETHER: f64 = 1e-8;
+
+/// Corrections allowed for the solution of an equation with a matrix `E`; each gains as many digits as the condition of `E` leaves.
+pub const GENERALISED_REFINEMENTS: usize = 6;

@@ -219,8 +219,20 @@ fn loop_inverse(what: &'static str, M: &Mat) -> Result<Mat, Error> {
         return Ok(M.clone());
     }
     let inverse = linalg::inverse(M).map_err(|_| Error::AlgebraicLoop { what, rcond: 0.0 })?;
-    let rcond = 1.0 / (M.norm_one() * inverse.norm_one());
+    let rcond = 1.0 / least_condition(what, M, &inverse)?;
     if rcond > LOOP_RCOND { Ok(inverse) } else { Err(Error::AlgebraicLoop { what, rcond }) }
+}
+
+/// Returns the smallest condition number that scaling of rows and columns can give a matrix, the spectral radius of
+/// `|M^-1| |M|` (Bauer, Numerische Mathematik 5 (1963) 73): it does not depend on the units of the signals.
+fn least_condition(what: &'static str, M: &Mat, inverse: &Mat) -> Result<f64, Error> {
+    let sizes = |M: &Mat| Mat::from_fn(M.nrows(), M.ncols(), |i, j| M[(i, j)].abs());
+    let product = &sizes(inverse) * &sizes(M);
+    if product.as_slice().iter().any(|value| !value.is_finite()) {
+        return Ok(f64::INFINITY);
+    }
+    let values = linalg::eigenvalues(&product).map_err(|_| Error::AlgebraicLoop { what, rcond: 0.0 })?;
+    Ok(values.iter().map(|value| value.norm()).fold(0.0, f64::max))
 }
 
 #[cfg(test)]

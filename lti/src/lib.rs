@@ -9,9 +9,9 @@
 //! polynomial is expanded, `feedback` is negative and `lft` positive.
 //!
 //! Modules in reading order: [`system`], [`connect`](mod@connect), [`named`], [`delay`], [`zpk`], [`transfer`], [`descriptor`],
-//! [`discretise`], [`sampled`],
+//! [`discretise`], [`delayed_hold`], [`sampled`],
 //! [`scaling`], [`components`], [`roots`], [`response`], [`time`], [`gramians`], [`norms`], [`margins`](mod@margins),
-//! [`error`].
+//! [`delayed_margins`], [`multiloop`], [`placement`], [`error`].
 //!
 //! ```
 //! use counterpoise_lti::{C64, Timebase, Zpk, margins};
@@ -29,6 +29,8 @@ mod asymptotes;
 pub mod components;
 pub mod connect;
 pub mod delay;
+pub mod delayed_hold;
+pub mod delayed_margins;
 pub mod descriptor;
 pub mod discretise;
 mod entrywise;
@@ -37,8 +39,10 @@ pub mod gramians;
 mod hessenberg_sweep;
 mod level;
 pub mod margins;
+pub mod multiloop;
 pub mod named;
 pub mod norms;
+pub mod placement;
 pub mod response;
 pub mod roots;
 pub mod sampled;
@@ -55,6 +59,8 @@ pub use connect::{append, feedback, inverse, lft, parallel, series};
 pub use counterpoise_linalg as linalg;
 pub use counterpoise_linalg::{C64, CMat, Mat};
 pub use delay::{delay_samples, pade};
+pub use delayed_hold::c2d_delayed;
+pub use delayed_margins::{DelayedMargins, margins_with_delay};
 pub use descriptor::Descriptor;
 pub use discretise::{Cost, Discretisation, SampledCost, c2d, d2c_tustin, sampled_cost};
 pub use error::Error;
@@ -62,8 +68,10 @@ pub use gramians::{
     ctrb_factor, ctrb_gramian, gramian_factors, hankel_values, hankelnorm, obsv_factor, obsv_gramian,
 };
 pub use margins::{DiskMargin, GainChange, GainMargin, Margins, PhaseMargin, margins};
+pub use multiloop::{MultiloopMargins, multiloop_margins};
 pub use named::{Named, connect};
 pub use norms::{NormBounds, Peak, h2norm, hinfnorm, linfnorm, linfnorm_bounds};
+pub use placement::{Placement, place};
 pub use response::{Response, dcgain, frequency_response, response_at, sigma};
 pub use roots::{is_stable, is_stable_pole, poles, poles_on_boundary, zeros};
 pub use sampled::{Noise, SampledProblem, sampled_problem};

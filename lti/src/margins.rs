@@ -155,7 +155,7 @@ fn ends(g: &StateSpace) -> Vec<Point> {
     ends
 }
 
-fn gain_margins(scan: &Scan, ends: &[Point]) -> Vec<GainMargin> {
+pub(crate) fn gain_margins(scan: &Scan, ends: &[Point]) -> Vec<GainMargin> {
     let largest = scan.points.iter().map(|point| point.value.norm()).fold(0.0, f64::max);
     let mut crossings = scan.crossings(|L| L.im);
     crossings.extend(ends.iter().filter(|end| end.value.norm() > NEGLIGIBLE * largest));
@@ -169,7 +169,7 @@ fn gain_margins(scan: &Scan, ends: &[Point]) -> Vec<GainMargin> {
     crossings.iter().map(margin).collect()
 }
 
-fn phase_margins(scan: &Scan) -> Vec<PhaseMargin> {
+pub(crate) fn phase_margins(scan: &Scan) -> Vec<PhaseMargin> {
     let crossings = scan.crossings(|L| L.norm() - 1.0).into_iter();
     let real = crossings.filter(|point| (point.value.norm() - 1.0).abs() <= UNIT);
     let margin = |point: Point| {
@@ -180,18 +180,24 @@ fn phase_margins(scan: &Scan) -> Vec<PhaseMargin> {
     real.map(margin).collect()
 }
 
-fn peak(scan: &Scan, of: impl Fn(C64) -> f64) -> Peak {
+pub(crate) fn peak(scan: &Scan, of: impl Fn(C64) -> f64) -> Peak {
     let found = scan.maximum(&of);
     found.map_or(Peak { value: 0.0, rate_rad_s: 0.0 }, |p| Peak { value: of(p.value), rate_rad_s: p.rate })
 }
 
-fn disk(scan: &Scan) -> DiskMargin {
-    let peak = peak(scan, |L| 0.5 * (L - 1.0).norm() / (L + 1.0).norm());
-    let alpha = 1.0 / peak.value;
-    let highest_gain = if alpha < 2.0 { (2.0 + alpha) / (2.0 - alpha) } else { f64::INFINITY };
-    let lowest_gain = if alpha < 2.0 { 1.0 / highest_gain } else { 0.0 };
-    let phase_deg = 2.0 * (0.5 * alpha).atan().to_degrees();
-    DiskMargin { alpha, lowest_gain, highest_gain, phase_deg, rate_rad_s: peak.rate_rad_s }
+pub(crate) fn disk(scan: &Scan) -> DiskMargin {
+    DiskMargin::of(peak(scan, |L| 0.5 * (L - 1.0).norm() / (L + 1.0).norm()))
+}
+
+impl DiskMargin {
+    /// Returns the margin that belongs to a peak of (S - T)/2.
+    pub(crate) fn of(peak: Peak) -> Self {
+        let alpha = 1.0 / peak.value;
+        let highest_gain = if alpha < 2.0 { (2.0 + alpha) / (2.0 - alpha) } else { f64::INFINITY };
+        let lowest_gain = if alpha < 2.0 { 1.0 / highest_gain } else { 0.0 };
+        let phase_deg = 2.0 * (0.5 * alpha).atan().to_degrees();
+        Self { alpha, lowest_gain, highest_gain, phase_deg, rate_rad_s: peak.rate_rad_s }
+    }
 }
 
 /// The pole nearest to or farthest beyond the border.

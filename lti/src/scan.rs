@@ -24,6 +24,13 @@ const NEAR: f64 = 0.15;
 const ROUNDS: usize = 40;
 const POINTS: usize = 40_000;
 
+/// The gain, -60 dB, from which on a loop with delay is not followed: what it does there changes no margin that a design rests on,
+/// and the delay turns it without end.
+const LEAST_GAIN: f64 = 1e-3;
+
+/// Phase in rad by which a delay may turn the response between two points before refinement.
+const TURN: f64 = 0.5;
+
 /// Frequencies closer than this, relative, are one.
 const RESOLUTION: f64 = 1e-9;
 
@@ -42,6 +49,8 @@ pub(crate) struct Scan {
     response: Response,
     /// Zeros, poles and gain, and the frequencies beyond which the response is computed from them.
     asymptotes: Option<Asymptotes>,
+    /// Seconds by which the response is delayed besides.
+    delay_s: f64,
     pub points: Vec<Point>,
 }
 
@@ -49,12 +58,40 @@ impl Scan {
     /// Resolves the loop's response.
     pub fn of(g: &StateSpace) -> Result<Self, Error> {
         let response = Response::of(g)?;
-        let mut scan = Self { response, asymptotes: None, points: Vec::new() };
+        let mut scan = Self { response, asymptotes: None, delay_s: 0.0, points: Vec::new() };
         let rates = starting_grid(g)?;
         scan.points = scan.evaluate(&rates);
         scan.refine();
         scan.extend(g)?;
         Ok(scan)
+    }
+
+    /// The response of the same loop with a delay in seconds, up to the frequency from which on the gain is below [`LEAST_GAIN`].
+    pub fn delayed(mut self, delay_s: f64) -> Result<Self, Error> {
+        let last = self.points.iter().rposition(|point| point.value.norm() >= LEAST_GAIN);
+        self.points.truncate(last.map_or(1, |at| at + 2));
+        self.delay_s = delay_s;
+        let mut rates: Vec<f64> = self.points.iter().take(1).map(|point| point.rate).collect();
+        for w in self.points.windows(2) {
+            // Close enough that no turn of the delay hides between two points.
+            let count = ((w[1].rate - w[0].rate) * delay_s / TURN).ceil().clamp(1.0, POINTS as f64);
+            rates
+                .extend((1..=count as usize).map(|k| w[0].rate + (w[1].rate - w[0].rate) * k as f64 / count));
+            if rates.len() > POINTS {
+                break;
+            }
+        }
+        let (reached, last) = (rates.last().copied(), self.points.last().map(|point| point.rate));
+        self.points = self.evaluate(&rates);
+        self.refine();
+        if reached < last || self.points.windows(2).any(|w| unresolved(w[0], w[1])) {
+            return Err(Error::NotConverged {
+                what: "the response of a loop with delay",
+                iterations: self.points.len(),
+                change: 1.0,
+            });
+        }
+        Ok(self)
     }
 
     /// Adds points beyond both ends until the gain leaves one for good, and up to half the sampling rate.
@@ -97,7 +134,14 @@ impl Scan {
             Some(asymptotes) if asymptotes.is_beyond(rate) => asymptotes.at(rate),
             _ => value,
         };
-        let points = rates.iter().zip(values).map(|(&rate, value)| Point { rate, value: exact(rate, value) });
+        let turned = |rate: f64, value: C64| match self.delay_s {
+            0.0 => value,
+            delay_s => value * C64::from_polar(1.0, -rate * delay_s),
+        };
+        let points = rates
+            .iter()
+            .zip(values)
+            .map(|(&rate, value)| Point { rate, value: turned(rate, exact(rate, value)) });
         points.filter(|point| point.value.re.is_finite() && point.value.im.is_finite()).collect()
     }
 

@@ -50,6 +50,14 @@ pub enum Error {
         /// `norm(K r) / (norm(K) norm(r))`.
         relative: f64,
     },
+    /// A stiffness matrix that leaves motions free besides heave and pitch.
+    #[error(
+        "the stiffness matrix leaves more motions free than heave and pitch ({support} still moves without stress): hold the other directions in the finite-element package before the matrices are written"
+    )]
+    MovesFreely {
+        /// Which support was analysed.
+        support: &'static str,
+    },
     /// A file of matrices that cannot be read.
     #[error("line {line}: {what}")]
     Import {

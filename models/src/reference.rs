@@ -8,16 +8,21 @@ use crate::parameters::*;
 pub fn rig() -> Parameters {
     Parameters {
         name: "reference rig".to_owned(),
+        axis: Axis::Rotary,
         gravity_m_s2: 9.80665,
         beam: Some(beam()),
         lumped: Some(lumped()),
         gearbox: Gearbox {
+            kind: Transmission::Gearbox,
             ratio: 200.0,
             stiffness_nm_rad: 2.4e6,
             damping_nm_s_rad: 2500.0,
             backlash_rad: 0.5e-3,
             mesh_ripple: Ripple::NONE,
             mesh_efficiency: 1.0,
+            kinematic_error: Ripple::NONE,
+            hysteresis_nm: 0.0,
+            hysteresis_stiffness_nm_rad: 0.0,
         },
         motor: motor(),
         amplifier: amplifier(),
@@ -120,6 +125,7 @@ fn sensors() -> Sensors {
         Sensor { natural_frequency_rad_s: 377.0, scale_v_unit: 10.0, noise_rms: 2.0e-4, ..Sensor::IDEAL };
     Sensors {
         hub_gyro: gyro.clone(),
+        measured: Measured::HubRate,
         platform_gyro: gyro,
         platform_accelerometer: Sensor {
             natural_frequency_rad_s: 628.0,

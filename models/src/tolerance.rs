@@ -32,6 +32,10 @@ pub(crate) const CLOSED: f64 = 1e-13;
 /// Motor rate over which the direction of the power through the mesh changes, rad/s: a jump there would be one of the torque at every reversal.
 pub(crate) const POWER_REVERSAL_RATE: f64 = 0.05;
 
+/// Iterations on the kinematic error at rest: each leaves ratio x order x amplitude of the error before, a few hundredths for a
+/// harmonic drive, so that twenty reach double precision.
+pub(crate) const KINEMATIC_ITERATIONS: usize = 20;
+
 // ---- structure ----
 
 /// Gap between sections that still counts as adjoining, relative to the beam's length: rounding of stations in a file.
@@ -46,5 +50,21 @@ pub(crate) const MOST_ELEMENTS: usize = 2000;
 pub(crate) const FREE: f64 = 1e-6;
 /// Asymmetry of an imported matrix that is taken for rounding and removed, relative to its largest entry.
 pub(crate) const ASYMMETRY_OF_IMPORT: f64 = 1e-6;
-/// Unknowns beyond which an imported matrix is refused: dense algebra would take hours.
-pub(crate) const MOST_ROWS: usize = 5000;
+/// Unknowns beyond which an imported matrix is refused: a structure of this size takes more memory than a workstation has.
+pub(crate) const MOST_ROWS: usize = 2_000_000;
+/// Unknowns beyond which an imported structure is condensed before it is analysed: dense algebra takes about a second there, and grows
+/// with the third power.
+pub const LARGE_STRUCTURE: usize = 600;
+/// Nodes between hub and tip whose unknowns stay in a condensed structure: enough to draw the shapes of the first modes.
+pub(crate) const LARGE_STRUCTURE_NODES: usize = 8;
+/// Modes of a condensed structure beyond those that are asked for; what is left out acts statically.
+pub const SPARE_MODES: usize = 6;
+/// Residual at which a mode of a large structure counts as found: the frequency is then right to its square, beyond the
+/// rounding of the stiffness matrix.
+pub(crate) const MODE_RESIDUAL: f64 = 1e-8;
+/// A mode that stores less than this many roundings of the terms of its energy is a rigid motion: the error of a sum of some
+/// hundred terms.
+pub(crate) const RIGID_MODE: f64 = 100.0;
+/// A shape that keeps less than this share of its length once it is made orthogonal to others adds nothing: its square is the error
+/// of a frequency.
+pub(crate) const DEPENDENT_SHAPE: f64 = 1e-7;

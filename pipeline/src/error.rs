@@ -1,10 +1,10 @@
-//! What can stop the road.
+//! Why the pipeline can end without a result.
 
 use counterpoise_synth::Finding;
 
 use crate::recordings::{ColumnRemark, UnusedColumn};
 
-/// Every way in which the road can end before its end.
+/// Every reason for which a stage of the pipeline has no result.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PipelineError {
@@ -29,6 +29,28 @@ pub enum PipelineError {
         name: String,
         /// What there is.
         known: String,
+    },
+    /// A run that would take more memory than any usual machine has to spare.
+    #[error(
+        "{key} = {duration_s} s at a sample period of {period_s} s is a run of {samples:.3e} samples, about {gigabytes:.0} GB of memory \
+         and {minutes:.0} min of time: at this period at most {most_s:.0} s are run; shorten it, or raise \
+         plant.interface.sample_period"
+    )]
+    TooLong {
+        /// The key that gives the duration.
+        key: String,
+        /// The duration, s.
+        duration_s: f64,
+        /// The sample period, s.
+        period_s: f64,
+        /// Samples of the run.
+        samples: f64,
+        /// Estimated memory, GB.
+        gigabytes: f64,
+        /// Estimated time, minutes.
+        minutes: f64,
+        /// Longest run at this period, s.
+        most_s: f64,
     },
     /// More modes were measured than the model has.
     #[error("{measured} modes were measured, the finite elements have {modes}: raise model.elements")]
@@ -83,7 +105,7 @@ pub enum PipelineError {
     Reduce(#[from] counterpoise_reduce::Error),
     /// The design failed.
     #[error("design: {0}")]
-    Synth(#[from] counterpoise_synth::Error),
+    Synth(#[source] counterpoise_synth::Error),
     /// There is no fixed-point form.
     #[error("fixed point: {0}")]
     Fixed(#[from] counterpoise_export::FixedError),
@@ -144,4 +166,14 @@ pub enum PipelineError {
 
 fn lines(findings: &[Finding]) -> String {
     findings.iter().map(|f| format!("  - {f}")).collect::<Vec<_>>().join("\n")
+}
+
+impl From<counterpoise_synth::Error> for PipelineError {
+    /// A refusal of the design keeps its reasons.
+    fn from(error: counterpoise_synth::Error) -> Self {
+        match error {
+            counterpoise_synth::Error::Refused(refusal) => PipelineError::NoController(refusal.findings),
+            other => PipelineError::Synth(other),
+        }
+    }
 }

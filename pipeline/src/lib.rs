@@ -1,14 +1,18 @@
 //! The stages between a project file and exported code, and between recordings and a better model: each stage is a function.
 //!
-//! [`design`] is the whole forward way: [`model`](mod@model) -> [`reduce`](mod@reduce) -> [`synthesise`] -> [`verify`](mod@verify)
-//! -> [`export`](mod@export). Each stage takes what the stage before it made; nothing else is shared. A caller who wants
-//! fewer stages calls fewer. [`recordings`] leads back from recordings of a machine to a better model; [`studies`] vary what the
-//! forward way does.
+//! [`run_stages`] is the whole forward direction: [`model`](mod@model) -> [`reduce`](mod@reduce) -> [`synthesise`] ->
+//! [`verify`](mod@verify) -> [`export`](mod@export). Each stage takes what the stage before it made; nothing else is shared. A caller
+//! who wants fewer stages calls fewer. [`design`](fn@design) adds everything that is stated about the result, so that reports, terminals
+//! and other programs only present it. [`recordings`] leads back from recordings of a machine to a better model; [`studies`] vary what
+//! the forward direction does.
 //!
 //! *Invariant*: no file, thread, clock or terminal; files are read and stages are watched through [`World`].
 //!
-//! Modules in reading order: [`error`], [`model`](mod@model), [`reduce`](mod@reduce), [`synth`], [`road`], [`verify`](mod@verify),
-//! [`export`](mod@export), [`plant_views`], [`recordings`], [`studies`], [`results`].
+//! Modules in reading order: [`error`], `budget`, [`check`], [`model`](mod@model), [`reduce`](mod@reduce), [`synth`],
+//! [`first_design`](mod@first_design), [`certificates`], [`road`],
+//! [`verify`](mod@verify), [`export`](mod@export), [`design_views`], [`mod@design`], [`plant_views`],
+//! [`reduction_views`], [`preview`], [`recordings`], [`studies`],
+//! [`exchange`] (systems and responses for other programs), [`results`].
 //!
 //! ```
 //! use counterpoise_pipeline::{PipelineError, model};
@@ -21,32 +25,42 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod budget;
+pub mod certificates;
+pub mod check;
+pub mod design;
+pub mod design_views;
 pub mod error;
+pub mod exchange;
 pub mod export;
+pub mod first_design;
 pub mod model;
 pub mod plant_views;
+pub mod preview;
 pub mod recordings;
 pub mod reduce;
+pub mod reduction_views;
 pub mod results;
 pub mod road;
 pub mod studies;
 pub mod synth;
 pub mod verify;
 
-use counterpoise_export::File;
-use counterpoise_project::Project;
-use counterpoise_verify::VerifiedController;
-
+pub use counterpoise_synth::FirstDesign;
+pub use design::{Designed, ProjectIdentity, Stages, SynthesisStudy, design, run_stages, study_synthesis};
 pub use error::PipelineError;
 pub use export::{Exported, LeftOut, export};
-pub use model::{Modelled, cannot_hold, finite_elements, finite_elements_of, model};
+pub use first_design::{Chosen, FirstDesignResult, choose_weights, with_chosen_weights};
+pub use model::{
+    Modelled, cannot_hold, finite_elements, finite_elements_of, finite_elements_watched, model, model_watched,
+};
 pub use recordings::redesign::{Consequence, consequence};
 pub use reduce::{Reduced, reduce};
 pub use studies::sweep::{campaign, families, robust_stability};
 pub use synth::{Synthesised, synthesise};
 pub use verify::{procedure, verify, verify_linear_on, verify_on, verify_watched};
 
-/// What the road needs of the world, handed in: files beside the project, and somebody who watches the steps.
+/// What the pipeline needs from outside, handed in: files beside the project, and an observer of the steps.
 pub trait World {
     /// The bytes of a file beside the project file.
     ///
@@ -61,7 +75,7 @@ pub trait World {
     fn ended(&self, _step: Step) {}
 }
 
-/// The steps of the road.
+/// The stages of the pipeline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Step {
     /// The plant is built and linearised.
@@ -77,7 +91,7 @@ pub enum Step {
 }
 
 impl Step {
-    /// The step in one word.
+    /// Returns the name of the stage.
     pub fn name(self) -> &'static str {
         match self {
             Step::Model => "model",
@@ -89,39 +103,16 @@ impl Step {
     }
 }
 
-/// Everything that the road made.
-#[derive(Debug, Clone)]
-pub struct Designed {
-    /// The plant.
-    pub modelled: Modelled,
-    /// The plant that the design took.
-    pub reduced: Reduced,
-    /// The design and its sampled controller.
-    pub synthesised: Synthesised,
-    /// The controller with its verdicts.
-    pub verified: VerifiedController,
-    /// Its code.
-    pub files: Vec<File>,
-    /// Code that the project asks for and cannot have.
-    pub left_out: Vec<LeftOut>,
+/// What a stage took, as measured by whoever runs the pipeline.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StageTime {
+    /// The stage.
+    pub name: String,
+    /// Its time, ms.
+    pub milliseconds: f64,
 }
 
-/// The whole road.
-///
-/// # Errors
-/// [`PipelineError`]: what is missing in the project, what cannot be built, and every reason why there is no controller.
-/// A requirement that is not met is no error: it is a verdict in [`Designed::verified`].
-pub fn design(project: &Project, world: &dyn World) -> Result<Designed, PipelineError> {
-    let modelled = watched(world, Step::Model, || model(project))?;
-    let reduced = watched(world, Step::Reduce, || reduce(project, &modelled))?;
-    let synthesised = watched(world, Step::Synthesise, || synthesise(project, &modelled, &reduced))?;
-    let verified = watched(world, Step::Verify, || verify(project, &modelled, &synthesised, world))?;
-    let Exported { files, left_out } =
-        watched(world, Step::Export, || export(project, &modelled, &verified, world))?;
-    Ok(Designed { modelled, reduced, synthesised, verified, files, left_out })
-}
-
-/// Runs a step under the eyes of the world.
+/// Runs a stage between the two calls that announce its beginning and its end.
 pub fn watched<T>(world: &dyn World, step: Step, run: impl FnOnce() -> T) -> T {
     world.begins(step);
     let made = run();

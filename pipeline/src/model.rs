@@ -1,6 +1,10 @@
 //! The plant that the project describes, and its linearisation.
 
-use counterpoise_models::plant::{Angles, LinearPlant, Plant};
+use std::ops::ControlFlow;
+
+use counterpoise_diagnose::simulator_access::{Pool, Serial};
+use counterpoise_lti::linalg::sparse::Progress;
+use counterpoise_models::plant::{LinearPlant, Plant};
 use counterpoise_models::structure::{FeModel, Fitted, Structure, lumped, pinned, with_derived_lumped};
 use counterpoise_models::{Configuration, Parameters, PointMass};
 
@@ -18,6 +22,8 @@ pub struct Modelled {
     pub plant: Plant,
     /// Its linearisation where it stands.
     pub linear: LinearPlant,
+    /// The finite elements that it was made from, if it was.
+    pub elements: Option<FeModel>,
 }
 
 /// Builds the plant in the project's configuration and linearises it at the project's operating point.
@@ -25,21 +31,29 @@ pub struct Modelled {
 /// # Errors
 /// A configuration that does not exist, and parameters that make no mechanism.
 pub fn model(project: &Project) -> Result<Modelled, PipelineError> {
+    model_watched(project, &Serial)
+}
+
+/// Does the same as [`model`], tells `pool` how far a large structure is, and stops if it asks to.
+///
+/// # Errors
+/// As for [`model`].
+pub fn model_watched(project: &Project, pool: &dyn Pool) -> Result<Modelled, PipelineError> {
     let choice = &project.model;
-    let (parameters, plant) = match choice.structure {
+    let (parameters, plant, elements) = match choice.structure {
         StructureChoice::Lumped => {
-            let parameters = lumped_parameters(project)?;
-            (parameters.clone(), Plant::lumped(&parameters)?)
+            let (parameters, elements) = lumped_parameters(project, pool)?;
+            (parameters.clone(), Plant::lumped(&parameters)?, elements)
         }
         StructureChoice::Beam | StructureChoice::Import => {
-            let (fe, ratios) = finite_elements(project, choice.structure)?;
+            let (fe, ratios) = finite_elements_watched(project, choice.structure, pool)?;
             let body = pinned(&fe, ratios, choice.modes)?.body;
-            (project.plant.clone(), Plant::with_body(&project.plant, body)?)
+            (project.plant.clone(), Plant::with_body(&project.plant, body)?, Some(fe))
         }
     };
     let equilibrium = plant.equilibrium(&choice.operating_point);
-    let linear = plant.linearise(&equilibrium, choice.friction, Angles::Drop)?;
-    Ok(Modelled { parameters, plant, linear })
+    let linear = plant.linearise(&equilibrium, choice.friction, plant.angles())?;
+    Ok(Modelled { parameters, plant, linear, elements })
 }
 
 /// Why the motor alone cannot hold the plant where it stands, if it cannot: the drive that the weight takes is beyond what the control's
@@ -56,16 +70,19 @@ pub fn cannot_hold(modelled: &Modelled) -> Option<PipelineError> {
 pub(crate) const CONVERTER_RANGE_V: f64 = 10.0;
 
 /// The two inertias as given, or derived from the beam, or from the imported matrices; what is fitted added.
-fn lumped_parameters(project: &Project) -> Result<Parameters, PipelineError> {
+fn lumped_parameters(
+    project: &Project,
+    pool: &dyn Pool,
+) -> Result<(Parameters, Option<FeModel>), PipelineError> {
     let choice = &project.model;
     if project.plant.lumped.is_none() && project.plant.beam.is_none() && project.import.is_some() {
-        let (fe, ratios) = finite_elements(project, StructureChoice::Import)?;
+        let (fe, ratios) = finite_elements_watched(project, StructureChoice::Import, pool)?;
         let derived = lumped(&fe, ratios)?;
-        return Ok(Parameters { lumped: Some(derived), ..project.plant.clone() });
+        return Ok((Parameters { lumped: Some(derived), ..project.plant.clone() }, Some(fe)));
     }
     let whole = with_derived_lumped(&project.plant, &choice.elements)?;
     let fitted = configured(project)?.map(|c| whole.configured(c)).transpose()?;
-    Ok(fitted.unwrap_or(whole))
+    Ok((fitted.unwrap_or(whole), None))
 }
 
 /// The finite elements of the project's beam or of its imported matrices, with what the configuration fits to them, and the
@@ -74,10 +91,27 @@ fn lumped_parameters(project: &Project) -> Result<Parameters, PipelineError> {
 /// # Errors
 /// A configuration that does not exist, and a structure that is missing or makes no model.
 pub fn finite_elements(project: &Project, of: StructureChoice) -> Result<(FeModel, &[f64]), PipelineError> {
+    finite_elements_watched(project, of, &Serial)
+}
+
+/// Does the same as [`finite_elements`], tells `pool` how far a large structure is, and stops if it asks to.
+///
+/// # Errors
+/// As for [`finite_elements`].
+pub fn finite_elements_watched<'a>(
+    project: &'a Project,
+    of: StructureChoice,
+    pool: &dyn Pool,
+) -> Result<(FeModel, &'a [f64]), PipelineError> {
     let configuration = configured(project)?;
     if let (StructureChoice::Import, Some(import)) = (of, &project.import) {
         let content = import.content.as_ref().ok_or(counterpoise_models::Error::NoStructure)?;
-        let fe = content.structure(&fitted(project, import, configuration)?)?;
+        let mut watch = |at: Progress| {
+            pool.progress(at.stage, at.done.min(at.of.saturating_sub(1)), at.of);
+            if pool.cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let fitted = fitted(project, import, configuration)?;
+        let fe = content.structure(&fitted, project.model.modes, &mut watch)?;
         return Ok((fe, &import.modal_damping));
     }
     let structure = Structure::new(&project.plant, configuration)?;

@@ -13,15 +13,15 @@ use std::f64::consts::TAU;
 use crate::{Modelled, PipelineError, finite_elements, finite_elements_of};
 use counterpoise_project::Project;
 
-/// The pictures of a plant as plain data.
+/// The modes, the friction and the meshes of a plant as plain data.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Portrait {
+pub struct PlantViews {
     /// The modes of the beam, one set a support; empty without a beam.
     pub modes: Vec<ModeSet>,
     /// What few elements make of the beam; none without a beam.
     pub meshes: Option<Meshes>,
     /// Friction at the motor and at the pivot, where there is any.
-    pub frictions: Vec<FrictionPortrait>,
+    pub frictions: Vec<FrictionView>,
 }
 
 /// What few elements make of a beam, free at both ends, beside many: the columns of the thesis' table 6-1.
@@ -72,7 +72,7 @@ pub struct Mode {
 
 /// Friction at one place.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct FrictionPortrait {
+pub struct FrictionView {
     /// `motor` or `pivot`.
     pub place: &'static str,
     /// Relative rate (rad/s) and steady torque (N m).
@@ -111,15 +111,18 @@ const STICK_SWING_RAD: f64 = 1e-4;
 /// Every so many of a loop's points are kept.
 const KEPT: usize = 5;
 
-/// The pictures of the modelled plant.
+/// Returns the modes, the friction and the meshes of the modelled plant.
 ///
 /// # Errors
 /// Those of the structure and the friction laws.
-pub fn portrait(project: &Project, modelled: &Modelled) -> Result<Portrait, PipelineError> {
+pub fn view_plant(project: &Project, modelled: &Modelled) -> Result<PlantViews, PipelineError> {
     let meshes = project.plant.beam.as_ref().map(meshes).transpose()?;
-    let mut out = Portrait { modes: Vec::new(), meshes, frictions: Vec::new() };
+    let mut out = PlantViews { modes: Vec::new(), meshes, frictions: Vec::new() };
     if let Some(structure) = finite_elements_of(project) {
-        let (fe, _) = finite_elements(project, structure)?;
+        let fe = match &modelled.elements {
+            Some(fe) => fe.clone(),
+            None => finite_elements(project, structure)?.0,
+        };
         let supports = [(Support::Free, "free"), (Support::Pinned, "pinned"), (Support::Clamped, "clamped")];
         for (support, name) in supports {
             out.modes.push(ModeSet { support: name, modes: shown(&fe, &modes(&fe, support)?) });
@@ -129,7 +132,7 @@ pub fn portrait(project: &Project, modelled: &Modelled) -> Result<Portrait, Pipe
     let places = [("motor", &p.motor_friction, p.gearbox.ratio), ("pivot", &p.pivot_friction, 1.0)];
     for (place, friction, ratio) in places {
         if friction.law != FrictionLaw::None || friction.viscous_nm_s_rad != 0.0 {
-            out.frictions.push(pictured(place, friction, ratio)?);
+            out.frictions.push(view_friction(place, friction, ratio)?);
         }
     }
     Ok(out)
@@ -211,7 +214,11 @@ fn hermite(two: &[[f64; 3]], s: f64) -> [f64; 2] {
     [x0 + l * s, w0 * (1.0 - third) + w1 * third + bend]
 }
 
-fn pictured(place: &'static str, friction: &Friction, ratio: f64) -> Result<FrictionPortrait, PipelineError> {
+fn view_friction(
+    place: &'static str,
+    friction: &Friction,
+    ratio: f64,
+) -> Result<FrictionView, PipelineError> {
     let model = FrictionModel::new(friction)?;
     let rate = |k: i32| SHOWN_RATE_RAD_S * ratio * (f64::from(k) / f64::from(SIDE)).powi(3);
     let steady = (-SIDE..=SIDE).filter(|&k| k != 0).map(|k| [rate(k), model.steady(rate(k))]).collect();
@@ -222,7 +229,7 @@ fn pictured(place: &'static str, friction: &Friction, ratio: f64) -> Result<Fric
         FrictionLaw::None => Vec::new(),
         _ => SWINGS.iter().map(|swing| looped(&model, swing * end)).collect(),
     };
-    Ok(FrictionPortrait { place, steady, loops })
+    Ok(FrictionView { place, steady, loops })
 }
 
 fn looped(model: &FrictionModel, amplitude_rad: f64) -> FrictionLoop {

@@ -1,10 +1,25 @@
 //! Results as plain data that serialises: what `--json` prints, and what another program reads.
 
+mod certificate;
+
 use std::collections::BTreeMap;
 
-use counterpoise_simulate::replay::{ChannelFit, Divergence, ReplayMode, SelectedReplay};
+use counterpoise_lti::StateSpace;
+use counterpoise_models::plant::LinearPlant;
+use counterpoise_project::Assumption;
+use counterpoise_simulate::replay::{ChannelFit, Divergence, ReplayMode};
+use counterpoise_synth::{Channel, Specification, Weight};
 use counterpoise_verify::{Value, Verdict, Verification};
 use serde::Serialize;
+
+use crate::exchange::controller_file::PathResult;
+use crate::exchange::systems::stored_frequencies_hz;
+use crate::exchange::verified::{histories, responses};
+use crate::exchange::{
+    HistoryResult, ResponseResult, SCHEMA, SystemResult, TransferFunctionResult, VerifiedLoop,
+};
+use crate::recordings::ReplayedRecording;
+pub use certificate::CertificateResult;
 
 use crate::{Designed, Modelled, Reduced, Synthesised};
 
@@ -14,6 +29,8 @@ pub type Pair = [f64; 2];
 /// The plant.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ModelResult {
+    /// Name and version of the schema.
+    pub schema: &'static str,
     /// Name of the machine.
     pub name: String,
     /// Order of the linear plant.
@@ -26,11 +43,19 @@ pub struct ModelResult {
     pub holding_v: f64,
     /// First moment of mass about the pivot, kg m.
     pub out_of_balance_kg_m: f64,
+    /// The linear plant.
+    pub plant: SystemResult,
+    /// Hub rate for each input.
+    pub responses: Vec<ResponseResult>,
+    /// What is assumed because the project file does not state it; empty unless the file's reader handed it in.
+    pub assumptions: Vec<Assumption>,
 }
 
 /// The reduction.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ReduceResult {
+    /// Name and version of the schema.
+    pub schema: &'static str,
     /// Order before and after.
     pub order: [usize; 2],
     /// Values by which states were ranked.
@@ -41,21 +66,41 @@ pub struct ReduceResult {
     pub error: Option<Pair>,
     /// What a designer should know.
     pub warnings: Vec<String>,
+    /// The reduced plant.
+    pub plant: SystemResult,
+    /// Hub rate for each input.
+    pub responses: Vec<ResponseResult>,
 }
 
 /// The design.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SynthResult {
+    /// Name and version of the schema.
+    pub schema: &'static str,
     /// Order of the design plant with sensors and delay.
     pub plant_order: usize,
     /// States of each path of the sampled controller.
     pub path_orders: BTreeMap<String, usize>,
     /// Poles of the closed sampled loop, in the z-plane.
     pub closed_loop_poles: Vec<Pair>,
+    /// Largest modulus of those poles.
+    pub largest_pole_modulus: f64,
     /// Largest relative difference between a cost as predicted and as computed on the assembled loop.
     pub cost_difference: Option<f64>,
     /// What a designer should know.
     pub warnings: Vec<String>,
+    /// The design plant with sensor and delay: the measured rate, then every true output.
+    pub design_plant: Option<SystemResult>,
+    /// The weights.
+    pub weights: Vec<TransferFunctionResult>,
+    /// The controllers of the design in continuous time.
+    pub controllers: Vec<SystemResult>,
+    /// The paths of the sampled controller.
+    pub paths: Vec<PathResult>,
+    /// The sampled loop on the design plant, broken at the control: 1 + L is the return difference.
+    pub sampled_loop: SystemResult,
+    /// Responses of the controllers and of the sampled loop.
+    pub responses: Vec<ResponseResult>,
 }
 
 /// A figure with its value.
@@ -87,17 +132,32 @@ pub struct VerdictResult {
 /// The verification.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct VerifyResult {
+    /// Name and version of the schema.
+    pub schema: &'static str,
     /// Whether no requirement fails and the loop is stable.
     pub passes: bool,
     /// Verdicts, in the order of the project file.
     pub verdicts: Vec<VerdictResult>,
     /// Every figure.
     pub figures: Vec<FigureResult>,
+    /// Stability in every regime; absent where it was not asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub certificate: Option<CertificateResult>,
+    /// What the linear figures are measured on.
+    #[serde(flatten)]
+    pub measured_on: VerifiedLoop,
+    /// Frequency responses.
+    pub responses: Vec<ResponseResult>,
+    /// Time histories of every experiment; absent unless they were asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub histories: Vec<HistoryResult>,
 }
 
-/// The whole road.
+/// A whole design.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DesignResult {
+    /// Name and version of the schema.
+    pub schema: &'static str,
     /// The plant.
     pub model: ModelResult,
     /// The reduction.
@@ -138,17 +198,17 @@ pub struct RecordingResult {
     /// What replay over the whole length left, where the recording was followed over windows.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub free: BTreeMap<&'static str, ChannelResult>,
-    /// How far two runs of the model itself part over the whole length.
+    /// How far two runs of the model itself diverge over the whole length.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub parting: Option<PartingResult>,
     /// What was found about the recording itself.
     pub remarks: Vec<String>,
 }
 
-/// How far two runs of one model part that differ in noise and in what is not known of their start.
+/// How far two runs of one model diverge that differ in noise and in the unknown part of their initial state.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PartingResult {
-    /// The channel in which they part most.
+    /// The channel in which they diverge most.
     pub channel: &'static str,
     /// RMS of their difference over the channel's floor.
     pub floors: f64,
@@ -164,13 +224,18 @@ pub struct ReplayResult {
 impl From<&Modelled> for ModelResult {
     fn from(modelled: &Modelled) -> Self {
         let linear = &modelled.linear;
+        let states = linear.state_names.iter().map(String::as_str);
         Self {
+            schema: SCHEMA,
+            plant: plant("linear plant", &linear.system).with_states(states),
+            responses: plant_responses(&linear.system),
             name: modelled.parameters.name.clone(),
             order: linear.system.order(),
             states: linear.state_names.clone(),
             poles_rad_s: pairs(&counterpoise_lti::poles(&linear.system).unwrap_or_default()),
             holding_v: linear.equilibrium.control_v,
             out_of_balance_kg_m: modelled.plant.body().out_of_balance_kg_m,
+            assumptions: Vec::new(),
         }
     }
 }
@@ -178,6 +243,9 @@ impl From<&Modelled> for ModelResult {
 impl From<&Reduced> for ReduceResult {
     fn from(reduced: &Reduced) -> Self {
         Self {
+            schema: SCHEMA,
+            plant: plant("reduced plant", &reduced.system),
+            responses: plant_responses(&reduced.system),
             order: [reduced.order_before, reduced.system.order()],
             ranked: reduced.ranked.clone(),
             bound: reduced.bound,
@@ -190,10 +258,25 @@ impl From<&Reduced> for ReduceResult {
 impl From<&Synthesised> for SynthResult {
     fn from(made: &Synthesised) -> Self {
         let paths = &made.sampled.controller.parts().paths;
+        let controllers = controllers(made);
+        let design_plant = made.design.plant.measured().ok().map(|system| {
+            let outputs: Vec<&str> =
+                std::iter::once("measured_rate_rad_s").chain(LinearPlant::OUTPUTS).collect();
+            SystemResult::new("design plant", &system, &LinearPlant::INPUTS, &outputs)
+        });
+        let broken = &made.sampled.loop_gain;
         Self {
+            schema: SCHEMA,
+            design_plant,
+            weights: weights(&made.design.specification),
+            paths: paths.iter().map(PathResult::of).collect(),
+            sampled_loop: SystemResult::new("sampled loop", broken, &["control_v"], &["returned_control_v"]),
+            responses: controller_responses(&controllers, broken),
+            controllers: controllers.into_iter().map(|(result, _)| result).collect(),
             plant_order: made.design.plant.measured().map_or(0, |p| p.order()),
             path_orders: paths.iter().map(|p| (p.name.clone(), p.system.order())).collect(),
             closed_loop_poles: pairs(&made.sampled.closed_loop),
+            largest_pole_modulus: made.sampled.closed_loop.iter().map(|pole| pole.norm()).fold(0.0, f64::max),
             cost_difference: [made.design.worst_cost_difference(), made.sampled.worst_cost_difference()]
                 .into_iter()
                 .flatten()
@@ -203,8 +286,9 @@ impl From<&Synthesised> for SynthResult {
     }
 }
 
-impl From<&Verification> for VerifyResult {
-    fn from(found: &Verification) -> Self {
+impl VerifyResult {
+    /// Returns the result of a verification; `measured_on` is what its linear figures are measured on.
+    pub fn new(found: &Verification, measured_on: VerifiedLoop) -> Self {
         let figures = found.figures.iter().map(|measured| FigureResult {
             figure: measured.figure.key(),
             value: match measured.value {
@@ -234,58 +318,54 @@ impl From<&Verification> for VerifyResult {
                 },
             }
         });
-        Self { passes: found.passes(), verdicts: verdicts.collect(), figures: figures.collect() }
+        Self {
+            schema: SCHEMA,
+            passes: found.passes(),
+            verdicts: verdicts.collect(),
+            figures: figures.collect(),
+            measured_on,
+            responses: responses(found),
+            histories: histories(found),
+            certificate: None,
+        }
     }
 }
 
 impl From<&Designed> for DesignResult {
-    fn from(made: &Designed) -> Self {
+    fn from(designed: &Designed) -> Self {
+        let made = &designed.stages;
         Self {
+            schema: SCHEMA,
             model: (&made.modelled).into(),
             reduce: (&made.reduced).into(),
             synth: (&made.synthesised).into(),
-            verify: made.verified.verification().into(),
+            verify: VerifyResult {
+                certificate: Some((&made.stability).into()),
+                ..VerifyResult::new(made.verified.verification(), designed.verified_loop.clone())
+            },
             files: made.files.iter().map(|f| f.name.clone()).collect(),
             left_out: made.left_out.iter().map(ToString::to_string).collect(),
         }
     }
 }
 
-impl RecordingResult {
-    /// The fit of a replayed recording.
-    pub fn new(file: &str, followed: &SelectedReplay, remarks: Vec<String>) -> Self {
-        let (way, window_s, free) = match &followed.mode {
+impl ReplayedRecording {
+    /// Returns the fit of the recording; `remarks` are its remarks in sentences.
+    pub fn result(&self, remarks: Vec<String>) -> RecordingResult {
+        let (mode, window_s, free) = match &self.followed.mode {
             ReplayMode::Free => ("free", None, BTreeMap::new()),
             ReplayMode::Windowed { window_s, free } => ("windows", Some(*window_s), channels(free)),
         };
-        let parting = |p: Divergence| PartingResult { channel: p.channel.name(), floors: p.floors };
-        Self {
-            file: file.to_owned(),
-            channels: channels(&followed.replay.channels),
-            followed: way,
+        let divergence = |p: Divergence| PartingResult { channel: p.channel.name(), floors: p.floors };
+        RecordingResult {
+            file: self.file.clone(),
+            channels: channels(&self.followed.replay.channels),
+            followed: mode,
             window_s,
             free,
-            parting: followed.divergence.map(parting),
+            parting: self.followed.divergence.map(divergence),
             remarks,
         }
-    }
-
-    /// How the recording was followed, in a line.
-    pub fn way(&self) -> String {
-        let Some(window_s) = self.window_s else {
-            return "from start to end".to_owned();
-        };
-        let by = format!("over windows of {window_s} s, each from a state fitted to its first half");
-        let Some(parting) = &self.parting else { return by };
-        let of_machine = self.free.iter().filter(|(name, _)| !name.starts_with("platform"));
-        let left: Vec<String> =
-            of_machine.map(|(name, c)| format!("{name} {:.2}", c.rms_error / c.floor)).collect();
-        format!(
-            "{by}: the machine hunts, two runs of the model itself part by {:.1} floors in {}; from start to end error over floor is {}",
-            parting.floors,
-            parting.channel,
-            left.join(", ")
-        )
     }
 }
 
@@ -295,6 +375,70 @@ fn channels(fits: &[ChannelFit]) -> BTreeMap<&'static str, ChannelResult> {
         (fit.channel.name(), result)
     };
     fits.iter().map(channel).collect()
+}
+
+/// A plant with the inputs and outputs of the linear plant.
+fn plant(name: &str, system: &StateSpace) -> SystemResult {
+    SystemResult::new(name, system, &LinearPlant::INPUTS, &LinearPlant::OUTPUTS)
+}
+
+fn plant_responses(system: &StateSpace) -> Vec<ResponseResult> {
+    let hz = stored_frequencies_hz();
+    let one = |(input, name): (usize, &str)| {
+        let name = format!("{} over {name}", LinearPlant::OUTPUTS[LinearPlant::HUB_RATE]);
+        ResponseResult::of_system(&name, system, (LinearPlant::HUB_RATE, input), &hz)
+    };
+    LinearPlant::INPUTS.into_iter().enumerate().filter_map(one).collect()
+}
+
+/// The weights of every part of the design.
+fn weights(asked: &Specification) -> Vec<TransferFunctionResult> {
+    let of = |name: &str, weight: &Weight| TransferFunctionResult::of(name, weight);
+    let mut all =
+        vec![of("feedback.error", &asked.feedback.error), of("feedback.control", &asked.feedback.control)];
+    for (name, part) in [("heave", &asked.heave), ("pitch", &asked.pitch)] {
+        let Some(part) = part else { continue };
+        for (role, weight) in
+            [("error", &part.error), ("control", &part.control), ("generator", &part.generator)]
+        {
+            all.push(of(&format!("{name}.{role}"), weight));
+        }
+    }
+    all
+}
+
+/// The controllers of the design in continuous time, with their systems.
+fn controllers(made: &Synthesised) -> Vec<(SystemResult, StateSpace)> {
+    let feedback = made.design.feedback_controller();
+    let inputs: &[&str] =
+        if feedback.inputs() == 2 { &["demand_rad_s", "hub_rate_rad_s"] } else { &["rate_error_rad_s"] };
+    let mut all = vec![(SystemResult::new("feedback", &feedback, inputs, &["control_v"]), feedback.clone())];
+    for (channel, name, input) in
+        [(Channel::Heave, "heave", "platform_accel_m_s2"), (Channel::Pitch, "pitch", "platform_rate_rad_s")]
+    {
+        all.extend(
+            made.design
+                .feedforward_controller(channel)
+                .map(|system| (SystemResult::new(name, &system, &[input], &["control_v"]), system)),
+        );
+    }
+    all
+}
+
+fn controller_responses(
+    controllers: &[(SystemResult, StateSpace)],
+    broken: &StateSpace,
+) -> Vec<ResponseResult> {
+    let hz = stored_frequencies_hz();
+    let mut all = Vec::new();
+    for (result, system) in controllers {
+        for (input, signal) in result.inputs.iter().enumerate() {
+            let name = format!("{} over {}", result.name, signal.name);
+            all.extend(ResponseResult::of_system(&name, system, (0, input), &hz));
+        }
+    }
+    all.extend(ResponseResult::of_system("sampled loop", broken, (0, 0), &hz));
+    all
 }
 
 fn pairs(values: &[counterpoise_lti::C64]) -> Vec<Pair> {

@@ -4,6 +4,7 @@ use counterpoise_models::plant::Plant;
 use counterpoise_recordings::Table;
 use counterpoise_verify::{Procedure, Road, Verification, VerifiedController};
 
+use crate::budget::{Run, affordable};
 use crate::road::road;
 use crate::{Modelled, PipelineError, Synthesised, World};
 use counterpoise_project::Project;
@@ -79,6 +80,14 @@ const MISSING: PipelineError = PipelineError::Missing { section: "verify", neede
 /// A road that cannot be read.
 pub fn procedure(project: &Project, world: &dyn World) -> Result<Procedure, PipelineError> {
     let asked = project.verify.as_ref().ok_or(MISSING)?;
+    let (procedure, period_s) = (&asked.procedure, project.plant.interface.sample_period_s);
+    let triangle =
+        procedure.triangle.as_ref().map(|triangle| ("verify.triangle.period", 3.0 * triangle.period_s));
+    let runs =
+        [("verify.duration", procedure.duration_s), ("verify.step.duration", procedure.step.duration_s)];
+    for (key, duration_s) in runs.into_iter().chain(triangle) {
+        affordable(Run { key, duration_s, period_s })?;
+    }
     let road = asked.road.as_ref().map(|source| moved(source, world)).transpose()?;
     Ok(Procedure {
         operating_point: project.model.operating_point,
@@ -88,11 +97,18 @@ pub fn procedure(project: &Project, world: &dyn World) -> Result<Procedure, Pipe
     })
 }
 
+/// Shortest period of a platform's motion that is made from numbers, s.
+const SHORTEST_ROAD_PERIOD_S: f64 = 1e-3;
+
 /// The platform's motion, read or made.
 fn moved(source: &PlatformSource, world: &dyn World) -> Result<Road, PipelineError> {
     match source {
         PlatformSource::Recording(source) => read_road(source, world),
-        PlatformSource::Made(motion) => Ok(motion.road()?),
+        PlatformSource::Made(motion) => {
+            let duration_s = motion.realisation.duration_s;
+            affordable(Run { key: "verify.road.duration", duration_s, period_s: SHORTEST_ROAD_PERIOD_S })?;
+            Ok(motion.road()?)
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use counterpoise_pipeline::{World, design};
+use counterpoise_pipeline::{World, run_stages};
 use counterpoise_project::Project;
 use counterpoise_verify::{Figure, Verdict};
 
@@ -34,7 +34,7 @@ fn with_every_figure(drop_road: &str) -> Project {
 
 #[test]
 fn a_project_file_can_require_every_figure_and_each_gets_its_verdict() {
-    let designed = design(&with_every_figure(""), &Example).unwrap();
+    let designed = run_stages(&with_every_figure(""), &Example).unwrap();
     let verdicts = &designed.verified.verification().verdicts;
     assert_eq!(verdicts.len(), 2 * Figure::all().len());
     for pair in verdicts.chunks(2) {
@@ -53,7 +53,7 @@ fn a_project_file_can_require_every_figure_and_each_gets_its_verdict() {
 
 #[test]
 fn without_a_road_its_figures_say_that_there_is_none() {
-    let designed = design(&with_every_figure("[verify.road]"), &Example).unwrap();
+    let designed = run_stages(&with_every_figure("[verify.road]"), &Example).unwrap();
     let on_road = |key: &str| key.contains("_road_");
     for (requirement, verdict) in &designed.verified.verification().verdicts {
         let key = requirement.figure.key();

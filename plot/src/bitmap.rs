@@ -14,7 +14,7 @@ use crate::dashes::dashed;
 use crate::draw::{Setting, draw, size};
 use crate::error::PlotError;
 use crate::figure::{Dash, Figure};
-use crate::font::{self, Placement};
+use crate::font::{self, Placement, TextLayout};
 use crate::ink::{Appearance, Ink};
 use crate::theme::{Role, Theme};
 
@@ -258,18 +258,18 @@ impl<'a> DrawingBackend for Brush<'a> {
         style: &T,
         at: BackendCoord,
     ) -> Result<(), Failure<'a>> {
-        let ink = Ink::from_colour(style.color());
+        let TextLayout { ink, rise_deg, below_anchor_px, anchor } = TextLayout::of(style);
         let look = ink.appearance();
         let colour = self.colour(look.fill.unwrap_or(Role::Ink), look.opacity);
-        let angle = font::rise_deg(ink, style.transform()).to_radians();
+        let angle = rise_deg.to_radians();
         let direction = (angle.cos(), angle.sin());
-        let part = match style.anchor().h_pos {
+        let part = match anchor {
             HPos::Left => 0.0,
             HPos::Center => 0.5,
             HPos::Right => 1.0,
         };
         let back = part * font::width(text, style.size());
-        let down = self.unit * font::below_anchor(ink, style.anchor().v_pos);
+        let down = self.unit * below_anchor_px;
         let at = (
             f64::from(at.0) - back * direction.0 + down * direction.1,
             f64::from(at.1) + back * direction.1 + down * direction.0,
@@ -289,6 +289,6 @@ impl<'a> DrawingBackend for Brush<'a> {
         text: &str,
         style: &T,
     ) -> Result<(u32, u32), Failure<'a>> {
-        Ok(font::box_of(text, style.size(), style.transform()))
+        Ok(font::box_of(text, style))
     }
 }

@@ -253,6 +253,18 @@ impl Panel {
         Self { marks, ..self }
     }
 
+    /// Returns the same panel with one more thin line across it at a height.
+    pub fn with_level(mut self, y: f64, text: impl Into<String>) -> Self {
+        self.marks.push(Mark::Level { y, text: text.into() });
+        self
+    }
+
+    /// Returns the same panel with one more thin line down it.
+    pub fn with_instant(mut self, x: f64, text: impl Into<String>) -> Self {
+        self.marks.push(Mark::Instant { x, text: text.into() });
+        self
+    }
+
     /// Returns the same panel with another height in pixels.
     pub fn with_height(self, height: f64) -> Self {
         Self { height, ..self }

@@ -5,8 +5,8 @@
 
 use ab_glyph::{Font, FontRef, Outline, OutlineCurve, Point, point};
 use ab_glyph_rasterizer::Rasterizer;
-use plotters_backend::FontTransform;
-use plotters_backend::text_anchor::VPos;
+use plotters_backend::text_anchor::{HPos, VPos};
+use plotters_backend::{BackendTextStyle, FontTransform};
 
 use crate::ink::Ink;
 
@@ -30,6 +30,32 @@ pub(crate) struct Placement {
     pub direction: (f64, f64),
 }
 
+/// How the text of a style lies about its anchor.
+#[derive(Clone, Copy)]
+pub(crate) struct TextLayout {
+    /// What the text is drawn with.
+    pub ink: Ink,
+    /// Angle by which it rises, degrees.
+    pub rise_deg: f64,
+    /// How far its base line lies below the anchor, pixels of the figure.
+    pub below_anchor_px: f64,
+    /// Which point of it the anchor is.
+    pub anchor: HPos,
+}
+
+impl TextLayout {
+    /// Returns the layout of a style of plotters.
+    pub(crate) fn of<T: BackendTextStyle>(style: &T) -> Self {
+        let ink = Ink::from_colour(style.color());
+        Self {
+            ink,
+            rise_deg: rise_deg(ink, style.transform()),
+            below_anchor_px: below_anchor(ink, style.anchor().v_pos),
+            anchor: style.anchor().h_pos,
+        }
+    }
+}
+
 /// Returns the width of a text, in the unit of `size`. A sign that the font lacks has the width of its replacement.
 pub(crate) fn width(text: &str, size: f64) -> f64 {
     let Ok(font) = FontRef::try_from_slice(BYTES) else { return 0.0 };
@@ -38,7 +64,7 @@ pub(crate) fn width(text: &str, size: f64) -> f64 {
 }
 
 /// Returns how far the base line of a text lies below its anchor, in pixels of the figure.
-pub(crate) fn below_anchor(ink: Ink, anchor: VPos) -> f64 {
+fn below_anchor(ink: Ink, anchor: VPos) -> f64 {
     let part = match anchor {
         VPos::Top => ASCENT,
         VPos::Center => MIDDLE,
@@ -48,7 +74,7 @@ pub(crate) fn below_anchor(ink: Ink, anchor: VPos) -> f64 {
 }
 
 /// Returns the angle by which a text rises, in degrees.
-pub(crate) fn rise_deg(ink: Ink, transform: FontTransform) -> f64 {
+fn rise_deg(ink: Ink, transform: FontTransform) -> f64 {
     let turned = match transform {
         FontTransform::None => 0.0,
         FontTransform::Rotate90 => -90.0,
@@ -58,10 +84,11 @@ pub(crate) fn rise_deg(ink: Ink, transform: FontTransform) -> f64 {
     turned + ink.appearance().rise_deg
 }
 
-/// Returns the width and height of the box around a text, in the unit of `size`.
-pub(crate) fn box_of(text: &str, size: f64, transform: FontTransform) -> (u32, u32) {
+/// Returns the width and height of the box around a text, in the unit of the style's size.
+pub(crate) fn box_of<T: BackendTextStyle>(text: &str, style: &T) -> (u32, u32) {
+    let size = style.size();
     let (width, height) = (width(text, size).ceil() as u32, ((ASCENT + DESCENT) * size).ceil() as u32);
-    match transform {
+    match style.transform() {
         FontTransform::None | FontTransform::Rotate180 => (width, height),
         FontTransform::Rotate90 | FontTransform::Rotate270 => (height, width),
     }

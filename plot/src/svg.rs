@@ -13,7 +13,7 @@ use plotters_backend::{
 
 use crate::draw::{Setting, draw, size};
 use crate::figure::Figure;
-use crate::font;
+use crate::font::{self, TextLayout};
 use crate::ink::{FONT_PX, Ink};
 use crate::theme::{FONTS, Theme};
 
@@ -219,9 +219,7 @@ impl DrawingBackend for Svg {
 
     fn draw_text<T: BackendTextStyle>(&mut self, text: &str, style: &T, at: BackendCoord) -> Drawn {
         self.end_path();
-        let ink = Ink::from_colour(style.color());
-        let rise = font::rise_deg(ink, style.transform());
-        let down = font::below_anchor(ink, style.anchor().v_pos);
+        let TextLayout { ink, rise_deg: rise, below_anchor_px: down, anchor } = TextLayout::of(style);
         let (x, y) = (f64::from(at.0) / UNIT, f64::from(at.1) / UNIT);
         let place = if rise == 0.0 {
             format!("x=\"{}\" y=\"{}\"", pixels(x), pixels(y + down))
@@ -234,7 +232,7 @@ impl DrawingBackend for Svg {
                 pixels(down)
             )
         };
-        let anchor = match style.anchor().h_pos {
+        let anchor = match anchor {
             HPos::Left => "",
             HPos::Center => " text-anchor=\"middle\"",
             HPos::Right => " text-anchor=\"end\"",
@@ -249,7 +247,7 @@ impl DrawingBackend for Svg {
         text: &str,
         style: &T,
     ) -> Result<(u32, u32), DrawingErrorKind<Infallible>> {
-        Ok(font::box_of(text, style.size(), style.transform()))
+        Ok(font::box_of(text, style))
     }
 
     fn blit_bitmap(&mut self, _: BackendCoord, _: (u32, u32), _: &[u8]) -> Drawn {

@@ -1,4 +1,4 @@
-//! What is wrong with a file, where, what was read, what is allowed, and a hint: plain data, many at once.
+//! Findings about a file: what is wrong and where, what was read, what is allowed, and a hint; plain data, many at once.
 
 use std::fmt;
 
@@ -63,6 +63,42 @@ pub struct Diagnostic {
     pub hint: Option<String>,
 }
 
+impl Problem {
+    /// Returns the rank of a kind of finding: what must be put right first has the lowest. Mistakes in what is written come before
+    /// what is missing, because a mistyped key is both; values that do not fit each other come last, because they often follow.
+    fn rank(self) -> u8 {
+        match self {
+            Self::Syntax | Self::Format => 0,
+            Self::UnknownKey
+            | Self::WrongType
+            | Self::NotFinite
+            | Self::OutOfRange
+            | Self::Duplicate
+            | Self::UnknownName => 1,
+            Self::Missing => 2,
+            Self::Conflict => 3,
+        }
+    }
+}
+
+/// Sorts findings by importance, then by place.
+pub(crate) fn sort(findings: &mut [Diagnostic]) {
+    let section = |finding: &Diagnostic| u8::from(!finding.allowed.starts_with("section"));
+    findings.sort_by_cached_key(|d| (d.problem.rank(), section(d), d.file.clone(), d.line, d.column));
+}
+
+/// Most findings that are shown at once.
+pub const MOST_SHOWN: usize = 10;
+
+/// Returns the first findings, each as `shown` words it, with a line that says how many more there are.
+pub fn listed(findings: &[Diagnostic], shown: impl Fn(&Diagnostic) -> String) -> Vec<String> {
+    let mut lines: Vec<String> = findings.iter().take(MOST_SHOWN).map(shown).collect();
+    if let Some(more) = findings.len().checked_sub(MOST_SHOWN).filter(|more| *more > 0) {
+        lines.push(format!("and {more} more"));
+    }
+    lines
+}
+
 impl fmt::Display for Severity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
@@ -74,37 +110,77 @@ impl fmt::Display for Severity {
 
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}:{}: {}: ", self.file, self.line, self.column, self.severity)?;
+        write!(f, "{}:{}:{}: {}: ", printable(&self.file), self.line, self.column, self.severity)?;
         if !self.path.is_empty() {
-            write!(f, "{}", self.path)?;
+            f.write_str(&printable(&self.path))?;
             if let Some(found) = &self.found {
-                write!(f, " = {found}")?;
+                write!(f, " = {}", printable(found))?;
             }
             f.write_str(": ")?;
         }
-        f.write_str(&self.allowed)?;
+        f.write_str(&printable(&self.allowed))?;
         match &self.hint {
-            Some(hint) => write!(f, " ({hint})"),
+            Some(hint) => write!(f, " ({})", printable(hint)),
             None => Ok(()),
         }
     }
 }
 
+/// Longest piece of a line that an excerpt shows, in characters.
+const LONGEST_EXCERPT: usize = 120;
+
 impl Diagnostic {
-    /// The finding with the line of the file that it speaks of, and a mark under its column.
+    /// Returns the finding with the line of the file that it speaks of, and a mark under its column.
     pub fn excerpt(&self, text: &str) -> String {
-        let Some(line) = text.lines().nth(self.line.saturating_sub(1)) else { return self.to_string() };
+        let line = text.lines().nth(self.line.saturating_sub(1));
+        line.map_or_else(|| self.to_string(), |line| self.with_line(line))
+    }
+
+    /// Returns the finding with its line, and a mark under its column.
+    pub fn with_line(&self, line: &str) -> String {
         let number = self.line.to_string();
         let margin = " ".repeat(number.len());
-        let shown = line.replace('\t', " ");
-        let mark = " ".repeat(self.column.saturating_sub(1));
+        let column = self.column.saturating_sub(1);
+        // Of a long line only what is around the column is shown.
+        let skipped = if column < LONGEST_EXCERPT { 0 } else { column - LONGEST_EXCERPT / 2 };
+        let shown: String = line.chars().skip(skipped).take(LONGEST_EXCERPT).map(visible).collect();
+        let mark = " ".repeat(column - skipped);
         format!("{self}\n{margin} |\n{number} | {shown}\n{margin} | {mark}^")
     }
 }
 
+/// Returns a character as a line of one column for each shows it: a tab as a space, other control characters as a replacement.
+fn visible(c: char) -> char {
+    match c {
+        '\t' => ' ',
+        c if is_control(c) => char::REPLACEMENT_CHARACTER,
+        c => c,
+    }
+}
+
+/// Whether a character moves the cursor of a terminal, changes its colours, or turns the direction of writing.
+pub(crate) fn is_control(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+/// Returns a text of a file as a terminal may show it: control characters as escapes.
+pub fn printable(text: &str) -> String {
+    if !text.chars().any(is_control) {
+        return text.to_owned();
+    }
+    let escaped = |c: char| if is_control(c) { c.escape_unicode().to_string() } else { c.to_string() };
+    text.chars().map(escaped).collect()
+}
+
+/// Longest name for which a similar one is looked for, in bytes.
+const LONGEST_MISSPELT: usize = 64;
+
 /// The name in `known` that is nearest to `written`, if any is near enough to be meant.
 pub(crate) fn nearest<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let distance = |name: &str| strsim::damerau_levenshtein(&written.to_lowercase(), name);
+    if written.len() > LONGEST_MISSPELT {
+        return None;
+    }
+    let distance = |name: &str| strsim::damerau_levenshtein(&written.to_lowercase(), &name.to_lowercase());
     let extends = |name: &str| {
         name.len() >= 3 && written.len() >= 3 && (written.starts_with(name) || name.starts_with(written))
     };

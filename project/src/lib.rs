@@ -5,7 +5,8 @@
 //!
 //! *Invariant*: nothing is computed here, and no file is opened: texts and bytes are handed in.
 //!
-//! Modules in reading order: [`diagnostic`], [`file`] (as written), [`resolve`] (as meant).
+//! Modules in reading order: [`diagnostic`], [`unit`] (quantities), [`file`] (as written), [`assumption`] (what it leaves open),
+//! [`resolve`] (as meant), [`starters`] (files to start from).
 //!
 //! ```
 //! use counterpoise_project::Project;
@@ -14,19 +15,25 @@
 //! assert!(errors.iter().any(|error| error.to_string() == mistyped));
 //! ```
 
+pub mod assumption;
 pub mod diagnostic;
 pub mod file;
 pub mod resolve;
+pub mod starters;
+pub mod unit;
 
+pub use assumption::{Assumption, Tolerance, ToleranceKind};
 pub use diagnostic::{Diagnostic, Severity};
-pub use file::{Attachments, Document, Setting};
+pub use file::{Attachments, Document, FORMAT, Setting};
 pub use resolve::design::{Export, Language, Reduction, ReductionMethod, Synthesis};
 pub use resolve::import::{ImportedStructure, MatrixFormat};
 pub use resolve::model::{Modelling, StructureChoice};
 pub use resolve::platform::{Motion, MotionKind, PlatformSource, RoadSource};
+pub use resolve::purpose::Purpose;
+pub use resolve::statements::{SectionStatement, ValueStatement};
 pub use resolve::sweep::Sweep;
 pub use resolve::verify::Verification;
-pub use resolve::{Parsed, Project, Purpose};
+pub use resolve::{Parsed, Project};
 
 /// Text of a complete, commented project file to start a new one from: an out-of-balance cantilever on a moving
 /// platform, whose design holds every requirement that it states.

@@ -137,7 +137,7 @@ fn an_import_is_read_with_its_files_and_asks_for_them_by_name() {
     assert_eq!(imported().attachments(), ["k.mtx", "m.mtx", "nodes.map"]);
     let project = Project::resolve(&imported(), &files(MASS, MAP)).unwrap().project;
     let content = project.import.as_ref().unwrap().content.as_ref().unwrap();
-    let structure = content.structure(&Default::default()).unwrap();
+    let structure = content.matrices.structure(&content.map).unwrap();
     assert_eq!((structure.mass_kg(), structure.first_moment_kg_m()), (10.0, 10.0));
     assert_eq!(structure.inertia_kg_m2(), 3.0 + 3.0 + 5.0 * 4.0);
 }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use counterpoise_models::{
     FrictionLaw, Lumped, MapPoint, Parameters, Ripple, Sensor, StribeckCurve, reference,
 };
+use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::{Document, PlatformSource, Project, Setting, StructureChoice};
 use counterpoise_recordings::{Channel, ChannelSource};
 use counterpoise_synth::Weight;
@@ -50,7 +51,13 @@ fn the_given_files_are_read_as_they_stand() {
             if lightened { (20.0, 1) } else { (151.67, 0) },
             "{path}"
         );
-        let controller = parsed.project.recording_controller.unwrap();
+        let controller = parsed
+            .project
+            .recording_controller
+            .as_ref()
+            .and_then(RecordingController::as_proportional_integral)
+            .unwrap()
+            .clone();
         assert_eq!(
             (controller.kp_v_s_rad, controller.ki_v_rad, controller.sample_period_s),
             (18.0, 80.0, 1e-3)

@@ -32,6 +32,7 @@ pub mod table;
 pub mod unit;
 
 pub use channel::Channel;
+pub use decode::CsvParts;
 pub use error::Error;
 pub use mapping::{ChannelSource, Mapping};
 pub use recording::Recording;

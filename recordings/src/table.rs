@@ -35,9 +35,16 @@ impl Table {
     /// Returns what is wrong with the file, with row, column and value where they are known.
     pub fn read(bytes: &[u8], name: &str) -> Result<Self, Error> {
         let Decoded { columns, remarks } = decode::decoded(bytes, name)?;
-        let table = Self { name: name.to_owned(), columns, remarks };
-        table.check()?;
-        Ok(table)
+        Self { name: name.to_owned(), columns, remarks }.checked()
+    }
+
+    /// Returns the table if its columns fit together.
+    ///
+    /// # Errors
+    /// See [`Table::check`].
+    pub(crate) fn checked(self) -> Result<Self, Error> {
+        self.check()?;
+        Ok(self)
     }
 
     /// Returns the values of a column in SI units, and its unit.

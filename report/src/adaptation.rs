@@ -2,6 +2,8 @@
 
 use counterpoise_pipeline::studies::adapt::{AdaptRun, Interval, Trace};
 
+use counterpoise_pipeline::studies::adaptation_trials::{Load, METHODS, Motion, Refusal, TrialRow, Trials};
+
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
@@ -12,6 +14,64 @@ pub const NEAR: f64 = 1.10;
 /// Whether the hub rate came back, where the adaptation was to bring it back.
 pub fn returned(interval: &Interval) -> bool {
     !interval.adapted || interval.over_default <= NEAR
+}
+
+/// Returns the trials of the methods in lines, for a terminal.
+pub fn trial_lines(tried: &Trials) -> Vec<String> {
+    let mut lines = vec!["trials on motions that no window fits (hub rate in mrad/s RMS):".to_owned()];
+    lines.extend(tried.rows.iter().map(|row| {
+        let removed = row
+            .removed()
+            .map_or(String::new(), |share| format!(", {:.0} % of the added rate removed", 100.0 * share));
+        format!(
+            "    {:13} {:9} {:20} without {:.3}, with {:.3}, told the load {:.3}{removed}",
+            row.method,
+            motion(row.motion),
+            load(row.load),
+            1e3 * row.without_rad_s,
+            1e3 * row.with_rad_s,
+            1e3 * row.told_rad_s
+        )
+    }));
+    lines.extend(tried.refused.iter().map(refusal));
+    let refused = |name: &str| tried.refused.iter().any(|refused| refused.worst.method == name);
+    let good: Vec<&str> = METHODS.iter().map(|(_, name)| *name).filter(|name| !refused(name)).collect();
+    lines.push(if good.is_empty() {
+        "no method is fit for this project: leave [synth.adaptation] out".to_owned()
+    } else {
+        format!("fit for this project: {}", good.join(", "))
+    });
+    lines
+}
+
+/// Returns the reason why a method is refused.
+pub fn refusal(refused: &Refusal) -> String {
+    let TrialRow { method, motion: moved, load: loaded, without_rad_s, with_rad_s, .. } = refused.worst;
+    format!(
+        "REFUSED: {method} makes the hub rate worse than no adaptation does, {:.2} times on {} ({}): {:.3} against {:.3} mrad/s RMS",
+        refused.ratio,
+        motion(moved),
+        load(loaded),
+        1e3 * with_rad_s,
+        1e3 * without_rad_s
+    )
+}
+
+fn motion(motion: Motion) -> &'static str {
+    match motion {
+        Motion::Sines => "sines",
+        Motion::Road => "road",
+        Motion::Multisine => "multisine",
+    }
+}
+
+fn load(load: Load) -> &'static str {
+    match load {
+        Load::Nominal => "load as designed",
+        Load::WrongStart => "estimate 30 % low",
+        Load::Sudden => "30 % more, sudden",
+        Load::Slow => "30 % more, slow",
+    }
 }
 
 /// The report.

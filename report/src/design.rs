@@ -1,83 +1,109 @@
 //! The report of a whole design: the verification's, then the plant that was designed for, the weights and the certificates.
 
-use counterpoise_lti::{Error, Response, StateSpace};
-use counterpoise_models::plant::LinearPlant;
-use counterpoise_pipeline::{Designed, Reduced};
-use counterpoise_synth::{Certified, Channel, Cost, Equation, Feedforward, Specification, Weight};
+use counterpoise_pipeline::certificates::Certificate;
+use counterpoise_pipeline::design_views::{FrequencyResponse, PlantResponse, WeightResponses};
+use counterpoise_pipeline::export::target_proofs::{Costs, Proof};
+use counterpoise_pipeline::results::{DesignResult, SynthResult};
+use counterpoise_pipeline::{Designed, Reduced, StageTime, SynthesisStudy};
 
 use crate::bode::{BodeCurve, Phase, bode};
 use crate::evidence::PLANT;
+use crate::page::Origin;
+use crate::targets::{self, TargetEvidence};
 use crate::verification::{Context, of_verification};
-use crate::{Cell, Column, Report, Section, Table, Tone};
+use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone, alternatives};
 use counterpoise_plot::number::short;
 use counterpoise_plot::{Colour, Figure};
+use counterpoise_project::Assumption;
 
-/// Residuals of an equation are good below this.
-const GOOD_RESIDUAL: f64 = 1e-8;
-/// Predicted and achieved cost agree within this.
-const GOOD_COST: f64 = 1e-6;
-/// Heading of the section with the weights.
-pub const WEIGHTS: &str = "Weights";
-const POINTS: usize = 500;
-const LOWEST_HZ: f64 = 0.02;
-const HIGHEST_HZ: f64 = 500.0;
+/// What a design's report shows that was found outside the pipeline.
+#[derive(Debug, Clone, Copy)]
+pub struct DesignRun<'a> {
+    /// Where the report comes from.
+    pub origin: &'a Origin,
+    /// What each stage took.
+    pub times: &'a [StageTime],
+    /// The compiled code beside its model.
+    pub proofs: &'a [Proof],
+    /// Instructions and memory of a step.
+    pub costs: &'a Costs,
+    /// What is assumed because the project file does not state it.
+    pub assumptions: &'a [Assumption],
+}
 
-/// The report of a design.
-///
-/// # Errors
-/// A frequency response that does not exist.
-pub fn of_design(designed: &Designed, mut context: Context) -> Result<Report, Error> {
+/// Returns the report of a design.
+pub fn of_design(designed: &Designed, result: &DesignResult, run: &DesignRun<'_>) -> Report {
+    let stages = &designed.stages;
     let mut more = vec![
-        reduction_section(designed)?,
-        weight_section(&designed.synthesised.design.specification),
-        certificate_section(designed),
+        crate::certificate::section(&stages.stability, &[]),
+        reduction_section(&designed.views.plants, &stages.reduced),
+        weight_section(&designed.weights, &designed.views.weights),
+        certificate_section(&designed.certificates, &result.synth),
     ];
-    more.append(&mut context.more);
-    let mut report = of_verification(designed.verified.verification(), Context { more, ..context });
-    report.sections.retain(|section| section.heading != PLANT);
-    Ok(report)
-}
-
-fn rates_hz() -> Vec<f64> {
-    let ratio = (HIGHEST_HZ / LOWEST_HZ).ln() / (POINTS - 1) as f64;
-    (0..POINTS).map(|k| LOWEST_HZ * (ratio * k as f64).exp()).collect()
-}
-
-fn response(system: &StateSpace, input: usize) -> Result<Vec<(f64, f64, f64)>, Error> {
-    let frequency = rates_hz();
-    let rates: Vec<f64> = frequency.iter().map(|f| std::f64::consts::TAU * f).collect();
-    let all = Response::of(system)?.at_all(&rates)?;
-    let hub = |k: usize| all[k][(LinearPlant::HUB_RATE, input)];
-    Ok((0..rates.len()).map(|k| (frequency[k], hub(k).re, hub(k).im)).collect())
-}
-
-fn reduction_section(designed: &Designed) -> Result<Section, Error> {
-    let (full, reduced) = (&designed.modelled.linear.system, &designed.reduced);
-    let mut figures = Vec::new();
-    for (input, name) in [
-        (LinearPlant::CONTROL, "control"),
-        (LinearPlant::HEAVE, "heave"),
-        (LinearPlant::PITCH_RATE, "pitch rate"),
-    ] {
-        let curves = [
-            BodeCurve::new(
-                &format!("full plant, order {}", full.order()),
-                Colour::Muted,
-                response(full, input)?,
-            ),
-            BodeCurve::new(
-                &format!("design plant, order {}", reduced.system.order()),
-                Colour::First,
-                response(&reduced.system, input)?,
-            )
-            .dashed(),
-        ];
-        figures.push(bode(&format!("Hub rate for {name}"), "", &curves, Phase::Shown, Vec::new()));
+    more.extend(alternatives::sections(&designed.comparison, &designed.views.families));
+    more.push(order_section(result));
+    more.push(crate::check::assumptions_section(run.assumptions));
+    let evidence = TargetEvidence { study: &designed.targets, proofs: run.proofs, costs: run.costs };
+    more.push(targets::section(&evidence));
+    if !stages.left_out.is_empty() {
+        let lines = stages.left_out.iter().map(ToString::to_string);
+        more.push(lines.fold(Section::new("Code that was left out"), Section::saying));
     }
-    let mut section =
-        Section::new("Plant and design plant").saying(reduction_words(reduced)).showing(figures);
+    if !run.times.is_empty() {
+        more.push(times_section(run.times));
+    }
+    let context = Context {
+        title: designed.identity.name.clone(),
+        subtitle: "From the project file to a verified controller".to_owned(),
+        more,
+        provenance: run.origin.provenance(&designed.identity),
+    };
+    let mut report = of_verification(stages.verified.verification(), &designed.spectra, context);
+    report.sections.retain(|section| section.heading != PLANT);
+    report.reproduced_by(&run.origin.command)
+}
+
+/// Returns the report of a synthesis: the weights, and the design beside its alternatives.
+pub fn of_synthesis(study: &SynthesisStudy, result: &SynthResult, origin: &Origin) -> Report {
+    let mut sections = alternatives::sections(&study.comparison, &study.views.families);
+    sections.push(weight_section(&study.weights, &study.views.weights));
+    let tile = |(name, order): (&String, &usize)| Tile::plain(name, order.to_string(), "states");
+    let report = Report {
+        title: study.identity.name.clone(),
+        subtitle: "The design, and its alternatives".to_owned(),
+        headline: Headline {
+            tone: Tone::Neutral,
+            text: format!(
+                "The sampled loop is stable: largest pole modulus {:.6}",
+                result.largest_pole_modulus
+            ),
+            detail: format!("Design plant of order {}.", result.plant_order),
+        },
+        tiles: result.path_orders.iter().map(tile).collect(),
+        verdicts: Table::new("", &[]),
+        glance: Vec::new(),
+        sections,
+        provenance: origin.provenance(&study.identity),
+    };
+    report.reproduced_by(&origin.command)
+}
+
+/// Returns the points of a response as a curve of a Bode diagram.
+pub fn curve(response: &FrequencyResponse, colour: Colour) -> BodeCurve {
+    let points = response.points.rows().into_iter().map(|row| (row[0], row[1], row[2])).collect();
+    BodeCurve::new(&response.name, colour, points)
+}
+
+fn reduction_section(plants: &[PlantResponse], reduced: &Reduced) -> Section {
+    let figure = |plant: &PlantResponse| {
+        let curves = [curve(&plant.full, Colour::Muted), curve(&plant.reduced, Colour::First).dashed()];
+        bode(&format!("Hub rate for {}", plant.input), "", &curves, Phase::Shown, Vec::new())
+    };
+    let mut section = Section::new("Plant and design plant")
+        .saying(reduction_words(reduced))
+        .showing(plants.iter().map(figure));
     section.text.extend(reduced.warnings.iter().cloned());
-    Ok(section)
+    section
 }
 
 fn reduction_words(reduced: &Reduced) -> String {
@@ -92,120 +118,60 @@ fn reduction_words(reduced: &Reduced) -> String {
     format!("Order {before} was reduced to {after} ({:?}).{error}{bound}.", reduced.method)
 }
 
-/// The weights in pictures, with their meaning in words.
-pub fn weight_section(asked: &Specification) -> Section {
-    let mut section = Section::new(WEIGHTS)
-        .saying(format!(
-            "Feedback: {}. {}.",
-            asked.feedback.error.meaning("error"),
-            capital(&asked.feedback.control.meaning("control"))
-        ))
-        .showing([weight_figure(
-            "Feedback",
-            &[("error", &asked.feedback.error), ("control", &asked.feedback.control)],
-        )]);
-    for (name, part) in [("Heave feedforward", &asked.heave), ("Pitch feedforward", &asked.pitch)] {
-        if let Some(weights) = part {
-            let three = [
-                ("error", &weights.error),
-                ("control", &weights.control),
-                ("disturbance", &weights.generator),
-            ];
-            let (error, control) = (weights.error.meaning("hub rate"), weights.control.meaning("control"));
-            section = section
-                .saying(format!("{name}: {error}. {}.", capital(&control)))
-                .showing([weight_figure(name, &three)]);
-        }
-    }
-    section
+/// Returns the section of the weights: their meaning in words, and their frequency responses.
+pub fn weight_section(lines: &[String], weights: &[WeightResponses]) -> Section {
+    let section = lines.iter().fold(Section::new("Weights"), |section, line| section.saying(line.as_str()));
+    section.showing(weights.iter().map(weight_figure))
 }
 
-/// The sentence with a capital in front.
-fn capital(sentence: &str) -> String {
-    let mut letters = sentence.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
-}
-
-fn weight_figure(name: &str, weights: &[(&str, &Weight)]) -> Figure {
-    let curve = |(what, weight): &(&str, &Weight), colour| {
-        let value = |f: f64| {
-            let h = weight.response(std::f64::consts::TAU * f);
-            (f, h.re, h.im)
-        };
-        BodeCurve::new(what, colour, rates_hz().into_iter().map(value).collect())
-    };
+fn weight_figure(part: &WeightResponses) -> Figure {
     let curves: Vec<BodeCurve> =
-        weights.iter().zip(Colour::CYCLE).map(|(weight, colour)| curve(weight, colour)).collect();
-    bode(&format!("{name}: weights"), "", &curves, Phase::Hidden, Vec::new())
+        part.curves.iter().zip(Colour::CYCLE).map(|(response, colour)| curve(response, colour)).collect();
+    bode(&format!("{}: weights", part.part), "", &curves, Phase::Hidden, Vec::new())
 }
 
-fn certificate_section(designed: &Designed) -> Section {
-    let design = &designed.synthesised.design;
+fn certificate_section(certificates: &[Certificate], result: &SynthResult) -> Section {
     let columns = [Column::Text("certificate"), Column::Number("value"), Column::Text("verdict")];
     let mut table = Table::new("Certificates", &columns);
-    table.rows.push(equation_row("feedback, regulator equation", &design.feedback.regulator));
-    table.rows.push(equation_row("feedback, filter equation", &design.feedback.filter));
-    table.rows.extend(cost_row("feedback", design.feedback.cost));
-    for (name, channel) in [("heave", Channel::Heave), ("pitch", Channel::Pitch)] {
-        design.part(channel).into_iter().for_each(|part| table.rows.extend(feedforward_rows(name, part)));
-    }
-    designed.synthesised.sampled.certified.iter().for_each(|part| table.rows.extend(sampled_rows(part)));
-    let radius = designed.synthesised.sampled.closed_loop.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
-    table.rows.push(row("largest pole of the sampled loop on the design plant", radius, radius < 1.0));
-    let verified =
-        designed.verified.verification().evidence.poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
-    table.rows.push(row("largest pole of the sampled loop on the full plant", verified, verified < 1.0));
-    let warnings = designed.synthesised.warnings.iter().map(ToString::to_string);
+    table.rows = certificates.iter().map(certificate_row).collect();
     let mut section = Section::new("Certificates")
         .saying("Residuals are relative to the terms of their equation; costs are predicted by the equations and found on the assembled loop.")
         .listing(table);
-    section.text.extend(warnings);
+    section.text.extend(result.warnings.iter().cloned());
     section
 }
 
-fn row(name: &str, value: f64, good: bool) -> Vec<Cell> {
-    let verdict = if good {
+fn certificate_row(certificate: &Certificate) -> Vec<Cell> {
+    let verdict = if certificate.holds {
         Cell::Verdict(Tone::Good, "good".to_owned())
     } else {
-        Cell::Verdict(Tone::Bad, "look here".to_owned())
+        Cell::Verdict(Tone::Bad, "outside its limit".to_owned())
     };
-    vec![Cell::text(name), Cell::number(value), verdict]
+    vec![Cell::text(certificate.name.as_str()), Cell::number(certificate.value), verdict]
 }
 
-fn equation_row(name: &str, equation: &Equation) -> Vec<Cell> {
-    row(&format!("{name}: residual"), equation.relative_residual, equation.relative_residual < GOOD_RESIDUAL)
+fn order_section(result: &DesignResult) -> Section {
+    let mut table = Table::new("", &[Column::Text("certificate"), Column::Number("value")]);
+    let mut row = |name: &str, value: String| table.rows.push(vec![Cell::text(name), Cell::text(value)]);
+    row("order of the plant", result.model.order.to_string());
+    row("order of the design plant, sensors and delay included", result.synth.plant_order.to_string());
+    for (name, order) in &result.synth.path_orders {
+        row(&format!("states of the {name} path"), order.to_string());
+    }
+    let radius = result.synth.largest_pole_modulus;
+    row("largest modulus of a pole of the closed sampled loop", format!("{radius:.6}"));
+    if let Some(difference) = result.synth.cost_difference {
+        row("predicted cost against cost of the assembled loop, relative", format!("{difference:.1e}"));
+    }
+    let section = Section::new("Orders").listing(table);
+    let remarks = result.synth.warnings.iter().chain(&result.reduce.warnings);
+    remarks.fold(section, |section, warning| section.saying(format!("Warning: {warning}")))
 }
 
-fn cost_row(name: &str, cost: Cost) -> Option<Vec<Cell>> {
-    let difference = cost.relative_difference()?;
-    Some(row(
-        &format!("{name}: predicted against achieved cost, relative"),
-        difference,
-        difference < GOOD_COST,
-    ))
-}
-
-fn sampled_rows(part: &Certified) -> Vec<Vec<Cell>> {
-    let name = format!("{} in sampled time", part.part);
-    let mut rows = vec![equation_row(&format!("{name}, regulator equation"), &part.regulator)];
-    rows.extend(part.filter.as_ref().map(|filter| equation_row(&format!("{name}, filter equation"), filter)));
-    rows.extend(cost_row(&name, part.cost));
-    rows
-}
-
-fn feedforward_rows(name: &str, part: &Feedforward) -> Vec<Vec<Cell>> {
-    let mut rows = vec![equation_row(&format!("{name} feedforward, regulator equation"), &part.regulator)];
-    rows.extend(
-        part.filter
-            .as_ref()
-            .map(|filter| equation_row(&format!("{name} feedforward, filter equation"), filter)),
-    );
-    let residual = part.sylvester_residual;
-    rows.push(row(
-        &format!("{name} feedforward, Sylvester equation: residual"),
-        residual,
-        residual < GOOD_RESIDUAL,
-    ));
-    rows.extend(cost_row(&format!("{name} feedforward"), part.cost));
-    rows
+fn times_section(times: &[StageTime]) -> Section {
+    let mut table = Table::new("", &[Column::Text("stage"), Column::Number("time [ms]")]);
+    for time in times {
+        table.rows.push(vec![Cell::text(time.name.clone()), Cell::text(format!("{:.1}", time.milliseconds))]);
+    }
+    Section::new("What each stage took").listing(table)
 }

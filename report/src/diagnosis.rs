@@ -7,14 +7,23 @@ use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
 use crate::where_when::where_section;
+use counterpoise_pipeline::Consequence;
+use counterpoise_pipeline::recordings::DiagnosedRecordings;
 use counterpoise_pipeline::recordings::tracks::Track;
 
-use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone, residual};
+use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone, difference, residual};
 
-/// The report.
-pub fn report(machine: &str, command: &str, answer: &AnswerText, tracks: &[Track]) -> Report {
+/// Returns the report of a diagnosis; `consequence` is what the improved model means for the project's design.
+pub fn report(
+    machine: &str,
+    command: &str,
+    (found, answer): (&DiagnosedRecordings, &AnswerText),
+    consequence: Option<&Consequence>,
+) -> Report {
+    let tracks = &found.tracks;
     let mut sections = vec![fit_section(answer, tracks)];
-    sections.extend(residual::sections(tracks));
+    sections.extend(consequence.map(difference::consequence));
+    sections.extend(residual::sections(tracks, &found.residuals));
     sections.extend([where_section(answer), tried_section(answer), cannot_tell(answer)]);
     Report {
         title: format!("Diagnosis of {machine}"),
@@ -141,7 +150,7 @@ fn tried_section(answer: &AnswerText) -> Section {
         Column::Text("component"),
         Column::Text("effect"),
         Column::Text("beside"),
-        Column::Number("gain on held-out data [nat]"),
+        Column::Number("gain in log-likelihood, held-out data"),
         Column::Number("mean ln(error / floor)"),
         Column::Number("worst error / floor"),
         Column::Text(""),

@@ -2,7 +2,7 @@
 
 use counterpoise_pipeline::Consequence;
 use counterpoise_verify::Verification;
-use counterpoise_verify::difference::{Change, changes};
+use counterpoise_verify::difference::Change;
 
 use crate::{Cell, Column, Section, Table, Tone};
 
@@ -56,7 +56,7 @@ pub fn consequence(found: &Consequence) -> Section {
         counted(&found.before),
         counted(&found.kept)
     );
-    let table = section("the model as it was", &changes(&found.before, &found.kept));
+    let table = section("the model as it was", &found.changes);
     Section { heading: "What it means for the controller".to_owned(), ..table }.saying(text)
 }
 

@@ -3,16 +3,21 @@
 //! In comes a [`Report`] (plain data); out goes HTML with the figures inside as SVG, light or dark as the viewer likes, and fit for
 //! printing. The first screen answers whether the design is good: a headline, the main figures, the verdicts. The evidence follows.
 //!
-//! *Invariant*: nothing here measures or judges; nothing here reads a file, a clock or the network. Same report, same bytes.
+//! *Invariant*: nothing here computes, measures or judges; results come in complete from the pipeline. Nothing here reads a file, a clock
+//! or the network. Same report, same bytes.
 //!
 //! Modules in reading order: [`page`], [`html`](mod@html), [`style`], [`bode`]; a verification's report: [`summary`], [`evidence`], [`spectra`],
-//! [`verification`], [`difference`], [`triangle`]; a design's: [`design`], [`bench`], [`targets`], [`trade_off`]; the other commands'
-//! reports: [`model`], [`fra`], [`adaptation`], [`sweep`], [`robust`], [`identify`], [`replay`], [`diagnosis`], [`residual`], [`structure`]; and the
+//! [`verification`], [`difference`], [`triangle`]; a design's: [`design`], [`alternatives`], [`targets`], [`trade_off`]; the other commands'
+//! reports: [`check`], [`model`], [`fra`], [`adaptation`], [`sweep`], [`robust`], [`certificate`], [`advice`], [`identify`], [`replay`],
+//! [`diagnosis`], [`residual`], [`structure`]; and the
 //! sentences of a diagnosis: [`wording`].
 
 pub mod adaptation;
-pub mod bench;
+pub mod advice;
+pub mod alternatives;
 pub mod bode;
+pub mod certificate;
+pub mod check;
 pub mod design;
 pub mod diagnosis;
 pub mod difference;
@@ -37,7 +42,7 @@ pub mod verification;
 mod where_when;
 pub mod wording;
 
-pub use design::of_design;
+pub use design::{of_design, of_synthesis};
 pub use html::html;
-pub use page::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
+pub use page::{Cell, Column, Headline, Origin, Report, Section, Table, Tile, Tone};
 pub use verification::{Context, of_verification};

@@ -1,6 +1,6 @@
 //! The report of a plant: its numbers, poles, the modes of its structure, and its friction.
 
-use counterpoise_pipeline::plant_views::{FrictionLoop, FrictionPortrait, Meshes, ModeSet, Portrait};
+use counterpoise_pipeline::plant_views::{FrictionLoop, FrictionView, Meshes, ModeSet, PlantViews};
 use counterpoise_pipeline::results::ModelResult;
 use counterpoise_pipeline::studies::accuracy::Accuracy;
 
@@ -9,17 +9,17 @@ use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
 /// The report.
-pub fn report(result: &ModelResult, portrait: &Portrait, accuracy: &[Accuracy], command: &str) -> Report {
+pub fn report(result: &ModelResult, views: &PlantViews, accuracy: &[Accuracy], command: &str) -> Report {
     let mut sections: Vec<Section> = Vec::new();
-    if !portrait.modes.is_empty() {
-        sections.push(modes_section(&portrait.modes, command));
+    if !views.modes.is_empty() {
+        sections.push(modes_section(&views.modes, command));
     }
-    sections.extend(portrait.meshes.as_ref().map(|meshes| meshes_section(meshes, command)));
-    sections.extend(portrait.frictions.iter().map(|friction| friction_section(friction, command)));
+    sections.extend(views.meshes.as_ref().map(|meshes| meshes_section(meshes, command)));
+    sections.extend(views.frictions.iter().map(|friction| friction_section(friction, command)));
     if !accuracy.is_empty() {
         sections.push(accuracy_section(accuracy, command));
     }
-    let glance = portrait.modes.iter().find(|set| set.support == "pinned").map(|set| shapes(set, command));
+    let glance = views.modes.iter().find(|set| set.support == "pinned").map(|set| shapes(set, command));
     Report {
         title: format!("Plant of {}", result.name),
         subtitle: "operating point, poles, modes of the structure, friction".to_owned(),
@@ -32,7 +32,7 @@ pub fn report(result: &ModelResult, portrait: &Portrait, accuracy: &[Accuracy], 
                 short(result.holding_v)
             ),
         },
-        tiles: tiles(result, portrait),
+        tiles: tiles(result, views),
         verdicts: poles(result),
         glance: glance.into_iter().collect(),
         sections,
@@ -43,7 +43,7 @@ pub fn report(result: &ModelResult, portrait: &Portrait, accuracy: &[Accuracy], 
     }
 }
 
-fn tiles(result: &ModelResult, portrait: &Portrait) -> Vec<Tile> {
+fn tiles(result: &ModelResult, views: &PlantViews) -> Vec<Tile> {
     let tile = |label: String, value: f64, unit: &str| Tile {
         label,
         value: short(value),
@@ -55,7 +55,7 @@ fn tiles(result: &ModelResult, portrait: &Portrait) -> Vec<Tile> {
         tile("out-of-balance".to_owned(), result.out_of_balance_kg_m, "kg m"),
         tile("holding control".to_owned(), result.holding_v, "V"),
     ];
-    for set in portrait.modes.iter().filter(|set| set.support != "free") {
+    for set in views.modes.iter().filter(|set| set.support != "free") {
         out.extend(
             set.modes
                 .first()
@@ -251,7 +251,7 @@ fn span(all: &[Accuracy]) -> String {
 /// Loops in order of swing that have not slid: those below the one whose torque no longer grows.
 const PRESLIDING: usize = 3;
 
-fn friction_section(friction: &FrictionPortrait, command: &str) -> Section {
+fn friction_section(friction: &FrictionView, command: &str) -> Section {
     let place = friction.place;
     let steady = friction.steady.iter().map(|p| (p[0], p[1]));
     let mut figures = vec![

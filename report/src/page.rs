@@ -1,5 +1,6 @@
 //! What a report is made of.
 
+use counterpoise_pipeline::ProjectIdentity;
 use counterpoise_plot::Figure;
 
 /// A whole report.
@@ -21,6 +22,15 @@ pub struct Report {
     pub sections: Vec<Section>,
     /// Where the report comes from, as pairs of name and value: version, project, command.
     pub provenance: Vec<(String, String)>,
+}
+
+/// Where a report comes from.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Origin {
+    /// Path of the project file; empty for none.
+    pub project: String,
+    /// The command line that makes the report again.
+    pub command: String,
 }
 
 /// The answer in one line.
@@ -102,6 +112,27 @@ pub enum Cell {
     Verdict(Tone, String),
     /// A bar from 0 to 1 with its text: how much room there is.
     Room(Tone, f64, String),
+}
+
+impl Origin {
+    /// Returns version, project file, project hash and command as pairs of name and value.
+    pub fn provenance(&self, identity: &ProjectIdentity) -> Vec<(String, String)> {
+        let pair = |name: &str, value: &str| (name.to_owned(), value.to_owned());
+        let mut all = vec![pair("version", env!("CARGO_PKG_VERSION"))];
+        all.extend((!self.project.is_empty()).then(|| pair("project", &self.project)));
+        all.extend([pair("project hash", &identity.hash), pair("command", &self.command)]);
+        all
+    }
+}
+
+impl Report {
+    /// Returns the same report, with the command that produces it again under every figure of the evidence that has none.
+    pub fn reproduced_by(mut self, command: &str) -> Self {
+        let figures = self.sections.iter_mut().flat_map(|section| &mut section.figures);
+        let bare = figures.filter(|figure| figure.command.is_empty());
+        bare.for_each(|figure| command.clone_into(&mut figure.command));
+        self
+    }
 }
 
 impl Tile {

@@ -2,19 +2,21 @@
 
 use std::collections::BTreeMap;
 
+use counterpoise_pipeline::recordings::ReplayedRecording;
 use counterpoise_pipeline::results::{ChannelResult, RecordingResult, ReplayResult};
 
 use counterpoise_pipeline::recordings::tracks::Track;
 
 use crate::diagnosis::{comparison, worst_track};
+use crate::wording::recordings::describe_replay_mode;
 use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
 
 /// Error over floor up to which a model fits.
 const FITS: f64 = 1.5;
 
-/// The report; `tracks` are those of each recording of the result.
-pub fn report(title: &str, command: &str, result: &ReplayResult, tracks: &[Vec<Track>]) -> Report {
-    let all: Vec<Track> = tracks.iter().flatten().cloned().collect();
+/// Returns the report of replayed recordings and their result.
+pub fn report(title: &str, command: &str, result: &ReplayResult, replayed: &[ReplayedRecording]) -> Report {
+    let all: Vec<Track> = replayed.iter().flat_map(|one| &one.tracks).cloned().collect();
     Report {
         title: title.to_owned(),
         subtitle: "what the model does under what was recorded".to_owned(),
@@ -22,7 +24,7 @@ pub fn report(title: &str, command: &str, result: &ReplayResult, tracks: &[Vec<T
         tiles: tiles(result),
         verdicts: ways(result),
         glance: worst_track(&all).map(|track| comparison(track, command)).into_iter().collect(),
-        sections: result.recordings.iter().zip(tracks).map(|(r, tracks)| section(r, tracks)).collect(),
+        sections: result.recordings.iter().zip(replayed).map(|(r, one)| section(r, &one.tracks)).collect(),
         provenance: vec![
             ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
             ("command".to_owned(), command.to_owned()),
@@ -52,7 +54,7 @@ fn name(file: &str) -> &str {
 
 fn headline(result: &ReplayResult) -> Headline {
     let (tone, text) = match worst(result) {
-        None => (Tone::Neutral, "Nothing was recorded that the model could be held against".to_owned()),
+        None => (Tone::Neutral, "No recorded channel can be compared with the model".to_owned()),
         Some((ratio, ..)) if ratio <= FITS => {
             (Tone::Good, format!("The model fits every channel to within {FITS} times its floor"))
         }
@@ -92,15 +94,15 @@ fn ways(result: &ReplayResult) -> Table {
         Column::Text("followed"),
         Column::Text("largest error over floor"),
         Column::Text("the same from start to end"),
-        Column::Text("two runs of the model part by"),
+        Column::Text("two runs of the model diverge by"),
     ];
     let mut table = Table::new("How each recording was followed", &columns);
-    let told = |channels| largest(channels).map_or(String::new(), |(r, name)| format!("{r:.2} in {name}"));
+    let worst = |channels| largest(channels).map_or(String::new(), |(r, name)| format!("{r:.2} in {name}"));
     for r in &result.recordings {
         let way = r.window_s.map_or("from start to end".to_owned(), |s| format!("over windows of {s} s"));
         let free = if r.window_s.is_some() { &r.free } else { &r.channels };
         let parting = r.parting.map_or(String::new(), |p| format!("{:.1} floors in {}", p.floors, p.channel));
-        let cells = [name(&r.file).to_owned(), way, told(&r.channels), told(free), parting];
+        let cells = [name(&r.file).to_owned(), way, worst(&r.channels), worst(free), parting];
         table.rows.push(cells.into_iter().map(Cell::text).collect());
     }
     table
@@ -114,7 +116,7 @@ fn section(recording: &RecordingResult, tracks: &[Track]) -> Section {
         Column::Number("error over floor"),
         Column::Number("VAF, %"),
     ];
-    let mut table = Table::new(&format!("Followed {}", recording.way()), &columns);
+    let mut table = Table::new(&format!("Followed {}", describe_replay_mode(recording)), &columns);
     for (channel, c) in &recording.channels {
         table.rows.push(vec![
             Cell::text(*channel),

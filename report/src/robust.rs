@@ -1,6 +1,5 @@
 //! The linear worst case: how far all stated ranges may be widened together, in words and as a section.
 
-use counterpoise_lti::C64;
 use counterpoise_verify::structured::{Destabilising, RobustStability};
 
 use crate::{Cell, Column, Section, Table};
@@ -61,7 +60,7 @@ fn nearest(found: &Destabilising) -> String {
         .collect();
     for (name, error) in ["plant's input", "hub gyroscope"].iter().zip(found.errors) {
         if error.norm() > 0.0 {
-            parts.push(format!("{name} off by {}", polar(error)));
+            parts.push(format!("{name} off by {}", polar(error.to_polar())));
         }
     }
     format!(
@@ -73,8 +72,9 @@ fn nearest(found: &Destabilising) -> String {
     )
 }
 
-fn polar(error: C64) -> String {
-    format!("{} % at {:.0} deg", short(100.0 * error.norm()), error.arg().to_degrees())
+/// A complex relative error from its modulus and angle in radians.
+fn polar((modulus, angle): (f64, f64)) -> String {
+    format!("{} % at {:.0} deg", short(100.0 * modulus), angle.to_degrees())
 }
 
 /// The section: the lines, the bounds over frequency, the nearest mechanism.
@@ -120,7 +120,7 @@ fn table(found: &Destabilising) -> Table {
     for (name, error) in ["error at the plant's input", "error of the hub gyroscope"].iter().zip(found.errors)
     {
         if error.norm() > 0.0 {
-            table.rows.push(vec![Cell::text(*name), Cell::text(polar(error))]);
+            table.rows.push(vec![Cell::text(*name), Cell::text(polar(error.to_polar()))]);
         }
     }
     table

@@ -1,7 +1,7 @@
 //! The rejection ratio from time histories, as a section.
 
-use counterpoise_verify::spectral::{CONFIDENCE, Spectral, spectral};
-use counterpoise_verify::{Arrangement, Source, Verification};
+use counterpoise_verify::spectral::{CONFIDENCE, Spectral};
+use counterpoise_verify::{Arrangement, Source};
 
 use crate::Section;
 use counterpoise_plot::{Axis, Band, Colour, Figure, Panel, Series};
@@ -10,8 +10,7 @@ use counterpoise_plot::{Axis, Band, Colour, Figure, Panel, Series};
 const BAND_HZ: (f64, f64) = (0.3, 12.0);
 
 /// Hub rate over pitch and over heave on the road, with confidence and coherence; nothing without a road.
-pub fn section(found: &Verification) -> Option<Section> {
-    let all = spectral(found);
+pub fn section(all: &[Spectral]) -> Option<Section> {
     if all.is_empty() {
         return None;
     }

@@ -112,14 +112,14 @@ fn verdict_row(requirement: &Requirement, verdict: &Verdict) -> Vec<Cell> {
 pub fn tiles(found: &Verification) -> Vec<Tile> {
     let model = nonlinear_if_run(found);
     let hub = |source| Figure::Disturbance(model, source, Arrangement::Compensated, Quantity::HubRms);
-    let drr = |source| Figure::Rejection { source, arrangement: Arrangement::Compensated, frequency_hz: 1.0 };
+    let drr = |source| Figure::Disturbance(model, source, Arrangement::Compensated, Quantity::Rejection);
     let wanted = [
-        ("gain margin", Figure::Loop(LoopFigure::GainMargin)),
-        ("phase margin", Figure::Loop(LoopFigure::PhaseMargin)),
-        ("sensitivity Ms", Figure::Loop(LoopFigure::MaxSensitivity)),
+        ("gain margin, linear", Figure::Loop(LoopFigure::GainMargin)),
+        ("phase margin, linear", Figure::Loop(LoopFigure::PhaseMargin)),
+        ("sensitivity Ms, linear", Figure::Loop(LoopFigure::MaxSensitivity)),
         ("step overshoot", Figure::Step(model, StepFigure::Overshoot)),
-        ("DRR pitch, 1 Hz", drr(Source::Pitch)),
-        ("DRR heave, 1 Hz", drr(Source::Heave)),
+        ("DRR pitch", drr(Source::Pitch)),
+        ("DRR heave", drr(Source::Heave)),
         ("hub rate on the road", hub(Source::Road)),
     ];
     wanted.into_iter().filter_map(|(label, figure)| tile(found, label, figure)).collect()
@@ -137,15 +137,63 @@ fn tile(found: &Verification, label: &str, figure: Figure) -> Option<Tile> {
     let (scale, unit) = if figure.unit() == "rad/s" { (1e3, "mrad/s") } else { (1.0, figure.unit()) };
     let limit = judged.map(|(requirement, _)| words_of(scaled(requirement.limit, scale)));
     let value = scale * value;
-    let kind = match figure {
-        Figure::Disturbance(..) => "RMS, all feedforwards",
+    let kind_of = match figure {
+        Figure::Disturbance(Model::Nonlinear, ..) => "RMS, nonlinear, all feedforwards",
+        Figure::Disturbance(Model::Linear, ..) => "RMS, linear, all feedforwards",
         Figure::Step(Model::Nonlinear, _) => "nonlinear plant",
-        Figure::Rejection { .. } => "hub over platform",
+        Figure::Step(Model::Linear, _) => "linear plant",
         _ => "",
     };
-    let note = limit.unwrap_or_else(|| kind.to_owned());
+    let note = match (limit, rejection_note(found, figure)) {
+        (Some(limit), Some(kind)) => format!("{limit}; {kind}"),
+        (Some(limit), None) => limit,
+        (None, kind) => kind.unwrap_or_else(|| kind_of.to_owned()),
+    };
     Some(Tile { label: label.to_owned(), value: short(value), unit: unit.to_owned(), note, tone })
 }
+
+/// At which amplitude a rejection ratio holds, with the linear one beside the nonlinear one; `None` for any other figure.
+fn rejection_note(found: &Verification, figure: Figure) -> Option<String> {
+    let Figure::Disturbance(model, source, arrangement, Quantity::Rejection) = figure else { return None };
+    let history = found.history(model, Experiment::Disturbance(source, arrangement))?;
+    let unit = if source == Source::Heave { "m/s\u{B2}" } else { "rad/s" };
+    if model == Model::Linear {
+        return Some("linear, at any amplitude".to_owned());
+    }
+    let beside = Figure::Disturbance(Model::Linear, source, arrangement, Quantity::Rejection);
+    let linear = found.value(beside).map_or(String::new(), |db| format!("; linear {} dB", short(db)));
+    Some(format!("nonlinear, at {} {unit}{linear}", short(history.motion_amplitude()?)))
+}
+
+/// Returns a sentence for each motion of the platform under which the feedforwards make the hub rate worse.
+pub fn worse_feedforwards(found: &Verification) -> Vec<String> {
+    let mut lines = Vec::new();
+    for model in [Model::Nonlinear, Model::Linear] {
+        for (source, name) in [
+            (Source::Heave, "heave"),
+            (Source::Pitch, "pitch"),
+            (Source::Both, "heave and pitch"),
+            (Source::Road, "the road"),
+        ] {
+            let rms =
+                |arrangement| found.value(Figure::Disturbance(model, source, arrangement, Quantity::HubRms));
+            let both = rms(Arrangement::Feedback).zip(rms(Arrangement::Compensated));
+            let Some((without, with)) = both.filter(|(without, with)| *with > WORSE * without) else {
+                continue;
+            };
+            let plant = if model == Model::Nonlinear { "nonlinear" } else { "linear" };
+            lines.push(format!(
+                "On the {plant} plant the feedforwards make the residual hub rate under {name} worse: {} mrad/s RMS with them, {} without",
+                short(1e3 * with),
+                short(1e3 * without)
+            ));
+        }
+    }
+    lines
+}
+
+/// A feedforward is called worse from this factor on; below, the difference is that of two noise records.
+const WORSE: f64 = 1.01;
 
 fn scaled(limit: Limit, scale: f64) -> Limit {
     match limit {

@@ -1,79 +1,86 @@
 //! The pages of a robustness campaign.
 
-use counterpoise_verify::robust::{Campaign, Member, Sample, Sense, Worst, ranking, summary};
-use counterpoise_verify::structured::RobustStability;
+use counterpoise_pipeline::studies::sweep::CampaignResult;
+use counterpoise_verify::robust::{Sense, Worst};
 use counterpoise_verify::{Limit, Requirement, Value, Verification};
 
 use crate::verification::Context;
-use crate::{Cell, Column, Headline, Report, Section, Table, Tone, summary as first};
+use crate::{Cell, Column, Headline, Report, Section, Table, Tone, robust, summary as first};
 use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
-/// The report: shares of the campaign on the first screen.
-pub fn report(found: &Verification, campaign: &Campaign, samples: &[Sample], context: Context) -> Report {
-    let good = samples.iter().filter(|sample| campaign.passes(sample)).count();
-    let all = samples.len();
+/// Returns the report: shares of the campaign on the first screen. `project` is the project as the command line names it.
+pub fn report(nominal: &Verification, found: &CampaignResult, project: &str, context: Context) -> Report {
+    let (good, all) = (found.passing, found.samples());
     let tone = if good == all { Tone::Good } else { Tone::Bad };
     let text = format!("{good} of {all} mechanisms meet every requirement");
-    let detail = format!("The nominal design: {}.", first::headline(found).text.to_lowercase());
+    let detail = format!(
+        "The nominal design: {}.{}",
+        first::headline(nominal).text.to_lowercase(),
+        outside_samples(found)
+    );
+    let mut sections = vec![worst(found, project)];
+    sections.extend(found.stability.as_ref().map(robust::section));
+    sections.extend(statistics(found));
+    sections.extend(context.more);
     Report {
         title: format!("{}: robustness", context.title),
         subtitle: context.subtitle,
         headline: Headline { tone, text, detail },
         tiles: Vec::new(),
-        verdicts: shares(campaign, samples),
+        verdicts: shares(found),
         glance: Vec::new(),
-        sections: context.more,
+        sections,
         provenance: context.provenance,
     }
 }
 
 /// Distributions, sensitivities and families.
-pub fn sections(campaign: &Campaign, samples: &[Sample], families: &[Member]) -> Vec<Section> {
-    let count = campaign.requirements().len();
+fn statistics(found: &CampaignResult) -> Vec<Section> {
+    let count = found.requirements.len();
     let distributions = Section::new("Distributions")
         .saying("How many mechanisms lie below a value; the dotted line is the limit.")
-        .showing((0..count).map(|k| distribution(campaign, samples, k)));
+        .showing((0..count).map(|k| distribution(found, k)));
     let sensitivity = Section::new("What matters")
         .saying(format!(
             "Spearman's rank correlation between each factor and each figure: \u{2212}1 or 1 is strict order, 0 is none. \
              \"Either way\" compares the factor's distance from 1, where that says more. Left out is what chance alone would often give: less than {:.2}, two over the root of the number of mechanisms.",
-            chance(samples)
+            chance(found)
         ))
-        .listing(sensitivity(campaign, samples));
+        .listing(sensitivity(found));
     let members = Section::new("One at a time, and each configuration")
-        .listing(member_summary(campaign, families))
-        .listing(member_table(campaign, families));
+        .listing(member_summary(found))
+        .listing(member_table(found));
     vec![distributions, sensitivity, members]
 }
 
-/// What lies beyond the samples, for the headline: the worst cases, and how far the linear loop is from its limit.
-pub fn beyond(campaign: &Campaign, worst: &[Option<Worst>], stability: Option<&RobustStability>) -> String {
-    let both = campaign.requirements().iter().zip(worst);
+/// What is known outside the samples, for the headline: the worst cases, and how far the linear loop is from its limit.
+fn outside_samples(found: &CampaignResult) -> String {
+    let both = found.requirements.iter().zip(&found.worst);
     let fails = both.filter(|(requirement, worst)| {
         worst.as_ref().is_some_and(|worst| requirement.limit.room(worst.value) < 0.0)
     });
     let fails = fails.count();
     let searched = match fails {
         0 => " The search for worst cases finds none that fails.".to_owned(),
-        some => format!(" In its worst case {some} of {} requirements fail.", worst.len()),
+        some => format!(" In its worst case {some} of {} requirements fail.", found.worst.len()),
     };
-    let stable = stability.map_or(String::new(), |found| {
+    let stable = found.stability.as_ref().map_or(String::new(), |found| {
         format!(" The linear loop is stable within {} times the stated ranges.", short(found.guaranteed))
     });
     searched + &stable
 }
 
 /// The options of `counterpoise sweep` that run a worst case again.
-pub fn again(campaign: &Campaign, worst: &Worst) -> String {
-    let both = campaign.variations().iter().zip(&worst.factors);
+pub fn again(found: &CampaignResult, worst: &Worst) -> String {
+    let both = found.variations.iter().zip(&worst.factors);
     let words: Vec<String> =
         both.map(|(variation, factor)| format!("{}={factor:.6}", variation.parameter.key())).collect();
     format!("--sample {} --factors {}", worst.sample, words.join(","))
 }
 
 /// The worst case of each requirement beside its worst sample, with the factors that matter most for it.
-pub fn worst(campaign: &Campaign, samples: &[Sample], (found, project): (&[Option<Worst>], &str)) -> Section {
+fn worst(found: &CampaignResult, project: &str) -> Section {
     let columns = [
         Column::Text("requirement"),
         Column::Number("worst sample"),
@@ -83,27 +90,27 @@ pub fn worst(campaign: &Campaign, samples: &[Sample], (found, project): (&[Optio
         Column::Text("factors of the worst case"),
     ];
     let mut table = Table::new("", &columns);
-    for (k, worst) in found.iter().enumerate() {
+    for (k, worst) in found.worst.iter().enumerate() {
         let Some(worst) = worst else { continue };
-        let limit = campaign.requirements()[k].limit;
+        let limit = found.requirements[k].limit;
         let verdict = match limit.room(worst.value) {
             room if room >= 0.0 => Cell::Verdict(Tone::Good, "holds".to_owned()),
             room => Cell::Verdict(Tone::Bad, format!("fails by {}", short(-room))),
         };
-        let both = campaign.variations().iter().zip(&worst.factors);
+        let both = found.variations.iter().zip(&worst.factors);
         let words: Vec<String> = both
             .map(|(variation, factor)| format!("{} {}", variation.parameter.key(), short(*factor)))
             .collect();
         table.rows.push(vec![
-            Cell::text(format!("{} {}", name(campaign, k), bound(limit))),
+            Cell::text(format!("{} {}", name(found, k), bound(limit))),
             Cell::number(worst.start),
             Cell::number(worst.value),
             verdict,
-            Cell::text(matters(campaign, samples, k, MOST_NAMED)),
+            Cell::text(matters(found, k, MOST_NAMED)),
             Cell::text(words.join(", ")),
         ]);
     }
-    let first = found.iter().flatten().next().map(|worst| again(campaign, worst));
+    let first = found.worst.iter().flatten().next().map(|worst| again(found, worst));
     let section = Section::new("Worst cases")
         .saying(
             "From the worst sample of each requirement a compass search goes on inside the stated ranges, with that sample's sensor noise. \
@@ -118,12 +125,12 @@ pub fn worst(campaign: &Campaign, samples: &[Sample], (found, project): (&[Optio
     }
 }
 
-fn name(campaign: &Campaign, requirement: usize) -> String {
-    let figure = campaign.requirements()[requirement].figure;
+fn name(found: &CampaignResult, requirement: usize) -> String {
+    let figure = found.requirements[requirement].figure;
     if figure.unit().is_empty() { figure.name() } else { format!("{} [{}]", figure.name(), figure.unit()) }
 }
 
-fn shares(campaign: &Campaign, samples: &[Sample]) -> Table {
+fn shares(found: &CampaignResult) -> Table {
     let columns = [
         Column::Text("requirement"),
         Column::Number("met by"),
@@ -134,32 +141,32 @@ fn shares(campaign: &Campaign, samples: &[Sample]) -> Table {
         Column::Number("worst sample"),
     ];
     let mut table = Table::new("Requirements over the campaign", &columns);
-    for k in 0..campaign.requirements().len() {
-        let found = summary(campaign, samples, k);
-        let tone = if found.share >= 1.0 { Tone::Good } else { Tone::Bad };
-        let sign = bound(campaign.requirements()[k].limit);
+    for k in 0..found.requirements.len() {
+        let over = &found.summaries[k];
+        let tone = if over.share >= 1.0 { Tone::Good } else { Tone::Bad };
+        let sign = bound(found.requirements[k].limit);
         table.rows.push(vec![
-            Cell::text(format!("{} {sign}", name(campaign, k))),
-            Cell::Verdict(tone, format!("{:.1} %", 100.0 * found.share)),
-            Cell::text(format!("{:.1} to {:.1}", 100.0 * found.interval.0, 100.0 * found.interval.1)),
-            Cell::number(found.q05),
-            Cell::number(found.median),
-            Cell::number(found.q95),
-            Cell::text(found.worst.map_or(String::new(), |index| index.to_string())),
+            Cell::text(format!("{} {sign}", name(found, k))),
+            Cell::Verdict(tone, format!("{:.1} %", 100.0 * over.share)),
+            Cell::text(format!("{:.1} to {:.1}", 100.0 * over.interval.0, 100.0 * over.interval.1)),
+            Cell::number(over.q05),
+            Cell::number(over.median),
+            Cell::number(over.q95),
+            Cell::text(over.worst.map_or(String::new(), |index| index.to_string())),
         ]);
     }
     table
 }
 
 /// The share of mechanisms below each value.
-fn distribution(campaign: &Campaign, samples: &[Sample], requirement: usize) -> Figure {
+fn distribution(found: &CampaignResult, requirement: usize) -> Figure {
     let mut values: Vec<f64> =
-        samples.iter().map(|sample| sample.values[requirement]).filter(|v| v.is_finite()).collect();
+        found.values.column(requirement).iter().copied().filter(|v| v.is_finite()).collect();
     values.sort_by(f64::total_cmp);
-    let all = samples.len().max(1) as f64;
+    let all = found.samples().max(1) as f64;
     let points = values.iter().enumerate().map(|(k, value)| (*value, 100.0 * (k + 1) as f64 / all));
-    let figure = campaign.requirements()[requirement].figure;
-    let limit = campaign.requirements()[requirement].limit.value();
+    let figure = found.requirements[requirement].figure;
+    let limit = found.requirements[requirement].limit.value();
     let marks = vec![Mark::Instant { x: limit, text: format!("limit {}", short(limit)) }];
     let panel = Panel::new(
         Axis::linear("mechanisms below", "%").over(0.0, 100.0),
@@ -175,15 +182,15 @@ fn distribution(campaign: &Campaign, samples: &[Sample], requirement: usize) -> 
 }
 
 /// The rank correlation that chance alone exceeds in about one case of twenty.
-fn chance(samples: &[Sample]) -> f64 {
-    2.0 / (samples.len().max(1) as f64).sqrt()
+fn chance(found: &CampaignResult) -> f64 {
+    2.0 / (found.samples().max(1) as f64).sqrt()
 }
 
-fn sensitivity(campaign: &Campaign, samples: &[Sample]) -> Table {
+fn sensitivity(found: &CampaignResult) -> Table {
     let mut table = Table::new("", &[Column::Text("figure"), Column::Text("strongest first")]);
-    for k in 0..campaign.requirements().len() {
-        let words = matters(campaign, samples, k, campaign.variations().len());
-        table.rows.push(vec![Cell::text(name(campaign, k)), Cell::text(words)]);
+    for k in 0..found.requirements.len() {
+        let words = matters(found, k, found.variations.len());
+        table.rows.push(vec![Cell::text(name(found, k)), Cell::text(words)]);
     }
     table
 }
@@ -192,11 +199,11 @@ fn sensitivity(campaign: &Campaign, samples: &[Sample]) -> Table {
 const MOST_NAMED: usize = 3;
 
 /// At most so many factors that stand out from chance, with their rank correlation.
-fn matters(campaign: &Campaign, samples: &[Sample], requirement: usize, most: usize) -> String {
-    let ranked = ranking(campaign, samples, requirement);
-    let clear = ranked.iter().filter(|one| one.correlation.abs() >= chance(samples));
+fn matters(found: &CampaignResult, requirement: usize, most: usize) -> String {
+    let ranked = &found.rankings[requirement];
+    let clear = ranked.iter().filter(|one| one.correlation.abs() >= chance(found));
     let words = clear.take(most).map(|one| {
-        let key = campaign.variations()[one.variation].parameter.key();
+        let key = found.variations[one.variation].parameter.key();
         let either = if one.sense == Sense::EitherWay { "either way " } else { "" };
         format!("{key} {either}{:+.2}", one.correlation).replace('-', "\u{2212}")
     });
@@ -205,11 +212,11 @@ fn matters(campaign: &Campaign, samples: &[Sample], requirement: usize, most: us
 }
 
 /// A mechanism a row: how many requirements hold, and what fails.
-fn member_summary(campaign: &Campaign, families: &[Member]) -> Table {
+fn member_summary(found: &CampaignResult) -> Table {
     let columns = [Column::Text("mechanism"), Column::Text("requirements"), Column::Text("what fails")];
     let mut table = Table::new("Verdicts", &columns);
-    for member in families {
-        let both = campaign.requirements().iter().zip(&member.values);
+    for member in &found.families {
+        let both = found.requirements.iter().zip(&member.values);
         let judged: Vec<_> =
             both.map(|(requirement, value)| (requirement, judged(requirement, value))).collect();
         let all = judged.iter().filter(|(_, (_, room))| !room.is_nan()).count();
@@ -250,12 +257,12 @@ fn judged(requirement: &Requirement, value: &Value) -> (f64, f64) {
 }
 
 /// Mechanisms down, requirements as text: their number varies, columns are fixed.
-fn member_table(campaign: &Campaign, families: &[Member]) -> Table {
+fn member_table(found: &CampaignResult) -> Table {
     let columns =
         [Column::Text("mechanism"), Column::Text("figure"), Column::Number("value"), Column::Text("verdict")];
     let mut table = Table::new("Every figure", &columns);
-    for member in families {
-        for (k, (requirement, value)) in campaign.requirements().iter().zip(&member.values).enumerate() {
+    for member in &found.families {
+        for (k, (requirement, value)) in found.requirements.iter().zip(&member.values).enumerate() {
             let (number, room) = judged(requirement, value);
             let (tone, word) = match room {
                 r if r.is_nan() => (Tone::Neutral, "not applicable".to_owned()),
@@ -264,7 +271,7 @@ fn member_table(campaign: &Campaign, families: &[Member]) -> Table {
             };
             table.rows.push(vec![
                 Cell::text(member.name.clone()),
-                Cell::text(name(campaign, k)),
+                Cell::text(name(found, k)),
                 Cell::number(number),
                 Cell::Verdict(tone, word),
             ]);

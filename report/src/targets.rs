@@ -2,46 +2,41 @@
 
 use counterpoise_controller::sensitivity::Form;
 use counterpoise_export::{FormFigures, Numbers, TargetFigures, Targets};
+use counterpoise_pipeline::design::TargetStudy;
 use counterpoise_pipeline::export::PathForms;
 use counterpoise_pipeline::export::target_proofs::{Answered, CoreCost, Costs, Operations, Proof};
 use counterpoise_verify::{Experiment, Source};
 
 use crate::{Cell, Column, Section, Table};
 
-/// All that the section tells of.
+/// What the section shows.
 #[derive(Debug, Clone, Copy)]
-pub struct Told<'a> {
-    /// The closed loop in each kind of numbers.
-    pub targets: &'a Targets,
+pub struct TargetEvidence<'a> {
+    /// The controller in every kind of numbers.
+    pub study: &'a TargetStudy,
     /// The compiled code beside its model.
     pub proofs: &'a [Proof],
-    /// Operations of a step.
-    pub operations: Operations,
     /// Instructions and memory.
     pub costs: &'a Costs,
-    /// Realisations of the paths.
-    pub forms: &'a [PathForms],
-    /// The controller with its paths in every form.
-    pub by_form: &'a [FormFigures],
 }
 
 /// The section of a report that sets the targets side by side.
-pub fn section(told: &Told<'_>) -> Section {
+pub fn section(evidence: &TargetEvidence<'_>) -> Section {
     let about = "Every code below was generated, compiled and given all readings of its own closed loops on the nonlinear plant. \
                  Where it answers as its model to the last bit, it moves the plant as its model does, sample by sample. What \
                  small numbers cost is against double; for heave, pitch and road it is what the rejection ratio loses.";
-    let section = Section::new("On the target").saying(about).listing(loops(told));
-    let section = match &told.targets.fixed {
+    let section = Section::new("On the target").saying(about).listing(loops(evidence));
+    let section = match &evidence.study.compared.fixed {
         Ok(_) => section,
         Err(why) => section.saying(format!("There is no fixed-point form: {why}.")),
     };
-    let section = section.listing(proof_table(told.proofs)).listing(deviations(told.targets));
+    let section = section.listing(proof_table(evidence.proofs)).listing(deviations(&evidence.study.compared));
     let section = section
         .saying(ROUNDING)
-        .listing(form_table(told.forms))
-        .listing(by_form(told.by_form))
-        .saying(work(told.operations));
-    let costs = told.costs;
+        .listing(form_table(&evidence.study.forms))
+        .listing(by_form(&evidence.study.by_form))
+        .saying(work(evidence.study.operations));
+    let costs = evidence.costs;
     let section = if costs.counted.is_empty() { section } else { section.listing(cost_table(costs)) };
     match &costs.remark {
         Some(remark) => section.saying(format!("Instructions, flash and stack: {remark}.")),
@@ -66,9 +61,9 @@ fn work(operations: Operations) -> String {
 }
 
 /// The closed loop in each experiment, a column for each code.
-fn loops(told: &Told<'_>) -> Table {
+fn loops(evidence: &TargetEvidence<'_>) -> Table {
     let mut columns = vec![Column::Text("experiment")];
-    for (figures, proof) in codes(told) {
+    for (figures, proof) in codes(evidence) {
         columns.push(Column::Number(code_unit(proof)));
         if !proof.rust && figures.numbers != Numbers::Double {
             columns.push(Column::Number(if figures.numbers == Numbers::Single {
@@ -80,15 +75,15 @@ fn loops(told: &Told<'_>) -> Table {
     }
     let mut table =
         Table::new("Hub rate error RMS of the closed loop with the exported code, nonlinear plant", &columns);
-    let experiments = told.targets.figures.first().map_or(0, |figures| figures.experiments.len());
-    table.rows = (0..experiments).map(|i| loop_row(told, i)).collect();
+    let experiments = evidence.study.compared.figures.first().map_or(0, |figures| figures.experiments.len());
+    table.rows = (0..experiments).map(|i| loop_row(evidence, i)).collect();
     table
 }
 
 /// Each code with the figures of its numbers.
-fn codes<'a>(told: &Told<'a>) -> Vec<(&'a TargetFigures, &'a Proof)> {
-    let figures = |proof: &Proof| told.targets.figures.iter().find(|f| f.numbers == proof.numbers);
-    told.proofs.iter().filter_map(|proof| Some((figures(proof)?, proof))).collect()
+fn codes<'a>(evidence: &TargetEvidence<'a>) -> Vec<(&'a TargetFigures, &'a Proof)> {
+    let figures = |proof: &Proof| evidence.study.compared.figures.iter().find(|f| f.numbers == proof.numbers);
+    evidence.proofs.iter().filter_map(|proof| Some((figures(proof)?, proof))).collect()
 }
 
 fn code_name(proof: &Proof) -> &'static str {
@@ -111,9 +106,9 @@ fn code_unit(proof: &Proof) -> &'static str {
     }
 }
 
-fn loop_row(told: &Told<'_>, i: usize) -> Vec<Cell> {
+fn loop_row(evidence: &TargetEvidence<'_>, i: usize) -> Vec<Cell> {
     let mut cells = Vec::new();
-    for (figures, proof) in codes(told) {
+    for (figures, proof) in codes(evidence) {
         let Some(each) = figures.experiments.get(i) else { continue };
         if cells.is_empty() {
             cells.push(Cell::text(experiment(each.experiment)));

@@ -1,15 +1,36 @@
 //! The answer of a search for weights: rejection against sensitivity and effort, point by point.
 
+use counterpoise_pipeline::ProjectIdentity;
 use counterpoise_pipeline::studies::search::Searched;
 use counterpoise_synth::{Figures, Found};
 
 use crate::design::weight_section;
-use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
+use crate::{Cell, Column, Headline, Origin, Report, Section, Table, Tile, Tone};
 use counterpoise_plot::number::short;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
-/// The report, without provenance; `verified` is the table of verdicts.
-pub fn report(machine: &str, found: &Searched, verified: &Table) -> Report {
+/// The verdicts on the weights of a point of the trade-off curve.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct VerifiedPoint {
+    /// Limit of Ms under which the weights were found; `None` for the answer itself.
+    pub max_sensitivity_limit: Option<f64>,
+    /// |S| over the band, on the design plant.
+    pub rejection: f64,
+    /// Verdicts that hold, that fail, and that do not apply.
+    pub verdicts: [usize; 3],
+    /// Which fail, with their values.
+    pub failing: Vec<String>,
+    /// Whether everything holds.
+    pub holds: bool,
+}
+
+/// Returns the report of a search for weights; `points` are the verdicts on the answer and on the points of its curve.
+pub fn report(
+    identity: &ProjectIdentity,
+    found: &Searched,
+    points: &[VerifiedPoint],
+    origin: &Origin,
+) -> Report {
     let best = &found.found.best;
     let holds = best.missed == 0.0 && found.missed_on_full_plant == 0.0;
     let (tone, text) = match holds {
@@ -20,18 +41,50 @@ pub fn report(machine: &str, found: &Searched, verified: &Table) -> Report {
     let mut trade_off = Section::new("Trade-off")
         .saying("Each point is a search of its own under a limit of the sensitivity; every other requirement is kept.");
     if !found.curve.is_empty() {
-        trade_off = trade_off.showing([figure(best, &found.curve)]).listing(points(&found.curve));
+        trade_off = trade_off.showing([figure(best, &found.curve)]).listing(points_table(&found.curve));
     }
-    Report {
-        title: format!("Weights for {machine}"),
+    let report = Report {
+        title: format!("Weights for {}", identity.name),
         subtitle: "from requirements to weights".to_owned(),
         headline: Headline { tone, text: text.to_owned(), detail },
         tiles: tiles(&best.figures),
-        verdicts: verified.clone(),
+        verdicts: verified_table(points),
         glance: Vec::new(),
-        sections: vec![trade_off, weight_section(&best.specification)],
-        provenance: Vec::new(),
+        sections: vec![trade_off, weight_section(&found.weights, &found.weight_responses)],
+        provenance: origin.provenance(identity),
+    };
+    report.reproduced_by(&origin.command)
+}
+
+fn verified_table(points: &[VerifiedPoint]) -> Table {
+    let columns = [
+        Column::Text("weights"),
+        Column::Number("|S| over the band"),
+        Column::Number("hold"),
+        Column::Number("fail"),
+        Column::Text("verdict"),
+        Column::Text("what fails"),
+    ];
+    let mut table = Table::new("Verified on the full nonlinear plant", &columns);
+    for point in points {
+        let name = point
+            .max_sensitivity_limit
+            .map_or("the answer".to_owned(), |limit| format!("Ms at most {limit}"));
+        let verdict = if point.holds {
+            Cell::Verdict(Tone::Good, "holds".to_owned())
+        } else {
+            Cell::Verdict(Tone::Bad, "fails".to_owned())
+        };
+        table.rows.push(vec![
+            Cell::text(name),
+            Cell::number(point.rejection),
+            Cell::text(point.verdicts[0].to_string()),
+            Cell::text(point.verdicts[1].to_string()),
+            verdict,
+            Cell::text(point.failing.join("; ")),
+        ]);
     }
+    table
 }
 
 fn tiles(f: &Figures) -> Vec<Tile> {
@@ -70,7 +123,7 @@ fn figure(best: &counterpoise_synth::Trial, curve: &[(f64, Found)]) -> Figure {
     .with_caption("Less |S| is more rejection. Where the curve is flat another requirement than Ms stops it.")
 }
 
-fn points(curve: &[(f64, Found)]) -> Table {
+fn points_table(curve: &[(f64, Found)]) -> Table {
     let columns = [
         Column::Number("limit of Ms"),
         Column::Number("Ms"),

@@ -1,6 +1,7 @@
 //! The report of a verification.
 
 use counterpoise_verify::Verification;
+use counterpoise_verify::spectral::Spectral;
 
 use crate::{Report, Section, evidence, spectra, summary};
 
@@ -17,16 +18,21 @@ pub struct Context {
     pub provenance: Vec<(String, String)>,
 }
 
-/// The report: the verdicts on the first screen, then the evidence, then what `context` adds.
-pub fn of_verification(found: &Verification, context: Context) -> Report {
+/// Returns the report: the verdicts on the first screen, then the evidence, then what `context` adds. `on_road` are the rejection ratios
+/// from the time histories on the road.
+pub fn of_verification(found: &Verification, on_road: &[Spectral], context: Context) -> Report {
     let mut sections = evidence::sections(found);
-    sections.extend(spectra::section(found));
+    sections.extend(spectra::section(on_road));
     sections.extend(context.more);
     sections.push(evidence::figure_section(found));
+    let mut headline = summary::headline(found);
+    for line in summary::worse_feedforwards(found) {
+        headline.detail = format!("{} {line}.", headline.detail).trim().to_owned();
+    }
     Report {
         title: context.title,
         subtitle: context.subtitle,
-        headline: summary::headline(found),
+        headline,
         tiles: summary::tiles(found),
         verdicts: summary::verdict_table(found),
         glance: summary::glance(found),

@@ -62,7 +62,7 @@ pub struct TrueColumns {
     pub voltage_v: Vec<f64>,
     /// Gear wind-up, rad.
     pub wind_up_rad: Vec<f64>,
-    /// Gear torque T_2 at the output, N m.
+    /// Gear torque T_2 at the output, N m; the motor's, times the ratio, if the transmission is rigid.
     pub mesh_torque_nm: Vec<f64>,
     /// Contact of the teeth: 1 or -1 by the flank, 0 inside the gap.
     pub contact: Vec<i8>,

@@ -12,7 +12,7 @@ use crate::sensing::{Converter, Sensing, Truth};
 use crate::tolerance::{DURATION_ROUNDING, MOST_ANGLE_RAD, MOST_SAMPLES, TOLERANCE};
 use counterpoise_controller::{Readings, SampledController};
 use counterpoise_models::plant::core::state;
-use counterpoise_models::{Mesh, OperatingPoint, Plant};
+use counterpoise_models::{AmplifierDynamics, Measured, Mesh, OperatingPoint, Plant};
 
 /// A plant ready to run again and again: its stored matrices are kept from run to run.
 #[derive(Debug, Clone)]
@@ -108,6 +108,7 @@ impl Simulator {
             let control = lap.sample(k, controller, &motion, &self.stepper);
             let amplifier = &self.plant.parameters().amplifier;
             let drive_v = amplifier.drive_v(control, &self.plant.parameters().motor);
+            lap.drive_v = drive_v;
             let sample = Sample { drive_v, start_s: lap.time(k), motion: &motion };
             if scenario.detail == Detail::Everything {
                 let dry = self.stepper.dry_torques(&sample);
@@ -143,13 +144,17 @@ impl Simulator {
 fn rest(plant: &Plant, hub_angle_rad: f64, platform_angle_rad: f64, platform_rate: f64) -> PlantState {
     let mut core = plant.equilibrium(&OperatingPoint { hub_angle_rad, platform_angle_rad }).core_state;
     core[state::RATE] = platform_rate;
-    core[state::MOTOR] = plant.parameters().motor.platform_coupling * platform_rate;
-    PlantState {
-        core,
-        friction: FrictionState::default(),
-        bonds: Bonds::default(),
-        hub_gyro: [platform_rate, 0.0],
+    if plant.has_state(state::MOTOR) {
+        core[state::MOTOR] = plant.parameters().motor.platform_coupling * platform_rate;
     }
+    let position = hub_angle_rad - platform_angle_rad;
+    let shown = match plant.parameters().sensors.measured {
+        Measured::HubRate => platform_rate,
+        Measured::RelativeRate | Measured::MotorRate => 0.0,
+        Measured::HubPosition => position,
+        Measured::MotorPosition => position + core[state::WINDUP],
+    };
+    PlantState { core, friction: FrictionState::default(), bonds: Bonds::default(), hub_gyro: [shown, 0.0] }
 }
 
 fn positive(what: &'static str, value: f64) -> Result<(), Error> {
@@ -173,6 +178,8 @@ struct Lap<'a> {
     queue: Vec<f64>,
     /// Control that acts until the first delayed one arrives: the one that holds the amplifier as it starts.
     before: f64,
+    /// Drive that has acted until now, V.
+    drive_v: f64,
     readings: ReadingColumns,
     truth: TrueColumns,
 }
@@ -196,12 +203,14 @@ impl<'a> Lap<'a> {
         sensing.settle(&start);
         let state = initial(plant, scenario, &start)?;
         stepper.restart(&state);
+        let before = holding_control(plant, &state.core);
         Ok(Self {
             plant,
             scenario,
             period_s,
             samples: samples as usize,
-            before: holding_control(plant, &state.core),
+            before,
+            drive_v: parameters.amplifier.drive_v(before, &parameters.motor),
             angle,
             track,
             sensing,
@@ -227,7 +236,7 @@ impl<'a> Lap<'a> {
         let time = self.time(k);
         let platform = motion.at(0.0);
         let [motor, _, hub_angle, _, _] = *stepper.outputs();
-        let motor_rate = motor - self.plant.parameters().motor.platform_coupling * platform.rate;
+        let motor_rate = motor - self.plant.motor_share() * platform.rate;
         let hub_gyro = stepper.hub_gyro()[0];
         let truth = Truth { hub_gyro, motor_rate, hub_position: hub_angle - platform.angle };
         let mut readings = self.sensing.read(&truth);
@@ -265,6 +274,7 @@ impl<'a> Lap<'a> {
 
     fn log_truth(&mut self, platform: &PlatformPoint, motor_rate: f64, stepper: &Stepper) {
         let [_, wind_up, hub_angle, hub_rate, current] = *stepper.outputs();
+        let current = current + self.plant.direct_current_a(self.drive_v, platform.rate);
         let [voltage, tip_rate] = stepper.voltage_and_tip();
         let columns = &mut self.truth;
         columns.hub_rate_rad_s.push(hub_rate);
@@ -277,14 +287,26 @@ impl<'a> Lap<'a> {
         columns.current_a.push(current);
         columns.voltage_v.push(voltage);
         columns.wind_up_rad.push(wind_up);
-        columns.mesh_torque_nm.push(self.plant.mesh_torque_nm(wind_up, hub_rate, motor_rate, platform.rate));
+        columns.mesh_torque_nm.push(if self.plant.is_rigid() {
+            self.plant.parameters().gearbox.ratio
+                * self.plant.parameters().motor.torque_constant_nm_a
+                * current
+        } else {
+            self.plant.mesh_torque_nm(wind_up, hub_rate, motor_rate, platform.rate)
+        });
         let touching = self.plant.mesh(wind_up).0 == Mesh::Touching;
         columns.contact.push(if touching { wind_up.signum() as i8 } else { 0 });
     }
 }
 
-/// Returns the control under which the amplifier's voltage stays as it is.
+/// Returns the control under which the amplifier's voltage stays as it is, or that holds the weight if the current is no state.
 pub(crate) fn holding_control(plant: &Plant, core: &[f64]) -> f64 {
+    let modelled = plant.parameters().amplifier.dynamics == AmplifierDynamics::Modelled;
+    if !plant.has_state(state::CURRENT) || (modelled && !plant.has_state(state::VOLTAGE)) {
+        let angle: f64 = plant.hub_angle_row().iter().zip(core).map(|(row, x)| row * x).sum();
+        let point = OperatingPoint { hub_angle_rad: angle, platform_angle_rad: 0.0 };
+        return plant.equilibrium(&point).control_v;
+    }
     let (amplifier, motor) = (&plant.parameters().amplifier, &plant.parameters().motor);
     let drive_v = amplifier.holding_drive_v(core[state::VOLTAGE], core[state::CURRENT], motor);
     amplifier.control_v(drive_v, motor)

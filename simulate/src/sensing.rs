@@ -73,6 +73,11 @@ impl Converter {
         let limited = volts.clamp(-CONVERTER_RANGE_V, CONVERTER_RANGE_V);
         if self.step_v == 0.0 { limited } else { (limited / self.step_v).round() * self.step_v }
     }
+
+    /// Returns a digital reading in steps of its own, if anything is quantised; it does not pass the converter's range.
+    pub fn digital(&self, value: f64, resolution: f64) -> f64 {
+        if self.step_v == 0.0 { value } else { (value / resolution).round() * resolution }
+    }
 }
 
 /// One sensor from the filtered truth to the reading.
@@ -98,8 +103,11 @@ impl Chain {
     fn read(&mut self, truth: f64, heave: f64, noise: f64) -> f64 {
         let sensor = &self.sensor;
         let value = sensor.gain * truth + sensor.bias + sensor.g_sensitivity * heave;
-        let (scale, spread) = (sensor.scale_v_unit, sensor.noise_rms);
+        let (scale, spread, resolution) = (sensor.scale_v_unit, sensor.noise_rms, sensor.resolution);
         let delayed = self.delayed(value) + spread * noise;
+        if resolution > 0.0 {
+            return self.converter.digital(delayed, resolution);
+        }
         self.converter.convert(delayed * scale) / scale
     }
 

@@ -72,6 +72,9 @@ pub(crate) const SKEWEST: f64 = 1e6;
 pub(crate) const MODAL_ROUNDING: f64 = 1e-8;
 /// The same, absolute, of a row that only says which state is whose rate.
 pub(crate) const MODAL_ROUNDING_OF_RATES: f64 = 1e-10;
+/// Acceleration of the hub, rad/s^2, whose torque measures the errors of the nonlinear parts of a machine without friction and
+/// weight: a smaller one makes steps shorter than such a machine needs.
+pub(crate) const SMALL_ACCELERATION: f64 = 1.0;
 /// Distance of an angle from one whose sine is known, rad, within which the series of the difference is exact to rounding: the
 /// first term left out is d^7 / 5040, relative to d.
 pub(crate) const NEAR_ANGLE_RAD: f64 = 2e-3;
@@ -174,3 +177,15 @@ pub(crate) const SECOND_LEVELS: u32 = 20;
 pub(crate) const MOST_SWITCHES: usize = 2000;
 /// Rate against the direction of sliding, rad/s, that is rounding in the second method.
 pub(crate) const SECOND_RATE_ROUNDING: f64 = 1e-13;
+/// Samples over which the response of an exported controller to a small impulse is summed for the control's noise floor: what remains
+/// of it then is the integral's step, which is taken off.
+pub(crate) const NOISE_RESPONSE_SAMPLES: usize = 400;
+/// Samples from which the states of an exported controller at the start of a recording are fitted. Fewer leave its slow states to the
+/// rounding of the converter.
+pub(crate) const CONTROLLER_STATE_SAMPLES: usize = 1000;
+/// Most iterations of that fit: without limiter and friction observers one is enough.
+pub(crate) const CONTROLLER_STATE_ITERATIONS: usize = 6;
+/// Step of that fit's numerical derivative, as a share of each state's spread: the controller is nearly linear in its states.
+pub(crate) const CONTROLLER_STATE_STEP: f64 = 1e-3;
+/// Standard deviation of a recorded control that the fit assumes, V: the rounding of a 12-bit converter over +/- 10 V is 1.4 mV.
+pub(crate) const CONTROLLER_STATE_NOISE_V: f64 = 1.4e-3;

@@ -54,7 +54,7 @@ fn is_nearly_balanced(machine: &str) -> bool {
 
 fn closed(machine: &str) -> Loop {
     let bias_v = if is_nearly_balanced(machine) { 0.38 } else { 2.88 };
-    Loop::Closed(ProportionalIntegral { bias_v, ..controller() })
+    Loop::Closed(ProportionalIntegral { bias_v, ..controller() }.into())
 }
 
 fn replayed(machine: &str, experiment: &str, control: &Loop) -> Option<Replay> {

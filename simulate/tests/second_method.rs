@@ -60,6 +60,7 @@ fn runge_kutta(plant: &Plant, scenario: &Scenario, substeps: usize) -> Vec<f64> 
             heave_m_s2: scenario.platform.heave_m_s2.at(t),
             platform_angle_rad: x[n + 4],
             platform_rate_rad_s: platform_rate,
+            platform_acceleration_rad_s2: 0.0,
         };
         let mut dx = vec![0.0; n + 5];
         plant.derivative(&x[..n + 2], &excitation, &mut dx[..n + 2]);

@@ -1,22 +1,22 @@
-//! The desktop studio: weights in the hand, consequences at once.
+//! The desktop studio: weights are dragged on plots, and every consequence is shown at once.
 //!
 //! In come a project file and what a user does; out come the same project file, edited, and the same exported code that the
-//! command line writes: both run the one pipeline of the project crate.
+//! command line writes: both run the same pipeline.
 //!
-//! Three states are kept apart. The *project* ([`session::Session`]) is text with revisions; every edit is a
-//! [`command::Command`], noted in a [`journal`], undone and redone. *Results* ([`results::Results`]) bear the revision they came
-//! from. The *view* ([`view::View`]) is neither saved nor undone. Work is done by [`worker::Worker`]s; no frame waits for one.
+//! Three states are kept apart. The *project* ([`editing::session::Session`]) is text with revisions; every edit is a
+//! [`command::Command`], which is written to a [`journal`](editing::journal), undone and redone. *Results* ([`results::Results`])
+//! bear the revision that they came from. The *view* ([`view::View`]) is never undone. Work is done by
+//! [`Worker`](counterpoise_host::worker::Worker)s; no frame waits for one.
 //!
 //! *Invariant*: no equation of the field stands here, and nothing can be done here that the command line cannot do.
 //!
-//! Modules in reading order: [`command`], [`session`], [`journal`], [`keys`], [`knobs`], [`live`], [`worker`], [`watch`],
-//! [`measure`], [`portrait`], [`exporting`], [`pyramid`], [`recordings`], [`browser`], [`noted`], [`errands`], [`jobs`],
-//! [`results`], [`view`], [`studio`], [`filing`],
-//! [`rounds`], [`theme`], [`number`], [`thinning`], [`axes`], [`chart`], [`picture`], [`shell`], [`palette`], [`places`], [`files`],
-//! [`replay`], [`window`].
+//! Modules in reading order: [`command`], [`editing`], [`versioned`], [`jobs`], [`results`], [`units`], [`theme`],
+//! [`number_format`], [`charts`], [`browser`], [`view`], [`settings`], [`file_queue`], [`studio`], [`text_difference`], [`shortcuts`], [`toolbar`],
+//! [`status_bar`], [`banners`], [`close_question`], [`command_palette`], [`pages`], [`main_window`], [`frame_log`], [`script`],
+//! [`offscreen`], [`native_window`].
 //!
 //! ```
-//! use counterpoise_studio::{command::Command, session::Session};
+//! use counterpoise_studio::{command::Command, editing::session::Session};
 //! use counterpoise_project::Attachments;
 //! let mut session = Session::new("[plant]\nname = \"rig\"\n", "project.toml", Attachments::none());
 //! session.apply(&Command::SetText { path: "plant.name".into(), value: "crane".into() })?;
@@ -25,34 +25,30 @@
 //! # Ok::<(), counterpoise_project::file::EditError>(())
 //! ```
 
-pub mod axes;
+pub mod banners;
 pub mod browser;
-pub mod chart;
+pub mod charts;
+pub mod close_question;
 pub mod command;
-pub mod errands;
-pub mod exporting;
-pub mod filing;
+pub mod command_palette;
+pub mod editing;
+pub mod file_queue;
+pub mod frame_log;
 pub mod jobs;
-pub mod journal;
-pub mod keys;
-pub mod knobs;
-pub mod live;
-pub mod measure;
-pub mod noted;
-pub mod number;
-pub mod palette;
-pub mod picture;
-pub mod places;
-pub mod portrait;
-pub mod pyramid;
-pub mod recordings;
-pub mod replay;
+pub mod main_window;
+pub mod native_window;
+pub mod number_format;
+pub mod offscreen;
+pub mod pages;
 pub mod results;
-pub mod rounds;
-pub mod session;
-pub mod shell;
+pub mod script;
+pub mod settings;
+pub mod shortcuts;
+pub mod status_bar;
 pub mod studio;
+pub mod text_difference;
 pub mod theme;
-pub mod thinning;
+pub mod toolbar;
+pub mod units;
+pub mod versioned;
 pub mod view;
-pub mod window;

@@ -5,9 +5,9 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use counterpoise_host::compilers::unit_library;
-use counterpoise_studio::window::{self, Options, Surface};
+use counterpoise_studio::native_window::{self, Options, Surface};
 
-/// The desktop studio: weights edited on the plots, every consequence at once
+/// The desktop studio: weights are dragged on plots, and every consequence is shown at once
 #[derive(Parser)]
 #[command(name = "counterpoise studio", version, max_term_width = 100)]
 struct Arguments {
@@ -16,7 +16,7 @@ struct Arguments {
     /// Replay a log of commands, one JSON value a line
     #[arg(long, value_name = "FILE")]
     script: Option<PathBuf>,
-    /// Write what each redrawn design took, as CSV
+    /// Write the time that each redrawn design took, as CSV
     #[arg(long, value_name = "FILE")]
     frame_log: Option<PathBuf>,
     /// Size of the window in points, as 1280x800
@@ -35,10 +35,10 @@ fn main() -> ExitCode {
         frame_log: arguments.frame_log,
         size: arguments.size,
         state: None,
-        surface: if arguments.no_window { Surface::Nothing } else { Surface::Window },
+        surface: if arguments.no_window { Surface::Headless } else { Surface::Window },
         library: Some(unit_library::library),
     };
-    match window::run(options) {
+    match native_window::run(options) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");

@@ -1,104 +1,90 @@
 //! What was computed, by the revision that it came from.
 
 use std::sync::Arc;
+use std::time::Duration;
 
+use counterpoise_pipeline::preview::{DesignPreview, PlantPreview};
 use counterpoise_pipeline::studies::trade_off::EffortPoint;
 use counterpoise_verify::{Verification, VerifiedController};
 
-use crate::live::Live;
-use crate::measure::Measured;
-use crate::portrait::{Portrait, Swinging};
-
-/// A result and the revision of the project that it came from.
-#[derive(Debug, Clone)]
-pub struct Of<T> {
-    /// The revision.
-    pub revision: u64,
-    /// The result.
-    pub value: T,
-}
+use crate::jobs::measurements::Measurements;
+use crate::jobs::plant_pictures::{BeamModes, ReductionPicture};
+use crate::versioned::{Freshness, Versioned};
 
 /// Everything that was computed.
 #[derive(Debug, Clone, Default)]
 pub struct Results {
-    /// The last good design.
-    pub live: Option<Of<Arc<Live>>>,
+    /// The last design that succeeded.
+    pub design: Option<Versioned<Arc<DesignPreview>>>,
+    /// Time that this design took.
+    pub design_time: Duration,
+    /// The plant of the last project that could be modelled.
+    pub plant: Option<Versioned<PlantPreview>>,
+    /// Why a revision could not be modelled.
+    pub plant_failure: Option<Versioned<Vec<String>>>,
     /// Why there is no design for a revision.
-    pub no_design: Option<Of<Vec<String>>>,
+    pub design_failure: Option<Versioned<Vec<String>>>,
     /// The last verification.
-    pub verified: Option<Of<Arc<VerifiedController>>>,
-    /// What a verification that still runs has found so far.
-    pub partial: Option<Of<Arc<Verification>>>,
-    /// Error against effort around the last good design.
-    pub effort: Option<Of<Vec<EffortPoint>>>,
+    pub verified: Option<Versioned<Arc<VerifiedController>>>,
+    /// What a running verification has found so far.
+    pub partial: Option<Versioned<Arc<Verification>>>,
+    /// Error against effort around the last design.
+    pub effort: Option<Versioned<Vec<EffortPoint>>>,
     /// The last map of the analyser, and the last campaign.
-    pub measured: Measured,
-    /// What Plant and Reduce show of the last good design's plant.
-    pub portrait: Option<Arc<Portrait>>,
-    /// The modes of the beam that was swung last.
-    pub swinging: Option<Arc<Swinging>>,
+    pub measurements: Measurements,
+    /// What Plant and Reduce show of the plant of the last design.
+    pub reduction: Option<Arc<ReductionPicture>>,
+    /// The modes of the beam that was animated last.
+    pub beam_modes: Option<Arc<BeamModes>>,
     /// Why a revision could not be verified.
-    pub no_verification: Option<Of<Vec<String>>>,
+    pub verification_failure: Option<Versioned<Vec<String>>>,
     /// Whether a design is being made.
     pub designing: bool,
     /// Whether a verification runs.
     pub verifying: bool,
 }
 
-impl Results {
-    /// Why the project as it stands has no design.
-    pub fn why_not(&self, revision: u64) -> Option<&[String]> {
-        self.no_design.as_ref().filter(|of| of.revision == revision).map(|of| of.value.as_slice())
-    }
-
-    /// The design, with whether it is of an older revision.
-    pub fn design(&self, revision: u64) -> Option<(&Arc<Live>, Age)> {
-        self.live.as_ref().map(|of| (&of.value, Age::of(of.revision, revision)))
-    }
+/// The state of a verification with respect to the project.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VerificationState {
+    /// It belongs to the project as it stands, and is complete.
+    Complete,
+    /// It is still running.
+    Running,
+    /// It belongs to an older design.
+    Stale,
 }
 
 impl Results {
-    /// What is known of the verification: all of it, or what a running one has found so far where that is newer.
-    pub fn verification(&self, revision: u64) -> Option<(&Verification, Standing)> {
+    /// Returns why the project as it stands has no design.
+    pub fn design_errors(&self, revision: u64) -> Option<&[String]> {
+        self.design_failure.as_ref().filter(|of| of.revision == revision).map(|of| of.value.as_slice())
+    }
+
+    /// Returns why the project as it stands could not be modelled.
+    pub fn plant_errors(&self, revision: u64) -> Option<&[String]> {
+        self.plant_failure.as_ref().filter(|of| of.revision == revision).map(|of| of.value.as_slice())
+    }
+
+    /// Returns the last design, and whether it belongs to this revision.
+    pub fn design_at(&self, revision: u64) -> Option<(&Arc<DesignPreview>, Freshness)> {
+        self.design.as_ref().map(|of| (&of.value, of.freshness(revision)))
+    }
+
+    /// Returns what is known of the verification: all of it, or what a running one has found so far if that is newer.
+    pub fn verification(&self, revision: u64) -> Option<(&Verification, VerificationState)> {
         let whole = self.verified.as_ref();
         if let Some(part) = self.partial.as_ref()
             && self.verifying
             && whole.is_none_or(|of| of.revision != part.revision)
         {
-            return Some((&part.value, Standing::Running));
+            return Some((&part.value, VerificationState::Running));
         }
         let of = whole?;
-        let standing = match Age::of(of.revision, revision) {
-            Age::Fresh => Standing::Whole,
-            Age::Stale => Standing::Stale,
+        let state = match of.freshness(revision) {
+            Freshness::Current => VerificationState::Complete,
+            Freshness::Stale => VerificationState::Stale,
         };
-        Some((of.value.verification(), standing))
-    }
-}
-
-/// How a verification stands to the project.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Standing {
-    /// It is of the project as it stands, and complete.
-    Whole,
-    /// It is still running.
-    Running,
-    /// It is of an older design.
-    Stale,
-}
-
-/// Whether a result is of the project as it stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Age {
-    /// It is.
-    Fresh,
-    /// It is of an older revision.
-    Stale,
-}
-
-impl Age {
-    /// The age of a result.
-    pub fn of(result: u64, project: u64) -> Self {
-        if result == project { Self::Fresh } else { Self::Stale }
+        Some((of.value.verification(), state))
     }
 }

@@ -1,12 +1,13 @@
-//! The look: one small system of colours, type sizes and distances, dark and light.
+//! One small system of colours, type sizes and distances, dark and light.
 
+use crate::command::DesignSlot;
 use egui::{Color32, CornerRadius, FontFamily, FontId, Margin, Stroke, TextStyle, Visuals};
 
 /// Distances in points: everything is a multiple of the smallest.
 pub mod space {
-    /// Between things that belong together.
+    /// Between parts of a group.
     pub const SMALL: f32 = 4.0;
-    /// Between things.
+    /// Between widgets.
     pub const MEDIUM: f32 = 8.0;
     /// Between groups.
     pub const LARGE: f32 = 16.0;
@@ -21,31 +22,33 @@ pub struct Theme {
     pub card: Color32,
     /// A field that can be changed.
     pub field: Color32,
-    /// Lines between things.
+    /// Lines between groups.
     pub line: Color32,
     /// Grid of a plot.
     pub grid: Color32,
     /// Text.
     pub text: Color32,
-    /// Text that stands back.
+    /// Secondary text.
     pub weak: Color32,
-    /// The one accent: what is chosen, what can be dragged.
+    /// What is selected, and what can be dragged.
     pub accent: Color32,
-    /// Holds.
+    /// A requirement that holds.
     pub good: Color32,
-    /// Fails.
+    /// A requirement that fails, and errors.
     pub bad: Color32,
-    /// Stale, or worth a look.
+    /// Stale results, and warnings.
     pub warn: Color32,
-    /// Curves, told apart without red and green.
+    /// Curves, distinguishable without red and green.
     pub curves: [Color32; 4],
+    /// Kept designs A, B and C.
+    pub kept: [Color32; 3],
 }
 
 const fn rgb(value: u32) -> Color32 {
     Color32::from_rgb((value >> 16) as u8, (value >> 8) as u8, value as u8)
 }
 
-/// For a dark room.
+/// The theme for a dark room.
 pub const DARK: Theme = Theme {
     ground: rgb(0x12_15_1a),
     card: rgb(0x1a_1e_25),
@@ -59,9 +62,10 @@ pub const DARK: Theme = Theme {
     bad: rgb(0xf2_6d_6d),
     warn: rgb(0xe6_b3_4d),
     curves: [rgb(0x4d_a3_ff), rgb(0xf2_9f_4b), rgb(0x7c_d4_b5), rgb(0xc0_9b_f2)],
+    kept: [rgb(0xe8_7b_b0), rgb(0xb9_c9_4e), rgb(0x9a_b4_d6)],
 };
 
-/// For a bright one.
+/// The theme for a bright room.
 pub const LIGHT: Theme = Theme {
     ground: rgb(0xf2_f4_f7),
     card: rgb(0xff_ff_ff),
@@ -75,10 +79,11 @@ pub const LIGHT: Theme = Theme {
     bad: rgb(0xc6_35_35),
     warn: rgb(0x9a_6a_00),
     curves: [rgb(0x0b_6b_cb), rgb(0xc7_66_0a), rgb(0x12_8a_6b), rgb(0x7a_4f_c4)],
+    kept: [rgb(0xb8_35_7a), rgb(0x6b_7a_00), rgb(0x4a_6a_94)],
 };
 
 impl Theme {
-    /// Puts the theme on a window.
+    /// Applies the theme to a window.
     pub fn apply(&self, ctx: &egui::Context) {
         let dark = *self == DARK;
         ctx.set_theme(if dark { egui::Theme::Dark } else { egui::Theme::Light });
@@ -115,7 +120,16 @@ impl Theme {
         v
     }
 
-    /// A card: the frame of a plot or a group.
+    /// Returns the colour of a kept design.
+    pub fn kept_colour(&self, slot: DesignSlot) -> Color32 {
+        self.kept[match slot {
+            DesignSlot::A => 0,
+            DesignSlot::B => 1,
+            DesignSlot::C => 2,
+        }]
+    }
+
+    /// Returns the frame of a plot or a group: a card.
     pub fn card(&self) -> egui::Frame {
         egui::Frame::new()
             .fill(self.card)

@@ -1,45 +1,22 @@
-//! What the window shows of it all: neither the project nor a result, and never undone.
+//! What the window shows: neither the project nor a result, and never undone.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use counterpoise_pipeline::preview::DesignPreview;
+use serde::{Deserialize, Serialize};
+
 use crate::browser::Browser;
-use crate::chart::Chart;
-use crate::command::{Command, Evidence, Inquiry, Place, Slot};
-use crate::live::Live;
+use crate::charts::chart::Chart;
+use crate::command::{Command, DesignSlot, DiagnosisTab, Page, VerificationTab};
 use crate::theme::{DARK, LIGHT, Theme};
+use crate::units::Units;
 
-/// How frequencies are shown.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FrequencyUnit {
-    /// Hz.
-    Hertz,
-    /// rad/s.
-    Radians,
-}
-
-/// How gains are shown.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum GainUnit {
-    /// dB.
-    Decibel,
-    /// As they are, by decades.
-    Absolute,
-}
-
-/// How angles and their rates are shown.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum AngleUnit {
-    /// mrad and mrad/s.
-    Milliradian,
-    /// Degrees and degrees/s.
-    Degree,
-}
-
-/// Which part of the design the weights are shown of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+/// The part of the controller whose weights are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ControllerPart {
     /// The feedback.
     Feedback,
     /// The feedforward from heave.
@@ -48,66 +25,101 @@ pub enum Part {
     Pitch,
 }
 
-/// A message with its kind.
+/// A message at the foot of the window.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Notice {
-    /// What is said.
+    /// The message.
     pub text: String,
-    /// Whether something went wrong.
-    pub tone: Tone,
+    /// Its kind.
+    pub severity: Severity,
 }
 
 /// The kind of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Tone {
+pub enum Severity {
     /// Something was done.
-    Plain,
+    Info,
     /// Something went wrong.
-    Wrong,
+    Error,
+}
+
+/// The state of the command palette.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct PaletteState {
+    /// The typed text.
+    pub typed: String,
+    /// The selected entry.
+    pub selected: usize,
+}
+
+/// What is closed when the question about unsaved edits is answered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CloseTarget {
+    /// The project.
+    Project,
+    /// The window.
+    Window,
+}
+
+/// Whether a command concerned the view.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ViewCommand {
+    /// It did, and was carried out.
+    Applied,
+    /// It concerns something else.
+    NotOfView,
 }
 
 /// The state of the window.
 pub struct View {
-    /// Where the user is.
-    pub place: Place,
+    /// The page.
+    pub page: Page,
     /// Colours.
     pub theme: Theme,
-    /// Unit of frequencies.
-    pub frequency: FrequencyUnit,
-    /// Unit of gains.
-    pub gain: GainUnit,
-    /// Unit of angles.
-    pub angle: AngleUnit,
-    /// What the verification is looked at by.
-    pub evidence: Evidence,
-    /// Whose weights are shown.
-    pub part: Part,
+    /// Units.
+    pub units: Units,
+    /// The tab of the page Verify.
+    pub verification_tab: VerificationTab,
+    /// The tab of the page Diagnose.
+    pub diagnosis_tab: DiagnosisTab,
+    /// The part of the controller whose weights are shown.
+    pub part: ControllerPart,
     /// Designs kept for comparison.
-    pub kept: BTreeMap<&'static str, Arc<Live>>,
+    pub kept: BTreeMap<DesignSlot, Arc<DesignPreview>>,
+    /// The texts of the projects whose designs are kept, by which they are restored.
+    pub kept_texts: BTreeMap<DesignSlot, String>,
     /// Out-of-balance that is tried, kg m.
-    pub tried_kg_m: Option<f64>,
+    pub trial_moment_kg_m: Option<f64>,
     /// Number of the last gesture.
     pub gesture: u64,
     /// Whether a handle is being dragged.
     pub dragging: bool,
-    /// What is said at the foot of the window.
+    /// Whether a widget had the keyboard focus at the end of the last frame: Esc then belongs to it.
+    pub had_keyboard_focus: bool,
+    /// The message at the foot of the window.
     pub notice: Option<Notice>,
-    /// The list of commands, while it is open: what was typed, and which entry is chosen.
-    pub palette: Option<(String, usize)>,
-    /// Which recording is shown.
+    /// The command palette, while it is open.
+    pub palette: Option<PaletteState>,
+    /// The question about unsaved edits, while it is asked.
+    pub close_question: Option<CloseTarget>,
+    /// Whether the difference to the file on disk is shown.
+    pub shows_difference: bool,
+    /// The recording that is shown.
     pub recording: usize,
-    /// What of the diagnosis is shown.
-    pub inquiry: Inquiry,
-    /// Files and folders, while they are looked through.
+    /// The file browser, while it is open.
     pub browser: Option<Browser>,
-    /// Where code is exported to, where another folder than the usual one was chosen.
-    pub out: Option<PathBuf>,
+    /// The folder for exported code, if another than the default was chosen.
+    pub output_folder: Option<PathBuf>,
     /// The plot that was under the pointer last.
     pub chart: Option<Chart>,
-    /// Which mode of the mechanism moves.
+    /// The title of the plot that is to show its whole content.
+    pub fit_request: Option<String>,
+    /// What the limits of plots belong to beside their axes: the project and the part that is shown.
+    pub limits_scope: String,
+    /// The mode of the mechanism that is animated; 0 for none.
     pub mode: usize,
-    /// Which requirement's figure is shown.
-    pub verdict: usize,
+    /// The requirement that is selected.
+    pub requirement: usize,
     /// The section of parameters that is open.
     pub section: usize,
 }
@@ -115,154 +127,66 @@ pub struct View {
 impl Default for View {
     fn default() -> Self {
         Self {
-            place: Place::Design,
+            page: Page::Design,
             theme: DARK,
-            frequency: FrequencyUnit::Hertz,
-            gain: GainUnit::Decibel,
-            angle: AngleUnit::Milliradian,
-            evidence: Evidence::Histories,
-            part: Part::Feedback,
+            units: Units::default(),
+            verification_tab: VerificationTab::Histories,
+            diagnosis_tab: DiagnosisTab::Signals,
+            part: ControllerPart::Feedback,
             kept: BTreeMap::new(),
-            tried_kg_m: None,
+            kept_texts: BTreeMap::new(),
+            trial_moment_kg_m: None,
             gesture: 0,
             dragging: false,
+            had_keyboard_focus: false,
             notice: None,
             palette: None,
+            close_question: None,
+            shows_difference: false,
             recording: 0,
-            inquiry: Inquiry::Signals,
             browser: None,
-            out: None,
+            output_folder: None,
             chart: None,
+            fit_request: None,
+            limits_scope: String::new(),
             mode: 0,
-            verdict: 0,
+            requirement: 0,
             section: 0,
         }
     }
 }
 
 impl View {
-    /// Carries out a command that concerns the view alone; says whether it was one.
-    pub fn apply(&mut self, command: &Command) -> bool {
+    /// Carries out a command that concerns the view alone.
+    pub fn apply(&mut self, command: &Command) -> ViewCommand {
         match command {
-            Command::Go { place } => self.place = *place,
+            Command::Go { page } => self.page = *page,
             Command::Forget { slot } => {
-                self.kept.remove(slot.name());
+                self.kept.remove(slot);
+                self.kept_texts.remove(slot);
             }
-            Command::Try { out_of_balance_kg_m } => self.tried_kg_m = *out_of_balance_kg_m,
+            Command::Try { out_of_balance_kg_m } => self.trial_moment_kg_m = *out_of_balance_kg_m,
             Command::ToggleTheme => self.theme = if self.theme == DARK { LIGHT } else { DARK },
-            Command::ToggleFrequency => {
-                self.frequency = match self.frequency {
-                    FrequencyUnit::Hertz => FrequencyUnit::Radians,
-                    FrequencyUnit::Radians => FrequencyUnit::Hertz,
-                }
-            }
-            Command::ToggleGain => {
-                self.gain = match self.gain {
-                    GainUnit::Decibel => GainUnit::Absolute,
-                    GainUnit::Absolute => GainUnit::Decibel,
-                }
-            }
-            Command::ToggleAngle => {
-                self.angle = match self.angle {
-                    AngleUnit::Milliradian => AngleUnit::Degree,
-                    AngleUnit::Degree => AngleUnit::Milliradian,
-                }
-            }
-            Command::Look { evidence } => {
-                (self.place, self.evidence) = (Place::Verify, *evidence);
-            }
-            Command::Inquire { inquiry } => {
-                (self.place, self.inquiry) = (Place::Diagnose, *inquiry);
-            }
+            Command::ToggleFrequency => self.units.toggle_frequency(),
+            Command::ToggleGain => self.units.toggle_gain(),
+            Command::ToggleAngle => self.units.toggle_angle(),
+            Command::ShowVerification { tab } => (self.page, self.verification_tab) = (Page::Verify, *tab),
+            Command::ShowDiagnosis { tab } => (self.page, self.diagnosis_tab) = (Page::Diagnose, *tab),
             Command::Palette => {
-                self.palette = if self.palette.is_some() { None } else { Some((String::new(), 0)) }
+                self.palette = if self.palette.is_some() { None } else { Some(PaletteState::default()) };
             }
-            _ => return false,
+            _ => return ViewCommand::NotOfView,
         }
-        true
+        ViewCommand::Applied
     }
 
-    /// Keeps a design.
-    pub fn keep(&mut self, slot: Slot, live: &Arc<Live>) {
-        self.kept.insert(slot.name(), Arc::clone(live));
+    /// Shows a message at the foot of the window.
+    pub fn show_message(&mut self, text: impl Into<String>) {
+        self.notice = Some(Notice { text: text.into(), severity: Severity::Info });
     }
 
-    /// Says something at the foot of the window.
-    pub fn say(&mut self, text: impl Into<String>) {
-        self.notice = Some(Notice { text: text.into(), tone: Tone::Plain });
-    }
-
-    /// Says what went wrong.
-    pub fn warn(&mut self, text: impl Into<String>) {
-        self.notice = Some(Notice { text: text.into(), tone: Tone::Wrong });
-    }
-
-    /// A frequency in the unit that is shown.
-    pub fn rate(&self, rate_rad_s: f64) -> f64 {
-        match self.frequency {
-            FrequencyUnit::Hertz => rate_rad_s / std::f64::consts::TAU,
-            FrequencyUnit::Radians => rate_rad_s,
-        }
-    }
-
-    /// A frequency as shown, in rad/s.
-    pub fn rad_s(&self, shown: f64) -> f64 {
-        match self.frequency {
-            FrequencyUnit::Hertz => shown * std::f64::consts::TAU,
-            FrequencyUnit::Radians => shown,
-        }
-    }
-
-    /// What a rate in rad/s (or an angle in rad) is multiplied by to be shown.
-    pub fn angular(&self) -> f64 {
-        match self.angle {
-            AngleUnit::Milliradian => 1e3,
-            AngleUnit::Degree => 1.0_f64.to_degrees(),
-        }
-    }
-
-    /// A unit of the project's, with radians as they are shown, and what a value in it is multiplied by.
-    pub fn shown_unit(&self, unit: &str) -> (String, f64) {
-        let radian = match self.angle {
-            AngleUnit::Milliradian => "mrad",
-            AngleUnit::Degree => "deg",
-        };
-        match unit {
-            "rad" => (radian.to_owned(), self.angular()),
-            "rad/s" => (self.angular_rate_unit().to_owned(), self.angular()),
-            other => (other.to_owned(), 1.0),
-        }
-    }
-
-    /// The unit in which rates are shown.
-    pub fn angular_rate_unit(&self) -> &'static str {
-        match self.angle {
-            AngleUnit::Milliradian => "mrad/s",
-            AngleUnit::Degree => "deg/s",
-        }
-    }
-
-    /// The label of a frequency axis.
-    pub fn rate_label(&self) -> &'static str {
-        match self.frequency {
-            FrequencyUnit::Hertz => "frequency, Hz",
-            FrequencyUnit::Radians => "frequency, rad/s",
-        }
-    }
-
-    /// A modulus as shown on an axis.
-    pub fn level(&self, modulus: f64) -> f64 {
-        match self.gain {
-            GainUnit::Decibel => 20.0 * modulus.max(1e-30).log10(),
-            GainUnit::Absolute => modulus.max(1e-30),
-        }
-    }
-
-    /// What stands on an axis of gains, as a modulus.
-    pub fn modulus(&self, shown: f64) -> f64 {
-        match self.gain {
-            GainUnit::Decibel => 10f64.powf(shown / 20.0),
-            GainUnit::Absolute => shown,
-        }
+    /// Shows what went wrong at the foot of the window.
+    pub fn show_error(&mut self, text: impl Into<String>) {
+        self.notice = Some(Notice { text: text.into(), severity: Severity::Error });
     }
 }

@@ -9,8 +9,9 @@ mod paint;
 use std::path::Path;
 
 use common::rig;
-use counterpoise_studio::command::{Command, Evidence, Place, Slot};
-use counterpoise_studio::replay::{FrameLog, Offscreen};
+use counterpoise_studio::command::{Command, DesignSlot, Page, VerificationTab};
+use counterpoise_studio::frame_log::FrameLog;
+use counterpoise_studio::offscreen::OffscreenStudio;
 use image::RgbaImage;
 use paint::Painter;
 
@@ -53,31 +54,31 @@ fn compare(name: &str, picture: &RgbaImage) {
 }
 
 #[test]
-fn each_place_looks_as_it_did() {
+fn each_page_looks_as_it_did() {
     let folder = rig("pictures");
-    let mut seat = Offscreen::new(&folder.join("state"), SIZE.map(|v| v as f32));
+    let mut seat = OffscreenStudio::new(&folder.join("state"), SIZE.map(|v| v as f32));
     let (mut log, mut painter) = (FrameLog::new(None), Painter::default());
     let gain = Command::Set { path: "synth.feedback.error.gain".to_owned(), value: 31.0, gesture: Some(1) };
     let first = vec![Command::Open { path: folder.clone() }];
     let shots: Vec<(&str, Vec<Command>)> = vec![
-        ("design", [first, vec![Command::Keep { slot: Slot::A }, gain]].concat()),
-        ("plant", vec![Command::Go { place: Place::Plant }]),
-        ("reduce", vec![Command::Go { place: Place::Reduce }]),
-        ("verify", vec![Command::Look { evidence: Evidence::Histories }]),
-        ("rejection", vec![Command::Look { evidence: Evidence::Rejection }]),
-        ("diagnose", vec![Command::Go { place: Place::Diagnose }]),
-        ("light", vec![Command::ToggleTheme, Command::Go { place: Place::Design }]),
+        ("design", [first, vec![Command::Keep { slot: DesignSlot::A }, gain]].concat()),
+        ("plant", vec![Command::Go { page: Page::Plant }]),
+        ("reduce", vec![Command::Go { page: Page::Reduce }]),
+        ("verify", vec![Command::ShowVerification { tab: VerificationTab::Histories }]),
+        ("rejection", vec![Command::ShowVerification { tab: VerificationTab::Rejection }]),
+        ("diagnose", vec![Command::Go { page: Page::Diagnose }]),
+        ("light", vec![Command::ToggleTheme, Command::Go { page: Page::Design }]),
         ("welcome", vec![Command::Close]),
     ];
     for (name, commands) in shots {
-        seat.play(commands, &mut log);
+        seat.run_script(commands, &mut log);
         seat.studio.view.notice = None;
         for _ in 0..3 {
-            let drawn = seat.frame(Vec::new());
+            let drawn = seat.draw_frame(Vec::new());
             seat.textures.append(drawn.textures);
         }
         painter.take(&std::mem::take(&mut seat.textures));
-        let drawn = seat.frame(Vec::new());
+        let drawn = seat.draw_frame(Vec::new());
         let mut picture = painter.paint(&drawn, SIZE);
         for y in SIZE[1] - FOOT..SIZE[1] {
             (0..SIZE[0]).for_each(|x| picture.put_pixel(x, y, image::Rgba([0, 0, 0, 255])));

@@ -16,7 +16,7 @@ use counterpoise_recordings::{Channel, Recording};
 use counterpoise_report::wording::answer::describe_diagnosed_recordings;
 use counterpoise_report::wording::recordings::describe_replay;
 use counterpoise_studio::command::Command;
-use counterpoise_studio::recordings::{LookAsk, look};
+use counterpoise_studio::jobs::recording_views::{ReplayRequest, replay_files};
 use serde::Serialize;
 
 /// Examples that hold recordings, each with its folders of them.
@@ -39,11 +39,11 @@ fn a_replay_in_the_studio_is_the_replay_of_the_command_line() {
         for inside in folders {
             let paths = vec![folder.join(inside)];
             let read = read(&project, &projects::recordings(&paths).unwrap(), Gaps::Repaired).unwrap();
-            let control = control_for(&project, read.iter().map(|item| &item.recording));
+            let control = control_for(&project, read.iter().map(|item| &item.recording)).unwrap();
             let expected = replay(&project, &read, &control, ReplayLength::Automatic).unwrap();
             let expected: Vec<_> = expected.iter().map(describe_replay).collect();
-            let ask = LookAsk { project: Arc::new(project.clone()), paths, improved: None };
-            let seen = look(&ask, &Token::default()).unwrap().seen;
+            let ask = ReplayRequest { project: Arc::new(project.clone()), paths, improved: None };
+            let seen = replay_files(&ask, &Token::default()).unwrap().views;
             let found: Vec<_> = seen.iter().map(|one| one.fit.clone().unwrap()).collect();
             assert_eq!(json(&found), json(&expected), "{name}/{inside}");
             assert!(!found.is_empty());
@@ -77,7 +77,7 @@ fn a_diagnosis_in_the_studio_is_the_diagnosis_of_the_command_line() {
     files::write(&folder.join("project.toml"), &std::fs::read(source.join("project.toml")).unwrap()).unwrap();
     files::write(&folder.join("start.csv"), excerpt(&whole[0].recording, 2500).as_bytes()).unwrap();
     let paths = vec![folder.join("start.csv")];
-    let workers = counterpoise_host::workers::Workers::new(true);
+    let workers = counterpoise_host::workers::Workers::new(counterpoise_host::stages::Progress::Quiet);
     let expected = diagnose(&project, &projects::recordings(&paths).unwrap(), &workers).unwrap();
     let mut window = studio(&folder);
     settle(&mut window);
@@ -85,7 +85,7 @@ fn a_diagnosis_in_the_studio_is_the_diagnosis_of_the_command_line() {
     settle(&mut window);
     window.run(&Command::Diagnose);
     settle(&mut window);
-    let found = window.diagnosis().diagnosed.as_ref().unwrap().as_ref().unwrap();
+    let found = window.jobs().diagnosis.as_ref().unwrap().as_ref().unwrap();
     assert_eq!(json(&found.answer), json(&describe_diagnosed_recordings(&expected).answer));
     assert!(found.diagnosis.improved == expected.diagnosis.improved);
     drop(window);

@@ -7,8 +7,7 @@ mod common;
 use common::{rig, weights};
 use counterpoise_lti::{Mat, StateSpace, append};
 use counterpoise_synth::{
-    DesignPlant, Outcome, Sampling, SamplingMethod, design, discretise, figures,
-    schedule::stabilisation_error,
+    DesignPlant, Sampling, SamplingMethod, design, discretise, figures, stabilisation_error,
 };
 use criterion::{Criterion, criterion_group, criterion_main};
 
@@ -44,9 +43,9 @@ fn enlarged(order: usize) -> DesignPlant {
 
 /// Feedback, both feedforwards, sampled controller, margins, step, disturbance responses.
 fn redesign(plant: &DesignPlant, method: SamplingMethod) -> f64 {
-    let Outcome::Solved(design) = design(plant, &weights()).unwrap() else { panic!("refused") };
+    let design = design(plant, &weights()).unwrap();
     let sampling = Sampling { method, ..Sampling::new(1e-3, 10.0) };
-    let Outcome::Solved(sampled) = discretise(&design, &sampling).unwrap() else { panic!("not stable") };
+    let sampled = discretise(&design, &sampling).unwrap();
     let found = figures(plant, &sampled, &sampling, (1.26, 12.6)).unwrap();
     let errors = [counterpoise_synth::Channel::Heave, counterpoise_synth::Channel::Pitch]
         .map(|channel| stabilisation_error(plant, &design, channel, 1.0).unwrap());

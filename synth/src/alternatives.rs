@@ -5,15 +5,10 @@
 
 use counterpoise_lti::{Mat, StateSpace, Timebase, append, series};
 
+use crate::tolerance::{ALTERNATIVE_BOUND, SLOWEST_RAD_S};
 use crate::{
-    DesignPlant, Error, FeedbackWeights, Generalised, Outcome, Reference, Weight, feedback, h2syn, hinfsyn,
-    lqg_ltr,
+    DesignPlant, Error, FeedbackWeights, Generalised, Reference, Weight, feedback, h2syn, hinfsyn, lqg_ltr,
 };
-
-/// Where the poles on the axis of an error weight go in a textbook's plant, rad/s: its equations need them to decay.
-pub const SLOWEST_RAD_S: f64 = 1e-3;
-/// Relative accuracy of the H-infinity bound.
-const BOUND: f64 = 1e-3;
 
 /// Which method made a controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,33 +37,34 @@ pub struct Alternative {
 /// The feedback designed by one method. Weights and plant are the same for all.
 ///
 /// # Errors
-/// [`Error`] for weights without realisation; without solution [`Outcome::Infeasible`].
+/// [`Error`] for weights without realisation; without solution [`Error::Refused`].
 pub fn alternative(
     plant: &DesignPlant,
     weights: &FeedbackWeights,
     method: Method,
-) -> Result<Outcome<Alternative>, Error> {
+) -> Result<Alternative, Error> {
     match method {
-        Method::ThreePart => feedback(plant, weights, Reference::Error)?.try_map(|part| {
+        Method::ThreePart => {
+            let part = feedback(plant, weights, Reference::Error)?;
             let norm = part.cost.achieved.map(f64::sqrt);
             Ok(Alternative { method, controller: part.controller.select(&[0], &[0, 1]), norm })
-        }),
-        Method::JointH2 => h2syn(&generalised(plant, weights)?)?.try_map(|part| {
+        }
+        Method::JointH2 => {
+            let part = h2syn(&generalised(plant, weights)?)?;
             let controller = from_error(&part.controller, weights)?;
             Ok(Alternative { method, controller, norm: Some(part.achieved_norm) })
-        }),
-        Method::HInfinity => hinfsyn(&generalised(plant, weights)?, BOUND)?.try_map(|part| {
+        }
+        Method::HInfinity => {
+            let part = hinfsyn(&generalised(plant, weights)?, ALTERNATIVE_BOUND)?;
             let controller = from_error(&part.controller, weights)?;
             Ok(Alternative { method, controller, norm: Some(part.achieved_norm) })
-        }),
+        }
         Method::LqgLtr => {
             let seen = plant.measured()?.select(&[0], &[plant.control]);
             let shape = series(&weights.error.realise()?, &weights.control.realise_inverse()?)?;
             let recovery = weights.loop_recovery.max(f64::MIN_POSITIVE) / weights.measurement_noise;
-            lqg_ltr(&seen, &shape, 1.0, recovery)?.try_map(|part| {
-                let controller = both(&part.controller.negate())?;
-                Ok(Alternative { method, controller, norm: None })
-            })
+            let part = lqg_ltr(&seen, &shape, 1.0, recovery)?;
+            Ok(Alternative { method, controller: both(&part.controller.negate())?, norm: None })
         }
     }
 }

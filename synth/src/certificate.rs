@@ -3,9 +3,9 @@
 use counterpoise_lti::linalg;
 use counterpoise_lti::{C64, StateSpace, h2norm};
 
+use crate::Error;
 use crate::cause::Cause;
 use crate::finding::{Finding, Part};
-use crate::{Error, Outcome};
 
 /// How well a Riccati equation was solved.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,27 +34,40 @@ impl Cost {
     }
 }
 
+/// The certificates of one part that was designed in sampled time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Certified {
+    /// Which part.
+    pub part: Part,
+    /// Mean square of its weighted signals: as the equations predict it, and as the assembled sampled loop has it.
+    pub cost: Cost,
+    /// The regulator's discrete Riccati equation.
+    pub regulator: Equation,
+    /// The filter's; none with exact knowledge.
+    pub filter: Option<Equation>,
+}
+
 impl From<linalg::Riccati> for Equation {
     fn from(solution: linalg::Riccati) -> Self {
         Self { relative_residual: solution.certificate.relative_residual, spectrum: solution.closed_loop }
     }
 }
 
-/// The solution of a Riccati equation, or the finding that says why there is none.
+/// Returns the solution of a Riccati equation, or refuses with the finding that says why there is none.
 pub(crate) fn riccati(
     what: &'static str,
     part: Part,
     outcome: linalg::Outcome<linalg::Riccati>,
-) -> Outcome<linalg::Riccati> {
+) -> Result<linalg::Riccati, Error> {
     match outcome {
-        linalg::Outcome::Solved(solution) => Outcome::Solved(solution),
+        linalg::Outcome::Solved(solution) => Ok(solution),
         linalg::Outcome::Infeasible(reason) => {
             let finding = Finding::refusal(part, Cause::Equation { what, reason: reason.to_string() });
             let rate = mode_of(&reason).map(|mode| mode.norm());
-            Outcome::Infeasible(vec![match rate {
+            Err(Error::refused(vec![match rate {
                 Some(rate) => finding.at(rate),
                 None => finding,
-            }])
+            }]))
         }
     }
 }

@@ -2,9 +2,12 @@
 
 use counterpoise_lti::{Mat, StateSpace, Timebase, append, series};
 
+use crate::cause::Cause;
+use crate::preflight::gain::Gain;
+use crate::tolerance::{SLOWEST_RAD_S, ZERO_GAIN};
 use crate::{
-    Assembly, Basis, Channel, DesignPlant, Error, Feedback, Feedforward, Finding, Outcome, Specification,
-    feedback, feedforward, preflight,
+    Assembly, Basis, Channel, DesignPlant, Error, Feedback, Feedforward, FeedforwardWeights, Finding,
+    JointOptimum, Specification, Weight, feedback, feedforward, joint_optimum, preflight,
 };
 
 /// A designed controller, continuous, with its certificates.
@@ -22,6 +25,8 @@ pub struct Design {
     pub plant: DesignPlant,
     /// Findings of the preflight that do not stand in the way.
     pub warnings: Vec<Finding>,
+    /// All parts as one problem, if the assembly is [`Assembly::Joint`]; there are then no feedforwards apart.
+    pub joint: Option<JointOptimum>,
     /// A feedback controller from (demand, measured rate) to the control in place of the three-part one's: another
     /// method's, or one of lower order.
     pub substitute: Option<StateSpace>,
@@ -33,33 +38,66 @@ pub struct Design {
 /// heave and pitch. The three are independent of each other: each source of disturbance has its own weights.
 ///
 /// # Errors
-/// [`Error`] for a plant that is not one. Weights that make no solvable problem are [`Outcome::Infeasible`] with every
+/// [`Error`] for a plant that is not one. Weights that make no solvable problem are [`Error::Refused`] with every
 /// reason.
-pub fn design(plant: &DesignPlant, specification: &Specification) -> Result<Outcome<Design>, Error> {
+pub fn design(plant: &DesignPlant, specification: &Specification) -> Result<Design, Error> {
     let findings = preflight(plant, specification)?;
     if findings.iter().any(Finding::is_refusal) {
-        return Ok(Outcome::Infeasible(findings));
+        return Err(Error::refused(findings));
     }
-    let feedback = match feedback(plant, &specification.feedback, specification.reference)? {
-        Outcome::Solved(feedback) => feedback,
-        Outcome::Infeasible(reasons) => return Ok(Outcome::Infeasible(reasons)),
-    };
-    let mut parts = [None, None];
+    let feedback = feedback(plant, &specification.feedback, specification.reference)?;
+    let (mut parts, mut warnings, mut solvable) = ([None, None], findings, specification.clone());
     for (part, channel) in parts.iter_mut().zip([Channel::Heave, Channel::Pitch]) {
         let Some(weights) = specification.feedforward(channel) else { continue };
-        let solved = match weights.basis {
+        if specification.assembly == Assembly::Joint {
+            continue;
+        }
+        *part = Some(match weights.basis {
             Basis::OpenLoop => feedforward(plant, weights, channel)?,
-            Basis::ClosedLoop => feedforward(&with_feedback(plant, &feedback)?, weights, channel)?,
-        };
-        match solved {
-            Outcome::Solved(solution) => *part = Some(solution),
-            Outcome::Infeasible(reasons) => return Ok(Outcome::Infeasible(reasons)),
+            Basis::ClosedLoop => {
+                let closed = with_feedback(plant, &feedback)?;
+                let (seen, warning) = with_control_seen(&closed, weights, channel)?;
+                warnings.extend(warning);
+                let solved = feedforward(&closed, &seen, channel)?;
+                solvable.set_feedforward(channel, seen);
+                solved
+            }
+        });
+    }
+    let joint = match specification.assembly {
+        Assembly::Joint => Some(joint_optimum(plant, specification)?),
+        Assembly::SimpleAdd | Assembly::Grimble => None,
+    };
+    let [heave, pitch] = parts;
+    let (specification, plant) = (solvable, plant.clone());
+    Ok(Design { feedback, heave, pitch, specification, plant, warnings, joint, substitute: None })
+}
+
+/// Returns a feedforward's weights with the control weight's zeros on the axis moved off it at every frequency at which the
+/// closed loop's rate shows no control, and a warning for the first of them.
+///
+/// With integral action in the feedback a steady control of the feedforward is cancelled: if it is free too, any steady
+/// control is as good as any other. A zero at -[`SLOWEST_RAD_S`] makes the least one the best.
+fn with_control_seen(
+    closed: &DesignPlant,
+    weights: &FeedforwardWeights,
+    channel: Channel,
+) -> Result<(FeedforwardWeights, Option<Finding>), Error> {
+    let weighed = weights.output.unwrap_or(closed.rate);
+    let gain = Gain::of(&closed.system.select(&[weighed], &[closed.control]))?;
+    let mut rational = weights.control.rational();
+    let mut moved = None;
+    for zero in rational.zeros.iter_mut().filter(|zero| zero.re == 0.0) {
+        if gain.relative(zero.im.abs())? < ZERO_GAIN {
+            moved = moved.or(Some(zero.im.abs()));
+            zero.re = -SLOWEST_RAD_S;
         }
     }
-    let [heave, pitch] = parts;
-    let (specification, plant) = (specification.clone(), plant.clone());
-    let warnings = findings;
-    Ok(Outcome::Solved(Design { feedback, heave, pitch, specification, plant, warnings, substitute: None }))
+    let Some(rate) = moved else { return Ok((weights.clone(), None)) };
+    let finding = Finding::warning(channel.into(), Cause::FreeControlUnseen { moved_rad_s: SLOWEST_RAD_S });
+    let control = Weight::ZeroPoleGain { zeros: rational.zeros, poles: rational.poles, gain: rational.gain };
+    let warning = finding.on("control weight", &weights.control).at(rate);
+    Ok((FeedforwardWeights { control, ..weights.clone() }, Some(warning)))
 }
 
 /// The plant with the feedback around it, its sensor and delay inside: states \[plant; controller\].
@@ -87,7 +125,10 @@ impl Design {
 
     /// The feedback controller C0 from (demand, measured rate) to the control.
     pub fn feedback_controller(&self) -> StateSpace {
-        let own = || self.feedback.controller.select(&[0], &[0, 1]);
+        let own = || match &self.joint {
+            Some(joint) => joint.controller.select(&[0], &[0, 1]),
+            None => self.feedback.controller.select(&[0], &[0, 1]),
+        };
         self.substitute.clone().unwrap_or_else(own)
     }
 
@@ -104,6 +145,10 @@ impl Design {
     /// # Errors
     /// [`Error::Lti`].
     pub fn joint_controller(&self) -> Result<StateSpace, Error> {
+        if let Some(joint) = &self.joint {
+            let inputs: Vec<usize> = (0..joint.controller.inputs()).collect();
+            return Ok(joint.controller.select(&[0], &inputs));
+        }
         let parts = [Channel::Heave, Channel::Pitch].into_iter().filter_map(|channel| self.part(channel));
         let modules: Vec<StateSpace> =
             parts.map(|part| self.as_seen(&part.module)).collect::<Result<_, Error>>()?;
@@ -130,7 +175,7 @@ impl Design {
     }
 
     /// The module with outputs (control, expected rate), the latter as the hub sensor would read it.
-    fn as_seen(&self, module: &StateSpace) -> Result<StateSpace, Error> {
+    pub(crate) fn as_seen(&self, module: &StateSpace) -> Result<StateSpace, Error> {
         let inputs: Vec<usize> = (0..module.inputs()).collect();
         let both = module.select(&[0, 1], &inputs);
         match (&self.plant.hub_sensor, self.specification.assembly) {
@@ -144,7 +189,7 @@ impl Design {
     /// From (demand, rate, u1, y1, u2, y2, ...) to (demand, rate less what is expected, sum of the u).
     fn mixer(&self, modules: usize) -> Mat {
         let share = match self.specification.assembly {
-            Assembly::SimpleAdd => 0.0,
+            Assembly::SimpleAdd | Assembly::Joint => 0.0,
             Assembly::Grimble => -1.0,
         };
         let mut D = Mat::zeros(3, 2 + 2 * modules);
@@ -162,6 +207,7 @@ impl Design {
     pub fn worst_cost_difference(&self) -> Option<f64> {
         let parts = [self.heave.as_ref(), self.pitch.as_ref()];
         let costs = parts.into_iter().flatten().map(|part| part.cost).chain([self.feedback.cost]);
+        let costs = costs.chain(self.joint.as_ref().map(|joint| joint.cost));
         costs.filter_map(|cost| cost.relative_difference()).max_by(f64::total_cmp)
     }
 }

@@ -1,10 +1,16 @@
 //! What can be wrong with a request to this crate.
 
-/// Every way in which a request to this crate can be refused. A problem that is well put but has no solution is not
-/// here: it is an [`crate::Outcome::Infeasible`].
+use crate::finding::Finding;
+use crate::refusal::Refusal;
+
+/// Every way in which a request to this crate can fail: bad input, or a well-posed problem without a solution
+/// ([`Error::Refused`]).
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
+    /// The problem is well posed but has no solution.
+    #[error("{0}")]
+    Refused(Refusal),
     /// A system could not be built or evaluated.
     #[error(transparent)]
     Lti(#[from] counterpoise_lti::Error),
@@ -50,4 +56,19 @@ pub enum Error {
         /// What is wrong with it.
         problem: &'static str,
     },
+}
+
+impl Error {
+    /// Returns the refusal with these findings.
+    pub(crate) fn refused(findings: Vec<Finding>) -> Self {
+        Error::Refused(Refusal { findings })
+    }
+
+    /// Returns the findings of a refusal; no finding for any other error.
+    pub fn findings(&self) -> &[Finding] {
+        match self {
+            Error::Refused(refusal) => &refusal.findings,
+            _ => &[],
+        }
+    }
 }

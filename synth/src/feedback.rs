@@ -17,7 +17,7 @@ use counterpoise_lti::{C64, Mat, StateSpace, Timebase};
 use crate::augmented::Augmented;
 use crate::certificate::{Cost, Equation, mean_square, riccati};
 use crate::finding::Part;
-use crate::{DesignPlant, Error, FeedbackWeights, Outcome, Reference};
+use crate::{DesignPlant, Error, FeedbackWeights, Reference};
 
 /// The feedback part with its certificates.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,27 +56,21 @@ struct Problem {
 ///
 /// # Errors
 /// [`Error`] for a plant or weights that do not make a problem. A problem without a solution is
-/// [`Outcome::Infeasible`].
+/// [`Error::Refused`].
 pub fn feedback(
     plant: &DesignPlant,
     weights: &FeedbackWeights,
     reference: Reference,
-) -> Result<Outcome<Feedback>, Error> {
+) -> Result<Feedback, Error> {
     let problem = problem(plant, weights)?;
     let density = weights.measurement_noise;
-    let regulator = match problem.regulator()? {
-        Outcome::Solved(solution) => solution,
-        Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
-    };
-    let filter = match problem.filter(density)? {
-        Outcome::Solved(solution) => solution,
-        Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
-    };
+    let regulator = problem.regulator()?;
+    let filter = problem.filter(density)?;
     let (F, L) = (regulator.F.clone(), filter.F.t());
     let controller = problem.controller(&F, &L, reference)?;
     let predicted = problem.predicted(&regulator.X, &filter.X, &L, density);
     let closed = problem.closed(&controller, density)?;
-    Ok(Outcome::Solved(Feedback {
+    Ok(Feedback {
         F,
         L,
         closed_loop: eigenvalues(&closed.A)?,
@@ -84,7 +78,7 @@ pub fn feedback(
         regulator: regulator.into(),
         filter: filter.into(),
         controller,
-    }))
+    })
 }
 
 fn problem(plant: &DesignPlant, weights: &FeedbackWeights) -> Result<Problem, Error> {
@@ -117,16 +111,16 @@ fn problem(plant: &DesignPlant, weights: &FeedbackWeights) -> Result<Problem, Er
 }
 
 impl Problem {
-    fn regulator(&self) -> Result<Outcome<Riccati>, Error> {
+    fn regulator(&self) -> Result<Riccati, Error> {
         let (A, B, C) = (self.core.state(), self.core.input(), self.core.output());
         let solution = care(&A, &B, &(&C.t() * &C), &Mat::eye(1), None)?;
-        Ok(riccati("the regulator's equation", Part::Feedback, solution))
+        riccati("the regulator's equation", Part::Feedback, solution)
     }
 
-    fn filter(&self, density: f64) -> Result<Outcome<Riccati>, Error> {
+    fn filter(&self, density: f64) -> Result<Riccati, Error> {
         let (V, W) = (Mat::eye(1).scale(density), &self.Gw * &self.Gw.t());
         let solution = care(&self.core.A.t(), &self.core.C.t(), &W, &V, None)?;
-        Ok(riccati("the filter's equation", Part::Feedback, solution))
+        riccati("the filter's equation", Part::Feedback, solution)
     }
 
     /// x_p' = A x_p + B u + L (y - C x_p), x_e' = A_e x_e + B_e (r - y), x_u' = A_u x_u + B_u v, u = C_u x_u + D_u v.

@@ -4,9 +4,10 @@ use counterpoise_lti::linalg::{Svd, svd};
 use counterpoise_lti::scaling::balance;
 use counterpoise_lti::{Mat, Named, StateSpace, Timebase, connect, lft};
 
+use crate::Error;
 use crate::cause::Cause;
 use crate::finding::{Finding, Part};
-use crate::{Error, Outcome};
+use crate::tolerance::FULL_RANK;
 
 /// A plant between what disturbs and what is judged
 ///
@@ -27,8 +28,14 @@ pub struct Generalised {
     pub origins: Vec<(String, usize)>,
 }
 
-/// A singular value of D12 or D21 below this, relative to the largest, counts as zero.
-pub const FULL_RANK: f64 = 1e-13;
+/// Named inputs or outputs of a generalised plant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Ports<'a> {
+    /// Their names, in order.
+    pub names: &'a [&'a str],
+    /// How many of them, the last ones, belong to the controller.
+    pub of_controller: usize,
+}
 
 /// The blocks of a generalised plant, states scaled by powers of two.
 pub(crate) struct Blocks {
@@ -105,19 +112,16 @@ impl Generalised {
         Ok(Self { origins: blocks.iter().map(|(name, n)| ((*name).to_owned(), *n)).collect(), ..self })
     }
 
-    /// The plant of named blocks wired by name ([`counterpoise_lti::connect`]): `inputs` with the controls last,
-    /// `outputs` with the measurements last. Refusals name the blocks.
+    /// Returns the plant of named blocks wired by name ([`counterpoise_lti::connect`]): the ports of `inputs` that belong
+    /// to the controller are the controls, those of `outputs` the measurements. Refusals name the blocks.
     ///
     /// # Errors
     /// As [`counterpoise_lti::connect`] and [`Generalised::new`].
-    pub fn by_name(
-        blocks: &[(&str, Named)],
-        (inputs, controls): (&[&str], usize),
-        (outputs, measurements): (&[&str], usize),
-    ) -> Result<Self, Error> {
+    pub fn by_name(blocks: &[(&str, Named)], inputs: Ports<'_>, outputs: Ports<'_>) -> Result<Self, Error> {
         let systems: Vec<Named> = blocks.iter().map(|block| block.1.clone()).collect();
         let names: Vec<(&str, usize)> = blocks.iter().map(|(name, b)| (*name, b.system.order())).collect();
-        Self::new(connect(&systems, inputs, outputs)?, controls, measurements)?.of_blocks(&names)
+        let connected = connect(&systems, inputs.names, outputs.names)?;
+        Self::new(connected, inputs.of_controller, outputs.of_controller)?.of_blocks(&names)
     }
 
     /// The closed loop from w to z with the controller u = K y.
@@ -149,7 +153,7 @@ impl Generalised {
     }
 
     /// D12 must have full column rank, D21 full row rank: every control is weighed, every measurement is noisy.
-    pub(crate) fn regular(&self) -> Result<Outcome<()>, Error> {
+    pub(crate) fn regular(&self) -> Result<(), Error> {
         let blocks = self.blocks();
         let mut findings = Vec::new();
         let mut refuse = |cause| findings.push(Finding::refusal(Part::Generalised, cause).at(f64::INFINITY));
@@ -159,7 +163,7 @@ impl Generalised {
         if let Some(row) = lost_column(&blocks.D21.t())? {
             refuse(Cause::MeasurementNoiseless { measurement: row + 1 });
         }
-        Ok(if findings.is_empty() { Outcome::Solved(()) } else { Outcome::Infeasible(findings) })
+        if findings.is_empty() { Ok(()) } else { Err(Error::refused(findings)) }
     }
 }
 

@@ -3,12 +3,12 @@
 use counterpoise_lti::linalg::care;
 use counterpoise_lti::{C64, Mat, StateSpace, Timebase, h2norm};
 
+use crate::Error;
 use crate::cause::Cause;
 use crate::certificate::Equation;
 use crate::finding::{Finding, Part};
 use crate::generalised::{Blocks, Generalised, around_direct_path};
 use crate::origin::{Of, solved};
-use crate::{Error, Outcome};
 
 /// An H2 controller with its certificates.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,33 +43,25 @@ pub struct H2 {
 /// D21 of full row rank; D22 may be anything. The states are scaled by powers of two first.
 ///
 /// # Errors
-/// [`Error`] where a decomposition fails. A plant that breaks a condition is [`Outcome::Infeasible`] and says which.
-pub fn h2syn(plant: &Generalised) -> Result<Outcome<H2>, Error> {
-    if let Outcome::Infeasible(findings) = plant.regular()? {
-        return Ok(Outcome::Infeasible(findings));
-    }
+/// [`Error`] where a decomposition fails. A plant that breaks a condition is [`Error::Refused`] and says which.
+pub fn h2syn(plant: &Generalised) -> Result<H2, Error> {
+    plant.regular()?;
     let P = plant.blocks();
     if P.D11.norm_max() != 0.0 {
         let cause = Cause::NoiseReachesCost { gain: P.D11.norm_max() };
-        return Ok(Outcome::Infeasible(vec![Finding::refusal(Part::Generalised, cause).at(f64::INFINITY)]));
+        return Err(Error::refused(vec![Finding::refusal(Part::Generalised, cause).at(f64::INFINITY)]));
     }
     let (R, V) = (&P.D12.t() * &P.D12, &P.D21 * &P.D21.t());
     let (SX, SY) = (&P.C1.t() * &P.D12, &P.B1 * &P.D21.t());
     let X = care(&P.A, &P.B2, &(&P.C1.t() * &P.C1), &R, Some(&SX))?;
     let Y = care(&P.A.t(), &P.C2.t(), &(&P.B1 * &P.B1.t()), &V, Some(&SY))?;
-    let X = match solved(&P, Of::Regulator, X)? {
-        Outcome::Solved(solution) => solution,
-        Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
-    };
-    let Y = match solved(&P, Of::Filter, Y)? {
-        Outcome::Solved(solution) => solution,
-        Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
-    };
+    let X = solved(&P, Of::Regulator, X)?;
+    let Y = solved(&P, Of::Filter, Y)?;
     let (F, L) = (X.F.clone(), Y.F.t());
     let square = (&P.B1.t() * &(&X.X * &P.B1)).trace() + (&R * &(&F * &(&Y.X * &F.t()))).trace();
     let controller = around_direct_path(P.in_plant_states(observer(&P, &F, &L)?), &P.D22)?;
     let closed = plant.close(&controller)?;
-    Ok(Outcome::Solved(H2 {
+    Ok(H2 {
         predicted_norm: square.max(0.0).sqrt(),
         achieved_norm: h2norm(&closed)?,
         closed_loop: [X.closed_loop.as_slice(), Y.closed_loop.as_slice()].concat(),
@@ -78,7 +70,7 @@ pub fn h2syn(plant: &Generalised) -> Result<Outcome<H2>, Error> {
         controller,
         F,
         L,
-    }))
+    })
 }
 
 /// x' = (A - B2 F - L C2) x + L y, u = -F x.

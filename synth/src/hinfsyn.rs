@@ -1,15 +1,15 @@
 //! H-infinity control of a generalised plant by two Riccati equations and a search for the smallest bound.
 
-use counterpoise_lti::linalg::{
-    Outcome as Solution, care_g, inverse, singular_values, svd, sym_eigen, sym_eigenvalues,
-};
-use counterpoise_lti::{C64, Mat, StateSpace, Timebase, linfnorm, poles};
+use counterpoise_lti::linalg::{csingular_values, csolve};
+use counterpoise_lti::{C64, CMat, Mat, Peak, StateSpace, frequency_response, linfnorm, poles};
 
+use crate::Error;
 use crate::cause::Cause;
 use crate::finding::{Finding, Part};
-use crate::generalised::{Blocks, Generalised, around_direct_path};
+use crate::generalised::Generalised;
 use crate::h2syn::h2syn;
-use crate::{Error, Outcome};
+use crate::normal_form::{Attempt, Normal};
+use crate::refusal::attempt;
 
 /// An H-infinity controller with its certificates.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,10 +36,9 @@ pub const VERIFIED: f64 = 1e-6;
 const NORM_TOLERANCE: f64 = 1e-9;
 /// By how much the norm that was found is rounded up, so that the claim is not below what is reached.
 const ROUNDED_UP: f64 = 1e-7;
-/// X and Y count as indefinite below minus this, relatively. A loose test: the loop itself is looked at afterwards.
-const INDEFINITE: f64 = 1e-7;
-/// By how much a bound is first raised whose loop does not keep it.
-const FIRST_RAISE: f64 = 1e-3;
+/// By how much a bound is first raised whose loop does not keep it: what rounding of a controller near the optimum costs. The raise
+/// doubles with each attempt.
+const FIRST_RAISE: f64 = 1e-6;
 /// Bounds tried at most, upward and in the bisection.
 const MOST_TRIALS: usize = 80;
 
@@ -56,22 +55,20 @@ const MOST_TRIALS: usize = 80;
 ///
 /// # Errors
 /// [`Error::Range`] for a tolerance that is not positive, [`Error`] where a decomposition fails. A plant that breaks a
-/// condition is [`Outcome::Infeasible`] and says which.
-pub fn hinfsyn(plant: &Generalised, tolerance: f64) -> Result<Outcome<HInfinity>, Error> {
+/// condition is [`Error::Refused`] and says which.
+pub fn hinfsyn(plant: &Generalised, tolerance: f64) -> Result<HInfinity, Error> {
     if !(tolerance > 0.0 && tolerance.is_finite()) {
         return Err(Error::Range { what: "tolerance", value: tolerance, allowed: "positive" });
     }
-    if let Outcome::Infeasible(findings) = plant.regular()? {
-        return Ok(Outcome::Infeasible(findings));
-    }
+    plant.regular()?;
     let normal = Normal::of(plant)?;
-    let low = End { bound: normal.lower_bound()?, margin: None };
-    let mut search = Search { plant, normal: &normal, low, high: None, trials: 0 };
+    let low = End { bound: normal.lower_bound()?, attempt: Attempt::Unreachable };
+    let mut search = Search { plant, normal: &normal, unreachable: low.bound, low, high: None, trials: 0 };
     search.upward()?;
     if search.high.is_none()
         && let Some(findings) = obstacle(plant)?
     {
-        return Ok(Outcome::Infeasible(findings));
+        return Err(Error::refused(findings));
     }
     search.narrow(tolerance)?;
     search.verified()
@@ -83,17 +80,14 @@ fn obstacle(plant: &Generalised) -> Result<Option<Vec<Finding>>, Error> {
     let system = &mut limit.system;
     let (p, m) = (system.outputs() - plant.measurements, system.inputs() - plant.controls);
     system.D.set_block(0, 0, &Mat::zeros(p, m));
-    Ok(match h2syn(&limit)? {
-        Outcome::Infeasible(findings) => Some(findings),
-        Outcome::Solved(_) => None,
-    })
+    Ok(attempt(h2syn(&limit))?.err().map(|refusal| refusal.findings))
 }
 
-/// A bound with ln rho(XY) - 2 ln g there, where X and Y exist.
+/// A bound with what it turned out to be.
 #[derive(Clone, Copy)]
 struct End {
     bound: f64,
-    margin: Option<f64>,
+    attempt: Attempt,
 }
 
 struct Search<'a> {
@@ -101,6 +95,8 @@ struct Search<'a> {
     normal: &'a Normal,
     low: End,
     high: Option<End>,
+    /// The largest bound that is certainly not reachable.
+    unreachable: f64,
     trials: usize,
 }
 
@@ -129,17 +125,21 @@ impl Search<'_> {
 
     fn attempt(&mut self, bound: f64) -> Result<(), Error> {
         self.trials += 1;
-        let margin = self.normal.margin(bound)?;
-        let end = End { bound, margin };
-        match margin {
-            Some(margin) if margin < 0.0 => self.high = Some(end),
-            _ => self.low = end,
+        let attempt = self.normal.attempt(bound)?;
+        let end = End { bound, attempt };
+        match attempt {
+            Attempt::Margin(margin) if margin < 0.0 => self.high = Some(end),
+            Attempt::Undecided => self.low = end,
+            Attempt::Margin(_) | Attempt::Unreachable => {
+                self.low = end;
+                self.unreachable = self.unreachable.max(bound);
+            }
         }
         Ok(())
     }
 
     /// The controller at the upper end, or at the first bound above it whose loop keeps it.
-    fn verified(mut self) -> Result<Outcome<HInfinity>, Error> {
+    fn verified(mut self) -> Result<HInfinity, Error> {
         let mut bound = self.high.map_or(self.low.bound, |high| high.bound);
         let mut raise = FIRST_RAISE;
         while self.high.is_some() && self.trials < 2 * MOST_TRIALS {
@@ -147,13 +147,13 @@ impl Search<'_> {
             if let Some(K) = self.normal.central(bound)?
                 && let Some(answer) = self.verify(K, bound)?
             {
-                return Ok(Outcome::Solved(answer));
+                return Ok(answer);
             }
             bound *= 1.0 + raise;
             raise = (2.0 * raise).min(1.0);
         }
         let cause = Cause::NoBoundReached { largest: bound };
-        Ok(Outcome::Infeasible(vec![Finding::refusal(Part::Generalised, cause)]))
+        Err(Error::refused(vec![Finding::refusal(Part::Generalised, cause)]))
     }
 
     /// The controller with its certificates, if its loop is stable and keeps the bound.
@@ -163,7 +163,13 @@ impl Search<'_> {
         if closed_loop.iter().any(|pole| pole.re >= 0.0) {
             return Ok(None);
         }
-        let peak = linfnorm(&closed, NORM_TOLERANCE)?;
+        let mut peak = linfnorm(&closed, NORM_TOLERANCE)?;
+        // Plant and controller are put together once more, frequency by frequency: near the optimum the controller is so large
+        // that the loop's matrices lose digits, and the two disagree.
+        let composed = self.composed_peak(&K, &closed_loop, peak.rate_rad_s)?;
+        if composed.value > peak.value {
+            peak = composed;
+        }
         if peak.value > bound * (1.0 + VERIFIED) {
             return Ok(None);
         }
@@ -172,10 +178,37 @@ impl Search<'_> {
             bound,
             achieved_norm: peak.value * (1.0 + ROUNDED_UP),
             peak_rad_s: peak.rate_rad_s,
-            unreachable: self.low.bound,
+            unreachable: self.unreachable,
             closed_loop,
             trials: self.trials,
         }))
+    }
+}
+
+impl Search<'_> {
+    /// The largest singular value of P11 + P12 K (I - P22 K)^-1 P21 among the frequency of the peak, those of the poles, and close ones.
+    fn composed_peak(&self, K: &StateSpace, poles: &[C64], rate_rad_s: f64) -> Result<Peak, Error> {
+        let around = [0.9, 0.99, 0.999, 1.0, 1.001, 1.01, 1.1];
+        let centres =
+            poles.iter().map(|pole| pole.norm()).chain([rate_rad_s]).filter(|rate| rate.is_finite());
+        let rates: Vec<f64> = centres.flat_map(|rate| around.map(|factor| factor * rate)).collect();
+        let plants = frequency_response(&self.plant.system, &rates);
+        let controllers = frequency_response(K, &rates);
+        let mut best = Peak { value: 0.0, rate_rad_s };
+        // A frequency that is a pole of plant or controller has no value there; the loop's own norm covers it.
+        let (Ok(plants), Ok(controllers)) = (plants, controllers) else { return Ok(best) };
+        let (y, u) = (self.plant.measurements, self.plant.controls);
+        for ((P, K), rate_rad_s) in plants.iter().zip(&controllers).zip(rates) {
+            let (z, w) = (P.nrows() - y, P.ncols() - u);
+            let inner = CMat::eye(y) - P.block(z, w, y, u) * K;
+            let Ok(seen) = csolve(&inner, &P.block(z, 0, y, w)) else { continue };
+            let H = P.block(0, 0, z, w) + P.block(0, w, z, u) * (K * &seen);
+            let value = csingular_values(&H)?.first().copied().unwrap_or(0.0);
+            if value > best.value {
+                best = Peak { value, rate_rad_s };
+            }
+        }
+        Ok(best)
     }
 }
 
@@ -187,224 +220,12 @@ fn between(low: End, high: End, tolerance: f64) -> f64 {
     }
     let (a, b) = (low.bound.ln(), high.bound.ln());
     let middle = 0.5 * (a + b);
-    let guess = match (low.margin, high.margin) {
-        (Some(above), Some(below)) if above.is_finite() && below.is_finite() => {
+    let guess = match (low.attempt, high.attempt) {
+        (Attempt::Margin(above), Attempt::Margin(below)) if above.is_finite() && below.is_finite() => {
             b - below * (b - a) / (below - above)
         }
         _ => middle,
     };
     let guard = (0.5 * tolerance).min(0.25 * (b - a));
     guess.clamp(a + guard, b - guard).exp()
-}
-
-/// The plant in the form D12 = \[0; I\], D21 = \[0 I\], by rotations of w and z and scalings of u and y.
-struct Normal {
-    P: Blocks,
-    /// u = U u_normal.
-    U: Mat,
-    /// y_normal = Y y.
-    Y: Mat,
-}
-
-impl Normal {
-    fn of(plant: &Generalised) -> Result<Self, Error> {
-        let P = plant.blocks();
-        let (z, U) = rotation(&P.D12)?;
-        let (w, Y) = rotation(&P.D21.t())?;
-        let Y = Y.t();
-        let wt = w.t();
-        Ok(Self {
-            P: Blocks {
-                B1: &P.B1 * &wt,
-                B2: &P.B2 * &U,
-                C1: &z * &P.C1,
-                C2: &Y * &P.C2,
-                D11: &z * &(&P.D11 * &wt),
-                D12: &z * &(&P.D12 * &U),
-                D21: &Y * &(&P.D21 * &wt),
-                D22: P.D22,
-                A: P.A,
-                scale: P.scale,
-                origins: P.origins,
-            },
-            U,
-            Y,
-        })
-    }
-
-    /// max(|[D1111 D1112]|, |[D1111; D1121]|): below it no bound can be reached.
-    fn lower_bound(&self) -> Result<f64, Error> {
-        let (z1, w1) = self.split();
-        let D = &self.P.D11;
-        let largest = |M: Mat| -> Result<f64, Error> {
-            Ok(if M.norm_max() == 0.0 { 0.0 } else { singular_values(&M)?[0] })
-        };
-        Ok(largest(D.block(0, 0, z1, D.ncols()))?.max(largest(D.block(0, 0, D.nrows(), w1))?))
-    }
-
-    /// A bound to start from where D11 gives none.
-    fn guess(&self) -> f64 {
-        let size =
-            (self.P.C1.norm_fro() * self.P.B1.norm_fro() / self.P.A.norm_fro().max(f64::MIN_POSITIVE)).sqrt();
-        if size > 0.0 && size.is_finite() { size } else { 1.0 }
-    }
-
-    /// Rows of z and columns of w that neither control nor measurement noise touches.
-    fn split(&self) -> (usize, usize) {
-        (self.P.D12.nrows() - self.P.D12.ncols(), self.P.D21.ncols() - self.P.D21.nrows())
-    }
-
-    /// ln rho(XY) - 2 ln g at a bound, negative where it is reachable; `None` where X or Y does not exist or is indefinite.
-    fn margin(&self, bound: f64) -> Result<Option<f64>, Error> {
-        let Some((X, _)) = self.regulator(bound)? else { return Ok(None) };
-        let Some((Y, _)) = self.filter(bound)? else { return Ok(None) };
-        Ok(Some(spectral_radius(&(&Y * &X))?.ln() - 2.0 * bound.ln()))
-    }
-
-    /// The central controller at a bound; `None` where there is none.
-    fn central(&self, bound: f64) -> Result<Option<StateSpace>, Error> {
-        let Some((X, F)) = self.regulator(bound)? else { return Ok(None) };
-        let Some((Y, L)) = self.filter(bound)? else { return Ok(None) };
-        let Z = &Mat::eye(X.nrows()) - &(&Y * &X).scale(1.0 / (bound * bound));
-        let Ok(Z) = inverse(&Z) else { return Ok(None) };
-        self.assemble(bound, &F, &L, &Z)
-    }
-
-    /// X and F = -R^-1 (D1.'C1 + B'X), on all inputs.
-    fn regulator(&self, bound: f64) -> Result<Option<(Mat, Mat)>, Error> {
-        let P = &self.P;
-        let (B, D) = (P.B1.hstack(&P.B2), P.D11.hstack(&P.D12));
-        solve_indefinite(&P.A, &B, &P.C1, &D, (P.B1.ncols(), bound))
-    }
-
-    /// Y and L = -(B1 D.1' + Y C') R^-1, on all outputs: the same problem transposed.
-    fn filter(&self, bound: f64) -> Result<Option<(Mat, Mat)>, Error> {
-        let P = &self.P;
-        let (C, D) = (P.C1.vstack(&P.C2), P.D11.vstack(&P.D21));
-        let solved = solve_indefinite(&P.A.t(), &C.t(), &P.B1.t(), &D.t(), (P.C1.nrows(), bound))?;
-        Ok(solved.map(|(Y, L)| (Y, L.t())))
-    }
-
-    fn assemble(&self, bound: f64, F: &Mat, L: &Mat, Z: &Mat) -> Result<Option<StateSpace>, Error> {
-        let P = &self.P;
-        let ((z1, w1), n) = (self.split(), P.A.nrows());
-        let (m2, p2) = (P.B2.ncols(), P.C2.nrows());
-        let Some(D) = DirectPaths::of(&P.D11, (z1, w1), bound)? else { return Ok(None) };
-        let (F12, F2) = (F.block(w1, 0, p2, n), F.block(w1 + p2, 0, m2, n));
-        let (L12, L2) = (L.block(0, z1, n, m2), L.block(0, z1 + m2, n, p2));
-        let B = P.B1.hstack(&P.B2);
-        let into = Z * &(&(&P.B2 + &L12) * &D.D12);
-        let seen = -(&D.D21 * &(&P.C2 + &F12));
-        let B1 = &(&into * &(&inverse(&D.D12)? * &D.D11)) - &(Z * &L2);
-        let shaped = &inverse(&D.D21)? * &seen;
-        let C1 = &F2 + &(&D.D11 * &shaped);
-        let A = &(&P.A + &(&B * F)) + &(&B1 * &shaped);
-        let K = StateSpace::new(
-            A,
-            &B1 * &self.Y,
-            &self.U * &C1,
-            &self.U * &(&D.D11 * &self.Y),
-            Timebase::Continuous,
-        );
-        match K {
-            Ok(K) => Ok(Some(around_direct_path(P.in_plant_states(K), &P.D22)?)),
-            Err(_) => Ok(None),
-        }
-    }
-}
-
-/// The direct paths of the central controller.
-struct DirectPaths {
-    D11: Mat,
-    D12: Mat,
-    D21: Mat,
-}
-
-impl DirectPaths {
-    fn of(D11: &Mat, (z1, w1): (usize, usize), bound: f64) -> Result<Option<Self>, Error> {
-        let (m2, p2) = (D11.nrows() - z1, D11.ncols() - w1);
-        let (D1111, D1112) = (D11.block(0, 0, z1, w1), D11.block(0, w1, z1, p2));
-        let (D1121, D1122) = (D11.block(z1, 0, m2, w1), D11.block(z1, w1, m2, p2));
-        let square = bound * bound;
-        let left = &Mat::eye(z1).scale(square) - &(&D1111 * &D1111.t());
-        let right = &Mat::eye(w1).scale(square) - &(&D1111.t() * &D1111);
-        let (Some(left), Some(right)) = (invert(&left), invert(&right)) else { return Ok(None) };
-        let first = -&(&(&D1121 * &(&D1111.t() * &(&left * &D1112))) + &D1122);
-        let second = &Mat::eye(m2) - &(&D1121 * &(&right * &D1121.t()));
-        let third = &Mat::eye(p2) - &(&D1112.t() * &(&left * &D1112));
-        let (Some(D12), Some(D21)) = (root(&second)?, root(&third)?) else { return Ok(None) };
-        Ok(Some(Self { D11: first, D12, D21 }))
-    }
-}
-
-fn invert(M: &Mat) -> Option<Mat> {
-    if M.nrows() == 0 { Some(M.clone()) } else { inverse(M).ok() }
-}
-
-/// The symmetric root of a positive definite matrix; `None` for another.
-fn root(M: &Mat) -> Result<Option<Mat>, Error> {
-    let (values, V) = sym_eigen(&M.symmetric_part())?;
-    if values.iter().any(|value| *value <= 0.0) {
-        return Ok(None);
-    }
-    let roots: Vec<f64> = values.iter().map(|value| value.sqrt()).collect();
-    Ok(Some(&V * &(&Mat::diag(&roots) * &V.t())))
-}
-
-/// The stabilising X of A'X + XA + C'C - (XB + C'D) R^-1 (B'X + D'C) = 0, R = D'D - diag(g^2 I, 0), and
-/// F = -R^-1 (D'C + B'X); `None` where there is none, or where it is indefinite.
-fn solve_indefinite(
-    A: &Mat,
-    B: &Mat,
-    C: &Mat,
-    D: &Mat,
-    (disturbed, bound): (usize, f64),
-) -> Result<Option<(Mat, Mat)>, Error> {
-    let mut R = &D.t() * D;
-    for i in 0..disturbed {
-        R[(i, i)] -= bound * bound;
-    }
-    let Ok(R_inverse) = inverse(&R) else { return Ok(None) };
-    let cross = &D.t() * C;
-    let folded = A - &(B * &(&R_inverse * &cross));
-    let G = (B * &(&R_inverse * &B.t())).symmetric_part();
-    let Q = (&(&C.t() * C) - &(&cross.t() * &(&R_inverse * &cross))).symmetric_part();
-    let Solution::Solved(solution) = care_g(&folded, &G, &Q)? else { return Ok(None) };
-    // What is negligible beside A in A - GX is rounding, whatever its sign.
-    let negligible = INDEFINITE * folded.norm_fro() / G.norm_fro().max(f64::MIN_POSITIVE);
-    let values = sym_eigenvalues(&solution.X.symmetric_part())?;
-    let largest = values.iter().copied().fold(0.0, |a: f64, b| a.max(b.abs()));
-    if values.iter().any(|value| *value < -(INDEFINITE * largest).max(negligible)) {
-        return Ok(None);
-    }
-    let F = -&(&R_inverse * &(&cross + &(&B.t() * &solution.X)));
-    Ok(Some((solution.X, F)))
-}
-
-/// z (orthogonal) and U with z D U = \[0; I\], for D of full column rank.
-fn rotation(D: &Mat) -> Result<(Mat, Mat), Error> {
-    let (rows, columns) = D.shape();
-    let parts = svd(D)?;
-    let full = full_basis(&parts.U, rows)?;
-    let order: Vec<usize> = (columns..rows).chain(0..columns).collect();
-    let all: Vec<usize> = (0..rows).collect();
-    let z = full.select(&all, &order).t();
-    let inverse: Vec<f64> = parts.s.iter().map(|value| 1.0 / value).collect();
-    Ok((z, &parts.V * &Mat::diag(&inverse)))
-}
-
-/// The columns of U followed by an orthonormal basis of what they leave out.
-fn full_basis(U: &Mat, rows: usize) -> Result<Mat, Error> {
-    if U.ncols() == rows {
-        return Ok(U.clone());
-    }
-    let columns = U.ncols();
-    let rest = &Mat::eye(rows) - &(U * &U.t());
-    let complement = svd(&rest)?.U;
-    Ok(U.hstack(&complement.block(0, 0, rows, rows - columns)))
-}
-
-fn spectral_radius(M: &Mat) -> Result<f64, Error> {
-    let values = counterpoise_lti::linalg::eigenvalues(M)?;
-    Ok(values.iter().map(|value| value.norm()).fold(0.0, f64::max))
 }

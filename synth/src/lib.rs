@@ -9,12 +9,15 @@
 //!
 //! Modules in reading order:
 //! - what is asked: [`weight`] (with [`rational`]; [`table`] fits one to drawn points), [`plant`], [`specification`];
-//! - whether it can be had: [`preflight`](mod@preflight), [`finding`], [`cause`], [`outcome`], [`error`];
+//! - whether it can be had: [`preflight`](mod@preflight), [`finding`], [`cause`], [`refusal`], [`error`];
 //! - the design: [`feedback`](mod@feedback), [`feedforward`](mod@feedforward), [`design`](mod@design), [`certificate`],
-//!   [`discretise`](mod@discretise), [`sampled_data`];
-//! - around it: [`schedule`](mod@schedule) over out-of-balance, [`figures`](mod@figures) and [`search`](mod@search) from
-//!   requirements to weights, [`observer`] of friction, [`adaptation`];
-//! - other methods: [`generalised`], [`h2syn`](mod@h2syn), [`hinfsyn`](mod@hinfsyn), [`lqg`], [`alternatives`].
+//!   [`joint`] optimum of all parts, [`residual`], [`total_cost`](mod@total_cost);
+//! - [`first_design`](mod@first_design): weights chosen for the highest [`bandwidth`] that the loop allows;
+//! - in sampled time: [`sampling`], [`discretise`](mod@discretise);
+//! - around it: [`schedule`](mod@schedule) over out-of-balance with its [`scheduled_controller`], [`figures`](mod@figures),
+//!   [`requirements`] and [`search`](mod@search) from requirements to weights, [`observer`] of friction, [`adaptation`];
+//! - other methods: [`generalised`], [`h2syn`](mod@h2syn), [`hinfsyn`](mod@hinfsyn), [`lqg`], [`alternatives`];
+//! - [`tolerance`]: every number that decides.
 //!
 //! A servo of one inertia with viscous drag, held without steady error:
 //!
@@ -32,7 +35,7 @@
 //!     disturbances: vec![(1, 1.0)],
 //!     loop_recovery: 0.0,
 //! };
-//! let Outcome::Solved(part) = feedback(&plant, &weights, Reference::Error)? else { unreachable!() };
+//! let part = feedback(&plant, &weights, Reference::Error)?;
 //! assert!(part.closed_loop.iter().all(|pole| pole.re < 0.0));
 //! assert!(part.cost.relative_difference().is_some_and(|difference| difference < 1e-6));
 //! # Ok::<(), Error>(())
@@ -41,7 +44,9 @@
 
 pub mod adaptation;
 pub mod alternatives;
+mod anti_windup;
 mod augmented;
+pub mod bandwidth;
 pub mod cause;
 pub mod certificate;
 pub mod design;
@@ -51,51 +56,66 @@ pub mod feedback;
 pub mod feedforward;
 pub mod figures;
 pub mod finding;
+pub mod first_design;
 pub mod generalised;
 pub mod h2syn;
 pub mod hinfsyn;
+pub mod joint;
 pub mod lqg;
+mod normal_form;
 pub mod observer;
 mod origin;
-pub mod outcome;
 pub mod plant;
 pub mod preflight;
 pub mod rational;
-pub mod sampled_data;
+pub mod refusal;
+pub mod requirements;
+pub mod residual;
+mod sampled_data;
+pub mod sampling;
 pub mod schedule;
+pub mod scheduled_controller;
 pub mod search;
 pub mod specification;
 mod stage;
+mod suggestion;
 pub mod table;
+pub mod tolerance;
+pub mod total_cost;
 pub mod weight;
 
 pub use adaptation::{Adaptive, Estimation, Recursive, RecursiveSettings, WindowedMean};
 pub use alternatives::{Alternative, Method, alternative};
+pub use bandwidth::{Bandwidth, Limit, LimitKind, Unknown};
 pub use cause::{Cause, Hidden};
-pub use certificate::{Cost, Equation};
+pub use certificate::{Certified, Cost, Equation};
 pub use design::{Design, design};
-pub use discretise::{Sampled, Sampling, SamplingMethod, check, discretise, sampled_loop};
+pub use discretise::discretise;
 pub use error::Error;
 pub use feedback::{Feedback, feedback};
 pub use feedforward::{Feedforward, feedforward};
 pub use figures::{Figures, figures};
 pub use finding::{Finding, Part, Severity};
-pub use generalised::Generalised;
+pub use first_design::{Circumstances, FirstDesign, LoopJudgement, Motion, RequiredMargins, first_design};
+pub use generalised::{Generalised, Ports};
 pub use h2syn::{H2, h2syn};
 pub use hinfsyn::{HInfinity, hinfsyn};
+pub use joint::{JointOptimum, joint_optimum};
 pub use lqg::{Gain, Recovered, kalman, lqg_ltr, lqr, observer_controller};
 pub use observer::{Drive, Drives, Identified, Side, friction_observers};
-pub use outcome::Outcome;
 pub use plant::{Channel, DesignPlant};
 pub use preflight::preflight;
 pub use rational::Rational;
-pub use sampled_data::Certified;
-pub use schedule::{
-    Conditions, Configuration, Entry, Law, discretise_schedule, error_at, schedule, stabilisation_error,
-};
-pub use search::{Ended, Found, Requirements, Spectrum, Trial, search, trade_off};
+pub use refusal::{Refusal, attempt};
+pub use requirements::{Requirements, Spectrum};
+pub use residual::{Weighed, error_at, stabilisation_error};
+pub use sampling::{Sampled, Sampling, SamplingMethod, check, sampled_loop};
+pub use schedule::{Conditions, Configuration, Entry, Law, schedule};
+pub use scheduled_controller::discretise_schedule;
+pub use search::{Ended, Found, SearchTask, Trial, search, trade_off};
 pub use specification::{
     Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, Specification,
 };
 pub use table::{Fit, fit_table};
+pub use total_cost::{SourceCost, TotalCost, total_cost};
 pub use weight::Weight;

@@ -3,9 +3,9 @@
 use counterpoise_lti::linalg::{Riccati, care, dare};
 use counterpoise_lti::{C64, Mat, StateSpace, Timebase, series};
 
+use crate::Error;
 use crate::certificate::{Equation, riccati};
 use crate::finding::Part;
-use crate::{Error, Outcome};
 
 /// A state feedback or an observer gain.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,14 +26,14 @@ pub struct Gain {
 /// ```
 ///
 /// # Errors
-/// [`Error::Linalg`] for wrong shapes or matrices that are not symmetric. Without stabilising solution:
-/// [`Outcome::Infeasible`] with the mode that is in the way.
-pub fn lqr(g: &StateSpace, Q: &Mat, R: &Mat, N: Option<&Mat>) -> Result<Outcome<Gain>, Error> {
+/// [`Error::Linalg`] for wrong shapes or matrices that are not symmetric; without stabilising solution
+/// [`Error::Refused`] with the mode that is in the way.
+pub fn lqr(g: &StateSpace, Q: &Mat, R: &Mat, N: Option<&Mat>) -> Result<Gain, Error> {
     let solved = match g.timebase {
         Timebase::Continuous => care(&g.A, &g.B, Q, R, N)?,
         Timebase::Discrete { .. } => dare(&g.A, &g.B, Q, R, N)?,
     };
-    Ok(named("the regulator's equation", solved, |F| F))
+    named("the regulator's equation", solved, |F| F)
 }
 
 /// The observer of x' = A x + w, y = C x + v with covariances W of w and V of v; in discrete time the gain of the
@@ -41,28 +41,22 @@ pub fn lqr(g: &StateSpace, Q: &Mat, R: &Mat, N: Option<&Mat>) -> Result<Outcome<
 ///
 /// # Errors
 /// As [`lqr`].
-pub fn kalman(g: &StateSpace, W: &Mat, V: &Mat) -> Result<Outcome<Gain>, Error> {
+pub fn kalman(g: &StateSpace, W: &Mat, V: &Mat) -> Result<Gain, Error> {
     let (A, C) = (g.A.t(), g.C.t());
     let solved = match g.timebase {
         Timebase::Continuous => care(&A, &C, W, V, None)?,
         Timebase::Discrete { .. } => dare(&A, &C, W, V, None)?,
     };
-    Ok(named("the filter's equation", solved, |F| F.t()))
+    named("the filter's equation", solved, |F| F.t())
 }
 
 fn named(
     what: &'static str,
     solved: counterpoise_lti::linalg::Outcome<Riccati>,
     shape: impl Fn(Mat) -> Mat,
-) -> Outcome<Gain> {
-    match riccati(what, Part::Generalised, solved) {
-        Outcome::Solved(solution) => Outcome::Solved(Gain {
-            gain: shape(solution.F.clone()),
-            X: solution.X.clone(),
-            equation: solution.into(),
-        }),
-        Outcome::Infeasible(findings) => Outcome::Infeasible(findings),
-    }
+) -> Result<Gain, Error> {
+    let solution = riccati(what, Part::Generalised, solved)?;
+    Ok(Gain { gain: shape(solution.F.clone()), X: solution.X.clone(), equation: solution.into() })
 }
 
 /// The observer-based controller from y to u = -K x, for a plant without direct path:
@@ -104,13 +98,13 @@ pub struct Recovered {
 ///
 /// # Errors
 /// [`Error::Range`] for weights that are not positive, [`Error::System`] for a shaped plant with a direct path. Without
-/// solution: [`Outcome::Infeasible`].
+/// solution: [`Error::Refused`].
 pub fn lqg_ltr(
     g: &StateSpace,
     shape: &StateSpace,
     control_weight: f64,
     recovery: f64,
-) -> Result<Outcome<Recovered>, Error> {
+) -> Result<Recovered, Error> {
     for (what, value) in [("control weight", control_weight), ("recovery", recovery)] {
         if !(value > 0.0 && value.is_finite()) {
             return Err(Error::Range { what, value, allowed: "positive" });
@@ -118,26 +112,13 @@ pub fn lqg_ltr(
     }
     let shaped = series(shape, g)?;
     let (m, p) = (shaped.inputs(), shaped.outputs());
-    let regulator =
-        match lqr(&shaped, &(&shaped.C.t() * &shaped.C), &Mat::eye(m).scale(control_weight), None)? {
-            Outcome::Solved(solution) => solution,
-            Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
-        };
+    let regulator = lqr(&shaped, &(&shaped.C.t() * &shaped.C), &Mat::eye(m).scale(control_weight), None)?;
     let W = (&shaped.B * &shaped.B.t()).scale(recovery);
-    let filter = match kalman(&shaped, &W, &Mat::eye(p))? {
-        Outcome::Solved(solution) => solution,
-        Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
-    };
+    let filter = kalman(&shaped, &W, &Mat::eye(p))?;
     let inner = observer_controller(&shaped, &regulator.gain, &filter.gain)?;
     let D = Mat::zeros(m, m);
     let target =
         StateSpace::new(shaped.A.clone(), shaped.B.clone(), regulator.gain.clone(), D, shaped.timebase)?;
     let closed_loop = [regulator.equation.spectrum.as_slice(), filter.equation.spectrum.as_slice()].concat();
-    Ok(Outcome::Solved(Recovered {
-        controller: series(&inner, shape)?,
-        target,
-        regulator,
-        filter,
-        closed_loop,
-    }))
+    Ok(Recovered { controller: series(&inner, shape)?, target, regulator, filter, closed_loop })
 }

@@ -63,9 +63,9 @@ pub fn friction_observers(
     drives: Drives,
     share: f64,
 ) -> Result<Vec<FrictionObserver>, Error> {
-    range("share", share, (0.0..=1.0).contains(&share), "from 0 to 1")?;
-    range("gear ratio", drive.ratio, drive.ratio > 0.0, "positive")?;
-    range("stall torque a volt", drive.stall_nm_v, drive.stall_nm_v != 0.0, "not zero")?;
+    require("share", share, "from 0 to 1", |share| (0.0..=1.0).contains(&share))?;
+    require("gear ratio", drive.ratio, "positive", |ratio| ratio > 0.0)?;
+    require("stall torque a volt", drive.stall_nm_v, "not zero", |torque| torque != 0.0)?;
     frictions.iter().map(|friction| observer(friction, drive, drives, share)).collect()
 }
 
@@ -76,9 +76,9 @@ fn observer(
     share: f64,
 ) -> Result<FrictionObserver, Error> {
     let (level, stiffness) = (friction.coulomb_nm, friction.rest_stiffness_nm_rad);
-    range("Coulomb level in N m", level, level > 0.0, "positive")?;
+    require("Coulomb level in N m", level, "positive", |level| level > 0.0)?;
     let slides = matches!(friction.law, ObserverLaw::Sliding { .. } | ObserverLaw::Walrath { .. });
-    range("rest stiffness in N m/rad", stiffness, stiffness > 0.0 || slides, "positive")?;
+    require("rest stiffness in N m/rad", stiffness, "positive", |stiffness| stiffness > 0.0 || slides)?;
     let turns = match friction.side {
         Side::Motor => drive.ratio,
         Side::Load => 1.0,
@@ -114,8 +114,13 @@ fn at_the_hub(law: &ObserverLaw, turns: f64) -> ObserverLaw {
     law
 }
 
-fn range(what: &'static str, value: f64, good: bool, allowed: &'static str) -> Result<(), Error> {
-    if good && value.is_finite() { Ok(()) } else { Err(Error::Range { what, value, allowed }) }
+fn require(
+    what: &'static str,
+    value: f64,
+    allowed: &'static str,
+    is_allowed: impl Fn(f64) -> bool,
+) -> Result<(), Error> {
+    if is_allowed(value) && value.is_finite() { Ok(()) } else { Err(Error::Range { what, value, allowed }) }
 }
 
 #[cfg(test)]

@@ -3,10 +3,10 @@
 use counterpoise_lti::linalg::{self, Reason, csvd};
 use counterpoise_lti::{C64, CMat, Mat};
 
+use crate::Error;
 use crate::cause::{Cause, Hidden};
 use crate::finding::{Finding, Part};
 use crate::generalised::Blocks;
-use crate::{Error, Outcome};
 
 /// Which of the two equations of an output-feedback design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,9 +31,9 @@ pub(crate) fn solved(
     P: &Blocks,
     of: Of,
     outcome: linalg::Outcome<linalg::Riccati>,
-) -> Result<Outcome<linalg::Riccati>, Error> {
+) -> Result<linalg::Riccati, Error> {
     let reason = match outcome {
-        linalg::Outcome::Solved(solution) => return Ok(Outcome::Solved(solution)),
+        linalg::Outcome::Solved(solution) => return Ok(solution),
         linalg::Outcome::Infeasible(reason) => reason,
     };
     let (cause, rate) = match reason {
@@ -50,7 +50,7 @@ pub(crate) fn solved(
         Reason::NoGraph | Reason::SingularWeight { .. } => (unsolved(of, &reason), None),
     };
     let finding = Finding { rate_rad_s: rate, ..Finding::refusal(Part::Generalised, cause) };
-    Ok(Outcome::Infeasible(vec![finding]))
+    Err(Error::refused(vec![finding]))
 }
 
 fn unsolved(of: Of, reason: &Reason) -> Cause {

@@ -3,6 +3,7 @@
 use counterpoise_lti::{C64, Mat, StateSpace, Timebase, series};
 
 use crate::Error;
+use crate::tolerance::REAL_ROOT;
 
 /// `gain prod(s - z) / prod(s - p)`, never expanded.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,9 +15,6 @@ pub struct Rational {
     /// The factor in front of the monic products.
     pub gain: f64,
 }
-
-/// Roots whose imaginary part is smaller than this, relative to their modulus, are taken as real.
-const REAL_ROOT: f64 = 1e-12;
 
 impl Rational {
     /// The function with the given roots.

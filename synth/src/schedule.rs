@@ -4,17 +4,12 @@
 //! heave columns alone, in proportion. Then feedback and pitch feedforward do not change, and the heave feedforward is
 //! M times a fixed module. Here these conditions are *checked* on the plants, not believed.
 
-use counterpoise_controller::{Controller, Path, Scaling, Signal};
 use counterpoise_lti::response::Response;
-use counterpoise_lti::{Mat, StateSpace, Timebase, append, h2norm, lft, series};
+use counterpoise_lti::{Mat, StateSpace};
 
-use crate::discretise::heave_module;
-use crate::feedforward::with_derivatives;
-use crate::finding::Part;
-use crate::sampled_data::Certified;
-use crate::{
-    Channel, Design, DesignPlant, Error, Outcome, Sampled, Sampling, Specification, check, design, discretise,
-};
+use crate::residual::stabilisation_error;
+use crate::tolerance::{EQUAL, GAIN_LAW};
+use crate::{Channel, Design, DesignPlant, Error, Specification, design};
 
 /// A state of the machine: masses fitted, plant linearised with them.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,14 +22,10 @@ pub struct Configuration {
     pub plant: DesignPlant,
 }
 
-/// Relative difference below which two matrices count as equal.
-pub const EQUAL: f64 = 1e-9;
 /// The band over which controllers are compared, rad/s: 0.1 to 20 Hz.
 pub const BAND_RAD_S: (f64, f64) = (0.628, 126.0);
 /// Number of frequencies in the band.
 const BAND_POINTS: usize = 60;
-/// Largest deviation in the band up to which the gain law stands in for a redesign, relative to the redesigned module.
-pub const GAIN_LAW: f64 = 0.02;
 
 /// The conditions of the gain law, each as the largest relative deviation that was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -113,25 +104,19 @@ pub struct Entry {
 /// Designs every configuration anew and says what a gain would have done.
 ///
 /// # Errors
-/// [`Error`] for plants that do not match the nominal one. A configuration without solution is
-/// [`Outcome::Infeasible`].
+/// [`Error`] for plants that do not match the nominal one; [`Error::Refused`] for a configuration without solution.
 pub fn schedule(
     nominal: &Configuration,
     others: &[Configuration],
     specification: &Specification,
-) -> Result<Outcome<Vec<Entry>>, Error> {
-    let base = match design(&nominal.plant, specification)? {
-        Outcome::Solved(design) => design,
-        Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
-    };
+) -> Result<Vec<Entry>, Error> {
+    let base = design(&nominal.plant, specification)?;
     let mut entries = Vec::new();
     for configuration in std::iter::once(nominal).chain(others) {
-        match design(&configuration.plant, specification)? {
-            Outcome::Solved(design) => entries.push(entry(nominal, configuration, &base, design)?),
-            Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
-        }
+        let design = design(&configuration.plant, specification)?;
+        entries.push(entry(nominal, configuration, &base, design)?);
     }
-    Ok(Outcome::Solved(entries))
+    Ok(entries)
 }
 
 fn entry(
@@ -143,7 +128,7 @@ fn entry(
     let factor = here.out_of_balance_kg_m / nominal.out_of_balance_kg_m;
     let noises: Vec<usize> =
         design.specification.feedback.disturbances.iter().map(|(input, _)| *input).collect();
-    let conditions = conditions(&nominal.plant, &here.plant, (factor, &noises))?;
+    let conditions = conditions(&nominal.plant, &here.plant, factor, &noises)?;
     let law = law(conditions, base, &design, factor)?;
     let error = |with: &Design, gain: f64| match with.heave {
         Some(_) => stabilisation_error(&here.plant, with, Channel::Heave, gain).map(Some),
@@ -178,7 +163,8 @@ fn entry(
 pub fn conditions(
     nominal: &DesignPlant,
     here: &DesignPlant,
-    (factor, noises): (f64, &[usize]),
+    factor: f64,
+    noises: &[usize],
 ) -> Result<Conditions, Error> {
     let (a, b) = (&nominal.system, &here.system);
     let same = a.order() == b.order() && a.D.shape() == b.D.shape() && nominal.heave == here.heave;
@@ -257,116 +243,4 @@ fn change_db(before: &StateSpace, after: &StateSpace) -> Result<(f64, f64), Erro
         (lowest, highest) = (lowest.min(db), highest.max(db));
     }
     Ok((lowest, highest))
-}
-
-/// RMS of the true rate under a channel's generator, feedback and feedforward in action, the feedforward's output times
-/// `gain`; infinite for a loop that is not stable.
-///
-/// # Errors
-/// [`Error::System`] where the design has no feedforward for the channel.
-pub fn stabilisation_error(
-    plant: &DesignPlant,
-    design: &Design,
-    channel: Channel,
-    gain: f64,
-) -> Result<f64, Error> {
-    error_at(plant, design, channel, (gain, plant.rate))
-}
-
-/// As [`stabilisation_error`], at any output of the plant: the tip's rate, for instance.
-///
-/// # Errors
-/// As [`stabilisation_error`], and [`Error::Index`] for an output that is none.
-pub fn error_at(
-    plant: &DesignPlant,
-    design: &Design,
-    channel: Channel,
-    (gain, output): (f64, usize),
-) -> Result<f64, Error> {
-    let count = plant.system.outputs();
-    if output >= count {
-        return Err(Error::Index { what: "output", index: output, count });
-    }
-    let missing = Error::System { what: "design", problem: "it has no feedforward for this channel" };
-    let (Some(module), Some(weights)) =
-        (design.feedforward_controller(channel), design.specification.feedforward(channel))
-    else {
-        return Err(missing);
-    };
-    let columns = plant.columns(channel);
-    let source = with_derivatives(&weights.generator.realise()?, columns.len())?;
-    let module = match plant.sensor(channel) {
-        Some(sensor) if module.inputs() == 1 => series(sensor, &module)?,
-        _ => module,
-    };
-    let wires = StateSpace::gain(Mat::eye(columns.len()), Timebase::Continuous)?;
-    let doubled = StateSpace::gain(spread(columns.len(), module.inputs()), Timebase::Continuous)?;
-    let driven = series(
-        &series(&source, &doubled)?,
-        &append(&wires, &module.scale_io(&[gain], &vec![1.0; module.inputs()])?)?,
-    )?;
-    let seen = plant.measured()?;
-    let inputs: Vec<usize> = columns.iter().copied().chain([plant.control]).collect();
-    let open = append(&driven, &StateSpace::gain(Mat::eye(1), Timebase::Continuous)?)?;
-    let sum = StateSpace::gain(added(columns.len()), Timebase::Continuous)?;
-    let P = series(&series(&open, &sum)?, &seen.select(&[1 + output, 0], &inputs))?;
-    let K = design.feedback_controller().select(&[0], &[1]);
-    Ok(h2norm(&lft(&P, &K)?)?)
-}
-
-/// From (d, d', ...) to (d, d', ..., what the module reads).
-fn spread(signals: usize, read: usize) -> Mat {
-    Mat::eye(signals).vstack(&Mat::from_fn(read, signals, |i, j| if i == j { 1.0 } else { 0.0 }))
-}
-
-/// From (d, d', ..., u of the feedforward, u of the feedback) to (d, d', ..., their sum).
-fn added(signals: usize) -> Mat {
-    let mut D = Mat::zeros(signals + 1, signals + 2);
-    D.set_block(0, 0, &Mat::eye(signals));
-    (D[(signals, signals)], D[(signals, signals + 1)]) = (1.0, 1.0);
-    D
-}
-
-/// One controller for the whole schedule: the nominal feedback and pitch feedforward, and the redesigned heave
-/// feedforwards interpolated over the out-of-balance.
-///
-/// # Errors
-/// [`Error`] for fewer than two entries, or two of one out-of-balance. A nominal sampled loop that is not stable is
-/// [`Outcome::Infeasible`].
-pub fn discretise_schedule(
-    nominal: &Design,
-    entries: &[Entry],
-    sampling: &Sampling,
-) -> Result<Outcome<Sampled>, Error> {
-    let base = match discretise(nominal, sampling)? {
-        Outcome::Solved(sampled) => sampled,
-        Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
-    };
-    let mut sorted: Vec<&Entry> = entries.iter().collect();
-    sorted.sort_by(|a, b| a.out_of_balance_kg_m.total_cmp(&b.out_of_balance_kg_m));
-    if sorted.len() < 2 {
-        return Err(Error::System { what: "schedule", problem: "it needs two configurations or more" });
-    }
-    let at = |index: usize| sorted.get(index).map(|entry| entry.out_of_balance_kg_m);
-    let mut paths: Vec<Path> =
-        base.controller.parts().paths.iter().filter(|p| p.name != "heave").cloned().collect();
-    let mut certified: Vec<Certified> =
-        base.certified.iter().filter(|found| found.part != Part::Heave).cloned().collect();
-    for (index, entry) in sorted.iter().enumerate() {
-        let (system, proof) = match heave_module(&entry.design, sampling)? {
-            Outcome::Solved(Some(module)) => module,
-            Outcome::Solved(None) => continue,
-            Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
-        };
-        certified.extend(proof);
-        let scaling = Scaling::Scheduled {
-            below_kg_m: index.checked_sub(1).and_then(at),
-            at_kg_m: entry.out_of_balance_kg_m,
-            above_kg_m: at(index + 1),
-        };
-        let (name, anti_windup) = (format!("heave_{index}"), vec![0.0; system.order()]);
-        paths.push(Path { name, inputs: vec![Signal::PlatformAcceleration], system, anti_windup, scaling });
-    }
-    let controller: Controller = base.controller.with(|parts| parts.paths = paths)?;
-    check(&nominal.plant, controller, sampling)?.try_map(|sampled| Ok(Sampled { certified, ..sampled }))
 }

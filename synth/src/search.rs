@@ -1,103 +1,26 @@
 //! From requirements to weights: the weights are moved until the figures of the *sampled* loop hold, and then as far as
 //! they go towards rejection.
 
-use counterpoise_lti::StateSpace;
-use counterpoise_lti::response::Response;
-
-use crate::feedforward::with_derivatives;
-use crate::figures::{BAND_POINTS, Figures, band_rate, figures, rejection};
+use crate::figures::{BAND_POINTS, Figures, figures, rejection};
+use crate::refusal::attempt;
+use crate::tolerance::LEAST_GAIN;
 use crate::{
-    Channel, DesignPlant, Error, Outcome, Reference, Sampling, Specification, Weight, design, discretise,
+    DesignPlant, Error, Reference, Requirements, Sampling, Specification, Weight, design, discretise,
 };
 
-/// What the feedback loop must keep. Infinite or zero limits ask for nothing.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Requirements {
-    /// Smallest gain margin, dB.
-    pub gain_margin_db: f64,
-    /// Smallest phase margin, degrees.
-    pub phase_margin_deg: f64,
-    /// Largest sensitivity.
-    pub ms: f64,
-    /// Largest overshoot of a step, as a share of it.
-    pub overshoot: f64,
-    /// Smallest crossover, rad/s.
-    pub crossover_rad_s: f64,
-    /// Largest control after a unit step, V s/rad.
-    pub step_control_v: f64,
-    /// Largest RMS control for measurement noise of unit RMS, V s/rad.
-    pub noise_gain: f64,
-    /// Band over which rejection is wanted, rad/s.
-    pub band_rad_s: (f64, f64),
-    /// By what the share that is left is averaged over the band.
-    pub spectrum: Spectrum,
-}
-
-/// By what the share of a disturbance that is left is averaged over the band.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Spectrum {
-    /// Alike everywhere on the logarithmic axis.
-    #[default]
-    Flat,
-    /// By the spectrum of the rate that the expected heave and pitch (the generators of the feedforwards) cause where no
-    /// control acts.
-    Expected,
-}
-
-impl Requirements {
-    /// The margins and the overshoot of the source thesis: 12 dB, 60 degrees, 13 %; rejection from 0.2 to 2 Hz.
-    pub fn thesis() -> Self {
-        Self {
-            gain_margin_db: 12.0,
-            phase_margin_deg: 60.0,
-            ms: f64::INFINITY,
-            overshoot: 0.13,
-            crossover_rad_s: 0.0,
-            step_control_v: f64::INFINITY,
-            noise_gain: f64::INFINITY,
-            band_rad_s: (1.26, 12.6),
-            spectrum: Spectrum::Flat,
-        }
-    }
-
-    /// RMS of |S| over the band, averaged as the requirements say.
-    ///
-    /// # Errors
-    /// [`Error::System`] where the average is by the expected motion and the specification expects none.
-    pub fn share_left(
-        &self,
-        loop_gain: &StateSpace,
-        (plant, specification): (&DesignPlant, &Specification),
-    ) -> Result<f64, Error> {
-        rejection(loop_gain, self.band_rad_s, &self.powers(plant, specification)?)
-    }
-
-    /// The average's weights at the points of the band.
-    fn powers(
-        &self,
-        plant: &DesignPlant,
-        specification: &Specification,
-    ) -> Result<[f64; BAND_POINTS], Error> {
-        match self.spectrum {
-            Spectrum::Flat => Ok([1.0; BAND_POINTS]),
-            Spectrum::Expected => expected(plant, specification, self.band_rad_s),
-        }
-    }
-
-    /// The sum of what is missed, each relative to its limit; 0 where everything holds.
-    pub fn missed(&self, found: &Figures) -> f64 {
-        let below =
-            |value: f64, limit: f64| if limit > 0.0 { ((limit - value) / limit).max(0.0) } else { 0.0 };
-        let above =
-            |value: f64, limit: f64| if limit.is_finite() { ((value - limit) / limit).max(0.0) } else { 0.0 };
-        below(found.gain_margin_db, self.gain_margin_db)
-            + below(found.phase_margin_deg, self.phase_margin_deg)
-            + below(found.crossover_rad_s, self.crossover_rad_s)
-            + above(found.ms, self.ms)
-            + above(found.overshoot, self.overshoot)
-            + above(found.step_control_v, self.step_control_v)
-            + above(found.noise_gain, self.noise_gain)
-    }
+/// What a search starts from and what it may spend.
+#[derive(Debug, Clone, Copy)]
+pub struct SearchTask<'a> {
+    /// The plant.
+    pub plant: &'a DesignPlant,
+    /// The specification that the search starts from.
+    pub start: &'a Specification,
+    /// What the loop must keep.
+    pub requirements: &'a Requirements,
+    /// How the controller is sampled.
+    pub sampling: &'a Sampling,
+    /// Designs at most.
+    pub most_trials: usize,
 }
 
 /// One trial of the search.
@@ -135,8 +58,6 @@ pub enum Ended {
 
 /// First and last step of the search, as natural logarithms of factors.
 const STEPS: (f64, f64) = (0.7, 0.04);
-/// An answer must be better by this share to count: below it a search would walk a knob that hardly matters to its end.
-const LEAST_GAIN: f64 = 1e-5;
 /// Largest factor on a knob, as a natural logarithm: three decades.
 const REACH: f64 = 6.9;
 /// Weight of a missed requirement against rejection.
@@ -144,52 +65,20 @@ const PENALTY: f64 = 100.0;
 /// Knobs: error gain, error corners, control corners, loop recovery.
 const KNOBS: usize = 4;
 
-/// Power of the uncontrolled rate under the expected motion, per unit of the logarithm of frequency.
-fn expected(
-    plant: &DesignPlant,
-    specification: &Specification,
-    band_rad_s: (f64, f64),
-) -> Result<[f64; BAND_POINTS], Error> {
-    let mut powers = [0.0; BAND_POINTS];
-    for channel in [Channel::Heave, Channel::Pitch] {
-        let Some(weights) = specification.feedforward(channel) else { continue };
-        let columns = plant.columns(channel);
-        let generator = Response::of(&with_derivatives(&weights.generator.realise()?, columns.len())?)?;
-        let path = Response::of(&plant.system.select(&[plant.rate], columns))?;
-        for (k, power) in powers.iter_mut().enumerate() {
-            let rate = band_rate(band_rad_s, k);
-            *power += rate * (&path.at(rate)? * &generator.at(rate)?)[(0, 0)].norm_sqr();
-        }
-    }
-    if powers.iter().any(|power| *power > 0.0) {
-        return Ok(powers);
-    }
-    let problem = "no motion is expected that causes a rate: it needs a feedforward with its generator";
-    Err(Error::System { what: "search by the expected motion", problem })
-}
-
 /// Searches weights and loop recovery of the feedback so that the requirements hold on the sampled loop.
 ///
 /// A pattern search from the given specification over four factors (error weight's gain, the corners of the error and of
 /// the control weight, the loop recovery), singly and in pairs, each direction walked as far as it improves:
-/// deterministic, at most `most_trials` designs, and it asks `go_on` before each with the best so far. The feedforwards are left as they are, since they do not depend on the feedback's weights.
+/// deterministic, at most `task.most_trials` designs, and it asks `go_on` before each with the best so far. The feedforwards are left as they are, since they do not depend on the feedback's weights.
 ///
 /// # Errors
-/// [`Error`] for a plant or sampling that is none. Where not even the start can be designed: [`Outcome::Infeasible`].
-pub fn search(
-    plant: &DesignPlant,
-    start: &Specification,
-    (requirements, sampling): (&Requirements, &Sampling),
-    most_trials: usize,
-    go_on: &mut dyn FnMut(&Trial) -> bool,
-) -> Result<Outcome<Found>, Error> {
+/// [`Error`] for a plant or sampling that is none. If not even the start can be designed: [`Error::Refused`].
+pub fn search(task: &SearchTask<'_>, go_on: &mut dyn FnMut(&Trial) -> bool) -> Result<Found, Error> {
+    let SearchTask { plant, start, requirements, sampling, most_trials } = *task;
     let feedback_alone = Specification { heave: None, pitch: None, ..start.clone() };
     let powers = requirements.powers(plant, start)?;
     let problem = Problem { plant, start: &feedback_alone, requirements, sampling, powers };
-    let first = match problem.attempt([0.0; KNOBS])? {
-        Outcome::Solved(trial) => trial,
-        Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
-    };
+    let first = problem.attempt([0.0; KNOBS])?;
     let (mut at, mut best, mut trials, mut step) = ([0.0; KNOBS], first, 1, STEPS.0);
     let mut ended = Ended::Settled;
     'search: while step >= STEPS.1 {
@@ -205,7 +94,7 @@ pub fn search(
                 let next = std::array::from_fn(|i| at[i] + step * direction[i]);
                 walks = false;
                 if problem.reaches(next)
-                    && let Outcome::Solved(trial) = problem.attempt(next)?
+                    && let Ok(trial) = attempt(problem.attempt(next))?
                     && merit(&trial) < (1.0 - LEAST_GAIN) * merit(&best)
                 {
                     (at, best, improved, walks) = (next, trial, true, true);
@@ -216,7 +105,7 @@ pub fn search(
         step *= if improved { 1.0 } else { 0.5 };
     }
     best.specification = Specification { feedback: best.specification.feedback, ..start.clone() };
-    Ok(Outcome::Solved(Found { best, trials, ended }))
+    Ok(Found { best, trials, ended })
 }
 
 /// The trade-off between rejection and the largest sensitivity: for each limit of Ms the better of two searches, one
@@ -226,29 +115,24 @@ pub fn search(
 /// # Errors
 /// As [`search`].
 pub fn trade_off(
-    plant: &DesignPlant,
-    start: &Specification,
-    (requirements, sampling): (&Requirements, &Sampling),
-    (ms_limits, most_trials): (&[f64], usize),
+    task: &SearchTask<'_>,
+    ms_limits: &[f64],
     go_on: &mut dyn FnMut(&Trial) -> bool,
-) -> Result<Outcome<Vec<Found>>, Error> {
+) -> Result<Vec<Found>, Error> {
     let mut curve: Vec<Found> = Vec::new();
     for &ms in ms_limits {
-        let limited = Requirements { ms, ..*requirements };
+        let limited = Requirements { ms, ..*task.requirements };
         let before = curve.last().map(|found| found.best.specification.clone());
         let mut best: Option<Found> = None;
-        for from in before.iter().chain([start]) {
-            let found = match search(plant, from, (&limited, sampling), most_trials, go_on)? {
-                Outcome::Solved(found) => found,
-                Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
-            };
+        for from in before.iter().chain([task.start]) {
+            let found = search(&SearchTask { start: from, requirements: &limited, ..*task }, go_on)?;
             if best.as_ref().is_none_or(|other| merit(&found.best) < merit(&other.best)) {
                 best = Some(found);
             }
         }
         curve.extend(best);
     }
-    Ok(Outcome::Solved(curve))
+    Ok(curve)
 }
 
 /// Each knob up and down, then each pair of knobs together and against each other.
@@ -299,19 +183,15 @@ impl Problem<'_> {
             && below(&feedback.control, control)
     }
 
-    fn attempt(&self, knobs: [f64; KNOBS]) -> Result<Outcome<Trial>, Error> {
+    fn attempt(&self, knobs: [f64; KNOBS]) -> Result<Trial, Error> {
         let specification = moved(self.start, knobs);
-        let designed = match design(self.plant, &specification)? {
-            Outcome::Solved(design) => design,
-            Outcome::Infeasible(findings) => return Ok(Outcome::Infeasible(findings)),
-        };
-        discretise(&designed, self.sampling)?.try_map(|sampled| {
-            let band = self.requirements.band_rad_s;
-            let of_all = figures(self.plant, &sampled, self.sampling, band)?;
-            let figures = Figures { rejection: rejection(&sampled.loop_gain, band, &self.powers)?, ..of_all };
-            let missed = self.requirements.missed(&figures);
-            Ok(Trial { specification, figures, missed })
-        })
+        let designed = design(self.plant, &specification)?;
+        let sampled = discretise(&designed, self.sampling)?;
+        let band = self.requirements.band_rad_s;
+        let of_all = figures(self.plant, &sampled, self.sampling, band)?;
+        let figures = Figures { rejection: rejection(&sampled.loop_gain, band, &self.powers)?, ..of_all };
+        let missed = self.requirements.missed(&figures);
+        Ok(Trial { specification, figures, missed })
     }
 }
 

@@ -28,6 +28,9 @@ pub enum Assembly {
     /// `u = C0 (r - (y - y_h - y_p)) + u_h + u_p`: the feedback leaves to the feedforward what it expects of it.
     /// Each source then costs exactly what its own weights say.
     Grimble,
+    /// `u = C (r, y, heave, pitch)`: one problem under the feedback's weights, with every disturbance and every sensor
+    /// ([`mod@crate::joint`]). Of the feedforwards' weights the generators and noises alone are used.
+    Joint,
 }
 
 /// Where the demand enters the feedback.
@@ -105,6 +108,16 @@ impl Specification {
         match channel {
             Channel::Heave => self.heave.as_ref(),
             Channel::Pitch => self.pitch.as_ref(),
+        }
+    }
+}
+
+impl Specification {
+    /// Puts other weights in the place of a channel's.
+    pub(crate) fn set_feedforward(&mut self, channel: Channel, weights: FeedforwardWeights) {
+        match channel {
+            Channel::Heave => self.heave = Some(weights),
+            Channel::Pitch => self.pitch = Some(weights),
         }
     }
 }

@@ -3,9 +3,9 @@
 use counterpoise_lti::linalg::{self, Riccati, dare, dlyap, eigenvalues};
 use counterpoise_lti::{Mat, StateSpace};
 
+use crate::Error;
 use crate::certificate::riccati;
 use crate::finding::Part;
-use crate::{Error, Outcome};
 
 /// Dynamics under held inputs and the cost that a period adds
 ///
@@ -128,10 +128,10 @@ impl Stage {
     }
 
     /// The state feedback q = -F x that makes the mean cost smallest.
-    pub fn regulator(&self, part: Part) -> Result<Outcome<Riccati>, Error> {
+    pub fn regulator(&self, part: Part) -> Result<Riccati, Error> {
         let (Q, R, S) = self.costs();
         let solved = dare(&self.A, &self.B, &Q, &R, Some(&S))?;
-        Ok(riccati("the regulator's equation in sampled time", part, solved))
+        riccati("the regulator's equation in sampled time", part, solved)
     }
 
     /// Mean cost of a period that the equations predict: under q = -F x of what is known, which innovations drive through
@@ -190,10 +190,10 @@ pub(crate) fn stationary(A: &Mat, W: &Mat) -> Result<Option<Mat>, Error> {
 }
 
 /// Covariance before a reading of the states that the reading tells of, from their filter's equation.
-pub(crate) fn filter(A: &Mat, noise: &SampledNoise, part: Part) -> Result<Outcome<Riccati>, Error> {
+pub(crate) fn filter(A: &Mat, noise: &SampledNoise, part: Part) -> Result<Riccati, Error> {
     let V = Mat::eye(1).scale(noise.measurement);
     let solved: linalg::Outcome<Riccati> = dare(&A.t(), &noise.reading.t(), &noise.process, &V, None)?;
-    Ok(riccati("the filter's equation in sampled time", part, solved))
+    riccati("the filter's equation in sampled time", part, solved)
 }
 
 /// Y - Y C' (C Y C' + V)^-1 C Y, the gain Y C' (C Y C' + V)^-1 and C Y C' + V.

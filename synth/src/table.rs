@@ -5,7 +5,20 @@ use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverSt
 use counterpoise_lti::linalg::eigenvalues;
 use counterpoise_lti::{C64, Mat};
 
+use crate::tolerance::{LEADING, POSITIVE, TABLE_DEVIATION};
 use crate::{Error, Weight};
+
+impl Weight {
+    /// A table of (frequency in rad/s, modulus), fitted by a function of the given order ([`fit_table`]).
+    ///
+    /// # Errors
+    /// As [`fit_table`].
+    pub fn table(points: &[[f64; 2]], order: usize) -> Result<Self, Error> {
+        let pairs: Vec<(f64, f64)> = points.iter().map(|&[rate, modulus]| (rate, modulus)).collect();
+        let fitted = Box::new(fit_table(&pairs, order)?.weight);
+        Ok(Weight::Table { points: points.to_vec(), order, fitted })
+    }
+}
 
 /// A fitted weight and how far it is from the table.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,12 +29,12 @@ pub struct Fit {
     pub worst_db: f64,
 }
 
-/// Deviation between which the bisection looks, dB, and where it ends.
-const RANGE_DB: (f64, f64, f64) = (1e-4, 80.0, 1e-3);
+/// Least and largest deviation between which the bisection looks, dB: below the first nobody sees a difference, beyond the
+/// second the function has nothing to do with the table.
+const LEAST_DB: f64 = 1e-4;
+const MOST_DB: f64 = 80.0;
 /// Points between -1 and 1 at which numerator and denominator are kept positive.
 const GRID: usize = 161;
-/// The least positive value, relative to the mean, that counts.
-const POSITIVE: f64 = 1e-9;
 /// Highest order: beyond it a table asks for noise to be fitted.
 pub const HIGHEST_ORDER: usize = 8;
 
@@ -41,9 +54,9 @@ pub const HIGHEST_ORDER: usize = 8;
 pub fn fit_table(table: &[(f64, f64)], order: usize) -> Result<Fit, Error> {
     check(table, order)?;
     let problem = Problem::new(table, order);
-    let (mut low, mut high) = (RANGE_DB.0, RANGE_DB.1);
+    let (mut low, mut high) = (LEAST_DB, MOST_DB);
     let mut best = problem.solve(high)?;
-    while high / low > 1.0 + RANGE_DB.2 {
+    while high / low > 1.0 + TABLE_DEVIATION {
         let middle = (low * high).sqrt();
         match problem.solve(middle)? {
             Some(solution) => (best, high) = (Some(solution), middle),
@@ -176,7 +189,7 @@ fn chebyshev(xi: f64, order: usize) -> Vec<f64> {
 /// Eigenvalues of the colleague matrix; leading coefficients that are nothing are left out.
 fn chebyshev_roots(series: &[f64]) -> Result<Vec<C64>, Error> {
     let largest = series.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-    let degree = series.iter().rposition(|c| c.abs() > 1e-12 * largest).unwrap_or(0);
+    let degree = series.iter().rposition(|c| c.abs() > LEADING * largest).unwrap_or(0);
     if degree == 0 {
         return Ok(Vec::new());
     }

@@ -9,19 +9,12 @@ use counterpoise_lti::linalg::eigenvalues;
 use counterpoise_lti::{C64, Discretisation, Mat, StateSpace, c2d, h2norm, lft, response::response_at};
 use counterpoise_models::LinearPlant;
 use counterpoise_synth::{
-    Assembly, Design, DesignPlant, Knowledge, Outcome, Sampled, Sampling, Specification, Weight, design,
-    discretise,
+    Assembly, Basis, Cause, Channel, Design, DesignPlant, Knowledge, Sampled, Sampling, SamplingMethod,
+    Specification, Weight, design, discretise, stabilisation_error, total_cost,
 };
 
-fn solved<T>(outcome: Outcome<T>) -> T {
-    match outcome {
-        Outcome::Solved(solution) => solution,
-        Outcome::Infeasible(findings) => panic!("{findings:?}"),
-    }
-}
-
 fn designed(plant: &DesignPlant, specification: &Specification) -> Design {
-    solved(design(plant, specification).unwrap())
+    design(plant, specification).unwrap()
 }
 
 /// True rate over heave with the joint controller around the design plant, heave known exactly.
@@ -61,7 +54,7 @@ fn in_grimble_s_assembly_the_feedback_keeps_out_of_what_the_feedforward_leaves()
 fn the_joint_controller_runs_sampled_with_all_three_signals() {
     let specification = Specification { assembly: Assembly::Grimble, ..weights() };
     let design = designed(&rig(), &specification);
-    let sampled = solved(discretise(&design, &Sampling::new(1e-3, 10.0)).unwrap());
+    let sampled = discretise(&design, &Sampling::new(1e-3, 10.0)).unwrap();
     assert_eq!(sampled.controller.parts().paths.len(), 1);
     let linear = response_at(&sampled.controller.linear(0.0).unwrap(), 5.0).unwrap();
     let joint = response_at(&design.joint_controller().unwrap(), 5.0).unwrap();
@@ -92,7 +85,7 @@ fn saturated_peak(sampled: &Sampled, demand: f64) -> f64 {
 #[test]
 fn the_limiter_does_not_wind_the_integrator_up() {
     let design = designed(&rig(), &weights());
-    let sampled = solved(discretise(&design, &Sampling::new(1e-3, 3.0)).unwrap());
+    let sampled = discretise(&design, &Sampling::new(1e-3, 3.0)).unwrap();
     let path = &sampled.controller.parts().paths[0];
     let g = Mat::col(&path.anti_windup);
     let held = &path.system.A - &(&g * &path.system.C);
@@ -125,4 +118,57 @@ fn weighing_the_tip_calms_the_tip() {
     let with_tip = motion(&design);
     assert!(with_tip.1 < 0.95 * hub_only.1, "tip {} before, {} after", hub_only.1, with_tip.1);
     assert!(design.worst_cost_difference().unwrap() < 1e-6);
+}
+
+/// The spectra's integral is what the Riccati equations predict of the feedback; the slope of a quadratic is its difference.
+#[test]
+fn the_total_cost_has_the_feedback_s_own_cost_in_it_and_its_slopes_are_differences() {
+    for assembly in [Assembly::SimpleAdd, Assembly::Grimble] {
+        let specification = Specification { assembly, ..weights() };
+        let design = designed(&rig(), &specification);
+        let found = total_cost(&design).unwrap();
+        println!("{found:?}");
+        let own = design.feedback.cost.achieved.unwrap();
+        assert!((found.sources[0].cost / own - 1.0).abs() < 2e-3, "{} {own}", found.sources[0].cost);
+        assert!(
+            (found.sources.iter().map(|source| source.cost).sum::<f64>() / found.total - 1.0).abs() < 1e-12
+        );
+        if assembly == Assembly::Grimble {
+            // Each source then costs what its own weights say, and no gain is better than 1.
+            for (source, part) in found.sources[1..].iter().zip([&design.heave, &design.pitch]) {
+                let own = part.as_ref().unwrap().cost.achieved.unwrap();
+                assert!((source.cost / own - 1.0).abs() < 2e-3, "{} {own}", source.cost);
+                assert!((source.best_gain.unwrap() - 1.0).abs() < 2e-3, "{source:?}");
+            }
+        }
+    }
+}
+
+/// With integral action in the feedback a steady control of the pitch feedforward is cancelled, and yet both are had.
+#[test]
+fn both_feedforwards_are_had_on_the_closed_loop() {
+    let mut specification = weights();
+    for part in [&mut specification.heave, &mut specification.pitch] {
+        part.as_mut().unwrap().basis = Basis::ClosedLoop;
+    }
+    let design = designed(&rig(), &specification);
+    assert!(design.warnings.iter().any(|finding| matches!(finding.cause, Cause::FreeControlUnseen { .. })));
+    let sampled = discretise(&design, &Sampling::new(1e-3, 10.0)).unwrap();
+    assert!(sampled.closed_loop.iter().all(|pole| pole.norm() < 1.0));
+    assert!(design.worst_cost_difference().unwrap() < 1e-6, "{:?}", design.worst_cost_difference());
+    let anew = Sampling { method: SamplingMethod::SampledData, ..Sampling::new(1e-3, 10.0) };
+    assert!(discretise(&design, &anew).is_ok());
+}
+
+/// The residual of an expected motion is that of the assembly that runs: in Grimble's the feedback is told what to expect,
+/// and leaves it to the feedforward.
+#[test]
+fn the_residual_is_that_of_the_assembly() {
+    let of = |assembly| {
+        let design = designed(&rig(), &Specification { assembly, ..weights() });
+        [Channel::Heave, Channel::Pitch].map(|c| stabilisation_error(&design.plant, &design, c, 1.0).unwrap())
+    };
+    let (added, apart) = (of(Assembly::SimpleAdd), of(Assembly::Grimble));
+    println!("{added:?} {apart:?}");
+    assert!((apart[0] / added[0] - 1.0).abs() > 0.02, "{added:?} {apart:?}");
 }

@@ -6,8 +6,8 @@ mod common;
 use common::{rig, weights};
 use counterpoise_lti::{C64, Mat, StateSpace, Timebase};
 use counterpoise_synth::{
-    Cause, DesignPlant, Finding, Knowledge, Outcome, Part, Reference, Severity, Specification, Weight,
-    design, preflight,
+    Cause, DesignPlant, Finding, Knowledge, Part, Reference, Severity, Specification, Weight, design,
+    preflight,
 };
 
 fn pair(re: f64, im: f64) -> Vec<C64> {
@@ -21,10 +21,8 @@ fn refusals(plant: &DesignPlant, change: impl FnOnce(&mut Specification)) -> Vec
     let findings = preflight(plant, &specification).unwrap();
     let refused: Vec<Finding> = findings.iter().filter(|finding| finding.is_refusal()).cloned().collect();
     assert!(!refused.is_empty(), "{findings:?}");
-    match design(plant, &specification).unwrap() {
-        Outcome::Infeasible(reasons) => assert_eq!(format!("{reasons:?}"), format!("{findings:?}")),
-        Outcome::Solved(_) => panic!("solved although refused"),
-    }
+    let reasons = design(plant, &specification).unwrap_err();
+    assert_eq!(format!("{:?}", reasons.findings()), format!("{findings:?}"));
     for finding in &refused {
         assert!(!finding.suggestion().is_empty() && finding.to_string().contains(finding.suggestion()));
     }
@@ -243,7 +241,7 @@ fn warnings_do_not_stand_in_the_way() {
     let warned = |change: &dyn Fn(&mut DesignPlant, &mut Specification)| {
         let (mut plant, mut specification) = (rig(), weights());
         change(&mut plant, &mut specification);
-        let Outcome::Solved(design) = design(&plant, &specification).unwrap() else { panic!("refused") };
+        let design = design(&plant, &specification).unwrap();
         design.warnings.first().map(|finding| finding.cause.clone())
     };
     assert_eq!(warned(&|_, _| ()), None);

@@ -6,24 +6,18 @@ mod common;
 use common::{rig, thesis_weights, weights};
 use counterpoise_lti::{C64, Discretisation, Mat, StateSpace, c2d, margins, response::response_at};
 use counterpoise_synth::{
-    Channel, Design, DesignPlant, Outcome, Sampled, Sampling, Specification, design, discretise, preflight,
+    Channel, Design, DesignPlant, Sampled, Sampling, Specification, design, discretise, preflight,
 };
 
 const PERIOD_S: f64 = 1e-3;
 
 fn designed(specification: &Specification) -> Design {
-    match design(&rig(), specification).unwrap() {
-        Outcome::Solved(design) => design,
-        Outcome::Infeasible(findings) => panic!("{findings:?}"),
-    }
+    design(&rig(), specification).unwrap()
 }
 
 fn sampled(design: &Design) -> Sampled {
     let sampling = Sampling { out_of_balance_kg_m: 151.67, ..Sampling::new(PERIOD_S, 10.0) };
-    match discretise(design, &sampling).unwrap() {
-        Outcome::Solved(sampled) => sampled,
-        Outcome::Infeasible(findings) => panic!("{findings:?}"),
-    }
+    discretise(design, &sampling).unwrap()
 }
 
 /// True hub rate after a unit step of the demand, sample by sample.

@@ -7,7 +7,7 @@ use common::{plant, rig, weights};
 use counterpoise_lti::response::response_at;
 use counterpoise_models::reference;
 use counterpoise_synth::{
-    Channel, Configuration, Design, Entry, Law, Outcome, Sampling, design, discretise_schedule, schedule,
+    Channel, Configuration, Design, Entry, Law, Sampling, design, discretise_schedule, schedule,
     stabilisation_error,
 };
 
@@ -36,14 +36,11 @@ fn same_inertia(factor: f64) -> Configuration {
 }
 
 fn entries(others: &[Configuration]) -> Vec<Entry> {
-    match schedule(&nominal(), others, &weights()).unwrap() {
-        Outcome::Solved(entries) => entries,
-        Outcome::Infeasible(findings) => panic!("{findings:?}"),
-    }
+    schedule(&nominal(), others, &weights()).unwrap()
 }
 
 fn base() -> Design {
-    design(&rig(), &weights()).unwrap().solved().unwrap()
+    design(&rig(), &weights()).unwrap()
 }
 
 #[test]
@@ -108,7 +105,7 @@ fn one_controller_carries_the_whole_schedule() {
         .collect();
     let entries = &entries[entries.len() - 3..];
     let sampling = Sampling { out_of_balance_kg_m: 151.67, ..Sampling::new(1e-3, 10.0) };
-    let sampled = discretise_schedule(&base(), entries, &sampling).unwrap().solved().unwrap();
+    let sampled = discretise_schedule(&base(), entries, &sampling).unwrap();
     for entry in entries {
         let linear = sampled.controller.linear(entry.out_of_balance_kg_m).unwrap();
         let expected = entry.design.feedforward_controller(Channel::Heave).unwrap();

@@ -7,16 +7,15 @@ use counterpoise_lti::{Mat, StateSpace, Timebase};
 
 use common::{rig, thesis_weights, weights};
 use counterpoise_synth::{
-    Channel, Design, Ended, Error, Found, Outcome, Requirements, Sampling, Specification, Spectrum, Weight,
-    design, search, stabilisation_error, trade_off,
+    Channel, Design, Ended, Error, Found, Requirements, Sampling, SearchTask, Specification, Spectrum,
+    Weight, design, search, stabilisation_error, trade_off,
 };
 
 fn found(start: &Specification, requirements: &Requirements, most: usize) -> Found {
     let sampling = Sampling::new(1e-3, 10.0);
-    match search(&rig(), start, (requirements, &sampling), most, &mut |_| true).unwrap() {
-        Outcome::Solved(found) => found,
-        Outcome::Infeasible(findings) => panic!("{findings:?}"),
-    }
+    let plant = rig();
+    let task = SearchTask { plant: &plant, start, requirements, sampling: &sampling, most_trials: most };
+    search(&task, &mut |_| true).unwrap()
 }
 
 #[test]
@@ -49,8 +48,15 @@ fn a_search_can_be_stopped_and_is_bounded() {
         asked += 1;
         asked < 5
     };
-    let stopped =
-        search(&rig(), &weights(), (&requirements, &sampling), 1000, &mut go_on).unwrap().solved().unwrap();
+    let (plant, start) = (rig(), weights());
+    let task = SearchTask {
+        plant: &plant,
+        start: &start,
+        requirements: &requirements,
+        sampling: &sampling,
+        most_trials: 1000,
+    };
+    let stopped = search(&task, &mut go_on).unwrap();
     assert_eq!((stopped.ended, stopped.trials), (Ended::Stopped, 5));
     assert_eq!(found(&weights(), &requirements, 9).ended, Ended::OutOfTrials);
 }
@@ -61,10 +67,15 @@ fn more_sensitivity_buys_more_rejection() {
     let requirements =
         Requirements { phase_margin_deg: 0.0, overshoot: 1.0, gain_margin_db: 6.0, ..Requirements::thesis() };
     let limits = [1.2, 1.4, 1.7];
-    let curve = trade_off(&rig(), &weights(), (&requirements, &sampling), (&limits, 60), &mut |_| true)
-        .unwrap()
-        .solved()
-        .unwrap();
+    let (plant, start) = (rig(), weights());
+    let task = SearchTask {
+        plant: &plant,
+        start: &start,
+        requirements: &requirements,
+        sampling: &sampling,
+        most_trials: 60,
+    };
+    let curve = trade_off(&task, &limits, &mut |_| true).unwrap();
     for (found, limit) in curve.iter().zip(limits) {
         assert!(found.best.missed == 0.0 && found.best.figures.ms <= limit, "{:?}", found.best.figures);
     }
@@ -82,7 +93,7 @@ fn rejection_of_the_expected_motion_is_the_share_of_its_rate_that_is_left() {
         found(&start, &Requirements { band_rad_s, ..Requirements::thesis() }, 1).best.figures.rejection;
     start.pitch = None;
     let plant = rig();
-    let design = design(&plant, &start).unwrap().solved().unwrap();
+    let design = design(&plant, &start).unwrap();
     let with = stabilisation_error(&plant, &design, Channel::Heave, 0.0).unwrap();
     let open = Design { substitute: Some(idle()), ..design };
     let without = stabilisation_error(&plant, &open, Channel::Heave, 0.0).unwrap();
@@ -92,7 +103,14 @@ fn rejection_of_the_expected_motion_is_the_share_of_its_rate_that_is_left() {
     assert!((flat / heave - 1.0).abs() > 0.1);
     start.heave = None;
     let sampling = Sampling::new(1e-3, 10.0);
-    let none = search(&plant, &start, (&requirements, &sampling), 1, &mut |_| true);
+    let task = SearchTask {
+        plant: &plant,
+        start: &start,
+        requirements: &requirements,
+        sampling: &sampling,
+        most_trials: 1,
+    };
+    let none = search(&task, &mut |_| true);
     assert!(matches!(none, Err(Error::System { what: "search by the expected motion", .. })), "{none:?}");
 }
 

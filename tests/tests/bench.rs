@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_pipeline::studies::adapt::{AdaptRun, adapt};
-use counterpoise_pipeline::studies::comparison::{Beside, beside};
+use counterpoise_pipeline::studies::comparison::{Comparison, compare_designs};
 use counterpoise_pipeline::{PipelineError, Synthesised, model, reduce, synthesise};
 use counterpoise_project::Project;
 
@@ -24,11 +24,11 @@ fn made(project: &Project) -> Result<Synthesised, PipelineError> {
     synthesise(project, &modelled, &reduce(project, &modelled).unwrap())
 }
 
-fn stands_beside(project: &Project) -> Beside {
+fn compare(project: &Project) -> Comparison {
     let modelled = model(project).unwrap();
     let reduced = reduce(project, &modelled).unwrap();
     let made = synthesise(project, &modelled, &reduced).unwrap();
-    beside(project, (&modelled, &reduced), &made).unwrap()
+    compare_designs(project, (&modelled, &reduced), &made).unwrap()
 }
 
 fn runs(example: &str) -> Vec<AdaptRun> {
@@ -89,7 +89,7 @@ fn without_gravity_the_lateral_acceleration_tells_the_out_of_balance() {
 
 #[test]
 fn with_inertia_kept_only_the_heave_feedforward_changes_and_only_in_gain() {
-    let found = stands_beside(&project(&text("out-of-balance-schedule")));
+    let found = compare(&project(&text("out-of-balance-schedule")));
     for row in &found.balance {
         println!("{row:?}");
     }
@@ -107,7 +107,7 @@ fn with_inertia_kept_only_the_heave_feedforward_changes_and_only_in_gain() {
 
 #[test]
 fn every_method_gives_a_loop_with_the_same_figures() {
-    let found = stands_beside(&project(&text("lqg-ltr-and-hinf")));
+    let found = compare(&project(&text("lqg-ltr-and-hinf")));
     for row in &found.methods {
         println!("{row:?}");
     }

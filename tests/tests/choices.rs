@@ -2,7 +2,7 @@
 //! tables, laws of the friction observer, reduced plants.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_pipeline::studies::comparison::{Beside, beside};
+use counterpoise_pipeline::studies::comparison::{Comparison, compare_designs};
 use counterpoise_pipeline::{Modelled, Synthesised, World, model, reduce, synthesise, verify};
 use counterpoise_project::Project;
 use counterpoise_verify::{Figure, Verification};
@@ -52,11 +52,11 @@ fn value(found: &Verification, key: &str) -> f64 {
     found.value(figure).unwrap()
 }
 
-fn stands_beside(project: &Project) -> Beside {
+fn compare(project: &Project) -> Comparison {
     let modelled = model(project).unwrap();
     let reduced = reduce(project, &modelled).unwrap();
     let made = synthesise(project, &modelled, &reduced).unwrap();
-    beside(project, (&modelled, &reduced), &made).unwrap()
+    compare_designs(project, (&modelled, &reduced), &made).unwrap()
 }
 
 const CHAPTER_6: &str = "appendix-5/chapter-6.toml";
@@ -65,15 +65,14 @@ const TUSTIN: &str = "discretisation = \"tustin\"";
 /// At 1 kHz every sampling gives the loop that was designed.
 #[test]
 fn every_sampling_gives_nearly_the_same_loop() {
-    let base = stands_beside(&project(&text(CHAPTER_6))).methods[0].figures.unwrap();
+    let base = compare(&project(&text(CHAPTER_6))).methods[0].figures.unwrap();
     for choice in [
         "discretisation = \"tustin\"\nprewarp = 15.0",
         "discretisation = \"zero-order-hold\"",
         "discretisation = \"first-order-hold\"",
         "discretisation = \"matched\"",
     ] {
-        let found =
-            stands_beside(&project(&with(CHAPTER_6, &[(TUSTIN, choice)]))).methods[0].figures.unwrap();
+        let found = compare(&project(&with(CHAPTER_6, &[(TUSTIN, choice)]))).methods[0].figures.unwrap();
         println!("{choice}: {found:?}");
         assert!((found.gain_margin_db - base.gain_margin_db).abs() < 0.7, "{choice}");
         assert!((found.phase_margin_deg - base.phase_margin_deg).abs() < 1.5, "{choice}");
@@ -230,7 +229,7 @@ fn designs_on_modal_and_balanced_plants_hold_on_the_full_beam() {
         let modelled = model(&project).unwrap();
         let reduced = reduce(&project, &modelled).unwrap();
         assert!(reduced.system.order() <= order && modelled.linear.system.order() > order, "{method}");
-        let found = stands_beside(&project);
+        let found = compare(&project);
         let (lowered, spill) = (found.lowered.unwrap(), found.spillover.unwrap());
         println!("{method}: {lowered:?} {spill:?}");
         assert_eq!(lowered.order[1], 8);

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use counterpoise_pipeline::{Synthesised, World, model, reduce, synthesise, verify};
 use counterpoise_project::{Attachments, Document, Project};
-use counterpoise_synth::{Certified, Outcome, Sampling, SamplingMethod, discretise};
+use counterpoise_synth::{Certified, Sampling, SamplingMethod, discretise};
 use counterpoise_verify::Verdict;
 
 /// Predicted and achieved H2 norm agree within this.
@@ -55,9 +55,9 @@ fn resolved(path: &Path) -> Project {
 /// What is wrong with the costs of the same design made anew in sampled time.
 fn in_sampled_time(made: &Synthesised) -> Option<String> {
     let sampling = Sampling { method: SamplingMethod::SampledData, ..made.sampling.clone() };
-    match discretise(&made.design, &sampling).unwrap() {
-        Outcome::Infeasible(findings) => Some(format!("{findings:?}")),
-        Outcome::Solved(sampled) => {
+    match discretise(&made.design, &sampling) {
+        Err(why) => Some(format!("{why:?}")),
+        Ok(sampled) => {
             let agrees = |part: &Certified| part.cost.relative_difference().is_some_and(|d| d < COST);
             sampled.certified.iter().find(|part| !agrees(part)).map(|part| format!("{part:?}"))
         }

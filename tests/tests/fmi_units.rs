@@ -15,6 +15,7 @@ use counterpoise_export::{File, Options};
 use counterpoise_lti::{Mat, StateSpace, Timebase};
 use counterpoise_models::plant::{OperatingPoint, Plant};
 use counterpoise_pipeline::{Modelled, World, export, model, reduce, synthesise, verify};
+use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::{Attachments, Document, Project, Purpose, Setting};
 use counterpoise_simulate::signal::Sine;
 use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator, TimeHistory};
@@ -238,7 +239,14 @@ fn the_loop_that_fmpy_closes_is_the_simulated_one_for_every_practice_machine() {
             .fold(Document::parse(&text, name), |file, (key, value)| file.set(key, value).unwrap());
         let project = Project::resolve(&document, &Attachments::none()).unwrap().project;
         let plant = Plant::lumped(&project.plant).unwrap();
-        let controller = plain_controller(&plant, &project.recording_controller.unwrap());
+        let controller = plain_controller(
+            &plant,
+            project
+                .recording_controller
+                .as_ref()
+                .and_then(RecordingController::as_proportional_integral)
+                .unwrap(),
+        );
         folders.push(all.join(name));
         write_loop(&all.join(name), &plant, &controller, &scenario());
     }

@@ -3,13 +3,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::{Path, PathBuf};
+
+use counterpoise_tests::workspace::{imports, manifest, members, root, sources};
 
 type Graph = BTreeMap<String, BTreeSet<String>>;
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
 
 /// Rows `| `folder/` | package | may use | ...` of the table headed by "crate".
 fn graph_on_the_map() -> Graph {
@@ -27,18 +24,11 @@ fn row(line: &str) -> (String, BTreeSet<String>) {
 
 /// Every member of the workspace with the members it depends on (development dependencies apart).
 fn graph_in_cargo() -> Graph {
-    let workspace: toml::Table = fs::read_to_string(root().join("Cargo.toml")).unwrap().parse().unwrap();
-    let members = workspace["workspace"]["members"].as_array().unwrap();
-    members
-        .iter()
-        .map(|member| member.as_str().unwrap())
-        .map(|folder| (folder.to_owned(), uses(folder)))
-        .collect()
+    members().into_iter().map(|folder| (folder.clone(), uses(&folder))).collect()
 }
 
 fn uses(folder: &str) -> BTreeSet<String> {
-    let manifest = fs::read_to_string(root().join(folder).join("Cargo.toml")).unwrap();
-    let manifest: toml::Table = manifest.parse().unwrap();
+    let manifest = manifest(folder);
     let names = manifest["dependencies"].as_table().unwrap().keys();
     names.filter_map(|name| name.strip_prefix("counterpoise-")).map(str::to_owned).collect()
 }
@@ -69,9 +59,7 @@ fn nothing_below_host_touches_the_operating_system() {
         "report",
         "claims",
     ] {
-        for file in rust_files(&root().join(room).join("src")) {
-            let text = fs::read_to_string(&file).unwrap();
-            let code = text.split("#[cfg(test)]").next().unwrap();
+        for (file, code) in sources(room) {
             let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
             for line in lines {
                 for word in forbidden {
@@ -82,16 +70,70 @@ fn nothing_below_host_touches_the_operating_system() {
     }
 }
 
-fn rust_files(folder: &Path) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            found.extend(rust_files(&path));
-        } else if path.extension().is_some_and(|ending| ending == "rs") {
-            found.push(path);
+/// Crates that compute. What a report imports from them must be a type or a constant, never a function or a module of functions.
+const COMPUTING: [&str; 12] = [
+    "linalg",
+    "lti",
+    "controller",
+    "models",
+    "reduce",
+    "synth",
+    "simulate",
+    "verify",
+    "diagnose",
+    "export",
+    "project",
+    "pipeline",
+];
+
+#[test]
+fn a_report_presents_results_and_calls_nothing_that_computes() {
+    for (file, code) in sources("report") {
+        let imported = imports(&code);
+        let computing =
+            |path: &&String| COMPUTING.iter().any(|name| path.starts_with(&format!("counterpoise_{name}::")));
+        for path in imported.iter().filter(computing) {
+            let name = path.rsplit("::").next().unwrap();
+            assert!(
+                name.starts_with(char::is_uppercase),
+                "{} imports {path}, which is no type",
+                file.display()
+            );
+            let calls = format!("{name}::");
+            let lines = code.lines().filter(|line| !line.trim_start().starts_with("use "));
+            for line in lines {
+                for (at, _) in
+                    line.match_indices(&calls).filter(|(at, _)| !line[..*at].ends_with(is_part_of_name))
+                {
+                    let called = &line[at + calls.len()..];
+                    assert!(!called.starts_with(char::is_lowercase), "{}: {line}", file.display());
+                }
+            }
+        }
+        for name in COMPUTING {
+            for (at, _) in code.match_indices(&format!("counterpoise_{name}::")) {
+                let path: String = code[at..]
+                    .chars()
+                    .take_while(|c| is_part_of_name(*c) || *c == ':' || *c == '{')
+                    .collect();
+                let is_import = code[..at].ends_with("use ");
+                let last = path.rsplit("::").next().unwrap();
+                assert!(is_import || last.starts_with(char::is_uppercase), "{}: {path}", file.display());
+            }
         }
     }
-    found.sort();
-    found
+}
+
+fn is_part_of_name(letter: char) -> bool {
+    letter.is_alphanumeric() || letter == '_'
+}
+
+#[test]
+fn groups_of_imports_are_resolved() {
+    let code = "use counterpoise_verify::{Figure, structured::{Bounds, bounds}};\nuse std::fs;\nuse counterpoise_lti::C64;\n";
+    let found = imports(code);
+    for path in ["verify::Figure", "verify::structured::Bounds", "verify::structured::bounds", "lti::C64"] {
+        assert!(found.contains(&format!("counterpoise_{path}")), "{path} in {found:?}");
+    }
+    assert_eq!(found.len(), 4);
 }

@@ -224,7 +224,7 @@ fn matrices_in_nastrans_formats_make_the_same_plant() {
         ];
         settings.iter().fold(document("imported-structure"), |d, (key, value)| d.set(key, value).unwrap())
     };
-    let (M, K) = (&content.matrices.M, &content.matrices.K);
+    let (M, K) = (&content.matrices.M.to_dense(), &content.matrices.K.to_dense());
     for (format, file) in
         [("dmig", dmig("MGG", M, grid) + &dmig("KGG", K, grid)), ("op4", op4("MGG", M) + &op4("KGG", K))]
     {
@@ -242,7 +242,7 @@ fn matrices_in_nastrans_formats_make_the_same_plant() {
 fn a_damping_matrix_takes_the_place_of_ratios() {
     let market = resolved(&document("imported-structure"), "imported-structure", &[]);
     let content = market.import.as_ref().unwrap().content.as_ref().unwrap();
-    let K = &content.matrices.K;
+    let K = &content.matrices.K.to_dense();
     let mut text = format!("%%MatrixMarket matrix array real general\n{} {}\n", K.nrows(), K.ncols());
     K.as_slice().iter().for_each(|k| writeln!(text, "{:e}", 1e-5 * k).unwrap());
     let damped = document("imported-structure")

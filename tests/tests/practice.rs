@@ -9,6 +9,7 @@ use counterpoise_diagnose::diagnose;
 use counterpoise_diagnose::findings::answer::Verdict;
 use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::Plant;
+use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::{Attachments, Document, Project, Setting};
 use counterpoise_recordings::{Channel, Recording, Table};
 use counterpoise_simulate::replay::{Loop, Replay, Replayer, replay};
@@ -44,7 +45,13 @@ fn recordings(project: &Project, folder: &Path) -> Vec<Recording> {
 
 /// The largest RMS error of a channel over its floor.
 fn worst(project: &Project, folder: &Path) -> f64 {
-    let control = Loop::Closed(project.recording_controller.clone().unwrap());
+    let control = Loop::from(
+        project
+            .recording_controller
+            .as_ref()
+            .and_then(RecordingController::as_proportional_integral)
+            .unwrap(),
+    );
     let replays =
         recordings(project, folder).into_iter().map(|r| replay(&project.plant, &r, &control).unwrap());
     let ratios = replays.flat_map(|r| r.channels.into_iter().map(|c| c.rms_error / c.floor));
@@ -64,7 +71,12 @@ fn a_machine_as_modelled_replays_to_its_floor_and_is_consistent() {
     let Some(folder) = practice("p08") else { return };
     let project = project(&folder);
     assert!(worst(&project, &folder) < 1.5);
-    let controller = project.recording_controller.clone().unwrap();
+    let controller = project
+        .recording_controller
+        .as_ref()
+        .and_then(RecordingController::as_proportional_integral)
+        .unwrap()
+        .clone();
     let found = diagnose(&project.plant, &controller, &recordings(&project, &folder), &Threads).unwrap();
     assert_eq!(found.answer.verdict, Verdict::Consistent, "{:?}", found.answer.findings);
     assert!(found.answer.findings.is_empty());
@@ -75,7 +87,12 @@ fn left_out_friction_is_named_sized_and_its_improved_model_fits_what_it_has_not_
     let folder = root().join("examples/left-out-friction");
     let project = project(&folder);
     assert!(worst(&project, &folder) > 3.0);
-    let controller = project.recording_controller.clone().unwrap();
+    let controller = project
+        .recording_controller
+        .as_ref()
+        .and_then(RecordingController::as_proportional_integral)
+        .unwrap()
+        .clone();
     let found = diagnose(&project.plant, &controller, &recordings(&project, &folder), &Threads).unwrap();
     assert_eq!(found.answer.verdict, Verdict::Named);
     assert_eq!(found.answer.findings.len(), 1);
@@ -160,7 +177,13 @@ fn assert_fits(machine: &str, recording: &str, replayed: &Replay) {
 fn machines_whose_truth_is_known_replay_in_closed_loop_to_their_floor() {
     for machine in ["p01", "p04", "p05", "p06", "p07"] {
         let Some((project, all)) = known(machine) else { return };
-        let control = Loop::Closed(project.recording_controller.clone().unwrap());
+        let control = Loop::from(
+            project
+                .recording_controller
+                .as_ref()
+                .and_then(RecordingController::as_proportional_integral)
+                .unwrap(),
+        );
         counterpoise_tests::in_parallel(all.len(), &|k| {
             let replayed = replay(&project.plant, &all[k], &control).unwrap();
             assert_fits(machine, &all[k].name, &replayed);
@@ -185,7 +208,12 @@ fn machines_that_hunt_replay_to_their_floor_over_half_a_second() {
 fn an_amplifier_s_curve_is_found_as_fine_as_the_recordings_ask() {
     let Some(folder) = practice("p03") else { return };
     let project = project(&folder);
-    let controller = project.recording_controller.clone().unwrap();
+    let controller = project
+        .recording_controller
+        .as_ref()
+        .and_then(RecordingController::as_proportional_integral)
+        .unwrap()
+        .clone();
     let found = diagnose(&project.plant, &controller, &recordings(&project, &folder), &Threads).unwrap();
     assert_eq!(found.answer.verdict, Verdict::Named);
     let finding = &found.answer.findings[0];
@@ -215,7 +243,12 @@ fn cogging_that_nearly_stalls_the_motor_replays_in_open_loop() {
 fn a_machine_that_hunts_does_not_repeat_itself() {
     let Some((project, all)) = known("p02") else { return };
     let steps = all.iter().find(|r| r.name.contains("steps")).unwrap();
-    let mut controller = project.recording_controller.clone().unwrap();
+    let mut controller = project
+        .recording_controller
+        .as_ref()
+        .and_then(RecordingController::as_proportional_integral)
+        .unwrap()
+        .clone();
     controller.integral_v = 0.0;
     let plant = Plant::lumped(&project.plant).unwrap();
     let run = |seed: u64| {

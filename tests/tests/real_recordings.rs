@@ -6,6 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use counterpoise_pipeline::road::road;
+use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::{PlatformSource, Project};
 use counterpoise_recordings::{Channel, ChannelSource, Mapping, Remark, Table};
 use counterpoise_simulate::replay::{Loop, replay};
@@ -35,7 +36,11 @@ fn project(machine: &str, file: &str) -> Project {
 fn relative_error(project: &Project, table: &Table, window_s: [f64; 2], channel: &str) -> f64 {
     let mapping = Mapping { windows_s: vec![window_s], ..project.recording.clone() };
     let recording = mapping.recordings(table).unwrap().remove(0);
-    let control = project.recording_controller.as_ref().map_or(Loop::Open, Loop::from);
+    let control = project
+        .recording_controller
+        .as_ref()
+        .and_then(RecordingController::as_proportional_integral)
+        .map_or(Loop::Open, Loop::from);
     let replayed = replay(&project.plant, &recording, &control).unwrap();
     let fit = replayed.channels.iter().find(|c| c.channel.name() == channel).unwrap();
     let series = recording.samples(fit.channel).unwrap();

@@ -10,6 +10,7 @@ use counterpoise_diagnose::recording::instrument_faults::{
     Column, ExaminedRecordings, find_instrument_faults,
 };
 use counterpoise_project::Project;
+use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_recordings::{Recording, Table};
 use counterpoise_simulate::replay::Loop;
 use counterpoise_tests::sealed;
@@ -39,7 +40,12 @@ impl Machine {
     }
 
     fn examined(&self, recordings: &[Recording]) -> ExaminedRecordings {
-        let control = self.project.recording_controller.as_ref().map_or(Loop::Open, Loop::from);
+        let control = self
+            .project
+            .recording_controller
+            .as_ref()
+            .and_then(RecordingController::as_proportional_integral)
+            .map_or(Loop::Open, Loop::from);
         find_instrument_faults(&self.project.plant, &control, recordings)
     }
 
@@ -216,7 +222,7 @@ fn exchanged_columns_are_named_and_put_back() {
 #[test]
 fn sealed_machines_have_no_fault_of_the_recorder() {
     let nominal = counterpoise_models::reference::rig();
-    let control = Loop::Closed(sealed::controller());
+    let control = Loop::from(&sealed::controller());
     let seeds = SEEDS;
     let wrong = std::sync::Mutex::new(Vec::new());
     counterpoise_tests::in_parallel(seeds.len(), &|k| {

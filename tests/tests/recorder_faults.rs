@@ -9,6 +9,7 @@ use counterpoise_diagnose::recording::gap_repair::repair_gaps;
 use counterpoise_diagnose::recording::measured_signals::read_signals;
 use counterpoise_diagnose::recording::sanity_checks::check_signals;
 use counterpoise_project::Project;
+use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_recordings::Recording;
 use counterpoise_recordings::{Column, Table};
 use counterpoise_report::wording::recordings::{describe_anomaly, describe_repair};
@@ -28,7 +29,13 @@ impl Told {
 
     /// The largest RMS error over its floor of every part in closed loop.
     fn worst(&self) -> f64 {
-        let control = Loop::Closed(self.project.recording_controller.clone().unwrap());
+        let control = Loop::from(
+            self.project
+                .recording_controller
+                .as_ref()
+                .and_then(RecordingController::as_proportional_integral)
+                .unwrap(),
+        );
         let fits =
             self.parts.iter().flat_map(|part| replay(&self.project.plant, part, &control).unwrap().channels);
         fits.map(|c| c.rms_error / c.floor).fold(0.0, f64::max)

@@ -9,6 +9,7 @@ use counterpoise_claims::identified::AMPLIFIER;
 use counterpoise_diagnose::identification::{Amplifier, identify, improved};
 use counterpoise_pipeline::recordings::measured_modes::{StructureVerdict, structure};
 use counterpoise_project::Project;
+use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_recordings::{Recording, Table};
 use counterpoise_simulate::replay::{Loop, replay};
 
@@ -86,7 +87,13 @@ fn the_amplifiers_curve_is_recovered_in_one_iteration_and_the_second_changes_not
     let again = identify(&better, &states).unwrap();
     assert!(matches!(again.amplifier, Amplifier::AsInProject { .. }));
     // as figure 7-12: the balanced run, simulated with the linear and with the recovered amplifier
-    let control = Loop::from(project.recording_controller.as_ref().unwrap());
+    let control = Loop::from(
+        project
+            .recording_controller
+            .as_ref()
+            .and_then(RecordingController::as_proportional_integral)
+            .unwrap(),
+    );
     let error = |plant| {
         let channels = replay(plant, &balanced, &control).unwrap().channels;
         channels.iter().find(|c| c.channel.name() == "control").unwrap().rms_error

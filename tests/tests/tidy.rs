@@ -2,33 +2,11 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;
-use std::path::{Path, PathBuf};
+
+use counterpoise_tests::workspace::{manifest, members, root, rust_files};
 
 /// Most lines of a function, its signature and braces included.
 const LONGEST_FUNCTION: usize = 60;
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
-}
-
-fn crates() -> Vec<String> {
-    let workspace: toml::Table = fs::read_to_string(root().join("Cargo.toml")).unwrap().parse().unwrap();
-    let members = workspace["workspace"]["members"].as_array().unwrap();
-    members.iter().map(|member| member.as_str().unwrap().to_owned()).collect()
-}
-
-fn rust_files(folder: &Path) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            found.extend(rust_files(&path));
-        } else if path.extension().is_some_and(|ending| ending == "rs") {
-            found.push(path);
-        }
-    }
-    found
-}
 
 /// Returns the indent of a line on which a function with a body begins.
 fn function_indent<'a>(lines: &[&'a str], start: usize) -> Option<&'a str> {
@@ -59,7 +37,7 @@ fn function_length(lines: &[&str], start: usize) -> Option<usize> {
 #[test]
 fn functions_are_short() {
     let mut long = Vec::new();
-    for folder in crates() {
+    for folder in members() {
         for file in rust_files(&root().join(&folder).join("src")) {
             let text = fs::read_to_string(&file).unwrap();
             let lines: Vec<&str> = text.lines().collect();
@@ -75,7 +53,7 @@ fn functions_are_short() {
 
 #[test]
 fn every_crate_lists_its_modules_on_its_first_page() {
-    for folder in crates().iter().filter(|folder| *folder != "tests") {
+    for folder in members().iter().filter(|folder| *folder != "tests") {
         let Ok(text) = fs::read_to_string(root().join(folder).join("src/lib.rs")) else { continue };
         let page: String = text.lines().filter(|line| line.starts_with("//!")).collect();
         for module in text.lines().filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';')) {
@@ -90,9 +68,8 @@ fn every_crate_lists_its_modules_on_its_first_page() {
 
 #[test]
 fn every_dependency_is_used() {
-    for folder in crates().iter().filter(|folder| *folder != "tests") {
-        let manifest = fs::read_to_string(root().join(folder).join("Cargo.toml")).unwrap();
-        let manifest: toml::Table = manifest.parse().unwrap();
+    for folder in members().iter().filter(|folder| *folder != "tests") {
+        let manifest = manifest(folder);
         let Some(dependencies) = manifest.get("dependencies") else { continue };
         let sources: String = rust_files(&root().join(folder).join("src"))
             .iter()

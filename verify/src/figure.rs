@@ -110,6 +110,9 @@ pub enum Quantity {
     TravelPeak,
     /// Fraction of the time during which the gear teeth are apart.
     GearOpen,
+    /// Disturbance rejection ratio at the procedure's own motion, dB: RMS of the hub's rate over that of the platform's pitch rate, or
+    /// of its acceleration if it heaves alone.
+    Rejection,
 }
 
 /// A figure of the nonlinear loop at rest: no demand, platform still.
@@ -195,7 +198,7 @@ const TRIANGLE: [(TriangleFigure, Words); 3] = [
     (TriangleFigure::ControlPeak, ("control_peak_v", "peak control", "V")),
 ];
 
-const QUANTITIES: [(Quantity, Words); 9] = [
+const QUANTITIES: [(Quantity, Words); 10] = [
     (Quantity::HubRms, ("hub_rms_rad_s", "RMS hub rate", "rad/s")),
     (Quantity::HubPeak, ("hub_peak_rad_s", "peak hub rate", "rad/s")),
     (Quantity::TipRms, ("tip_rms_rad_s", "RMS tip rate", "rad/s")),
@@ -205,6 +208,7 @@ const QUANTITIES: [(Quantity, Words); 9] = [
     (Quantity::CurrentPeak, ("current_peak_a", "peak current", "A")),
     (Quantity::TravelPeak, ("travel_peak_rad", "peak travel", "rad")),
     (Quantity::GearOpen, ("gear_open_fraction", "gear open", "of the time")),
+    (Quantity::Rejection, ("drr_db", "DRR at the procedure's motion", "dB")),
 ];
 
 const REST: [(RestFigure, Words); 2] = [
@@ -319,7 +323,7 @@ impl Figure {
             ),
             Figure::Rejection { source, arrangement, frequency_hz } => {
                 format!(
-                    "DRR {} at {frequency_hz} Hz, {}",
+                    "DRR {} at {frequency_hz} Hz, {}, linear plant",
                     key_of(&SOURCES, source).1,
                     key_of(&ARRANGEMENTS, arrangement).1
                 )

@@ -50,6 +50,14 @@ impl History {
         self.time_s.partition_point(|t| *t < time_s)
     }
 
+    /// Returns the largest size of the platform's motion: its acceleration in m/s^2 if it heaves alone, its pitch rate in rad/s otherwise;
+    /// `None` if the platform stands still.
+    pub fn motion_amplitude(&self) -> Option<f64> {
+        let Experiment::Disturbance(source, _) = self.experiment else { return None };
+        let column = if source == Source::Heave { &self.heave_m_s2 } else { &self.pitch_rate_rad_s };
+        Some(crate::signals::peak(column)).filter(|amplitude| *amplitude > 0.0)
+    }
+
     /// The history from a time on, its clock and its travel starting there.
     pub fn from_time(mut self, time_s: f64) -> Self {
         let first = self.index_at(time_s - 1e-9);

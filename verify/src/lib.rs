@@ -6,7 +6,8 @@
 //! *Invariant*: nothing here knows how a controller was designed; nothing here reads a file, a clock or an unseeded random number.
 //!
 //! Modules in reading order: [`figure`], [`requirement`], [`procedure`], [`signals`], [`history`], [`linear`],
-//! [`nonlinear`], [`measure`], [`verification`], [`spectral`], [`difference`], [`robust`], [`structured`], [`error`].
+//! [`nonlinear`], [`measure`], [`verification`], [`spectral`], [`difference`], [`robust`], [`structured`], [`certificate`],
+//! [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```
 //! use counterpoise_verify::{Figure, Limit, Requirement, Verdict};
@@ -16,6 +17,7 @@
 //! ```
 #![allow(non_snake_case)]
 
+pub mod certificate;
 pub mod difference;
 pub mod error;
 pub mod figure;
@@ -30,6 +32,7 @@ pub mod signals;
 pub mod spectral;
 mod spelling;
 pub mod structured;
+pub mod tolerance;
 pub mod verification;
 
 pub use counterpoise_lti::{C64, Margins};

@@ -5,7 +5,7 @@ use counterpoise_lti::{GainChange, Margins};
 use crate::history::{Experiment, History};
 use crate::signals::statistics::centred;
 use crate::signals::{StepFigures, mean, peak, rms, step_figures};
-use crate::{Figure, LoopFigure, Model, Quantity, RestFigure, StepFigure, TriangleFigure};
+use crate::{Figure, LoopFigure, Model, Quantity, RestFigure, Source, StepFigure, TriangleFigure};
 
 /// What a figure turned out to be.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,9 +130,18 @@ fn disturbance_of(history: &History, settle_s: f64) -> Vec<Measured> {
         (Quantity::CurrentPeak, of(&history.current_a, peak)),
         (Quantity::TravelPeak, of(&history.travel_rad, peak)),
         (Quantity::GearOpen, of(&history.contact, |part| 1.0 - mean(part))),
+        (Quantity::Rejection, rejection_of(history, source, first)),
     ];
     let figure = |quantity| Figure::Disturbance(history.model, source, arrangement, quantity);
     all.into_iter().map(|(quantity, value)| Measured { figure: figure(quantity), value }).collect()
+}
+
+/// RMS of the hub's rate over that of the platform's motion, dB.
+fn rejection_of(history: &History, source: Source, first: usize) -> Value {
+    let motion = if source == Source::Heave { &history.heave_m_s2 } else { &history.pitch_rate_rad_s };
+    let size = |column: &[f64]| column.get(first..).filter(|part| !part.is_empty()).map(rms);
+    let ratio = size(&history.hub_rate_rad_s).zip(size(motion)).filter(|(_, moved)| *moved > 0.0);
+    Value::of(ratio.map(|(hub, moved)| 20.0 * (hub / moved).log10()), "the platform does not move")
 }
 
 fn triangle_of(history: &History, settle_s: f64) -> Vec<Measured> {

@@ -6,7 +6,7 @@ use counterpoise_simulate::{
     Detail, Imperfections, Initial, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
 };
 
-use crate::history::{Experiment, History};
+use crate::history::{Experiment, History, integrated};
 use crate::linear::arranged;
 use crate::{Arrangement, Error, Model, Procedure, Source};
 
@@ -73,8 +73,15 @@ pub fn history_of(
     procedure: &Procedure,
     experiment: Experiment,
 ) -> Result<History, Error> {
-    let run = simulator.run(acting, &scenario(procedure, experiment))?;
-    let history = columns(run, experiment);
+    let from = Start::of(simulator.plant(), procedure);
+    let mut scenario = scenario(procedure, experiment);
+    if from.position_rad.is_some_and(|position| position != 0.0) {
+        let demand = std::mem::replace(&mut scenario.demand_rad_s, Signal::ZERO);
+        let stands = Signal::Constant(from.position_rad.unwrap_or(0.0));
+        scenario.demand_rad_s = Signal::Sum(vec![stands, demand]);
+    }
+    let run = simulator.run(acting, &scenario)?;
+    let history = columns(run, experiment, &from);
     Ok(if experiment == Experiment::Step { history.from_time(procedure.settle_s) } else { history })
 }
 
@@ -127,20 +134,43 @@ fn moving(procedure: &Procedure, source: Source, still: PlatformMotion) -> Platf
     PlatformMotion { heave_m_s2, pitch_rate_rad_s, ..still }
 }
 
-fn columns(run: TimeHistory, experiment: Experiment) -> History {
+/// Where a run starts: in a loop of position the hub's position, from which demands and histories count.
+struct Start {
+    position_rad: Option<f64>,
+}
+
+impl Start {
+    fn of(plant: &Plant, procedure: &Procedure) -> Self {
+        let at = &procedure.operating_point;
+        let position = at.hub_angle_rad - at.platform_angle_rad;
+        Self { position_rad: plant.parameters().sensors.measured.is_position().then_some(position) }
+    }
+}
+
+fn columns(run: TimeHistory, experiment: Experiment, from: &Start) -> History {
     let relative = |k: usize| run.truth.hub_angle_rad[k] - run.truth.platform_angle_rad[k];
-    let travel_rad = (0..run.len()).map(|k| relative(k) - relative(0)).collect();
+    let travel_rad: Vec<f64> = (0..run.len()).map(|k| relative(k) - relative(0)).collect();
+    let period_s = run.sample_period_s;
     let time_s = run.time_s();
     let truth = run.truth;
+    let (mut demand, mut hub, mut tip) =
+        (run.readings.demand_rad_s, truth.hub_rate_rad_s, truth.tip_rate_rad_s);
+    if let Some(position) = from.position_rad {
+        demand.iter_mut().for_each(|value| *value -= position);
+        let beyond = tip.iter().zip(&hub).map(|(tip, hub)| tip - hub);
+        let bent = integrated(beyond, period_s);
+        tip = travel_rad.iter().zip(bent).map(|(hub, bent)| hub + bent).collect();
+        hub.clone_from(&travel_rad);
+    }
     History {
         model: Model::Nonlinear,
         experiment,
         time_s,
-        demand_rad_s: run.readings.demand_rad_s,
+        demand_rad_s: demand,
         heave_m_s2: truth.heave_m_s2,
         pitch_rate_rad_s: truth.platform_rate_rad_s,
-        hub_rate_rad_s: truth.hub_rate_rad_s,
-        tip_rate_rad_s: truth.tip_rate_rad_s,
+        hub_rate_rad_s: hub,
+        tip_rate_rad_s: tip,
         control_v: run.readings.control_v,
         current_a: truth.current_a,
         travel_rad,

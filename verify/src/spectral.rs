@@ -2,6 +2,7 @@
 
 use crate::history::Experiment;
 use crate::signals::welch::{Spectra, WelchOptions, welch};
+use crate::tolerance::{FEWEST_SEGMENTS, LONGEST_SEGMENT};
 use crate::{Arrangement, Model, Source, Verification};
 
 /// Hub rate over one motion of the platform, on the nonlinear plant on the road.
@@ -17,9 +18,6 @@ pub struct Spectral {
 
 /// Probability of the confidence intervals.
 pub const CONFIDENCE: f64 = 0.95;
-/// Longest segment, samples; shorter where the record would give fewer than [`SEGMENTS`].
-const LONGEST: usize = 4096;
-const SEGMENTS: usize = 6;
 
 /// The ratios of every arrangement that was run on the road; none without a road, or where the record is too short. Heave and pitch of
 /// a vehicle go together, so each ratio carries a part of the other: where they are coherent, it tells of both.
@@ -36,8 +34,8 @@ pub fn spectral(found: &Verification) -> Vec<Spectral> {
 fn one(found: &Verification, source: Source, arrangement: Arrangement) -> Option<Spectral> {
     let history = found.history(Model::Nonlinear, Experiment::Disturbance(Source::Road, arrangement))?;
     let x = if source == Source::Heave { &history.heave_m_s2 } else { &history.pitch_rate_rad_s };
-    let most = 2 * x.len() / (SEGMENTS + 1);
-    let segment = if most >= LONGEST { LONGEST } else { most / 2 * 2 };
+    let most = 2 * x.len() / (FEWEST_SEGMENTS + 1);
+    let segment = if most >= LONGEST_SEGMENT { LONGEST_SEGMENT } else { most / 2 * 2 };
     let options = WelchOptions { segment, confidence: CONFIDENCE };
     let spectra = welch(x, &history.hub_rate_rad_s, found.evidence.sample_period_s, options).ok()?;
     Some(Spectral { source, arrangement, spectra })

@@ -2,7 +2,7 @@
 
 use counterpoise_controller::Controller;
 use counterpoise_lti::{C64, Margins, margins};
-use counterpoise_models::plant::{Angles, LinearPlant, Plant};
+use counterpoise_models::plant::{LinearPlant, Plant};
 use counterpoise_simulate::Simulator;
 
 use crate::history::{Experiment, History};
@@ -224,13 +224,13 @@ fn nonlinear_part(
     Ok(true)
 }
 
-/// The plant linearised where the procedure has it stand; its angles are left out, so that gravity's gradient and a position spring
-/// appear in the nonlinear figures alone.
+/// The plant linearised where the procedure has it stand. In a loop of rate its angles are left out, so that gravity's gradient and a
+/// position spring appear in the nonlinear figures alone; in a loop of position they are part of it.
 ///
 /// # Errors
 /// Those of the linearisation.
 pub fn linear_plant(plant: &Plant, procedure: &Procedure) -> Result<LinearPlant, Error> {
-    Ok(plant.linearise(&plant.equilibrium(&procedure.operating_point), procedure.friction, Angles::Drop)?)
+    Ok(plant.linearise(&plant.equilibrium(&procedure.operating_point), procedure.friction, plant.angles())?)
 }
 
 /// The linear figures and evidence alone, judged against `requirements`: what needs no simulator.

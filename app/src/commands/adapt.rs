@@ -2,18 +2,19 @@
 
 use counterpoise_pipeline as pipeline;
 use counterpoise_pipeline::studies::adapt::{AdaptRun, Interval, adapt};
+use counterpoise_pipeline::studies::adaptation_trials::trials;
 use counterpoise_project::Purpose;
 
 use std::path::PathBuf;
 
 use clap::Args;
-use counterpoise_report::adaptation::{report, returned};
+use counterpoise_report::adaptation::{self, report, returned};
 use counterpoise_report::html;
 
-use super::{Done, verdict_code};
-use crate::arguments::Results;
+use crate::exit::{Done, verdict_code};
+use crate::options::Results;
 use crate::output::{self, say};
-use counterpoise_host::projects;
+use counterpoise_host::projects::{self, Surroundings};
 
 /// Arguments of `adapt`.
 #[derive(Args)]
@@ -31,20 +32,25 @@ pub struct AdaptOptions {
 /// Runs the command.
 pub fn run(options: &AdaptOptions) -> Done {
     let loaded = projects::load(&options.project, Purpose::Verify)?;
-    output::warnings(&loaded, options.results.quiet);
+    output::warnings(&loaded, options.results.progress());
     let modelled = pipeline::model(&loaded.project)?;
     let reduced = pipeline::reduce(&loaded.project, &modelled)?;
     let made = pipeline::synthesise(&loaded.project, &modelled, &reduced)?;
     let runs = adapt(&loaded.project, &modelled, &made)?;
+    let world = Surroundings::of(&loaded, options.results.progress());
+    let tried = trials(&loaded.project, &modelled, &made, &pipeline::procedure(&loaded.project, &world)?)?;
     if let Some(path) = &options.report {
         let command = format!("counterpoise adapt {}", options.project.display());
         projects::write(path, html(&report(&loaded.project.plant.name, &command, &runs)).as_bytes())?;
     }
     if !output::json(&options.results, &runs)? {
         print(&runs);
+        adaptation::trial_lines(&tried).iter().for_each(|line| say!("{line}"));
         options.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
-    Ok(verdict_code(runs.iter().flat_map(|run| &run.intervals).all(returned)))
+    let own = loaded.project.synth.as_ref().and_then(|synth| synth.options.adaptation.as_ref());
+    let refused = own.is_some_and(|own| tried.refuses(own.method));
+    Ok(verdict_code(!refused && runs.iter().flat_map(|run| &run.intervals).all(returned)))
 }
 
 fn print(runs: &[AdaptRun]) {

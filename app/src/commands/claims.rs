@@ -7,17 +7,17 @@ use std::time::Duration;
 use anyhow::{Result, bail};
 use clap::Args;
 use counterpoise_claims::page;
-use counterpoise_claims::{Claim, Finding, claims, ids};
-use counterpoise_pipeline as pipeline;
-use counterpoise_pipeline::export::project_hash;
+use counterpoise_claims::{Agreement, Claim, Criterion, Finding, claims, ids};
+use counterpoise_pipeline::{ProjectIdentity, run_stages};
 use counterpoise_project::Purpose;
-use counterpoise_report::{Context, evidence, html};
+use counterpoise_report::{Context, Origin, evidence, html};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{Done, verdict_code};
-use crate::arguments::Results;
+use crate::exit::{Done, verdict_code};
+use crate::options::Results;
 use crate::output;
 use counterpoise_host::projects::{self, Surroundings};
+use counterpoise_host::stages::Progress;
 
 /// Arguments of `claims`.
 #[derive(Args)]
@@ -36,7 +36,7 @@ pub struct ClaimsOptions {
     pub results: Results,
 }
 
-/// A row, for a machine.
+/// A row, for another program.
 #[derive(serde::Serialize)]
 struct Row<'a> {
     id: &'a str,
@@ -46,13 +46,28 @@ struct Row<'a> {
     measured: &'a str,
     finding: &'static str,
     why: &'a str,
+    criteria: Vec<CriterionRow<'a>>,
+}
+
+/// A criterion of a row, for another program.
+#[derive(serde::Serialize)]
+struct CriterionRow<'a> {
+    what: &'a str,
+    thesis: &'a str,
+    measured: f64,
+    /// Least and largest value that agree; `null` for no bound.
+    accepted: [Option<f64>; 2],
+    /// Least and largest value that the explanation predicts.
+    explained: Option<[f64; 2]>,
+    reason: &'a str,
+    agreement: &'static str,
 }
 
 /// Runs the command.
 pub fn run(options: &ClaimsOptions) -> Done {
     let wanted = wanted(&options.only)?;
     let loaded = projects::load(&options.project, Purpose::Design)?;
-    let world = Surroundings::of(&loaded, true);
+    let world = Surroundings::of(&loaded, Progress::Quiet);
     let bar = if options.results.quiet { ProgressBar::hidden() } else { ProgressBar::new(1) };
     bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} claims, {elapsed}")?);
     bar.enable_steady_tick(Duration::from_millis(200));
@@ -63,7 +78,7 @@ pub fn run(options: &ClaimsOptions) -> Done {
     let rows = claims(&loaded.project, &world, &|id| wanted.contains(&id), &progress)?;
     bar.finish_and_clear();
     let title = format!("The thesis' claims on the {}", loaded.project.plant.name);
-    let designed = pipeline::design(&loaded.project, &world)?;
+    let designed = run_stages(&loaded.project, &world)?;
     let command = format!("counterpoise claims {}", options.project.display());
     let mut more = if options.only.is_empty() {
         evidence::sections(designed.verified.verification())
@@ -74,15 +89,12 @@ pub fn run(options: &ClaimsOptions) -> Done {
     more.iter_mut()
         .flat_map(|section| &mut section.figures)
         .for_each(|figure| figure.command.clone_from(&verified));
+    let origin = Origin { project: String::new(), command: command.clone() };
     let context = Context {
         title,
         subtitle: "measured, nothing tuned for a row; after the rows, the evidence of the design that they put to the test".to_owned(),
         more,
-        provenance: vec![
-            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
-            ("project hash".to_owned(), project_hash(&loaded.project)),
-            ("command".to_owned(), command.clone()),
-        ],
+        provenance: origin.provenance(&ProjectIdentity::of(&loaded.project, &loaded.folder())),
     };
     let report = page::report(&rows, context, &|id| format!("{command} --only {id}"));
     let path = options.report.clone().unwrap_or_else(|| page_of(&options.only));
@@ -92,7 +104,7 @@ pub fn run(options: &ClaimsOptions) -> Done {
         table.iter().for_each(print);
         say!("report  {}", path.display());
     }
-    Ok(verdict_code(rows.iter().all(|claim| claim.finding != Finding::Fails)))
+    Ok(verdict_code(rows.iter().all(|claim| claim.finding() != Finding::Fails)))
 }
 
 /// Where the page goes where nobody says: rows alone do not take the place of the whole table.
@@ -109,18 +121,18 @@ fn wanted(only: &[String]) -> Result<Vec<&'static str>> {
     }
     for name in only {
         if !all.iter().any(|id| id.eq_ignore_ascii_case(name.trim())) {
-            bail!("--only {name}: the rows are C1 to C27 and F1 to F4");
+            bail!("--only {name}: the rows are C1 to C32 and F1 to F4");
         }
     }
     Ok(all.into_iter().filter(|id| only.iter().any(|name| id.eq_ignore_ascii_case(name.trim()))).collect())
 }
 
 fn row(claim: &Claim) -> Row<'_> {
-    let (finding, why) = match &claim.finding {
+    let (finding, why) = match claim.finding() {
         Finding::Holds => ("holds", ""),
-        Finding::Fails => ("fails", ""),
-        Finding::Differs { why } => ("differs", why.as_str()),
-        Finding::NotMeasured { why } => ("not measured", *why),
+        Finding::Fails => ("fails", claim.why.as_str()),
+        Finding::Differs { .. } => ("differs", claim.why.as_str()),
+        Finding::NotMeasured { .. } => ("not measured", claim.why.as_str()),
     };
     Row {
         id: claim.id,
@@ -130,10 +142,37 @@ fn row(claim: &Claim) -> Row<'_> {
         measured: &claim.measured,
         finding,
         why,
+        criteria: claim.criteria.iter().map(criterion).collect(),
+    }
+}
+
+fn criterion(one: &Criterion) -> CriterionRow<'_> {
+    let bound = |value: f64| value.is_finite().then_some(value);
+    CriterionRow {
+        what: &one.what,
+        thesis: &one.thesis,
+        measured: one.measured,
+        accepted: [bound(one.accepted.0), bound(one.accepted.1)],
+        explained: one.explained.map(|(low, high)| [low, high]),
+        reason: &one.reason,
+        agreement: match one.agreement() {
+            Agreement::Agrees => "agrees",
+            Agreement::Explained => "explained",
+            Agreement::Disagrees => "disagrees",
+        },
     }
 }
 
 fn print(row: &Row<'_>) {
     say!("{:4} {:13} {}: {}", row.id, row.finding, row.title, row.says);
     [row.measured, row.why].iter().filter(|text| !text.is_empty()).for_each(|text| say!("     {text}"));
+    for one in row.criteria.iter().filter(|one| one.agreement != "agrees") {
+        say!(
+            "     {}: {} {} (thesis: {})",
+            one.agreement,
+            one.what,
+            output::figure(one.measured),
+            one.thesis
+        );
+    }
 }

@@ -1,61 +1,107 @@
-//! `counterpoise design`: the whole road, with its report and its code.
+//! `counterpoise design`: every stage from the project file to code, with the report.
 
 use crate::output::say;
 use counterpoise_host::compilers::{processor, proofs};
-use counterpoise_pipeline::export::target_proofs::Operations;
+use counterpoise_pipeline::exchange::ControllerResult;
+use counterpoise_pipeline::export::target_proofs::{Answered, Costs, Proof};
 use counterpoise_pipeline::results::DesignResult;
-use counterpoise_pipeline::{self as pipeline, Designed};
+use counterpoise_pipeline::{FirstDesignResult, Stages, design};
 use counterpoise_project::Purpose;
-use counterpoise_report::Section;
-use counterpoise_report::targets::{self, Told};
+use counterpoise_report::certificate;
+use counterpoise_report::design::DesignRun;
+use counterpoise_report::{Origin, html, of_design};
 use counterpoise_verify::{Limit, Verdict, Verification};
+use serde::Serialize;
 
-use super::pages::Run;
-use super::{Done, export, pages, verdict_code};
-use crate::arguments::DesignOptions;
+use super::{export, first_design};
+use crate::exit::{Done, verdict_code};
+use crate::options::DesignOptions;
 use crate::output;
-use counterpoise_host::projects::{self, Loaded, Surroundings};
+use counterpoise_host::projects::{self, Surroundings};
+
+/// The results for another program, and why the weights are what they are if they were chosen.
+#[derive(Serialize)]
+struct Whole<'a> {
+    #[serde(flatten)]
+    design: &'a DesignResult,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    first_design: Option<FirstDesignResult>,
+}
 
 /// Runs the command.
 pub fn run(options: &DesignOptions) -> Done {
     let loaded = projects::load(&options.project, Purpose::Design)?;
-    output::warnings(&loaded, options.results.quiet);
-    let world = Surroundings::of(&loaded, options.results.quiet);
-    let made = pipeline::design(&loaded.project, &world)?;
-    let times = world.times();
-    let command = format!("counterpoise design {}", options.project.display());
-    let targets = on_target(&loaded, &made, &world)?;
-    let page = pages::design(&loaded, &made, &Run { command, times, targets })?;
-    export::write(&options.output, &made.files)?;
-    projects::write(&options.output.join("report.html"), page.as_bytes())?;
-    if !output::json(&options.results, &DesignResult::from(&made))? {
-        print(options, &made);
+    output::warnings(&loaded, options.results.progress());
+    let world = Surroundings::of(&loaded, options.results.progress());
+    let designed = design(&loaded.project, &world)?;
+    let mut result = DesignResult::from(&designed);
+    if !options.histories {
+        result.verify.histories.clear();
     }
-    Ok(verdict_code(made.verified.verification().passes() && made.left_out.is_empty()))
-}
-
-/// The controller in every kind of numbers, in the simulated loop and on a processor.
-fn on_target(loaded: &Loaded, made: &Designed, world: &Surroundings) -> anyhow::Result<Section> {
-    let compared = pipeline::export::compare(&loaded.project, &made.modelled, &made.verified, world)?;
-    let code = pipeline::export::every_target(&loaded.project, &made.verified, &compared)?;
-    let programs = made.verified.controller().programs();
-    let operations = Operations {
-        multiplications: programs.step.multiplications(),
-        additions: programs.step.additions(),
-        states: programs.state_count(),
+    let code = &designed.targets.code;
+    let (proofs, costs) = (proofs::proofs(code, &designed.targets.compared), processor::costs(code));
+    let compiled = compiled(&proofs, &costs);
+    let run = DesignRun {
+        origin: &Origin {
+            project: loaded.path.display().to_string(),
+            command: format!("counterpoise design {}", options.project.display()),
+        },
+        times: &world.times(),
+        proofs: &proofs,
+        costs: &costs,
+        assumptions: &loaded.assumptions,
     };
-    Ok(targets::section(&Told {
-        targets: &compared,
-        proofs: &proofs::proofs(&code, &compared),
-        operations,
-        costs: &processor::costs(&code),
-        forms: &pipeline::export::forms(&made.verified)?,
-        by_form: &pipeline::export::by_form(&made.verified, &compared),
-    }))
+    let page = html(&of_design(&designed, &result, &run));
+    export::write(&options.output, &designed.stages.files)?;
+    let controller = ControllerResult::new(&designed.identity, designed.stages.verified.controller());
+    export::write_controller(&options.output, &controller)?;
+    projects::write(&options.output.join("report.html"), page.as_bytes())?;
+    let first_design = loaded.first_design.as_ref().map(FirstDesignResult::from);
+    if !output::json(&options.results, &Whole { design: &result, first_design })? {
+        first_design::print(&loaded);
+        print(options, &designed.stages);
+    }
+    compiled.said.iter().for_each(|line| output::tell(line));
+    let made = &designed.stages;
+    let holds = made.verified.verification().passes() && made.left_out.is_empty();
+    Ok(verdict_code(holds && compiled.differing == 0))
 }
 
-fn print(options: &DesignOptions, made: &Designed) {
+/// What compilers and the compiled code said.
+struct CompiledCode {
+    /// How many compiled codes answer otherwise than their model.
+    differing: usize,
+    /// What the user must know.
+    said: Vec<String>,
+}
+
+/// What is to be said of code that was compiled and run, or could not be.
+fn compiled(proofs: &[Proof], costs: &Costs) -> CompiledCode {
+    let mut code = CompiledCode { differing: 0, said: Vec::new() };
+    for proof in proofs {
+        let language = if proof.rust { "Rust" } else { "C" };
+        let numbers = format!("{:?}", proof.numbers).to_lowercase();
+        match &proof.answered {
+            Answered::Alike { .. } => {}
+            Answered::Otherwise { samples, wrong } => {
+                code.differing += 1;
+                code.said.push(format!(
+                    "  FAILS  compiled {language} in {numbers} numbers: {wrong} of {samples} samples differ from its model; \
+                     use another compiler, or report this with the compiler's version"
+                ));
+            }
+            Answered::NotRun(why) => code.said.push(format!(
+                "note: the {language} in {numbers} numbers was not compared with its model: {why}"
+            )),
+        }
+    }
+    code.said.extend(costs.remark.iter().map(|remark| format!("note: the cost on a Cortex-M: {remark}")));
+    code
+}
+
+fn print(options: &DesignOptions, made: &Stages) {
     print_verdicts(made.verified.verification());
+    certificate::lines(&made.stability).iter().for_each(|line| say!("stability: {line}"));
     say!();
     say!("report  {}", options.output.join("report.html").display());
     for file in &made.files {

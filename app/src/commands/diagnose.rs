@@ -6,31 +6,31 @@ use counterpoise_diagnose::findings::answer::{Channels, FitTable, Verdict};
 use counterpoise_pipeline::recordings::diagnose;
 use counterpoise_pipeline::{Consequence, consequence};
 use counterpoise_project::Purpose;
-use counterpoise_report::difference;
 use counterpoise_report::wording::answer::{
     AnswerText, FindingText, component_list, describe_diagnosed_recordings, unit_suffix,
 };
 use counterpoise_report::wording::recordings::describe_recordings_error;
+use counterpoise_report::{diagnosis, difference, html};
 use counterpoise_verify::Verification;
-use counterpoise_verify::difference::changes;
 
-use super::{Done, pages, verdict_code};
-use crate::arguments::DiagnoseOptions;
+use crate::exit::{Done, verdict_code};
+use crate::options::DiagnoseOptions;
 use crate::output;
 use counterpoise_host::interrupt;
 use counterpoise_host::projects::{self, Loaded, Surroundings};
+use counterpoise_host::stages::Progress;
 use counterpoise_host::workers::Workers;
 
 /// Runs the command.
 pub fn run(options: &DiagnoseOptions) -> Done {
     let loaded = projects::load(&options.project, Purpose::Diagnose)?;
-    output::warnings(&loaded, options.results.quiet);
+    output::warnings(&loaded, options.results.progress());
     if options.recordings.is_empty() {
         return super::structure::run(&loaded, options);
     }
     let files = projects::recordings(&options.recordings)?;
     interrupt::watch();
-    let workers = Workers::new(options.results.quiet);
+    let workers = Workers::new(options.results.progress());
     let diagnosed = diagnose(&loaded.project, &files, &workers);
     workers.finish();
     let diagnosed = diagnosed.map_err(|error| anyhow::Error::msg(describe_recordings_error(&error)))?;
@@ -39,10 +39,12 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     if let Some(path) = &options.save {
         projects::save_improved(&loaded, &found.improved, path)?;
     }
-    let consequence = told(&loaded, found, options.results.quiet)?;
+    let consequence = redesign(&loaded, found, options.results.progress())?;
     if let Some(path) = &options.report {
-        let page = pages::diagnosis(&loaded, (&diagnosed, &answer), consequence.as_ref());
-        projects::write(path, page.as_bytes())?;
+        let command = format!("counterpoise diagnose {}", loaded.path.display());
+        let name = &loaded.project.plant.name;
+        let page = diagnosis::report(name, &command, (&diagnosed, &answer), consequence.as_ref());
+        projects::write(path, html(&page).as_bytes())?;
     }
     if !output::json(&options.results, &answer)? {
         print(&answer);
@@ -52,16 +54,16 @@ pub fn run(options: &DiagnoseOptions) -> Done {
 }
 
 /// What the improved model means for the project's design; `None` if nothing was found or the project has no design.
-fn told(loaded: &Loaded, found: &Diagnosis, quiet: bool) -> anyhow::Result<Option<Consequence>> {
+fn redesign(loaded: &Loaded, found: &Diagnosis, progress: Progress) -> anyhow::Result<Option<Consequence>> {
     if found.improved == loaded.project.plant {
         return Ok(None);
     }
-    Ok(consequence(&loaded.project, &found.improved, &Surroundings::of(loaded, quiet))?)
+    Ok(consequence(&loaded.project, &found.improved, &Surroundings::of(loaded, progress))?)
 }
 
 fn print_consequence(found: &Consequence) {
     say!("the project's design on the improved model:");
-    for change in changes(&found.before, &found.kept).iter().filter(|change| change.turned()) {
+    for change in found.changes.iter().filter(|change| change.turned()) {
         let (_, word) = difference::verdict(change);
         say!("  {word}: {} ({})", change.figure.name(), difference::size(change));
     }

@@ -4,32 +4,38 @@ use crate::output::say;
 use std::path::{Path, PathBuf};
 
 use counterpoise_export::{Checked, File, check};
-use counterpoise_host::code_files;
 use counterpoise_host::compilers::unit_library;
+use counterpoise_host::{code_files, files};
 use counterpoise_pipeline as pipeline;
+use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_project::Purpose;
 use serde::Serialize;
 
-use super::{Done, verdict_code};
-use crate::arguments::ExportOptions;
+use crate::exit::{Done, verdict_code};
+use crate::options::ExportOptions;
 use crate::output;
 use counterpoise_host::projects::{self, Surroundings};
 
 /// Writes the code, or checks files.
 pub fn run(options: &ExportOptions) -> Done {
     let loaded = projects::load(&options.project, Purpose::Export)?;
-    output::warnings(&loaded, options.results.quiet);
-    let world = Surroundings::of(&loaded, options.results.quiet);
-    let made = pipeline::design(&loaded.project, &world)?;
+    output::warnings(&loaded, options.results.progress());
+    let world = Surroundings::of(&loaded, options.results.progress());
+    let made = pipeline::run_stages(&loaded.project, &world)?;
     if !options.check.is_empty() {
         return checked(options, &made.files);
     }
-    let written = write(&options.output, &made.files)?;
+    let mut written = write(&options.output, &made.files)?;
+    let identity = pipeline::ProjectIdentity::of(&loaded.project, &loaded.folder());
+    written.push(write_controller(
+        &options.output,
+        &ControllerResult::new(&identity, made.verified.controller()),
+    )?);
     let names: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
     if !output::json(&options.results, &names)? {
         names.iter().for_each(|name| say!("{name}"));
     }
-    made.left_out.iter().for_each(|code| eprintln!("left out  {code}"));
+    made.left_out.iter().for_each(|code| output::tell(&format!("left out  {code}")));
     Ok(verdict_code(made.verified.verification().passes() && made.left_out.is_empty()))
 }
 
@@ -38,6 +44,16 @@ pub fn write(folder: &Path, code: &[File]) -> anyhow::Result<Vec<PathBuf>> {
     let written =
         code_files::write(folder, code, unit_library::library, &|| true).map_err(anyhow::Error::msg)?;
     Ok(written.unwrap_or_default())
+}
+
+/// Name of the file that holds the controller as plain data.
+const CONTROLLER_FILE: &str = "controller.json";
+
+/// Writes the controller as plain data beside its code.
+pub fn write_controller(folder: &Path, controller: &ControllerResult) -> anyhow::Result<PathBuf> {
+    let path = folder.join(CONTROLLER_FILE);
+    projects::write(&path, output::json_text(controller)?.as_bytes())?;
+    Ok(path)
 }
 
 /// What became of a file that was checked.
@@ -62,7 +78,7 @@ fn checked(options: &ExportOptions, code: &[File]) -> Done {
 /// What became of one file; a file that cannot be read does not keep the others from being checked.
 fn outcome(path: &Path, code: &[File]) -> Outcome {
     let file = path.display().to_string();
-    let bytes = match std::fs::read(path) {
+    let bytes = match files::read_file(path) {
         Ok(bytes) => bytes,
         Err(why) => {
             return Outcome { file, same: false, unread: true, says: format!("cannot be read: {why}") };

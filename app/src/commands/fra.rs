@@ -12,10 +12,11 @@ use counterpoise_report::fra::{Pace, report};
 use counterpoise_report::html;
 use counterpoise_report::wording::recordings::describe_column_remark;
 
-use super::{Done, verdict_code};
-use crate::arguments::Results;
+use crate::exit::{Done, verdict_code};
+use crate::options::Results;
 use crate::output::{self, say};
 use counterpoise_host::projects::{self, Loaded};
+use counterpoise_host::stages::Progress;
 use counterpoise_host::workers::Workers;
 use counterpoise_pipeline::recordings::{Gaps, read};
 
@@ -53,7 +54,7 @@ pub struct FraOptions {
     pub results: Results,
 }
 
-/// The plants by name; the linear one stands beside every map.
+/// The plants by name; the linear one is compared with every map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum PlantName {
     /// As the project's [model] says
@@ -98,7 +99,7 @@ const MOST_FREQUENCIES: usize = 10_000;
 /// Runs the command.
 pub fn run(options: &FraOptions) -> Done {
     let loaded = projects::load(&options.project, Purpose::Model)?;
-    output::warnings(&loaded, options.results.quiet);
+    output::warnings(&loaded, options.results.progress());
     let plan = plan(options)?;
     let (maps, speed) = if options.recording.is_empty() {
         simulated(&loaded, &plan, options)?
@@ -133,7 +134,7 @@ fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<
             analyser.on_structure(project, structure, plan)?
         }
     };
-    let workers = Workers::new(options.results.quiet);
+    let workers = Workers::new(options.results.progress());
     let start = Instant::now();
     let measured = analyser.measure(plan, &workers);
     let seconds = start.elapsed().as_secs_f64();
@@ -143,7 +144,7 @@ fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<
     if options.scaling {
         speed = scaling(&analyser, plan, &measured)?;
     }
-    Ok((vec![analyser.compare(&measured, &Workers::new(true))?], speed))
+    Ok((vec![analyser.compare(&measured, &Workers::new(Progress::Quiet))?], speed))
 }
 
 /// The time of the same map on 1, 2, 4 ... threads and on all of them; it must be the same map to the last bit.
@@ -154,7 +155,7 @@ fn scaling(analyser: &Analyser, plan: &Plan, expected: &[Measurement]) -> Result
     for threads in doubling.chain([all]) {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
         let start = Instant::now();
-        let measured = pool.install(|| analyser.measure(plan, &Workers::new(true)))?;
+        let measured = pool.install(|| analyser.measure(plan, &Workers::new(Progress::Quiet)))?;
         paces.push(Pace { threads, seconds: start.elapsed().as_secs_f64() });
         if measured != expected {
             bail!("the map on {threads} threads is not the one on {all}: a defect of this program");

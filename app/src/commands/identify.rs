@@ -11,15 +11,15 @@ use counterpoise_report::wording::identification::{
 };
 use counterpoise_report::wording::recordings::describe_recordings_error;
 
-use super::{Done, verdict_code};
-use crate::arguments::IdentifyOptions;
+use crate::exit::{Done, verdict_code};
+use crate::options::IdentifyOptions;
 use crate::output;
 use counterpoise_host::projects;
 
 /// Runs the command.
 pub fn run(options: &IdentifyOptions) -> Done {
     let loaded = projects::load(&options.project, Purpose::Model)?;
-    output::warnings(&loaded, options.results.quiet);
+    output::warnings(&loaded, options.results.progress());
     let (first, second) = (projects::recordings(&options.recordings)?, projects::recordings(&options.other)?);
     let identified = identify(&loaded.project, &[&first, &second])
         .map_err(|error| anyhow::Error::msg(describe_recordings_error(&error)))?;

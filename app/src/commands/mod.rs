@@ -1,15 +1,16 @@
-//! The commands: each loads what it needs, calls the road, prints, and says by its exit code how it went.
+//! The commands: each loads what it needs, calls the pipeline, prints the result, and returns an exit code.
 
 pub mod adapt;
+pub mod check;
 pub mod claims;
 pub mod design;
 pub mod diagnose;
 pub mod export;
+pub mod first_design;
 pub mod fra;
 pub mod identify;
 pub mod model;
 pub mod new;
-pub mod pages;
 pub mod replay;
 pub mod stages;
 pub mod structure;
@@ -17,15 +18,3 @@ pub mod studio;
 pub mod sweep;
 pub mod synth;
 pub mod verify;
-
-use std::process::ExitCode;
-
-use anyhow::Result;
-
-/// What a command returns.
-pub type Done = Result<ExitCode>;
-
-/// 0 where all verdicts hold, 1 where some fail.
-pub fn verdict_code(passes: bool) -> ExitCode {
-    if passes { ExitCode::SUCCESS } else { ExitCode::from(1) }
-}

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use counterpoise_pipeline::plant_views::{MeshColumn, Meshes, ModeSet, portrait};
+use counterpoise_pipeline::plant_views::{MeshColumn, Meshes, ModeSet, view_plant};
 use counterpoise_pipeline::results::ModelResult;
 use counterpoise_pipeline::studies::accuracy::accuracy;
 use counterpoise_pipeline::{self as pipeline, PipelineError};
@@ -11,9 +11,10 @@ use counterpoise_project::Purpose;
 use counterpoise_report::html;
 use counterpoise_report::model::report;
 
-use super::{Done, verdict_code};
-use crate::arguments::Results;
+use crate::exit::{Done, verdict_code};
+use crate::options::Results;
 use crate::output::{self, say};
+use counterpoise_host::interrupt;
 use counterpoise_host::projects;
 use counterpoise_host::workers::Workers;
 
@@ -33,22 +34,28 @@ pub struct ModelOptions {
 /// Runs the command.
 pub fn run(options: &ModelOptions) -> Done {
     let loaded = projects::load(&options.project, Purpose::Model)?;
-    output::warnings(&loaded, options.results.quiet);
-    let modelled = pipeline::model(&loaded.project)?;
-    let result = ModelResult::from(&modelled);
-    let portrait = portrait(&loaded.project, &modelled)?;
+    output::warnings(&loaded, options.results.progress());
+    interrupt::watch();
+    let watched = Workers::new(options.results.progress());
+    let modelled = pipeline::model_watched(&loaded.project, &watched);
+    watched.finish();
+    let modelled = modelled?;
+    let mut result = ModelResult::from(&modelled);
+    result.assumptions.clone_from(&loaded.assumptions);
+    let views = view_plant(&loaded.project, &modelled)?;
     if let Some(path) = &options.report {
         let command = format!("counterpoise model {} --report {}", options.project.display(), path.display());
-        let workers = Workers::new(options.results.quiet);
+        let workers = Workers::new(options.results.progress());
         let accuracy = accuracy(&modelled, &workers);
         workers.finish();
-        let page = report(&result, &portrait, &accuracy?, &command);
+        let page = report(&result, &views, &accuracy?, &command);
         projects::write(path, html(&page).as_bytes())?;
     }
     if !output::json(&options.results, &result)? {
         print(&result, pipeline::cannot_hold(&modelled).as_ref());
-        modes(&portrait.modes);
-        portrait.meshes.iter().for_each(meshes);
+        assumed(&result);
+        modes(&views.modes);
+        views.meshes.iter().for_each(meshes);
     }
     Ok(verdict_code(true))
 }
@@ -66,6 +73,17 @@ fn print(result: &ModelResult, unheld: Option<&PipelineError>) {
     for [re, im] in result.poles_rad_s.iter().filter(|p| p[1] >= 0.0) {
         let size = re.hypot(*im);
         say!("{:14.4} {:14.4}", size / std::f64::consts::TAU, -re / size.max(f64::MIN_POSITIVE));
+    }
+}
+
+/// Says how many values are assumed, and which of them may lie elsewhere.
+fn assumed(result: &ModelResult) {
+    let open: Vec<&str> =
+        result.assumptions.iter().filter(|a| a.usual.is_some()).map(|a| a.key.as_str()).collect();
+    let count = result.assumptions.len();
+    match open.len() {
+        0 => say!("assumed: {count} values (`counterpoise check` lists them)"),
+        _ => say!("assumed: {count} values, among them {} (`counterpoise check` lists all)", open.join(", ")),
     }
 }
 

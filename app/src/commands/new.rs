@@ -1,20 +1,129 @@
-//! `counterpoise new`: a folder with a complete project file to start from.
+//! `counterpoise new`: a folder with a project file to start from, filled in by five questions, like a kind of machine, or in full.
 
+use std::io::{BufRead, IsTerminal, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
-use counterpoise_host::files::create;
+use anyhow::{Result, bail};
+use counterpoise_host::files::{PROJECT_FILE, create};
+use counterpoise_project::starters::{Kind, Question, answered};
+use counterpoise_project::{Document, STARTER};
 
-use super::Done;
-use crate::arguments::NewOptions;
-use crate::output::say;
+use crate::exit::Done;
+use crate::options::NewOptions;
+use crate::output::{put, say};
 
 /// Writes the project file; never over another.
 pub fn run(options: &NewOptions) -> Done {
-    let path = create(&options.folder).map_err(anyhow::Error::msg)?;
-    say!(
-        "wrote {}: a complete machine. Change its numbers to your own, and after each change run",
-        path.display()
-    );
-    say!("    counterpoise design {0} -o {0}/out", options.folder.display());
+    let document = match (options.full, &options.like) {
+        (true, _) => Document::parse(STARTER, PROJECT_FILE),
+        (false, Some(name)) => Document::parse(kind(name)?.text(), PROJECT_FILE),
+        (false, None) if std::io::stdin().is_terminal() => asked(&mut std::io::stdin().lock())?,
+        (false, None) => bail!(
+            "there is no terminal to ask on: say what the machine is like with --like {}, or give --full",
+            names()
+        ),
+    };
+    let path = create(&options.folder, &document).map_err(anyhow::Error::msg)?;
+    told(&path, &options.folder);
     Ok(ExitCode::SUCCESS)
+}
+
+fn told(path: &Path, folder: &Path) {
+    say!("wrote {}. Change its values to your own, and run", path.display());
+    say!("    counterpoise check {}", folder.display());
+    say!("    counterpoise design {0} -o {0}/out", folder.display());
+}
+
+fn names() -> String {
+    Kind::ALL.map(Kind::name).join("|")
+}
+
+fn kind(name: &str) -> Result<Kind> {
+    match Kind::from_name(name) {
+        Some(kind) => Ok(kind),
+        None => bail!("there is no kind of machine \"{name}\"; known are {}", names()),
+    }
+}
+
+/// Most answers that are refused before the questions end.
+const MOST_REFUSED: usize = 20;
+
+/// Asks what the machine is like, then for four of its values. An empty answer keeps the value in brackets.
+fn asked(input: &mut dyn BufRead) -> Result<Document> {
+    say!(
+        "Five questions. A number may have any unit, as in 0.5 mrad; an empty answer keeps what is in brackets."
+    );
+    let mut refused = 0;
+    let kind = loop {
+        put(&format!("What is the machine like: {}? [sight] ", names()));
+        let answer = line(input)?;
+        let name = if answer.is_empty() { "sight" } else { &answer };
+        match kind(name) {
+            Ok(kind) => break kind,
+            Err(why) => say!("{why}"),
+        }
+        refused += 1;
+        if refused > MOST_REFUSED {
+            bail!("no answer of {MOST_REFUSED} could be used; nothing was written");
+        }
+    };
+    let mut document = Document::parse(kind.text(), PROJECT_FILE);
+    for question in kind.questions() {
+        document = answer(input, document, question, &mut refused)?;
+    }
+    Ok(document)
+}
+
+/// Asks one question until its answer fits.
+fn answer(
+    input: &mut dyn BufRead,
+    document: Document,
+    question: &Question,
+    refused: &mut usize,
+) -> Result<Document> {
+    loop {
+        put(&format!("{} [{}] ", question.text, document.written(question.path).unwrap_or_default()));
+        let answer = line(input)?;
+        if answer.is_empty() {
+            return Ok(document);
+        }
+        match answered(&document, question.path, &answer) {
+            Ok(filled) => return Ok(filled),
+            Err(why) => say!("It {why}."),
+        }
+        *refused += 1;
+        if *refused > MOST_REFUSED {
+            bail!("no answer of {MOST_REFUSED} could be used; nothing was written");
+        }
+    }
+}
+
+/// Returns the next line without its end; an error at the end of the input.
+fn line(input: &mut dyn BufRead) -> Result<String> {
+    std::io::stdout().flush()?;
+    let mut text = String::new();
+    if input.read_line(&mut text)? == 0 {
+        bail!("the input ended before the last question; nothing was written");
+    }
+    Ok(text.trim().to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn answers_fill_the_file_and_wrong_ones_are_asked_for_again() {
+        let mut answers = "crane\ngimbal\n5 V\n800 g cm^2\n\n0.1 deg/s\n2 ms\n".as_bytes();
+        let text = asked(&mut answers).unwrap().text().to_owned();
+        assert!(
+            text.contains("inertia = \"800 g cm^2\"") && text.contains("sample_period = \"2 ms\""),
+            "{text}"
+        );
+        assert!(text.contains("limit = \"0.12 N m\""), "an empty answer keeps the value: {text}");
+        assert!(asked(&mut "gimbal\n".as_bytes()).is_err(), "the input ends too early");
+        assert!(asked(&mut "x\n".repeat(30).as_bytes()).is_err(), "there is an end of asking");
+    }
 }

@@ -1,33 +1,47 @@
 //! `counterpoise replay`: simulate what was recorded, and say how well it fits.
 
+use std::path::Path;
+
 use anyhow::Error;
+use counterpoise_host::large_recordings::{BySize, LargeRecording, READ_AT_ONCE, ROWS_OF_A_PART, by_size};
 use counterpoise_host::projects;
-use counterpoise_pipeline::recordings::read::{control_for, without_demand};
+use counterpoise_pipeline::PipelineError;
+use counterpoise_pipeline::recordings::read::{
+    control_for, read_table, recording_controller, without_demand,
+};
 use counterpoise_pipeline::recordings::{Gaps, ReadRecording, ReplayLength, read, replay};
-use counterpoise_pipeline::results::ReplayResult;
+use counterpoise_pipeline::results::{RecordingResult, ReplayResult};
 use counterpoise_project::{Project, Purpose};
 use counterpoise_report::wording::recordings::{
-    describe_missing_demand, describe_recordings_error, describe_replay,
+    describe_missing_demand, describe_recordings_error, describe_replay, describe_replay_mode,
 };
 use counterpoise_simulate::replay::Loop;
+use indicatif::ProgressBar;
+use rayon::prelude::*;
 
-use super::{Done, verdict_code};
-use crate::arguments::ReplayOptions;
+use crate::exit::{Done, verdict_code};
+use crate::options::ReplayOptions;
 use crate::output::{self, say};
 
 /// Runs the command.
 pub fn run(options: &ReplayOptions) -> Done {
     let open = options.open_loop || matches!(options.windows, ReplayLength::Windows { .. });
     let loaded = projects::load(&options.project, if open { Purpose::Model } else { Purpose::Replay })?;
-    output::warnings(&loaded, options.results.quiet);
-    let files = projects::recordings(&options.recordings)?;
+    output::warnings(&loaded, options.results.progress());
+    let BySize { whole, in_parts } = by_size(&options.recordings, READ_AT_ONCE);
+    let files = if whole.is_empty() { Vec::new() } else { projects::recordings(&whole)? };
     let read = read(&loaded.project, &files, Gaps::Repaired).map_err(refused)?;
-    let control = if options.open_loop { Loop::Open } else { closed_loop(&loaded.project, &read) };
+    let control = if options.open_loop { Loop::Open } else { closed_loop(&loaded.project, &read)? };
     let replayed = replay(&loaded.project, &read, &control, options.windows)?;
-    let result = ReplayResult { recordings: replayed.iter().map(describe_replay).collect() };
+    let mut result = ReplayResult { recordings: replayed.iter().map(describe_replay).collect() };
+    for path in &in_parts {
+        result.recordings.extend(replay_in_parts(&loaded.project, path, options)?);
+    }
     if let Some(path) = &options.report {
-        let page = super::pages::replay(&loaded, &read, &replayed, &result);
-        projects::write(path, page.as_bytes())?;
+        let command = format!("counterpoise replay {}", loaded.path.display());
+        let title = format!("Replay of {}", loaded.project.plant.name);
+        let page = counterpoise_report::replay::report(&title, &command, &result, &replayed);
+        projects::write(path, counterpoise_report::html(&page).as_bytes())?;
     }
     if !output::json(&options.results, &result)? {
         print(&result);
@@ -35,23 +49,59 @@ pub fn run(options: &ReplayOptions) -> Done {
     Ok(verdict_code(true))
 }
 
+/// Replays a recording that is too large to be read at once: as many parts at a time as there are processors, of which the figures
+/// alone are kept. Every part starts from states of its own, as the parts of a recording with gaps do.
+fn replay_in_parts(
+    project: &Project,
+    path: &Path,
+    options: &ReplayOptions,
+) -> anyhow::Result<Vec<RecordingResult>> {
+    if options.report.is_some() {
+        let shown = path.display();
+        output::tell(&format!(
+            "note: {shown} is replayed in parts: its figures are printed, and not drawn in the report"
+        ));
+    }
+    let bar = if options.results.quiet { ProgressBar::hidden() } else { ProgressBar::new(0) };
+    let mut parts = LargeRecording::open(path, ROWS_OF_A_PART, bar)?;
+    let controller = recording_controller(project)?;
+    let mut all = Vec::new();
+    loop {
+        let some: Vec<_> =
+            parts.by_ref().take(rayon::current_num_threads()).collect::<anyhow::Result<_>>()?;
+        if some.is_empty() {
+            return Ok(all);
+        }
+        let one = |table| -> anyhow::Result<Vec<RecordingResult>> {
+            let read = read_table(project, controller.as_ref(), &table).map_err(refused)?;
+            drop(table);
+            let recordings = read.iter().map(|item| &item.recording);
+            let control = if options.open_loop { Loop::Open } else { control_for(project, recordings)? };
+            let replayed = replay(project, &read, &control, options.windows)?;
+            Ok(replayed.iter().map(describe_replay).collect())
+        };
+        let done: Vec<Vec<RecordingResult>> = some.into_par_iter().map(one).collect::<anyhow::Result<_>>()?;
+        all.extend(done.into_iter().flatten());
+    }
+}
+
 /// Returns the loop in which the recordings are replayed; says so if the demand is missing.
-fn closed_loop(project: &Project, read: &[ReadRecording]) -> Loop {
+fn closed_loop(project: &Project, read: &[ReadRecording]) -> Result<Loop, PipelineError> {
     let missing = without_demand(project, read.iter().map(|item| (item.file.as_str(), &item.recording)));
     if let Some(remark) = describe_missing_demand(&missing) {
-        eprintln!("note: {remark}");
+        output::tell(&format!("note: {remark}"));
     }
     control_for(project, read.iter().map(|item| &item.recording))
 }
 
-fn refused(error: counterpoise_pipeline::PipelineError) -> Error {
+fn refused(error: PipelineError) -> Error {
     Error::msg(describe_recordings_error(&error))
 }
 
 fn print(result: &ReplayResult) {
     for recording in &result.recordings {
         say!("{}", recording.file);
-        say!("  followed {}", recording.way());
+        say!("  followed {}", describe_replay_mode(recording));
         recording.remarks.iter().for_each(|remark| say!("  {remark}"));
         say!("  {:<16} {:>12} {:>12} {:>8} {:>10}", "channel", "RMS error", "floor", "ratio", "VAF %");
         for (name, c) in &recording.channels {

@@ -1,12 +1,12 @@
-//! Single stages of the road, from the same file.
+//! Single stages of the pipeline, from the same file.
 
 use crate::output::say;
 use counterpoise_pipeline::results::ReduceResult;
 use counterpoise_pipeline::{self as pipeline, Modelled, Reduced};
 use counterpoise_project::Purpose;
 
-use super::{Done, verdict_code};
-use crate::arguments::StageOptions;
+use crate::exit::{Done, verdict_code};
+use crate::options::StageOptions;
 use crate::output;
 use counterpoise_host::projects::{self, Loaded};
 
@@ -35,7 +35,7 @@ fn verdict_ok() -> Done {
 
 fn loaded(options: &StageOptions, purpose: Purpose) -> anyhow::Result<Loaded> {
     let loaded = projects::load(&options.project, purpose)?;
-    output::warnings(&loaded, options.results.quiet);
+    output::warnings(&loaded, options.results.progress());
     Ok(loaded)
 }
 

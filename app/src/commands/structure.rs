@@ -5,8 +5,8 @@ use counterpoise_pipeline::recordings::measured_modes::{StructureAnswer, Structu
 use counterpoise_report::html;
 use counterpoise_report::structure::report;
 
-use super::{Done, verdict_code};
-use crate::arguments::DiagnoseOptions;
+use crate::exit::{Done, verdict_code};
+use crate::options::DiagnoseOptions;
 use crate::output::{self, say};
 use counterpoise_host::projects::{self, Loaded};
 

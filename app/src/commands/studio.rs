@@ -5,8 +5,8 @@ use std::process::{Command, ExitCode};
 
 use anyhow::{Context, bail};
 
-use super::Done;
-use crate::arguments::StudioOptions;
+use crate::exit::Done;
+use crate::options::StudioOptions;
 
 /// Name of the studio's program, which is installed beside this one.
 const PROGRAM: &str = "counterpoise-studio";

@@ -5,18 +5,19 @@ use std::path::Path;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use counterpoise_pipeline::export::project_hash;
-use counterpoise_pipeline::{self as pipeline, Designed};
+use counterpoise_pipeline::studies::sweep::{BesideSamples, CampaignResult};
+use counterpoise_pipeline::{self as pipeline, ProjectIdentity, Stages};
 use counterpoise_project::Purpose;
 use counterpoise_report::{Context as PageContext, html, robust, sweep};
-use counterpoise_verify::robust::{Campaign, Member, Sample, Worst, merge, summary, worst_case};
+use counterpoise_verify::robust::{Campaign, Member, Sample, Summary, Worst, merge, worst_case};
 use counterpoise_verify::structured::RobustStability;
 use rayon::prelude::*;
 
-use super::{Done, pages, verdict_code};
-use crate::arguments::Results;
+use crate::exit::{Done, verdict_code};
+use crate::options::Results;
 use crate::output;
 use counterpoise_host::campaign_progress::Pace;
+use counterpoise_host::interrupt::Interrupted;
 use counterpoise_host::projects::{self, Surroundings};
 use counterpoise_host::{interrupt, shards};
 
@@ -53,11 +54,11 @@ const TRIED: usize = 60;
 
 /// A campaign with its name: only files of the same name belong together.
 struct Named {
-    designed: Designed,
+    designed: Stages,
     campaign: Campaign,
     name: String,
     families: Vec<Member>,
-    title: String,
+    identity: ProjectIdentity,
     /// The linear worst case, where the whole campaign is reported.
     stability: Option<RobustStability>,
 }
@@ -72,12 +73,12 @@ pub fn run(options: &SweepOptions) -> Done {
         let (shard, of) = shard_of(shard)?;
         let pace = pace(options, named.campaign.shard(shard, of)?.len())?;
         run_shard(&named, &options.output, (shard, of), &pace)?;
-        told(options, pace.finish());
+        print_cost(options, pace.finish());
         return Ok(verdict_code(true));
     }
     let cost = if options.merge { None } else { run_all(&named, options)? };
     let code = finish(&named, options)?;
-    told(options, cost);
+    print_cost(options, cost);
     Ok(code)
 }
 
@@ -85,18 +86,18 @@ fn pace(options: &SweepOptions, count: usize) -> Result<Pace> {
     if options.results.quiet { Ok(Pace::silent(count)) } else { Pace::shown(count) }
 }
 
-/// Tells what a large campaign would cost, beside the results and not among them.
-fn told(options: &SweepOptions, cost: Option<String>) {
+/// Prints what a large campaign would cost on the error stream, apart from the results.
+fn print_cost(options: &SweepOptions, cost: Option<String>) {
     if let Some(cost) = cost.filter(|_| !options.results.quiet) {
-        eprintln!("{cost}");
+        output::tell(&cost);
     }
 }
 
 fn prepare(options: &SweepOptions) -> Result<Named> {
     let loaded = projects::load(&options.project, Purpose::Sweep)?;
-    output::warnings(&loaded, options.results.quiet);
-    let world = Surroundings::of(&loaded, options.results.quiet);
-    let designed = pipeline::design(&loaded.project, &world)?;
+    output::warnings(&loaded, options.results.progress());
+    let world = Surroundings::of(&loaded, options.results.progress());
+    let designed = pipeline::run_stages(&loaded.project, &world)?;
     let campaign = pipeline::campaign(&loaded.project, &designed.modelled, &designed.verified, &world)?;
     let (families, stability) = match options.shard.is_some() || options.sample.is_some() {
         true => (Vec::new(), None),
@@ -110,15 +111,15 @@ fn prepare(options: &SweepOptions) -> Result<Named> {
             )?,
         ),
     };
-    let name = format!("{} {} {}", env!("CARGO_PKG_VERSION"), project_hash(&loaded.project), campaign.len());
-    let title = loaded.project.plant.name.clone();
-    Ok(Named { designed, campaign, name, families, title, stability })
+    let identity = ProjectIdentity::of(&loaded.project, &loaded.folder());
+    let name = format!("{} {} {}", env!("CARGO_PKG_VERSION"), identity.hash, campaign.len());
+    Ok(Named { designed, campaign, name, families, identity, stability })
 }
 
 fn shard_of(text: &str) -> Result<(usize, usize)> {
-    let told = || format!("--shard {text}: write K/N, for example 17/400 (the first is 0)");
-    let (k, n) = text.split_once('/').with_context(told)?;
-    let (k, n): (usize, usize) = (k.parse().with_context(told)?, n.parse().with_context(told)?);
+    let usage = || format!("--shard {text}: write K/N, for example 17/400 (the first is 0)");
+    let (k, n) = text.split_once('/').with_context(usage)?;
+    let (k, n): (usize, usize) = (k.parse().with_context(usage)?, n.parse().with_context(usage)?);
     match n {
         0 => bail!("--shard {text}: there must be at least 1 shard"),
         _ if k >= n => bail!("--shard {text}: of {n} shards the first is 0 and the last is {}", n - 1),
@@ -154,10 +155,11 @@ fn run_all(named: &Named, options: &SweepOptions) -> Result<Option<String>> {
     for shard in 0..count {
         if interrupt::asked() {
             pace.finish();
-            bail!(
-                "stopped after {shard} of {count} shards, which are kept in {}; the same command goes on from there",
-                options.output.display()
-            );
+            let kept = options.output.display();
+            return Err(Interrupted(format!(
+                "stopped after {shard} of {count} shards, which are kept in {kept}; the same command goes on from there"
+            ))
+            .into());
         }
         run_shard(named, &options.output, (shard, count), &pace)?;
     }
@@ -177,35 +179,34 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
         "the shards do not make one campaign: remove those of other cuts, or run the missing ones",
     )?;
     shards::write(&options.output.join("samples.parquet"), &named.campaign, &named.name, &samples)?;
-    let found = named.designed.verified.verification();
-    let worst = searched(named, &samples)?;
+    let others = BesideSamples {
+        worst: searched(named, &samples)?,
+        families: named.families.clone(),
+        stability: named.stability.clone(),
+    };
+    let found = CampaignResult::new(&named.campaign, &samples, others);
+    let nominal = named.designed.verified.verification();
     let project = options.project.display().to_string();
-    let mut section = vec![sweep::worst(&named.campaign, &samples, (&worst, &project))];
-    section.extend(named.stability.as_ref().map(robust::section));
-    section.extend(sweep::sections(&named.campaign, &samples, &named.families));
     let subtitle = format!("{} mechanisms that differ from the one that was designed for", samples.len());
     let command = format!("counterpoise sweep {project} -o {}", options.output.display());
     let context = PageContext {
-        title: named.title.clone(),
+        title: named.identity.name.clone(),
         subtitle,
-        more: section,
+        more: Vec::new(),
         provenance: vec![
             ("campaign (version, project hash, samples)".to_owned(), named.name.clone()),
             ("command".to_owned(), command.clone()),
         ],
     };
-    let mut page = sweep::report(found, &named.campaign, &samples, context);
-    page.headline.detail += &sweep::beyond(&named.campaign, &worst, named.stability.as_ref());
-    pages::reproduced_by(&mut page, &command);
-    let page = html(&page);
+    let page = html(&sweep::report(nominal, &found, &project, context).reproduced_by(&command));
     projects::write(&options.output.join("report.html"), page.as_bytes())?;
-    let passes = samples.iter().all(|sample| named.campaign.passes(sample));
-    if !output::json(&options.results, &summaries(named, &samples, &worst))? {
-        print(named, &summaries(named, &samples, &worst));
-        print_stability(named);
+    let rows = summaries(&found);
+    if !output::json(&options.results, &rows)? {
+        print(&found, &rows);
+        print_stability(&found);
         say!("report  {}", options.output.join("report.html").display());
     }
-    Ok(verdict_code(passes))
+    Ok(verdict_code(found.passing == found.samples()))
 }
 
 /// Which samples no shard holds; `None` if all are there.
@@ -226,7 +227,7 @@ fn searched(named: &Named, samples: &[Sample]) -> Result<Vec<Option<Worst>>> {
     (0..named.campaign.requirements().len()).into_par_iter().map(one).collect()
 }
 
-/// A requirement over the campaign, for a machine.
+/// A requirement over the campaign, for another program.
 #[derive(serde::Serialize)]
 struct Row {
     figure: String,
@@ -251,37 +252,34 @@ struct WorstRow {
     converged: bool,
 }
 
-fn worst_row(named: &Named, requirement: usize, worst: &Worst) -> WorstRow {
-    let keys = named.campaign.variations().iter().map(|variation| variation.parameter.key());
+fn worst_row(found: &CampaignResult, requirement: usize, worst: &Worst) -> WorstRow {
+    let keys = found.variations.iter().map(|variation| variation.parameter.key());
     WorstRow {
         value: worst.value,
-        meets: named.campaign.requirements()[requirement].limit.room(worst.value) >= 0.0,
+        meets: found.requirements[requirement].limit.room(worst.value) >= 0.0,
         sample: worst.sample,
         factors: keys.zip(worst.factors.iter().copied()).collect(),
-        options: sweep::again(&named.campaign, worst),
+        options: sweep::again(found, worst),
         tried: worst.tried,
         converged: worst.converged,
     }
 }
 
-fn summaries(named: &Named, samples: &[Sample], worst: &[Option<Worst>]) -> Vec<Row> {
-    let row = |(k, requirement): (usize, &counterpoise_verify::Requirement)| {
-        let found = summary(&named.campaign, samples, k);
-        Row {
-            figure: requirement.figure.key(),
-            share: found.share,
-            interval: found.interval,
-            q05: found.q05,
-            median: found.median,
-            q95: found.q95,
-            worst_sample: found.worst,
-            worst_case: worst[k].as_ref().map(|worst| worst_row(named, k, worst)),
-        }
+fn summaries(found: &CampaignResult) -> Vec<Row> {
+    let row = |(k, over): (usize, &Summary)| Row {
+        figure: found.requirements[k].figure.key(),
+        share: over.share,
+        interval: over.interval,
+        q05: over.q05,
+        median: over.median,
+        q95: over.q95,
+        worst_sample: over.worst,
+        worst_case: found.worst[k].as_ref().map(|worst| worst_row(found, k, worst)),
     };
-    named.campaign.requirements().iter().enumerate().map(row).collect()
+    found.summaries.iter().enumerate().map(row).collect()
 }
 
-fn print(named: &Named, rows: &[Row]) {
+fn print(found: &CampaignResult, rows: &[Row]) {
     for row in rows {
         let (low, high) = (100.0 * row.interval.0, 100.0 * row.interval.1);
         let worst = row.worst_sample.map_or(String::new(), |k| format!(", worst: --sample {k}"));
@@ -298,14 +296,14 @@ fn print(named: &Named, rows: &[Row]) {
             say!("           worst case {} ({word}): {}", output::figure(worst.value), worst.options);
         }
     }
-    let all = named.campaign.len();
+    let all = found.samples();
     say!(
         "shares are of {all} mechanisms; worst cases come from a search from the worst sample inside the ranges"
     );
 }
 
-fn print_stability(named: &Named) {
-    match &named.stability {
+fn print_stability(found: &CampaignResult) {
+    match &found.stability {
         Some(found) => robust::lines(found).iter().for_each(|line| say!("linear: {line}")),
         None => say!(
             "linear: no worst case, for nothing that enters the linear loop varies, or it is unstable as it is"
@@ -313,7 +311,7 @@ fn print_stability(named: &Named) {
     }
 }
 
-/// One sample, for a machine.
+/// One sample, for another program.
 #[derive(serde::Serialize)]
 struct One {
     sample: usize,
@@ -346,13 +344,13 @@ fn one_sample(named: &Named, (index, changed): (usize, &[String]), results: &Res
 
 /// Sets the factor of a variation from `key=factor`.
 fn changed_factor(campaign: &Campaign, factors: &mut [f64], change: &str) -> Result<()> {
-    let told = || {
+    let usage = || {
         format!("--factors {change}: write KEY=FACTOR with a factor of at least 0, for example friction=2")
     };
-    let (key, factor) = change.split_once('=').with_context(told)?;
-    let factor: f64 = factor.trim().parse().with_context(told)?;
+    let (key, factor) = change.split_once('=').with_context(usage)?;
+    let factor: f64 = factor.trim().parse().with_context(usage)?;
     if !(factor >= 0.0 && factor.is_finite()) {
-        bail!(told());
+        bail!(usage());
     }
     let keys: Vec<&str> = campaign.variations().iter().map(|variation| variation.parameter.key()).collect();
     let at = keys.iter().position(|one| *one == key.trim());

@@ -1,23 +1,28 @@
-//! `counterpoise synth`: the controller with its certificates, and what stands beside it; or the search for its weights.
+//! `counterpoise synth`: the controller with its certificates, compared with its alternatives; or the search for its weights.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use counterpoise_pipeline::results::SynthResult;
-use counterpoise_pipeline::studies::comparison::{Beside, LoopFigures, MethodRow, beside};
+use counterpoise_pipeline::studies::comparison::{Comparison, LoopFigures, MethodRow};
 use counterpoise_pipeline::studies::search::{Judged, Searched, judged, search};
-use counterpoise_pipeline::{self as pipeline, Modelled, Reduced};
-use counterpoise_project::Purpose;
+use counterpoise_pipeline::{
+    self as pipeline, FirstDesignResult, Modelled, ProjectIdentity, Reduced, study_synthesis,
+};
+use counterpoise_project::{Project, Purpose};
 use counterpoise_synth::{Ended, Figures, Trial};
 use counterpoise_verify::Verdict;
 use serde::Serialize;
 
-use super::{Done, pages, verdict_code};
-use crate::arguments::Results;
+use crate::exit::{Done, verdict_code};
+use crate::options::Results;
 use crate::output::{self, say};
 use counterpoise_host::interrupt;
 use counterpoise_host::projects::{self, Loaded, Surroundings};
+use counterpoise_host::stages::Progress;
 use counterpoise_plot::number::short;
+use counterpoise_report::trade_off::VerifiedPoint;
+use counterpoise_report::{Origin, html, of_synthesis, trade_off};
 
 /// Arguments of `synth`.
 #[derive(Args)]
@@ -27,8 +32,8 @@ pub struct SynthOptions {
     /// Search the weights for the requirements of [synth.search]
     #[arg(long)]
     pub search: bool,
-    /// With --search: write the project with the weights that were found
-    #[arg(long, value_name = "FILE", requires = "search")]
+    /// Write the project with its weights: those that were chosen if the file states none, or with --search those that were found
+    #[arg(long, value_name = "FILE")]
     pub save: Option<PathBuf>,
     /// Write a report with pictures to this HTML file
     #[arg(long, value_name = "FILE")]
@@ -38,49 +43,62 @@ pub struct SynthOptions {
     pub results: Results,
 }
 
-/// The design and what stands beside it, for a machine.
+/// The design and its comparison with alternatives, for another program.
 #[derive(Serialize)]
 struct Whole<'a> {
     #[serde(flatten)]
     synth: &'a SynthResult,
-    beside: &'a Beside,
+    beside: &'a Comparison,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    first_design: Option<FirstDesignResult>,
 }
 
 /// Runs the command.
 pub fn run(options: &SynthOptions) -> Done {
     let loaded = projects::load(&options.project, Purpose::Synth)?;
-    output::warnings(&loaded, options.results.quiet);
-    let modelled = pipeline::model(&loaded.project)?;
-    let reduced = pipeline::reduce(&loaded.project, &modelled)?;
+    output::warnings(&loaded, options.results.progress());
     if options.search {
-        return searched(options, &loaded, (&modelled, &reduced));
+        let modelled = pipeline::model(&loaded.project)?;
+        let reduced = pipeline::reduce(&loaded.project, &modelled)?;
+        return search_weights(options, &loaded, (&modelled, &reduced));
     }
-    let made = pipeline::synthesise(&loaded.project, &modelled, &reduced)?;
-    let beside = beside(&loaded.project, (&modelled, &reduced), &made)?;
-    let result = SynthResult::from(&made);
+    let study = study_synthesis(&loaded.project, &loaded.folder())?;
+    let result = SynthResult::from(&study.synthesised);
     if let Some(path) = &options.report {
-        projects::write(path, pages::synth(&loaded, (&made, &beside), &result)?.as_bytes())?;
+        let origin = origin(&loaded, "");
+        projects::write(path, html(&of_synthesis(&study, &result, &origin)).as_bytes())?;
     }
-    if !output::json(&options.results, &Whole { synth: &result, beside: &beside })? {
-        print_weights(&loaded);
+    if let Some(path) = &options.save {
+        save(&loaded, &loaded.project, path)?;
+    }
+    let first_design = loaded.first_design.as_ref().map(FirstDesignResult::from);
+    if !output::json(&options.results, &Whole { synth: &result, beside: &study.comparison, first_design })? {
+        super::first_design::print(&loaded);
+        study.weights.iter().for_each(|line| say!("{line}"));
         print_design(&result);
-        print_beside(&beside);
+        print_comparison(&study.comparison);
+        options.save.iter().for_each(|path| say!("project {}", path.display()));
         options.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
     Ok(verdict_code(true))
 }
 
-fn print_weights(loaded: &Loaded) {
-    if let Some(synth) = &loaded.project.synth {
-        pipeline::export::weights(synth).iter().for_each(|line| say!("{line}"));
-    }
+/// Writes the file with the weights of a project; everything else of it stays as it is.
+fn save(loaded: &Loaded, project: &Project, path: &Path) -> anyhow::Result<()> {
+    let document = project.update(&loaded.document, &loaded.stated)?;
+    projects::write(path, document.text().as_bytes())
+}
+
+fn origin(loaded: &Loaded, option: &str) -> Origin {
+    let project = loaded.path.display().to_string();
+    Origin { command: format!("counterpoise synth {project}{option}"), project }
 }
 
 fn print_design(result: &SynthResult) {
     say!();
     say!("design plant of order {}", result.plant_order);
     result.path_orders.iter().for_each(|(name, order)| say!("{name}: order {order}"));
-    let largest = result.closed_loop_poles.iter().map(|[re, im]| re.hypot(*im)).fold(0.0, f64::max);
+    let largest = result.largest_pole_modulus;
     say!("closed sampled loop: {} poles, largest modulus {largest:.6}", result.closed_loop_poles.len());
     if let Some(difference) = result.cost_difference {
         say!("predicted cost and cost of the assembled loop differ by {difference:.1e}");
@@ -88,8 +106,8 @@ fn print_design(result: &SynthResult) {
     result.warnings.iter().for_each(|w| say!("warning: {w}"));
 }
 
-/// What stands beside the design.
-pub fn print_beside(beside: &Beside) {
+/// Prints the comparison of a design with its alternatives.
+pub fn print_comparison(beside: &Comparison) {
     print_methods(&beside.methods);
     if let Some(row) = &beside.lowered {
         say!();
@@ -111,12 +129,32 @@ pub fn print_beside(beside: &Beside) {
             say!("  {:8} hub {:>20}   tip {:>20}", row.disturbance, pair(row.hub_rad_s), pair(row.tip_rad_s));
         }
     }
+    print_total_cost(beside);
     print_balance(beside);
     if let Some(found) = &beside.spillover {
         let says = if found.largest_pole < 1.0 { "stable" } else { "NOT STABLE" };
         let (modes, order, pole) = (found.modes, found.order, found.largest_pole);
         say!();
         say!("on the beam with {modes} modes (order {order}): {says}, largest modulus {pole:.6}");
+    }
+}
+
+fn print_total_cost(beside: &Comparison) {
+    let Some(cost) = &beside.total_cost else { return };
+    say!();
+    say!(
+        "total cost of the assembled loop {}, each part's disturbances under its own weights:",
+        short(cost.total)
+    );
+    for row in &cost.parts {
+        let best = match (row.best_gain, row.gained_percent) {
+            (Some(gain), Some(gained)) => {
+                format!("; the best gain is {gain:.4}, which lowers the total by {gained:.3} %")
+            }
+            _ => String::new(),
+        };
+        let slope = tidy(row.slope);
+        say!("  {:18} {:>10}, slope {slope:+.4} per unit of its gain{best}", row.part, short(row.cost));
     }
 }
 
@@ -151,7 +189,7 @@ fn figures_line(f: &LoopFigures) -> String {
     )
 }
 
-fn print_balance(beside: &Beside) {
+fn print_balance(beside: &Comparison) {
     if beside.balance.is_empty() {
         return;
     }
@@ -185,7 +223,7 @@ fn tidy(db: f64) -> f64 {
     if db.abs() < 5e-3 { 0.0 } else { db }
 }
 
-/// The search as a machine reads it.
+/// The search, for another program.
 #[derive(Serialize)]
 struct SearchResult {
     settled: String,
@@ -207,25 +245,10 @@ struct CurvePoint {
     missed: f64,
 }
 
-/// The verdicts on the weights of a point.
-#[derive(Serialize)]
-pub struct VerifiedPoint {
-    /// Limit of Ms under which they were found; none for the answer itself.
-    pub max_sensitivity_limit: Option<f64>,
-    /// Rejection on the design plant.
-    pub rejection: f64,
-    /// Verdicts that hold, that fail, and that do not apply.
-    pub verdicts: [usize; 3],
-    /// Which fail, with their values.
-    pub failing: Vec<String>,
-    /// Whether everything holds.
-    pub holds: bool,
-}
-
-fn searched(options: &SynthOptions, loaded: &Loaded, plant: (&Modelled, &Reduced)) -> Done {
+fn search_weights(options: &SynthOptions, loaded: &Loaded, plant: (&Modelled, &Reduced)) -> Done {
     interrupt::watch();
     let mut found = search(&loaded.project, plant, &mut |_: &Trial| !interrupt::asked())?;
-    let world = Surroundings::of(loaded, true);
+    let world = Surroundings::of(loaded, Progress::Quiet);
     let judged = match loaded.project.verify {
         Some(_) => judged(&found, plant, &world, &mut || !interrupt::asked())?,
         None => Vec::new(),
@@ -237,13 +260,14 @@ fn searched(options: &SynthOptions, loaded: &Loaded, plant: (&Modelled, &Reduced
     let full = found.found.best.missed == 0.0 && found.missed_on_full_plant == 0.0;
     let holds = if judged.is_empty() { full } else { chosen.is_some() };
     if let Some(path) = &options.save {
-        let document = found.project.update(&loaded.document, &loaded.project)?;
-        projects::write(path, document.text().as_bytes())?;
+        save(loaded, &found.project, path)?;
     }
     let points: Vec<VerifiedPoint> = judged.iter().map(verified_point).collect();
     let result = search_result(&found, points);
     if let Some(path) = &options.report {
-        projects::write(path, pages::search(loaded, &found, &result.verified)?.as_bytes())?;
+        let identity = ProjectIdentity::of(&loaded.project, &loaded.folder());
+        let page = trade_off::report(&identity, &found, &result.verified, &origin(loaded, " --search"));
+        projects::write(path, html(&page).as_bytes())?;
     }
     if !output::json(&options.results, &result)? {
         print_search(&found, &result);
@@ -293,7 +317,6 @@ fn print_verified(points: &[VerifiedPoint], chosen: Option<usize>) {
 }
 
 fn search_result(found: &Searched, verified: Vec<VerifiedPoint>) -> SearchResult {
-    let weights = found.project.synth.as_ref().map(pipeline::export::weights).unwrap_or_default();
     let point = |(limit, found): &(f64, counterpoise_synth::Found)| CurvePoint {
         max_sensitivity_limit: *limit,
         max_sensitivity: found.best.figures.ms,
@@ -306,7 +329,7 @@ fn search_result(found: &Searched, verified: Vec<VerifiedPoint>) -> SearchResult
         trials: found.found.trials,
         missed: found.found.best.missed,
         missed_on_full_plant: found.missed_on_full_plant,
-        weights,
+        weights: found.weights.clone(),
         curve: found.curve.iter().map(point).collect(),
         verified,
     }

@@ -4,20 +4,26 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 use clap::{Args, ValueEnum};
+use counterpoise_pipeline::exchange::{VerifiedLoop, verified_loop};
 use counterpoise_pipeline::results::VerifyResult;
-use counterpoise_pipeline::{self as pipeline, export::project_hash};
+use counterpoise_pipeline::studies::advice::Advice;
+use counterpoise_pipeline::studies::certificate::RegimeRobustness;
+use counterpoise_pipeline::{self as pipeline, ProjectIdentity, studies};
 use counterpoise_project::{Project, Purpose, StructureChoice};
-use counterpoise_report::{Context, difference, html, of_verification, robust};
+use counterpoise_report::summary::worse_feedforwards;
+use counterpoise_report::{Context, Origin, advice, certificate, difference, html, of_verification, robust};
+use counterpoise_verify::certificate::Certificate;
 use counterpoise_verify::difference::{Change, changes};
 use counterpoise_verify::signals::iso_road::{Drive, RoadClass, Vehicle, iso_road};
+use counterpoise_verify::spectral::{Spectral, spectral};
 use counterpoise_verify::structured::RobustStability;
 use counterpoise_verify::{Procedure, Triangle, Verification};
 
 use super::design::print_verdicts;
-use super::{Done, pages, verdict_code};
-use crate::arguments::Results;
+use crate::exit::{Done, verdict_code};
+use crate::options::Results;
 use crate::output::{self, say};
-use counterpoise_host::projects::{self, Loaded, Surroundings};
+use counterpoise_host::projects::{self, Surroundings};
 
 /// Arguments of `verify`.
 #[derive(Args)]
@@ -42,6 +48,9 @@ pub struct VerifyOptions {
     /// Write a report with pictures to this HTML file
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
+    /// With --json: also the time histories of every experiment, from which the nonlinear figures can be recomputed (tens of megabytes)
+    #[arg(long, requires = "json")]
+    pub histories: bool,
     /// Where results go.
     #[command(flatten)]
     pub results: Results,
@@ -65,18 +74,16 @@ const DRIVE_S: (f64, f64, f64) = (30.0, 0.005, 1.0);
 
 /// Runs the command.
 pub fn run(options: &VerifyOptions) -> Done {
-    let (loaded, found, stability) = verified(options, &options.project)?;
+    let study = verified(options, &options.project)?;
     let before = options.against.as_ref().map(|path| verified(options, path)).transpose()?;
-    let changed = before.as_ref().map(|(_, before, _)| changes(before, &found));
+    let changed = before.as_ref().map(|before| changes(&before.found, &study.found));
     if let Some(path) = &options.report {
-        projects::write(
-            path,
-            page(options, (&loaded, &found, stability.as_ref()), changed.as_deref()).as_bytes(),
-        )?;
+        projects::write(path, page(options, &study, changed.as_deref()).as_bytes())?;
     }
+    let found = &study.found;
     match &changed {
-        Some(changed) => tell_changes(options, changed)?,
-        None => tell(options, &found, stability.as_ref())?,
+        Some(changed) => print_changes(options, changed)?,
+        None => print_verification(options, &study)?,
     }
     if let (Some(path), None) = (&options.report, &options.results.json) {
         say!("report  {}", path.display());
@@ -84,9 +91,9 @@ pub fn run(options: &VerifyOptions) -> Done {
     Ok(verdict_code(found.passes()))
 }
 
-/// The verdicts and the linear worst case, for a machine.
+/// The verdicts and the linear worst case, for another program.
 #[derive(serde::Serialize)]
-struct Told {
+struct Shown {
     #[serde(flatten)]
     result: VerifyResult,
     /// Stable within so many times the ranges of the sweep; absent where nothing varies.
@@ -94,24 +101,56 @@ struct Told {
     robust_to_times_the_ranges: Option<f64>,
 }
 
-fn tell(options: &VerifyOptions, found: &Verification, stability: Option<&RobustStability>) -> Result<()> {
+fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Result<()> {
+    let (found, stability) = (&study.found, study.stability.as_ref());
+    let mut result = VerifyResult::new(found, study.measured_on.clone());
+    result.certificate = study.certificate.as_ref().map(Into::into);
+    if !options.histories {
+        result.histories.clear();
+    }
     let robust_to_times_the_ranges = stability.map(|found| found.guaranteed);
-    let told = Told { result: VerifyResult::from(found), robust_to_times_the_ranges };
-    if !output::json(&options.results, &told)? {
+    let shown = Shown { result, robust_to_times_the_ranges };
+    if !output::json(&options.results, &shown)? {
         print_verdicts(found);
-        stability.into_iter().flat_map(robust::lines).for_each(|line| say!("linear: {line}"));
+        advice::lines(&study.advice).iter().for_each(|line| say!("advice: {line}"));
+        worse_feedforwards(&study.found).iter().for_each(|line| say!("note: {line}"));
+        let certified = study.certificate.iter().flat_map(certificate::lines);
+        certified.for_each(|line| say!("stability: {line}"));
+        stability
+            .into_iter()
+            .flat_map(robust::lines)
+            .for_each(|line| say!("linear, sliding friction: {line}"));
+        certificate::robustness(&study.regimes).iter().for_each(|line| say!("linear: {line}"));
     }
     Ok(())
 }
 
-/// A project's controller, verified as the options ask, and the linear worst case of its sweep's ranges.
-fn verified(options: &VerifyOptions, path: &Path) -> Result<(Loaded, Verification, Option<RobustStability>)> {
+/// A project's controller, verified as the options ask, with everything that is shown of it.
+struct VerificationStudy {
+    identity: ProjectIdentity,
+    found: Verification,
+    /// Rejection ratios from the time histories on the road.
+    on_road: Vec<Spectral>,
+    /// What the linear figures were measured on.
+    measured_on: VerifiedLoop,
+    /// The linear worst case of the ranges of the project's sweep.
+    stability: Option<RobustStability>,
+    /// Stability in every regime; `None` on the linear plant alone.
+    certificate: Option<Certificate>,
+    /// The linear worst case in the other regimes and cases.
+    regimes: Vec<RegimeRobustness>,
+    /// What to change where a requirement fails.
+    advice: Vec<Advice>,
+}
+
+fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
     let loaded = projects::load(path, Purpose::Verify)?;
-    output::warnings(&loaded, options.results.quiet);
-    let world = Surroundings::of(&loaded, options.results.quiet);
+    output::warnings(&loaded, options.results.progress());
+    let world = Surroundings::of(&loaded, options.results.progress());
     let project = &loaded.project;
     let modelled = pipeline::model(project)?;
-    let made = pipeline::synthesise(project, &modelled, &pipeline::reduce(project, &modelled)?)?;
+    let reduced = pipeline::reduce(project, &modelled)?;
+    let made = pipeline::synthesise(project, &modelled, &reduced)?;
     let mut procedure = pipeline::procedure(project, &world)?;
     if let Some(class) = &options.road {
         procedure.road = Some(drive(class, options.speed, &procedure)?);
@@ -125,14 +164,32 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<(Loaded, Verificatio
             .context("--plant fe: the project has neither [plant.beam] nor [plant.import]")?,
         PlantChoice::Project | PlantChoice::Linear => project.model.structure,
     };
-    let plant = pipeline::model(&with_structure(project, structure))?.plant;
+    let on = pipeline::model(&with_structure(project, structure))?;
+    let plant = on.plant.clone();
     let found = match options.plant {
         PlantChoice::Linear => pipeline::verify_linear_on(project, &plant, &made, &procedure)?,
         _ => pipeline::verify_on(project, &plant, &made, &procedure)?.into_parts().1,
     };
     let controller = &made.sampled.controller;
     let stability = pipeline::robust_stability(&loaded.project, &modelled, controller, &world)?;
-    Ok((loaded, found, stability))
+    let identity = ProjectIdentity::of(project, &loaded.folder());
+    let measured_on = verified_loop(&plant, controller, &procedure)?;
+    let linear = options.plant == PlantChoice::Linear;
+    let certified = (!linear).then(|| studies::certificate::certificate(project, &on, &made, &procedure));
+    let certificate = certified.transpose()?;
+    let mut regimes = studies::certificate::robust_regimes(project, &modelled, &made, &world)?;
+    regimes.drain(..regimes.len().min(1));
+    let advice = studies::advice::advice(project, (&modelled, &reduced), &procedure, &found)?;
+    Ok(VerificationStudy {
+        measured_on,
+        identity,
+        on_road: spectral(&found),
+        found,
+        stability,
+        certificate,
+        regimes,
+        advice,
+    })
 }
 
 fn with_structure(project: &Project, structure: StructureChoice) -> Project {
@@ -152,11 +209,11 @@ fn drive(class: &str, speed_m_s: f64, procedure: &Procedure) -> Result<counterpo
 
 /// A triangle from `RATE/PERIOD`.
 fn triangle(text: &str) -> Result<Triangle> {
-    let told = || format!("--triangle {text}: write RATE/PERIOD in rad/s and s, for example 0.1/4");
-    let (rate, period) = text.split_once('/').with_context(told)?;
+    let usage = || format!("--triangle {text}: write RATE/PERIOD in rad/s and s, for example 0.1/4");
+    let (rate, period) = text.split_once('/').with_context(usage)?;
     let number =
         |word: &str| word.trim().parse::<f64>().ok().filter(|value| *value > 0.0 && value.is_finite());
-    let (rate_rad_s, period_s) = number(rate).zip(number(period)).with_context(told)?;
+    let (rate_rad_s, period_s) = number(rate).zip(number(period)).with_context(usage)?;
     Ok(Triangle { rate_rad_s, period_s })
 }
 
@@ -177,34 +234,31 @@ fn command(options: &VerifyOptions) -> String {
     words
 }
 
-fn page(
-    options: &VerifyOptions,
-    (loaded, found, stability): (&Loaded, &Verification, Option<&RobustStability>),
-    changed: Option<&[Change]>,
-) -> String {
-    let command = command(options);
+fn page(options: &VerifyOptions, study: &VerificationStudy, changed: Option<&[Change]>) -> String {
+    let origin = Origin { project: String::new(), command: command(options) };
+    let advised = advice::section(&study.advice);
+    let certified = study.certificate.iter().map(|found| certificate::section(found, &study.regimes));
     let context = Context {
-        title: loaded.project.plant.name.clone(),
+        title: study.identity.name.clone(),
         subtitle: "Verification of the controller as it is exported".to_owned(),
-        more: stability.map(robust::section).into_iter().collect(),
-        provenance: vec![
-            ("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
-            ("project hash".to_owned(), project_hash(&loaded.project)),
-            ("command".to_owned(), command.clone()),
-        ],
+        more: advised
+            .into_iter()
+            .chain(certified)
+            .chain(study.stability.as_ref().map(robust::section))
+            .collect(),
+        provenance: origin.provenance(&study.identity),
     };
-    let mut report = of_verification(found, context);
+    let mut report = of_verification(&study.found, &study.on_road, context);
     if let (Some(changed), Some(path)) = (changed, &options.against) {
         let before = path.display().to_string();
-        let told = difference::headline(&before, changed);
-        report.headline.detail = format!("{} {told}", report.headline.detail).trim().to_owned();
+        let difference = difference::headline(&before, changed);
+        report.headline.detail = format!("{} {difference}", report.headline.detail).trim().to_owned();
         report.sections.insert(0, difference::section(&before, changed));
     }
-    pages::reproduced_by(&mut report, &command);
-    html(&report)
+    html(&report.reproduced_by(&origin.command))
 }
 
-/// A figure before and after, for a machine.
+/// A figure before and after, for another program.
 #[derive(serde::Serialize)]
 struct Row {
     figure: String,
@@ -215,7 +269,7 @@ struct Row {
     holds: Option<bool>,
 }
 
-fn tell_changes(options: &VerifyOptions, changed: &[Change]) -> Result<()> {
+fn print_changes(options: &VerifyOptions, changed: &[Change]) -> Result<()> {
     let row = |change: &Change| Row {
         figure: change.figure.key(),
         unit: change.figure.unit(),

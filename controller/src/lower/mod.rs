@@ -7,11 +7,12 @@ mod curve;
 mod estimate;
 mod observe;
 mod schedule;
+mod squares;
 mod step;
 
 use std::collections::HashSet;
 
-use crate::program::{OnReset, Operation, Program, Programs, Section, Slot, StateGroup, Term};
+use crate::program::{OnReset, Operation, Program, Programs, Section, Slot, StateGroup, StateLimits, Term};
 use crate::{Parts, READING_NAMES};
 
 /// Group of the prefilter's states.
@@ -65,10 +66,24 @@ impl States {
         (first..first + length).map(Slot::State).collect()
     }
 
+    /// Keeps the states of the last group within limits.
+    pub fn keep_within(&mut self, limits: StateLimits) {
+        if let Some(group) = self.groups.last_mut() {
+            group.limits = Some(limits);
+        }
+    }
+
     fn add(&mut self, name: &str, length: Option<usize>, initial: Vec<f64>, on_reset: OnReset) -> Slot {
         let first = self.count;
         self.count += initial.len();
-        self.groups.push(StateGroup { name: name.to_owned(), first, length, initial, on_reset });
+        self.groups.push(StateGroup {
+            name: name.to_owned(),
+            first,
+            length,
+            initial,
+            on_reset,
+            limits: None,
+        });
         Slot::State(first)
     }
 }

@@ -1,8 +1,9 @@
 //! Gains, bias and transfer that follow the out-of-balance.
 
 use crate::lower::{Limits, States, Writer};
-use crate::program::{OnReset, Operation, Program, Slot};
-use crate::{Estimator, Learning, Parts, Scaling};
+use crate::program::{OnReset, Operation, Program, Slot, StateLimits};
+use crate::tolerance::{ESTIMATE_SPAN, SLOWEST_RAD_S};
+use crate::{Estimator, Learning, Parts, Scaling, check};
 
 /// States that belong to the out-of-balance.
 pub(crate) struct Layout {
@@ -51,9 +52,12 @@ pub(crate) fn layout(parts: &Parts, states: &mut States) -> Layout {
     let estimate = parts.estimator.as_ref().map_or(Vec::new(), |estimator| {
         let holds = design * estimator.volts_per_kg_m_s2;
         let initial = |i| if i == 0 { holds } else { 0.0 };
-        (0..parameters(estimator))
-            .map(|i| states.scalar(&format!("estimate_{i}"), initial(i), OnReset::Keep))
-            .collect()
+        let add = |i| {
+            let slot = states.scalar(&format!("estimate_{i}"), initial(i), OnReset::Keep);
+            states.keep_within(plausible(parts, estimator, i));
+            slot
+        };
+        (0..parameters(estimator)).map(add).collect()
     });
     let averages = |estimator: &Estimator| matches!(estimator.learning, Learning::Mean { .. });
     let window = parts.estimator.as_ref().is_some_and(averages).then(|| {
@@ -61,6 +65,19 @@ pub(crate) fn layout(parts: &Parts, states: &mut States) -> Layout {
             .map(|name| states.scalar(name, 0.0, OnReset::Restart))
     });
     Layout { out_of_balance, bias, transfer, estimate, window, paths }
+}
+
+/// Returns the limits of an estimated parameter: [`ESTIMATE_SPAN`] times the largest size that it can plausibly have.
+fn plausible(parts: &Parts, estimator: &Estimator, i: usize) -> StateLimits {
+    let (low, high) = parts.out_of_balance_range_kg_m;
+    let volts = check::equivalent_limit_v(parts);
+    let size = match i {
+        0 => low.abs().max(high.abs()) * estimator.volts_per_kg_m_s2.abs(),
+        2 => volts / estimator.half_rate_rad_s.max(SLOWEST_RAD_S),
+        _ => volts,
+    };
+    let most = ESTIMATE_SPAN * if size > 0.0 { size } else { volts };
+    StateLimits { low: -most, high: most }
 }
 
 /// Returns the out-of-balance that may be set, kg m.

@@ -5,6 +5,7 @@
 //! Torques at the hub times S and the gear ratio times c leave every motion of the hub, every control and every current as
 //! they are; torques at the motor are then S / c, its rates and angles c times what they were.
 
+use crate::tolerance::findings::{UNSCALED_WITHIN, USUAL_INERTIA_AND_RATIO, USUAL_TORQUE_NM};
 use counterpoise_models::friction::Similarity;
 use counterpoise_models::{Parameters, Ripple};
 use counterpoise_recordings::{Channel, Recording};
@@ -15,14 +16,8 @@ use crate::localisation::error_hypotheses::Regime;
 use crate::localisation::trend::Trend;
 use crate::selection::sizes::Sizes;
 
-/// Inertia, kg m^2, and gear ratio of the machines for which the library's sizes are meant.
-const USUAL: (f64, f64) = (345.0, 200.0);
-/// Torque of the drive at the hub of those machines, N m.
-const USUAL_TORQUE: f64 = 600.0;
 /// Regime variables that are torques or the motor's angle: their values on the scaled machine are not the machine's own.
 const SCALED_REGIMES: [Regime; 2] = [Regime::Load, Regime::MotorAngle];
-/// Factors of inertia and gear ratio within which a machine is taken as it is.
-const AS_IT_IS: (f64, f64) = (20.0, 5.0);
 
 /// Factors on the torques at the hub and on the gear ratio.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,12 +32,12 @@ impl Scale {
     /// Returns the factors that bring a machine to the usual size; `None` if it has that size already, or no lumped structure.
     pub fn of(base: &Parameters, recordings: &[Recording]) -> Option<Self> {
         let lumped = base.lumped.as_ref()?;
-        let by_inertia = USUAL.0 / (lumped.hub_inertia_kg_m2 + lumped.beam_inertia_kg_m2);
-        let ratio = USUAL.1 / base.gearbox.ratio;
+        let by_inertia = USUAL_INERTIA_AND_RATIO.0 / (lumped.hub_inertia_kg_m2 + lumped.beam_inertia_kg_m2);
+        let ratio = USUAL_INERTIA_AND_RATIO.1 / base.gearbox.ratio;
         let near = |factor: f64, bound: f64| (1.0 / bound..=bound).contains(&factor);
-        let usual = near(by_inertia, AS_IT_IS.0) && near(ratio, AS_IT_IS.1);
+        let usual = near(by_inertia, UNSCALED_WITHIN.0) && near(ratio, UNSCALED_WITHIN.1);
         let drive = drive_torque(base, recordings);
-        let torque = if drive > 0.0 { USUAL_TORQUE / drive } else { by_inertia };
+        let torque = if drive > 0.0 { USUAL_TORQUE_NM / drive } else { by_inertia };
         // powers of two, so that numbers are converted back to the last bit
         let near_power = |factor: f64| factor.log2().round().exp2();
         let scale = Self { torque: near_power(torque), ratio: near_power(ratio) };
@@ -215,7 +210,7 @@ mod tests {
         assert!(apart(&control, &control_small) < 1e-3, "{}", apart(&control, &control_small));
         let scale = Scale::of(&machine, &[]).unwrap();
         let usual = scale.applied(&machine);
-        assert!((0.7..1.5).contains(&(usual.gearbox.ratio / USUAL.1)));
+        assert!((0.7..1.5).contains(&(usual.gearbox.ratio / USUAL_INERTIA_AND_RATIO.1)));
         assert_eq!(scale.inverse().applied(&usual), machine);
         assert!(Scale::of(&usual, &[]).is_none() && Scale::of(&rig, &[]).is_none());
         let definition = find_parameter(Component::Pivot, EffectName::Coulomb, "coulomb").unwrap();

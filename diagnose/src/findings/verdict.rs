@@ -1,5 +1,6 @@
 //! From a search to an answer: verdict, findings with their intervals, what the recordings cannot tell.
 
+use crate::tolerance::findings::LARGEST_REPORTED_MULTIPLE;
 use std::collections::BTreeMap;
 
 use crate::findings::answer::{
@@ -310,9 +311,6 @@ fn channels(score: &Score) -> Channels {
     sums.into_iter().map(|(channel, sum)| (channel, fit(sum))).collect()
 }
 
-/// Multiple of the typical size beyond which no size is reported: the effect does not move these recordings.
-const LARGEST_TOLD: f64 = 100.0;
-
 /// Returns the effects whose smallest detectable size is larger than a size that would matter.
 fn not_excited(signatures: &[EffectSignature]) -> Vec<NotExcited> {
     let mut out: Vec<NotExcited> = Vec::new();
@@ -325,7 +323,7 @@ fn not_excited(signatures: &[EffectSignature]) -> Vec<NotExcited> {
             out.push(NotExcited {
                 effect: look.effect.effect,
                 component: look.effect.component,
-                smallest_detectable: (smallest < LARGEST_TOLD * look.change).then_some(smallest),
+                smallest_detectable: (smallest < LARGEST_REPORTED_MULTIPLE * look.change).then_some(smallest),
                 parameter: definition.name,
                 unit: definition.unit,
             });

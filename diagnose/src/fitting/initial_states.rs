@@ -2,17 +2,12 @@
 //! recording, and what it could do in place of a parameter is removed from that parameter's column (the Schur complement of the
 //! initial states in the normal equations).
 
+use crate::tolerance::fitting::{INITIAL_STATE_PREFERENCE, INITIAL_STATE_RIDGE};
 use counterpoise_linalg::{Mat, solve};
 use counterpoise_simulate::replay::START_FREEDOMS;
 
 use crate::recording::series::dot;
 use crate::simulator_access::StartShift;
-
-/// Share of a degree of freedom's own curvature that is added to it, so that what the readings hardly distinguish moves little.
-const RIDGE: f64 = 1e-3;
-/// Curvature, in noise floors squared per step squared, of the preference for the initial state as it was: some hundred steps cost
-/// one unit.
-const PREFERENCE: f64 = 1e-5;
 
 /// What the degrees of freedom of one recording's initial state do to its residuals.
 pub(crate) struct StartColumns {
@@ -29,7 +24,7 @@ impl StartColumns {
         };
         let mut normal = Mat::from_fn(columns.len(), columns.len(), entry);
         for i in 0..columns.len() {
-            normal[(i, i)] = normal[(i, i)] * (1.0 + RIDGE) + PREFERENCE;
+            normal[(i, i)] = normal[(i, i)] * (1.0 + INITIAL_STATE_RIDGE) + INITIAL_STATE_PREFERENCE;
         }
         Self { columns, normal }
     }

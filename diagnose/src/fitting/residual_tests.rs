@@ -5,11 +5,7 @@
 //! lags of r_x r_y`, not by `1/N`.
 
 use crate::recording::series::rms;
-
-/// Number of lags.
-const LAGS: usize = 60;
-/// Half width of a 95 % band in standard deviations.
-const BAND_95: f64 = 1.96;
+use crate::tolerance::fitting::{BAND_95, WHITENESS_LAGS};
 
 /// The correlations of one residual.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,10 +43,10 @@ impl CrossCorrelation {
 /// Tests a residual against itself and against signals of its length; returns `None` if it is too short for the lags, constant, or
 /// not finite.
 pub fn test_residual(residual: &[f64], signals: &[(&'static str, &[f64])]) -> Option<ResidualTest> {
-    let residual = standard(residual).filter(|r| r.len() > 4 * LAGS)?;
+    let residual = standard(residual).filter(|r| r.len() > 4 * WHITENESS_LAGS)?;
     let own = correlations(&residual, &residual);
     let band = BAND_95 / (residual.len() as f64).sqrt();
-    let outside = own[1..].iter().filter(|r| r.abs() > band).count() as f64 / LAGS as f64;
+    let outside = own[1..].iter().filter(|r| r.abs() > band).count() as f64 / WHITENESS_LAGS as f64;
     let cross = signals.iter().filter_map(|&(with, signal)| cross(&residual, &own, with, signal)).collect();
     Some(ResidualTest { autocorrelation: own, band, outside, cross })
 }
@@ -78,7 +74,7 @@ fn standard(series: &[f64]) -> Option<Vec<f64>> {
 /// Returns the correlation of `x[k]` with `y[k + lag]`, lags from 0.
 fn correlations(x: &[f64], y: &[f64]) -> Vec<f64> {
     let at = |lag: usize| x.iter().zip(&y[lag..]).map(|(a, b)| a * b).sum::<f64>() / x.len() as f64;
-    (0..=LAGS).map(at).collect()
+    (0..=WHITENESS_LAGS).map(at).collect()
 }
 
 #[cfg(test)]

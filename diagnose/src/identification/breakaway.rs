@@ -7,8 +7,8 @@ use super::outcome::Estimate;
 use super::problem::Problem;
 use super::regression::{Fit, student_95};
 use super::rows::Rows;
-use super::tolerance::{BREAKAWAY_DEVIATION_S, LEAST_REVERSALS};
 use crate::Error;
+use crate::tolerance::identification::{BREAKAWAY_DEVIATION_S, LEAST_REVERSALS};
 
 /// Returns the Coulomb level plus the mean excess of friction after a reversal, through a shorter low-pass; `None` if there are too
 /// few reversals. The excess is the highest friction from the reversal to the end of presliding, less the highest in as long a

@@ -6,8 +6,8 @@ use counterpoise_recordings::Recording;
 use super::outcome::{Amplifier, GainPoint, Unidentifiable};
 use super::problem::Problem;
 use super::regression::Fit;
-use super::tolerance::*;
 use crate::Error;
+use crate::tolerance::identification::*;
 
 /// The amplifier, and the problem with its curve where the curve departs from the project's.
 pub struct Found {

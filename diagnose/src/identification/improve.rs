@@ -4,7 +4,7 @@ use counterpoise_models::Parameters;
 use counterpoise_models::parameters::MapPoint;
 
 use super::outcome::{Amplifier, Estimate, Identified};
-use super::tolerance::{DIGITS, LINEAR_FROM_SHARE};
+use crate::tolerance::identification::{DIGITS, LINEAR_FROM_SHARE};
 
 /// The mechanism with the identified values of the first state of balance. A value stays where its interval holds
 /// what the project says. Friction changes at the pivot, the motor's part is kept, unless there is too little for

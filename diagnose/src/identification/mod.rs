@@ -19,7 +19,6 @@ pub mod outcome;
 pub mod regression;
 pub mod rows;
 pub mod signal;
-pub mod tolerance;
 
 mod breakaway;
 mod gain;
@@ -33,11 +32,8 @@ use counterpoise_models::parameters::Friction;
 use counterpoise_recordings::{Channel, Recording};
 
 use crate::Error;
+use crate::tolerance::identification::*;
 use problem::{Layout, Problem};
-use tolerance::*;
-
-/// Points of a loop that are kept at the most.
-const LOOP_POINTS: usize = 1500;
 
 /// Identifies a mechanism from closed-loop recordings, one group for each state of balance (usually one; a second with
 /// other balance masses fitted makes the amplifier's curve sure).

@@ -5,8 +5,8 @@ use counterpoise_recordings::Recording;
 
 use super::regression::{Block, Fit, fit};
 use super::rows::{Maker, Rows};
-use super::tolerance::{LOW_PASS_S, MEMORY_S};
 use crate::Error;
+use crate::tolerance::identification::{LOW_PASS_S, MEMORY_S};
 
 /// Where each unknown stands: moments of all states, inertias of all states, Coulomb, viscous, knots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use counterpoise_linalg::{Mat, inverse, sym_eigenvalues};
 
-use super::tolerance::{NORMAL_95, WORST_CONDITION};
+use crate::tolerance::identification::{NORMAL_95, WORST_CONDITION};
 
 /// Rows of one recording.
 pub struct Block<'a> {

@@ -13,8 +13,8 @@ use counterpoise_models::Parameters;
 use counterpoise_recordings::{Channel, Recording};
 
 use super::signal::{Chain, Kernel};
-use super::tolerance::*;
 use crate::Error;
+use crate::tolerance::identification::*;
 
 /// Rows of one recording; a row is a sample.
 #[derive(Debug, Clone, PartialEq)]

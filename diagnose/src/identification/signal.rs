@@ -2,11 +2,9 @@
 
 #![allow(non_snake_case)]
 
+use crate::tolerance::identification::KERNEL_POWER;
 use counterpoise_linalg::{Mat, expm_integral, solve};
 use counterpoise_models::{Parameters, parameters::Sensor};
-
-/// Exponent of the kernel (1 - (t/h)^2)^p: smooth enough at its ends for sums to be as good as integrals.
-const KERNEL_POWER: i32 = 7;
 
 /// A symmetric low-pass of compact support, and the exact derivative of what it passes.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,9 +2,6 @@
 
 use counterpoise_models::{MapPoint, Parameters};
 
-/// Inputs at which a curve is described before the recordings determine better ones, V; above the last one it is linear.
-pub const FREE_INPUTS_V: [f64; 14] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.95, 1.1, 1.25, 1.4, 1.7, 2.0];
-
 /// Returns the curve at an input as a fraction of the linear gain.
 pub(super) fn fraction(p: &Parameters, input_v: f64) -> f64 {
     let linear = static_gain(p) * input_v;

@@ -2,9 +2,9 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use super::amplifier_map::FREE_INPUTS_V;
 use super::effect::{Access, Effect, Kind, Mapping, Parameter};
 use super::names::{Component, EffectName};
+use crate::tolerance::fitting::FREE_INPUTS_V;
 
 /// Every curve that was requested: an effect lives as long as the program, so each set of inputs is made once.
 static CURVES: Mutex<Vec<&'static Effect>> = Mutex::new(Vec::new());

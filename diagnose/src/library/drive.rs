@@ -1,22 +1,22 @@
 //! Drive: motor, gearbox, amplifier, and the control's own timing.
 
-use super::amplifier_map::{FREE_INPUTS_V, fraction, static_gain};
+use super::amplifier_map::{fraction, static_gain};
 use super::effect::{Effect, Kind, parameter};
 use super::names::{Component, EffectName};
+use crate::tolerance::fitting::{FREE_INPUTS_V, USUAL_GAIN_CORNER_V};
 use counterpoise_models::{MapPoint, Parameters};
 
-/// Returns the input at which the map's shortfall has fallen to 1/e of that at the first point; [`USUAL_CORNER_V`] if there is no
+/// Returns the input at which the map's shortfall has fallen to 1/e of that at the first point; [`USUAL_GAIN_CORNER_V`] if there is no
 /// shortfall.
 fn map_corner(p: &Parameters) -> f64 {
     let gain = static_gain(p);
     let short = |point: &MapPoint| (1.0 - point.current_a / (gain * point.input_v)).abs();
-    let Some(first) = p.amplifier.map.first().map(short).filter(|s| *s > 1e-6) else { return USUAL_CORNER_V };
+    let Some(first) = p.amplifier.map.first().map(short).filter(|s| *s > 1e-6) else {
+        return USUAL_GAIN_CORNER_V;
+    };
     let below = p.amplifier.map.iter().find(|point| short(point) < first / std::f64::consts::E);
-    below.map_or(USUAL_CORNER_V, |point| point.input_v)
+    below.map_or(USUAL_GAIN_CORNER_V, |point| point.input_v)
 }
-
-/// Corner of a gain curve of which nothing is known, V.
-const USUAL_CORNER_V: f64 = 0.8;
 
 /// Writes the map 1 - depth exp(-(v / corner)^3) at all knots.
 fn shape_map(p: &mut Parameters, depth: f64, corner: f64) {

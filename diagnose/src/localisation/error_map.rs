@@ -4,6 +4,7 @@
 //! all balances at once (`ports`). What it gains on held-out stretches of the recordings is the value of the cell. No effect is
 //! named by it: it states the component, and what the function looks like.
 
+use crate::tolerance::localisation::{CLASSIFIED_GAIN_SHARE, EQUIVALENT_COMPONENT_SHARE};
 use counterpoise_models::Parameters;
 
 use crate::library::Component;
@@ -18,11 +19,6 @@ use crate::localisation::torque_balances::BalanceVisibility;
 use crate::localisation::trend::{Repetition, Trend};
 use crate::simulator_access::{Pool, map};
 use crate::tolerance::{AMBIGUOUS, GAIN_NEEDED};
-
-/// Share of the best gain by which a component may be behind and still be equivalent: what the balances leave out is not noise.
-const ALIKE: f64 = 0.1;
-/// Share of the gain of a perfect explanation above which a cell's function is classified.
-const DESCRIBED: f64 = 0.1;
 
 /// What an error at one component would explain that is a free function of one regime variable.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,7 +71,7 @@ fn cell(
 ) -> MapCell {
     let share = gain / regression.possible().max(GAIN_NEEDED);
     let explained = if gain > GAIN_NEEDED { share.clamp(0.0, 1.0) } else { 0.0 };
-    let trend = if explained > DESCRIBED { tried.trend(regression, hypothesis) } else { None };
+    let trend = if explained > CLASSIFIED_GAIN_SHARE { tried.trend(regression, hypothesis) } else { None };
     MapCell { component: hypothesis.component, regime: hypothesis.regime, explained, gain_nats: gain, trend }
 }
 
@@ -165,8 +161,10 @@ pub fn rank_components(map: &[MapCell]) -> Vec<Component> {
     let all: Vec<(Component, f64)> =
         COMPONENTS.iter().map(|c| (*c, best(*c))).filter(|(_, gain)| *gain > GAIN_NEEDED).collect();
     let most = all.iter().map(|(_, gain)| *gain).fold(0.0, f64::max);
-    let mut near: Vec<_> =
-        all.into_iter().filter(|(_, gain)| most - gain < (ALIKE * most).max(AMBIGUOUS)).collect();
+    let mut near: Vec<_> = all
+        .into_iter()
+        .filter(|(_, gain)| most - gain < (EQUIVALENT_COMPONENT_SHARE * most).max(AMBIGUOUS))
+        .collect();
     // Ties within the noise are broken by prior probability.
     near.sort_by(|a, b| (most - b.1 < AMBIGUOUS).cmp(&(most - a.1 < AMBIGUOUS)).then(b.1.total_cmp(&a.1)));
     let ties = near.iter().filter(|(_, gain)| most - gain < AMBIGUOUS).count();

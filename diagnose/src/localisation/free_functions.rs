@@ -4,11 +4,10 @@ use crate::localisation::error_hypotheses::Quantity;
 use crate::localisation::ports::Port;
 use crate::localisation::residual_regression::{ResidualRegression, Series};
 use crate::localisation::trend::{Trend, classify_function};
-
-/// Knots of a free function.
-const KNOTS: usize = 7;
-/// Number of samples along which a function is classified.
-const DESCRIBED: usize = 2000;
+use crate::tolerance::localisation::{
+    FUNCTION_KNOTS, FUNCTION_SAMPLES, HIGHEST_PERIODIC_HZ, MOTOR_ORDERS, PERIODS_IN_TIME,
+    TIME_FREQUENCIES_TRIED, TIME_FREQUENCY_REFINEMENTS,
+};
 
 /// How the knots of a free function lie along its variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,11 +24,11 @@ pub(crate) fn place_knots(variable: &Series, spacing: KnotSpacing) -> Option<Vec
     sorted.sort_by(f64::total_cmp);
     let last = sorted.len().checked_sub(1)?;
     let at = |k: usize| {
-        let share = k as f64 / (KNOTS - 1) as f64;
+        let share = k as f64 / (FUNCTION_KNOTS - 1) as f64;
         let share = if spacing == KnotSpacing::DenseAtRest { share * share } else { share };
         sorted[(share * last as f64) as usize]
     };
-    let mut knots: Vec<f64> = (0..KNOTS).map(at).collect();
+    let mut knots: Vec<f64> = (0..FUNCTION_KNOTS).map(at).collect();
     let least = 1e-6 * (sorted[last] - sorted[0]);
     knots.dedup_by(|a, b| *a - *b <= least);
     (knots.len() > 1 && knots.iter().all(|k| k.is_finite())).then_some(knots)
@@ -65,21 +64,13 @@ pub(crate) fn classify_knot_function(
     if coefficients.len() != knots.len() {
         return None;
     }
-    let some: Vec<f64> = along.iter().step_by((along.len() / DESCRIBED).max(1)).copied().collect();
+    let some: Vec<f64> = along.iter().step_by((along.len() / FUNCTION_SAMPLES).max(1)).copied().collect();
     let value = |v: &f64| {
         let (lower, share) = between(knots, *v);
         (1.0 - share) * coefficients[lower] + share * coefficients[lower + 1]
     };
     classify_function(&some.iter().map(value).collect::<Vec<_>>(), &some, unit)
 }
-
-/// Highest frequency at which a periodic torque is sought in time, Hz.
-const HIGHEST_HZ: f64 = 12.0;
-/// Smallest number of periods in the longest recording that counts as a repetition.
-const PERIODS: f64 = 2.0;
-/// Frequencies tried per reciprocal of the longest recording, and refinements of the best.
-const FINENESS: f64 = 4.0;
-const REFINEMENTS: usize = 10;
 
 /// Returns the frequency that explains most of the drive's balance, Hz, its phase free in every recording, and its sines and
 /// cosines there.
@@ -89,18 +80,19 @@ pub(crate) fn sines(regression: &ResidualRegression, carrier: &Series) -> Option
     if longest <= 0.0 {
         return None;
     }
-    let step = 1.0 / (FINENESS * longest);
-    let count = ((HIGHEST_HZ * longest - PERIODS) * FINENESS).max(0.0) as usize;
-    let mut best = (PERIODS / longest, 0.0);
+    let step = 1.0 / (TIME_FREQUENCIES_TRIED * longest);
+    let count =
+        ((HIGHEST_PERIODIC_HZ * longest - PERIODS_IN_TIME) * TIME_FREQUENCIES_TRIED).max(0.0) as usize;
+    let mut best = (PERIODS_IN_TIME / longest, 0.0);
     let consider = |frequency: f64, best: &mut (f64, f64)| {
         let power = regression.power_at(frequency);
         if power > best.1 {
             *best = (frequency, power);
         }
     };
-    (0..count).for_each(|k| consider(PERIODS / longest + k as f64 * step, &mut best));
+    (0..count).for_each(|k| consider(PERIODS_IN_TIME / longest + k as f64 * step, &mut best));
     let mut width = 0.5 * step;
-    for _ in 0..REFINEMENTS {
+    for _ in 0..TIME_FREQUENCY_REFINEMENTS {
         let here = best.0;
         consider(here - width, &mut best);
         consider(here + width, &mut best);
@@ -123,9 +115,6 @@ pub(crate) fn waves(turn: f64, variable: &Series, carrier: &Series) -> [Series; 
     })
 }
 
-/// Numbers of periods in a turn of the motor at which a torque is sought that repeats with its angle.
-const ORDERS: [f64; 14] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 9.0, 10.0, 12.0, 16.0, 18.0, 24.0, 36.0];
-
 /// Returns the order at which a sine of the motor's angle at a port gains most, and its two columns.
 pub(crate) fn turns(
     regression: &ResidualRegression,
@@ -137,7 +126,7 @@ pub(crate) fn turns(
         let columns = regression.columns(port, &waves(*order, &angle, carrier));
         Some((regression.gain(&columns)?, *order, columns))
     };
-    let best = ORDERS.iter().filter_map(at).max_by(|a, b| a.0.total_cmp(&b.0));
+    let best = MOTOR_ORDERS.iter().filter_map(at).max_by(|a, b| a.0.total_cmp(&b.0));
     best.map(|(_, order, columns)| (order, columns))
 }
 

@@ -4,25 +4,21 @@
 //! What the balances simplify is in both, so that it cancels. What an error at a port would do to the balances is a column of the
 //! regression; how much of the departure the columns explain is measured on held-out stretches.
 
+use crate::tolerance::localisation::{
+    BALANCE_THINNING, EXPLAINED_VARIANCE, REGRESSION_RIDGE, REGRESSION_STRETCHES, REWEIGHTED_FITS,
+};
 use counterpoise_linalg::{Mat, solve};
 use counterpoise_models::Parameters;
 
 use crate::localisation::error_hypotheses::Quantity;
 use crate::localisation::ports::Port;
-use crate::localisation::torque_balances::{Balance, RedundantSensors, Signals, THINNING, thin};
+use crate::localisation::torque_balances::{Balance, RedundantSensors, Signals, thin};
 use crate::localisation::trend::PeriodicTrend;
 use crate::localisation::whitening::Whitener;
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::correlation_time;
 use crate::recording::series::dot;
 use crate::simulator_access::{Assessment, ControlSource};
-
-/// Number of stretches of a recording, every other one of which is held out.
-const STRETCHES: usize = 20;
-/// Ridge that keeps nearly equal columns solvable, as a share of their size.
-const RIDGE: f64 = 1e-6;
-/// Variance below which a balance counts as explained, in units of its noise.
-const WHITE: f64 = 1.0;
 
 /// One value a sample, recording by recording.
 pub(crate) type Series = Vec<Vec<f64>>;
@@ -193,7 +189,7 @@ impl<'a> ResidualRegression<'a> {
     /// Returns the power of the drive's balance at a frequency, its phase free in every recording, (N m)^2 times samples.
     pub fn power_at(&self, frequency_hz: f64) -> f64 {
         let of = |(torque, signals): (&Vec<f64>, &Signals)| {
-            let turn = std::f64::consts::TAU * frequency_hz * THINNING as f64 * signals.period_s;
+            let turn = std::f64::consts::TAU * frequency_hz * BALANCE_THINNING as f64 * signals.period_s;
             let (step_sine, step_cosine) = turn.sin_cos();
             let (mut sine, mut cosine, mut sums) = (0.0, 1.0, [0.0; 2]);
             for y in torque {
@@ -225,12 +221,13 @@ impl<'a> ResidualRegression<'a> {
 
     /// Returns the log-likelihood that a perfect explanation would gain, in nats.
     pub fn possible(&self) -> f64 {
-        (0..self.before.len()).map(|b| self.nats(b, WHITE).max(0.0)).sum()
+        (0..self.before.len()).map(|b| self.nats(b, EXPLAINED_VARIANCE).max(0.0)).sum()
     }
 
     /// Returns the log-likelihood gained if a balance's variance becomes another, in nats.
     fn nats(&self, balance: usize, after: f64) -> f64 {
-        0.5 * self.count(balance) as f64 * (self.before[balance].max(WHITE) / after.max(WHITE)).ln()
+        0.5 * self.count(balance) as f64
+            * (self.before[balance].max(EXPLAINED_VARIANCE) / after.max(EXPLAINED_VARIANCE)).ln()
     }
 
     fn count(&self, balance: usize) -> usize {
@@ -241,8 +238,8 @@ impl<'a> ResidualRegression<'a> {
     fn held_out(&self, columns: &[Vec<f64>]) -> Option<Vec<f64>> {
         let all: Vec<&[f64]> = self.nuisances.iter().chain(columns).map(Vec::as_slice).collect();
         let parts: Vec<Normal> = self.segments.iter().map(|s| self.normal(s, &all)).collect();
-        let mut left = vec![WHITE; self.balances.len()];
-        for _ in 0..REWEIGHTED {
+        let mut left = vec![EXPLAINED_VARIANCE; self.balances.len()];
+        for _ in 0..REWEIGHTED_FITS {
             let mut sums = vec![0.0; left.len()];
             for half in 0..2 {
                 let fitted = self.fitted(&parts, half, &left)?;
@@ -274,7 +271,7 @@ impl<'a> ResidualRegression<'a> {
         let count = parts.first()?.right.len();
         let (mut gram, mut right) = (Mat::zeros(count, count), vec![0.0; count]);
         for (segment, part) in self.segments.iter().zip(parts).filter(|(s, _)| s.half == half) {
-            let weight = 1.0 / left[segment.balance].max(WHITE);
+            let weight = 1.0 / left[segment.balance].max(EXPLAINED_VARIANCE);
             gram = &gram + &part.gram.scale(weight);
             right.iter_mut().zip(&part.right).for_each(|(r, x)| *r += weight * x);
         }
@@ -290,9 +287,6 @@ impl<'a> ResidualRegression<'a> {
     }
 }
 
-/// Number of fits, each with weights from the residual variances of the last; the first takes all balances at their noise.
-const REWEIGHTED: usize = 2;
-
 /// Returns a series less its best straight line.
 fn detrended(series: &[f64]) -> Vec<f64> {
     let count = series.len() as f64;
@@ -305,7 +299,7 @@ fn detrended(series: &[f64]) -> Vec<f64> {
 
 /// Returns the half of the stretches in which a row lies.
 fn half_of(row: usize, rows: usize) -> usize {
-    (row / (rows / STRETCHES).max(1)) % 2
+    (row / (rows / REGRESSION_STRETCHES).max(1)) % 2
 }
 
 /// Normal equations of one segment.
@@ -331,7 +325,7 @@ fn solved(gram: &Mat, right: &[f64]) -> Option<Vec<f64>> {
         return Some(Vec::new());
     }
     let size = |i: usize| if gram[(i, i)] > 0.0 { gram[(i, i)].sqrt() } else { 1.0 };
-    let ridge = |i, j| if i == j { RIDGE } else { 0.0 };
+    let ridge = |i, j| if i == j { REGRESSION_RIDGE } else { 0.0 };
     let scaled = Mat::from_fn(count, count, |i, j| gram[(i, j)] / (size(i) * size(j)) + ridge(i, j));
     let right: Vec<f64> = right.iter().enumerate().map(|(i, r)| r / size(i)).collect();
     let x = solve(&scaled, &Mat::col(&right)).ok()?;

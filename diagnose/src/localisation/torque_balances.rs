@@ -11,6 +11,9 @@
 //!
 //! An error shows in the balances that contain its component, and in no other; which balances there are depends on the sensors.
 
+use crate::tolerance::localisation::{
+    BALANCE_MARGIN, BALANCE_SMOOTHING, BALANCE_THINNING, NEARLY_AT_REST_SHARE,
+};
 use counterpoise_models::Parameters;
 use serde::Serialize;
 
@@ -118,7 +121,7 @@ impl<'a> Signals<'a> {
     /// Computes the signals of a recording; `slow` gives the rates below which the frictions count as at rest, if another reading
     /// of the recording determines them.
     pub fn new(p: &'a Parameters, m: &MeasuredSignals, slow: Option<Slow>) -> Self {
-        let smooth = |series: &[f64]| low_pass(series, SMOOTHING);
+        let smooth = |series: &[f64]| low_pass(series, BALANCE_SMOOTHING);
         let (hub, platform) = (smooth(&m.hub_rate), smooth(&m.platform_rate));
         let relative: Vec<f64> = hub.iter().zip(&platform).map(|(h, p)| h - p).collect();
         let geared = || relative.iter().map(|w| w * p.gearbox.ratio).collect();
@@ -242,17 +245,9 @@ fn less(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
-/// Share of the RMS rate below which something is nearly at rest.
-const NEARLY_AT_REST: f64 = 0.02;
-
 fn slow_rate(rate: &[f64]) -> f64 {
-    NEARLY_AT_REST * crate::recording::series::rms(rate).max(1e-9)
+    NEARLY_AT_REST_SHARE * crate::recording::series::rms(rate).max(1e-9)
 }
-
-/// Half width of the smoothing window, samples; two passes.
-const SMOOTHING: usize = 2;
-/// Interval in samples at which a balance is kept.
-pub(crate) const THINNING: usize = 4;
 
 pub(crate) fn integral(series: &[f64], period: f64) -> Vec<f64> {
     let mut sum = 0.0;
@@ -272,12 +267,9 @@ pub(crate) fn envelope(series: &[f64], period: f64) -> Vec<f64> {
 
 /// Returns what is kept of a balance: without its ends, at which the low-pass sees half of what it needs.
 pub(crate) fn thin(series: &[f64]) -> Vec<f64> {
-    let margin = MARGIN.min(series.len() / 4);
-    series[margin..series.len() - margin].iter().step_by(THINNING).copied().collect()
+    let margin = BALANCE_MARGIN.min(series.len() / 4);
+    series[margin..series.len() - margin].iter().step_by(BALANCE_THINNING).copied().collect()
 }
-
-/// Number of samples that are left off at either end.
-const MARGIN: usize = 40;
 
 #[cfg(test)]
 mod tests {
@@ -295,7 +287,7 @@ mod tests {
     #[test]
     fn the_low_pass_keeps_a_straight_line_and_its_slope() {
         let line: Vec<f64> = (0..400).map(|k| 3.0 * f64::from(k)).collect();
-        let slopes = thin(&derivative(&low_pass(&line, SMOOTHING), 0.5));
+        let slopes = thin(&derivative(&low_pass(&line, BALANCE_SMOOTHING), 0.5));
         assert!(slopes.iter().all(|s| (s - 6.0).abs() < 1e-9));
     }
 }

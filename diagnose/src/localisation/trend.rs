@@ -1,21 +1,10 @@
 //! What an unnamed error looks like: its shape along one regime variable.
 
 use crate::recording::series::{correlation_time, dot, rms};
-
-/// Share of the power that a shape must explain to be reported.
-const SHAPE_NEEDED: f64 = 0.3;
-/// Smallest number of periods that counts as a repetition.
-const PERIODS_NEEDED: f64 = 1.5;
-/// Largest number of periods over the covered range.
-const PERIODS_MOST: f64 = 40.0;
-/// Frequencies tried per period over the range, and refinements of the best.
-const FINENESS: f64 = 6.0;
-const REFINEMENTS: usize = 12;
-
-/// Deviation of a function, as a share of its mean, below which it is the same throughout.
-const CONSTANT: f64 = 0.15;
-/// Share by which an odd function must explain more than a straight line to be preferred: every straight line is odd as well.
-const PROPORTIONAL_PREFERENCE: f64 = 0.05;
+use crate::tolerance::localisation::{
+    CONSTANT_TREND, PROPORTIONAL_PREFERENCE, TREND_FREQUENCIES_TRIED, TREND_FREQUENCY_REFINEMENTS,
+    TREND_PERIODS_AT_LEAST, TREND_PERIODS_AT_MOST, TREND_SHARE,
+};
 
 /// A range of a variable.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -100,14 +89,14 @@ pub(crate) fn classify_function(function: &[f64], variable: &[f64], unit: &'stat
     let [low, high] = range(variable)?;
     let simple_trend = |form| Trend::Simple { form, extent: Some(Extent { low, high, unit }) };
     let mean = function.iter().sum::<f64>() / function.len().max(1) as f64;
-    if rms(&centred(function)) < CONSTANT * mean.abs() {
+    if rms(&centred(function)) < CONSTANT_TREND * mean.abs() {
         return Some(simple_trend(Form::Constant));
     }
     let [straight, odd, even] = simple(function, variable);
     let forms =
         [(Form::Proportional, straight + PROPORTIONAL_PREFERENCE), (Form::Odd, odd), (Form::Even, even)];
     let best = forms.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
-    best.filter(|(_, share)| *share > SHAPE_NEEDED).map(|(form, _)| simple_trend(form))
+    best.filter(|(_, share)| *share > TREND_SHARE).map(|(form, _)| simple_trend(form))
 }
 
 /// Returns the smallest and largest value of a variable; `None` if it does not move or has too few samples.
@@ -151,9 +140,9 @@ impl PeriodicTrend {
 
 /// Returns the frequency, per unit of the variable, of the sinusoid that explains most, and the share that it explains.
 fn repetition(residual: &[f64], variable: &[f64], span: f64) -> (f64, f64) {
-    let count = (FINENESS * (PERIODS_MOST - PERIODS_NEEDED)) as usize;
-    let grid = (0..=count).map(|k| (PERIODS_NEEDED + k as f64 / FINENESS) / span);
-    let mut best = (PERIODS_NEEDED / span, f64::NEG_INFINITY);
+    let count = (TREND_FREQUENCIES_TRIED * (TREND_PERIODS_AT_MOST - TREND_PERIODS_AT_LEAST)) as usize;
+    let grid = (0..=count).map(|k| (TREND_PERIODS_AT_LEAST + k as f64 / TREND_FREQUENCIES_TRIED) / span);
+    let mut best = (TREND_PERIODS_AT_LEAST / span, f64::NEG_INFINITY);
     let consider = |frequency: f64, best: &mut (f64, f64)| {
         let share = sinusoid(residual, variable, frequency);
         if share > best.1 {
@@ -161,8 +150,8 @@ fn repetition(residual: &[f64], variable: &[f64], span: f64) -> (f64, f64) {
         }
     };
     grid.for_each(|frequency| consider(frequency, &mut best));
-    let mut width = 0.5 / FINENESS / span;
-    for _ in 0..REFINEMENTS {
+    let mut width = 0.5 / TREND_FREQUENCIES_TRIED / span;
+    for _ in 0..TREND_FREQUENCY_REFINEMENTS {
         let here = best.0;
         consider(here - width, &mut best);
         consider(here + width, &mut best);

@@ -2,45 +2,42 @@
 //!
 //! The spectrum is that of an autoregression, from the autocovariance of examples (Levinson 1947, Durbin 1960).
 
-/// Order of the autoregression.
-pub(crate) const ORDER: usize = 16;
-/// Share of its variance that is added to a series as white noise, so that the recursion stays stable.
-const REGULARITY: f64 = 1e-6;
+use crate::tolerance::localisation::{WHITENING_ORDER, WHITENING_REGULARITY};
 
 /// A filter that makes a series white, of unit variance.
 pub(crate) struct Whitener {
-    taps: [f64; ORDER + 1],
+    taps: [f64; WHITENING_ORDER + 1],
 }
 
 impl Whitener {
     /// Fits the filter to examples.
     pub fn of(examples: &[Vec<f64>]) -> Self {
-        let mut covariance = [0.0; ORDER + 1];
+        let mut covariance = [0.0; WHITENING_ORDER + 1];
         for (lag, sum) in covariance.iter_mut().enumerate() {
             let pairs = |e: &Vec<f64>| e.iter().zip(e.iter().skip(lag)).map(|(a, b)| a * b).sum::<f64>();
             *sum = examples.iter().map(pairs).sum();
         }
         let count: usize = examples.iter().map(Vec::len).sum();
         let floor = f64::MIN_POSITIVE.sqrt();
-        covariance[0] = covariance[0] * (1.0 + REGULARITY) + floor;
+        covariance[0] = covariance[0] * (1.0 + WHITENING_REGULARITY) + floor;
         let (taps, left) = levinson(&covariance);
         let size = (left / count.max(1) as f64).max(floor).sqrt();
         Self { taps: taps.map(|tap| tap / size) }
     }
 
-    /// Returns the whitened series, without its first [`ORDER`] samples.
+    /// Returns the whitened series, without its first [`WHITENING_ORDER`] samples.
     pub fn applied(&self, series: &[f64]) -> Vec<f64> {
         let at = |window: &[f64]| window.iter().rev().zip(&self.taps).map(|(x, tap)| x * tap).sum();
-        series.windows(ORDER + 1).map(at).collect()
+        series.windows(WHITENING_ORDER + 1).map(at).collect()
     }
 }
 
 /// Returns the coefficients of the prediction error, and its variance, for an autocovariance.
-fn levinson(covariance: &[f64; ORDER + 1]) -> ([f64; ORDER + 1], f64) {
-    let mut taps = [0.0; ORDER + 1];
+fn levinson(covariance: &[f64; WHITENING_ORDER + 1]) -> ([f64; WHITENING_ORDER + 1], f64) {
+    let mut taps = [0.0; WHITENING_ORDER + 1];
     taps[0] = 1.0;
     let mut left = covariance[0];
-    for order in 1..=ORDER {
+    for order in 1..=WHITENING_ORDER {
         let overlap: f64 = (0..order).map(|k| taps[k] * covariance[order - k]).sum();
         let reflection = -overlap / left;
         let before = taps;

@@ -4,20 +4,12 @@
 //! interpolated; a longer gap splits the recording, and each part is a recording of its own with its own initial state. Readings
 //! that are only compared (hub rate, motor rate, hub position) are left out while their sensor stood still and the mechanism moved.
 
+use crate::tolerance::recording::{LONGEST_FILLED_GAP, SHORTEST_PART_S, STUCK_MOTION_SHARE, STUCK_READINGS};
 use std::ops::Range;
 
 use counterpoise_recordings::{Channel, Recording};
 
 use crate::recording::series::rms;
-
-/// Longest gap in samples that is interpolated.
-const FILLED: usize = 10;
-/// Shortest part that is kept, s.
-const SHORTEST_S: f64 = 1.0;
-/// Number of equal readings from which a sensor may be stuck.
-const STUCK: usize = 40;
-/// Smallest share of the usual motion during which a sensor counts as stuck.
-const MOVING: f64 = 0.3;
 
 /// What was done to a channel, or to all of a recording, to repair it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -113,7 +105,7 @@ fn remove_stuck_readings(series: &mut [f64], motion: &[f64]) -> Option<Repair> {
         let run = series[from..].iter().take_while(|v| **v == value).count().max(1);
         let here = motion.get(from..from + run).unwrap_or(&[]);
         let during = rms(&here.iter().copied().filter(|v| v.is_finite()).collect::<Vec<f64>>());
-        if run >= STUCK && during > MOVING * usual && usual > 0.0 {
+        if run >= STUCK_READINGS && during > STUCK_MOTION_SHARE * usual && usual > 0.0 {
             taken.push((from, run, value));
         }
         from += run;
@@ -139,7 +131,7 @@ fn fill_short_gaps(series: &mut [f64], broken: &mut [bool]) -> Option<Repair> {
         let before = from.checked_sub(1).map(|k| series[k]);
         let after = series.get(from + run).copied();
         match (before, after) {
-            (Some(a), Some(b)) if run <= FILLED => {
+            (Some(a), Some(b)) if run <= LONGEST_FILLED_GAP => {
                 let step = (b - a) / (run + 1) as f64;
                 (0..run).for_each(|k| series[from + k] = a + step * (k + 1) as f64);
                 short += run;
@@ -156,7 +148,7 @@ fn split_at_gaps(whole: &Recording, broken: &[bool]) -> (Vec<Recording>, Option<
     if !broken.contains(&true) {
         return (vec![whole.clone()], None);
     }
-    let shortest = (SHORTEST_S / whole.sample_period_s).round() as usize;
+    let shortest = (SHORTEST_PART_S / whole.sample_period_s).round() as usize;
     let mut stretches: Vec<Range<usize>> = Vec::new();
     let mut from = 0;
     for stretch in broken.chunk_by(|a, b| a == b) {

@@ -2,7 +2,7 @@
 
 use crate::recording::gap_repair::Repair;
 use crate::recording::instrument_faults::InstrumentFault;
-use crate::recording::sanity_checks::Remark;
+use crate::recording::sanity_checks::{ControlMismatch, Remark};
 
 /// What was done with a recording whose platform moves and whose heave was not recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,6 +25,13 @@ pub enum Comparison {
 /// Something to be reported about the recordings.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RecordingRemark {
+    /// Another controller than the project's was in the loop, so that the recorded control is played back.
+    OtherController {
+        /// Name of the recording.
+        recording: String,
+        /// How far the recorded control is from that of the project's controller.
+        mismatch: ControlMismatch,
+    },
     /// The platform moves, and its heave was not recorded.
     UnknownHeave {
         /// Name of the recording.

@@ -3,6 +3,10 @@
 //! Every channel is checked by itself (not finite, stuck, clipped, coarsely quantised), and the three ways to know the
 //! hub's rate on the platform (gyroscopes, tachometer over the ratio, the resolver's derivative) against each other.
 
+use crate::tolerance::recording::{
+    CLIPPED_SHARE, FLAT_TOP_SAMPLES, FLAT_TOP_STEPS, FOREIGN_CONTROL_MULTIPLE, LARGEST_OFFSET_S,
+    OFFSET_REMAINDER, REPORTED_OFFSET_S, SLOPE_AGREEMENT,
+};
 use counterpoise_models::Parameters;
 use counterpoise_recordings::Recording;
 use counterpoise_simulate::replay::{Loop, control_fit};
@@ -170,11 +174,8 @@ pub fn check_control(base: &Parameters, recording: &Recording, control: &Loop) -
     let Loop::Closed(controller) = control else { return None };
     let (fit, _) = control_fit(base, recording, controller)?;
     let ratio = fit.rms_error / fit.floor;
-    (ratio > FOREIGN).then_some(ControlMismatch { rms_v: fit.rms_error, ratio })
+    (ratio > FOREIGN_CONTROL_MULTIPLE).then_some(ControlMismatch { rms_v: fit.rms_error, ratio })
 }
-
-/// Multiple of what rounding leaves beyond which a control is not the controller's.
-const FOREIGN: f64 = 5.0;
 
 /// Detects that the gyroscopes are wrong: two other sensors agree with each other and not with them.
 fn all_against_the_gyros(slopes: &[Slope]) -> Option<Anomaly> {
@@ -182,26 +183,15 @@ fn all_against_the_gyros(slopes: &[Slope]) -> Option<Anomaly> {
     else {
         return None;
     };
-    let agree = (a / b - 1.0).abs() < AGREE;
+    let agree = (a / b - 1.0).abs() < SLOPE_AGREEMENT;
     let meaning = meaning(1.0 / a, coherence_a.min(coherence_b)).filter(|_| agree)?;
     Some(Anomaly::GyroscopesDisagree { ratio: 1.0 / a, meaning })
 }
 
-/// Two slopes within this share of each other agree.
-const AGREE: f64 = 0.1;
-
-/// Clock offset from which it is reported, s: sensors and gear account for a few milliseconds.
-const OFFSET_TOLD_S: f64 = 8e-3;
-/// Largest clock offset that is tried, s.
-const OFFSET_SOUGHT_S: f64 = 0.1;
-/// Largest share of the difference between two channels that an offset may leave to be believed: a wide backlash makes the motor
-/// lead as well, but leaves a quarter or more.
-const OFFSET_EXPLAINS: f64 = 0.1;
-
 /// Detects a clock offset: the shift with the smallest difference to the gyroscopes.
 fn shifted(reference: &[f64], rate: &[f64], period_s: f64) -> Option<Anomaly> {
     let (offset_s, believed) = offset(reference, rate, period_s)?;
-    (believed && offset_s.abs() > OFFSET_TOLD_S).then_some(Anomaly::ClockOffset { late_s: offset_s })
+    (believed && offset_s.abs() > REPORTED_OFFSET_S).then_some(Anomaly::ClockOffset { late_s: offset_s })
 }
 
 /// Detects a clock that runs fast or slow: the offsets at the start and at the end differ.
@@ -211,13 +201,13 @@ fn drifting(reference: &[f64], rate: &[f64], period_s: f64) -> Option<Anomaly> {
     let ((start_s, first), (end_s, last)) = (at(0)?, at(reference.len() - third)?);
     let apart_s = end_s - start_s;
     let part = apart_s / (2.0 * third as f64 * period_s);
-    let told = (first || last) && apart_s.abs() > OFFSET_TOLD_S;
+    let told = (first || last) && apart_s.abs() > REPORTED_OFFSET_S;
     told.then_some(Anomaly::ClockDrift { start_s, end_s, slow: part })
 }
 
 /// Returns the offset, s, with the smallest difference, and whether it explains enough to be believed.
 fn offset(reference: &[f64], rate: &[f64], period_s: f64) -> Option<(f64, bool)> {
-    let most = (OFFSET_SOUGHT_S / period_s).round() as usize;
+    let most = (LARGEST_OFFSET_S / period_s).round() as usize;
     let inside = most..reference.len().checked_sub(most).filter(|end| *end > 2 * most)?;
     let apart = |lag: isize| {
         let difference = |k: usize| rate[k.saturating_add_signed(lag)] - reference[k];
@@ -226,7 +216,7 @@ fn offset(reference: &[f64], rate: &[f64], period_s: f64) -> Option<(f64, bool)>
     let most = isize::try_from(most).ok()?;
     let (lag, least) = (-most..=most).map(|lag| (lag, apart(lag))).min_by(|a, b| a.1.total_cmp(&b.1))?;
     let inside = lag.abs() < most;
-    Some((lag as f64 * period_s, inside && least < OFFSET_EXPLAINS * apart(0)))
+    Some((lag as f64 * period_s, inside && least < OFFSET_REMAINDER * apart(0)))
 }
 
 fn channels(m: &MeasuredSignals) -> Vec<(&'static str, &[f64])> {
@@ -264,20 +254,14 @@ fn check_alone(series: &[f64]) -> Option<Anomaly> {
     (quantum > 0.05 * (high - low)).then(|| Anomaly::Coarse { steps: (high - low) / quantum })
 }
 
-/// Samples that stay at one extreme for this long make a flat top.
-const FLAT_TOP: usize = 5;
-/// A channel is clipped where flat tops at one extreme hold this share of it.
-const CLIPPED_SHARE: f64 = 0.01;
-/// Fewest steps of the quantiser over the range for which a flat top means something.
-const FINE_STEPS: f64 = 200.0;
-
 /// Detects repeated flat tops at an extreme: a limit, not a coincidence.
 fn clipped(series: &[f64], low: f64, high: f64, quantum: f64) -> Option<Anomaly> {
-    if high - low < FINE_STEPS * quantum {
+    if high - low < FLAT_TOP_STEPS * quantum {
         return None;
     }
     let flat = |limit: f64| {
-        let tops = series.chunk_by(|a, b| a == b).filter(|top| top[0] == limit && top.len() >= FLAT_TOP);
+        let tops =
+            series.chunk_by(|a, b| a == b).filter(|top| top[0] == limit && top.len() >= FLAT_TOP_SAMPLES);
         tops.map(<[f64]>::len).sum::<usize>()
     };
     let (limit, samples) = [(low, flat(low)), (high, flat(high))].into_iter().max_by_key(|(_, n)| *n)?;

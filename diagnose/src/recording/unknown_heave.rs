@@ -1,12 +1,10 @@
 //! Recordings of a moving platform without its acceleration.
 
+use crate::tolerance::recording::PLATFORM_MOVES_RAD_S;
 use counterpoise_recordings::{Channel, Recording};
 
 use crate::recording::remarks::{HeaveTreatment, RecordingRemark};
 use crate::recording::series::rms;
-
-/// Rate above which a platform moves, rad/s RMS.
-const MOVES_RAD_S: f64 = 5e-3;
 
 /// Leaves out the recordings in which the platform moves and its heave was not recorded: an out-of-balance mechanism responds to
 /// the heave, and an effect of that size would be found. If that holds for all recordings, all are kept. Returns the recordings and
@@ -23,7 +21,7 @@ pub(crate) fn drop_unknown_heave(recordings: Vec<Recording>) -> (Vec<Recording>,
 fn is_unknown(recording: &Recording) -> bool {
     let rate = recording.samples(Channel::PlatformRate).unwrap_or_default().iter().copied();
     let rate: Vec<f64> = rate.filter(|w| w.is_finite()).collect();
-    !recording.has(Channel::PlatformAccel) && rms(&rate) > MOVES_RAD_S
+    !recording.has(Channel::PlatformAccel) && rms(&rate) > PLATFORM_MOVES_RAD_S
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //! recordings are cut into stretches of a second; each choice is fitted to every second stretch and assessed on the others, and
 //! vice versa. Knots are added, moved and removed while that is worth their price.
 
+use crate::tolerance::selection::{CURVE_PREFERENCE, CURVE_STEP};
 use counterpoise_linalg::{Mat, solve};
 use counterpoise_simulate::replay::{START_FREEDOMS, start_has};
 
@@ -20,9 +21,6 @@ use crate::tolerance::{
     KNOT_GAP_V, KNOT_ITERATIONS, KNOT_MOVE_GAIN, KNOT_MOVES, KNOT_PRICE, KNOT_ROUNDS, KNOT_SHARE,
     KNOT_SPACING_V, KNOT_STRETCH, KNOTS_AT_MOST,
 };
-
-/// Step of a point of the fine curve, as a fraction of the linear gain.
-const STEP: f64 = 1e-3;
 
 impl Searcher<'_> {
     /// Returns a candidate with the knots of its curve where the recordings require them; unchanged if it has no curve.
@@ -85,9 +83,9 @@ impl Searcher<'_> {
         };
         let columns = map(self.pool, values.len(), |k| {
             let mut moved = values.clone();
-            moved[k] += STEP;
+            moved[k] += CURVE_STEP;
             let there = fine.applied(&parameters, &moved);
-            Some(change(self.simulator.residuals(&there, recording, Span::Whole, near)?, STEP))
+            Some(change(self.simulator.residuals(&there, recording, Span::Whole, near)?, CURVE_STEP))
         });
         let columns: Vec<Vec<f64>> = columns.into_iter().collect::<Option<_>>()?;
         let starts = map(self.pool, START_FREEDOMS, |k| {
@@ -338,7 +336,8 @@ impl Half {
 
     /// Returns the change of the fine curve's fractions that fits best with the knots of a choice.
     fn solved(&self, hats: &Hats) -> Option<Vec<f64>> {
-        let mut normal = Mat::from_fn(hats.count, hats.count, |i, j| if i == j { LOOSE } else { 0.0 });
+        let mut normal =
+            Mat::from_fn(hats.count, hats.count, |i, j| if i == j { CURVE_PREFERENCE } else { 0.0 });
         let mut right = Mat::zeros(hats.count, 1);
         for (k, row) in hats.rows.iter().enumerate() {
             let pull: f64 = self.gradient[k] + dot(self.normal.column(k), &hats.bend);
@@ -365,9 +364,6 @@ impl Half {
         self.cost + 2.0 * dot(&self.gradient, change) + curved
     }
 }
-
-/// Curvature, in floors squared, of the preference for a fraction as it is: 0.3 costs one unit. It holds what no recording shows.
-const LOOSE: f64 = 11.0;
 
 #[cfg(test)]
 mod tests {

@@ -1,5 +1,6 @@
 //! Effects that act together: the pairs whose signatures together explain most of the residual.
 
+use crate::tolerance::selection::PAIRED_PARAMETERS;
 use counterpoise_models::Parameters;
 
 use crate::recording::series::dot;
@@ -23,9 +24,6 @@ impl Pair {
         [0, 1].map(|k| signatures[self.members[k]].scaled(self.shares[k], base))
     }
 }
-
-/// Effects with more parameters than this are not tried in pairs.
-const PAIRED_PARAMETERS: usize = 4;
 
 /// Returns the best pairs of different effects, by linear regression on both of their traces; best first.
 pub fn rank_pairs(judged: &[Assessment], signatures: &[EffectSignature], count: usize) -> Vec<Pair> {

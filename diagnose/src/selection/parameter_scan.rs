@@ -1,6 +1,10 @@
 //! Parameter scans: values of an effect tried one after the other, if its response is so far from proportional that a signature at
 //! the model as it is does not describe it.
 
+use crate::tolerance::selection::{
+    ASSESSED_SCAN_POINTS, ORDERS_KEPT, SCAN_POINTS, SCAN_REFINEMENT_POINTS, SCAN_REFINEMENT_SHARE,
+    SCANNED_ORDERS,
+};
 use counterpoise_models::Parameters;
 
 use crate::fitting::output_error::Fit;
@@ -9,16 +13,6 @@ use crate::selection::perturbations::{Perturbation, ripple, towards};
 use crate::selection::signature::{EffectSignature, ScreeningContext, is_close, measure_signature, weighted};
 use crate::simulator_access::{Assessment, ChannelResidual, ControlSource, SimulatorAccess, Span, map};
 use crate::tolerance::{PERIOD_SEEN, PERIODS_SAMPLED};
-
-/// Orders at which a torque is sought that repeats with an angle, per turn.
-const ORDERS: [f64; 25] = [
-    1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 14.0, 15.0, 16.0, 18.0, 20.0, 21.0, 22.0,
-    24.0, 28.0, 30.0, 36.0, 45.0, 60.0,
-];
-
-/// Points of a scan, and of each of its two refinements.
-const SCAN: usize = 64;
-const SCAN_AGAIN: usize = 9;
 
 /// Scans the value of an effect's only parameter on the first part of the most active recording, played back, because a playback
 /// repeats even if the loop hunts; returns the perturbation towards the best value.
@@ -35,7 +29,7 @@ pub(crate) fn scan_parameter(scene: &ScreeningContext, effect: &'static Effect) 
     };
     let (mut low, mut high) = (range[0], range[1]);
     let mut best = low;
-    for count in [SCAN, SCAN_AGAIN, SCAN_AGAIN] {
+    for count in [SCAN_POINTS, SCAN_REFINEMENT_POINTS, SCAN_REFINEMENT_POINTS] {
         let value = |k: usize| low * (high / low).powf(k as f64 / (count - 1) as f64);
         let costs = map(scene.pool, count, |k| cost(value(k)));
         let lowest = (0..costs.len()).min_by(|&a, &b| costs[a].total_cmp(&costs[b]))?;
@@ -46,11 +40,6 @@ pub(crate) fn scan_parameter(scene: &ScreeningContext, effect: &'static Effect) 
     let perturbation = towards(effect, scene.base, &[best]);
     (perturbation.directions[0][0] != 0.0).then_some(perturbation)
 }
-
-/// Number of points of a scan with assessments, and of each of its refinements.
-const JUDGED_SCAN: [usize; 3] = [32, 8, 8];
-/// Share of the distance that the best point of a scan must remove for the scan to be refined.
-const SCAN_WORTH: f64 = 0.15;
 
 /// Scans the backlash on the first part of the most active recording, played back, each value from its own initial state, because
 /// the response to a wide gap is not found from the initial state of a narrow one. Returns `None` if no value is worth refining.
@@ -71,11 +60,11 @@ pub(crate) fn scan_backlash(scene: &ScreeningContext) -> Option<EffectSignature>
     };
     let [mut low, mut high] = find_scan_range(effect)?;
     let (mut best, mut least) = (low, here);
-    for count in JUDGED_SCAN {
+    for count in ASSESSED_SCAN_POINTS {
         let value = |k: usize| low * (high / low).powf(k as f64 / (count - 1) as f64);
         let costs = map(scene.pool, count, |k| cost(value(k)));
         let lowest = (0..costs.len()).min_by(|&a, &b| costs[a].total_cmp(&costs[b]))?;
-        if costs[lowest] > (1.0 - SCAN_WORTH) * here {
+        if costs[lowest] > (1.0 - SCAN_REFINEMENT_SHARE) * here {
             return None;
         }
         if costs[lowest] < least {
@@ -86,18 +75,15 @@ pub(crate) fn scan_backlash(scene: &ScreeningContext) -> Option<EffectSignature>
     Some(EffectSignature::seeded(effect, vec![best], scene.judged.len()))
 }
 
-/// Number of orders of a repeating torque that go on from the scan.
-const ORDERS_KEPT: usize = 3;
-
 /// Returns the orders of a repeating torque that explain most of the first part of the most active recording.
 pub(crate) fn scan_ripple_orders(scene: &ScreeningContext, effect: &'static Effect) -> Vec<Perturbation> {
     let here = weighted(scene.judged);
     let one = [scene.simulator.most_active_recording()];
     let ratio = scene.base.gearbox.ratio;
     let at_pivot = effect.component == Component::Pivot;
-    let first = if at_pivot { ORDERS[0] } else { ORDERS[0] / scene.sizes.motor_turns };
-    let per_motor_turn = ORDERS.iter().map(|order| order * first);
-    let per_hub_turn = ORDERS.iter().map(|order| order / ratio);
+    let first = if at_pivot { SCANNED_ORDERS[0] } else { SCANNED_ORDERS[0] / scene.sizes.motor_turns };
+    let per_motor_turn = SCANNED_ORDERS.iter().map(|order| order * first);
+    let per_hub_turn = SCANNED_ORDERS.iter().map(|order| order / ratio);
     let lowest = if effect.component == Component::Motor { first } else { effect.parameters[1].bounds[0] };
     let is_seen = |order: &f64| is_seen(*order, scene.simulator.travel_rad() * ratio);
     let is_sampled = |order: &f64| *order * ratio * scene.simulator.turns_per_sample() < PERIODS_SAMPLED;

@@ -1,6 +1,10 @@
 //! Perturbations: the directions in an effect's parameters along which its signature is computed, and where a fit starts from what
 //! that shows.
 
+use crate::tolerance::selection::{
+    LARGEST_MULTIPLE, LARGEST_SCALED_LOGARITHM, LARGEST_SCALED_MULTIPLE, LARGEST_SCALED_RIPPLE,
+    SCALED_FACTORS,
+};
 use counterpoise_models::Parameters;
 
 use crate::fitting::output_error::{from_variable, to_variable};
@@ -27,28 +31,22 @@ pub(crate) enum Combination {
     Centred,
 }
 
-/// Largest multiple of a direction that a signature may ask for.
-const MULTIPLES: f64 = 30.0;
-/// The same if the typical sizes are not the machine's: of a plain quantity, and the change of a logarithm.
-const FAR_MULTIPLES: f64 = 3e3;
-const FAR_LOGARITHM: f64 = 3.0;
-/// The same for a torque that repeats.
-const FAR_RIPPLE: f64 = 500.0;
-
 /// Returns how far each direction of a perturbation may be followed.
 pub(crate) fn limits(perturbation: &Perturbation, sizes: Sizes) -> Vec<[f64; 2]> {
     let both = |limit: f64| [-limit, limit];
     let far = |direction: &Vec<f64>| {
         let moved =
             |k: &usize| direction[*k] != 0.0 && perturbation.effect.parameters[*k].mapping == Mapping::Log;
-        let of = |k: usize| FAR_LOGARITHM / (direction[k].abs() * perturbation.effect.parameters[k].size);
-        (0..direction.len()).find(moved).map_or(FAR_MULTIPLES, of)
+        let of = |k: usize| {
+            LARGEST_SCALED_LOGARITHM / (direction[k].abs() * perturbation.effect.parameters[k].size)
+        };
+        (0..direction.len()).find(moved).map_or(LARGEST_SCALED_MULTIPLE, of)
     };
     let one = |direction: &Vec<f64>| match perturbation.combine {
         Combination::Towards => [0.0, 2.0],
         Combination::Free if !sizes.typical => both(far(direction)),
-        Combination::Ripple if !sizes.typical => both(FAR_RIPPLE),
-        _ => both(MULTIPLES),
+        Combination::Ripple if !sizes.typical => both(LARGEST_SCALED_RIPPLE),
+        _ => both(LARGEST_MULTIPLE),
     };
     perturbation.directions.iter().map(one).collect()
 }
@@ -84,10 +82,6 @@ pub(crate) fn start_values(perturbation: &Perturbation, coefficients: &[f64], mo
     perturbation.effect.parameters.iter().zip(x).map(|(k, x)| from_variable(k, x)).collect()
 }
 
-/// Factors on the value of a quantity that is positive by nature at which it is tried if the machine's sizes are unknown: dry
-/// friction that a model nearly lacks, for example.
-const FAR_FACTORS: [f64; 2] = [4.0, 16.0];
-
 /// Returns every perturbation along which an effect is screened.
 pub(crate) fn perturbations_of(
     effect: &'static Effect,
@@ -118,7 +112,9 @@ pub(crate) fn perturbations_of(
         && parameter.mapping == Mapping::Log
     {
         let far = |factor: &f64| towards(effect, base, &[parameter.read(base) * factor]);
-        all.extend(FAR_FACTORS.iter().map(far).filter(|perturbation| perturbation.directions[0][0] != 0.0));
+        all.extend(
+            SCALED_FACTORS.iter().map(far).filter(|perturbation| perturbation.directions[0][0] != 0.0),
+        );
     }
     all
 }

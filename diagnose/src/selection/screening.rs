@@ -13,6 +13,7 @@ use crate::selection::signature::{
     EffectSignature, ScreeningContext, ScreeningDepth, is_close, measure_signature, weighted,
 };
 use crate::simulator_access::{Assessment, Span, map};
+use crate::tolerance::selection::STARTS_VISITED;
 
 /// Screens every effect of the library but those already in the model; returns signatures, best first.
 pub fn screen_effects(scene: &ScreeningContext, effects: &[&'static Effect]) -> Vec<EffectSignature> {
@@ -59,9 +60,6 @@ fn visited(
         if goes(k) { gone_there(scene, &perturbations[*t], look.clone()) } else { look.clone() }
     })
 }
-
-/// Number of starts of an effect that are evaluated at full size.
-const STARTS_VISITED: usize = 3;
 
 /// Evaluates an effect at the full size of its start: what that does to the fit counts as well, because a signature that is not
 /// proportional to the size of its effect is not reliable.

@@ -3,6 +3,7 @@
 //! The share of the residual that a combination of an effect's signatures explains ranks the effects, and the coefficients of the
 //! combination are where its fit starts.
 
+use crate::tolerance::selection::TRACE_STRIDE;
 use counterpoise_linalg::{Mat, solve};
 use counterpoise_models::Parameters;
 
@@ -121,9 +122,6 @@ pub(crate) fn thinned(here: &Weighted, value: impl Fn(usize, usize) -> f64) -> V
     let of = |r: usize| (0..here.residuals[r].len()).step_by(TRACE_STRIDE).map(move |k| (r, k));
     (0..here.residuals.len()).flat_map(of).map(|(r, k)| here.weights[r][k] * value(r, k)).collect()
 }
-
-/// Interval in samples at which a trace is kept.
-const TRACE_STRIDE: usize = 7;
 
 /// Residuals with the weights that make every channel of every recording count equally.
 pub(crate) struct Weighted {

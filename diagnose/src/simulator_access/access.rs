@@ -1,5 +1,6 @@
 //! What the diagnosis asks of a simulator.
 
+use crate::tolerance::fitting::DIVERGENCE_DOUBT;
 use counterpoise_models::Parameters;
 use counterpoise_simulate::PlantState;
 use counterpoise_simulate::replay::START_FREEDOMS;
@@ -27,9 +28,6 @@ impl ChannelResidual {
         rms(&self.residual)
     }
 }
-
-/// Factor on the measured divergence: that of one pair of runs is a poor estimate of that of any two.
-const WANDER_DOUBT: f64 = 2.0;
 
 /// How much of a recording is replayed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,7 +74,7 @@ impl Assessment {
 
     /// Returns the weight of a channel in a fit: below 1 if runs do not repeat.
     pub fn weight(&self, channel: usize) -> f64 {
-        let divergence = WANDER_DOUBT * self.divergence.get(channel).copied().unwrap_or(0.0);
+        let divergence = DIVERGENCE_DOUBT * self.divergence.get(channel).copied().unwrap_or(0.0);
         1.0 / (1.0 + divergence * divergence).sqrt()
     }
 }

@@ -1,14 +1,14 @@
 //! The simulator that answers the questions: every recording is replayed for any mechanism, in closed loop if the controller is
 //! known, else under the recorded control.
 
+use crate::tolerance::fitting::{FOREIGN_LOOP_NOISE_SHARE, HUNTING_DIVERGENCE};
 use std::sync::OnceLock;
 
-use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::Parameters;
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::PlantState;
 use counterpoise_simulate::history::ReadingColumns;
-use counterpoise_simulate::replay::{Loop, Replay, Replayer, reading_floor};
+use counterpoise_simulate::replay::{Loop, Replay, Replayer};
 
 use crate::error::Error;
 use crate::recording::measured_signals::{MeasuredSignals, read_signals};
@@ -77,12 +77,16 @@ impl<'a> RecordingReplays<'a> {
             recordings.iter().map(one).collect::<Result<Vec<_>, counterpoise_simulate::Error>>()
         };
         let control_floor = match control {
-            Loop::Closed(controller) => control_floor(base, controller),
+            Loop::Closed(controller) => controller.control_floor(base),
             Loop::Open => 0.0,
         };
         // a control that was recorded with less noise than this loop makes is not this loop's, so that its noise is no measure
         let of = |c, own: f64| {
-            if c == Channel::Control && own < QUIET * control_floor { control_floor } else { own }
+            if c == Channel::Control && own < FOREIGN_LOOP_NOISE_SHARE * control_floor {
+                control_floor
+            } else {
+                own
+            }
         };
         let floors =
             |r: &Recording| SCORED.map(|c| of(c, measure_noise_floor(base, c, r.samples(c).unwrap_or(&[]))));
@@ -212,8 +216,9 @@ impl<'a> RecordingReplays<'a> {
         let divergence = self.divergence(parameters, index, &quiet, ControlSource::ClosedLoop)?;
         let channels = self.channels(&quiet, index, length, ControlSource::ClosedLoop)?;
         // in any loop that controls a rate the angle drifts, which is no sign of hunting
-        let hunts =
-            |(m, w): (&ChannelResidual, &f64)| *w > HUNTING && m.channel != Channel::HubPosition.name();
+        let hunts = |(m, w): (&ChannelResidual, &f64)| {
+            *w > HUNTING_DIVERGENCE && m.channel != Channel::HubPosition.name()
+        };
         if !channels.iter().zip(&divergence).any(hunts) {
             return Some(Assessment {
                 channels,
@@ -242,18 +247,6 @@ fn follows(recording: &Recording) -> bool {
     };
     let differs = |(d, r): (&f64, &f64)| r.is_finite() && d != r;
     rate.iter().any(|r| r.is_finite() && *r != 0.0) && !demand.iter().zip(rate).any(differs)
-}
-
-/// Share of the gyroscope's noise in the control below which a recorded control is not of this loop.
-const QUIET: f64 = 0.3;
-/// Divergence of two runs, in noise floors, above which the loop hunts: no replay in closed loop can follow.
-const HUNTING: f64 = 5.0;
-
-/// Returns the RMS of the control that the hub gyroscope's noise and the converters leave, V.
-fn control_floor(base: &Parameters, controller: &ProportionalIntegral) -> f64 {
-    let step = 20.0 / f64::from(base.interface.output_bits).exp2();
-    (controller.kp_v_s_rad * reading_floor(&base.sensors.hub_gyro, &base.interface))
-        .hypot(step / 12f64.sqrt())
 }
 
 /// Returns the first part of a recording, which candidates are fitted to.

@@ -4,10 +4,12 @@ use counterpoise_controller::program::{OnReset, Program, Slot};
 use counterpoise_controller::{READING_NAMES, READINGS};
 use minijinja::{Environment, context};
 
-use crate::c99::{assignments, line_with};
+use crate::c99::{assignments, line_with, with_guard};
 use crate::comment::comment_text;
-use crate::fixed::plan::{to_integer, unit};
+use crate::fixed::format::{to_integer, unit};
+use crate::fixed::guard::{FixedSettings, SHARE_BITS};
 use crate::fixed::{FULL, Fixed, FixedOperation, FixedProgram, FixedRunner};
+use crate::guard::{flags, guard_bytes, marked};
 use crate::print::{Dialect, limit, meaning, state, wrap};
 use crate::vectors::{SHIPPED_SAMPLES, vectors};
 use crate::{Error, File, Provenance, READING_FIELDS, Ranges, Source, check_name};
@@ -30,6 +32,7 @@ pub fn fixed_c99<'a>(
     let board = provenance.converters.fixed_block(fixed);
     let data = context! { board, ..data(fixed, &provenance.header(source), name) };
     let environment = Environment::new();
+    let data = with_guard(&environment, data)?;
     let templates = [
         (".h", include_str!("../../templates/fixed.h.jinja")),
         (".c", include_str!("../../templates/fixed.c.jinja")),
@@ -42,11 +45,12 @@ pub fn fixed_c99<'a>(
         let text = environment.render_str(template, &data)?.trim_end().to_owned() + "\n";
         Ok(File { name: format!("{name}{ending}"), text })
     };
-    templates.into_iter().map(fill).collect()
+    Ok(marked(templates.into_iter().map(fill).collect::<Result<_, Error>>()?))
 }
 
 fn data(fixed: &Fixed, provenance: &[String], name: &str) -> minijinja::Value {
     let programs = fixed.controller.programs();
+    let guard = FixedSettings::of(fixed);
     let readings: Vec<(&str, i32, &str, String)> = READING_FIELDS
         .iter()
         .zip(&fixed.step.inputs)
@@ -73,7 +77,12 @@ fn data(fixed: &Fixed, provenance: &[String], name: &str) -> minijinja::Value {
         control_full => full_scale(fixed.control_bits()),
         set_full => full_scale(fixed.set_out_of_balance.inputs[0]),
         limit => format!("{:?}", fixed.controller.limit_v()),
-        state_bytes => 4 * programs.state_count(),
+        state_bytes => 4 * programs.state_count() + guard_bytes(4),
+        flags => flags(&fixed.controller),
+        guard => context! {
+            limits => guard.limits.to_vec(), share_step => guard.share_step, share_bits => SHARE_BITS,
+            whole => 1 << SHARE_BITS,
+        },
         set_bits => fixed.set_out_of_balance.inputs[0],
         rate_hz => (1.0 / fixed.controller.sample_period_s()).round() as u64,
         period => format!("{:?}", fixed.controller.sample_period_s()),
@@ -85,7 +94,6 @@ fn data(fixed: &Fixed, provenance: &[String], name: &str) -> minijinja::Value {
         restart => initial(fixed, OnReset::Restart),
         step => printer(&programs.step, &fixed.step, "in->").body(),
         set => printer(&programs.set_out_of_balance, &fixed.set_out_of_balance, "").body(),
-        uses_narrow => uses_narrow(fixed),
         vectors => rows(fixed),
     }
 }
@@ -97,11 +105,6 @@ fn full_scale(bits: i32) -> String {
 
 fn formats(bits: &[i32]) -> String {
     bits.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
-}
-
-fn uses_narrow(fixed: &Fixed) -> bool {
-    let all = fixed.step.operations.iter().chain(&fixed.set_out_of_balance.operations);
-    all.into_iter().any(|op| !matches!(op, FixedOperation::Clamp { .. } | FixedOperation::Magnitude { .. }))
 }
 
 fn initial(fixed: &Fixed, which: OnReset) -> Vec<String> {

@@ -5,13 +5,18 @@
 //! proven by integer intervals over the whole step, for any state and any reading.
 
 mod code;
+mod error;
+mod format;
+mod guard;
 mod plan;
 mod predict;
 mod runner;
+mod writer;
 
 pub use code::fixed_c99;
-pub use plan::{Fixed, FixedError, plan};
-pub(crate) use plan::{to_integer, unit};
+pub use error::FixedError;
+pub(crate) use format::{to_integer, unit};
+pub use plan::{Fixed, plan};
 pub use runner::FixedRunner;
 
 use counterpoise_controller::program::Slot;

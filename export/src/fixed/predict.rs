@@ -4,7 +4,8 @@ use counterpoise_controller::READINGS;
 use counterpoise_controller::program::{Operation, Program, Slot};
 
 use crate::Ranges;
-use crate::fixed::plan::{Writer, to_integer, unit};
+use crate::fixed::format::{to_integer, unit};
+use crate::fixed::writer::Writer;
 use crate::fixed::{Fixed, FixedOperation, FixedProgram};
 use crate::ranges::Run;
 use crate::rounding::{Arithmetic, Deviation, Line, Rounded, added, deviation, is_kept, left_wrong, to_grid};

@@ -1,9 +1,11 @@
 //! Runs a fixed-point controller, integer by integer as the target does.
 
 use counterpoise_controller::program::{OnReset, Slot};
-use counterpoise_controller::{READINGS, Readings, SampledController};
+use counterpoise_controller::{READINGS, Readings, SampledController, Sensors, Status};
 
-use crate::fixed::plan::{to_integer, unit};
+use crate::Adjustable;
+use crate::fixed::format::{to_integer, unit};
+use crate::fixed::guard::FixedGuard;
 use crate::fixed::{Fixed, FixedOperation, FixedProgram, narrow};
 
 /// A fixed-point controller that runs.
@@ -12,32 +14,52 @@ pub struct FixedRunner {
     fixed: Fixed,
     states: Vec<i64>,
     locals: Vec<i64>,
+    guard: FixedGuard,
 }
+
+/// What a reading that is no finite number becomes: an integer beyond every limit.
+const BEYOND: i64 = -(1 << 31);
 
 impl FixedRunner {
     /// The controller at its start.
     pub fn new(fixed: &Fixed) -> Self {
         let count = fixed.step.locals.len().max(fixed.set_out_of_balance.locals.len());
-        Self { fixed: fixed.clone(), states: fixed.initial.clone(), locals: vec![0; count] }
+        let guard = FixedGuard::new(fixed);
+        Self { fixed: fixed.clone(), states: fixed.initial.clone(), locals: vec![0; count], guard }
     }
 
     /// One sample in integers: the readings in the formats of [`FixedProgram::inputs`], the control in its own.
     pub fn step_integers(&mut self, readings: &[i64; READINGS]) -> i64 {
-        self.run(Which::Step, readings);
+        let taken = self.guard.take(readings);
+        self.run(Which::Step, &taken);
         let output = self.fixed.controller.programs().step.output;
-        output.map_or(0, |slot| self.read(slot, readings))
+        output.map_or(0, |slot| self.read(slot, &taken))
     }
 
-    /// One sample: readings are rounded to their formats first.
+    /// One sample: readings are rounded to their formats first. One that is no finite number lies beyond every limit.
     pub fn step_array(&mut self, readings: &[f64; READINGS]) -> f64 {
         let bits = &self.fixed.step.inputs;
-        let integers: [i64; READINGS] = std::array::from_fn(|i| to_integer(readings[i], bits[i]));
+        let integer =
+            |i: usize| if readings[i].is_finite() { to_integer(readings[i], bits[i]) } else { BEYOND };
+        let integers: [i64; READINGS] = std::array::from_fn(integer);
         self.step_integers(&integers) as f64 * unit(self.fixed.control_bits())
     }
 
-    /// Sets the out-of-balance, kg m.
+    /// Sets the out-of-balance, kg m. What is no finite number is refused and changes nothing.
     pub fn set_out_of_balance(&mut self, out_of_balance_kg_m: f64) {
-        self.set_integer(to_integer(out_of_balance_kg_m, self.fixed.set_out_of_balance.inputs[0]));
+        if out_of_balance_kg_m.is_finite() {
+            self.set_integer(to_integer(out_of_balance_kg_m, self.fixed.set_out_of_balance.inputs[0]));
+        }
+    }
+
+    /// Hands the control over to feedback alone, or back to all sensors.
+    pub fn use_sensors(&mut self, sensors: Sensors) {
+        self.guard.use_sensors(sensors);
+    }
+
+    /// Returns the flags of the last sample, and how many readings were replaced since the last reset.
+    pub fn status(&self) -> Status {
+        self.guard.status()
     }
 
     /// Sets the out-of-balance in its integer format.
@@ -119,9 +141,16 @@ impl SampledController for FixedRunner {
             let places = group.first..group.first + group.initial.len();
             self.states[places.clone()].copy_from_slice(&self.fixed.initial[places]);
         }
+        self.guard.reset();
     }
 
     fn step(&mut self, readings: &Readings) -> f64 {
         self.step_array(&readings.to_array())
+    }
+}
+
+impl Adjustable for FixedRunner {
+    fn adjust(&mut self, out_of_balance_kg_m: f64) {
+        self.set_out_of_balance(out_of_balance_kg_m);
     }
 }

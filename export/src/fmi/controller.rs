@@ -30,6 +30,9 @@ pub fn controller_unit<'a>(
     let design = controller.parts().design_out_of_balance_kg_m;
     let says = "out-of-balance that the controller is told";
     variables.push(Variable::parameter("out_of_balance_kg_m", "kg.m", says, design));
+    let says = "flags of the last sample, as NAME_status in the header says";
+    variables.push(Variable::output("status", "1", says));
+    variables.push(Variable::output("replaced", "1", "readings that were replaced by the last good one"));
     let unit = Unit {
         name: &options.name,
         description: "discrete controller of a stabilised, out-of-balance servo mechanism",
@@ -53,6 +56,8 @@ fn behaviour(name: &str, period_s: f64) -> Result<String, Error> {
         readings => READING_FIELDS,
         control => READING_FIELDS.len() + 1,
         setting => READING_FIELDS.len() + 2,
+        status => READING_FIELDS.len() + 3,
+        replaced => READING_FIELDS.len() + 4,
     };
     Ok(Environment::new().render_str(include_str!("../../templates/fmu_controller.c.jinja"), data)?)
 }

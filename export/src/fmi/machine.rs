@@ -2,9 +2,9 @@
 
 use counterpoise_models::friction::{FrictionModel, Law, StribeckLevel};
 use counterpoise_models::plant::core::state;
-use counterpoise_models::plant::{OperatingPoint, Plant};
+use counterpoise_models::plant::{Hose, OperatingPoint, Plant};
 use counterpoise_models::{
-    AmplifierDynamics, Friction, FrictionLaw, IDEAL_LAG_S, Ripple, Sensor, StribeckCurve,
+    AmplifierDynamics, Axis, Friction, FrictionLaw, IDEAL_LAG_S, Measured, Ripple, Sensor, StribeckCurve,
 };
 
 /// Motor rate over which the direction of the power through the mesh changes, rad/s.
@@ -16,8 +16,16 @@ const PARTS: u32 = 65_536;
 /// The same where bristles snap: each makes a jump, and there are too many to find all.
 const BRISTLED_PARTS: u32 = 4096;
 
-/// The states before the modes, in order, as the header's enumeration names them.
-pub(crate) const STATES: [&str; 16] = [
+/// The states before the modes, in order, as the header's enumeration names them; a transmission with hysteresis has one more.
+pub(crate) fn states(plant: &Plant) -> Vec<&'static str> {
+    let mut states = STATES.to_vec();
+    if plant.gear_hysteresis().is_some() {
+        states.insert(states.len() - 1, "GEAR");
+    }
+    states
+}
+
+const STATES: [&str; 16] = [
     "VOLTAGE",
     "CURRENT",
     "MOTOR",
@@ -67,7 +75,10 @@ fn drive(plant: &Plant) -> Constants {
     let p = plant.parameters();
     let rest = plant.equilibrium(&OperatingPoint::default());
     let (voltage, current) = (rest.core_state[state::VOLTAGE], rest.core_state[state::CURRENT]);
-    let holding = p.amplifier.control_v(p.amplifier.holding_drive_v(voltage, current, &p.motor), &p.motor);
+    let holding = match plant.has_state(state::CURRENT) && plant.has_state(state::VOLTAGE) {
+        true => p.amplifier.control_v(p.amplifier.holding_drive_v(voltage, current, &p.motor), &p.motor),
+        false => rest.control_v,
+    };
     let delay = p.interface.output_delay_samples as f64 * p.interface.sample_period_s;
     vec![
         ("amplifier_gain", p.amplifier.gain, "V/V"),
@@ -78,7 +89,7 @@ fn drive(plant: &Plant) -> Constants {
         ("bus_voltage", p.amplifier.bus_voltage_v, "V"),
         ("current_limit", p.amplifier.current_limit_a, "A"),
         ("stall_gain", p.amplifier.stall_gain_a_v(&p.motor), "A/V, of a current source"),
-        ("current_lag", IDEAL_LAG_S, "s, of a current source"),
+        ("current_lag", current_lag_s(plant), "s, of a current source"),
         ("motor_inertia", p.motor.inertia_kg_m2, "kg m^2"),
         ("torque_constant", p.motor.torque_constant_nm_a, "N m/A"),
         ("back_emf", p.motor.back_emf_v_s_rad, "V s/rad"),
@@ -114,10 +125,48 @@ fn structure(plant: &Plant) -> Constants {
     ]
 }
 
-/// Cogging, torque ripple, mesh ripple.
-pub(crate) fn ripples(plant: &Plant) -> [String; 3] {
+/// Cogging, torque ripple, mesh ripple, and the kinematic error if there is one.
+pub(crate) fn ripples(plant: &Plant) -> Vec<String> {
     let p = plant.parameters();
-    [p.motor.cogging, p.motor.torque_ripple, p.gearbox.mesh_ripple].map(|ripple| list(&three(&ripple)))
+    let error = p.gearbox.kinematic_error;
+    let wavy = (error.amplitude != 0.0).then_some(error);
+    let all = [p.motor.cogging, p.motor.torque_ripple, p.gearbox.mesh_ripple].into_iter().chain(wavy);
+    all.map(|ripple| list(&three(&ripple))).collect()
+}
+
+/// Returns what kind of machine it is: which of its states exist, and what the loop's sensor shows.
+pub(crate) fn kind(plant: &Plant) -> minijinja::Value {
+    let p = plant.parameters();
+    let gear = plant.gear_hysteresis();
+    let of_gear = |part: fn(Hose) -> f64| number(gear.map_or(0.0, part));
+    let modelled = p.amplifier.dynamics == AmplifierDynamics::Modelled;
+    let rest = plant.equilibrium(&OperatingPoint::default());
+    let current = match p.amplifier.dynamics {
+        _ if plant.has_state(state::CURRENT) => "state",
+        AmplifierDynamics::TorqueCommand => "command",
+        _ => "armature",
+    };
+    let (measured, shown, shown_at_rest) = match p.sensors.measured {
+        Measured::HubRate => ("hub_rate", "v.hub_rate", "pitch_rate_rad_s".to_owned()),
+        Measured::RelativeRate => ("relative_rate", "v.rate[1]", number(0.0)),
+        Measured::MotorRate => ("motor_rate", "v.rate[0] / m.ratio", number(0.0)),
+        Measured::HubPosition => ("hub_position", "v.angle[1]", number(0.0)),
+        Measured::MotorPosition => {
+            ("motor_position", "v.angle[0] / m.ratio", number(rest.core_state[state::WINDUP]))
+        }
+    };
+    let unlimited = plant.has_state(state::VOLTAGE) || p.amplifier.bus_voltage_v.is_infinite();
+    minijinja::context! {
+        rigid => plant.is_rigid(),
+        linear => p.axis == Axis::Linear,
+        wavy => p.gearbox.kinematic_error.amplitude != 0.0,
+        hysteresis => gear.is_some(),
+        gear_level => of_gear(|hose| hose.level_nm),
+        gear_stiffness => of_gear(|hose| hose.stiffness_nm_rad),
+        voltage_state => plant.has_state(state::VOLTAGE),
+        bus_limits_drive => modelled && !unlimited,
+        current, measured, shown, shown_at_rest,
+    }
 }
 
 fn three(ripple: &Ripple) -> [f64; 3] {
@@ -127,8 +176,16 @@ fn three(ripple: &Ripple) -> [f64; 3] {
 /// Whether the amplifier is a current source.
 pub(crate) fn ideal_current(plant: &Plant) -> &'static str {
     match plant.parameters().amplifier.dynamics {
-        AmplifierDynamics::IdealCurrent => "true",
-        AmplifierDynamics::Modelled => "false",
+        AmplifierDynamics::IdealCurrent | AmplifierDynamics::CurrentLoop { .. } => "true",
+        AmplifierDynamics::Modelled | AmplifierDynamics::TorqueCommand => "false",
+    }
+}
+
+/// Time constant with which a current source follows its input, s.
+fn current_lag_s(plant: &Plant) -> f64 {
+    match plant.parameters().amplifier.dynamics {
+        AmplifierDynamics::CurrentLoop { bandwidth_rad_s, .. } => 1.0 / bandwidth_rad_s,
+        _ => IDEAL_LAG_S,
     }
 }
 
@@ -339,7 +396,7 @@ pub(crate) fn past(plant: &Plant) -> usize {
 /// The states at rest with the hub level.
 pub(crate) fn rest(plant: &Plant) -> Vec<String> {
     let core = plant.equilibrium(&OperatingPoint::default()).core_state;
-    let beside = [0.0; BESIDE + 2 * FILTERS];
+    let beside = vec![0.0; BESIDE + 2 * FILTERS + usize::from(plant.gear_hysteresis().is_some())];
     let all = core[..CORE].iter().chain(&beside).chain(&core[CORE..]);
     all.copied().map(number).collect()
 }
@@ -363,6 +420,7 @@ pub(crate) fn sizes(plant: &Plant) -> Vec<String> {
     for sensor in [&hub, &platform, &accelerometer, &hub, &platform] {
         sizes.extend([rate, rate * frequency(sensor).max(1.0)]);
     }
+    sizes.extend(plant.gear_hysteresis().map(|hose| hose.level_nm));
     for mode in &plant.body().modes {
         let shape = mode.hub_shape.abs().max(f64::MIN_POSITIVE.sqrt()).max(1e-3 * mode.tip_shape.abs());
         sizes.extend([angle / shape, rate / shape]);

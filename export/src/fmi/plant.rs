@@ -62,7 +62,8 @@ pub fn plant_unit(asked: PlantUnit, provenance: &Provenance) -> Result<Vec<File>
     let data = context! {
         name, NAME => name.to_uppercase(), provenance => provenance.lines(),
         period => format!("{period_s:?}"), parts => machine::shortest_parts(plant),
-        bonds => bonds.max(1), past, states => machine::STATES,
+        bonds => bonds.max(1), past, states => machine::states(plant),
+        kind => machine::kind(plant),
         friction => include_str!("../../templates/plant_friction.c.jinja"),
         parameters => machine::parameters(plant), ripples => machine::ripples(plant),
         ideal_current => machine::ideal_current(plant), modes => machine::modes(plant),

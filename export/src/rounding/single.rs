@@ -156,6 +156,8 @@ fn is_power_of_two(value: f64) -> bool {
 struct Stored(f64);
 
 impl Number for Stored {
+    const FLUSHED_BELOW: f64 = 0.0;
+
     fn from_f64(value: f64) -> Self {
         Self(f64::from(value as f32))
     }

@@ -209,8 +209,8 @@ fn evaluate(operation: &Operation, operands: &[f64], partials: &mut [f64]) -> (f
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use counterpoise_controller::lti::{Mat, StateSpace, Timebase};
     use counterpoise_controller::{Controller, Estimator, Learning, Parts, Path, READINGS, Scaling, Signal};
+    use counterpoise_lti::{Mat, StateSpace, Timebase};
 
     /// A path on an estimator: products, quotients, limits and states that are written before they are read again.
     fn adaptive() -> Controller {

@@ -5,12 +5,12 @@ use std::io::{Read, Write};
 use std::path::{Path as FilePath, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-use counterpoise_controller::lti::{Mat, StateSpace, Timebase};
 use counterpoise_controller::{
     Controller, Correction, Estimator, FrictionObserver, Learning, Number, ObserverLaw, Parts, Path,
     READINGS, Readings, SampledController, Scaling, Signal,
 };
 use counterpoise_export::{File, Fixed, FixedRunner, Provenance};
+use counterpoise_lti::{Mat, StateSpace, Timebase};
 
 /// A folder for one test, emptied.
 pub fn folder(name: &str) -> PathBuf {
@@ -68,7 +68,7 @@ pub fn typical() -> Controller {
     let one = |x: f64| Mat::from_rows(&[&[x]]);
     let timebase = Timebase::Discrete { period_s: 1e-3 };
     let integrator = StateSpace::new(one(1.0), one(0.03), one(1.0), one(9.0), timebase).unwrap();
-    let both = counterpoise_controller::lti::parallel(&integrator, &modal(&mut random, 11, 1)).unwrap();
+    let both = counterpoise_lti::parallel(&integrator, &modal(&mut random, 11, 1)).unwrap();
     let mut feedback = path("feedback", vec![Signal::RateError], both);
     feedback.anti_windup[0] = 0.02;
     let mut heave = path("heave", vec![Signal::PlatformAcceleration], modal(&mut random, 9, 1));
@@ -159,7 +159,7 @@ pub fn badly_scaled(random: &mut Random, order: usize, inputs: usize) -> StateSp
     let unit: Vec<f64> = (0..order).map(|_| 10.0_f64.powf(8.0 * random.signed())).collect();
     let T = &mixed * &Mat::diag(&unit);
     let one_over: Vec<f64> = unit.iter().map(|unit| 1.0 / unit).collect();
-    let W = &Mat::diag(&one_over) * &counterpoise_controller::lti::linalg::inverse(&mixed).unwrap();
+    let W = &Mat::diag(&one_over) * &counterpoise_lti::linalg::inverse(&mixed).unwrap();
     let A = &(&W * &base.A) * &T;
     StateSpace::new(A, &W * &base.B, &base.C * &T, base.D, base.timebase).unwrap()
 }
@@ -383,8 +383,10 @@ pub fn provenance() -> Provenance {
         generator: "counterpoise 0.1.0".into(),
         project: "reference rig".into(),
         project_hash: "0123456789abcdef".into(),
+        loop_signals: None,
         weights: vec!["feedback error 1/(s)".into()],
         verdicts: vec!["gain margin >= 12 dB: holds (13.1 dB)".into()],
+        feedback_alone: vec!["the linear loop is stable".into()],
         converters: counterpoise_export::Converters::default(),
     }
 }

@@ -64,7 +64,7 @@ fn count(core: &Core, folder: &Path, code: &TargetCode) -> Option<Cost> {
     let folder = folder.join(format!("{}-{:?}", core.machine, code.numbers));
     write(&folder.join(CODE_FOLDER), &code.files)?;
     write(&folder, &counter(&code.name, code.numbers))?;
-    let included = [format!("{}.c", code.name), format!("{}_self_test.c", code.name)];
+    let included = ["", "_self_test"].map(|end| format!("{CODE_FOLDER}/{}{end}.c", code.name));
     write(&folder, &[including(CONTROLLER, &included[0]), including(SELF_TEST, &included[1])])?;
     said(Command::new(COMPILER).args(core.flags).args(COMPILE).args([CONTROLLER, SELF_TEST]), &folder)?;
     let objects = [CONTROLLER, SELF_TEST].map(|source| source.replace(".c", ".o"));

@@ -37,51 +37,64 @@ fn answered(code: &TargetCode, compared: &Targets, folder: &Path) -> Answered {
     }
     let figures = compared.figures.iter().find(|figures| figures.numbers == code.numbers);
     let fixed = if code.numbers == Numbers::Fixed { compared.fixed.as_ref().ok() } else { None };
-    let counts = figures.and_then(|figures| {
-        build(code, folder)?;
-        replayed(figures, fixed, folder)
-    });
-    match counts {
+    let Some(figures) = figures else { return Answered::NotRun("no run to compare it with".to_owned()) };
+    if let Err(why) = build(code, folder) {
+        return Answered::NotRun(format!("{compiler} failed: {why}"));
+    }
+    match replayed(figures, fixed, folder) {
         Some((samples, 0)) => Answered::Alike { samples },
         Some((samples, wrong)) => Answered::Otherwise { samples, wrong },
-        None => Answered::NotRun(format!("{compiler} failed")),
+        None => Answered::NotRun("the compiled program did not run to its end".to_owned()),
     }
 }
 
-/// Builds `replay` in the folder; returns `None` if the compiler fails or prints anything.
-fn build(code: &TargetCode, folder: &Path) -> Option<()> {
+/// Builds `replay` in the folder.
+///
+/// # Errors
+/// The first line that the compiler prints, or why a file cannot be written.
+fn build(code: &TargetCode, folder: &Path) -> Result<(), String> {
     match code.language {
         Language::Rust => build_rust(code, folder),
         _ => build_c(code, folder),
     }
 }
 
-fn build_rust(code: &TargetCode, folder: &Path) -> Option<()> {
-    let library = code.files.iter().find(|file| file.name.ends_with("src/lib.rs"))?;
-    files::write(&folder.join("generated.rs"), library.text.as_bytes()).ok()?;
+fn build_rust(code: &TargetCode, folder: &Path) -> Result<(), String> {
+    let library = code.files.iter().find(|file| file.name.ends_with("src/lib.rs"));
+    let library = library.ok_or("the crate has no lib.rs")?;
+    files::write(&folder.join("generated.rs"), library.text.as_bytes()).map_err(|error| error.to_string())?;
     write(folder, &[rust_replay()])?;
     let crate_name = ["--crate-name", RUST_CRATE, "generated.rs"];
     silent(Command::new(RUST_COMPILER).args(RUST_LIBRARY).args(crate_name), folder)?;
     silent(Command::new(RUST_COMPILER).args(RUST_PROGRAM).arg("replay.rs"), folder)
 }
 
-fn build_c(code: &TargetCode, folder: &Path) -> Option<()> {
+fn build_c(code: &TargetCode, folder: &Path) -> Result<(), String> {
     write(&folder.join(CODE_FOLDER), &code.files)?;
     write(
         folder,
-        &[c_replay(&code.name, code.numbers), including("controller.c", &format!("{}.c", code.name))],
+        &[
+            c_replay(&code.name, code.numbers),
+            including("controller.c", &format!("{CODE_FOLDER}/{}.c", code.name)),
+        ],
     )?;
     let files = ["controller.c", "replay.c", "-o", "replay"];
     silent(Command::new(C_COMPILER).args(C_FLAGS).args(files), folder)
 }
 
-fn write(folder: &Path, code: &[File]) -> Option<()> {
-    code.iter().try_for_each(|file| files::write(&folder.join(&file.name), file.text.as_bytes()).ok())
+fn write(folder: &Path, code: &[File]) -> Result<(), String> {
+    let write = |file: &File| files::write(&folder.join(&file.name), file.text.as_bytes());
+    code.iter().try_for_each(write).map_err(|error| error.to_string())
 }
 
-fn silent(command: &mut Command, folder: &Path) -> Option<()> {
-    let output = command.current_dir(folder).output().ok()?;
-    (output.status.success() && output.stderr.is_empty()).then_some(())
+/// Runs a compiler that must succeed without a word.
+fn silent(command: &mut Command, folder: &Path) -> Result<(), String> {
+    let output = command.current_dir(folder).output().map_err(|error| error.to_string())?;
+    if output.status.success() && output.stderr.is_empty() {
+        return Ok(());
+    }
+    let said = String::from_utf8_lossy(&output.stderr);
+    Err(said.lines().find(|line| !line.trim().is_empty()).unwrap_or("it says nothing").to_owned())
 }
 
 /// Samples replayed, and those answered otherwise.

@@ -2,11 +2,12 @@
 
 use crate::dense::{inverse, solve};
 use crate::error::{Error, check_shape, check_square, check_symmetric};
-use crate::mat::Mat;
+use crate::mat::{C64, Mat};
 use crate::sylvester::Kind;
+use crate::tolerance::PRECISE_STATES;
 
 use super::certify::{Certified, certify};
-use super::decide::{decide, in_callers_units, is_beyond_doubt};
+use super::decide::{Refusal, decide, in_callers_units, is_beyond_doubt};
 use super::doubling::{PARAMETERS, by_doubling};
 use super::equation::{Continuous, Data, Quadratic};
 use super::newton::{Equation, refine};
@@ -109,16 +110,18 @@ enum Start {
 /// settle the problem. Everything is in scaled units.
 fn solve_scaled(equation: &(impl Equation + PreciseEquation), problem: &Problem) -> Outcome<Certified> {
     let (usual, others) = PARAMETERS.split_at(1);
-    let ways: &[Start] = if problem.A.nrows() > LARGE {
-        &[Start::Doubling(usual), Start::Doubling(others), Start::Schur]
-    } else {
-        &[Start::Schur, Start::Doubling(&PARAMETERS)]
+    let ways: &[Start] = match problem.A.nrows() {
+        ..=LARGE => &[Start::Schur, Start::Doubling(&PARAMETERS)],
+        // A refusal of a large problem must not take many times as long as a solution: each way is tried once.
+        n if n > PRECISE_STATES => &[Start::Doubling(&PARAMETERS), Start::Schur],
+        _ => &[Start::Doubling(usual), Start::Doubling(others), Start::Schur],
     };
+    let mut nearest = None;
     let mut refusal = Reason::NoGraph;
     for (tried, way) in ways.iter().enumerate() {
-        match attempt(equation, problem, *way) {
+        match attempt(equation, problem, *way, &mut nearest) {
             Ok(found) if is_beyond_doubt(&found, problem, Kind::Continuous) => return Outcome::Solved(found),
-            Ok(found) => return decide(equation, problem, Some(found), refusal),
+            Ok(found) => return decide(equation, problem, Some(found), Refusal { reason: refusal, nearest }),
             Err(reason @ Reason::Uncontrollable { .. }) => return Outcome::Infeasible(reason),
             Err(reason) => refusal = reason,
         }
@@ -128,12 +131,22 @@ fn solve_scaled(equation: &(impl Equation + PreciseEquation), problem: &Problem)
             return Outcome::Infeasible(reason);
         }
     }
-    decide(equation, problem, None, refusal)
+    decide(equation, problem, None, Refusal { reason: refusal, nearest })
 }
 
-fn attempt(equation: &impl Equation, problem: &Problem, way: Start) -> Result<Certified, Reason> {
+/// `nearest` is set to the eigenvalue of the Hamiltonian matrix nearest to the boundary if a large problem's is computed.
+fn attempt(
+    equation: &impl Equation,
+    problem: &Problem,
+    way: Start,
+    nearest: &mut Option<C64>,
+) -> Result<Certified, Reason> {
     let (first, method) = match way {
-        Start::Schur => (subspace::by_schur(problem), Method::Schur),
+        Start::Schur => {
+            let start = subspace::by_schur(problem);
+            *nearest = start.nearest.filter(|_| problem.A.nrows() > PRECISE_STATES);
+            (start.first, Method::Schur)
+        }
         Start::Doubling(parameters) => (by_doubling(problem, parameters), Method::Doubling),
     };
     let first = first.ok_or(Reason::NoGraph)?;

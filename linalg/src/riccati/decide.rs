@@ -1,6 +1,6 @@
 //! The last word on a problem: accepted as solved in doubles, solved again in 32 digits, or refused with the reason.
 
-use crate::mat::Mat;
+use crate::mat::{C64, Mat};
 use crate::sylvester::Kind;
 use crate::tolerance::{EPS, PRECISE_STATES, RICCATI_ERROR, TRUSTED_SEPARATION};
 
@@ -38,12 +38,25 @@ fn size(problem: &Problem, kind: Kind) -> f64 {
     if kind == Kind::Continuous { problem.A.norm_fro() } else { 1.0 }
 }
 
+/// Why doubles gave no solution, as far as the solvers know.
+pub(super) struct Refusal {
+    pub(super) reason: Reason,
+    /// The eigenvalue of the Hamiltonian matrix nearest to the boundary, if it is known already.
+    pub(super) nearest: Option<C64>,
+}
+
+impl From<Reason> for Refusal {
+    fn from(reason: Reason) -> Self {
+        Self { reason, nearest: None }
+    }
+}
+
 /// Decides a problem for which doubles gave a doubtful solution (`found`) or none (`refusal`).
 pub(super) fn decide(
     equation: &(impl Equation + PreciseEquation),
     problem: &Problem,
     found: Option<Certified>,
-    refusal: Reason,
+    refusal: Refusal,
 ) -> Outcome<Certified> {
     let kind = Equation::kind(equation);
     let separated =
@@ -56,6 +69,7 @@ pub(super) fn decide(
     };
     if found.is_none()
         && kind == Kind::Continuous
+        && refusal.nearest.is_none()
         && let Some(reason) = reason::certainly_on_boundary(problem)
     {
         return Outcome::Infeasible(reason);
@@ -92,11 +106,11 @@ fn accept(found: Certified, problem: &Problem, kind: Kind, limit: f64) -> Outcom
 }
 
 /// The mode behind a refusal, if one can be named.
-fn explained(refusal: Reason, problem: &Problem, kind: Kind) -> Reason {
-    if let Some(reason) = reason::diagnose(problem, kind) {
+fn explained(refusal: Refusal, problem: &Problem, kind: Kind) -> Reason {
+    if let Some(reason) = reason::diagnose(problem, kind, refusal.nearest) {
         return reason;
     }
-    match refusal {
+    match refusal.reason {
         Reason::Inaccurate { residual, stability, .. } => {
             Reason::Inaccurate { residual, stability, hardest: reason::hardest_mode(problem, kind) }
         }

@@ -65,7 +65,7 @@ fn solve_in_units(equation: &Discrete) -> Outcome<Certified> {
                 Ok(found) if is_beyond_doubt(&found, &problem, Kind::Discrete) => {
                     return Outcome::Solved(found);
                 }
-                Ok(found) => return decide(equation, &problem, Some(found), refusal),
+                Ok(found) => return decide(equation, &problem, Some(found), refusal.into()),
                 Err(reason @ Reason::Uncontrollable { .. }) => return Outcome::Infeasible(reason),
                 Err(reason) => refusal = reason,
             }
@@ -78,7 +78,7 @@ fn solve_in_units(equation: &Discrete) -> Outcome<Certified> {
         first.get_or_insert(problem);
     }
     match first {
-        Some(problem) => decide(equation, &problem, None, refusal),
+        Some(problem) => decide(equation, &problem, None, refusal.into()),
         None => Outcome::Infeasible(refusal),
     }
 }

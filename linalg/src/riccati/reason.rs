@@ -221,8 +221,9 @@ fn distance(A: &Mat, M: &Mat, mode: C64) -> f64 {
     }
 }
 
-/// Why a problem that was not solved has no solution.
-pub(super) fn diagnose(problem: &Problem, kind: Kind) -> Option<Reason> {
+/// Returns why a problem that was not solved has no solution; `known` is the eigenvalue of the Hamiltonian matrix nearest to the
+/// boundary, if it has been computed.
+pub(super) fn diagnose(problem: &Problem, kind: Kind, known: Option<C64>) -> Option<Reason> {
     if let Some(reason) = lost_mode(problem, kind, Nearness::Broad) {
         return Some(reason);
     }
@@ -231,7 +232,8 @@ pub(super) fn diagnose(problem: &Problem, kind: Kind) -> Option<Reason> {
     }
     let H = hamiltonian(problem);
     let size = H.norm_fro();
-    let nearest = eigenvalues(&H).ok()?.into_iter().min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()))?;
+    let computed = || eigenvalues(&H).ok()?.into_iter().min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()));
+    let nearest = known.or_else(computed)?;
     let distance = nearest.re.abs() / size;
     (distance < BOUNDARY).then_some(Reason::OnBoundary { eigenvalue: nearest, distance })
 }

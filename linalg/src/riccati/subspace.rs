@@ -5,15 +5,25 @@
 use crate::decomposition::rcond_one;
 use crate::dense::solve;
 use crate::error::Error;
-use crate::mat::Mat;
-use crate::schur::schur;
+use crate::mat::{C64, Mat};
+use crate::schur::{Schur, schur};
 
 use super::scaling::Problem;
 
-/// A first approximation of the stabilising solution; `None` where the subspace does not have the right dimension or is
-/// no graph.
-pub(super) fn by_schur(problem: &Problem) -> Option<Mat> {
-    stable_graph(&hamiltonian(problem))
+/// What the ordered Schur form of the Hamiltonian matrix gave.
+#[derive(Default)]
+pub(super) struct SchurStart {
+    /// A first approximation of the stabilising solution; `None` if the subspace does not have the right dimension or is no graph.
+    pub(super) first: Option<Mat>,
+    /// The eigenvalue nearest to the imaginary axis.
+    pub(super) nearest: Option<C64>,
+}
+
+/// Returns a first approximation of the stabilising solution, and the eigenvalue that is in the way if there is none.
+pub(super) fn by_schur(problem: &Problem) -> SchurStart {
+    let Ok(form) = schur(&hamiltonian(problem)) else { return SchurStart::default() };
+    let nearest = form.eigenvalues().into_iter().min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()));
+    SchurStart { first: stable_graph(form), nearest }
 }
 
 /// The same for the discrete equation, whose symplectic pencil a Cayley transform makes Hamiltonian.
@@ -24,12 +34,11 @@ pub(super) fn by_discrete_schur(problem: &Problem) -> Option<Mat> {
     let minus = Mat::from_blocks(&[&[&(A - &identity), &-G], &[&-Q, &(&identity - &A.t())]]);
     let (direct, turned) = (rcond_one(&plus), rcond_one(&minus));
     let H = if direct >= turned { solve(&plus, &minus) } else { solve(&minus, &plus) };
-    stable_graph(&H.ok()?)
+    stable_graph(schur(&H.ok()?).ok()?)
 }
 
-fn stable_graph(H: &Mat) -> Option<Mat> {
-    let mut form = schur(H).ok()?;
-    let n = H.nrows() / 2;
+fn stable_graph(mut form: Schur) -> Option<Mat> {
+    let n = form.T.nrows() / 2;
     let count = form.reorder(|l| l.re < 0.0).ok()?;
     if count != n {
         return None;

@@ -182,6 +182,13 @@ impl Friction {
         }
     }
 
+    /// Multiplies the presliding stiffness by a factor, as [`Friction::set_presliding_stiffness_nm_rad`] does.
+    pub fn scale_presliding_stiffness(&mut self, factor: f64) {
+        if let Some(stiffness) = self.presliding_stiffness_nm_rad() {
+            self.set_presliding_stiffness_nm_rad(factor * stiffness);
+        }
+    }
+
     /// Returns the state of a law with one state that carries a torque (N m) at rest: a torque for the Dahl and Walrath laws,
     /// a deflection in rad for LuGre and the reset integrator. It is 0 for the others: what truly sticks carries whatever it
     /// must without a state, and bristles start unbent.

@@ -2,12 +2,35 @@
 
 use super::Ripple;
 
-/// Gearbox between motor and hub; stiffness, damping and backlash at the output.
+/// What lies between motor and hub; every kind has the same parameters, some of them 0.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Transmission {
+    /// Nothing: the motor sits on the hub's axis.
+    #[default]
+    Direct,
+    /// A gearbox.
+    Gearbox,
+    /// A toothed belt.
+    Belt,
+    /// A harmonic drive.
+    HarmonicDrive,
+    /// A cable.
+    Cable,
+    /// A ball screw: its ratio is 2 pi over the lead.
+    BallScrew {
+        /// Travel a turn, m.
+        lead_m: f64,
+    },
+}
+
+/// Transmission between motor and hub; stiffness, damping and backlash at the output.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gearbox {
+    /// What it is.
+    pub kind: Transmission,
     /// Motor turns per hub turn.
     pub ratio: f64,
-    /// Mesh stiffness, N m/rad.
+    /// Mesh stiffness, N m/rad; infinite if the transmission is rigid.
     pub stiffness_nm_rad: f64,
     /// Mesh damping, N m s/rad, only while the teeth touch.
     pub damping_nm_s_rad: f64,
@@ -17,12 +40,40 @@ pub struct Gearbox {
     pub mesh_ripple: Ripple,
     /// Fraction of the mesh torque that reaches the other side while it drives; 1 is ideal.
     pub mesh_efficiency: f64,
+    /// Error of the output angle that repeats with the motor angle, rad: a harmonic drive's has two periods a turn of its
+    /// wave generator. The mesh stretches by it, and by virtual work it also turns mesh torque into motor torque.
+    pub kinematic_error: Ripple,
+    /// Largest torque of the compliance's hysteresis, N m at the output; 0 if there is none.
+    pub hysteresis_nm: f64,
+    /// Stiffness of that hysteresis when it springs back, N m/rad, beside the mesh stiffness.
+    pub hysteresis_stiffness_nm_rad: f64,
+}
+
+impl Gearbox {
+    /// A rigid connection of motor and hub, one turn to one.
+    pub const DIRECT: Self = Self {
+        kind: Transmission::Direct,
+        ratio: 1.0,
+        stiffness_nm_rad: f64::INFINITY,
+        damping_nm_s_rad: 0.0,
+        backlash_rad: 0.0,
+        mesh_ripple: Ripple::NONE,
+        mesh_efficiency: 1.0,
+        kinematic_error: Ripple::NONE,
+        hysteresis_nm: 0.0,
+        hysteresis_stiffness_nm_rad: 0.0,
+    };
+
+    /// Returns whether motor and hub turn as one body.
+    pub fn is_rigid(&self) -> bool {
+        self.stiffness_nm_rad == f64::INFINITY
+    }
 }
 
 /// Motor with its electrical circuit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motor {
-    /// Inertia of rotor and gearbox input, kg m^2.
+    /// Inertia of rotor and gearbox input, kg m^2; 0 is allowed if the transmission is rigid.
     pub inertia_kg_m2: f64,
     /// Torque constant, N m/A.
     pub torque_constant_nm_a: f64,
@@ -30,7 +81,7 @@ pub struct Motor {
     pub back_emf_v_s_rad: f64,
     /// Resistance, ohm.
     pub resistance_ohm: f64,
-    /// Inductance, H.
+    /// Inductance, H; 0 if the current follows the voltage at once.
     pub inductance_h: f64,
     /// Torque on the shaft that repeats with the motor angle and does not need current, N m.
     pub cogging: Ripple,
@@ -47,7 +98,7 @@ pub struct Amplifier {
     pub gain: f64,
     /// Current feedback, V/A.
     pub current_feedback_v_a: f64,
-    /// Time constant, s.
+    /// Time constant, s; 0 if the voltage follows the input at once.
     pub time_constant_s: f64,
     /// Input is clipped to +/- this, V.
     pub input_limit_v: f64,
@@ -64,7 +115,7 @@ pub struct Amplifier {
 }
 
 /// What lies between an amplifier's input and the motor's current.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum AmplifierDynamics {
     /// The amplifier's lag, both feedbacks, the armature and its back-EMF.
     #[default]
@@ -72,6 +123,15 @@ pub enum AmplifierDynamics {
     /// An ideal current source: i = (static gain of the closed amplifier loop) x (input after limit, dead zone and map), whatever
     /// the motor's speed. It follows its input within [`IDEAL_LAG_S`].
     IdealCurrent,
+    /// A current loop: the current follows gain x input with a first-order lag, whatever the motor's speed.
+    CurrentLoop {
+        /// Rate at which the lag has taken 3 dB, rad/s.
+        bandwidth_rad_s: f64,
+        /// Delay of its command, s; part of the interface's whole samples of delay, and kept here for the file.
+        delay_s: f64,
+    },
+    /// A current that is gain x input at once, without a state: the drive takes a torque.
+    TorqueCommand,
 }
 
 /// Time constant with which an ideal current source follows its input, s: a hundredth of the shortest sample period in use.

@@ -2,6 +2,7 @@
 //!
 //! Frames and signs: angles are positive nose-up; `out_of_balance` is the first moment of mass about the pivot,
 //! positive nose-heavy; gear quantities are at the output (hub) side, motor quantities at the motor shaft.
+//! A linear axis has the same parameters in other units: kg for kg m^2, N for N m, m for rad, and a ratio in rad/m.
 //! Effects that a plain machine does not have (cogging, springs, mesh ripple, sensor faults) are present as fields
 //! whose default value means "absent".
 
@@ -10,9 +11,9 @@ mod friction;
 mod sensing;
 mod structure;
 
-pub use drive::{Amplifier, AmplifierDynamics, Gearbox, IDEAL_LAG_S, MapPoint, Motor};
+pub use drive::{Amplifier, AmplifierDynamics, Gearbox, IDEAL_LAG_S, MapPoint, Motor, Transmission};
 pub use friction::{Friction, FrictionLaw, StribeckCurve};
-pub use sensing::{Interface, Sensor, Sensors};
+pub use sensing::{Interface, Measured, Sensor, Sensors};
 pub use structure::{Beam, Configuration, Lumped, PointMass, Section, SectionShape, StructuralDamping};
 
 /// One axis of a cantilever mechanism on a moving platform.
@@ -20,6 +21,8 @@ pub use structure::{Beam, Configuration, Lumped, PointMass, Section, SectionShap
 pub struct Parameters {
     /// Name of the machine.
     pub name: String,
+    /// Whether the hub turns or slides.
+    pub axis: Axis,
     /// Acceleration of gravity, m/s^2.
     pub gravity_m_s2: f64,
     /// Distributed description of the structure, if it is known.
@@ -42,6 +45,17 @@ pub struct Parameters {
     pub interface: Interface,
     /// Ways to load the mechanism: which masses are fitted, what is added.
     pub configurations: Vec<Configuration>,
+}
+
+/// How the hub moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Axis {
+    /// It turns: angles in rad, inertias in kg m^2, torques in N m. The weight's torque follows the angle.
+    #[default]
+    Rotary,
+    /// It slides: places in m, masses in kg, forces in N. The weight is constant: `out_of_balance` is the mass times the
+    /// sine of the slope.
+    Linear,
 }
 
 /// A torque that repeats with an angle: amplitude x sin(order x angle + phase).
@@ -69,7 +83,23 @@ impl Ripple {
     }
 }
 
+impl Ripple {
+    /// Returns the derivative of the ripple by the angle.
+    pub fn slope_at(&self, angle_rad: f64) -> f64 {
+        if self.amplitude == 0.0 {
+            0.0
+        } else {
+            self.amplitude * self.order * (self.order * angle_rad + self.phase_rad).cos()
+        }
+    }
+}
+
 impl Parameters {
+    /// Returns what a rigid transmission adds to the hub's inertia, kg m^2: ratio^2 x rotor; 0 if it is compliant.
+    pub fn reflected_inertia_kg_m2(&self) -> f64 {
+        if self.gearbox.is_rigid() { self.gearbox.ratio.powi(2) * self.motor.inertia_kg_m2 } else { 0.0 }
+    }
+
     /// Returns the parameters with a configuration applied: fitted masses add mass x position^2 to the hub inertia and
     /// mass x position to the out-of-balance (positions relative to the pivot).
     ///

@@ -1,13 +1,40 @@
 //! Sensors, converters and the clock of the digital controller.
 
+/// What the sensor of the controlled output measures: the controller's first reading, and what a demand demands.
+///
+/// Values of the motor are divided by the ratio, so that every reading of the loop is one of the hub's side.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Measured {
+    /// Inertial rate of the hub: a gyroscope on it.
+    #[default]
+    HubRate,
+    /// Rate of the hub relative to the platform: a tachometer on its axis.
+    RelativeRate,
+    /// Rate of the motor relative to the platform over the ratio: a tachometer on its shaft.
+    MotorRate,
+    /// Angle of the hub relative to the platform: a resolver or an encoder on its axis.
+    HubPosition,
+    /// Angle of the motor relative to the platform over the ratio: a resolver or an encoder on its shaft.
+    MotorPosition,
+}
+
+impl Measured {
+    /// Returns whether it is an angle or a place, and not a rate.
+    pub fn is_position(self) -> bool {
+        matches!(self, Self::HubPosition | Self::MotorPosition)
+    }
+}
+
 /// The sensors. Each one's reading is gain x truth + bias + g_sensitivity x heave, filtered, delayed, with noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensors {
-    /// Rate gyroscope on the hub (inertial rate).
+    /// Sensor of the controlled output: a rate gyroscope on the hub, unless `measured` says otherwise.
     pub hub_gyro: Sensor,
-    /// Rate gyroscope on the platform (inertial rate).
+    /// What that sensor measures.
+    pub measured: Measured,
+    /// Rate gyroscope on the platform (inertial rate); [`Sensor::ABSENT`] if none is fitted.
     pub platform_gyro: Sensor,
-    /// Accelerometer on the platform (heave, gravity removed).
+    /// Accelerometer on the platform (heave, gravity removed); [`Sensor::ABSENT`] if none is fitted.
     pub platform_accelerometer: Sensor,
     /// Distance of that accelerometer from the pivot, m: it also reads lever arm x pitch acceleration.
     pub accelerometer_lever_arm_m: f64,
@@ -36,6 +63,9 @@ pub struct Sensor {
     pub delay_s: f64,
     /// Reading per m/s^2 of heave, in the measured unit.
     pub g_sensitivity: f64,
+    /// Step of a digital reading, in the measured unit: 2 pi over the counts a turn of an encoder. 0: the reading passes the
+    /// analogue converter.
+    pub resolution: f64,
 }
 
 /// Converters and clock of the digital controller.
@@ -62,5 +92,14 @@ impl Sensor {
         bias: 0.0,
         delay_s: 0.0,
         g_sensitivity: 0.0,
+        resolution: 0.0,
     };
+
+    /// No sensor: its reading is 0.
+    pub const ABSENT: Self = Self { gain: 0.0, ..Self::IDEAL };
+
+    /// Returns whether there is a sensor.
+    pub fn is_fitted(&self) -> bool {
+        self.gain != 0.0
+    }
 }

@@ -91,14 +91,14 @@ pub struct PointMass {
     pub inertia_kg_m2: f64,
 }
 
-/// The structure as hub and beam inertia joined by a torsional spring.
+/// The structure as hub and beam inertia joined by a torsional spring; one rigid inertia if the spring is infinitely stiff.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lumped {
     /// Inertia at the hub, kg m^2.
     pub hub_inertia_kg_m2: f64,
-    /// Inertia of the beam, kg m^2.
+    /// Inertia of the beam, kg m^2; 0 if the structure is one inertia.
     pub beam_inertia_kg_m2: f64,
-    /// Stiffness hub to beam, N m/rad.
+    /// Stiffness hub to beam, N m/rad; infinite if the structure is rigid.
     pub stiffness_nm_rad: f64,
     /// Damping hub to beam, N m s/rad.
     pub damping_nm_s_rad: f64,
@@ -114,6 +114,29 @@ pub struct Lumped {
     pub hysteresis_nm: f64,
     /// Stiffness of that hose when it springs back, N m/rad.
     pub hysteresis_stiffness_nm_rad: f64,
+}
+
+impl Lumped {
+    /// Returns one rigid, balanced inertia.
+    pub fn rigid(inertia_kg_m2: f64) -> Self {
+        Self {
+            hub_inertia_kg_m2: inertia_kg_m2,
+            beam_inertia_kg_m2: 0.0,
+            stiffness_nm_rad: f64::INFINITY,
+            damping_nm_s_rad: 0.0,
+            out_of_balance_kg_m: 0.0,
+            vertical_offset_kg_m: 0.0,
+            position_stiffness_nm_rad: 0.0,
+            position_stiffness_centre_rad: 0.0,
+            hysteresis_nm: 0.0,
+            hysteresis_stiffness_nm_rad: 0.0,
+        }
+    }
+
+    /// Returns whether hub and beam turn as one body.
+    pub fn is_rigid(&self) -> bool {
+        self.stiffness_nm_rad == f64::INFINITY || self.beam_inertia_kg_m2 == 0.0
+    }
 }
 
 /// A way to load the mechanism.

@@ -3,8 +3,12 @@
 use crate::parameters::{Amplifier, AmplifierDynamics, Motor};
 
 impl Amplifier {
-    /// Returns the static gain of the closed amplifier loop, motor stalled: K_v / (R + K_v K_ifb), A/V.
+    /// Returns the static gain of the closed amplifier loop, motor stalled: K_v / (R + K_v K_ifb), A/V; of a drive that takes a
+    /// current or a torque, its gain.
     pub fn stall_gain_a_v(&self, motor: &Motor) -> f64 {
+        if matches!(self.dynamics, AmplifierDynamics::CurrentLoop { .. } | AmplifierDynamics::TorqueCommand) {
+            return self.gain;
+        }
         self.gain / (motor.resistance_ohm + self.gain * self.current_feedback_v_a)
     }
 
@@ -13,18 +17,23 @@ impl Amplifier {
     pub fn holding_drive_v(&self, voltage_v: f64, current_a: f64, motor: &Motor) -> f64 {
         match self.dynamics {
             AmplifierDynamics::Modelled => voltage_v / self.gain + self.current_feedback_v_a * current_a,
-            AmplifierDynamics::IdealCurrent => current_a / self.stall_gain_a_v(motor),
+            _ => current_a / self.stall_gain_a_v(motor),
         }
     }
 
     /// Returns what the linear amplifier receives for a control: v = map(dead zone(clip(u))).
     ///
     /// The map is odd and linear between its points, with map(v) = i(v) / (stall gain); beyond the last point it goes
-    /// on with the linear amplifier's slope.
+    /// on with the linear amplifier's slope. Without a lag, the bus limits the drive: to +/- bus voltage / gain.
     pub fn drive_v(&self, control_v: f64, motor: &Motor) -> f64 {
         let clipped = control_v.abs().min(self.input_limit_v);
         let beyond = (clipped - self.dead_zone_v).max(0.0);
-        control_v.signum() * self.mapped(beyond, self.stall_gain_a_v(motor))
+        let drive_v = control_v.signum() * self.mapped(beyond, self.stall_gain_a_v(motor));
+        if self.time_constant_s > 0.0 || self.dynamics != AmplifierDynamics::Modelled {
+            return drive_v;
+        }
+        let most = self.bus_voltage_v / self.gain;
+        drive_v.clamp(-most, most)
     }
 
     /// Returns the smallest control (in size) whose drive is `drive_v`; beyond the input limit the limit.

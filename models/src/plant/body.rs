@@ -12,7 +12,10 @@
 //! every mass: mu is the first moment, p_k the work that a unit of G does on mode k. The modes are scaled to unit
 //! modal mass (kg m^2, so that q_k has the unit rad). Undamped cross terms are absent: damping is modal.
 
+use crate::Error;
 use crate::parameters::Lumped;
+use counterpoise_lti::Mat;
+use counterpoise_lti::linalg::sym_gen_eigen;
 
 /// The structure in pinned-free modal coordinates; the module's documentation has the equations.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,10 +53,19 @@ impl Body {
     ///     phi = sqrt(J_b / (J_h J)),  psi = -sqrt(J_h / (J_b J)),  p = mu phi
     /// ```
     ///
-    /// (the out-of-balance torque acts on the hub). Inertias and stiffness must be positive.
+    /// (the out-of-balance torque acts on the hub). Inertias and stiffness must be positive. A rigid structure
+    /// ([`Lumped::is_rigid`]) is one inertia without a mode.
     pub fn lumped(lumped: &Lumped) -> Self {
         let (hub, beam) = (lumped.hub_inertia_kg_m2, lumped.beam_inertia_kg_m2);
         let total = hub + beam;
+        if lumped.is_rigid() {
+            return Self {
+                inertia_kg_m2: total,
+                out_of_balance_kg_m: lumped.out_of_balance_kg_m,
+                vertical_offset_kg_m: lumped.vertical_offset_kg_m,
+                modes: Vec::new(),
+            };
+        }
         let reduced = hub * beam / total;
         let frequency = (lumped.stiffness_nm_rad / reduced).sqrt();
         let hub_shape = (beam / (hub * total)).sqrt();
@@ -70,5 +82,43 @@ impl Body {
             vertical_offset_kg_m: lumped.vertical_offset_kg_m,
             modes: vec![mode],
         }
+    }
+
+    /// Returns the structure with an inertia added at its hub: the modes of M + a phi phi' and K, where phi is the hub's share of
+    /// each coordinate. Damping between the new modes is left out, as modal damping means; a structure of one mode has none.
+    ///
+    /// # Errors
+    /// [`Error::Linalg`] if the eigenproblem has no solution.
+    pub fn with_hub_inertia(&self, added_kg_m2: f64) -> Result<Self, Error> {
+        let n = self.modes.len();
+        let hub: Vec<f64> = std::iter::once(1.0).chain(self.modes.iter().map(|m| m.hub_shape)).collect();
+        let own = |i: usize| if i == 0 { self.inertia_kg_m2 } else { 1.0 };
+        let M = Mat::from_fn(n + 1, n + 1, |i, j| {
+            added_kg_m2 * hub[i] * hub[j] + if i == j { own(i) } else { 0.0 }
+        });
+        // the rigid rotation costs no energy: the flexible modes are those of what is left without it
+        let total = M[(0, 0)];
+        let apart = Mat::from_fn(n, n, |i, j| M[(i + 1, j + 1)] - M[(i + 1, 0)] * M[(0, j + 1)] / total);
+        let K = Mat::from_fn(n, n, |i, j| if i == j { self.modes[i].frequency_rad_s.powi(2) } else { 0.0 });
+        let (values, vectors) =
+            if n == 0 { (Vec::new(), Mat::zeros(0, 0)) } else { sym_gen_eigen(&K, &apart)? };
+        let modes = values.iter().enumerate().map(|(k, value)| {
+            let q = vectors.column(k);
+            let rigid = -(0..n).map(|i| M[(0, i + 1)] * q[i]).sum::<f64>() / total;
+            let sum = |share: &dyn Fn(&BodyMode) -> f64| {
+                self.modes.iter().zip(q).map(|(mode, q)| share(mode) * q).sum::<f64>()
+            };
+            let frequency = value.max(0.0).sqrt();
+            let damped =
+                self.modes.iter().zip(q).map(|(mode, q)| mode.damping_ratio * mode.frequency_rad_s * q * q);
+            BodyMode {
+                frequency_rad_s: frequency,
+                damping_ratio: damped.sum::<f64>() / frequency,
+                hub_shape: rigid + sum(&|mode| mode.hub_shape),
+                tip_shape: rigid + sum(&|mode| mode.tip_shape),
+                load_share_kg_m: rigid * self.out_of_balance_kg_m + sum(&|mode| mode.load_share_kg_m),
+            }
+        });
+        Ok(Self { inertia_kg_m2: total, modes: modes.collect(), ..self.clone() })
     }
 }

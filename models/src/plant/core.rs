@@ -4,7 +4,7 @@ use super::Plant;
 use crate::parameters::{AmplifierDynamics, IDEAL_LAG_S};
 use counterpoise_lti::Mat;
 
-/// Index of each state of the core; the modes follow from [`state::MODES`] on as pairs (q, q').
+/// Index of each state of the core, the same for every machine (see [`Plant::has_state`]); the modes follow from [`state::MODES`] on as pairs (q, q').
 pub mod state {
     /// Amplifier voltage V, V.
     pub const VOLTAGE: usize = 0;
@@ -49,13 +49,15 @@ pub enum Mesh {
     Free,
 }
 
-/// x' = A x + B u with the layouts [`state`] and [`input`].
+/// x' = A x + B u + c w_p' with the layouts [`state`] and [`input`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Core {
     /// State matrix.
     pub A: Mat,
     /// Input matrix.
     pub B: Mat,
+    /// c: change of the state per change of the platform's rate w_p; zeros unless a rigid transmission turns a rotor.
+    pub carried: Vec<f64>,
 }
 
 impl Plant {
@@ -76,9 +78,12 @@ impl Plant {
     ///
     /// T_x, T_y, T_mesh, G are the inputs. With an ideal current source the first line is t i' = v K_v / (R + K_v K_ifb) - i with
     /// t = [`IDEAL_LAG_S`], and the voltage stays 0. Half the gap is not subtracted here: it enters by T_mesh.
+    ///
+    /// With a rigid transmission the rotor is part of the structure, and T_2 = N (K_t i - F_v w_m + T_x) acts on it, with
+    /// w_m = N (w_h - w_p). A lag or an inductance of 0 leaves its state out: see [`Plant::current_row`].
     pub fn core(&self, mesh: Mesh) -> Core {
         let n = self.core_order();
-        let mut core = Core { A: Mat::zeros(n, n), B: Mat::zeros(n, input::COUNT) };
+        let mut core = Core { A: Mat::zeros(n, n), B: Mat::zeros(n, input::COUNT), carried: self.carried() };
         self.electrical_rows(&mut core);
         self.mechanical_rows(&mut core, mesh);
         core
@@ -109,26 +114,61 @@ impl Plant {
     }
 
     fn electrical_rows(&self, core: &mut Core) {
-        let (amplifier, motor) = (&self.parameters.amplifier, &self.parameters.motor);
-        if amplifier.dynamics == AmplifierDynamics::IdealCurrent {
+        let amplifier = &self.parameters.amplifier;
+        if self.has_state(state::VOLTAGE) {
             core.A[(state::VOLTAGE, state::VOLTAGE)] = -1.0 / amplifier.time_constant_s;
-            core.A[(state::CURRENT, state::CURRENT)] = -1.0 / IDEAL_LAG_S;
-            core.B[(state::CURRENT, input::DRIVE)] = amplifier.stall_gain_a_v(motor) / IDEAL_LAG_S;
+        }
+        match amplifier.dynamics {
+            AmplifierDynamics::Modelled => self.armature_rows(core),
+            AmplifierDynamics::IdealCurrent => self.current_source(core, IDEAL_LAG_S),
+            AmplifierDynamics::CurrentLoop { bandwidth_rad_s, .. } => {
+                self.current_source(core, 1.0 / bandwidth_rad_s);
+            }
+            AmplifierDynamics::TorqueCommand => {}
+        }
+    }
+
+    /// The current follows the drive with a lag.
+    fn current_source(&self, core: &mut Core, lag_s: f64) {
+        core.A[(state::CURRENT, state::CURRENT)] = -1.0 / lag_s;
+        let gain = self.parameters.amplifier.stall_gain_a_v(&self.parameters.motor);
+        core.B[(state::CURRENT, input::DRIVE)] = gain / lag_s;
+    }
+
+    /// The voltage with its lag, and the current through the inductance; each only if it is a state.
+    fn armature_rows(&self, core: &mut Core) {
+        let (amplifier, motor) = (&self.parameters.amplifier, &self.parameters.motor);
+        let rate = 1.0 / amplifier.time_constant_s;
+        if self.has_state(state::VOLTAGE) {
+            for (j, entry) in self.current_row().into_iter().enumerate().filter(|(_, entry)| *entry != 0.0) {
+                add(core, state::VOLTAGE, j, -rate * amplifier.gain * amplifier.current_feedback_v_a * entry);
+            }
+            core.B[(state::VOLTAGE, input::DRIVE)] = rate * amplifier.gain;
+        }
+        if !self.has_state(state::CURRENT) {
             return;
         }
-        let rate = 1.0 / amplifier.time_constant_s;
-        core.A[(state::VOLTAGE, state::VOLTAGE)] = -rate;
-        core.A[(state::VOLTAGE, state::CURRENT)] = -rate * amplifier.gain * amplifier.current_feedback_v_a;
-        core.B[(state::VOLTAGE, input::DRIVE)] = rate * amplifier.gain;
         let per_henry = 1.0 / motor.inductance_h;
-        core.A[(state::CURRENT, state::VOLTAGE)] = per_henry;
         core.A[(state::CURRENT, state::CURRENT)] = -motor.resistance_ohm * per_henry;
-        core.A[(state::CURRENT, state::MOTOR)] = -motor.back_emf_v_s_rad * per_henry;
+        if self.has_state(state::VOLTAGE) {
+            core.A[(state::CURRENT, state::VOLTAGE)] = per_henry;
+        } else {
+            core.A[(state::CURRENT, state::CURRENT)] -=
+                amplifier.gain * amplifier.current_feedback_v_a * per_henry;
+            core.B[(state::CURRENT, input::DRIVE)] = amplifier.gain * per_henry;
+        }
+        for (j, turns) in self.motor_rate_row().into_iter().enumerate().filter(|(_, turns)| *turns != 0.0) {
+            core.A[(state::CURRENT, j)] = -motor.back_emf_v_s_rad * per_henry * turns;
+        }
         core.B[(state::CURRENT, input::PLATFORM_RATE)] =
-            motor.back_emf_v_s_rad * motor.platform_coupling * per_henry;
+            motor.back_emf_v_s_rad * self.motor_share() * per_henry;
     }
 
     fn mechanical_rows(&self, core: &mut Core, mesh: Mesh) {
+        if self.is_rigid() {
+            let hub_torque = self.hub_torque_row(&self.rigid_torque_row());
+            return self.body_rows(core, &hub_torque);
+        }
         let n = self.core_order();
         let wind_up_rate = self.wind_up_rate_row();
         for j in 0..n + input::COUNT {
@@ -138,6 +178,20 @@ impl Plant {
         let hub_torque = self.hub_torque_row(&mesh_torque);
         self.motor_row(core, &mesh_torque);
         self.body_rows(core, &hub_torque);
+    }
+
+    /// The motor's torque at the output of a rigid transmission, less its viscous friction, as a row over [states, inputs].
+    fn rigid_torque_row(&self) -> Vec<f64> {
+        let (n, ratio) = (self.core_order(), self.parameters.gearbox.ratio);
+        let viscous = ratio * self.parameters.motor_friction.viscous_nm_s_rad;
+        let constant = ratio * self.parameters.motor.torque_constant_nm_a;
+        let mut row: Vec<f64> = self.current_row().iter().map(|entry| constant * entry).collect();
+        for (entry, rate) in row.iter_mut().zip(self.motor_rate_row()) {
+            *entry -= viscous * rate;
+        }
+        row[n + input::PLATFORM_RATE] += viscous * self.motor_share();
+        row[n + input::MOTOR_TORQUE] = ratio;
+        row
     }
 
     /// delta' as a row over [states, inputs].
@@ -176,7 +230,10 @@ impl Plant {
         let (n, motor) = (self.core_order(), &self.parameters.motor);
         let viscous = self.parameters.motor_friction.viscous_nm_s_rad;
         let mut row: Vec<f64> = mesh_torque.iter().map(|t| -t / self.parameters.gearbox.ratio).collect();
-        row[state::CURRENT] += motor.torque_constant_nm_a;
+        for (entry, current) in row.iter_mut().zip(self.current_row()).filter(|(_, current)| *current != 0.0)
+        {
+            *entry += motor.torque_constant_nm_a * current;
+        }
         row[state::MOTOR] -= viscous;
         row[n + input::PLATFORM_RATE] += viscous * motor.platform_coupling;
         row[n + input::MOTOR_TORQUE] += 1.0;
@@ -203,6 +260,13 @@ impl Plant {
             core.B[(dq, input::LOAD)] = -mode.load_share_kg_m;
         }
     }
+}
+
+/// Adds to entry `j` of a row over [states, inputs].
+fn add(core: &mut Core, row: usize, j: usize, value: f64) {
+    let n = core.A.nrows();
+    let before = if j < n { core.A[(row, j)] } else { core.B[(row, j - n)] };
+    set(core, row, j, if before == 0.0 { value } else { before + value });
 }
 
 /// Writes entry `j` of a row over [states, inputs].

@@ -18,16 +18,20 @@ pub struct Excitation {
     pub platform_angle_rad: f64,
     /// Platform pitch rate, rad/s.
     pub platform_rate_rad_s: f64,
+    /// Platform pitch acceleration, rad/s^2: only a rotor behind a rigid transmission feels it.
+    pub platform_acceleration_rad_s2: f64,
 }
 
 impl Plant {
     /// Returns the number of states of the right-hand side: those of the core, then the dry friction state at the motor and at
-    /// the pivot (always both; a law without a state leaves its own at rest), then a hose's torque if there is one.
+    /// the pivot (always both; a law without a state leaves its own at rest), then a hose's torque and that of the transmission's
+    /// hysteresis if there is one.
     pub fn order(&self) -> usize {
-        self.core_order() + 2 + usize::from(self.hose.is_some())
+        self.core_order() + 2 + usize::from(self.hose.is_some()) + usize::from(self.gear_hysteresis.is_some())
     }
 
-    /// The derivative of the state \[core ([`state`]), motor friction, pivot friction, hose\]: the definition of the plant.
+    /// The derivative of the state \[core ([`state`]), motor friction, pivot friction, hose, gear hysteresis\]: the definition of
+    /// the plant.
     ///
     /// Laws with one state are continuous and are taken as they are (a torque in N m for Dahl and Walrath, a deflection in
     /// rad for LuGre and the reset integrator); laws that truly stick slide at any rate but zero, and bristles are taken
@@ -38,7 +42,7 @@ impl Plant {
         let dot = |row: &[f64]| row.iter().zip(x).map(|(c, s)| c * s).sum::<f64>();
         let (hub_rate, hub_angle) = (dot(&self.hub_rate_row()), dot(&self.hub_angle_row()));
         let relative_rate = hub_rate - at.platform_rate_rad_s;
-        let motor_rate = x[state::MOTOR] - self.parameters.motor.platform_coupling * at.platform_rate_rad_s;
+        let motor_rate = dot(&self.motor_rate_row()) - self.motor_share() * at.platform_rate_rad_s;
         let relative_angle = hub_angle - at.platform_angle_rad;
         let motor_angle = self.parameters.gearbox.ratio * (x[state::WINDUP] + relative_angle);
         let (mesh, offset) = self.mesh(x[state::WINDUP]);
@@ -50,21 +54,32 @@ impl Plant {
         let pivot_around = around(relative_angle, mesh_torque);
         let (motor_dry, motor_state) = dry(&self.motor_friction, motor_rate, &motor_around, x[n]);
         let (pivot_dry, pivot_state) = dry(&self.pivot_friction, relative_rate, &pivot_around, x[n + 1]);
-        let (sin, cos) = hub_angle.sin_cos();
+        let (sin, cos) = self.tilt(hub_angle);
         let gravity = self.parameters.gravity_m_s2 + at.heave_m_s2;
         let mut u = [0.0; input::COUNT];
         u[input::DRIVE] = self.parameters.amplifier.drive_v(at.control_v, &self.parameters.motor);
         u[input::PLATFORM_RATE] = at.platform_rate_rad_s;
         let loss = self.mesh_loss_nm(mesh_torque, motor_rate);
-        u[input::MOTOR_TORQUE] =
-            self.motor_torque_nm(x[state::CURRENT], motor_angle, motor_rate) + loss.motor_nm - motor_dry;
+        let hysteresis = if self.gear_hysteresis.is_some() { x[self.order() - 1] } else { 0.0 };
+        let error = self.kinematic_error_nm(mesh_torque + hysteresis, motor_angle, motor_rate);
+        let current =
+            dot(&self.current_row()) + self.direct_current_a(u[input::DRIVE], at.platform_rate_rad_s);
+        u[input::MOTOR_TORQUE] = self.motor_torque_nm(current, motor_angle, motor_rate) + loss.motor_nm
+            - motor_dry
+            + error.motor_nm
+            - hysteresis / ratio;
         u[input::HUB_TORQUE] = self.hub_torque_nm(relative_angle, motor_angle, relative_rate) + loss.hub_nm
             - pivot_dry
             - if self.hose.is_some() { x[n + 2] } else { 0.0 }
+            + error.hub_nm
+            + hysteresis
             + gravity * self.body.vertical_offset_kg_m * sin;
         u[input::LOAD] = gravity * cos;
         u[input::MESH_TORQUE] = offset;
         multiply(&core, x, &u, dx);
+        for (slope, carried) in dx.iter_mut().zip(&core.carried) {
+            *slope += carried * at.platform_acceleration_rad_s2;
+        }
         let bus = self.parameters.amplifier.bus_voltage_v;
         if x[state::VOLTAGE].abs() >= bus && dx[state::VOLTAGE] * x[state::VOLTAGE] > 0.0 {
             dx[state::VOLTAGE] = 0.0;
@@ -74,12 +89,19 @@ impl Plant {
         if let Some(hose) = self.hose {
             dx[n + 2] = hose.slope(x[n + 2], relative_rate);
         }
+        if let Some(hysteresis) = self.gear_hysteresis {
+            let last = self.order() - 1;
+            dx[last] = hysteresis.slope(x[last], motor_rate / ratio - relative_rate);
+        }
     }
 
     /// Returns whether the teeth touch at a wind-up, and the torque that takes half the gap off the spring, N m.
     #[inline]
     pub fn mesh(&self, wind_up_rad: f64) -> (Mesh, f64) {
         let half = 0.5 * self.parameters.gearbox.backlash_rad;
+        if half == 0.0 {
+            return (Mesh::Touching, -0.0);
+        }
         if half > 0.0 && wind_up_rad.abs() <= half {
             return (Mesh::Free, 0.0);
         }
@@ -87,7 +109,8 @@ impl Plant {
         (Mesh::Touching, -sign * half * self.parameters.gearbox.stiffness_nm_rad)
     }
 
-    /// Returns the gear torque T_2 at the output, N m.
+    /// Returns the gear torque T_2 at the output, N m, without kinematic error and hysteresis; 0 if the transmission is rigid, whose
+    /// torque is no function of the motion.
     pub fn mesh_torque_nm(
         &self,
         wind_up_rad: f64,
@@ -96,6 +119,9 @@ impl Plant {
         platform_rate: f64,
     ) -> f64 {
         let gearbox = &self.parameters.gearbox;
+        if gearbox.is_rigid() {
+            return 0.0;
+        }
         match self.mesh(wind_up_rad) {
             (Mesh::Free, _) => 0.0,
             (Mesh::Touching, offset) => {
@@ -128,7 +154,7 @@ impl Plant {
     }
 }
 
-/// What an imperfect mesh takes from either side.
+/// What an imperfect mesh adds at either side.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct MeshLoss {
     /// Torque added at the motor shaft, N m.
@@ -151,6 +177,26 @@ impl Plant {
             motor_nm: 0.5 * (1.0 - sense) * lost / self.parameters.gearbox.ratio,
             hub_nm: -0.5 * (1.0 + sense) * lost,
         }
+    }
+}
+
+impl Plant {
+    /// Returns what the transmission's kinematic error e(theta_m) adds at either side, with the torque T_2 that the mesh passes
+    /// without it: the mesh stretches by e, so it passes K e + D e' w_m more, and all of it works on the motor by e' as well.
+    pub fn kinematic_error_nm(
+        &self,
+        mesh_torque_nm: f64,
+        motor_angle_rad: f64,
+        motor_rate_rad_s: f64,
+    ) -> MeshLoss {
+        let gearbox = &self.parameters.gearbox;
+        if gearbox.kinematic_error.amplitude == 0.0 {
+            return MeshLoss::default();
+        }
+        let slope = gearbox.kinematic_error.slope_at(motor_angle_rad);
+        let added = gearbox.stiffness_nm_rad * gearbox.kinematic_error.at(motor_angle_rad)
+            + gearbox.damping_nm_s_rad * slope * motor_rate_rad_s;
+        MeshLoss { motor_nm: -added / gearbox.ratio - (mesh_torque_nm + added) * slope, hub_nm: added }
     }
 }
 

@@ -3,6 +3,7 @@
 use super::core::state;
 use super::{Mesh, Plant};
 use crate::parameters::AmplifierDynamics;
+use crate::tolerance::KINEMATIC_ITERATIONS;
 
 /// Where the mechanism is held.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -50,18 +51,26 @@ impl Plant {
         let wind_up = held / gearbox.stiffness_nm_rad + half_gap(held, gearbox.backlash_rad);
         let motor_angle = gearbox.ratio * (wind_up + relative);
         let mesh_torque = held - gearbox.mesh_ripple.at(motor_angle);
-        let shaft = mesh_torque / gearbox.ratio - motor.cogging.at(motor_angle);
+        let error = self.error_at_rest(held, motor_angle);
+        let motor_angle = motor_angle - gearbox.ratio * error;
+        let turned = gearbox.kinematic_error.slope_at(motor_angle);
+        let shaft = mesh_torque / gearbox.ratio + mesh_torque * turned - motor.cogging.at(motor_angle);
         let current = shaft / (motor.torque_constant_nm_a * (1.0 + motor.torque_ripple.at(motor_angle)));
         let amplifier = &self.parameters.amplifier;
-        let drive = current * (motor.resistance_ohm / amplifier.gain + amplifier.current_feedback_v_a);
+        let drive = match amplifier.dynamics {
+            AmplifierDynamics::Modelled | AmplifierDynamics::IdealCurrent => {
+                current * (motor.resistance_ohm / amplifier.gain + amplifier.current_feedback_v_a)
+            }
+            _ => current / amplifier.gain,
+        };
         let mut core_state = self.held_shape(point, held);
         core_state[state::VOLTAGE] = match amplifier.dynamics {
-            AmplifierDynamics::Modelled => motor.resistance_ohm * current,
-            AmplifierDynamics::IdealCurrent => 0.0,
+            AmplifierDynamics::Modelled if self.has_state(state::VOLTAGE) => motor.resistance_ohm * current,
+            _ => 0.0,
         };
-        core_state[state::CURRENT] = current;
+        core_state[state::CURRENT] = if self.has_state(state::CURRENT) { current } else { 0.0 };
         core_state[state::WINDUP] =
-            mesh_torque / gearbox.stiffness_nm_rad + half_gap(mesh_torque, gearbox.backlash_rad);
+            mesh_torque / gearbox.stiffness_nm_rad + half_gap(mesh_torque, gearbox.backlash_rad) - error;
         Equilibrium {
             point: *point,
             control_v: amplifier.control_v(drive, motor),
@@ -74,9 +83,19 @@ impl Plant {
         }
     }
 
+    /// Returns the kinematic error e at rest, by iteration on theta_m = N (delta + theta_h - theta_p) with delta = delta_0 - e; `angle`
+    /// is theta_m at delta_0.
+    fn error_at_rest(&self, held_nm: f64, angle_rad: f64) -> f64 {
+        let gearbox = &self.parameters.gearbox;
+        if gearbox.kinematic_error.amplitude == 0.0 || held_nm.is_nan() {
+            return 0.0;
+        }
+        (0..KINEMATIC_ITERATIONS).fold(0.0, |e, _| gearbox.kinematic_error.at(angle_rad - gearbox.ratio * e))
+    }
+
     /// Returns the torque that the gear must pass for the hub to rest.
     fn held_torque_nm(&self, point: &OperatingPoint) -> f64 {
-        let (sin, cos) = point.hub_angle_rad.sin_cos();
+        let (sin, cos) = self.tilt(point.hub_angle_rad);
         let gravity = self.parameters.gravity_m_s2;
         let weight = self.body.out_of_balance_kg_m * cos - self.body.vertical_offset_kg_m * sin;
         gravity * weight - self.spring_torque_nm(point.hub_angle_rad - point.platform_angle_rad)
@@ -84,7 +103,7 @@ impl Plant {
 
     /// Returns the angle and the modes of the structure under its weight, held at the hub by `held` less the spring.
     fn held_shape(&self, point: &OperatingPoint, held: f64) -> Vec<f64> {
-        let (sin, cos) = point.hub_angle_rad.sin_cos();
+        let (sin, cos) = self.tilt(point.hub_angle_rad);
         let gravity = self.parameters.gravity_m_s2;
         let relative = point.hub_angle_rad - point.platform_angle_rad;
         let lift = gravity * self.body.vertical_offset_kg_m * sin;

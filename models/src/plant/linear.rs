@@ -5,7 +5,7 @@ use super::{Core, Equilibrium, Mesh, Plant};
 use crate::Error;
 use crate::friction::FrictionModel;
 use crate::friction::describing::describing_function;
-use crate::parameters::Friction;
+use crate::parameters::{Axis, Friction};
 use counterpoise_lti::{Mat, StateSpace, Timebase};
 
 /// What takes the place of dry friction.
@@ -21,6 +21,14 @@ pub enum FrictionLinearisation {
         /// Its frequency, rad/s.
         frequency_rad_s: f64,
     },
+    /// A stiffness and a damping at each joint: of presliding at rest, of steady sliding, or of one harmonic at the joint's own
+    /// amplitude. Stiffness enters only if angles are kept.
+    Impedances {
+        /// At the motor shaft.
+        motor: Impedance,
+        /// At the pivot.
+        pivot: Impedance,
+    },
 }
 
 /// Whether angles stay among the states.
@@ -31,6 +39,12 @@ pub enum Angles {
     Drop,
     /// The hub angle and the hub's angle relative to the platform are states, with everything that depends on them.
     Keep,
+    /// The hub's angle relative to the platform alone is a state: gravity's gradient acts on it, as on a platform whose own
+    /// angle stays. Without the second angle the system has no pole that neither the control nor a reading reaches.
+    Relative,
+    /// The hub's angle relative to the platform is a state, and gravity's gradient, the spring and friction's stiffness act on
+    /// it, as with [`Angles::Relative`]. Hub and tip are then outputs as positions: for a loop of position.
+    Position,
 }
 
 /// The plant as a linear system about an operating point
@@ -39,6 +53,9 @@ pub enum Angles {
 ///     x' = A x + B [control, heave, pitch rate]        control V, heave m/s^2, pitch rate rad/s (deviations)
 ///     [hub rate, tip rate, motor rate] = C x + D [...]  rad/s; hub and tip inertial, motor relative to the platform
 /// ```
+///
+/// With [`Angles::Position`] hub and tip are angles relative to the platform, rad. If the loop's sensor measures neither the hub's
+/// inertial rate nor its angle, a fourth output is what it measures (see [`crate::Measured`]).
 ///
 /// The motor's inertial coupling to the platform needs no pitch acceleration: its state is the sum of motor rate and
 /// coupling x pitch rate, and the pitch rate enters directly. Sensors are not included; the static gain of the
@@ -51,6 +68,19 @@ pub struct LinearPlant {
     pub state_names: Vec<String>,
     /// Where it holds.
     pub equilibrium: Equilibrium,
+    /// The armature current, A.
+    pub current: OutputRow,
+    /// Which output the loop's sensor measures.
+    pub measured: usize,
+}
+
+/// An output of a linear plant: y = c x + d u.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OutputRow {
+    /// Over the states.
+    pub states: Vec<f64>,
+    /// Over the inputs.
+    pub inputs: [f64; 3],
 }
 
 impl LinearPlant {
@@ -64,19 +94,21 @@ impl LinearPlant {
     pub const HEAVE: usize = 1;
     /// Column of the platform's pitch rate.
     pub const PITCH_RATE: usize = 2;
-    /// Row of the hub rate.
+    /// Row of the hub rate, or of its angle with [`Angles::Position`].
     pub const HUB_RATE: usize = 0;
-    /// Row of the tip rate.
+    /// Row of the tip rate, or of its angle with [`Angles::Position`].
     pub const TIP_RATE: usize = 1;
     /// Row of the motor rate.
     pub const MOTOR_RATE: usize = 2;
 }
 
-/// Stiffness and damping that act on a relative motion.
+/// Stiffness and damping that act on the relative motion of a joint.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-struct Impedance {
-    stiffness: f64,
-    damping: f64,
+pub struct Impedance {
+    /// Stiffness, N m/rad.
+    pub stiffness: f64,
+    /// Damping, N m s/rad.
+    pub damping: f64,
 }
 
 impl Plant {
@@ -94,19 +126,32 @@ impl Plant {
         let mut core = self.core(Mesh::Touching);
         let relative = self.append_relative_angle(&mut core);
         self.add_motor_impedance(&mut core, relative, motor);
-        self.add_hub_impedance(&mut core, relative, pivot, equilibrium);
-        let mut kept: Vec<usize> = (0..=relative).collect();
-        if angles == Angles::Drop {
-            kept.retain(|&s| s != state::ANGLE && s != relative);
+        let of_gradient = match angles {
+            Angles::Drop | Angles::Keep | Angles::Relative => self.hub_angle_row(),
+            Angles::Position => unit(relative + 1, relative),
+        };
+        self.add_hub_impedance(&mut core, &of_gradient, pivot, equilibrium);
+        let mut kept: Vec<usize> = (0..=relative).filter(|&s| self.has_state(s)).collect();
+        match angles {
+            Angles::Drop => kept.retain(|&s| s != state::ANGLE && s != relative),
+            Angles::Relative => {
+                move_gradient(&mut core, relative, &self.hub_angle_row());
+                kept.retain(|&s| s != state::ANGLE);
+            }
+            Angles::Position => kept.retain(|&s| s != state::ANGLE),
+            Angles::Keep => {}
         }
-        let system = self.to_state_space(&core, &kept, equilibrium)?;
+        let rows = self.output_rows(angles);
+        let system = self.to_state_space(&core, &kept, &rows, equilibrium)?;
         let names = self.core_state_names();
         let state_names = kept.iter().map(|&s| names[s].clone()).collect();
-        Ok(LinearPlant { system, state_names, equilibrium: equilibrium.clone() })
+        let current = self.linear_current(&kept, self.drive_slope(equilibrium));
+        let measured = if rows.len() > LinearPlant::OUTPUTS.len() { rows.len() - 1 } else { 0 };
+        Ok(LinearPlant { system, state_names, equilibrium: equilibrium.clone(), current, measured })
     }
 
-    /// Slope of the drive over the control at an equilibrium, by the map's secant over one converter-sized step.
-    fn drive_slope(&self, equilibrium: &Equilibrium) -> f64 {
+    /// Returns the slope of the drive over the control at an equilibrium, by the map's secant over one converter-sized step.
+    pub fn drive_slope(&self, equilibrium: &Equilibrium) -> f64 {
         let (amplifier, motor) = (&self.parameters.amplifier, &self.parameters.motor);
         if amplifier.map.is_empty() {
             return 1.0;
@@ -117,9 +162,12 @@ impl Plant {
     }
 
     fn dry_impedances(&self, friction: FrictionLinearisation) -> Result<(Impedance, Impedance), Error> {
-        let FrictionLinearisation::DescribingFunction { hub_amplitude_rad, frequency_rad_s } = friction
-        else {
-            return Ok((Impedance::default(), Impedance::default()));
+        let (hub_amplitude_rad, frequency_rad_s) = match friction {
+            FrictionLinearisation::Viscous => return Ok((Impedance::default(), Impedance::default())),
+            FrictionLinearisation::Impedances { motor, pivot } => return Ok((motor, pivot)),
+            FrictionLinearisation::DescribingFunction { hub_amplitude_rad, frequency_rad_s } => {
+                (hub_amplitude_rad, frequency_rad_s)
+            }
         };
         for (name, value) in [("hub_amplitude_rad", hub_amplitude_rad), ("frequency_rad_s", frequency_rad_s)]
         {
@@ -156,6 +204,9 @@ impl Plant {
 
     /// Adds a torque -(k theta_m + c w_m) at the motor: theta_m = N (delta + theta_h - theta_p).
     fn add_motor_impedance(&self, core: &mut Core, relative: usize, dry: Impedance) {
+        if self.is_rigid() {
+            return self.add_rotor_impedance(core, relative, dry);
+        }
         let gain = core.B[(state::MOTOR, input::MOTOR_TORQUE)];
         let ratio = self.parameters.gearbox.ratio;
         core.A[(state::MOTOR, state::WINDUP)] -= gain * dry.stiffness * ratio;
@@ -165,40 +216,69 @@ impl Plant {
             gain * dry.damping * self.parameters.motor.platform_coupling;
     }
 
-    /// Adds the torque of friction, spring and gravity's gradient at the hub.
-    fn add_hub_impedance(&self, core: &mut Core, relative: usize, dry: Impedance, at: &Equilibrium) {
-        let (sin, cos) = at.point.hub_angle_rad.sin_cos();
+    /// The same where the rotor turns with the hub.
+    fn add_rotor_impedance(&self, core: &mut Core, relative: usize, dry: Impedance) {
+        let (ratio, rates) = (self.parameters.gearbox.ratio, self.motor_rate_row());
+        for row in 0..relative {
+            let gain = core.B[(row, input::MOTOR_TORQUE)];
+            core.A[(row, relative)] -= gain * dry.stiffness * ratio;
+            for (j, rate) in rates.iter().enumerate() {
+                core.A[(row, j)] -= gain * dry.damping * rate;
+            }
+            core.B[(row, input::PLATFORM_RATE)] += gain * dry.damping * self.motor_share();
+        }
+    }
+
+    /// Adds the torque of friction, spring and gravity's gradient at the hub, whose angle is a row over the states.
+    fn add_hub_impedance(&self, core: &mut Core, angles: &[f64], dry: Impedance, at: &Equilibrium) {
+        let (sin, cos) = self.tilt(at.point.hub_angle_rad);
         let gravity = self.parameters.gravity_m_s2;
-        let lift = gravity * self.body.vertical_offset_kg_m * cos;
-        let (rates, angles) = (self.hub_rate_row(), self.hub_angle_row());
+        let lift = match self.parameters.axis {
+            Axis::Rotary => gravity * self.body.vertical_offset_kg_m * cos,
+            Axis::Linear => 0.0,
+        };
+        let rates = self.hub_rate_row();
+        let relative = rates.len();
         for row in 0..relative {
             let (torque, load) = (core.B[(row, input::HUB_TORQUE)], core.B[(row, input::LOAD)]);
             core.A[(row, relative)] -= torque * (dry.stiffness + self.spring.0);
             core.B[(row, input::PLATFORM_RATE)] += torque * dry.damping;
-            for j in 0..relative {
-                core.A[(row, j)] -= torque * dry.damping * rates[j];
-                core.A[(row, j)] += (torque * lift - load * gravity * sin) * angles[j];
+            for (j, rate) in rates.iter().enumerate() {
+                core.A[(row, j)] -= torque * dry.damping * rate;
+            }
+            for (j, angle) in angles.iter().enumerate() {
+                core.A[(row, j)] += (torque * lift - load * gravity * sin) * angle;
             }
         }
     }
 
-    fn to_state_space(&self, core: &Core, kept: &[usize], at: &Equilibrium) -> Result<StateSpace, Error> {
-        let (sin, cos) = at.point.hub_angle_rad.sin_cos();
+    fn to_state_space(
+        &self,
+        core: &Core,
+        kept: &[usize],
+        rows: &[OutputRow],
+        at: &Equilibrium,
+    ) -> Result<StateSpace, Error> {
+        let (sin, cos) = self.tilt(at.point.hub_angle_rad);
         let heave_torque = self.body.vertical_offset_kg_m * sin;
+        let is_carried = core.carried.iter().any(|c| *c != 0.0);
         let slope = self.drive_slope(at);
         let B = Mat::from_fn(kept.len(), 3, |i, j| match j {
             LinearPlant::CONTROL => slope * core.B[(kept[i], input::DRIVE)],
             LinearPlant::HEAVE => {
                 cos * core.B[(kept[i], input::LOAD)] + heave_torque * core.B[(kept[i], input::HUB_TORQUE)]
             }
+            _ if is_carried => core.B[(kept[i], input::PLATFORM_RATE)] + carried_through(core, kept[i]),
             _ => core.B[(kept[i], input::PLATFORM_RATE)],
         });
-        let mut motor = vec![0.0; self.core_order()];
-        motor[state::MOTOR] = 1.0;
-        let rows = [self.hub_rate_row(), self.tip_rate_row(), motor];
-        let C = Mat::from_fn(3, kept.len(), |i, j| rows[i].get(kept[j]).copied().unwrap_or(0.0));
-        let mut D = Mat::zeros(3, 3);
-        D[(LinearPlant::MOTOR_RATE, LinearPlant::PITCH_RATE)] = -self.parameters.motor.platform_coupling;
+        let C =
+            Mat::from_fn(rows.len(), kept.len(), |i, j| rows[i].states.get(kept[j]).copied().unwrap_or(0.0));
+        let D = Mat::from_fn(rows.len(), 3, |i, j| match j {
+            LinearPlant::PITCH_RATE if is_carried => {
+                rows[i].inputs[j] + moved(&rows[i].states, &core.carried)
+            }
+            _ => rows[i].inputs[j],
+        });
         Ok(StateSpace::new(core.A.select(kept, kept), B, C, D, Timebase::Continuous)?)
     }
 
@@ -222,8 +302,34 @@ impl Plant {
     }
 }
 
+/// With x = y + c w_p the platform's rate drives y by A c: a row of it.
+fn carried_through(core: &Core, row: usize) -> f64 {
+    core.carried.iter().enumerate().map(|(j, c)| core.A[(row, j)] * c).sum()
+}
+
+/// Moves what acts on the hub's inertial angle, the row `angles` of the core's states, onto its relative angle.
+fn move_gradient(core: &mut Core, relative: usize, angles: &[f64]) {
+    for row in 0..relative {
+        let gradient = core.A[(row, state::ANGLE)];
+        core.A[(row, relative)] += gradient;
+        for (j, share) in angles.iter().enumerate() {
+            core.A[(row, j)] -= gradient * share;
+        }
+    }
+}
+
+/// What the platform's rate moves of an output by moving the state.
+fn moved(states: &[f64], carried: &[f64]) -> f64 {
+    states.iter().zip(carried).map(|(row, c)| row * c).sum()
+}
+
+/// Returns the row that picks one of n.
+pub(super) fn unit(n: usize, k: usize) -> Vec<f64> {
+    (0..n).map(|j| f64::from(u8::from(j == k))).collect()
+}
+
 /// Returns the describing function of the dry part as a stiffness and a damping: F = k x + c x' for x = A sin(w t).
-fn impedance(friction: &Friction, amplitude: f64, frequency: f64) -> Result<Impedance, Error> {
+pub fn impedance(friction: &Friction, amplitude: f64, frequency: f64) -> Result<Impedance, Error> {
     let dry = Friction {
         viscous_nm_s_rad: 0.0,
         viscous_asymmetry: 0.0,

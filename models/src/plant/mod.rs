@@ -1,7 +1,7 @@
 //! The nonlinear plant: amplifier, motor, gear mesh with a gap, the structure, dry friction, gravity and heave.
 //!
 //! A [`Plant`] is [`Parameters`] whose ranges have been checked, with the structure in modal coordinates. From it:
-//! the linear [`core`] that a simulator steps exactly, the [`equilibrium`], the right-hand side ([`dynamics`]) and
+//! the linear [`core`] that a simulator steps exactly (its [`rows`] say which states a machine has), the [`equilibrium`], the right-hand side ([`dynamics`]) and
 //! the linearisation ([`linear`]).
 
 mod amplifier;
@@ -12,7 +12,9 @@ pub mod dynamics;
 pub mod equilibrium;
 pub mod hose;
 pub mod linear;
+mod outputs;
 mod ranges;
+pub mod rows;
 mod sensor;
 
 pub use self::body::{Body, BodyMode};
@@ -20,7 +22,7 @@ pub use self::core::{Core, Mesh};
 pub use self::dynamics::Excitation;
 pub use self::equilibrium::{Equilibrium, OperatingPoint};
 pub use self::hose::Hose;
-pub use self::linear::{Angles, FrictionLinearisation, LinearPlant};
+pub use self::linear::{Angles, FrictionLinearisation, Impedance, LinearPlant, OutputRow, impedance};
 
 use crate::Error;
 use crate::friction::FrictionModel;
@@ -36,6 +38,10 @@ pub struct Plant {
     /// Spring between hub and platform, N m/rad, and the relative angle at which it is slack, rad.
     pub(crate) spring: (f64, f64),
     pub(crate) hose: Option<Hose>,
+    /// Hysteresis of the transmission's compliance.
+    pub(crate) gear_hysteresis: Option<Hose>,
+    /// Current per drive, A/V, and per platform rate, A s/rad, that needs no state.
+    pub(crate) direct_current: [f64; 2],
 }
 
 impl Plant {
@@ -45,30 +51,50 @@ impl Plant {
     /// [`Error::NoStructure`] without lumped inertias, [`Error::Parameter`] for the first parameter out of range.
     pub fn lumped(parameters: &Parameters) -> Result<Self, Error> {
         let lumped = parameters.lumped.as_ref().ok_or(Error::NoStructure)?;
-        ranges::lumped(lumped)?;
-        Self::with_body(parameters, Body::lumped(lumped))
+        ranges::lumped(parameters, lumped)?;
+        let mut whole = lumped.clone();
+        whole.hub_inertia_kg_m2 += parameters.reflected_inertia_kg_m2();
+        Self::with_whole_body(parameters, Body::lumped(&whole))
     }
 
     /// Returns the plant with a structure in modal coordinates, for instance from finite elements; the drive, the friction,
-    /// the sensors and the position spring are those of the parameters.
+    /// the sensors and the position spring are those of the parameters. With a rigid transmission the rotor's inertia is added at
+    /// the hub, and the modes are found anew.
     ///
     /// # Errors
     /// [`Error::Parameter`] for the first parameter out of range.
     pub fn with_body(parameters: &Parameters, body: Body) -> Result<Self, Error> {
         ranges::check(parameters)?;
         ranges::body(&body)?;
+        let reflected = parameters.reflected_inertia_kg_m2();
+        let body = if reflected > 0.0 { body.with_hub_inertia(reflected)? } else { body };
+        Self::with_whole_body(parameters, body)
+    }
+
+    /// Returns the plant with a structure that holds the rotor of a rigid transmission already, as that of another plant does.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for the first parameter out of range.
+    pub fn with_whole_body(parameters: &Parameters, body: Body) -> Result<Self, Error> {
+        ranges::check(parameters)?;
+        ranges::body(&body)?;
         let spring = parameters
             .lumped
             .as_ref()
             .map_or((0.0, 0.0), |l| (l.position_stiffness_nm_rad, l.position_stiffness_centre_rad));
-        Ok(Self {
+        let mut plant = Self {
             motor_friction: FrictionModel::named("motor_friction", &parameters.motor_friction)?,
             pivot_friction: FrictionModel::named("pivot_friction", &parameters.pivot_friction)?,
             parameters: parameters.clone(),
             body,
             spring,
             hose: parameters.lumped.as_ref().and_then(Hose::of),
-        })
+            gear_hysteresis: Hose::of_gearbox(&parameters.gearbox),
+            direct_current: [0.0; 2],
+        };
+        ranges::joints(&plant)?;
+        plant.direct_current = plant.direct_current_of();
+        Ok(plant)
     }
 
     /// Returns the parameters that the plant was built from.
@@ -86,6 +112,11 @@ impl Plant {
     /// Returns the hose between hub and platform that remembers how it was bent; `None` if there is none.
     pub fn hose(&self) -> Option<Hose> {
         self.hose
+    }
+
+    /// Returns the hysteresis of the transmission's compliance; `None` if there is none.
+    pub fn gear_hysteresis(&self) -> Option<Hose> {
+        self.gear_hysteresis
     }
 
     /// Returns the torque of the position spring on the hub at a hub angle relative to the platform, N m.

@@ -1,8 +1,12 @@
 //! The ranges in which a mechanism makes sense, checked once, when a plant is built.
 
-use super::Body;
-use crate::parameters::{Lumped, Parameters, Sensor};
+use super::{Body, Plant};
+use crate::friction::{FrictionModel, Law};
+use crate::parameters::{Amplifier, AmplifierDynamics, Lumped, Parameters, Sensor};
 use crate::{Error, Range};
+
+/// Most bits of a converter: beyond, double precision has no smaller step over its range.
+const MOST_BITS: f64 = 52.0;
 
 /// Refuses parameters outside their ranges; the first one found is named with its path.
 pub(super) fn check(parameters: &Parameters) -> Result<(), Error> {
@@ -13,10 +17,11 @@ pub(super) fn check(parameters: &Parameters) -> Result<(), Error> {
 }
 
 /// Refuses a two-inertia structure that has no finite, damped mode.
-pub(super) fn lumped(lumped: &Lumped) -> Result<(), Error> {
-    positive("lumped.hub_inertia_kg_m2", lumped.hub_inertia_kg_m2)?;
-    positive("lumped.beam_inertia_kg_m2", lumped.beam_inertia_kg_m2)?;
-    positive("lumped.stiffness_nm_rad", lumped.stiffness_nm_rad)?;
+pub(super) fn lumped(parameters: &Parameters, lumped: &Lumped) -> Result<(), Error> {
+    positive("lumped.hub_inertia_kg_m2", lumped.hub_inertia_kg_m2 + parameters.reflected_inertia_kg_m2())?;
+    not_negative("lumped.hub_inertia_kg_m2", lumped.hub_inertia_kg_m2)?;
+    not_negative("lumped.beam_inertia_kg_m2", lumped.beam_inertia_kg_m2)?;
+    positive_or_infinite("lumped.stiffness_nm_rad", lumped.stiffness_nm_rad)?;
     not_negative("lumped.damping_nm_s_rad", lumped.damping_nm_s_rad)?;
     finite("lumped.out_of_balance_kg_m", lumped.out_of_balance_kg_m)?;
     finite("lumped.vertical_offset_kg_m", lumped.vertical_offset_kg_m)?;
@@ -44,24 +49,83 @@ pub(super) fn body(body: &Body) -> Result<(), Error> {
 fn drive(parameters: &Parameters) -> Result<(), Error> {
     let (gearbox, motor, amplifier) = (&parameters.gearbox, &parameters.motor, &parameters.amplifier);
     positive("gearbox.ratio", gearbox.ratio)?;
-    positive("gearbox.stiffness_nm_rad", gearbox.stiffness_nm_rad)?;
+    positive_or_infinite("gearbox.stiffness_nm_rad", gearbox.stiffness_nm_rad)?;
     not_negative("gearbox.damping_nm_s_rad", gearbox.damping_nm_s_rad)?;
     not_negative("gearbox.backlash_rad", gearbox.backlash_rad)?;
     require(Range::AboveTo(0.0, 1.0), "gearbox.mesh_efficiency", gearbox.mesh_efficiency)?;
-    positive("motor.inertia_kg_m2", motor.inertia_kg_m2)?;
+    finite("gearbox.kinematic_error.amplitude", gearbox.kinematic_error.amplitude)?;
+    not_negative("gearbox.hysteresis_nm", gearbox.hysteresis_nm)?;
+    not_negative("gearbox.hysteresis_stiffness_nm_rad", gearbox.hysteresis_stiffness_nm_rad)?;
+    match gearbox.is_rigid() {
+        true => rigid(parameters)?,
+        false => positive("motor.inertia_kg_m2", motor.inertia_kg_m2)?,
+    }
+    not_negative("motor.inertia_kg_m2", motor.inertia_kg_m2)?;
     positive("motor.torque_constant_nm_a", motor.torque_constant_nm_a)?;
     not_negative("motor.back_emf_v_s_rad", motor.back_emf_v_s_rad)?;
     positive("motor.resistance_ohm", motor.resistance_ohm)?;
-    positive("motor.inductance_h", motor.inductance_h)?;
+    not_negative("motor.inductance_h", motor.inductance_h)?;
     finite("motor.platform_coupling", motor.platform_coupling)?;
     positive("amplifier.gain", amplifier.gain)?;
     not_negative("amplifier.current_feedback_v_a", amplifier.current_feedback_v_a)?;
-    positive("amplifier.time_constant_s", amplifier.time_constant_s)?;
+    not_negative("amplifier.time_constant_s", amplifier.time_constant_s)?;
+    if let AmplifierDynamics::CurrentLoop { bandwidth_rad_s, delay_s } = amplifier.dynamics {
+        positive("drive.bandwidth_rad_s", bandwidth_rad_s)?;
+        not_negative("drive.delay_s", delay_s)?;
+    }
+    voltage_without_lag(amplifier)?;
     positive_or_infinite("amplifier.input_limit_v", amplifier.input_limit_v)?;
     positive_or_infinite("amplifier.bus_voltage_v", amplifier.bus_voltage_v)?;
     positive_or_infinite("amplifier.current_limit_a", amplifier.current_limit_a)?;
     not_negative("amplifier.dead_zone_v", amplifier.dead_zone_v)?;
     map(parameters)
+}
+
+/// Refuses with a rigid transmission what only a torque through a mesh that gives can have.
+fn rigid(parameters: &Parameters) -> Result<(), Error> {
+    let gearbox = &parameters.gearbox;
+    let loads = [
+        ("motor_friction.load_coefficient", parameters.motor_friction.load_coefficient),
+        ("pivot_friction.load_coefficient", parameters.pivot_friction.load_coefficient),
+    ];
+    let of_mesh = [
+        ("gearbox.backlash_rad", gearbox.backlash_rad),
+        ("gearbox.mesh_efficiency", 1.0 - gearbox.mesh_efficiency),
+        ("gearbox.kinematic_error.amplitude", gearbox.kinematic_error.amplitude),
+        ("gearbox.hysteresis_nm", gearbox.hysteresis_nm),
+    ];
+    let needs = of_mesh.into_iter().chain(loads).find(|(_, value)| *value != 0.0);
+    needs.map_or(Ok(()), |(parameter, value)| {
+        Err(Error::Parameter {
+            parameter: parameter.to_owned(),
+            value,
+            allowed: "needs a transmission that gives: state gearbox.stiffness as well".into(),
+        })
+    })
+}
+
+/// Refuses a limit of the voltage where neither a lag nor the drive alone decides the voltage.
+fn voltage_without_lag(amplifier: &Amplifier) -> Result<(), Error> {
+    let free = amplifier.time_constant_s > 0.0
+        || amplifier.dynamics != AmplifierDynamics::Modelled
+        || amplifier.current_feedback_v_a == 0.0
+        || amplifier.bus_voltage_v == f64::INFINITY;
+    if free {
+        return Ok(());
+    }
+    let allowed = "must be above 0 if the amplifier has current feedback and a bus voltage".into();
+    Err(Error::Parameter { parameter: "amplifier.time_constant_s".to_owned(), value: 0.0, allowed })
+}
+
+/// Refuses two laws that truly stick on one body.
+pub(super) fn joints(plant: &Plant) -> Result<(), Error> {
+    let sticks = |model: &FrictionModel| matches!(model.law(), Law::Sliding(_));
+    if !(plant.is_rigid() && sticks(&plant.motor_friction) && sticks(&plant.pivot_friction)) {
+        return Ok(());
+    }
+    let allowed = "must be 0 behind a rigid transmission if the pivot's law truly sticks as well: add it, times the ratio, to the pivot's";
+    let value = plant.parameters.motor_friction.coulomb_nm();
+    Err(Error::Parameter { parameter: "motor_friction.coulomb".to_owned(), value, allowed: allowed.into() })
 }
 
 fn map(parameters: &Parameters) -> Result<(), Error> {
@@ -102,6 +166,7 @@ fn sensor(path: &str, sensor: &Sensor) -> Result<(), Error> {
     finite(&at("gain"), sensor.gain)?;
     finite(&at("bias"), sensor.bias)?;
     not_negative(&at("delay_s"), sensor.delay_s)?;
+    not_negative(&at("resolution"), sensor.resolution)?;
     finite(&at("g_sensitivity"), sensor.g_sensitivity)
 }
 
@@ -111,7 +176,7 @@ fn interface(parameters: &Parameters) -> Result<(), Error> {
     for (path, bits) in
         [("interface.input_bits", interface.input_bits), ("interface.output_bits", interface.output_bits)]
     {
-        require(Range::Between(1.0, 32.0), path, f64::from(bits))?;
+        require(Range::Between(1.0, MOST_BITS), path, f64::from(bits))?;
     }
     Ok(())
 }

@@ -6,7 +6,7 @@
 //! *Invariant*: nothing here knows the drive, a file or time.
 //!
 //! Modules in reading order: [`profile`], [`element`], [`power_law`], [`mesh`], [`fe`], [`mod@modes`], [`damping`],
-//! [`reduced`], [`refinement`], [`configured`], [`import`].
+//! [`reduced`], [`refinement`], [`configured`], [`large`], [`import`].
 //!
 //! ```
 //! use counterpoise_models::structure::{FeModel, FeOptions, Fitted, lumped};
@@ -23,6 +23,7 @@ pub mod damping;
 pub mod element;
 pub mod fe;
 pub mod import;
+pub mod large;
 pub mod mesh;
 pub mod modes;
 pub mod power_law;
@@ -33,6 +34,7 @@ pub mod refinement;
 pub use configured::{Structure, with_derived_lumped};
 pub use element::{Integration, Theory};
 pub use fe::{FeModel, FeOptions, Fitted, NodeRows};
+pub use large::SparseStructure;
 pub use mesh::Mesh;
 pub use modes::{Direction, Modes, Support, modes};
 pub use profile::Profile;

@@ -1,5 +1,6 @@
 use super::{assert_all, assert_close, options, uniform};
 use counterpoise_lti::Mat;
+use counterpoise_lti::linalg::Sparse;
 use counterpoise_models::Error;
 use counterpoise_models::structure::import::{Dof, Imported, NodeMap, dmig, matrix_market, op4};
 use counterpoise_models::structure::{FeModel, Fitted, Integration, Mesh, Support, lumped, modes};
@@ -63,7 +64,7 @@ fn matrix_market_gives_the_same_structure() {
         None,
         matrix_market(&coordinate).unwrap(),
     );
-    assert_eq!((&imported.M, &imported.K), (&M, &K));
+    assert_eq!((imported.M.to_dense(), imported.K.to_dense()), (M, K));
     assert_same(&imported, &map);
 }
 
@@ -71,9 +72,9 @@ fn matrix_market_gives_the_same_structure() {
 fn matrix_market_reads_what_scipy_writes() {
     let array = "%%MatrixMarket matrix array real symmetric\n%\n2 2\n1.2E1\n6\n-1.25E-6\n";
     let expected = Mat::from_rows(&[[12.0, 6.0], [6.0, -1.25e-6]]);
-    assert_eq!(matrix_market(array).unwrap(), expected);
+    assert_eq!(matrix_market(array).unwrap().to_dense(), expected);
     let skew = "%%MatrixMarket matrix array real skew-symmetric\n2 2\n3\n";
-    assert_eq!(matrix_market(skew).unwrap(), Mat::from_rows(&[[0.0, -3.0], [3.0, 0.0]]));
+    assert_eq!(matrix_market(skew).unwrap().to_dense(), Mat::from_rows(&[[0.0, -3.0], [3.0, 0.0]]));
 }
 
 #[test]
@@ -150,7 +151,7 @@ DMIG*               KAAX               1               5
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].entries, expected, "{text}");
     }
-    let matrix = dmig(free).unwrap()[0].matrix(&[dof(1, 3), dof(1, 5), dof(2, 3)]);
+    let matrix = dmig(free).unwrap()[0].matrix(&[dof(1, 3), dof(1, 5), dof(2, 3)]).unwrap().to_dense();
     assert_eq!(matrix, Mat::from_rows(&[[1.5e6, -2.25e-4, 0.0], [-2.25e-4, 0.0, 7.0], [0.0, 7.0, 0.0]]));
 }
 
@@ -244,10 +245,13 @@ fn op4_reads_dense_sparse_and_bigmat() {
     for text in [OP4_DENSE, OP4_BIGMAT, OP4_SPARSE] {
         let found = op4(text).unwrap();
         assert_eq!(found[0].name, "KGG");
-        assert_close((&found[0].matrix - &expected).norm_max(), 0.0, 1e-21);
+        assert_close((&found[0].matrix.to_dense() - &expected).norm_max(), 0.0, 1e-21);
     }
     let second = &op4(OP4_DENSE).unwrap()[1];
-    assert_eq!((second.name.as_str(), &second.matrix), ("MGG", &Mat::from_rows(&[[0.0, 0.5], [0.0, -2.0]])));
+    assert_eq!(
+        (second.name.as_str(), second.matrix.to_dense()),
+        ("MGG", Mat::from_rows(&[[0.0, 0.5], [0.0, -2.0]]))
+    );
 }
 
 #[test]
@@ -276,13 +280,16 @@ fn a_map_names_what_is_missing_or_wrong() {
     assert_eq!(refused("axes 3 5\nknot 1\n").0, 2);
     assert!(refused("axes 3 5\npivot 1\n").1.contains("tip"));
     assert!(refused("pivot 1\ntip 2\n").1.contains("axes"));
+    assert!(refused("axes 3 5\npivot 1\ntip 2\nnode 1 0 0.2\n").1.contains("axial"));
+    assert!(refused("axes 3 5\naxial 3\npivot 1\ntip 2\n").1.contains("axial"));
     let map = NodeMap::parse(&map_text().replace("node 12", "node 99")).unwrap();
     let (M, K) = (mapped(&model().M, &map), mapped(&model().K, &map));
-    assert!(Imported::in_order_of(&map, M.clone(), None, K.clone()).structure(&map).is_err());
+    let sparse = Sparse::from_dense;
+    assert!(Imported::in_order_of(&map, sparse(&M), None, sparse(&K)).structure(&map).is_err());
     let good = NodeMap::parse(&map_text()).unwrap();
     let skewed =
         &K + &Mat::from_fn(K.nrows(), K.ncols(), |i, j| if i == 0 && j == 3 { K.norm_max() } else { 0.0 });
-    assert!(Imported::in_order_of(&good, M, None, skewed).structure(&good).is_err());
+    assert!(Imported::in_order_of(&good, sparse(&M), None, sparse(&skewed)).structure(&good).is_err());
 }
 
 #[test]
@@ -341,7 +348,8 @@ fn spoilt_texts_are_refused_and_nothing_else() {
 fn what_is_fitted_to_imported_matrices_is_what_is_fitted_to_the_beam() {
     let bare = model();
     let map = NodeMap::parse(&map_text()).unwrap();
-    let imported = Imported::in_order_of(&map, mapped(&bare.M, &map), None, mapped(&bare.K, &map));
+    let sparse = |A: &Mat| Sparse::from_dense(&mapped(A, &map));
+    let imported = Imported::in_order_of(&map, sparse(&bare.M), None, sparse(&bare.K));
     let mass = super::mass(-0.2, 3.0, 0.1);
     let fitted = Fitted { masses: vec![mass], hub_inertia_kg_m2: 0.7 };
     let made = imported.fitted(&map, &fitted).unwrap().structure(&map).unwrap();

@@ -3,6 +3,7 @@
 
 mod damping;
 mod import;
+mod large;
 mod power_law;
 mod reduced;
 mod rig;

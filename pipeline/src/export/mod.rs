@@ -1,5 +1,6 @@
 //! The verified controller as code, with where it comes from.
 
+mod feedback_alone;
 pub mod target_proofs;
 
 use counterpoise_controller::READINGS;
@@ -12,12 +13,14 @@ use counterpoise_export::{
     rust_crate, targets,
 };
 use counterpoise_models::plant::Plant;
+use counterpoise_models::{Axis, Measured, Parameters};
 use counterpoise_verify::{Limit, Verdict, VerifiedController};
 use sha2::{Digest, Sha256};
 
 use crate::{Modelled, PipelineError, World};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::design::{Language, Synthesis};
+use counterpoise_project::resolve::platform::PlatformSource;
 
 /// The code that was made, and what the project asks for and cannot have.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -67,7 +70,8 @@ pub fn export(
     verified: &VerifiedController,
     world: &dyn World,
 ) -> Result<Exported, PipelineError> {
-    let origin = provenance(project, verified);
+    let feedback_alone = feedback_alone::certificate(project, modelled, verified, world);
+    let origin = Provenance { feedback_alone, ..provenance(project, verified, world) };
     let options = &project.export.options;
     let mut made = Exported::default();
     for language in &project.export.languages {
@@ -126,8 +130,9 @@ pub fn every_target(
     project: &Project,
     verified: &VerifiedController,
     compared: &Targets,
+    world: &dyn World,
 ) -> Result<Vec<TargetCode>, PipelineError> {
-    let origin = provenance(project, verified);
+    let origin = provenance(project, verified, world);
     let name = project.export.options.name.clone();
     let code = |language, numbers, files| TargetCode { language, numbers, name: name.clone(), files };
     let mut all = Vec::new();
@@ -207,17 +212,24 @@ fn units(
     made.add("FMI unit of the plant", plant_unit(PlantUnit { plant, name: &named("plant") }, origin));
 }
 
-/// Hash of the project as it was resolved: the same for two files that mean the same.
-pub fn project_hash(project: &Project) -> String {
-    let mut text = project.to_text();
+/// Hash of the project as it was resolved, with the content of every file that it names: the same for two projects that mean the
+/// same. A file that cannot be read counts by its name alone.
+pub fn project_hash(project: &Project, world: &dyn World) -> String {
+    let mut text = project.meaning();
     if let Some(content) = project.import.as_ref().and_then(|import| import.content.as_ref()) {
         text += &format!("{content:?}");
     }
-    let digest = Sha256::digest(text.as_bytes());
-    digest.iter().take(16).map(|byte| format!("{byte:02x}")).collect()
+    let mut digest = Sha256::new_with_prefix(text.as_bytes());
+    let road = project.verify.as_ref().and_then(|asked| asked.road.as_ref());
+    if let Some(PlatformSource::Recording(source)) = road
+        && let Ok(bytes) = world.read(&source.recording)
+    {
+        digest.update(Sha256::digest(&bytes));
+    }
+    digest.finalize().iter().take(16).map(|byte| format!("{byte:02x}")).collect()
 }
 
-fn provenance(project: &Project, verified: &VerifiedController) -> Provenance {
+fn provenance(project: &Project, verified: &VerifiedController, world: &dyn World) -> Provenance {
     let verification = verified.verification();
     let verdicts = verification.verdicts.iter().map(|(requirement, verdict)| {
         let (figure, unit) = (requirement.figure.name(), requirement.figure.unit());
@@ -235,11 +247,30 @@ fn provenance(project: &Project, verified: &VerifiedController) -> Provenance {
     Provenance {
         generator: format!("counterpoise {}", env!("CARGO_PKG_VERSION")),
         project: project.plant.name.clone(),
-        project_hash: project_hash(project),
+        project_hash: project_hash(project, world),
+        loop_signals: loop_signals(&project.plant),
         weights: project.synth.as_ref().map(weights).unwrap_or_default(),
         verdicts: verdicts.collect(),
+        feedback_alone: Vec::new(),
         converters: Converters::of(&project.plant),
     }
+}
+
+/// Returns what the first two readings of the controller hold, if the loop is not one of the hub's inertial rate on a turning axis.
+fn loop_signals(plant: &Parameters) -> Option<String> {
+    let (angle, rate) = match plant.axis {
+        Axis::Rotary => ("angle, rad", "rate, rad/s"),
+        Axis::Linear => ("position, m", "speed, m/s"),
+    };
+    let signal = match plant.sensors.measured {
+        Measured::HubRate if plant.axis == Axis::Rotary => return None,
+        Measured::HubRate => format!("inertial {rate}"),
+        Measured::RelativeRate => format!("{rate}, relative to the platform"),
+        Measured::MotorRate => format!("motor's {rate}, over the ratio, relative to the platform"),
+        Measured::HubPosition => format!("{angle}, relative to the platform"),
+        Measured::MotorPosition => format!("motor's {angle}, over the ratio, relative to the platform"),
+    };
+    Some(format!("the reading demand_rad_s is the demanded and hub_rate_rad_s the measured {signal}"))
 }
 
 /// What each weight asks for, in words, one a line.

@@ -1,6 +1,8 @@
 //! Recordings diagnosed: what the project's model lacks.
 
 use counterpoise_diagnose::Diagnosis;
+use counterpoise_diagnose::diagnosis::{Contradiction, Request};
+use counterpoise_diagnose::findings::localisation_chart::{LocalisationChart, build_chart};
 use counterpoise_diagnose::recording::gap_repair::repair_gaps;
 use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_project::Project;
@@ -8,9 +10,11 @@ use counterpoise_recordings::Recording;
 use counterpoise_simulate::replay::Loop;
 
 use super::read::{ColumnRemark, Gaps, RecordingFile, control_for, read, unused_columns, without_demand};
+use super::residuals::{ResidualStudy, study_residuals};
+use super::tracks::{Track, before_and_after};
 use crate::PipelineError;
 
-/// A diagnosis with the way in which the recordings were replayed.
+/// A diagnosis with the way in which the recordings were replayed, and everything that a report of it shows.
 #[derive(Debug, Clone)]
 pub struct DiagnosedRecordings {
     /// The answer and the improved mechanism.
@@ -21,6 +25,12 @@ pub struct DiagnosedRecordings {
     pub without_demand: Vec<String>,
     /// What was found on reading each recording, with its name.
     pub remarks: Vec<(String, Vec<ColumnRemark>)>,
+    /// The chart of the localisation.
+    pub chart: LocalisationChart,
+    /// Channels measured and simulated, by the model as it was and by the improved one.
+    pub tracks: Vec<Track>,
+    /// What both models leave unexplained.
+    pub residuals: ResidualStudy,
 }
 
 /// Diagnoses files of recordings of the project's machine.
@@ -34,20 +44,30 @@ pub fn diagnose(
     pool: &dyn Pool,
 ) -> Result<DiagnosedRecordings, PipelineError> {
     let read = read(project, files, Gaps::AsWritten)?;
-    let control = control_for(project, read.iter().map(|item| &item.recording));
+    let control = control_for(project, read.iter().map(|item| &item.recording))?;
+    let contradiction = if read.iter().all(|item| item.keeps_samples) {
+        Contradiction::PlayBack
+    } else {
+        Contradiction::Ignore
+    };
     let recordings: Vec<Recording> = read.iter().map(|item| item.recording.clone()).collect();
-    let diagnosis = counterpoise_diagnose::diagnose(&project.plant, control.clone(), &recordings, pool)
+    let request = Request { base: &project.plant, control, contradiction, recordings: &recordings };
+    let diagnosis = counterpoise_diagnose::diagnosis::run(&request, pool)
         .map_err(|cause| PipelineError::Diagnosis { cause, unused: unused_columns(&read) })?;
     let without_demand =
         without_demand(project, read.iter().map(|item| (item.file.as_str(), &item.recording)));
     let remarks = read.into_iter().map(|item| (item.file, item.remarks)).collect();
-    Ok(DiagnosedRecordings { diagnosis, control, without_demand, remarks })
+    let control = diagnosis.control.clone();
+    let answer = &diagnosis.answer;
+    let chart = build_chart(&answer.map, &answer.isolability, &answer.findings);
+    let tracks =
+        before_and_after(&repaired(&diagnosis, project), &control, &project.plant, &diagnosis.improved);
+    let residuals = study_residuals(&tracks);
+    Ok(DiagnosedRecordings { diagnosis, control, without_demand, remarks, chart, tracks, residuals })
 }
 
-impl DiagnosedRecordings {
-    /// Returns the recordings as they were diagnosed, with gaps repaired, so that they can be replayed from start to end.
-    pub fn repaired(&self, project: &Project) -> Vec<Recording> {
-        let ratio = project.plant.gearbox.ratio;
-        self.diagnosis.recordings.iter().flat_map(|recording| repair_gaps(recording, ratio).parts).collect()
-    }
+/// Returns the recordings as they were diagnosed, with gaps repaired, so that they can be replayed from start to end.
+fn repaired(diagnosis: &Diagnosis, project: &Project) -> Vec<Recording> {
+    let ratio = project.plant.gearbox.ratio;
+    diagnosis.recordings.iter().flat_map(|recording| repair_gaps(recording, ratio).parts).collect()
 }

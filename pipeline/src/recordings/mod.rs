@@ -5,7 +5,7 @@
 //! in as names and bytes.
 //!
 //! Modules in reading order: [`read`](mod@read), [`replay`](mod@replay), [`diagnose`](mod@diagnose), [`identify`](mod@identify),
-//! [`tracks`] (measured and simulated channels for a picture), [`redesign`] (what an improved model means for the design),
+//! [`tracks`] (channels as measured and as simulated), [`residuals`] (what the models leave unexplained), [`redesign`] (what an improved model means for the design),
 //! [`measured_modes`] (what a structure's model lacks, from its measured natural frequencies).
 
 pub mod diagnose;
@@ -14,6 +14,7 @@ pub mod measured_modes;
 pub mod read;
 pub mod redesign;
 pub mod replay;
+pub mod residuals;
 pub mod tracks;
 
 pub use diagnose::{DiagnosedRecordings, diagnose};

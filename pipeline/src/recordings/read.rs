@@ -3,10 +3,11 @@
 use counterpoise_diagnose::recording::gap_repair::{Repair, repair_gaps};
 use counterpoise_diagnose::recording::sanity_checks::{Anomaly, ControlMismatch, check_control};
 use counterpoise_project::Project;
+use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_recordings::{Channel, Error, Mapping, Recording, Remark, Table};
-use counterpoise_simulate::replay::Loop;
+use counterpoise_simulate::replay::{Loop, RecordedController};
 
-use crate::PipelineError;
+use crate::{PipelineError, model, reduce, synthesise};
 
 /// A file with recordings, handed in.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -93,11 +94,12 @@ pub fn read(
     files: &[RecordingFile],
     gaps: Gaps,
 ) -> Result<Vec<ReadRecording>, PipelineError> {
+    let controller = recording_controller(project)?;
     let mut all = Vec::new();
     for file in files {
         let (_, recordings) = tabulate(project, file).map_err(PipelineError::UnreadableRecording)?;
         for recording in recordings {
-            all.extend(read_recording(project, recording, gaps)?);
+            all.extend(read_recording(project, controller.as_ref(), recording, gaps)?);
         }
     }
     Ok(all)
@@ -115,12 +117,51 @@ pub fn tabulate(project: &Project, file: &RecordingFile) -> Result<(Table, Vec<R
     Ok((table, recordings))
 }
 
+/// Reads the recordings of a table as the project maps its columns, gaps and stuck sensors repaired; see [`read`].
+///
+/// `controller` is the project's [`recording_controller`].
+///
+/// # Errors
+/// As [`read`].
+pub fn read_table(
+    project: &Project,
+    controller: Option<&RecordedController>,
+    table: &Table,
+) -> Result<Vec<ReadRecording>, PipelineError> {
+    let clock = project.recording.sample_period_s.or(Some(project.plant.interface.sample_period_s));
+    let mapping = Mapping { sample_period_s: clock, ..project.recording.clone() };
+    let mut all = Vec::new();
+    for recording in mapping.recordings(table).map_err(PipelineError::UnreadableRecording)? {
+        all.extend(read_recording(project, controller, recording, Gaps::Repaired)?);
+    }
+    Ok(all)
+}
+
+/// Returns the controller that was in the loop when the project's recordings were made; `None` if the project names none.
+///
+/// # Errors
+/// The project's own controller is meant, and the project does not design one.
+pub fn recording_controller(project: &Project) -> Result<Option<RecordedController>, PipelineError> {
+    match &project.recording_controller {
+        None => Ok(None),
+        Some(RecordingController::ProportionalIntegral(controller)) => Ok(Some(controller.clone().into())),
+        Some(RecordingController::Project) => {
+            let modelled = model(project)?;
+            let synthesised = synthesise(project, &modelled, &reduce(project, &modelled)?)?;
+            Ok(Some(synthesised.sampled.controller.into()))
+        }
+    }
+}
+
 /// Returns the parts of one recording: several if gaps split it. Remarks about the whole recording stand with the first.
+///
+/// `controller` is the project's [`recording_controller`].
 ///
 /// # Errors
 /// [`PipelineError::NothingToReplay`] if the gaps leave no part of the recording.
 pub fn read_recording(
     project: &Project,
+    controller: Option<&RecordedController>,
     whole: Recording,
     gaps: Gaps,
 ) -> Result<Vec<ReadRecording>, PipelineError> {
@@ -139,29 +180,44 @@ pub fn read_recording(
     if parts.is_empty() {
         return Err(PipelineError::NothingToReplay { recording: name, remarks });
     }
+    // Columns made from others are not the measurements that the controller read, so its control cannot be compared.
+    let controller = controller.filter(|_| keeps_samples);
     let one = |(file, recording): (String, Recording)| {
-        let foreign = foreign_controller(project, &recording, keeps_samples);
+        let foreign = foreign_controller(project, controller, &recording);
         let remarks = foreign.into_iter().chain(std::mem::take(&mut remarks)).collect();
         ReadRecording { file, recording, remarks, keeps_samples }
     };
     Ok(parts.into_iter().map(one).collect())
 }
 
-/// Returns a remark if the recorded control is not what the project's recording controller makes of the recorded measurements.
-fn foreign_controller(project: &Project, recording: &Recording, keeps_samples: bool) -> Option<ColumnRemark> {
-    let controller = project.recording_controller.as_ref().filter(|_| keeps_samples)?;
-    check_control(&project.plant, recording, &Loop::from(controller)).map(ColumnRemark::Controller)
+/// Returns a remark if the recorded control is not what the project's recording controller makes of the recorded readings.
+fn foreign_controller(
+    project: &Project,
+    controller: Option<&RecordedController>,
+    recording: &Recording,
+) -> Option<ColumnRemark> {
+    check_control(&project.plant, recording, &Loop::from(controller?.clone())).map(ColumnRemark::Controller)
 }
 
 /// Returns how recordings of a project are replayed: in closed loop with the recording controller if the project has one and every
 /// recording holds the demand, otherwise under the recorded control.
-pub fn control_for<'a>(project: &Project, recordings: impl IntoIterator<Item = &'a Recording>) -> Loop {
-    let mut recordings = recordings.into_iter();
-    match &project.recording_controller {
-        Some(controller) if recordings.all(|recording| recording.has(Channel::Demand)) => {
-            Loop::from(controller)
-        }
-        _ => Loop::Open,
+///
+/// # Errors
+/// As [`recording_controller`].
+pub fn control_for<'a>(
+    project: &Project,
+    recordings: impl IntoIterator<Item = &'a Recording>,
+) -> Result<Loop, PipelineError> {
+    let complete = recordings.into_iter().all(|recording| recording.has(Channel::Demand));
+    let controller = recording_controller(project)?.filter(|_| complete);
+    Ok(controller.map_or(Loop::Open, Loop::from))
+}
+
+impl ReadRecording {
+    /// Returns whether the recording was made under another controller than the project's, so that its control is played back.
+    pub fn has_other_controller(&self) -> bool {
+        let contradicts = |remark: &ColumnRemark| matches!(remark, ColumnRemark::Controller(_));
+        self.recording.has(Channel::Control) && self.remarks.iter().any(contradicts)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use counterpoise_models::Parameters;
 use counterpoise_verify::Verification;
+use counterpoise_verify::difference::{Change, changes};
 
 use crate::{PipelineError, World, model, procedure, reduce, synthesise, verify_on};
 use counterpoise_project::Project;
@@ -15,12 +16,14 @@ pub struct Consequence {
     pub kept: Verification,
     /// A controller designed anew on the improved model, verified on it; `None` if it has no design.
     pub redesigned: Option<Verification>,
+    /// Every figure from `before` to `kept`.
+    pub changes: Vec<Change>,
 }
 
 /// Verifies a project's design on an improved mechanism; `None` if the project has no design to verify.
 ///
 /// # Errors
-/// Those of the road from the project to the verification.
+/// Those of the stages from the project to the verification.
 pub fn consequence(
     project: &Project,
     improved: &Parameters,
@@ -36,9 +39,12 @@ pub fn consequence(
     let truer = model(&better)?;
     let anew = reduce(&better, &truer).and_then(|reduced| synthesise(&better, &truer, &reduced));
     let redesigned = anew.and_then(|made| verify_on(&better, &truer.plant, &made, &procedure));
+    let before = verify_on(project, &modelled.plant, &made, &procedure)?.into_parts().1;
+    let kept = verify_on(project, &truer.plant, &made, &procedure)?.into_parts().1;
     Ok(Some(Consequence {
-        before: verify_on(project, &modelled.plant, &made, &procedure)?.into_parts().1,
-        kept: verify_on(project, &truer.plant, &made, &procedure)?.into_parts().1,
+        changes: changes(&before, &kept),
         redesigned: redesigned.ok().map(|verified| verified.into_parts().1),
+        before,
+        kept,
     }))
 }

@@ -8,6 +8,7 @@ use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::{Loop, ReplayMode, Replayer, SelectedReplay};
 
 use super::read::{ColumnRemark, ReadRecording, unused_columns};
+use super::tracks::{Track, tracks};
 use crate::PipelineError;
 
 /// Over what length a recording is replayed.
@@ -33,6 +34,8 @@ pub struct ReplayedRecording {
     pub followed: SelectedReplay,
     /// What was found about the recording itself.
     pub remarks: Vec<ColumnRemark>,
+    /// Its channels, measured and simulated.
+    pub tracks: Vec<Track>,
 }
 
 /// Replays recordings on the project's mechanism, in their order.
@@ -48,7 +51,7 @@ pub fn replay(
     read.iter().map(|item| replay_one(&project.plant, item, control, length)).collect()
 }
 
-/// Replays one recording on a mechanism.
+/// Replays one recording on a mechanism; under its recorded control if another controller than the project's was in the loop.
 ///
 /// # Errors
 /// [`PipelineError::CannotReplay`] with the simulator's reason.
@@ -58,6 +61,7 @@ pub fn replay_one(
     control: &Loop,
     length: ReplayLength,
 ) -> Result<ReplayedRecording, PipelineError> {
+    let control = if item.has_other_controller() { &Loop::Open } else { control };
     let followed = Replayer::new(plant, &item.recording).and_then(|r| follow(&r, plant, control, length));
     let cannot = |cause: counterpoise_simulate::Error| {
         let unused = unused_columns([item]);
@@ -69,7 +73,8 @@ pub fn replay_one(
         followed.replay.channels.retain(|fit| fit.channel != Channel::Control);
     }
     let remarks = item.remarks.iter().cloned().chain(anomalies(plant, &item.recording)).collect();
-    Ok(ReplayedRecording { file: item.file.clone(), followed, remarks })
+    let tracks = tracks(&item.recording, &followed.replay, None);
+    Ok(ReplayedRecording { file: item.file.clone(), followed, remarks, tracks })
 }
 
 fn follow(

@@ -15,12 +15,13 @@ use counterpoise_synth::{Adaptive, Estimation, Recursive, RecursiveSettings, Win
 use counterpoise_verify::Procedure;
 use serde::Serialize;
 
+use crate::budget::{Run, affordable};
 use crate::synth::controller_blocks::{SMALL_KG_M, drive_curve, inertia_v_s2_rad};
 use crate::synth::schedule::unbalanced;
 use crate::synth::torque_per_volt;
 use crate::{Modelled, PipelineError, Synthesised};
 use counterpoise_project::Project;
-use counterpoise_project::resolve::around::{Adaptation, AdaptationMethod, Undo};
+use counterpoise_project::resolve::synthesis_options::{Adaptation, AdaptationMethod, Compensation};
 
 /// A run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -101,7 +102,7 @@ struct Stage<'a> {
     controller: &'a Controller,
     modelled: &'a Modelled,
     procedure: &'a Procedure,
-    undo: Undo,
+    undo: Compensation,
 }
 
 /// All runs, (a) first. Those with a nonlinear amplifier come only where the project gives its curve.
@@ -115,10 +116,12 @@ pub fn adapt(
 ) -> Result<Vec<AdaptRun>, PipelineError> {
     let missing = |section| PipelineError::Missing { section, needed_by: "`adapt`" };
     let asked = project.synth.as_ref().ok_or(missing("synth"))?;
-    let adaptation = asked.around.adaptation.as_ref().ok_or(missing("synth.adaptation"))?;
+    let adaptation = asked.options.adaptation.as_ref().ok_or(missing("synth.adaptation"))?;
     let verification = project.verify.as_ref().ok_or(missing("verify"))?;
     let controller = &made.sampled.controller;
-    let (procedure, undo) = (&verification.procedure, asked.around.amplifier_curve);
+    let (procedure, undo) = (&verification.procedure, asked.options.amplifier_curve);
+    let (duration_s, period_s) = (adaptation.trial.duration_s, controller.sample_period_s());
+    affordable(Run { key: "synth.adaptation.trial.duration", duration_s, period_s })?;
     let stage = Stage { adaptation, controller, modelled, procedure, undo };
     let mut runs: Vec<AdaptRun> = Vec::new();
     for plan in plans(adaptation) {
@@ -278,7 +281,7 @@ impl Stage<'_> {
         let curve = &self.adaptation.trial.amplifier_curve;
         parameters.amplifier.map =
             curve.iter().map(|&[input_v, current_a]| MapPoint { input_v, current_a }).collect();
-        Ok(Plant::with_body(&parameters, self.modelled.plant.body().clone())?)
+        Ok(Plant::with_whole_body(&parameters, self.modelled.plant.body().clone())?)
     }
 
     fn part(
@@ -318,9 +321,9 @@ impl Stage<'_> {
     /// an estimator beside the controller knows it.
     fn acting(&self, plan: &Plan) -> Result<Acting, PipelineError> {
         let held = plan.from.map(|from| (from * self.adaptation.trial.duration_s / self.period_s()) as u32);
-        let beside = plan.curved && self.undo == Undo::Leave && held.is_some();
+        let beside = plan.curved && self.undo == Compensation::Absent && held.is_some();
         let curve = match (plan.curved, self.undo) {
-            (true, Undo::Undo) => self.drive_curve(),
+            (true, Compensation::Applied) => self.drive_curve(),
             _ => Vec::new(),
         };
         let controller = self.controller.with(|parts| {

@@ -1,11 +1,11 @@
-//! Beside the design: other methods with the same figures, what a lower order costs, the tip beside the hub, and the modes
-//! that the design does not know.
+//! A design compared: other methods with the same figures, what a lower order costs, the tip beside the hub, other states of
+//! balance, and a plant with modes that the design neglects.
 
 use counterpoise_lti::{C64, StateSpace};
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_synth::{
-    Alternative, Channel, Design, DesignPlant, Figures, Method, Outcome, Reference, Sampled, Weight,
-    alternative, check, discretise, error_at, figures,
+    Alternative, Channel, Design, DesignPlant, Figures, JointOptimum, Method, Reference, Refusal, Sampled,
+    SourceCost, Weighed, Weight, alternative, attempt, check, discretise, error_at, figures, total_cost,
 };
 use serde::Serialize;
 
@@ -16,9 +16,9 @@ use counterpoise_project::Project;
 use counterpoise_project::file::Choice;
 use counterpoise_project::resolve::design::Synthesis;
 
-/// Everything that stands beside a design.
+/// A design compared with its alternatives.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Beside {
+pub struct Comparison {
     /// The feedback as built, and further methods.
     pub methods: Vec<MethodRow>,
     /// What a lower order of the feedback costs.
@@ -29,6 +29,32 @@ pub struct Beside {
     pub balance: Vec<BalanceRow>,
     /// The loop on the structure with the modes that the design does not know.
     pub spillover: Option<Spillover>,
+    /// Cost of the assembled loop, all parts acting together; absent if another method made the feedback.
+    pub total_cost: Option<TotalCostResult>,
+}
+
+/// The cost of the assembled loop, each source of disturbance under its own part's weights.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TotalCostResult {
+    /// The sum over the parts.
+    pub total: f64,
+    /// Feedback first.
+    pub parts: Vec<PartCostRow>,
+}
+
+/// The cost of one part's disturbances in the assembled loop.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PartCostRow {
+    /// The part.
+    pub part: String,
+    /// Mean square of its weighted signals.
+    pub cost: f64,
+    /// Relative change of the total for a relative change of the part's gain.
+    pub slope: f64,
+    /// The gain that makes the total smallest, the other parts kept.
+    pub best_gain: Option<f64>,
+    /// By how much that lowers the total, %.
+    pub gained_percent: Option<f64>,
 }
 
 /// The feedback of one method with its figures.
@@ -102,32 +128,67 @@ pub struct Spillover {
     pub largest_pole: f64,
 }
 
-/// Band over which rejection is told, rad/s: 0.2 to 2 Hz.
+/// Band over which |S| is averaged, rad/s: 0.2 to 2 Hz.
 const BAND_RAD_S: (f64, f64) = (1.26, 12.6);
 /// Corner to which poles of an error weight on the axis go in the variant without integral action, rad/s.
 const CORNER_RAD_S: f64 = 0.5;
 /// Flexible modes of the structure on which spillover is looked for, at most: more than a beam of 24 elements has.
 const MODES: usize = 60;
 
-/// Everything that stands beside a design.
+/// Compares a design with other methods, a lower order, other states of balance, and a plant with more modes.
 ///
 /// # Errors
 /// Those of the plant and the design.
-pub fn beside(
+pub fn compare_designs(
     project: &Project,
     (modelled, reduced): (&Modelled, &Reduced),
     made: &Synthesised,
-) -> Result<Beside, PipelineError> {
+) -> Result<Comparison, PipelineError> {
     let missing = PipelineError::Missing { section: "synth", needed_by: "the design" };
     let asked = project.synth.as_ref().ok_or(missing)?;
     debug_assert_eq!(reduced.system.inputs(), made.design.plant.system.inputs());
-    Ok(Beside {
+    Ok(Comparison {
         methods: methods(asked, made)?,
         lowered: lowered(made)?,
         motions: motions(&made.design)?,
         balance: rows(&made.balance),
         spillover: spillover(project, (asked, modelled), made)?,
+        total_cost: cost_of(made)?,
     })
+}
+
+fn cost_of(made: &Synthesised) -> Result<Option<TotalCostResult>, PipelineError> {
+    if made.design.substitute.is_some() {
+        return Ok(None);
+    }
+    if let Some(joint) = &made.design.joint {
+        return Ok(joint.cost.achieved.map(|total| joint_result(joint, total)));
+    }
+    let found = total_cost(&made.design)?;
+    let row = |source: &SourceCost| PartCostRow {
+        part: source.part.to_string(),
+        cost: source.cost,
+        slope: source.slope,
+        best_gain: source.best_gain,
+        gained_percent: source.gained.map(|share| 100.0 * share),
+    };
+    Ok(Some(TotalCostResult { total: found.total, parts: found.sources.iter().map(row).collect() }))
+}
+
+/// One problem has one cost; its parts are the gains from its sensors.
+fn joint_result(joint: &JointOptimum, total: f64) -> TotalCostResult {
+    let names = std::iter::once("hub").chain(joint.channels.iter().map(|channel| match channel {
+        Channel::Heave => "heave",
+        Channel::Pitch => "pitch",
+    }));
+    let row = |(name, slope): (&str, &f64)| PartCostRow {
+        part: format!("{name} sensor"),
+        cost: total,
+        slope: *slope,
+        best_gain: None,
+        gained_percent: None,
+    };
+    TotalCostResult { total, parts: names.zip(&joint.slopes).map(row).collect() }
 }
 
 fn loop_figures(made: &Synthesised, sampled: &Sampled) -> Result<LoopFigures, PipelineError> {
@@ -151,9 +212,9 @@ fn with_feedback(
     let mut design =
         Design { substitute: Some(controller.clone()), heave: None, pitch: None, ..made.design.clone() };
     design.specification.reference = Reference::Error;
-    Ok(match discretise(&design, &made.sampling)? {
-        Outcome::Solved(sampled) => Ok(loop_figures(made, &sampled)?),
-        Outcome::Infeasible(findings) => Err(words(&findings)),
+    Ok(match attempt(discretise(&design, &made.sampling))? {
+        Ok(sampled) => Ok(loop_figures(made, &sampled)?),
+        Err(refusal) => Err(words(&refusal.findings)),
     })
 }
 
@@ -164,11 +225,11 @@ fn words(findings: &[counterpoise_synth::Finding]) -> String {
 /// The feedback as built; with alternatives, each of them with the error weight and with that without integral action.
 fn methods(asked: &Synthesis, made: &Synthesised) -> Result<Vec<MethodRow>, PipelineError> {
     let mut rows = vec![as_built(asked, made)?];
-    if asked.around.alternatives.is_empty() {
+    if asked.options.alternatives.is_empty() {
         return Ok(rows);
     }
-    let mut all = vec![asked.around.method];
-    all.extend(asked.around.alternatives.iter().filter(|method| **method != asked.around.method));
+    let mut all = vec![asked.options.method];
+    all.extend(asked.options.alternatives.iter().filter(|method| **method != asked.options.method));
     let weights = &asked.specification.feedback;
     let level = without_integral(&weights.error);
     let integrates = level != weights.error;
@@ -176,7 +237,7 @@ fn methods(asked: &Synthesis, made: &Synthesised) -> Result<Vec<MethodRow>, Pipe
     {
         let weights = counterpoise_synth::FeedbackWeights { error: error.clone(), ..weights.clone() };
         for &method in all.iter().skip(usize::from(variant == 0)) {
-            let answer = alternative(&made.design.plant, &weights, method)?;
+            let answer = attempt(alternative(&made.design.plant, &weights, method))?;
             rows.push(method_row(made, (method, integrates && variant == 0), answer)?);
         }
     }
@@ -189,7 +250,7 @@ fn as_built(asked: &Synthesis, made: &Synthesised) -> Result<MethodRow, Pipeline
         None => made.design.feedback.cost.achieved.map(f64::sqrt),
     };
     Ok(MethodRow {
-        method: format!("{} (built)", asked.around.method.name()),
+        method: format!("{} (built)", asked.options.method.name()),
         integral: without_integral(&asked.specification.feedback.error) != asked.specification.feedback.error,
         order: made.design.feedback_controller().order(),
         norm,
@@ -201,7 +262,7 @@ fn as_built(asked: &Synthesis, made: &Synthesised) -> Result<MethodRow, Pipeline
 fn method_row(
     made: &Synthesised,
     (method, integral): (Method, bool),
-    answer: Outcome<Alternative>,
+    answer: Result<Alternative, Refusal>,
 ) -> Result<MethodRow, PipelineError> {
     let blank = MethodRow {
         method: method.name().to_owned(),
@@ -212,8 +273,8 @@ fn method_row(
         why: None,
     };
     Ok(match answer {
-        Outcome::Infeasible(findings) => MethodRow { why: Some(words(&findings)), ..blank },
-        Outcome::Solved(found) => {
+        Err(refusal) => MethodRow { why: Some(words(&refusal.findings)), ..blank },
+        Ok(found) => {
             let judged = with_feedback(made, &found.controller)?;
             let (figures, why) = (judged.as_ref().ok().copied(), judged.err());
             MethodRow { order: found.controller.order(), norm: found.norm, figures, why, ..blank }
@@ -252,7 +313,8 @@ fn motions(design: &Design) -> Result<Vec<MotionRow>, PipelineError> {
         if design.part(channel).is_none() {
             continue;
         }
-        let at = |gain: f64, output: usize| error_at(&design.plant, design, channel, (gain, output));
+        let at =
+            |gain: f64, output: usize| error_at(&design.plant, design, channel, Weighed { gain, output });
         let pair = |output: usize| Ok::<_, PipelineError>([at(0.0, output)?, at(1.0, output)?]);
         let (hub_rad_s, tip_rad_s) = (pair(LinearPlant::HUB_RATE)?, pair(LinearPlant::TIP_RATE)?);
         rows.push(MotionRow { disturbance, hub_rad_s, tip_rad_s });
@@ -277,9 +339,10 @@ fn spillover(
     let plant: DesignPlant = design_plant(asked, modelled, &unreduced)?;
     let order = plant.system.order();
     let largest = |poles: &[C64]| poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
-    let largest_pole = match check(&plant, made.sampled.controller.clone(), &made.sampling)? {
-        Outcome::Solved(sampled) => largest(&sampled.closed_loop),
-        Outcome::Infeasible(findings) => findings
+    let largest_pole = match attempt(check(&plant, made.sampled.controller.clone(), &made.sampling))? {
+        Ok(sampled) => largest(&sampled.closed_loop),
+        Err(refusal) => refusal
+            .findings
             .iter()
             .find_map(|finding| match finding.cause {
                 counterpoise_synth::Cause::SampledUnstable { pole, .. } => Some(pole.norm()),

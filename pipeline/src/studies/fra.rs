@@ -96,6 +96,35 @@ pub struct Map {
     pub remarks: Vec<String>,
 }
 
+/// The moduli of a map at one amplitude, over the frequency in rad/s.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct AmplitudeCurve {
+    /// Amplitude of the excitation: V for the plant, rad/s otherwise.
+    pub amplitude: f64,
+    /// Frequency (rad/s) and modulus as measured.
+    pub measured: Vec<[f64; 2]>,
+    /// Frequency (rad/s) and modulus of the linear model without dry friction.
+    pub linear: Vec<[f64; 2]>,
+}
+
+impl Map {
+    /// Returns the curves of the map, amplitude by amplitude.
+    pub fn amplitude_curves(&self) -> Vec<AmplitudeCurve> {
+        let mut all: Vec<AmplitudeCurve> = Vec::new();
+        for point in &self.points {
+            if all.last().is_none_or(|last| last.amplitude != point.amplitude) {
+                all.push(AmplitudeCurve { amplitude: point.amplitude, ..AmplitudeCurve::default() });
+            }
+            if let Some(AmplitudeCurve { measured, linear, .. }) = all.last_mut() {
+                let (rate, modulus) = (TAU * point.frequency_hz, |h: [f64; 2]| h[0].hypot(h[1]));
+                measured.push([rate, modulus(point.response)]);
+                linear.push([rate, modulus(point.linear)]);
+            }
+        }
+        all
+    }
+}
+
 impl Around {
     /// In words.
     pub fn words(self) -> &'static str {
@@ -439,7 +468,7 @@ fn acting(
     on: On,
     remarks: &mut Vec<String>,
 ) -> Result<Acting, PipelineError> {
-    let recorded = project.recording_controller.as_ref();
+    let recorded = project.recording_controller.as_ref().and_then(|c| c.as_proportional_integral());
     if let Some(pi) = recorded.filter(|_| on == On::Recording || project.synth.is_none()) {
         remarks.push("the loop is closed by the controller of the recordings".to_owned());
         return Ok(Acting::Recorded(pi.clone()));
@@ -477,7 +506,7 @@ fn disconnected(
                 vertical_offset_kg_m: 0.0,
                 ..modelled.plant.body().clone()
             };
-            Plant::with_body(&open, body)?
+            Plant::with_whole_body(&open, body)?
         }
     })
 }

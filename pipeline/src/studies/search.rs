@@ -1,15 +1,17 @@
 //! From requirements to weights: the search, its trade-off curve, and the project with the weights that were found.
 
 use counterpoise_synth::{
-    Figures, Found, Outcome, Requirements, Trial, figures, search as searched, trade_off,
+    Figures, Found, Requirements, SearchTask, Trial, figures, search as searched, trade_off,
 };
 
 use counterpoise_verify::VerifiedController;
 
+use crate::design_views::{WeightResponses, weight_responses};
+use crate::export::weights;
 use crate::synth::{design_plant, sampling};
 use crate::{Modelled, PipelineError, Reduced, World, synthesise, verify};
 use counterpoise_project::Project;
-use counterpoise_project::resolve::around::SearchAsked;
+use counterpoise_project::resolve::synthesis_options::WeightSearch;
 
 /// The answer of a search.
 #[derive(Debug, Clone)]
@@ -24,6 +26,10 @@ pub struct Searched {
     pub missed_on_full_plant: f64,
     /// The project with the weights that were found.
     pub project: Project,
+    /// What each of those weights asks for, in words, one a line.
+    pub weights: Vec<String>,
+    /// Their frequency responses.
+    pub weight_responses: Vec<WeightResponses>,
 }
 
 /// Searches the weights and the loop recovery of the feedback; `go_on` is asked before each trial.
@@ -37,16 +43,21 @@ pub fn search(
 ) -> Result<Searched, PipelineError> {
     let missing = |section| PipelineError::Missing { section, needed_by: "the search for weights" };
     let asked = project.synth.as_ref().ok_or(missing("synth"))?;
-    let wanted: &SearchAsked = asked.around.search.as_ref().ok_or(missing("synth.search"))?;
+    let wanted: &WeightSearch = asked.options.search.as_ref().ok_or(missing("synth.search"))?;
     let plant = design_plant(asked, modelled, reduced)?;
     let sampling = sampling(asked, modelled)?;
-    let limits = (&wanted.requirements, &sampling);
-    let mut found = solved(searched(&plant, &asked.specification, limits, wanted.trials, go_on)?)?;
+    let task = SearchTask {
+        plant: &plant,
+        start: &asked.specification,
+        requirements: &wanted.requirements,
+        sampling: &sampling,
+        most_trials: wanted.trials,
+    };
+    let mut found = searched(&task, go_on)?;
     let mut curve = Vec::new();
     if !wanted.ms_limits.is_empty() {
-        let from = &found.best.specification;
-        let by = (&wanted.ms_limits[..], wanted.trials);
-        let points = solved(trade_off(&plant, from, limits, by, go_on)?)?;
+        let from = SearchTask { start: &found.best.specification, ..task };
+        let points = trade_off(&from, &wanted.ms_limits, go_on)?;
         curve = wanted.ms_limits.iter().copied().zip(points).collect();
     }
     if let Some(better) = better_point(&curve, (&found, &wanted.requirements)) {
@@ -57,14 +68,16 @@ pub fn search(
         synth.specification = found.best.specification.clone();
     }
     let full = counterpoise_synth::DesignPlant { system: modelled.linear.system.clone(), ..plant.clone() };
-    let designed = solved(counterpoise_synth::design(&plant, &found.best.specification)?)?;
-    let sampled = solved(counterpoise_synth::discretise(&designed, &sampling)?)?;
-    let around_full = solved(counterpoise_synth::check(&full, sampled.controller, &sampling)?)?;
+    let designed = counterpoise_synth::design(&plant, &found.best.specification)?;
+    let sampled = counterpoise_synth::discretise(&designed, &sampling)?;
+    let around_full = counterpoise_synth::check(&full, sampled.controller, &sampling)?;
     let of_all = figures(&full, &around_full, &sampling, wanted.requirements.band_rad_s)?;
-    let rejection = wanted.requirements.share_left(&around_full.loop_gain, (&full, &asked.specification))?;
+    let rejection = wanted.requirements.share_left(&around_full.loop_gain, &full, &asked.specification)?;
     let on_full_plant = Figures { rejection, ..of_all };
     let missed_on_full_plant = wanted.requirements.missed(&on_full_plant);
-    Ok(Searched { found, curve, on_full_plant, missed_on_full_plant, project })
+    let weights = project.synth.as_ref().map(weights).unwrap_or_default();
+    let weight_responses = weight_responses(&found.best.specification);
+    Ok(Searched { found, curve, on_full_plant, missed_on_full_plant, project, weights, weight_responses })
 }
 
 /// The trial of the curve that keeps the requirements and rejects more than the answer, if there is one: its points were
@@ -127,8 +140,4 @@ pub fn judged(
         all.push(Judged { ms_limit, found: found.clone(), verified, project });
     }
     Ok(all)
-}
-
-fn solved<T>(outcome: Outcome<T>) -> Result<T, PipelineError> {
-    crate::synth::solved(outcome)
 }

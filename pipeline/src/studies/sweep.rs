@@ -1,27 +1,90 @@
 //! The robustness campaign that the project asks for.
 
 use counterpoise_controller::Controller;
-use counterpoise_verify::robust::{Campaign, Member, configurations, one_at_a_time};
+use counterpoise_verify::robust::{
+    Campaign, Member, Ranked, Sample, Sense, Summary, Variation, Worst, configurations, one_at_a_time,
+    ranking, summary,
+};
 use counterpoise_verify::structured::{RobustStability, Uncertainty};
-use counterpoise_verify::{Figure, VerifiedController};
+use counterpoise_verify::{Figure, Requirement, VerifiedController};
+use ndarray::Array2;
 
 use crate::{Modelled, PipelineError, World, procedure};
 use counterpoise_project::Project;
 
+/// A campaign that was run, with everything that a report, a terminal or another program shows of it.
+#[derive(Debug, Clone)]
+pub struct CampaignResult {
+    /// The requirements that were judged.
+    pub requirements: Vec<Requirement>,
+    /// What varied.
+    pub variations: Vec<Variation>,
+    /// Factors: one row a mechanism, one column a variation.
+    pub factors: Array2<f64>,
+    /// Figures: one row a mechanism, one column a requirement; NaN if a figure could not be measured.
+    pub values: Array2<f64>,
+    /// Number of mechanisms that meet every requirement.
+    pub passing: usize,
+    /// Statistics of each requirement.
+    pub summaries: Vec<Summary>,
+    /// The variations of each requirement by rank correlation, strongest first.
+    pub rankings: Vec<Vec<Ranked>>,
+    /// The worst case of each requirement; `None` if no mechanism could be judged.
+    pub worst: Vec<Option<Worst>>,
+    /// Each parameter varied alone, and each configuration.
+    pub families: Vec<Member>,
+    /// The linear worst case; `None` if nothing that enters the linear loop varies.
+    pub stability: Option<RobustStability>,
+}
+
+/// What is found beside the samples of a campaign.
+#[derive(Debug, Clone, Default)]
+pub struct BesideSamples {
+    /// The worst case of each requirement.
+    pub worst: Vec<Option<Worst>>,
+    /// Each parameter varied alone, and each configuration.
+    pub families: Vec<Member>,
+    /// The linear worst case.
+    pub stability: Option<RobustStability>,
+}
+
+impl CampaignResult {
+    /// Computes the statistics of the samples of a campaign.
+    pub fn new(campaign: &Campaign, samples: &[Sample], others: BesideSamples) -> Self {
+        let (requirements, variations) = (campaign.requirements(), campaign.variations());
+        let each = 0..requirements.len();
+        Self {
+            requirements: requirements.to_vec(),
+            variations: variations.to_vec(),
+            factors: Array2::from_shape_fn((samples.len(), variations.len()), |(i, k)| samples[i].factors[k]),
+            values: Array2::from_shape_fn((samples.len(), requirements.len()), |(i, k)| samples[i].values[k]),
+            passing: samples.iter().filter(|sample| campaign.passes(sample)).count(),
+            summaries: each.clone().map(|k| summary(campaign, samples, k)).collect(),
+            rankings: each.map(|k| ranking(campaign, samples, k)).collect(),
+            worst: others.worst,
+            families: others.families,
+            stability: others.stability,
+        }
+    }
+
+    /// Returns the number of mechanisms.
+    pub fn samples(&self) -> usize {
+        self.values.nrows()
+    }
+}
+
 /// The Monte Carlo campaign of the project's requirements over its variations.
 ///
 /// # Errors
-/// A section that is missing, a road that cannot be read, variations that make no mechanism.
+/// A section that is missing, a recorded road that cannot be read, variations that make no mechanism.
 pub fn campaign(
     project: &Project,
     modelled: &Modelled,
     verified: &VerifiedController,
     world: &dyn World,
 ) -> Result<Campaign, PipelineError> {
-    let asked = project
-        .sweep
-        .as_ref()
-        .ok_or(PipelineError::Missing { section: "sweep", needed_by: "the campaign" })?;
+    let asked =
+        project.campaign().ok_or(PipelineError::Missing { section: "sweep", needed_by: "the campaign" })?;
     let judged = project
         .verify
         .as_ref()
@@ -51,10 +114,8 @@ pub fn families(
     verified: &VerifiedController,
     world: &dyn World,
 ) -> Result<Vec<Member>, PipelineError> {
-    let asked = project
-        .sweep
-        .as_ref()
-        .ok_or(PipelineError::Missing { section: "sweep", needed_by: "the families" })?;
+    let asked =
+        project.campaign().ok_or(PipelineError::Missing { section: "sweep", needed_by: "the families" })?;
     let judged = project
         .verify
         .as_ref()
@@ -78,7 +139,7 @@ pub fn robust_stability(
     controller: &Controller,
     world: &dyn World,
 ) -> Result<Option<RobustStability>, PipelineError> {
-    let Some(asked) = project.sweep.as_ref() else { return Ok(None) };
+    let Some(asked) = project.campaign() else { return Ok(None) };
     if modelled.parameters.lumped.is_none() {
         return Ok(None);
     }
@@ -90,4 +151,49 @@ pub fn robust_stability(
     let procedure = procedure(project, world)?;
     let parameters = &modelled.parameters;
     Ok(counterpoise_verify::structured::robust_stability(parameters, controller, &procedure, &uncertainty)?)
+}
+
+/// A requirement over the mechanisms of a campaign.
+#[derive(Debug, Clone)]
+pub struct RequirementSpread {
+    /// The requirement.
+    pub requirement: Requirement,
+    /// Share that meets it, quantiles and the worst value.
+    pub summary: Summary,
+    /// The parameter that moves the figure most; `None` if no parameter correlates with it.
+    pub strongest: Option<StrongestParameter>,
+    /// The figure of every mechanism that has one, sorted.
+    pub values: Vec<f64>,
+}
+
+/// The parameter that moves a figure most.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StrongestParameter {
+    /// Key of the parameter.
+    pub key: &'static str,
+    /// Rank correlation of the figure with the parameter.
+    pub correlation: f64,
+    /// Whether the figure follows the parameter itself or its distance from the design value.
+    pub sense: Sense,
+}
+
+/// Returns every requirement of a campaign over the mechanisms that were simulated so far.
+pub fn requirement_spreads(campaign: &Campaign, samples: &[Sample]) -> Vec<RequirementSpread> {
+    let one = |(k, requirement): (usize, &Requirement)| {
+        let mut values: Vec<f64> = samples.iter().map(|s| s.values[k]).filter(|v| !v.is_nan()).collect();
+        values.sort_by(f64::total_cmp);
+        let strongest = ranking(campaign, samples, k).into_iter().find(|r| r.correlation.is_finite());
+        let strongest = strongest.map(|r| StrongestParameter {
+            key: campaign.variations()[r.variation].parameter.key(),
+            correlation: r.correlation,
+            sense: r.sense,
+        });
+        RequirementSpread {
+            requirement: requirement.clone(),
+            summary: summary(campaign, samples, k),
+            strongest,
+            values,
+        }
+    };
+    campaign.requirements().iter().enumerate().map(one).collect()
 }

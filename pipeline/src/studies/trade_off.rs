@@ -1,7 +1,7 @@
 //! The trade-off between error and effort: the feedback as its error weight is raised and lowered.
 
-use counterpoise_synth::{DesignPlant, Figures, Outcome, Requirements, Sampling, Specification};
-use counterpoise_synth::{design, discretise, figures};
+use counterpoise_synth::{DesignPlant, Figures, Requirements, Sampling, Specification};
+use counterpoise_synth::{attempt, design, discretise, figures};
 
 use crate::synth::{design_plant, sampling};
 use crate::{Modelled, PipelineError, Reduced};
@@ -18,7 +18,7 @@ pub struct EffortPoint {
 
 /// The feedback for each factor on its error weight: |S| over the band of the project's search (its usual one where the project
 /// asks for none) against the control that noise costs. A factor without a stable sampled loop is left out; `None` if `go_on`
-/// said no before the end.
+/// returned `false` before the end.
 ///
 /// # Errors
 /// A project without weights, and those of the plant.
@@ -31,7 +31,7 @@ pub fn effort(
     let missing = PipelineError::Missing { section: "synth", needed_by: "the trade-off" };
     let asked = project.synth.as_ref().ok_or(missing)?;
     let band_rad_s = asked
-        .around
+        .options
         .search
         .as_ref()
         .map_or(Requirements::thesis().band_rad_s, |search| search.requirements.band_rad_s);
@@ -56,7 +56,7 @@ fn loop_figures(
     sampling: &Sampling,
     band_rad_s: (f64, f64),
 ) -> Result<Option<Figures>, PipelineError> {
-    let Outcome::Solved(designed) = design(plant, wanted)? else { return Ok(None) };
-    let Outcome::Solved(sampled) = discretise(&designed, sampling)? else { return Ok(None) };
+    let Ok(designed) = attempt(design(plant, wanted))? else { return Ok(None) };
+    let Ok(sampled) = attempt(discretise(&designed, sampling))? else { return Ok(None) };
     Ok(Some(figures(plant, &sampled, sampling, band_rad_s)?))
 }

@@ -1,17 +1,20 @@
 //! What surrounds the design's paths in the controller: the demand's prefilter, friction observers, the estimator.
 
-use counterpoise_controller::{Correction, Estimator, FrictionObserver, Learning, Parts, Signal};
+use counterpoise_controller::{Correction, Estimator, FrictionObserver, Learning, Parts, READINGS, Signal};
 use counterpoise_lti::{StateSpace, c2d};
 use counterpoise_models::{Friction, MapPoint, Parameters, Sensor, Sensors};
 use counterpoise_synth::{
     DesignPlant, Drive, Identified, Sampled, Sampling, Side, check, friction_observers,
 };
 
+use crate::model::CONVERTER_RANGE_V;
+use crate::synth::design_plant::{sensed, torque_per_volt};
 use crate::synth::friction_observers::observed;
-use crate::synth::{solved, torque_per_volt};
 use crate::{Modelled, PipelineError};
-use counterpoise_project::resolve::around::{Adaptation, AdaptationMethod, ObserverAsked, Stands, Undo};
 use counterpoise_project::resolve::design::Synthesis;
+use counterpoise_project::resolve::synthesis_options::{
+    Adaptation, AdaptationMethod, Compensation, FrictionModel, ObserverOptions,
+};
 
 /// Standard deviation with which parameters other than the imbalance start, V or V s/rad.
 const LOOSE: f64 = 10.0;
@@ -28,20 +31,24 @@ pub(crate) const SMALL_KG_M: f64 = 10.0;
 /// Those of the controller.
 pub(crate) fn surrounded(
     sampled: Sampled,
-    (asked, modelled): (&Synthesis, &Modelled),
-    (plant, sampling): (&DesignPlant, &Sampling),
+    asked: &Synthesis,
+    modelled: &Modelled,
+    plant: &DesignPlant,
+    sampling: &Sampling,
 ) -> Result<Sampled, PipelineError> {
     let prefilter = prefilter(asked, sampling)?;
-    let observers = match &asked.around.observer {
+    let observers = match &asked.options.observer {
         Some(observer) => observers(observer, &modelled.parameters)?,
         None => Vec::new(),
     };
-    let adaptation = asked.around.adaptation.as_ref();
+    let adaptation = asked.options.adaptation.as_ref();
     let estimator = adaptation.map(|adaptation| estimator(adaptation, modelled));
     let amplifier = &modelled.parameters.amplifier;
-    let drive_curve = match asked.around.amplifier_curve {
-        Undo::Leave => Vec::new(),
-        Undo::Undo => drive_curve(&amplifier.map, amplifier.stall_gain_a_v(&modelled.parameters.motor)),
+    let drive_curve = match asked.options.amplifier_curve {
+        Compensation::Absent => Vec::new(),
+        Compensation::Applied => {
+            drive_curve(&amplifier.map, amplifier.stall_gain_a_v(&modelled.parameters.motor))
+        }
     };
     let corrections = corrections(asked, &modelled.parameters.sensors);
     let bare = prefilter.is_none() && observers.is_empty() && estimator.is_none() && drive_curve.is_empty();
@@ -54,12 +61,12 @@ pub(crate) fn surrounded(
     };
     let controller = sampled.controller.with(change).map_err(counterpoise_synth::Error::from)?;
     let plant = sensed(plant, &modelled.parameters.sensors)?;
-    Ok(Sampled { certified: sampled.certified, ..solved(check(&plant, controller, sampling)?)? })
+    Ok(Sampled { certified: sampled.certified, ..check(&plant, controller, sampling)? })
 }
 
 /// What takes the known gain and bias of each sensor out of its reading, where the project asks for it.
 fn corrections(asked: &Synthesis, sensors: &Sensors) -> Vec<Correction> {
-    if asked.around.sensor_errors == Undo::Leave {
+    if asked.options.sensor_errors == Compensation::Absent {
         return Vec::new();
     }
     let fitted = [
@@ -79,48 +86,59 @@ fn corrections(asked: &Synthesis, sensors: &Sensors) -> Vec<Correction> {
     each.collect()
 }
 
-/// The design plant with its sensors as they are.
-pub(crate) fn sensed(plant: &DesignPlant, sensors: &Sensors) -> Result<DesignPlant, PipelineError> {
-    Ok(DesignPlant {
-        hub_sensor: Some(sensors.hub_gyro.dynamics()?),
-        heave_sensor: Some(sensors.platform_accelerometer.dynamics()?),
-        pitch_sensor: Some(sensors.platform_gyro.dynamics()?),
-        ..plant.clone()
+/// The controller with the limits of its readings, which the sensors' scales give.
+///
+/// # Errors
+/// Those of the controller.
+pub(crate) fn with_reading_limits(sampled: Sampled, sensors: &Sensors) -> Result<Sampled, PipelineError> {
+    let change = |parts: &mut Parts| parts.reading_limits = reading_limits(sensors, parts.reading_limits);
+    let controller = sampled.controller.with(change).map_err(counterpoise_synth::Error::from)?;
+    Ok(Sampled { controller, ..sampled })
+}
+
+/// Largest good readings: [`BEYOND_FULL_SCALE`] times what a fitted sensor gives at its converter's end. The demand has the scale
+/// of the hub gyroscope. `usual` stays where no sensor is fitted.
+fn reading_limits(sensors: &Sensors, usual: [f64; READINGS]) -> [f64; READINGS] {
+    let fitted = [
+        Some(&sensors.hub_gyro),
+        Some(&sensors.hub_gyro),
+        Some(&sensors.platform_gyro),
+        Some(&sensors.platform_accelerometer),
+        sensors.motor_tachometer.as_ref(),
+        sensors.hub_resolver.as_ref(),
+    ];
+    std::array::from_fn(|i| match fitted[i] {
+        Some(sensor) if sensor.scale_v_unit != 0.0 => {
+            BEYOND_FULL_SCALE * CONVERTER_RANGE_V / sensor.scale_v_unit.abs()
+        }
+        _ => usual[i],
     })
 }
 
-/// The sensors as the design takes them: where the controller undoes their errors, without.
-pub(crate) fn designed_on(asked: &Synthesis, sensors: &Sensors) -> Sensors {
-    let mut sensors = sensors.clone();
-    if asked.around.sensor_errors == Undo::Undo {
-        let all = [&mut sensors.hub_gyro, &mut sensors.platform_gyro, &mut sensors.platform_accelerometer];
-        all.into_iter().for_each(|sensor| sensor.gain = 1.0);
-    }
-    sensors
-}
+/// Times a sensor's full scale beyond which its reading cannot be right. A reading at full scale is still good: it is what a
+/// sensor gives that is driven beyond its range.
+const BEYOND_FULL_SCALE: f64 = 2.0;
 
 fn prefilter(asked: &Synthesis, sampling: &Sampling) -> Result<Option<StateSpace>, PipelineError> {
-    let Some(weight) = &asked.around.prefilter else { return Ok(None) };
+    let Some(weight) = &asked.options.prefilter else { return Ok(None) };
     Ok(Some(c2d(&weight.realise()?, sampling.period_s, sampling.method.conversion())?))
 }
 
 /// Observers of the friction at motor and pivot: as identified, or the plant's.
-fn observers(asked: &ObserverAsked, p: &Parameters) -> Result<Vec<FrictionObserver>, PipelineError> {
-    let sides = [
-        ("friction_pivot", Side::Load, &asked.pivot, &p.pivot_friction),
-        ("friction_motor", Side::Motor, &asked.motor, &p.motor_friction),
-    ];
-    let follow = |(name, side, given, of_plant): (&str, Side, &Option<Friction>, &Friction)| match given {
-        Some(own) => observed((name, side), own, (Stands::ByItself, asked.sign_rate_rad_s)),
-        None => observed((name, side), of_plant, (asked.stands, asked.sign_rate_rad_s)),
+fn observers(asked: &ObserverOptions, p: &Parameters) -> Result<Vec<FrictionObserver>, PipelineError> {
+    let follow = |name: &str, side: Side, given: &Option<Friction>, of_plant: &Friction| match given {
+        Some(own) => observed(name, side, own, FrictionModel::OwnLaw, asked.sign_rate_rad_s),
+        None => observed(name, side, of_plant, asked.model, asked.sign_rate_rad_s),
     };
-    let identified: Vec<Identified> = sides.into_iter().filter_map(follow).collect();
+    let pivot = follow("friction_pivot", Side::Load, &asked.pivot, &p.pivot_friction);
+    let motor = follow("friction_motor", Side::Motor, &asked.motor, &p.motor_friction);
+    let identified: Vec<Identified> = pivot.into_iter().chain(motor).collect();
     let drive = Drive { ratio: p.gearbox.ratio, stall_nm_v: torque_per_volt(p) };
     Ok(friction_observers(&identified, drive, asked.drives, asked.share)?)
 }
 
 /// The estimator of the out-of-balance.
-fn estimator(adaptation: &Adaptation, modelled: &Modelled) -> Estimator {
+pub(crate) fn estimator(adaptation: &Adaptation, modelled: &Modelled) -> Estimator {
     let p = &modelled.parameters;
     let volts = 1.0 / torque_per_volt(p);
     let mean = adaptation.method == AdaptationMethod::WindowedMean;

@@ -6,7 +6,7 @@ use counterpoise_models::friction::bristle::MEAN_DEFLECTION;
 use counterpoise_models::{Friction, FrictionLaw, StribeckCurve};
 use counterpoise_synth::{Identified, Side};
 
-use counterpoise_project::resolve::around::Stands;
+use counterpoise_project::resolve::synthesis_options::FrictionModel;
 
 /// Stiffness at rest; a law without one breaks away within this angle in the observer, rad.
 const BREAKAWAY_RAD: f64 = 5e-4;
@@ -21,17 +21,19 @@ const SAME_LEVEL: f64 = 1e-4;
 /// Laws that truly stick have no state: their sign is softened below `sign_rate_rad_s` (Karnopp's below its own stick
 /// rate). Bristles become Dahl's law of their stiffness.
 pub(crate) fn observed(
-    (name, side): (&str, Side),
+    name: &str,
+    side: Side,
     friction: &Friction,
-    (stands, sign_rate_rad_s): (Stands, f64),
+    model: FrictionModel,
+    sign_rate_rad_s: f64,
 ) -> Option<Identified> {
     let coulomb_nm = friction.coulomb_nm();
     if coulomb_nm.is_nan() || coulomb_nm <= 0.0 {
         return None;
     }
-    let (law, rest_stiffness_nm_rad, curve) = match stands {
-        Stands::AsDahl => (ObserverLaw::Dahl, rest_stiffness_nm_rad(&friction.law), None),
-        Stands::ByItself => by_itself(friction, sign_rate_rad_s),
+    let (law, rest_stiffness_nm_rad, curve) = match model {
+        FrictionModel::Dahl => (ObserverLaw::Dahl, rest_stiffness_nm_rad(&friction.law), None),
+        FrictionModel::OwnLaw => by_itself(friction, sign_rate_rad_s),
     };
     let level = curve.map_or(Vec::new(), |curve| level(friction, curve));
     Some(Identified {

@@ -1,15 +1,15 @@
 //! The schedule over out-of-balance: the plant in each state of balance, and what becomes of the three controllers.
 
-use counterpoise_models::plant::{Angles, Body, Plant};
-use counterpoise_synth::schedule::EQUAL;
-use counterpoise_synth::{Conditions, Configuration, Entry, Law, Outcome, schedule};
+use counterpoise_models::plant::{Body, Plant};
+use counterpoise_synth::tolerance::EQUAL;
+use counterpoise_synth::{Conditions, Configuration, Entry, Law, schedule};
 use serde::Serialize;
 
-use crate::synth::design_plant;
+use crate::synth::design_plant::design_plant;
 use crate::{Modelled, PipelineError, model, reduce};
 use counterpoise_project::Project;
-use counterpoise_project::resolve::around::{LawAsked, ScheduleAsked};
 use counterpoise_project::resolve::design::Synthesis;
+use counterpoise_project::resolve::synthesis_options::{ScheduleLaw, ScheduleOptions};
 
 /// A state of balance with what becomes of the controllers there.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -43,36 +43,35 @@ pub struct BalanceRow {
 pub fn balance(
     project: &Project,
     asked: &Synthesis,
-    (modelled, wanted): (&Modelled, &ScheduleAsked),
+    modelled: &Modelled,
+    wanted: &ScheduleOptions,
 ) -> Result<Vec<Entry>, PipelineError> {
-    let nominal = configured(project, asked, ("nominal", modelled.clone()))?;
+    let nominal = configured(project, asked, "nominal", modelled)?;
     let mut others = Vec::new();
     for name in &wanted.configurations {
         let mut project = project.clone();
         project.model.configuration = Some(name.clone());
         let modelled = model(&project)?;
-        others.push(configured(&project, asked, (name, modelled))?);
+        others.push(configured(&project, asked, name, &modelled)?);
     }
     for &factor in &wanted.factors {
         let name = format!("{:.0} % out-of-balance", 100.0 * factor);
-        others.push(configured(project, asked, (&name, with_factor(project, modelled, factor)?))?);
+        others.push(configured(project, asked, &name, &with_factor(project, modelled, factor)?)?);
     }
-    match schedule(&nominal, &others, &asked.specification)? {
-        Outcome::Solved(entries) => Ok(entries),
-        Outcome::Infeasible(findings) => Err(PipelineError::NoController(findings)),
-    }
+    Ok(schedule(&nominal, &others, &asked.specification)?)
 }
 
 fn configured(
     project: &Project,
     asked: &Synthesis,
-    (name, modelled): (&str, Modelled),
+    name: &str,
+    modelled: &Modelled,
 ) -> Result<Configuration, PipelineError> {
-    let reduced = reduce(project, &modelled)?;
+    let reduced = reduce(project, modelled)?;
     Ok(Configuration {
         name: name.to_owned(),
         out_of_balance_kg_m: modelled.plant.body().out_of_balance_kg_m,
-        plant: design_plant(asked, &modelled, &reduced)?,
+        plant: design_plant(asked, modelled, &reduced)?,
     })
 }
 
@@ -83,8 +82,9 @@ fn configured(
 pub fn with_factor(project: &Project, modelled: &Modelled, factor: f64) -> Result<Modelled, PipelineError> {
     let plant = unbalanced(&modelled.plant, factor)?;
     let equilibrium = plant.equilibrium(&project.model.operating_point);
-    let linear = plant.linearise(&equilibrium, project.model.friction, Angles::Drop)?;
-    Ok(Modelled { plant, linear, parameters: modelled.parameters.clone() })
+    let linear = plant.linearise(&equilibrium, project.model.friction, plant.angles())?;
+    let (parameters, elements) = (modelled.parameters.clone(), modelled.elements.clone());
+    Ok(Modelled { plant, linear, parameters, elements })
 }
 
 /// The plant with its out-of-balance times a factor.
@@ -92,21 +92,21 @@ pub(crate) fn unbalanced(plant: &Plant, factor: f64) -> Result<Plant, PipelineEr
     let mut body: Body = plant.body().clone();
     body.out_of_balance_kg_m *= factor;
     body.modes.iter_mut().for_each(|mode| mode.load_share_kg_m *= factor);
-    Ok(Plant::with_body(plant.parameters(), body)?)
+    Ok(Plant::with_whole_body(plant.parameters(), body)?)
 }
 
 /// Whether the exported controller interpolates redesigns.
-pub(crate) fn redesigns(asked: &ScheduleAsked, entries: &[Entry]) -> bool {
+pub(crate) fn redesigns(asked: &ScheduleOptions, entries: &[Entry]) -> bool {
     match asked.law {
-        LawAsked::Gain => false,
-        LawAsked::Redesign => true,
-        LawAsked::Auto => entries.iter().any(|entry| matches!(entry.law, Law::Redesign { .. })),
+        ScheduleLaw::Gain => false,
+        ScheduleLaw::Redesign => true,
+        ScheduleLaw::Auto => entries.iter().any(|entry| matches!(entry.law, Law::Redesign { .. })),
     }
 }
 
 /// The designs that the exported controller interpolates: those of the configurations; of the factors where there are
 /// none, because two designs of one out-of-balance and different inertia cannot both hold.
-pub(crate) fn interpolated<'a>(asked: &ScheduleAsked, entries: &'a [Entry]) -> &'a [Entry] {
+pub(crate) fn interpolated<'a>(asked: &ScheduleOptions, entries: &'a [Entry]) -> &'a [Entry] {
     match asked.configurations.len() {
         0 => entries,
         count => &entries[..entries.len().min(1 + count)],

@@ -40,6 +40,16 @@ pub enum EditError {
         /// How many items there are.
         length: usize,
     },
+    /// A value that stands in a part, which other projects may share.
+    #[error(
+        "\"{path}\" stands in the part \"{part}\", which other projects may share: change it in that file"
+    )]
+    InPart {
+        /// The path.
+        path: String,
+        /// The part's file.
+        part: String,
+    },
     /// A number that a file cannot hold.
     #[error("\"{path}\" cannot be set to {value}")]
     BadValue {
@@ -86,6 +96,21 @@ pub(crate) fn set(text: &str, path: &str, setting: &Setting) -> Result<String, E
         Some(index) => put_item(table, (last.key, index), value, path)?,
     }
     Ok(document.to_string())
+}
+
+/// Returns the text with a key of the outermost table set; a new key stands before all others.
+pub(crate) fn set_first(text: &str, key: &str, setting: &Setting) -> Result<String, EditError> {
+    let document = open(text)?;
+    if document.contains_key(key) {
+        return set(text, key, setting);
+    }
+    let line = format!("{key} = {}\n", setting.spelt());
+    // Comments at the top belong to the whole file: the key follows them, before an empty line or the first key.
+    let top = text.lines().take_while(|line| line.trim_start().starts_with('#')).count();
+    let at: usize = text.split_inclusive('\n').take(top).map(str::len).sum();
+    let (before, after) = text.split_at(at);
+    let gap = if before.is_empty() || before.ends_with('\n') { "" } else { "\n" };
+    Ok(format!("{before}{gap}{line}{after}"))
 }
 
 /// The text without the key, table or item of a list of tables at the path; the same text if it is not there.

@@ -12,6 +12,34 @@ pub(crate) struct Field {
     pub meaning: &'static str,
     /// The canonical text has the key even where absence means the same.
     pub shown: bool,
+    /// Unit of the second number of each pair, where it is not that of the first.
+    pub second_unit: Option<&'static str>,
+    /// By which rule the default stands in for a value that is not known.
+    pub assumed: Option<Assumed>,
+    /// What to do if the value of a required key is not known.
+    pub unknown: &'static str,
+}
+
+/// By which rule a default stands in for a value that is not known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Assumed {
+    /// The rule, as in "equal to the torque constant".
+    pub rule: &'static str,
+    /// Why the rule holds, or where it comes from.
+    pub source: &'static str,
+    /// How far the true value usually lies from the default.
+    pub usual: UsualRange,
+}
+
+/// How far the true value usually lies from a default.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum UsualRange {
+    /// From the first to the second multiple of the default.
+    Factors(f64, f64),
+    /// From the first to the second value, in the unit of the key.
+    Values(f64, f64),
+    /// Nothing is known about it.
+    Unknown,
 }
 
 /// The range of a number.
@@ -61,11 +89,48 @@ pub(crate) enum Form {
 impl Field {
     /// A key that must be there, of any value.
     pub const fn new(key: &'static str, meaning: &'static str) -> Self {
-        Self { key, unit: "", limit: Limit::Any, default: Fallback::Required, meaning, shown: false }
+        Self {
+            key,
+            unit: "",
+            limit: Limit::Any,
+            default: Fallback::Required,
+            meaning,
+            shown: false,
+            second_unit: None,
+            assumed: None,
+            unknown: "",
+        }
     }
 
     pub const fn unit(mut self, unit: &'static str) -> Self {
         self.unit = unit;
+        self
+    }
+
+    /// The units of the two numbers of each pair.
+    pub const fn units(mut self, first: &'static str, second: &'static str) -> Self {
+        self.unit = first;
+        self.second_unit = Some(second);
+        self
+    }
+
+    /// Returns the field of one number of a list: the second one of a pair has a unit of its own.
+    pub fn item(self, index: usize) -> Self {
+        match self.second_unit {
+            Some(unit) if index % 2 == 1 => Self { unit, ..self },
+            _ => self,
+        }
+    }
+
+    /// The default stands in for a value that is not known, by a rule. The rule and its source are phrases without a full stop.
+    pub const fn assumed(mut self, rule: &'static str, source: &'static str, usual: UsualRange) -> Self {
+        self.assumed = Some(Assumed { rule, source, usual });
+        self
+    }
+
+    /// What to do if the value of this required key is not known.
+    pub const fn if_unknown(mut self, what: &'static str) -> Self {
+        self.unknown = what;
         self
     }
 

@@ -15,7 +15,7 @@ struct Section {
 #[derive(Debug, Clone, PartialEq)]
 struct Row {
     key: &'static str,
-    unit: &'static str,
+    unit: String,
     allowed: String,
     absent: String,
     meaning: &'static str,
@@ -79,7 +79,11 @@ impl Guide {
         let Some(section) = self.sections.iter_mut().find(|s| s.path == frame.path) else { return };
         let at = section.rows.iter().position(|r| r.key == field.key).unwrap_or(section.rows.len());
         if at == section.rows.len() {
-            let &Field { key, unit, meaning, .. } = field;
+            let &Field { key, unit, meaning, second_unit, .. } = field;
+            let unit = match second_unit {
+                Some(second) => format!("{unit}, {}", if second.is_empty() { "1" } else { second }),
+                None => unit.to_owned(),
+            };
             section.rows.push(Row {
                 key,
                 unit,
@@ -152,6 +156,9 @@ fn condition(row: &Row) -> String {
 fn absent(field: &Field) -> String {
     match field.default {
         Fallback::Required => "must be there".to_owned(),
+        _ if field.assumed.is_some() => {
+            field.assumed.map_or(String::new(), |assumed| assumed.rule.to_owned())
+        }
         Fallback::Number(value) if value.is_finite() => value.to_string(),
         Fallback::Text(text) if !text.is_empty() => format!("`{text}`"),
         Fallback::Number(_) | Fallback::Text(_) | Fallback::Empty => String::new(),
@@ -236,15 +243,5 @@ impl Visit for Guide {
 
     fn leave_list(&mut self) {
         self.stack.pop();
-    }
-
-    fn complain(&mut self, _key: &str, _allowed: &str, _hint: Option<String>) {}
-
-    fn attached(&mut self, _name: &str) -> Option<Result<String, String>> {
-        None
-    }
-
-    fn shorthand(&mut self, _key: &str, _value: &mut String) -> bool {
-        false
     }
 }

@@ -19,41 +19,72 @@ pub(crate) enum Line {
         unit: &'static str,
         meaning: &'static str,
         usual: bool,
+        /// The tolerance as the file spells it, if the value has one.
+        tolerance: Option<String>,
     },
 }
 
-/// A walk that changes nothing and writes down what it meets.
+/// The paths of the tables and lists in which a walk stands.
 #[derive(Debug, Default)]
-pub(crate) struct Lister {
-    paths: Vec<String>,
-    lists: Vec<(String, &'static str)>,
-    pub lines: Vec<Line>,
+pub(crate) struct Paths {
+    tables: Vec<String>,
+    lists: Vec<String>,
 }
 
-impl Lister {
-    fn path(&self, key: &str) -> String {
-        match self.paths.last() {
+impl Paths {
+    /// Returns the path of a key of the table in which the walk stands.
+    pub fn of(&self, key: &str) -> String {
+        match self.tables.last() {
             Some(path) => format!("{path}.{key}"),
             None => key.to_owned(),
         }
     }
 
+    pub fn enter(&mut self, key: &str) {
+        self.tables.push(self.of(key));
+    }
+
+    pub fn leave(&mut self) {
+        self.tables.pop();
+    }
+
+    pub fn enter_list(&mut self, key: &str) {
+        self.lists.push(self.of(key));
+    }
+
+    /// Steps into an item of the list and returns its path.
+    pub fn enter_item(&mut self, index: usize) -> String {
+        let path = format!("{}[{index}]", self.lists.last().map_or("", String::as_str));
+        self.tables.push(path.clone());
+        path
+    }
+
+    pub fn leave_list(&mut self) {
+        self.lists.pop();
+    }
+}
+
+/// A walk that changes nothing and writes down what it meets.
+#[derive(Debug, Default)]
+pub(crate) struct Lister {
+    paths: Paths,
+    meanings: Vec<&'static str>,
+    pub lines: Vec<Line>,
+}
+
+impl Lister {
     fn value(&mut self, field: &Field, setting: Setting, usual: bool) {
         let &Field { key, unit, meaning, shown, .. } = field;
         let usual = usual && !(shown && setting.is_finite());
         self.lines.push(Line::Value {
-            path: self.path(key),
+            path: self.paths.of(key),
             key: key.to_owned(),
             setting,
             unit,
             meaning,
             usual,
+            tolerance: None,
         });
-    }
-
-    fn open(&mut self, path: String, form: Form, item: bool, meaning: &'static str) {
-        self.lines.push(Line::Open { path: path.clone(), form, item, meaning });
-        self.paths.push(path);
     }
 }
 
@@ -95,37 +126,32 @@ impl Visit for Lister {
 
     fn enter(&mut self, table: &TableField, present: bool) -> bool {
         if present {
-            self.open(self.path(table.key), table.form, false, table.meaning);
+            let path = self.paths.of(table.key);
+            self.lines.push(Line::Open { path, form: table.form, item: false, meaning: table.meaning });
+            self.paths.enter(table.key);
         }
         present
     }
 
     fn leave(&mut self) {
-        self.paths.pop();
+        self.paths.leave();
         self.lines.push(Line::Close);
     }
 
     fn enter_list(&mut self, table: &TableField, length: usize) -> usize {
-        self.lists.push((self.path(table.key), table.meaning));
+        self.paths.enter_list(table.key);
+        self.meanings.push(table.meaning);
         length
     }
 
     fn enter_item(&mut self, index: usize) {
-        let (path, meaning) = self.lists.last().cloned().unwrap_or_default();
-        self.open(format!("{path}[{index}]"), Form::Section, true, meaning);
+        let meaning = self.meanings.last().copied().unwrap_or_default();
+        let path = self.paths.enter_item(index);
+        self.lines.push(Line::Open { path, form: Form::Section, item: true, meaning });
     }
 
     fn leave_list(&mut self) {
-        self.lists.pop();
-    }
-
-    fn complain(&mut self, _key: &str, _allowed: &str, _hint: Option<String>) {}
-
-    fn attached(&mut self, _name: &str) -> Option<Result<String, String>> {
-        None
-    }
-
-    fn shorthand(&mut self, _key: &str, _value: &mut String) -> bool {
-        false
+        self.paths.leave_list();
+        self.meanings.pop();
     }
 }

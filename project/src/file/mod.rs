@@ -5,10 +5,13 @@ mod edit;
 pub(crate) mod field;
 pub(crate) mod guide;
 pub(crate) mod lister;
+mod parts;
 pub(crate) mod reader;
-mod setting;
+pub(crate) mod setter;
+pub(crate) mod setting;
 pub(crate) mod source;
 pub(crate) mod tree;
+mod users_unit;
 pub(crate) mod visit;
 pub(crate) mod writer;
 
@@ -19,7 +22,12 @@ pub use visit::Choice;
 
 use crate::diagnostic::{Diagnostic, Problem, Severity};
 use source::{Remark, Source};
-use tree::{Entry, Value};
+use tree::{Entry, Found, Node, Start, Value};
+
+/// The format of project files that this version writes; it reads this one and all before it.
+///
+/// Format 2 adds quantities with units, values with tolerances, and parts.
+pub const FORMAT: u32 = 2;
 
 /// Keys that name a file which resolving the project needs; some may hold the table itself instead.
 const NAMING_FILES: [&str; 8] = [
@@ -37,23 +45,35 @@ const NAMING_FILES: [&str; 8] = [
 #[derive(Debug, Clone)]
 pub struct Document {
     pub(crate) source: Source,
+    /// The tree, with its parts in their places as far as they were given.
     pub(crate) entries: Vec<Entry>,
     pub(crate) syntax: Vec<Diagnostic>,
+    /// What is wrong with the parts.
+    pub(crate) inclusion: Vec<Diagnostic>,
+    /// Names of the parts.
+    included: Vec<String>,
+    /// The files that were given for the parts.
+    given: Attachments,
+    /// Whether the file's own text includes parts.
+    includes: bool,
 }
 
 impl Document {
     /// Reads a text. Mistakes in its syntax are kept and come out when it is resolved.
     pub fn parse(text: &str, name: &str) -> Self {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let source = Source { name: name.to_owned(), text: text.to_owned() };
-        let (entries, errors) = tree::parse(text);
+        let source = Source::new(name, text);
+        let (entries, errors) = tree::parse(text, Start(0));
         let finding = |e: &tree::SyntaxError| {
             let remark =
                 Remark::new(Problem::Syntax, "", e.message.clone()).hint(syntax_hint(text, e.span.start));
             source.diagnostic(Severity::Error, e.span.start, remark)
         };
         let syntax = errors.iter().map(finding).collect();
-        Self { source, entries, syntax }
+        let includes = parts::has_parts(&entries);
+        let (inclusion, included, given) = (Vec::new(), Vec::new(), Attachments::none());
+        let written = Self { source, entries, syntax, inclusion, included, given, includes };
+        if includes { written.with_parts(&Attachments::none()) } else { written }
     }
 
     /// Reads bytes, which must be UTF-8.
@@ -63,8 +83,7 @@ impl Document {
     pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Self, Vec<Diagnostic>> {
         std::str::from_utf8(bytes).map(|text| Self::parse(text, name)).map_err(|error| {
             let good = error.valid_up_to();
-            let text = String::from_utf8_lossy(&bytes[..good]).into_owned();
-            let source = Source { name: name.to_owned(), text };
+            let source = Source::new(name, &String::from_utf8_lossy(&bytes[..good]));
             let byte = bytes.get(good).copied().unwrap_or_default();
             let allowed = format!("byte 0x{byte:02x} is not UTF-8 text");
             let remark =
@@ -73,86 +92,167 @@ impl Document {
         })
     }
 
-    /// The text as it stands.
+    /// Returns the same file with the parts that it includes put in their places, as far as they are among the given files.
+    #[must_use]
+    pub fn with_parts(&self, given: &Attachments) -> Self {
+        if !self.includes {
+            return Self { given: given.clone(), ..self.clone() };
+        }
+        let (entries, _) = tree::parse(self.text(), Start(0));
+        let assembled = parts::assemble(&Source::new(self.name(), self.text()), &entries, given);
+        Self {
+            source: assembled.source,
+            entries: assembled.entries,
+            syntax: self.syntax.clone(),
+            inclusion: assembled.findings,
+            included: assembled.wanted,
+            given: given.clone(),
+            includes: true,
+        }
+    }
+
+    /// The text as it stands, without its parts.
     pub fn text(&self) -> &str {
-        &self.source.text
+        self.source.text()
     }
 
     /// The name under which findings are reported.
     pub fn name(&self) -> &str {
-        &self.source.name
+        self.source.name()
     }
 
-    /// Names of the files that the project file refers to and that resolving it needs.
+    /// Names of the parts that the file includes, as far as they are known: those of a part only once it was given.
+    pub fn parts(&self) -> &[String] {
+        &self.included
+    }
+
+    /// Names of the files that the project file refers to and that resolving it needs, its parts among them. The files that a
+    /// part names are known once the part was given to [`Document::with_parts`].
     pub fn attachments(&self) -> Vec<String> {
         let mut names: Vec<String> = NAMING_FILES.iter().filter_map(|path| self.text_at(path)).collect();
         names.retain(|name| !name.is_empty());
+        names.extend(self.included.iter().cloned());
         names.sort();
         names.dedup();
         names
     }
 
-    /// The text at a path of keys, where one stands there.
-    fn text_at(&self, path: &str) -> Option<String> {
-        let mut entries = self.entries.as_slice();
-        let mut found = None;
-        for key in path.split('.') {
-            let entry = entries.iter().find(|e| e.key == key)?;
-            entries = if let Value::Table(inside) = &entry.node.value { inside } else { &[] };
-            found = Some(&entry.node.value);
-        }
-        if let Some(Value::Text(text)) = found { Some(text.clone()) } else { None }
+    /// Returns a finding with the line of the file that it speaks of, and a mark under its column.
+    pub fn excerpt(&self, finding: &Diagnostic) -> String {
+        self.source.line(finding).map_or_else(|| finding.to_string(), |line| finding.with_line(line))
     }
 
-    /// The same file with one value set; comments, order and spaces stay. Sections on the way are made.
+    /// The text at a path of keys, where one stands there.
+    fn text_at(&self, path: &str) -> Option<String> {
+        match self.node_at(path).map(|node| &node.value) {
+            Some(Value::Text(text)) => Some(text.clone()),
+            _ => None,
+        }
+    }
+
+    /// Returns what stands at a path as it is written, without the quotes of a text; `None` if nothing is there.
+    pub fn written(&self, path: &str) -> Option<String> {
+        let node = self.node_at(path)?;
+        match &node.value {
+            Value::Text(text) => Some(text.clone()),
+            _ => Some(self.source.quote(&node.span)),
+        }
+    }
+
+    /// Returns the node at a path, if it is there.
+    pub(crate) fn node_at(&self, path: &str) -> Option<&Node> {
+        let (node, found) = tree::find(&self.entries, path);
+        node.filter(|_| found == Found::There)
+    }
+
+    /// The same file with one value set; comments, order and spaces stay. Sections on the way are made. A number that was written
+    /// with a unit or a tolerance keeps both.
     /// A path names keys and items of lists (from 0), as in `plant.beam.section[1].to`.
     ///
     /// # Errors
-    /// The text is not TOML, the path leads nowhere, or the value cannot be written.
+    /// The text is not TOML, the path leads nowhere, the value cannot be written, or it stands in a part.
     pub fn set(&self, path: &str, setting: &Setting) -> Result<Self, EditError> {
-        edit::set(self.text(), path, setting).map(|text| Self::parse(&text, self.name()))
+        self.refuse_part(path)?;
+        let (path, setting) = users_unit::kept(self, path, setting);
+        edit::set(self.text(), &path, &setting).map(|text| self.reread(&text))
+    }
+
+    /// The same file with the value at a path replaced as it is given, whatever unit stood there before.
+    ///
+    /// # Errors
+    /// As for [`Document::set`].
+    pub fn replace(&self, path: &str, setting: &Setting) -> Result<Self, EditError> {
+        self.refuse_part(path)?;
+        edit::set(self.text(), path, setting).map(|text| self.reread(&text))
     }
 
     /// The same file without a key.
     ///
     /// # Errors
-    /// The text is not TOML, or the path leads nowhere.
+    /// The text is not TOML, the path leads nowhere, or the key stands in a part.
     pub fn remove(&self, path: &str) -> Result<Self, EditError> {
-        edit::remove(self.text(), path).map(|text| Self::parse(&text, self.name()))
+        self.refuse_part(path)?;
+        edit::remove(self.text(), path).map(|text| self.reread(&text))
+    }
+
+    /// Returns the file with another text and the same parts.
+    #[must_use]
+    pub fn reread(&self, text: &str) -> Self {
+        Self::parse(text, self.name()).with_parts(&self.given)
+    }
+
+    /// Refuses to change what stands in a part, which other projects may share.
+    fn refuse_part(&self, path: &str) -> Result<(), EditError> {
+        let (node, found) = tree::find(&self.entries, path);
+        let inside_of_list = path.contains('[');
+        let Some(node) = node.filter(|_| found == Found::There || inside_of_list) else { return Ok(()) };
+        match self.source.part_at(node.span.start) {
+            None => Ok(()),
+            Some(part) => Err(EditError::InPart { path: path.to_owned(), part: part.to_owned() }),
+        }
     }
 
     /// The byte at which the value at a path stands, or the nearest thing around it that is there.
     pub(crate) fn locate(&self, path: &str) -> usize {
-        let (mut entries, mut at) = (self.entries.as_slice(), 0);
-        for part in path.split('.') {
-            let (key, index) = part
-                .split_once('[')
-                .map_or((part, None), |(k, i)| (k, i.trim_end_matches(']').parse::<usize>().ok()));
-            let Some(entry) = entries.iter().find(|e| e.key == key) else { return at };
-            let node = match (&entry.node.value, index) {
-                (Value::List(items), Some(index)) => items.get(index).unwrap_or(&entry.node),
-                _ => &entry.node,
-            };
-            at = node.span.start;
-            entries = if let Value::Table(inside) = &node.value { inside } else { &[] };
-        }
-        at
+        tree::find(&self.entries, path).0.map_or(0, |node| node.span.start)
     }
 
     /// Whether something stands at a path of keys.
     pub(crate) fn has(&self, path: &str) -> bool {
-        let mut entries = self.entries.as_slice();
-        path.split('.').all(|key| {
-            let Some(entry) = entries.iter().find(|e| e.key == key) else { return false };
-            entries = if let Value::Table(inside) = &entry.node.value { inside } else { &[] };
-            true
-        })
+        self.node_at(path).is_some()
     }
 
     /// A finding at the place of its path.
     pub(crate) fn finding(&self, severity: Severity, remark: Remark) -> Diagnostic {
         let at = self.locate(&remark.path);
         self.source.diagnostic(severity, at, remark)
+    }
+
+    /// Returns the format that the file states; `None` if it states none, or none that is a whole number.
+    pub fn format(&self) -> Option<u32> {
+        match self.node_at("format")?.value {
+            Value::Whole(format) => u32::try_from(format).ok(),
+            _ => None,
+        }
+    }
+
+    /// Returns the same file in the present format, with its comments. The values of older formats mean the same in this one.
+    ///
+    /// # Errors
+    /// The text is not TOML.
+    pub fn migrated(&self) -> Result<Self, EditError> {
+        let set = edit::set_first(self.text(), "format", &Setting::Whole(i64::from(FORMAT)))?;
+        Ok(self.reread(&set))
+    }
+}
+
+/// Returns why a file of a newer format is not read; `None` if it is of this format or an older one.
+pub(crate) fn format_is_newer(node: &Node) -> Option<String> {
+    match node.value {
+        Value::Whole(format) if format > i64::from(FORMAT) => Some(format!(
+            "the file is of format {format}, but this version of Counterpoise reads formats up to {FORMAT}: use a newer version"
+        )),
+        _ => None,
     }
 }
 

@@ -15,6 +15,8 @@ pub enum Setting {
     Texts(Vec<String>),
     /// A list of pairs of numbers.
     Pairs(Vec<[f64; 2]>),
+    /// A list of values of any kind.
+    List(Vec<Setting>),
 }
 
 /// Below this size, and from the next on, a number is written with an exponent.
@@ -50,6 +52,7 @@ impl Setting {
             Self::Numbers(values) => list(values, |v| number(*v)),
             Self::Texts(texts) => list(texts, |t| quoted(t)),
             Self::Pairs(pairs) => list(pairs, |[a, b]| format!("[{}, {}]", number(*a), number(*b))),
+            Self::List(items) => list(items, Self::spelt),
         }
     }
 

@@ -37,41 +37,53 @@ pub(crate) struct SyntaxError {
     pub message: String,
 }
 
-/// The tree of a text; with mistakes in the syntax, what could still be read.
-pub(crate) fn parse(text: &str) -> (Vec<Entry>, Vec<SyntaxError>) {
-    let (table, errors) = DeTable::parse_recoverable(text);
-    let errors = errors
-        .iter()
-        .map(|e| SyntaxError { span: e.span().unwrap_or(0..0), message: e.message().to_owned() });
-    (entries(table.get_ref()), errors.collect())
-}
+/// Byte at which a text begins in the count of all texts.
+#[derive(Clone, Copy)]
+pub(crate) struct Start(pub usize);
 
-fn entries(table: &DeTable<'_>) -> Vec<Entry> {
-    let entry = |(key, value): (&toml::Spanned<toml::de::DeString<'_>>, &toml::Spanned<DeValue<'_>>)| Entry {
-        key: key.get_ref().to_string(),
-        key_span: key.span(),
-        node: node(value),
-    };
-    let mut all: Vec<Entry> = table.iter().map(entry).collect();
-    all.sort_by_key(|e| e.key_span.start);
-    all
-}
-
-fn node(value: &toml::Spanned<DeValue<'_>>) -> Node {
-    Node { span: value.span(), value: convert(value.get_ref()) }
-}
-
-fn convert(value: &DeValue<'_>) -> Value {
-    match value {
-        DeValue::String(text) => Value::Text(text.to_string()),
-        DeValue::Integer(whole) => i64::from_str_radix(whole.as_str(), whole.radix())
-            .map_or_else(|_| Value::Number(whole.as_str().parse().unwrap_or(f64::NAN)), Value::Whole),
-        DeValue::Float(number) => Value::Number(number.as_str().parse().unwrap_or(f64::NAN)),
-        DeValue::Boolean(_) => Value::Flag,
-        DeValue::Datetime(_) => Value::Date,
-        DeValue::Array(items) => Value::List(items.iter().map(node).collect()),
-        DeValue::Table(table) => Value::Table(entries(table)),
+impl Start {
+    fn shift(self, span: &Range<usize>) -> Range<usize> {
+        self.0 + span.start..self.0 + span.end
     }
+
+    fn entries(self, table: &DeTable<'_>) -> Vec<Entry> {
+        let entry =
+            |(key, value): (&toml::Spanned<toml::de::DeString<'_>>, &toml::Spanned<DeValue<'_>>)| Entry {
+                key: key.get_ref().to_string(),
+                key_span: self.shift(&key.span()),
+                node: self.node(value),
+            };
+        let mut all: Vec<Entry> = table.iter().map(entry).collect();
+        all.sort_by_key(|e| e.key_span.start);
+        all
+    }
+
+    fn node(self, value: &toml::Spanned<DeValue<'_>>) -> Node {
+        Node { span: self.shift(&value.span()), value: self.convert(value.get_ref()) }
+    }
+
+    fn convert(self, value: &DeValue<'_>) -> Value {
+        match value {
+            DeValue::String(text) => Value::Text(text.to_string()),
+            DeValue::Integer(whole) => i64::from_str_radix(whole.as_str(), whole.radix())
+                .map_or_else(|_| Value::Number(whole.as_str().parse().unwrap_or(f64::NAN)), Value::Whole),
+            DeValue::Float(number) => Value::Number(number.as_str().parse().unwrap_or(f64::NAN)),
+            DeValue::Boolean(_) => Value::Flag,
+            DeValue::Datetime(_) => Value::Date,
+            DeValue::Array(items) => Value::List(items.iter().map(|item| self.node(item)).collect()),
+            DeValue::Table(table) => Value::Table(self.entries(table)),
+        }
+    }
+}
+
+/// The tree of a text that begins at a byte; with mistakes in the syntax, what could still be read.
+pub(crate) fn parse(text: &str, start: Start) -> (Vec<Entry>, Vec<SyntaxError>) {
+    let (table, errors) = DeTable::parse_recoverable(text);
+    let error = |e: &toml::de::Error| SyntaxError {
+        span: start.shift(&e.span().unwrap_or(0..0)),
+        message: e.message().to_owned(),
+    };
+    (start.entries(table.get_ref()), errors.iter().map(error).collect())
 }
 
 impl Value {
@@ -87,4 +99,35 @@ impl Value {
             Self::Table(_) => "a table",
         }
     }
+}
+
+/// Returns the node at a path such as `plant.beam.section[1].to`, and whether the whole path is there: if it is not, the node is
+/// that of the nearest thing around it.
+pub(crate) fn find<'e>(entries: &'e [Entry], path: &str) -> (Option<&'e Node>, Found) {
+    let (mut entries, mut nearest) = (entries, None);
+    for part in path.split('.') {
+        let (key, index) = part
+            .split_once('[')
+            .map_or((part, None), |(k, i)| (k, i.trim_end_matches(']').parse::<usize>().ok()));
+        let Some(entry) = entries.iter().find(|e| e.key == key) else { return (nearest, Found::Around) };
+        let node = match (&entry.node.value, index) {
+            (Value::List(items), Some(index)) => match items.get(index) {
+                Some(item) => item,
+                None => return (Some(&entry.node), Found::Around),
+            },
+            _ => &entry.node,
+        };
+        nearest = Some(node);
+        entries = if let Value::Table(inside) = &node.value { inside } else { &[] };
+    }
+    (nearest, Found::There)
+}
+
+/// Whether a search found the thing itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Found {
+    /// The thing itself.
+    There,
+    /// Something around it.
+    Around,
 }

@@ -26,12 +26,23 @@ pub(crate) trait Visit {
     fn enter_list(&mut self, table: &TableField, length: usize) -> usize;
     fn enter_item(&mut self, index: usize);
     fn leave_list(&mut self);
-    /// Says of the key just read what its type and range cannot say.
-    fn complain(&mut self, key: &str, allowed: &str, hint: Option<String>);
-    /// The text of a file that was handed in, or why there is none; `None` where nothing is read.
-    fn attached(&mut self, name: &str) -> Option<Result<String, String>>;
-    /// A text that stands where a table could: true if it is there.
-    fn shorthand(&mut self, key: &str, value: &mut String) -> bool;
+    /// Reports an error about the last key that its type and range do not cover.
+    fn complain(&mut self, _key: &str, _allowed: &str, _hint: Option<String>) {}
+    /// Returns the text of a file that was handed in, or why there is none; `None` if nothing is read.
+    fn attached(&mut self, _name: &str) -> Option<Result<String, String>> {
+        None
+    }
+    /// Reads a text that stands where a table could; returns true if it is there.
+    fn shorthand(&mut self, _key: &str, _value: &mut String) -> bool {
+        false
+    }
+    /// Returns whether a key is written in the table; false where nothing is read.
+    fn has(&self, _key: &str) -> bool {
+        false
+    }
+    /// Records that a value is assumed because nothing is written: used where a whole section is absent. An absent key of a section
+    /// that is there is recorded without a call.
+    fn assume(&mut self, _field: &Field, _value: f64) {}
 }
 
 /// An enumeration whose values a project file spells by names.

@@ -2,6 +2,7 @@
 
 use super::field::Form;
 use super::lister::Line;
+use super::setting::Setting;
 
 /// Column at which the comments stand, where the values leave room.
 const COMMENT_COLUMN: usize = 34;
@@ -19,15 +20,23 @@ pub(crate) fn canonical(lines: &[Line]) -> String {
                 }
                 at + 1
             }
-            Line::Value { key, setting, unit, meaning, usual: false, .. } => {
+            Line::Value { key, setting, unit, meaning, usual: false, tolerance, .. } => {
                 let meaning = if key.replace('_', " ") == *meaning { "" } else { meaning };
-                commented(&format!("{key} = {}", setting.spelt()), unit, meaning, &mut text);
+                commented(&format!("{key} = {}", spelt(setting, tolerance)), unit, meaning, &mut text);
                 at + 1
             }
             Line::Value { .. } | Line::Close => at + 1,
         };
     }
     text
+}
+
+/// Returns a value as the file spells it, with its tolerance.
+pub(crate) fn spelt(setting: &Setting, tolerance: &Option<String>) -> String {
+    match tolerance {
+        None => setting.spelt(),
+        Some(tolerance) => format!("{{ value = {}, tolerance = {tolerance} }}", setting.spelt()),
+    }
 }
 
 /// Whether a section needs its own header: it has a key of its own, or nothing at all inside it.
@@ -93,7 +102,9 @@ fn commented(line: &str, unit: &str, meaning: &str, text: &mut String) {
 fn inline(lines: &[Line], open: usize, text: &mut String) -> usize {
     let end = close(lines, open);
     let values = lines[open + 1..end].iter().filter_map(|line| match line {
-        Line::Value { key, setting, usual: false, .. } => Some(format!("{key} = {}", setting.spelt())),
+        Line::Value { key, setting, usual: false, tolerance, .. } => {
+            Some(format!("{key} = {}", spelt(setting, tolerance)))
+        }
         _ => None,
     });
     let values: Vec<String> = values.collect();

@@ -13,7 +13,9 @@ pub(crate) fn apply(document: &Document, before: &[Line], after: &[Line]) -> Res
     for (path, setting, usual) in values(after) {
         let known = old.iter().find(|(p, ..)| *p == path);
         let absent = |value: &Setting| !value.is_finite() && !setting.is_finite();
-        let same = known.map_or(usual, |(_, value, _)| *value == setting || absent(value));
+        // An absent key whose default follows another value must be written once it no longer does.
+        let still = |was_usual: bool| usual == was_usual || document.has(path);
+        let same = known.map_or(usual, |(_, value, was)| (*value == setting && still(*was)) || absent(value));
         if !same {
             out = if setting.is_finite() { out.set(path, setting)? } else { out.remove(path)? };
         }

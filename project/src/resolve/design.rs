@@ -8,8 +8,8 @@ use counterpoise_synth::{
     Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, SamplingMethod, Specification,
 };
 
-use super::around::{self, Around};
 use super::model::count;
+use super::synthesis_options::{self, SynthesisOptions};
 use super::weight::{blank_weight, weight};
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{Choice, Visit, choose, maybe_number, optional, table};
@@ -43,6 +43,10 @@ pub enum ReductionMethod {
 pub struct Synthesis {
     /// Weights and assembly. Inputs and outputs are numbered as those of [`LinearPlant`].
     pub specification: Specification,
+    /// Whether the file states the feedback's weights.
+    pub weights: WeightSource,
+    /// Bandwidth that chosen weights aim at, rad/s; `None` asks for the highest.
+    pub bandwidth_rad_s: Option<f64>,
     /// Delay of the design plant in sample periods.
     pub delay_samples: f64,
     /// Order of the Pade approximation of that delay.
@@ -54,7 +58,24 @@ pub struct Synthesis {
     /// Time in which the step of a changed out-of-balance fades in, s.
     pub transfer_time_s: f64,
     /// Method, order, observer, schedule, adaptation, search.
-    pub around: Around,
+    pub options: SynthesisOptions,
+}
+
+/// Where the feedback's weights come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum WeightSource {
+    /// They are to be chosen for the highest bandwidth, or for the one that is asked for.
+    #[default]
+    Chosen,
+    /// The file states them.
+    Stated,
+}
+
+impl Default for Synthesis {
+    /// A design of which nothing is stated.
+    fn default() -> Self {
+        blank_synthesis()
+    }
 }
 
 /// What code is generated.
@@ -91,7 +112,7 @@ impl Choice for ReductionMethod {
 
 impl Choice for Assembly {
     const NAMES: &'static [(&'static str, Self)] =
-        &[("simple-add", Self::SimpleAdd), ("grimble", Self::Grimble)];
+        &[("simple-add", Self::SimpleAdd), ("grimble", Self::Grimble), ("joint", Self::Joint)];
 }
 
 impl Choice for Reference {
@@ -171,12 +192,14 @@ pub(crate) fn blank_synthesis() -> Synthesis {
     let (assembly, reference) = (Assembly::default(), Reference::default());
     Synthesis {
         specification: Specification { feedback, heave: None, pitch: None, assembly, reference },
+        weights: WeightSource::Chosen,
+        bandwidth_rad_s: None,
         delay_samples: 1.0,
         pade_order: 2,
         discretisation: SamplingMethod::TUSTIN,
         form: Form::LeastSensitive,
         transfer_time_s: 0.0,
-        around: Around::default(),
+        options: SynthesisOptions::default(),
     }
 }
 
@@ -198,7 +221,7 @@ pub(crate) fn reduce(v: &mut dyn Visit, reduce: &mut Reduction) {
     let mut order = reduce.order.unwrap_or(0);
     count(
         v,
-        &Field::new("order", "states that are kept; 0 leaves it to the method")
+        &Field::new("order", "number of states that are kept; 0 lets the method choose")
             .limit(Limit::Between(0.0, 10_000.0))
             .or(0.0),
         &mut order,
@@ -208,6 +231,10 @@ pub(crate) fn reduce(v: &mut dyn Visit, reduce: &mut Reduction) {
 
 /// Reads or lists the design.
 pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis) {
+    let asked = "bandwidth that chosen weights aim at (highest frequency at which the loop's gain is 1); only without \
+                 `[synth.feedback]`, which states weights";
+    let bandwidth = Field::new("bandwidth", asked).unit("rad/s").limit(Limit::Above(0.0));
+    maybe_number(v, &bandwidth, &mut synth.bandwidth_rad_s);
     let specification = &mut synth.specification;
     choose(
         v,
@@ -218,15 +245,15 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis) {
     );
     choose(
         v,
-        &Field::new("reference", "where the demand enters").or_text("error").shown(),
+        &Field::new("reference", "where the demand enters the controller").or_text("error").shown(),
         &mut specification.reference,
     );
-    let delay = Field::new("delay_samples", "delay in the design plant, in sample periods")
+    let delay = Field::new("delay_samples", "delay of the plant that is designed for, in sample periods")
         .limit(Limit::Between(0.0, 100.0));
     v.number(&delay.or(1.0).shown(), &mut synth.delay_samples);
     count(
         v,
-        &Field::new("pade_order", "order of the delay's approximation")
+        &Field::new("pade_order", "order of the Pade approximation of the delay")
             .limit(Limit::Between(0.0, 8.0))
             .or(2.0)
             .shown(),
@@ -235,16 +262,23 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis) {
     discretisation(v, &mut synth.discretisation);
     let form = Field::new("realisation", "form in which the controller runs").or_text("least-sensitive");
     choose(v, &form, &mut synth.form);
-    let transfer =
-        Field::new("transfer_time", "in which a changed out-of-balance fades in").unit("s").limit(AT_LEAST_0);
+    let transfer = Field::new("transfer_time", "time in which a changed out-of-balance fades in")
+        .unit("s")
+        .limit(AT_LEAST_0);
     v.number(&transfer.or(0.0), &mut synth.transfer_time_s);
-    around::keys(v, &mut synth.around);
-    table(
-        v,
-        &TableField::required("feedback", "weights of the feedback"),
-        &mut specification.feedback,
-        feedback,
-    );
+    synthesis_options::keys(v, &mut synth.options);
+    let mut stated = (synth.weights == WeightSource::Stated).then(|| specification.feedback.clone());
+    let section = "weights of the feedback; without them, weights are chosen for the highest bandwidth";
+    let blank = specification.feedback.clone();
+    optional(v, &TableField::optional("feedback", section), &mut stated, blank, feedback);
+    if let Some(stated) = stated {
+        (specification.feedback, synth.weights) = (stated, WeightSource::Stated);
+        if synth.bandwidth_rad_s.is_some() {
+            let allowed =
+                "must not stand beside [synth.feedback]: a bandwidth is for weights that are chosen";
+            v.complain("bandwidth", allowed, Some("remove one of the two".to_owned()));
+        }
+    }
     let heave = TableField::optional("heave", "weights of the feedforward from heave");
     optional(v, &heave, &mut specification.heave, blank_feedforward(), |v, part| {
         feedforward(v, part, "(m/s^2)^2 s")
@@ -253,8 +287,8 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis) {
     optional(v, &pitch, &mut specification.pitch, blank_feedforward(), |v, part| {
         feedforward(v, part, "(rad/s)^2 s")
     });
-    around::tables(v, &mut synth.around);
-    if specification.assembly == Assembly::Grimble {
+    synthesis_options::tables(v, &mut synth.options);
+    if specification.assembly != Assembly::SimpleAdd {
         let apart = |part: &FeedforwardWeights| part.output.is_some() || part.basis == Basis::ClosedLoop;
         if [&specification.heave, &specification.pitch].into_iter().flatten().any(apart) {
             let allowed =
@@ -263,15 +297,33 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis) {
         }
     }
     if synth.discretisation == SamplingMethod::SampledData {
-        sampled_problem_exists(v, &synth.around);
+        sampled_problem_exists(v, &synth.options);
+    }
+    if synth.specification.assembly == Assembly::Joint {
+        joint_problem_exists(v, synth);
+    }
+}
+
+/// Complains where a joint design is asked for together with what takes feedback or feedforward apart.
+fn joint_problem_exists(v: &mut dyn Visit, synth: &Synthesis) {
+    let options = &synth.options;
+    let apart = [
+        (options.method != counterpoise_synth::Method::ThreePart, "`method`"),
+        (options.controller_order.is_some(), "`controller_order`"),
+        (options.schedule.is_some(), "[synth.schedule]"),
+        (synth.discretisation == SamplingMethod::SampledData, "`discretisation` = \"sampled-data\""),
+    ];
+    for (_, what) in apart.into_iter().filter(|(is_asked, _)| *is_asked) {
+        let problem = format!("must not be \"joint\" with {what}: the joint design is one controller");
+        v.complain("assembly", &problem, Some("use \"simple-add\"".to_owned()));
     }
 }
 
 /// Complains where a feedback that is not the three-part one is to be designed in sampled time.
-fn sampled_problem_exists(v: &mut dyn Visit, around: &Around) {
-    let problem = if around.method != counterpoise_synth::Method::ThreePart {
+fn sampled_problem_exists(v: &mut dyn Visit, options: &SynthesisOptions) {
+    let problem = if options.method != counterpoise_synth::Method::ThreePart {
         "must not be \"sampled-data\" with another `method`: only the three-part design has a sampled problem"
-    } else if around.controller_order.is_some() {
+    } else if options.controller_order.is_some() {
         "must not be \"sampled-data\" with `controller_order`: a feedback of lower order is converted, not designed anew"
     } else {
         return;
@@ -279,8 +331,8 @@ fn sampled_problem_exists(v: &mut dyn Visit, around: &Around) {
     v.complain("discretisation", problem, Some("use \"tustin\"".to_owned()));
 }
 
-const SAMPLED_HOW: &str = "how the controller is sampled: each path converted, or all designed anew on the sampled plant \
-     (`sampled-data`: hold and `output_delay_samples` exact, `delay_samples` not used)";
+const SAMPLED_HOW: &str = "how the controller is sampled: each path is converted, or (`sampled-data`) all paths are designed for the sampled plant, with \
+     hold and `output_delay_samples` exact and `delay_samples` unused";
 
 fn discretisation(v: &mut dyn Visit, method: &mut SamplingMethod) {
     let (mut name, mut prewarp_rad_s) = match *method {
@@ -295,9 +347,10 @@ fn discretisation(v: &mut dyn Visit, method: &mut SamplingMethod) {
     choose(v, &Field::new("discretisation", SAMPLED_HOW).or_text("tustin").shown(), &mut name);
     *method = match name {
         SamplingName::Tustin => {
-            let field = Field::new("prewarp", "where sampled and continuous agree")
-                .unit("rad/s")
-                .limit(Limit::Above(0.0));
+            let field =
+                Field::new("prewarp", "frequency at which the sampled and the continuous controller agree")
+                    .unit("rad/s")
+                    .limit(Limit::Above(0.0));
             maybe_number(v, &field, &mut prewarp_rad_s);
             SamplingMethod::Emulation(Discretisation::Tustin { prewarp_rad_s })
         }
@@ -309,10 +362,11 @@ fn discretisation(v: &mut dyn Visit, method: &mut SamplingMethod) {
 }
 
 fn feedback(v: &mut dyn Visit, feedback: &mut FeedbackWeights) {
-    let noise =
-        Field::new("measurement_noise", "density of the noise of the measured rate").unit("(rad/s)^2 s");
+    let noise = Field::new("measurement_noise", "spectral density of the noise of the measured rate")
+        .unit("(rad/s)^2 s");
     v.number(&noise.limit(Limit::Above(0.0)), &mut feedback.measurement_noise);
-    let recovery = Field::new("loop_recovery", "density of a fictitious noise on the control").unit("V^2 s");
+    let recovery =
+        Field::new("loop_recovery", "spectral density of a fictitious noise on the control").unit("V^2 s");
     v.number(&recovery.limit(AT_LEAST_0).or(0.0), &mut feedback.loop_recovery);
     indexed(v, &DISTURBANCES, &mut feedback.disturbances);
     indexed(v, &COMBINATION, &mut feedback.combination);
@@ -323,19 +377,19 @@ fn feedback(v: &mut dyn Visit, feedback: &mut FeedbackWeights) {
 /// Densities of white disturbances that no sensor announces, by the plant's inputs.
 const DISTURBANCES: [(Field, usize); 3] = [
     (
-        Field::new("control_disturbance", "density of a disturbance at the control")
+        Field::new("control_disturbance", "spectral density of a disturbance at the control")
             .unit("V^2 s")
             .limit(AT_LEAST_0),
         LinearPlant::CONTROL,
     ),
     (
-        Field::new("heave_disturbance", "density of heave that is not measured")
+        Field::new("heave_disturbance", "spectral density of heave that is not measured")
             .unit("(m/s^2)^2 s")
             .limit(AT_LEAST_0),
         LinearPlant::HEAVE,
     ),
     (
-        Field::new("pitch_disturbance", "density of pitch that is not measured")
+        Field::new("pitch_disturbance", "spectral density of pitch that is not measured")
             .unit("(rad/s)^2 s")
             .limit(AT_LEAST_0),
         LinearPlant::PITCH_RATE,
@@ -345,8 +399,14 @@ const DISTURBANCES: [(Field, usize); 3] = [
 /// Constant weights on further outputs, summed into one signal, by the plant's outputs.
 const COMBINATION: [(Field, usize); 3] = [
     (Field::new("hub_weight", "constant weight on the hub rate"), LinearPlant::HUB_RATE),
-    (Field::new("tip_weight", "constant weight on the tip rate, added to it"), LinearPlant::TIP_RATE),
-    (Field::new("motor_weight", "constant weight on the motor rate, added to them"), LinearPlant::MOTOR_RATE),
+    (
+        Field::new("tip_weight", "constant weight on the tip rate, added to that on the hub rate"),
+        LinearPlant::TIP_RATE,
+    ),
+    (
+        Field::new("motor_weight", "constant weight on the motor rate, added to those on hub and tip rate"),
+        LinearPlant::MOTOR_RATE,
+    ),
 ];
 
 /// Numbers by the index of a signal; those that are 0 are left out.
@@ -379,9 +439,13 @@ impl Choice for Basis {
 
 fn weighed(v: &mut dyn Visit, part: &mut FeedforwardWeights) {
     let mut which = if part.output == Some(LinearPlant::TIP_RATE) { Weighed::Tip } else { Weighed::Hub };
-    choose(v, &Field::new("output", "whose rate is weighed").or_text("hub"), &mut which);
+    choose(
+        v,
+        &Field::new("output", "the rate that is weighted: that of the hub or of the tip").or_text("hub"),
+        &mut which,
+    );
     part.output = (which == Weighed::Tip).then_some(LinearPlant::TIP_RATE);
-    let basis = Field::new("basis", "plant that it is designed on: alone, or with the feedback around it");
+    let basis = Field::new("basis", "the plant that it is designed on: alone, or with the feedback closed");
     choose(v, &basis.or_text("open-loop"), &mut part.basis);
 }
 
@@ -391,19 +455,23 @@ fn feedforward(v: &mut dyn Visit, part: &mut FeedforwardWeights, noise_unit: &'s
         Knowledge::Exact => (Known::Exact, f64::NAN),
         Knowledge::Measured { noise } => (Known::Measured, noise),
     };
-    choose(v, &Field::new("knowledge", "what is known of the disturbance").or_text("measured"), &mut known);
+    choose(
+        v,
+        &Field::new("knowledge", "what the feedforward knows of the disturbance").or_text("measured"),
+        &mut known,
+    );
     part.knowledge = match known {
         Known::Exact => Knowledge::Exact,
         Known::Measured => {
-            let field =
-                Field::new("measurement_noise", "density of the noise of its sensor").unit(noise_unit);
+            let field = Field::new("measurement_noise", "spectral density of the noise of its sensor")
+                .unit(noise_unit);
             v.number(&field.limit(Limit::Above(0.0)), &mut noise);
             Knowledge::Measured { noise }
         }
     };
     table(
         v,
-        &TableField::required("error", "weight on the rate that it would cause"),
+        &TableField::required("error", "weight on the rate that the disturbance would cause"),
         &mut part.error,
         weight,
     );
@@ -413,19 +481,24 @@ fn feedforward(v: &mut dyn Visit, part: &mut FeedforwardWeights, noise_unit: &'s
         &mut part.control,
         weight,
     );
-    table(v, &TableField::required("generator", "shape of its spectrum"), &mut part.generator, weight);
+    table(
+        v,
+        &TableField::required("generator", "weight whose square is the spectrum of the disturbance"),
+        &mut part.generator,
+        weight,
+    );
 }
 
 /// Reads or lists what code is generated.
 pub(crate) fn export(v: &mut dyn Visit, export: &mut Export) {
-    let name = Field::new("name", "what every name of the code starts with").or_text("controller").shown();
+    let name = Field::new("name", "prefix of every name of the code").or_text("controller").shown();
     v.text(&name, &mut export.options.name);
     if let Some(problem) = identifier(&export.options.name) {
         v.complain("name", problem, None);
     }
     choose(
         v,
-        &Field::new("precision", "numbers of the target").or_text("double").shown(),
+        &Field::new("precision", "precision of the numbers on the target").or_text("double").shown(),
         &mut export.options.precision,
     );
     languages(v, &mut export.languages);
@@ -433,7 +506,7 @@ pub(crate) fn export(v: &mut dyn Visit, export: &mut Export) {
 
 fn languages(v: &mut dyn Visit, languages: &mut Vec<Language>) {
     let mut names: Vec<String> = languages.iter().map(|l| l.name().to_owned()).collect();
-    v.texts(&Field::new("languages", "of the generated code").or_empty(), &mut names);
+    v.texts(&Field::new("languages", "languages of the generated code").or_empty(), &mut names);
     let known = |name: &String| Language::NAMES.iter().find(|(n, _)| n == name).map(|(_, l)| *l);
     if let Some(unknown) = names.iter().find(|name| known(name).is_none()) {
         let hint = crate::diagnostic::did_you_mean(unknown, Language::NAMES.iter().map(|(n, _)| *n));

@@ -4,7 +4,7 @@ use counterpoise_models::friction::ranges;
 use counterpoise_models::{Friction, FrictionLaw, Ripple, StribeckCurve};
 
 use crate::file::field::{Field, Limit, TableField};
-use crate::file::visit::{Choice, Count, Visit, choose, table};
+use crate::file::visit::{Choice, Count, Visit, choose};
 
 /// The name of a law.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,10 +54,11 @@ impl Choice for Curve {
     ];
 }
 
-const MODEL: Field = Field::new("model", "law of the dry part");
-const COULOMB: Field =
-    Field::new("coulomb", "sliding level of the dry part").unit("N m").limit(Limit::of(ranges::COULOMB));
-const REST_STIFFNESS: Field = Field::new("rest_stiffness", "stiffness at rest")
+const MODEL: Field = Field::new("model", "law of the dry friction").or_text("none").shown();
+const COULOMB: Field = Field::new("coulomb", "level of the dry friction while sliding")
+    .unit("N m")
+    .limit(Limit::of(ranges::COULOMB));
+const REST_STIFFNESS: Field = Field::new("rest_stiffness", "stiffness of the friction at rest (presliding)")
     .unit("N m/rad")
     .limit(Limit::of(ranges::REST_STIFFNESS));
 const EXPONENT: Field =
@@ -73,50 +74,57 @@ const DEFLECTION: Field = Field::new("deflection", "deflection at which the bond
     .limit(Limit::of(ranges::DEFLECTION));
 const DAMPING: Field =
     Field::new("damping", "damping of the bond").unit("N m s/rad").limit(Limit::of(ranges::DAMPING));
-const CURVE: Field = Field::new("curve", "how the level falls with the rate").or_text("gaussian");
+const CURVE: Field = Field::new("curve", "how the level falls as the rate rises").or_text("gaussian");
 const CURVE_EXPONENT: Field =
     Field::new("curve_exponent", "exponent of the curve").limit(Limit::of(ranges::CURVE_EXPONENT));
-const COEFFICIENTS: Field =
-    Field::new("coefficients", "c1, c2, c3 of the polynomial in rate over stribeck_rate");
-const STICK_RATE: Field = Field::new("stick_rate", "half width of the band of rates that counts as rest")
+const COEFFICIENTS: Field = Field::new(
+    "coefficients",
+    "coefficients c1, c2, c3 of the polynomial in the rate divided by stribeck_rate",
+);
+const STICK_RATE: Field = Field::new("stick_rate", "half-width of the band of rates that counts as rest")
     .unit("rad/s")
     .limit(Limit::of(ranges::STICK_RATE));
-const TIME_CONSTANT: Field =
-    Field::new("time_constant", "lag of the dry part").unit("s").limit(Limit::of(ranges::TIME_CONSTANT));
-const SMOOTHING_RATE: Field = Field::new("smoothing_rate", "rate that smooths the sign")
+const TIME_CONSTANT: Field = Field::new("time_constant", "time constant of the lag of the dry friction")
+    .unit("s")
+    .limit(Limit::of(ranges::TIME_CONSTANT));
+const SMOOTHING_RATE: Field = Field::new("smoothing_rate", "rate over which the sign is smoothed")
     .unit("rad/s")
     .limit(Limit::of(ranges::SMOOTHING_RATE));
 const BRISTLES: Field = Field::new("bristles", "number of bristles").limit(Limit::of(ranges::BRISTLES));
 const BOND: Field =
-    Field::new("bond", "deflection at which a bond snaps").unit("rad").limit(Limit::of(ranges::BOND));
+    Field::new("bond", "deflection at which a bond breaks").unit("rad").limit(Limit::of(ranges::BOND));
 
 const VISCOUS: Field =
     Field::new("viscous", "viscous coefficient").unit("N m s/rad").limit(Limit::of(ranges::VISCOUS)).or(0.0);
-const STATIC_RATIO: Field = Field::new("static_ratio", "dry level at rest over sliding level")
-    .limit(Limit::of(ranges::STATIC_RATIO_OF_BREAKAWAY))
-    .or(1.0);
-const STRIBECK_RATE: Field = Field::new("stribeck_rate", "rate at which the excess has fallen to 1/e")
-    .unit("rad/s")
-    .limit(Limit::of(ranges::STRIBECK_RATE))
-    .or(0.01);
-const ASYMMETRY: Field =
-    Field::new("asymmetry", "half the difference of the dry level between the directions, as a fraction")
-        .limit(Limit::of(ranges::ASYMMETRY))
-        .or(0.0);
-const VISCOUS_ASYMMETRY: Field = Field::new(
-    "viscous_asymmetry",
-    "half the difference of the viscous coefficient between the directions, as a fraction",
+const STATIC_RATIO: Field =
+    Field::new("static_ratio", "ratio of the dry level at rest to the level while sliding")
+        .limit(Limit::of(ranges::STATIC_RATIO_OF_BREAKAWAY))
+        .or(1.0);
+const STRIBECK_RATE: Field =
+    Field::new("stribeck_rate", "rate at which the excess over the sliding level has fallen to 1/e")
+        .unit("rad/s")
+        .limit(Limit::of(ranges::STRIBECK_RATE))
+        .or(0.01);
+const ASYMMETRY: Field = Field::new(
+    "asymmetry",
+    "half the difference between the dry levels of the two directions, as a fraction",
 )
 .limit(Limit::of(ranges::ASYMMETRY))
 .or(0.0);
-const QUADRATIC: Field = Field::new("quadratic", "quadratic drag")
+const VISCOUS_ASYMMETRY: Field = Field::new(
+    "viscous_asymmetry",
+    "half the difference between the viscous coefficients of the two directions, as a fraction",
+)
+.limit(Limit::of(ranges::ASYMMETRY))
+.or(0.0);
+const QUADRATIC: Field = Field::new("quadratic", "coefficient of quadratic drag")
     .unit("N m s^2/rad^2")
     .limit(Limit::of(ranges::QUADRATIC))
     .or(0.0);
-const LOAD: Field = Field::new("load_coefficient", "growth of the dry level per N m of load")
+const LOAD: Field = Field::new("load_coefficient", "relative growth of the dry level per N m of load")
     .limit(Limit::of(ranges::LOAD_COEFFICIENT))
     .or(0.0);
-const WARM_UP: Field = Field::new("warm_up", "fraction by which the level changes as it warms up")
+const WARM_UP: Field = Field::new("warm_up", "fraction by which the dry level changes as the joint warms up")
     .limit(Limit::of(ranges::WARM_UP))
     .or(0.0);
 const WARM_UP_TIME: Field = Field::new("warm_up_time", "time constant of the warm-up")
@@ -138,14 +146,20 @@ pub(crate) fn friction(v: &mut dyn Visit, value: &mut Friction) {
     v.number(&LOAD, &mut value.load_coefficient);
     v.number(&WARM_UP, &mut value.warm_up);
     v.number(&WARM_UP_TIME, &mut value.warm_up_time_s);
-    table(v, &POSITION_RIPPLE, &mut value.position_ripple, ripple);
+    ripple(v, &POSITION_RIPPLE, &mut value.position_ripple, "");
 }
 
-/// Reads or lists a ripple.
-pub(crate) fn ripple(v: &mut dyn Visit, value: &mut Ripple) {
-    v.number(&Field::new("amplitude", "amplitude").or(0.0), &mut value.amplitude);
+/// Reads or lists a ripple with its amplitude in a unit; without one, the machine has none.
+pub(crate) fn ripple(v: &mut dyn Visit, section: &TableField, value: &mut Ripple, unit: &'static str) {
+    let amplitude = Field::new("amplitude", "amplitude of the ripple").unit(unit).or(0.0);
+    if !v.enter(section, true) {
+        v.assume(&Field { key: section.key, ..amplitude }, value.amplitude);
+        return;
+    }
+    v.number(&amplitude, &mut value.amplitude);
     v.number(&Field::new("order", "periods per turn").limit(Limit::AtLeast(0.0)).or(1.0), &mut value.order);
-    v.number(&Field::new("phase", "phase at zero angle").unit("rad").or(0.0), &mut value.phase_rad);
+    v.number(&Field::new("phase", "phase at angle zero").unit("rad").or(0.0), &mut value.phase_rad);
+    v.leave();
 }
 
 /// Reads or lists a dry friction as it was identified: a law, Dahl's where none is named, and its Stribeck level.
@@ -160,8 +174,17 @@ pub(crate) fn blank_identified() -> Friction {
     Friction::plain(blank(Law::Dahl), 0.0)
 }
 
+/// Reads or lists the law of a joint. Where none is named, a stiffness at rest means Dahl's law, a level alone Coulomb's, and
+/// neither no dry friction.
 fn law(v: &mut dyn Visit, value: &mut FrictionLaw) {
-    named_law(v, &MODEL, value);
+    let usual = if v.has("rest_stiffness") {
+        "dahl"
+    } else if v.has("coulomb") {
+        "coulomb"
+    } else {
+        "none"
+    };
+    named_law(v, &MODEL.or_text(usual), value);
 }
 
 fn named_law(v: &mut dyn Visit, field: &Field, value: &mut FrictionLaw) {

@@ -1,6 +1,7 @@
 //! The `[plant.import]` section: the structure as mass, stiffness and damping matrices of a finite-element package.
 
-use counterpoise_lti::Mat;
+use counterpoise_lti::linalg::Sparse;
+use counterpoise_lti::linalg::sparse::Watch;
 use counterpoise_models::PointMass;
 use counterpoise_models::structure::FeModel;
 use counterpoise_models::structure::fe::Fitted;
@@ -66,12 +67,20 @@ impl Choice for MatrixFormat {
 }
 
 impl ImportedContent {
-    /// The structure with what is fitted to it.
+    /// Returns the structure with what is fitted to it, condensed if it is large; `modes` is the number of modes that are needed.
     ///
     /// # Errors
-    /// As for [`Imported::fitted`] and [`Imported::structure`].
-    pub fn structure(&self, fitted: &Fitted) -> Result<FeModel, counterpoise_models::Error> {
-        self.matrices.fitted(&self.map, fitted)?.structure(&self.map)
+    /// As for [`Imported::fitted`] and [`Imported::condensed`].
+    pub fn structure(
+        &self,
+        fitted: &Fitted,
+        modes: usize,
+        watch: &mut Watch,
+    ) -> Result<FeModel, counterpoise_models::Error> {
+        if *fitted == Fitted::default() {
+            return self.matrices.condensed(&self.map, modes, watch);
+        }
+        self.matrices.fitted(&self.map, fitted)?.condensed(&self.map, modes, watch)
     }
 }
 
@@ -91,7 +100,11 @@ pub(crate) fn blank() -> ImportedStructure {
 
 /// Reads or lists the import.
 pub(crate) fn import(v: &mut dyn Visit, import: &mut ImportedStructure) {
-    choose(v, &Field::new("format", "of the matrices").or_text("matrix-market"), &mut import.format);
+    choose(
+        v,
+        &Field::new("format", "format of the matrix files").or_text("matrix-market"),
+        &mut import.format,
+    );
     v.text(&Field::new("mass_matrix", "file of the mass matrix, SI units"), &mut import.mass.file);
     v.text(
         &Field::new("stiffness_matrix", "file of the stiffness matrix, SI units"),
@@ -105,11 +118,11 @@ pub(crate) fn import(v: &mut dyn Visit, import: &mut ImportedStructure) {
         v.text(&name("stiffness_name", "name of the stiffness matrix"), &mut import.stiffness.name);
         v.text(&name("damping_name", "name of the damping matrix"), &mut import.damping.name);
     }
-    let map = "file that names the node of each row, and where the nodes lie";
+    let map = "file that states the node of each row and the positions of the nodes";
     v.text(&Field::new("node_map", map), &mut import.node_map);
     let ratios = Field::new(
         "modal_damping",
-        "damping ratio of flexible mode 1, 2, ... where there is no damping matrix",
+        "damping ratios of flexible mode 1, 2, ... if there is no damping matrix",
     );
     v.numbers(
         &ratios.limit(Limit::Between(0.0, 1.0)).or_empty(),
@@ -136,7 +149,7 @@ fn content(v: &mut dyn Visit, import: &ImportedStructure) -> Option<ImportedCont
         MatrixFormat::Dmig => grids(v, import),
     }?;
     let content = ImportedContent { matrices, map };
-    match content.structure(&Fitted::default()) {
+    match content.matrices.sparse(&content.map) {
         Ok(_) => Some(content),
         Err(error) => {
             v.complain("node_map", &format!("does not fit the matrices: {}", said(&error)), None);
@@ -150,7 +163,7 @@ fn plain(
     v: &mut dyn Visit,
     import: &ImportedStructure,
     map: &NodeMap,
-    parse: impl Fn(&str, &str) -> Result<Mat, counterpoise_models::Error>,
+    parse: impl Fn(&str, &str) -> Result<Sparse, counterpoise_models::Error>,
 ) -> Option<Imported> {
     let mut matrix = |key, from: &MatrixFile| read(v, key, &from.file, |text| parse(text, &from.name));
     let (mass, stiffness) =

@@ -1,41 +1,51 @@
 //! The project file resolved: every value present, in SI units, checked against its range and its neighbours.
 
-pub mod around;
+mod axis_words;
+mod beam_checks;
 mod changes;
 mod checks;
-mod controller;
+pub mod controller;
 pub mod design;
+mod drive;
+mod format;
 mod friction;
 pub mod import;
+mod loop_sensor;
 pub mod measured;
 pub mod model;
 mod plant;
 pub mod platform;
+pub mod purpose;
 mod recording;
+pub mod statements;
 mod structure;
 pub mod sweep;
+pub mod synthesis_options;
+mod transmission;
 pub mod verify;
 mod weight;
 
-use counterpoise_controller::ProportionalIntegral;
+use std::collections::BTreeMap;
+
 use counterpoise_models::Parameters;
 use counterpoise_recordings::Mapping;
 
-use crate::diagnostic::{Diagnostic, Problem, Severity};
+use crate::assumption::{Assumption, Tolerance};
+use crate::diagnostic::{self, Diagnostic, Problem, Severity};
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::guide::{Guide, TURNS};
 use crate::file::lister::{Line, Lister};
 use crate::file::reader::Reader;
-use crate::file::source::Remark;
+use crate::file::setter::Setter;
 use crate::file::visit::{Visit, optional, table};
-use crate::file::{Attachments, Document, EditError, writer};
+use crate::file::{Attachments, Document, EditError, FORMAT, writer};
+use controller::RecordingController;
 use design::{Export, Reduction, Synthesis};
+use format::News;
 use model::Modelling;
+use purpose::Purpose;
 use sweep::Sweep;
 use verify::Verification;
-
-/// The format of project files that this version reads and writes.
-pub const FORMAT: u32 = 1;
 
 /// A project with every value resolved.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,11 +67,13 @@ pub struct Project {
     /// What code is generated.
     pub export: Export,
     /// The controller that was in the loop when recordings were made.
-    pub recording_controller: Option<ProportionalIntegral>,
+    pub recording_controller: Option<RecordingController>,
     /// How the columns of recordings become channels.
     pub recording: Mapping,
     /// Natural frequencies measured on the real structure.
     pub measured: Option<measured::MeasuredModes>,
+    /// Values that are known within tolerances.
+    pub tolerances: Vec<Tolerance>,
 }
 
 /// A project and what is suspicious in its file.
@@ -71,31 +83,8 @@ pub struct Parsed {
     pub project: Project,
     /// What is allowed but likely to be a mistake.
     pub warnings: Vec<Diagnostic>,
-}
-
-/// What a project file is read for: each command needs only its own sections.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Purpose {
-    /// Model and frequency responses of the plant.
-    Model,
-    /// Reduction of the plant.
-    Reduce,
-    /// Identification from recordings.
-    Identify,
-    /// Replay of recordings in closed loop.
-    Replay,
-    /// Diagnosis of recordings.
-    Diagnose,
-    /// The design of a controller, without judging it.
-    Synth,
-    /// The design of a controller and its verification.
-    Verify,
-    /// The whole road, to code.
-    Design,
-    /// Code alone.
-    Export,
-    /// A robustness campaign.
-    Sweep,
+    /// Defaults that stand in for physical quantities that the file does not have.
+    pub assumptions: Vec<Assumption>,
 }
 
 impl Project {
@@ -118,22 +107,29 @@ impl Project {
     /// Resolves a file as written, with the files that it refers to.
     ///
     /// # Errors
-    /// Every error of the file, in order of place.
+    /// Every error of the file, the most important first. A file of a newer format has that error alone, and so have parts that
+    /// cannot be put in their places.
     pub fn resolve(document: &Document, attachments: &Attachments) -> Result<Parsed, Vec<Diagnostic>> {
+        let document = &document.with_parts(attachments);
+        format::unreadable(document)?;
         let mut project = Self::blank();
         let mut reader = Reader::new(&document.source, &document.entries, attachments);
         let format = file(&mut reader, &mut project);
-        let mut findings = reader.finish();
-        findings.extend(refused_format(document, format));
+        reader.finish();
+        project.tolerances = std::mem::take(&mut reader.tolerances);
+        let plain = reader.units.is_empty() && project.tolerances.is_empty() && document.parts().is_empty();
+        let news = if plain { News::Unused } else { News::Used };
+        let (mut findings, assumptions) = (reader.findings, reader.assumptions);
+        findings.extend(format::judged_format(document, format, news));
         findings.extend(checks::all(document, &project));
         if !document.syntax.is_empty() {
             findings.retain(|finding| stands_alone(document, finding));
             findings.extend(document.syntax.clone());
         }
-        findings.sort_by_key(|d| (d.line, d.column));
+        diagnostic::sort(&mut findings);
         let (errors, warnings): (Vec<_>, Vec<_>) =
             findings.into_iter().partition(|d| d.severity == Severity::Error);
-        if errors.is_empty() { Ok(Parsed { project, warnings }) } else { Err(errors) }
+        if errors.is_empty() { Ok(Parsed { project, warnings, assumptions }) } else { Err(errors) }
     }
 
     /// Resolves a file for a purpose: the sections that it needs must be there.
@@ -145,19 +141,13 @@ impl Project {
         attachments: &Attachments,
         purpose: Purpose,
     ) -> Result<Parsed, Vec<Diagnostic>> {
-        let parsed = Self::resolve(document, attachments)?;
+        let document = &document.with_parts(attachments);
+        let mut parsed = Self::resolve(document, attachments)?;
         let missing = parsed.project.missing_for(document, purpose);
+        if purpose.verifies() && parsed.project.verify.is_none() {
+            parsed.project.verify = Some(verify::usual(&parsed.project.model));
+        }
         if missing.is_empty() { Ok(parsed) } else { Err(missing) }
-    }
-
-    fn missing_for(&self, document: &Document, purpose: Purpose) -> Vec<Diagnostic> {
-        let there = |section: &str| document.entries.iter().any(|e| e.key == section);
-        let absent = purpose.sections().iter().filter(|section| !there(section));
-        let remark = |section: &&str| {
-            let allowed = format!("section [{section}] is missing; `{}` needs it", purpose.name());
-            document.finding(Severity::Error, Remark::new(Problem::Missing, section, allowed))
-        };
-        absent.map(remark).collect()
     }
 
     /// The canonical text of the project: sections in fixed order, units in comments, usual values left out.
@@ -183,9 +173,24 @@ impl Project {
         guide.text()
     }
 
+    /// Returns the project with the number at a path replaced; `None` if no number stands there.
+    pub fn with_number(&self, path: &str, value: f64) -> Option<Self> {
+        let mut changed = self.clone();
+        let mut setter = Setter::new(path, value);
+        file(&mut setter, &mut changed);
+        setter.is_set.then_some(changed)
+    }
+
     fn lines(&self) -> Vec<Line> {
         let mut lister = Lister::default();
         file(&mut lister, &mut self.clone());
+        for line in &mut lister.lines {
+            if let Line::Value { path, tolerance, usual, .. } = line
+                && let Some(found) = self.tolerances.iter().find(|t| t.key == *path)
+            {
+                (*tolerance, *usual) = (Some(found.spelt()), false);
+            }
+        }
         lister.lines
     }
 
@@ -202,34 +207,7 @@ impl Project {
             recording_controller: None,
             recording: Mapping::default(),
             measured: None,
-        }
-    }
-}
-
-impl Purpose {
-    /// The sections that must be there; the others have usual values.
-    pub fn sections(self) -> &'static [&'static str] {
-        match self {
-            Self::Model | Self::Reduce | Self::Identify | Self::Diagnose => &["plant"],
-            Self::Replay => &["plant", "recording_controller"],
-            Self::Synth => &["plant", "synth"],
-            Self::Verify | Self::Design | Self::Export | Self::Sweep => &["plant", "synth", "verify"],
-        }
-    }
-
-    /// The command's name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Model => "model",
-            Self::Reduce => "reduce",
-            Self::Identify => "identify",
-            Self::Replay => "replay",
-            Self::Diagnose => "diagnose",
-            Self::Synth => "synth",
-            Self::Verify => "verify",
-            Self::Design => "design",
-            Self::Export => "export",
-            Self::Sweep => "sweep",
+            tolerances: Vec::new(),
         }
     }
 }
@@ -265,24 +243,34 @@ fn unless_usual<T: Default + PartialEq>(
 }
 
 fn designs(v: &mut dyn Visit, project: &mut Project) {
-    unless_usual(v, &TableField::optional("model", "which plant is meant"), &mut project.model, model::model);
     unless_usual(
         v,
-        &TableField::optional("reduce", "reduction before the design"),
+        &TableField::optional("model", "the description of the plant that is used, and its operating point"),
+        &mut project.model,
+        model::model,
+    );
+    unless_usual(
+        v,
+        &TableField::optional("reduce", "reduction of the plant before the design"),
         &mut project.reduce,
         design::reduce,
     );
-    let section = TableField::optional("synth", "what is asked of the design");
+    let section = TableField::optional("synth", "the design: weights and options");
     optional(v, &section, &mut project.synth, design::blank_synthesis(), design::synth);
-    let section = TableField::optional("verify", "what is done to the loop, and its limits");
+    let section = TableField::optional("verify", "tests of the loop, and requirements");
     optional(v, &section, &mut project.verify, verify::blank(), verify::verify);
-    let section = TableField::optional("sweep", "how robustness is tried");
+    let section = TableField::optional("sweep", "robustness campaign");
     optional(v, &section, &mut project.sweep, sweep::blank(), sweep::sweep);
     if let Some(verification) = &mut project.verify {
         verification.procedure.operating_point = project.model.operating_point;
         verification.procedure.friction = project.model.friction;
     }
-    unless_usual(v, &TableField::optional("export", "generated code"), &mut project.export, design::export);
+    unless_usual(
+        v,
+        &TableField::optional("export", "the generated code"),
+        &mut project.export,
+        design::export,
+    );
 }
 
 fn recordings(v: &mut dyn Visit, project: &mut Project) {
@@ -295,7 +283,7 @@ fn recordings(v: &mut dyn Visit, project: &mut Project) {
         controller::blank(),
         controller::recording_controller,
     );
-    if let Some(controller) = &mut project.recording_controller {
+    if let Some(RecordingController::ProportionalIntegral(controller)) = &mut project.recording_controller {
         controller.sample_period_s = project.plant.interface.sample_period_s;
     }
     let section = TableField::optional("recording", "how the columns of recordings become channels");
@@ -310,12 +298,11 @@ fn stands_alone(document: &Document, finding: &Diagnostic) -> bool {
     elsewhere && matches!(finding.problem, Problem::OutOfRange | Problem::NotFinite)
 }
 
-fn refused_format(document: &Document, format: u32) -> Option<Diagnostic> {
-    if format == FORMAT {
-        return None;
-    }
-    let hint =
-        if format > FORMAT { "use a newer version of Counterpoise" } else { "formats are counted from 1" };
-    let remark = Remark::new(Problem::Format, "format", format!("this version reads format {FORMAT}"));
-    Some(document.finding(Severity::Error, remark.found(format.to_string()).hint(Some(hint.to_owned()))))
+/// Returns the units of the keys of a file's quantities, by the bytes at which the quantities stand.
+pub(crate) fn units(document: &Document) -> BTreeMap<usize, &'static str> {
+    let files = Attachments::none();
+    let mut reader = Reader::new(&document.source, &document.entries, &files);
+    file(&mut reader, &mut Project::blank());
+    reader.finish();
+    reader.units
 }

@@ -85,10 +85,14 @@ impl Default for Modelling {
 
 /// Reads or lists the choice of plant.
 pub(crate) fn model(v: &mut dyn Visit, model: &mut Modelling) {
-    choose(v, &Field::new("structure", "description that is taken").or_text("lumped"), &mut model.structure);
+    choose(
+        v,
+        &Field::new("structure", "the description of the structure that is used").or_text("lumped"),
+        &mut model.structure,
+    );
     count(
         v,
-        &Field::new("modes", "flexible modes kept of beam or matrices")
+        &Field::new("modes", "number of flexible modes that are kept of the beam or the matrices")
             .limit(Limit::Between(0.0, 40.0))
             .or(f64::from(MODES)),
         &mut model.modes,
@@ -96,29 +100,41 @@ pub(crate) fn model(v: &mut dyn Visit, model: &mut Modelling) {
     let Mesh::Pivoted(elements) = &mut model.elements.mesh else { return };
     count(
         v,
-        &Field::new("elements", "of the beam").limit(Limit::Between(2.0, 1000.0)).or(f64::from(ELEMENTS)),
+        &Field::new("elements", "number of finite elements of the beam")
+            .limit(Limit::Between(2.0, 1000.0))
+            .or(f64::from(ELEMENTS)),
         elements,
     );
     choose(
         v,
-        &Field::new("theory", "of the elements").or_text("bernoulli-euler"),
+        &Field::new("theory", "beam theory of the elements").or_text("bernoulli-euler"),
         &mut model.elements.theory,
     );
     choose(
         v,
-        &Field::new("integration", "cross section of an element").or_text("quadrature"),
+        &Field::new("integration", "how the cross section of an element is averaged").or_text("quadrature"),
         &mut model.elements.integration,
     );
     let mut name = model.configuration.take().unwrap_or_default();
-    v.text(&Field::new("configuration", "name of what is fitted").or_text(""), &mut name);
+    v.text(
+        &Field::new(
+            "configuration",
+            "name of the configuration of the plant that is modelled; the bare mechanism if empty",
+        )
+        .or_text(""),
+        &mut name,
+    );
     model.configuration = (!name.is_empty()).then_some(name);
     let angle = Limit::Between(-1.5, 1.5);
     v.number(
-        &Field::new("hub_angle", "inertial").unit("rad").limit(angle).or(0.0),
+        &Field::new("hub_angle", "angle of the hub against the horizontal").unit("rad").limit(angle).or(0.0),
         &mut model.operating_point.hub_angle_rad,
     );
     v.number(
-        &Field::new("platform_angle", "inertial").unit("rad").limit(angle).or(0.0),
+        &Field::new("platform_angle", "angle of the platform against the horizontal")
+            .unit("rad")
+            .limit(angle)
+            .or(0.0),
         &mut model.operating_point.platform_angle_rad,
     );
     friction(v, &mut model.friction);
@@ -126,14 +142,16 @@ pub(crate) fn model(v: &mut dyn Visit, model: &mut Modelling) {
 
 fn friction(v: &mut dyn Visit, friction: &mut FrictionLinearisation) {
     let (mut dry, mut amplitude, mut frequency) = match *friction {
-        FrictionLinearisation::Viscous => (Dry::Viscous, f64::NAN, f64::NAN),
+        FrictionLinearisation::Viscous | FrictionLinearisation::Impedances { .. } => {
+            (Dry::Viscous, f64::NAN, f64::NAN)
+        }
         FrictionLinearisation::DescribingFunction { hub_amplitude_rad, frequency_rad_s } => {
             (Dry::DescribingFunction, hub_amplitude_rad, frequency_rad_s)
         }
     };
     choose(
         v,
-        &Field::new("friction", "what a linear plant makes of dry friction").or_text("viscous"),
+        &Field::new("friction", "how dry friction enters the linear plant").or_text("viscous"),
         &mut dry,
     );
     *friction = match dry {
@@ -141,11 +159,13 @@ fn friction(v: &mut dyn Visit, friction: &mut FrictionLinearisation) {
         Dry::DescribingFunction => {
             let above = Limit::Above(0.0);
             v.number(
-                &Field::new("friction_amplitude", "of the hub on the platform").unit("rad").limit(above),
+                &Field::new("friction_amplitude", "amplitude of the hub's motion on the platform")
+                    .unit("rad")
+                    .limit(above),
                 &mut amplitude,
             );
             v.number(
-                &Field::new("friction_frequency", "of that motion").unit("rad/s").limit(above),
+                &Field::new("friction_frequency", "frequency of that motion").unit("rad/s").limit(above),
                 &mut frequency,
             );
             FrictionLinearisation::DescribingFunction {

@@ -1,19 +1,25 @@
 //! The `[plant]` section: drive train, sensors, interface, and the structure.
 
 use counterpoise_models::{
-    Amplifier, AmplifierDynamics, Friction, FrictionLaw, Gearbox, Interface, MapPoint, Motor, Parameters,
-    Ripple, Sensor, Sensors,
+    Axis, Friction, FrictionLaw, Gearbox, Interface, Lumped, Measured, Motor, Parameters, Ripple, Sensor,
+    Sensors, Transmission,
 };
 
+use super::axis_words::Words;
 use super::friction::{friction, ripple};
 use super::structure::{beam, blank_beam, blank_configuration, blank_lumped, configuration, lumped};
-use crate::file::field::{Field, Limit, TableField};
-use crate::file::visit::{Choice, Visit, choose, list, optional, table};
+use super::{drive, loop_sensor, transmission};
+use crate::file::field::{Field, Limit, TableField, UsualRange};
+use crate::file::visit::{Choice, Visit, choose, list, maybe_number, optional, table};
 
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 const ABOVE_0: Limit = Limit::Above(0.0);
 /// Most bits that a converter may have.
-const MOST_BITS: f64 = 32.0;
+const MOST_BITS: f64 = 52.0;
+/// Bits of a converter of which nothing is known: its steps are below every noise.
+const IDEAL_BITS: f64 = 48.0;
+/// Volts per unit of a sensor of which nothing is known: its range is beyond every motion.
+pub(super) const IDEAL_SCALE: f64 = 1e-3;
 /// Most samples by which the control may be held back.
 const MOST_DELAY: f64 = 1000.0;
 
@@ -21,18 +27,20 @@ const MOST_DELAY: f64 = 1000.0;
 pub(crate) fn blank() -> Parameters {
     Parameters {
         name: String::new(),
+        axis: Axis::Rotary,
         gravity_m_s2: f64::NAN,
         beam: None,
         lumped: None,
-        gearbox: blank_gearbox(),
+        gearbox: Gearbox::DIRECT,
         motor: blank_motor(),
-        amplifier: blank_amplifier(),
+        amplifier: drive::blank_amplifier(),
         motor_friction: Friction::plain(FrictionLaw::None, 0.0),
         pivot_friction: Friction::plain(FrictionLaw::None, 0.0),
         sensors: Sensors {
-            hub_gyro: Sensor::IDEAL,
-            platform_gyro: Sensor::IDEAL,
-            platform_accelerometer: Sensor::IDEAL,
+            hub_gyro: loop_sensor::UNKNOWN,
+            measured: Measured::HubRate,
+            platform_gyro: Sensor::ABSENT,
+            platform_accelerometer: Sensor::ABSENT,
             accelerometer_lever_arm_m: 0.0,
             motor_tachometer: None,
             hub_resolver: None,
@@ -44,17 +52,6 @@ pub(crate) fn blank() -> Parameters {
             output_delay_samples: 0,
         },
         configurations: Vec::new(),
-    }
-}
-
-fn blank_gearbox() -> Gearbox {
-    Gearbox {
-        ratio: f64::NAN,
-        stiffness_nm_rad: f64::NAN,
-        damping_nm_s_rad: f64::NAN,
-        backlash_rad: f64::NAN,
-        mesh_ripple: Ripple::NONE,
-        mesh_efficiency: 1.0,
     }
 }
 
@@ -71,27 +68,16 @@ fn blank_motor() -> Motor {
     }
 }
 
-fn blank_amplifier() -> Amplifier {
-    Amplifier {
-        gain: f64::NAN,
-        current_feedback_v_a: f64::NAN,
-        time_constant_s: f64::NAN,
-        input_limit_v: f64::NAN,
-        bus_voltage_v: f64::NAN,
-        map: Vec::new(),
-        dead_zone_v: 0.0,
-        current_limit_a: f64::INFINITY,
-        dynamics: AmplifierDynamics::Modelled,
-    }
-}
-
 /// Reads or lists the plant.
 pub(crate) fn plant(v: &mut dyn Visit, plant: &mut Parameters) {
-    v.text(&Field::new("name", "name of the machine"), &mut plant.name);
+    v.text(&Field::new("name", "name of the machine").or_text("machine").shown(), &mut plant.name);
+    choose(v, &Field::new("axis", "whether the hub turns or slides").or_text("rotary"), &mut plant.axis);
     v.number(
         &Field::new("gravity", "acceleration of gravity").unit("m/s^2").limit(AT_LEAST_0).or(9.80665),
         &mut plant.gravity_m_s2,
     );
+    let axis = plant.axis;
+    one_inertia(&mut Words::of(axis, v), &mut plant.lumped);
     optional(
         v,
         &TableField::optional("beam", "the structure as a beam"),
@@ -99,223 +85,261 @@ pub(crate) fn plant(v: &mut dyn Visit, plant: &mut Parameters) {
         blank_beam(),
         beam,
     );
-    optional(
-        v,
-        &TableField::optional("lumped", "the structure as two inertias"),
-        &mut plant.lumped,
-        blank_lumped(),
-        lumped,
-    );
-    table(v, &TableField::required("gearbox", "gearbox between motor and hub"), &mut plant.gearbox, gearbox);
-    table(v, &TableField::required("motor", "motor"), &mut plant.motor, motor);
-    table(
-        v,
-        &TableField::required("amplifier", "amplifier that drives the motor"),
-        &mut plant.amplifier,
-        amplifier,
-    );
-    table(v, &TableField::required("friction", "friction at motor and pivot"), plant, frictions);
-    table(v, &TableField::required("sensors", "sensors"), &mut plant.sensors, sensors);
+    described_by_inertias(&mut Words::of(axis, v), &mut plant.lumped);
+    transmission::gearbox_section(&mut Words::of(axis, v), &mut plant.gearbox);
+    transmission::other_sections(&mut Words::of(axis, v), plant);
+    // a linear motor drives the hub without a transmission, and has the hub's units
+    let rotor = if plant.gearbox.kind == Transmission::Direct { axis } else { Axis::Rotary };
+    motor_section(&mut Words::of(rotor, v), &mut plant.motor);
+    drive::drive(&mut Words::of(rotor, v), plant);
+    frictions(v, plant);
+    sensors(&mut Words::of(axis, v), plant);
+    drive::without_its_delay(plant);
     table(
         v,
         &TableField::required("interface", "converters and clock of the controller"),
         &mut plant.interface,
         interface,
     );
+    drive::with_its_delay(plant);
     list(
         v,
-        &TableField::optional("configuration", "a way to load the mechanism"),
+        &TableField::optional("configuration", "a configuration of the mechanism: which masses are fitted"),
         &mut plant.configurations,
         blank_configuration(),
         configuration,
     );
 }
 
-fn gearbox(v: &mut dyn Visit, gearbox: &mut Gearbox) {
-    v.number(&Field::new("ratio", "motor turns per hub turn").limit(ABOVE_0), &mut gearbox.ratio);
-    v.number(
-        &Field::new("stiffness", "of the mesh, at the output").unit("N m/rad").limit(ABOVE_0),
-        &mut gearbox.stiffness_nm_rad,
-    );
-    let damping = Field::new("damping", "at the output, only while the teeth touch")
-        .unit("N m s/rad")
-        .limit(AT_LEAST_0);
-    v.number(&damping.or(0.0), &mut gearbox.damping_nm_s_rad);
-    v.number(
-        &Field::new("backlash", "total gap at the output").unit("rad").limit(AT_LEAST_0).or(0.0),
-        &mut gearbox.backlash_rad,
-    );
-    let efficiency =
-        Field::new("mesh_efficiency", "fraction of the mesh torque that arrives while it drives");
-    v.number(&efficiency.limit(Limit::AboveTo(0.0, 1.0)).or(1.0), &mut gearbox.mesh_efficiency);
-    table(
-        v,
-        &TableField::inline("mesh_ripple", "torque on the hub that repeats with the motor angle, N m"),
-        &mut gearbox.mesh_ripple,
-        ripple,
-    );
+impl Choice for Axis {
+    const NAMES: &'static [(&'static str, Self)] = &[("rotary", Self::Rotary), ("linear", Self::Linear)];
+}
+
+/// Reads or lists the structure as one rigid, balanced inertia.
+fn one_inertia(v: &mut dyn Visit, lumped: &mut Option<Lumped>) {
+    let known = lumped.as_ref().map(|l| l.hub_inertia_kg_m2);
+    let mut inertia = known.filter(|inertia| *lumped == Some(Lumped::rigid(*inertia)));
+    let field = Field::new("inertia", "of a structure that is one rigid, balanced body").unit("kg m^2");
+    maybe_number(v, &field.limit(ABOVE_0), &mut inertia);
+    if let Some(inertia) = inertia {
+        *lumped = Some(Lumped::rigid(inertia));
+    }
+}
+
+/// Reads or lists the structure as one or two inertias with more than that.
+fn described_by_inertias(v: &mut dyn Visit, inertias: &mut Option<Lumped>) {
+    let short = inertias.as_ref().is_some_and(|l| *l == Lumped::rigid(l.hub_inertia_kg_m2));
+    let section = TableField::optional("lumped", "the structure as one inertia or two");
+    if v.enter(&section, inertias.is_some() && !short) {
+        let mut value = inertias.take().filter(|_| !short).unwrap_or_else(blank_lumped);
+        lumped(v, &mut value);
+        v.leave();
+        *inertias = Some(value);
+    }
+}
+
+fn motor_section(v: &mut dyn Visit, value: &mut Motor) {
+    let usual = drive::usual_motor();
+    if v.enter(&TableField::optional("motor", "motor"), *value != usual) {
+        motor(v, value);
+        v.leave();
+    } else {
+        *value = usual;
+    }
 }
 
 fn motor(v: &mut dyn Visit, motor: &mut Motor) {
-    v.number(
-        &Field::new("inertia", "rotor and gearbox input").unit("kg m^2").limit(ABOVE_0),
-        &mut motor.inertia_kg_m2,
+    let inertia = Field::new("inertia", "rotor and gearbox input").unit("kg m^2").limit(AT_LEAST_0);
+    let inertia = inertia.or(0.0).assumed(
+        "part of the hub's inertia",
+        "a rigid transmission adds nothing else",
+        UsualRange::Unknown,
     );
-    v.number(
-        &Field::new("torque_constant", "torque per current").unit("N m/A").limit(ABOVE_0),
-        &mut motor.torque_constant_nm_a,
+    v.number(&inertia, &mut motor.inertia_kg_m2);
+    let constant = Field::new("torque_constant", "torque per current").unit("N m/A").limit(ABOVE_0);
+    let constant = constant.or(1.0).assumed(
+        "1: the drive's current is its torque",
+        "a drive that takes a torque hides its current",
+        UsualRange::Unknown,
     );
-    v.number(
-        &Field::new("back_emf_constant", "voltage per speed").unit("V s/rad").limit(AT_LEAST_0),
-        &mut motor.back_emf_v_s_rad,
+    v.number(&constant, &mut motor.torque_constant_nm_a);
+    let constant = motor.torque_constant_nm_a;
+    let emf = Field::new("back_emf_constant", "back-EMF per angular rate of the motor").unit("V s/rad");
+    let emf = emf.limit(AT_LEAST_0).or(constant).assumed(
+        "equal to the torque constant in SI units",
+        "conservation of energy in a motor without losses",
+        UsualRange::Factors(0.9, 1.1),
     );
-    v.number(
-        &Field::new("resistance", "of the armature").unit("ohm").limit(ABOVE_0),
-        &mut motor.resistance_ohm,
+    v.number(&emf, &mut motor.back_emf_v_s_rad);
+    let resistance = Field::new("resistance", "of the armature").unit("ohm").limit(ABOVE_0).or(1.0);
+    let resistance = resistance.assumed(
+        "1 ohm",
+        "a drive that controls the current hides it; a voltage amplifier needs it",
+        UsualRange::Factors(0.1, 10.0),
     );
-    v.number(&Field::new("inductance", "of the armature").unit("H").limit(ABOVE_0), &mut motor.inductance_h);
+    v.number(&resistance, &mut motor.resistance_ohm);
+    let inductance = Field::new("inductance", "of the armature").unit("H").limit(AT_LEAST_0).or(0.0);
+    let inductance = inductance.assumed(
+        "0: the current follows the voltage at once",
+        "most servo motors' electrical time constants are below their loops' periods",
+        UsualRange::Unknown,
+    );
+    v.number(&inductance, &mut motor.inductance_h);
     let coupling = Field::new("platform_coupling", "sense in which the platform turns the rotor: -1, 0 or 1");
     v.number(&coupling.limit(Limit::Between(-1.0, 1.0)).or(0.0), &mut motor.platform_coupling);
-    table(
+    ripple(
         v,
-        &TableField::inline("cogging", "torque on the shaft that repeats with its angle, N m"),
+        &TableField::inline("cogging", "cogging torque on the shaft, periodic in its angle"),
         &mut motor.cogging,
-        ripple,
+        "N m",
     );
-    table(
+    ripple(
         v,
-        &TableField::inline("torque_ripple", "variation of the torque constant, as a fraction"),
+        &TableField::inline(
+            "torque_ripple",
+            "variation of the torque constant with the angle, as a fraction",
+        ),
         &mut motor.torque_ripple,
-        ripple,
+        "",
     );
-}
-
-fn amplifier(v: &mut dyn Visit, amplifier: &mut Amplifier) {
-    v.number(&Field::new("gain", "voltage gain").unit("V/V").limit(ABOVE_0), &mut amplifier.gain);
-    v.number(
-        &Field::new("current_feedback", "current feedback").unit("V/A").limit(AT_LEAST_0),
-        &mut amplifier.current_feedback_v_a,
-    );
-    v.number(&Field::new("time_constant", "lag").unit("s").limit(ABOVE_0), &mut amplifier.time_constant_s);
-    v.number(
-        &Field::new("input_limit", "input is clipped to +/- this").unit("V").limit(ABOVE_0),
-        &mut amplifier.input_limit_v,
-    );
-    v.number(
-        &Field::new("bus_voltage", "output is clipped to +/- this").unit("V").limit(ABOVE_0),
-        &mut amplifier.bus_voltage_v,
-    );
-    v.number(
-        &Field::new("dead_zone", "half width of a dead zone at the input")
-            .unit("V")
-            .limit(AT_LEAST_0)
-            .or(0.0),
-        &mut amplifier.dead_zone_v,
-    );
-    let limit = Field::new("current_limit", "current is clipped to +/- this; none if absent")
-        .unit("A")
-        .limit(ABOVE_0);
-    v.number(&limit.or(f64::INFINITY), &mut amplifier.current_limit_a);
-    let dynamics = "modelled: lag, feedbacks, armature and back-EMF; ideal-current: the current follows the input at once";
-    choose(v, &Field::new("dynamics", dynamics).or_text("modelled"), &mut amplifier.dynamics);
-    map(v, &mut amplifier.map);
-}
-
-impl Choice for AmplifierDynamics {
-    const NAMES: &'static [(&'static str, Self)] =
-        &[("modelled", Self::Modelled), ("ideal-current", Self::IdealCurrent)];
-}
-
-fn map(v: &mut dyn Visit, map: &mut Vec<MapPoint>) {
-    let field =
-        Field::new("map", "measured input voltage and stalled current, [V, A], or the name of a CSV file")
-            .limit(ABOVE_0)
-            .or_empty();
-    let mut pairs: Vec<[f64; 2]> = map.iter().map(|p| [p.input_v, p.current_a]).collect();
-    v.pairs(&field, &mut pairs);
-    *map = merged(pairs);
-}
-
-/// The points in order of voltage; points at one voltage become their mean.
-fn merged(mut pairs: Vec<[f64; 2]>) -> Vec<MapPoint> {
-    pairs.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let mean = |points: &[[f64; 2]]| points.iter().map(|p| p[1]).sum::<f64>() / points.len() as f64;
-    pairs
-        .chunk_by(|a, b| a[0] == b[0])
-        .map(|same| MapPoint { input_v: same[0][0], current_a: mean(same) })
-        .collect()
 }
 
 fn frictions(v: &mut dyn Visit, plant: &mut Parameters) {
-    table(
-        v,
-        &TableField::required("motor", "friction at the motor shaft"),
-        &mut plant.motor_friction,
-        friction,
-    );
-    table(
-        v,
-        &TableField::required("pivot", "friction at the hub pivot"),
-        &mut plant.pivot_friction,
-        friction,
-    );
+    let none = Friction::plain(FrictionLaw::None, 0.0);
+    let there = plant.motor_friction != none || plant.pivot_friction != none;
+    if !v.enter(&TableField::optional("friction", "friction at motor and pivot"), there) {
+        (plant.motor_friction, plant.pivot_friction) = (none.clone(), none);
+        return;
+    }
+    let rotor = if plant.gearbox.kind == Transmission::Direct { plant.axis } else { Axis::Rotary };
+    let motor = TableField::optional("motor", "friction at the motor shaft");
+    one_friction(&mut Words::of(rotor, v), &motor, &mut plant.motor_friction);
+    let pivot = TableField::optional("pivot", "friction at the hub pivot");
+    one_friction(&mut Words::of(plant.axis, v), &pivot, &mut plant.pivot_friction);
+    v.leave();
 }
 
-fn sensors(v: &mut dyn Visit, sensors: &mut Sensors) {
-    table(v, &TableField::required("hub_gyro", "rate of the hub"), &mut sensors.hub_gyro, |v, s| {
-        sensor(v, s, "rad/s")
-    });
-    table(
-        v,
-        &TableField::required("platform_gyro", "rate of the platform"),
-        &mut sensors.platform_gyro,
-        |v, s| sensor(v, s, "rad/s"),
-    );
-    table(v, &TableField::required("platform_accelerometer", "heave, gravity removed"), sensors, |v, all| {
-        sensor(v, &mut all.platform_accelerometer, "m/s^2");
+fn one_friction(v: &mut dyn Visit, section: &TableField, value: &mut Friction) {
+    let none = Friction::plain(FrictionLaw::None, 0.0);
+    if v.enter(section, *value != none) {
+        friction(v, value);
+        v.leave();
+    } else {
+        *value = none;
+    }
+}
+
+fn sensors(v: &mut dyn Visit, plant: &mut Parameters) {
+    let there = plant.sensors != blank().sensors;
+    if !v.enter(&TableField::optional("sensors", "sensors"), there) {
+        plant.sensors = blank().sensors;
+        return;
+    }
+    loop_sensor::loop_sensor(v, plant);
+    let sensors = &mut plant.sensors;
+    let gyro = TableField::optional("platform_gyro", "rate of the platform");
+    fitted(v, &gyro, &mut sensors.platform_gyro, |v, s| sensor(v, s, "rad/s"));
+    let section = TableField::optional("platform_accelerometer", "heave, gravity removed");
+    if v.enter(&section, sensors.platform_accelerometer.is_fitted()) {
+        sensor(v, &mut sensors.platform_accelerometer, "m/s^2");
         v.number(
             &Field::new("lever_arm", "distance from the pivot").unit("m").or(0.0),
-            &mut all.accelerometer_lever_arm_m,
+            &mut sensors.accelerometer_lever_arm_m,
         );
-    });
+        v.leave();
+    } else {
+        sensors.platform_accelerometer = Sensor::ABSENT;
+    }
     let tachometer = TableField::optional("motor_tachometer", "rate of the motor on the platform");
     optional(v, &tachometer, &mut sensors.motor_tachometer, Sensor::IDEAL, |v, s| sensor(v, s, "rad/s"));
     let resolver = TableField::optional("hub_resolver", "angle of the hub on the platform");
     optional(v, &resolver, &mut sensors.hub_resolver, Sensor::IDEAL, |v, s| sensor(v, s, "rad"));
+    v.leave();
 }
 
-fn sensor(v: &mut dyn Visit, sensor: &mut Sensor, unit: &'static str) {
+/// A sensor whose absence means that none is fitted.
+fn fitted(
+    v: &mut dyn Visit,
+    section: &TableField,
+    value: &mut Sensor,
+    walk: impl FnOnce(&mut dyn Visit, &mut Sensor),
+) {
+    if v.enter(section, value.is_fitted()) {
+        walk(v, value);
+        v.leave();
+    } else {
+        *value = Sensor::ABSENT;
+    }
+}
+
+/// Units of a sensor's scale, in volts per unit, and of its error per acceleration.
+fn units_of(measured: &'static str) -> (&'static str, &'static str) {
+    match measured {
+        "rad/s" => ("V s/rad", "(rad/s)/(m/s^2)"),
+        "rad" => ("V/rad", "rad/(m/s^2)"),
+        _ => ("V/(m/s^2)", "(m/s^2)/(m/s^2)"),
+    }
+}
+
+pub(super) fn sensor(v: &mut dyn Visit, sensor: &mut Sensor, unit: &'static str) {
+    let (scale_unit, per_acceleration) = units_of(unit);
     let frequency =
-        Field::new("natural_frequency", "of the sensor; ideal if absent").unit("rad/s").limit(ABOVE_0);
+        Field::new("natural_frequency", "natural frequency of the sensor").unit("rad/s").limit(ABOVE_0);
     v.number(&frequency.or(f64::INFINITY), &mut sensor.natural_frequency_rad_s);
-    v.number(&Field::new("damping_ratio", "of the sensor").limit(ABOVE_0).or(0.7), &mut sensor.damping_ratio);
     v.number(
-        &Field::new("scale", "volts at the converter per unit").limit(ABOVE_0),
-        &mut sensor.scale_v_unit,
+        &Field::new("damping_ratio", "damping ratio of the sensor").limit(ABOVE_0).or(0.7),
+        &mut sensor.damping_ratio,
     );
-    v.number(
-        &Field::new("noise", "RMS, white at the sample rate").unit(unit).limit(AT_LEAST_0).or(0.0),
-        &mut sensor.noise_rms,
+    let scale = Field::new("scale", "voltage at the converter per unit of the measured quantity");
+    let scale = scale.unit(scale_unit).limit(ABOVE_0).or(IDEAL_SCALE).assumed(
+        "0.001: a range of 10 000 units",
+        "an ideal sensor has no range",
+        UsualRange::Unknown,
     );
+    v.number(&scale, &mut sensor.scale_v_unit);
+    let noise = Field::new("noise", "RMS of the noise, white at the sample rate");
+    v.number(&noise.unit(unit).limit(AT_LEAST_0).or(0.0), &mut sensor.noise_rms);
     v.number(
-        &Field::new("gain", "error of the gain; 1 is none").limit(Limit::Not0).or(1.0),
+        &Field::new("gain", "factor on the reading; 1 is no error").limit(Limit::Not0).or(1.0),
         &mut sensor.gain,
     );
-    v.number(&Field::new("bias", "bias").unit(unit).or(0.0), &mut sensor.bias);
-    v.number(&Field::new("delay", "delay").unit("s").limit(AT_LEAST_0).or(0.0), &mut sensor.delay_s);
-    v.number(&Field::new("g_sensitivity", "reading per m/s^2 of heave").or(0.0), &mut sensor.g_sensitivity);
+    v.number(&Field::new("bias", "constant error of the reading").unit(unit).or(0.0), &mut sensor.bias);
+    v.number(
+        &Field::new("delay", "delay of the reading").unit("s").limit(AT_LEAST_0).or(0.0).assumed(
+            "none, as in an ideal sensor",
+            "what is left out is ideal; digital sensors are usually up to 2 ms late",
+            UsualRange::Values(0.0, 2e-3),
+        ),
+        &mut sensor.delay_s,
+    );
+    v.number(
+        &Field::new("g_sensitivity", "error of the reading per m/s^2 of heave")
+            .unit(per_acceleration)
+            .or(0.0),
+        &mut sensor.g_sensitivity,
+    );
 }
 
 fn interface(v: &mut dyn Visit, interface: &mut Interface) {
     v.number(
-        &Field::new("sample_period", "sample period").unit("s").limit(Limit::AboveTo(0.0, 1.0)),
+        &Field::new("sample_period", "sample period of the controller")
+            .if_unknown("take a twentieth of the time in which the loop is to settle, or what the target's timer gives")
+            .unit("s")
+            .limit(Limit::AboveTo(0.0, 1.0)),
         &mut interface.sample_period_s,
     );
     let bits = Limit::Between(1.0, MOST_BITS);
-    v.whole(&Field::new("input_bits", "over +/- 10 V").unit("bits").limit(bits), &mut interface.input_bits);
-    v.whole(&Field::new("output_bits", "over +/- 10 V").unit("bits").limit(bits), &mut interface.output_bits);
+    let fine = |key| {
+        Field::new(key, "over +/- 10 V").unit("bits").limit(bits).or(IDEAL_BITS).assumed(
+            "48: steps that nothing feels",
+            "an ideal converter has no steps",
+            UsualRange::Values(10.0, 24.0),
+        )
+    };
+    v.whole(&fine("input_bits"), &mut interface.input_bits);
+    v.whole(&fine("output_bits"), &mut interface.output_bits);
     let mut delay = u32::try_from(interface.output_delay_samples).unwrap_or(u32::MAX);
-    let field = Field::new("output_delay_samples", "whole samples by which the control is held back")
+    let field = Field::new("output_delay_samples", "whole sample periods by which the control is delayed")
         .limit(Limit::Between(0.0, MOST_DELAY));
     v.whole(&field.or(0.0), &mut delay);
     interface.output_delay_samples = delay as usize;

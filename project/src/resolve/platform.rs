@@ -200,7 +200,7 @@ pub(crate) fn platform(v: &mut dyn Visit, source: &mut PlatformSource) {
 }
 
 fn recording(v: &mut dyn Visit, road: &mut RoadSource) {
-    v.text(&Field::new("recording", "file beside the project file"), &mut road.recording);
+    v.text(&Field::new("recording", "name of the recording, beside the project file"), &mut road.recording);
     v.text(&Field::new("heave", "column of the upward acceleration"), &mut road.heave);
     v.text(&Field::new("pitch", "column of the pitch rate"), &mut road.pitch);
     let scale = "factor; a negative one turns the sign";
@@ -209,45 +209,67 @@ fn recording(v: &mut dyn Visit, road: &mut RoadSource) {
     let low_pass =
         Field::new("low_pass", "frequency above which motion is removed").unit("Hz").limit(ABOVE_0);
     maybe_number(v, &low_pass, &mut road.low_pass_hz);
-    v.number(&Field::new("start", "in the recording").unit("s").limit(AT_LEAST_0).or(0.0), &mut road.start_s);
-    v.number(&Field::new("duration", "that is taken").unit("s").limit(ABOVE_0), &mut road.duration_s);
-    v.number(&Field::new("fade", "in and out").unit("s").limit(AT_LEAST_0).or(1.0).shown(), &mut road.fade_s);
+    v.number(
+        &Field::new("start", "start of the used part in the recording").unit("s").limit(AT_LEAST_0).or(0.0),
+        &mut road.start_s,
+    );
+    v.number(&Field::new("duration", "length that is used").unit("s").limit(ABOVE_0), &mut road.duration_s);
+    v.number(
+        &Field::new("fade", "time in which the motion fades in and out")
+            .unit("s")
+            .limit(AT_LEAST_0)
+            .or(1.0)
+            .shown(),
+        &mut road.fade_s,
+    );
 }
 
 fn made(v: &mut dyn Visit, motion: &mut Motion) {
     match &mut motion.kind {
         MotionKind::Spectrum { heave_psd, pitch_psd } => {
-            let heave = "density of the heave by its points, [Hz, (m/s^2)^2/Hz], or the name of a CSV file";
-            v.pairs(&Field::new("heave_psd", heave).limit(ABOVE_0).or_empty(), heave_psd);
+            let heave = "points of the heave's spectral density, or the name of a CSV file";
+            v.pairs(
+                &Field::new("heave_psd", heave).units("Hz", "(m/s^2)^2/Hz").limit(ABOVE_0).or_empty(),
+                heave_psd,
+            );
             density_of_pitch(v, pitch_psd);
         }
         MotionKind::Simulator { offset_m, sines, pitch_psd } => {
             let offset = "distance of the pivot in front of the simulator's axis";
             v.number(&Field::new("offset", offset).unit("m"), offset_m);
-            let angle = "sines of the pitch angle, [rad, Hz], or the name of a CSV file";
-            v.pairs(&Field::new("sines", angle).limit(ABOVE_0).or_empty(), sines);
+            let angle =
+                "sines of the pitch angle, each by amplitude and frequency, or the name of a CSV file";
+            v.pairs(&Field::new("sines", angle).units("rad", "Hz").limit(ABOVE_0).or_empty(), sines);
             density_of_pitch(v, pitch_psd);
         }
         MotionKind::IsoRoad { class, speed_m_s } => {
             choose(
                 v,
-                &Field::new("class", "of the road, A (very good) to E (very poor)").or_text("C"),
+                &Field::new("class", "class of the road's roughness, A (very good) to E (very poor)")
+                    .or_text("C"),
                 class,
             );
-            v.number(&Field::new("speed", "of the vehicle").unit("m/s").limit(ABOVE_0), speed_m_s);
+            v.number(&Field::new("speed", "speed of the vehicle").unit("m/s").limit(ABOVE_0), speed_m_s);
         }
     }
     let how = &mut motion.realisation;
     let duration = Field::new("duration", "of the motion").unit("s").limit(ABOVE_0);
     v.number(&duration.or(DURATION_S).shown(), &mut how.duration_s);
-    v.number(&Field::new("fade", "in and out").unit("s").limit(AT_LEAST_0).or(1.0).shown(), &mut how.fade_s);
-    seed(v, "of the phases", &mut how.seed);
+    v.number(
+        &Field::new("fade", "time in which the motion fades in and out")
+            .unit("s")
+            .limit(AT_LEAST_0)
+            .or(1.0)
+            .shown(),
+        &mut how.fade_s,
+    );
+    seed(v, "seed of the random phases", &mut how.seed);
     judge(v, motion);
 }
 
 fn density_of_pitch(v: &mut dyn Visit, pitch_psd: &mut Vec<[f64; 2]>) {
-    let pitch = "density of the pitch rate by its points, [Hz, (rad/s)^2/Hz], or the name of a CSV file";
-    v.pairs(&Field::new("pitch_psd", pitch).limit(ABOVE_0).or_empty(), pitch_psd);
+    let pitch = "points of the pitch rate's spectral density, or the name of a CSV file";
+    v.pairs(&Field::new("pitch_psd", pitch).units("Hz", "(rad/s)^2/Hz").limit(ABOVE_0).or_empty(), pitch_psd);
 }
 
 /// Says what the generators would refuse, at the key that is to blame.

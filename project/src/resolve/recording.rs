@@ -7,14 +7,18 @@ use crate::file::visit::{Visit, maybe_number, table};
 
 /// Reads or lists the mapping.
 pub(crate) fn recording(v: &mut dyn Visit, mapping: &mut Mapping) {
-    let period = Field::new("sample_period", "of recordings without a time column; others are put on it")
-        .unit("s")
-        .limit(Limit::Above(0.0));
+    let period = Field::new(
+        "sample_period",
+        "sample period of recordings without a time column; other recordings are resampled to it",
+    )
+    .unit("s")
+    .limit(Limit::Above(0.0));
     maybe_number(v, &period, &mut mapping.sample_period_s);
-    let windows = Field::new("windows", "parts that are used, [from, to] from the first sample")
-        .unit("s")
-        .limit(Limit::AtLeast(0.0))
-        .or_empty();
+    let windows =
+        Field::new("windows", "parts that are used, each by its beginning and end after the first sample")
+            .unit("s")
+            .limit(Limit::AtLeast(0.0))
+            .or_empty();
     v.pairs(&windows, &mut mapping.windows_s);
     table(v, &TableField::optional("channels", "columns by the channel that they hold"), mapping, channels);
 }
@@ -60,20 +64,23 @@ fn source(v: &mut dyn Visit, channel: &'static str, present: Option<ChannelSourc
 /// What is made of a column beyond a factor and an offset.
 fn shaping(v: &mut dyn Visit, source: &mut ChannelSource) {
     let mut plus = source.plus.take().unwrap_or_default();
-    let field = Field::new("plus", "another column, added before the factor").or_text("");
+    let field = Field::new("plus", "name of another column that is added before the factor").or_text("");
     v.text(&field, &mut plus);
     source.plus = (!plus.is_empty()).then_some(plus);
-    let field = Field::new("plus_scale", "factor on that other column").or(1.0);
+    let field = Field::new("plus_scale", "factor on the column named by `plus`").or(1.0);
     v.number(&field, &mut source.plus_scale);
-    let field = Field::new("wraps_at", "a counter that starts anew after this many is unrolled");
+    let field = Field::new(
+        "wraps_at",
+        "number of counts after which the counter starts again at 0: the channel is unwrapped",
+    );
     maybe_number(v, &field.limit(Limit::Above(0.0)), &mut source.wraps_at);
     let field =
-        Field::new("slope_over", "the channel is the column's slope, by the difference over this time");
+        Field::new("slope_over", "the channel is the slope of the column, as the difference over this time");
     maybe_number(v, &field.unit("s").limit(Limit::Above(0.0)), &mut source.slope_over_s);
-    let field = Field::new("slope_lag", "the channel is the slope of what follows the column with this lag");
+    let field = Field::new("slope_lag", "the channel is the slope of the column, filtered with this lag");
     maybe_number(v, &field.unit("s").limit(Limit::Above(0.0)), &mut source.slope_lag_s);
     let mut clock = source.clock.take().unwrap_or_default();
-    let field = Field::new("clock", "column with the times of this one, where it has a clock of its own");
+    let field = Field::new("clock", "column with the times of this column, if it has a clock of its own");
     v.text(&field.or_text(""), &mut clock);
     source.clock = (!clock.is_empty()).then_some(clock);
 }

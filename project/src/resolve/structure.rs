@@ -2,52 +2,60 @@
 
 use counterpoise_models::{Beam, Configuration, Lumped, PointMass, Section, SectionShape, StructuralDamping};
 
-use crate::file::field::{Field, Limit, TableField};
+use crate::file::field::{Field, Limit, TableField, UsualRange};
 use crate::file::visit::{Choice, Count, Visit, choose, list, pair};
 
 const YOUNGS_MODULUS: Field =
     Field::new("youngs_modulus", "Young's modulus").unit("Pa").limit(Limit::Above(0.0));
-const POISSONS_RATIO: Field = Field::new("poissons_ratio", "Poisson's ratio, where shear is modelled")
+const POISSONS_RATIO: Field = Field::new("poissons_ratio", "Poisson's ratio, used if shear is modelled")
     .limit(Limit::Between(-0.999, 0.5))
     .or(0.3);
-const DENSITY: Field = Field::new("density", "density").unit("kg/m^3").limit(Limit::Above(0.0));
+const DENSITY: Field =
+    Field::new("density", "density of the material").unit("kg/m^3").limit(Limit::Above(0.0));
 const PIVOT: Field = Field::new("pivot", "position of the hub pivot along the axis; x grows towards the tip")
     .unit("m")
     .or(0.0);
 const MODAL_DAMPING: Field = Field::new(
     "modal_damping",
-    "damping ratio of flexible mode 1, 2, ... of the structure pinned at its hub",
+    "damping ratios of flexible mode 1, 2, ... of the structure pinned at its hub",
 )
 .limit(Limit::Between(0.0, 1.0));
 const DAMPING_LAW: Field = Field::new(
     "damping",
-    "modal: the last ratio holds for all above; modal-stiffness: it grows with the frequency",
+    "law of the damping above the last ratio that is given: constant (`modal`) or growing with the frequency (`modal-stiffness`)",
 )
 .or_text("modal");
 const RAYLEIGH_FIRST: Field =
-    Field::new("rayleigh_first", "frequency [rad/s] and damping ratio").limit(Limit::AtLeast(0.0));
+    Field::new("rayleigh_first", "frequency and damping ratio").units("rad/s", "").limit(Limit::AtLeast(0.0));
 const RAYLEIGH_SECOND: Field =
-    Field::new("rayleigh_second", "higher frequency [rad/s] and damping ratio").limit(Limit::AtLeast(0.0));
-const SECTIONS: TableField = TableField::required("section", "a stretch of the beam");
+    Field::new("rayleigh_second", "a higher frequency and the damping ratio there")
+        .units("rad/s", "")
+        .limit(Limit::AtLeast(0.0));
+const SECTIONS: TableField = TableField::required("section", "a section of the beam");
 const MASSES: TableField = TableField::optional("mass", "a mass that can be fitted");
 
 const NAME: Field = Field::new("name", "name");
-const FROM: Field = Field::new("from", "near end along the axis").unit("m");
-const TO: Field = Field::new("to", "far end along the axis").unit("m");
+const FROM: Field = Field::new("from", "position of the near end along the axis").unit("m");
+const TO: Field = Field::new("to", "position of the far end along the axis").unit("m");
 const SHAPE: Field = Field::new("shape", "how the cross section is given").or_text("tube");
-const OUTER: Field =
-    Field::new("outer_diameter", "at the near and the far end").unit("m").limit(Limit::Above(0.0));
-const INNER: Field = Field::new("inner_diameter", "at the near and the far end; 0 for solid")
+const OUTER: Field = Field::new("outer_diameter", "outer diameter at the near and the far end")
     .unit("m")
-    .limit(Limit::AtLeast(0.0));
-const HEIGHT: Field =
-    Field::new("height", "in the plane of bending, at the near and the far end; 0 for a point")
+    .limit(Limit::Above(0.0));
+const INNER: Field =
+    Field::new("inner_diameter", "inner diameter at the near and the far end; 0 for a solid section")
         .unit("m")
         .limit(Limit::AtLeast(0.0));
-const WIDTH: Field = Field::new("width", "at the near and the far end").unit("m").limit(Limit::AtLeast(0.0));
-const AREA: Field = Field::new("area", "at the near and the far end").unit("m^2").limit(Limit::Above(0.0));
-const SECOND_MOMENT: Field =
-    Field::new("second_moment", "of area, at the near and the far end").unit("m^4").limit(Limit::Above(0.0));
+const HEIGHT: Field =
+    Field::new("height", "height in the plane of bending at the near and the far end; 0 for a point")
+        .unit("m")
+        .limit(Limit::AtLeast(0.0));
+const WIDTH: Field =
+    Field::new("width", "width at the near and the far end").unit("m").limit(Limit::AtLeast(0.0));
+const AREA: Field =
+    Field::new("area", "area at the near and the far end").unit("m^2").limit(Limit::Above(0.0));
+const SECOND_MOMENT: Field = Field::new("second_moment", "second moment of area at the near and the far end")
+    .unit("m^4")
+    .limit(Limit::Above(0.0));
 
 const POSITION: Field = Field::new("position", "position along the axis").unit("m");
 const MASS: Field = Field::new("mass", "mass").unit("kg").limit(Limit::Above(0.0));
@@ -56,40 +64,55 @@ const OWN_INERTIA: Field =
 
 const HUB_INERTIA: Field =
     Field::new("hub_inertia", "inertia at the hub").unit("kg m^2").limit(Limit::Above(0.0));
-const BEAM_INERTIA: Field =
-    Field::new("beam_inertia", "inertia of the beam").unit("kg m^2").limit(Limit::Above(0.0));
-const STIFFNESS: Field = Field::new("stiffness", "hub to beam").unit("N m/rad").limit(Limit::Above(0.0));
-const DAMPING: Field = Field::new("damping", "hub to beam").unit("N m s/rad").limit(Limit::AtLeast(0.0));
+const BEAM_INERTIA: Field = Field::new("beam_inertia", "inertia of the beam; 0 if the structure is one body")
+    .unit("kg m^2")
+    .limit(Limit::AtLeast(0.0))
+    .or(0.0);
+const STIFFNESS: Field = Field::new("stiffness", "hub to beam; rigid if absent")
+    .unit("N m/rad")
+    .limit(Limit::Above(0.0))
+    .or(f64::INFINITY)
+    .assumed("rigid", "what is left out is ideal", UsualRange::Unknown);
+const DAMPING: Field = Field::new("damping", "hub to beam; damping ratio 0.01 if absent")
+    .unit("N m s/rad")
+    .limit(Limit::AtLeast(0.0));
 const OUT_OF_BALANCE: Field =
-    Field::new("out_of_balance", "first moment of mass about the pivot, positive nose-heavy").unit("kg m");
+    Field::new("out_of_balance", "first moment of mass about the pivot, positive nose-heavy")
+        .unit("kg m")
+        .or(0.0);
+/// Damping ratio of a structure of which nothing is known.
+const DAMPING_RATIO: f64 = 0.01;
 const VERTICAL_OFFSET: Field =
     Field::new("vertical_offset", "first moment of mass above the pivot axis").unit("kg m").or(0.0);
 const POSITION_STIFFNESS: Field = Field::new("position_stiffness", "spring between hub and platform")
     .unit("N m/rad")
     .limit(Limit::AtLeast(0.0))
     .or(0.0);
-const POSITION_STIFFNESS_CENTRE: Field =
-    Field::new("position_stiffness_centre", "angle of hub on platform at which it is slack")
-        .unit("rad")
-        .or(0.0);
+const POSITION_STIFFNESS_CENTRE: Field = Field::new(
+    "position_stiffness_centre",
+    "angle of the hub on the platform at which that spring has no torque",
+)
+.unit("rad")
+.or(0.0);
 const HYSTERESIS: Field = Field::new(
     "hysteresis",
-    "largest torque of a hose between hub and platform that remembers how it was bent",
+    "largest torque of a hose between hub and platform whose bending has hysteresis",
 )
 .unit("N m")
 .limit(Limit::AtLeast(0.0))
 .or(0.0);
 const HYSTERESIS_STIFFNESS: Field =
-    Field::new("hysteresis_stiffness", "stiffness of that hose where it springs back")
+    Field::new("hysteresis_stiffness", "stiffness of that hose where its bending is reversed")
         .unit("N m/rad")
         .limit(Limit::AtLeast(0.0))
         .or(0.0);
 
 const FITTED: Field = Field::new("masses", "names of the fitted masses").or_empty();
-const ADDED_INERTIA: Field = Field::new("added_hub_inertia", "added at the hub without moment")
-    .unit("kg m^2")
-    .limit(Limit::AtLeast(0.0))
-    .or(0.0);
+const ADDED_INERTIA: Field =
+    Field::new("added_hub_inertia", "inertia added at the hub, without a first moment")
+        .unit("kg m^2")
+        .limit(Limit::AtLeast(0.0))
+        .or(0.0);
 
 /// How a cross section is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -257,13 +280,27 @@ pub(crate) fn lumped(v: &mut dyn Visit, lumped: &mut Lumped) {
     v.number(&HUB_INERTIA, &mut lumped.hub_inertia_kg_m2);
     v.number(&BEAM_INERTIA, &mut lumped.beam_inertia_kg_m2);
     v.number(&STIFFNESS, &mut lumped.stiffness_nm_rad);
-    v.number(&DAMPING, &mut lumped.damping_nm_s_rad);
+    let damping = DAMPING.or(usual_damping(lumped)).assumed(
+        "damping ratio 0.01",
+        "welded or bolted metal structures: 0.005 to 0.03",
+        UsualRange::Factors(0.5, 3.0),
+    );
+    v.number(&damping, &mut lumped.damping_nm_s_rad);
     v.number(&OUT_OF_BALANCE, &mut lumped.out_of_balance_kg_m);
     v.number(&VERTICAL_OFFSET, &mut lumped.vertical_offset_kg_m);
     v.number(&POSITION_STIFFNESS, &mut lumped.position_stiffness_nm_rad);
     v.number(&POSITION_STIFFNESS_CENTRE, &mut lumped.position_stiffness_centre_rad);
     v.number(&HYSTERESIS, &mut lumped.hysteresis_nm);
     v.number(&HYSTERESIS_STIFFNESS, &mut lumped.hysteresis_stiffness_nm_rad);
+}
+
+/// Damping at a damping ratio of 0.01 of the free structure; 0 if it is one body.
+fn usual_damping(lumped: &Lumped) -> f64 {
+    let (hub, beam) = (lumped.hub_inertia_kg_m2, lumped.beam_inertia_kg_m2);
+    if lumped.is_rigid() {
+        return 0.0;
+    }
+    2.0 * DAMPING_RATIO * (lumped.stiffness_nm_rad * hub * beam / (hub + beam)).sqrt()
 }
 
 /// Reads or lists a configuration.

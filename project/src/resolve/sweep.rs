@@ -2,6 +2,8 @@
 
 use counterpoise_verify::robust::{Distribution, Points, Variation, Varied, varied};
 
+use super::Project;
+use crate::assumption::Tolerance;
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{Choice, Count, Visit, choose, list};
 
@@ -58,31 +60,87 @@ impl Choice for Points {
 }
 
 const POINTS: Field =
-    Field::new("points", "how the mechanisms are laid out in their ranges").or_text("latin-hypercube");
-const PARAMETER: Field = Field::new("parameter", "what varies, as a factor on its value");
-const SHAPE: Field = Field::new("distribution", "of the factor").or_text("uniform").shown();
-const LOW: Field = Field::new("low", "lowest factor").limit(Limit::AtLeast(0.0));
-const HIGH: Field = Field::new("high", "highest factor").limit(Limit::Above(0.0));
+    Field::new("points", "how the mechanisms are distributed over the ranges").or_text("latin-hypercube");
+const PARAMETER: Field = Field::new("parameter", "the parameter that varies, by a factor");
+const SHAPE: Field =
+    Field::new("distribution", "distribution of the factor; `normal` if `deviation` is given")
+        .or_text("uniform")
+        .shown();
+const LOW: Field = Field::new("low", "lowest factor on the parameter").limit(Limit::AtLeast(0.0));
+const HIGH: Field = Field::new("high", "highest factor on the parameter").limit(Limit::Above(0.0));
 const LOWEST_LOG: Field = LOW.limit(Limit::Above(0.0));
-const DEVIATION: Field = Field::new("deviation", "standard deviation about 1, cut off at three of them")
-    .limit(Limit::AboveTo(0.0, 0.33));
-const FACTORS: Field = Field::new("factors", "one mechanism each").limit(Limit::AtLeast(0.0));
+const DEVIATION: Field =
+    Field::new("deviation", "standard deviation about 1; the distribution ends at three of them")
+        .limit(Limit::AboveTo(0.0, 0.33));
+const FACTORS: Field =
+    Field::new("factors", "factors on the parameter, each a mechanism of its own").limit(Limit::AtLeast(0.0));
 /// Error of the plant's gain where none is stated.
 const GAIN_ERROR: f64 = 0.1;
 const INPUT_ERROR: Field = Field::new(
     "input_error",
-    "in the linear worst case: relative error of any phase at the plant's input; 0 for none",
+    "relative error, of any phase, at the plant's input in the linear worst case; 0 for none",
 )
 .limit(Limit::Between(0.0, 1.0))
 .or(GAIN_ERROR);
 const OUTPUT_ERROR: Field = Field::new(
     "output_error",
-    "in the linear worst case: relative error of any phase of the hub gyroscope's reading; 0 for none",
+    "relative error, of any phase, of the hub gyroscope's reading in the linear worst case; 0 for none",
 )
 .limit(Limit::Between(0.0, 1.0))
 .or(GAIN_ERROR);
 /// Most mechanisms of a campaign.
 const MOST_SAMPLES: f64 = 1e7;
+
+/// The keys of the plant whose tolerances a campaign can vary, with the parameters that they are.
+const TOLERANCES: [(&str, Varied); 15] = [
+    ("plant.lumped.hub_inertia", Varied::HubInertia),
+    ("plant.lumped.beam_inertia", Varied::BeamInertia),
+    ("plant.lumped.out_of_balance", Varied::OutOfBalance),
+    ("plant.lumped.stiffness", Varied::StructureStiffness),
+    ("plant.lumped.damping", Varied::StructureDamping),
+    ("plant.gearbox.backlash", Varied::Backlash),
+    ("plant.gearbox.stiffness", Varied::GearStiffness),
+    ("plant.motor.inertia", Varied::MotorInertia),
+    ("plant.motor.torque_constant", Varied::TorqueConstant),
+    ("plant.motor.resistance", Varied::Resistance),
+    ("plant.friction.motor.coulomb", Varied::MotorFriction),
+    ("plant.friction.pivot.coulomb", Varied::PivotFriction),
+    ("plant.sensors.hub_gyro.natural_frequency", Varied::GyroBandwidth),
+    ("plant.sensors.platform_accelerometer.gain", Varied::AccelerometerGain),
+    ("plant.sensors.platform_gyro.gain", Varied::PlatformGyroGain),
+];
+
+/// Returns the keys whose tolerances a campaign can vary.
+pub(crate) fn keys_with_tolerances() -> impl Iterator<Item = &'static str> {
+    TOLERANCES.iter().map(|(key, _)| *key)
+}
+
+impl Project {
+    /// Returns the robustness campaign: the variations of the section `sweep`, and one for each tolerance whose parameter that
+    /// section does not vary. `None` if there is neither.
+    pub fn campaign(&self) -> Option<Sweep> {
+        let variations: Vec<Variation> = self.tolerances.iter().filter_map(variation_within).collect();
+        let mut campaign = match (&self.sweep, variations.is_empty()) {
+            (Some(sweep), _) => sweep.clone(),
+            (None, false) => blank(),
+            (None, true) => return None,
+        };
+        for variation in variations {
+            if !campaign.variations.iter().any(|known| known.parameter == variation.parameter) {
+                campaign.variations.push(variation);
+            }
+        }
+        Some(campaign)
+    }
+}
+
+/// Returns the variation that a tolerance means.
+fn variation_within(tolerance: &Tolerance) -> Option<Variation> {
+    let (_, parameter) = TOLERANCES.iter().find(|(key, _)| *key == tolerance.key)?;
+    let relative = (tolerance.value != 0.0).then(|| tolerance.half_width / tolerance.value.abs())?;
+    let (low, high) = ((1.0 - relative).max(0.0), 1.0 + relative);
+    Some(Variation { parameter: *parameter, distribution: Distribution::Uniform { low, high } })
+}
 
 /// A campaign of which nothing is written.
 pub(crate) fn blank() -> Sweep {
@@ -99,10 +157,10 @@ pub(crate) fn blank() -> Sweep {
 
 /// Reads or lists a campaign.
 pub(crate) fn sweep(v: &mut dyn Visit, sweep: &mut Sweep) {
-    let samples = Field::new("samples", "mechanisms in which everything varies at once")
+    let samples = Field::new("samples", "number of mechanisms in which all parameters vary together")
         .limit(Limit::Between(1.0, MOST_SAMPLES));
     super::model::count(v, &samples.or(200.0).shown(), &mut sweep.samples);
-    super::verify::seed(v, "of the campaign", &mut sweep.seed);
+    super::verify::seed(v, "seed of the campaign", &mut sweep.seed);
     choose(v, &POINTS, &mut sweep.layout);
     v.number(&INPUT_ERROR, &mut sweep.input_error);
     v.number(&OUTPUT_ERROR, &mut sweep.output_error);
@@ -134,7 +192,9 @@ fn variation(v: &mut dyn Visit, variation: &mut Variation) {
         Distribution::LogUniform { low, high } => (Shape::LogUniform, low, high, f64::NAN),
         Distribution::Normal { deviation } => (Shape::Normal, f64::NAN, f64::NAN, deviation),
     };
-    choose(v, &SHAPE, &mut shape);
+    // Only a normal distribution has a deviation.
+    let field = if v.has("deviation") { SHAPE.or_text("normal") } else { SHAPE };
+    choose(v, &field, &mut shape);
     if shape == Shape::Normal {
         v.number(&DEVIATION, &mut deviation);
     } else {

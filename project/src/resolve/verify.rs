@@ -2,6 +2,7 @@
 
 use counterpoise_verify::{Figure, Limit as Bound, Procedure, Requirement, Sine, Step, Triangle};
 
+use super::model::Modelling;
 use super::platform::{self, PlatformSource};
 use crate::diagnostic::nearest;
 use crate::file::field::{Field, Limit, TableField};
@@ -26,26 +27,36 @@ pub(crate) fn blank() -> Verification {
     Verification { procedure: Procedure::default(), road: None, requirements: Vec::new() }
 }
 
+/// Returns what is verified where a file has no section for it: the usual procedure where the model stands.
+pub(crate) fn usual(model: &Modelling) -> Verification {
+    let mut verification = blank();
+    verification.procedure.operating_point = model.operating_point;
+    verification.procedure.friction = model.friction;
+    verification
+}
+
 /// Reads or lists the verification.
 pub(crate) fn verify(v: &mut dyn Visit, verification: &mut Verification) {
     let usual = Procedure::default();
     let procedure = &mut verification.procedure;
     let duration =
-        Field::new("duration", "how long the platform heaves and pitches").unit("s").limit(ABOVE_0);
+        Field::new("duration", "length of the runs with heave and with pitch").unit("s").limit(ABOVE_0);
     v.number(&duration.or(usual.duration_s).shown(), &mut procedure.duration_s);
-    let settle = Field::new("settle", "left out of statistics at the beginning").unit("s").limit(AT_LEAST_0);
+    let settle = Field::new("settle", "time at the beginning that is left out of statistics")
+        .unit("s")
+        .limit(AT_LEAST_0);
     v.number(&settle.or(usual.settle_s).shown(), &mut procedure.settle_s);
     if procedure.settle_s >= procedure.duration_s {
         v.complain("settle", &format!("must be below the duration of {} s", procedure.duration_s), None);
     }
-    seed(v, "of the sensor noise", &mut procedure.seed);
+    seed(v, "seed of the sensor noise", &mut procedure.seed);
     rejection(v, &mut procedure.rejection_hz);
     table(v, &TableField::optional("step", "a step of the demanded hub rate"), &mut procedure.step, step);
     optional(
         v,
         &TableField::optional(
             "triangle",
-            "a triangle of the demanded hub rate: friction shows where it turns",
+            "a triangle of the demanded hub rate, which shows friction at its reversals",
         ),
         &mut procedure.triangle,
         TRIANGLE,
@@ -61,7 +72,7 @@ pub(crate) fn verify(v: &mut dyn Visit, verification: &mut Verification) {
         v,
         &TableField::optional(
             "road",
-            "motion of the platform: recorded, of a spectrum, on a simulator, or over a road",
+            "motion of the platform: recorded, from a spectrum, on a motion simulator, or over a road",
         ),
         &mut verification.road,
         platform::blank(),
@@ -79,7 +90,7 @@ pub(crate) fn seed(v: &mut dyn Visit, meaning: &'static str, seed: &mut u64) {
 }
 
 fn rejection(v: &mut dyn Visit, frequencies: &mut Vec<f64>) {
-    let field = Field::new("rejection_frequencies", "at which the rejection ratio is tabulated")
+    let field = Field::new("rejection_frequencies", "frequencies at which the rejection ratio is tabulated")
         .unit("Hz")
         .limit(ABOVE_0);
     v.numbers(&field.or_empty(), Count::AtLeastOne, frequencies);
@@ -91,15 +102,11 @@ fn rejection(v: &mut dyn Visit, frequencies: &mut Vec<f64>) {
 fn step(v: &mut dyn Visit, step: &mut Step) {
     let usual = Procedure::default().step;
     v.number(
-        &Field::new("rate", "height of the step")
-            .unit("rad/s")
-            .limit(Limit::Not0)
-            .or(usual.rate_rad_s)
-            .shown(),
+        &Field::new("rate", "size of the step").unit("rad/s").limit(Limit::Not0).or(usual.rate_rad_s).shown(),
         &mut step.rate_rad_s,
     );
     v.number(
-        &Field::new("duration", "of the record").unit("s").limit(ABOVE_0).or(usual.duration_s).shown(),
+        &Field::new("duration", "length of the record").unit("s").limit(ABOVE_0).or(usual.duration_s).shown(),
         &mut step.duration_s,
     );
 }
@@ -108,19 +115,23 @@ fn step(v: &mut dyn Visit, step: &mut Step) {
 const TRIANGLE: Triangle = Triangle { rate_rad_s: 0.1, period_s: 4.0 };
 
 fn triangle(v: &mut dyn Visit, triangle: &mut Triangle) {
-    let rate = Field::new("rate", "peak of the triangle").unit("rad/s").limit(Limit::Not0);
+    let rate = Field::new("rate", "peak rate of the triangle").unit("rad/s").limit(Limit::Not0);
     v.number(&rate.or(TRIANGLE.rate_rad_s).shown(), &mut triangle.rate_rad_s);
-    let period = Field::new("period", "of the triangle").unit("s").limit(ABOVE_0);
+    let period = Field::new("period", "period of the triangle").unit("s").limit(ABOVE_0);
     v.number(&period.or(TRIANGLE.period_s).shown(), &mut triangle.period_s);
 }
 
 fn sine(v: &mut dyn Visit, sine: &mut Sine, usual: Sine, unit: &'static str) {
     v.number(
-        &Field::new("amplitude", "amplitude").unit(unit).or(usual.amplitude).shown(),
+        &Field::new("amplitude", "amplitude of the sine").unit(unit).or(usual.amplitude).shown(),
         &mut sine.amplitude,
     );
     v.number(
-        &Field::new("frequency", "frequency").unit("Hz").limit(ABOVE_0).or(usual.frequency_hz).shown(),
+        &Field::new("frequency", "frequency of the sine")
+            .unit("Hz")
+            .limit(ABOVE_0)
+            .or(usual.frequency_hz)
+            .shown(),
         &mut sine.frequency_hz,
     );
 }
@@ -155,7 +166,7 @@ fn resolved(asked: &Asked) -> Vec<Requirement> {
 }
 
 fn requirement(v: &mut dyn Visit, asked: &mut Asked) {
-    v.text(&Field::new("figure", "what is measured"), &mut asked.figure);
+    v.text(&Field::new("figure", "name of the figure that is limited"), &mut asked.figure);
     let known = Figure::from_key(&asked.figure);
     if known.is_err() && !asked.figure.is_empty() {
         let keys: Vec<String> = Figure::all().iter().map(Figure::key).collect();

@@ -9,6 +9,8 @@ mod matlab;
 mod parquet;
 mod physical;
 
+pub use csv::CsvParts;
+
 use crate::{Column, Error, Remark};
 
 /// First bytes of a Parquet file.

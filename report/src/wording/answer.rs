@@ -5,7 +5,7 @@ use counterpoise_diagnose::findings::answer::{
     Answer, Basis, Finding, FitTable, FittedParameter, Hypothesis, Name, NextExperiment, NotExcited,
     SearchWarning, Verdict,
 };
-use counterpoise_diagnose::findings::localisation_chart::{LocalisationChart, build_chart};
+use counterpoise_diagnose::findings::localisation_chart::LocalisationChart;
 use counterpoise_diagnose::library::{Component, EffectName};
 use counterpoise_diagnose::localisation::error_hypotheses::Regime;
 use counterpoise_diagnose::localisation::error_map::MapCell;
@@ -85,7 +85,7 @@ pub struct CellText {
     pub regime: Regime,
     /// Share, 0 to 1, of the log-likelihood that a perfect explanation would gain; 0 if it gains no more than noise may.
     pub explained: f64,
-    /// Log-likelihood gained on held-out data, in nats.
+    /// Gain in the natural logarithm of the likelihood of held-out data.
     pub gain_nats: f64,
     /// Shape of that function; empty if the variable explains little or the function has no simple form.
     pub shape: String,
@@ -100,14 +100,11 @@ pub struct DescribedDiagnosis {
     pub diagnosis: Diagnosis,
 }
 
-/// Describes a diagnosis.
-pub fn describe_diagnosis(diagnosis: Diagnosis) -> DescribedDiagnosis {
-    DescribedDiagnosis { answer: describe_answer(&diagnosis.answer), diagnosis }
-}
-
 /// Describes a diagnosis of files: what was found on reading them comes first among the remarks about the recordings.
 pub fn describe_diagnosed_recordings(diagnosed: &DiagnosedRecordings) -> DescribedDiagnosis {
-    let mut described = describe_diagnosis(diagnosed.diagnosis.clone());
+    let diagnosis = diagnosed.diagnosis.clone();
+    let answer = describe_answer(&diagnosis.answer, &diagnosed.chart);
+    let mut described = DescribedDiagnosis { answer, diagnosis };
     let of_file = |(file, remarks): &(String, Vec<ColumnRemark>)| {
         let sentence = |remark: &ColumnRemark| format!("{file}: {}", describe_column_remark(remark));
         remarks.iter().map(sentence).collect::<Vec<_>>()
@@ -118,9 +115,8 @@ pub fn describe_diagnosed_recordings(diagnosed: &DiagnosedRecordings) -> Describ
     described
 }
 
-/// Describes an answer.
-pub fn describe_answer(answer: &Answer) -> AnswerText {
-    let chart = build_chart(&answer.map, &answer.isolability, &answer.findings);
+/// Describes an answer with the chart of its localisation.
+pub fn describe_answer(answer: &Answer, chart: &LocalisationChart) -> AnswerText {
     let cell = |cell: &MapCell| CellText {
         component: cell.component,
         regime: cell.regime,
@@ -139,8 +135,8 @@ pub fn describe_answer(answer: &Answer) -> AnswerText {
         hypotheses: answer.hypotheses.clone(),
         qualification: answer.qualification.iter().map(describe_remark).collect(),
         warnings: answer.warnings.iter().map(|warning| describe_warning(*warning).to_owned()).collect(),
-        chart_summary: describe_chart(&chart),
-        chart,
+        chart_summary: describe_chart(chart),
+        chart: chart.clone(),
     }
 }
 

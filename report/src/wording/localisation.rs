@@ -17,7 +17,7 @@ pub fn describe_trend(trend: Trend) -> String {
             };
             match extent {
                 Some(extent) => format!("{form}, {}", describe_extent(extent)),
-                None => format!("{form},"),
+                None => form.to_owned(),
             }
         }
         Trend::Periodic { repetition: None } => "it repeats".to_owned(),
@@ -60,10 +60,10 @@ pub fn describe_chart(chart: &LocalisationChart) -> String {
     let agreement = match chart.agreement {
         SearchAgreement::Agrees => "",
         SearchAgreement::FoundNothing => {
-            " The search named nothing: what shows here is too little for an effect."
+            " The search identified no effect: what shows here is too small for one."
         }
         SearchAgreement::FoundAnother => {
-            " The search then named another cell (ringed): the balances are simpler than the simulator, and its fits decide."
+            " The search then identified an effect of another cell (ringed): the balances are simpler than the simulator, and its fits decide."
         }
     };
     format!("{}{agreement}", describe_best_cell(chart))
@@ -90,7 +90,8 @@ fn describe_best_cell(chart: &LocalisationChart) -> String {
     let MapCell { component, regime, explained, gain_nats, trend } = best;
     let trend = trend.map_or_else(String::new, |trend| format!(" ({})", describe_trend(trend)));
     format!(
-        "The best cell, {} along {regime}{trend}, gains {gain_nats:.0} nats: {:.0} % of what a perfect explanation would. {alike}",
+        "The best cell, {} along {regime}{trend}, raises the log-likelihood of held-out data by {gain_nats:.0}: {:.0} % of what a perfect \
+         explanation would. {alike}",
         words(component.name()),
         100.0 * explained
     )

@@ -34,7 +34,25 @@ pub fn describe_missing_demand(files: &[String]) -> Option<String> {
 /// Returns the fit of a replayed recording as plain data, its remarks in sentences.
 pub fn describe_replay(replayed: &ReplayedRecording) -> RecordingResult {
     let remarks = replayed.remarks.iter().map(describe_column_remark).collect();
-    RecordingResult::new(&replayed.file, &replayed.followed, remarks)
+    replayed.result(remarks)
+}
+
+/// Describes how a recording was replayed, in a line.
+pub fn describe_replay_mode(result: &RecordingResult) -> String {
+    let Some(window_s) = result.window_s else {
+        return "from start to end".to_owned();
+    };
+    let by = format!("over windows of {window_s} s, each from a state fitted to its first half");
+    let Some(divergence) = &result.parting else { return by };
+    let of_machine = result.free.iter().filter(|(name, _)| !name.starts_with("platform"));
+    let left: Vec<String> =
+        of_machine.map(|(name, c)| format!("{name} {:.2}", c.rms_error / c.floor)).collect();
+    format!(
+        "{by}: the machine hunts, and two runs of the model itself diverge by {:.1} noise floors in {}; from start to end the residual over the noise floor is {}",
+        divergence.floors,
+        divergence.channel,
+        left.join(", ")
+    )
 }
 
 /// Describes why recordings were refused, with what was found in them.
@@ -71,6 +89,9 @@ pub fn describe_remark(remark: &RecordingRemark) -> String {
                 "{recording}: the platform moves, but platform_accel was not recorded: {done}, for what an unknown heave does might be \
                  named as something else; record the acceleration"
             )
+        }
+        RecordingRemark::OtherController { recording, mismatch } => {
+            format!("{recording}: control: {}", describe_control_mismatch(mismatch))
         }
         RecordingRemark::Fault(fault) => describe_fault(fault),
         RecordingRemark::Repaired { recording, channel, repair } => {
@@ -176,8 +197,9 @@ fn describe_meaning(meaning: Meaning) -> &'static str {
 /// Describes a recorded control that the project's controller does not make.
 pub fn describe_control_mismatch(mismatch: &ControlMismatch) -> String {
     format!(
-        "it is not what the project's controller makes of the recorded demand and hub rate, but {:.3} V RMS off, {:.0} times what \
-         rounding leaves: another controller was in the loop, or one of the three is not what it read or gave",
+        "it is not what the project's recording controller makes of the recorded readings, but {:.3} V RMS off, {:.0} times what \
+         rounding leaves: another controller was in the loop, or a column is not what it read or gave. The recorded control is \
+         played back",
         mismatch.rms_v, mismatch.ratio
     )
 }
@@ -198,7 +220,7 @@ pub fn describe_fault(fault: &InstrumentFault) -> String {
 /// What is wrong with a column, to follow the column's name.
 fn describe_fault_kind(kind: &FaultKind) -> String {
     match kind {
-        FaultKind::Scale { gain, .. } => describe_scale(*gain),
+        FaultKind::Scale { gain, .. } => describe_scale(*gain, kind.unit_mistake()),
         FaultKind::ClockOffset { late_s, .. } => {
             let word = if *late_s > 0.0 { "late" } else { "early" };
             format!("is {:.1} ms {word}: its clock has an offset", 1e3 * late_s.abs())
@@ -225,8 +247,8 @@ fn describe_fault_kind(kind: &FaultKind) -> String {
     }
 }
 
-fn describe_scale(gain: f64) -> String {
-    let unit = UnitMistake::of_gain(gain).map(|mistake| match mistake {
+fn describe_scale(gain: f64, mistake: Option<UnitMistake>) -> String {
+    let unit = mistake.map(|mistake| match mistake {
         UnitMistake::Degrees => "in degrees instead of radians",
         UnitMistake::RadiansTwice => "divided by 57.3, as if degrees were turned to radians twice",
         UnitMistake::Thousandths => "in thousandths",

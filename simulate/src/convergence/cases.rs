@@ -96,7 +96,7 @@ fn with_law(plant: &Plant, law: FrictionLaw, static_ratio: f64) -> Result<Plant,
         stribeck_rate_rad_s: FALLEN_RAD_S,
         ..Friction::plain(law, viscous(&parameters.pivot_friction))
     };
-    Ok(Plant::with_body(&parameters, plant.body().clone())?)
+    Ok(Plant::with_whole_body(&parameters, plant.body().clone())?)
 }
 
 /// Returns the machine nearly balanced, its teeth with a gap.
@@ -108,5 +108,5 @@ fn gaping(plant: &Plant, coulomb_nm: f64) -> Result<Plant, Error> {
     let mut body = Body { vertical_offset_kg_m: 0.0, ..plant.body().clone() };
     body.out_of_balance_kg_m *= BALANCED;
     body.modes.iter_mut().for_each(|mode| mode.load_share_kg_m *= BALANCED);
-    Ok(Plant::with_body(&parameters, body)?)
+    Ok(Plant::with_whole_body(&parameters, body)?)
 }

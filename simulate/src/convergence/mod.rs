@@ -114,7 +114,7 @@ fn ready(plant: &Plant, control_v: f64, period_s: f64) -> Result<(Plant, f64), E
     let mut parameters = plant.parameters().clone();
     parameters.interface.output_delay_samples = 0;
     parameters.interface.sample_period_s = period_s;
-    let plant = Plant::with_body(&parameters, plant.body().clone())?;
+    let plant = Plant::with_whole_body(&parameters, plant.body().clone())?;
     let held = plant.equilibrium(&counterpoise_models::OperatingPoint::default()).control_v;
     Ok((plant, held + control_v))
 }

@@ -84,18 +84,16 @@ impl<'a> Second<'a> {
         let without = |f: &Friction| Friction { law: FrictionLaw::None, load_coefficient: 0.0, ..f.clone() };
         parameters.motor_friction = without(&parameters.motor_friction);
         parameters.pivot_friction = without(&parameters.pivot_friction);
-        let smooth = Plant::with_body(&parameters, plant.body().clone())?;
+        let smooth = Plant::with_whole_body(&parameters, plant.body().clone())?;
         let core = smooth.core(Mesh::Free);
-        let mut motor_rate = vec![0.0; plant.core_order()];
-        motor_rate[state::MOTOR] = 1.0;
         let joint = |friction: &Friction, rate: Vec<f64>, port: usize, share: f64, turns: f64| {
             let push = core.B.column(port).to_vec();
             Ok::<_, Error>(Joint { model: FrictionModel::new(friction)?, rate, push, share, turns })
         };
         let own = plant.parameters();
-        let (coupling, ratio) = (own.motor.platform_coupling, own.gearbox.ratio);
+        let (coupling, ratio) = (plant.motor_share(), own.gearbox.ratio);
         let joints = [
-            joint(&own.motor_friction, motor_rate, input::MOTOR_TORQUE, coupling, ratio)?,
+            joint(&own.motor_friction, plant.motor_rate_row(), input::MOTOR_TORQUE, coupling, ratio)?,
             joint(&own.pivot_friction, plant.hub_rate_row(), input::HUB_TORQUE, 1.0, 1.0)?,
         ];
         Ok(Self { plant, smooth, joints, control_v })
@@ -168,6 +166,7 @@ impl<'a> Second<'a> {
             heave_m_s2: heave * (frequency * time_s).sin(),
             platform_angle_rad: rate * time_s,
             platform_rate_rad_s: rate,
+            platform_acceleration_rad_s2: 0.0,
         };
         let mut slope = vec![0.0; y.len()];
         self.smooth.derivative(y, &at, &mut slope);

@@ -100,6 +100,7 @@ impl Attempt {
             time_s: given.time_s,
             outputs: &self.outputs[0],
             platform: &given.platform.nodes[0],
+            drive_v: given.held.drive_v,
             about: &self.about,
         };
         self.start = given.ports.at(given.plant, &first, given.friction);
@@ -192,6 +193,7 @@ impl Attempt {
             step_s: given.table.step_s,
             outputs: &self.outputs,
             platform: given.platform,
+            drive_v: given.held.drive_v,
             memory: given.friction,
             travelled: given.travelled,
             about: &self.about,
@@ -203,7 +205,13 @@ impl Attempt {
         let mut bonds = given.bonds.clone();
         let middle = self.middle_outputs();
         let time_s = given.time_s + 0.5 * given.table.step_s;
-        let point = Point { time_s, outputs: &middle, platform: &given.platform.middle, about: &self.about };
+        let point = Point {
+            time_s,
+            outputs: &middle,
+            platform: &given.platform.middle,
+            drive_v: given.held.drive_v,
+            about: &self.about,
+        };
         let found = given.ports.middle(given.plant, &self.span(given), &self.memory[0], &mut bonds, &point);
         let mut worst: f64 = 0.0;
         for p in 0..PORTS {

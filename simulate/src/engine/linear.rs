@@ -155,7 +155,10 @@ impl Linear {
         let joints = joints(plant);
         let holds = [0, 1].map(|k| joints[k].hold(&core));
         let pushes = [0, 1].map(|k| joints[k].push(&core));
-        let mut carried = vec![0.0; core.A.nrows()];
+        let mut carried = core.carried.clone();
+        if carried.iter().any(|c| *c != 0.0) {
+            carry(&mut core, &carried);
+        }
         for (joint, _) in joints.iter().zip(mode.stuck).filter(|(_, stuck)| *stuck) {
             joint.stick(&mut core, &mut carried);
         }
@@ -285,11 +288,7 @@ struct Joint {
 
 fn joints(plant: &Plant) -> [Joint; 2] {
     [
-        Joint {
-            row: unit(plant.core_order(), state::MOTOR),
-            port: input::MOTOR_TORQUE,
-            share: plant.parameters().motor.platform_coupling,
-        },
+        Joint { row: plant.motor_rate_row(), port: input::MOTOR_TORQUE, share: plant.motor_share() },
         Joint { row: plant.hub_rate_row(), port: input::HUB_TORQUE, share: 1.0 },
     ]
 }
@@ -309,25 +308,31 @@ impl Joint {
         let inertia = 1.0 / self.mobility(core);
         let row = (0..core.A.ncols()).map(|j| inertia * dot(&self.row, core.A.column(j))).collect();
         let inputs = std::array::from_fn(|j| inertia * dot(&self.row, core.B.column(j)));
-        Hold { row, inputs, platform: inertia * self.share }
+        Hold { row, inputs, platform: inertia * (self.share - dot(&self.row, &core.carried)) }
     }
 
     /// Takes the joint's freedom from the core. With x = y + carried w_p the rate of y at the joint is zero:
     /// y' = P (A y + B u + A carried w_p), P = I - b c / (c b).
     fn stick(&self, core: &mut Core, carried: &mut [f64]) {
         let push = self.push(core);
-        let mine: Vec<f64> = push.iter().map(|p| p * self.share).collect();
-        for i in 0..mine.len() {
-            let drawn: f64 = (0..mine.len()).map(|j| core.A[(i, j)] * mine[j]).sum();
-            core.B[(i, input::PLATFORM_RATE)] += drawn;
-            carried[i] += mine[i];
-        }
+        let share = self.share - dot(&self.row, carried);
+        let mine: Vec<f64> = push.iter().map(|p| p * share).collect();
+        carry(core, &mine);
+        carried.iter_mut().zip(&mine).for_each(|(all, mine)| *all += mine);
         for M in [&mut core.A, &mut core.B] {
             for j in 0..M.ncols() {
                 let along = dot(&self.row, M.column(j));
                 M.column_mut(j).iter_mut().zip(&push).for_each(|(entry, p)| *entry -= along * p);
             }
         }
+    }
+}
+
+/// With x = y + c w_p the platform's rate drives y by A c.
+fn carry(core: &mut Core, c: &[f64]) {
+    for i in 0..c.len() {
+        let drawn: f64 = (0..c.len()).map(|j| core.A[(i, j)] * c[j]).sum();
+        core.B[(i, input::PLATFORM_RATE)] += drawn;
     }
 }
 
@@ -342,12 +347,14 @@ fn unit(n: usize, k: usize) -> Vec<f64> {
 /// Returns what the nonlinear parts see, from the physical state.
 fn output_rows(plant: &Plant) -> Mat {
     let n = plant.core_order();
+    let mut current = plant.current_row();
+    current.truncate(n);
     let rows: [Vec<f64>; OUTPUTS] = [
-        unit(n, state::MOTOR),
+        plant.motor_rate_row(),
         unit(n, state::WINDUP),
         plant.hub_angle_row(),
         plant.hub_rate_row(),
-        unit(n, state::CURRENT),
+        current,
     ];
     Mat::from_rows(&rows)
 }

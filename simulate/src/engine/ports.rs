@@ -3,10 +3,10 @@
 use super::moments::NODES;
 use super::tables::{OUTPUTS, PORTS, STAGES};
 use crate::Error;
-use crate::tolerance::NEAR_ANGLE_RAD;
-use counterpoise_models::Plant;
+use crate::tolerance::{NEAR_ANGLE_RAD, SMALL_ACCELERATION};
 use counterpoise_models::friction::{Bristle, FrictionModel, Law, Stick, Surroundings};
 use counterpoise_models::plant::Hose;
+use counterpoise_models::{Axis, Measured, Parameters, Plant};
 
 /// Which output is which (see [`OUTPUTS`]).
 const MOTOR: usize = 0;
@@ -26,6 +26,8 @@ pub struct FrictionState {
     pub pivot: f64,
     /// Torque of a hose between hub and platform, N m.
     pub hose: f64,
+    /// Torque of the hysteresis of the transmission's compliance at its output, N m.
+    pub gear: f64,
 }
 
 impl FrictionState {
@@ -90,6 +92,8 @@ pub(crate) struct Point<'a> {
     pub time_s: f64,
     pub outputs: &'a [f64; OUTPUTS],
     pub platform: &'a PlatformPoint,
+    /// Drive of the amplifier, V.
+    pub drive_v: f64,
     pub about: &'a AngleNearby,
 }
 
@@ -144,6 +148,8 @@ struct Motion {
     pivot_rate: f64,
     pivot_angle: f64,
     mesh_torque: f64,
+    /// Of the transmission; only with hysteresis.
+    wind_up: f64,
 }
 
 /// The plant's nonlinear parts, ready for evaluation.
@@ -158,6 +164,11 @@ pub(crate) struct Ports {
     motor_extras: bool,
     hub_extras: bool,
     hose: Option<Hose>,
+    gear_hysteresis: Option<Hose>,
+    /// Whether the transmission has a kinematic error.
+    wavy: bool,
+    axis: Axis,
+    measured: Measured,
     lossy: bool,
     needs_mesh_torque: bool,
     /// Torques and loads against which an error at a port is small.
@@ -170,19 +181,24 @@ impl Ports {
         let motor = FrictionModel::new(&parameters.motor_friction)?;
         let pivot = FrictionModel::new(&parameters.pivot_friction)?;
         let lossy = parameters.gearbox.mesh_efficiency != 1.0;
+        let wavy = parameters.gearbox.kinematic_error.amplitude != 0.0;
         let loaded = |f: &counterpoise_models::Friction| f.load_coefficient != 0.0;
         let held = plant.body().out_of_balance_kg_m.abs() * parameters.gravity_m_s2.abs();
         let ratio = parameters.gearbox.ratio;
-        let hub_scale = parameters.pivot_friction.coulomb_nm() + 0.1 * held;
+        let hub_scale =
+            parameters.pivot_friction.coulomb_nm() + 0.1 * held + transmission_scale_nm(parameters);
         let motor_scale = parameters.motor_friction.coulomb_nm() + 0.1 * held / ratio;
         // an end of the gear without dry friction or weight of its own is measured by the other end's
         let own_or = |own: f64, others: f64| if own > 0.0 { own } else { others };
+        // a machine without either is measured by its inertia
+        let hub_scale = own_or(hub_scale, motor_scale * ratio);
+        let hub_scale = own_or(hub_scale, SMALL_ACCELERATION * plant.body().inertia_kg_m2);
         let scales = [own_or(motor_scale, hub_scale / ratio), own_or(hub_scale, motor_scale * ratio), 1.0];
         Ok(Self {
             motor,
             pivot,
             ratio,
-            coupling: parameters.motor.platform_coupling,
+            coupling: plant.motor_share(),
             gravity: parameters.gravity_m_s2,
             vertical_offset: plant.body().vertical_offset_kg_m,
             motor_extras: has_motor_extras(plant),
@@ -190,8 +206,13 @@ impl Ports {
                 || parameters.gearbox.mesh_ripple.amplitude != 0.0
                 || parameters.pivot_friction.has_drag(),
             hose: plant.hose(),
+            gear_hysteresis: plant.gear_hysteresis(),
+            wavy,
+            axis: parameters.axis,
+            measured: parameters.sensors.measured,
             lossy,
             needs_mesh_torque: lossy
+                || wavy
                 || loaded(&parameters.motor_friction)
                 || loaded(&parameters.pivot_friction),
             scales,
@@ -244,6 +265,18 @@ impl Ports {
     #[inline]
     pub fn rates(&self, outputs: &[f64; OUTPUTS], platform_rate: f64) -> [f64; 2] {
         [outputs[MOTOR] - self.coupling * platform_rate, outputs[HUB_RATE] - platform_rate]
+    }
+
+    /// Returns what the loop's sensor feels.
+    #[inline]
+    pub fn measured(&self, outputs: &[f64; OUTPUTS], platform: &PlatformPoint) -> f64 {
+        match self.measured {
+            Measured::HubRate => outputs[HUB_RATE],
+            Measured::RelativeRate => outputs[HUB_RATE] - platform.rate,
+            Measured::MotorRate => (outputs[MOTOR] - self.coupling * platform.rate) / self.ratio,
+            Measured::HubPosition => outputs[HUB_ANGLE] - platform.angle,
+            Measured::MotorPosition => outputs[WINDUP] + outputs[HUB_ANGLE] - platform.angle,
+        }
     }
 
     /// Returns the port values at the stages of a step, friction advanced from node to node by its own closed form.
@@ -307,7 +340,16 @@ impl Ports {
     /// Returns the load at a hub angle under a heave.
     #[inline]
     pub fn load(&self, about: &AngleNearby, hub_angle: f64, heave: f64) -> f64 {
-        (self.gravity + heave) * about.sin_cos(hub_angle).1
+        (self.gravity + heave) * self.tilt(about, hub_angle).1
+    }
+
+    /// Returns the sine and cosine that gravity sees.
+    #[inline]
+    fn tilt(&self, about: &AngleNearby, hub_angle: f64) -> (f64, f64) {
+        match self.axis {
+            Axis::Rotary => about.sin_cos(hub_angle),
+            Axis::Linear => (0.0, 1.0),
+        }
     }
 
     #[inline]
@@ -325,6 +367,7 @@ impl Ports {
             pivot_rate: at.outputs[HUB_RATE] - at.platform.rate,
             pivot_angle,
             mesh_torque,
+            wind_up: at.outputs[WINDUP],
         }
     }
 
@@ -354,6 +397,14 @@ impl Ports {
         if let Some(hose) = &self.hose {
             memory.hose = pivot.bend(hose, memory.hose);
         }
+        if let Some(hysteresis) = &self.gear_hysteresis {
+            let wind_up = Path {
+                rates: [before, after].map(|at| at.motor_rate / self.ratio - at.pivot_rate),
+                travel: after.wind_up - before.wind_up,
+                time: interval.length_s,
+            };
+            memory.gear = wind_up.bend(hysteresis, memory.gear);
+        }
     }
 
     #[inline]
@@ -375,7 +426,7 @@ impl Ports {
 
     #[inline]
     fn values(&self, plant: &Plant, at: &Point, motion: &Motion, memory: &FrictionState) -> [f64; PORTS] {
-        let (sin, cos) = at.about.sin_cos(at.outputs[HUB_ANGLE]);
+        let (sin, cos) = self.tilt(at.about, at.outputs[HUB_ANGLE]);
         let gravity = self.gravity + at.platform.heave;
         let motor_level = self.motor_level(motion, at.time_s);
         let pivot_level = self.pivot_level(motion, at.time_s);
@@ -384,7 +435,8 @@ impl Ports {
             - dry(&self.pivot, motion.pivot_rate, pivot_level, memory.pivot);
         hub -= memory.hose;
         if self.motor_extras {
-            motor += plant.motor_torque_nm(at.outputs[CURRENT], motion.motor_angle, motion.motor_rate);
+            let current = at.outputs[CURRENT] + plant.direct_current_a(at.drive_v, at.platform.rate);
+            motor += plant.motor_torque_nm(current, motion.motor_angle, motion.motor_rate);
         }
         if self.hub_extras {
             hub += plant.hub_torque_nm(motion.pivot_angle, motion.motor_angle, motion.pivot_rate);
@@ -393,6 +445,16 @@ impl Ports {
             let loss = plant.mesh_loss_nm(motion.mesh_torque, motion.motor_rate);
             motor += loss.motor_nm;
             hub += loss.hub_nm;
+        }
+        if self.gear_hysteresis.is_some() {
+            motor -= memory.gear / self.ratio;
+            hub += memory.gear;
+        }
+        if self.wavy {
+            let passed = motion.mesh_torque + memory.gear;
+            let error = plant.kinematic_error_nm(passed, motion.motor_angle, motion.motor_rate);
+            motor += error.motor_nm;
+            hub += error.hub_nm;
         }
         [motor, hub, gravity * cos]
     }
@@ -405,6 +467,8 @@ pub(crate) struct StepSpan<'a> {
     pub step_s: f64,
     pub outputs: &'a [[f64; OUTPUTS]; 4],
     pub platform: &'a PlatformSpan,
+    /// Drive of the amplifier, V.
+    pub drive_v: f64,
     pub memory: &'a FrictionState,
     /// Angles of motor and pivot to which friction has travelled before the step, rad.
     pub travelled: Option<[f64; 2]>,
@@ -418,6 +482,7 @@ impl StepSpan<'_> {
             time_s: self.time_s + NODES[node] * self.step_s,
             outputs: &self.outputs[node],
             platform: &self.platform.nodes[node],
+            drive_v: self.drive_v,
             about: self.about,
         }
     }
@@ -500,6 +565,16 @@ fn dry(model: &FrictionModel, rate: f64, level: f64, state: f64) -> f64 {
         return if state > 0.0 { stick.positive_nm } else { -stick.negative_nm };
     }
     model.dry_torque(rate.abs().max(f64::MIN_POSITIVE) * state, level, &[])
+}
+
+/// Torque of a transmission's own nonlinear parts against which an error is small, N m at the output.
+fn transmission_scale_nm(parameters: &Parameters) -> f64 {
+    let gearbox = &parameters.gearbox;
+    let stretched = match gearbox.kinematic_error.amplitude {
+        0.0 => 0.0,
+        amplitude => gearbox.stiffness_nm_rad * amplitude.abs(),
+    };
+    gearbox.hysteresis_nm + 0.1 * stretched
 }
 
 fn has_motor_extras(plant: &Plant) -> bool {

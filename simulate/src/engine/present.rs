@@ -49,7 +49,7 @@ pub(crate) struct Present {
     bonds: Bonds,
     /// Angles of motor and pivot to which friction has travelled, rad; those of the core at the start.
     travelled: Option<[f64; 2]>,
-    /// The hub gyroscope: rate, and its derivative.
+    /// The loop's sensor: what it shows, and its derivative.
     pub hub_gyro: [f64; 2],
 }
 
@@ -151,7 +151,8 @@ impl Present {
     pub fn ports_at(&self, at: &Instant) -> [f64; PORTS] {
         let about = AngleNearby::new(self.seen[2]);
         let outputs = self.outputs();
-        let point = Point { time_s: at.time_s, outputs, platform: &at.platform, about: &about };
+        let point =
+            Point { time_s: at.time_s, outputs, platform: &at.platform, drive_v: at.drive_v, about: &about };
         self.ports.at(&self.plant, &point, &self.friction)
     }
 
@@ -159,7 +160,8 @@ impl Present {
     pub fn dry_torques(&self, at: &Instant) -> [f64; 2] {
         let about = AngleNearby::new(self.seen[2]);
         let outputs = self.outputs();
-        let point = Point { time_s: at.time_s, outputs, platform: &at.platform, about: &about };
+        let point =
+            Point { time_s: at.time_s, outputs, platform: &at.platform, drive_v: at.drive_v, about: &about };
         self.ports.dry_torques(&self.plant, &point, &self.friction)
     }
 

@@ -11,7 +11,7 @@ pub struct PlantState {
     pub friction: FrictionState,
     /// The bonds of bristle friction.
     pub bonds: Bonds,
-    /// Hub gyroscope before its gain and bias: rate, rad/s, and its derivative.
+    /// The loop's sensor before its gain and bias: what it shows, and its derivative.
     pub hub_gyro: [f64; 2],
 }
 

@@ -5,6 +5,7 @@ use super::events::{Part, TriedStep};
 use super::filter::Filter;
 use super::joints::Transition;
 use super::linear::{Mode, Seen};
+use super::ports::PlatformPoint;
 use super::present::{Present, Sample, StepInput};
 use super::state::{Effort, PlantState};
 use super::tables::{DEEPEST, LEVELS, OUTPUTS};
@@ -26,6 +27,8 @@ pub(crate) struct Stepper {
     /// What is seen at the end of the step that was tried.
     ahead: Seen,
     filter: Filter,
+    /// The platform at the nodes of the step that was tried.
+    nodes: [PlatformPoint; 4],
     period_s: f64,
     /// Whether any joint truly sticks.
     joints: bool,
@@ -62,6 +65,7 @@ impl Stepper {
             attempt: Attempt::new(plant.core_order()),
             ahead: Seen::default(),
             filter: Filter::new(&plant.parameters().sensors.hub_gyro, period_s),
+            nodes: [PlatformPoint::default(); 4],
             period_s,
             level: 0,
             contact: contact_levels(tolerance),
@@ -98,7 +102,7 @@ impl Stepper {
         self.present.voltage_and_tip()
     }
 
-    /// Returns the hub gyroscope: rate, and its derivative.
+    /// Returns what the loop's sensor shows, and its derivative.
     pub fn hub_gyro(&self) -> &[f64; 2] {
         &self.present.hub_gyro
     }
@@ -195,6 +199,7 @@ impl Stepper {
         };
         let given = self.present.given(table, &step);
         let converged = self.attempt.solve(&given);
+        self.nodes = platform.nodes;
         self.effort.iterations += self.attempt.iterations;
         self.ahead = linear.see(self.attempt.end());
         let defect = if self.attempt.predicted { 0.0 } else { self.attempt.defect(&given) * part.share };
@@ -239,8 +244,9 @@ impl Stepper {
     /// Takes the step that was tried last.
     fn take_step(&mut self, mode: &Mode) {
         self.present.take(&self.attempt, &self.ahead, mode);
-        let hub_rate = self.attempt.outputs().map(|outputs| outputs[3]);
-        self.filter.advance(self.level, &mut self.present.hub_gyro, &hub_rate);
+        let outputs = self.attempt.outputs();
+        let felt = std::array::from_fn(|k| self.present.ports.measured(&outputs[k], &self.nodes[k]));
+        self.filter.advance(self.level, &mut self.present.hub_gyro, &felt);
         self.attempt.accept(self.period_s * fraction(TICKS >> self.level));
         self.effort.steps += 1;
     }

@@ -3,22 +3,20 @@
 //! Both demand and hub rate are recorded as the controller read them, so its state is known from sample to sample, whatever the
 //! machine did: what is left is the rounding of the converters, or another controller was in the loop.
 
-use super::{ChannelFit, fit};
-use crate::sensing::CONVERTER_RANGE_V;
+use super::{ChannelFit, RecordedController, fit};
 use crate::tolerance::SHORTEST_WINDOW;
-use counterpoise_controller::{ProportionalIntegral, Readings, SampledController};
 use counterpoise_models::Parameters;
 use counterpoise_recordings::{Channel, Recording};
 
-/// Returns the control that a controller makes of the recorded demand and hub rate, and how well it fits the recorded control. The integral at
-/// the start, and after each missing sample, is the one that fits best.
+/// Returns the control that a controller makes of the recorded readings, and how well it fits the recorded control. The controller's
+/// state at the start, and after each missing sample, is the one that fits best.
 ///
-/// Returns `None` if demand, hub rate or control was not recorded, or if the demand is the hub rate itself: such a recording was made
-/// without a controller of its rate.
+/// Returns `None` if the control or a channel that the controller reads was not recorded, or if the demand is the hub rate itself: such
+/// a recording was made without a controller of its rate.
 pub fn control_fit(
     parameters: &Parameters,
     recording: &Recording,
-    controller: &ProportionalIntegral,
+    controller: &RecordedController,
 ) -> Option<(ChannelFit, Vec<f64>)> {
     let demand = recording.samples(Channel::Demand)?;
     let rate = recording.samples(Channel::HubRate)?;
@@ -26,47 +24,28 @@ pub fn control_fit(
     if demand.iter().zip(rate).all(|(d, r)| d == r || !r.is_finite()) {
         return None;
     }
+    let needed = controller.needed_channels().into_iter().map(|channel| recording.samples(channel));
+    let needed: Vec<&[f64]> = needed.collect::<Option<_>>()?;
     let mut made = vec![f64::NAN; control.len()];
     let mut from = 0;
     while from < control.len() {
-        let whole = |k: usize| control[k].is_finite() && demand[k].is_finite() && rate[k].is_finite();
+        let whole = |k: usize| control[k].is_finite() && needed.iter().all(|column| column[k].is_finite());
         let to = (from..control.len()).find(|&k| !whole(k)).unwrap_or(control.len());
         if to >= from + SHORTEST_WINDOW {
-            let columns = [&control[from..to], &demand[from..to], &rate[from..to]];
-            stretch(controller, columns, &mut made[from..to]);
+            made[from..to].copy_from_slice(&controller.made_of(&recording.part(from..to))?);
         }
         from = to + 1;
     }
     let pairs = made.iter().zip(control);
     let compared: Vec<f64> = pairs.map(|(m, c)| if m.is_finite() { *c } else { f64::NAN }).collect();
-    let fit = fit(Channel::Control, &made, &compared, floor(parameters, controller))?;
+    let fit = fit(Channel::Control, &made, &compared, controller.rounding_floor(parameters))?;
     Some((fit, made))
-}
-
-/// The control over a stretch without missing samples.
-fn stretch(controller: &ProportionalIntegral, [control, demand, rate]: [&[f64]; 3], made: &mut [f64]) {
-    let mut ready = ProportionalIntegral { integral_v: 0.0, ..controller.clone() };
-    for k in 0..made.len() {
-        let readings = Readings { demand_rad_s: demand[k], hub_rate_rad_s: rate[k], ..Readings::default() };
-        made[k] = ready.step(&readings);
-    }
-    let free = |k: &usize| control[*k].abs() < CONVERTER_RANGE_V;
-    let left: Vec<f64> = (0..made.len()).filter(free).map(|k| control[k] - made[k]).collect();
-    let integral = left.iter().sum::<f64>() / left.len().max(1) as f64;
-    made.iter_mut().for_each(|u| *u = (*u + integral).clamp(-CONVERTER_RANGE_V, CONVERTER_RANGE_V));
-}
-
-/// RMS that the rounding of the converters leaves, V.
-fn floor(parameters: &Parameters, controller: &ProportionalIntegral) -> f64 {
-    let step = |bits: u32| 2.0 * CONVERTER_RANGE_V / f64::from(bits).exp2() / 12f64.sqrt();
-    let interface = &parameters.interface;
-    let read = step(interface.input_bits) / parameters.sensors.hub_gyro.scale_v_unit;
-    step(interface.output_bits).hypot(controller.kp_v_s_rad * read)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use counterpoise_controller::{ProportionalIntegral, Readings, SampledController};
     use counterpoise_models::reference;
 
     fn controller(kp_v_s_rad: f64) -> ProportionalIntegral {
@@ -101,7 +80,7 @@ mod tests {
     fn the_controller_of_the_loop_leaves_the_rounding_and_another_one_more() {
         let rig = reference::rig();
         let ratio = |kp: f64| {
-            let (fit, made) = control_fit(&rig, &recording(), &controller(kp)).unwrap();
+            let (fit, made) = control_fit(&rig, &recording(), &controller(kp).into()).unwrap();
             assert!(made[1200].is_nan() && made[1201].is_finite());
             fit.rms_error / fit.floor
         };
@@ -114,6 +93,6 @@ mod tests {
         let recorded = recording();
         let rate = recorded.samples(Channel::HubRate).unwrap().to_vec();
         let followed = recorded.with(Channel::Demand, rate);
-        assert!(control_fit(&reference::rig(), &followed, &controller(18.0)).is_none());
+        assert!(control_fit(&reference::rig(), &followed, &controller(18.0).into()).is_none());
     }
 }

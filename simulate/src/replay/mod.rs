@@ -6,8 +6,10 @@
 //! recording's own noise, whose RMS is the noise floor.
 
 mod control;
+mod initial_controller_state;
 mod normal;
 pub mod platform;
+mod recorded_controller;
 pub(crate) mod smoother;
 pub mod start;
 mod windowed_replay;
@@ -15,6 +17,7 @@ mod windows;
 
 pub use control::control_fit;
 pub use platform::{platform_motion, reading_floor};
+pub use recorded_controller::RecordedController;
 pub use start::{UNKNOWNS as START_FREEDOMS, start_has};
 pub use windowed_replay::{Divergence, ReplayMode, SelectedReplay, WINDOW_S};
 
@@ -22,9 +25,9 @@ use crate::Error;
 use crate::history::{ReadingColumns, TimeHistory};
 use crate::run::Simulator;
 use crate::scenario::{Detail, Initial, Scenario};
-use crate::sensing::{CONVERTER_RANGE_V, Imperfections};
+use crate::sensing::Imperfections;
 use crate::signal::Signal;
-use crate::tolerance::{INTEGRAL_SAMPLES, SAME_PERIOD};
+use crate::tolerance::SAME_PERIOD;
 use crate::{PlantState, PlatformMotion};
 use counterpoise_controller::{ProportionalIntegral, Readings, SampledController};
 use counterpoise_models::plant::core::state;
@@ -44,15 +47,21 @@ pub const COMPARED: [Channel; 6] = [
 /// How the control of a replay comes about.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Loop {
-    /// The recorded controller acts on the simulated hub rate; its integral at the start is found from the recording.
-    Closed(ProportionalIntegral),
+    /// The recorded controller acts on the simulated readings; its state at the start is found from the recording.
+    Closed(RecordedController),
     /// The recorded control is played back.
     Open,
 }
 
 impl From<&ProportionalIntegral> for Loop {
     fn from(controller: &ProportionalIntegral) -> Self {
-        Self::Closed(controller.clone())
+        Self::Closed(controller.clone().into())
+    }
+}
+
+impl From<RecordedController> for Loop {
+    fn from(controller: RecordedController) -> Self {
+        Self::Closed(controller)
     }
 }
 
@@ -266,8 +275,8 @@ impl<'a> Replayer<'a> {
         match control {
             Loop::Open => simulator.run(&mut self.playback()?, &scenario),
             Loop::Closed(controller) => {
-                let mut ready = self.controller_at_start(controller)?;
-                simulator.run(&mut ready, &scenario)
+                let mut ready = controller.at_start_of(self.recording)?;
+                simulator.run(ready.as_mut(), &scenario)
             }
         }
     }
@@ -302,32 +311,6 @@ impl<'a> Replayer<'a> {
         let control_v =
             self.recording.samples(Channel::Control).ok_or(Error::NoChannel { channel: "control" })?;
         Ok(Playback::new(control_v))
-    }
-
-    /// Returns the controller with the integral that it had at the first sample: the mean of what its output leaves
-    /// unexplained, for its inputs were recorded; as it was handed in if control or hub rate were not.
-    fn controller_at_start(&self, controller: &ProportionalIntegral) -> Result<ProportionalIntegral, Error> {
-        let demand = self.recording.samples(Channel::Demand).ok_or(Error::NoChannel { channel: "demand" })?;
-        let mut ready = controller.clone();
-        let recorded = |channel| self.recording.samples(channel);
-        let (Some(control), Some(rate)) = (recorded(Channel::Control), recorded(Channel::HubRate)) else {
-            return Ok(ready);
-        };
-        ready.integral_v = 0.0;
-        let mut observer = ready.clone();
-        let (mut sum, mut count) = (0.0, 0.0);
-        for k in 0..self.samples.min(INTEGRAL_SAMPLES) {
-            let readings =
-                Readings { demand_rad_s: demand[k], hub_rate_rad_s: rate[k], ..Readings::default() };
-            let left = control[k] - observer.step(&readings);
-            if left.is_nan() || control[k].abs() >= CONVERTER_RANGE_V {
-                break;
-            }
-            sum += left;
-            count += 1.0;
-        }
-        ready.integral_v = if count > 0.0 { sum / count } else { 0.0 };
-        Ok(ready)
     }
 }
 
@@ -377,8 +360,8 @@ struct Floors<'a> {
 }
 
 impl Floors<'_> {
-    /// Returns the floor of a channel: noise and quantisation of its sensor; for the control in closed loop the hub gyro's
-    /// through the proportional gain, and the output converter's step. Played-back control has none and no fit.
+    /// Returns the floor of a channel: noise and quantisation of its sensor; for the control in closed loop those of what the controller
+    /// reads, through the controller, and the output converter's step. Played-back control has none and no fit.
     fn of(&self, channel: Channel) -> Option<f64> {
         let (sensors, interface) = (&self.parameters.sensors, &self.parameters.interface);
         let floor = |sensor| reading_floor(sensor, interface);
@@ -390,8 +373,7 @@ impl Floors<'_> {
             Channel::HubPosition => sensors.hub_resolver.as_ref().map(floor),
             Channel::Control => {
                 let Loop::Closed(controller) = self.control else { return None };
-                let step = 2.0 * CONVERTER_RANGE_V / f64::from(interface.output_bits).exp2();
-                Some((controller.kp_v_s_rad * floor(&sensors.hub_gyro)).hypot(step / 12f64.sqrt()))
+                Some(controller.control_floor(self.parameters))
             }
             Channel::Demand | Channel::MotorPosition | Channel::MotorCurrent => None,
         }

@@ -199,7 +199,7 @@ impl<'a, 'b> Fit<'a, 'b> {
     /// Returns the torque of weight and spring that the gear must pass, N m.
     fn weight_nm(&self, angle: f64) -> f64 {
         let body = self.plant.body();
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = self.plant.tilt(angle);
         let gravity = self.plant.parameters().gravity_m_s2 + self.replayer.platform().heave_m_s2.at(0.0);
         gravity * (body.out_of_balance_kg_m * cos - body.vertical_offset_kg_m * sin)
             - self.plant.spring_torque_nm(angle)
@@ -212,14 +212,20 @@ impl<'a, 'b> Fit<'a, 'b> {
         let half_gap = 0.5 * parameters.gearbox.backlash_rad * u[MESH].signum();
         let motor_rate = parameters.gearbox.ratio * u[RATE];
         let motor = &parameters.motor;
-        start.core[state::MOTOR] = motor_rate + motor.platform_coupling * self.platform_rate;
-        start.core[state::WINDUP] = u[MESH] / parameters.gearbox.stiffness_nm_rad + half_gap;
-        start.core[state::CURRENT] = u[CURRENT];
-        start.core[state::VOLTAGE] = motor.resistance_ohm * u[CURRENT] + motor.back_emf_v_s_rad * motor_rate;
+        let of_states = [
+            (state::MOTOR, motor_rate + motor.platform_coupling * self.platform_rate),
+            (state::WINDUP, u[MESH] / parameters.gearbox.stiffness_nm_rad + half_gap),
+            (state::CURRENT, u[CURRENT]),
+            (state::VOLTAGE, motor.resistance_ohm * u[CURRENT] + motor.back_emf_v_s_rad * motor_rate),
+        ];
+        for (index, value) in of_states.into_iter().filter(|(index, _)| self.plant.has_state(*index)) {
+            start.core[index] = value;
+        }
         start.friction = FrictionState {
             motor: parameters.motor_friction.state_at_torque(u[MOTOR_DRY]),
             pivot: parameters.pivot_friction.state_at_torque(u[PIVOT_DRY]),
             hose: u[HOSE],
+            gear: 0.0,
         };
         start
     }
@@ -232,7 +238,11 @@ impl<'a, 'b> Fit<'a, 'b> {
         [
             state.core[state::ANGLE],
             state.core[state::RATE] - self.platform_rate,
-            parameters.gearbox.stiffness_nm_rad * (windup - half_gap),
+            if parameters.gearbox.is_rigid() {
+                self.weight_nm(state.core[state::ANGLE])
+            } else {
+                parameters.gearbox.stiffness_nm_rad * (windup - half_gap)
+            },
             parameters.motor_friction.torque_at_state_nm(state.friction.motor),
             parameters.pivot_friction.torque_at_state_nm(state.friction.pivot),
             state.core[state::CURRENT],

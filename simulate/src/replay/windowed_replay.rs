@@ -7,12 +7,11 @@
 use super::control::control_fit;
 use super::start::redrawn;
 use super::windows::is_explained;
-use super::{ChannelFit, Loop, Replay, Replayer};
+use super::{ChannelFit, Loop, RecordedController, Replay, Replayer};
 use crate::Error;
 use crate::history::ReadingColumns;
 use crate::sensing::Noise;
 use crate::tolerance::{DIVERGED_FLOORS, LONG_WINDOWS, WRONG_MODEL};
-use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::{Parameters, Plant};
 use counterpoise_recordings::{Channel, Recording};
 
@@ -94,7 +93,7 @@ impl Replayer<'_> {
         &self,
         parameters: &Parameters,
         window_s: f64,
-        controller: &ProportionalIntegral,
+        controller: &RecordedController,
     ) -> Result<Replay, Error> {
         let mut replay = self.replay_windowed(parameters, window_s)?;
         if let Some((fit, made)) = control_fit(parameters, self.recording, controller) {

@@ -236,9 +236,10 @@ impl<'a, 'b> Windows<'a, 'b> {
         let mut out = near.clone();
         out.core[state::ANGLE] += by[ANGLE];
         out.core[state::RATE] += by[HUB];
-        out.core[state::MOTOR] += by[MOTOR];
-        out.core[state::WINDUP] += by[WINDUP];
-        out.core[state::CURRENT] += by[CURRENT];
+        let of_states = [(state::MOTOR, MOTOR), (state::WINDUP, WINDUP), (state::CURRENT, CURRENT)];
+        for (index, moved) in of_states.into_iter().filter(|(index, _)| self.plant.has_state(*index)) {
+            out.core[index] += by[moved];
+        }
         out.hub_gyro[0] += by[HUB];
         let dry = |friction: &Friction, old: f64, by: f64| {
             let most = friction.breakaway_nm();

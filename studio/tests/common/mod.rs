@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use counterpoise_studio::command::Command;
-use counterpoise_studio::shell;
+use counterpoise_studio::main_window;
 use counterpoise_studio::studio::Studio;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -37,11 +37,11 @@ pub fn studio(folder: &Path) -> Studio {
 /// Waits until everything is read and written that was to be.
 pub fn filed(studio: &mut Studio) {
     let end = Instant::now() + Duration::from_secs(60);
-    studio.tick();
-    while studio.filing.is_busy() {
+    studio.update();
+    while studio.file_queue.is_busy() {
         assert!(Instant::now() < end, "an errand does not end");
         std::thread::sleep(Duration::from_millis(1));
-        studio.tick();
+        studio.update();
     }
 }
 
@@ -53,9 +53,9 @@ pub fn bench(folder: &Path) -> Bench {
 /// A window around a studio.
 pub fn around(studio: Studio) -> Bench {
     let show = |ui: &mut egui::Ui, studio: &mut Studio| {
-        studio.tick();
-        shell::show(studio, ui);
-        studio.tick();
+        studio.update();
+        main_window::show(studio, ui);
+        studio.update();
     };
     let bench = Harness::builder().with_size([1280.0, 800.0]).build_ui_state(show, studio);
     let theme = bench.state().view.theme;
@@ -63,14 +63,51 @@ pub fn around(studio: Studio) -> Bench {
     bench
 }
 
+/// A disk that can be full: then nothing that is written is kept.
+#[derive(Default)]
+pub struct FullDisk {
+    pub is_full: std::sync::atomic::AtomicBool,
+}
+
+impl FullDisk {
+    pub fn set_full(&self, is_full: bool) {
+        self.is_full.store(is_full, std::sync::atomic::Ordering::SeqCst);
+    }
+}
+
+impl counterpoise_host::files::Disk for FullDisk {
+    fn sync(&self, file: &std::fs::File) -> std::io::Result<()> {
+        const NO_SPACE: i32 = 28;
+        match self.is_full.load(std::sync::atomic::Ordering::SeqCst) {
+            true => Err(std::io::Error::from_raw_os_error(NO_SPACE)),
+            false => file.sync_all(),
+        }
+    }
+}
+
+/// A window with the project of a folder on a disk.
+pub fn bench_on(disk: &Arc<FullDisk>, folder: &Path) -> Bench {
+    let disk = Arc::clone(disk) as Arc<dyn counterpoise_host::files::Disk>;
+    let mut studio = Studio::with_disk(&folder.join("state"), Arc::new(|| {}), disk);
+    studio.run(&Command::Open { path: folder.to_owned() });
+    filed(&mut studio);
+    around(studio)
+}
+
+/// Ends a studio as a crash does: nothing is closed, and the operating system releases the lock on the project.
+pub fn crash(mut bench: Bench) {
+    bench.state_mut().opened.as_mut().unwrap().lock = None;
+    std::mem::forget(bench);
+}
+
 /// Waits until nothing runs.
 pub fn settle(studio: &mut Studio) {
     let end = Instant::now() + Duration::from_secs(240);
-    studio.tick();
+    studio.update();
     while !studio.is_idle() {
         assert!(Instant::now() < end, "the studio does not come to rest");
         std::thread::sleep(Duration::from_millis(2));
-        studio.tick();
+        studio.update();
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use counterpoise_studio::replay::Drawn;
+use counterpoise_studio::offscreen::TessellatedFrame;
 use egui::epaint::{ImageData, Mesh, Primitive, Vertex};
 use egui::{Color32, ColorImage, Rect, TextureId, TexturesDelta};
 use image::{Rgba, RgbaImage};
@@ -32,7 +32,7 @@ impl Painter {
     }
 
     /// The picture of a frame.
-    pub fn paint(&mut self, drawn: &Drawn, size: [u32; 2]) -> RgbaImage {
+    pub fn paint(&mut self, drawn: &TessellatedFrame, size: [u32; 2]) -> RgbaImage {
         self.take(&drawn.textures);
         let mut out = RgbaImage::from_pixel(size[0], size[1], Rgba([0, 0, 0, 255]));
         for one in &drawn.primitives {

@@ -6,7 +6,7 @@ use std::path::Path;
 use counterpoise_linalg::{Mat, care, lyap};
 use counterpoise_lti::{Discretisation, StateSpace, Timebase, c2d, frequency_response};
 use counterpoise_reduce::{Balanced, Method};
-use counterpoise_synth::{Generalised, Outcome, h2syn, hinfsyn};
+use counterpoise_synth::{Generalised, h2syn, hinfsyn};
 
 use crate::files;
 
@@ -84,11 +84,11 @@ pub fn solver(kind: &str) -> fn(&Problem) -> Result<Answer, String> {
         "zoh" => |p| sampled(p, Discretisation::ZeroOrderHold),
         "tustin" => |p| sampled(p, Discretisation::Tustin { prewarp_rad_s: None }),
         "h2" => |p| {
-            let solution = solved(h2syn(&p.generalised).map_err(text)?)?;
+            let solution = h2syn(&p.generalised).map_err(text)?;
             Ok(controller(solution.controller))
         },
         "hinf" => |p| {
-            let solution = solved(hinfsyn(&p.generalised, HINF_TOLERANCE).map_err(text)?)?;
+            let solution = hinfsyn(&p.generalised, HINF_TOLERANCE).map_err(text)?;
             let mut answer = controller(solution.controller);
             answer.push(("gam", Mat::eye(1).scale(solution.bound)));
             Ok(answer)
@@ -101,11 +101,6 @@ pub fn solver(kind: &str) -> fn(&Problem) -> Result<Answer, String> {
 
 /// Relative accuracy asked of the H-infinity bound, as of the peers.
 const HINF_TOLERANCE: f64 = 1e-3;
-
-fn solved<T>(outcome: Outcome<T>) -> Result<T, String> {
-    let why: Vec<String> = outcome.findings().iter().map(text).collect();
-    outcome.solved().ok_or_else(|| why.join("; "))
-}
 
 fn controller(K: StateSpace) -> Answer {
     vec![("Ak", K.A), ("Bk", K.B), ("Ck", K.C), ("Dk", K.D)]

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Hard problems with references of 300 digits or more: Counterpoise beside SciPy and SLICOT.
 
-  cargo build --release -p counterpoise-reduce --example hard-problems
+  cargo build --release -p counterpoise-tests --example hard-problems
   python3 tests/peers/linear/hard.py [--kinds care,dare,lyap,...] [--count 40] [--first 0] [--out FILE]
 
 Needs numpy, scipy, mpmath and python-flint; slycot if it is there. Each kind has families of problems made from a seed: benign
 ones, graded ones whose states' units spread over twelve decades, powers of ten, nearly singular, defective, and rigid-body ones.
-Seeds from 4 000 000 on have not been looked at. The judge is the same for all: the error of each entry of
+Seeds from 5 000 000 on have not been looked at. The judge is the same for all: the error of each entry of
 the solution, relative to the root of the two diagonal entries that belong to it (matrices), or relative to the exact value
 (numbers). An answer is wrong if its error exceeds ten times the condition number times the rounding error, at least 1e-12 (1e-10 for systems, as no norm is asked for more closely); a
 refusal counts if a peer's error is below 1e-6."""

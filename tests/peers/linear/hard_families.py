@@ -1,7 +1,7 @@
 """Problems made from seeds: see hard.py."""
 import numpy as np
 
-KINDS = ['care', 'dare', 'lyap', 'dlyap', 'margins', 'zeros', 'linfnorm', 'h2norm', 'descriptor']
+KINDS = ['care', 'dare', 'gcare', 'gdare', 'lyap', 'dlyap', 'glyap', 'margins', 'zeros', 'linfnorm', 'h2norm', 'descriptor']
 
 
 def rng(kind, family, seed):
@@ -147,6 +147,66 @@ def carex_4x(r):
     return dict(A=A, B=B, Q=Q, R=np.eye(1) * tens(r, -6, 6))
 
 
+def carex_21(r):
+    e = tens(r, -12, 0)
+    return dict(A=np.diag([1.0, -2]), B=np.array([[e], [0]]), Q=np.ones((2, 2)), R=np.eye(1))
+
+
+def carex_22(r):
+    e, c = tens(r, -13, 0), np.array([[10.0, 100]])
+    return dict(A=np.diag([-0.1, -0.02]), B=np.array([[0.1, 0], [0.001, 0.01]]), Q=c.T @ c, R=np.array([[1 + e, 1], [1, 1]]))
+
+
+def carex_23(r):
+    e = tens(r, -12, 12)
+    return dict(A=np.array([[0, e], [0, 0]]), B=np.array([[0], [1.0]]), Q=np.eye(2), R=np.eye(1))
+
+
+def carex_24(r):
+    e = tens(r, -12, 3)
+    return dict(A=np.array([[e + 1, 1], [1, e + 1]]), B=e * np.eye(2), Q=e * e * np.eye(2), R=np.eye(2))
+
+
+def carex_27(r):
+    """A slow and a fast part: a motor with its amplifier."""
+    e = tens(r, -12, 0)
+    A = np.array([[0, 0.4, 0, 0], [0, 0, 0.345, 0], [0, -0.524 / e, -0.465 / e, 0.262 / e], [0, 0, 0, -1 / e]])
+    return dict(A=A, B=np.array([[0], [0], [0], [1 / e]]), Q=np.diag([1.0, 0, 1, 0]), R=np.eye(1))
+
+
+def carex_28(r):
+    e, b = tens(r, -12, 0), np.ones((4, 1))
+    A = np.array([[-e, 1, 0, 0], [-1, -e, 0, 0], [0, 0, e, 1], [0, 0, -1, e]])
+    return dict(A=A, B=b, Q=b @ b.T, R=np.eye(1))
+
+
+def darex_21(r):
+    return dict(A=np.array([[4, 3], [-4.5, -3.5]]), B=np.array([[1.0], [-1]]), Q=np.array([[9.0, 6], [6, 4]]), R=np.eye(1) * tens(r, -12, 12))
+
+
+def darex_22(r):
+    d = tens(r, -9, 9)
+    return dict(A=np.diag([0.9512, 0.9048]), B=np.array([[4.877, 4.877], [-1.1895, 3.569]]), Q=np.diag([0.005, 0.02]), R=np.diag([1 / (3 * d), 3 * d]))
+
+
+def darex_23(r):
+    return carex_23(r)
+
+
+def darex_24(r):
+    e = tens(r, -6, 12)
+    V = np.eye(3) - 2 / 3 * np.ones((3, 3))
+    sym = lambda M: (M + M.T) / 2
+    # G = I / e as B R^-1 B' with R = e I.
+    return dict(A=e * sym(V @ np.diag([0.0, 1, 3]) @ V), B=np.eye(3), Q=e * np.eye(3), R=e * np.eye(3))
+
+
+def half_unstable(r):
+    """Dense, half of the modes not stable, few inputs: larger than the others."""
+    n = int(r.integers(8, 17))
+    return weighted(r, r.standard_normal((n, n)), r.standard_normal((n, 2)))
+
+
 def squash(A):
     """Eigenvalues moved near the unit circle."""
     return A / max(1e-3, np.abs(np.linalg.eigvals(A)).max())
@@ -196,6 +256,18 @@ def d_rigid(r):
     n, h = len(p['A']), 10.0 ** r.uniform(-4, -2)
     E = sla.expm(h * np.block([[p['A'], p['B']], [np.zeros((1, n + 1))]]))
     return dict(p, A=E[:n, :n], B=E[:n, n:])
+
+
+def with_mass(make, spread):
+    """E x' = ...: a random mass matrix, well conditioned or with masses over many decades, before the derivatives of a family."""
+    def made(r):
+        p = make(r)
+        A = np.array(p['A'])
+        n = len(A)
+        E = np.eye(n) + 0.3 * r.standard_normal((n, n)) / np.sqrt(n)
+        E = E * 10.0 ** r.uniform(-spread, spread, n)[:, None]
+        return dict(p, A=E @ A, E=E, B=E @ p['B'] if 'B' in p else None)
+    return made
 
 
 # --- Lyapunov equations ------------------------------------------------------------------------------------------------
@@ -391,9 +463,14 @@ def g_scaled(r):
 
 FAMILIES = {
     'care': dict(benign=benign, graded=graded, powers=powers, near_boundary=near_boundary, defective=defective, rigid=rigid,
-                 small_weight=small_weight, unstable=unstable, lost=lost, carex_25=carex_25, carex_26=carex_26, carex_4x=carex_4x),
+                 small_weight=small_weight, unstable=unstable, lost=lost, carex_25=carex_25, carex_26=carex_26, carex_4x=carex_4x,
+                 carex_21=carex_21, carex_22=carex_22, carex_23=carex_23, carex_24=carex_24, carex_27=carex_27, carex_28=carex_28,
+                 half_unstable=half_unstable),
     'dare': dict(benign=d_benign, graded=d_graded, powers=d_powers, slow=d_slow, no_weight=d_no_weight, defective=d_defective,
-                 rigid=d_rigid, small_weight=small_weight),
+                 rigid=d_rigid, small_weight=small_weight, darex_21=darex_21, darex_22=darex_22, darex_23=darex_23, darex_24=darex_24),
+    'gcare': dict(benign=with_mass(benign, 0), masses=with_mass(benign, 4), rigid=with_mass(rigid, 1)),
+    'gdare': dict(benign=with_mass(d_benign, 0), masses=with_mass(d_benign, 4)),
+    'glyap': dict(benign=with_mass(l_benign, 0), masses=with_mass(l_benign, 4)),
     'lyap': dict(benign=l_benign, graded=l_graded, modes=l_modes, singular=l_singular, damped=l_damped),
     'dlyap': dict(benign=l_discrete(l_benign), modes=l_discrete(l_modes), singular=dl_singular, damped=l_discrete(l_damped)),
     'zeros': dict(spread=s_spread, multiple=s_multiple, flexible=s_flexible, rigid=s_rigid, dense=s_dense, graded=s_graded),

@@ -155,13 +155,15 @@ def data(problem, *keys):
     return [long(problem[key]) for key in keys]
 
 
-def condition_continuous(A, G, Q, X):
-    """Kenney and Hewer's estimate, in doubles of long solutions; scaled by the diagonal of X."""
+def condition_continuous(A, G, Q, X, moduli=None):
+    """Kenney and Hewer's estimate, in doubles of long solutions; scaled by the diagonal of X. `moduli` are those of A and Q as they are
+    summed from the data."""
     closed, n = mid(A - G * X), A.nrows()
     gamma = max(1e-3, float(np.sqrt(largest(closed))))
     d = [max(abs(float(X[i, i].mid())), 1e-300) ** 0.5 for i in range(n)]
     # In units where each state of X has size one.
-    change = abs_product(A, X) + abs_product(A, X).T + absolute(Q) + absolute(X) @ absolute(G) @ absolute(X)
+    a, q = moduli if moduli else (absolute(A), absolute(Q))
+    change = a.T @ absolute(X) + absolute(X) @ a + q + absolute(X) @ absolute(G) @ absolute(X)
     E = lyapunov(closed, long(change), gamma)
     return 1.0 if E is None else float(np.max(np.abs(plain(E)) / np.outer(d, d)))
 
@@ -192,6 +194,8 @@ def reference(kind, problem):
         A, B, Q, R = data(problem, 'A', 'B', 'Q', 'R')
         X = dare_reference(A, B, Q, R)
         return dict(exists=None) if X is None else dict(exists=True, X=plain(X), condition=condition_discrete(A, B, Q, R, X))
+    if kind in ('gcare', 'gdare', 'glyap'):
+        return with_mass(kind, problem)
     if kind in ('lyap', 'dlyap'):
         A, Q = data(problem, 'A', 'Q')
         gamma = max(1e-6, float(np.sqrt(largest(A))))
@@ -205,6 +209,35 @@ def reference(kind, problem):
         d = np.sqrt(np.maximum(np.abs(np.diag(plain(X))), 1e-300))
         return dict(exists=True, X=plain(X), condition=float(np.max(np.abs(E) / np.outer(d, d))))
     return SYSTEMS[kind](problem)
+
+
+def with_mass(kind, problem):
+    """The reference of an equation with a matrix E, which is eliminated exactly."""
+    A, E, Q = data(problem, 'A', 'E', 'Q')
+    inverse = solve(E, eye(E.nrows()))
+    e, i, a = absolute(E), absolute(inverse), absolute(A)
+    if kind == 'glyap':
+        A1, Q1 = mid(inverse * A), mid(inverse * Q * inverse.transpose())
+        X = lyapunov(A1.transpose(), Q1, max(1e-6, float(np.sqrt(largest(A1)))))
+        if X is None:
+            return dict(exists=False)
+        moduli = (i @ (a + e @ absolute(A1)), i @ absolute(Q) @ i.T)
+        change = moduli[0] @ absolute(X) + absolute(X) @ moduli[0].T + moduli[1]
+        error = plain(lyapunov(A1.transpose(), long(change), max(1e-6, float(np.sqrt(largest(A1))))))
+        d = np.sqrt(np.maximum(np.abs(np.diag(plain(X))), 1e-300))
+        return dict(exists=True, X=plain(X), condition=float(np.max(np.abs(error) / np.outer(d, d))))
+    B, R = data(problem, 'B', 'R')
+    A1, Q1 = mid(A * inverse), mid(inverse.transpose() * Q * inverse)
+    moduli = ((a + absolute(A1) @ e) @ i, i.T @ absolute(Q) @ i)
+    if kind == 'gcare':
+        G = mid(B * solve(R, mid(B.transpose())))
+        X = care_reference(A1, G, Q1)
+        return dict(exists=None) if X is None else dict(exists=True, X=plain(X), condition=condition_continuous(A1, G, Q1, X, moduli))
+    X = dare_reference(A1, B, Q1, R)
+    if X is None:
+        return dict(exists=None)
+    growth = float(np.max(moduli[0] / np.maximum(absolute(A1), 1e-300)))
+    return dict(exists=True, X=plain(X), condition=growth * condition_discrete(A1, B, Q1, R, X))
 
 
 def condition_discrete(A, B, Q, R, X):
@@ -440,8 +473,16 @@ def peers(kind, problem):
                 G = B @ np.linalg.solve(R, B.T)
                 yield 'sb02md', lambda: slycot.sb02md(n, A, (G + G.T) / 2, Q, letter, sort='S' if kind == 'care' else 'U')[0]
         return
+    if kind in ('gcare', 'gdare'):
+        E = get('E')
+        solver = sla.solve_continuous_are if kind == 'gcare' else sla.solve_discrete_are
+        yield 'scipy', lambda: solver(A, get('B'), get('Q'), get('R'), e=E)
+        return
     Q = get('Q')
-    if kind == 'lyap':
+    if kind == 'glyap':
+        i = np.linalg.inv(get('E'))
+        yield 'scipy', lambda: sla.solve_continuous_lyapunov(i @ A, -i @ Q @ i.T)
+    elif kind == 'lyap':
         yield 'scipy', lambda: sla.solve_continuous_lyapunov(A, -Q)
     elif kind == 'dlyap':
         yield 'scipy', lambda: sla.solve_discrete_lyapunov(A, Q, method='bilinear')

@@ -15,13 +15,14 @@ const TRUTHS: usize = 4;
 /// The plant and its sensors
 ///
 /// ```text
-///     continuous: (control, heave, pitch rate) -> (hub rate, tip rate, motor rate, current | hub gyro, platform gyro,
+///     continuous: (control, heave, pitch rate) -> (hub rate, tip rate, motor rate, current | loop's sensor, platform gyro,
 ///                                                  accelerometer, tachometer, resolver)
 ///     sampled:    (demand, heave, pitch rate, control) -> (hub rate, tip rate, motor rate, current, control | readings)
 /// ```
 ///
 /// The sampled system holds the control and joins the samples of heave and pitch rate by straight lines; both are exact.
-/// Whole samples of delay, of the control and of sensors, are part of the sampled system alone.
+/// Whole samples of delay, of the control and of sensors, are part of the sampled system alone. If the loop's sensor measures a
+/// position, the outputs of hub and tip are positions relative to the platform.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampledPlant {
     /// The continuous system.
@@ -32,6 +33,8 @@ pub struct SampledPlant {
     pub sample_period_s: f64,
     /// The control that holds the mechanism at its operating point, V.
     pub holding_v: f64,
+    /// Whether hub and tip are positions and not rates: the loop's sensor measures one.
+    pub controls_position: bool,
     /// Delays: of the control, then of the readings, in samples.
     pub(crate) delays: Delays,
 }
@@ -53,6 +56,7 @@ pub(crate) mod port {
     /// Outputs.
     pub const HUB: usize = 0;
     pub const TIP: usize = 1;
+    pub const MOTOR: usize = 2;
     pub const CURRENT: usize = 3;
     pub const CONTROL_OUT: usize = 4;
     pub const FIRST_READING: usize = 5;
@@ -73,32 +77,40 @@ impl SampledPlant {
     /// # Errors
     /// Those of the models and of the sampling.
     pub fn new(plant: &LinearPlant, parameters: &Parameters, resolver: Resolver) -> Result<Self, Error> {
-        let sensed = with_truths(plant)?;
+        let sensed = with_truths(plant, parameters)?;
         let continuous = series(&sensed, &sensors(parameters, resolver)?)?;
         let sample_period_s = parameters.interface.sample_period_s;
         let delays = Delays::of(parameters);
         let sampled = delays.apply(&sample(&continuous, sample_period_s)?, sample_period_s)?;
-        Ok(Self { continuous, sampled, sample_period_s, holding_v: plant.equilibrium.control_v, delays })
+        Ok(Self {
+            continuous,
+            sampled,
+            sample_period_s,
+            holding_v: plant.equilibrium.control_v,
+            controls_position: parameters.sensors.measured.is_position(),
+            delays,
+        })
     }
 }
 
-/// Outputs: hub, tip, motor rate and current; then what each sensor feels: hub rate and heave, pitch rate and heave, heave and
-/// pitch rate, motor rate, hub rate less pitch rate.
-fn with_truths(plant: &LinearPlant) -> Result<StateSpace, Error> {
+/// Outputs: hub, tip, motor rate and current; then what each sensor feels: measured output and heave, pitch rate and heave, heave and
+/// pitch rate, motor rate, hub rate less pitch rate (in a loop of position the hub's position).
+fn with_truths(plant: &LinearPlant, parameters: &Parameters) -> Result<StateSpace, Error> {
     let g = &plant.system;
-    let current = plant.state_names.iter().position(|name| name == "current_a");
     let output = |row: usize| (g.C.block(row, 0, 1, g.order()), g.D.block(row, 0, 1, 3));
     let input = |column: usize| {
         (Mat::zeros(1, g.order()), Mat::from_fn(1, 3, |_, j| if j == column { 1.0 } else { 0.0 }))
     };
-    let state = |index: Option<usize>| {
-        (Mat::from_fn(1, g.order(), |_, j| if Some(j) == index { 1.0 } else { 0.0 }), Mat::zeros(1, 3))
-    };
+    let current = (Mat::row(&plant.current.states), Mat::row(&plant.current.inputs));
     let (hub, motor) = (output(LinearPlant::HUB_RATE), output(LinearPlant::MOTOR_RATE));
     let (heave, pitch) = (input(LinearPlant::HEAVE), input(LinearPlant::PITCH_RATE));
-    let relative = (hub.0.clone(), &hub.1 - &pitch.1);
-    let truths = [hub.clone(), output(LinearPlant::TIP_RATE), motor.clone(), state(current)];
-    let felt = [hub, heave.clone(), pitch.clone(), heave.clone(), heave, pitch, motor, relative];
+    let relative = match parameters.sensors.measured.is_position() {
+        true => hub.clone(),
+        false => (hub.0.clone(), &hub.1 - &pitch.1),
+    };
+    let truths = [hub, output(LinearPlant::TIP_RATE), motor.clone(), current];
+    let felt =
+        [output(plant.measured), heave.clone(), pitch.clone(), heave.clone(), heave, pitch, motor, relative];
     let rows: Vec<(Mat, Mat)> = truths.into_iter().chain(felt).collect();
     let C = Mat::from_fn(rows.len(), g.order(), |i, j| rows[i].0[(0, j)]);
     let D = Mat::from_fn(rows.len(), 3, |i, j| rows[i].1[(0, j)]);
@@ -119,6 +131,9 @@ fn sensors(parameters: &Parameters, resolver: Resolver) -> Result<StateSpace, Er
     let angle = sensors.hub_resolver.as_ref().map_or(0.0, |sensor| sensor.gain);
     let position = match resolver {
         Resolver::Unread => StateSpace::gain(Mat::row(&[0.0]), Timebase::Continuous)?,
+        Resolver::Read if sensors.measured.is_position() => {
+            StateSpace::gain(Mat::row(&[angle]), Timebase::Continuous)?
+        }
         Resolver::Read => integrator(angle)?,
     };
     let mut all = StateSpace::gain(Mat::eye(TRUTHS), Timebase::Continuous)?;

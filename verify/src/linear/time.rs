@@ -64,13 +64,14 @@ fn run(
     let column = |j: usize| y.column(j).to_vec();
     let hub = column(port::HUB);
     let relative = hub.iter().zip(&driven).map(|(rate, inputs)| rate - inputs.2);
+    let travel_rad = if plant.controls_position { hub.clone() } else { integrated(relative, period_s) };
     Ok(History {
         model: Model::Linear,
         experiment,
         demand_rad_s: driven.iter().map(|d| d.0).collect(),
         heave_m_s2: driven.iter().map(|d| d.1).collect(),
         pitch_rate_rad_s: driven.iter().map(|d| d.2).collect(),
-        travel_rad: integrated(relative, period_s),
+        travel_rad,
         hub_rate_rad_s: hub,
         tip_rate_rad_s: column(port::TIP),
         control_v: column(port::CONTROL_OUT).iter().map(|v| v + plant.holding_v).collect(),

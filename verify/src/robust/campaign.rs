@@ -125,6 +125,20 @@ impl Campaign {
         Ok(parameters)
     }
 
+    /// Returns the controller with each variation's factor that belongs to it: those of its friction observers.
+    ///
+    /// # Errors
+    /// Factors that make no controller.
+    pub fn controller(&self, factors: &[f64]) -> Result<Controller, Error> {
+        let mut controller = self.controller.clone();
+        for (variation, &factor) in self.variations.iter().zip(factors) {
+            if variation.parameter.is_of_controller() {
+                controller = variation.parameter.scaled_controller(&controller, factor)?;
+            }
+        }
+        Ok(controller)
+    }
+
     /// Runs one sample: the same bytes whoever runs it, and in whatever order. Its sensor noise has its own seed.
     ///
     /// # Errors
@@ -149,9 +163,10 @@ impl Campaign {
     /// As [`figures_of`].
     pub fn values_at(&self, factors: &[f64], index: usize, figures: &[Figure]) -> Result<Vec<f64>, Error> {
         let plant = Plant::lumped(&self.parameters(factors)?)?;
+        let controller = self.controller(factors)?;
         let seed = self.procedure.seed.wrapping_add(index as u64);
         let procedure = Procedure { seed, ..self.procedure.clone() };
-        let values = figures_of(&plant, &self.controller, &procedure, figures)?;
+        let values = figures_of(&plant, &controller, &procedure, figures)?;
         Ok(values
             .iter()
             .map(|value| if let Value::Is(number) = value { *number } else { f64::NAN })

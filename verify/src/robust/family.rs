@@ -33,7 +33,8 @@ pub fn one_at_a_time(
         for &factor in factors {
             let mut parameters = nominal.clone();
             varied.scale(&mut parameters, factor)?;
-            let values = figures_of(&Plant::lumped(&parameters)?, controller, procedure, figures)?;
+            let controller = varied.scaled_controller(controller, factor)?;
+            let values = figures_of(&Plant::lumped(&parameters)?, &controller, procedure, figures)?;
             members.push(Member { name: format!("{} x {factor}", varied.key()), values });
         }
     }

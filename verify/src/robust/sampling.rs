@@ -4,6 +4,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::Error;
+use crate::tolerance::NORMAL_CUT;
 
 /// How a factor is distributed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,9 +53,6 @@ impl Points {
     }
 }
 
-/// Standard deviations at which a normal factor is cut off.
-const CUT: f64 = 3.0;
-
 impl Distribution {
     /// The factor below which a share `u` of all factors lies, 0 < u < 1.
     pub fn quantile(self, u: f64) -> f64 {
@@ -62,7 +60,7 @@ impl Distribution {
             Distribution::Uniform { low, high } => low + u * (high - low),
             Distribution::LogUniform { low, high } => low * (high / low).powf(u),
             Distribution::Normal { deviation } => {
-                let tail = normal_below(-CUT);
+                let tail = normal_below(-NORMAL_CUT);
                 1.0 + deviation * normal_quantile(tail + u * (1.0 - 2.0 * tail))
             }
         }

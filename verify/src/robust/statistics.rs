@@ -1,6 +1,7 @@
 //! What a campaign says: shares, quantiles, and which parameter matters.
 
 use super::{Campaign, Sample};
+use crate::tolerance::CLEAR_RANK;
 
 /// A figure over all samples.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,9 +44,6 @@ pub enum Sense {
     EitherWay,
 }
 
-/// The distance from 1 is told only where its correlation is larger than the factor's own by this.
-const CLEARLY: f64 = 0.1;
-
 const NORMAL_975: f64 = 1.959_963_984_540_054;
 
 /// The requirement's figure over the samples.
@@ -83,7 +81,7 @@ pub fn ranking(campaign: &Campaign, samples: &[Sample], requirement: usize) -> V
             correlation(&ranks(&factor), &figure)
         };
         let (directed, either) = (against(|factor| factor), against(|factor| factor.ln().abs()));
-        let (correlation, sense) = match either.abs() > directed.abs() + CLEARLY {
+        let (correlation, sense) = match either.abs() > directed.abs() + CLEAR_RANK {
             true => (either, Sense::EitherWay),
             false => (directed, Sense::Directed),
         };

@@ -1,5 +1,6 @@
-//! The parameters of a mechanism that a robustness test varies, each by a factor on its nominal value.
+//! The parameters of mechanism and controller that a robustness test varies, each by a factor on its nominal value.
 
+use counterpoise_controller::Controller;
 use counterpoise_models::parameters::Parameters;
 
 use crate::Error;
@@ -43,10 +44,18 @@ pub enum Varied {
     AccelerometerGain,
     /// Gain of the platform's gyroscope.
     PlatformGyroGain,
+    /// Presliding stiffness of the friction at motor and pivot; a law that truly sticks has none.
+    PreslidingStiffness,
+    /// Coulomb level that the controller's friction observers use.
+    ObserverLevel,
+    /// Presliding stiffness that the controller's friction observers use.
+    ObserverStiffness,
+    /// Volts that the controller's friction observers give for a torque: the share of friction that is cancelled.
+    ObserverGain,
 }
 
 /// Every parameter with its key in a project file.
-pub const ALL: [(Varied, &str); 18] = [
+pub const ALL: [(Varied, &str); 22] = [
     (Varied::HubInertia, "hub_inertia"),
     (Varied::BeamInertia, "beam_inertia"),
     (Varied::Inertia, "inertia"),
@@ -65,6 +74,10 @@ pub const ALL: [(Varied, &str); 18] = [
     (Varied::GyroBandwidth, "gyro_bandwidth"),
     (Varied::AccelerometerGain, "accelerometer_gain"),
     (Varied::PlatformGyroGain, "platform_gyro_gain"),
+    (Varied::PreslidingStiffness, "presliding_stiffness"),
+    (Varied::ObserverLevel, "observer_level"),
+    (Varied::ObserverStiffness, "observer_stiffness"),
+    (Varied::ObserverGain, "observer_gain"),
 ];
 
 impl Varied {
@@ -78,19 +91,54 @@ impl Varied {
         ALL.iter().find(|row| row.1 == key).map(|row| row.0)
     }
 
-    /// Multiplies the parameter by `factor`. Inertias and stiffnesses of the structure are those of the lumped description.
+    /// Returns whether the parameter belongs to the controller, not to the mechanism.
+    pub fn is_of_controller(self) -> bool {
+        matches!(self, Varied::ObserverLevel | Varied::ObserverStiffness | Varied::ObserverGain)
+    }
+
+    /// Returns the controller with its friction observers' parameter multiplied by `factor`; the controller as it is for a
+    /// parameter of the mechanism.
     ///
     /// # Errors
-    /// [`Error::Range`] for a factor that is negative or not finite.
-    pub fn scale(self, parameters: &mut Parameters, factor: f64) -> Result<(), Error> {
-        if !(factor >= 0.0 && factor.is_finite()) {
-            return Err(Error::Range {
-                what: "factor of a varied parameter",
-                value: factor,
-                allowed: "0 or more",
-            });
+    /// [`Error::Range`] for a factor that is negative or not finite, and those of the controller: a level of 0 is none.
+    pub fn scaled_controller(self, controller: &Controller, factor: f64) -> Result<Controller, Error> {
+        check(factor)?;
+        if !self.is_of_controller() || controller.parts().observers.is_empty() {
+            return Ok(controller.clone());
         }
+        Ok(controller.with(|parts| {
+            for observer in &mut parts.observers {
+                match self {
+                    Varied::ObserverLevel => observer.coulomb_nm *= factor,
+                    Varied::ObserverStiffness => observer.rest_stiffness_nm_rad *= factor,
+                    _ => {
+                        observer.volts_per_nm *= factor;
+                        observer.viscous_v_s_rad *= factor;
+                    }
+                }
+            }
+        })?)
+    }
+
+    /// Multiplies the parameter of the mechanism by `factor`; those of the controller leave the mechanism as it is. Inertias and
+    /// stiffnesses of the structure are those of the lumped description.
+    ///
+    /// # Errors
+    /// [`Error::Range`] for a factor that is negative or not finite, or 0 for the presliding stiffness.
+    pub fn scale(self, parameters: &mut Parameters, factor: f64) -> Result<(), Error> {
+        check(factor)?;
         match self {
+            Varied::PreslidingStiffness if factor == 0.0 => {
+                return Err(Error::Range {
+                    what: "factor of the presliding stiffness",
+                    value: factor,
+                    allowed: "above 0",
+                });
+            }
+            Varied::PreslidingStiffness => {
+                parameters.motor_friction.scale_presliding_stiffness(factor);
+                parameters.pivot_friction.scale_presliding_stiffness(factor);
+            }
             Varied::Friction => {
                 Varied::MotorFriction.scale(parameters, factor)?;
                 Varied::PivotFriction.scale(parameters, factor)?;
@@ -126,9 +174,22 @@ impl Varied {
             Varied::GyroBandwidth => vec![&mut p.sensors.hub_gyro.natural_frequency_rad_s],
             Varied::AccelerometerGain => vec![&mut p.sensors.platform_accelerometer.gain],
             Varied::PlatformGyroGain => vec![&mut p.sensors.platform_gyro.gain],
-            Varied::MotorFriction | Varied::PivotFriction | Varied::Friction => Vec::new(),
+            Varied::MotorFriction
+            | Varied::PivotFriction
+            | Varied::Friction
+            | Varied::PreslidingStiffness
+            | Varied::ObserverLevel
+            | Varied::ObserverStiffness
+            | Varied::ObserverGain => Vec::new(),
         }
     }
+}
+
+fn check(factor: f64) -> Result<(), Error> {
+    if factor >= 0.0 && factor.is_finite() {
+        return Ok(());
+    }
+    Err(Error::Range { what: "factor of a varied parameter", value: factor, allowed: "0 or more" })
 }
 
 #[cfg(test)]
@@ -145,7 +206,7 @@ mod tests {
             varied.scale(&mut same, 1.0).unwrap();
             varied.scale(&mut other, 1.5).unwrap();
             assert_eq!(same, rig, "{key}");
-            assert_ne!(other, rig, "{key}");
+            assert_eq!(other == rig, varied.is_of_controller(), "{key}");
             assert_eq!(Varied::from_key(key), Some(varied));
         }
     }

@@ -2,6 +2,7 @@
 
 use super::{Campaign, Sample};
 use crate::Error;
+use crate::tolerance::{FIRST_QUANTILE_STEP, LAST_QUANTILE_STEP};
 
 /// The worst mechanism that was found.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,11 +20,6 @@ pub struct Worst {
     /// Whether the search ended because its steps grew small, not because of its limit.
     pub converged: bool,
 }
-
-/// First step, in quantiles.
-const FIRST_STEP: f64 = 0.2;
-/// The search ends at this step.
-const LAST_STEP: f64 = 0.02;
 
 /// Searches from the worst of `samples` for factors inside the variations' ranges with even less room: a compass search in the
 /// quantiles (each coordinate up and down, the step halved when nothing is worse), at most `most` mechanisms. It is a lower bound
@@ -45,8 +41,8 @@ pub fn worst_case(
     let mut search = Search { campaign, requirement, sample: first.index, tried: 0 };
     let mut at = search.quantiles(first)?;
     let mut value = search.value(&at)?;
-    let mut step = FIRST_STEP;
-    while step >= LAST_STEP && search.tried < most {
+    let mut step = FIRST_QUANTILE_STEP;
+    while step >= LAST_QUANTILE_STEP && search.tried < most {
         match search.better(&at, value, step, most)? {
             Some((point, worse)) => (at, value) = (point, worse),
             None => step *= 0.5,
@@ -59,7 +55,7 @@ pub fn worst_case(
         start: first.values[requirement],
         sample: first.index,
         tried: search.tried,
-        converged: step < LAST_STEP,
+        converged: step < LAST_QUANTILE_STEP,
     })
 }
 
@@ -86,7 +82,7 @@ impl Search<'_> {
         let figure = self.campaign.requirements()[self.requirement].figure;
         match self.campaign.values_at(&self.factors(quantiles), self.sample, &[figure]) {
             Ok(values) => Ok(values[0]),
-            Err(Error::Models(_)) => Ok(f64::NAN),
+            Err(Error::Models(_) | Error::Controller(_)) => Ok(f64::NAN),
             Err(error) => Err(error),
         }
     }

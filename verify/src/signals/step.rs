@@ -2,6 +2,7 @@
 
 use super::{check_finite, check_length, mean};
 use crate::Error;
+use crate::tolerance::FEWEST_STEP_SAMPLES;
 
 /// The response is settled once it stays within this fraction of the demand.
 pub const SETTLING_BAND: f64 = 0.05;
@@ -9,7 +10,6 @@ pub const SETTLING_BAND: f64 = 0.05;
 pub const STEADY_FRACTION: f64 = 0.1;
 /// Rise is counted between these fractions of the demand.
 pub const RISE_FROM_TO: (f64, f64) = (0.1, 0.9);
-const FEWEST_SAMPLES: usize = 10;
 
 /// Figures of the response to a step from rest to `demand`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,8 +52,8 @@ pub fn step_figures(time_s: &[f64], y: &[f64], demand: f64) -> Result<StepFigure
 
 fn check(time_s: &[f64], y: &[f64], demand: f64) -> Result<(), Error> {
     check_length("step response", y.len(), time_s.len())?;
-    if y.len() < FEWEST_SAMPLES {
-        return Err(Error::Length { what: "step response", found: y.len(), needed: FEWEST_SAMPLES });
+    if y.len() < FEWEST_STEP_SAMPLES {
+        return Err(Error::Length { what: "step response", found: y.len(), needed: FEWEST_STEP_SAMPLES });
     }
     check_finite("time of a step response", time_s)?;
     check_finite("step response", y)?;

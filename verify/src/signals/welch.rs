@@ -7,8 +7,8 @@ use realfft::RealFftPlanner;
 
 use super::{check_finite, check_length, mean};
 use crate::Error;
+use crate::tolerance::FEWEST_SAMPLES_A_SEGMENT;
 
-const FEWEST_SAMPLES_A_SEGMENT: usize = 8;
 /// Squared correlation of neighbouring Hann segments that overlap by half: (1/6)^2.
 const OVERLAP_CORRELATION: f64 = 1.0 / 36.0;
 

@@ -1,10 +1,11 @@
 //! What a deviation of each place adds to the plant.
 
 use counterpoise_lti::Mat;
+use counterpoise_models::Measured;
 use counterpoise_models::plant::core::{input, state};
-use counterpoise_models::plant::{Mesh, Plant};
+use counterpoise_models::plant::{Core, Mesh, Plant};
 
-use super::places::Place;
+use super::places::{Dry, Place};
 use crate::linear::plant::Resolver;
 
 /// A signal that a deviation adds, and what it is proportional to.
@@ -27,7 +28,7 @@ pub(super) struct Base {
 }
 
 /// The core with the gyroscope behind it and, where the controller reads it, the hub's angle.
-pub(super) fn base(plant: &Plant, slope_per_drive: f64, resolver: Resolver) -> Base {
+pub(super) fn base(plant: &Plant, slope_per_drive: f64, (resolver, springs): (Resolver, [f64; 2])) -> Base {
     let core = plant.core(Mesh::Touching);
     let (n, gyro) = (plant.core_order(), &plant.parameters().sensors.hub_gyro);
     let (first, second, angle) = (n, n + 1, n + 2);
@@ -37,28 +38,68 @@ pub(super) fn base(plant: &Plant, slope_per_drive: f64, resolver: Resolver) -> B
     if gyro.natural_frequency_rad_s.is_finite() {
         let (w, z) = (gyro.natural_frequency_rad_s, gyro.damping_ratio);
         A[(first, second)] = w;
-        (0..n).for_each(|j| A[(second, j)] = w * hub[j]);
+        let felt = measured(plant, angle);
+        (0..n + 3).filter(|j| felt[*j] != 0.0).for_each(|j| A[(second, j)] = w * felt[j]);
         (A[(second, first)], A[(second, second)]) = (-w, -2.0 * z * w);
     }
-    if resolver == Resolver::Read {
+    if resolver == Resolver::Read || springs != [0.0; 2] || plant.parameters().sensors.measured.is_position()
+    {
         (0..n).for_each(|j| A[(angle, j)] = hub[j]);
     }
-    let drive = core.B[(state::CURRENT, input::DRIVE)] + core.B[(state::VOLTAGE, input::DRIVE)];
-    let mut control: Vec<f64> = (0..n).map(|i| core.B[(i, input::DRIVE)] * slope_per_drive / drive).collect();
+    let torque = Torques::of(plant);
+    let ratio = plant.parameters().gearbox.ratio;
+    for i in 0..n {
+        A[(i, angle)] -= springs[1] * torque.hub[i] + springs[0] * ratio * torque.motor[i];
+        if plant.has_state(state::WINDUP) {
+            A[(i, state::WINDUP)] -= springs[0] * ratio * torque.motor[i];
+        }
+    }
+    let mut control: Vec<f64> =
+        (0..n).map(|i| core.B[(i, input::DRIVE)] * slope_per_drive / drive_gain(plant, &core)).collect();
     control.resize(n + 3, 0.0);
     let readings = readings(plant, (first, angle));
     Base { A, control, readings }
 }
 
+/// What the drive's strongest state receives of it; 1 if the drive has no state, whose slope is then the control's own.
+pub(super) fn drive_gain(plant: &Plant, core: &Core) -> f64 {
+    match plant.has_state(state::CURRENT) || plant.has_state(state::VOLTAGE) {
+        true => core.B[(state::CURRENT, input::DRIVE)] + core.B[(state::VOLTAGE, input::DRIVE)],
+        false => 1.0,
+    }
+}
+
+/// What the loop's sensor feels, as a row over the states of [`base`]; `angle` is the place of the hub's angle on the platform.
+fn measured(plant: &Plant, angle: usize) -> Vec<f64> {
+    let n = plant.core_order();
+    let wide = |mut row: Vec<f64>| {
+        row.resize(n + 3, 0.0);
+        row
+    };
+    match plant.parameters().sensors.measured {
+        Measured::HubRate | Measured::RelativeRate => wide(plant.hub_rate_row()),
+        Measured::MotorRate => {
+            let ratio = plant.parameters().gearbox.ratio;
+            wide(plant.motor_rate_row().into_iter().map(|entry| entry / ratio).collect())
+        }
+        Measured::HubPosition => one_at(n + 3, angle),
+        Measured::MotorPosition => {
+            let mut row = one_at(n + 3, angle);
+            row[state::WINDUP] = 1.0;
+            row
+        }
+    }
+}
+
 fn readings(plant: &Plant, (gyro_state, angle): (usize, usize)) -> [Vec<f64>; 3] {
     let (sensors, n) = (&plant.parameters().sensors, plant.core_order());
-    let mut gyro = plant.hub_rate_row();
-    gyro.resize(n + 3, 0.0);
+    let mut gyro = measured(plant, angle);
     if sensors.hub_gyro.natural_frequency_rad_s.is_finite() {
         gyro = one_at(n + 3, gyro_state);
     }
     gyro.iter_mut().for_each(|entry| *entry *= sensors.hub_gyro.gain);
-    let mut tachometer = one_at(n + 3, state::MOTOR);
+    let mut tachometer = plant.motor_rate_row();
+    tachometer.resize(n + 3, 0.0);
     let gain = sensors.motor_tachometer.as_ref().map_or(0.0, |sensor| sensor.gain);
     tachometer.iter_mut().for_each(|entry| *entry *= gain);
     let mut position = one_at(n + 3, angle);
@@ -74,7 +115,8 @@ fn one_at(n: usize, at: usize) -> Vec<f64> {
 }
 
 /// What the deviation of a place adds: nothing where the plant has nothing there.
-pub(super) fn channels_of(place: Place, plant: &Plant, base: &Base, dry: [f64; 2]) -> Vec<Channel> {
+pub(super) fn channels_of(place: Place, plant: &Plant, base: &Base, dry: &Dry) -> Vec<Channel> {
+    let Dry { viscous: dry, springs } = *dry;
     let size = base.A.nrows();
     let wide = |row: Vec<f64>, factor: f64| -> Vec<f64> {
         let mut row: Vec<f64> = row.iter().map(|entry| entry * factor).collect();
@@ -82,9 +124,17 @@ pub(super) fn channels_of(place: Place, plant: &Plant, base: &Base, dry: [f64; 2
         row
     };
     let torque = Torques::of(plant);
-    let (p, motor_rate) = (plant.parameters(), one_at(size, state::MOTOR));
+    let (p, motor_rate) = (plant.parameters(), wide(plant.motor_rate_row(), 1.0));
     let (hub, tip) = (plant.hub_rate_row(), plant.tip_rate_row());
     let Some(lumped) = p.lumped.as_ref() else { return Vec::new() };
+    let is_absent = match place {
+        Place::BeamInertia | Place::StructureStiffness | Place::StructureDamping => lumped.is_rigid(),
+        Place::GearStiffness => plant.is_rigid(),
+        _ => false,
+    };
+    if is_absent {
+        return Vec::new();
+    }
     let less = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(a, b)| a - b).collect::<Vec<f64>>();
     let between = less(&torque.hub, &torque.tip);
     let none = || vec![0.0; size];
@@ -104,12 +154,20 @@ pub(super) fn channels_of(place: Place, plant: &Plant, base: &Base, dry: [f64; 2
         Place::PivotViscous => force(&torque.hub, wide(hub, dry[1] - p.pivot_friction.viscous_nm_s_rad)),
         Place::MotorDry => force(&torque.motor, wide(motor_rate, -dry[0])),
         Place::PivotDry => force(&torque.hub, wide(hub, -dry[1])),
+        Place::MotorPresliding => {
+            let ratio = p.gearbox.ratio;
+            let mut angle = one_at(size, plant.core_order() + 2);
+            angle[state::WINDUP] += 1.0;
+            force(&torque.motor, wide(angle, -springs[0] * ratio))
+        }
+        Place::PivotPresliding => force(&torque.hub, wide(one_at(size, plant.core_order() + 2), -springs[1])),
         Place::GearStiffness => {
             force(&torque.mesh, wide(one_at(size, state::WINDUP), p.gearbox.stiffness_nm_rad))
         }
-        Place::TorqueConstant => {
-            force(&torque.motor, wide(one_at(size, state::CURRENT), p.motor.torque_constant_nm_a))
-        }
+        Place::TorqueConstant => force(
+            &torque.motor,
+            wide(plant.current_row()[..plant.core_order()].to_vec(), p.motor.torque_constant_nm_a),
+        ),
         Place::Resistance => resistance(plant, size),
         Place::GyroBandwidth => gyroscope(base, plant.core_order()),
     };
@@ -123,8 +181,8 @@ pub(super) fn channels_of(place: Place, plant: &Plant, base: &Base, dry: [f64; 2
 /// Voltage on the armature; nothing with an ideal current source, whose current is what it is told.
 fn resistance(plant: &Plant, size: usize) -> Vec<(Vec<f64>, Vec<f64>, Vec<f64>)> {
     let motor = &plant.parameters().motor;
-    let ideal = counterpoise_models::parameters::AmplifierDynamics::IdealCurrent;
-    if plant.parameters().amplifier.dynamics == ideal {
+    let modelled = counterpoise_models::parameters::AmplifierDynamics::Modelled;
+    if plant.parameters().amplifier.dynamics != modelled || !plant.has_state(state::CURRENT) {
         return Vec::new();
     }
     let mut column = one_at(size, state::CURRENT);

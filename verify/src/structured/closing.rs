@@ -3,11 +3,15 @@
 use counterpoise_controller::{Controller, READINGS};
 use counterpoise_lti::{C64, Mat, StateSpace, Timebase, append, lft, poles, series};
 use counterpoise_models::parameters::Parameters;
-use counterpoise_models::plant::{Angles, FrictionLinearisation, OperatingPoint, Plant};
+use counterpoise_models::plant::{
+    Angles, FrictionLinearisation, Impedance, LinearPlant, OperatingPoint, Plant,
+};
 
+use super::places::Dry;
 use crate::Error;
 use crate::linear::SampledPlant;
 use crate::linear::closed::resolver_use;
+use crate::tolerance::NEUTRAL;
 
 /// Errors of the plant's gain at one frequency: what the loop is closed with is an all-pass of first order with that value there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,17 +22,35 @@ pub struct GainErrors {
     pub rate_rad_s: f64,
 }
 
-/// The closed loop's pole of largest modulus, the perturbed mechanism's parameters and gain errors given.
+/// The mechanism, whose dry friction does not act, linearised with the springs of presliding: without angles if there are none.
+pub(super) fn linearised(body: &Plant, at: &OperatingPoint, dry: &Dry) -> Result<LinearPlant, Error> {
+    let spring = |stiffness| Impedance { stiffness, damping: 0.0 };
+    let (friction, angles) = if dry.springs == [0.0; 2] {
+        (FrictionLinearisation::Viscous, body.angles())
+    } else {
+        let [motor, pivot] = dry.springs.map(spring);
+        let rate = body.angles() == Angles::Drop;
+        (
+            FrictionLinearisation::Impedances { motor, pivot },
+            if rate { Angles::Relative } else { body.angles() },
+        )
+    };
+    Ok(body.linearise(&body.equilibrium(at), friction, angles)?)
+}
+
+/// The closed loop's pole of largest modulus, the perturbed mechanism's parameters and gain errors given. With springs of presliding,
+/// poles of constants that nothing changes are left out.
 ///
 /// # Errors
 /// Parameters that make no mechanism, and those of the sampling and of the connection.
 pub fn outermost_pole(
     parameters: &Parameters,
+    dry: &Dry,
     (controller, at): (&Controller, &OperatingPoint),
     errors: &GainErrors,
 ) -> Result<C64, Error> {
     let body = Plant::lumped(parameters)?;
-    let linear = body.linearise(&body.equilibrium(at), FrictionLinearisation::Viscous, Angles::Drop)?;
+    let linear = linearised(&body, at, dry)?;
     let plant = SampledPlant::new(&linear, parameters, resolver_use(controller))?;
     let K = controller.linear(controller.parts().design_out_of_balance_kg_m)?;
     let period_s = plant.sample_period_s;
@@ -37,7 +59,11 @@ pub fn outermost_pole(
     let before = append(&StateSpace::gain(Mat::eye(1), discrete)?, &output?)?;
     let readings = append(&before, &StateSpace::gain(Mat::eye(READINGS - 2), discrete)?)?;
     let system = lft(&plant.sampled, &series(&series(&readings, &K)?, &input?)?)?;
-    let all = poles(&system)?;
+    let all: Vec<C64> = if dry.springs == [0.0; 2] {
+        poles(&system)?
+    } else {
+        poles(&system)?.into_iter().filter(|pole| (pole - 1.0).norm() > NEUTRAL).collect()
+    };
     Ok(all.into_iter().max_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap_or(C64::new(0.0, 0.0)))
 }
 

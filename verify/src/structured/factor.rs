@@ -1,6 +1,7 @@
 //! The factor of a parameter as a function of a normalised deviation.
 
 use crate::robust::Distribution;
+use crate::tolerance::INSIDE_REACH;
 
 /// The factor by which a parameter differs, over a deviation delta
 ///
@@ -19,9 +20,6 @@ pub struct Factor {
     /// Slope of the denominator.
     pub b: f64,
 }
-
-/// How far towards a factor of 0 or of infinity a deviation goes.
-const INSIDE: f64 = 0.999;
 
 impl Factor {
     /// The factor over the range of a distribution.
@@ -50,7 +48,7 @@ impl Factor {
     pub fn reach(self) -> (f64, f64) {
         let least = if self.a > 0.0 { -1.0 / self.a } else { f64::NEG_INFINITY };
         let most = if self.b < 0.0 { -1.0 / self.b } else { f64::INFINITY };
-        (INSIDE * least, INSIDE * most)
+        (INSIDE_REACH * least, INSIDE_REACH * most)
     }
 }
 

@@ -4,6 +4,7 @@ use counterpoise_lti::{C64, CMat};
 
 use super::Structure;
 use super::blocks::Block;
+use crate::tolerance::{POWER_ITERATIONS, POWER_RESIDUAL, POWER_STARTS};
 
 /// A structured perturbation Delta of size 1 with det(I - M Delta / beta) = 0: mu(M) is at least `beta`.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,16 +15,9 @@ pub struct Perturbation {
     pub delta: Vec<C64>,
 }
 
-/// Most iterations from one start.
-const ITERATIONS: usize = 200;
-/// Starts that are tried.
-const STARTS: usize = 6;
-/// An iteration has converged where M Delta a = beta a holds to this.
-const RESIDUAL: f64 = 1e-6;
-
 /// The largest bound that the iteration finds from a few fixed starts; `None` if it converges from none of them, or the bound is 0.
 pub fn lower_bound(M: &CMat, structure: &Structure) -> Option<Perturbation> {
-    let found = (0..STARTS).filter_map(|start| Iteration::new(M, structure, start).run());
+    let found = (0..POWER_STARTS).filter_map(|start| Iteration::new(M, structure, start).run());
     found.max_by(|a, b| a.beta.total_cmp(&b.beta))
 }
 
@@ -71,7 +65,7 @@ impl<'a> Iteration<'a> {
     }
 
     fn run(mut self) -> Option<Perturbation> {
-        for _ in 0..ITERATIONS {
+        for _ in 0..POWER_ITERATIONS {
             let beta;
             (self.a, beta) = unit(times(self.M, &self.b))?;
             let z = self.turned(true);
@@ -103,7 +97,7 @@ impl<'a> Iteration<'a> {
     fn converged(&self, beta: f64) -> Option<Perturbation> {
         let image = times(self.M, &self.b);
         let off: Vec<C64> = image.iter().zip(&self.a).map(|(y, a)| y - a * beta).collect();
-        (norm(&off) < RESIDUAL * beta).then(|| Perturbation { beta, delta: self.delta.clone() })
+        (norm(&off) < POWER_RESIDUAL * beta).then(|| Perturbation { beta, delta: self.delta.clone() })
     }
 }
 

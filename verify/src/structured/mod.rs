@@ -10,7 +10,7 @@
 //! sampled, and [`stability`] is the whole road over all frequencies.
 //!
 //! Modules in reading order: [`blocks`], [`hermitian`], [`upper`], [`lower`], [`vertices`], [`factor`], [`places`], `channels`, [`loops`],
-//! [`closing`], [`stability`], `nearest`.
+//! [`closing`], [`problem`], `nearest`, [`stability`].
 
 pub mod blocks;
 mod channels;
@@ -21,12 +21,15 @@ pub mod loops;
 pub mod lower;
 mod nearest;
 pub mod places;
+pub mod problem;
 pub mod stability;
 pub mod upper;
 pub mod vertices;
 
 pub use blocks::{Block, Structure};
 pub use lower::{Perturbation, lower_bound};
-pub use stability::{Bounds, Destabilising, RobustStability, Uncertainty, robust_stability};
+pub use places::Joints;
+pub use problem::{Bounds, Destabilising, Uncertainty};
+pub use stability::{RobustStability, robust_stability, robust_stability_in};
 pub use upper::{UpperBound, upper_bound};
 pub use vertices::vertex_bound;

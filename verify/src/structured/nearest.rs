@@ -4,14 +4,10 @@ use counterpoise_lti::C64;
 
 use super::Perturbation;
 use super::factor::Factor;
-use super::stability::{Destabilising, Problem, Scanned};
+use super::problem::{Destabilising, Problem, Scanned};
 use crate::Error;
 use crate::robust::Varied;
-
-/// Candidates that are closed exactly.
-const CANDIDATES: usize = 6;
-/// A limit is found to this, relative.
-const NEARNESS: f64 = 1e-6;
+use crate::tolerance::{LIMIT_NEARNESS, NEAREST_CANDIDATES};
 
 /// The least widening of the ranges that was found to destabilise, each perturbation closed with the sampled loop.
 ///
@@ -29,7 +25,7 @@ impl Search<'_, '_> {
         let mut ordered: Vec<&Scanned> = scanned.iter().filter(|at| at.lower.is_some()).collect();
         ordered.sort_by(|a, b| b.bounds().lower.total_cmp(&a.bounds().lower));
         let mut best = None;
-        for at in ordered.into_iter().take(CANDIDATES) {
+        for at in ordered.into_iter().take(NEAREST_CANDIDATES) {
             let Some(lower) = &at.lower else { continue };
             best = nearer(best, self.improved(self.candidate(lower, at.hz), 1.0 / lower.beta)?);
         }
@@ -103,7 +99,7 @@ impl Search<'_, '_> {
         if high.is_nan() {
             return Ok(None);
         }
-        while high - low > NEARNESS * high {
+        while high - low > LIMIT_NEARNESS * high {
             let middle = 0.5 * (low + high);
             if self.unstable(candidate, middle)? { high = middle } else { low = middle }
         }

@@ -3,6 +3,7 @@
 use counterpoise_models::parameters::{FrictionLaw, Parameters};
 
 use crate::robust::Varied;
+use crate::tolerance::STUCK;
 
 /// A place of the linear plant at which a factor acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,6 +34,10 @@ pub enum Place {
     Resistance,
     /// Natural frequency of the hub's gyroscope: two places.
     GyroBandwidth,
+    /// Presliding stiffness at the motor, at rest.
+    MotorPresliding,
+    /// Presliding stiffness at the pivot, at rest.
+    PivotPresliding,
 }
 
 /// The places of a parameter; `None` if it does not enter the loop.
@@ -52,8 +57,44 @@ pub fn places(varied: Varied) -> &'static [Place] {
         Varied::TorqueConstant => &[Place::TorqueConstant],
         Varied::Resistance => &[Place::Resistance],
         Varied::GyroBandwidth => &[Place::GyroBandwidth],
-        Varied::OutOfBalance | Varied::Backlash | Varied::AccelerometerGain | Varied::PlatformGyroGain => &[],
+        Varied::PreslidingStiffness => &[Place::MotorPresliding, Place::PivotPresliding],
+        Varied::OutOfBalance
+        | Varied::Backlash
+        | Varied::AccelerometerGain
+        | Varied::PlatformGyroGain
+        | Varied::ObserverLevel
+        | Varied::ObserverStiffness
+        | Varied::ObserverGain => &[],
     }
+}
+
+/// What stands for dry friction in a linear plant, at motor and pivot.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Dry {
+    /// Viscous friction, N m s/rad.
+    pub viscous: [f64; 2],
+    /// Springs, N m/rad: the presliding stiffness at rest.
+    pub springs: [f64; 2],
+}
+
+/// Whether friction slides or rests in a linear loop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Joints {
+    /// Friction slides: dry friction is viscous friction of the same work.
+    Sliding,
+    /// Friction is at rest: dry friction is the spring of its presliding stiffness.
+    AtRest,
+}
+
+/// The presliding stiffness at motor and pivot, N m/rad: 0 for a law that creeps, that of a joint that is all but stuck for one that
+/// truly sticks.
+pub fn presliding(parameters: &Parameters) -> [f64; 2] {
+    let (gear, ratio) = (parameters.gearbox.stiffness_nm_rad, parameters.gearbox.ratio);
+    let joints = [(&parameters.motor_friction, gear / (ratio * ratio)), (&parameters.pivot_friction, gear)];
+    joints.map(|(friction, most)| {
+        let stuck = if friction.law.has_true_stick() { STUCK * most } else { 0.0 };
+        friction.presliding_stiffness_nm_rad().unwrap_or(stuck)
+    })
 }
 
 /// The viscous friction that takes as much work as the dry friction at a sinusoidal rate of the hub, N m s/rad at the motor and at

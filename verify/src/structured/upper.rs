@@ -14,6 +14,10 @@ use counterpoise_lti::{C64, CMat};
 use super::Structure;
 use super::blocks::Block;
 use super::hermitian::Factor;
+use crate::tolerance::{
+    SCALING_BEHIND, SCALING_DECREMENT, SCALING_FIRST, SCALING_FLOOR, SCALING_GAIN, SCALING_NEAR,
+    SCALING_NEWTON, SCALING_REGULAR, SCALING_STEPS,
+};
 
 /// An upper bound with what proves it.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,25 +36,6 @@ impl UpperBound {
         Factor::of(&self.D).is_some() && Factor::of(&slack(M, &self.D, &self.G, self.beta.powi(2))).is_some()
     }
 }
-
-/// The search ends where a step gains less than this, relative.
-const GAIN: f64 = 2e-3;
-/// Most steps of the method of centres.
-const STEPS: usize = 60;
-/// Most steps of Newton's method a centre.
-const NEWTON: usize = 25;
-/// Newton's method ends at this decrement: a rough centre is enough.
-const DECREMENT: f64 = 0.05;
-/// How far the next bound stays behind what the centre proves.
-const BEHIND: f64 = 0.25;
-/// The first bound that is centred, over what the start proves.
-const FIRST: f64 = 1.5;
-/// A bound is near what its centre proves below this ratio: only then does a small gain end the search.
-const NEAR: f64 = 1.006;
-/// Weight of |G|^2, which keeps the centre bounded.
-const REGULAR: f64 = 1e-7;
-/// A bound below this part of the largest singular value counts as none.
-const FLOOR: f64 = 1e-6;
 
 /// gamma D - M* D M - j (G M - M* G).
 fn slack(M: &CMat, D: &CMat, G: &CMat, gamma: f64) -> CMat {
@@ -154,7 +139,7 @@ impl<'a> Search<'a> {
             D: plain.0,
             G: plain.1,
             gamma: 1.01 * size,
-            floor: FLOOR * FLOOR * size,
+            floor: SCALING_FLOOR * SCALING_FLOOR * size,
         };
         if let Some((D, G)) = near {
             let proved = Factor::of(&D).is_some() && Factor::of(&slack(M, &D, &G, 1.01 * size)).is_some();
@@ -168,21 +153,21 @@ impl<'a> Search<'a> {
     /// Leaves the best pair that was found, with the least gamma that it proves.
     fn run(&mut self) {
         let mut best = (self.least(), self.D.clone(), self.G.clone());
-        self.gamma = self.gamma.min(FIRST * best.0);
-        for _ in 0..STEPS {
+        self.gamma = self.gamma.min(SCALING_FIRST * best.0);
+        for _ in 0..SCALING_STEPS {
             if self.gamma <= self.floor || !self.centre() {
                 break;
             }
             let proved = self.least();
-            let near = self.gamma < NEAR * proved;
-            let gained = proved < (1.0 - GAIN) * best.0;
+            let near = self.gamma < SCALING_NEAR * proved;
+            let gained = proved < (1.0 - SCALING_GAIN) * best.0;
             if proved < best.0 {
                 best = (proved, self.D.clone(), self.G.clone());
             }
             if near && !gained {
                 break;
             }
-            self.gamma = proved + BEHIND * (self.gamma - proved);
+            self.gamma = proved + SCALING_BEHIND * (self.gamma - proved);
         }
         (self.gamma, self.D, self.G) = best;
     }
@@ -203,9 +188,9 @@ impl<'a> Search<'a> {
     /// Moves to the analytic centre of the pairs that prove the present gamma; false where no step was possible.
     fn centre(&mut self) -> bool {
         let mut moved = false;
-        for _ in 0..NEWTON {
+        for _ in 0..SCALING_NEWTON {
             let Some((step, decrement)) = self.newton() else { return moved };
-            if decrement < DECREMENT {
+            if decrement < SCALING_DECREMENT {
                 return true;
             }
             if !self.advance(&step, decrement) {
@@ -221,7 +206,7 @@ impl<'a> Search<'a> {
         let rest = &CMat::eye(D.nrows()) - D;
         let parts = [slack(self.M, D, G, self.gamma), D.clone(), rest];
         let sum: Option<f64> = parts.iter().map(|F| Some(Factor::of(F)?.log_det())).sum();
-        Some(0.5 * REGULAR * G.norm_fro().powi(2) - sum?)
+        Some(0.5 * SCALING_REGULAR * G.norm_fro().powi(2) - sum?)
     }
 
     fn advance(&mut self, step: &[f64], decrement: f64) -> bool {
@@ -267,9 +252,9 @@ impl<'a> Search<'a> {
         for (i, one) in self.directions.iter().enumerate() {
             let mut slope = -trace(&P, &wide[i]);
             if one.of_G {
-                slope +=
-                    REGULAR * one.entries.iter().map(|e| (e.2.conj() * self.G[(e.0, e.1)]).re).sum::<f64>();
-                H[(i, i)] += REGULAR * one.entries.len() as f64;
+                slope += SCALING_REGULAR
+                    * one.entries.iter().map(|e| (e.2.conj() * self.G[(e.0, e.1)]).re).sum::<f64>();
+                H[(i, i)] += SCALING_REGULAR * one.entries.len() as f64;
             } else {
                 slope += trace(&PR, &one.entries) - trace(&PD, &one.entries);
             }

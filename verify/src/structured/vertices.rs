@@ -14,23 +14,10 @@ use counterpoise_lti::{C64, CMat};
 
 use super::blocks::Block;
 use super::{Perturbation, Structure};
-
-/// Phases that are tried between two complex numbers, then refined.
-const PHASES: usize = 24;
-/// The angle between the phases is found to this, rad: at the end, and while parameters are compared.
-const NEARNESS: f64 = 1e-7;
-const ROUGHLY: f64 = 1e-2;
-/// Values that a parameter is tried at first, evenly from -1 to 1: a resonance is met only where it falls on the frequency.
-const LEVELS: usize = 17;
-/// Most rounds over all parameters; from the second on each moves by steps that are halved.
-const ROUNDS: usize = 7;
-/// Steps by which x is raised before its crossing is bisected, and by how much.
-const RAISES: (usize, f64) = (60, 1.03);
-
-/// The search begins at these multiples of 1 / `upper`: the larger, the more a parameter moves.
-const BEGINNINGS: [f64; 3] = [1.0, 1.5, 2.3];
-/// Most times that x is shrunk from one beginning.
-const SHRINKS: usize = 3;
+use crate::tolerance::{
+    ASCENT_ROUNDS, CROSSING_RAISES, PHASE_NEARNESS, ROUGH_PHASE, SEARCH_BEGINNINGS, SEARCH_SHRINKS,
+    TRIED_LEVELS, TRIED_PHASES,
+};
 
 /// A perturbation of least size x near 1 / `upper`, from a start of the real parameters, none of which leaves its reach; none without one or two complex blocks, or
 /// where it would be much larger.
@@ -41,9 +28,9 @@ pub fn vertex_bound(
     upper: f64,
 ) -> Option<Perturbation> {
     let search = Search::new(M, structure, reach)?;
-    let found = BEGINNINGS.iter().filter_map(|times| search.from(start, (times / upper, 1.0 / upper)));
+    let found = SEARCH_BEGINNINGS.iter().filter_map(|times| search.from(start, (times / upper, 1.0 / upper)));
     let (x, q) = found.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let (_, phases) = search.radius(&q, (x, NEARNESS))?;
+    let (_, phases) = search.radius(&q, (x, PHASE_NEARNESS))?;
     let real = (0..q.len()).map(|k| C64::new(search.deviation(&q, k, x) / x, 0.0));
     Some(Perturbation { beta: 1.0 / x, delta: real.chain(phases).collect() })
 }
@@ -78,7 +65,7 @@ impl<'a> Search<'a> {
         let mut q = start.to_vec();
         self.ascend(&mut q, begin);
         let mut best = (self.crossing(&q, least)?, q.clone());
-        for _ in 0..SHRINKS {
+        for _ in 0..SEARCH_SHRINKS {
             self.ascend(&mut q, 0.999 * best.0);
             let x = self.crossing(&q, least)?;
             if x > 0.999 * best.0 {
@@ -116,8 +103,8 @@ impl<'a> Search<'a> {
             return Some((value.norm(), vec![(value / value.norm()).conj()]));
         }
         let at = |angle: f64| largest(&S, C64::from_polar(1.0, angle));
-        let step = std::f64::consts::TAU / PHASES as f64;
-        let first = (0..PHASES).map(|k| step * k as f64);
+        let step = std::f64::consts::TAU / TRIED_PHASES as f64;
+        let first = (0..TRIED_PHASES).map(|k| step * k as f64);
         let mut best = first.max_by(|a, b| at(*a).norm().total_cmp(&at(*b).norm()))?;
         let mut span = step;
         while span > nearness {
@@ -138,18 +125,18 @@ impl<'a> Search<'a> {
     }
 
     fn ascend(&self, q: &mut [f64], x: f64) {
-        let mut best = self.value(q, x, ROUGHLY);
-        let even = |k: usize| 2.0 * k as f64 / (LEVELS - 1) as f64 - 1.0;
+        let mut best = self.value(q, x, ROUGH_PHASE);
+        let even = |k: usize| 2.0 * k as f64 / (TRIED_LEVELS - 1) as f64 - 1.0;
         let mut step = even(1) + 1.0;
-        for round in 0..ROUNDS {
+        for round in 0..ASCENT_ROUNDS {
             for k in 0..q.len() {
                 let tried: Vec<f64> = match round {
-                    0 => (0..LEVELS).map(even).collect(),
+                    0 => (0..TRIED_LEVELS).map(even).collect(),
                     _ => [-step, step].iter().map(|by| (q[k] + by).clamp(-1.0, 1.0)).collect(),
                 };
                 for level in tried {
                     let old = std::mem::replace(&mut q[k], level);
-                    let value = self.value(q, x, ROUGHLY);
+                    let value = self.value(q, x, ROUGH_PHASE);
                     if value > best && value.is_finite() { best = value } else { q[k] = old }
                 }
             }
@@ -161,13 +148,13 @@ impl<'a> Search<'a> {
 
     /// The first x from `from` on with x mu = 1.
     fn crossing(&self, q: &[f64], from: f64) -> Option<f64> {
-        let enough = |x: f64| x * self.value(q, x, NEARNESS) >= 1.0;
+        let enough = |x: f64| x * self.value(q, x, PHASE_NEARNESS) >= 1.0;
         let (mut low, mut high) = (0.97 * from, from);
         let mut raises = 0;
         while !enough(high) {
-            (low, high) = (high, high * RAISES.1);
+            (low, high) = (high, high * CROSSING_RAISES.1);
             raises += 1;
-            if raises > RAISES.0 {
+            if raises > CROSSING_RAISES.0 {
                 return None;
             }
         }

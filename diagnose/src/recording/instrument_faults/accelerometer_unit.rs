@@ -1,19 +1,11 @@
 //! The accelerometer's gain from the torque balance: a column in g or with a swapped sign scales the weight accordingly.
 
+use crate::tolerance::recording::{HEAVE_FACTOR_DOUBT, HEAVE_FACTOR_REACH, HEAVE_UNIT_FACTORS, SMOOTHING_S};
 use counterpoise_models::Parameters;
 use counterpoise_recordings::{Channel, Recording};
 
 use super::regression::regress;
 use crate::recording::series::{derivative, deviation, low_pass};
-
-/// Half width of the smoothing window, s.
-const SMOOTHING_S: f64 = 0.025;
-/// Relative uncertainty above which the balance is not used.
-const TELLING: f64 = 0.5;
-/// Factors of units, and of a sign.
-const FACTORS: [f64; 5] = [1.0, 9.80665, 1.0 / 9.80665, 1e3, 1e-3];
-/// Factor within which the balance finds them: the out-of-balance may differ from the project's.
-const NEAR: f64 = 1.5;
 
 /// Returns the gain of the accelerometer's column if it is that of a unit or a sign, with its relative uncertainty:
 ///
@@ -39,9 +31,9 @@ pub(super) fn gain(base: &Parameters, r: &Recording) -> Option<(f64, f64)> {
     columns.extend((deviation(&turning) > 0.0).then_some(turning.as_slice()));
     let found = regress(&columns, &torque)?;
     let (value, doubt) = (moment / found.value[0], (found.doubt[0] / found.value[0]).abs());
-    let near = |known: &f64| (1.0 / NEAR..NEAR).contains(&(value.abs() / known));
-    let known = FACTORS.into_iter().find(near)?.copysign(value);
-    (known != 1.0 && doubt < TELLING).then_some((known, doubt))
+    let near = |known: &f64| (1.0 / HEAVE_FACTOR_REACH..HEAVE_FACTOR_REACH).contains(&(value.abs() / known));
+    let known = HEAVE_UNIT_FACTORS.into_iter().find(near)?.copysign(value);
+    (known != 1.0 && doubt < HEAVE_FACTOR_DOUBT).then_some((known, doubt))
 }
 
 /// Returns the motor's torque at the hub under a constant control, N m.

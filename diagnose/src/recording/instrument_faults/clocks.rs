@@ -1,35 +1,19 @@
 //! Columns on another clock: late by a constant time, or by a growing one.
 
+use crate::tolerance::recording::{
+    CLOCK_DRIFT_S, COMMON_OFFSET_S, DRIFT_AGREEMENT, KINEMATIC_REMAINDER, LAG_CORRECTIONS, LARGEST_SHIFT,
+    PLATFORM_MOVES_RAD_S, SHIFT_REMAINDER, SMALLEST_MOVING_OFFSET_S, SMALLEST_OFFSET_DOUBTS,
+    SMALLEST_OFFSET_S,
+};
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::{Parameters, Sensor};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::Loop;
 
 use super::column::Column;
-use super::identities::{ColumnShift, Identity, STILL_RAD_S, controlled, kinematic};
+use super::identities::{ColumnShift, Identity, controlled, kinematic, proportional_integral};
 use super::regression::late;
 use crate::recording::series::{derivative, deviation};
-
-/// Smallest clock offset that is reported, s, and as a multiple of its uncertainty.
-const OFFSET_S: f64 = 1.5e-3;
-const DOUBTS: f64 = 1.5;
-/// The same for the motor if the platform moves, s.
-const MOVED_S: f64 = 5e-3;
-/// Largest difference between a recording's offset and that of the others for which it is taken to have theirs, s.
-const ALONGSIDE_S: f64 = 3e-3;
-/// Share of the rate that the kinematics may leave for their lag to be believed.
-const SHARE: f64 = 0.1;
-/// Corrections of the lag, each by the slope at the last.
-const CORRECTIONS: usize = 5;
-/// Difference of the clocks over half a recording from which they drift, s: if several recordings agree, or in a single one.
-const PARTED_S: (f64, f64) = (6e-4, 2e-3);
-/// Share of the mean drift by which a recording's drift may differ from it.
-const ALIKE: f64 = 0.5;
-/// Largest shift in samples at which the controller's columns are tried.
-const SOUGHT: i32 = 60;
-/// Share of the residual that the right shift may leave, and multiple of the converter's noise above which there is a residual at
-/// all.
-const SHIFTED: (f64, f64) = (0.3, 3.0);
 
 /// How late a column is.
 #[derive(Debug, Clone, Copy)]
@@ -44,11 +28,11 @@ pub(super) struct Lateness {
 pub(super) fn lateness(base: &Parameters, r: &Recording, column: Column) -> Option<Lateness> {
     let rate = rate(base, r, column)?;
     let mut shift = 0.0;
-    for _ in 0..CORRECTIONS {
+    for _ in 0..LAG_CORRECTIONS {
         let found: Identity = kinematic(column, &late(&rate, -shift / r.sample_period_s), r)?;
         let left = expected_lead(base, column) - found.lead_s.0;
         if left.abs() < 0.5 * r.sample_period_s || !left.is_finite() {
-            let believed = found.share < SHARE;
+            let believed = found.share < KINEMATIC_REMAINDER;
             return believed.then_some(Lateness { late_s: shift + left, doubt_s: found.lead_s.1 });
         }
         shift += left;
@@ -74,11 +58,12 @@ fn expected_lead(base: &Parameters, column: Column) -> f64 {
 /// Returns how late motor and resolver are if that cannot be the gyroscopes' own lag: late against them, or different from each
 /// other. The motor's gear twists, so that it leads or lags a little if the platform moves; then a larger offset is required.
 fn told(base: &Parameters, r: &Recording) -> Vec<(Column, Lateness)> {
-    let of = |column| lateness(base, r, column).filter(|lateness| lateness.doubt_s < 3.0 * OFFSET_S);
-    let moved = r.samples(Channel::PlatformRate).is_some_and(|p| deviation(p) > STILL_RAD_S);
+    let of = |column| lateness(base, r, column).filter(|lateness| lateness.doubt_s < 3.0 * SMALLEST_OFFSET_S);
+    let moved = r.samples(Channel::PlatformRate).is_some_and(|p| deviation(p) > PLATFORM_MOVES_RAD_S);
     let sure = |column: Column, Lateness { late_s, doubt_s }: Lateness| {
-        let least = if moved && column == Column::MotorRate { MOVED_S } else { OFFSET_S };
-        late_s.abs() > least && late_s.abs() > DOUBTS * doubt_s
+        let least =
+            if moved && column == Column::MotorRate { SMALLEST_MOVING_OFFSET_S } else { SMALLEST_OFFSET_S };
+        late_s.abs() > least && late_s.abs() > SMALLEST_OFFSET_DOUBTS * doubt_s
     };
     let (motor, resolver) = (of(Column::MotorRate), of(Column::HubPosition));
     let own = match (motor, resolver) {
@@ -107,7 +92,7 @@ pub(super) fn offsets(base: &Parameters, recordings: &[Recording]) -> Vec<(usize
         let sure: Vec<Lateness> = (0..recordings.len()).filter_map(of).collect();
         let Some(&best) = sure.iter().min_by(|a, b| a.doubt_s.total_cmp(&b.doubt_s)) else { continue };
         let alike = |r: usize| match lateness(base, &recordings[r], column) {
-            Some(lateness) => (lateness.late_s - best.late_s).abs() < ALONGSIDE_S,
+            Some(lateness) => (lateness.late_s - best.late_s).abs() < COMMON_OFFSET_S,
             None => column.of(&recordings[r]).is_some(),
         };
         let each = (0..recordings.len()).filter_map(|r| Some((r, of(r).or(alike(r).then_some(best))?)));
@@ -129,8 +114,8 @@ pub(super) fn drift(base: &Parameters, recordings: &[Recording], column: Column)
     let count = all.len().max(1) as f64;
     let slow = all.iter().map(|(apart, time, _)| apart / time).sum::<f64>() / count;
     let apart = all.iter().map(|(apart, ..)| apart.abs()).fold(f64::INFINITY, f64::min);
-    let alike = all.iter().all(|(apart, time, _)| (apart / time - slow).abs() < ALIKE * slow.abs());
-    let least = if all.len() > 1 { PARTED_S.0 } else { PARTED_S.1 };
+    let alike = all.iter().all(|(apart, time, _)| (apart / time - slow).abs() < DRIFT_AGREEMENT * slow.abs());
+    let least = if all.len() > 1 { CLOCK_DRIFT_S.0 } else { CLOCK_DRIFT_S.1 };
     let spread = all.iter().map(|(apart, time, _)| (apart / time - slow).abs()).fold(0.0, f64::max);
     (!all.is_empty() && alike && apart > least).then_some((slow, spread))
 }
@@ -142,13 +127,13 @@ pub(super) fn control_offset(
     control: &Loop,
     recordings: &[Recording],
 ) -> Option<(Column, Lateness, Vec<usize>)> {
-    let Loop::Closed(controller) = control else { return None };
+    let controller = proportional_integral(control)?;
     let noise = Column::Control.converter_step(base)? / 12f64.sqrt();
     let bad: Vec<(usize, f64)> = recordings
         .iter()
         .enumerate()
         .filter_map(|(r, recording)| Some((r, controlled(controller, recording, ColumnShift::NONE)?.left)))
-        .filter(|(_, left)| *left > SHIFTED.1 * noise)
+        .filter(|(_, left)| *left > SHIFT_REMAINDER.1 * noise)
         .collect();
     let period_s = recordings.get(bad.first()?.0)?.sample_period_s;
     let share = |column, samples| {
@@ -158,13 +143,14 @@ pub(super) fn control_offset(
         bad.iter().map(of).try_fold(0.0, |sum, share| Some(sum + share?))
     };
     let columns = [Column::Control, Column::HubRate, Column::Demand];
-    let all = columns.into_iter().flat_map(|c| (-SOUGHT..=SOUGHT).map(move |samples| (c, samples)));
+    let all =
+        columns.into_iter().flat_map(|c| (-LARGEST_SHIFT..=LARGEST_SHIFT).map(move |samples| (c, samples)));
     let tried = all.filter_map(|(c, samples)| Some((share(c, samples)?, c, samples)));
     let (after, column, samples) = tried.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let inside = samples.abs() < SOUGHT && samples != 0;
+    let inside = samples.abs() < LARGEST_SHIFT && samples != 0;
     let lateness = Lateness { late_s: f64::from(samples) * period_s, doubt_s: 0.5 * period_s };
     let recordings = bad.iter().map(|(r, _)| *r).collect();
-    (inside && after < SHIFTED.0 * bad.len() as f64).then_some((column, lateness, recordings))
+    (inside && after < SHIFT_REMAINDER.0 * bad.len() as f64).then_some((column, lateness, recordings))
 }
 
 /// Returns the controller's identity if every factor in it is one.

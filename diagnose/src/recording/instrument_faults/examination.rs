@@ -5,6 +5,10 @@
 //! Faults that a gyroscope itself may have (gain, bias, lag, delay) are left to the library of physics, because this sensor is
 //! inside the control loop.
 
+use crate::tolerance::recording::{
+    FACTOR_CERTAINTY, MOTOR_BIAS_RAD_S, PLATFORM_REST_MULTIPLE, RECOMPUTED_CONTROL_MULTIPLE,
+    WRONG_FACTORS_AT_MOST,
+};
 use counterpoise_models::Parameters;
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::Loop;
@@ -28,18 +32,6 @@ pub struct ExaminedRecordings {
     written: Vec<Vec<Column>>,
 }
 
-/// Largest number of wrong factors that are corrected one after the other.
-const MISTAKES: usize = 3;
-/// Relative uncertainty up to which a factor that is not a unit's is corrected; beyond it a motor's or a resolver's column is left
-/// out.
-const SURE: f64 = 4e-3;
-/// Difference of the motor's and the resolver's mean rate of the hub from which the motor has a bias, rad/s.
-const BIAS_RAD_S: f64 = 1e-3;
-/// Largest variation of a platform at rest, as a multiple of its noise.
-const AT_REST: f64 = 1.5;
-/// Largest error of a recomputed control that may replace useless readings, as a multiple of the converter's noise.
-const MADE: f64 = 3.0;
-
 /// Examines the recordings of one machine; `control` is the controller that was in the loop, if the project knows it.
 pub fn find_instrument_faults(
     base: &Parameters,
@@ -50,7 +42,7 @@ pub fn find_instrument_faults(
     let written = recordings.iter().map(columns).collect();
     let mut out = ExaminedRecordings { recordings: recordings.to_vec(), faults: Vec::new(), written };
     out.singles(base, control);
-    for _ in 0..MISTAKES {
+    for _ in 0..WRONG_FACTORS_AT_MOST {
         let Some(found) = factors::mistake(base, control, &out.recordings) else { break };
         out.mistake(&found);
     }
@@ -115,7 +107,7 @@ impl ExaminedRecordings {
                 remade(recording, control, base);
             }
             Column::PlatformRate | Column::PlatformAccel
-                if deviation(series) < AT_REST * measure_white_noise(series) =>
+                if deviation(series) < PLATFORM_REST_MULTIPLE * measure_white_noise(series) =>
             {
                 filled(series);
             }
@@ -165,7 +157,7 @@ impl ExaminedRecordings {
             Mistake::Exchange { one, other } => (one, FaultKind::Exchanged { with: other }),
         };
         let unsure = match kind {
-            FaultKind::Scale { gain, doubt } => !fault::is_known(gain) && doubt > SURE,
+            FaultKind::Scale { gain, doubt } => !fault::is_known(gain) && doubt > FACTOR_CERTAINTY,
             _ => false,
         };
         let spare = matches!(column, Column::MotorRate | Column::HubPosition);
@@ -275,8 +267,9 @@ fn motor_bias(base: &Parameters, recording: &Recording, r: usize) -> Option<(usi
     let (motor, resolver) = (of(Column::MotorRate)?, of(Column::HubPosition)?);
     let apart = motor.constant.0 - resolver.constant.0;
     let doubt = motor.left.max(resolver.left);
-    let told =
-        apart.abs() > BIAS_RAD_S && apart.abs() > doubt && resolver.constant.0.abs() < 0.5 * apart.abs();
+    let told = apart.abs() > MOTOR_BIAS_RAD_S
+        && apart.abs() > doubt
+        && resolver.constant.0.abs() < 0.5 * apart.abs();
     told.then_some((r, apart * base.gearbox.ratio, doubt * base.gearbox.ratio))
 }
 
@@ -303,7 +296,7 @@ fn filled(series: &mut [f64]) {
 
 /// Replaces missing controls by the controller's own output if it agrees with the others; returns whether it did.
 fn remade(recording: &mut Recording, control: &Loop, base: &Parameters) -> bool {
-    let Loop::Closed(controller) = control else { return false };
+    let Some(controller) = identities::proportional_integral(control) else { return false };
     let channels = [Channel::Demand, Channel::HubRate, Channel::Control];
     let [Some(demand), Some(hub), Some(u)] = channels.map(|channel| recording.samples(channel)) else {
         return false;
@@ -314,7 +307,7 @@ fn remade(recording: &mut Recording, control: &Loop, base: &Parameters) -> bool 
     let rest: Vec<f64> = u.iter().zip(&made).map(|(u, m)| u - m).collect();
     let Some(fit) = regress(&[&one], &rest) else { return false };
     let noise = Column::Control.converter_step(base).unwrap_or(0.0) / 12f64.sqrt();
-    if fit.left > MADE * noise || made.iter().any(|v| !v.is_finite()) {
+    if fit.left > RECOMPUTED_CONTROL_MULTIPLE * noise || made.iter().any(|v| !v.is_finite()) {
         return false;
     }
     let whole = u.iter().zip(&made).map(|(u, m)| if u.is_finite() { *u } else { m + fit.value[0] });

@@ -1,6 +1,10 @@
 //! Which column is written with a wrong factor, or which two are exchanged: the smallest mistake after which every identity of
 //! every recording holds.
 
+use crate::tolerance::recording::{
+    BROKEN_IDENTITY_AT_MOST, CONTROLLER_IDENTITY_MULTIPLE, EQUIVALENT_EXPLANATIONS, EXCHANGE_REMAINDER,
+    FACTOR_DOUBT, GYROSCOPE_GAINS,
+};
 use counterpoise_models::Parameters;
 use counterpoise_recordings::Recording;
 use counterpoise_simulate::replay::Loop;
@@ -8,19 +12,6 @@ use counterpoise_simulate::replay::Loop;
 use super::column::Column;
 use super::fault::{is_known, meant};
 use super::identities::{Identity, Ratio, identities};
-
-/// Gains that a gyroscope itself may have; these are in the library of physics.
-const LIBRARY: (f64, f64) = (0.5, 2.0);
-/// A broken identity counts as no more than this.
-const BROKEN_AT_MOST: f64 = 3.0;
-/// What an exchange must leave of what was broken, and of each identity.
-const EXCHANGED: (f64, f64) = (0.5, 0.7);
-/// Relative and absolute difference up to which two explanations are taken as equivalent.
-const ALIKE: (f64, f64) = (1.1, 0.01);
-/// Largest residual of the controller's identity, as a multiple of the converter's noise, for it to hold.
-const EXACT: f64 = 3.0;
-/// Relative uncertainty above which a factor is not used.
-const TELLING: f64 = 0.3;
 
 /// A mistake in writing the columns.
 #[derive(Debug, Clone)]
@@ -84,7 +75,9 @@ pub(super) fn mistake(base: &Parameters, control: &Loop, recordings: &[Recording
     let mut all: Vec<(f64, Found)> = scales.chain(exchanges).map(|found| (whole(&found), found)).collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (least, best) = all.first()?.clone();
-    let alike = all[1..].iter().filter(|(left, _)| *left < ALIKE.0 * least + ALIKE.1);
+    let alike = all[1..]
+        .iter()
+        .filter(|(left, _)| *left < EQUIVALENT_EXPLANATIONS.0 * least + EQUIVALENT_EXPLANATIONS.1);
     let or = alike.filter_map(|(_, found)| match found.mistake {
         Mistake::Scale { column, .. } => Some(column),
         Mistake::Exchange { .. } => None,
@@ -94,8 +87,8 @@ pub(super) fn mistake(base: &Parameters, control: &Loop, recordings: &[Recording
 
 /// Returns whether an exchange makes the identities of a recording hold that did not, or makes them computable at all.
 fn is_better(before: &[Identity], after: &[Identity]) -> bool {
-    let holding = after.iter().all(|i| i.broken < EXCHANGED.1);
-    let mended = !holds(before) && broken(after) < EXCHANGED.0 * broken(before);
+    let holding = after.iter().all(|i| i.broken < EXCHANGE_REMAINDER.1);
+    let mended = !holds(before) && broken(after) < EXCHANGE_REMAINDER.0 * broken(before);
     holding && (after.len() > before.len() || (after.len() == before.len() && mended))
 }
 
@@ -120,7 +113,7 @@ pub(super) fn cured(recordings: &[Recording], found: &Found) -> Vec<Recording> {
 }
 
 fn broken(identities: &[Identity]) -> f64 {
-    identities.iter().map(|i| i.broken.min(BROKEN_AT_MOST)).sum()
+    identities.iter().map(|i| i.broken.min(BROKEN_IDENTITY_AT_MOST)).sum()
 }
 
 fn ratios(identities: &[Identity]) -> impl Iterator<Item = &Ratio> {
@@ -129,7 +122,7 @@ fn ratios(identities: &[Identity]) -> impl Iterator<Item = &Ratio> {
 
 /// Returns whether every factor is one within its uncertainty, and the exact identities explain most of what they should.
 fn holds(identities: &[Identity]) -> bool {
-    let exact = |i: &Identity| i.of == Column::MotorRate || i.broken < EXCHANGED.1;
+    let exact = |i: &Identity| i.of == Column::MotorRate || i.broken < EXCHANGE_REMAINDER.1;
     identities.iter().all(exact) && ratios(identities).all(|ratio| agrees(ratio, 1.0))
 }
 
@@ -146,7 +139,7 @@ fn needs_exactness(found: &Found) -> bool {
 
 fn is_exact(identity: &Identity, base: &Parameters) -> bool {
     let noise = Column::Control.converter_step(base).unwrap_or(0.0) / 12f64.sqrt();
-    identity.of != Column::Control || identity.left < EXACT * noise
+    identity.of != Column::Control || identity.left < CONTROLLER_IDENTITY_MULTIPLE * noise
 }
 
 /// How a origin's gain shows in a ratio: 1 above, -1 below, 0 not at all.
@@ -160,7 +153,7 @@ fn share(ratio: &Ratio, origin: FactorOrigin) -> i32 {
 
 /// The gain that a origin must have in a recording, with its doubt: from the surest ratio.
 fn gain(identities: &[Identity], origin: FactorOrigin) -> Option<(f64, f64)> {
-    let telling = ratios(identities).filter(|r| share(r, origin) != 0 && r.doubt < TELLING);
+    let telling = ratios(identities).filter(|r| share(r, origin) != 0 && r.doubt < FACTOR_DOUBT);
     let surest = telling.min_by(|a, b| a.doubt.total_cmp(&b.doubt))?;
     Some((surest.value.powi(share(surest, origin)), surest.doubt))
 }
@@ -175,7 +168,8 @@ fn own_gain(table: &[Vec<Identity>]) -> bool {
     origins.into_iter().any(|origin| {
         let surest = table.iter().filter_map(|ids| gain(ids, origin)).min_by(|a, b| a.1.total_cmp(&b.1));
         surest.is_some_and(|(gain, _)| {
-            (LIBRARY.0..LIBRARY.1).contains(&gain) && table.iter().all(|ids| explains(ids, origin, gain))
+            (GYROSCOPE_GAINS.0..GYROSCOPE_GAINS.1).contains(&gain)
+                && table.iter().all(|ids| explains(ids, origin, gain))
         })
     })
 }

@@ -1,6 +1,7 @@
 //! What can be wrong with a column of a recording.
 
 use super::column::Column;
+use crate::tolerance::recording::UNIT_FACTOR_REACH;
 
 /// What is wrong with a column.
 #[derive(Debug, Clone, PartialEq)]
@@ -145,12 +146,21 @@ impl UnitMistake {
     }
 }
 
-/// A factor is a unit's where it is as near as this, relative.
-const NEAR: f64 = 0.03;
+impl FaultKind {
+    /// Returns the wrong unit that a factor comes from; `None` if the fault is no factor, or no unit's.
+    pub fn unit_mistake(&self) -> Option<UnitMistake> {
+        match self {
+            FaultKind::Scale { gain, .. } => UnitMistake::of_gain(*gain),
+            _ => None,
+        }
+    }
+}
 
 /// The factor that is meant: exactly that of a unit or a sign where it is as near as its doubt and a few percent.
 pub(super) fn meant(gain: f64, doubt: f64) -> f64 {
-    let near = |known: f64| (gain.abs() / known - 1.0).abs() < NEAR + doubt.min(2.0 * NEAR);
+    let near = |known: f64| {
+        (gain.abs() / known - 1.0).abs() < UNIT_FACTOR_REACH + doubt.min(2.0 * UNIT_FACTOR_REACH)
+    };
     let known = UNITS.iter().map(|(factor, _)| *factor).find(|known| near(*known));
     match known {
         Some(known) => known.copysign(gain),

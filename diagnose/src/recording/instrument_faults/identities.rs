@@ -9,6 +9,7 @@
 //! The first two are the kinematics (the gear's wind-up is the second slope; the lag is the gyroscopes'), smoothed alike; the third
 //! is the controller as the project has it. A factor on a column is the ratio of two coefficients that should be one.
 
+use crate::tolerance::recording::{IDENTITY_DOUBT, NEAR_LIMIT_V, PLATFORM_MOVES_RAD_S, SMOOTHING_S};
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::Parameters;
 use counterpoise_recordings::{Channel, Recording};
@@ -17,15 +18,6 @@ use counterpoise_simulate::replay::Loop;
 use super::column::Column;
 use super::regression::{Regression, late, regress};
 use crate::recording::series::{derivative, deviation, low_pass};
-
-/// Half width of the smoothing window, s.
-const SMOOTHING_S: f64 = 0.025;
-/// A platform that turns less than this, rad/s RMS, stands still.
-pub(super) const STILL_RAD_S: f64 = 5e-3;
-/// Relative doubt of every factor from the kinematics, and from the controller.
-const DOUBT: (f64, f64) = (0.01, 3e-3);
-/// Controls nearer to the converter's limit than this are not the controller's, V.
-const NEAR_LIMIT_V: f64 = 0.02;
 
 /// Factor of one column over the factor of another.
 #[derive(Debug, Clone, Copy)]
@@ -63,11 +55,18 @@ pub(super) fn identities(base: &Parameters, control: &Loop, r: &Recording) -> Ve
         motor.and_then(|w| kinematic(Column::MotorRate, &w, r)),
         angle.and_then(|w| kinematic(Column::HubPosition, &w, r)),
     ];
-    let loops = match control {
-        Loop::Closed(controller) => controlled(controller, r, ColumnShift::NONE),
-        Loop::Open => None,
-    };
+    let loops =
+        proportional_integral(control).and_then(|controller| controlled(controller, r, ColumnShift::NONE));
     kinematic.into_iter().flatten().chain(loops).collect()
+}
+
+/// Returns the proportional-integral controller of a loop. The identity of another controller is not linear in the columns' factors, so
+/// that it finds no factor; `control_fit` of the simulator compares its control as a whole.
+pub(super) fn proportional_integral(control: &Loop) -> Option<&ProportionalIntegral> {
+    match control {
+        Loop::Closed(controller) => controller.as_proportional_integral(),
+        Loop::Open => None,
+    }
 }
 
 /// The kinematics of one sensor's rate of the hub on the platform.
@@ -82,7 +81,8 @@ pub(super) fn kinematic(of: Column, rate: &[f64], r: &Recording) -> Option<Ident
         out
     };
     let hub = ready(r.samples(Channel::HubRate)?);
-    let platform = r.samples(Channel::PlatformRate).map(ready).filter(|p| deviation(p) > STILL_RAD_S);
+    let platform =
+        r.samples(Channel::PlatformRate).map(ready).filter(|p| deviation(p) > PLATFORM_MOVES_RAD_S);
     let y = ready(rate);
     let first = derivative(&hub, r.sample_period_s);
     let second = derivative(&first, r.sample_period_s);
@@ -98,14 +98,14 @@ pub(super) fn kinematic(of: Column, rate: &[f64], r: &Recording) -> Option<Ident
         of,
         Column::HubRate,
         &Coefficient { value: found.value[1], doubt: found.doubt[1] },
-        DOUBT.0,
+        IDENTITY_DOUBT.0,
     )];
     if platform.is_some() {
         ratios.push(relative(
             of,
             Column::PlatformRate,
             &Coefficient { value: -found.value[3], doubt: found.doubt[3] },
-            DOUBT.0,
+            IDENTITY_DOUBT.0,
         ));
     }
     let still = vec![0.0; y.len()];
@@ -177,14 +177,14 @@ pub(super) fn controlled(
         Column::Control,
         Column::HubRate,
         &Coefficient { value: -found.value[1], doubt: found.doubt[1] },
-        DOUBT.1,
+        IDENTITY_DOUBT.1,
     )];
     if moves {
         ratios.push(relative(
             Column::Control,
             Column::Demand,
             &Coefficient { value: found.value[2], doubt: found.doubt[2] },
-            DOUBT.1,
+            IDENTITY_DOUBT.1,
         ));
     }
     let expected = |k: usize| control[k] - wanted[k] + had[k];

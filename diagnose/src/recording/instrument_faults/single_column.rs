@@ -1,28 +1,13 @@
 //! Faults that one column shows by itself: a coarse converter, a lower sampling rate, standstill, a limit.
 
+use crate::tolerance::recording::{
+    CLIPPED_SHARE, COARSER_CONVERTER, CONVERTER_LIMIT_SHARE, EVEN_RUNS_SHARE, FEWEST_RUNS, FLAT_TOP_SAMPLES,
+    FLAT_TOP_STEPS, NOISY_COLUMN_SHARE, STUCK_READINGS,
+};
 use counterpoise_models::Parameters;
 
 use super::column::Column;
 use super::fault::FaultKind;
-
-/// Number of equal readings from which a reading with noise on it is stuck.
-const STUCK: usize = 40;
-/// Share of equal neighbours below which a column has enough noise to change its readings.
-const LIVELY: f64 = 0.5;
-/// Share of the runs of equal readings that must be of one length for a lower rate.
-const EVEN_RUNS: f64 = 0.95;
-/// Fewest runs for that.
-const FEWEST_RUNS: usize = 50;
-/// Times the project's step from which a converter is coarser.
-const COARSER: f64 = 3.5;
-/// Readings that stay at an extreme for this long make a flat top.
-const FLAT_TOP: usize = 5;
-/// A column is clipped where flat tops hold this share of it.
-const CLIPPED_SHARE: f64 = 0.01;
-/// Fewest steps over the range for which a flat top means something.
-const FINE_STEPS: f64 = 200.0;
-/// Share of the converter's range from which a limit is the converter's own, which the simulator has.
-const OWN_LIMIT: f64 = 0.98;
 
 /// A run of equal readings.
 #[derive(Debug, Clone, Copy)]
@@ -45,7 +30,7 @@ pub(super) fn seen(column: Column, series: &[f64], base: &Parameters, period_s: 
     if let Some(held) = held(&runs).filter(|_| sensor) {
         return vec![held];
     }
-    let own = column.converter_limit(base).map_or(f64::INFINITY, |limit| OWN_LIMIT * limit);
+    let own = column.converter_limit(base).map_or(f64::INFINITY, |limit| CONVERTER_LIMIT_SHARE * limit);
     let flat = clipped(series, &runs, own).filter(|_| column != Column::Demand);
     let still = match &flat {
         None if column != Column::Demand => stuck(&runs, own, period_s),
@@ -71,7 +56,7 @@ fn held(runs: &[Run]) -> Option<Seen> {
     lengths.sort_unstable();
     let samples = lengths[lengths.len() / 4];
     let even = lengths.iter().filter(|length| length.is_multiple_of(samples)).count() as f64;
-    if samples < 2 || even < EVEN_RUNS * lengths.len() as f64 {
+    if samples < 2 || even < EVEN_RUNS_SHARE * lengths.len() as f64 {
         return None;
     }
     let first = inner[0].from % samples;
@@ -82,12 +67,12 @@ fn held(runs: &[Run]) -> Option<Seen> {
 
 /// Detects long standstills of readings that otherwise never stand still.
 fn stuck(runs: &[Run], own_limit: f64, period_s: f64) -> Option<Seen> {
-    let short = || runs.iter().filter(|run| run.length < STUCK);
+    let short = || runs.iter().filter(|run| run.length < STUCK_READINGS);
     let pairs: usize = short().map(|run| run.length).sum();
     let equal: usize = short().map(|run| run.length - 1).sum();
-    let lively = pairs > STUCK && (equal as f64) < LIVELY * pairs as f64;
+    let lively = pairs > STUCK_READINGS && (equal as f64) < NOISY_COLUMN_SHARE * pairs as f64;
     let long: Vec<&Run> =
-        runs.iter().filter(|run| run.length >= STUCK && run.value.abs() < own_limit).collect();
+        runs.iter().filter(|run| run.length >= STUCK_READINGS && run.value.abs() < own_limit).collect();
     let first = long.first().filter(|_| lively)?;
     let samples: usize = long.iter().map(|run| run.length).sum();
     let kind = FaultKind::Stuck {
@@ -102,11 +87,11 @@ fn stuck(runs: &[Run], own_limit: f64, period_s: f64) -> Option<Seen> {
 fn clipped(series: &[f64], runs: &[Run], own_limit: f64) -> Option<Seen> {
     let there = || series.iter().copied().filter(|v| v.is_finite());
     let (low, high) = there().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-    if high - low < FINE_STEPS * step(series) {
+    if high - low < FLAT_TOP_STEPS * step(series) {
         return None;
     }
     let tops = |limit: f64| -> Vec<&Run> {
-        runs.iter().filter(|run| run.value == limit && run.length >= FLAT_TOP).collect()
+        runs.iter().filter(|run| run.value == limit && run.length >= FLAT_TOP_SAMPLES).collect()
     };
     let samples = |limit: f64| tops(limit).iter().map(|run| run.length).sum::<usize>();
     let limits: Vec<f64> = [low, high]
@@ -127,7 +112,7 @@ fn clipped(series: &[f64], runs: &[Run], own_limit: f64) -> Option<Seen> {
 pub(super) fn coarse(column: Column, series: &[f64], base: &Parameters) -> Option<FaultKind> {
     let expected = column.converter_step(base).filter(|_| Column::SENSORS.contains(&column))?;
     let step = step(series);
-    (step.is_finite() && step > COARSER * expected).then_some(FaultKind::Coarse { step, expected })
+    (step.is_finite() && step > COARSER_CONVERTER * expected).then_some(FaultKind::Coarse { step, expected })
 }
 
 /// Returns the smallest difference between two different neighbouring readings; infinite if there are none.

@@ -3,7 +3,8 @@
 use super::node_map::Dof;
 use super::text::{columns, integer, real, refused};
 use crate::Error;
-use counterpoise_lti::Mat;
+use counterpoise_lti::linalg::Sparse;
+use counterpoise_lti::linalg::sparse::Entry;
 
 /// A matrix of DMIG entries.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,18 +23,20 @@ impl Dmig {
         self.entries.iter().flat_map(|(row, col, _)| [*row, *col])
     }
 
-    /// Returns the square matrix over the given unknowns; entries of others are left out, repeated ones add up.
-    pub fn matrix(&self, rows: &[Dof]) -> Mat {
-        let mut out = Mat::zeros(rows.len(), rows.len());
-        let index = |dof: &Dof| rows.iter().position(|d| d == dof);
+    /// Returns the square matrix over the given unknowns, which rise; entries of others are left out, repeated ones add up.
+    ///
+    /// # Errors
+    /// [`Error::Linalg`] if the matrix is too large.
+    pub fn matrix(&self, rows: &[Dof]) -> Result<Sparse, Error> {
+        let mut out = Vec::with_capacity(self.entries.len());
         for (row, col, value) in &self.entries {
-            let (Some(i), Some(j)) = (index(row), index(col)) else { continue };
-            out[(i, j)] += value;
-            if self.symmetric && i != j {
-                out[(j, i)] += value;
+            let (Ok(row), Ok(col)) = (rows.binary_search(row), rows.binary_search(col)) else { continue };
+            out.push(Entry { row, col, value: *value });
+            if self.symmetric && row != col {
+                out.push(Entry { row: col, col: row, value: *value });
             }
         }
-        out
+        Ok(Sparse::from_entries(rows.len(), rows.len(), &out)?)
     }
 }
 

@@ -2,14 +2,15 @@
 
 use super::text::{check_size, integer, real, refused};
 use crate::Error;
-use counterpoise_lti::Mat;
+use counterpoise_lti::linalg::Sparse;
+use counterpoise_lti::linalg::sparse::Entry;
 
 /// Returns the matrix in a Matrix Market text: `real` or `integer`, `general`, `symmetric` or `skew-symmetric`; entries that are
 /// given twice add up.
 ///
 /// # Errors
 /// [`Error::Import`] with the line: a header that is not supported, an index outside, a number missing or too many.
-pub fn matrix_market(text: &str) -> Result<Mat, Error> {
+pub fn matrix_market(text: &str) -> Result<Sparse, Error> {
     let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line));
     let (_, banner) = lines.next().ok_or_else(|| refused(1, "the text is empty".to_owned()))?;
     let header = Header::parse(banner)?;
@@ -69,10 +70,11 @@ impl Header {
         }
     }
 
-    fn add(&self, out: &mut Mat, i: usize, j: usize, value: f64) {
-        out[(i, j)] += value;
-        if i != j && self.mirror != 0.0 {
-            out[(j, i)] += self.mirror * value;
+    fn add(&self, out: &mut Vec<Entry>, entry: Entry) {
+        let Entry { row, col, value } = entry;
+        out.push(entry);
+        if row != col && self.mirror != 0.0 {
+            out.push(Entry { row: col, col: row, value: self.mirror * value });
         }
     }
 }
@@ -83,25 +85,26 @@ fn coordinate<'a>(
     shape: Shape,
     entries: usize,
     size_line: usize,
-) -> Result<Mat, Error> {
+) -> Result<Sparse, Error> {
     check_shape(header, shape, size_line)?;
     let Shape { rows, columns } = shape;
-    let mut out = Mat::zeros(rows, columns);
+    let mut out = Vec::new();
     let mut found = 0;
     for (at, line) in lines {
-        let words: Vec<&str> = line.split_whitespace().collect();
-        let [i, j, value] = words.as_slice() else {
+        let mut words = line.split_whitespace();
+        let (Some(i), Some(j), Some(value), None) = (words.next(), words.next(), words.next(), words.next())
+        else {
             return Err(refused(at, format!("\"{line}\" is not row, column and value")));
         };
         let (i, j): (usize, usize) = (integer(at, i)?, integer(at, j)?);
         if i == 0 || j == 0 || i > rows || j > columns {
             return Err(refused(at, format!("({i}, {j}) is outside {rows} x {columns}")));
         }
-        header.add(&mut out, i - 1, j - 1, real(at, value)?);
+        header.add(&mut out, Entry { row: i - 1, col: j - 1, value: real(at, value)? });
         found += 1;
     }
     if found == entries {
-        Ok(out)
+        Ok(Sparse::from_entries(rows, columns, &out)?)
     } else {
         Err(refused(size_line, format!("{found} entries of {entries} are there")))
     }
@@ -112,7 +115,7 @@ fn array<'a>(
     header: &Header,
     shape: Shape,
     size_line: usize,
-) -> Result<Mat, Error> {
+) -> Result<Sparse, Error> {
     check_shape(header, shape, size_line)?;
     let Shape { rows, columns } = shape;
     let first = |j: usize| {
@@ -125,13 +128,16 @@ fn array<'a>(
         }
     };
     let mut places = (0..columns).flat_map(|j| (first(j)..rows).map(move |i| (i, j)));
-    let mut out = Mat::zeros(rows, columns);
+    let mut out = Vec::new();
     for (at, line) in lines {
-        let (i, j) = places.next().ok_or_else(|| refused(at, "there are too many entries".to_owned()))?;
-        header.add(&mut out, i, j, real(at, line)?);
+        let (row, col) = places.next().ok_or_else(|| refused(at, "there are too many entries".to_owned()))?;
+        let value = real(at, line)?;
+        if value != 0.0 {
+            header.add(&mut out, Entry { row, col, value });
+        }
     }
     match places.next() {
-        None => Ok(out),
+        None => Ok(Sparse::from_entries(rows, columns, &out)?),
         Some((i, j)) => Err(refused(size_line, format!("the entries end before ({}, {})", i + 1, j + 1))),
     }
 }

@@ -16,26 +16,29 @@ pub use node_map::{Dof, NodeMap};
 pub use op4::{Op4, op4};
 
 use super::fe::{FeModel, Fitted, NodeRows};
+use super::large::SparseStructure;
 use crate::Error;
-use crate::tolerance::ASYMMETRY_OF_IMPORT;
-use counterpoise_lti::Mat;
+use crate::tolerance::{ASYMMETRY_OF_IMPORT, LARGE_STRUCTURE};
+use counterpoise_lti::linalg::Sparse;
+use counterpoise_lti::linalg::sparse::{Entry, Watch};
+use std::collections::BTreeMap;
 
 /// Matrices of a structure and the unknown that each row belongs to; SI units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Imported {
     /// Mass matrix, n x n.
-    pub M: Mat,
+    pub M: Sparse,
     /// Damping matrix, n x n, if there is one.
-    pub C: Option<Mat>,
+    pub C: Option<Sparse>,
     /// Stiffness matrix, n x n.
-    pub K: Mat,
+    pub K: Sparse,
     /// The unknown of each row.
     pub rows: Vec<Dof>,
 }
 
 impl Imported {
     /// Plain matrices in the row order of the node map.
-    pub fn in_order_of(map: &NodeMap, M: Mat, C: Option<Mat>, K: Mat) -> Self {
+    pub fn in_order_of(map: &NodeMap, M: Sparse, C: Option<Sparse>, K: Sparse) -> Self {
         Self { M, C, K, rows: map.rows.clone() }
     }
 
@@ -59,20 +62,47 @@ impl Imported {
         rows.sort_unstable();
         rows.dedup();
         text::check_size(0, rows.len(), rows.len())?;
-        Ok(Self { M: m.matrix(&rows), C: c.map(|c| c.matrix(&rows)), K: k.matrix(&rows), rows })
+        let C = c.map(|c| c.matrix(&rows)).transpose()?;
+        Ok(Self { M: m.matrix(&rows)?, C, K: k.matrix(&rows)?, rows })
+    }
+
+    /// Returns the structure with its hub at the map's pivot, as [`Imported::sparse`] does, with dense matrices: those of the
+    /// files, or of the condensed structure if there are more than [`LARGE_STRUCTURE`] unknowns. `modes` is the number
+    /// of modes that are needed.
+    ///
+    /// # Errors
+    /// As for [`Imported::sparse`] and [`SparseStructure::condensed`].
+    pub fn condensed(&self, map: &NodeMap, modes: usize, watch: &mut Watch) -> Result<FeModel, Error> {
+        let whole = self.sparse(map)?;
+        if self.rows.len() <= LARGE_STRUCTURE { Ok(whole.dense()) } else { whole.condensed(modes, watch) }
+    }
+
+    /// Returns the structure as [`Imported::sparse`] does, with the dense matrices of the files.
+    ///
+    /// # Errors
+    /// As for [`Imported::sparse`].
+    pub fn structure(&self, map: &NodeMap) -> Result<FeModel, Error> {
+        Ok(self.sparse(map)?.dense())
     }
 
     /// Returns the structure with its hub at the map's pivot.
     ///
-    /// Rows of the deflection component move with heave and pitch, rows of the rotation component with pitch; rows of
-    /// other components do not move rigidly (nodes on the axis).
+    /// Rows of the deflection component move with heave and pitch, rows of the rotation component with pitch, and rows of the axial
+    /// component, if the map names one, with pitch by their height; rows of other components do not move rigidly. Rows of the
+    /// pivot's grid other than its deflection and rotation are held, as the bearing holds them.
     ///
     /// # Errors
     /// [`Error::Import`] if shapes and rows differ, a matrix is not symmetric, or the map lacks a grid that it needs.
-    pub fn structure(&self, map: &NodeMap) -> Result<FeModel, Error> {
+    pub fn sparse(&self, map: &NodeMap) -> Result<SparseStructure, Error> {
         let n = self.rows.len();
         for matrix in [Some(&self.M), self.C.as_ref(), Some(&self.K)].into_iter().flatten() {
             check_symmetric(matrix, n)?;
+        }
+        let moves = |dof: &Dof| [map.deflection, map.rotation].contains(&dof.component);
+        let is_held = |dof: &Dof| dof.grid == map.pivot && !moves(dof);
+        if self.rows.iter().any(is_held) {
+            let kept: Vec<usize> = (0..n).filter(|&i| !is_held(&self.rows[i])).collect();
+            return self.select(&kept).sparse(map);
         }
         let mut heave = vec![0.0; n];
         let mut pitch = vec![0.0; n];
@@ -82,19 +112,54 @@ impl Imported {
                 pitch[i] = map.position(dof.grid)? - map.position(map.pivot)?;
             } else if dof.component == map.rotation {
                 pitch[i] = 1.0;
+            } else if map.axial == Some(dof.component) {
+                pitch[i] = map.axial_sign * (map.height(map.pivot) - map.height(dof.grid));
             }
         }
-        let symmetric = |A: &Mat| self.nose_up(&A.symmetric_part(), map);
-        Ok(FeModel {
-            M: symmetric(&self.M),
-            K: symmetric(&self.K),
-            C: self.C.as_ref().map(symmetric),
+        let symmetric = |A: &Sparse| A.symmetric_part().map(|A| self.nose_up(&A, map));
+        Ok(SparseStructure {
+            M: symmetric(&self.M)?,
+            K: symmetric(&self.K)?,
+            C: self.C.as_ref().map(symmetric).transpose()?,
             heave,
             pitch,
-            hub: Some(self.node(map, map.pivot)?),
+            hub: self.node(map, map.pivot)?,
             tip: self.node(map, map.tip)?,
             tip_arm_m: map.position(map.tip)? - map.position(map.pivot)?,
+            nodes: self.nodes(map),
         })
+    }
+
+    /// The matrices of some of the rows.
+    fn select(&self, kept: &[usize]) -> Self {
+        Self {
+            M: self.M.select(kept),
+            C: self.C.as_ref().map(|C| C.select(kept)),
+            K: self.K.select(kept),
+            rows: kept.iter().map(|&i| self.rows[i]).collect(),
+        }
+    }
+
+    /// The nodes on the axis that have a deflection and a rotation, by their position, one for each position.
+    fn nodes(&self, map: &NodeMap) -> Vec<NodeRows> {
+        let mut rows: BTreeMap<u64, [Option<usize>; 2]> = BTreeMap::new();
+        for (i, dof) in self.rows.iter().enumerate() {
+            let places = [map.deflection, map.rotation];
+            if let Some(k) = places.iter().position(|component| *component == dof.component) {
+                rows.entry(dof.grid).or_default()[k] = Some(i);
+            }
+        }
+        let both = |(grid, found): (&u64, &[Option<usize>; 2])| {
+            let rows = NodeRows { deflection: found[0]?, rotation: found[1]? };
+            if map.height(*grid) != map.height(map.pivot) {
+                return None;
+            }
+            Some((*map.positions_m.get(grid)?, rows))
+        };
+        let mut nodes: Vec<(f64, NodeRows)> = rows.iter().filter_map(both).collect();
+        nodes.sort_by(|a, b| a.0.total_cmp(&b.0));
+        nodes.dedup_by(|b, a| b.0 == a.0);
+        nodes.into_iter().map(|(_, rows)| rows).collect()
     }
 
     /// Returns the matrices with what is fitted: each point mass hangs on the nearest grid by a rigid arm, and the hub's inertia turns with
@@ -105,27 +170,43 @@ impl Imported {
     pub fn fitted(&self, map: &NodeMap, fitted: &Fitted) -> Result<Self, Error> {
         let mut out = self.clone();
         for mass in &fitted.masses {
-            let grid = map.nearest(mass.position_m)?;
+            let grid = self.carrier(map, mass.position_m)?;
             let arm = mass.position_m - map.position(grid)?;
             let node = self.node(map, grid)?;
             let (w, turn) = (node.deflection, node.rotation);
             let coupling = map.rotation_sign * mass.mass_kg * arm;
-            out.M[(w, w)] += mass.mass_kg;
-            out.M[(w, turn)] += coupling;
-            out.M[(turn, w)] += coupling;
-            out.M[(turn, turn)] += mass.mass_kg * arm * arm + mass.inertia_kg_m2;
+            let entry = |row, col, value| Entry { row, col, value };
+            out.M = out.M.plus(&[
+                entry(w, w, mass.mass_kg),
+                entry(w, turn, coupling),
+                entry(turn, w, coupling),
+                entry(turn, turn, mass.mass_kg * arm * arm + mass.inertia_kg_m2),
+            ])?;
         }
         if fitted.hub_inertia_kg_m2 != 0.0 {
             let turn = self.node(map, map.pivot)?.rotation;
-            out.M[(turn, turn)] += fitted.hub_inertia_kg_m2;
+            out.M = out.M.plus(&[Entry { row: turn, col: turn, value: fitted.hub_inertia_kg_m2 }])?;
         }
         Ok(out)
     }
 
+    /// The grid nearest to a place on the axis that can carry a mass there: on the axis, with a deflection and a rotation.
+    fn carrier(&self, map: &NodeMap, position_m: f64) -> Result<u64, Error> {
+        let on_axis: BTreeMap<u64, f64> = self
+            .rows
+            .iter()
+            .filter(|dof| dof.component == map.rotation && map.height(dof.grid) == map.height(map.pivot))
+            .filter_map(|dof| Some((dof.grid, *map.positions_m.get(&dof.grid)?)))
+            .collect();
+        let distance = |x: f64| (x - position_m).abs();
+        let found = on_axis.iter().min_by(|a, b| distance(*a.1).total_cmp(&distance(*b.1)));
+        found.map_or_else(|| map.nearest(position_m), |(grid, _)| Ok(*grid))
+    }
+
     /// Returns the matrix with rotations counted nose-up.
-    fn nose_up(&self, A: &Mat, map: &NodeMap) -> Mat {
+    fn nose_up(&self, A: &Sparse, map: &NodeMap) -> Sparse {
         let sign = |i: usize| if self.rows[i].component == map.rotation { map.rotation_sign } else { 1.0 };
-        Mat::from_fn(A.nrows(), A.ncols(), |i, j| sign(i) * A[(i, j)] * sign(j))
+        A.map(|i, j, value| sign(i) * value * sign(j))
     }
 
     fn node(&self, map: &NodeMap, grid: u64) -> Result<NodeRows, Error> {
@@ -137,12 +218,12 @@ impl Imported {
     }
 }
 
-fn check_symmetric(matrix: &Mat, n: usize) -> Result<(), Error> {
+fn check_symmetric(matrix: &Sparse, n: usize) -> Result<(), Error> {
     if matrix.shape() != (n, n) {
         let (rows, cols) = matrix.shape();
         return Err(text::refused(0, format!("a matrix is {rows} x {cols}, the node map has {n} rows")));
     }
-    let skew = (matrix - &matrix.t()).norm_max();
+    let skew = matrix.asymmetry();
     if skew > ASYMMETRY_OF_IMPORT * matrix.norm_max() {
         return Err(text::refused(0, format!("a matrix is not symmetric: entries differ by {skew:e}")));
     }

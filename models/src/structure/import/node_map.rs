@@ -26,8 +26,14 @@ pub struct NodeMap {
     pub pivot: u64,
     /// Grid at the tip.
     pub tip: u64,
+    /// Component of the displacement along the axis, if nodes lie off the axis.
+    pub axial: Option<u8>,
+    /// 1 if that displacement is positive towards larger positions, -1 if towards smaller ones.
+    pub axial_sign: f64,
     /// Position of each grid along the axis, m.
     pub positions_m: BTreeMap<u64, f64>,
+    /// Height of each grid above the axis, m; a grid that is missing lies on the axis.
+    pub heights_m: BTreeMap<u64, f64>,
     /// The unknown of each row, for matrices that do not name their rows.
     pub rows: Vec<Dof>,
 }
@@ -37,9 +43,10 @@ impl NodeMap {
     ///
     /// ```text
     /// axes 3 -5        component of the deflection, of the rotation; minus if that is nose-down
+    /// axial 1          component along the axis, if nodes lie off the axis; minus if it points to smaller positions
     /// pivot 100        grid at the pivot
     /// tip 120          grid at the tip
-    /// node 100 0.0     grid and its position along the axis, m
+    /// node 100 0.0     grid and its position along the axis, m; then its height above the axis, m, if it has one
     /// row 100 3        grid and component of the next row (not for DMIG)
     /// ```
     ///
@@ -67,6 +74,11 @@ impl NodeMap {
         found.ok_or_else(|| refused(0, format!("the node map has no position for grid {grid}")))
     }
 
+    /// Height of a grid above the axis, m.
+    pub fn height(&self, grid: u64) -> f64 {
+        self.heights_m.get(&grid).copied().unwrap_or(0.0)
+    }
+
     /// Returns the grid nearest to a place on the axis.
     ///
     /// # Errors
@@ -81,9 +93,11 @@ impl NodeMap {
 #[derive(Default)]
 struct Draft {
     axes: Option<(u8, i8)>,
+    axial: Option<i8>,
     pivot: Option<u64>,
     tip: Option<u64>,
     positions_m: BTreeMap<u64, f64>,
+    heights_m: BTreeMap<u64, f64>,
     rows: Vec<Dof>,
 }
 
@@ -93,10 +107,16 @@ impl Draft {
             ["axes", deflection, rotation] => {
                 self.axes = Some((integer(at, deflection)?, integer(at, rotation)?))
             }
+            ["axial", component] => self.axial = Some(integer(at, component)?),
             ["pivot", grid] => self.pivot = Some(integer(at, grid)?),
             ["tip", grid] => self.tip = Some(integer(at, grid)?),
             ["node", grid, position] => {
                 self.positions_m.insert(integer(at, grid)?, real(at, position)?);
+            }
+            ["node", grid, position, height] => {
+                let grid = integer(at, grid)?;
+                self.positions_m.insert(grid, real(at, position)?);
+                self.heights_m.insert(grid, real(at, height)?);
             }
             ["row", grid, component] => {
                 self.rows.push(Dof { grid: integer(at, grid)?, component: integer(at, component)? });
@@ -112,7 +132,18 @@ impl Draft {
         if deflection == rotation.unsigned_abs() {
             return Err(refused(0, format!("component {deflection} cannot be both deflection and rotation")));
         }
+        if let Some(axial) =
+            self.axial.filter(|a| [deflection, rotation.unsigned_abs()].contains(&a.unsigned_abs()))
+        {
+            return Err(refused(0, format!("component {axial} cannot be axial and deflection or rotation")));
+        }
+        if self.axial.is_none() && self.heights_m.values().any(|height| *height != 0.0) {
+            return Err(missing("axial"));
+        }
         Ok(NodeMap {
+            axial: self.axial.map(i8::unsigned_abs),
+            axial_sign: if self.axial.is_some_and(|axial| axial < 0) { -1.0 } else { 1.0 },
+            heights_m: self.heights_m,
             deflection,
             rotation: rotation.unsigned_abs(),
             rotation_sign: if rotation < 0 { -1.0 } else { 1.0 },

@@ -2,7 +2,8 @@
 
 use super::text::{check_size, columns, integer, real, refused};
 use crate::Error;
-use counterpoise_lti::Mat;
+use counterpoise_lti::linalg::Sparse;
+use counterpoise_lti::linalg::sparse::Entry;
 
 /// A matrix of an OP4 text.
 #[derive(Debug, Clone, PartialEq)]
@@ -10,7 +11,7 @@ pub struct Op4 {
     /// Its name.
     pub name: String,
     /// Its entries.
-    pub matrix: Mat,
+    pub matrix: Sparse,
 }
 
 /// All matrices in an OP4 text.
@@ -68,11 +69,12 @@ fn value_width(format: &str) -> Option<usize> {
 const STRING_ROW: usize = 65_536;
 
 fn one<'a>(lines: &mut impl Iterator<Item = (usize, &'a str)>, header: Header) -> Result<Op4, Error> {
-    let mut matrix = Mat::zeros(header.rows, header.cols);
+    let mut matrix: Vec<Entry> = Vec::new();
     let (mut row, mut col) = (1_usize, 0_usize);
     for (at, line) in lines {
         if line.contains('.') {
             if col > header.cols {
+                let matrix = Sparse::from_entries(header.rows, header.cols, &matrix)?;
                 return Ok(Op4 { name: header.name, matrix });
             }
             row = values(at, line, &header, &mut matrix, row, col)?;
@@ -95,7 +97,7 @@ fn values(
     at: usize,
     line: &str,
     header: &Header,
-    matrix: &mut Mat,
+    matrix: &mut Vec<Entry>,
     mut row: usize,
     col: usize,
 ) -> Result<usize, Error> {
@@ -105,7 +107,10 @@ fn values(
         if row == 0 || col == 0 || row > header.rows {
             return Err(refused(at, format!("({row}, {col}) is outside {} x {}", header.rows, header.cols)));
         }
-        matrix[(row - 1, col - 1)] = real(at, columns(line, k * header.width, (k + 1) * header.width))?;
+        let value = real(at, columns(line, k * header.width, (k + 1) * header.width))?;
+        if value != 0.0 {
+            matrix.push(Entry { row: row - 1, col: col - 1, value });
+        }
         row += 1;
     }
     Ok(row)

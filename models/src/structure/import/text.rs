@@ -10,8 +10,11 @@ pub(super) fn refused(line: usize, what: String) -> Error {
 
 /// Parses a number: `1.5e3`, `1.5D+03` or, as Nastran writes it, `1.5+3`.
 pub(super) fn real(line: usize, text: &str) -> Result<f64, Error> {
-    let plain = text.trim().replace(['d', 'D'], "e");
-    let value = plain.parse().ok().or_else(|| with_exponent(&plain)?.parse().ok());
+    let fortran = || {
+        let plain = text.trim().replace(['d', 'D'], "e");
+        plain.parse().ok().or_else(|| with_exponent(&plain)?.parse().ok())
+    };
+    let value = text.trim().parse().ok().or_else(fortran);
     let finite = value.filter(|v: &f64| v.is_finite());
     finite.ok_or_else(|| refused(line, format!("\"{}\" is not a number", text.trim())))
 }

@@ -1,38 +1,46 @@
 //! What the reader does with each key: look it up, judge it, fill the field.
 
 use super::{List, NOTHING, Reader};
-use crate::diagnostic::{Problem, did_you_mean};
+use crate::diagnostic::{Problem, did_you_mean, is_control};
 use crate::file::field::{Fallback, Field, Need, TableField};
 use crate::file::source::Remark;
 use crate::file::tree::{Entry, Node, Value};
 use crate::file::visit::{Count, Visit};
 
-impl Visit for Reader<'_> {
+const NOT_WHOLE: &str = "must be a whole number, without decimal point";
+const CONTROL: &str = "must not hold control characters";
+
+impl<'a> Visit for Reader<'a> {
     fn number(&mut self, field: &Field, value: &mut f64) {
         match self.find(field) {
-            Some(node) => *value = self.number_at(&self.path(field.key), node, field).unwrap_or(f64::NAN),
-            None => *value = if let Fallback::Number(default) = field.default { default } else { f64::NAN },
+            Some(node) => *value = self.keyed_number(&self.path(field.key), node, field).unwrap_or(f64::NAN),
+            None => {
+                *value = if let Fallback::Number(default) = field.default { default } else { f64::NAN };
+                self.note_default(field);
+            }
         }
     }
 
     fn whole(&mut self, field: &Field, value: &mut u32) {
         let Some(node) = self.find(field) else {
             *value = if let Fallback::Number(default) = field.default { default as u32 } else { 0 };
+            self.note_default(field);
             return;
         };
         let path = self.path(field.key);
-        match node.value {
-            Value::Whole(whole) if field.limit.holds(whole as f64) && u32::try_from(whole).is_ok() => {
-                *value = whole as u32
+        match &node.value {
+            Value::Whole(whole) if field.limit.holds(*whole as f64) && u32::try_from(*whole).is_ok() => {
+                *value = *whole as u32
             }
             Value::Whole(_) => self.refuse(&path, node, Problem::OutOfRange, field.limit.words(field.unit)),
-            Value::Number(_) => {
-                self.refuse(
-                    &path,
-                    node,
-                    Problem::WrongType,
-                    "must be a whole number, without decimal point".to_owned(),
-                );
+            Value::Number(_) => self.refuse(&path, node, Problem::WrongType, NOT_WHOLE.to_owned()),
+            Value::Text(_) if !field.unit.is_empty() => {
+                let Some(number) = self.number_at(&path, node, field) else { return };
+                if number.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&number) {
+                    *value = number as u32;
+                } else {
+                    self.refuse(&path, node, Problem::WrongType, NOT_WHOLE.to_owned());
+                }
             }
             _ => self.wrong_type(&path, node, "a whole number"),
         }
@@ -48,6 +56,9 @@ impl Visit for Reader<'_> {
         match &node.value {
             Value::Text(text) if text.trim().is_empty() && field.default == Fallback::Required => {
                 self.refuse(&path, node, Problem::OutOfRange, "must not be empty".to_owned());
+            }
+            Value::Text(text) if text.chars().any(is_control) => {
+                self.refuse(&path, node, Problem::OutOfRange, CONTROL.to_owned());
             }
             Value::Text(text) => text.clone_into(value),
             _ => self.wrong_type(&path, node, "a text in quotes"),
@@ -104,7 +115,7 @@ impl Visit for Reader<'_> {
                 *value = items
                     .iter()
                     .enumerate()
-                    .filter_map(|(i, item)| self.number_at(&format!("{path}[{i}]"), item, field))
+                    .filter_map(|(i, item)| self.number_at(&format!("{path}[{i}]"), item, &field.item(i)))
                     .collect()
             }
         }
@@ -117,6 +128,9 @@ impl Visit for Reader<'_> {
         let Some(items) = self.items(&path, node, "a list of texts") else { return };
         for (i, item) in items.iter().enumerate() {
             match &item.value {
+                Value::Text(text) if text.chars().any(is_control) => {
+                    self.refuse(&format!("{path}[{i}]"), item, Problem::OutOfRange, CONTROL.to_owned());
+                }
                 Value::Text(text) => value.push(text.clone()),
                 _ => self.wrong_type(&format!("{path}[{i}]"), item, "a text in quotes"),
             }
@@ -167,7 +181,8 @@ impl Visit for Reader<'_> {
         for entry in unknown {
             self.unknown(&mut frame, entry);
         }
-        self.findings.extend(frame.missing.into_iter().map(|(_, finding)| finding));
+        let space = super::MOST_FINDINGS.saturating_sub(self.findings.len());
+        self.findings.extend(frame.missing.into_iter().map(|(_, finding)| finding).take(space));
     }
 
     fn enter_list(&mut self, table: &TableField, _length: usize) -> usize {
@@ -242,5 +257,14 @@ impl Visit for Reader<'_> {
         text.clone_into(value);
         self.look(key);
         true
+    }
+
+    fn has(&self, key: &str) -> bool {
+        self.frames.last().is_some_and(|frame| frame.entries.iter().any(|entry| entry.key == key))
+    }
+
+    fn assume(&mut self, field: &Field, value: f64) {
+        let path = self.path(field.key);
+        self.note(path, field, value);
     }
 }

@@ -1,12 +1,16 @@
 //! Reads a tree into fields, and gathers every finding on the way instead of stopping at the first.
 
 mod keys;
+mod numbers;
+
+use std::collections::BTreeMap;
 
 use super::attachments::Attachments;
-use super::field::{Fallback, Field, Limit};
+use super::field::{Fallback, Field};
 use super::source::{Remark, Source};
 use super::tree::{Entry, Node, Value};
 use super::visit::Visit;
+use crate::assumption::{Assumption, Tolerance};
 use crate::diagnostic::{Diagnostic, Problem, Severity, nearest};
 
 /// A walk over the tree of a file.
@@ -16,6 +20,12 @@ pub(crate) struct Reader<'a> {
     frames: Vec<Frame<'a>>,
     lists: Vec<List<'a>>,
     pub findings: Vec<Diagnostic>,
+    /// Defaults that stand in for physical quantities.
+    pub assumptions: Vec<Assumption>,
+    /// Values that have tolerances.
+    pub tolerances: Vec<Tolerance>,
+    /// Units of the keys of quantities, by the bytes at which the quantities stand.
+    pub units: BTreeMap<usize, &'static str>,
 }
 
 /// The table in which the walk stands.
@@ -37,6 +47,13 @@ struct List<'a> {
 }
 
 const NOTHING: &[Entry] = &[];
+/// Most findings that are kept: a file with more is no project file.
+const MOST_FINDINGS: usize = 1000;
+/// What to do if a physical quantity without default is not known.
+const ESTIMATE: &str =
+    "nothing is assumed for it, but an estimate will do, as in { value = 1.0, tolerance = 0.3 }";
+/// Most known keys that a finding lists.
+const MOST_KNOWN: usize = 24;
 
 impl<'a> Reader<'a> {
     pub fn new(source: &'a Source, entries: &'a [Entry], attachments: &'a Attachments) -> Self {
@@ -48,13 +65,21 @@ impl<'a> Reader<'a> {
             silent: false,
             missing: Vec::new(),
         };
-        Self { source, attachments, frames: vec![root], lists: Vec::new(), findings: Vec::new() }
+        Self {
+            source,
+            attachments,
+            frames: vec![root],
+            lists: Vec::new(),
+            findings: Vec::new(),
+            assumptions: Vec::new(),
+            tolerances: Vec::new(),
+            units: BTreeMap::new(),
+        }
     }
 
-    /// Says what the outermost table holds that the walk did not name, and gives the findings.
-    pub fn finish(mut self) -> Vec<Diagnostic> {
+    /// Reports what the outermost table holds that the walk did not name.
+    pub fn finish(&mut self) {
         self.leave();
-        self.findings
     }
 
     fn path(&self, key: &str) -> String {
@@ -65,7 +90,9 @@ impl<'a> Reader<'a> {
     }
 
     fn report(&mut self, at: usize, remark: Remark) {
-        self.findings.push(self.source.diagnostic(Severity::Error, at, remark));
+        if self.findings.len() < MOST_FINDINGS {
+            self.findings.push(self.source.diagnostic(Severity::Error, at, remark));
+        }
     }
 
     /// The node of a key, which from now on is known.
@@ -86,6 +113,14 @@ impl<'a> Reader<'a> {
         frame.missing.push((key.to_owned(), finding));
     }
 
+    /// Adds to the last missing key what to do if its value is not known.
+    fn hint_last_missing(&mut self, unknown: &str) {
+        let last = self.frames.last_mut().and_then(|frame| frame.missing.last_mut());
+        if let Some((_, finding)) = last {
+            finding.hint = Some(format!("if it is not known: {unknown}"));
+        }
+    }
+
     /// A complaint of a key that nobody wrote: what stands in its place does not fit what is written around it.
     /// Said only where nothing else is wrong in its table: a value that could not be read is no ground to judge others.
     fn complain_of_default(&mut self, key: &str, allowed: &str) {
@@ -101,7 +136,12 @@ impl<'a> Reader<'a> {
         let entry = self.look(field.key);
         if entry.is_none() && field.default == Fallback::Required {
             let unit = if field.unit.is_empty() { String::new() } else { format!(", {}", field.unit) };
+            let estimate = !field.unit.is_empty() && self.path(field.key).starts_with(numbers::PHYSICAL);
+            let unknown = if field.unknown.is_empty() && estimate { ESTIMATE } else { field.unknown };
             self.missing(field.key, format!("is missing; it is required: {}{unit}", field.meaning));
+            if !unknown.is_empty() {
+                self.hint_last_missing(unknown);
+            }
         }
         entry.map(|e| &e.node)
     }
@@ -121,37 +161,6 @@ impl<'a> Reader<'a> {
         self.report(node.span.start, remark);
     }
 
-    /// A number at a node that obeys a field's range.
-    fn number_at(&mut self, path: &str, node: &Node, field: &Field) -> Option<f64> {
-        let value = match &node.value {
-            Value::Number(value) => *value,
-            Value::Whole(value) => *value as f64,
-            _ => {
-                self.wrong_type(path, node, &format!("a number{}", in_unit(field.unit)));
-                return None;
-            }
-        };
-        if !value.is_finite() {
-            let range = if field.limit == Limit::Any {
-                String::new()
-            } else {
-                format!("; it {}", field.limit.words(field.unit))
-            };
-            self.refuse(path, node, Problem::NotFinite, format!("must be a finite number{range}"));
-            return None;
-        }
-        if value != 0.0 && !SIZES.contains(&value.abs()) {
-            let allowed = format!("must be 0 or of a size between {:e} and {:e}", SIZES.start(), SIZES.end());
-            self.refuse(path, node, Problem::OutOfRange, allowed);
-            return None;
-        }
-        if !field.limit.holds(value) {
-            self.refuse(path, node, Problem::OutOfRange, field.limit.words(field.unit));
-            return None;
-        }
-        Some(value)
-    }
-
     /// The items of a list, or a finding.
     fn items(&mut self, path: &str, node: &'a Node, wanted: &str) -> Option<&'a [Node]> {
         if let Value::List(items) = &node.value {
@@ -167,7 +176,7 @@ impl<'a> Reader<'a> {
             self.refuse(path, node, Problem::OutOfRange, format!("must hold 2 numbers, not {}", items.len()));
             return None;
         };
-        Some([self.number_at(path, first, field)?, self.number_at(path, second, field)?])
+        Some([self.number_at(path, first, field)?, self.number_at(path, second, &field.item(1))?])
     }
 
     fn pairs_from(&mut self, path: &str, node: &Node, name: &str) -> Option<Vec<[f64; 2]>> {
@@ -186,8 +195,8 @@ impl<'a> Reader<'a> {
 
     fn unknown(&mut self, frame: &mut Frame<'_>, entry: &Entry) {
         let what = if matches!(entry.node.value, Value::Table(_)) { "section" } else { "key" };
-        let known: Vec<&str> = frame.known.iter().map(String::as_str).collect();
-        let near = nearest(&entry.key, known.iter().copied()).map(str::to_owned);
+        let known: Vec<&str> = frame.known.iter().take(MOST_KNOWN).map(String::as_str).collect();
+        let near = nearest(&entry.key, frame.known.iter().map(String::as_str)).map(str::to_owned);
         let path =
             if frame.path.is_empty() { entry.key.clone() } else { format!("{}.{}", frame.path, entry.key) };
         let allowed = format!("there is no such {what}; known here: {}", known.join(", "));
@@ -195,13 +204,6 @@ impl<'a> Reader<'a> {
         frame.missing.retain(|(key, _)| near.as_ref() != Some(key));
         self.report(entry.key_span.start, Remark::new(Problem::UnknownKey, &path, allowed).hint(hint));
     }
-}
-
-/// Sizes that a number of a machine can have: beyond them squares overflow or vanish.
-const SIZES: std::ops::RangeInclusive<f64> = 1e-40..=1e40;
-
-fn in_unit(unit: &str) -> String {
-    if unit.is_empty() { String::new() } else { format!(" in {unit}") }
 }
 
 impl Reader<'_> {

@@ -1,0 +1,82 @@
+//! `counterpoise check`: what a project file is understood to say, what it leaves open, and its migration to the present format.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::{Context, bail};
+use clap::Args;
+use counterpoise_host::files::project_file;
+use counterpoise_host::projects::{self, BadProject};
+use counterpoise_pipeline::check::check;
+use counterpoise_project::{Attachments, Diagnostic, Document, FORMAT, Project};
+use counterpoise_report::check::lines;
+use serde::Serialize;
+
+use crate::exit::{Done, verdict_code};
+use crate::options::Results;
+use crate::output::{self, say};
+
+/// Arguments of `check`.
+#[derive(Args)]
+pub struct CheckOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// Rewrite a file of an older format in the present one, with its comments; nothing else of it changes
+    #[arg(long)]
+    pub migrate: bool,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// The errors of a file, as JSON.
+#[derive(Serialize)]
+struct Refused<'a> {
+    file: &'a str,
+    errors: &'a [Diagnostic],
+}
+
+/// Runs the command.
+pub fn run(options: &CheckOptions) -> Done {
+    let path = project_file(&options.project);
+    let (document, attachments) = projects::written(&path)?;
+    if options.migrate {
+        return migrate(&document, &attachments);
+    }
+    match Project::resolve(&document, &attachments) {
+        Ok(parsed) => {
+            let found = check(&document, &parsed);
+            if !output::json(&options.results, &found)? {
+                lines(&found).iter().for_each(|line| say!("{line}"));
+            }
+            Ok(verdict_code(true))
+        }
+        Err(errors) => {
+            let refused = Refused { file: document.name(), errors: &errors };
+            if output::json(&options.results, &refused)? {
+                return Ok(ExitCode::from(2));
+            }
+            Err(BadProject { errors, document }.into())
+        }
+    }
+}
+
+/// Sets the format of a file and of its parts, after all of them have been read.
+fn migrate(document: &Document, attachments: &Attachments) -> Done {
+    if let Err(errors) = Project::resolve(document, attachments) {
+        return Err(BadProject { errors, document: document.clone() }.into());
+    }
+    if document.format() == Some(FORMAT) {
+        say!("{} is of format {FORMAT} already", document.name());
+        return Ok(verdict_code(true));
+    }
+    let migrated = document.migrated().context("the file cannot be migrated")?;
+    let (before, after) = (Project::resolve(document, attachments), Project::resolve(&migrated, attachments));
+    let same = before.ok().map(|parsed| parsed.project) == after.ok().map(|parsed| parsed.project);
+    if !same {
+        bail!("{} would mean something else in format {FORMAT}; nothing was written", document.name());
+    }
+    projects::write(std::path::Path::new(document.name()), migrated.text().as_bytes())?;
+    say!("{} is of format {FORMAT} now", document.name());
+    Ok(verdict_code(true))
+}

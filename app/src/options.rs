@@ -1,0 +1,165 @@
+//! Options that commands share, and those of the commands that have few.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use counterpoise_host::stages::Progress;
+use counterpoise_pipeline::recordings::ReplayLength;
+
+/// Arguments of `studio`, handed to the studio's own program as they are.
+#[derive(Args, Default)]
+#[command(disable_help_flag = true)]
+pub struct StudioOptions {
+    /// Project file or folder, and options (`counterpoise studio --help` lists them)
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "ARGUMENT")]
+    pub arguments: Vec<std::ffi::OsString>,
+}
+
+/// Where a result goes.
+#[derive(Args, Clone)]
+pub struct Results {
+    /// Print the result as JSON (to standard output, or to FILE)
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "-")]
+    pub json: Option<PathBuf>,
+    /// Print no progress
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+impl Results {
+    /// Returns whether progress is printed.
+    pub fn progress(&self) -> Progress {
+        if self.quiet { Progress::Quiet } else { Progress::Shown }
+    }
+}
+
+/// Arguments of `new`.
+#[derive(Args)]
+pub struct NewOptions {
+    /// Folder to make, or an empty one; its name becomes the name of the machine
+    pub folder: PathBuf,
+    /// The machine that the file describes, in at most 25 lines; asked for on a terminal, with four of its values, if absent
+    #[arg(long, value_name = "sight|gun|antenna|robot-joint|gimbal|linear-axis|pendulum")]
+    pub like: Option<String>,
+    /// A complete file of 263 lines instead, with weights, requirements and a campaign
+    #[arg(long, conflicts_with = "like")]
+    pub full: bool,
+}
+
+/// Arguments of `design`.
+#[derive(Args)]
+pub struct DesignOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// Folder for report and code
+    #[arg(short, long, default_value = "out")]
+    pub output: PathBuf,
+    /// With --json: also the time histories of every experiment, from which the nonlinear figures can be recomputed (tens of megabytes)
+    #[arg(long, requires = "json")]
+    pub histories: bool,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// Arguments of `export`.
+#[derive(Args)]
+pub struct ExportOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// Folder for report and code
+    #[arg(short, long, default_value = "out")]
+    pub output: PathBuf,
+    /// Write nothing; check whether these generated files are still what the project gives
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    pub check: Vec<PathBuf>,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// Arguments of a single stage.
+#[derive(Args)]
+pub struct StageOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// Arguments of `replay`.
+#[derive(Args)]
+pub struct ReplayOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// Recordings of one machine: CSV, Parquet, MATLAB or HDF5 files, or folders of them
+    #[arg(required = true)]
+    pub recordings: Vec<PathBuf>,
+    /// Drive the plant with the recorded control instead of the recording's controller
+    #[arg(long)]
+    pub open_loop: bool,
+    /// Length of the windows over which the model follows the recording, under the recorded control and each from a fitted state:
+    /// SECONDS; `none` follows it from start to end; `auto` uses half a second if the machine hunts, otherwise `none`
+    #[arg(long, value_name = "auto|none|SECONDS", default_value = "auto", value_parser = windows)]
+    pub windows: ReplayLength,
+    /// Write a report with pictures to this HTML file
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// `auto`, `none` or a length in seconds.
+fn windows(text: &str) -> Result<ReplayLength, String> {
+    match text {
+        "auto" => Ok(ReplayLength::Automatic),
+        "none" => Ok(ReplayLength::Whole),
+        _ => match text.parse::<f64>() {
+            Ok(window_s) if window_s > 0.0 && window_s.is_finite() => Ok(ReplayLength::Windows { window_s }),
+            _ => Err("must be `auto`, `none` or a length in seconds, such as 0.5".to_owned()),
+        },
+    }
+}
+
+/// Arguments of `diagnose`.
+#[derive(Args)]
+pub struct DiagnoseOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// Recordings of one machine: CSV, Parquet, MATLAB or HDF5 files, or folders of them; none if the project has natural
+    /// frequencies in its section `measured`
+    pub recordings: Vec<PathBuf>,
+    /// Write the improved project file
+    #[arg(long, value_name = "FILE")]
+    pub save: Option<PathBuf>,
+    /// Write a report with pictures to this HTML file
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// Arguments of `identify`.
+#[derive(Args)]
+pub struct IdentifyOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// Recordings of one machine in one state of balance: CSV, Parquet, MATLAB or HDF5 files, or folders of them
+    #[arg(required = true)]
+    pub recordings: Vec<PathBuf>,
+    /// Recordings of the same machine at another out-of-balance: they separate the amplifier's curve from friction
+    #[arg(long, value_name = "RECORDING", num_args = 1..)]
+    pub other: Vec<PathBuf>,
+    /// Write the project file with the identified values
+    #[arg(long, value_name = "FILE")]
+    pub save: Option<PathBuf>,
+    /// Write a report with pictures to this HTML file
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}

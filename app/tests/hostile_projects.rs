@@ -1,0 +1,212 @@
+//! Projects and surroundings that mean harm, or that nobody meant: pipes, devices, links and huge numbers in a project file, escape
+//! codes in its texts, arguments that are not UTF-8, a lost standard output. The program says what is wrong, soon, with its
+//! documented exit code, and sends no control character to the terminal.
+#![cfg(unix)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::ffi::OsStr;
+use std::fs;
+use std::os::unix::ffi::OsStrExt;
+use std::os::unix::fs::symlink;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+const RIG: &str = include_str!("../../examples/reference-rig/project.toml");
+/// No refusal may take longer.
+const SOON: Duration = Duration::from_secs(60);
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("hostile_{name}"));
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn counterpoise() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_counterpoise"));
+    command.stdin(Stdio::null());
+    command
+}
+
+/// Runs a command that must end soon.
+fn soon(command: &mut Command) -> Output {
+    let begun = Instant::now();
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    while child.try_wait().unwrap().is_none() {
+        if begun.elapsed() > SOON {
+            child.kill().unwrap();
+            panic!("{command:?} has not ended after {SOON:?}");
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    child.wait_with_output().unwrap()
+}
+
+/// Refused with code 2; what was said, free of control characters.
+fn refused(command: &mut Command) -> String {
+    let output = soon(command);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.chars().all(|c| c == '\n' || c == '\t' || !c.is_control()), "{said:?}");
+    said
+}
+
+/// The reference rig with a recording of the platform's motion under a name.
+fn with_road(name: &str) -> String {
+    let kept: Vec<&str> = RIG.split("[verify.road]").collect();
+    let rest = kept.get(1).map_or("", |rest| rest.find("\n[").map_or("", |at| &rest[at..]));
+    format!(
+        "{}[verify.road]\nrecording = \"{name}\"\nheave = \"a\"\npitch = \"b\"\nduration = 10.0\n{rest}",
+        kept[0]
+    )
+}
+
+#[test]
+fn references_that_are_no_regular_files_are_refused_at_once() {
+    let folder = folder("references");
+    assert!(Command::new("mkfifo").arg(folder.join("pipe.csv")).status().unwrap().success());
+    symlink("/etc/passwd", folder.join("link.csv")).unwrap();
+    symlink("/dev/zero", folder.join("device.csv")).unwrap();
+    fs::create_dir(folder.join("folder.csv")).unwrap();
+    let cases = [
+        ("pipe.csv", "no regular file but a pipe"),
+        ("link.csv", "symbolic link"),
+        ("device.csv", "symbolic link"),
+        ("/dev/zero", "no regular file but a pipe, a socket or a device"),
+        ("folder.csv", "a folder, not a file"),
+        ("absent.csv", "absent.csv"),
+    ];
+    for (name, expected) in cases {
+        fs::write(folder.join("project.toml"), with_road(name)).unwrap();
+        let said = refused(counterpoise().arg("verify").arg(&folder).arg("-q"));
+        assert!(said.contains(expected), "{name}: {said}");
+    }
+}
+
+#[test]
+fn pipes_and_devices_as_inputs_are_refused_at_once() {
+    let folder = folder("inputs");
+    fs::write(folder.join("project.toml"), RIG).unwrap();
+    assert!(Command::new("mkfifo").arg(folder.join("pipe")).status().unwrap().success());
+    for input in ["/dev/zero", "/dev/tty", folder.join("pipe").to_str().unwrap()] {
+        refused(counterpoise().arg("model").arg(input));
+        refused(counterpoise().arg("replay").arg(&folder).arg(input));
+    }
+}
+
+#[test]
+fn runs_that_no_machine_has_memory_for_are_refused_with_an_estimate() {
+    let folder = folder("sizes");
+    let cases = [
+        ("duration", RIG.replacen("[verify]", "[verify]\nduration = 1e5", 1)),
+        ("sample_period", replaced(RIG, "sample_period", "1e-7")),
+    ];
+    for (name, text) in cases {
+        let text = without_second(&text, "[verify]", "duration");
+        fs::write(folder.join("project.toml"), text).unwrap();
+        let said = refused(counterpoise().arg("verify").arg(&folder).arg("-q"));
+        assert!(said.contains("GB") || said.contains("sample"), "{name}: {said}");
+    }
+}
+
+/// The text with the first value of a key replaced.
+fn replaced(text: &str, key: &str, value: &str) -> String {
+    let mut done = false;
+    let line = |line: &str| match line.trim_start().starts_with(key) && !done {
+        true => {
+            done = true;
+            format!("{key} = {value}")
+        }
+        false => line.to_owned(),
+    };
+    text.lines().map(line).collect::<Vec<_>>().join("\n")
+}
+
+/// The text without a second value of a key in a section.
+fn without_second(text: &str, section: &str, key: &str) -> String {
+    let (mut inside, mut count) = (false, 0);
+    let keep = |line: &&str| {
+        if line.starts_with('[') {
+            inside = *line == section;
+        }
+        let is_key = inside && line.split('=').next().is_some_and(|found| found.trim() == key);
+        count += usize::from(is_key);
+        !is_key || count == 1
+    };
+    text.lines().filter(keep).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn texts_of_a_project_cannot_speak_to_the_terminal() {
+    let folder = folder("escapes");
+    let hostile = "\\u001b]0;owned\\u0007\\u001b[2J\\u202e";
+    let text = replaced(RIG, "name", &format!("\"{hostile}\""));
+    fs::write(folder.join("project.toml"), &text).unwrap();
+    let output = soon(counterpoise().arg("model").arg(&folder));
+    for stream in [output.stdout, output.stderr] {
+        let said = String::from_utf8_lossy(&stream).into_owned();
+        assert!(said.chars().all(|c| c == '\n' || c == '\t' || !c.is_control()), "{said:?}");
+        assert!(!said.contains('\u{202e}'), "{said:?}");
+    }
+    fs::write(folder.join("project.toml"), format!("\"{hostile}\" = 1\n{text}")).unwrap();
+    refused(counterpoise().arg("model").arg(&folder));
+}
+
+#[test]
+fn very_many_errors_are_counted_and_cut_short() {
+    let folder = folder("many");
+    let wrong: String = (0..20_000).map(|k| format!("unknown_{k} = {k}\n")).collect();
+    fs::write(folder.join("project.toml"), wrong + RIG).unwrap();
+    let said = refused(counterpoise().arg("model").arg(&folder));
+    assert!(said.contains("more") && said.len() < 100_000, "{} bytes", said.len());
+}
+
+#[test]
+fn arguments_need_not_be_utf8() {
+    let folder = folder("arguments");
+    let name = OsStr::from_bytes(b"rig-\xff\xfe.toml");
+    fs::write(folder.join(name), RIG).unwrap();
+    let output = soon(counterpoise().arg("model").arg(folder.join(name)).arg("-q"));
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let said = refused(counterpoise().arg(OsStr::from_bytes(b"--wei\xffrd")));
+    assert!(said.contains("error"), "{said}");
+}
+
+#[test]
+fn a_lost_standard_output_is_a_failure() {
+    let folder = folder("lost");
+    fs::write(folder.join("project.toml"), RIG).unwrap();
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let output = counterpoise().arg("model").arg(&folder).stdout(full).output().unwrap();
+    assert_eq!(output.status.code(), Some(3));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("could not be written"));
+    let mut child = counterpoise()
+        .arg("model")
+        .arg(&folder)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    assert_eq!(child.wait().unwrap().code(), Some(3));
+}
+
+#[test]
+fn the_temporary_folder_and_partial_files_belong_to_this_user_alone() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = folder("modes");
+    let scratch = counterpoise_host::files::scratch_folder().unwrap();
+    assert_eq!(fs::metadata(scratch.path()).unwrap().permissions().mode() & 0o777, 0o700);
+    // What stands in the place of a partial file is not written through.
+    symlink("/etc/passwd", folder.join("a.txt.partial")).unwrap();
+    counterpoise_host::files::write(&folder.join("a.txt"), b"content").unwrap();
+    assert_eq!(fs::read(folder.join("a.txt")).unwrap(), b"content");
+    // A link in the place of the file is replaced, and what it names stays as it was.
+    fs::write(folder.join("target"), b"kept").unwrap();
+    symlink(folder.join("target"), folder.join("b.txt")).unwrap();
+    counterpoise_host::files::write(&folder.join("b.txt"), b"new").unwrap();
+    assert_eq!(fs::read(folder.join("target")).unwrap(), b"kept");
+    assert_eq!(fs::read(folder.join("b.txt")).unwrap(), b"new");
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 4);
+}

@@ -1,0 +1,70 @@
+//! The files of a campaign's shards: what is written is read again, and a file of which any single bit is changed is refused.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::fs;
+use std::path::Path;
+
+use counterpoise_host::projects::{self, Surroundings};
+use counterpoise_host::shards;
+use counterpoise_host::stages::Progress;
+use counterpoise_pipeline as pipeline;
+use counterpoise_project::Purpose;
+
+const CAMPAIGN: &str = r#"
+[verify]
+duration = 1.0
+settle = 0.3
+[[verify.requirement]]
+figure = "gain_margin_db"
+at_least = 9.0
+[sweep]
+samples = 3
+seed = 5
+[[sweep.variation]]
+parameter = "hub_inertia"
+low = 0.8
+high = 1.25
+"#;
+
+#[test]
+fn every_single_bit_error_of_a_shard_is_refused() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("shard_bits");
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/reference-rig/project.toml");
+    let text = fs::read_to_string(example).unwrap();
+    let text = format!("{}\n{CAMPAIGN}", text.split("\n[verify]").next().unwrap());
+    fs::write(folder.join("project.toml"), text).unwrap();
+    let loaded = projects::load(&folder, Purpose::Sweep).unwrap();
+    let world = Surroundings::of(&loaded, Progress::Quiet);
+    let designed = pipeline::design(&loaded.project, &world).unwrap();
+    let campaign =
+        pipeline::campaign(&loaded.project, &designed.stages.modelled, &designed.stages.verified, &world)
+            .unwrap();
+    let samples: Vec<_> = (0..campaign.len()).map(|k| campaign.run(k).unwrap()).collect();
+    let path = shards::path(&folder, 0, 1);
+    shards::write(&path, &campaign, "a campaign", &samples).unwrap();
+    assert_eq!(shards::read(&path, &campaign, "a campaign").unwrap(), samples);
+    assert!(shards::read(&path, &campaign, "another").is_err());
+    // The decoder may panic on a damaged file; that is caught, and need not be printed.
+    std::panic::set_hook(Box::new(|_| {}));
+    let sound = fs::read(&path).unwrap();
+    let mut accepted = Vec::new();
+    for bit in 0..8 * sound.len() {
+        let mut damaged = sound.clone();
+        damaged[bit / 8] ^= 1 << (bit % 8);
+        fs::write(&path, &damaged).unwrap();
+        if shards::read(&path, &campaign, "a campaign").is_ok() {
+            accepted.push(bit);
+        }
+    }
+    for length in 0..sound.len() {
+        fs::write(&path, &sound[..length]).unwrap();
+        if shards::read(&path, &campaign, "a campaign").is_ok() {
+            accepted.push(length);
+        }
+    }
+    let _ = std::panic::take_hook();
+    assert!(accepted.is_empty(), "{accepted:?}");
+    println!("{} single-bit errors and {} cut files, none accepted", 8 * sound.len(), sound.len());
+}

@@ -1,0 +1,168 @@
+//! Figures of a row from its curves: the colour of each curve follows from its place, few points are marked one by one.
+
+use counterpoise_lti::{Response, StateSpace};
+use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Series};
+use counterpoise_report::summary::capital;
+use counterpoise_verify::History;
+
+use counterpoise_pipeline::PipelineError;
+
+/// A curve before its place in a panel decides its colour.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// Its name in the legend.
+    pub name: String,
+    /// (x, y) in the order in which they are joined.
+    pub points: Vec<(f64, f64)>,
+    /// How it is drawn.
+    pub style: Style,
+}
+
+/// How a curve is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Style {
+    /// An unbroken line.
+    Line,
+    /// A dashed line: what the others are compared with.
+    Reference,
+    /// A dashed line in the colour of the curve before it: the same quantity from another source.
+    Pair,
+    /// Few points, each marked, joined.
+    Points,
+    /// A line in the background.
+    Faint,
+}
+
+/// Height of the panels of a figure, pixels: lower if there are more than two.
+const HEIGHTS: (f64, f64) = (190.0, 150.0);
+
+/// Returns a figure of panels over one x axis.
+pub fn drawing(title: impl AsRef<str>, x: Axis, panels: Vec<Panel>) -> Figure {
+    let height = if panels.len() > 2 { HEIGHTS.1 } else { HEIGHTS.0 };
+    Figure::new(title.as_ref(), x, panels.into_iter().map(|panel| panel.with_height(height)).collect())
+}
+
+/// Returns a panel of curves.
+pub fn panel(y: Axis, curves: Vec<Curve>) -> Panel {
+    let (mut series, mut marks, mut at) = (Vec::new(), Vec::new(), 0);
+    for curve in curves {
+        let (colour, dash) = dress(curve.style, &mut at);
+        if curve.style == Style::Points {
+            let ring =
+                |point: &(f64, f64)| Mark::Point { x: point.0, y: point.1, text: String::new(), colour };
+            marks.extend(curve.points.iter().map(ring));
+        }
+        series.push(Series::new(&capital(&curve.name), (colour, dash), curve.points));
+    }
+    Panel::new(y, series).with_marks(marks)
+}
+
+/// Colours in turn, a pair in one colour.
+fn dress(style: Style, at: &mut usize) -> (Colour, Dash) {
+    let of = |turn: usize| Colour::CYCLE[turn % Colour::CYCLE.len()];
+    match style {
+        Style::Faint => (Colour::Muted, Dash::Solid),
+        Style::Pair => (of(at.saturating_sub(1)), Dash::Dashed),
+        Style::Line | Style::Reference | Style::Points => {
+            *at += 1;
+            (of(*at - 1), if style == Style::Reference { Dash::Dashed } else { Dash::Solid })
+        }
+    }
+}
+
+/// Returns the axis of time in seconds.
+pub fn time() -> Axis {
+    Axis::linear("time", "s")
+}
+
+/// Returns the axis of frequency in Hz.
+pub fn frequency() -> Axis {
+    Axis::logarithmic("frequency", "Hz")
+}
+
+/// Returns the axis of a parameter's factor.
+pub fn factor(quantity: &str) -> Axis {
+    Axis::logarithmic(quantity, "times the normal")
+}
+
+impl Curve {
+    /// Returns a curve of a style.
+    pub fn new(name: impl Into<String>, style: Style, points: Vec<(f64, f64)>) -> Self {
+        Self { name: name.into(), points, style }
+    }
+
+    /// Returns an unbroken line.
+    pub fn line(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+        Self::new(name, Style::Line, points)
+    }
+
+    /// Returns a dashed line.
+    pub fn reference(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+        Self::new(name, Style::Reference, points)
+    }
+
+    /// Returns marked points.
+    pub fn points(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+        Self::new(name, Style::Points, points)
+    }
+
+    /// Returns a line in the background.
+    pub fn faint(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+        Self::new(name, Style::Faint, points)
+    }
+}
+
+/// Two columns as points, the second times `scale`.
+pub fn paired(x: &[f64], y: &[f64], scale: f64) -> Vec<(f64, f64)> {
+    x.iter().zip(y).map(|(x, y)| (*x, scale * y)).collect()
+}
+
+/// Hub rate in mrad/s over time.
+pub fn hub(history: &History) -> Vec<(f64, f64)> {
+    paired(&history.time_s, &history.hub_rate_rad_s, 1e3)
+}
+
+/// Hub rate in mrad/s over time, from a time on.
+pub fn hub_from(history: &History, time_s: f64) -> Vec<(f64, f64)> {
+    hub(history).split_off(history.index_at(time_s))
+}
+
+/// A panel of hub rates in mrad/s.
+pub fn hub_panel(curves: Vec<Curve>) -> Panel {
+    panel(Axis::linear("hub rate", "mrad/s"), curves)
+}
+
+/// (Hz, dB) of one element of a system's frequency response.
+///
+/// # Errors
+/// A response that does not exist.
+pub fn gain_db(
+    system: &StateSpace,
+    (output, input): (usize, usize),
+    rates_rad_s: &[f64],
+) -> Result<Vec<(f64, f64)>, PipelineError> {
+    let values = Response::of(system)?.at_all(rates_rad_s)?;
+    let db = |k: usize| 20.0 * values[k][(output, input)].norm().log10();
+    Ok(rates_rad_s.iter().enumerate().map(|(k, rate)| (rate / std::f64::consts::TAU, db(k))).collect())
+}
+
+/// (Hz, degrees) of one element, without jumps of a whole turn.
+///
+/// # Errors
+/// A response that does not exist.
+pub fn phase_deg(
+    system: &StateSpace,
+    (output, input): (usize, usize),
+    rates_rad_s: &[f64],
+) -> Result<Vec<(f64, f64)>, PipelineError> {
+    let values = Response::of(system)?.at_all(rates_rad_s)?;
+    let mut before: Option<f64> = None;
+    let mut unwrapped = |raw: f64| {
+        let phase = before.map_or(raw, |last| raw + 360.0 * ((last - raw) / 360.0).round());
+        before = Some(phase);
+        phase
+    };
+    let degrees = |k: usize| values[k][(output, input)].arg().to_degrees();
+    let both = rates_rad_s.iter().enumerate();
+    Ok(both.map(|(k, rate)| (rate / std::f64::consts::TAU, unwrapped(degrees(k)))).collect())
+}

@@ -1,0 +1,190 @@
+//! What the thesis asks for beyond itself: the tip, and inertia apart from out-of-balance.
+
+use counterpoise_models::Parameters;
+use counterpoise_verify::history::{Experiment, History};
+use counterpoise_verify::robust::Varied;
+use counterpoise_verify::signals::rms;
+use counterpoise_verify::{Arrangement, Source};
+
+use super::drawing::{Curve, drawing, factor, paired, panel, time};
+use super::{Bench, Claim, Criterion};
+use counterpoise_pipeline::PipelineError;
+use counterpoise_plot::{Axis, Figure as Drawing};
+
+/// The tip's rate predicted from the hub's: the beam on its spring,
+///
+/// ```text
+///     J_b dw/dt = D_h (w_h - w) + K_h integral (w_h - w)
+/// ```
+///
+/// by the trapezoidal rule.
+fn predicted_tip(p: &Parameters, hub: &[f64]) -> Vec<f64> {
+    let Some(lumped) = &p.lumped else { return Vec::new() };
+    let (t, d, k) = (
+        p.interface.sample_period_s,
+        lumped.damping_nm_s_rad / lumped.beam_inertia_kg_m2,
+        lumped.stiffness_nm_rad / lumped.beam_inertia_kg_m2,
+    );
+    let (mut rate, mut twist, mut before) =
+        (hub.first().copied().unwrap_or(0.0), 0.0, hub.first().copied().unwrap_or(0.0));
+    let mut out = Vec::with_capacity(hub.len());
+    let weight = 0.5 * t * (d + 0.5 * t * k);
+    for &now in hub {
+        let drive = rate + weight * (before - rate + now) + t * k * twist;
+        let next = drive / (1.0 + weight);
+        twist += 0.5 * t * (before - rate + now - next);
+        (rate, before) = (next, now);
+        out.push(rate);
+    }
+    out
+}
+
+fn less(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(x, y)| x - y).collect()
+}
+
+/// Row F2: the tip.
+///
+/// # Errors
+/// Those of the simulator.
+pub fn tip_motion(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+    let source = if bench.procedure.road.is_some() { Source::Road } else { Source::Both };
+    let run = |arrangement| {
+        let experiment = Experiment::Disturbance(source, arrangement);
+        bench.history(bench.parameters(), bench.controller(), experiment)
+    };
+    let (free, held) = (run(Arrangement::Uncontrolled)?, run(Arrangement::Compensated)?);
+    let first = held.index_at(bench.procedure.settle_s);
+    let predicted = predicted_tip(bench.parameters(), &held.hub_rate_rad_s);
+    let (tip, hub) = (&held.tip_rate_rad_s[first..], &held.hub_rate_rad_s[first..]);
+    let as_hub = 1e3 * rms(&less(tip, hub));
+    let as_predicted = 1e3 * rms(&less(tip, predicted.get(first..).unwrap_or(&[])));
+    let (before, after) = (1e3 * rms(&free.tip_rate_rad_s[first..]), 1e3 * rms(tip));
+    let hub_after = 1e3 * rms(hub);
+    Ok(Claim {
+        id: "F2",
+        title: "the tip",
+        source: "9.2",
+        says: "asks for the tip's motion predicted and stabilised, not only the hub's",
+        measured: format!(
+            "on the {}: tip {before:.2} mrad/s RMS without control, {after:.2} with the whole controller (hub {hub_after:.2}); tip taken as the hub errs by {as_hub:.3}, predicted from the hub's rate through the beam by {as_predicted:.3}",
+            if source == Source::Road { "road" } else { "heave and pitch" }
+        ),
+        criteria: vec![
+            Criterion::at_most(
+                ("error of the predicted tip rate over that of taking the hub's", "asked for"),
+                as_predicted / as_hub,
+                0.5,
+                "a prediction that is worth its computation halves the error",
+            ),
+            Criterion::at_most(
+                ("tip rate over hub rate with the whole controller, RMS", "stabilised, too"),
+                after / hub_after,
+                1.1,
+                "a tenth more than the hub",
+            ),
+            Criterion::at_most(
+                ("tip rate with the whole controller over that without control, RMS", "stabilised"),
+                after / before,
+                0.5,
+                "half is the least that can be called stabilised",
+            ),
+        ],
+        why: String::new(),
+        drawings: tip_motion_figures((&free, &held), &predicted, first),
+    })
+}
+
+/// The tip with and without control, and what hub and prediction say of it.
+fn tip_motion_figures((free, held): (&History, &History), predicted: &[f64], first: usize) -> Vec<Drawing> {
+    let at_s = &held.time_s[first..];
+    let tip = &held.tip_rate_rad_s[first..];
+    let of = |values: &[f64]| paired(at_s, values.get(first..).unwrap_or(&[]), 1e3);
+    let stabilised = vec![
+        Curve::faint("without control", of(&free.tip_rate_rad_s)),
+        Curve::line("with the whole controller", of(&held.tip_rate_rad_s)),
+    ];
+    let off = |name: &str, values: &[f64]| {
+        Curve::line(name, paired(at_s, &less(tip, values.get(first..).unwrap_or(&[])), 1e3))
+    };
+    let errors = vec![off("tip less hub", &held.hub_rate_rad_s), off("tip less its prediction", predicted)];
+    vec![
+        drawing("The tip's rate", time(), vec![panel(Axis::linear("tip rate", "mrad/s"), stabilised)]),
+        drawing(
+            "The tip's rate predicted from the hub's",
+            time(),
+            vec![panel(Axis::linear("difference", "mrad/s"), errors)],
+        ),
+    ]
+}
+
+/// Row F4: inertia and out-of-balance apart.
+///
+/// # Errors
+/// Those of the verification.
+pub fn inertia_and_imbalance_apart(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
+    let mut lines = Vec::new();
+    let mut residual = Vec::new();
+    for moment in [0.5, 1.0, 1.5] {
+        let mut row = Vec::new();
+        for inertia in [0.5, 1.0, 2.0] {
+            let mut parameters = bench.parameters().clone();
+            Varied::OutOfBalance.scale(&mut parameters, moment)?;
+            Varied::HubInertia.scale(&mut parameters, inertia)?;
+            let found = bench.behaviour(&parameters, &bench.observed)?;
+            row.push((found.overshoot_percent, 1e3 * found.residual_rad_s));
+        }
+        let cells: Vec<String> = row.iter().map(|(o, r)| format!("{o:.1} %, {r:.2} mrad/s")).collect();
+        lines.push(format!("out-of-balance x{moment}: {}", cells.join(" | ")));
+        residual.push(row);
+    }
+    let step_by_inertia = spread((0..3).map(|k| residual[1][k].0));
+    let step_by_moment = spread((0..3).map(|k| residual[k][1].0));
+    let rate_by_moment = spread((0..3).map(|k| residual[k][1].1));
+    let rate_by_inertia = spread((0..3).map(|k| residual[1][k].1));
+    Ok(Claim {
+        id: "F4",
+        title: "inertia and out-of-balance apart",
+        source: "9.2",
+        says: "asks for inertia and out-of-balance varied independently",
+        measured: format!(
+            "overshoot and RMS hub rate at hub inertia x0.5 | x1 | x2; {}. Inertia moves the overshoot by {step_by_inertia:.1} % and the rate by {rate_by_inertia:.2} mrad/s, out-of-balance by {step_by_moment:.1} % and {rate_by_moment:.2} mrad/s",
+            lines.join("; ")
+        ),
+        criteria: vec![
+            Criterion::at_least(
+                ("change of the overshoot by inertia over that by out-of-balance", "apart"),
+                step_by_inertia / step_by_moment,
+                1.0,
+                "the step belongs to inertia",
+            ),
+            Criterion::at_least(
+                ("change of the RMS hub rate by out-of-balance over that by inertia", "apart"),
+                rate_by_moment / rate_by_inertia,
+                3.0,
+                "stabilisation belongs to out-of-balance",
+            ),
+        ],
+        why: String::new(),
+        drawings: vec![inertia_and_imbalance_apart_figure(&residual)],
+    })
+}
+
+/// Overshoot and residual over inertia, a curve an out-of-balance.
+fn inertia_and_imbalance_apart_figure(rows: &[Vec<(f64, f64)>]) -> Drawing {
+    let of = |value: &dyn Fn(&(f64, f64)) -> f64| -> Vec<Curve> {
+        let points = |row: &Vec<(f64, f64)>| [0.5, 1.0, 2.0].into_iter().zip(row.iter().map(value)).collect();
+        let named = ["out-of-balance x0.5", "out-of-balance x1", "out-of-balance x1.5"].into_iter().zip(rows);
+        named.map(|(name, row)| Curve::points(name, points(row))).collect()
+    };
+    let panels = vec![
+        panel(Axis::linear("overshoot", "%"), of(&|cell| cell.0)),
+        panel(Axis::linear("RMS hub rate", "mrad/s"), of(&|cell| cell.1)),
+    ];
+    drawing("Inertia and out-of-balance varied apart", factor("hub inertia"), panels)
+}
+
+fn spread(values: impl Iterator<Item = f64>) -> f64 {
+    let (low, high) = values.fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(v), b.max(v)));
+    high - low
+}

@@ -1,0 +1,140 @@
+//! The friction observer of the rows: its parameters are identified from a recording of the mechanism, as they would be on a real one.
+//!
+//! The recording is a noisy triangle wave. The search starts from a project that is wrong in level and in presliding stiffness. The level
+//! comes from the triangle-wave identification, the stiffness from replays of the recording.
+
+use counterpoise_controller::ProportionalIntegral;
+use counterpoise_diagnose::identification::{identify, improved};
+use counterpoise_models::plant::Plant;
+use counterpoise_models::{FrictionLaw, Parameters};
+use counterpoise_pipeline::PipelineError;
+use counterpoise_project::Project;
+use counterpoise_project::resolve::synthesis_options::{FrictionModel, ObserverOptions};
+use counterpoise_recordings::Recording;
+use counterpoise_simulate::replay::{Loop, Replayer};
+use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
+use counterpoise_synth::observer::Drives;
+
+/// By how much the project is wrong before the identification: Coulomb level at the pivot, and presliding stiffness.
+const WRONG: [f64; 2] = [0.7, 3.0];
+/// The triangle: peak rate in rad/s, period and length in s.
+const TRIANGLE: (f64, f64, f64) = (0.15, 2.0, 10.0);
+/// Seed of the recording's noise.
+const SEED: u64 = 11;
+/// Factors on the presliding stiffness that are tried, in equal ratios from the first to the last; the best is refined by a parabola in
+/// the logarithm.
+const STIFFNESS: (f64, f64, usize) = (0.05, 5.0, 15);
+
+/// The friction of a mechanism as a user would have it from a recording.
+#[derive(Debug, Clone)]
+pub struct IdentifiedFriction {
+    /// The mechanism with the identified friction.
+    pub parameters: Parameters,
+    /// Identified over true Coulomb level, motor and pivot together at the output.
+    pub coulomb_ratio: f64,
+    /// Identified over true presliding stiffness at the pivot.
+    pub stiffness_ratio: f64,
+}
+
+/// Identifies the friction of a mechanism from a recording of it.
+///
+/// # Errors
+/// Those of the simulator and of the identification.
+pub fn identify_friction(truth: &Parameters) -> Result<IdentifiedFriction, PipelineError> {
+    let mut wrong = truth.clone();
+    wrong.pivot_friction.law.scale_coulomb(WRONG[0]);
+    scale_stiffness(&mut wrong, WRONG[1]);
+    let (recording, control) = recorded(truth)?;
+    let found = identify(&wrong, &[std::slice::from_ref(&recording)])?;
+    let level = improved(&wrong, &found);
+    let parameters = with_fitted_stiffness(&level, &recording, &control)?;
+    let total =
+        |p: &Parameters| p.pivot_friction.coulomb_nm() + p.gearbox.ratio * p.motor_friction.coulomb_nm();
+    Ok(IdentifiedFriction {
+        coulomb_ratio: total(&parameters) / total(truth),
+        stiffness_ratio: stiffness(&parameters) / stiffness(truth),
+        parameters,
+    })
+}
+
+/// Returns a project whose exported controller observes the identified friction.
+pub fn observing(project: &Project, found: &IdentifiedFriction) -> Project {
+    let mut project = project.clone();
+    if let Some(synth) = &mut project.synth {
+        synth.options.observer = Some(ObserverOptions {
+            drives: Drives::MeasuredRate,
+            share: 1.0,
+            motor: Some(found.parameters.motor_friction.clone()),
+            pivot: Some(found.parameters.pivot_friction.clone()),
+            model: FrictionModel::Dahl,
+            sign_rate_rad_s: 5e-3,
+        });
+    }
+    project
+}
+
+fn recorded(truth: &Parameters) -> Result<(Recording, Loop), PipelineError> {
+    let plant = Plant::lumped(truth)?;
+    let sample_period_s = truth.interface.sample_period_s;
+    let bias_v = plant.equilibrium(&Default::default()).control_v;
+    let mut controller =
+        ProportionalIntegral { kp_v_s_rad: 18.0, ki_v_rad: 80.0, bias_v, sample_period_s, integral_v: 0.0 };
+    let control = Loop::from(&controller);
+    let scenario = Scenario {
+        demand_rad_s: Signal::Triangle { amplitude: TRIANGLE.0, period_s: TRIANGLE.1 },
+        imperfections: Imperfections::NoiseAndQuantisation { seed: SEED },
+        detail: Detail::Recording,
+        ..Scenario::still(TRIANGLE.2)
+    };
+    let run = Simulator::new(&plant)?.run(&mut controller, &scenario)?;
+    Ok((run.readings.recording("triangle", sample_period_s), control))
+}
+
+/// The mechanism with the presliding stiffness that replays a recording best.
+fn with_fitted_stiffness(
+    start: &Parameters,
+    recording: &Recording,
+    control: &Loop,
+) -> Result<Parameters, PipelineError> {
+    let replayer = Replayer::new(start, recording)?;
+    let with = |factor: f64| {
+        let mut parameters = start.clone();
+        scale_stiffness(&mut parameters, factor);
+        parameters
+    };
+    let cost = |factor: f64| -> Result<f64, PipelineError> {
+        let replay = replayer.replay(&with(factor), control)?;
+        Ok(replay.channels.iter().map(|fit| (fit.rms_error / fit.floor).powi(2)).sum::<f64>().ln())
+    };
+    let (low, high, count) = STIFFNESS;
+    let step = (high / low).ln() / (count - 1) as f64;
+    let factors: Vec<f64> = (0..count).map(|k| low * (step * k as f64).exp()).collect();
+    let costs = factors.iter().map(|factor| cost(*factor)).collect::<Result<Vec<f64>, _>>()?;
+    let best = (1..count - 1).min_by(|a, b| costs[*a].total_cmp(&costs[*b])).unwrap_or(0);
+    let (mut centre, mut width) = (factors[best].ln(), step);
+    for _ in 0..3 {
+        let [left, middle, right] =
+            [cost((centre - width).exp())?, cost(centre.exp())?, cost((centre + width).exp())?];
+        let curvature = left - 2.0 * middle + right;
+        let shift = if curvature > 0.0 { 0.5 * (left - right) / curvature } else { 0.0 };
+        centre += width * shift.clamp(-1.0, 1.0);
+        width *= 0.4;
+    }
+    Ok(with(centre.exp()))
+}
+
+/// Presliding stiffness at the pivot, N m/rad; NaN for a law that is not Dahl's.
+fn stiffness(parameters: &Parameters) -> f64 {
+    match parameters.pivot_friction.law {
+        FrictionLaw::Dahl { rest_stiffness_nm_rad, .. } => rest_stiffness_nm_rad,
+        _ => f64::NAN,
+    }
+}
+
+fn scale_stiffness(parameters: &mut Parameters, factor: f64) {
+    for law in [&mut parameters.pivot_friction.law, &mut parameters.motor_friction.law] {
+        if let FrictionLaw::Dahl { rest_stiffness_nm_rad, .. } = law {
+            *rest_stiffness_nm_rad *= factor;
+        }
+    }
+}

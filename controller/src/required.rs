@@ -1,0 +1,41 @@
+//! What is required of a number or a count, and the error if it does not hold.
+
+use crate::Error;
+
+pub(crate) fn count(path: &str, what: &'static str, found: usize, expected: usize) -> Result<(), Error> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(Error::Count { path: path.to_owned(), what, found, expected })
+    }
+}
+
+pub(crate) fn positive(what: &str, value: f64) -> Result<(), Error> {
+    require(what, value, Required { holds: value > 0.0 && value.is_finite(), words: "positive and finite" })
+}
+
+pub(crate) fn at_least_0(what: &str, value: f64) -> Result<(), Error> {
+    require(
+        what,
+        value,
+        Required { holds: value >= 0.0 && value.is_finite(), words: "0 or positive, and finite" },
+    )
+}
+
+pub(crate) fn finite(what: &str, value: f64) -> Result<(), Error> {
+    require(what, value, Required { holds: value.is_finite(), words: "finite" })
+}
+
+/// What is required of a number: whether it holds, and in words that follow "must be".
+pub(crate) struct Required {
+    pub holds: bool,
+    pub words: &'static str,
+}
+
+pub(crate) fn require(what: &str, value: f64, required: Required) -> Result<(), Error> {
+    if required.holds {
+        Ok(())
+    } else {
+        Err(Error::Range { what: what.to_owned(), value, allowed: required.words })
+    }
+}

@@ -1,0 +1,10 @@
+//! Limits of what is reported, and of the scaling of a machine whose size is not the usual one.
+
+/// Inertia, kg m^2, and gear ratio of the machines for which the library's sizes are meant.
+pub const USUAL_INERTIA_AND_RATIO: (f64, f64) = (345.0, 200.0);
+/// Torque of the drive at the hub of those machines, N m.
+pub const USUAL_TORQUE_NM: f64 = 600.0;
+/// Factors of inertia and gear ratio within which a machine is taken as it is.
+pub const UNSCALED_WITHIN: (f64, f64) = (20.0, 5.0);
+/// Multiple of the typical size beyond which no size is reported: the effect does not move these recordings.
+pub const LARGEST_REPORTED_MULTIPLE: f64 = 100.0;

@@ -1,0 +1,38 @@
+//! Limits of scans, pairs and knots during the selection of effects. More points cost replays in proportion; fewer miss narrow optima.
+
+/// Step of a point of the fine curve, as a fraction of the linear gain.
+pub const CURVE_STEP: f64 = 1e-3;
+/// Curvature, in floors squared, of the preference for a fraction as it is: 0.3 costs one unit. It holds what no recording shows.
+pub const CURVE_PREFERENCE: f64 = 11.0;
+/// Effects with more parameters than this are not tried in pairs.
+pub const PAIRED_PARAMETERS: usize = 4;
+/// Orders at which a torque is sought that repeats with an angle, per turn.
+pub const SCANNED_ORDERS: [f64; 25] = [
+    1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 14.0, 15.0, 16.0, 18.0, 20.0, 21.0, 22.0,
+    24.0, 28.0, 30.0, 36.0, 45.0, 60.0,
+];
+/// Points of a scan of a parameter over its range.
+pub const SCAN_POINTS: usize = 64;
+/// Points of each of the two refinements of a scan.
+pub const SCAN_REFINEMENT_POINTS: usize = 9;
+/// Number of points of a scan with assessments, and of each of its refinements.
+pub const ASSESSED_SCAN_POINTS: [usize; 3] = [32, 8, 8];
+/// Share of the distance that the best point of a scan must remove for the scan to be refined.
+pub const SCAN_REFINEMENT_SHARE: f64 = 0.15;
+/// Number of orders of a repeating torque that go on from the scan.
+pub const ORDERS_KEPT: usize = 3;
+/// Largest multiple of a direction that a signature may ask for.
+pub const LARGEST_MULTIPLE: f64 = 30.0;
+/// Largest multiple of a plain quantity's direction if the typical sizes are not the machine's.
+pub const LARGEST_SCALED_MULTIPLE: f64 = 3e3;
+/// Largest change of a logarithm if the typical sizes are not the machine's.
+pub const LARGEST_SCALED_LOGARITHM: f64 = 3.0;
+/// Largest multiple of a torque that repeats if the typical sizes are not the machine's.
+pub const LARGEST_SCALED_RIPPLE: f64 = 500.0;
+/// Factors on the value of a quantity that is positive by nature at which it is tried if the machine's sizes are unknown: dry
+/// friction that a model nearly lacks, for example.
+pub const SCALED_FACTORS: [f64; 2] = [4.0, 16.0];
+/// Number of starts of an effect that are evaluated at full size.
+pub const STARTS_VISITED: usize = 3;
+/// Interval in samples at which a trace is kept.
+pub const TRACE_STRIDE: usize = 7;

@@ -1,0 +1,85 @@
+//! What the printed guard of a controller needs: limits of the readings, states to look after, and the mark of the set.
+
+use counterpoise_controller::guard::{ALONE, REFUSED, REPLACED, RESTARTED, STICKY, UNCHANGED};
+use counterpoise_controller::program::{OnReset, StateGroup};
+use counterpoise_controller::tolerance::{FLUSHED_DOUBLE, FLUSHED_SINGLE, MOST_STATES};
+use counterpoise_controller::{Controller, GuardSettings};
+use minijinja::{Value, context};
+
+use crate::print::{Dialect, literal};
+use crate::{File, Precision, READING_FIELDS};
+
+/// Bytes of a guard beside its real numbers: a count for each reading, the count of replaced readings, and the flags.
+const GUARD_WORDS: usize = 8;
+/// Real numbers of a guard: the last good readings, the control, and the share of the other sensors.
+const GUARD_NUMBERS: usize = 8;
+
+/// Instructions that the guard of a reading needs, about.
+const A_READING: usize = 45;
+/// Instructions that looking after a state needs, about.
+const A_STATE: usize = 15;
+
+/// Bytes of memory that a guard takes.
+pub(crate) fn guard_bytes(number_bytes: usize) -> usize {
+    GUARD_NUMBERS * number_bytes + 4 * GUARD_WORDS
+}
+
+/// Instructions that the guard adds to a step, about.
+pub(crate) fn guard_instructions(states: usize) -> usize {
+    READING_FIELDS.len() * A_READING + states * A_STATE
+}
+
+/// What every template needs of the guard: the flags as hexadecimal literals, and counts.
+pub(crate) fn flags(controller: &Controller) -> Value {
+    let settings = GuardSettings::of(controller.parts());
+    let bit = |mask: u32| format!("0x{mask:X}");
+    context! {
+        replaced => bit(REPLACED), unchanged => bit(UNCHANGED), restarted => bit(RESTARTED),
+        refused => bit(REFUSED), alone => bit(ALONE), sticky => bit(STICKY),
+        unchanged_samples => settings.unchanged_samples,
+    }
+}
+
+/// What templates in floating point need besides.
+pub(crate) fn guard(controller: &Controller, precision: Precision, dialect: Dialect) -> Value {
+    let settings = GuardSettings::of(controller.parts());
+    let text = |value: f64| literal(value, precision, dialect);
+    let tiny = if precision == Precision::Double { FLUSHED_DOUBLE } else { FLUSHED_SINGLE };
+    let groups = &controller.programs().states;
+    context! {
+        limits => settings.limits.iter().map(|limit| text(*limit)).collect::<Vec<_>>(),
+        share_step => text(settings.share_step),
+        tiny => text(tiny),
+        most => text(MOST_STATES),
+        zero => text(0.0),
+        one => text(1.0),
+        tended => groups.iter().map(group).collect::<Vec<_>>(),
+        kept => groups.iter().filter(|group| group.on_reset == OnReset::Keep).map(group).collect::<Vec<_>>(),
+        limited => groups.iter().filter_map(|group| limited(group, &text)).collect::<Vec<_>>(),
+    }
+}
+
+fn group(group: &StateGroup) -> Value {
+    context! { name => group.name.as_str(), length => group.length }
+}
+
+/// A state with its limits. Only single states have any.
+fn limited(group: &StateGroup, text: &dyn Fn(f64) -> String) -> Option<Value> {
+    let limits = group.limits?;
+    Some(context! { name => group.name.as_str(), low => text(limits.low), high => text(limits.high) })
+}
+
+/// What stands in the files of a set until their mark is known.
+pub(crate) const MARK: &str = "@SET@";
+
+/// Puts the mark of a set into its files: a hash of all of them (FNV-1a, 64 bits). A file that is compiled with one of another
+/// set finds another mark and stops the compiler.
+pub(crate) fn marked(mut files: Vec<File>) -> Vec<File> {
+    let bytes = files.iter().flat_map(|file| file.name.bytes().chain([0]).chain(file.text.bytes()));
+    let hash = bytes.fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    });
+    let mark = format!("{hash:016x}");
+    files.iter_mut().for_each(|file| file.text = file.text.replace(MARK, &mark));
+    files
+}

@@ -1,0 +1,86 @@
+//! Recordings that are too large to be read at once: text files, read in parts of so many rows.
+
+use std::io::{self, BufReader, Read};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use counterpoise_recordings::{CsvParts, Table};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::files;
+
+/// Size of a CSV file above which it is read in parts, bytes.
+pub const READ_AT_ONCE: u64 = 128 << 20;
+/// Rows of a part: at a kilohertz eight minutes.
+pub const ROWS_OF_A_PART: usize = 500_000;
+
+/// Paths by the way in which they are read.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct BySize {
+    /// Read at once.
+    pub whole: Vec<PathBuf>,
+    /// Read in parts.
+    pub in_parts: Vec<PathBuf>,
+}
+
+/// Tells the paths that are read at once from those that are read in parts: CSV files above `limit` bytes.
+pub fn by_size(paths: &[PathBuf], limit: u64) -> BySize {
+    let is_large = |path: &PathBuf| {
+        let is_csv = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
+        is_csv && std::fs::metadata(path).is_ok_and(|found| found.is_file() && found.len() > limit)
+    };
+    let (in_parts, whole) = paths.iter().cloned().partition(is_large);
+    BySize { whole, in_parts }
+}
+
+/// A large recording that is being read, with a bar that says how far.
+pub struct LargeRecording {
+    parts: CsvParts<BufReader<Counted>>,
+    path: PathBuf,
+    bar: ProgressBar,
+}
+
+impl LargeRecording {
+    /// Opens a recording; the bar is hidden where `quiet`.
+    ///
+    /// # Errors
+    /// The file cannot be opened, is no regular file, or has no header.
+    pub fn open(path: &Path, rows: usize, bar: ProgressBar) -> Result<Self> {
+        let told = || format!("cannot read the recording {}", path.display());
+        let (file, size) = files::open_file(path).with_context(told)?;
+        bar.set_length(size);
+        let style =
+            ProgressStyle::with_template("{bar:30} {bytes}/{total_bytes}, {elapsed} gone, {eta} to go")?;
+        bar.set_style(style);
+        let counted = Counted { file, bar: bar.clone() };
+        let reader = BufReader::with_capacity(1 << 20, counted);
+        let parts = CsvParts::new(reader, &path.display().to_string(), rows).with_context(told)?;
+        Ok(Self { parts, path: path.to_owned(), bar })
+    }
+}
+
+impl Iterator for LargeRecording {
+    type Item = Result<Table>;
+
+    fn next(&mut self) -> Option<Result<Table>> {
+        let next = self.parts.next();
+        if next.is_none() {
+            self.bar.finish_and_clear();
+        }
+        next.map(|part| part.with_context(|| format!("cannot read the recording {}", self.path.display())))
+    }
+}
+
+/// A file whose bytes are counted as they are read.
+struct Counted {
+    file: std::fs::File,
+    bar: ProgressBar,
+}
+
+impl Read for Counted {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.file.read(buffer)?;
+        self.bar.inc(count as u64);
+        Ok(count)
+    }
+}

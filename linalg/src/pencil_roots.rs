@@ -1,0 +1,246 @@
+//! The finite eigenvalues of a small pencil `M - s E`, corrected in 32 digits.
+//!
+//! Method: Aberth's simultaneous iteration (Math. Comp. 27 (1973) 339) on the determinant, whose logarithmic derivative is
+//! `-trace((M - s E)^-1 E)`. The LU factors of each step are computed with 32 digits from the entries as they are given, so that
+//! nothing is lost in transformations of the pencil: eigenvalues that differ by many decades keep their digits.
+
+use std::ops::{Add, Div, Mul, Sub};
+
+use crate::error::{Error, check_shape, check_square};
+use crate::mat::{C64, Mat};
+use crate::precise::Long;
+use crate::tolerance::{PENCIL_CONVERGED, PENCIL_REAL, PENCIL_SWEEPS, PENCIL_TOGETHER};
+
+/// A complex number of 32 digits.
+#[derive(Clone, Copy, Debug, Default)]
+struct LongComplex {
+    re: Long,
+    im: Long,
+}
+
+impl LongComplex {
+    fn of(value: C64) -> Self {
+        Self { re: value.re.into(), im: value.im.into() }
+    }
+
+    fn rounded(self) -> C64 {
+        C64::new(self.re.high + self.re.low, self.im.high + self.im.low)
+    }
+
+    fn is_zero(self) -> bool {
+        self.re.high == 0.0 && self.im.high == 0.0
+    }
+
+    fn size(self) -> f64 {
+        self.re.high.hypot(self.im.high)
+    }
+}
+
+impl Add for LongComplex {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { re: self.re + other.re, im: self.im + other.im }
+    }
+}
+
+impl Sub for LongComplex {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self { re: self.re - other.re, im: self.im - other.im }
+    }
+}
+
+impl Mul for LongComplex {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        Self { re: self.re * other.re - self.im * other.im, im: self.re * other.im + self.im * other.re }
+    }
+}
+
+impl Div for LongComplex {
+    type Output = Self;
+    fn div(self, other: Self) -> Self {
+        // The divisor is brought to size one first, so that its square neither overflows nor vanishes.
+        let power = (-other.size().log2().round()).clamp(-1000.0, 1000.0).exp2();
+        let scaled = |x: Long| Long { high: x.high * power, low: x.low * power };
+        let other = Self { re: scaled(other.re), im: scaled(other.im) };
+        let square = other.re * other.re + other.im * other.im;
+        let top = self * Self { re: other.re, im: -other.im };
+        let out = |x: Long| scaled(x / square);
+        Self { re: out(top.re), im: out(top.im) }
+    }
+}
+
+/// Corrects approximations of all finite eigenvalues of the pencil `M - s E`; `E` diagonal, given by its diagonal of zeros and ones.
+/// Returns `None` if the iteration does not converge.
+///
+/// The number of approximations is taken as the number of eigenvalues; an approximation that is exactly zero is kept. Cost: 8 n^3
+/// operations with 32 digits for each eigenvalue and sweep, of which there are four to ten.
+///
+/// # Errors
+/// Wrong shapes, or entries that are not finite.
+pub fn pencil_roots(M: &Mat, E: &[f64], starts: &[C64]) -> Result<Option<Vec<C64>>, Error> {
+    check_square("M", M)?;
+    check_shape("E", &Mat::col(E), (M.nrows(), 1))?;
+    let mut roots = apart(starts);
+    let mut settled: Vec<bool> = roots.iter().map(|root| root.is_zero()).collect();
+    for _ in 0..PENCIL_SWEEPS {
+        for k in 0..roots.len() {
+            if settled[k] {
+                continue;
+            }
+            let Some(step) = correction(M, E, &roots, k) else {
+                settled[k] = true;
+                continue;
+            };
+            if !step.size().is_finite() {
+                return Ok(None);
+            }
+            roots[k] = roots[k] - step;
+            settled[k] = step.size() <= PENCIL_CONVERGED * roots[k].size();
+        }
+        if settled.iter().all(|s| *s) {
+            return Ok(Some(paired(roots.into_iter().map(LongComplex::rounded).collect())));
+        }
+    }
+    Ok(None)
+}
+
+/// The approximations with those that coincide moved apart, because the iteration never separates equal ones.
+fn apart(starts: &[C64]) -> Vec<LongComplex> {
+    let mut out: Vec<C64> = Vec::with_capacity(starts.len());
+    for (k, &start) in starts.iter().enumerate() {
+        let near = |other: &&C64| (**other - start).norm() <= PENCIL_TOGETHER * start.norm();
+        let same = out.iter().filter(near).count();
+        let turn = C64::from_polar(1.0 + 1e-4 * same as f64, 1e-4 * (same * (k + 1)) as f64);
+        out.push(if same > 0 { start * turn } else { start });
+    }
+    out.into_iter().map(LongComplex::of).collect()
+}
+
+/// Aberth's correction of root `k`; `None` if the pencil is singular there: it is an eigenvalue.
+fn correction(M: &Mat, E: &[f64], roots: &[LongComplex], k: usize) -> Option<LongComplex> {
+    let z = roots[k];
+    let mut slope = logarithmic_slope(M, E, z)?;
+    let one = LongComplex::of(C64::new(1.0, 0.0));
+    for (j, other) in roots.iter().enumerate().filter(|(j, _)| *j != k) {
+        let distance = z - *other;
+        if distance.is_zero() {
+            // Two roots on one place: the later one moves aside by the rounding of a double.
+            return (j < k)
+                .then(|| LongComplex::of(C64::new(f64::EPSILON * z.size(), f64::EPSILON * z.size())));
+        }
+        slope = slope - one / distance;
+    }
+    Some(one / slope)
+}
+
+/// The derivative of `ln det(M - s E)`; `None` if the pencil is singular at `s`.
+fn logarithmic_slope(M: &Mat, E: &[f64], s: LongComplex) -> Option<LongComplex> {
+    let n = M.nrows();
+    let entry = |i: usize, j: usize| {
+        let value = LongComplex::of(C64::new(M[(i, j)], 0.0));
+        if i == j && E[i] != 0.0 { value - s } else { value }
+    };
+    let mut rows: Vec<Vec<LongComplex>> = (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect();
+    // The inverse grows beside the factors: row i holds the columns n .. 2n of [P, I].
+    for (i, row) in rows.iter_mut().enumerate() {
+        row.extend((0..n).map(|j| LongComplex::of(C64::new(if i == j { 1.0 } else { 0.0 }, 0.0))));
+    }
+    for k in 0..n {
+        let pivot = (k..n).max_by(|&a, &b| rows[a][k].size().total_cmp(&rows[b][k].size()))?;
+        if rows[pivot][k].size() == 0.0 || !rows[pivot][k].size().is_finite() {
+            return None;
+        }
+        rows.swap(k, pivot);
+        let (above, below) = rows.split_at_mut(k + 1);
+        let top = &above[k];
+        for row in below.iter_mut().filter(|row| !row[k].is_zero()) {
+            let factor = row[k] / top[k];
+            for (target, source) in row[k + 1..].iter_mut().zip(&top[k + 1..]) {
+                if !source.is_zero() {
+                    *target = *target - factor * *source;
+                }
+            }
+        }
+    }
+    trace(&mut rows, E)
+}
+
+/// `-trace(P^-1 E)` from the triangle of P and the columns that were eliminated with it.
+fn trace(rows: &mut [Vec<LongComplex>], E: &[f64]) -> Option<LongComplex> {
+    let n = rows.len();
+    let mut sum = LongComplex::default();
+    for column in (0..n).filter(|&j| E[j] != 0.0) {
+        // Only the entry of the diagonal is needed: back substitution ends there.
+        let mut x = vec![LongComplex::default(); n];
+        for i in (column..n).rev() {
+            let mut right = rows[i][n + column];
+            for j in i + 1..n {
+                if !x[j].is_zero() {
+                    right = right - rows[i][j] * x[j];
+                }
+            }
+            x[i] = right / rows[i][i];
+        }
+        sum = sum - x[column];
+    }
+    sum.size().is_finite().then_some(sum)
+}
+
+/// The roots of a real pencil: nearly real ones made real, the others in exact conjugate pairs.
+fn paired(mut roots: Vec<C64>) -> Vec<C64> {
+    roots.iter_mut().filter(|root| root.im.abs() <= PENCIL_REAL * root.norm()).for_each(|root| root.im = 0.0);
+    let mut out: Vec<C64> = roots.iter().copied().filter(|root| root.im == 0.0).collect();
+    let mut upper: Vec<C64> = roots.iter().copied().filter(|root| root.im > 0.0).collect();
+    let mut lower: Vec<C64> = roots.iter().copied().filter(|root| root.im < 0.0).collect();
+    while let Some(root) = upper.pop() {
+        let distance = |other: &C64| (other.conj() - root).norm();
+        let near = (0..lower.len()).min_by(|&a, &b| distance(&lower[a]).total_cmp(&distance(&lower[b])));
+        if let Some(k) = near {
+            let other = lower.swap_remove(k);
+            let mean = 0.5 * (root + other.conj());
+            out.extend([mean, mean.conj()]);
+        } else {
+            out.push(root);
+        }
+    }
+    out.extend(lower);
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn roots_twelve_decades_apart_have_all_their_digits() {
+        // Upper triangular with a dense coupling: the eigenvalues are the diagonal, exactly.
+        let exact: [f64; 6] = [-1e-6, -1e-3, -1.0, -2.0, -1e3, -1e6];
+        let M = Mat::from_fn(6, 6, |i, j| {
+            if i == j {
+                exact[i]
+            } else if i < j {
+                1.0
+            } else {
+                0.0
+            }
+        });
+        let starts: Vec<C64> = exact.iter().map(|e| C64::new(e * 1.3, e * 0.2)).collect();
+        let mut found = pencil_roots(&M, &[1.0; 6], &starts).unwrap().unwrap();
+        found.sort_by(|a, b| b.re.total_cmp(&a.re));
+        for (root, exact) in found.iter().zip(exact) {
+            assert!((root - exact).norm() <= 4e-16 * exact.abs(), "{root} {exact}");
+        }
+    }
+
+    #[test]
+    fn infinite_eigenvalues_stay_away_and_double_ones_are_found() {
+        // det [s^2 + 2 s + 1, ...] of a companion matrix, and an algebraic equation beside it.
+        let M = Mat::from_rows(&[&[0.0, 1.0, 0.0], &[-1.0, -2.0, 3.0], &[0.0, 0.0, 5.0]]);
+        let starts = [C64::new(-0.9, 0.1), C64::new(-1.2, -0.1)];
+        let found = pencil_roots(&M, &[1.0, 1.0, 0.0], &starts).unwrap().unwrap();
+        assert!(found.iter().all(|root| (root + 1.0).norm() < 1e-13), "{found:?}");
+    }
+}

@@ -1,0 +1,79 @@
+//! The outputs of the linear plant: rates or positions of hub and tip, the motor's rate, and what the loop's sensor measures.
+
+use super::Plant;
+use super::core::{input, state};
+use super::linear::{Angles, LinearPlant, OutputRow, unit};
+use crate::parameters::Measured;
+
+impl Plant {
+    /// Returns the outputs over the states of the core and the relative angle behind them.
+    pub(super) fn output_rows(&self, angles: Angles) -> Vec<OutputRow> {
+        let plain = |states: Vec<f64>| OutputRow { states, inputs: [0.0; 3] };
+        let mut motor = plain(self.motor_rate_row());
+        motor.inputs[LinearPlant::PITCH_RATE] = -self.motor_share();
+        let mut rows = match angles {
+            Angles::Drop | Angles::Keep | Angles::Relative => {
+                vec![plain(self.hub_rate_row()), plain(self.tip_rate_row())]
+            }
+            Angles::Position => vec![plain(self.relative_angle_row()), plain(self.relative_tip_row())],
+        };
+        rows.push(motor);
+        rows.extend(self.measured_row(angles));
+        rows
+    }
+
+    /// Returns what the loop's sensor measures, if that is neither the hub's inertial rate nor its angle.
+    fn measured_row(&self, angles: Angles) -> Option<OutputRow> {
+        let ratio = self.parameters.gearbox.ratio;
+        let mut inputs = [0.0; 3];
+        let states = match self.parameters.sensors.measured {
+            Measured::HubRate if angles != Angles::Position => return None,
+            Measured::HubPosition if angles != Angles::Relative => return None,
+            Measured::HubPosition => self.relative_angle_row(),
+            Measured::HubRate => self.hub_rate_row(),
+            Measured::RelativeRate => {
+                inputs[LinearPlant::PITCH_RATE] = -1.0;
+                self.hub_rate_row()
+            }
+            Measured::MotorRate => {
+                inputs[LinearPlant::PITCH_RATE] = -self.motor_share() / ratio;
+                self.motor_rate_row().into_iter().map(|entry| entry / ratio).collect()
+            }
+            Measured::MotorPosition => {
+                let mut row = self.relative_angle_row();
+                row[state::WINDUP] += 1.0;
+                row
+            }
+        };
+        Some(OutputRow { states, inputs })
+    }
+
+    /// The hub's angle relative to the platform: the state behind those of the core.
+    fn relative_angle_row(&self) -> Vec<f64> {
+        unit(self.core_order() + 1, self.core_order())
+    }
+
+    /// The tip's angle relative to the platform.
+    fn relative_tip_row(&self) -> Vec<f64> {
+        let mut row = self.relative_angle_row();
+        for (k, mode) in self.body.modes.iter().enumerate() {
+            row[state::MODES + 2 * k] = mode.tip_shape - mode.hub_shape;
+        }
+        row
+    }
+
+    /// Returns the current over the states that are kept and the inputs.
+    pub(super) fn linear_current(&self, kept: &[usize], slope: f64) -> OutputRow {
+        let (n, row) = (self.core_order(), self.current_row());
+        let moved: f64 = row.iter().zip(self.carried()).map(|(entry, c)| entry * c).sum();
+        let mut inputs = [0.0; 3];
+        inputs[LinearPlant::CONTROL] = slope * row[n + input::DRIVE];
+        inputs[LinearPlant::PITCH_RATE] = row[n + input::PLATFORM_RATE] + moved;
+        OutputRow { states: kept.iter().map(|&s| if s < n { row[s] } else { 0.0 }).collect(), inputs }
+    }
+
+    /// Returns how a linear plant of this machine keeps its angles: a loop of position has them among its states.
+    pub fn angles(&self) -> Angles {
+        if self.parameters.sensors.measured.is_position() { Angles::Position } else { Angles::Drop }
+    }
+}

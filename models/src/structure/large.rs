@@ -1,0 +1,265 @@
+//! Large structures: sparse matrices, condensed to the unknowns of a few nodes, the static shapes and the lowest modes.
+//!
+//! Method: component-mode synthesis (Craig and Bampton, AIAA J. 6 (1968) 1313), with the exact modes of the free, the pinned and the
+//! clamped structure in place of those that are held at every kept node. One Cholesky factorisation of the stiffness with the
+//! hub clamped serves all of them: a load that is in equilibrium with the rigid motions needs no reaction at the hub.
+
+use std::ops::ControlFlow;
+
+use counterpoise_lti::Mat;
+use counterpoise_lti::linalg::sparse::{LowestModes, Progress, Wanted, Watch, lowest_modes};
+use counterpoise_lti::linalg::{self, Sparse, SparseCholesky};
+
+use super::fe::{FeModel, NodeRows};
+use super::modes::Support;
+use crate::Error;
+use crate::tolerance::{
+    DEPENDENT_SHAPE, FREE, LARGE_STRUCTURE_NODES, MODE_RESIDUAL, RIGID_MODE, SPARE_MODES,
+};
+
+/// A structure with sparse matrices; the fields mean what those of [`FeModel`] do.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SparseStructure {
+    /// Mass matrix, n x n, symmetric.
+    pub M: Sparse,
+    /// Stiffness matrix, n x n, symmetric.
+    pub K: Sparse,
+    /// Damping matrix, n x n, if one was given.
+    pub C: Option<Sparse>,
+    /// The unknowns of the rigid upward translation by 1 m.
+    pub heave: Vec<f64>,
+    /// The unknowns of the rigid nose-up rotation by 1 rad about the pivot.
+    pub pitch: Vec<f64>,
+    /// The unknowns at the hub.
+    pub hub: NodeRows,
+    /// The unknowns at the tip.
+    pub tip: NodeRows,
+    /// Distance of the tip from the pivot, m.
+    pub tip_arm_m: f64,
+    /// The unknowns of all nodes that have a deflection and a rotation, by their position.
+    pub nodes: Vec<NodeRows>,
+}
+
+impl SparseStructure {
+    /// Returns the same structure with dense matrices.
+    pub fn dense(&self) -> FeModel {
+        FeModel {
+            M: self.M.to_dense(),
+            K: self.K.to_dense(),
+            C: self.C.as_ref().map(Sparse::to_dense),
+            heave: self.heave.clone(),
+            pitch: self.pitch.clone(),
+            hub: Some(self.hub),
+            tip: self.tip,
+            tip_arm_m: self.tip_arm_m,
+        }
+    }
+
+    /// Returns a small model with the same rigid motions, the same static shapes under weight and under forces at the kept nodes,
+    /// and the same first `modes` flexible modes (and [`SPARE_MODES`] more) of the structure that is free, pinned and clamped at
+    /// its hub, to about eight digits.
+    ///
+    /// Its first unknowns are the deflection and rotation of the hub, then those of nodes along the axis, the tip last; the others
+    /// are modal coordinates. What the lowest modes leave out is kept as static flexibility.
+    ///
+    /// # Errors
+    /// [`Error::NotFree`] if K resists a rigid motion, [`Error::Parameter`] for a negative mass, [`Error::MovesFreely`] if K leaves
+    /// other motions free, and [`Error::Linalg`] if the factors do not fit into memory or `watch` asked to stop.
+    pub fn condensed(&self, modes: usize, watch: &mut Watch) -> Result<FeModel, Error> {
+        self.check()?;
+        let step = Progress { stage: "factorising the stiffness matrix", done: 0, of: 1 };
+        if watch(step) == ControlFlow::Break(()) {
+            return Err(linalg::Error::Cancelled { what: step.stage }.into());
+        }
+        let clamped = Clamped::of(self)?;
+        let mut shapes = clamped.solve(&self.M.times(&self.rigid()));
+        for (support, count) in [
+            (Support::Pinned, modes + SPARE_MODES),
+            (Support::Clamped, SPARE_MODES),
+            (Support::Free, SPARE_MODES),
+        ] {
+            shapes = shapes.hstack(&self.modes(&clamped, support, count, watch)?.shapes);
+        }
+        let kept = self.kept_nodes();
+        let basis = Basis::of(self, &clamped, &kept, shapes)?;
+        basis.project(self, &kept)
+    }
+
+    /// heave and pitch as columns.
+    fn rigid(&self) -> Mat {
+        Mat::col(&self.heave).hstack(&Mat::col(&self.pitch))
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        if let Some((row, value)) =
+            self.M.diagonal().into_iter().enumerate().find(|(_, m)| m.is_nan() || *m < 0.0)
+        {
+            let parameter = format!("entry ({0}, {0}) of the mass matrix", row + 1);
+            return Err(Error::Parameter { parameter, value, allowed: "must not be negative".into() });
+        }
+        let size = self.K.norm_fro();
+        for (motion, vector) in [("heave", &self.heave), ("pitch", &self.pitch)] {
+            let vector = Mat::col(vector);
+            let relative = self.K.times(&vector).norm_fro() / (size * vector.norm_fro());
+            if relative > FREE {
+                return Err(Error::NotFree { motion, relative });
+            }
+        }
+        Ok(())
+    }
+
+    /// The lowest flexible modes of the structure in one support.
+    fn modes(
+        &self,
+        clamped: &Clamped,
+        support: Support,
+        count: usize,
+        watch: &mut Watch,
+    ) -> Result<LowestModes, Error> {
+        let (stage, motions) = match support {
+            Support::Free => ("modes of the free structure", self.rigid()),
+            Support::Pinned => ("modes of the structure pinned at its hub", Mat::col(&self.pitch)),
+            Support::Clamped => {
+                ("modes of the structure clamped at its hub", Mat::zeros(self.heave.len(), 0))
+            }
+        };
+        let rigid = orthonormal(&self.M, &motions)?;
+        let wanted = Wanted { stage, count, tolerance: MODE_RESIDUAL, rigid: &rigid };
+        let found = lowest_modes(&|loads| Ok(clamped.solve(loads)), &self.M, &wanted, watch)?;
+        match found.squares.iter().position(|&square| self.is_rigid(&found.shapes, square)) {
+            Some(_) => Err(Error::MovesFreely { support: stage }),
+            None => Ok(found),
+        }
+    }
+
+    /// Whether the first shape stores no more energy than rounding of K does.
+    fn is_rigid(&self, shapes: &Mat, square: f64) -> bool {
+        let shape = shapes.block(0, 0, shapes.nrows(), shapes.ncols().min(1));
+        let moduli = shape.map(f64::abs);
+        let rounding = (moduli.t() * self.K.map(|_, _, k| k.abs()).times(&moduli)).norm_max();
+        square < RIGID_MODE * f64::EPSILON * rounding
+    }
+
+    /// The nodes whose unknowns stay: hub, some along the axis, tip.
+    fn kept_nodes(&self) -> Vec<NodeRows> {
+        let between: Vec<NodeRows> =
+            self.nodes.iter().copied().filter(|node| *node != self.hub && *node != self.tip).collect();
+        let count = between.len().min(LARGE_STRUCTURE_NODES);
+        let mut kept = vec![self.hub];
+        kept.extend((0..count).map(|k| between[(2 * k + 1) * between.len() / (2 * count)]));
+        if self.tip != self.hub {
+            kept.push(self.tip);
+        }
+        kept
+    }
+}
+
+/// The stiffness with the hub clamped, factorised.
+struct Clamped {
+    factor: SparseCholesky,
+    free: Vec<usize>,
+    size: usize,
+}
+
+impl Clamped {
+    fn of(structure: &SparseStructure) -> Result<Self, Error> {
+        let (size, hub) = (structure.heave.len(), structure.hub);
+        let free: Vec<usize> = (0..size).filter(|&i| i != hub.deflection && i != hub.rotation).collect();
+        let factor = SparseCholesky::of(&structure.K.select(&free)).map_err(|error| match error {
+            linalg::Error::NotPositiveDefinite { .. } => {
+                Error::MovesFreely { support: "the structure clamped at its hub" }
+            }
+            other => other.into(),
+        })?;
+        Ok(Self { factor, free, size })
+    }
+
+    /// The displacements under the given loads, zero at the hub.
+    fn solve(&self, loads: &Mat) -> Mat {
+        let inner = Mat::from_fn(self.free.len(), loads.ncols(), |i, j| loads[(self.free[i], j)]);
+        let moved = self.factor.solve(&inner);
+        let mut out = Mat::zeros(self.size, loads.ncols());
+        for j in 0..loads.ncols() {
+            let column = out.column_mut(j);
+            self.free.iter().zip(moved.column(j)).for_each(|(&i, &x)| column[i] = x);
+        }
+        out
+    }
+}
+
+/// The columns made orthonormal in the inner product of M, twice; those that depend on others are left out.
+fn orthonormal(M: &Sparse, X: &Mat) -> Result<Mat, Error> {
+    let n = X.nrows();
+    let mut out = Mat::zeros(n, 0);
+    for j in 0..X.ncols() {
+        let mut x = X.block(0, j, n, 1);
+        let before = (x.t() * M.times(&x))[(0, 0)].sqrt();
+        for _ in 0..2 {
+            x -= &(&out * &linalg::transpose_times(&out, &M.times(&x))?);
+        }
+        let length = (x.t() * M.times(&x))[(0, 0)].max(0.0).sqrt();
+        if length > DEPENDENT_SHAPE * before {
+            out = out.hstack(&x.scale(1.0 / length));
+        }
+    }
+    Ok(out)
+}
+
+/// The shapes of the small model's unknowns.
+struct Basis {
+    columns: Mat,
+    /// Unknowns that are those of kept nodes.
+    physical: usize,
+}
+
+impl Basis {
+    /// A shape for each kept unknown, which is 1 there and 0 at the other kept ones, under forces at the kept nodes alone; then what
+    /// the given shapes add to them.
+    fn of(
+        structure: &SparseStructure,
+        clamped: &Clamped,
+        kept: &[NodeRows],
+        shapes: Mat,
+    ) -> Result<Self, Error> {
+        let n = structure.heave.len();
+        let outer: Vec<usize> = kept[1..].iter().flat_map(|node| [node.deflection, node.rotation]).collect();
+        let mut forces = Mat::zeros(n, outer.len());
+        outer.iter().enumerate().for_each(|(j, &row)| forces[(row, j)] = 1.0);
+        let at = |X: &Mat| Mat::from_fn(outer.len(), X.ncols(), |i, j| X[(outer[i], j)]);
+        let moved = clamped.solve(&forces);
+        let flexibility = at(&moved).symmetric_part();
+        let stiff = linalg::solve(&flexibility, &Mat::eye(outer.len()))?;
+        let held = &moved * &stiff;
+        let rigid = structure.rigid();
+        let hub = &rigid - &(&held * &at(&rigid));
+        let physical = hub.hstack(&held);
+        let hub_rows = [structure.hub.deflection, structure.hub.rotation];
+        let at_hub = |X: &Mat| Mat::from_fn(2, X.ncols(), |i, j| X[(hub_rows[i], j)]);
+        let inside = &shapes - &(&physical * &at_hub(&shapes).vstack(&at(&shapes)));
+        let modal = orthonormal(&structure.M, &inside)?;
+        Ok(Self { physical: physical.ncols(), columns: physical.hstack(&modal) })
+    }
+
+    fn project(&self, structure: &SparseStructure, kept: &[NodeRows]) -> Result<FeModel, Error> {
+        let V = &self.columns;
+        let both = |A: &Sparse| linalg::transpose_times(V, &A.times(V)).map(|A| A.symmetric_part());
+        let rows: Vec<usize> = kept.iter().flat_map(|node| [node.deflection, node.rotation]).collect();
+        let motion = |vector: &[f64]| {
+            let mut out: Vec<f64> = rows.iter().map(|&row| vector[row]).collect();
+            out.resize(V.ncols(), 0.0);
+            out
+        };
+        let node = |k: usize| NodeRows { deflection: 2 * k, rotation: 2 * k + 1 };
+        debug_assert_eq!(self.physical, rows.len());
+        Ok(FeModel {
+            M: both(&structure.M)?,
+            K: both(&structure.K)?,
+            C: structure.C.as_ref().map(both).transpose()?,
+            heave: motion(&structure.heave),
+            pitch: motion(&structure.pitch),
+            hub: Some(node(0)),
+            tip: node(kept.len() - 1),
+            tip_arm_m: structure.tip_arm_m,
+        })
+    }
+}

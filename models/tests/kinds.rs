@@ -1,0 +1,241 @@
+//! Kinds of machine: closed forms of the rigid, the direct and the linear ones, and their limits.
+#![allow(clippy::unwrap_used)]
+
+use counterpoise_lti::{C64, Response, poles};
+use counterpoise_models::plant::Body;
+use counterpoise_models::plant::core::state;
+use counterpoise_models::{
+    AmplifierDynamics, Angles, Axis, Excitation, Friction, FrictionLaw, FrictionLinearisation, Gearbox,
+    LinearPlant, Lumped, Measured, OperatingPoint, Parameters, Plant, Ripple, Transmission, reference,
+};
+use std::f64::consts::TAU;
+
+/// One inertia on a motor that takes a torque, 0.4 N m/V.
+fn direct(inertia_kg_m2: f64) -> Parameters {
+    let mut p = reference::rig();
+    (p.beam, p.lumped, p.gearbox) = (None, Some(Lumped::rigid(inertia_kg_m2)), Gearbox::DIRECT);
+    p.motor.inertia_kg_m2 = 0.0;
+    p.motor.torque_constant_nm_a = 1.0;
+    p.amplifier.dynamics = AmplifierDynamics::TorqueCommand;
+    p.amplifier.gain = 0.4;
+    p.motor_friction = Friction::plain(FrictionLaw::None, 0.0);
+    p.pivot_friction = Friction::plain(FrictionLaw::None, 0.0);
+    p
+}
+
+fn linear(p: &Parameters, angles: Angles) -> LinearPlant {
+    let plant = Plant::lumped(p).unwrap();
+    let at = plant.equilibrium(&OperatingPoint::default());
+    plant.linearise(&at, FrictionLinearisation::Viscous, angles).unwrap()
+}
+
+fn response(plant: &LinearPlant, rate: f64, (row, column): (usize, usize)) -> C64 {
+    Response::of(&plant.system).unwrap().at(rate).unwrap()[(row, column)]
+}
+
+#[test]
+fn one_inertia_with_viscous_friction_is_a_first_order_lag() {
+    let mut p = direct(0.02);
+    p.pivot_friction.viscous_nm_s_rad = 0.05;
+    let found = linear(&p, Angles::Drop);
+    assert_eq!(found.system.order(), 1, "{:?}", found.state_names);
+    for rate in [0.1, 2.5, 40.0] {
+        let expected = 0.4 / (C64::new(0.05, 0.02 * rate));
+        let h = response(&found, rate, (LinearPlant::HUB_RATE, LinearPlant::CONTROL));
+        assert!((h - expected).norm() < 1e-12 * expected.norm(), "{h} {expected}");
+        // the platform drags by the friction alone
+        let expected = 0.05 / C64::new(0.05, 0.02 * rate);
+        let h = response(&found, rate, (LinearPlant::HUB_RATE, LinearPlant::PITCH_RATE));
+        assert!((h - expected).norm() < 1e-12, "{h} {expected}");
+    }
+}
+
+#[test]
+fn a_rotor_on_the_platform_drags_a_rigid_hub_by_its_share_of_the_inertia() {
+    // a rotor of 1e-3 behind a rigid gear of 5 on a load of 0.075: 0.1 kg m^2 in all, of which the gear drags 0.025
+    for (coupling, dragged) in [(0.0, 0.25), (1.0, 0.25 - 0.05)] {
+        let mut p = direct(0.075);
+        (p.gearbox.ratio, p.motor.inertia_kg_m2, p.motor.platform_coupling) = (5.0, 1e-3, coupling);
+        let plant = linear(&p, Angles::Drop);
+        let h = response(&plant, 30.0, (LinearPlant::HUB_RATE, LinearPlant::PITCH_RATE));
+        assert!((h - dragged).norm() < 1e-12, "{h}");
+        let torque = response(&plant, 30.0, (LinearPlant::HUB_RATE, LinearPlant::CONTROL));
+        assert!((torque - 5.0 * 0.4 / C64::new(0.0, 3.0)).norm() < 1e-12, "{torque}");
+    }
+}
+
+#[test]
+fn a_rigid_gear_is_the_limit_of_a_stiff_one() {
+    let mut rigid = reference::rig();
+    rigid.gearbox.backlash_rad = 0.0;
+    rigid.motor.platform_coupling = 1.0;
+    let stiff = |stiffness_nm_rad: f64| {
+        let mut p = rigid.clone();
+        p.gearbox.stiffness_nm_rad = stiffness_nm_rad;
+        linear(&p, Angles::Drop)
+    };
+    let exact = stiff(f64::INFINITY);
+    let error = |stiffness: f64, entry: (usize, usize), rate: f64| {
+        let expected = response(&exact, rate, entry);
+        (response(&stiff(stiffness), rate, entry) - expected).norm() / expected.norm()
+    };
+    for entry in [(0, 0), (0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 2)] {
+        for rate in [1.0, 20.0, 150.0] {
+            let (coarse, fine) = (error(1e10, entry, rate), error(1e11, entry, rate));
+            assert!(fine < 1e-3, "{entry:?} {rate}: {fine}");
+            assert!(fine < 0.2 * coarse + 1e-8, "{entry:?} {rate}: {coarse} {fine}");
+        }
+    }
+    assert_eq!(exact.system.order() + 2, stiff(1e10).system.order());
+}
+
+#[test]
+fn a_rotor_added_to_a_modal_structure_is_a_rotor_added_to_its_hub() {
+    let lumped = reference::rig().lumped.unwrap();
+    let mut heavier = lumped.clone();
+    heavier.hub_inertia_kg_m2 += 160.0;
+    let (found, expected) = (Body::lumped(&lumped).with_hub_inertia(160.0).unwrap(), Body::lumped(&heavier));
+    let (a, b) = (found.modes[0], expected.modes[0]);
+    let sign = (a.hub_shape * b.hub_shape).signum();
+    let pairs = [
+        (found.inertia_kg_m2, expected.inertia_kg_m2),
+        (a.frequency_rad_s, b.frequency_rad_s),
+        (a.damping_ratio, b.damping_ratio),
+        (sign * a.hub_shape, b.hub_shape),
+        (sign * a.tip_shape, b.tip_shape),
+        (sign * a.load_share_kg_m, b.load_share_kg_m),
+    ];
+    for (found, expected) in pairs {
+        assert!((found - expected).abs() < 1e-10 * expected.abs(), "{found} {expected}");
+    }
+}
+
+#[test]
+fn a_pendulum_swings_at_its_own_frequency() {
+    // 0.3 kg at 0.2 m, hanging straight down: the mean angle of a level mechanism is 0, so it hangs at -90 degrees
+    let mut p = direct(0.3 * 0.2 * 0.2);
+    p.lumped.as_mut().unwrap().out_of_balance_kg_m = 0.3 * 0.2;
+    p.sensors.measured = Measured::HubPosition;
+    let plant = Plant::lumped(&p).unwrap();
+    let down = OperatingPoint { hub_angle_rad: -0.25 * TAU, platform_angle_rad: 0.0 };
+    let at = plant.equilibrium(&down);
+    let found = plant.linearise(&at, FrictionLinearisation::Viscous, plant.angles()).unwrap();
+    let expected = (p.gravity_m_s2 / 0.2).sqrt();
+    for pole in poles(&found.system).unwrap() {
+        assert!(pole.re.abs() < 1e-9 && (pole.im.abs() - expected).abs() < 1e-9, "{pole} {expected}");
+    }
+}
+
+#[test]
+fn a_ball_screw_resonates_as_two_masses_do() {
+    let mut p = direct(40.0);
+    p.axis = Axis::Linear;
+    let lead = 0.01;
+    let ratio = TAU / lead;
+    p.gearbox = Gearbox {
+        kind: Transmission::BallScrew { lead_m: lead },
+        ratio,
+        stiffness_nm_rad: 5e7,
+        ..Gearbox::DIRECT
+    };
+    p.motor.inertia_kg_m2 = 6e-4;
+    let found = linear(&p, Angles::Drop);
+    let rotor_kg = 6e-4 * ratio * ratio;
+    let expected = (5e7_f64 * (1.0 / 40.0 + 1.0 / rotor_kg)).sqrt();
+    let highest = poles(&found.system).unwrap().iter().map(|p| p.im).fold(0.0, f64::max);
+    assert!((highest - expected).abs() < 1e-6 * expected, "{highest} {expected}");
+}
+
+#[test]
+fn an_armature_without_inductance_brakes_by_its_back_emf() {
+    let mut p = direct(0.01);
+    p.amplifier.dynamics = AmplifierDynamics::Modelled;
+    (p.amplifier.gain, p.amplifier.current_feedback_v_a, p.amplifier.time_constant_s) = (2.0, 0.0, 0.0);
+    (p.motor.torque_constant_nm_a, p.motor.back_emf_v_s_rad) = (0.1, 0.1);
+    (p.motor.resistance_ohm, p.motor.inductance_h) = (4.0, 0.0);
+    let found = linear(&p, Angles::Drop);
+    assert_eq!(found.system.order(), 1);
+    let h = response(&found, 3.0, (LinearPlant::HUB_RATE, LinearPlant::CONTROL));
+    let expected = (0.1 * 2.0 / 4.0) / C64::new(0.1 * 0.1 / 4.0, 0.03);
+    assert!((h - expected).norm() < 1e-12, "{h} {expected}");
+    // the same with states that are nearly gone
+    (p.motor.inductance_h, p.amplifier.time_constant_s) = (1e-7, 1e-8);
+    let nearly = linear(&p, Angles::Drop);
+    let near = response(&nearly, 3.0, (LinearPlant::HUB_RATE, LinearPlant::CONTROL));
+    assert_eq!(nearly.system.order(), 3);
+    assert!((near - h).norm() < 1e-6 * h.norm(), "{near} {h}");
+}
+
+#[test]
+fn every_kind_rests_at_its_equilibrium_and_linearises_as_it_moves() {
+    let mut harmonic = reference::rig();
+    harmonic.gearbox = Gearbox {
+        kind: Transmission::HarmonicDrive,
+        kinematic_error: Ripple { amplitude: 1e-4, order: 2.0, phase_rad: 0.3 },
+        hysteresis_nm: 20.0,
+        hysteresis_stiffness_nm_rad: 3e5,
+        backlash_rad: 0.0,
+        ..harmonic.gearbox
+    };
+    let mut rigid = reference::rig();
+    (rigid.gearbox.stiffness_nm_rad, rigid.gearbox.backlash_rad) = (f64::INFINITY, 0.0);
+    let mut quick = rigid.clone();
+    (quick.motor.inductance_h, quick.amplifier.time_constant_s) = (0.0, 0.0);
+    quick.amplifier.bus_voltage_v = f64::INFINITY;
+    let mut slide = direct(12.0);
+    (slide.axis, slide.amplifier.gain) = (Axis::Linear, 100.0);
+    slide.lumped.as_mut().unwrap().out_of_balance_kg_m = 12.0;
+    for p in [harmonic, rigid, quick, slide] {
+        let plant = Plant::lumped(&p).unwrap();
+        for hub in [0.0, 0.2] {
+            let point = OperatingPoint { hub_angle_rad: hub, platform_angle_rad: 0.0 };
+            let at = plant.equilibrium(&point);
+            let mut x = at.core_state.clone();
+            x.resize(plant.order(), 0.0);
+            let excitation = Excitation { control_v: at.control_v, ..Excitation::default() };
+            let mut dx = vec![1.0; x.len()];
+            plant.derivative(&x, &excitation, &mut dx);
+            assert!(dx.iter().all(|d| d.abs() < 1e-6), "{} {point:?} {dx:?}", p.gearbox.is_rigid());
+        }
+    }
+}
+
+#[test]
+fn power_passes_a_wavy_mesh_without_loss() {
+    let mut p = reference::rig();
+    (p.gearbox.backlash_rad, p.gearbox.damping_nm_s_rad) = (0.0, 0.0);
+    p.gearbox.kinematic_error = Ripple { amplitude: 2e-4, order: 2.0, phase_rad: 0.0 };
+    let plant = Plant::lumped(&p).unwrap();
+    let (wind_up, angle, motor_rate, hub_rate) = (3e-4, 0.7, 11.0, 0.04);
+    let mesh = plant.mesh_torque_nm(wind_up, hub_rate, motor_rate, 0.0);
+    let added = plant.kinematic_error_nm(mesh, angle, motor_rate);
+    let motor_nm = -mesh / p.gearbox.ratio + added.motor_nm;
+    let power = motor_nm * motor_rate + (mesh + added.hub_nm) * hub_rate;
+    // what is not passed on bends the spring: K s s' with s = wind-up + e
+    let e = p.gearbox.kinematic_error;
+    let stretch = wind_up + e.at(angle);
+    let stretching = motor_rate / p.gearbox.ratio - hub_rate + e.slope_at(angle) * motor_rate;
+    let stored = p.gearbox.stiffness_nm_rad * stretch * stretching;
+    assert!((power + stored).abs() < 1e-9 * stored.abs(), "{power} {stored}");
+}
+
+#[test]
+fn what_needs_a_mesh_that_gives_says_so() {
+    let mut p = direct(0.02);
+    p.gearbox.backlash_rad = 1e-3;
+    let told = Plant::lumped(&p).unwrap_err().to_string();
+    assert!(told.contains("gearbox.backlash_rad") && told.contains("gearbox.stiffness"), "{told}");
+    let mut p = direct(0.02);
+    p.motor_friction = Friction::plain(FrictionLaw::Coulomb { coulomb_nm: 0.1 }, 0.0);
+    p.pivot_friction = p.motor_friction.clone();
+    assert!(Plant::lumped(&p).unwrap_err().to_string().contains("truly sticks"));
+}
+
+#[test]
+fn a_dead_state_stays_out_of_linear_models_and_at_rest() {
+    let plant = Plant::lumped(&direct(0.02)).unwrap();
+    for index in [state::VOLTAGE, state::CURRENT, state::MOTOR, state::WINDUP] {
+        assert!(!plant.has_state(index));
+    }
+    assert!(plant.has_state(state::ANGLE) && plant.has_state(state::RATE));
+}

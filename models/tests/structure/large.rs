@@ -1,0 +1,83 @@
+use super::{assert_all, assert_close, options, uniform};
+use counterpoise_lti::Mat;
+use counterpoise_lti::linalg::Sparse;
+use counterpoise_models::structure::{
+    Direction, FeModel, Fitted, Integration, Mesh, NodeRows, SparseStructure, Support, modes, pinned,
+};
+use counterpoise_models::{Error, PointMass};
+use std::ops::ControlFlow;
+
+/// A beam with a mass at its tip, so that its rigid motions couple, and its sparse form.
+fn structures(elements: usize) -> (FeModel, SparseStructure) {
+    let mut beam = uniform();
+    beam.pivot_m = 0.25;
+    let mass = PointMass { name: "sight".to_owned(), position_m: 1.0, mass_kg: 3.0, inertia_kg_m2: 0.02 };
+    let fitted = Fitted { masses: vec![mass], hub_inertia_kg_m2: 0.5 };
+    let mut fe =
+        FeModel::beam(&beam, &fitted, &options(Mesh::Equal(elements), Integration::Quadrature)).unwrap();
+    fe.C = Some(&fe.K.scale(1e-5) + &fe.M.scale(0.3));
+    let node = |k: usize| NodeRows { deflection: 2 * k, rotation: 2 * k + 1 };
+    let sparse = SparseStructure {
+        M: Sparse::from_dense(&fe.M),
+        K: Sparse::from_dense(&fe.K),
+        C: fe.C.as_ref().map(Sparse::from_dense),
+        heave: fe.heave.clone(),
+        pitch: fe.pitch.clone(),
+        hub: fe.hub.unwrap(),
+        tip: fe.tip,
+        tip_arm_m: fe.tip_arm_m,
+        nodes: (0..=elements).map(node).collect(),
+    };
+    (fe, sparse)
+}
+
+#[test]
+fn a_condensed_structure_has_the_modes_and_the_flexibility_of_the_whole() {
+    let (whole, sparse) = structures(40);
+    let mut stages = Vec::new();
+    let small = sparse
+        .condensed(4, &mut |at| {
+            stages.push(at.stage);
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+    assert!(small.M.nrows() < 60 && stages.len() > 4);
+    for (support, count) in [(Support::Free, 6), (Support::Pinned, 8), (Support::Clamped, 6)] {
+        let (exact, found) = (modes(&whole, support).unwrap(), modes(&small, support).unwrap());
+        assert_all(&found.flexible_rad_s()[..count], &exact.flexible_rad_s()[..count], 1e-7);
+        for direction in [Direction::Heave, Direction::Pitch] {
+            let (a, b) = (exact.effective_mass(&whole, direction), found.effective_mass(&small, direction));
+            (0..count)
+                .for_each(|k| assert_close(a[exact.rigid + k], b[found.rigid + k], 1e-6 * whole.mass_kg()));
+        }
+    }
+    let (exact, found) = (pinned(&whole, &[], 4).unwrap(), pinned(&small, &[], 4).unwrap());
+    assert_close(found.body.inertia_kg_m2 / exact.body.inertia_kg_m2, 1.0, 1e-10);
+    assert_close(found.body.out_of_balance_kg_m / exact.body.out_of_balance_kg_m, 1.0, 1e-10);
+    let ratio = found.residual_flexibility_rad_nm / exact.residual_flexibility_rad_nm;
+    assert_close(ratio, 1.0, 1e-6);
+    for (a, b) in found.body.modes.iter().zip(&exact.body.modes) {
+        assert_close(a.damping_ratio / b.damping_ratio, 1.0, 1e-6);
+        assert_close(a.tip_shape / b.tip_shape, 1.0, 1e-6);
+    }
+}
+
+#[test]
+fn a_structure_that_moves_otherwise_is_refused() {
+    let (_, mut sparse) = structures(12);
+    // One more unknown that nothing holds.
+    let n = sparse.heave.len();
+    let grown = |A: &Sparse, corner: f64| {
+        let mut dense = Mat::zeros(n + 1, n + 1);
+        dense.set_block(0, 0, &A.to_dense());
+        dense[(n, n)] = corner;
+        Sparse::from_dense(&dense)
+    };
+    (sparse.M, sparse.K, sparse.C) = (grown(&sparse.M, 1.0), grown(&sparse.K, 0.0), None);
+    sparse.heave.push(0.0);
+    sparse.pitch.push(0.0);
+    let answer = sparse.condensed(2, &mut |_| ControlFlow::Continue(()));
+    assert!(matches!(answer, Err(Error::MovesFreely { .. })), "{answer:?}");
+    let (_, sparse) = structures(12);
+    assert!(sparse.condensed(2, &mut |_| ControlFlow::Break(())).is_err());
+}

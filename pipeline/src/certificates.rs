@@ -1,0 +1,82 @@
+//! What certifies a design: residuals of its equations, costs predicted and found, and the poles of the sampled loop.
+
+use counterpoise_synth::{Certified, Channel, Cost, Equation, Feedforward};
+use counterpoise_verify::Verification;
+
+use crate::Synthesised;
+
+/// Relative residual up to which an equation counts as solved. Riccati equations of the examples are solved to 1e-11 and better;
+/// at 1e-8 the gain loses digits that a controller's coefficients would show.
+const SOLVED: f64 = 1e-8;
+/// Relative difference up to which a predicted cost agrees with the cost of the assembled loop.
+const SAME_COST: f64 = 1e-6;
+
+/// A number that certifies the design, with whether it is as it must be.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Certificate {
+    /// What was computed.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// Whether the value is within its limit.
+    pub holds: bool,
+}
+
+/// Returns every certificate of a design; with a verification, that of the loop on the full plant too.
+pub fn certify(made: &Synthesised, verification: Option<&Verification>) -> Vec<Certificate> {
+    let design = &made.design;
+    let mut all = vec![
+        of_equation("feedback, regulator equation", &design.feedback.regulator),
+        of_equation("feedback, filter equation", &design.feedback.filter),
+    ];
+    all.extend(of_cost("feedback", design.feedback.cost));
+    for (name, channel) in [("heave", Channel::Heave), ("pitch", Channel::Pitch)] {
+        design.part(channel).into_iter().for_each(|part| all.extend(of_feedforward(name, part)));
+    }
+    made.sampled.certified.iter().for_each(|part| all.extend(of_sampled(part)));
+    let largest = |poles: &[counterpoise_lti::C64]| poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
+    all.push(of_radius("design", largest(&made.sampled.closed_loop)));
+    all.extend(verification.map(|found| of_radius("full", largest(&found.evidence.poles))));
+    all
+}
+
+fn of_radius(plant: &str, value: f64) -> Certificate {
+    Certificate {
+        name: format!("largest pole of the sampled loop on the {plant} plant"),
+        value,
+        holds: value < 1.0,
+    }
+}
+
+fn of_equation(name: &str, equation: &Equation) -> Certificate {
+    let value = equation.relative_residual;
+    Certificate { name: format!("{name}: residual"), value, holds: value < SOLVED }
+}
+
+fn of_cost(name: &str, cost: Cost) -> Option<Certificate> {
+    let value = cost.relative_difference()?;
+    let name = format!("{name}: predicted against achieved cost, relative");
+    Some(Certificate { name, value, holds: value < SAME_COST })
+}
+
+fn of_sampled(part: &Certified) -> Vec<Certificate> {
+    let name = format!("{} in sampled time", part.part);
+    let mut all = vec![of_equation(&format!("{name}, regulator equation"), &part.regulator)];
+    all.extend(part.filter.as_ref().map(|filter| of_equation(&format!("{name}, filter equation"), filter)));
+    all.extend(of_cost(&name, part.cost));
+    all
+}
+
+fn of_feedforward(name: &str, part: &Feedforward) -> Vec<Certificate> {
+    let name = format!("{name} feedforward");
+    let mut all = vec![of_equation(&format!("{name}, regulator equation"), &part.regulator)];
+    all.extend(part.filter.as_ref().map(|filter| of_equation(&format!("{name}, filter equation"), filter)));
+    let value = part.sylvester_residual;
+    all.push(Certificate {
+        name: format!("{name}, Sylvester equation: residual"),
+        value,
+        holds: value < SOLVED,
+    });
+    all.extend(of_cost(&name, part.cost));
+    all
+}

@@ -1,0 +1,127 @@
+//! What a project file was understood to say, and what it leaves open.
+
+use counterpoise_project::{
+    Assumption, Diagnostic, Document, Parsed, Project, Purpose, SectionStatement, Tolerance,
+};
+use serde::Serialize;
+
+use crate::studies::assumptions::{AssumptionEffect, assumption_effects};
+use crate::{Modelled, PipelineError, model, reduce, synthesise};
+
+/// What a project file was understood to say.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CheckResult {
+    /// The file.
+    pub file: String,
+    /// The format that it states; `None` if it states none.
+    pub format: Option<u32>,
+    /// The parts that it includes.
+    pub parts: Vec<String>,
+    /// Name of the machine.
+    pub machine: String,
+    /// The plant in a few numbers; `None` if it cannot be built.
+    pub plant: Option<PlantOverview>,
+    /// Every section with its values, in the units of the keys.
+    pub sections: Vec<SectionStatement>,
+    /// Values with tolerances.
+    pub tolerances: Vec<Tolerance>,
+    /// What is assumed because the file does not state it.
+    pub assumptions: Vec<Assumption>,
+    /// How much the assumptions with a usual range matter, the largest effect first; empty without a design.
+    pub effects: Vec<AssumptionEffect>,
+    /// Why the plant cannot be built, or why there is no design by which assumptions could be judged.
+    pub problems: Vec<String>,
+    /// What is allowed but likely to be a mistake.
+    pub warnings: Vec<Diagnostic>,
+    /// The commands for which the file has all sections.
+    pub commands: Vec<&'static str>,
+}
+
+/// The plant in a few numbers.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PlantOverview {
+    /// Order of the linear plant.
+    pub order: usize,
+    /// Moment of inertia of the structure about the pivot, kg m^2.
+    pub inertia_kg_m2: f64,
+    /// First moment of mass about the pivot, kg m.
+    pub out_of_balance_kg_m: f64,
+    /// Frequency of the first flexible mode of the structure, pinned at the hub, Hz; `None` for a rigid one.
+    pub first_mode_hz: Option<f64>,
+    /// Control that holds the mechanism where it stands, V.
+    pub holding_v: f64,
+    /// Rate at which the controller runs, Hz.
+    pub sample_rate_hz: f64,
+}
+
+const PURPOSES: [Purpose; 10] = [
+    Purpose::Model,
+    Purpose::Reduce,
+    Purpose::Synth,
+    Purpose::Verify,
+    Purpose::Design,
+    Purpose::Export,
+    Purpose::Sweep,
+    Purpose::Identify,
+    Purpose::Replay,
+    Purpose::Diagnose,
+];
+
+/// Returns what a file was understood to say. The design is computed, if there is one, to rank the assumptions.
+pub fn check(document: &Document, parsed: &Parsed) -> CheckResult {
+    let project = &parsed.project;
+    let mut problems = Vec::new();
+    let (plant, effects) = match model(project) {
+        Err(error) => {
+            problems.push(format!("the plant cannot be built: {error}"));
+            (None, Vec::new())
+        }
+        Ok(modelled) => {
+            let effects = effects(project, &modelled, &parsed.assumptions).unwrap_or_else(|error| {
+                problems.push(format!("assumptions are not ranked, because there is no design: {error}"));
+                Vec::new()
+            });
+            (Some(overview(&modelled)), effects)
+        }
+    };
+    let can = |purpose: &Purpose| project.supports(document, *purpose);
+    CheckResult {
+        file: document.name().to_owned(),
+        format: document.format(),
+        parts: document.parts().to_vec(),
+        machine: project.plant.name.clone(),
+        plant,
+        sections: project.statements(),
+        tolerances: project.tolerances.clone(),
+        assumptions: parsed.assumptions.clone(),
+        effects,
+        problems,
+        warnings: parsed.warnings.clone(),
+        commands: PURPOSES.iter().filter(|purpose| can(purpose)).map(|purpose| purpose.name()).collect(),
+    }
+}
+
+fn effects(
+    project: &Project,
+    modelled: &Modelled,
+    assumptions: &[Assumption],
+) -> Result<Vec<AssumptionEffect>, PipelineError> {
+    if assumptions.iter().all(|assumption| assumption.usual.is_none()) {
+        return Ok(Vec::new());
+    }
+    let reduced = reduce(project, modelled)?;
+    let synthesised = synthesise(project, modelled, &reduced)?;
+    assumption_effects(project, (modelled, &synthesised), assumptions)
+}
+
+fn overview(modelled: &Modelled) -> PlantOverview {
+    let body = modelled.plant.body();
+    PlantOverview {
+        order: modelled.linear.system.order(),
+        inertia_kg_m2: body.inertia_kg_m2,
+        out_of_balance_kg_m: body.out_of_balance_kg_m,
+        first_mode_hz: body.modes.first().map(|mode| mode.frequency_rad_s / std::f64::consts::TAU),
+        holding_v: modelled.linear.equilibrium.control_v,
+        sample_rate_hz: 1.0 / modelled.parameters.interface.sample_period_s,
+    }
+}

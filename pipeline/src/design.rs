@@ -1,0 +1,206 @@
+//! A whole design: every stage from the project file to code, and everything that is stated about the result.
+
+use counterpoise_export::{File, FormFigures, Targets};
+use counterpoise_project::Project;
+use counterpoise_verify::VerifiedController;
+use counterpoise_verify::certificate::Certificate as StabilityCertificate;
+use counterpoise_verify::spectral::{Spectral, spectral};
+
+use crate::certificates::{Certificate, certify};
+use crate::design_views::{DesignViews, design_views};
+use crate::exchange::{VerifiedLoop, verified_loop};
+use crate::export::target_proofs::Operations;
+use crate::export::{
+    Exported, LeftOut, PathForms, TargetCode, by_form, compare, every_target, export, forms, project_hash,
+    weights,
+};
+use crate::studies::comparison::{Comparison, compare_designs};
+use crate::{
+    Modelled, PipelineError, Reduced, Step, Synthesised, World, model, procedure, reduce, studies,
+    synthesise, verify, watched, with_chosen_weights,
+};
+
+/// What each stage of the pipeline made, from the plant to the code.
+#[derive(Debug, Clone)]
+pub struct Stages {
+    /// The plant.
+    pub modelled: Modelled,
+    /// The plant that the design took.
+    pub reduced: Reduced,
+    /// The design and its sampled controller.
+    pub synthesised: Synthesised,
+    /// The controller with its verdicts.
+    pub verified: VerifiedController,
+    /// Its stability in every regime.
+    pub stability: StabilityCertificate,
+    /// Its code.
+    pub files: Vec<File>,
+    /// Code that the project asks for and cannot have.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// Which project a result belongs to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ProjectIdentity {
+    /// Name of the mechanism.
+    pub name: String,
+    /// Hash of the project as it was resolved.
+    pub hash: String,
+}
+
+/// The controller in every kind of numbers, before any compiler has seen it.
+#[derive(Debug, Clone)]
+pub struct TargetStudy {
+    /// The closed loop in each kind of numbers.
+    pub compared: Targets,
+    /// The code in every language and every kind of numbers that exists.
+    pub code: Vec<TargetCode>,
+    /// Operations of a step.
+    pub operations: Operations,
+    /// How sensitive the coefficients of each path are.
+    pub forms: Vec<PathForms>,
+    /// The controller with its paths in every form.
+    pub by_form: Vec<FormFigures>,
+}
+
+/// A whole design with everything that a report, a terminal or another program shows of it.
+#[derive(Debug, Clone)]
+pub struct Designed {
+    /// Which project was designed.
+    pub identity: ProjectIdentity,
+    /// What each stage made.
+    pub stages: Stages,
+    /// What each weight asks for, in words, one a line.
+    pub weights: Vec<String>,
+    /// Residuals and costs that certify the design.
+    pub certificates: Vec<Certificate>,
+    /// The design beside other methods, a lower order, other states of balance and a plant with more modes.
+    pub comparison: Comparison,
+    /// Frequency responses of plants, weights and controllers.
+    pub views: DesignViews,
+    /// Rejection ratios from the time histories on the road.
+    pub spectra: Vec<Spectral>,
+    /// The controller in double, single and fixed point.
+    pub targets: TargetStudy,
+    /// What the linear figures were measured on.
+    pub verified_loop: VerifiedLoop,
+}
+
+/// A design without its verification and code, with everything that a report, a terminal or another program shows of it.
+#[derive(Debug, Clone)]
+pub struct SynthesisStudy {
+    /// Which project was designed.
+    pub identity: ProjectIdentity,
+    /// The plant.
+    pub modelled: Modelled,
+    /// The plant that the design took.
+    pub reduced: Reduced,
+    /// The design and its sampled controller.
+    pub synthesised: Synthesised,
+    /// What each weight asks for, in words, one a line.
+    pub weights: Vec<String>,
+    /// Residuals and costs that certify the design.
+    pub certificates: Vec<Certificate>,
+    /// The design beside other methods, a lower order, other states of balance and a plant with more modes.
+    pub comparison: Comparison,
+    /// Frequency responses of plants, weights and controllers.
+    pub views: DesignViews,
+}
+
+impl ProjectIdentity {
+    /// Returns the identity of a project.
+    pub fn of(project: &Project, world: &dyn World) -> Self {
+        Self { name: project.plant.name.clone(), hash: project_hash(project, world) }
+    }
+}
+
+/// Runs every stage from the project to its code.
+///
+/// # Errors
+/// [`PipelineError`]: what is missing in the project, what cannot be built, and every reason why there is no controller.
+/// A requirement that is not met is no error: it is a verdict in [`Stages::verified`].
+pub fn run_stages(project: &Project, world: &dyn World) -> Result<Stages, PipelineError> {
+    let modelled = watched(world, Step::Model, || model(project))?;
+    let reduced = watched(world, Step::Reduce, || reduce(project, &modelled))?;
+    let synthesised = watched(world, Step::Synthesise, || synthesise(project, &modelled, &reduced))?;
+    let verified = watched(world, Step::Verify, || verify(project, &modelled, &synthesised, world))?;
+    let stability = watched(world, Step::Verify, || {
+        studies::certificate::certificate(project, &modelled, &synthesised, &procedure(project, world)?)
+    })?;
+    let Exported { files, left_out } =
+        watched(world, Step::Export, || export(project, &modelled, &verified, world))?;
+    Ok(Stages { modelled, reduced, synthesised, verified, stability, files, left_out })
+}
+
+/// Runs every stage and computes everything that is stated about the design; whoever shows the result computes nothing.
+///
+/// # Errors
+/// As [`run_stages`], and those of the comparison and of the runs in each kind of numbers.
+pub fn design(project: &Project, world: &dyn World) -> Result<Designed, PipelineError> {
+    let chosen = with_chosen_weights(project)?;
+    let project = chosen.as_ref().map_or(project, |chosen| &chosen.project);
+    let stages = run_stages(project, world)?;
+    let plants = (&stages.modelled, &stages.reduced);
+    let comparison = compare_designs(project, plants, &stages.synthesised)?;
+    Ok(Designed {
+        identity: ProjectIdentity::of(project, world),
+        weights: project.synth.as_ref().map(weights).unwrap_or_default(),
+        certificates: certify(&stages.synthesised, Some(stages.verified.verification())),
+        comparison,
+        views: design_views(plants, &stages.synthesised)?,
+        spectra: spectral(stages.verified.verification()),
+        targets: study_targets(project, &stages, world)?,
+        verified_loop: verified_loop(
+            &stages.modelled.plant,
+            stages.verified.controller(),
+            &procedure(project, world)?,
+        )?,
+        stages,
+    })
+}
+
+/// Runs the stages up to the synthesis and computes everything that is stated about the design.
+///
+/// # Errors
+/// Those of the plant, the reduction, the design and the comparison.
+pub fn study_synthesis(project: &Project, world: &dyn World) -> Result<SynthesisStudy, PipelineError> {
+    let chosen = with_chosen_weights(project)?;
+    let project = chosen.as_ref().map_or(project, |chosen| &chosen.project);
+    let modelled = model(project)?;
+    let reduced = reduce(project, &modelled)?;
+    let synthesised = synthesise(project, &modelled, &reduced)?;
+    Ok(SynthesisStudy {
+        identity: ProjectIdentity::of(project, world),
+        weights: project.synth.as_ref().map(weights).unwrap_or_default(),
+        certificates: certify(&synthesised, None),
+        comparison: compare_designs(project, (&modelled, &reduced), &synthesised)?,
+        views: design_views((&modelled, &reduced), &synthesised)?,
+        modelled,
+        reduced,
+        synthesised,
+    })
+}
+
+/// Runs the controller in every kind of numbers in the simulated loop and writes its code in each.
+///
+/// # Errors
+/// Those of the simulator and of the realisations.
+fn study_targets(
+    project: &Project,
+    stages: &Stages,
+    world: &dyn World,
+) -> Result<TargetStudy, PipelineError> {
+    let compared = compare(project, &stages.modelled, &stages.verified, world)?;
+    let programs = stages.verified.controller().programs();
+    Ok(TargetStudy {
+        code: every_target(project, &stages.verified, &compared, world)?,
+        operations: Operations {
+            multiplications: programs.step.multiplications(),
+            additions: programs.step.additions(),
+            states: programs.state_count(),
+        },
+        forms: forms(&stages.verified)?,
+        by_form: by_form(&stages.verified, &compared),
+        compared,
+    })
+}

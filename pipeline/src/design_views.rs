@@ -1,0 +1,170 @@
+//! Frequency responses of a design for whoever draws them: plants, weights, and the controllers of every state of balance.
+
+use counterpoise_lti::{Response, StateSpace};
+use counterpoise_models::plant::LinearPlant;
+use counterpoise_synth::{Channel, Design, Entry, Specification, Weight};
+use ndarray::Array2;
+
+use crate::{Modelled, PipelineError, Reduced, Synthesised};
+
+/// A frequency response.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrequencyResponse {
+    /// Whose response it is.
+    pub name: String,
+    /// One row a frequency, columns frequency in Hz, real part and imaginary part.
+    pub points: Array2<f64>,
+}
+
+/// Hub rate for one input of the plant, before and after the reduction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlantResponse {
+    /// The input.
+    pub input: &'static str,
+    /// The plant as it was modelled.
+    pub full: FrequencyResponse,
+    /// The plant that the design took.
+    pub reduced: FrequencyResponse,
+}
+
+/// The weights of one part of the design.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WeightResponses {
+    /// The part, for example `Feedback`.
+    pub part: &'static str,
+    /// Its weights.
+    pub curves: Vec<FrequencyResponse>,
+}
+
+/// One controller over the states of balance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ControllerFamily {
+    /// The controller, for example `Feedback`.
+    pub name: &'static str,
+    /// Unit of its gain.
+    pub unit: &'static str,
+    /// One curve a state of balance.
+    pub curves: Vec<FrequencyResponse>,
+}
+
+/// The frequency responses of a design.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct DesignViews {
+    /// Hub rate for control, heave and pitch rate.
+    pub plants: Vec<PlantResponse>,
+    /// The weights.
+    pub weights: Vec<WeightResponses>,
+    /// Each controller over the states of balance; none without a schedule.
+    pub families: Vec<ControllerFamily>,
+}
+
+/// Frequencies of plants and weights: points, lowest and highest, Hz.
+const WIDE: Grid = Grid { points: 500, lowest_hz: 0.02, highest_hz: 500.0 };
+/// Frequencies of the controllers over the states of balance.
+const CONTROL_BAND: Grid = Grid { points: 200, lowest_hz: 0.1, highest_hz: 20.0 };
+
+/// Frequencies in equal ratios.
+struct Grid {
+    points: usize,
+    lowest_hz: f64,
+    highest_hz: f64,
+}
+
+impl Grid {
+    fn frequencies_hz(&self) -> Vec<f64> {
+        let ratio = (self.highest_hz / self.lowest_hz).ln() / (self.points - 1) as f64;
+        (0..self.points).map(|k| self.lowest_hz * (ratio * k as f64).exp()).collect()
+    }
+}
+
+/// Returns the frequency responses of a design.
+///
+/// # Errors
+/// A frequency response that does not exist.
+pub fn design_views(plants: (&Modelled, &Reduced), made: &Synthesised) -> Result<DesignViews, PipelineError> {
+    Ok(DesignViews {
+        plants: plant_responses(plants)?,
+        weights: weight_responses(&made.design.specification),
+        families: controller_families(&made.balance)?,
+    })
+}
+
+fn plant_responses((modelled, reduced): (&Modelled, &Reduced)) -> Result<Vec<PlantResponse>, PipelineError> {
+    let (full, small) = (&modelled.linear.system, &reduced.system);
+    let inputs = [
+        (LinearPlant::CONTROL, "control"),
+        (LinearPlant::HEAVE, "heave"),
+        (LinearPlant::PITCH_RATE, "pitch rate"),
+    ];
+    let one = |(input, name): (usize, &'static str)| {
+        let at = (LinearPlant::HUB_RATE, input);
+        Ok(PlantResponse {
+            input: name,
+            full: response(&format!("full plant, order {}", full.order()), full, at, &WIDE)?,
+            reduced: response(&format!("design plant, order {}", small.order()), small, at, &WIDE)?,
+        })
+    };
+    inputs.into_iter().map(one).collect()
+}
+
+fn response(
+    name: &str,
+    system: &StateSpace,
+    element: (usize, usize),
+    grid: &Grid,
+) -> Result<FrequencyResponse, PipelineError> {
+    let hz = grid.frequencies_hz();
+    let rates: Vec<f64> = hz.iter().map(|f| std::f64::consts::TAU * f).collect();
+    let all = Response::of(system)?.at_all(&rates)?;
+    let points: Vec<[f64; 3]> =
+        hz.iter().zip(&all).map(|(f, h)| [*f, h[element].re, h[element].im]).collect();
+    Ok(FrequencyResponse { name: name.to_owned(), points: Array2::from(points) })
+}
+
+/// Returns the responses of the weights of a specification.
+pub fn weight_responses(asked: &Specification) -> Vec<WeightResponses> {
+    let feedback = [("error", &asked.feedback.error), ("control", &asked.feedback.control)];
+    let mut all = vec![weights_of("Feedback", &feedback)];
+    for (part, weights) in [("Heave feedforward", &asked.heave), ("Pitch feedforward", &asked.pitch)] {
+        all.extend(weights.as_ref().map(|w| {
+            weights_of(part, &[("error", &w.error), ("control", &w.control), ("disturbance", &w.generator)])
+        }));
+    }
+    all
+}
+
+fn weights_of(part: &'static str, weights: &[(&str, &Weight)]) -> WeightResponses {
+    let one = |(name, weight): &(&str, &Weight)| {
+        let value = |f: f64| {
+            let h = weight.response(std::f64::consts::TAU * f);
+            [f, h.re, h.im]
+        };
+        let points: Vec<[f64; 3]> = WIDE.frequencies_hz().into_iter().map(value).collect();
+        FrequencyResponse { name: (*name).to_owned(), points: Array2::from(points) }
+    };
+    WeightResponses { part, curves: weights.iter().map(one).collect() }
+}
+
+/// A controller taken from a design; `None` if the design has none of its kind.
+type ControllerOf = fn(&Design) -> Option<StateSpace>;
+
+fn controller_families(balance: &[Entry]) -> Result<Vec<ControllerFamily>, PipelineError> {
+    if balance.len() < 2 {
+        return Ok(Vec::new());
+    }
+    let kinds: [(&'static str, &'static str, usize, ControllerOf); 3] = [
+        ("Feedback", "V s/rad", 1, |d| Some(d.feedback_controller())),
+        ("Heave feedforward", "V s^2/m", 0, |d| d.feedforward_controller(Channel::Heave)),
+        ("Pitch feedforward", "V s/rad", 0, |d| d.feedforward_controller(Channel::Pitch)),
+    ];
+    let mut all = Vec::new();
+    for (name, unit, input, of) in kinds {
+        let systems: Option<Vec<(&str, StateSpace)>> =
+            balance.iter().map(|entry| Some((entry.name.as_str(), of(&entry.design)?))).collect();
+        let Some(systems) = systems else { continue };
+        let curve = |(state, system): &(&str, StateSpace)| response(state, system, (0, input), &CONTROL_BAND);
+        let curves = systems.iter().map(curve).collect::<Result<Vec<_>, _>>()?;
+        all.push(ControllerFamily { name, unit, curves });
+    }
+    Ok(all)
+}

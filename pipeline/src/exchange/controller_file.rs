@@ -1,0 +1,115 @@
+//! The exported controller as plain data: the file `controller.json` beside the code.
+
+use counterpoise_controller::{Controller, FrictionObserver, Path, READING_NAMES, Signal};
+use serde::Serialize;
+
+use super::SCHEMA;
+use super::systems::SystemResult;
+use crate::ProjectIdentity;
+
+/// A controller: the paths from readings to volts, and what acts beside them.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ControllerResult {
+    /// Name and version of the schema.
+    pub schema: &'static str,
+    /// Name of the mechanism.
+    pub project: String,
+    /// Hash of the project, as in the header of the C code.
+    pub project_hash: String,
+    /// Sample time, s.
+    pub sample_time_s: f64,
+    /// The control is limited to plus and minus this, V.
+    pub limit_v: f64,
+    /// Out-of-balance that the paths were designed for, kg m.
+    pub design_out_of_balance_kg_m: f64,
+    /// Volts that hold one kg m against gravity, V/(kg m).
+    pub bias_v_per_kg_m: f64,
+    /// Filter of the demand; `None` if there is none.
+    pub prefilter: Option<SystemResult>,
+    /// The paths, whose outputs are summed.
+    pub paths: Vec<PathResult>,
+    /// Friction observers, summed after the paths.
+    pub observers: Vec<ObserverResult>,
+    /// Whether the controller estimates the out-of-balance while it runs.
+    pub estimates_out_of_balance: bool,
+    /// The inverse of the drive's curve as pairs (volts of a linear drive, control), V; empty if the drive is linear.
+    pub drive_curve: Vec<[f64; 2]>,
+    /// From all readings to the control at the design out-of-balance, without limits, observers and estimator.
+    pub linear: Option<SystemResult>,
+}
+
+/// A path of the controller.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PathResult {
+    /// Its system, from its signals to volts.
+    #[serde(flatten)]
+    pub system: SystemResult,
+    /// Gain a state on what the limiter cut off.
+    pub anti_windup: Vec<f64>,
+}
+
+/// A friction observer.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ObserverResult {
+    /// Name.
+    pub name: String,
+    /// The rate that it follows.
+    pub rate: &'static str,
+    /// Coulomb level, N m.
+    pub coulomb_nm: f64,
+    /// Presliding stiffness, N m/rad.
+    pub rest_stiffness_nm_rad: f64,
+    /// Control a torque, V/(N m).
+    pub volts_per_nm: f64,
+    /// Viscous part, V s/rad.
+    pub viscous_v_s_rad: f64,
+}
+
+impl ControllerResult {
+    /// Returns a controller as plain data.
+    pub fn new(identity: &ProjectIdentity, controller: &Controller) -> Self {
+        let parts = controller.parts();
+        let linear = controller.linear(parts.design_out_of_balance_kg_m).ok();
+        Self {
+            schema: SCHEMA,
+            project: identity.name.clone(),
+            project_hash: identity.hash.clone(),
+            sample_time_s: parts.sample_period_s,
+            limit_v: parts.limit_v,
+            design_out_of_balance_kg_m: parts.design_out_of_balance_kg_m,
+            bias_v_per_kg_m: parts.bias_v_per_kg_m,
+            prefilter: parts.prefilter.as_ref().map(|system| {
+                SystemResult::new("prefilter", system, &["demand_rad_s"], &["filtered_demand_rad_s"])
+            }),
+            paths: parts.paths.iter().map(PathResult::of).collect(),
+            observers: parts.observers.iter().map(ObserverResult::of).collect(),
+            estimates_out_of_balance: parts.estimator.is_some(),
+            drive_curve: parts.drive_curve.clone(),
+            linear: linear.map(|system| {
+                SystemResult::new("linear controller", &system, &READING_NAMES, &["control_v"])
+            }),
+        }
+    }
+}
+
+impl PathResult {
+    /// Returns a path as plain data.
+    pub fn of(path: &Path) -> Self {
+        let inputs: Vec<&str> = path.inputs.iter().map(|signal: &Signal| signal.name()).collect();
+        let system = SystemResult::new(&path.name, &path.system, &inputs, &["control_v"]);
+        Self { system, anti_windup: path.anti_windup.clone() }
+    }
+}
+
+impl ObserverResult {
+    fn of(observer: &FrictionObserver) -> Self {
+        Self {
+            name: observer.name.clone(),
+            rate: observer.rate.name(),
+            coulomb_nm: observer.coulomb_nm,
+            rest_stiffness_nm_rad: observer.rest_stiffness_nm_rad,
+            volts_per_nm: observer.volts_per_nm,
+            viscous_v_s_rad: observer.viscous_v_s_rad,
+        }
+    }
+}

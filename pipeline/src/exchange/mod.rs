@@ -1,0 +1,18 @@
+//! Systems, weights, responses and time histories as plain data for other programs, in one schema with a version.
+//!
+//! A system has its matrices as lists of rows, its signals by name and unit, and its sample time in seconds, 0 for continuous time: what
+//! `control.ss(A, B, C, D, dt)` of python-control and `ss(A, B, C, D, Ts)` of MATLAB take.
+//!
+//! Modules in reading order: [`systems`], [`verified`], [`controller_file`].
+
+pub mod controller_file;
+pub mod systems;
+pub mod verified;
+
+pub use controller_file::ControllerResult;
+pub use systems::{ResponseResult, SignalResult, SystemResult, TransferFunctionResult};
+pub use verified::{HistoryResult, VerifiedLoop, verified_loop};
+
+/// Name and version of the schema of every result that holds a system. The number rises when a key changes its meaning or goes; new keys
+/// leave it as it is.
+pub const SCHEMA: &str = "counterpoise.results/1";

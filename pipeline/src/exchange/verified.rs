@@ -1,0 +1,194 @@
+//! What a verification measured its figures on: the sampled plant, the controller, the loop, and the time histories.
+
+use counterpoise_controller::{Controller, READING_NAMES};
+use counterpoise_models::parameters::{Parameters, Sensor};
+use counterpoise_models::plant::Plant;
+use counterpoise_verify::linear::SampledPlant;
+use counterpoise_verify::linear::closed::{Closed, arranged, resolver_use};
+use counterpoise_verify::{
+    Arrangement, Experiment, Figure, History, Model, Procedure, Quantity, StepFigure, TriangleFigure,
+    Verification, linear_plant,
+};
+use serde::Serialize;
+
+use super::systems::{ResponseResult, SystemResult};
+use crate::PipelineError;
+
+/// What the linear figures of a verification are measured on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct VerifiedLoop {
+    /// The continuous plant with its sensors, the sampled plant, the controller with and without feedforwards, and the loop broken at the
+    /// plant's input (1 + L is the return difference).
+    pub systems: Vec<SystemResult>,
+    /// Whole samples by which the control is late.
+    pub control_delay_samples: usize,
+    /// Whole samples by which each reading is late.
+    pub reading_delays_samples: Vec<usize>,
+    /// Control that holds the mechanism at its operating point, V.
+    pub holding_v: f64,
+    /// Time after which a disturbance is judged, s.
+    pub settle_s: f64,
+}
+
+/// A time history of an experiment; columns that were not computed are absent.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HistoryResult {
+    /// The experiment: the beginning of the keys of its figures, for example `nonlinear_road_compensated`.
+    pub name: String,
+    /// Time of the first sample, s.
+    pub start_s: f64,
+    /// Sample time, s.
+    pub sample_time_s: f64,
+    /// Demanded hub rate, rad/s.
+    pub demand_rad_s: Vec<f64>,
+    /// Heave of the platform, m/s^2.
+    pub heave_m_s2: Vec<f64>,
+    /// Pitch rate of the platform, rad/s.
+    pub pitch_rate_rad_s: Vec<f64>,
+    /// Inertial hub rate, rad/s.
+    pub hub_rate_rad_s: Vec<f64>,
+    /// Inertial tip rate, rad/s.
+    pub tip_rate_rad_s: Vec<f64>,
+    /// Control, V.
+    pub control_v: Vec<f64>,
+    /// Motor current, A.
+    pub current_a: Vec<f64>,
+    /// Hub angle relative to the platform from its start, rad.
+    pub travel_rad: Vec<f64>,
+    /// Whether the gear teeth touch: 1 or 0.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub contact: Vec<f64>,
+}
+
+/// Returns what the linear figures of a controller on a plant are measured on.
+///
+/// # Errors
+/// Those of the linearisation and of the sampling.
+pub fn verified_loop(
+    plant: &Plant,
+    controller: &Controller,
+    procedure: &Procedure,
+) -> Result<VerifiedLoop, PipelineError> {
+    let linear = linear_plant(plant, procedure)?;
+    let sampled = SampledPlant::new(&linear, plant.parameters(), resolver_use(controller))?;
+    let moment = plant.body().out_of_balance_kg_m;
+    let mut systems = plants(&sampled);
+    for (arrangement, name) in
+        [(Arrangement::Compensated, "controller"), (Arrangement::Feedback, "controller_feedback_alone")]
+    {
+        let Some(part) = arranged(controller, arrangement)? else { continue };
+        let closed = Closed::new(&sampled, Some(&part), moment)?;
+        systems.extend(
+            closed
+                .controller
+                .as_ref()
+                .map(|system| SystemResult::new(name, system, &READING_NAMES, &["control_v"])),
+        );
+        if arrangement == Arrangement::Compensated {
+            systems.extend(
+                closed
+                    .broken
+                    .as_ref()
+                    .map(|system| SystemResult::new("loop", system, &["control_v"], &["returned_control_v"])),
+            );
+        }
+    }
+    Ok(VerifiedLoop {
+        systems,
+        control_delay_samples: plant.parameters().interface.output_delay_samples,
+        reading_delays_samples: delays(plant.parameters()),
+        holding_v: sampled.holding_v,
+        settle_s: procedure.settle_s,
+    })
+}
+
+fn plants(sampled: &SampledPlant) -> Vec<SystemResult> {
+    const TRUTHS: [&str; 4] = ["hub_rate_rad_s", "tip_rate_rad_s", "motor_rate_rad_s", "current_a"];
+    let readings = READING_NAMES.map(|name| format!("reading_of_{name}"));
+    let readings: Vec<&str> = readings.iter().map(String::as_str).collect();
+    let continuous: Vec<&str> = TRUTHS.iter().copied().chain(readings[1..].iter().copied()).collect();
+    let discrete: Vec<&str> =
+        TRUTHS.iter().copied().chain(["control_v"]).chain(readings.iter().copied()).collect();
+    vec![
+        SystemResult::new(
+            "plant_with_sensors",
+            &sampled.continuous,
+            &["control_v", "heave_m_s2", "pitch_rate_rad_s"],
+            &continuous,
+        ),
+        SystemResult::new(
+            "sampled_plant",
+            &sampled.sampled,
+            &["demand_rad_s", "heave_m_s2", "pitch_rate_rad_s", "control_v"],
+            &discrete,
+        ),
+    ]
+}
+
+/// Whole samples by which each reading is late.
+fn delays(parameters: &Parameters) -> Vec<usize> {
+    let sensors = &parameters.sensors;
+    let whole = |sensor: Option<&Sensor>| {
+        sensor.map_or(0, |s| (s.delay_s / parameters.interface.sample_period_s).round().max(0.0) as usize)
+    };
+    vec![
+        0,
+        whole(Some(&sensors.hub_gyro)),
+        whole(Some(&sensors.platform_gyro)),
+        whole(Some(&sensors.platform_accelerometer)),
+        whole(sensors.motor_tachometer.as_ref()),
+        whole(sensors.hub_resolver.as_ref()),
+    ]
+}
+
+/// Returns the time histories of a verification.
+pub fn histories(found: &Verification) -> Vec<HistoryResult> {
+    let sample_time_s = found.evidence.sample_period_s;
+    let one = |history: &History| HistoryResult {
+        name: name(history.model, history.experiment),
+        start_s: history.time_s.first().copied().unwrap_or(0.0),
+        sample_time_s,
+        demand_rad_s: history.demand_rad_s.clone(),
+        heave_m_s2: history.heave_m_s2.clone(),
+        pitch_rate_rad_s: history.pitch_rate_rad_s.clone(),
+        hub_rate_rad_s: history.hub_rate_rad_s.clone(),
+        tip_rate_rad_s: history.tip_rate_rad_s.clone(),
+        control_v: history.control_v.clone(),
+        current_a: history.current_a.clone(),
+        travel_rad: history.travel_rad.clone(),
+        contact: history.contact.clone(),
+    };
+    found.evidence.histories.iter().map(one).collect()
+}
+
+/// The beginning of the keys of an experiment's figures.
+fn name(model: Model, experiment: Experiment) -> String {
+    let (key, ending) = match experiment {
+        Experiment::Step => (Figure::Step(model, StepFigure::Overshoot).key(), "_overshoot_percent"),
+        Experiment::Triangle => (Figure::Triangle(model, TriangleFigure::ErrorRms).key(), "_error_rms_rad_s"),
+        Experiment::Disturbance(source, arrangement) => {
+            (Figure::Disturbance(model, source, arrangement, Quantity::HubRms).key(), "_hub_rms_rad_s")
+        }
+        Experiment::Rest => ("rest".to_owned(), ""),
+    };
+    key.trim_end_matches(ending).to_owned()
+}
+
+/// Returns the frequency responses of a verification: plant, controller, loop, sensitivities and rejection ratios.
+pub fn responses(found: &Verification) -> Vec<ResponseResult> {
+    let curves = &found.evidence.curves;
+    let hz = &curves.frequency_hz;
+    let plant = curves.plant.iter().map(|c| (format!("plant from {}", c.name), &c.response));
+    let controller = curves.controller.iter().map(|c| (format!("controller, {}", c.name), &c.response));
+    let broken = [("loop".to_owned(), &curves.broken.response)];
+    let sensitivities = curves.sensitivities.iter().map(|c| (c.name.clone(), &c.response));
+    let rejection = curves.rejection.iter().map(|one| {
+        let figure =
+            Figure::Rejection { source: one.source, arrangement: one.arrangement, frequency_hz: 1.0 };
+        let key = figure.key();
+        let stem = key.split("_drr_db").next().unwrap_or_default();
+        (format!("hub rate over platform, {stem}"), &one.response)
+    });
+    let all = plant.chain(controller).chain(broken).chain(sensitivities).chain(rejection);
+    all.map(|(name, values)| ResponseResult::new(&name, hz, values)).collect()
+}

@@ -1,0 +1,237 @@
+//! The weights of a project that states none: the highest bandwidth that the machine allows.
+//!
+//! `[synth]` may be absent, or hold `bandwidth` alone, or everything but `[synth.feedback]`: then the weights are chosen by
+//! [`counterpoise_synth::first_design`], from what the project knows of the machine. The chosen weights are ordinary
+//! weights: written into the project file, they can be edited from there.
+
+use std::f64::consts::{SQRT_2, TAU};
+
+use counterpoise_lti::C64;
+use counterpoise_models::Sensor;
+use counterpoise_models::plant::Angles;
+use counterpoise_project::Project;
+use counterpoise_project::resolve::design::{Synthesis, WeightSource};
+use counterpoise_synth::{
+    Circumstances, DesignPlant, FirstDesign, LimitKind, Motion, RequiredMargins, Weight, first_design,
+};
+use counterpoise_verify::{Figure, Limit, LoopFigure, Sine};
+use serde::Serialize;
+
+use crate::model::CONVERTER_RANGE_V;
+use crate::synth::{design_plant, sampling};
+use crate::{Modelled, PipelineError, Reduced, model, reduce};
+
+/// A project whose weights were chosen.
+#[derive(Debug, Clone)]
+pub struct Chosen {
+    /// The project with the weights stated.
+    pub project: Project,
+    /// Why they are what they are.
+    pub first: FirstDesign,
+}
+
+/// Returns the project with its weights chosen; `None` if it states them.
+///
+/// # Errors
+/// Those of the plant; [`PipelineError::NoController`] if no bandwidth keeps the margins.
+pub fn with_chosen_weights(project: &Project) -> Result<Option<Chosen>, PipelineError> {
+    let asked = project.synth.clone().unwrap_or_default();
+    if asked.weights == WeightSource::Stated {
+        return Ok(None);
+    }
+    let modelled = model(project)?;
+    let reduced = reduce(project, &modelled)?;
+    choose_weights(project, &modelled, &reduced).map(Some)
+}
+
+/// Returns the project with weights chosen anew, whether it states some or not: where a new machine starts from.
+///
+/// # Errors
+/// As [`with_chosen_weights`].
+pub fn choose_weights(
+    project: &Project,
+    modelled: &Modelled,
+    reduced: &Reduced,
+) -> Result<Chosen, PipelineError> {
+    let asked = project.synth.clone().unwrap_or_default();
+    let first = first_design(&circumstances(project, &asked, modelled, reduced)?)?;
+    let mut stated = asked.clone();
+    let chosen = &first.specification;
+    stated.specification.feedback = chosen.feedback.clone();
+    stated.specification.heave = asked.specification.heave.or_else(|| chosen.heave.clone());
+    stated.specification.pitch = asked.specification.pitch.or_else(|| chosen.pitch.clone());
+    (stated.weights, stated.bandwidth_rad_s) = (WeightSource::Stated, None);
+    Ok(Chosen { project: Project { synth: Some(stated), ..project.clone() }, first })
+}
+
+fn circumstances(
+    project: &Project,
+    asked: &Synthesis,
+    modelled: &Modelled,
+    reduced: &Reduced,
+) -> Result<Circumstances, PipelineError> {
+    let p = &modelled.parameters;
+    let plant = design_plant(asked, modelled, reduced)?;
+    let reading = &p.sensors.hub_gyro;
+    let motions = project.verify.as_ref().map(|asked| &asked.procedure);
+    Ok(Circumstances {
+        others: vec![with_angles(project, modelled, &plant)?],
+        sampling: sampling(asked, modelled)?,
+        noise_rms: reading.noise_rms,
+        reading_step: converter_step(reading, p.interface.input_bits),
+        holding_v: modelled.linear.equilibrium.control_v,
+        demand_step: motions.map_or(0.0, |procedure| procedure.step.rate_rad_s),
+        margins: margins(project),
+        asked_rad_s: asked.bandwidth_rad_s,
+        heave: motions.and_then(|m| motion(&m.heave, &p.sensors.platform_accelerometer, modelled)),
+        pitch: motions.and_then(|m| motion(&m.pitch, &p.sensors.platform_gyro, modelled)),
+        plant,
+    })
+}
+
+/// The plant with the hub's angles among its states: gravity's gradient, the spring and their instability act.
+fn with_angles(
+    project: &Project,
+    modelled: &Modelled,
+    plant: &DesignPlant,
+) -> Result<DesignPlant, PipelineError> {
+    let equilibrium = &modelled.linear.equilibrium;
+    let angles = match modelled.plant.angles() {
+        Angles::Position => Angles::Position,
+        _ => Angles::Keep,
+    };
+    let whole = modelled.plant.linearise(equilibrium, project.model.friction, angles)?;
+    Ok(DesignPlant { system: whole.system, rate: whole.measured, ..plant.clone() })
+}
+
+/// Step of a reading behind a converter over +/- 10 V, in the measured unit; 0 if the converter is ideal.
+fn converter_step(sensor: &Sensor, bits: u32) -> f64 {
+    if sensor.resolution > 0.0 {
+        return sensor.resolution;
+    }
+    if bits == 0 || sensor.scale_v_unit == 0.0 {
+        return 0.0;
+    }
+    2.0 * CONVERTER_RANGE_V / 2f64.powi(bits as i32) / sensor.scale_v_unit.abs()
+}
+
+/// The usual margins, or those that the project requires if they are larger, with [`SPARE`] to spare.
+fn margins(project: &Project) -> RequiredMargins {
+    let mut margins = RequiredMargins::default();
+    let requirements = project.verify.iter().flat_map(|asked| &asked.requirements);
+    for requirement in requirements {
+        match (requirement.figure, requirement.limit) {
+            (Figure::Loop(LoopFigure::GainMargin), Limit::AtLeast(db)) => {
+                margins.gain_db = margins.gain_db.max(db + SPARE * db.abs());
+            }
+            (Figure::Loop(LoopFigure::PhaseMargin), Limit::AtLeast(deg)) => {
+                margins.phase_deg = margins.phase_deg.max(deg + SPARE * deg.abs());
+            }
+            (Figure::Loop(LoopFigure::MaxSensitivity), Limit::AtMost(ms)) => {
+                margins.max_sensitivity = margins.max_sensitivity.min(1.0 + (ms - 1.0) * (1.0 - SPARE));
+            }
+            _ => {}
+        }
+    }
+    margins
+}
+
+/// Margins are kept with this share to spare: the verification judges the loop with every block and converter in it.
+const SPARE: f64 = 0.02;
+
+/// A sine that the project expects as a spectrum of the same RMS up to twice its frequency; `None` if no sensor reads it or
+/// it does not move.
+fn motion(expected: &Sine, sensor: &Sensor, modelled: &Modelled) -> Option<Motion> {
+    let (amplitude, period_s) = (expected.amplitude.abs(), modelled.parameters.interface.sample_period_s);
+    if sensor.gain == 0.0 || amplitude == 0.0 || expected.frequency_hz <= 0.0 {
+        return None;
+    }
+    let natural = short(2.0 * TAU * expected.frequency_hz);
+    // White noise of unit density through K w^2 / (s^2 + 2 z w s + w^2) has the mean square K^2 w / (4 z).
+    let gain = short(amplitude / SQRT_2 * (4.0 * GENERATOR_DAMPING / natural).sqrt());
+    let height = natural * (1.0 - GENERATOR_DAMPING * GENERATOR_DAMPING).sqrt();
+    let pole = C64::new(-GENERATOR_DAMPING * natural, height);
+    let generator = Weight::ZeroPoleGain {
+        zeros: Vec::new(),
+        poles: vec![pole, pole.conj()],
+        gain: gain * natural * natural,
+    };
+    let noise_rms = if sensor.noise_rms > 0.0 { sensor.noise_rms } else { UNKNOWN_NOISE * amplitude };
+    Some(Motion { generator, noise: noise_rms * noise_rms * period_s })
+}
+
+/// Four significant digits, as a person would write them.
+fn short(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}
+
+/// Damping ratio of the spectrum of an expected motion: level up to its corner, without a peak.
+const GENERATOR_DAMPING: f64 = 0.7;
+/// Noise of a base sensor that states none, over the amplitude that it reads: a sensor of ten bits.
+const UNKNOWN_NOISE: f64 = 1e-3;
+
+/// A first design as plain data.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FirstDesignResult {
+    /// Bandwidth that was reached (highest frequency at which the loop's gain is 1), rad/s.
+    pub bandwidth_rad_s: f64,
+    /// Bandwidth that was asked for, rad/s.
+    pub asked_rad_s: Option<f64>,
+    /// What limits it.
+    pub limited_by: String,
+    /// Every limit with the highest bandwidth that it alone would allow.
+    pub limits: Vec<LimitRow>,
+    /// What is not known and lowered the ceiling.
+    pub unknown: Vec<String>,
+    /// Gain margin, dB.
+    pub gain_margin_db: f64,
+    /// Phase margin, degrees.
+    pub phase_margin_deg: f64,
+    /// Largest sensitivity.
+    pub max_sensitivity: f64,
+    /// Largest sensitivity with every lightly damped mode off by 15 %.
+    pub max_sensitivity_modes_shifted: f64,
+    /// Feedforwards that could not be had, with the reason.
+    pub left_out: Vec<String>,
+}
+
+/// A limit of the bandwidth.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LimitRow {
+    /// What limits.
+    pub limit: String,
+    /// The highest bandwidth that it alone would allow, rad/s; absent if it allows every one that was looked at.
+    pub bandwidth_rad_s: Option<f64>,
+    /// That over the bandwidth that was reached.
+    pub over_reached: Option<f64>,
+}
+
+impl From<&FirstDesign> for FirstDesignResult {
+    fn from(first: &FirstDesign) -> Self {
+        let (found, judged) = (&first.bandwidth, &first.judgement);
+        let row = |limit: &counterpoise_synth::Limit| {
+            let bandwidth_rad_s = Some(limit.bandwidth_rad_s).filter(|rate| rate.is_finite());
+            let over_reached = bandwidth_rad_s.map(|rate| rate / found.bandwidth_rad_s);
+            LimitRow { limit: limit.kind.to_string(), bandwidth_rad_s, over_reached }
+        };
+        Self {
+            bandwidth_rad_s: found.bandwidth_rad_s,
+            asked_rad_s: found.asked_rad_s,
+            limited_by: found.limited_by.to_string(),
+            limits: found.limits.iter().map(row).collect(),
+            unknown: found.unknown.iter().map(ToString::to_string).collect(),
+            gain_margin_db: judged.gain_margin_db,
+            phase_margin_deg: judged.phase_margin_deg,
+            max_sensitivity: judged.max_sensitivity,
+            max_sensitivity_modes_shifted: judged.shifted_sensitivity,
+            left_out: first.left_out.iter().map(ToString::to_string).collect(),
+        }
+    }
+}
+
+/// Whether the bandwidth that was asked for is not reached, by more than rounding.
+pub fn falls_short(first: &FirstDesign) -> bool {
+    let found = &first.bandwidth;
+    found.limited_by != LimitKind::Asked
+        && found.asked_rad_s.is_some_and(|asked| asked > found.bandwidth_rad_s)
+}

@@ -1,0 +1,296 @@
+//! A design with its linear consequences, made in a few milliseconds: margins, frequency responses, step and platform motion.
+//!
+//! The plant of the last request is kept in a [`PreviewCache`], so that a change of a weight costs the design and its responses only.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use counterpoise_diagnose::simulator_access::{Pool, map};
+use counterpoise_lti::{Margins, margins};
+use counterpoise_models::Parameters;
+use counterpoise_project::{Modelling, Project, Reduction};
+use counterpoise_verify::linear::closed::resolver_use;
+use counterpoise_verify::linear::frequency::grid_hz;
+use counterpoise_verify::linear::plant::Resolver;
+use counterpoise_verify::linear::{self, Closed, Curves, PlantResponse, SampledPlant, arranged};
+use counterpoise_verify::{ARRANGEMENTS, Arrangement, Experiment, History, Procedure, Source, Step};
+
+use crate::{Modelled, PipelineError, Reduced, Synthesised, model, reduce, synthesise};
+
+/// Duration of the responses to heave and pitch, s: long enough for two periods of the slowest usual motion, short enough to drag.
+const MOTION_S: f64 = 2.0;
+/// Duration of the response to a step of the demand, s.
+const STEP_S: f64 = 1.0;
+
+/// The design that is asked for.
+#[derive(Debug, Clone)]
+pub struct PreviewRequest {
+    /// The project.
+    pub project: Arc<Project>,
+    /// The first moment of mass to design for instead of the project's, kg m.
+    pub out_of_balance_kg_m: Option<f64>,
+}
+
+/// The plant of a request.
+#[derive(Debug, Clone)]
+pub struct PlantPreview {
+    /// The full plant.
+    pub modelled: Arc<Modelled>,
+    /// The reduced plant.
+    pub reduced: Arc<Reduced>,
+}
+
+/// A design with its linear consequences.
+#[derive(Debug, Clone)]
+pub struct DesignPreview {
+    /// The project that the design was made from.
+    pub project: Arc<Project>,
+    /// The full plant.
+    pub modelled: Arc<Modelled>,
+    /// The reduced plant that the synthesis used.
+    pub reduced: Arc<Reduced>,
+    /// The controller.
+    pub synthesised: Synthesised,
+    /// All margins of the feedback loop.
+    pub margins: Margins,
+    /// Frequency responses.
+    pub curves: Curves,
+    /// The response to a step of the demand.
+    pub step: History,
+    /// The responses to heave, then to pitch, in each arrangement of the controller.
+    pub motions: Vec<History>,
+    /// The first moment of mass that was tried instead of the project's, kg m.
+    pub trial_moment_kg_m: Option<f64>,
+}
+
+impl DesignPreview {
+    /// Returns the response to a motion of the platform in an arrangement of the controller.
+    pub fn motion(&self, source: Source, arrangement: Arrangement) -> Option<&History> {
+        let wanted = Experiment::Disturbance(source, arrangement);
+        self.motions.iter().find(|history| history.experiment == wanted)
+    }
+
+    /// Returns the overshoot of the response to a step of the demand, percent of the demand; 0 without overshoot.
+    pub fn overshoot_percent(&self) -> f64 {
+        let demand = self.step.demand_rad_s.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let top = self.step.hub_rate_rad_s.iter().copied().fold(0.0, f64::max);
+        (100.0 * (top / demand - 1.0)).max(0.0)
+    }
+
+    /// Returns the largest change of the control in the response to a step of the demand, V.
+    pub fn step_control_v(&self) -> f64 {
+        let control_v = &self.step.control_v;
+        let first = control_v.first().copied().unwrap_or_default();
+        control_v.iter().map(|v| (v - first).abs()).fold(0.0, f64::max)
+    }
+
+    /// Returns the largest hub rate in the second half of a motion of the platform with the whole controller, rad/s. The first half
+    /// is left out because it contains the transient of the start.
+    pub fn residual_hub_rate_rad_s(&self, source: Source) -> f64 {
+        let history = self.motion(source, Arrangement::Compensated);
+        let hub = history.map_or(&[][..], |h| &h.hub_rate_rad_s[..]);
+        hub.iter().skip(hub.len() / 2).map(|v| v.abs()).fold(0.0, f64::max)
+    }
+
+    /// Returns the highest frequency at which the loop gain crosses 1, Hz; 0 if it never does.
+    pub fn crossover_hz(&self) -> f64 {
+        self.margins.phase.iter().map(|p| p.rate_rad_s).fold(0.0, f64::max) / TAU
+    }
+}
+
+/// The plant of the last request, with what it alone contributes to the responses.
+#[derive(Default)]
+pub struct PreviewCache {
+    kept: Option<CachedPlant>,
+}
+
+type PlantKey = (Parameters, Modelling, Reduction, Option<f64>);
+
+struct CachedPlant {
+    key: PlantKey,
+    modelled: Arc<Modelled>,
+    reduced: Arc<Reduced>,
+    sampled: Option<SampledViews>,
+}
+
+/// The sampled plant as the controller sees it, with its own response and the loop without a controller.
+struct SampledViews {
+    resolver: Resolver,
+    plant: SampledPlant,
+    response: PlantResponse,
+    uncontrolled: Closed,
+}
+
+impl PreviewCache {
+    /// Returns the plant of a request; it is made again only if it differs from the last one.
+    fn plant(&mut self, request: &PreviewRequest) -> Result<&mut CachedPlant, PipelineError> {
+        let p = &request.project;
+        let key = (p.plant.clone(), p.model.clone(), p.reduce, request.out_of_balance_kg_m);
+        if self.kept.as_ref().is_none_or(|kept| kept.key != key) {
+            self.kept = None;
+            self.kept = Some(CachedPlant::new(request, key)?);
+        }
+        self.kept.as_mut().ok_or(PipelineError::Missing { section: "plant", needed_by: "the design" })
+    }
+}
+
+impl CachedPlant {
+    fn new(request: &PreviewRequest, key: PlantKey) -> Result<Self, PipelineError> {
+        let modelled = modelled_for(request)?;
+        let reduced = reduce(&request.project, &modelled)?;
+        Ok(Self { key, modelled: Arc::new(modelled), reduced: Arc::new(reduced), sampled: None })
+    }
+
+    fn sampled(&mut self, resolver: Resolver) -> Result<&SampledViews, PipelineError> {
+        match self.sampled.take() {
+            Some(kept) if kept.resolver == resolver => Ok(self.sampled.insert(kept)),
+            _ => Ok(self.sampled.insert(SampledViews::new(&self.modelled, resolver)?)),
+        }
+    }
+}
+
+impl SampledViews {
+    fn new(modelled: &Modelled, resolver: Resolver) -> Result<Self, PipelineError> {
+        let plant = SampledPlant::new(&modelled.linear, &modelled.parameters, resolver)?;
+        let response = PlantResponse::of(&plant, grid_hz(plant.sample_period_s))?;
+        let uncontrolled = Closed::new(&plant, None, modelled.plant.body().out_of_balance_kg_m)?;
+        Ok(Self { resolver, plant, response, uncontrolled })
+    }
+}
+
+/// Returns the full plant, at the first moment of mass that is tried if there is one.
+fn modelled_for(request: &PreviewRequest) -> Result<Modelled, PipelineError> {
+    let made = model(&request.project)?;
+    let Some(moment) = request.out_of_balance_kg_m else { return Ok(made) };
+    let mut tried = Project::clone(&request.project);
+    tried.plant = made.parameters;
+    tried.model.configuration = None;
+    if let Some(lumped) = &mut tried.plant.lumped {
+        lumped.out_of_balance_kg_m = moment;
+    }
+    model(&tried)
+}
+
+/// Returns the plant of a request, which needs no controller.
+///
+/// # Errors
+/// Returns the errors of the model and of its reduction.
+pub fn preview_plant(
+    request: &PreviewRequest,
+    cache: &mut PreviewCache,
+) -> Result<PlantPreview, PipelineError> {
+    let kept = cache.plant(request)?;
+    Ok(PlantPreview { modelled: Arc::clone(&kept.modelled), reduced: Arc::clone(&kept.reduced) })
+}
+
+/// Designs the controller and computes its linear consequences; `pool` runs the two independent halves side by side.
+///
+/// # Errors
+/// Returns the errors of the pipeline, among them every reason why there is no controller.
+pub fn preview_design(
+    request: &PreviewRequest,
+    cache: &mut PreviewCache,
+    pool: &dyn Pool,
+) -> Result<DesignPreview, PipelineError> {
+    let kept = cache.plant(request)?;
+    let synthesised = synthesise(&request.project, &kept.modelled, &kept.reduced)?;
+    let (modelled, reduced) = (Arc::clone(&kept.modelled), Arc::clone(&kept.reduced));
+    let sampled = kept.sampled(resolver_use(&synthesised.sampled.controller))?;
+    let loops = close_loops(sampled, &synthesised, &modelled)?;
+    let responses = Responses { project: &request.project, sampled, loops: &loops };
+    let LinearResponses { margins, curves, step, motions } = responses.compute(pool)?;
+    Ok(DesignPreview {
+        project: Arc::clone(&request.project),
+        modelled,
+        reduced,
+        synthesised,
+        margins,
+        curves,
+        step,
+        motions,
+        trial_moment_kg_m: request.out_of_balance_kg_m,
+    })
+}
+
+/// Returns the loop in each arrangement of the controller; the feedback alone stands before the whole controller.
+fn close_loops(
+    sampled: &SampledViews,
+    synthesised: &Synthesised,
+    modelled: &Modelled,
+) -> Result<Vec<(Arrangement, Closed)>, PipelineError> {
+    let (controller, moment) = (&synthesised.sampled.controller, modelled.plant.body().out_of_balance_kg_m);
+    let mut loops = vec![(Arrangement::Uncontrolled, sampled.uncontrolled.clone())];
+    for arrangement in ARRANGEMENTS.into_iter().skip(1) {
+        let acting = arranged(controller, arrangement)?;
+        loops.push((arrangement, Closed::new(&sampled.plant, acting.as_ref(), moment)?));
+    }
+    Ok(loops)
+}
+
+/// What the responses are computed from.
+struct Responses<'a> {
+    project: &'a Project,
+    sampled: &'a SampledViews,
+    loops: &'a [(Arrangement, Closed)],
+}
+
+/// The linear consequences of a design.
+struct LinearResponses {
+    margins: Margins,
+    curves: Curves,
+    step: History,
+    motions: Vec<History>,
+}
+
+/// One of the two halves of the computation.
+enum Half {
+    Loop(Box<(Margins, Curves, History)>),
+    Motions(Vec<History>),
+}
+
+fn missing_loop() -> PipelineError {
+    PipelineError::Missing { section: "synth", needed_by: "the loop" }
+}
+
+impl Responses<'_> {
+    fn compute(&self, pool: &dyn Pool) -> Result<LinearResponses, PipelineError> {
+        let halves = map(pool, 2, |k| if k == 0 { self.platform_motions() } else { self.loop_responses() });
+        let mut halves = halves.into_iter();
+        match (halves.next().transpose()?, halves.next().transpose()?) {
+            (Some(Half::Motions(motions)), Some(Half::Loop(parts))) => {
+                let (margins, curves, step) = *parts;
+                Ok(LinearResponses { margins, curves, step, motions })
+            }
+            _ => Err(missing_loop()),
+        }
+    }
+
+    fn procedure(&self) -> Procedure {
+        self.project.verify.as_ref().map_or_else(Procedure::default, |v| v.procedure.clone())
+    }
+
+    fn platform_motions(&self) -> Result<Half, PipelineError> {
+        let procedure = self.procedure();
+        let mut motions = Vec::new();
+        for source in [Source::Heave, Source::Pitch] {
+            for (arrangement, closed) in self.loops {
+                let motion = |time_s: f64| procedure.motion(source, time_s);
+                let plant = &self.sampled.plant;
+                motions.push(linear::disturbance(plant, closed, (source, *arrangement), MOTION_S, motion)?);
+            }
+        }
+        Ok(Half::Motions(motions))
+    }
+
+    /// Computes margins, frequency responses and the step. Paths that see the platform alone are at rest in a step and outside the
+    /// loop's return path, so the margins and the step are those of the feedback alone.
+    fn loop_responses(&self) -> Result<Half, PipelineError> {
+        let [.., (_, feedback), (_, whole)] = self.loops else { return Err(missing_loop()) };
+        let mut margins = margins(feedback.broken.as_ref().ok_or_else(missing_loop)?)?;
+        margins.closed_loop_stable &= whole.pole_radius() < 1.0;
+        let plant = &self.sampled.plant;
+        let curves = Curves::with(plant, &self.sampled.response, self.loops)?;
+        let step = linear::step(plant, feedback, Step { duration_s: STEP_S, ..self.procedure().step })?;
+        Ok(Half::Loop(Box::new((margins, curves, step))))
+    }
+}

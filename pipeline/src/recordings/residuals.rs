@@ -1,0 +1,134 @@
+//! What a model leaves unexplained in recordings: spectra and tests of the residuals, and responses measured and simulated.
+
+use counterpoise_diagnose::fitting::residual_tests::{ResidualTest, test_residual};
+use counterpoise_verify::signals::welch::{Spectra, WelchOptions, welch};
+
+use super::tracks::Track;
+
+/// Longest segment of a spectrum, samples, and the number of segments below which it is shorter: six segments average enough for a
+/// coherence that means something.
+const SEGMENT: (usize, usize) = (2048, 6);
+/// Probability of the confidence intervals.
+const CONFIDENCE: f64 = 0.95;
+
+/// The residuals of recordings, of the model as it was and of the improved model.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ResidualStudy {
+    /// Spectra of control and hub rate and of their residuals.
+    pub spectra: Vec<ResidualSpectra>,
+    /// Responses from control to hub rate, one entry a recording.
+    pub responses: Vec<ControlResponse>,
+    /// Tests of the residual of every channel.
+    pub tests: Vec<TestedResidual>,
+}
+
+/// The spectrum of a measured channel, and those of its residuals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResidualSpectra {
+    /// Name of the recording.
+    pub recording: String,
+    /// Name of the channel.
+    pub channel: &'static str,
+    /// Unit of the channel.
+    pub unit: &'static str,
+    /// As measured.
+    pub measured: Spectra,
+    /// Residual of the model as it was; `None` if the recording is too short.
+    pub before: Option<Spectra>,
+    /// Residual of the improved model; `None` if there is none.
+    pub after: Option<Spectra>,
+}
+
+/// The response from control to hub rate in one recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ControlResponse {
+    /// Name of the recording.
+    pub recording: String,
+    /// As measured.
+    pub measured: Spectra,
+    /// As the model simulates it; `None` if the recording is too short.
+    pub before: Option<Spectra>,
+    /// As the improved model simulates it; `None` if there is none.
+    pub after: Option<Spectra>,
+}
+
+/// The tests of the residual of one channel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TestedResidual {
+    /// Name of the recording.
+    pub recording: String,
+    /// Name of the channel.
+    pub channel: &'static str,
+    /// Sample period, s.
+    pub period_s: f64,
+    /// Of the model as it was; `None` if the residual is too short to be tested.
+    pub before: Option<ResidualTest>,
+    /// Of the improved model; `None` if there is none.
+    pub after: Option<ResidualTest>,
+}
+
+/// Studies the residuals of tracks.
+pub fn study_residuals(tracks: &[Track]) -> ResidualStudy {
+    let mut recordings: Vec<&str> = tracks.iter().map(|t| t.recording.as_str()).collect();
+    recordings.dedup();
+    ResidualStudy {
+        spectra: tracks.iter().filter_map(spectra).collect(),
+        responses: recordings.into_iter().filter_map(|name| response(tracks, name)).collect(),
+        tests: tracks.iter().map(|track| tested(tracks, track)).collect(),
+    }
+}
+
+fn find<'a>(tracks: &'a [Track], recording: &str, channel: &str) -> Option<&'a Track> {
+    tracks.iter().find(|t| t.recording == recording && t.channel == channel)
+}
+
+/// Returns averaged spectra in segments as long as the record allows.
+fn averaged(x: &[f64], y: &[f64], period_s: f64) -> Option<Spectra> {
+    let segment = SEGMENT.0.min(2 * x.len() / (SEGMENT.1 + 1)) / 2 * 2;
+    welch(x, y, period_s, WelchOptions { segment, confidence: CONFIDENCE }).ok()
+}
+
+fn residual(run: &[f64], measured: &[f64]) -> Vec<f64> {
+    run.iter().zip(measured).map(|(s, m)| s - m).collect()
+}
+
+fn spectra(track: &Track) -> Option<ResidualSpectra> {
+    if track.channel != "control" && track.channel != "hub_rate" {
+        return None;
+    }
+    let own = |signal: &[f64]| averaged(signal, signal, track.period_s);
+    let of_residual = |run: &[f64]| own(&residual(run, &track.measured));
+    Some(ResidualSpectra {
+        recording: track.recording.clone(),
+        channel: track.channel,
+        unit: track.unit,
+        measured: own(&track.measured)?,
+        before: of_residual(&track.before),
+        after: if track.after.is_empty() { None } else { of_residual(&track.after) },
+    })
+}
+
+fn response(tracks: &[Track], recording: &str) -> Option<ControlResponse> {
+    let (control, rate) = (find(tracks, recording, "control")?, find(tracks, recording, "hub_rate")?);
+    let of = |run: fn(&Track) -> &[f64]| averaged(run(control), run(rate), rate.period_s);
+    Some(ControlResponse {
+        recording: recording.to_owned(),
+        measured: of(|t| &t.measured)?,
+        before: of(|t| &t.before),
+        after: if rate.after.is_empty() { None } else { of(|t| &t.after) },
+    })
+}
+
+fn tested(tracks: &[Track], track: &Track) -> TestedResidual {
+    let signals = ["control", "hub_rate"]
+        .map(|name| find(tracks, &track.recording, name).map(|t| (name, &t.measured[..])));
+    let signals: Vec<(&'static str, &[f64])> = signals.into_iter().flatten().collect();
+    let test = |run: &[f64]| test_residual(&residual(run, &track.measured), &signals);
+    TestedResidual {
+        recording: track.recording.clone(),
+        channel: track.channel,
+        period_s: track.period_s,
+        before: test(&track.before),
+        after: test(&track.after),
+    }
+}

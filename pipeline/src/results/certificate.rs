@@ -1,0 +1,181 @@
+//! The stability certificate as plain data.
+
+use counterpoise_verify::certificate::{CaseCertificate, Certificate, Cycle, Orbit, RegimeLoop, Stability};
+use serde::Serialize;
+
+/// The certificate: the worst case, and every case.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CertificateResult {
+    /// `stable`, `limit cycle`, `unstable` or `not predicted`: that of the worst case.
+    pub stability: &'static str,
+    /// Whether stability is proved in every case.
+    pub proved: bool,
+    /// Name of the worst case.
+    pub worst_case: String,
+    /// Key of its worst regime.
+    pub worst_regime: &'static str,
+    /// Every case.
+    pub cases: Vec<CaseResult>,
+}
+
+/// One case.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CaseResult {
+    /// Name.
+    pub name: String,
+    /// Out-of-balance that the controller is told, kg m.
+    pub out_of_balance_kg_m: f64,
+    /// As [`CertificateResult::stability`].
+    pub stability: &'static str,
+    /// Whether it is proved by passivity.
+    pub proved: bool,
+    /// The passivity that the proof needs above 0; `None` if the proof does not apply.
+    pub passivity: Option<f64>,
+    /// The limit cycle that stays: half the range of the hub rate, rad/s, and its frequency, Hz.
+    pub limit_cycle: Option<CycleResult>,
+    /// The linear loop in each regime.
+    pub regimes: Vec<RegimeResult>,
+    /// Limit cycles predicted by harmonic balance.
+    pub predicted: Vec<PredictedResult>,
+    /// What the simulator does from near each prediction, and from two other disturbances.
+    pub orbits: Vec<OrbitResult>,
+    /// RMS of the hub rate in a run of 20 s at rest, with noise, rad/s.
+    pub rest_rms_rad_s: f64,
+    /// RMS of the hub rate over the second half of a run in motion, over that of the first half.
+    pub motion_growth: f64,
+    /// Noise floor of the hub rate, rad/s.
+    pub noise_floor_rad_s: f64,
+}
+
+/// A limit cycle.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CycleResult {
+    /// Amplitude of the hub rate, rad/s.
+    pub amplitude_rad_s: f64,
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+}
+
+/// The loop in a regime.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RegimeResult {
+    /// Key of the regime.
+    pub regime: &'static str,
+    /// Largest modulus of a pole.
+    pub pole_radius: f64,
+    /// Growth of that motion, 1/s.
+    pub growth_per_s: f64,
+    /// Its frequency, Hz.
+    pub frequency_hz: f64,
+    /// Gain margin, dB; `None` if no gain destabilises.
+    pub gain_margin_db: Option<f64>,
+    /// Largest sensitivity; `None` in an unstable loop.
+    pub max_sensitivity: Option<f64>,
+}
+
+/// A predicted limit cycle.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PredictedResult {
+    /// Amplitude of the hub rate, rad/s.
+    pub amplitude_rad_s: f64,
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+    /// Whether the loop is enough of a low-pass for the prediction to hold.
+    pub reliable: bool,
+}
+
+/// A motion on the simulator.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct OrbitResult {
+    /// Amplitude of the hub rate at its start, rad/s.
+    pub start_rad_s: f64,
+    /// Amplitude that stays, rad/s; 0 if the motion faded, `None` if it diverged.
+    pub amplitude_rad_s: Option<f64>,
+    /// Its frequency, Hz.
+    pub frequency_hz: f64,
+}
+
+fn word(stability: Stability) -> &'static str {
+    match stability {
+        Stability::Stable => "stable",
+        Stability::LimitCycle { .. } => "limit cycle",
+        Stability::Unstable => "unstable",
+        Stability::NotPredicted => "not predicted",
+    }
+}
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+impl From<&Certificate> for CertificateResult {
+    fn from(found: &Certificate) -> Self {
+        let worst = found.worst();
+        Self {
+            stability: worst.map_or("not predicted", |case| word(case.stability)),
+            proved: found.cases.iter().all(CaseCertificate::is_proved),
+            worst_case: worst.map_or(String::new(), |case| case.name.clone()),
+            worst_regime: worst.and_then(CaseCertificate::worst_regime).map_or("", |at| at.regime.key()),
+            cases: found.cases.iter().map(CaseResult::from).collect(),
+        }
+    }
+}
+
+impl From<&CaseCertificate> for CaseResult {
+    fn from(case: &CaseCertificate) -> Self {
+        let limit_cycle = match case.stability {
+            Stability::LimitCycle { amplitude_rad_s, frequency_hz } => {
+                Some(CycleResult { amplitude_rad_s, frequency_hz })
+            }
+            _ => None,
+        };
+        Self {
+            name: case.name.clone(),
+            out_of_balance_kg_m: case.out_of_balance_kg_m,
+            stability: word(case.stability),
+            proved: case.is_proved(),
+            passivity: case.passivity.map(|found| found.least),
+            limit_cycle,
+            regimes: case.regimes.iter().map(RegimeResult::from).collect(),
+            predicted: case.prediction.cycles.iter().map(PredictedResult::from).collect(),
+            orbits: case.orbits.iter().map(OrbitResult::from).collect(),
+            rest_rms_rad_s: case.rest.rms_rad_s,
+            motion_growth: case.motion.second_half_rad_s / case.motion.first_half_rad_s,
+            noise_floor_rad_s: case.noise_floor_rad_s,
+        }
+    }
+}
+
+impl From<&RegimeLoop> for RegimeResult {
+    fn from(at: &RegimeLoop) -> Self {
+        Self {
+            regime: at.regime.key(),
+            pole_radius: at.pole_radius,
+            growth_per_s: at.growth_per_s,
+            frequency_hz: at.frequency_hz,
+            gain_margin_db: finite(at.gain_margin_db),
+            max_sensitivity: finite(at.max_sensitivity),
+        }
+    }
+}
+
+impl From<&Cycle> for PredictedResult {
+    fn from(cycle: &Cycle) -> Self {
+        Self {
+            amplitude_rad_s: cycle.rate_rad_s,
+            frequency_hz: cycle.frequency_hz,
+            reliable: cycle.is_reliable(),
+        }
+    }
+}
+
+impl From<&Orbit> for OrbitResult {
+    fn from(orbit: &Orbit) -> Self {
+        let diverged = orbit.rms_rad_s.is_infinite();
+        Self {
+            start_rad_s: orbit.start_rad_s,
+            amplitude_rad_s: (!diverged).then_some(orbit.amplitude_rad_s),
+            frequency_hz: orbit.frequency_hz,
+        }
+    }
+}

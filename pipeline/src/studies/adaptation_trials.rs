@@ -1,0 +1,323 @@
+//! Methods of adaptation where they can fail: motions that no window fits, right and wrong starting values, sudden and slow changes of
+//! the load; each against the same controller without adaptation, and against one that is told the load.
+
+use counterpoise_controller::{Controller, Runner};
+use counterpoise_simulate::signal::Sine;
+use counterpoise_simulate::{
+    Imperfections, Initial, PlantState, PlatformMotion, Scenario, Signal, Simulator,
+};
+use counterpoise_verify::Procedure;
+use counterpoise_verify::signals::iso_road::{Drive, RoadClass, Vehicle, iso_road};
+use serde::Serialize;
+
+use crate::synth::controller_blocks::estimator;
+use crate::synth::schedule::unbalanced;
+use crate::{Modelled, PipelineError, Synthesised};
+use counterpoise_project::Project;
+use counterpoise_project::resolve::synthesis_options::{Adaptation, AdaptationMethod};
+
+/// How the platform moves in a trial.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Motion {
+    /// Heave and pitch of the verification, at frequencies of which no window holds whole periods.
+    Sines,
+    /// The project's road; one of ISO 8608, class C at 8 m/s, without it.
+    Road,
+    /// Sines of eight frequencies from 0.3 to 5 Hz in heave and in pitch.
+    Multisine,
+}
+
+/// What the load does, and what the estimate starts from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Load {
+    /// The design's load, from the right value.
+    Nominal,
+    /// The design's load, from a value 30 % too low.
+    WrongStart,
+    /// Thirty percent more from one sample to the next.
+    Sudden,
+    /// Thirty percent more, in ten steps over half the run.
+    Slow,
+}
+
+/// One trial of one method: RMS of the hub rate once the load has settled.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct TrialRow {
+    /// The method's key.
+    pub method: &'static str,
+    /// The motion.
+    pub motion: Motion,
+    /// The load.
+    pub load: Load,
+    /// Without adaptation, rad/s.
+    pub without_rad_s: f64,
+    /// With adaptation, rad/s.
+    pub with_rad_s: f64,
+    /// With a controller that is told the load, rad/s.
+    pub told_rad_s: f64,
+}
+
+/// Trials of all methods.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Trials {
+    /// Rows: trial by trial, the methods in each.
+    pub rows: Vec<TrialRow>,
+    /// Methods that are refused for this project, with the reason.
+    pub refused: Vec<Refusal>,
+}
+
+/// Why a method is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Refusal {
+    /// The trial in which it does worst.
+    pub worst: TrialRow,
+    /// Hub rate with adaptation over that without, in that trial.
+    pub ratio: f64,
+}
+
+/// A method is refused where its hub rate exceeds that without adaptation by more than this factor.
+pub const REFUSED_ABOVE: f64 = 1.03;
+/// Change of the load, and error of a wrong starting value.
+const CHANGE: f64 = 0.3;
+/// A change smaller than this share of the hub rate is not one that an adaptation could remove.
+const LEAST_ADDED: f64 = 0.05;
+/// Length of a trial, s; its times are no whole number of any period.
+const LENGTH_S: f64 = 47.3;
+/// When a slow change ends, s.
+const SETTLED_S: f64 = 23.7;
+/// From when the hub rate is measured, s.
+const MEASURED_S: f64 = 31.1;
+/// When the load begins to change, s.
+const CHANGE_S: f64 = 7.9;
+/// Steps of a slow change.
+const SLOW_STEPS: usize = 10;
+/// Factors on the frequencies of heave and pitch, away from whole numbers of periods in a window.
+const DETUNED: [f64; 2] = [0.887, 1.137];
+
+/// Every method with its key in a project file.
+pub const METHODS: [(AdaptationMethod, &str); 3] = [
+    (AdaptationMethod::Gradient, "gradient"),
+    (AdaptationMethod::WindowedMean, "windowed-mean"),
+    (AdaptationMethod::Recursive, "recursive"),
+];
+
+impl TrialRow {
+    /// Returns the hub rate with adaptation over that without.
+    pub fn ratio(&self) -> f64 {
+        self.with_rad_s / self.without_rad_s
+    }
+
+    /// Returns the share of the added hub rate that the adaptation removes; `None` if the load adds too little to tell.
+    pub fn removed(&self) -> Option<f64> {
+        let added = self.without_rad_s - self.told_rad_s;
+        (added > LEAST_ADDED * self.told_rad_s).then(|| (self.without_rad_s - self.with_rad_s) / added)
+    }
+}
+
+impl Trials {
+    /// Returns whether a method is refused.
+    pub fn refuses(&self, method: AdaptationMethod) -> bool {
+        let name = METHODS.iter().find(|row| row.0 == method).map_or("", |row| row.1);
+        self.refused.iter().any(|refused| refused.worst.method == name)
+    }
+}
+
+/// Returns the trials of every method on the project's mechanism, by a procedure with or without a road.
+///
+/// # Errors
+/// A project without adaptation, and those of the plant and the simulator.
+pub fn trials(
+    project: &Project,
+    modelled: &Modelled,
+    made: &Synthesised,
+    procedure: &Procedure,
+) -> Result<Trials, PipelineError> {
+    let missing =
+        PipelineError::Missing { section: "synth.adaptation", needed_by: "the trials of adaptation" };
+    let asked = project.synth.as_ref().and_then(|asked| asked.options.adaptation.as_ref());
+    let adaptation = asked.ok_or(missing)?;
+    let stage = Stage { adaptation, modelled, controller: &made.sampled.controller, procedure };
+    let mut rows = Vec::new();
+    for motion in [Motion::Sines, Motion::Road, Motion::Multisine] {
+        let platform = stage.platform(motion)?;
+        for load in [Load::Nominal, Load::WrongStart, Load::Sudden, Load::Slow] {
+            let rms = |acts| stage.hub_rms(&platform, load, acts);
+            let (without_rad_s, told_rad_s) = (rms(Acts::Without)?, rms(Acts::Told)?);
+            for (method, name) in METHODS {
+                let with_rad_s = rms(Acts::Adapts(method))?;
+                rows.push(TrialRow { method: name, motion, load, without_rad_s, with_rad_s, told_rad_s });
+            }
+        }
+    }
+    let refused = METHODS.iter().filter_map(|(_, name)| refusal(name, &rows)).collect();
+    Ok(Trials { rows, refused })
+}
+
+/// The trial in which a method does worst, if that is reason enough to refuse it.
+fn refusal(method: &'static str, rows: &[TrialRow]) -> Option<Refusal> {
+    let own = rows.iter().filter(|row| row.method == method);
+    let worst = *own.max_by(|a, b| a.ratio().total_cmp(&b.ratio()))?;
+    (worst.ratio() > REFUSED_ABOVE).then(|| Refusal { worst, ratio: worst.ratio() })
+}
+
+/// What acts in a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Acts {
+    Without,
+    Told,
+    Adapts(AdaptationMethod),
+}
+
+struct Stage<'a> {
+    adaptation: &'a Adaptation,
+    modelled: &'a Modelled,
+    controller: &'a Controller,
+    procedure: &'a Procedure,
+}
+
+impl Stage<'_> {
+    /// The RMS of the hub's rate after the load has settled; infinite if the motion diverges.
+    fn hub_rms(&self, platform: &PlatformMotion, load: Load, acts: Acts) -> Result<f64, PipelineError> {
+        let mut runner = self.runner(acts)?;
+        let design = self.modelled.plant.body().out_of_balance_kg_m;
+        if load == Load::WrongStart && acts != Acts::Told {
+            runner.set_out_of_balance((1.0 - CHANGE) * design);
+        }
+        let mut state: Option<PlantState> = None;
+        let mut angle = self.procedure.operating_point.platform_angle_rad;
+        let mut rates = Vec::new();
+        for part in parts(load) {
+            if acts == Acts::Told {
+                runner.set_out_of_balance(part.factor * design);
+            }
+            let plant = unbalanced(&self.modelled.plant, part.factor)?;
+            let rest = Initial::Rest { hub_angle_rad: self.procedure.operating_point.hub_angle_rad };
+            let scenario = Scenario {
+                platform: shifted(platform, part.from_s, angle),
+                imperfections: Imperfections::NoiseAndQuantisation { seed: self.procedure.seed },
+                initial: state.take().map_or(rest, |state| Initial::State(Box::new(state))),
+                ..Scenario::still(part.to_s - part.from_s)
+            };
+            let run = match Simulator::new(&plant)?.run(&mut runner, &scenario) {
+                Err(counterpoise_simulate::Error::Diverged { .. }) => return Ok(f64::INFINITY),
+                other => other?,
+            };
+            rates.extend(run.truth.hub_rate_rad_s);
+            angle = run.truth.platform_angle_rad.last().copied().unwrap_or(angle);
+            state = Some(run.final_state);
+        }
+        let period_s = self.modelled.parameters.interface.sample_period_s;
+        let first = ((MEASURED_S / period_s) as usize).min(rates.len());
+        Ok(counterpoise_verify::signals::rms(&rates[first..]))
+    }
+
+    fn runner(&self, acts: Acts) -> Result<Runner, PipelineError> {
+        let own = match acts {
+            Acts::Adapts(method) => {
+                let adaptation = Adaptation { method, ..self.adaptation.clone() };
+                Some(estimator(&adaptation, self.modelled))
+            }
+            Acts::Without | Acts::Told => None,
+        };
+        let controller = self.controller.with(|parts| parts.estimator = own);
+        Ok(controller.map_err(counterpoise_synth::Error::from)?.runner())
+    }
+
+    fn platform(&self, motion: Motion) -> Result<PlatformMotion, PipelineError> {
+        let procedure = self.procedure;
+        let sine = |sine: &counterpoise_verify::Sine, by: f64| {
+            Signal::sine(sine.amplitude, by * std::f64::consts::TAU * sine.frequency_hz)
+        };
+        let (heave_m_s2, pitch_rate_rad_s) = match motion {
+            Motion::Sines => (sine(&procedure.heave, DETUNED[0]), sine(&procedure.pitch, DETUNED[1])),
+            Motion::Multisine => {
+                (multisine(procedure.heave.amplitude, 0.31), multisine(procedure.pitch.amplitude, 0.37))
+            }
+            Motion::Road => return self.road(),
+        };
+        Ok(PlatformMotion { heave_m_s2, pitch_rate_rad_s, ..PlatformMotion::STILL })
+    }
+
+    /// The road, driven again and again for the whole trial.
+    fn road(&self) -> Result<PlatformMotion, PipelineError> {
+        let seed = self.procedure.seed;
+        let road = match (&self.procedure.road, RoadClass::from_letter("C")) {
+            (Some(road), _) => road.clone(),
+            (None, None) => return Ok(PlatformMotion::STILL),
+            (None, Some(class)) => {
+                let (speed_m_s, duration_s, sample_period_s, fade_s) = (8.0, 30.0, 0.005, 1.0);
+                let drive = Drive { class, speed_m_s, duration_s, sample_period_s, fade_s, seed };
+                iso_road(drive, Vehicle::HEAVY)?
+            }
+        };
+        let count = (LENGTH_S / road.sample_period_s) as usize + 2;
+        let again = |values: &[f64]| Signal::Samples {
+            period_s: road.sample_period_s,
+            values: values.iter().copied().cycle().take(count).collect(),
+        };
+        Ok(PlatformMotion {
+            heave_m_s2: again(&road.heave_m_s2),
+            pitch_rate_rad_s: again(&road.pitch_rate_rad_s),
+            ..PlatformMotion::STILL
+        })
+    }
+}
+
+/// Eight sines from a lowest frequency up, with phases that spread the peaks (M. Schroeder, IEEE Trans. Information Theory 16, 1970).
+fn multisine(amplitude: f64, lowest_hz: f64) -> Signal {
+    const COUNT: usize = 8;
+    let share = amplitude / (COUNT as f64).sqrt();
+    let sine = |k: usize| Sine {
+        amplitude: share,
+        frequency_rad_s: std::f64::consts::TAU * lowest_hz * 1.443f64.powi(k as i32),
+        phase_rad: -std::f64::consts::PI * (k * (k + 1)) as f64 / COUNT as f64,
+    };
+    Signal::Sines((0..COUNT).map(sine).collect())
+}
+
+/// A part of a run with a factor on the out-of-balance.
+struct Part {
+    from_s: f64,
+    to_s: f64,
+    factor: f64,
+}
+
+/// The parts of a run.
+fn parts(load: Load) -> Vec<Part> {
+    let part = |from_s, to_s, factor| Part { from_s, to_s, factor };
+    match load {
+        Load::Nominal | Load::WrongStart => vec![part(0.0, LENGTH_S, 1.0)],
+        Load::Sudden => vec![part(0.0, CHANGE_S, 1.0), part(CHANGE_S, LENGTH_S, 1.0 + CHANGE)],
+        Load::Slow => {
+            let step_s = (SETTLED_S - CHANGE_S) / SLOW_STEPS as f64;
+            let at = |k: usize| CHANGE_S + step_s * k as f64;
+            let changed = |k: usize| {
+                let end_s = if k == SLOW_STEPS { LENGTH_S } else { at(k) };
+                part(at(k - 1), end_s, 1.0 + CHANGE * k as f64 / SLOW_STEPS as f64)
+            };
+            std::iter::once(part(0.0, CHANGE_S, 1.0)).chain((1..=SLOW_STEPS).map(changed)).collect()
+        }
+    }
+}
+
+/// The motion from a time on.
+fn shifted(platform: &PlatformMotion, from_s: f64, initial_angle_rad: f64) -> PlatformMotion {
+    let later = |signal: &Signal| match signal {
+        Signal::Sines(sines) => {
+            let shift = |s: &Sine| Sine { phase_rad: s.phase_rad + s.frequency_rad_s * from_s, ..*s };
+            Signal::Sines(sines.iter().map(shift).collect())
+        }
+        Signal::Samples { period_s, values } => {
+            let first = ((from_s / period_s).round() as usize).min(values.len().saturating_sub(1));
+            Signal::Samples { period_s: *period_s, values: values[first..].to_vec() }
+        }
+        other => other.clone(),
+    };
+    PlatformMotion {
+        heave_m_s2: later(&platform.heave_m_s2),
+        pitch_rate_rad_s: later(&platform.pitch_rate_rad_s),
+        initial_angle_rad,
+    }
+}

@@ -1,0 +1,168 @@
+//! What to change where a requirement fails: the sensitivity of its figure to each weight, and the change of one weight that meets it.
+//!
+//! Each weight in turn is changed by 5 %, the controller designed and sampled again, and the figure measured again. The slope, in the
+//! logarithm of the weight, gives the change that should be enough; that design is made and measured as well, so that what is advised
+//! has been tried.
+
+use counterpoise_project::Project;
+use counterpoise_synth::{Specification, Weight};
+use counterpoise_verify::robust::figures_of;
+use counterpoise_verify::{Figure, LoopFigure, Procedure, Requirement, Value, Verdict, Verification};
+
+use crate::{Modelled, PipelineError, Reduced, synthesise};
+
+/// A change of one weight.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Advice {
+    /// The requirement that fails.
+    pub requirement: Requirement,
+    /// Its figure as it is.
+    pub value: f64,
+    /// The sensitivity to each weight: change of the figure for a weight that is e times as large.
+    pub sensitivities: Vec<(&'static str, f64)>,
+    /// The best change that was tried; `None` if no weight moves the figure.
+    pub change: Option<Change>,
+}
+
+/// A change of a weight that was tried.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Change {
+    /// The weight's key in the project file.
+    pub key: &'static str,
+    /// By what it is multiplied.
+    pub factor: f64,
+    /// The figure then.
+    pub value: f64,
+    /// Change of the gain margin, dB.
+    pub gain_margin_db: f64,
+    /// Whether the requirement holds then.
+    pub holds: bool,
+}
+
+/// A weight with its key.
+type Knob = (&'static str, fn(&mut Specification, f64));
+
+/// Step of the difference quotient, and the widest change that is tried, as factors.
+const STEP: f64 = 1.05;
+const WIDEST: f64 = 3.0;
+/// What is aimed at beyond the limit, as a share of what is missing: the figure bends.
+const BEYOND: f64 = 1.15;
+/// Weights whose changes are tried: those that promise to meet the requirement with the smallest change.
+const TRIED: usize = 3;
+
+/// Returns what to change for each requirement that fails with a finite figure.
+///
+/// # Errors
+/// Those of the plant and the verification; a change that admits no controller is left out.
+pub fn advice(
+    project: &Project,
+    (modelled, reduced): (&Modelled, &Reduced),
+    procedure: &Procedure,
+    found: &Verification,
+) -> Result<Vec<Advice>, PipelineError> {
+    let Some(asked) = project.synth.as_ref() else { return Ok(Vec::new()) };
+    let bench = Bench { project, modelled, reduced, procedure };
+    let knobs = knobs(&asked.specification);
+    let failing = found.verdicts.iter().filter_map(|(requirement, verdict)| match verdict {
+        Verdict::Fails { value, .. } if value.is_finite() => Some((requirement, *value)),
+        _ => None,
+    });
+    failing.map(|(requirement, value)| bench.advise(requirement, value, &knobs)).collect()
+}
+
+/// The weights that a specification has.
+fn knobs(specification: &Specification) -> Vec<Knob> {
+    let mut all: Vec<Knob> = vec![
+        ("synth.feedback.error.gain", |s, by| scale(&mut s.feedback.error, by)),
+        ("synth.feedback.control.gain", |s, by| scale(&mut s.feedback.control, by)),
+        ("synth.feedback.measurement_noise", |s, by| s.feedback.measurement_noise *= by),
+        ("synth.feedback.loop_recovery", |s, by| s.feedback.loop_recovery *= by),
+    ];
+    if specification.heave.is_some() {
+        all.push(("synth.heave.error.gain", |s, by| {
+            s.heave.iter_mut().for_each(|part| scale(&mut part.error, by));
+        }));
+    }
+    if specification.pitch.is_some() {
+        all.push(("synth.pitch.error.gain", |s, by| {
+            s.pitch.iter_mut().for_each(|part| scale(&mut part.error, by));
+        }));
+    }
+    all
+}
+
+/// Multiplies a weight of any form.
+fn scale(weight: &mut Weight, by: f64) {
+    *weight = Weight::Product(vec![Weight::Constant { gain: by }, weight.clone()]);
+}
+
+struct Bench<'a> {
+    project: &'a Project,
+    modelled: &'a Modelled,
+    reduced: &'a Reduced,
+    procedure: &'a Procedure,
+}
+
+impl Bench<'_> {
+    fn advise(&self, requirement: &Requirement, value: f64, knobs: &[Knob]) -> Result<Advice, PipelineError> {
+        let figures = [requirement.figure, Figure::Loop(LoopFigure::GainMargin)];
+        let Some(before) = self.measured(&figures, None)? else {
+            return Ok(Advice {
+                requirement: requirement.clone(),
+                value,
+                sensitivities: Vec::new(),
+                change: None,
+            });
+        };
+        let (mut sensitivities, mut candidates) = (Vec::new(), Vec::new());
+        for knob in knobs {
+            let Some(after) = self.measured(&figures, Some((knob, STEP)))? else { continue };
+            let slope = (after[0] - before[0]) / STEP.ln();
+            sensitivities.push((knob.0, slope));
+            let needed = BEYOND * (requirement.limit.value() - before[0]) / slope;
+            if needed.is_finite() {
+                candidates.push((knob, needed.clamp(-WIDEST.ln(), WIDEST.ln()).exp(), needed.abs()));
+            }
+        }
+        candidates.sort_by(|a, b| a.2.total_cmp(&b.2));
+        let mut best: Option<Change> = None;
+        for (knob, factor, _) in candidates.into_iter().take(TRIED) {
+            let Some(after) = self.measured(&figures, Some((knob, factor)))? else { continue };
+            let holds = requirement.limit.room(after[0]) >= 0.0;
+            let gain_margin_db = after[1] - before[1];
+            let change = Change { key: knob.0, factor, value: after[0], gain_margin_db, holds };
+            let better = |old: &Change| {
+                (change.holds, requirement.limit.room(after[0]).min(0.0))
+                    > (old.holds, requirement.limit.room(old.value).min(0.0))
+            };
+            if best.as_ref().is_none_or(better) {
+                best = Some(change);
+            }
+        }
+        Ok(Advice { requirement: requirement.clone(), value, sensitivities, change: best })
+    }
+
+    /// Figures of the design with a weight changed; `None` if there is no controller, or if a figure is not a finite number.
+    fn measured(
+        &self,
+        figures: &[Figure],
+        knob: Option<(&Knob, f64)>,
+    ) -> Result<Option<Vec<f64>>, PipelineError> {
+        let mut project = self.project.clone();
+        if let (Some(synth), Some((knob, factor))) = (&mut project.synth, knob) {
+            (knob.1)(&mut synth.specification, factor);
+        }
+        let made = match synthesise(&project, self.modelled, self.reduced) {
+            Ok(made) => made,
+            Err(PipelineError::NoController(_)) => return Ok(None),
+            Err(error) => return Err(error),
+        };
+        let controller = &made.sampled.controller;
+        let values = figures_of(&self.modelled.plant, controller, self.procedure, figures)?;
+        let number = |value: &Value| match value {
+            Value::Is(number) if number.is_finite() => Some(*number),
+            _ => None,
+        };
+        Ok(values.iter().map(number).collect())
+    }
+}

@@ -1,0 +1,136 @@
+//! How much each assumption of a project matters: the design as it stands, on plants in which one assumed value is wrong by its
+//! usual range.
+
+use counterpoise_models::plant::Plant;
+use counterpoise_project::{Assumption, Project};
+use counterpoise_verify::{Arrangement, Figure, LoopFigure, Procedure, Source, Verification, verify_linear};
+use serde::Serialize;
+
+use crate::{Modelled, PipelineError, Synthesised, model};
+
+/// Frequency at which the residual of heave and pitch is compared, Hz: within the band that feedback and feedforward reject.
+const RESIDUAL_HZ: f64 = 1.0;
+
+/// How much an assumption matters.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AssumptionEffect {
+    /// Path of the absent key.
+    pub key: String,
+    /// The assumed value.
+    pub value: f64,
+    /// Its unit.
+    pub unit: &'static str,
+    /// What happens at the lowest and at the highest usual value.
+    pub at: [EffectAt; 2],
+    /// Largest change of gain margin, sensitivity or residual, dB; infinite if the loop becomes unstable.
+    pub largest_change_db: f64,
+}
+
+/// The loop at one value of an assumed quantity. Changes are those from the loop at the assumed value.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EffectAt {
+    /// The value.
+    pub value: f64,
+    /// Whether the closed loop is stable there.
+    pub is_stable: bool,
+    /// Change of the gain margin, dB; `None` if one of the two has none.
+    pub gain_margin_change_db: Option<f64>,
+    /// Change of the phase margin, degrees.
+    pub phase_margin_change_deg: Option<f64>,
+    /// Change of the largest sensitivity, dB.
+    pub sensitivity_change_db: Option<f64>,
+    /// Largest change of the hub rate that heave or pitch leaves, dB.
+    pub residual_change_db: Option<f64>,
+}
+
+/// Figures of one loop.
+#[derive(Debug, Clone, Copy)]
+struct LoopFigures {
+    is_stable: bool,
+    gain_margin_db: Option<f64>,
+    phase_margin_deg: Option<f64>,
+    sensitivity_db: Option<f64>,
+    residual_db: [Option<f64>; 2],
+}
+
+/// Returns the effect of each assumption that has a usual range, the largest first: what is first is worth measuring next.
+///
+/// The controller is the one that was designed with the assumed values; the plant alone is varied, linearised where it stands.
+///
+/// # Errors
+/// Those of the linear verification at the assumed values. A value at which no plant can be built counts as unstable.
+pub fn assumption_effects(
+    project: &Project,
+    (modelled, synthesised): (&Modelled, &Synthesised),
+    assumptions: &[Assumption],
+) -> Result<Vec<AssumptionEffect>, PipelineError> {
+    let procedure = Procedure {
+        operating_point: project.model.operating_point,
+        friction: project.model.friction,
+        rejection_hz: vec![RESIDUAL_HZ],
+        ..Procedure::default()
+    };
+    let nominal = figures(&modelled.plant, synthesised, &procedure)?;
+    let effect = |assumption: &Assumption| {
+        let [low, high] = assumption.usual?;
+        let at = |value: f64| {
+            let changed = project.with_number(&assumption.key, value)?;
+            let varied = model(&changed).and_then(|made| figures(&made.plant, synthesised, &procedure));
+            Some(compared(value, varied.ok(), nominal))
+        };
+        let at = [at(low)?, at(high)?];
+        let largest_change_db = at.iter().map(largest).fold(0.0, f64::max);
+        let (key, value, unit) = (assumption.key.clone(), assumption.value, assumption.unit);
+        Some(AssumptionEffect { key, value, unit, at, largest_change_db })
+    };
+    let mut effects: Vec<AssumptionEffect> = assumptions.iter().filter_map(effect).collect();
+    effects.sort_by(|a, b| b.largest_change_db.total_cmp(&a.largest_change_db));
+    Ok(effects)
+}
+
+fn figures(
+    plant: &Plant,
+    synthesised: &Synthesised,
+    procedure: &Procedure,
+) -> Result<LoopFigures, PipelineError> {
+    let found = verify_linear(plant, &synthesised.sampled.controller, procedure, &[])?;
+    let of = |figure| found.value(Figure::Loop(figure)).filter(|value| value.is_finite());
+    let residual = |source| {
+        let figure =
+            Figure::Rejection { source, arrangement: Arrangement::Compensated, frequency_hz: RESIDUAL_HZ };
+        found.value(figure).filter(|value| value.is_finite())
+    };
+    Ok(LoopFigures {
+        is_stable: is_stable(&found),
+        gain_margin_db: of(LoopFigure::GainMargin),
+        phase_margin_deg: of(LoopFigure::PhaseMargin),
+        sensitivity_db: of(LoopFigure::MaxSensitivity).map(|ms| 20.0 * ms.log10()),
+        residual_db: [residual(Source::Heave), residual(Source::Pitch)],
+    })
+}
+
+fn is_stable(found: &Verification) -> bool {
+    found.evidence.margins.closed_loop_stable
+}
+
+/// Returns the changes from the nominal loop to another; `None` for a plant that cannot be built.
+fn compared(value: f64, varied: Option<LoopFigures>, nominal: LoopFigures) -> EffectAt {
+    let change = |of: fn(&LoopFigures) -> Option<f64>| Some(of(varied.as_ref()?)? - of(&nominal)?);
+    let residuals = [change(|f| f.residual_db[0]), change(|f| f.residual_db[1])];
+    EffectAt {
+        value,
+        is_stable: varied.is_some_and(|f| f.is_stable),
+        gain_margin_change_db: change(|f| f.gain_margin_db),
+        phase_margin_change_deg: change(|f| f.phase_margin_deg),
+        sensitivity_change_db: change(|f| f.sensitivity_db),
+        residual_change_db: residuals.into_iter().flatten().max_by(|a, b| a.abs().total_cmp(&b.abs())),
+    }
+}
+
+fn largest(at: &EffectAt) -> f64 {
+    if !at.is_stable {
+        return f64::INFINITY;
+    }
+    let changes = [at.gain_margin_change_db, at.sensitivity_change_db, at.residual_change_db];
+    changes.into_iter().flatten().map(f64::abs).fold(0.0, f64::max)
+}

@@ -1,0 +1,102 @@
+//! The stability certificate of the exported controller: in every regime, at each setting of the schedule.
+
+use counterpoise_project::Project;
+use counterpoise_verify::Procedure;
+use counterpoise_verify::certificate::elements::{Elements, quasi_linear};
+use counterpoise_verify::certificate::{Case, Certificate, certify};
+use counterpoise_verify::structured::{Joints, RobustStability, Uncertainty, robust_stability_in};
+
+use crate::synth::schedule::with_factor;
+use crate::{Modelled, PipelineError, Synthesised, World, model, procedure};
+
+/// How far the ranges of the sweep may be widened in one case and one regime of friction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RegimeRobustness {
+    /// The case's name.
+    pub case: String,
+    /// Whether friction slides or rests.
+    pub joints: Joints,
+    /// The bounds; `None` if the nominal loop is unstable there, or nothing that enters it varies.
+    pub found: Option<RobustStability>,
+}
+
+/// The cases of a project: the design's own first, then the configurations and factors of its schedule.
+///
+/// # Errors
+/// A configuration that does not exist, and parameters that make no mechanism.
+pub fn cases(
+    project: &Project,
+    modelled: &Modelled,
+    synthesised: &Synthesised,
+) -> Result<Vec<Case>, PipelineError> {
+    let design = synthesised.sampled.controller.parts().design_out_of_balance_kg_m;
+    let mut all =
+        vec![Case { name: "design".to_owned(), plant: modelled.plant.clone(), out_of_balance_kg_m: design }];
+    let schedule = project.synth.as_ref().and_then(|asked| asked.options.schedule.as_ref());
+    let Some(schedule) = schedule else { return Ok(all) };
+    let case = |name: String, modelled: Modelled| {
+        let out_of_balance_kg_m = modelled.plant.body().out_of_balance_kg_m;
+        Case { name, plant: modelled.plant, out_of_balance_kg_m }
+    };
+    for name in &schedule.configurations {
+        let mut configured = project.clone();
+        configured.model.configuration = Some(name.clone());
+        all.push(case(name.clone(), model(&configured)?));
+    }
+    for &factor in &schedule.factors {
+        let name = format!("{:.0} % out-of-balance", 100.0 * factor);
+        all.push(case(name, with_factor(project, modelled, factor)?));
+    }
+    Ok(all)
+}
+
+/// The certificate of a project's controller, moved as the project's verification moves it.
+///
+/// # Errors
+/// As [`cases`], and those of the loop and the simulator.
+pub fn certificate(
+    project: &Project,
+    modelled: &Modelled,
+    synthesised: &Synthesised,
+    procedure: &Procedure,
+) -> Result<Certificate, PipelineError> {
+    let cases = cases(project, modelled, synthesised)?;
+    Ok(certify(&synthesised.sampled.controller, procedure, &cases)?)
+}
+
+/// The structured singular value in each case and each regime of friction: the ranges of the sweep, and the presliding stiffness among
+/// them where the project varies it. Empty if the project varies nothing.
+///
+/// # Errors
+/// As [`cases`], and those of the linear loop.
+pub fn robust_regimes(
+    project: &Project,
+    modelled: &Modelled,
+    synthesised: &Synthesised,
+    world: &dyn World,
+) -> Result<Vec<RegimeRobustness>, PipelineError> {
+    let Some(asked) = project.campaign() else { return Ok(Vec::new()) };
+    let uncertainty = Uncertainty {
+        variations: asked.variations.clone(),
+        input_error: asked.input_error,
+        output_error: asked.output_error,
+    };
+    let procedure = procedure(project, world)?;
+    let controller = &synthesised.sampled.controller;
+    let mut all = Vec::new();
+    for case in cases(project, modelled, synthesised)? {
+        let parameters = case.plant.parameters();
+        if parameters.lumped.is_none() {
+            continue;
+        }
+        for joints in [Joints::Sliding, Joints::AtRest] {
+            let linear = match joints {
+                Joints::Sliding => controller.clone(),
+                Joints::AtRest => quasi_linear(controller, &Elements::observers_at_rest(&case, controller)?)?,
+            };
+            let found = robust_stability_in(joints, parameters, &linear, &procedure, &uncertainty)?;
+            all.push(RegimeRobustness { case: case.name.clone(), joints, found });
+        }
+    }
+    Ok(all)
+}

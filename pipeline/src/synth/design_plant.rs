@@ -1,0 +1,83 @@
+//! The plant as the design sees it, and how the controller is sampled.
+
+use counterpoise_models::plant::LinearPlant;
+use counterpoise_models::{Parameters, Sensors};
+use counterpoise_synth::{DesignPlant, Sampling};
+
+use crate::model::CONVERTER_RANGE_V;
+use crate::{Modelled, PipelineError, Reduced};
+use counterpoise_project::resolve::design::Synthesis;
+use counterpoise_project::resolve::synthesis_options::Compensation;
+
+/// The plant as the design sees it: the reduced plant, the sensors, the loop's delay.
+pub fn design_plant(
+    asked: &Synthesis,
+    modelled: &Modelled,
+    reduced: &Reduced,
+) -> Result<DesignPlant, PipelineError> {
+    let sensors = designed_on(asked, &modelled.parameters.sensors);
+    Ok(DesignPlant {
+        system: reduced.system.clone(),
+        control: LinearPlant::CONTROL,
+        heave: vec![LinearPlant::HEAVE],
+        pitch: vec![LinearPlant::PITCH_RATE],
+        rate: modelled.linear.measured,
+        hub_sensor: Some(sensors.hub_gyro.dynamics()?),
+        heave_sensor: Some(sensors.platform_accelerometer.dynamics()?),
+        pitch_sensor: Some(sensors.platform_gyro.dynamics()?),
+        delay_s: asked.delay_samples * modelled.parameters.interface.sample_period_s,
+        pade_order: asked.pade_order,
+    })
+}
+
+/// The design plant with its sensors as they are.
+pub(crate) fn sensed(plant: &DesignPlant, sensors: &Sensors) -> Result<DesignPlant, PipelineError> {
+    Ok(DesignPlant {
+        hub_sensor: Some(sensors.hub_gyro.dynamics()?),
+        heave_sensor: Some(sensors.platform_accelerometer.dynamics()?),
+        pitch_sensor: Some(sensors.platform_gyro.dynamics()?),
+        ..plant.clone()
+    })
+}
+
+/// The sensors as the design takes them: where the controller undoes their errors, without.
+pub(crate) fn designed_on(asked: &Synthesis, sensors: &Sensors) -> Sensors {
+    let mut sensors = sensors.clone();
+    if asked.options.sensor_errors == Compensation::Applied {
+        let all = [&mut sensors.hub_gyro, &mut sensors.platform_gyro, &mut sensors.platform_accelerometer];
+        all.into_iter().for_each(|sensor| sensor.gain = 1.0);
+    }
+    sensors
+}
+
+pub(crate) fn sampling(asked: &Synthesis, modelled: &Modelled) -> Result<Sampling, PipelineError> {
+    let p = &modelled.parameters;
+    let moment = modelled.plant.body().out_of_balance_kg_m;
+    let volts_per_nm = 1.0 / torque_per_volt(p);
+    let bias_v_per_kg_m = p.gravity_m_s2 * volts_per_nm;
+    let limit_v = p.amplifier.input_limit_v.min(CONVERTER_RANGE_V);
+    let felt_m_s2 = if p.gravity_m_s2 == 0.0 { STANDARD_GRAVITY_M_S2 } else { p.gravity_m_s2 };
+    let reach = limit_v / (volts_per_nm * felt_m_s2);
+    if moment.abs() > reach {
+        let needed_v = moment.abs() * volts_per_nm * felt_m_s2;
+        return Err(PipelineError::CannotHold { moment_kg_m: moment, needed_v, limit_v });
+    }
+    Ok(Sampling {
+        method: asked.discretisation,
+        form: asked.form,
+        delay_samples: p.interface.output_delay_samples,
+        out_of_balance_kg_m: moment,
+        out_of_balance_range_kg_m: (-reach, reach),
+        bias_v_per_kg_m,
+        transfer_time_s: asked.transfer_time_s,
+        ..Sampling::new(p.interface.sample_period_s, limit_v)
+    })
+}
+
+/// The acceleration that an out-of-balance is judged by where no gravity acts on it, m/s^2.
+const STANDARD_GRAVITY_M_S2: f64 = 9.80665;
+
+/// Torque at the stalled hub for one volt of control, N m/V.
+pub(crate) fn torque_per_volt(p: &Parameters) -> f64 {
+    p.gearbox.ratio * p.motor.torque_constant_nm_a * p.amplifier.stall_gain_a_v(&p.motor)
+}

@@ -1,0 +1,63 @@
+//! What a file leaves open: values that are assumed, and how far values may lie from what is written.
+
+use serde::Serialize;
+
+/// A value that the file does not have and that a default stands in for.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Assumption {
+    /// Path of the key or section that is absent.
+    pub key: String,
+    /// The value that is taken; infinite where nothing limits it.
+    pub value: f64,
+    /// Its unit; empty for a pure number.
+    pub unit: &'static str,
+    /// What the value means.
+    pub meaning: &'static str,
+    /// The rule by which it is taken.
+    pub rule: &'static str,
+    /// Why the rule holds, or where it comes from.
+    pub source: &'static str,
+    /// Lowest and highest value that are usual; `None` if nothing is known about them.
+    pub usual: Option<[f64; 2]>,
+}
+
+/// How far the value of a key may lie from what is written: evenly distributed within the half-width.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Tolerance {
+    /// Path of the key.
+    pub key: String,
+    /// The value that is written, in the unit of the key.
+    pub value: f64,
+    /// Half-width of the distribution, in the unit of the key.
+    pub half_width: f64,
+    /// The unit of the key; empty for a pure number.
+    pub unit: &'static str,
+    /// How the tolerance is written.
+    pub kind: ToleranceKind,
+}
+
+/// How a tolerance is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ToleranceKind {
+    /// As a fraction of the value.
+    Relative,
+    /// In the unit of the value.
+    Absolute,
+}
+
+impl Tolerance {
+    /// Returns the lowest and the highest value.
+    pub fn range(&self) -> [f64; 2] {
+        [self.value - self.half_width, self.value + self.half_width]
+    }
+
+    /// Returns the tolerance as the file spells it.
+    pub(crate) fn spelt(&self) -> String {
+        use crate::file::setting::{number, quoted};
+        match self.kind {
+            ToleranceKind::Relative => number(self.half_width / self.value.abs()),
+            ToleranceKind::Absolute => quoted(&format!("{} {}", number(self.half_width), self.unit)),
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! How the reader takes numbers: bare, with a unit, or with a tolerance; and what it notes of them.
+
+use super::Reader;
+use crate::assumption::{Assumption, Tolerance, ToleranceKind};
+use crate::diagnostic::Problem;
+use crate::file::field::{Assumed, Fallback, Field, Limit, UsualRange};
+use crate::file::source::Remark;
+use crate::file::tree::{Entry, Node, Value};
+use crate::unit::read;
+
+/// Sizes that a number of a machine can have: beyond them squares overflow or vanish.
+const SIZES: std::ops::RangeInclusive<f64> = 1e-40..=1e40;
+
+/// The section of physical quantities: what is absent in it is assumed.
+pub(super) const PHYSICAL: &str = "plant.";
+
+impl<'a> Reader<'a> {
+    /// Returns the number at a key, which may have a tolerance.
+    pub(super) fn keyed_number(&mut self, path: &str, node: &'a Node, field: &Field) -> Option<f64> {
+        let Value::Table(entries) = &node.value else { return self.number_at(path, node, field) };
+        let Some(value) = entries.iter().find(|entry| entry.key == "value") else {
+            self.wrong_type(path, node, &format!("a number{}", in_unit(field.unit)));
+            return None;
+        };
+        let number = self.number_at(path, &value.node, field)?;
+        self.tolerance(path, entries, (number, field));
+        Some(number)
+    }
+
+    /// Reads the tolerance of a value, and whatever else stands beside the value.
+    fn tolerance(&mut self, path: &str, entries: &'a [Entry], (value, field): (f64, &Field)) {
+        for entry in entries.iter().filter(|entry| !["value", "tolerance"].contains(&entry.key.as_str())) {
+            let path = format!("{path}.{}", entry.key);
+            let allowed = "there is no such key; known here: value, tolerance";
+            self.report(entry.key_span.start, Remark::new(Problem::UnknownKey, &path, allowed));
+        }
+        let Some(entry) = entries.iter().find(|entry| entry.key == "tolerance") else { return };
+        let (path_of_it, node) = (format!("{path}.tolerance"), &entry.node);
+        let Some((half_width, kind)) = self.half_width(&path_of_it, node, (value, field)) else { return };
+        if half_width == 0.0 {
+            return;
+        }
+        let (low, high) = (value - half_width, value + half_width);
+        if !(field.limit.holds(low) && field.limit.holds(high)) {
+            let u = if field.unit.is_empty() { String::new() } else { format!(" {}", field.unit) };
+            let what =
+                format!("reaches from {low} to {high}{u}, but {path} {}", field.limit.words(field.unit));
+            self.refuse(&path_of_it, node, Problem::Conflict, what);
+            return;
+        }
+        self.tolerances.push(Tolerance { key: path.to_owned(), value, half_width, unit: field.unit, kind });
+    }
+
+    /// Returns the half-width of a tolerance: relative if it is a pure number, else in the unit of the value.
+    fn half_width(
+        &mut self,
+        path: &str,
+        node: &'a Node,
+        (value, field): (f64, &Field),
+    ) -> Option<(f64, ToleranceKind)> {
+        let relative = match &node.value {
+            Value::Number(value) => Ok(*value),
+            Value::Whole(value) => Ok(*value as f64),
+            Value::Text(text) => read(text, ""),
+            _ => {
+                self.wrong_type(path, node, "a number (relative), or a quantity (absolute)");
+                return None;
+            }
+        };
+        let (half_width, kind) = match (relative, &node.value) {
+            (Ok(relative), _) => (relative * value.abs(), ToleranceKind::Relative),
+            (Err(_), Value::Text(text)) if !field.unit.is_empty() => {
+                let absolute = read(text, field.unit);
+                let told = |error: &crate::unit::QuantityError| format!("{error}; or a relative half-width");
+                match absolute {
+                    Ok(absolute) => (absolute, ToleranceKind::Absolute),
+                    Err(error) => {
+                        self.refuse(path, node, Problem::WrongType, told(&error));
+                        return None;
+                    }
+                }
+            }
+            (Err(error), _) => {
+                self.refuse(path, node, Problem::WrongType, error.to_string());
+                return None;
+            }
+        };
+        if half_width.is_finite() && half_width >= 0.0 {
+            return Some((half_width, kind));
+        }
+        self.refuse(path, node, Problem::OutOfRange, "must be a finite number that is at least 0".to_owned());
+        None
+    }
+
+    /// A number at a node that obeys a field's range.
+    pub(super) fn number_at(&mut self, path: &str, node: &Node, field: &Field) -> Option<f64> {
+        let value = match &node.value {
+            Value::Number(value) => *value,
+            Value::Whole(value) => *value as f64,
+            Value::Text(text) => self.quantity(path, node, (text, field))?,
+            _ => {
+                self.wrong_type(path, node, &format!("a number{}", in_unit(field.unit)));
+                return None;
+            }
+        };
+        if !value.is_finite() {
+            let range = if field.limit == Limit::Any {
+                String::new()
+            } else {
+                format!("; it {}", field.limit.words(field.unit))
+            };
+            self.refuse(path, node, Problem::NotFinite, format!("must be a finite number{range}"));
+            return None;
+        }
+        if value != 0.0 && !SIZES.contains(&value.abs()) {
+            let allowed = format!("must be 0 or of a size between {:e} and {:e}", SIZES.start(), SIZES.end());
+            self.refuse(path, node, Problem::OutOfRange, allowed);
+            return None;
+        }
+        if !field.limit.holds(value) {
+            self.refuse(path, node, Problem::OutOfRange, field.limit.words(field.unit));
+            return None;
+        }
+        Some(value)
+    }
+
+    /// Returns a number with a unit, in the unit of the field.
+    pub(super) fn quantity(&mut self, path: &str, node: &Node, (text, field): (&str, &Field)) -> Option<f64> {
+        self.units.insert(node.span.start, field.unit);
+        match read(text, field.unit) {
+            Ok(value) => Some(value),
+            Err(error) => {
+                let remark = Remark::new(Problem::WrongType, path, error.to_string())
+                    .found(self.source.quote(&node.span))
+                    .hint(error.hint());
+                self.report(node.span.start, remark);
+                None
+            }
+        }
+    }
+
+    /// Notes that a default stands in for a physical quantity that is not written.
+    pub(super) fn note_default(&mut self, field: &Field) {
+        let Fallback::Number(value) = field.default else { return };
+        let path = self.path(field.key);
+        if !value.is_nan() && path.starts_with(PHYSICAL) {
+            self.note(path, field, value);
+        }
+    }
+
+    pub(super) fn note(&mut self, key: String, field: &Field, value: f64) {
+        let silent = self.frames.last().is_none_or(|frame| frame.silent);
+        if silent || self.assumptions.len() >= super::MOST_FINDINGS {
+            return;
+        }
+        let Assumed { rule, source, usual } = field.assumed.unwrap_or_else(|| usual_rule(value));
+        let usual = match usual {
+            UsualRange::Factors(low, high) => Some([value * low, value * high]),
+            UsualRange::Values(low, high) => Some([low, high]),
+            UsualRange::Unknown => None,
+        };
+        let (unit, meaning) = (field.unit, field.meaning);
+        self.assumptions.push(Assumption { key, value, unit, meaning, rule, source, usual });
+    }
+}
+
+/// The rule of a default that has none of its own: an ideal element.
+fn usual_rule(value: f64) -> Assumed {
+    let (rule, source) = if value == 0.0 {
+        ("none, as in an ideal machine", "what is left out is ideal")
+    } else if value.is_infinite() {
+        ("unlimited, as in an ideal machine", "what is left out is ideal")
+    } else {
+        ("the default of the key", "a typical value")
+    };
+    Assumed { rule, source, usual: UsualRange::Unknown }
+}
+
+fn in_unit(unit: &str) -> String {
+    if unit.is_empty() { String::new() } else { format!(" in {unit}") }
+}

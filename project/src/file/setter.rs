@@ -1,0 +1,69 @@
+//! Sets one number of a resolved project by its path.
+
+use super::field::{Field, TableField};
+use super::lister::Paths;
+use super::visit::{Count, Visit};
+
+/// A walk that changes the number at one path.
+#[derive(Debug)]
+pub(crate) struct Setter<'p> {
+    path: &'p str,
+    value: f64,
+    paths: Paths,
+    /// Whether the number was met.
+    pub is_set: bool,
+}
+
+impl<'p> Setter<'p> {
+    pub fn new(path: &'p str, value: f64) -> Self {
+        Self { path, value, paths: Paths::default(), is_set: false }
+    }
+}
+
+impl Visit for Setter<'_> {
+    fn number(&mut self, field: &Field, value: &mut f64) {
+        if self.paths.of(field.key) == self.path {
+            (*value, self.is_set) = (self.value, true);
+        }
+    }
+
+    fn whole(&mut self, field: &Field, value: &mut u32) {
+        if self.paths.of(field.key) == self.path {
+            (*value, self.is_set) = (self.value.round() as u32, true);
+        }
+    }
+
+    fn text(&mut self, _field: &Field, _value: &mut String) {}
+
+    fn choice(&mut self, _field: &Field, _allowed: &[&'static str], _value: &mut &'static str) {}
+
+    fn numbers(&mut self, _field: &Field, _count: Count, _value: &mut Vec<f64>) {}
+
+    fn texts(&mut self, _field: &Field, _value: &mut Vec<String>) {}
+
+    fn pairs(&mut self, _field: &Field, _value: &mut Vec<[f64; 2]>) {}
+
+    fn enter(&mut self, table: &TableField, present: bool) -> bool {
+        if present {
+            self.paths.enter(table.key);
+        }
+        present
+    }
+
+    fn leave(&mut self) {
+        self.paths.leave();
+    }
+
+    fn enter_list(&mut self, table: &TableField, length: usize) -> usize {
+        self.paths.enter_list(table.key);
+        length
+    }
+
+    fn enter_item(&mut self, index: usize) {
+        let _ = self.paths.enter_item(index);
+    }
+
+    fn leave_list(&mut self) {
+        self.paths.leave_list();
+    }
+}

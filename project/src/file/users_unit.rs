@@ -1,0 +1,61 @@
+//! New values in the unit and with the tolerance that the user wrote.
+
+use std::collections::BTreeMap;
+
+use super::tree::{Node, Value};
+use super::{Document, Setting};
+use crate::unit::rewrite;
+
+/// Units of the keys by the bytes at which their quantities stand.
+type Units = BTreeMap<usize, &'static str>;
+
+/// Returns path and value that put a new value into the place of an old one, so that its unit and its tolerance stay.
+pub(super) fn kept(document: &Document, path: &str, setting: &Setting) -> (String, Setting) {
+    let Some(node) = document.node_at(path) else { return (path.to_owned(), setting.clone()) };
+    let (path, node) = match (&node.value, setting) {
+        (Value::Table(entries), Setting::Number(_) | Setting::Whole(_)) => {
+            let value = entries.iter().find(|entry| entry.key == "value");
+            value.map_or((path.to_owned(), node), |entry| (format!("{path}.value"), &entry.node))
+        }
+        _ => (path.to_owned(), node),
+    };
+    if !has_text(node) {
+        return (path, setting.clone());
+    }
+    let units = crate::resolve::units(document);
+    (path, in_units(node, setting, &units))
+}
+
+fn has_text(node: &Node) -> bool {
+    match &node.value {
+        Value::Text(_) => true,
+        Value::List(items) => items.iter().any(has_text),
+        _ => false,
+    }
+}
+
+/// Returns a setting with each number spelt as the old one was; what has another shape is left as it is.
+fn in_units(node: &Node, setting: &Setting, units: &Units) -> Setting {
+    let number = |value: f64| match &node.value {
+        Value::Text(text) => {
+            let unit = units.get(&node.span.start)?;
+            rewrite(text, value, unit).map(Setting::Text)
+        }
+        _ => None,
+    };
+    let each = |values: Vec<Setting>| match &node.value {
+        Value::List(items) if items.len() == values.len() => {
+            let pairs = items.iter().zip(&values);
+            Some(Setting::List(pairs.map(|(item, value)| in_units(item, value, units)).collect()))
+        }
+        _ => None,
+    };
+    let kept = match setting {
+        Setting::Number(value) => number(*value),
+        Setting::Whole(value) => number(*value as f64),
+        Setting::Numbers(values) => each(values.iter().map(|value| Setting::Number(*value)).collect()),
+        Setting::Pairs(pairs) => each(pairs.iter().map(|[a, b]| Setting::Numbers(vec![*a, *b])).collect()),
+        Setting::Text(_) | Setting::Texts(_) | Setting::List(_) => None,
+    };
+    kept.unwrap_or_else(|| setting.clone())
+}

@@ -1,0 +1,132 @@
+//! The words and units of a linear axis: a walk whose fields have a mass for an inertia, N for N m and m for rad.
+
+use counterpoise_models::Axis;
+
+use crate::file::field::{Field, TableField};
+use crate::file::visit::{Count, Visit};
+
+/// Units of a turning axis with those of a sliding one.
+const UNITS: [(&str, &str); 14] = [
+    ("V/rad", "V/m"),
+    ("(rad/s)/(m/s^2)", "(m/s)/(m/s^2)"),
+    ("rad/(m/s^2)", "m/(m/s^2)"),
+    ("kg m^2", "kg"),
+    ("kg m", "kg"),
+    ("N m", "N"),
+    ("N m/rad", "N/m"),
+    ("N m s/rad", "N s/m"),
+    ("N m s^2/rad^2", "N s^2/m^2"),
+    ("N m/A", "N/A"),
+    ("V s/rad", "V s/m"),
+    ("rad", "m"),
+    ("rad/s", "m/s"),
+    ("(rad/s)^2 s", "(m/s)^2 s"),
+];
+/// Keys of a turning axis with those of a sliding one.
+const KEYS: [(&str, &str); 3] = [("inertia", "mass"), ("hub_inertia", "mass"), ("beam_inertia", "tip_mass")];
+
+/// Keys whose unit is that of an angle or a frequency on every axis.
+const TURNING: [&str; 3] = ["natural_frequency", "bandwidth", "phase"];
+
+/// A walk in the words of an axis.
+pub(super) struct Words<'a> {
+    axis: Axis,
+    inner: &'a mut dyn Visit,
+}
+
+impl<'a> Words<'a> {
+    pub fn of(axis: Axis, inner: &'a mut dyn Visit) -> Self {
+        Self { axis, inner }
+    }
+
+    fn field(&self, field: &Field) -> Field {
+        match self.axis {
+            Axis::Rotary => *field,
+            Axis::Linear if TURNING.contains(&field.key) => *field,
+            Axis::Linear => {
+                Field { key: sliding(&KEYS, field.key), unit: sliding(&UNITS, field.unit), ..*field }
+            }
+        }
+    }
+
+    fn key(&self, key: &str) -> String {
+        let known = KEYS.iter().find(|(turning, _)| *turning == key && self.axis == Axis::Linear);
+        known.map_or_else(|| key.to_owned(), |(_, sliding)| (*sliding).to_owned())
+    }
+}
+
+/// The word of a sliding axis; the same if it has none of its own.
+fn sliding(words: &[(&'static str, &'static str)], word: &'static str) -> &'static str {
+    words.iter().find(|(turning, _)| *turning == word).map_or(word, |(_, sliding)| sliding)
+}
+
+impl Visit for Words<'_> {
+    fn number(&mut self, field: &Field, value: &mut f64) {
+        self.inner.number(&self.field(field), value);
+    }
+
+    fn whole(&mut self, field: &Field, value: &mut u32) {
+        self.inner.whole(&self.field(field), value);
+    }
+
+    fn text(&mut self, field: &Field, value: &mut String) {
+        self.inner.text(&self.field(field), value);
+    }
+
+    fn choice(&mut self, field: &Field, allowed: &[&'static str], value: &mut &'static str) {
+        self.inner.choice(&self.field(field), allowed, value);
+    }
+
+    fn numbers(&mut self, field: &Field, count: Count, value: &mut Vec<f64>) {
+        self.inner.numbers(&self.field(field), count, value);
+    }
+
+    fn texts(&mut self, field: &Field, value: &mut Vec<String>) {
+        self.inner.texts(&self.field(field), value);
+    }
+
+    fn pairs(&mut self, field: &Field, value: &mut Vec<[f64; 2]>) {
+        self.inner.pairs(&self.field(field), value);
+    }
+
+    fn enter(&mut self, table: &TableField, present: bool) -> bool {
+        self.inner.enter(table, present)
+    }
+
+    fn leave(&mut self) {
+        self.inner.leave();
+    }
+
+    fn enter_list(&mut self, table: &TableField, length: usize) -> usize {
+        self.inner.enter_list(table, length)
+    }
+
+    fn enter_item(&mut self, index: usize) {
+        self.inner.enter_item(index);
+    }
+
+    fn leave_list(&mut self) {
+        self.inner.leave_list();
+    }
+
+    fn complain(&mut self, key: &str, allowed: &str, hint: Option<String>) {
+        let key = self.key(key);
+        self.inner.complain(&key, allowed, hint);
+    }
+
+    fn attached(&mut self, name: &str) -> Option<Result<String, String>> {
+        self.inner.attached(name)
+    }
+
+    fn shorthand(&mut self, key: &str, value: &mut String) -> bool {
+        self.inner.shorthand(key, value)
+    }
+
+    fn has(&self, key: &str) -> bool {
+        self.inner.has(key)
+    }
+
+    fn assume(&mut self, field: &Field, value: f64) {
+        self.inner.assume(&self.field(field), value);
+    }
+}

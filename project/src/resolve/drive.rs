@@ -1,0 +1,265 @@
+//! The drive: `[plant.amplifier]` for a voltage amplifier, `[plant.drive]` for one that takes a current or a torque.
+//!
+//! A drive that takes a current or a torque has its limit at the full 10 V of the control. If no limit is stated, 10 V command the
+//! torque that gives the whole inertia [`FULL_SCALE`].
+
+use counterpoise_models::{Amplifier, AmplifierDynamics, MapPoint, Motor, Parameters, Ripple};
+
+use crate::file::field::{Field, Limit, TableField, UsualRange};
+use crate::file::visit::{Choice, Visit, choose};
+
+const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
+const ABOVE_0: Limit = Limit::Above(0.0);
+/// Full scale of the control, V.
+const FULL_V: f64 = 10.0;
+/// Acceleration of the load that a drive without a stated limit has at full scale, rad/s^2 or m/s^2: far above what a servo uses,
+/// and a torque that converters of 12 bits still resolve.
+const FULL_SCALE: f64 = 1000.0;
+/// Torque of such a drive if no inertia is stated as a number, N m.
+const UNKNOWN_TORQUE: f64 = 10.0;
+/// Fraction of a sample period that is rounding when a delay is counted in whole samples.
+const ROUNDING: f64 = 1e-9;
+
+/// What a drive takes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Takes {
+    Torque,
+    Current,
+    Voltage,
+}
+
+impl Choice for Takes {
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("torque", Self::Torque), ("current", Self::Current), ("voltage", Self::Voltage)];
+}
+
+/// A drive that takes a torque, without a limit.
+pub(super) fn blank_amplifier() -> Amplifier {
+    Amplifier {
+        gain: 1.0,
+        current_feedback_v_a: 0.0,
+        time_constant_s: 0.0,
+        input_limit_v: f64::INFINITY,
+        bus_voltage_v: f64::INFINITY,
+        map: Vec::new(),
+        dead_zone_v: 0.0,
+        current_limit_a: f64::INFINITY,
+        dynamics: AmplifierDynamics::TorqueCommand,
+    }
+}
+
+/// A motor of which nothing is written: its current is its torque.
+pub(super) fn usual_motor() -> Motor {
+    Motor {
+        inertia_kg_m2: 0.0,
+        torque_constant_nm_a: 1.0,
+        back_emf_v_s_rad: 1.0,
+        resistance_ohm: 1.0,
+        inductance_h: 0.0,
+        cogging: Ripple::NONE,
+        torque_ripple: Ripple::NONE,
+        platform_coupling: 0.0,
+    }
+}
+
+/// Reads or lists the drive.
+pub(super) fn drive(v: &mut dyn Visit, plant: &mut Parameters) {
+    let of_voltage =
+        matches!(plant.amplifier.dynamics, AmplifierDynamics::Modelled | AmplifierDynamics::IdealCurrent);
+    let section = TableField::optional("amplifier", "amplifier that drives the motor with a voltage");
+    if v.enter(&section, of_voltage) {
+        if !of_voltage {
+            plant.amplifier = Amplifier { dynamics: AmplifierDynamics::Modelled, ..blank_amplifier() };
+        }
+        amplifier(v, &mut plant.amplifier);
+        v.leave();
+        return;
+    }
+    let mut word = String::new();
+    if v.shorthand("drive", &mut word) {
+        let Some((_, takes)) = Takes::NAMES.iter().find(|(name, _)| *name == word) else {
+            v.complain(
+                "drive",
+                "must be \"torque\", \"current\" or \"voltage\", or a section [plant.drive]",
+                None,
+            );
+            return;
+        };
+        return set(v, plant, *takes, &Stated::NONE);
+    }
+    let section = TableField::optional("drive", "a drive that takes a torque, a current or a voltage");
+    let usual = plant.amplifier.dynamics == AmplifierDynamics::TorqueCommand
+        && plant.amplifier.current_limit_a == f64::INFINITY
+        && plant.motor.torque_constant_nm_a == 1.0;
+    if !v.enter(&section, !usual) {
+        let takes = if plant.motor.torque_constant_nm_a == 1.0 { Takes::Torque } else { Takes::Current };
+        return set(v, plant, takes, &Stated::NONE);
+    }
+    let mut takes = takes_of(plant);
+    let kind = Field::new("kind", "what the drive takes").or_text("torque").shown();
+    choose(v, &kind, &mut takes);
+    let stated = keys(v, plant, takes);
+    v.leave();
+    set(v, plant, takes, &stated);
+}
+
+/// What `[plant.drive]` states.
+struct Stated {
+    /// Of the torque, N m, or of the current, A; infinite if it is not stated.
+    limit: f64,
+    bandwidth_rad_s: f64,
+    delay_s: f64,
+}
+
+impl Stated {
+    const NONE: Self = Self { limit: f64::INFINITY, bandwidth_rad_s: f64::INFINITY, delay_s: 0.0 };
+}
+
+fn takes_of(plant: &Parameters) -> Takes {
+    match plant.amplifier.dynamics {
+        AmplifierDynamics::TorqueCommand if plant.motor.torque_constant_nm_a == 1.0 => Takes::Torque,
+        AmplifierDynamics::TorqueCommand | AmplifierDynamics::CurrentLoop { .. } => Takes::Current,
+        AmplifierDynamics::Modelled | AmplifierDynamics::IdealCurrent => Takes::Voltage,
+    }
+}
+
+fn keys(v: &mut dyn Visit, plant: &Parameters, takes: Takes) -> Stated {
+    let mut stated = Stated { limit: plant.amplifier.current_limit_a, ..Stated::NONE };
+    if let AmplifierDynamics::CurrentLoop { bandwidth_rad_s, delay_s } = plant.amplifier.dynamics {
+        (stated.bandwidth_rad_s, stated.delay_s) = (bandwidth_rad_s, delay_s);
+    }
+    match takes {
+        Takes::Torque => {
+            let limit = Field::new("limit", "largest torque of the motor, at 10 V of control").unit("N m");
+            v.number(&limit.limit(ABOVE_0).or(f64::INFINITY), &mut stated.limit);
+        }
+        Takes::Current => {
+            let limit = Field::new("limit", "largest current, at 10 V of control").unit("A");
+            v.number(&limit.limit(ABOVE_0).or(f64::INFINITY), &mut stated.limit);
+            let bandwidth = Field::new("bandwidth", "of the current loop").unit("rad/s").limit(ABOVE_0);
+            v.number(&bandwidth.or(f64::INFINITY), &mut stated.bandwidth_rad_s);
+            let delay = Field::new("delay", "of the current loop, taken as whole sample periods, rounded up");
+            v.number(&delay.unit("s").limit(AT_LEAST_0).or(0.0), &mut stated.delay_s);
+        }
+        Takes::Voltage => {
+            let limit = Field::new("limit", "largest voltage, at 10 V of control").unit("V");
+            stated.limit = plant.amplifier.bus_voltage_v;
+            v.number(&limit.limit(ABOVE_0).or(f64::INFINITY), &mut stated.limit);
+        }
+    }
+    stated
+}
+
+/// Makes the amplifier of what is stated.
+fn set(v: &mut dyn Visit, plant: &mut Parameters, takes: Takes, stated: &Stated) {
+    let blank = blank_amplifier();
+    let stated_limit = stated.limit.is_finite();
+    if takes == Takes::Voltage {
+        let gain = if stated_limit { stated.limit / FULL_V } else { 1.0 };
+        let dynamics = AmplifierDynamics::Modelled;
+        plant.amplifier = Amplifier { gain, bus_voltage_v: stated.limit, dynamics, ..blank };
+        return;
+    }
+    let limit_a = if stated_limit { stated.limit } else { full_scale_a(v, plant) };
+    let lagging = stated.bandwidth_rad_s.is_finite() || stated.delay_s > 0.0;
+    let dynamics = if takes == Takes::Current && lagging {
+        let bandwidth_rad_s = stated.bandwidth_rad_s.min(1.0 / counterpoise_models::IDEAL_LAG_S);
+        AmplifierDynamics::CurrentLoop { bandwidth_rad_s, delay_s: stated.delay_s }
+    } else {
+        AmplifierDynamics::TorqueCommand
+    };
+    plant.amplifier = Amplifier { gain: limit_a / FULL_V, current_limit_a: stated.limit, dynamics, ..blank };
+}
+
+/// Current at 10 V of a drive without a stated limit, A.
+fn full_scale_a(v: &mut dyn Visit, plant: &Parameters) -> f64 {
+    let (ratio, constant) = (plant.gearbox.ratio, plant.motor.torque_constant_nm_a);
+    let rotor = ratio * ratio * plant.motor.inertia_kg_m2;
+    let of_inertia = |l: &counterpoise_models::Lumped| {
+        (l.hub_inertia_kg_m2 + l.beam_inertia_kg_m2 + rotor) * FULL_SCALE / ratio
+    };
+    let torque_nm = plant.lumped.as_ref().map_or(UNKNOWN_TORQUE, of_inertia);
+    let limit = Field::new("drive.limit", "largest torque of the motor, at 10 V of control").unit("N m");
+    let limit = limit.assumed(
+        "unlimited; 10 V of control command the torque that accelerates the load by 1000 rad/s^2",
+        "what is left out is ideal",
+        UsualRange::Factors(0.001, 1.0),
+    );
+    v.assume(&limit, torque_nm);
+    torque_nm / constant
+}
+
+/// Whole samples of a drive's own delay.
+fn samples(plant: &Parameters) -> usize {
+    let period_s = plant.interface.sample_period_s;
+    match plant.amplifier.dynamics {
+        AmplifierDynamics::CurrentLoop { delay_s, .. } if period_s > 0.0 => {
+            (delay_s / period_s - ROUNDING).ceil().max(0.0) as usize
+        }
+        _ => 0,
+    }
+}
+
+/// Takes the drive's own delay out of the interface's, which the file states without it.
+pub(super) fn without_its_delay(plant: &mut Parameters) {
+    let own = samples(plant);
+    plant.interface.output_delay_samples = plant.interface.output_delay_samples.saturating_sub(own);
+}
+
+/// Adds the drive's own delay to the interface's.
+pub(super) fn with_its_delay(plant: &mut Parameters) {
+    plant.interface.output_delay_samples += samples(plant);
+}
+
+/// Reads or lists the voltage amplifier.
+fn amplifier(v: &mut dyn Visit, amplifier: &mut Amplifier) {
+    let gain = Field::new("gain", "voltage gain").unit("V/V").limit(ABOVE_0).or(1.0);
+    v.number(&gain, &mut amplifier.gain);
+    let feedback = Field::new("current_feedback", "current feedback").unit("V/A").limit(AT_LEAST_0).or(0.0);
+    v.number(&feedback, &mut amplifier.current_feedback_v_a);
+    let lag = Field::new("time_constant", "lag").unit("s").limit(AT_LEAST_0).or(0.0);
+    v.number(&lag, &mut amplifier.time_constant_s);
+    let input = Field::new("input_limit", "input is clipped to +/- this").unit("V").limit(ABOVE_0);
+    v.number(&input.or(f64::INFINITY), &mut amplifier.input_limit_v);
+    let bus = Field::new("bus_voltage", "output is clipped to +/- this").unit("V").limit(ABOVE_0);
+    v.number(&bus.or(f64::INFINITY), &mut amplifier.bus_voltage_v);
+    v.number(
+        &Field::new("dead_zone", "half width of a dead zone at the input")
+            .unit("V")
+            .limit(AT_LEAST_0)
+            .or(0.0),
+        &mut amplifier.dead_zone_v,
+    );
+    let limit = Field::new("current_limit", "current is clipped to +/- this; none if absent")
+        .unit("A")
+        .limit(ABOVE_0);
+    v.number(&limit.or(f64::INFINITY), &mut amplifier.current_limit_a);
+    let dynamics = "modelled: lag, feedbacks, armature and back-EMF; ideal-current: the current follows the input at once";
+    choose(v, &Field::new("dynamics", dynamics).or_text("modelled"), &mut amplifier.dynamics);
+    map(v, &mut amplifier.map);
+}
+
+impl Choice for AmplifierDynamics {
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("modelled", Self::Modelled), ("ideal-current", Self::IdealCurrent)];
+}
+
+fn map(v: &mut dyn Visit, map: &mut Vec<MapPoint>) {
+    let field = Field::new("map", "measured input voltage and stalled current, or the name of a CSV file")
+        .units("V", "A")
+        .limit(ABOVE_0)
+        .or_empty();
+    let mut pairs: Vec<[f64; 2]> = map.iter().map(|p| [p.input_v, p.current_a]).collect();
+    v.pairs(&field, &mut pairs);
+    *map = merged(pairs);
+}
+
+/// The points in order of voltage; points at one voltage become their mean.
+fn merged(mut pairs: Vec<[f64; 2]>) -> Vec<MapPoint> {
+    pairs.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mean = |points: &[[f64; 2]]| points.iter().map(|p| p[1]).sum::<f64>() / points.len() as f64;
+    pairs
+        .chunk_by(|a, b| a[0] == b[0])
+        .map(|same| MapPoint { input_v: same[0][0], current_a: mean(same) })
+        .collect()
+}

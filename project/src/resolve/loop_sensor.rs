@@ -1,0 +1,104 @@
+//! The sensor of the controlled output, each kind a section of its own: gyroscope, tachometer, encoder or resolver.
+//!
+//! Without any, the loop has an ideal rate gyroscope.
+
+use counterpoise_models::{Axis, Measured, Parameters, Sensor};
+use std::f64::consts::TAU;
+
+use super::plant::{IDEAL_SCALE, sensor};
+use crate::file::field::{Field, Limit, TableField, UsualRange};
+use crate::file::visit::{Choice, Visit, choose};
+
+/// A loop's sensor of which nothing is written: ideal, with a range beyond every motion.
+pub(super) const UNKNOWN: Sensor = Sensor { scale_v_unit: IDEAL_SCALE, ..Sensor::IDEAL };
+
+/// Where a sensor sits.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Place {
+    Load,
+    Motor,
+}
+
+impl Choice for Place {
+    const NAMES: &'static [(&'static str, Self)] = &[("load", Self::Load), ("motor", Self::Motor)];
+}
+
+const PLACE: Field = Field::new(
+    "place",
+    "where it sits: on the load, or on the motor's shaft, whose readings are divided by the ratio",
+)
+.or_text("load");
+
+/// Reads or lists the loop's sensor.
+pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
+    let measured = plant.sensors.measured;
+    let digital = plant.sensors.hub_gyro.resolution > 0.0;
+    let mut found = 0;
+    let gyro = TableField::optional("hub_gyro", "inertial rate of the hub");
+    if v.enter(&gyro, measured == Measured::HubRate && plant.sensors.hub_gyro != UNKNOWN) {
+        sensor(v, &mut plant.sensors.hub_gyro, "rad/s");
+        plant.sensors.measured = Measured::HubRate;
+        v.leave();
+        found += 1;
+    }
+    let rate = matches!(measured, Measured::RelativeRate | Measured::MotorRate);
+    if v.enter(
+        &TableField::optional("tachometer", "rate relative to the platform, which the loop controls"),
+        rate,
+    ) {
+        let mut place = if measured == Measured::MotorRate { Place::Motor } else { Place::Load };
+        choose(v, &PLACE, &mut place);
+        sensor(v, &mut plant.sensors.hub_gyro, "rad/s");
+        let rates = [Measured::RelativeRate, Measured::MotorRate];
+        plant.sensors.measured = rates[usize::from(place == Place::Motor)];
+        v.leave();
+        found += 1;
+    }
+    let position = measured.is_position();
+    for (key, meaning, there) in [
+        ("encoder", "angle relative to the platform in counts, which the loop controls", position && digital),
+        ("resolver", "angle relative to the platform, which the loop controls", position && !digital),
+    ] {
+        if !v.enter(&TableField::optional(key, meaning), there) {
+            continue;
+        }
+        let mut place = if measured == Measured::MotorPosition { Place::Motor } else { Place::Load };
+        choose(v, &PLACE, &mut place);
+        if key == "encoder" {
+            resolution(v, plant, place);
+        }
+        sensor(v, &mut plant.sensors.hub_gyro, "rad");
+        let positions = [Measured::HubPosition, Measured::MotorPosition];
+        plant.sensors.measured = positions[usize::from(place == Place::Motor)];
+        v.leave();
+        found += 1;
+    }
+    if found > 1 {
+        v.complain(
+            "sensors",
+            "must have one sensor of the loop: hub_gyro, tachometer, encoder or resolver",
+            None,
+        );
+    }
+}
+
+/// Reads or lists the step of an encoder: by the counts a turn of what it sits on, or as a length of a linear scale.
+fn resolution(v: &mut dyn Visit, plant: &mut Parameters, place: Place) {
+    let scale_of_a_slide = place == Place::Load && plant.axis == Axis::Linear;
+    let known = plant.sensors.hub_gyro.resolution;
+    if scale_of_a_slide {
+        let step = Field::new("resolution", "step of the linear scale").unit("m").limit(Limit::Above(0.0));
+        v.number(&step, &mut plant.sensors.hub_gyro.resolution);
+        return;
+    }
+    let turn = if place == Place::Motor { TAU / plant.gearbox.ratio } else { TAU };
+    let mut counts = (turn / known).round();
+    let field = Field::new("counts", "steps a turn").limit(Limit::AtLeast(1.0)).or(IDEAL_COUNTS);
+    let field =
+        field.assumed("2^32: steps that nothing feels", "an ideal encoder", UsualRange::Values(1e3, 1e7));
+    v.number(&field, &mut counts);
+    plant.sensors.hub_gyro.resolution = turn / counts;
+}
+
+/// Counts a turn of an encoder of which nothing is known.
+const IDEAL_COUNTS: f64 = 4_294_967_296.0;

@@ -1,0 +1,84 @@
+//! What a project file is read for, and the sections that must then be there.
+
+use super::Project;
+use crate::diagnostic::{Diagnostic, Problem, Severity};
+use crate::file::Document;
+use crate::file::source::Remark;
+
+/// What a project file is read for: each command needs only its own sections.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// Model and frequency responses of the plant.
+    Model,
+    /// Reduction of the plant.
+    Reduce,
+    /// Identification from recordings.
+    Identify,
+    /// Replay of recordings in closed loop.
+    Replay,
+    /// Diagnosis of recordings.
+    Diagnose,
+    /// The design of a controller, without judging it.
+    Synth,
+    /// The design of a controller and its verification.
+    Verify,
+    /// The whole road, to code.
+    Design,
+    /// Code alone.
+    Export,
+    /// A robustness campaign.
+    Sweep,
+}
+
+impl Purpose {
+    /// The sections that must be there; the others have usual values.
+    pub fn sections(self) -> &'static [&'static str] {
+        match self {
+            Self::Replay => &["plant", "recording_controller"],
+            _ => &["plant"],
+        }
+    }
+
+    /// Returns whether the weights of the controller are needed: those that a file does not state are chosen.
+    pub fn needs_weights(self) -> bool {
+        matches!(self, Self::Synth | Self::Verify | Self::Design | Self::Export | Self::Sweep)
+    }
+
+    /// Returns whether the controller is verified: a file without the section has the usual procedure and no requirement.
+    pub fn verifies(self) -> bool {
+        matches!(self, Self::Verify | Self::Design | Self::Export | Self::Sweep)
+    }
+
+    /// The command's name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Model => "model",
+            Self::Reduce => "reduce",
+            Self::Identify => "identify",
+            Self::Replay => "replay",
+            Self::Diagnose => "diagnose",
+            Self::Synth => "synth",
+            Self::Verify => "verify",
+            Self::Design => "design",
+            Self::Export => "export",
+            Self::Sweep => "sweep",
+        }
+    }
+}
+
+impl Project {
+    /// Returns whether a file has the sections that a purpose needs.
+    pub fn supports(&self, document: &Document, purpose: Purpose) -> bool {
+        self.missing_for(document, purpose).is_empty()
+    }
+
+    pub(super) fn missing_for(&self, document: &Document, purpose: Purpose) -> Vec<Diagnostic> {
+        let there = |section: &str| document.entries.iter().any(|e| e.key == section);
+        let absent = purpose.sections().iter().filter(|section| !there(section));
+        let remark = |section: &&str| {
+            let allowed = format!("section [{section}] is missing; `{}` needs it", purpose.name());
+            document.finding(Severity::Error, Remark::new(Problem::Missing, section, allowed))
+        };
+        absent.map(remark).collect()
+    }
+}

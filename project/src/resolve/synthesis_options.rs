@@ -1,0 +1,425 @@
+//! Options of `[synth]` besides the weights of its three parts: the method, the order, prefilter, friction observer, schedule,
+//! adaptation and the search for weights.
+
+use counterpoise_models::Friction;
+use counterpoise_synth::{Drives, Method, Requirements, Spectrum, Weight};
+
+use super::friction::{blank_identified, identified};
+use super::model::count;
+use super::weight::{blank_weight, weight};
+use crate::file::field::{Field, Limit, TableField};
+use crate::file::visit::{Choice, Count, Visit, choose, maybe_number, optional, pair, table};
+
+/// Options of a design besides the weights of its three parts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SynthesisOptions {
+    /// The method of the feedback that is built.
+    pub method: Method,
+    /// Further methods, shown beside it with the same figures.
+    pub alternatives: Vec<Method>,
+    /// States that are kept of the feedback; `None` keeps them all.
+    pub controller_order: Option<usize>,
+    /// Filter of the demand before the controller.
+    pub prefilter: Option<Weight>,
+    /// What the controller does about the amplifier's measured curve.
+    pub amplifier_curve: Compensation,
+    /// What the controller does about the known gain and bias of the sensors.
+    pub sensor_errors: Compensation,
+    /// Nonlinear observer of friction.
+    pub observer: Option<ObserverOptions>,
+    /// Designs over out-of-balance.
+    pub schedule: Option<ScheduleOptions>,
+    /// Estimation of the out-of-balance while the machine runs.
+    pub adaptation: Option<Adaptation>,
+    /// Requirements from which weights are searched.
+    pub search: Option<WeightSearch>,
+}
+
+/// The friction law that an observer follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FrictionModel {
+    /// Dahl's law with the same level and stiffness at rest.
+    Dahl,
+    /// The friction's own law.
+    OwnLaw,
+}
+
+/// Whether the controller compensates for a known deviation of the amplifier or of a sensor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Compensation {
+    /// It does not. The estimator of `adapt` alone knows the amplifier's curve.
+    Absent,
+    /// It does: its last step is the inverse of the amplifier's curve, and its first corrects the readings.
+    Applied,
+}
+
+/// Which friction an observer cancels, and how.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ObserverOptions {
+    /// What drives its friction state.
+    pub drives: Drives,
+    /// Part that is cancelled, 0 to 1.
+    pub share: f64,
+    /// Friction at the motor shaft, as identified; `None` takes the plant's.
+    pub motor: Option<Friction>,
+    /// Friction at the pivot, as identified; `None` takes the plant's.
+    pub pivot: Option<Friction>,
+    /// The law by which the plant's friction is followed.
+    pub model: FrictionModel,
+    /// Rate below which the sign of a law that truly sticks is softened, rad/s.
+    pub sign_rate_rad_s: f64,
+}
+
+/// The states of balance that are designed for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScheduleOptions {
+    /// Names of the plant's configurations: masses fitted, inertia changed with them.
+    pub configurations: Vec<String>,
+    /// Factors factors on the out-of-balance alone; the inertia stays.
+    pub factors: Vec<f64>,
+    /// What the exported controller takes.
+    pub law: ScheduleLaw,
+}
+
+/// What the exported controller takes of a schedule.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ScheduleLaw {
+    /// The gain law where it stands in for every redesign, else the redesigns, interpolated.
+    Auto,
+    /// The gain law.
+    Gain,
+    /// The redesigns, interpolated.
+    Redesign,
+}
+
+/// How the out-of-balance is estimated from the control.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Adaptation {
+    /// Method.
+    pub method: AdaptationMethod,
+    /// Window of the mean, s.
+    pub window_s: f64,
+    /// Forgetting time of least squares, s.
+    pub memory_s: f64,
+    /// Excitation below which least squares stand still, m/s^2.
+    pub dead_band_m_s2: f64,
+    /// Lag that control and regressors of least squares pass, s.
+    pub filter_s: f64,
+    /// Normalised step of the gradient, 0 to 2.
+    pub step: f64,
+    /// Rate at which the sign of a rate counts half, rad/s.
+    pub half_rate_rad_s: f64,
+    /// Largest change of the estimate, kg m/s.
+    pub rate_limit_kg_m_s: f64,
+    /// The runs in which it is tried.
+    pub trial: Trial,
+}
+
+/// Methods of adaptation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AdaptationMethod {
+    /// A normalised gradient.
+    Gradient,
+    /// The mean of the control over a window.
+    WindowedMean,
+    /// Recursive least squares with forgetting.
+    Recursive,
+}
+
+/// The runs in which the adaptation is tried.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
+    /// Length of a run, s.
+    pub duration_s: f64,
+    /// Factors on the out-of-balance, one for each equal part of the run.
+    pub changes: Vec<f64>,
+    /// Gain curve of another amplifier, [control V, equivalent V]; empty for the plant's own alone.
+    pub amplifier_curve: Vec<[f64; 2]>,
+}
+
+/// Requirements, and how far the search goes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WeightSearch {
+    /// What the sampled loop must keep.
+    pub requirements: Requirements,
+    /// Most designs that are tried for one answer.
+    pub trials: usize,
+    /// Limits of the sensitivity at which the trade-off curve has its points.
+    pub ms_limits: Vec<f64>,
+}
+
+impl Choice for Method {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("three-part", Self::ThreePart),
+        ("joint-h2", Self::JointH2),
+        ("lqg-ltr", Self::LqgLtr),
+        ("h-infinity", Self::HInfinity),
+    ];
+}
+
+impl Choice for Spectrum {
+    const NAMES: &'static [(&'static str, Self)] = &[("flat", Self::Flat), ("expected", Self::Expected)];
+}
+
+impl Choice for Drives {
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("measured-rate", Self::MeasuredRate), ("demand", Self::Demand)];
+}
+
+impl Choice for FrictionModel {
+    const NAMES: &'static [(&'static str, Self)] = &[("dahl", Self::Dahl), ("plant", Self::OwnLaw)];
+}
+
+impl Choice for Compensation {
+    const NAMES: &'static [(&'static str, Self)] = &[("leave", Self::Absent), ("undo", Self::Applied)];
+}
+
+impl Choice for ScheduleLaw {
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("auto", Self::Auto), ("gain", Self::Gain), ("redesign", Self::Redesign)];
+}
+
+impl Choice for AdaptationMethod {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("gradient", Self::Gradient),
+        ("windowed-mean", Self::WindowedMean),
+        ("recursive", Self::Recursive),
+    ];
+}
+
+impl Default for SynthesisOptions {
+    /// The three-part design as it is.
+    fn default() -> Self {
+        Self {
+            method: Method::ThreePart,
+            alternatives: Vec::new(),
+            controller_order: None,
+            prefilter: None,
+            amplifier_curve: Compensation::Absent,
+            sensor_errors: Compensation::Absent,
+            observer: None,
+            schedule: None,
+            adaptation: None,
+            search: None,
+        }
+    }
+}
+
+const ABOVE_0: Limit = Limit::Above(0.0);
+const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
+
+/// Reads or lists the keys of `[synth]` that are not the three parts'.
+pub(crate) fn keys(v: &mut dyn Visit, options: &mut SynthesisOptions) {
+    let method = Field::new("method", "method of the feedback that is built").or_text("three-part");
+    choose(v, &method, &mut options.method);
+    methods(v, &mut options.alternatives);
+    let mut order = options.controller_order.unwrap_or(0);
+    let field = Field::new("controller_order", "number of states that the feedback keeps; 0 keeps all");
+    count(v, &field.limit(Limit::Between(0.0, 1000.0)).or(0.0), &mut order);
+    options.controller_order = (order > 0).then_some(order);
+    let curve = "the gain curve `plant.amplifier.map` (in `adapt`, that of the trial): `undo` makes its inverse the last step of the controller";
+    choose(v, &Field::new("amplifier_curve", curve).or_text("leave"), &mut options.amplifier_curve);
+    let errors = "gain and bias of `plant.sensors`: `undo` corrects the readings by them and designs for sensors without them";
+    choose(v, &Field::new("sensor_errors", errors).or_text("leave"), &mut options.sensor_errors);
+}
+
+/// Reads or lists the tables of `[synth]` that are not the three parts'.
+pub(crate) fn tables(v: &mut dyn Visit, options: &mut SynthesisOptions) {
+    let section = TableField::optional("prefilter", "filter of the demand before the controller");
+    optional(v, &section, &mut options.prefilter, blank_weight(), prefilter);
+    let section = TableField::optional("observer", "nonlinear observer that cancels dry friction");
+    optional(v, &section, &mut options.observer, blank_observer(), observer);
+    let section = TableField::optional("schedule", "designs for several states of out-of-balance");
+    optional(v, &section, &mut options.schedule, blank_schedule(), schedule);
+    let section = TableField::optional("adaptation", "estimation of the out-of-balance from the control");
+    optional(v, &section, &mut options.adaptation, blank_adaptation(), adaptation);
+    let section = TableField::optional("search", "requirements from which weights are searched");
+    optional(v, &section, &mut options.search, blank_search(), search);
+}
+
+fn methods(v: &mut dyn Visit, methods: &mut Vec<Method>) {
+    let mut names: Vec<String> = methods.iter().map(|m| m.name().to_owned()).collect();
+    let meaning = "further methods of the feedback, shown for comparison with the same figures";
+    v.texts(&Field::new("alternatives", meaning).or_empty(), &mut names);
+    let known = |name: &String| Method::NAMES.iter().find(|(n, _)| n == name).map(|(_, m)| *m);
+    if let Some(unknown) = names.iter().find(|name| known(name).is_none()) {
+        let hint = crate::diagnostic::did_you_mean(unknown, Method::NAMES.iter().map(|(n, _)| *n));
+        let allowed = "may hold \"three-part\", \"joint-h2\", \"lqg-ltr\" and \"h-infinity\"";
+        v.complain("alternatives", allowed, hint);
+    }
+    *methods = names.iter().filter_map(known).collect();
+}
+
+fn prefilter(v: &mut dyn Visit, filter: &mut Weight) {
+    weight(v, filter);
+    let rational = filter.rational();
+    if rational.relative_degree() < 0 || rational.poles.iter().any(|pole| pole.re >= 0.0) {
+        v.complain("form", "must have no more zeros than poles, and all poles in the left half plane", None);
+    }
+}
+
+fn blank_observer() -> ObserverOptions {
+    ObserverOptions {
+        drives: Drives::MeasuredRate,
+        share: 1.0,
+        motor: None,
+        pivot: None,
+        model: FrictionModel::Dahl,
+        sign_rate_rad_s: 5e-3,
+    }
+}
+
+fn observer(v: &mut dyn Visit, observer: &mut ObserverOptions) {
+    let drives = "the rate that drives the friction model: measured (feedback) or demanded (feedforward)";
+    choose(v, &Field::new("drives", drives).or_text("measured-rate"), &mut observer.drives);
+    let share =
+        Field::new("share", "fraction of the level that is cancelled").limit(Limit::Between(0.0, 1.0));
+    v.number(&share.or(1.0).shown(), &mut observer.share);
+    let law = "the law by which the plant's friction is followed: Dahl's law with its level and stiffness, or its own";
+    choose(v, &Field::new("law", law).or_text("dahl"), &mut observer.model);
+    let sign = Field::new("sign_rate", "rate over which the sign of a law with true sticking is smoothed")
+        .unit("rad/s");
+    v.number(&sign.limit(ABOVE_0).or(5e-3), &mut observer.sign_rate_rad_s);
+    let motor = "identified friction at the motor shaft, with its own law; if absent, the plant's";
+    let motor = TableField::optional("motor", motor);
+    optional(v, &motor, &mut observer.motor, blank_identified(), identified);
+    let pivot = "identified friction at the pivot, with its own law; if absent, the plant's";
+    let pivot = TableField::optional("pivot", pivot);
+    optional(v, &pivot, &mut observer.pivot, blank_identified(), identified);
+}
+
+fn blank_schedule() -> ScheduleOptions {
+    ScheduleOptions { configurations: Vec::new(), factors: Vec::new(), law: ScheduleLaw::Auto }
+}
+
+fn schedule(v: &mut dyn Visit, schedule: &mut ScheduleOptions) {
+    let names =
+        "names of the plant's configurations: their masses change inertia and out-of-balance together";
+    v.texts(&Field::new("configurations", names).or_empty(), &mut schedule.configurations);
+    let factors =
+        Field::new("factors", "factors on the out-of-balance alone; the inertia stays").limit(AT_LEAST_0);
+    v.numbers(&factors.or_empty(), Count::AtLeastOne, &mut schedule.factors);
+    choose(
+        v,
+        &Field::new("law", "the law that the exported controller uses").or_text("auto"),
+        &mut schedule.law,
+    );
+    if schedule.configurations.is_empty() && schedule.factors.is_empty() {
+        v.complain("configurations", "must name a configuration where there are no factors", None);
+    }
+}
+
+fn blank_adaptation() -> Adaptation {
+    Adaptation {
+        method: AdaptationMethod::Recursive,
+        window_s: 1.0,
+        // With 2 s the noise of the estimate raises the hub rate by 4 % on a road; with 8 s by 1 %, and a change of 30 % is still
+        // followed within 20 s (`counterpoise adapt`).
+        memory_s: 8.0,
+        dead_band_m_s2: 0.1,
+        filter_s: 0.02,
+        step: 0.002,
+        half_rate_rad_s: 5e-3,
+        rate_limit_kg_m_s: 400.0,
+        trial: Trial { duration_s: 40.0, changes: vec![1.0, 0.5, 1.25, 0.75], amplifier_curve: Vec::new() },
+    }
+}
+
+fn adaptation(v: &mut dyn Visit, a: &mut Adaptation) {
+    let usual = blank_adaptation();
+    let method = "method of the estimator, which is part of the exported code";
+    choose(v, &Field::new("method", method).or_text("recursive").shown(), &mut a.method);
+    match a.method {
+        AdaptationMethod::Gradient => {
+            let step = Field::new("step", "normalised step").limit(Limit::AboveTo(0.0, 1.9));
+            v.number(&step.or(usual.step), &mut a.step);
+        }
+        AdaptationMethod::WindowedMean => {
+            let window = Field::new("window", "length of the window over which the control is averaged")
+                .unit("s")
+                .limit(ABOVE_0);
+            v.number(&window.or(usual.window_s), &mut a.window_s);
+        }
+        AdaptationMethod::Recursive => {
+            let memory = Field::new("memory", "time constant of forgetting").unit("s").limit(ABOVE_0);
+            v.number(&memory.or(usual.memory_s), &mut a.memory_s);
+            let band = Field::new("dead_band", "RMS excitation below which the estimate is not changed");
+            v.number(&band.unit("m/s^2").limit(AT_LEAST_0).or(usual.dead_band_m_s2), &mut a.dead_band_m_s2);
+            let filter = "lag by which control and regressors are filtered, so that accelerations are known; 0 for none";
+            let filter = Field::new("filter", filter).unit("s").limit(AT_LEAST_0);
+            v.number(&filter.or(usual.filter_s), &mut a.filter_s);
+        }
+    }
+    if a.method != AdaptationMethod::WindowedMean {
+        let half = Field::new("half_rate", "rate at which the sign of the rate counts half").unit("rad/s");
+        v.number(&half.limit(ABOVE_0).or(usual.half_rate_rad_s), &mut a.half_rate_rad_s);
+        let limit = Field::new("rate_limit", "largest rate of change of the estimate").unit("kg m/s");
+        v.number(&limit.limit(ABOVE_0).or(usual.rate_limit_kg_m_s), &mut a.rate_limit_kg_m_s);
+    }
+    table(v, &TableField::optional("trial", "the runs of `adapt`"), &mut a.trial, trial);
+}
+
+fn trial(v: &mut dyn Visit, trial: &mut Trial) {
+    let usual = blank_adaptation().trial;
+    let duration = Field::new("duration", "length of a run of `adapt`").unit("s").limit(ABOVE_0);
+    v.number(&duration.or(usual.duration_s), &mut trial.duration_s);
+    let changes = "factors on the out-of-balance, one for each equal part of a run";
+    v.numbers(
+        &Field::new("changes", changes).limit(AT_LEAST_0).or_empty(),
+        Count::AtLeastOne,
+        &mut trial.changes,
+    );
+    if trial.changes.is_empty() {
+        trial.changes = usual.changes;
+    }
+    let curve = Field::new(
+        "amplifier_curve",
+        "gain curve of the runs with a nonlinear amplifier: control voltage and equivalent voltage",
+    );
+    v.pairs(&curve.units("V", "V").or_empty(), &mut trial.amplifier_curve);
+}
+
+fn blank_search() -> WeightSearch {
+    WeightSearch { requirements: Requirements::thesis(), trials: 300, ms_limits: Vec::new() }
+}
+
+fn search(v: &mut dyn Visit, search: &mut WeightSearch) {
+    let usual = Requirements::thesis();
+    let asked = &mut search.requirements;
+    let margin = Field::new("gain_margin", "lowest gain margin").unit("dB").limit(AT_LEAST_0);
+    v.number(&margin.or(usual.gain_margin_db), &mut asked.gain_margin_db);
+    let margin = Field::new("phase_margin", "lowest phase margin").unit("degrees").limit(AT_LEAST_0);
+    v.number(&margin.or(usual.phase_margin_deg), &mut asked.phase_margin_deg);
+    let overshoot = Field::new("overshoot", "largest overshoot of a step, as a fraction of the step");
+    v.number(&overshoot.limit(AT_LEAST_0).or(usual.overshoot), &mut asked.overshoot);
+    let crossover = Field::new("crossover", "lowest crossover frequency").unit("rad/s").limit(AT_LEAST_0);
+    v.number(&crossover.or(usual.crossover_rad_s), &mut asked.crossover_rad_s);
+    unlimited(v, &Field::new("max_sensitivity", "largest sensitivity"), &mut asked.ms);
+    let control = Field::new("step_control", "largest control after a unit step").unit("V s/rad");
+    unlimited(v, &control, &mut asked.step_control_v);
+    let gain = Field::new("noise_gain", "largest RMS control for noise of unit RMS").unit("V s/rad");
+    unlimited(v, &gain, &mut asked.noise_gain);
+    let mut band = [asked.band_rad_s.0, asked.band_rad_s.1];
+    let field = Field::new("band", "lower and upper end of the band over which rejection is wanted")
+        .unit("rad/s")
+        .limit(ABOVE_0);
+    pair(v, &field.or_empty(), &mut band);
+    asked.band_rad_s = (band[0], band[1]);
+    if band[0] >= band[1] {
+        v.complain("band", "must rise", None);
+    }
+    let spectrum = "weight of the average of the rejection: the same over the band, or the rate that the expected heave and pitch cause";
+    choose(v, &Field::new("spectrum", spectrum).or_text("flat"), &mut asked.spectrum);
+    let trials = Field::new("trials", "largest number of designs that are tried for one answer");
+    count(v, &trials.limit(Limit::Between(1.0, 100_000.0)).or(300.0), &mut search.trials);
+    let limits =
+        Field::new("trade_off", "limits of the largest sensitivity, one for each point of the trade-off");
+    v.numbers(&limits.limit(Limit::Above(1.0)).or_empty(), Count::AtLeastOne, &mut search.ms_limits);
+}
+
+/// A limit that is infinite where it is not written.
+fn unlimited(v: &mut dyn Visit, field: &Field, value: &mut f64) {
+    let mut slot = value.is_finite().then_some(*value);
+    maybe_number(v, &field.limit(ABOVE_0), &mut slot);
+    *value = slot.unwrap_or(f64::INFINITY);
+}

@@ -1,0 +1,229 @@
+//! A number with its unit, as a text: read into the unit of a key, and written back in the unit that the user chose.
+
+use super::dimension::Dimension;
+use super::parser::{Reading, Unit, UnitError};
+use super::scale::{Decimal, Scale, linear, plain};
+
+/// Why a text is no quantity of a wanted unit.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum QuantityError {
+    /// The text does not begin with a number.
+    #[error("must be a number{}, or a text with a number and a unit", in_unit(.wanted))]
+    NoNumber {
+        /// The unit of the key.
+        wanted: String,
+    },
+    /// The number is written with a decimal comma or with a separator of thousands.
+    #[error("must be written with a decimal point and without separators of thousands, as in \"1234.5 mm\"")]
+    Comma,
+    /// The number is not finite.
+    #[error("must be a finite number{}", in_unit(.wanted))]
+    NotFinite {
+        /// The unit of the key.
+        wanted: String,
+    },
+    /// The unit cannot be read.
+    #[error("must be a quantity{}: {why}", like(.wanted))]
+    Unit {
+        /// The unit of the key.
+        wanted: String,
+        /// Why.
+        why: UnitError,
+    },
+    /// A number in quotes without unit, where the key has one.
+    #[error("has no unit: write the number without quotes if it is in {wanted}, or add its unit")]
+    NoUnit {
+        /// The unit of the key.
+        wanted: String,
+    },
+    /// The quantity measures something else.
+    #[error("must be {}; {written} is {}", measured(.wanted), .found)]
+    Dimension {
+        /// The unit of the key.
+        wanted: String,
+        /// The unit that was written.
+        written: String,
+        /// What it measures.
+        found: String,
+        /// What was probably meant.
+        meant: Option<String>,
+    },
+}
+
+impl QuantityError {
+    /// Returns what to do about it, if there is something better to say than what is allowed.
+    pub fn hint(&self) -> Option<String> {
+        match self {
+            Self::Unit { why: UnitError::Unknown { nearest: Some(name), .. }, .. } => {
+                Some(format!("did you mean \"{name}\"?"))
+            }
+            Self::Dimension { meant, .. } => meant.clone(),
+            _ => None,
+        }
+    }
+}
+
+fn in_unit(wanted: &str) -> String {
+    if wanted.is_empty() { String::new() } else { format!(" in {wanted}") }
+}
+
+fn like(wanted: &str) -> String {
+    if wanted.is_empty() { " without unit".to_owned() } else { format!(" in a unit like {wanted}") }
+}
+
+/// Returns what a wanted unit measures, as in "an angular rate, in a unit like rad/s".
+fn measured(wanted: &str) -> String {
+    if wanted.is_empty() {
+        return "a number without unit".to_owned();
+    }
+    let name =
+        Unit::parse(wanted, Reading::Mass).map_or_else(|_| String::new(), |unit| unit.dimension.name());
+    format!("{name}, in a unit like {wanted}")
+}
+
+/// Longest text that is read as a quantity, in bytes.
+const LONGEST: usize = 200;
+
+/// Reads a quantity such as `0.5 mrad` and returns its value in the wanted unit.
+///
+/// `kg`, `lb` and `oz` are masses, or the weights of these masses where only that fits; `g` is the gram, or the acceleration of
+/// gravity. A ratio may be written `200:1`. A number of bits fits where counts are wanted: `14 bit` are 16384 counts.
+///
+/// # Errors
+/// [`QuantityError`].
+pub fn read(text: &str, wanted: &str) -> Result<f64, QuantityError> {
+    let parts = Parts::of(text, wanted)?;
+    if wanted.is_empty()
+        && let Some(per) = parts.ratio()
+    {
+        return finite(parts.number.scaled(0) / per, wanted);
+    }
+    if parts.unit.starts_with(':') {
+        return Err(mismatch(text, wanted, "a ratio", Dimension::default()));
+    }
+    let scale = scale(&parts, text, wanted)?;
+    finite(scale.apply(&parts.number), wanted)
+}
+
+/// Returns the text with a new value, given in the wanted unit, in the unit that the text has; `None` if the text is no
+/// quantity of the wanted unit.
+pub fn rewrite(text: &str, value: f64, wanted: &str) -> Option<String> {
+    let parts = Parts::of(text, wanted).ok()?;
+    if let (true, Some(per)) = (wanted.is_empty(), parts.ratio()) {
+        return Some(format!("{}{}{}", plain(value * per), parts.gap, parts.unit));
+    }
+    let scale = scale(&parts, text, wanted).ok()?;
+    let number = scale.undo(value)?;
+    Some(format!("{number}{}{}", parts.gap, parts.unit))
+}
+
+fn finite(value: f64, wanted: &str) -> Result<f64, QuantityError> {
+    if value.is_finite() { Ok(value) } else { Err(QuantityError::NotFinite { wanted: wanted.to_owned() }) }
+}
+
+/// The number, what separates it from the unit, and the unit, as written.
+struct Parts<'t> {
+    number: Decimal,
+    gap: &'t str,
+    unit: &'t str,
+}
+
+impl<'t> Parts<'t> {
+    fn of(text: &'t str, wanted: &str) -> Result<Self, QuantityError> {
+        let none = || QuantityError::NoNumber { wanted: wanted.to_owned() };
+        let text = text.trim();
+        if text.len() > LONGEST {
+            return Err(none());
+        }
+        let unsigned = text.strip_prefix(['+', '-', '\u{2212}']).unwrap_or(text);
+        let lower = unsigned.to_ascii_lowercase();
+        if lower.starts_with("nan") || lower.starts_with("inf") {
+            return Err(QuantityError::NotFinite { wanted: wanted.to_owned() });
+        }
+        let sign = if text.starts_with(['-', '\u{2212}']) { "-" } else { "" };
+        let end = unsigned.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(unsigned.len());
+        let (digits, rest) = unsigned.split_at(end);
+        if digits.parse::<f64>().is_err() {
+            return Err(none());
+        }
+        let (exponent, rest) = exponent(rest);
+        let unit = rest.trim_start();
+        if unit.starts_with(',') || unit.starts_with(|c: char| c.is_ascii_digit() && !unit.starts_with("1/"))
+        {
+            return Err(QuantityError::Comma);
+        }
+        let gap = &rest[..rest.len() - unit.len()];
+        Ok(Self { number: Decimal { digits: format!("{sign}{digits}"), exponent }, gap, unit })
+    }
+
+    /// Returns the second number of a ratio such as `200:1`.
+    fn ratio(&self) -> Option<f64> {
+        let second = self.unit.strip_prefix(':')?.trim();
+        let plain = second.chars().all(|c| c.is_ascii_digit() || c == '.');
+        second.parse().ok().filter(|per: &f64| plain && *per > 0.0 && per.is_finite())
+    }
+}
+
+/// Splits the power of ten off a text such as `e-3 mm`.
+fn exponent(rest: &str) -> (i64, &str) {
+    let Some(after) = rest.strip_prefix(['e', 'E']) else { return (0, rest) };
+    let sign = after.len() - after.strip_prefix(['+', '-']).unwrap_or(after).len();
+    let digits = after[sign..].chars().take_while(char::is_ascii_digit).count();
+    if digits == 0 {
+        return (0, rest);
+    }
+    let (power, rest) = after.split_at(sign + digits);
+    let beyond = if power.starts_with('-') { i64::MIN / 2 } else { i64::MAX / 2 };
+    (power.parse().unwrap_or(beyond), rest)
+}
+
+/// Returns the factor from the written unit to the wanted one.
+fn scale(parts: &Parts<'_>, text: &str, wanted: &str) -> Result<Scale, QuantityError> {
+    let target = Unit::parse(wanted, Reading::Mass).unwrap_or(Unit::ONE);
+    let refused = |why| QuantityError::Unit { wanted: wanted.to_owned(), why };
+    if parts.unit.is_empty() && target.dimension != Dimension::default() {
+        return Err(QuantityError::NoUnit { wanted: wanted.to_owned() });
+    }
+    let unit = Unit::parse(parts.unit, Reading::Mass).map_err(refused)?;
+    if let Some(scale) = linear(&unit, &target) {
+        return Ok(scale);
+    }
+    let weight = Unit::parse(parts.unit, Reading::Weight).map_err(refused)?;
+    if let Some(scale) = linear(&weight, &target) {
+        return Ok(scale);
+    }
+    let (counts, bits) = (Unit::parse("count", Reading::Mass), Unit::parse("bit", Reading::Mass));
+    let is = |one: &Unit, other: Result<Unit, UnitError>| {
+        other.is_ok_and(|other| other.dimension == one.dimension)
+    };
+    let per_turn = Unit::parse("count/rev", Reading::Mass);
+    if is(&unit, bits) && (is(&target, counts) || is(&target, per_turn)) {
+        return Ok(Scale::CountsOfBits);
+    }
+    Err(mismatch(text, wanted, &unit.dimension.name(), unit.dimension))
+}
+
+fn mismatch(text: &str, wanted: &str, found: &str, dimension: Dimension) -> QuantityError {
+    let target = Unit::parse(wanted, Reading::Mass).unwrap_or(Unit::ONE).dimension;
+    let frequency = Dimension([0, 0, -1, 0, 0, 0, 1, 0, 0, 0]);
+    let time = Dimension([0, 0, 1, 0, 0, 0, 0, 0, 0, 0]);
+    let (length, area) =
+        (Dimension([1, 0, 0, 0, 0, 0, 0, 0, 0, 0]), Dimension([2, 0, 0, 0, 0, 0, 0, 0, 0, 0]));
+    let decibel = Dimension([0, 0, 0, 0, 0, 0, 0, 0, 0, 1]);
+    let meant = if dimension == frequency && target == time {
+        Some("give the period, the inverse of the frequency".to_owned())
+    } else if dimension == area && target == length && text.ends_with("m m") {
+        Some("did you mean \"mm\"?".to_owned())
+    } else if dimension == decibel {
+        Some("decibels stand only where the unit is dB: give the ratio itself".to_owned())
+    } else {
+        None
+    };
+    QuantityError::Dimension {
+        wanted: wanted.to_owned(),
+        written: format!("\"{}\"", text.trim()),
+        found: found.to_owned(),
+        meant,
+    }
+}

@@ -1,0 +1,170 @@
+//! The units by name.
+
+use std::f64::consts::PI;
+
+use super::dimension::{BASES, Dimension};
+
+/// A unit with a name of its own: `factor` times ten to the power `exponent`, in SI units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Named {
+    /// The name, as it is written.
+    pub name: &'static str,
+    /// What it means.
+    pub meaning: Meaning,
+    /// Whether it takes prefixes such as `m` and `k`.
+    pub prefixes: Prefixes,
+    /// What else the name can mean: `kg`, `lb` and `oz` are also used for the weight of that mass, and `g` for the acceleration of
+    /// gravity.
+    pub weight: Option<Meaning>,
+}
+
+/// Size and dimension of a unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Meaning {
+    /// Factor of the size in SI units.
+    pub factor: f64,
+    /// Power of ten of the size in SI units.
+    pub exponent: i32,
+    /// What is measured.
+    pub dimension: Dimension,
+}
+
+/// Whether a unit takes prefixes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Prefixes {
+    /// It does.
+    Taken,
+    /// It does not.
+    None,
+}
+
+/// Prefixes with their powers of ten.
+pub(super) const PREFIXES: [(&str, i32); 12] = [
+    ("p", -12),
+    ("n", -9),
+    ("u", -6),
+    ("µ", -6),
+    ("μ", -6),
+    ("m", -3),
+    ("c", -2),
+    ("d", -1),
+    ("k", 3),
+    ("M", 6),
+    ("G", 9),
+    ("T", 12),
+];
+
+const fn base(m: i32, kg: i32, s: i32, a: i32) -> [i32; BASES] {
+    [m, kg, s, a, 0, 0, 0, 0, 0, 0]
+}
+
+const fn unit(name: &'static str, factor: f64, exponent: i32, dimension: [i32; BASES]) -> Named {
+    let meaning = Meaning { factor, exponent, dimension: Dimension(dimension) };
+    Named { name, meaning, prefixes: Prefixes::None, weight: None }
+}
+
+/// A coherent SI unit, which takes prefixes.
+const fn si(name: &'static str, dimension: [i32; BASES]) -> Named {
+    Named { prefixes: Prefixes::Taken, ..unit(name, 1.0, 0, dimension) }
+}
+
+/// A unit of mass, whose name also stands for the weight of that mass under standard gravity.
+const fn mass(name: &'static str, factor: f64, exponent: i32) -> Named {
+    let weight = Meaning { factor: factor * STANDARD_GRAVITY, exponent, dimension: Dimension(FORCE) };
+    Named { weight: Some(weight), ..unit(name, factor, exponent, base(0, 1, 0, 0)) }
+}
+
+const FORCE: [i32; BASES] = base(1, 1, -2, 0);
+const ANGLE: [i32; BASES] = [0, 0, 0, 0, 0, 1, 0, 0, 0, 0];
+const CYCLES: [i32; BASES] = [0, 0, -1, 0, 0, 0, 1, 0, 0, 0];
+const BIT: [i32; BASES] = [0, 0, 0, 0, 0, 0, 0, 1, 0, 0];
+const COUNT: [i32; BASES] = [0, 0, 0, 0, 0, 0, 0, 0, 1, 0];
+const DECIBEL: [i32; BASES] = [0, 0, 0, 0, 0, 0, 0, 0, 0, 1];
+
+/// Standard acceleration of gravity, m/s^2 (ISO 80000-4).
+const STANDARD_GRAVITY: f64 = 9.80665;
+/// Avoirdupois pound, kg (exact by definition), as a whole number with a power of ten.
+const POUND: (f64, i32) = (45_359_237.0, -8);
+/// Avoirdupois ounce, kg: a sixteenth of a pound.
+const OUNCE: (f64, i32) = (28_349_523_125.0, -12);
+
+/// Every unit. Definitions are those of the SI brochure (9th edition) and of NIST Special Publication 811.
+pub const UNITS: &[Named] = &[
+    unit("1", 1.0, 0, base(0, 0, 0, 0)),
+    unit("%", 1.0, -2, base(0, 0, 0, 0)),
+    unit("percent", 1.0, -2, base(0, 0, 0, 0)),
+    unit("ppm", 1.0, -6, base(0, 0, 0, 0)),
+    unit("sample", 1.0, 0, base(0, 0, 0, 0)),
+    unit("samples", 1.0, 0, base(0, 0, 0, 0)),
+    si("m", base(1, 0, 0, 0)),
+    unit("in", 254.0, -4, base(1, 0, 0, 0)),
+    unit("inch", 254.0, -4, base(1, 0, 0, 0)),
+    unit("ft", 3048.0, -4, base(1, 0, 0, 0)),
+    Named {
+        prefixes: Prefixes::Taken,
+        weight: Some(Meaning {
+            factor: STANDARD_GRAVITY,
+            exponent: 0,
+            dimension: Dimension(base(1, 0, -2, 0)),
+        }),
+        ..unit("g", 1.0, -3, base(0, 1, 0, 0))
+    },
+    mass("kg", 1.0, 0),
+    mass("lb", POUND.0, POUND.1),
+    mass("oz", OUNCE.0, OUNCE.1),
+    unit("lbm", POUND.0, POUND.1, base(0, 1, 0, 0)),
+    unit("slug", 14.593_902_937_206_364, 0, base(0, 1, 0, 0)),
+    unit("t", 1.0, 3, base(0, 1, 0, 0)),
+    si("s", base(0, 0, 1, 0)),
+    unit("sec", 1.0, 0, base(0, 0, 1, 0)),
+    unit("min", 60.0, 0, base(0, 0, 1, 0)),
+    unit("h", 3600.0, 0, base(0, 0, 1, 0)),
+    si("rad", ANGLE),
+    unit("deg", PI / 180.0, 0, ANGLE),
+    unit("degree", PI / 180.0, 0, ANGLE),
+    unit("degrees", PI / 180.0, 0, ANGLE),
+    unit("°", PI / 180.0, 0, ANGLE),
+    unit("arcmin", PI / 10_800.0, 0, ANGLE),
+    unit("arcsec", PI / 648_000.0, 0, ANGLE),
+    unit("gon", PI / 200.0, 0, ANGLE),
+    unit("rev", 2.0 * PI, 0, ANGLE),
+    unit("turn", 2.0 * PI, 0, ANGLE),
+    Named { prefixes: Prefixes::Taken, ..unit("rpm", PI / 30.0, 0, [0, 0, -1, 0, 0, 1, 0, 0, 0, 0]) },
+    si("Hz", CYCLES),
+    si("N", FORCE),
+    unit("lbf", 4.448_221_615_260_5, 0, FORCE),
+    unit("ozf", 0.278_013_850_953_781_2, 0, FORCE),
+    unit("kgf", STANDARD_GRAVITY, 0, FORCE),
+    unit("gf", STANDARD_GRAVITY, -3, FORCE),
+    si("Nm", base(2, 1, -2, 0)),
+    si("Pa", base(-1, 1, -2, 0)),
+    si("bar", [-1, 1, -2, 0, 0, 0, 0, 0, 0, 0]).times_ten(5),
+    unit("psi", 6_894.757_293_168_361, 0, base(-1, 1, -2, 0)),
+    si("J", base(2, 1, -2, 0)),
+    si("W", base(2, 1, -3, 0)),
+    unit("hp", 745.699_871_582_270_2, 0, base(2, 1, -3, 0)),
+    si("A", base(0, 0, 0, 1)),
+    si("V", base(2, 1, -3, -1)),
+    si("ohm", base(2, 1, -3, -2)),
+    si("Ω", base(2, 1, -3, -2)),
+    si("H", base(2, 1, -2, -2)),
+    si("F", base(-2, -1, 4, 2)),
+    si("C", base(0, 0, 1, 1)),
+    si("Wb", base(2, 1, -2, -1)),
+    si("T", base(0, 1, -2, -1)),
+    si("K", [0, 0, 0, 0, 1, 0, 0, 0, 0, 0]),
+    unit("g0", STANDARD_GRAVITY, 0, base(1, 0, -2, 0)),
+    unit("bit", 1.0, 0, BIT),
+    unit("bits", 1.0, 0, BIT),
+    unit("count", 1.0, 0, COUNT),
+    unit("counts", 1.0, 0, COUNT),
+    unit("cpr", 0.5 / PI, 0, [0, 0, 0, 0, 0, -1, 0, 0, 1, 0]),
+    unit("dB", 1.0, 0, DECIBEL),
+];
+
+impl Named {
+    const fn times_ten(mut self, power: i32) -> Self {
+        self.meaning.exponent += power;
+        self
+    }
+}

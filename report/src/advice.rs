@@ -1,0 +1,66 @@
+//! What to change where a requirement fails, in words.
+
+use counterpoise_pipeline::studies::advice::{Advice, Change};
+use counterpoise_plot::number::short;
+
+use crate::{Cell, Column, Section, Table};
+
+/// Returns the advice for each failing requirement in a line.
+pub fn lines(all: &[Advice]) -> Vec<String> {
+    all.iter().map(line).collect()
+}
+
+fn line(advice: &Advice) -> String {
+    let (name, unit) = (advice.requirement.figure.name(), advice.requirement.figure.unit());
+    let Some(change) = &advice.change else {
+        return format!("{name}: no single weight of the design moves it");
+    };
+    let then = format!("then {} {unit}, {}", short(change.value), margin(change));
+    if change.holds {
+        format!("to meet {name}: {} ({then})", words(change))
+    } else {
+        format!("{name}: no single weight meets it within a factor of 3; nearest: {} ({then})", words(change))
+    }
+}
+
+fn words(change: &Change) -> String {
+    let percent = 100.0 * (change.factor - 1.0).abs();
+    let verb = if change.factor > 1.0 { "raise" } else { "lower" };
+    format!("{verb} `{}` by {percent:.0} %", change.key)
+}
+
+fn margin(change: &Change) -> String {
+    let size = short(change.gain_margin_db.abs());
+    if change.gain_margin_db < 0.0 {
+        format!("costs {size} dB of gain margin")
+    } else {
+        format!("gains {size} dB of gain margin")
+    }
+}
+
+/// Returns the section of a report; `None` if nothing fails.
+pub fn section(all: &[Advice]) -> Option<Section> {
+    if all.is_empty() {
+        return None;
+    }
+    let mut section = Section::new("What to change").saying(
+        "Each weight was changed by 5 %, the controller designed again and the figure measured again. The change that is advised was \
+         made and measured.",
+    );
+    for line in lines(all) {
+        section = section.saying(format!("{}{}.", line[..1].to_uppercase(), &line[1..]));
+    }
+    let columns = [
+        Column::Text("requirement"),
+        Column::Text("weight"),
+        Column::Number("change of the figure per factor e"),
+    ];
+    let mut table = Table::new("Sensitivities", &columns);
+    for advice in all {
+        for (key, slope) in &advice.sensitivities {
+            let name = advice.requirement.figure.name();
+            table.rows.push(vec![Cell::text(name), Cell::text(*key), Cell::number(*slope)]);
+        }
+    }
+    Some(section.listing(table))
+}

@@ -1,0 +1,195 @@
+//! A design beside its alternatives, as sections of a report: methods side by side, a lower order, hub and tip, the controllers
+//! over the out-of-balance, the modes that the design neglects.
+
+use counterpoise_pipeline::design_views::{ControllerFamily, FrequencyResponse};
+use counterpoise_pipeline::studies::comparison::{
+    Comparison, LoopFigures, LoweredRow, MethodRow, MotionRow, Spillover,
+};
+use counterpoise_pipeline::synth::schedule::BalanceRow;
+
+use crate::bode::{BodeCurve, Phase, bode};
+use crate::design::curve;
+use crate::{Cell, Column, Section, Table};
+use counterpoise_plot::number::short;
+use counterpoise_plot::{Colour, Dash, Figure};
+
+/// Returns the sections; none for what a project does not ask for.
+pub fn sections(found: &Comparison, families: &[ControllerFamily]) -> Vec<Section> {
+    let mut all = Vec::new();
+    if found.methods.len() > 1 {
+        all.push(methods(&found.methods));
+    }
+    all.extend(found.lowered.as_ref().map(lowered));
+    if !found.motions.is_empty() {
+        all.push(motions(&found.motions));
+    }
+    if found.balance.len() > 1 {
+        all.push(balance(families, &found.balance));
+    }
+    all.extend(found.spillover.as_ref().map(spillover));
+    all
+}
+
+const FIGURES: [Column; 7] = [
+    Column::Number("gain margin [dB]"),
+    Column::Number("phase margin [deg]"),
+    Column::Number("Ms"),
+    Column::Number("crossover [rad/s]"),
+    Column::Number("overshoot [%]"),
+    Column::Number("|S|, 0.2 to 2 Hz"),
+    Column::Number("noise gain [V s/rad]"),
+];
+
+fn figure_cells(f: &LoopFigures) -> Vec<Cell> {
+    let values = [
+        f.gain_margin_db,
+        f.phase_margin_deg,
+        f.max_sensitivity,
+        f.crossover_rad_s,
+        f.overshoot_percent,
+        f.rejection,
+        f.noise_gain,
+    ];
+    values.into_iter().map(Cell::number).collect()
+}
+
+fn methods(rows: &[MethodRow]) -> Section {
+    let mut columns = vec![
+        Column::Text("method"),
+        Column::Text("integral action"),
+        Column::Number("order"),
+        Column::Number("norm"),
+    ];
+    columns.extend(FIGURES);
+    let mut table = Table::new("The same plant and weights; figures of the sampled loop", &columns);
+    for row in rows {
+        let norm = row.norm.map_or(Cell::text(""), Cell::number);
+        let integral = if row.integral { "yes" } else { "no" };
+        let mut cells =
+            vec![Cell::text(&row.method), Cell::text(integral), Cell::text(row.order.to_string()), norm];
+        match &row.figures {
+            Some(found) => cells.extend(figure_cells(found)),
+            None => cells.extend(FIGURES.map(|_| Cell::text("-"))),
+        }
+        table.rows.push(cells);
+    }
+    let why = |row: &MethodRow| row.why.as_ref().map(|why| format!("{}: no controller: {why}", row.method));
+    let section = Section::new("Methods of the feedback, side by side").listing(table);
+    rows.iter().filter_map(why).fold(section, |section, line| section.saying(line))
+}
+
+fn lowered(row: &LoweredRow) -> Section {
+    let mut columns = vec![Column::Text("feedback"), Column::Number("order")];
+    columns.extend(FIGURES);
+    let mut table = Table::new("", &columns);
+    for (name, order, figures) in
+        [("as designed", row.order[0], &row.before), ("lowered", row.order[1], &row.after)]
+    {
+        let mut cells = vec![Cell::text(name), Cell::text(order.to_string())];
+        cells.extend(figure_cells(figures));
+        table.rows.push(cells);
+    }
+    Section::new("A feedback of lower order")
+        .saying(format!(
+            "Reduced by frequency-weighted balancing; the closed loop changes by {} % at most.",
+            short(100.0 * row.loop_change)
+        ))
+        .listing(table)
+}
+
+fn motions(rows: &[MotionRow]) -> Section {
+    let columns = [
+        Column::Text("expected motion"),
+        Column::Number("hub, feedback alone"),
+        Column::Number("hub, with feedforward"),
+        Column::Number("tip, feedback alone"),
+        Column::Number("tip, with feedforward"),
+    ];
+    let mut table = Table::new("RMS rates on the design plant, mrad/s", &columns);
+    for row in rows {
+        let mut cells = vec![Cell::text(row.disturbance)];
+        cells.extend(row.hub_rad_s.iter().chain(&row.tip_rad_s).map(|rate| Cell::number(1e3 * rate)));
+        table.rows.push(cells);
+    }
+    Section::new("Hub and tip").listing(table)
+}
+
+/// The controllers over the states of balance.
+fn balance(families: &[ControllerFamily], rows: &[BalanceRow]) -> Section {
+    let section = Section::new("Over the out-of-balance")
+        .saying("Each state of balance has its own full design; curves that cannot be told apart lie on each other.")
+        .showing(families.iter().map(family));
+    section.listing(changes(rows)).listing(laws(rows))
+}
+
+/// The response of a controller in every state of balance.
+fn family(family: &ControllerFamily) -> Figure {
+    let colours = Colour::CYCLE;
+    let one = |(k, response): (usize, &FrequencyResponse)| BodeCurve {
+        dash: [Dash::Solid, Dash::Dashed][k / colours.len() % 2],
+        ..curve(response, colours[k % colours.len()])
+    };
+    let curves: Vec<BodeCurve> = family.curves.iter().enumerate().map(one).collect();
+    let title = format!("{} over the out-of-balance", family.name);
+    bode(&title, family.unit, &curves, Phase::Hidden, Vec::new())
+}
+
+fn changes(rows: &[BalanceRow]) -> Table {
+    let columns = [
+        Column::Text("state"),
+        Column::Number("out-of-balance [kg m]"),
+        Column::Number("feedback [dB]"),
+        Column::Number("heave [dB]"),
+        Column::Number("pitch [dB]"),
+        Column::Number("old controllers [mrad/s]"),
+        Column::Number("gain law [mrad/s]"),
+        Column::Number("redesign [mrad/s]"),
+    ];
+    let caption = "Change of each controller from 0.1 to 20 Hz, lowest to highest, and RMS hub rate under the expected heave";
+    let mut table = Table::new(caption, &columns);
+    let range = |[low, high]: [f64; 2]| format!("{:+.2} to {:+.2}", tidy(low), tidy(high));
+    let change = |db: Option<[f64; 2]>| Cell::text(db.map_or("-".to_owned(), range));
+    let error = |rate: Option<f64>| rate.map_or(Cell::text("-"), |rate| Cell::number(1e3 * rate));
+    for row in rows {
+        table.rows.push(vec![
+            Cell::text(&row.name),
+            Cell::number(row.out_of_balance_kg_m),
+            Cell::text(range(row.feedback_db)),
+            change(row.heave_db),
+            change(row.pitch_db),
+            error(row.error_before_rad_s),
+            error(row.error_gain_law_rad_s),
+            error(row.error_after_rad_s),
+        ]);
+    }
+    table
+}
+
+/// Which conditions hold in every state of balance, and what follows.
+fn laws(rows: &[BalanceRow]) -> Table {
+    let columns = [
+        Column::Text("state"),
+        Column::Text("heave feedforward"),
+        Column::Text("conditions of the gain law"),
+    ];
+    let mut table = Table::new("What follows for the heave feedforward, and why", &columns);
+    for row in rows {
+        table.rows.push(vec![Cell::text(&row.name), Cell::text(&row.law), Cell::text(&row.conditions)]);
+    }
+    table
+}
+
+/// Without the sign of a zero that is shown.
+fn tidy(db: f64) -> f64 {
+    if db.abs() < 5e-3 { 0.0 } else { db }
+}
+
+fn spillover(found: &Spillover) -> Section {
+    let says = if found.largest_pole < 1.0 { "stable" } else { "NOT STABLE" };
+    Section::new("Modes that the design does not know").saying(format!(
+        "On the finite elements with {} flexible modes (order {}) the sampled loop is {says}: its largest pole has the modulus {}.",
+        found.modes,
+        found.order,
+        short(found.largest_pole)
+    ))
+}

@@ -1,0 +1,182 @@
+//! The stability certificate in words: what is proved, what is predicted, what the simulator shows.
+
+use counterpoise_pipeline::studies::certificate::RegimeRobustness;
+use counterpoise_plot::number::short;
+use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
+use counterpoise_verify::certificate::{CaseCertificate, Certificate, Orbit, Regime, RegimeLoop, Stability};
+use counterpoise_verify::structured::Joints;
+
+use crate::{Cell, Column, Section, Table};
+
+/// Returns the verdict of a case in a sentence without its full stop.
+pub fn verdict(case: &CaseCertificate) -> String {
+    match case.stability {
+        Stability::Stable if case.is_proved() => {
+            "stable: proved for every friction that only takes energy, and quiet in the runs".to_owned()
+        }
+        Stability::Stable => {
+            "stable: predicted in every regime, and quiet in the runs; not proved for every friction"
+                .to_owned()
+        }
+        Stability::LimitCycle { amplitude_rad_s, frequency_hz } => format!(
+            "NOT quiet at rest: a limit cycle of {} mrad/s at {} Hz",
+            short(1e3 * amplitude_rad_s),
+            short(frequency_hz)
+        ),
+        Stability::Unstable => "NOT stable: the motion grows".to_owned(),
+        Stability::NotPredicted => format!(
+            "not predicted: no limit cycle is predicted, but at rest the hub moves {} mrad/s RMS",
+            short(1e3 * case.rest.rms_rad_s)
+        ),
+    }
+}
+
+/// Returns a regime in words.
+pub fn regime(regime: Regime) -> &'static str {
+    match regime {
+        Regime::Presliding => "at rest (presliding friction)",
+        Regime::Sliding => "sliding friction",
+        Regime::PreslidingLearning => "at rest, estimator learning",
+        Regime::SlidingLearning => "sliding, estimator learning",
+        Regime::TeethOpen => "gear teeth open",
+    }
+}
+
+/// Returns the certificate in lines, for a terminal and for the section's text: the worst case first.
+pub fn lines(found: &Certificate) -> Vec<String> {
+    let Some(worst) = found.worst() else { return Vec::new() };
+    let mut lines = vec![format!("{} (worst case: {})", verdict(worst), worst.name)];
+    if let Some(at) = worst.worst_regime() {
+        lines.push(format!("worst regime: {}, {}", regime(at.regime), loop_words(at)));
+    }
+    lines.extend(worst.prediction.cycles.iter().map(|cycle| {
+        let trust = if cycle.is_reliable() {
+            "predicted by harmonic balance"
+        } else {
+            "not predicted reliably, because the loop is no low-pass there"
+        };
+        format!(
+            "limit cycle of {} mrad/s at {} Hz: {trust}",
+            short(1e3 * cycle.rate_rad_s),
+            short(cycle.frequency_hz)
+        )
+    }));
+    lines.extend(worst.orbits.iter().filter(|orbit| orbit.rms_rad_s > 0.0).map(orbit_words));
+    let others = found.cases.iter().filter(|case| case.name != worst.name);
+    lines.extend(others.map(|case| format!("{}: {}", case.name, verdict(case))));
+    lines
+}
+
+fn loop_words(at: &RegimeLoop) -> String {
+    if at.pole_radius >= 1.0 {
+        return format!(
+            "unstable: pole of modulus {:.6} at {} Hz, growing by a factor of e in {} s",
+            at.pole_radius,
+            short(at.frequency_hz),
+            short(1.0 / at.growth_per_s)
+        );
+    }
+    format!("gain margin {} dB, largest sensitivity {}", short(at.gain_margin_db), short(at.max_sensitivity))
+}
+
+fn orbit_words(orbit: &Orbit) -> String {
+    if orbit.rms_rad_s.is_infinite() {
+        return format!("simulated from {} mrad/s: the motion diverges", short(1e3 * orbit.start_rad_s));
+    }
+    format!(
+        "simulated from {} mrad/s at {} Hz: {} mrad/s at {} Hz stays",
+        short(1e3 * orbit.start_rad_s),
+        short(orbit.start_hz),
+        short(1e3 * orbit.amplitude_rad_s),
+        short(orbit.frequency_hz)
+    )
+}
+
+/// Returns the structured singular value of the further cases and regimes in lines; the design's own case in the sliding regime is the
+/// linear worst case and stands elsewhere.
+pub fn robustness(found: &[RegimeRobustness]) -> Vec<String> {
+    let line = |at: &RegimeRobustness| {
+        let joints = match at.joints {
+            Joints::Sliding => "sliding friction",
+            Joints::AtRest => "at rest",
+        };
+        match &at.found {
+            Some(bounds) => format!(
+                "{}, {joints}: stable within {} times the stated ranges",
+                at.case,
+                short(bounds.guaranteed)
+            ),
+            None => format!("{}, {joints}: the loop is not stable without any deviation", at.case),
+        }
+    };
+    found.iter().map(line).collect()
+}
+
+/// Returns the section of a report.
+pub fn section(found: &Certificate, robust: &[RegimeRobustness]) -> Section {
+    let mut section = Section::new("Stability of the exported controller");
+    for line in lines(found) {
+        section = section.saying(format!("{}.", capital(&line)));
+    }
+    section = section.saying(
+        "Every block of the exported controller is part of these loops: its friction observers, its estimator and the inverse of the \
+         drive's curve. At rest, friction is the spring of its presliding stiffness. Limit cycles are predicted by harmonic balance, \
+         and each prediction is the start of a run on the simulator, which is followed until the motion settles or fades. Stability is \
+         called proved only where the rest of the loop is passive at the joints, so that no friction that only takes energy can \
+         destabilise it; this is computed one tone at a time, without the aliases of sampling. Everything else is predicted.",
+    );
+    section = section.listing(regimes(found));
+    if !robust.is_empty() {
+        section = section.listing(bounds(robust));
+    }
+    match found.worst() {
+        Some(worst) if !worst.prediction.growth.is_empty() => section.showing([growth(worst)]),
+        _ => section,
+    }
+}
+
+fn capital(line: &str) -> String {
+    let first = line.chars().next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
+    format!("{first}{}", line.chars().skip(1).collect::<String>())
+}
+
+fn regimes(found: &Certificate) -> Table {
+    let columns = [
+        Column::Text("case"),
+        Column::Text("regime"),
+        Column::Number("pole modulus"),
+        Column::Number("gain margin [dB]"),
+        Column::Number("largest sensitivity"),
+    ];
+    let mut table = Table::new("The linear loop in each regime", &columns);
+    for case in &found.cases {
+        for at in &case.regimes {
+            table.rows.push(vec![
+                Cell::text(case.name.clone()),
+                Cell::text(regime(at.regime)),
+                Cell::text(format!("{:.6}", at.pole_radius)),
+                Cell::number(at.gain_margin_db),
+                Cell::number(at.max_sensitivity),
+            ]);
+        }
+    }
+    table
+}
+
+fn bounds(found: &[RegimeRobustness]) -> Table {
+    let mut table = Table::new("Stated ranges of the parameters in each regime", &[Column::Text("result")]);
+    table.rows = robustness(found).into_iter().map(|line| vec![Cell::text(line)]).collect();
+    table
+}
+
+fn growth(case: &CaseCertificate) -> Figure {
+    let points = case.prediction.growth.iter().map(|at| (1e3 * at.rate_rad_s, at.growth_per_s));
+    let series = vec![Series::solid("growth", Colour::First, points)];
+    let marks = vec![Mark::Level { y: 0.0, text: "the motion grows above this".to_owned() }];
+    let panel = Panel::new(Axis::linear("growth of an oscillation", "1/s"), series).with_marks(marks);
+    Figure::new(
+        "Growth over the amplitude",
+        Axis::logarithmic("amplitude of the hub rate", "mrad/s"),
+        vec![panel],
+    )
+}

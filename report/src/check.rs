@@ -1,0 +1,178 @@
+//! What a project file was understood to say, and what it leaves open, in words.
+
+use counterpoise_pipeline::check::{CheckResult, PlantOverview};
+use counterpoise_pipeline::studies::assumptions::{AssumptionEffect, EffectAt};
+use counterpoise_project::diagnostic::MOST_SHOWN;
+use counterpoise_project::{Assumption, SectionStatement, Tolerance, ValueStatement};
+
+use crate::page::{Cell, Column, Section, Table};
+
+/// Returns the lines that `counterpoise check` prints.
+pub fn lines(found: &CheckResult) -> Vec<String> {
+    let mut lines = vec![heading(found)];
+    lines.extend(found.plant.iter().flat_map(plant));
+    lines.push(String::new());
+    lines.push("Understood:".to_owned());
+    lines.extend(found.sections.iter().map(section));
+    if !found.tolerances.is_empty() {
+        lines.push(String::new());
+        lines.push("Known within a tolerance:".to_owned());
+        lines.extend(found.tolerances.iter().map(tolerance));
+    }
+    lines.push(String::new());
+    lines.extend(assumed(&found.assumptions));
+    lines.extend(ranked(&found.effects));
+    lines.push(String::new());
+    lines.extend(found.warnings.iter().take(MOST_SHOWN).map(ToString::to_string));
+    if found.warnings.len() > MOST_SHOWN {
+        lines.push(format!("and {} more", found.warnings.len() - MOST_SHOWN));
+    }
+    lines.extend(found.problems.iter().cloned());
+    lines.push(format!("Commands that can run on this file: {}.", found.commands.join(", ")));
+    lines
+}
+
+fn heading(found: &CheckResult) -> String {
+    let format = found.format.map_or(String::new(), |format| format!(", format {format}"));
+    let parts = match &found.parts[..] {
+        [] => String::new(),
+        parts => format!(", with the parts {}", parts.join(", ")),
+    };
+    format!("{}: \"{}\"{format}{parts}", found.file, found.machine)
+}
+
+/// Returns the plant in sentences.
+fn plant(plant: &PlantOverview) -> Vec<String> {
+    let mode = plant.first_mode_hz.map_or("It is rigid".to_owned(), |hz| {
+        format!("Its first flexible mode, with the hub held, is at {} Hz", short(hz))
+    });
+    let balance = if plant.out_of_balance_kg_m == 0.0 {
+        "it is balanced".to_owned()
+    } else {
+        format!(
+            "its out-of-balance is {} kg m, which {} V of control hold",
+            short(plant.out_of_balance_kg_m),
+            short(plant.holding_v)
+        )
+    };
+    vec![
+        format!("The structure has an inertia of {} kg m^2; {balance}.", short(plant.inertia_kg_m2)),
+        format!(
+            "{mode}. The linear plant has order {}; the controller runs at {} Hz.",
+            plant.order,
+            short(plant.sample_rate_hz)
+        ),
+    ]
+}
+
+/// Returns a section on one line: its meaning, then its values.
+fn section(section: &SectionStatement) -> String {
+    let value = |value: &ValueStatement| {
+        let unit = if value.unit.is_empty() { String::new() } else { format!(" {}", value.unit) };
+        format!("{} {}{unit}", value.key.replace('_', " "), value.value)
+    };
+    let values: Vec<String> = section.values.iter().map(value).collect();
+    format!("  {} ({}): {}", section.path, section.meaning, values.join(", "))
+}
+
+fn tolerance(tolerance: &Tolerance) -> String {
+    let [low, high] = tolerance.range();
+    format!("  {}: {} to {}", tolerance.key, short(low), with_unit(high, tolerance.unit))
+}
+
+/// Most assumptions without a usual range that are listed one by one.
+const MOST_LISTED: usize = 60;
+
+/// Returns what is assumed, one value a line.
+fn assumed(assumptions: &[Assumption]) -> Vec<String> {
+    if assumptions.is_empty() {
+        return vec!["Nothing is assumed: every value of the plant is stated.".to_owned()];
+    }
+    let line =
+        |a: &Assumption| format!("  {} = {} ({}; {})", a.key, with_unit(a.value, a.unit), a.rule, a.source);
+    let mut lines = vec!["Assumed, because the file does not state it:".to_owned()];
+    lines.extend(assumptions.iter().take(MOST_LISTED).map(line));
+    if let Some(more) = assumptions.len().checked_sub(MOST_LISTED).filter(|more| *more > 0) {
+        lines.push(format!("  and {more} more (--json lists all)"));
+    }
+    lines
+}
+
+/// Returns how much the assumptions matter, the largest effect first.
+fn ranked(effects: &[AssumptionEffect]) -> Vec<String> {
+    if effects.is_empty() {
+        return Vec::new();
+    }
+    let line = |effect: &AssumptionEffect| {
+        let [low, high] = &effect.at;
+        let unit = effect.unit;
+        format!(
+            "  {}: at {} {}; at {} {}",
+            effect.key,
+            with_unit(low.value, unit),
+            change(low),
+            with_unit(high.value, unit),
+            change(high)
+        )
+    };
+    let mut lines = vec![
+        String::new(),
+        "What the assumptions may cost, the most important first (measure this next):".to_owned(),
+    ];
+    lines.extend(effects.iter().map(line));
+    lines
+}
+
+fn change(at: &EffectAt) -> String {
+    if !at.is_stable {
+        return "the loop is unstable".to_owned();
+    }
+    let part = |name: &str, value: Option<f64>, unit: &str| {
+        value.map(|value| format!("{name} {}{unit}", signed(value)))
+    };
+    let parts = [
+        part("gain margin", at.gain_margin_change_db, " dB"),
+        part("phase margin", at.phase_margin_change_deg, " deg"),
+        part("sensitivity", at.sensitivity_change_db, " dB"),
+        part("residual", at.residual_change_db, " dB"),
+    ];
+    parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+fn signed(value: f64) -> String {
+    format!("{value:+.2}")
+}
+
+fn with_unit(value: f64, unit: &str) -> String {
+    if unit.is_empty() { short(value) } else { format!("{} {unit}", short(value)) }
+}
+
+/// Returns a number with up to four significant digits.
+fn short(value: f64) -> String {
+    if value.is_infinite() {
+        return "infinite".to_owned();
+    }
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    let size = rounded.abs();
+    if rounded == 0.0 || (1e-3..1e6).contains(&size) { rounded.to_string() } else { format!("{rounded:e}") }
+}
+
+/// Returns the section of a report that lists what is assumed.
+pub fn assumptions_section(assumptions: &[Assumption]) -> Section {
+    let mut section = Section::new("Assumptions");
+    if assumptions.is_empty() {
+        return section.saying("Every value of the plant is stated in the project file.".to_owned());
+    }
+    section = section.saying(
+        "The project file does not state these values of the plant. `counterpoise check` ranks those whose usual range is known."
+            .to_owned(),
+    );
+    let columns = [Column::Text("key"), Column::Text("value"), Column::Text("rule"), Column::Text("source")];
+    let mut table = Table::new("Assumed values", &columns);
+    for a in assumptions {
+        let texts = [a.key.clone(), with_unit(a.value, a.unit), a.rule.to_owned(), a.source.to_owned()];
+        table.rows.push(texts.into_iter().map(Cell::Text).collect());
+    }
+    section.tables.push(table);
+    section
+}

@@ -1,0 +1,238 @@
+//! The controller that was in the loop when a recording was made.
+
+use std::sync::Arc;
+
+use counterpoise_controller::{
+    Controller, ProportionalIntegral, READINGS, Readings, Runner, SampledController,
+};
+use counterpoise_models::{Parameters, Sensor};
+use counterpoise_recordings::{Channel, Recording};
+
+use super::initial_controller_state::fit_initial_states;
+use super::platform::reading_floor;
+use crate::Error;
+use crate::sensing::CONVERTER_RANGE_V;
+use crate::tolerance::{INTEGRAL_SAMPLES, NOISE_RESPONSE_SAMPLES};
+
+/// A controller whose control a closed-loop replay computes anew from the simulated readings.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RecordedController {
+    /// A proportional-integral controller of the hub rate.
+    ProportionalIntegral(ProportionalIntegral),
+    /// A controller as it is exported, with every block that runs on the target.
+    Exported(Arc<Controller>),
+}
+
+/// The recorded channels behind a controller's readings, in the order of [`counterpoise_controller::READING_NAMES`].
+const READ: [Channel; READINGS] = [
+    Channel::Demand,
+    Channel::HubRate,
+    Channel::PlatformRate,
+    Channel::PlatformAccel,
+    Channel::MotorRate,
+    Channel::HubPosition,
+];
+
+impl RecordedController {
+    /// Returns the proportional-integral controller; `None` if it is another one.
+    pub fn as_proportional_integral(&self) -> Option<&ProportionalIntegral> {
+        match self {
+            Self::ProportionalIntegral(controller) => Some(controller),
+            Self::Exported(_) => None,
+        }
+    }
+
+    /// Returns the controller in the state that it had at the recording's first sample, ready for a closed-loop run.
+    ///
+    /// An exported controller reads the recorded platform sensors where they were recorded: the mechanism does not act on them, so
+    /// they are what the real controller read.
+    ///
+    /// # Errors
+    /// [`Error::NoChannel`] if the demand was not recorded.
+    pub(crate) fn at_start_of(&self, recording: &Recording) -> Result<Box<dyn SampledController>, Error> {
+        recording.samples(Channel::Demand).ok_or(Error::NoChannel { channel: "demand" })?;
+        Ok(match self {
+            Self::ProportionalIntegral(controller) => Box::new(with_fitted_integral(controller, recording)),
+            Self::Exported(controller) => {
+                let platform = [Channel::PlatformRate, Channel::PlatformAccel]
+                    .map(|channel| recording.samples(channel).map(<[f64]>::to_vec));
+                let runner = fit_initial_states(controller, recording).unwrap_or_else(|| controller.runner());
+                Box::new(WithRecordedPlatform { runner, platform, next: 0 })
+            }
+        })
+    }
+
+    /// Returns the control that the controller makes of recorded readings, sample by sample from the first of `range` on, with the
+    /// initial state that fits the recorded control best, limited to the converter's range; `None` if a channel that it reads was
+    /// not recorded.
+    pub(crate) fn made_of(&self, recording: &Recording) -> Option<Vec<f64>> {
+        let read = recorded_readings(recording)?;
+        let control = recording.samples(Channel::Control)?;
+        match self {
+            Self::ProportionalIntegral(controller) => Some(proportional_integral(controller, &read, control)),
+            Self::Exported(controller) => {
+                let mut runner = fit_initial_states(controller, recording)?;
+                Some(read.iter().map(|readings| runner.step(readings)).collect())
+            }
+        }
+    }
+
+    /// Returns the channels that the controller needs to be compared with its recorded control.
+    pub(crate) fn needed_channels(&self) -> Vec<Channel> {
+        match self {
+            Self::ProportionalIntegral(_) => vec![Channel::Demand, Channel::HubRate],
+            Self::Exported(controller) => {
+                let gains = impulse_responses(controller);
+                let used = |j: &usize| gains[*j].iter().any(|g| *g != 0.0);
+                (0..READINGS).filter(used).map(|j| READ[j]).collect()
+            }
+        }
+    }
+
+    /// Returns the RMS of the control that noise and quantisation of the readings and the output converter's step leave in a
+    /// closed-loop replay, V. The platform's readings are the recorded ones, so that they add nothing.
+    pub fn control_floor(&self, parameters: &Parameters) -> f64 {
+        let step = 2.0 * CONVERTER_RANGE_V / f64::from(parameters.interface.output_bits).exp2();
+        let floor = |sensor: &Sensor| reading_floor(sensor, &parameters.interface);
+        self.of_noise(parameters, floor).hypot(step / 12f64.sqrt())
+    }
+
+    /// Returns the RMS of the control that the rounding of the converters leaves when the recorded readings are used, V.
+    pub(crate) fn rounding_floor(&self, parameters: &Parameters) -> f64 {
+        let step = |bits: u32| 2.0 * CONVERTER_RANGE_V / f64::from(bits).exp2() / 12f64.sqrt();
+        let interface = &parameters.interface;
+        let read = |sensor: &Sensor| step(interface.input_bits) / sensor.scale_v_unit;
+        step(interface.output_bits).hypot(self.of_noise(parameters, read))
+    }
+
+    /// Returns the RMS of the control from white noise on what the mechanism's sensors read.
+    fn of_noise(&self, parameters: &Parameters, size: impl Fn(&Sensor) -> f64) -> f64 {
+        let sensors = &parameters.sensors;
+        match self {
+            Self::ProportionalIntegral(controller) => controller.kp_v_s_rad * size(&sensors.hub_gyro),
+            Self::Exported(controller) => {
+                let responses = impulse_responses(controller);
+                let gain = |j: usize| {
+                    let settled = responses[j].last().copied().unwrap_or(0.0);
+                    responses[j].iter().map(|g| (g - settled) * (g - settled)).sum::<f64>().sqrt()
+                };
+                let sized = |sensor: Option<&Sensor>| sensor.map_or(0.0, &size);
+                let hub = gain(1) * size(&sensors.hub_gyro);
+                let motor = gain(4) * sized(sensors.motor_tachometer.as_ref());
+                hub.hypot(motor).hypot(gain(5) * sized(sensors.hub_resolver.as_ref()))
+            }
+        }
+    }
+}
+
+impl From<ProportionalIntegral> for RecordedController {
+    fn from(controller: ProportionalIntegral) -> Self {
+        Self::ProportionalIntegral(controller)
+    }
+}
+
+impl From<Controller> for RecordedController {
+    fn from(controller: Controller) -> Self {
+        Self::Exported(Arc::new(controller))
+    }
+}
+
+/// Returns the responses of the control to a small impulse on each reading, V per unit, from the controller at rest. A small impulse
+/// keeps friction observers in presliding and the limiter out of the way.
+fn impulse_responses(controller: &Controller) -> [Vec<f64>; READINGS] {
+    const SMALL: f64 = 1e-6;
+    let run = |impulse: Option<usize>| -> Vec<f64> {
+        let mut runner = controller.runner();
+        let step = |k: usize| {
+            let mut readings = [0.0; READINGS];
+            if let (Some(j), 0) = (impulse, k) {
+                readings[j] = SMALL;
+            }
+            runner.step_array(&readings)
+        };
+        (0..NOISE_RESPONSE_SAMPLES).map(step).collect()
+    };
+    let rest = run(None);
+    std::array::from_fn(|j| run(Some(j)).iter().zip(&rest).map(|(a, b)| (a - b) / SMALL).collect())
+}
+
+/// Returns the recorded readings of every sample; a channel that was not recorded reads 0, and a missing sample repeats the one before.
+pub(crate) fn recorded_readings(recording: &Recording) -> Option<Vec<Readings>> {
+    let columns = READ.map(|channel| recording.samples(channel));
+    columns[0]?;
+    columns[1]?;
+    let mut last = [0.0; READINGS];
+    let mut at = |k: usize| {
+        for (value, column) in last.iter_mut().zip(&columns) {
+            let recorded = column.and_then(|c| c.get(k)).copied().filter(|v| v.is_finite());
+            *value = recorded.unwrap_or(*value);
+        }
+        Readings::from_array(last)
+    };
+    Some((0..recording.len()).map(&mut at).collect())
+}
+
+/// Returns the controller with the integral that it had at the first sample: the mean of what its output leaves unexplained, for its
+/// inputs were recorded; as it was handed in if control or hub rate were not.
+fn with_fitted_integral(controller: &ProportionalIntegral, recording: &Recording) -> ProportionalIntegral {
+    let mut ready = controller.clone();
+    let recorded = |channel| recording.samples(channel);
+    let (Some(demand), Some(control), Some(rate)) =
+        (recorded(Channel::Demand), recorded(Channel::Control), recorded(Channel::HubRate))
+    else {
+        return ready;
+    };
+    ready.integral_v = 0.0;
+    let mut observer = ready.clone();
+    let (mut sum, mut count) = (0.0, 0.0);
+    for k in 0..recording.len().min(INTEGRAL_SAMPLES) {
+        let readings = Readings { demand_rad_s: demand[k], hub_rate_rad_s: rate[k], ..Readings::default() };
+        let left = control[k] - observer.step(&readings);
+        if left.is_nan() || control[k].abs() >= CONVERTER_RANGE_V {
+            break;
+        }
+        sum += left;
+        count += 1.0;
+    }
+    ready.integral_v = if count > 0.0 { sum / count } else { 0.0 };
+    ready
+}
+
+/// Returns the control of a proportional-integral controller, with the integral at the start that fits best.
+fn proportional_integral(controller: &ProportionalIntegral, read: &[Readings], control: &[f64]) -> Vec<f64> {
+    let mut ready = ProportionalIntegral { integral_v: 0.0, ..controller.clone() };
+    let made: Vec<f64> = read.iter().map(|readings| ready.step(readings)).collect();
+    let free = |k: &usize| control[*k].abs() < CONVERTER_RANGE_V;
+    let left: Vec<f64> = (0..made.len()).filter(free).map(|k| control[k] - made[k]).collect();
+    let integral = left.iter().sum::<f64>() / left.len().max(1) as f64;
+    made.into_iter().map(|u| (u + integral).clamp(-CONVERTER_RANGE_V, CONVERTER_RANGE_V)).collect()
+}
+
+/// An exported controller that reads the recorded platform sensors.
+struct WithRecordedPlatform {
+    runner: Runner,
+    /// Recorded platform rate and acceleration.
+    platform: [Option<Vec<f64>>; 2],
+    next: usize,
+}
+
+impl SampledController for WithRecordedPlatform {
+    fn reset(&mut self) {
+        self.runner.reset();
+        self.next = 0;
+    }
+
+    fn step(&mut self, readings: &Readings) -> f64 {
+        let recorded = |column: &Option<Vec<f64>>, simulated: f64| {
+            let value = column.as_ref().and_then(|c| c.get(self.next)).copied();
+            value.filter(|v| v.is_finite()).unwrap_or(simulated)
+        };
+        let read = Readings {
+            platform_rate_rad_s: recorded(&self.platform[0], readings.platform_rate_rad_s),
+            platform_accel_m_s2: recorded(&self.platform[1], readings.platform_accel_m_s2),
+            ..*readings
+        };
+        self.next += 1;
+        self.runner.step(&read)
+    }
+}

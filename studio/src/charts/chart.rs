@@ -1,0 +1,162 @@
+//! A plot as data.
+
+use egui::Color32;
+
+use super::curve_points::CurvePoints;
+
+/// A curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// Its name; a curve without one is not in the legend.
+    pub name: String,
+    /// Its points, in the units of the axes.
+    pub points: CurvePoints,
+    /// Its colour.
+    pub colour: Color32,
+    /// How it is stroked.
+    pub dash: Dash,
+}
+
+/// How a curve is stroked, so that it can be read without colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dash {
+    /// Unbroken.
+    Solid,
+    /// Dashes.
+    Dashed,
+    /// Dots.
+    Dotted,
+}
+
+/// The scale of an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Scale {
+    /// Linear.
+    Linear,
+    /// Logarithmic.
+    Log,
+}
+
+/// The two axes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PlotAxis {
+    /// Horizontal.
+    X,
+    /// Vertical.
+    Y,
+}
+
+impl PlotAxis {
+    /// Returns the axis' place in pairs: 0 for x, 1 for y.
+    pub fn index(self) -> usize {
+        match self {
+            Self::X => 0,
+            Self::Y => 1,
+        }
+    }
+}
+
+/// A vertical line with a label.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VerticalMark {
+    /// Where it stands on the x axis.
+    pub x: f64,
+    /// Its label.
+    pub label: String,
+}
+
+/// A point with a label.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LabelledPoint {
+    /// Its coordinates.
+    pub at: [f64; 2],
+    /// Its label.
+    pub label: String,
+}
+
+/// A plot as data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chart {
+    /// What the plot shows; also its name for copies and screen readers.
+    pub title: String,
+    /// The labels of the axes, with units.
+    pub labels: [String; 2],
+    /// The scales of the axes.
+    pub scales: [Scale; 2],
+    /// The curves.
+    pub curves: Vec<Curve>,
+    /// Vertical lines with labels.
+    pub marks: Vec<VerticalMark>,
+    /// Points with labels.
+    pub spots: Vec<LabelledPoint>,
+    /// Horizontal lines.
+    pub levels: Vec<f64>,
+    /// The range of each axis before the user zooms; `None` fits the content.
+    pub range: [Option<(f64, f64)>; 2],
+    /// Charts of one group share their x axis and their cursor.
+    pub group: Option<&'static str>,
+}
+
+impl Chart {
+    /// Returns a chart without curves on linear axes.
+    pub fn new(title: &str, x_label: &str, y_label: &str) -> Self {
+        Self {
+            title: title.to_owned(),
+            labels: [x_label.to_owned(), y_label.to_owned()],
+            scales: [Scale::Linear; 2],
+            curves: Vec::new(),
+            marks: Vec::new(),
+            spots: Vec::new(),
+            levels: Vec::new(),
+            range: [None, None],
+            group: None,
+        }
+    }
+
+    /// Adds a curve of a few thousand points at most.
+    #[must_use]
+    pub fn with_curve(self, name: &str, colour: Color32, dash: Dash, points: Vec<[f64; 2]>) -> Self {
+        self.with_any_curve(Curve { name: name.to_owned(), points: CurvePoints::Few(points), colour, dash })
+    }
+
+    /// Adds a curve of any length.
+    #[must_use]
+    pub fn with_any_curve(mut self, curve: Curve) -> Self {
+        self.curves.push(curve);
+        self
+    }
+
+    /// Puts the chart into a group of charts that are zoomed and read together.
+    #[must_use]
+    pub fn in_group(mut self, group: &'static str) -> Self {
+        self.group = Some(group);
+        self
+    }
+
+    /// Adds a vertical line with a label.
+    pub fn add_mark(&mut self, x: f64, label: impl Into<String>) {
+        self.marks.push(VerticalMark { x, label: label.into() });
+    }
+
+    /// Returns a value in plot coordinates: a logarithmic axis is in decades.
+    pub fn plot_coordinate(&self, axis: PlotAxis, value: f64) -> f64 {
+        match self.scales[axis.index()] {
+            Scale::Log => value.max(f64::MIN_POSITIVE).log10(),
+            Scale::Linear => value,
+        }
+    }
+
+    /// Returns the value at a plot coordinate.
+    pub fn value_at(&self, axis: PlotAxis, coordinate: f64) -> f64 {
+        match self.scales[axis.index()] {
+            Scale::Log => 10f64.powf(coordinate),
+            Scale::Linear => coordinate,
+        }
+    }
+
+    /// Returns the chart's range of an axis in plot coordinates.
+    pub fn plot_range(&self, axis: PlotAxis) -> Option<(f64, f64)> {
+        self.range[axis.index()]
+            .map(|(low, high)| (self.plot_coordinate(axis, low), self.plot_coordinate(axis, high)))
+    }
+}

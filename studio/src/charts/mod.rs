@@ -1,0 +1,14 @@
+//! Plots: data first, then drawn in the window, and written as numbers, drawing or pixels.
+//!
+//! Modules in reading order: [`min_max_pyramid`], [`line_simplification`], [`curve_points`], [`chart`], [`csv`], [`chart_figure`],
+//! [`axis_ticks`], [`plot_limits`], [`chart_view`].
+
+pub mod axis_ticks;
+pub mod chart;
+pub mod chart_figure;
+pub mod chart_view;
+pub mod csv;
+pub mod curve_points;
+pub mod line_simplification;
+pub mod min_max_pyramid;
+pub mod plot_limits;

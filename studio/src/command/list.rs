@@ -1,0 +1,109 @@
+//! The commands that need no argument of the user, with their names and shortcuts.
+
+use std::borrow::Cow;
+
+use super::{BrowsePurpose, Command, DesignSlot, DiagnosisTab, Page, VerificationTab};
+
+/// A command as menus and the command palette show it.
+#[derive(Debug, Clone)]
+pub struct CommandEntry {
+    /// Its name.
+    pub name: Cow<'static, str>,
+    /// Its shortcut, as `Ctrl+Z`; empty if it has none.
+    pub shortcut: &'static str,
+    /// The command.
+    pub command: Command,
+}
+
+fn entry(name: &'static str, shortcut: &'static str, command: Command) -> CommandEntry {
+    CommandEntry { name: name.into(), shortcut, command }
+}
+
+/// Returns every command that needs no argument, in the order of the command palette.
+pub fn list_commands() -> Vec<CommandEntry> {
+    [page_commands(), file_commands(), work_commands(), design_commands(), view_commands()].concat()
+}
+
+fn page_commands() -> Vec<CommandEntry> {
+    let page = |page| Command::Go { page };
+    let verification = |tab| Command::ShowVerification { tab };
+    let diagnosis = |tab| Command::ShowDiagnosis { tab };
+    vec![
+        entry("Go to Plant", "Ctrl+1", page(Page::Plant)),
+        entry("Go to Reduce", "Ctrl+2", page(Page::Reduce)),
+        entry("Go to Design", "Ctrl+3", page(Page::Design)),
+        entry("Go to Verify", "Ctrl+4", page(Page::Verify)),
+        entry("Go to Diagnose", "Ctrl+5", page(Page::Diagnose)),
+        entry("Show the time histories", "", verification(VerificationTab::Histories)),
+        entry("Show the disturbance rejection", "", verification(VerificationTab::Rejection)),
+        entry("Show the analyser's map", "", verification(VerificationTab::Map)),
+        entry("Show the robustness", "", verification(VerificationTab::Robustness)),
+        entry("Show measured and simulated channels", "", diagnosis(DiagnosisTab::Signals)),
+        entry("Show the residuals of the model", "", diagnosis(DiagnosisTab::Errors)),
+        entry("Show the findings of the diagnosis", "", diagnosis(DiagnosisTab::Findings)),
+        entry("Show the localisation map", "", diagnosis(DiagnosisTab::Map)),
+        entry("Show the hypotheses of the diagnosis", "", diagnosis(DiagnosisTab::Tried)),
+    ]
+}
+
+fn file_commands() -> Vec<CommandEntry> {
+    let browse = |purpose| Command::Browse { purpose };
+    vec![
+        entry("Undo", "Ctrl+Z", Command::Undo),
+        entry("Redo", "Ctrl+Y", Command::Redo),
+        entry("Open or make a project", "Ctrl+O", browse(BrowsePurpose::Project)),
+        entry("Save the project", "Ctrl+S", Command::Save),
+        entry("Save the project as", "Ctrl+Shift+S", browse(BrowsePurpose::SaveAs)),
+        entry("Read the file again", "", Command::Reload),
+        entry("Close the project", "Ctrl+W", Command::AskClose),
+    ]
+}
+
+fn work_commands() -> Vec<CommandEntry> {
+    let browse = |purpose| Command::Browse { purpose };
+    vec![
+        entry("Verify on the full plant", "F5", Command::Verify),
+        entry("Measure the frequency responses, amplitude by amplitude", "F7", Command::Measure),
+        entry("Run the robustness campaign", "F8", Command::Sweep),
+        entry("Stop what is running", "Esc", Command::Cancel),
+        entry("Export the verified controller's code", "Ctrl+E", Command::Export),
+        entry("Export into another folder", "Ctrl+Shift+E", browse(BrowsePurpose::Export)),
+        entry("Write the report", "Ctrl+Shift+R", browse(BrowsePurpose::Report)),
+        entry("Add recordings", "Ctrl+R", browse(BrowsePurpose::Recordings)),
+        entry("Diagnose the recordings", "F6", Command::Diagnose),
+        entry("Accept the diagnosis into the project", "", Command::Accept),
+    ]
+}
+
+fn design_commands() -> Vec<CommandEntry> {
+    let [a, b, c] = DesignSlot::ALL;
+    vec![
+        entry("Keep this design as A", "Ctrl+Shift+1", Command::Keep { slot: a }),
+        entry("Keep this design as B", "Ctrl+Shift+2", Command::Keep { slot: b }),
+        entry("Keep this design as C", "Ctrl+Shift+3", Command::Keep { slot: c }),
+        entry("Go back to design A", "", Command::Return { slot: a }),
+        entry("Go back to design B", "", Command::Return { slot: b }),
+        entry("Go back to design C", "", Command::Return { slot: c }),
+        entry("Clear design A", "", Command::Forget { slot: a }),
+        entry("Clear design B", "", Command::Forget { slot: b }),
+        entry("Clear design C", "", Command::Forget { slot: c }),
+        entry("End the trial of another out-of-balance", "", Command::Try { out_of_balance_kg_m: None }),
+    ]
+}
+
+fn view_commands() -> Vec<CommandEntry> {
+    vec![
+        entry("Light or dark", "Ctrl+T", Command::ToggleTheme),
+        entry("Frequencies in Hz or rad/s", "Ctrl+H", Command::ToggleFrequency),
+        entry("Gains in dB or absolute", "Ctrl+B", Command::ToggleGain),
+        entry("Angles in mrad or degrees", "Ctrl+G", Command::ToggleAngle),
+        entry("Fit the plot", "Ctrl+F", Command::FitPlot),
+        entry("Copy plot as CSV", "Ctrl+Shift+C", Command::CopyCsv),
+        entry("Copy plot as SVG", "", Command::CopySvg),
+        entry("Copy plot as PNG", "", Command::CopyPng),
+        entry("Save plot as a file", "Ctrl+Shift+G", Command::Browse { purpose: BrowsePurpose::PlotFile }),
+        entry("Everything larger", "Ctrl+Plus", Command::Larger),
+        entry("Everything smaller", "Ctrl+Minus", Command::Smaller),
+        entry("All commands", "Ctrl+K", Command::Palette),
+    ]
+}

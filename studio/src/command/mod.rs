@@ -1,0 +1,197 @@
+//! Everything that can be done in the studio, as one closed list: menus, shortcuts, the command palette, tests and scripts use it.
+//!
+//! Modules in reading order: [`choices`] (what commands choose from), [`list`] (names and shortcuts).
+
+pub mod choices;
+pub mod list;
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+pub use choices::{BrowsePurpose, DesignSlot, DiagnosisTab, Page, VerificationTab};
+pub use list::{CommandEntry, list_commands};
+
+/// What can be done.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum Command {
+    /// Sets a number of the project. Sets that share a gesture (a drag) are one step of undo.
+    Set {
+        /// Path of the key, as in `synth.feedback.error.gain`.
+        path: String,
+        /// Value, SI.
+        value: f64,
+        /// The gesture that the command belongs to.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        gesture: Option<u64>,
+    },
+    /// Sets a whole number of the project.
+    SetWhole {
+        /// Path of the key.
+        path: String,
+        /// Value.
+        value: i64,
+    },
+    /// Sets a text or a choice of the project.
+    SetText {
+        /// Path of the key.
+        path: String,
+        /// Value.
+        value: String,
+    },
+    /// Removes a key from the project, which then has its default.
+    Remove {
+        /// Path of the key.
+        path: String,
+    },
+    /// Replaces the whole text of the project.
+    Replace {
+        /// The text.
+        text: String,
+    },
+    /// Undoes the last change of the project.
+    Undo,
+    /// Redoes the change that was undone last.
+    Redo,
+    /// Opens a project file, or a folder with a project.toml.
+    Open {
+        /// The path.
+        path: PathBuf,
+    },
+    /// Makes a folder with a complete project file to start from, and opens it.
+    New {
+        /// The folder; it must not hold a project.
+        folder: PathBuf,
+    },
+    /// Shows files and folders to choose from.
+    Browse {
+        /// What the user looks for.
+        purpose: BrowsePurpose,
+    },
+    /// Closes the project; unsaved edits are restored when it is opened again.
+    Close,
+    /// Closes the project, and asks first if there are unsaved edits.
+    AskClose,
+    /// Closes the project and discards unsaved edits.
+    DiscardAndClose,
+    /// Writes the project to its file, unless another program has changed the file.
+    Save,
+    /// Writes the project to its file, even if another program has changed the file.
+    Overwrite,
+    /// Writes the project to another file, with the files that it names, and continues there.
+    SaveAs {
+        /// The file, or a folder for a project.toml.
+        path: PathBuf,
+    },
+    /// Replaces the project by the content of its file; one step of undo restores the edits.
+    Reload,
+    /// Verifies the design on the full plant.
+    Verify,
+    /// Measures the frequency responses of the full plant with the controller, amplitude by amplitude.
+    Measure,
+    /// Simulates the controller on many mechanisms that differ as the project says.
+    Sweep,
+    /// Shows one tab of the verification.
+    #[serde(rename = "look")]
+    ShowVerification {
+        /// The tab.
+        #[serde(rename = "evidence")]
+        tab: VerificationTab,
+    },
+    /// Cancels what is running.
+    Cancel,
+    /// Writes the verified controller's code into the folder that was chosen last; `out` in the project's folder if none was.
+    Export,
+    /// Writes the code into another folder.
+    ExportTo {
+        /// The folder; it is made if it does not exist.
+        folder: PathBuf,
+    },
+    /// Gives recordings to the diagnosis.
+    Recordings {
+        /// Files.
+        paths: Vec<PathBuf>,
+    },
+    /// Shows one tab of the diagnosis.
+    #[serde(rename = "inquire")]
+    ShowDiagnosis {
+        /// The tab.
+        #[serde(rename = "inquiry")]
+        tab: DiagnosisTab,
+    },
+    /// Diagnoses the machine from the recordings.
+    Diagnose,
+    /// Puts the improved mechanism of the diagnosis into the project.
+    Accept,
+    /// Shows a page.
+    Go {
+        /// The page.
+        #[serde(rename = "place")]
+        page: Page,
+    },
+    /// Keeps the design as it stands for comparison.
+    Keep {
+        /// The slot.
+        slot: DesignSlot,
+    },
+    /// Puts the weights and the order of a kept design back into the project.
+    Return {
+        /// The slot.
+        slot: DesignSlot,
+    },
+    /// Clears a kept design.
+    Forget {
+        /// The slot.
+        slot: DesignSlot,
+    },
+    /// Designs for another out-of-balance without changing the project; no value ends the trial.
+    Try {
+        /// First moment of mass, kg m.
+        out_of_balance_kg_m: Option<f64>,
+    },
+    /// Changes between light and dark.
+    ToggleTheme,
+    /// Changes between frequencies in Hz and rad/s.
+    ToggleFrequency,
+    /// Changes between gains in dB and absolute.
+    ToggleGain,
+    /// Changes between angles in mrad and degrees.
+    ToggleAngle,
+    /// Makes everything larger.
+    Larger,
+    /// Makes everything smaller.
+    Smaller,
+    /// Opens or closes the command palette.
+    Palette,
+    /// Shows the whole content of the plot under the pointer (or of the last one).
+    FitPlot,
+    /// Copies that plot as numbers.
+    CopyCsv,
+    /// Copies it as a drawing.
+    CopySvg,
+    /// Copies it as pixels.
+    CopyPng,
+    /// Writes the HTML report of the verified design.
+    WriteReport {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Writes that plot to a file; the ending (.svg, .png or .csv) says in which format.
+    SavePlot {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+impl Command {
+    /// Returns whether the command changes the project; only such commands are in the journal and can be undone.
+    pub fn is_edit(&self) -> bool {
+        use Command::{Redo, Remove, Replace, Set, SetText, SetWhole, Undo};
+        matches!(
+            self,
+            Set { .. } | SetWhole { .. } | SetText { .. } | Remove { .. } | Replace { .. } | Undo | Redo
+        )
+    }
+}

@@ -1,0 +1,80 @@
+//! A thread that looks at files and folders once a second and wakes the window only if one of them has changed.
+//!
+//! The window itself does not look: a window that nobody touches draws nothing.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::time::{Duration, SystemTime};
+
+use counterpoise_host::worker::Wake;
+
+/// Time between two looks: short enough that a change is shown before a user saves over it, long enough to cost nothing.
+const INTERVAL: Duration = Duration::from_secs(1);
+
+#[derive(Default)]
+struct WatchState {
+    paths: Vec<PathBuf>,
+    times: Vec<Option<SystemTime>>,
+    has_changed: bool,
+    has_ended: bool,
+}
+
+/// Watches the times of files and folders.
+pub struct ChangeWatcher {
+    shared: Arc<(Mutex<WatchState>, Condvar)>,
+    thread: Option<std::thread::JoinHandle<()>>,
+}
+
+impl ChangeWatcher {
+    /// Starts the thread; it watches nothing yet.
+    pub fn new(wake: Wake) -> Self {
+        let shared = Arc::new((Mutex::new(WatchState::default()), Condvar::new()));
+        let own = Arc::clone(&shared);
+        let thread = std::thread::spawn(move || watch(&own, &wake));
+        Self { shared, thread: Some(thread) }
+    }
+
+    /// Sets what is watched from now on.
+    pub fn set_paths(&self, paths: Vec<PathBuf>) {
+        let mut state = self.shared.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if state.paths != paths {
+            state.times = modification_times(&paths);
+            state.paths = paths;
+        }
+    }
+
+    /// Returns whether anything has changed since the last call.
+    pub fn take_change(&self) -> bool {
+        let mut state = self.shared.0.lock().unwrap_or_else(PoisonError::into_inner);
+        std::mem::take(&mut state.has_changed)
+    }
+}
+
+impl Drop for ChangeWatcher {
+    fn drop(&mut self) {
+        self.shared.0.lock().unwrap_or_else(PoisonError::into_inner).has_ended = true;
+        self.shared.1.notify_one();
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+fn modification_times(paths: &[PathBuf]) -> Vec<Option<SystemTime>> {
+    paths.iter().map(|path| std::fs::metadata(path).and_then(|m| m.modified()).ok()).collect()
+}
+
+fn watch(shared: &(Mutex<WatchState>, Condvar), wake: &Wake) {
+    let mut state = shared.0.lock().unwrap_or_else(PoisonError::into_inner);
+    while !state.has_ended {
+        state = shared.1.wait_timeout(state, INTERVAL).unwrap_or_else(PoisonError::into_inner).0;
+        let paths = state.paths.clone();
+        drop(state);
+        let times = modification_times(&paths);
+        state = shared.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if state.paths == paths && state.times != times {
+            (state.times, state.has_changed) = (times, true);
+            wake();
+        }
+    }
+}

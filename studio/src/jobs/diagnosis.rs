@@ -1,0 +1,39 @@
+//! The diagnosis of recordings, as the command line makes it.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use counterpoise_host::progress::{Progress, Watch};
+use counterpoise_host::projects;
+use counterpoise_host::worker::{Token, Wake, Worker};
+use counterpoise_pipeline::recordings::diagnose;
+use counterpoise_project::Project;
+use counterpoise_report::wording::answer::{DescribedDiagnosis, describe_diagnosed_recordings};
+use counterpoise_report::wording::recordings::describe_recordings_error;
+
+use super::error_lines::ErrorLines;
+
+/// What is to be diagnosed.
+#[derive(Debug, Clone)]
+pub struct DiagnosisRequest {
+    /// The project.
+    pub project: Arc<Project>,
+    /// The recordings.
+    pub paths: Vec<PathBuf>,
+}
+
+/// Diagnoses.
+pub type DiagnosisWorker = Worker<DiagnosisRequest, Result<DescribedDiagnosis, ErrorLines>>;
+
+/// Returns a worker that diagnoses and says its progress.
+pub fn diagnosis_worker(wake: &Wake, progress: &Progress) -> DiagnosisWorker {
+    let (progress, own_wake) = (progress.clone(), Arc::clone(wake));
+    Worker::new(Arc::clone(wake), move |request: DiagnosisRequest, token: &Token| {
+        let watch = Watch { token, progress: &progress, wake: &own_wake };
+        watch.progress.say(String::new());
+        let files = projects::recordings(&request.paths).map_err(|error| vec![format!("{error:#}")])?;
+        let found = diagnose(&request.project, &files, &watch)
+            .map_err(|error| vec![describe_recordings_error(&error)])?;
+        Ok(describe_diagnosed_recordings(&found))
+    })
+}

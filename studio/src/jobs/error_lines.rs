@@ -1,0 +1,14 @@
+//! Why a job has no result, one reason a line.
+
+use counterpoise_pipeline::PipelineError;
+
+/// Reasons why there is no result, one a line.
+pub type ErrorLines = Vec<String>;
+
+/// Returns every reason in an error, one a line.
+pub fn error_lines(error: &PipelineError) -> ErrorLines {
+    match error {
+        PipelineError::NoController(findings) => findings.iter().map(ToString::to_string).collect(),
+        other => vec![other.to_string()],
+    }
+}

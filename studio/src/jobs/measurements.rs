@@ -1,0 +1,130 @@
+//! Longer measurements of a verified design: the analyser's map, and the requirements over many mechanisms.
+
+use std::sync::{Arc, Mutex};
+
+use counterpoise_diagnose::simulator_access::map;
+use counterpoise_host::progress::{Progress, Watch};
+use counterpoise_host::worker::{Token, Wake, Worker};
+use counterpoise_pipeline as pipeline;
+use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan};
+use counterpoise_pipeline::studies::sweep::{RequirementSpread, requirement_spreads};
+use counterpoise_verify::VerifiedController;
+use counterpoise_verify::robust::{Campaign, Sample};
+
+use super::error_lines::{ErrorLines, error_lines};
+use super::verification::VerificationRequest;
+use crate::versioned::Versioned;
+
+/// The last measurements.
+#[derive(Debug, Clone, Default)]
+pub struct Measurements {
+    /// The analyser's map, or why there is none.
+    pub map: Option<Versioned<Result<Map, ErrorLines>>>,
+    /// The campaign, or why there is none.
+    pub campaign: Option<Versioned<Result<CampaignResult, ErrorLines>>>,
+}
+
+/// What is to be measured.
+#[derive(Debug, Clone)]
+pub enum MeasurementRequest {
+    /// The analyser's map from platform rate to hub rate.
+    Map(VerificationRequest),
+    /// The robustness campaign of the project.
+    Campaign(VerificationRequest, Arc<VerifiedController>),
+}
+
+/// What was measured.
+#[derive(Debug, Clone)]
+pub enum MeasurementResult {
+    /// The map.
+    Map(Result<Map, ErrorLines>),
+    /// The campaign.
+    Campaign(Result<CampaignResult, ErrorLines>),
+}
+
+/// The requirements over many mechanisms.
+#[derive(Debug, Clone)]
+pub struct CampaignResult {
+    /// One row for each requirement.
+    pub rows: Vec<RequirementSpread>,
+    /// Number of mechanisms that were simulated.
+    pub done: usize,
+    /// Number of mechanisms of the whole campaign.
+    pub total: usize,
+}
+
+/// What a running campaign has found so far.
+pub type PartialCampaign = Arc<Mutex<Option<CampaignResult>>>;
+
+/// Measures.
+pub type MeasurementWorker = Worker<MeasurementRequest, MeasurementResult>;
+
+/// Amplitudes of the platform's rate, rad/s: from the rates at which friction sticks to those at which it slides.
+const AMPLITUDES_RAD_S: [f64; 4] = [0.02, 0.05, 0.1, 0.2];
+/// Lowest and highest frequency of the map, Hz.
+const FREQUENCIES_HZ: [f64; 2] = [0.3, 30.0];
+/// Number of frequencies of the map.
+const FREQUENCY_COUNT: usize = 21;
+/// Mechanisms between two partial results of a campaign.
+const PARTIAL_INTERVAL: usize = 10;
+
+/// Returns a worker that measures, says its progress, and leaves what a campaign has found so far in `partial`.
+pub fn measurement_worker(wake: &Wake, progress: &Progress, partial: &PartialCampaign) -> MeasurementWorker {
+    let (progress, own_wake, partial) = (progress.clone(), Arc::clone(wake), Arc::clone(partial));
+    Worker::new(Arc::clone(wake), move |request: MeasurementRequest, token: &Token| {
+        let watch = Watch { token, progress: &progress, wake: &own_wake };
+        watch.progress.say(String::new());
+        match &request {
+            MeasurementRequest::Map(of) => {
+                MeasurementResult::Map(measure_map(of, &watch).map_err(|error| error_lines(&error)))
+            }
+            MeasurementRequest::Campaign(of, verified) => {
+                MeasurementResult::Campaign(run_campaign(of, verified, &partial, &watch))
+            }
+        }
+    })
+}
+
+fn measure_map(of: &VerificationRequest, watch: &Watch) -> Result<Map, pipeline::PipelineError> {
+    let [low, high] = FREQUENCIES_HZ;
+    let frequency = |k: usize| low * (high / low).powf(k as f64 / (FREQUENCY_COUNT - 1) as f64);
+    let plan = Plan {
+        around: Around::Disturbance,
+        amplitudes: AMPLITUDES_RAD_S.to_vec(),
+        frequencies_hz: (0..FREQUENCY_COUNT).map(frequency).collect(),
+        offset_m: 0.0,
+    };
+    let analyser = Analyser::new(&of.design.project, &of.design.modelled, &plan, On::Simulation)?;
+    analyser.compare(&analyser.measure(&plan, watch)?, watch)
+}
+
+fn run_campaign(
+    of: &VerificationRequest,
+    verified: &VerifiedController,
+    partial: &PartialCampaign,
+    watch: &Watch,
+) -> Result<CampaignResult, ErrorLines> {
+    let design = &of.design;
+    let campaign = pipeline::campaign(&design.project, &design.modelled, verified, &of.folder)
+        .map_err(|error| error_lines(&error))?;
+    let mut samples: Vec<Sample> = Vec::new();
+    while samples.len() < campaign.len() {
+        let (from, count) = (samples.len(), PARTIAL_INTERVAL.min(campaign.len() - samples.len()));
+        let made = map(watch, count, |k| campaign.run(from + k));
+        if made.len() < count {
+            break;
+        }
+        samples.extend(made.into_iter().collect::<Result<Vec<_>, _>>().map_err(|e| vec![e.to_string()])?);
+        if let Ok(mut slot) = partial.lock() {
+            *slot = Some(campaign_result(&campaign, &samples));
+        }
+        watch.progress.say(format!("mechanism {} of {}", samples.len(), campaign.len()));
+        (watch.wake)();
+    }
+    Ok(campaign_result(&campaign, &samples))
+}
+
+fn campaign_result(campaign: &Campaign, samples: &[Sample]) -> CampaignResult {
+    let rows = requirement_spreads(campaign, samples);
+    CampaignResult { rows, done: samples.len(), total: campaign.len() }
+}

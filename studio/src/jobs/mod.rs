@@ -1,0 +1,250 @@
+//! What runs outside the window's thread: each kind of work has a worker of its own, and no frame waits for one.
+//!
+//! Modules in reading order: [`error_lines`], [`live_design`], [`verification`], [`measurements`], [`code_export`],
+//! [`report_job`], [`kept_designs`], [`plant_pictures`],
+//! [`plot_copy`], [`recording_views`], [`diagnosis`], [`folder_listing`], [`file_check`], [`file_jobs`],
+//! [`change_watcher`].
+
+pub mod change_watcher;
+pub mod code_export;
+pub mod diagnosis;
+pub mod error_lines;
+pub mod file_check;
+pub mod file_jobs;
+pub mod folder_listing;
+pub mod kept_designs;
+pub mod live_design;
+pub mod measurements;
+pub mod plant_pictures;
+pub mod plot_copy;
+pub mod recording_views;
+pub mod report_job;
+pub mod verification;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use counterpoise_host::progress::{Progress, Watch};
+use counterpoise_host::worker::{Token, Wake, Worker};
+use counterpoise_models::Parameters;
+use counterpoise_models::parameters::Beam;
+use counterpoise_pipeline::preview::{PlantPreview, PreviewCache, PreviewRequest};
+use counterpoise_project::Project;
+use counterpoise_report::wording::answer::DescribedDiagnosis;
+
+use crate::editing::session::Session;
+use crate::settings::{SettingsFile, write_settings};
+use crate::versioned::Versioned;
+use change_watcher::ChangeWatcher;
+use code_export::{ExportRequest, WrittenCode, export_code};
+use diagnosis::{DiagnosisWorker, diagnosis_worker};
+use error_lines::ErrorLines;
+use file_check::{FileCheck, FileCheckResult, check_file};
+use file_jobs::{FileJob, FileJobResult, ProjectStore};
+use folder_listing::{FolderListing, ListingRequest, list_folder};
+use kept_designs::{KeptRequest, RestoredDesign, restore_kept_designs};
+use live_design::{TimedPreview, preview_timed};
+use measurements::{MeasurementWorker, PartialCampaign, measurement_worker};
+use plant_pictures::{BeamModes, ReductionPicture};
+use plot_copy::{CopiedPlot, CopyRequest, copy_plot};
+use recording_views::{RecordingView, ReplayRequest, ReplayedFiles, replay_files};
+use report_job::{ReportRequest, write_report};
+use verification::{
+    PartialVerification, TradeOffWorker, VerificationWorker, trade_off_worker, verification_worker,
+};
+
+/// The workers, and what the recordings' workers have found.
+pub struct Jobs {
+    /// Makes the design that follows a dragged weight.
+    pub design: Worker<PreviewRequest, Result<TimedPreview, ErrorLines>>,
+    /// Verifies.
+    pub verify: VerificationWorker,
+    /// Computes error against effort.
+    pub effort: TradeOffWorker,
+    /// Measures.
+    pub measure: MeasurementWorker,
+    /// Exports.
+    pub export: Worker<ExportRequest, Result<Option<WrittenCode>, String>>,
+    /// Writes reports.
+    pub report: Worker<ReportRequest, Result<PathBuf, String>>,
+    /// Computes the kept designs of a project that was opened.
+    pub restore: Worker<KeptRequest, Vec<RestoredDesign>>,
+    /// Writes settings.
+    pub settings: Worker<Vec<SettingsFile>, ()>,
+    /// Diagnoses.
+    pub diagnose: DiagnosisWorker,
+    /// Replays recordings on the model.
+    pub replay: Worker<ReplayRequest, Option<ReplayedFiles>>,
+    /// Lists folders.
+    pub list: Worker<ListingRequest, FolderListing>,
+    /// Reads and writes projects.
+    pub file: Worker<FileJob, FileJobResult>,
+    /// Checks whether another program wrote the project file.
+    pub file_check: Worker<FileCheck, FileCheckResult>,
+    /// Sees changes of files while the window rests.
+    pub watcher: ChangeWatcher,
+    /// Compares a plant with its reduction.
+    pub reduction: Worker<PlantPreview, ReductionPicture>,
+    /// Computes the modes of a beam.
+    pub beam_modes: Worker<Beam, BeamModes>,
+    /// Writes a plot for the clipboard.
+    pub copy: Worker<CopyRequest, CopiedPlot>,
+    /// Recordings in the project's folder, to offer.
+    pub nearby_recordings: Vec<PathBuf>,
+    /// The recordings to diagnose.
+    pub recordings: Vec<PathBuf>,
+    /// The recordings with their replays, of a revision of the project.
+    pub recording_views: Option<Versioned<Vec<RecordingView>>>,
+    /// The last diagnosis, or why there is none.
+    pub diagnosis: Option<Result<DescribedDiagnosis, ErrorLines>>,
+    /// The mechanism that was diagnosed.
+    pub diagnosed_plant: Option<Parameters>,
+    /// What a running verification has found so far.
+    pub partial: PartialVerification,
+    /// What a running campaign has found so far.
+    pub partial_campaign: PartialCampaign,
+    diagnosis_progress: Progress,
+    measurement_progress: Progress,
+}
+
+/// What has come of a diagnosis since the last frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DiagnosisNews {
+    /// Nothing.
+    None,
+    /// The diagnosis has ended.
+    Ended,
+}
+
+impl Jobs {
+    /// Starts the workers; they wait for work.
+    pub fn new(wake: &Wake, store: ProjectStore) -> Self {
+        let disk = Arc::clone(&store.disk);
+        let (diagnosis_progress, measurement_progress) = (Progress::default(), Progress::default());
+        let (partial, partial_campaign) = (PartialVerification::default(), PartialCampaign::default());
+        Self {
+            design: design_worker(wake),
+            verify: verification_worker(wake, &partial),
+            effort: trade_off_worker(wake),
+            measure: measurement_worker(wake, &measurement_progress, &partial_campaign),
+            export: Worker::new(Arc::clone(wake), |request: ExportRequest, token: &Token| {
+                export_code(&request, token)
+            }),
+            report: Worker::new(Arc::clone(wake), |request: ReportRequest, _: &Token| write_report(&request)),
+            restore: Worker::new(Arc::clone(wake), |request: KeptRequest, token: &Token| {
+                restore_kept_designs(request, token)
+            }),
+            settings: Worker::new(Arc::clone(wake), |files: Vec<SettingsFile>, _: &Token| {
+                write_settings(&files);
+            }),
+            diagnose: diagnosis_worker(wake, &diagnosis_progress),
+            replay: Worker::new(Arc::clone(wake), |request: ReplayRequest, token: &Token| {
+                replay_files(&request, token)
+            }),
+            list: Worker::new(Arc::clone(wake), |request: ListingRequest, _: &Token| list_folder(request)),
+            file: Worker::new(Arc::clone(wake), move |job, _: &Token| store.run(job)),
+            file_check: Worker::new(Arc::clone(wake), move |check, _: &Token| {
+                check_file(check, disk.as_ref())
+            }),
+            watcher: ChangeWatcher::new(Arc::clone(wake)),
+            reduction: Worker::new(Arc::clone(wake), |plant: PlantPreview, _: &Token| {
+                ReductionPicture::new(&plant)
+            }),
+            beam_modes: Worker::new(Arc::clone(wake), |beam, _: &Token| BeamModes::new(beam)),
+            copy: Worker::new(Arc::clone(wake), |request, _: &Token| copy_plot(request)),
+            nearby_recordings: Vec::new(),
+            recordings: Vec::new(),
+            recording_views: None,
+            diagnosis: None,
+            diagnosed_plant: None,
+            partial,
+            partial_campaign,
+            diagnosis_progress,
+            measurement_progress,
+        }
+    }
+
+    /// Cancels everything that the user can stop.
+    pub fn cancel(&self) {
+        self.design.cancel();
+        self.verify.cancel();
+        self.effort.cancel();
+        self.measure.cancel();
+        self.export.cancel();
+        self.report.cancel();
+        self.diagnose.cancel();
+        self.replay.cancel();
+    }
+
+    /// Returns whether anything that the user can stop runs, or has an answer that was not yet taken.
+    pub fn is_busy(&self) -> bool {
+        self.design.is_pending()
+            || self.verify.is_pending()
+            || self.effort.is_pending()
+            || self.measure.is_pending()
+            || self.export.is_pending()
+            || self.report.is_pending()
+            || self.diagnose.is_pending()
+            || self.replay.is_pending()
+    }
+
+    /// Returns whether small work runs that is not shown: files, pictures of a plant, copies.
+    pub fn has_background_work(&self) -> bool {
+        self.file.is_pending()
+            || self.file_check.is_pending()
+            || self.reduction.is_pending()
+            || self.beam_modes.is_pending()
+            || self.restore.is_pending()
+            || self.copy.is_pending()
+    }
+
+    /// Returns how far the diagnosis is, in words.
+    pub fn diagnosis_progress(&self) -> String {
+        self.diagnosis_progress.said()
+    }
+
+    /// Returns how far the measurement is, in words.
+    pub fn measurement_progress(&self) -> String {
+        self.measurement_progress.said()
+    }
+
+    /// Takes the answers about recordings.
+    pub fn take_diagnosis(&mut self) -> DiagnosisNews {
+        if let Some((revision, Some(replayed))) = self.replay.take() {
+            self.recordings = replayed.files;
+            self.recording_views = Some(Versioned { revision, value: replayed.views });
+        }
+        match self.diagnose.take() {
+            Some((_, answer)) => {
+                self.diagnosis = Some(answer);
+                DiagnosisNews::Ended
+            }
+            None => DiagnosisNews::None,
+        }
+    }
+
+    /// Clears recordings and diagnoses, because another project is opened.
+    pub fn clear(&mut self) {
+        self.cancel();
+        self.restore.cancel();
+        (self.recording_views, self.diagnosis, self.diagnosed_plant) = (None, None, None);
+        self.recordings.clear();
+    }
+
+    /// Returns the project's text with the diagnosed mechanism, or `None` if there is no diagnosis. The inner error says why the
+    /// text cannot be written.
+    pub fn improved_text(&self, session: &Session) -> Option<Result<String, String>> {
+        let (found, project) = (self.diagnosis.as_ref()?.as_ref().ok()?, session.project()?);
+        let improved = Project { plant: found.diagnosis.improved.clone(), ..Project::clone(project) };
+        let updated = improved.update(session.document(), project);
+        Some(updated.map(|d| d.text().to_owned()).map_err(|error| error.to_string()))
+    }
+}
+
+fn design_worker(wake: &Wake) -> Worker<PreviewRequest, Result<TimedPreview, ErrorLines>> {
+    let (mut cache, own_wake, progress) = (PreviewCache::default(), Arc::clone(wake), Progress::default());
+    Worker::new(Arc::clone(wake), move |request: PreviewRequest, token: &Token| {
+        let pool = Watch { token, progress: &progress, wake: &own_wake };
+        preview_timed(&request, &mut cache, &pool)
+    })
+}

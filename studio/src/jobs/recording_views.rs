@@ -1,0 +1,236 @@
+//! Recordings read as the project maps them, and replayed on the model, as the command line does it.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use counterpoise_host::files::recording_files;
+use counterpoise_host::worker::Token;
+use counterpoise_models::Parameters;
+use counterpoise_pipeline::recordings::read::{
+    control_for, read_recording, recording_controller, tabulate, without_demand,
+};
+use counterpoise_pipeline::recordings::replay::replay_one;
+use counterpoise_pipeline::recordings::{Gaps, ReadRecording, RecordingFile, ReplayLength};
+use counterpoise_pipeline::results::RecordingResult;
+use counterpoise_project::Project;
+use counterpoise_recordings::{Channel, Recording, Table};
+use counterpoise_report::wording::recordings::{
+    describe_column_remark, describe_missing_demand, describe_recordings_error, describe_replay,
+};
+use counterpoise_simulate::replay::{Loop, Replay};
+
+use crate::charts::min_max_pyramid::MinMaxPyramid;
+use crate::editing::session::file_name;
+
+/// The recordings to replay on a project's model.
+#[derive(Debug, Clone)]
+pub struct ReplayRequest {
+    /// The project.
+    pub project: Arc<Project>,
+    /// Files and folders.
+    pub paths: Vec<PathBuf>,
+    /// The mechanism of a diagnosis, if there is one.
+    pub improved: Option<Arc<Parameters>>,
+}
+
+/// Recordings with their replays.
+#[derive(Debug, Clone)]
+pub struct ReplayedFiles {
+    /// The files, those of folders among them.
+    pub files: Vec<PathBuf>,
+    /// The recordings in them.
+    pub views: Vec<RecordingView>,
+}
+
+/// A column of a recording's file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ColumnName {
+    /// Its name.
+    pub name: String,
+    /// Its unit, if the file states one.
+    pub unit: Option<String>,
+}
+
+/// A recording beside the model; one file may hold several.
+#[derive(Debug, Clone)]
+pub struct RecordingView {
+    /// The file.
+    pub path: PathBuf,
+    /// The name of the recording.
+    pub name: String,
+    /// The columns of the file.
+    pub columns: Vec<ColumnName>,
+    /// What the user should know about the recording.
+    pub remarks: Vec<String>,
+    /// Why the recording cannot be read or replayed.
+    pub errors: Vec<String>,
+    /// Channels.
+    pub channels: Vec<ChannelView>,
+    /// How well the project's model fits, as the command line prints it; `None` if the recording cannot be replayed.
+    pub fit: Option<RecordingResult>,
+}
+
+/// A channel, measured and simulated.
+#[derive(Debug, Clone)]
+pub struct ChannelView {
+    /// The channel.
+    pub channel: Channel,
+    /// The recorded samples.
+    pub measured: Arc<MinMaxPyramid>,
+    /// What the project's model makes of it; `None` for an input of the model.
+    pub model: Option<SimulatedChannel>,
+    /// What the diagnosed model makes of it.
+    pub improved: Option<SimulatedChannel>,
+    /// RMS of the residual that a perfect model would leave.
+    pub floor: Option<f64>,
+}
+
+/// What a model makes of a channel.
+#[derive(Debug, Clone)]
+pub struct SimulatedChannel {
+    /// The simulated samples.
+    pub signal: Arc<MinMaxPyramid>,
+    /// The residual, simulated minus measured.
+    pub residual: Arc<MinMaxPyramid>,
+    /// RMS of the residual.
+    pub rms: f64,
+}
+
+/// Returns the recordings with their replays, or `None` if the job was cancelled.
+pub fn replay_files(request: &ReplayRequest, token: &Token) -> Option<ReplayedFiles> {
+    let (files, mut views) = (recording_files(&request.paths), Vec::new());
+    for path in &files {
+        match read_table(request, path) {
+            Ok((table, recordings)) => {
+                for recording in recordings {
+                    if token.is_cancelled() {
+                        return None;
+                    }
+                    views.extend(recording_views(request, path, &table, recording));
+                }
+            }
+            Err(why) => views.push(unreadable_view(path, why)),
+        }
+    }
+    Some(ReplayedFiles { files, views })
+}
+
+fn read_table(request: &ReplayRequest, path: &Path) -> Result<(Table, Vec<Recording>), String> {
+    let name = path.display().to_string();
+    let bytes = std::fs::read(path).map_err(|error| format!("cannot read {name}: {error}"))?;
+    tabulate(&request.project, &RecordingFile { name, bytes }).map_err(|error| error.to_string())
+}
+
+fn column_names(table: &Table) -> Vec<ColumnName> {
+    let name = |column: &counterpoise_recordings::Column| ColumnName {
+        name: column.name.clone(),
+        unit: column.unit.clone(),
+    };
+    table.columns.iter().map(name).collect()
+}
+
+/// Returns a view of a file that cannot be read as it is mapped. It shows the columns if there are any, so that the mapping can be
+/// corrected.
+fn unreadable_view(path: &Path, why: String) -> RecordingView {
+    let table = std::fs::read(path).ok().and_then(|bytes| Table::read(&bytes, &file_name(path)).ok());
+    RecordingView {
+        path: path.to_owned(),
+        name: file_name(path),
+        columns: table.as_ref().map(column_names).unwrap_or_default(),
+        remarks: Vec::new(),
+        errors: vec![why],
+        channels: Vec::new(),
+        fit: None,
+    }
+}
+
+/// Returns the parts of a recording that can be replayed, each with its replay.
+fn recording_views(
+    request: &ReplayRequest,
+    path: &Path,
+    table: &Table,
+    recording: Recording,
+) -> Vec<RecordingView> {
+    let blank = RecordingView {
+        path: path.to_owned(),
+        name: file_name(Path::new(&recording.name)),
+        columns: column_names(table),
+        remarks: Vec::new(),
+        errors: Vec::new(),
+        channels: Vec::new(),
+        fit: None,
+    };
+    let project = &request.project;
+    let read = recording_controller(project)
+        .and_then(|controller| read_recording(project, controller.as_ref(), recording, Gaps::Repaired));
+    match read {
+        Ok(parts) => parts.iter().map(|part| replayed_view(request, part, blank.clone())).collect(),
+        Err(error) => vec![RecordingView { errors: vec![describe_recordings_error(&error)], ..blank }],
+    }
+}
+
+fn replayed_view(request: &ReplayRequest, item: &ReadRecording, blank: RecordingView) -> RecordingView {
+    let mut errors = Vec::new();
+    let control = control_for(&request.project, [&item.recording]).unwrap_or_else(|error| {
+        errors.push(describe_recordings_error(&error));
+        Loop::Open
+    });
+    let mut run = |plant: &Parameters| match replay_one(plant, item, &control, ReplayLength::Automatic) {
+        Ok(made) => Some(made),
+        Err(error) => {
+            errors.push(describe_recordings_error(&error));
+            None
+        }
+    };
+    let model = run(&request.project.plant);
+    let improved = request.improved.as_deref().and_then(run);
+    let demand =
+        describe_missing_demand(&without_demand(&request.project, [(item.file.as_str(), &item.recording)]));
+    let found = model.as_ref().map_or(&item.remarks, |made| &made.remarks);
+    let replays = [&model, &improved].map(|made| made.as_ref().map(|made| &made.followed.replay));
+    RecordingView {
+        name: file_name(Path::new(&item.file)),
+        remarks: demand.into_iter().chain(found.iter().map(describe_column_remark)).collect(),
+        errors,
+        channels: channel_views(&item.recording, replays),
+        fit: model.as_ref().map(describe_replay),
+        ..blank
+    }
+}
+
+/// Returns every recorded channel with what the model and the improved model make of it.
+fn channel_views(recording: &Recording, [model, improved]: [Option<&Replay>; 2]) -> Vec<ChannelView> {
+    let period = recording.sample_period_s;
+    let one = |(channel, measured): (Channel, &[f64])| {
+        let of = |replay: Option<&Replay>| simulated_channel(replay?, channel, measured, period);
+        let fit = model.and_then(|replay| replay.channels.iter().find(|fit| fit.channel == channel));
+        ChannelView {
+            channel,
+            measured: Arc::new(MinMaxPyramid::new(over_time(measured.iter().copied(), period))),
+            model: of(model),
+            improved: of(improved),
+            floor: fit.map(|fit| fit.floor),
+        }
+    };
+    recording.channels().map(one).collect()
+}
+
+fn simulated_channel(
+    replay: &Replay,
+    channel: Channel,
+    measured: &[f64],
+    period_s: f64,
+) -> Option<SimulatedChannel> {
+    let rms = replay.channels.iter().find(|fit| fit.channel == channel)?.rms_error;
+    let simulated = replay.simulated.channel(channel);
+    let residual = simulated.iter().zip(measured).map(|(s, m)| s - m);
+    Some(SimulatedChannel {
+        residual: Arc::new(MinMaxPyramid::new(over_time(residual, period_s))),
+        signal: Arc::new(MinMaxPyramid::new(over_time(simulated.iter().copied(), period_s))),
+        rms,
+    })
+}
+
+fn over_time(values: impl Iterator<Item = f64>, period_s: f64) -> Vec<[f64; 2]> {
+    values.enumerate().map(|(k, v)| [k as f64 * period_s, v]).collect()
+}

@@ -1,0 +1,50 @@
+//! The HTML report that `counterpoise design` writes, made outside the window's thread.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use counterpoise_host::compilers::{processor, proofs};
+use counterpoise_host::files::{self, Folder};
+use counterpoise_pipeline::design;
+use counterpoise_pipeline::results::DesignResult;
+use counterpoise_project::{Assumption, Project};
+use counterpoise_report::design::DesignRun;
+use counterpoise_report::{Origin, html, of_design};
+
+use super::error_lines::error_lines;
+
+/// The report to be written.
+#[derive(Debug, Clone)]
+pub struct ReportRequest {
+    /// The project.
+    pub project: Arc<Project>,
+    /// The values that the project does not state.
+    pub assumptions: Vec<Assumption>,
+    /// The folder with the project's files.
+    pub folder: Folder,
+    /// The project file, which the report names.
+    pub project_path: PathBuf,
+    /// The file for the report.
+    pub output: PathBuf,
+}
+
+/// Runs every stage of the project as the command line does, and writes the report; returns its path.
+///
+/// # Errors
+/// Returns why the report cannot be made or written.
+pub fn write_report(request: &ReportRequest) -> Result<PathBuf, String> {
+    let designed =
+        design(&request.project, &request.folder).map_err(|error| error_lines(&error).join("; "))?;
+    let result = DesignResult::from(&designed);
+    let (code, project) = (&designed.targets.code, request.project_path.display().to_string());
+    let run = DesignRun {
+        origin: &Origin { command: format!("counterpoise design {project}"), project },
+        times: &[],
+        proofs: &proofs::proofs(code, &designed.targets.compared),
+        costs: &processor::costs(code),
+        assumptions: &request.assumptions,
+    };
+    files::write(&request.output, html(&of_design(&designed, &result, &run)).as_bytes())
+        .map_err(|error| format!("{} cannot be written: {error}", request.output.display()))?;
+    Ok(request.output.clone())
+}

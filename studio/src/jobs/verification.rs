@@ -1,0 +1,71 @@
+//! Verification on the full plant, which shows what it has found while it runs, and the trade-off around the design.
+
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use counterpoise_host::files::Folder;
+use counterpoise_host::worker::{Token, Wake, Worker};
+use counterpoise_pipeline::preview::DesignPreview;
+use counterpoise_pipeline::studies::trade_off::{EffortPoint, effort};
+use counterpoise_pipeline::{self as pipeline, World};
+use counterpoise_verify::{Verification, VerifiedController};
+
+use super::error_lines::{ErrorLines, error_lines};
+use crate::versioned::Versioned;
+
+/// What is to be verified.
+#[derive(Debug, Clone)]
+pub struct VerificationRequest {
+    /// The design.
+    pub design: Arc<DesignPreview>,
+    /// The folder with the project's files.
+    pub folder: Folder,
+}
+
+/// What a running verification has found so far.
+pub type PartialVerification = Arc<Mutex<Option<Versioned<Arc<Verification>>>>>;
+
+/// Verifies; the answer is `None` if the job was cancelled.
+pub type VerificationWorker =
+    Worker<Versioned<VerificationRequest>, Result<Option<VerifiedController>, ErrorLines>>;
+
+/// Computes error against effort around a design; the answer is `None` if the job was cancelled or there is no such curve.
+pub type TradeOffWorker = Worker<Arc<DesignPreview>, Option<Vec<EffortPoint>>>;
+
+/// Shortest time between two partial results: more would cost frames and show nothing new.
+const PARTIAL_INTERVAL: Duration = Duration::from_millis(60);
+
+/// Returns a worker that verifies, and leaves what it has found so far in `partial`.
+pub fn verification_worker(wake: &Wake, partial: &PartialVerification) -> VerificationWorker {
+    let (partial, partial_wake) = (Arc::clone(partial), Arc::clone(wake));
+    Worker::new(Arc::clone(wake), move |request: Versioned<VerificationRequest>, token: &Token| {
+        let (design, mut last_partial) = (&request.value.design, None::<Instant>);
+        let mut observer = |found: &Verification| {
+            if last_partial.is_none_or(|at| at.elapsed() > PARTIAL_INTERVAL) {
+                if let Ok(mut slot) = partial.lock() {
+                    *slot = Some(Versioned { revision: request.revision, value: Arc::new(found.clone()) });
+                }
+                last_partial = Some(Instant::now());
+                partial_wake();
+            }
+            !token.is_cancelled()
+        };
+        let folder = &request.value.folder as &dyn World;
+        let watched = (folder, &mut observer as &mut dyn FnMut(&Verification) -> bool);
+        pipeline::verify_watched(&design.project, &design.modelled, &design.synthesised, watched)
+            .map_err(|error| error_lines(&error))
+    })
+}
+
+/// Returns a worker that computes error against effort.
+pub fn trade_off_worker(wake: &Wake) -> TradeOffWorker {
+    Worker::new(Arc::clone(wake), |design: Arc<DesignPreview>, token: &Token| {
+        let plants = (&*design.modelled, &*design.reduced);
+        effort(&design.project, plants, &error_weight_factors(), &|| !token.is_cancelled()).ok()?
+    })
+}
+
+/// Returns the factors on the error weight at which error is traded against effort: half octaves from 1/8 to 8.
+fn error_weight_factors() -> Vec<f64> {
+    (-6..=6).map(|k| 2f64.powf(0.5 * f64::from(k))).collect()
+}

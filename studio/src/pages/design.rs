@@ -1,0 +1,186 @@
+//! The page Design: weights with handles, and all their consequences at once.
+
+use std::sync::Arc;
+
+use counterpoise_pipeline::preview::DesignPreview;
+use counterpoise_pipeline::studies::trade_off::EffortPoint;
+use counterpoise_project::Project;
+use counterpoise_verify::Source;
+use egui::{RichText, Ui};
+
+use super::design_charts::{
+    control_chart, effort_chart, loop_chart, motion_chart, sensitivity_chart, step_chart,
+};
+use super::weight_plot::{PlottedWeight, plotted_weights, show_weight_plot};
+use super::{design_figures, no_controller, widgets};
+use crate::command::Command;
+use crate::editing::weight_handles;
+use crate::number_format::format_short;
+use crate::studio::Studio;
+use crate::theme::space;
+use crate::versioned::{Freshness, Versioned};
+use crate::view::{ControllerPart, View};
+
+/// Width of the panel with weights and figures, points.
+const SIDE_WIDTH: f32 = 348.0;
+
+/// Shows the page.
+pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
+    let Some(opened) = &studio.opened else { return };
+    let revision = opened.session.revision();
+    let Some(project) = opened.session.project().cloned() else {
+        let errors: Vec<String> = opened.session.errors().iter().map(ToString::to_string).collect();
+        let title = "The project file has errors";
+        return widgets::show_error_list(ui, &studio.view.theme, title, &errors);
+    };
+    if project.synth.is_none() {
+        return no_controller::show(ui, &studio.view.theme, queue, "design");
+    }
+    let why = studio.results.design_errors(revision).map(<[String]>::to_vec);
+    let design = studio.results.design_at(revision).map(|(design, age)| (Arc::clone(design), age));
+    let effort = studio.results.effort.clone();
+    let view = &mut studio.view;
+    let preview = design.as_ref().map(|(design, _)| Arc::clone(design));
+    widgets::side_panel("weights", &view.theme, SIDE_WIDTH).show(ui, |ui| {
+        egui::ScrollArea::vertical().show(ui, |ui| show_side(ui, view, queue, &project, preview.as_ref()));
+    });
+    if let Some(why) = &why {
+        let rest = if design.is_some() { "; the plots show the last design that succeeded" } else { "" };
+        let title = format!("No controller for these weights{rest}");
+        widgets::show_error_list(ui, &view.theme, &title, why);
+    }
+    let Some((design, age)) = design else {
+        if why.is_none() {
+            let text = "the first design appears in a moment";
+            widgets::show_placeholder(ui, &studio.view.theme, "Designing", text);
+        }
+        return;
+    };
+    if age == Freshness::Stale && why.is_some() {
+        ui.multiply_opacity(0.55);
+    }
+    show_plots(ui, view, queue, &project, (&design, effort.as_ref()));
+}
+
+fn show_side(
+    ui: &mut Ui,
+    view: &mut View,
+    queue: &mut Vec<Command>,
+    project: &Project,
+    design: Option<&Arc<DesignPreview>>,
+) {
+    let theme = view.theme;
+    ui.horizontal(|ui| {
+        for (part, name) in [
+            (ControllerPart::Feedback, "Feedback"),
+            (ControllerPart::Heave, "Heave"),
+            (ControllerPart::Pitch, "Pitch"),
+        ] {
+            if ui.selectable_label(view.part == part, name).clicked() {
+                view.part = part;
+            }
+        }
+    });
+    theme.card().show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        let weights = plotted_weights(project, view.part, &theme);
+        if weights.is_empty() {
+            let text = "This project has no such part; add its section to the file.";
+            ui.label(RichText::new(text).color(theme.weak));
+        }
+        for weight in &weights {
+            show_weight(ui, view, queue, weight);
+        }
+        if view.part == ControllerPart::Feedback {
+            widgets::show_heading(ui, "noise");
+            show_noise(ui, view, queue, project);
+        }
+    });
+    ui.add_space(space::SMALL);
+    if let Some(design) = design {
+        show_trial(ui, view, queue, design);
+        ui.add_space(space::SMALL);
+        design_figures::show(ui, view, queue, design);
+    }
+}
+
+fn show_weight(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, weight: &PlottedWeight) {
+    let theme = view.theme;
+    ui.horizontal(|ui| {
+        ui.label(RichText::new(format!("{} weight", weight.name)).strong().color(weight.colour));
+        ui.label(RichText::new(weight_handles::form_name(weight.weight)).small().color(theme.weak));
+    });
+    egui::Grid::new(&weight.path).num_columns(3).spacing([8.0, 2.0]).show(ui, |ui| {
+        for (key, value) in weight_handles::weight_numbers(weight.weight) {
+            widgets::number_field(ui, view, queue, &format!("{}.{key}", weight.path), value);
+        }
+    });
+}
+
+fn show_noise(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, project: &Project) {
+    let Some(synth) = &project.synth else { return };
+    let f = &synth.specification.feedback;
+    egui::Grid::new("noises").num_columns(3).spacing([8.0, 2.0]).show(ui, |ui| {
+        widgets::number_field(ui, view, queue, "synth.feedback.measurement_noise", f.measurement_noise);
+        widgets::number_field(ui, view, queue, "synth.feedback.loop_recovery", f.loop_recovery);
+    });
+}
+
+/// Smallest move of the slider that starts a trial, kg m: less is rounding of the slider.
+const SMALLEST_TRIAL_KG_M: f64 = 0.05;
+/// Largest out-of-balance that can be tried, kg m.
+const LARGEST_TRIAL_KG_M: f64 = 400.0;
+
+/// Shows the slider that tries another out-of-balance.
+fn show_trial(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, design: &DesignPreview) {
+    let theme = view.theme;
+    let moment = design.modelled.plant.body().out_of_balance_kg_m;
+    theme.card().show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        ui.horizontal(|ui| {
+            ui.label(RichText::new("Out-of-balance").strong());
+            if design.trial_moment_kg_m.is_some() {
+                ui.label(RichText::new("tried, not in the project").small().color(theme.warn));
+                if ui.small_button("end").clicked() {
+                    queue.push(Command::Try { out_of_balance_kg_m: None });
+                }
+            }
+        });
+        let mut tried = view.trial_moment_kg_m.unwrap_or(moment);
+        ui.spacing_mut().slider_width = 168.0;
+        let slider = egui::Slider::new(&mut tried, 0.0..=LARGEST_TRIAL_KG_M)
+            .suffix(" kg m")
+            .custom_formatter(|v, _| format_short(v));
+        let hint = "the design at another first moment of mass: watch the heave feedforward";
+        let response = ui.add(slider).on_hover_text(hint);
+        let now = view.trial_moment_kg_m.unwrap_or(moment);
+        if response.changed() && (tried - now).abs() > SMALLEST_TRIAL_KG_M {
+            queue.push(Command::Try { out_of_balance_kg_m: Some(tried) });
+        }
+        view.dragging |= response.dragged();
+    });
+}
+
+fn show_plots(
+    ui: &mut Ui,
+    view: &mut View,
+    queue: &mut Vec<Command>,
+    project: &Project,
+    (design, effort): (&DesignPreview, Option<&Versioned<Vec<EffortPoint>>>),
+) {
+    let area = widgets::take_remaining_area(ui);
+    let cells = widgets::design_page_cells(area);
+    show_weight_plot(ui, view, queue, project, cells[0]);
+    let charts = [
+        loop_chart(view, design),
+        sensitivity_chart(view, design),
+        step_chart(view, design),
+        control_chart(view, design),
+        motion_chart(view, design, Source::Heave),
+        motion_chart(view, design, Source::Pitch),
+        effort_chart(view, effort),
+    ];
+    for (cell, chart) in cells[1..].iter().zip(&charts) {
+        widgets::show_chart(ui, view, queue, *cell, chart);
+    }
+}

@@ -1,0 +1,90 @@
+//! The limit of the selected requirement, drawn into the charts from which its figure is read.
+
+use counterpoise_verify::{
+    Experiment, Figure, History, Limit, LoopFigure, Quantity, Requirement, Source, StepFigure, Verification,
+};
+
+use crate::charts::chart::Chart;
+use crate::number_format::format_short;
+use crate::view::View;
+
+/// The signal of a chart over time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HistorySignal {
+    /// The hub's rate.
+    Hub,
+    /// The control.
+    Control,
+    /// The motor's current.
+    Current,
+    /// The tip's rate.
+    Tip,
+}
+
+/// Returns the selected requirement.
+pub fn selected_requirement<'a>(view: &View, found: &'a Verification) -> Option<&'a Requirement> {
+    let last = found.verdicts.len().saturating_sub(1);
+    found.verdicts.get(view.requirement.min(last)).map(|(requirement, _)| requirement)
+}
+
+/// Marks the limit of the selected requirement in a chart over time if it limits the signal of this chart.
+pub fn mark_history_limit(
+    view: &View,
+    found: &Verification,
+    experiment: Experiment,
+    signal: HistorySignal,
+    chart: &mut Chart,
+) {
+    let Some(requirement) = selected_requirement(view, found) else { return };
+    let limit = requirement.limit.value();
+    let mut both = |value: f64| chart.levels.extend([value, -value]);
+    match (requirement.figure, signal) {
+        (Figure::Disturbance(_, _, _, Quantity::HubPeak), HistorySignal::Hub)
+        | (Figure::Disturbance(_, _, _, Quantity::TipPeak), HistorySignal::Tip) => {
+            both(view.units.angle_factor() * limit)
+        }
+        (Figure::Disturbance(_, _, _, Quantity::CurrentPeak), HistorySignal::Current)
+        | (Figure::Disturbance(_, _, _, Quantity::ControlPeak), HistorySignal::Control)
+        | (Figure::Step(_, StepFigure::ControlPeak), HistorySignal::Control) => both(limit),
+        (Figure::Step(model, StepFigure::Overshoot), HistorySignal::Hub) => {
+            let demand = found.history(model, experiment).and_then(final_demand).unwrap_or_default();
+            chart.levels.push(view.units.angle_factor() * demand * (1.0 + 0.01 * limit));
+        }
+        (
+            Figure::Step(_, StepFigure::RiseTime | StepFigure::PeakTime | StepFigure::SettlingTime),
+            HistorySignal::Hub,
+        ) => {
+            chart.add_mark(limit, "limit");
+        }
+        _ => {}
+    }
+}
+
+/// Returns the demand at the end of a step, rad/s.
+fn final_demand(history: &History) -> Option<f64> {
+    history.demand_rad_s.last().copied()
+}
+
+/// Marks the limit of a disturbance rejection in its chart.
+pub fn mark_rejection_limit(view: &View, found: &Verification, shown: Source, chart: &mut Chart) {
+    if let Some(Requirement { figure: Figure::Rejection { source, frequency_hz, .. }, limit, .. }) =
+        selected_requirement(view, found)
+        && *source == shown
+    {
+        let (rate, at) = (std::f64::consts::TAU * frequency_hz, limit.value());
+        chart.levels.push(view.units.display_gain(10f64.powf(at / 20.0)));
+        chart.add_mark(view.units.display_frequency(rate), format!("limit {} dB", format_short(at)));
+    }
+}
+
+/// Marks the limit of a sensitivity in the chart of both sensitivities.
+pub fn mark_sensitivity_limit(view: &View, found: &Verification, chart: &mut Chart) {
+    let figure = selected_requirement(view, found).map(|r| (r.figure, r.limit));
+    if let Some((
+        Figure::Loop(LoopFigure::MaxSensitivity | LoopFigure::MaxComplementary),
+        Limit::AtMost(most) | Limit::AtLeast(most),
+    )) = figure
+    {
+        chart.levels.push(view.units.display_gain(most));
+    }
+}

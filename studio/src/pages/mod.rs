@@ -1,0 +1,41 @@
+//! The pages of the window.
+//!
+//! Each page is one function `show(studio, ui, queue)`: it draws what the studio knows and pushes commands; it changes nothing of the
+//! project itself. How a page is written:
+//!
+//! 1. Take the design by [`Results::design_at`](crate::results::Results::design_at), a verification by
+//!    [`Results::verification`](crate::results::Results::verification); show a stale one dimmed.
+//! 2. Draw plots as [`Chart`](crate::charts::chart::Chart)s through [`widgets::show_chart`], which makes them copyable, in cells of
+//!    [`widgets::grid_cells`].
+//! 3. Show numbers of the project by [`widgets::number_field`]: unit, range and meaning come from the project file's reference.
+//! 4. Say in place what is missing and how to get it ([`widgets::show_placeholder`]), never with a blank.
+//!
+//! Modules in reading order: [`widgets`], [`frequency_charts`], [`no_controller`], [`welcome`], [`recent_places`], [`file_browser`], [`plant`],
+//! [`number_groups`], [`beam_drawing`], [`schematic`], [`reduce`], [`design`], [`weight_plot`], [`design_charts`],
+//! [`design_figures`], [`kept_designs`], [`verify`], [`verify_charts`], [`limit_marks`], [`measurements`], [`diagnose`],
+//! [`recording_mapping`], [`recording_charts`], [`findings`].
+
+pub mod beam_drawing;
+pub mod design;
+pub mod design_charts;
+pub mod design_figures;
+pub mod diagnose;
+pub mod file_browser;
+pub mod findings;
+pub mod frequency_charts;
+pub mod kept_designs;
+pub mod limit_marks;
+pub mod measurements;
+pub mod no_controller;
+pub mod number_groups;
+pub mod plant;
+pub mod recent_places;
+pub mod recording_charts;
+pub mod recording_mapping;
+pub mod reduce;
+pub mod schematic;
+pub mod verify;
+pub mod verify_charts;
+pub mod weight_plot;
+pub mod welcome;
+pub mod widgets;

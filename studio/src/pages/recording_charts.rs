@@ -1,0 +1,68 @@
+//! Recorded and simulated channels as charts.
+
+use std::sync::Arc;
+
+use counterpoise_recordings::Channel;
+
+use crate::charts::chart::{Chart, Curve, Dash};
+use crate::charts::curve_points::CurvePoints;
+use crate::charts::min_max_pyramid::MinMaxPyramid;
+use crate::jobs::recording_views::ChannelView;
+use crate::units::DisplayUnit;
+use crate::view::View;
+
+/// Returns an empty chart of a channel, whose title says how well the model fits.
+fn channel_chart(view: &View, channel: &ChannelView) -> (Chart, DisplayUnit) {
+    let name = channel_words(channel.channel);
+    let mut title = name.clone();
+    if let (Some(model), Some(floor)) = (&channel.model, channel.floor) {
+        title = format!("{name}: residual {:.2} x its noise floor", model.rms / floor);
+        if let Some(improved) = &channel.improved {
+            title = format!("{title}, {:.2} with the diagnosis", improved.rms / floor);
+        }
+    }
+    let unit = view.units.display_unit(channel.channel.unit());
+    let label = format!("{name}, {}", unit.name);
+    (Chart::new(&title, "time, s", &label).in_group("recording"), unit)
+}
+
+fn long_curve(
+    view: &View,
+    name: &str,
+    colour: usize,
+    points: &Arc<MinMaxPyramid>,
+    unit: &DisplayUnit,
+) -> Curve {
+    let points = CurvePoints::Many(Arc::clone(points), unit.factor);
+    Curve { name: name.to_owned(), points, colour: view.theme.curves[colour], dash: Dash::Solid }
+}
+
+/// Returns a channel as measured, as the model simulates it, and as the diagnosed model does.
+pub fn signal_chart(view: &View, channel: &ChannelView) -> Chart {
+    let (mut chart, unit) = channel_chart(view, channel);
+    chart = chart.with_any_curve(long_curve(view, "measured", 1, &channel.measured, &unit));
+    if let Some(model) = &channel.model {
+        chart = chart.with_any_curve(long_curve(view, "model", 0, &model.signal, &unit));
+    }
+    if let Some(improved) = &channel.improved {
+        chart = chart.with_any_curve(long_curve(view, "with the diagnosis", 2, &improved.signal, &unit));
+    }
+    chart
+}
+
+/// Returns the residuals of the model and of the diagnosed model.
+pub fn residual_chart(view: &View, channel: &ChannelView) -> Chart {
+    let (mut chart, unit) = channel_chart(view, channel);
+    if let Some(model) = &channel.model {
+        chart = chart.with_any_curve(long_curve(view, "model", 0, &model.residual, &unit));
+    }
+    if let Some(improved) = &channel.improved {
+        chart = chart.with_any_curve(long_curve(view, "with the diagnosis", 2, &improved.residual, &unit));
+    }
+    chart
+}
+
+/// Returns a channel's name in words.
+pub fn channel_words(channel: Channel) -> String {
+    channel.name().replace('_', " ")
+}

@@ -1,0 +1,178 @@
+//! The evidence of a verification as charts: time histories and responses over frequency.
+
+use counterpoise_verify::{Arrangement, Experiment, Figure, History, Model, Source, Verification};
+use egui::Ui;
+
+use super::frequency_charts::{frequency_chart, magnitude_points, mark_margins};
+use super::limit_marks::{self, HistorySignal};
+use super::widgets;
+use crate::charts::chart::{Chart, Dash};
+use crate::command::Command;
+use crate::view::View;
+
+/// The charts over time share their x axis and cursor.
+const TIME_GROUP: &str = "verified over time";
+/// The charts over frequency share theirs.
+const FREQUENCY_GROUP: &str = "verified over frequency";
+
+/// A column of a history as it is shown.
+struct HistoryColumn<'a> {
+    name: &'a str,
+    unit: &'a str,
+    factor: f64,
+    values: fn(&History) -> &Vec<f64>,
+}
+
+/// Shows the run behind the selected verdict: four of its signals under one cursor.
+pub fn show_histories(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: &Verification) {
+    let experiment = limit_marks::selected_requirement(view, found)
+        .map_or(Experiment::Step, |requirement| experiment_of(requirement.figure));
+    let (rate_unit, rate_factor) = (view.units.angular_rate_unit(), view.units.angle_factor());
+    let column = |name, unit, factor, values| HistoryColumn { name, unit, factor, values };
+    let mut charts = [
+        hub_chart(view, found, experiment),
+        history_chart(view, found, experiment, &column("Control", "V", 1.0, |h| &h.control_v)),
+        history_chart(view, found, experiment, &column("Motor current", "A", 1.0, |h| &h.current_a)),
+        history_chart(
+            view,
+            found,
+            experiment,
+            &column("Tip rate", rate_unit, rate_factor, |h| &h.tip_rate_rad_s),
+        ),
+    ];
+    let signals = [HistorySignal::Hub, HistorySignal::Control, HistorySignal::Current, HistorySignal::Tip];
+    for (chart, signal) in charts.iter_mut().zip(signals) {
+        limit_marks::mark_history_limit(view, found, experiment, signal, chart);
+    }
+    let area = widgets::take_remaining_area(ui);
+    for (cell, chart) in widgets::grid_cells(area, 4, 2).iter().zip(&charts) {
+        widgets::show_chart(ui, view, queue, *cell, chart);
+    }
+}
+
+/// Shows what the loop does over frequency.
+pub fn show_responses(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: &Verification) {
+    let curves = &found.evidence.curves;
+    let of = |response| magnitude_points(view, &curves.frequency_hz, response);
+    let c = view.theme.curves;
+    let mut loop_gain =
+        frequency_chart(view, "Loop gain", "modulus").with_curve("L", c[0], Dash::Solid, of(&curves.broken));
+    loop_gain.levels.push(view.units.display_gain(1.0));
+    mark_margins(view, &found.evidence.margins, &mut loop_gain);
+    loop_gain.range[1] = Some((view.units.display_gain(1e-4), view.units.display_gain(1e4)));
+    let mut sensitivity = frequency_chart(view, "Sensitivity", "modulus");
+    for (k, (one, name)) in curves.sensitivities.iter().zip(["S", "T"]).enumerate() {
+        sensitivity = sensitivity.with_curve(name, c[k], [Dash::Solid, Dash::Dashed][k % 2], of(one));
+    }
+    limit_marks::mark_sensitivity_limit(view, found, &mut sensitivity);
+    sensitivity.range[1] = Some((view.units.display_gain(1e-3), view.units.display_gain(4.0)));
+    let charts = [
+        rejection_chart(view, found, Source::Heave),
+        rejection_chart(view, found, Source::Pitch),
+        loop_gain,
+        sensitivity,
+    ];
+    let area = widgets::take_remaining_area(ui);
+    for (cell, chart) in widgets::grid_cells(area, 4, 2).iter().zip(charts) {
+        widgets::show_chart(ui, view, queue, *cell, &chart.in_group(FREQUENCY_GROUP));
+    }
+}
+
+/// Returns the run from which a figure was read.
+fn experiment_of(figure: Figure) -> Experiment {
+    let key = figure.key();
+    let source = if key.contains("road") {
+        Source::Road
+    } else if key.contains("both") {
+        Source::Both
+    } else if key.contains("heave") {
+        Source::Heave
+    } else if key.contains("pitch") {
+        Source::Pitch
+    } else if key.contains("rest") {
+        return Experiment::Rest;
+    } else if key.contains("triangle") {
+        return Experiment::Triangle;
+    } else {
+        return Experiment::Step;
+    };
+    Experiment::Disturbance(source, Arrangement::Compensated)
+}
+
+fn experiment_name(experiment: Experiment) -> &'static str {
+    match experiment {
+        Experiment::Step => "Step of the demand",
+        Experiment::Triangle => "Triangle of the demand",
+        Experiment::Rest => "At rest",
+        Experiment::Disturbance(Source::Heave, _) => "Heave of the platform",
+        Experiment::Disturbance(Source::Pitch, _) => "Pitch of the platform",
+        Experiment::Disturbance(Source::Both, _) => "Heave and pitch",
+        Experiment::Disturbance(Source::Road, _) => "On the road",
+    }
+}
+
+fn history_points(history: &History, values: fn(&History) -> &Vec<f64>, factor: f64) -> Vec<[f64; 2]> {
+    history.time_s.iter().zip(values(history)).map(|(t, v)| [*t, factor * v]).collect()
+}
+
+fn hub_chart(view: &View, found: &Verification, experiment: Experiment) -> Chart {
+    let title = format!("{}: hub rate", experiment_name(experiment));
+    let label = format!("hub rate, {}", view.units.angular_rate_unit());
+    let mut chart = Chart::new(&title, "time, s", &label).in_group(TIME_GROUP);
+    let factor = view.units.angle_factor();
+    if let Experiment::Disturbance(source, _) = experiment
+        && let Some(h) =
+            found.history(Model::Nonlinear, Experiment::Disturbance(source, Arrangement::Feedback))
+    {
+        let points = history_points(h, |h| &h.hub_rate_rad_s, factor);
+        let colour = view.theme.curves[1].gamma_multiply(0.7);
+        chart = chart.with_curve("feedback alone", colour, Dash::Solid, points);
+    }
+    for (model, label, colour, dash) in [
+        (Model::Nonlinear, "full plant", view.theme.curves[0], Dash::Solid),
+        (Model::Linear, "linear", view.theme.curves[2], Dash::Dashed),
+    ] {
+        if let Some(h) = found.history(model, experiment) {
+            chart = chart.with_curve(label, colour, dash, history_points(h, |h| &h.hub_rate_rad_s, factor));
+        }
+    }
+    chart
+}
+
+fn history_chart(view: &View, found: &Verification, experiment: Experiment, column: &HistoryColumn) -> Chart {
+    let label = format!("{}, {}", column.name.to_lowercase(), column.unit);
+    let chart = Chart::new(column.name, "time, s", &label).in_group(TIME_GROUP);
+    match found.history(Model::Nonlinear, experiment) {
+        Some(h) => {
+            let points = history_points(h, column.values, column.factor);
+            chart.with_curve("full plant", view.theme.curves[0], Dash::Solid, points)
+        }
+        None => chart,
+    }
+}
+
+/// Returns the disturbance rejection over frequency, for each arrangement of the controller.
+fn rejection_chart(view: &View, found: &Verification, source: Source) -> Chart {
+    let (title, label) = if source == Source::Heave {
+        ("Rejection of heave", "rad/s per m/s\u{b2}")
+    } else {
+        ("Rejection of pitch", "rad/s per rad/s")
+    };
+    let curves = &found.evidence.curves;
+    let mut chart = frequency_chart(view, title, label);
+    for one in curves.rejection.iter().filter(|r| r.source == source) {
+        let (name, k, dash) = match one.arrangement {
+            Arrangement::Uncontrolled => ("none", 3, Dash::Dotted),
+            Arrangement::Feedback => ("feedback", 1, Dash::Dashed),
+            Arrangement::Compensated => ("with feedforward", 0, Dash::Solid),
+        };
+        let point = |(f, h): (&f64, &counterpoise_lti::C64)| {
+            let rate = view.units.display_frequency(f * std::f64::consts::TAU);
+            [rate, view.units.display_gain(h.norm())]
+        };
+        let points = curves.frequency_hz.iter().zip(&one.response).map(point).collect();
+        chart = chart.with_curve(name, view.theme.curves[k], dash, points);
+    }
+    limit_marks::mark_rejection_limit(view, found, source, &mut chart);
+    chart
+}

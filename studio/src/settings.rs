@@ -1,0 +1,203 @@
+//! What the studio remembers: theme, units, zoom and size for each user; page, tabs and kept designs for each project.
+//!
+//! The user's settings are one file in the studio's own folder; those of a project stand beside its journal.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use counterpoise_host::journals::journal_path;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use crate::command::{DesignSlot, DiagnosisTab, Page, VerificationTab};
+use crate::theme::{DARK, LIGHT};
+use crate::units::Units;
+use crate::view::{ControllerPart, View};
+
+/// Smallest and largest zoom that is restored: beyond, the window could not be used to change it back.
+const ZOOMS: (f32, f32) = (0.5, 3.0);
+/// Smallest and largest side of a window that is restored, points.
+const SIDES: (f32, f32) = (400.0, 10_000.0);
+
+/// The theme by name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ThemeChoice {
+    /// Dark.
+    #[default]
+    Dark,
+    /// Light.
+    Light,
+}
+
+/// The settings of a user.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct UserSettings {
+    /// The theme.
+    pub theme: ThemeChoice,
+    /// The units.
+    pub units: Units,
+    /// The zoom; `None` for 1.
+    pub zoom: Option<f32>,
+    /// The size of the window, points; `None` before the first window.
+    pub window_size: Option<[f32; 2]>,
+}
+
+/// The settings of a project.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct ProjectSettings {
+    /// The page.
+    pub page: Page,
+    /// The tab of the page Verify.
+    pub verification_tab: VerificationTab,
+    /// The tab of the page Diagnose.
+    pub diagnosis_tab: DiagnosisTab,
+    /// The part of the controller whose weights are shown.
+    pub part: ControllerPart,
+    /// The section of parameters that is open.
+    pub section: usize,
+    /// The requirement that is selected.
+    pub requirement: usize,
+    /// The folder for exported code, if another than the default was chosen.
+    pub output_folder: Option<PathBuf>,
+    /// The texts of the projects whose designs are kept.
+    pub kept: BTreeMap<DesignSlot, String>,
+}
+
+impl Default for ProjectSettings {
+    fn default() -> Self {
+        Self {
+            page: Page::Design,
+            verification_tab: VerificationTab::Histories,
+            diagnosis_tab: DiagnosisTab::Signals,
+            part: ControllerPart::Feedback,
+            section: 0,
+            requirement: 0,
+            output_folder: None,
+            kept: BTreeMap::new(),
+        }
+    }
+}
+
+impl UserSettings {
+    /// Reads the settings of a user; a file that is missing or cannot be read gives the defaults.
+    pub fn load(state: &Path) -> Self {
+        let mut settings: Self = read_json(&user_path(state)).unwrap_or_default();
+        settings.zoom = settings.zoom.filter(|zoom| (ZOOMS.0..=ZOOMS.1).contains(zoom));
+        settings.window_size =
+            settings.window_size.filter(|size| size.iter().all(|side| (SIDES.0..=SIDES.1).contains(side)));
+        settings
+    }
+
+    /// Applies the settings to a view.
+    pub fn apply(&self, view: &mut View) {
+        view.theme = if self.theme == ThemeChoice::Light { LIGHT } else { DARK };
+        view.units = self.units;
+    }
+
+    /// Takes over what the view shows.
+    pub fn update_from(&mut self, view: &View) {
+        self.theme = if view.theme == LIGHT { ThemeChoice::Light } else { ThemeChoice::Dark };
+        self.units = view.units;
+    }
+}
+
+impl ProjectSettings {
+    /// Reads the settings of a project, or `None` if there are none.
+    pub fn load(state: &Path, project: &Path) -> Option<Self> {
+        read_json(&project_path(state, project))
+    }
+
+    /// Returns the settings that a view shows.
+    pub fn of_view(view: &View) -> Self {
+        Self {
+            page: view.page,
+            verification_tab: view.verification_tab,
+            diagnosis_tab: view.diagnosis_tab,
+            part: view.part,
+            section: view.section,
+            requirement: view.requirement,
+            output_folder: view.output_folder.clone(),
+            kept: view.kept_texts.clone(),
+        }
+    }
+
+    /// Applies the settings to a view; kept designs follow when they are computed.
+    pub fn apply(&self, view: &mut View) {
+        (view.page, view.verification_tab, view.diagnosis_tab) =
+            (self.page, self.verification_tab, self.diagnosis_tab);
+        (view.part, view.section, view.requirement) = (self.part, self.section, self.requirement);
+        view.output_folder.clone_from(&self.output_folder);
+        view.kept_texts.clone_from(&self.kept);
+    }
+}
+
+/// A file to be written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SettingsFile {
+    /// Its path.
+    pub path: PathBuf,
+    /// Its content.
+    pub content: Vec<u8>,
+}
+
+/// Returns the files for the settings of the user and, if one is open, of the project.
+pub fn settings_files(
+    state: &Path,
+    user: &UserSettings,
+    project: Option<(&Path, &ProjectSettings)>,
+) -> Vec<SettingsFile> {
+    let user = serde_json::to_vec_pretty(user).ok().map(|content| (user_path(state), content));
+    let project = project.and_then(|(path, settings)| {
+        Some((project_path(state, path), serde_json::to_vec_pretty(settings).ok()?))
+    });
+    [user, project].into_iter().flatten().map(|(path, content)| SettingsFile { path, content }).collect()
+}
+
+/// Writes settings. An error of the disk is ignored: the defaults are used the next time.
+pub fn write_settings(files: &[SettingsFile]) {
+    for file in files {
+        let _ = counterpoise_host::files::write(&file.path, &file.content);
+    }
+}
+
+fn user_path(state: &Path) -> PathBuf {
+    state.join("settings.json")
+}
+
+fn project_path(state: &Path, project: &Path) -> PathBuf {
+    journal_path(state, project).with_extension("view.json")
+}
+
+fn read_json<T: DeserializeOwned>(path: &Path) -> Option<T> {
+    std::fs::read(path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use super::*;
+    use crate::units::GainUnit;
+
+    #[test]
+    fn settings_come_back_and_damaged_ones_give_the_defaults() {
+        let state = counterpoise_host::files::scratch_folder().unwrap();
+        let project = Path::new("rig.toml");
+        let mut view = View { theme: LIGHT, page: Page::Verify, ..View::default() };
+        view.units.gain = GainUnit::Absolute;
+        view.kept_texts.insert(DesignSlot::B, "[plant]\n".to_owned());
+        let mut user = UserSettings { zoom: Some(1.25), ..UserSettings::default() };
+        user.update_from(&view);
+        let settings = ProjectSettings::of_view(&view);
+        write_settings(&settings_files(state.path(), &user, Some((project, &settings))));
+        assert_eq!(UserSettings::load(state.path()), user);
+        assert_eq!(ProjectSettings::load(state.path(), project), Some(settings));
+        assert_eq!(ProjectSettings::load(state.path(), Path::new("other.toml")), None);
+        std::fs::write(state.path().join("settings.json"), "{\"zoom\": 99, \"units\": {").unwrap();
+        assert_eq!(UserSettings::load(state.path()), UserSettings::default());
+        std::fs::write(state.path().join("settings.json"), "{\"zoom\": 99}").unwrap();
+        assert_eq!(UserSettings::load(state.path()).zoom, None, "a zoom that would hide everything");
+    }
+}

@@ -1,0 +1,87 @@
+//! What limits the bandwidth of a loop.
+
+use std::fmt;
+
+/// What limits a bandwidth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LimitKind {
+    /// A twentieth of the sample rate, lowered by what is not known.
+    SampleRate,
+    /// The margins: delay, hold, lags of sensors and drive, zeros and poles of the right half plane.
+    Margins,
+    /// Modes that are lightly damped, which may be off by a fraction of their frequency.
+    Resonance,
+    /// The control that the noise of the readings costs.
+    Noise,
+    /// The control that the quantisation of the readings costs.
+    Quantisation,
+    /// The control's limit, at the step of the demand.
+    Control,
+    /// What was asked for.
+    Asked,
+}
+
+impl fmt::Display for LimitKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            LimitKind::SampleRate => "sample rate",
+            LimitKind::Margins => "margins (delay and lags)",
+            LimitKind::Resonance => "resonance",
+            LimitKind::Noise => "noise",
+            LimitKind::Quantisation => "quantisation",
+            LimitKind::Control => "control limit",
+            LimitKind::Asked => "what is asked for",
+        })
+    }
+}
+
+/// A limit of the bandwidth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limit {
+    /// What limits.
+    pub kind: LimitKind,
+    /// The highest bandwidth that it allows, rad/s; infinite if it allows every one that was looked at.
+    pub bandwidth_rad_s: f64,
+}
+
+/// A fact of the loop that is not known, and lowers the ceiling of the bandwidth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unknown {
+    /// No mode of the structure or the transmission is known.
+    Structure,
+    /// Neither noise nor resolution of the readings is known.
+    Noise,
+    /// No lag of the sensor is known.
+    Sensor,
+    /// No delay is known.
+    Delay,
+    /// No step of the demand is stated.
+    Demand,
+}
+
+/// A bandwidth with its limits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bandwidth {
+    /// The bandwidth that was reached, rad/s.
+    pub bandwidth_rad_s: f64,
+    /// The limit that is the nearest above it.
+    pub limited_by: LimitKind,
+    /// Every limit, the lowest first.
+    pub limits: Vec<Limit>,
+    /// What is not known.
+    pub unknown: Vec<Unknown>,
+    /// What was asked for, rad/s.
+    pub asked_rad_s: Option<f64>,
+}
+
+impl fmt::Display for Unknown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Unknown::Structure => "a flexible mode of structure or transmission",
+            Unknown::Noise => "noise or resolution of the measured signal",
+            Unknown::Sensor => "the lag of the sensor",
+            Unknown::Delay => "the delay of the loop",
+            Unknown::Demand => "the largest step of the demand",
+        })
+    }
+}

@@ -1,0 +1,166 @@
+//! The feedback's weights for a bandwidth that they aim at.
+
+use counterpoise_lti::C64;
+use counterpoise_lti::response::Response;
+
+use super::Circumstances;
+use crate::{Error, FeedbackWeights, Weight};
+
+/// Multiples of the bandwidth that shape the weights.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Shape {
+    /// The error weight integrates below the bandwidth over this.
+    integral: f64,
+    /// The observer is this many times as quick as the bandwidth.
+    observer: f64,
+    /// The control weight rises above this many times the bandwidth.
+    roll_off: f64,
+    /// Whether control is dear at the modes that are lightly damped.
+    modes: Modes,
+}
+
+/// What the control weight does at lightly damped modes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Modes {
+    /// Nothing.
+    Plain,
+    /// It is larger by [`PEAK`] there: the controller's gain has a broad notch.
+    Dear,
+}
+
+/// Shapes that are tried in order: the usual one, one with more phase at the cost of noise, one that attenuates modes, and
+/// one with the roll-off of the quickest filter and little integral action for long delays. The usual one leaves a loop of
+/// one integrator 57 degrees of phase.
+pub(super) const SHAPES: [Shape; 5] = [
+    Shape { integral: 5.0, observer: 4.0, roll_off: 4.0, modes: Modes::Plain },
+    Shape { integral: 8.0, observer: 8.0, roll_off: 8.0, modes: Modes::Plain },
+    Shape { integral: 16.0, observer: 16.0, roll_off: 16.0, modes: Modes::Plain },
+    Shape { integral: 8.0, observer: 4.0, roll_off: 4.0, modes: Modes::Dear },
+    Shape { integral: 12.0, observer: 2.5, roll_off: 4.0, modes: Modes::Dear },
+];
+
+/// Factor on the control weight at a lightly damped mode: 20 dB.
+const PEAK: f64 = 10.0;
+/// Relative half width of that: covers the shift of [`crate::tolerance::MODE_SHIFT`] either way.
+const PEAK_WIDTH: f64 = 0.3;
+/// Modes at which control is made dear, at most: each adds two states to the controller.
+const MOST_PEAKS: usize = 3;
+/// Share of the control's limit whose square, over a sample, is the noise that the observer assumes at the control if the
+/// sensor's noise is not known; the controller depends on the quotient of the two noises alone.
+const CONTROL_NOISE: f64 = 1e-2;
+/// An error weight that may not be infinite at zero frequency is level below its corner over this.
+const LEVEL: f64 = 100.0;
+/// Points over a factor of [`SPREAD`] either way over which the plant's gain is averaged: a resonance is not its gain.
+const POINTS: i32 = 4;
+const SPREAD: f64 = 1.5;
+
+/// The plant's gain as the weights need it.
+pub(super) struct PlantGain {
+    response: Response,
+    /// Whether the measured signal shows nothing of a steady control.
+    is_blind_at_zero: bool,
+    /// Lightly damped modes, rad/s, rising.
+    pub modes: Vec<f64>,
+}
+
+impl PlantGain {
+    /// Returns the gain of what the feedback sees.
+    ///
+    /// # Errors
+    /// Those of the plant.
+    pub fn of(circumstances: &Circumstances, modes: Vec<f64>) -> Result<Self, Error> {
+        let plant = &circumstances.plant;
+        let seen = plant.measured()?.select(&[0], &[plant.control]);
+        let response = Response::of(&seen)?;
+        let gain = |rate: f64| response.at(rate).map_or(f64::INFINITY, |value| value.norm_max());
+        // Two decades apart far below everything: a gain that falls with frequency towards zero has a zero there.
+        let lowest = BLIND_BELOW * circumstances.sampling.highest_rad_s();
+        let is_blind_at_zero = gain(1e-2 * lowest) < 0.1 * gain(lowest);
+        Ok(Self { response, is_blind_at_zero, modes })
+    }
+
+    /// The modulus around a frequency, as a geometric mean.
+    fn around(&self, rate_rad_s: f64) -> f64 {
+        let step = SPREAD.powf(1.0 / f64::from(POINTS));
+        let points = (-POINTS..=POINTS).map(|k| {
+            let value = self.response.at(rate_rad_s * step.powi(k));
+            value.map_or(f64::INFINITY, |value| value.norm_max()).ln()
+        });
+        (points.sum::<f64>() / f64::from(2 * POINTS + 1)).exp()
+    }
+
+    /// How fast the modulus falls with frequency, as a power between 0 and 3.
+    fn slope(&self, rate_rad_s: f64) -> f64 {
+        let (below, above) = (self.around(rate_rad_s / 2.0), self.around(rate_rad_s * 2.0));
+        ((below / above).ln() / 4f64.ln()).clamp(0.0, 3.0)
+    }
+}
+
+/// Frequencies below this share of half the sample rate are far below every bandwidth that is looked at.
+const BLIND_BELOW: f64 = 1e-6;
+
+/// Returns the feedback's weights for an aim in rad/s; `None` if the plant has no gain there.
+pub(super) fn weights(
+    circumstances: &Circumstances,
+    gain: &PlantGain,
+    aim_rad_s: f64,
+    shape: Shape,
+) -> Option<FeedbackWeights> {
+    let level = gain.around(aim_rad_s);
+    if !(level > 0.0 && level.is_finite()) {
+        return None;
+    }
+    let at_observer = level * shape.observer.powf(-gain.slope(aim_rad_s));
+    let period_s = circumstances.sampling.period_s;
+    let (measurement_noise, loop_recovery) = if circumstances.noise_rms > 0.0 {
+        let density = circumstances.noise_rms.powi(2) * period_s;
+        (density, density / at_observer.powi(2))
+    } else {
+        let density = (CONTROL_NOISE * circumstances.sampling.limit_v).powi(2) * period_s;
+        (density * at_observer.powi(2), density)
+    };
+    Some(FeedbackWeights {
+        error: error(gain, rounded(aim_rad_s / shape.integral), rounded(1.0 / level)),
+        control: control(gain, aim_rad_s, shape)?,
+        combination: Vec::new(),
+        measurement_noise: rounded(measurement_noise),
+        disturbances: Vec::new(),
+        loop_recovery: rounded(loop_recovery),
+    })
+}
+
+/// Rounds to four significant digits, as a person would write a weight.
+pub(super) fn rounded(value: f64) -> f64 {
+    if value == 0.0 || !value.is_finite() {
+        return value;
+    }
+    // A decimal of so many digits is read back as the nearest number, whatever its power of ten.
+    format!("{value:.3e}").parse().unwrap_or(value)
+}
+
+/// `gain (s + corner) / s`, or level below the corner where the plant has no gain at zero frequency.
+fn error(plant: &PlantGain, corner_rad_s: f64, gain: f64) -> Weight {
+    let pole = if plant.is_blind_at_zero { -corner_rad_s / LEVEL } else { 0.0 };
+    Weight::ZeroPoleGain { zeros: vec![C64::new(-corner_rad_s, 0.0)], poles: vec![C64::new(pole, 0.0)], gain }
+}
+
+/// 1 below the roll-off, rising above it; dear at the modes above the aim. `None` if there are none to make it dear at.
+fn control(plant: &PlantGain, aim_rad_s: f64, shape: Shape) -> Option<Weight> {
+    let lead = Weight::Lead { gain: 1.0, time_s: rounded(1.0 / (shape.roll_off * aim_rad_s)) };
+    if shape.modes == Modes::Plain {
+        return Some(lead);
+    }
+    let above = plant.modes.iter().filter(|mode| **mode > aim_rad_s).take(MOST_PEAKS);
+    let peaks: Vec<Weight> = above
+        .map(|&mode| Weight::Notch {
+            gain: 1.0,
+            centre_rad_s: rounded(mode),
+            width: PEAK_WIDTH,
+            factor: PEAK,
+        })
+        .collect();
+    if peaks.is_empty() {
+        return None;
+    }
+    Some(Weight::Product(std::iter::once(lead).chain(peaks).collect()))
+}

@@ -1,0 +1,243 @@
+//! What a sampled loop does, against what it must keep.
+
+use counterpoise_lti::{
+    C64, Discretisation, Margins, Mat, StateSpace, c2d, feedback as closed, h2norm, margins, poles, series,
+};
+
+use super::Circumstances;
+use crate::sampling::sampled_plant;
+use crate::tolerance::{CEILING, NEIGHBOUR_MS, NOISE_SHARE};
+use crate::{DesignPlant, Error, Feedback, Sampling};
+
+/// Margins that a loop must keep.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RequiredMargins {
+    /// Smallest gain margin either way, dB.
+    pub gain_db: f64,
+    /// Smallest phase margin, degrees.
+    pub phase_deg: f64,
+    /// Largest sensitivity.
+    pub max_sensitivity: f64,
+}
+
+impl Default for RequiredMargins {
+    /// 6 dB, 40 degrees and 1.7: inside what Åström and Murray (Feedback Systems, section 10.3) call reasonable, 2 to 5,
+    /// 30 to 60 degrees and 1.4 to 2.
+    fn default() -> Self {
+        Self { gain_db: 6.0, phase_deg: 40.0, max_sensitivity: 1.7 }
+    }
+}
+
+/// What a sampled loop does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LoopJudgement {
+    /// Highest frequency at which the loop's gain is 1, rad/s.
+    pub bandwidth_rad_s: f64,
+    /// Highest frequency at which the closed loop has fallen by no more than 3 dB, rad/s.
+    pub closed_loop_rad_s: f64,
+    /// Smallest gain margin, dB.
+    pub gain_margin_db: f64,
+    /// Smallest phase margin, degrees.
+    pub phase_margin_deg: f64,
+    /// Largest sensitivity.
+    pub max_sensitivity: f64,
+    /// Frequency of that, rad/s.
+    pub sensitivity_peak_rad_s: f64,
+    /// Largest sensitivity with every lightly damped mode shifted, infinite if the loop is then not stable.
+    pub shifted_sensitivity: f64,
+    /// RMS control that the noise of the readings costs, V.
+    pub noise_v: f64,
+    /// RMS control that their quantisation costs, V.
+    pub quantisation_v: f64,
+    /// Largest control that the step of the demand takes, V.
+    pub step_v: f64,
+}
+
+/// Loops to be judged: the plants under the hold, computed once.
+pub(super) struct Judge<'a> {
+    circumstances: &'a Circumstances,
+    /// The sampling on which loops are judged, coarser than the real one if the delay is long.
+    sampling: Sampling,
+    held: StateSpace,
+    neighbours: Vec<StateSpace>,
+    others: Vec<StateSpace>,
+}
+
+impl<'a> Judge<'a> {
+    /// Prepares the plants.
+    ///
+    /// # Errors
+    /// Those of the discretisation.
+    pub fn new(circumstances: &'a Circumstances, neighbours: &[DesignPlant]) -> Result<Self, Error> {
+        let sampling = &coarser(&circumstances.sampling);
+        let all = |plants: &[DesignPlant]| plants.iter().map(|p| sampled_plant(p, sampling)).collect();
+        Ok(Self {
+            circumstances,
+            sampling: sampling.clone(),
+            held: sampled_plant(&circumstances.plant, sampling)?,
+            neighbours: all(neighbours)?,
+            others: {
+                let plants: Result<Vec<StateSpace>, Error> = all(&circumstances.others);
+                plants?
+            },
+        })
+    }
+
+    /// Judges a feedback; `None` if its sampled loop is not stable or never reaches a gain of 1.
+    ///
+    /// # Errors
+    /// Those of the discretisation and the margins.
+    pub fn judge(&self, feedback: &Feedback) -> Result<Option<LoopJudgement>, Error> {
+        let Circumstances { noise_rms, reading_step, demand_step, .. } = self.circumstances;
+        let sampling = &self.sampling;
+        let K = sampled_feedback(feedback, sampling)?;
+        let Some(nominal) = stable_margins(&self.held, &K)? else { return Ok(None) };
+        let crossover = nominal.phase.iter().map(|margin| margin.rate_rad_s).fold(0.0, f64::max);
+        if crossover == 0.0 || !self.holds_others(&K)? {
+            return Ok(None);
+        }
+        // The density of the noise is what the coarser samples keep.
+        let thinned = (self.circumstances.sampling.period_s / sampling.period_s).sqrt();
+        let gain = thinned * noise_gain(&self.held, &K)?;
+        Ok(Some(LoopJudgement {
+            bandwidth_rad_s: crossover,
+            closed_loop_rad_s: closed_loop_bandwidth(&self.held, &K, crossover)?,
+            gain_margin_db: nominal.gain_margin_db(),
+            phase_margin_deg: nominal.phase_margin().map_or(f64::INFINITY, |margin| margin.deg.abs()),
+            max_sensitivity: nominal.ms.value,
+            sensitivity_peak_rad_s: nominal.ms.rate_rad_s,
+            shifted_sensitivity: self.shifted_sensitivity(&K)?,
+            noise_v: gain * noise_rms,
+            quantisation_v: gain * reading_step / 12f64.sqrt(),
+            step_v: demand_step.abs() * step_peak(&self.held, &K, crossover, sampling)?,
+        }))
+    }
+
+    fn shifted_sensitivity(&self, K: &StateSpace) -> Result<f64, Error> {
+        let mut worst = 0.0_f64;
+        for plant in &self.neighbours {
+            let found = stable_margins(plant, K)?;
+            worst = worst.max(found.map_or(f64::INFINITY, |margins| margins.ms.value));
+        }
+        Ok(worst)
+    }
+
+    /// Whether the loop holds the machine with what the linear plant leaves out; one that only drifts is held.
+    fn holds_others(&self, K: &StateSpace) -> Result<bool, Error> {
+        for plant in &self.others {
+            let one = StateSpace::gain(Mat::eye(1), plant.timebase)?;
+            let found = poles(&closed(&series(plant, &K.negate())?, &one)?)?;
+            let drifts = |pole: &C64| (pole - C64::ONE).norm() < DRIFT;
+            if found.iter().any(|pole| pole.norm() >= 1.0 && !drifts(pole)) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+}
+
+/// Returns the sampling with a longer period if its delay has more samples than [`MOST_DELAY_SAMPLES`]; the delay is not
+/// shortened, so the loop that is judged is never better than the real one.
+fn coarser(sampling: &Sampling) -> Sampling {
+    let factor = sampling.delay_samples.div_ceil(MOST_DELAY_SAMPLES).max(1);
+    Sampling {
+        period_s: factor as f64 * sampling.period_s,
+        delay_samples: sampling.delay_samples.div_ceil(factor),
+        ..sampling.clone()
+    }
+}
+
+/// Samples of delay beyond which loops are judged on a coarser grid. Each is a state of the sampled plant; no bandwidth above
+/// 2 over the delay is looked at, so that a grid of 24 samples in the delay costs 5 degrees at the most.
+const MOST_DELAY_SAMPLES: usize = 24;
+
+/// A pole nearer to 1 than this is an angle that stays where it is: an integrating rate loop does not hold an angle.
+const DRIFT: f64 = 1e-6;
+
+impl LoopJudgement {
+    /// Whether the margins hold.
+    pub(super) fn keeps_margins(&self, required: &RequiredMargins) -> bool {
+        self.gain_margin_db >= required.gain_db
+            && self.phase_margin_deg >= required.phase_deg
+            && self.max_sensitivity <= required.max_sensitivity
+    }
+
+    /// Whether the loop bears shifted modes.
+    pub(super) fn bears_shifted_modes(&self) -> bool {
+        self.shifted_sensitivity <= NEIGHBOUR_MS
+    }
+
+    /// Whether noise leaves the control's range to its work.
+    pub(super) fn bears_noise(&self, limit_v: f64) -> bool {
+        self.noise_v <= NOISE_SHARE * limit_v
+    }
+
+    /// Whether quantisation does.
+    pub(super) fn bears_quantisation(&self, limit_v: f64) -> bool {
+        self.quantisation_v <= NOISE_SHARE * limit_v
+    }
+
+    /// Whether the step of the demand stays inside the control's limit.
+    pub(super) fn bears_step(&self, room_v: f64) -> bool {
+        self.step_v <= room_v
+    }
+
+    /// Whether the loop is slow enough for its sample rate.
+    pub(super) fn bears_sampling(&self, sampling: &Sampling) -> bool {
+        self.bandwidth_rad_s.max(self.closed_loop_rad_s) <= CEILING * sampling.rate_rad_s()
+    }
+}
+
+/// The feedback from the measured signal to the control, sampled as the exported one will be.
+fn sampled_feedback(feedback: &Feedback, sampling: &Sampling) -> Result<StateSpace, Error> {
+    let tustin = Discretisation::Tustin { prewarp_rad_s: None };
+    Ok(c2d(&feedback.controller.select(&[0], &[1]), sampling.period_s, tustin)?)
+}
+
+fn stable_margins(plant: &StateSpace, K: &StateSpace) -> Result<Option<Margins>, Error> {
+    let found = margins(&series(plant, &K.negate())?)?;
+    Ok(found.closed_loop_stable.then_some(found))
+}
+
+/// RMS control for readings with noise of unit RMS.
+fn noise_gain(plant: &StateSpace, K: &StateSpace) -> Result<f64, Error> {
+    Ok(h2norm(&closed(K, &plant.negate())?)?)
+}
+
+/// Highest frequency of a grid at which |T| is at least 0.707, rad/s.
+fn closed_loop_bandwidth(plant: &StateSpace, K: &StateSpace, crossover: f64) -> Result<f64, Error> {
+    let response = counterpoise_lti::Response::of(&series(plant, &K.negate())?)?;
+    let mut highest = crossover;
+    for k in 0..=BANDWIDTH_POINTS {
+        let rate = crossover * BANDWIDTH_REACH.powf(f64::from(k) / f64::from(BANDWIDTH_POINTS));
+        let Ok(value) = response.at(rate) else { continue };
+        let L = value[(0, 0)];
+        if (L / (C64::ONE + L)).norm() >= std::f64::consts::FRAC_1_SQRT_2 {
+            highest = rate;
+        }
+    }
+    Ok(highest)
+}
+
+/// Up to how many times the crossover the closed loop's bandwidth is looked for, and at how many points.
+const BANDWIDTH_REACH: f64 = 6.0;
+const BANDWIDTH_POINTS: u32 = 60;
+
+/// Largest control after a unit step of the demand, which enters through the error.
+fn step_peak(plant: &StateSpace, K: &StateSpace, crossover: f64, sampling: &Sampling) -> Result<f64, Error> {
+    let seconds = 6.0 / crossover;
+    let samples = ((seconds / sampling.period_s).ceil() as usize).clamp(2, MOST_SAMPLES);
+    let (mut x, mut q) = (Mat::zeros(plant.order(), 1), Mat::zeros(K.order(), 1));
+    let mut largest = 0.0_f64;
+    for _ in 0..samples {
+        let error = &(&plant.C * &x) - &Mat::eye(1);
+        let u = &(&K.C * &q) + &(&K.D * &error);
+        largest = largest.max(u[(0, 0)].abs());
+        q = &(&K.A * &q) + &(&K.B * &error);
+        x = &(&plant.A * &x) + &(&plant.B * &u);
+    }
+    Ok(largest)
+}
+
+/// Samples of a step that are looked at, at most: the largest control comes early.
+const MOST_SAMPLES: usize = 4000;

@@ -1,0 +1,88 @@
+//! A first design by itself: the weights that give the highest bandwidth which the loop allows at stated margins.
+//!
+//! The feedback's weights follow from one number, the bandwidth that they aim at ([`candidate`]): an error weight that
+//! integrates below a fifth of it and is the inverse of the plant's gain at it, a control weight that rises above it, and
+//! noises that make the observer a few times as quick. For each aim the *sampled* loop is judged ([`judgement`]): margins,
+//! the same margins with every lightly damped mode shifted ([`neighbours`]), the control that noise and quantisation cost,
+//! and the control that a step of the demand takes. The highest aim that keeps everything is the answer, and every limit
+//! is told with the bandwidth up to which it alone would have allowed the loop.
+//!
+//! *Bandwidth* is the highest frequency at which the loop's gain is 1. It never exceeds a twentieth of the sample rate
+//! (nor does the frequency at which the closed loop has fallen by 3 dB), and each fact of the loop that is not known
+//! lowers that ceiling ([`tolerance::CAUTION`](crate::tolerance::CAUTION)).
+//!
+//! Sources: the bandwidth that delay, right half plane zeros and unstable poles leave is Åström's (Limitations on control
+//! system performance, European Journal of Control 6 (2000) 2); gain stabilisation of uncertain modes is from Preumont,
+//! Vibration Control of Active Structures, chapter 4; a sample rate of twenty times the bandwidth is from Franklin, Powell
+//! and Workman, Digital Control of Dynamic Systems, chapter 11.
+
+mod candidate;
+mod feedforwards;
+mod judgement;
+mod neighbours;
+mod scan;
+
+pub use feedforwards::Motion;
+pub use judgement::{LoopJudgement, RequiredMargins};
+
+use crate::bandwidth::Bandwidth;
+use crate::cause::Cause;
+use crate::finding::{Finding, Part};
+use crate::{DesignPlant, Error, Sampling, Specification};
+use scan::Scan;
+
+/// What is known of a loop beyond its linear plant. Numbers of 0 are not known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Circumstances {
+    /// The plant. Its `rate` is the signal that is measured and controlled, a rate or a position.
+    pub plant: DesignPlant,
+    /// Plants that the loop must hold too: the same machine with what the linear plant leaves out (gravity's gradient).
+    pub others: Vec<DesignPlant>,
+    /// How the controller is sampled.
+    pub sampling: Sampling,
+    /// RMS noise of a reading, in the unit of the measured signal.
+    pub noise_rms: f64,
+    /// Step of a digital reading, in the unit of the measured signal.
+    pub reading_step: f64,
+    /// Control that holds the machine where it stands, V.
+    pub holding_v: f64,
+    /// Step of the demand that must not take more than the control's limit, in the unit of the measured signal.
+    pub demand_step: f64,
+    /// Margins that the loop must keep.
+    pub margins: RequiredMargins,
+    /// The bandwidth that is asked for, rad/s; `None` asks for the highest.
+    pub asked_rad_s: Option<f64>,
+    /// The heave that is expected and measured.
+    pub heave: Option<Motion>,
+    /// The pitch that is expected and measured.
+    pub pitch: Option<Motion>,
+}
+
+/// Weights that were chosen, and why the loop is no quicker.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FirstDesign {
+    /// The weights.
+    pub specification: Specification,
+    /// The bandwidth with its limits.
+    pub bandwidth: Bandwidth,
+    /// What the sampled feedback loop does.
+    pub judgement: LoopJudgement,
+    /// Channels that are measured but have no feedforward, with the reason.
+    pub left_out: Vec<Finding>,
+}
+
+/// Chooses the weights of a loop.
+///
+/// # Errors
+/// [`Error`] for a plant or sampling that is none; [`Error::Refused`] if no bandwidth keeps the margins.
+pub fn first_design(circumstances: &Circumstances) -> Result<FirstDesign, Error> {
+    let mut scan = Scan::new(circumstances)?;
+    scan.run()?;
+    let Some(found) = scan.best() else {
+        let finding = Finding::refusal(Part::Feedback, Cause::NoBandwidth { limits: scan.summary() });
+        return Err(Error::refused(vec![finding]));
+    };
+    let bandwidth = scan.bandwidth(&found);
+    let (specification, left_out) = feedforwards::with_feedforwards(circumstances, &found)?;
+    Ok(FirstDesign { specification, bandwidth, judgement: found.judgement, left_out })
+}

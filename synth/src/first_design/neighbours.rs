@@ -1,0 +1,67 @@
+//! Plants beside the plant: every lightly damped mode a little off, and less damped.
+
+use counterpoise_lti::linalg::{CSvd, csvd};
+use counterpoise_lti::{C64, CMat, Mat, poles};
+
+use crate::tolerance::{LIGHTLY_DAMPED, MODE_SHIFT};
+use crate::{DesignPlant, Error};
+
+/// Returns the natural frequencies of a plant's lightly damped modes, rad/s, rising; those of the delay's approximation are
+/// not among them.
+///
+/// # Errors
+/// Those of the eigenvalues.
+pub(super) fn light_modes(plant: &DesignPlant) -> Result<Vec<C64>, Error> {
+    let mut found: Vec<C64> = poles(&plant.system)?
+        .into_iter()
+        .filter(|pole| pole.im > 0.0 && pole.re.abs() < LIGHTLY_DAMPED * pole.norm())
+        .collect();
+    found.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
+    Ok(found)
+}
+
+/// Returns the plants whose lightly damped modes are all slower and all faster by [`MODE_SHIFT`], with half the damping.
+///
+/// # Errors
+/// Those of the decompositions.
+pub(super) fn shifted_modes(plant: &DesignPlant, modes: &[C64]) -> Result<Vec<DesignPlant>, Error> {
+    if modes.is_empty() {
+        return Ok(Vec::new());
+    }
+    let both = [1.0 / (1.0 + MODE_SHIFT), 1.0 + MODE_SHIFT];
+    both.into_iter().map(|factor| shifted(plant, modes, factor)).collect()
+}
+
+/// Moves each mode p to `factor` times its frequency and half its damping: `A + 2 Re((q - p) v w^H / w^H v)` with the right
+/// and left eigenvectors v and w of p. Eigenvectors and all other modes stay.
+fn shifted(plant: &DesignPlant, modes: &[C64], factor: f64) -> Result<DesignPlant, Error> {
+    let A = &plant.system.A;
+    let mut moved = A.clone();
+    for &mode in modes {
+        let halved = C64::new(0.5 * mode.re, mode.im);
+        let change = halved * factor - mode;
+        if let Some(projector) = projector(A, mode)? {
+            let n = A.nrows();
+            moved += &Mat::from_fn(n, n, |i, j| 2.0 * (change * projector[(i, j)]).re);
+        }
+    }
+    let mut other = plant.clone();
+    other.system.A = moved;
+    Ok(other)
+}
+
+/// The projector `v w^H / (w^H v)` onto a mode; `None` if its eigenvectors are orthogonal (a defective mode).
+fn projector(A: &Mat, mode: C64) -> Result<Option<CMat>, Error> {
+    let n = A.nrows();
+    let CSvd { U, V, .. } = csvd(&(&A.to_complex() - &CMat::eye(n).scale(mode)))?;
+    let (left, right) = (U.column(n - 1), V.column(n - 1));
+    let product: C64 = left.iter().zip(right).map(|(w, v)| w.conj() * v).sum();
+    if product.norm() < DEFECTIVE {
+        return Ok(None);
+    }
+    Ok(Some(CMat::from_fn(n, n, |i, j| right[i] * left[j].conj() / product)))
+}
+
+/// Eigenvectors of unit length with a product below this belong to a mode that is all but double: moving it by its
+/// projector would blow rounding up by as much.
+const DEFECTIVE: f64 = 1e-8;

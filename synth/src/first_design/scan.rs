@@ -1,0 +1,221 @@
+//! The highest bandwidth that everything allows, and what each limit alone would have allowed.
+
+use super::Circumstances;
+use super::candidate::{PlantGain, SHAPES, Shape, weights};
+use super::judgement::{Judge, LoopJudgement};
+use super::neighbours::{light_modes, shifted_modes};
+use crate::bandwidth::{Bandwidth, Limit, LimitKind, Unknown};
+use crate::refusal::attempt;
+use crate::tolerance::{CAUTION, CEILING};
+use crate::{Error, FeedbackWeights, Reference, feedback};
+
+/// A feedback that was tried.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Tried {
+    pub aim_rad_s: f64,
+    shape: Shape,
+    pub weights: FeedbackWeights,
+    pub judgement: LoopJudgement,
+}
+
+/// Aims per decade.
+const PER_DECADE: i32 = 10;
+/// Highest aim over the ceiling: a little beyond, so that limits above it are told too.
+const REACH: f64 = 3.0;
+/// Decades of aims.
+const DECADES: i32 = 5;
+/// Halvings of the stretch between the answer and the aim above it: a tenth of a decade becomes 0.7 %.
+const HALVINGS: usize = 5;
+/// Above this many times the ceiling only the usual shape is tried: such aims serve to tell the other limits.
+const FAR_ABOVE: f64 = 1.5;
+/// No loop with a delay reaches a bandwidth of this over the delay: it would cost 115 degrees.
+const DELAY_REACH: f64 = 2.0;
+
+/// The search over the aim.
+pub(super) struct Scan<'a> {
+    circumstances: &'a Circumstances,
+    judge: Judge<'a>,
+    gain: PlantGain,
+    unknown: Vec<Unknown>,
+    tried: Vec<Tried>,
+    best: Option<Tried>,
+}
+
+impl<'a> Scan<'a> {
+    /// Prepares the scan.
+    ///
+    /// # Errors
+    /// Those of the plant.
+    pub fn new(circumstances: &'a Circumstances) -> Result<Self, Error> {
+        let modes = light_modes(&circumstances.plant)?;
+        let neighbours = shifted_modes(&circumstances.plant, &modes)?;
+        let gain = PlantGain::of(circumstances, modes.iter().map(|mode| mode.norm()).collect())?;
+        let unknown = unknown(circumstances, &gain.modes);
+        let judge = Judge::new(circumstances, &neighbours)?;
+        Ok(Self { circumstances, judge, gain, unknown, tried: Vec::new(), best: None })
+    }
+
+    /// The ceiling that sample rate, ignorance and what was asked for set, rad/s.
+    fn ceiling(&self) -> f64 {
+        let asked = self.circumstances.asked_rad_s.unwrap_or(f64::INFINITY);
+        self.sample_ceiling().min(asked)
+    }
+
+    fn sample_ceiling(&self) -> f64 {
+        let caution = CAUTION.powi(self.unknown.len() as i32);
+        CEILING * self.circumstances.sampling.rate_rad_s() * caution
+    }
+
+    /// Tries aims from above the ceiling downwards until one keeps everything, and then closes in on the highest.
+    ///
+    /// # Errors
+    /// Those of the design.
+    pub fn run(&mut self) -> Result<(), Error> {
+        let given = self.circumstances;
+        let period_s = given.sampling.period_s;
+        let delay_s =
+            given.plant.delay_s.max(given.sampling.delay_samples as f64 * period_s) + 0.5 * period_s;
+        let highest = (REACH * CEILING * given.sampling.rate_rad_s()).min(DELAY_REACH / delay_s);
+        let mut above = None;
+        for k in 0..DECADES * PER_DECADE {
+            let aim = highest * 10f64.powf(-f64::from(k) / f64::from(PER_DECADE));
+            if let Some(found) = self.best_shape(aim)? {
+                self.best = Some(found.clone());
+                if let Some(above) = above {
+                    self.close_in(&found, above)?;
+                }
+                return Ok(());
+            }
+            above = Some(aim);
+        }
+        Ok(())
+    }
+
+    /// The first shape that keeps everything at an aim.
+    fn best_shape(&mut self, aim_rad_s: f64) -> Result<Option<Tried>, Error> {
+        let shapes = if aim_rad_s > FAR_ABOVE * self.ceiling() { &SHAPES[..1] } else { &SHAPES[..] };
+        for &shape in shapes {
+            let Some(tried) = self.attempt(aim_rad_s, shape)? else { continue };
+            let keeps = self.keeps_all(&tried.judgement);
+            self.tried.push(tried.clone());
+            if keeps {
+                return Ok(Some(tried));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Halves the stretch between an aim that keeps everything and one that does not.
+    fn close_in(&mut self, found: &Tried, above: f64) -> Result<(), Error> {
+        let (mut low, mut high) = (found.aim_rad_s, above);
+        for _ in 0..HALVINGS {
+            let middle = (low * high).sqrt();
+            let Some(tried) = self.attempt(middle, found.shape)? else {
+                high = middle;
+                continue;
+            };
+            if self.keeps_all(&tried.judgement) {
+                (low, self.best) = (middle, Some(tried));
+            } else {
+                high = middle;
+            }
+        }
+        Ok(())
+    }
+
+    fn attempt(&self, aim_rad_s: f64, shape: Shape) -> Result<Option<Tried>, Error> {
+        let Some(weights) = weights(self.circumstances, &self.gain, aim_rad_s, shape) else {
+            return Ok(None);
+        };
+        let Ok(designed) = attempt(feedback(&self.circumstances.plant, &weights, Reference::Error))? else {
+            return Ok(None);
+        };
+        let judged = self.judge.judge(&designed)?;
+        Ok(judged.map(|judgement| Tried { aim_rad_s, shape, weights, judgement }))
+    }
+
+    fn keeps_all(&self, found: &LoopJudgement) -> bool {
+        found.bandwidth_rad_s <= self.ceiling() && KINDS.into_iter().all(|kind| self.keeps(kind, found))
+    }
+
+    fn keeps(&self, kind: LimitKind, found: &LoopJudgement) -> bool {
+        let given = self.circumstances;
+        let limit_v = given.sampling.limit_v;
+        match kind {
+            LimitKind::SampleRate => {
+                found.bears_sampling(&given.sampling) && found.bandwidth_rad_s <= self.sample_ceiling()
+            }
+            LimitKind::Margins => found.keeps_margins(&given.margins),
+            LimitKind::Resonance => found.bears_shifted_modes(),
+            LimitKind::Noise => found.bears_noise(limit_v),
+            LimitKind::Quantisation => found.bears_quantisation(limit_v),
+            LimitKind::Control => found.bears_step(limit_v - given.holding_v.abs()),
+            LimitKind::Asked => found.bandwidth_rad_s <= given.asked_rad_s.unwrap_or(f64::INFINITY),
+        }
+    }
+
+    /// The answer; `None` if nothing keeps everything.
+    pub fn best(&self) -> Option<Tried> {
+        self.best.clone()
+    }
+
+    /// The highest bandwidth that was seen to keep a limit, rad/s; infinite if nothing missed it.
+    fn highest(&self, kind: LimitKind) -> f64 {
+        match kind {
+            LimitKind::SampleRate => return self.sample_ceiling(),
+            LimitKind::Asked => return self.circumstances.asked_rad_s.unwrap_or(f64::INFINITY),
+            _ => {}
+        }
+        let all = self.tried.iter().chain(&self.best);
+        if all.clone().all(|tried| self.keeps(kind, &tried.judgement)) {
+            return f64::INFINITY;
+        }
+        let keeping = all.filter(|tried| self.keeps(kind, &tried.judgement));
+        keeping.map(|tried| tried.judgement.bandwidth_rad_s).fold(0.0, f64::max)
+    }
+
+    /// Every limit, the lowest first.
+    pub fn summary(&self) -> Vec<Limit> {
+        let mut limits: Vec<Limit> =
+            KINDS.into_iter().map(|kind| Limit { kind, bandwidth_rad_s: self.highest(kind) }).collect();
+        if self.circumstances.asked_rad_s.is_some() {
+            limits.push(Limit { kind: LimitKind::Asked, bandwidth_rad_s: self.highest(LimitKind::Asked) });
+        }
+        limits.sort_by(|a, b| a.bandwidth_rad_s.total_cmp(&b.bandwidth_rad_s));
+        limits
+    }
+
+    /// The bandwidth of an answer with its limits.
+    pub fn bandwidth(&self, found: &Tried) -> Bandwidth {
+        let (limits, reached) = (self.summary(), found.judgement.bandwidth_rad_s);
+        Bandwidth {
+            bandwidth_rad_s: reached,
+            limited_by: limits.first().map_or(LimitKind::SampleRate, |limit| limit.kind),
+            limits,
+            unknown: self.unknown.clone(),
+            asked_rad_s: self.circumstances.asked_rad_s,
+        }
+    }
+}
+
+/// The limits of every loop.
+const KINDS: [LimitKind; 6] = [
+    LimitKind::SampleRate,
+    LimitKind::Margins,
+    LimitKind::Resonance,
+    LimitKind::Noise,
+    LimitKind::Quantisation,
+    LimitKind::Control,
+];
+
+fn unknown(given: &Circumstances, modes: &[f64]) -> Vec<Unknown> {
+    let sensor_lags = given.plant.hub_sensor.as_ref().is_some_and(|sensor| sensor.order() > 0);
+    let all = [
+        (Unknown::Structure, modes.is_empty()),
+        (Unknown::Noise, given.noise_rms == 0.0 && given.reading_step == 0.0),
+        (Unknown::Sensor, !sensor_lags),
+        (Unknown::Delay, given.plant.delay_s == 0.0 && given.sampling.delay_samples == 0),
+        (Unknown::Demand, given.demand_step == 0.0),
+    ];
+    all.into_iter().filter(|(_, is_unknown)| *is_unknown).map(|(fact, _)| fact).collect()
+}

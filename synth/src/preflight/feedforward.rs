@@ -1,0 +1,84 @@
+//! Whether a feedforward's weights and generator make a solvable problem.
+
+use counterpoise_lti::{C64, StateSpace, poles};
+
+use super::gain::Gain;
+use super::{against_plant, axis_roots, not_stable, weight_forms, well_formed};
+use crate::cause::Cause;
+use crate::finding::{Finding, Part};
+use crate::{Assembly, Basis, Channel, DesignPlant, Error, Knowledge, Specification, Weight};
+
+pub(super) fn check_feedforward(
+    plant: &DesignPlant,
+    spec: &Specification,
+    channel: Channel,
+) -> Result<Vec<Finding>, Error> {
+    let (part, columns) = (Part::from(channel), plant.columns(channel));
+    let Some(weights) = spec.feedforward(channel) else { return Ok(Vec::new()) };
+    let mut findings = weight_forms(part, &weights.error, &weights.control);
+    if columns.is_empty() {
+        findings.push(Finding::refusal(part, Cause::ChannelMissing));
+    }
+    findings.extend(generator(part, &weights.generator, columns.len(), weights.knowledge));
+    if findings.iter().any(Finding::is_refusal) || spec.assembly == Assembly::Joint {
+        return Ok(findings);
+    }
+    let system = plant.delayed()?;
+    let weighed = weights.output.unwrap_or(plant.rate);
+    let (index, count) = (weighed, system.outputs());
+    if index >= count {
+        return Err(Error::Index { what: "weighted output", index, count });
+    }
+    let gain = Gain::of(&system.select(&[weighed], &[plant.control]))?;
+    findings.extend(against_plant(part, &weights.error, &weights.control, &gain)?);
+    let disturbed = Gain::of(&system.select(&[weighed], columns))?;
+    if disturbed.largest == 0.0 {
+        findings.push(Finding::warning(part, Cause::ChannelWithoutEffect));
+    }
+    if weights.knowledge != Knowledge::Exact && weights.basis == Basis::OpenLoop {
+        findings.extend(bounded(part, &system, &weights.error)?);
+    }
+    Ok(findings)
+}
+
+fn generator(part: Part, weight: &Weight, inputs: usize, knowledge: Knowledge) -> Vec<Finding> {
+    let rational = weight.rational();
+    let mut findings = well_formed(part, "generator", weight);
+    let relative_degree = rational.relative_degree();
+    let mut refuse =
+        |cause, rate: f64| findings.push(Finding::refusal(part, cause).on("generator", weight).at(rate));
+    if relative_degree <= 0 {
+        refuse(Cause::GeneratorNotProper, f64::INFINITY);
+    } else if (relative_degree as usize) < inputs {
+        refuse(Cause::GeneratorTooRough { relative_degree, needed: inputs }, f64::INFINITY);
+    }
+    if let Some(&pole) = rational.poles.iter().find(|pole| pole.re >= 0.0) {
+        refuse(Cause::GeneratorUnstable { pole }, pole.im.abs());
+    }
+    let order = rational.poles.len();
+    if knowledge == Knowledge::Exact && order != inputs {
+        findings.push(
+            Finding::refusal(part, Cause::KnowledgeIncomplete { order, known: inputs })
+                .on("generator", weight),
+        );
+    }
+    if let Knowledge::Measured { noise } = knowledge
+        && !(noise > 0.0 && noise.is_finite())
+    {
+        findings.push(Finding::refusal(
+            part,
+            Cause::Density { what: "the disturbance sensor's noise", value: noise },
+        ));
+    }
+    findings
+}
+
+/// With a noisy sensor the uncontrolled error must be bounded: the plant and the error weight are stable.
+fn bounded(part: Part, system: &StateSpace, error: &Weight) -> Result<Vec<Finding>, Error> {
+    let refuse = |pole: C64| Finding::refusal(part, Cause::FeedforwardUnbounded { pole }).at(pole.im.abs());
+    if let Some(&pole) = not_stable(&poles(system)?).first() {
+        return Ok(vec![refuse(pole)]);
+    }
+    let pole = axis_roots(&error.rational().poles).first().map(|&rate| C64::new(0.0, rate));
+    Ok(pole.map(|pole| refuse(pole).on("error weight", error)).into_iter().collect())
+}

@@ -1,0 +1,266 @@
+//! The checks before solving: every way in which weights and plant do not make a solvable problem, named in their terms.
+
+mod feedforward;
+pub(crate) mod gain;
+
+use feedforward::check_feedforward;
+use gain::Gain;
+
+use counterpoise_lti::linalg::csingular_values;
+use counterpoise_lti::response::Response;
+use counterpoise_lti::{C64, CMat, Mat, StateSpace, poles, zeros};
+
+use crate::cause::Cause;
+use crate::finding::{Finding, Part};
+use crate::tolerance::{CONJUGATE, DELAY_PHASE, ON_AXIS, OUT_OF_REACH, VANISHES, ZERO_GAIN};
+use crate::{Channel, DesignPlant, Error, FeedbackWeights, Reference, Specification, Weight};
+
+/// Every finding about a plant and a specification, refusals first; empty where nothing stands in the way.
+///
+/// # Errors
+/// [`Error`] where the plant itself is not one (wrong indices, a sensor with two inputs).
+pub fn preflight(plant: &DesignPlant, specification: &Specification) -> Result<Vec<Finding>, Error> {
+    let mut findings = check_plant(plant)?;
+    findings.extend(check_feedback(plant, &specification.feedback, specification.reference)?);
+    for channel in [Channel::Heave, Channel::Pitch] {
+        if specification.feedforward(channel).is_some() {
+            findings.extend(check_feedforward(plant, specification, channel)?);
+        }
+    }
+    findings.sort_by_key(|finding| !finding.is_refusal());
+    Ok(findings)
+}
+
+fn check_plant(plant: &DesignPlant) -> Result<Vec<Finding>, Error> {
+    let system = plant.measured()?;
+    let (A, n) = (&system.A, system.order());
+    let mut findings = Vec::new();
+    let direct = system.D[(0, plant.control)];
+    if direct != 0.0 {
+        findings.push(Finding::refusal(Part::Plant, Cause::DirectPath { gain: direct }).at(f64::INFINITY));
+    }
+    if plant.delay_s > 0.0 && plant.pade_order == 0 {
+        findings.push(Finding::warning(Part::Plant, Cause::DelayLeftOut { delay_s: plant.delay_s }));
+    }
+    let (B, C) = (system.B.block(0, plant.control, n, 1), system.C.block(0, 0, 1, n));
+    for pole in not_stable(&poles(&system)?) {
+        if !reaches(A, &B, pole)? {
+            findings.push(Finding::refusal(Part::Plant, Cause::NotStabilisable { pole }).at(pole.im.abs()));
+        }
+        if !reaches(&A.t(), &C.t(), pole)? {
+            findings.push(Finding::refusal(Part::Plant, Cause::NotDetectable { pole }).at(pole.im.abs()));
+        }
+    }
+    Ok(findings)
+}
+
+fn check_feedback(
+    plant: &DesignPlant,
+    weights: &FeedbackWeights,
+    reference: Reference,
+) -> Result<Vec<Finding>, Error> {
+    let part = Part::Feedback;
+    let mut findings = weight_forms(part, &weights.error, &weights.control);
+    findings.extend(densities(weights));
+    if reference == Reference::WeightOnly && weights.error.rational().poles.is_empty() {
+        let finding = Finding::refusal(part, Cause::ReferenceWithoutStates);
+        findings.push(finding.on("error weight", &weights.error));
+    }
+    if findings.iter().any(Finding::is_refusal) {
+        return Ok(findings);
+    }
+    let system = plant.measured()?;
+    let loop_gain = Gain::of(&system.select(&[0], &[plant.control]))?;
+    findings.extend(against_plant(part, &weights.error, &weights.control, &loop_gain)?);
+    let truth = Gain::of(&system.select(&[1 + plant.rate], &[plant.control]))?;
+    name_blind_sensor(&mut findings, &truth)?;
+    findings.extend(noise_reaches(&system, plant.control, weights)?);
+    findings.extend(limits(plant, weights, &loop_gain)?);
+    Ok(findings)
+}
+
+/// What can be said of a pair of weights alone.
+fn weight_forms(part: Part, error: &Weight, control: &Weight) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    for (role, weight) in [("error weight", error), ("control weight", control)] {
+        findings.extend(well_formed(part, role, weight));
+    }
+    let excess = -error.rational().relative_degree();
+    if excess > 0 {
+        let finding = Finding::refusal(part, Cause::ErrorWeightImproper { excess });
+        findings.push(finding.on("error weight", error).at(f64::INFINITY));
+    }
+    let excess = control.rational().relative_degree();
+    if excess > 0 {
+        let finding = Finding::refusal(part, Cause::ControlWeightVanishes { excess });
+        findings.push(finding.on("control weight", control).at(f64::INFINITY));
+    }
+    for rate in axis_roots(&error.rational().poles) {
+        if axis_roots(&control.rational().poles).contains(&rate) {
+            findings.push(
+                Finding::refusal(part, Cause::WeightsBothInfinite).on("control weight", control).at(rate),
+            );
+        }
+    }
+    findings
+}
+
+fn well_formed(part: Part, role: &str, weight: &Weight) -> Vec<Finding> {
+    let rational = weight.rational();
+    if !rational.is_finite() {
+        return vec![Finding::refusal(part, Cause::WeightVoid).on(role, weight)];
+    }
+    let roots = || rational.zeros.iter().chain(&rational.poles);
+    let lone = roots().any(|root| {
+        root.im != 0.0 && !roots().any(|other| (other - root.conj()).norm() < CONJUGATE * root.norm())
+    });
+    let mut findings = Vec::new();
+    if lone {
+        findings.push(Finding::refusal(part, Cause::WeightComplex).on(role, weight));
+    }
+    if let Some(&root) = roots().find(|root| root.re > 0.0) {
+        let finding = Finding::warning(part, Cause::WeightMirrored { root });
+        findings.push(finding.on(role, weight).at(root.norm()));
+    }
+    findings
+}
+
+fn densities(weights: &FeedbackWeights) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let mut refuse =
+        |what, value: f64| findings.push(Finding::refusal(Part::Feedback, Cause::Density { what, value }));
+    let noise = weights.measurement_noise;
+    if !(noise > 0.0 && noise.is_finite()) {
+        refuse("the measurement noise", noise);
+    }
+    let positive = |value: f64| value >= 0.0 && value.is_finite();
+    if !positive(weights.loop_recovery) {
+        refuse("the loop recovery", weights.loop_recovery);
+    }
+    for &(_, density) in weights.disturbances.iter().filter(|(_, density)| !positive(*density)) {
+        refuse("a disturbance", density);
+    }
+    if weights.loop_recovery == 0.0 && weights.disturbances.iter().all(|(_, density)| *density == 0.0) {
+        findings.push(Finding::warning(Part::Feedback, Cause::NothingDisturbs));
+    }
+    findings
+}
+
+/// Poles of the error weight on the axis, and zeros of the control weight there, against the plant's gain.
+fn against_plant(part: Part, error: &Weight, control: &Weight, gain: &Gain) -> Result<Vec<Finding>, Error> {
+    let mut findings = Vec::new();
+    for rate in axis_roots(&error.rational().poles) {
+        let relative_gain = gain.relative(rate)?;
+        if relative_gain < ZERO_GAIN {
+            let finding = Finding::refusal(part, Cause::PlantZeroAtErrorPole { relative_gain });
+            findings.push(finding.on("error weight", error).at(rate));
+        }
+    }
+    for rate in axis_roots(&control.rational().zeros) {
+        let seen = gain.relative(rate)? >= ZERO_GAIN && error.magnitude(rate) != 0.0;
+        if !seen {
+            let finding = Finding::refusal(part, Cause::ControlFreeUnseen);
+            findings.push(finding.on("control weight", control).at(rate));
+        }
+    }
+    Ok(findings)
+}
+
+/// Where the plant itself acts at the frequency, it is the sensor that is blind.
+fn name_blind_sensor(findings: &mut [Finding], truth: &Gain) -> Result<(), Error> {
+    for finding in findings.iter_mut() {
+        let blind = matches!(finding.cause, Cause::PlantZeroAtErrorPole { .. });
+        if blind && truth.relative(finding.rate_rad_s.unwrap_or(0.0))? >= ZERO_GAIN {
+            finding.cause = Cause::SensorBlindAtErrorPole;
+        }
+    }
+    Ok(())
+}
+
+/// Undamped modes need a noise that excites them.
+fn noise_reaches(
+    system: &StateSpace,
+    control: usize,
+    weights: &FeedbackWeights,
+) -> Result<Vec<Finding>, Error> {
+    let all = poles(system)?;
+    let size = all.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
+    let mut inputs: Vec<usize> = weights.disturbances.iter().filter(|d| d.1 > 0.0).map(|d| d.0).collect();
+    if weights.loop_recovery > 0.0 {
+        inputs.push(control);
+    }
+    let states: Vec<usize> = (0..system.order()).collect();
+    let count = system.inputs();
+    if let Some(&index) = inputs.iter().find(|&&i| i >= count) {
+        return Err(Error::Index { what: "disturbance input", index, count });
+    }
+    let G = system.B.select(&states, &inputs);
+    let mut findings = Vec::new();
+    for &pole in all.iter().filter(|pole| pole.re.abs() <= ON_AXIS * size && pole.im >= 0.0) {
+        if !reaches(&system.A, &G, pole)? {
+            findings.push(Finding::refusal(Part::Feedback, Cause::NoiseMissesMode { pole }).at(pole.im));
+        }
+    }
+    Ok(findings)
+}
+
+/// What delay and right half plane zeros say of the crossover that the weights ask for.
+fn limits(plant: &DesignPlant, weights: &FeedbackWeights, gain: &Gain) -> Result<Vec<Finding>, Error> {
+    let Some(crossover_rad_s) = gain.crossover(&weights.error, &weights.control) else {
+        return Ok(Vec::new());
+    };
+    let mut findings = Vec::new();
+    let mut warn = |cause| {
+        let finding = Finding::warning(Part::Feedback, cause).at(crossover_rad_s);
+        findings.push(finding.on("error weight", &weights.error));
+    };
+    if plant.delay_s * crossover_rad_s > DELAY_PHASE {
+        warn(Cause::DelayLimits { delay_s: plant.delay_s, crossover_rad_s });
+    }
+    let bare = plant.system.select(&[plant.rate], &[plant.control]);
+    let response = Response::of(&bare)?;
+    let right = zeros(&bare)?.into_iter().filter(|zero| zero.re > 0.0 && zero.im >= 0.0);
+    let right = right.filter(|zero| vanishes(&response, *zero));
+    if let Some(zero) = right.min_by(|a, b| a.norm().total_cmp(&b.norm()))
+        && crossover_rad_s > zero.norm()
+    {
+        warn(Cause::ZeroLimits { zero, crossover_rad_s });
+    }
+    Ok(findings)
+}
+
+/// Whether the response vanishes at what was computed as a zero: the eigenvalues of a plant with fast modes round to others
+/// near the origin, where the response is as large as beside them.
+fn vanishes(response: &Response, zero: C64) -> bool {
+    match response.at_points(&[zero, zero * 1.5]) {
+        Ok(values) => values[0].norm_max() < VANISHES * values[1].norm_max(),
+        Err(_) => true,
+    }
+}
+
+/// The poles of the closed right half plane, one of each conjugate pair.
+fn not_stable(all: &[C64]) -> Vec<C64> {
+    let size = all.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
+    all.iter().copied().filter(|pole| pole.re >= -ON_AXIS * size && pole.im >= 0.0).collect()
+}
+
+/// The frequencies of roots on the imaginary axis, one of each pair.
+fn axis_roots(roots: &[C64]) -> Vec<f64> {
+    roots.iter().filter(|root| root.re == 0.0 && root.im >= 0.0).map(|root| root.im).collect()
+}
+
+/// Whether \[A - pI, B\] has full rank: B reaches the mode p.
+fn reaches(A: &Mat, B: &Mat, pole: C64) -> Result<bool, Error> {
+    let n = A.nrows();
+    let (size, input) = (A.norm_fro(), B.norm_fro());
+    if input == 0.0 {
+        return Ok(false);
+    }
+    let pencil = CMat::from_fn(n, n + B.ncols(), |i, j| match j {
+        j if j >= n => C64::new(B[(i, j - n)] / input * size.max(f64::MIN_POSITIVE), 0.0),
+        j if i == j => C64::new(A[(i, j)], 0.0) - pole,
+        j => C64::new(A[(i, j)], 0.0),
+    });
+    let values = csingular_values(&pencil)?;
+    Ok(values.last().is_some_and(|smallest| *smallest > OUT_OF_REACH * size))
+}

@@ -1,0 +1,152 @@
+//! What sampling adds to a design, and the sampled loop that a controller makes.
+
+use counterpoise_controller::sensitivity::Form;
+use counterpoise_controller::{Controller, Signal};
+use counterpoise_lti::{C64, Discretisation, Mat, StateSpace, c2d, delay_samples, poles, series};
+
+use crate::cause::Cause;
+use crate::certificate::Certified;
+use crate::finding::{Finding, Part};
+use crate::{DesignPlant, Error};
+
+/// How a controller for sampled time comes about.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SamplingMethod {
+    /// Each continuous path is converted by itself.
+    Emulation(Discretisation),
+    /// Every part is designed anew on the sampled problem: hold and delay exact, the cost of the time between the samples
+    /// included. A feedback that stands in place of the three-part one, and the demand's
+    /// prefilter, are converted by the bilinear map: they have no sampled problem.
+    SampledData,
+}
+
+impl SamplingMethod {
+    /// The bilinear map, without prewarping.
+    pub const TUSTIN: Self = Self::Emulation(Discretisation::Tustin { prewarp_rad_s: None });
+
+    /// How a continuous path that has no sampled problem of its own is converted.
+    pub fn conversion(self) -> Discretisation {
+        match self {
+            Self::Emulation(method) => method,
+            Self::SampledData => Discretisation::Tustin { prewarp_rad_s: None },
+        }
+    }
+}
+
+/// What sampling adds to a design.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sampling {
+    /// Sample period, s.
+    pub period_s: f64,
+    /// How each path becomes discrete.
+    pub method: SamplingMethod,
+    /// The form in which each path runs.
+    pub form: Form,
+    /// The control is limited to +/- this, V.
+    pub limit_v: f64,
+    /// Whole samples of delay of the real loop beyond the hold, for the check of the sampled loop.
+    pub delay_samples: usize,
+    /// Out-of-balance that the plant was taken at, kg m; 0 keeps the heave feedforward's gain fixed.
+    pub out_of_balance_kg_m: f64,
+    /// Lowest and highest out-of-balance that may be set, kg m.
+    pub out_of_balance_range_kg_m: (f64, f64),
+    /// Volts that hold one kg m against gravity.
+    pub bias_v_per_kg_m: f64,
+    /// Time in which the step of a changed out-of-balance fades in, s.
+    pub transfer_time_s: f64,
+}
+
+impl Sampling {
+    /// Tustin's method, no further delay, no out-of-balance.
+    pub fn new(period_s: f64, limit_v: f64) -> Self {
+        Self {
+            period_s,
+            method: SamplingMethod::TUSTIN,
+            form: Form::LeastSensitive,
+            limit_v,
+            delay_samples: 0,
+            out_of_balance_kg_m: 0.0,
+            out_of_balance_range_kg_m: (-1e6, 1e6),
+            bias_v_per_kg_m: 0.0,
+            transfer_time_s: 0.0,
+        }
+    }
+}
+
+impl Sampling {
+    /// Returns the sample rate, rad/s.
+    pub fn rate_rad_s(&self) -> f64 {
+        std::f64::consts::TAU / self.period_s
+    }
+
+    /// Returns half the sample rate, rad/s: the highest frequency that samples show.
+    pub fn highest_rad_s(&self) -> f64 {
+        0.5 * self.rate_rad_s()
+    }
+}
+
+/// A sampled controller with the loop it makes.
+#[derive(Debug, Clone)]
+pub struct Sampled {
+    /// The controller, in the realisation in which it runs.
+    pub controller: Controller,
+    /// The loop cut at the control, from control to the negative of the control that comes back: feed it to `margins`.
+    pub loop_gain: StateSpace,
+    /// Poles of the closed sampled loop.
+    pub closed_loop: Vec<C64>,
+    /// The certificates of the parts that were designed in sampled time; empty with [`SamplingMethod::Emulation`].
+    pub certified: Vec<Certified>,
+}
+
+impl Sampled {
+    /// The largest relative difference between predicted and achieved cost over the parts designed in sampled time; `None`
+    /// where there are none, or none of them has both.
+    pub fn worst_cost_difference(&self) -> Option<f64> {
+        self.certified.iter().filter_map(|part| part.cost.relative_difference()).max_by(f64::total_cmp)
+    }
+}
+
+/// A controller with the sampled loop it makes around a plant, refused where that is not stable.
+///
+/// # Errors
+/// [`Error`] for a plant that is not one.
+pub fn check(plant: &DesignPlant, controller: Controller, sampling: &Sampling) -> Result<Sampled, Error> {
+    let loop_gain = sampled_loop(plant, &controller, sampling)?;
+    let closed = counterpoise_lti::feedback(&loop_gain, &StateSpace::gain(Mat::eye(1), loop_gain.timebase)?)?;
+    let closed_loop = poles(&closed)?;
+    let largest = closed_loop.iter().copied().max_by(|a, b| a.norm().total_cmp(&b.norm()));
+    match largest {
+        Some(pole) if pole.norm() >= 1.0 => {
+            let cause = Cause::SampledUnstable { pole, period_s: sampling.period_s };
+            let rate = (pole.arg() / sampling.period_s).abs();
+            Err(Error::refused(vec![Finding::refusal(Part::Feedback, cause).at(rate)]))
+        }
+        _ => Ok(Sampled { controller, loop_gain, closed_loop, certified: Vec::new() }),
+    }
+}
+
+/// The sampled loop cut at the control: plant and hub sensor under a zero-order hold, delayed by whole samples, then the
+/// controller from the hub rate; the sign is that of negative feedback.
+///
+/// # Errors
+/// [`Error::Lti`], [`Error::Controller`].
+pub fn sampled_loop(
+    plant: &DesignPlant,
+    controller: &Controller,
+    sampling: &Sampling,
+) -> Result<StateSpace, Error> {
+    let seen = sampled_plant(plant, sampling)?;
+    let linear = controller.linear(sampling.out_of_balance_kg_m)?;
+    let hub = Signal::HubRate.reading().unwrap_or(1);
+    Ok(series(&seen, &linear.select(&[0], &[hub]).negate())?)
+}
+
+pub(crate) fn sampled_plant(plant: &DesignPlant, sampling: &Sampling) -> Result<StateSpace, Error> {
+    let undelayed = DesignPlant { pade_order: 0, ..plant.clone() };
+    let seen = undelayed.measured()?.select(&[0], &[plant.control]);
+    let held = c2d(&seen, sampling.period_s, Discretisation::ZeroOrderHold)?;
+    match sampling.delay_samples {
+        0 => Ok(held),
+        count => Ok(series(&delay_samples(count, sampling.period_s)?, &held)?),
+    }
+}

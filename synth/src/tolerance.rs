@@ -1,0 +1,62 @@
+//! Every tolerance of this crate, with what it rests on.
+//!
+//! The H-infinity synthesis keeps its own in [`mod@crate::hinfsyn`], beside the equations that they belong to.
+
+/// A singular value of D12 or D21 below this, relative to the largest, counts as zero: three digits above the rounding of
+/// a decomposition in double precision.
+pub const FULL_RANK: f64 = 1e-13;
+/// A gain smaller than this, relative to the plant's largest, counts as zero: a controller would need the inverse of it as
+/// gain, nine decades above what the plant needs elsewhere.
+pub const ZERO_GAIN: f64 = 1e-9;
+/// A mode counts as out of reach if the smallest singular value of \[A - pI, B\] is below this, relative to A. It is the
+/// rounding of the pencil times a thousand; a plant that is nearer to losing the mode loses it to rounding.
+pub const OUT_OF_REACH: f64 = 1e-12;
+/// A pole counts as lying on the axis if its real part is below this, relative to the largest pole: eigenvalues of a
+/// balanced matrix are no more accurate.
+pub const ON_AXIS: f64 = 1e-12;
+/// A response at a transmission zero is at most this share of the response beside it. Computed zeros of plants with fast
+/// modes that are none (seen from rounding near the origin) leave a tenth and more.
+pub const VANISHES: f64 = 1e-3;
+/// Phase that the delay may cost at the crossover of the weights before a warning, rad: half of the 60 degrees that a
+/// phase margin usually has.
+pub const DELAY_PHASE: f64 = 0.5;
+/// Roots whose imaginary part is smaller than this, relative to their modulus, are taken as real.
+pub(crate) const REAL_ROOT: f64 = 1e-12;
+/// A root lacks its conjugate if no other root is nearer to it than this, relative to its modulus: what a file keeps of
+/// nine digits.
+pub(crate) const CONJUGATE: f64 = 1e-9;
+/// Relative difference below which two matrices of plants count as equal: derived parameters carry rounding of 1e-12, and
+/// a change that matters is far above 1e-9.
+pub const EQUAL: f64 = 1e-9;
+/// Largest deviation in the band up to which the gain law stands in for a redesign, relative to the redesigned module: a
+/// cancellation that is 2 % off still removes 34 dB, more than accelerometer and drive are known to.
+pub const GAIN_LAW: f64 = 0.02;
+/// Where the poles on the axis of an error weight go in a textbook's plant, rad/s: its equations need them to decay, and at
+/// a thousandth of a radian per second they do so in a quarter of an hour.
+pub const SLOWEST_RAD_S: f64 = 1e-3;
+/// Relative accuracy of the H-infinity bound of an alternative design: 0.01 dB.
+pub(crate) const ALTERNATIVE_BOUND: f64 = 1e-3;
+/// The bandwidth is at most this share of the sample rate in rad/s: a twentieth (Franklin, Powell and Workman, Digital
+/// Control of Dynamic Systems, section 11.2), where the hold costs 9 degrees.
+pub const CEILING: f64 = 1.0 / 20.0;
+/// Factor on the ceiling of the bandwidth for each fact of the loop that is not known. A structure, a sensor or a delay
+/// that no file states is there nevertheless: 3 dB for each keep the loop at a sixth of its ceiling if nothing is known.
+pub const CAUTION: f64 = 0.7;
+/// A mode below this damping ratio counts as lightly damped: it shows a peak of more than 4 dB.
+pub const LIGHTLY_DAMPED: f64 = 0.3;
+/// A lightly damped mode may be off by this share of its frequency: finite elements with joints are known to 10 or 20 %
+/// (Preumont, Vibration Control of Active Structures, section 4.5).
+pub const MODE_SHIFT: f64 = 0.15;
+/// Largest sensitivity that the loop may have with its modes shifted: half the distance to instability is left.
+pub const NEIGHBOUR_MS: f64 = 2.0;
+/// Share of the control's limit that the noise of the readings may take, as RMS: three deviations are 15 % of the range.
+pub const NOISE_SHARE: f64 = 0.05;
+/// A search must improve by this share to go on: below it, it would walk a factor that hardly matters to its end.
+pub(crate) const LEAST_GAIN: f64 = 1e-5;
+/// The least positive value of a fitted numerator or denominator, relative to the mean, that counts as positive: the
+/// accuracy of the interior-point solver.
+pub(crate) const POSITIVE: f64 = 1e-9;
+/// Leading Chebyshev coefficients below this, relative to the largest, are left out before roots are computed.
+pub(crate) const LEADING: f64 = 1e-12;
+/// The bisection over the deviation of a fitted table ends within this share, in dB of the deviation.
+pub(crate) const TABLE_DEVIATION: f64 = 1e-3;

@@ -1,0 +1,224 @@
+//! Weights: what the designer asks of the error and forbids the control, over frequency.
+//!
+//! A weight multiplies a signal in the cost. A large error weight asks for rejection there; a large control weight
+//! forbids effort there. Only |W(jw)| matters to the cost, so zeros and poles in the right half plane are mirrored.
+
+mod formula;
+mod meaning;
+#[cfg(test)]
+mod tests;
+
+use counterpoise_lti::{C64, StateSpace};
+
+use crate::Error;
+use crate::rational::Rational;
+
+/// A weight over frequency, in the forms of the source thesis and those that a designer draws.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Weight {
+    /// `K`: the same at every frequency.
+    Constant {
+        /// K.
+        gain: f64,
+    },
+    /// `K / (a s)`: infinite at zero frequency, so that no steady error remains.
+    Integral {
+        /// K.
+        gain: f64,
+        /// a, s.
+        time_s: f64,
+    },
+    /// `K / (a s + 1)`: K below 1/a, falling above.
+    Lag {
+        /// K.
+        gain: f64,
+        /// a, s.
+        time_s: f64,
+    },
+    /// `K (a s + 1)`: K below 1/a, rising above.
+    Lead {
+        /// K.
+        gain: f64,
+        /// a, s.
+        time_s: f64,
+    },
+    /// `K (b s^2 + a s + 1)`: K at low frequency, rising with the square above 1/sqrt(b).
+    Quadratic {
+        /// K.
+        gain: f64,
+        /// b, s^2.
+        second_s2: f64,
+        /// a, s.
+        first_s: f64,
+    },
+    /// `K (b s^2 + a s)`: nothing at zero frequency (steady control is free), rising with the square.
+    QuadraticFreeAtZero {
+        /// K.
+        gain: f64,
+        /// b, s^2.
+        second_s2: f64,
+        /// a, s.
+        first_s: f64,
+    },
+    /// `K prod(s - z) / prod(s - p)`.
+    ZeroPoleGain {
+        /// Zeros, rad/s; complex ones with their conjugates.
+        zeros: Vec<C64>,
+        /// Poles, rad/s; complex ones with their conjugates.
+        poles: Vec<C64>,
+        /// K.
+        gain: f64,
+    },
+    /// From `low` well below the corner to `high` well above it, first order: the modulus is sqrt(low high) at the corner.
+    Shelf {
+        /// Modulus at zero frequency.
+        low: f64,
+        /// Modulus at infinity.
+        high: f64,
+        /// Corner, rad/s.
+        corner_rad_s: f64,
+    },
+    /// `K (s^2 + 2 z g w s + w^2) / (s^2 + 2 z w s + w^2)`: K everywhere but near w, where it is K g (g < 1 a notch,
+    /// g > 1 a peak).
+    Notch {
+        /// K.
+        gain: f64,
+        /// w, rad/s.
+        centre_rad_s: f64,
+        /// z, the relative half width.
+        width: f64,
+        /// g, the factor at the centre.
+        factor: f64,
+    },
+    /// The product of weights.
+    Product(Vec<Weight>),
+    /// A table of moduli, by the stable function of minimum phase that comes nearest to it ([`Weight::table`]).
+    Table {
+        /// Frequency in rad/s and modulus, the frequencies rising.
+        points: Vec<[f64; 2]>,
+        /// Order of the function.
+        order: usize,
+        /// The function.
+        fitted: Box<Weight>,
+    },
+}
+
+impl Weight {
+    /// How far a table's function is from its points at most, dB; 0 for every other form.
+    pub fn worst_db(&self) -> f64 {
+        let Weight::Table { points, fitted, .. } = self else { return 0.0 };
+        let off = |&[rate, modulus]: &[f64; 2]| 20.0 * (fitted.magnitude(rate) / modulus).log10().abs();
+        points.iter().map(off).fold(0.0, f64::max)
+    }
+
+    /// The weight as gain, zeros and poles, as it was written: nothing mirrored.
+    pub fn rational(&self) -> Rational {
+        match self {
+            Weight::Constant { gain } => Rational::new(&[], &[], *gain),
+            Weight::Integral { gain, time_s } => Rational::new(&[], &[C64::ZERO], gain / time_s),
+            Weight::Lag { gain, time_s } => Rational::new(&[], &[real(-1.0 / time_s)], gain / time_s),
+            Weight::Lead { gain, time_s } => Rational::new(&[real(-1.0 / time_s)], &[], gain * time_s),
+            Weight::Quadratic { gain, second_s2, first_s } => polynomial(*gain, *second_s2, *first_s, 1.0),
+            Weight::QuadraticFreeAtZero { gain, second_s2, first_s } => {
+                polynomial(*gain, *second_s2, *first_s, 0.0)
+            }
+            Weight::ZeroPoleGain { zeros, poles, gain } => Rational::new(zeros, poles, *gain),
+            Weight::Shelf { low, high, corner_rad_s } => shelf(*low, *high, *corner_rad_s),
+            Weight::Notch { gain, centre_rad_s, width, factor } => {
+                notch(*gain, *centre_rad_s, *width, *factor)
+            }
+            Weight::Product(parts) => {
+                parts.iter().fold(Rational::new(&[], &[], 1.0), |all, part| all.times(&part.rational()))
+            }
+            Weight::Table { fitted, .. } => fitted.rational(),
+        }
+    }
+
+    /// W(jw) as written; infinite at a pole on the axis.
+    pub fn response(&self, rate_rad_s: f64) -> C64 {
+        self.rational().at(C64::new(0.0, rate_rad_s))
+    }
+
+    /// |W(jw)|.
+    pub fn magnitude(&self, rate_rad_s: f64) -> f64 {
+        self.response(rate_rad_s).norm()
+    }
+
+    /// The same weight times `factor`.
+    pub fn scaled(&self, factor: f64) -> Self {
+        Weight::Product(vec![Weight::Constant { gain: factor }, self.clone()])
+    }
+
+    /// A stable system with the modulus |W(jw)|, poles on the axis kept: what an error weight becomes.
+    ///
+    /// # Errors
+    /// [`Error::Weight`] where the weight has more zeros than poles, or a number that is not finite.
+    pub fn realise(&self) -> Result<StateSpace, Error> {
+        let mirrored = self.rational().mirrored();
+        if mirrored.relative_degree() < 0 {
+            return Err(self.refused("it rises without bound at high frequency: no proper realisation"));
+        }
+        self.realised(&mirrored)
+    }
+
+    /// A system with the modulus 1/|W(jw)| and the zeros of W as its poles: what a control weight becomes.
+    ///
+    /// With `u = W^-1 v` the weighted control is v exactly; an improper W needs no far poles, and the controller
+    /// inherits its roll-off.
+    ///
+    /// # Errors
+    /// [`Error::Weight`] where the weight has more poles than zeros (it vanishes at high frequency), is zero, or holds
+    /// a number that is not finite.
+    pub fn realise_inverse(&self) -> Result<StateSpace, Error> {
+        let inverse = self.rational().mirrored().inverse();
+        if inverse.relative_degree() < 0 {
+            return Err(self.refused("it vanishes at high frequency, where control would be free"));
+        }
+        self.realised(&inverse)
+    }
+
+    fn realised(&self, rational: &Rational) -> Result<StateSpace, Error> {
+        if !rational.is_finite() {
+            return Err(self.refused("it is zero, or one of its numbers is not finite"));
+        }
+        rational.realise()
+    }
+
+    fn refused(&self, problem: &'static str) -> Error {
+        Error::Weight { weight: self.to_string(), problem }
+    }
+}
+
+fn real(value: f64) -> C64 {
+    C64::new(value, 0.0)
+}
+
+/// `gain (b s^2 + a s + c)`, of lower degree where b or a is zero.
+fn polynomial(gain: f64, b: f64, a: f64, c: f64) -> Rational {
+    if b != 0.0 {
+        return Rational::new(&quadratic_roots(a / b, c / b), &[], gain * b);
+    }
+    if a != 0.0 { Rational::new(&[real(-c / a)], &[], gain * a) } else { Rational::new(&[], &[], gain * c) }
+}
+
+/// The roots of s^2 + p s + q, the smaller one without cancellation.
+fn quadratic_roots(p: f64, q: f64) -> [C64; 2] {
+    let discriminant = 0.25 * p * p - q;
+    if discriminant < 0.0 {
+        let imaginary = (-discriminant).sqrt();
+        return [C64::new(-0.5 * p, imaginary), C64::new(-0.5 * p, -imaginary)];
+    }
+    let far = -0.5 * p - discriminant.sqrt().copysign(p);
+    if far == 0.0 { [C64::ZERO; 2] } else { [real(far), real(q / far)] }
+}
+
+/// `high (s + w sqrt(low / high)) / (s + w sqrt(high / low))`.
+fn shelf(low: f64, high: f64, corner_rad_s: f64) -> Rational {
+    let ratio = (low / high).abs().sqrt();
+    Rational::new(&[real(-corner_rad_s * ratio)], &[real(-corner_rad_s / ratio)], high)
+}
+
+fn notch(gain: f64, centre: f64, width: f64, factor: f64) -> Rational {
+    let roots = |damping: f64| quadratic_roots(2.0 * damping * centre, centre * centre);
+    Rational::new(&roots(width * factor), &roots(width), gain)
+}

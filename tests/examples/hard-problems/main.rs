@@ -1,0 +1,236 @@
+//! Solves the problems that come in on standard input, one JSON object a line, and writes one JSON object a line: the
+//! answer, `refused` with a reason, `failed` with an error, or `panicked`. The scripts in `tests/peers/linear` judge the answers.
+#![allow(non_snake_case, clippy::print_stdout)]
+
+use std::io::BufRead;
+
+use counterpoise_lti::linalg::{self, Mat, Outcome, Riccati};
+use counterpoise_lti::{C64, Descriptor, StateSpace, Timebase};
+use counterpoise_reduce::{Method, Order, balred};
+use counterpoise_synth::{Error as SynthesisError, Generalised, HInfinity, hinfsyn};
+use serde_json::{Map, Value, json};
+
+type Answer = Result<Value, String>;
+
+fn main() {
+    std::panic::set_hook(Box::new(|_| ()));
+    for line in std::io::stdin().lock().lines().map_while(Result::ok) {
+        let Ok(problem) = serde_json::from_str::<Value>(&line) else { continue };
+        let start = processor_seconds();
+        let answer = std::panic::catch_unwind(|| solve(&problem));
+        let seconds = processor_seconds() - start;
+        let mut answer = match answer {
+            Ok(Ok(value)) => value,
+            Ok(Err(why)) => json!({ "failed": why }),
+            Err(_) => json!({ "panicked": true }),
+        };
+        answer["seconds"] = json!(seconds);
+        println!("{answer}");
+    }
+}
+
+/// The processor's time of this thread in seconds, which a busy machine does not change; zero if the system does not tell.
+fn processor_seconds() -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    text.split(' ').next().and_then(|word| word.parse::<f64>().ok()).map_or(0.0, |ns| 1e-9 * ns)
+}
+
+fn solve(problem: &Value) -> Answer {
+    match problem["kind"].as_str().unwrap_or_default() {
+        "care" | "dare" | "care_g" => riccati(problem),
+        "gcare" | "gdare" => generalised_riccati(problem),
+        "glyap" => {
+            whole(linalg::glyap(&matrix(problem, "A")?, &matrix(problem, "E")?, &matrix(problem, "Q")?))
+        }
+        "gdlyap" => {
+            whole(linalg::gdlyap(&matrix(problem, "A")?, &matrix(problem, "E")?, &matrix(problem, "Q")?))
+        }
+        "hinfsyn" => hinfinity(problem),
+        "place" => placement(problem),
+        "delayed" => delayed(problem),
+        "multiloop" => multiloop(problem),
+        "lyap" => whole(linalg::lyap(&matrix(problem, "A")?, &matrix(problem, "Q")?)),
+        "dlyap" => whole(linalg::dlyap(&matrix(problem, "A")?, &matrix(problem, "Q")?)),
+        "sylvester" => {
+            whole(linalg::sylvester(&matrix(problem, "A")?, &matrix(problem, "B")?, &matrix(problem, "C")?))
+        }
+        "zeros" => values(counterpoise_lti::zeros(&system(problem)?)),
+        "poles" => values(counterpoise_lti::poles(&system(problem)?)),
+        "linfnorm" => {
+            peak(counterpoise_lti::linfnorm(&system(problem)?, number(problem, "tolerance", 1e-10)))
+        }
+        "hinfnorm" => {
+            peak(counterpoise_lti::hinfnorm(&system(problem)?, number(problem, "tolerance", 1e-10)))
+        }
+        "h2norm" => Ok(json!({ "value": text(counterpoise_lti::h2norm(&system(problem)?))? })),
+        "margins" => margins(problem),
+        "descriptor" => descriptor(problem),
+        "balred" => reduction(problem),
+        other => Err(format!("unknown kind {other}")),
+    }
+}
+
+fn text<T, E: std::fmt::Display>(result: Result<T, E>) -> Result<T, String> {
+    result.map_err(|why| why.to_string())
+}
+
+/// A matrix as a list of rows; one without rows or columns as `{"rows": 0, "cols": 3}`.
+fn matrix(problem: &Value, key: &str) -> Result<Mat, String> {
+    let value = &problem[key];
+    let size = |name: &str| value[name].as_u64().map(|n| n as usize);
+    if let (Some(rows), Some(cols)) = (size("rows"), size("cols")) {
+        return Ok(Mat::zeros(rows, cols));
+    }
+    let rows = value.as_array().ok_or(format!("no matrix {key}"))?;
+    let entries = |row: &Value| -> Vec<f64> {
+        row.as_array().map_or(Vec::new(), |row| row.iter().map(|e| e.as_f64().unwrap_or(f64::NAN)).collect())
+    };
+    Ok(Mat::from_rows(&rows.iter().map(entries).collect::<Vec<_>>()))
+}
+
+fn number(problem: &Value, key: &str, default: f64) -> f64 {
+    problem[key].as_f64().unwrap_or(default)
+}
+
+fn system(problem: &Value) -> Result<StateSpace, String> {
+    let timebase = match problem["period"].as_f64() {
+        Some(period_s) => Timebase::Discrete { period_s },
+        None => Timebase::Continuous,
+    };
+    let get = |key| matrix(problem, key);
+    text(StateSpace::new(get("A")?, get("B")?, get("C")?, get("D")?, timebase))
+}
+
+fn rows(M: &Mat) -> Value {
+    json!((0..M.nrows()).map(|i| M.row_vec(i)).collect::<Vec<_>>())
+}
+
+fn complex(list: &[C64]) -> Value {
+    json!(list.iter().map(|l| [l.re, l.im]).collect::<Vec<_>>())
+}
+
+fn whole(solution: Result<Mat, linalg::Error>) -> Answer {
+    Ok(json!({ "X": rows(&text(solution)?) }))
+}
+
+fn values(list: Result<Vec<C64>, counterpoise_lti::Error>) -> Answer {
+    Ok(json!({ "values": complex(&text(list)?) }))
+}
+
+fn peak(found: Result<counterpoise_lti::Peak, counterpoise_lti::Error>) -> Answer {
+    let found = text(found)?;
+    Ok(json!({ "value": found.value, "rate": found.rate_rad_s, "infinite": found.value.is_infinite() }))
+}
+
+fn riccati(problem: &Value) -> Answer {
+    let get = |key| matrix(problem, key);
+    let cross = if problem["S"].is_null() { None } else { Some(get("S")?) };
+    let outcome = match problem["kind"].as_str().unwrap_or_default() {
+        "care" => linalg::care(&get("A")?, &get("B")?, &get("Q")?, &get("R")?, cross.as_ref()),
+        "dare" => linalg::dare(&get("A")?, &get("B")?, &get("Q")?, &get("R")?, cross.as_ref()),
+        _ => linalg::care_g(&get("A")?, &get("G")?, &get("Q")?),
+    };
+    solved(text(outcome)?)
+}
+
+fn generalised_riccati(problem: &Value) -> Answer {
+    let get = |key| matrix(problem, key);
+    let (Q, R) = (get("Q")?, get("R")?);
+    let weights = linalg::Weights { Q: &Q, R: &R, S: None };
+    let (A, E, B) = (get("A")?, get("E")?, get("B")?);
+    solved(text(match problem["kind"].as_str() {
+        Some("gcare") => linalg::gcare(&A, &E, &B, &weights),
+        _ => linalg::gdare(&A, &E, &B, &weights),
+    })?)
+}
+
+fn solved(outcome: Outcome<Riccati>) -> Answer {
+    let Riccati { X, F, closed_loop, certificate } = match outcome {
+        Outcome::Solved(found) => found,
+        Outcome::Infeasible(reason) => return Ok(json!({ "refused": reason.to_string() })),
+    };
+    Ok(json!({
+        "X": rows(&X), "F": rows(&F), "closed_loop": complex(&closed_loop),
+        "condition": certificate.condition, "separation": certificate.separation,
+        "relative_residual": certificate.relative_residual, "forward_error": rows(&certificate.forward_error),
+        "residual_norm": certificate.residual_norm, "term_norm": certificate.term_norm,
+        "sensitive": certificate.is_sensitive(), "method": certificate.method.to_string(),
+        "steps": certificate.newton_steps,
+    }))
+}
+
+fn margins(problem: &Value) -> Answer {
+    let found = text(counterpoise_lti::margins(&system(problem)?))?;
+    let gain: Vec<[f64; 2]> = found.gain.iter().map(|m| [m.factor, m.rate_rad_s]).collect();
+    let phase: Vec<[f64; 3]> = found.phase.iter().map(|m| [m.deg, m.rate_rad_s, m.delay_s]).collect();
+    Ok(json!({
+        "gain": gain, "phase": phase, "delay": found.delay_s, "ms": found.ms.value, "mt": found.mt.value,
+        "alpha": found.disk.alpha, "stable": found.closed_loop_stable,
+    }))
+}
+
+fn descriptor(problem: &Value) -> Answer {
+    let descriptor = text(Descriptor::new(matrix(problem, "E")?, system(problem)?))?;
+    let found = text(descriptor.reduce_index())?;
+    let mut answer = Map::new();
+    for (key, M) in
+        [("A", &found.system.A), ("B", &found.system.B), ("C", &found.system.C), ("D", &found.system.D)]
+    {
+        answer.insert(key.into(), rows(M));
+    }
+    answer.insert("derivatives".into(), json!(found.derivatives.iter().map(rows).collect::<Vec<_>>()));
+    answer.insert("rounds".into(), json!(found.rounds));
+    Ok(Value::Object(answer))
+}
+
+fn reduction(problem: &Value) -> Answer {
+    let order = Order::States(number(problem, "order", 1.0) as usize);
+    let found = text(balred(&system(problem)?, order, Method::SquareRoot))?;
+    Ok(json!({
+        "A": rows(&found.system.A), "B": rows(&found.system.B), "C": rows(&found.system.C), "D": rows(&found.system.D),
+        "measured": found.measured_error.value, "bound": found.bound, "hankel": found.hankel,
+        "kept": found.kept, "untouched": found.untouched,
+    }))
+}
+
+fn hinfinity(problem: &Value) -> Answer {
+    let count = |key| problem[key].as_u64().unwrap_or(0) as usize;
+    let plant = text(Generalised::new(system(problem)?, count("controls"), count("measurements")))?;
+    let found = match hinfsyn(&plant, number(problem, "tolerance", 1e-6)) {
+        Err(why @ SynthesisError::Refused(_)) => return Ok(json!({ "refused": why.to_string() })),
+        other => text(other)?,
+    };
+    let HInfinity { controller: K, bound, achieved_norm, unreachable, trials, .. } = found;
+    Ok(json!({
+        "A": rows(&K.A), "B": rows(&K.B), "C": rows(&K.C), "D": rows(&K.D), "bound": bound, "value": achieved_norm,
+        "unreachable": unreachable, "trials": trials,
+    }))
+}
+
+fn placement(problem: &Value) -> Answer {
+    let list = problem["poles"].as_array().ok_or("no poles")?;
+    let part = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
+    let wanted: Vec<C64> = list.iter().map(|p| C64::new(part(&p[0]), part(&p[1]))).collect();
+    let found = text(counterpoise_lti::place(&matrix(problem, "A")?, &matrix(problem, "B")?, &wanted))?;
+    Ok(json!({ "F": rows(&found.F), "values": complex(&found.poles), "condition": found.condition }))
+}
+
+fn delayed(problem: &Value) -> Answer {
+    let delay_s = number(problem, "delay", 0.0);
+    let found = text(counterpoise_lti::margins_with_delay(&system(problem)?, delay_s))?;
+    let gain: Vec<[f64; 2]> = found.gain.iter().map(|m| [m.factor, m.rate_rad_s]).collect();
+    let phase: Vec<[f64; 3]> = found.phase.iter().map(|m| [m.deg, m.rate_rad_s, m.delay_s]).collect();
+    Ok(json!({
+        "gain": gain, "phase": phase, "delay": found.delay_s, "ms": found.ms.value, "mt": found.mt.value,
+        "alpha": found.disk.alpha, "unstable": found.unstable_poles,
+    }))
+}
+
+fn multiloop(problem: &Value) -> Answer {
+    let found = text(counterpoise_lti::multiloop_margins(&system(problem)?))?;
+    let each: Vec<f64> = found.each.iter().map(|margin| margin.alpha).collect();
+    Ok(json!({
+        "each": each, "diagonal": found.diagonal.alpha, "proved": found.diagonal_proved.alpha, "full": found.full.alpha,
+        "stable": found.closed_loop_stable,
+    }))
+}

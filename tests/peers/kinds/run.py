@@ -1,0 +1,156 @@
+"""Four kinds of machine against SciPy: the nonlinear step figures of `counterpoise verify`.
+
+The plants are written down here from their project files, as ordinary differential equations; the controller is the
+exported C, compiled; solve_ivp (DOP853) carries the plant from sample to sample. Encoders round as they do.
+
+    python3 tests/peers/kinds/run.py PATH_OF_COUNTERPOISE
+"""
+
+import ctypes
+import json
+import math
+import pathlib
+import subprocess
+import sys
+import tempfile
+import tomllib
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+SETTLE_S, DURATION_S = 2.0, 3.0
+G = 9.80665
+
+
+class Readings(ctypes.Structure):
+    _fields_ = [(name, ctypes.c_double) for name in ("demand", "hub", "rate", "accel", "motor", "position")]
+
+
+def controller(folder):
+    library = pathlib.Path(folder) / "controller.so"
+    source = str(pathlib.Path(folder) / "controller.c")
+    subprocess.run(["cc", "-shared", "-fPIC", "-O1", "-std=c99", "-ffp-contract=off", source, "-o", str(library)], check=True)
+    found = ctypes.CDLL(str(library))
+    found.controller_step.restype = ctypes.c_double
+    return found
+
+
+def volts(plant, u):
+    """What the drive makes of 10 V of control: its limit."""
+    return plant["drive"]["limit"] / 10.0 * max(-10.0, min(10.0, u))
+
+
+def gimbal(p):
+    """Inertia and a second-order gyroscope: [angle, rate, gyro, its derivative]."""
+    J, w = p["inertia"], p["sensors"]["hub_gyro"]["natural_frequency"]
+
+    def slope(_, x, u):
+        return [x[1], volts(p, u) / J, x[3], w * w * (x[1] - x[2]) - 2 * 0.7 * w * x[3]]
+
+    return slope, [0.0] * 4, lambda x: x[2], lambda x: x[1], 0.0
+
+
+def antenna(p):
+    """Two inertias and a belt with a damping ratio of 0.01 of the load: [motor, load, and their rates]."""
+    b, m = p["belt"], p["motor"]
+    N, K, J = b["ratio"], b["stiffness"], p["inertia"]
+    D = 2 * 0.01 * math.sqrt(K * J)
+    fm, fl = p["friction"]["motor"]["viscous"], p["friction"]["pivot"]["viscous"]
+
+    def slope(_, x, u):
+        belt = K * (x[0] / N - x[1]) + D * (x[2] / N - x[3])
+        current = (volts(p, u) - m["torque_constant"] * x[2]) / m["resistance"]
+        return [x[2], x[3], (m["torque_constant"] * current - fm * x[2] - belt / N) / m["inertia"], (belt - fl * x[3]) / J]
+
+    step = 2 * math.pi / p["sensors"]["encoder"]["counts"]
+    return slope, [0.0] * 4, lambda x: round(x[1] / step) * step, lambda x: x[1], 0.0
+
+
+def pendulum(p, start):
+    """A pendulum on a motor: [angle from level, rate]; the weight of 0.05 kg m turns it down."""
+    m, J = p["motor"], p["lumped"]["hub_inertia"] + p["motor"]["inertia"]
+    mu, f = p["lumped"]["out_of_balance"], p["friction"]["pivot"]["viscous"]
+
+    def slope(_, x, u):
+        current = (volts(p, u) - m["torque_constant"] * x[1]) / m["resistance"]
+        return [x[1], (m["torque_constant"] * current - f * x[1] - mu * G * math.cos(x[0])) / J]
+
+    step = 2 * math.pi / p["sensors"]["encoder"]["counts"]
+    return slope, [start, 0.0], lambda x: round(x[0] / step) * step, lambda x: x[0], start
+
+
+def screw(p):
+    """Rotor and slide joined by the screw: [rotor's angle over the ratio, slide, and their rates]."""
+    b, M = p["ball_screw"], p["mass"]
+    ratio = 2 * math.pi / b["lead"]
+    rotor = p["motor"]["inertia"] * ratio * ratio
+
+    def slope(_, x, u):
+        force = b["stiffness"] * (x[0] - x[1]) + b["damping"] * (x[2] - x[3])
+        return [x[2], x[3], (volts(p, u) * ratio - force) / rotor, (force - p["friction"]["pivot"]["viscous"] * x[3]) / M]
+
+    step = 2 * math.pi / p["sensors"]["encoder"]["counts"] / ratio
+    return slope, [0.0] * 4, lambda x: round(x[0] / step) * step, lambda x: x[1], 0.0
+
+
+def march(plant, code, period, step):
+    slope, x, read, true, origin = plant
+    state = ctypes.create_string_buffer(4096)
+    code.controller_init(state)
+    first = round(SETTLE_S / period)
+    samples, x = [], np.array(x)
+    for k in range(first + round(DURATION_S / period)):
+        demand = origin + (step if k >= first else 0.0)
+        u = code.controller_step(state, ctypes.byref(Readings(demand, read(x), 0, 0, 0, 0)))
+        samples.append(true(x) - origin)
+        x = solve_ivp(slope, (0, period), x, args=(u,), method="DOP853", rtol=1e-10, atol=1e-12).y[:, -1]
+    return np.array(samples[first:])
+
+
+def figures(y, period, step):
+    y = y / step
+    k = int(np.argmax(y))
+    a, b, c = y[k - 1], y[k], y[k + 1]
+    shift = 0.5 * (a - c) / (a - 2 * b + c)
+
+    def crossing(level):
+        i = int(np.argmax(y >= level))
+        return (i - 1 + (level - y[i - 1]) / (y[i] - y[i - 1])) * period
+
+    return {
+        "overshoot_percent": 100 * (b - 0.25 * (a - c) * shift - 1),
+        "peak_time_s": (k + shift) * period,
+        "rise_time_s": crossing(0.9) - crossing(0.1),
+    }
+
+
+def main(program):
+    worst = 0.0
+    for name in ("direct-gimbal", "belt-antenna", "servo-pendulum", "ball-screw"):
+        folder = ROOT / "examples" / name
+        project = tomllib.loads((folder / "project.toml").read_text())
+        p, period = project["plant"], project["plant"]["interface"]["sample_period"]
+        step = project["verify"].get("step", {}).get("rate", 0.1)
+        plant = {
+            "direct-gimbal": lambda: gimbal(p),
+            "belt-antenna": lambda: antenna(p),
+            "servo-pendulum": lambda: pendulum(p, project["model"]["hub_angle"]),
+            "ball-screw": lambda: screw(p),
+        }[name]()
+        with tempfile.TemporaryDirectory() as out:
+            subprocess.run([program, "design", str(folder), "-o", out], capture_output=True)
+            y = march(plant, controller(out), period, step)
+        found = json.loads(subprocess.run([program, "verify", str(folder), "--json"], capture_output=True).stdout)
+        told = {f["figure"]: f["value"] for f in found["figures"]}
+        for key, value in figures(y, period, step).items():
+            other = told[f"nonlinear_step_{key}"]
+            scale = 100 + value if key == "overshoot_percent" else value
+            worst = max(worst, abs(other - value) / scale)
+            print(f"{name:15} {key:18} SciPy {value:12.6f}  counterpoise {other:12.6f}")
+    print(f"largest relative difference: {worst:.1e}")
+    sys.exit(0 if worst < 1e-3 else 1)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

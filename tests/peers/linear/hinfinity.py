@@ -1,0 +1,163 @@
+#!/usr/bin/env python3
+"""H-infinity synthesis on random plants, compared with SLICOT's sb10ad; every norm is computed again by other programs.
+
+  cargo build --release -p counterpoise-tests --example hard-problems
+  python3 tests/peers/linear/hinfinity.py [--first 0] [--count 30] [--show]
+
+Needs numpy, slycot and mpmath. Each controller's loop is assembled here; the frequencies of its highest peaks are found in doubles, and the gain there is
+computed with 60 digits from plant and controller as they are given (in doubles, loops near the optimum are off by up to 1e-5). A claim is too low if the norm that is found exceeds it by more than 1e-6. An answer stops above the
+reachable level if it exceeds the best norm of all programs by more than 1e-3, though some controller reaches that with a stable loop."""
+import argparse, json, os, subprocess, warnings
+
+import mpmath as mp
+import numpy as np
+import slycot
+
+mp.mp.dps = 60
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(HERE)))
+TARGET = os.environ.get('CARGO_TARGET_DIR', os.path.join(ROOT, 'target'))
+PROGRAM = os.path.join(TARGET, 'release', 'examples', 'hard-problems')
+
+
+def plant(A, B1, B2, C1, C2, D11, D12, D21):
+    D22 = np.zeros((C2.shape[0], B2.shape[1]))
+    return dict(A=A, B=np.hstack([B1, B2]), C=np.vstack([C1, C2]), D=np.block([[D11, D12], [D21, D22]]),
+                controls=B2.shape[1], measurements=C2.shape[0])
+
+
+def benign(r, scale=1.0, direct=False, stable=True):
+    n, m1, m2, p1, p2 = r.integers(1, 7), 3, int(r.integers(1, 3)), 3, int(r.integers(1, 3))
+    A = r.standard_normal((n, n))
+    if stable:
+        A -= (np.linalg.eigvals(A).real.max() + 0.3) * np.eye(n)
+    g = r.standard_normal
+    return plant(A, g((n, m1)), g((n, m2)), g((p1, n)), g((p2, n)), g((p1, m1)) if direct else np.zeros((p1, m1)),
+                 np.vstack([np.zeros((p1 - m2, m2)), scale * np.eye(m2)]) if not direct else scale * g((p1, m2)),
+                 np.hstack([np.zeros((p2, m1 - p2)), scale * np.eye(p2)]) if not direct else scale * g((p2, m1)))
+
+
+def flexible(r):
+    """A mechanism with light damping, mixed sensitivity: error with an integral-like weight, control with a gain."""
+    k = int(r.integers(1, 4))
+    w = np.sort(10.0 ** r.uniform(0, 2, k)); w[0] = 0.0 if r.random() < 0.4 else w[0]
+    z = 10.0 ** r.uniform(-3, -1)
+    n = 2 * k
+    A = np.zeros((n + 1, n + 1)); B = np.zeros((n + 1, 1)); C = np.zeros((1, n + 1))
+    for i in range(k):
+        A[2 * i:2 * i + 2, 2 * i:2 * i + 2] = [[0, 1], [-w[i] ** 2, -2 * z * w[i]]]
+        B[2 * i + 1], C[0, 2 * i] = 1.0, 10.0 ** r.uniform(-1, 1)
+    A[n, n], A[n, :n] = -1e-3, C[0, :n]  # the error's weight
+    B1 = np.hstack([B, np.zeros((n + 1, 1))])
+    C1 = np.zeros((2, n + 1)); C1[0, n] = 10.0 ** r.uniform(-1, 1)
+    small = 10.0 ** r.uniform(-4, 0)
+    return plant(A, B1, B, C1, C, np.zeros((2, 2)), np.array([[0.0], [small]]), np.array([[0.0, 10.0 ** r.uniform(-3, 0)]]))
+
+
+def graded(r):
+    p = benign(r)
+    d = 10.0 ** r.uniform(-5, 5, len(p['A']))
+    return dict(p, A=p['A'] * d[:, None] / d, B=p['B'] * d[:, None], C=p['C'] / d)
+
+
+FAMILIES = dict(benign=benign, unstable=lambda r: benign(r, stable=False), direct=lambda r: benign(r, direct=True),
+                small_weight=lambda r: benign(r, scale=10.0 ** r.uniform(-12, -3)), flexible=flexible, graded=graded)
+
+
+def ours(problems):
+    text = ''.join(json.dumps({k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in dict(p, kind='hinfsyn').items()}) + '\n' for p in problems)
+    done = subprocess.run([PROGRAM], input=text, capture_output=True, text=True, check=True)
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+def slicot(p):
+    """The controller of sb10ad, searched in two of its ways, or None."""
+    n, m, q = len(p['A']), p['B'].shape[1], len(p['C'])
+    best = None
+    for start in (1e3, 1e6, 1e-1):
+        for job in (1, 3):
+            try:
+                with warnings.catch_warnings():
+                    warnings.simplefilter('ignore')
+                    out = slycot.sb10ad(n, m, q, p['controls'], p['measurements'], start, p['A'], p['B'], p['C'], p['D'], job=job, gtol=1e-9)
+            except Exception:
+                continue
+            K = out[1:5] if len(out[1:5]) == 4 else None
+            value = norm(p, K) if K else None
+            if value is not None and (best is None or value < best):
+                best = value
+    return best
+
+
+def closed(p, K):
+    """The loop from w to z under u = K y, as A, B, C, D."""
+    Ak, Bk, Ck, Dk = (np.atleast_2d(M) for M in K)
+    m2, p2 = p['controls'], p['measurements']
+    A, B1, B2, C1, C2 = p['A'], p['B'][:, :-m2], p['B'][:, -m2:], p['C'][:-p2], p['C'][-p2:]
+    D11, D12, D21 = p['D'][:-p2, :-m2], p['D'][:-p2, -m2:], p['D'][-p2:, :-m2]
+    return (np.block([[A + B2 @ Dk @ C2, B2 @ Ck], [Bk @ C2, Ak]]), np.vstack([B1 + B2 @ Dk @ D21, Bk @ D21]),
+            np.hstack([C1 + D12 @ Dk @ C2, D12 @ Ck]), D11 + D12 @ Dk @ D21)
+
+
+def gain(p, K, w):
+    """The largest singular value of P11 + P12 K (I - P22 K)^-1 P21 at a frequency, with 60 digits."""
+    long = lambda M: mp.matrix(np.atleast_2d(M).tolist())
+    response = lambda A, B, C, D: long(C) * mp.inverse(mp.mpc(0, w) * mp.eye(len(A)) - long(A)) * long(B) + long(D)
+    P, K = response(*(p[k] for k in 'ABCD')), response(*K)
+    z, q = P.rows - p['measurements'], P.cols - p['controls']
+    H = P[:z, :q] + P[:z, q:] * K * mp.inverse(mp.eye(p['measurements']) - P[z:, q:] * K) * P[z:, :q]
+    return float(max(mp.svd_c(H, compute_uv=False)))
+
+
+def norm(p, K):
+    """The peak of the largest singular value; None for a loop that is not stable."""
+    K = [np.atleast_2d(M) for M in K]
+    A, B, C, D = closed(p, K)
+    if not all(np.isfinite(M).all() for M in (A, B, C, D)) or np.linalg.eigvals(A).real.max() >= 0:
+        return None
+    sizes = np.abs(np.linalg.eigvals(A))
+    rates = np.unique(np.r_[0, sizes, np.logspace(np.log10(sizes.min() + 1e-12) - 2, np.log10(sizes.max()) + 2, 400)])
+    values = lambda rates: np.array([np.linalg.svd(C @ np.linalg.solve(1j * w * np.eye(len(A)) - A, B) + D, compute_uv=False)[0] for w in rates])
+    found = values(rates)
+    best = np.linalg.svd(D, compute_uv=False)[0]
+    for k in np.argsort(found)[-2:]:
+        low, high = rates[max(k - 1, 0)], rates[min(k + 1, len(rates) - 1)]
+        for _ in range(8):
+            inner = np.linspace(low, high, 9)
+            at = int(np.argmax(values(inner)))
+            low, high = inner[max(at - 1, 0)], inner[min(at + 1, 8)]
+        best = max(best, gain(p, K, float(inner[at])))
+    return best
+
+
+def main():
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument('--first', type=int, default=0); p.add_argument('--count', type=int, default=30)
+    p.add_argument('--families', default=','.join(FAMILIES)); p.add_argument('--show', action='store_true')
+    a = p.parse_args()
+    print('| family | plants | claims too low | above the reachable level | refused though SLICOT solves it | refused by both | SLICOT above our level | milliseconds |')
+    print('|---|---|---|---|---|---|---|---|')
+    for family in a.families.split(','):
+        problems = [FAMILIES[family](np.random.default_rng([seed, sum(map(ord, family))])) for seed in range(a.first, a.first + a.count)]
+        low = above = refused = both = theirs = 0
+        seconds = []
+        for seed, (problem, answer) in enumerate(zip(problems, ours(problems)), a.first):
+            best = slicot(problem)
+            seconds.append(answer.get('seconds', 0))
+            say = lambda what: a.show and print(family, seed, what, answer.get('value'), answer.get('bound'), answer.get('unreachable'), 'slicot', best, answer.get('refused'), answer.get('failed'), flush=True)
+            if 'value' not in answer:
+                refused += best is not None; both += best is None
+                say('refused')
+                continue
+            real = norm(problem, [answer[k] for k in 'ABCD'])
+            if real is None or real > answer['value'] * (1 + 1e-6):
+                low += 1; say(f'too low: {real}')
+            elif best is not None and answer['value'] > best * (1 + 1e-3):
+                above += 1; say('above')
+            theirs += best is None or best > answer['value'] * (1 + 1e-3)
+        print(f'| {family} | {len(problems)} | {low} | {above} | {refused} | {both} | {theirs} | {1e3 * np.median(seconds):.1f} |', flush=True)
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,292 @@
+//! Random mechanisms and controllers: the stability certificate of each, against an independent simulator.
+//!
+//! A certificate contradicts a run if it says "stable" and the run moves more than two noise floors at rest, or grows in motion.
+
+use std::f64::consts::TAU;
+
+use counterpoise_controller::{Controller, READINGS};
+use counterpoise_models::{FrictionLaw, Parameters};
+use counterpoise_pipeline::studies::certificate::certificate;
+use counterpoise_pipeline::{model, reduce, synthesise};
+use counterpoise_project::Project;
+use counterpoise_project::resolve::synthesis_options::{
+    Adaptation, AdaptationMethod, FrictionModel, ObserverOptions, ScheduleLaw, ScheduleOptions, Trial,
+};
+use counterpoise_synth::{Drives, Weight};
+use counterpoise_verify::Procedure;
+use counterpoise_verify::certificate::{CaseCertificate, Stability};
+
+use crate::sealed::Dice;
+use crate::sealed::machine::{Gyro, Machine, Platform, STATES};
+use crate::sealed::truth::machine;
+
+/// Length of a run, s, after the time in which the controller settles, s.
+const RUN_S: f64 = 20.0;
+const SETTLE_S: f64 = 3.0;
+/// Steps of the independent integrator a sample.
+const STEPS: usize = 16;
+
+/// What a run shows.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Seen {
+    /// RMS of the hub's rate about its mean, rad/s: over the whole run, and its second half over its first.
+    pub rms: f64,
+    pub growth: f64,
+    /// Half the range of the hub's rate, rad/s, and the frequency of its crossings, Hz, over the second half.
+    pub amplitude: f64,
+    pub hz: f64,
+}
+
+/// One mechanism with its controller, what the certificate says, and what the runs show.
+#[derive(Debug, Clone)]
+pub struct Row {
+    pub seed: u64,
+    pub blocks: String,
+    pub certificate: CaseCertificate,
+    pub rest: Seen,
+    pub motion: Seen,
+}
+
+impl Row {
+    /// Whether the runs stay quiet: below two noise floors at rest, and without growth in motion.
+    pub fn is_quiet(&self) -> bool {
+        self.rest.rms <= 2.0 * self.certificate.noise_floor_rad_s && self.motion.growth <= 1.5
+    }
+
+    pub fn is_stable(&self) -> bool {
+        self.certificate.stability == Stability::Stable
+    }
+
+    pub fn contradicts(&self) -> bool {
+        self.is_stable() && !self.is_quiet()
+    }
+
+    /// Relative errors of the certified limit cycle's amplitude and frequency; `None` if the certificate or the run has none.
+    pub fn cycle_errors(&self) -> Option<[f64; 2]> {
+        let Stability::LimitCycle { amplitude_rad_s, frequency_hz } = self.certificate.stability else {
+            return None;
+        };
+        let moves = self.rest.rms > 2.0 * self.certificate.noise_floor_rad_s;
+        moves.then(|| [amplitude_rad_s / self.rest.amplitude - 1.0, frequency_hz / self.rest.hz - 1.0])
+    }
+}
+
+/// The trial of a seed; `None` if no controller exists for its weights.
+pub fn trial(seed: u64, base: &Project) -> Option<Row> {
+    let mut dice = Dice::new(seed);
+    let (project, blocks) = drawn(base, &mut dice);
+    let modelled = model(&project).ok()?;
+    let made = synthesise(&project, &modelled, &reduce(&project, &modelled).ok()?).ok()?;
+    let asked = project.verify.as_ref()?;
+    let procedure = Procedure { road: None, ..asked.procedure.clone() };
+    let mut alone = project.clone();
+    if let Some(synth) = &mut alone.synth {
+        synth.options.schedule = None;
+    }
+    let found =
+        certificate(&alone, &modelled, &made, &procedure).unwrap_or_else(|error| panic!("{seed}: {error}"));
+    let controller = &made.sampled.controller;
+    let truth = machine(&modelled.parameters);
+    let still = |_: f64| Platform::default();
+    let moving = |t: f64| moved(&procedure, t);
+    Some(Row {
+        seed,
+        blocks,
+        certificate: found.cases[0].clone(),
+        rest: run(&truth, (&modelled.parameters, controller), &still, &mut dice),
+        motion: run(&truth, (&modelled.parameters, controller), &moving, &mut dice),
+    })
+}
+
+/// A mechanism and a controller from seeded numbers: sizes, friction, weights, observer, schedule and adaptation.
+fn drawn(base: &Project, dice: &mut Dice) -> (Project, String) {
+    let mut project = base.clone();
+    let mut blocks = Vec::new();
+    mechanism(&mut project.plant, dice);
+    let synth = project.synth.as_mut().expect("the base project designs a controller");
+    if let Weight::ZeroPoleGain { gain, .. } = &mut synth.specification.feedback.error {
+        *gain *= log_uniform(dice, 0.5, 2.0);
+    }
+    if dice.below(2) == 0 {
+        blocks.push("observer");
+        synth.options.observer = Some(observer(&project.plant, dice));
+    }
+    match dice.below(4) {
+        0 => {
+            blocks.push("gain schedule");
+            synth.options.schedule = Some(schedule(ScheduleLaw::Gain));
+        }
+        1 => {
+            blocks.push("redesigns");
+            synth.options.schedule = Some(schedule(ScheduleLaw::Redesign));
+        }
+        _ => {}
+    }
+    if dice.below(3) == 0 {
+        blocks.push("adaptation");
+        synth.options.adaptation = Some(adaptation(dice.below(3)));
+    }
+    (project, blocks.join(", "))
+}
+
+fn log_uniform(dice: &mut Dice, low: f64, high: f64) -> f64 {
+    low * (high / low).powf(dice.uniform(0.0, 1.0))
+}
+
+fn mechanism(plant: &mut Parameters, dice: &mut Dice) {
+    let lumped = plant.lumped.as_mut().expect("the base project is lumped");
+    lumped.hub_inertia_kg_m2 *= log_uniform(dice, 0.6, 1.6);
+    lumped.beam_inertia_kg_m2 *= log_uniform(dice, 0.6, 1.6);
+    lumped.out_of_balance_kg_m *= [0.0, 0.4, 1.0][dice.below(3)];
+    plant.gearbox.stiffness_nm_rad *= log_uniform(dice, 0.5, 2.0);
+    plant.gearbox.backlash_rad *= [0.0, 0.5, 1.0, 2.0][dice.below(4)];
+    plant.sensors.hub_gyro.noise_rms *= log_uniform(dice, 0.3, 2.0);
+    for friction in [&mut plant.motor_friction, &mut plant.pivot_friction] {
+        friction.law.scale_coulomb(log_uniform(dice, 0.3, 3.0));
+        friction.scale_presliding_stiffness(log_uniform(dice, 0.3, 3.0));
+        friction.viscous_nm_s_rad *= log_uniform(dice, 0.5, 2.0);
+    }
+}
+
+/// An observer whose parameters were identified more or less well.
+fn observer(plant: &Parameters, dice: &mut Dice) -> ObserverOptions {
+    let wrong = [0.05, 0.2, 0.7][dice.below(3)];
+    let mut identified = |friction: &counterpoise_models::Friction| {
+        let mut own = friction.clone();
+        own.law.scale_coulomb((wrong * dice.uniform(-1.0, 1.0)).exp());
+        own.scale_presliding_stiffness((wrong * dice.uniform(-1.0, 1.0)).exp());
+        own
+    };
+    let (motor, pivot) = (identified(&plant.motor_friction), identified(&plant.pivot_friction));
+    ObserverOptions {
+        drives: if dice.below(5) == 0 { Drives::Demand } else { Drives::MeasuredRate },
+        share: dice.uniform(0.4, 1.0),
+        motor: Some(motor),
+        pivot: Some(pivot),
+        model: FrictionModel::Dahl,
+        sign_rate_rad_s: 0.01,
+    }
+}
+
+fn schedule(law: ScheduleLaw) -> ScheduleOptions {
+    ScheduleOptions { configurations: Vec::new(), factors: vec![0.5, 1.4], law }
+}
+
+fn adaptation(which: usize) -> Adaptation {
+    let method =
+        [AdaptationMethod::Gradient, AdaptationMethod::WindowedMean, AdaptationMethod::Recursive][which];
+    let trial = Trial { duration_s: 20.0, changes: vec![1.0], amplifier_curve: Vec::new() };
+    Adaptation {
+        method,
+        window_s: 2.0,
+        memory_s: 2.0,
+        dead_band_m_s2: 0.1,
+        filter_s: 0.02,
+        step: 0.002,
+        half_rate_rad_s: 5e-3,
+        rate_limit_kg_m_s: 400.0,
+        trial,
+    }
+}
+
+/// Heave and pitch of the procedure.
+fn moved(procedure: &Procedure, t: f64) -> Platform {
+    let pitch = &procedure.pitch;
+    let w = TAU * pitch.frequency_hz;
+    Platform {
+        angle: pitch.amplitude / w * (1.0 - (w * t).cos()),
+        rate: pitch.at(t),
+        acceleration: pitch.amplitude * w * (w * t).cos(),
+        heave: procedure.heave.at(t),
+    }
+}
+
+/// The exported controller on the independent simulator, with noise and converters.
+fn run(
+    truth: &Machine,
+    (p, controller): (&Parameters, &Controller),
+    platform: &dyn Fn(f64) -> Platform,
+    dice: &mut Dice,
+) -> Seen {
+    let (period, mut runner, mut x) = (p.interface.sample_period_s, controller.runner(), truth.at_rest());
+    let samples = ((SETTLE_S + RUN_S) / period) as usize;
+    let mut rates = Vec::with_capacity(samples);
+    let ideal = |s: &Option<counterpoise_models::Sensor>| {
+        s.as_ref().map_or((1.0, 0.0), |s| (s.scale_v_unit, s.noise_rms))
+    };
+    let others = [ideal(&p.sensors.motor_tachometer), ideal(&p.sensors.hub_resolver)];
+    for k in 0..samples {
+        let t = k as f64 * period;
+        let now = platform(t);
+        let bits = p.interface.input_bits;
+        let sensed =
+            |gyro: &Gyro, value: f64, dice: &mut Dice| read((gyro.volts, gyro.noise), value, bits, dice);
+        let readings: [f64; READINGS] = [
+            0.0,
+            sensed(&truth.hub_gyro, x[10], dice),
+            sensed(&truth.platform_gyro, x[12], dice),
+            sensed(&truth.accelerometer, x[14], dice),
+            read(others[0], x[3], bits, dice),
+            read(others[1], x[4] - now.angle, bits, dice),
+        ];
+        let control = quantised(runner.step_array(&readings), p.interface.output_bits);
+        let h = period / STEPS as f64;
+        for s in 0..STEPS {
+            let from = t + s as f64 * h;
+            x = truth.step(from, h, &x, control, [0.0, 0.5, 1.0].map(|c| platform(from + c * h)));
+        }
+        if !x.iter().all(|value| value.is_finite()) {
+            return Seen { rms: f64::INFINITY, growth: f64::INFINITY, ..Seen::default() };
+        }
+        if t >= SETTLE_S {
+            rates.push(x[HUB_RATE]);
+        }
+    }
+    seen(&rates, period)
+}
+
+/// The hub's rate among the states.
+const HUB_RATE: usize = 5;
+const _: () = assert!(HUB_RATE < STATES);
+
+fn quantised(value: f64, bits: u32) -> f64 {
+    let step = 20.0 / f64::from(bits).exp2();
+    ((value / step).round() * step).clamp(-10.0, 10.0)
+}
+
+fn read((volts, noise): (f64, f64), value: f64, bits: u32, dice: &mut Dice) -> f64 {
+    quantised((value + noise * dice.normal()) * volts, bits) / volts
+}
+
+fn seen(rates: &[f64], period: f64) -> Seen {
+    let rms = |part: &[f64]| {
+        let mean = part.iter().sum::<f64>() / part.len() as f64;
+        (part.iter().map(|rate| (rate - mean).powi(2)).sum::<f64>() / part.len() as f64).sqrt()
+    };
+    let (early, late) = rates.split_at(rates.len() / 2);
+    let mean = late.iter().sum::<f64>() / late.len() as f64;
+    let high = late.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let low = late.iter().copied().fold(f64::INFINITY, f64::min);
+    // crossings with a band of a quarter of the range, which noise does not cross
+    let band = 0.25 * (high - low);
+    let (mut above, mut count, mut first, mut last) = (false, 0, 0.0, 0.0);
+    for (k, rate) in late.iter().enumerate() {
+        if !above && *rate > mean + band {
+            above = true;
+            if count == 0 {
+                first = k as f64;
+            }
+            (count, last) = (count + 1, k as f64);
+        } else if above && *rate < mean - band {
+            above = false;
+        }
+    }
+    let hz = if count > 1 { f64::from(count - 1) / ((last - first) * period) } else { 0.0 };
+    Seen { rms: rms(rates), growth: rms(late) / rms(early), amplitude: 0.5 * (high - low), hz }
+}
+
+/// Whether the friction of a base project is what the independent simulator has.
+pub fn is_dahl(project: &Project) -> bool {
+    let dahl = |law: &FrictionLaw| matches!(law, FrictionLaw::Dahl { exponent: 1.0, .. });
+    dahl(&project.plant.motor_friction.law) && dahl(&project.plant.pivot_friction.law)
+}

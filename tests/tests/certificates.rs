@@ -1,0 +1,71 @@
+//! Stability certificates against an independent simulator: a small share of what `.ci/evidence` runs.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use counterpoise_pipeline::studies::certificate::certificate;
+use counterpoise_pipeline::{model, reduce, synthesise};
+use counterpoise_project::Project;
+use counterpoise_project::resolve::synthesis_options::{FrictionModel, ObserverOptions};
+use counterpoise_synth::Drives;
+use counterpoise_tests::certificates::trial;
+use counterpoise_verify::Procedure;
+use counterpoise_verify::certificate::{CaseCertificate, Stability};
+
+fn base() -> Project {
+    let path = format!("{}/../examples/reference-rig/project.toml", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(path).unwrap();
+    Project::parse(&text, "project.toml").unwrap_or_else(|errors| panic!("{errors:?}")).project
+}
+
+fn certified(project: &Project) -> CaseCertificate {
+    let modelled = model(project).unwrap();
+    let made = synthesise(project, &modelled, &reduce(project, &modelled).unwrap()).unwrap();
+    let procedure = Procedure { road: None, ..project.verify.as_ref().unwrap().procedure.clone() };
+    certificate(project, &modelled, &made, &procedure).unwrap().cases[0].clone()
+}
+
+#[test]
+fn certificates_do_not_contradict_an_independent_simulator() {
+    let base = base();
+    for row in (0..6).filter_map(|seed| trial(seed, &base)) {
+        assert!(!row.contradicts(), "seed {}: {:?} {:?}", row.seed, row.rest, row.motion);
+    }
+}
+
+#[test]
+fn the_reference_rig_is_stable_in_every_regime() {
+    let found = certified(&base());
+    assert_eq!(found.stability, Stability::Stable);
+    assert!(found.regimes.iter().all(|at| at.pole_radius < 1.0), "{:?}", found.regimes);
+}
+
+/// A friction observer that cancels twice the friction that is there makes the loop hunt at rest; its margins do not show it.
+#[test]
+fn an_observer_of_twice_the_friction_is_certified_to_hunt() {
+    let mut project = base();
+    let identified = project.plant.clone();
+    for friction in [&mut project.plant.motor_friction, &mut project.plant.pivot_friction] {
+        friction.law.scale_coulomb(0.5);
+        friction.scale_presliding_stiffness(0.5);
+    }
+    project.synth.as_mut().unwrap().options.observer = Some(ObserverOptions {
+        drives: Drives::MeasuredRate,
+        share: 1.0,
+        motor: Some(identified.motor_friction),
+        pivot: Some(identified.pivot_friction),
+        model: FrictionModel::Dahl,
+        sign_rate_rad_s: 0.01,
+    });
+    let found = certified(&project);
+    let sliding = found.regimes.iter().find(|at| at.regime.key() == "sliding").unwrap();
+    assert!(sliding.gain_margin_db > 12.0, "the margins see nothing: {sliding:?}");
+    let worst = found.worst_regime().unwrap();
+    assert_eq!(worst.regime.key(), "presliding");
+    assert!(worst.pole_radius > 1.0, "{worst:?}");
+    let Stability::LimitCycle { amplitude_rad_s, frequency_hz } = found.stability else {
+        panic!("{:?}", found.stability)
+    };
+    let run = found.rest;
+    assert!((amplitude_rad_s / run.amplitude_rad_s - 1.0).abs() < 0.2, "{amplitude_rad_s} {run:?}");
+    assert!((frequency_hz / run.frequency_hz - 1.0).abs() < 0.05, "{frequency_hz} {run:?}");
+    assert!(!found.prediction.cycles.is_empty(), "the harmonic balance sees that the loop hunts");
+}

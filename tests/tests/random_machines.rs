@@ -1,0 +1,179 @@
+//! A first design for machines at random: every size, resonance, delay, noise and out-of-balance above the pivot.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::f64::consts::TAU;
+
+use counterpoise_models::{Friction, FrictionLaw};
+use counterpoise_pipeline::{
+    FirstDesignResult, PipelineError, World, model, reduce, synthesise, verify, with_chosen_weights,
+};
+use counterpoise_project::Project;
+use counterpoise_verify::{Figure, LoopFigure, Model, RestFigure, Sine, StepFigure, Verification};
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+
+/// Machines that are tried; `COUNTERPOISE_MACHINES` asks for another number.
+const MACHINES: u64 = 24;
+
+struct Nowhere;
+
+impl World for Nowhere {
+    fn read(&self, name: &str) -> Result<Vec<u8>, String> {
+        Err(format!("{name} is not here"))
+    }
+}
+
+/// Numbers at random.
+struct Dice(ChaCha8Rng);
+
+impl Dice {
+    fn share(&mut self) -> f64 {
+        f64::from(self.0.next_u32()) / f64::from(u32::MAX)
+    }
+
+    fn log_between(&mut self, low: f64, high: f64) -> f64 {
+        low * (high / low).powf(self.share())
+    }
+
+    fn one_of<T: Copy>(&mut self, all: &[T]) -> T {
+        all[(self.0.next_u32() as usize) % all.len()]
+    }
+}
+
+/// A machine like the starter's in everything but size, frequencies, damping, delay, noise, ratio and balance.
+fn machine(dice: &mut Dice) -> Project {
+    let mut project = Project::parse(counterpoise_project::STARTER, "project.toml").unwrap().project;
+    (project.synth, project.sweep) = (None, None);
+    let p = &mut project.plant;
+    let before = p.lumped.clone().unwrap();
+    let size = dice.log_between(1e-9, 1e7) / (before.hub_inertia_kg_m2 + before.beam_inertia_kg_m2);
+    let (hub, beam) = (before.hub_inertia_kg_m2 * size, before.beam_inertia_kg_m2 * size);
+    let parallel = hub * beam / (hub + beam);
+    let (twist, mesh) = (dice.log_between(20.0, 2000.0), dice.log_between(20.0, 1000.0));
+    let rotor = p.motor.inertia_kg_m2 * p.gearbox.ratio.powi(2) * size * dice.log_between(0.3, 3.0);
+    let scale = dice.log_between(1.0, 300.0) / p.gearbox.ratio;
+    p.gearbox.ratio *= scale;
+    p.motor.inertia_kg_m2 = rotor / p.gearbox.ratio.powi(2);
+    let series = rotor * (hub + beam) / (rotor + hub + beam);
+    p.gearbox.stiffness_nm_rad = series * mesh * mesh;
+    p.gearbox.damping_nm_s_rad = 2.0 * dice.log_between(0.01, 0.2) * series * mesh;
+    p.gearbox.backlash_rad = 0.0;
+    // Torque, and with it current, grow with the size; volts stay.
+    p.motor.torque_constant_nm_a /= scale;
+    p.motor.back_emf_v_s_rad /= scale;
+    p.motor.resistance_ohm /= size;
+    p.motor.inductance_h /= size;
+    p.amplifier.current_feedback_v_a /= size;
+    let torque_nm =
+        10.0 * p.gearbox.ratio * p.motor.torque_constant_nm_a * p.amplifier.stall_gain_a_v(&p.motor);
+    let lumped = p.lumped.as_mut().unwrap();
+    (lumped.hub_inertia_kg_m2, lumped.beam_inertia_kg_m2) = (hub, beam);
+    lumped.stiffness_nm_rad = parallel * twist * twist;
+    lumped.damping_nm_s_rad = 2.0 * dice.log_between(0.002, 0.05) * parallel * twist;
+    lumped.out_of_balance_kg_m = dice.one_of(&[0.0, 0.03, 0.1]) * torque_nm / 9.81;
+    let fall = dice.one_of(&[0.0, 1.0, 3.0]);
+    lumped.vertical_offset_kg_m = fall * fall * (hub + beam + rotor) / 9.81;
+    let dry = dice.one_of(&[0.0, 1e-3, 1e-2]) * torque_nm;
+    let law = |level: f64| match level > 0.0 {
+        true => FrictionLaw::Dahl { coulomb_nm: level, rest_stiffness_nm_rad: 2e3 * level, exponent: 1.0 },
+        false => FrictionLaw::None,
+    };
+    p.pivot_friction = Friction::plain(law(dry), p.pivot_friction.viscous_nm_s_rad * size);
+    p.motor_friction =
+        Friction::plain(FrictionLaw::None, p.motor_friction.viscous_nm_s_rad * size / scale.powi(2));
+    p.interface.sample_period_s = dice.one_of(&[2.5e-4, 1e-3, 4e-3]);
+    p.interface.output_delay_samples = dice.one_of(&[0, 0, 1, 5, 20]);
+    p.sensors.hub_gyro.noise_rms = dice.one_of(&[0.0, 1e-5, 2e-4, 2e-3]);
+    project
+}
+
+/// The project with a verification that lasts as long as its loop is slow, on a platform that stands still.
+fn with_procedure(project: &Project, bandwidth_rad_s: f64) -> Project {
+    let mut project = project.clone();
+    let asked = project.verify.as_mut().unwrap();
+    asked.requirements.clear();
+    let slow_s = (40.0 / bandwidth_rad_s).clamp(0.5, 40.0);
+    let procedure = &mut asked.procedure;
+    (procedure.duration_s, procedure.settle_s) = (slow_s, 0.2 * slow_s);
+    procedure.step.duration_s = slow_s;
+    procedure.heave = Sine { amplitude: 0.0, ..procedure.heave };
+    procedure.pitch = Sine { amplitude: 0.0, ..procedure.pitch };
+    (procedure.triangle, asked.road) = (None, None);
+    project
+}
+
+/// What is wrong with a first design; empty if nothing is.
+fn wrong(project: &Project, first: &FirstDesignResult, found: &Verification) -> Vec<String> {
+    let value = |figure: Figure| found.value(figure).unwrap_or(f64::NAN);
+    let of_loop = |figure: LoopFigure| value(Figure::Loop(figure));
+    let mut wrong = Vec::new();
+    let mut need = |holds: bool, what: String| {
+        if !holds {
+            wrong.push(what);
+        }
+    };
+    let ceiling = TAU / project.plant.interface.sample_period_s / 20.0;
+    let crossover = TAU * of_loop(LoopFigure::Crossover);
+    need(crossover <= ceiling, format!("crossover {crossover} above {ceiling}"));
+    need((crossover / first.bandwidth_rad_s - 1.0).abs() < 0.02, format!("crossover {crossover}"));
+    for row in &first.limits {
+        let above = row.bandwidth_rad_s.is_none_or(|limit| crossover <= 1.01 * limit);
+        need(above, format!("crossover {crossover} above the limit {row:?}"));
+    }
+    need(of_loop(LoopFigure::MaxSensitivity) <= 1.72, format!("Ms {}", of_loop(LoopFigure::MaxSensitivity)));
+    need(of_loop(LoopFigure::PhaseMargin) >= 39.0, format!("phase {}", of_loop(LoopFigure::PhaseMargin)));
+    need(of_loop(LoopFigure::PoleRadius) < 1.0, format!("pole {}", of_loop(LoopFigure::PoleRadius)));
+    let step = |figure| value(Figure::Step(Model::Nonlinear, figure));
+    let demand = project.verify.as_ref().unwrap().procedure.step.rate_rad_s;
+    let rest = value(Figure::Rest(RestFigure::HubRms));
+    need(rest < 0.3 * demand + 4.0 * project.plant.sensors.hub_gyro.noise_rms, format!("at rest {rest}"));
+    need(step(StepFigure::Overshoot) < 80.0, format!("overshoot {} %", step(StepFigure::Overshoot)));
+    let left = step(StepFigure::SteadyStateError);
+    need(left < 15.0, format!("{left} % left"));
+    wrong
+}
+
+#[test]
+fn a_first_design_holds_machines_of_every_kind_in_the_nonlinear_simulator() {
+    let count = std::env::var("COUNTERPOISE_MACHINES").ok().and_then(|text| text.parse().ok());
+    let (mut failures, mut refused, mut limits) = (Vec::new(), 0, std::collections::BTreeMap::new());
+    let all = count.unwrap_or(MACHINES);
+    for seed in 0..all {
+        let project = machine(&mut Dice(ChaCha8Rng::seed_from_u64(seed)));
+        let chosen = match with_chosen_weights(&project) {
+            Ok(chosen) => chosen.unwrap(),
+            Err(PipelineError::NoController(reasons)) => {
+                refused += 1;
+                println!("{seed}: {}", reasons[0]);
+                continue;
+            }
+            Err(PipelineError::CannotHold { .. }) => {
+                refused += 1;
+                continue;
+            }
+            Err(other) => {
+                failures.push(format!("{seed}: {other}"));
+                continue;
+            }
+        };
+        let first = FirstDesignResult::from(&chosen.first);
+        *limits.entry(first.limited_by.clone()).or_insert(0) += 1;
+        let project = with_procedure(&chosen.project, first.bandwidth_rad_s);
+        let modelled = model(&project).unwrap();
+        let reduced = reduce(&project, &modelled).unwrap();
+        let judged = synthesise(&project, &modelled, &reduced)
+            .and_then(|made| verify(&project, &modelled, &made, &Nowhere));
+        match judged {
+            Ok(verified) => {
+                let wrong = wrong(&project, &first, verified.verification());
+                if !wrong.is_empty() {
+                    failures.push(format!("{seed}: {wrong:?} {first:?}"));
+                }
+            }
+            Err(other) => failures.push(format!("{seed}: {other}")),
+        }
+    }
+    println!("{all} machines, {refused} refused, limited by {limits:?}");
+    assert!(failures.is_empty(), "{} of {all}:\n{}", failures.len(), failures.join("\n"));
+    assert!(refused * 5 <= all, "{refused} of {all} refused");
+}

@@ -1,0 +1,129 @@
+//! Recordings made under the controllers that projects export: each replays in closed loop as closely as its noise allows, also from
+//! its middle, and a recording under another controller than the project names is played back.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::f64::consts::TAU;
+use std::fs;
+use std::path::Path;
+
+use counterpoise_controller::Controller;
+use counterpoise_diagnose::findings::answer::Verdict;
+use counterpoise_diagnose::recording::remarks::RecordingRemark;
+use counterpoise_diagnose::simulator_access::Serial;
+use counterpoise_models::Plant;
+use counterpoise_pipeline::recordings::read::control_for;
+use counterpoise_pipeline::recordings::{self, ColumnRemark, Gaps, RecordingFile, ReplayLength};
+use counterpoise_pipeline::{model, reduce, synthesise};
+use counterpoise_project::Project;
+use counterpoise_project::resolve::controller::RecordingController;
+use counterpoise_recordings::{Channel, Recording};
+use counterpoise_simulate::replay::{Loop, RecordedController, Replayer, control_fit};
+use counterpoise_simulate::signal::{Signal, Sine};
+use counterpoise_simulate::{Detail, Imperfections, Initial, PlatformMotion, Scenario, Simulator};
+
+/// Ratio of residual to noise floor up to which a replay is that of the machine itself.
+const REPLAYED: f64 = 1.5;
+
+fn project(name: &str) -> Project {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples").join(name);
+    let bytes = fs::read(folder.join("project.toml")).unwrap();
+    Project::from_bytes(&bytes, "project.toml").unwrap().project
+}
+
+fn exported(project: &Project) -> (Plant, Controller) {
+    let modelled = model(project).unwrap();
+    let controller =
+        synthesise(project, &modelled, &reduce(project, &modelled).unwrap()).unwrap().sampled.controller;
+    (Plant::lumped(&modelled.parameters).unwrap(), controller)
+}
+
+/// Sines of whole and odd frequencies: (amplitude, frequency in Hz, phase).
+fn sines(all: &[(f64, f64, f64)]) -> Signal {
+    let sine = |&(amplitude, hz, phase_rad): &(f64, f64, f64)| Sine {
+        amplitude,
+        frequency_rad_s: TAU * hz,
+        phase_rad,
+    };
+    Signal::Sines(all.iter().map(sine).collect())
+}
+
+/// A recording of the machine under a controller: demand, heave and pitch together, with noise and quantisation.
+fn record(plant: &Plant, controller: &Controller) -> Recording {
+    let scenario = Scenario {
+        duration_s: 8.0,
+        demand_rad_s: sines(&[(0.06, 0.31, 0.0), (0.03, 1.7, 1.0)]),
+        injection_v: Signal::ZERO,
+        platform: PlatformMotion {
+            pitch_rate_rad_s: sines(&[(0.05, 0.8, 0.4)]),
+            heave_m_s2: sines(&[(0.8, 1.3, 0.0), (0.4, 2.9, 2.0)]),
+            initial_angle_rad: 0.0,
+        },
+        imperfections: Imperfections::NoiseAndQuantisation { seed: 5 },
+        initial: Initial::Rest { hub_angle_rad: 0.0 },
+        detail: Detail::Recording,
+    };
+    let mut runner = controller.runner();
+    let history = Simulator::new(plant).unwrap().run(&mut runner, &scenario).unwrap();
+    history.readings.recording("run", history.sample_period_s)
+}
+
+/// The largest ratio of residual to noise floor of a closed-loop replay, with its channel.
+fn worst(plant: &Plant, recording: &Recording, control: &Loop) -> (f64, Channel) {
+    let replay = Replayer::new(plant.parameters(), recording).unwrap().replay_plant(plant, control).unwrap();
+    let ratio = |fit: &counterpoise_simulate::replay::ChannelFit| (fit.rms_error / fit.floor, fit.channel);
+    replay.channels.iter().map(ratio).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
+}
+
+#[test]
+fn every_exported_controller_replays_its_own_recordings() {
+    for name in EXAMPLES {
+        let project = project(name);
+        let (plant, controller) = exported(&project);
+        let recording = record(&plant, &controller);
+        let exported = RecordedController::from(controller);
+        let (fit, _) = control_fit(plant.parameters(), &recording, &exported).unwrap();
+        assert!(
+            fit.rms_error < 2.0 * fit.floor,
+            "{name}: control off by {} floors",
+            fit.rms_error / fit.floor
+        );
+        let control = Loop::from(exported);
+        let (ratio, channel) = worst(&plant, &recording, &control);
+        assert!(ratio < REPLAYED, "{name}: {ratio} floors in {}", channel.name());
+        let middle = recording.part(2500..recording.len());
+        if project.synth.unwrap().options.adaptation.is_some() {
+            // what an estimator has gathered in its present window does not show in the control before the window ends
+            continue;
+        }
+        let (ratio, channel) = worst(&plant, &middle, &control);
+        assert!(ratio < REPLAYED, "{name} from its middle: {ratio} floors in {}", channel.name());
+    }
+}
+
+#[test]
+fn a_recording_under_another_controller_is_played_back_and_diagnosed() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/practice/p08");
+    let mut project =
+        Project::from_bytes(&fs::read(folder.join("project.toml")).unwrap(), "p").unwrap().project;
+    let Some(RecordingController::ProportionalIntegral(pi)) = &mut project.recording_controller else {
+        panic!()
+    };
+    pi.kp_v_s_rad *= 0.7;
+    let bytes = fs::read(folder.join("triangle.parquet")).unwrap();
+    let files = [RecordingFile { name: "triangle.parquet".to_owned(), bytes }];
+    let read = recordings::read(&project, &files, Gaps::Repaired).unwrap();
+    let control = control_for(&project, read.iter().map(|item| &item.recording)).unwrap();
+    assert!(matches!(control, Loop::Closed(_)));
+    let replayed = recordings::replay(&project, &read, &control, ReplayLength::Automatic).unwrap();
+    let fits = &replayed[0].followed.replay.channels;
+    assert!(fits.iter().all(|fit| fit.channel != Channel::Control && fit.rms_error < REPLAYED * fit.floor));
+    assert!(replayed[0].remarks.iter().any(|remark| matches!(remark, ColumnRemark::Controller(_))));
+    let diagnosed = recordings::diagnose(&project, &files, &Serial).unwrap();
+    assert_eq!(diagnosed.control, Loop::Open);
+    assert_eq!(diagnosed.diagnosis.answer.verdict, Verdict::Consistent);
+    let said = |remark: &RecordingRemark| matches!(remark, RecordingRemark::OtherController { .. });
+    assert!(diagnosed.diagnosis.answer.qualification.iter().any(said));
+}
+
+/// Examples whose controllers differ in their blocks: three parts, a friction observer, a schedule, an estimator.
+const EXAMPLES: [&str; 4] = ["reference-rig", "out-of-balance-schedule", "adaptation", "lqg-ltr-and-hinf"];

@@ -1,0 +1,201 @@
+//! Limit cycles predicted by harmonic balance.
+//!
+//! At each amplitude of the hub's rate every nonlinear part is replaced by its describing function at its own amplitude, and the loop's
+//! poles are computed. The motion grows where the outermost oscillating pole lies outside the unit circle. An amplitude at which
+//! growth turns into fading is a stable limit cycle, one at which fading turns into growth an unstable one: a disturbance beyond it
+//! leads to the next stable one. (A. Gelb and W. Vander Velde, *Multiple-Input Describing Functions*, 1968, ch. 3.)
+
+use counterpoise_lti::{C64, Response};
+
+use super::Subject;
+use super::elements::{Elements, Learning, Linear, Sinusoid};
+use super::gap::gap_share;
+use super::regime::{Teeth, teeth};
+use crate::Error;
+use crate::linear::plant::port;
+use crate::tolerance::{
+    AMPLITUDES_PER_DECADE, CYCLE_HALVINGS, FREQUENCY_ROUNDS, LEAST_AMPLITUDE_FLOORS, MOST_AMPLITUDE_RAD_S,
+    OPEN, STEADY_GROWTH, THIRD_HARMONIC,
+};
+
+/// A predicted limit cycle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cycle {
+    /// Amplitude of the hub's rate, rad/s.
+    pub rate_rad_s: f64,
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+    /// Share of the first harmonic with which the third one returns round the loop.
+    pub third_harmonic: f64,
+}
+
+/// How fast a sinusoidal motion grows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Growth {
+    /// Amplitude of the hub's rate, rad/s.
+    pub rate_rad_s: f64,
+    /// Growth, 1/s; negative where the motion fades.
+    pub growth_per_s: f64,
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+}
+
+/// What the harmonic balance predicts.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Prediction {
+    /// Growth over the amplitude, by rising amplitude.
+    pub growth: Vec<Growth>,
+    /// Stable limit cycles, by rising amplitude.
+    pub cycles: Vec<Cycle>,
+}
+
+impl Cycle {
+    /// Returns whether the loop is enough of a low-pass for the prediction to hold.
+    pub fn is_reliable(&self) -> bool {
+        self.third_harmonic <= THIRD_HARMONIC
+    }
+}
+
+/// Predicts the limit cycles of a case.
+pub(super) fn predict(subject: &Subject<'_>) -> Result<Prediction, Error> {
+    let balance = Balance::new(subject)?;
+    let least = LEAST_AMPLITUDE_FLOORS * subject.noise_floor_rad_s();
+    let decades = (MOST_AMPLITUDE_RAD_S / least).log10();
+    let count = (decades * AMPLITUDES_PER_DECADE).ceil() as usize + 1;
+    let mut found = Prediction::default();
+    let mut at = balance.start_rad_s;
+    for k in 0..count {
+        let rate = least * (MOST_AMPLITUDE_RAD_S / least).powf(k as f64 / (count - 1) as f64);
+        let Some(growth) = balance.growth(rate, at)? else { continue };
+        at = std::f64::consts::TAU * growth.frequency_hz;
+        let before = found.growth.last().copied();
+        found.growth.push(growth);
+        if let Some(before) = before.filter(|b| b.growth_per_s > STEADY_GROWTH)
+            && growth.growth_per_s <= STEADY_GROWTH
+        {
+            found.cycles.push(balance.cycle(before, growth)?);
+        }
+    }
+    if balance.teeth != Teeth::WithoutGap {
+        found.cycles.extend(balance.rattling()?);
+    }
+    Ok(found)
+}
+
+/// The loop whose balance is sought.
+pub(super) struct Balance<'a> {
+    pub(super) subject: &'a Subject<'a>,
+    teeth: Teeth,
+    /// Torque that presses the teeth together at rest, N m.
+    pressed_nm: f64,
+    /// Frequency of the outermost oscillating pole at rest, rad/s.
+    pub(super) start_rad_s: f64,
+}
+
+impl<'a> Balance<'a> {
+    fn new(subject: &'a Subject<'a>) -> Result<Self, Error> {
+        let point = &subject.procedure.operating_point;
+        let rest = Linear::close(subject, &Elements::at_rest(subject)?, Learning::Still)?;
+        let period_s = rest.plant.sample_period_s;
+        let start_rad_s = rest.liveliest().map_or(1.0, |pole| rate_of(pole, period_s));
+        Ok(Self {
+            subject,
+            teeth: teeth(subject.case, point)?,
+            pressed_nm: subject.case.plant.equilibrium(point).mesh_torque_nm.abs(),
+            start_rad_s,
+        })
+    }
+
+    /// The growth at an amplitude, the frequency sought from `from_rad_s`; `None` if nothing oscillates.
+    fn growth(&self, rate_rad_s: f64, from_rad_s: f64) -> Result<Option<Growth>, Error> {
+        let Some((_, pole)) = self.settled(rate_rad_s, from_rad_s)? else { return Ok(None) };
+        let period_s = self.subject.case.plant.parameters().interface.sample_period_s;
+        Ok(Some(Growth {
+            rate_rad_s,
+            growth_per_s: pole.norm().ln() / period_s,
+            frequency_hz: rate_of(pole, period_s) / std::f64::consts::TAU,
+        }))
+    }
+
+    /// The loop at an amplitude whose describing functions have the frequency of its own pole.
+    fn settled(&self, rate_rad_s: f64, from_rad_s: f64) -> Result<Option<(Linear, C64)>, Error> {
+        let ratio = self.subject.case.plant.parameters().gearbox.ratio;
+        let mut motion = Sinusoid { rate_rad_s, frequency_rad_s: from_rad_s, motor_over_hub: ratio };
+        let mut found = None;
+        for _ in 0..FREQUENCY_ROUNDS {
+            let mut elements = Elements::harmonic(self.subject, &motion)?;
+            elements.mesh_share = self.mesh_share(&motion);
+            let linear = Linear::close(self.subject, &elements, Learning::Still)?;
+            let Some(pole) = linear.liveliest() else { return Ok(None) };
+            let frequency = rate_of(pole, linear.plant.sample_period_s);
+            motion.frequency_rad_s = frequency;
+            motion.motor_over_hub = motor_over_hub(&linear, frequency)?.unwrap_or(ratio);
+            found = Some((linear, pole));
+        }
+        Ok(found)
+    }
+
+    /// The share of the gear's stiffness that acts: the describing function of a gap that is pressed to one side.
+    fn mesh_share(&self, motion: &Sinusoid) -> f64 {
+        if self.teeth == Teeth::WithoutGap {
+            return 1.0;
+        }
+        let gearbox = &self.subject.case.plant.parameters().gearbox;
+        let hub_rad = motion.rate_rad_s / motion.frequency_rad_s;
+        let wind_up_rad = hub_rad * (motion.motor_over_hub / gearbox.ratio - 1.0).abs();
+        if self.pressed_nm == 0.0 {
+            return 1.0;
+        }
+        gap_share(wind_up_rad, self.pressed_rad(), gearbox.backlash_rad).max(OPEN)
+    }
+
+    /// Wind-up by which the teeth are pressed together, rad: below 0 in the middle of the gap, where nothing presses them.
+    pub(super) fn pressed_rad(&self) -> f64 {
+        let gearbox = &self.subject.case.plant.parameters().gearbox;
+        if self.pressed_nm == 0.0 {
+            -0.5 * gearbox.backlash_rad
+        } else {
+            self.pressed_nm / gearbox.stiffness_nm_rad
+        }
+    }
+
+    /// The limit cycle between an amplitude at which the motion grows and one at which it fades.
+    fn cycle(&self, grows: Growth, fades: Growth) -> Result<Cycle, Error> {
+        let (mut low, mut high) = (grows, fades);
+        for _ in 0..CYCLE_HALVINGS {
+            let middle = (low.rate_rad_s * high.rate_rad_s).sqrt();
+            let from = std::f64::consts::TAU * low.frequency_hz;
+            let Some(growth) = self.growth(middle, from)? else { break };
+            if growth.growth_per_s > STEADY_GROWTH { low = growth } else { high = growth }
+        }
+        let third_harmonic = self.third_harmonic(&low)?;
+        Ok(Cycle { rate_rad_s: low.rate_rad_s, frequency_hz: low.frequency_hz, third_harmonic })
+    }
+
+    fn third_harmonic(&self, at: &Growth) -> Result<f64, Error> {
+        let rate = std::f64::consts::TAU * at.frequency_hz;
+        let Some((linear, _)) = self.settled(at.rate_rad_s, rate)? else { return Ok(0.0) };
+        third_harmonic(&linear, rate)
+    }
+}
+
+/// The frequency of a pole, rad/s: for a real one, the rate at which it grows, which is that of the motion that it starts.
+pub(super) fn rate_of(pole: C64, period_s: f64) -> f64 {
+    if pole.im == 0.0 { pole.re.abs().ln().abs() / period_s } else { pole.arg() / period_s }
+}
+
+/// |L(3 w)| / |L(w)|, with the hold's own fall beyond half the sample rate taken as complete.
+pub(super) fn third_harmonic(linear: &Linear, rate: f64) -> Result<f64, Error> {
+    if 3.0 * rate * linear.plant.sample_period_s >= std::f64::consts::PI {
+        return Ok(0.0);
+    }
+    let response = Response::of(&linear.broken)?.at_all(&[rate, 3.0 * rate])?;
+    Ok(response[1][(0, 0)].norm() / response[0][(0, 0)].norm().max(f64::MIN_POSITIVE))
+}
+
+/// The amplitude of the motor's motion over the hub's under the control alone; `None` if the hub does not move.
+pub(super) fn motor_over_hub(linear: &Linear, frequency_rad_s: f64) -> Result<Option<f64>, Error> {
+    let response = Response::of(&linear.plant.continuous)?.at(frequency_rad_s)?;
+    let (hub, motor) = (response[(port::HUB, 0)].norm(), response[(port::MOTOR, 0)].norm());
+    Ok((hub > 0.0).then(|| motor / hub))
+}

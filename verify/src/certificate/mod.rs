@@ -1,0 +1,201 @@
+//! The stability certificate of the controller as it is exported, with all of its blocks, in every regime that matters.
+//!
+//! A mechanism with dry friction and backlash has no single linear loop. The certificate therefore
+//!
+//! 1. linearises the loop in each regime ([`regime`]): at rest with the presliding stiffness of friction and of the controller's
+//!    friction observers, sliding, with open gear teeth, and with the estimator learning, at each setting of the schedule;
+//! 2. predicts limit cycles by harmonic balance with the describing functions of friction, observers and backlash ([`cycle`]);
+//! 3. starts the simulator near each predicted limit cycle and follows the motion until it settles or fades ([`orbit`]);
+//! 4. proves stability by passivity where that applies ([`passivity`]);
+//! 5. looks at runs of its own at rest and in motion, with noise and quantisation ([`runs`]).
+//!
+//! Its verdict is a [`Stability`]; what is proved, what is predicted and what is only simulated stay apart.
+//!
+//! Modules in reading order: [`regime`], [`elements`], [`cycle`], [`gap`], [`orbit`], [`passivity`], [`runs`].
+
+pub mod cycle;
+pub mod elements;
+pub mod gap;
+pub mod orbit;
+pub mod passivity;
+pub mod regime;
+pub mod runs;
+
+use counterpoise_controller::Controller;
+use counterpoise_models::plant::Plant;
+
+pub use cycle::{Cycle, Prediction};
+pub use orbit::Orbit;
+pub use passivity::Passivity;
+pub use regime::{Regime, RegimeLoop, Teeth};
+pub use runs::Run;
+
+use crate::tolerance::{LEAST_CYCLES, MOVES_FLOORS, MOVES_UNSTABLE_FLOORS, RUN_S, STEADY_GROWTH};
+use crate::{Error, Procedure};
+
+/// A mechanism with the out-of-balance that is set in the controller: the design's own, or another one of the schedule.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Case {
+    /// Name, for reports: that of the configuration.
+    pub name: String,
+    /// The mechanism.
+    pub plant: Plant,
+    /// The out-of-balance that the controller is told, kg m.
+    pub out_of_balance_kg_m: f64,
+}
+
+/// What the certificate says about a case.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Stability {
+    /// The loop is stable in every regime, and no motion stays that exceeds two noise floors.
+    Stable,
+    /// A limit cycle stays.
+    LimitCycle {
+        /// Its amplitude: half the range of the hub's rate, rad/s.
+        amplitude_rad_s: f64,
+        /// Its frequency, Hz.
+        frequency_hz: f64,
+    },
+    /// The motion grows without bound, or until the drive saturates.
+    Unstable,
+    /// Neither can be said: a run of its own moves more than the prediction explains.
+    NotPredicted,
+}
+
+/// All that was found about one case.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CaseCertificate {
+    /// The case's name.
+    pub name: String,
+    /// The out-of-balance that the controller is told, kg m.
+    pub out_of_balance_kg_m: f64,
+    /// The verdict.
+    pub stability: Stability,
+    /// The linear loop in each regime.
+    pub regimes: Vec<RegimeLoop>,
+    /// What the harmonic balance predicts.
+    pub prediction: Prediction,
+    /// What the simulator does from near each predicted limit cycle, and from two other disturbances.
+    pub orbits: Vec<Orbit>,
+    /// The proof by passivity; `None` if it does not apply.
+    pub passivity: Option<Passivity>,
+    /// The run at rest, with noise and quantisation.
+    pub rest: Run,
+    /// The run in motion.
+    pub motion: Run,
+    /// Noise floor of the hub's rate, rad/s: RMS of the hub gyroscope's noise and quantisation.
+    pub noise_floor_rad_s: f64,
+}
+
+/// The certificate over all cases.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Certificate {
+    /// The cases, the design's own first.
+    pub cases: Vec<CaseCertificate>,
+}
+
+impl Certificate {
+    /// Returns the worst case: unstable before a limit cycle before what is not predicted before stable, then the case whose worst
+    /// regime is nearest to instability. `None` without cases.
+    pub fn worst(&self) -> Option<&CaseCertificate> {
+        let rank = |case: &CaseCertificate| match case.stability {
+            Stability::Unstable => 3,
+            Stability::LimitCycle { .. } => 2,
+            Stability::NotPredicted => 1,
+            Stability::Stable => 0,
+        };
+        let near = |case: &CaseCertificate| case.worst_regime().map_or(0.0, RegimeLoop::severity);
+        self.cases.iter().max_by(|a, b| rank(a).cmp(&rank(b)).then(near(a).total_cmp(&near(b))))
+    }
+}
+
+impl CaseCertificate {
+    /// Returns the regime that is nearest to instability, or furthest beyond it; open teeth do not count, because no control reaches
+    /// the hub while they are open. `None` without regimes.
+    pub fn worst_regime(&self) -> Option<&RegimeLoop> {
+        let judged = self.regimes.iter().filter(|found| found.regime.is_judged());
+        judged.max_by(|a, b| a.severity().total_cmp(&b.severity()))
+    }
+
+    /// Returns whether stability is proved in this case: by passivity, and in a stable loop.
+    pub fn is_proved(&self) -> bool {
+        self.stability == Stability::Stable && self.passivity.is_some_and(|found| found.holds())
+    }
+}
+
+/// Certifies `controller` on each case, moved by `procedure` in the run in motion.
+///
+/// # Errors
+/// Those of the models, the linear loop and the simulator; a motion that diverges is a result.
+pub fn certify(controller: &Controller, procedure: &Procedure, cases: &[Case]) -> Result<Certificate, Error> {
+    let certified = |case: &Case| certify_case(&Subject { case, controller, procedure });
+    Ok(Certificate { cases: cases.iter().map(certified).collect::<Result<_, Error>>()? })
+}
+
+/// A case with the controller and the procedure.
+pub(crate) struct Subject<'a> {
+    pub(crate) case: &'a Case,
+    pub(crate) controller: &'a Controller,
+    pub(crate) procedure: &'a Procedure,
+}
+
+impl Subject<'_> {
+    /// Returns the noise floor of the hub's rate, rad/s.
+    pub(crate) fn noise_floor_rad_s(&self) -> f64 {
+        let parameters = self.case.plant.parameters();
+        let (gyro, interface) = (&parameters.sensors.hub_gyro, &parameters.interface);
+        let step = 2.0 * counterpoise_simulate::sensing::CONVERTER_RANGE_V
+            / f64::from(interface.input_bits).exp2()
+            / gyro.scale_v_unit;
+        gyro.noise_rms.hypot(step / 12f64.sqrt())
+    }
+}
+
+fn certify_case(subject: &Subject<'_>) -> Result<CaseCertificate, Error> {
+    let noise_floor_rad_s = subject.noise_floor_rad_s();
+    let regimes = regime::loops(subject)?;
+    let prediction = cycle::predict(subject)?;
+    let orbits = orbit::follow(subject, &prediction)?;
+    let rest = runs::at_rest(subject)?;
+    let motion = runs::in_motion(subject)?;
+    let mut found = CaseCertificate {
+        name: subject.case.name.clone(),
+        out_of_balance_kg_m: subject.case.out_of_balance_kg_m,
+        stability: Stability::Stable,
+        regimes,
+        prediction,
+        orbits,
+        passivity: passivity::prove(subject)?,
+        rest,
+        motion,
+        noise_floor_rad_s,
+    };
+    found.stability = judge(&found);
+    Ok(found)
+}
+
+/// The verdict: what the simulator shows decides where it was asked, the linear loop where it was not.
+fn judge(found: &CaseCertificate) -> Stability {
+    let sliding = |one: &&RegimeLoop| one.regime.is_judged() && !one.is_at_rest();
+    let grows = found.regimes.iter().filter(sliding).any(|one| one.growth_per_s > STEADY_GROWTH);
+    if grows || found.rest.diverges() || found.motion.diverges() {
+        return Stability::Unstable;
+    }
+    let floor = MOVES_FLOORS * found.noise_floor_rad_s;
+    if found.rest.rms_rad_s > floor && found.rest.frequency_hz * RUN_S >= LEAST_CYCLES {
+        let Run { amplitude_rad_s, frequency_hz, .. } = found.rest;
+        return Stability::LimitCycle { amplitude_rad_s, frequency_hz };
+    }
+    let stays = found.orbits.iter().filter(|orbit| orbit.rms_rad_s > floor);
+    if let Some(largest) = stays.max_by(|a, b| a.rms_rad_s.total_cmp(&b.rms_rad_s)) {
+        let (amplitude_rad_s, frequency_hz) = (largest.amplitude_rad_s, largest.frequency_hz);
+        return Stability::LimitCycle { amplitude_rad_s, frequency_hz };
+    }
+    if found.motion.grows() {
+        return Stability::Unstable;
+    }
+    let grows = |one: &RegimeLoop| one.regime.is_judged() && one.growth_per_s > STEADY_GROWTH;
+    let doubtful = found.regimes.iter().any(grows) || !found.prediction.cycles.is_empty();
+    let bound = if doubtful { MOVES_UNSTABLE_FLOORS * found.noise_floor_rad_s } else { floor };
+    if found.rest.rms_rad_s > bound { Stability::NotPredicted } else { Stability::Stable }
+}

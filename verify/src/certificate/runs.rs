@@ -1,0 +1,101 @@
+//! The certificate's own runs, with noise and quantisation: at rest, and in motion.
+
+use counterpoise_simulate::{
+    Imperfections, Initial, PlantState, PlatformMotion, Scenario, Signal, Simulator,
+};
+
+use super::Subject;
+use super::orbit::cycle_of;
+use crate::Error;
+use crate::signals::rms;
+use crate::signals::statistics::centred;
+use crate::tolerance::{GROWS, RUN_S, SETTLING_S};
+
+/// A run of 20 s after the controller has settled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Run {
+    /// RMS of the hub's rate about its mean over the whole run, rad/s; infinite if it diverged.
+    pub rms_rad_s: f64,
+    /// The same over the first half.
+    pub first_half_rad_s: f64,
+    /// The same over the second half.
+    pub second_half_rad_s: f64,
+    /// Half the range of the hub's rate over the second half, rad/s.
+    pub amplitude_rad_s: f64,
+    /// Frequency of its cycles over the second half, Hz; 0 if there are none.
+    pub frequency_hz: f64,
+}
+
+impl Run {
+    /// Returns whether the motion diverged.
+    pub fn diverges(&self) -> bool {
+        self.rms_rad_s.is_infinite()
+    }
+
+    /// Returns whether the second half moves distinctly more than the first.
+    pub fn grows(&self) -> bool {
+        self.second_half_rad_s > GROWS * self.first_half_rad_s
+    }
+}
+
+/// The mechanism at rest: the run that moves more of one with the gear as the load leaves it, and one with its teeth on a flank.
+pub(super) fn at_rest(subject: &Subject<'_>) -> Result<Run, Error> {
+    let point = &subject.procedure.operating_point;
+    let from_rest = run(subject, PlatformMotion::STILL, None)?;
+    let half = 0.5 * subject.case.plant.parameters().gearbox.backlash_rad;
+    if half == 0.0 || subject.case.plant.equilibrium(point).mesh_torque_nm != 0.0 {
+        return Ok(from_rest);
+    }
+    let simulator = Simulator::new(&subject.case.plant)?;
+    let mut state = simulator.rest(point.hub_angle_rad, point.platform_angle_rad, 0.0);
+    state.core[counterpoise_models::plant::core::state::WINDUP] = half;
+    let on_flank = run(subject, PlatformMotion::STILL, Some(state))?;
+    Ok(if on_flank.rms_rad_s > from_rest.rms_rad_s { on_flank } else { from_rest })
+}
+
+/// Heave and pitch of the procedure together.
+pub(super) fn in_motion(subject: &Subject<'_>) -> Result<Run, Error> {
+    let sine = |sine: &crate::Sine| Signal::sine(sine.amplitude, std::f64::consts::TAU * sine.frequency_hz);
+    let heave_m_s2 = sine(&subject.procedure.heave);
+    let pitch_rate_rad_s = sine(&subject.procedure.pitch);
+    run(subject, PlatformMotion { heave_m_s2, pitch_rate_rad_s, ..PlatformMotion::STILL }, None)
+}
+
+fn run(subject: &Subject<'_>, platform: PlatformMotion, start: Option<PlantState>) -> Result<Run, Error> {
+    let point = &subject.procedure.operating_point;
+    let mut runner = subject.controller.runner();
+    runner.set_out_of_balance(subject.case.out_of_balance_kg_m);
+    let scenario = Scenario {
+        platform: PlatformMotion { initial_angle_rad: point.platform_angle_rad, ..platform },
+        imperfections: Imperfections::NoiseAndQuantisation { seed: subject.procedure.seed },
+        initial: start.map_or(Initial::Rest { hub_angle_rad: point.hub_angle_rad }, |state| {
+            Initial::State(Box::new(state))
+        }),
+        ..Scenario::still(SETTLING_S + RUN_S)
+    };
+    let history = match Simulator::new(&subject.case.plant)?.run(&mut runner, &scenario) {
+        Err(counterpoise_simulate::Error::Diverged { .. }) => {
+            let infinite = f64::INFINITY;
+            return Ok(Run {
+                rms_rad_s: infinite,
+                first_half_rad_s: infinite,
+                second_half_rad_s: infinite,
+                amplitude_rad_s: infinite,
+                frequency_hz: 0.0,
+            });
+        }
+        other => other?,
+    };
+    let first = (SETTLING_S / history.sample_period_s) as usize;
+    let rates = &history.truth.hub_rate_rad_s[first.min(history.truth.hub_rate_rad_s.len())..];
+    let (early, late) = rates.split_at(rates.len() / 2);
+    let spread = |part: &[f64]| rms(&centred(part));
+    let [amplitude_rad_s, frequency_hz] = cycle_of(late, history.sample_period_s);
+    Ok(Run {
+        rms_rad_s: spread(rates),
+        first_half_rad_s: spread(early),
+        second_half_rad_s: spread(late),
+        amplitude_rad_s,
+        frequency_hz,
+    })
+}

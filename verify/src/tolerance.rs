@@ -1,0 +1,256 @@
+//! The numbers that decide in this crate, each with where it comes from.
+
+/// A pole nearer than this to 1 in the z-plane is neutral: it belongs to a constant that nothing changes, such as the offset between
+/// the state of a friction observer and the friction itself. At 1 kHz it stands for a growth by a factor of e in 100 s, which no run
+/// of 20 s shows.
+pub const NEUTRAL: f64 = 1e-5;
+
+/// A motion that grows or fades more slowly than this, 1/s, is taken as one that stays: by a factor of 1.5 in 20 s.
+pub const STEADY_GROWTH: f64 = 0.02;
+
+/// Hub rate RMS at rest above this many noise floors is a motion, not noise. Two is what the verdicts on recordings use as well.
+pub const MOVES_FLOORS: f64 = 2.0;
+
+/// Stiffness that stands for a joint that truly sticks, as a multiple of the gear's. At 1000 times, the joint's motion changes the
+/// loop by a part in a thousand; more only worsens the condition of the matrices.
+pub const STUCK: f64 = 1e3;
+
+/// Share of the gear's stiffness that stands for open teeth: small against 1, yet a plant that can be sampled.
+pub const OPEN: f64 = 1e-6;
+
+/// Amplitude of the hub's rate over which a harmonic balance is sought: from this many noise floors ...
+pub const LEAST_AMPLITUDE_FLOORS: f64 = 0.05;
+/// ... to this, rad/s: faster than any axis that these controllers stabilise moves in a limit cycle before its drive saturates.
+pub const MOST_AMPLITUDE_RAD_S: f64 = 1.0;
+/// Amplitudes a decade. Describing functions change by at most half over a factor of two in the amplitude.
+pub const AMPLITUDES_PER_DECADE: f64 = 4.0;
+/// Rounds in which the frequency of the describing functions follows the pole.
+pub const FREQUENCY_ROUNDS: usize = 3;
+/// Halvings of the interval, in the logarithm of the amplitude, in which a limit cycle was found: to 1 %.
+pub const CYCLE_HALVINGS: usize = 6;
+
+/// A loop is taken as a low-pass where the third harmonic returns with at most this share of the first, a third of which is what a
+/// relay excites. Above it a harmonic balance says nothing reliable (D. Atherton, *Nonlinear Control Engineering*, 1975, ch. 3).
+pub const THIRD_HARMONIC: f64 = 0.5;
+
+/// Periods of a sine over which an observer's gain is read, after as many to settle; its state forgets its start in one.
+pub const OBSERVER_PERIODS: usize = 3;
+/// Fewest and most samples of a period in that reading.
+pub const OBSERVER_SAMPLES: [usize; 2] = [8, 4000];
+
+/// Time in which a run from rest finds its operating point before it is disturbed, s: ten time constants of a loop of 0.5 Hz.
+pub const SETTLING_S: f64 = 3.0;
+/// Periods of the burst that brings the mechanism near a predicted limit cycle.
+pub const BURST_PERIODS: f64 = 3.0;
+/// A motion after a burst is observed in stretches of this many periods, at least of this time, s: four periods of the slowest hunting.
+pub const STRETCH_PERIODS: f64 = 10.0;
+/// See [`STRETCH_PERIODS`].
+pub const STRETCH_S: f64 = 4.0;
+/// Most time for which it is observed, s: twice the 20 s of a run that is to be predicted.
+pub const OBSERVED_S: f64 = 40.0;
+/// It has settled when its RMS changes by less than this share from stretch to stretch.
+pub const SETTLED: f64 = 0.01;
+/// If it has not settled, it still fades where it is below this share of what it was half the time ago.
+pub const STILL_FADES: f64 = 0.8;
+/// It has faded when its RMS is below this many noise floors.
+pub const FADED_FLOORS: f64 = 0.2;
+/// Length of the certificate's own runs at rest and in motion, s.
+pub const RUN_S: f64 = 20.0;
+/// A motion grows where its RMS over the second half of a run is more than this many times that over the first half.
+pub const GROWS: f64 = 1.5;
+
+/// Points of a frequency grid from the lowest frequency to half the sample rate, and that lowest frequency, Hz. Eighty a decade
+/// resolve a resonance of 1 % damping; the lowest lies below every crossover of a stabilised axis.
+pub const GRID_POINTS: usize = 320;
+/// See [`GRID_POINTS`].
+pub const GRID_LOWEST_HZ: f64 = 0.05;
+
+/// Scalings between the two joints that a proof by passivity tries, a decade to either side in these steps.
+pub const PASSIVITY_SCALINGS: usize = 25;
+
+/// Swings of the gear's wind-up over which limit cycles with parting teeth are sought: from the least that parts them to this many
+/// times as much, where the gap hardly matters any more.
+pub const MOST_GAP_SWING: f64 = 30.0;
+/// See [`MOST_GAP_SWING`].
+pub const GAP_SWINGS: usize = 16;
+/// With an unstable regime or a predicted limit cycle, a run that moves more than this many noise floors is not called stable: a run
+/// with other noise can move twice as much.
+pub const MOVES_UNSTABLE_FLOORS: f64 = 1.0;
+/// A motion at rest is called a limit cycle from this many cycles in a run on; below, it is a slow wandering.
+pub const LEAST_CYCLES: f64 = 10.0;
+/// A cycle counts when the rate leaves a band of this share of its range about the mean, to either side: what noise does not cross.
+pub const CYCLE_BAND: f64 = 0.25;
+
+// ---- spectral ----
+
+/// Longest segment, samples; shorter where the record would give fewer than [`SEGMENTS`].
+/// At 1 kHz a resolution of 0.25 Hz, finer than any crossover needs.
+pub const LONGEST_SEGMENT: usize = 4096;
+
+/// See the one above.
+/// With fewer the confidence radius exceeds the ratio itself.
+pub const FEWEST_SEGMENTS: usize = 6;
+
+// ---- robust::statistics ----
+
+/// The distance from 1 is told only where its correlation is larger than the factor's own by this.
+/// Over 200 samples the standard deviation of a rank correlation by chance is 0.07.
+pub const CLEAR_RANK: f64 = 0.1;
+
+// ---- robust::sampling ----
+
+/// Standard deviations at which a normal factor is cut off.
+/// Beyond three a factor of 0.33 deviation would turn negative.
+pub const NORMAL_CUT: f64 = 3.0;
+
+// ---- robust::worst ----
+
+/// First step, in quantiles.
+/// A fifth of a range leaves the neighbourhood of the worst sample.
+pub const FIRST_QUANTILE_STEP: f64 = 0.2;
+
+/// The search ends at this step.
+/// A fiftieth of a range is as fine as ranges of parameters are known.
+pub const LAST_QUANTILE_STEP: f64 = 0.02;
+
+// ---- signals::welch ----
+
+/// See the one above.
+/// A window of fewer has no shape.
+pub const FEWEST_SAMPLES_A_SEGMENT: usize = 8;
+
+// ---- signals::step ----
+
+/// See the one above.
+/// Rise and settling need a few samples to either side.
+pub const FEWEST_STEP_SAMPLES: usize = 10;
+
+// ---- structured::nearest ----
+
+/// Candidates that are closed exactly.
+/// The largest lower bounds lie at neighbouring frequencies; six span both sides of a peak.
+pub const NEAREST_CANDIDATES: usize = 6;
+
+/// A limit is found to this, relative.
+/// Below the six digits in which a limit is printed.
+pub const LIMIT_NEARNESS: f64 = 1e-6;
+
+// ---- structured::problem ----
+
+/// Frequencies of the first grid.
+/// Peaks between them are refined.
+pub const MU_POINTS: usize = 80;
+
+/// Lowest frequency, Hz.
+/// Below it the loop's gain is so large that no deviation matters.
+pub const MU_LOWEST_HZ: f64 = 0.05;
+
+/// Most refinements about peaks.
+/// Each halves the spacing about a peak: 64 times in all.
+pub const MU_REFINEMENTS: usize = 6;
+
+/// Neighbours of a peak that differ by more than this are refined.
+/// One percent of the bound is what is printed.
+pub const MU_STEEP: f64 = 0.01;
+
+/// Frequencies at which the parameters are searched.
+/// A bound on the effort: fewer give a smaller lower bound, never a wrong one.
+pub const MU_SEARCHED: usize = 16;
+
+// ---- structured::stability ----
+
+/// Ranges are widened at most so far.
+/// A loop that nothing destabilises is reported as stable to so many times.
+pub const WIDEST_RANGES: f64 = 1e3;
+
+// ---- structured::lower ----
+
+/// Most iterations from one start.
+/// A bound on the effort: the power iteration need not converge (A. Packard and J. Doyle, Automatica 29, 1993).
+pub const POWER_ITERATIONS: usize = 200;
+
+/// Starts that are tried.
+/// A bound on the effort: fewer starts give a smaller lower bound, never a wrong one.
+pub const POWER_STARTS: usize = 6;
+
+/// An iteration has converged where M Delta a = beta a holds to this.
+/// A perturbation is checked exactly afterwards.
+pub const POWER_RESIDUAL: f64 = 1e-6;
+
+// ---- structured::factor ----
+
+/// How far towards a factor of 0 or of infinity a deviation goes.
+/// At the end itself a parameter is 0 or infinite, which makes no mechanism.
+pub const INSIDE_REACH: f64 = 0.999;
+
+// ---- structured::vertices ----
+
+/// Phases that are tried between two complex numbers, then refined.
+/// Fifteen degrees, finer than the lobes of a two by two matrix.
+pub const TRIED_PHASES: usize = 24;
+
+/// The angle between the phases is found to this, rad: at the end, and while parameters are compared.
+/// The eigenvalue is stationary in the phase, so that its error is of the order of the square.
+pub const PHASE_NEARNESS: f64 = 1e-7;
+
+/// See the one above.
+/// Enough to compare two values of a parameter.
+pub const ROUGH_PHASE: f64 = 1e-2;
+
+/// Values that a parameter is tried at first, evenly from -1 to 1: a resonance is met only where it falls on the frequency.
+/// An eighth of a range.
+pub const TRIED_LEVELS: usize = 17;
+
+/// Most rounds over all parameters; from the second on each moves by steps that are halved.
+/// The last step is a thousandth of a range.
+pub const ASCENT_ROUNDS: usize = 7;
+
+/// Steps by which x is raised before its crossing is bisected, and by how much.
+/// Sixty times 3 % reach six times the first guess.
+pub const CROSSING_RAISES: (usize, f64) = (60, 1.03);
+
+/// The search begins at these multiples of 1 / `upper`: the larger, the more a parameter moves.
+/// The largest is beyond the most by which ranges are usually widened.
+pub const SEARCH_BEGINNINGS: [f64; 3] = [1.0, 1.5, 2.3];
+
+/// Most times that x is shrunk from one beginning.
+/// A bound on the effort: fewer shrinks give a smaller lower bound, never a wrong one.
+pub const SEARCH_SHRINKS: usize = 3;
+
+// ---- structured::upper ----
+
+/// The search ends where a step gains less than this, relative.
+/// A fifth of a percent of the bound's square is a tenth of a percent of the bound.
+pub const SCALING_GAIN: f64 = 2e-3;
+
+/// Most steps of the method of centres.
+/// A bound on the effort: the pair that is left proves its bound all the same.
+pub const SCALING_STEPS: usize = 60;
+
+/// Most steps of Newton's method a centre.
+/// A bound on the effort, as above.
+pub const SCALING_NEWTON: usize = 25;
+
+/// Newton's method ends at this decrement: a rough centre is enough.
+/// Inside the region of quadratic convergence of a self-concordant barrier, 0.25 (Y. Nesterov and A. Nemirovskii, 1994).
+pub const SCALING_DECREMENT: f64 = 0.05;
+
+/// How far the next bound stays behind what the centre proves.
+/// Between 0, which is no progress, and 1, which is the bound that is already proved.
+pub const SCALING_BEHIND: f64 = 0.25;
+
+/// The first bound that is centred, over what the start proves.
+/// The first scalings are not optimised, so their bound is loose.
+pub const SCALING_FIRST: f64 = 1.5;
+
+/// A bound is near what its centre proves below this ratio: only then does a small gain end the search.
+/// Three tenths of a percent of the bound.
+pub const SCALING_NEAR: f64 = 1.006;
+
+/// Weight of |G|^2, which keeps the centre bounded.
+/// It keeps G bounded where it does not matter.
+pub const SCALING_REGULAR: f64 = 1e-7;
+
+/// A bound below this part of the largest singular value counts as none.
+/// A bound below a millionth of the matrix is 0 for every purpose.
+pub const SCALING_FLOOR: f64 = 1e-6;
