@@ -65,7 +65,7 @@ pub fn by_form(controller: &Controller, known: &Ranges) -> Vec<FormFigures> {
     PathForm::ALL.into_iter().filter_map(of).collect()
 }
 
-/// The controller with every path in a form; nothing where one cannot be had.
+/// Returns the controller with every path in `form`, or `None` if a path has no such form.
 pub fn in_form(controller: &Controller, form: PathForm) -> Option<Controller> {
     let paths = controller.parts().paths.iter().map(|path| brought(path, form));
     let paths: Option<Vec<Path>> = paths.collect();

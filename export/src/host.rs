@@ -70,7 +70,7 @@ pub fn requests(records: &[Record], fixed: Option<&Fixed>) -> Vec<u8> {
     bytes
 }
 
-/// Number of samples, and of those that were answered otherwise than the records say; nothing where answers are missing.
+/// Returns the number of samples and how many of the answers differ from the records. Returns `None` if answers are missing.
 pub fn differing(records: &[Record], fixed: Option<&Fixed>, answers: &[u8]) -> Option<(usize, usize)> {
     let scale = fixed.map_or(1.0, |fixed| unit(fixed.control_bits()));
     let mut values =

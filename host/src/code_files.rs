@@ -12,7 +12,7 @@ use crate::files;
 pub type Library = fn(&Path, &str) -> Option<Vec<u8>>;
 
 /// Writes generated files and packed FMI units as a set: no old file is replaced before all new ones are on the disk. Returns `None`
-/// if `go_on` said no; then nothing was written.
+/// and writes nothing if `go_on` returns `false`.
 ///
 /// # Errors
 /// The file that cannot be written, and why.

@@ -19,10 +19,10 @@ const UNCOUPLED: f64 = 1e-12;
 /// Structures below this size gain nothing.
 const SMALLEST: usize = 4;
 
-/// The system in modal coordinates, blocks \[0 w; -w -g\] on the diagonal, or nothing where it is no such structure.
+/// Returns the system in modal coordinates, with blocks \[0 w; -w -g\] on the diagonal, or `None` if it is no such structure.
 ///
 /// # Errors
-/// [`Error::Matrix`] where the symmetric eigenproblem fails.
+/// [`Error::Matrix`] if the symmetric eigenproblem fails.
 pub(crate) fn modes(g: &StateSpace) -> Result<Option<StateSpace>, Error> {
     let n = g.order();
     if n < SMALLEST || g.timebase != Timebase::Continuous {

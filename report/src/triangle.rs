@@ -11,7 +11,7 @@ const MODELS: [(Model, &str, Colour, Dash); 2] = [
     (Model::Nonlinear, "nonlinear plant", Colour::First, Dash::Solid),
 ];
 
-/// Hub rate, error and control while the demand is a triangle, and control against rate; nothing where none was run.
+/// Draws hub rate, error and control while the demand is a triangle, and control against rate. Returns `None` if no triangle was run.
 pub fn section(found: &Verification) -> Option<Section> {
     let runs: Vec<Run<'_>> = MODELS.iter().filter_map(|dress| run(found, dress)).collect();
     let first = runs.first()?.history;

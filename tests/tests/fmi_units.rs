@@ -82,7 +82,7 @@ fn written(path: &Path, folder: &Path) -> bool {
     true
 }
 
-/// The project of a file with the files that it names; nothing where it has no design.
+/// Resolves the project of a file with the files that it names. Returns `None` if it has no design.
 fn resolved(path: &Path) -> Option<Project> {
     let document = Document::from_bytes(&std::fs::read(path).unwrap(), "project.toml").ok()?;
     let read = |all: Attachments, name: String| match std::fs::read(path.parent().unwrap().join(&name)) {

@@ -254,3 +254,7 @@ pub const SCALING_REGULAR: f64 = 1e-7;
 /// A bound below this part of the largest singular value counts as none.
 /// A bound below a millionth of the matrix is 0 for every purpose.
 pub const SCALING_FLOOR: f64 = 1e-6;
+
+/// Most samples by which control and sensors together may be late in the linear loop: a dense matrix of 2000 states takes 32 MB,
+/// and its eigenvalues about a minute. Real loops have a few dozen.
+pub const MOST_DELAY_STATES: usize = 2000;

@@ -172,8 +172,8 @@ pub fn verify(
     Ok(VerifiedController { controller: controller.clone(), verification: found })
 }
 
-/// As [`verify`], for somebody who looks on: `watch` is shown what is found so far, first the linear part and then after each run
-/// on the nonlinear plant, and says whether to go on. `None` if it said no.
+/// Verifies as [`verify`] does and calls `watch` with the findings so far, first after the linear part and then after each run on
+/// the nonlinear plant. Returns `None` if `watch` returns `false`, which cancels the verification.
 ///
 /// # Errors
 /// As [`verify`].
@@ -333,7 +333,7 @@ fn linear_histories(
     Ok(())
 }
 
-/// One experiment on the linear plant; nothing where the loop that is closed is unstable.
+/// Runs one experiment on the linear plant. Returns `None` if the closed loop is unstable.
 pub(crate) fn linear_history(
     sampled: &SampledPlant,
     closed: &Closed,

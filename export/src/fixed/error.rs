@@ -54,7 +54,7 @@ pub enum FixedError {
     /// A deviation larger than allowed.
     #[error(
         "the control may deviate by {worst_v:.3e} V over {samples} samples; {allowed_v:.3e} V are allowed (half a step of the \
-         output converter, where a project asks): use single precision, or another realisation of the paths"
+         output converter, or of one of 16 bits if the project's is finer): use single precision, or another realisation of the paths"
     )]
     TooCoarse {
         /// Predicted worst deviation, V.

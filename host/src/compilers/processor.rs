@@ -59,7 +59,7 @@ fn is_there(tool: &str) -> bool {
 const CONTROLLER: &str = "controller.c";
 const SELF_TEST: &str = "self_test.c";
 
-/// The cost on a core; nothing where a tool fails or the self test does.
+/// Measures the cost on a core. Returns `None` if a tool or the self test fails.
 fn count(core: &Core, folder: &Path, code: &TargetCode) -> Option<Cost> {
     let folder = folder.join(format!("{}-{:?}", core.machine, code.numbers));
     write(&folder.join(CODE_FOLDER), &code.files)?;

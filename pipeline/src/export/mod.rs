@@ -59,7 +59,7 @@ impl Exported {
 /// The code in the languages that the project asks for.
 ///
 /// Fixed point takes its formats from the verification's nonlinear runs, and may deviate from the reference by half a step
-/// of the output converter. What cannot be had (a coefficient that the target's numbers cannot hold, a controller without a
+/// of the output converter, or of one of 16 bits if the project's is finer. What cannot be had (a coefficient that the target's numbers cannot hold, a controller without a
 /// fixed-point form, a plant whose unit does not exist) is left out, with the reason; the rest is there.
 ///
 /// # Errors
@@ -190,13 +190,18 @@ pub fn by_form(verified: &VerifiedController, compared: &Targets) -> Vec<FormFig
     counterpoise_export::by_form(controller, &known)
 }
 
-/// Half a step of the output converter, V.
+/// Returns half a step of the output converter, V. A converter that the project leaves ideal counts as one of
+/// [`FINEST_CONVERTER_BITS`] bits: code in fixed point is for targets that have a real one.
 fn half_step_v(plant: &Plant) -> f64 {
-    CONVERTER_SPAN_V / 2.0 / f64::from(plant.parameters().interface.output_bits).exp2()
+    let bits = plant.parameters().interface.output_bits.min(FINEST_CONVERTER_BITS);
+    CONVERTER_SPAN_V / 2.0 / f64::from(bits).exp2()
 }
 
 /// Range of the output converter, V.
 const CONVERTER_SPAN_V: f64 = 20.0;
+/// Bits of the finest converter whose steps the code in fixed point keeps to: those of [`counterpoise_export::Converters`]'
+/// default, and the most that the converters of drives have. With more, sums of 32 bits have no room left.
+const FINEST_CONVERTER_BITS: u32 = 16;
 
 /// The units of the controller and of the plant that it was verified on.
 fn units(

@@ -5,6 +5,7 @@ use counterpoise_models::parameters::{Parameters, Sensor};
 use counterpoise_models::plant::LinearPlant;
 
 use crate::Error;
+use crate::tolerance::MOST_DELAY_STATES;
 
 /// Readings of a controller, in the order of [`counterpoise_controller::READING_NAMES`].
 const READINGS: usize = counterpoise_controller::READINGS;
@@ -75,8 +76,9 @@ impl SampledPlant {
     /// The plant with the sensors and the clock of `parameters`.
     ///
     /// # Errors
-    /// Those of the models and of the sampling.
+    /// [`Error::Range`] if the delays together are longer than [`MOST_DELAY_STATES`] samples; those of the models and of the sampling.
     pub fn new(plant: &LinearPlant, parameters: &Parameters, resolver: Resolver) -> Result<Self, Error> {
+        Delays::of(parameters).check()?;
         let sensed = with_truths(plant, parameters)?;
         let continuous = series(&sensed, &sensors(parameters, resolver)?)?;
         let sample_period_s = parameters.interface.sample_period_s;
@@ -214,6 +216,20 @@ impl Delays {
             fitted(&sensors.hub_resolver),
         ];
         Self { control: parameters.interface.output_delay_samples, readings }
+    }
+
+    /// Refuses delays that would fill the memory: the loop's matrices are dense, with a state for each sample of delay.
+    fn check(&self) -> Result<(), Error> {
+        let all = self.readings.iter().fold(self.control, |sum, samples| sum.saturating_add(*samples));
+        if all <= MOST_DELAY_STATES {
+            return Ok(());
+        }
+        let allowed = "at most 2000: shorten the delays, or sample more slowly";
+        Err(Error::Range {
+            what: "delays of the control and of all sensors, in samples",
+            value: all as f64,
+            allowed,
+        })
     }
 
     /// Delays between the control computed and the control held (the output `control` is the computed one), and after sensors.

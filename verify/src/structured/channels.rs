@@ -114,7 +114,7 @@ fn one_at(n: usize, at: usize) -> Vec<f64> {
     row
 }
 
-/// What the deviation of a place adds: nothing where the plant has nothing there.
+/// Returns the channels that the deviation of a place adds; they are empty if the plant has no such part.
 pub(super) fn channels_of(place: Place, plant: &Plant, base: &Base, dry: &Dry) -> Vec<Channel> {
     let Dry { viscous: dry, springs } = *dry;
     let size = base.A.nrows();
