@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use counterpoise_models::{Friction, FrictionLaw};
+use counterpoise_models::{Friction, FrictionLaw, Parameters};
 use counterpoise_pipeline::{
     FirstDesignResult, PipelineError, World, model, reduce, synthesise, verify, with_chosen_weights,
 };
@@ -87,6 +87,9 @@ fn machine(dice: &mut Dice) -> Project {
     project
 }
 
+/// Largest angle that a machine turns by during the step, rad: where it started, so that gravity stays what the design knows.
+const SWING_RAD: f64 = 0.5;
+
 /// The project with a verification that lasts as long as its loop is slow, on a platform that stands still.
 fn with_procedure(project: &Project, bandwidth_rad_s: f64) -> Project {
     let mut project = project.clone();
@@ -96,10 +99,24 @@ fn with_procedure(project: &Project, bandwidth_rad_s: f64) -> Project {
     let procedure = &mut asked.procedure;
     (procedure.duration_s, procedure.settle_s) = (slow_s, 0.2 * slow_s);
     procedure.step.duration_s = slow_s;
+    procedure.step.rate_rad_s = procedure.step.rate_rad_s.min(SWING_RAD / slow_s);
     procedure.heave = Sine { amplitude: 0.0, ..procedure.heave };
     procedure.pitch = Sine { amplitude: 0.0, ..procedure.pitch };
     (procedure.triangle, asked.road) = (None, None);
     project
+}
+
+/// Error in % that the weight of a machine that stands on its pivot may add, per square of its rate of falling over the bandwidth:
+/// as the hub turns at a steady rate r, gravity's torque J p^2 r t rises as a ramp, which integral action of one order does not
+/// cancel. What it leaves is (p / bandwidth)^2 r times a factor near 1.
+const GRAVITY_RAMP: f64 = 80.0;
+
+/// Returns the rate at which a machine falls over without control and friction, rad/s: p = sqrt(g V / J).
+fn falling_rad_s(plant: &Parameters) -> f64 {
+    let lumped = plant.lumped.as_ref().unwrap();
+    let rotor = plant.motor.inertia_kg_m2 * plant.gearbox.ratio.powi(2);
+    let inertia = lumped.hub_inertia_kg_m2 + lumped.beam_inertia_kg_m2 + rotor;
+    (plant.gravity_m_s2 * lumped.vertical_offset_kg_m / inertia).sqrt()
 }
 
 /// What is wrong with a first design; empty if nothing is.
@@ -127,9 +144,11 @@ fn wrong(project: &Project, first: &FirstDesignResult, found: &Verification) -> 
     let demand = project.verify.as_ref().unwrap().procedure.step.rate_rad_s;
     let rest = value(Figure::Rest(RestFigure::HubRms));
     need(rest < 0.3 * demand + 4.0 * project.plant.sensors.hub_gyro.noise_rms, format!("at rest {rest}"));
-    need(step(StepFigure::Overshoot) < 80.0, format!("overshoot {} %", step(StepFigure::Overshoot)));
+    let ramp = GRAVITY_RAMP * (falling_rad_s(&project.plant) / first.bandwidth_rad_s).powi(2);
+    let overshoot = step(StepFigure::Overshoot);
+    need(overshoot < 80.0 + ramp, format!("overshoot {overshoot} %"));
     let left = step(StepFigure::SteadyStateError);
-    need(left < 15.0, format!("{left} % left"));
+    need(left < 15.0 + ramp, format!("{left} % left"));
     wrong
 }
 

@@ -122,11 +122,16 @@ impl<'a> Judge<'a> {
         Ok(worst)
     }
 
-    /// Whether the loop holds the machine with what the linear plant leaves out; one that only drifts is held.
+    /// Whether the loop holds the machine with what the linear plant leaves out, with a sensitivity of at most [`NEIGHBOUR_MS`]; one
+    /// that only drifts is held.
     fn holds_others(&self, K: &StateSpace) -> Result<bool, Error> {
         for plant in &self.others {
+            let broken = series(plant, &K.negate())?;
+            if margins(&broken)?.ms.value > NEIGHBOUR_MS {
+                return Ok(false);
+            }
             let one = StateSpace::gain(Mat::eye(1), plant.timebase)?;
-            let found = poles(&closed(&series(plant, &K.negate())?, &one)?)?;
+            let found = poles(&closed(&broken, &one)?)?;
             let drifts = |pole: &C64| (pole - C64::ONE).norm() < DRIFT;
             if found.iter().any(|pole| pole.norm() >= 1.0 && !drifts(pole)) {
                 return Ok(false);
