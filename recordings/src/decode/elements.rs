@@ -3,10 +3,29 @@
 /// Type of an element that holds a compressed element.
 pub(super) const COMPRESSED: u32 = 15;
 
+/// The order of the bytes of a number in a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ByteOrder {
+    /// The lowest byte comes first.
+    LittleEndian,
+    /// The highest byte comes first.
+    BigEndian,
+}
+
+impl ByteOrder {
+    /// Returns the number that four bytes hold.
+    pub(super) fn word(self, bytes: [u8; 4]) -> u32 {
+        match self {
+            Self::LittleEndian => u32::from_le_bytes(bytes),
+            Self::BigEndian => u32::from_be_bytes(bytes),
+        }
+    }
+}
+
 /// A cursor over the elements of a file; every read may find the end.
 pub(super) struct Elements<'a> {
     pub(super) bytes: &'a [u8],
-    pub(super) big: bool,
+    pub(super) order: ByteOrder,
 }
 
 /// One element: its type and its data.
@@ -35,7 +54,7 @@ impl<'a> Elements<'a> {
     /// Returns the 32-bit word at a place.
     fn word(&self, at: usize) -> Option<u32> {
         let bytes: [u8; 4] = self.bytes.get(at..at + 4)?.try_into().ok()?;
-        Some(if self.big { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
+        Some(self.order.word(bytes))
     }
 }
 
@@ -52,26 +71,26 @@ impl Element<'_> {
     }
 
     /// Returns the data as numbers, by the element's type (MAT-File Format, table 1-1).
-    pub(super) fn numbers(&self, big: bool) -> Vec<f64> {
+    pub(super) fn numbers(&self, order: ByteOrder) -> Vec<f64> {
         match self.kind {
             1 => self.data.iter().map(|b| f64::from(*b as i8)).collect(),
             2 => self.data.iter().map(|b| f64::from(*b)).collect(),
-            3 => self.each(big, |b| f64::from(i16::from_le_bytes(b))),
-            4 => self.each(big, |b| f64::from(u16::from_le_bytes(b))),
-            5 => self.each(big, |b| f64::from(i32::from_le_bytes(b))),
-            6 => self.each(big, |b| f64::from(u32::from_le_bytes(b))),
-            7 => self.each(big, |b| f64::from(f32::from_le_bytes(b))),
-            9 => self.each(big, f64::from_le_bytes),
-            12 => self.each(big, |b| i64::from_le_bytes(b) as f64),
-            13 => self.each(big, |b| u64::from_le_bytes(b) as f64),
+            3 => self.each(order, |b| f64::from(i16::from_le_bytes(b))),
+            4 => self.each(order, |b| f64::from(u16::from_le_bytes(b))),
+            5 => self.each(order, |b| f64::from(i32::from_le_bytes(b))),
+            6 => self.each(order, |b| f64::from(u32::from_le_bytes(b))),
+            7 => self.each(order, |b| f64::from(f32::from_le_bytes(b))),
+            9 => self.each(order, f64::from_le_bytes),
+            12 => self.each(order, |b| i64::from_le_bytes(b) as f64),
+            13 => self.each(order, |b| u64::from_le_bytes(b) as f64),
             _ => Vec::new(),
         }
     }
 
-    fn each<const N: usize>(&self, big: bool, convert: impl Fn([u8; N]) -> f64) -> Vec<f64> {
+    fn each<const N: usize>(&self, order: ByteOrder, convert: impl Fn([u8; N]) -> f64) -> Vec<f64> {
         let ordered = |chunk: &[u8]| {
             let mut bytes: [u8; N] = chunk.try_into().unwrap_or([0; N]);
-            if big {
+            if order == ByteOrder::BigEndian {
                 bytes.reverse();
             }
             bytes

@@ -10,7 +10,7 @@ use ndarray::{Array2, ShapeBuilder};
 use super::Decoded;
 use super::arrays::{Array, Found};
 use super::budget::Budget;
-use super::elements::{COMPRESSED, Element, Elements};
+use super::elements::{ByteOrder, COMPRESSED, Element, Elements};
 use crate::Error;
 use crate::remark::Unread;
 
@@ -35,7 +35,7 @@ const COMPLEX: u8 = 0x08;
 /// Reads the arrays of one file.
 struct Reader<'a> {
     file: &'a str,
-    big: bool,
+    order: ByteOrder,
     budget: Budget<'a>,
     found: Found,
 }
@@ -48,13 +48,13 @@ struct Place<'a> {
 
 /// Returns the columns of a MATLAB file of version 5.
 pub(super) fn read(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
-    let big = match bytes.get(126..128) {
-        Some(b"IM") => false,
-        Some(b"MI") => true,
+    let order = match bytes.get(126..128) {
+        Some(b"IM") => ByteOrder::LittleEndian,
+        Some(b"MI") => ByteOrder::BigEndian,
         _ => return Err(broken(file, "the header has no byte order mark")),
     };
-    let mut reader = Reader { file, big, budget: Budget::new(file, bytes.len()), found: Found::default() };
-    let mut elements = Elements { bytes: bytes.get(HEADER..).unwrap_or_default(), big };
+    let mut reader = Reader { file, order, budget: Budget::new(file, bytes.len()), found: Found::default() };
+    let mut elements = Elements { bytes: bytes.get(HEADER..).unwrap_or_default(), order };
     while let Some(element) = elements.next() {
         reader.variable(&element)?;
     }
@@ -78,7 +78,8 @@ impl Reader<'_> {
         match element.kind {
             COMPRESSED => {
                 let data = self.unpacked(element.data)?;
-                let inner = Elements { bytes: &data, big: self.big }.next().ok_or_else(|| self.cut_off())?;
+                let inner =
+                    Elements { bytes: &data, order: self.order }.next().ok_or_else(|| self.cut_off())?;
                 if inner.kind == MATRIX { self.matrix(inner.data, &top) } else { Ok(()) }
             }
             MATRIX => self.matrix(element.data, &top),
@@ -92,7 +93,7 @@ impl Reader<'_> {
         let mut decoder = flate2::read::ZlibDecoder::new(packed);
         decoder.read_exact(&mut tag).map_err(|_| self.cut_off())?;
         let [_, _, _, _, length @ ..] = tag;
-        let length = if self.big { u32::from_be_bytes(length) } else { u32::from_le_bytes(length) };
+        let length = self.order.word(length);
         self.budget.take("a compressed variable", u64::from(length) / 8)?;
         let mut data = tag.to_vec();
         // one byte more, so that the decoder meets the end of the stream and compares its checksum
@@ -106,13 +107,13 @@ impl Reader<'_> {
         if data.is_empty() {
             return Ok(());
         }
-        let mut parts = Elements { bytes: data, big: self.big };
+        let mut parts = Elements { bytes: data, order: self.order };
         let mut part = || parts.next();
         let (Some(flags), Some(dimensions), Some(name)) = (part(), part(), part()) else {
             return Err(self.cut_off());
         };
         let [class, flags] = self.class_and_flags(flags.data)?;
-        let dimensions: Vec<u64> = dimensions.numbers(self.big).iter().map(|d| *d as u64).collect();
+        let dimensions: Vec<u64> = dimensions.numbers(self.order).iter().map(|d| *d as u64).collect();
         let own = String::from_utf8_lossy(name.data).into_owned();
         let name = place.field.map_or(own, str::to_owned);
         let count: u64 = dimensions.iter().fold(1, |product, d| product.saturating_mul(*d));
@@ -134,7 +135,10 @@ impl Reader<'_> {
 
     /// Returns the class of an array, which is the lowest byte of its flags, and the flags themselves, in the byte above.
     fn class_and_flags(&self, flags: &[u8]) -> Result<[u8; 2], Error> {
-        let at = if self.big { [3, 2] } else { [0, 1] };
+        let at = match self.order {
+            ByteOrder::BigEndian => [3, 2],
+            ByteOrder::LittleEndian => [0, 1],
+        };
         match at.map(|k| flags.get(k).copied()) {
             [Some(class), Some(flags)] => Ok([class, flags]),
             _ => Err(self.cut_off()),
@@ -154,7 +158,7 @@ impl Reader<'_> {
                 return Ok(());
             }
         };
-        match Array2::from_shape_vec(shape.f(), values.numbers(self.big)) {
+        match Array2::from_shape_vec(shape.f(), values.numbers(self.order)) {
             Ok(values) => self.found.arrays.push(Array { name, values }),
             Err(_) => return Err(self.cut_off()),
         }
@@ -163,7 +167,7 @@ impl Reader<'_> {
 
     fn structure(&mut self, parts: &mut Elements<'_>, name: &str, depth: usize) -> Result<(), Error> {
         let (Some(length), Some(names)) = (parts.next(), parts.next()) else { return Err(self.cut_off()) };
-        let length = length.numbers(self.big).first().map_or(0, |l| *l as usize);
+        let length = length.numbers(self.order).first().map_or(0, |l| *l as usize);
         if length == 0 {
             return Ok(());
         }

@@ -68,9 +68,9 @@ impl<'a> Iteration<'a> {
         for _ in 0..POWER_ITERATIONS {
             let beta;
             (self.a, beta) = unit(times(self.M, &self.b))?;
-            let z = self.turned(true);
+            let z = self.turned(Turn::Z);
             (self.w, _) = unit(times(&self.Mh, &z))?;
-            self.b = self.turned(false);
+            self.b = self.turned(Turn::B);
             let Some(found) = self.converged(beta) else { continue };
             return Some(found);
         }
@@ -78,7 +78,7 @@ impl<'a> Iteration<'a> {
     }
 
     /// z from (a, w), or b from them, block by block; sets the perturbation.
-    fn turned(&mut self, towards_z: bool) -> Vec<C64> {
+    fn turned(&mut self, which: Turn) -> Vec<C64> {
         let mut out = vec![C64::new(0.0, 0.0); self.a.len()];
         for (k, (block, rows)) in self.structure.placed().into_iter().enumerate() {
             let (a, w) = (&self.a[rows.clone()], &self.w[rows.clone()]);
@@ -87,7 +87,10 @@ impl<'a> Iteration<'a> {
                 Block::Real { .. } => C64::new(real(self.delta[k].re, &self.b[rows.clone()], a, w), 0.0),
             };
             self.delta[k] = q;
-            let (from, factor) = if towards_z { (w, q.conj()) } else { (a, q) };
+            let (from, factor) = match which {
+                Turn::Z => (w, q.conj()),
+                Turn::B => (a, q),
+            };
             out[rows].iter_mut().zip(from).for_each(|(to, value)| *to = factor * value);
         }
         out
@@ -99,6 +102,15 @@ impl<'a> Iteration<'a> {
         let off: Vec<C64> = image.iter().zip(&self.a).map(|(y, a)| y - a * beta).collect();
         (norm(&off) < POWER_RESIDUAL * beta).then(|| Perturbation { beta, delta: self.delta.clone() })
     }
+}
+
+/// Which vector of the power iteration is turned by the perturbation.
+#[derive(Debug, Clone, Copy)]
+enum Turn {
+    /// z, from w.
+    Z,
+    /// b, from a.
+    B,
 }
 
 /// The unit number with the phase of x.
