@@ -30,6 +30,8 @@ fn the_report_of_the_reference_rig_holds_every_part_and_stays_small() {
         proofs: &[],
         costs: &Costs::default(),
         assumptions: &[],
+        effects: &[],
+        first_design: None,
     };
     let page = html(&of_design(&designed, &DesignResult::from(&designed), &run));
     std::fs::write(concat!(env!("CARGO_TARGET_TMPDIR"), "/report.html"), &page).unwrap();

@@ -7,7 +7,7 @@
 //! *Invariant*: no file system, no clock, no compiler: text in memory only.
 //!
 //! Modules in reading order: [`source`], [`converters`], [`provenance`], [`c99`](mod@c99), [`rust_crate`](mod@rust_crate), [`ranges`],
-//! [`rounding`], [`forms`], [`fixed`], [`targets`](mod@targets), [`board`], [`host`],
+//! [`rounding`], [`forms`], [`fixed`], [`targets`](mod@targets), [`signal_names`], [`board`], [`host`],
 //! [`fmi`], [`vectors`], [`check`](mod@check), [`error`].
 //!
 //! ```
@@ -37,6 +37,7 @@ pub mod provenance;
 pub mod ranges;
 pub mod rounding;
 pub mod rust_crate;
+pub mod signal_names;
 pub mod source;
 pub mod targets;
 pub mod vectors;

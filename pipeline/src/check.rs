@@ -6,7 +6,7 @@ use counterpoise_project::{
 use serde::Serialize;
 
 use crate::studies::assumptions::{AssumptionEffect, assumption_effects};
-use crate::{Modelled, PipelineError, model, reduce, synthesise};
+use crate::{Modelled, PipelineError, model, reduce, synthesise, with_chosen_weights};
 
 /// What a project file was understood to say.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -110,6 +110,8 @@ fn effects(
         return Ok(Vec::new());
     }
     let reduced = reduce(project, modelled)?;
+    let chosen = with_chosen_weights(&project.clone().with_usual_verification())?;
+    let project = chosen.as_ref().map_or(project, |chosen| &chosen.project);
     let synthesised = synthesise(project, modelled, &reduced)?;
     assumption_effects(project, (modelled, &synthesised), assumptions)
 }

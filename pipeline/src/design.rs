@@ -16,8 +16,8 @@ use crate::export::{
 };
 use crate::studies::comparison::{Comparison, compare_designs};
 use crate::{
-    Modelled, PipelineError, Reduced, Step, Synthesised, World, model, procedure, reduce, studies,
-    synthesise, verify, watched, with_chosen_weights,
+    FirstDesign, Modelled, PipelineError, Reduced, Step, Synthesised, World, model, procedure, reduce,
+    studies, synthesise, verify, watched, with_chosen_weights,
 };
 
 /// What each stage of the pipeline made, from the plant to the code.
@@ -72,6 +72,8 @@ pub struct Designed {
     pub stages: Stages,
     /// What each weight asks for, in words, one a line.
     pub weights: Vec<String>,
+    /// Why the weights are what they are, if the project stated none and they were chosen here.
+    pub first_design: Option<FirstDesign>,
     /// Residuals and costs that certify the design.
     pub certificates: Vec<Certificate>,
     /// The design beside other methods, a lower order, other states of balance and a plant with more modes.
@@ -150,6 +152,7 @@ pub fn design(project: &Project, world: &dyn World) -> Result<Designed, Pipeline
         views: design_views(plants, &stages.synthesised)?,
         spectra: spectral(stages.verified.verification()),
         targets: study_targets(project, &stages, world)?,
+        first_design: chosen.as_ref().map(|chosen| chosen.first.clone()),
         verified_loop: verified_loop(
             &stages.modelled.plant,
             stages.verified.controller(),

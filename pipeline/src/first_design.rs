@@ -58,6 +58,7 @@ pub fn choose_weights(
     let mut stated = asked.clone();
     let chosen = &first.specification;
     stated.specification.feedback = chosen.feedback.clone();
+    stated.specification.position_gain = chosen.position_gain;
     stated.specification.heave = asked.specification.heave.or_else(|| chosen.heave.clone());
     stated.specification.pitch = asked.specification.pitch.or_else(|| chosen.pitch.clone());
     (stated.weights, stated.bandwidth_rad_s) = (WeightSource::Stated, None);
@@ -82,6 +83,7 @@ fn circumstances(
         holding_v: modelled.linear.equilibrium.control_v,
         demand_step: motions.map_or(0.0, |procedure| procedure.step.rate_rad_s),
         margins: margins(project),
+        position_gain: asked.specification.position_gain,
         asked_rad_s: asked.bandwidth_rad_s,
         heave: motions.and_then(|m| motion(&m.heave, &p.sensors.platform_accelerometer, modelled)),
         pitch: motions.and_then(|m| motion(&m.pitch, &p.sensors.platform_gyro, modelled)),

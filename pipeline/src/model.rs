@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use counterpoise_diagnose::simulator_access::{Pool, Serial};
 use counterpoise_lti::linalg::sparse::Progress;
-use counterpoise_models::plant::{LinearPlant, Plant};
+use counterpoise_models::plant::{Angles, Equilibrium, FrictionLinearisation, LinearPlant, Plant};
 use counterpoise_models::structure::{FeModel, Fitted, Structure, lumped, pinned, with_derived_lumped};
 use counterpoise_models::{Configuration, Parameters, PointMass};
 
@@ -22,6 +22,9 @@ pub struct Modelled {
     pub plant: Plant,
     /// Its linearisation where it stands.
     pub linear: LinearPlant,
+    /// Its linearisation there with the rate of what the loop's sensor measures in place of the position, for the inner loop of a
+    /// cascade; `None` if the sensor measures a rate.
+    pub rate: Option<LinearPlant>,
     /// The finite elements that it was made from, if it was.
     pub elements: Option<FeModel>,
 }
@@ -53,7 +56,21 @@ pub fn model_watched(project: &Project, pool: &dyn Pool) -> Result<Modelled, Pip
     };
     let equilibrium = plant.equilibrium(&choice.operating_point);
     let linear = plant.linearise(&equilibrium, choice.friction, plant.angles())?;
-    Ok(Modelled { parameters, plant, linear, elements })
+    let rate = of_rate(&plant, &equilibrium, choice.friction)?;
+    Ok(Modelled { parameters, plant, linear, rate, elements })
+}
+
+/// Returns the linear plant whose measured output is the rate of the measured position; `None` if a rate is measured.
+pub(crate) fn of_rate(
+    plant: &Plant,
+    equilibrium: &Equilibrium,
+    friction: FrictionLinearisation,
+) -> Result<Option<LinearPlant>, PipelineError> {
+    let Some(rate) = plant.parameters().sensors.measured.rate() else { return Ok(None) };
+    let mut parameters = plant.parameters().clone();
+    parameters.sensors.measured = rate;
+    let moving = Plant::with_whole_body(&parameters, plant.body().clone())?;
+    Ok(Some(moving.linearise(equilibrium, friction, Angles::Drop)?))
 }
 
 /// Why the motor alone cannot hold the plant where it stands, if it cannot: the drive that the weight takes is beyond what the control's

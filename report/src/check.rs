@@ -157,14 +157,14 @@ fn short(value: f64) -> String {
     if rounded == 0.0 || (1e-3..1e6).contains(&size) { rounded.to_string() } else { format!("{rounded:e}") }
 }
 
-/// Returns the section of a report that lists what is assumed.
-pub fn assumptions_section(assumptions: &[Assumption]) -> Section {
+/// Returns the section of a report that lists what is assumed, and what each assumption may cost.
+pub fn assumptions_section(assumptions: &[Assumption], effects: &[AssumptionEffect]) -> Section {
     let mut section = Section::new("Assumptions");
     if assumptions.is_empty() {
         return section.saying("Every value of the plant is stated in the project file.".to_owned());
     }
     section = section.saying(
-        "The project file does not state these values of the plant. `counterpoise check` ranks those whose usual range is known."
+        "The project file does not state these values of the plant. For those whose usual range is known, a second table says what the loop loses or gains at either end of it, the largest change first: measure that value next."
             .to_owned(),
     );
     let columns = [Column::Text("key"), Column::Text("value"), Column::Text("rule"), Column::Text("source")];
@@ -174,5 +174,39 @@ pub fn assumptions_section(assumptions: &[Assumption]) -> Section {
         table.rows.push(texts.into_iter().map(Cell::Text).collect());
     }
     section.tables.push(table);
+    if !effects.is_empty() {
+        section.tables.push(effects_table(effects));
+    }
     section
+}
+
+/// Returns the effects of assumptions as a table, a row for each end of a usual range.
+fn effects_table(effects: &[AssumptionEffect]) -> Table {
+    let columns = [
+        Column::Text("key"),
+        Column::Text("at the value"),
+        Column::Number("gain margin [dB]"),
+        Column::Number("phase margin [deg]"),
+        Column::Number("sensitivity [dB]"),
+        Column::Number("residual [dB]"),
+    ];
+    let mut table = Table::new("Change if an assumption is wrong by its usual range", &columns);
+    for effect in effects {
+        for at in &effect.at {
+            let change = |value: Option<f64>| match value {
+                _ if !at.is_stable => Cell::text("unstable"),
+                Some(value) => Cell::number(value),
+                None => Cell::text("-"),
+            };
+            table.rows.push(vec![
+                Cell::text(effect.key.as_str()),
+                Cell::Text(with_unit(at.value, effect.unit)),
+                change(at.gain_margin_change_db),
+                change(at.phase_margin_change_deg),
+                change(at.sensitivity_change_db),
+                change(at.residual_change_db),
+            ]);
+        }
+    }
+    table
 }

@@ -4,7 +4,8 @@ use counterpoise_pipeline::certificates::Certificate;
 use counterpoise_pipeline::design_views::{FrequencyResponse, PlantResponse, WeightResponses};
 use counterpoise_pipeline::export::target_proofs::{Costs, Proof};
 use counterpoise_pipeline::results::{DesignResult, SynthResult};
-use counterpoise_pipeline::{Designed, Reduced, StageTime, SynthesisStudy};
+use counterpoise_pipeline::studies::assumptions::AssumptionEffect;
+use counterpoise_pipeline::{Designed, FirstDesignResult, Reduced, StageTime, SynthesisStudy};
 
 use crate::bode::{BodeCurve, Phase, bode};
 use crate::evidence::PLANT;
@@ -29,6 +30,10 @@ pub struct DesignRun<'a> {
     pub costs: &'a Costs,
     /// What is assumed because the project file does not state it.
     pub assumptions: &'a [Assumption],
+    /// How much the assumptions with a usual range matter, the largest effect first.
+    pub effects: &'a [AssumptionEffect],
+    /// Why the weights are what they are, if they were chosen.
+    pub first_design: Option<&'a FirstDesignResult>,
 }
 
 /// Returns the report of a design.
@@ -40,9 +45,10 @@ pub fn of_design(designed: &Designed, result: &DesignResult, run: &DesignRun<'_>
         weight_section(&designed.weights, &designed.views.weights),
         certificate_section(&designed.certificates, &result.synth),
     ];
+    more.extend(run.first_design.map(crate::first_design::section));
     more.extend(alternatives::sections(&designed.comparison, &designed.views.families));
     more.push(order_section(result));
-    more.push(crate::check::assumptions_section(run.assumptions));
+    more.push(crate::check::assumptions_section(run.assumptions, run.effects));
     let evidence = TargetEvidence { study: &designed.targets, proofs: run.proofs, costs: run.costs };
     more.push(targets::section(&evidence));
     if !stages.left_out.is_empty() {

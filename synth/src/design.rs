@@ -2,6 +2,7 @@
 
 use counterpoise_lti::{Mat, StateSpace, Timebase, append, series};
 
+use crate::cascade::with_position_loop;
 use crate::cause::Cause;
 use crate::preflight::gain::Gain;
 use crate::tolerance::{SLOWEST_RAD_S, ZERO_GAIN};
@@ -28,11 +29,14 @@ pub struct Design {
     /// All parts as one problem, if the assembly is [`Assembly::Joint`]; there are then no feedforwards apart.
     pub joint: Option<JointOptimum>,
     /// A feedback controller from (demand, measured rate) to the control in place of the three-part one's: another
-    /// method's, or one of lower order.
+    /// method's, one of lower order, or that of a cascade.
     pub substitute: Option<StateSpace>,
 }
 
 /// The three-part H2 design.
+///
+/// The weights are those of the rate loop if the plant has one ([`DesignPlant::rate_loop`]); the position loop is then put around its
+/// feedback.
 ///
 /// The steps: [`preflight()`] (refusals end here, before any equation is solved), [`feedback()`], [`feedforward()`] for
 /// heave and pitch. The three are independent of each other: each source of disturbance has its own weights.
@@ -41,11 +45,13 @@ pub struct Design {
 /// [`Error`] for a plant that is not one. Weights that make no solvable problem are [`Error::Refused`] with every
 /// reason.
 pub fn design(plant: &DesignPlant, specification: &Specification) -> Result<Design, Error> {
+    let (whole, plant) = (plant, plant.weighted());
     let findings = preflight(plant, specification)?;
     if findings.iter().any(Finding::is_refusal) {
         return Err(Error::refused(findings));
     }
     let feedback = feedback(plant, &specification.feedback, specification.reference)?;
+    let substitute = with_position_loop(whole, &feedback.controller, specification.position_gain)?;
     let (mut parts, mut warnings, mut solvable) = ([None, None], findings, specification.clone());
     for (part, channel) in parts.iter_mut().zip([Channel::Heave, Channel::Pitch]) {
         let Some(weights) = specification.feedforward(channel) else { continue };
@@ -69,8 +75,8 @@ pub fn design(plant: &DesignPlant, specification: &Specification) -> Result<Desi
         Assembly::SimpleAdd | Assembly::Grimble => None,
     };
     let [heave, pitch] = parts;
-    let (specification, plant) = (solvable, plant.clone());
-    Ok(Design { feedback, heave, pitch, specification, plant, warnings, joint, substitute: None })
+    let (specification, plant) = (solvable, whole.clone());
+    Ok(Design { feedback, heave, pitch, specification, plant, warnings, joint, substitute })
 }
 
 /// Returns a feedforward's weights with the control weight's zeros on the axis moved off it at every frequency at which the

@@ -5,6 +5,7 @@ use counterpoise_controller::{Controller, Parts, Path, Scaling, Signal};
 use counterpoise_lti::{StateSpace, c2d};
 
 use crate::anti_windup::anti_windup;
+use crate::cascade::from_error_and_reading;
 use crate::certificate::Certified;
 use crate::sampled_data::{self, Drafted};
 use crate::sampling::{Sampled, Sampling, SamplingMethod, check, sampled_plant};
@@ -136,9 +137,10 @@ fn needs_one_input(system: &StateSpace) -> Result<(), Error> {
     })
 }
 
-/// The feedback from the signals that it sees: the error, or demand and rate.
+/// The feedback from the signals that it sees: the error, demand and rate, or error and position in a cascade.
 fn from_what_it_sees(design: &Design, feedback: &StateSpace) -> StateSpace {
     match design.specification.reference {
+        _ if design.plant.rate_loop.is_some() => from_error_and_reading(feedback),
         Reference::Error => feedback.select(&[0], &[0]),
         Reference::WeightOnly => feedback.clone(),
     }
@@ -146,6 +148,7 @@ fn from_what_it_sees(design: &Design, feedback: &StateSpace) -> StateSpace {
 
 fn feedback_path(design: &Design, feedback: &StateSpace, sampling: &Sampling) -> Result<Path, Error> {
     let inputs = match design.specification.reference {
+        _ if design.plant.rate_loop.is_some() => vec![Signal::RateError, Signal::HubRate],
         Reference::Error => vec![Signal::RateError],
         Reference::WeightOnly => vec![Signal::Demand, Signal::HubRate],
     };

@@ -10,7 +10,7 @@
 //! Modules in reading order:
 //! - what is asked: [`weight`] (with [`rational`]; [`table`] fits one to drawn points), [`plant`], [`specification`];
 //! - whether it can be had: [`preflight`](mod@preflight), [`finding`], [`cause`], [`refusal`], [`error`];
-//! - the design: [`feedback`](mod@feedback), [`feedforward`](mod@feedforward), [`design`](mod@design), [`certificate`],
+//! - the design: [`feedback`](mod@feedback), [`cascade`], [`feedforward`](mod@feedforward), [`design`](mod@design), [`certificate`],
 //!   [`joint`] optimum of all parts, [`residual`], [`total_cost`](mod@total_cost);
 //! - [`first_design`](mod@first_design): weights chosen for the highest [`bandwidth`] that the loop allows;
 //! - in sampled time: [`sampling`], [`discretise`](mod@discretise);
@@ -47,6 +47,7 @@ pub mod alternatives;
 mod anti_windup;
 mod augmented;
 pub mod bandwidth;
+pub mod cascade;
 pub mod cause;
 pub mod certificate;
 pub mod design;
@@ -103,7 +104,7 @@ pub use hinfsyn::{HInfinity, hinfsyn};
 pub use joint::{JointOptimum, joint_optimum};
 pub use lqg::{Gain, Recovered, kalman, lqg_ltr, lqr, observer_controller};
 pub use observer::{Drive, Drives, Identified, Side, friction_observers};
-pub use plant::{Channel, DesignPlant};
+pub use plant::{Channel, DesignPlant, RateLoop};
 pub use preflight::preflight;
 pub use rational::Rational;
 pub use refusal::{Refusal, attempt};

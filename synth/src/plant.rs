@@ -36,6 +36,17 @@ pub struct DesignPlant {
     pub delay_s: f64,
     /// Order of the Pade approximation of the delay; 0 leaves the delay out.
     pub pade_order: usize,
+    /// The inner loop of a cascade, if `rate` is a position and the loop is to be one.
+    pub rate_loop: Option<Box<RateLoop>>,
+}
+
+/// The inner loop of a cascade: the rate whose integral the sensor measures.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RateLoop {
+    /// The plant with that rate as its `rate` output; its hub sensor holds the lag of the difference quotient.
+    pub plant: DesignPlant,
+    /// The period over which two readings are differenced, s: the sample period.
+    pub period_s: f64,
 }
 
 /// Which disturbance is meant.
@@ -61,7 +72,13 @@ impl DesignPlant {
             pitch_sensor: None,
             delay_s: 0.0,
             pade_order: 0,
+            rate_loop: None,
         }
+    }
+
+    /// The plant that the weights are for: that of the inner loop if there is one.
+    pub fn weighted(&self) -> &Self {
+        self.rate_loop.as_ref().map_or(self, |inner| &inner.plant)
     }
 
     /// Checks that indices name signals, that everything is continuous, and that sensors have one input and one output.

@@ -17,6 +17,8 @@ pub struct Specification {
     pub assembly: Assembly,
     /// Where the demand enters.
     pub reference: Reference,
+    /// Gain of the position loop around the rate loop, rate per position, 1/s; `None` if there is one loop.
+    pub position_gain: Option<f64>,
 }
 
 /// How the parts are put together.

@@ -5,6 +5,7 @@ use counterpoise_host::compilers::{processor, proofs};
 use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::export::target_proofs::{Answered, Costs, Proof};
 use counterpoise_pipeline::results::DesignResult;
+use counterpoise_pipeline::studies::assumptions::effects_on_design;
 use counterpoise_pipeline::{FirstDesignResult, Stages, design};
 use counterpoise_project::Purpose;
 use counterpoise_report::certificate;
@@ -41,6 +42,8 @@ pub fn run(options: &DesignOptions) -> Done {
     let code = &designed.targets.code;
     let (proofs, costs) = (proofs::proofs(code, &designed.targets.compared), processor::costs(code));
     let compiled = compiled(&proofs, &costs);
+    let effects = effects_on_design(&loaded.project, &designed.stages, &loaded.assumptions);
+    let first_design = loaded.first_design.as_ref().map(FirstDesignResult::from);
     let run = DesignRun {
         origin: &Origin {
             project: loaded.path.display().to_string(),
@@ -50,13 +53,14 @@ pub fn run(options: &DesignOptions) -> Done {
         proofs: &proofs,
         costs: &costs,
         assumptions: &loaded.assumptions,
+        effects: &effects,
+        first_design: first_design.as_ref(),
     };
     let page = html(&of_design(&designed, &result, &run));
     export::write(&options.output, &designed.stages.files)?;
     let controller = ControllerResult::new(&designed.identity, designed.stages.verified.controller());
     export::write_controller(&options.output, &controller)?;
     projects::write(&options.output.join("report.html"), page.as_bytes())?;
-    let first_design = loaded.first_design.as_ref().map(FirstDesignResult::from);
     if !output::json(&options.results, &Whole { design: &result, first_design })? {
         first_design::print(&loaded);
         print(options, &designed.stages);

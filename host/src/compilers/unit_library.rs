@@ -16,10 +16,14 @@ pub fn library(folder: &Path, name: &str) -> Option<Vec<u8>> {
     compiled_library(&folder.join(name).join("sources"), name, place.path())
 }
 
+/// The files that include a unit's sources. A unit's name is an identifier, so a name with a hyphen cannot be that of a source,
+/// which such a file would then include in place of itself.
+const INCLUDING: [&str; 2] = ["including-behaviour.c", "including-unit.c"];
+
 /// Compiles a unit's sources in a folder `place`. The sources are included by files of fixed names, so that no name of a
 /// project's stands on the compiler's command line.
 fn compiled_library(sources: &Path, name: &str, place: &Path) -> Option<Vec<u8>> {
-    for file in [including("behaviour.c", &format!("{name}.c")), including("unit.c", "fmu.c")] {
+    for file in [including(INCLUDING[0], &format!("{name}.c")), including(INCLUDING[1], "fmu.c")] {
         files::write(&place.join(&file.name), file.text.as_bytes()).ok()?;
     }
     let library = place.join("unit.so");
@@ -27,7 +31,7 @@ fn compiled_library(sources: &Path, name: &str, place: &Path) -> Option<Vec<u8>>
     compiler
         .args(["-std=c99", "-O2", "-ffp-contract=off", "-fPIC", "-shared", "-iquote", ".", "-o"])
         .arg(&library);
-    compiler.args([place.join("behaviour.c"), place.join("unit.c")]).arg("-lm");
+    compiler.args(INCLUDING.map(|file| place.join(file))).arg("-lm");
     let compiled = compiler.current_dir(sources).output().ok()?;
     if !compiled.status.success() {
         return None;

@@ -23,6 +23,15 @@ impl Measured {
     pub fn is_position(self) -> bool {
         matches!(self, Self::HubPosition | Self::MotorPosition)
     }
+
+    /// Returns the measured quantity of which this one is the integral; `None` for a rate.
+    pub fn rate(self) -> Option<Self> {
+        match self {
+            Self::HubPosition => Some(Self::RelativeRate),
+            Self::MotorPosition => Some(Self::MotorRate),
+            Self::HubRate | Self::RelativeRate | Self::MotorRate => None,
+        }
+    }
 }
 
 /// The sensors. Each one's reading is gain x truth + bias + g_sensitivity x heave, filtered, delayed, with noise.

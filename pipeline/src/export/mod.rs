@@ -7,6 +7,7 @@ use counterpoise_controller::READINGS;
 use counterpoise_controller::realise::coefficients;
 use counterpoise_controller::sensitivity::{Candidate, Form, candidates};
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
+use counterpoise_export::signal_names::ControlledPosition;
 use counterpoise_export::targets::RANGE_MARGIN;
 use counterpoise_export::{
     Converters, File, FormFigures, Numbers, Options, Provenance, Ranges, Targets, c99, fixed_c99, fixed_form,
@@ -90,6 +91,9 @@ pub fn export(
             }
             Language::Fmi => units(&mut made, &modelled.plant, verified, &origin, options),
         }
+    }
+    if let Some(quantity) = controlled_position(&project.plant) {
+        made.files = quantity.named(made.files);
     }
     Ok(made)
 }
@@ -261,6 +265,15 @@ fn provenance(project: &Project, verified: &VerifiedController, world: &dyn Worl
     }
 }
 
+/// Returns the quantity that a loop of position controls; `None` for a loop of rate.
+fn controlled_position(plant: &Parameters) -> Option<ControlledPosition> {
+    let quantity = match plant.axis {
+        Axis::Rotary => ControlledPosition::Angle,
+        Axis::Linear => ControlledPosition::Place,
+    };
+    plant.sensors.measured.is_position().then_some(quantity)
+}
+
 /// Returns what the first two readings of the controller hold, if the loop is not one of the hub's inertial rate on a turning axis.
 fn loop_signals(plant: &Parameters) -> Option<String> {
     let (angle, rate) = match plant.axis {
@@ -285,6 +298,11 @@ pub fn weights(synth: &Synthesis) -> Vec<String> {
         format!("feedback: {}", s.feedback.error.meaning("measured error")),
         format!("feedback: {}", s.feedback.control.meaning("control")),
     ];
+    if let Some(gain) = s.position_gain {
+        lines.push(format!(
+            "cascade: a position loop with the gain {gain} 1/s around this rate loop; the rate is the difference of two readings over the sample period"
+        ));
+    }
     for (name, part) in [("heave", &s.heave), ("pitch", &s.pitch)] {
         if let Some(part) = part {
             lines.push(format!("{name}: {}", part.error.meaning("hub rate")));

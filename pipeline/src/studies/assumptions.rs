@@ -6,7 +6,7 @@ use counterpoise_project::{Assumption, Project};
 use counterpoise_verify::{Arrangement, Figure, LoopFigure, Procedure, Source, Verification, verify_linear};
 use serde::Serialize;
 
-use crate::{Modelled, PipelineError, Synthesised, model};
+use crate::{Modelled, PipelineError, Stages, Synthesised, model};
 
 /// Frequency at which the residual of heave and pitch is compared, Hz: within the band that feedback and feedforward reject.
 const RESIDUAL_HZ: f64 = 1.0;
@@ -86,6 +86,15 @@ pub fn assumption_effects(
     let mut effects: Vec<AssumptionEffect> = assumptions.iter().filter_map(effect).collect();
     effects.sort_by(|a, b| b.largest_change_db.total_cmp(&a.largest_change_db));
     Ok(effects)
+}
+
+/// Returns the effect of each assumption on a whole design, as [`assumption_effects`]; none if the linear loop cannot be judged.
+pub fn effects_on_design(
+    project: &Project,
+    stages: &Stages,
+    assumptions: &[Assumption],
+) -> Vec<AssumptionEffect> {
+    assumption_effects(project, (&stages.modelled, &stages.synthesised), assumptions).unwrap_or_default()
 }
 
 fn figures(

@@ -1,12 +1,14 @@
 //! The plant as the design sees it, and how the controller is sampled.
 
+use counterpoise_lti::series;
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_models::{Parameters, Sensors};
-use counterpoise_synth::{DesignPlant, Sampling};
+use counterpoise_synth::cascade::difference_lag;
+use counterpoise_synth::{DesignPlant, RateLoop, Sampling};
 
 use crate::model::CONVERTER_RANGE_V;
 use crate::{Modelled, PipelineError, Reduced};
-use counterpoise_project::resolve::design::Synthesis;
+use counterpoise_project::resolve::design::{LoopKind, Synthesis};
 use counterpoise_project::resolve::synthesis_options::Compensation;
 
 /// The plant as the design sees it: the reduced plant, the sensors, the loop's delay.
@@ -16,7 +18,7 @@ pub fn design_plant(
     reduced: &Reduced,
 ) -> Result<DesignPlant, PipelineError> {
     let sensors = designed_on(asked, &modelled.parameters.sensors);
-    Ok(DesignPlant {
+    let plant = DesignPlant {
         system: reduced.system.clone(),
         control: LinearPlant::CONTROL,
         heave: vec![LinearPlant::HEAVE],
@@ -27,7 +29,32 @@ pub fn design_plant(
         pitch_sensor: Some(sensors.platform_gyro.dynamics()?),
         delay_s: asked.delay_samples * modelled.parameters.interface.sample_period_s,
         pade_order: asked.pade_order,
-    })
+        rate_loop: None,
+    };
+    let rate_loop = rate_loop(asked, modelled, &plant)?.map(Box::new);
+    Ok(DesignPlant { rate_loop, ..plant })
+}
+
+/// The inner loop of a cascade: its sensor is that of the position, with the lag of the difference of two readings.
+fn rate_loop(
+    asked: &Synthesis,
+    modelled: &Modelled,
+    plant: &DesignPlant,
+) -> Result<Option<RateLoop>, PipelineError> {
+    let (LoopKind::Cascade, Some(linear)) = (asked.loop_kind, &modelled.rate) else { return Ok(None) };
+    let period_s = modelled.parameters.interface.sample_period_s;
+    let lag = difference_lag(period_s)?;
+    let hub_sensor = match &plant.hub_sensor {
+        Some(sensor) => series(sensor, &lag)?,
+        None => lag,
+    };
+    let plant = DesignPlant {
+        system: linear.system.clone(),
+        rate: linear.measured,
+        hub_sensor: Some(hub_sensor),
+        ..plant.clone()
+    };
+    Ok(Some(RateLoop { plant, period_s }))
 }
 
 /// The design plant with its sensors as they are.

@@ -5,6 +5,7 @@ use counterpoise_synth::tolerance::EQUAL;
 use counterpoise_synth::{Conditions, Configuration, Entry, Law, schedule};
 use serde::Serialize;
 
+use crate::model::of_rate;
 use crate::synth::design_plant::design_plant;
 use crate::{Modelled, PipelineError, model, reduce};
 use counterpoise_project::Project;
@@ -83,8 +84,9 @@ pub fn with_factor(project: &Project, modelled: &Modelled, factor: f64) -> Resul
     let plant = unbalanced(&modelled.plant, factor)?;
     let equilibrium = plant.equilibrium(&project.model.operating_point);
     let linear = plant.linearise(&equilibrium, project.model.friction, plant.angles())?;
+    let rate = of_rate(&plant, &equilibrium, project.model.friction)?;
     let (parameters, elements) = (modelled.parameters.clone(), modelled.elements.clone());
-    Ok(Modelled { plant, linear, parameters, elements })
+    Ok(Modelled { plant, linear, rate, parameters, elements })
 }
 
 /// The plant with its out-of-balance times a factor.

@@ -24,7 +24,8 @@ struct Row {
 }
 
 /// A walk that describes what it meets. The number of a walk, read as digits, says which name each choice of a table takes,
-/// so that the walks together see all keys.
+/// so that the walks together see all keys. In the first walks the choices of `[plant]` itself stay at their defaults: a key that
+/// every kind of axis has is shown with the unit of a turning one.
 #[derive(Debug, Default)]
 pub(crate) struct Guide {
     turn: usize,
@@ -42,7 +43,11 @@ struct Frame {
 }
 
 /// Walks that see every combination of choices within a table and one level into it.
-pub(crate) const TURNS: usize = 2880;
+const TURNS: usize = 4320;
+/// All walks: those that leave the choices of `[plant]` at their defaults, then those that make them too.
+pub(crate) const WALKS: usize = 2 * TURNS;
+/// The table whose choices change the units of the keys in other tables.
+const KEPT_FIRST: &str = "plant";
 
 impl Guide {
     /// A walk starts.
@@ -193,7 +198,9 @@ impl Visit for Guide {
         let names = allowed.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
         self.row(field, names);
         let Some(frame) = self.stack.last_mut().filter(|_| !allowed.is_empty()) else { return };
-        *value = allowed[self.turn / frame.digit % allowed.len()];
+        let is_kept = self.turn < TURNS && frame.path == KEPT_FIRST;
+        let at = if is_kept { 0 } else { self.turn % TURNS / frame.digit % allowed.len() };
+        *value = allowed[at];
         frame.digit *= allowed.len();
         frame.chosen.push((field.key, allowed.len(), value));
     }

@@ -2,9 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use counterpoise_models::Parameters;
+use counterpoise_models::{Parameters, Sensor};
 use counterpoise_recordings::{Mapping, Unit};
 
+use super::design::{LoopKind, ReductionMethod};
 use super::import::ImportedStructure;
 use super::model::StructureChoice;
 use super::{Project, beam_checks};
@@ -55,6 +56,8 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     structure(&mut findings, project);
     map(&mut findings, plant);
     coupling(&mut findings, plant);
+    feedforwards(&mut findings, project);
+    cascade(&mut findings, project);
     delays(&mut findings, plant);
     without_effect(&mut findings, plant);
     beam_checks::agreement(&mut findings, plant);
@@ -190,6 +193,38 @@ fn coupling(findings: &mut Findings<'_>, plant: &Parameters) {
         let remark = Remark::new(Problem::OutOfRange, "plant.motor.platform_coupling", "must be -1, 0 or 1");
         findings.add(Severity::Error, remark.found(value.to_string()));
     }
+}
+
+/// The inner loop of a cascade is designed on the plant as it is.
+fn cascade(findings: &mut Findings<'_>, project: &Project) {
+    let is_cascade = project.synth.as_ref().is_some_and(|synth| synth.loop_kind == LoopKind::Cascade);
+    if is_cascade && project.reduce.method != ReductionMethod::None {
+        let allowed = "must be \"none\" where synth.loop is \"cascade\": its rate loop is designed on the plant as it is";
+        let found = format!("\"{}\"", project.reduce.method.name());
+        findings.add(Severity::Error, Remark::new(Problem::Conflict, "reduce.method", allowed).found(found));
+    }
+}
+
+/// A feedforward needs the sensor of its disturbance; all that lack theirs are one finding.
+fn feedforwards(findings: &mut Findings<'_>, project: &Project) {
+    let Some(synth) = &project.synth else { return };
+    let (asked, sensors) = (&synth.specification, &project.plant.sensors);
+    let parts = [
+        (asked.heave.is_some(), "heave", &sensors.platform_accelerometer, "platform_accelerometer"),
+        (asked.pitch.is_some(), "pitch", &sensors.platform_gyro, "platform_gyro"),
+    ];
+    let blind: Vec<_> =
+        parts.into_iter().filter(|(is_asked, _, sensor, _)| *is_asked && !sensor.is_fitted()).collect();
+    let Some((_, first, ..)) = blind.first() else { return };
+    let sections = |name: fn(&(bool, &str, &Sensor, &str)) -> String| {
+        blind.iter().map(name).collect::<Vec<_>>().join(" and ")
+    };
+    let allowed = format!(
+        "the feedforward {} has no sensor: add {} (a section without keys is an ideal sensor), or leave the feedforward out",
+        sections(|(_, part, ..)| format!("[synth.{part}]")),
+        sections(|(.., sensor)| format!("[plant.sensors.{sensor}]")),
+    );
+    findings.add(Severity::Error, Remark::new(Problem::Missing, &format!("synth.{first}"), allowed));
 }
 
 /// Most samples by which a sensor may be late: each is a state of the sampled plant.

@@ -3,11 +3,13 @@
 use counterpoise_controller::sensitivity::Form;
 use counterpoise_export::{Options, Precision};
 use counterpoise_lti::Discretisation;
+use counterpoise_models::Measured;
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_synth::{
     Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, SamplingMethod, Specification,
 };
 
+use super::cascade;
 use super::model::count;
 use super::synthesis_options::{self, SynthesisOptions};
 use super::weight::{blank_weight, weight};
@@ -47,6 +49,8 @@ pub struct Synthesis {
     pub weights: WeightSource,
     /// Bandwidth that chosen weights aim at, rad/s; `None` asks for the highest.
     pub bandwidth_rad_s: Option<f64>,
+    /// What the loop controls.
+    pub loop_kind: LoopKind,
     /// Delay of the design plant in sample periods.
     pub delay_samples: f64,
     /// Order of the Pade approximation of that delay.
@@ -59,6 +63,18 @@ pub struct Synthesis {
     pub transfer_time_s: f64,
     /// Method, order, observer, schedule, adaptation, search.
     pub options: SynthesisOptions,
+}
+
+/// What the loop controls.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LoopKind {
+    /// The rate that the loop's sensor measures.
+    #[default]
+    Rate,
+    /// The position that the loop's sensor measures.
+    Position,
+    /// That position, by a proportional loop around a loop of its rate.
+    Cascade,
 }
 
 /// Where the feedback's weights come from.
@@ -191,7 +207,15 @@ pub(crate) fn blank_synthesis() -> Synthesis {
     };
     let (assembly, reference) = (Assembly::default(), Reference::default());
     Synthesis {
-        specification: Specification { feedback, heave: None, pitch: None, assembly, reference },
+        specification: Specification {
+            feedback,
+            heave: None,
+            pitch: None,
+            assembly,
+            reference,
+            position_gain: None,
+        },
+        loop_kind: LoopKind::Rate,
         weights: WeightSource::Chosen,
         bandwidth_rad_s: None,
         delay_samples: 1.0,
@@ -229,8 +253,9 @@ pub(crate) fn reduce(v: &mut dyn Visit, reduce: &mut Reduction) {
     reduce.order = (order > 0).then_some(order);
 }
 
-/// Reads or lists the design.
-pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis) {
+/// Reads or lists the design of a loop whose sensor measures a rate or a position.
+pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: Measured) {
+    cascade::loop_kind(v, synth, measured);
     let asked = "bandwidth that chosen weights aim at (highest frequency at which the loop's gain is 1); only without \
                  `[synth.feedback]`, which states weights";
     let bandwidth = Field::new("bandwidth", asked).unit("rad/s").limit(Limit::Above(0.0));
@@ -273,6 +298,7 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis) {
     optional(v, &TableField::optional("feedback", section), &mut stated, blank, feedback);
     if let Some(stated) = stated {
         (specification.feedback, synth.weights) = (stated, WeightSource::Stated);
+        cascade::with_stated_weights(v, synth.loop_kind, specification.position_gain);
         if synth.bandwidth_rad_s.is_some() {
             let allowed =
                 "must not stand beside [synth.feedback]: a bandwidth is for weights that are chosen";
@@ -302,6 +328,7 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis) {
     if synth.specification.assembly == Assembly::Joint {
         joint_problem_exists(v, synth);
     }
+    cascade::problem_exists(v, synth);
 }
 
 /// Complains where a joint design is asked for together with what takes feedback or feedforward apart.

@@ -37,9 +37,8 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
     let gyro = TableField::optional("hub_gyro", "inertial rate of the hub");
     if v.enter(&gyro, measured == Measured::HubRate && plant.sensors.hub_gyro != UNKNOWN) {
         sensor(v, &mut plant.sensors.hub_gyro, "rad/s");
-        plant.sensors.measured = Measured::HubRate;
+        found += measures(plant, Measured::HubRate, found);
         v.leave();
-        found += 1;
     }
     let rate = matches!(measured, Measured::RelativeRate | Measured::MotorRate);
     if v.enter(
@@ -50,9 +49,8 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
         choose(v, &PLACE, &mut place);
         sensor(v, &mut plant.sensors.hub_gyro, "rad/s");
         let rates = [Measured::RelativeRate, Measured::MotorRate];
-        plant.sensors.measured = rates[usize::from(place == Place::Motor)];
+        found += measures(plant, rates[usize::from(place == Place::Motor)], found);
         v.leave();
-        found += 1;
     }
     let position = measured.is_position();
     for (key, meaning, there) in [
@@ -69,9 +67,8 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
         }
         sensor(v, &mut plant.sensors.hub_gyro, "rad");
         let positions = [Measured::HubPosition, Measured::MotorPosition];
-        plant.sensors.measured = positions[usize::from(place == Place::Motor)];
+        found += measures(plant, positions[usize::from(place == Place::Motor)], found);
         v.leave();
-        found += 1;
     }
     if found > 1 {
         v.complain(
@@ -79,6 +76,24 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
             "must have one sensor of the loop: hub_gyro, tachometer, encoder or resolver",
             None,
         );
+    }
+}
+
+/// Sets what the loop's sensor measures, if `found` sensors before it are none: the first one of a file counts. Returns 1.
+fn measures(plant: &mut Parameters, measured: Measured, found: usize) -> usize {
+    if found == 0 {
+        plant.sensors.measured = measured;
+    }
+    1
+}
+
+/// Returns the unit of what the loop controls.
+pub(super) fn controlled_unit(plant: &Parameters) -> &'static str {
+    match (plant.axis, plant.sensors.measured.is_position()) {
+        (Axis::Rotary, false) => "rad/s",
+        (Axis::Rotary, true) => "rad",
+        (Axis::Linear, false) => "m/s",
+        (Axis::Linear, true) => "m",
     }
 }
 

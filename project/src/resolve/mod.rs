@@ -2,6 +2,7 @@
 
 mod axis_words;
 mod beam_checks;
+mod cascade;
 mod changes;
 mod checks;
 pub mod controller;
@@ -33,7 +34,7 @@ use counterpoise_recordings::Mapping;
 use crate::assumption::{Assumption, Tolerance};
 use crate::diagnostic::{self, Diagnostic, Problem, Severity};
 use crate::file::field::{Field, Limit, TableField};
-use crate::file::guide::{Guide, TURNS};
+use crate::file::guide::{Guide, WALKS};
 use crate::file::lister::{Line, Lister};
 use crate::file::reader::Reader;
 use crate::file::setter::Setter;
@@ -144,10 +145,17 @@ impl Project {
         let document = &document.with_parts(attachments);
         let mut parsed = Self::resolve(document, attachments)?;
         let missing = parsed.project.missing_for(document, purpose);
-        if purpose.verifies() && parsed.project.verify.is_none() {
-            parsed.project.verify = Some(verify::usual(&parsed.project.model));
+        if purpose.needs_weights() {
+            parsed.project = parsed.project.with_usual_verification();
         }
         if missing.is_empty() { Ok(parsed) } else { Err(missing) }
+    }
+
+    /// Returns the project with the usual procedure and no requirement if it has no section `verify`.
+    #[must_use]
+    pub fn with_usual_verification(mut self) -> Self {
+        self.verify.get_or_insert_with(|| verify::usual(&self.model));
+        self
     }
 
     /// The canonical text of the project: sections in fixed order, units in comments, usual values left out.
@@ -166,8 +174,8 @@ impl Project {
     /// The reference of all sections and keys, as Markdown, from the same walk that reads them.
     pub fn reference() -> String {
         let mut guide = Guide::default();
-        for turn in 0..TURNS {
-            guide.turn(turn);
+        for walk in 0..WALKS {
+            guide.turn(walk);
             file(&mut guide, &mut Self::blank());
         }
         guide.text()
@@ -256,9 +264,15 @@ fn designs(v: &mut dyn Visit, project: &mut Project) {
         design::reduce,
     );
     let section = TableField::optional("synth", "the design: weights and options");
-    optional(v, &section, &mut project.synth, design::blank_synthesis(), design::synth);
+    let measured = project.plant.sensors.measured;
+    optional(v, &section, &mut project.synth, design::blank_synthesis(), |v, synth| {
+        design::synth(v, synth, measured);
+    });
     let section = TableField::optional("verify", "tests of the loop, and requirements");
-    optional(v, &section, &mut project.verify, verify::blank(), verify::verify);
+    let controlled = loop_sensor::controlled_unit(&project.plant);
+    optional(v, &section, &mut project.verify, verify::blank(), |v, verification| {
+        verify::verify(v, verification, controlled);
+    });
     let section = TableField::optional("sweep", "robustness campaign");
     optional(v, &section, &mut project.sweep, sweep::blank(), sweep::sweep);
     if let Some(verification) = &mut project.verify {

@@ -39,14 +39,10 @@ impl Purpose {
         }
     }
 
-    /// Returns whether the weights of the controller are needed: those that a file does not state are chosen.
+    /// Returns whether the weights of the controller are needed: those that a file does not state are chosen, for the motions of
+    /// `[verify]` or for the usual ones, so that every command chooses the same.
     pub fn needs_weights(self) -> bool {
         matches!(self, Self::Synth | Self::Verify | Self::Design | Self::Export | Self::Sweep)
-    }
-
-    /// Returns whether the controller is verified: a file without the section has the usual procedure and no requirement.
-    pub fn verifies(self) -> bool {
-        matches!(self, Self::Verify | Self::Design | Self::Export | Self::Sweep)
     }
 
     /// The command's name.

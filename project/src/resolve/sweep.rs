@@ -92,20 +92,32 @@ const OUTPUT_ERROR: Field = Field::new(
 const MOST_SAMPLES: f64 = 1e7;
 
 /// The keys of the plant whose tolerances a campaign can vary, with the parameters that they are.
-const TOLERANCES: [(&str, Varied); 15] = [
+const TOLERANCES: [(&str, Varied); 27] = [
+    ("plant.inertia", Varied::HubInertia),
+    ("plant.mass", Varied::HubInertia),
     ("plant.lumped.hub_inertia", Varied::HubInertia),
+    ("plant.lumped.mass", Varied::HubInertia),
     ("plant.lumped.beam_inertia", Varied::BeamInertia),
+    ("plant.lumped.tip_mass", Varied::BeamInertia),
     ("plant.lumped.out_of_balance", Varied::OutOfBalance),
     ("plant.lumped.stiffness", Varied::StructureStiffness),
     ("plant.lumped.damping", Varied::StructureDamping),
     ("plant.gearbox.backlash", Varied::Backlash),
+    ("plant.ball_screw.backlash", Varied::Backlash),
     ("plant.gearbox.stiffness", Varied::GearStiffness),
+    ("plant.belt.stiffness", Varied::GearStiffness),
+    ("plant.cable.stiffness", Varied::GearStiffness),
+    ("plant.harmonic_drive.stiffness", Varied::GearStiffness),
+    ("plant.ball_screw.stiffness", Varied::GearStiffness),
     ("plant.motor.inertia", Varied::MotorInertia),
     ("plant.motor.torque_constant", Varied::TorqueConstant),
     ("plant.motor.resistance", Varied::Resistance),
     ("plant.friction.motor.coulomb", Varied::MotorFriction),
     ("plant.friction.pivot.coulomb", Varied::PivotFriction),
     ("plant.sensors.hub_gyro.natural_frequency", Varied::GyroBandwidth),
+    ("plant.sensors.tachometer.natural_frequency", Varied::GyroBandwidth),
+    ("plant.sensors.encoder.natural_frequency", Varied::GyroBandwidth),
+    ("plant.sensors.resolver.natural_frequency", Varied::GyroBandwidth),
     ("plant.sensors.platform_accelerometer.gain", Varied::AccelerometerGain),
     ("plant.sensors.platform_gyro.gain", Varied::PlatformGyroGain),
 ];

@@ -35,8 +35,8 @@ pub(crate) fn usual(model: &Modelling) -> Verification {
     verification
 }
 
-/// Reads or lists the verification.
-pub(crate) fn verify(v: &mut dyn Visit, verification: &mut Verification) {
+/// Reads or lists the verification of a loop whose controlled quantity has the unit `controlled`.
+pub(crate) fn verify(v: &mut dyn Visit, verification: &mut Verification, controlled: &'static str) {
     let usual = Procedure::default();
     let procedure = &mut verification.procedure;
     let duration =
@@ -51,16 +51,15 @@ pub(crate) fn verify(v: &mut dyn Visit, verification: &mut Verification) {
     }
     seed(v, "seed of the sensor noise", &mut procedure.seed);
     rejection(v, &mut procedure.rejection_hz);
-    table(v, &TableField::optional("step", "a step of the demanded hub rate"), &mut procedure.step, step);
+    table(v, &TableField::optional("step", "a step of the demand"), &mut procedure.step, |v, s| {
+        step(v, s, controlled)
+    });
     optional(
         v,
-        &TableField::optional(
-            "triangle",
-            "a triangle of the demanded hub rate, which shows friction at its reversals",
-        ),
+        &TableField::optional("triangle", "a triangle of the demand, which shows friction at its reversals"),
         &mut procedure.triangle,
         TRIANGLE,
-        triangle,
+        |v, t| triangle(v, t, controlled),
     );
     table(v, &TableField::optional("heave", "sine of heave"), &mut procedure.heave, |v, s| {
         sine(v, s, usual.heave, "m/s^2")
@@ -99,10 +98,14 @@ fn rejection(v: &mut dyn Visit, frequencies: &mut Vec<f64>) {
     }
 }
 
-fn step(v: &mut dyn Visit, step: &mut Step) {
+fn step(v: &mut dyn Visit, step: &mut Step, controlled: &'static str) {
     let usual = Procedure::default().step;
     v.number(
-        &Field::new("rate", "size of the step").unit("rad/s").limit(Limit::Not0).or(usual.rate_rad_s).shown(),
+        &Field::new("rate", "size of the step, in the unit of what the loop controls")
+            .unit(controlled)
+            .limit(Limit::Not0)
+            .or(usual.rate_rad_s)
+            .shown(),
         &mut step.rate_rad_s,
     );
     v.number(
@@ -114,8 +117,10 @@ fn step(v: &mut dyn Visit, step: &mut Step) {
 /// The triangle where nothing more is written.
 const TRIANGLE: Triangle = Triangle { rate_rad_s: 0.1, period_s: 4.0 };
 
-fn triangle(v: &mut dyn Visit, triangle: &mut Triangle) {
-    let rate = Field::new("rate", "peak rate of the triangle").unit("rad/s").limit(Limit::Not0);
+fn triangle(v: &mut dyn Visit, triangle: &mut Triangle, controlled: &'static str) {
+    let rate = Field::new("rate", "peak of the triangle, in the unit of what the loop controls")
+        .unit(controlled)
+        .limit(Limit::Not0);
     v.number(&rate.or(TRIANGLE.rate_rad_s).shown(), &mut triangle.rate_rad_s);
     let period = Field::new("period", "period of the triangle").unit("s").limit(ABOVE_0);
     v.number(&period.or(TRIANGLE.period_s).shown(), &mut triangle.period_s);

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use counterpoise_host::compilers::{processor, proofs};
 use counterpoise_host::files::{self, Folder};
-use counterpoise_pipeline::design;
 use counterpoise_pipeline::results::DesignResult;
+use counterpoise_pipeline::studies::assumptions::effects_on_design;
+use counterpoise_pipeline::{FirstDesignResult, design};
 use counterpoise_project::{Assumption, Project};
 use counterpoise_report::design::DesignRun;
 use counterpoise_report::{Origin, html, of_design};
@@ -43,6 +44,8 @@ pub fn write_report(request: &ReportRequest) -> Result<PathBuf, String> {
         proofs: &proofs::proofs(code, &designed.targets.compared),
         costs: &processor::costs(code),
         assumptions: &request.assumptions,
+        effects: &effects_on_design(&request.project, &designed.stages, &request.assumptions),
+        first_design: designed.first_design.as_ref().map(FirstDesignResult::from).as_ref(),
     };
     files::write(&request.output, html(&of_design(&designed, &result, &run)).as_bytes())
         .map_err(|error| format!("{} cannot be written: {error}", request.output.display()))?;

@@ -1,5 +1,7 @@
 //! The feedback's weights for a bandwidth that they aim at.
 
+use std::f64::consts::SQRT_2;
+
 use counterpoise_lti::C64;
 use counterpoise_lti::response::Response;
 
@@ -69,7 +71,7 @@ impl PlantGain {
     /// # Errors
     /// Those of the plant.
     pub fn of(circumstances: &Circumstances, modes: Vec<f64>) -> Result<Self, Error> {
-        let plant = &circumstances.plant;
+        let plant = circumstances.plant.weighted();
         let seen = plant.measured()?.select(&[0], &[plant.control]);
         let response = Response::of(&seen)?;
         let gain = |rate: f64| response.at(rate).map_or(f64::INFINITY, |value| value.norm_max());
@@ -112,8 +114,9 @@ pub(super) fn weights(
     }
     let at_observer = level * shape.observer.powf(-gain.slope(aim_rad_s));
     let period_s = circumstances.sampling.period_s;
-    let (measurement_noise, loop_recovery) = if circumstances.noise_rms > 0.0 {
-        let density = circumstances.noise_rms.powi(2) * period_s;
+    let noise_rms = noise_rms(circumstances);
+    let (measurement_noise, loop_recovery) = if noise_rms > 0.0 {
+        let density = noise_rms.powi(2) * period_s;
         (density, density / at_observer.powi(2))
     } else {
         let density = (CONTROL_NOISE * circumstances.sampling.limit_v).powi(2) * period_s;
@@ -127,6 +130,22 @@ pub(super) fn weights(
         disturbances: Vec::new(),
         loop_recovery: rounded(loop_recovery),
     })
+}
+
+/// RMS noise of what the weights are for: the difference of two noisy readings over a period in a cascade.
+fn noise_rms(circumstances: &Circumstances) -> f64 {
+    let inner = circumstances.plant.rate_loop.as_ref();
+    inner.map_or(circumstances.noise_rms, |inner| SQRT_2 * circumstances.noise_rms / inner.period_s)
+}
+
+/// The rate loop's aim over the gain of the position loop: the position loop then adds 11 degrees of lag at the rate loop's
+/// crossover (the angle whose tangent is a fifth), which the shapes above have to spare.
+const OUTER_RATIO: f64 = 5.0;
+
+/// Returns the gain of the position loop for an aim of the rate loop; `None` if there is one loop.
+pub(super) fn position_gain(circumstances: &Circumstances, aim_rad_s: f64) -> Option<f64> {
+    circumstances.plant.rate_loop.as_ref()?;
+    Some(circumstances.position_gain.unwrap_or_else(|| rounded(aim_rad_s / OUTER_RATIO)))
 }
 
 /// Rounds to four significant digits, as a person would write a weight.

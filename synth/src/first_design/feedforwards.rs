@@ -39,12 +39,18 @@ pub(super) fn with_feedforwards(
         pitch: None,
         assembly: Assembly::SimpleAdd,
         reference: Reference::Error,
+        position_gain: found.position_gain,
+    };
+    // A feedforward on the closed loop knows one feedback, not a cascade.
+    let bases: &[Basis] = match given.plant.rate_loop {
+        Some(_) => &[Basis::OpenLoop],
+        None => &[Basis::OpenLoop, Basis::ClosedLoop],
     };
     let mut left_out = Vec::new();
     for (channel, motion) in [(Channel::Heave, &given.heave), (Channel::Pitch, &given.pitch)] {
         let Some(motion) = motion else { continue };
         let mut reasons = Vec::new();
-        for basis in [Basis::OpenLoop, Basis::ClosedLoop] {
+        for &basis in bases {
             let trial = with_one(&specification, channel, feedforward(found, channel, motion, basis));
             match attempt(design(&given.plant, &trial))? {
                 Ok(_) => {

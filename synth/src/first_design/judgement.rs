@@ -7,7 +7,7 @@ use counterpoise_lti::{
 use super::Circumstances;
 use crate::sampling::sampled_plant;
 use crate::tolerance::{CEILING, NEIGHBOUR_MS, NOISE_SHARE};
-use crate::{DesignPlant, Error, Feedback, Sampling};
+use crate::{DesignPlant, Error, Sampling};
 
 /// Margins that a loop must keep.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,7 +43,7 @@ pub struct LoopJudgement {
     pub max_sensitivity: f64,
     /// Frequency of that, rad/s.
     pub sensitivity_peak_rad_s: f64,
-    /// Largest sensitivity with every lightly damped mode shifted, infinite if the loop is then not stable.
+    /// Largest sensitivity, also with every lightly damped mode shifted; infinite if the loop is then not stable.
     pub shifted_sensitivity: f64,
     /// RMS control that the noise of the readings costs, V.
     pub noise_v: f64,
@@ -83,14 +83,15 @@ impl<'a> Judge<'a> {
         })
     }
 
-    /// Judges a feedback; `None` if its sampled loop is not stable or never reaches a gain of 1.
+    /// Judges a continuous controller from (demand, reading) to the control; `None` if its sampled loop is not stable or never reaches a gain of 1.
     ///
     /// # Errors
     /// Those of the discretisation and the margins.
-    pub fn judge(&self, feedback: &Feedback) -> Result<Option<LoopJudgement>, Error> {
+    pub fn judge(&self, controller: &StateSpace) -> Result<Option<LoopJudgement>, Error> {
         let Circumstances { noise_rms, reading_step, demand_step, .. } = self.circumstances;
         let sampling = &self.sampling;
-        let K = sampled_feedback(feedback, sampling)?;
+        let both = sampled_controller(controller, sampling)?;
+        let K = both.select(&[0], &[1]);
         let Some(nominal) = stable_margins(&self.held, &K)? else { return Ok(None) };
         let crossover = nominal.phase.iter().map(|margin| margin.rate_rad_s).fold(0.0, f64::max);
         if crossover == 0.0 || !self.holds_others(&K)? {
@@ -106,16 +107,20 @@ impl<'a> Judge<'a> {
             phase_margin_deg: nominal.phase_margin().map_or(f64::INFINITY, |margin| margin.deg.abs()),
             max_sensitivity: nominal.ms.value,
             sensitivity_peak_rad_s: nominal.ms.rate_rad_s,
-            shifted_sensitivity: self.shifted_sensitivity(&K)?,
+            shifted_sensitivity: self.shifted_sensitivity(&K, nominal.ms.value)?,
             noise_v: gain * noise_rms,
             quantisation_v: gain * reading_step / 12f64.sqrt(),
-            step_v: demand_step.abs() * step_peak(&self.held, &K, crossover, sampling)?,
+            step_v: demand_step.abs() * step_peak(&self.held, &both, crossover, sampling)?,
         }))
     }
 
-    fn shifted_sensitivity(&self, K: &StateSpace) -> Result<f64, Error> {
-        let mut worst = 0.0_f64;
+    /// The largest sensitivity over the plant and its neighbours; beyond what is borne, that of the first plant that exceeds it.
+    fn shifted_sensitivity(&self, K: &StateSpace, nominal: f64) -> Result<f64, Error> {
+        let mut worst = nominal;
         for plant in &self.neighbours {
+            if worst > NEIGHBOUR_MS {
+                break;
+            }
             let found = stable_margins(plant, K)?;
             worst = worst.max(found.map_or(f64::INFINITY, |margins| margins.ms.value));
         }
@@ -193,14 +198,20 @@ impl LoopJudgement {
     }
 }
 
-/// The feedback from the measured signal to the control, sampled as the exported one will be.
-fn sampled_feedback(feedback: &Feedback, sampling: &Sampling) -> Result<StateSpace, Error> {
+/// The controller from demand and reading to the control, sampled as the exported one will be.
+fn sampled_controller(controller: &StateSpace, sampling: &Sampling) -> Result<StateSpace, Error> {
     let tustin = Discretisation::Tustin { prewarp_rad_s: None };
-    Ok(c2d(&feedback.controller.select(&[0], &[1]), sampling.period_s, tustin)?)
+    Ok(c2d(&controller.select(&[0], &[0, 1]), sampling.period_s, tustin)?)
 }
 
 fn stable_margins(plant: &StateSpace, K: &StateSpace) -> Result<Option<Margins>, Error> {
-    let found = margins(&series(plant, &K.negate())?)?;
+    let loop_gain = series(plant, &K.negate())?;
+    // Poles cost a hundredth of the margins, and most candidates that fail are not stable.
+    let one = StateSpace::gain(Mat::eye(1), loop_gain.timebase)?;
+    if poles(&closed(&loop_gain, &one)?)?.iter().any(|pole| pole.norm() > 1.0 + DRIFT) {
+        return Ok(None);
+    }
+    let found = margins(&loop_gain)?;
     Ok(found.closed_loop_stable.then_some(found))
 }
 
@@ -228,17 +239,17 @@ fn closed_loop_bandwidth(plant: &StateSpace, K: &StateSpace, crossover: f64) -> 
 const BANDWIDTH_REACH: f64 = 6.0;
 const BANDWIDTH_POINTS: u32 = 60;
 
-/// Largest control after a unit step of the demand, which enters through the error.
+/// Largest control after a unit step of the demand, with the controller from demand and reading.
 fn step_peak(plant: &StateSpace, K: &StateSpace, crossover: f64, sampling: &Sampling) -> Result<f64, Error> {
     let seconds = 6.0 / crossover;
     let samples = ((seconds / sampling.period_s).ceil() as usize).clamp(2, MOST_SAMPLES);
     let (mut x, mut q) = (Mat::zeros(plant.order(), 1), Mat::zeros(K.order(), 1));
     let mut largest = 0.0_f64;
     for _ in 0..samples {
-        let error = &(&plant.C * &x) - &Mat::eye(1);
-        let u = &(&K.C * &q) + &(&K.D * &error);
+        let seen = Mat::eye(1).vstack(&(&plant.C * &x));
+        let u = &(&K.C * &q) + &(&K.D * &seen);
         largest = largest.max(u[(0, 0)].abs());
-        q = &(&K.A * &q) + &(&K.B * &error);
+        q = &(&K.A * &q) + &(&K.B * &seen);
         x = &(&plant.A * &x) + &(&plant.B * &u);
     }
     Ok(largest)

@@ -7,6 +7,9 @@
 //! and the control that a step of the demand takes. The highest aim that keeps everything is the answer, and every limit
 //! is told with the bandwidth up to which it alone would have allowed the loop.
 //!
+//! In a cascade the weights aim at the bandwidth of the rate loop, the position loop has a fixed share of it, and the judged loop is
+//! the whole cascade at the plant's input.
+//!
 //! *Bandwidth* is the highest frequency at which the loop's gain is 1. It never exceeds a twentieth of the sample rate
 //! (nor does the frequency at which the closed loop has fallen by 3 dB), and each fact of the loop that is not known
 //! lowers that ceiling ([`tolerance::CAUTION`](crate::tolerance::CAUTION)).
@@ -50,6 +53,8 @@ pub struct Circumstances {
     pub demand_step: f64,
     /// Margins that the loop must keep.
     pub margins: RequiredMargins,
+    /// Gain of the position loop that is asked for, 1/s; `None` chooses it. Only a plant with a rate loop has one.
+    pub position_gain: Option<f64>,
     /// The bandwidth that is asked for, rad/s; `None` asks for the highest.
     pub asked_rad_s: Option<f64>,
     /// The heave that is expected and measured.

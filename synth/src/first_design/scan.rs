@@ -1,10 +1,11 @@
 //! The highest bandwidth that everything allows, and what each limit alone would have allowed.
 
 use super::Circumstances;
-use super::candidate::{PlantGain, SHAPES, Shape, weights};
+use super::candidate::{PlantGain, SHAPES, Shape, position_gain, weights};
 use super::judgement::{Judge, LoopJudgement};
 use super::neighbours::{light_modes, shifted_modes};
 use crate::bandwidth::{Bandwidth, Limit, LimitKind, Unknown};
+use crate::cascade::with_position_loop;
 use crate::refusal::attempt;
 use crate::tolerance::{CAUTION, CEILING};
 use crate::{Error, FeedbackWeights, Reference, feedback};
@@ -15,17 +16,18 @@ pub(super) struct Tried {
     pub aim_rad_s: f64,
     shape: Shape,
     pub weights: FeedbackWeights,
+    pub position_gain: Option<f64>,
     pub judgement: LoopJudgement,
 }
 
 /// Aims per decade.
-const PER_DECADE: i32 = 10;
+const PER_DECADE: i32 = 5;
 /// Highest aim over the ceiling: a little beyond, so that limits above it are told too.
 const REACH: f64 = 3.0;
 /// Decades of aims.
 const DECADES: i32 = 5;
-/// Halvings of the stretch between the answer and the aim above it: a tenth of a decade becomes 0.7 %.
-const HALVINGS: usize = 5;
+/// Halvings of the stretch between the answer and the aim above it: a fifth of a decade becomes 0.7 %.
+const HALVINGS: usize = 6;
 /// Above this many times the ceiling only the usual shape is tried: such aims serve to tell the other limits.
 const FAR_ABOVE: f64 = 1.5;
 /// No loop with a delay reaches a bandwidth of this over the delay: it would cost 115 degrees.
@@ -127,11 +129,14 @@ impl<'a> Scan<'a> {
         let Some(weights) = weights(self.circumstances, &self.gain, aim_rad_s, shape) else {
             return Ok(None);
         };
-        let Ok(designed) = attempt(feedback(&self.circumstances.plant, &weights, Reference::Error))? else {
+        let plant = &self.circumstances.plant;
+        let Ok(designed) = attempt(feedback(plant.weighted(), &weights, Reference::Error))? else {
             return Ok(None);
         };
-        let judged = self.judge.judge(&designed)?;
-        Ok(judged.map(|judgement| Tried { aim_rad_s, shape, weights, judgement }))
+        let position_gain = position_gain(self.circumstances, aim_rad_s);
+        let cascade = with_position_loop(plant, &designed.controller, position_gain)?;
+        let judged = self.judge.judge(&cascade.unwrap_or(designed.controller))?;
+        Ok(judged.map(|judgement| Tried { aim_rad_s, shape, weights, position_gain, judgement }))
     }
 
     fn keeps_all(&self, found: &LoopJudgement) -> bool {

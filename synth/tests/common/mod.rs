@@ -51,6 +51,7 @@ pub fn weights() -> Specification {
         pitch: Some(pitch()),
         assembly: Assembly::SimpleAdd,
         reference: Reference::Error,
+        position_gain: None,
     }
 }
 

@@ -131,7 +131,7 @@ def main(program):
         folder = ROOT / "examples" / name
         project = tomllib.loads((folder / "project.toml").read_text())
         p, period = project["plant"], project["plant"]["interface"]["sample_period"]
-        step = project["verify"].get("step", {}).get("rate", 0.1)
+        step = project.get("verify", {}).get("step", {}).get("rate", 0.1)
         plant = {
             "direct-gimbal": lambda: gimbal(p),
             "belt-antenna": lambda: antenna(p),
@@ -141,9 +141,12 @@ def main(program):
         with tempfile.TemporaryDirectory() as out:
             subprocess.run([program, "design", str(folder), "-o", out], capture_output=True)
             y = march(plant, controller(out), period, step)
-        found = json.loads(subprocess.run([program, "verify", str(folder), "--json"], capture_output=True).stdout)
-        told = {f["figure"]: f["value"] for f in found["figures"]}
-        for key, value in figures(y, period, step).items():
+        answer = json.loads(subprocess.run([program, "verify", str(folder), "--json"], capture_output=True).stdout)
+        told = {f["figure"]: f["value"] for f in answer["figures"]}
+        found = figures(y, period, step)
+        if found["overshoot_percent"] < 0.1:
+            del found["peak_time_s"]  # a step that does not overshoot has its largest value anywhere
+        for key, value in found.items():
             other = told[f"nonlinear_step_{key}"]
             scale = 100 + value if key == "overshoot_percent" else value
             worst = max(worst, abs(other - value) / scale)

@@ -1,0 +1,89 @@
+//! What the loop controls: the rate or the position that its sensor measures, or both in a cascade.
+
+use counterpoise_lti::Discretisation;
+use counterpoise_models::Measured;
+use counterpoise_synth::{Assembly, Basis, Method, SamplingMethod};
+
+use super::design::{LoopKind, Synthesis};
+use crate::file::field::{Field, Limit};
+use crate::file::visit::{Choice, Visit, choose, maybe_number};
+
+impl Choice for LoopKind {
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("rate", Self::Rate), ("position", Self::Position), ("cascade", Self::Cascade)];
+}
+
+const LOOP: &str = "what the loop controls: the rate or the position that its sensor measures (if absent, whichever it is), or `cascade`: \
+     that position, by a proportional loop around a rate loop with the weights of `[synth.feedback]`, which takes the rate as \
+     the difference of two readings over the sample period";
+const GAIN: Field = Field::new(
+    "position_gain",
+    "gain of the position loop, demanded rate per position error; if absent and the weights are chosen, a fifth of the bandwidth that \
+     they aim at",
+)
+.unit("rad/s")
+.limit(Limit::Above(0.0));
+
+/// Reads or lists what the loop controls.
+pub(super) fn loop_kind(v: &mut dyn Visit, synth: &mut Synthesis, measured: Measured) {
+    let usual = if measured.is_position() { LoopKind::Position } else { LoopKind::Rate };
+    if synth.loop_kind != LoopKind::Cascade {
+        synth.loop_kind = usual;
+    }
+    choose(v, &Field::new("loop", LOOP).or_text(usual.name()), &mut synth.loop_kind);
+    match (synth.loop_kind, measured.is_position()) {
+        (LoopKind::Rate, true) => v.complain(
+            "loop",
+            "must be \"position\" or \"cascade\" with an encoder or a resolver",
+            Some("for a rate loop give [plant.sensors.tachometer] or hub_gyro in its place".to_owned()),
+        ),
+        (LoopKind::Position | LoopKind::Cascade, false) => v.complain(
+            "loop",
+            "must be \"rate\" with a sensor of rate",
+            Some("for a loop of position give [plant.sensors.encoder] or resolver in its place".to_owned()),
+        ),
+        _ => {}
+    }
+    if synth.loop_kind == LoopKind::Cascade {
+        maybe_number(v, &GAIN, &mut synth.specification.position_gain);
+    } else {
+        synth.specification.position_gain = None;
+    }
+}
+
+/// Complains of a cascade whose weights are stated without the gain of its position loop.
+pub(super) fn with_stated_weights(v: &mut dyn Visit, kind: LoopKind, position_gain: Option<f64>) {
+    if kind == LoopKind::Cascade && position_gain.is_none() {
+        let allowed = "must be stated as `position_gain` beside [synth.feedback], in rad/s";
+        let hint = "if no value is known, take a fifth of the bandwidth of the rate loop, or leave [synth.feedback] out: then both are chosen";
+        v.complain("loop", allowed, Some(hint.to_owned()));
+    }
+}
+
+/// Complains of what a cascade cannot be together with: the position loop is put around the three-part feedback and converted with
+/// it, so that the rate is exactly a difference of readings.
+pub(super) fn problem_exists(v: &mut dyn Visit, synth: &Synthesis) {
+    if synth.loop_kind != LoopKind::Cascade {
+        return;
+    }
+    let (options, specification) = (&synth.options, &synth.specification);
+    let is_tustin =
+        synth.discretisation == SamplingMethod::Emulation(Discretisation::Tustin { prewarp_rad_s: None });
+    let on_closed_loop = [&specification.heave, &specification.pitch]
+        .into_iter()
+        .flatten()
+        .any(|part| part.basis == Basis::ClosedLoop);
+    let apart = [
+        (options.method != Method::ThreePart, "`method`"),
+        (!options.alternatives.is_empty(), "`alternatives`"),
+        (options.controller_order.is_some(), "`controller_order`"),
+        (options.search.is_some(), "[synth.search]"),
+        (!is_tustin, "another `discretisation` than \"tustin\" without `prewarp`"),
+        (specification.assembly != Assembly::SimpleAdd, "another `assembly` than \"simple-add\""),
+        (on_closed_loop, "a feedforward whose `basis` is \"closed-loop\""),
+    ];
+    for (_, what) in apart.into_iter().filter(|(is_asked, _)| *is_asked) {
+        let problem = format!("must not be \"cascade\" with {what}");
+        v.complain("loop", &problem, Some("leave one of the two out".to_owned()));
+    }
+}

@@ -1,0 +1,48 @@
+//! Why chosen weights are what they are: the bandwidth that was reached, and what limits it.
+
+use std::f64::consts::TAU;
+
+use counterpoise_pipeline::FirstDesignResult;
+use counterpoise_pipeline::first_design::LimitRow;
+use counterpoise_plot::number::short;
+
+use crate::page::{Cell, Column, Section, Table};
+
+/// Returns the section on weights that were chosen because the project file states none.
+pub fn section(first: &FirstDesignResult) -> Section {
+    let columns =
+        [Column::Text("limit"), Column::Number("bandwidth [rad/s]"), Column::Number("over what is reached")];
+    let mut table = Table::new("What each limit alone would allow", &columns);
+    table.rows = first.limits.iter().map(row).collect();
+    sentences(first).into_iter().fold(Section::new("First design"), Section::saying).listing(table)
+}
+
+fn row(limit: &LimitRow) -> Vec<Cell> {
+    let number = |value: Option<f64>| value.map_or_else(|| Cell::text("no limit found"), Cell::number);
+    vec![Cell::text(limit.limit.as_str()), number(limit.bandwidth_rad_s), number(limit.over_reached)]
+}
+
+fn sentences(first: &FirstDesignResult) -> Vec<String> {
+    let mut lines = vec![format!(
+        "The project file states no weights, so they are chosen for the highest bandwidth (the highest frequency at which the loop's gain is 1). \
+         The bandwidth is {} rad/s ({} Hz), limited by: {}.",
+        short(first.bandwidth_rad_s),
+        short(first.bandwidth_rad_s / TAU),
+        first.limited_by
+    )];
+    if let Some(asked) = first.asked_rad_s.filter(|asked| *asked > first.bandwidth_rad_s) {
+        lines.push(format!("{} rad/s are asked for.", short(asked)));
+    }
+    lines.push(format!(
+        "The margins are {:.1} dB and {:.1} deg, and the largest sensitivity is {:.2}; with every lightly damped mode off by 15 % it is {:.2}.",
+        first.gain_margin_db, first.phase_margin_deg, first.max_sensitivity, first.max_sensitivity_modes_shifted
+    ));
+    if !first.unknown.is_empty() {
+        lines.push(format!(
+            "Not known, and each lowers the highest bandwidth by 3 dB: {}.",
+            first.unknown.join("; ")
+        ));
+    }
+    lines.extend(first.left_out.iter().map(|reason| format!("No feedforward: {reason}.")));
+    lines
+}

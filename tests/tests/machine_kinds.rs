@@ -1,0 +1,286 @@
+//! Every kind of machine: what is left out of its file, its code, and recordings of it under its own controller.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
+
+use counterpoise_controller::Controller;
+use counterpoise_diagnose::diagnosis::{self, Contradiction, Request};
+use counterpoise_diagnose::findings::answer::Verdict;
+use counterpoise_diagnose::simulator_access::Serial;
+use counterpoise_models::Plant;
+use counterpoise_pipeline::{
+    PipelineError, Synthesised, World, export, model, reduce, synthesise, verify, with_chosen_weights,
+};
+use counterpoise_project::resolve::design::Language;
+use counterpoise_project::starters::Kind;
+use counterpoise_project::{Attachments, Document, Parsed, Project, Purpose};
+use counterpoise_recordings::{Channel, Recording};
+use counterpoise_simulate::replay::{ChannelFit, Loop, RecordedController, Replayer};
+use counterpoise_simulate::signal::{Signal, Sine};
+use counterpoise_simulate::{Detail, Imperfections, Initial, PlatformMotion, Scenario, Simulator};
+
+/// The examples of one kind of machine each.
+const EXAMPLES: [&str; 4] = ["direct-gimbal", "belt-antenna", "servo-pendulum", "ball-screw"];
+
+struct Machine {
+    name: String,
+    document: Document,
+    attachments: Attachments,
+}
+
+impl Machine {
+    fn read(path: &Path) -> Self {
+        let name = path.display().to_string();
+        let document = Document::from_bytes(&std::fs::read(path).unwrap(), &name).unwrap();
+        let folder = path.parent().unwrap();
+        let attachments = document.attachments().into_iter().fold(Attachments::none(), |all, name| {
+            match std::fs::read(folder.join(&name)) {
+                Ok(bytes) => all.with(&name, bytes),
+                Err(_) => all,
+            }
+        });
+        Self { name, document, attachments }
+    }
+
+    fn starter(kind: Kind) -> Self {
+        let document = Document::parse(kind.text(), "project.toml");
+        Self { name: format!("starter {}", kind.name()), document, attachments: Attachments::none() }
+    }
+
+    fn resolved(&self, document: &Document) -> Result<Parsed, Vec<String>> {
+        Project::resolve_for(document, &self.attachments, Purpose::Design)
+            .map_err(|errors| errors.iter().map(ToString::to_string).collect())
+    }
+
+    fn project(&self) -> Project {
+        self.resolved(&self.document).unwrap().project
+    }
+}
+
+fn example(name: &str) -> Machine {
+    Machine::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples").join(name).join("project.toml"))
+}
+
+/// One machine of each kind: the four examples and every file that `new --like` writes.
+fn kinds() -> Vec<Machine> {
+    EXAMPLES.into_iter().map(example).chain(Kind::ALL.into_iter().map(Machine::starter)).collect()
+}
+
+/// Every project file of the examples.
+fn examples() -> Vec<Machine> {
+    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples")];
+    let mut files: Vec<PathBuf> = Vec::new();
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.file_name().is_some_and(|name| name == "project.toml") {
+                files.push(path);
+            }
+        }
+    }
+    files.sort();
+    files.iter().map(|path| Machine::read(path)).collect()
+}
+
+/// Every section and every key that a file states, in the order of the reference.
+fn paths(machine: &Machine) -> Vec<String> {
+    let sections = machine.project().statements();
+    let keys = sections.iter().flat_map(|s| s.values.iter().map(move |v| format!("{}.{}", s.path, v.key)));
+    let named = sections.iter().map(|s| s.path.clone()).filter(|path| !path.ends_with(']'));
+    named.chain(keys).filter(|path| machine.document.written(path).is_some()).collect()
+}
+
+/// What is wrong with the answer to a file without one key or section; `Ok` has the project if the file is read.
+fn answer(machine: &Machine, path: &str) -> Result<Option<Project>, String> {
+    let without = machine.document.remove(path).unwrap();
+    match machine.resolved(&without) {
+        Ok(parsed) => {
+            let listed =
+                parsed.assumptions.iter().any(|a| a.key == path || a.key.starts_with(&format!("{path}.")));
+            let is_number = machine.project().with_number(path, 1.0).is_some();
+            let is_physical = path.starts_with("plant.") && is_number && !path.contains('[');
+            if is_physical && !listed {
+                return Err(format!("{}: {path} is read, but not listed as assumed", machine.name));
+            }
+            Ok(Some(parsed.project))
+        }
+        Err(said) => {
+            let (parent, last) = path.rsplit_once('.').unwrap_or((path, path));
+            let names = |line: &String| line.contains(path) || (line.contains(parent) && line.contains(last));
+            if said.len() != 1 || !said.iter().any(names) {
+                return Err(format!("{}: without {path}:\n    {}", machine.name, said.join("\n    ")));
+            }
+            Ok(None)
+        }
+    }
+}
+
+fn designed(project: &Project) -> Result<(Project, Synthesised), PipelineError> {
+    let chosen = with_chosen_weights(project)?;
+    let project = chosen.map_or_else(|| project.clone(), |chosen| chosen.project);
+    let modelled = model(&project)?;
+    let made = synthesise(&project, &modelled, &reduce(&project, &modelled)?)?;
+    Ok((project, made))
+}
+
+/// Marsaglia's xorshift generator, for a sample that is the same in every run.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, n: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as usize % n.max(1)
+    }
+}
+
+#[test]
+fn a_file_without_any_one_key_is_read_or_asks_for_it_in_one_sentence() {
+    let (mut wrong, mut count) = (Vec::new(), 0);
+    for machine in examples().iter().chain(&Kind::ALL.map(Machine::starter)) {
+        for path in paths(machine) {
+            count += 1;
+            wrong.extend(answer(machine, &path).err());
+        }
+    }
+    assert!(count > 1000, "{count}");
+    assert!(wrong.is_empty(), "{} of {count}:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+/// Files without one key whose design is tried.
+const SAMPLE: usize = 30;
+
+#[test]
+fn a_file_without_one_key_is_designed_or_refused_with_what_to_add() {
+    let mut left = Vec::new();
+    for machine in kinds() {
+        for path in paths(&machine) {
+            if let Ok(Some(project)) = answer(&machine, &path) {
+                left.push((format!("{} without {path}", machine.name), project));
+            }
+        }
+    }
+    let mut random = Random(20_261_123);
+    for _ in 0..SAMPLE {
+        let (name, project) = left.swap_remove(random.below(left.len()));
+        if let Err(why) = designed(&project) {
+            let said = why.to_string();
+            assert!(said.contains("plant.") || said.contains("verify"), "{name}: {said}");
+        }
+    }
+}
+
+#[test]
+fn the_examples_of_the_kinds_have_fifteen_lines_and_the_starters_twenty_five() {
+    for machine in EXAMPLES.map(example) {
+        let lines = machine.document.text().lines().count();
+        assert!(lines <= 15, "{}: {lines} lines", machine.name);
+    }
+    for kind in Kind::ALL {
+        assert!(kind.text().lines().count() <= 25, "{}", kind.name());
+    }
+}
+
+/// Sines of different frequencies: (amplitude, frequency in Hz).
+fn sines(all: &[(f64, f64)]) -> Signal {
+    let sine =
+        |&(amplitude, hz): &(f64, f64)| Sine { amplitude, frequency_rad_s: TAU * hz, phase_rad: 0.4 * hz };
+    Signal::Sines(all.iter().map(sine).collect())
+}
+
+/// A recording of a machine under a controller, with noise and quantisation; the demand is a fraction of the verified step.
+fn record(project: &Project, plant: &Plant, controller: &Controller) -> Recording {
+    let size = project.verify.as_ref().unwrap().procedure.step.rate_rad_s;
+    let scenario = Scenario {
+        demand_rad_s: sines(&[(0.3 * size, 0.31), (0.1 * size, 1.7)]),
+        platform: PlatformMotion::STILL,
+        imperfections: Imperfections::NoiseAndQuantisation { seed: 5 },
+        initial: Initial::Rest { hub_angle_rad: project.model.operating_point.hub_angle_rad },
+        detail: Detail::Recording,
+        ..Scenario::still(6.0)
+    };
+    let mut runner = controller.runner();
+    let history = Simulator::new(plant).unwrap().run(&mut runner, &scenario).unwrap();
+    history.readings.recording("run", history.sample_period_s)
+}
+
+/// Ratio of residual to noise floor up to which a replay is that of the machine itself.
+const REPLAYED: f64 = 1.5;
+
+#[test]
+fn every_kind_replays_what_it_recorded_under_its_own_controller() {
+    let mut wrong = Vec::new();
+    for machine in kinds() {
+        let (project, made) = designed(&machine.project()).unwrap();
+        let plant = model(&project).unwrap().plant;
+        let controller = made.sampled.controller;
+        let recording = record(&project, &plant, &controller);
+        let control = Loop::from(RecordedController::from(controller));
+        let replay =
+            Replayer::new(plant.parameters(), &recording).and_then(|r| r.replay_plant(&plant, &control));
+        let Ok(replay) = replay else {
+            wrong.push(format!("{}: {:?}", machine.name, replay.err()));
+            continue;
+        };
+        let ratio = |fit: &ChannelFit| (fit.rms_error / fit.floor, fit.channel);
+        let worst: (f64, Channel) =
+            replay.channels.iter().map(ratio).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
+        println!("{}: {} floors in {}", machine.name, worst.0, worst.1.name());
+        if worst.0.is_nan() || worst.0 > REPLAYED {
+            wrong.push(format!("{}: {} floors in {}", machine.name, worst.0, worst.1.name()));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn recordings_of_every_kind_are_consistent_with_its_model() {
+    let mut wrong = Vec::new();
+    for machine in kinds() {
+        let (project, made) = designed(&machine.project()).unwrap();
+        let plant = model(&project).unwrap().plant;
+        let recordings = [record(&project, &plant, &made.sampled.controller)];
+        let control = Loop::from(RecordedController::from(made.sampled.controller));
+        let contradiction = Contradiction::PlayBack;
+        let request = Request { base: plant.parameters(), control, contradiction, recordings: &recordings };
+        match diagnosis::run(&request, &Serial) {
+            Ok(found) if found.answer.verdict == Verdict::Consistent => {}
+            Ok(found) => wrong.push(format!(
+                "{}: {:?}, {:?}, {:?}",
+                machine.name, found.answer.verdict, found.answer.findings, found.answer.qualification
+            )),
+            Err(why) => wrong.push(format!("{}: {why}", machine.name)),
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+struct Nowhere;
+
+impl World for Nowhere {
+    fn read(&self, name: &str) -> Result<Vec<u8>, String> {
+        Err(format!("there is no {name}"))
+    }
+}
+
+#[test]
+fn every_kind_is_exported_in_every_language() {
+    for machine in kinds() {
+        let (mut project, made) = designed(&machine.project()).unwrap();
+        project.export.languages = vec![Language::C99, Language::Rust, Language::Fmi];
+        let modelled = model(&project).unwrap();
+        let verified = verify(&project, &modelled, &made, &Nowhere).unwrap();
+        let exported = export(&project, &modelled, &verified, &Nowhere).unwrap();
+        assert!(exported.left_out.is_empty(), "{}: {:?}", machine.name, exported.left_out);
+        assert!(exported.files.len() > 12, "{}", machine.name);
+        let is_position = project.plant.sensors.measured.is_position();
+        for file in &exported.files {
+            let named = file.text.contains(" hub_rate_rad_s");
+            assert!(!(is_position && named), "{}: {} has hub_rate_rad_s", machine.name, file.name);
+        }
+    }
+}
