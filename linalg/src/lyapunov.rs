@@ -130,6 +130,15 @@ impl Operator {
         Ok(Self { form, kind })
     }
 
+    /// Whether every eigenvalue of the matrix is inside the boundary of stability.
+    pub(crate) fn is_stable(&self) -> bool {
+        let inside = |l: &C64| match self.kind {
+            Kind::Continuous => l.re < 0.0,
+            Kind::Discrete => l.norm() < 1.0,
+        };
+        self.form.eigenvalues().iter().all(inside)
+    }
+
     /// `X` with `operator(X) + Q = 0` for a symmetric `Q`.
     pub(crate) fn solve(&self, Q: &Mat) -> Mat {
         let U = &self.form.U;

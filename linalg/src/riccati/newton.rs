@@ -42,10 +42,14 @@ const STALE: f64 = 1e-4;
 /// The contraction of a step over its relative size, assumed before there are two steps to compare.
 const FIRST_RATE: f64 = 1e6;
 
+/// From a start whose closed loop is not stable, Newton's method leads to the stabilising solution only if the start is near: within this
+/// share of it. Farther starts wander, and each of their steps costs as much as a solution.
+const NEAR: f64 = 0.5;
+
 /// Steps that shrink by less than this come from a derivative that rounding has spoilt.
 const SLOW: f64 = 0.02;
 
-/// Refines `X`; `None` where the closed loop has no Schur form or a step cannot be computed.
+/// Refines `X`; `None` where the closed loop has no Schur form, a step cannot be computed, or the start is too far from a solution.
 pub(super) fn refine(equation: &impl Equation, X: Mat) -> Option<Refined> {
     let mut X = Extended::from(X);
     let mut derivative = derivative_at(equation, &X)?;
@@ -59,6 +63,9 @@ pub(super) fn refine(equation: &impl Equation, X: Mat) -> Option<Refined> {
         let step = step.symmetric_part();
         let relative = step.norm_fro() / X.high.norm_fro().max(f64::MIN_POSITIVE);
         let stuck = relative > 0.5 * size && size < STALE;
+        if relative > NEAR && !derivative.is_stable() {
+            return None;
+        }
         if !relative.is_finite() || stuck {
             break;
         }
