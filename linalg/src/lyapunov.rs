@@ -130,13 +130,15 @@ impl Operator {
         Ok(Self { form, kind })
     }
 
-    /// Whether every eigenvalue of the matrix is inside the boundary of stability.
-    pub(crate) fn is_stable(&self) -> bool {
-        let inside = |l: &C64| match self.kind {
-            Kind::Continuous => l.re < 0.0,
-            Kind::Discrete => l.norm() < 1.0,
-        };
-        self.form.eigenvalues().iter().all(inside)
+    /// Returns the largest real part, in discrete time the largest modulus, of an eigenvalue of the matrix.
+    pub(crate) fn reach(&self) -> f64 {
+        let of = |l: &C64| if self.kind == Kind::Continuous { l.re } else { l.norm() };
+        self.form.eigenvalues().iter().map(of).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Returns what [`Operator::reach`] is at the boundary of stability.
+    pub(crate) fn boundary(&self) -> f64 {
+        if self.kind == Kind::Continuous { 0.0 } else { 1.0 }
     }
 
     /// `X` with `operator(X) + Q = 0` for a symmetric `Q`.
