@@ -15,10 +15,11 @@ use std::process::ExitCode;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
-use counterpoise_host::interrupt::{INTERRUPTED, Interrupted};
+use counterpoise_host::interrupt::{self, INTERRUPTED, Interrupted};
 use options::StudioOptions;
 
 fn main() -> ExitCode {
+    interrupt::install();
     let arguments = Arguments::parse_from(arguments::with_json_file_joined(std::env::args_os()));
     let window = Command::Studio(StudioOptions::default());
     let done = match arguments.command.as_ref().unwrap_or(&window) {
@@ -39,8 +40,10 @@ fn main() -> ExitCode {
         Command::Claims(options) => commands::claims::run(options),
         Command::Studio(options) => commands::studio::run(options),
     };
-    done.unwrap_or_else(|error| {
+    let code = done.unwrap_or_else(|error| {
         output::tell(&output::explained(&error));
         ExitCode::from(if error.is::<Interrupted>() { INTERRUPTED } else { 2 })
-    })
+    });
+    // Work that was asked to stop has handed over what it had; it is not the result that was asked for.
+    if interrupt::asked() { ExitCode::from(INTERRUPTED) } else { code }
 }

@@ -8,26 +8,16 @@ use std::ffi::OsStr;
 use std::fs;
 use std::os::unix::ffi::OsStrExt;
 use std::os::unix::fs::symlink;
-use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
+
+mod support;
+
+use support::counterpoise;
 
 const RIG: &str = include_str!("../../examples/reference-rig/project.toml");
 /// No refusal may take longer.
 const SOON: Duration = Duration::from_secs(60);
-
-fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("hostile_{name}"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
-fn counterpoise() -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_counterpoise"));
-    command.stdin(Stdio::null());
-    command
-}
 
 /// Runs a command that must end soon.
 fn soon(command: &mut Command) -> Output {
@@ -64,7 +54,7 @@ fn with_road(name: &str) -> String {
 
 #[test]
 fn references_that_are_no_regular_files_are_refused_at_once() {
-    let folder = folder("references");
+    let folder = support::folder("hostile_references");
     assert!(Command::new("mkfifo").arg(folder.join("pipe.csv")).status().unwrap().success());
     symlink("/etc/passwd", folder.join("link.csv")).unwrap();
     symlink("/dev/zero", folder.join("device.csv")).unwrap();
@@ -86,7 +76,7 @@ fn references_that_are_no_regular_files_are_refused_at_once() {
 
 #[test]
 fn pipes_and_devices_as_inputs_are_refused_at_once() {
-    let folder = folder("inputs");
+    let folder = support::folder("hostile_inputs");
     fs::write(folder.join("project.toml"), RIG).unwrap();
     assert!(Command::new("mkfifo").arg(folder.join("pipe")).status().unwrap().success());
     for input in ["/dev/zero", "/dev/tty", folder.join("pipe").to_str().unwrap()] {
@@ -97,7 +87,7 @@ fn pipes_and_devices_as_inputs_are_refused_at_once() {
 
 #[test]
 fn runs_that_no_machine_has_memory_for_are_refused_with_an_estimate() {
-    let folder = folder("sizes");
+    let folder = support::folder("hostile_sizes");
     let cases = [
         ("duration", RIG.replacen("[verify]", "[verify]\nduration = 1e5", 1)),
         ("sample_period", replaced(RIG, "sample_period", "1e-7")),
@@ -139,7 +129,7 @@ fn without_second(text: &str, section: &str, key: &str) -> String {
 
 #[test]
 fn texts_of_a_project_cannot_speak_to_the_terminal() {
-    let folder = folder("escapes");
+    let folder = support::folder("hostile_escapes");
     let hostile = "\\u001b]0;owned\\u0007\\u001b[2J\\u202e";
     let text = replaced(RIG, "name", &format!("\"{hostile}\""));
     fs::write(folder.join("project.toml"), &text).unwrap();
@@ -155,7 +145,7 @@ fn texts_of_a_project_cannot_speak_to_the_terminal() {
 
 #[test]
 fn very_many_errors_are_counted_and_cut_short() {
-    let folder = folder("many");
+    let folder = support::folder("hostile_many");
     let wrong: String = (0..20_000).map(|k| format!("unknown_{k} = {k}\n")).collect();
     fs::write(folder.join("project.toml"), wrong + RIG).unwrap();
     let said = refused(counterpoise().arg("model").arg(&folder));
@@ -164,7 +154,7 @@ fn very_many_errors_are_counted_and_cut_short() {
 
 #[test]
 fn arguments_need_not_be_utf8() {
-    let folder = folder("arguments");
+    let folder = support::folder("hostile_arguments");
     let name = OsStr::from_bytes(b"rig-\xff\xfe.toml");
     fs::write(folder.join(name), RIG).unwrap();
     let output = soon(counterpoise().arg("model").arg(folder.join(name)).arg("-q"));
@@ -175,7 +165,7 @@ fn arguments_need_not_be_utf8() {
 
 #[test]
 fn a_lost_standard_output_is_a_failure() {
-    let folder = folder("lost");
+    let folder = support::folder("hostile_lost");
     fs::write(folder.join("project.toml"), RIG).unwrap();
     let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
     let output = counterpoise().arg("model").arg(&folder).stdout(full).output().unwrap();
@@ -195,7 +185,7 @@ fn a_lost_standard_output_is_a_failure() {
 #[test]
 fn the_temporary_folder_and_partial_files_belong_to_this_user_alone() {
     use std::os::unix::fs::PermissionsExt;
-    let folder = folder("modes");
+    let folder = support::folder("hostile_modes");
     let scratch = counterpoise_host::files::scratch_folder().unwrap();
     assert_eq!(fs::metadata(scratch.path()).unwrap().permissions().mode() & 0o777, 0o700);
     // What stands in the place of a partial file is not written through.

@@ -10,33 +10,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+mod support;
+
+use support::{CAMPAIGN, folder, folder_with, skipped};
+
 /// The calls that change the file system.
 const CALLS: &str =
     "openat,write,rename,renameat,renameat2,fsync,unlink,unlinkat,mkdir,mkdirat,fchmod,chmod,ftruncate";
-
-/// A quick campaign on the reference rig.
-const CAMPAIGN: &str = r#"
-[verify]
-duration = 1.0
-settle = 0.3
-[[verify.requirement]]
-figure = "gain_margin_db"
-at_least = 9.0
-[sweep]
-samples = 4
-seed = 5
-[[sweep.variation]]
-parameter = "hub_inertia"
-low = 0.8
-high = 1.25
-"#;
-
-fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("kills_{name}"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
-    folder
-}
 
 fn strace() -> bool {
     let tried = Command::new("strace").args(["-o", "/dev/null", "true"]).stderr(Stdio::null()).status();
@@ -87,9 +67,9 @@ fn places(calls: usize) -> Vec<usize> {
 #[test]
 fn an_export_that_is_killed_leaves_whole_files() {
     if !strace() {
-        return println!("skipped: no strace");
+        return skipped("no strace: no kills at system calls");
     }
-    let base = folder("export");
+    let base = folder("kills_export");
     let project = rig();
     let arguments = ["export", project.to_str().unwrap(), "-q"];
     let calls = traced(&arguments, &base.join("whole"), None);
@@ -120,13 +100,10 @@ fn an_export_that_is_killed_leaves_whole_files() {
 #[test]
 fn a_sweep_that_is_killed_goes_on_to_the_same_end() {
     if !strace() {
-        return println!("skipped: no strace");
+        return skipped("no strace: no kills at system calls");
     }
-    let base = folder("sweep");
-    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/reference-rig/project.toml");
-    let text = fs::read_to_string(example).unwrap();
+    let base = folder_with("kills_sweep", CAMPAIGN);
     let project = base.join("project.toml");
-    fs::write(&project, format!("{}\n{CAMPAIGN}", text.split("\n[verify]").next().unwrap())).unwrap();
     let arguments = ["sweep", project.to_str().unwrap(), "--shard", "0/2", "-q"];
     let calls = traced(&arguments, &base.join("whole"), None);
     let whole = files(&base.join("whole"));

@@ -2,7 +2,6 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;
-use std::path::Path;
 
 use counterpoise_host::projects::{self, Surroundings};
 use counterpoise_host::shards;
@@ -10,31 +9,13 @@ use counterpoise_host::stages::Progress;
 use counterpoise_pipeline as pipeline;
 use counterpoise_project::Purpose;
 
-const CAMPAIGN: &str = r#"
-[verify]
-duration = 1.0
-settle = 0.3
-[[verify.requirement]]
-figure = "gain_margin_db"
-at_least = 9.0
-[sweep]
-samples = 3
-seed = 5
-[[sweep.variation]]
-parameter = "hub_inertia"
-low = 0.8
-high = 1.25
-"#;
+mod support;
+
+use support::{CAMPAIGN, folder_with};
 
 #[test]
 fn every_single_bit_error_of_a_shard_is_refused() {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("shard_bits");
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
-    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/reference-rig/project.toml");
-    let text = fs::read_to_string(example).unwrap();
-    let text = format!("{}\n{CAMPAIGN}", text.split("\n[verify]").next().unwrap());
-    fs::write(folder.join("project.toml"), text).unwrap();
+    let folder = folder_with("shard_bits", CAMPAIGN);
     let loaded = projects::load(&folder, Purpose::Sweep).unwrap();
     let world = Surroundings::of(&loaded, Progress::Quiet);
     let designed = pipeline::design(&loaded.project, &world).unwrap();

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-const EXAMPLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/reference-rig/project.toml");
+mod support;
 
 /// A quick campaign on the example's design.
 const CAMPAIGN: &str = r#"
@@ -35,13 +35,7 @@ high = 2.0
 
 /// A fresh folder with the project in it.
 fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
-    let example = fs::read_to_string(EXAMPLE).unwrap();
-    let design = example.split("\n[verify]").next().unwrap();
-    fs::write(folder.join("project.toml"), format!("{design}\n{CAMPAIGN}")).unwrap();
-    folder
+    support::folder_with(name, CAMPAIGN)
 }
 
 fn sweep(folder: &Path, threads: &str, more: &[&str]) -> Command {

@@ -106,8 +106,8 @@ pub struct StateGroup {
     pub length: Option<usize>,
     /// Value of each at the start.
     pub initial: Vec<f64>,
-    /// Whether a reset puts the states back to the start, or leaves them as set.
-    pub on_reset: OnReset,
+    /// Whether a restart puts the states back to the start, or leaves them as set.
+    pub on_restart: OnRestart,
     /// Within what the states are kept after each step; `None` if the program itself keeps them bounded.
     pub limits: Option<StateLimits>,
 }
@@ -121,9 +121,10 @@ pub struct StateLimits {
     pub high: f64,
 }
 
-/// What a reset does to a state.
+/// What a restart does to a state. A controller restarts by itself if its states leave every plausible size; a reset, which the
+/// application asks for, puts every state back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum OnReset {
+pub enum OnRestart {
     /// Back to its start.
     Restart,
     /// Kept: the out-of-balance and what follows from it.

@@ -1,7 +1,7 @@
 //! Runs a controller.
 
 use crate::guard::{Guard, Kept, Plausible, kept_states, plausible, tend};
-use crate::program::{Compiled, OnReset};
+use crate::program::{Compiled, OnRestart};
 use crate::{Controller, Number, Programs, Readings, SampledController, Sensors, Status};
 
 /// A controller that runs, in the numbers N: `f64` is the reference, `f32` what a small target computes.
@@ -67,17 +67,17 @@ impl<N: Number> Runner<N> {
 
     /// Puts the states back to their start. The out-of-balance stays as set, unless what belongs to it is not plausible.
     fn restart(&mut self) {
-        self.put_to_start(OnReset::Restart);
-        let kept = self.programs.states.iter().filter(|group| group.on_reset == OnReset::Keep);
+        self.put_to_start(OnRestart::Restart);
+        let kept = self.programs.states.iter().filter(|group| group.on_restart == OnRestart::Keep);
         let places = kept.flat_map(|group| group.first..group.first + group.initial.len());
         let total = places.fold(N::from_f64(0.0), |sum, place| sum.plus(&self.memory[place].magnitude()));
         if plausible(&total) == Plausible::No {
-            self.put_to_start(OnReset::Keep);
+            self.put_to_start(OnRestart::Keep);
         }
     }
 
-    fn put_to_start(&mut self, which: OnReset) {
-        for group in self.programs.states.iter().filter(|group| group.on_reset == which) {
+    fn put_to_start(&mut self, which: OnRestart) {
+        for group in self.programs.states.iter().filter(|group| group.on_restart == which) {
             for (place, value) in self.memory[group.first..].iter_mut().zip(&group.initial) {
                 *place = N::from_f64(*value);
             }
@@ -110,9 +110,11 @@ impl<N: Number> Runner<N> {
 }
 
 impl<N: Number> SampledController for Runner<N> {
-    /// Puts the states back to their start and forgets all faults; the out-of-balance stays as set.
+    /// Puts every state back to its start, with the out-of-balance of the design, and forgets all faults. Which sensors are used stays
+    /// as it was: that is a command, not a fault.
     fn reset(&mut self) {
-        self.restart();
+        self.put_to_start(OnRestart::Restart);
+        self.put_to_start(OnRestart::Keep);
         self.guard.reset();
     }
 

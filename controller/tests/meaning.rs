@@ -102,15 +102,18 @@ fn a_changed_out_of_balance_makes_no_step_and_then_has_its_effect() {
 }
 
 #[test]
-fn reset_keeps_the_out_of_balance() {
+fn reset_puts_every_state_back_the_out_of_balance_too() {
     let controller = Controller::new(parts()).unwrap();
     let (mut used, mut fresh) = (controller.runner(), controller.runner());
     for k in 0..50 {
         used.step_array(&readings(k));
     }
     used.set_out_of_balance(20.0);
-    fresh.set_out_of_balance(20.0);
+    assert_ne!(used.states(), controller.runner().states());
     used.reset();
+    assert_eq!(used.states(), controller.runner().states());
+    fresh.set_out_of_balance(20.0);
+    used.set_out_of_balance(20.0);
     assert_eq!(used.states(), fresh.states());
 }
 

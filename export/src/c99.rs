@@ -1,7 +1,7 @@
 //! The controller in C99.
 
 use counterpoise_controller::Controller;
-use counterpoise_controller::program::{OnReset, Operation, Program, Programs, Slot, StateGroup};
+use counterpoise_controller::program::{OnRestart, Operation, Program, Programs, Slot, StateGroup};
 use minijinja::{Environment, context};
 
 use crate::guard::{flags, guard, guard_bytes, guard_instructions, marked};
@@ -88,8 +88,8 @@ fn data(controller: &Controller, provenance: &[String], options: &Options) -> mi
         hash => line_with(provenance, "project-hash:"),
         readings => READING_FIELDS,
         states => state_fields(controller),
-        restart => initial(controller, options.precision, OnReset::Restart),
-        keep => initial(controller, options.precision, OnReset::Keep),
+        restart => initial(controller, options.precision, OnRestart::Restart),
+        keep => initial(controller, options.precision, OnRestart::Keep),
         step => step.body(),
         set => set.body(),
         unused => unused(&programs.step),
@@ -139,9 +139,9 @@ fn state_fields(controller: &Controller) -> Vec<(String, String)> {
 }
 
 /// Statements that put states to their start: a loop for an array that starts with one value.
-fn initial(controller: &Controller, precision: Precision, which: OnReset) -> Vec<String> {
+fn initial(controller: &Controller, precision: Precision, which: OnRestart) -> Vec<String> {
     let programs = controller.programs();
-    let groups = programs.states.iter().filter(|group| group.on_reset == which);
+    let groups = programs.states.iter().filter(|group| group.on_restart == which);
     let text = |value: f64| literal(value, precision, Dialect::C);
     groups
         .flat_map(|group| {

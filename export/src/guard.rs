@@ -1,7 +1,7 @@
 //! What the printed guard of a controller needs: limits of the readings, states to look after, and the mark of the set.
 
 use counterpoise_controller::guard::{ALONE, REFUSED, REPLACED, RESTARTED, STICKY, UNCHANGED};
-use counterpoise_controller::program::{OnReset, StateGroup};
+use counterpoise_controller::program::{OnRestart, StateGroup};
 use counterpoise_controller::tolerance::{FLUSHED_DOUBLE, FLUSHED_SINGLE, MOST_STATES};
 use counterpoise_controller::{Controller, GuardSettings};
 use minijinja::{Value, context};
@@ -54,7 +54,7 @@ pub(crate) fn guard(controller: &Controller, precision: Precision, dialect: Dial
         zero => text(0.0),
         one => text(1.0),
         tended => groups.iter().map(group).collect::<Vec<_>>(),
-        kept => groups.iter().filter(|group| group.on_reset == OnReset::Keep).map(group).collect::<Vec<_>>(),
+        kept => groups.iter().filter(|group| group.on_restart == OnRestart::Keep).map(group).collect::<Vec<_>>(),
         limited => groups.iter().filter_map(|group| limited(group, &text)).collect::<Vec<_>>(),
     }
 }

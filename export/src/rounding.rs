@@ -6,7 +6,7 @@ mod tangent;
 mod trajectory;
 
 use counterpoise_controller::Controller;
-use counterpoise_controller::program::{OnReset, Operation, Slot};
+use counterpoise_controller::program::{OnRestart, Operation, Slot};
 
 use gains::Gains;
 pub use single::single_precision;
@@ -133,10 +133,10 @@ pub(crate) fn to_grid(value: f64, grid: f64) -> f64 {
     (value / grid).round() * grid - value
 }
 
-/// Whether a state is one that a setting of the out-of-balance computes and a reset keeps.
+/// Whether a state is one that a setting of the out-of-balance computes and a restart keeps.
 pub(crate) fn is_kept(controller: &Controller, slot: Slot) -> bool {
     let Slot::State(i) = slot else { return false };
-    controller.programs().locate(i).is_some_and(|(group, _)| group.on_reset == OnReset::Keep)
+    controller.programs().locate(i).is_some_and(|(group, _)| group.on_restart == OnRestart::Keep)
 }
 
 /// Error of each operation that comes from operands which a setting left wrong by `error`.

@@ -1,7 +1,7 @@
 //! The controller as a Rust crate.
 
 use counterpoise_controller::Controller;
-use counterpoise_controller::program::{OnReset, Operation, Program, Slot, StateGroup};
+use counterpoise_controller::program::{OnRestart, Operation, Program, Slot, StateGroup};
 use minijinja::{Environment, context};
 
 use crate::guard::{flags, guard, marked};
@@ -56,8 +56,8 @@ fn data(controller: &Controller, provenance: &[String], options: &Options) -> mi
         readings => READING_FIELDS,
         states => state_fields(controller),
         start => start(controller, precision),
-        restart => initial(controller, precision, OnReset::Restart),
-        keep => initial(controller, precision, OnReset::Keep),
+        restart => initial(controller, precision, OnRestart::Restart),
+        keep => initial(controller, precision, OnRestart::Keep),
         flags => flags(controller),
         guard => guard(controller, precision, Dialect::Rust),
         step => step.body(),
@@ -95,9 +95,9 @@ fn start(controller: &Controller, precision: Precision) -> Vec<String> {
 }
 
 /// Assignments that put states to their start.
-fn initial(controller: &Controller, precision: Precision, which: OnReset) -> Vec<String> {
+fn initial(controller: &Controller, precision: Precision, which: OnRestart) -> Vec<String> {
     let programs = controller.programs();
-    let groups = programs.states.iter().filter(|group| group.on_reset == which);
+    let groups = programs.states.iter().filter(|group| group.on_restart == which);
     groups
         .map(|group| match group.length {
             Some(n) => format!("self.{} = [0.0; {n}];", group.name),

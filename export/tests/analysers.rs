@@ -43,7 +43,7 @@ fn generated(test: &str) -> Vec<PathBuf> {
 #[test]
 fn clangs_analyser_is_silent() {
     if !is_there("clang") {
-        return println!("skipped: no clang");
+        return support::skipped("no clang");
     }
     for folder in generated("clang_analyser") {
         for source in ["axis.c", "axis_self_test.c", "axis_test.c"] {
@@ -57,7 +57,7 @@ fn clangs_analyser_is_silent() {
 #[test]
 fn cppcheck_is_silent() {
     if !is_there("cppcheck") {
-        return println!("skipped: no cppcheck (apt install cppcheck)");
+        return support::skipped("no cppcheck (apt install cppcheck)");
     }
     for folder in generated("cppcheck") {
         let flags =
@@ -69,7 +69,7 @@ fn cppcheck_is_silent() {
 #[test]
 fn misra_deviations_are_the_ones_listed() {
     if !is_there("cppcheck") {
-        return println!("skipped: no cppcheck (apt install cppcheck)");
+        return support::skipped("no cppcheck (apt install cppcheck)");
     }
     for folder in generated("misra") {
         let flags = ["--addon=misra", "--std=c99", "--quiet", "--enable=style", "axis.c"];
@@ -106,7 +106,7 @@ fn the_analysers_are_silent_on_fmi_units() {
             let said = run(Command::new("clang").current_dir(&folder).args(flags).args(&sources));
             assert_eq!(said, "");
         } else {
-            println!("clang's analyser skipped: no clang");
+            support::skipped("clang's analyser: no clang");
         }
         if is_there("cppcheck") {
             let flags = ["--std=c99", "--quiet", "--enable=warning,style,performance,portability"];
@@ -117,7 +117,7 @@ fn the_analysers_are_silent_on_fmi_units() {
                 .args(&sources));
             assert_eq!(said, "");
         } else {
-            println!("cppcheck skipped: it is not there (apt install cppcheck)");
+            support::skipped("no cppcheck (apt install cppcheck)");
         }
     }
 }

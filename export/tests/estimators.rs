@@ -109,7 +109,7 @@ fn every_estimator_keeps_the_prediction_along_its_run() {
 #[test]
 fn no_reading_brings_a_divisor_to_0() {
     if !is_there("cc") {
-        return println!("skipped: no C compiler");
+        return support::skipped("no C compiler");
     }
     let folder = folder("estimators_trapped");
     let plans: Vec<_> = kinds()

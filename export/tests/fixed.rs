@@ -205,7 +205,7 @@ fn build(test: &str, plans: &[Fixed], flags: &[&str]) -> PathBuf {
 #[test]
 fn fixed_c_equals_its_reference_and_never_overflows() {
     if !is_there("cc") {
-        return println!("skipped: no C compiler");
+        return support::skipped("no C compiler");
     }
     let controllers: Vec<Controller> =
         std::iter::once(typical()).chain((0..40).map(random_controller)).collect();
@@ -234,7 +234,7 @@ fn fixed_c_equals_its_reference_and_never_overflows() {
 fn shipped_fixed_point_compiles_in_silence_and_passes() {
     for compiler in ["gcc", "clang"] {
         if !is_there(compiler) {
-            println!("skipped: no {compiler}");
+            support::skipped(&format!("no {compiler}"));
             continue;
         }
         let folder = folder(&format!("fixed_{compiler}"));

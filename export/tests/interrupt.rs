@@ -108,7 +108,7 @@ fn expected(controller: &Controller) -> Vec<i32> {
 #[test]
 fn the_block_in_double_answers_count_by_count() {
     if !is_there("cc") {
-        return println!("skipped: no C compiler");
+        return support::skipped("no C compiler");
     }
     let controller = typical();
     let files = c99(Unverified(&controller), &origin(), &Options::double("axis")).unwrap();
@@ -120,7 +120,7 @@ fn the_block_in_double_answers_count_by_count() {
 #[test]
 fn the_blocks_in_small_numbers_answer_within_a_count() {
     if !is_there("cc") {
-        return println!("skipped: no C compiler");
+        return support::skipped("no C compiler");
     }
     let controller = typical();
     let per_count = converters().units_per_count();

@@ -205,7 +205,7 @@ fn compare(machine: &Machine) -> Option<String> {
 
 fn all_equal(machines: &[Machine]) {
     if !is_there("cc") {
-        return println!("skipped: no C compiler");
+        return support::skipped("no C compiler");
     }
     let wrong: Vec<String> = machines.iter().filter_map(compare).collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));

@@ -1,8 +1,9 @@
-//! Ctrl-C: the first asks the work to end in good order, a second ends the program at once.
+//! Ctrl-C: a command that can stop in good order is asked to; every other one ends at once. The exit code is the same.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 static ASKED: AtomicBool = AtomicBool::new(false);
+static WATCHED: AtomicBool = AtomicBool::new(false);
 /// Exit code of a program that Ctrl-C ended, as shells have it.
 pub const INTERRUPTED: u8 = 130;
 
@@ -11,10 +12,11 @@ pub const INTERRUPTED: u8 = 130;
 #[error("{0}")]
 pub struct Interrupted(pub String);
 
-/// From here on Ctrl-C asks to stop. Where no handler can be set, Ctrl-C ends the program, as it would have.
-pub fn watch() {
+/// From here on Ctrl-C ends the program with [`INTERRUPTED`], but while work is [watched](watch). Where no handler can be set, the
+/// system ends the program, as it would have.
+pub fn install() {
     let handler = || {
-        if ASKED.swap(true, Ordering::SeqCst) {
+        if !WATCHED.load(Ordering::SeqCst) || ASKED.swap(true, Ordering::SeqCst) {
             std::process::exit(i32::from(INTERRUPTED));
         }
         crate::terminal::tell("\nstopping (Ctrl-C again to stop at once)");
@@ -22,7 +24,23 @@ pub fn watch() {
     let _ = ctrlc::set_handler(handler);
 }
 
-/// Whether the user asked to stop.
+/// Work during which the first Ctrl-C asks to stop, and the second ends the program; afterwards the first ends it again.
+#[must_use = "the work is watched for as long as this value lives"]
+pub struct Watch(());
+
+/// Begins work that looks at [`asked`] often enough to stop soon.
+pub fn watch() -> Watch {
+    WATCHED.store(true, Ordering::SeqCst);
+    Watch(())
+}
+
+impl Drop for Watch {
+    fn drop(&mut self) {
+        WATCHED.store(false, Ordering::SeqCst);
+    }
+}
+
+/// Returns whether the user asked to stop.
 pub fn asked() -> bool {
     ASKED.load(Ordering::SeqCst)
 }

@@ -130,6 +130,17 @@ impl Operator {
         Ok(Self { form, kind })
     }
 
+    /// Returns the largest real part, in discrete time the largest modulus, of an eigenvalue of the matrix.
+    pub(crate) fn reach(&self) -> f64 {
+        let of = |l: &C64| if self.kind == Kind::Continuous { l.re } else { l.norm() };
+        self.form.eigenvalues().iter().map(of).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Returns what [`Operator::reach`] is at the boundary of stability.
+    pub(crate) fn boundary(&self) -> f64 {
+        if self.kind == Kind::Continuous { 0.0 } else { 1.0 }
+    }
+
     /// `X` with `operator(X) + Q = 0` for a symmetric `Q`.
     pub(crate) fn solve(&self, Q: &Mat) -> Mat {
         let U = &self.form.U;

@@ -107,6 +107,14 @@ pub const LANCZOS_BLOCKS: usize = 40;
 /// A shape that keeps less than this share of its length, once it is made orthogonal to others, depends on them: a hundred roundings.
 pub const LANCZOS_DEPENDENT: f64 = 2e-14;
 
+/// A pivot of a factorisation without pivoting that exceeds the diagonal entry of its row by this follows one that was nearly zero: the signs
+/// of the pivots are then not to be trusted. Ten digits of a double are left for the signs of the others.
+pub const PIVOT_GROWTH: f64 = 1e6;
+
+/// Two neighbouring modes are told apart by a count between them if their squares differ by more than this share: a thousand times the
+/// residual that a mode may have.
+pub const COUNTING_GAP: f64 = 1e-4;
+
 /// An eigenvalue of a pencil counts as found if its last correction is below this share of it: the next one is below the last
 /// digit of a double, as convergence is cubic.
 pub const PENCIL_CONVERGED: f64 = 1e-17;

@@ -2,6 +2,11 @@
 
 use crate::tolerance::HELD_ROUNDING;
 use std::f64::consts::TAU;
+use std::ops::Range;
+
+/// Samples behind the last one of a run that the interpolation of a signal uses: two for the slope at the end of an interval, and one for the
+/// rounding of a time.
+pub(crate) const LOOK_AHEAD: usize = 3;
 
 /// A scalar function of time, defined for every time.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,6 +81,19 @@ impl Signal {
             Self::Samples { period_s, values } => smooth(values, time_s / period_s),
             Self::Held { period_s, values } => held(values, time_s / period_s),
             Self::Sum(parts) => parts.iter().map(|part| part.at(time_s)).sum(),
+        }
+    }
+
+    /// Returns the signal from one of its samples on, as far as a run over so many samples looks; a signal that is not made of samples is
+    /// returned as it is.
+    pub(crate) fn part(&self, samples: Range<usize>) -> Self {
+        match self {
+            Self::Samples { period_s, values } => {
+                let end = (samples.end + LOOK_AHEAD).min(values.len());
+                let start = samples.start.min(end.saturating_sub(1));
+                Self::Samples { period_s: *period_s, values: values[start..end].to_vec() }
+            }
+            other => other.clone(),
         }
     }
 

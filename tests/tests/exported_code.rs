@@ -76,7 +76,7 @@ fn compiled(test: &str, controller: &Controller, precision: Precision) -> PathBu
 #[test]
 fn c_in_the_simulated_loop_moves_the_rig_as_the_reference_does() {
     if !is_there("cc") {
-        return println!("skipped: no C compiler");
+        return support::skipped("no C compiler");
     }
     let (plant, controller) = reference_rig();
     let double = compiled("rig_double", &controller, Precision::Double);
@@ -90,7 +90,7 @@ fn c_in_the_simulated_loop_moves_the_rig_as_the_reference_does() {
 #[test]
 fn a_processor_in_the_simulated_loop_moves_the_rig_as_the_reference_does() {
     if !is_there("arm-none-eabi-gcc") || !is_there("qemu-system-arm") {
-        return println!("skipped: no cross compiler or no emulator");
+        return support::skipped("no cross compiler or no emulator");
     }
     let (plant, controller) = reference_rig();
     let folder = folder("rig_processor");
@@ -367,10 +367,10 @@ impl Design {
 #[test]
 fn the_code_of_every_example_compiles_in_silence_and_moves_the_plant_alike() {
     if !is_there("cc") {
-        return println!("skipped: no C compiler");
+        return support::skipped("no C compiler");
     }
     for program in ["clang", "cppcheck"].into_iter().filter(|program| !is_there(program)) {
-        println!("analysis skipped: no {program} (apt install {program})");
+        support::skipped(&format!("analysis: no {program} (apt install {program})"));
     }
     let mut folders = Vec::new();
     let on_target = target::tools_are_there();
@@ -454,7 +454,7 @@ fn every_language_of_the_example_compiles_without_a_word() {
     let rust = ["--edition=2021", "--crate-type=lib", "-Dwarnings", "axis/src/lib.rs"];
     run(Command::new("rustc").current_dir(&folder).args(rust));
     if !is_there("cc") {
-        return println!("C skipped: no compiler");
+        return support::skipped("C: no compiler");
     }
     write(&folder, &fixed_c99(Unverified(&controller), &fixed, &provenance(), "fixed").unwrap());
     let sources = ["fixed.c", "fixed_self_test.c", "fixed_test.c", "-o", "fixed_test"];

@@ -120,7 +120,7 @@ fn examples() -> Vec<(String, PathBuf)> {
 fn in_fmpy(folders: &[PathBuf]) {
     let python = Command::new("python3").args(["-c", "import fmpy"]).output();
     if !python.is_ok_and(|output| output.status.success()) {
-        return println!("skipped: FMPy missing (pip install fmpy)");
+        return support::skipped("FMPy missing (pip install fmpy)");
     }
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("peers/fmi/check.py");
     println!("{}", run(Command::new("python3").arg(script).args(folders)));
@@ -129,7 +129,7 @@ fn in_fmpy(folders: &[PathBuf]) {
 #[test]
 fn the_loop_that_fmpy_closes_is_the_simulated_one_for_every_example() {
     if !is_there("cc") {
-        return println!("skipped: no C compiler");
+        return support::skipped("no C compiler");
     }
     let all = folder("fmi_loop");
     let mut folders = Vec::new();
@@ -228,7 +228,7 @@ fn plain_controller(plant: &Plant, gains: &ProportionalIntegral) -> Controller {
 fn the_loop_that_fmpy_closes_is_the_simulated_one_for_every_practice_machine() {
     let recordings = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/practice");
     if !is_there("cc") {
-        return println!("skipped: no C compiler");
+        return support::skipped("no C compiler");
     }
     let all = folder("fmi_practice");
     let mut folders = Vec::new();

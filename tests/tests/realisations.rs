@@ -67,7 +67,7 @@ fn answers<'a>(controller: impl Into<Source<'a>>, name: &str) -> Vec<f64> {
 #[test]
 fn the_form_asked_for_is_what_is_exported_and_as_sensitive_as_predicted() {
     if !is_there("cc") {
-        return println!("skipped: no C compiler");
+        return support::skipped("no C compiler");
     }
     let mut margins = Vec::new();
     for (name, expected) in
@@ -109,7 +109,7 @@ fn the_form_asked_for_is_what_is_exported_and_as_sensitive_as_predicted() {
 #[test]
 fn the_c_tells_the_forms_apart() {
     if !is_there("cc") {
-        return println!("skipped: no C compiler");
+        return support::skipped("no C compiler");
     }
     let verified = verified(&[]);
     let controller = verified.controller();

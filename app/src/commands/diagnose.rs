@@ -29,9 +29,10 @@ pub fn run(options: &DiagnoseOptions) -> Done {
         return super::structure::run(&loaded, options);
     }
     let files = projects::recordings(&options.recordings)?;
-    interrupt::watch();
     let workers = Workers::new(options.results.progress());
+    let watch = interrupt::watch();
     let diagnosed = diagnose(&loaded.project, &files, &workers);
+    drop(watch);
     workers.finish();
     let diagnosed = diagnosed.map_err(|error| anyhow::Error::msg(describe_recordings_error(&error)))?;
     let answer = describe_diagnosed_recordings(&diagnosed).answer;

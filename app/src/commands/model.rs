@@ -35,9 +35,10 @@ pub struct ModelOptions {
 pub fn run(options: &ModelOptions) -> Done {
     let loaded = projects::load(&options.project, Purpose::Model)?;
     output::warnings(&loaded, options.results.progress());
-    interrupt::watch();
     let watched = Workers::new(options.results.progress());
+    let watch = interrupt::watch();
     let modelled = pipeline::model_watched(&loaded.project, &watched);
+    drop(watch);
     watched.finish();
     let modelled = modelled?;
     let mut result = ModelResult::from(&modelled);

@@ -63,26 +63,22 @@ fn replay_in_parts(
         ));
     }
     let bar = if options.results.quiet { ProgressBar::hidden() } else { ProgressBar::new(0) };
-    let mut parts = LargeRecording::open(path, ROWS_OF_A_PART, bar)?;
+    let parts = LargeRecording::open(path, ROWS_OF_A_PART, bar)?;
     let controller = recording_controller(project)?;
-    let mut all = Vec::new();
-    loop {
-        let some: Vec<_> =
-            parts.by_ref().take(rayon::current_num_threads()).collect::<anyhow::Result<_>>()?;
-        if some.is_empty() {
-            return Ok(all);
-        }
-        let one = |table| -> anyhow::Result<Vec<RecordingResult>> {
-            let read = read_table(project, controller.as_ref(), &table).map_err(refused)?;
-            drop(table);
-            let recordings = read.iter().map(|item| &item.recording);
-            let control = if options.open_loop { Loop::Open } else { control_for(project, recordings)? };
-            let replayed = replay(project, &read, &control, options.windows)?;
-            Ok(replayed.iter().map(describe_replay).collect())
-        };
-        let done: Vec<Vec<RecordingResult>> = some.into_par_iter().map(one).collect::<anyhow::Result<_>>()?;
-        all.extend(done.into_iter().flatten());
-    }
+    let one = |table| -> anyhow::Result<Vec<RecordingResult>> {
+        let read = read_table(project, controller.as_ref(), &table).map_err(refused)?;
+        drop(table);
+        let recordings = read.iter().map(|item| &item.recording);
+        let control = if options.open_loop { Loop::Open } else { control_for(project, recordings)? };
+        let replayed = replay(project, &read, &control, options.windows)?;
+        Ok(replayed.iter().map(describe_replay).collect())
+    };
+    // While one processor reads the next part, the others replay those before it.
+    let parts = parts.enumerate().par_bridge();
+    let mut done: Vec<(usize, Vec<RecordingResult>)> =
+        parts.map(|(k, table)| Ok((k, one(table?)?))).collect::<anyhow::Result<_>>()?;
+    done.sort_by_key(|(k, _)| *k);
+    Ok(done.into_iter().flat_map(|(_, results)| results).collect())
 }
 
 /// Returns the loop in which the recordings are replayed; says so if the demand is missing.

@@ -151,7 +151,7 @@ fn run_shard(named: &Named, folder: &Path, (shard, of): (usize, usize), pace: &P
 fn run_all(named: &Named, options: &SweepOptions) -> Result<Option<String>> {
     let count = named.campaign.len().div_ceil(SHARD);
     let pace = pace(options, named.campaign.len())?;
-    interrupt::watch();
+    let _watch = interrupt::watch();
     for shard in 0..count {
         if interrupt::asked() {
             pace.finish();

@@ -246,7 +246,7 @@ struct CurvePoint {
 }
 
 fn search_weights(options: &SynthOptions, loaded: &Loaded, plant: (&Modelled, &Reduced)) -> Done {
-    interrupt::watch();
+    let _watch = interrupt::watch();
     let mut found = search(&loaded.project, plant, &mut |_: &Trial| !interrupt::asked())?;
     let world = Surroundings::of(loaded, Progress::Quiet);
     let judged = match loaded.project.verify {

@@ -3,7 +3,7 @@
 use crate::lower::schedule::{self, Layout, settable};
 use crate::lower::squares::squares;
 use crate::lower::{Limits, States, Writer};
-use crate::program::{OnReset, Slot};
+use crate::program::{OnRestart, Slot};
 use crate::tolerance::LEAST_LIFT;
 use crate::{Estimator, Learning, Parts, Signal};
 
@@ -163,7 +163,7 @@ fn follow(seen: &Seen<'_>, estimator: &Estimator, states: &mut States, writer: &
 
 /// Writes a switch that is 0 for `hold_samples` samples and 1 after them.
 fn enabled(hold_samples: u32, states: &mut States, writer: &mut Writer) -> Slot {
-    let count = states.scalar("estimator_samples", 0.0, OnReset::Restart);
+    let count = states.scalar("estimator_samples", 0.0, OnRestart::Restart);
     let now = writer.local("estimator_samples_now");
     writer.sum_into(now, Some(1.0), &[(1.0, count)]);
     let kept =

@@ -12,7 +12,7 @@ mod step;
 
 use std::collections::HashSet;
 
-use crate::program::{OnReset, Operation, Program, Programs, Section, Slot, StateGroup, StateLimits, Term};
+use crate::program::{OnRestart, Operation, Program, Programs, Section, Slot, StateGroup, StateLimits, Term};
 use crate::{Parts, READING_NAMES};
 
 /// Group of the prefilter's states.
@@ -53,15 +53,15 @@ pub(crate) struct States {
 
 impl States {
     /// Adds one state.
-    pub fn scalar(&mut self, name: &str, initial: f64, on_reset: OnReset) -> Slot {
-        self.add(name, None, vec![initial], on_reset)
+    pub fn scalar(&mut self, name: &str, initial: f64, on_restart: OnRestart) -> Slot {
+        self.add(name, None, vec![initial], on_restart)
     }
 
     /// Adds an array of states that start at 0.
     pub fn array(&mut self, name: &str, length: usize) -> Vec<Slot> {
         let first = self.count;
         if length > 0 {
-            self.add(name, Some(length), vec![0.0; length], OnReset::Restart);
+            self.add(name, Some(length), vec![0.0; length], OnRestart::Restart);
         }
         (first..first + length).map(Slot::State).collect()
     }
@@ -73,7 +73,7 @@ impl States {
         }
     }
 
-    fn add(&mut self, name: &str, length: Option<usize>, initial: Vec<f64>, on_reset: OnReset) -> Slot {
+    fn add(&mut self, name: &str, length: Option<usize>, initial: Vec<f64>, on_restart: OnRestart) -> Slot {
         let first = self.count;
         self.count += initial.len();
         self.groups.push(StateGroup {
@@ -81,7 +81,7 @@ impl States {
             first,
             length,
             initial,
-            on_reset,
+            on_restart,
             limits: None,
         });
         Slot::State(first)

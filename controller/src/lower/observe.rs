@@ -1,7 +1,7 @@
 //! The friction observers of a step.
 
 use crate::lower::{Limits, States, Writer, curve};
-use crate::program::{OnReset, Slot};
+use crate::program::{OnRestart, Slot};
 use crate::tolerance::{BREAKS_FROM, FARTHEST, POWER_POINTS, TANH_AT};
 use crate::{FrictionObserver, ObserverLaw};
 
@@ -69,7 +69,7 @@ impl Step<'_> {
     }
 
     fn state(&self, states: &mut States) -> Slot {
-        states.scalar(&self.named("nm"), 0.0, OnReset::Restart)
+        states.scalar(&self.named("nm"), 0.0, OnRestart::Restart)
     }
 
     /// Writes the level over F_c; `None` if it is constant.

@@ -1,7 +1,7 @@
 //! Gains, bias and transfer that follow the out-of-balance.
 
 use crate::lower::{Limits, States, Writer};
-use crate::program::{OnReset, Operation, Program, Slot, StateLimits};
+use crate::program::{OnRestart, Operation, Program, Slot, StateLimits};
 use crate::tolerance::{ESTIMATE_SPAN, SLOWEST_RAD_S};
 use crate::{Estimator, Learning, Parts, Scaling, check};
 
@@ -33,27 +33,27 @@ pub(crate) struct Followed {
 /// Hands out the states, with the values that belong to the design's out-of-balance.
 pub(crate) fn layout(parts: &Parts, states: &mut States) -> Layout {
     let design = parts.design_out_of_balance_kg_m;
-    let out_of_balance = states.scalar("out_of_balance_kg_m", design, OnReset::Keep);
+    let out_of_balance = states.scalar("out_of_balance_kg_m", design, OnRestart::Keep);
     let bias = (parts.bias_v_per_kg_m != 0.0)
-        .then(|| states.scalar("bias_v", parts.bias_v_per_kg_m * design, OnReset::Keep));
+        .then(|| states.scalar("bias_v", parts.bias_v_per_kg_m * design, OnRestart::Keep));
     let paths: Vec<Option<Followed>> = parts
         .paths
         .iter()
         .map(|path| {
             let initial = initial_gain(path.scaling, design)?;
-            let gain = states.scalar(&format!("{}_gain", path.name), initial, OnReset::Keep);
-            let last = states.scalar(&format!("{}_last_v", path.name), 0.0, OnReset::Restart);
+            let gain = states.scalar(&format!("{}_gain", path.name), initial, OnRestart::Keep);
+            let last = states.scalar(&format!("{}_last_v", path.name), 0.0, OnRestart::Restart);
             Some(Followed { gain, last })
         })
         .collect();
     let follows = bias.is_some() || paths.iter().any(Option::is_some);
-    let transfer =
-        (follows && parts.transfer_time_s > 0.0).then(|| states.scalar("transfer_v", 0.0, OnReset::Restart));
+    let transfer = (follows && parts.transfer_time_s > 0.0)
+        .then(|| states.scalar("transfer_v", 0.0, OnRestart::Restart));
     let estimate = parts.estimator.as_ref().map_or(Vec::new(), |estimator| {
         let holds = design * estimator.volts_per_kg_m_s2;
         let initial = |i| if i == 0 { holds } else { 0.0 };
         let add = |i| {
-            let slot = states.scalar(&format!("estimate_{i}"), initial(i), OnReset::Keep);
+            let slot = states.scalar(&format!("estimate_{i}"), initial(i), OnRestart::Keep);
             states.keep_within(plausible(parts, estimator, i));
             slot
         };
@@ -62,7 +62,7 @@ pub(crate) fn layout(parts: &Parts, states: &mut States) -> Layout {
     let averages = |estimator: &Estimator| matches!(estimator.learning, Learning::Mean { .. });
     let window = parts.estimator.as_ref().is_some_and(averages).then(|| {
         ["window_sum_v", "window_fall_m_s2", "window_count"]
-            .map(|name| states.scalar(name, 0.0, OnReset::Restart))
+            .map(|name| states.scalar(name, 0.0, OnRestart::Restart))
     });
     Layout { out_of_balance, bias, transfer, estimate, window, paths }
 }
@@ -98,8 +98,8 @@ fn parameters(estimator: &Estimator) -> usize {
 
 fn initial_gain(scaling: Scaling, design: f64) -> Option<f64> {
     let mut states = States::default();
-    let into = states.scalar("gain", 0.0, OnReset::Keep);
-    let of = states.scalar("out_of_balance_kg_m", design, OnReset::Keep);
+    let into = states.scalar("gain", 0.0, OnRestart::Keep);
+    let of = states.scalar("out_of_balance_kg_m", design, OnRestart::Keep);
     let mut writer = Writer::new(&[]);
     writer.section("gain");
     gain(&mut writer, "path", scaling, of, design)

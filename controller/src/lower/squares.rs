@@ -2,7 +2,7 @@
 
 use crate::lower::estimate::{Seen, regressors, unexplained};
 use crate::lower::{Limits, States, Writer};
-use crate::program::{OnReset, Slot, StateLimits};
+use crate::program::{OnRestart, Slot, StateLimits};
 use crate::tolerance::{LEAST_VARIANCE, MOST_TOLD, MOST_VARIANCE, WHOLE, WOUND_END, WOUND_START};
 use crate::{Estimator, Learning, Signal};
 
@@ -72,7 +72,7 @@ impl Filtered<'_> {
     /// Writes the implicit step of a lag: the value now, and its change.
     fn lag(&self, name: &str, of: Slot, states: &mut States, writer: &mut Writer) -> (Slot, Slot) {
         let period_s = self.seen.parts.sample_period_s;
-        let state = states.scalar(&format!("lagged_{name}"), 0.0, OnReset::Restart);
+        let state = states.scalar(&format!("lagged_{name}"), 0.0, OnRestart::Restart);
         let share = period_s / (self.filter_s + period_s);
         let change = writer.sum(format!("lagged_{name}_change"), &[(share, of), (-share, state)]);
         let next = writer.sum(format!("lagged_{name}_next"), &[(1.0, state), (1.0, change)]);
@@ -92,7 +92,7 @@ struct DeadBand {
 /// Writes a switch that is 1 while the regressor is lively and 0 inside the dead-band.
 fn gate(phi: Slot, band: &DeadBand, states: &mut States, writer: &mut Writer) -> Slot {
     let (forget, dead_band) = (band.forget, band.rms_m_s2);
-    let liveliness = states.scalar("liveliness", 0.0, OnReset::Restart);
+    let liveliness = states.scalar("liveliness", 0.0, OnRestart::Restart);
     let square = writer.product("lift_square", phi, phi);
     let next = writer.sum("liveliness_next", &[(forget, liveliness), (1.0 - forget, square)]);
     writer.copy(liveliness, next);
@@ -117,7 +117,7 @@ struct Factors {
 
 impl Factors {
     fn new(start: &[f64], states: &mut States) -> Self {
-        let keep = OnReset::Restart;
+        let keep = OnRestart::Restart;
         let mut variance = |(j, d): (usize, &f64)| {
             let slot = states.scalar(&format!("variance_{j}"), *d, keep);
             states.keep_within(StateLimits { low: LEAST_VARIANCE * d, high: MOST_VARIANCE * d });

@@ -8,7 +8,7 @@ use crate::lower::schedule::Layout;
 use crate::lower::{
     Limits, PREFILTER_STATES, PREVIOUS_CONTROL, States, Writer, curve, observe, reading_names,
 };
-use crate::program::{OnReset, Program, Slot};
+use crate::program::{OnRestart, Program, Slot};
 use crate::{FrictionObserver, Parts, Path, READINGS, Signal};
 
 /// Where each signal of this step is found.
@@ -126,7 +126,7 @@ fn derive(parts: &Parts, signals: &mut Signals, states: &mut States, writer: &mu
     signals.relative_rate = used(Signal::RelativeRate)
         .then(|| writer.sum(Signal::RelativeRate.name(), &[(1.0, hub), (-1.0, platform)]));
     signals.previous_control =
-        used(Signal::PreviousControl).then(|| states.scalar(PREVIOUS_CONTROL, 0.0, OnReset::Restart));
+        used(Signal::PreviousControl).then(|| states.scalar(PREVIOUS_CONTROL, 0.0, OnRestart::Restart));
 }
 
 /// Writes C x + D u of each path, times its gain if it follows the out-of-balance.

@@ -1,6 +1,6 @@
 //! The fixed-point controller in C99.
 
-use counterpoise_controller::program::{OnReset, Program, Slot};
+use counterpoise_controller::program::{OnRestart, Program, Slot};
 use counterpoise_controller::{READING_NAMES, READINGS};
 use minijinja::{Environment, context};
 
@@ -90,8 +90,8 @@ fn data(fixed: &Fixed, provenance: &[String], name: &str) -> minijinja::Value {
         likely => format!("{:.2e}", fixed.deviation.likely_v),
         rms => format!("{:.2e}", fixed.deviation.rms_v),
         samples => fixed.deviation.samples,
-        keep => initial(fixed, OnReset::Keep),
-        restart => initial(fixed, OnReset::Restart),
+        keep => initial(fixed, OnRestart::Keep),
+        restart => initial(fixed, OnRestart::Restart),
         step => printer(&programs.step, &fixed.step, "in->").body(),
         set => printer(&programs.set_out_of_balance, &fixed.set_out_of_balance, "").body(),
         vectors => rows(fixed),
@@ -107,9 +107,9 @@ fn formats(bits: &[i32]) -> String {
     bits.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
 }
 
-fn initial(fixed: &Fixed, which: OnReset) -> Vec<String> {
+fn initial(fixed: &Fixed, which: OnRestart) -> Vec<String> {
     let programs = fixed.controller.programs();
-    let groups = programs.states.iter().filter(|group| group.on_reset == which);
+    let groups = programs.states.iter().filter(|group| group.on_restart == which);
     groups
         .flat_map(|group| {
             let values = &fixed.initial[group.first..group.first + group.initial.len()];

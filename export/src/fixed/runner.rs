@@ -1,6 +1,6 @@
 //! Runs a fixed-point controller, integer by integer as the target does.
 
-use counterpoise_controller::program::{OnReset, Slot};
+use counterpoise_controller::program::Slot;
 use counterpoise_controller::{READINGS, Readings, SampledController, Sensors, Status};
 
 use crate::Adjustable;
@@ -136,11 +136,7 @@ impl Fixed {
 
 impl SampledController for FixedRunner {
     fn reset(&mut self) {
-        let groups = &self.fixed.controller.programs().states;
-        for group in groups.iter().filter(|group| group.on_reset == OnReset::Restart) {
-            let places = group.first..group.first + group.initial.len();
-            self.states[places.clone()].copy_from_slice(&self.fixed.initial[places]);
-        }
+        self.states.clone_from(&self.fixed.initial);
         self.guard.reset();
     }
 

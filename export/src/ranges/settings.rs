@@ -1,6 +1,6 @@
 //! What the out-of-balance can be set to, and how large that can make gains and bias.
 
-use counterpoise_controller::program::{OnReset, Operation, Slot};
+use counterpoise_controller::program::{OnRestart, Operation, Slot};
 use counterpoise_controller::{Controller, Scaling};
 
 /// The settings at which a gain has a corner: the ends of the range and the points of schedules, without repetition.
@@ -39,7 +39,7 @@ pub(super) fn settable(controller: &Controller, largest: &[f64]) -> Vec<(usize, 
             Slot::Input(_) => {}
         }
     }
-    let kept = programs.states.iter().filter(|group| group.on_reset == OnReset::Keep);
+    let kept = programs.states.iter().filter(|group| group.on_restart == OnRestart::Keep);
     let places = kept.flat_map(|group| group.first..group.first + group.initial.len());
     places.map(|i| (i, states[i].0.abs().max(states[i].1.abs()))).filter(|(_, b)| b.is_finite()).collect()
 }

@@ -34,6 +34,12 @@ pub fn is_there(program: &str) -> bool {
     Command::new(program).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
 }
 
+/// Says that a test, or a part of it, is passed over. The line goes past the capture of a test's output, so that a run in which every
+/// test passes still says what was not tested.
+pub fn skipped(why: &str) {
+    let _ = writeln!(std::io::stderr(), "skipped: {why}");
+}
+
 /// Runs a command; panics with what it printed where it fails. Gives its output.
 pub fn run(command: &mut Command) -> String {
     let output = command.output().unwrap();

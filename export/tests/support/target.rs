@@ -7,16 +7,14 @@ use std::process::{Command, Stdio};
 use counterpoise_export::board::{COMPILER, Core, Cost, EMULATOR, LINK, SIZER, counter, emulate};
 use counterpoise_export::{File, Numbers};
 
-use super::support::{STRICT, folder, is_there, run, write};
+use super::support::{STRICT, folder, is_there, run, skipped, write};
 
 /// Whether the tools are there; says which are missing.
 pub fn tools_are_there() -> bool {
     let missing: Vec<&str> = [COMPILER, EMULATOR].into_iter().filter(|tool| !is_there(tool)).collect();
     if !missing.is_empty() {
-        println!(
-            "skipped: {} missing (apt install gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm)",
-            missing.join(", ")
-        );
+        let packages = "apt install gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm";
+        skipped(&format!("{} missing ({packages})", missing.join(", ")));
     }
     missing.is_empty()
 }

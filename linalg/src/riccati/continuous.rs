@@ -153,6 +153,6 @@ fn attempt(
     if let Some(reason) = reason::lost_behind(&first, problem, Kind::Continuous) {
         return Err(reason);
     }
-    let refined = refine(equation, first).ok_or(Reason::NoGraph)?;
+    let refined = refine(equation, first)?;
     certify(equation, problem, refined, method)
 }

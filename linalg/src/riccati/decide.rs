@@ -22,6 +22,10 @@ const DETERMINED: f64 = 1e-2;
 /// this: the rounding alone may then have put the mode within reach.
 const UNDETERMINED: f64 = 1.0;
 
+/// A mode whose relative distance from reach is below this is named when no solution could be certified. Beyond, the input reaches it well
+/// enough, and the equation as a whole is too sensitive for doubles.
+const HARDLY: f64 = 1e-6;
+
 /// Whether a solution in doubles is accepted without further questions.
 pub(super) fn is_beyond_doubt(found: &Certified, problem: &Problem, kind: Kind) -> bool {
     let size = size(problem, kind).max(found.operator_norm);
@@ -112,7 +116,8 @@ fn explained(refusal: Refusal, problem: &Problem, kind: Kind) -> Reason {
     }
     match refusal.reason {
         Reason::Inaccurate { residual, stability, .. } => {
-            Reason::Inaccurate { residual, stability, hardest: reason::hardest_mode(problem, kind) }
+            let hardest = reason::hardest_mode(problem, kind).filter(|(_, reach)| *reach < HARDLY);
+            Reason::Inaccurate { residual, stability, hardest }
         }
         other => other,
     }

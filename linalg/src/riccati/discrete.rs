@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::mat::Mat;
 use crate::sylvester::Kind;
-use crate::tolerance::EPS;
+use crate::tolerance::{EPS, PRECISE_STATES};
 
 use super::certify::{Certified, certify};
 use super::continuous::{check_input, fold};
@@ -86,13 +86,17 @@ fn solve_in_units(equation: &Discrete) -> Outcome<Certified> {
 /// Reciprocal condition of `R` below which the equation is shifted first.
 const REGULAR: f64 = 1e-6;
 
-/// The shifts `s` to try: `None` if `R` is regular, and sizes that make `R + s B'B` so.
+/// The shifts `s` to try: none at first if `R` is regular, and sizes that make `R + s B'B` so. A large problem gets few, because its refusal
+/// must not take many times as long as a solution.
 pub(super) fn shifts(Data { B, Q, R, .. }: &Data) -> Vec<f64> {
     let square = B.norm_fro().powi(2).max(f64::MIN_POSITIVE);
     let size = (Q.norm_fro() + R.norm_fro() / square).max(f64::MIN_POSITIVE);
     let regular = crate::decomposition::rcond_one(R) > REGULAR;
     let mut list = vec![size, -size, 0.03 * size, 30.0 * size];
     list.insert(if regular { 0 } else { list.len() }, 0.0);
+    if R.nrows().max(Q.nrows()) > PRECISE_STATES {
+        list.truncate(if regular { 1 } else { 2 });
+    }
     list
 }
 
@@ -121,6 +125,6 @@ fn attempt(equation: &Discrete, problem: &Problem, shift: f64, method: Method) -
         return Err(reason);
     }
     let offset = Mat::eye(problem.A.nrows()).scale(shift);
-    let refined = refine(equation, scaled.restore(&first) + offset).ok_or(Reason::NoGraph)?;
+    let refined = refine(equation, scaled.restore(&first) + offset)?;
     certify(equation, problem, refined, method)
 }

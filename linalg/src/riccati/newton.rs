@@ -11,6 +11,8 @@ use crate::schur::schur;
 use crate::sylvester::Kind;
 use crate::tolerance::{EPS, NEWTON_STEPS};
 
+use super::Reason;
+
 /// What Newton's method needs to know of an equation.
 pub(super) trait Equation {
     /// The residual in twice the working precision, and the sum of the norms of its terms.
@@ -42,23 +44,35 @@ const STALE: f64 = 1e-4;
 /// The contraction of a step over its relative size, assumed before there are two steps to compare.
 const FIRST_RATE: f64 = 1e6;
 
+/// From a start whose closed loop is not stable, Newton's method leads to the stabilising solution only if the start is near: within this
+/// share of it. Farther starts wander, and each of their steps costs as much as a solution.
+const NEAR: f64 = 0.5;
+
 /// Steps that shrink by less than this come from a derivative that rounding has spoilt.
 const SLOW: f64 = 0.02;
 
-/// Refines `X`; `None` where the closed loop has no Schur form or a step cannot be computed.
-pub(super) fn refine(equation: &impl Equation, X: Mat) -> Option<Refined> {
+/// Refines `X`.
+///
+/// # Errors
+/// [`Reason::NoGraph`] where the closed loop has no Schur form or a step cannot be computed, [`Reason::Inaccurate`] where the start is too
+/// far from a solution.
+pub(super) fn refine(equation: &impl Equation, X: Mat) -> Result<Refined, Reason> {
     let mut X = Extended::from(X);
-    let mut derivative = derivative_at(equation, &X)?;
+    let mut derivative = derivative_at(equation, &X).ok_or(Reason::NoGraph)?;
     let mut size = f64::INFINITY;
     let mut steps = 0;
     let mut slow = false;
     while steps < NEWTON_STEPS {
-        let (residual, _) = equation.residual(&X)?;
+        let (residual, terms) = equation.residual(&X).ok_or(Reason::NoGraph)?;
         let careful = if slow { careful_step(equation, &X, &residual) } else { None };
         let step = careful.unwrap_or_else(|| derivative.solve(&residual));
         let step = step.symmetric_part();
         let relative = step.norm_fro() / X.high.norm_fro().max(f64::MIN_POSITIVE);
         let stuck = relative > 0.5 * size && size < STALE;
+        if relative > NEAR && derivative.reach() >= derivative.boundary() {
+            let residual = residual.norm_fro() / terms.max(f64::MIN_POSITIVE);
+            return Err(Reason::Inaccurate { residual, stability: derivative.reach(), hardest: None });
+        }
         if !relative.is_finite() || stuck {
             break;
         }
@@ -67,15 +81,15 @@ pub(super) fn refine(equation: &impl Equation, X: Mat) -> Option<Refined> {
         let rate = if size.is_finite() { relative / size } else { FIRST_RATE * relative };
         slow = slow || rate > SLOW && size.is_finite();
         if relative > STALE {
-            derivative = derivative_at(equation, &X)?;
+            derivative = derivative_at(equation, &X).ok_or(Reason::NoGraph)?;
         }
         size = relative;
         if relative * rate < EPS / 16.0 {
             break;
         }
     }
-    let gain = equation.gain(&X)?;
-    Some(Refined { X: X.collapse().symmetric_part(), gain, derivative, steps })
+    let gain = equation.gain(&X).ok_or(Reason::NoGraph)?;
+    Ok(Refined { X: X.collapse().symmetric_part(), gain, derivative, steps })
 }
 
 /// The step from the closed loop as it is now, balanced first: a pole close to the border of stability keeps its

@@ -87,7 +87,9 @@ impl fmt::Display for Reason {
             Self::Inaccurate { residual, stability, hardest } => {
                 write!(f, "no solution could be certified: relative residual {residual:.1e},")?;
                 write!(f, " closed loop reaches {stability:.3e}")?;
-                let Some((mode, reach)) = hardest else { return Ok(()) };
+                let Some((mode, reach)) = hardest else {
+                    return f.write_str("; the equation is too sensitive for double precision");
+                };
                 write!(f, "; the mode {} is not stable and the input hardly reaches it", Mode(*mode))?;
                 write!(f, " (relative distance from reach {reach:.1e})")
             }

@@ -10,7 +10,7 @@ use crate::decomposition::sym_eigen;
 use crate::dense::transpose_times;
 use crate::error::Error;
 use crate::mat::Mat;
-use crate::tolerance::{LANCZOS_BLOCK, LANCZOS_BLOCKS, LANCZOS_DEPENDENT};
+use crate::tolerance::{COUNTING_GAP, LANCZOS_BLOCK, LANCZOS_BLOCKS, LANCZOS_DEPENDENT};
 
 use super::matrix::Sparse;
 
@@ -54,11 +54,48 @@ pub struct LowestModes {
     pub solutions: usize,
 }
 
+/// A limit between two modes, and how many of those that were found lie below it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cut {
+    /// Number of modes below.
+    pub below: usize,
+    /// Square of the last mode below.
+    pub low: f64,
+    /// Square of the first mode above.
+    pub high: f64,
+}
+
+impl LowestModes {
+    /// Returns the highest place at which the modes that were found can be counted; `None` if no two of them are apart.
+    pub fn highest_cut(&self) -> Option<Cut> {
+        let pairs = self.squares.windows(2).enumerate().rev();
+        let mut cuts = pairs.map(|(k, pair)| Cut { below: k + 1, low: pair[0], high: pair[1] });
+        cuts.find(|cut| cut.high > (1.0 + COUNTING_GAP) * cut.low)
+    }
+
+    /// Returns these modes and others, by frequency, the lowest `count` of them.
+    pub fn merged(&self, other: &Self, count: usize) -> Self {
+        let all: Vec<f64> = self.squares.iter().chain(&other.squares).copied().collect();
+        let residuals: Vec<f64> = self.residuals.iter().chain(&other.residuals).copied().collect();
+        let shapes = self.shapes.hstack(&other.shapes);
+        let mut order: Vec<usize> = (0..all.len()).collect();
+        order.sort_by(|&a, &b| all[a].total_cmp(&all[b]));
+        order.truncate(count);
+        let rows: Vec<usize> = (0..shapes.nrows()).collect();
+        Self {
+            squares: order.iter().map(|&k| all[k]).collect(),
+            shapes: shapes.select(&rows, &order),
+            residuals: order.iter().map(|&k| residuals[k]).collect(),
+            solutions: self.solutions + other.solutions,
+        }
+    }
+}
+
 /// Returns the lowest flexible modes of a structure with mass matrix `M`, n x n, symmetric and positive semidefinite.
 ///
 /// `solve` returns `K^-1 F` for loads `F`, n x b, that are in equilibrium with respect to the rigid motions; what its answer
 /// contains of rigid motions is removed here. Fewer modes than wanted come back if there are no more. A mode that is repeated more
-/// than [`LANCZOS_BLOCK`] times may be reported fewer times.
+/// than [`LANCZOS_BLOCK`] times may be reported fewer times: [`count_below`](super::count_below) tells.
 ///
 /// # Errors
 /// [`Error::Cancelled`], [`Error::NoConvergence`], or what `solve` returns.

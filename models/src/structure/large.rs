@@ -7,7 +7,9 @@
 use std::ops::ControlFlow;
 
 use counterpoise_lti::Mat;
-use counterpoise_lti::linalg::sparse::{LowestModes, Progress, Wanted, Watch, lowest_modes};
+use counterpoise_lti::linalg::sparse::{
+    Cut, LowestModes, Progress, Wanted, Watch, count_below, lowest_modes,
+};
 use counterpoise_lti::linalg::{self, Sparse, SparseCholesky};
 
 use super::fe::{FeModel, NodeRows};
@@ -16,6 +18,12 @@ use crate::Error;
 use crate::tolerance::{
     DEPENDENT_SHAPE, FREE, LARGE_STRUCTURE_NODES, MODE_RESIDUAL, RIGID_MODE, SPARE_MODES,
 };
+
+/// Searches for modes that the iteration missed. Each finds up to four copies of one that is repeated.
+const SEARCHES: usize = 12;
+
+/// Places between two modes at which they are counted: the second and third if the stiffness is nearly singular there by chance.
+const CUT_SHARES: [f64; 3] = [0.5, 0.3, 0.7];
 
 /// A structure with sparse matrices; the fields mean what those of [`FeModel`] do.
 #[derive(Debug, Clone, PartialEq)]
@@ -128,8 +136,54 @@ impl SparseStructure {
         let found = lowest_modes(&|loads| Ok(clamped.solve(loads)), &self.M, &wanted, watch)?;
         match found.squares.iter().position(|&square| self.is_rigid(&found.shapes, square)) {
             Some(_) => Err(Error::MovesFreely { support: stage }),
-            None => Ok(found),
+            None => self.complete(clamped, (support, &wanted), found, watch),
         }
+    }
+
+    /// Adds the modes that the iteration missed, as it may if one is repeated: a count of the modes below a limit tells. What is missing is
+    /// sought beside what was found.
+    fn complete(
+        &self,
+        clamped: &Clamped,
+        (support, wanted): (Support, &Wanted),
+        mut found: LowestModes,
+        watch: &mut Watch,
+    ) -> Result<LowestModes, Error> {
+        for _ in 0..SEARCHES {
+            let Some(cut) = found.highest_cut() else { return Ok(found) };
+            let step = Progress { stage: "counting the modes", done: found.squares.len(), of: wanted.count };
+            if watch(step) == ControlFlow::Break(()) {
+                return Err(linalg::Error::Cancelled { what: step.stage }.into());
+            }
+            let missing = self.count(support, cut)?.saturating_sub(cut.below);
+            if missing == 0 {
+                return Ok(found);
+            }
+            let rigid = wanted.rigid.hstack(&found.shapes);
+            let more = Wanted { count: missing, rigid: &rigid, ..*wanted };
+            let others = lowest_modes(&|loads| Ok(clamped.solve(loads)), &self.M, &more, watch)?;
+            found = found.merged(&others, wanted.count);
+        }
+        Err(linalg::Error::NoConvergence { what: "the search for missed modes", limit: SEARCHES }.into())
+    }
+
+    /// The number of flexible modes of the structure in one support below a cut.
+    fn count(&self, support: Support, cut: Cut) -> Result<usize, Error> {
+        let held: &[usize] = match support {
+            Support::Free => &[],
+            Support::Pinned => &[self.hub.deflection],
+            Support::Clamped => &[self.hub.deflection, self.hub.rotation],
+        };
+        let kept: Vec<usize> = (0..self.heave.len()).filter(|row| !held.contains(row)).collect();
+        let (K, M) = (self.K.select(&kept), self.M.select(&kept));
+        let mut counted = Err(linalg::Error::Singular { what: "the shifted stiffness", rcond: 0.0 });
+        for share in CUT_SHARES {
+            counted = count_below(&K, &M, cut.low + share * (cut.high - cut.low));
+            if !matches!(counted, Err(linalg::Error::Singular { .. })) {
+                break;
+            }
+        }
+        Ok(counted?.saturating_sub(2 - held.len()))
     }
 
     /// Whether the first shape stores no more energy than rounding of K does.

@@ -81,3 +81,30 @@ fn a_structure_that_moves_otherwise_is_refused() {
     let (_, sparse) = structures(12);
     assert!(sparse.condensed(2, &mut |_| ControlFlow::Break(())).is_err());
 }
+
+/// Twenty equal oscillators inside a structure give a mode that is repeated twenty times, far more often than the iteration's blocks are wide:
+/// none of them may be missed, and none of the modes above them.
+#[test]
+fn a_mode_that_is_repeated_often_is_found_as_often() {
+    const COPIES: usize = 20;
+    let (mut whole, mut sparse) = structures(32);
+    let lowest = modes(&whole, Support::Pinned).unwrap().flexible_rad_s()[1];
+    let n = whole.M.nrows();
+    let grown = |A: &Mat, corner: f64| {
+        let mut out = Mat::zeros(n + COPIES, n + COPIES);
+        out.set_block(0, 0, A);
+        (n..n + COPIES).for_each(|k| out[(k, k)] = corner);
+        out
+    };
+    (whole.M, whole.K, whole.C) =
+        (grown(&whole.M, 0.01), grown(&whole.K, 0.01 * (1.1 * lowest).powi(2)), None);
+    (sparse.M, sparse.K, sparse.C) = (Sparse::from_dense(&whole.M), Sparse::from_dense(&whole.K), None);
+    for motion in [&mut whole.heave, &mut whole.pitch, &mut sparse.heave, &mut sparse.pitch] {
+        motion.resize(n + COPIES, 0.0);
+    }
+    let small = sparse.condensed(6, &mut |_| ControlFlow::Continue(())).unwrap();
+    for (support, count) in [(Support::Free, 6), (Support::Pinned, 12), (Support::Clamped, 6)] {
+        let (exact, found) = (modes(&whole, support).unwrap(), modes(&small, support).unwrap());
+        assert_all(&found.flexible_rad_s()[..count], &exact.flexible_rad_s()[..count], 1e-7);
+    }
+}

@@ -1,5 +1,7 @@
 //! The `[plant.import]` section: the structure as mass, stiffness and damping matrices of a finite-element package.
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 use counterpoise_lti::linalg::Sparse;
 use counterpoise_lti::linalg::sparse::Watch;
 use counterpoise_models::PointMass;
@@ -67,11 +69,35 @@ impl Choice for MatrixFormat {
 }
 
 impl ImportedContent {
-    /// Returns the structure with what is fitted to it, condensed if it is large; `modes` is the number of modes that are needed.
+    /// Returns the structure with what is fitted to it, condensed if it is large; `modes` is the number of modes that are needed. A structure
+    /// that was condensed a moment ago is not condensed again.
     ///
     /// # Errors
     /// As for [`Imported::fitted`] and [`Imported::condensed`].
     pub fn structure(
+        &self,
+        fitted: &Fitted,
+        modes: usize,
+        watch: &mut Watch,
+    ) -> Result<FeModel, counterpoise_models::Error> {
+        if !self.matrices.is_large() {
+            return self.computed(fitted, modes, watch);
+        }
+        let is_same =
+            |kept: &&Condensed| kept.modes == modes && kept.fitted == *fitted && kept.content == *self;
+        if let Some(kept) = condensed().iter().find(is_same) {
+            return Ok(kept.structure.clone());
+        }
+        let structure = self.computed(fitted, modes, watch)?;
+        let made =
+            Condensed { content: self.clone(), fitted: fitted.clone(), modes, structure: structure.clone() };
+        let mut all = condensed();
+        all.insert(0, made);
+        all.truncate(KEPT_STRUCTURES);
+        Ok(structure)
+    }
+
+    fn computed(
         &self,
         fitted: &Fitted,
         modes: usize,
@@ -82,6 +108,24 @@ impl ImportedContent {
         }
         self.matrices.fitted(&self.map, fitted)?.condensed(&self.map, modes, watch)
     }
+}
+
+/// A condensed structure and what it was made from.
+struct Condensed {
+    content: ImportedContent,
+    fitted: Fitted,
+    modes: usize,
+    structure: FeModel,
+}
+
+/// Condensed structures that are kept: a design with two configurations asks for two in turn.
+const KEPT_STRUCTURES: usize = 2;
+
+/// The structures that were condensed last, the newest first. A large one takes seconds, and every edit in the window and every variation of
+/// a study asks for the same one again. The answer depends on nothing but what is compared.
+fn condensed() -> MutexGuard<'static, Vec<Condensed>> {
+    static CONDENSED: Mutex<Vec<Condensed>> = Mutex::new(Vec::new());
+    CONDENSED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// An import still to be read.

@@ -26,7 +26,7 @@ use crate::history::{ReadingColumns, TimeHistory};
 use crate::run::Simulator;
 use crate::scenario::{Detail, Initial, Scenario};
 use crate::sensing::Imperfections;
-use crate::signal::Signal;
+use crate::signal::{LOOK_AHEAD, Signal};
 use crate::tolerance::SAME_PERIOD;
 use crate::{PlantState, PlatformMotion};
 use counterpoise_controller::{ProportionalIntegral, Readings, SampledController};
@@ -291,15 +291,22 @@ impl<'a> Replayer<'a> {
         (count > 0.0).then(|| sum / count)
     }
 
-    /// Returns the scenario of the first samples from a start.
+    /// Returns the scenario of the first samples from a start. Signals are copied no further than the run looks: the fit of a start runs
+    /// hundreds of times over the first moments of what may be an hour.
     pub(crate) fn scenario(&self, samples: usize, start: &PlantState) -> Scenario {
         let period = self.recording.sample_period_s;
-        let demand = self.recording.samples(Channel::Demand).unwrap_or_default().to_vec();
+        let demand = self.recording.samples(Channel::Demand).unwrap_or_default();
+        let demand = demand[..demand.len().min(samples + LOOK_AHEAD)].to_vec();
+        let platform = PlatformMotion {
+            pitch_rate_rad_s: self.platform.pitch_rate_rad_s.part(0..samples),
+            heave_m_s2: self.platform.heave_m_s2.part(0..samples),
+            ..self.platform
+        };
         Scenario {
             duration_s: samples as f64 * period,
             demand_rad_s: Signal::Held { period_s: period, values: demand },
             injection_v: Signal::ZERO,
-            platform: self.platform.clone(),
+            platform,
             imperfections: Imperfections::None,
             initial: Initial::State(Box::new(start.clone())),
             detail: Detail::Recording,

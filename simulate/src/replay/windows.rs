@@ -175,16 +175,9 @@ impl<'a, 'b> Windows<'a, 'b> {
     /// Runs `count` samples from a state at sample `from`.
     fn run(&mut self, start: &PlantState, from: usize, count: usize) -> Result<crate::TimeHistory, Error> {
         let period = self.replayer.recording.sample_period_s;
-        let later = |signal: &Signal| match signal {
-            Signal::Samples { period_s, values } => Signal::Samples {
-                period_s: *period_s,
-                values: values[from.min(values.len() - 1)..(from + count + 3).min(values.len())].to_vec(),
-            },
-            other => other.clone(),
-        };
         let platform = PlatformMotion {
-            pitch_rate_rad_s: later(&self.replayer.platform.pitch_rate_rad_s),
-            heave_m_s2: later(&self.replayer.platform.heave_m_s2),
+            pitch_rate_rad_s: self.replayer.platform.pitch_rate_rad_s.part(from..from + count),
+            heave_m_s2: self.replayer.platform.heave_m_s2.part(from..from + count),
             initial_angle_rad: self.platform_rad[from],
         };
         let scenario = Scenario {
@@ -209,8 +202,9 @@ impl<'a, 'b> Windows<'a, 'b> {
         let mut residuals = self.residuals(near, &now, from, seen)?;
         let mut cost = squares(&residuals);
         let mut damping = 1e-3;
+        let mut normal = self.normal(near, &Trial { now, residuals: &residuals }, from, seen)?;
         for _ in 0..WINDOW_ITERATIONS {
-            let step = self.normal(near, &Trial { now, residuals: &residuals }, from, seen)?.solve(damping);
+            let step = normal.solve(damping);
             let next: Move = std::array::from_fn(|k| now[k] + step[k] * self.steps[k]);
             let tried = self.residuals(near, &next, from, seen)?;
             let new_cost = squares(&tried);
@@ -221,6 +215,7 @@ impl<'a, 'b> Windows<'a, 'b> {
                 if fall < WINDOW_FLAT {
                     break;
                 }
+                normal = self.normal(near, &Trial { now, residuals: &residuals }, from, seen)?;
             } else if damping > WINDOW_STUCK {
                 break;
             } else {

@@ -7,7 +7,7 @@
 Makes box girders of beam elements on a pivot: `plane` has nodes in one plane (three unknowns each), `space` is a lattice of members in
 three directions (six each). Both programs find ten modes of the structure pinned at its hub; Counterpoise also finds those of the
 clamped and of the free structure in the same run. eigsh inverts about a shift below zero, since the pinned structure turns freely. Each program runs
-in a process of its own, whose peak memory is read when it has ended. --project leaves a project for `counterpoise model` in the folder."""
+in a process of its own, whose peak memory and processor time (reading the matrices included) are read when it has ended. --project leaves a project for `counterpoise model` in the folder."""
 import argparse, json, os, subprocess, sys, time
 
 import numpy as np
@@ -102,15 +102,16 @@ def scipy_modes(folder):
 
 
 def measured(command, limit):
-    """Standard output, and the peak memory in MiB; None if it takes too long or too much."""
+    """Standard output, the peak memory in MiB and the processor time in s; None if it takes too long or too much."""
     try:
-        done = subprocess.run(['/usr/bin/env', 'python3', '-c', 'import resource,subprocess,sys\nd=subprocess.run(sys.argv[1:],capture_output=True,text=True)\nsys.stderr.write(d.stderr[-300:])\nprint(d.stdout)\nprint(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)', *command],
+        done = subprocess.run(['/usr/bin/env', 'python3', '-c', 'import resource,subprocess,sys\nd=subprocess.run(sys.argv[1:],capture_output=True,text=True)\nsys.stderr.write(d.stderr[-300:])\nu=resource.getrusage(resource.RUSAGE_CHILDREN)\nprint(d.stdout)\nprint(u.ru_maxrss,u.ru_utime+u.ru_stime)', *command],
                               capture_output=True, text=True, timeout=limit)
-        text, memory = done.stdout.rstrip().rsplit('\n', 1)
-        return json.loads(text), int(memory) / 1024
+        text, used = done.stdout.rstrip().rsplit('\n', 1)
+        memory, processor = used.split()
+        return json.loads(text), int(memory) / 1024, float(processor)
     except Exception as why:
         print(f'{command[0]}: {why}', file=sys.stderr)
-        return None, float('nan')
+        return None, float('nan'), float('nan')
 
 
 def main():
@@ -130,11 +131,11 @@ def main():
             if a.project:
                 text = open(os.path.join(ROOT, 'examples', 'imported-structure', 'project.toml')).read()
                 open(os.path.join(folder, 'project.toml'), 'w').write(text)
-            ours, memory = measured([PROGRAM, folder, str(MODES)], a.limit)
-            theirs, peers_memory = measured([sys.executable, os.path.abspath(__file__), '--scipy', folder], a.limit)
+            ours, memory, own = measured([PROGRAM, folder, str(MODES)], a.limit)
+            theirs, peers_memory, peers = measured([sys.executable, os.path.abspath(__file__), '--scipy', folder], a.limit)
             apart = max(abs(x / y - 1) for x, y in zip(ours['pinned'], theirs['rad_s'])) if ours and theirs else float('nan')
-            mine = f"{ours['condense_s']:.2f} s (reading {ours['read_s']:.2f} s)" if ours else 'failed'
-            other = f"{theirs['seconds']:.2f} s" if theirs else 'failed'
+            mine = f'{own:.1f} s' if ours else 'failed'
+            other = f'{peers:.1f} s' if theirs else 'failed'
             print(f'| {kind} | {n} | {entries} | {mine} | {memory:.0f} MiB | {other} | {peers_memory:.0f} MiB | {apart:.1e} |', flush=True)
 
 

@@ -66,6 +66,11 @@ impl Imported {
         Ok(Self { M: m.matrix(&rows)?, C, K: k.matrix(&rows)?, rows })
     }
 
+    /// Returns whether [`Imported::condensed`] condenses the structure.
+    pub fn is_large(&self) -> bool {
+        self.rows.len() > LARGE_STRUCTURE
+    }
+
     /// Returns the structure with its hub at the map's pivot, as [`Imported::sparse`] does, with dense matrices: those of the
     /// files, or of the condensed structure if there are more than [`LARGE_STRUCTURE`] unknowns. `modes` is the number
     /// of modes that are needed.
@@ -74,7 +79,7 @@ impl Imported {
     /// As for [`Imported::sparse`] and [`SparseStructure::condensed`].
     pub fn condensed(&self, map: &NodeMap, modes: usize, watch: &mut Watch) -> Result<FeModel, Error> {
         let whole = self.sparse(map)?;
-        if self.rows.len() <= LARGE_STRUCTURE { Ok(whole.dense()) } else { whole.condensed(modes, watch) }
+        if self.is_large() { whole.condensed(modes, watch) } else { Ok(whole.dense()) }
     }
 
     /// Returns the structure as [`Imported::sparse`] does, with the dense matrices of the files.
