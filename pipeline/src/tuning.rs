@@ -23,6 +23,7 @@ use counterpoise_verify::signals::{WelchOptions, welch};
 use counterpoise_verify::{Arrangement, Experiment, History, Procedure, Source, nonlinear};
 use serde::Serialize;
 
+use crate::first_design::with_angles;
 use crate::model::CONVERTER_RANGE_V;
 use crate::synth::schedule::other_configurations;
 use crate::synth::{design_plant, sampling};
@@ -48,6 +49,10 @@ pub struct TunedProject {
 pub struct TuningGround {
     /// The nominal plant, then those that the project asks for.
     pub plants: Vec<DesignPlant>,
+    /// The nominal machine with its angles, on which the loop must be stable.
+    pub held: Vec<DesignPlant>,
+    /// What is made least; a band if the project moves nothing.
+    pub objective: TuningObjective,
     /// Mechanisms of the sweep, from which those are taken that turn out to be the worst.
     pub mechanisms: Vec<DesignPlant>,
     /// How the controller is sampled.
@@ -72,7 +77,7 @@ pub fn with_tuned_structure(
     let modelled = model(project)?;
     let reduced = reduce(project, &modelled)?;
     let wanted = asked.options.tuning.clone().unwrap_or_default();
-    let ground = tuning_ground(project, (&modelled, &reduced), &wanted, world)?;
+    let ground = tuning_ground(project, &modelled, &reduced, &wanted, world)?;
     let (tuned, plants) = tune_structure(&structure, &ground, &wanted)?;
     let mut stated = asked.clone();
     stated.options.structure = rounded(&tuned.structure);
@@ -95,7 +100,8 @@ fn rounded(structure: &FixedStructure) -> FixedStructure {
 /// As [`with_tuned_structure`].
 pub fn tuning_ground(
     project: &Project,
-    (modelled, reduced): (&Modelled, &Reduced),
+    modelled: &Modelled,
+    reduced: &Reduced,
     wanted: &Tuning,
     world: &dyn World,
 ) -> Result<TuningGround, PipelineError> {
@@ -108,13 +114,23 @@ pub fn tuning_ground(
             FurtherPlants::Sweep => mechanisms = of_sweep(project, &asked, modelled)?,
         }
     }
-    let disturbance = match wanted.objective {
-        TuningObjective::Band => Disturbance::of_band(wanted.band_rad_s),
-        TuningObjective::Motion => expected_disturbance(project, (modelled, reduced), world)?,
-    };
-    Ok(TuningGround { plants, mechanisms, sampling: sampling(&asked, modelled)?, disturbance })
+    let held = vec![with_angles(project, modelled, &plants[0])?];
+    let mut objective = wanted.objective;
+    let mut disturbance = Disturbance::of_band(wanted.band_rad_s);
+    if objective == TuningObjective::Motion {
+        let expected = expected_disturbance(project, modelled, reduced, world)?;
+        if expected.lines.iter().map(|line| line[1]).sum::<f64>().sqrt() > STILL_RAD_S {
+            disturbance = expected;
+        } else {
+            objective = TuningObjective::Band;
+        }
+    }
+    let sampling = sampling(&asked, modelled)?;
+    Ok(TuningGround { plants, held, objective, mechanisms, sampling, disturbance })
 }
 
+/// A hub rate below this is none: rounding of the simulator, not motion, rad/s.
+const STILL_RAD_S: f64 = 1e-9;
 /// Rounds in which the worst mechanism of a sweep is added to the plants that are tuned for.
 const ROUNDS: usize = 5;
 
@@ -166,6 +182,7 @@ fn task<'a>(
     TuningTask {
         structure,
         plants,
+        held: &ground.held,
         sampling: &ground.sampling,
         disturbance: &ground.disturbance,
         limits: wanted.limits,
@@ -236,7 +253,8 @@ fn of_sweep(
 /// Those of the H2 design and of the simulation.
 pub fn expected_disturbance(
     project: &Project,
-    (modelled, reduced): (&Modelled, &Reduced),
+    modelled: &Modelled,
+    reduced: &Reduced,
     world: &dyn World,
 ) -> Result<Disturbance, PipelineError> {
     let mut with_h2 = project.clone();
@@ -309,11 +327,21 @@ fn output_lines(history: &History, made: &Synthesised, noise: f64) -> Result<Vec
         let loop_gain = response.at(TAU * hz)?[(0, 0)];
         let sensitivity = (C64::ONE + loop_gain).inv();
         let own = (density - noise_density * (loop_gain * sensitivity).norm_sqr()).max(0.0);
-        lines.push([TAU * hz, own * width_hz / sensitivity.norm_sqr()]);
+        lines.extend(spread([*hz, width_hz], own * width_hz / sensitivity.norm_sqr()));
     }
     Ok(merged(lines))
 }
 
+/// The power of a bin of the spectrum on lines that are no further apart than [`NEIGHBOURS`]: a real spectrum is continuous, and a feedback must
+/// not be rewarded for zeros of S at the bins.
+fn spread([hz, width_hz]: [f64; 2], power: f64) -> Vec<[f64; 2]> {
+    let count = (width_hz / (NEIGHBOURS * hz)).ceil().clamp(1.0, MOST_LINES) as usize;
+    let place = |k: usize| hz + width_hz * ((k as f64 + 0.5) / count as f64 - 0.5);
+    (0..count).map(|k| [TAU * place(k), power / count as f64]).collect()
+}
+
+/// Lines of a bin at most.
+const MOST_LINES: f64 = 16.0;
 /// Share of half the sample rate up to which a disturbance has lines: beyond it the hold, not the feedback, decides.
 const HIGHEST_SHARE: f64 = 0.5;
 
@@ -364,10 +392,12 @@ pub struct LoopMeasuresResult {
     pub effort_v: f64,
     /// RMS rate that the disturbance leaves, rad/s.
     pub residual_rad_s: f64,
+    /// Slowest decay of a pole of the closed loop, rad/s.
+    pub decay_rad_s: f64,
 }
 
 impl From<&BestLoop> for LoopMeasuresResult {
-    /// The bound has no controller: margins and crossover are NaN.
+    /// The bound has no controller: margins, crossover and decay are NaN.
     fn from(found: &BestLoop) -> Self {
         Self {
             max_sensitivity: found.max_sensitivity,
@@ -380,6 +410,7 @@ impl From<&BestLoop> for LoopMeasuresResult {
             control_peak: found.control_peak,
             effort_v: found.effort_v,
             residual_rad_s: found.residual_rad_s,
+            decay_rad_s: f64::NAN,
         }
     }
 }
@@ -423,6 +454,7 @@ impl From<&LoopMeasures> for LoopMeasuresResult {
             control_peak: m.control_peak,
             effort_v: m.effort_v,
             residual_rad_s: m.residual_rad_s,
+            decay_rad_s: m.decay_rad_s,
         }
     }
 }

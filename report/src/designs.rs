@@ -9,17 +9,18 @@ use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 use crate::{Cell, Column, Headline, Origin, Report, Section, Table, Tile, Tone};
 
 /// What each column of the table is.
-pub const COLUMNS: [&str; 17] = [
+pub const COLUMNS: [&str; 18] = [
     "order",
     "Ms",
     "Mt",
     "gain margin [dB]",
     "phase margin [deg]",
     "delay margin [ms]",
+    "decay [rad/s]",
     "noise gain [V s/rad]",
     "largest KS [V s/rad]",
     "effort [V]",
-    "|S| 0.2 to 2 Hz",
+    "RMS of S, 0.2 to 2 Hz",
     "residual hub rate [mrad/s]",
     "step [mrad/s]",
     "sines [mrad/s]",
@@ -31,7 +32,7 @@ pub const COLUMNS: [&str; 17] = [
 
 /// What the columns mean, for a reader of the table.
 pub const LEGEND: [&str; 4] = [
-    "Order: states of the feedback. Margins, noise gain (RMS control for readings with noise of unit RMS), largest KS and |S| are those of the \
+    "Order: states of the feedback. Decay: the slowest pole of the closed loop. Margins, noise gain (RMS control for readings with noise of unit RMS), largest KS and |S| are those of the \
      sampled linear loop.",
     "Residual hub rate and effort: RMS rate and RMS control that the estimated disturbance at the output leaves in the linear loop; a tuned structure makes the \
      residual hub rate least.",
@@ -40,11 +41,8 @@ pub const LEGEND: [&str; 4] = [
     "Control: RMS of the control about its mean under the motion.",
 ];
 
-/// A row with the time that its design took, s.
-pub type TimedRow<'a> = (&'a DesignRow, Option<f64>);
-
-/// Returns the cells of a row after its name; empty text where there is no number.
-pub fn cells((row, time_s): TimedRow<'_>) -> Vec<String> {
+/// Returns the cells of a row after its name, with the time that its design took in s; empty text where there is no number.
+pub fn cells(row: &DesignRow, time_s: Option<f64>) -> Vec<String> {
     let number = |value: Option<f64>| value.filter(|value| !value.is_nan()).map_or(String::new(), short);
     let linear = |of: fn(&counterpoise_pipeline::tuning::LoopMeasuresResult) -> f64| {
         number(row.linear.as_ref().map(of))
@@ -61,6 +59,7 @@ pub fn cells((row, time_s): TimedRow<'_>) -> Vec<String> {
         linear(|m| m.gain_margin_db),
         linear(|m| m.phase_margin_deg),
         linear(|m| 1e3 * m.delay_margin_s),
+        linear(|m| m.decay_rad_s),
         linear(|m| m.noise_gain),
         linear(|m| m.control_peak),
         linear(|m| m.effort_v),
@@ -83,8 +82,17 @@ pub fn limits_words(limits: &LimitsResult) -> String {
         ("noise gain", limits.noise_gain),
         ("KS", limits.control_peak),
     ];
-    let words = pairs.into_iter().filter_map(|(name, limit)| Some(format!("{name} <= {}", short(limit?))));
-    words.collect::<Vec<_>>().join(", ")
+    let lower = [
+        ("gain margin", limits.gain_margin_db, "dB"),
+        ("phase margin", limits.phase_margin_deg, "deg"),
+        ("delay margin", limits.delay_margin_s, "s"),
+        ("decay", limits.decay_rad_s, "rad/s"),
+    ];
+    let above = pairs.into_iter().filter_map(|(name, limit)| Some(format!("{name} <= {}", short(limit?))));
+    let below = lower
+        .into_iter()
+        .filter_map(|(name, limit, unit)| Some(format!("{name} >= {} {unit}", short(limit?))));
+    above.chain(below).collect::<Vec<_>>().join(", ")
 }
 
 /// Returns a block with its values in words.
@@ -107,7 +115,7 @@ pub fn remarks(row: &DesignRow) -> Vec<String> {
             format!("is {} % above it", short(100.0 * (value / linear.residual_rad_s - 1.0)))
         });
         all.push(format!(
-            "a bound, not a controller: {} functions, limits verified at {} frequencies; its value is {} % above the dual bound of the basis, and half the basis {half}",
+            "a bound, not a controller: {} functions, limits of S, T, KS, noise gain and effort verified at {} frequencies; its value is {} % above the dual bound of the basis, and half the basis {half}",
             bound.basis,
             bound.frequencies,
             short(gap)
@@ -125,7 +133,7 @@ pub fn markdown(table: &DesignTable, times_s: &[f64]) -> String {
     let mut text = format!("| design | {} |\n", COLUMNS.join(" | "));
     text += &format!("|---|{}\n", "---|".repeat(COLUMNS.len()));
     for (k, row) in table.rows.iter().enumerate() {
-        let cells = cells((row, times_s.get(k).copied()));
+        let cells = cells(row, times_s.get(k).copied());
         text += &format!("| {} {} | {} |\n", k + 1, row.name, cells.join(" | "));
     }
     text.push('\n');
@@ -149,7 +157,7 @@ pub fn report(table: &DesignTable, times_s: &[f64], origin: &Origin) -> Report {
     let mut shown = Table::new("Designs", &columns);
     for (k, row) in table.rows.iter().enumerate() {
         let mut line = vec![Cell::text(row.name.clone())];
-        line.extend(cells((row, times_s.get(k).copied())).into_iter().map(Cell::text));
+        line.extend(cells(row, times_s.get(k).copied()).into_iter().map(Cell::text));
         shown.rows.push(line);
     }
     let mut details = Section::new("What each design is");

@@ -89,6 +89,9 @@ fn on_the_rig_tuned_structures_beat_the_h2_feedback_within_its_own_limits_and_no
         assert!(motion(row) < motion(own), "{row:?}");
     }
     assert!(notches.linear.unwrap().residual_rad_s <= 1.001 * pi.linear.unwrap().residual_rad_s);
+    // More blocks are not bought with steps or sines: within 2 % of the PI there.
+    let (fewer, more) = (pi.nonlinear.unwrap(), notches.nonlinear.unwrap());
+    assert!(more.step_rad_s < 1.02 * fewer.step_rad_s && more.sines_rad_s < 1.02 * fewer.sines_rad_s);
 }
 
 #[test]

@@ -105,17 +105,13 @@ fn print(table: &DesignTable, times_s: &[f64]) {
         designs::remarks(row).iter().for_each(|line| say!("     {line}"));
     }
     say!();
-    let heads: String = (1..=table.rows.len()).map(|k| format!("{k:>9}")).collect();
-    say!("{:22}{heads}", "");
-    let columns: Vec<Vec<String>> = table
-        .rows
-        .iter()
-        .enumerate()
-        .map(|(k, row)| designs::cells((row, times_s.get(k).copied())))
-        .collect();
+    let heads: String = (1..=table.rows.len()).map(|k| format!("{k:>11}")).collect();
+    say!("{:27}{heads}", "");
+    let columns: Vec<Vec<String>> =
+        table.rows.iter().enumerate().map(|(k, row)| designs::cells(row, times_s.get(k).copied())).collect();
     for (line, name) in designs::COLUMNS.iter().enumerate() {
-        let cells: String = columns.iter().map(|cells| format!("{:>9}", cells[line])).collect();
-        say!("{name:22}{cells}");
+        let cells: String = columns.iter().map(|cells| format!("{:>11}", cells[line])).collect();
+        say!("{name:27}{cells}");
     }
 }
 

@@ -91,6 +91,14 @@ pub struct LimitsResult {
     pub noise_gain: Option<f64>,
     /// Largest |KS|, V s/rad.
     pub control_peak: Option<f64>,
+    /// Smallest gain margin, dB.
+    pub gain_margin_db: Option<f64>,
+    /// Smallest phase margin, degrees.
+    pub phase_margin_deg: Option<f64>,
+    /// Smallest delay margin, s.
+    pub delay_margin_s: Option<f64>,
+    /// Slowest decay of a pole, rad/s.
+    pub decay_rad_s: Option<f64>,
 }
 
 /// Figures of the nonlinear closed loop: RMS values after the procedure's settling time.
@@ -143,7 +151,7 @@ pub fn design_table(
     let reduced = reduce(project, &modelled)?;
     let asked = project.synth.clone().unwrap_or_default();
     let wanted = asked.options.tuning.clone().unwrap_or_default();
-    let ground = tuning_ground(project, (&modelled, &reduced), &wanted, world)?;
+    let ground = tuning_ground(project, &modelled, &reduced, &wanted, world)?;
     let identity = ProjectIdentity::of(project, world);
     let bench = Bench {
         project,
@@ -158,8 +166,9 @@ pub fn design_table(
     let mut rows = vec![own];
     rows.extend(variants(&asked).into_iter().map(|(name, synthesis)| bench.attempted(name, synthesis)));
     let mut limits: Vec<LoopLimits> = rows[0].linear.iter().map(|found| limits_of(found, &wanted)).collect();
+    let decay_rad_s = limits.first().map_or(0.0, |limits| limits.decay_rad_s);
     limits.extend(asked.options.tuning.iter().map(|tuning| tuning.limits));
-    limits.extend(&request.further);
+    limits.extend(request.further.iter().map(|limits| LoopLimits { decay_rad_s, ..*limits }));
     for limits in limits {
         for (name, structure) in structures() {
             rows.push(bench.tuned(name, &structure, &Tuning { limits, ..wanted.clone() }));
@@ -167,11 +176,14 @@ pub fn design_table(
         rows.push(bench.best(limits, &wanted));
     }
     let motion = if bench.procedure.road.is_some() { "the project's own motion" } else { "the sines" };
-    let objective = match wanted.objective {
+    let objective = match ground.objective {
         TuningObjective::Motion => {
             format!("hub rate under {motion}")
         }
-        TuningObjective::Band => "RMS of |S| over the band".to_owned(),
+        TuningObjective::Band => {
+            let [low, high] = wanted.band_rad_s;
+            format!("RMS of |S| from {low} to {high} rad/s")
+        }
     };
     let Disturbance { lines: disturbance, reading_noise_rad_s } = ground.disturbance.clone();
     let (name, hash) = (identity.name, identity.hash);
@@ -189,14 +201,15 @@ fn own_name(asked: &Synthesis) -> String {
     }
 }
 
-/// The equal limits of a tuned structure: the figures that the own controller reaches.
+/// The equal limits of a tuned structure: the figures that the own controller reaches. Its decay is among them, because a slow pole costs
+/// little under a motion and shows in every step.
 fn limits_of(own: &LoopMeasuresResult, wanted: &Tuning) -> LoopLimits {
     LoopLimits {
         max_sensitivity: own.max_sensitivity,
         max_complementary: own.max_complementary,
         noise_gain: own.noise_gain,
         control_peak: own.control_peak,
-        decay_rad_s: wanted.limits.decay_rad_s,
+        decay_rad_s: own.decay_rad_s.max(0.0),
         damping: wanted.limits.damping,
         ..LoopLimits::default()
     }
@@ -282,7 +295,7 @@ impl Bench<'_> {
         let row = match watched(self.world, Step::Synthesise, || best_loop(&task)) {
             Err(why) => blank_row(name, Some(why.to_string())),
             Ok(found) => {
-                let is_band = wanted.objective == TuningObjective::Band && wanted.band_rad_s == BAND_RAD_S;
+                let is_band = ground.objective == TuningObjective::Band && wanted.band_rad_s == BAND_RAD_S;
                 let bound = BoundResult {
                     lower_bound: found.lower_bound_rad_s,
                     half_basis: found.half_basis_rad_s,
@@ -367,12 +380,16 @@ fn blank_row(name: &str, why: Option<String>) -> DesignRow {
 
 impl From<&LoopLimits> for LimitsResult {
     fn from(limits: &LoopLimits) -> Self {
-        let asked = |limit: f64| Some(limit).filter(|limit| limit.is_finite());
+        let asked = |limit: f64| Some(limit).filter(|limit| limit.is_finite() && *limit > 0.0);
         Self {
             max_sensitivity: asked(limits.max_sensitivity),
             max_complementary: asked(limits.max_complementary),
             noise_gain: asked(limits.noise_gain),
             control_peak: asked(limits.control_peak),
+            gain_margin_db: asked(limits.gain_margin_db),
+            phase_margin_deg: asked(limits.phase_margin_deg),
+            delay_margin_s: asked(limits.delay_margin_s),
+            decay_rad_s: asked(limits.decay_rad_s),
         }
     }
 }

@@ -77,7 +77,7 @@ impl Default for Tuning {
             band_rad_s: [1.26, 12.6],
             limits,
             plants: Vec::new(),
-            starts: 8,
+            starts: 12,
             seed: 1,
         }
     }
@@ -98,11 +98,11 @@ fn block(v: &mut dyn Visit, block: &mut Block) {
     }
     for (parameter, name) in block.parameters.iter_mut().zip(kind.parameters()) {
         let (value, range) = fields(*name);
-        read_parameter(v, parameter, (&value, &range));
+        read_parameter(v, parameter, &value, &range);
     }
 }
 
-fn read_parameter(v: &mut dyn Visit, parameter: &mut Parameter, (value, range): (&Field, &Field)) {
+fn read_parameter(v: &mut dyn Visit, parameter: &mut Parameter, value: &Field, range: &Field) {
     maybe_number(v, value, &mut parameter.value);
     let mut ends: Vec<f64> = parameter.range.map(|range| range.to_vec()).unwrap_or_default();
     v.numbers(range, Count::Exactly(2), &mut ends);
@@ -171,8 +171,11 @@ pub(crate) fn tuning(v: &mut dyn Visit, tuning: &mut Tuning) {
     }
     limits(v, &mut tuning.limits);
     plants(v, &mut tuning.plants);
-    let starts = Field::new("starts", "number of points from which the tuning starts");
-    count(v, &starts.limit(Limit::Between(1.0, 1000.0)).or(8.0), &mut tuning.starts);
+    let starts = Field::new(
+        "starts",
+        "number of points from which the tuning starts, and of restarts near the best answer",
+    );
+    count(v, &starts.limit(Limit::Between(1.0, 1000.0)).or(12.0), &mut tuning.starts);
     let seed = Field::new("seed", "seed of the random part of the starts").limit(AT_LEAST_0);
     v.whole(&seed.or(1.0), &mut tuning.seed);
 }

@@ -17,7 +17,7 @@ use counterpoise_lti::response::Response;
 use counterpoise_lti::{C64, StateSpace, is_stable};
 
 use crate::sampling::sampled_plant;
-use crate::tuning::{Disturbance, LoopGrid, LoopLimits, bilinear_factor};
+use crate::tuning::{Clock, Density, Disturbance, LoopGrid, LoopLimits, bilinear_factor};
 use crate::{DesignPlant, Error, Sampling};
 use basis::Basis;
 use program::{Program, Solved};
@@ -64,8 +64,11 @@ pub struct BestLoop {
 const ROUNDS: usize = 6;
 /// A limit that is exceeded by less than this share on the fine grid counts as kept.
 const KEPT: f64 = 2e-3;
+/// The fine grid: the longest delay of the basis makes |Q| ripple with a period of a 160th of the sample rate, which eight frequencies
+/// a period resolve. With a coarser grid the answer puts peaks between its frequencies, and the value is too low.
+const DENSITY: Density = Density { per_decade: 100.0, linear: 640 };
 /// Every so many frequencies of the fine grid are in the program from the start.
-const COARSE: usize = 3;
+const COARSE: usize = 4;
 
 /// Computes the best feedback.
 ///
@@ -105,7 +108,12 @@ impl Ground {
         }
         let period_s = task.sampling.period_s;
         let factor = bilinear_factor(task.sampling).unwrap_or(2.0 / period_s);
-        let grid = LoopGrid::new(std::slice::from_ref(&system), task.disturbance, period_s, factor)?;
+        let grid = LoopGrid::new(
+            std::slice::from_ref(&system),
+            task.disturbance,
+            Clock { period_s, factor },
+            DENSITY,
+        )?;
         let response = Response::of(&system)?;
         let P = response.at_all(&grid.rates)?.iter().map(|H| H[(0, 0)]).collect();
         let P0 = response.at(0.0)?[(0, 0)].re;

@@ -35,6 +35,7 @@ fn no_tuned_controller_is_better_than_the_best_feedback_and_its_dual_closes_the_
     let tuned = tune(&TuningTask {
         structure: &structure,
         plants: &plants,
+        held: &[],
         sampling: &sampling,
         disturbance: &disturbance,
         limits,

@@ -1,9 +1,12 @@
 //! The descent from one start: tangent programs in a trust region.
 
+use std::f64::consts::LN_2;
+
 use super::evaluation::Evaluation;
 use super::problem::Problem;
 use super::tangent::{PENALTY, merit, tangent_step};
 use crate::Error;
+use crate::fixed_structure::ParameterName;
 
 /// Where a descent ended.
 #[derive(Debug, Clone)]
@@ -21,17 +24,20 @@ pub(crate) struct Descended {
 }
 
 /// Steps at most. The examples need between 15 and 60.
-const STEPS: usize = 150;
+const STEPS: usize = 300;
 /// First and last size of the trust region, as factors on the parameters in natural logarithms.
 const FIRST: f64 = 0.5;
 const LAST: f64 = 1e-6;
 const LARGEST: f64 = 2.0;
+/// Size of the region after it has shrunk to nothing, and the gain since the last time that makes it worth while.
+const AGAIN: f64 = 0.1;
+const WORTHWHILE: f64 = 1e-4;
 /// A step is taken if it brings this share of what it promised, and the region grows if it brings the second.
 const TAKEN: f64 = 0.05;
 const GOOD: f64 = 0.6;
 /// The descent ends if a step promises less than this share of the residual rate.
 const PROMISED: f64 = 1e-7;
-/// Halvings of the gain of a start that is not stable.
+/// Halvings of the gain, and of the corner below which it integrates, of a start that is not stable.
 const HALVINGS: usize = 24;
 
 /// Descends from a start; `None` if no loop near it is stable.
@@ -41,7 +47,7 @@ const HALVINGS: usize = 24;
 pub(crate) fn descend(problem: &Problem<'_>, start: &[f64]) -> Result<Option<Descended>, Error> {
     let Some(mut at) = stable_start(problem, start) else { return Ok(None) };
     let mut found = problem.evaluate(&at)?;
-    let (mut radius, mut evaluations) = (FIRST, 1);
+    let (mut radius, mut evaluations, mut settled) = (FIRST, 1, f64::INFINITY);
     for _ in 0..STEPS {
         let within = |k: usize, sign: f64| {
             let range = problem.open[k].range;
@@ -54,7 +60,10 @@ pub(crate) fn descend(problem: &Problem<'_>, start: &[f64]) -> Result<Option<Des
         let promised = step.as_ref().map_or(0.0, |step| merit(&found) - step.predicted);
         let Some(step) = step.filter(|_| promised > PROMISED) else {
             radius *= 0.25;
-            if radius < LAST { break } else { continue }
+            if radius < LAST {
+                break;
+            }
+            continue;
         };
         let next: Vec<f64> = at.iter().zip(&step.h).map(|(at, h)| at + h).collect();
         evaluations += 1;
@@ -66,7 +75,12 @@ pub(crate) fn descend(problem: &Problem<'_>, start: &[f64]) -> Result<Option<Des
             _ => radius *= 0.35,
         }
         if radius < LAST {
-            break;
+            // The region may have shrunk at a kink that the lines of another point see.
+            if merit(&found) > settled - WORTHWHILE {
+                break;
+            }
+            settled = merit(&found);
+            radius = AGAIN;
         }
     }
     let (objective, missed) = (found.objective(), found.exceeded());
@@ -90,9 +104,13 @@ fn stable_start(problem: &Problem<'_>, start: &[f64]) -> Option<Vec<f64>> {
         if problem.is_stable(&at) {
             return Some(at);
         }
-        let gain =
-            problem.open.iter().position(|open| open.name == crate::fixed_structure::ParameterName::Gain)?;
-        at[gain] = (at[gain] - std::f64::consts::LN_2).max(problem.open[gain].range[0]);
+        let gain = problem.open.iter().position(|open| open.name == ParameterName::Gain)?;
+        for (k, open) in problem.open.iter().enumerate() {
+            // With the corner, the gain's crossover stays above what integrates.
+            if k == gain || open.name == ParameterName::Corner {
+                at[k] = (at[k] - LN_2).max(open.range[0]);
+            }
+        }
     }
     None
 }

@@ -12,7 +12,7 @@ pub struct Disturbance {
 }
 
 /// Lines of a band that is weighted evenly.
-const BAND_LINES: usize = 48;
+const BAND_LINES: usize = 96;
 
 impl Disturbance {
     /// Returns a disturbance of unit power that is spread evenly over the logarithm of frequency in a band: the rate that it leaves

@@ -68,7 +68,7 @@ impl Problem<'_> {
         let (mut objectives, mut limits) = (Vec::new(), Vec::new());
         let mut curvature = (f64::NEG_INFINITY, Vec::new());
         for plant in &self.plants {
-            let response = respond(self, plant, (&K, &slopes));
+            let response = respond(self, plant, &K, &slopes);
             let objective = self.residual(&response);
             if objective.value > curvature.0 {
                 curvature = (objective.value, self.curvature(&response));
@@ -210,7 +210,8 @@ impl Problem<'_> {
 fn respond<'a>(
     problem: &'a Problem<'_>,
     plant: &LoopPlant,
-    (K, slopes): (&[C64], &'a [Vec<C64>]),
+    K: &[C64],
+    slopes: &'a [Vec<C64>],
 ) -> LoopResponse<'a> {
     let L: Vec<C64> = plant.response.iter().zip(K).map(|(P, K)| P * K).collect();
     let S: Vec<C64> = L.iter().map(|L| (C64::ONE + L).inv()).collect();

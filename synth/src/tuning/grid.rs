@@ -21,10 +21,31 @@ pub(crate) struct LoopGrid {
     pub power: Vec<f64>,
 }
 
-/// Lowest frequency over half the sample rate, and frequencies per decade between: 70 per decade resolve a peak of |S| of a loop
-/// without light damping to 1e-3.
+/// How a continuous controller is sampled.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Clock {
+    /// Sample period, s.
+    pub period_s: f64,
+    /// k of s = k (z - 1)/(z + 1).
+    pub factor: f64,
+}
+
+/// How dense a grid is.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Density {
+    /// Frequencies per decade.
+    pub per_decade: f64,
+    /// Frequencies on the linear axis up to half the sample rate; 0 for none.
+    pub linear: usize,
+}
+
+impl Density {
+    /// For loops of few blocks: 70 per decade resolve a peak of |S| of a loop without light damping to 1e-3.
+    pub const OF_BLOCKS: Self = Self { per_decade: 70.0, linear: 0 };
+}
+
+/// Lowest frequency over half the sample rate.
 const LOWEST: f64 = 1e-5;
-const PER_DECADE: f64 = 70.0;
 /// Highest frequency over half the sample rate: at 1 the bilinear map is infinite.
 const HIGHEST: f64 = 0.998;
 /// Further frequencies on either side of a lightly damped root, in units of its half-width, dense near it.
@@ -36,18 +57,21 @@ const SAME: f64 = 1e-9;
 
 impl LoopGrid {
     /// The grid for plants under one sampling: a logarithmic scale, the neighbourhood of every lightly damped root, and the lines of the
-    /// disturbance. `factor` is that of the bilinear map.
+    /// disturbance.
     pub fn new(
         plants: &[StateSpace],
         disturbance: &Disturbance,
-        period_s: f64,
-        factor: f64,
+        clock: Clock,
+        density: Density,
     ) -> Result<Self, Error> {
+        let Clock { period_s, factor } = clock;
         let half = PI / period_s;
         disturbance.check(HIGHEST * half)?;
-        let count = (PER_DECADE * (HIGHEST / LOWEST).log10()).ceil() as usize;
+        let count = (density.per_decade * (HIGHEST / LOWEST).log10()).ceil() as usize;
         let at = |k: usize| half * LOWEST * (HIGHEST / LOWEST).powf(k as f64 / count as f64);
         let mut points: Vec<(f64, f64)> = (0..=count).map(|k| (at(k), 0.0)).collect();
+        let step = half / (density.linear + 1) as f64;
+        points.extend((1..=density.linear).map(|k| (step * k as f64, 0.0)));
         for plant in plants {
             for root in poles(plant)?.into_iter().chain(zeros(plant)?) {
                 points.extend(neighbourhood(root, period_s).into_iter().map(|rate| (rate, 0.0)));

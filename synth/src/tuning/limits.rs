@@ -144,7 +144,7 @@ impl LoopLimits {
 }
 
 /// A limit that was exceeded is tightened by this share more than it was exceeded by, so that one round usually suffices.
-const TIGHTER: f64 = 2e-5;
+const TIGHTER: f64 = 1e-4;
 /// Relative accuracy of the largest |KS|.
 const PEAK: f64 = 1e-6;
 

@@ -1,11 +1,11 @@
 //! The problem of the tuning as numbers: which parameters move, between what, and on which plants.
 
 use counterpoise_lti::response::Response;
-use counterpoise_lti::{C64, Mat, StateSpace, c2d, feedback, poles, series};
+use counterpoise_lti::{C64, Mat, StateSpace, feedback, poles, series};
 
-use super::grid::LoopGrid;
+use super::grid::{Clock, Density, LoopGrid};
 use super::starts::usual_range;
-use super::{LoopLimits, TuningTask, bilinear_factor};
+use super::{LoopLimits, TuningTask, bilinear_factor, sampled_structure};
 use crate::Error;
 use crate::fixed_structure::{FixedStructure, Parameter, ParameterName};
 use crate::sampling::sampled_plant;
@@ -37,6 +37,8 @@ pub(crate) struct Problem<'a> {
     pub open: Vec<OpenParameter>,
     pub grid: LoopGrid,
     pub plants: Vec<LoopPlant>,
+    /// The sampled plants on which the loop must be stable alone.
+    pub held: Vec<StateSpace>,
     /// The limits on the grid.
     pub limits: LoopLimits,
 }
@@ -49,7 +51,8 @@ impl<'a> Problem<'a> {
             return Err(Error::System { what: "tuning", problem: "there is no plant" });
         }
         let period_s = task.sampling.period_s;
-        let grid = LoopGrid::new(&sampled, task.disturbance, period_s, bilinear_factor(task.sampling)?)?;
+        let clock = Clock { period_s, factor: bilinear_factor(task.sampling)? };
+        let grid = LoopGrid::new(&sampled, task.disturbance, clock, Density::OF_BLOCKS)?;
         let mut plants = Vec::new();
         for system in sampled {
             let of = Response::of(&system)?.at_all(&grid.rates)?;
@@ -62,7 +65,9 @@ impl<'a> Problem<'a> {
                 problem: "every parameter of the structure is fixed",
             });
         }
-        Ok(Self { task, open, grid, plants, limits: task.limits })
+        let held: Vec<StateSpace> =
+            task.held.iter().map(|plant| sampled_plant(plant, task.sampling)).collect::<Result<_, _>>()?;
+        Ok(Self { task, open, grid, plants, held, limits: task.limits })
     }
 
     /// The values of all parameters at a point.
@@ -88,20 +93,36 @@ impl<'a> Problem<'a> {
 
     /// The poles of the closed loop on each plant at a point.
     pub fn closed_poles(&self, at: &[f64]) -> Result<Vec<Vec<C64>>, Error> {
-        let sampling = self.task.sampling;
-        let continuous = self.structure(at).rational()?.realise()?;
-        let K = c2d(&continuous, sampling.period_s, sampling.method.conversion())?;
-        let unit = StateSpace::gain(Mat::eye(1), K.timebase)?;
-        let of = |plant: &LoopPlant| Ok(poles(&feedback(&series(&plant.system, &K)?, &unit)?)?);
-        self.plants.iter().map(of).collect()
+        let K = sampled_structure(&self.structure(at), self.task.sampling)?;
+        self.plants.iter().map(|plant| closed_poles(&plant.system, &K)).collect()
     }
 
     /// Whether every loop is stable at a point. A realisation or connection that fails counts as unstable: its numbers are
     /// beyond what a controller could hold.
     pub fn is_stable(&self, at: &[f64]) -> bool {
         let inside = |all: Vec<Vec<C64>>| all.iter().flatten().all(|pole| pole.norm() < 1.0);
-        self.closed_poles(at).map(inside).unwrap_or(false)
+        self.closed_poles(at).map(inside).unwrap_or(false) && self.holds(at).unwrap_or(false)
     }
+
+    /// Whether the loop holds the machine with what the linear plant leaves out.
+    fn holds(&self, at: &[f64]) -> Result<bool, Error> {
+        let K = sampled_structure(&self.structure(at), self.task.sampling)?;
+        for plant in &self.held {
+            let drifts = |pole: &C64| (pole - C64::ONE).norm() < DRIFT;
+            if closed_poles(plant, &K)?.iter().any(|pole| pole.norm() >= 1.0 && !drifts(pole)) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+}
+
+/// A pole this near to 1 is an angle that the loop does not see: it drifts.
+const DRIFT: f64 = 1e-6;
+
+fn closed_poles(plant: &StateSpace, K: &StateSpace) -> Result<Vec<C64>, Error> {
+    let unit = StateSpace::gain(Mat::eye(1), K.timebase)?;
+    Ok(poles(&feedback(&series(plant, K)?, &unit)?)?)
 }
 
 fn open_parameters(task: &TuningTask<'_>, grid: &LoopGrid, nominal: &LoopPlant) -> Vec<OpenParameter> {

@@ -6,8 +6,8 @@ use super::grid::LoopGrid;
 use super::problem::{LoopPlant, Problem};
 use crate::fixed_structure::ParameterName;
 
-/// Crossovers of the starts, over half the sample rate: from one five-hundredth of it to a sixth, beyond which the hold leaves no phase.
-const CROSSOVERS: [f64; 2] = [2e-3, 0.16];
+/// Crossovers of the starts, over half the sample rate: from a two-thousandth of it to a sixth, beyond which the hold leaves no phase.
+const CROSSOVERS: [f64; 2] = [5e-4, 0.16];
 /// Largest random factor on a parameter of a start that is not the gain, as a natural logarithm.
 const SPREAD: f64 = 0.8;
 
@@ -54,6 +54,12 @@ pub(crate) fn starting_points(problem: &Problem<'_>, count: usize, seed: u64) ->
         all.push(placed(problem, crossover, &resonances, &mut |n| spread * random.symmetric(n)));
     }
     all
+}
+
+/// A point near an answer, from which a descent may find a better one.
+pub(crate) fn near(at: &[f64], seed: u64) -> Vec<f64> {
+    let mut random = Random(seed);
+    at.iter().enumerate().map(|(n, value)| value + SPREAD * random.symmetric(n)).collect()
 }
 
 /// A start at a crossover.

@@ -63,7 +63,7 @@ pub(crate) fn tangent_step(found: &Evaluation, low: &[f64], high: &[f64]) -> Res
     }
     let mut cost = vec![0.0; n + 2];
     (cost[n], cost[n + 1]) = (1.0, PENALTY);
-    let Some(x) = solve(&P, &cost, (&rows, &bound))? else { return Ok(None) };
+    let Some(x) = solve(&P, &cost, &rows, &bound)? else { return Ok(None) };
     let h = x[..n].to_vec();
     let along = |row: &Row| row.value + row.slope.iter().zip(&h).map(|(g, h)| g * h).sum::<f64>();
     let objective = found.objectives.iter().map(along).fold(f64::NEG_INFINITY, f64::max);
@@ -73,9 +73,7 @@ pub(crate) fn tangent_step(found: &Evaluation, low: &[f64], high: &[f64]) -> Res
     Ok(Some(Step { predicted: objective + PENALTY * exceeded + curved, h }))
 }
 
-type Lines<'a> = (&'a [Vec<f64>], &'a [f64]);
-
-fn solve(P: &[Vec<f64>], cost: &[f64], (rows, bound): Lines<'_>) -> Result<Option<Vec<f64>>, Error> {
+fn solve(P: &[Vec<f64>], cost: &[f64], rows: &[Vec<f64>], bound: &[f64]) -> Result<Option<Vec<f64>>, Error> {
     let failed = Error::System { what: "tuning", problem: "the tangent program could not be set up" };
     let settings = DefaultSettingsBuilder::default().verbose(false).build().map_err(|_| failed.clone())?;
     let (P, A) = (CscMatrix::from(P), CscMatrix::from(rows));

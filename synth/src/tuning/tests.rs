@@ -49,6 +49,7 @@ fn every_row_has_the_slope_of_differences() {
     let task = TuningTask {
         structure: &structure,
         plants: &plants,
+        held: &[],
         sampling: &sampling,
         disturbance: &disturbance,
         limits: limits(),
@@ -88,6 +89,7 @@ fn a_tuned_loop_keeps_its_limits_by_figures_of_another_path_and_beats_a_long_ran
     let task = TuningTask {
         structure: &structure,
         plants: &plants,
+        held: &[],
         sampling: &sampling,
         disturbance: &disturbance,
         limits,
@@ -128,6 +130,7 @@ fn one_controller_for_two_plants_keeps_the_limits_on_both() {
     let task = |plants| TuningTask {
         structure: &structure,
         plants,
+        held: &[],
         sampling: &sampling,
         disturbance: &disturbance,
         limits,
@@ -141,6 +144,34 @@ fn one_controller_for_two_plants_keeps_the_limits_on_both() {
 }
 
 #[test]
+fn a_loop_holds_a_pendulum_that_the_plant_without_its_angle_does_not_show() {
+    // 2 / (s + 0.5) and the same with gravity that topples it: 2 s / (s^2 + 0.5 s - 4).
+    let poles = [C64::new(-0.5, 0.0), C64::new(-60.0, 0.0)];
+    let plant = DesignPlant::ideal(Rational::new(&[], &poles, 120.0).realise().unwrap(), 0, 0);
+    let root = (0.0625_f64 + 4.0).sqrt();
+    let toppling = [C64::new(-0.25 + root, 0.0), C64::new(-0.25 - root, 0.0), C64::new(-60.0, 0.0)];
+    let held = DesignPlant::ideal(Rational::new(&[C64::ZERO], &toppling, 120.0).realise().unwrap(), 0, 0);
+    let (sampling, disturbance) = (Sampling::new(2e-3, 10.0), Disturbance::of_band([3.0, 10.0]));
+    let (structure, plants) = (open(&PI_LAG), [plant]);
+    let task = |held| TuningTask {
+        structure: &structure,
+        plants: &plants,
+        held,
+        sampling: &sampling,
+        disturbance: &disturbance,
+        limits: LoopLimits { max_sensitivity: 1.4, noise_gain: 1.5, ..LoopLimits::default() },
+        starts: 6,
+        seed: 1,
+    };
+    let pendulum = [held];
+    let tuned = tune(&task(&pendulum[..])).unwrap();
+    let problem_of_pendulum = task(&pendulum[..]);
+    let problem = Problem::new(&problem_of_pendulum).unwrap();
+    let values: Vec<f64> = tuned.structure.values().unwrap().concat().into_iter().map(f64::ln).collect();
+    assert!(problem.is_stable(&values));
+}
+
+#[test]
 fn fixed_parameters_stay_and_ranges_hold() {
     let mut structure = open(&PI_LAG);
     structure.blocks[1].parameters[0] = crate::fixed_structure::Parameter::fixed(150.0);
@@ -151,6 +182,7 @@ fn fixed_parameters_stay_and_ranges_hold() {
     let task = TuningTask {
         structure: &structure,
         plants: &plants,
+        held: &[],
         sampling: &sampling,
         disturbance: &disturbance,
         limits,
