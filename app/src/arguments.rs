@@ -7,8 +7,8 @@ use clap::{Parser, Subcommand};
 use counterpoise_host::files::RECORDING_ENDINGS;
 
 use crate::commands::{
-    adapt::AdaptOptions, check::CheckOptions, claims::ClaimsOptions, fra::FraOptions, model::ModelOptions,
-    sweep::SweepOptions, synth::SynthOptions, verify::VerifyOptions,
+    adapt::AdaptOptions, check::CheckOptions, claims::ClaimsOptions, compare::CompareOptions,
+    fra::FraOptions, model::ModelOptions, sweep::SweepOptions, synth::SynthOptions, verify::VerifyOptions,
 };
 use crate::options::{
     DesignOptions, DiagnoseOptions, ExportOptions, IdentifyOptions, NewOptions, ReplayOptions, StageOptions,
@@ -39,6 +39,8 @@ pub enum Command {
     Reduce(StageOptions),
     /// Design the controller: weights, feedback, heave and pitch feedforward, certificates
     Synth(SynthOptions),
+    /// Compare designs in one table: the project's own, the joint optimum, tuned fixed structures
+    Compare(CompareOptions),
     /// Try the adaptation to a changing out-of-balance in eight runs of the nonlinear closed loop
     Adapt(AdaptOptions),
     /// Compare every required figure with its limit, on the linear and the nonlinear plant

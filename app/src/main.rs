@@ -29,6 +29,7 @@ fn main() -> ExitCode {
         Command::Model(options) => commands::model::run(options),
         Command::Reduce(options) => commands::stages::reduce(options),
         Command::Synth(options) => commands::synth::run(options),
+        Command::Compare(options) => commands::compare::run(options),
         Command::Adapt(options) => commands::adapt::run(options),
         Command::Verify(options) => commands::verify::run(options),
         Command::Export(options) => commands::export::run(options),

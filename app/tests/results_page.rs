@@ -28,6 +28,7 @@ const EXAMPLES: &[Example] = &[
     example("model", &["model", "examples/reference-rig"]),
     example("reduce", &["reduce", "examples/reference-rig"]),
     example("synth", &["synth", "examples/reference-rig"]),
+    example("compare", &["compare", "examples/reference-rig"]),
     example("verify", &["verify", "examples/reference-rig"]),
     example("export", &["export", "examples/reference-rig", "-o", "OUT"]),
     example("fra", &["fra", "examples/reference-rig", "--amplitudes", "0.2,0.02", "--frequencies", "1:10:3"]),

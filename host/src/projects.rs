@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use counterpoise_models::Parameters;
 use counterpoise_pipeline::recordings::RecordingFile;
-use counterpoise_pipeline::{FirstDesign, Step, World, with_chosen_weights};
+use counterpoise_pipeline::{
+    FirstDesign, Step, TunedProject, World, with_chosen_weights, with_tuned_structure,
+};
 use counterpoise_project::diagnostic::listed;
 use counterpoise_project::{Assumption, Attachments, Diagnostic, Document, Parsed, Project, Purpose};
 
@@ -26,6 +28,8 @@ pub struct Loaded {
     pub stated: Project,
     /// Why the chosen weights are what they are; `None` if the file states them or none are needed.
     pub first_design: Option<FirstDesign>,
+    /// How the open parameters of a feedback of fixed structure were tuned; `None` if there are none.
+    pub tuned: Option<TunedProject>,
     /// What is suspicious in it.
     pub warnings: Vec<Diagnostic>,
     /// Defaults that stand in for what the file does not have.
@@ -73,7 +77,10 @@ pub fn load(path: &Path, purpose: Purpose) -> Result<Loaded> {
         Some(chosen) => (chosen.project, Some(chosen.first)),
         None => (project, None),
     };
-    Ok(Loaded { path, document, project, stated, first_design, warnings, assumptions })
+    let folder = files::Folder(path.parent().unwrap_or(Path::new(".")).to_owned());
+    let tuned = if purpose.needs_weights() { with_tuned_structure(&project, &folder)? } else { None };
+    let project = tuned.as_ref().map_or(project, |tuned| tuned.project.clone());
+    Ok(Loaded { path, document, project, stated, first_design, tuned, warnings, assumptions })
 }
 
 /// Reads a project file as written, with its parts in their places, and the files that it names.

@@ -25,11 +25,12 @@ pub struct Certificate {
 /// Returns every certificate of a design; with a verification, that of the loop on the full plant too.
 pub fn certify(made: &Synthesised, verification: Option<&Verification>) -> Vec<Certificate> {
     let design = &made.design;
-    let mut all = vec![
-        of_equation("feedback, regulator equation", &design.feedback.regulator),
-        of_equation("feedback, filter equation", &design.feedback.filter),
-    ];
-    all.extend(of_cost("feedback", design.feedback.cost));
+    let mut all = Vec::new();
+    if !made.has_fixed_structure() {
+        all.push(of_equation("feedback, regulator equation", &design.feedback.regulator));
+        all.push(of_equation("feedback, filter equation", &design.feedback.filter));
+        all.extend(of_cost("feedback", design.feedback.cost));
+    }
     for (name, channel) in [("heave", Channel::Heave), ("pitch", Channel::Pitch)] {
         design.part(channel).into_iter().for_each(|part| all.extend(of_feedforward(name, part)));
     }

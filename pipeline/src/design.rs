@@ -17,7 +17,7 @@ use crate::export::{
 use crate::studies::comparison::{Comparison, compare_designs};
 use crate::{
     FirstDesign, Modelled, PipelineError, Reduced, Step, Synthesised, World, model, procedure, reduce,
-    studies, synthesise, verify, watched, with_chosen_weights,
+    studies, synthesise, verify, watched, with_chosen_weights, with_tuned_structure,
 };
 
 /// What each stage of the pipeline made, from the plant to the code.
@@ -141,6 +141,8 @@ pub fn run_stages(project: &Project, world: &dyn World) -> Result<Stages, Pipeli
 pub fn design(project: &Project, world: &dyn World) -> Result<Designed, PipelineError> {
     let chosen = with_chosen_weights(project)?;
     let project = chosen.as_ref().map_or(project, |chosen| &chosen.project);
+    let tuned = with_tuned_structure(project, world)?;
+    let project = tuned.as_ref().map_or(project, |tuned| &tuned.project);
     let stages = run_stages(project, world)?;
     let plants = (&stages.modelled, &stages.reduced);
     let comparison = compare_designs(project, plants, &stages.synthesised)?;
@@ -169,6 +171,8 @@ pub fn design(project: &Project, world: &dyn World) -> Result<Designed, Pipeline
 pub fn study_synthesis(project: &Project, world: &dyn World) -> Result<SynthesisStudy, PipelineError> {
     let chosen = with_chosen_weights(project)?;
     let project = chosen.as_ref().map_or(project, |chosen| &chosen.project);
+    let tuned = with_tuned_structure(project, world)?;
+    let project = tuned.as_ref().map_or(project, |tuned| &tuned.project);
     let modelled = model(project)?;
     let reduced = reduce(project, &modelled)?;
     let synthesised = synthesise(project, &modelled, &reduced)?;

@@ -22,6 +22,12 @@ pub enum PipelineError {
         /// The key.
         key: &'static str,
     },
+    /// A feedback of fixed structure whose parameters have not been tuned.
+    #[error(
+        "a parameter of [[synth.block]] has no value: `counterpoise synth PROJECT --save FILE` tunes the open parameters and writes \
+         their values into the file"
+    )]
+    NotTuned,
     /// A configuration that the project does not have.
     #[error("there is no configuration \"{name}\"; the project has: {known}")]
     Configuration {

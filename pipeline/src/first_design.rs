@@ -92,7 +92,7 @@ fn circumstances(
 }
 
 /// The plant with the hub's angles among its states: gravity's gradient, the spring and their instability act.
-fn with_angles(
+pub(crate) fn with_angles(
     project: &Project,
     modelled: &Modelled,
     plant: &DesignPlant,

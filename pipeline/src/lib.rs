@@ -9,7 +9,7 @@
 //! *Invariant*: no file, thread, clock or terminal; files are read and stages are watched through [`World`].
 //!
 //! Modules in reading order: [`error`], `budget`, [`check`], [`model`](mod@model), [`reduce`](mod@reduce), [`synth`],
-//! [`first_design`](mod@first_design), [`certificates`], [`road`],
+//! [`first_design`](mod@first_design), [`tuning`], [`certificates`], [`road`],
 //! [`verify`](mod@verify), [`export`](mod@export), [`design_views`], [`mod@design`], [`plant_views`],
 //! [`reduction_views`], [`preview`], [`recordings`], [`studies`],
 //! [`exchange`] (systems and responses for other programs), [`results`].
@@ -44,6 +44,7 @@ pub mod results;
 pub mod road;
 pub mod studies;
 pub mod synth;
+pub mod tuning;
 pub mod verify;
 
 pub use counterpoise_synth::FirstDesign;
@@ -58,6 +59,7 @@ pub use recordings::redesign::{Consequence, consequence};
 pub use reduce::{Reduced, reduce};
 pub use studies::sweep::{campaign, families, robust_stability};
 pub use synth::{Synthesised, synthesise};
+pub use tuning::{TunedProject, with_tuned_structure};
 pub use verify::{procedure, verify, verify_linear_on, verify_on, verify_watched};
 
 /// What the pipeline needs from outside, handed in: files beside the project, and an observer of the steps.

@@ -7,7 +7,7 @@
 //! or the network. Same report, same bytes.
 //!
 //! Modules in reading order: [`page`], [`html`](mod@html), [`style`], [`bode`]; a verification's report: [`summary`], [`evidence`], [`spectra`],
-//! [`verification`], [`difference`], [`triangle`]; a design's: [`design`], [`first_design`], [`alternatives`], [`targets`], [`trade_off`]; the other commands'
+//! [`verification`], [`difference`], [`triangle`]; a design's: [`design`], [`first_design`], [`alternatives`], [`designs`], [`targets`], [`trade_off`]; the other commands'
 //! reports: [`check`], [`model`], [`fra`], [`adaptation`], [`sweep`], [`robust`], [`certificate`], [`advice`], [`identify`], [`replay`],
 //! [`diagnosis`], [`residual`], [`structure`]; and the
 //! sentences of a diagnosis: [`wording`].
@@ -19,6 +19,7 @@ pub mod bode;
 pub mod certificate;
 pub mod check;
 pub mod design;
+pub mod designs;
 pub mod diagnosis;
 pub mod difference;
 pub mod evidence;

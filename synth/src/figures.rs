@@ -82,7 +82,7 @@ fn controller(sampled: &Sampled, sampling: &Sampling) -> Result<StateSpace, Erro
 }
 
 /// The states that are driven by the given ones, these included, in order.
-fn reached(A: &Mat, mut from: Vec<usize>) -> Vec<usize> {
+pub(crate) fn reached(A: &Mat, mut from: Vec<usize>) -> Vec<usize> {
     let mut next = 0;
     while next < from.len() {
         let j = from[next];

@@ -16,6 +16,8 @@
 //! - in sampled time: [`sampling`], [`discretise`](mod@discretise);
 //! - around it: [`schedule`](mod@schedule) over out-of-balance with its [`scheduled_controller`], [`figures`](mod@figures),
 //!   [`requirements`] and [`search`](mod@search) from requirements to weights, [`observer`] of friction, [`adaptation`];
+//! - feedback of fixed structure: [`fixed_structure`], and its [`tuning`] under limits of the loop; [`best_loop`](mod@best_loop), what
+//!   any linear feedback could do;
 //! - other methods: [`generalised`], [`h2syn`](mod@h2syn), [`hinfsyn`](mod@hinfsyn), [`lqg`], [`alternatives`];
 //! - [`tolerance`]: every number that decides.
 //!
@@ -47,6 +49,7 @@ pub mod alternatives;
 mod anti_windup;
 mod augmented;
 pub mod bandwidth;
+pub mod best_loop;
 pub mod cascade;
 pub mod cause;
 pub mod certificate;
@@ -58,6 +61,7 @@ pub mod feedforward;
 pub mod figures;
 pub mod finding;
 pub mod first_design;
+pub mod fixed_structure;
 pub mod generalised;
 pub mod h2syn;
 pub mod hinfsyn;
@@ -83,11 +87,13 @@ mod suggestion;
 pub mod table;
 pub mod tolerance;
 pub mod total_cost;
+pub mod tuning;
 pub mod weight;
 
 pub use adaptation::{Adaptive, Estimation, Recursive, RecursiveSettings, WindowedMean};
 pub use alternatives::{Alternative, Method, alternative};
 pub use bandwidth::{Bandwidth, Limit, LimitKind, Unknown};
+pub use best_loop::{BestLoop, BestLoopTask, best_loop};
 pub use cause::{Cause, Hidden};
 pub use certificate::{Certified, Cost, Equation};
 pub use design::{Design, design};
@@ -98,6 +104,7 @@ pub use feedforward::{Feedforward, feedforward};
 pub use figures::{Figures, figures};
 pub use finding::{Finding, Part, Severity};
 pub use first_design::{Circumstances, FirstDesign, LoopJudgement, Motion, RequiredMargins, first_design};
+pub use fixed_structure::{Block, BlockKind, FixedStructure, Parameter, ParameterName};
 pub use generalised::{Generalised, Ports};
 pub use h2syn::{H2, h2syn};
 pub use hinfsyn::{HInfinity, hinfsyn};
@@ -119,4 +126,5 @@ pub use specification::{
 };
 pub use table::{Fit, fit_table};
 pub use total_cost::{SourceCost, TotalCost, total_cost};
+pub use tuning::{Disturbance, LoopLimits, LoopMeasures, Tuned, TuningTask, measure_controller, tune};
 pub use weight::Weight;

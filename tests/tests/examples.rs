@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use counterpoise_pipeline::{Synthesised, World, model, reduce, synthesise, verify};
+use counterpoise_pipeline::{Synthesised, World, model, reduce, synthesise, verify, with_tuned_structure};
 use counterpoise_project::{Attachments, Document, Project};
 use counterpoise_synth::{Certified, Sampling, SamplingMethod, discretise};
 use counterpoise_verify::Verdict;
@@ -73,6 +73,9 @@ fn every_example_costs_what_is_predicted_and_meets_its_requirements() {
             continue;
         }
         designs += 1;
+        let world = Beside(path.parent().unwrap().to_owned());
+        let tuned = with_tuned_structure(&project, &world).unwrap();
+        let project = tuned.map_or(project, |tuned| tuned.project);
         let name = path.strip_prefix(env!("CARGO_MANIFEST_DIR")).unwrap_or(&path).display().to_string();
         let modelled = model(&project).unwrap();
         let reduced = reduce(&project, &modelled).unwrap();
@@ -96,7 +99,6 @@ fn every_example_costs_what_is_predicted_and_meets_its_requirements() {
             wrong.extend(in_sampled_time(&made).map(|why| format!("{name}, in sampled time: {why}")));
         }
         if project.verify.is_some() {
-            let world = Beside(path.parent().unwrap().to_owned());
             let verified = verify(&project, &modelled, &made, &world).unwrap();
             for (requirement, verdict) in &verified.verification().verdicts {
                 println!("{name}: {}: {verdict:?}", requirement.figure.key());

@@ -3,6 +3,7 @@
 pub mod adapt;
 pub mod check;
 pub mod claims;
+pub mod compare;
 pub mod design;
 pub mod diagnose;
 pub mod export;
@@ -17,4 +18,5 @@ pub mod structure;
 pub mod studio;
 pub mod sweep;
 pub mod synth;
+pub mod tuning;
 pub mod verify;

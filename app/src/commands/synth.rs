@@ -6,6 +6,7 @@ use clap::Args;
 use counterpoise_pipeline::results::SynthResult;
 use counterpoise_pipeline::studies::comparison::{Comparison, LoopFigures, MethodRow};
 use counterpoise_pipeline::studies::search::{Judged, Searched, judged, search};
+use counterpoise_pipeline::tuning::TuningResult;
 use counterpoise_pipeline::{
     self as pipeline, FirstDesignResult, Modelled, ProjectIdentity, Reduced, study_synthesis,
 };
@@ -32,7 +33,7 @@ pub struct SynthOptions {
     /// Search the weights for the requirements of [synth.search]
     #[arg(long)]
     pub search: bool,
-    /// Write the project with its weights: those that were chosen if the file states none, or with --search those that were found
+    /// Write the project with its weights, or with the values of its blocks: those that were chosen or tuned if the file states none, or with --search those that were found
     #[arg(long, value_name = "FILE")]
     pub save: Option<PathBuf>,
     /// Write a report with pictures to this HTML file
@@ -51,6 +52,8 @@ struct Whole<'a> {
     beside: &'a Comparison,
     #[serde(skip_serializing_if = "Option::is_none")]
     first_design: Option<FirstDesignResult>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tuning: Option<TuningResult>,
 }
 
 /// Runs the command.
@@ -72,8 +75,11 @@ pub fn run(options: &SynthOptions) -> Done {
         save(&loaded, &loaded.project, path)?;
     }
     let first_design = loaded.first_design.as_ref().map(FirstDesignResult::from);
-    if !output::json(&options.results, &Whole { synth: &result, beside: &study.comparison, first_design })? {
+    let tuning = loaded.tuned.as_ref().map(TuningResult::from);
+    let whole = Whole { synth: &result, beside: &study.comparison, first_design, tuning };
+    if !output::json(&options.results, &whole)? {
         super::first_design::print(&loaded);
+        super::tuning::print(&loaded);
         study.weights.iter().for_each(|line| say!("{line}"));
         print_design(&result);
         print_comparison(&study.comparison);

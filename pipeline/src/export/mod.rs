@@ -291,13 +291,15 @@ fn loop_signals(plant: &Parameters) -> Option<String> {
     Some(format!("the reading demand_rad_s is the demanded and hub_rate_rad_s the measured {signal}"))
 }
 
-/// What each weight asks for, in words, one a line.
+/// What each weight asks for, in words, one a line; of a feedback of fixed structure its blocks.
 pub fn weights(synth: &Synthesis) -> Vec<String> {
     let s = &synth.specification;
-    let mut lines = vec![
-        format!("feedback: {}", s.feedback.error.meaning("measured error")),
-        format!("feedback: {}", s.feedback.control.meaning("control")),
-    ];
+    let blocks = crate::tuning::block_results(&synth.options.structure);
+    let mut lines: Vec<String> = blocks.iter().map(|block| format!("feedback: {block}")).collect();
+    if lines.is_empty() {
+        lines.push(format!("feedback: {}", s.feedback.error.meaning("measured error")));
+        lines.push(format!("feedback: {}", s.feedback.control.meaning("control")));
+    }
     if let Some(gain) = s.position_gain {
         lines.push(format!(
             "cascade: a position loop with the gain {gain} 1/s around this rate loop; the rate is the difference of two readings over the sample period"

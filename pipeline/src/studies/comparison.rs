@@ -247,11 +247,20 @@ fn methods(asked: &Synthesis, made: &Synthesised) -> Result<Vec<MethodRow>, Pipe
 fn as_built(asked: &Synthesis, made: &Synthesised) -> Result<MethodRow, PipelineError> {
     let norm = match &made.other {
         Some(other) => other.norm,
+        None if made.has_fixed_structure() => None,
         None => made.design.feedback.cost.achieved.map(f64::sqrt),
     };
+    let structure = &asked.options.structure;
+    let (method, integral) = if made.has_fixed_structure() {
+        let rational = structure.rational()?;
+        (structure.name(), rational.poles.iter().any(|pole| pole.norm() == 0.0))
+    } else {
+        let error = &asked.specification.feedback.error;
+        (asked.options.method.name().to_owned(), without_integral(error) != *error)
+    };
     Ok(MethodRow {
-        method: format!("{} (built)", asked.options.method.name()),
-        integral: without_integral(&asked.specification.feedback.error) != asked.specification.feedback.error,
+        method: format!("{method} (built)"),
+        integral,
         order: made.design.feedback_controller().order(),
         norm,
         figures: Some(loop_figures(made, &made.sampled)?),

@@ -39,6 +39,13 @@ pub struct Synthesised {
     pub balance: Vec<Entry>,
 }
 
+impl Synthesised {
+    /// Returns whether the feedback is one of fixed structure: no equation was solved for it.
+    pub fn has_fixed_structure(&self) -> bool {
+        self.design.substitute.is_some() && self.other.is_none() && self.lowered.is_none()
+    }
+}
+
 /// A feedback of lower order, and the one before it.
 #[derive(Debug, Clone)]
 pub struct Lowered {
@@ -62,6 +69,7 @@ pub fn synthesise(
     let plant = design_plant(asked, modelled, reduced)?;
     let mut design = design(&plant, &asked.specification)?;
     let other = by_method(asked, &mut design)?;
+    by_structure(asked, &mut design)?;
     let lowered = asked.options.controller_order.map(|order| lower(&mut design, order)).transpose()?;
     let sampling = sampling(asked, modelled)?;
     let balance = match &asked.options.schedule {
@@ -90,6 +98,20 @@ fn by_method(asked: &Synthesis, design: &mut Design) -> Result<Option<Alternativ
     let made = alternative(&design.plant, &asked.specification.feedback, method)?;
     design.substitute = Some(made.controller.clone());
     Ok(Some(made))
+}
+
+/// Puts the feedback of fixed structure in place of the three-part one, where the project has one.
+fn by_structure(asked: &Synthesis, design: &mut Design) -> Result<(), PipelineError> {
+    let structure = &asked.options.structure;
+    if structure.blocks.is_empty() {
+        return Ok(());
+    }
+    sees_the_error_alone(design, "block")?;
+    if structure.values().is_err() {
+        return Err(PipelineError::NotTuned);
+    }
+    design.substitute = Some(structure.controller()?);
+    Ok(())
 }
 
 /// Puts a feedback of lower order in place of the design's, by frequency-weighted balancing that keeps the loop.

@@ -48,6 +48,20 @@ pub fn balance(
     wanted: &ScheduleOptions,
 ) -> Result<Vec<Entry>, PipelineError> {
     let nominal = configured(project, asked, "nominal", modelled)?;
+    let others = other_configurations(project, asked, modelled, wanted)?;
+    Ok(schedule(&nominal, &others, &asked.specification)?)
+}
+
+/// Every state of balance besides the nominal one.
+///
+/// # Errors
+/// As [`balance`].
+pub(crate) fn other_configurations(
+    project: &Project,
+    asked: &Synthesis,
+    modelled: &Modelled,
+    wanted: &ScheduleOptions,
+) -> Result<Vec<Configuration>, PipelineError> {
     let mut others = Vec::new();
     for name in &wanted.configurations {
         let mut project = project.clone();
@@ -59,7 +73,7 @@ pub fn balance(
         let name = format!("{:.0} % out-of-balance", 100.0 * factor);
         others.push(configured(project, asked, &name, &with_factor(project, modelled, factor)?)?);
     }
-    Ok(schedule(&nominal, &others, &asked.specification)?)
+    Ok(others)
 }
 
 fn configured(

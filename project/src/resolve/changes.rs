@@ -17,7 +17,10 @@ pub(crate) fn apply(document: &Document, before: &[Line], after: &[Line]) -> Res
         let still = |was_usual: bool| usual == was_usual || document.has(path);
         let same = known.map_or(usual, |(_, value, was)| (*value == setting && still(*was)) || absent(value));
         if !same {
-            out = if setting.is_finite() { out.set(path, setting)? } else { out.remove(path)? };
+            // An empty list of numbers is what an absent key means: some keys allow no empty list.
+            let is_absent = !setting.is_finite()
+                || usual && matches!(setting, Setting::Numbers(numbers) if numbers.is_empty());
+            out = if is_absent { out.remove(path)? } else { out.set(path, setting)? };
         }
     }
     Ok(out)

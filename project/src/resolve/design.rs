@@ -329,6 +329,38 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: Measured
         joint_problem_exists(v, synth);
     }
     cascade::problem_exists(v, synth);
+    fixed_structure_stands_alone(v, synth);
+}
+
+/// Complains where a feedback of fixed structure is asked for together with what makes or changes another feedback.
+fn fixed_structure_stands_alone(v: &mut dyn Visit, synth: &Synthesis) {
+    let (options, specification) = (&synth.options, &synth.specification);
+    if options.structure.blocks.is_empty() {
+        if options.tuning.is_some() {
+            let hint = "add [[synth.block]] tables, or remove [synth.tune]";
+            v.complain("tune", "needs blocks: it tunes their parameters", Some(hint.to_owned()));
+        }
+        return;
+    }
+    let tustin = matches!(synth.discretisation, SamplingMethod::Emulation(Discretisation::Tustin { .. }));
+    let on_closed_loop = |part: &FeedforwardWeights| part.basis == Basis::ClosedLoop;
+    let feedforwards = [&specification.heave, &specification.pitch];
+    let apart = [
+        (options.method != counterpoise_synth::Method::ThreePart, "method", "must be \"three-part\""),
+        (options.controller_order.is_some(), "controller_order", "must be absent"),
+        (specification.assembly == Assembly::Joint, "assembly", "must not be \"joint\""),
+        (specification.reference != Reference::Error, "reference", "must be \"error\""),
+        (!tustin, "discretisation", "must be \"tustin\", which keeps the parameters' meaning,"),
+        (
+            feedforwards.into_iter().flatten().any(on_closed_loop),
+            "basis",
+            "must be \"open-loop\" in every feedforward",
+        ),
+    ];
+    for (_, key, allowed) in apart.into_iter().filter(|(is_asked, ..)| *is_asked) {
+        let problem = format!("{allowed} where [[synth.block]] makes the feedback");
+        v.complain(key, &problem, Some("remove the blocks, or change this key".to_owned()));
+    }
 }
 
 /// Complains where a joint design is asked for together with what takes feedback or feedforward apart.

@@ -8,6 +8,7 @@ mod checks;
 pub mod controller;
 pub mod design;
 mod drive;
+pub mod fixed_structure;
 mod format;
 mod friction;
 pub mod import;

@@ -20,6 +20,8 @@ pub enum Purpose {
     Diagnose,
     /// The design of a controller, without judging it.
     Synth,
+    /// Several designs in one table, simulated.
+    Compare,
     /// The design of a controller and its verification.
     Verify,
     /// The whole road, to code.
@@ -42,7 +44,7 @@ impl Purpose {
     /// Returns whether the weights of the controller are needed: those that a file does not state are chosen, for the motions of
     /// `[verify]` or for the usual ones, so that every command chooses the same.
     pub fn needs_weights(self) -> bool {
-        matches!(self, Self::Synth | Self::Verify | Self::Design | Self::Export | Self::Sweep)
+        matches!(self, Self::Synth | Self::Compare | Self::Verify | Self::Design | Self::Export | Self::Sweep)
     }
 
     /// The command's name.
@@ -54,6 +56,7 @@ impl Purpose {
             Self::Replay => "replay",
             Self::Diagnose => "diagnose",
             Self::Synth => "synth",
+            Self::Compare => "compare",
             Self::Verify => "verify",
             Self::Design => "design",
             Self::Export => "export",

@@ -2,8 +2,9 @@
 //! adaptation and the search for weights.
 
 use counterpoise_models::Friction;
-use counterpoise_synth::{Drives, Method, Requirements, Spectrum, Weight};
+use counterpoise_synth::{Drives, FixedStructure, Method, Requirements, Spectrum, Weight};
 
+use super::fixed_structure::{Tuning, blocks, tuning};
 use super::friction::{blank_identified, identified};
 use super::model::count;
 use super::weight::{blank_weight, weight};
@@ -33,6 +34,10 @@ pub struct SynthesisOptions {
     pub adaptation: Option<Adaptation>,
     /// Requirements from which weights are searched.
     pub search: Option<WeightSearch>,
+    /// Blocks of the feedback in place of the H2 feedback; none without a fixed structure.
+    pub structure: FixedStructure,
+    /// What the open parameters of the blocks are tuned for.
+    pub tuning: Option<Tuning>,
 }
 
 /// The friction law that an observer follows.
@@ -201,6 +206,8 @@ impl Default for SynthesisOptions {
             schedule: None,
             adaptation: None,
             search: None,
+            structure: FixedStructure::default(),
+            tuning: None,
         }
     }
 }
@@ -235,6 +242,9 @@ pub(crate) fn tables(v: &mut dyn Visit, options: &mut SynthesisOptions) {
     optional(v, &section, &mut options.adaptation, blank_adaptation(), adaptation);
     let section = TableField::optional("search", "requirements from which weights are searched");
     optional(v, &section, &mut options.search, blank_search(), search);
+    blocks(v, &mut options.structure.blocks);
+    let section = TableField::optional("tune", "what the open parameters of the blocks are tuned for");
+    optional(v, &section, &mut options.tuning, Tuning::default(), tuning);
 }
 
 fn methods(v: &mut dyn Visit, methods: &mut Vec<Method>) {

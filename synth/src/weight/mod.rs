@@ -202,7 +202,7 @@ fn polynomial(gain: f64, b: f64, a: f64, c: f64) -> Rational {
 }
 
 /// The roots of s^2 + p s + q, the smaller one without cancellation.
-fn quadratic_roots(p: f64, q: f64) -> [C64; 2] {
+pub(crate) fn quadratic_roots(p: f64, q: f64) -> [C64; 2] {
     let discriminant = 0.25 * p * p - q;
     if discriminant < 0.0 {
         let imaginary = (-discriminant).sqrt();

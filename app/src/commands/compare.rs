@@ -1,0 +1,132 @@
+//! `counterpoise compare`: the project's own design, the joint optimum and tuned fixed structures in one table.
+
+use std::path::PathBuf;
+
+use anyhow::{Context as _, Result, bail};
+use clap::Args;
+use counterpoise_host::projects::{self, Surroundings};
+use counterpoise_pipeline::Step;
+use counterpoise_pipeline::studies::designs::{ComparisonRequest, DesignTable, design_table};
+use counterpoise_project::Purpose;
+use counterpoise_report::{Origin, designs, html};
+use counterpoise_synth::LoopLimits;
+use serde::Serialize;
+
+use crate::exit::{Done, verdict_code};
+use crate::options::Results;
+use crate::output::{self, say};
+
+/// Arguments of `compare`.
+#[derive(Args)]
+pub struct CompareOptions {
+    /// Project file, or a folder with a project.toml
+    pub project: PathBuf,
+    /// Tune under these limits too: largest |S|, largest |T|, largest noise gain and largest |KS| in V s/rad; 0 for no limit. May be repeated
+    #[arg(long, value_name = "MS,MT,NOISE,KS")]
+    pub limits: Vec<String>,
+    /// Write the table in Markdown to this file
+    #[arg(long, value_name = "FILE")]
+    pub markdown: Option<PathBuf>,
+    /// Write a report to this HTML file
+    #[arg(long, value_name = "FILE")]
+    pub report: Option<PathBuf>,
+    /// Where results go.
+    #[command(flatten)]
+    pub results: Results,
+}
+
+/// The table with the time of each design, for another program.
+#[derive(Serialize)]
+struct Timed<'a> {
+    #[serde(flatten)]
+    table: &'a DesignTable,
+    /// Time of each row's design without its simulation, s; it differs from run to run.
+    design_time_s: &'a [f64],
+}
+
+/// Runs the command.
+pub fn run(options: &CompareOptions) -> Done {
+    let further = options.limits.iter().map(|text| limits(text)).collect::<Result<_>>()?;
+    let loaded = projects::load(&options.project, Purpose::Compare)?;
+    output::warnings(&loaded, options.results.progress());
+    let world = Surroundings::of(&loaded, options.results.progress());
+    let table = design_table(&loaded.project, &ComparisonRequest { further }, &world)?;
+    let times = world.times();
+    let designs = times.iter().filter(|time| time.name == Step::Synthesise.name());
+    let times_s: Vec<f64> = designs.map(|time| 1e-3 * time.milliseconds).collect();
+    let project = loaded.path.display().to_string();
+    let asked: String = options.limits.iter().map(|limits| format!(" --limits {limits}")).collect();
+    let origin = Origin { command: format!("counterpoise compare {project}{asked}"), project };
+    if let Some(path) = &options.markdown {
+        let text = format!("`{}`\n\n{}", origin.command, designs::markdown(&table, &times_s));
+        projects::write(path, text.as_bytes())?;
+    }
+    if let Some(path) = &options.report {
+        projects::write(path, html(&designs::report(&table, &times_s, &origin)).as_bytes())?;
+    }
+    if !output::json(&options.results, &Timed { table: &table, design_time_s: &times_s })? {
+        print(&table, &times_s);
+        options.markdown.iter().for_each(|path| say!("table   {}", path.display()));
+        options.report.iter().for_each(|path| say!("report  {}", path.display()));
+    }
+    Ok(verdict_code(true))
+}
+
+/// Reads MS,MT,NOISE,KS.
+fn limits(text: &str) -> Result<LoopLimits> {
+    let usage = || {
+        format!(
+            "--limits {text}: write four numbers, for example 1.35,1.09,8.3,36 (largest |S|, |T|, noise gain, |KS|; 0 for no limit)"
+        )
+    };
+    let numbers: Vec<f64> =
+        text.split(',').map(|part| part.trim().parse().with_context(usage)).collect::<Result<_>>()?;
+    let [ms, mt, noise, peak] = numbers[..] else { bail!(usage()) };
+    let good = |limit: f64, least: f64| limit == 0.0 || (limit.is_finite() && limit > least);
+    if !(good(ms, 1.0) && good(mt, 1.0) && good(noise, 0.0) && good(peak, 0.0)) {
+        bail!("{}; limits of |S| and |T| must be above 1, the others positive", usage());
+    }
+    let or_none = |limit: f64| if limit == 0.0 { f64::INFINITY } else { limit };
+    Ok(LoopLimits {
+        max_sensitivity: or_none(ms),
+        max_complementary: or_none(mt),
+        noise_gain: or_none(noise),
+        control_peak: or_none(peak),
+        ..LoopLimits::default()
+    })
+}
+
+/// Prints the table with one design a column, because it has more figures than a terminal has columns.
+fn print(table: &DesignTable, times_s: &[f64]) {
+    say!("{}: tuned structures make least: {}", table.name, table.objective);
+    say!();
+    for (k, row) in table.rows.iter().enumerate() {
+        say!("{}  {}", k + 1, row.name);
+        designs::remarks(row).iter().for_each(|line| say!("     {line}"));
+    }
+    say!();
+    let heads: String = (1..=table.rows.len()).map(|k| format!("{k:>11}")).collect();
+    say!("{:27}{heads}", "");
+    let columns: Vec<Vec<String>> =
+        table.rows.iter().enumerate().map(|(k, row)| designs::cells(row, times_s.get(k).copied())).collect();
+    for (line, name) in designs::COLUMNS.iter().enumerate() {
+        let cells: String = columns.iter().map(|cells| format!("{:>11}", cells[line])).collect();
+        say!("{name:27}{cells}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn limits_are_four_numbers_and_0_means_none() {
+        let found = limits("1.35, 1.09,8.3,0").unwrap();
+        assert_eq!((found.max_sensitivity, found.max_complementary), (1.35, 1.09));
+        assert_eq!((found.noise_gain, found.control_peak), (8.3, f64::INFINITY));
+        for text in ["", "1.35", "1.35,1.09,8.3", "0.9,1.1,1,1", "1.3,1.1,-2,0", "1.3,x,1,1", "1.3,nan,1,1"] {
+            assert!(limits(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! What is printed of a feedback of fixed structure that was tuned.
+
+use counterpoise_host::projects::Loaded;
+use counterpoise_pipeline::tuning::TuningResult;
+use counterpoise_plot::number::short;
+use counterpoise_report::designs::block_words;
+
+use crate::output::say;
+
+/// Prints the tuned blocks with their figures; nothing if the project has no open parameter.
+pub fn print(loaded: &Loaded) {
+    let Some(found) = &loaded.tuned else { return };
+    let result = TuningResult::from(found);
+    say!("the feedback has a fixed structure, and its open parameters were tuned:");
+    result.blocks.iter().for_each(|block| say!("  {}", block_words(block)));
+    let reached = result.starts_rad_s.iter().flatten().count();
+    say!(
+        "{} loops were evaluated from {} starts, of which {reached} reached a loop within the limits; checked on {} plant{}",
+        result.evaluations,
+        result.starts_rad_s.len(),
+        result.plants,
+        if result.plants == 1 { "" } else { "s" }
+    );
+    for (k, m) in result.measures.iter().enumerate() {
+        let plant = if k == 0 { "nominal plant".to_owned() } else { format!("plant {}", k + 1) };
+        say!(
+            "  {plant}: residual {} mrad/s; Ms {}, Mt {}; margins {} dB, {} deg, {} ms; noise gain {}, largest KS {} V s/rad; effort {} V",
+            short(1e3 * m.residual_rad_s),
+            short(m.max_sensitivity),
+            short(m.max_complementary),
+            short(m.gain_margin_db),
+            short(m.phase_margin_deg),
+            short(1e3 * m.delay_margin_s),
+            short(m.noise_gain),
+            short(m.control_peak),
+            short(m.effort_v)
+        );
+    }
+    if result.missed > 0.0 {
+        say!(
+            "warning: A LIMIT IS MISSED by {} %: widen the limits of [synth.tune], or add a block",
+            short(100.0 * result.missed)
+        );
+    }
+    say!("`counterpoise synth PROJECT --save FILE` writes the values into the file");
+    say!();
+}

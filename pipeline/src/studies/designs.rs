@@ -1,0 +1,395 @@
+//! Designs of one project in one table: its own controller, the joint optimum and tuned fixed structures, all with the same feedforwards
+//! and friction observers, the tuned ones under the limits that the own controller reaches and under further ones.
+
+use counterpoise_controller::Controller;
+use counterpoise_project::Project;
+use counterpoise_project::resolve::design::Synthesis;
+use counterpoise_project::resolve::fixed_structure::{Tuning, TuningObjective};
+use counterpoise_simulate::Simulator;
+use counterpoise_synth::{
+    Assembly, BestLoopTask, Block, BlockKind, Disturbance, FixedStructure, LoopLimits, LoopMeasures, Method,
+    Reference, best_loop, measure_controller,
+};
+use counterpoise_verify::signals::rms;
+use counterpoise_verify::{Arrangement, Experiment, Procedure, Source, nonlinear};
+use serde::Serialize;
+
+use crate::tuning::{
+    BlockResult, LoopMeasuresResult, TuningGround, block_results, own_procedure, tune_structure,
+    tuning_ground,
+};
+use crate::{
+    Modelled, PipelineError, ProjectIdentity, Reduced, Step, Synthesised, World, model, reduce, synthesise,
+    watched,
+};
+
+/// Every design of a project in one table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DesignTable {
+    /// Name of the mechanism.
+    pub name: String,
+    /// Hash of the project.
+    pub hash: String,
+    /// What the tuned structures make least, in words.
+    pub objective: String,
+    /// Motion that the last nonlinear run has, in words.
+    pub motion: &'static str,
+    /// What acts on the linear loop: frequency in rad/s and power in (rad/s)^2 of each line at the output without feedback.
+    pub disturbance: Vec<[f64; 2]>,
+    /// RMS of the white noise of a reading, rad/s.
+    pub reading_noise_rad_s: f64,
+    /// The designs, the project's own first.
+    pub rows: Vec<DesignRow>,
+}
+
+/// A design with its figures.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DesignRow {
+    /// Which design.
+    pub name: String,
+    /// The limits that it was tuned under; absent if it was not tuned.
+    pub limits: Option<LimitsResult>,
+    /// States of the feedback; of the whole controller if it is one path.
+    pub order: usize,
+    /// Linear figures of the feedback loop; absent if there is no controller.
+    pub linear: Option<LoopMeasuresResult>,
+    /// RMS of |S| over 0.2 to 2 Hz, even over the logarithm of frequency.
+    pub rejection: Option<f64>,
+    /// Figures of the nonlinear closed loop.
+    pub nonlinear: Option<RunFigures>,
+    /// The blocks of a tuned structure.
+    pub blocks: Vec<BlockResult>,
+    /// By how much the worst limit is missed, relative to it.
+    pub missed: f64,
+    /// How good the bound is, for the row of the best linear feedback.
+    pub bound: Option<BoundResult>,
+    /// Why there is no controller.
+    pub why: Option<String>,
+}
+
+/// How good the bound of the best linear feedback is.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BoundResult {
+    /// No feedback in the basis leaves less on the program's grid, rad/s, or as a share of 1 over a band.
+    pub lower_bound: f64,
+    /// Value with half of the basis.
+    pub half_basis: Option<f64>,
+    /// Functions of the basis.
+    pub basis: usize,
+    /// Frequencies on which the limits were verified.
+    pub frequencies: usize,
+}
+
+/// The limits of a tuning as plain data; those that ask for nothing are absent.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LimitsResult {
+    /// Largest |S|.
+    pub max_sensitivity: Option<f64>,
+    /// Largest |T|.
+    pub max_complementary: Option<f64>,
+    /// Largest RMS control for noise of unit RMS, V s/rad.
+    pub noise_gain: Option<f64>,
+    /// Largest |KS|, V s/rad.
+    pub control_peak: Option<f64>,
+    /// Smallest gain margin, dB.
+    pub gain_margin_db: Option<f64>,
+    /// Smallest phase margin, degrees.
+    pub phase_margin_deg: Option<f64>,
+    /// Smallest delay margin, s.
+    pub delay_margin_s: Option<f64>,
+    /// Slowest decay of a pole, rad/s.
+    pub decay_rad_s: Option<f64>,
+}
+
+/// Figures of the nonlinear closed loop: RMS values after the procedure's settling time.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RunFigures {
+    /// True hub rate less the demand after a step of it, rad/s.
+    pub step_rad_s: f64,
+    /// True hub rate under the sines of heave and pitch together, rad/s.
+    pub sines_rad_s: f64,
+    /// True hub rate under the project's own motion; absent without one, rad/s.
+    pub motion_rad_s: Option<f64>,
+    /// True hub rate at rest, rad/s.
+    pub rest_rad_s: f64,
+    /// Control about its mean under the own motion, or under the sines, V.
+    pub control_v: f64,
+}
+
+/// What a comparison is asked for.
+#[derive(Debug, Clone, Default)]
+pub struct ComparisonRequest {
+    /// Limits under which the structures are tuned besides those of the own controller.
+    pub further: Vec<LoopLimits>,
+}
+
+/// The band of [`DesignRow::rejection`], rad/s: 0.2 to 2 Hz.
+const BAND_RAD_S: [f64; 2] = [1.26, 12.6];
+
+/// The structures that are tuned, with their names.
+fn structures() -> Vec<(&'static str, FixedStructure)> {
+    use BlockKind::{Lead, LowPass, Notch, ProportionalIntegral};
+    let of = |kinds: &[BlockKind]| FixedStructure {
+        blocks: kinds.iter().map(|kind| Block::open(*kind)).collect(),
+    };
+    vec![
+        ("tuned PI with a lag", of(&[ProportionalIntegral, LowPass])),
+        ("tuned PI + lead + 2 notches", of(&[ProportionalIntegral, Lead, Notch, Notch, LowPass])),
+    ]
+}
+
+/// Designs and simulates every row.
+///
+/// # Errors
+/// Those of the plant and of the project's own design. Another design that does not exist is a row that says why.
+pub fn design_table(
+    project: &Project,
+    request: &ComparisonRequest,
+    world: &dyn World,
+) -> Result<DesignTable, PipelineError> {
+    let modelled = model(project)?;
+    let reduced = reduce(project, &modelled)?;
+    let asked = project.synth.clone().unwrap_or_default();
+    let wanted = asked.options.tuning.clone().unwrap_or_default();
+    let ground = tuning_ground(project, &modelled, &reduced, &wanted, world)?;
+    let identity = ProjectIdentity::of(project, world);
+    let bench = Bench {
+        project,
+        modelled: &modelled,
+        reduced: &reduced,
+        ground: &ground,
+        world,
+        procedure: own_procedure(project, world)?,
+    };
+    let own_name = own_name(&asked);
+    let own = bench.row(&own_name, project)?;
+    let mut rows = vec![own];
+    rows.extend(variants(&asked).into_iter().map(|(name, synthesis)| bench.attempted(name, synthesis)));
+    let mut limits: Vec<LoopLimits> = rows[0].linear.iter().map(|found| limits_of(found, &wanted)).collect();
+    let decay_rad_s = limits.first().map_or(0.0, |limits| limits.decay_rad_s);
+    limits.extend(asked.options.tuning.iter().map(|tuning| tuning.limits));
+    limits.extend(request.further.iter().map(|limits| LoopLimits { decay_rad_s, ..*limits }));
+    for limits in limits {
+        for (name, structure) in structures() {
+            rows.push(bench.tuned(name, &structure, &Tuning { limits, ..wanted.clone() }));
+        }
+        rows.push(bench.best(limits, &wanted));
+    }
+    let motion = if bench.procedure.road.is_some() { "the project's own motion" } else { "the sines" };
+    let objective = match ground.objective {
+        TuningObjective::Motion => {
+            format!("hub rate under {motion}")
+        }
+        TuningObjective::Band => {
+            let [low, high] = wanted.band_rad_s;
+            format!("RMS of |S| from {low} to {high} rad/s")
+        }
+    };
+    let Disturbance { lines: disturbance, reading_noise_rad_s } = ground.disturbance.clone();
+    let (name, hash) = (identity.name, identity.hash);
+    Ok(DesignTable { name, hash, objective, motion, disturbance, reading_noise_rad_s, rows })
+}
+
+fn own_name(asked: &Synthesis) -> String {
+    match (&asked.options.structure, asked.specification.assembly, asked.options.method) {
+        (structure, ..) if !structure.blocks.is_empty() => format!("own: {}", structure.name()),
+        (_, Assembly::Joint, _) => "own: joint optimum".to_owned(),
+        (_, _, Method::ThreePart) => "own: three-part H2".to_owned(),
+        (_, _, Method::JointH2) => "own: textbook H2".to_owned(),
+        (_, _, Method::LqgLtr) => "own: LQG/LTR".to_owned(),
+        (_, _, Method::HInfinity) => "own: H-infinity".to_owned(),
+    }
+}
+
+/// The equal limits of a tuned structure: the figures that the own controller reaches. Its decay is among them, because a slow pole costs
+/// little under a motion and shows in every step.
+fn limits_of(own: &LoopMeasuresResult, wanted: &Tuning) -> LoopLimits {
+    LoopLimits {
+        max_sensitivity: own.max_sensitivity,
+        max_complementary: own.max_complementary,
+        noise_gain: own.noise_gain,
+        control_peak: own.control_peak,
+        decay_rad_s: own.decay_rad_s.max(0.0),
+        damping: wanted.limits.damping,
+        ..LoopLimits::default()
+    }
+}
+
+/// The methods that the project did not choose: the three-part H2 design, and the joint optimum.
+fn variants(asked: &Synthesis) -> Vec<(&'static str, Synthesis)> {
+    let mut plain = asked.clone();
+    plain.options.structure = FixedStructure::default();
+    plain.options.tuning = None;
+    plain.options.method = Method::ThreePart;
+    let mut all = Vec::new();
+    let is_plain = asked.options.structure.blocks.is_empty() && asked.options.method == Method::ThreePart;
+    if !is_plain || asked.specification.assembly == Assembly::Joint {
+        let mut three_part = plain.clone();
+        three_part.specification.assembly = Assembly::SimpleAdd;
+        all.push(("three-part H2", three_part));
+    }
+    if asked.specification.assembly != Assembly::Joint {
+        plain.specification.assembly = Assembly::Joint;
+        plain.options.controller_order = None;
+        plain.options.schedule = None;
+        all.push(("joint optimum", plain));
+    }
+    all
+}
+
+/// What every row is made with.
+struct Bench<'a> {
+    project: &'a Project,
+    modelled: &'a Modelled,
+    reduced: &'a Reduced,
+    ground: &'a TuningGround,
+    world: &'a dyn World,
+    procedure: Procedure,
+}
+
+impl Bench<'_> {
+    fn row(&self, name: &str, project: &Project) -> Result<DesignRow, PipelineError> {
+        let made =
+            watched(self.world, Step::Synthesise, || synthesise(project, self.modelled, self.reduced))?;
+        self.judged(name, &made)
+    }
+
+    /// The row of a synthesis in place of the project's, or the reason why there is none.
+    fn attempted(&self, name: &str, synthesis: Synthesis) -> DesignRow {
+        let project = Project { synth: Some(synthesis), ..self.project.clone() };
+        self.row(name, &project).unwrap_or_else(|why| blank_row(name, Some(why.to_string())))
+    }
+
+    fn tuned(&self, name: &str, structure: &FixedStructure, wanted: &Tuning) -> DesignRow {
+        let made = watched(self.world, Step::Synthesise, || {
+            let (tuned, _) = tune_structure(structure, self.ground, wanted)?;
+            let mut synthesis = self.project.synth.clone().unwrap_or_default();
+            synthesis.options.structure = tuned.structure.clone();
+            synthesis.options.method = Method::ThreePart;
+            synthesis.options.controller_order = None;
+            if synthesis.specification.assembly == Assembly::Joint {
+                synthesis.specification.assembly = Assembly::SimpleAdd;
+            }
+            synthesis.specification.reference = Reference::Error;
+            let project = Project { synth: Some(synthesis), ..self.project.clone() };
+            Ok::<_, PipelineError>((tuned, synthesise(&project, self.modelled, self.reduced)?))
+        });
+        let row = made.and_then(|(tuned, made)| {
+            let row = self.judged(name, &made)?;
+            Ok(DesignRow { blocks: block_results(&tuned.structure), missed: tuned.missed, ..row })
+        });
+        let row = row.unwrap_or_else(|why: PipelineError| blank_row(name, Some(why.to_string())));
+        DesignRow { limits: Some(LimitsResult::from(&wanted.limits)), ..row }
+    }
+
+    /// The row of the best that a linear feedback can do: no controller, and no simulation.
+    fn best(&self, limits: LoopLimits, wanted: &Tuning) -> DesignRow {
+        let ground = self.ground;
+        let task = BestLoopTask {
+            plant: &ground.plants[0],
+            sampling: &ground.sampling,
+            disturbance: &ground.disturbance,
+            limits,
+        };
+        let name = "best linear feedback";
+        let row = match watched(self.world, Step::Synthesise, || best_loop(&task)) {
+            Err(why) => blank_row(name, Some(why.to_string())),
+            Ok(found) => {
+                let is_band = ground.objective == TuningObjective::Band && wanted.band_rad_s == BAND_RAD_S;
+                let bound = BoundResult {
+                    lower_bound: found.lower_bound_rad_s,
+                    half_basis: found.half_basis_rad_s,
+                    basis: found.basis,
+                    frequencies: found.frequencies,
+                };
+                let linear = Some(LoopMeasuresResult::from(&found));
+                let rejection = is_band.then_some(found.residual_rad_s);
+                DesignRow { linear, rejection, bound: Some(bound), ..blank_row(name, None) }
+            }
+        };
+        DesignRow { limits: Some(LimitsResult::from(&limits)), ..row }
+    }
+
+    /// The figures of a design on the linear plant and in the nonlinear closed loop.
+    fn judged(&self, name: &str, made: &Synthesised) -> Result<DesignRow, PipelineError> {
+        let controller = &made.sampled.controller;
+        let on = |disturbance: &Disturbance| -> Result<LoopMeasures, PipelineError> {
+            let plant = &self.ground.plants[0];
+            Ok(measure_controller(plant, controller, &self.ground.sampling, disturbance)?)
+        };
+        let linear = on(&self.ground.disturbance)?;
+        let rejection = on(&Disturbance::of_band(BAND_RAD_S))?.residual_rad_s;
+        let nonlinear = watched(self.world, Step::Verify, || self.run(controller))?;
+        let order = match &made.design.joint {
+            Some(joint) => joint.controller.order(),
+            None => made.design.feedback_controller().order(),
+        };
+        Ok(DesignRow {
+            order,
+            linear: Some(LoopMeasuresResult::from(&linear)),
+            rejection: Some(rejection),
+            nonlinear: Some(nonlinear),
+            ..blank_row(name, None)
+        })
+    }
+
+    fn run(&self, controller: &Controller) -> Result<RunFigures, PipelineError> {
+        let mut simulator = Simulator::new(&self.modelled.plant)?;
+        let mut run = |experiment: Experiment| -> Result<[f64; 2], PipelineError> {
+            let history = nonlinear::history(&mut simulator, controller, &self.procedure, experiment)?;
+            let history = match experiment {
+                Experiment::Step => history,
+                _ => history.from_time(self.procedure.settle_s),
+            };
+            let pairs = history.hub_rate_rad_s.iter().zip(&history.demand_rad_s);
+            let error: Vec<f64> = pairs.map(|(y, r)| y - r).collect();
+            let mean = history.control_v.iter().sum::<f64>() / history.control_v.len().max(1) as f64;
+            let control: Vec<f64> = history.control_v.iter().map(|u| u - mean).collect();
+            Ok([rms(&error), rms(&control)])
+        };
+        let under = |source: Source| Experiment::Disturbance(source, Arrangement::Compensated);
+        let sines = run(under(Source::Both))?;
+        let motion = match self.procedure.road {
+            Some(_) => Some(run(under(Source::Road))?),
+            None => None,
+        };
+        Ok(RunFigures {
+            step_rad_s: run(Experiment::Step)?[0],
+            sines_rad_s: sines[0],
+            motion_rad_s: motion.map(|found| found[0]),
+            rest_rad_s: run(Experiment::Rest)?[0],
+            control_v: motion.unwrap_or(sines)[1],
+        })
+    }
+}
+
+fn blank_row(name: &str, why: Option<String>) -> DesignRow {
+    DesignRow {
+        name: name.to_owned(),
+        limits: None,
+        order: 0,
+        linear: None,
+        rejection: None,
+        nonlinear: None,
+        blocks: Vec::new(),
+        missed: 0.0,
+        bound: None,
+        why,
+    }
+}
+
+impl From<&LoopLimits> for LimitsResult {
+    fn from(limits: &LoopLimits) -> Self {
+        let asked = |limit: f64| Some(limit).filter(|limit| limit.is_finite() && *limit > 0.0);
+        Self {
+            max_sensitivity: asked(limits.max_sensitivity),
+            max_complementary: asked(limits.max_complementary),
+            noise_gain: asked(limits.noise_gain),
+            control_peak: asked(limits.control_peak),
+            gain_margin_db: asked(limits.gain_margin_db),
+            phase_margin_deg: asked(limits.phase_margin_deg),
+            delay_margin_s: asked(limits.delay_margin_s),
+            decay_rad_s: asked(limits.decay_rad_s),
+        }
+    }
+}

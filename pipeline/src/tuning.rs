@@ -1,0 +1,496 @@
+//! The open parameters of a feedback of fixed structure: tuned for the project's own motion, friction and noise.
+//!
+//! What acts on the loop is estimated: the nonlinear closed loop with the file's H2 feedback and its feedforwards moves as the
+//! project says (its road, or its sines), and the spectrum of the hub rate over |S|^2 of that loop is the disturbance at the output that any
+//! other feedback would meet. It holds what the feedforwards leave and what friction adds.
+
+use std::f64::consts::TAU;
+use std::fmt;
+
+use counterpoise_lti::C64;
+use counterpoise_lti::response::Response;
+use counterpoise_models::Sensor;
+use counterpoise_models::plant::Plant;
+use counterpoise_project::Project;
+use counterpoise_project::resolve::design::Synthesis;
+use counterpoise_project::resolve::fixed_structure::{FurtherPlants, Tuning, TuningObjective};
+use counterpoise_simulate::Simulator;
+use counterpoise_synth::{
+    BestLoop, DesignPlant, Disturbance, FixedStructure, LoopLimits, LoopMeasures, Sampling, Tuned,
+    TuningTask, tune,
+};
+use counterpoise_verify::signals::{WelchOptions, welch};
+use counterpoise_verify::{Arrangement, Experiment, History, Procedure, Source, nonlinear};
+use serde::Serialize;
+
+use crate::first_design::with_angles;
+use crate::model::CONVERTER_RANGE_V;
+use crate::synth::schedule::other_configurations;
+use crate::synth::{design_plant, sampling};
+use crate::{Modelled, PipelineError, Reduced, Synthesised, World, model, procedure, reduce, synthesise};
+
+/// A project whose blocks were tuned.
+#[derive(Debug, Clone)]
+pub struct TunedProject {
+    /// The project with a value for every parameter.
+    pub project: Project,
+    /// What the tuning found.
+    pub tuned: Tuned,
+    /// What the loop was tuned for.
+    pub disturbance: Disturbance,
+    /// What it must keep.
+    pub limits: LoopLimits,
+    /// Plants on which it keeps that.
+    pub plants: usize,
+}
+
+/// What the loops of one project are tuned on and for, whatever the structure.
+#[derive(Debug, Clone)]
+pub struct TuningGround {
+    /// The nominal plant, then those that the project asks for.
+    pub plants: Vec<DesignPlant>,
+    /// The nominal machine with its angles, on which the loop must be stable.
+    pub held: Vec<DesignPlant>,
+    /// What is made least; a band if the project moves nothing.
+    pub objective: TuningObjective,
+    /// Mechanisms of the sweep, from which those are taken that turn out to be the worst.
+    pub mechanisms: Vec<DesignPlant>,
+    /// How the controller is sampled.
+    pub sampling: Sampling,
+    /// What acts on the loop.
+    pub disturbance: Disturbance,
+}
+
+/// Returns the project with the open parameters of its blocks tuned; `None` if it has none.
+///
+/// # Errors
+/// Those of the plant, of the H2 design that the disturbance is estimated with, and of the tuning.
+pub fn with_tuned_structure(
+    project: &Project,
+    world: &dyn World,
+) -> Result<Option<TunedProject>, PipelineError> {
+    let Some(asked) = &project.synth else { return Ok(None) };
+    let structure = asked.options.structure.clone();
+    if !structure.is_open() {
+        return Ok(None);
+    }
+    let modelled = model(project)?;
+    let reduced = reduce(project, &modelled)?;
+    let wanted = asked.options.tuning.clone().unwrap_or_default();
+    let ground = tuning_ground(project, &modelled, &reduced, &wanted, world)?;
+    let (tuned, plants) = tune_structure(&structure, &ground, &wanted)?;
+    let mut stated = asked.clone();
+    stated.options.structure = rounded(&tuned.structure);
+    let project = Project { synth: Some(stated), ..project.clone() };
+    Ok(Some(TunedProject { project, tuned, disturbance: ground.disturbance, limits: wanted.limits, plants }))
+}
+
+/// Digits of a tuned value in a project file: its last one moves no figure that is shown.
+fn rounded(structure: &FixedStructure) -> FixedStructure {
+    let mut rounded = structure.clone();
+    for parameter in rounded.blocks.iter_mut().flat_map(|block| &mut block.parameters) {
+        parameter.value = parameter.value.map(|value| format!("{value:.8e}").parse().unwrap_or(value));
+    }
+    rounded
+}
+
+/// What a project's loops are tuned on and for.
+///
+/// # Errors
+/// As [`with_tuned_structure`].
+pub fn tuning_ground(
+    project: &Project,
+    modelled: &Modelled,
+    reduced: &Reduced,
+    wanted: &Tuning,
+    world: &dyn World,
+) -> Result<TuningGround, PipelineError> {
+    let asked = project.synth.clone().unwrap_or_default();
+    let mut plants = vec![design_plant(&asked, modelled, reduced)?];
+    let mut mechanisms = Vec::new();
+    for further in &wanted.plants {
+        match further {
+            FurtherPlants::Schedule => plants.extend(of_schedule(project, &asked, modelled)?),
+            FurtherPlants::Sweep => mechanisms = of_sweep(project, &asked, modelled)?,
+        }
+    }
+    let held = vec![with_angles(project, modelled, &plants[0])?];
+    let mut objective = wanted.objective;
+    let mut disturbance = Disturbance::of_band(wanted.band_rad_s);
+    if objective == TuningObjective::Motion {
+        let expected = expected_disturbance(project, modelled, reduced, world)?;
+        if expected.lines.iter().map(|line| line[1]).sum::<f64>().sqrt() > STILL_RAD_S {
+            disturbance = expected;
+        } else {
+            objective = TuningObjective::Band;
+        }
+    }
+    let sampling = sampling(&asked, modelled)?;
+    Ok(TuningGround { plants, held, objective, mechanisms, sampling, disturbance })
+}
+
+/// A hub rate below this is none: rounding of the simulator, not motion, rad/s.
+const STILL_RAD_S: f64 = 1e-9;
+/// Rounds in which the worst mechanism of a sweep is added to the plants that are tuned for.
+const ROUNDS: usize = 5;
+
+/// Tunes a structure on its ground; gives the number of plants on which the limits were checked besides. A mechanism of the sweep on which the answer misses a limit joins
+/// the plants, and the structure is tuned anew from the answer.
+///
+/// # Errors
+/// Those of the tuning.
+pub fn tune_structure(
+    structure: &FixedStructure,
+    ground: &TuningGround,
+    wanted: &Tuning,
+) -> Result<(Tuned, usize), PipelineError> {
+    let mut plants = ground.plants.clone();
+    let checked = plants.len() + ground.mechanisms.len();
+    let mut found = tune(&task(structure, ground, wanted, &plants))?;
+    for _ in 0..ROUNDS {
+        let mut worst: Option<(f64, &DesignPlant)> = None;
+        for plant in &ground.mechanisms {
+            let missed = missed_on(&found.structure, plant, ground, &wanted.limits)?;
+            if missed > SLACK && worst.is_none_or(|(most, _)| missed > most) {
+                worst = Some((missed, plant));
+            }
+        }
+        let Some((missed, plant)) = worst else { return Ok((found, checked)) };
+        plants.push(plant.clone());
+        found = tune(&task(structure, ground, wanted, &plants))?;
+        found.missed =
+            found.missed.max(if plants.len() == ground.plants.len() + ROUNDS { missed } else { 0.0 });
+    }
+    let mut missed = found.missed;
+    for plant in &ground.mechanisms {
+        let most = missed_on(&found.structure, plant, ground, &wanted.limits)?;
+        missed = missed.max(if most > SLACK { most } else { 0.0 });
+    }
+    found.missed = missed;
+    Ok((found, checked))
+}
+
+/// A limit that a mechanism of the sweep misses by less than this share counts as kept.
+const SLACK: f64 = 1e-3;
+
+fn task<'a>(
+    structure: &'a FixedStructure,
+    ground: &'a TuningGround,
+    wanted: &Tuning,
+    plants: &'a [DesignPlant],
+) -> TuningTask<'a> {
+    TuningTask {
+        structure,
+        plants,
+        held: &ground.held,
+        sampling: &ground.sampling,
+        disturbance: &ground.disturbance,
+        limits: wanted.limits,
+        starts: wanted.starts,
+        seed: u64::from(wanted.seed),
+    }
+}
+
+/// By how much a tuned structure misses the worst limit on a plant; infinite if the loop is not stable there.
+fn missed_on(
+    structure: &FixedStructure,
+    plant: &DesignPlant,
+    ground: &TuningGround,
+    limits: &LoopLimits,
+) -> Result<f64, PipelineError> {
+    let found = counterpoise_synth::tuning::measure_structure(
+        structure,
+        plant,
+        &ground.sampling,
+        &ground.disturbance,
+    )?;
+    Ok(if found.decay_rad_s > 0.0 { limits.missed(&found) } else { f64::INFINITY })
+}
+
+fn of_schedule(
+    project: &Project,
+    asked: &Synthesis,
+    modelled: &Modelled,
+) -> Result<Vec<DesignPlant>, PipelineError> {
+    let missing = PipelineError::Missing { section: "synth.schedule", needed_by: "synth.tune.plants" };
+    let wanted = asked.options.schedule.as_ref().ok_or(missing)?;
+    let others = other_configurations(project, asked, modelled, wanted)?;
+    Ok(others.into_iter().map(|each| each.plant).collect())
+}
+
+/// Mechanisms of a sweep that a tuning looks at, at most: linear plants, of which each costs a millisecond.
+const MECHANISMS: usize = 100;
+
+fn of_sweep(
+    project: &Project,
+    asked: &Synthesis,
+    modelled: &Modelled,
+) -> Result<Vec<DesignPlant>, PipelineError> {
+    let missing = PipelineError::Missing { section: "sweep", needed_by: "synth.tune.plants" };
+    let sweep = project.campaign().ok_or(missing)?;
+    let count = sweep.samples.min(MECHANISMS);
+    let points = sweep.layout.lay(count, sweep.variations.len(), sweep.seed)?;
+    let mut plants = Vec::new();
+    for point in points {
+        let mut parameters = modelled.parameters.clone();
+        for (variation, quantile) in sweep.variations.iter().zip(&point) {
+            variation.parameter.scale(&mut parameters, variation.distribution.quantile(*quantile))?;
+        }
+        let plant = Plant::lumped(&parameters)?;
+        let equilibrium = plant.equilibrium(&project.model.operating_point);
+        let linear = plant.linearise(&equilibrium, project.model.friction, plant.angles())?;
+        let varied = Modelled { parameters, plant, linear, elements: None };
+        let system = varied.linear.system.clone();
+        let nominal = reduce(&Project { reduce: Default::default(), ..project.clone() }, &varied)?;
+        plants.push(DesignPlant { system, ..design_plant(asked, &varied, &nominal)? });
+    }
+    Ok(plants)
+}
+
+/// What acts on the project's loop: the output's disturbance under its own motion, and the noise of the reading.
+///
+/// # Errors
+/// Those of the H2 design and of the simulation.
+pub fn expected_disturbance(
+    project: &Project,
+    modelled: &Modelled,
+    reduced: &Reduced,
+    world: &dyn World,
+) -> Result<Disturbance, PipelineError> {
+    let mut with_h2 = project.clone();
+    if let Some(synth) = &mut with_h2.synth {
+        synth.options.structure = FixedStructure::default();
+    }
+    let made = synthesise(&with_h2, modelled, reduced)?;
+    let asked_procedure = own_procedure(project, world)?;
+    let source = if asked_procedure.road.is_some() { Source::Road } else { Source::Both };
+    let experiment = Experiment::Disturbance(source, Arrangement::Compensated);
+    let mut simulator = Simulator::new(&modelled.plant)?;
+    let controller = &made.sampled.controller;
+    let history = nonlinear::history(&mut simulator, controller, &asked_procedure, experiment)?;
+    let noise =
+        reading_noise(&modelled.parameters.sensors.hub_gyro, modelled.parameters.interface.input_bits);
+    let lines = output_lines(&history.from_time(asked_procedure.settle_s), &made, noise)?;
+    Ok(Disturbance { lines, reading_noise_rad_s: noise })
+}
+
+/// The project's procedure, or the usual one if it has none.
+pub(crate) fn own_procedure(project: &Project, world: &dyn World) -> Result<Procedure, PipelineError> {
+    match project.verify {
+        Some(_) => procedure(project, world),
+        None => Ok(Procedure {
+            operating_point: project.model.operating_point,
+            friction: project.model.friction,
+            ..Procedure::default()
+        }),
+    }
+}
+
+/// RMS of the white noise of a reading: its own, and that of the converter's step (one over the root of twelve of it).
+fn reading_noise(sensor: &Sensor, bits: u32) -> f64 {
+    let step = match (sensor.resolution > 0.0, bits, sensor.scale_v_unit) {
+        (true, ..) => sensor.resolution,
+        (false, 0, _) => 0.0,
+        (false, _, 0.0) => 0.0,
+        (false, bits, scale) => 2.0 * CONVERTER_RANGE_V / 2f64.powi(bits as i32) / scale.abs(),
+    };
+    sensor.noise_rms.hypot(step / 12f64.sqrt())
+}
+
+/// Segments of the spectrum at least, and the longest segment in samples: 8 s at a millisecond resolve 0.12 Hz.
+const SEGMENTS: usize = 4;
+const LONGEST_SEGMENT: usize = 8192;
+/// Lines nearer than this, relatively, become one: no feedback tells them apart.
+const NEIGHBOURS: f64 = 0.03;
+/// Share of the power that the lines leave out at the upper end.
+const LEFT_OUT: f64 = 1e-4;
+
+/// The spectrum of the hub rate, less that of the reading's noise, over |S|^2.
+fn output_lines(history: &History, made: &Synthesised, noise: f64) -> Result<Vec<[f64; 2]>, PipelineError> {
+    let error: Vec<f64> =
+        history.hub_rate_rad_s.iter().zip(&history.demand_rad_s).map(|(y, r)| y - r).collect();
+    let period_s = made.sampling.period_s;
+    let mut segment = LONGEST_SEGMENT;
+    while segment > 64 && segment * (SEGMENTS + 1) / 2 > error.len() {
+        segment /= 2;
+    }
+    let options = WelchOptions { segment, confidence: 0.95 };
+    let spectra = welch(&error, &error, period_s, options)?;
+    let width_hz = 1.0 / (segment as f64 * period_s);
+    let response = Response::of(&made.sampled.loop_gain)?;
+    let noise_density = 2.0 * noise * noise * period_s;
+    let mut lines: Vec<[f64; 2]> = Vec::new();
+    for (hz, density) in spectra.frequency_hz.iter().zip(&spectra.pyy).skip(1) {
+        if *hz > HIGHEST_SHARE * 0.5 / period_s {
+            break;
+        }
+        let loop_gain = response.at(TAU * hz)?[(0, 0)];
+        let sensitivity = (C64::ONE + loop_gain).inv();
+        let own = (density - noise_density * (loop_gain * sensitivity).norm_sqr()).max(0.0);
+        lines.extend(spread([*hz, width_hz], own * width_hz / sensitivity.norm_sqr()));
+    }
+    Ok(merged(lines))
+}
+
+/// The power of a bin of the spectrum on lines that are no further apart than [`NEIGHBOURS`]: a real spectrum is continuous, and a feedback must
+/// not be rewarded for zeros of S at the bins.
+fn spread([hz, width_hz]: [f64; 2], power: f64) -> Vec<[f64; 2]> {
+    let count = (width_hz / (NEIGHBOURS * hz)).ceil().clamp(1.0, MOST_LINES) as usize;
+    let place = |k: usize| hz + width_hz * ((k as f64 + 0.5) / count as f64 - 0.5);
+    (0..count).map(|k| [TAU * place(k), power / count as f64]).collect()
+}
+
+/// Lines of a bin at most.
+const MOST_LINES: f64 = 16.0;
+/// Share of half the sample rate up to which a disturbance has lines: beyond it the hold, not the feedback, decides.
+const HIGHEST_SHARE: f64 = 0.5;
+
+fn merged(mut lines: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    let total: f64 = lines.iter().map(|line| line[1]).sum();
+    let mut beyond = 0.0;
+    while let Some(last) = lines.last() {
+        beyond += last[1];
+        if beyond > LEFT_OUT * total {
+            break;
+        }
+        lines.pop();
+    }
+    let mut groups: Vec<Vec<[f64; 2]>> = Vec::new();
+    for line in lines.into_iter().filter(|line| line[1] > 0.0) {
+        match groups.last_mut() {
+            Some(group) if line[0] <= group[0][0] * (1.0 + NEIGHBOURS) => group.push(line),
+            _ => groups.push(vec![line]),
+        }
+    }
+    let one = |group: Vec<[f64; 2]>| {
+        let power: f64 = group.iter().map(|line| line[1]).sum();
+        [group.iter().map(|line| line[0] * line[1]).sum::<f64>() / power, power]
+    };
+    groups.into_iter().map(one).collect()
+}
+
+/// The figures of a feedback loop as plain data.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LoopMeasuresResult {
+    /// Largest |S|.
+    pub max_sensitivity: f64,
+    /// Largest |T|.
+    pub max_complementary: f64,
+    /// Gain margin, dB.
+    pub gain_margin_db: f64,
+    /// Phase margin, degrees.
+    pub phase_margin_deg: f64,
+    /// Delay margin, s.
+    pub delay_margin_s: f64,
+    /// Crossover, rad/s.
+    pub crossover_rad_s: f64,
+    /// RMS control for noise of unit RMS, V s/rad.
+    pub noise_gain: f64,
+    /// Largest |KS|, V s/rad.
+    pub control_peak: f64,
+    /// RMS control of the feedback under the disturbance, V.
+    pub effort_v: f64,
+    /// RMS rate that the disturbance leaves, rad/s.
+    pub residual_rad_s: f64,
+    /// Slowest decay of a pole of the closed loop, rad/s.
+    pub decay_rad_s: f64,
+}
+
+impl From<&BestLoop> for LoopMeasuresResult {
+    /// The bound has no controller: margins, crossover and decay are NaN.
+    fn from(found: &BestLoop) -> Self {
+        Self {
+            max_sensitivity: found.max_sensitivity,
+            max_complementary: found.max_complementary,
+            gain_margin_db: f64::NAN,
+            phase_margin_deg: f64::NAN,
+            delay_margin_s: f64::NAN,
+            crossover_rad_s: f64::NAN,
+            noise_gain: found.noise_gain,
+            control_peak: found.control_peak,
+            effort_v: found.effort_v,
+            residual_rad_s: found.residual_rad_s,
+            decay_rad_s: f64::NAN,
+        }
+    }
+}
+
+/// A tuning as plain data.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TuningResult {
+    /// Blocks, each with its parameters.
+    pub blocks: Vec<BlockResult>,
+    /// Figures on each plant, the nominal one first.
+    pub measures: Vec<LoopMeasuresResult>,
+    /// Plants on which the limits were checked.
+    pub plants: usize,
+    /// By how much the worst limit is missed, relative to it.
+    pub missed: f64,
+    /// Residual that each start reached, rad/s; absent where it found no loop within the limits.
+    pub starts_rad_s: Vec<Option<f64>>,
+    /// Loops that were evaluated.
+    pub evaluations: usize,
+}
+
+/// A block as plain data.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BlockResult {
+    /// Kind.
+    pub kind: &'static str,
+    /// Its parameters by their keys in a project file.
+    pub values: Vec<(&'static str, f64)>,
+}
+
+impl From<&LoopMeasures> for LoopMeasuresResult {
+    fn from(m: &LoopMeasures) -> Self {
+        Self {
+            max_sensitivity: m.max_sensitivity,
+            max_complementary: m.max_complementary,
+            gain_margin_db: m.gain_margin_db,
+            phase_margin_deg: m.phase_margin_deg,
+            delay_margin_s: m.delay_margin_s,
+            crossover_rad_s: m.crossover_rad_s,
+            noise_gain: m.noise_gain,
+            control_peak: m.control_peak,
+            effort_v: m.effort_v,
+            residual_rad_s: m.residual_rad_s,
+            decay_rad_s: m.decay_rad_s,
+        }
+    }
+}
+
+impl fmt::Display for BlockResult {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let values: Vec<String> =
+            self.values.iter().map(|(key, value)| format!("{key} {value:.6}")).collect();
+        write!(f, "{} ({})", self.kind, values.join(", "))
+    }
+}
+
+/// The blocks of a structure as plain data.
+pub fn block_results(structure: &FixedStructure) -> Vec<BlockResult> {
+    let of = |block: &counterpoise_synth::Block| {
+        let names = block.kind.parameters().iter().map(|name| name.key());
+        let values = block.parameters.iter().map(|each| each.value.unwrap_or(f64::NAN));
+        BlockResult { kind: block.kind.name(), values: names.zip(values).collect() }
+    };
+    structure.blocks.iter().map(of).collect()
+}
+
+impl From<&TunedProject> for TuningResult {
+    fn from(found: &TunedProject) -> Self {
+        let tuned = &found.tuned;
+        Self {
+            blocks: block_results(&tuned.structure),
+            measures: tuned.measures.iter().map(LoopMeasuresResult::from).collect(),
+            plants: found.plants,
+            missed: tuned.missed,
+            starts_rad_s: tuned
+                .starts_rad_s
+                .iter()
+                .map(|rate| Some(*rate).filter(|r| r.is_finite()))
+                .collect(),
+            evaluations: tuned.evaluations,
+        }
+    }
+}

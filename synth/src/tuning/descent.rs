@@ -1,0 +1,116 @@
+//! The descent from one start: tangent programs in a trust region.
+
+use std::f64::consts::LN_2;
+
+use super::evaluation::Evaluation;
+use super::problem::Problem;
+use super::tangent::{PENALTY, merit, tangent_step};
+use crate::Error;
+use crate::fixed_structure::ParameterName;
+
+/// Where a descent ended.
+#[derive(Debug, Clone)]
+pub(crate) struct Descended {
+    /// Logarithms of the open parameters.
+    pub at: Vec<f64>,
+    /// ln of the residual rate on the worst plant.
+    pub objective: f64,
+    /// What the worst limit is exceeded by.
+    pub missed: f64,
+    /// Objective and penalty.
+    pub merit: f64,
+    /// Loops that were evaluated.
+    pub evaluations: usize,
+}
+
+/// Steps at most. The examples need between 15 and 60.
+const STEPS: usize = 300;
+/// First and last size of the trust region, as factors on the parameters in natural logarithms.
+const FIRST: f64 = 0.5;
+const LAST: f64 = 1e-6;
+const LARGEST: f64 = 2.0;
+/// Size of the region after it has shrunk to nothing, and the gain since the last time that makes it worth while.
+const AGAIN: f64 = 0.1;
+const WORTHWHILE: f64 = 1e-4;
+/// A step is taken if it brings this share of what it promised, and the region grows if it brings the second.
+const TAKEN: f64 = 0.05;
+const GOOD: f64 = 0.6;
+/// The descent ends if a step promises less than this share of the residual rate.
+const PROMISED: f64 = 1e-7;
+/// Halvings of the gain, and of the corner below which it integrates, of a start that is not stable.
+const HALVINGS: usize = 24;
+
+/// Descends from a start; `None` if no loop near it is stable.
+///
+/// # Errors
+/// [`Error::System`] if a program cannot be set up.
+pub(crate) fn descend(problem: &Problem<'_>, start: &[f64]) -> Result<Option<Descended>, Error> {
+    let Some(mut at) = stable_start(problem, start) else { return Ok(None) };
+    let mut found = problem.evaluate(&at)?;
+    let (mut radius, mut evaluations, mut settled) = (FIRST, 1, f64::INFINITY);
+    for _ in 0..STEPS {
+        let within = |k: usize, sign: f64| {
+            let range = problem.open[k].range;
+            let room = if sign > 0.0 { range[1] - at[k] } else { at[k] - range[0] };
+            sign * room.clamp(0.0, radius)
+        };
+        let low: Vec<f64> = (0..at.len()).map(|k| within(k, -1.0)).collect();
+        let high: Vec<f64> = (0..at.len()).map(|k| within(k, 1.0)).collect();
+        let step = tangent_step(&found, &low, &high)?;
+        let promised = step.as_ref().map_or(0.0, |step| merit(&found) - step.predicted);
+        let Some(step) = step.filter(|_| promised > PROMISED) else {
+            radius *= 0.25;
+            if radius < LAST {
+                break;
+            }
+            continue;
+        };
+        let next: Vec<f64> = at.iter().zip(&step.h).map(|(at, h)| at + h).collect();
+        evaluations += 1;
+        match gain(problem, &next, &found)? {
+            Some((better, gained)) if gained >= TAKEN * promised => {
+                (at, found) = (next, better);
+                radius = if gained >= GOOD * promised { (2.0 * radius).min(LARGEST) } else { radius };
+            }
+            _ => radius *= 0.35,
+        }
+        if radius < LAST {
+            // The region may have shrunk at a kink that the lines of another point see.
+            if merit(&found) > settled - WORTHWHILE {
+                break;
+            }
+            settled = merit(&found);
+            radius = AGAIN;
+        }
+    }
+    let (objective, missed) = (found.objective(), found.exceeded());
+    Ok(Some(Descended { at, objective, missed, merit: objective + PENALTY * missed, evaluations }))
+}
+
+/// The loop at a point and by how much its merit is less; `None` if it is not less, or the loop is not stable.
+fn gain(problem: &Problem<'_>, at: &[f64], before: &Evaluation) -> Result<Option<(Evaluation, f64)>, Error> {
+    let found = problem.evaluate(at)?;
+    let gained = merit(before) - merit(&found);
+    Ok((gained > 0.0 && problem.is_stable(at)).then_some((found, gained)))
+}
+
+/// The start with its gain lowered until the loop is stable.
+fn stable_start(problem: &Problem<'_>, start: &[f64]) -> Option<Vec<f64>> {
+    let mut at: Vec<f64> = start.to_vec();
+    for (value, open) in at.iter_mut().zip(&problem.open) {
+        *value = value.clamp(open.range[0], open.range[1]);
+    }
+    for _ in 0..HALVINGS {
+        if problem.is_stable(&at) {
+            return Some(at);
+        }
+        let gain = problem.open.iter().position(|open| open.name == ParameterName::Gain)?;
+        for (k, open) in problem.open.iter().enumerate() {
+            // With the corner, the gain's crossover stays above what integrates.
+            if k == gain || open.name == ParameterName::Corner {
+                at[k] = (at[k] - LN_2).max(open.range[0]);
+            }
+        }
+    }
+    None
+}

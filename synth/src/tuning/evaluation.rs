@@ -1,0 +1,220 @@
+//! Objective and limits of a loop at a point, each with its slopes.
+
+use counterpoise_lti::C64;
+
+use super::crossings::crossings;
+use super::limits::pole_region;
+use super::problem::{LoopPlant, Problem};
+use crate::Error;
+
+/// A number with its slopes in the open parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Row {
+    pub value: f64,
+    pub slope: Vec<f64>,
+}
+
+/// A loop at a point.
+#[derive(Debug, Clone)]
+pub(crate) struct Evaluation {
+    /// ln of the residual rate, on each plant.
+    pub objectives: Vec<Row>,
+    /// What each limit is exceeded by, relatively; at most 0 where it is kept. Each peak near its limit has a row.
+    pub limits: Vec<Row>,
+    /// The second-order part of the objective on the worst plant (Gauss and Newton's), row by row.
+    pub curvature: Vec<Vec<f64>>,
+}
+
+impl Evaluation {
+    /// The objective on the worst plant.
+    pub fn objective(&self) -> f64 {
+        self.objectives.iter().map(|row| row.value).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// What the worst limit is exceeded by; 0 where all are kept.
+    pub fn exceeded(&self) -> f64 {
+        self.limits.iter().map(|row| row.value).fold(0.0, f64::max)
+    }
+}
+
+/// The loop of one plant on the grid.
+pub(crate) struct LoopResponse<'a> {
+    pub rates: &'a [f64],
+    pub L: Vec<C64>,
+    pub S: Vec<C64>,
+    /// |KS|.
+    pub effort: Vec<f64>,
+    /// Slopes of ln K in the open parameters, at each frequency.
+    pub slopes: &'a [Vec<C64>],
+}
+
+/// Peaks lower than this below their limit, as a natural logarithm, have no row: no step of the trust region reaches them.
+const FAR: f64 = -0.7;
+/// The trust region's step in the logarithms of the parameters by which the slopes of poles are taken.
+const POLE_STEP: f64 = 1e-5;
+
+impl Problem<'_> {
+    /// Evaluates the loop at a point; whether it is stable is another question.
+    pub fn evaluate(&self, at: &[f64]) -> Result<Evaluation, Error> {
+        let values = self.values(at);
+        let blocks = &self.task.structure.blocks;
+        let each = |s: &C64| -> (C64, Vec<C64>) {
+            let K = blocks.iter().zip(&values).map(|(block, p)| block.kind.at(p, *s)).product();
+            let slopes: Vec<Vec<C64>> =
+                blocks.iter().zip(&values).map(|(block, p)| block.kind.slopes(p, *s)).collect();
+            (K, self.open.iter().map(|open| slopes[open.block][open.place]).collect())
+        };
+        let (K, slopes): (Vec<C64>, Vec<Vec<C64>>) = self.grid.s.iter().map(each).unzip();
+        let (mut objectives, mut limits) = (Vec::new(), Vec::new());
+        let mut curvature = (f64::NEG_INFINITY, Vec::new());
+        for plant in &self.plants {
+            let response = respond(self, plant, &K, &slopes);
+            let objective = self.residual(&response);
+            if objective.value > curvature.0 {
+                curvature = (objective.value, self.curvature(&response));
+            }
+            objectives.push(objective);
+            limits.extend(self.peaks(&response));
+            limits.extend(self.mean_squares(&response));
+            limits.extend(crossings(&response, &self.limits));
+        }
+        limits.extend(self.poles(at)?);
+        Ok(Evaluation { objectives, limits, curvature: curvature.1 })
+    }
+
+    /// ln of the residual rate.
+    fn residual(&self, response: &LoopResponse<'_>) -> Row {
+        let noise = self.task.disturbance.reading_noise_rad_s.powi(2);
+        let (mut sum, mut slope) = (0.0, vec![0.0; self.open.len()]);
+        for k in 0..response.S.len() {
+            let (S, T) = (response.S[k], response.L[k] * response.S[k]);
+            let (left, of_noise) =
+                (self.grid.power[k] * S.norm_sqr(), noise * self.grid.share[k] * T.norm_sqr());
+            sum += left + of_noise;
+            for (total, D) in slope.iter_mut().zip(&response.slopes[k]) {
+                *total += left * -(T * D).re + of_noise * (S * D).re;
+            }
+        }
+        slope.iter_mut().for_each(|each| *each /= sum);
+        Row { value: 0.5 * sum.ln(), slope }
+    }
+
+    /// sum power |dS|^2 / sum power |S|^2.
+    fn curvature(&self, response: &LoopResponse<'_>) -> Vec<Vec<f64>> {
+        let n = self.open.len();
+        let (mut sum, mut all) = (0.0, vec![vec![0.0; n]; n]);
+        for k in 0..response.S.len() {
+            let power = self.grid.power[k];
+            if power == 0.0 {
+                continue;
+            }
+            let S = response.S[k];
+            sum += power * S.norm_sqr();
+            let moved: Vec<C64> = response.slopes[k].iter().map(|D| S * response.L[k] * S * D).collect();
+            for i in 0..n {
+                for j in 0..n {
+                    all[i][j] += power * (moved[i].conj() * moved[j]).re;
+                }
+            }
+        }
+        all.iter_mut().flatten().for_each(|each| *each /= sum);
+        all
+    }
+
+    /// A row for each peak of |S|, |T| and |KS| that is near its limit.
+    fn peaks(&self, response: &LoopResponse<'_>) -> Vec<Row> {
+        let count = response.S.len();
+        let limits = [self.limits.max_sensitivity, self.limits.max_complementary, self.limits.control_peak];
+        let mut rows = Vec::new();
+        for (which, limit) in limits.into_iter().enumerate().filter(|(_, limit)| limit.is_finite()) {
+            let size = |k: usize| match which {
+                0 => response.S[k].norm(),
+                1 => (response.L[k] * response.S[k]).norm(),
+                _ => response.effort[k],
+            };
+            let sizes: Vec<f64> = (0..count).map(size).collect();
+            for k in 0..count {
+                let is_peak =
+                    (k == 0 || sizes[k] >= sizes[k - 1]) && (k + 1 == count || sizes[k] >= sizes[k + 1]);
+                let value = (sizes[k] / limit).ln();
+                if !is_peak || value < FAR {
+                    continue;
+                }
+                let factor = if which == 0 { -response.L[k] * response.S[k] } else { response.S[k] };
+                let slope = response.slopes[k].iter().map(|D| (factor * D).re).collect();
+                rows.push(Row { value, slope });
+            }
+        }
+        rows
+    }
+
+    /// Noise gain and effort.
+    fn mean_squares(&self, response: &LoopResponse<'_>) -> Vec<Row> {
+        let pairs = [(self.limits.noise_gain, &self.grid.share), (self.limits.effort_v, &self.grid.power)];
+        let mut rows = Vec::new();
+        for (limit, weights) in pairs.into_iter().filter(|(limit, _)| limit.is_finite()) {
+            let (mut sum, mut slope) = (0.0, vec![0.0; self.open.len()]);
+            for (k, weight) in weights.iter().enumerate() {
+                let part = weight * response.effort[k].powi(2);
+                sum += part;
+                for (total, D) in slope.iter_mut().zip(&response.slopes[k]) {
+                    *total += part * (response.S[k] * D).re;
+                }
+            }
+            slope.iter_mut().for_each(|each| *each /= sum);
+            rows.push(Row { value: 0.5 * sum.ln() - limit.ln(), slope });
+        }
+        rows
+    }
+
+    /// Decay and damping of the closed loop's poles, with slopes from differences: a pole moves smoothly unless two meet.
+    fn poles(&self, at: &[f64]) -> Result<Vec<Row>, Error> {
+        let asked = [self.limits.decay_rad_s, self.limits.damping];
+        if asked.iter().all(|limit| *limit <= 0.0) {
+            return Ok(Vec::new());
+        }
+        let missing = |at: &[f64]| -> Result<[f64; 2], Error> {
+            let crossover_rad_s = self.crossover(at);
+            let mut worst = [f64::NEG_INFINITY; 2];
+            for (poles, plant) in self.closed_poles(at)?.iter().zip(&self.plants) {
+                let (decay, damping) = pole_region(poles, &plant.system, crossover_rad_s);
+                let missed = [1.0 - decay / asked[0], 1.0 - damping / asked[1]];
+                (0..2).filter(|&i| asked[i] > 0.0).for_each(|i| worst[i] = worst[i].max(missed[i]));
+            }
+            Ok(worst)
+        };
+        let here = missing(at)?;
+        let mut rows: Vec<Row> = here.map(|value| Row { value, slope: Vec::new() }).into();
+        for k in 0..at.len() {
+            let mut moved = at.to_vec();
+            moved[k] += POLE_STEP;
+            let next = missing(&moved)?;
+            rows.iter_mut().zip(next).for_each(|(row, next)| row.slope.push((next - row.value) / POLE_STEP));
+        }
+        rows.retain(|row| row.value.is_finite());
+        Ok(rows)
+    }
+
+    /// The highest frequency of the grid at which the nominal loop's gain is above 1, rad/s.
+    fn crossover(&self, at: &[f64]) -> f64 {
+        let values = self.values(at);
+        let gain = |k: usize| {
+            let blocks = self.task.structure.blocks.iter().zip(&values);
+            let K: C64 = blocks.map(|(block, p)| block.kind.at(p, self.grid.s[k])).product();
+            (K * self.plants[0].response[k]).norm()
+        };
+        (0..self.grid.rates.len()).rev().find(|&k| gain(k) > 1.0).map_or(0.0, |k| self.grid.rates[k])
+    }
+}
+
+fn respond<'a>(
+    problem: &'a Problem<'_>,
+    plant: &LoopPlant,
+    K: &[C64],
+    slopes: &'a [Vec<C64>],
+) -> LoopResponse<'a> {
+    let L: Vec<C64> = plant.response.iter().zip(K).map(|(P, K)| P * K).collect();
+    let S: Vec<C64> = L.iter().map(|L| (C64::ONE + L).inv()).collect();
+    let effort = K.iter().zip(&S).map(|(K, S)| (K * S).norm()).collect();
+    LoopResponse { rates: &problem.grid.rates, L, S, effort, slopes }
+}

@@ -1,0 +1,198 @@
+#![allow(clippy::unwrap_used)]
+
+use counterpoise_lti::C64;
+
+use super::problem::Problem;
+use super::*;
+use crate::fixed_structure::{Block, BlockKind};
+use crate::rational::Rational;
+
+/// A servo with drag and a structural mode: 40 (s^2/60^2 + ...) / ((s + 0.5)(s^2/80^2 + ...)).
+fn servo(gain: f64, mode: f64) -> DesignPlant {
+    let pair = |frequency: f64, damping: f64| {
+        let im = frequency * (1.0 - damping * damping).sqrt();
+        vec![C64::new(-damping * frequency, im), C64::new(-damping * frequency, -im)]
+    };
+    let mut poles = pair(mode, 0.02);
+    poles.push(C64::new(-0.5, 0.0));
+    let zeros = pair(0.75 * mode, 0.02);
+    let system = Rational::new(&zeros, &poles, gain * (4.0_f64 / 3.0).powi(2)).realise().unwrap();
+    DesignPlant::ideal(system, 0, 0)
+}
+
+fn open(kinds: &[BlockKind]) -> FixedStructure {
+    FixedStructure { blocks: kinds.iter().map(|kind| Block::open(*kind)).collect() }
+}
+
+fn limits() -> LoopLimits {
+    LoopLimits {
+        max_sensitivity: 1.4,
+        max_complementary: 1.25,
+        gain_margin_db: 11.0,
+        phase_margin_deg: 55.0,
+        delay_margin_s: 0.01,
+        noise_gain: 3.0,
+        control_peak: 12.0,
+        effort_v: 2.0,
+        decay_rad_s: 0.5,
+        damping: 0.3,
+    }
+}
+
+const PI_LAG: [BlockKind; 2] = [BlockKind::ProportionalIntegral, BlockKind::LowPass];
+
+#[test]
+fn every_row_has_the_slope_of_differences() {
+    let (structure, plants) = (open(&PI_LAG), [servo(2.0, 80.0), servo(1.6, 90.0)]);
+    let (sampling, disturbance) = (Sampling::new(2e-3, 10.0), Disturbance::of_band([1.0, 10.0]));
+    let disturbance = Disturbance { reading_noise_rad_s: 0.3, ..disturbance };
+    let task = TuningTask {
+        structure: &structure,
+        plants: &plants,
+        held: &[],
+        sampling: &sampling,
+        disturbance: &disturbance,
+        limits: limits(),
+        starts: 1,
+        seed: 1,
+    };
+    let problem = Problem::new(&task).unwrap();
+    let at: Vec<f64> = [4.0_f64, 2.0, 60.0].map(f64::ln).into();
+    assert!(problem.is_stable(&at));
+    let here = problem.evaluate(&at).unwrap();
+    assert!(here.limits.len() >= 12, "{} rows", here.limits.len());
+    for k in 0..at.len() {
+        let moved = |sign: f64| {
+            let mut at = at.clone();
+            at[k] += sign * 1e-6;
+            problem.evaluate(&at).unwrap()
+        };
+        let (above, below) = (moved(1.0), moved(-1.0));
+        let rows = |e: &evaluation::Evaluation| [e.objectives.clone(), e.limits.clone()].concat();
+        for ((row, up), down) in rows(&here).iter().zip(rows(&above)).zip(rows(&below)) {
+            let difference = (up.value - down.value) / 2e-6;
+            let slope = row.slope[k];
+            assert!(
+                (slope - difference).abs() < 1e-4 * (1.0 + difference.abs()),
+                "{k}: {slope} against {difference}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_tuned_loop_keeps_its_limits_by_figures_of_another_path_and_beats_a_long_random_search() {
+    let (structure, plants) = (open(&PI_LAG), [servo(2.0, 80.0)]);
+    let (sampling, disturbance) = (Sampling::new(2e-3, 10.0), Disturbance::of_band([1.0, 10.0]));
+    let limits =
+        LoopLimits { max_sensitivity: 1.4, max_complementary: 1.2, noise_gain: 3.0, ..LoopLimits::default() };
+    let task = TuningTask {
+        structure: &structure,
+        plants: &plants,
+        held: &[],
+        sampling: &sampling,
+        disturbance: &disturbance,
+        limits,
+        starts: 6,
+        seed: 1,
+    };
+    let tuned = tune(&task).unwrap();
+    assert_eq!(tuned.missed, 0.0, "{:?}", tuned.measures);
+    assert!(tuned.measures[0].max_sensitivity < 1.4 * 1.0002);
+    let problem = Problem::new(&task).unwrap();
+    let mut state = 7_u64;
+    let mut random = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let mut best = f64::INFINITY;
+    for _ in 0..20_000 {
+        // Gain 0.3 to 30, corner 0.1 to 30 rad/s, lag 10 to 1000 rad/s: about the answer, to the search's advantage.
+        let at: Vec<f64> = [[0.3_f64, 30.0], [0.1, 30.0], [10.0, 1000.0]]
+            .map(|[a, b]| a.ln() + (b / a).ln() * random())
+            .into();
+        let found = problem.evaluate(&at).unwrap();
+        if found.exceeded() == 0.0 && found.objective().exp() < best && problem.is_stable(&at) {
+            best = found.objective().exp();
+        }
+    }
+    let answer = tuned.residual_rad_s();
+    assert!(answer <= 1.0005 * best, "tuned {answer}, the best of 20000 random loops {best}");
+    assert!(best < 1.3 * answer, "the search looked about the answer: {best} against {answer}");
+}
+
+#[test]
+fn one_controller_for_two_plants_keeps_the_limits_on_both() {
+    let plants = [servo(2.0, 80.0), servo(1.0, 60.0)];
+    let (sampling, disturbance) = (Sampling::new(2e-3, 10.0), Disturbance::of_band([1.0, 10.0]));
+    let structure = open(&PI_LAG);
+    let limits = LoopLimits { max_sensitivity: 1.4, max_complementary: 1.25, ..LoopLimits::default() };
+    let task = |plants| TuningTask {
+        structure: &structure,
+        plants,
+        held: &[],
+        sampling: &sampling,
+        disturbance: &disturbance,
+        limits,
+        starts: 5,
+        seed: 1,
+    };
+    let both = tune(&task(&plants[..])).unwrap();
+    assert_eq!((both.missed, both.measures.len()), (0.0, 2));
+    let first = tune(&task(&plants[..1])).unwrap();
+    assert!(first.residual_rad_s() < both.residual_rad_s(), "one plant alone allows more");
+}
+
+#[test]
+fn a_loop_holds_a_pendulum_that_the_plant_without_its_angle_does_not_show() {
+    // 2 / (s + 0.5) and the same with gravity that topples it: 2 s / (s^2 + 0.5 s - 4).
+    let poles = [C64::new(-0.5, 0.0), C64::new(-60.0, 0.0)];
+    let plant = DesignPlant::ideal(Rational::new(&[], &poles, 120.0).realise().unwrap(), 0, 0);
+    let root = (0.0625_f64 + 4.0).sqrt();
+    let toppling = [C64::new(-0.25 + root, 0.0), C64::new(-0.25 - root, 0.0), C64::new(-60.0, 0.0)];
+    let held = DesignPlant::ideal(Rational::new(&[C64::ZERO], &toppling, 120.0).realise().unwrap(), 0, 0);
+    let (sampling, disturbance) = (Sampling::new(2e-3, 10.0), Disturbance::of_band([3.0, 10.0]));
+    let (structure, plants) = (open(&PI_LAG), [plant]);
+    let task = |held| TuningTask {
+        structure: &structure,
+        plants: &plants,
+        held,
+        sampling: &sampling,
+        disturbance: &disturbance,
+        limits: LoopLimits { max_sensitivity: 1.4, noise_gain: 1.5, ..LoopLimits::default() },
+        starts: 6,
+        seed: 1,
+    };
+    let pendulum = [held];
+    let tuned = tune(&task(&pendulum[..])).unwrap();
+    let problem_of_pendulum = task(&pendulum[..]);
+    let problem = Problem::new(&problem_of_pendulum).unwrap();
+    let values: Vec<f64> = tuned.structure.values().unwrap().concat().into_iter().map(f64::ln).collect();
+    assert!(problem.is_stable(&values));
+}
+
+#[test]
+fn fixed_parameters_stay_and_ranges_hold() {
+    let mut structure = open(&PI_LAG);
+    structure.blocks[1].parameters[0] = crate::fixed_structure::Parameter::fixed(150.0);
+    structure.blocks[0].parameters[1].range = Some([1.0, 2.0]);
+    let plants = [servo(2.0, 80.0)];
+    let (sampling, disturbance) = (Sampling::new(2e-3, 10.0), Disturbance::of_band([1.0, 10.0]));
+    let limits = LoopLimits { max_sensitivity: 1.5, ..LoopLimits::default() };
+    let task = TuningTask {
+        structure: &structure,
+        plants: &plants,
+        held: &[],
+        sampling: &sampling,
+        disturbance: &disturbance,
+        limits,
+        starts: 3,
+        seed: 1,
+    };
+    let values = tune(&task).unwrap().structure.values().unwrap();
+    assert_eq!(values[1][0], 150.0);
+    assert!((1.0 - 1e-12..=2.0 + 1e-12).contains(&values[0][1]), "{values:?}");
+    let all_fixed = tune(&task).unwrap().structure;
+    let nothing_open = TuningTask { structure: &all_fixed, ..task };
+    assert!(matches!(tune(&nothing_open), Err(Error::System { .. })));
+}
