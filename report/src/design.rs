@@ -6,6 +6,7 @@ use counterpoise_pipeline::export::target_proofs::{Costs, Proof};
 use counterpoise_pipeline::results::{DesignResult, SynthResult};
 use counterpoise_pipeline::{Designed, Reduced, StageTime, SynthesisStudy};
 
+use crate::adaptation::trial_section;
 use crate::bode::{BodeCurve, Phase, bode};
 use crate::evidence::PLANT;
 use crate::page::Origin;
@@ -60,6 +61,7 @@ pub fn of_design(designed: &Designed, result: &DesignResult, run: &DesignRun<'_>
     };
     let mut report = of_verification(stages.verified.verification(), &designed.spectra, context);
     report.sections.retain(|section| section.heading != PLANT);
+    report.sections.extend(designed.adaptation.as_ref().map(trial_section));
     report.reproduced_by(&run.origin.command)
 }
 

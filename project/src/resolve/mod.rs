@@ -5,6 +5,7 @@ mod beam_checks;
 mod changes;
 mod checks;
 pub mod controller;
+pub mod controller_file;
 pub mod design;
 mod drive;
 mod format;
