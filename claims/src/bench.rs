@@ -13,7 +13,7 @@ use counterpoise_verify::{
 
 use super::drawing::{Curve, drawing, factor, hub, hub_from, hub_panel, panel, time};
 use super::friction_identification::{IdentifiedFriction, identify_friction, observing};
-use counterpoise_pipeline::{PipelineError, Stages, World, procedure, run_stages, synthesise};
+use counterpoise_pipeline::{PipelineError, Stages, World, run_stages, synthesise};
 use counterpoise_plot::{Axis, Figure as Drawing};
 use counterpoise_project::Project;
 
@@ -88,7 +88,7 @@ impl<'a> Bench<'a> {
     /// Those of the pipeline.
     pub fn new(project: &'a Project, world: &'a dyn World) -> Result<Self, PipelineError> {
         let designed = run_stages(project, world)?;
-        let procedure = procedure(project, world)?;
+        let procedure = designed.procedure.clone();
         let friction = identify_friction(&designed.modelled.parameters)?;
         let observing_project = observing(project, &friction);
         let observed = run_stages(&observing_project, world)?.verified.controller().clone();

@@ -27,7 +27,7 @@ pub fn exported_controller(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let phase = |margins: &Margins| margins.phase_margin().map_or(f64::NAN, |phase| phase.deg);
     let (lag_before, lag_after) = (phase(&design), phase(exported));
     let made = &bench.designed;
-    let ran = compare(bench.project, &made.modelled, &made.verified, bench.world)?;
+    let ran = compare(&made.modelled, &made.verified, &made.procedure)?;
     let words: Vec<String> = ran.figures.iter().map(in_words).collect();
     let most_db = ran.figures.iter().map(cost_db).fold(0.0, f64::max);
     let files = made.files.len();

@@ -240,6 +240,7 @@ fn estimator(estimator: &Estimator) -> Result<(), Error> {
         volts,
         Required { holds: volts.is_finite() && volts != 0.0, words: "finite and not 0" },
     )?;
+    at_least_0("hold band (kg m)", estimator.hold_band_kg_m)?;
     let limit = estimator.rate_limit_kg_m_s;
     require("rate limit (kg m/s)", limit, Required { holds: limit > 0.0, words: "positive" })?;
     rate(estimator.rate)

@@ -112,7 +112,7 @@ impl Controller {
 
     /// Returns the linear part as [`Controller::linear`] does, with the estimator of the out-of-balance learning: gains and bias
     /// follow its estimate. The program is differentiated about the state that it reaches at rest, the sizes of what a sample
-    /// tells held there. A mean over windows stands still between the ends of its windows, and is left so.
+    /// tells held there, and the estimate outside its hold band. A mean over windows stands still between the ends of its windows, and is left so.
     ///
     /// # Errors
     /// As [`Controller::linear`].
@@ -125,6 +125,7 @@ impl Controller {
             parts.observers.iter_mut().for_each(|observer| observer.volts_per_nm = 0.0);
             parts.drive_curve.clear();
             parts.transfer_time_s = 0.0;
+            parts.estimator.iter_mut().for_each(|estimator| estimator.hold_band_kg_m = 0.0);
         })?;
         let mut runner = sliding.runner();
         runner.set_out_of_balance(out_of_balance_kg_m);

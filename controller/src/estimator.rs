@@ -1,17 +1,19 @@
 //! The out-of-balance estimated from the control while the machine runs.
 
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
 use crate::Signal;
 
 /// Estimates the out-of-balance from the control, and sets it
 ///
 /// ```text
 ///     phi = (g cos(theta) + a_p, w / (|w| + w0), w, 1)        v = phi p
-///     M   = p_0 / volts_per_kg_m_s2, moved by at most `rate_limit_kg_m_s` T a sample, kept inside the range
+///     M   = p_0 / volts_per_kg_m_s2 to `hold_band_kg_m`, moved by at most `rate_limit_kg_m_s` T a sample, kept inside the range
 /// ```
 ///
 /// with theta the hub's position reading, a_p the platform's acceleration reading, w the rate. How p is learnt is the
 /// [`Learning`]. It acts on the feedforward's gain and the bias only: no estimate can make the linear loop unstable.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Estimator {
     /// How it learns.
     pub learning: Learning,
@@ -24,13 +26,19 @@ pub struct Estimator {
     /// Volts that hold one kg m at one m/s^2.
     pub volts_per_kg_m_s2: f64,
     /// Largest change of the out-of-balance, kg m/s; infinite for none.
+    #[serde(serialize_with = "limit_or_none", deserialize_with = "none_is_infinite")]
     pub rate_limit_kg_m_s: f64,
+    /// The out-of-balance in force stands still while the estimate is no further from it than this, kg m: the noise of an estimate then
+    /// makes nothing worse. 0 for none.
+    #[serde(default)]
+    pub hold_band_kg_m: f64,
     /// Number of samples before the out-of-balance in force begins to follow the estimate.
     pub hold_samples: u32,
 }
 
 /// How an [`Estimator`] learns.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Learning {
     /// Normalised gradient on the first three regressors:
     /// `p += step (u - v) phi / (1 + phi' S phi) S, S = diag(scale^2)`; stable for 0 < step < 2.
@@ -68,4 +76,14 @@ pub enum Learning {
         /// Volts that accelerate the hub, and what follows the estimator's rate, by 1 rad/s^2.
         inertia_v_s2_rad: [f64; 2],
     },
+}
+
+/// Writes a limit; an infinite one, which JSON has no number for, as none.
+fn limit_or_none<S: Serializer>(limit: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    limit.is_finite().then_some(limit).serialize(serializer)
+}
+
+/// Reads what [`limit_or_none`] wrote.
+fn none_is_infinite<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::<f64>::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
 }

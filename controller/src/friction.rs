@@ -1,5 +1,7 @@
 //! Dry friction from a rate, as volts that cancel it.
 
+use serde::{Deserialize, Serialize};
+
 use crate::Signal;
 
 /// A friction that follows a rate by one of the laws of dry friction
@@ -9,7 +11,7 @@ use crate::Signal;
 /// ```
 ///
 /// Every step is implicit or bounded: it needs no exponential, and F stays inside the law's own level at any rate.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FrictionObserver {
     /// Name: a lower-case identifier.
     pub name: String,
@@ -31,7 +33,8 @@ pub struct FrictionObserver {
 }
 
 /// The laws of an observer, with T the sample period and g the level at the speed of the sample.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum ObserverLaw {
     /// Dahl with exponent 1: `F[k+1] = (F[k] + sigma T w) / (1 + sigma T |w| / g)`, the implicit step of
     /// dF = sigma (dx - F/g |dx|).

@@ -1,6 +1,7 @@
 //! What a controller is made of: plain data, checked when a controller is built from it.
 
 use counterpoise_lti::StateSpace;
+use serde::{Deserialize, Serialize};
 
 use crate::tolerance::READING_LIMITS;
 use crate::{Estimator, FrictionObserver, READINGS, Signal};
@@ -26,7 +27,8 @@ pub struct Path {
 }
 
 /// How a path's output follows the out-of-balance M that is set.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Scaling {
     /// It does not.
     Fixed,
@@ -45,7 +47,7 @@ pub enum Scaling {
 }
 
 /// Correction of a reading: corrected = gain reading + offset.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Correction {
     /// Index of the reading in [`crate::READING_NAMES`].
     pub reading: usize,

@@ -1,5 +1,7 @@
 //! The signals that a controller can use.
 
+use serde::{Deserialize, Serialize};
+
 use crate::Readings;
 
 /// Number of readings: the inputs of a controller's step.
@@ -22,26 +24,35 @@ pub const HUB_RATE: usize = 1;
 /// Index of the hub's angle among the readings.
 pub const HUB_POSITION: usize = 5;
 
-/// A signal that a path of the controller uses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+/// A signal that a path of the controller uses. Its name in a file is [`Signal::name`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Signal {
     /// Demanded hub rate after the reference prefilter, rad/s.
+    #[serde(rename = "filtered_demand_rad_s")]
     Demand,
     /// Hub gyroscope, rad/s.
+    #[serde(rename = "hub_rate_rad_s")]
     HubRate,
     /// Demand after the prefilter less hub rate, rad/s.
+    #[serde(rename = "rate_error_rad_s")]
     RateError,
     /// Platform gyroscope, rad/s.
+    #[serde(rename = "platform_rate_rad_s")]
     PlatformRate,
     /// Platform accelerometer (heave), m/s^2.
+    #[serde(rename = "platform_accel_m_s2")]
     PlatformAcceleration,
     /// Motor tachometer, rad/s relative to the platform.
+    #[serde(rename = "motor_rate_rad_s")]
     MotorRate,
     /// Hub angle relative to the platform, rad.
+    #[serde(rename = "hub_position_rad")]
     HubPosition,
     /// Hub rate less platform rate, rad/s.
+    #[serde(rename = "relative_rate_rad_s")]
     RelativeRate,
     /// The limited control of the sample before, V.
+    #[serde(rename = "previous_control_v")]
     PreviousControl,
 }
 

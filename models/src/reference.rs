@@ -34,6 +34,8 @@ pub fn rig() -> Parameters {
             input_bits: 16,
             output_bits: 12,
             output_delay_samples: 0,
+            clock: Clock::IDEAL,
+            missing_codes: 0.0,
         },
         configurations: configurations(),
     }

@@ -2,22 +2,23 @@
 
 use counterpoise_export::{File, FormFigures, Targets};
 use counterpoise_project::Project;
-use counterpoise_verify::VerifiedController;
 use counterpoise_verify::certificate::Certificate as StabilityCertificate;
 use counterpoise_verify::spectral::{Spectral, spectral};
+use counterpoise_verify::{Procedure, VerifiedController};
 
 use crate::certificates::{Certificate, certify};
 use crate::design_views::{DesignViews, design_views};
 use crate::exchange::{VerifiedLoop, verified_loop};
 use crate::export::target_proofs::Operations;
 use crate::export::{
-    Exported, LeftOut, PathForms, TargetCode, by_form, compare, every_target, export, forms, project_hash,
+    Exported, LeftOut, PathForms, TargetCode, by_form, compare, every_target, export_by, forms, project_hash,
     weights,
 };
+use crate::studies::adaptation_trials::{Trials, own_trials};
 use crate::studies::comparison::{Comparison, compare_designs};
 use crate::{
     FirstDesign, Modelled, PipelineError, Reduced, Step, Synthesised, World, model, procedure, reduce,
-    studies, synthesise, verify, watched, with_chosen_weights, with_tuned_structure,
+    studies, synthesise, verify_on, watched, with_chosen_weights, with_tuned_structure,
 };
 
 /// What each stage of the pipeline made, from the plant to the code.
@@ -29,6 +30,8 @@ pub struct Stages {
     pub reduced: Reduced,
     /// The design and its sampled controller.
     pub synthesised: Synthesised,
+    /// What the verification did to the mechanism.
+    pub procedure: Procedure,
     /// The controller with its verdicts.
     pub verified: VerifiedController,
     /// Its stability in every regime.
@@ -86,6 +89,8 @@ pub struct Designed {
     pub targets: TargetStudy,
     /// What the linear figures were measured on.
     pub verified_loop: VerifiedLoop,
+    /// The trials of the project's adaptation; `None` if it has none.
+    pub adaptation: Option<Trials>,
 }
 
 /// A design without its verification and code, with everything that a report, a terminal or another program shows of it.
@@ -125,13 +130,15 @@ pub fn run_stages(project: &Project, world: &dyn World) -> Result<Stages, Pipeli
     let modelled = watched(world, Step::Model, || model(project))?;
     let reduced = watched(world, Step::Reduce, || reduce(project, &modelled))?;
     let synthesised = watched(world, Step::Synthesise, || synthesise(project, &modelled, &reduced))?;
-    let verified = watched(world, Step::Verify, || verify(project, &modelled, &synthesised, world))?;
+    let procedure = procedure(project, world)?;
+    let verified =
+        watched(world, Step::Verify, || verify_on(project, &modelled.plant, &synthesised, &procedure))?;
     let stability = watched(world, Step::Verify, || {
-        studies::certificate::certificate(project, &modelled, &synthesised, &procedure(project, world)?)
+        studies::certificate::certificate(project, &modelled, &synthesised, &procedure)
     })?;
     let Exported { files, left_out } =
-        watched(world, Step::Export, || export(project, &modelled, &verified, world))?;
-    Ok(Stages { modelled, reduced, synthesised, verified, stability, files, left_out })
+        watched(world, Step::Export, || export_by(project, &modelled, &verified, (&procedure, world)))?;
+    Ok(Stages { modelled, reduced, synthesised, procedure, verified, stability, files, left_out })
 }
 
 /// Runs every stage and computes everything that is stated about the design; whoever shows the result computes nothing.
@@ -158,8 +165,9 @@ pub fn design(project: &Project, world: &dyn World) -> Result<Designed, Pipeline
         verified_loop: verified_loop(
             &stages.modelled.plant,
             stages.verified.controller(),
-            &procedure(project, world)?,
+            &stages.procedure,
         )?,
+        adaptation: own_trials(project, &stages.modelled, &stages.synthesised, &stages.procedure)?,
         stages,
     })
 }
@@ -197,7 +205,7 @@ fn study_targets(
     stages: &Stages,
     world: &dyn World,
 ) -> Result<TargetStudy, PipelineError> {
-    let compared = compare(project, &stages.modelled, &stages.verified, world)?;
+    let compared = compare(&stages.modelled, &stages.verified, &stages.procedure)?;
     let programs = stages.verified.controller().programs();
     Ok(TargetStudy {
         code: every_target(project, &stages.verified, &compared, world)?,

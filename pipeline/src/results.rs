@@ -9,6 +9,7 @@ use counterpoise_models::plant::LinearPlant;
 use counterpoise_project::Assumption;
 use counterpoise_simulate::replay::{ChannelFit, Divergence, ReplayMode};
 use counterpoise_synth::{Channel, Specification, Weight};
+use counterpoise_verify::acceptance::{acceptance_test, judged_by};
 use counterpoise_verify::{Value, Verdict, Verification};
 use serde::Serialize;
 
@@ -21,6 +22,8 @@ use crate::exchange::{
 use crate::recordings::ReplayedRecording;
 pub use certificate::CertificateResult;
 
+use crate::studies::adapt::AdaptRun;
+use crate::studies::adaptation_trials::Trials;
 use crate::{Designed, Modelled, Reduced, Synthesised};
 
 /// A complex number as real and imaginary part.
@@ -127,6 +130,12 @@ pub struct VerdictResult {
     pub limit: Option<f64>,
     /// Why it is not applicable.
     pub why: Option<String>,
+    /// Where the requirement comes from, as the project file states it; empty if it does not.
+    pub source: String,
+    /// The run that judged it.
+    pub judged_by: String,
+    /// The test on the machine that would.
+    pub acceptance_test: String,
 }
 
 /// The verification.
@@ -143,6 +152,9 @@ pub struct VerifyResult {
     /// Stability in every regime; absent where it was not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub certificate: Option<CertificateResult>,
+    /// Trials of the project's adaptation; absent if it has none or they were not asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub adaptation_trials: Option<Trials>,
     /// What the linear figures are measured on.
     #[serde(flatten)]
     pub measured_on: VerifiedLoop,
@@ -151,6 +163,23 @@ pub struct VerifyResult {
     /// Time histories of every experiment; absent unless they were asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub histories: Vec<HistoryResult>,
+}
+
+impl VerifyResult {
+    /// Returns the result with the trials of the adaptation: a method that they refuse does not pass.
+    pub fn with_adaptation(self, adaptation_trials: Option<Trials>) -> Self {
+        let refused = adaptation_trials.as_ref().is_some_and(|tried| !tried.refused.is_empty());
+        Self { passes: self.passes && !refused, adaptation_trials, ..self }
+    }
+}
+
+/// The adaptation put to the test.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AdaptResult {
+    /// The runs (a) to (h).
+    pub runs: Vec<AdaptRun>,
+    /// Trials of every method, and the methods that are refused.
+    pub trials: Trials,
 }
 
 /// A whole design.
@@ -298,24 +327,21 @@ impl VerifyResult {
             unit: measured.figure.unit(),
         });
         let verdicts = found.verdicts.iter().map(|(requirement, verdict)| {
-            let figure = requirement.figure.key();
-            let judged = |verdict, value, limit| VerdictResult {
-                figure: figure.clone(),
-                verdict,
-                value: Some(value),
-                limit: Some(limit),
-                why: None,
+            let procedure = &found.evidence.procedure;
+            let (verdict, value, limit, why) = match verdict {
+                Verdict::Holds { value, limit, .. } => ("holds", Some(*value), Some(limit.value()), None),
+                Verdict::Fails { value, limit, .. } => ("fails", Some(*value), Some(limit.value()), None),
+                Verdict::NotApplicable { why } => ("not applicable", None, None, Some(why.clone())),
             };
-            match verdict {
-                Verdict::Holds { value, limit, .. } => judged("holds", *value, limit.value()),
-                Verdict::Fails { value, limit, .. } => judged("fails", *value, limit.value()),
-                Verdict::NotApplicable { why } => VerdictResult {
-                    figure: figure.clone(),
-                    verdict: "not applicable",
-                    value: None,
-                    limit: None,
-                    why: Some(why.clone()),
-                },
+            VerdictResult {
+                figure: requirement.figure.key(),
+                verdict,
+                value,
+                limit,
+                why,
+                source: requirement.source.clone(),
+                judged_by: judged_by(&requirement.figure, procedure),
+                acceptance_test: acceptance_test(&requirement.figure, procedure),
             }
         });
         Self {
@@ -327,6 +353,7 @@ impl VerifyResult {
             responses: responses(found),
             histories: histories(found),
             certificate: None,
+            adaptation_trials: None,
         }
     }
 }
@@ -342,7 +369,8 @@ impl From<&Designed> for DesignResult {
             verify: VerifyResult {
                 certificate: Some((&made.stability).into()),
                 ..VerifyResult::new(made.verified.verification(), designed.verified_loop.clone())
-            },
+            }
+            .with_adaptation(designed.adaptation.clone()),
             files: made.files.iter().map(|f| f.name.clone()).collect(),
             left_out: made.left_out.iter().map(ToString::to_string).collect(),
         }

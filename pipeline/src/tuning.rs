@@ -239,7 +239,8 @@ fn of_sweep(
         let plant = Plant::lumped(&parameters)?;
         let equilibrium = plant.equilibrium(&project.model.operating_point);
         let linear = plant.linearise(&equilibrium, project.model.friction, plant.angles())?;
-        let varied = Modelled { parameters, plant, linear, elements: None };
+        // A feedback of fixed structure is never a cascade, so no plant of the rate is needed.
+        let varied = Modelled { parameters, plant, linear, rate: None, elements: None };
         let system = varied.linear.system.clone();
         let nominal = reduce(&Project { reduce: Default::default(), ..project.clone() }, &varied)?;
         plants.push(DesignPlant { system, ..design_plant(asked, &varied, &nominal)? });

@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 
 use counterpoise_models::{
-    FrictionLaw, Lumped, MapPoint, Parameters, Ripple, Sensor, StribeckCurve, reference,
+    Clock, Drift, FrictionLaw, Lumped, MapPoint, Parameters, Ripple, Sensor, StribeckCurve, reference,
 };
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::{Document, PlatformSource, Project, Setting, StructureChoice};
@@ -115,12 +115,15 @@ fn unusual() -> Parameters {
         bias: 1e-3,
         delay_s: 0.002,
         g_sensitivity: 1e-4,
+        drift: Drift { angle_random_walk: 3e-5, bias_instability: 2e-5, rate_random_walk: 1e-6 },
         ..plant.sensors.hub_gyro.clone()
     };
     plant.sensors.hub_gyro = sensor;
     plant.sensors.accelerometer_lever_arm_m = 0.4;
     plant.sensors.motor_tachometer = None;
     plant.interface.output_delay_samples = 6;
+    plant.interface.clock = Clock { jitter_s: 2e-5, missed_samples: 1e-3, late_samples: 0.01 };
+    plant.interface.missing_codes = 0.02;
     let lumped: &mut Lumped = plant.lumped.as_mut().unwrap();
     (lumped.position_stiffness_nm_rad, lumped.position_stiffness_centre_rad) = (900.0, -0.04);
     lumped.vertical_offset_kg_m = 3.0;

@@ -35,13 +35,42 @@ pub fn trial_lines(tried: &Trials) -> Vec<String> {
     }));
     lines.extend(tried.refused.iter().map(refusal));
     let refused = |name: &str| tried.refused.iter().any(|refused| refused.worst.method == name);
-    let good: Vec<&str> = METHODS.iter().map(|(_, name)| *name).filter(|name| !refused(name)).collect();
+    let tried_once = |name: &str| tried.rows.iter().any(|row| row.method == name);
+    let good = |name: &&str| tried_once(name) && !refused(name);
+    let good: Vec<&str> = METHODS.iter().map(|(_, name)| *name).filter(good).collect();
     lines.push(if good.is_empty() {
         "no method is fit for this project: leave [synth.adaptation] out".to_owned()
     } else {
         format!("fit for this project: {}", good.join(", "))
     });
     lines
+}
+
+/// Returns the trials of a project's own method as a section of a report.
+pub fn trial_section(tried: &Trials) -> Section {
+    let columns = [
+        Column::Text("motion"),
+        Column::Text("load"),
+        Column::Number("without [mrad/s]"),
+        Column::Number("with adaptation [mrad/s]"),
+        Column::Number("told the load [mrad/s]"),
+        Column::Number("with over without"),
+    ];
+    let mut table = Table::new("Hub rate, RMS", &columns);
+    let row = |row: &TrialRow| {
+        vec![
+            Cell::text(motion(row.motion)),
+            Cell::text(load(row.load)),
+            Cell::number(1e3 * row.without_rad_s),
+            Cell::number(1e3 * row.with_rad_s),
+            Cell::number(1e3 * row.told_rad_s),
+            Cell::number(row.ratio()),
+        ]
+    };
+    table.rows = tried.rows.iter().map(row).collect();
+    let mut section = Section::new("Trials of the adaptation").listing(table);
+    section.text = tried.refused.iter().map(refusal).collect();
+    section
 }
 
 /// Returns the reason why a method is refused.

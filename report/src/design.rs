@@ -7,6 +7,7 @@ use counterpoise_pipeline::results::{DesignResult, SynthResult};
 use counterpoise_pipeline::studies::assumptions::AssumptionEffect;
 use counterpoise_pipeline::{Designed, FirstDesignResult, Reduced, StageTime, SynthesisStudy};
 
+use crate::adaptation::trial_section;
 use crate::bode::{BodeCurve, Phase, bode};
 use crate::evidence::PLANT;
 use crate::page::Origin;
@@ -66,6 +67,7 @@ pub fn of_design(designed: &Designed, result: &DesignResult, run: &DesignRun<'_>
     };
     let mut report = of_verification(stages.verified.verification(), &designed.spectra, context);
     report.sections.retain(|section| section.heading != PLANT);
+    report.sections.extend(designed.adaptation.as_ref().map(trial_section));
     report.reproduced_by(&run.origin.command)
 }
 

@@ -1,12 +1,13 @@
 //! The first screen of a verification's report.
 
+use counterpoise_verify::acceptance::{acceptance_test, judged_by};
 use counterpoise_verify::{
     Arrangement, Experiment, Figure, Limit, LoopFigure, Model, Quantity, Requirement, Source, StepFigure,
     Verdict, Verification,
 };
 
 use crate::evidence::{disturbance_figure, step_figure};
-use crate::{Cell, Column, Headline, Table, Tile, Tone};
+use crate::{Cell, Column, Headline, Section, Table, Tile, Tone};
 use counterpoise_plot::number::short;
 
 /// The answer.
@@ -106,6 +107,31 @@ fn verdict_row(requirement: &Requirement, verdict: &Verdict) -> Vec<Cell> {
         }
     };
     vec![Cell::text(name), Cell::text(measured), Cell::text(sign_of(requirement.limit)), room, verdict]
+}
+
+/// Returns every requirement with its source, the run that judged it, and the test on the machine that would; `None` without requirements.
+pub fn traceability(found: &Verification) -> Option<Section> {
+    let columns = [
+        Column::Text("requirement"),
+        Column::Text("source"),
+        Column::Text("judged by"),
+        Column::Text("acceptance test on the machine"),
+    ];
+    let mut table = Table::new("Requirements traced", &columns);
+    let procedure = &found.evidence.procedure;
+    let row = |requirement: &Requirement| {
+        let figure = &requirement.figure;
+        let source = if requirement.source.is_empty() { "not stated" } else { requirement.source.as_str() };
+        vec![
+            Cell::text(format!("{}, {}", figure.name(), sign_of(requirement.limit))),
+            Cell::text(source),
+            Cell::text(judged_by(figure, procedure)),
+            Cell::text(acceptance_test(figure, procedure)),
+        ]
+    };
+    table.rows = found.verdicts.iter().map(|(requirement, _)| row(requirement)).collect();
+    let says = "Where each requirement comes from, and what would show on the machine that it holds.";
+    (!table.rows.is_empty()).then(|| Section::new("Traceability").saying(says).listing(table))
 }
 
 /// The numbers that a reader wants first.

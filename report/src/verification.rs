@@ -24,6 +24,7 @@ pub fn of_verification(found: &Verification, on_road: &[Spectral], context: Cont
     let mut sections = evidence::sections(found);
     sections.extend(spectra::section(on_road));
     sections.extend(context.more);
+    sections.extend(summary::traceability(found));
     sections.push(evidence::figure_section(found));
     let mut headline = summary::headline(found);
     for line in summary::worse_feedforwards(found) {

@@ -14,7 +14,7 @@
 //!
 //! *Invariant*: nothing here knows a requirement, a design, a file, a thread or a clock; noise comes from a seed.
 //!
-//! Modules in reading order: [`signal`], [`motion`], [`scenario`], [`mod@run`], [`sensing`], [`history`], [`recording`],
+//! Modules in reading order: [`signal`], [`motion`], [`scenario`], [`mod@run`], [`sensing`], `sampling_errors`, [`history`], [`recording`],
 //! [`mod@replay`], [`fra`], [`convergence`], [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```
@@ -41,6 +41,7 @@ pub mod history;
 pub mod motion;
 pub mod replay;
 pub mod run;
+mod sampling_errors;
 pub mod scenario;
 pub mod sensing;
 pub mod signal;

@@ -7,8 +7,9 @@ use crate::engine::state::PlantState;
 use crate::engine::stepper::Stepper;
 use crate::history::{ReadingColumns, TimeHistory, TrueColumns};
 use crate::motion::{MotionSample, Track};
+use crate::sampling_errors::{ErrantClock, SampleError, Step};
 use crate::scenario::{Detail, Initial, Scenario};
-use crate::sensing::{Converter, Sensing, Truth};
+use crate::sensing::{Converter, Imperfections, Sensing, Truth};
 use crate::tolerance::{DURATION_ROUNDING, MOST_ANGLE_RAD, MOST_SAMPLES, TOLERANCE};
 use counterpoise_controller::{Readings, SampledController};
 use counterpoise_models::plant::core::state;
@@ -165,6 +166,14 @@ fn positive(what: &'static str, value: f64) -> Result<(), Error> {
     }
 }
 
+/// What a controller made of a sample.
+#[derive(Debug, Clone, Copy)]
+struct Given {
+    readings: Readings,
+    request_v: f64,
+    control_v: f64,
+}
+
 /// One run under way.
 struct Lap<'a> {
     plant: &'a Plant,
@@ -180,6 +189,11 @@ struct Lap<'a> {
     before: f64,
     /// Drive that has acted until now, V.
     drive_v: f64,
+    clock: Option<ErrantClock>,
+    /// What the controller read, asked for and gave last: what a missed sample repeats.
+    last: Option<Given>,
+    /// The control of the sample before, as the interface delays it.
+    before_v: f64,
     readings: ReadingColumns,
     truth: TrueColumns,
 }
@@ -204,7 +218,16 @@ impl<'a> Lap<'a> {
         let state = initial(plant, scenario, &start)?;
         stepper.restart(&state);
         let before = holding_control(plant, &state.core);
+        let clock = match scenario.imperfections {
+            Imperfections::NoiseAndQuantisation { seed } => {
+                ErrantClock::new(parameters.interface.clock, period_s, seed)
+            }
+            _ => None,
+        };
         Ok(Self {
+            clock,
+            last: None,
+            before_v: before,
             plant,
             scenario,
             period_s,
@@ -239,15 +262,24 @@ impl<'a> Lap<'a> {
         let motor_rate = motor - self.plant.motor_share() * platform.rate;
         let hub_gyro = stepper.hub_gyro()[0];
         let truth = Truth { hub_gyro, motor_rate, hub_position: hub_angle - platform.angle };
-        let mut readings = self.sensing.read(&truth);
+        let error = self.clock.as_mut().map_or(SampleError::NONE, ErrantClock::next);
+        let mut readings = self.sensing.read(&truth, error.offset);
         readings.demand_rad_s = self.scenario.demand_rad_s.at(time);
-        let request = controller.step(&readings) + self.scenario.injection_v.at(time);
-        let control = self.output.convert(request);
-        self.log_readings(&readings, request, control);
+        let given = match (error.step, self.last) {
+            (Step::Missed, Some(last)) => last,
+            _ => {
+                let request_v = controller.step(&readings) + self.scenario.injection_v.at(time);
+                Given { readings, request_v, control_v: self.output.convert(request_v) }
+            }
+        };
+        self.last = Some(given);
+        self.log_readings(&given.readings, given.request_v, given.control_v);
         if self.scenario.detail == Detail::Everything {
             self.log_truth(&platform, motor_rate, stepper);
         }
-        self.delayed(control)
+        let control = self.delayed(given.control_v);
+        let before = std::mem::replace(&mut self.before_v, control);
+        if error.step == Step::Late { before } else { control }
     }
 
     fn delayed(&mut self, control: f64) -> f64 {

@@ -3,6 +3,7 @@
 use crate::engine::filter::Filter;
 use crate::engine::ports::PlatformPoint;
 use crate::motion::MotionSample;
+use crate::sampling_errors::{DRIFT_STREAM, DriftNoise, is_missing};
 use counterpoise_controller::Readings;
 use counterpoise_models::{Interface, Parameters, Sensor};
 use rand::SeedableRng;
@@ -37,6 +38,13 @@ impl Noise {
         Self { source: ChaCha8Rng::seed_from_u64(seed), spare: None }
     }
 
+    /// Returns noise of a seed that is independent of the seed's other streams.
+    pub(crate) fn on_stream(seed: u64, stream: u64) -> Self {
+        let mut source = ChaCha8Rng::seed_from_u64(seed);
+        source.set_stream(stream);
+        Self { source, spare: None }
+    }
+
     pub(crate) fn next(&mut self) -> f64 {
         if let Some(spare) = self.spare.take() {
             return spare;
@@ -48,7 +56,7 @@ impl Noise {
     }
 
     /// Uniform in (0, 1\].
-    fn uniform(&mut self) -> f64 {
+    pub(crate) fn uniform(&mut self) -> f64 {
         let bits = rand::Rng::next_u64(&mut self.source) >> 11;
         (bits as f64 + 1.0) / (1u64 << 53) as f64
     }
@@ -58,6 +66,8 @@ impl Noise {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Converter {
     step_v: f64,
+    /// Share of the codes that it never gives.
+    missing_codes: f64,
 }
 
 impl Converter {
@@ -66,18 +76,39 @@ impl Converter {
             Imperfections::None => 0.0,
             _ => 2.0 * CONVERTER_RANGE_V / f64::from(bits).exp2(),
         };
-        Self { step_v }
+        Self { step_v, missing_codes: 0.0 }
+    }
+
+    /// Returns the converter with a share of its codes missing.
+    pub fn missing(self, missing_codes: f64) -> Self {
+        Self { missing_codes, ..self }
     }
 
     pub fn convert(&self, volts: f64) -> f64 {
         let limited = volts.clamp(-CONVERTER_RANGE_V, CONVERTER_RANGE_V);
-        if self.step_v == 0.0 { limited } else { (limited / self.step_v).round() * self.step_v }
+        if self.step_v == 0.0 {
+            return limited;
+        }
+        let mut code = (limited / self.step_v).round();
+        while self.missing_codes > 0.0 && is_missing(code as i64, self.missing_codes) {
+            code -= 1.0;
+        }
+        code * self.step_v
     }
 
     /// Returns a digital reading in steps of its own, if anything is quantised; it does not pass the converter's range.
     pub fn digital(&self, value: f64, resolution: f64) -> f64 {
         if self.step_v == 0.0 { value } else { (value / resolution).round() * resolution }
     }
+}
+
+/// When a sensor is read, and with which noise.
+#[derive(Debug, Clone, Copy)]
+struct Instant {
+    /// Noise of unit variance.
+    noise: f64,
+    /// Distance from the instant of an ideal clock, in periods.
+    offset: f64,
 }
 
 /// One sensor from the filtered truth to the reading.
@@ -87,24 +118,45 @@ struct Chain {
     converter: Converter,
     delay_samples: f64,
     past: Vec<f64>,
+    /// The value at the sample before; `None` before the first.
+    before: Option<f64>,
+    drift: Option<DriftNoise>,
 }
 
 impl Chain {
-    fn new(sensor: &Sensor, interface: &Interface, imperfections: Imperfections) -> Self {
+    fn new(sensor: &Sensor, interface: &Interface, imperfections: Imperfections, place: u64) -> Self {
+        let drift = match imperfections {
+            Imperfections::NoiseAndQuantisation { seed } => {
+                DriftNoise::new(sensor.drift, interface.sample_period_s, seed, DRIFT_STREAM + place)
+            }
+            _ => None,
+        };
         Self {
             sensor: sensor.clone(),
-            converter: Converter::new(interface.input_bits, imperfections),
+            converter: Converter::new(interface.input_bits, imperfections).missing(interface.missing_codes),
             delay_samples: sensor.delay_s / interface.sample_period_s,
             past: Vec::new(),
+            before: None,
+            drift,
         }
     }
 
-    /// Returns the reading for a filtered truth and a filtered heave, with a noise of unit variance.
-    fn read(&mut self, truth: f64, heave: f64, noise: f64) -> f64 {
+    /// Returns the value at a fraction of a period after the sample instant, from this one and the one before.
+    fn at_offset(&mut self, value: f64, offset: f64) -> f64 {
+        let before = self.before.replace(value).unwrap_or(value);
+        if offset == 0.0 { value } else { value + offset * (value - before) }
+    }
+
+    /// Returns the reading for a filtered truth and a filtered heave.
+    fn read(&mut self, truth: f64, heave: f64, at: Instant) -> f64 {
         let sensor = &self.sensor;
         let value = sensor.gain * truth + sensor.bias + sensor.g_sensitivity * heave;
         let (scale, spread, resolution) = (sensor.scale_v_unit, sensor.noise_rms, sensor.resolution);
-        let delayed = self.delayed(value) + spread * noise;
+        let value = self.at_offset(value, at.offset);
+        let mut delayed = self.delayed(value) + spread * at.noise;
+        if let Some(drift) = &mut self.drift {
+            delayed += drift.next();
+        }
         if resolution > 0.0 {
             return self.converter.digital(delayed, resolution);
         }
@@ -136,12 +188,12 @@ struct PlatformSensor {
 }
 
 impl PlatformSensor {
-    fn new(sensor: &Sensor, parameters: &Parameters, imperfections: Imperfections) -> Self {
+    fn new(sensor: &Sensor, parameters: &Parameters, imperfections: Imperfections, place: u64) -> Self {
         Self {
             filter: Filter::new(sensor, parameters.interface.sample_period_s),
             state: [0.0; 2],
             heave: [0.0; 2],
-            chain: Chain::new(sensor, &parameters.interface, imperfections),
+            chain: Chain::new(sensor, &parameters.interface, imperfections, place),
         }
     }
 }
@@ -170,21 +222,21 @@ pub(crate) struct Sensing {
 impl Sensing {
     pub fn new(parameters: &Parameters, imperfections: Imperfections) -> Self {
         let sensors = &parameters.sensors;
-        let chain = |sensor: &Sensor| Chain::new(sensor, &parameters.interface, imperfections);
-        let driven = |sensor: &Sensor| PlatformSensor::new(sensor, parameters, imperfections);
+        let chain = |sensor: &Sensor, place| Chain::new(sensor, &parameters.interface, imperfections, place);
+        let driven = |sensor: &Sensor, place| PlatformSensor::new(sensor, parameters, imperfections, place);
         let noise = match imperfections {
             Imperfections::NoiseAndQuantisation { seed } => Some(Noise::new(seed)),
             _ => None,
         };
         Self {
             noise,
-            hub_gyro: chain(&sensors.hub_gyro),
-            hub_heave: driven(&sensors.hub_gyro),
-            platform_gyro: driven(&sensors.platform_gyro),
-            accelerometer: driven(&sensors.platform_accelerometer),
+            hub_gyro: chain(&sensors.hub_gyro, 0),
+            hub_heave: driven(&sensors.hub_gyro, 0),
+            platform_gyro: driven(&sensors.platform_gyro, 1),
+            accelerometer: driven(&sensors.platform_accelerometer, 2),
             lever_arm_m: sensors.accelerometer_lever_arm_m,
-            tachometer: sensors.motor_tachometer.as_ref().map(chain),
-            resolver: sensors.hub_resolver.as_ref().map(chain),
+            tachometer: sensors.motor_tachometer.as_ref().map(|sensor| chain(sensor, 3)),
+            resolver: sensors.hub_resolver.as_ref().map(|sensor| chain(sensor, 4)),
         }
     }
 
@@ -197,9 +249,9 @@ impl Sensing {
         }
     }
 
-    /// Returns the readings at a sample instant; the demand is left at 0.
-    pub fn read(&mut self, truth: &Truth) -> Readings {
-        let noise = [0; 5].map(|_| self.noise.as_mut().map_or(0.0, Noise::next));
+    /// Returns the readings at an offset, in periods, from a sample instant; the demand is left at 0.
+    pub fn read(&mut self, truth: &Truth, offset: f64) -> Readings {
+        let noise = [0; 5].map(|_| Instant { noise: self.noise.as_mut().map_or(0.0, Noise::next), offset });
         let gyro = &mut self.platform_gyro;
         let accelerometer = &mut self.accelerometer;
         Readings {

@@ -79,6 +79,13 @@ pub(crate) const SMALL_ACCELERATION: f64 = 1.0;
 /// first term left out is d^7 / 5040, relative to d.
 pub(crate) const NEAR_ANGLE_RAD: f64 = 2e-3;
 
+// ---- drift of sensors ----
+
+/// Ratio of the correlation times of the processes whose sum is flicker noise: its density then ripples by about 2 %.
+pub(crate) const FLICKER_RATIO: f64 = 5.0;
+/// Longest of those correlation times, s: no run is longer.
+pub(crate) const FLICKER_LONGEST_S: f64 = 1e5;
+
 // ---- signals and runs ----
 
 /// Angle per sample, rad, below which a sine over a sample is its series about the middle to the fourth power: the first term left

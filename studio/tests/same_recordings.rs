@@ -9,7 +9,7 @@ use std::sync::Arc;
 use common::{settle, studio};
 use counterpoise_host::worker::Token;
 use counterpoise_host::{files, projects};
-use counterpoise_pipeline::recordings::read::control_for;
+use counterpoise_pipeline::recordings::read::{control_for, recording_controller};
 use counterpoise_pipeline::recordings::{Gaps, ReplayLength, diagnose, read, replay};
 use counterpoise_project::Purpose;
 use counterpoise_recordings::{Channel, Recording};
@@ -38,8 +38,11 @@ fn a_replay_in_the_studio_is_the_replay_of_the_command_line() {
         let project = projects::load(&folder, Purpose::Model).unwrap().project;
         for inside in folders {
             let paths = vec![folder.join(inside)];
-            let read = read(&project, &projects::recordings(&paths).unwrap(), Gaps::Repaired).unwrap();
-            let control = control_for(&project, read.iter().map(|item| &item.recording)).unwrap();
+            let controller = recording_controller(&project).unwrap();
+            let controller = controller.as_ref();
+            let files = projects::recordings(&paths).unwrap();
+            let read = read(&project, controller, &files, Gaps::Repaired).unwrap();
+            let control = control_for(controller, read.iter().map(|item| &item.recording));
             let expected = replay(&project, &read, &control, ReplayLength::Automatic).unwrap();
             let expected: Vec<_> = expected.iter().map(describe_replay).collect();
             let ask = ReplayRequest { project: Arc::new(project.clone()), paths, improved: None };
@@ -73,7 +76,7 @@ fn a_diagnosis_in_the_studio_is_the_diagnosis_of_the_command_line() {
     let source = example("left-out-friction");
     let project = projects::load(&source, Purpose::Model).unwrap().project;
     let files = projects::recordings(&[source.join("triangle.parquet")]).unwrap();
-    let whole = read(&project, &files, Gaps::AsWritten).unwrap();
+    let whole = read(&project, None, &files, Gaps::AsWritten).unwrap();
     files::write(&folder.join("project.toml"), &std::fs::read(source.join("project.toml")).unwrap()).unwrap();
     files::write(&folder.join("start.csv"), excerpt(&whole[0].recording, 2500).as_bytes()).unwrap();
     let paths = vec![folder.join("start.csv")];

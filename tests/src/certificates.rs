@@ -182,6 +182,7 @@ fn adaptation(which: usize) -> Adaptation {
         memory_s: 2.0,
         dead_band_m_s2: 0.1,
         filter_s: 0.02,
+        hold_band: 0.0,
         step: 0.002,
         half_rate_rad_s: 5e-3,
         rate_limit_kg_m_s: 400.0,

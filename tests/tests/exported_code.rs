@@ -21,7 +21,7 @@ use counterpoise_export::{
 };
 use counterpoise_models::plant::Plant;
 use counterpoise_pipeline::export::compare;
-use counterpoise_pipeline::{World, model, reduce, synthesise, verify};
+use counterpoise_pipeline::{World, model, procedure, reduce, synthesise, verify};
 use counterpoise_project::{Attachments, Diagnostic, Document, Project, Purpose};
 use counterpoise_simulate::{Imperfections, PlatformMotion, Scenario, Signal, Simulator, TimeHistory};
 use support::{
@@ -171,7 +171,7 @@ fn the_targets_stand_side_by_side_in_every_experiment_of_the_verification() {
     let reduced = reduce(&project, &modelled).unwrap();
     let made = synthesise(&project, &modelled, &reduced).unwrap();
     let verified = verify(&project, &modelled, &made, &Example).unwrap();
-    let found = compare(&project, &modelled, &verified, &Example).unwrap();
+    let found = compare(&modelled, &verified, &procedure(&project, &Example).unwrap()).unwrap();
     assert_eq!(found.figures.len(), 3);
     for target in &found.figures {
         assert!(target.measured_v <= target.predicted.worst_v, "{target:?}");
@@ -246,7 +246,7 @@ fn design_of(path: &Path) -> Result<Design, String> {
     let reduced = reduce(&project, &modelled).unwrap();
     let made = synthesise(&project, &modelled, &reduced).unwrap();
     let verified = verify(&project, &modelled, &made, &world).unwrap();
-    let compared = compare(&project, &modelled, &verified, &world).unwrap();
+    let compared = compare(&modelled, &verified, &procedure(&project, &world).unwrap()).unwrap();
     let name = path.strip_prefix(Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples")).unwrap();
     let name = name.display().to_string().replace(['/', '.'], "_");
     Ok(Design { name, plant: modelled.plant, controller: made.sampled.controller, compared })

@@ -4,30 +4,46 @@
 
 use std::f64::consts::TAU;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use counterpoise_controller::Controller;
+use counterpoise_controller::{Controller, SampledController};
 use counterpoise_diagnose::findings::answer::Verdict;
 use counterpoise_diagnose::recording::remarks::RecordingRemark;
 use counterpoise_diagnose::simulator_access::Serial;
+use counterpoise_export::Ranges;
+use counterpoise_export::fixed::{Fixed, FixedError, FixedRunner, plan};
+use counterpoise_export::targets::RANGE_MARGIN;
 use counterpoise_models::Plant;
-use counterpoise_pipeline::recordings::read::control_for;
+use counterpoise_pipeline::recordings::read::{control_for, recording_controller};
 use counterpoise_pipeline::recordings::{self, ColumnRemark, Gaps, RecordingFile, ReplayLength};
 use counterpoise_pipeline::{model, reduce, synthesise};
-use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
+use counterpoise_project::{Attachments, Document, Project, Setting};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::{Loop, RecordedController, Replayer, control_fit};
 use counterpoise_simulate::signal::{Signal, Sine};
 use counterpoise_simulate::{Detail, Imperfections, Initial, PlatformMotion, Scenario, Simulator};
+use counterpoise_tests::exported_loop::{controller_file, document, from_file};
 
 /// Ratio of residual to noise floor up to which a replay is that of the machine itself.
 const REPLAYED: f64 = 1.5;
 
+fn folder(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples").join(name)
+}
+
 fn project(name: &str) -> Project {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples").join(name);
-    let bytes = fs::read(folder.join("project.toml")).unwrap();
+    let bytes = fs::read(folder(name).join("project.toml")).unwrap();
     Project::from_bytes(&bytes, "project.toml").unwrap().project
+}
+
+/// The controller of the recordings, from the text of the `controller.json` that an export of it writes.
+fn read_back(folder: &Path, project: &Project, controller: &Controller) -> RecordedController {
+    let document = Document::from_bytes(&fs::read(folder.join("project.toml")).unwrap(), "p").unwrap();
+    let found = from_file(&document, &controller_file(project, controller));
+    let RecordedController::Exported(read) = &found else { panic!() };
+    assert_eq!(read.controller(), controller);
+    found
 }
 
 fn exported(project: &Project) -> (Plant, Controller) {
@@ -48,7 +64,7 @@ fn sines(all: &[(f64, f64, f64)]) -> Signal {
 }
 
 /// A recording of the machine under a controller: demand, heave and pitch together, with noise and quantisation.
-fn record(plant: &Plant, controller: &Controller) -> Recording {
+fn record(plant: &Plant, controller: &mut dyn SampledController) -> Recording {
     let scenario = Scenario {
         duration_s: 8.0,
         demand_rad_s: sines(&[(0.06, 0.31, 0.0), (0.03, 1.7, 1.0)]),
@@ -62,8 +78,7 @@ fn record(plant: &Plant, controller: &Controller) -> Recording {
         initial: Initial::Rest { hub_angle_rad: 0.0 },
         detail: Detail::Recording,
     };
-    let mut runner = controller.runner();
-    let history = Simulator::new(plant).unwrap().run(&mut runner, &scenario).unwrap();
+    let history = Simulator::new(plant).unwrap().run(controller, &scenario).unwrap();
     history.readings.recording("run", history.sample_period_s)
 }
 
@@ -79,8 +94,8 @@ fn every_exported_controller_replays_its_own_recordings() {
     for name in EXAMPLES {
         let project = project(name);
         let (plant, controller) = exported(&project);
-        let recording = record(&plant, &controller);
-        let exported = RecordedController::from(controller);
+        let recording = record(&plant, &mut controller.runner());
+        let exported = read_back(&folder(name), &project, &controller);
         let (fit, _) = control_fit(plant.parameters(), &recording, &exported).unwrap();
         assert!(
             fit.rms_error < 2.0 * fit.floor,
@@ -101,6 +116,75 @@ fn every_exported_controller_replays_its_own_recordings() {
 }
 
 #[test]
+fn recordings_under_single_and_fixed_point_code_are_replayed_by_the_controller_of_the_file() {
+    for name in EXAMPLES {
+        let project = project(name);
+        let (plant, controller) = exported(&project);
+        let control = Loop::from(read_back(&folder(name), &project, &controller));
+        let single = record(&plant, &mut controller.runner_in::<f32>());
+        let (ratio, channel) = worst(&plant, &single, &control);
+        assert!(ratio < REPLAYED, "{name} in single precision: {ratio} floors in {}", channel.name());
+        let Ok(fixed) = fixed_point(&plant, &controller) else { continue };
+        let recording = record(&plant, &mut FixedRunner::new(&fixed));
+        let (ratio, channel) = worst(&plant, &recording, &control);
+        assert!(ratio < REPLAYED, "{name} in fixed point: {ratio} floors in {}", channel.name());
+    }
+}
+
+/// The controller's fixed-point form for the readings of its own recording.
+fn fixed_point(plant: &Plant, controller: &Controller) -> Result<Fixed, FixedError> {
+    let recording = record(plant, &mut controller.runner());
+    let channels = [
+        Channel::Demand,
+        Channel::HubRate,
+        Channel::PlatformRate,
+        Channel::PlatformAccel,
+        Channel::MotorRate,
+        Channel::HubPosition,
+    ];
+    let columns = channels.map(|channel| recording.samples(channel).unwrap());
+    let readings = (0..recording.len()).map(|k| columns.map(|column| column[k])).collect::<Vec<_>>();
+    let ranges = Ranges::from_readings(controller, &[readings], RANGE_MARGIN);
+    let half_step_v = 10.0 / f64::from(plant.parameters().interface.output_bits).exp2();
+    plan(controller, &ranges, half_step_v, recording.len())
+}
+
+#[test]
+fn a_file_that_is_no_controller_of_the_recordings_is_refused_with_what_is_wrong() {
+    let project = project("reference-rig");
+    let (_, controller) = exported(&project);
+    let document = document(None);
+    let named = |hash: &str| {
+        let text = |value: &str| Setting::Text(value.to_owned());
+        let set = |it: Document, key: &str, value: &str| it.set(key, &text(value)).unwrap();
+        let it = set(document.clone(), "recording_controller.kind", "exported");
+        set(set(it, "recording_controller.file", "controller.json"), "recording_controller.hash", hash)
+    };
+    let errors = |hash: &str, text: &str| -> String {
+        let files = Attachments::none().with("controller.json", text.as_bytes().to_vec());
+        let found = Project::resolve(&named(hash), &files).err().unwrap_or_default();
+        found.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+    };
+    let text = controller_file(&project, &controller);
+    assert_eq!(errors("", &text), "");
+    assert_eq!(errors("0123", &text), "");
+    let said = errors("4567", &text);
+    assert!(said.contains("recording_controller.hash") && said.contains("0123"), "{said}");
+    let cases = [
+        (text.replace("\"limit_v\"", "\"limit\""), "missing field `limit_v`"),
+        (text.replace("counterpoise.results/1", "other/1"), "the schema is \"other/1\""),
+        (text.replace("\"sample_time_s\":0.001", "\"sample_time_s\":0.002"), "0.001 s"),
+        (text.replace("rate_error_rad_s", "rate"), "unknown variant `rate`"),
+        (text[..text.len() / 2].to_owned(), "EOF"),
+        ("{}".to_owned(), "missing field"),
+    ];
+    for (text, expected) in cases {
+        let said = errors("", &text);
+        assert!(said.contains("recording_controller.file") && said.contains(expected), "{said}");
+    }
+}
+
+#[test]
 fn a_recording_under_another_controller_is_played_back_and_diagnosed() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/practice/p08");
     let mut project =
@@ -111,8 +195,9 @@ fn a_recording_under_another_controller_is_played_back_and_diagnosed() {
     pi.kp_v_s_rad *= 0.7;
     let bytes = fs::read(folder.join("triangle.parquet")).unwrap();
     let files = [RecordingFile { name: "triangle.parquet".to_owned(), bytes }];
-    let read = recordings::read(&project, &files, Gaps::Repaired).unwrap();
-    let control = control_for(&project, read.iter().map(|item| &item.recording)).unwrap();
+    let controller = recording_controller(&project).unwrap();
+    let read = recordings::read(&project, controller.as_ref(), &files, Gaps::Repaired).unwrap();
+    let control = control_for(controller.as_ref(), read.iter().map(|item| &item.recording));
     assert!(matches!(control, Loop::Closed(_)));
     let replayed = recordings::replay(&project, &read, &control, ReplayLength::Automatic).unwrap();
     let fits = &replayed[0].followed.replay.channels;

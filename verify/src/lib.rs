@@ -7,6 +7,7 @@
 //!
 //! Modules in reading order: [`figure`], [`requirement`], [`procedure`], [`signals`], [`history`], [`linear`],
 //! [`nonlinear`], [`measure`], [`verification`], [`spectral`], [`difference`], [`robust`], [`structured`], [`certificate`],
+//! [`acceptance`] (requirements traced to runs and to tests on the machine),
 //! [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```
@@ -17,6 +18,7 @@
 //! ```
 #![allow(non_snake_case)]
 
+pub mod acceptance;
 pub mod certificate;
 pub mod difference;
 pub mod error;

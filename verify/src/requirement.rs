@@ -20,6 +20,8 @@ pub struct Requirement {
     pub figure: Figure,
     /// Its limit, in the figure's unit.
     pub limit: Limit,
+    /// Where the requirement comes from, for example the clause of a specification; empty if that is not stated.
+    pub source: String,
 }
 
 /// What became of a requirement.
@@ -89,7 +91,12 @@ impl Requirement {
                 allowed: "finite",
             });
         }
-        Ok(Self { figure, limit })
+        Ok(Self { figure, limit, source: String::new() })
+    }
+
+    /// Returns the requirement with the text that says where it comes from.
+    pub fn with_source(self, source: &str) -> Self {
+        Self { source: source.to_owned(), ..self }
     }
 
     /// Holds `value` against the limit. A value exactly at the limit holds; a value that is not a number cannot be judged.

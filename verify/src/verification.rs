@@ -41,6 +41,8 @@ pub struct Evidence {
     pub curves: Curves,
     /// Time histories: linear first.
     pub histories: Vec<History>,
+    /// What was done to the mechanism.
+    pub procedure: Procedure,
 }
 
 /// A controller that has been verified: the only thing that can be exported. It is made by [`verify`] alone, whatever the verdicts,
@@ -276,7 +278,8 @@ fn linear_part(
     let curves = Curves::of(&sampled, &loops)?;
     let (sample_period_s, holding_v, poles) =
         (sampled.sample_period_s, sampled.holding_v, whole.poles.clone());
-    let evidence = Evidence { sample_period_s, holding_v, poles, margins, curves, histories };
+    let procedure = procedure.clone();
+    let evidence = Evidence { sample_period_s, holding_v, poles, margins, curves, histories, procedure };
     Ok(Verification { figures, verdicts: Vec::new(), evidence })
 }
 

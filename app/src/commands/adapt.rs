@@ -1,6 +1,7 @@
 //! `counterpoise adapt`: the adaptation put to the test in the nonlinear closed loop.
 
 use counterpoise_pipeline as pipeline;
+use counterpoise_pipeline::results::AdaptResult;
 use counterpoise_pipeline::studies::adapt::{AdaptRun, Interval, adapt};
 use counterpoise_pipeline::studies::adaptation_trials::trials;
 use counterpoise_project::Purpose;
@@ -43,9 +44,11 @@ pub fn run(options: &AdaptOptions) -> Done {
         let command = format!("counterpoise adapt {}", options.project.display());
         projects::write(path, html(&report(&loaded.project.plant.name, &command, &runs)).as_bytes())?;
     }
-    if !output::json(&options.results, &runs)? {
-        print(&runs);
-        adaptation::trial_lines(&tried).iter().for_each(|line| say!("{line}"));
+    let result = AdaptResult { runs, trials: tried };
+    let (runs, tried) = (&result.runs, &result.trials);
+    if !output::json(&options.results, &result)? {
+        print(runs);
+        adaptation::trial_lines(tried).iter().for_each(|line| say!("{line}"));
         options.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
     let own = loaded.project.synth.as_ref().and_then(|synth| synth.options.adaptation.as_ref());

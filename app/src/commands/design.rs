@@ -8,6 +8,7 @@ use counterpoise_pipeline::results::DesignResult;
 use counterpoise_pipeline::studies::assumptions::effects_on_design;
 use counterpoise_pipeline::{FirstDesignResult, Stages, design};
 use counterpoise_project::Purpose;
+use counterpoise_report::adaptation::refusal;
 use counterpoise_report::certificate;
 use counterpoise_report::design::DesignRun;
 use counterpoise_report::{Origin, html, of_design};
@@ -67,7 +68,9 @@ pub fn run(options: &DesignOptions) -> Done {
     }
     compiled.said.iter().for_each(|line| output::tell(line));
     let made = &designed.stages;
-    let holds = made.verified.verification().passes() && made.left_out.is_empty();
+    let refused = designed.adaptation.iter().flat_map(|tried| &tried.refused);
+    refused.clone().for_each(|why| output::tell(&refusal(why)));
+    let holds = made.verified.verification().passes() && made.left_out.is_empty() && refused.count() == 0;
     Ok(verdict_code(holds && compiled.differing == 0))
 }
 

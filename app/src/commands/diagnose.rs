@@ -28,6 +28,7 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     if options.recordings.is_empty() {
         return super::structure::run(&loaded, options);
     }
+    super::replay::tell_other_export(&loaded);
     let files = projects::recordings(&options.recordings)?;
     let workers = Workers::new(options.results.progress());
     let watch = interrupt::watch();

@@ -18,6 +18,7 @@ use crate::output::{self, say};
 use counterpoise_host::projects::{self, Loaded};
 use counterpoise_host::stages::Progress;
 use counterpoise_host::workers::Workers;
+use counterpoise_pipeline::recordings::read::recording_controller;
 use counterpoise_pipeline::recordings::{Gaps, read};
 
 /// Arguments of `fra`.
@@ -187,7 +188,9 @@ fn recorded(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<Vec<Ma
     let modelled = pipeline::model(&loaded.project)?;
     let analyser = Analyser::new(&loaded.project, &modelled, plan, On::Recording)?;
     let mut maps = Vec::new();
-    for item in read(&loaded.project, &projects::recordings(&options.recording)?, Gaps::Repaired)? {
+    let controller = recording_controller(&loaded.project)?;
+    let files = projects::recordings(&options.recording)?;
+    for item in read(&loaded.project, controller.as_ref(), &files, Gaps::Repaired)? {
         let mut map = analyser.recorded(&item.recording, &plan.frequencies_hz)?;
         map.recording = Some(item.file);
         map.remarks.extend(item.remarks.iter().map(describe_column_remark));

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use anyhow::Error;
 use counterpoise_host::large_recordings::{BySize, LargeRecording, READ_AT_ONCE, ROWS_OF_A_PART, by_size};
-use counterpoise_host::projects;
+use counterpoise_host::projects::{self, Loaded};
 use counterpoise_pipeline::PipelineError;
+use counterpoise_pipeline::recordings::controller_origin::other_export;
 use counterpoise_pipeline::recordings::read::{
     control_for, read_table, recording_controller, without_demand,
 };
@@ -13,9 +14,10 @@ use counterpoise_pipeline::recordings::{Gaps, ReadRecording, ReplayLength, read,
 use counterpoise_pipeline::results::{RecordingResult, ReplayResult};
 use counterpoise_project::{Project, Purpose};
 use counterpoise_report::wording::recordings::{
-    describe_missing_demand, describe_recordings_error, describe_replay, describe_replay_mode,
+    describe_missing_demand, describe_other_export, describe_recordings_error, describe_replay,
+    describe_replay_mode,
 };
-use counterpoise_simulate::replay::Loop;
+use counterpoise_simulate::replay::{Loop, RecordedController};
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 
@@ -28,14 +30,20 @@ pub fn run(options: &ReplayOptions) -> Done {
     let open = options.open_loop || matches!(options.windows, ReplayLength::Windows { .. });
     let loaded = projects::load(&options.project, if open { Purpose::Model } else { Purpose::Replay })?;
     output::warnings(&loaded, options.results.progress());
+    if !options.open_loop {
+        tell_other_export(&loaded);
+    }
     let BySize { whole, in_parts } = by_size(&options.recordings, READ_AT_ONCE);
     let files = if whole.is_empty() { Vec::new() } else { projects::recordings(&whole)? };
-    let read = read(&loaded.project, &files, Gaps::Repaired).map_err(refused)?;
-    let control = if options.open_loop { Loop::Open } else { closed_loop(&loaded.project, &read)? };
+    let controller = recording_controller(&loaded.project).map_err(refused)?;
+    let controller = controller.as_ref();
+    let read = read(&loaded.project, controller, &files, Gaps::Repaired).map_err(refused)?;
+    let control =
+        if options.open_loop { Loop::Open } else { closed_loop(&loaded.project, controller, &read) };
     let replayed = replay(&loaded.project, &read, &control, options.windows)?;
     let mut result = ReplayResult { recordings: replayed.iter().map(describe_replay).collect() };
     for path in &in_parts {
-        result.recordings.extend(replay_in_parts(&loaded.project, path, options)?);
+        result.recordings.extend(replay_in_parts(&loaded.project, controller, path, options)?);
     }
     if let Some(path) = &options.report {
         let command = format!("counterpoise replay {}", loaded.path.display());
@@ -53,6 +61,7 @@ pub fn run(options: &ReplayOptions) -> Done {
 /// alone are kept. Every part starts from states of its own, as the parts of a recording with gaps do.
 fn replay_in_parts(
     project: &Project,
+    controller: Option<&RecordedController>,
     path: &Path,
     options: &ReplayOptions,
 ) -> anyhow::Result<Vec<RecordingResult>> {
@@ -64,12 +73,11 @@ fn replay_in_parts(
     }
     let bar = if options.results.quiet { ProgressBar::hidden() } else { ProgressBar::new(0) };
     let parts = LargeRecording::open(path, ROWS_OF_A_PART, bar)?;
-    let controller = recording_controller(project)?;
     let one = |table| -> anyhow::Result<Vec<RecordingResult>> {
-        let read = read_table(project, controller.as_ref(), &table).map_err(refused)?;
+        let read = read_table(project, controller, &table).map_err(refused)?;
         drop(table);
         let recordings = read.iter().map(|item| &item.recording);
-        let control = if options.open_loop { Loop::Open } else { control_for(project, recordings)? };
+        let control = if options.open_loop { Loop::Open } else { control_for(controller, recordings) };
         let replayed = replay(project, &read, &control, options.windows)?;
         Ok(replayed.iter().map(describe_replay).collect())
     };
@@ -81,13 +89,20 @@ fn replay_in_parts(
     Ok(done.into_iter().flat_map(|(_, results)| results).collect())
 }
 
+/// Says so if the controller of the recordings was exported from another state of the project.
+pub(super) fn tell_other_export(loaded: &Loaded) {
+    if let Some(other) = other_export(&loaded.project, &loaded.folder()) {
+        output::tell(&format!("note: {}", describe_other_export(&other)));
+    }
+}
+
 /// Returns the loop in which the recordings are replayed; says so if the demand is missing.
-fn closed_loop(project: &Project, read: &[ReadRecording]) -> Result<Loop, PipelineError> {
+fn closed_loop(project: &Project, controller: Option<&RecordedController>, read: &[ReadRecording]) -> Loop {
     let missing = without_demand(project, read.iter().map(|item| (item.file.as_str(), &item.recording)));
     if let Some(remark) = describe_missing_demand(&missing) {
         output::tell(&format!("note: {remark}"));
     }
-    control_for(project, read.iter().map(|item| &item.recording))
+    control_for(controller, read.iter().map(|item| &item.recording))
 }
 
 fn refused(error: PipelineError) -> Error {

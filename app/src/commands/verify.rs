@@ -6,10 +6,12 @@ use anyhow::{Context as _, Result};
 use clap::{Args, ValueEnum};
 use counterpoise_pipeline::exchange::{VerifiedLoop, verified_loop};
 use counterpoise_pipeline::results::VerifyResult;
+use counterpoise_pipeline::studies::adaptation_trials::Trials;
 use counterpoise_pipeline::studies::advice::Advice;
 use counterpoise_pipeline::studies::certificate::RegimeRobustness;
 use counterpoise_pipeline::{self as pipeline, ProjectIdentity, studies};
 use counterpoise_project::{Project, Purpose, StructureChoice};
+use counterpoise_report::adaptation::{refusal, trial_section};
 use counterpoise_report::summary::worse_feedforwards;
 use counterpoise_report::{Context, Origin, advice, certificate, difference, html, of_verification, robust};
 use counterpoise_verify::certificate::Certificate;
@@ -88,7 +90,8 @@ pub fn run(options: &VerifyOptions) -> Done {
     if let (Some(path), None) = (&options.report, &options.results.json) {
         say!("report  {}", path.display());
     }
-    Ok(verdict_code(found.passes()))
+    let refused = study.adaptation.as_ref().is_some_and(|tried| !tried.refused.is_empty());
+    Ok(verdict_code(found.passes() && !refused))
 }
 
 /// The verdicts and the linear worst case, for another program.
@@ -105,6 +108,7 @@ fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Res
     let (found, stability) = (&study.found, study.stability.as_ref());
     let mut result = VerifyResult::new(found, study.measured_on.clone());
     result.certificate = study.certificate.as_ref().map(Into::into);
+    let mut result = result.with_adaptation(study.adaptation.clone());
     if !options.histories {
         result.histories.clear();
     }
@@ -121,6 +125,8 @@ fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Res
             .flat_map(robust::lines)
             .for_each(|line| say!("linear, sliding friction: {line}"));
         certificate::robustness(&study.regimes).iter().for_each(|line| say!("linear: {line}"));
+        let refused = study.adaptation.iter().flat_map(|tried| &tried.refused);
+        refused.for_each(|why| say!("adaptation: {}", refusal(why)));
     }
     Ok(())
 }
@@ -141,6 +147,8 @@ struct VerificationStudy {
     regimes: Vec<RegimeRobustness>,
     /// What to change where a requirement fails.
     advice: Vec<Advice>,
+    /// Trials of the project's adaptation; `None` if it has none, or on the linear plant alone.
+    adaptation: Option<Trials>,
 }
 
 fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
@@ -177,8 +185,12 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
     let linear = options.plant == PlantChoice::Linear;
     let certified = (!linear).then(|| studies::certificate::certificate(project, &on, &made, &procedure));
     let certificate = certified.transpose()?;
-    let mut regimes = studies::certificate::robust_regimes(project, &modelled, &made, &world)?;
+    let mut regimes = studies::certificate::robust_regimes(project, &modelled, &made, &procedure)?;
     regimes.drain(..regimes.len().min(1));
+    let adaptation = match linear {
+        true => None,
+        false => studies::adaptation_trials::own_trials(project, &on, &made, &procedure)?,
+    };
     let advice = studies::advice::advice(project, (&modelled, &reduced), &procedure, &found)?;
     Ok(VerificationStudy {
         measured_on,
@@ -189,6 +201,7 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
         certificate,
         regimes,
         advice,
+        adaptation,
     })
 }
 
@@ -245,6 +258,7 @@ fn page(options: &VerifyOptions, study: &VerificationStudy, changed: Option<&[Ch
             .into_iter()
             .chain(certified)
             .chain(study.stability.as_ref().map(robust::section))
+            .chain(study.adaptation.as_ref().map(trial_section))
             .collect(),
         provenance: origin.provenance(&study.identity),
     };

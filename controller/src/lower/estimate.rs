@@ -142,6 +142,10 @@ fn follow(seen: &Seen<'_>, estimator: &Estimator, states: &mut States, writer: &
     let before = transfer.map(|_| schedule::slow_part(writer, layout, "before"));
     let aim = writer.sum("aim_kg_m", &[(1.0 / estimator.volts_per_kg_m_s2, layout.estimate[0])]);
     let mut way = writer.sum("way_kg_m", &[(1.0, aim), (-1.0, layout.out_of_balance)]);
+    if estimator.hold_band_kg_m > 0.0 {
+        let inside = writer.clamp("held_way_kg_m", way, Limits::symmetric(estimator.hold_band_kg_m));
+        way = writer.sum("way_left_kg_m", &[(1.0, way), (-1.0, inside)]);
+    }
     if estimator.rate_limit_kg_m_s.is_finite() {
         let most = estimator.rate_limit_kg_m_s * parts.sample_period_s;
         way = writer.clamp("moved_kg_m", way, Limits::symmetric(most));

@@ -330,7 +330,7 @@ impl SimulatorAccess for RecordingReplays<'_> {
         let start = near.start.as_ref()?;
         let control = self.control(near.source);
         let noisy = with_other_noise(recording, self.base, which + 1);
-        let shaken = Replayer::new(self.base, &noisy).ok()?;
+        let shaken = Replayer::new(self.base, &noisy).ok()?.with_controller_start_of(&self.whole[index]);
         let shaken = self.with(parameters, &shaken, |r| r.replay_from(parameters, control, start))?;
         let quiet =
             self.with(parameters, &self.whole[index], |r| r.replay_from(parameters, control, start))?;

@@ -75,6 +75,31 @@ pub struct Sensor {
     /// Step of a digital reading, in the measured unit: 2 pi over the counts a turn of an encoder. 0: the reading passes the
     /// analogue converter.
     pub resolution: f64,
+    /// Slow errors of the reading.
+    pub drift: Drift,
+}
+
+/// Slow errors of a gyroscope, by the parameters of its Allan deviation (IEEE Std 952-1997, annex C). For another sensor read its unit in
+/// place of rad/s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drift {
+    /// Angle random walk N, rad/s^0.5: white noise of the rate with the two-sided spectral density N^2. Allan deviation N / tau^0.5.
+    pub angle_random_walk: f64,
+    /// Bias instability B, rad/s: flicker noise with the two-sided density B^2 / (2 pi f). Allan deviation 0.664 B.
+    pub bias_instability: f64,
+    /// Rate random walk K, rad/s^1.5: the bias walks at random. Allan deviation K (tau / 3)^0.5.
+    pub rate_random_walk: f64,
+}
+
+/// What the clock of a real controller does: every number is 0 for an ideal one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Clock {
+    /// RMS of the distance of the instants at which sensors are read from those of an ideal clock, s.
+    pub jitter_s: f64,
+    /// Share of the samples that are missed: the controller does not run, and its control stays.
+    pub missed_samples: f64,
+    /// Share of the samples whose control arrives too late: it acts one period later.
+    pub late_samples: f64,
 }
 
 /// Converters and clock of the digital controller.
@@ -88,6 +113,20 @@ pub struct Interface {
     pub output_bits: u32,
     /// Whole samples by which the control is held back.
     pub output_delay_samples: usize,
+    /// Errors of the clock.
+    pub clock: Clock,
+    /// Share of the codes that the analogue-to-digital converters never give: the code below stands in for a missing one.
+    pub missing_codes: f64,
+}
+
+impl Drift {
+    /// No slow error.
+    pub const NONE: Self = Self { angle_random_walk: 0.0, bias_instability: 0.0, rate_random_walk: 0.0 };
+}
+
+impl Clock {
+    /// A clock without errors.
+    pub const IDEAL: Self = Self { jitter_s: 0.0, missed_samples: 0.0, late_samples: 0.0 };
 }
 
 impl Sensor {
@@ -102,10 +141,17 @@ impl Sensor {
         delay_s: 0.0,
         g_sensitivity: 0.0,
         resolution: 0.0,
+        drift: Drift::NONE,
     };
 
     /// No sensor: its reading is 0.
     pub const ABSENT: Self = Self { gain: 0.0, ..Self::IDEAL };
+
+    /// Returns the RMS of the white noise of a sample, in the measured unit: its own and the angle random walk's.
+    pub fn white_noise_rms(&self, sample_period_s: f64) -> f64 {
+        let walk = self.drift.angle_random_walk;
+        if walk == 0.0 { self.noise_rms } else { self.noise_rms.hypot(walk / sample_period_s.sqrt()) }
+    }
 
     /// Returns whether there is a sensor.
     pub fn is_fitted(&self) -> bool {

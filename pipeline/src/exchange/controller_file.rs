@@ -1,6 +1,11 @@
 //! The exported controller as plain data: the file `controller.json` beside the code.
+//!
+//! The file is complete: `counterpoise_project::resolve::controller_file` makes the same controller of it, to the last bit, for the
+//! replay of recordings.
 
-use counterpoise_controller::{Controller, FrictionObserver, Path, READING_NAMES, Signal};
+use counterpoise_controller::{
+    Controller, Correction, Estimator, FrictionObserver, Path, READING_NAMES, READINGS, Scaling, Signal,
+};
 use serde::Serialize;
 
 use super::SCHEMA;
@@ -22,16 +27,26 @@ pub struct ControllerResult {
     pub limit_v: f64,
     /// Out-of-balance that the paths were designed for, kg m.
     pub design_out_of_balance_kg_m: f64,
+    /// Lowest and highest out-of-balance that may be set, kg m.
+    pub out_of_balance_range_kg_m: [f64; 2],
+    /// Time constant with which the step of a changed out-of-balance fades in, s.
+    pub transfer_time_s: f64,
     /// Volts that hold one kg m against gravity, V/(kg m).
     pub bias_v_per_kg_m: f64,
+    /// Largest magnitude of each reading, in the order of the inputs of `linear`.
+    pub reading_limits: [f64; READINGS],
+    /// Corrections of readings before anything else.
+    pub corrections: Vec<Correction>,
     /// Filter of the demand; `None` if there is none.
     pub prefilter: Option<SystemResult>,
     /// The paths, whose outputs are summed.
     pub paths: Vec<PathResult>,
     /// Friction observers, summed after the paths.
-    pub observers: Vec<ObserverResult>,
+    pub observers: Vec<FrictionObserver>,
     /// Whether the controller estimates the out-of-balance while it runs.
     pub estimates_out_of_balance: bool,
+    /// Its estimator of the out-of-balance; `None` if it has none.
+    pub estimator: Option<Estimator>,
     /// The inverse of the drive's curve as pairs (volts of a linear drive, control), V; empty if the drive is linear.
     pub drive_curve: Vec<[f64; 2]>,
     /// From all readings to the control at the design out-of-balance, without limits, observers and estimator.
@@ -46,23 +61,8 @@ pub struct PathResult {
     pub system: SystemResult,
     /// Gain a state on what the limiter cut off.
     pub anti_windup: Vec<f64>,
-}
-
-/// A friction observer.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ObserverResult {
-    /// Name.
-    pub name: String,
-    /// The rate that it follows.
-    pub rate: &'static str,
-    /// Coulomb level, N m.
-    pub coulomb_nm: f64,
-    /// Presliding stiffness, N m/rad.
-    pub rest_stiffness_nm_rad: f64,
-    /// Control a torque, V/(N m).
-    pub volts_per_nm: f64,
-    /// Viscous part, V s/rad.
-    pub viscous_v_s_rad: f64,
+    /// How the output follows the out-of-balance.
+    pub scaling: Scaling,
 }
 
 impl ControllerResult {
@@ -77,13 +77,18 @@ impl ControllerResult {
             sample_time_s: parts.sample_period_s,
             limit_v: parts.limit_v,
             design_out_of_balance_kg_m: parts.design_out_of_balance_kg_m,
+            out_of_balance_range_kg_m: parts.out_of_balance_range_kg_m.into(),
+            transfer_time_s: parts.transfer_time_s,
             bias_v_per_kg_m: parts.bias_v_per_kg_m,
+            reading_limits: parts.reading_limits,
+            corrections: parts.corrections.clone(),
             prefilter: parts.prefilter.as_ref().map(|system| {
                 SystemResult::new("prefilter", system, &["demand_rad_s"], &["filtered_demand_rad_s"])
             }),
             paths: parts.paths.iter().map(PathResult::of).collect(),
-            observers: parts.observers.iter().map(ObserverResult::of).collect(),
+            observers: parts.observers.clone(),
             estimates_out_of_balance: parts.estimator.is_some(),
+            estimator: parts.estimator.clone(),
             drive_curve: parts.drive_curve.clone(),
             linear: linear.map(|system| {
                 SystemResult::new("linear controller", &system, &READING_NAMES, &["control_v"])
@@ -97,19 +102,6 @@ impl PathResult {
     pub fn of(path: &Path) -> Self {
         let inputs: Vec<&str> = path.inputs.iter().map(|signal: &Signal| signal.name()).collect();
         let system = SystemResult::new(&path.name, &path.system, &inputs, &["control_v"]);
-        Self { system, anti_windup: path.anti_windup.clone() }
-    }
-}
-
-impl ObserverResult {
-    fn of(observer: &FrictionObserver) -> Self {
-        Self {
-            name: observer.name.clone(),
-            rate: observer.rate.name(),
-            coulomb_nm: observer.coulomb_nm,
-            rest_stiffness_nm_rad: observer.rest_stiffness_nm_rad,
-            volts_per_nm: observer.volts_per_nm,
-            viscous_v_s_rad: observer.viscous_v_s_rad,
-        }
+        Self { system, anti_windup: path.anti_windup.clone(), scaling: path.scaling }
     }
 }

@@ -1,8 +1,10 @@
 //! What is certified of the loop that remains when the exported code hands over to feedback alone.
 
-use counterpoise_verify::{Figure, Limit, Verdict, Verification, VerifiedController, verify_linear};
+use counterpoise_verify::{
+    Figure, Limit, Procedure, Verdict, Verification, VerifiedController, verify_linear,
+};
 
-use crate::{Modelled, PipelineError, World};
+use crate::{Modelled, PipelineError};
 use counterpoise_project::Project;
 
 /// Returns the lines of the header: whether the degraded loop is stable, its loop figures, and the verdict on each linear
@@ -12,9 +14,9 @@ pub(super) fn certificate(
     project: &Project,
     modelled: &Modelled,
     verified: &VerifiedController,
-    world: &dyn World,
+    procedure: &Procedure,
 ) -> Vec<String> {
-    match degraded(project, modelled, verified, world) {
+    match degraded(project, modelled, verified, procedure) {
         Ok(found) => lines(&found),
         Err(why) => vec![format!("not certified: {why}")],
     }
@@ -24,12 +26,11 @@ fn degraded(
     project: &Project,
     modelled: &Modelled,
     verified: &VerifiedController,
-    world: &dyn World,
+    procedure: &Procedure,
 ) -> Result<Verification, PipelineError> {
     let controller = verified.controller().feedback_alone().map_err(counterpoise_verify::Error::from)?;
-    let procedure = crate::verify::procedure(project, world)?;
     let requirements = project.verify.as_ref().map_or(&[][..], |asked| &asked.requirements);
-    Ok(verify_linear(&modelled.plant, &controller, &procedure, requirements)?)
+    Ok(verify_linear(&modelled.plant, &controller, procedure, requirements)?)
 }
 
 fn lines(found: &Verification) -> Vec<String> {

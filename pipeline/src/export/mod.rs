@@ -15,11 +15,12 @@ use counterpoise_export::{
 };
 use counterpoise_models::plant::Plant;
 use counterpoise_models::{Axis, Measured, Parameters};
-use counterpoise_verify::{Limit, Verdict, VerifiedController};
+use counterpoise_verify::{Limit, Procedure, Verdict, VerifiedController};
 use sha2::{Digest, Sha256};
 
 use crate::{Modelled, PipelineError, World};
 use counterpoise_project::Project;
+use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::resolve::design::{Language, Synthesis};
 use counterpoise_project::resolve::platform::PlatformSource;
 
@@ -71,7 +72,20 @@ pub fn export(
     verified: &VerifiedController,
     world: &dyn World,
 ) -> Result<Exported, PipelineError> {
-    let feedback_alone = feedback_alone::certificate(project, modelled, verified, world);
+    export_by(project, modelled, verified, (&crate::procedure(project, world)?, world))
+}
+
+/// The code as [`export`] makes it, with the procedure of the verification at hand.
+///
+/// # Errors
+/// Those of the simulator.
+pub fn export_by(
+    project: &Project,
+    modelled: &Modelled,
+    verified: &VerifiedController,
+    (procedure, world): (&Procedure, &dyn World),
+) -> Result<Exported, PipelineError> {
+    let feedback_alone = feedback_alone::certificate(project, modelled, verified, procedure);
     let origin = Provenance { feedback_alone, ..provenance(project, verified, world) };
     let options = &project.export.options;
     let mut made = Exported::default();
@@ -80,9 +94,8 @@ pub fn export(
             Language::C99 => made.add("C99", c99(verified, &origin, options)),
             Language::Rust => made.add("Rust", rust_crate(verified, &origin, options)),
             Language::Fixed => {
-                let procedure = crate::verify::procedure(project, world)?;
                 let allowed_v = half_step_v(&modelled.plant);
-                let code = fixed_form(verified, &modelled.plant, &procedure, allowed_v)?
+                let code = fixed_form(verified, &modelled.plant, procedure, allowed_v)?
                     .map(|fixed| fixed_c99(verified, &fixed, &origin, &format!("{}_fixed", options.name)));
                 match code {
                     Ok(files) => made.add("C99 in fixed point", files),
@@ -103,13 +116,11 @@ pub fn export(
 /// # Errors
 /// Those of the simulator.
 pub fn compare(
-    project: &Project,
     modelled: &Modelled,
     verified: &VerifiedController,
-    world: &dyn World,
+    procedure: &Procedure,
 ) -> Result<Targets, PipelineError> {
-    let procedure = crate::verify::procedure(project, world)?;
-    Ok(targets(verified, &modelled.plant, &procedure, half_step_v(&modelled.plant))?)
+    Ok(targets(verified, &modelled.plant, procedure, half_step_v(&modelled.plant))?)
 }
 
 /// The code of a controller in some numbers.
@@ -227,6 +238,9 @@ pub fn project_hash(project: &Project, world: &dyn World) -> String {
     let mut text = project.meaning();
     if let Some(content) = project.import.as_ref().and_then(|import| import.content.as_ref()) {
         text += &format!("{content:?}");
+    }
+    if let Some(RecordingController::Exported(source)) = &project.recording_controller {
+        text += &format!("{:?}", source.content.as_ref().map(|content| content.controller.parts()));
     }
     let mut digest = Sha256::new_with_prefix(text.as_bytes());
     let road = project.verify.as_ref().and_then(|asked| asked.road.as_ref());

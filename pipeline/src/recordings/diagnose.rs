@@ -9,7 +9,10 @@ use counterpoise_project::Project;
 use counterpoise_recordings::Recording;
 use counterpoise_simulate::replay::Loop;
 
-use super::read::{ColumnRemark, Gaps, RecordingFile, control_for, read, unused_columns, without_demand};
+use super::read::{
+    ColumnRemark, Gaps, RecordingFile, control_for, read, recording_controller, unused_columns,
+    without_demand,
+};
 use super::residuals::{ResidualStudy, study_residuals};
 use super::tracks::{Track, before_and_after};
 use crate::PipelineError;
@@ -43,8 +46,9 @@ pub fn diagnose(
     files: &[RecordingFile],
     pool: &dyn Pool,
 ) -> Result<DiagnosedRecordings, PipelineError> {
-    let read = read(project, files, Gaps::AsWritten)?;
-    let control = control_for(project, read.iter().map(|item| &item.recording))?;
+    let controller = recording_controller(project)?;
+    let read = read(project, controller.as_ref(), files, Gaps::AsWritten)?;
+    let control = control_for(controller.as_ref(), read.iter().map(|item| &item.recording));
     let contradiction = if read.iter().all(|item| item.keeps_samples) {
         Contradiction::PlayBack
     } else {

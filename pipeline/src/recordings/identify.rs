@@ -6,7 +6,7 @@ use counterpoise_diagnose::identification::Identified;
 use counterpoise_project::Project;
 use counterpoise_recordings::Recording;
 
-use super::read::{ColumnRemark, Gaps, RecordingFile, read, unused_columns};
+use super::read::{ColumnRemark, Gaps, RecordingFile, read, recording_controller, unused_columns};
 use crate::PipelineError;
 
 /// What was identified, with what was found on reading each recording.
@@ -26,10 +26,11 @@ pub fn identify(
     project: &Project,
     states: &[&[RecordingFile]],
 ) -> Result<IdentifiedRecordings, PipelineError> {
+    let controller = recording_controller(project)?;
     let (mut recordings, mut remarks, mut unused) = (Vec::new(), Vec::new(), Vec::new());
     for files in states.iter().filter(|files| !files.is_empty()) {
         let mut of_state = Vec::new();
-        for item in read(project, files, Gaps::Repaired)? {
+        for item in read(project, controller.as_ref(), files, Gaps::Repaired)? {
             unused.extend(unused_columns([&item]));
             let stem = Path::new(&item.file).file_stem().map(|s| s.to_string_lossy().into_owned());
             of_state.push(item.recording.named(stem.unwrap_or_else(|| item.file.clone())));

@@ -86,20 +86,22 @@ pub enum Gaps {
 
 /// Reads files as the project maps their columns; one that has no clock takes the sample period of the project's interface.
 ///
+/// `controller` is the project's [`recording_controller`].
+///
 /// # Errors
 /// [`PipelineError::UnreadableRecording`] if a file cannot be read as it is mapped, [`PipelineError::NothingToReplay`] if the
 /// gaps of a recording leave no part of it.
 pub fn read(
     project: &Project,
+    controller: Option<&RecordedController>,
     files: &[RecordingFile],
     gaps: Gaps,
 ) -> Result<Vec<ReadRecording>, PipelineError> {
-    let controller = recording_controller(project)?;
     let mut all = Vec::new();
     for file in files {
         let (_, recordings) = tabulate(project, file).map_err(PipelineError::UnreadableRecording)?;
         for recording in recordings {
-            all.extend(read_recording(project, controller.as_ref(), recording, gaps)?);
+            all.extend(read_recording(project, controller, recording, gaps)?);
         }
     }
     Ok(all)
@@ -110,11 +112,15 @@ pub fn read(
 /// # Errors
 /// The file cannot be decoded, or its columns do not fit the mapping.
 pub fn tabulate(project: &Project, file: &RecordingFile) -> Result<(Table, Vec<Recording>), Error> {
-    let clock = project.recording.sample_period_s.or(Some(project.plant.interface.sample_period_s));
-    let mapping = Mapping { sample_period_s: clock, ..project.recording.clone() };
     let table = Table::read(&file.bytes, &file.name)?;
-    let recordings = mapping.recordings(&table)?;
+    let recordings = mapping(project).recordings(&table)?;
     Ok((table, recordings))
+}
+
+/// Returns how the project maps columns, with the sample period of its interface for a table without a clock.
+fn mapping(project: &Project) -> Mapping {
+    let clock = project.recording.sample_period_s.or(Some(project.plant.interface.sample_period_s));
+    Mapping { sample_period_s: clock, ..project.recording.clone() }
 }
 
 /// Reads the recordings of a table as the project maps its columns, gaps and stuck sensors repaired; see [`read`].
@@ -128,10 +134,8 @@ pub fn read_table(
     controller: Option<&RecordedController>,
     table: &Table,
 ) -> Result<Vec<ReadRecording>, PipelineError> {
-    let clock = project.recording.sample_period_s.or(Some(project.plant.interface.sample_period_s));
-    let mapping = Mapping { sample_period_s: clock, ..project.recording.clone() };
     let mut all = Vec::new();
-    for recording in mapping.recordings(table).map_err(PipelineError::UnreadableRecording)? {
+    for recording in mapping(project).recordings(table).map_err(PipelineError::UnreadableRecording)? {
         all.extend(read_recording(project, controller, recording, Gaps::Repaired)?);
     }
     Ok(all)
@@ -139,8 +143,10 @@ pub fn read_table(
 
 /// Returns the controller that was in the loop when the project's recordings were made; `None` if the project names none.
 ///
+/// The project's own controller is designed anew by each call: a caller asks once.
+///
 /// # Errors
-/// The project's own controller is meant, and the project does not design one.
+/// The project's own controller is meant, and the project does not design one; or the file of an exported one was not read.
 pub fn recording_controller(project: &Project) -> Result<Option<RecordedController>, PipelineError> {
     match &project.recording_controller {
         None => Ok(None),
@@ -150,6 +156,14 @@ pub fn recording_controller(project: &Project) -> Result<Option<RecordedControll
             let synthesised = synthesise(project, &modelled, &reduce(project, &modelled)?)?;
             Ok(Some(synthesised.sampled.controller.into()))
         }
+        Some(RecordingController::Exported(source)) => match &source.content {
+            Some(content) => Ok(Some(content.controller.clone().into())),
+            None => Err(PipelineError::File {
+                name: source.file.clone(),
+                section: "recording_controller",
+                problem: "the file was not read with the project".to_owned(),
+            }),
+        },
     }
 }
 
@@ -199,18 +213,14 @@ fn foreign_controller(
     check_control(&project.plant, recording, &Loop::from(controller?.clone())).map(ColumnRemark::Controller)
 }
 
-/// Returns how recordings of a project are replayed: in closed loop with the recording controller if the project has one and every
-/// recording holds the demand, otherwise under the recorded control.
-///
-/// # Errors
-/// As [`recording_controller`].
+/// Returns how recordings are replayed: in closed loop with the project's [`recording_controller`] if it has one and every recording
+/// holds the demand, otherwise under the recorded control.
 pub fn control_for<'a>(
-    project: &Project,
+    controller: Option<&RecordedController>,
     recordings: impl IntoIterator<Item = &'a Recording>,
-) -> Result<Loop, PipelineError> {
+) -> Loop {
     let complete = recordings.into_iter().all(|recording| recording.has(Channel::Demand));
-    let controller = recording_controller(project)?.filter(|_| complete);
-    Ok(controller.map_or(Loop::Open, Loop::from))
+    controller.filter(|_| complete).cloned().map_or(Loop::Open, Loop::from)
 }
 
 impl ReadRecording {

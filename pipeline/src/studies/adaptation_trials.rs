@@ -124,7 +124,7 @@ impl Trials {
     }
 }
 
-/// Returns the trials of every method on the project's mechanism, by a procedure with or without a road.
+/// Returns the trials of every method that the project's mechanism allows, by a procedure with or without a road.
 ///
 /// # Errors
 /// A project without adaptation, and those of the plant and the simulator.
@@ -136,22 +136,50 @@ pub fn trials(
 ) -> Result<Trials, PipelineError> {
     let missing =
         PipelineError::Missing { section: "synth.adaptation", needed_by: "the trials of adaptation" };
-    let asked = project.synth.as_ref().and_then(|asked| asked.options.adaptation.as_ref());
-    let adaptation = asked.ok_or(missing)?;
+    let adaptation = asked(project).ok_or(missing)?;
     let stage = Stage { adaptation, modelled, controller: &made.sampled.controller, procedure };
+    let possible = |(method, _): &(AdaptationMethod, _)| {
+        // the mean goes by gravity, which an axis without it does not have
+        *method != AdaptationMethod::WindowedMean || modelled.parameters.gravity_m_s2 != 0.0
+    };
+    let methods: Vec<_> = METHODS.into_iter().filter(possible).collect();
+    tried(&stage, &methods)
+}
+
+/// Returns the trials of the project's own method; `None` if it does not adapt.
+///
+/// # Errors
+/// Those of the plant and the simulator.
+pub fn own_trials(
+    project: &Project,
+    modelled: &Modelled,
+    made: &Synthesised,
+    procedure: &Procedure,
+) -> Result<Option<Trials>, PipelineError> {
+    let Some(adaptation) = asked(project) else { return Ok(None) };
+    let stage = Stage { adaptation, modelled, controller: &made.sampled.controller, procedure };
+    let own: Vec<_> = METHODS.into_iter().filter(|(method, _)| *method == adaptation.method).collect();
+    tried(&stage, &own).map(Some)
+}
+
+fn asked(project: &Project) -> Option<&Adaptation> {
+    project.synth.as_ref().and_then(|asked| asked.options.adaptation.as_ref())
+}
+
+fn tried(stage: &Stage, methods: &[(AdaptationMethod, &'static str)]) -> Result<Trials, PipelineError> {
     let mut rows = Vec::new();
     for motion in [Motion::Sines, Motion::Road, Motion::Multisine] {
         let platform = stage.platform(motion)?;
         for load in [Load::Nominal, Load::WrongStart, Load::Sudden, Load::Slow] {
             let rms = |acts| stage.hub_rms(&platform, load, acts);
             let (without_rad_s, told_rad_s) = (rms(Acts::Without)?, rms(Acts::Told)?);
-            for (method, name) in METHODS {
+            for &(method, name) in methods {
                 let with_rad_s = rms(Acts::Adapts(method))?;
                 rows.push(TrialRow { method: name, motion, load, without_rad_s, with_rad_s, told_rad_s });
             }
         }
     }
-    let refused = METHODS.iter().filter_map(|(_, name)| refusal(name, &rows)).collect();
+    let refused = methods.iter().filter_map(|(_, name)| refusal(name, &rows)).collect();
     Ok(Trials { rows, refused })
 }
 

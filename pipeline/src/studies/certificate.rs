@@ -7,7 +7,7 @@ use counterpoise_verify::certificate::{Case, Certificate, certify};
 use counterpoise_verify::structured::{Joints, RobustStability, Uncertainty, robust_stability_in};
 
 use crate::synth::schedule::with_factor;
-use crate::{Modelled, PipelineError, Synthesised, World, model, procedure};
+use crate::{Modelled, PipelineError, Synthesised, model};
 
 /// How far the ranges of the sweep may be widened in one case and one regime of friction.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,7 +73,7 @@ pub fn robust_regimes(
     project: &Project,
     modelled: &Modelled,
     synthesised: &Synthesised,
-    world: &dyn World,
+    procedure: &Procedure,
 ) -> Result<Vec<RegimeRobustness>, PipelineError> {
     let Some(asked) = project.campaign() else { return Ok(Vec::new()) };
     let uncertainty = Uncertainty {
@@ -81,7 +81,6 @@ pub fn robust_regimes(
         input_error: asked.input_error,
         output_error: asked.output_error,
     };
-    let procedure = procedure(project, world)?;
     let controller = &synthesised.sampled.controller;
     let mut all = Vec::new();
     for case in cases(project, modelled, synthesised)? {
@@ -94,7 +93,7 @@ pub fn robust_regimes(
                 Joints::Sliding => controller.clone(),
                 Joints::AtRest => quasi_linear(controller, &Elements::observers_at_rest(&case, controller)?)?,
             };
-            let found = robust_stability_in(joints, parameters, &linear, &procedure, &uncertainty)?;
+            let found = robust_stability_in(joints, parameters, &linear, procedure, &uncertainty)?;
             all.push(RegimeRobustness { case: case.name.clone(), joints, found });
         }
     }

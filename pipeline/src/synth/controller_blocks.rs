@@ -142,6 +142,10 @@ pub(crate) fn estimator(adaptation: &Adaptation, modelled: &Modelled) -> Estimat
     let p = &modelled.parameters;
     let volts = 1.0 / torque_per_volt(p);
     let mean = adaptation.method == AdaptationMethod::WindowedMean;
+    let holds = adaptation.method == AdaptationMethod::Recursive && adaptation.hold_band > 0.0;
+    let band = if holds { adaptation.hold_band } else { 0.0 };
+    // the first estimates rest on few samples: until the memory is full they would leave the band for no reason
+    let hold_s = if holds { adaptation.memory_s } else { 0.0 };
     Estimator {
         learning: learning(adaptation, modelled),
         gravity_m_s2: p.gravity_m_s2,
@@ -149,7 +153,8 @@ pub(crate) fn estimator(adaptation: &Adaptation, modelled: &Modelled) -> Estimat
         half_rate_rad_s: adaptation.half_rate_rad_s,
         volts_per_kg_m_s2: volts,
         rate_limit_kg_m_s: if mean { f64::INFINITY } else { adaptation.rate_limit_kg_m_s },
-        hold_samples: 0,
+        hold_band_kg_m: band * modelled.plant.body().out_of_balance_kg_m.abs(),
+        hold_samples: (hold_s / p.interface.sample_period_s).round() as u32,
     }
 }
 

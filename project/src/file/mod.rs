@@ -30,7 +30,7 @@ use tree::{Entry, Found, Node, Start, Value};
 pub const FORMAT: u32 = 2;
 
 /// Keys that name a file which resolving the project needs; some may hold the table itself instead.
-const NAMING_FILES: [&str; 8] = [
+const NAMING_FILES: [&str; 9] = [
     "plant.amplifier.map",
     "plant.import.mass_matrix",
     "plant.import.stiffness_matrix",
@@ -39,6 +39,7 @@ const NAMING_FILES: [&str; 8] = [
     "verify.road.heave_psd",
     "verify.road.pitch_psd",
     "verify.road.sines",
+    "recording_controller.file",
 ];
 
 /// A project file as written.

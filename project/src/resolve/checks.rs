@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use counterpoise_models::{Parameters, Sensor};
 use counterpoise_recordings::{Mapping, Unit};
 
+use super::controller::RecordingController;
 use super::design::{LoopKind, ReductionMethod};
 use super::import::ImportedStructure;
 use super::model::StructureChoice;
@@ -16,6 +17,8 @@ use crate::file::visit::Choice;
 
 /// Keys and sections that describe the structure.
 const DESCRIPTIONS: [&str; 5] = ["plant.inertia", "plant.mass", "plant.lumped", "plant.beam", "plant.import"];
+/// Relative difference between two sample periods that is rounding in a file.
+const SAME_PERIOD: f64 = 1e-6;
 /// Most findings that are kept.
 const MOST_FINDINGS: usize = 1000;
 
@@ -59,6 +62,7 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     feedforwards(&mut findings, project);
     cascade(&mut findings, project);
     delays(&mut findings, plant);
+    recorded_period(&mut findings, project);
     without_effect(&mut findings, plant);
     beam_checks::agreement(&mut findings, plant);
     units(&mut findings, &project.recording);
@@ -248,6 +252,20 @@ fn delays(findings: &mut Findings<'_>, plant: &Parameters) {
             let remark = Remark::new(Problem::OutOfRange, &format!("plant.sensors.{name}.delay"), allowed);
             findings.add(Severity::Error, remark.found(delay_s.to_string()));
         }
+    }
+}
+
+/// An exported controller that was in the loop runs at the sample period of the interface.
+fn recorded_period(findings: &mut Findings<'_>, project: &Project) {
+    let Some(RecordingController::Exported(source)) = &project.recording_controller else { return };
+    let Some(content) = &source.content else { return };
+    let (own, period) = (content.controller.sample_period_s(), project.plant.interface.sample_period_s);
+    if (own - period).abs() > SAME_PERIOD * period {
+        let allowed = format!(
+            "must be a controller with the sample period of plant.interface, {period} s; this one has {own} s"
+        );
+        let remark = Remark::new(Problem::OutOfRange, "recording_controller.file", allowed);
+        findings.add(Severity::Error, remark.found(format!("\"{}\"", source.file)));
     }
 }
 

@@ -1,6 +1,10 @@
 //! The `[recording_controller]` section: what was in the loop when recordings were made.
 
+use std::sync::Arc;
+
 use counterpoise_controller::ProportionalIntegral;
+
+use super::controller_file::{ControllerContent, parse};
 
 use crate::file::field::Field;
 use crate::file::visit::{Choice, Visit, choose};
@@ -12,6 +16,19 @@ pub enum RecordingController {
     ProportionalIntegral(ProportionalIntegral),
     /// The controller that the project itself designs and exports.
     Project,
+    /// The controller in a file that an export wrote.
+    Exported(ControllerSource),
+}
+
+/// An exported controller by the file that holds it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ControllerSource {
+    /// Name of the file.
+    pub file: String,
+    /// Hash of the project that it was exported from; empty if it is not checked.
+    pub hash: String,
+    /// What the file holds; `None` if it is not at hand.
+    pub content: Option<Arc<ControllerContent>>,
 }
 
 impl RecordingController {
@@ -19,7 +36,7 @@ impl RecordingController {
     pub fn as_proportional_integral(&self) -> Option<&ProportionalIntegral> {
         match self {
             Self::ProportionalIntegral(controller) => Some(controller),
-            Self::Project => None,
+            Self::Project | Self::Exported(_) => None,
         }
     }
 }
@@ -29,11 +46,12 @@ impl RecordingController {
 enum Kind {
     ProportionalIntegral,
     Project,
+    Exported,
 }
 
 impl Choice for Kind {
     const NAMES: &'static [(&'static str, Self)] =
-        &[("pi", Self::ProportionalIntegral), ("project", Self::Project)];
+        &[("pi", Self::ProportionalIntegral), ("project", Self::Project), ("exported", Self::Exported)];
 }
 
 /// Returns a controller that is still to be read.
@@ -56,19 +74,49 @@ pub(crate) fn recording_controller(v: &mut dyn Visit, controller: &mut Recording
     let mut kind = match controller {
         RecordingController::ProportionalIntegral(_) => Kind::ProportionalIntegral,
         RecordingController::Project => Kind::Project,
+        RecordingController::Exported(_) => Kind::Exported,
     };
-    let meaning = "controller in the loop: pi, or project for the controller that this project exports";
+    let meaning = "controller in the loop: pi, project for the one that this project exports, or exported for one in a file";
     choose(v, &Field::new("kind", meaning), &mut kind);
-    match (kind, &mut *controller) {
-        (Kind::Project, _) => *controller = RecordingController::Project,
-        (Kind::ProportionalIntegral, RecordingController::ProportionalIntegral(pi)) => {
-            proportional_integral(v, pi);
-        }
-        (Kind::ProportionalIntegral, RecordingController::Project) => {
-            let mut pi = blank_proportional_integral();
+    *controller = match (kind, std::mem::replace(controller, RecordingController::Project)) {
+        (Kind::Project, _) => RecordingController::Project,
+        (Kind::ProportionalIntegral, before) => {
+            let mut pi =
+                before.as_proportional_integral().cloned().unwrap_or_else(blank_proportional_integral);
             proportional_integral(v, &mut pi);
-            *controller = RecordingController::ProportionalIntegral(pi);
+            RecordingController::ProportionalIntegral(pi)
         }
+        (Kind::Exported, before) => {
+            let mut source = match before {
+                RecordingController::Exported(source) => source,
+                _ => ControllerSource::default(),
+            };
+            exported(v, &mut source);
+            RecordingController::Exported(source)
+        }
+    };
+}
+
+fn exported(v: &mut dyn Visit, source: &mut ControllerSource) {
+    v.text(&Field::new("file", "the controller.json that an export wrote"), &mut source.file);
+    let hash =
+        "hash of the project that it was exported from, as in the header of the C code; checked if given";
+    v.text(&Field::new("hash", hash).or_text(""), &mut source.hash);
+    let Some(text) = v.attached(&source.file) else { return };
+    match text.and_then(|text| parse(&text).map_err(|why| format!("\"{}\": {why}", source.file))) {
+        Ok(content) => {
+            let found = &content.project_hash;
+            if !source.hash.is_empty() && source.hash != *found {
+                let other = format!(
+                    "must be the hash in \"{}\", which is {found}: the file belongs to another export than the recordings",
+                    source.file
+                );
+                let hint = "give the controller.json of the export that ran on the machine".to_owned();
+                v.complain("hash", &other, Some(hint));
+            }
+            source.content = Some(Arc::new(content));
+        }
+        Err(why) => v.complain("file", &why, None),
     }
 }
 

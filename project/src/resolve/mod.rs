@@ -6,6 +6,7 @@ mod cascade;
 mod changes;
 mod checks;
 pub mod controller;
+pub mod controller_file;
 pub mod design;
 mod drive;
 pub mod fixed_structure;

@@ -1,8 +1,8 @@
 //! The `[plant]` section: drive train, sensors, interface, and the structure.
 
 use counterpoise_models::{
-    Axis, Friction, FrictionLaw, Gearbox, Interface, Lumped, Measured, Motor, Parameters, Ripple, Sensor,
-    Sensors, Transmission,
+    Axis, Clock, Drift, Friction, FrictionLaw, Gearbox, Interface, Lumped, Measured, Motor, Parameters,
+    Ripple, Sensor, Sensors, Transmission,
 };
 
 use super::axis_words::Words;
@@ -22,6 +22,8 @@ const IDEAL_BITS: f64 = 48.0;
 pub(super) const IDEAL_SCALE: f64 = 1e-3;
 /// Most samples by which the control may be held back.
 const MOST_DELAY: f64 = 1000.0;
+/// Largest share of samples that are missed or late, and of codes that are missing: beyond, it is no loop or no converter.
+const MOST_ERRANT: f64 = 0.5;
 
 /// A mechanism still to be read.
 pub(crate) fn blank() -> Parameters {
@@ -50,6 +52,8 @@ pub(crate) fn blank() -> Parameters {
             input_bits: 0,
             output_bits: 0,
             output_delay_samples: 0,
+            clock: Clock::IDEAL,
+            missing_codes: 0.0,
         },
         configurations: Vec::new(),
     }
@@ -318,6 +322,29 @@ pub(super) fn sensor(v: &mut dyn Visit, sensor: &mut Sensor, unit: &'static str)
             .or(0.0),
         &mut sensor.g_sensitivity,
     );
+    drift(v, &mut sensor.drift, unit);
+}
+
+/// Slow errors, as the Allan deviation shows them.
+fn drift(v: &mut dyn Visit, drift: &mut Drift, unit: &'static str) {
+    let field = |key, meaning| Field::new(key, meaning).unit(unit).limit(AT_LEAST_0).or(0.0);
+    let walk = "white noise of any bandwidth: the Allan deviation at 1 s on its slope of -1/2";
+    v.number(&field("angle_random_walk", walk), &mut drift.angle_random_walk);
+    let flicker = "flicker of the bias: the lowest Allan deviation over 0.664";
+    v.number(&field("bias_instability", flicker), &mut drift.bias_instability);
+    let rate = "random walk of the bias: the Allan deviation at 3 s on its slope of +1/2";
+    v.number(&field("rate_random_walk", rate), &mut drift.rate_random_walk);
+}
+
+/// What a real clock does.
+fn clock(v: &mut dyn Visit, clock: &mut Clock) {
+    let jitter = Field::new("sample_jitter", "RMS of the jitter of the instants at which sensors are read");
+    v.number(&jitter.unit("s").limit(AT_LEAST_0).or(0.0), &mut clock.jitter_s);
+    let share = |key, meaning| Field::new(key, meaning).limit(Limit::Between(0.0, MOST_ERRANT)).or(0.0);
+    let missed = "share of the samples in which the controller does not run and its control stays";
+    v.number(&share("missed_samples", missed), &mut clock.missed_samples);
+    let late = "share of the samples whose control acts one period later";
+    v.number(&share("late_samples", late), &mut clock.late_samples);
 }
 
 fn interface(v: &mut dyn Visit, interface: &mut Interface) {
@@ -343,4 +370,7 @@ fn interface(v: &mut dyn Visit, interface: &mut Interface) {
         .limit(Limit::Between(0.0, MOST_DELAY));
     v.whole(&field.or(0.0), &mut delay);
     interface.output_delay_samples = delay as usize;
+    clock(v, &mut interface.clock);
+    let missing = Field::new("missing_codes", "share of the codes that the input converters never give");
+    v.number(&missing.limit(Limit::Between(0.0, MOST_ERRANT)).or(0.0), &mut interface.missing_codes);
 }

@@ -147,11 +147,12 @@ struct Asked {
     figure: String,
     at_least: Option<f64>,
     at_most: Option<f64>,
+    source: String,
 }
 
 fn requirements(v: &mut dyn Visit, requirements: &mut Vec<Requirement>) {
     let mut asked: Vec<Asked> = requirements.iter().map(asked).collect();
-    let blank = Asked { figure: String::new(), at_least: None, at_most: None };
+    let blank = Asked { figure: String::new(), at_least: None, at_most: None, source: String::new() };
     list(v, &TableField::optional("requirement", "a figure and its limit"), &mut asked, blank, requirement);
     *requirements = asked.iter().flat_map(resolved).collect();
 }
@@ -161,13 +162,15 @@ fn asked(requirement: &Requirement) -> Asked {
         Bound::AtLeast(value) => (Some(value), None),
         Bound::AtMost(value) => (None, Some(value)),
     };
-    Asked { figure: requirement.figure.key(), at_least, at_most }
+    Asked { figure: requirement.figure.key(), at_least, at_most, source: requirement.source.clone() }
 }
 
 fn resolved(asked: &Asked) -> Vec<Requirement> {
     let Ok(figure) = Figure::from_key(&asked.figure) else { return Vec::new() };
     let limits = [asked.at_least.map(Bound::AtLeast), asked.at_most.map(Bound::AtMost)];
-    limits.into_iter().flatten().filter_map(|limit| Requirement::new(figure, limit).ok()).collect()
+    let requirement =
+        |limit| Requirement::new(figure, limit).ok().map(|found| found.with_source(&asked.source));
+    limits.into_iter().flatten().filter_map(requirement).collect()
 }
 
 fn requirement(v: &mut dyn Visit, asked: &mut Asked) {
@@ -182,6 +185,8 @@ fn requirement(v: &mut dyn Visit, asked: &mut Asked) {
     let unit = known.map_or("", |figure| figure.unit());
     maybe_number(v, &Field::new("at_least", "lower limit").unit(unit), &mut asked.at_least);
     maybe_number(v, &Field::new("at_most", "upper limit").unit(unit), &mut asked.at_most);
+    let source = "where the requirement comes from, for example the clause of a specification";
+    v.text(&Field::new("source", source).or_text(""), &mut asked.source);
     if asked.at_least.is_none() && asked.at_most.is_none() {
         v.complain("figure", "has no limit: give at_least, at_most or both", None);
     }

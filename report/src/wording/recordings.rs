@@ -8,6 +8,7 @@ use counterpoise_diagnose::recording::instrument_faults::{
 use counterpoise_diagnose::recording::remarks::{Comparison, HeaveTreatment, RecordingRemark};
 use counterpoise_diagnose::recording::sanity_checks::{Anomaly, ControlMismatch, Meaning, Standstill};
 use counterpoise_pipeline::PipelineError;
+use counterpoise_pipeline::recordings::controller_origin::OtherExport;
 use counterpoise_pipeline::recordings::{ColumnRemark, ReplayedRecording, UnusedColumn};
 use counterpoise_pipeline::results::RecordingResult;
 
@@ -29,6 +30,14 @@ pub fn describe_missing_demand(files: &[String]) -> Option<String> {
             files.join(", ")
         )
     })
+}
+
+/// Describes that the recordings' controller was exported from another state of the project.
+pub fn describe_other_export(other: &OtherExport) -> String {
+    format!(
+        "the controller in {} was exported from project {}; this project is now {}: the recordings are replayed with the controller in the file",
+        other.file, other.file_hash, other.project_hash
+    )
 }
 
 /// Returns the fit of a replayed recording as plain data, its remarks in sentences.

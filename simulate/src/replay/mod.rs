@@ -6,6 +6,7 @@
 //! recording's own noise, whose RMS is the noise floor.
 
 mod control;
+mod exported_controller;
 mod initial_controller_state;
 mod normal;
 pub mod platform;
@@ -16,11 +17,13 @@ mod windowed_replay;
 mod windows;
 
 pub use control::control_fit;
+pub use exported_controller::ExportedController;
 pub use platform::{platform_motion, reading_floor};
 pub use recorded_controller::RecordedController;
 pub use start::{UNKNOWNS as START_FREEDOMS, start_has};
 pub use windowed_replay::{Divergence, ReplayMode, SelectedReplay, WINDOW_S};
 
+use self::exported_controller::FittedStart;
 use crate::Error;
 use crate::history::{ReadingColumns, TimeHistory};
 use crate::run::Simulator;
@@ -110,6 +113,8 @@ pub struct Replayer<'a> {
     platform: PlatformMotion,
     samples: usize,
     steps_per_sample: f64,
+    /// The state of an exported controller at the first sample.
+    fitted: FittedStart,
 }
 
 impl<'a> Replayer<'a> {
@@ -132,7 +137,8 @@ impl<'a> Replayer<'a> {
         }
         let sensed = platform::Sensed::new(parameters, recording, None);
         let platform = sensed.motion(parameters, period);
-        Ok(Self { recording, sensed, platform, samples, steps_per_sample: f64::INFINITY })
+        let fitted = FittedStart::default();
+        Ok(Self { recording, sensed, platform, samples, steps_per_sample: f64::INFINITY, fitted })
     }
 
     /// Returns the same with a bound on the steps of a run: see [`Simulator::bounded`].
@@ -150,7 +156,13 @@ impl<'a> Replayer<'a> {
     pub fn with_platform_sensors_of(&self, parameters: &Parameters) -> Self {
         let sensed = platform::Sensed::new(parameters, self.recording, Some(&self.sensed));
         let platform = sensed.motion(parameters, self.recording.sample_period_s);
-        Self { sensed, platform, ..*self }
+        Self { sensed, platform, fitted: self.fitted.clone(), ..*self }
+    }
+
+    /// Returns the same with an exported controller that starts in the state that another recording of the same run shows: for copies
+    /// of a recording that differ from it in noise.
+    pub fn with_controller_start_of(self, other: &Replayer) -> Self {
+        Self { fitted: other.fitted.clone(), ..self }
     }
 
     /// Returns the recording.
@@ -275,7 +287,7 @@ impl<'a> Replayer<'a> {
         match control {
             Loop::Open => simulator.run(&mut self.playback()?, &scenario),
             Loop::Closed(controller) => {
-                let mut ready = controller.at_start_of(self.recording)?;
+                let mut ready = controller.at_start_of(self.recording, &self.fitted)?;
                 simulator.run(ready.as_mut(), &scenario)
             }
         }

@@ -11,7 +11,7 @@ use counterpoise_recordings::{Channel, Recording};
 /// the noise and of the converter's step over the root of 12.
 pub fn reading_floor(sensor: &Sensor, interface: &Interface) -> f64 {
     let step = 2.0 * CONVERTER_RANGE_V / f64::from(interface.input_bits).exp2() / sensor.scale_v_unit;
-    sensor.noise_rms.hypot(step / 12f64.sqrt())
+    sensor.white_noise_rms(interface.sample_period_s).hypot(step / 12f64.sqrt())
 }
 
 /// Returns the motion of the platform that its sensors have seen, their errors (gain, bias, delay, lever arm, g-sensitivity)

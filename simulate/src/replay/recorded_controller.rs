@@ -8,11 +8,12 @@ use counterpoise_controller::{
 use counterpoise_models::{Parameters, Sensor};
 use counterpoise_recordings::{Channel, Recording};
 
+use super::exported_controller::{ExportedController, FittedStart};
 use super::initial_controller_state::fit_initial_states;
 use super::platform::reading_floor;
 use crate::Error;
 use crate::sensing::CONVERTER_RANGE_V;
-use crate::tolerance::{INTEGRAL_SAMPLES, NOISE_RESPONSE_SAMPLES};
+use crate::tolerance::INTEGRAL_SAMPLES;
 
 /// A controller whose control a closed-loop replay computes anew from the simulated readings.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,7 +21,7 @@ pub enum RecordedController {
     /// A proportional-integral controller of the hub rate.
     ProportionalIntegral(ProportionalIntegral),
     /// A controller as it is exported, with every block that runs on the target.
-    Exported(Arc<Controller>),
+    Exported(Arc<ExportedController>),
 }
 
 /// The recorded channels behind a controller's readings, in the order of [`counterpoise_controller::READING_NAMES`].
@@ -42,22 +43,26 @@ impl RecordedController {
         }
     }
 
-    /// Returns the controller in the state that it had at the recording's first sample, ready for a closed-loop run.
+    /// Returns the controller in the state that it had at the recording's first sample, ready for a closed-loop run; `fitted` keeps
+    /// that state from run to run.
     ///
     /// An exported controller reads the recorded platform sensors where they were recorded: the mechanism does not act on them, so
     /// they are what the real controller read.
     ///
     /// # Errors
     /// [`Error::NoChannel`] if the demand was not recorded.
-    pub(crate) fn at_start_of(&self, recording: &Recording) -> Result<Box<dyn SampledController>, Error> {
+    pub(crate) fn at_start_of<'r>(
+        &self,
+        recording: &'r Recording,
+        fitted: &FittedStart,
+    ) -> Result<Box<dyn SampledController + 'r>, Error> {
         recording.samples(Channel::Demand).ok_or(Error::NoChannel { channel: "demand" })?;
         Ok(match self {
             Self::ProportionalIntegral(controller) => Box::new(with_fitted_integral(controller, recording)),
             Self::Exported(controller) => {
                 let platform = [Channel::PlatformRate, Channel::PlatformAccel]
-                    .map(|channel| recording.samples(channel).map(<[f64]>::to_vec));
-                let runner = fit_initial_states(controller, recording).unwrap_or_else(|| controller.runner());
-                Box::new(WithRecordedPlatform { runner, platform, next: 0 })
+                    .map(|channel| recording.samples(channel).unwrap_or_default());
+                Box::new(WithRecordedPlatform { runner: fitted.of(controller, recording), platform, next: 0 })
             }
         })
     }
@@ -71,7 +76,7 @@ impl RecordedController {
         match self {
             Self::ProportionalIntegral(controller) => Some(proportional_integral(controller, &read, control)),
             Self::Exported(controller) => {
-                let mut runner = fit_initial_states(controller, recording)?;
+                let mut runner = fit_initial_states(controller.controller(), recording)?;
                 Some(read.iter().map(|readings| runner.step(readings)).collect())
             }
         }
@@ -82,9 +87,7 @@ impl RecordedController {
         match self {
             Self::ProportionalIntegral(_) => vec![Channel::Demand, Channel::HubRate],
             Self::Exported(controller) => {
-                let gains = impulse_responses(controller);
-                let used = |j: &usize| gains[*j].iter().any(|g| *g != 0.0);
-                (0..READINGS).filter(used).map(|j| READ[j]).collect()
+                (0..READINGS).filter(|&j| controller.reads(j)).map(|j| READ[j]).collect()
             }
         }
     }
@@ -111,11 +114,7 @@ impl RecordedController {
         match self {
             Self::ProportionalIntegral(controller) => controller.kp_v_s_rad * size(&sensors.hub_gyro),
             Self::Exported(controller) => {
-                let responses = impulse_responses(controller);
-                let gain = |j: usize| {
-                    let settled = responses[j].last().copied().unwrap_or(0.0);
-                    responses[j].iter().map(|g| (g - settled) * (g - settled)).sum::<f64>().sqrt()
-                };
+                let gain = |j: usize| controller.noise_gain(j);
                 let sized = |sensor: Option<&Sensor>| sensor.map_or(0.0, &size);
                 let hub = gain(1) * size(&sensors.hub_gyro);
                 let motor = gain(4) * sized(sensors.motor_tachometer.as_ref());
@@ -133,27 +132,8 @@ impl From<ProportionalIntegral> for RecordedController {
 
 impl From<Controller> for RecordedController {
     fn from(controller: Controller) -> Self {
-        Self::Exported(Arc::new(controller))
+        Self::Exported(Arc::new(ExportedController::new(controller)))
     }
-}
-
-/// Returns the responses of the control to a small impulse on each reading, V per unit, from the controller at rest. A small impulse
-/// keeps friction observers in presliding and the limiter out of the way.
-fn impulse_responses(controller: &Controller) -> [Vec<f64>; READINGS] {
-    const SMALL: f64 = 1e-6;
-    let run = |impulse: Option<usize>| -> Vec<f64> {
-        let mut runner = controller.runner();
-        let step = |k: usize| {
-            let mut readings = [0.0; READINGS];
-            if let (Some(j), 0) = (impulse, k) {
-                readings[j] = SMALL;
-            }
-            runner.step_array(&readings)
-        };
-        (0..NOISE_RESPONSE_SAMPLES).map(step).collect()
-    };
-    let rest = run(None);
-    std::array::from_fn(|j| run(Some(j)).iter().zip(&rest).map(|(a, b)| (a - b) / SMALL).collect())
 }
 
 /// Returns the recorded readings of every sample; a channel that was not recorded reads 0, and a missing sample repeats the one before.
@@ -209,27 +189,26 @@ fn proportional_integral(controller: &ProportionalIntegral, read: &[Readings], c
 }
 
 /// An exported controller that reads the recorded platform sensors.
-struct WithRecordedPlatform {
+struct WithRecordedPlatform<'r> {
     runner: Runner,
-    /// Recorded platform rate and acceleration.
-    platform: [Option<Vec<f64>>; 2],
+    /// Recorded platform rate and acceleration; empty if not recorded.
+    platform: [&'r [f64]; 2],
     next: usize,
 }
 
-impl SampledController for WithRecordedPlatform {
+impl SampledController for WithRecordedPlatform<'_> {
     fn reset(&mut self) {
         self.runner.reset();
         self.next = 0;
     }
 
     fn step(&mut self, readings: &Readings) -> f64 {
-        let recorded = |column: &Option<Vec<f64>>, simulated: f64| {
-            let value = column.as_ref().and_then(|c| c.get(self.next)).copied();
-            value.filter(|v| v.is_finite()).unwrap_or(simulated)
+        let recorded = |column: &[f64], simulated: f64| {
+            column.get(self.next).copied().filter(|v| v.is_finite()).unwrap_or(simulated)
         };
         let read = Readings {
-            platform_rate_rad_s: recorded(&self.platform[0], readings.platform_rate_rad_s),
-            platform_accel_m_s2: recorded(&self.platform[1], readings.platform_accel_m_s2),
+            platform_rate_rad_s: recorded(self.platform[0], readings.platform_rate_rad_s),
+            platform_accel_m_s2: recorded(self.platform[1], readings.platform_accel_m_s2),
             ..*readings
         };
         self.next += 1;

@@ -5,6 +5,7 @@
 //! measure of the model. Such a recording is replayed over windows instead, each from a start of its own.
 
 use super::control::control_fit;
+use super::exported_controller::FittedStart;
 use super::start::redrawn;
 use super::windows::is_explained;
 use super::{ChannelFit, Loop, RecordedController, Replay, Replayer};
@@ -115,7 +116,7 @@ impl Replayer<'_> {
         let start = redrawn(&mut simulator, self, &quiet.start)?;
         let moved = self.run(&mut simulator, control, &start)?.readings;
         let recording = with_noise(self.recording, parameters.sensors.hub_gyro.noise_rms);
-        let noisy = Replayer { recording: &recording, ..self.clone() };
+        let noisy = Replayer { recording: &recording, fitted: FittedStart::default(), ..self.clone() };
         let noisy = noisy.run(&mut simulator, control, &quiet.start)?.readings;
         let apart = |fit: &ChannelFit, other: &ReadingColumns| {
             rms_of_difference(quiet.simulated.channel(fit.channel), other.channel(fit.channel)) / fit.floor

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use counterpoise_host::files::recording_files;
 use counterpoise_host::worker::Token;
 use counterpoise_models::Parameters;
+use counterpoise_pipeline::PipelineError;
 use counterpoise_pipeline::recordings::read::{
     control_for, read_recording, recording_controller, tabulate, without_demand,
 };
@@ -17,7 +18,7 @@ use counterpoise_recordings::{Channel, Recording, Table};
 use counterpoise_report::wording::recordings::{
     describe_column_remark, describe_missing_demand, describe_recordings_error, describe_replay,
 };
-use counterpoise_simulate::replay::{Loop, Replay};
+use counterpoise_simulate::replay::{RecordedController, Replay};
 
 use crate::charts::min_max_pyramid::MinMaxPyramid;
 use crate::editing::session::file_name;
@@ -99,6 +100,7 @@ pub struct SimulatedChannel {
 /// Returns the recordings with their replays, or `None` if the job was cancelled.
 pub fn replay_files(request: &ReplayRequest, token: &Token) -> Option<ReplayedFiles> {
     let (files, mut views) = (recording_files(&request.paths), Vec::new());
+    let controller = recording_controller(&request.project);
     for path in &files {
         match read_table(request, path) {
             Ok((table, recordings)) => {
@@ -106,7 +108,11 @@ pub fn replay_files(request: &ReplayRequest, token: &Token) -> Option<ReplayedFi
                     if token.is_cancelled() {
                         return None;
                     }
-                    views.extend(recording_views(request, path, &table, recording));
+                    views.extend(recording_views(
+                        request,
+                        &controller,
+                        FileRecording { path, table: &table, recording },
+                    ));
                 }
             }
             Err(why) => views.push(unreadable_view(path, why)),
@@ -144,12 +150,18 @@ fn unreadable_view(path: &Path, why: String) -> RecordingView {
     }
 }
 
+/// A recording as its file holds it.
+struct FileRecording<'a> {
+    path: &'a Path,
+    table: &'a Table,
+    recording: Recording,
+}
+
 /// Returns the parts of a recording that can be replayed, each with its replay.
 fn recording_views(
     request: &ReplayRequest,
-    path: &Path,
-    table: &Table,
-    recording: Recording,
+    controller: &Result<Option<RecordedController>, PipelineError>,
+    FileRecording { path, table, recording }: FileRecording,
 ) -> Vec<RecordingView> {
     let blank = RecordingView {
         path: path.to_owned(),
@@ -161,20 +173,29 @@ fn recording_views(
         fit: None,
     };
     let project = &request.project;
-    let read = recording_controller(project)
-        .and_then(|controller| read_recording(project, controller.as_ref(), recording, Gaps::Repaired));
-    match read {
-        Ok(parts) => parts.iter().map(|part| replayed_view(request, part, blank.clone())).collect(),
-        Err(error) => vec![RecordingView { errors: vec![describe_recordings_error(&error)], ..blank }],
+    let refused = |error: &PipelineError| {
+        vec![RecordingView { errors: vec![describe_recordings_error(error)], ..blank.clone() }]
+    };
+    let controller = match controller {
+        Ok(controller) => controller.as_ref(),
+        Err(error) => return refused(error),
+    };
+    match read_recording(project, controller, recording, Gaps::Repaired) {
+        Ok(parts) => {
+            parts.iter().map(|part| replayed_view(request, controller, part, blank.clone())).collect()
+        }
+        Err(error) => refused(&error),
     }
 }
 
-fn replayed_view(request: &ReplayRequest, item: &ReadRecording, blank: RecordingView) -> RecordingView {
+fn replayed_view(
+    request: &ReplayRequest,
+    controller: Option<&RecordedController>,
+    item: &ReadRecording,
+    blank: RecordingView,
+) -> RecordingView {
     let mut errors = Vec::new();
-    let control = control_for(&request.project, [&item.recording]).unwrap_or_else(|error| {
-        errors.push(describe_recordings_error(&error));
-        Loop::Open
-    });
+    let control = control_for(controller, [&item.recording]);
     let mut run = |plant: &Parameters| match replay_one(plant, item, &control, ReplayLength::Automatic) {
         Ok(made) => Some(made),
         Err(error) => {

@@ -167,11 +167,28 @@ fn late(history: &[f64], samples: usize) -> f64 {
     history[history.len().saturating_sub(1 + samples)]
 }
 
-/// Runs the machine through an experiment in closed loop and writes it down.
+/// Runs the machine through an experiment in closed loop with the recorder's own controller and writes it down.
 pub fn record(machine: &Machine, recorder: &Recorder, experiment: &Experiment, dice: &mut Dice) -> Written {
+    let mut integral = 0.0;
+    let mut law = |readings: &[f64; 6]| {
+        let error = readings[0] - readings[1];
+        let control = recorder.kp * error + integral + recorder.bias;
+        integral += recorder.ki * PERIOD * error;
+        control
+    };
+    record_under(machine, recorder, &mut law, (experiment, dice))
+}
+
+/// Runs the machine through an experiment in closed loop and writes it down. The law makes volts of demand, hub rate, platform rate and
+/// acceleration, motor rate and hub position.
+pub fn record_under(
+    machine: &Machine,
+    recorder: &Recorder,
+    law: &mut dyn FnMut(&[f64; 6]) -> f64,
+    (experiment, dice): (&Experiment, &mut Dice),
+) -> Written {
     let mut out = Written::default();
     let mut x = machine.at_rest();
-    let mut integral = 0.0;
     let mut pending = vec![recorder.bias; machine.delay_samples];
     let mut past: [Vec<f64>; 3] = Default::default();
     for k in 0..HOLD + SAMPLES {
@@ -195,9 +212,7 @@ pub fn record(machine: &Machine, recorder: &Recorder, experiment: &Experiment, d
         let motor = read(&recorder.tachometer, x[3], 0.0, bits, dice);
         let position = read(&recorder.resolver, x[4] - platform.angle, 0.0, bits, dice);
         let demand = if k < HOLD { 0.0 } else { experiment.demand(t) };
-        let error = demand - hub;
-        let control = quantised(recorder.kp * error + integral + recorder.bias, recorder.output_bits);
-        integral += recorder.ki * PERIOD * error;
+        let control = quantised(law(&[demand, hub, pitch, heave, motor, position]), recorder.output_bits);
         pending.push(control);
         let applied = pending.remove(0);
         if k >= HOLD {

@@ -9,11 +9,11 @@ pub mod row;
 pub mod table;
 pub mod truth;
 
-pub use experiment::{Dice, Experiment, Kind, PERIOD, Recorder, SAMPLES, Written, record};
+pub use experiment::{Dice, Experiment, Kind, PERIOD, Recorder, SAMPLES, Written, record, record_under};
 pub use row::{Row, scored};
 pub use truth::{Concealed, Family, Sealed};
 
-use counterpoise_controller::ProportionalIntegral;
+use counterpoise_controller::{Controller, ProportionalIntegral};
 use counterpoise_models::{Parameters, reference};
 use machine::Machine;
 
@@ -53,6 +53,11 @@ pub fn case_of(which: usize, size: f64, nominal: &Parameters) -> Case {
     recorded(1_000 + which as u64, nominal, &machine, sealed)
 }
 
+/// The machine as modelled, recorded under the proportional-integral controller.
+pub fn case_of_nothing(nominal: &Parameters) -> Case {
+    recorded(1_999, nominal, &truth::machine(nominal), (truth::nothing(), Vec::new()))
+}
+
 /// The project in which one given effect shows: nearly balanced for those at small torques, the rig otherwise.
 pub fn nominal_of(which: usize) -> Parameters {
     let mut nominal = reference::rig();
@@ -79,10 +84,63 @@ fn recorded(
     recorder.tachometer.noise *= sealed.noise;
     recorder.resolver.noise *= sealed.noise;
     let one = |machine: &Machine, k: usize| {
-        let mut dice = Dice::new(seed.wrapping_mul(31).wrapping_add(k as u64 + 1));
-        let experiment = Experiment::new(KINDS[k], &mut dice);
+        let (experiment, mut dice) = experiment_of(seed, k);
         record(machine, &recorder, &experiment, &mut dice)
     };
     let all = |machine: &Machine| (0..KINDS.len()).map(|k| one(machine, k)).collect::<Vec<Written>>();
     Case { recordings: all(machine), without: without.iter().map(all).collect(), sealed }
 }
+
+/// The k-th experiment of a seed, and the numbers that its noise is drawn from.
+fn experiment_of(seed: u64, k: usize) -> (Experiment, Dice) {
+    let mut dice = Dice::new(seed.wrapping_mul(31).wrapping_add(k as u64 + 1));
+    (Experiment::new(KINDS[k], &mut dice), dice)
+}
+
+/// A machine of [`case_of`] recorded under an exported controller; `None` for the effect conceals nothing.
+pub fn case_under(which: Option<usize>, size: f64, nominal: &Parameters, controller: &Controller) -> Case {
+    let mut machine = truth::machine(nominal);
+    let (sealed, without) = match which {
+        Some(which) => truth::conceal_one(which, size, &mut machine),
+        None => (truth::nothing(), Vec::new()),
+    };
+    let recorder = truth::recorder(nominal, 0.0, 0.0, controller_at_rest(controller));
+    let seed = 2_000 + which.map_or(999, |which| which as u64);
+    let one = |machine: &Machine, k: usize| {
+        let (experiment, mut dice) = experiment_of(seed, k);
+        let mut runner = controller.runner();
+        record_under(
+            machine,
+            &recorder,
+            &mut |readings| runner.step_array(readings),
+            (&experiment, &mut dice),
+        )
+    };
+    let all = |machine: &Machine| (0..KINDS.len()).map(|k| one(machine, k)).collect::<Vec<Written>>();
+    Case { recordings: all(&machine), without: without.iter().map(all).collect(), sealed }
+}
+
+/// The control of a controller whose readings are all 0, V.
+fn controller_at_rest(controller: &Controller) -> f64 {
+    controller.runner().step_array(&[0.0; counterpoise_controller::READINGS])
+}
+
+/// One of the eight practice effects.
+pub struct PracticeEffect {
+    /// Name, as the practice machines have it.
+    pub name: &'static str,
+    /// Place in the vocabulary; `None` for the machine as modelled.
+    pub which: Option<usize>,
+}
+
+/// The effects of the eight practice machines, in their order.
+pub const PRACTICE: [PracticeEffect; 8] = [
+    PracticeEffect { name: "Stribeck friction at the pivot", which: Some(2) },
+    PracticeEffect { name: "backlash", which: Some(8) },
+    PracticeEffect { name: "amplifier's gain curve", which: Some(23) },
+    PracticeEffect { name: "out-of-balance", which: Some(12) },
+    PracticeEffect { name: "cogging", which: Some(6) },
+    PracticeEffect { name: "delay", which: Some(11) },
+    PracticeEffect { name: "position stiffness", which: Some(14) },
+    PracticeEffect { name: "none", which: None },
+];

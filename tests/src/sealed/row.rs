@@ -150,7 +150,8 @@ fn is(c: &Concealed, name: (&'static str, &'static str)) -> bool {
     (c.component, c.effect) == name || c.also.contains(&name)
 }
 
-fn offers(c: &Concealed, f: &Finding) -> bool {
+/// Whether a finding has the concealed effect's name, or offers it as an alternative.
+pub fn offers(c: &Concealed, f: &Finding) -> bool {
     is(c, f.name().names()) || f.alternatives.iter().any(|a| is(c, a.names()))
 }
 

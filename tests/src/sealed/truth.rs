@@ -196,6 +196,12 @@ pub fn conceal_one(which: usize, size: f64, machine: &mut Machine) -> (Sealed, V
     (sealed, without)
 }
 
+/// The answer of a machine that is as its project describes it, with all sensors and the usual noise.
+pub fn nothing() -> Sealed {
+    let concealed = Vec::new();
+    Sealed { family: Family::Nothing, concealed, noise: 1.0, motor_rate: true, hub_position: true }
+}
+
 /// A size spread evenly in its logarithm around one that is easily seen.
 fn size(dice: &mut Dice) -> f64 {
     10f64.powf(dice.uniform(-1.3, 0.3))

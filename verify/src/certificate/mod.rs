@@ -147,7 +147,7 @@ impl Subject<'_> {
         let step = 2.0 * counterpoise_simulate::sensing::CONVERTER_RANGE_V
             / f64::from(interface.input_bits).exp2()
             / gyro.scale_v_unit;
-        gyro.noise_rms.hypot(step / 12f64.sqrt())
+        gyro.white_noise_rms(interface.sample_period_s).hypot(step / 12f64.sqrt())
     }
 }
 

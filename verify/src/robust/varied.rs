@@ -52,10 +52,20 @@ pub enum Varied {
     ObserverStiffness,
     /// Volts that the controller's friction observers give for a torque: the share of friction that is cancelled.
     ObserverGain,
+    /// Jitter of the instants at which the sensors are read.
+    SampleJitter,
+    /// Share of the samples that the controller misses.
+    MissedSamples,
+    /// Share of the samples whose control is late.
+    LateSamples,
+    /// Share of the converters' codes that are missing.
+    MissingCodes,
+    /// Slow errors of both gyroscopes.
+    GyroDrift,
 }
 
 /// Every parameter with its key in a project file.
-pub const ALL: [(Varied, &str); 22] = [
+pub const ALL: [(Varied, &str); 27] = [
     (Varied::HubInertia, "hub_inertia"),
     (Varied::BeamInertia, "beam_inertia"),
     (Varied::Inertia, "inertia"),
@@ -78,6 +88,11 @@ pub const ALL: [(Varied, &str); 22] = [
     (Varied::ObserverLevel, "observer_level"),
     (Varied::ObserverStiffness, "observer_stiffness"),
     (Varied::ObserverGain, "observer_gain"),
+    (Varied::SampleJitter, "sample_jitter"),
+    (Varied::MissedSamples, "missed_samples"),
+    (Varied::LateSamples, "late_samples"),
+    (Varied::MissingCodes, "missing_codes"),
+    (Varied::GyroDrift, "gyro_drift"),
 ];
 
 impl Varied {
@@ -174,6 +189,16 @@ impl Varied {
             Varied::GyroBandwidth => vec![&mut p.sensors.hub_gyro.natural_frequency_rad_s],
             Varied::AccelerometerGain => vec![&mut p.sensors.platform_accelerometer.gain],
             Varied::PlatformGyroGain => vec![&mut p.sensors.platform_gyro.gain],
+            Varied::SampleJitter => vec![&mut p.interface.clock.jitter_s],
+            Varied::MissedSamples => vec![&mut p.interface.clock.missed_samples],
+            Varied::LateSamples => vec![&mut p.interface.clock.late_samples],
+            Varied::MissingCodes => vec![&mut p.interface.missing_codes],
+            Varied::GyroDrift => [&mut p.sensors.hub_gyro.drift, &mut p.sensors.platform_gyro.drift]
+                .into_iter()
+                .flat_map(|drift| {
+                    [&mut drift.angle_random_walk, &mut drift.bias_instability, &mut drift.rate_random_walk]
+                })
+                .collect(),
             Varied::MotorFriction
             | Varied::PivotFriction
             | Varied::Friction
@@ -196,11 +221,14 @@ fn check(factor: f64) -> Result<(), Error> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use counterpoise_models::FrictionLaw;
+    use counterpoise_models::{Clock, Drift, FrictionLaw};
 
     #[test]
     fn every_parameter_can_be_varied_and_a_factor_of_one_changes_nothing() {
-        let rig = counterpoise_models::reference::rig();
+        let mut rig = counterpoise_models::reference::rig();
+        rig.interface.clock = Clock { jitter_s: 1e-5, missed_samples: 1e-3, late_samples: 1e-2 };
+        rig.interface.missing_codes = 0.01;
+        rig.sensors.hub_gyro.drift = Drift { bias_instability: 1e-5, ..Drift::NONE };
         for (varied, key) in ALL {
             let (mut same, mut other) = (rig.clone(), rig.clone());
             varied.scale(&mut same, 1.0).unwrap();

@@ -64,7 +64,12 @@ pub fn places(varied: Varied) -> &'static [Place] {
         | Varied::PlatformGyroGain
         | Varied::ObserverLevel
         | Varied::ObserverStiffness
-        | Varied::ObserverGain => &[],
+        | Varied::ObserverGain
+        | Varied::SampleJitter
+        | Varied::MissedSamples
+        | Varied::LateSamples
+        | Varied::MissingCodes
+        | Varied::GyroDrift => &[],
     }
 }
 

@@ -1,0 +1,36 @@
+//! Effects are identified in recordings under the exported controller, replayed in closed loop from its file, and played back. The binary
+//! `exported_loop` does it for all eight practice effects.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use counterpoise_diagnose::simulator_access::Pool;
+use counterpoise_tests::exported_loop::{Way, diagnosed};
+use counterpoise_tests::sealed::{PRACTICE, PracticeEffect};
+
+/// As many threads as the machine has.
+struct Threads;
+
+impl Pool for Threads {
+    fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
+        counterpoise_tests::in_parallel(count, job);
+    }
+}
+
+fn effect(name: &str) -> &'static PracticeEffect {
+    PRACTICE.iter().find(|effect| effect.name == name).unwrap()
+}
+
+fn assert_identified(name: &str, way: Way) {
+    let found = diagnosed(effect(name), way, &Threads);
+    let names: Vec<_> = found.answer.findings.iter().map(|finding| finding.name().names()).collect();
+    assert!(found.is_right, "{name}, {way:?}: {:?} {names:?}", found.answer.verdict);
+}
+
+#[test]
+fn an_effect_is_identified_in_closed_loop_with_the_controller_of_the_file() {
+    assert_identified("out-of-balance", Way::Exported);
+}
+
+#[test]
+fn an_effect_is_identified_with_the_recorded_control_played_back() {
+    assert_identified("position stiffness", Way::PlayedBack);
+}

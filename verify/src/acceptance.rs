@@ -1,0 +1,161 @@
+//! Requirements traced: the run that judges a figure, and the test on the machine that would.
+//!
+//! The tests on the machine are the experiments of the verification carried out on hardware: the same demand, the same motion of the
+//! platform, the same statistics. What a loop's margins are worth is measured with a network or frequency response analyser, as
+//! Skogestad and Postlethwaite (Multivariable Feedback Control, section 2.4) define them.
+
+use crate::{Arrangement, Figure, LoopFigure, Model, Procedure, Quantity, RestFigure, Source};
+
+/// Returns the run of the verification that gives a figure, in words.
+pub fn judged_by(figure: &Figure, procedure: &Procedure) -> String {
+    let on = |model: &Model| match model {
+        Model::Linear => "linear plant",
+        Model::Nonlinear => "nonlinear simulation",
+    };
+    match figure {
+        Figure::Loop(LoopFigure::PoleRadius) => "poles of the sampled linear loop".to_owned(),
+        Figure::Loop(_) => "frequency response of the sampled linear loop, broken at the control".to_owned(),
+        Figure::Step(model, _) => format!("{}, {}", on(model), step(procedure)),
+        Figure::Triangle(model, _) => format!("{}, {}", on(model), triangle(procedure)),
+        Figure::Disturbance(model, source, arrangement, _) => {
+            format!("{}, {}, {}", on(model), motion(*source, procedure), acting(*arrangement))
+        }
+        Figure::Rejection { frequency_hz, arrangement, .. } => {
+            format!("frequency response of the linear loop at {frequency_hz} Hz, {}", acting(*arrangement))
+        }
+        Figure::Rest(_) => format!("nonlinear simulation, {} s at rest", procedure.duration_s),
+    }
+}
+
+/// Returns the test on the machine that would show whether a requirement on the figure holds, in words.
+pub fn acceptance_test(figure: &Figure, procedure: &Procedure) -> String {
+    match figure {
+        Figure::Loop(figure) => of_loop(*figure).to_owned(),
+        Figure::Step(..) => format!(
+            "with the platform still, demand a {}; record demand, hub rate and control at every sample",
+            step(procedure)
+        ),
+        Figure::Triangle(..) => format!(
+            "with the platform still, demand a {}; record demand, hub rate and control at every sample",
+            triangle(procedure)
+        ),
+        Figure::Disturbance(_, source, arrangement, quantity) => {
+            let run = format!("{}, {}", motion(*source, procedure), acting(*arrangement));
+            let settled = format!("from {} s on", procedure.settle_s);
+            format!("move the platform: {run}; record {} {settled}", recorded(*quantity))
+        }
+        Figure::Rejection { source, arrangement, frequency_hz } => {
+            let moved = if *source == Source::Heave { "heave" } else { "pitch" };
+            format!(
+                "move the platform in {moved} as a sine of {frequency_hz} Hz at a large and at a small amplitude, {}; compare hub gyroscope \
+                 and platform sensor at that frequency (`counterpoise fra` does it)",
+                acting(*arrangement)
+            )
+        }
+        Figure::Rest(figure) => {
+            let what = match figure {
+                RestFigure::HubRms => "the hub gyroscope",
+                RestFigure::Drift => "the hub's position",
+            };
+            format!(
+                "with platform and demand at rest, record {what} for {} s; use the second half",
+                procedure.duration_s
+            )
+        }
+    }
+}
+
+fn of_loop(figure: LoopFigure) -> &'static str {
+    match figure {
+        LoopFigure::GainMargin => {
+            "raise the gain of the control from 1 in small steps until the loop begins to oscillate; the last stable gain is the margin"
+        }
+        LoopFigure::GainReductionMargin => {
+            "lower the gain of the control from 1 in small steps until the loop begins to oscillate; the last stable gain is the margin"
+        }
+        LoopFigure::PhaseMargin | LoopFigure::DelayMargin => {
+            "hold the control back by one sample more at a time until the loop begins to oscillate; the delay times crossover is the phase"
+        }
+        LoopFigure::DiskMargin | LoopFigure::MaxSensitivity | LoopFigure::MaxComplementary => {
+            "inject a swept sine into the control and measure the response from injection to control (`counterpoise fra`); take its largest \
+             modulus"
+        }
+        LoopFigure::Crossover => {
+            "inject a swept sine into the control and measure the loop's response (`counterpoise fra`); take the frequency at which its \
+             modulus is 1"
+        }
+        LoopFigure::PoleRadius => "close the loop and record its decay after a small step of the demand",
+    }
+}
+
+fn step(procedure: &Procedure) -> String {
+    format!("step of {} rad/s, {} s", procedure.step.rate_rad_s, procedure.step.duration_s)
+}
+
+fn triangle(procedure: &Procedure) -> String {
+    match procedure.triangle {
+        Some(triangle) => {
+            format!("triangle of {} rad/s, period {} s", triangle.rate_rad_s, triangle.period_s)
+        }
+        None => "triangle that the project does not have".to_owned(),
+    }
+}
+
+fn motion(source: Source, procedure: &Procedure) -> String {
+    let heave = format!("heave {} m/s^2 at {} Hz", procedure.heave.amplitude, procedure.heave.frequency_hz);
+    let pitch = format!("pitch {} rad/s at {} Hz", procedure.pitch.amplitude, procedure.pitch.frequency_hz);
+    match source {
+        Source::Heave => format!("{heave}, {} s", procedure.duration_s),
+        Source::Pitch => format!("{pitch}, {} s", procedure.duration_s),
+        Source::Both => format!("{heave} and {pitch}, {} s", procedure.duration_s),
+        Source::Road => match &procedure.road {
+            Some(road) => format!("road \"{}\", {:.1} s", road.name, road.duration_s()),
+            None => "road that the project does not have".to_owned(),
+        },
+    }
+}
+
+fn acting(arrangement: Arrangement) -> &'static str {
+    match arrangement {
+        Arrangement::Uncontrolled => "control constant",
+        Arrangement::Feedback => "feedback alone",
+        Arrangement::Compensated => "the whole controller",
+    }
+}
+
+fn recorded(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::HubRms | Quantity::HubPeak => "the hub gyroscope",
+        Quantity::TipRms | Quantity::TipPeak => "a gyroscope at the tip",
+        Quantity::ControlRms | Quantity::ControlPeak => "the control",
+        Quantity::CurrentPeak => "the motor current",
+        Quantity::TravelPeak => "the hub's position relative to the platform",
+        Quantity::GearOpen => {
+            "motor and hub position, whose difference beyond the gear's wind-up shows open teeth,"
+        }
+        Quantity::Rejection => "the hub gyroscope and the platform's sensors",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_figure_has_a_run_and_a_test_of_its_own_motion() {
+        let procedure = Procedure::default();
+        for figure in Figure::all() {
+            assert!(!judged_by(&figure, &procedure).is_empty(), "{figure}");
+            assert!(acceptance_test(&figure, &procedure).len() > 20, "{figure}");
+        }
+        let both =
+            Figure::Disturbance(Model::Nonlinear, Source::Both, Arrangement::Compensated, Quantity::HubRms);
+        let run = "nonlinear simulation, heave 2 m/s^2 at 1.5 Hz and pitch 0.2 rad/s at 1 Hz, 10 s, the whole controller";
+        assert_eq!(judged_by(&both, &procedure), run);
+        let test = acceptance_test(&both, &procedure);
+        assert!(
+            test.contains("0.2 rad/s at 1 Hz") && test.ends_with("the hub gyroscope from 2 s on"),
+            "{test}"
+        );
+    }
+}
