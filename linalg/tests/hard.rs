@@ -200,3 +200,18 @@ fn a_mode_out_of_reach_is_refused_quickly_by_name() {
     let why: Box<dyn std::error::Error> = Box::new(Reason::NoGraph);
     assert!(!why.to_string().is_empty());
 }
+
+/// A triple pole at 0 of which one is out of reach: rounding moves the poles by 7e-6, so that no eigenvalue tells, and Newton's method in
+/// doubles ends at something with a residual of a seventh. It is refused.
+#[test]
+fn a_multiple_pole_that_is_out_of_reach_is_refused() {
+    let A = Mat::from_rows(&[
+        &[-3.0, -4.0, -2.0, 0.0],
+        &[1.0, 2.0, 1.0, 0.0],
+        &[1.0, -3.0, -1.0, -1.0],
+        &[-4.0, -3.0, -2.0, 1.0],
+    ]);
+    let B = Mat::col(&[-1.0, -1.0, 2.0, 1.0]);
+    let answer = care(&A, &B, &Mat::eye(4), &Mat::eye(1), None).unwrap();
+    assert!(matches!(answer, Outcome::Infeasible(_)), "{answer:?}");
+}

@@ -138,6 +138,9 @@ pub(crate) const INDISTINCT: f64 = 1e-12;
 pub(crate) const SHORTEST_WINDOW: usize = 20;
 /// Share of a window to which its start is fitted: the other half shows what the model makes of it.
 pub(crate) const WINDOW_FITTED_SHARE: f64 = 0.5;
+/// Longest part of a recording to which the start of a replay in open loop is fitted, s: what a machine that nearly stalls remembers of its
+/// start fades within seconds, and the fit runs the part a hundred times.
+pub(crate) const LONGEST_START_FIT_S: f64 = 60.0;
 /// Iterations of the fit of a window's start.
 pub(crate) const WINDOW_ITERATIONS: usize = 15;
 /// Relative fall of the cost at which the fit of a window's start ends.

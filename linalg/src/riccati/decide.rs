@@ -2,14 +2,14 @@
 
 use crate::mat::{C64, Mat};
 use crate::sylvester::Kind;
-use crate::tolerance::{EPS, PRECISE_STATES, RICCATI_ERROR, TRUSTED_SEPARATION};
+use crate::tolerance::{EPS, PRECISE_STATES, RICCATI_ERROR, SENSITIVE, TRUSTED_SEPARATION};
 
 use super::certify::{Certified, certify_precise};
 use super::newton::Equation;
 use super::precise::{self, PreciseEquation, relative_step};
 use super::reason::{self, Nearness};
 use super::scaling::{Problem, Scaled, rescale};
-use super::{Outcome, Reason, Riccati};
+use super::{Certificate, Outcome, Reason, Riccati};
 
 /// Below this separation, relative to the data, a solution is examined twice: rounding may have moved a mode that
 /// cannot be moved.
@@ -35,6 +35,13 @@ pub(super) fn is_beyond_doubt(found: &Certified, problem: &Problem, kind: Kind) 
 /// Whether the error that is left is small beside each pair of states.
 fn is_accurate(found: &Certified) -> bool {
     relative_step(&found.solution.certificate.forward_error, &found.solution.X) <= RICCATI_ERROR
+}
+
+/// Whether neither the data nor the computation determines a solution: the data to no digit, the computation to less than three. It is what
+/// Newton's method makes of a multiple mode that is out of reach.
+fn is_undetermined(found: &Certified) -> bool {
+    let Certificate { condition, forward_error, .. } = &found.solution.certificate;
+    condition * EPS > UNDETERMINED && relative_step(forward_error, &found.solution.X) > SENSITIVE
 }
 
 /// The size to which a separation is compared.
@@ -83,6 +90,14 @@ pub(super) fn decide(
         return accept(better, problem, kind, UNDETERMINED);
     }
     match found {
+        Some(found) if is_undetermined(&found) => {
+            let residual = found.solution.certificate.relative_residual;
+            let reaches = found.solution.closed_loop.iter().map(|&l| reason::excess(l, kind));
+            let boundary = if kind == Kind::Continuous { 0.0 } else { 1.0 };
+            let stability = boundary + reaches.fold(f64::NEG_INFINITY, f64::max);
+            let reason = Reason::Inaccurate { residual, stability, hardest: None };
+            Outcome::Infeasible(explained(Refusal { reason, ..refusal }, problem, kind))
+        }
         Some(found) => accept(found, problem, kind, 0.0),
         None => Outcome::Infeasible(explained(refusal, problem, kind)),
     }

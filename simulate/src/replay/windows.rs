@@ -12,7 +12,8 @@ use crate::scenario::{Detail, Initial, Scenario};
 use crate::sensing::Imperfections;
 use crate::signal::Signal;
 use crate::tolerance::{
-    EXPLAINED, SHORTEST_WINDOW, WINDOW_FITTED_SHARE, WINDOW_FLAT, WINDOW_ITERATIONS, WINDOW_STUCK,
+    EXPLAINED, LONGEST_START_FIT_S, SHORTEST_WINDOW, WINDOW_FITTED_SHARE, WINDOW_FLAT, WINDOW_ITERATIONS,
+    WINDOW_STUCK,
 };
 use crate::{Error, PlantState, PlatformMotion};
 use counterpoise_models::plant::core::state;
@@ -68,7 +69,7 @@ impl Replayer<'_> {
     /// Replays the recorded control over the whole recording.
     ///
     /// The start is fitted to the first moments. Where some channel then ends up further off than noise explains, a start that is
-    /// fitted to the first half of the recording is tried as well, and taken if with it every channel is explained: a machine that
+    /// fitted to the first half of the recording (its first minute, if that is shorter) is tried as well, and taken if with it every channel is explained: a machine that
     /// nearly stalls remembers a start for longer than the first moments show it. Where it explains nothing, the model lacks
     /// something, and the start shall not hide that.
     ///
@@ -80,7 +81,8 @@ impl Replayer<'_> {
             return Ok(first);
         }
         let mut windows = Windows::new(self, parameters, self.samples, &first.start)?;
-        let start = windows.fitted(&first.start, 0, self.samples)?;
+        let longest = (LONGEST_START_FIT_S / WINDOW_FITTED_SHARE / self.recording.sample_period_s) as usize;
+        let start = windows.fitted(&first.start, 0, self.samples.min(longest))?;
         let longer = self.replay_from(parameters, &Loop::Open, &start)?;
         Ok(if is_explained(&longer) { longer } else { first })
     }
