@@ -41,8 +41,8 @@ struct Frame {
     chosen: Vec<(&'static str, usize, &'static str)>,
 }
 
-/// Walks that see every combination of choices within a table and one level into it.
-pub(crate) const TURNS: usize = 2880;
+/// Walks that see every combination of choices within a table and one level into it: 1440 of `[synth]`, times the nine kinds of its blocks.
+pub(crate) const TURNS: usize = 12_960;
 
 impl Guide {
     /// A walk starts.
