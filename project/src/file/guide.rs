@@ -42,8 +42,9 @@ struct Frame {
     chosen: Vec<(&'static str, usize, &'static str)>,
 }
 
-/// Walks that see every combination of choices within a table and one level into it.
-const TURNS: usize = 4320;
+/// Walks that see every combination of choices within a table and one level into it: 4320 of `[synth]`, times the nine kinds of its
+/// blocks.
+const TURNS: usize = 38_880;
 /// All walks: those that leave the choices of `[plant]` at their defaults, then those that make them too.
 pub(crate) const WALKS: usize = 2 * TURNS;
 /// The table whose choices change the units of the keys in other tables.

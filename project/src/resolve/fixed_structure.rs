@@ -158,7 +158,7 @@ fn fields(name: ParameterName) -> (Field, Field) {
 
 /// Reads or lists what the open parameters are tuned for.
 pub(crate) fn tuning(v: &mut dyn Visit, tuning: &mut Tuning) {
-    let meaning = "what is made least: the hub rate that the project's motion, friction and noise leave, or the RMS of |S| over `band`";
+    let meaning = "what is made least: the hub rate that the project's motion, friction and noise leave, or the RMS of the sensitivity over `band`";
     choose(v, &Field::new("objective", meaning).or_text("motion"), &mut tuning.objective);
     let mut band = tuning.band_rad_s;
     let field =
@@ -182,9 +182,9 @@ pub(crate) fn tuning(v: &mut dyn Visit, tuning: &mut Tuning) {
 
 fn limits(v: &mut dyn Visit, limits: &mut LoopLimits) {
     let above_1 = Limit::Above(1.0);
-    let ms = Field::new("max_sensitivity", "largest |S|").limit(above_1).or(1.4);
+    let ms = Field::new("max_sensitivity", "largest sensitivity").limit(above_1).or(1.4);
     v.number(&ms.shown(), &mut limits.max_sensitivity);
-    let mt = Field::new("max_complementary", "largest |T|").limit(above_1).or(1.4);
+    let mt = Field::new("max_complementary", "largest complementary sensitivity").limit(above_1).or(1.4);
     v.number(&mt.shown(), &mut limits.max_complementary);
     let gain = Field::new("gain_margin", "lowest gain margin").unit("dB").limit(AT_LEAST_0).or(0.0);
     v.number(&gain, &mut limits.gain_margin_db);
@@ -194,7 +194,9 @@ fn limits(v: &mut dyn Visit, limits: &mut LoopLimits) {
     v.number(&delay, &mut limits.delay_margin_s);
     let noise = Field::new("noise_gain", "largest RMS control for noise of unit RMS").unit("V s/rad");
     unlimited(v, &noise, &mut limits.noise_gain);
-    let peak = Field::new("control_peak", "largest |KS|").unit("V s/rad");
+    let peak =
+        Field::new("control_peak", "largest gain from the reading's noise to the control at any frequency")
+            .unit("V s/rad");
     unlimited(v, &peak, &mut limits.control_peak);
     let effort =
         Field::new("effort", "largest RMS control of the feedback under the objective's disturbance");
