@@ -16,7 +16,7 @@ mod windowed_replay;
 mod windows;
 
 pub use control::control_fit;
-pub use platform::{platform_motion, reading_floor};
+pub use platform::{platform_motion, reading_floor, reading_step};
 pub use recorded_controller::RecordedController;
 pub use start::{UNKNOWNS as START_FREEDOMS, start_has};
 pub use windowed_replay::{Divergence, ReplayMode, SelectedReplay, WINDOW_S};

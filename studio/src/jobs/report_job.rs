@@ -38,6 +38,7 @@ pub fn write_report(request: &ReportRequest) -> Result<PathBuf, String> {
         design(&request.project, &request.folder).map_err(|error| error_lines(&error).join("; "))?;
     let result = DesignResult::from(&designed);
     let (code, project) = (&designed.targets.code, request.project_path.display().to_string());
+    let first_design = designed.first_design.as_ref().map(FirstDesignResult::from);
     let run = DesignRun {
         origin: &Origin { command: format!("counterpoise design {project}"), project },
         times: &[],
@@ -45,7 +46,7 @@ pub fn write_report(request: &ReportRequest) -> Result<PathBuf, String> {
         costs: &processor::costs(code),
         assumptions: &request.assumptions,
         effects: &effects_on_design(&request.project, &designed.stages, &request.assumptions),
-        first_design: designed.first_design.as_ref().map(FirstDesignResult::from).as_ref(),
+        first_design: first_design.as_ref(),
     };
     files::write(&request.output, html(&of_design(&designed, &result, &run)).as_bytes())
         .map_err(|error| format!("{} cannot be written: {error}", request.output.display()))?;
