@@ -1,7 +1,9 @@
 //! A file with one section or key left out: it is read, with what is assumed, or fails with one sentence that names what to add.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use counterpoise_project::resolve::design::LoopKind;
 use counterpoise_project::{Attachments, Document, Project};
+use counterpoise_verify::robust::Varied;
 
 const GOOD: &str = include_str!("data/rig.toml");
 
@@ -75,4 +77,63 @@ fn each_key_left_out_is_assumed_or_asked_for_in_one_sentence() {
         })
         .collect();
     assert!(wrong.is_empty(), "{} of {}:\n{}", wrong.len(), paths.len(), wrong.join("\n"));
+}
+
+#[test]
+fn feedforwards_without_their_sensors_are_one_error_that_names_what_to_add() {
+    let document = Document::parse(GOOD, "rig.toml");
+    let told = |paths: &[&str]| {
+        let without = paths.iter().fold(document.clone(), |document, path| document.remove(path).unwrap());
+        let errors = Project::resolve(&without, &Attachments::none()).unwrap_err();
+        assert_eq!(errors.len(), 1, "{errors:?}");
+        errors[0].to_string()
+    };
+    let one = told(&["plant.sensors.platform_gyro"]);
+    assert!(one.contains("[synth.pitch]") && one.contains("add [plant.sensors.platform_gyro]"), "{one}");
+    assert!(!one.contains("heave"), "{one}");
+    let both = told(&["plant.sensors.platform_gyro", "plant.sensors.platform_accelerometer"]);
+    assert!(both.contains("[synth.heave] and [synth.pitch]"), "{both}");
+    assert!(
+        both.contains("[plant.sensors.platform_accelerometer] and [plant.sensors.platform_gyro]"),
+        "{both}"
+    );
+}
+
+const SLIDE: &str =
+    "format = 2\n[plant]\naxis = \"linear\"\nmass = 70.0\n[plant.interface]\nsample_period = \"1 ms\"\n";
+
+#[test]
+fn the_loop_is_what_its_sensor_measures_or_a_cascade_of_a_position() {
+    let read = |more: &str| {
+        let text = format!("{SLIDE}{more}");
+        Project::resolve(&Document::parse(&text, "slide.toml"), &Attachments::none())
+            .map_err(|errors| errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))
+    };
+    let encoder = "[plant.sensors.encoder]\nresolution = \"1 um\"\n";
+    let with_step = "[verify.step]\nrate = \"2 mm\"\n";
+    let cascade = "[synth]\nloop = \"cascade\"\nposition_gain = \"4 Hz\"\n";
+    let project = read(&format!("{encoder}{cascade}{with_step}")).unwrap().project;
+    let synth = project.synth.as_ref().unwrap();
+    assert_eq!(synth.loop_kind, LoopKind::Cascade);
+    assert!((synth.specification.position_gain.unwrap() - 4.0 * std::f64::consts::TAU).abs() < 1e-9);
+    assert_eq!(project.verify.as_ref().unwrap().procedure.step.rate_rad_s, 2e-3);
+    let again = Project::parse(&project.to_text(), "again.toml").unwrap().project;
+    assert_eq!(again, project, "the canonical text keeps the cascade");
+    assert!(read(&format!("{encoder}[synth]\nloop = \"rate\"\n")).unwrap_err().contains("tachometer"));
+    assert!(read("[synth]\nloop = \"cascade\"\n").unwrap_err().contains("[plant.sensors.encoder]"));
+    let with_method = format!("{encoder}{cascade}method = \"lqg-ltr\"\n");
+    assert!(read(&with_method).unwrap_err().contains("must not be \"cascade\" with `method`"));
+    let reduced = format!("{encoder}{cascade}[reduce]\nmethod = \"balanced\"\n");
+    assert!(read(&reduced).unwrap_err().contains("rate loop is designed on the plant as it is"));
+    assert!(read(&format!("{encoder}{}", with_step.replace("mm", "mm/s"))).unwrap_err().contains("a speed"));
+}
+
+#[test]
+fn tolerances_of_every_kind_of_machine_are_varied() {
+    let text = SLIDE.replace("70.0", "{ value = 70.0, tolerance = 0.2 }")
+        + "[plant.ball_screw]\nlead = 0.04\nstiffness = { value = 2e8, tolerance = 0.3 }\n[plant.motor]\ninertia = 4e-3\n";
+    let parsed = Project::parse(&text, "slide.toml").unwrap();
+    assert!(parsed.warnings.is_empty(), "{:?}", parsed.warnings);
+    let varied: Vec<_> = parsed.project.campaign().unwrap().variations.iter().map(|v| v.parameter).collect();
+    assert_eq!(varied, [Varied::HubInertia, Varied::GearStiffness]);
 }

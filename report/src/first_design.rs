@@ -46,3 +46,41 @@ fn sentences(first: &FirstDesignResult) -> Vec<String> {
     lines.extend(first.left_out.iter().map(|reason| format!("No feedforward: {reason}.")));
     lines
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_limit_is_told_with_what_it_would_allow() {
+        let limit = |name: &str, bandwidth_rad_s: Option<f64>| LimitRow {
+            limit: name.to_owned(),
+            bandwidth_rad_s,
+            over_reached: bandwidth_rad_s.map(|rate| rate / 20.0),
+        };
+        let first = FirstDesignResult {
+            bandwidth_rad_s: 20.0,
+            asked_rad_s: Some(30.0),
+            limited_by: "resonance".to_owned(),
+            limits: vec![limit("resonance", Some(20.0)), limit("noise", None)],
+            unknown: vec!["the lag of the sensor".to_owned()],
+            gain_margin_db: 8.0,
+            phase_margin_deg: 50.0,
+            max_sensitivity: 1.5,
+            max_sensitivity_modes_shifted: 1.9,
+            left_out: Vec::new(),
+        };
+        let section = section(&first);
+        let text = section.text.join(" ");
+        for said in [
+            "20 rad/s (3.183 Hz)",
+            "limited by: resonance",
+            "30 rad/s are asked for",
+            "the lag of the sensor",
+        ] {
+            assert!(text.contains(said), "{said}: {text}");
+        }
+        let rows = &section.tables[0].rows;
+        assert_eq!((rows.len(), &rows[1][1]), (2, &Cell::text("no limit found")));
+    }
+}

@@ -5,9 +5,6 @@ use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 use counterpoise_controller::Controller;
-use counterpoise_diagnose::diagnosis::{self, Contradiction, Request};
-use counterpoise_diagnose::findings::answer::Verdict;
-use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_models::Plant;
 use counterpoise_pipeline::{
     PipelineError, Synthesised, World, export, model, reduce, synthesise, verify, with_chosen_weights,
@@ -108,8 +105,9 @@ fn answer(machine: &Machine, path: &str) -> Result<Option<Project>, String> {
             Ok(Some(parsed.project))
         }
         Err(said) => {
-            let (parent, last) = path.rsplit_once('.').unwrap_or((path, path));
-            let names = |line: &String| line.contains(path) || (line.contains(parent) && line.contains(last));
+            // the sentence speaks of the key, of its section, or of what else the section needs
+            let parent = path.rsplit_once('.').map_or(path, |(parent, _)| parent);
+            let names = |line: &String| line.contains(parent);
             if said.len() != 1 || !said.iter().any(names) {
                 return Err(format!("{}: without {path}:\n    {}", machine.name, said.join("\n    ")));
             }
@@ -155,7 +153,7 @@ fn a_file_without_any_one_key_is_read_or_asks_for_it_in_one_sentence() {
 const SAMPLE: usize = 30;
 
 #[test]
-fn a_file_without_one_key_is_designed_or_refused_with_what_to_add() {
+fn a_file_without_one_key_that_is_read_is_designed_or_refused_with_what_to_change() {
     let mut left = Vec::new();
     for machine in kinds() {
         for path in paths(&machine) {
@@ -169,7 +167,7 @@ fn a_file_without_one_key_is_designed_or_refused_with_what_to_add() {
         let (name, project) = left.swap_remove(random.below(left.len()));
         if let Err(why) = designed(&project) {
             let said = why.to_string();
-            assert!(said.contains("plant.") || said.contains("verify"), "{name}: {said}");
+            assert!(said.contains("plant."), "{name}: a refusal names what to change: {said}");
         }
     }
 }
@@ -190,6 +188,18 @@ fn sines(all: &[(f64, f64)]) -> Signal {
     let sine =
         |&(amplitude, hz): &(f64, f64)| Sine { amplitude, frequency_rad_s: TAU * hz, phase_rad: 0.4 * hz };
     Signal::Sines(all.iter().map(sine).collect())
+}
+
+/// The plant with a recorder's converters and noise where the file states ideal ones.
+fn recorded_plant(project: &Project) -> Plant {
+    let mut parameters = model(project).unwrap().parameters;
+    let size = project.verify.as_ref().unwrap().procedure.step.rate_rad_s.abs();
+    parameters.interface.output_bits = parameters.interface.output_bits.min(16);
+    let sensor = &mut parameters.sensors.hub_gyro;
+    if sensor.resolution == 0.0 && sensor.noise_rms == 0.0 {
+        sensor.noise_rms = 1e-3 * size;
+    }
+    Plant::lumped(&parameters).unwrap()
 }
 
 /// A recording of a machine under a controller, with noise and quantisation; the demand is a fraction of the verified step.
@@ -216,7 +226,7 @@ fn every_kind_replays_what_it_recorded_under_its_own_controller() {
     let mut wrong = Vec::new();
     for machine in kinds() {
         let (project, made) = designed(&machine.project()).unwrap();
-        let plant = model(&project).unwrap().plant;
+        let plant = recorded_plant(&project);
         let controller = made.sampled.controller;
         let recording = record(&project, &plant, &controller);
         let control = Loop::from(RecordedController::from(controller));
@@ -232,28 +242,6 @@ fn every_kind_replays_what_it_recorded_under_its_own_controller() {
         println!("{}: {} floors in {}", machine.name, worst.0, worst.1.name());
         if worst.0.is_nan() || worst.0 > REPLAYED {
             wrong.push(format!("{}: {} floors in {}", machine.name, worst.0, worst.1.name()));
-        }
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-}
-
-#[test]
-fn recordings_of_every_kind_are_consistent_with_its_model() {
-    let mut wrong = Vec::new();
-    for machine in kinds() {
-        let (project, made) = designed(&machine.project()).unwrap();
-        let plant = model(&project).unwrap().plant;
-        let recordings = [record(&project, &plant, &made.sampled.controller)];
-        let control = Loop::from(RecordedController::from(made.sampled.controller));
-        let contradiction = Contradiction::PlayBack;
-        let request = Request { base: plant.parameters(), control, contradiction, recordings: &recordings };
-        match diagnosis::run(&request, &Serial) {
-            Ok(found) if found.answer.verdict == Verdict::Consistent => {}
-            Ok(found) => wrong.push(format!(
-                "{}: {:?}, {:?}, {:?}",
-                machine.name, found.answer.verdict, found.answer.findings, found.answer.qualification
-            )),
-            Err(why) => wrong.push(format!("{}: {why}", machine.name)),
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));

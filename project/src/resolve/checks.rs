@@ -41,7 +41,7 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     let mut findings = Findings { document, list: Vec::new() };
     let plant = &project.plant;
     let described = DESCRIPTIONS.iter().any(|path| document.has(path));
-    if document.has("plant") && !described {
+    if document.has("plant") && !described && !is_without_structure(project) {
         let remark = Remark::new(
             Problem::Missing,
             "plant",
@@ -59,6 +59,7 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     structure(&mut findings, project);
     map(&mut findings, plant);
     coupling(&mut findings, plant);
+    rotor(&mut findings, plant);
     feedforwards(&mut findings, project);
     cascade(&mut findings, project);
     delays(&mut findings, plant);
@@ -81,6 +82,26 @@ pub(super) fn duplicates<'n>(findings: &mut Findings<'_>, list: &str, names: imp
             findings.add(Severity::Error, remark.found(format!("\"{name}\"")));
         }
         seen.entry(name).or_insert(index);
+    }
+}
+
+/// Returns whether the structure that the model takes is missing, and with it the masses that configurations name.
+fn is_without_structure(project: &Project) -> bool {
+    match project.model.structure {
+        StructureChoice::Lumped => false,
+        StructureChoice::Beam => project.plant.beam.is_none(),
+        StructureChoice::Import => project.import.is_none(),
+    }
+}
+
+/// A rotor behind a transmission that gives moves by itself, and needs an inertia.
+fn rotor(findings: &mut Findings<'_>, plant: &Parameters) {
+    if !plant.gearbox.is_rigid() && plant.motor.inertia_kg_m2 == 0.0 {
+        let allowed =
+            "must be stated and above 0 where the transmission has a stiffness: the rotor moves by itself";
+        let hint = "if it is not known, leave the stiffness out: rotor and load are then one body";
+        let remark = Remark::new(Problem::Missing, "plant.motor.inertia", allowed);
+        findings.add(Severity::Error, remark.hint(Some(hint.to_owned())));
     }
 }
 
@@ -107,6 +128,9 @@ fn structure(findings: &mut Findings<'_>, project: &Project) {
 fn configurations(findings: &mut Findings<'_>, project: &Project) {
     const LIST: &str = "plant.configuration";
     let plant = &project.plant;
+    if is_without_structure(project) {
+        return;
+    }
     duplicates(findings, LIST, plant.configurations.iter().map(|c| c.name.as_str()));
     let of_beam = plant.beam.iter().flat_map(|b| &b.masses);
     let of_import = project.import.iter().flat_map(|i| &i.masses);
@@ -301,7 +325,10 @@ fn units(findings: &mut Findings<'_>, mapping: &Mapping) {
         let fits = Unit::parse(written).is_some_and(|u| u.is_like(&target) || u.is_like(&Unit::ONE));
         if !fits {
             let path = format!("recording.channels.{name}.unit");
-            let remark = Remark::new(Problem::OutOfRange, &path, format!("must be a unit like {wanted}"));
+            let allowed = format!(
+                "must be a unit like {wanted}, unless `slope_over` or `slope_lag` says that its slope is meant"
+            );
+            let remark = Remark::new(Problem::OutOfRange, &path, allowed);
             findings.add(Severity::Error, remark.found(format!("\"{written}\"")));
         }
     }

@@ -6,7 +6,8 @@ use counterpoise_lti::Discretisation;
 use counterpoise_models::Measured;
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_synth::{
-    Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, SamplingMethod, Specification,
+    Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, SamplingMethod,
+    Specification, Weight,
 };
 
 use super::cascade;
@@ -197,14 +198,10 @@ impl Default for Export {
 
 /// A design still to be read.
 pub(crate) fn blank_synthesis() -> Synthesis {
-    let feedback = FeedbackWeights {
-        error: blank_weight(),
-        control: blank_weight(),
-        combination: Vec::new(),
-        measurement_noise: f64::NAN,
-        disturbances: Vec::new(),
-        loop_recovery: 0.0,
-    };
+    let unit = Weight::Constant { gain: 1.0 };
+    // what stands here until weights are chosen equals itself, so that projects without weights can be compared
+    let feedback =
+        FeedbackWeights { error: unit.clone(), control: unit, measurement_noise: 0.0, ..blank_feedback() };
     let (assembly, reference) = (Assembly::default(), Reference::default());
     Synthesis {
         specification: Specification {
@@ -224,6 +221,18 @@ pub(crate) fn blank_synthesis() -> Synthesis {
         form: Form::LeastSensitive,
         transfer_time_s: 0.0,
         options: SynthesisOptions::default(),
+    }
+}
+
+/// Weights of the feedback still to be read.
+fn blank_feedback() -> FeedbackWeights {
+    FeedbackWeights {
+        error: blank_weight(),
+        control: blank_weight(),
+        combination: Vec::new(),
+        measurement_noise: f64::NAN,
+        disturbances: Vec::new(),
+        loop_recovery: 0.0,
     }
 }
 
@@ -294,8 +303,7 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: Measured
     synthesis_options::keys(v, &mut synth.options);
     let mut stated = (synth.weights == WeightSource::Stated).then(|| specification.feedback.clone());
     let section = "weights of the feedback; without them, weights are chosen for the highest bandwidth";
-    let blank = specification.feedback.clone();
-    optional(v, &TableField::optional("feedback", section), &mut stated, blank, feedback);
+    optional(v, &TableField::optional("feedback", section), &mut stated, blank_feedback(), feedback);
     if let Some(stated) = stated {
         (specification.feedback, synth.weights) = (stated, WeightSource::Stated);
         cascade::with_stated_weights(v, synth.loop_kind, specification.position_gain);

@@ -62,6 +62,11 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
         }
         let mut place = if measured == Measured::MotorPosition { Place::Motor } else { Place::Load };
         choose(v, &PLACE, &mut place);
+        if plant.axis == Axis::Linear && place == Place::Load && v.has("counts") {
+            let allowed = "must be \"motor\" for an encoder with counts a turn";
+            v.complain("place", allowed, Some("a scale along a slide has a `resolution`".to_owned()));
+            place = Place::Motor;
+        }
         if key == "encoder" {
             resolution(v, plant, place);
         }

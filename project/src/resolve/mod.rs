@@ -125,6 +125,10 @@ impl Project {
         let (mut findings, assumptions) = (reader.findings, reader.assumptions);
         findings.extend(format::judged_format(document, format, news));
         findings.extend(checks::all(document, &project));
+        if !document.has("plant") {
+            // everything that refers to the machine follows from its absence
+            findings.retain(|finding| finding.path == "plant" || finding.problem == Problem::UnknownKey);
+        }
         if !document.syntax.is_empty() {
             findings.retain(|finding| stands_alone(document, finding));
             findings.extend(document.syntax.clone());

@@ -76,6 +76,11 @@ fn blank_motor() -> Motor {
 pub(crate) fn plant(v: &mut dyn Visit, plant: &mut Parameters) {
     v.text(&Field::new("name", "name of the machine").or_text("machine").shown(), &mut plant.name);
     choose(v, &Field::new("axis", "whether the hub turns or slides").or_text("rotary"), &mut plant.axis);
+    if plant.axis == Axis::Rotary && v.has("mass") {
+        let allowed = "must be \"linear\" where [plant] has a mass: what turns has an inertia";
+        v.complain("axis", allowed, Some("write axis = \"linear\"".to_owned()));
+        plant.axis = Axis::Linear;
+    }
     v.number(
         &Field::new("gravity", "acceleration of gravity").unit("m/s^2").limit(AT_LEAST_0).or(9.80665),
         &mut plant.gravity_m_s2,
@@ -93,7 +98,15 @@ pub(crate) fn plant(v: &mut dyn Visit, plant: &mut Parameters) {
     transmission::gearbox_section(&mut Words::of(axis, v), &mut plant.gearbox);
     transmission::other_sections(&mut Words::of(axis, v), plant);
     // a linear motor drives the hub without a transmission, and has the hub's units
-    let rotor = if plant.gearbox.kind == Transmission::Direct { axis } else { Axis::Rotary };
+    let is_direct = plant.gearbox.kind == Transmission::Direct;
+    let is_turning = is_direct && axis == Axis::Linear && v.has("motor.inertia");
+    if is_turning {
+        let allowed =
+            "must state what lies between a motor with an inertia and a slide: its transmission is missing";
+        let hint = "add [plant.ball_screw] with its `lead`, or give the `mass` of a linear motor in place of `inertia`";
+        v.complain("motor.inertia", allowed, Some(hint.to_owned()));
+    }
+    let rotor = if is_direct && !is_turning { axis } else { Axis::Rotary };
     motor_section(&mut Words::of(rotor, v), &mut plant.motor);
     drive::drive(&mut Words::of(rotor, v), plant);
     frictions(v, plant);

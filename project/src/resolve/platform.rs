@@ -190,6 +190,14 @@ fn blank_of(kind: Kind) -> PlatformSource {
 pub(crate) fn platform(v: &mut dyn Visit, source: &mut PlatformSource) {
     let mut chosen = kind(source);
     choose(v, &Field::new("kind", "where the motion comes from").or_text("recording"), &mut chosen);
+    if let Some(meant) = meant_without_kind(v) {
+        let allowed = format!(
+            "must be \"{}\" with these keys: where the motion comes from is not stated",
+            meant.name()
+        );
+        v.complain("kind", &allowed, None);
+        chosen = meant;
+    }
     if chosen != kind(source) {
         *source = blank_of(chosen);
     }
@@ -197,6 +205,21 @@ pub(crate) fn platform(v: &mut dyn Visit, source: &mut PlatformSource) {
         PlatformSource::Recording(road) => recording(v, road),
         PlatformSource::Made(motion) => made(v, motion),
     }
+}
+
+/// Returns the kind of a motion that the keys belong to, if the file does not state it and it is not the usual one.
+fn meant_without_kind(v: &dyn Visit) -> Option<Kind> {
+    if v.has("kind") || v.has("recording") {
+        return None;
+    }
+    let kinds = [
+        ("speed", Kind::IsoRoad),
+        ("sines", Kind::Simulator),
+        ("offset", Kind::Simulator),
+        ("heave_psd", Kind::Spectrum),
+        ("pitch_psd", Kind::Spectrum),
+    ];
+    kinds.into_iter().find(|(key, _)| v.has(key)).map(|(_, kind)| kind)
 }
 
 fn recording(v: &mut dyn Visit, road: &mut RoadSource) {
@@ -284,6 +307,14 @@ fn judge(v: &mut dyn Visit, motion: &Motion) {
         }
         MotionKind::IsoRoad { .. } => ("speed", false),
     };
+    let is_unread = match motion.kind {
+        MotionKind::Simulator { offset_m, .. } => offset_m.is_nan(),
+        MotionKind::IsoRoad { speed_m_s, .. } => speed_m_s.is_nan(),
+        MotionKind::Spectrum { .. } => false,
+    };
+    if is_unread {
+        return;
+    }
     if nothing {
         v.complain("kind", "has nothing that moves: give a density or, for the simulator, sines", None);
         return;

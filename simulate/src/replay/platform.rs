@@ -10,8 +10,15 @@ use counterpoise_recordings::{Channel, Recording};
 /// RMS of what noise and quantisation add to a reading, in the measured unit: the root of the sum of the squares of
 /// the noise and of the converter's step over the root of 12.
 pub fn reading_floor(sensor: &Sensor, interface: &Interface) -> f64 {
-    let step = 2.0 * CONVERTER_RANGE_V / f64::from(interface.input_bits).exp2() / sensor.scale_v_unit;
-    sensor.white_noise_rms(interface.sample_period_s).hypot(step / 12f64.sqrt())
+    sensor.white_noise_rms(interface.sample_period_s).hypot(reading_step(sensor, interface) / 12f64.sqrt())
+}
+
+/// Step of a reading in the measured unit: that of a digital sensor, or of the converter that an analogue one passes.
+pub fn reading_step(sensor: &Sensor, interface: &Interface) -> f64 {
+    if sensor.resolution > 0.0 {
+        return sensor.resolution;
+    }
+    2.0 * CONVERTER_RANGE_V / f64::from(interface.input_bits).exp2() / sensor.scale_v_unit
 }
 
 /// Returns the motion of the platform that its sensors have seen, their errors (gain, bias, delay, lever arm, g-sensitivity)
@@ -61,8 +68,12 @@ impl Deconvolved {
         }
     }
 
-    /// Returns the input with gain, bias and delay taken out.
+    /// Returns the input with gain, bias and delay taken out; `None` if it was not recorded, or the machine has no such sensor and
+    /// its column says nothing.
     fn corrected(&self, sensor: &Sensor, period_s: f64) -> Option<Vec<f64>> {
+        if !sensor.is_fitted() {
+            return None;
+        }
         let advanced = advanced(self.input.as_deref()?, sensor.delay_s / period_s);
         Some(advanced.into_iter().map(|value| (value - sensor.bias) / sensor.gain).collect())
     }
@@ -105,8 +116,8 @@ fn combined(
         let slope = slopes(rate, period_s);
         heave.iter_mut().zip(slope).for_each(|(h, a)| *h -= arm * a);
     }
-    let sensitivity = sensors.platform_gyro.g_sensitivity / sensors.platform_gyro.gain;
     let corrected = rate.map(|mut rate| {
+        let sensitivity = sensors.platform_gyro.g_sensitivity / sensors.platform_gyro.gain;
         if let (Some(heave), true) = (heave.as_ref(), sensitivity != 0.0) {
             rate.iter_mut().zip(heave).for_each(|(r, h)| *r -= sensitivity * h);
         }

@@ -10,7 +10,7 @@ use counterpoise_recordings::{Channel, Recording};
 
 use super::exported_controller::{ExportedController, FittedStart};
 use super::initial_controller_state::fit_initial_states;
-use super::platform::reading_floor;
+use super::platform::{reading_floor, reading_step};
 use crate::Error;
 use crate::sensing::CONVERTER_RANGE_V;
 use crate::tolerance::INTEGRAL_SAMPLES;
@@ -104,7 +104,7 @@ impl RecordedController {
     pub(crate) fn rounding_floor(&self, parameters: &Parameters) -> f64 {
         let step = |bits: u32| 2.0 * CONVERTER_RANGE_V / f64::from(bits).exp2() / 12f64.sqrt();
         let interface = &parameters.interface;
-        let read = |sensor: &Sensor| step(interface.input_bits) / sensor.scale_v_unit;
+        let read = |sensor: &Sensor| reading_step(sensor, interface) / 12f64.sqrt();
         step(interface.output_bits).hypot(self.of_noise(parameters, read))
     }
 

@@ -2,6 +2,7 @@
 
 use counterpoise_models::{Parameters, Sensor};
 use counterpoise_recordings::{Channel, Recording};
+use counterpoise_simulate::replay::reading_step;
 
 /// A column of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -67,11 +68,10 @@ impl Column {
 
     /// Returns the step of the converter that the column went through, in its own unit; `None` if there is none.
     pub(super) fn converter_step(self, p: &Parameters) -> Option<f64> {
-        let input = 20.0 / f64::from(p.interface.input_bits).exp2();
         match self {
             Self::Demand => None,
             Self::Control => Some(20.0 / f64::from(p.interface.output_bits).exp2()),
-            _ => Some(input / self.sensor(p)?.scale_v_unit),
+            _ => Some(reading_step(self.sensor(p)?, &p.interface)),
         }
     }
 

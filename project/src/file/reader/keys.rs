@@ -4,7 +4,7 @@ use super::{List, NOTHING, Reader};
 use crate::diagnostic::{Problem, did_you_mean, is_control};
 use crate::file::field::{Fallback, Field, Need, TableField};
 use crate::file::source::Remark;
-use crate::file::tree::{Entry, Node, Value};
+use crate::file::tree::{self, Entry, Found, Node, Value};
 use crate::file::visit::{Count, Visit};
 
 const NOT_WHOLE: &str = "must be a whole number, without decimal point";
@@ -260,7 +260,7 @@ impl<'a> Visit for Reader<'a> {
     }
 
     fn has(&self, key: &str) -> bool {
-        self.frames.last().is_some_and(|frame| frame.entries.iter().any(|entry| entry.key == key))
+        self.frames.last().is_some_and(|frame| tree::find(frame.entries, key).1 == Found::There)
     }
 
     fn assume(&mut self, field: &Field, value: f64) {
