@@ -132,8 +132,8 @@ class Loop:
         phase = angle[cross] + part * (angle[cross + 1] - angle[cross])
         rate = w[cross] + part * (w[cross + 1] - w[cross])
         above = np.mod(phase + np.pi, 2 * np.pi)
-        found['phase_margin_deg'] = np.degrees(np.minimum(above, 2 * np.pi - above).min())
-        found['delay_margin_s'] = (above / rate).min()
+        found['phase_margin_deg'] = np.degrees(np.minimum(above, 2 * np.pi - above).min(initial=np.pi))
+        found['delay_margin_s'] = (above / rate).min(initial=np.inf)
         turn = np.where((L.imag[:-1] * L.imag[1:] < 0) & (L.real[:-1] < 0))[0]
         part = L.imag[turn] / (L.imag[turn] - L.imag[turn + 1])
         real = L.real[turn] + part * (L.real[turn + 1] - L.real[turn])
