@@ -21,13 +21,13 @@ pub(super) struct Tried {
 }
 
 /// Aims per decade.
-const PER_DECADE: i32 = 5;
+const PER_DECADE: i32 = 10;
 /// Highest aim over the ceiling: a little beyond, so that limits above it are told too.
 const REACH: f64 = 3.0;
 /// Decades of aims.
 const DECADES: i32 = 5;
-/// Halvings of the stretch between the answer and the aim above it: a fifth of a decade becomes 0.7 %.
-const HALVINGS: usize = 6;
+/// Halvings of the stretch between the answer and the aim above it: a tenth of a decade becomes 0.7 %.
+const HALVINGS: usize = 5;
 /// Above this many times the ceiling only the usual shape is tried: such aims serve to tell the other limits.
 const FAR_ABOVE: f64 = 1.5;
 /// No loop with a delay reaches a bandwidth of this over the delay: it would cost 115 degrees.
