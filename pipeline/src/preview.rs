@@ -15,7 +15,7 @@ use counterpoise_verify::linear::plant::Resolver;
 use counterpoise_verify::linear::{self, Closed, Curves, PlantResponse, SampledPlant, arranged};
 use counterpoise_verify::{ARRANGEMENTS, Arrangement, Experiment, History, Procedure, Source, Step};
 
-use crate::{Modelled, PipelineError, Reduced, Synthesised, model, reduce, synthesise};
+use crate::{Modelled, PipelineError, Reduced, Synthesised, model, reduce, synthesise, with_chosen_weights};
 
 /// Duration of the responses to heave and pitch, s: long enough for two periods of the slowest usual motion, short enough to drag.
 const MOTION_S: f64 = 2.0;
@@ -183,7 +183,7 @@ pub fn preview_plant(
     Ok(PlantPreview { modelled: Arc::clone(&kept.modelled), reduced: Arc::clone(&kept.reduced) })
 }
 
-/// Designs the controller and computes its linear consequences; `pool` runs the two independent halves side by side.
+/// Designs the controller and computes its linear consequences. Weights that the project does not state are chosen. `pool` runs the two independent halves side by side.
 ///
 /// # Errors
 /// Returns the errors of the pipeline, among them every reason why there is no controller.
@@ -192,15 +192,17 @@ pub fn preview_design(
     cache: &mut PreviewCache,
     pool: &dyn Pool,
 ) -> Result<DesignPreview, PipelineError> {
+    let chosen = with_chosen_weights(&request.project)?;
+    let project = chosen.map_or_else(|| Arc::clone(&request.project), |chosen| Arc::new(chosen.project));
     let kept = cache.plant(request)?;
-    let synthesised = synthesise(&request.project, &kept.modelled, &kept.reduced)?;
+    let synthesised = synthesise(&project, &kept.modelled, &kept.reduced)?;
     let (modelled, reduced) = (Arc::clone(&kept.modelled), Arc::clone(&kept.reduced));
     let sampled = kept.sampled(resolver_use(&synthesised.sampled.controller))?;
     let loops = close_loops(sampled, &synthesised, &modelled)?;
-    let responses = Responses { project: &request.project, sampled, loops: &loops };
+    let responses = Responses { project: &project, sampled, loops: &loops };
     let LinearResponses { margins, curves, step, motions } = responses.compute(pool)?;
     Ok(DesignPreview {
-        project: Arc::clone(&request.project),
+        project,
         modelled,
         reduced,
         synthesised,

@@ -5,6 +5,11 @@
 //! *Invariant*: nothing here is used by the product.
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use std::path::PathBuf;
+
+use counterpoise_pipeline::{World, with_chosen_weights, with_tuned_structure};
+use counterpoise_project::Project;
+
 pub mod certificates;
 pub mod exported_loop;
 pub mod sealed;
@@ -28,4 +33,21 @@ pub fn in_parallel(count: usize, job: &(dyn Fn(usize) + Sync)) {
             scope.spawn(work);
         });
     });
+}
+
+/// The files beside a project.
+pub struct Beside(pub PathBuf);
+
+impl World for Beside {
+    fn read(&self, name: &str) -> Result<Vec<u8>, String> {
+        std::fs::read(self.0.join(name)).map_err(|error| error.to_string())
+    }
+}
+
+/// Returns the project with everything that its file leaves to the program: weights chosen, blocks tuned.
+pub fn decided(project: Project, world: &dyn World) -> Project {
+    let chosen = with_chosen_weights(&project).unwrap();
+    let project = chosen.map_or(project, |chosen| chosen.project);
+    let tuned = with_tuned_structure(&project, world).unwrap();
+    tuned.map_or(project, |tuned| tuned.project)
 }

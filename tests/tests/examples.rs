@@ -3,21 +3,14 @@
 
 use std::path::{Path, PathBuf};
 
-use counterpoise_pipeline::{Synthesised, World, model, reduce, synthesise, verify, with_tuned_structure};
+use counterpoise_pipeline::{Synthesised, model, reduce, synthesise, verify};
 use counterpoise_project::{Attachments, Document, Project};
 use counterpoise_synth::{Certified, Sampling, SamplingMethod, discretise};
+use counterpoise_tests::{Beside, decided};
 use counterpoise_verify::Verdict;
 
 /// Predicted and achieved H2 norm agree within this.
 const COST: f64 = 1e-6;
-
-struct Beside(PathBuf);
-
-impl World for Beside {
-    fn read(&self, name: &str) -> Result<Vec<u8>, String> {
-        std::fs::read(self.0.join(name)).map_err(|error| error.to_string())
-    }
-}
 
 fn projects() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples");
@@ -74,8 +67,7 @@ fn every_example_costs_what_is_predicted_and_meets_its_requirements() {
         }
         designs += 1;
         let world = Beside(path.parent().unwrap().to_owned());
-        let tuned = with_tuned_structure(&project, &world).unwrap();
-        let project = tuned.map_or(project, |tuned| tuned.project);
+        let project = decided(project, &world);
         let name = path.strip_prefix(env!("CARGO_MANIFEST_DIR")).unwrap_or(&path).display().to_string();
         let modelled = model(&project).unwrap();
         let reduced = reduce(&project, &modelled).unwrap();

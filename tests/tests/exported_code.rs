@@ -242,6 +242,7 @@ fn design_of(path: &Path) -> Result<Design, String> {
     }
     let project = Project::resolve_for(&document, &attached, Purpose::Export).unwrap().project;
     let world = Folder(folder.to_owned());
+    let project = counterpoise_tests::decided(project, &world);
     let modelled = model(&project).unwrap();
     let reduced = reduce(&project, &modelled).unwrap();
     let made = synthesise(&project, &modelled, &reduced).unwrap();

@@ -12,6 +12,7 @@ use counterpoise_models::plant::Plant;
 use counterpoise_pipeline::{model, reduce, synthesise};
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator, TimeHistory};
+use counterpoise_tests::{Beside, decided};
 
 /// Starts a controller in one kind of numbers.
 type Start<'a> = Box<dyn Fn() -> Box<dyn SampledController> + 'a>;
@@ -110,6 +111,7 @@ fn design(path: &Path) -> Option<(String, Plant, Controller)> {
     let attached = document.attachments().into_iter().fold(Attachments::none(), read);
     let project = Project::resolve_for(&document, &attached, Purpose::Synth).ok()?.project;
     project.synth.as_ref()?;
+    let project = decided(project, &Beside(path.parent().unwrap().to_owned()));
     let modelled = model(&project).unwrap();
     let reduced = reduce(&project, &modelled).unwrap();
     let made = synthesise(&project, &modelled, &reduced).unwrap();

@@ -75,6 +75,8 @@ fn write_loop(folder: &Path, plant: &Plant, controller: &Controller, scenario: &
 /// Writes the loop of an example; false where it asks for no controller.
 fn written(path: &Path, folder: &Path) -> bool {
     let Some(project) = resolved(path) else { return false };
+    let project =
+        counterpoise_tests::decided(project, &counterpoise_tests::Beside(path.parent().unwrap().to_owned()));
     let modelled = model(&project).unwrap();
     let reduced = reduce(&project, &modelled).unwrap();
     let controller = synthesise(&project, &modelled, &reduced).unwrap().sampled.controller;

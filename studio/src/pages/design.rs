@@ -5,6 +5,7 @@ use std::sync::Arc;
 use counterpoise_pipeline::preview::DesignPreview;
 use counterpoise_pipeline::studies::trade_off::EffortPoint;
 use counterpoise_project::Project;
+use counterpoise_project::resolve::design::WeightSource;
 use counterpoise_verify::Source;
 use egui::{RichText, Ui};
 
@@ -85,13 +86,19 @@ fn show_side(
         ui.set_width(ui.available_width());
         let weights = plotted_weights(project, view.part, &theme);
         if weights.is_empty() {
-            let text = "This project has no such part; add its section to the file.";
+            let is_chosen = project.synth.as_ref().is_some_and(|synth| synth.weights != WeightSource::Stated);
+            let text = match view.part {
+                ControllerPart::Feedback if is_chosen => {
+                    "The weights are chosen for the highest bandwidth; `counterpoise synth --save` writes them into the file."
+                }
+                _ => "This project has no such part; add its section to the file.",
+            };
             ui.label(RichText::new(text).color(theme.weak));
         }
         for weight in &weights {
             show_weight(ui, view, queue, weight);
         }
-        if view.part == ControllerPart::Feedback {
+        if view.part == ControllerPart::Feedback && !weights.is_empty() {
             widgets::show_heading(ui, "noise");
             show_noise(ui, view, queue, project);
         }

@@ -1,6 +1,7 @@
 //! The plot of the weights, with handles that are dragged or moved by arrow keys.
 
 use counterpoise_project::Project;
+use counterpoise_project::resolve::design::WeightSource;
 use counterpoise_synth::{FeedforwardWeights, Weight};
 use egui::{Color32, Ui};
 
@@ -51,6 +52,8 @@ pub fn plotted_weights<'a>(
         None => Vec::new(),
     };
     match part {
+        // Weights that are chosen, or replaced by blocks, are not in the file: there is nothing to drag.
+        ControllerPart::Feedback if synth.weights != WeightSource::Stated => Vec::new(),
         ControllerPart::Feedback => {
             vec![
                 plotted("feedback", "error", &s.feedback.error, 0),
