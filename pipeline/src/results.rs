@@ -9,7 +9,7 @@ use counterpoise_models::plant::LinearPlant;
 use counterpoise_project::Assumption;
 use counterpoise_simulate::replay::{ChannelFit, Divergence, ReplayMode};
 use counterpoise_synth::{Channel, Specification, Weight};
-use counterpoise_verify::acceptance::{acceptance_test, judged_by};
+use counterpoise_verify::acceptance::Acceptance;
 use counterpoise_verify::{Value, Verdict, Verification};
 use serde::Serialize;
 
@@ -340,8 +340,8 @@ impl VerifyResult {
                 limit,
                 why,
                 source: requirement.source.clone(),
-                judged_by: judged_by(&requirement.figure, procedure),
-                acceptance_test: acceptance_test(&requirement.figure, procedure),
+                judged_by: Acceptance::of(&requirement.figure, procedure).judged_by,
+                acceptance_test: Acceptance::of(&requirement.figure, procedure).test,
             }
         });
         Self {

@@ -22,8 +22,10 @@ fn content(elements: usize, stiffness: f64) -> ImportedContent {
             }
         }
     }
-    (0..n).for_each(|i| M.push(Entry { row: i, col: i, value: if i % 2 == 0 { 1.0 } else { 0.01 } }));
-    let dof = |row: usize| Dof { grid: (row / 2 + 1) as u64, component: if row % 2 == 0 { 3 } else { 5 } };
+    (0..n)
+        .for_each(|i| M.push(Entry { row: i, col: i, value: if i.is_multiple_of(2) { 1.0 } else { 0.01 } }));
+    let dof =
+        |row: usize| Dof { grid: (row / 2 + 1) as u64, component: if row.is_multiple_of(2) { 3 } else { 5 } };
     let map = NodeMap {
         deflection: 3,
         rotation: 5,

@@ -1,6 +1,5 @@
 //! The first screen of a verification's report.
 
-use counterpoise_verify::acceptance::{acceptance_test, judged_by};
 use counterpoise_verify::{
     Arrangement, Experiment, Figure, Limit, LoopFigure, Model, Quantity, Requirement, Source, StepFigure,
     Verdict, Verification,
@@ -118,15 +117,15 @@ pub fn traceability(found: &Verification) -> Option<Section> {
         Column::Text("acceptance test on the machine"),
     ];
     let mut table = Table::new("Requirements traced", &columns);
-    let procedure = &found.evidence.procedure;
     let row = |requirement: &Requirement| {
         let figure = &requirement.figure;
+        let acceptance = found.acceptance(figure);
         let source = if requirement.source.is_empty() { "not stated" } else { requirement.source.as_str() };
         vec![
             Cell::text(format!("{}, {}", figure.name(), sign_of(requirement.limit))),
             Cell::text(source),
-            Cell::text(judged_by(figure, procedure)),
-            Cell::text(acceptance_test(figure, procedure)),
+            Cell::text(acceptance.judged_by),
+            Cell::text(acceptance.test),
         ]
     };
     table.rows = found.verdicts.iter().map(|(requirement, _)| row(requirement)).collect();

@@ -13,7 +13,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 /// Machines that are tried; `COUNTERPOISE_MACHINES` asks for another number.
-const MACHINES: u64 = 24;
+const MACHINES: u64 = 12;
 
 struct Nowhere;
 

@@ -6,8 +6,24 @@
 
 use crate::{Arrangement, Figure, LoopFigure, Model, Procedure, Quantity, RestFigure, Source};
 
+/// How a requirement on a figure is judged, in words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Acceptance {
+    /// The run of the verification that gives the figure.
+    pub judged_by: String,
+    /// The test on the machine that would show whether the requirement holds.
+    pub test: String,
+}
+
+impl Acceptance {
+    /// Returns how a figure of the procedure is judged.
+    pub fn of(figure: &Figure, procedure: &Procedure) -> Self {
+        Self { judged_by: judged_by(figure, procedure), test: acceptance_test(figure, procedure) }
+    }
+}
+
 /// Returns the run of the verification that gives a figure, in words.
-pub fn judged_by(figure: &Figure, procedure: &Procedure) -> String {
+fn judged_by(figure: &Figure, procedure: &Procedure) -> String {
     let on = |model: &Model| match model {
         Model::Linear => "linear plant",
         Model::Nonlinear => "nonlinear simulation",
@@ -28,7 +44,7 @@ pub fn judged_by(figure: &Figure, procedure: &Procedure) -> String {
 }
 
 /// Returns the test on the machine that would show whether a requirement on the figure holds, in words.
-pub fn acceptance_test(figure: &Figure, procedure: &Procedure) -> String {
+fn acceptance_test(figure: &Figure, procedure: &Procedure) -> String {
     match figure {
         Figure::Loop(figure) => of_loop(*figure).to_owned(),
         Figure::Step(..) => format!(

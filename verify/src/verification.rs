@@ -5,6 +5,7 @@ use counterpoise_lti::{C64, Margins, margins};
 use counterpoise_models::plant::{LinearPlant, Plant};
 use counterpoise_simulate::Simulator;
 
+use crate::acceptance::Acceptance;
 use crate::history::{Experiment, History};
 use crate::linear::frequency::rejections;
 use crate::linear::{self, Closed, Curves, SampledPlant, arranged};
@@ -71,6 +72,11 @@ impl VerifiedController {
 }
 
 impl Verification {
+    /// Returns how a requirement on a figure is judged, and the test on the machine that would show whether it holds.
+    pub fn acceptance(&self, figure: &Figure) -> Acceptance {
+        Acceptance::of(figure, &self.evidence.procedure)
+    }
+
     /// The value of a figure, where it was measured.
     pub fn value(&self, figure: Figure) -> Option<f64> {
         self.figures.iter().find(|measured| measured.figure == figure).and_then(|measured| {

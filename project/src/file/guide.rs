@@ -42,9 +42,11 @@ struct Frame {
     chosen: Vec<(&'static str, usize, &'static str)>,
 }
 
-/// Walks that see every combination of choices within a table and one level into it: 4320 of `[synth]`, times the nine kinds of its
-/// blocks.
-const TURNS: usize = 38_880;
+/// Walks that see every combination of choices within a table and one level into it: 4320 of `[synth]`.
+const TURNS: usize = 4320;
+/// Combinations of choices up to which the items of a list are seen under each of them, as the factors of a product are. Behind more
+/// (the blocks of `[synth]`) they start anew: the walks would be ten times as many, and no key of theirs depends on those choices.
+const MOST_INHERITED: usize = 480;
 /// All walks: those that leave the choices of `[plant]` at their defaults, then those that make them too.
 pub(crate) const WALKS: usize = 2 * TURNS;
 /// The table whose choices change the units of the keys in other tables.
@@ -234,7 +236,7 @@ impl Visit for Guide {
     fn enter_list(&mut self, table: &TableField, _length: usize) -> usize {
         let path = self.path(table.key);
         let again = path.split('.').filter(|part| *part == table.key).count() > 1;
-        let digit = self.stack.last().map_or(1, |f| f.digit);
+        let digit = self.stack.last().map_or(1, |f| if f.digit > MOST_INHERITED { 1 } else { f.digit });
         if again {
             self.stack.push(Frame::default());
         } else {
