@@ -180,20 +180,23 @@ pub fn friction_laws_over_amplitude(bench: &Bench<'_>) -> Result<Claim, Pipeline
         rows.iter().filter(|row| row.0 != "Dahl").map(|row| whole(&row.1)).fold(f64::INFINITY, f64::min);
     let criteria = vec![
         Criterion::at_most(
-            ("largest amplitude: farthest law from the machine, dB", "all agree"),
+            "largest amplitude: farthest law from the machine, dB",
+            "all agree",
             large,
             AGREES_DB,
             "1 dB is the width of a line in the figures",
         )
         .explained_by(AGREES_DB, 2.0),
         Criterion::at_least(
-            ("smallest amplitude: nearest static law over farthest dynamic law", "the static ones differ"),
+            "smallest amplitude: nearest static law over farthest dynamic law",
+            "the static ones differ",
             least_static / most_dynamic,
             1.2,
             "a fifth farther can be seen",
         ),
         Criterion::at_most(
-            ("Dahl over the nearest other law, RMS over the map", "Dahl fits best"),
+            "Dahl over the nearest other law, RMS over the map",
+            "Dahl fits best",
             overall("Dahl") / others,
             1.0,
             "no other law may be nearer",
@@ -265,9 +268,10 @@ pub fn cost_of_friction_laws(bench: &Bench<'_>) -> Result<Claim, PipelineError> 
         ("LuGre", DYNAMIC[1].1(shared)),
     ];
     let mut own = [0; 3];
-    let pitch = (bench.procedure.pitch.frequency_hz, bench.procedure.pitch.amplitude);
+    let pitch = &bench.procedure.pitch;
     let steps = |law: &FrictionLaw| -> Result<usize, PipelineError> {
-        Ok(Sliding::new(law.clone(), shared.inertia_kg_m2, pitch)?.evaluations(WORKED_S))
+        let sliding = Sliding::new(law.clone(), shared.inertia_kg_m2, pitch.frequency_hz, pitch.amplitude)?;
+        Ok(sliding.evaluations(WORKED_S))
     };
     let mut explicit = [0; 3];
     for (k, (_, law)) in laws.iter().enumerate() {
@@ -306,23 +310,26 @@ pub fn cost_of_friction_laws(bench: &Bench<'_>) -> Result<Claim, PipelineError> 
 fn cost_criteria(own: [f64; 2], damped: f64) -> Vec<Criterion> {
     vec![
         Criterion::within(
-            ("closed loop: work with the reset integrator over Dahl", "1.5"),
+            "closed loop: work with the reset integrator over Dahl",
+            "1.5",
             own[0],
-            (1.25, 1.8),
+            [1.25, 1.8],
             "a fifth: the thesis rounds to halves",
         )
         .explained_by(0.8, 1.25),
         Criterion::within(
-            ("closed loop: work with LuGre over Dahl", "3"),
+            "closed loop: work with LuGre over Dahl",
+            "3",
             own[1],
-            (2.4, 3.6),
+            [2.4, 3.6],
             "a fifth: the thesis rounds to halves",
         )
         .explained_by(0.8, 1.25),
         Criterion::within(
-            ("explicit solver: work with LuGre of a hundred times the bristle damping over Dahl", "3"),
+            "explicit solver: work with LuGre of a hundred times the bristle damping over Dahl",
+            "3",
             damped,
-            (2.0, 4.5),
+            [2.0, 4.5],
             "if stiffness is the reason, enough damping must give the thesis' ratio",
         ),
     ]
@@ -415,25 +422,29 @@ pub fn fitted_friction_laws(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
 fn fitted_criteria(a: &Fitted, b: &Fitted, dahl: f64) -> Vec<Criterion> {
     vec![
         Criterion::at_most(
-            ("LuGre: distance fitted over as matched", "its parameters are the reason"),
+            "LuGre: distance fitted over as matched",
+            "its parameters are the reason",
             a.after / a.before,
             0.7,
             "a third nearer shows that the parameters were wrong",
         ),
         Criterion::at_most(
-            ("LuGre fitted: bristle damping over the usual one", "its damping sets it apart"),
+            "LuGre fitted: bristle damping over the usual one",
+            "its damping sets it apart",
             a.at[1],
             0.3,
             "most of the damping must go",
         ),
         Criterion::at_most(
-            ("LuGre fitted over Dahl as matched, distance", "its parameters are the reason"),
+            "LuGre fitted over Dahl as matched, distance",
+            "its parameters are the reason",
             a.after / dahl,
             1.0,
             "if the parameters were the reason, the fitted law is no farther than Dahl's",
         ),
         Criterion::at_most(
-            ("reset integrator fitted over Dahl as matched, distance", "its parameters are the reason"),
+            "reset integrator fitted over Dahl as matched, distance",
+            "its parameters are the reason",
             b.after / dahl,
             1.0,
             "if the parameters were the reason, the fitted law is no farther than Dahl's",

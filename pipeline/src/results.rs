@@ -414,7 +414,7 @@ fn plant_responses(system: &StateSpace) -> Vec<ResponseResult> {
     let hz = stored_frequencies_hz();
     let one = |(input, name): (usize, &str)| {
         let name = format!("{} over {name}", LinearPlant::OUTPUTS[LinearPlant::HUB_RATE]);
-        ResponseResult::of_system(&name, system, (LinearPlant::HUB_RATE, input), &hz)
+        ResponseResult::of_system(&name, system, LinearPlant::HUB_RATE, input, &hz)
     };
     LinearPlant::INPUTS.into_iter().enumerate().filter_map(one).collect()
 }
@@ -462,10 +462,10 @@ fn controller_responses(
     for (result, system) in controllers {
         for (input, signal) in result.inputs.iter().enumerate() {
             let name = format!("{} over {}", result.name, signal.name);
-            all.extend(ResponseResult::of_system(&name, system, (0, input), &hz));
+            all.extend(ResponseResult::of_system(&name, system, 0, input, &hz));
         }
     }
-    all.extend(ResponseResult::of_system("sampled loop", broken, (0, 0), &hz));
+    all.extend(ResponseResult::of_system("sampled loop", broken, 0, 0, &hz));
     all
 }
 

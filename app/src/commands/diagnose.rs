@@ -1,5 +1,7 @@
 //! `counterpoise diagnose`: locate, name, model, and show that the fit improves.
 
+use std::process::ExitCode;
+
 use crate::output::say;
 use counterpoise_diagnose::Diagnosis;
 use counterpoise_diagnose::findings::answer::{Channels, FitTable, Verdict};
@@ -13,7 +15,7 @@ use counterpoise_report::wording::recordings::describe_recordings_error;
 use counterpoise_report::{diagnosis, difference, html};
 use counterpoise_verify::Verification;
 
-use crate::exit::{Done, verdict_code};
+use crate::exit::Done;
 use crate::options::DiagnoseOptions;
 use crate::output;
 use counterpoise_host::interrupt;
@@ -45,14 +47,14 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     if let Some(path) = &options.report {
         let command = format!("counterpoise diagnose {}", loaded.path.display());
         let name = &loaded.project.plant.name;
-        let page = diagnosis::report(name, &command, (&diagnosed, &answer), consequence.as_ref());
+        let page = diagnosis::report(name, &command, &diagnosed, &answer, consequence.as_ref());
         projects::write(path, html(&page).as_bytes())?;
     }
     if !output::json(&options.results, &answer)? {
         print(&answer);
         consequence.iter().for_each(print_consequence);
     }
-    Ok(verdict_code(true))
+    Ok(ExitCode::SUCCESS)
 }
 
 /// What the improved model means for the project's design; `None` if nothing was found or the project has no design.

@@ -1,6 +1,7 @@
 //! `counterpoise fra`: the frequency response analyser, on the simulated mechanism or on recordings.
 
 use std::path::PathBuf;
+use std::process::ExitCode;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result, bail};
@@ -12,7 +13,7 @@ use counterpoise_report::fra::{Pace, report};
 use counterpoise_report::html;
 use counterpoise_report::wording::recordings::describe_column_remark;
 
-use crate::exit::{Done, verdict_code};
+use crate::exit::Done;
 use crate::options::Results;
 use crate::output::{self, say};
 use counterpoise_host::projects::{self, Loaded};
@@ -118,7 +119,7 @@ pub fn run(options: &FraOptions) -> Done {
         maps.iter().for_each(print);
         tell_speed(&maps, &speed);
     }
-    Ok(verdict_code(true))
+    Ok(ExitCode::SUCCESS)
 }
 
 /// The map of the simulated mechanism, and how fast it was: on all threads, then, where that was asked for, on fewer.

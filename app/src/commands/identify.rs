@@ -1,5 +1,7 @@
 //! `counterpoise identify`: the triangle-wave method.
 
+use std::process::ExitCode;
+
 use crate::output::say;
 use counterpoise_diagnose::identification::{Estimate, improved};
 use counterpoise_pipeline::recordings::identify;
@@ -11,7 +13,7 @@ use counterpoise_report::wording::identification::{
 };
 use counterpoise_report::wording::recordings::describe_recordings_error;
 
-use crate::exit::{Done, verdict_code};
+use crate::exit::Done;
 use crate::options::IdentifyOptions;
 use crate::output;
 use counterpoise_host::projects;
@@ -35,7 +37,7 @@ pub fn run(options: &IdentifyOptions) -> Done {
     if !output::json(&options.results, &found)? {
         print(&found);
     }
-    Ok(verdict_code(true))
+    Ok(ExitCode::SUCCESS)
 }
 
 fn print(found: &IdentificationText) {

@@ -1,6 +1,7 @@
 //! `counterpoise synth`: the controller with its certificates, compared with its alternatives; or the search for its weights.
 
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 use clap::Args;
 use counterpoise_pipeline::results::SynthResult;
@@ -63,7 +64,7 @@ pub fn run(options: &SynthOptions) -> Done {
     if options.search {
         let modelled = pipeline::model(&loaded.project)?;
         let reduced = pipeline::reduce(&loaded.project, &modelled)?;
-        return search_weights(options, &loaded, (&modelled, &reduced));
+        return search_weights(options, &loaded, &modelled, &reduced);
     }
     let study = study_synthesis(&loaded.project, &loaded.folder())?;
     let result = SynthResult::from(&study.synthesised);
@@ -86,7 +87,7 @@ pub fn run(options: &SynthOptions) -> Done {
         options.save.iter().for_each(|path| say!("project {}", path.display()));
         options.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
-    Ok(verdict_code(true))
+    Ok(ExitCode::SUCCESS)
 }
 
 /// Writes the file with the weights of a project; everything else of it stays as it is.
@@ -251,12 +252,12 @@ struct CurvePoint {
     missed: f64,
 }
 
-fn search_weights(options: &SynthOptions, loaded: &Loaded, plant: (&Modelled, &Reduced)) -> Done {
+fn search_weights(options: &SynthOptions, loaded: &Loaded, modelled: &Modelled, reduced: &Reduced) -> Done {
     let _watch = interrupt::watch();
-    let mut found = search(&loaded.project, plant, &mut |_: &Trial| !interrupt::asked())?;
+    let mut found = search(&loaded.project, modelled, reduced, &mut |_: &Trial| !interrupt::asked())?;
     let world = Surroundings::of(loaded, Progress::Quiet);
     let judged = match loaded.project.verify {
-        Some(_) => judged(&found, plant, &world, &mut || !interrupt::asked())?,
+        Some(_) => judged(&found, modelled, reduced, &world, &mut || !interrupt::asked())?,
         None => Vec::new(),
     };
     let chosen = judged.iter().position(Judged::holds);
@@ -281,7 +282,7 @@ fn search_weights(options: &SynthOptions, loaded: &Loaded, plant: (&Modelled, &R
         options.save.iter().for_each(|path| say!("project {}", path.display()));
         options.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
-    Ok(verdict_code(holds))
+    Ok(verdict_code([holds]))
 }
 
 fn verified_point(point: &Judged) -> VerifiedPoint {

@@ -418,13 +418,11 @@ fn search(v: &mut dyn Visit, search: &mut WeightSearch) {
     unlimited(v, &control, &mut asked.step_control_v);
     let gain = Field::new("noise_gain", "largest RMS control for noise of unit RMS").unit("V s/rad");
     unlimited(v, &gain, &mut asked.noise_gain);
-    let mut band = [asked.band_rad_s.0, asked.band_rad_s.1];
     let field = Field::new("band", "lower and upper end of the band over which rejection is wanted")
         .unit("rad/s")
         .limit(ABOVE_0);
-    pair(v, &field.or_empty(), &mut band);
-    asked.band_rad_s = (band[0], band[1]);
-    if band[0] >= band[1] {
+    pair(v, &field.or_empty(), &mut asked.band_rad_s);
+    if asked.band_rad_s[0] >= asked.band_rad_s[1] {
         v.complain("band", "must rise", None);
     }
     let spectrum = "weight of the average of the rejection: the same over the band, or the rate that the expected heave and pitch cause";
