@@ -143,12 +143,9 @@ fn words(values: &[f64]) -> String {
     values.iter().map(|v| format!("{v:.2}")).collect::<Vec<_>>().join(" / ")
 }
 
-/// What a row is called, where it stands and what it says.
-type Named = (&'static str, &'static str, &'static str, &'static str);
-
-fn no_dahl((id, title, source, says): Named) -> Claim {
+fn no_dahl(named: [&'static str; 4]) -> Claim {
     let why = "the mechanism's pivot friction is not Dahl's law, or it has no lumped structure";
-    Claim::not_measured([id, title, source, says], why)
+    Claim::not_measured(named, why)
 }
 
 /// Row C15: the laws' frequency maps.
@@ -156,29 +153,47 @@ fn no_dahl((id, title, source, says): Named) -> Claim {
 /// # Errors
 /// Those of the simulator.
 pub fn friction_laws_over_amplitude(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let (id, title, source) = ("C15", "friction models", "7.2, figs 7-2 to 7-5");
-    let says = "at large amplitude all friction models agree; at small amplitude the static ones differ from the dynamic ones; Dahl fits the (Dahl-like) rig best";
+    let named = [
+        "C15",
+        "friction models",
+        "7.2, figs 7-2 to 7-5",
+        "at large amplitude all friction models agree; at small amplitude the static ones differ from the dynamic ones; Dahl fits the (Dahl-like) rig best",
+    ];
     let free = free(bench)?;
-    let Some(shared) = shared(&free) else { return Ok(no_dahl((id, title, source, says))) };
+    let Some(shared) = shared(&free) else { return Ok(no_dahl(named)) };
     let maps = friction_laws_over_amplitude_maps(&free, shared)?;
     let truth = &maps[0].1;
     let rows: Vec<(&'static str, Vec<f64>)> =
         maps[1..].iter().map(|(name, map)| (*name, distances(map, truth))).collect();
-    let (fixed, moving) = rows.split_at(STATIC.len());
     let large = rows.iter().map(|row| row.1[0]).fold(0.0, f64::max);
-    let smallest = SHARES.len() - 1;
-    let least_static = fixed.iter().map(|row| row.1[smallest]).fold(f64::MAX, f64::min);
-    let most_dynamic = moving.iter().map(|row| row.1[smallest]).fold(0.0, f64::max);
     let table: Vec<String> = rows.iter().map(|(name, row)| format!("{name} {}", words(row))).collect();
     let measured = format!(
         "balanced, motor disconnected, 0.5 to 4 Hz; distance of each law, of the same level and presliding stiffness, from a machine with a brush of {} bristles, in dB at pitch rates of 1 / 0.667 / 0.333 / 0.167 / 0.083 of {PITCH_RAD_S} rad/s: {}",
         BRUSH.0,
         table.join("; ")
     );
+    let why = format!(
+        "at the largest amplitude the laws are still up to {large:.1} dB apart, for a reversal passes through presliding at every amplitude"
+    );
+    Ok(Claim {
+        measured,
+        criteria: friction_laws_over_amplitude_criteria(&rows, large),
+        why,
+        drawings: friction_laws_over_amplitude_figures(&rows, &maps),
+        ..Claim::of(named)
+    })
+}
+
+/// Returns what is asked of the laws' distances from the machine, the largest one at the largest amplitude given.
+fn friction_laws_over_amplitude_criteria(rows: &[(&'static str, Vec<f64>)], large: f64) -> Vec<Criterion> {
+    let (fixed, moving) = rows.split_at(STATIC.len());
+    let smallest = SHARES.len() - 1;
+    let least_static = fixed.iter().map(|row| row.1[smallest]).fold(f64::MAX, f64::min);
+    let most_dynamic = moving.iter().map(|row| row.1[smallest]).fold(0.0, f64::max);
     let overall = |name: &str| rows.iter().find(|row| row.0 == name).map_or(f64::NAN, |row| whole(&row.1));
     let others =
         rows.iter().filter(|row| row.0 != "Dahl").map(|row| whole(&row.1)).fold(f64::INFINITY, f64::min);
-    let criteria = vec![
+    vec![
         Criterion::at_most(
             "largest amplitude: farthest law from the machine, dB",
             "all agree",
@@ -201,20 +216,7 @@ pub fn friction_laws_over_amplitude(bench: &Bench<'_>) -> Result<Claim, Pipeline
             1.0,
             "no other law may be nearer",
         ),
-    ];
-    let why = format!(
-        "at the largest amplitude the laws are still up to {large:.1} dB apart, for a reversal passes through presliding at every amplitude"
-    );
-    Ok(Claim {
-        id,
-        title,
-        source,
-        says,
-        measured,
-        criteria,
-        why,
-        drawings: friction_laws_over_amplitude_figures(&rows, &maps),
-    })
+    ]
 }
 
 /// A law and its map.
@@ -259,9 +261,13 @@ fn friction_laws_over_amplitude_figures(rows: &[(&'static str, Vec<f64>)], maps:
 /// # Errors
 /// Those of the simulator.
 pub fn cost_of_friction_laws(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let (id, title, source) = ("C16", "cost of a model", "7.2");
-    let says = "simulations with Dahl run 1.5 times as fast as with the reset integrator and 3 times as fast as with LuGre";
-    let Some(shared) = shared(bench.parameters()) else { return Ok(no_dahl((id, title, source, says))) };
+    let named = [
+        "C16",
+        "cost of a model",
+        "7.2",
+        "simulations with Dahl run 1.5 times as fast as with the reset integrator and 3 times as fast as with LuGre",
+    ];
+    let Some(shared) = shared(bench.parameters()) else { return Ok(no_dahl(named)) };
     let laws = [
         ("Dahl", bench.parameters().pivot_friction.law.clone()),
         ("reset integrator", DYNAMIC[2].1(shared)),
@@ -290,10 +296,6 @@ pub fn cost_of_friction_laws(bench: &Bench<'_>) -> Result<Claim, PipelineError> 
         damped[1]
     );
     Ok(Claim {
-        id,
-        title,
-        source,
-        says,
         measured: format!(
             "{WORKED_S} s of the closed loop under heave and pitch, one tolerance: {} evaluations with Dahl, {:.2} times that with the reset integrator, {:.2} times with LuGre",
             own[0],
@@ -303,6 +305,7 @@ pub fn cost_of_friction_laws(bench: &Bench<'_>) -> Result<Claim, PipelineError> 
         criteria: cost_criteria([ratio(own, 1), ratio(own, 2)], damped[1]),
         why,
         drawings: vec![cost_of_friction_laws_figure([own, explicit])],
+        ..Claim::of(named)
     })
 }
 
@@ -376,11 +379,14 @@ fn work(bench: &Bench<'_>, parameters: &Parameters) -> Result<usize, PipelineErr
 /// # Errors
 /// Those of the simulator.
 pub fn fitted_friction_laws(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
-    let (id, title, source) = ("F3", "why the others fit worse", "9.2");
-    let says =
-        "asks why LuGre and the reset integrator fitted worse than Dahl: parameters fitted to the same maps";
+    let named = [
+        "F3",
+        "why the others fit worse",
+        "9.2",
+        "asks why LuGre and the reset integrator fitted worse than Dahl: parameters fitted to the same maps",
+    ];
     let free = free(bench)?;
-    let Some(shared) = shared(&free) else { return Ok(no_dahl((id, title, source, says))) };
+    let Some(shared) = shared(&free) else { return Ok(no_dahl(named)) };
     let truth = map(&with_law(&free, brush(shared)))?;
     let dahl = whole(&distances(&map(&with_law(&free, DYNAMIC[0].1(shared)))?, &truth));
     let lugre = |x: [f64; 2]| FrictionLaw::Lugre {
@@ -396,16 +402,11 @@ pub fn fitted_friction_laws(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let a = fitted(&|x| Ok(whole(&distances(&map(&with_law(&free, lugre(x)))?, &truth))))?;
     let b = fitted(&|x| Ok(whole(&distances(&map(&with_law(&free, reset(x)))?, &truth))))?;
     Ok(Claim {
-        id,
-        title,
-        source,
-        says,
         measured: format!(
             "RMS distance from the map of a machine with a brush of {} bristles: Dahl {dahl:.2} dB as matched; LuGre {:.2} dB as matched, {:.2} dB fitted (stiffness x{:.2}, damping x{:.3}); reset integrator {:.2} dB, {:.2} dB fitted (x{:.2}, x{:.3}). The usual bristle damping alone set both apart from the machine: with almost none they are no farther than Dahl's law",
             BRUSH.0, a.before, a.after, a.at[0], a.at[1], b.before, b.after, b.at[0], b.at[1]
         ),
         criteria: fitted_criteria(&a, &b, dahl),
-        why: String::new(),
         drawings: vec![fitted_friction_laws_figure(
             &truth,
             [
@@ -415,6 +416,7 @@ pub fn fitted_friction_laws(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
                 ("reset integrator fitted", map(&with_law(&free, reset(b.at)))?),
             ],
         )],
+        ..Claim::of(named)
     })
 }
 

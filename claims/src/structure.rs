@@ -338,24 +338,19 @@ pub fn condensed_beam(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
     let points = off.iter().enumerate().map(|(k, v)| ((k + 1) as f64, *v)).collect();
     let panel = panel(Axis::linear("frequency off by", "%"), vec![Curve::points("condensed", points)])
         .with_level(0.0, "");
-    let [id, title, source, says] = named;
     Ok(Claim {
-        id,
-        title,
-        source,
-        says,
         measured: format!(
             "{n} degrees of freedom condensed to {}; flexible modes off in %: {}",
             masters.len(),
             words.join(", ")
         ),
         criteria: condensation_criteria(&off),
-        why: String::new(),
         drawings: vec![drawing(
             "Flexible modes after Guyan's condensation",
             Axis::linear("flexible mode", ""),
             vec![panel],
         )],
+        ..Claim::of(named)
     })
 }
 

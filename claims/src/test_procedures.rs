@@ -198,12 +198,7 @@ pub fn place_of_friction(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
         (ends.iter().copied().fold(f64::MAX, f64::min), ends.iter().copied().fold(0.0, f64::max));
     // the split of the rig itself is the last one tried, that of the other rig the third
     let right = 100.0 * own.off[SPLITS.len() - 1].max(half.off[2]);
-    let [id, title, source, says] = named;
     Ok(Claim {
-        id,
-        title,
-        source,
-        says,
         measured: format!(
             "balanced, backlash of the largest spacer (x{SPACER}); difference of the control in % of what friction does to it, motor:load: from the rig ({}) {}; from a rig of 50:50 {}",
             ratio(motor / total),
@@ -216,6 +211,7 @@ pub fn place_of_friction(bench: &Bench<'_>) -> Result<Claim, PipelineError> {
             ratio(motor / total)
         ),
         drawings: vec![lobes(&own.loops), apart(&own.loops), apart(&half.loops)],
+        ..Claim::of(named)
     })
 }
 

@@ -327,7 +327,7 @@ impl VerifyResult {
             unit: measured.figure.unit(),
         });
         let verdicts = found.verdicts.iter().map(|(requirement, verdict)| {
-            let procedure = &found.evidence.procedure;
+            let acceptance = Acceptance::of(&requirement.figure, &found.evidence.procedure);
             let (verdict, value, limit, why) = match verdict {
                 Verdict::Holds { value, limit, .. } => ("holds", Some(*value), Some(limit.value()), None),
                 Verdict::Fails { value, limit, .. } => ("fails", Some(*value), Some(limit.value()), None),
@@ -340,8 +340,8 @@ impl VerifyResult {
                 limit,
                 why,
                 source: requirement.source.clone(),
-                judged_by: Acceptance::of(&requirement.figure, procedure).judged_by,
-                acceptance_test: Acceptance::of(&requirement.figure, procedure).test,
+                judged_by: acceptance.judged_by,
+                acceptance_test: acceptance.test,
             }
         });
         Self {

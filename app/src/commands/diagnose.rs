@@ -26,13 +26,13 @@ use counterpoise_host::workers::Workers;
 /// Runs the command.
 pub fn run(options: &DiagnoseOptions) -> Done {
     let loaded = projects::load(&options.project, Purpose::Diagnose)?;
-    output::warnings(&loaded, options.results.progress());
+    output::warnings(&loaded, options.outputs.results.progress());
     if options.recordings.is_empty() {
         return super::structure::run(&loaded, options);
     }
     super::replay::tell_other_export(&loaded);
     let files = projects::recordings(&options.recordings)?;
-    let workers = Workers::new(options.results.progress());
+    let workers = Workers::new(options.outputs.results.progress());
     let watch = interrupt::watch();
     let diagnosed = diagnose(&loaded.project, &files, &workers);
     drop(watch);
@@ -43,14 +43,14 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     if let Some(path) = &options.save {
         projects::save_improved(&loaded, &found.improved, path)?;
     }
-    let consequence = redesign(&loaded, found, options.results.progress())?;
-    if let Some(path) = &options.report {
+    let consequence = redesign(&loaded, found, options.outputs.results.progress())?;
+    if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise diagnose {}", loaded.path.display());
         let name = &loaded.project.plant.name;
         let page = diagnosis::report(name, &command, &diagnosed, &answer, consequence.as_ref());
         projects::write(path, html(&page).as_bytes())?;
     }
-    if !output::json(&options.results, &answer)? {
+    if !output::json(&options.outputs.results, &answer)? {
         print(&answer);
         consequence.iter().for_each(print_consequence);
     }

@@ -21,7 +21,7 @@ use counterpoise_host::projects;
 /// Runs the command.
 pub fn run(options: &IdentifyOptions) -> Done {
     let loaded = projects::load(&options.project, Purpose::Model)?;
-    output::warnings(&loaded, options.results.progress());
+    output::warnings(&loaded, options.outputs.results.progress());
     let (first, second) = (projects::recordings(&options.recordings)?, projects::recordings(&options.other)?);
     let identified = identify(&loaded.project, &[&first, &second])
         .map_err(|error| anyhow::Error::msg(describe_recordings_error(&error)))?;
@@ -29,12 +29,12 @@ pub fn run(options: &IdentifyOptions) -> Done {
     if let Some(path) = &options.save {
         projects::save_improved(&loaded, &improved(&loaded.project.plant, &identified.identified), path)?;
     }
-    if let Some(path) = &options.report {
+    if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise identify {}", loaded.path.display());
         let page = html(&report(&loaded.project.plant.name, &command, &found));
         projects::write(path, page.as_bytes())?;
     }
-    if !output::json(&options.results, &found)? {
+    if !output::json(&options.outputs.results, &found)? {
         print(&found);
     }
     Ok(ExitCode::SUCCESS)

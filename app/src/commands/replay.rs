@@ -30,7 +30,7 @@ use crate::output::{self, say};
 pub fn run(options: &ReplayOptions) -> Done {
     let open = options.open_loop || matches!(options.windows, ReplayLength::Windows { .. });
     let loaded = projects::load(&options.project, if open { Purpose::Model } else { Purpose::Replay })?;
-    output::warnings(&loaded, options.results.progress());
+    output::warnings(&loaded, options.outputs.results.progress());
     if !options.open_loop {
         tell_other_export(&loaded);
     }
@@ -46,13 +46,13 @@ pub fn run(options: &ReplayOptions) -> Done {
     for path in &in_parts {
         result.recordings.extend(replay_in_parts(&loaded.project, controller, path, options)?);
     }
-    if let Some(path) = &options.report {
+    if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise replay {}", loaded.path.display());
         let title = format!("Replay of {}", loaded.project.plant.name);
         let page = counterpoise_report::replay::report(&title, &command, &result, &replayed);
         projects::write(path, counterpoise_report::html(&page).as_bytes())?;
     }
-    if !output::json(&options.results, &result)? {
+    if !output::json(&options.outputs.results, &result)? {
         print(&result);
     }
     Ok(ExitCode::SUCCESS)
@@ -66,13 +66,13 @@ fn replay_in_parts(
     path: &Path,
     options: &ReplayOptions,
 ) -> anyhow::Result<Vec<RecordingResult>> {
-    if options.report.is_some() {
+    if options.outputs.report.is_some() {
         let shown = path.display();
         output::tell(&format!(
             "note: {shown} is replayed in parts: its figures are printed, and not drawn in the report"
         ));
     }
-    let bar = if options.results.quiet { ProgressBar::hidden() } else { ProgressBar::new(0) };
+    let bar = if options.outputs.results.quiet { ProgressBar::hidden() } else { ProgressBar::new(0) };
     let parts = LargeRecording::open(path, ROWS_OF_A_PART, bar)?;
     let one = |table| -> anyhow::Result<Vec<RecordingResult>> {
         let read = read_table(project, controller, &table).map_err(refused)?;

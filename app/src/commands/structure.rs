@@ -26,12 +26,12 @@ pub fn run(loaded: &Loaded, options: &DiagnoseOptions) -> Done {
         let document = found.improved.update(&loaded.document, &loaded.project)?;
         projects::write(path, document.text().as_bytes())?;
     }
-    if let Some(path) = &options.report {
+    if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise diagnose {}", loaded.path.display());
         let page = report(&loaded.project.plant.name, &command, &found.answer);
         projects::write(path, html(&page).as_bytes())?;
     }
-    if !output::json(&options.results, &found.answer)? {
+    if !output::json(&options.outputs.results, &found.answer)? {
         say!("{} natural frequencies, structure {}", measured.modes_hz.len(), held(measured.support));
         print(&found.answer);
     }

@@ -265,6 +265,30 @@ pub(crate) fn reduce(v: &mut dyn Visit, reduce: &mut Reduction) {
 /// Reads or lists the design of a loop whose sensor measures a rate or a position.
 pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: Measured) {
     cascade::loop_kind(v, synth, measured);
+    assembly_and_form(v, synth);
+    weights(v, synth);
+    synthesis_options::tables(v, &mut synth.options);
+    let specification = &synth.specification;
+    if specification.assembly != Assembly::SimpleAdd {
+        let apart = |part: &FeedforwardWeights| part.output.is_some() || part.basis == Basis::ClosedLoop;
+        if [&specification.heave, &specification.pitch].into_iter().flatten().any(apart) {
+            let allowed =
+                "must be \"simple-add\" where a feedforward weighs the tip or is designed on the closed loop";
+            v.complain("assembly", allowed, None);
+        }
+    }
+    if synth.discretisation == SamplingMethod::SampledData {
+        sampled_problem_exists(v, &synth.options);
+    }
+    if synth.specification.assembly == Assembly::Joint {
+        joint_problem_exists(v, synth);
+    }
+    cascade::problem_exists(v, synth);
+    fixed_structure_stands_alone(v, synth);
+}
+
+/// Reads or lists how the controller is put together, sampled and run.
+fn assembly_and_form(v: &mut dyn Visit, synth: &mut Synthesis) {
     let asked = "bandwidth that chosen weights aim at (highest frequency at which the loop's gain is 1); only without \
                  `[synth.feedback]`, which states weights";
     let bandwidth = Field::new("bandwidth", asked).unit("rad/s").limit(Limit::Above(0.0));
@@ -301,6 +325,11 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: Measured
         .limit(AT_LEAST_0);
     v.number(&transfer.or(0.0), &mut synth.transfer_time_s);
     synthesis_options::keys(v, &mut synth.options);
+}
+
+/// Reads or lists the weights of feedback and feedforward.
+fn weights(v: &mut dyn Visit, synth: &mut Synthesis) {
+    let specification = &mut synth.specification;
     let mut stated = (synth.weights == WeightSource::Stated).then(|| specification.feedback.clone());
     let section = "weights of the feedback; without them, weights are chosen for the highest bandwidth";
     optional(v, &TableField::optional("feedback", section), &mut stated, blank_feedback(), feedback);
@@ -321,23 +350,6 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: Measured
     optional(v, &pitch, &mut specification.pitch, blank_feedforward(), |v, part| {
         feedforward(v, part, "(rad/s)^2 s")
     });
-    synthesis_options::tables(v, &mut synth.options);
-    if specification.assembly != Assembly::SimpleAdd {
-        let apart = |part: &FeedforwardWeights| part.output.is_some() || part.basis == Basis::ClosedLoop;
-        if [&specification.heave, &specification.pitch].into_iter().flatten().any(apart) {
-            let allowed =
-                "must be \"simple-add\" where a feedforward weighs the tip or is designed on the closed loop";
-            v.complain("assembly", allowed, None);
-        }
-    }
-    if synth.discretisation == SamplingMethod::SampledData {
-        sampled_problem_exists(v, &synth.options);
-    }
-    if synth.specification.assembly == Assembly::Joint {
-        joint_problem_exists(v, synth);
-    }
-    cascade::problem_exists(v, synth);
-    fixed_structure_stands_alone(v, synth);
 }
 
 /// Complains where a feedback of fixed structure is asked for together with what makes or changes another feedback.
