@@ -66,6 +66,9 @@ a list, and `NAME` a key that is a name from the project or the recording, such 
 accounted for in percent, and `ci95` a 95 % interval. The words of a diagnosis' `verdict` are explained in
 [the theory of the diagnosis](../theory/diagnosis.md).
 
+The key `schema` holds name and version of the schema. The number rises when a key changes its meaning or goes; new keys leave it as it is. A
+result that is a list has no place for it; its keys follow the same version.
+
 `counterpoise verify --json` lists every figure that a requirement can ask for, with its unit.
 ";
 
