@@ -207,7 +207,7 @@ pub fn measure_controller(
 }
 
 /// The controller from one reading alone; states that this reading does not drive are at rest and left out.
-fn hub_path(linear: &StateSpace, reading: usize) -> StateSpace {
+pub(crate) fn hub_path(linear: &StateSpace, reading: usize) -> StateSpace {
     let path = linear.select(&[0], &[reading]);
     let driven: Vec<usize> = (0..path.order()).filter(|&i| path.B[(i, 0)] != 0.0).collect();
     let reached = reached(&path.A, driven);
