@@ -4,7 +4,7 @@ use counterpoise_lti::C64;
 
 use super::crossings::crossings;
 use super::family::GridResponse;
-use super::limits::pole_region;
+use super::limits::{decays, pole_region};
 use super::problem::{LoopPlant, Problem};
 use crate::Error;
 
@@ -51,6 +51,8 @@ pub(crate) struct LoopResponse<'a> {
 
 /// Peaks lower than this below their limit, as a natural logarithm, have no row: no step of the trust region reaches them.
 const FAR: f64 = -0.7;
+/// Poles with a row of their own: as many as have been seen to share a limit, and one more.
+const SLOWEST: usize = 5;
 /// The trust region's step in the logarithms of the parameters by which the slopes of poles are taken.
 pub(crate) const POLE_STEP: f64 = 1e-5;
 
@@ -160,21 +162,30 @@ impl Problem<'_> {
         rows
     }
 
-    /// Decay and damping of the closed loop's poles, with slopes from differences: a pole moves smoothly unless two meet.
+    /// Decays of the slowest poles of the closed loop and its damping, with slopes from differences: a pole moves smoothly unless two meet.
+    /// Several poles have a row each, because at the answer they often share the limit.
     fn poles(&self, at: &[f64]) -> Result<Vec<Row>, Error> {
         let asked = [self.limits.decay_rad_s, self.limits.damping];
         if asked.iter().all(|limit| *limit <= 0.0) {
             return Ok(Vec::new());
         }
-        let missing = |at: &[f64]| -> Result<[f64; 2], Error> {
+        let missing = |at: &[f64]| -> Result<[f64; SLOWEST + 1], Error> {
             let crossover_rad_s = if asked[1] > 0.0 { self.crossover(at)? } else { 0.0 };
-            let mut worst = [f64::NEG_INFINITY; 2];
+            let (mut worst, mut damped) = (Vec::new(), f64::NEG_INFINITY);
             for (poles, plant) in self.closed_poles(at)?.iter().zip(&self.plants) {
-                let (decay, damping) = pole_region(poles, &plant.system, crossover_rad_s);
-                let missed = [1.0 - decay / asked[0], 1.0 - damping / asked[1]];
-                (0..2).filter(|&i| asked[i] > 0.0).for_each(|i| worst[i] = worst[i].max(missed[i]));
+                let (_, damping) = pole_region(poles, &plant.system, crossover_rad_s);
+                damped = damped.max(1.0 - damping / asked[1]);
+                worst.extend(decays(poles, &plant.system).into_iter().map(|decay| 1.0 - decay / asked[0]));
             }
-            Ok(worst)
+            worst.sort_by(|a, b| b.total_cmp(a));
+            let mut all = [f64::NEG_INFINITY; SLOWEST + 1];
+            if asked[0] > 0.0 {
+                all.iter_mut().take(SLOWEST).zip(worst).for_each(|(row, missed)| *row = missed);
+            }
+            if asked[1] > 0.0 {
+                all[SLOWEST] = damped;
+            }
+            Ok(all)
         };
         let here = missing(at)?;
         let mut rows: Vec<Row> = here.map(|value| Row { value, slope: Vec::new() }).into();
@@ -184,7 +195,7 @@ impl Problem<'_> {
             let next = missing(&moved)?;
             rows.iter_mut().zip(next).for_each(|(row, next)| row.slope.push((next - row.value) / POLE_STEP));
         }
-        rows.retain(|row| row.value.is_finite());
+        rows.retain(|row| row.value.is_finite() && row.slope.iter().all(|slope| slope.is_finite()));
         Ok(rows)
     }
 

@@ -236,5 +236,14 @@ pub(crate) fn pole_region(poles: &[C64], system: &StateSpace, crossover_rad_s: f
     (decay, damping)
 }
 
+/// Decays of the poles of a sampled loop, rad/s.
+pub(crate) fn decays(poles: &[C64], system: &StateSpace) -> Vec<f64> {
+    let period_s = match system.timebase {
+        Timebase::Discrete { period_s } => period_s,
+        Timebase::Continuous => 1.0,
+    };
+    poles.iter().filter(|pole| pole.norm() > FASTEST).map(|pole| -pole.norm().ln() / period_s).collect()
+}
+
 /// Poles nearer to 0 than this settle within a sample or two: they have no rate that matters.
 const FASTEST: f64 = 1e-6;
