@@ -69,7 +69,8 @@ fn a_tuned_structure_is_verified_exported_and_saved_like_any_controller() {
 
 #[test]
 fn tuned_weights_are_verified_and_saved_like_any_weights() {
-    let stated = project("tuned-weights.toml");
+    let mut stated = project("tuned-weights.toml");
+    stated.synth.as_mut().unwrap().options.tuning.as_mut().unwrap().starts = 6;
     let world = Beside(folder());
     let tuned = with_tuned_structure(&stated, &world).unwrap().expect("weights to tune");
     assert_eq!(tuned.tuned.missed, 0.0, "{:?}", tuned.tuned.measures);

@@ -44,7 +44,7 @@ const NO_CORNER: f64 = 3e-3;
 /// Largest random factor on a start, as natural logarithms: gains and noises, and the other parameters.
 const SPREAD: (f64, f64) = (2.0, 0.6);
 /// How many loops of blocks are evaluated in the time of one design with its slopes, by order of magnitude; it lowers the number of starts.
-const COST: usize = 4;
+const COST: usize = 2;
 /// Designs that are kept: those of one set of slopes.
 const KEPT: usize = 40;
 
