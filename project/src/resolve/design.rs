@@ -11,6 +11,7 @@ use counterpoise_synth::{
 };
 
 use super::cascade;
+use super::fixed_structure::{TunedWeights, Tuning};
 use super::model::count;
 use super::synthesis_options::{self, SynthesisOptions};
 use super::weight::{blank_weight, weight};
@@ -352,22 +353,46 @@ fn weights(v: &mut dyn Visit, synth: &mut Synthesis) {
     });
 }
 
+/// Complains where weights are to be tuned of a feedback that has none of its own, and where there is nothing to tune.
+fn weights_can_be_tuned(v: &mut dyn Visit, synth: &Synthesis, tuning: &Tuning) {
+    let specification = &synth.specification;
+    let problem = match tuning.weights {
+        TunedWeights::Stated => "needs blocks, whose parameters it tunes, or weights = \"tune\"",
+        TunedWeights::Tuned => return,
+        TunedWeights::ToTune if synth.options.method != counterpoise_synth::Method::ThreePart => {
+            "can tune the weights of method = \"three-part\" alone"
+        }
+        TunedWeights::ToTune if specification.assembly == Assembly::Joint => {
+            "cannot tune the weights of assembly = \"joint\", where one problem holds all parts"
+        }
+        TunedWeights::ToTune if specification.reference != Reference::Error => {
+            "needs reference = \"error\" to tune weights"
+        }
+        TunedWeights::ToTune if specification.position_gain.is_some() => {
+            "cannot tune the weights of a cascade: state them, or leave them out"
+        }
+        TunedWeights::ToTune => return,
+    };
+    v.complain("tune", problem, Some("add [[synth.block]] tables, or remove [synth.tune]".to_owned()));
+}
+
 /// Complains where a feedback of fixed structure is asked for together with what makes or changes another feedback.
 fn fixed_structure_stands_alone(v: &mut dyn Visit, synth: &Synthesis) {
     let (options, specification) = (&synth.options, &synth.specification);
     if options.structure.blocks.is_empty() {
-        if options.tuning.is_some() {
-            let hint = "add [[synth.block]] tables, or remove [synth.tune]";
-            v.complain("tune", "needs blocks: it tunes their parameters", Some(hint.to_owned()));
+        if let Some(tuning) = &options.tuning {
+            weights_can_be_tuned(v, synth, tuning);
         }
         return;
     }
     let tustin = matches!(synth.discretisation, SamplingMethod::Emulation(Discretisation::Tustin { .. }));
     let on_closed_loop = |part: &FeedforwardWeights| part.basis == Basis::ClosedLoop;
     let feedforwards = [&specification.heave, &specification.pitch];
+    let tunes_weights = options.tuning.as_ref().is_some_and(|tuning| tuning.weights == TunedWeights::ToTune);
     let apart = [
         (options.method != counterpoise_synth::Method::ThreePart, "method", "must be \"three-part\""),
         (options.controller_order.is_some(), "controller_order", "must be absent"),
+        (tunes_weights, "tune", "must not have weights = \"tune\""),
         (specification.assembly == Assembly::Joint, "assembly", "must not be \"joint\""),
         (specification.reference != Reference::Error, "reference", "must be \"error\""),
         (!tustin, "discretisation", "must be \"tustin\", which keeps the parameters' meaning,"),

@@ -13,6 +13,7 @@ pub mod fixed_structure;
 mod format;
 mod friction;
 pub mod import;
+mod learned;
 mod loop_sensor;
 pub mod measured;
 pub mod model;

@@ -7,6 +7,7 @@ use counterpoise_models::{
 
 use super::axis_words::Words;
 use super::friction::{friction, ripple};
+use super::learned::learned;
 use super::structure::{beam, blank_beam, blank_configuration, blank_lumped, configuration, lumped};
 use super::{drive, loop_sensor, transmission};
 use crate::file::field::{Field, Limit, TableField, UsualRange};
@@ -56,6 +57,7 @@ pub(crate) fn blank() -> Parameters {
             missing_codes: 0.0,
         },
         configurations: Vec::new(),
+        learned: Vec::new(),
     }
 }
 
@@ -126,6 +128,7 @@ pub(crate) fn plant(v: &mut dyn Visit, plant: &mut Parameters) {
         blank_configuration(),
         configuration,
     );
+    learned(v, plant);
 }
 
 impl Choice for Axis {

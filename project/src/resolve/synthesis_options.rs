@@ -245,7 +245,8 @@ pub(crate) fn tables(v: &mut dyn Visit, options: &mut SynthesisOptions) {
     let section = TableField::optional("search", "requirements from which weights are searched");
     optional(v, &section, &mut options.search, blank_search(), search);
     blocks(v, &mut options.structure.blocks);
-    let section = TableField::optional("tune", "what the open parameters of the blocks are tuned for");
+    let section =
+        TableField::optional("tune", "what the open parameters of the blocks, or the weights, are tuned for");
     optional(v, &section, &mut options.tuning, Tuning::default(), tuning);
 }
 
