@@ -6,7 +6,7 @@
 //! *Invariant*: nothing here knows the drive, a file or time.
 //!
 //! Modules in reading order: [`profile`], [`element`], [`power_law`], [`mesh`], [`fe`], [`mod@modes`], [`damping`],
-//! [`reduced`], [`refinement`], [`configured`], [`large`], [`import`].
+//! [`reduced`], [`refinement`], [`configured`], [`large`], `supported`, [`import`].
 //!
 //! ```
 //! use counterpoise_models::structure::{FeModel, FeOptions, Fitted, lumped};
@@ -30,6 +30,7 @@ pub mod power_law;
 pub mod profile;
 pub mod reduced;
 pub mod refinement;
+mod supported;
 
 pub use configured::{Structure, with_derived_lumped};
 pub use element::{Integration, Theory};
