@@ -8,10 +8,39 @@ use counterpoise_lti::Mat;
 use counterpoise_lti::linalg::sparse::{Analysis, Progress, Watch};
 use counterpoise_lti::linalg::{self, Sparse, SparseCholesky};
 
+use super::balanced::BalancedShapes;
 use super::fe::{FeModel, NodeRows};
 use super::supported::SupportedModes;
 use crate::Error;
 use crate::tolerance::{DEPENDENT_SHAPE, FREE, LARGE_STRUCTURE_NODES};
+
+/// Which shapes a condensed structure has besides the static ones.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Shapes {
+    /// The lowest modes of the structure that is pinned, clamped and free at its hub, to about eight digits.
+    #[default]
+    Modes,
+    /// The motions that carry most from the loads to the displacements of hub and tip, by balanced truncation.
+    Balanced,
+}
+
+/// How a large structure is condensed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Condensation {
+    /// Number of modes that are needed.
+    pub modes: usize,
+    /// Which shapes.
+    pub shapes: Shapes,
+    /// Damping ratio with which motions are ranked if the structure has no damping matrix.
+    pub damping_ratio: f64,
+}
+
+impl Condensation {
+    /// Returns a condensation to so many of the lowest modes.
+    pub fn modes(modes: usize) -> Self {
+        Self { modes, shapes: Shapes::Modes, damping_ratio: 0.0 }
+    }
+}
 
 /// A structure with sparse matrices; the fields mean what those of [`FeModel`] do.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,29 +77,40 @@ impl SparseStructure {
             hub: Some(self.hub),
             tip: self.tip,
             tip_arm_m: self.tip_arm_m,
+            truncation: None,
         }
     }
 
     /// Returns a small model with the same rigid motions, the same static shapes under weight and under forces at the kept nodes,
-    /// and the same first `modes` flexible modes (and [`SPARE_MODES`](crate::tolerance::SPARE_MODES) more) of the structure that is free, pinned and clamped at
-    /// its hub, to about eight digits.
+    /// and the shapes that are asked for: [`Shapes::Modes`] or [`Shapes::Balanced`].
     ///
     /// Its first unknowns are the deflection and rotation of the hub, then those of nodes along the axis, the tip last; the others
-    /// are modal coordinates. What the lowest modes leave out is kept as static flexibility.
+    /// are modal coordinates. What the shapes leave out is kept as static flexibility.
     ///
     /// # Errors
-    /// [`Error::NotFree`] if K resists a rigid motion, [`Error::Parameter`] for a negative mass, [`Error::MovesFreely`] if K leaves
-    /// other motions free, and [`Error::Linalg`] if the factors do not fit into memory or `watch` asked to stop.
-    pub fn condensed(&self, modes: usize, watch: &mut Watch) -> Result<FeModel, Error> {
+    /// [`Error::NotFree`] if K resists a rigid motion, [`Error::Parameter`] for a negative mass or a mode without damping where shapes are
+    /// balanced, [`Error::MovesFreely`] if K leaves other motions free, and [`Error::Linalg`] if the factors do not fit into memory or `watch`
+    /// asked to stop.
+    pub fn condensed(&self, wanted: &Condensation, watch: &mut Watch) -> Result<FeModel, Error> {
         self.check()?;
         let clamped = Clamped::of(self, watch)?;
         let mut shapes = clamped.solve(&self.M.times(&self.rigid()));
-        for found in SupportedModes::of(self, &clamped, modes, watch)? {
-            shapes = shapes.hstack(&found.shapes);
+        let mut truncation = None;
+        match wanted.shapes {
+            Shapes::Modes => {
+                for found in SupportedModes::of(self, &clamped, wanted.modes, watch)? {
+                    shapes = shapes.hstack(&found.shapes);
+                }
+            }
+            Shapes::Balanced => {
+                let found = BalancedShapes::of(self, &clamped, wanted.modes, wanted.damping_ratio, watch)?;
+                shapes = shapes.hstack(&found.shapes);
+                truncation = Some(found.truncation);
+            }
         }
         let kept = self.kept_nodes();
         let basis = Basis::of(self, &clamped, &kept, shapes)?;
-        basis.project(self, &kept)
+        Ok(FeModel { truncation, ..basis.project(self, &kept)? })
     }
 
     /// heave and pitch as columns.
@@ -140,12 +180,25 @@ impl Clamped {
 
     /// The displacements under the given loads, zero at the hub.
     pub(super) fn solve(&self, loads: &Mat) -> Mat {
-        let inner = Mat::from_fn(self.free.len(), loads.ncols(), |i, j| loads[(self.free[i], j)]);
-        let moved = self.factor.solve(&inner);
-        let mut out = Mat::zeros(self.size, loads.ncols());
-        for j in 0..loads.ncols() {
+        self.extended(&self.factor.solve(&self.inner(loads)))
+    }
+
+    /// The unknowns that are free.
+    pub(super) fn free(&self) -> &[usize] {
+        &self.free
+    }
+
+    /// The rows of the free unknowns.
+    pub(super) fn inner(&self, whole: &Mat) -> Mat {
+        Mat::from_fn(self.free.len(), whole.ncols(), |i, j| whole[(self.free[i], j)])
+    }
+
+    /// The rows of the free unknowns among all, zero at the hub.
+    pub(super) fn extended(&self, inner: &Mat) -> Mat {
+        let mut out = Mat::zeros(self.size, inner.ncols());
+        for j in 0..inner.ncols() {
             let column = out.column_mut(j);
-            self.free.iter().zip(moved.column(j)).for_each(|(&i, &x)| column[i] = x);
+            self.free.iter().zip(inner.column(j)).for_each(|(&i, &x)| column[i] = x);
         }
         out
     }
@@ -224,6 +277,7 @@ impl Basis {
             hub: Some(node(0)),
             tip: node(kept.len() - 1),
             tip_arm_m: structure.tip_arm_m,
+            truncation: None,
         })
     }
 }
