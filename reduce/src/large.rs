@@ -67,6 +67,10 @@ pub fn balred_large(
     order: Order,
     watch: &mut Watch,
 ) -> Result<LargeReduction, Error> {
+    if let Some(value) = structure.M.diagonal().into_iter().find(|mass| mass.is_nan() || *mass <= 0.0) {
+        let what = "a diagonal entry of the mass matrix";
+        return Err(Error::Range { what, value, allowed: "positive: eliminate massless unknowns first" });
+    }
     let pencil = QuadraticPencil::of(&structure.M, &structure.C, &structure.K).during("balancing")?;
     let ports = Ports { F: &structure.F, P: &structure.P, V: &structure.V };
     let accuracy = Accuracy { contribution: CONTRIBUTION, steps: STEPS };

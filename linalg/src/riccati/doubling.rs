@@ -82,8 +82,8 @@ const SETTLED: f64 = 1e-7;
 /// After this many doublings a solution that still grows is either that of a pole near the boundary or of a mode out of reach.
 const EARLY: usize = 10;
 
-/// The same for a large problem, whose doublings take longer than the question; benign ones need six to eight.
-const EARLY_LARGE: usize = 8;
+/// The same for a large problem, whose doublings take long beside the question; the steps of benign ones are small by then.
+const EARLY_LARGE: usize = 6;
 
 /// After this many doublings a solution that still grows belongs to a pole within 2^-30 of the boundary; doubles are
 /// not the place to find it.

@@ -152,8 +152,11 @@ pub(super) fn lost_mode(problem: &Problem, kind: Kind, nearness: Nearness) -> Op
 
 /// Returns a mode that is not stable and that the input does not reach for certain: not normwise, and not entry by entry.
 pub(super) fn certainly_lost(problem: &Problem, kind: Kind) -> Option<Reason> {
+    lost_in(&Spectrum::of(&problem.A).ok()?, problem, kind)
+}
+
+fn lost_in(spectrum: &Spectrum, problem: &Problem, kind: Kind) -> Option<Reason> {
     let n = problem.A.nrows() as f64;
-    let spectrum = Spectrum::of(&problem.A).ok()?;
     let modes = spectrum.modes().into_iter().filter(|&m| excess(m, kind) >= 0.0);
     let mut reaches = modes.map(|m| spectrum.reach(&problem.G, m));
     let lost = reaches.find(|reach| reach.normwise.max(reach.entrywise) < n * LOST)?;
@@ -163,11 +166,14 @@ pub(super) fn certainly_lost(problem: &Problem, kind: Kind) -> Option<Reason> {
 /// Returns why a continuous problem has no solution for certain: a mode out of reach; of a large problem, which is not solved in more
 /// digits, also a mode on the boundary that the cost does not see, or a Hamiltonian matrix with an eigenvalue there.
 pub(super) fn certainly_unsolvable(problem: &Problem) -> Option<Reason> {
-    let lost = certainly_lost(problem, Kind::Continuous);
+    let spectrum = Spectrum::of(&problem.A).ok()?;
+    let lost = lost_in(&spectrum, problem, Kind::Continuous);
     if lost.is_some() || problem.A.nrows() <= PRECISE_STATES {
         return lost;
     }
-    certainly_unseen(problem).or_else(|| certainly_on_boundary(problem))
+    let may_be_unseen = !spectrum.on_boundary(|l| l.re).is_empty();
+    let unseen = if may_be_unseen { certainly_unseen(problem) } else { None };
+    unseen.or_else(|| certainly_on_boundary(problem))
 }
 
 /// Returns a mode that lies on the imaginary axis as far as the entries of `A` say, and that the cost does not see for certain.

@@ -33,7 +33,7 @@ pub struct Analysis {
 }
 
 impl Analysis {
-    /// Analyses the pattern of a symmetric matrix, both halves of which are stored. The unknowns of `last` are eliminated last, in their order.
+    /// Analyses the pattern of a symmetric matrix; a place of either half counts for both. The unknowns of `last` are eliminated last, in their order.
     ///
     /// Of nested dissection and approximate minimum degree the order that needs less work is taken.
     ///
@@ -48,6 +48,7 @@ impl Analysis {
             let what = "the unknowns that are eliminated last";
             return Err(Error::Shape { what, rows: row + 1, cols: 1, needed_rows: n, needed_cols: 1 });
         }
+        let A = &A.with_symmetric_pattern()?;
         let graph = Graph::of(A);
         let by_degree = Self::in_order(A, minimum_degree(&graph)?, last)?;
         if n < SMALL {

@@ -20,7 +20,7 @@ impl SparseCholesky {
     /// Factorises a symmetric matrix, both halves of which are stored.
     ///
     /// # Errors
-    /// [`Error::NotSquare`], [`Error::NotPositiveDefinite`], or [`Error::TooLarge`] if the factors do not fit into memory.
+    /// [`Error::NotSquare`], [`Error::NotSymmetric`], [`Error::NotPositiveDefinite`], or [`Error::TooLarge`] if the factors do not fit into memory.
     pub fn of(A: &Sparse) -> Result<Self, Error> {
         Self::watched(A, Analysis::of(A, &[])?, "factorising a matrix", &mut |_| ControlFlow::Continue(()))
     }
@@ -35,6 +35,7 @@ impl SparseCholesky {
         stage: &'static str,
         watch: &mut Watch,
     ) -> Result<Self, Error> {
+        A.check_symmetric("the sparse matrix")?;
         let terms = [Term { factor: 1.0, matrix: A }];
         let factors = factorise(&analysis, &terms, Wanted::PositiveFactors, stage, watch)?;
         Ok(Self { analysis, factors })

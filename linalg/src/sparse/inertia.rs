@@ -26,7 +26,7 @@ impl<'a> ModeCounter<'a> {
     /// Analyses the pattern of the pencil, in which the unknowns of `held` may be held.
     ///
     /// # Errors
-    /// [`Error::NotSquare`], [`Error::Shape`] or [`Error::TooLarge`].
+    /// [`Error::NotSquare`], [`Error::NotSymmetric`], [`Error::Shape`] or [`Error::TooLarge`].
     pub fn of(K: &'a Sparse, M: &'a Sparse, held: &[usize]) -> Result<Self, Error> {
         if K.nrows() != K.ncols() || M.shape() != K.shape() {
             return Err(Error::NotSquare {
@@ -35,6 +35,8 @@ impl<'a> ModeCounter<'a> {
                 cols: K.ncols(),
             });
         }
+        K.check_symmetric("the stiffness of a pencil")?;
+        M.check_symmetric("the mass of a pencil")?;
         let extra: Vec<Entry> = M.entries().map(|e| Entry { value: 0.0, ..e }).collect();
         let analysis = Analysis::of(&K.plus(&extra)?, held)?;
         Ok(Self { K, M, held: held.to_vec(), analysis })

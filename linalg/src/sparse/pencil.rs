@@ -27,15 +27,13 @@ impl<'a> QuadraticPencil<'a> {
     /// Analyses the pattern.
     ///
     /// # Errors
-    /// [`Error::NotSquare`], [`Error::Shape`] or [`Error::TooLarge`].
+    /// [`Error::NotSquare`], [`Error::NotSymmetric`], [`Error::Shape`] or [`Error::TooLarge`].
     pub fn of(M: &'a Sparse, D: &'a Sparse, K: &'a Sparse) -> Result<Self, Error> {
         let n = K.nrows();
         for (what, matrix) in [("the mass matrix", M), ("the damping matrix", D), ("the stiffness matrix", K)]
         {
+            matrix.check_symmetric(what)?;
             let (rows, cols) = matrix.shape();
-            if rows != cols {
-                return Err(Error::NotSquare { what, rows, cols });
-            }
             if rows != n {
                 return Err(Error::Shape { what, rows, cols, needed_rows: n, needed_cols: n });
             }
