@@ -11,12 +11,15 @@ use counterpoise_lti::linalg::sparse::{
 use counterpoise_lti::linalg::{self, Sparse};
 
 use super::damping::{DampedFrequency, Rayleigh, rayleigh_coefficients};
-use super::large::{Clamped, SparseStructure};
+use super::large::{Clamped, SparseStructure, orthonormal};
 use crate::Error;
 use crate::tolerance::{LEAST_RATIO, MODE_RESIDUAL, RAYLEIGH_SPAN, SPARE_MODES};
 
 /// A step of the iteration for the Gramians that contributes less than this share is idle: shapes need fewer digits than Hankel values.
 const CONTRIBUTION: f64 = 1e-4;
+
+/// A direction that differs from others by less than this share adds noise, whose frequencies would be taken for modes.
+const NOISE: f64 = 10.0 * CONTRIBUTION;
 
 /// Factorisations at most; each finds about one motion that matters.
 const STEPS: usize = 80;
@@ -76,8 +79,16 @@ impl BalancedShapes {
         let forces = directions.left.block(n, 0, n, kept);
         let dropped: f64 = directions.values[kept..].iter().rev().sum();
         let largest = directions.values.first().copied().unwrap_or(0.0).max(f64::MIN_POSITIVE);
+        // The two directions of a value are nearly the same shape; what differs by less than their accuracy is noise.
+        let both =
+            Mat::from_fn(
+                n,
+                2 * kept,
+                |i, j| if j % 2 == 0 { positions[(i, j / 2)] } else { forces[(i, j / 2)] },
+            );
+        let shapes = orthonormal(&M, &both, NOISE)?;
         Ok(Self {
-            shapes: clamped.extended(&positions.hstack(&forces)),
+            shapes: clamped.extended(&shapes),
             truncation: Truncation {
                 kept,
                 estimated_error: 2.0 * dropped / largest,

@@ -108,7 +108,7 @@ impl SparseStructure {
                 truncation = Some(found.truncation);
             }
         }
-        let kept = self.kept_nodes();
+        let kept = self.kept_nodes(wanted.shapes);
         let basis = Basis::of(self, &clamped, &kept, shapes)?;
         Ok(FeModel { truncation, ..basis.project(self, &kept)? })
     }
@@ -136,11 +136,15 @@ impl SparseStructure {
         Ok(())
     }
 
-    /// The nodes whose unknowns stay: hub, some along the axis, tip.
-    fn kept_nodes(&self) -> Vec<NodeRows> {
+    /// The nodes whose unknowns stay: hub, some along the axis, tip; with balanced shapes hub and tip alone, because forces at nodes beside the axis of
+    /// a structure in space would bring in modes that no load moves.
+    fn kept_nodes(&self, shapes: Shapes) -> Vec<NodeRows> {
         let between: Vec<NodeRows> =
             self.nodes.iter().copied().filter(|node| *node != self.hub && *node != self.tip).collect();
-        let count = between.len().min(LARGE_STRUCTURE_NODES);
+        let count = match shapes {
+            Shapes::Modes => between.len().min(LARGE_STRUCTURE_NODES),
+            Shapes::Balanced => 0,
+        };
         let mut kept = vec![self.hub];
         kept.extend((0..count).map(|k| between[(2 * k + 1) * between.len() / (2 * count)]));
         if self.tip != self.hub {
@@ -204,8 +208,9 @@ impl Clamped {
     }
 }
 
-/// The columns made orthonormal in the inner product of M, twice; those that depend on others are left out.
-pub(super) fn orthonormal(M: &Sparse, X: &Mat) -> Result<Mat, Error> {
+/// The columns made orthonormal in the inner product of M, twice; those that keep less than a share
+/// of their length are left out.
+pub(super) fn orthonormal(M: &Sparse, X: &Mat, least: f64) -> Result<Mat, Error> {
     let n = X.nrows();
     let mut out = Mat::zeros(n, 0);
     for j in 0..X.ncols() {
@@ -215,7 +220,7 @@ pub(super) fn orthonormal(M: &Sparse, X: &Mat) -> Result<Mat, Error> {
             x -= &(&out * &linalg::transpose_times(&out, &M.times(&x))?);
         }
         let length = (x.t() * M.times(&x))[(0, 0)].max(0.0).sqrt();
-        if length > DEPENDENT_SHAPE * before {
+        if length > least * before {
             out = out.hstack(&x.scale(1.0 / length));
         }
     }
@@ -253,7 +258,7 @@ impl Basis {
         let hub_rows = [structure.hub.deflection, structure.hub.rotation];
         let at_hub = |X: &Mat| Mat::from_fn(2, X.ncols(), |i, j| X[(hub_rows[i], j)]);
         let inside = &shapes - &(&physical * &at_hub(&shapes).vstack(&at(&shapes)));
-        let modal = orthonormal(&structure.M, &inside)?;
+        let modal = orthonormal(&structure.M, &inside, DEPENDENT_SHAPE)?;
         Ok(Self { physical: physical.ncols(), columns: physical.hstack(&modal) })
     }
 

@@ -12,7 +12,7 @@ use counterpoise_lti::linalg::sparse::{
 use super::large::{Clamped, SparseStructure, orthonormal};
 use super::modes::Support;
 use crate::Error;
-use crate::tolerance::{MODE_RESIDUAL, RIGID_MODE, SPARE_MODES};
+use crate::tolerance::{DEPENDENT_SHAPE, MODE_RESIDUAL, RIGID_MODE, SPARE_MODES};
 
 /// Searches for modes that the iteration missed. Each finds up to four copies of one that is repeated.
 const SEARCHES: usize = 12;
@@ -53,7 +53,7 @@ impl<'a> SupportedModes<'a> {
     ) -> Result<[LowestModes; 3], Error> {
         let hub = structure.hub;
         let search = |support: Support, stage: &'static str, motions: &Mat, count: usize| {
-            let rigid = orthonormal(&structure.M, motions)?;
+            let rigid = orthonormal(&structure.M, motions, DEPENDENT_SHAPE)?;
             Ok::<_, Error>(Search { support, stage, rigid, count })
         };
         let none = Mat::zeros(structure.heave.len(), 0);
