@@ -83,6 +83,7 @@ fn condense(fe: &FeModel, masters: &[usize]) -> Result<FeModel, PipelineError> {
         hub: Some(rows(hub)),
         tip: rows(fe.tip),
         tip_arm_m: fe.tip_arm_m,
+        truncation: None,
     })
 }
 

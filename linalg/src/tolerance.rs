@@ -132,3 +132,13 @@ pub const PENCIL_TOGETHER: f64 = 1e-8;
 
 /// Corrections allowed for the solution of an equation with a matrix `E`; each gains as many digits as the condition of `E` leaves.
 pub const GENERALISED_REFINEMENTS: usize = 6;
+
+/// Corrections of a solution with a sparse matrix at a complex frequency; each gains as many digits as the missing pivoting left.
+pub const SHIFTED_CORRECTIONS: usize = 4;
+
+/// A residual of a solution at a complex frequency, relative to the right-hand side, that needs no correction: some roundings of a row's sum,
+/// multiplied by the condition of a lightly damped mode at its frequency.
+pub const SHIFTED_RESIDUAL: f64 = 1e-13;
+
+/// A residual of a solution at a complex frequency beyond which the frequency counts as an eigenvalue.
+pub const SHIFTED_RESIDUAL_LARGEST: f64 = 1e-6;

@@ -1,13 +1,13 @@
 //! Condenses a large structure from Matrix Market files and prints times and frequencies as JSON; `tests/peers/linear/large.py`
 //! compares them with SciPy's.
 //!
-//!     cargo run --release -p counterpoise-models --example large_structure FOLDER COUNT
+//!     cargo run --release -p counterpoise-models --example large_structure FOLDER COUNT [balanced]
 //!
 //! The folder holds `mass.mtx`, `stiffness.mtx` and `nodes.map`.
 #![allow(non_snake_case, clippy::print_stdout, clippy::print_stderr)]
 
 use counterpoise_models::structure::import::{Imported, NodeMap, matrix_market};
-use counterpoise_models::structure::{Support, modes};
+use counterpoise_models::structure::{Condensation, Shapes, Support, modes};
 use std::error::Error;
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -23,11 +23,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     let imported = Imported::in_order_of(&map, M, None, K);
     let read_s = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let small = imported.sparse(&map)?.condensed(count, &mut |at| {
+    let balanced = arguments.next().is_some_and(|word| word == "balanced");
+    let shapes = if balanced { Shapes::Balanced } else { Shapes::Modes };
+    let wanted = Condensation { modes: count, shapes, damping_ratio: 0.01 };
+    let small = imported.sparse(&map)?.condensed(&wanted, &mut |at| {
         eprintln!("{:8.2} s  {} {}/{}", start.elapsed().as_secs_f64(), at.stage, at.done, at.of);
         ControlFlow::Continue(())
     })?;
     let seconds = start.elapsed().as_secs_f64();
+    if let Some(left_out) = small.truncation {
+        eprintln!("{left_out:?}");
+    }
     let hertz = |support: Support| -> Result<String, Box<dyn Error>> {
         let found = modes(&small, support)?;
         let list: Vec<String> = found.flexible_rad_s().iter().take(count).map(|w| format!("{w:?}")).collect();

@@ -79,3 +79,8 @@ pub(crate) const RIGID_MODE: f64 = 100.0;
 /// A shape that keeps less than this share of its length once it is made orthogonal to others adds nothing: its square is the error
 /// of a frequency.
 pub(crate) const DEPENDENT_SHAPE: f64 = 1e-7;
+/// Damping ratio below which balanced shapes are sought with this one: what ranks lightly damped modes does not depend on a common ratio, and
+/// smaller ones cost digits.
+pub(crate) const LEAST_RATIO: f64 = 1e-3;
+/// Where proportional damping has its second frequency, relative to the lowest mode: between, the ratio stays above a third of the one given.
+pub(crate) const RAYLEIGH_SPAN: f64 = 30.0;

@@ -5,7 +5,9 @@ use std::ops::ControlFlow;
 use counterpoise_diagnose::simulator_access::{Pool, Serial};
 use counterpoise_lti::linalg::sparse::Progress;
 use counterpoise_models::plant::{Angles, Equilibrium, FrictionLinearisation, LinearPlant, Plant};
-use counterpoise_models::structure::{FeModel, Fitted, Structure, lumped, pinned, with_derived_lumped};
+use counterpoise_models::structure::{
+    Condensation, FeModel, Fitted, Structure, lumped, pinned, with_derived_lumped,
+};
 use counterpoise_models::{Configuration, Parameters, PointMass};
 
 use crate::PipelineError;
@@ -128,7 +130,12 @@ pub fn finite_elements_watched<'a>(
             if pool.cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let fitted = fitted(project, import, configuration)?;
-        let fe = content.structure(&fitted, project.model.modes, &mut watch)?;
+        let wanted = Condensation {
+            modes: project.model.modes,
+            shapes: import.shapes,
+            damping_ratio: import.modal_damping.first().copied().unwrap_or(0.0),
+        };
+        let fe = content.structure(&fitted, &wanted, &mut watch)?;
         return Ok((fe, &import.modal_damping));
     }
     let structure = Structure::new(&project.plant, configuration)?;

@@ -8,7 +8,7 @@
 //! border of stability are never reduced: they are split off first and put back unchanged.
 //!
 //! Modules in reading order: [`reduction`], [`split`](mod@split), [`balanced`], [`weighted`], [`modal`], [`second_order`],
-//! [`minimal`](mod@minimal), [`measure`], [`tolerance`] (the numbers that decide), [`error`].
+//! [`large`] (structures with sparse matrices), [`minimal`](mod@minimal), [`measure`], [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```
 //! use counterpoise_lti::{C64, Timebase, Zpk};
@@ -25,6 +25,7 @@
 
 pub mod balanced;
 pub mod error;
+pub mod large;
 pub mod measure;
 pub mod minimal;
 pub mod modal;
@@ -36,6 +37,7 @@ pub mod weighted;
 
 pub use balanced::{Balanced, balred};
 pub use error::Error;
+pub use large::{LargeReduction, LargeStructure, balred_large, error_at};
 pub use measure::error_norm;
 pub use minimal::{Minimal, minimal};
 pub use modal::{Residual, modal_truncation};

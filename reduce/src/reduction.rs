@@ -84,6 +84,11 @@ pub enum Warning {
         /// Imaginary part of the worst pole.
         im: f64,
     },
+    /// The iteration for the Gramians of a large structure ended before its steps became small.
+    GramiansUnfinished {
+        /// What the last step contributed, as a share of the factor.
+        share: f64,
+    },
     /// The gap at which a realisation was cut is too small to be sure of the order.
     SmallGap {
         /// Smallest value kept.
@@ -112,6 +117,12 @@ impl fmt::Display for Warning {
                 write!(
                     f,
                     "the loop with the reduced controller has the pole {re:.4e} {im:+.4e}i: keep more states"
+                )
+            }
+            Self::GramiansUnfinished { share } => {
+                write!(
+                    f,
+                    "the last step of the balancing still contributed {share:.1e} of the Gramian's factor: the Hankel values may miss modes"
                 )
             }
             Self::SmallGap { kept, dropped } => {

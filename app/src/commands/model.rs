@@ -56,6 +56,13 @@ pub fn run(options: &ModelOptions) -> Done {
     if !output::json(&options.results, &result)? {
         print(&result, pipeline::cannot_hold(&modelled).as_ref());
         assumed(&result);
+        if let Some(left_out) = modelled.elements.as_ref().and_then(|elements| elements.truncation) {
+            say!(
+                "structure condensed to {} balanced states; estimated relative error of what was left out: {:.1e}",
+                left_out.kept,
+                left_out.estimated_error
+            );
+        }
         modes(&views.modes);
         views.meshes.iter().for_each(meshes);
     }

@@ -122,8 +122,8 @@ fn solve_scaled(equation: &(impl Equation + PreciseEquation), problem: &Problem)
         match attempt(equation, problem, *way, &mut nearest) {
             Ok(found) if is_beyond_doubt(&found, problem, Kind::Continuous) => return Outcome::Solved(found),
             Ok(found) => return decide(equation, problem, Some(found), Refusal { reason: refusal, nearest }),
-            Err(reason @ Reason::Uncontrollable { .. }) => return Outcome::Infeasible(reason),
-            Err(reason) => refusal = reason,
+            Err(Failure::Certain(reason)) => return Outcome::Infeasible(reason),
+            Err(Failure::Doubtful(reason)) => refusal = reason,
         }
         if tried == 0
             && let Some(reason) = reason::certainly_lost(problem, Kind::Continuous)
@@ -140,19 +140,38 @@ fn attempt(
     problem: &Problem,
     way: Start,
     nearest: &mut Option<C64>,
-) -> Result<Certified, Reason> {
+) -> Result<Certified, Failure> {
     let (first, method) = match way {
         Start::Schur => {
             let start = subspace::by_schur(problem);
             *nearest = start.nearest.filter(|_| problem.A.nrows() > PRECISE_STATES);
             (start.first, Method::Schur)
         }
-        Start::Doubling(parameters) => (by_doubling(problem, parameters), Method::Doubling),
+        Start::Doubling(parameters) => {
+            (by_doubling(problem, parameters).map_err(Failure::Certain)?, Method::Doubling)
+        }
     };
     let first = first.ok_or(Reason::NoGraph)?;
     if let Some(reason) = reason::lost_behind(&first, problem, Kind::Continuous) {
-        return Err(reason);
+        return Err(Failure::Certain(reason));
     }
     let refined = refine(equation, first)?;
-    certify(equation, problem, refined, method)
+    Ok(certify(equation, problem, refined, method)?)
+}
+
+/// Why a way did not lead to a solution.
+enum Failure {
+    /// There is none.
+    Certain(Reason),
+    /// Another way may.
+    Doubtful(Reason),
+}
+
+impl From<Reason> for Failure {
+    fn from(reason: Reason) -> Self {
+        match reason {
+            Reason::Uncontrollable { .. } => Self::Certain(reason),
+            other => Self::Doubtful(other),
+        }
+    }
 }

@@ -6,10 +6,10 @@
 use crate::dense::solve;
 use crate::error::Error;
 use crate::mat::Mat;
-use crate::sylvester::Kind;
-use crate::tolerance::DOUBLING_STEPS;
+use crate::tolerance::{DOUBLING_STEPS, PRECISE_STATES};
 
-use super::reason::certainly_lost;
+use super::Reason;
+use super::reason::certainly_unsolvable;
 use super::scaling::Problem;
 
 /// Parameters of the Cayley transform, relative to the size of the data: the usual one, and others for a breakdown.
@@ -17,19 +17,24 @@ pub(super) const PARAMETERS: [f64; 3] = [0.3, 1.7, 0.05];
 
 /// A first approximation of the stabilising solution of the continuous equation with the first of the parameters that leads
 /// to one; `None` if the iteration breaks down with each or does not settle.
-pub(super) fn by_doubling(problem: &Problem, parameters: &[f64]) -> Option<Mat> {
+///
+/// # Errors
+/// The reason why there is no solution, if a solution that keeps growing made the question worth its time.
+pub(super) fn by_doubling(problem: &Problem, parameters: &[f64]) -> Result<Option<Mat>, Reason> {
     let Problem { A, G, Q } = problem;
+    let early = if A.nrows() > PRECISE_STATES { EARLY_LARGE } else { EARLY };
     let base = A.norm_fro().max((G.norm_fro() * Q.norm_fro()).sqrt()) / (A.nrows() as f64).sqrt();
     for factor in parameters {
-        let hopeless = || certainly_lost(problem, Kind::Continuous).is_some();
-        match cayley(A, G, Q, factor * base).map(|form| iterate(form, hopeless)) {
-            Ok(Outcome::Settled(X)) => return Some(X),
+        let question = || certainly_unsolvable(problem);
+        match cayley(A, G, Q, factor * base).map(|form| iterate(form, early, question)) {
+            Ok(Outcome::Settled(X)) => return Ok(Some(X)),
+            Ok(Outcome::Unsolvable(reason)) => return Err(reason),
             // Another parameter settles no equation that this one does not; it may only avoid a singular step.
-            Ok(Outcome::Unsettled) => return None,
+            Ok(Outcome::Unsettled) => return Ok(None),
             Ok(Outcome::Broken) | Err(_) => {}
         }
     }
-    None
+    Ok(None)
 }
 
 /// What became of a doubling iteration.
@@ -38,6 +43,8 @@ pub(super) enum Outcome {
     Settled(Mat),
     /// It goes on for ever, as it does if a mode that is not stable is out of reach.
     Unsettled,
+    /// It goes on for ever, and this is why.
+    Unsolvable(Reason),
     /// A step was singular or not finite.
     Broken,
 }
@@ -47,7 +54,7 @@ impl Outcome {
     pub(super) fn settled(self) -> Option<Mat> {
         match self {
             Self::Settled(X) => Some(X),
-            Self::Unsettled | Self::Broken => None,
+            Self::Unsettled | Self::Unsolvable(_) | Self::Broken => None,
         }
     }
 }
@@ -75,6 +82,9 @@ const SETTLED: f64 = 1e-7;
 /// After this many doublings a solution that still grows is either that of a pole near the boundary or of a mode out of reach.
 const EARLY: usize = 10;
 
+/// The same for a large problem, whose doublings take long beside the question; the steps of benign ones are small by then.
+const EARLY_LARGE: usize = 6;
+
 /// After this many doublings a solution that still grows belongs to a pole within 2^-30 of the boundary; doubles are
 /// not the place to find it.
 const LATE: usize = 30;
@@ -84,19 +94,25 @@ const GROWING: f64 = 0.3;
 
 /// Doubles `X = A'X (I + G X)^-1 A + Q` until `Q`, which tends to `X`, stands still.
 pub(super) fn run(form: Problem) -> Outcome {
-    iterate(form, || false)
+    iterate(form, EARLY, || None)
 }
 
-/// The same; `is_hopeless` is asked once if the solution still grows after [`EARLY`] doublings.
-fn iterate(mut form: Problem, is_hopeless: impl Fn() -> bool) -> Outcome {
+/// The same; `question` is asked once if the solution still grows after `early` doublings.
+fn iterate(mut form: Problem, early: usize, question: impl Fn() -> Option<Reason>) -> Outcome {
     for count in 1..=DOUBLING_STEPS {
         let Some(change) = double(&mut form) else { return Outcome::Broken };
         if change < SETTLED {
             return Outcome::Settled(form.Q);
         }
         let grows = change > GROWING;
-        if grows && (count > LATE || count == EARLY && is_hopeless()) {
+        if grows && count > LATE {
             return Outcome::Unsettled;
+        }
+        if grows
+            && count == early
+            && let Some(reason) = question()
+        {
+            return Outcome::Unsolvable(reason);
         }
     }
     Outcome::Unsettled

@@ -7,7 +7,7 @@ use crate::mat::{C64, CMat, Mat};
 use crate::schur::eigenvalues;
 use crate::spectrum::Spectrum;
 use crate::sylvester::Kind;
-use crate::tolerance::EPS;
+use crate::tolerance::{EPS, PRECISE_STATES};
 
 use super::scaling::Problem;
 use super::subspace::hamiltonian;
@@ -152,12 +152,37 @@ pub(super) fn lost_mode(problem: &Problem, kind: Kind, nearness: Nearness) -> Op
 
 /// Returns a mode that is not stable and that the input does not reach for certain: not normwise, and not entry by entry.
 pub(super) fn certainly_lost(problem: &Problem, kind: Kind) -> Option<Reason> {
+    lost_in(&Spectrum::of(&problem.A).ok()?, problem, kind)
+}
+
+fn lost_in(spectrum: &Spectrum, problem: &Problem, kind: Kind) -> Option<Reason> {
     let n = problem.A.nrows() as f64;
-    let spectrum = Spectrum::of(&problem.A).ok()?;
     let modes = spectrum.modes().into_iter().filter(|&m| excess(m, kind) >= 0.0);
     let mut reaches = modes.map(|m| spectrum.reach(&problem.G, m));
     let lost = reaches.find(|reach| reach.normwise.max(reach.entrywise) < n * LOST)?;
     Some(Reason::Uncontrollable { mode: lost.mode, distance: lost.normwise })
+}
+
+/// Returns why a continuous problem has no solution for certain: a mode out of reach; of a large problem, which is not solved in more
+/// digits, also a mode on the boundary that the cost does not see, or a Hamiltonian matrix with an eigenvalue there.
+pub(super) fn certainly_unsolvable(problem: &Problem) -> Option<Reason> {
+    let spectrum = Spectrum::of(&problem.A).ok()?;
+    let lost = lost_in(&spectrum, problem, Kind::Continuous);
+    if lost.is_some() || problem.A.nrows() <= PRECISE_STATES {
+        return lost;
+    }
+    let may_be_unseen = !spectrum.on_boundary(|l| l.re).is_empty();
+    let unseen = if may_be_unseen { certainly_unseen(problem) } else { None };
+    unseen.or_else(|| certainly_on_boundary(problem))
+}
+
+/// Returns a mode that lies on the imaginary axis as far as the entries of `A` say, and that the cost does not see for certain.
+fn certainly_unseen(problem: &Problem) -> Option<Reason> {
+    let n = problem.A.nrows() as f64;
+    let spectrum = Spectrum::of(&problem.A.t()).ok()?;
+    let reaches = spectrum.on_boundary(|l| l.re).into_iter().map(|m| spectrum.reach(&problem.Q, m));
+    let mut unseen = reaches.filter(|reach| reach.normwise.max(reach.entrywise) < n * LOST);
+    unseen.next().map(|reach| Reason::Unobservable { mode: reach.mode, distance: reach.normwise })
 }
 
 /// An approximation whose feedback exceeds the plant by this may be that of a mode that rounding alone put within reach.

@@ -1,86 +1,61 @@
-//! The Cholesky factors of a sparse symmetric positive definite matrix.
+//! The factors of a sparse symmetric positive definite matrix, and of a sum of matrices at complex frequencies.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::LltRegularization;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
-};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side};
+use std::ops::ControlFlow;
 
+use super::analysis::Analysis;
+use super::matrix::Sparse;
+use super::modes::Watch;
+use super::numeric::{Factors, Term, Wanted, factorise};
 use crate::error::Error;
 use crate::mat::Mat;
 
-use super::matrix::Sparse;
-
-/// The factors `P A P' = L L'` of a sparse symmetric positive definite matrix, supernodal, ordered by approximate minimum
-/// degree.
+/// The factors `P A P' = L D L'` of a sparse symmetric positive definite matrix, by blocks, in the order of [`Analysis`].
 #[derive(Debug)]
 pub struct SparseCholesky {
-    symbolic: SymbolicCholesky<u32>,
-    values: Vec<f64>,
+    analysis: Analysis,
+    factors: Factors<f64>,
 }
 
 impl SparseCholesky {
-    /// Factorises a matrix, of which the lower half is read.
+    /// Factorises a symmetric matrix, both halves of which are stored.
     ///
     /// # Errors
-    /// [`Error::NotSquare`], [`Error::NotPositiveDefinite`], or [`Error::TooLarge`] if the factors do not fit into memory.
+    /// [`Error::NotSquare`], [`Error::NotSymmetric`], [`Error::NotPositiveDefinite`], or [`Error::TooLarge`] if the factors do not fit into memory.
     pub fn of(A: &Sparse) -> Result<Self, Error> {
-        let n = A.nrows();
-        if n != A.ncols() {
-            return Err(Error::NotSquare { what: "A", rows: n, cols: A.ncols() });
-        }
-        let (starts, indices, values) = A.parts();
-        let pattern = SymbolicSparseColMatRef::new_checked(n, n, starts, None, indices);
-        let too_large = |_| Error::TooLarge { what: "the Cholesky factors of a sparse matrix", rows: n };
-        let (order, params) = (SymmetricOrdering::Amd, CholeskySymbolicParams::default());
-        let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, order, params).map_err(too_large)?;
-        let mut out = Vec::new();
-        let too_large = Error::TooLarge { what: "the Cholesky factors of a sparse matrix", rows: n };
-        if out.try_reserve_exact(symbolic.len_val()).is_err() {
-            return Err(too_large);
-        }
-        out.resize(symbolic.len_val(), 0.0);
-        let need = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, faer::Spec::default());
-        let mut buffer = MemBuffer::try_new(need).map_err(|_| too_large)?;
-        let matrix = SparseColMatRef::new(pattern, values);
-        let stack = MemStack::new(&mut buffer);
-        let none = LltRegularization::default();
-        symbolic
-            .factorize_numeric_llt(
-                &mut out,
-                matrix,
-                Side::Lower,
-                none,
-                Par::Seq,
-                stack,
-                faer::Spec::default(),
-            )
-            .map_err(|_| Error::NotPositiveDefinite { what: "the sparse matrix" })?;
-        Ok(Self { symbolic, values: out })
+        Self::watched(A, Analysis::of(A, &[])?, "factorising a matrix", &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// Does the same with an analysis of the pattern, tells `watch` the percentage that is done, and stops if it asks to.
+    ///
+    /// # Errors
+    /// As for [`SparseCholesky::of`], and [`Error::Cancelled`].
+    pub fn watched(
+        A: &Sparse,
+        analysis: Analysis,
+        stage: &'static str,
+        watch: &mut Watch,
+    ) -> Result<Self, Error> {
+        A.check_symmetric("the sparse matrix")?;
+        let terms = [Term { factor: 1.0, matrix: A }];
+        let factors = factorise(&analysis, &terms, Wanted::PositiveFactors, stage, watch)?;
+        Ok(Self { analysis, factors })
     }
 
     /// Number of entries of the factor as it is stored.
     pub fn entry_count(&self) -> usize {
-        self.values.len()
+        self.analysis.entry_count()
     }
 
     /// The solution `X` of `A X = B`.
     pub fn solve(&self, B: &Mat) -> Mat {
         let mut X = B.clone();
-        let (n, columns) = X.shape();
-        if n == 0 || columns == 0 {
-            return X;
+        let columns = X.ncols();
+        if !X.as_slice().is_empty() {
+            self.factors.solve(&self.analysis, X.as_mut_slice(), columns);
         }
-        let mut buffer = MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq));
-        let factor = LltRef::new(&self.symbolic, &self.values);
-        let target = MatMut::from_column_major_slice_mut(X.as_mut_slice(), n, columns);
-        factor.solve_in_place_with_conj(Conj::No, target, Par::Seq, MemStack::new(&mut buffer));
         X
     }
 }
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]

@@ -3,96 +3,82 @@
 //! By Sylvester's law of inertia `K - limit M` has as many negative eigenvalues as the diagonal of its factors `L D L'` has negative
 //! entries. Source: Parlett, The Symmetric Eigenvalue Problem (SIAM 1998), section 3.3.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
-use faer::sparse::linalg::cholesky::simplicial::SimplicialLdltRef;
-use faer::sparse::linalg::cholesky::supernodal::SupernodalLdltRef;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky,
-};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Par, Side};
+use std::ops::ControlFlow;
 
+use super::analysis::Analysis;
+use super::matrix::{Entry, Sparse};
+use super::modes::Watch;
+use super::numeric::{Term, Wanted, factorise};
 use crate::error::Error;
 use crate::tolerance::PIVOT_GROWTH;
 
-use super::matrix::{Entry, Sparse};
+/// Counts the eigenvalues of `K x = l M x` below a limit, for symmetric `K` and a symmetric positive semidefinite `M`, both
+/// halves stored; also with some unknowns held, from the same factors.
+#[derive(Debug)]
+pub struct ModeCounter<'a> {
+    K: &'a Sparse,
+    M: &'a Sparse,
+    held: Vec<usize>,
+    analysis: Analysis,
+}
 
-/// Returns how many eigenvalues of `K x = l M x` lie below `limit`, for symmetric `K` and a symmetric positive semidefinite `M`.
-///
-/// The factorisation does not pivot. If a pivot is so small that the count cannot be trusted, that is an error, and a limit a little
-/// beside it gives another matrix.
+impl<'a> ModeCounter<'a> {
+    /// Analyses the pattern of the pencil, in which the unknowns of `held` may be held.
+    ///
+    /// # Errors
+    /// [`Error::NotSquare`], [`Error::NotSymmetric`], [`Error::Shape`] or [`Error::TooLarge`].
+    pub fn of(K: &'a Sparse, M: &'a Sparse, held: &[usize]) -> Result<Self, Error> {
+        if K.nrows() != K.ncols() || M.shape() != K.shape() {
+            return Err(Error::NotSquare {
+                what: "the stiffness of a pencil",
+                rows: K.nrows(),
+                cols: K.ncols(),
+            });
+        }
+        K.check_symmetric("the stiffness of a pencil")?;
+        M.check_symmetric("the mass of a pencil")?;
+        let extra: Vec<Entry> = M.entries().map(|e| Entry { value: 0.0, ..e }).collect();
+        let analysis = Analysis::of(&K.plus(&extra)?, held)?;
+        Ok(Self { K, M, held: held.to_vec(), analysis })
+    }
+
+    /// Returns how many eigenvalues lie below `limit` if all unknowns of `held` are held, all but the first, all but the first two, and so on;
+    /// the last count is that of the whole pencil.
+    ///
+    /// The factorisation does not pivot. If a pivot is so small that the count cannot be trusted, that is an error, and a limit a
+    /// little beside it gives another matrix.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`], [`Error::Singular`] for such a pivot, or [`Error::Cancelled`].
+    pub fn below(&self, limit: f64, watch: &mut Watch) -> Result<Vec<usize>, Error> {
+        let terms = [Term { factor: 1.0, matrix: self.K }, Term { factor: -limit, matrix: self.M }];
+        let stage = "counting the modes";
+        let pivots = factorise(&self.analysis, &terms, Wanted::Pivots, stage, watch)?.pivots;
+        let of_row = |row: usize| pivots[self.analysis.place[row] as usize];
+        let diagonal = |row: usize| self.K.at(row, row) - limit * self.M.at(row, row);
+        let growth = (0..pivots.len()).map(|row| of_row(row).abs() / diagonal(row).abs());
+        let largest = growth.fold(0.0, f64::max);
+        if largest > PIVOT_GROWTH {
+            return Err(Error::Singular { what: "the shifted stiffness", rcond: 1.0 / largest });
+        }
+        let of_held = self.held.iter().map(|&row| usize::from(of_row(row) < 0.0));
+        let mut count = pivots.iter().filter(|pivot| **pivot < 0.0).count() - of_held.clone().sum::<usize>();
+        let mut counts = vec![count];
+        for more in of_held {
+            count += more;
+            counts.push(count);
+        }
+        Ok(counts)
+    }
+}
+
+/// Returns how many eigenvalues of `K x = l M x` lie below `limit`; see [`ModeCounter`].
 ///
 /// # Errors
-/// [`Error::NotSquare`], [`Error::TooLarge`], or [`Error::Singular`] for such a pivot.
+/// As for [`ModeCounter::of`] and [`ModeCounter::below`].
 pub fn count_below(K: &Sparse, M: &Sparse, limit: f64) -> Result<usize, Error> {
-    let n = K.nrows();
-    if n != K.ncols() || M.shape() != K.shape() {
-        return Err(Error::NotSquare { what: "the stiffness of a pencil", rows: n, cols: K.ncols() });
-    }
-    let moved: Vec<Entry> = M.entries().map(|e| Entry { value: -limit * e.value, ..e }).collect();
-    let shifted = K.plus(&moved)?;
-    drop(moved);
-    let diagonal = shifted.diagonal();
-    let (pivots, order) = pivots(&shifted)?;
-    let growth = |(pivot, &row): (&f64, &usize)| pivot.abs() / diagonal[row].abs();
-    let largest = pivots.iter().zip(&order).map(growth).fold(0.0, f64::max);
-    if largest > PIVOT_GROWTH || pivots.iter().any(|pivot| !pivot.is_finite()) {
-        return Err(Error::Singular { what: "the shifted stiffness", rcond: 1.0 / largest });
-    }
-    Ok(pivots.iter().filter(|pivot| **pivot < 0.0).count())
-}
-
-/// The diagonal of `D` in `P A P' = L D L'`, and the row of `A` that each belongs to.
-fn pivots(A: &Sparse) -> Result<(Vec<f64>, Vec<usize>), Error> {
-    let n = A.nrows();
-    let (starts, indices, values) = A.parts();
-    let pattern = SymbolicSparseColMatRef::new_checked(n, n, starts, None, indices);
-    let too_large = || Error::TooLarge { what: "the factors of a sparse matrix", rows: n };
-    let (order, params) = (SymmetricOrdering::Amd, CholeskySymbolicParams::default());
-    let symbolic =
-        factorize_symbolic_cholesky(pattern, Side::Lower, order, params).map_err(|_| too_large())?;
-    let mut factor = Vec::new();
-    factor.try_reserve_exact(symbolic.len_val()).map_err(|_| too_large())?;
-    factor.resize(symbolic.len_val(), 0.0);
-    let need = symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, faer::Spec::default());
-    let mut buffer = MemBuffer::try_new(need).map_err(|_| too_large())?;
-    let matrix = SparseColMatRef::new(pattern, values);
-    let (stack, none) = (MemStack::new(&mut buffer), LdltRegularization::default());
-    symbolic
-        .factorize_numeric_ldlt(
-            &mut factor,
-            matrix,
-            Side::Lower,
-            none,
-            Par::Seq,
-            stack,
-            faer::Spec::default(),
-        )
-        .map_err(|_| Error::Singular { what: "the shifted stiffness", rcond: 0.0 })?;
-    let rows = match symbolic.perm() {
-        Some(order) => order.arrays().0.iter().map(|&row| row as usize).collect(),
-        None => (0..n).collect(),
-    };
-    Ok((diagonal_of(&symbolic, &factor), rows))
-}
-
-fn diagonal_of(symbolic: &SymbolicCholesky<u32>, factor: &[f64]) -> Vec<f64> {
-    match symbolic.raw() {
-        SymbolicCholeskyRaw::Simplicial(inner) => {
-            let values = SimplicialLdltRef::new(inner, factor).values();
-            inner.col_ptr()[..inner.ncols()].iter().map(|&first| values[first as usize]).collect()
-        }
-        SymbolicCholeskyRaw::Supernodal(inner) => {
-            let factors = SupernodalLdltRef::new(inner, factor);
-            let of_block = |block: usize| {
-                let entries = factors.supernode(block).val();
-                (0..entries.ncols()).map(|j| entries[(j, j)]).collect::<Vec<f64>>()
-            };
-            (0..inner.n_supernodes()).flat_map(of_block).collect()
-        }
-    }
+    let counts = ModeCounter::of(K, M, &[])?.below(limit, &mut |_| ControlFlow::Continue(()))?;
+    Ok(counts.last().copied().unwrap_or(0))
 }
 
 #[cfg(test)]
@@ -129,6 +115,27 @@ mod tests {
             for limit in [-1.0, 2.5, 3.7, 4.1, 5.0, 9.0] {
                 let expected = values.iter().filter(|value| **value < limit).count();
                 assert_eq!(count_below(&K, &M, limit).unwrap(), expected, "n = {n}, {limit}");
+            }
+        }
+    }
+
+    #[test]
+    fn one_factorisation_counts_with_unknowns_held() {
+        for seed in [1, 2, 3] {
+            let (K, M) = (band(90, seed), Sparse::from_dense(&Mat::eye(90)));
+            let held = [17, 60];
+            let counter = ModeCounter::of(&K, &M, &held).unwrap();
+            for limit in [2.5, 3.7, 4.1, 5.0] {
+                let counts = counter.below(limit, &mut |_| ControlFlow::Continue(())).unwrap();
+                for (k, &count) in counts.iter().enumerate() {
+                    let kept: Vec<usize> = (0..90).filter(|row| !held[k..].contains(row)).collect();
+                    let (values, _) = sym_eigen(&K.select(&kept).to_dense()).unwrap();
+                    assert_eq!(
+                        count,
+                        values.iter().filter(|value| **value < limit).count(),
+                        "{seed} {limit} {k}"
+                    );
+                }
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, check_finite};
 use crate::mat::Mat;
+use crate::tolerance::SYMMETRY;
 
 /// An entry of a sparse matrix.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -239,6 +240,35 @@ impl Sparse {
         let here = self.entries().map(|e| (e.value - other.at(e.row, e.col)).abs());
         let there = other.entries().map(|e| (e.value - self.at(e.row, e.col)).abs());
         here.chain(there).fold(0.0, f64::max)
+    }
+
+    /// Refuses a matrix whose halves differ by more than rounding.
+    ///
+    /// # Errors
+    /// [`Error::NotSquare`], [`Error::NotSymmetric`], [`Error::NotFinite`].
+    pub(crate) fn check_symmetric(&self, what: &'static str) -> Result<(), Error> {
+        let (rows, cols) = self.shape();
+        if rows != cols {
+            return Err(Error::NotSquare { what, rows, cols });
+        }
+        if let Some(e) = self.entries().find(|e| !e.value.is_finite()) {
+            return check_finite(what, &Mat::row(&[e.value]));
+        }
+        let (skew, size) = (self.asymmetry(), self.norm_max());
+        match skew > SYMMETRY * size {
+            true => Err(Error::NotSymmetric { what, relative: skew / size }),
+            false => Ok(()),
+        }
+    }
+
+    /// A matrix with a place for each entry and for the one across the diagonal, for its pattern alone.
+    pub(crate) fn with_symmetric_pattern(&self) -> Result<Self, Error> {
+        let other = self.t();
+        if other.starts == self.starts && other.indices == self.indices {
+            return Ok(other);
+        }
+        let more: Vec<Entry> = other.entries().map(|e| Entry { value: 0.0, ..e }).collect();
+        self.plus(&more)
     }
 
     /// The start of each column, the row of each entry and its value.

@@ -54,23 +54,28 @@ pub struct LowestModes {
     pub solutions: usize,
 }
 
-/// A limit between two modes, and how many of those that were found lie below it.
+/// A gap between two modes, squares of their rates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cut {
-    /// Number of modes below.
-    pub below: usize,
     /// Square of the last mode below.
     pub low: f64,
     /// Square of the first mode above.
     pub high: f64,
 }
 
+/// Returns the highest gap in which the modes of every one of the sets can be counted; `None` if no two modes are apart.
+pub fn highest_cut(sets: &[&LowestModes]) -> Option<Cut> {
+    let largest = sets.iter().filter_map(|set| set.squares.last()).copied().fold(f64::INFINITY, f64::min);
+    let mut all: Vec<f64> = sets.iter().flat_map(|set| &set.squares).copied().collect();
+    all.sort_by(f64::total_cmp);
+    let cuts = all.windows(2).map(|pair| Cut { low: pair[0], high: pair[1] }).rev();
+    cuts.filter(|cut| cut.high <= largest).find(|cut| cut.high > (1.0 + COUNTING_GAP) * cut.low)
+}
+
 impl LowestModes {
-    /// Returns the highest place at which the modes that were found can be counted; `None` if no two of them are apart.
-    pub fn highest_cut(&self) -> Option<Cut> {
-        let pairs = self.squares.windows(2).enumerate().rev();
-        let mut cuts = pairs.map(|(k, pair)| Cut { below: k + 1, low: pair[0], high: pair[1] });
-        cuts.find(|cut| cut.high > (1.0 + COUNTING_GAP) * cut.low)
+    /// Returns how many modes lie below a limit, the square of a rate.
+    pub fn below(&self, limit: f64) -> usize {
+        self.squares.iter().filter(|square| **square < limit).count()
     }
 
     /// Returns these modes and others, by frequency, the lowest `count` of them.

@@ -1,5 +1,6 @@
 //! The finite-element model of a structure that turns about a pivot.
 
+use super::balanced::Truncation;
 use super::element::{Element, Integration, Shape, Theory, element};
 use super::mesh::Mesh;
 use super::profile::Profile;
@@ -32,6 +33,8 @@ pub struct FeModel {
     pub tip: NodeRows,
     /// Distance of the tip from the pivot, m.
     pub tip_arm_m: f64,
+    /// What was left out if the model was condensed to balanced shapes.
+    pub truncation: Option<Truncation>,
 }
 
 /// Which unknowns belong to a node.
@@ -138,6 +141,7 @@ impl FeModel {
             hub: at_pivot.map(rows),
             tip: rows(nodes.len() - 1),
             tip_arm_m: nodes[nodes.len() - 1] - pivot_m,
+            truncation: None,
         }
     }
 

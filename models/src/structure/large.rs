@@ -4,26 +4,43 @@
 //! clamped structure in place of those that are held at every kept node. One Cholesky factorisation of the stiffness with the
 //! hub clamped serves all of them: a load that is in equilibrium with the rigid motions needs no reaction at the hub.
 
-use std::ops::ControlFlow;
-
 use counterpoise_lti::Mat;
-use counterpoise_lti::linalg::sparse::{
-    Cut, LowestModes, Progress, Wanted, Watch, count_below, lowest_modes,
-};
+use counterpoise_lti::linalg::sparse::{Analysis, Progress, Watch};
 use counterpoise_lti::linalg::{self, Sparse, SparseCholesky};
 
+use super::balanced::BalancedShapes;
 use super::fe::{FeModel, NodeRows};
-use super::modes::Support;
+use super::supported::SupportedModes;
 use crate::Error;
-use crate::tolerance::{
-    DEPENDENT_SHAPE, FREE, LARGE_STRUCTURE_NODES, MODE_RESIDUAL, RIGID_MODE, SPARE_MODES,
-};
+use crate::tolerance::{DEPENDENT_SHAPE, FREE, LARGE_STRUCTURE_NODES};
 
-/// Searches for modes that the iteration missed. Each finds up to four copies of one that is repeated.
-const SEARCHES: usize = 12;
+/// Which shapes a condensed structure has besides the static ones.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Shapes {
+    /// The lowest modes of the structure that is pinned, clamped and free at its hub, to about eight digits.
+    #[default]
+    Modes,
+    /// The motions that carry most from the loads to the displacements of hub and tip, by balanced truncation.
+    Balanced,
+}
 
-/// Places between two modes at which they are counted: the second and third if the stiffness is nearly singular there by chance.
-const CUT_SHARES: [f64; 3] = [0.5, 0.3, 0.7];
+/// How a large structure is condensed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Condensation {
+    /// Number of modes that are needed.
+    pub modes: usize,
+    /// Which shapes.
+    pub shapes: Shapes,
+    /// Damping ratio with which motions are ranked if the structure has no damping matrix.
+    pub damping_ratio: f64,
+}
+
+impl Condensation {
+    /// Returns a condensation to so many of the lowest modes.
+    pub fn modes(modes: usize) -> Self {
+        Self { modes, shapes: Shapes::Modes, damping_ratio: 0.0 }
+    }
+}
 
 /// A structure with sparse matrices; the fields mean what those of [`FeModel`] do.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,41 +77,44 @@ impl SparseStructure {
             hub: Some(self.hub),
             tip: self.tip,
             tip_arm_m: self.tip_arm_m,
+            truncation: None,
         }
     }
 
     /// Returns a small model with the same rigid motions, the same static shapes under weight and under forces at the kept nodes,
-    /// and the same first `modes` flexible modes (and [`SPARE_MODES`] more) of the structure that is free, pinned and clamped at
-    /// its hub, to about eight digits.
+    /// and the shapes that are asked for: [`Shapes::Modes`] or [`Shapes::Balanced`].
     ///
     /// Its first unknowns are the deflection and rotation of the hub, then those of nodes along the axis, the tip last; the others
-    /// are modal coordinates. What the lowest modes leave out is kept as static flexibility.
+    /// are modal coordinates. What the shapes leave out is kept as static flexibility.
     ///
     /// # Errors
-    /// [`Error::NotFree`] if K resists a rigid motion, [`Error::Parameter`] for a negative mass, [`Error::MovesFreely`] if K leaves
-    /// other motions free, and [`Error::Linalg`] if the factors do not fit into memory or `watch` asked to stop.
-    pub fn condensed(&self, modes: usize, watch: &mut Watch) -> Result<FeModel, Error> {
+    /// [`Error::NotFree`] if K resists a rigid motion, [`Error::Parameter`] for a negative mass or a mode without damping where shapes are
+    /// balanced, [`Error::MovesFreely`] if K leaves other motions free, and [`Error::Linalg`] if the factors do not fit into memory or `watch`
+    /// asked to stop.
+    pub fn condensed(&self, wanted: &Condensation, watch: &mut Watch) -> Result<FeModel, Error> {
         self.check()?;
-        let step = Progress { stage: "factorising the stiffness matrix", done: 0, of: 1 };
-        if watch(step) == ControlFlow::Break(()) {
-            return Err(linalg::Error::Cancelled { what: step.stage }.into());
-        }
-        let clamped = Clamped::of(self)?;
+        let clamped = Clamped::of(self, watch)?;
         let mut shapes = clamped.solve(&self.M.times(&self.rigid()));
-        for (support, count) in [
-            (Support::Pinned, modes + SPARE_MODES),
-            (Support::Clamped, SPARE_MODES),
-            (Support::Free, SPARE_MODES),
-        ] {
-            shapes = shapes.hstack(&self.modes(&clamped, support, count, watch)?.shapes);
+        let mut truncation = None;
+        match wanted.shapes {
+            Shapes::Modes => {
+                for found in SupportedModes::of(self, &clamped, wanted.modes, watch)? {
+                    shapes = shapes.hstack(&found.shapes);
+                }
+            }
+            Shapes::Balanced => {
+                let found = BalancedShapes::of(self, &clamped, wanted.modes, wanted.damping_ratio, watch)?;
+                shapes = shapes.hstack(&found.shapes);
+                truncation = Some(found.truncation);
+            }
         }
-        let kept = self.kept_nodes();
+        let kept = self.kept_nodes(wanted.shapes);
         let basis = Basis::of(self, &clamped, &kept, shapes)?;
-        basis.project(self, &kept)
+        Ok(FeModel { truncation, ..basis.project(self, &kept)? })
     }
 
     /// heave and pitch as columns.
-    fn rigid(&self) -> Mat {
+    pub(super) fn rigid(&self) -> Mat {
         Mat::col(&self.heave).hstack(&Mat::col(&self.pitch))
     }
 
@@ -116,89 +136,15 @@ impl SparseStructure {
         Ok(())
     }
 
-    /// The lowest flexible modes of the structure in one support.
-    fn modes(
-        &self,
-        clamped: &Clamped,
-        support: Support,
-        count: usize,
-        watch: &mut Watch,
-    ) -> Result<LowestModes, Error> {
-        let (stage, motions) = match support {
-            Support::Free => ("modes of the free structure", self.rigid()),
-            Support::Pinned => ("modes of the structure pinned at its hub", Mat::col(&self.pitch)),
-            Support::Clamped => {
-                ("modes of the structure clamped at its hub", Mat::zeros(self.heave.len(), 0))
-            }
-        };
-        let rigid = orthonormal(&self.M, &motions)?;
-        let wanted = Wanted { stage, count, tolerance: MODE_RESIDUAL, rigid: &rigid };
-        let found = lowest_modes(&|loads| Ok(clamped.solve(loads)), &self.M, &wanted, watch)?;
-        match found.squares.iter().position(|&square| self.is_rigid(&found.shapes, square)) {
-            Some(_) => Err(Error::MovesFreely { support: stage }),
-            None => self.complete(clamped, (support, &wanted), found, watch),
-        }
-    }
-
-    /// Adds the modes that the iteration missed, as it may if one is repeated: a count of the modes below a limit tells. What is missing is
-    /// sought beside what was found.
-    fn complete(
-        &self,
-        clamped: &Clamped,
-        (support, wanted): (Support, &Wanted),
-        mut found: LowestModes,
-        watch: &mut Watch,
-    ) -> Result<LowestModes, Error> {
-        for _ in 0..SEARCHES {
-            let Some(cut) = found.highest_cut() else { return Ok(found) };
-            let step = Progress { stage: "counting the modes", done: found.squares.len(), of: wanted.count };
-            if watch(step) == ControlFlow::Break(()) {
-                return Err(linalg::Error::Cancelled { what: step.stage }.into());
-            }
-            let missing = self.count(support, cut)?.saturating_sub(cut.below);
-            if missing == 0 {
-                return Ok(found);
-            }
-            let rigid = wanted.rigid.hstack(&found.shapes);
-            let more = Wanted { count: missing, rigid: &rigid, ..*wanted };
-            let others = lowest_modes(&|loads| Ok(clamped.solve(loads)), &self.M, &more, watch)?;
-            found = found.merged(&others, wanted.count);
-        }
-        Err(linalg::Error::NoConvergence { what: "the search for missed modes", limit: SEARCHES }.into())
-    }
-
-    /// The number of flexible modes of the structure in one support below a cut.
-    fn count(&self, support: Support, cut: Cut) -> Result<usize, Error> {
-        let held: &[usize] = match support {
-            Support::Free => &[],
-            Support::Pinned => &[self.hub.deflection],
-            Support::Clamped => &[self.hub.deflection, self.hub.rotation],
-        };
-        let kept: Vec<usize> = (0..self.heave.len()).filter(|row| !held.contains(row)).collect();
-        let (K, M) = (self.K.select(&kept), self.M.select(&kept));
-        let mut counted = Err(linalg::Error::Singular { what: "the shifted stiffness", rcond: 0.0 });
-        for share in CUT_SHARES {
-            counted = count_below(&K, &M, cut.low + share * (cut.high - cut.low));
-            if !matches!(counted, Err(linalg::Error::Singular { .. })) {
-                break;
-            }
-        }
-        Ok(counted?.saturating_sub(2 - held.len()))
-    }
-
-    /// Whether the first shape stores no more energy than rounding of K does.
-    fn is_rigid(&self, shapes: &Mat, square: f64) -> bool {
-        let shape = shapes.block(0, 0, shapes.nrows(), shapes.ncols().min(1));
-        let moduli = shape.map(f64::abs);
-        let rounding = (moduli.t() * self.K.map(|_, _, k| k.abs()).times(&moduli)).norm_max();
-        square < RIGID_MODE * f64::EPSILON * rounding
-    }
-
-    /// The nodes whose unknowns stay: hub, some along the axis, tip.
-    fn kept_nodes(&self) -> Vec<NodeRows> {
+    /// The nodes whose unknowns stay: hub, some along the axis, tip; with balanced shapes hub and tip alone, because forces at nodes beside the axis of
+    /// a structure in space would bring in modes that no load moves.
+    fn kept_nodes(&self, shapes: Shapes) -> Vec<NodeRows> {
         let between: Vec<NodeRows> =
             self.nodes.iter().copied().filter(|node| *node != self.hub && *node != self.tip).collect();
-        let count = between.len().min(LARGE_STRUCTURE_NODES);
+        let count = match shapes {
+            Shapes::Modes => between.len().min(LARGE_STRUCTURE_NODES),
+            Shapes::Balanced => 0,
+        };
         let mut kept = vec![self.hub];
         kept.extend((0..count).map(|k| between[(2 * k + 1) * between.len() / (2 * count)]));
         if self.tip != self.hub {
@@ -209,40 +155,62 @@ impl SparseStructure {
 }
 
 /// The stiffness with the hub clamped, factorised.
-struct Clamped {
+pub(super) struct Clamped {
     factor: SparseCholesky,
     free: Vec<usize>,
     size: usize,
 }
 
 impl Clamped {
-    fn of(structure: &SparseStructure) -> Result<Self, Error> {
+    fn of(structure: &SparseStructure, watch: &mut Watch) -> Result<Self, Error> {
         let (size, hub) = (structure.heave.len(), structure.hub);
         let free: Vec<usize> = (0..size).filter(|&i| i != hub.deflection && i != hub.rotation).collect();
-        let factor = SparseCholesky::of(&structure.K.select(&free)).map_err(|error| match error {
-            linalg::Error::NotPositiveDefinite { .. } => {
-                Error::MovesFreely { support: "the structure clamped at its hub" }
-            }
-            other => other.into(),
-        })?;
+        let stage = "factorising the stiffness matrix";
+        if watch(Progress { stage, done: 0, of: 100 }).is_break() {
+            return Err(linalg::Error::Cancelled { what: stage }.into());
+        }
+        let K = structure.K.select(&free);
+        let factor =
+            SparseCholesky::watched(&K, Analysis::of(&K, &[])?, stage, watch).map_err(
+                |error| match error {
+                    linalg::Error::NotPositiveDefinite { .. } => {
+                        Error::MovesFreely { support: "the structure clamped at its hub" }
+                    }
+                    other => other.into(),
+                },
+            )?;
         Ok(Self { factor, free, size })
     }
 
     /// The displacements under the given loads, zero at the hub.
-    fn solve(&self, loads: &Mat) -> Mat {
-        let inner = Mat::from_fn(self.free.len(), loads.ncols(), |i, j| loads[(self.free[i], j)]);
-        let moved = self.factor.solve(&inner);
-        let mut out = Mat::zeros(self.size, loads.ncols());
-        for j in 0..loads.ncols() {
+    pub(super) fn solve(&self, loads: &Mat) -> Mat {
+        self.extended(&self.factor.solve(&self.inner(loads)))
+    }
+
+    /// The unknowns that are free.
+    pub(super) fn free(&self) -> &[usize] {
+        &self.free
+    }
+
+    /// The rows of the free unknowns.
+    pub(super) fn inner(&self, whole: &Mat) -> Mat {
+        Mat::from_fn(self.free.len(), whole.ncols(), |i, j| whole[(self.free[i], j)])
+    }
+
+    /// The rows of the free unknowns among all, zero at the hub.
+    pub(super) fn extended(&self, inner: &Mat) -> Mat {
+        let mut out = Mat::zeros(self.size, inner.ncols());
+        for j in 0..inner.ncols() {
             let column = out.column_mut(j);
-            self.free.iter().zip(moved.column(j)).for_each(|(&i, &x)| column[i] = x);
+            self.free.iter().zip(inner.column(j)).for_each(|(&i, &x)| column[i] = x);
         }
         out
     }
 }
 
-/// The columns made orthonormal in the inner product of M, twice; those that depend on others are left out.
-fn orthonormal(M: &Sparse, X: &Mat) -> Result<Mat, Error> {
+/// The columns made orthonormal in the inner product of M, twice; those that keep less than a share
+/// of their length are left out.
+pub(super) fn orthonormal(M: &Sparse, X: &Mat, least: f64) -> Result<Mat, Error> {
     let n = X.nrows();
     let mut out = Mat::zeros(n, 0);
     for j in 0..X.ncols() {
@@ -252,7 +220,7 @@ fn orthonormal(M: &Sparse, X: &Mat) -> Result<Mat, Error> {
             x -= &(&out * &linalg::transpose_times(&out, &M.times(&x))?);
         }
         let length = (x.t() * M.times(&x))[(0, 0)].max(0.0).sqrt();
-        if length > DEPENDENT_SHAPE * before {
+        if length > least * before {
             out = out.hstack(&x.scale(1.0 / length));
         }
     }
@@ -290,7 +258,7 @@ impl Basis {
         let hub_rows = [structure.hub.deflection, structure.hub.rotation];
         let at_hub = |X: &Mat| Mat::from_fn(2, X.ncols(), |i, j| X[(hub_rows[i], j)]);
         let inside = &shapes - &(&physical * &at_hub(&shapes).vstack(&at(&shapes)));
-        let modal = orthonormal(&structure.M, &inside)?;
+        let modal = orthonormal(&structure.M, &inside, DEPENDENT_SHAPE)?;
         Ok(Self { physical: physical.ncols(), columns: physical.hstack(&modal) })
     }
 
@@ -314,6 +282,7 @@ impl Basis {
             hub: Some(node(0)),
             tip: node(kept.len() - 1),
             tip_arm_m: structure.tip_arm_m,
+            truncation: None,
         })
     }
 }

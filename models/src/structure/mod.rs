@@ -6,7 +6,7 @@
 //! *Invariant*: nothing here knows the drive, a file or time.
 //!
 //! Modules in reading order: [`profile`], [`element`], [`power_law`], [`mesh`], [`fe`], [`mod@modes`], [`damping`],
-//! [`reduced`], [`refinement`], [`configured`], [`large`], [`import`].
+//! [`reduced`], [`refinement`], [`configured`], [`large`], `supported`, [`balanced`], [`import`].
 //!
 //! ```
 //! use counterpoise_models::structure::{FeModel, FeOptions, Fitted, lumped};
@@ -18,6 +18,7 @@
 //! # Ok::<(), counterpoise_models::Error>(())
 //! ```
 
+pub mod balanced;
 pub mod configured;
 pub mod damping;
 pub mod element;
@@ -30,11 +31,13 @@ pub mod power_law;
 pub mod profile;
 pub mod reduced;
 pub mod refinement;
+mod supported;
 
+pub use balanced::Truncation;
 pub use configured::{Structure, with_derived_lumped};
 pub use element::{Integration, Theory};
 pub use fe::{FeModel, FeOptions, Fitted, NodeRows};
-pub use large::SparseStructure;
+pub use large::{Condensation, Shapes, SparseStructure};
 pub use mesh::Mesh;
 pub use modes::{Direction, Modes, Support, modes};
 pub use profile::Profile;

@@ -5,9 +5,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use counterpoise_lti::linalg::Sparse;
 use counterpoise_lti::linalg::sparse::Watch;
 use counterpoise_models::PointMass;
-use counterpoise_models::structure::FeModel;
 use counterpoise_models::structure::fe::Fitted;
 use counterpoise_models::structure::import::{Dmig, Imported, NodeMap, dmig, matrix_market, op4};
+use counterpoise_models::structure::{Condensation, FeModel, Shapes};
 
 use super::structure::masses;
 use crate::file::field::{Field, Limit};
@@ -28,6 +28,8 @@ pub struct ImportedStructure {
     pub node_map: String,
     /// Damping ratio of flexible mode 1, 2, ..., the last holding for all above, where there is no damping matrix.
     pub modal_damping: Vec<f64>,
+    /// Which shapes a structure is condensed to.
+    pub shapes: Shapes,
     /// Masses that a configuration can fit.
     pub masses: Vec<PointMass>,
     /// What the files hold.
@@ -68,29 +70,37 @@ impl Choice for MatrixFormat {
         &[("matrix-market", Self::MatrixMarket), ("dmig", Self::Dmig), ("op4", Self::Op4)];
 }
 
+impl Choice for Shapes {
+    const NAMES: &'static [(&'static str, Self)] = &[("modes", Self::Modes), ("balanced", Self::Balanced)];
+}
+
 impl ImportedContent {
-    /// Returns the structure with what is fitted to it, condensed if it is large; `modes` is the number of modes that are needed. A structure
-    /// that was condensed a moment ago is not condensed again.
+    /// Returns the structure with what is fitted to it, condensed as `wanted` says if it is large or shapes are to be balanced. A structure that was
+    /// condensed a moment ago is not condensed again.
     ///
     /// # Errors
     /// As for [`Imported::fitted`] and [`Imported::condensed`].
     pub fn structure(
         &self,
         fitted: &Fitted,
-        modes: usize,
+        wanted: &Condensation,
         watch: &mut Watch,
     ) -> Result<FeModel, counterpoise_models::Error> {
-        if !self.matrices.is_large() {
-            return self.computed(fitted, modes, watch);
+        if !self.matrices.is_large() && wanted.shapes == Shapes::Modes {
+            return self.computed(fitted, wanted, watch);
         }
         let is_same =
-            |kept: &&Condensed| kept.modes == modes && kept.fitted == *fitted && kept.content == *self;
+            |kept: &&Condensed| kept.wanted == *wanted && kept.fitted == *fitted && kept.content == *self;
         if let Some(kept) = condensed().iter().find(is_same) {
             return Ok(kept.structure.clone());
         }
-        let structure = self.computed(fitted, modes, watch)?;
-        let made =
-            Condensed { content: self.clone(), fitted: fitted.clone(), modes, structure: structure.clone() };
+        let structure = self.computed(fitted, wanted, watch)?;
+        let made = Condensed {
+            content: self.clone(),
+            fitted: fitted.clone(),
+            wanted: *wanted,
+            structure: structure.clone(),
+        };
         let mut all = condensed();
         all.insert(0, made);
         all.truncate(KEPT_STRUCTURES);
@@ -100,13 +110,13 @@ impl ImportedContent {
     fn computed(
         &self,
         fitted: &Fitted,
-        modes: usize,
+        wanted: &Condensation,
         watch: &mut Watch,
     ) -> Result<FeModel, counterpoise_models::Error> {
         if *fitted == Fitted::default() {
-            return self.matrices.condensed(&self.map, modes, watch);
+            return self.matrices.condensed(&self.map, wanted, watch);
         }
-        self.matrices.fitted(&self.map, fitted)?.condensed(&self.map, modes, watch)
+        self.matrices.fitted(&self.map, fitted)?.condensed(&self.map, wanted, watch)
     }
 }
 
@@ -114,7 +124,7 @@ impl ImportedContent {
 struct Condensed {
     content: ImportedContent,
     fitted: Fitted,
-    modes: usize,
+    wanted: Condensation,
     structure: FeModel,
 }
 
@@ -137,6 +147,7 @@ pub(crate) fn blank() -> ImportedStructure {
         damping: MatrixFile::default(),
         node_map: String::new(),
         modal_damping: Vec::new(),
+        shapes: Shapes::default(),
         masses: Vec::new(),
         content: None,
     }
@@ -173,6 +184,8 @@ pub(crate) fn import(v: &mut dyn Visit, import: &mut ImportedStructure) {
         Count::AtLeastOne,
         &mut import.modal_damping,
     );
+    let shapes = "shapes that a structure is condensed to: its lowest modes, or those that balanced truncation ranks first";
+    choose(v, &Field::new("shapes", shapes).or_text("modes"), &mut import.shapes);
     masses(v, &mut import.masses);
     if let Some(content) = content(v, import) {
         import.content = Some(content);

@@ -4,9 +4,10 @@
 
 use std::io::BufRead;
 
+use counterpoise_lti::linalg::sparse::{Entry, Sparse};
 use counterpoise_lti::linalg::{self, Mat, Outcome, Riccati};
 use counterpoise_lti::{C64, Descriptor, StateSpace, Timebase};
-use counterpoise_reduce::{Method, Order, balred};
+use counterpoise_reduce::{LargeStructure, Method, Order, balred, balred_large, error_at};
 use counterpoise_synth::{Error as SynthesisError, Generalised, HInfinity, hinfsyn};
 use serde_json::{Map, Value, json};
 
@@ -66,6 +67,7 @@ fn solve(problem: &Value) -> Answer {
         "margins" => margins(problem),
         "descriptor" => descriptor(problem),
         "balred" => reduction(problem),
+        "balred_large" => large_reduction(problem),
         other => Err(format!("unknown kind {other}")),
     }
 }
@@ -232,5 +234,35 @@ fn multiloop(problem: &Value) -> Answer {
     Ok(json!({
         "each": each, "diagonal": found.diagonal.alpha, "proved": found.diagonal_proved.alpha, "full": found.full.alpha,
         "stable": found.closed_loop_stable,
+    }))
+}
+
+/// A sparse matrix as lists of rows, columns and values.
+fn sparse(problem: &Value, key: &str, size: usize) -> Result<Sparse, String> {
+    let list = |k: usize| problem[key][k].as_array().ok_or(format!("{key} is missing"));
+    let (rows, cols, values) = (list(0)?, list(1)?, list(2)?);
+    let place = |value: &Value| value.as_u64().unwrap_or(u64::MAX) as usize;
+    let all = rows.iter().zip(cols).zip(values).map(|((row, col), value)| Entry {
+        row: place(row),
+        col: place(col),
+        value: value.as_f64().unwrap_or(f64::NAN),
+    });
+    text(Sparse::from_entries(size, size, &all.collect::<Vec<_>>()))
+}
+
+/// Hankel values, the estimated bound, and the error at some rates.
+fn large_reduction(problem: &Value) -> Answer {
+    let F = matrix(problem, "F")?;
+    let n = F.nrows();
+    let (M, C, K) = (sparse(problem, "M", n)?, sparse(problem, "D", n)?, sparse(problem, "K", n)?);
+    let g = LargeStructure { M, C, K, F, P: matrix(problem, "P")?, V: matrix(problem, "V")? };
+    let order = Order::States(number(problem, "order", 10.0) as usize);
+    let made = text(balred_large(&g, order, &mut |_| std::ops::ControlFlow::Continue(())))?;
+    let rates = problem["rates"].as_array().cloned().unwrap_or_default();
+    let errors: Result<Vec<f64>, String> =
+        rates.iter().filter_map(Value::as_f64).map(|w| text(error_at(&g, &made.system, w))).collect();
+    Ok(json!({
+        "hankel": made.hankel, "bound": made.estimated_bound, "steps": made.steps, "errors": errors?,
+        "warnings": made.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
     }))
 }

@@ -6,7 +6,7 @@
 
 Needs numpy, scipy, mpmath and python-flint; slycot if it is there. Each kind has families of problems made from a seed: benign
 ones, graded ones whose states' units spread over twelve decades, powers of ten, nearly singular, defective, and rigid-body ones.
-Seeds from 5 000 000 on have not been looked at. The judge is the same for all: the error of each entry of
+HARD.md lists the seeds that have been looked at. The judge is the same for all: the error of each entry of
 the solution, relative to the root of the two diagonal entries that belong to it (matrices), or relative to the exact value
 (numbers). An answer is wrong if its error exceeds ten times the condition number times the rounding error, at least 1e-12 (1e-10 for systems, as no norm is asked for more closely); a
 refusal counts if a peer's error is below 1e-6."""

@@ -16,7 +16,7 @@ pub use node_map::{Dof, NodeMap};
 pub use op4::{Op4, op4};
 
 use super::fe::{FeModel, Fitted, NodeRows};
-use super::large::SparseStructure;
+use super::large::{Condensation, Shapes, SparseStructure};
 use crate::Error;
 use crate::tolerance::{ASYMMETRY_OF_IMPORT, LARGE_STRUCTURE};
 use counterpoise_lti::linalg::Sparse;
@@ -72,14 +72,21 @@ impl Imported {
     }
 
     /// Returns the structure with its hub at the map's pivot, as [`Imported::sparse`] does, with dense matrices: those of the
-    /// files, or of the condensed structure if there are more than [`LARGE_STRUCTURE`] unknowns. `modes` is the number
-    /// of modes that are needed.
+    /// files, or of the condensed structure if there are more than [`LARGE_STRUCTURE`] unknowns or shapes are to be balanced.
     ///
     /// # Errors
     /// As for [`Imported::sparse`] and [`SparseStructure::condensed`].
-    pub fn condensed(&self, map: &NodeMap, modes: usize, watch: &mut Watch) -> Result<FeModel, Error> {
+    pub fn condensed(
+        &self,
+        map: &NodeMap,
+        wanted: &Condensation,
+        watch: &mut Watch,
+    ) -> Result<FeModel, Error> {
         let whole = self.sparse(map)?;
-        if self.is_large() { whole.condensed(modes, watch) } else { Ok(whole.dense()) }
+        match self.is_large() || wanted.shapes == Shapes::Balanced {
+            true => whole.condensed(wanted, watch),
+            false => Ok(whole.dense()),
+        }
     }
 
     /// Returns the structure as [`Imported::sparse`] does, with the dense matrices of the files.

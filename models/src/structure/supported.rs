@@ -1,0 +1,175 @@
+//! The lowest modes of a large structure that is pinned, clamped and free at its hub, none of them missed.
+//!
+//! A Lanczos iteration finds the modes, the signs of the pivots of the shifted stiffness count them: one factorisation in which the hub is
+//! eliminated last counts those of all three supports.
+
+use counterpoise_lti::Mat;
+use counterpoise_lti::linalg;
+use counterpoise_lti::linalg::sparse::{
+    Cut, LowestModes, ModeCounter, Progress, Wanted, Watch, highest_cut, lowest_modes,
+};
+
+use super::large::{Clamped, SparseStructure, orthonormal};
+use super::modes::Support;
+use crate::Error;
+use crate::tolerance::{DEPENDENT_SHAPE, MODE_RESIDUAL, RIGID_MODE, SPARE_MODES};
+
+/// Searches for modes that the iteration missed. Each finds up to four copies of one that is repeated.
+const SEARCHES: usize = 12;
+
+/// Places between two modes at which they are counted: the second and third if the stiffness is nearly singular there by chance.
+const CUT_SHARES: [f64; 3] = [0.5, 0.3, 0.7];
+
+/// The supports whose modes are counted together: those of which equally many modes are sought.
+const COUNTED_TOGETHER: [&[usize]; 2] = [&[0], &[1, 2]];
+
+/// One search for modes.
+struct Search {
+    support: Support,
+    stage: &'static str,
+    /// Rigid motions that the support leaves, orthonormal in the inner product of M.
+    rigid: Mat,
+    count: usize,
+}
+
+/// The search for the modes of all three supports.
+pub(super) struct SupportedModes<'a> {
+    structure: &'a SparseStructure,
+    clamped: &'a Clamped,
+    searches: [Search; 3],
+    counter: ModeCounter<'a>,
+}
+
+impl<'a> SupportedModes<'a> {
+    /// Returns the lowest flexible modes of the pinned structure, `modes` and some more, and some of the clamped and of the free one.
+    ///
+    /// # Errors
+    /// [`Error::MovesFreely`], or those of the iteration and of the factors.
+    pub(super) fn of(
+        structure: &'a SparseStructure,
+        clamped: &'a Clamped,
+        modes: usize,
+        watch: &mut Watch,
+    ) -> Result<[LowestModes; 3], Error> {
+        let hub = structure.hub;
+        let search = |support: Support, stage: &'static str, motions: &Mat, count: usize| {
+            let rigid = orthonormal(&structure.M, motions, DEPENDENT_SHAPE)?;
+            Ok::<_, Error>(Search { support, stage, rigid, count })
+        };
+        let none = Mat::zeros(structure.heave.len(), 0);
+        let pitch = Mat::col(&structure.pitch);
+        let pinned = "modes of the structure pinned at its hub";
+        let held = "modes of the structure clamped at its hub";
+        let free = "modes of the free structure";
+        let run = Self {
+            structure,
+            clamped,
+            searches: [
+                search(Support::Pinned, pinned, &pitch, modes + SPARE_MODES)?,
+                search(Support::Clamped, held, &none, SPARE_MODES)?,
+                search(Support::Free, free, &structure.rigid(), SPARE_MODES)?,
+            ],
+            counter: ModeCounter::of(&structure.K, &structure.M, &[hub.rotation, hub.deflection])?,
+        };
+        let [a, b, c] = &run.searches;
+        let mut found = [run.first(a, watch)?, run.first(b, watch)?, run.first(c, watch)?];
+        for together in COUNTED_TOGETHER {
+            run.complete(&mut found, together, watch)?;
+        }
+        Ok(found)
+    }
+
+    /// The modes that the iteration finds.
+    fn first(&self, search: &Search, watch: &mut Watch) -> Result<LowestModes, Error> {
+        let found = self.iterate(search, &search.rigid, search.count, watch)?;
+        match found.squares.iter().any(|&square| self.is_rigid(&found.shapes, square)) {
+            true => Err(Error::MovesFreely { support: search.stage }),
+            false => Ok(found),
+        }
+    }
+
+    fn iterate(
+        &self,
+        search: &Search,
+        known: &Mat,
+        count: usize,
+        watch: &mut Watch,
+    ) -> Result<LowestModes, Error> {
+        let wanted = Wanted { stage: search.stage, count, tolerance: MODE_RESIDUAL, rigid: known };
+        let solve = |loads: &Mat| Ok(self.clamped.solve(loads));
+        Ok(lowest_modes(&solve, &self.structure.M, &wanted, watch)?)
+    }
+
+    /// Adds the modes that the iteration missed, as it may if one is repeated: a count of the modes below a limit tells. What is missing is
+    /// sought beside what was found.
+    fn complete(
+        &self,
+        found: &mut [LowestModes; 3],
+        together: &[usize],
+        watch: &mut Watch,
+    ) -> Result<(), Error> {
+        for _ in 0..SEARCHES {
+            let sets: Vec<&LowestModes> = together.iter().map(|&k| &found[k]).collect();
+            let Some(cut) = highest_cut(&sets) else { return Ok(()) };
+            let mut is_complete = true;
+            let counts = self.count(cut, watch)?;
+            for &k in together {
+                let search = &self.searches[k];
+                let missing = counts.of(search.support).saturating_sub(found[k].below(counts.limit));
+                if missing > 0 {
+                    is_complete = false;
+                    let known = search.rigid.hstack(&found[k].shapes);
+                    let others = self.iterate(search, &known, missing, watch)?;
+                    found[k] = found[k].merged(&others, search.count);
+                }
+            }
+            if is_complete {
+                return Ok(());
+            }
+        }
+        Err(linalg::Error::NoConvergence { what: "the search for missed modes", limit: SEARCHES }.into())
+    }
+
+    /// The number of flexible modes below a limit within a gap.
+    fn count(&self, cut: Cut, watch: &mut Watch) -> Result<Counts, Error> {
+        let step = Progress { stage: "counting the modes", done: 0, of: 100 };
+        if watch(step).is_break() {
+            return Err(linalg::Error::Cancelled { what: step.stage }.into());
+        }
+        let mut answer = Err(linalg::Error::Singular { what: "the shifted stiffness", rcond: 0.0 });
+        for share in CUT_SHARES {
+            let limit = cut.low + share * (cut.high - cut.low);
+            answer = self.counter.below(limit, watch).map(|counts| Counts { limit, counts });
+            if !matches!(answer, Err(linalg::Error::Singular { .. })) {
+                break;
+            }
+        }
+        Ok(answer?)
+    }
+
+    /// Whether the first shape stores no more energy than rounding of K does.
+    fn is_rigid(&self, shapes: &Mat, square: f64) -> bool {
+        let shape = shapes.block(0, 0, shapes.nrows(), shapes.ncols().min(1));
+        let moduli = shape.map(f64::abs);
+        let rounding = (moduli.t() * self.structure.K.map(|_, _, k| k.abs()).times(&moduli)).norm_max();
+        square < RIGID_MODE * f64::EPSILON * rounding
+    }
+}
+
+/// Modes below a limit: with the hub clamped, with its rotation free, and with both free.
+struct Counts {
+    limit: f64,
+    counts: Vec<usize>,
+}
+
+impl Counts {
+    /// The number of flexible modes in a support.
+    fn of(&self, support: Support) -> usize {
+        let rigid = match support {
+            Support::Clamped => 0,
+            Support::Pinned => 1,
+            Support::Free => 2,
+        };
+        self.counts.get(rigid).map_or(0, |count| count.saturating_sub(rigid))
+    }
+}
