@@ -127,8 +127,8 @@ impl Attempt {
                 let inner: f64 = (0..STAGES).map(|k| weights[stage][k] * self.before.values[k][p]).sum();
                 self.values[at + p] = if quiet[p] { self.start[p] } else { self.start[p] + inner };
             }
-            let heave = given.platform.nodes[stage + 1].heave;
-            self.values[at + 2] = given.ports.load(&self.about, self.outputs[0][2], heave);
+            let platform = &given.platform.nodes[stage + 1];
+            self.values[at + 2] = given.ports.load(&self.about, self.outputs[0][2], platform);
         }
     }
 

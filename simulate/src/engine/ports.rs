@@ -48,6 +48,26 @@ pub(crate) struct PlatformPoint {
     pub angle: f64,
     pub rate: f64,
     pub heave: f64,
+    pub further: FurtherPoint,
+}
+
+/// What a platform does beside heave and pitch.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct FurtherPoint {
+    pub surge: f64,
+    /// About the forward and about the upward axis.
+    pub rates: [f64; 2],
+}
+
+impl FurtherPoint {
+    /// A platform that only heaves and pitches.
+    pub const NONE: Self = Self { surge: 0.0, rates: [0.0; 2] };
+}
+
+impl From<[f64; 3]> for FurtherPoint {
+    fn from([surge, roll, yaw]: [f64; 3]) -> Self {
+        Self { surge, rates: [roll, yaw] }
+    }
 }
 
 /// The platform along a step: at the four nodes and in the middle.
@@ -337,10 +357,11 @@ impl Ports {
         self.values(plant, middle, &after, &memory)
     }
 
-    /// Returns the load at a hub angle under a heave.
+    /// Returns the load at a hub angle on a platform in motion.
     #[inline]
-    pub fn load(&self, about: &AngleNearby, hub_angle: f64, heave: f64) -> f64 {
-        (self.gravity + heave) * self.tilt(about, hub_angle).1
+    pub fn load(&self, about: &AngleNearby, hub_angle: f64, platform: &PlatformPoint) -> f64 {
+        let (sin, cos) = self.tilt(about, hub_angle);
+        (self.gravity + platform.heave) * cos - platform.further.surge * sin
     }
 
     /// Returns the sine and cosine that gravity sees.
@@ -434,6 +455,11 @@ impl Ports {
         let mut hub = gravity * self.vertical_offset * sin
             - dry(&self.pivot, motion.pivot_rate, pivot_level, memory.pivot);
         hub -= memory.hose;
+        if at.platform.further != FurtherPoint::NONE {
+            let further = &at.platform.further;
+            hub += self.vertical_offset * further.surge * cos
+                + plant.gyroscopic_torque_nm((sin, cos).into(), further.rates);
+        }
         if self.motor_extras {
             let current = at.outputs[CURRENT] + plant.direct_current_a(at.drive_v, at.platform.rate);
             motor += plant.motor_torque_nm(current, motion.motor_angle, motion.motor_rate);
@@ -456,7 +482,7 @@ impl Ports {
             motor += error.motor_nm;
             hub += error.hub_nm;
         }
-        [motor, hub, gravity * cos]
+        [motor, hub, gravity * cos - at.platform.further.surge * sin]
     }
 }
 
