@@ -219,11 +219,13 @@ impl MotionSample {
             angle: self.angle_rad + self.period_s * integral,
             rate: quartic(r, s),
             heave: quartic(&self.heave, s),
-            further: self
-                .further
-                .as_ref()
-                .map_or(FurtherPoint::NONE, |all| FurtherPoint::from(all.map(|c| quartic(&c, s)))),
         }
+    }
+
+    /// Returns what the platform does beside heave and pitch at a fraction of the sample.
+    #[inline]
+    pub fn further_at(&self, s: f64) -> Option<FurtherPoint> {
+        self.further.as_ref().map(|all| all.map(|c| quartic(&c, s)).into())
     }
 
     /// Returns the platform along a step that starts at a fraction of the sample and takes a share of it.
@@ -232,6 +234,11 @@ impl MotionSample {
         PlatformSpan {
             nodes: NODES.map(|node| self.at(start + node * share)),
             middle: self.at(start + 0.5 * share),
+            further: self.further.as_ref().map(|all| {
+                let [a, b, c, d] = NODES;
+                [a, b, c, d, 0.5]
+                    .map(|part| all.map(|coefficients| quartic(&coefficients, start + part * share)).into())
+            }),
         }
     }
 
@@ -327,9 +334,11 @@ mod tests {
             PlatformMotion { heave_m_s2: signal(2.0), further: Some(further), ..PlatformMotion::STILL };
         let mut track = Track::new(&platform, 1e-3, 0.5);
         for _ in 0..200 {
-            let at = track.sample(0.0).at(0.4);
-            assert_eq!(at.further.surge, at.heave);
-            assert!((at.further.rates[0] - 0.15 * at.heave).abs() < 1e-15 && at.further.rates[1] == 0.1);
+            let sample = track.sample(0.0);
+            let (heave, further) = (sample.at(0.4).heave, sample.further_at(0.4).unwrap_or_default());
+            assert_eq!(further.surge, heave);
+            assert!((further.rates[0] - 0.15 * heave).abs() < 1e-15 && further.rates[1] == 0.1);
+            assert_eq!(sample.span(0.4, 0.5).further_at(0), Some(&further));
         }
     }
 

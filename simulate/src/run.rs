@@ -215,11 +215,12 @@ impl<'a> Lap<'a> {
         }
         let angle = scenario.platform.initial_angle_rad;
         let track = Track::new(&scenario.platform, period_s, 0.0);
-        let start = track.clone().sample(angle).at(0.0);
+        let motion = track.clone().sample(angle);
+        let start = motion.at(0.0);
         let mut sensing = Sensing::new(parameters, scenario.imperfections);
         let state = initial(plant, scenario, &start)?;
         stepper.restart(&state);
-        sensing.settle(&start, stepper.outputs()[HUB_ANGLE]);
+        sensing.settle(&motion, stepper.outputs()[HUB_ANGLE]);
         let before = holding_control(plant, &state.core);
         let clock = match scenario.imperfections {
             Imperfections::NoiseAndQuantisation { seed } => {

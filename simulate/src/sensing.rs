@@ -1,7 +1,6 @@
 //! The sensors and converters of the digital controller, sample by sample.
 
 use crate::engine::filter::Filter;
-use crate::engine::ports::PlatformPoint;
 use crate::motion::MotionSample;
 use crate::sampling_errors::{DRIFT_STREAM, DriftNoise, is_missing};
 use counterpoise_controller::Readings;
@@ -244,11 +243,12 @@ impl Sensing {
     }
 
     /// Puts the platform's sensors where they would be after a long time at a platform state and a hub angle.
-    pub fn settle(&mut self, start: &PlatformPoint, hub_angle_rad: f64) {
+    pub fn settle(&mut self, motion: &MotionSample, hub_angle_rad: f64) {
+        let start = motion.at(0.0);
         self.platform_gyro.state = [start.rate, 0.0];
         let felt = match self.axis {
             AccelerometerAxis::Vertical => start.heave,
-            AccelerometerAxis::Elevated => along_normal(start, hub_angle_rad.sin_cos().into()),
+            AccelerometerAxis::Elevated => along_normal(motion, 0.0, hub_angle_rad.sin_cos().into()),
         };
         self.accelerometer.state = [felt, 0.0];
         for sensor in [&mut self.hub_heave, &mut self.platform_gyro, &mut self.accelerometer] {
@@ -290,7 +290,7 @@ impl Sensing {
         }
         if self.axis == AccelerometerAxis::Elevated {
             let hub = SinCos::from(hub_angle_rad.sin_cos());
-            felt = motion.nodes(|p| along_normal(p, hub));
+            felt = crate::engine::moments::NODES.map(|node| along_normal(motion, node, hub));
         }
         self.platform_gyro.filter.advance(0, &mut self.platform_gyro.state, &rate);
         self.accelerometer.filter.advance(0, &mut self.accelerometer.state, &felt);
@@ -302,9 +302,10 @@ impl Sensing {
     }
 }
 
-/// Returns the platform's acceleration along the normal of the beam, m/s^2.
-fn along_normal(platform: &PlatformPoint, hub: SinCos) -> f64 {
-    platform.heave * hub.cos - platform.further.surge * hub.sin
+/// Returns the platform's acceleration along the normal of the beam at a fraction of a sample, m/s^2.
+fn along_normal(motion: &MotionSample, part: f64, hub: SinCos) -> f64 {
+    let surge = motion.further_at(part).unwrap_or_default().surge;
+    motion.at(part).heave * hub.cos - surge * hub.sin
 }
 
 #[cfg(test)]

@@ -63,7 +63,9 @@ pub fn sight_error(history: &History, settle_s: f64, sight: LineOfSight) -> Sigh
     let of = |rates: &[f64]| {
         let errors = rates.iter().zip(&history.demand_rad_s).skip(first).map(|(rate, demand)| rate - demand);
         let angle = integrated(errors, period_s);
-        let windows: Vec<f64> = angle.chunks_exact(exposure).flat_map(centred).collect();
+        // a run that is shorter than an exposure is one
+        let window = exposure.min(angle.len()).max(1);
+        let windows: Vec<f64> = angle.chunks_exact(window).flat_map(centred).collect();
         [rms(&centred(&angle)), rms(&windows)]
     };
     let ([hub_rad, hub_jitter_rad], [tip_rad, tip_jitter_rad]) =
@@ -142,6 +144,13 @@ mod tests {
         let expected = 0.3 / (TAU * 2.0) / 2f64.sqrt();
         assert!((found.hub_rad / expected - 1.0).abs() < 1e-3, "{found:?}");
         assert!((found.tip_rad / (2.0 * expected) - 1.0).abs() < 1e-3, "{found:?}");
+    }
+
+    #[test]
+    fn an_exposure_longer_than_the_run_is_the_run() {
+        let found =
+            sight_error(&history(|t| 0.3 * (TAU * 2.0 * t).cos()), 2.0, LineOfSight { exposure_s: 1e3 });
+        assert_eq!(found.hub_jitter_rad, found.hub_rad);
     }
 
     /// Within an exposure T a slow sine is a straight line of slope w: its RMS about the mean is w T / sqrt(12).

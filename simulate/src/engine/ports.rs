@@ -48,7 +48,6 @@ pub(crate) struct PlatformPoint {
     pub angle: f64,
     pub rate: f64,
     pub heave: f64,
-    pub further: FurtherPoint,
 }
 
 /// What a platform does beside heave and pitch.
@@ -57,11 +56,6 @@ pub(crate) struct FurtherPoint {
     pub surge: f64,
     /// About the forward and about the upward axis.
     pub rates: [f64; 2],
-}
-
-impl FurtherPoint {
-    /// A platform that only heaves and pitches.
-    pub const NONE: Self = Self { surge: 0.0, rates: [0.0; 2] };
 }
 
 impl From<[f64; 3]> for FurtherPoint {
@@ -75,6 +69,22 @@ impl From<[f64; 3]> for FurtherPoint {
 pub(crate) struct PlatformSpan {
     pub nodes: [PlatformPoint; 4],
     pub middle: PlatformPoint,
+    /// At the nodes, then in the middle; `None` if the platform only heaves and pitches.
+    pub further: Option<[FurtherPoint; 5]>,
+}
+
+impl PlatformSpan {
+    /// Returns what the platform does beside heave and pitch at a node.
+    #[inline]
+    pub fn further_at(&self, node: usize) -> Option<&FurtherPoint> {
+        self.further.as_ref().map(|all| &all[node])
+    }
+
+    /// Returns it in the middle.
+    #[inline]
+    pub fn further_amid(&self) -> Option<&FurtherPoint> {
+        self.further_at(4)
+    }
 }
 
 /// The bonds of bristle friction at motor and pivot, as [`counterpoise_models::friction::Bristle`] has them; empty
@@ -112,6 +122,8 @@ pub(crate) struct Point<'a> {
     pub time_s: f64,
     pub outputs: &'a [f64; OUTPUTS],
     pub platform: &'a PlatformPoint,
+    /// `None` if the platform only heaves and pitches.
+    pub further: Option<&'a FurtherPoint>,
     /// Drive of the amplifier, V.
     pub drive_v: f64,
     pub about: &'a AngleNearby,
@@ -357,11 +369,18 @@ impl Ports {
         self.values(plant, middle, &after, &memory)
     }
 
-    /// Returns the load at a hub angle on a platform in motion.
+    /// Returns the load at a hub angle under a heave and what comes beside it.
     #[inline]
-    pub fn load(&self, about: &AngleNearby, hub_angle: f64, platform: &PlatformPoint) -> f64 {
+    pub fn load(
+        &self,
+        about: &AngleNearby,
+        hub_angle: f64,
+        heave: f64,
+        further: Option<&FurtherPoint>,
+    ) -> f64 {
         let (sin, cos) = self.tilt(about, hub_angle);
-        (self.gravity + platform.heave) * cos - platform.further.surge * sin
+        let load = (self.gravity + heave) * cos;
+        further.map_or(load, |further| load - further.surge * sin)
     }
 
     /// Returns the sine and cosine that gravity sees.
@@ -455,8 +474,9 @@ impl Ports {
         let mut hub = gravity * self.vertical_offset * sin
             - dry(&self.pivot, motion.pivot_rate, pivot_level, memory.pivot);
         hub -= memory.hose;
-        if at.platform.further != FurtherPoint::NONE {
-            let further = &at.platform.further;
+        let mut load = gravity * cos;
+        if let Some(further) = at.further {
+            load -= further.surge * sin;
             hub += self.vertical_offset * further.surge * cos
                 + plant.gyroscopic_torque_nm((sin, cos).into(), further.rates);
         }
@@ -482,7 +502,7 @@ impl Ports {
             motor += error.motor_nm;
             hub += error.hub_nm;
         }
-        [motor, hub, gravity * cos - at.platform.further.surge * sin]
+        [motor, hub, load]
     }
 }
 
@@ -508,6 +528,7 @@ impl StepSpan<'_> {
             time_s: self.time_s + NODES[node] * self.step_s,
             outputs: &self.outputs[node],
             platform: &self.platform.nodes[node],
+            further: self.platform.further_at(node),
             drive_v: self.drive_v,
             about: self.about,
         }
