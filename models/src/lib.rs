@@ -4,10 +4,11 @@
 //!
 //! *Invariant*: nothing here knows how a controller is designed, or marches in time.
 //!
-//! Modules in reading order: [`parameters`], [`friction`], [`plant`], [`structure`], [`mod@reference`] (the machine that examples start
+//! Modules in reading order: [`parameters`], [`friction`], [`plant`], [`structure`], [`base_motion`], [`mod@reference`] (the machine that examples start
 //! from), [`tolerance`] (the numbers that decide), [`error`].
 #![allow(non_snake_case)]
 
+pub mod base_motion;
 pub mod error;
 pub mod friction;
 pub mod parameters;

@@ -9,7 +9,7 @@
 //! *Invariant*: no file, thread, clock or terminal; files are read and stages are watched through [`World`].
 //!
 //! Modules in reading order: [`error`], `budget`, [`check`], [`model`](mod@model), [`reduce`](mod@reduce), [`synth`],
-//! [`first_design`](mod@first_design), [`tuning`], [`certificates`], [`road`],
+//! [`first_design`](mod@first_design), [`tuning`], [`certificates`], [`road`], [`inertial_unit`](mod@inertial_unit),
 //! [`verify`](mod@verify), [`export`](mod@export), [`design_views`], [`mod@design`], [`plant_views`],
 //! [`reduction_views`], [`preview`], [`recordings`], [`studies`],
 //! [`exchange`] (systems and responses for other programs), [`results`].
@@ -34,6 +34,7 @@ pub mod error;
 pub mod exchange;
 pub mod export;
 pub mod first_design;
+pub mod inertial_unit;
 pub mod model;
 pub mod plant_views;
 pub mod preview;

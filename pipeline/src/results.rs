@@ -14,6 +14,7 @@ use counterpoise_verify::{Value, Verdict, Verification};
 use serde::Serialize;
 
 use crate::exchange::controller_file::PathResult;
+use crate::exchange::error_budget::ErrorBudgetResult;
 use crate::exchange::systems::stored_frequencies_hz;
 use crate::exchange::verified::{histories, responses};
 use crate::exchange::{
@@ -155,6 +156,9 @@ pub struct VerifyResult {
     /// Trials of the project's adaptation; absent if it has none or they were not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub adaptation_trials: Option<Trials>,
+    /// What the error of the line of sight is made of; absent where it was not asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub error_budget: Option<ErrorBudgetResult>,
     /// What the linear figures are measured on.
     #[serde(flatten)]
     pub measured_on: VerifiedLoop,
@@ -352,6 +356,7 @@ impl VerifyResult {
             measured_on,
             responses: responses(found),
             histories: histories(found),
+            error_budget: found.error_budget.as_ref().map(Into::into),
             certificate: None,
             adaptation_trials: None,
         }

@@ -2,12 +2,12 @@
 
 use counterpoise_recordings::clock::uniform;
 use counterpoise_recordings::{Error, Table};
-use counterpoise_verify::Road;
 use counterpoise_verify::signals::filter::{LowPass, from_rest, low_pass};
+use counterpoise_verify::{FurtherRoad, Road};
 
 use counterpoise_project::resolve::platform::RoadSource;
 
-/// Returns heave and pitch rate from a recording: the stretch that is asked for, low-passed, scaled, without their means (which
+/// Returns heave, pitch rate and, where its column is named, surge from a recording: the stretch that is asked for, low-passed, scaled, without their means (which
 /// takes gravity away), and faded in and out.
 ///
 /// # Errors
@@ -17,7 +17,11 @@ pub fn road(source: &RoadSource, table: &Table) -> Result<Road, Error> {
     let (time, _) = table.in_si("time")?;
     let heave = table.quantity(&source.heave, "heave", "m/s^2")?;
     let pitch = table.quantity(&source.pitch, "pitch rate", "rad/s")?;
-    let clocked = uniform(&table.name, time.view(), None, vec![heave, pitch])?;
+    let mut columns = vec![heave, pitch];
+    if !source.surge.is_empty() {
+        columns.push(table.quantity(&source.surge, "surge", "m/s^2")?);
+    }
+    let clocked = uniform(&table.name, time.view(), None, columns)?;
     let shape = |signal: usize, scale: f64| {
         shaped(source, table, clocked.period_s, &clocked.signals[signal].to_vec(), scale)
     };
@@ -26,7 +30,14 @@ pub fn road(source: &RoadSource, table: &Table) -> Result<Road, Error> {
         sample_period_s: clocked.period_s,
         heave_m_s2: shape(0, source.heave_scale)?,
         pitch_rate_rad_s: shape(1, source.pitch_scale)?,
+        further: (!source.surge.is_empty()).then(|| shape(2, source.surge_scale)).transpose()?.map(surging),
     })
+}
+
+/// A motion that surges without roll and yaw.
+fn surging(surge_m_s2: Vec<f64>) -> FurtherRoad {
+    let still = vec![0.0; surge_m_s2.len()];
+    FurtherRoad { surge_m_s2, roll_rate_rad_s: still.clone(), yaw_rate_rad_s: still }
 }
 
 fn shaped(
@@ -36,25 +47,49 @@ fn shaped(
     column: &[f64],
     scale: f64,
 ) -> Result<Vec<f64>, Error> {
-    let refuse = |why: String| Error::Road { file: table.name.clone(), why };
+    let wanted = Stretch {
+        low_pass_hz: source.low_pass_hz,
+        start_s: source.start_s,
+        duration_s: source.duration_s,
+        period_s: period,
+    };
+    let scaled: Vec<f64> = stretch(&wanted, table, column)?.iter().map(|v| scale * v).collect();
+    Ok(from_rest(&scaled, period, source.fade_s))
+}
+
+/// Which part of a column is taken.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Stretch {
+    /// Frequency above which motion is removed, Hz; `None` leaves it.
+    pub low_pass_hz: Option<f64>,
+    /// Start in the recording, s.
+    pub start_s: f64,
+    /// Length, s.
+    pub duration_s: f64,
+    /// Period of the samples, s.
+    pub period_s: f64,
+}
+
+/// Returns the low-passed part of a column.
+pub(crate) fn stretch(wanted: &Stretch, table: &Table, column: &[f64]) -> Result<Vec<f64>, Error> {
+    let (refuse, period) = (|why: String| Error::Road { file: table.name.clone(), why }, wanted.period_s);
     if let Some(row) = column.iter().position(|v| !v.is_finite()) {
         return Err(refuse(format!("a sample is missing in row {}", row + 1)));
     }
-    let filtered = match source.low_pass_hz {
+    let filtered = match wanted.low_pass_hz {
         Some(half_amplitude_hz) => {
             low_pass(column, period, LowPass { half_amplitude_hz }).map_err(|e| refuse(e.to_string()))?
         }
         None => column.to_vec(),
     };
-    let from = (source.start_s / period).round() as usize;
-    let count = (source.duration_s / period).round() as usize + 1;
+    let from = (wanted.start_s / period).round() as usize;
+    let count = (wanted.duration_s / period).round() as usize + 1;
     let length = (column.len() - 1) as f64 * period;
-    let stretch = filtered.get(from..from.saturating_add(count)).ok_or_else(|| {
+    let taken = filtered.get(from..from.saturating_add(count)).ok_or_else(|| {
         refuse(format!(
             "{} s from {} s are asked for, but it is {length:.2} s long",
-            source.duration_s, source.start_s
+            wanted.duration_s, wanted.start_s
         ))
     })?;
-    let scaled: Vec<f64> = stretch.iter().map(|v| scale * v).collect();
-    Ok(from_rest(&scaled, period, source.fade_s))
+    Ok(taken.to_vec())
 }

@@ -5,10 +5,11 @@ use counterpoise_recordings::Table;
 use counterpoise_verify::{Procedure, Road, Verification, VerifiedController};
 
 use crate::budget::{Run, affordable};
+use crate::inertial_unit::inertial_unit;
 use crate::road::road;
 use crate::{Modelled, PipelineError, Synthesised, World};
 use counterpoise_project::Project;
-use counterpoise_project::resolve::platform::{PlatformSource, RoadSource};
+use counterpoise_project::resolve::platform::PlatformSource;
 
 /// Verifies the sampled controller on the plant as it was before reduction.
 ///
@@ -89,7 +90,8 @@ pub fn procedure(project: &Project, world: &dyn World) -> Result<Procedure, Pipe
     for (key, duration_s) in runs.into_iter().chain(triangle) {
         affordable(Run { key, duration_s, period_s })?;
     }
-    let road = asked.road.as_ref().map(|source| moved(source, world)).transpose()?;
+    let gravity_m_s2 = project.plant.gravity_m_s2;
+    let road = asked.road.as_ref().map(|source| moved(source, world, gravity_m_s2)).transpose()?;
     Ok(Procedure {
         operating_point: project.model.operating_point,
         friction: project.model.friction,
@@ -102,24 +104,21 @@ pub fn procedure(project: &Project, world: &dyn World) -> Result<Procedure, Pipe
 const SHORTEST_ROAD_PERIOD_S: f64 = 1e-3;
 
 /// The platform's motion, read or made.
-fn moved(source: &PlatformSource, world: &dyn World) -> Result<Road, PipelineError> {
+fn moved(source: &PlatformSource, world: &dyn World, gravity_m_s2: f64) -> Result<Road, PipelineError> {
     match source {
-        PlatformSource::Recording(source) => read_road(source, world),
+        PlatformSource::Recording(source) => Ok(road(source, &recorded(&source.recording, world)?)?),
+        PlatformSource::InertialUnit(unit) => Ok(inertial_unit(unit, &recorded(&unit.recording, world)?)?),
         PlatformSource::Made(motion) => {
             let duration_s = motion.realisation.duration_s;
             affordable(Run { key: "verify.road.duration", duration_s, period_s: SHORTEST_ROAD_PERIOD_S })?;
-            Ok(motion.road()?)
+            Ok(motion.road_under(gravity_m_s2)?)
         }
     }
 }
 
-/// The part of a recording that the project asks for.
-fn read_road(source: &RoadSource, world: &dyn World) -> Result<Road, PipelineError> {
-    let file = |problem: String| PipelineError::File {
-        name: source.recording.clone(),
-        section: "verify.road",
-        problem,
-    };
-    let bytes = world.read(&source.recording).map_err(file)?;
-    Ok(road(source, &Table::read(&bytes, &source.recording)?)?)
+/// A recording of the platform's motion.
+fn recorded(name: &str, world: &dyn World) -> Result<Table, PipelineError> {
+    let file =
+        |problem: String| PipelineError::File { name: name.to_owned(), section: "verify.road", problem };
+    Ok(Table::read(&world.read(name).map_err(file)?, name)?)
 }

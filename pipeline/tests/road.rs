@@ -20,6 +20,8 @@ fn a_road_is_cut_filtered_scaled_and_centred() {
         recording: "road.csv".to_owned(),
         heave: "az".to_owned(),
         pitch: "wy".to_owned(),
+        surge: String::new(),
+        surge_scale: 1.0,
         heave_scale: 0.5,
         pitch_scale: -1.0,
         low_pass_hz: Some(5.0),

@@ -8,7 +8,7 @@
 //!
 //! Modules in reading order: [`page`], [`html`](mod@html), [`style`], [`bode`]; a verification's report: [`summary`], [`evidence`], [`spectra`],
 //! [`verification`], [`difference`], [`triangle`]; a design's: [`design`], [`first_design`], [`alternatives`], [`designs`], [`targets`], [`trade_off`]; the other commands'
-//! reports: [`check`], [`model`], [`fra`], [`adaptation`], [`sweep`], [`robust`], [`certificate`], [`advice`], [`identify`], [`replay`],
+//! reports: [`check`], [`model`], [`fra`], [`adaptation`], [`sweep`], [`robust`], [`certificate`], [`error_budget`], [`advice`], [`identify`], [`replay`],
 //! [`diagnosis`], [`residual`], [`structure`]; and the
 //! sentences of a diagnosis: [`wording`].
 
@@ -22,6 +22,7 @@ pub mod design;
 pub mod designs;
 pub mod diagnosis;
 pub mod difference;
+pub mod error_budget;
 pub mod evidence;
 pub mod first_design;
 pub mod fra;

@@ -3,7 +3,7 @@
 use counterpoise_verify::Verification;
 use counterpoise_verify::spectral::Spectral;
 
-use crate::{Report, Section, evidence, spectra, summary};
+use crate::{Report, Section, error_budget, evidence, spectra, summary};
 
 /// What a verification does not know about itself.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -23,6 +23,7 @@ pub struct Context {
 pub fn of_verification(found: &Verification, on_road: &[Spectral], context: Context) -> Report {
     let mut sections = evidence::sections(found);
     sections.extend(spectra::section(on_road));
+    sections.extend(error_budget::section(found));
     sections.extend(context.more);
     sections.extend(summary::traceability(found));
     sections.push(evidence::figure_section(found));

@@ -51,7 +51,7 @@ pub use engine::ports::{Bonds, FrictionState};
 pub use engine::state::{Effort, PlantState};
 pub use error::Error;
 pub use history::{ReadingColumns, TimeHistory, TrueColumns};
-pub use motion::PlatformMotion;
+pub use motion::{FurtherMotion, PlatformMotion};
 pub use replay::{ChannelFit, Loop, Playback, Replay, Replayer, replay};
 pub use run::{Simulator, run};
 pub use scenario::{Detail, Initial, Scenario};

@@ -1,9 +1,10 @@
 //! The platform's motion, as the integrator takes it: polynomials over each sample period.
 
 use crate::engine::moments::NODES;
-use crate::engine::ports::{PlatformPoint, PlatformSpan};
+use crate::engine::ports::{FurtherPoint, PlatformPoint, PlatformSpan};
 use crate::signal::{Signal, Sine};
 use crate::tolerance::{ROTOR_SAMPLES, SLOW_SINE_RAD};
+use std::ops::Range;
 
 /// How the platform moves. Rates and accelerations are inertial; heave is the pivot's upward acceleration without
 /// gravity.
@@ -15,12 +16,41 @@ pub struct PlatformMotion {
     pub heave_m_s2: Signal,
     /// Platform angle at the start, rad.
     pub initial_angle_rad: f64,
+    /// What else the axis feels; `None` if the platform only heaves and pitches.
+    pub further: Option<FurtherMotion>,
+}
+
+/// The platform's motion beside heave and pitch, in axes that do not turn about the elevation axis
+/// ([`counterpoise_models::base_motion`] defines them).
+#[derive(Debug, Clone, PartialEq)]
+pub struct FurtherMotion {
+    /// Surge: forward acceleration of the pivot, m/s^2.
+    pub surge_m_s2: Signal,
+    /// Rate about the forward axis, rad/s.
+    pub roll_rate_rad_s: Signal,
+    /// Rate about the upward axis, rad/s.
+    pub yaw_rate_rad_s: Signal,
+}
+
+impl FurtherMotion {
+    /// Returns the motion from one of its samples on, as [`Signal::part`] does.
+    pub(crate) fn part(&self, samples: Range<usize>) -> Self {
+        Self {
+            surge_m_s2: self.surge_m_s2.part(samples.clone()),
+            roll_rate_rad_s: self.roll_rate_rad_s.part(samples.clone()),
+            yaw_rate_rad_s: self.yaw_rate_rad_s.part(samples),
+        }
+    }
 }
 
 impl PlatformMotion {
     /// A platform at rest and level.
-    pub const STILL: Self =
-        Self { pitch_rate_rad_s: Signal::ZERO, heave_m_s2: Signal::ZERO, initial_angle_rad: 0.0 };
+    pub const STILL: Self = Self {
+        pitch_rate_rad_s: Signal::ZERO,
+        heave_m_s2: Signal::ZERO,
+        initial_angle_rad: 0.0,
+        further: None,
+    };
 
     /// Returns a platform motion simulator that only pitches, with the mechanism's pivot a distance in front of its axis:
     /// heave = offset x pitch acceleration. The pitch angle is a sum of sines (rad).
@@ -37,6 +67,7 @@ impl PlatformMotion {
             pitch_rate_rad_s: derivative(1, 1.0),
             heave_m_s2: derivative(2, offset_m),
             initial_angle_rad: angle.iter().map(|s| s.at(0.0)).sum(),
+            further: None,
         }
     }
 
@@ -55,6 +86,8 @@ pub(crate) struct Track<'a> {
     next: usize,
     rate: Followed<'a>,
     heave: Followed<'a>,
+    /// Surge, roll rate, yaw rate.
+    further: Option<[Followed<'a>; 3]>,
 }
 
 impl<'a> Track<'a> {
@@ -67,6 +100,9 @@ impl<'a> Track<'a> {
             next: 0,
             rate: follow(&platform.pitch_rate_rad_s),
             heave: follow(&platform.heave_m_s2),
+            further: platform.further.as_ref().map(|further| {
+                [&further.surge_m_s2, &further.roll_rate_rad_s, &further.yaw_rate_rad_s].map(follow)
+            }),
         }
     }
 
@@ -80,6 +116,10 @@ impl<'a> Track<'a> {
             period_s,
             rate: self.rate.next(k, start_s, period_s),
             heave: self.heave.next(k, start_s, period_s),
+            further: self
+                .further
+                .as_mut()
+                .map(|all| all.each_mut().map(|followed| followed.next(k, start_s, period_s))),
         }
     }
 }
@@ -165,6 +205,8 @@ pub(crate) struct MotionSample {
     period_s: f64,
     rate: [f64; 5],
     heave: [f64; 5],
+    /// Surge, roll rate, yaw rate.
+    further: Option<[[f64; 5]; 3]>,
 }
 
 impl MotionSample {
@@ -180,12 +222,23 @@ impl MotionSample {
         }
     }
 
+    /// Returns what the platform does beside heave and pitch at a fraction of the sample.
+    #[inline]
+    pub fn further_at(&self, s: f64) -> Option<FurtherPoint> {
+        self.further.as_ref().map(|all| all.map(|c| quartic(&c, s)).into())
+    }
+
     /// Returns the platform along a step that starts at a fraction of the sample and takes a share of it.
     #[inline]
     pub fn span(&self, start: f64, share: f64) -> PlatformSpan {
         PlatformSpan {
             nodes: NODES.map(|node| self.at(start + node * share)),
             middle: self.at(start + 0.5 * share),
+            further: self.further.as_ref().map(|all| {
+                let [a, b, c, d] = NODES;
+                [a, b, c, d, 0.5]
+                    .map(|part| all.map(|coefficients| quartic(&coefficients, start + part * share)).into())
+            }),
         }
     }
 
@@ -266,6 +319,26 @@ mod tests {
                 let expected = sine.at(1.234 + (f64::from(k) + s) * 1e-3);
                 assert!((sample.at(s).heave - expected).abs() < 1e-11);
             }
+        }
+    }
+
+    #[test]
+    fn surge_roll_and_yaw_are_followed_as_heave_is() {
+        let signal = |amplitude| Signal::sine(amplitude, 30.0);
+        let further = FurtherMotion {
+            surge_m_s2: signal(2.0),
+            roll_rate_rad_s: signal(0.3),
+            yaw_rate_rad_s: Signal::Constant(0.1),
+        };
+        let platform =
+            PlatformMotion { heave_m_s2: signal(2.0), further: Some(further), ..PlatformMotion::STILL };
+        let mut track = Track::new(&platform, 1e-3, 0.5);
+        for _ in 0..200 {
+            let sample = track.sample(0.0);
+            let (heave, further) = (sample.at(0.4).heave, sample.further_at(0.4).unwrap_or_default());
+            assert_eq!(further.surge, heave);
+            assert!((further.rates[0] - 0.15 * heave).abs() < 1e-15 && further.rates[1] == 0.1);
+            assert_eq!(sample.span(0.4, 0.5).further_at(0), Some(&further));
         }
     }
 

@@ -15,6 +15,9 @@ use counterpoise_controller::{Readings, SampledController};
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{AmplifierDynamics, Measured, Mesh, OperatingPoint, Plant};
 
+/// Which of the stepper's outputs is the hub's angle.
+const HUB_ANGLE: usize = 2;
+
 /// A plant ready to run again and again: its stored matrices are kept from run to run.
 #[derive(Debug, Clone)]
 pub struct Simulator {
@@ -117,7 +120,7 @@ impl Simulator {
                 lap.truth.pivot_friction_nm.push(dry[1]);
             }
             self.stepper.advance(&sample);
-            lap.sensing.advance(&motion);
+            lap.sensing.advance(&motion, self.stepper.outputs()[HUB_ANGLE]);
             lap.angle = motion.at(1.0).angle;
             if !self.stepper.is_finite() {
                 return Err(Error::Diverged { time_s: lap.time(k) });
@@ -212,11 +215,12 @@ impl<'a> Lap<'a> {
         }
         let angle = scenario.platform.initial_angle_rad;
         let track = Track::new(&scenario.platform, period_s, 0.0);
-        let start = track.clone().sample(angle).at(0.0);
+        let motion = track.clone().sample(angle);
+        let start = motion.at(0.0);
         let mut sensing = Sensing::new(parameters, scenario.imperfections);
-        sensing.settle(&start);
         let state = initial(plant, scenario, &start)?;
         stepper.restart(&state);
+        sensing.settle(&motion, stepper.outputs()[HUB_ANGLE]);
         let before = holding_control(plant, &state.core);
         let clock = match scenario.imperfections {
             Imperfections::NoiseAndQuantisation { seed } => {

@@ -34,6 +34,7 @@ fn shaken(duration_s: f64) -> Scenario {
             pitch_rate_rad_s: Signal::Sines(vec![sine(0.1, 1.3, 0.3), sine(0.03, 4.0, 1.0)]),
             heave_m_s2: Signal::Sines(vec![sine(2.0, 2.1, 0.0)]),
             initial_angle_rad: 0.01,
+            further: None,
         },
         ..Scenario::still(duration_s)
     }
@@ -61,7 +62,7 @@ fn runge_kutta(plant: &Plant, scenario: &Scenario, substeps: usize) -> Vec<f64> 
             heave_m_s2: scenario.platform.heave_m_s2.at(t),
             platform_angle_rad: x[n + 4],
             platform_rate_rad_s: platform_rate,
-            platform_acceleration_rad_s2: 0.0,
+            ..Excitation::default()
         };
         let mut dx = vec![0.0; n + 5];
         plant.derivative(&x[..n + 2], &excitation, &mut dx[..n + 2]);

@@ -73,6 +73,7 @@ fn record(plant: &Plant, controller: &mut dyn SampledController) -> Recording {
             pitch_rate_rad_s: sines(&[(0.05, 0.8, 0.4)]),
             heave_m_s2: sines(&[(0.8, 1.3, 0.0), (0.4, 2.9, 2.0)]),
             initial_angle_rad: 0.0,
+            further: None,
         },
         imperfections: Imperfections::NoiseAndQuantisation { seed: 5 },
         initial: Initial::Rest { hub_angle_rad: 0.0 },

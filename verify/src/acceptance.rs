@@ -4,7 +4,7 @@
 //! platform, the same statistics. What a loop's margins are worth is measured with a network or frequency response analyser, as
 //! Skogestad and Postlethwaite (Multivariable Feedback Control, section 2.4) define them.
 
-use crate::{Arrangement, Figure, LoopFigure, Model, Procedure, Quantity, RestFigure, Source};
+use crate::{Arrangement, Figure, LoopFigure, Model, Procedure, Quantity, RestFigure, SightFigure, Source};
 
 /// How a requirement on a figure is judged, in words.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -40,6 +40,7 @@ fn judged_by(figure: &Figure, procedure: &Procedure) -> String {
             format!("frequency response of the linear loop at {frequency_hz} Hz, {}", acting(*arrangement))
         }
         Figure::Rest(_) => format!("nonlinear simulation, {} s at rest", procedure.duration_s),
+        Figure::Sight(_) => format!("nonlinear simulation, {}", sight_run(procedure)),
     }
 }
 
@@ -78,7 +79,23 @@ fn acceptance_test(figure: &Figure, procedure: &Procedure) -> String {
                 procedure.duration_s
             )
         }
+        Figure::Sight(figure) => {
+            let place = match figure {
+                SightFigure::Hub | SightFigure::HubJitter => "hub",
+                SightFigure::Tip | SightFigure::TipJitter => "tip",
+            };
+            format!(
+                "move the platform: {}; record the image of a fixed target by a camera at the {place} from {} s on, and measure how it moves",
+                sight_run(procedure),
+                procedure.settle_s
+            )
+        }
     }
+}
+
+fn sight_run(procedure: &Procedure) -> String {
+    let source = if procedure.road.is_some() { Source::Road } else { Source::Both };
+    format!("{}, {}", motion(source, procedure), acting(Arrangement::Compensated))
 }
 
 fn of_loop(figure: LoopFigure) -> &'static str {

@@ -124,6 +124,24 @@ pub enum RestFigure {
     Drift,
 }
 
+/// A figure of the line of sight under the platform's motion: the road, or heave and pitch together, with the whole controller.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum SightFigure {
+    /// RMS of the hub's angle about its mean.
+    Hub,
+    /// RMS of the hub's angle about its mean in each exposure.
+    HubJitter,
+    /// RMS of the tip's angle about its mean.
+    Tip,
+    /// RMS of the tip's angle about its mean in each exposure.
+    TipJitter,
+}
+
+impl SightFigure {
+    /// Every figure.
+    pub const ALL: [Self; 4] = [Self::Hub, Self::HubJitter, Self::Tip, Self::TipJitter];
+}
+
 /// Anything that a requirement can limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Figure {
@@ -147,6 +165,8 @@ pub enum Figure {
     },
     /// Nothing happens.
     Rest(RestFigure),
+    /// The line of sight.
+    Sight(SightFigure),
 }
 
 const MODELS: [(Model, &str, &str); 2] =
@@ -216,6 +236,13 @@ const REST: [(RestFigure, Words); 2] = [
     (RestFigure::Drift, ("rest_drift_rad", "drift at rest", "rad")),
 ];
 
+const SIGHT: [(SightFigure, Words); 4] = [
+    (SightFigure::Hub, ("line_of_sight_rms_rad", "RMS line of sight", "rad")),
+    (SightFigure::HubJitter, ("line_of_sight_jitter_rad", "line-of-sight jitter", "rad")),
+    (SightFigure::Tip, ("tip_line_of_sight_rms_rad", "RMS line of sight of the tip", "rad")),
+    (SightFigure::TipJitter, ("tip_line_of_sight_jitter_rad", "line-of-sight jitter of the tip", "rad")),
+];
+
 fn words<K: PartialEq>(table: &[(K, Words)], key: &K) -> Words {
     table.iter().find(|row| row.0 == *key).map_or(("", "", ""), |row| row.1)
 }
@@ -251,6 +278,7 @@ impl Figure {
                 )
             }
             Figure::Rest(figure) => words(&REST, figure).0.to_owned(),
+            Figure::Sight(figure) => words(&SIGHT, figure).0.to_owned(),
         }
     }
 
@@ -301,6 +329,7 @@ impl Figure {
         }
         out.extend(rejections(1.0));
         out.extend(REST.iter().map(|row| Figure::Rest(row.0)));
+        out.extend(SIGHT.iter().map(|row| Figure::Sight(row.0)));
         out
     }
 
@@ -329,6 +358,7 @@ impl Figure {
                 )
             }
             Figure::Rest(figure) => words(&REST, figure).1.to_owned(),
+            Figure::Sight(figure) => words(&SIGHT, figure).1.to_owned(),
         }
     }
 
@@ -341,6 +371,7 @@ impl Figure {
             Figure::Disturbance(_, _, _, quantity) => words(&QUANTITIES, quantity).2,
             Figure::Rejection { .. } => "dB",
             Figure::Rest(figure) => words(&REST, figure).2,
+            Figure::Sight(figure) => words(&SIGHT, figure).2,
         }
     }
 
@@ -357,6 +388,9 @@ impl Figure {
             }
             Figure::Rejection { .. } => "hub rate over platform motion at one frequency; low is good",
             Figure::Rest(_) => "what the loop does when nothing is asked of it",
+            Figure::Sight(_) => {
+                "how far the stabilised axis points from where it should while the platform moves"
+            }
         }
     }
 }

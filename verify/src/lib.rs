@@ -6,7 +6,7 @@
 //! *Invariant*: nothing here knows how a controller was designed; nothing here reads a file, a clock or an unseeded random number.
 //!
 //! Modules in reading order: [`figure`], [`requirement`], [`procedure`], [`signals`], [`history`], [`linear`],
-//! [`nonlinear`], [`measure`], [`verification`], [`spectral`], [`difference`], [`robust`], [`structured`], [`certificate`],
+//! [`nonlinear`], [`measure`], [`line_of_sight`], [`error_budget`](mod@error_budget), [`verification`], [`spectral`], [`difference`], [`robust`], [`structured`], [`certificate`],
 //! [`acceptance`] (requirements traced to runs and to tests on the machine),
 //! [`tolerance`] (the numbers that decide), [`error`].
 //!
@@ -22,8 +22,10 @@ pub mod acceptance;
 pub mod certificate;
 pub mod difference;
 pub mod error;
+pub mod error_budget;
 pub mod figure;
 pub mod history;
+pub mod line_of_sight;
 pub mod linear;
 pub mod measure;
 pub mod nonlinear;
@@ -39,12 +41,15 @@ pub mod verification;
 
 pub use counterpoise_lti::{C64, Margins};
 pub use error::Error;
+pub use error_budget::{Contribution, ErrorBudget, ErrorSource, error_budget};
 pub use figure::{
-    Arrangement, Figure, LoopFigure, Model, Quantity, RestFigure, Source, StepFigure, TriangleFigure,
+    Arrangement, Figure, LoopFigure, Model, Quantity, RestFigure, SightFigure, Source, StepFigure,
+    TriangleFigure,
 };
 pub use history::{Experiment, History};
+pub use line_of_sight::LineOfSight;
 pub use measure::{Measured, Value};
-pub use procedure::{Procedure, Road, Sine, Step, Triangle};
+pub use procedure::{FurtherRoad, Procedure, Road, Sine, Step, Triangle};
 pub use requirement::{Limit, Requirement, Verdict};
 pub use verification::{
     ARRANGEMENTS, Evidence, Verification, VerifiedController, linear_plant, verify, verify_linear,

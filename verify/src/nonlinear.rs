@@ -3,7 +3,7 @@
 use counterpoise_controller::{Controller, Readings, Runner, SampledController};
 use counterpoise_models::plant::{OperatingPoint, Plant};
 use counterpoise_simulate::{
-    Detail, Imperfections, Initial, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
+    Detail, FurtherMotion, Imperfections, Initial, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
 };
 
 use crate::history::{Experiment, History, integrated};
@@ -131,7 +131,17 @@ fn moving(procedure: &Procedure, source: Source, still: PlatformMotion) -> Platf
             (samples(&road.heave_m_s2), samples(&road.pitch_rate_rad_s))
         }
     };
-    PlatformMotion { heave_m_s2, pitch_rate_rad_s, ..still }
+    let road = procedure.road.as_ref().filter(|_| source == Source::Road);
+    let further = road.and_then(|road| Some((road.sample_period_s, road.further.as_ref()?)));
+    let further = further.map(|(period_s, further)| {
+        let samples = |values: &[f64]| Signal::Samples { period_s, values: values.to_vec() };
+        FurtherMotion {
+            surge_m_s2: samples(&further.surge_m_s2),
+            roll_rate_rad_s: samples(&further.roll_rate_rad_s),
+            yaw_rate_rad_s: samples(&further.yaw_rate_rad_s),
+        }
+    });
+    PlatformMotion { heave_m_s2, pitch_rate_rad_s, further, ..still }
 }
 
 /// Where a run starts: in a loop of position the hub's position, from which demands and histories count.

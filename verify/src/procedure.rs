@@ -3,8 +3,8 @@
 use counterpoise_models::plant::{FrictionLinearisation, OperatingPoint};
 use counterpoise_simulate::Signal;
 
-use crate::Error;
 use crate::signals::{check_finite, check_length};
+use crate::{Error, LineOfSight};
 
 /// Everything that a verification does.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,6 +32,8 @@ pub struct Procedure {
     pub rejection_hz: Vec<f64>,
     /// Seed of the sensor noise.
     pub seed: u64,
+    /// How the line of sight is judged; `None` if nobody asks for it.
+    pub line_of_sight: Option<LineOfSight>,
 }
 
 /// A step of the demanded hub rate from rest.
@@ -73,6 +75,20 @@ pub struct Road {
     pub heave_m_s2: Vec<f64>,
     /// Pitch rate, rad/s.
     pub pitch_rate_rad_s: Vec<f64>,
+    /// What the platform does beside heave and pitch; `None` if nothing.
+    pub further: Option<FurtherRoad>,
+}
+
+/// Platform motion beside heave and pitch, in samples as long as those of its [`Road`], in axes that do not turn about the elevation axis
+/// ([`counterpoise_models::base_motion`] defines them).
+#[derive(Debug, Clone, PartialEq)]
+pub struct FurtherRoad {
+    /// Surge: forward acceleration of the pivot, m/s^2.
+    pub surge_m_s2: Vec<f64>,
+    /// Rate about the forward axis, rad/s.
+    pub roll_rate_rad_s: Vec<f64>,
+    /// Rate about the upward axis, rad/s.
+    pub yaw_rate_rad_s: Vec<f64>,
 }
 
 impl Default for Procedure {
@@ -90,6 +106,7 @@ impl Default for Procedure {
             settle_s: 2.0,
             rejection_hz: vec![0.3, 1.0, 1.5, 3.0, 5.0],
             seed: 1,
+            line_of_sight: None,
         }
     }
 }
@@ -112,6 +129,12 @@ impl Road {
     /// Duration, s.
     pub fn duration_s(&self) -> f64 {
         self.heave_m_s2.len().saturating_sub(1) as f64 * self.sample_period_s
+    }
+
+    /// Surge at a time, m/s^2; 0 outside the record and if there is none.
+    pub fn surge_at(&self, time_s: f64) -> f64 {
+        let surge = self.further.as_ref().map(|further| &further.surge_m_s2);
+        surge.map_or(0.0, |surge| between(surge, time_s / self.sample_period_s))
     }
 
     /// Heave and pitch rate at a time; 0 outside the record.
@@ -164,6 +187,11 @@ impl Procedure {
                 allowed: "positive",
             });
         }
+        if let Some(exposure_s) = self.line_of_sight.map(|sight| sight.exposure_s)
+            && !(exposure_s > 0.0 && exposure_s.is_finite())
+        {
+            return Err(Error::Range { what: "exposure in s", value: exposure_s, allowed: "positive" });
+        }
         check_finite("triangle in rad/s", &[self.triangle.map_or(0.0, |triangle| triangle.rate_rad_s)])?;
         check_finite("amplitudes", &[self.heave.amplitude, self.pitch.amplitude, self.step.rate_rad_s])?;
         if self.step.rate_rad_s == 0.0 {
@@ -183,6 +211,16 @@ impl Procedure {
         check_length("pitch rate of the road", road.pitch_rate_rad_s.len(), road.heave_m_s2.len())?;
         check_finite("heave of the road", &road.heave_m_s2)?;
         check_finite("pitch rate of the road", &road.pitch_rate_rad_s)?;
+        if let Some(further) = &road.further {
+            for (what, samples) in [
+                ("surge of the road", &further.surge_m_s2),
+                ("roll rate of the road", &further.roll_rate_rad_s),
+                ("yaw rate of the road", &further.yaw_rate_rad_s),
+            ] {
+                check_length(what, samples.len(), road.heave_m_s2.len())?;
+                check_finite(what, samples)?;
+            }
+        }
         if !(road.sample_period_s > 0.0 && road.sample_period_s.is_finite()) {
             return Err(Error::Range {
                 what: "sample period of the road in s",
@@ -218,6 +256,7 @@ mod tests {
             sample_period_s: 0.01,
             heave_m_s2: vec![0.0; 500],
             pitch_rate_rad_s: vec![0.0; 499],
+            further: None,
         };
         assert!(matches!(Procedure { road: Some(road), ..good }.check(), Err(Error::Length { .. })));
     }
@@ -229,6 +268,7 @@ mod tests {
             sample_period_s: 0.5,
             heave_m_s2: vec![0.0, 1.0, 3.0],
             pitch_rate_rad_s: vec![1.0; 3],
+            further: None,
         };
         assert_eq!(road.at(0.75), (2.0, 1.0));
         assert_eq!(road.at(1.0), (3.0, 1.0));

@@ -6,7 +6,9 @@ use counterpoise_models::plant::{LinearPlant, Plant};
 use counterpoise_simulate::Simulator;
 
 use crate::acceptance::Acceptance;
+use crate::error_budget::{ErrorBudget, error_budget};
 use crate::history::{Experiment, History};
+use crate::line_of_sight;
 use crate::linear::frequency::rejections;
 use crate::linear::{self, Closed, Curves, SampledPlant, arranged};
 use crate::measure::{Measured, Value, diverged, history_figures, loop_figures};
@@ -25,6 +27,8 @@ pub struct Verification {
     pub verdicts: Vec<(Requirement, Verdict)>,
     /// What the figures were read from.
     pub evidence: Evidence,
+    /// What the error of the line of sight is made of; `None` if the procedure does not ask for it.
+    pub error_budget: Option<ErrorBudget>,
 }
 
 /// Curves and time histories.
@@ -118,6 +122,9 @@ impl Verification {
             Figure::Disturbance(_, Source::Road, ..) if !self.saw_a_road() => {
                 "this experiment was not run: the verification has no road"
             }
+            Figure::Sight(_) if self.evidence.procedure.line_of_sight.is_none() => {
+                "this figure was not measured: the project has no [verify.line_of_sight]"
+            }
             Figure::Triangle(..) if !self.saw_a_triangle() => {
                 "this experiment was not run: the verification has no triangle"
             }
@@ -125,6 +132,7 @@ impl Verification {
             | Figure::Triangle(Model::Nonlinear, _)
             | Figure::Disturbance(Model::Nonlinear, ..)
             | Figure::Rest(_)
+            | Figure::Sight(_)
                 if !simulated =>
             {
                 "this experiment was not run: the linear plant alone was verified"
@@ -220,10 +228,12 @@ fn nonlinear_part(
         match nonlinear::history(&mut simulator, controller, procedure, experiment) {
             Ok(history) => {
                 found.figures.extend(history_figures(&history, procedure.settle_s));
+                found.figures.extend(line_of_sight::figures(&history, procedure, plant.into()));
                 found.evidence.histories.push(history);
             }
             Err(Error::Simulate(counterpoise_simulate::Error::Diverged { .. })) => {
                 found.figures.extend(diverged(Model::Nonlinear, experiment));
+                found.figures.extend(line_of_sight::diverged(procedure, experiment));
             }
             Err(error) => return Err(error),
         }
@@ -231,6 +241,7 @@ fn nonlinear_part(
             return Ok(false);
         }
     }
+    found.error_budget = error_budget(plant, controller, procedure)?;
     Ok(true)
 }
 
@@ -288,7 +299,7 @@ fn linear_part(
         (sampled.sample_period_s, sampled.holding_v, whole.poles.clone());
     let procedure = procedure.clone();
     let evidence = Evidence { sample_period_s, holding_v, poles, margins, curves, histories, procedure };
-    Ok(Verification { figures, verdicts: Vec::new(), evidence })
+    Ok(Verification { figures, verdicts: Vec::new(), evidence, error_budget: None })
 }
 
 /// The procedure's frequencies and those that requirements name.
@@ -334,7 +345,8 @@ fn linear_histories(
         for experiment in experiments(procedure, *arrangement) {
             match linear_history(sampled, closed, procedure, experiment)? {
                 None => figures.extend(diverged(Model::Linear, experiment)),
-                Some(history) => {
+                Some(mut history) => {
+                    linear::surge::add(&mut history, sampled, loops, procedure)?;
                     figures.extend(history_figures(&history, procedure.settle_s));
                     histories.push(history);
                 }

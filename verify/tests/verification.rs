@@ -77,7 +77,7 @@ fn road() -> Road {
         (0..400).map(|k| amplitude * (std::f64::consts::TAU * hz * f64::from(k) * 0.005).sin()).collect()
     };
     let (heave_m_s2, pitch_rate_rad_s) = (sine(1.0, 1.5), sine(0.1, 1.0));
-    Road { name: "tones".to_owned(), sample_period_s: 0.005, heave_m_s2, pitch_rate_rad_s }
+    Road { name: "tones".to_owned(), sample_period_s: 0.005, heave_m_s2, pitch_rate_rad_s, further: None }
 }
 
 /// Every figure that a project file can name holds where the limit leaves room, by that room, and fails where it does not, by as much;

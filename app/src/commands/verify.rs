@@ -13,7 +13,9 @@ use counterpoise_pipeline::{self as pipeline, ProjectIdentity, studies};
 use counterpoise_project::{Project, Purpose, StructureChoice};
 use counterpoise_report::adaptation::{refusal, trial_section};
 use counterpoise_report::summary::worse_feedforwards;
-use counterpoise_report::{Context, Origin, advice, certificate, difference, html, of_verification, robust};
+use counterpoise_report::{
+    Context, Origin, advice, certificate, difference, error_budget, html, of_verification, robust,
+};
 use counterpoise_verify::certificate::Certificate;
 use counterpoise_verify::difference::{Change, changes};
 use counterpoise_verify::signals::iso_road::{Drive, RoadClass, Vehicle, iso_road};
@@ -116,6 +118,7 @@ fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Res
     let shown = Shown { result, robust_to_times_the_ranges };
     if !output::json(&options.results, &shown)? {
         print_verdicts(found);
+        error_budget::lines(found).iter().for_each(|line| say!("line of sight: {line}"));
         advice::lines(&study.advice).iter().for_each(|line| say!("advice: {line}"));
         worse_feedforwards(&study.found).iter().for_each(|line| say!("note: {line}"));
         let certified = study.certificate.iter().flat_map(certificate::lines);

@@ -1,5 +1,6 @@
 //! The nonlinear plant as a co-simulation unit: all the physics that the simulator has.
 
+use counterpoise_models::AccelerometerAxis;
 use counterpoise_models::plant::Plant;
 use minijinja::{Environment, context};
 
@@ -35,6 +36,11 @@ pub enum PlantUnitError {
         /// How many the unit holds.
         most: f64,
     },
+    /// The unit's platform heaves and pitches, and its accelerometer stands upright.
+    #[error(
+        "the plant unit's platform heaves and pitches alone: it has no accelerometer on the elevated mass (axis = \"elevated\")"
+    )]
+    Elevated,
     /// The unit could not be written.
     #[error(transparent)]
     Export(#[from] Error),
@@ -49,11 +55,14 @@ pub enum PlantUnitError {
 /// models, solved by another method: Dormand and Prince's pair with the instants of switching found.
 ///
 /// # Errors
-/// [`PlantUnitError::Memory`] where a delay or a number of bristles is larger than the unit's memory, [`PlantUnitError::Export`]
+/// [`PlantUnitError::Elevated`] for an accelerometer on the elevated mass, [`PlantUnitError::Memory`] where a delay or a number of bristles is larger than the unit's memory, [`PlantUnitError::Export`]
 /// for a bad name.
 pub fn plant_unit(asked: PlantUnit, provenance: &Provenance) -> Result<Vec<File>, PlantUnitError> {
     let PlantUnit { plant, name } = asked;
     check_name(name)?;
+    if plant.parameters().sensors.accelerometer_axis == AccelerometerAxis::Elevated {
+        return Err(PlantUnitError::Elevated);
+    }
     let past = machine::past(plant);
     let bonds = machine::bristles(plant);
     within("delay in samples", past as f64, MOST_DELAY_SAMPLES)?;

@@ -47,10 +47,33 @@ pub struct Sensors {
     pub platform_accelerometer: Sensor,
     /// Distance of that accelerometer from the pivot, m: it also reads lever arm x pitch acceleration.
     pub accelerometer_lever_arm_m: f64,
+    /// Along which axis that accelerometer measures.
+    pub accelerometer_axis: AccelerometerAxis,
     /// Tachometer on the motor; absent if none is fitted.
     pub motor_tachometer: Option<Sensor>,
     /// Resolver at the hub, relative to the platform; absent if none is fitted.
     pub hub_resolver: Option<Sensor>,
+}
+
+/// Along which axis the accelerometer of the platform's motion measures, gravity removed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum AccelerometerAxis {
+    /// Upward: it reads heave.
+    #[default]
+    Vertical,
+    /// Along the normal of the beam, on the elevated mass at the pivot: it reads heave cos(theta_h) - surge sin(theta_h), which is what
+    /// the out-of-balance feels at any elevation.
+    Elevated,
+}
+
+impl AccelerometerAxis {
+    /// Returns what the sensor reads of heave at a hub angle, per m/s^2.
+    pub fn share_of_heave(self, hub_angle_rad: f64) -> f64 {
+        match self {
+            Self::Vertical => 1.0,
+            Self::Elevated => hub_angle_rad.cos(),
+        }
+    }
 }
 
 /// One sensor with its second-order dynamics.

@@ -22,6 +22,10 @@ pub struct Excitation {
     pub platform_rate_rad_s: f64,
     /// Platform pitch acceleration, rad/s^2: only a rotor behind a rigid transmission feels it.
     pub platform_acceleration_rad_s2: f64,
+    /// Surge: forward acceleration of the pivot, m/s^2.
+    pub surge_m_s2: f64,
+    /// Rates of the platform about its forward and its upward axis, rad/s; [`crate::base_motion`] defines the axes.
+    pub off_axis_rates_rad_s: [f64; 2],
 }
 
 impl Plant {
@@ -91,8 +95,10 @@ impl Plant {
             + error.hub_nm
             + hysteresis
             + gravity * self.body.vertical_offset_kg_m * sin
+            + at.surge_m_s2 * self.body.vertical_offset_kg_m * cos
+            + self.gyroscopic_torque_nm((sin, cos).into(), at.off_axis_rates_rad_s)
             + added.hub_nm;
-        u[input::LOAD] = gravity * cos;
+        u[input::LOAD] = gravity * cos - at.surge_m_s2 * sin;
         u[input::MESH_TORQUE] = offset;
         multiply(&core, x, &u, dx);
         for (slope, carried) in dx.iter_mut().zip(&core.carried) {
@@ -160,6 +166,23 @@ impl Plant {
             - self.parameters.motor_friction.drag_nm(motor_rate_rad_s)
     }
 
+    /// Returns the torque on the hub, N m, of a platform that turns about its forward axis (the first rate) and its upward one (the second):
+    ///
+    /// ```text
+    ///     T = -J' (P cos + R sin) (R cos - P sin)
+    /// ```
+    ///
+    /// J' is the inertia about the normal of the beam less that about the beam. That of a slender beam is its inertia about the pivot, without the
+    /// rotor of a rigid transmission. A linear axis has none.
+    #[inline]
+    pub fn gyroscopic_torque_nm(&self, hub: SinCos, [roll, yaw]: [f64; 2]) -> f64 {
+        if self.parameters.axis == crate::Axis::Linear {
+            return 0.0;
+        }
+        let slender = self.body.inertia_kg_m2 - self.parameters.reflected_inertia_kg_m2();
+        -slender * (roll * hub.cos + yaw * hub.sin) * (yaw * hub.cos - roll * hub.sin)
+    }
+
     /// Returns the smooth torques on the hub beside those of the core: spring, mesh ripple, drag, N m.
     pub fn hub_torque_nm(
         &self,
@@ -169,6 +192,21 @@ impl Plant {
     ) -> f64 {
         self.spring_torque_nm(relative_angle_rad) + self.parameters.gearbox.mesh_ripple.at(motor_angle_rad)
             - self.parameters.pivot_friction.drag_nm(relative_rate_rad_s)
+    }
+}
+
+/// Sine and cosine of the hub's angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SinCos {
+    /// Sine.
+    pub sin: f64,
+    /// Cosine.
+    pub cos: f64,
+}
+
+impl From<(f64, f64)> for SinCos {
+    fn from((sin, cos): (f64, f64)) -> Self {
+        Self { sin, cos }
     }
 }
 

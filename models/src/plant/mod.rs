@@ -20,7 +20,7 @@ mod sensor;
 
 pub use self::body::{Body, BodyMode};
 pub use self::core::{Core, Mesh};
-pub use self::dynamics::Excitation;
+pub use self::dynamics::{Excitation, SinCos};
 pub use self::equilibrium::{Equilibrium, OperatingPoint};
 pub use self::hose::Hose;
 pub use self::learned::{

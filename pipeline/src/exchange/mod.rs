@@ -3,13 +3,15 @@
 //! A system has its matrices as lists of rows, its signals by name and unit, and its sample time in seconds, 0 for continuous time: what
 //! `control.ss(A, B, C, D, dt)` of python-control and `ss(A, B, C, D, Ts)` of MATLAB take.
 //!
-//! Modules in reading order: [`systems`], [`verified`], [`controller_file`].
+//! Modules in reading order: [`systems`], [`verified`], [`error_budget`], [`controller_file`].
 
 pub mod controller_file;
+pub mod error_budget;
 pub mod systems;
 pub mod verified;
 
 pub use controller_file::ControllerResult;
+pub use error_budget::{ErrorBudgetResult, SightValues};
 pub use systems::{ResponseResult, SignalResult, SystemResult, TransferFunctionResult};
 pub use verified::{HistoryResult, VerifiedLoop, verified_loop};
 

@@ -245,8 +245,8 @@ pub fn project_hash(project: &Project, world: &dyn World) -> String {
     }
     let mut digest = Sha256::new_with_prefix(text.as_bytes());
     let road = project.verify.as_ref().and_then(|asked| asked.road.as_ref());
-    if let Some(PlatformSource::Recording(source)) = road
-        && let Ok(bytes) = world.read(&source.recording)
+    if let Some(recording) = road.and_then(PlatformSource::recording)
+        && let Ok(bytes) = world.read(recording)
     {
         digest.update(Sha256::digest(&bytes));
     }

@@ -315,6 +315,7 @@ impl Stage<'_> {
             heave_m_s2: sine(&self.procedure.heave),
             pitch_rate_rad_s: sine(&self.procedure.pitch),
             initial_angle_rad: angle,
+            further: None,
         };
         let scenario = Scenario {
             platform,

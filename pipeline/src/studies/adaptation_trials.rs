@@ -4,7 +4,7 @@
 use counterpoise_controller::{Controller, Runner};
 use counterpoise_simulate::signal::Sine;
 use counterpoise_simulate::{
-    Imperfections, Initial, PlantState, PlatformMotion, Scenario, Signal, Simulator,
+    FurtherMotion, Imperfections, Initial, PlantState, PlatformMotion, Scenario, Signal, Simulator,
 };
 use counterpoise_verify::Procedure;
 use counterpoise_verify::signals::iso_road::{Drive, RoadClass, Vehicle, iso_road};
@@ -288,6 +288,11 @@ impl Stage<'_> {
         Ok(PlatformMotion {
             heave_m_s2: again(&road.heave_m_s2),
             pitch_rate_rad_s: again(&road.pitch_rate_rad_s),
+            further: road.further.as_ref().map(|further| FurtherMotion {
+                surge_m_s2: again(&further.surge_m_s2),
+                roll_rate_rad_s: again(&further.roll_rate_rad_s),
+                yaw_rate_rad_s: again(&further.yaw_rate_rad_s),
+            }),
             ..PlatformMotion::STILL
         })
     }
@@ -347,5 +352,10 @@ fn shifted(platform: &PlatformMotion, from_s: f64, initial_angle_rad: f64) -> Pl
         heave_m_s2: later(&platform.heave_m_s2),
         pitch_rate_rad_s: later(&platform.pitch_rate_rad_s),
         initial_angle_rad,
+        further: platform.further.as_ref().map(|further| FurtherMotion {
+            surge_m_s2: later(&further.surge_m_s2),
+            roll_rate_rad_s: later(&further.roll_rate_rad_s),
+            yaw_rate_rad_s: later(&further.yaw_rate_rad_s),
+        }),
     }
 }

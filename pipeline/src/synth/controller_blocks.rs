@@ -60,7 +60,8 @@ pub(crate) fn surrounded(
         (parts.drive_curve, parts.corrections) = (drive_curve, corrections);
     };
     let controller = sampled.controller.with(change).map_err(counterpoise_synth::Error::from)?;
-    let plant = sensed(plant, &modelled.parameters.sensors)?;
+    let hub_angle_rad = modelled.linear.equilibrium.point.hub_angle_rad;
+    let plant = sensed(plant, &modelled.parameters.sensors, hub_angle_rad)?;
     Ok(Sampled { certified: sampled.certified, ..check(&plant, controller, sampling)? })
 }
 

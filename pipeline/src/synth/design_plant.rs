@@ -1,6 +1,6 @@
 //! The plant as the design sees it, and how the controller is sampled.
 
-use counterpoise_lti::series;
+use counterpoise_lti::{StateSpace, series};
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_models::{Parameters, Sensors};
 use counterpoise_synth::cascade::difference_lag;
@@ -25,7 +25,7 @@ pub fn design_plant(
         pitch: vec![LinearPlant::PITCH_RATE],
         rate: modelled.linear.measured,
         hub_sensor: Some(sensors.hub_gyro.dynamics()?),
-        heave_sensor: Some(sensors.platform_accelerometer.dynamics()?),
+        heave_sensor: Some(heave_sensor(&sensors, modelled.linear.equilibrium.point.hub_angle_rad)?),
         pitch_sensor: Some(sensors.platform_gyro.dynamics()?),
         delay_s: asked.delay_samples * modelled.parameters.interface.sample_period_s,
         pade_order: asked.pade_order,
@@ -57,11 +57,23 @@ fn rate_loop(
     Ok(Some(RateLoop { plant, period_s }))
 }
 
+/// The accelerometer as the heave feedforward knows it: on the elevated mass it reads the share of heave that the out-of-balance feels.
+fn heave_sensor(sensors: &Sensors, hub_angle_rad: f64) -> Result<StateSpace, PipelineError> {
+    let mut sensor = sensors.platform_accelerometer.dynamics()?;
+    let share = sensors.accelerometer_axis.share_of_heave(hub_angle_rad);
+    (sensor.C, sensor.D) = (sensor.C.scale(share), sensor.D.scale(share));
+    Ok(sensor)
+}
+
 /// The design plant with its sensors as they are.
-pub(crate) fn sensed(plant: &DesignPlant, sensors: &Sensors) -> Result<DesignPlant, PipelineError> {
+pub(crate) fn sensed(
+    plant: &DesignPlant,
+    sensors: &Sensors,
+    hub_angle_rad: f64,
+) -> Result<DesignPlant, PipelineError> {
     Ok(DesignPlant {
         hub_sensor: Some(sensors.hub_gyro.dynamics()?),
-        heave_sensor: Some(sensors.platform_accelerometer.dynamics()?),
+        heave_sensor: Some(heave_sensor(sensors, hub_angle_rad)?),
         pitch_sensor: Some(sensors.platform_gyro.dynamics()?),
         ..plant.clone()
     })

@@ -9,7 +9,7 @@ use super::controller::RecordingController;
 use super::design::{LoopKind, ReductionMethod};
 use super::import::ImportedStructure;
 use super::model::StructureChoice;
-use super::{Project, beam_checks};
+use super::{Project, base_motion_checks, beam_checks};
 use crate::diagnostic::{Diagnostic, Problem, Severity, did_you_mean};
 use crate::file::Document;
 use crate::file::source::Remark;
@@ -63,6 +63,8 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     feedforwards(&mut findings, project);
     cascade(&mut findings, project);
     delays(&mut findings, plant);
+    base_motion_checks::elevated(&mut findings, project);
+    base_motion_checks::slide(&mut findings, project);
     recorded_period(&mut findings, project);
     without_effect(&mut findings, plant);
     beam_checks::agreement(&mut findings, plant);

@@ -1,6 +1,8 @@
 //! The project file resolved: every value present, in SI units, checked against its range and its neighbours.
 
 mod axis_words;
+pub mod base_motion;
+mod base_motion_checks;
 mod beam_checks;
 mod cascade;
 mod changes;

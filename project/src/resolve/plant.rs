@@ -1,8 +1,8 @@
 //! The `[plant]` section: drive train, sensors, interface, and the structure.
 
 use counterpoise_models::{
-    Axis, Clock, Drift, Friction, FrictionLaw, Gearbox, Interface, Lumped, Measured, Motor, Parameters,
-    Ripple, Sensor, Sensors, Transmission,
+    AccelerometerAxis, Axis, Clock, Drift, Friction, FrictionLaw, Gearbox, Interface, Lumped, Measured,
+    Motor, Parameters, Ripple, Sensor, Sensors, Transmission,
 };
 
 use super::axis_words::Words;
@@ -45,6 +45,7 @@ pub(crate) fn blank() -> Parameters {
             platform_gyro: Sensor::ABSENT,
             platform_accelerometer: Sensor::ABSENT,
             accelerometer_lever_arm_m: 0.0,
+            accelerometer_axis: AccelerometerAxis::Vertical,
             motor_tachometer: None,
             hub_resolver: None,
         },
@@ -129,6 +130,11 @@ pub(crate) fn plant(v: &mut dyn Visit, plant: &mut Parameters) {
         configuration,
     );
     learned(v, plant);
+}
+
+impl Choice for AccelerometerAxis {
+    const NAMES: &'static [(&'static str, Self)] =
+        &[("vertical", Self::Vertical), ("elevated", Self::Elevated)];
 }
 
 impl Choice for Axis {
@@ -266,6 +272,11 @@ fn sensors(v: &mut dyn Visit, plant: &mut Parameters) {
             &Field::new("lever_arm", "distance from the pivot").unit("m").or(0.0),
             &mut sensors.accelerometer_lever_arm_m,
         );
+        let axis = Field::new(
+            "axis",
+            "along which it measures: vertical (heave), or elevated (on the elevated mass, along the normal of the beam: heave and surge as the out-of-balance feels them)",
+        );
+        choose(v, &axis.or_text("vertical"), &mut sensors.accelerometer_axis);
         v.leave();
     } else {
         sensors.platform_accelerometer = Sensor::ABSENT;

@@ -1,12 +1,15 @@
 //! The `[verify.road]` section: how the platform moves, from a recording, a spectrum, a motion simulator or a road.
 
+use counterpoise_models::base_motion::Traverse;
 use counterpoise_verify::Road;
 use counterpoise_verify::signals::iso_road::{Drive, RoadClass, Vehicle, iso_road};
+use counterpoise_verify::signals::six_axes::SixAxes;
 use counterpoise_verify::signals::spectrum::{
     Realisation, Tone, integrated, pitch_simulator, random_motion, tones,
 };
 use std::f64::consts::TAU;
 
+use super::base_motion::{self, InertialUnit};
 use super::verify::seed;
 use crate::file::field::{Field, Limit};
 use crate::file::visit::{Choice, Visit, choose, maybe_number};
@@ -18,6 +21,19 @@ pub enum PlatformSource {
     Recording(RoadSource),
     /// A motion made from numbers.
     Made(Motion),
+    /// A recording of an inertial measurement unit.
+    InertialUnit(InertialUnit),
+}
+
+impl PlatformSource {
+    /// Returns the name of the recording that the motion comes from; `None` if it is made from numbers.
+    pub fn recording(&self) -> Option<&str> {
+        match self {
+            Self::Recording(source) => Some(&source.recording),
+            Self::InertialUnit(unit) => Some(&unit.recording),
+            Self::Made(_) => None,
+        }
+    }
 }
 
 /// A recording of a platform in motion, and how it is taken.
@@ -29,6 +45,10 @@ pub struct RoadSource {
     pub heave: String,
     /// Column of the pitch rate; its mean is removed.
     pub pitch: String,
+    /// Column of the forward acceleration; its mean is removed. Empty: there is no surge.
+    pub surge: String,
+    /// Factor on surge; a negative one turns the sign.
+    pub surge_scale: f64,
     /// Factor on heave; a negative one turns the sign.
     pub heave_scale: f64,
     /// Factor on pitch; a negative one turns the sign.
@@ -78,6 +98,8 @@ pub enum MotionKind {
         /// How fast the vehicle goes, m/s.
         speed_m_s: f64,
     },
+    /// Sines and spectra of each of the base's six axes.
+    SixAxes(SixAxes),
 }
 
 /// What a motion is made from, by name.
@@ -87,6 +109,8 @@ enum Kind {
     Spectrum,
     Simulator,
     IsoRoad,
+    SixAxes,
+    InertialUnit,
 }
 
 impl Choice for Kind {
@@ -95,6 +119,8 @@ impl Choice for Kind {
         ("spectrum", Self::Spectrum),
         ("simulator", Self::Simulator),
         ("iso-8608", Self::IsoRoad),
+        ("six-axes", Self::SixAxes),
+        ("inertial-unit", Self::InertialUnit),
     ];
 }
 
@@ -104,6 +130,8 @@ impl Choice for RoadClass {
 }
 
 const ABOVE_0: Limit = Limit::Above(0.0);
+/// Gravity where nothing else is said, m/s^2 (ISO 80000-3).
+const STANDARD_GRAVITY_M_S2: f64 = 9.80665;
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 /// Duration where the file does not say, s.
 const DURATION_S: f64 = 30.0;
@@ -111,11 +139,19 @@ const DURATION_S: f64 = 30.0;
 const ROAD_PERIOD_S: f64 = 0.005;
 
 impl Motion {
-    /// The motion.
+    /// The motion under standard gravity.
     ///
     /// # Errors
     /// Those of the generators.
     pub fn road(&self) -> Result<Road, counterpoise_verify::Error> {
+        self.road_under(STANDARD_GRAVITY_M_S2)
+    }
+
+    /// The motion: where the base rolls or traverses, the axis feels gravity's share of it.
+    ///
+    /// # Errors
+    /// Those of the generators.
+    pub fn road_under(&self, gravity_m_s2: f64) -> Result<Road, counterpoise_verify::Error> {
         let how = self.realisation;
         match &self.kind {
             MotionKind::Spectrum { heave_psd, pitch_psd } => random_motion(heave_psd, pitch_psd, how),
@@ -136,6 +172,7 @@ impl Motion {
                 };
                 iso_road(drive, Vehicle::HEAVY)
             }
+            MotionKind::SixAxes(motion) => motion.road(how, gravity_m_s2),
         }
     }
 }
@@ -150,6 +187,8 @@ fn blank_recording() -> RoadSource {
         recording: String::new(),
         heave: String::new(),
         pitch: String::new(),
+        surge: String::new(),
+        surge_scale: 1.0,
         heave_scale: 1.0,
         pitch_scale: 1.0,
         low_pass_hz: None,
@@ -166,7 +205,9 @@ fn kind(source: &PlatformSource) -> Kind {
             MotionKind::Spectrum { .. } => Kind::Spectrum,
             MotionKind::Simulator { .. } => Kind::Simulator,
             MotionKind::IsoRoad { .. } => Kind::IsoRoad,
+            MotionKind::SixAxes(_) => Kind::SixAxes,
         },
+        PlatformSource::InertialUnit(_) => Kind::InertialUnit,
     }
 }
 
@@ -183,6 +224,12 @@ fn blank_of(kind: Kind) -> PlatformSource {
             made(MotionKind::Simulator { offset_m: f64::NAN, sines: empty(), pitch_psd: empty() })
         }
         Kind::IsoRoad => made(MotionKind::IsoRoad { class: RoadClass::C, speed_m_s: f64::NAN }),
+        Kind::SixAxes => made(MotionKind::SixAxes(SixAxes {
+            axes: Default::default(),
+            coherence: 0.0,
+            traverse: Traverse::default(),
+        })),
+        Kind::InertialUnit => PlatformSource::InertialUnit(base_motion::blank()),
     }
 }
 
@@ -204,6 +251,7 @@ pub(crate) fn platform(v: &mut dyn Visit, source: &mut PlatformSource) {
     match source {
         PlatformSource::Recording(road) => recording(v, road),
         PlatformSource::Made(motion) => made(v, motion),
+        PlatformSource::InertialUnit(unit) => base_motion::inertial_unit(v, unit),
     }
 }
 
@@ -214,6 +262,10 @@ fn meant_without_kind(v: &dyn Visit) -> Option<Kind> {
     }
     let kinds = [
         ("speed", Kind::IsoRoad),
+        ("surge_sines", Kind::SixAxes),
+        ("surge_psd", Kind::SixAxes),
+        ("heave_sines", Kind::SixAxes),
+        ("roll_sines", Kind::SixAxes),
         ("sines", Kind::Simulator),
         ("offset", Kind::Simulator),
         ("heave_psd", Kind::Spectrum),
@@ -226,9 +278,12 @@ fn recording(v: &mut dyn Visit, road: &mut RoadSource) {
     v.text(&Field::new("recording", "name of the recording, beside the project file"), &mut road.recording);
     v.text(&Field::new("heave", "column of the upward acceleration"), &mut road.heave);
     v.text(&Field::new("pitch", "column of the pitch rate"), &mut road.pitch);
+    let surge = "column of the forward acceleration; without it the platform does not surge";
+    v.text(&Field::new("surge", surge).or_text(""), &mut road.surge);
     let scale = "factor; a negative one turns the sign";
     v.number(&Field::new("heave_scale", scale).or(1.0).shown(), &mut road.heave_scale);
     v.number(&Field::new("pitch_scale", scale).or(1.0).shown(), &mut road.pitch_scale);
+    v.number(&Field::new("surge_scale", scale).or(1.0), &mut road.surge_scale);
     let low_pass =
         Field::new("low_pass", "frequency above which motion is removed").unit("Hz").limit(ABOVE_0);
     maybe_number(v, &low_pass, &mut road.low_pass_hz);
@@ -274,6 +329,7 @@ fn made(v: &mut dyn Visit, motion: &mut Motion) {
             );
             v.number(&Field::new("speed", "speed of the vehicle").unit("m/s").limit(ABOVE_0), speed_m_s);
         }
+        MotionKind::SixAxes(motion) => base_motion::six_axes(v, motion),
     }
     let how = &mut motion.realisation;
     let duration = Field::new("duration", "of the motion").unit("s").limit(ABOVE_0);
@@ -306,11 +362,12 @@ fn judge(v: &mut dyn Visit, motion: &Motion) {
             (if sines.is_empty() { "pitch_psd" } else { "sines" }, sines.is_empty() && pitch_psd.is_empty())
         }
         MotionKind::IsoRoad { .. } => ("speed", false),
+        MotionKind::SixAxes(motion) => ("kind", motion.is_still()),
     };
     let is_unread = match motion.kind {
         MotionKind::Simulator { offset_m, .. } => offset_m.is_nan(),
         MotionKind::IsoRoad { speed_m_s, .. } => speed_m_s.is_nan(),
-        MotionKind::Spectrum { .. } => false,
+        MotionKind::Spectrum { .. } | MotionKind::SixAxes(_) => false,
     };
     if is_unread {
         return;

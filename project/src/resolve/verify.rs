@@ -1,6 +1,8 @@
 //! The `[verify]` section: what is done to the loop, and the limits that its figures must keep.
 
-use counterpoise_verify::{Figure, Limit as Bound, Procedure, Requirement, Sine, Step, Triangle};
+use counterpoise_verify::{
+    Figure, Limit as Bound, LineOfSight, Procedure, Requirement, Sine, Step, Triangle,
+};
 
 use super::model::Modelling;
 use super::platform::{self, PlatformSource};
@@ -77,7 +79,19 @@ pub(crate) fn verify(v: &mut dyn Visit, verification: &mut Verification, control
         platform::blank(),
         platform::platform,
     );
+    optional(
+        v,
+        &TableField::optional("line_of_sight", "error of the line of sight and what it is made of"),
+        &mut verification.procedure.line_of_sight,
+        LineOfSight::default(),
+        line_of_sight,
+    );
     requirements(v, &mut verification.requirements);
+}
+
+fn line_of_sight(v: &mut dyn Visit, sight: &mut LineOfSight) {
+    let exposure = Field::new("exposure", "length of one exposure, within which jitter blurs").unit("s");
+    v.number(&exposure.limit(ABOVE_0).or(LineOfSight::default().exposure_s).shown(), &mut sight.exposure_s);
 }
 
 /// A seed of random numbers.

@@ -118,6 +118,7 @@ pub fn scenario(plant: &Plant) -> Scenario {
             pitch_rate_rad_s: pitch_rate,
             heave_m_s2: sines([(1.5, 1.1), (0.8, 2.3), (0.4, 4.1)], 0),
             initial_angle_rad: 0.0,
+            further: None,
         },
         initial: Initial::State(Box::new(PlantState {
             core,

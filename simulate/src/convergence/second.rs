@@ -179,7 +179,7 @@ impl<'a> Second<'a> {
             heave_m_s2: heave * (frequency * time_s).sin(),
             platform_angle_rad: rate * time_s,
             platform_rate_rad_s: rate,
-            platform_acceleration_rad_s2: 0.0,
+            ..Excitation::default()
         };
         let mut slope = vec![0.0; y.len()];
         self.smooth.derivative(y, &at, &mut slope);

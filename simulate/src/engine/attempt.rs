@@ -100,6 +100,7 @@ impl Attempt {
             time_s: given.time_s,
             outputs: &self.outputs[0],
             platform: &given.platform.nodes[0],
+            further: given.platform.further_at(0),
             drive_v: given.held.drive_v,
             about: &self.about,
         };
@@ -127,8 +128,9 @@ impl Attempt {
                 let inner: f64 = (0..STAGES).map(|k| weights[stage][k] * self.before.values[k][p]).sum();
                 self.values[at + p] = if quiet[p] { self.start[p] } else { self.start[p] + inner };
             }
-            let heave = given.platform.nodes[stage + 1].heave;
-            self.values[at + 2] = given.ports.load(&self.about, self.outputs[0][2], heave);
+            let (heave, further) =
+                (given.platform.nodes[stage + 1].heave, given.platform.further_at(stage + 1));
+            self.values[at + 2] = given.ports.load(&self.about, self.outputs[0][2], heave, further);
         }
     }
 
@@ -209,6 +211,7 @@ impl Attempt {
             time_s,
             outputs: &middle,
             platform: &given.platform.middle,
+            further: given.platform.further_amid(),
             drive_v: given.held.drive_v,
             about: &self.about,
         };

@@ -105,8 +105,14 @@ impl Present {
     /// Returns what a joint can hold where its nonlinear parts see these outputs.
     fn stick_at(&self, joint: usize, outputs: &[f64; OUTPUTS], at: &Instant) -> Stick {
         let about = AngleNearby::new(outputs[2]);
-        let point =
-            Point { time_s: at.time_s, outputs, platform: &at.platform, drive_v: at.drive_v, about: &about };
+        let point = Point {
+            time_s: at.time_s,
+            outputs,
+            platform: &at.platform,
+            further: at.further.as_ref(),
+            drive_v: at.drive_v,
+            about: &about,
+        };
         let none = Stick { positive_nm: 0.0, negative_nm: 0.0, rest_rate_rad_s: 0.0 };
         self.ports.stick(&self.plant, joint, &point).unwrap_or(none)
     }

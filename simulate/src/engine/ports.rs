@@ -50,11 +50,41 @@ pub(crate) struct PlatformPoint {
     pub heave: f64,
 }
 
+/// What a platform does beside heave and pitch.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct FurtherPoint {
+    pub surge: f64,
+    /// About the forward and about the upward axis.
+    pub rates: [f64; 2],
+}
+
+impl From<[f64; 3]> for FurtherPoint {
+    fn from([surge, roll, yaw]: [f64; 3]) -> Self {
+        Self { surge, rates: [roll, yaw] }
+    }
+}
+
 /// The platform along a step: at the four nodes and in the middle.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct PlatformSpan {
     pub nodes: [PlatformPoint; 4],
     pub middle: PlatformPoint,
+    /// At the nodes, then in the middle; `None` if the platform only heaves and pitches.
+    pub further: Option<[FurtherPoint; 5]>,
+}
+
+impl PlatformSpan {
+    /// Returns what the platform does beside heave and pitch at a node.
+    #[inline]
+    pub fn further_at(&self, node: usize) -> Option<&FurtherPoint> {
+        self.further.as_ref().map(|all| &all[node])
+    }
+
+    /// Returns it in the middle.
+    #[inline]
+    pub fn further_amid(&self) -> Option<&FurtherPoint> {
+        self.further_at(4)
+    }
 }
 
 /// The bonds of bristle friction at motor and pivot, as [`counterpoise_models::friction::Bristle`] has them; empty
@@ -92,6 +122,8 @@ pub(crate) struct Point<'a> {
     pub time_s: f64,
     pub outputs: &'a [f64; OUTPUTS],
     pub platform: &'a PlatformPoint,
+    /// `None` if the platform only heaves and pitches.
+    pub further: Option<&'a FurtherPoint>,
     /// Drive of the amplifier, V.
     pub drive_v: f64,
     pub about: &'a AngleNearby,
@@ -356,10 +388,18 @@ impl Ports {
         self.values(plant, middle, &after, &memory)
     }
 
-    /// Returns the load at a hub angle under a heave.
+    /// Returns the load at a hub angle under a heave and what comes beside it.
     #[inline]
-    pub fn load(&self, about: &AngleNearby, hub_angle: f64, heave: f64) -> f64 {
-        (self.gravity + heave) * self.tilt(about, hub_angle).1
+    pub fn load(
+        &self,
+        about: &AngleNearby,
+        hub_angle: f64,
+        heave: f64,
+        further: Option<&FurtherPoint>,
+    ) -> f64 {
+        let (sin, cos) = self.tilt(about, hub_angle);
+        let load = (self.gravity + heave) * cos;
+        further.map_or(load, |further| load - further.surge * sin)
     }
 
     /// Returns the sine and cosine that gravity sees.
@@ -465,6 +505,12 @@ impl Ports {
         let mut hub = gravity * self.vertical_offset * sin
             - dry(&self.pivot, motion.pivot_rate, pivot_level, memory.pivot);
         hub -= memory.hose;
+        let mut load = gravity * cos;
+        if let Some(further) = at.further {
+            load -= further.surge * sin;
+            hub += self.vertical_offset * further.surge * cos
+                + plant.gyroscopic_torque_nm((sin, cos).into(), further.rates);
+        }
         if self.motor_extras {
             let current = at.outputs[CURRENT] + plant.direct_current_a(at.drive_v, at.platform.rate);
             motor += plant.motor_torque_nm(current, motion.motor_angle, motion.motor_rate);
@@ -494,7 +540,7 @@ impl Ports {
             motor += added.motor_nm;
             hub += added.hub_nm;
         }
-        [motor, hub, gravity * cos]
+        [motor, hub, load]
     }
 }
 
@@ -520,6 +566,7 @@ impl StepSpan<'_> {
             time_s: self.time_s + NODES[node] * self.step_s,
             outputs: &self.outputs[node],
             platform: &self.platform.nodes[node],
+            further: self.platform.further_at(node),
             drive_v: self.drive_v,
             about: self.about,
         }

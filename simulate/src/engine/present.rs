@@ -2,7 +2,9 @@
 
 use super::attempt::{Attempt, Given, Held};
 use super::linear::{Linear, Mode, Seen, TIP, VOLTAGE, outputs};
-use super::ports::{AngleNearby, Bonds, FrictionState, PlatformPoint, PlatformSpan, Point, Ports};
+use super::ports::{
+    AngleNearby, Bonds, FrictionState, FurtherPoint, PlatformPoint, PlatformSpan, Point, Ports,
+};
 use super::state::PlantState;
 use super::tables::{OUTPUTS, PORTS, StepTable};
 use crate::Error;
@@ -21,6 +23,8 @@ pub(crate) struct Sample<'a> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Instant {
     pub platform: PlatformPoint,
+    /// `None` if the platform only heaves and pitches.
+    pub further: Option<FurtherPoint>,
     /// Pitch acceleration of the platform, rad/s^2.
     pub acceleration: f64,
     pub time_s: f64,
@@ -151,8 +155,14 @@ impl Present {
     pub fn ports_at(&self, at: &Instant) -> [f64; PORTS] {
         let about = AngleNearby::new(self.seen[2]);
         let outputs = self.outputs();
-        let point =
-            Point { time_s: at.time_s, outputs, platform: &at.platform, drive_v: at.drive_v, about: &about };
+        let point = Point {
+            time_s: at.time_s,
+            outputs,
+            platform: &at.platform,
+            further: at.further.as_ref(),
+            drive_v: at.drive_v,
+            about: &about,
+        };
         self.ports.at(&self.plant, &point, &self.friction)
     }
 
@@ -160,8 +170,14 @@ impl Present {
     pub fn dry_torques(&self, at: &Instant) -> [f64; 2] {
         let about = AngleNearby::new(self.seen[2]);
         let outputs = self.outputs();
-        let point =
-            Point { time_s: at.time_s, outputs, platform: &at.platform, drive_v: at.drive_v, about: &about };
+        let point = Point {
+            time_s: at.time_s,
+            outputs,
+            platform: &at.platform,
+            further: at.further.as_ref(),
+            drive_v: at.drive_v,
+            about: &about,
+        };
         self.ports.dry_torques(&self.plant, &point, &self.friction)
     }
 
@@ -169,6 +185,7 @@ impl Present {
     pub fn instant(&self, sample: &Sample, part: f64, mode: &Mode) -> Instant {
         Instant {
             platform: sample.motion.at(part),
+            further: sample.motion.further_at(part),
             acceleration: sample.motion.pitch_acceleration_at(part),
             time_s: sample.start_s + part * self.period_s,
             drive_v: sample.drive_v,

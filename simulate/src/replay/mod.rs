@@ -312,7 +312,8 @@ impl<'a> Replayer<'a> {
         let platform = PlatformMotion {
             pitch_rate_rad_s: self.platform.pitch_rate_rad_s.part(0..samples),
             heave_m_s2: self.platform.heave_m_s2.part(0..samples),
-            ..self.platform
+            initial_angle_rad: self.platform.initial_angle_rad,
+            further: self.platform.further.as_ref().map(|further| further.part(0..samples)),
         };
         Scenario {
             duration_s: samples as f64 * period,

@@ -1,10 +1,10 @@
 //! The platform's motion from the readings of its sensors.
 
 use super::smoother::sensor_input;
-use crate::motion::PlatformMotion;
+use crate::motion::{FurtherMotion, PlatformMotion};
 use crate::sensing::CONVERTER_RANGE_V;
 use crate::signal::Signal;
-use counterpoise_models::{Interface, Parameters, Sensor};
+use counterpoise_models::{AccelerometerAxis, Interface, Parameters, Sensor};
 use counterpoise_recordings::{Channel, Recording};
 
 /// RMS of what noise and quantisation add to a reading, in the measured unit: the root of the sum of the squares of
@@ -36,6 +36,8 @@ pub fn platform_motion(parameters: &Parameters, recording: &Recording) -> Platfo
 pub(crate) struct Sensed {
     rate: Deconvolved,
     heave: Deconvolved,
+    /// Mean of the recorded hub position, rad; 0 if it was not recorded.
+    elevation_rad: f64,
 }
 
 /// The input of one sensor, and the dynamics that were taken out.
@@ -91,6 +93,7 @@ impl Sensed {
         Self {
             rate: Deconvolved::new(&sensors.platform_gyro, interface, &rate, gyro),
             heave: Deconvolved::new(&sensors.platform_accelerometer, interface, &heave, accelerometer),
+            elevation_rad: mean_position(recording),
         }
     }
 
@@ -99,8 +102,33 @@ impl Sensed {
         let sensors = &parameters.sensors;
         let rate = self.rate.corrected(&sensors.platform_gyro, period_s);
         let heave = self.heave.corrected(&sensors.platform_accelerometer, period_s);
-        combined(parameters, rate, heave, period_s)
+        let motion = combined(parameters, rate, heave, period_s);
+        match sensors.accelerometer_axis {
+            AccelerometerAxis::Vertical => motion,
+            AccelerometerAxis::Elevated => along_normal(motion, self.elevation_rad),
+        }
     }
+}
+
+/// Returns the motion with the readings of an accelerometer on the elevated mass, which stand in the place of heave, split into heave and surge along
+/// the normal of the beam at its mean elevation: what acts across it is not felt.
+fn along_normal(motion: PlatformMotion, elevation_rad: f64) -> PlatformMotion {
+    let (sin, cos) = elevation_rad.sin_cos();
+    let share = |factor: f64| match &motion.heave_m_s2 {
+        Signal::Samples { period_s, values } => {
+            Signal::Samples { period_s: *period_s, values: values.iter().map(|v| factor * v).collect() }
+        }
+        other => other.clone(),
+    };
+    let (heave_m_s2, surge_m_s2) = (share(cos), share(-sin));
+    let further = FurtherMotion { surge_m_s2, roll_rate_rad_s: Signal::ZERO, yaw_rate_rad_s: Signal::ZERO };
+    PlatformMotion { heave_m_s2, further: Some(further), ..motion }
+}
+
+fn mean_position(recording: &Recording) -> f64 {
+    let known = recording.samples(Channel::HubPosition).unwrap_or_default();
+    let (sum, count) = known.iter().filter(|v| v.is_finite()).fold((0.0, 0.0), |(s, n), v| (s + v, n + 1.0));
+    if count > 0.0 { sum / count } else { 0.0 }
 }
 
 /// Returns the motion of the platform from the corrected rate and heave: lever arm and g-sensitivity taken out.
@@ -127,7 +155,7 @@ fn combined(
         Some(values) => Signal::Samples { period_s, values },
         None => Signal::ZERO,
     };
-    PlatformMotion { pitch_rate_rad_s: signal(corrected), heave_m_s2: signal(heave), initial_angle_rad: 0.0 }
+    PlatformMotion { pitch_rate_rad_s: signal(corrected), heave_m_s2: signal(heave), ..PlatformMotion::STILL }
 }
 
 /// Returns the series a number of samples earlier: what a delayed one shows.

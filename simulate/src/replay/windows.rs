@@ -181,6 +181,7 @@ impl<'a, 'b> Windows<'a, 'b> {
             pitch_rate_rad_s: self.replayer.platform.pitch_rate_rad_s.part(from..from + count),
             heave_m_s2: self.replayer.platform.heave_m_s2.part(from..from + count),
             initial_angle_rad: self.platform_rad[from],
+            further: self.replayer.platform.further.as_ref().map(|further| further.part(from..from + count)),
         };
         let scenario = Scenario {
             duration_s: count as f64 * period,

@@ -293,8 +293,6 @@ impl Studio {
 fn named_files(opened: &OpenProject) -> Vec<String> {
     let mut names = opened.session.document().attachments();
     let road = opened.session.project().and_then(|p| p.verify.as_ref()?.road.as_ref());
-    if let Some(PlatformSource::Recording(source)) = road {
-        names.push(source.recording.clone());
-    }
+    names.extend(road.and_then(PlatformSource::recording).map(str::to_owned));
     names
 }

@@ -3,11 +3,12 @@
 //! Friction observers are taken as sliding and the out-of-balance estimator as standing still (see
 //! [`counterpoise_controller::Controller::linear`]).
 //!
-//! Modules in reading order: [`plant`], [`closed`], [`frequency`], [`time`].
+//! Modules in reading order: [`plant`], [`closed`], [`frequency`], [`time`], [`surge`].
 
 pub mod closed;
 pub mod frequency;
 pub mod plant;
+pub mod surge;
 pub mod time;
 
 pub use closed::{Closed, arranged};

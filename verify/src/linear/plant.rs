@@ -1,6 +1,7 @@
 //! The plant with its sensors, as the sampled controller sees it.
 
 use counterpoise_lti::{Discretisation, Mat, StateSpace, Timebase, append, c2d, delay_samples, series};
+use counterpoise_models::AccelerometerAxis;
 use counterpoise_models::parameters::{Parameters, Sensor};
 use counterpoise_models::plant::LinearPlant;
 
@@ -36,6 +37,10 @@ pub struct SampledPlant {
     pub holding_v: f64,
     /// Whether hub and tip are positions and not rates: the loop's sensor measures one.
     pub controls_position: bool,
+    /// The hub's angle at the operating point, rad.
+    pub hub_angle_rad: f64,
+    /// Whether the platform's accelerometer feels surge as the out-of-balance does.
+    pub surge_is_measured: bool,
     /// Delays: of the control, then of the readings, in samples.
     pub(crate) delays: Delays,
 }
@@ -80,7 +85,9 @@ impl SampledPlant {
     pub fn new(plant: &LinearPlant, parameters: &Parameters, resolver: Resolver) -> Result<Self, Error> {
         Delays::of(parameters).check()?;
         let sensed = with_truths(plant, parameters)?;
-        let continuous = series(&sensed, &sensors(parameters, resolver)?)?;
+        let hub_angle_rad = plant.equilibrium.point.hub_angle_rad;
+        let share = parameters.sensors.accelerometer_axis.share_of_heave(hub_angle_rad);
+        let continuous = series(&sensed, &sensors(parameters, resolver, share)?)?;
         let sample_period_s = parameters.interface.sample_period_s;
         let delays = Delays::of(parameters);
         let sampled = delays.apply(&sample(&continuous, sample_period_s)?, sample_period_s)?;
@@ -90,6 +97,8 @@ impl SampledPlant {
             sample_period_s,
             holding_v: plant.equilibrium.control_v,
             controls_position: parameters.sensors.measured.is_position(),
+            hub_angle_rad,
+            surge_is_measured: parameters.sensors.accelerometer_axis == AccelerometerAxis::Elevated,
             delays,
         })
     }
@@ -119,8 +128,8 @@ fn with_truths(plant: &LinearPlant, parameters: &Parameters) -> Result<StateSpac
     Ok(StateSpace::new(g.A.clone(), g.B.clone(), C, D, Timebase::Continuous)?)
 }
 
-/// The truths as they are, and each sensor on what it feels.
-fn sensors(parameters: &Parameters, resolver: Resolver) -> Result<StateSpace, Error> {
+/// The truths as they are, and each sensor on what it feels; the accelerometer reads a share of heave.
+fn sensors(parameters: &Parameters, resolver: Resolver, share: f64) -> Result<StateSpace, Error> {
     let sensors = &parameters.sensors;
     let gyro = |sensor: &Sensor| -> Result<StateSpace, Error> {
         let sum = StateSpace::gain(
@@ -142,7 +151,7 @@ fn sensors(parameters: &Parameters, resolver: Resolver) -> Result<StateSpace, Er
     for part in [
         gyro(&sensors.hub_gyro)?,
         gyro(&sensors.platform_gyro)?,
-        accelerometer(parameters)?,
+        accelerometer(parameters, share)?,
         StateSpace::gain(Mat::row(&[tachometer]), Timebase::Continuous)?,
         position,
     ] {
@@ -163,16 +172,19 @@ fn integrator(gain: f64) -> Result<StateSpace, Error> {
 
 /// From (heave, pitch rate) to the reading: a sensor at a distance l from the pivot also feels l times the pitch acceleration.
 /// The derivative is taken inside the sensor's dynamics: x2 = x2' + w^2 l p.
-fn accelerometer(parameters: &Parameters) -> Result<StateSpace, Error> {
+fn accelerometer(parameters: &Parameters, share: f64) -> Result<StateSpace, Error> {
     let sensor = &parameters.sensors.platform_accelerometer;
-    let arm = parameters.sensors.accelerometer_lever_arm_m;
+    let arm = match parameters.sensors.accelerometer_axis {
+        AccelerometerAxis::Vertical => parameters.sensors.accelerometer_lever_arm_m,
+        AccelerometerAxis::Elevated => 0.0,
+    };
     let g = sensor.dynamics()?;
     if g.order() == 0 {
-        return Ok(StateSpace::gain(Mat::row(&[sensor.gain, 0.0]), Timebase::Continuous)?);
+        return Ok(StateSpace::gain(Mat::row(&[share * sensor.gain, 0.0]), Timebase::Continuous)?);
     }
     let (w, z) = (sensor.natural_frequency_rad_s, sensor.damping_ratio);
     let pitch = w * w * arm;
-    let B = Mat::from_rows(&[&[0.0, pitch], &[w * w, -2.0 * z * w * pitch]]);
+    let B = Mat::from_rows(&[&[0.0, pitch], &[share * w * w, -2.0 * z * w * pitch]]);
     Ok(StateSpace::new(g.A, B, g.C, Mat::zeros(1, 2), Timebase::Continuous)?)
 }
 

@@ -6,6 +6,7 @@ use counterpoise_models::plant::Plant;
 use counterpoise_simulate::Simulator;
 
 use crate::history::Experiment;
+use crate::line_of_sight;
 use crate::linear::closed::resolver_use;
 use crate::linear::{Closed, SampledPlant, arranged};
 use crate::measure::{Measured, Value, diverged, history_figures, loop_figures};
@@ -25,7 +26,7 @@ pub fn figures_of(
     let mut found = Vec::new();
     let mut linear: Option<Linear> = None;
     let mut simulator = Simulator::new(plant)?;
-    for need in needs(wanted) {
+    for need in needs(wanted, procedure) {
         let measured = match need {
             Need::Simulated(experiment) => simulated(&mut simulator, controller, procedure, experiment)?,
             other => {
@@ -54,10 +55,10 @@ enum Need {
     Simulated(Experiment),
 }
 
-fn needs(wanted: &[Figure]) -> Vec<Need> {
+fn needs(wanted: &[Figure], procedure: &Procedure) -> Vec<Need> {
     let mut needs = Vec::new();
     for figure in wanted {
-        let need = need_of(figure);
+        let need = need_of(figure, procedure);
         if !needs.contains(&need) {
             needs.push(need);
         }
@@ -65,7 +66,7 @@ fn needs(wanted: &[Figure]) -> Vec<Need> {
     needs
 }
 
-fn need_of(figure: &Figure) -> Need {
+fn need_of(figure: &Figure, procedure: &Procedure) -> Need {
     let on = |model: Model, experiment| match model {
         Model::Linear => Need::Linear(experiment),
         Model::Nonlinear => Need::Simulated(experiment),
@@ -79,6 +80,7 @@ fn need_of(figure: &Figure) -> Need {
         }
         Figure::Rejection { arrangement, frequency_hz, .. } => Need::Tone(arrangement, frequency_hz),
         Figure::Rest(_) => Need::Simulated(Experiment::Rest),
+        Figure::Sight(_) => Need::Simulated(line_of_sight::experiment(procedure)),
     }
 }
 
@@ -89,9 +91,15 @@ fn simulated(
     experiment: Experiment,
 ) -> Result<Vec<Measured>, Error> {
     match nonlinear::history(simulator, controller, procedure, experiment) {
-        Ok(history) => Ok(history_figures(&history, procedure.settle_s)),
+        Ok(history) => {
+            let mut figures = history_figures(&history, procedure.settle_s);
+            figures.extend(line_of_sight::figures(&history, procedure, simulator.plant().into()));
+            Ok(figures)
+        }
         Err(Error::Simulate(counterpoise_simulate::Error::Diverged { .. })) => {
-            Ok(diverged(Model::Nonlinear, experiment))
+            let mut figures = diverged(Model::Nonlinear, experiment);
+            figures.extend(line_of_sight::diverged(procedure, experiment));
+            Ok(figures)
         }
         Err(error) => Err(error),
     }

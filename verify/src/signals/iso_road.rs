@@ -146,6 +146,7 @@ pub fn iso_road(drive: Drive, vehicle: Vehicle) -> Result<Road, Error> {
         sample_period_s: drive.sample_period_s,
         heave_m_s2: series(0),
         pitch_rate_rad_s: series(1),
+        further: None,
     })
 }
 

@@ -34,9 +34,9 @@ pub struct Realisation {
 }
 
 /// Sines of a realisation.
-const SINES: usize = 300;
+pub(super) const SINES: usize = 300;
 /// Period of the samples, s.
-const PERIOD_S: f64 = 1e-3;
+pub(super) const PERIOD_S: f64 = 1e-3;
 /// Highest frequency that samples of that period carry to about 1 %, Hz.
 const HIGHEST_HZ: f64 = 50.0;
 /// The pitch's phases are drawn from a sequence of their own.
@@ -62,6 +62,7 @@ pub fn random_motion(heave: &[[f64; 2]], pitch: &[[f64; 2]], how: Realisation) -
         sample_period_s: PERIOD_S,
         heave_m_s2: series(heave, 0)?,
         pitch_rate_rad_s: series(pitch, PITCH_STREAM)?,
+        further: None,
     })
 }
 
@@ -94,7 +95,7 @@ pub fn pitch_simulator(angle: &[Tone], offset_m: f64, how: Realisation) -> Resul
     };
     let (heave_m_s2, pitch_rate_rad_s) = (0..samples).map(at).unzip();
     let name = format!("platform motion simulator, pivot {offset_m} m in front of its axis");
-    Ok(Road { name, sample_period_s: PERIOD_S, heave_m_s2, pitch_rate_rad_s })
+    Ok(Road { name, sample_period_s: PERIOD_S, heave_m_s2, pitch_rate_rad_s, further: None })
 }
 
 /// The sines of a realisation, each with the variance of its band; seeds and streams have phases of their own.
@@ -161,7 +162,7 @@ pub fn power(points: &[[f64; 2]], low_hz: f64, high_hz: f64) -> f64 {
 }
 
 /// A sum of sines and its first two derivatives.
-fn sum(tones: &[Tone], time_s: f64) -> [f64; 3] {
+pub(super) fn sum(tones: &[Tone], time_s: f64) -> [f64; 3] {
     tones.iter().fold([0.0; 3], |[x, v, a], tone| {
         let w = tone.rate_rad_s;
         let (sin, cos) = (w * time_s + tone.phase_rad).sin_cos();
@@ -170,7 +171,7 @@ fn sum(tones: &[Tone], time_s: f64) -> [f64; 3] {
 }
 
 /// The fade s^3 (10 - 15 s + 6 s^2) in and out, and its first two derivatives.
-fn window(time_s: f64, how: Realisation) -> [f64; 3] {
+pub(super) fn window(time_s: f64, how: Realisation) -> [f64; 3] {
     let left = (how.duration_s - time_s).max(0.0);
     let (from_end, sign) = if time_s <= left { (time_s, 1.0) } else { (left, -1.0) };
     if from_end >= how.fade_s {
@@ -182,7 +183,7 @@ fn window(time_s: f64, how: Realisation) -> [f64; 3] {
     [value, sign * slope, 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / (f * f)]
 }
 
-fn check(how: Realisation) -> Result<usize, Error> {
+pub(super) fn check(how: Realisation) -> Result<usize, Error> {
     if !(how.duration_s > 0.0 && how.duration_s <= 3600.0) {
         return Err(out_of_range("duration of the motion in s", how.duration_s, "positive, at most 3600"));
     }
@@ -192,7 +193,7 @@ fn check(how: Realisation) -> Result<usize, Error> {
     Ok((how.duration_s / PERIOD_S).round() as usize + 1)
 }
 
-fn frequency(hz: f64) -> Result<(), Error> {
+pub(super) fn frequency(hz: f64) -> Result<(), Error> {
     if hz > 0.0 && hz <= HIGHEST_HZ {
         Ok(())
     } else {
@@ -200,7 +201,7 @@ fn frequency(hz: f64) -> Result<(), Error> {
     }
 }
 
-fn out_of_range(what: &'static str, value: f64, allowed: &'static str) -> Error {
+pub(super) fn out_of_range(what: &'static str, value: f64, allowed: &'static str) -> Error {
     Error::Range { what, value, allowed }
 }
 

@@ -1,0 +1,85 @@
+//! The recording of an inertial measurement unit on the base, prepared to drive the platform of a verification.
+
+use counterpoise_models::base_motion::{BaseState, FeltMotion, Level, Mounting, felt};
+use counterpoise_recordings::clock::uniform;
+use counterpoise_recordings::{Error, Table};
+use counterpoise_verify::signals::filter::from_rest;
+use counterpoise_verify::signals::statistics::centred;
+use counterpoise_verify::{FurtherRoad, Road};
+
+use crate::road::{Stretch, stretch};
+use counterpoise_project::resolve::base_motion::{InertialUnit, UnitReading};
+
+/// Returns what the elevation axis feels of the recorded motion: the stretch that is asked for, low-passed, at the pivot, in axes that do not turn about
+/// the elevation axis, without its means, and faded in and out. The means of the rates are the gyroscopes' biases and are taken out first; where
+/// the accelerations contain gravity, its direction is the mean of the specific force.
+///
+/// # Errors
+/// A column is missing or of another quantity, the clock cannot be read, samples are missing, the stretch is not in the
+/// recording, or the low-pass frequency is not below half the sample rate.
+pub fn inertial_unit(source: &InertialUnit, table: &Table) -> Result<Road, Error> {
+    let (time, _) = table.in_si("time")?;
+    let mut columns = Vec::with_capacity(6);
+    for name in &source.acceleration {
+        columns.push(table.quantity(name, "acceleration", "m/s^2")?);
+    }
+    for name in &source.rate {
+        columns.push(table.quantity(name, "rate", "rad/s")?);
+    }
+    let clocked = uniform(&table.name, time.view(), None, columns)?;
+    let wanted = Stretch {
+        low_pass_hz: source.low_pass_hz,
+        start_s: source.start_s,
+        duration_s: source.duration_s,
+        period_s: clocked.period_s,
+    };
+    let mut taken = Vec::with_capacity(6);
+    for signal in &clocked.signals {
+        taken.push(stretch(&wanted, table, &signal.to_vec())?);
+    }
+    let rates: Vec<Vec<f64>> = taken[3..].iter().map(|rate| centred(rate)).collect();
+    let unit: Vec<BaseState> = (0..rates[0].len())
+        .map(|k| BaseState {
+            specific_force_m_s2: [0, 1, 2].map(|axis| taken[axis][k]),
+            rate_rad_s: [0, 1, 2].map(|axis| rates[axis][k]),
+        })
+        .collect();
+    let mounting = Mounting::new(source.mounting_rad, source.lever_arm_m);
+    let base = mounting.at_pivot(&unit, clocked.period_s);
+    Ok(faded(source, table, clocked.period_s, &felt_by(source, &base, clocked.period_s)))
+}
+
+fn felt_by(source: &InertialUnit, base: &[BaseState], period_s: f64) -> Vec<FeltMotion> {
+    let level = match source.reading {
+        UnitReading::SpecificForce => Level::ByMean,
+        UnitReading::Acceleration => Level::Known,
+    };
+    // gravity is a constant here: it goes with the mean
+    let all = felt(base, period_s, source.traverse, 0.0, level);
+    if source.reading == UnitReading::SpecificForce {
+        return all;
+    }
+    let unturned = |(k, (at, base)): (usize, (&FeltMotion, &BaseState))| {
+        let turned = source.traverse.angle_rad + source.traverse.rate_rad_s * k as f64 * period_s;
+        let [x, y, z] = base.specific_force_m_s2;
+        FeltMotion { heave_m_s2: z, surge_m_s2: x * turned.cos() + y * turned.sin(), ..*at }
+    };
+    all.iter().zip(base).enumerate().map(unturned).collect()
+}
+
+fn faded(source: &InertialUnit, table: &Table, period_s: f64, felt: &[FeltMotion]) -> Road {
+    let shaped = |of: fn(&FeltMotion) -> f64| {
+        from_rest(&felt.iter().map(of).collect::<Vec<f64>>(), period_s, source.fade_s)
+    };
+    Road {
+        name: table.name.clone(),
+        sample_period_s: period_s,
+        heave_m_s2: shaped(|at| at.heave_m_s2),
+        pitch_rate_rad_s: shaped(|at| at.pitch_rate_rad_s),
+        further: Some(FurtherRoad {
+            surge_m_s2: shaped(|at| at.surge_m_s2),
+            roll_rate_rad_s: shaped(|at| at.roll_rate_rad_s),
+            yaw_rate_rad_s: shaped(|at| at.yaw_rate_rad_s),
+        }),
+    }
+}

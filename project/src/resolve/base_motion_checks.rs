@@ -1,0 +1,49 @@
+//! What the elevated accelerometer and the motion of the base need of the rest of the project.
+
+use counterpoise_models::{AccelerometerAxis, Axis};
+
+use super::checks::Findings;
+use super::{Project, platform::PlatformSource};
+use crate::diagnostic::{Problem, Severity};
+use crate::file::source::Remark;
+
+/// Least cosine of the elevation at which a feedforward from an elevated accelerometer can be designed on heave: 84 degrees. Beyond, the sensor
+/// feels next to nothing of heave, and the design would divide by it.
+const LEAST_SHARE_OF_HEAVE: f64 = 0.1;
+
+/// An accelerometer on the elevated mass turns with a hub that has an elevation.
+pub(super) fn elevated(findings: &mut Findings<'_>, project: &Project) {
+    let sensors = &project.plant.sensors;
+    let key = "plant.sensors.platform_accelerometer.axis";
+    if sensors.accelerometer_axis == AccelerometerAxis::Vertical {
+        return;
+    }
+    let mut complain = |path: &str, found: String, allowed: &str| {
+        findings.add(Severity::Error, Remark::new(Problem::Conflict, path, allowed.to_owned()).found(found));
+    };
+    if project.plant.axis == Axis::Linear {
+        let allowed = "must be \"vertical\" where plant.axis is \"linear\": a slide has no elevation";
+        return complain(key, "\"elevated\"".to_owned(), allowed);
+    }
+    if sensors.accelerometer_lever_arm_m != 0.0 {
+        let allowed = "must be 0 where the accelerometer's axis is \"elevated\": it stands at the pivot";
+        let path = "plant.sensors.platform_accelerometer.lever_arm";
+        complain(path, sensors.accelerometer_lever_arm_m.to_string(), allowed);
+    }
+    let angle = project.model.operating_point.hub_angle_rad;
+    if angle.cos() < LEAST_SHARE_OF_HEAVE {
+        let allowed = "must be within +/- 1.47 rad where the accelerometer's axis is \"elevated\": beyond, it feels next to nothing of heave";
+        complain("model.hub_angle", angle.to_string(), allowed);
+    }
+}
+
+/// A slide does not feel surge, roll and yaw: the axis' equations have heave alone.
+pub(super) fn slide(findings: &mut Findings<'_>, project: &Project) {
+    let road = project.verify.as_ref().and_then(|verify| verify.road.as_ref());
+    let Some(PlatformSource::Recording(source)) = road else { return };
+    if project.plant.axis == Axis::Linear && !source.surge.is_empty() {
+        let allowed = "has no effect: a linear axis feels the acceleration along it, which is `heave` here";
+        let remark = Remark::new(Problem::Conflict, "verify.road.surge", allowed.to_owned());
+        findings.add(Severity::Warning, remark.found(format!("\"{}\"", source.surge)));
+    }
+}

@@ -1,0 +1,96 @@
+//! The base's motion in six degrees of freedom, and the elevated accelerometer, in the project file.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use counterpoise_models::AccelerometerAxis;
+use counterpoise_project::resolve::base_motion::UnitReading;
+use counterpoise_project::{Attachments, Document, MotionKind, PlatformSource, Project};
+
+const GOOD: &str = include_str!("data/rig.toml");
+
+/// The rig's file with other motion and other text put in.
+fn file(motion: &str, changes: &[(&str, &str)]) -> String {
+    let bare = Document::parse(GOOD, "rig.toml").remove("verify.road").unwrap().text().to_owned();
+    let changed = changes.iter().fold(bare, |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replacen(from, to, 1)
+    });
+    format!("{changed}\n[verify.road]\n{motion}\n")
+}
+
+fn read(text: &str) -> Result<Project, Vec<String>> {
+    let document = Document::parse(text, "rig.toml");
+    match Project::resolve(&document, &Attachments::none()) {
+        Ok(parsed) => Ok(parsed.project),
+        Err(errors) => Err(errors.iter().map(ToString::to_string).collect()),
+    }
+}
+
+fn told(text: &str) -> String {
+    read(text).unwrap_err().join("\n")
+}
+
+const UNIT: &str = r#"kind = "inertial-unit"
+recording = "drive.csv"
+acceleration = ["ax", "ay", "az"]
+rate = ["wx", "wy", "wz"]
+reading = "acceleration"
+mounting = [0.0, 0.1, 3.14]
+lever_arm = [1.0, 0.0, -0.5]
+traverse_angle = 0.3
+duration = 20.0"#;
+
+#[test]
+fn every_source_of_motion_survives_the_file() {
+    let six = "kind = \"six-axes\"\nsurge_sines = [[2.0, 0.5]]\nroll_psd = [[0.3, 0.01], [3.0, 0.01]]\ncoherence = 0.5\ntraverse_rate = 0.2";
+    let surge = "recording = \"drive.csv\"\nheave = \"az\"\npitch = \"wy\"\nsurge = \"ax\"\nsurge_scale = -1.0\nduration = 10.0";
+    for motion in [UNIT, six, surge] {
+        let project = read(&file(motion, &[])).unwrap();
+        assert_eq!(read(&project.to_text()).unwrap(), project, "{motion}");
+        match project.verify.unwrap().road.unwrap() {
+            PlatformSource::InertialUnit(unit) => {
+                assert_eq!((unit.reading, unit.lever_arm_m), (UnitReading::Acceleration, [1.0, 0.0, -0.5]));
+            }
+            PlatformSource::Made(motion) => {
+                let MotionKind::SixAxes(axes) = &motion.kind else { panic!("six axes") };
+                assert_eq!((axes.coherence, axes.axes[0].sines.len(), axes.axes[3].psd.len()), (0.5, 1, 2));
+                let road = motion.road().unwrap();
+                assert!(road.further.unwrap().surge_m_s2.iter().any(|surge| surge.abs() > 1.5));
+            }
+            PlatformSource::Recording(source) => {
+                assert_eq!((source.surge.as_str(), source.surge_scale), ("ax", -1.0))
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_motion_is_told_at_its_key() {
+    let two = UNIT.replace("\"ax\", \"ay\", \"az\"", "\"ax\", \"az\"");
+    assert!(told(&file(&two, &[])).contains("must name three columns"), "{}", told(&file(&two, &[])));
+    let far = UNIT.replace("[1.0, 0.0, -0.5]", "[1.0, 0.0]");
+    assert!(told(&file(&far, &[])).contains("lever_arm"));
+    let nothing = "kind = \"six-axes\"";
+    assert!(told(&file(nothing, &[])).contains("has nothing that moves"));
+    let fast = "kind = \"six-axes\"\nyaw_sines = [[0.1, 90.0]]";
+    assert!(told(&file(fast, &[])).contains("cannot be realised"), "{}", told(&file(fast, &[])));
+}
+
+#[test]
+fn an_elevated_accelerometer_stands_at_the_pivot_of_a_hub_that_is_not_upright() {
+    let section = "[plant.sensors.platform_accelerometer]";
+    let elevated = format!("{section}\naxis = \"elevated\"");
+    let project = read(&file(UNIT, &[(section, &elevated)])).unwrap();
+    assert_eq!(project.plant.sensors.accelerometer_axis, AccelerometerAxis::Elevated);
+    assert_eq!(read(&project.to_text()).unwrap(), project);
+    let away = format!("{elevated}\nlever_arm = 0.4");
+    assert!(told(&file(UNIT, &[(section, &away)])).contains("it stands at the pivot"));
+}
+
+#[test]
+fn the_line_of_sight_survives_the_file() {
+    let text = file(UNIT, &[]) + "\n[verify.line_of_sight]\nexposure = 0.005\n";
+    let project = read(&text).unwrap();
+    assert_eq!(project.verify.as_ref().unwrap().procedure.line_of_sight.unwrap().exposure_s, 0.005);
+    assert_eq!(read(&project.to_text()).unwrap(), project);
+    assert_eq!(read(&file(UNIT, &[])).unwrap().verify.unwrap().procedure.line_of_sight, None);
+}

@@ -1,0 +1,46 @@
+//! What surge adds to a history of the linear loop.
+
+use super::{Closed, SampledPlant};
+use crate::history::{Experiment, History};
+use crate::{Arrangement, Error, Procedure, Source};
+
+/// Adds the response to the road's surge to the history of a road; every other history is left as it is.
+///
+/// At an elevation theta the out-of-balance feels heave cos(theta) - surge sin(theta): the linear plant takes surge as a heave of -surge tan(theta). An
+/// accelerometer on the elevated mass reads it so, too. One that stands upright reads heave alone, so that the loop meets surge with its feedback only.
+/// The centre of mass is taken to lie on the axis of the beam.
+///
+/// # Errors
+/// Those of the simulation.
+pub fn add(
+    history: &mut History,
+    plant: &SampledPlant,
+    loops: &[(Arrangement, Closed)],
+    procedure: &Procedure,
+) -> Result<(), Error> {
+    let Experiment::Disturbance(Source::Road, arrangement) = history.experiment else { return Ok(()) };
+    let tangent = plant.hub_angle_rad.tan();
+    let Some(road) = procedure.road.as_ref().filter(|road| road.further.is_some() && tangent != 0.0) else {
+        return Ok(());
+    };
+    let acting = match arrangement {
+        Arrangement::Compensated if !plant.surge_is_measured => Arrangement::Feedback,
+        other => other,
+    };
+    let Some((_, closed)) = loops.iter().find(|(of, _)| *of == acting) else { return Ok(()) };
+    let motion = |time_s: f64| (-tangent * road.surge_at(time_s), 0.0);
+    let which = (Source::Road, arrangement);
+    let surge = super::disturbance(plant, closed, which, procedure.duration_of(Source::Road), motion)?;
+    let columns = [
+        (&mut history.hub_rate_rad_s, &surge.hub_rate_rad_s),
+        (&mut history.tip_rate_rad_s, &surge.tip_rate_rad_s),
+        (&mut history.current_a, &surge.current_a),
+        (&mut history.travel_rad, &surge.travel_rad),
+    ];
+    for (column, added) in columns {
+        column.iter_mut().zip(added).for_each(|(value, more)| *value += more);
+    }
+    let added = surge.control_v.iter().map(|v| v - plant.holding_v);
+    history.control_v.iter_mut().zip(added).for_each(|(value, more)| *value += more);
+    Ok(())
+}

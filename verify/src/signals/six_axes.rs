@@ -1,0 +1,201 @@
+//! Motion of a base in six degrees of freedom from sines and spectra of each axis.
+//!
+//! Translations are accelerations of the pivot in axes that do not turn, x forward and z up at the start; rotations are rates in axes of the
+//! base. What the elevation axis feels of them follows from [`counterpoise_models::base_motion`]. All spectra are realised on one grid of
+//! frequencies, so that they can be coherent: of each axis' variance the share sqrt(coherence) has phases that all axes have in common.
+
+use std::f64::consts::TAU;
+
+use counterpoise_models::base_motion::{Level, Traverse, felt, from_inertial};
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::spectrum::{
+    PERIOD_S, Realisation, SINES, Tone, check, frequency, out_of_range, power, sum, tones, window,
+};
+use crate::procedure::FurtherRoad;
+use crate::{Error, Road};
+
+/// Motion of one axis, m/s^2 or rad/s.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct AxisMotion {
+    /// Sines, each by amplitude and frequency in Hz.
+    pub sines: Vec<[f64; 2]>,
+    /// Points of the spectral density, each by frequency in Hz and density.
+    pub psd: Vec<[f64; 2]>,
+}
+
+/// Motion of a base.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SixAxes {
+    /// Forward, to the left and up, m/s^2; then about the forward axis (the left side rises), nose-up and about the upward axis (to the left), rad/s.
+    pub axes: [AxisMotion; 6],
+    /// Coherence (magnitude squared) between the spectra of any two axes.
+    pub coherence: f64,
+    /// The ring on which the elevation axis stands.
+    pub traverse: Traverse,
+}
+
+/// Names of the axes of [`SixAxes`], in their order.
+pub const AXES: [&str; 6] = ["surge", "sway", "heave", "roll", "pitch", "yaw"];
+/// Stream of the phases that all axes have in common; those of the axes follow.
+const COMMON_STREAM: u64 = 16;
+
+impl SixAxes {
+    /// Returns whether nothing moves.
+    pub fn is_still(&self) -> bool {
+        self.axes.iter().all(|axis| axis.sines.is_empty() && axis.psd.is_empty())
+            && self.traverse.rate_rad_s == 0.0
+    }
+
+    /// Returns what the elevation axis feels of the motion, from rest to rest.
+    ///
+    /// # Errors
+    /// [`Error::Range`] for a duration, fade, coherence, amplitude, frequency or density out of range.
+    pub fn road(&self, how: Realisation, gravity_m_s2: f64) -> Result<Road, Error> {
+        let samples = check(how)?;
+        if !(0.0..=1.0).contains(&self.coherence) {
+            return Err(out_of_range("coherence", self.coherence, "from 0 to 1"));
+        }
+        let mut series = Vec::with_capacity(6);
+        for tones in self.all_tones(how.seed)? {
+            let at = |k: usize| {
+                let t = k as f64 * PERIOD_S;
+                window(t, how)[0] * sum(&tones, t)[0]
+            };
+            series.push((0..samples).map(at).collect::<Vec<f64>>());
+        }
+        let three = |first: usize, sign: [f64; 3]| -> Vec<[f64; 3]> {
+            (0..samples).map(|k| [0, 1, 2].map(|axis| sign[axis] * series[first + axis][k])).collect()
+        };
+        // nose-up is the negative sense about the axis to the left
+        let base = from_inertial(&three(0, [1.0; 3]), &three(3, [1.0, -1.0, 1.0]), PERIOD_S, gravity_m_s2);
+        let felt = felt(&base, PERIOD_S, self.traverse, gravity_m_s2, Level::Known);
+        Ok(Road {
+            name: format!("motion of six axes, seed {}", how.seed),
+            sample_period_s: PERIOD_S,
+            heave_m_s2: felt.iter().map(|at| at.heave_m_s2).collect(),
+            pitch_rate_rad_s: felt.iter().map(|at| at.pitch_rate_rad_s).collect(),
+            further: Some(FurtherRoad {
+                surge_m_s2: felt.iter().map(|at| at.surge_m_s2).collect(),
+                roll_rate_rad_s: felt.iter().map(|at| at.roll_rate_rad_s).collect(),
+                yaw_rate_rad_s: felt.iter().map(|at| at.yaw_rate_rad_s).collect(),
+            }),
+        })
+    }
+
+    fn all_tones(&self, seed: u64) -> Result<Vec<Vec<Tone>>, Error> {
+        let grid = self.grid()?;
+        let common = phases(seed, COMMON_STREAM);
+        let mut all = Vec::with_capacity(6);
+        for (k, axis) in self.axes.iter().enumerate() {
+            let mut tones = Vec::new();
+            for [amplitude, hz] in &axis.sines {
+                if !amplitude.is_finite() {
+                    return Err(out_of_range("amplitude of a sine", *amplitude, "finite"));
+                }
+                frequency(*hz)?;
+                tones.push(Tone { rate_rad_s: TAU * hz, amplitude: *amplitude, phase_rad: 0.0 });
+            }
+            if let (Some(grid), false) = (&grid, axis.psd.is_empty()) {
+                let own = phases(seed, COMMON_STREAM + 1 + k as u64);
+                tones.extend(self.realised(&axis.psd, grid, (&common, &own)));
+            }
+            all.push(tones);
+        }
+        Ok(all)
+    }
+
+    /// Lowest frequency of all spectra and the ratio from each line to the next; `None` without a spectrum.
+    fn grid(&self) -> Result<Option<Grid>, Error> {
+        let mut band: Option<[f64; 2]> = None;
+        for axis in self.axes.iter().filter(|axis| !axis.psd.is_empty()) {
+            // what a spectrum alone may not have, it may not have here
+            tones(&axis.psd, 0, 0)?;
+            let (low, high) = (axis.psd[0][0], axis.psd[axis.psd.len() - 1][0]);
+            band = Some(band.map_or([low, high], |[l, h]| [l.min(low), h.max(high)]));
+        }
+        Ok(band.map(|[low, high]| Grid { low_hz: low, ratio: (high / low).powf(1.0 / SINES as f64) }))
+    }
+
+    fn realised(&self, psd: &[[f64; 2]], grid: &Grid, (common, own): (&[f64], &[f64])) -> Vec<Tone> {
+        let shared = self.coherence.sqrt();
+        let mut tones = Vec::new();
+        for k in 0..SINES {
+            let low = grid.low_hz * grid.ratio.powi(k as i32);
+            let amplitude = (2.0 * power(psd, low, low * grid.ratio)).sqrt();
+            let rate_rad_s = TAU * low * grid.ratio.sqrt();
+            for (share, phase_rad) in [(shared, common[k]), (1.0 - shared, own[k])] {
+                if share * amplitude > 0.0 {
+                    tones.push(Tone { rate_rad_s, amplitude: share.sqrt() * amplitude, phase_rad });
+                }
+            }
+        }
+        tones
+    }
+}
+
+/// Frequencies of the lines of all spectra.
+struct Grid {
+    low_hz: f64,
+    ratio: f64,
+}
+
+fn phases(seed: u64, stream: u64) -> Vec<f64> {
+    let mut source = ChaCha8Rng::seed_from_u64(seed);
+    source.set_stream(stream);
+    (0..SINES).map(|_| TAU * (source.next_u64() >> 11) as f64 / (1u64 << 53) as f64).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::signals::rms;
+
+    const HOW: Realisation = Realisation { duration_s: 60.0, fade_s: 1.0, seed: 5 };
+    const POINTS: [[f64; 2]; 2] = [[0.3, 0.1], [6.0, 0.1]];
+
+    fn axes(coherence: f64) -> SixAxes {
+        let mut axes: [AxisMotion; 6] = Default::default();
+        axes[0].psd = POINTS.to_vec();
+        axes[2].psd = POINTS.to_vec();
+        SixAxes { axes, coherence, traverse: Traverse::default() }
+    }
+
+    #[test]
+    fn heave_and_surge_are_as_coherent_as_is_asked() {
+        for (coherence, low, high) in [(0.0, -0.2, 0.2), (0.49, 0.5, 0.9), (1.0, 0.9999, 1.0001)] {
+            let road = axes(coherence).road(HOW, 9.81).unwrap();
+            let surge = road.further.unwrap().surge_m_s2;
+            let both: f64 =
+                road.heave_m_s2.iter().zip(&surge).map(|(a, b)| a * b).sum::<f64>() / surge.len() as f64;
+            let correlation = both / (rms(&road.heave_m_s2) * rms(&surge));
+            assert!((low..=high).contains(&correlation), "{coherence}: {correlation}");
+            let variance = power(&POINTS, 0.0, 100.0);
+            assert!((rms(&surge).powi(2) / variance - 1.0).abs() < 0.25, "{}", rms(&surge));
+        }
+    }
+
+    #[test]
+    fn roll_reaches_the_elevation_axis_through_gravity_alone() {
+        let mut axes: [AxisMotion; 6] = Default::default();
+        axes[3].sines = vec![[0.2, 0.5]];
+        let motion = SixAxes { axes, coherence: 0.0, traverse: Traverse::default() };
+        let road = motion.road(HOW, 9.81).unwrap();
+        assert!(rms(&road.pitch_rate_rad_s) == 0.0 && rms(&road.heave_m_s2) > 0.01);
+        assert!(road.heave_m_s2.iter().all(|heave| *heave <= 1e-9), "a tilted base feels less of gravity");
+        assert!(rms(&road.further.unwrap().roll_rate_rad_s) > 0.1);
+    }
+
+    #[test]
+    fn nonsense_is_refused() {
+        assert!(axes(1.5).road(HOW, 9.81).is_err());
+        let mut bad = axes(0.0);
+        bad.axes[4].sines = vec![[0.1, 80.0]];
+        assert!(bad.road(HOW, 9.81).is_err());
+        bad.axes[4].sines.clear();
+        bad.axes[1].psd = vec![[2.0, 1.0], [1.0, 1.0]];
+        assert!(bad.road(HOW, 9.81).is_err());
+    }
+}

@@ -1,0 +1,130 @@
+//! Surge on an elevated axis, linear and nonlinear, and the error budget of the line of sight.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
+
+mod support;
+
+use counterpoise_controller::Controller;
+use counterpoise_models::plant::{OperatingPoint, Plant};
+use counterpoise_models::{AccelerometerAxis, Friction, FrictionLaw, Parameters};
+use counterpoise_verify::{
+    Arrangement, ErrorSource, Figure, FurtherRoad, Limit, LineOfSight, Model, Procedure, Quantity,
+    Requirement, Road, SightFigure, Source, Verdict, verify,
+};
+use support::{controller, rig};
+
+const ELEVATION_RAD: f64 = 0.3;
+
+/// Six seconds of heave, pitch and surge, one tone each.
+fn road() -> Road {
+    let sine = |amplitude: f64, hz: f64| -> Vec<f64> {
+        (0..1201).map(|k| amplitude * (std::f64::consts::TAU * hz * f64::from(k) * 0.005).sin()).collect()
+    };
+    let still = vec![0.0; 1201];
+    let further =
+        FurtherRoad { surge_m_s2: sine(2.0, 1.0), roll_rate_rad_s: still.clone(), yaw_rate_rad_s: still };
+    Road {
+        name: "tones".to_owned(),
+        sample_period_s: 0.005,
+        heave_m_s2: sine(0.5, 1.5),
+        pitch_rate_rad_s: sine(0.05, 0.7),
+        further: Some(further),
+    }
+}
+
+fn procedure(road: Road) -> Procedure {
+    Procedure {
+        operating_point: OperatingPoint { hub_angle_rad: ELEVATION_RAD, platform_angle_rad: 0.0 },
+        road: Some(road),
+        duration_s: 3.0,
+        ..Procedure::default()
+    }
+}
+
+/// A machine without friction and backlash: the linear plant is the nonlinear one but for small terms.
+fn smooth(axis: AccelerometerAxis) -> Parameters {
+    let mut p = rig();
+    let (motor, pivot) = (p.motor_friction.viscous_nm_s_rad, p.pivot_friction.viscous_nm_s_rad);
+    (p.motor_friction, p.pivot_friction) =
+        (Friction::plain(FrictionLaw::None, motor), Friction::plain(FrictionLaw::None, pivot));
+    p.gearbox.backlash_rad = 0.0;
+    p.sensors.accelerometer_axis = axis;
+    p
+}
+
+/// A static feedforward of the accelerometer as it stands.
+fn fitting(axis: AccelerometerAxis) -> Controller {
+    let share = match axis {
+        AccelerometerAxis::Vertical => ELEVATION_RAD.cos(),
+        AccelerometerAxis::Elevated => 1.0,
+    };
+    controller().with(|parts| parts.paths[1].system.D = parts.paths[1].system.D.scale(share)).unwrap()
+}
+
+fn hub_rms(axis: AccelerometerAxis, model: Model, road: Road) -> f64 {
+    let plant = Plant::lumped(&smooth(axis)).unwrap();
+    let found = verify(&plant, &fitting(axis), &procedure(road), &[]).unwrap();
+    let figure = Figure::Disturbance(model, Source::Road, Arrangement::Compensated, Quantity::HubRms);
+    found.verification().value(figure).unwrap()
+}
+
+#[test]
+fn the_linear_loop_meets_surge_as_the_nonlinear_one_does() {
+    for axis in [AccelerometerAxis::Vertical, AccelerometerAxis::Elevated] {
+        let (linear, nonlinear) =
+            (hub_rms(axis, Model::Linear, road()), hub_rms(axis, Model::Nonlinear, road()));
+        assert!((linear / nonlinear - 1.0).abs() < 0.1, "{axis:?}: {linear} {nonlinear}");
+    }
+}
+
+#[test]
+fn an_elevated_accelerometer_takes_surge_out() {
+    let still = Road { further: None, ..road() };
+    let of = |axis, road: &Road| hub_rms(axis, Model::Nonlinear, road.clone());
+    let none = of(AccelerometerAxis::Vertical, &still);
+    let (upright, elevated) =
+        (of(AccelerometerAxis::Vertical, &road()), of(AccelerometerAxis::Elevated, &road()));
+    assert!(upright > 3.0 * none && elevated < 1.3 * none, "{none} {upright} {elevated}");
+}
+
+#[test]
+fn the_error_budget_adds_up_to_the_simulated_error() {
+    let plant = Plant::lumped(&rig()).unwrap();
+    let asked = Procedure { line_of_sight: Some(LineOfSight { exposure_s: 0.02 }), ..procedure(road()) };
+    let figure = Figure::Sight(SightFigure::Hub);
+    let limit = [Requirement::new(figure, Limit::AtMost(1.0)).unwrap()];
+    let verified = verify(&plant, &controller(), &asked, &limit).unwrap();
+    let found = verified.verification();
+    let budget = found.error_budget.as_ref().unwrap();
+    assert!(matches!(found.verdicts[0].1, Verdict::Holds { .. }), "{:?}", found.verdicts);
+    assert_eq!(found.value(figure), Some(budget.total_rad[0]));
+    for (sum, total) in budget.sum_rad().iter().zip(budget.total_rad) {
+        assert!((sum / total - 1.0).abs() < 1e-9, "{sum} {total}");
+    }
+    let share =
+        |source| budget.contributions.iter().find(|one| one.source == source).map(|one| one.share_rad2[0]);
+    assert_eq!(share(ErrorSource::RollAndYaw), None, "this base does not roll");
+    assert!(share(ErrorSource::Surge).unwrap() > 0.2 * budget.total_rad[0].powi(2), "{budget:?}");
+    assert!(share(ErrorSource::HubGyro).unwrap().abs() < 0.1 * budget.total_rad[0].powi(2), "{budget:?}");
+}
+
+/// Without anything that is nonlinear, sources that do not move together superpose.
+#[test]
+fn in_a_linear_loop_the_sources_superpose() {
+    let plant = Plant::lumped(&smooth(AccelerometerAxis::Vertical)).unwrap();
+    let asked = Procedure { line_of_sight: Some(LineOfSight::default()), ..procedure(road()) };
+    let verified = verify(&plant, &fitting(AccelerometerAxis::Vertical), &asked, &[]).unwrap();
+    let budget = verified.verification().error_budget.as_ref().unwrap();
+    let (superposed, total) = (budget.superposed_rad()[0], budget.total_rad[0]);
+    assert!((superposed / total - 1.0).abs() < 0.1, "{superposed} {total}");
+}
+
+#[test]
+fn nobody_pays_for_a_budget_that_nobody_asks_for() {
+    let plant = Plant::lumped(&smooth(AccelerometerAxis::Vertical)).unwrap();
+    let limit = [Requirement::new(Figure::Sight(SightFigure::Hub), Limit::AtMost(1.0)).unwrap()];
+    let verified = verify(&plant, &controller(), &procedure(road()), &limit).unwrap();
+    let found = verified.verification();
+    assert_eq!((found.error_budget.as_ref(), found.value(Figure::Sight(SightFigure::Hub))), (None, None));
+    let Verdict::NotApplicable { why } = &found.verdicts[0].1 else { panic!("{:?}", found.verdicts) };
+    assert!(why.contains("[verify.line_of_sight]"), "{why}");
+}
