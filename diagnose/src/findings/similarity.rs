@@ -32,7 +32,7 @@ impl Scale {
     /// Returns the factors that bring a machine to the usual size; `None` if it has that size already, or no lumped structure.
     pub fn of(base: &Parameters, recordings: &[Recording]) -> Option<Self> {
         let lumped = base.lumped.as_ref()?;
-        let by_inertia = USUAL_INERTIA_AND_RATIO.0 / (lumped.hub_inertia_kg_m2 + lumped.beam_inertia_kg_m2);
+        let by_inertia = USUAL_INERTIA_AND_RATIO.0 / lumped.inertia_kg_m2();
         let ratio = USUAL_INERTIA_AND_RATIO.1 / base.gearbox.ratio;
         let near = |factor: f64, bound: f64| (1.0 / bound..=bound).contains(&factor);
         let usual = near(by_inertia, UNSCALED_WITHIN.0) && near(ratio, UNSCALED_WITHIN.1);
@@ -68,6 +68,11 @@ impl Scale {
             lumped.position_stiffness_nm_rad *= s;
             lumped.hysteresis_nm *= s;
             lumped.hysteresis_stiffness_nm_rad *= s;
+            for link in &mut lumped.chain {
+                link.inertia_kg_m2 *= s;
+                link.stiffness_nm_rad *= s;
+                link.damping_nm_s_rad *= s;
+            }
         }
         p.gearbox.ratio *= c;
         p.gearbox.stiffness_nm_rad *= s;

@@ -14,7 +14,7 @@ mod structure;
 pub use drive::{Amplifier, AmplifierDynamics, Gearbox, IDEAL_LAG_S, MapPoint, Motor, Transmission};
 pub use friction::{Friction, FrictionLaw, StribeckCurve};
 pub use sensing::{Clock, Drift, Interface, Measured, Sensor, Sensors};
-pub use structure::{Beam, Configuration, Lumped, PointMass, Section, SectionShape, StructuralDamping};
+pub use structure::{Beam, Configuration, Link, Lumped, PointMass, Section, SectionShape, StructuralDamping};
 
 /// One axis of a cantilever mechanism on a moving platform.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,8 +3,8 @@
 use counterpoise_controller::sensitivity::Form;
 use counterpoise_export::{Options, Precision};
 use counterpoise_lti::Discretisation;
-use counterpoise_models::Measured;
 use counterpoise_models::plant::LinearPlant;
+use counterpoise_models::{Axis, Measured};
 use counterpoise_synth::{
     Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, SamplingMethod,
     Specification, Weight,
@@ -52,6 +52,8 @@ pub struct Synthesis {
     pub bandwidth_rad_s: Option<f64>,
     /// What the loop controls.
     pub loop_kind: LoopKind,
+    /// Largest rate that a loop of position demands, rad/s or m/s; 0 for no limit, `None` for what the drive allows.
+    pub rate_limit: Option<f64>,
     /// Delay of the design plant in sample periods.
     pub delay_samples: f64,
     /// Order of the Pade approximation of that delay.
@@ -213,6 +215,7 @@ pub(crate) fn blank_synthesis() -> Synthesis {
             position_gain: None,
         },
         loop_kind: LoopKind::Rate,
+        rate_limit: None,
         weights: WeightSource::Chosen,
         bandwidth_rad_s: None,
         delay_samples: 1.0,
@@ -263,8 +266,9 @@ pub(crate) fn reduce(v: &mut dyn Visit, reduce: &mut Reduction) {
 }
 
 /// Reads or lists the design of a loop whose sensor measures a rate or a position.
-pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: Measured) {
+pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: Measured, axis: Axis) {
     cascade::loop_kind(v, synth, measured);
+    cascade::rate_limit(v, synth, axis);
     let asked = "bandwidth that chosen weights aim at (highest frequency at which the loop's gain is 1); only without \
                  `[synth.feedback]`, which states weights";
     let bandwidth = Field::new("bandwidth", asked).unit("rad/s").limit(Limit::Above(0.0));

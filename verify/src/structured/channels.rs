@@ -128,7 +128,10 @@ pub(super) fn channels_of(place: Place, plant: &Plant, base: &Base, dry: &Dry) -
     let (hub, tip) = (plant.hub_rate_row(), plant.tip_rate_row());
     let Some(lumped) = p.lumped.as_ref() else { return Vec::new() };
     let is_absent = match place {
-        Place::BeamInertia | Place::StructureStiffness | Place::StructureDamping => lumped.is_rigid(),
+        // in a chain these parts act between its inertias, and not between hub and tip
+        Place::BeamInertia | Place::StructureStiffness | Place::StructureDamping => {
+            lumped.is_rigid() || !lumped.chain.is_empty()
+        }
         Place::GearStiffness => plant.is_rigid(),
         _ => false,
     };
