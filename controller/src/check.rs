@@ -8,8 +8,8 @@ use crate::required::{Required, at_least_0, count, finite, positive, require};
 use crate::tolerance::{LONGEST_WINDOW, SAME_PERIOD};
 use crate::words;
 use crate::{
-    Error, Estimator, FrictionObserver, Learning, ObserverLaw, Parts, Path, Programs, READINGS, Scaling,
-    Signal,
+    DemandLimit, Error, Estimator, FrictionObserver, Learning, ObserverLaw, Parts, Path, Programs, READINGS,
+    Scaling, Signal,
 };
 
 /// Names that target code uses itself, beside the words of its languages.
@@ -22,6 +22,11 @@ pub fn parts(parts: &Parts) -> Result<(), Error> {
     corrections(parts)?;
     if let Some(prefilter) = &parts.prefilter {
         system("prefilter", prefilter, 1, parts.sample_period_s)?;
+    }
+    match parts.demand_limit {
+        Some(DemandLimit::Error(most)) => positive("limit of the position error (rad or m)", most)?,
+        Some(DemandLimit::Rate(most)) => positive("largest rate of the demand (rad/s or m/s)", most)?,
+        None => {}
     }
     parts.paths.iter().try_for_each(|each| path(each, parts))?;
     parts.observers.iter().try_for_each(observer)?;

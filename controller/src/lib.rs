@@ -59,7 +59,7 @@ pub use estimator::{Estimator, Learning};
 pub use friction::{FrictionObserver, ObserverLaw};
 pub use guard::{GuardSettings, Sensors, Status};
 pub use number::Number;
-pub use parts::{Correction, Parts, Path, Scaling};
+pub use parts::{Correction, DemandLimit, Parts, Path, Scaling};
 pub use program::Programs;
 pub use runner::Runner;
 pub use sampled::{ProportionalIntegral, Readings, SampledController};

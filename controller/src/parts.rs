@@ -57,6 +57,17 @@ pub struct Correction {
     pub offset: f64,
 }
 
+/// How fast a loop of position follows its demand.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", content = "most", rename_all = "kebab-case")]
+pub enum DemandLimit {
+    /// The error between demand and reading is kept within +/- this. A position loop in cascade demands its gain times the error
+    /// as rate, so that its demanded rate is limited.
+    Error(f64),
+    /// The demand that the paths see moves by at most this a second, from the first reading on.
+    Rate(f64),
+}
+
 /// All parts of a controller.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parts {
@@ -66,6 +77,8 @@ pub struct Parts {
     pub corrections: Vec<Correction>,
     /// Reference prefilter from demand to demand, discrete, one input and one output.
     pub prefilter: Option<StateSpace>,
+    /// How fast a loop of position follows its demand; `None` for a loop of rate, or without a limit.
+    pub demand_limit: Option<DemandLimit>,
     /// Transfer paths, in the order in which their outputs are summed.
     pub paths: Vec<Path>,
     /// Friction observers, summed after the paths.
@@ -99,6 +112,7 @@ impl Parts {
             sample_period_s,
             corrections: Vec::new(),
             prefilter: None,
+            demand_limit: None,
             paths: Vec::new(),
             observers: Vec::new(),
             design_out_of_balance_kg_m: 0.0,

@@ -89,6 +89,7 @@ fn lumped() -> Lumped {
         position_stiffness_centre_rad: 0.0,
         hysteresis_nm: 0.0,
         hysteresis_stiffness_nm_rad: 0.0,
+        chain: Vec::new(),
     }
 }
 

@@ -6,7 +6,7 @@ use counterpoise_models::plant::Body;
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{
     AmplifierDynamics, Angles, Axis, Excitation, Friction, FrictionLaw, FrictionLinearisation, Gearbox,
-    LinearPlant, Lumped, Measured, OperatingPoint, Parameters, Plant, Ripple, Transmission, reference,
+    LinearPlant, Link, Lumped, Measured, OperatingPoint, Parameters, Plant, Ripple, Transmission, reference,
 };
 use std::f64::consts::TAU;
 
@@ -108,6 +108,64 @@ fn a_rotor_added_to_a_modal_structure_is_a_rotor_added_to_its_hub() {
     for (found, expected) in pairs {
         assert!((found - expected).abs() < 1e-10 * expected.abs(), "{found} {expected}");
     }
+}
+
+/// Three equal inertias on two equal springs: w^2 = K/J and 3 K/J, with the shapes (1, 0, -1) and (1, -2, 1).
+#[test]
+fn a_chain_has_the_modes_of_its_matrices() {
+    let (inertia, stiffness) = (0.4, 900.0);
+    let link = Link { inertia_kg_m2: inertia, stiffness_nm_rad: stiffness, damping_nm_s_rad: 0.5 };
+    let mut three = Lumped { stiffness_nm_rad: stiffness, damping_nm_s_rad: 0.5, ..Lumped::rigid(inertia) };
+    three.beam_inertia_kg_m2 = inertia;
+    three.chain = vec![link];
+    let body = Body::chain(&three).unwrap();
+    assert!((body.inertia_kg_m2 - 3.0 * inertia).abs() < 1e-12 && body.modes.len() == 2);
+    let expected =
+        [(1.0, 1.0 / 2f64.sqrt(), -1.0 / 2f64.sqrt()), (3.0, 1.0 / 6f64.sqrt(), 1.0 / 6f64.sqrt())];
+    for (mode, (multiple, hub, tip)) in body.modes.iter().zip(expected) {
+        let frequency = (multiple * stiffness / inertia).sqrt();
+        // equal springs and dampers: D = (0.5 / K) K in every mode
+        let ratio = 0.5 * frequency * 0.5 / stiffness;
+        assert!((mode.frequency_rad_s / frequency - 1.0).abs() < 1e-12, "{mode:?}");
+        assert!((mode.damping_ratio / ratio - 1.0).abs() < 1e-9, "{mode:?}");
+        assert!((mode.hub_shape * inertia.sqrt() - hub).abs() < 1e-12, "{mode:?}");
+        assert!((mode.tip_shape * inertia.sqrt() - tip).abs() < 1e-12, "{mode:?}");
+    }
+}
+
+/// A chain whose last part is next to nothing is the two inertias before it, and one whose first spring is rigid has them as one body.
+#[test]
+fn a_chain_with_one_part_less_is_the_structure_without_it() {
+    let two = reference::rig().lumped.unwrap();
+    let light = Link { inertia_kg_m2: 1e-9, stiffness_nm_rad: 1e3, damping_nm_s_rad: 0.0 };
+    let three = Body::chain(&Lumped { chain: vec![light], ..two.clone() }).unwrap();
+    let (found, expected) = (three.modes[0], Body::lumped(&two).modes[0]);
+    for (found, expected) in [
+        (found.frequency_rad_s, expected.frequency_rad_s),
+        (found.damping_ratio, expected.damping_ratio),
+        (found.hub_shape, expected.hub_shape),
+        (found.tip_shape, expected.tip_shape),
+        (found.load_share_kg_m, expected.load_share_kg_m),
+    ] {
+        assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
+    }
+    let beam = Link {
+        inertia_kg_m2: two.beam_inertia_kg_m2,
+        stiffness_nm_rad: two.stiffness_nm_rad,
+        damping_nm_s_rad: two.damping_nm_s_rad,
+    };
+    let hub_alone = Lumped {
+        beam_inertia_kg_m2: 0.0,
+        stiffness_nm_rad: f64::INFINITY,
+        damping_nm_s_rad: 0.0,
+        chain: vec![beam],
+        ..two.clone()
+    };
+    let (a, b) = (Body::chain(&hub_alone).unwrap().modes[0], expected);
+    assert!(
+        (a.frequency_rad_s / b.frequency_rad_s - 1.0).abs() < 1e-9
+            && (a.tip_shape / b.tip_shape - 1.0).abs() < 1e-9
+    );
 }
 
 #[test]

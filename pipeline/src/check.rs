@@ -1,12 +1,13 @@
 //! What a project file was understood to say, and what it leaves open.
 
+use counterpoise_models::Axis;
 use counterpoise_project::{
     Assumption, Diagnostic, Document, Parsed, Project, Purpose, SectionStatement, Tolerance,
 };
 use serde::Serialize;
 
 use crate::first_design::leaves_weights_open;
-use crate::studies::assumptions::{AssumptionEffect, assumption_effects};
+use crate::studies::assumptions::{AssumptionEffect, assumption_effects, with_those_of_design};
 use crate::{Modelled, PipelineError, choose_weights, model, reduce, synthesise};
 
 /// What a project file was understood to say.
@@ -41,6 +42,9 @@ pub struct CheckResult {
 /// The plant in a few numbers.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlantOverview {
+    /// Whether it slides: it then has kg for kg m^2 and for kg m.
+    #[serde(skip)]
+    pub is_sliding: bool,
     /// Order of the linear plant.
     pub order: usize,
     /// Moment of inertia of the structure about the pivot, kg m^2.
@@ -72,15 +76,15 @@ const PURPOSES: [Purpose; 10] = [
 pub fn check(document: &Document, parsed: &Parsed) -> CheckResult {
     let project = &parsed.project;
     let mut problems = Vec::new();
-    let (plant, effects) = match model(project) {
+    let (plant, (assumptions, effects)) = match model(project) {
         Err(error) => {
             problems.push(format!("the plant cannot be built: {error}"));
-            (None, Vec::new())
+            (None, (parsed.assumptions.clone(), Vec::new()))
         }
         Ok(modelled) => {
             let effects = effects(project, &modelled, &parsed.assumptions).unwrap_or_else(|error| {
                 problems.push(format!("assumptions are not ranked, because there is no design: {error}"));
-                Vec::new()
+                (parsed.assumptions.clone(), Vec::new())
             });
             (Some(overview(&modelled)), effects)
         }
@@ -94,7 +98,7 @@ pub fn check(document: &Document, parsed: &Parsed) -> CheckResult {
         plant,
         sections: project.statements(),
         tolerances: project.tolerances.clone(),
-        assumptions: parsed.assumptions.clone(),
+        assumptions,
         effects,
         problems,
         warnings: parsed.warnings.clone(),
@@ -102,13 +106,15 @@ pub fn check(document: &Document, parsed: &Parsed) -> CheckResult {
     }
 }
 
+/// Returns all assumptions, those of the design included, and how much those of the plant matter.
 fn effects(
     project: &Project,
     modelled: &Modelled,
     assumptions: &[Assumption],
-) -> Result<Vec<AssumptionEffect>, PipelineError> {
-    if assumptions.iter().all(|assumption| assumption.usual.is_none()) {
-        return Ok(Vec::new());
+) -> Result<(Vec<Assumption>, Vec<AssumptionEffect>), PipelineError> {
+    let has_usual = assumptions.iter().any(|assumption| assumption.usual.is_some());
+    if !has_usual && !modelled.parameters.sensors.measured.is_position() {
+        return Ok((assumptions.to_vec(), Vec::new()));
     }
     let reduced = reduce(project, modelled)?;
     let usual = project.clone().with_usual_verification();
@@ -118,12 +124,14 @@ fn effects(
     };
     let project = chosen.as_ref().map_or(project, |chosen| &chosen.project);
     let synthesised = synthesise(project, modelled, &reduced)?;
-    assumption_effects(project, modelled, &synthesised, assumptions)
+    let effects = assumption_effects(project, modelled, &synthesised, assumptions)?;
+    Ok((with_those_of_design(assumptions, &synthesised), effects))
 }
 
 fn overview(modelled: &Modelled) -> PlantOverview {
     let body = modelled.plant.body();
     PlantOverview {
+        is_sliding: modelled.parameters.axis == Axis::Linear,
         order: modelled.linear.system.order(),
         inertia_kg_m2: body.inertia_kg_m2,
         out_of_balance_kg_m: body.out_of_balance_kg_m,

@@ -59,7 +59,7 @@ pub use model::{
 pub use recordings::redesign::{Consequence, consequence};
 pub use reduce::{Reduced, reduce};
 pub use studies::sweep::{campaign, families, robust_stability};
-pub use synth::{Synthesised, synthesise};
+pub use synth::{DemandedRate, Synthesised, synthesise};
 pub use tuning::{TunedProject, with_tuned_structure};
 pub use verify::{procedure, verify, verify_linear_on, verify_on, verify_watched};
 

@@ -91,6 +91,9 @@ pub struct SynthResult {
     pub largest_pole_modulus: f64,
     /// Largest relative difference between a cost as predicted and as computed on the assembled loop.
     pub cost_difference: Option<f64>,
+    /// The largest rate that a loop of position demands, and why; absent for a loop of rate.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub demanded_rate: Option<String>,
     /// What a designer should know.
     pub warnings: Vec<String>,
     /// The design plant with sensor and delay: the measured rate, then every true output.
@@ -314,6 +317,7 @@ impl From<&Synthesised> for SynthResult {
                 .into_iter()
                 .flatten()
                 .max_by(f64::total_cmp),
+            demanded_rate: made.demanded_rate.as_ref().map(ToString::to_string),
             warnings: made.warnings.iter().map(ToString::to_string).collect(),
         }
     }

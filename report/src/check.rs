@@ -46,17 +46,21 @@ fn plant(plant: &PlantOverview) -> Vec<String> {
     let mode = plant.first_mode_hz.map_or("It is rigid".to_owned(), |hz| {
         format!("Its first flexible mode, with the hub held, is at {} Hz", short(hz))
     });
-    let balance = if plant.out_of_balance_kg_m == 0.0 {
-        "it is balanced".to_owned()
-    } else {
-        format!(
-            "its out-of-balance is {} kg m, which {} V of control hold",
-            short(plant.out_of_balance_kg_m),
-            short(plant.holding_v)
-        )
+    let (inertia, moment) = (short(plant.inertia_kg_m2), short(plant.out_of_balance_kg_m));
+    let volts = short(plant.holding_v);
+    let is_balanced = plant.out_of_balance_kg_m == 0.0;
+    let balance = match (is_balanced, plant.is_sliding) {
+        (true, false) => "it is balanced".to_owned(),
+        (true, true) => "no weight acts along it".to_owned(),
+        (false, false) => format!("its out-of-balance is {moment} kg m, which {volts} V of control hold"),
+        (false, true) => format!("the weight of {moment} kg acts along it, which {volts} V of control hold"),
+    };
+    let body = match plant.is_sliding {
+        false => format!("The structure has an inertia of {inertia} kg m^2"),
+        true => format!("The slide has a mass of {inertia} kg"),
     };
     vec![
-        format!("The structure has an inertia of {} kg m^2; {balance}.", short(plant.inertia_kg_m2)),
+        format!("{body}; {balance}."),
         format!(
             "{mode}. The linear plant has order {}; the controller runs at {} Hz.",
             plant.order,

@@ -4,7 +4,7 @@ use counterpoise_controller::sensitivity::realise;
 use counterpoise_controller::{Controller, Parts, Path, Scaling, Signal};
 use counterpoise_lti::{StateSpace, c2d};
 
-use crate::anti_windup::anti_windup;
+use crate::anti_windup::{anti_windup, anti_windup_of};
 use crate::cascade::from_error_and_reading;
 use crate::certificate::Certified;
 use crate::sampled_data::{self, Drafted};
@@ -153,7 +153,11 @@ fn feedback_path(design: &Design, feedback: &StateSpace, sampling: &Sampling) ->
         Reference::WeightOnly => vec![Signal::Demand, Signal::HubRate],
     };
     let system = realise(feedback, sampling.form)?;
-    let anti_windup = anti_windup(&system, &sampled_plant(&design.plant, sampling)?)?;
+    let plant = sampled_plant(&design.plant, sampling)?;
+    let anti_windup = match design.plant.rate_loop {
+        Some(_) => anti_windup_of(&system, &plant, &[0])?,
+        None => anti_windup(&system, &plant)?,
+    };
     Ok(Path { name: "feedback".into(), inputs, system, anti_windup, scaling: Scaling::Fixed })
 }
 

@@ -13,7 +13,7 @@
 //! - the design: [`feedback`](mod@feedback), [`cascade`], [`feedforward`](mod@feedforward), [`design`](mod@design), [`certificate`],
 //!   [`joint`] optimum of all parts, [`residual`], [`total_cost`](mod@total_cost);
 //! - [`first_design`](mod@first_design): weights chosen for the highest [`bandwidth`] that the loop allows;
-//! - in sampled time: [`sampling`], [`discretise`](mod@discretise);
+//! - in sampled time: [`sampling`], [`discretise`](mod@discretise), [`ramp`];
 //! - around it: [`schedule`](mod@schedule) over out-of-balance with its [`scheduled_controller`], [`figures`](mod@figures),
 //!   [`requirements`] and [`search`](mod@search) from requirements to weights, [`observer`] of friction, [`adaptation`];
 //! - feedback of fixed structure: [`fixed_structure`], and its [`tuning`] under limits of the loop; [`best_loop`](mod@best_loop), what
@@ -72,6 +72,7 @@ pub mod observer;
 mod origin;
 pub mod plant;
 pub mod preflight;
+pub mod ramp;
 pub mod rational;
 pub mod refusal;
 pub mod requirements;
@@ -113,6 +114,7 @@ pub use lqg::{Gain, Recovered, kalman, lqg_ltr, lqr, observer_controller};
 pub use observer::{Drive, Drives, Identified, Side, friction_observers};
 pub use plant::{Channel, DesignPlant, RateLoop};
 pub use preflight::preflight;
+pub use ramp::control_of_ramp;
 pub use rational::Rational;
 pub use refusal::{Refusal, attempt};
 pub use requirements::{Requirements, Spectrum};

@@ -9,7 +9,6 @@ use std::sync::Mutex;
 use counterpoise_controller::program::Compiled;
 use counterpoise_controller::{Controller, READINGS, Readings, SampledController};
 use counterpoise_export::{FixedRunner, Ranges, plan};
-use counterpoise_models::Axis;
 use counterpoise_models::plant::Plant;
 use counterpoise_pipeline::{model, reduce, synthesise};
 use counterpoise_project::Purpose;
@@ -80,19 +79,14 @@ impl SampledController for Faulty {
     }
 }
 
-/// A demand that the machine's drive follows without saturating, on a platform that heaves and pitches. A step of the position of a
-/// linear axis by 0.1 m saturates its torque, and a position cascade then oscillates more and more: such a demand needs a profile.
-fn scenario(duration_s: f64, axis: Axis) -> Scenario {
-    let step = match axis {
-        Axis::Rotary => 0.1,
-        Axis::Linear => 1e-3,
-    };
+/// A step of the demand, on a platform that heaves and pitches.
+fn scenario(duration_s: f64) -> Scenario {
     let platform = PlatformMotion {
         heave_m_s2: Signal::sine(0.5, 9.0),
         pitch_rate_rad_s: Signal::sine(0.02, 7.0),
         ..PlatformMotion::STILL
     };
-    Scenario { demand_rad_s: Signal::step(0.02, step), platform, ..Scenario::still(duration_s) }
+    Scenario { demand_rad_s: Signal::step(0.02, 0.1), platform, ..Scenario::still(duration_s) }
 }
 
 /// Returns the design of an example; `None` if its machine is not to be controlled.
@@ -135,20 +129,17 @@ struct Example<'a> {
     name: &'a str,
     controller: &'a Controller,
     simulator: Simulator,
-    axis: Axis,
 }
 
 impl<'a> Example<'a> {
     fn new(name: &'a str, plant: &Plant, controller: &'a Controller) -> Self {
-        Self { name, controller, simulator: Simulator::new(plant).unwrap(), axis: plant.parameters().axis }
+        Self { name, controller, simulator: Simulator::new(plant).unwrap() }
     }
 
     fn drive(&mut self, acting: &mut dyn SampledController) -> TimeHistory {
         let longest = *LENGTHS.last().unwrap();
         let fault_s = longest as f64 * self.controller.sample_period_s();
-        self.simulator
-            .run(acting, &scenario(BEGINS_S + fault_s + self.allowed_s(longest) + 0.2, self.axis))
-            .unwrap()
+        self.simulator.run(acting, &scenario(BEGINS_S + fault_s + self.allowed_s(longest) + 0.2)).unwrap()
     }
 
     /// Returns the time that the recovery after a fault of `length` samples may take, s.

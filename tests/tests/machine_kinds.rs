@@ -45,6 +45,11 @@ impl Machine {
         Self { name: format!("starter {}", kind.name()), document, attachments: Attachments::none() }
     }
 
+    fn written((name, text): (&str, &str)) -> Self {
+        let document = Document::parse(text, "project.toml");
+        Self { name: name.to_owned(), document, attachments: Attachments::none() }
+    }
+
     fn resolved(&self, document: &Document) -> Result<Parsed, Vec<String>> {
         Project::resolve_for(document, &self.attachments, Purpose::Design)
             .map_err(|errors| errors.iter().map(ToString::to_string).collect())
@@ -59,9 +64,67 @@ fn example(name: &str) -> Machine {
     Machine::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples").join(name).join("project.toml"))
 }
 
-/// One machine of each kind: the four examples and every file that `new --like` writes.
+/// Kinds that no example and no starter has.
+const OTHERS: [(&str, &str); 5] = [
+    (
+        "five inertias in a chain",
+        "format = 2
+         plant.motor = { inertia = 2e-4 }
+         plant.gearbox = { ratio = 60.0, stiffness = 4e4 }
+         plant.drive = { limit = 3.0 }
+         plant.sensors.encoder = { counts = 4194304 }
+         plant.interface = { sample_period = 1e-3 }
+         [plant.lumped]
+         hub_inertia = 1.2
+         beam_inertia = 0.8
+         stiffness = 9e4
+         chain = [{ inertia = 0.5, stiffness = 7e4 }, { inertia = 0.3, stiffness = 7e4 }, { inertia = 0.1, stiffness = 5e4 }]",
+    ),
+    (
+        "cable drive with a current loop and a tachometer on the motor",
+        "format = 2
+         plant.inertia = 40.0
+         plant.cable = { ratio = 30.0, stiffness = 3e5 }
+         plant.motor = { inertia = 2e-3, torque_constant = 0.3 }
+         plant.drive = { kind = \"current\", limit = 12.0, bandwidth = \"300 Hz\", delay = \"0.2 ms\" }
+         plant.sensors.tachometer = { place = \"motor\", noise = \"0.01 deg/s\" }
+         plant.interface = { sample_period = 1e-3 }",
+    ),
+    (
+        "harmonic drive in a cascade with an encoder on the motor",
+        "format = 2
+         synth.loop = \"cascade\"
+         plant.inertia = 1.5
+         plant.harmonic_drive = { ratio = 100.0, stiffness = 16e3, hysteresis = 2.0, kinematic_error = \"0.5 arcmin\" }
+         plant.motor = { inertia = 5.5e-5, torque_constant = 0.11 }
+         plant.drive = { kind = \"current\", limit = 8.0 }
+         plant.sensors.encoder = { place = \"motor\", counts = 65536 }
+         plant.interface = { sample_period = 0.5e-3 }",
+    ),
+    (
+        "linear motor with a scale",
+        "format = 2
+         plant.axis = \"linear\"
+         plant.mass = 6.0
+         plant.motor = { torque_constant = 45.0 }
+         plant.drive = { kind = \"current\", limit = 9.0 }
+         plant.sensors.encoder = { resolution = 1e-7 }
+         plant.interface = { sample_period = 0.25e-3 }",
+    ),
+    (
+        "direct drive with a resolver",
+        "format = 2
+         plant.inertia = 0.02
+         plant.drive = { limit = 6.0 }
+         plant.sensors.resolver = { noise = \"2 arcsec\", natural_frequency = 4000.0 }
+         plant.interface = { sample_period = 0.5e-3 }",
+    ),
+];
+
+/// One machine of each kind: the four examples, every file that `new --like` writes, and the others.
 fn kinds() -> Vec<Machine> {
-    EXAMPLES.into_iter().map(example).chain(Kind::ALL.into_iter().map(Machine::starter)).collect()
+    let known = EXAMPLES.into_iter().map(example).chain(Kind::ALL.into_iter().map(Machine::starter));
+    known.chain(OTHERS.map(Machine::written)).collect()
 }
 
 /// Every project file of the examples.

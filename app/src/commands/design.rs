@@ -5,7 +5,7 @@ use counterpoise_host::compilers::{processor, proofs};
 use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::export::target_proofs::{Answered, Costs, Proof};
 use counterpoise_pipeline::results::DesignResult;
-use counterpoise_pipeline::studies::assumptions::effects_on_design;
+use counterpoise_pipeline::studies::assumptions::{effects_on_design, with_those_of_design};
 use counterpoise_pipeline::{FirstDesignResult, Stages, design};
 use counterpoise_project::Purpose;
 use counterpoise_report::adaptation::refusal;
@@ -44,6 +44,7 @@ pub fn run(options: &DesignOptions) -> Done {
     let (proofs, costs) = (proofs::proofs(code, &designed.targets.compared), processor::costs(code));
     let compiled = compiled(&proofs, &costs);
     let effects = effects_on_design(&loaded.project, &designed.stages, &loaded.assumptions);
+    let assumptions = with_those_of_design(&loaded.assumptions, &designed.stages.synthesised);
     let first_design = loaded.first_design.as_ref().map(FirstDesignResult::from);
     let run = DesignRun {
         origin: &Origin {
@@ -53,7 +54,7 @@ pub fn run(options: &DesignOptions) -> Done {
         times: &world.times(),
         proofs: &proofs,
         costs: &costs,
-        assumptions: &loaded.assumptions,
+        assumptions: &assumptions,
         effects: &effects,
         first_design: first_design.as_ref(),
     };

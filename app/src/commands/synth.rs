@@ -107,6 +107,7 @@ fn print_design(result: &SynthResult) {
     if let Some(difference) = result.cost_difference {
         say!("predicted cost and cost of the assembled loop differ by {difference:.1e}");
     }
+    result.demanded_rate.iter().for_each(|line| say!("{line}"));
     result.warnings.iter().for_each(|w| say!("warning: {w}"));
 }
 

@@ -1,6 +1,6 @@
 //! From a controller's parts to its straight lines of arithmetic.
 //!
-//! Order of a step: corrections, prefilter, derived signals, friction observers, outputs of the paths, their gains, the
+//! Order of a step: corrections, limit of the demand's rate, prefilter, derived signals, friction observers, outputs of the paths, their gains, the
 //! sum, the limiter, the drive's curve, new states. Coefficients that are exactly 0 are left out here, once for all back ends.
 
 mod curve;
@@ -20,7 +20,7 @@ pub const PREFILTER_STATES: &str = "prefilter";
 /// The limited control of the sample before.
 pub const PREVIOUS_CONTROL: &str = "previous_control_v";
 /// Names of states and locals that a path must not take.
-pub const OWN_NAMES: [&str; 12] = [
+pub const OWN_NAMES: [&str; 23] = [
     PREFILTER_STATES,
     PREVIOUS_CONTROL,
     "out_of_balance_kg_m",
@@ -33,6 +33,17 @@ pub const OWN_NAMES: [&str; 12] = [
     "filtered_demand_rad_s",
     "rate_error_rad_s",
     "relative_rate_rad_s",
+    "demand_before",
+    "demand_followed",
+    "demand_kept",
+    "demand_at_start",
+    "demand_is_new",
+    "demand_way",
+    "demand_step",
+    "demand_cut",
+    "demand_following",
+    "limited_demand",
+    "limited_error",
 ];
 
 /// Returns the programs of a controller with the given parts.

@@ -9,7 +9,7 @@ use crate::lower::{
     Limits, PREFILTER_STATES, PREVIOUS_CONTROL, States, Writer, curve, observe, reading_names,
 };
 use crate::program::{OnRestart, Program, Slot};
-use crate::{FrictionObserver, Parts, Path, READINGS, Signal};
+use crate::{DemandLimit, FrictionObserver, Parts, Path, READINGS, Signal};
 
 /// Where each signal of this step is found.
 struct Signals {
@@ -57,6 +57,7 @@ pub(crate) fn program(parts: &Parts, layout: &Layout, states: &mut States) -> Pr
     let mut writer = Writer::new(&reading_names());
     let mut pending = Pending::new();
     let mut signals = corrected(parts, &mut writer);
+    demand_rate(parts, &mut signals, states, &mut writer, &mut pending);
     prefilter(parts, &mut signals, states, &mut writer, &mut pending);
     derive(parts, &mut signals, states, &mut writer);
     let observe = |o: &FrictionObserver| {
@@ -97,6 +98,34 @@ fn corrected(parts: &Parts, writer: &mut Writer) -> Signals {
     Signals { readings, rate_error: None, relative_rate: None, previous_control: None }
 }
 
+/// Writes the demand that moves by a limited way a sample: from the first reading on, so that a machine that stands away from 0 does
+/// not move before it is asked to. Within the limit it is the demand itself, to the last bit.
+fn demand_rate(
+    parts: &Parts,
+    signals: &mut Signals,
+    states: &mut States,
+    writer: &mut Writer,
+    pending: &mut Pending,
+) {
+    let Some(DemandLimit::Rate(most)) = parts.demand_limit else { return };
+    writer.section("demand within its largest rate");
+    let before = states.scalar("demand_before", 0.0, OnRestart::Restart);
+    let followed = states.scalar("demand_followed", 0.0, OnRestart::Restart);
+    let [demand, measured, ..] = signals.readings;
+    let kept = writer.product("demand_kept", followed, before);
+    let at_start = writer.local("demand_is_new");
+    writer.sum_into(at_start, Some(1.0), &[(-1.0, followed)]);
+    let from = writer.product("demand_at_start", at_start, measured);
+    let way = writer.sum("demand_way", &[(1.0, demand), (-1.0, kept), (-1.0, from)]);
+    let step = writer.clamp("demand_step", way, Limits::symmetric(most * parts.sample_period_s));
+    let cut = writer.sum("demand_cut", &[(1.0, way), (-1.0, step)]);
+    let limited = writer.sum("limited_demand", &[(1.0, demand), (-1.0, cut)]);
+    let following = writer.local("demand_following");
+    writer.sum_into(following, Some(1.0), &[]);
+    pending.extend([(before, limited), (followed, following)]);
+    signals.readings[0] = limited;
+}
+
 fn prefilter(
     parts: &Parts,
     signals: &mut Signals,
@@ -123,6 +152,9 @@ fn derive(parts: &Parts, signals: &mut Signals, states: &mut States, writer: &mu
     let [demand, hub, platform, ..] = signals.readings;
     signals.rate_error =
         used(Signal::RateError).then(|| writer.sum(Signal::RateError.name(), &[(1.0, demand), (-1.0, hub)]));
+    if let (Some(DemandLimit::Error(most)), Some(error)) = (parts.demand_limit, signals.rate_error) {
+        signals.rate_error = Some(writer.clamp("limited_error", error, Limits::symmetric(most)));
+    }
     signals.relative_rate = used(Signal::RelativeRate)
         .then(|| writer.sum(Signal::RelativeRate.name(), &[(1.0, hub), (-1.0, platform)]));
     signals.previous_control =

@@ -32,7 +32,7 @@ impl Scale {
     /// Returns the factors that bring a machine to the usual size; `None` if it has that size already, or no lumped structure.
     pub fn of(base: &Parameters, recordings: &[Recording]) -> Option<Self> {
         let lumped = base.lumped.as_ref()?;
-        let by_inertia = USUAL_INERTIA_AND_RATIO.0 / (lumped.hub_inertia_kg_m2 + lumped.beam_inertia_kg_m2);
+        let by_inertia = USUAL_INERTIA_AND_RATIO.0 / lumped.inertia_kg_m2();
         // a free function over a turn of the motor keeps its turn only with its own gear
         let by_turn =
             |e: &LearnedElement| e.variable == RegimeVariable::Turn && e.place == LearnedPlace::Motor;
@@ -72,6 +72,11 @@ impl Scale {
             lumped.position_stiffness_nm_rad *= s;
             lumped.hysteresis_nm *= s;
             lumped.hysteresis_stiffness_nm_rad *= s;
+            for link in &mut lumped.chain {
+                link.inertia_kg_m2 *= s;
+                link.stiffness_nm_rad *= s;
+                link.damping_nm_s_rad *= s;
+            }
         }
         p.gearbox.ratio *= c;
         p.gearbox.stiffness_nm_rad *= s;

@@ -62,6 +62,9 @@ fn inertia(out: &mut Parameters, moment: Estimate, inertia: Estimate) {
         let growth = total / inertia.before;
         lumped.hub_inertia_kg_m2 = rounded(growth * lumped.hub_inertia_kg_m2);
         lumped.beam_inertia_kg_m2 = rounded(growth * lumped.beam_inertia_kg_m2);
+        for link in &mut lumped.chain {
+            link.inertia_kg_m2 = rounded(growth * link.inertia_kg_m2);
+        }
     }
 }
 

@@ -102,7 +102,7 @@ impl Before {
         Self {
             breakaway: highest(&p.pivot_friction) + ratio * highest(&p.motor_friction),
             moment: lumped.map_or(f64::NAN, |l| l.out_of_balance_kg_m),
-            inertia: lumped.map_or(f64::NAN, |l| l.hub_inertia_kg_m2 + l.beam_inertia_kg_m2),
+            inertia: lumped.map_or(f64::NAN, |l| l.inertia_kg_m2()),
             coulomb: p.pivot_friction.coulomb_nm() + ratio * p.motor_friction.coulomb_nm(),
             viscous: p.pivot_friction.viscous_nm_s_rad + ratio * ratio * p.motor_friction.viscous_nm_s_rad,
         }

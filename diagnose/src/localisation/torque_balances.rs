@@ -170,7 +170,7 @@ impl<'a> Signals<'a> {
 
     /// Returns the inertia about the pivot, kg m^2.
     pub fn inertia(&self) -> f64 {
-        self.p.lumped.as_ref().map_or(0.0, |l| l.hub_inertia_kg_m2 + l.beam_inertia_kg_m2)
+        self.p.lumped.as_ref().map_or(0.0, |l| l.inertia_kg_m2())
     }
 
     /// Returns the resistance of the closed amplifier loop, V/A.

@@ -16,7 +16,7 @@ pub use drive::{Amplifier, AmplifierDynamics, Gearbox, IDEAL_LAG_S, MapPoint, Mo
 pub use friction::{Friction, FrictionLaw, StribeckCurve};
 pub use learned::{Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
 pub use sensing::{AccelerometerAxis, Clock, Drift, Interface, Measured, Sensor, Sensors};
-pub use structure::{Beam, Configuration, Lumped, PointMass, Section, SectionShape, StructuralDamping};
+pub use structure::{Beam, Configuration, Link, Lumped, PointMass, Section, SectionShape, StructuralDamping};
 
 /// One axis of a cantilever mechanism on a moving platform.
 #[derive(Debug, Clone, PartialEq)]

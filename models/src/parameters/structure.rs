@@ -91,7 +91,8 @@ pub struct PointMass {
     pub inertia_kg_m2: f64,
 }
 
-/// The structure as hub and beam inertia joined by a torsional spring; one rigid inertia if the spring is infinitely stiff.
+/// The structure as hub and beam inertia joined by a torsional spring; one rigid inertia if the spring is infinitely stiff. Further
+/// inertias may follow in a chain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lumped {
     /// Inertia at the hub, kg m^2.
@@ -114,6 +115,19 @@ pub struct Lumped {
     pub hysteresis_nm: f64,
     /// Stiffness of that hose when it springs back, N m/rad.
     pub hysteresis_stiffness_nm_rad: f64,
+    /// Inertias that follow in a chain, each joined to the one before; the last one is the tip.
+    pub chain: Vec<Link>,
+}
+
+/// An inertia of a chain, with the spring that joins it to the one before.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Link {
+    /// Inertia, kg m^2.
+    pub inertia_kg_m2: f64,
+    /// Stiffness to the inertia before, N m/rad.
+    pub stiffness_nm_rad: f64,
+    /// Damping to the inertia before, N m s/rad.
+    pub damping_nm_s_rad: f64,
 }
 
 impl Lumped {
@@ -130,12 +144,19 @@ impl Lumped {
             position_stiffness_centre_rad: 0.0,
             hysteresis_nm: 0.0,
             hysteresis_stiffness_nm_rad: 0.0,
+            chain: Vec::new(),
         }
     }
 
     /// Returns whether hub and beam turn as one body.
     pub fn is_rigid(&self) -> bool {
         self.stiffness_nm_rad == f64::INFINITY || self.beam_inertia_kg_m2 == 0.0
+    }
+
+    /// Returns the inertia of the whole structure, kg m^2.
+    pub fn inertia_kg_m2(&self) -> f64 {
+        let chain: f64 = self.chain.iter().map(|link| link.inertia_kg_m2).sum();
+        self.hub_inertia_kg_m2 + self.beam_inertia_kg_m2 + chain
     }
 }
 

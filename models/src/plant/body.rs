@@ -84,6 +84,64 @@ impl Body {
         }
     }
 
+    /// Returns the structure of inertias in a chain: the modes of the diagonal matrix of inertias and the tridiagonal one of
+    /// stiffnesses. Damping between the modes is left out, as modal damping means. The out-of-balance acts on the hub.
+    ///
+    /// # Errors
+    /// [`Error::Linalg`] if the eigenproblem has no solution.
+    pub fn chain(lumped: &Lumped) -> Result<Self, Error> {
+        if lumped.chain.is_empty() {
+            return Ok(Self::lumped(lumped));
+        }
+        let mut inertias = vec![lumped.hub_inertia_kg_m2];
+        let mut springs = Vec::new();
+        if lumped.is_rigid() {
+            inertias[0] += lumped.beam_inertia_kg_m2;
+        } else {
+            inertias.push(lumped.beam_inertia_kg_m2);
+            springs.push([lumped.stiffness_nm_rad, lumped.damping_nm_s_rad]);
+        }
+        for link in &lumped.chain {
+            inertias.push(link.inertia_kg_m2);
+            springs.push([link.stiffness_nm_rad, link.damping_nm_s_rad]);
+        }
+        let n = inertias.len();
+        let M = Mat::from_fn(n, n, |i, j| if i == j { inertias[i] } else { 0.0 });
+        let of_springs = |kind: usize| {
+            let mut matrix = Mat::zeros(n, n);
+            for (i, spring) in springs.iter().enumerate() {
+                for (row, column, sign) in
+                    [(i, i, 1.0), (i + 1, i + 1, 1.0), (i, i + 1, -1.0), (i + 1, i, -1.0)]
+                {
+                    matrix[(row, column)] += sign * spring[kind];
+                }
+            }
+            matrix
+        };
+        let (values, vectors) = sym_gen_eigen(&of_springs(0), &M)?;
+        let damping = of_springs(1);
+        // the first one is the rigid rotation
+        let modes = (1..n).map(|k| {
+            let shape = Mat::col(vectors.column(k));
+            let frequency = values[k].max(0.0).sqrt();
+            let sign = if shape[(0, 0)] < 0.0 { -1.0 } else { 1.0 };
+            let damped = (&shape.t() * &(&damping * &shape))[(0, 0)];
+            BodyMode {
+                frequency_rad_s: frequency,
+                damping_ratio: 0.5 * damped / frequency,
+                hub_shape: sign * shape[(0, 0)],
+                tip_shape: sign * shape[(n - 1, 0)],
+                load_share_kg_m: lumped.out_of_balance_kg_m * sign * shape[(0, 0)],
+            }
+        });
+        Ok(Self {
+            inertia_kg_m2: inertias.iter().sum(),
+            out_of_balance_kg_m: lumped.out_of_balance_kg_m,
+            vertical_offset_kg_m: lumped.vertical_offset_kg_m,
+            modes: modes.collect(),
+        })
+    }
+
     /// Returns the structure with an inertia added at its hub: the modes of M + a phi phi' and K, where phi is the hub's share of
     /// each coordinate. Damping between the new modes is left out, as modal damping means; a structure of one mode has none.
     ///

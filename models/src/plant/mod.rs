@@ -51,7 +51,7 @@ pub struct Plant {
 }
 
 impl Plant {
-    /// Returns the plant with the two-inertia structure of its parameters.
+    /// Returns the plant with the inertias of its parameters: one, two or a chain.
     ///
     /// # Errors
     /// [`Error::NoStructure`] without lumped inertias, [`Error::Parameter`] for the first parameter out of range.
@@ -60,7 +60,7 @@ impl Plant {
         ranges::lumped(parameters, lumped)?;
         let mut whole = lumped.clone();
         whole.hub_inertia_kg_m2 += parameters.reflected_inertia_kg_m2();
-        Self::with_whole_body(parameters, Body::lumped(&whole))
+        Self::with_whole_body(parameters, Body::chain(&whole)?)
     }
 
     /// Returns the plant with a structure in modal coordinates, for instance from finite elements; the drive, the friction,

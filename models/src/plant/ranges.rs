@@ -29,7 +29,13 @@ pub(super) fn lumped(parameters: &Parameters, lumped: &Lumped) -> Result<(), Err
     not_negative("lumped.position_stiffness_nm_rad", lumped.position_stiffness_nm_rad)?;
     finite("lumped.position_stiffness_centre_rad", lumped.position_stiffness_centre_rad)?;
     not_negative("lumped.hysteresis_nm", lumped.hysteresis_nm)?;
-    not_negative("lumped.hysteresis_stiffness_nm_rad", lumped.hysteresis_stiffness_nm_rad)
+    not_negative("lumped.hysteresis_stiffness_nm_rad", lumped.hysteresis_stiffness_nm_rad)?;
+    for (k, link) in lumped.chain.iter().enumerate() {
+        positive(&format!("lumped.chain[{k}].inertia_kg_m2"), link.inertia_kg_m2)?;
+        positive(&format!("lumped.chain[{k}].stiffness_nm_rad"), link.stiffness_nm_rad)?;
+        not_negative(&format!("lumped.chain[{k}].damping_nm_s_rad"), link.damping_nm_s_rad)?;
+    }
+    Ok(())
 }
 
 /// Refuses a modal structure without inertia or with a mode that is not an oscillator.

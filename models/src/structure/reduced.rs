@@ -139,6 +139,7 @@ pub fn lumped(model: &FeModel, damping_ratios: &[f64]) -> Result<Lumped, Error> 
         position_stiffness_centre_rad: 0.0,
         hysteresis_nm: 0.0,
         hysteresis_stiffness_nm_rad: 0.0,
+        chain: Vec::new(),
     })
 }
 

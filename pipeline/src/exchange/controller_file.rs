@@ -4,7 +4,8 @@
 //! replay of recordings.
 
 use counterpoise_controller::{
-    Controller, Correction, Estimator, FrictionObserver, Path, READING_NAMES, READINGS, Scaling, Signal,
+    Controller, Correction, DemandLimit, Estimator, FrictionObserver, Path, READING_NAMES, READINGS, Scaling,
+    Signal,
 };
 use serde::Serialize;
 
@@ -39,6 +40,9 @@ pub struct ControllerResult {
     pub corrections: Vec<Correction>,
     /// Filter of the demand; `None` if there is none.
     pub prefilter: Option<SystemResult>,
+    /// How fast a loop of position follows its demand; absent if nothing limits it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub demand_limit: Option<DemandLimit>,
     /// The paths, whose outputs are summed.
     pub paths: Vec<PathResult>,
     /// Friction observers, summed after the paths.
@@ -85,6 +89,7 @@ impl ControllerResult {
             prefilter: parts.prefilter.as_ref().map(|system| {
                 SystemResult::new("prefilter", system, &["demand_rad_s"], &["filtered_demand_rad_s"])
             }),
+            demand_limit: parts.demand_limit,
             paths: parts.paths.iter().map(PathResult::of).collect(),
             observers: parts.observers.clone(),
             estimates_out_of_balance: parts.estimator.is_some(),

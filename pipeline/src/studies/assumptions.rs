@@ -89,6 +89,12 @@ pub fn assumption_effects(
     Ok(effects)
 }
 
+/// Returns what a file leaves open, and what its design assumes beside.
+pub fn with_those_of_design(assumptions: &[Assumption], synthesised: &Synthesised) -> Vec<Assumption> {
+    let of_design = synthesised.demanded_rate.and_then(|rate| rate.assumption());
+    assumptions.iter().cloned().chain(of_design).collect()
+}
+
 /// Returns the effect of each assumption on a whole design, as [`assumption_effects`]; none if the linear loop cannot be judged.
 pub fn effects_on_design(
     project: &Project,

@@ -1,6 +1,7 @@
 //! The three-part design on the reduced plant, and its sampled controller.
 
 pub(crate) mod controller_blocks;
+pub mod demanded_rate;
 mod design_plant;
 pub mod friction_observers;
 pub mod schedule;
@@ -17,6 +18,8 @@ use crate::{Modelled, PipelineError, Reduced};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::design::Synthesis;
 
+pub use demanded_rate::DemandedRate;
+use demanded_rate::{demanded_rate, with_demand_limit};
 pub use design_plant::design_plant;
 pub(crate) use design_plant::{sampling, torque_per_volt};
 
@@ -37,6 +40,8 @@ pub struct Synthesised {
     pub lowered: Option<Lowered>,
     /// The designs over out-of-balance, nominal first; empty without schedule.
     pub balance: Vec<Entry>,
+    /// The largest rate that a loop of position demands; `None` for a loop of rate, or without a limit.
+    pub demanded_rate: Option<DemandedRate>,
 }
 
 impl Synthesised {
@@ -84,8 +89,10 @@ pub fn synthesise(
     };
     let sampled = surrounded(sampled, asked, modelled, &plant, &sampling)?;
     let sampled = with_reading_limits(sampled, &modelled.parameters.sensors)?;
+    let demanded_rate = demanded_rate(asked, modelled, &design, &sampled, &sampling)?;
+    let sampled = with_demand_limit(sampled, asked, demanded_rate)?;
     let warnings = design.warnings.clone();
-    Ok(Synthesised { design, sampled, warnings, sampling, other, lowered, balance })
+    Ok(Synthesised { design, sampled, warnings, sampling, other, lowered, balance, demanded_rate })
 }
 
 /// Puts the feedback of another method in place of the three-part one, where the project names one.

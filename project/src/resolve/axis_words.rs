@@ -43,6 +43,10 @@ impl<'a> Words<'a> {
         match self.axis {
             Axis::Rotary => *field,
             Axis::Linear if TURNING.contains(&field.key) => *field,
+            // what lies between a motor that turns and a slide
+            Axis::Linear if field.key == "ratio" && field.unit.is_empty() => {
+                Field { unit: "rad/m", meaning: "motor's angle per travel of the slide", ..*field }
+            }
             Axis::Linear => {
                 Field { key: sliding(&KEYS, field.key), unit: sliding(&UNITS, field.unit), ..*field }
             }

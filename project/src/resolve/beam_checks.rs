@@ -98,7 +98,7 @@ pub(super) fn masses(findings: &mut Findings<'_>, beam: &Beam) {
 pub(super) fn agreement(findings: &mut Findings<'_>, plant: &Parameters) {
     let (Some(beam), Some(lumped)) = (&plant.beam, &plant.lumped) else { return };
     let Some((moment, inertia)) = rigid(beam) else { return };
-    let total = lumped.hub_inertia_kg_m2 + lumped.beam_inertia_kg_m2;
+    let total = lumped.inertia_kg_m2();
     let mut compare = |path: &str, value: f64, of_beam: f64, what: &str, unit: &str| {
         let scale = of_beam.abs().max(value.abs());
         if (value - of_beam).abs() > AGREEMENT * scale {

@@ -1,7 +1,7 @@
 //! What the loop controls: the rate or the position that its sensor measures, or both in a cascade.
 
 use counterpoise_lti::Discretisation;
-use counterpoise_models::Measured;
+use counterpoise_models::{Axis, Measured};
 use counterpoise_synth::{Assembly, Basis, Method, SamplingMethod};
 
 use super::design::{LoopKind, Synthesis};
@@ -49,6 +49,26 @@ pub(super) fn loop_kind(v: &mut dyn Visit, synth: &mut Synthesis, measured: Meas
     } else {
         synth.specification.position_gain = None;
     }
+}
+
+const RATE_LIMIT: Field = Field::new(
+    "rate_limit",
+    "largest rate that the loop demands, however large the step; 0 for no limit; if absent, half of the rate that the drive can take up \
+     and brake again without saturating",
+)
+.limit(Limit::AtLeast(0.0));
+
+/// Reads or lists the largest rate that a loop of position demands.
+pub(super) fn rate_limit(v: &mut dyn Visit, synth: &mut Synthesis, axis: Axis) {
+    if synth.loop_kind == LoopKind::Rate {
+        synth.rate_limit = None;
+        return;
+    }
+    let unit = match axis {
+        Axis::Rotary => "rad/s",
+        Axis::Linear => "m/s",
+    };
+    maybe_number(v, &RATE_LIMIT.unit(unit), &mut synth.rate_limit);
 }
 
 /// Complains of a cascade whose weights are stated without the gain of its position loop.

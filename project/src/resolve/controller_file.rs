@@ -1,7 +1,7 @@
 //! The file `controller.json` that an export writes, read back: the same controller to the last bit.
 
 use counterpoise_controller::{
-    Controller, Correction, Estimator, FrictionObserver, Parts, Path, READINGS, Scaling, Signal,
+    Controller, Correction, DemandLimit, Estimator, FrictionObserver, Parts, Path, READINGS, Scaling, Signal,
 };
 use counterpoise_lti::{Mat, StateSpace, Timebase};
 use serde::Deserialize;
@@ -32,6 +32,8 @@ struct ControllerFile {
     reading_limits: [f64; READINGS],
     corrections: Vec<Correction>,
     prefilter: Option<System>,
+    #[serde(default)]
+    demand_limit: Option<DemandLimit>,
     paths: Vec<FilePath>,
     observers: Vec<FrictionObserver>,
     estimator: Option<Estimator>,
@@ -81,6 +83,7 @@ pub(crate) fn parse(text: &str) -> Result<ControllerContent, String> {
         sample_period_s: file.sample_time_s,
         corrections: file.corrections,
         prefilter: file.prefilter.as_ref().map(System::state_space).transpose()?,
+        demand_limit: file.demand_limit,
         paths: file.paths.iter().map(FilePath::path).collect::<Result<_, _>>()?,
         observers: file.observers,
         design_out_of_balance_kg_m: file.design_out_of_balance_kg_m,

@@ -3,8 +3,8 @@
 use counterpoise_controller::sensitivity::Form;
 use counterpoise_export::{Options, Precision};
 use counterpoise_lti::Discretisation;
-use counterpoise_models::Measured;
 use counterpoise_models::plant::LinearPlant;
+use counterpoise_models::{Axis, Measured};
 use counterpoise_synth::{
     Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, SamplingMethod,
     Specification, Weight,
@@ -53,6 +53,8 @@ pub struct Synthesis {
     pub bandwidth_rad_s: Option<f64>,
     /// What the loop controls.
     pub loop_kind: LoopKind,
+    /// Largest rate that a loop of position demands, rad/s or m/s; 0 for no limit, `None` for what the drive allows.
+    pub rate_limit: Option<f64>,
     /// Delay of the design plant in sample periods.
     pub delay_samples: f64,
     /// Order of the Pade approximation of that delay.
@@ -214,6 +216,7 @@ pub(crate) fn blank_synthesis() -> Synthesis {
             position_gain: None,
         },
         loop_kind: LoopKind::Rate,
+        rate_limit: None,
         weights: WeightSource::Chosen,
         bandwidth_rad_s: None,
         delay_samples: 1.0,
@@ -264,8 +267,9 @@ pub(crate) fn reduce(v: &mut dyn Visit, reduce: &mut Reduction) {
 }
 
 /// Reads or lists the design of a loop whose sensor measures a rate or a position.
-pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: Measured) {
+pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: Measured, axis: Axis) {
     cascade::loop_kind(v, synth, measured);
+    cascade::rate_limit(v, synth, axis);
     assembly_and_form(v, synth);
     weights(v, synth);
     synthesis_options::tables(v, &mut synth.options);

@@ -175,9 +175,7 @@ fn set(v: &mut dyn Visit, plant: &mut Parameters, takes: Takes, stated: &Stated)
 fn full_scale_a(v: &mut dyn Visit, plant: &Parameters) -> f64 {
     let (ratio, constant) = (plant.gearbox.ratio, plant.motor.torque_constant_nm_a);
     let rotor = ratio * ratio * plant.motor.inertia_kg_m2;
-    let of_inertia = |l: &counterpoise_models::Lumped| {
-        (l.hub_inertia_kg_m2 + l.beam_inertia_kg_m2 + rotor) * FULL_SCALE / ratio
-    };
+    let of_inertia = |l: &counterpoise_models::Lumped| (l.inertia_kg_m2() + rotor) * FULL_SCALE / ratio;
     let torque_nm = plant.lumped.as_ref().map_or(UNKNOWN_TORQUE, of_inertia);
     let limit = Field::new("drive.limit", "largest torque of the motor, at 10 V of control").unit("N m");
     let limit = limit.assumed(

@@ -75,12 +75,46 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
         found += measures(plant, positions[usize::from(place == Place::Motor)], found);
         v.leave();
     }
+    not_alone(v);
     if found > 1 {
         v.complain(
             "sensors",
             "must have one sensor of the loop: hub_gyro, tachometer, encoder or resolver",
             None,
         );
+    }
+}
+
+/// Sensors that cannot be the only one of a loop: key, unit, why, and what to add.
+const NOT_ALONE: [(&str, &str, &str, &str); 3] = [
+    (
+        "accelerometer",
+        "m/s^2",
+        "cannot be the sensor of the loop: it does not see a steady rate, so its bias would make the rate drift without end",
+        "add hub_gyro or tachometer for a loop of rate, encoder or resolver for one of position, and leave the accelerometer out; one on the platform is platform_accelerometer",
+    ),
+    (
+        "torque",
+        "N m",
+        "cannot be the sensor of the loop: it sees neither a rate nor a position, and an inertia that it drives would run away",
+        "write drive = \"torque\": the drive's own loop controls the torque; for the motion add hub_gyro, tachometer, encoder or resolver",
+    ),
+    (
+        "current",
+        "A",
+        "cannot be the sensor of the loop: it sees neither a rate nor a position, and an inertia that it drives would run away",
+        "write drive = { kind = \"current\", bandwidth = ... }: the drive's own loop controls the current; for the motion add hub_gyro, tachometer, encoder or resolver",
+    ),
+];
+
+/// Complains of each sensor that cannot be the only one of a loop.
+fn not_alone(v: &mut dyn Visit) {
+    for (key, unit, why, add) in NOT_ALONE {
+        if v.has(key) && v.enter(&TableField::optional(key, why), false) {
+            sensor(v, &mut UNKNOWN.clone(), unit);
+            v.leave();
+            v.complain(key, why, Some(add.to_owned()));
+        }
     }
 }
 

@@ -163,7 +163,7 @@ impl Project {
     /// Returns the project with the usual procedure and no requirement if it has no section `verify`.
     #[must_use]
     pub fn with_usual_verification(mut self) -> Self {
-        self.verify.get_or_insert_with(|| verify::usual(&self.model));
+        self.verify.get_or_insert_with(|| verify::usual(&self.model, self.plant.interface.sample_period_s));
         self
     }
 
@@ -273,14 +273,15 @@ fn designs(v: &mut dyn Visit, project: &mut Project) {
         design::reduce,
     );
     let section = TableField::optional("synth", "the design: weights and options");
-    let measured = project.plant.sensors.measured;
+    let (measured, axis) = (project.plant.sensors.measured, project.plant.axis);
     optional(v, &section, &mut project.synth, design::blank_synthesis(), |v, synth| {
-        design::synth(v, synth, measured);
+        design::synth(v, synth, measured, axis);
     });
     let section = TableField::optional("verify", "tests of the loop, and requirements");
     let controlled = loop_sensor::controlled_unit(&project.plant);
-    optional(v, &section, &mut project.verify, verify::blank(), |v, verification| {
-        verify::verify(v, verification, controlled);
+    let period_s = project.plant.interface.sample_period_s;
+    optional(v, &section, &mut project.verify, verify::blank(period_s), |v, verification| {
+        verify::verify(v, verification, controlled, period_s);
     });
     let section = TableField::optional("sweep", "robustness campaign");
     optional(v, &section, &mut project.sweep, sweep::blank(), sweep::sweep);

@@ -1,6 +1,8 @@
 //! The structure: the beam with its sections and masses, the lumped inertias, the configurations.
 
-use counterpoise_models::{Beam, Configuration, Lumped, PointMass, Section, SectionShape, StructuralDamping};
+use counterpoise_models::{
+    Beam, Configuration, Link, Lumped, PointMass, Section, SectionShape, StructuralDamping,
+};
 
 use crate::file::field::{Field, Limit, TableField, UsualRange};
 use crate::file::visit::{Choice, Count, Visit, choose, list, pair};
@@ -74,6 +76,13 @@ const STIFFNESS: Field = Field::new("stiffness", "hub to beam; rigid if absent")
     .or(f64::INFINITY)
     .assumed("rigid", "what is left out is ideal", UsualRange::Unknown);
 const DAMPING: Field = Field::new("damping", "hub to beam; damping ratio 0.01 if absent")
+    .unit("N m s/rad")
+    .limit(Limit::AtLeast(0.0));
+const LINK_INERTIA: Field =
+    Field::new("inertia", "of this part of the chain").unit("kg m^2").limit(Limit::Above(0.0));
+const LINK_STIFFNESS: Field =
+    Field::new("stiffness", "to the part before").unit("N m/rad").limit(Limit::Above(0.0));
+const LINK_DAMPING: Field = Field::new("damping", "to the part before; damping ratio 0.01 if absent")
     .unit("N m s/rad")
     .limit(Limit::AtLeast(0.0));
 const OUT_OF_BALANCE: Field =
@@ -170,6 +179,7 @@ pub(crate) fn blank_lumped() -> Lumped {
         position_stiffness_centre_rad: f64::NAN,
         hysteresis_nm: f64::NAN,
         hysteresis_stiffness_nm_rad: f64::NAN,
+        chain: Vec::new(),
     }
 }
 
@@ -280,18 +290,48 @@ pub(crate) fn lumped(v: &mut dyn Visit, lumped: &mut Lumped) {
     v.number(&HUB_INERTIA, &mut lumped.hub_inertia_kg_m2);
     v.number(&BEAM_INERTIA, &mut lumped.beam_inertia_kg_m2);
     v.number(&STIFFNESS, &mut lumped.stiffness_nm_rad);
-    let damping = DAMPING.or(usual_damping(lumped)).assumed(
-        "damping ratio 0.01",
-        "welded or bolted metal structures: 0.005 to 0.03",
-        UsualRange::Factors(0.5, 3.0),
-    );
-    v.number(&damping, &mut lumped.damping_nm_s_rad);
+    v.number(&as_usual(DAMPING.or(usual_damping(lumped))), &mut lumped.damping_nm_s_rad);
     v.number(&OUT_OF_BALANCE, &mut lumped.out_of_balance_kg_m);
     v.number(&VERTICAL_OFFSET, &mut lumped.vertical_offset_kg_m);
     v.number(&POSITION_STIFFNESS, &mut lumped.position_stiffness_nm_rad);
     v.number(&POSITION_STIFFNESS_CENTRE, &mut lumped.position_stiffness_centre_rad);
     v.number(&HYSTERESIS, &mut lumped.hysteresis_nm);
     v.number(&HYSTERESIS_STIFFNESS, &mut lumped.hysteresis_stiffness_nm_rad);
+    let mut before = [lumped.beam_inertia_kg_m2, lumped.hub_inertia_kg_m2];
+    if lumped.is_rigid() {
+        before = [before[0] + before[1]; 2];
+    }
+    chain(v, &mut lumped.chain, before[0]);
+}
+
+/// Reads or lists the inertias that follow in a chain; `before` is the last one before them.
+fn chain(v: &mut dyn Visit, chain: &mut Vec<Link>, before: f64) {
+    let section =
+        TableField::optional("chain", "inertias that follow in a chain, each joined to the one before");
+    let count = v.enter_list(&section, chain.len());
+    let blank = Link { inertia_kg_m2: f64::NAN, stiffness_nm_rad: f64::NAN, damping_nm_s_rad: f64::NAN };
+    chain.resize(count, blank);
+    let mut before = before;
+    for (index, link) in chain.iter_mut().enumerate() {
+        v.enter_item(index);
+        v.number(&LINK_INERTIA, &mut link.inertia_kg_m2);
+        v.number(&LINK_STIFFNESS, &mut link.stiffness_nm_rad);
+        let both = before * link.inertia_kg_m2 / (before + link.inertia_kg_m2);
+        let damping = LINK_DAMPING.or(2.0 * DAMPING_RATIO * (link.stiffness_nm_rad * both).sqrt());
+        v.number(&as_usual(damping), &mut link.damping_nm_s_rad);
+        before = link.inertia_kg_m2;
+        v.leave();
+    }
+    v.leave_list();
+}
+
+/// The damping of a structure of which nothing is known.
+fn as_usual(damping: Field) -> Field {
+    damping.assumed(
+        "damping ratio 0.01",
+        "welded or bolted metal structures: 0.005 to 0.03",
+        UsualRange::Factors(0.5, 3.0),
+    )
 }
 
 /// Damping at a damping ratio of 0.01 of the free structure; 0 if it is one body.

@@ -139,7 +139,7 @@ fn harmonic(v: &mut dyn Visit, gearbox: &mut Gearbox) {
 /// not stated as a number.
 fn usual_damping(plant: &Parameters) -> f64 {
     let (gearbox, lumped) = (&plant.gearbox, plant.lumped.as_ref());
-    let load = lumped.map_or(0.0, |l| l.hub_inertia_kg_m2 + l.beam_inertia_kg_m2);
+    let load = lumped.map_or(0.0, |l| l.inertia_kg_m2());
     let damping = 2.0 * DAMPING_RATIO * (gearbox.stiffness_nm_rad * load).sqrt();
     if damping.is_finite() { damping } else { 0.0 }
 }

@@ -24,22 +24,43 @@ pub struct Verification {
 const ABOVE_0: Limit = Limit::Above(0.0);
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 
+/// Most samples of a run whose length is not written: a machine that is sampled at 100 kHz moves in a tenth of the time of one at
+/// 10 kHz, and what nobody asked for shall not take minutes.
+const MOST_SAMPLES: f64 = 1e5;
+
+/// Returns the usual procedure of a loop with a sample period: shorter runs if the samples are quick.
+fn usual_procedure(sample_period_s: f64) -> Procedure {
+    let usual = Procedure::default();
+    let share = (MOST_SAMPLES * sample_period_s / usual.duration_s).min(1.0);
+    Procedure {
+        duration_s: share * usual.duration_s,
+        settle_s: share * usual.settle_s,
+        step: Step { duration_s: share * usual.step.duration_s, ..usual.step },
+        ..usual
+    }
+}
+
 /// A verification of which nothing is written: the usual procedure without requirements.
-pub(crate) fn blank() -> Verification {
-    Verification { procedure: Procedure::default(), road: None, requirements: Vec::new() }
+pub(crate) fn blank(sample_period_s: f64) -> Verification {
+    Verification { procedure: usual_procedure(sample_period_s), road: None, requirements: Vec::new() }
 }
 
 /// Returns what is verified where a file has no section for it: the usual procedure where the model stands.
-pub(crate) fn usual(model: &Modelling) -> Verification {
-    let mut verification = blank();
+pub(crate) fn usual(model: &Modelling, sample_period_s: f64) -> Verification {
+    let mut verification = blank(sample_period_s);
     verification.procedure.operating_point = model.operating_point;
     verification.procedure.friction = model.friction;
     verification
 }
 
 /// Reads or lists the verification of a loop whose controlled quantity has the unit `controlled`.
-pub(crate) fn verify(v: &mut dyn Visit, verification: &mut Verification, controlled: &'static str) {
-    let usual = Procedure::default();
+pub(crate) fn verify(
+    v: &mut dyn Visit,
+    verification: &mut Verification,
+    controlled: &'static str,
+    sample_period_s: f64,
+) {
+    let usual = usual_procedure(sample_period_s);
     let procedure = &mut verification.procedure;
     let duration =
         Field::new("duration", "length of the runs with heave and with pitch").unit("s").limit(ABOVE_0);
@@ -54,7 +75,7 @@ pub(crate) fn verify(v: &mut dyn Visit, verification: &mut Verification, control
     seed(v, "seed of the sensor noise", &mut procedure.seed);
     rejection(v, &mut procedure.rejection_hz);
     table(v, &TableField::optional("step", "a step of the demand"), &mut procedure.step, |v, s| {
-        step(v, s, controlled)
+        step(v, s, controlled, usual.step.duration_s)
     });
     optional(
         v,
@@ -112,8 +133,8 @@ fn rejection(v: &mut dyn Visit, frequencies: &mut Vec<f64>) {
     }
 }
 
-fn step(v: &mut dyn Visit, step: &mut Step, controlled: &'static str) {
-    let usual = Procedure::default().step;
+fn step(v: &mut dyn Visit, step: &mut Step, controlled: &'static str, duration_s: f64) {
+    let usual = Step { duration_s, ..Procedure::default().step };
     v.number(
         &Field::new("rate", "size of the step, in the unit of what the loop controls")
             .unit(controlled)

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use counterpoise_host::compilers::{processor, proofs};
 use counterpoise_host::files::{self, Folder};
 use counterpoise_pipeline::results::DesignResult;
-use counterpoise_pipeline::studies::assumptions::effects_on_design;
+use counterpoise_pipeline::studies::assumptions::{effects_on_design, with_those_of_design};
 use counterpoise_pipeline::{FirstDesignResult, design};
 use counterpoise_project::{Assumption, Project};
 use counterpoise_report::design::DesignRun;
@@ -44,7 +44,7 @@ pub fn write_report(request: &ReportRequest) -> Result<PathBuf, String> {
         times: &[],
         proofs: &proofs::proofs(code, &designed.targets.compared),
         costs: &processor::costs(code),
-        assumptions: &request.assumptions,
+        assumptions: &with_those_of_design(&request.assumptions, &designed.stages.synthesised),
         effects: &effects_on_design(&request.project, &designed.stages, &request.assumptions),
         first_design: first_design.as_ref(),
     };

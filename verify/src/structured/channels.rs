@@ -175,7 +175,10 @@ pub(super) fn channels_of(place: Place, plant: &Plant, base: &Base, dry: &Dry) -
 /// Returns whether the plant has the part that a place belongs to.
 fn has_part(plant: &Plant, lumped: &Lumped, place: Place) -> bool {
     match place {
-        Place::BeamInertia | Place::StructureStiffness | Place::StructureDamping => !lumped.is_rigid(),
+        // in a chain these parts act between its inertias, and not between hub and tip
+        Place::BeamInertia | Place::StructureStiffness | Place::StructureDamping => {
+            !lumped.is_rigid() && lumped.chain.is_empty()
+        }
         Place::GearStiffness => !plant.is_rigid(),
         _ => true,
     }
